@@ -38,9 +38,9 @@ fn main() {
     }
     // Long runs, in which the preparation is negligible.
     let [diffuse, _] = ["overcast", "indoor"].map(|name| {
-        let whole = line(name, "kernel", "Y to 0.001 %", (1e-5, false), &[]);
+        let long_run = line(name, "kernel", "Y to 0.001 %", (1e-5, false), &[]);
         line(name, "kernel", "first passes only", (1e-5, false), &["solver.approximation=single-pass"]);
-        whole
+        long_run
     });
     let least = bounds();
     println!(

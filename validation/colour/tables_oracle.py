@@ -73,7 +73,7 @@ def illuminant_a():
     return [f"{value:.6g}" for value in relative]
 
 
-def held(name, committed):
+def confirmed(name, committed):
     """The committed column, with values of colour-science where they disagree."""
     theirs = colour.SDS_ILLUMINANTS[name]
     if name.startswith("LED"):
@@ -92,7 +92,7 @@ def at_1_nm():
     path = ROOT / "crates/spectra/data/illuminants-1nm.csv"
     with path.open(newline="") as file:
         committed = {int(row["nm"]): row for row in csv.DictReader(file)} if path.exists() else {}
-    columns = [held(name, [committed.get(int(nm), {}).get(name, "") for nm in NM_1]) for name in AT_1_NM[1:]]
+    columns = [confirmed(name, [committed.get(int(nm), {}).get(name, "") for nm in NM_1]) for name in AT_1_NM[1:]]
     yield from rows(AT_1_NM, NM_1, [illuminant_a(), *columns])
 
 

@@ -234,8 +234,8 @@ fn curves(group: usize, case: &Case) -> Result<[ErrorCurve; 3], Box<dyn Error>> 
     }
     let (mut by_seconds, mut by_nodes, mut coarsest) = (Vec::new(), Vec::new(), None);
     for level in 0..FINEST {
-        let (seen, nodes, seconds) = case.level(level);
-        let error = seen / truth - 1.0;
+        let (value, nodes, seconds) = case.level(level);
+        let error = value / truth - 1.0;
         println!("  adding level {level}: {nodes:5} nodes {seconds:9.2e} s, error {error:+8.1e}");
         by_seconds.push((seconds, error.abs()));
         by_nodes.push((nodes / *coarsest.get_or_insert(nodes), error.abs()));

@@ -176,8 +176,8 @@ fn draw_each(svg: &mut Svg, result: &ConeResult, directions: &Directions<'_>, ea
         svg.text((centre.0, centre.1 - LITTLE - 7.0), &name, Text::new(SMALL, INK).anchor(Anchor::Middle));
         let map = Map { centre, radius: LITTLE, scale: &each.scale, labelled: false, contours: true };
         let number = |theta, phi| {
-            let seen = result.view(theta, phi).and_then(|view| view.states.get(state));
-            seen.map_or(f64::NAN, each.value)
+            let state = result.view(theta, phi).and_then(|view| view.states.get(state));
+            state.map_or(f64::NAN, each.value)
         };
         directions.draw(svg, &map, &result.lights, number);
     }

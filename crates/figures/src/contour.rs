@@ -56,12 +56,12 @@ impl PolarField {
     /// Returns the contour of a level.
     pub(crate) fn contour(&self, level: f64) -> Contour {
         let next = self.links(level);
-        let mut seen = vec![false; next.len()];
+        let mut visited = vec![false; next.len()];
         let mut contour = Contour::default();
         for start in 0..next.len() {
             let (mut side, mut crossings) = (start, Vec::new());
-            while let Some(following) = next[side].filter(|_| !seen[side]) {
-                seen[side] = true;
+            while let Some(following) = next[side].filter(|_| !visited[side]) {
+                visited[side] = true;
                 crossings.push(self.crossing(side, level));
                 side = following;
             }
@@ -150,15 +150,15 @@ fn lines(around: &[Crossing]) -> Vec<Vec<Point>> {
 /// Removes points from a line such that no removed point is further than `reach` from the new line.
 pub(crate) fn thinned(line: &[Point], reach: f64) -> Vec<Point> {
     let Some(&first) = line.first() else { return vec![] };
-    let (mut kept, mut from) = (vec![first], 0);
+    let (mut reduced, mut from) = (vec![first], 0);
     while from + 1 < line.len() {
         let fits =
             |to: &usize| line[from + 1..*to].iter().all(|p| distance(*p, line[from], line[*to]) <= reach);
         let to = (from + 2..line.len().min(from + 40)).take_while(fits).last().unwrap_or(from + 1);
-        kept.push(line[to]);
+        reduced.push(line[to]);
         from = to;
     }
-    kept
+    reduced
 }
 
 /// Returns the distance of a point from the segment between two others.

@@ -17,7 +17,7 @@ const WIDE: f64 = 30.0;
 /// Largest number of rows in the list of sources; further sources are summed.
 const LISTED: usize = 8;
 /// Largest number of views whose mirror directions are drawn; more would cover the map.
-const MOST_VIEWS: usize = 12;
+const MAX_VIEWS: usize = 12;
 /// Position of the list, and horizontal distance to the right edge of its numbers, px.
 const LIST: Point = (566.0, 64.0);
 const NUMBERS: f64 = 218.0;
@@ -56,7 +56,7 @@ pub fn light(room: &RoomLight, title: &str) -> String {
 }
 
 fn mirrored(room: &RoomLight) -> &[[f64; 2]] {
-    if room.views_deg.len() > MOST_VIEWS { &[] } else { &room.views_deg }
+    if room.views_deg.len() > MAX_VIEWS { &[] } else { &room.views_deg }
 }
 
 /// Draws the list of the sources and their illuminances.

@@ -12,9 +12,10 @@ const MAPS_DEG: [f64; 2] = [0.0, 45.0];
 /// channel.
 pub fn lobes(measurement: &Measurement, audits: &[Option<Audit>]) -> Vec<(String, String)> {
     let one = |(part, audit): (&Part, &Option<Audit>)| {
-        let seen = |fill: Fill| Shape::of_part(part, part.luminous(), fill);
+        let shape_with = |fill: Fill| Shape::of_part(part, part.luminous(), fill);
         let last_deg = audit.as_ref()?.dark_beyond_deg;
-        let shape = MeasuredLobe { plain: seen(Fill::None)?, filled: seen(Fill::Tail)?, last_deg };
+        let shape =
+            MeasuredLobe { plain: shape_with(Fill::None)?, filled: shape_with(Fill::Tail)?, last_deg };
         let name = part.way.name().replace(' ', "-");
         let quantity = if part.way.is_transmission() { "BTDF (1/sr)" } else { "BRDF (1/sr)" };
         let figure = Scattering { quantity: quantity.to_owned(), curves: curves(&shape), maps: maps(&shape) };

@@ -23,19 +23,19 @@ pub fn spectra_over(variants: &[(&str, &RunResult)], title: &str) -> String {
     let first = variants.first().and_then(|(_, result)| result.views.first());
     let mut svg = Svg::new(760.0, 460.0).titled(&first.map_or(title.to_owned(), |view| caption(title, view)));
     let Some(view) = first else { return svg.finish() };
-    let seen: Vec<(&RunResult, &View)> =
+    let views: Vec<(&RunResult, &View)> =
         variants.iter().filter_map(|(_, result)| Some((*result, result.views.first()?))).collect();
     let names = names(view);
     let spectrum = |view: &View, name: &str| {
         view.states.get(name).and_then(|state| state.value.reflectance_factor.clone()).unwrap_or_default()
     };
-    let all = seen.iter().flat_map(|(_, view)| names.iter().flat_map(|name| spectrum(view, name)));
+    let all = views.iter().flat_map(|(_, view)| names.iter().flat_map(|name| spectrum(view, name)));
     let y = Axis::covering(all.chain([0.0]), 6, "Reflectance factor");
     let x = Axis::between(&variants[0].1.wavelength_nm, 8, "Wavelength (nm)");
     let panel = Panel { origin: ORIGIN, size: SIZE, x, y };
     panel.draw(&mut svg);
     let mut labels = Vec::new();
-    for (k, (result, view)) in seen.iter().enumerate() {
+    for (k, (result, view)) in views.iter().enumerate() {
         for (i, name) in names.iter().enumerate() {
             let colour = state_stroke(name, i).colour;
             let stroke = Stroke::solid(&colour, 1.8).dashed(DASHES[k % DASHES.len()]);

@@ -53,14 +53,14 @@ impl Paint {
 
     /// Returns the colour of a state, adapted to D65.
     fn adapted(&self, state: &StateValues) -> Xyz {
-        let seen = Xyz { x: state.X, y: state.Y, z: state.Z };
-        self.white.and_then(|white| seen.adapted_to_d65(white)).unwrap_or(seen)
+        let xyz = Xyz { x: state.X, y: state.Y, z: state.Z };
+        self.white.and_then(|white| xyz.adapted_to_d65(white)).unwrap_or(xyz)
     }
 }
 
 /// Returns the white of a display whose only light is its front light.
 fn own_white(view: &View) -> Option<Xyz> {
     let white = &view.states.get("white").filter(|_| is_self_lit(view))?.value;
-    let seen = Xyz { x: white.X, y: white.Y, z: white.Z };
-    (seen.y > 0.0 && seen.y.is_finite()).then_some(seen)
+    let xyz = Xyz { x: white.X, y: white.Y, z: white.Z };
+    (xyz.y > 0.0 && xyz.y.is_finite()).then_some(xyz)
 }

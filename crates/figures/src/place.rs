@@ -119,9 +119,10 @@ impl Places {
             overlap(&wanted) + 4.0 * outside + leader
         };
         // Of equal candidates the first is used: they are in order of preference.
-        let (mut best, mut least) = (beside(mark)[0], f64::INFINITY);
-        for place in
-            beside(mark).into_iter().chain([26.0, 42.0, 60.0].into_iter().flat_map(|r| away(mark, r)))
+        let (mut best, mut least) = (adjacent(mark)[0], f64::INFINITY);
+        for place in adjacent(mark)
+            .into_iter()
+            .chain([26.0, 42.0, 60.0].into_iter().flat_map(|r| around_mark(mark, r)))
         {
             let cost = crowding(&place);
             if cost < least {
@@ -144,7 +145,7 @@ impl Place {
 }
 
 /// Returns the candidate places next to a mark.
-fn beside((x, y): Point) -> [Place; 8] {
+fn adjacent((x, y): Point) -> [Place; 8] {
     [
         ((x + 10.0, y + 4.0), Anchor::Start),
         ((x - 10.0, y + 4.0), Anchor::End),
@@ -159,7 +160,7 @@ fn beside((x, y): Point) -> [Place; 8] {
 }
 
 /// Returns the candidate places around a mark, `radius` px away, with a leader line.
-fn away((x, y): Point, radius: f64) -> impl Iterator<Item = Place> {
+fn around_mark((x, y): Point, radius: f64) -> impl Iterator<Item = Place> {
     const DIRECTIONS: u32 = 12;
     (0..DIRECTIONS).map(move |k| {
         let (sin, cos) = (std::f64::consts::TAU * f64::from(k) / f64::from(DIRECTIONS)).sin_cos();

@@ -55,8 +55,8 @@ pub(crate) fn fixed(value: f64, decimals: usize) -> String {
 
 /// Formats a standard error if it is not zero in so many decimals.
 fn visible_error(error: Option<f64>, decimals: usize) -> Option<String> {
-    let seen = |error: &f64| error.is_finite() && *error >= 0.5 * 10.0_f64.powi(-(decimals as i32));
-    error.filter(seen).map(|error| format!("{error:.decimals$}"))
+    let visible = |error: &f64| error.is_finite() && *error >= 0.5 * 10.0_f64.powi(-(decimals as i32));
+    error.filter(visible).map(|error| format!("{error:.decimals$}"))
 }
 
 /// Formats a number, with its standard error if that is not zero in so many decimals.
@@ -85,12 +85,12 @@ pub fn named_with_unit(name: &str, key: &str) -> String {
         ("K", "K"),
         ("cd_m2", "cd/m\u{b2}"),
     ];
-    let told = |word: &str| {
+    let unit_of = |word: &str| {
         let unit =
             UNITS.iter().find(|(end, _)| word.strip_suffix(end).is_some_and(|rest| rest.ends_with('_')));
         unit.map(|(_, unit)| *unit).or(word.contains("_percent").then_some("%"))
     };
-    let unit = key.split([',', ' ']).next().and_then(|key| key.rsplit('.').find_map(told));
+    let unit = key.split([',', ' ']).next().and_then(|key| key.rsplit('.').find_map(unit_of));
     unit.map_or_else(|| name.to_owned(), |unit| format!("{name} ({unit})"))
 }
 

@@ -69,13 +69,14 @@ fn paths(bench: &Bench<'_>) -> Result<Section, ReproductionError> {
     // Thickness of the glass below the diffuser, and height of the eye above it.
     let (glass, eye) = (1.0, 1.3);
     let down = |beta: Beta, index: f64| beta.x / (index * index - beta.squared()).max(1e-9).sqrt();
-    let seen = Beta::from_source(8.0, 0.0, 1.0);
+    let view_direction = Beta::from_source(8.0, 0.0, 1.0);
     let numbers = Numbers::new(Sampler::Stratified, 0, 0);
     let path = |k: u64| {
         let [u, v, s, t] = numbers.block(16 + k, 0);
-        let start = -eye * down(seen, 1.0);
+        let start = -eye * down(view_direction, 1.0);
         let mut points = vec![(start, eye), (0.0, 0.0)];
-        let Some(inside) = lobe.sample_direction(seen, [u, v]).filter(|beta| beta.squared() < GLASS * GLASS)
+        let Some(inside) =
+            lobe.sample_direction(view_direction, [u, v]).filter(|beta| beta.squared() < GLASS * GLASS)
         else {
             return points;
         };

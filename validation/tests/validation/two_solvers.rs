@@ -76,7 +76,7 @@ fn walk(member: &Member, (sampler, seed): (Sampler, u64), paths: u64) -> Vec<(f6
 /// Finest level, and largest number of nodes; beyond these, rough interfaces take minutes. The
 /// remaining error is part of the z-scores.
 const FINEST: u32 = 2;
-const MOST_NODES: usize = 150;
+const MAX_NODES: usize = 150;
 
 /// Returns each number and its discretisation error, refined until the latter is small compared with
 /// the Monte Carlo standard errors.
@@ -85,7 +85,7 @@ fn adding(member: &Member, walk: &[(f64, f64)]) -> Vec<(f64, f64)> {
     let mut found = Vec::new();
     let bound = error_over_difference(&member.stack);
     for level in 0..=FINEST {
-        if level > 1 && nodes_needed(&member.stack, level) > MOST_NODES {
+        if level > 1 && nodes_needed(&member.stack, level) > MAX_NODES {
             break;
         }
         let mut kernel = Kernel::new(level);

@@ -7,7 +7,7 @@ use crate::style::{INK, named_with_unit, percent};
 use crate::svg::{Anchor, Stroke, Svg, Text};
 
 /// Largest number of bins; more would be too narrow to see.
-const MOST_BINS: usize = 200;
+const MAX_BINS: usize = 200;
 
 /// Draws the histogram of a metric with its limits, which are edges of bins. Returns `None` if no value is defined.
 pub fn histogram(metric: &str, values: &[f64], ends: Ends, title: &str) -> Option<String> {
@@ -50,7 +50,7 @@ impl Bins {
         let (low, high) = (*sorted.first()?, *sorted.last()?);
         let (edge, width) = aligned([low, high], bin_width(sorted), ends);
         let first = edge + ((low - edge) / width).floor() * width;
-        let count = (((high - first) / width).ceil() as usize).clamp(1, MOST_BINS + 2);
+        let count = (((high - first) / width).ceil() as usize).clamp(1, MAX_BINS + 2);
         let mut bins = Self { first, width, counts: vec![0; count] };
         for value in sorted {
             let at = bins.holding(*value, ends).min(count - 1);
@@ -85,7 +85,7 @@ fn aligned([low, high]: [f64; 2], width: f64, ends: Ends) -> (f64, f64) {
     match (inside(ends.at_least), inside(ends.at_most)) {
         (Some(least), Some(most)) if least < most => {
             let between = (most - least) / ((most - least) / width).round().max(1.0);
-            let few = high - low <= MOST_BINS as f64 * between;
+            let few = high - low <= MAX_BINS as f64 * between;
             (least, if few { between } else { width })
         }
         (Some(edge), _) | (None, Some(edge)) => (edge, width),
@@ -139,13 +139,13 @@ mod tests {
             let ends = Ends { at_least, at_most };
             let bins = Bins::of(&values, ends).unwrap();
             assert!((0.02..0.4).contains(&bins.width), "{bins:?}");
-            let held = |good: bool| -> usize {
+            let counted = |good: bool| -> usize {
                 let own =
                     bins.counts.iter().enumerate().filter(|(at, _)| ends.meets(bins.middle(*at)) == good);
                 own.map(|(_, count)| *count).sum()
             };
             let good = values.iter().filter(|value| ends.meets(**value)).count();
-            assert_eq!((held(true), held(false)), (good, values.len() - good), "{ends:?}");
+            assert_eq!((counted(true), counted(false)), (good, values.len() - good), "{ends:?}");
             for end in ends.all().filter(|end| end.abs() < 1.0) {
                 let place = (end - bins.first) / bins.width;
                 assert!((place - place.round()).abs() < 1e-9, "{end} is not an edge of {bins:?}");

@@ -7,7 +7,7 @@ use crate::panel::Panel;
 use crate::svg::{Stroke, Svg, finite};
 
 /// Largest number of marks; more would cover each other.
-const MOST_MARKS: usize = 3000;
+const MAX_MARKS: usize = 3000;
 
 /// Draws the displays of a tolerance analysis over two keys, in one colour if they meet all limits and in another if not.
 /// `points` holds the values of both keys, and whether the display meets all limits.
@@ -21,18 +21,18 @@ pub fn good_and_bad(keys: [&str; 2], points: &[([f64; 2], bool)], title: &str) -
     let mut svg = Svg::new(680.0, 444.0).titled(title);
     panel.draw(&mut svg);
     // Displays that fail are usually few; they are drawn last to be visible.
-    let shown = &points[..points.len().min(MOST_MARKS)];
-    for wanted in [true, false] {
-        for (at, _) in shown.iter().filter(|(_, good)| *good == wanted) {
+    let shown = &points[..points.len().min(MAX_MARKS)];
+    for passing in [true, false] {
+        for (at, _) in shown.iter().filter(|(_, good)| *good == passing) {
             let at = panel.at(at[0], at[1]);
             if finite(at) {
-                let (colour, radius) = if wanted { (GOOD, 1.6) } else { (BAD, 2.2) };
+                let (colour, radius) = if passing { (GOOD, 1.6) } else { (BAD, 2.2) };
                 svg.circle(at, radius, colour, &Stroke::solid("none", 0.0));
             }
         }
     }
     if points.len() > shown.len() {
-        panel.note(&mut svg, &format!("first {MOST_MARKS} of {} displays", points.len()));
+        panel.note(&mut svg, &format!("first {MAX_MARKS} of {} displays", points.len()));
     }
     legend(
         &mut svg,

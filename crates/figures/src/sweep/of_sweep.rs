@@ -6,10 +6,10 @@ use super::axes::{common_views, of_axis, of_views};
 use super::{SweepAxis, SweepFigure, sweep_curves, sweep_map};
 
 /// Largest number of curves in a figure; more cannot be distinguished.
-const MOST_CURVES: usize = 8;
+const MAX_CURVES: usize = 8;
 
 /// Smallest number of values per axis of a map; curves are more informative for fewer.
-const FEWEST_ROWS: usize = 3;
+const MIN_ROWS: usize = 3;
 
 /// Returns the figures of `papilio sweep`: file names without extensions, and SVG texts. With more than two axes, the
 /// others are at their first value, which the title states. Several views form an additional first axis.
@@ -18,11 +18,11 @@ pub fn of_sweep(head: &SweepHead, points: &[&SweepPoint]) -> Vec<(String, String
     for metric in &head.figures {
         let Some((figure, title)) = figure(head, points, metric) else { continue };
         let (curves, columns) = (figure.y.as_ref().map_or(1, |y| y.values.len()), figure.x.values.len());
-        let few = curves <= MOST_CURVES;
+        let few = curves <= MAX_CURVES;
         if few {
             drawn.push((format!("sweep_{metric}"), sweep_curves(&figure, &title)));
         }
-        if !few || (curves >= FEWEST_ROWS && columns >= FEWEST_ROWS) {
+        if !few || (curves >= MIN_ROWS && columns >= MIN_ROWS) {
             drawn.extend(sweep_map(&figure, &title).map(|svg| (format!("sweep_{metric}_map"), svg)));
         }
     }

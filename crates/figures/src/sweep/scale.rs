@@ -9,7 +9,7 @@ use crate::svg::{shortened, text_width};
 const LOGARITHMIC_FROM: f64 = 8.0;
 
 /// Largest number of values that all have ticks.
-const MOST_MARKED: usize = 24;
+const MAX_MARKED: usize = 24;
 
 /// Side of a panel that an axis is on, and its length, px.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -96,7 +96,7 @@ impl Cells {
         let ticks = sorted.iter().zip(texts).zip(shown);
         let ticks =
             ticks.map(|((place, text), shown)| (back(*place), if shown { text } else { String::new() }));
-        let axis = if scale == Scale::Linear && order.len() > MOST_MARKED {
+        let axis = if scale == Scale::Linear && order.len() > MAX_MARKED {
             Axis::exact(ends.0, ends.1, 7, &of.name)
         } else {
             let ends = (back(ends.0), back(ends.1));

@@ -5,7 +5,7 @@ use super::*;
 /// A conoscopic map of 9 by 24 directions.
 fn small_cone() -> ConeResult {
     let every = |count: u32, step: f64| (0..count).map(|k| step * f64::from(k)).collect::<Vec<_>>();
-    made_up::cone(&every(9, 9.0), &every(24, 15.0))
+    synthetic::cone(&every(9, 9.0), &every(24, 15.0))
 }
 
 #[test]
@@ -27,7 +27,7 @@ fn cone_is_drawn_as_labelled_maps() {
         ],
     );
     let ConeGrid { theta_deg, phi_deg } = ConeGrid::default();
-    let full = cone(&made_up::cone(&theta_deg, &phi_deg), TITLE).unwrap();
+    let full = cone(&synthetic::cone(&theta_deg, &phi_deg), TITLE).unwrap();
     assert!(full.len() < 1_000_000, "{} bytes", full.len());
 }
 
@@ -81,9 +81,9 @@ fn directions_without_area_give_no_map() {
     for (theta, phi) in
         [(&some[..], &one[..]), (&one, &some), (&one, &one), (&some, &[0.0, 180.0]), (&some, &[])]
     {
-        assert_eq!(cone(&made_up::cone(theta, phi), TITLE), None, "{theta:?} {phi:?}");
+        assert_eq!(cone(&synthetic::cone(theta, phi), TITLE), None, "{theta:?} {phi:?}");
     }
     for phi in [&[0.0, 45.0, 90.0][..], &[0.0, 90.0, 180.0, 270.0], &[300.0, 330.0]] {
-        texts(&cone(&made_up::cone(&some, phi), TITLE).unwrap());
+        texts(&cone(&synthetic::cone(&some, phi), TITLE).unwrap());
     }
 }

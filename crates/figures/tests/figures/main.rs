@@ -10,8 +10,8 @@ use papilio_figures::{
 };
 
 mod cones;
-#[path = "../made_up/mod.rs"]
-mod made_up;
+#[path = "../synthetic/mod.rs"]
+mod synthetic;
 
 const TITLE: &str = "Indoor & <bright>";
 
@@ -77,7 +77,7 @@ fn transmittance_spectra_are_in_percent() {
 
 #[test]
 fn every_figure_names_its_states_and_axes() {
-    let run = made_up::result(&[8.0, 0.0, 30.0], 0.05);
+    let run = synthetic::result(&[8.0, 0.0, 30.0], 0.05);
     let view = &run.views[0];
     for svg in [
         spectra(&run, view, TITLE),
@@ -106,17 +106,17 @@ fn every_figure_names_its_states_and_axes() {
 /// Errors are drawn only where they are visible.
 #[test]
 fn invisible_errors_are_not_drawn() {
-    let run = made_up::result(&[8.0], 1e-6);
+    let run = synthetic::result(&[8.0], 1e-6);
     let view = &run.views[0];
     for svg in [spectra(&run, view, TITLE), metric_of(&run, AngleMetric::Reflectance)] {
         assert!(!svg.contains("standard error") && !svg.contains("fill-opacity"));
     }
-    assert!(spectra(&made_up::result(&[8.0], 0.05), view, TITLE).len() < 1_000_000);
+    assert!(spectra(&synthetic::result(&[8.0], 0.05), view, TITLE).len() < 1_000_000);
 }
 
 #[test]
 fn special_characters_in_names_are_escaped() {
-    let mut run = made_up::result(&[0.0, 8.0], 0.01);
+    let mut run = synthetic::result(&[0.0, 8.0], 0.01);
     let hostile = "<b>&\"' ]]>\u{0}\u{1f}\n\u{ffff} \u{1f98b}";
     for view in &mut run.views {
         view.states.0[0].0 = hostile.to_owned();
@@ -139,7 +139,7 @@ fn with_values(run: &RunResult, change: fn(&mut StateValues)) -> RunResult {
 
 #[test]
 fn missing_and_invalid_numbers_are_omitted() {
-    let run = made_up::result(&[0.0, 8.0], 0.01);
+    let run = synthetic::result(&[0.0, 8.0], 0.01);
     let none =
         with_values(&run, |v| (v.x, v.y, v.u_prime, v.v_prime, v.peak_nm) = (None, None, None, None, None));
     let nan = with_values(&run, |v| {
@@ -171,7 +171,7 @@ fn missing_and_invalid_numbers_are_omitted() {
 
 #[test]
 fn figures_need_no_minimum_of_states_and_views() {
-    let full = made_up::result(&[8.0], 0.01);
+    let full = synthetic::result(&[8.0], 0.01);
     for keep in [&["red"][..], &["black"], &["red", "green"], &[]] {
         let mut run = full.clone();
         run.views[0].states = Named(
@@ -204,7 +204,7 @@ fn figures_need_no_minimum_of_states_and_views() {
 /// Each figure has the title, so that it can be understood without its context.
 #[test]
 fn every_figure_has_title() {
-    let run = made_up::result(&[8.0, 0.0], 0.01);
+    let run = synthetic::result(&[8.0, 0.0], 0.01);
     for svg in all_figures(&run) {
         assert_texts(&svg, &[TITLE]);
         let document = roxmltree::Document::parse(&svg).unwrap();
@@ -217,7 +217,7 @@ fn every_figure_has_title() {
 
 #[test]
 fn undefined_metric_gives_no_figure() {
-    let mut run = made_up::result(&[0.0, 30.0], 0.01);
+    let mut run = synthetic::result(&[0.0, 30.0], 0.01);
     for view in &mut run.views {
         view.metrics.gamut_percent_srgb = None;
         view.metrics.gamut_percent_ebu = None;
@@ -238,7 +238,7 @@ fn fills(svg: &str) -> Vec<String> {
 /// The white of the screen represents Y = 100 %. At 430 %, all patches would be clipped to white.
 #[test]
 fn patches_brighter_than_page_are_dimmed_equally() {
-    let run = made_up::result(&[8.0], 0.001);
+    let run = synthetic::result(&[8.0], 0.001);
     let scaled = |factor: f64| {
         let mut run = run.clone();
         for (_, state) in &mut run.views[0].states.0 {
@@ -264,7 +264,7 @@ fn patches_brighter_than_page_are_dimmed_equally() {
 /// Values of 4 % and of 430 % are both legible.
 #[test]
 fn wide_range_of_y_has_logarithmic_axis() {
-    let mut run = made_up::result(&[0.0, 20.0, 40.0], 0.001);
+    let mut run = synthetic::result(&[0.0, 20.0, 40.0], 0.001);
     assert!(!metric_of(&run, AngleMetric::Reflectance).contains("logarithmic"));
     for (_, state) in &mut run.views[1].states.0 {
         state.value.Y *= 30.0;
@@ -276,7 +276,7 @@ fn wide_range_of_y_has_logarithmic_axis() {
 /// No line connects the peaks of two orders of interference.
 #[test]
 fn jump_of_peak_interrupts_curve() {
-    let mut run = made_up::result(&[0.0, 10.0, 20.0, 30.0, 40.0], 0.0);
+    let mut run = synthetic::result(&[0.0, 10.0, 20.0, 30.0, 40.0], 0.0);
     for view in &mut run.views {
         view.states.0.retain(|(name, _)| name == "red");
     }
@@ -296,7 +296,7 @@ fn jump_of_peak_interrupts_curve() {
 /// Grey states coincide with each other and with the light.
 #[test]
 fn crowded_states_have_enlarged_inset() {
-    let run = made_up::result(&[8.0], 0.001);
+    let run = synthetic::result(&[8.0], 0.001);
     let light = (run.illuminant.u_prime, run.illuminant.v_prime);
     let mut grey = run.clone();
     for (i, (_, state)) in grey.views[0].states.0.iter_mut().enumerate() {
@@ -372,7 +372,7 @@ fn pixels(png: &[u8]) -> (u32, u32) {
 #[cfg(feature = "png")]
 #[test]
 fn png_of_figure_has_its_size_and_text() {
-    let run = made_up::result(&[8.0], 0.01);
+    let run = synthetic::result(&[8.0], 0.01);
     let svg = patches(&run, &run.views[0], TITLE);
     let document = roxmltree::Document::parse(&svg).unwrap();
     let [width, height] = ["width", "height"]
@@ -392,7 +392,7 @@ fn png_of_figure_has_its_size_and_text() {
 /// Gamut rings of the synthetic display exist only if its volume was requested.
 #[test]
 fn gamut_rings_need_requested_volume() {
-    let mut run = made_up::result(&[8.0], 0.01);
+    let mut run = synthetic::result(&[8.0], 0.01);
     assert_eq!(gamut_rings(&run, &run.views[0], TITLE), None);
     run.views[0].metrics.gamut_volume_cielab = Some(51_234.0);
     let svg = gamut_rings(&run, &run.views[0], TITLE);

@@ -14,7 +14,7 @@ const WITHIN: std::ops::RangeInclusive<f64> = 0.85..=1.15;
 
 /// Deviation in standard errors, and the largest fraction of numbers that may exceed it (Student's t: 0.04 %).
 pub(crate) const FAR: f64 = 4.0;
-const MOST_FAR: f64 = 0.005;
+const MAX_FAR_FRACTION: f64 = 0.005;
 
 /// The z-scores of one kind of number, run by run.
 #[derive(Debug, Default)]
@@ -75,7 +75,7 @@ impl Scores {
         if is_many && !WITHIN.contains(&square) {
             return Err(format!("the mean square of z is {square}, outside {WITHIN:?}"));
         }
-        if is_many && self.far() > MOST_FAR {
+        if is_many && self.far() > MAX_FAR_FRACTION {
             return Err(format!(
                 "{:.2} % of the deviations exceed {FAR} standard errors",
                 100.0 * self.far()

@@ -66,12 +66,12 @@ pub(crate) fn cone(theta_deg: &[f64], phi_deg: &[f64]) -> ConeResult {
             let lobe =
                 0.5 + 0.3 * 0.1 / ((x - mirror.0).powi(2) + (y - mirror.1).powi(2) + 0.01).powf(1.5) * 0.1;
             let states = states.iter().map(|name| {
-                let (seen, normal) = (view.states.get(name).unwrap(), run.views[0].states.get(name).unwrap());
-                let (seen, normal) = (&seen.value, &normal.value);
-                let (u, v) = (seen.u_prime.unwrap(), seen.v_prime.unwrap());
+                let (here, normal) = (view.states.get(name).unwrap(), run.views[0].states.get(name).unwrap());
+                let (here, normal) = (&here.value, &normal.value);
+                let (u, v) = (here.u_prime.unwrap(), here.v_prime.unwrap());
                 ConeState {
-                    reflectance_factor_y: lobe * seen.Y,
-                    luminance_cd_m2: lobe * seen.luminance_cd_m2,
+                    reflectance_factor_y: lobe * here.Y,
+                    luminance_cd_m2: lobe * here.luminance_cd_m2,
                     u_prime: Some(u),
                     v_prime: Some(v),
                     uv_shift: Some((u - normal.u_prime.unwrap()).hypot(v - normal.v_prime.unwrap())),
