@@ -11,8 +11,8 @@ fn small_cone() -> ConeResult {
 #[test]
 fn cone_is_drawn_as_labelled_maps() {
     let svg = cone(&small_cone(), TITLE).unwrap();
-    says(&svg, &STATES);
-    says(
+    assert_texts(&svg, &STATES);
+    assert_texts(
         &svg,
         &[
             TITLE,
