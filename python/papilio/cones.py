@@ -11,9 +11,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from . import _kept, _papilio, _said, _words
+from . import _messages, _metadata, _papilio, _snapshots
 from ._arguments import ascending
-from ._kept import KeptCone, fixed
+from ._snapshots import ConeSnapshot, read_only
 from ._mapping import ByName
 from .figure import Figure
 from .running import Progress, checked_progress, checked_threads, with_solver
@@ -34,22 +34,22 @@ class Cone(ByName[NDArray[np.float64]]):
     """
 
     def __init__(
-        self, core: _papilio.Cone | KeptCone, title: str = "", warned: Sequence[str] = (), notes: Sequence[str] = ()
+        self, core: _papilio.Cone | ConeSnapshot, title: str = "", warned: Sequence[str] = (), notes: Sequence[str] = ()
     ) -> None:
         self._core = core
-        self._said = _said.both(warned, core.warnings()), list(notes)
+        self._said = _messages.merged(warned, core.warnings()), list(notes)
         #: The scenario's title.
         self.title = title
 
     @cached_property
     def theta_deg(self) -> NDArray[np.float64]:
         """Inclinations, degrees."""
-        return fixed(self._core.theta_deg())
+        return read_only(self._core.theta_deg())
 
     @cached_property
     def phi_deg(self) -> NDArray[np.float64]:
         """Azimuths, degrees."""
-        return fixed(self._core.phi_deg())
+        return read_only(self._core.phi_deg())
 
     @property
     def states(self) -> list[str]:
@@ -68,7 +68,7 @@ class Cone(ByName[NDArray[np.float64]]):
 
     @cached_property
     def _arrays(self) -> tuple[dict[str, NDArray[np.float64]], dict[str, NDArray[np.float64]]]:
-        return _kept.fixed_arrays(self._core.arrays())
+        return _snapshots.read_only_arrays(self._core.arrays())
 
     def _names(self) -> Iterable[str]:
         together, alone = self._arrays
@@ -90,13 +90,13 @@ class Cone(ByName[NDArray[np.float64]]):
         data: dict[str, Any] = {}
         for dimensions, arrays in [(("phi_deg", "theta_deg"), together), (("phi_deg", "theta_deg", "state"), alone)]:
             for name, values in arrays.items():
-                data[name] = (dimensions, values.copy(), _words.attributes(name))
+                data[name] = (dimensions, values.copy(), _metadata.attributes(name))
         coordinates: dict[str, Any] = {
             "theta_deg": ("theta_deg", self.theta_deg.copy(), {"units": "degree", "long_name": "inclination of the view"}),
             "phi_deg": ("phi_deg", self.phi_deg.copy(), {"units": "degree", "long_name": "azimuth of the view"}),
             "state": ("state", self.states, {"long_name": "drive state"}),
         }
-        return xarray.Dataset(data, coordinates, {"title": self.title} | _said.attributes(*self._said))
+        return xarray.Dataset(data, coordinates, {"title": self.title} | _messages.attributes(*self._said))
 
     def figure(self) -> Figure | None:
         """Its maps; None where the directions span no area."""
@@ -106,10 +106,10 @@ class Cone(ByName[NDArray[np.float64]]):
     def _repr_html_(self) -> str:
         figure = self.figure()
         shown = html.escape(repr(self)) if figure is None else figure.svg
-        return shown + _said.listed(*self._said)
+        return shown + _messages.as_html(*self._said)
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return _restored, (_kept.packed(KeptCone.of(self._core, self.title)), self.title, *self._said)
+        return _restored, (_snapshots.pack(ConeSnapshot.of(self._core, self.title)), self.title, *self._said)
 
     def __copy__(self) -> Cone:
         return Cone(self._core, self.title, *self._said)
@@ -119,11 +119,11 @@ class Cone(ByName[NDArray[np.float64]]):
 
     def __repr__(self) -> str:
         size = f"{self.theta_deg.size} x {self.phi_deg.size} directions"
-        return f"<papilio.Cone {self.title!r}: {size}{_said.short(self._said[0])}>"
+        return f"<papilio.Cone {self.title!r}: {size}{_messages.summary(self._said[0])}>"
 
 
 def _restored(content: bytes, title: str, warned: list[str], notes: list[str]) -> Cone:
-    return Cone(_kept.unpacked(content), title, warned, notes)
+    return Cone(_snapshots.unpack(content), title, warned, notes)
 
 
 def cone(
@@ -156,5 +156,5 @@ def cone(
     phis = ascending("phi_deg", phi_deg, float(np.nextafter(360.0, 0.0)))
     core = _papilio.Cone(scene, thetas, phis, checked_threads(threads), checked_progress(progress), allow_error)
     found = Cone(core, changed.title, scene.warnings, scene.notes)
-    _said.warn(found.warnings)
+    _messages.warn(found.warnings)
     return found

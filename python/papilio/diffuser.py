@@ -8,7 +8,7 @@ from os import PathLike
 from pathlib import Path
 from typing import Any, Literal
 
-from . import _papilio, _said
+from . import _messages, _papilio
 from ._arguments import one_of
 from .errors import ArgumentError, FileError
 from .figure import Figure
@@ -37,7 +37,7 @@ class Diffuser:
     def __init__(self, path: str | PathLike[str]) -> None:
         self._path = _checked_path("path", path)
         self._core = _papilio.Diffuser(self._path)
-        _said.warn(self.warnings)
+        _messages.warn(self.warnings)
 
     @property
     def warnings(self) -> list[str]:

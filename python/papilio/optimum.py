@@ -13,9 +13,9 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from . import _papilio, _pieces, _said
+from . import _messages, _papilio, _work_items
 from ._arguments import checked_folder, whole
-from ._roads import OnCluster, check_client
+from ._backends import ClusterBackend, check_client
 from .errors import ArgumentError
 from .figure import Figure
 from .running import Line, Progress, checked_threads, told, with_solver
@@ -135,7 +135,7 @@ class Optimum:
         return "best.toml" if self.designs[0].meets_limits else "closest.toml"
 
     def __repr__(self) -> str:
-        return f"<papilio.Optimum: {len(self.designs)} designs of {self.evaluations} evaluated{_said.short(self.warnings)}>"
+        return f"<papilio.Optimum: {len(self.designs)} designs of {self.evaluations} evaluated{_messages.summary(self.warnings)}>"
 
     def _repr_html_(self) -> str:
         titles = ["", *self.own.values, *self._quantities]
@@ -147,7 +147,7 @@ class Optimum:
             shown = "".join(f"<td>{html.escape(_shown(cell))}</td>" for cell in cells)
             rows += f"<tr><th>{name}</th>{shown}</tr>"
         table = f"<table><thead><tr>{head}</tr></thead><tbody>{rows}</tbody></table>"
-        return table + _said.listed(self.warnings, self.notes)
+        return table + _messages.as_html(self.warnings, self.notes)
 
 
 def optimize(
@@ -199,16 +199,16 @@ def optimize(
             search.begin(folder, workers)
             search.run(workers, tell)
         else:
-            question = _pieces.question(changed, search)
-            road = OnCluster(client, question, retries)
-            search.begin(folder, max(1, road.workers() or 1))
-            _pieces.compute(question, search, road, tell)
+            question = _work_items.question(changed, search)
+            backend = ClusterBackend(client, question, retries)
+            search.begin(folder, max(1, backend.workers() or 1))
+            _work_items.compute(question, search, backend, tell)
         found = Optimum(changed, json.loads(search.result(changed.title)))
     finally:
         search.close()
         if isinstance(tell, Line):
             tell.end()
-    _said.warn(found.warnings)
+    _messages.warn(found.warnings)
     return found
 
 

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar, overload
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from . import _arguments, _papilio, _said
+from . import _arguments, _messages, _papilio
 from ._arguments import described, text, whole
 from ._dims import Dims, crossed
 from ._toml import plain
@@ -60,7 +60,7 @@ class Prepared:
 
     def __init__(self, scenario: Scenario | str | PathLike[str], *, set: Mapping[str, Any] | None = None) -> None:
         self._prepare(read(scenario, with_solver(set)).copy())
-        _said.warn(self.warnings)
+        _messages.warn(self.warnings)
 
     def _prepare(self, scenario: Scenario) -> None:
         self._scenario = scenario
@@ -99,7 +99,7 @@ class Prepared:
         """All that is known of one design: the scenario with ``{path: value}`` set; see `papilio.run`."""
         changed = self._scenario.with_values(with_solver(values)) if values else self._scenario
         core = self._kept.run(changed._scene(), checked_threads(threads), checked_progress(progress))
-        _said.warn(core.warnings())
+        _messages.warn(core.warnings())
         return Result(core, changed.title)
 
     @overload
@@ -248,7 +248,7 @@ class Prepared:
         return _again, (self._scenario,)
 
     def __repr__(self) -> str:
-        return f"<papilio.Prepared {self._scenario.name!r}{_said.short(self.warnings)}>"
+        return f"<papilio.Prepared {self._scenario.name!r}{_messages.summary(self.warnings)}>"
 
 
 def _again(scenario: Scenario) -> Prepared:

@@ -13,10 +13,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from . import _kept, _papilio, _said, _samples
+from . import _messages, _papilio, _samples, _snapshots
 from ._arguments import checked_folder, reals, whole
-from ._kept import KeptProduction, fixed
-from ._roads import OnCluster, check_client
+from ._snapshots import ProductionSnapshot, read_only
+from ._backends import ClusterBackend, check_client
 from .errors import DesignError
 from .figure import Figure
 from .running import Line, Progress, checked_threads, told, with_solver
@@ -41,13 +41,13 @@ class Yield:
 
     def __init__(
         self,
-        core: _papilio.Production | KeptProduction,
+        core: _papilio.Production | ProductionSnapshot,
         numbers: NDArray[np.float64],
         title: str = "",
         warned: Sequence[str] = (),
         notes: Sequence[str] = (),
     ) -> None:
-        self._core, self._numbers = core, fixed(numbers)
+        self._core, self._numbers = core, read_only(numbers)
         #: The scenario's title.
         self.title = title
         keys, metrics = core.names()
@@ -59,7 +59,7 @@ class Yield:
         self.report: dict[str, Any] = json.loads(core.report(numbers))
         starts = np.cumsum([0, *(core.width(row) for row in range(core.rows - 1))])
         #: The metrics of every display, shape [display, metric]; NaN where one is not defined. It cannot be written to.
-        self.values: NDArray[np.float64] = fixed(numbers[starts[:, None] + np.arange(len(metrics))])
+        self.values: NDArray[np.float64] = read_only(numbers[starts[:, None] + np.arange(len(metrics))])
         #: What the reader should know; each was raised as a `papilio.PapilioWarning` when it was found.
         self.warnings = list(warned)
         #: What the reader may like to know: what was measured, assumed, or scaled.
@@ -98,7 +98,7 @@ class Yield:
         return [where / name for name in contents]
 
     def __reduce__(self) -> tuple[Any, ...]:
-        kept = _kept.packed(KeptProduction.made(self._core, self._numbers, self.title))
+        kept = _snapshots.pack(ProductionSnapshot.made(self._core, self._numbers, self.title))
         return _restored, (kept, self._numbers, self.title, self.warnings, self.notes)
 
     def __copy__(self) -> Yield:
@@ -108,7 +108,7 @@ class Yield:
         return self.__copy__()  # what it has is fixed, or made anew
 
     def __repr__(self) -> str:
-        return f"<papilio.Yield: {100 * self.share:.4g} % of {self.values.shape[0]} displays{_said.short(self.warnings)}>"
+        return f"<papilio.Yield: {100 * self.share:.4g} % of {self.values.shape[0]} displays{_messages.summary(self.warnings)}>"
 
     def _repr_html_(self) -> str:
         """The percentiles of every metric."""
@@ -122,13 +122,13 @@ class Yield:
         head = "".join(f"<th>{title}</th>" for title in titles)
         said = f"{100 * self.share:.4g} % of {self.values.shape[0]} displays meet all limits"
         table = f"<table><thead><tr>{head}</tr></thead><tbody>{rows}</tbody></table>"
-        return f"<p>{said}</p>{table}{_said.listed(self.warnings, self.notes)}"
+        return f"<p>{said}</p>{table}{_messages.as_html(self.warnings, self.notes)}"
 
 
 def _restored(
     content: bytes, numbers: NDArray[np.float64], title: str, warned: list[str], notes: list[str]
 ) -> Yield:
-    return Yield(_kept.unpacked(content), numbers, title, warned, notes)
+    return Yield(_snapshots.unpack(content), numbers, title, warned, notes)
 
 
 def tolerance(
@@ -188,12 +188,12 @@ def tolerance(
                 raise DesignError(str(error.args[0]), missing[at]) from None
         else:
             question = _samples.question(changed, core)
-            _samples.compute(question, core, missing, OnCluster(client, question, retries), seconds, tell)
+            _samples.compute(question, core, missing, ClusterBackend(client, question, retries), seconds, tell)
         scene = changed._scene()
         found = Yield(core, core.finish(), changed.title, scene.warnings, scene.notes)
     finally:
         core.close()
         if isinstance(tell, Line):
             tell.end()
-    _said.warn(found.warnings)
+    _messages.warn(found.warnings)
     return found

@@ -13,8 +13,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from . import _kept, _papilio, _said, _words
-from ._kept import KeptRun, fixed
+from . import _messages, _metadata, _papilio, _snapshots
+from ._snapshots import RunSnapshot, read_only
 from ._mapping import ByName
 from .errors import ArgumentError
 from .figure import Figure
@@ -49,7 +49,7 @@ class Result(ByName[NDArray[np.float64]]):
     overview figure of the first view.
     """
 
-    def __init__(self, core: _papilio.RunResult | KeptRun, title: str = "") -> None:
+    def __init__(self, core: _papilio.RunResult | RunSnapshot, title: str = "") -> None:
         self._core = core
         #: The scenario's title.
         self.title = title
@@ -67,7 +67,7 @@ class Result(ByName[NDArray[np.float64]]):
     @cached_property
     def wavelength_nm(self) -> NDArray[np.float64]:
         """The wavelengths of spectra, nm."""
-        return fixed(self._core.wavelength_nm())
+        return read_only(self._core.wavelength_nm())
 
     @property
     def warnings(self) -> list[str]:
@@ -81,7 +81,7 @@ class Result(ByName[NDArray[np.float64]]):
 
     @cached_property
     def _arrays(self) -> tuple[_Arrays, _Arrays]:
-        return _kept.fixed_arrays(self._core.arrays())
+        return _snapshots.read_only_arrays(self._core.arrays())
 
     def _names(self) -> Iterable[str]:
         together, alone = self._arrays
@@ -109,10 +109,10 @@ class Result(ByName[NDArray[np.float64]]):
         if not -len(self.views) <= view < len(self.views):
             raise ArgumentError(f"view: expected 0 to {len(self.views) - 1}, not {view!r}")
         together, alone = self._arrays
-        found = {name: float(values[view]) for name, values in together.items() if _words.parts(name)[1] is None}
+        found = {name: float(values[view]) for name, values in together.items() if _metadata.parts(name)[1] is None}
         for s, state in enumerate(self.states):
             for name, values in alone.items():
-                if values.ndim == 2 and _words.parts(name)[1] is None:
+                if values.ndim == 2 and _metadata.parts(name)[1] is None:
                     found[f"{state}.{name}"] = float(values[view, s])
         return found
 
@@ -140,10 +140,10 @@ class Result(ByName[NDArray[np.float64]]):
         data: dict[str, Any] = {}
         for before, arrays in [(("view",), together), (("view", "state"), alone)]:
             for name, values in arrays.items():
-                inner = _words.inner_dimensions(name, values.ndim - len(before))
-                data[_words.flat(name)] = ((*before, *inner), values.copy(), _words.attributes(name))
+                inner = _metadata.inner_dimensions(name, values.ndim - len(before))
+                data[_metadata.flat(name)] = ((*before, *inner), values.copy(), _metadata.attributes(name))
         white = self._core.radiance_of_white()
-        data["radiance_of_white"] = (("wavelength_nm",), white.copy(), _words.attributes("radiance_of_white"))
+        data["radiance_of_white"] = (("wavelength_nm",), white.copy(), _metadata.attributes("radiance_of_white"))
         angles = np.array(self.views).reshape(-1, 2).T
         degrees = {"units": "degree"}
         coordinates: dict[str, Any] = {
@@ -153,7 +153,7 @@ class Result(ByName[NDArray[np.float64]]):
             "phi_deg": ("view", angles[1], degrees | {"long_name": "azimuth of the view"}),
         }
         about = {key: self.data[key] for key in ("papilio", "hash", "seed")} | {"title": self.title}
-        return xarray.Dataset(data, coordinates, about | _said.attributes(self.warnings, self.notes))
+        return xarray.Dataset(data, coordinates, about | _messages.attributes(self.warnings, self.notes))
 
     def to_pandas(self) -> pandas.DataFrame:
         """The table of ``states.csv``: a row for each view and state, ``Y_se`` and ``Y_de`` beside ``Y``.
@@ -188,7 +188,7 @@ class Result(ByName[NDArray[np.float64]]):
         return [where / name for name in texts]
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return _restored, (_kept.packed(KeptRun.of(self._core, self.title)), self.title)
+        return _restored, (_snapshots.pack(RunSnapshot.of(self._core, self.title)), self.title)
 
     def __copy__(self) -> Result:
         return Result(self._core, self.title)
@@ -198,7 +198,7 @@ class Result(ByName[NDArray[np.float64]]):
 
     def __repr__(self) -> str:
         return (
-            f"<papilio.Result {self.title!r}: {len(self.views)} views, states {', '.join(self.states)}{_said.short(self.warnings)}>"
+            f"<papilio.Result {self.title!r}: {len(self.views)} views, states {', '.join(self.states)}{_messages.summary(self.warnings)}>"
         )
 
     def _repr_html_(self) -> str:
@@ -213,12 +213,12 @@ class Result(ByName[NDArray[np.float64]]):
         together = [(name, values[0]) for name, values in self._arrays[0].items() if "." not in name]
         said = ", ".join(f"{name} {_digits(value)}" for name, value in together if np.isfinite(value))
         table = f"<table><thead><tr>{head}</tr></thead><tbody>{rows}</tbody></table>"
-        told = _said.listed(self.warnings, self.notes)
+        told = _messages.as_html(self.warnings, self.notes)
         return f"<h4>{html.escape(self.title)}</h4>{table}<p>{html.escape(said)}</p>{told}{self._core.overview(self.title) or ''}"
 
 
 def _restored(content: bytes, title: str) -> Result:
-    return Result(_kept.unpacked(content), title)
+    return Result(_snapshots.unpack(content), title)
 
 
 def _column(name: str, cells: tuple[str, ...]) -> list[str] | list[float]:

@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping
 from os import PathLike
 from typing import Any, Literal
 
-from . import _papilio, _said
+from . import _messages, _papilio
 from ._arguments import described, one_of, whole
 from .errors import ArgumentError
 from .result import Result
@@ -56,7 +56,7 @@ def run(
     changed = read(scenario, with_solver(set, solver, seed))
     scene = changed._scene()
     core = _papilio.Prepared(scene).run(scene, checked_threads(threads), checked_progress(progress))
-    _said.warn(core.warnings())
+    _messages.warn(core.warnings())
     return Result(core, changed.title)
 
 

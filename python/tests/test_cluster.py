@@ -48,7 +48,7 @@ def plane(count):
 
 def in_batches_of(monkeypatch, size):
     """Leaves nothing to the clock."""
-    monkeypatch.setattr("papilio._roads._COSTS", {})
+    monkeypatch.setattr("papilio._backends._COSTS", {})
     monkeypatch.setattr("papilio._batches.batch_size", lambda *_: size)
     monkeypatch.setattr("papilio._batches.seconds_each", lambda *_: 1.0)
 
