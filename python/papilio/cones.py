@@ -1,4 +1,4 @@
-"""What is seen from every direction."""
+"""Conoscopic maps: quantities over all viewing directions."""
 
 from __future__ import annotations
 
@@ -26,11 +26,11 @@ __all__ = ["Cone", "cone"]
 
 
 class Cone(ByName[NDArray[np.float64]]):
-    """A viewing cone: numbers of the eye (no spectra) over all directions.
+    """A conoscopic map: photometric and colorimetric quantities (no spectra) over all directions.
 
     ``cone["contrast_ratio"]`` has the shape [phi, theta], ``cone["Y"]`` the shape [phi, theta, state]; NaN where
-    something is not defined. Arrays cannot be written to: ``cone[name].copy()`` can. It can be copied and pickled. A notebook shows
-    its maps.
+    a quantity is undefined. Arrays are read-only; ``cone[name].copy()`` is writable. It can be copied and pickled. A notebook shows
+    the maps.
     """
 
     def __init__(
@@ -58,12 +58,12 @@ class Cone(ByName[NDArray[np.float64]]):
 
     @property
     def warnings(self) -> list[str]:
-        """What the reader should know; each was raised as a `papilio.PapilioWarning` when it was found."""
+        """Warnings; each was also raised as a `papilio.PapilioWarning` by the computation."""
         return list(self._said[0])
 
     @property
     def notes(self) -> list[str]:
-        """What the reader may like to know: what was measured, assumed, or scaled."""
+        """Notes on data that were measured, assumed or scaled."""
         return list(self._said[1])
 
     @cached_property
@@ -75,15 +75,15 @@ class Cone(ByName[NDArray[np.float64]]):
         return [*together, *alone]
 
     def __getitem__(self, name: str) -> NDArray[np.float64]:
-        """The numbers of this name; see the class."""
+        """Returns a quantity by its name; see the class."""
         together, alone = self._arrays
         both = {**together, **alone}
         if name not in both:
-            raise KeyError(f"{name!r}: there is no such quantity; there are {', '.join(both)}")
+            raise KeyError(f"{name!r}: there is no such quantity; expected {', '.join(both)}")
         return both[name]
 
     def to_xarray(self) -> xarray.Dataset:
-        """All numbers as a Dataset over ``phi_deg``, ``theta_deg`` and ``state``, with units and long names."""
+        """Returns all quantities as a Dataset over ``phi_deg``, ``theta_deg`` and ``state``, with units and long names."""
         import xarray
 
         together, alone = self._arrays
@@ -99,7 +99,7 @@ class Cone(ByName[NDArray[np.float64]]):
         return xarray.Dataset(data, coordinates, {"title": self.title} | _messages.attributes(*self._said))
 
     def figure(self) -> Figure | None:
-        """Its maps; None where the directions span no area."""
+        """Returns the figure of the maps; None if the directions do not span an area."""
         svg = self._core.figure(self.title)
         return None if svg is None else Figure("cone", svg)
 
@@ -115,7 +115,7 @@ class Cone(ByName[NDArray[np.float64]]):
         return Cone(self._core, self.title, *self._said)
 
     def __deepcopy__(self, memo: object) -> Cone:
-        return self.__copy__()  # nothing in it can be changed
+        return self.__copy__()  # its contents are immutable
 
     def __repr__(self) -> str:
         size = f"{self.theta_deg.size} x {self.phi_deg.size} directions"
@@ -136,19 +136,19 @@ def cone(
     progress: Progress | None = None,
     allow_error: float | None = None,
 ) -> Cone:
-    """What is seen from every direction: what ``papilio run --cone`` adds.
+    """Computes a conoscopic map: the output of ``papilio run --cone``.
 
     Args:
-        scenario: a `Scenario`, or the path of one.
+        scenario: a `Scenario`, or the path of a scenario file.
         theta_deg: inclinations, ascending, 0 to less than 90 degrees; by default every degree.
         phi_deg: azimuths, ascending, 0 to less than 360 degrees; by default every 5 degrees.
-        set: values put in before, ``{path: value}``.
-        threads: how many; None: one for each processor.
-        progress: called a few times a second.
-        allow_error: rows whose relative error is larger are refused; by default the scenario's target holds.
+        set: values to set in the scenario first, ``{path: value}``.
+        threads: number of threads; None: one for each processor.
+        progress: function that is called a few times a second.
+        allow_error: rows with a larger relative error are refused; None: the scenario's target.
 
     Warns:
-        PapilioWarning: what the program prints as a warning; the result has it as ``warnings``, too.
+        PapilioWarning: each warning that the program prints; ``warnings`` of the result contains it.
     """
     changed = read(scenario, with_solver(set))
     scene = changed._scene()

@@ -1,4 +1,4 @@
-"""What a run found."""
+"""Results of runs."""
 
 from __future__ import annotations
 
@@ -27,14 +27,14 @@ __all__ = ["Result"]
 
 _Arrays = Mapping[str, NDArray[np.float64]]
 
-#: What a table of a view shows of each state.
+#: Quantities of each state in the table of a view.
 _SHOWN = ("Y", "contrast", "L_star", "a_star", "b_star", "u_prime", "v_prime", "luminance_cd_m2", "peak_nm")
 
 
 class Result(ByName[NDArray[np.float64]]):
-    """What a meter would report of a display, with errors; what ``papilio run`` writes as ``result.json``.
+    """Simulated measurement of a display, with errors: the contents of ``result.json`` of ``papilio run``.
 
-    Numbers come as arrays over views (theta fastest), states and wavelengths. Names are those of ``result.json``
+    Quantities are arrays over views (theta fastest), states and wavelengths. Names are those of ``result.json``
     (`papilio.schema("result")`)::
 
         result["contrast_ratio"]            # shape [view]
@@ -43,10 +43,10 @@ class Result(ByName[NDArray[np.float64]]):
         result["reflectance_factor"]        # shape [view, state, wavelength]
         result["standard_error.Y"]          # one sigma; "discretisation_error.Y" of adding
 
-    What is undefined is NaN. Arrays cannot be written to: ``result[name].copy()`` can. ``keys()``, iteration and ``dict(result)`` go
-    over the arrays of all states; ``in`` and ``get`` know those of one state (``"white.Y"``), too. A result can be copied
-    and pickled, and then needs neither its scenario nor its files. A notebook shows a table, what there is to know of it, and the
-    overview figure of the first view.
+    Undefined values are NaN. Arrays are read-only; ``result[name].copy()`` is writable. ``keys()``, iteration and ``dict(result)``
+    cover the arrays of all states; ``in`` and ``get`` also accept those of one state (``"white.Y"``). A result can be copied and
+    pickled, and then needs neither its scenario nor its files. A notebook shows a table, warnings and notes, and the overview
+    figure of the first view.
     """
 
     def __init__(self, core: _papilio.RunResult | RunSnapshot, title: str = "") -> None:
@@ -71,12 +71,12 @@ class Result(ByName[NDArray[np.float64]]):
 
     @property
     def warnings(self) -> list[str]:
-        """What the reader should know; each was raised as a `papilio.PapilioWarning` when it was found."""
+        """Warnings; each was also raised as a `papilio.PapilioWarning` by the computation."""
         return self._core.warnings()
 
     @property
     def notes(self) -> list[str]:
-        """What the reader may like to know: what was measured, assumed, or scaled."""
+        """Notes on data that were measured, assumed or scaled."""
         return self._core.notes()
 
     @cached_property
@@ -88,10 +88,10 @@ class Result(ByName[NDArray[np.float64]]):
         return [*together, *alone]
 
     def __getitem__(self, name: str) -> NDArray[np.float64]:
-        """The numbers of this name; see the class.
+        """Returns a quantity by its name; see the class.
 
         Raises:
-            KeyError: if there are none.
+            KeyError: if there is no such quantity.
         """
         together, alone = self._arrays
         if name in together:
@@ -105,7 +105,7 @@ class Result(ByName[NDArray[np.float64]]):
         raise KeyError(f"{name!r}: there is no such metric; states are {', '.join(self.states)}, metrics {', '.join(known)}")
 
     def metrics(self, view: int = 0) -> dict[str, float]:
-        """Every single number of a view by its name: ``{"contrast_ratio": ..., "white.Y": ...}``, without errors."""
+        """Returns every scalar metric of a view by its name: ``{"contrast_ratio": ..., "white.Y": ...}``, without errors."""
         if not -len(self.views) <= view < len(self.views):
             raise ArgumentError(f"view: expected 0 to {len(self.views) - 1}, not {view!r}")
         together, alone = self._arrays
@@ -117,22 +117,22 @@ class Result(ByName[NDArray[np.float64]]):
         return found
 
     def to_json(self) -> str:
-        """The text of ``result.json``, byte for byte."""
+        """Returns the text of ``result.json``, identical byte for byte."""
         return self._core.json().decode()
 
     @cached_property
     def data(self) -> dict[str, Any]:
-        """Everything, as ``result.json`` has it; None where a number is undefined."""
+        """The contents of ``result.json``; None where a number is undefined."""
         return dict(json.loads(self._core.json()))
 
     def to_xarray(self) -> xarray.Dataset:
-        """All numbers as a Dataset over ``view``, ``state`` and ``wavelength_nm``, with units and long names.
+        """Returns all quantities as a Dataset over ``view``, ``state`` and ``wavelength_nm``, with units and long names.
 
-        ``theta_deg`` and ``phi_deg`` are coordinates of ``view``; ``Y_standard_error`` stands beside ``Y``. Its attributes
-        ``warnings`` and ``notes`` hold a line for each.
+        ``theta_deg`` and ``phi_deg`` are coordinates of ``view``; ``Y_standard_error`` is the error of ``Y``. The attributes
+        ``warnings`` and ``notes`` have one line for each.
 
         Raises:
-            ImportError: without xarray.
+            ImportError: if xarray is not installed.
         """
         import xarray
 
@@ -156,10 +156,10 @@ class Result(ByName[NDArray[np.float64]]):
         return xarray.Dataset(data, coordinates, about | _messages.attributes(self.warnings, self.notes))
 
     def to_pandas(self) -> pandas.DataFrame:
-        """The table of ``states.csv``: a row for each view and state, ``Y_se`` and ``Y_de`` beside ``Y``.
+        """Returns the table of ``states.csv``: a row for each view and state; ``Y_se`` and ``Y_de`` are the errors of ``Y``.
 
         Raises:
-            ImportError: without pandas.
+            ImportError: if pandas is not installed.
         """
         import csv
 
@@ -170,11 +170,11 @@ class Result(ByName[NDArray[np.float64]]):
         return table.set_index(["theta_deg", "phi_deg", "state"])
 
     def figures(self) -> dict[str, Figure]:
-        """What ``papilio run`` draws, by name."""
+        """Returns the figures of ``papilio run``, by name."""
         return {name: Figure(name, svg) for name, svg in self._core.figures(self.title)}
 
     def save(self, folder: str | PathLike[str]) -> list[Path]:
-        """Writes ``result.json``, ``states.csv``, ``spectra.csv`` and the figures into a folder, which is made."""
+        """Writes ``result.json``, ``states.csv``, ``spectra.csv`` and the figures into a folder, which is created."""
         where = Path(folder)
         where.mkdir(parents=True, exist_ok=True)
         texts = {
@@ -194,7 +194,7 @@ class Result(ByName[NDArray[np.float64]]):
         return Result(self._core, self.title)
 
     def __deepcopy__(self, memo: object) -> Result:
-        return self.__copy__()  # nothing in it can be changed
+        return self.__copy__()  # its contents are immutable
 
     def __repr__(self) -> str:
         return (
@@ -202,7 +202,7 @@ class Result(ByName[NDArray[np.float64]]):
         )
 
     def _repr_html_(self) -> str:
-        """A table of the first view, warnings and notes, and its overview."""
+        """A table of the first view, warnings and notes, and the overview figure, as HTML."""
         alone = self._arrays[1]
         shown = [name for name in _SHOWN if name in alone]
         head = "".join(f"<th>{html.escape(name)}</th>" for name in ("state", *shown))
@@ -211,10 +211,10 @@ class Result(ByName[NDArray[np.float64]]):
             cells = "".join(f"<td>{_digits(alone[name][0, s])}</td>" for name in shown)
             rows += f"<tr><th>{html.escape(state)}</th>{cells}</tr>"
         together = [(name, values[0]) for name, values in self._arrays[0].items() if "." not in name]
-        said = ", ".join(f"{name} {_digits(value)}" for name, value in together if np.isfinite(value))
+        scalars = ", ".join(f"{name} {_digits(value)}" for name, value in together if np.isfinite(value))
         table = f"<table><thead><tr>{head}</tr></thead><tbody>{rows}</tbody></table>"
-        told = _messages.as_html(self.warnings, self.notes)
-        return f"<h4>{html.escape(self.title)}</h4>{table}<p>{html.escape(said)}</p>{told}{self._core.overview(self.title) or ''}"
+        messages = _messages.as_html(self.warnings, self.notes)
+        return f"<h4>{html.escape(self.title)}</h4>{table}<p>{html.escape(scalars)}</p>{messages}{self._core.overview(self.title) or ''}"
 
 
 def _restored(content: bytes, title: str) -> Result:
