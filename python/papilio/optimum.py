@@ -60,11 +60,11 @@ class Optimum:
         self.notes: list[str] = list(scene.notes)
 
     def _missed(self) -> list[str]:
-        """Returns the program's warning if the search did not find what was requested."""
+        """Returns a warning if the search found no feasible design."""
         if not self.designs:
-            return ["no design could be evaluated: the requested metrics are undefined for all designs"]
+            return ["no design could be evaluated, because its metrics are undefined"]
         if not self.designs[0].meets_limits:
-            return ["no design was found that meets all limits; this one misses them least"]
+            return ["no feasible design was found; the returned design has the smallest violation of the constraints"]
         return []
 
     def _design(self, content: Mapping[str, Any]) -> Design:
@@ -79,7 +79,7 @@ class Optimum:
             ValueError: if no design could be evaluated.
         """
         if not self.designs:
-            raise ArgumentError("scenario: no design could be evaluated: the requested metrics are undefined for all designs")
+            raise ArgumentError("scenario: no design could be evaluated, because its metrics are undefined")
         return self.designs[0]
 
     def scenario(self, design: int = 0) -> Scenario:
