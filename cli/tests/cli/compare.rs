@@ -35,8 +35,7 @@ fn the_synthetic_panel_differs_as_it_was_made_to() {
     let output = compare(&run, &panel, &[Path::new("--out"), &out]);
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     let table = String::from_utf8(output.stdout).unwrap();
-    for words in
-        ["Under an overcast sky", "seen from 20 deg", "simulated / measured", "mean difference of the peaks"]
+    for words in ["Under an overcast sky", "seen from 20 deg", "simulated / measured", "mean difference of the peaks"]
     {
         assert!(table.contains(words), "{words} is not in\n{table}");
     }
