@@ -1,21 +1,20 @@
 """Papilio: spectral light transport for reflective displays.
 
-A scenario goes in; spectra, colours and metrics with their errors come out::
+Computes spectra, colours and metrics, with their errors, from a scenario::
 
     import papilio
 
     result = papilio.run("scenarios/indoor.toml")
     result["gamut_percent_srgb"]
 
-- `run` computes a scenario, `cone` what is seen from every direction, `brdf` what the display makes of light from any,
-  `Prepared` thousands of designs;
-- `optimize` searches for better designs, `tolerance` tells what production makes of one;
-- `Scenario` reads, builds and edits scenarios;
-- `cluster` computes designs by the million, on many machines;
-- `films`, `colour` and `diffuser` are the parts by themselves, on arrays.
+- `run` computes a scenario, `cone` a conoscopic map, `brdf` the BSDF of the display, `Prepared` thousands of designs.
+- `optimize` searches for better designs; `tolerance` analyses the tolerances of a design.
+- `Scenario` reads, builds and edits scenarios.
+- `cluster` computes millions of designs, on many machines.
+- `films`, `colour` and `diffuser` are the models for separate use, on arrays.
 
-Units, limits and sources of the models are in the documentation of the program ``papilio``; the numbers here are its
-own, to the last bit.
+Units, limits and sources of the models are in the documentation of the program ``papilio``. The numbers are those of the
+program, to the last bit.
 """
 
 from . import cluster, colour, diffuser, films, plot

@@ -1,4 +1,4 @@
-"""Arguments as arrays, with mistakes that name them."""
+"""Checks of arguments, and their conversion to arrays. Each error names its argument."""
 
 from __future__ import annotations
 
@@ -12,19 +12,19 @@ from numpy.typing import ArrayLike, NDArray
 
 from .errors import ArgumentError
 
-#: No array of an answer is larger than this.
+#: The largest number of elements in an array of a result.
 MOST_NUMBERS = 2**31
 
 
 def reals(name: str, values: ArrayLike, *, least: float = -np.inf, most: float = np.inf, missing: bool = False) -> NDArray[np.float64]:
-    """An array of finite numbers (with ``missing``: or NaN) from ``least`` to ``most``."""
+    """Returns an array of finite numbers from ``least`` to ``most``; with ``missing``, NaN is allowed."""
     array = _array(name, values)
     if array.dtype.kind not in "fiu":
         raise ArgumentError(f"{name}: expected numbers, not {described(values)}")
     numbers = array.astype(np.float64, copy=False)
     fine = numbers if not missing else numbers[~np.isnan(numbers)]
     if not np.isfinite(fine).all():
-        raise ArgumentError(f"{name}: {_first(numbers, ~np.isfinite(numbers))} is no finite number")
+        raise ArgumentError(f"{name}: expected finite numbers, not {_first(numbers, ~np.isfinite(numbers))}")
     if fine.size and not (fine.min() >= least and fine.max() <= most):
         wrong = _first(numbers, (numbers < least) | (numbers > most))
         raise ArgumentError(f"{name}: {wrong} is out of range; expected {_range(least, most)}")
@@ -32,57 +32,61 @@ def reals(name: str, values: ArrayLike, *, least: float = -np.inf, most: float =
 
 
 def ascending(name: str, values: ArrayLike | None, most: float) -> list[float] | None:
-    """Angles from 0 to ``most`` degrees, ascending, at least one; None if there are none."""
+    """Returns ascending angles from 0 to ``most`` degrees, at least one; None for None."""
     if values is None:
         return None
     numbers = reals(name, values, least=0.0, most=most)
     if numbers.ndim != 1 or numbers.size == 0 or not (np.diff(numbers) > 0).all():
-        raise ArgumentError(f"{name}: expected a list of angles, ascending")
+        raise ArgumentError(f"{name}: expected a list of ascending angles, not {described(values)}")
     return [float(number) for number in numbers]
 
 
 def complexes(name: str, values: ArrayLike) -> NDArray[np.complex128]:
-    """An array of finite complex numbers."""
+    """Returns an array of finite complex numbers."""
     array = _array(name, values)
     if array.dtype.kind not in "fiuc":
         raise ArgumentError(f"{name}: expected numbers n + 1j k, not {described(values)}")
     numbers = array.astype(np.complex128, copy=False)
     if not np.isfinite(numbers).all():
-        raise ArgumentError(f"{name}: {_first(numbers, ~np.isfinite(numbers))} is no finite number")
+        raise ArgumentError(f"{name}: expected finite numbers, not {_first(numbers, ~np.isfinite(numbers))}")
     return numbers
 
 
 def grid(name: str, wavelength_nm: ArrayLike) -> tuple[float, float, float]:
-    """First, last and step of evenly spaced wavelengths."""
+    """Returns the first and last of uniformly spaced wavelengths, and their step."""
     nm = reals(name, wavelength_nm, least=1.0, most=1e6)
     if nm.ndim != 1 or nm.size < 2:
         raise ArgumentError(f"{name}: expected at least two wavelengths in one dimension, not shape {nm.shape}")
     step = (nm[-1] - nm[0]) / (nm.size - 1)
     if not (step > 0 and np.allclose(np.diff(nm), step, rtol=1e-6, atol=0)):
-        raise ArgumentError(f"{name}: expected wavelengths in even steps upwards, in nm")
+        raise ArgumentError(f"{name}: expected ascending wavelengths in uniform steps, in nm")
     return float(nm[0]), float(nm[-1]), float(step)
 
 
 def last_axis(name: str, values: NDArray[Any], length: int, what: str) -> None:
-    """Fails unless the last axis is of this length."""
+    """Checks the length of the last axis.
+
+    Raises:
+        ArgumentError: if it is not ``length``; ``what`` names its contents.
+    """
     if values.ndim < 1 or values.shape[-1] != length:
-        raise ArgumentError(f"{name}: expected {what} along the last axis, {length} numbers; its shape is {values.shape}")
+        raise ArgumentError(f"{name}: expected {what} along the last axis ({length} numbers); the shape is {values.shape}")
 
 
 def common_shape(arrays: dict[str, NDArray[Any]]) -> tuple[int, ...]:
-    """The shape that all arrays broadcast to."""
+    """Returns the shape to which all arrays broadcast."""
     try:
         shape = np.broadcast_shapes(*(array.shape for array in arrays.values()))
     except ValueError:
         shapes = ", ".join(f"{name} {array.shape}" for name, array in arrays.items())
-        raise ArgumentError(f"{_names(arrays)}: shapes do not broadcast together: {shapes}") from None
+        raise ArgumentError(f"{_names(arrays)}: the shapes do not broadcast together: {shapes}") from None
     if np.prod([float(length) for length in shape]) > MOST_NUMBERS:
-        raise ArgumentError(f"{_names(arrays)}: together they are an array of shape {shape}, more than {MOST_NUMBERS} numbers")
+        raise ArgumentError(f"{_names(arrays)}: the arrays broadcast to shape {shape}; expected at most {MOST_NUMBERS} numbers")
     return shape
 
 
 def text(name: str, value: object, expected: str) -> str:
-    """A string that is text; ``expected`` says what was."""
+    """Returns a string that can be encoded as UTF-8; ``expected`` describes it in the error."""
     if isinstance(value, str):
         try:
             value.encode()
@@ -94,26 +98,26 @@ def text(name: str, value: object, expected: str) -> str:
 
 
 def one_of(name: str, value: object, known: Sequence[str]) -> str:
-    """One of the known words."""
+    """Returns ``value`` if it is one of ``known``."""
     if not isinstance(value, str) or value not in known:
         raise ArgumentError(f"{name}: expected {' or '.join(map(repr, known))}, not {described(value)}")
     return value
 
 
 def whole(name: str, value: object, least: int, most: int) -> int:
-    """A whole number in a range."""
+    """Returns an integer from ``least`` to ``most``."""
     number: object = value
     if isinstance(value, np.ndarray) and value.ndim == 0:
         number = value[()]
     if isinstance(number, (bool, np.bool_)) or not isinstance(number, (int, np.integer)):
-        raise ArgumentError(f"{name}: expected a whole number, not {described(value)}")
+        raise ArgumentError(f"{name}: expected an integer, not {described(value)}")
     if not least <= int(number) <= most:
         raise ArgumentError(f"{name}: expected {least} to {most}, not {described(value)}")
     return int(number)
 
 
 def checked_folder(out: str | PathLike[str] | None) -> str | None:
-    """Where results go, made if it is not there."""
+    """Returns the absolute path of a folder for results; creates the folder if necessary."""
     if out is None:
         return None
     try:
@@ -125,7 +129,7 @@ def checked_folder(out: str | PathLike[str] | None) -> str | None:
 
 
 def described(value: object) -> str:
-    """A value in a few words."""
+    """Returns a short description of a value."""
     if isinstance(value, np.ndarray) and value.ndim:
         return f"an array of {value.dtype}, shape {value.shape}"
     shown = ascii(value)
@@ -133,15 +137,15 @@ def described(value: object) -> str:
 
 
 def _array(name: str, values: ArrayLike) -> NDArray[Any]:
-    """Whatever numpy makes of it."""
+    """Converts values with `numpy.asarray`."""
     if np.ma.is_masked(values):
-        raise ArgumentError(f"{name}: some of its values are masked")
+        raise ArgumentError(f"{name}: expected an array without masked values")
     try:
         array = np.asarray(values)
-    except Exception as error:  # numpy asks the object, which may raise anything
+    except Exception as error:  # an object's own conversion may raise any exception
         raise ArgumentError(f"{name}: expected numbers: {error}") from None
     if array.size > MOST_NUMBERS:
-        raise ArgumentError(f"{name}: its shape is {array.shape}, more than {MOST_NUMBERS} numbers")
+        raise ArgumentError(f"{name}: expected at most {MOST_NUMBERS} numbers; the shape is {array.shape}")
     return array
 
 

@@ -1,4 +1,4 @@
-"""Batches of designs: what they are called, how large they are, and what a worker does with one."""
+"""Batches of designs: their addresses, their sizes, and their evaluation by a worker."""
 
 from __future__ import annotations
 
@@ -23,16 +23,16 @@ from .errors import ClusterError, DesignError
 from .prepared import Keys, Prepared, Skipped
 from .scenario import Scenario
 
-#: The numbers (or words) of each variable, one for each design.
+#: The values (numbers or strings) of each variable, one for each design.
 Columns = dict[Keys, NDArray[Any]]
 
-#: More designs than this are never one batch: a few megabytes.
+#: The largest number of designs in a batch: a few megabytes.
 _LARGEST = 2**17
 
 
 @dataclass(frozen=True)
 class Question:
-    """What is asked of every design: all that a worker has to know besides the batch."""
+    """The metrics requested of every design: all that a worker needs in addition to the batch."""
 
     scenario: Scenario
     variables: tuple[Keys, ...]
@@ -43,7 +43,7 @@ class Question:
 
     @cached_property
     def described(self) -> dict[str, Any]:
-        """It in JSON's words; equal questions of equal programs have equal ones."""
+        """The request as a JSON object. Equal requests to the same version of the program have equal objects."""
         return {
             "papilio": self.version,
             "scenario": self.hash,
@@ -54,11 +54,11 @@ class Question:
 
     @cached_property
     def address(self) -> str:
-        """SHA-256 of what is asked."""
+        """SHA-256 of the request."""
         return hashlib.sha256(json.dumps(self.described, sort_keys=True).encode()).hexdigest()
 
     def address_of(self, columns: Columns) -> str:
-        """SHA-256 of what is asked of these designs."""
+        """Returns the SHA-256 of the request and of these designs."""
         digest = hashlib.sha256(self.address.encode())
         for keys in self.variables:
             column = columns[keys]
@@ -70,87 +70,87 @@ class Question:
         return digest.hexdigest()
 
     def answered(self, columns: Columns, threads: int = 1) -> NDArray[np.float64]:
-        """The metrics of designs, shape [design, metric]."""
+        """Computes the metrics of designs, shape [design, metric]."""
         prepared: Prepared = self.kept()
         return prepared.evaluate(columns, list(self.metrics), view=self.view, threads=threads)
 
     def skipping(self, columns: Columns, threads: int = 1) -> tuple[NDArray[np.float64], Skipped]:
-        """As `answered`; but designs that cannot be are NaN, and stand beside: their number in the batch and why."""
+        """Computes as `answered`, with NaN for invalid designs; also returns their indices in the batch and the reasons."""
         prepared: Prepared = self.kept()
         return prepared._skipping(columns, list(self.metrics), self.view, threads)
 
     def made(self) -> tuple[Any, str]:
-        """What answers it, and the hash of what that was made of."""
+        """Creates the evaluator of the request, and returns it with the hash of its scenario."""
         return Prepared._silent(self.scenario), self.scenario.hash
 
     def kept(self) -> Any:
-        """What answers it in this thread. The last one is kept, so memory does not grow with questions."""
-        if getattr(_kept, "address", None) != self.address:
+        """Returns the evaluator of this thread. Only the latest is cached, so that memory does not grow with the number of requests."""
+        if getattr(_cache, "address", None) != self.address:
             if self.version != __version__:
-                raise ClusterError(f"a worker has papilio {__version__}, this program {self.version}")
-            made, of = self.made()
-            if of != self.hash:
-                raise ClusterError("a worker reads other files than this program, by the same names")
-            _kept.made, _kept.address = made, self.address
-        return _kept.made
+                raise ClusterError(f"a worker has papilio {__version__}, but this program has {self.version}")
+            made, scenario_hash = self.made()
+            if scenario_hash != self.hash:
+                raise ClusterError("a worker reads files of the same names as this program, but with different contents")
+            _cache.made, _cache.address = made, self.address
+        return _cache.made
 
 
-_kept = threading.local()
+_cache = threading.local()
 
 
 @dataclass(frozen=True)
 class Grid:
-    """Variables that broadcast together; nothing of the size of all designs is made."""
+    """Variables that broadcast together. No array of the size of all designs is allocated."""
 
     columns: Columns
     shape: tuple[int, ...]
-    #: Of arrays of xarray's.
+    #: The dimensions, if the variables are xarray arrays.
     dims: Dims | None = None
 
     @property
     def size(self) -> int:
-        """How many designs there are."""
+        """The number of designs."""
         return prod(self.shape)
 
     def take(self, which: NDArray[np.int64]) -> Columns:
-        """The designs of these flat indices."""
+        """Returns the designs at flat indices."""
         at = np.unravel_index(which, self.shape) if self.shape else ()
         whole = {keys: np.broadcast_to(column, self.shape) for keys, column in self.columns.items()}
         return {keys: np.atleast_1d(column[at]) for keys, column in whole.items()}
 
     def sample(self, count: int) -> Columns:
-        """So many designs from all over."""
+        """Returns ``count`` designs at uniform intervals of the flat index, or all if there are fewer."""
         return self.take(np.linspace(0, self.size - 1, min(count, self.size)).astype(np.int64))
 
     def place(self, flat: int) -> tuple[int, ...]:
-        """The index of a design in the arrays."""
+        """Returns the index of a design in the arrays from its flat index."""
         return tuple(int(i) for i in np.unravel_index(flat, self.shape)) if self.shape else ()
 
 
 @dataclass
 class Batch:
-    """Designs that are computed at once."""
+    """Designs that are computed together."""
 
     start: int
     columns: Columns = field(repr=False)
     address: str
-    #: Whether designs that cannot be are left out, and end nothing.
+    #: Whether invalid designs are skipped instead of ending the computation.
     skips: bool = False
-    #: How often it was given to a worker.
+    #: The number of times the batch was submitted to a worker.
     tries: int = 0
 
     @property
     def size(self) -> int:
-        """How many designs it holds."""
+        """The number of designs."""
         return len(next(iter(self.columns.values())))
 
     def __str__(self) -> str:
-        return f"{self.size} designs from number {self.start} on"
+        return f"batch of {self.size} designs starting at design {self.start}"
 
     def computed(
         self, question: Question, folder: str | None, threads: int = 1
     ) -> tuple[NDArray[np.float64], Skipped] | None:
-        """Its answers, and what was skipped: written into ``folder``, or given back."""
+        """Computes the batch; writes metrics and skipped designs into ``folder``, or returns them."""
         skipped: Skipped = []
         if self.skips:
             values, skipped = question.skipping(self.columns, threads)
@@ -159,22 +159,23 @@ class Batch:
         if folder is None:
             return values, skipped
         if not Path(folder).is_dir():
-            raise ClusterError(f"out: a worker does not see the folder {folder}; it has to be on a disk that all share")
+            raise ClusterError(f"out: the folder {folder} does not exist for a worker; expected a folder on a disk that all machines share")
         _parts.write(Path(folder), self.address, self.columns, question.metrics, values, question.described, skipped)
         return None
 
 
 def cut(question: Question, grid: Grid, size: int, skips: bool = False) -> Iterator[Batch]:
-    """All designs, in order."""
+    """Yields all designs in order, in batches of ``size``."""
     for start in range(0, grid.size, size):
         columns = grid.take(np.arange(start, min(start + size, grid.size)))
         yield Batch(start, columns, question.address_of(columns), skips)
 
 
 def seconds_each(question: Question, columns: Columns, skips: bool = False) -> float | None:
-    """What a design costs here, from a trial of a quarter of a second or all of `columns`; None if one of them cannot be.
+    """Measures the seconds per design in a trial of 0.25 s or of all `columns`; None if one of the designs is invalid.
 
-    With ``skips`` such designs are left out, as they will be. (Nothing is raised: a cluster would log it as a failure.)
+    With ``skips``, such designs are skipped, as in the computation. No exception is raised, because a cluster would log it as a
+    failure.
     """
     count = len(next(iter(columns.values())))
     answered = question.skipping if skips else question.answered
@@ -192,18 +193,18 @@ def seconds_each(question: Question, columns: Columns, skips: bool = False) -> f
 
 
 def batch_size(seconds_per_design: float, batch_seconds: float, designs: int, workers: int) -> int:
-    """Designs in a batch: a power of two, of about this many seconds, and enough batches that nobody waits for the last."""
+    """Returns the designs in a batch: a power of two that takes about ``batch_seconds``, with several batches for each worker."""
     wanted = batch_seconds / max(seconds_per_design, 1e-9)
     fair = ceil(designs / (8 * max(workers, 1)))
     return int(min(_LARGEST, 2 ** max(0, round(log2(max(wanted, 1.0)))), 2 ** max(0, round(log2(max(fair, 1))))))
 
 
 def placed(error: DesignError, batch: Batch, grid: Grid) -> DesignError:
-    """The error, with the design's place among all."""
+    """Returns the error with the index of the design among all designs."""
     within = error.design[0] if isinstance(error.design, tuple) else error.design
     return DesignError(str(error.args[0]), grid.place(batch.start + within))
 
 
 def as_names(columns: Mapping[Keys, Any]) -> dict[str, Any]:
-    """Columns under the names that tables give them: keys that move alike, with commas."""
+    """Returns columns by their names in tables: keys with a common value are joined by commas."""
     return {keys if isinstance(keys, str) else ", ".join(keys): column for keys, column in columns.items()}

@@ -1,4 +1,4 @@
-"""Arrays of xarray's as arguments: their dimensions count by name, or they are refused; never by place in silence."""
+"""xarray arrays as arguments: dimensions are matched by name, or the arrays are refused; never silently by position."""
 
 from __future__ import annotations
 
@@ -22,34 +22,34 @@ _Name = TypeVar("_Name")
 
 @dataclass(frozen=True)
 class Dims:
-    """The dimensions that arrays have together, in the order in which they first stand there."""
+    """The union of the dimensions of arrays, in order of first appearance."""
 
     names: tuple[Hashable, ...]
     coordinates: dict[Hashable, Any]
 
     def labelled(self, values: NDArray[np.float64], **inner: list[str]) -> xarray.DataArray:
-        """Numbers over these dimensions and some more, of which the labels are given."""
+        """Returns numbers over these dimensions, followed by further dimensions with the specified labels."""
         import xarray
 
         for name in inner:
             if name in self.names:
-                raise ArgumentError(f"variables: a dimension is called {name!r}, as one of the answer is: rename it")
+                raise ArgumentError(f"variables: the dimension name {name!r} is reserved for the result: rename it")
         return xarray.DataArray(values, {**self.coordinates, **inner}, (*self.names, *inner))
 
 
 def is_labelled(value: object) -> bool:
-    """Whether it is an array of xarray's."""
+    """Returns whether a value is an xarray array."""
     known = sys.modules.get("xarray")
     return known is not None and isinstance(value, (known.DataArray, known.Variable))
 
 
 def crossed(arrays: Mapping[_Name, Any], called: Mapping[_Name, str]) -> tuple[dict[_Name, Any], Dims | None]:
-    """Arrays that broadcast by numpy's rules as those given do by xarray's: by dimension; ``called`` is how mistakes call them.
+    """Converts xarray arrays, which broadcast by dimension, to arrays that broadcast equally by numpy's rules.
 
-    Without an array of xarray's they stay as they are.
+    ``called`` has the names for errors. Without an xarray array, the arrays are returned unchanged.
 
     Raises:
-        ArgumentError: a shared dimension has two lengths or two coordinates, or an array without names stands among them.
+        ArgumentError: if a shared dimension has two lengths or two coordinates, or if one of the arrays has no dimension names.
     """
     found = {name: array for name, array in arrays.items() if is_labelled(array)}
     if not found:
@@ -60,15 +60,15 @@ def crossed(arrays: Mapping[_Name, Any], called: Mapping[_Name, str]) -> tuple[d
         if name not in found and np.ndim(array) > 0:
             shape = np.shape(array)
             raise ArgumentError(
-                f"{called[name]}: an array of shape {shape} without names beside arrays with dimensions: "
-                "make it a DataArray, or give .values of the others"
+                f"{called[name]}: expected an xarray array, as for the other arguments, not an array of shape {shape} without names: "
+                "make it a DataArray, or pass the .values of the others"
             )
     whole = {name: xarray.DataArray(array) for name, array in found.items()}
     try:
         aligned = dict(zip(whole, xarray.align(*whole.values(), join="exact", copy=False), strict=True))
     except ValueError as error:
         words = ", ".join(called[name] for name in found)
-        raise ArgumentError(f"{words}: a dimension that they share differs: {error}") from None
+        raise ArgumentError(f"{words}: a shared dimension differs: {error}") from None
     names = tuple(dict.fromkeys(dimension for array in aligned.values() for dimension in array.dims))
     coordinates = {
         dimension: array.coords[dimension]
@@ -85,10 +85,10 @@ def crossed(arrays: Mapping[_Name, Any], called: Mapping[_Name, str]) -> tuple[d
 
 
 def check_places(arrays: Mapping[str, Any]) -> None:
-    """Fails where arrays of xarray's would be broadcast against others by place, and not by dimension.
+    """Checks that broadcasting by position agrees with the dimensions of xarray arrays.
 
     Raises:
-        ArgumentError: with both names.
+        ArgumentError: if it does not; with the names of both arrays.
     """
     found = [(name, array) for name, array in arrays.items() if is_labelled(array) and array.ndim]
     if not found:
@@ -98,10 +98,10 @@ def check_places(arrays: Mapping[str, Any]) -> None:
         own = array.dims if is_labelled(array) else None
         if np.ndim(array) == 0 if own is None else not own:
             continue
-        alike = own is not None and (own == dims[len(dims) - len(own) :] or dims == own[len(own) - len(dims) :])
-        if not alike:
+        agrees = own is not None and (own == dims[len(dims) - len(own) :] or dims == own[len(own) - len(dims) :])
+        if not agrees:
             has = f"dimensions {own}" if own is not None else "no names"
             raise ArgumentError(
-                f"{name}: its axes have {has}, those of {first} are {dims}; here arrays broadcast by place, as numpy's do: "
-                "bring them in one order and give their .values"
+                f"{name}: its axes have {has}, but those of {first} are {dims}; this function broadcasts by position, as numpy does: "
+                "transpose the arrays to one order and pass their .values"
             )

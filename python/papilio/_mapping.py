@@ -1,4 +1,4 @@
-"""Results as mappings: ``in``, iteration, ``keys``, ``get``, ``len`` and ``dict()`` beside ``[]``."""
+"""Results as mappings: ``in``, iteration, ``keys``, ``get``, ``len`` and ``dict()`` in addition to ``[]``."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ _Default = TypeVar("_Default")
 
 
 class Lookup(Generic[_Value]):
-    """What has a value for each of its names. ``in`` and ``get`` know all that ``[]`` knows."""
+    """Values by name. ``in`` and ``get`` accept every name that ``[]`` accepts."""
 
     __slots__ = ()
 
@@ -23,7 +23,7 @@ class Lookup(Generic[_Value]):
         raise NotImplementedError
 
     def keys(self) -> KeysView[str]:
-        """The names."""
+        """Returns the names."""
         return dict.fromkeys(self._names()).keys()
 
     def __iter__(self) -> Iterator[str]:
@@ -43,7 +43,7 @@ class Lookup(Generic[_Value]):
     @overload
     def get(self, name: str, default: _Value | _Default) -> _Value | _Default: ...
     def get(self, name: str, default: Any = None) -> Any:
-        """The value of a name; without one, ``default``."""
+        """Returns the value of a name, or ``default`` if there is none."""
         try:
             return self[name]
         except KeyError:
@@ -51,16 +51,16 @@ class Lookup(Generic[_Value]):
 
 
 class ByName(Lookup[_Value]):
-    """The same with the views of a dictionary."""
+    """A `Lookup` with the views of a dictionary."""
 
     __slots__ = ()
 
     def values(self) -> ValuesView[_Value]:
-        """The values, in the order of `keys`."""
+        """Returns the values, in the order of `keys`."""
         return self._read().values()
 
     def items(self) -> ItemsView[str, _Value]:
-        """Names with their values."""
+        """Returns the names with their values."""
         return self._read().items()
 
     def _read(self) -> dict[str, _Value]:

@@ -1,4 +1,4 @@
-"""The extension module under the package; the package's own modules check arguments and document."""
+"""The extension module of the package. The modules of the package check the arguments and have the documentation."""
 
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any, final

@@ -1,4 +1,4 @@
-"""Parts of large answers: Parquet files named by what they hold."""
+"""Parts of large results: Parquet files that are named by the hash of their contents."""
 
 from __future__ import annotations
 
@@ -18,15 +18,15 @@ from .prepared import Skipped
 if TYPE_CHECKING:
     import pyarrow
 
-#: Where a part says which of its designs cannot be.
+#: Metadata key for the skipped designs of a part.
 _SKIPPED = "papilio.skipped"
-_QUESTION = "_question.json"  # readers of a folder of Parquet pass over such names
+_QUESTION = "_question.json"  # readers of a Parquet folder ignore names that begin with an underscore
 
 
 def open_folder(out: Path, address: str, described: Mapping[str, Any], size: int) -> tuple[Path, int]:
-    """The folder of a question in ``out``, and how many designs each of its parts holds.
+    """Returns the folder of a request in ``out``, and the number of designs in each of its parts.
 
-    ``size`` is for a new one; one that is there keeps its own, so that its parts are found again.
+    ``size`` applies to a new folder. An existing folder keeps its own size, so that its parts are found again.
     """
     folder = out / address[:16]
     try:
@@ -36,7 +36,7 @@ def open_folder(out: Path, address: str, described: Mapping[str, Any], size: int
             content = json.dumps({**described, "designs_per_part": size}, indent=2) + "\n"
             temporary = _written(folder, content.encode())
             try:
-                os.link(temporary, question)  # of two programs that begin at once, the first one's holds
+                os.link(temporary, question)  # if two programs start at once, the file of the first one is used
             except FileExistsError:
                 pass
             finally:
@@ -47,7 +47,7 @@ def open_folder(out: Path, address: str, described: Mapping[str, Any], size: int
 
 
 def known_size(out: Path, address: str) -> int | None:
-    """How many designs each part of a question holds, if it was asked before."""
+    """Returns the number of designs in each part of a request, or None for a new request."""
     question = out / address[:16] / _QUESTION
     return _size(question) if question.exists() else None
 
@@ -59,7 +59,7 @@ def _size(question: Path) -> int:
             return size
     except (ValueError, KeyError, TypeError):
         pass
-    raise FileError(f"{question}: this is no record of an evaluation; move it away")
+    raise FileError(f"{question}: expected a record of an evaluation with designs_per_part; move this file away")
 
 
 def write(
@@ -71,7 +71,7 @@ def write(
     described: Mapping[str, Any],
     skipped: Skipped,
 ) -> None:
-    """Writes a part: whole, or not at all."""
+    """Writes a part completely, or not at all."""
     import pyarrow
     from pyarrow import parquet
 
@@ -87,7 +87,7 @@ def write(
 
 
 def _written(folder: Path, content: Any) -> Path:
-    """A file of a name of its own, on the disk."""
+    """Writes a temporary file with a unique name to the disk."""
     temporary = folder / f".{secrets.token_hex(8)}.part"
     with temporary.open("xb") as file:
         file.write(content)
@@ -97,12 +97,12 @@ def _written(folder: Path, content: Any) -> Path:
 
 
 def path(folder: Path, address: str) -> Path:
-    """Where a part lies."""
+    """Returns the path of a part."""
     return folder / f"{address}.parquet"
 
 
 def whole(folder: Path, address: str, rows: int) -> bool:
-    """Whether a part is there, to its end."""
+    """Returns whether a part exists and is complete."""
     from pyarrow import ArrowException, parquet
 
     try:
@@ -112,20 +112,20 @@ def whole(folder: Path, address: str, rows: int) -> bool:
 
 
 def skipped(folder: Path, address: str) -> Skipped:
-    """The designs of a part that cannot be: their number in it, and why."""
+    """Reads the invalid designs of a part: their indices in it, and the reasons."""
     import pyarrow
     from pyarrow import parquet
 
     where = path(folder, address)
     try:
-        said = (parquet.read_schema(where).metadata or {}).get(_SKIPPED.encode(), b"[]")
-        return [(int(at), str(why)) for at, why in json.loads(said)]
+        recorded = (parquet.read_schema(where).metadata or {}).get(_SKIPPED.encode(), b"[]")
+        return [(int(at), str(why)) for at, why in json.loads(recorded)]
     except (OSError, pyarrow.ArrowException, ValueError, TypeError) as error:
         raise FileError(f"{where}: {error}") from None
 
 
 def read(folder: Path, address: str, metrics: Sequence[str]) -> NDArray[np.float64]:
-    """The metrics of a part, shape [design, metric]."""
+    """Reads the metrics of a part, shape [design, metric]."""
     import pyarrow
     from pyarrow import parquet
 

@@ -1,4 +1,4 @@
-"""Samples of a production in batches."""
+"""Samples of a tolerance analysis, in batches."""
 
 from __future__ import annotations
 
@@ -12,33 +12,33 @@ from numpy.typing import NDArray
 
 from . import _batches, _papilio
 from ._batches import Columns, Grid, Question
-from ._roads import Failed, OnCluster, seconds_each
+from ._backends import ClusterBackend, Failed, seconds_each
 from .errors import DesignError
 from .running import Progress
 from .scenario import Scenario
 
-#: The one variable: which sample.
+#: The only variable: the index of the sample.
 SAMPLE = "sample"
 
 
 @dataclass(frozen=True)
-class Samples(Question):
-    """The displays of a production, each with those that go with it; their numbers are the `metrics`."""
+class SampleRequest(Question):
+    """The displays of a tolerance analysis, each with the displays of its sensitivity sample; their numbers are the `metrics`."""
 
     sensitivity_rows: int
 
     @cached_property
     def described(self) -> dict[str, Any]:
-        """As of any question; what goes with a sample is asked, too."""
+        """The request as a JSON object, with the number of sensitivity samples."""
         return {**super().described, "sensitivity_samples": self.sensitivity_rows}
 
     def made(self) -> tuple[Any, str]:
-        """The production."""
+        """Creates the tolerance analysis, and returns it with its hash."""
         production = _papilio.Production(*self.scenario._state())
         return production, production.hash
 
     def answered(self, columns: Columns, threads: int = 1) -> NDArray[np.float64]:
-        """The numbers of samples, shape [sample, number]; NaN behind those of a sample that nothing goes with."""
+        """Computes the numbers of samples, shape [sample, number]; NaN after those of a row without a sensitivity sample."""
         production: _papilio.Production = self.kept()
         rows = columns[SAMPLE].astype(np.int64)
         found = np.full((rows.size, len(self.metrics)), np.nan)
@@ -50,42 +50,42 @@ class Samples(Question):
         return found
 
 
-def question(scenario: Scenario, production: _papilio.Production) -> Samples:
-    """What is asked by a scenario's ``[tolerance]``."""
+def question(scenario: Scenario, production: _papilio.Production) -> SampleRequest:
+    """Creates the request for the samples of a scenario's ``[tolerance]``."""
     metrics = production.names()[1]
     draws = production.width(0) // len(metrics)
     names = [*metrics, *(f"{metric} [{draw}]" for draw in range(1, draws) for metric in metrics)]
-    return Samples(scenario, (SAMPLE,), tuple(names), 0, production.hash, production.sensitivity_rows)
+    return SampleRequest(scenario, (SAMPLE,), tuple(names), 0, production.hash, production.sensitivity_rows)
 
 
 def compute(
-    question: Samples,
+    question: SampleRequest,
     production: _papilio.Production,
     rows: list[int],
-    road: OnCluster,
+    backend: ClusterBackend,
     batch_seconds: float,
     tell: Progress | None,
 ) -> None:
-    """Has rows computed on a cluster, and hands them to the production as they come.
+    """Computes rows on a cluster, and passes each to the tolerance analysis when it is complete.
 
     Raises:
-        DesignError: if one of the displays cannot be.
-        ClusterError: the cluster was closed, or lost a batch too often.
+        DesignError: if one of the displays is invalid.
+        ClusterError: if the cluster was closed, or lost a batch more often than ``retries`` allows.
     """
     if not rows:
         return
     grid = Grid({SAMPLE: np.array(rows, dtype=np.float64)}, (len(rows),))
-    each = seconds_each(question, grid, road)
-    size = _batches.batch_size(each, batch_seconds, len(rows), road.workers() or 1)
+    each = seconds_each(question, grid, backend)
+    size = _batches.batch_size(each, batch_seconds, len(rows), backend.workers() or 1)
     done = 0
     try:
-        with closing(road.each(question, _batches.cut(question, grid, size), None)) as answers:
+        with closing(backend.each(question, _batches.cut(question, grid, size), None)) as answers:
             for batch, (values, _) in answers:
                 for row, numbers in zip(batch.columns[SAMPLE], values, strict=True):
-                    production.take(int(row), np.array(numbers))  # what came by wire need not be aligned
+                    production.take(int(row), np.array(numbers))  # received arrays may be unaligned
                 done += batch.size
                 if tell is not None:
-                    tell({"done": done, "of": len(rows), "workers": road.workers()})
+                    tell({"done": done, "of": len(rows), "workers": backend.workers()})
     except Failed as failed:
         at = failed.error.design
         first = at if isinstance(at, int) else at[0]

@@ -1,4 +1,4 @@
-"""Python values as TOML."""
+"""Conversion of Python values to TOML."""
 
 from __future__ import annotations
 
@@ -19,17 +19,17 @@ _BARE = re.compile(r"[A-Za-z0-9_-]+\Z")
 #: A scenario is at most 1 MiB of text.
 _MOST_ITEMS = 1 << 20
 
-#: Deeper than this is no scenario.
+#: The largest depth of nesting in a scenario.
 _DEEPEST = 32
 
 
 def plain(value: Any, name: str, depth: int = 0) -> Any:
-    """The value as plain bool, int, float, str, list and dict; ``name`` is how mistakes call it."""
+    """Converts a value to plain bool, int, float, str, list and dict; errors call it ``name``."""
     if depth > _DEEPEST:
-        raise ArgumentError(f"{name}: this is nested too deeply, or holds itself")
+        raise ArgumentError(f"{name}: the value is nested too deeply, or contains itself; expected at most {_DEEPEST} levels")
     if isinstance(value, (np.ndarray, np.generic)):
         if value.size > _MOST_ITEMS:
-            raise ArgumentError(f"{name}: a list of {value.size} items is no value of a scenario")
+            raise ArgumentError(f"{name}: expected at most {_MOST_ITEMS} items, not {value.size}")
         value = value.tolist()
     if isinstance(value, str):
         return text(name, value, "text")
@@ -39,7 +39,7 @@ def plain(value: Any, name: str, depth: int = 0) -> Any:
         return whole(name, value, -(2**63), 2**63 - 1)
     if isinstance(value, float):
         if not math.isfinite(value):
-            raise ArgumentError(f"{name}: {value} is no finite number")
+            raise ArgumentError(f"{name}: expected a finite number, not {value}")
         return value
     if isinstance(value, PurePath):
         return text(name, str(value), "a path")
@@ -53,7 +53,7 @@ def plain(value: Any, name: str, depth: int = 0) -> Any:
 
 
 def document(tables: Mapping[str, Any]) -> str:
-    """A plain dictionary as a TOML document."""
+    """Converts a plain dictionary to a TOML document."""
     lines: list[str] = []
     _table(lines, [], tables)
     return "\n".join(lines).lstrip("\n") + "\n"
@@ -68,7 +68,7 @@ def _table(lines: list[str], path: list[str], table: Mapping[str, Any]) -> None:
         below = [*path, _key(key)]
         name = ".".join(below)
         if _is_table(one):
-            # A table that holds nothing but tables needs no line of its own.
+            # A table that contains only tables needs no header.
             if not one or not all(_is_table(each) or _is_tables(each) for each in one.values()):
                 lines += ["", f"[{name}]"]
             _table(lines, below, one)
@@ -87,7 +87,7 @@ def _is_tables(one: Any) -> bool:
 
 
 def inline(one: Any) -> str:
-    """A plain value in one line."""
+    """Converts a plain value to one line of TOML."""
     if isinstance(one, bool):
         return "true" if one else "false"
     if isinstance(one, (int, float)):

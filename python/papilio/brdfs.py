@@ -1,4 +1,4 @@
-"""What a display makes of light from any direction."""
+"""BSDF of a display, and the parts of its reflection."""
 
 from __future__ import annotations
 
@@ -13,9 +13,9 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from . import _papilio, _said
+from . import _messages, _papilio
 from ._arguments import ascending, reals
-from ._kept import fixed
+from ._snapshots import read_only
 from ._mapping import ByName
 from .errors import ArgumentError
 from .running import Progress, checked_progress, checked_threads, with_solver
@@ -29,60 +29,60 @@ __all__ = ["Brdf", "Reflection", "brdf", "reflection"]
 #: Names of arrays, with units and long names.
 _ARRAYS = {
     "brdf": ("1/sr", "scattered light: dL_o/dE_i, without a cosine"),
-    "specular": ("1", "share of a beam that leaves in the mirror direction"),
-    "directional_hemispherical": ("1", "share of a beam that leaves at all, scattered and mirrored"),
+    "specular": ("1", "fraction of a beam that leaves in the mirror direction"),
+    "directional_hemispherical": ("1", "fraction of a beam that leaves in any direction, scattered and mirrored"),
 }
 _AXES = {
     "theta_i_deg": ("degree", "inclination of the light"),
     "theta_o_deg": ("degree", "inclination of the viewer"),
-    "dphi_deg": ("degree", "azimuth of the viewer less that of the light; alike on the other side"),
+    "dphi_deg": ("degree", "azimuth of the viewer minus that of the light; symmetric about 0"),
     "wavelength_nm": ("nm", "wavelength in air"),
 }
 _SHARES = ("returned", "mirror", "haze", "lambertian", "beyond_2_5_deg")
 
 
 class Brdf:
-    """A display's spectral BSDF in each of its states; what ``papilio brdf`` writes as ``display-bsdf.npz``.
+    """Spectral BSDF of a display in each of its states: the contents of ``display-bsdf.npz`` of ``papilio brdf``.
 
-    ``about`` has the conventions. The page on BRDFs in the documentation of the program describes every array. Arrays cannot be
-    written to: ``found.brdf.copy()`` can.
+    ``about`` has the conventions. The page on BRDFs in the documentation of the program describes every array. Arrays are
+    read-only; ``found.brdf.copy()`` is writable.
     """
 
     def __init__(self, content: bytes, missed: float, warned: Sequence[str] = (), notes: Sequence[str] = ()) -> None:
         self._content = content
         with np.load(io.BytesIO(content)) as arrays:
-            read_in = {name: fixed(arrays[name]) for name in arrays.files}
+            read_in = {name: read_only(arrays[name]) for name in arrays.files}
         #: The names of the drive states.
         self.states = [str(name) for name in read_in["state"]]
         #: Inclinations of the light, degrees.
         self.theta_i_deg: NDArray[np.float64] = read_in["theta_i_deg"]
         #: Inclinations of the viewer, degrees.
         self.theta_o_deg: NDArray[np.float64] = read_in["theta_o_deg"]
-        #: Azimuths of the viewer less those of the light, degrees: 0 is back to the light, 180 the mirror's side.
+        #: Azimuths of the viewer minus those of the light, degrees: 0 is the side of the light, 180 that of the mirror direction.
         self.dphi_deg: NDArray[np.float64] = read_in["dphi_deg"]
         #: Wavelengths in air, nm.
         self.wavelength_nm: NDArray[np.float64] = read_in["wavelength_nm"]
         #: Scattered light, dL_o/dE_i in 1/sr, shape [state, theta_i, theta_o, dphi, wavelength], single precision.
         self.brdf: NDArray[np.float32] = read_in["brdf"]
-        #: Share of a beam that leaves in the mirror direction, shape [state, theta_i, wavelength].
+        #: Fraction of a beam that leaves in the mirror direction, shape [state, theta_i, wavelength].
         self.specular: NDArray[np.float64] = read_in["specular"]
-        #: Share of a beam that leaves at all, shape [state, theta_i, wavelength].
+        #: Fraction of a beam that leaves in any direction, shape [state, theta_i, wavelength].
         self.directional_hemispherical: NDArray[np.float64] = read_in["directional_hemispherical"]
         #: Format, program, scenario, conventions and solver.
         self.about: dict[str, Any] = json.loads(str(read_in["about"]))
-        #: How far a sum over the directions is from the light that leaves, of 1: above 0.02 they are too few, and ``warnings`` say so.
-        #: Of directions that were all given it tells how far they are from a table that can be summed.
+        #: Relative deviation of the sum over the directions from the light that leaves. Above 0.02, the directions are too few, and
+        #: ``warnings`` reports it. If all directions were specified, it shows whether the table can be summed.
         self.missed = missed
-        #: What the reader should know; each was raised as a `papilio.PapilioWarning` when it was found.
+        #: Warnings; each was also raised as a `papilio.PapilioWarning` by the computation.
         self.warnings = list(warned)
-        #: What the reader may like to know: what was measured, assumed, or scaled.
+        #: Notes on data that were measured, assumed or scaled.
         self.notes = list(notes)
 
     def to_xarray(self) -> xarray.Dataset:
-        """All arrays as a Dataset over ``state``, ``theta_i_deg``, ``theta_o_deg``, ``dphi_deg`` and ``wavelength_nm``.
+        """Returns all arrays as a Dataset over ``state``, ``theta_i_deg``, ``theta_o_deg``, ``dphi_deg`` and ``wavelength_nm``.
 
         Raises:
-            ImportError: without xarray.
+            ImportError: if xarray is not installed.
         """
         import xarray
 
@@ -97,11 +97,11 @@ class Brdf:
         }
         coordinates["state"] = ("state", self.states, {"long_name": "drive state"})
         about = {key: self.about[key] for key in ("papilio", "title", "hash")}
-        told = _said.attributes(self.warnings, self.notes)
+        told = _messages.attributes(self.warnings, self.notes)
         return xarray.Dataset(data, coordinates, about | {"missed": self.missed} | told)
 
     def save(self, path: str | PathLike[str]) -> None:
-        """Writes ``display-bsdf.npz``, byte for byte the program's."""
+        """Writes ``display-bsdf.npz``, identical to the program's file byte for byte."""
         Path(path).write_bytes(self._content)
 
     def __reduce__(self) -> tuple[Any, ...]:
@@ -110,58 +110,58 @@ class Brdf:
     def __repr__(self) -> str:
         directions = f"{self.theta_i_deg.size} x {self.theta_o_deg.size} x {self.dphi_deg.size} directions"
         size = f"{len(self.states)} states, {directions}, {self.wavelength_nm.size} wavelengths"
-        return f"<papilio.Brdf {self.about['title']!r}: {size}{_said.short(self.warnings)}>"
+        return f"<papilio.Brdf {self.about['title']!r}: {size}{_messages.summary(self.warnings)}>"
 
     def _repr_html_(self) -> str:
-        """What it is, warnings and notes."""
-        return f"<p>{html.escape(repr(self))}</p>{_said.listed(self.warnings, self.notes)}"
+        """A summary with warnings and notes, as HTML."""
+        return f"<p>{html.escape(repr(self))}</p>{_messages.as_html(self.warnings, self.notes)}"
 
 
 class Reflection(ByName[NDArray[np.float64]]):
-    """Mirror, haze and Lambertian parts of what a display reflects, in luminous shares; see `reflection`.
+    """Mirror, haze and Lambertian parts of the reflection of a display, as luminous fractions; see `reflection`.
 
-    Arrays cannot be written to.
+    Arrays are read-only.
     """
 
     def __init__(self, text: str, warned: Sequence[str] = (), notes: Sequence[str] = ()) -> None:
         self._text = text
         rows = [line.split(",") for line in text.splitlines()[1:]]
         #: Inclinations of the beam, degrees.
-        self.theta_deg: NDArray[np.float64] = fixed(np.array(list(dict.fromkeys(float(row[0]) for row in rows))))
+        self.theta_deg: NDArray[np.float64] = read_only(np.array(list(dict.fromkeys(float(row[0]) for row in rows))))
         #: The names of the drive states.
         self.states = list(dict.fromkeys(row[1] for row in rows))
         numbers = np.array([[float(cell) if cell else np.nan for cell in row[2:]] for row in rows], dtype=np.float64)
-        self._shares: NDArray[np.float64] = fixed(numbers.reshape(self.theta_deg.size, len(self.states), len(_SHARES)))
-        #: What the reader should know; each was raised as a `papilio.PapilioWarning` when it was found.
+        self._shares: NDArray[np.float64] = read_only(numbers.reshape(self.theta_deg.size, len(self.states), len(_SHARES)))
+        #: Warnings; each was also raised as a `papilio.PapilioWarning` by the computation.
         self.warnings = list(warned)
-        #: What the reader may like to know: what was measured, assumed, or scaled.
+        #: Notes on data that were measured, assumed or scaled.
         self.notes = list(notes)
 
     def _names(self) -> Iterable[str]:
         return _SHARES
 
     def __getitem__(self, name: str) -> NDArray[np.float64]:
-        """``returned`` (of the beam: all that leaves), its parts ``mirror``, ``haze`` and ``lambertian``, or ``beyond_2_5_deg`` (of what
-        leaves), shape [theta, state].
+        """Returns ``returned`` (the fraction of the beam that leaves), its parts ``mirror``, ``haze`` and ``lambertian``, or ``beyond_2_5_deg`` (a
+        fraction of the leaving light), shape [theta, state].
 
         Raises:
-            KeyError: if there is no such share.
+            KeyError: if there is no such part.
         """
         if name not in _SHARES:
-            raise KeyError(f"{name!r}: there is no such share; there are {', '.join(_SHARES)}")
+            raise KeyError(f"{name!r}: there is no such part; expected {', '.join(_SHARES)}")
         return self._shares[..., _SHARES.index(name)]
 
     def to_xarray(self) -> xarray.Dataset:
-        """All shares as a Dataset over ``theta_deg`` and ``state``.
+        """Returns all parts as a Dataset over ``theta_deg`` and ``state``.
 
         Raises:
-            ImportError: without xarray.
+            ImportError: if xarray is not installed.
         """
         import xarray
 
         data = {name: (("theta_deg", "state"), self[name].copy(), {"units": "1"}) for name in _SHARES}
         theta = ("theta_deg", self.theta_deg.copy(), {"units": "degree", "long_name": "inclination of the beam"})
-        told = _said.attributes(self.warnings, self.notes)
+        told = _messages.attributes(self.warnings, self.notes)
         return xarray.Dataset(data, {"theta_deg": theta, "state": ("state", self.states)}, told)
 
     def __reduce__(self) -> tuple[Any, ...]:
@@ -169,11 +169,11 @@ class Reflection(ByName[NDArray[np.float64]]):
 
     def __repr__(self) -> str:
         size = f"{self.theta_deg.size} inclinations, states {', '.join(self.states)}"
-        return f"<papilio.Reflection: {size}{_said.short(self.warnings)}>"
+        return f"<papilio.Reflection: {size}{_messages.summary(self.warnings)}>"
 
     def _repr_html_(self) -> str:
-        """What it is, warnings and notes."""
-        return f"<p>{html.escape(repr(self))}</p>{_said.listed(self.warnings, self.notes)}"
+        """A summary with warnings and notes, as HTML."""
+        return f"<p>{html.escape(repr(self))}</p>{_messages.as_html(self.warnings, self.notes)}"
 
 
 def brdf(
@@ -188,35 +188,34 @@ def brdf(
     progress: Progress | None = None,
     allow_error: float | None = None,
 ) -> Brdf:
-    """The finished display as a spectral BSDF, without its room: what ``papilio brdf`` computes, by adding.
+    """Computes the spectral BSDF of the display, without its environment, by adding: as ``papilio brdf`` does.
 
-    Without a step the directions are as close as the display asks for: from 5 degrees on finer, until a sum over the table's
-    directions misses at most 0.02 of what leaves (``missed``), or a finer table would have more than 1e8 numbers. That may take
-    minutes and hundreds of megabytes; a larger ``spectrum.step_nm`` keeps the table small. With a step that is too coarse, there
-    is a warning.
+    Without ``step_deg``, the step is reduced from 5 degrees until the sum over the table's directions deviates by at most 0.02
+    from the light that leaves (``missed``), or a finer table would have more than 1e8 numbers. This may take minutes and hundreds
+    of megabytes; a larger ``spectrum.step_nm`` keeps the table small. A step that is too coarse causes a warning.
 
     Args:
-        scenario: a `Scenario`, or the path of one; its light and viewer play no part.
-        step_deg: step of all directions that are not given, a divisor of 90 degrees; None: as fine as it has to be (with directions
-            of the viewer that are given: 5).
+        scenario: a `Scenario`, or the path of a scenario file; its light and viewer are ignored.
+        step_deg: step of all directions that are not specified, a divisor of 90 degrees; None: as fine as necessary (5 if directions
+            of the viewer are specified).
         theta_i_deg: inclinations of the light, ascending, 0 to less than 90 degrees.
-        theta_o_deg: inclinations of the viewer, likewise.
-        dphi_deg: azimuths between both, ascending, 0 to 180 degrees.
-        set: values put in before, ``{path: value}``.
-        threads: how many; None: one for each processor.
-        progress: called a few times a second.
-        allow_error: rows whose relative error is larger are refused; by default the scenario's target holds.
+        theta_o_deg: inclinations of the viewer, ascending, 0 to less than 90 degrees.
+        dphi_deg: azimuths of the viewer minus those of the light, ascending, 0 to 180 degrees.
+        set: values to set in the scenario first, ``{path: value}``.
+        threads: number of threads; None: one for each processor.
+        progress: function that is called a few times a second.
+        allow_error: rows with a larger relative error are refused; None: the scenario's target.
 
     Raises:
-        ArgumentError: names the argument that is wrong; more than 1e8 numbers.
-        ScenarioError, DisplayError, KeyboardInterrupt: as of `papilio.run`.
+        ArgumentError: if an argument is invalid; the message names it; or if the table would have more than 1e8 numbers.
+        ScenarioError, DisplayError, KeyboardInterrupt: as for `papilio.run`.
 
     Warns:
-        PapilioWarning: what the program prints as a warning; the result has it as ``warnings``, too.
+        PapilioWarning: each warning that the program prints; ``warnings`` of the result contains it.
     """
     changed = read(scenario, with_solver(set))
     below = float(np.nextafter(90.0, 0.0))
-    asked = _Asked(
+    request = _TableRequest(
         changed,
         ascending("theta_i_deg", theta_i_deg, below),
         ascending("theta_o_deg", theta_o_deg, below),
@@ -225,14 +224,14 @@ def brdf(
         checked_progress(progress),
         allow_error,
     )
-    found, finer = asked.found(_FIRST_STEP_DEG if step_deg is None else _checked_step(step_deg))
+    found, finer = request.table(_FIRST_STEP_DEG if step_deg is None else _checked_step(step_deg))
     while step_deg is None and finer is not None:
-        found, finer = asked.found(finer)
-    _said.warn(found.warnings)
+        found, finer = request.table(finer)
+    _messages.warn(found.warnings)
     return found
 
 
-#: The step of ``papilio brdf``.
+#: The initial step, which is that of ``papilio brdf``.
 _FIRST_STEP_DEG = 5.0
 
 
@@ -243,8 +242,8 @@ def _checked_step(step_deg: float) -> float:
     return step
 
 
-class _Asked(NamedTuple):
-    """A display, the directions that are given, and how to compute."""
+class _TableRequest(NamedTuple):
+    """A display, the specified directions, and the options of the computation."""
 
     scenario: Scenario
     theta_i_deg: list[float] | None
@@ -254,24 +253,24 @@ class _Asked(NamedTuple):
     progress: Progress | None
     allow_error: float | None
 
-    def found(self, step: float) -> tuple[Brdf, float | None]:
-        """The table with all other directions in steps, and the step that would do, if this does not and that one can."""
+    def table(self, step: float) -> tuple[Brdf, float | None]:
+        """Computes the table with all other directions in steps; also returns a finer step if it is required and possible."""
         steps = round(90.0 / step)
         scene = self.scenario._scene()
-        # Of some directions of the viewer, a sum says nothing.
-        is_even = self.theta_o_deg is None and self.dphi_deg is None
+        # The sum is only meaningful over uniform directions of the viewer.
+        is_uniform = self.theta_o_deg is None and self.dphi_deg is None
         content, missed, warned, finer = _papilio.bsdf(
             scene,
             self.scenario.title,
             self.theta_i_deg or [step * i for i in range(steps)],
             self.theta_o_deg or [step * i for i in range(steps)],
             self.dphi_deg or [step * i for i in range(2 * steps + 1)],
-            step if is_even else None,
+            step if is_uniform else None,
             self.threads,
             self.progress,
             self.allow_error,
         )
-        return Brdf(content, missed, _said.both(scene.warnings, warned), scene.notes), finer
+        return Brdf(content, missed, _messages.merged(scene.warnings, warned), scene.notes), finer
 
 
 def reflection(
@@ -282,21 +281,21 @@ def reflection(
     threads: int | None = None,
     progress: Progress | None = None,
 ) -> Reflection:
-    """What becomes of beams of the scene's light: mirror, haze and Lambertian parts (Kelley 1998), as ``papilio brdf`` prints.
+    """Computes the mirror, haze and Lambertian parts (Kelley 1998) of reflected beams of the scene's light, as ``papilio brdf`` does.
 
     Args:
-        scenario: a `Scenario`, or the path of one.
+        scenario: a `Scenario`, or the path of a scenario file.
         theta_deg: inclinations of the beams, ascending, 0 to less than 87 degrees.
-        set: values put in before, ``{path: value}``.
-        threads: how many; None: one for each processor.
-        progress: called a few times a second.
+        set: values to set in the scenario first, ``{path: value}``.
+        threads: number of threads; None: one for each processor.
+        progress: function that is called a few times a second.
 
     Raises:
-        ArgumentError: names the argument that is wrong.
-        ScenarioError, DisplayError, KeyboardInterrupt: as of `papilio.run`.
+        ArgumentError: if an argument is invalid; the message names it.
+        ScenarioError, DisplayError, KeyboardInterrupt: as for `papilio.run`.
     """
     scene = read(scenario, with_solver(set))._scene()
     thetas = ascending("theta_deg", theta_deg, float(np.nextafter(87.0, 0.0))) or []
     text = _papilio.beams(scene, thetas, checked_threads(threads), checked_progress(progress))
-    _said.warn(scene.warnings)
+    _messages.warn(scene.warnings)
     return Reflection(text.decode(), scene.warnings, scene.notes)

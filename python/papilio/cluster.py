@@ -1,8 +1,8 @@
-"""Designs by the million: in batches, on this machine or on a Dask cluster, stopped and gone on with at will.
+"""Evaluation of millions of designs in batches, on this machine or on a Dask cluster; it can be interrupted and resumed.
 
-`evaluate_many` is `Prepared.evaluate` for more designs than one call should hold, `sweep` the same on a grid. Both give the same
-numbers, to the last bit, wherever and in whatever order batches are computed. (`papilio.optimize` and `papilio.tolerance` take a
-``client=`` themselves.)
+`evaluate_many` is `Prepared.evaluate` for more designs than fit one call; `sweep` evaluates a grid. The results are the same, to
+the last bit, on every machine and in any order of the batches. (`papilio.optimize` and `papilio.tolerance` have their own
+argument ``client``.)
 """
 
 from __future__ import annotations
@@ -19,10 +19,10 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from . import _batches, _parts, _said
+from . import _batches, _messages, _parts
 from ._arguments import common_shape, described, one_of, reals, whole
 from ._batches import Batch, Grid, Question
-from ._roads import INSTALL, Failed, OnCluster, Serial, check_client, seconds_each
+from ._backends import INSTALL, ClusterBackend, Failed, LocalBackend, check_client, seconds_each
 from .errors import ArgumentError, DesignError
 from .evaluated import Evaluated
 from ._dims import is_labelled
@@ -35,10 +35,10 @@ if TYPE_CHECKING:
 
 __all__ = ["Evaluated", "Progress", "evaluate_many", "print_progress", "sweep"]
 
-#: What becomes of designs that cannot be.
+#: Treatment of invalid designs.
 OnError = Literal["raise", "nan"]
 
-#: What a ``progress`` function is given: ``done`` and ``of`` (designs), ``reused``, ``workers``, ``seconds``.
+#: Function that reports progress. Its argument has ``done`` and ``of`` (designs), ``reused``, ``workers``, ``seconds``.
 Progress = Callable[[dict[str, Any]], object]
 
 
@@ -57,40 +57,40 @@ def evaluate_many(
     on_error: OnError = "raise",
     progress: Progress | bool | None = None,
 ) -> Evaluated:
-    """Metrics of very many designs, shape [designs..., metric]; see `Prepared.evaluate`, whose numbers these are.
+    """Computes metrics of very many designs, shape [designs..., metric]: the same numbers as `Prepared.evaluate`.
 
-    Designs are computed in batches of about ``batch_seconds``: a trial of a quarter of a second says how many designs
-    that is. With ``out``, each batch is a Parquet file named by the SHA-256 of what is asked and of the designs'
-    numbers, written whole or not at all: a call that was stopped or killed goes on where it was, and one with more
-    designs computes the new ones.
+    Designs are computed in batches of about ``batch_seconds``: a trial of 0.25 s determines how many
+    designs that is. With ``out``, each batch is a Parquet file that is named by the SHA-256 of the request and of the designs'
+    values, and is written completely or not at all. Call again to resume an interrupted computation; a call with more designs
+    computes only the new ones.
 
     Args:
-        scenario: a `Scenario`, or the path of one.
-        variables: keys, or tuples of keys that move alike, with arrays that broadcast to ``designs...``.
+        scenario: a `Scenario`, or the path of a scenario file.
+        variables: keys, or tuples of keys with a common value, with arrays that broadcast to ``designs...``.
         metrics: names of `metric_names`.
-        view: which of the scenario's views, from 0.
-        set: values put in before.
-        out: a folder for results; with a cluster of several machines, on a disk that all share.
-        client: a `distributed.Client`: its workers compute, one batch for each of their threads. None: this machine.
-        batch_seconds: how long a batch takes, about. Longer costs less administration; what is lost with a worker is
-            its batch.
-        threads: without ``client``: None is one for each processor.
-        retries: how often a batch is given out anew after the worker that had it was lost.
-        on_error: "raise": a design that cannot be ends the call; "nan": its metrics are NaN, and ``errors`` of what is found has
-            its index and why.
-        progress: a function, called at every batch, or True for a line on the terminal.
+        view: index of one of the scenario's views, from 0.
+        set: values to set in the scenario first, ``{path: value}``.
+        out: folder for results; with a cluster of several machines, on a disk that all machines share.
+        client: a `distributed.Client`, whose workers compute one batch per thread. None: this machine.
+        batch_seconds: approximate computing time of a batch. Longer batches have less overhead; a lost worker loses one
+            batch.
+        threads: without ``client``: number of threads; None: one for each processor.
+        retries: how often a batch is submitted again after its worker was lost.
+        on_error: "raise": an invalid design ends the call; "nan": its metrics are NaN, and ``errors`` of the result has its index
+            and the reason.
+        progress: function that is called after every batch, or True for a line on the terminal.
 
     Raises:
-        ArgumentError: names the argument that is wrong (a client that is closed, shapes, NaN, ...).
-        DesignError: names the first design found that cannot be (unless ``on_error="nan"``).
-        ScenarioError: a key that no scenario has.
-        ClusterError: the cluster was closed, or lost a batch too often. What is in ``out`` stays.
+        ArgumentError: if an argument is invalid; the message names it (closed client, shapes, NaN, ...).
+        DesignError: for the first invalid design that is found (unless ``on_error="nan"``).
+        ScenarioError: if a key does not exist.
+        ClusterError: if the cluster was closed, or lost a batch more often than ``retries`` allows. The contents of ``out`` are kept.
 
     Warns:
-        PapilioWarning: what looks wrong about the scenario; ``warnings`` of what is found has it, too.
+        PapilioWarning: each warning about the scenario; ``warnings`` of the result contains it.
     """
     found = _found(scenario, variables, metrics, view, set, out, client, batch_seconds, threads, retries, on_error, progress)
-    _said.warn(found.warnings)
+    _messages.warn(found.warnings)
     return found
 
 
@@ -109,9 +109,9 @@ def sweep(
     on_error: OnError = "raise",
     progress: Progress | bool | None = None,
 ) -> Evaluated:
-    """Metrics at every combination of axes, shape [axes..., metric].
+    """Computes metrics at every combination of values, shape [axes..., metric].
 
-    ``axes``: keys, or tuples of keys that move alike, with their values, one dimension each. The options, errors and warnings are
+    ``axes`` has keys, or tuples of keys with a common value, with one-dimensional values. The options, errors and warnings are
     those of `evaluate_many`.
     """
     if not isinstance(axes, Mapping):
@@ -120,8 +120,8 @@ def sweep(
     dims = [one.dims for one in given.values() if is_labelled(one)]
     if len({name for own in dims for name in own}) < sum(map(len, dims)):
         raise ArgumentError(
-            f"axes: two of them have the same dimension ({', '.join(map(str, dims))}): what goes together is for "
-            "papilio.cluster.evaluate_many; here every value meets every other"
+            f"axes: two axes have the same dimension ({', '.join(map(str, dims))}); expected separate dimensions, because a sweep "
+            "combines every value with every other. For values that vary together, use papilio.cluster.evaluate_many"
         )
     plain = {keys: np.asarray(one) if is_labelled(one) else one for keys, one in given.items()}
     open_grid: dict[Keys, ArrayLike] = {}
@@ -130,12 +130,12 @@ def sweep(
             raise ArgumentError(f"axes: expected the values of {keys!r} in one dimension, not shape {line.shape}")
         open_grid[keys] = line.reshape([-1 if i == at else 1 for i in range(len(axes))])
     found = _found(scenario, open_grid, metrics, view, set, out, client, batch_seconds, threads, retries, on_error, progress)
-    _said.warn(found.warnings)
+    _messages.warn(found.warnings)
     return found
 
 
 def print_progress(state: Mapping[str, Any]) -> None:
-    """How far it is, in one line on the terminal (stderr)."""
+    """Prints the progress in one line on the terminal (stderr)."""
     new = state["done"] - state["reused"]
     rate = new / state["seconds"] if state["seconds"] > 0 else 0.0
     left = f", {(state['of'] - state['done']) / rate:.0f} s to go" if rate > 0 else ""
@@ -160,7 +160,7 @@ def _found(
     on_error: OnError,
     progress: Progress | bool | None,
 ) -> Evaluated:
-    """`evaluate_many`, without its warnings."""
+    """Evaluates designs without raising warnings."""
     grid = _grid(variables)
     question = _question(read(scenario, set), tuple(grid.columns), metrics, view)
     skips = one_of("on_error", on_error, ("raise", "nan")) == "nan"
@@ -178,14 +178,14 @@ def _evaluated(
     skips: bool,
     progress: Progress | bool | None,
 ) -> Evaluated:
-    """The answers for all designs of a grid."""
+    """Evaluates all designs of a grid."""
     seconds = float(reals("batch_seconds", batch_seconds, least=1e-3, most=86400.0))
     whole("retries", retries, 0, 1000)
     if client is not None:
         check_client(client)
-    road = Serial(checked_threads(threads)) if client is None else OnCluster(client, question, retries)
-    folder, size = _opened(out, question, grid, road, seconds, skips)
-    tell = _Telling(progress, grid.size, road)
+    backend = LocalBackend(checked_threads(threads)) if client is None else ClusterBackend(client, question, retries)
+    folder, size = _opened(out, question, grid, backend, seconds, skips)
+    report = _ProgressReporter(progress, grid.size, backend)
     found: dict[str, tuple[NDArray[np.float64], Skipped]] = {}
     order: list[str] = []
 
@@ -198,19 +198,19 @@ def _evaluated(
             known = [] if skips else _parts.skipped(folder, batch.address)
             if known:
                 raise Failed(DesignError(known[0][1], known[0][0]), batch)
-            tell(batch, reused=True)
+            report(batch, reused=True)
 
     try:
-        with closing(road.each(question, missing(), None if folder is None else str(folder))) as answers:
+        with closing(backend.each(question, missing(), None if folder is None else str(folder))) as answers:
             for batch, answer in answers:
                 if answer is not None:
                     found[batch.address] = answer
-                tell(batch)
+                report(batch)
     except Failed as failed:
         raise _batches.placed(failed.error, failed.batch, grid) from None
     finally:
-        tell.end()
-    return Evaluated(grid, question, order, found, folder, size, tell.reused)
+        report.end()
+    return Evaluated(grid, question, order, found, folder, size, report.reused)
 
 
 def _grid(variables: Mapping[AnyKeys, ArrayLike]) -> Grid:
@@ -223,7 +223,7 @@ def _grid(variables: Mapping[AnyKeys, ArrayLike]) -> Grid:
 def _question(scenario: Scenario, variables: tuple[Keys, ...], metrics: Sequence[str], view: int) -> Question:
     asked = tuple(checked_metrics(metrics))
     if len(dict.fromkeys(asked)) < len(asked):
-        raise ArgumentError(f"metrics: one of them stands there twice: {', '.join(asked)}")
+        raise ArgumentError(f"metrics: expected each name once; given {', '.join(asked)}")
     return Question(scenario, variables, asked, whole("view", view, 0, 4999), scenario.hash)
 
 
@@ -231,34 +231,34 @@ def _opened(
     out: str | PathLike[str] | None,
     question: Question,
     grid: Grid,
-    road: Serial | OnCluster,
+    backend: LocalBackend | ClusterBackend,
     batch_seconds: float,
     skips: bool,
 ) -> tuple[Path | None, int]:
-    """The folder for parts, if there is one, and how many designs make a batch."""
+    """Returns the folder for parts, or None, and the number of designs in a batch."""
     where = None if out is None else Path(os.path.abspath(out))
     if where is not None:
         try:
             import pyarrow  # noqa: F401
         except ImportError:
-            raise ArgumentError(f"out: results are written by pyarrow, which is not installed: {INSTALL}") from None
+            raise ArgumentError(f"out: writing results requires pyarrow, which is not installed: {INSTALL}") from None
     size = None if where is None else _parts.known_size(where, question.address)
     if size is None and grid.size:
-        each = seconds_each(question, grid, road, skips)
-        size = _batches.batch_size(each, batch_seconds, grid.size, road.workers() or 1)
+        each = seconds_each(question, grid, backend, skips)
+        size = _batches.batch_size(each, batch_seconds, grid.size, backend.workers() or 1)
     if where is None:
         return None, size or 1
     return _parts.open_folder(where, question.address, question.described, size or 1)
 
 
-class _Telling:
-    """Tells a ``progress`` function."""
+class _ProgressReporter:
+    """Calls a ``progress`` function."""
 
-    def __init__(self, progress: Progress | bool | None, of: int, road: Serial | OnCluster) -> None:
+    def __init__(self, progress: Progress | bool | None, of: int, backend: LocalBackend | ClusterBackend) -> None:
         if progress is not None and not isinstance(progress, bool) and not callable(progress):
-            raise ArgumentError(f"progress: expected a function or True, not {described(progress)}")
+            raise ArgumentError(f"progress: expected a function or a bool, not {described(progress)}")
         self._tell = print_progress if progress is True else (progress or None)
-        self._of, self._road, self._started = of, road, time.monotonic()
+        self._of, self._backend, self._started = of, backend, time.monotonic()
         self._done = self.reused = 0
 
     def __call__(self, batch: Batch, reused: bool = False) -> None:
@@ -267,9 +267,9 @@ class _Telling:
         if self._tell is not None:
             seconds = time.monotonic() - self._started
             state = {"done": self._done, "of": self._of, "reused": self.reused, "seconds": seconds}
-            self._tell({**state, "workers": self._road.workers()})
+            self._tell({**state, "workers": self._backend.workers()})
 
     def end(self) -> None:
-        """Leaves the terminal's line, if it was not the last."""
+        """Ends the terminal's line if the computation is not complete."""
         if self._tell is print_progress and self._done < self._of:
             sys.stderr.write("\n")

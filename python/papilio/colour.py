@@ -1,7 +1,7 @@
-"""Colours of arrays of spectra: what an observer sees.
+"""Colours of arrays of spectra.
 
-Colours lie along the last axis (X, Y, Z; L*, a*, b*; u', v'), all other axes broadcast. What is not defined (the
-chromaticity of no light) is NaN. Sources: CIE 15:2018; CIEDE2000 as in Sharma, Wu, Dalal, Color Res. Appl. 30, 21
+The components of a colour (X, Y, Z; L*, a*, b*; u', v') are along the last axis; all other axes broadcast. Undefined values (such
+as the chromaticity of black) are NaN. Sources: CIE 15:2018; CIEDE2000 as in Sharma, Wu, Dalal, Color Res. Appl. 30, 21
 (2005).
 """
 
@@ -13,13 +13,13 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from . import _arguments, _papilio, _said
+from . import _arguments, _messages, _papilio
 from ._dims import check_places, is_labelled
 from .errors import ArgumentError
 
 __all__ = ["Gamut", "Observer", "coverage_percent", "delta_e_2000", "gamut_percent", "illuminant", "illuminant_names", "lab", "uv_prime", "xyz"]
 
-#: The CIE standard observer of 2 or of 10 degrees.
+#: The CIE standard observer of 2 or 10 degrees.
 Observer = Literal["1931", "1964"]
 
 #: A triangle of primaries.
@@ -27,41 +27,41 @@ Gamut = Literal["srgb", "ebu", "ntsc", "dci-p3"]
 
 _GAMUTS = ("srgb", "ebu", "ntsc", "dci-p3")
 
-#: Where the observer sees, in steps of scenarios, nm.
+#: Wavelengths of the observer, in the default step of scenarios, nm.
 _SEEN_NM = np.arange(380.0, 781.0, 5.0)
 
-#: Spectra may leave out as much of X, Y or Z of the light without a word.
+#: Spectra may omit this fraction of X, Y or Z of the light without a warning.
 _LEFT_OUT = 1e-3
 
 
 def illuminant_names() -> list[str]:
-    """The names of lights."""
+    """Returns the names of illuminants."""
     return _papilio.illuminant_names()
 
 
 def illuminant(name: str, wavelength_nm: ArrayLike) -> NDArray[np.float64]:
-    """The relative spectrum of a light ("D65", "A", ...) at evenly spaced wavelengths, nm."""
-    named = _arguments.text("name", name, "the name of a light")
+    """Returns the relative spectrum of an illuminant ("D65", "A", ...) at uniformly spaced wavelengths, nm."""
+    named = _arguments.text("name", name, "the name of an illuminant")
     return _papilio.illuminant_spectrum(named, _arguments.grid("wavelength_nm", wavelength_nm))
 
 
 def xyz(
     spectra: ArrayLike, wavelength_nm: ArrayLike, light: str | ArrayLike | None = "D65", *, observer: Observer = "1931"
 ) -> NDArray[np.float64]:
-    """X, Y, Z of spectra, shape [..., wavelength] to [..., 3].
+    """Computes X, Y, Z of spectra, shape [..., wavelength] to [..., 3].
 
     Args:
-        spectra: reflectance factors; with ``light=None`` spectra of light.
-        wavelength_nm: evenly spaced, nm.
-        light: its name or spectrum; Y is 1 for a perfect white in it. None: X, Y, Z in the spectra's unit times nm.
+        spectra: reflectance factors; with ``light=None``, spectra of light.
+        wavelength_nm: uniformly spaced, nm.
+        light: name or spectrum of the illuminant; Y is 1 for a perfect white diffuser. None: X, Y, Z in the spectra's unit times nm.
         observer: "1931" (2 degrees) or "1964" (10 degrees).
 
-    What is seen, the product of spectrum and light at the wavelengths given, is interpolated linearly to 1 nm and summed within 380
-    to 780 nm. Steps of 1 to 10 nm agree within a colour difference (CIEDE2000) of about 0.15 over narrow-band lights, too; steps of 20 nm
-    are up to 1 off. What lies beyond the wavelengths given is left out.
+    The product of spectrum and light at the specified wavelengths is interpolated linearly to 1 nm and summed from 380 to 780 nm.
+    Steps of 1 to 10 nm agree within a colour difference (CIEDE2000) of about 0.15, also with narrow-band lights; steps of 20 nm
+    deviate by up to 1. Light outside the specified wavelengths is ignored.
 
     Warns:
-        PapilioWarning: the wavelengths leave out more than 0.1 % of X, Y or Z of the light.
+        PapilioWarning: if the wavelengths omit more than 0.1 % of X, Y or Z of the light.
     """
     _arguments.one_of("observer", observer, ("1931", "1964"))
     given = {"spectra": spectra, "wavelength_nm": wavelength_nm, "light": light}
@@ -74,22 +74,22 @@ def xyz(
     if light is not None:
         of_light = illuminant(light, wavelength_nm) if isinstance(light, str) else _arguments.reals("light", light, least=0.0)
         if of_light.shape != (count,):
-            raise ArgumentError(f"light: expected {count} numbers, one for each wavelength; its shape is {of_light.shape}")
+            raise ArgumentError(f"light: expected {count} numbers, one for each wavelength; the shape is {of_light.shape}")
         numbers = numbers * of_light
         scale = float(_papilio.xyz(grid, observer, np.ascontiguousarray(of_light))[1])
         if not scale > 0.0:
-            raise ArgumentError("light: it holds no visible light")
+            raise ArgumentError("light: expected visible light (380 to 780 nm), but its Y is 0")
     found = _rows(_papilio.xyz(grid, observer, _flat(numbers)), numbers.shape[:-1], 3) / scale
-    _said.warn(_truncated(grid[0], grid[1], light if isinstance(light, str) else None, observer))
+    _messages.warn(_truncated(grid[0], grid[1], light if isinstance(light, str) else None, observer))
     return found
 
 
 def lab(colours: ArrayLike, white: ArrayLike | None = None) -> NDArray[np.float64]:
-    """L*, a*, b* of X, Y, Z against a white's, shape [..., 3].
+    """Computes L*, a*, b* of X, Y, Z relative to a white, shape [..., 3].
 
-    Both are on one scale, Y = 1 for a perfect white, as of colours that `xyz` gives under a light. Without a white it is the perfect
-    white that `xyz` gives under "D65" at 380 to 780 nm in steps of 5 nm, (0.95042, 1, 1.08861): L*, a*, b* of that are exactly 100, 0, 0
-    (within 5e-5 in steps of 1 to 10 nm). For other lights, observers and wavelengths give theirs:
+    Both are on one scale, with Y = 1 for a perfect white diffuser, as `xyz` returns colours under a light. The default white is
+    that of `xyz` under "D65" at 380 to 780 nm in steps of 5 nm, (0.95042, 1, 1.08861): its L*, a*, b* are exactly 100, 0, 0 (within
+    5e-5 in steps of 1 to 10 nm). For other lights, observers and wavelengths, specify their white:
     ``white=xyz(np.ones(nm.size), nm, light)``.
     """
     pairs, shape = _together(3, colours=colours, white=_white_of_d65() if white is None else white)
@@ -97,14 +97,14 @@ def lab(colours: ArrayLike, white: ArrayLike | None = None) -> NDArray[np.float6
 
 
 def uv_prime(colours: ArrayLike) -> NDArray[np.float64]:
-    """CIE 1976 u', v' of X, Y, Z, shape [..., 3] to [..., 2]."""
+    """Computes CIE 1976 u', v' of X, Y, Z, shape [..., 3] to [..., 2]."""
     numbers = _arguments.reals("colours", colours, missing=True)
     _arguments.last_axis("colours", numbers, 3, "X, Y and Z")
     return _rows(_papilio.uv_prime(_flat(numbers)), numbers.shape[:-1], 2)
 
 
 def gamut_percent(primaries: ArrayLike, reference: Gamut = "srgb") -> NDArray[np.float64]:
-    """Area of the triangle of red, green and blue in u'v', % of a reference's; shape [..., 3, 2] to [...].
+    """Computes the area of the triangle of red, green and blue in u'v', in % of the area of a reference; shape [..., 3, 2] to [...].
 
     ``reference``: "srgb", "ebu", "ntsc" or "dci-p3".
     """
@@ -112,12 +112,12 @@ def gamut_percent(primaries: ArrayLike, reference: Gamut = "srgb") -> NDArray[np
 
 
 def coverage_percent(primaries: ArrayLike, reference: Gamut = "srgb") -> NDArray[np.float64]:
-    """The part of a reference's triangle in u'v' that red, green and blue cover, %; shape [..., 3, 2] to [...]."""
+    """Computes the part of a reference triangle in u'v' that red, green and blue cover, in %; shape [..., 3, 2] to [...]."""
     return _gamut(primaries, reference, True)
 
 
 def delta_e_2000(one: ArrayLike, other: ArrayLike) -> NDArray[np.float64]:
-    """CIEDE2000 difference of L*, a*, b*, all weights 1; shapes [..., 3] to [...]."""
+    """Computes the CIEDE2000 difference of L*, a*, b*, all weights 1; shapes [..., 3] to [...]."""
     pairs, shape = _together(3, one=one, other=other)
     return _papilio.delta_e_2000(pairs).reshape(shape)
 
@@ -129,7 +129,7 @@ def _white_of_d65() -> tuple[float, ...]:
 
 @cache
 def _truncated(first_nm: float, last_nm: float, light: str | None, observer: Observer) -> list[str]:
-    """A warning, if wavelengths from ``first_nm`` to ``last_nm`` leave out what the observer sees of a light; None: of equal energy."""
+    """Returns a warning if wavelengths from ``first_nm`` to ``last_nm`` omit visible light; ``light`` None is the equal-energy illuminant."""
     if first_nm <= _SEEN_NM[0] and last_nm >= _SEEN_NM[-1]:
         return []
     whole = np.ones(_SEEN_NM.size) if light is None else illuminant(light, _SEEN_NM)
@@ -140,11 +140,11 @@ def _truncated(first_nm: float, last_nm: float, light: str | None, observer: Obs
     missing = 1.0 - seen / of_all
     if missing.max() <= _LEFT_OUT:
         return []
-    shares = ", ".join(f"{100 * share:.2g} % of {name}" for share, name in zip(missing, "XYZ", strict=True))
-    of = "a light of equal energy" if light is None else light
+    fractions = ", ".join(f"{100 * fraction:.2g} % of {name}" for fraction, name in zip(missing, "XYZ", strict=True))
+    of = "the equal-energy illuminant" if light is None else light
     return [
-        f"wavelength_nm: {first_nm:g} to {last_nm:g} nm leave out {shares} of {of}, which is seen from 380 to 780 nm; "
-        "of colours against white, take the white of the same wavelengths: lab(colours, white=xyz(np.ones(nm.size), nm, light))"
+        f"wavelength_nm: {first_nm:g} to {last_nm:g} nm omit {fractions} of {of}, which is visible from 380 to 780 nm; "
+        "for L*, a*, b*, use the white of the same wavelengths: lab(colours, white=xyz(np.ones(nm.size), nm, light))"
     ]
 
 
@@ -157,7 +157,7 @@ def _gamut(primaries: ArrayLike, reference: str, covered: bool) -> NDArray[np.fl
 
 
 def _together(length: int, **colours: ArrayLike) -> tuple[NDArray[np.float64], tuple[int, ...]]:
-    """Colours of two arguments side by side, flat, and the shape of their other axes."""
+    """Concatenates the colours of two arguments into a flat array; also returns the shape of their other axes."""
     check_places(colours)
     arrays = {name: _arguments.reals(name, values, missing=True) for name, values in colours.items()}
     for name, array in arrays.items():

@@ -1,4 +1,4 @@
-"""What is seen from every direction."""
+"""Conoscopic maps: quantities over all viewing directions."""
 
 from __future__ import annotations
 
@@ -11,9 +11,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from . import _kept, _papilio, _said, _words
+from . import _messages, _metadata, _papilio, _snapshots
 from ._arguments import ascending
-from ._kept import KeptCone, fixed
+from ._snapshots import ConeSnapshot, read_only
 from ._mapping import ByName
 from .figure import Figure
 from .running import Progress, checked_progress, checked_threads, with_solver
@@ -26,30 +26,30 @@ __all__ = ["Cone", "cone"]
 
 
 class Cone(ByName[NDArray[np.float64]]):
-    """A viewing cone: numbers of the eye (no spectra) over all directions.
+    """A conoscopic map: photometric and colorimetric quantities (no spectra) over all directions.
 
     ``cone["contrast_ratio"]`` has the shape [phi, theta], ``cone["Y"]`` the shape [phi, theta, state]; NaN where
-    something is not defined. Arrays cannot be written to: ``cone[name].copy()`` can. It can be copied and pickled. A notebook shows
-    its maps.
+    a quantity is undefined. Arrays are read-only; ``cone[name].copy()`` is writable. It can be copied and pickled. A notebook shows
+    the maps.
     """
 
     def __init__(
-        self, core: _papilio.Cone | KeptCone, title: str = "", warned: Sequence[str] = (), notes: Sequence[str] = ()
+        self, core: _papilio.Cone | ConeSnapshot, title: str = "", warned: Sequence[str] = (), notes: Sequence[str] = ()
     ) -> None:
         self._core = core
-        self._said = _said.both(warned, core.warnings()), list(notes)
+        self._said = _messages.merged(warned, core.warnings()), list(notes)
         #: The scenario's title.
         self.title = title
 
     @cached_property
     def theta_deg(self) -> NDArray[np.float64]:
         """Inclinations, degrees."""
-        return fixed(self._core.theta_deg())
+        return read_only(self._core.theta_deg())
 
     @cached_property
     def phi_deg(self) -> NDArray[np.float64]:
         """Azimuths, degrees."""
-        return fixed(self._core.phi_deg())
+        return read_only(self._core.phi_deg())
 
     @property
     def states(self) -> list[str]:
@@ -58,72 +58,72 @@ class Cone(ByName[NDArray[np.float64]]):
 
     @property
     def warnings(self) -> list[str]:
-        """What the reader should know; each was raised as a `papilio.PapilioWarning` when it was found."""
+        """Warnings; each was also raised as a `papilio.PapilioWarning` by the computation."""
         return list(self._said[0])
 
     @property
     def notes(self) -> list[str]:
-        """What the reader may like to know: what was measured, assumed, or scaled."""
+        """Notes on data that were measured, assumed or scaled."""
         return list(self._said[1])
 
     @cached_property
     def _arrays(self) -> tuple[dict[str, NDArray[np.float64]], dict[str, NDArray[np.float64]]]:
-        return _kept.fixed_arrays(self._core.arrays())
+        return _snapshots.read_only_arrays(self._core.arrays())
 
     def _names(self) -> Iterable[str]:
         together, alone = self._arrays
         return [*together, *alone]
 
     def __getitem__(self, name: str) -> NDArray[np.float64]:
-        """The numbers of this name; see the class."""
+        """Returns a quantity by its name; see the class."""
         together, alone = self._arrays
         both = {**together, **alone}
         if name not in both:
-            raise KeyError(f"{name!r}: there is no such quantity; there are {', '.join(both)}")
+            raise KeyError(f"{name!r}: there is no such quantity; expected {', '.join(both)}")
         return both[name]
 
     def to_xarray(self) -> xarray.Dataset:
-        """All numbers as a Dataset over ``phi_deg``, ``theta_deg`` and ``state``, with units and long names."""
+        """Returns all quantities as a Dataset over ``phi_deg``, ``theta_deg`` and ``state``, with units and long names."""
         import xarray
 
         together, alone = self._arrays
         data: dict[str, Any] = {}
         for dimensions, arrays in [(("phi_deg", "theta_deg"), together), (("phi_deg", "theta_deg", "state"), alone)]:
             for name, values in arrays.items():
-                data[name] = (dimensions, values.copy(), _words.attributes(name))
+                data[name] = (dimensions, values.copy(), _metadata.attributes(name))
         coordinates: dict[str, Any] = {
             "theta_deg": ("theta_deg", self.theta_deg.copy(), {"units": "degree", "long_name": "inclination of the view"}),
             "phi_deg": ("phi_deg", self.phi_deg.copy(), {"units": "degree", "long_name": "azimuth of the view"}),
             "state": ("state", self.states, {"long_name": "drive state"}),
         }
-        return xarray.Dataset(data, coordinates, {"title": self.title} | _said.attributes(*self._said))
+        return xarray.Dataset(data, coordinates, {"title": self.title} | _messages.attributes(*self._said))
 
     def figure(self) -> Figure | None:
-        """Its maps; None where the directions span no area."""
+        """Returns the figure of the maps; None if the directions do not span an area."""
         svg = self._core.figure(self.title)
         return None if svg is None else Figure("cone", svg)
 
     def _repr_html_(self) -> str:
         figure = self.figure()
         shown = html.escape(repr(self)) if figure is None else figure.svg
-        return shown + _said.listed(*self._said)
+        return shown + _messages.as_html(*self._said)
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return _restored, (_kept.packed(KeptCone.of(self._core, self.title)), self.title, *self._said)
+        return _restored, (_snapshots.pack(ConeSnapshot.of(self._core, self.title)), self.title, *self._said)
 
     def __copy__(self) -> Cone:
         return Cone(self._core, self.title, *self._said)
 
     def __deepcopy__(self, memo: object) -> Cone:
-        return self.__copy__()  # nothing in it can be changed
+        return self.__copy__()  # its contents are immutable
 
     def __repr__(self) -> str:
         size = f"{self.theta_deg.size} x {self.phi_deg.size} directions"
-        return f"<papilio.Cone {self.title!r}: {size}{_said.short(self._said[0])}>"
+        return f"<papilio.Cone {self.title!r}: {size}{_messages.summary(self._said[0])}>"
 
 
 def _restored(content: bytes, title: str, warned: list[str], notes: list[str]) -> Cone:
-    return Cone(_kept.unpacked(content), title, warned, notes)
+    return Cone(_snapshots.unpack(content), title, warned, notes)
 
 
 def cone(
@@ -136,19 +136,19 @@ def cone(
     progress: Progress | None = None,
     allow_error: float | None = None,
 ) -> Cone:
-    """What is seen from every direction: what ``papilio run --cone`` adds.
+    """Computes a conoscopic map: the output of ``papilio run --cone``.
 
     Args:
-        scenario: a `Scenario`, or the path of one.
+        scenario: a `Scenario`, or the path of a scenario file.
         theta_deg: inclinations, ascending, 0 to less than 90 degrees; by default every degree.
         phi_deg: azimuths, ascending, 0 to less than 360 degrees; by default every 5 degrees.
-        set: values put in before, ``{path: value}``.
-        threads: how many; None: one for each processor.
-        progress: called a few times a second.
-        allow_error: rows whose relative error is larger are refused; by default the scenario's target holds.
+        set: values to set in the scenario first, ``{path: value}``.
+        threads: number of threads; None: one for each processor.
+        progress: function that is called a few times a second.
+        allow_error: rows with a larger relative error are refused; None: the scenario's target.
 
     Warns:
-        PapilioWarning: what the program prints as a warning; the result has it as ``warnings``, too.
+        PapilioWarning: each warning that the program prints; ``warnings`` of the result contains it.
     """
     changed = read(scenario, with_solver(set))
     scene = changed._scene()
@@ -156,5 +156,5 @@ def cone(
     phis = ascending("phi_deg", phi_deg, float(np.nextafter(360.0, 0.0)))
     core = _papilio.Cone(scene, thetas, phis, checked_threads(threads), checked_progress(progress), allow_error)
     found = Cone(core, changed.title, scene.warnings, scene.notes)
-    _said.warn(found.warnings)
+    _messages.warn(found.warnings)
     return found

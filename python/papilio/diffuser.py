@@ -1,4 +1,4 @@
-"""Files of measured scattering: what they hold, lobes that fit them, other formats."""
+"""Files of measured scattering: audit, fits of lobes, conversion to other formats."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from os import PathLike
 from pathlib import Path
 from typing import Any, Literal
 
-from . import _papilio, _said
+from . import _messages, _papilio
 from ._arguments import one_of
 from .errors import ArgumentError, FileError
 from .figure import Figure
@@ -20,33 +20,33 @@ _FORMATS = ("bsdf", "csv", "xml", "npz")
 
 
 def lobe_names() -> list[str]:
-    """The lobes with a formula that `Diffuser.fit` tries."""
+    """Returns the names of the analytic lobes that `Diffuser.fit` fits."""
     return _papilio.lobe_names()
 
 
 class Diffuser:
-    """A file of measured scattering, in any format that ``papilio diffuser`` reads (told apart by content).
+    """A file of measured scattering, in any format that ``papilio diffuser`` reads (detected from its contents).
 
     Raises:
-        FileError: with the place of what is wrong.
+        FileError: if the file is invalid; with the position of the error.
 
     Warns:
-        PapilioWarning: what looked wrong and could be read; ``warnings`` has it, too.
+        PapilioWarning: each suspicious but readable property of the file; ``warnings`` contains it.
     """
 
     def __init__(self, path: str | PathLike[str]) -> None:
         self._path = _checked_path("path", path)
         self._core = _papilio.Diffuser(self._path)
-        _said.warn(self.warnings)
+        _messages.warn(self.warnings)
 
     @property
     def warnings(self) -> list[str]:
-        """What looked wrong and could be read."""
+        """Suspicious but readable properties of the file."""
         return self._core.warnings
 
     @property
     def parts(self) -> list[str]:
-        """The ways of light that were measured: "front transmission", ..."""
+        """The measured sides and modes of scattering: "front transmission", ..."""
         return self._core.parts()
 
     @cached_property
@@ -54,34 +54,34 @@ class Diffuser:
         return self._core.audit()
 
     def audit(self) -> dict[str, Any]:
-        """What was found in it, as ``papilio diffuser inspect --json`` prints it."""
+        """Returns the audit of the file, as ``papilio diffuser inspect --json`` prints it."""
         return dict(json.loads(self._audit[0]))
 
     def figures(self) -> dict[str, Figure]:
-        """Its lobes, by name."""
+        """Returns the figures of the lobes, by name."""
         return {name: Figure(name, svg) for name, svg in self._audit[2]}
 
     def fit(self, model: str | None = None, *, part: str | None = None) -> dict[str, Any]:
-        """Lobes with a formula fitted to a part (the first, by default), the best first; all lobes, or one `model`.
+        """Fits all analytic lobes, or one `model`, to a part (default: the first); the best fit is the first.
 
-        What ``papilio diffuser fit --json`` prints.
+        The result is that of ``papilio diffuser fit --json``.
         """
         kind = None if model is None else one_of("model", model, lobe_names())
         at = 0 if part is None else self.parts.index(one_of("part", part, self.parts))
         return dict(json.loads(self._core.fit(at, kind)))
 
     def convert(self, output: str | PathLike[str], format: Literal["bsdf", "csv", "xml", "npz"] | None = None) -> list[str]:
-        """Writes it as another file, and tells what that does not hold.
+        """Writes the measurement in another format, and returns descriptions of the data that this format cannot store.
 
-        ``format``: "bsdf" (Radiant, Zemax), "csv", "xml" (Klems) or "npz" (papilio's own); by default as the name ends.
+        ``format``: "bsdf" (Radiant, Zemax), "csv", "xml" (Klems) or "npz" (papilio's own); by default from the suffix of the name.
         """
         where = _checked_path("output", output)
         by_name = Path(where).suffix.removeprefix(".")
         chosen = one_of("format", by_name if format is None else format, _FORMATS)
         if Path(where).exists() and Path(where).samefile(self._path):
-            raise ArgumentError(f"output: {where} is read here, and would be overwritten")
+            raise ArgumentError(f"output: expected another file than the input {where}, which would be overwritten")
         if not Path(where).parent.is_dir():
-            raise FileError(f"{where}: this file cannot be written: there is no folder {str(Path(where).parent)!r}")
+            raise FileError(f"{where}: the file cannot be written: there is no folder {str(Path(where).parent)!r}")
         return self._core.convert(where, chosen)
 
     def __str__(self) -> str:

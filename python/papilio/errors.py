@@ -1,4 +1,4 @@
-"""The exceptions of papilio, with the texts and places that the program ``papilio`` prints."""
+"""The exceptions of papilio, with the messages and positions that the program ``papilio`` prints."""
 
 from __future__ import annotations
 
@@ -9,63 +9,63 @@ __all__ = ["ArgumentError", "ClusterError", "DesignError", "DisplayError", "File
 
 
 class Mistake(NamedTuple):
-    """One thing that is wrong with a text."""
+    """One error in a text."""
 
-    #: What is wrong.
+    #: Description of the error.
     message: str
-    #: The file or text that it is in, as it was named.
+    #: Name of the file or text.
     file: str
-    #: Line, from 1; None: the text as a whole.
+    #: Line, from 1; None: the whole text.
     line: int | None = None
     #: Column in characters, from 1.
     column: int | None = None
-    #: What was expected there.
+    #: Expected input.
     expected: str | None = None
-    #: What to do about it.
+    #: How to correct the error.
     hint: str | None = None
-    #: The key that it concerns: ``display.pixel.film.1.thickness_nm``.
+    #: Dotted path of the key: ``display.pixel.film.1.thickness_nm``.
     path: str | None = None
 
 
 class PapilioError(Exception):
-    """What went wrong, in words; every exception of papilio's own is one."""
+    """Base class of all exceptions of papilio."""
 
 
 class PapilioWarning(UserWarning):
-    """What the user of a result should know: the warnings that the program prints, which the result has as ``warnings``, too."""
+    """Warning of a computation. The program prints the same text, and ``warnings`` of the result contains it."""
 
 
 class _Placed(PapilioError, ValueError):
-    """A mistake in a text. ``str()`` shows the place as compilers do."""
+    """Errors in a text. ``str()`` shows the position in the manner of a compiler."""
 
     def __init__(self, text: str, mistakes: Sequence[Mapping[str, Any]] = ()) -> None:
         super().__init__(text)
-        #: All that is wrong, in the order of the text; at least one.
+        #: All errors, in the order of the text; at least one.
         self.mistakes: list[Mistake] = [Mistake(**one) for one in mistakes] or [Mistake(text, "")]
 
     @property
     def file(self) -> str:
-        """The file of the first mistake."""
+        """The file of the first error."""
         return self.mistakes[0].file
 
     @property
     def line(self) -> int | None:
-        """The line of the first mistake, from 1."""
+        """The line of the first error, from 1."""
         return self.mistakes[0].line
 
     @property
     def column(self) -> int | None:
-        """The column of the first mistake, from 1."""
+        """The column of the first error, from 1."""
         return self.mistakes[0].column
 
     @property
     def hint(self) -> str | None:
-        """What to do about the first mistake."""
+        """How to correct the first error."""
         return self.mistakes[0].hint
 
     @property
     def path(self) -> str | None:
-        """The key that the first mistake concerns."""
+        """The dotted path of the key of the first error."""
         return self.mistakes[0].path
 
     def __reduce__(self) -> tuple[Any, ...]:
@@ -73,33 +73,33 @@ class _Placed(PapilioError, ValueError):
 
 
 class ScenarioError(_Placed):
-    """A scenario that is wrong: its TOML, a key, a value, or a file that it names."""
+    """An invalid scenario: its TOML, a key, a value, or a file that it names."""
 
 
 class FileError(_Placed):
-    """A data file that is wrong or cannot be read."""
+    """A data file that is invalid or cannot be read."""
 
 
 class DisplayError(PapilioError, ValueError):
-    """A display that cannot be computed, though its scenario is well-formed."""
+    """A display that cannot be computed, although its scenario is valid."""
 
     def __init__(self, text: str, mistakes: Sequence[Mapping[str, Any]] = ()) -> None:
         super().__init__(text)
 
 
 class ArgumentError(PapilioError, ValueError):
-    """An argument of a function that is wrong; the text begins with its name."""
+    """An invalid argument of a function; the message begins with its name."""
 
     def __init__(self, text: str, mistakes: Sequence[Mapping[str, Any]] = ()) -> None:
         super().__init__(text)
 
 
 class DesignError(PapilioError, ValueError):
-    """A design, of many in one call, that cannot be computed."""
+    """An invalid design among the designs of a call."""
 
     def __init__(self, text: str, design: int | tuple[int, ...]) -> None:
         super().__init__(text)
-        #: Which one: its index in the arrays of designs.
+        #: Index of the design in the arrays of designs.
         self.design = design
 
     def __str__(self) -> str:
@@ -110,4 +110,4 @@ class DesignError(PapilioError, ValueError):
 
 
 class ClusterError(PapilioError, RuntimeError):
-    """A cluster that was closed, that lost a batch too often, or whose workers are not like this program."""
+    """A cluster that was closed, that lost a batch too often, or whose workers have another version or other files."""

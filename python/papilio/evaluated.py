@@ -1,4 +1,4 @@
-"""What many designs are worth."""
+"""Metrics of many designs."""
 
 from __future__ import annotations
 
@@ -11,10 +11,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from . import _parts, _said, _words
+from . import _messages, _metadata, _parts
 from ._batches import Grid, Question, as_names
 from ._dims import Dims
-from ._kept import fixed
+from ._snapshots import read_only
 from ._mapping import Lookup
 from .prepared import Skipped
 
@@ -26,7 +26,7 @@ __all__ = ["Evaluated"]
 
 
 class Evaluated(Lookup[NDArray[np.float64]]):
-    """Metrics of designs, from `papilio.cluster`. Its arrays cannot be written to: ``found["white.Y"].copy()`` can."""
+    """Metrics of designs, from `papilio.cluster`. Its arrays are read-only; ``found["white.Y"].copy()`` is writable."""
 
     def __init__(
         self,
@@ -39,26 +39,26 @@ class Evaluated(Lookup[NDArray[np.float64]]):
         reused: int,
     ) -> None:
         self._grid, self._question, self._order, self._found = grid, question, order, found
-        #: Where the parts are, as Parquet (`pandas.read_parquet(folder)`); None: in memory.
+        #: Folder of the Parquet parts (`pandas.read_parquet(folder)`); None: the values are in memory.
         self.folder = folder
-        #: Designs in a part.
+        #: Number of designs in a part.
         self.designs_per_part = batch
-        #: Designs that were there already.
+        #: Number of designs that were already computed.
         self.reused = reused
         scene = question.scenario._scene()
-        #: What looks wrong about the scenario, and yet can be computed; of designs that change it, nothing is known.
+        #: Warnings about the scenario; the designs that change it are not checked.
         self.warnings: list[str] = list(scene.warnings)
-        #: What the reader may like to know: what was measured, assumed, or scaled.
+        #: Notes on data that were measured, assumed or scaled.
         self.notes: list[str] = list(scene.notes)
 
     @property
     def shape(self) -> tuple[int, ...]:
-        """Of ``values``: designs..., metric."""
+        """The shape of ``values``: designs..., metric."""
         return (*self._grid.shape, len(self.metrics))
 
     @property
     def metrics(self) -> list[str]:
-        """The names along the last axis."""
+        """The names of the metrics along the last axis."""
         return list(self._question.metrics)
 
     @property
@@ -78,10 +78,10 @@ class Evaluated(Lookup[NDArray[np.float64]]):
             if known is not None:
                 flat[start : start + len(known)] = known
                 start += len(known)
-        return fixed(flat.reshape(self.shape))
+        return read_only(flat.reshape(self.shape))
 
     def __getstate__(self) -> dict[str, Any]:
-        # What is unpickled can be written to: these are made anew.
+        # Unpickled arrays are writable, so the read-only values are created again.
         return {name: one for name, one in self.__dict__.items() if name != "values"}
 
     def _names(self) -> Iterable[str]:
@@ -89,31 +89,31 @@ class Evaluated(Lookup[NDArray[np.float64]]):
 
     @cached_property
     def errors(self) -> list[tuple[tuple[int, ...], str]]:
-        """Designs that cannot be, where ``on_error="nan"`` left them out: the index of each, as of ``DesignError.design``, and why."""
-        all_of_them = []
+        """The invalid designs that ``on_error="nan"`` skipped: the index of each, as in ``DesignError.design``, and the reason."""
+        errors = []
         for part, address in enumerate(self._order):
             _, skipped = self._found.get(address, (None, []))
             if address not in self._found and self.folder is not None:
                 skipped = _parts.skipped(self.folder, address)
             start = part * self.designs_per_part
-            all_of_them += [(self._grid.place(start + at), why) for at, why in skipped]
-        return all_of_them
+            errors += [(self._grid.place(start + at), why) for at, why in skipped]
+        return errors
 
     def __getitem__(self, metric: str) -> NDArray[np.float64]:
-        """One metric, shape [designs...].
+        """Returns one metric, shape [designs...].
 
         Raises:
-            KeyError: if it was not asked for.
+            KeyError: if it was not requested.
         """
         if metric not in self.metrics:
-            raise KeyError(f"{metric!r} was not asked for; there are {', '.join(self.metrics)}")
+            raise KeyError(f"{metric!r} was not requested; the metrics are {', '.join(self.metrics)}")
         return self.values[..., self.metrics.index(metric)]
 
     def _variables(self) -> dict[str, NDArray[Any]]:
         return as_names(self._grid.columns)
 
     def to_pandas(self) -> pandas.DataFrame:
-        """A row for each design, with its variables and metrics."""
+        """Returns a table with a row for each design: its variables and metrics."""
         import pandas
 
         shape = self._grid.shape
@@ -122,8 +122,11 @@ class Evaluated(Lookup[NDArray[np.float64]]):
         return pandas.DataFrame({**table, **{name: flat[:, at] for at, name in enumerate(self.metrics)}})
 
     def to_xarray(self) -> xarray.Dataset:
-        """The metrics over the variables. An axis is a variable if that alone varies along it, else ``design``; of variables that
-        were arrays of xarray's it keeps its name."""
+        """Returns the metrics over the variables.
+
+        An axis has the name of a variable if only this one varies along it, otherwise ``design``. Axes of xarray arrays keep their
+        names.
+        """
         import xarray
 
         if self._grid.dims is not None:
@@ -148,28 +151,28 @@ class Evaluated(Lookup[NDArray[np.float64]]):
             name: ([dimensions[at] for at in along[name]], np.squeeze(column, axis=tuple(at for at in range(column.ndim) if at not in along[name])))
             for name, column in padded.items()
         }
-        data = {_words.flat(name): (dimensions, self[name].copy(), _words.attributes(name)) for name in self.metrics}
+        data = {_metadata.flat(name): (dimensions, self[name].copy(), _metadata.attributes(name)) for name in self.metrics}
         return xarray.Dataset(data, coordinates, self._about())
 
     def _labelled(self, dims: Dims) -> xarray.Dataset:
-        """The metrics over the dimensions of variables that were arrays of xarray's."""
+        """Returns the metrics over the dimensions of variables that are xarray arrays."""
         import xarray
 
         names, coordinates = dims.names, dict(dims.coordinates)
         for name, column in self._variables().items():
             at = [axis for axis in range(column.ndim) if column.shape[axis] > 1 or self._grid.shape[axis] == 1]
             coordinates[name] = ([names[axis] for axis in at], column.reshape([column.shape[axis] for axis in at]))
-        data = {_words.flat(name): (names, self[name].copy(), _words.attributes(name)) for name in self.metrics}
+        data = {_metadata.flat(name): (names, self[name].copy(), _metadata.attributes(name)) for name in self.metrics}
         return xarray.Dataset(data, coordinates, self._about())
 
     def _about(self) -> dict[str, Any]:
         about = {"papilio": self._question.version, "hash": self._question.hash, "view": self._question.view}
-        return about | _said.attributes(self.warnings, self.notes)
+        return about | _messages.attributes(self.warnings, self.notes)
 
     def __repr__(self) -> str:
         where = "in memory" if self.folder is None else f"in {self.folder}"
-        return f"<papilio.Evaluated: {self._grid.size:,} designs, {', '.join(self.metrics)}; {where}{_said.short(self.warnings)}>"
+        return f"<papilio.Evaluated: {self._grid.size:,} designs, {', '.join(self.metrics)}; {where}{_messages.summary(self.warnings)}>"
 
     def _repr_html_(self) -> str:
-        """What it is, warnings and notes."""
-        return f"<p>{html.escape(repr(self))}</p>{_said.listed(self.warnings, self.notes)}"
+        """A summary with warnings and notes, as HTML."""
+        return f"<p>{html.escape(repr(self))}</p>{_messages.as_html(self.warnings, self.notes)}"

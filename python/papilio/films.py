@@ -1,7 +1,7 @@
-"""Coherent thin films: any stack of flat layers, in one call over wavelengths, angles and designs.
+"""Coherent thin films: any stack of flat layers, in one call for all wavelengths, angles and designs.
 
-All multiple reflections interfere; layers are flat, homogeneous and isotropic, with local bulk indices n + 1j k,
-k >= 0. Source: M. Born, E. Wolf, "Principles of Optics", 7th ed., section 1.6; A. Macleod, "Thin-Film Optical
+All multiple reflections interfere. Layers are flat, homogeneous and isotropic, with local bulk indices n + 1j k,
+k >= 0. Sources: M. Born, E. Wolf, "Principles of Optics", 7th ed., section 1.6; A. Macleod, "Thin-Film Optical
 Filters", 4th ed., chapter 2.
 """
 
@@ -25,32 +25,32 @@ __all__ = ["Material", "Polarisation", "Power", "index", "material_names", "powe
 #: A name ("SiO2"), a number or array n + 1j k, or the path of an n-k file.
 Material = str | PathLike[str] | complex | ArrayLike
 
-#: One of both polarisations, or the mean of them.
+#: One of the two polarisations, or their mean.
 Polarisation = Literal["s", "p", "mean"]
 
 
 class Power(NamedTuple):
-    """Shares of the power that comes in."""
+    """Reflectance and transmittance: fractions of the incident power."""
 
     reflectance: NDArray[np.float64]
-    #: Into the substrate; 0 where the wave there is evanescent.
+    #: Fraction that enters the substrate; 0 if the wave in it is evanescent.
     transmittance: NDArray[np.float64]
 
     @property
     def absorptance(self) -> NDArray[np.float64]:
-        """What the layers absorb."""
+        """Fraction that the layers absorb."""
         return 1.0 - self.reflectance - self.transmittance
 
 
 def material_names() -> list[str]:
-    """The names of materials; docs/films.md says where their numbers come from."""
+    """Returns the names of materials; docs/films.md has the sources of their data."""
     return _papilio.material_names()
 
 
 def index(material: Material, wavelength_nm: ArrayLike, *, name: str = "material") -> NDArray[np.complex128]:
-    """n + 1j k of a material at wavelengths (vacuum, nm), in their shape.
+    """Returns n + 1j k of a material at wavelengths (vacuum, nm), in their shape.
 
-    Nothing is extrapolated: a wavelength beyond a material's data is an `ArgumentError`.
+    Data are not extrapolated: a wavelength outside the range of a material's data is an `ArgumentError`.
     """
     nm = _arguments.reals("wavelength_nm", wavelength_nm, least=1.0, most=1e6)
     if not isinstance(material, (str, PathLike)):
@@ -58,7 +58,7 @@ def index(material: Material, wavelength_nm: ArrayLike, *, name: str = "material
     flat = np.ascontiguousarray(nm).reshape(-1)
     try:
         if isinstance(material, str):
-            named = _arguments.text("material", material, "the name of one")
+            named = _arguments.text("material", material, "the name of a material")
             known = _papilio.material_index(named, None, flat)
         else:
             known = _papilio.material_index(None, fspath(material), flat)
@@ -77,10 +77,10 @@ def power(
     polarisation: Polarisation = "mean",
     threads: int | None = None,
 ) -> Power:
-    """Reflectance and transmittance of films, in SIMD registers and on threads, without the interpreter.
+    """Computes reflectance and transmittance of films, with SIMD and threads, outside the interpreter.
 
-    Wavelengths, angles, thicknesses, indices and media broadcast as numpy does; the answers have their common shape.
-    (By place: xarray's arrays with other dimensions are refused.) ::
+    Wavelengths, angles, thicknesses, indices and media broadcast by numpy's rules; the results have their common shape.
+    Broadcasting is by position: xarray arrays with different dimensions are refused. ::
 
         d = np.linspace(0, 200, 101)                  # designs
         nm = np.arange(380, 781, 5)
@@ -88,16 +88,16 @@ def power(
         films.power([("SiO2", d[:, None, None])], nm[:, None], theta).reflectance.shape   # (101, 81, 4)
 
     Args:
-        layers: (material, thickness in nm) from the side of the light down.
+        layers: (material, thickness in nm), from the side of the light to the substrate.
         wavelength_nm: in vacuum, nm.
-        theta_deg: inclination in the medium that the light comes from, 0 to less than 90 degrees.
-        incidence: index of that (transparent) medium.
-        substrate: semi-infinite, behind the layers.
-        polarisation: "s", "p", or "mean" of both.
-        threads: how many; None: one for each processor. They change no number.
+        theta_deg: inclination in the medium of incidence, 0 to less than 90 degrees.
+        incidence: refractive index of the medium of incidence, which is transparent.
+        substrate: semi-infinite medium behind the layers.
+        polarisation: "s", "p", or "mean" for their mean.
+        threads: number of threads; None: one for each processor. The results do not depend on it.
 
     Raises:
-        ArgumentError: names what is wrong.
+        ArgumentError: if an argument is invalid; the message names it.
         KeyboardInterrupt: on Ctrl-C.
     """
     return Power(*_computed(layers, wavelength_nm, theta_deg, incidence, substrate, polarisation, True, threads))
@@ -113,9 +113,9 @@ def _computed(
     both: bool,
     threads: int | None,
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Reflectance and, if ``both``, transmittance."""
+    """Computes reflectance and, if ``both``, transmittance."""
     _arguments.one_of("polarisation", polarisation, ("s", "p", "mean"))
-    given: dict[str, Any] = {"wavelength_nm": wavelength_nm, "theta_deg": theta_deg, "incidence": incidence, "substrate": substrate}
+    arguments: dict[str, Any] = {"wavelength_nm": wavelength_nm, "theta_deg": theta_deg, "incidence": incidence, "substrate": substrate}
     arrays: dict[str, NDArray[np.float64]] = {
         "wavelength_nm": _arguments.reals("wavelength_nm", wavelength_nm, least=1.0, most=1e6),
         "theta_deg": _arguments.reals("theta_deg", theta_deg, least=0.0, most=np.nextafter(90.0, 0.0)),
@@ -128,10 +128,10 @@ def _computed(
         if not isinstance(layer, (tuple, list)) or len(layer) != 2:
             raise ArgumentError(f"{name}: expected (material, thickness in nm), not {_arguments.described(layer)}")
         material, thickness = layer
-        given |= {name: material, f"{name} thickness": thickness}
+        arguments |= {name: material, f"{name} thickness": thickness}
         media[name] = index(material, wavelength_nm, name=name)
         arrays[f"{name} thickness"] = _arguments.reals(f"{name} thickness", thickness, least=0.0)
-    check_places({name: one for name, one in given.items() if not isinstance(one, (str, PathLike))})
+    check_places({name: one for name, one in arguments.items() if not isinstance(one, (str, PathLike))})
     shape = _arguments.common_shape({**arrays, **media})
     if 0 in shape:
         return np.zeros(shape), np.zeros(shape)
@@ -151,43 +151,43 @@ def _computed(
     return laid.back(_papilio.film_grid(lengths, *around, stack, laid.parts(media["substrate"]), gap, workers), shape), np.zeros(0)
 
 
-#: Numbers, and how far apart they are along each axis of a call.
+#: Numbers, and their stride along each axis of a call.
 _Spread = tuple[NDArray[np.float64], list[int]]
 
-#: Wavelengths in a register, and directions and gaps for which the preparation of a grid is worth it.
+#: Smallest numbers of wavelengths (one register) and of directions times gaps for which the grid method is faster.
 _FEW_WAVELENGTHS, _FEW_PAIRS = 4, 16
 
 
 class _Laid(NamedTuple):
-    """How arrays are handed over: their common shape, and the order of its axes."""
+    """Layout of arrays for the extension module: their common shape, and the order of its axes."""
 
     shape: tuple[int, ...]
     order: list[int]
 
     def spread(self, array: NDArray[np.float64]) -> _Spread:
-        """The numbers of an array that broadcasts to the shape, each once."""
+        """Returns the distinct numbers of an array that broadcasts to the shape, with their strides."""
         last = np.asarray(_once(array, len(self.shape)).transpose(self.order), order="C")
         steps = [0 if length == 1 else stride // last.itemsize for length, stride in zip(last.shape, last.strides, strict=True)]
         return last.reshape(-1), steps
 
     def parts(self, array: NDArray[np.complex128]) -> tuple[_Spread, _Spread]:
-        """The real and the imaginary one."""
+        """Returns the real and the imaginary part, each with its strides."""
         return self.spread(array.real), self.spread(array.imag)
 
     def back(self, flat: NDArray[np.float64], shape: tuple[int, ...]) -> NDArray[np.float64]:
-        """Numbers in this order of axes as an array; axes of length 1 before those of ``shape`` go."""
+        """Returns numbers in this order of axes as an array, without the axes of length 1 that precede those of ``shape``."""
         found = flat.reshape([self.shape[axis] for axis in self.order]).transpose(np.argsort(self.order))
         return np.asarray(found.reshape(shape), order="C")
 
 
 def _once(array: NDArray[Any], axes: int) -> NDArray[Any]:
-    """An array with so many axes, of length 1 where it does not change."""
+    """Returns an array with ``axes`` axes; those along which it is constant have length 1."""
     padded = array.reshape((1,) * (axes - array.ndim) + array.shape)
     return padded[tuple(slice(0, 1) if stride == 0 else slice(None) for stride in padded.strides)]
 
 
 def _in_rows(shape: tuple[int, ...]) -> _Laid:
-    """The points of the longest axis side by side."""
+    """Returns the layout in which the points of the longest axis are contiguous."""
     longest = max(range(len(shape)), key=lambda axis: (shape[axis], axis), default=None)
     return _Laid(shape, [axis for axis in range(len(shape)) if axis != longest] + ([] if longest is None else [longest]))
 
@@ -195,11 +195,11 @@ def _in_rows(shape: tuple[int, ...]) -> _Laid:
 def _grid(
     shape: tuple[int, ...], arrays: dict[str, NDArray[np.float64]], media: list[NDArray[np.complex128]], nm: list[NDArray[np.float64]]
 ) -> tuple[_Laid, int | None] | None:
-    """The grid of directions, gaps and wavelengths that arrays span, if they do.
+    """Returns the layout of the grid of directions, gaps and wavelengths that the arrays span; None if there is none.
 
-    That is an axis along which wavelengths and indices change alone, one along which the angle does, and one along which the
-    thickness of a single layer does (its number is given). Two axes of length 1 stand in for those that are not there. Other axes come
-    first; along them anything may change.
+    The grid has an axis along which only wavelengths and indices change, one along which only the angle changes, and one along
+    which only the thickness of a single layer changes (its index is returned). Two axes of length 1 replace missing ones. The other
+    axes precede them; along these, all arrays may change.
     """
 
     def along(some: Sequence[NDArray[Any]]) -> list[set[int]]:
@@ -236,7 +236,7 @@ def reflectance(
     polarisation: Polarisation = "mean",
     threads: int | None = None,
 ) -> NDArray[np.float64]:
-    """The share of the power that is reflected; arguments and errors are those of `power`."""
+    """Computes the reflected fraction of the power; arguments and errors are those of `power`."""
     return _computed(layers, wavelength_nm, theta_deg, incidence, substrate, polarisation, False, threads)[0]
 
 
@@ -250,7 +250,7 @@ def transmittance(
     polarisation: Polarisation = "mean",
     threads: int | None = None,
 ) -> NDArray[np.float64]:
-    """The share of the power that enters the substrate; arguments and errors are those of `power`."""
+    """Computes the fraction of the power that enters the substrate; arguments and errors are those of `power`."""
     return power(
         layers, wavelength_nm, theta_deg, incidence=incidence, substrate=substrate, polarisation=polarisation, threads=threads
     ).transmittance

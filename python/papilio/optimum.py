@@ -13,12 +13,12 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from . import _papilio, _pieces, _said
+from . import _messages, _papilio, _work_items
 from ._arguments import checked_folder, whole
-from ._roads import OnCluster, check_client
+from ._backends import ClusterBackend, check_client
 from .errors import ArgumentError
 from .figure import Figure
-from .running import Line, Progress, checked_threads, told, with_solver
+from .running import Line, Progress, checked_threads, reporter, with_solver
 from .scenario import Scenario, read
 
 if TYPE_CHECKING:
@@ -29,75 +29,75 @@ __all__ = ["Design", "Optimum", "optimize"]
 
 
 class Design(NamedTuple):
-    """A design, and what it is worth."""
+    """A design and its metrics."""
 
-    #: The value of every key that it sets.
+    #: Values of the keys that the design sets.
     values: dict[str, Any]
-    #: What was asked of it, by name; NaN where it is not defined.
+    #: Values of the requested quantities, by name; NaN where undefined.
     metrics: dict[str, float]
-    #: Whether it meets all limits.
+    #: Whether the design meets all limits.
     meets_limits: bool = True
 
 
 class Optimum:
-    """What a search found: the best design, or the front of several objectives. A notebook shows a table."""
+    """Result of a search: the best design, or the Pareto front of several objectives. A notebook shows a table."""
 
-    def __init__(self, scenario: Scenario, said: Mapping[str, Any]) -> None:
+    def __init__(self, scenario: Scenario, content: Mapping[str, Any]) -> None:
         self._scenario = scenario
-        self._quantities: list[str] = list(said["quantities"])
+        self._quantities: list[str] = list(content["quantities"])
         #: The scenario's own design.
-        self.own = self._design(said["own"])
-        #: The designs that are handed on: one, or those of the front from one end to the other.
-        self.designs = [self._design(one) for one in said["chosen"]]
-        #: How many designs were evaluated.
-        self.evaluations = int(said["evaluations"])
-        self._table: str = said["table"]
-        self._figures: list[tuple[str, str]] = said["figures"]
+        self.own = self._design(content["own"])
+        #: The resulting designs: one, or those of the Pareto front from one end to the other.
+        self.designs = [self._design(one) for one in content["chosen"]]
+        #: Number of evaluated designs.
+        self.evaluations = int(content["evaluations"])
+        self._table: str = content["table"]
+        self._figures: list[tuple[str, str]] = content["figures"]
         scene = scenario._scene()
-        #: What the reader should know; each was raised as a `papilio.PapilioWarning` when it was found.
+        #: Warnings; each was also raised as a `papilio.PapilioWarning` by the computation.
         self.warnings: list[str] = [*scene.warnings, *self._missed()]
-        #: What the reader may like to know: what was measured, assumed, or scaled.
+        #: Notes on data that were measured, assumed or scaled.
         self.notes: list[str] = list(scene.notes)
 
     def _missed(self) -> list[str]:
-        """The program's words about what a search did not find."""
+        """Returns a warning if the search found no feasible design."""
         if not self.designs:
-            return ["no design could be evaluated: what is asked is not defined anywhere"]
+            return ["no design could be evaluated, because its metrics are undefined"]
         if not self.designs[0].meets_limits:
-            return ["no design was found that meets all limits; this one misses them least"]
+            return ["no feasible design was found; the returned design has the smallest violation of the constraints"]
         return []
 
-    def _design(self, said: Mapping[str, Any]) -> Design:
-        values = [float("nan") if value is None else float(value) for value in said["values"]]
-        return Design(dict(said["set"]), dict(zip(self._quantities, values, strict=True)), said.get("meets_limits", True))
+    def _design(self, content: Mapping[str, Any]) -> Design:
+        values = [float("nan") if value is None else float(value) for value in content["values"]]
+        return Design(dict(content["set"]), dict(zip(self._quantities, values, strict=True)), content.get("meets_limits", True))
 
     @property
     def best(self) -> Design:
-        """The best design; of a front its first end.
+        """The best design; for a Pareto front, its first design.
 
         Raises:
             ValueError: if no design could be evaluated.
         """
         if not self.designs:
-            raise ArgumentError("scenario: no design could be evaluated: what is asked is not defined anywhere")
+            raise ArgumentError("scenario: no design could be evaluated, because its metrics are undefined")
         return self.designs[0]
 
     def scenario(self, design: int = 0) -> Scenario:
-        """The scenario with one of the `designs`."""
+        """Returns the scenario with one of the `designs`."""
         if isinstance(design, bool) or not isinstance(design, int) or not 0 <= design < len(self.designs):
             raise ArgumentError(f"design: expected 0 to {len(self.designs) - 1}, not {design!r}")
         return self._scenario.with_values(self.designs[design].values)
 
     def front(self) -> NDArray[np.float64]:
-        """What was asked, of all `designs`, shape [design, quantity]; the names are those of ``best.metrics``."""
+        """Returns the requested quantities of all `designs`, shape [design, quantity]; ``best.metrics`` has their names."""
         rows = [list(design.metrics.values()) for design in self.designs]
         return np.array(rows, dtype=np.float64).reshape(len(rows), len(self._quantities))
 
     def to_pandas(self) -> pandas.DataFrame:
-        """The scenario's own design and the `designs`, a row each: keys, what was asked, ``meets_limits``.
+        """Returns a table of the scenario's own design and the `designs`: keys, requested quantities, ``meets_limits``.
 
         Raises:
-            ImportError: without pandas.
+            ImportError: if pandas is not installed.
         """
         import pandas
 
@@ -105,16 +105,16 @@ class Optimum:
         return pandas.DataFrame(rows, index=pandas.Index(["scenario", *range(len(self.designs))], name="design"))
 
     def figures(self) -> dict[str, Figure]:
-        """What ``papilio optimize`` draws, by name: ``trace``, and of several objectives ``front``."""
+        """Returns the figures of ``papilio optimize``, by name: ``trace``, and ``front`` if there are several objectives."""
         return {name: Figure(name, svg) for name, svg in self._figures}
 
     def save(self, folder: str | PathLike[str]) -> list[Path]:
-        """Writes into a folder, which is made, what ``papilio optimize`` writes but for the journal (see ``out`` of `optimize`).
+        """Writes the files of ``papilio optimize`` except the journal (see ``out`` of `optimize`) into a folder, which is created.
 
-        ``best.toml``, or ``front-01.toml`` and so on: the scenario with each design (``closest.toml`` where a single design does not
-        meet all limits; a ``best.toml`` of an earlier search is removed then, and the other way round); ``optimize.csv``: what
-        each task found; figures.
-        Scenarios find files on the disk from there; those that a `Scenario` has in memory are not written.
+        The files are ``best.toml``, or ``front-01.toml`` and so on, with the scenario of each design (``closest.toml`` if a single
+        design does not meet all limits; then a ``best.toml`` of an earlier search is removed, and vice versa), ``optimize.csv`` with
+        the result of each task, and the figures. Relative paths in the scenarios are adapted to the folder; files that a `Scenario`
+        has in memory are not written.
         """
         where = Path(folder)
         where.mkdir(parents=True, exist_ok=True)
@@ -131,11 +131,11 @@ class Optimum:
         return [where / name for name in texts]
 
     def _single(self) -> str:
-        """The file of a single design, as the program names it."""
+        """Returns the program's file name for a single design."""
         return "best.toml" if self.designs[0].meets_limits else "closest.toml"
 
     def __repr__(self) -> str:
-        return f"<papilio.Optimum: {len(self.designs)} designs of {self.evaluations} evaluated{_said.short(self.warnings)}>"
+        return f"<papilio.Optimum: {len(self.designs)} designs of {self.evaluations} evaluated{_messages.summary(self.warnings)}>"
 
     def _repr_html_(self) -> str:
         titles = ["", *self.own.values, *self._quantities]
@@ -147,7 +147,7 @@ class Optimum:
             shown = "".join(f"<td>{html.escape(_shown(cell))}</td>" for cell in cells)
             rows += f"<tr><th>{name}</th>{shown}</tr>"
         table = f"<table><thead><tr>{head}</tr></thead><tbody>{rows}</tbody></table>"
-        return table + _said.listed(self.warnings, self.notes)
+        return table + _messages.as_html(self.warnings, self.notes)
 
 
 def optimize(
@@ -160,36 +160,36 @@ def optimize(
     retries: int = 3,
     progress: Progress | bool | None = None,
 ) -> Optimum:
-    """Searches for the designs that a scenario's ``[optimize]`` asks for: what ``papilio optimize`` does.
+    """Searches for the designs that a scenario's ``[optimize]`` describes, as ``papilio optimize`` does.
 
-    The search is made of pieces that need no other of their round: descents from a place each, and designs of a population's
-    generation. They are done by threads, or by the workers of a cluster; what is found is the same, to the last bit.
+    The search consists of work items, which are independent within a round: descents from one starting point each, and designs of
+    a population's generation. Threads or the workers of a cluster compute them; the result is the same, to the last bit.
 
     Args:
-        scenario: a `Scenario`, or the path of one, with ``[optimize]``.
-        set: values put in before, ``{path: value}``, those of ``[optimize]`` included (``"optimize.seed": 1``).
-        out: a folder for the journal, ``optimize.jsonl``, that ``papilio optimize`` keeps there, too: a search that was
-            stopped or killed goes on from it, here or there. None: a stopped search begins anew.
-        client: a `distributed.Client`: its workers compute, one piece for each of their threads. None: this machine.
-        threads: without ``client``: how many; None: one for each processor. They change no number.
-        retries: how often a piece is given out anew after the worker that had it was lost.
-        progress: a function, called with ``done`` and ``of``, the searches of a round, as they go on; or True for a line on the
-            terminal.
+        scenario: a `Scenario`, or the path of a scenario file, with ``[optimize]``.
+        set: values to set in the scenario first, ``{path: value}``, including those of ``[optimize]`` (``"optimize.seed": 1``).
+        out: folder for the journal ``optimize.jsonl``, which is also that of ``papilio optimize``: either of them can resume an
+            interrupted search from it. None: an interrupted search starts again.
+        client: a `distributed.Client`, whose workers compute one work item per thread. None: this machine.
+        threads: without ``client``: number of threads; None: one for each processor. The results do not depend on it.
+        retries: how often a work item is submitted again after its worker was lost.
+        progress: function that is called with ``done`` and ``of``, the numbers of completed and of all searches of a round; or True for
+            a line on the terminal.
 
     Raises:
-        ScenarioError: with the place of what is wrong.
-        ArgumentError: names the argument that is wrong (a client that is closed, a folder that cannot be, ...).
-        ClusterError: the cluster was closed, or lost a piece too often. What is in ``out`` stays.
-        FileError: the journal cannot be used: another program has it, ...
+        ScenarioError: if the scenario is invalid; with the position of the error.
+        ArgumentError: if an argument is invalid; the message names it (closed client, folder that cannot be created, ...).
+        ClusterError: if the cluster was closed, or lost a work item more often than ``retries`` allows. The contents of ``out`` are kept.
+        FileError: if the journal cannot be used, for example because another program is writing it.
         KeyboardInterrupt: on Ctrl-C.
 
     Warns:
-        PapilioWarning: what the program prints as a warning; the result has it as ``warnings``, too.
+        PapilioWarning: each warning that the program prints; ``warnings`` of the result contains it.
     """
     changed = read(scenario, with_solver(set))
     workers = checked_threads(threads) or os.cpu_count() or 1
     whole("retries", retries, 0, 1000)
-    tell = told(progress, "searches")
+    tell = reporter(progress, "searches")
     if client is not None:
         check_client(client)
     search = _papilio.Search(*changed._state())
@@ -199,16 +199,16 @@ def optimize(
             search.begin(folder, workers)
             search.run(workers, tell)
         else:
-            question = _pieces.question(changed, search)
-            road = OnCluster(client, question, retries)
-            search.begin(folder, max(1, road.workers() or 1))
-            _pieces.compute(question, search, road, tell)
+            question = _work_items.question(changed, search)
+            backend = ClusterBackend(client, question, retries)
+            search.begin(folder, max(1, backend.workers() or 1))
+            _work_items.compute(question, search, backend, tell)
         found = Optimum(changed, json.loads(search.result(changed.title)))
     finally:
         search.close()
         if isinstance(tell, Line):
             tell.end()
-    _said.warn(found.warnings)
+    _messages.warn(found.warnings)
     return found
 
 

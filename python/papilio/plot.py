@@ -1,4 +1,4 @@
-"""Figures of arrays: curves and maps, drawn as the program draws its own."""
+"""Figures of arrays: curves and maps, in the style of the program's figures."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ __all__ = ["curves", "map"]
 
 _KINDS = ("line", "dashed", "points")
 
-#: A figure with more cells than this is larger than what a page should hold.
+#: The largest number of cells in a map; larger figures are too large for a page.
 _MOST_CELLS = 10_000
 
 
@@ -31,11 +31,11 @@ def curves(
     logarithmic: bool = False,
     kinds: Mapping[str, str] | None = None,
 ) -> Figure:
-    """Curves over an axis that they share: ``{name: y}``, the name at the curve's end; NaN parts a curve.
+    """Draws curves ``{name: y}`` over a common axis, with the name at the end of each curve; NaN interrupts a curve.
 
     Args:
-        x: one dimension; or ``{name: x}``, of each curve its own.
-        logarithmic: whether the axis of values is.
+        x: one-dimensional; or ``{name: x}`` with an array for each curve.
+        logarithmic: whether the axis of values is logarithmic.
         kinds: "line", "dashed" or "points" for some of the names.
     """
     if not isinstance(ys, Mapping):
@@ -59,30 +59,30 @@ def curves(
 def map(  # noqa: A001 (the field's word)
     x: ArrayLike, y: ArrayLike, values: ArrayLike, *, x_label: str = "", y_label: str = "", title: str = "", name: str = "value"
 ) -> Figure:
-    """Numbers over two axes as colours, shape [y, x]; cells without a number stay empty."""
+    """Draws numbers over two axes as colours, shape [y, x]; NaN cells are empty."""
     cells = reals("values", values, missing=True)
     across, up = _texts("x", x), _texts("y", y)
     if cells.shape != (len(up), len(across)):
-        raise ArgumentError(f"values: expected shape {(len(up), len(across))}, one for each y and x, not {cells.shape}")
+        raise ArgumentError(f"values: expected shape {(len(up), len(across))}, one number for each y and x, not {cells.shape}")
     if cells.size > _MOST_CELLS:
-        raise ArgumentError(f"values: {cells.size} cells are more than {_MOST_CELLS}")
+        raise ArgumentError(f"values: expected at most {_MOST_CELLS} cells, not {cells.size}")
     flat: list[float] = cells.reshape(-1).tolist()
     labels = {"x_label": x_label, "y_label": y_label, "title": title, "name": name}
     words = {of: text(of, label, "text") for of, label in labels.items()}
     svg = _papilio.map(words["name"], (words["x_label"], across), (words["y_label"], up), flat, words["title"])
     if svg is None:
-        raise ArgumentError("values: there is no number among them")
+        raise ArgumentError("values: expected at least one number that is not NaN")
     return Figure("map", svg)
 
 
 def _texts(name: str, values: ArrayLike) -> list[str]:
-    """The values of an axis, numbers or words."""
+    """Returns the values of an axis, numbers or strings, as strings."""
     try:
         line: Any = np.asarray(values)
     except ValueError as error:
-        raise ArgumentError(f"{name}: expected numbers or words: {error}") from None
+        raise ArgumentError(f"{name}: expected numbers or strings: {error}") from None
     if line.ndim != 1 or not line.size:
         raise ArgumentError(f"{name}: expected values in one dimension, not shape {line.shape}")
     if line.dtype.kind == "U":
-        return [text(name, str(word), "numbers or words") for word in line]
+        return [text(name, str(word), "numbers or strings") for word in line]
     return [f"{number:.6g}" for number in reals(name, values)]

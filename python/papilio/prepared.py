@@ -1,4 +1,4 @@
-"""Displays that are kept for thousands of designs."""
+"""Displays that are prepared for the evaluation of thousands of designs."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar, overload
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from . import _arguments, _papilio, _said
+from . import _arguments, _messages, _papilio
 from ._arguments import described, text, whole
 from ._dims import Dims, crossed
 from ._toml import plain
@@ -27,66 +27,67 @@ __all__ = ["AnyKeys", "Keys", "Prepared", "metric_names"]
 
 _Answer = TypeVar("_Answer")
 
-#: One key of a scenario, or several that move alike.
+#: One key of a scenario, or several keys with a common value.
 Keys = str | tuple[str, ...]
 
-#: Whichever of these a dictionary was made for: a mapping's type of keys is taken as it is, and no other.
+#: The key type of a mapping. A type variable is necessary because mappings are invariant in their keys.
 AnyKeys = TypeVar("AnyKeys", bound=Keys)
 
-#: Designs that cannot be: the number of each, and why.
+#: Invalid designs: the index of each, and the reason.
 Skipped = list[tuple[int, str]]
 
 
 def metric_names() -> list[str]:
-    """The metrics that can be asked of designs; those of states are listed for a state ``white``."""
+    """Returns the names of the metrics of designs; metrics of states are listed for the state ``white``."""
     return _papilio.metric_names()
 
 
 class Prepared:
     """A display, its light and its views, prepared for many designs.
 
-    What does not change between designs is computed once: the angular kernels serve as long as layers, views and
-    lights stay, films as long as their layers and gaps stay. Every number is that of `papilio.run`, to the last bit
-    in `run`, within the scenario's error in `evaluate`::
+    Computations that do not change between designs are done once: angular kernels are reused while layers, views and lights are
+    the same, films while their layers and gaps are the same. The results of `run` equal those of `papilio.run` to the last bit,
+    those of `evaluate` within the scenario's error::
 
         prepared = papilio.Prepared("scenarios/indoor.toml")
         d = np.linspace(40, 70, 31)
         y = prepared.evaluate({"display.pixel.film.0.thickness_nm": d}, metrics=["gamut_percent_srgb", "white.Y"])
         y.shape                                       # (31, 2)
 
-    What looks wrong about the scenario and yet can be computed is raised as a `papilio.PapilioWarning` here; what only a run finds
-    (a target that was not reached) is raised by `run`. It can be pickled: its scenario goes, the kernels are made anew.
+    The constructor raises each warning about the scenario as a `papilio.PapilioWarning`; `run` raises those that only a run detects
+    (such as a target that was not reached). A prepared display can be pickled: the pickle contains the scenario, and the kernels
+    are computed again.
     """
 
     def __init__(self, scenario: Scenario | str | PathLike[str], *, set: Mapping[str, Any] | None = None) -> None:
         self._prepare(read(scenario, with_solver(set)).copy())
-        _said.warn(self.warnings)
+        _messages.warn(self.warnings)
 
     def _prepare(self, scenario: Scenario) -> None:
         self._scenario = scenario
-        self._kept = _papilio.Prepared(scenario._scene())
+        self._core = _papilio.Prepared(scenario._scene())
         self._batches: dict[Any, _papilio.Batch] = {}
 
     @classmethod
     def _silent(cls, scenario: Scenario) -> Prepared:
-        """One for a scenario whose warnings have been heard."""
+        """Prepares a scenario without raising its warnings."""
         made = cls.__new__(cls)
         made._prepare(scenario)
         return made
 
     @property
     def warnings(self) -> list[str]:
-        """What looks wrong about the scenario, and yet can be computed; of designs that change it, nothing is known."""
+        """Warnings about the scenario; the designs that change it are not checked."""
         return self._scenario._scene().warnings
 
     @property
     def notes(self) -> list[str]:
-        """What the reader may like to know: what was measured, assumed, or scaled."""
+        """Notes on data that were measured, assumed or scaled."""
         return self._scenario._scene().notes
 
     @property
     def scenario(self) -> Scenario:
-        """A copy of its scenario."""
+        """A copy of the scenario."""
         return self._scenario.copy()
 
     def run(
@@ -96,10 +97,10 @@ class Prepared:
         threads: int | None = None,
         progress: Progress | None = None,
     ) -> Result:
-        """All that is known of one design: the scenario with ``{path: value}`` set; see `papilio.run`."""
+        """Computes the full result of one design: the scenario with ``{path: value}`` set; see `papilio.run`."""
         changed = self._scenario.with_values(with_solver(values)) if values else self._scenario
-        core = self._kept.run(changed._scene(), checked_threads(threads), checked_progress(progress))
-        _said.warn(core.warnings())
+        core = self._core.run(changed._scene(), checked_threads(threads), checked_progress(progress))
+        _messages.warn(core.warnings())
         return Result(core, changed.title)
 
     @overload
@@ -131,22 +132,22 @@ class Prepared:
         threads: int | None = None,
         progress: Progress | None = None,
     ) -> Any:
-        """Metrics of many designs in one call, shape [designs..., metric]; NaN where one is not defined.
+        """Computes metrics of many designs in one call, shape [designs..., metric]; NaN where undefined.
 
-        Arrays of xarray's are crossed by their dimensions, and the answer is a DataArray over these and ``metric``.
+        xarray arrays broadcast by their dimensions, and the result is a DataArray over these and ``metric``.
 
         Args:
-            variables: keys (``display.pixel.gap_nm.red``), or tuples of keys that move alike, with an array of their
-                values, which broadcast to ``designs...`` as numpy does. Values are numbers in the key's own unit, or
+            variables: keys (``display.pixel.gap_nm.red``), or tuples of keys with a common value, with arrays of
+                values that broadcast to ``designs...`` by numpy's rules. Values are numbers in the key's own unit, or
                 strings (the names of materials).
             metrics: names of `metric_names`: "gamut_percent_srgb", "white.Y".
-            view: which of the scenario's views, from 0.
-            threads: None: one for each processor. They change no number.
-            progress: called a few times a second.
+            view: index of one of the scenario's views, from 0.
+            threads: number of threads; None: one for each processor. The results do not depend on it.
+            progress: function that is called a few times a second.
 
         Raises:
-            ArgumentError: names the argument that is wrong.
-            DesignError: names the first design that cannot be, and why.
+            ArgumentError: if an argument is invalid; the message names it.
+            DesignError: for the first invalid design, with the reason.
             KeyboardInterrupt: on Ctrl-C, within about a second.
         """
         call = self._call(variables, metrics, view, threads, progress)
@@ -156,7 +157,7 @@ class Prepared:
     def _skipping(
         self, variables: Mapping[AnyKeys, ArrayLike], metrics: Sequence[str], view: int, threads: int | None
     ) -> tuple[NDArray[np.float64], Skipped]:
-        """As `evaluate`; but designs that cannot be are NaN, and stand beside: their number and why."""
+        """Computes as `evaluate`, with NaN for invalid designs; also returns their indices and the reasons."""
         call = self._call(variables, metrics, view, threads, None)
         values, skipped = call.batch.evaluate(call.designs, call.many, call.threads, None, skip=True)
         return call.array(values), skipped
@@ -190,10 +191,11 @@ class Prepared:
         threads: int | None = None,
         progress: Progress | None = None,
     ) -> Any:
-        """Metrics of many designs and their slopes: shapes [designs..., metric] and [designs..., metric, variable].
+        """Computes metrics of many designs and their derivatives: shapes [designs..., metric] and [designs..., metric, variable].
 
-        A slope is that of the metric by the variable (for several keys: by their common value), in its own unit; NaN
-        where it is not defined, 0 by words. Slopes by numbers of a film pixel are exact, others central differences.
+        The derivative is that of the metric with respect to the variable (for several keys: their common value), per unit of the
+        variable; NaN where undefined, 0 for variables with strings. Derivatives with respect to numbers of a film pixel are exact;
+        the others are central differences.
 
         Arguments and errors are those of `evaluate`.
         """
@@ -213,7 +215,7 @@ class Prepared:
         threads: int | None,
         progress: Progress | None,
     ) -> _Call:
-        """The checked arguments of a call."""
+        """Checks the arguments of a call."""
         asked = checked_metrics(metrics)
         arrays, choices, dims = _split(variables)
         shape = _arguments.common_shape(arrays) if arrays else ()
@@ -232,7 +234,7 @@ class Prepared:
     def _batch(
         self, keys: list[tuple[str, ...]], choices: list[list[Any] | None], metrics: list[str], view: int
     ) -> _papilio.Batch:
-        """The one for these questions; it keeps its kernels from call to call."""
+        """Returns the batch evaluator for this request; it reuses its kernels in later calls."""
         written = [None if some is None else json.dumps(some) for some in choices]
         question = (tuple(keys), tuple(written), tuple(metrics), view)
         if question not in self._batches:
@@ -245,18 +247,18 @@ class Prepared:
         return self._batches[question]
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return _again, (self._scenario,)
+        return _restored, (self._scenario,)
 
     def __repr__(self) -> str:
-        return f"<papilio.Prepared {self._scenario.name!r}{_said.short(self.warnings)}>"
+        return f"<papilio.Prepared {self._scenario.name!r}{_messages.summary(self.warnings)}>"
 
 
-def _again(scenario: Scenario) -> Prepared:
+def _restored(scenario: Scenario) -> Prepared:
     return Prepared._silent(scenario)
 
 
 class _Call(NamedTuple):
-    """A question about many designs, checked."""
+    """The checked arguments of a call."""
 
     batch: _papilio.Batch
     designs: NDArray[np.float64]
@@ -264,16 +266,16 @@ class _Call(NamedTuple):
     metrics: int
     threads: int
     progress: Progress | None
-    #: Of arrays of xarray's.
+    #: The dimensions, if the variables are xarray arrays.
     dims: Dims | None
 
     @property
     def many(self) -> int:
-        """How many designs there are."""
+        """The number of designs."""
         return int(np.prod(self.shape, dtype=np.int64))
 
     def answer(self, of: Callable[[NDArray[np.float64], int, int, Progress | None], _Answer]) -> _Answer:
-        """What the batch says; a design that cannot be is named by its place in the arrays."""
+        """Calls the batch; a `DesignError` gets the index of the design in the arrays."""
         try:
             return of(self.designs, self.many, self.threads, self.progress)
         except DesignError as error:
@@ -282,15 +284,19 @@ class _Call(NamedTuple):
             raise DesignError(error.args[0], at) from None
 
     def array(self, flat: NDArray[np.float64], *inner: int) -> NDArray[np.float64]:
-        """Numbers of every design and metric."""
+        """Returns flat numbers with the axes of designs and metrics."""
         return flat.reshape(*self.shape, self.metrics, *inner)
 
 
 def checked_metrics(metrics: Sequence[str]) -> list[str]:
-    """Names of metrics, if they are names."""
+    """Returns a list of names of metrics.
+
+    Raises:
+        ArgumentError: if ``metrics`` is not a list of strings.
+    """
     names = metrics.tolist() if isinstance(metrics, np.ndarray) and metrics.ndim == 1 else metrics
     if not isinstance(names, (list, tuple)) or not names:
-        raise ArgumentError(f"metrics: expected a list of names, not {described(metrics)}")
+        raise ArgumentError(f"metrics: expected a list of names such as gamut_percent_srgb or white.Y, not {described(metrics)}")
     return [text("metrics", name, "names such as gamut_percent_srgb or white.Y") for name in names]
 
 
@@ -299,34 +305,34 @@ def _keys(keys: Keys) -> tuple[str, ...]:
 
 
 def columns(variables: Mapping[AnyKeys, ArrayLike]) -> tuple[dict[Keys, NDArray[Any]], Dims | None]:
-    """The numbers or words of each variable; of arrays of xarray's so that they broadcast, and their dimensions."""
+    """Returns the numbers or strings of each variable so that they broadcast, and the dimensions of xarray arrays."""
     if not isinstance(variables, Mapping):
         raise ArgumentError(f"variables: expected a dict of keys and arrays, not {described(variables)}")
     varied: set[str] = set()
     for keys in variables:
         if not isinstance(keys, (str, tuple)) or not keys:
-            raise ArgumentError(f"variables: expected a key, as display.pixel.gap_nm.red, or a tuple of them, not {described(keys)}")
+            raise ArgumentError(f"variables: expected a key such as display.pixel.gap_nm.red, or a tuple of keys, not {described(keys)}")
         for path in _keys(keys):
             text("variables", path, "a key such as display.pixel.gap_nm.red")
             if path in varied:
-                raise ArgumentError(f"variables: {path} varies twice")
+                raise ArgumentError(f"variables: expected each key once; {path} is given twice")
             varied.add(path)
-    given: dict[Keys, Any] = {keys: values for keys, values in variables.items()}
-    plain_ones, dims = crossed(given, {keys: named(keys) for keys in given})
+    by_keys: dict[Keys, Any] = {keys: values for keys, values in variables.items()}
+    plain_ones, dims = crossed(by_keys, {keys: named(keys) for keys in by_keys})
     arrays: dict[Keys, NDArray[Any]] = {}
     for each, values in plain_ones.items():
-        words = _words(values)
-        arrays[each] = _arguments.reals(named(each), values) if words is None else words
+        strings = _strings(values)
+        arrays[each] = _arguments.reals(named(each), values) if strings is None else strings
     return arrays, dims
 
 
 def named(keys: Keys) -> str:
-    """What mistakes call a variable."""
+    """Returns the name of a variable for errors."""
     return f"variables[{', '.join(_keys(keys))!r}]"
 
 
 def _split(variables: Mapping[AnyKeys, ArrayLike]) -> tuple[dict[str, NDArray[np.float64]], list[list[Any] | None], Dims | None]:
-    """The numbers of each variable, what they count where its values are words, and the dimensions of arrays of xarray's."""
+    """Returns the numbers of each variable, its choices if its values are strings, and the dimensions of xarray arrays."""
     arrays: dict[str, NDArray[np.float64]] = {}
     choices: list[list[Any] | None] = []
     found, dims = columns(variables)
@@ -341,8 +347,8 @@ def _split(variables: Mapping[AnyKeys, ArrayLike]) -> tuple[dict[str, NDArray[np
     return arrays, choices, dims
 
 
-def _words(values: ArrayLike) -> NDArray[np.str_] | None:
-    """The array, if it is one of strings."""
+def _strings(values: ArrayLike) -> NDArray[np.str_] | None:
+    """Returns an array of strings; None for other values."""
     if not isinstance(values, (str, list, tuple, np.ndarray)):
         return None
     try:

@@ -1,4 +1,4 @@
-"""Runs."""
+"""Runs of scenarios, and arguments that several computations share."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping
 from os import PathLike
 from typing import Any, Literal
 
-from . import _papilio, _said
+from . import _messages, _papilio
 from ._arguments import described, one_of, whole
 from .errors import ArgumentError
 from .result import Result
@@ -15,11 +15,11 @@ from .scenario import Scenario, read
 
 __all__ = ["Progress", "Solver", "run"]
 
-#: How a display is computed.
+#: The solver; ``"walk"`` is the old name of ``"monte-carlo"``.
 Solver = Literal["adding", "monte-carlo", "walk"]
 
-#: What a ``progress`` function is given: of a run views_done, views, relative_error, target and paths; of designs and
-#: searches done and of.
+#: Function that reports progress. Its argument has views_done, views, relative_error, target and paths for a run; done and of
+#: for designs and searches.
 Progress = Callable[[dict[str, Any]], object]
 
 _MOST_THREADS = 65535
@@ -35,35 +35,35 @@ def run(
     set: Mapping[str, Any] | None = None,
     progress: Progress | None = None,
 ) -> Result:
-    """Computes the display that a scenario, or a scenario file, describes: what ``papilio run`` does.
+    """Computes the display that a scenario, or a scenario file, describes, as ``papilio run`` does.
 
     Args:
-        scenario: a `Scenario`, or the path of one.
-        solver: ``"adding"`` or ``"monte-carlo"``; None: the scenario's own.
-        seed: of the walk; None: the scenario's own.
-        threads: how many; None: one for each processor. They change no number.
-        set: values put in before, ``{path: value}``; the scenario itself stays as it is.
-        progress: called a few times a second with how far the run has come.
+        scenario: a `Scenario`, or the path of a scenario file.
+        solver: ``"adding"`` or ``"monte-carlo"``; None: that of the scenario.
+        seed: integer that selects the random numbers of the Monte Carlo solver; None: that of the scenario.
+        threads: number of threads; None: one for each processor. The results do not depend on it.
+        set: values to set in the scenario first, ``{path: value}``; the `Scenario` itself is not changed.
+        progress: function that is called a few times a second with the progress of the run.
 
     Raises:
-        ScenarioError: with the place of what is wrong.
+        ScenarioError: if the scenario is invalid; with the position of the error.
         DisplayError: if the display cannot be computed.
         KeyboardInterrupt: on Ctrl-C, within about a second.
 
     Warns:
-        PapilioWarning: what the program prints as a warning; the result has it as ``warnings``, too.
+        PapilioWarning: each warning that the program prints; ``warnings`` of the result contains it.
     """
     changed = read(scenario, with_solver(set, solver, seed))
     scene = changed._scene()
     core = _papilio.Prepared(scene).run(scene, checked_threads(threads), checked_progress(progress))
-    _said.warn(core.warnings())
+    _messages.warn(core.warnings())
     return Result(core, changed.title)
 
 
 def with_solver(
     values: Mapping[str, Any] | None, solver: str | None = None, seed: int | None = None
 ) -> dict[str, Any]:
-    """The values to set, with those of the solver."""
+    """Returns the values to set, including those of the solver."""
     if values is not None and not isinstance(values, Mapping):
         raise ArgumentError(f"set: expected a dict of paths and values, not {described(values)}")
     all_values = dict(values or {})
@@ -75,12 +75,16 @@ def with_solver(
 
 
 def checked_threads(threads: int | None) -> int | None:
-    """The number of threads, if it is one."""
+    """Returns a number of threads, or None.
+
+    Raises:
+        ArgumentError: if it is not an integer from 1 to 65535.
+    """
     return None if threads is None else whole("threads", threads, 1, _MOST_THREADS)
 
 
 class Line:
-    """Tells on the terminal (stderr), in one line, how many of so many things are done."""
+    """Progress in one line on the terminal (stderr)."""
 
     def __init__(self, noun: str) -> None:
         self._noun, self._is_open = noun, False
@@ -94,20 +98,24 @@ class Line:
         self._is_open = True
 
     def end(self) -> None:
-        """Leaves the line."""
+        """Ends the line."""
         if self._is_open:
             sys.stderr.write("\n")
 
 
-def told(progress: Progress | bool | None, noun: str) -> Progress | None:
-    """The function; of True one that tells on the terminal how many of these there are."""
+def reporter(progress: Progress | bool | None, noun: str) -> Progress | None:
+    """Returns a function that reports progress; for True, one that prints to the terminal, with ``noun`` as the unit."""
     if isinstance(progress, bool):
         return Line(noun) if progress else None
     return checked_progress(progress)
 
 
 def checked_progress(progress: Progress | None) -> Progress | None:
-    """The function, if it is one."""
+    """Returns a function that reports progress, or None.
+
+    Raises:
+        ArgumentError: if it is not callable.
+    """
     if progress is not None and not callable(progress):
         raise ArgumentError(f"progress: expected a function, not {described(progress)}")
     return progress

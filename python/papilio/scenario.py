@@ -1,4 +1,4 @@
-"""Scenarios as Python objects: read, built and edited with the text kept as it is."""
+"""Scenarios as Python objects: reading, building, and editing that preserves the text."""
 
 from __future__ import annotations
 
@@ -17,20 +17,20 @@ __all__ = ["Scenario", "preset_names", "schema"]
 
 
 def preset_names() -> list[str]:
-    """The names of the ready-made rooms, daylights and geometries of standards."""
+    """Returns the names of the presets: rooms, daylight, and measurement geometries of standards."""
     return _papilio.preset_names()
 
 
 def schema(of: Literal["scenario", "result"] = "scenario") -> dict[str, Any]:
-    """The JSON Schema of a ``"scenario"`` or of a ``"result"`` (of ``result.json``)."""
+    """Returns the JSON Schema of a ``"scenario"``, or of a ``"result"`` (``result.json``)."""
     return dict(json.loads(_papilio.schema(one_of("of", of, ("scenario", "result")) == "result")))
 
 
 class Scenario(ByName[Any]):
-    """A display, the light on it, the viewer, and how to compute: a TOML text and what it says.
+    """A display, its light, its viewer and the options of the computation, as a TOML text.
 
-    Paths are those of ``--set``: dotted, arrays by index from 0. Reading gives the value with all defaults
-    filled in, writing changes the text and keeps its comments and layout::
+    Paths are those of ``--set``: dotted, with indices of arrays from 0. Reading returns values including all defaults; writing
+    changes the text and preserves its comments and layout::
 
         scenario = papilio.Scenario.load("scenarios/indoor.toml")
         scenario["display.pixel.film.0.thickness_nm"]        # 55.9
@@ -38,10 +38,9 @@ class Scenario(ByName[Any]):
         scenario.update({"display.diffuser.haze": 0.6, "viewer.theta_deg": [0, 15, 30]})
         print(scenario.to_toml())
 
-    As a mapping it has the keys of its tables: ``dict(scenario)`` is `to_dict`; ``in`` and ``get`` know paths, too.
-    A change that makes the scenario wrong raises `ScenarioError` with its place in the text, and changes nothing.
-    What only files and other keys can tell (a share that is missing, a spectrum that does not reach) shows when the
-    scenario is run, or with `check`.
+    As a mapping, it has the keys of its tables: ``dict(scenario)`` is `to_dict`; ``in`` and ``get`` also accept paths. A change
+    that makes the scenario invalid raises `ScenarioError` with its position in the text, and is not made. Errors that depend on
+    files and other keys (a missing ``share``, a spectrum that does not cover the wavelengths) are detected by a run or by `check`.
     """
 
     __slots__ = ("_described", "_files", "_folder", "_name", "_resolved", "_text")
@@ -57,13 +56,13 @@ class Scenario(ByName[Any]):
         folder: str | PathLike[str] = ".",
         files: Mapping[str, bytes] | None = None,
     ) -> None:
-        """A scenario from its TOML text.
+        """Creates a scenario from its TOML text.
 
-        ``name`` is what errors call it. Files that it names are read relative to ``folder``; with ``files`` (names and
-        bytes) from there, and nothing is read from the disk.
+        Errors call it ``name``. Files that it names are read relative to ``folder``, or from ``files`` (names and bytes) if
+        specified; then no file is read from the disk.
         """
         if isinstance(text, PathLike) or (isinstance(text, str) and text.endswith(".toml") and "\n" not in text):
-            raise ArgumentError("text: expected a TOML text, not the path of a file; papilio.Scenario.load reads one")
+            raise ArgumentError("text: expected a TOML text, not the path of a file; use papilio.Scenario.load to read a file")
         _arguments.text("text", text, "a TOML text")
         self._name = _arguments.text("name", name, "a name")
         self._folder = _checked_path("folder", folder)
@@ -79,7 +78,7 @@ class Scenario(ByName[Any]):
         """Reads a scenario file.
 
         Raises:
-            ScenarioError: with the place of everything that is wrong.
+            ScenarioError: if the scenario is invalid; with the positions of all errors.
         """
         made = cls.__new__(cls)
         name = _checked_path("path", path)
@@ -97,14 +96,14 @@ class Scenario(ByName[Any]):
         folder: str | PathLike[str] = ".",
         files: Mapping[str, bytes] | None = None,
     ) -> Scenario:
-        """A scenario from its tables as dictionaries: ``{"display": {...}, "lighting": {"preset": "indoor"}}``."""
+        """Creates a scenario from its tables as dictionaries: ``{"display": {...}, "lighting": {"preset": "indoor"}}``."""
         if not isinstance(tables, Mapping):
             raise ArgumentError(f"tables: expected a dict, not {described(tables)}")
         return cls(document(plain(tables, "tables")), name=name, folder=folder, files=files)
 
     @classmethod
     def new(cls, preset: str) -> Scenario:
-        """A commented scenario of an example display in a preset's light (`preset_names`)."""
+        """Creates a commented scenario of an example display in the light of a preset (`preset_names`)."""
         known = one_of("preset", preset, preset_names())
         return cls(_papilio.new_scenario(known), name=known)
 
@@ -115,17 +114,17 @@ class Scenario(ByName[Any]):
         return self.to_dict()
 
     def __getitem__(self, path: str) -> Any:
-        """The value at a path, defaults filled in.
+        """Returns the value at a path, including defaults.
 
         Raises:
-            KeyError: if nothing is there.
+            KeyError: if the path does not exist.
         """
         here: Any = self.to_dict()
         done: list[str] = []
         for key in _papilio.present_path(_checked_key(path)).split("."):
             key = key.strip()
             try:
-                # Indices count from 0, as where they are written: -1 is none.
+                # Negative indices are refused, as in --set.
                 here = here[int(key)] if isinstance(here, list) and key.isdecimal() else here[key]
             except (KeyError, IndexError, ValueError, TypeError):
                 there = f"{'.'.join(done) or 'the scenario'} has "
@@ -139,27 +138,27 @@ class Scenario(ByName[Any]):
         self.update({_checked_key(path): value})
 
     def __delitem__(self, path: str) -> None:
-        """Takes a key or an item away, so that its default holds."""
+        """Removes a key or an item, so that its default applies."""
         self._edit([{"op": "remove", "path": _checked_key(path)}])
 
     def update(self, values: Mapping[str, Any]) -> None:
         """Sets several values at once: ``{path: value}``.
 
         Raises:
-            ScenarioError: and nothing is changed.
+            ScenarioError: if the result is invalid; then the scenario is not changed.
         """
         if not isinstance(values, Mapping):
             raise ArgumentError(f"values: expected a dict of paths and values, not {described(values)}")
         self._edit([{"op": "set", "path": _checked_key(path), "value": plain(one, str(path))} for path, one in values.items()])
 
     def with_values(self, values: Mapping[str, Any]) -> Scenario:
-        """A copy with several values set; see `update`."""
+        """Returns a copy with several values set; see `update`."""
         copy = self.copy()
         copy.update(values)
         return copy
 
     def insert(self, path: str, value: Any, index: int | None = None) -> None:
-        """Puts an item into the array at ``path``: before item ``index``, or at the end."""
+        """Inserts an item into the array at ``path``: before item ``index``, or at the end."""
         at = None if index is None else whole("index", index, 0, 2**31)
         edit = {"op": "insert", "path": _checked_key(path), "value": plain(value, path), "index": at}
         self._edit([edit])
@@ -169,7 +168,7 @@ class Scenario(ByName[Any]):
             self._put(_papilio.edit(self._text, json.dumps(edits)))
 
     def copy(self) -> Scenario:
-        """Another one with the same text."""
+        """Returns a copy with the same text."""
         copy = type(self).__new__(type(self))
         for slot in Scenario.__slots__:
             setattr(copy, slot, getattr(self, slot))
@@ -178,53 +177,53 @@ class Scenario(ByName[Any]):
     __copy__ = copy
 
     def to_toml(self) -> str:
-        """The text."""
+        """Returns the TOML text."""
         return self._text
 
     def to_dict(self) -> dict[str, Any]:
-        """All tables as dictionaries, with every default filled in."""
+        """Returns all tables as dictionaries, including all defaults."""
         return dict(json.loads(self._described.filled()))
 
     def migrate(self) -> list[tuple[int, str, str]]:
-        """Replaces old names of keys and values in the text by the present ones, and states the format.
+        """Replaces old names of keys and values in the text by the current ones, and adds the format version.
 
-        Comments, order and layout stay as they are. Old names are read everywhere; this is for files that are kept.
+        Comments, order and layout are preserved. Old names are accepted everywhere; this method updates files for long-term use.
 
         Returns:
-            Each name that was replaced: its line in the old text, the old name and the new one.
+            Each replaced name: its line in the old text, the old name and the new one.
 
         Raises:
-            ScenarioError: if one table has both names of a key; nothing is changed.
+            ScenarioError: if one table has both names of a key; then the scenario is not changed.
         """
         text, renamed = _papilio.migrate(self._text, self._name)
         self._put(text)
         return renamed
 
     def check(self) -> list[str]:
-        """Looks everything up that the scenario names, and gives what looks wrong and yet can be computed.
+        """Checks the scenario with all files and data that it names, and returns its warnings.
 
         Raises:
-            ScenarioError: with the place of everything that is wrong.
+            ScenarioError: if the scenario is invalid; with the positions of all errors.
         """
         return self._scene().warnings
 
     @property
     def name(self) -> str:
-        """What errors call it: its path, if it was loaded."""
+        """The name in errors: the path, if the scenario was loaded from a file."""
         return self._name
 
     @property
     def title(self) -> str:
-        """Its title; without one, its name."""
+        """The title, or the name if there is none."""
         return self._scene().title or self._name.rpartition("/")[2].removesuffix(".toml")
 
     @property
     def hash(self) -> str:
-        """SHA-256 of the scenario with its defaults and of its files' bytes: what names a computation."""
+        """SHA-256 of the resolved scenario and its input files, which identifies a computation."""
         return self._scene().hash
 
     def _scene(self) -> _papilio.Resolved:
-        """What is computed; files are read once for each text."""
+        """Returns the resolved scenario; files are read once for each text."""
         if self._resolved is None:
             self._resolved = self._described.resolve()
         return self._resolved
@@ -249,7 +248,7 @@ def _restored(text: str, name: str, folder: str, files: dict[str, bytes] | None)
 
 
 def read(scenario: Scenario | str | PathLike[str], set: Mapping[str, Any] | None = None) -> Scenario:
-    """A scenario, or the one in a file, with values set."""
+    """Returns a scenario, or that of a file, with values set."""
     if not isinstance(scenario, Scenario):
         scenario = Scenario.load(_checked_path("scenario", scenario))
     return scenario.with_values(set) if set else scenario
@@ -259,7 +258,7 @@ def _checked_path(name: str, path: str | PathLike[str]) -> str:
     named: object = fspath(path) if isinstance(path, PathLike) else path
     checked = _arguments.text(name, named, "a path")
     if "\0" in checked:
-        raise ArgumentError(f"{name}: {checked!r} is no path")
+        raise ArgumentError(f"{name}: expected a path without null characters, not {checked!r}")
     return checked
 
 

@@ -1,4 +1,4 @@
-//! Many designs of one display in one call: pixels, lights or anything else that keys of a scenario say.
+//! Evaluation of many designs of one display in one call. Any keys of a scenario can vary.
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -16,7 +16,7 @@ use crate::errors;
 use crate::pool::{Pool, is_of_a_path};
 use crate::scenario::{Resolved, library};
 
-/// A display, its keys that vary, and what is asked of each design.
+/// A display, its varying keys, and the metrics that are requested of each design.
 #[pyclass(frozen, module = "papilio._papilio")]
 pub(crate) struct Batch {
     variables: usize,
@@ -26,10 +26,10 @@ pub(crate) struct Batch {
 
 #[pymethods]
 impl Batch {
-    /// `variables`: the keys of each, and its choices as JSON if it has some; `metrics`: as "white.Y".
+    /// `variables`: the keys of each variable, and its choices as JSON if it has any; `metrics`: names such as "white.Y".
     #[new]
     #[pyo3(signature = (like, text, name, folder, files, variables, metrics, view))]
-    #[allow(clippy::too_many_arguments, reason = "what a display and a question are made of")]
+    #[allow(clippy::too_many_arguments, reason = "all parts of a display and a request")]
     fn new(
         py: Python<'_>,
         like: &Resolved,
@@ -67,10 +67,10 @@ impl Batch {
         Ok(Self { variables, metrics, pool: Pool::new(Arc::new(study)) })
     }
 
-    /// The metrics of designs, which are rows of one number for each variable; rows, flat. NaN where undefined. With `skip`, a
-    /// design that cannot be is NaN, too: then their numbers and the reasons stand beside.
+    /// Computes the metrics of designs. A design is a row with one number for each variable; rows are flat. NaN where undefined.
+    /// With `skip`, the metrics of invalid designs are NaN; their indices and the reasons are returned as well.
     #[pyo3(signature = (designs, count, threads, progress=None, skip=false))]
-    #[allow(clippy::type_complexity, reason = "an array, and what is wrong with some of it")]
+    #[allow(clippy::type_complexity, reason = "an array and the skipped designs")]
     fn evaluate<'py>(
         &self,
         py: Python<'py>,
@@ -98,7 +98,7 @@ impl Batch {
         Ok((PyArray1::from_iter(py, found), skipped))
     }
 
-    /// The same, and behind them the slopes: of every design for each metric one for each variable. NaN where undefined.
+    /// Computes the metrics and their derivatives: for every design and metric, one for each variable. NaN where undefined.
     #[pyo3(signature = (designs, count, threads, progress=None))]
     #[allow(clippy::type_complexity, reason = "two arrays")]
     fn derivatives<'py>(
@@ -119,7 +119,7 @@ impl Batch {
     }
 }
 
-/// Designs, flat.
+/// Rows of designs in a flat array.
 struct Rows<'a> {
     all: &'a [f64],
     length: usize,
@@ -129,7 +129,9 @@ impl<'a> Rows<'a> {
     fn new(all: &'a PyReadonlyArray1<'_, f64>, count: usize, length: usize) -> PyResult<Self> {
         let all = all.as_slice().map_err(|error| errors::internal(&error.to_string()))?;
         if count.checked_mul(length) != Some(all.len()) {
-            return Err(errors::internal("rows of designs are not whole"));
+            return Err(errors::internal(
+                "the number of values is not a multiple of the length of a row of designs",
+            ));
         }
         Ok(Self { all, length })
     }
@@ -143,7 +145,8 @@ fn numbers(rows: Vec<Vec<Option<f64>>>) -> impl Iterator<Item = f64> {
     rows.into_iter().flatten().map(|value| value.unwrap_or(f64::NAN))
 }
 
-/// A metric by its name, of a state by both: "white.Y"; or why a display like this one has none.
+/// Finds a metric by its name, with the state before it for a metric of a state: "white.Y". The error states why the display has
+/// none.
 fn quantity(name: &str, view: usize, like: &Scene) -> Result<Quantity, String> {
     let (state, metric) = match name.rsplit_once('.') {
         Some((state, metric)) => (Some(state.to_owned()), metric),
@@ -154,15 +157,17 @@ fn quantity(name: &str, view: usize, like: &Scene) -> Result<Quantity, String> {
     let states = state_names(&like.display.pixel);
     match (metric, &state) {
         _ if view >= views => Err(format!("view: expected 0 to {}, not {view}", views - 1)),
-        (None, _) => Err(format!("metrics: there is no {name:?}; there are {}", metric_names().join(", "))),
+        (None, _) => {
+            Err(format!("metrics: there is no metric {name:?}; expected {}", metric_names().join(", ")))
+        }
         (_, Some(state)) if !states.contains(state) => {
-            Err(format!("metrics: there is no state {state:?}; there are {}", states.join(", ")))
+            Err(format!("metrics: there is no state {state:?}; expected {}", states.join(", ")))
         }
         (Some(metric), _) => Ok(Quantity::Metric { view, state, metric }),
     }
 }
 
-/// The names of metrics; those of states for a state `white`.
+/// Names of metrics; those of states for the state `white`.
 #[pyfunction]
 pub(crate) fn metric_names() -> Vec<String> {
     let name = |metric: &Metric| match metric.is_of_view() {

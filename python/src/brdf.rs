@@ -1,4 +1,4 @@
-//! What the display makes of light from any direction.
+//! BSDF of the display, and the parts of reflected beams.
 
 use std::sync::atomic::AtomicBool;
 
@@ -15,16 +15,17 @@ use crate::errors;
 use crate::scenario::Resolved;
 use crate::watch::watched;
 
-/// A table's bytes, what its sum misses, warnings, and the step that would do.
+/// Bytes of a table, the deviation of its sum, warnings, and a sufficient step.
 type Written<'py> = (Bound<'py, PyBytes>, f64, Vec<String>, Option<f64>);
 
-/// The display's BSDF at these inclinations of light and viewer and these azimuths between them, degrees: the bytes of
-/// `display-bsdf.npz`; and how far a sum over the directions misses what leaves, warnings, and the step that would do where this one does not (and a table
-/// in it can be held). Of directions
-/// that are not in steps of `step_deg`, nothing is said of sums.
+/// Computes the display's BSDF at inclinations of light and viewer and azimuths between them, degrees.
+///
+/// Returns the bytes of `display-bsdf.npz`; the relative deviation of the sum over the directions from the light that leaves;
+/// warnings; and a sufficient step if `step_deg` is too coarse and a table with that step is not too large. The sum is only
+/// checked for directions in steps of `step_deg`.
 #[pyfunction]
 #[pyo3(signature = (scenario, title, theta_i_deg, theta_o_deg, dphi_deg, step_deg, threads=None, progress=None, allow_error=None))]
-#[allow(clippy::too_many_arguments, reason = "directions of a table, and how it is computed")]
+#[allow(clippy::too_many_arguments, reason = "directions of a table and options of its computation")]
 pub(crate) fn bsdf<'py>(
     py: Python<'py>,
     scenario: &Resolved,
@@ -45,7 +46,7 @@ pub(crate) fn bsdf<'py>(
         return Err(errors::argument(
             py,
             &format!(
-                "step_deg: the table would have {numbers} numbers (states x theta_i x theta_o x dphi x wavelengths); at most {}",
+                "step_deg: the table would have {numbers} numbers (states x theta_i x theta_o x dphi x wavelengths); expected at most {}",
                 BrdfGrid::MOST_NUMBERS
             ),
         ));
@@ -68,7 +69,7 @@ pub(crate) fn bsdf<'py>(
     Ok((PyBytes::new(py, &bytes), missed, warnings, finer))
 }
 
-/// What becomes of beams from these inclinations: the text of `reflection.csv`.
+/// Computes the parts of reflected beams from inclinations; returns the text of `reflection.csv`.
 #[pyfunction]
 #[pyo3(signature = (scenario, theta_deg, threads=None, progress=None))]
 pub(crate) fn beams<'py>(

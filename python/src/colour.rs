@@ -1,4 +1,4 @@
-//! Colours of many spectra at once, as flat rows.
+//! Colours of many spectra in one call, as flat rows.
 
 use numpy::{PyArray1, PyReadonlyArray1};
 use papilio_colour::{
@@ -13,7 +13,7 @@ use crate::errors;
 type Reals<'py> = PyReadonlyArray1<'py, f64>;
 type Answer<'py> = PyResult<Bound<'py, PyArray1<f64>>>;
 
-/// X, Y, Z of spectra (rows of as many values as the grid), in their unit times nm.
+/// Computes X, Y, Z of spectra (rows of as many values as the grid), in the spectra's unit times nm.
 #[pyfunction]
 pub(crate) fn xyz<'py>(
     py: Python<'py>,
@@ -22,15 +22,15 @@ pub(crate) fn xyz<'py>(
     spectra: Reals<'py>,
 ) -> Answer<'py> {
     let standard = if observer == "1964" { Standard::Cie1964 } else { Standard::Cie1931 };
-    let grid = made(py, grid)?;
+    let grid = wavelength_grid(py, grid)?;
     let observer = Observer::of(standard, &grid).map_err(|error| errors::argument(py, &error.to_string()))?;
     rows::<3>(py, spectra, grid.len(), |spectrum| observer.xyz(spectrum).to_array())
 }
 
-/// A light of this name.
+/// Spectrum of an illuminant.
 #[pyfunction]
 pub(crate) fn illuminant_spectrum<'py>(py: Python<'py>, name: &str, grid: (f64, f64, f64)) -> Answer<'py> {
-    let light = illuminant(name, &made(py, grid)?).map_err(|error| {
+    let light = illuminant(name, &wavelength_grid(py, grid)?).map_err(|error| {
         let names = papilio_spectra::illuminant_names().iter().copied();
         let hint = match error {
             SpectraError::UnknownName { .. } => did_you_mean(name, names),
@@ -42,13 +42,13 @@ pub(crate) fn illuminant_spectrum<'py>(py: Python<'py>, name: &str, grid: (f64, 
     Ok(PyArray1::from_slice(py, &light))
 }
 
-/// The names of lights.
+/// Names of illuminants.
 #[pyfunction]
 pub(crate) fn illuminant_names() -> Vec<&'static str> {
     papilio_spectra::illuminant_names().to_vec()
 }
 
-/// L*, a*, b* of rows of X, Y, Z and of their white's; NaN where they are not defined.
+/// Computes L*, a*, b* of rows of X, Y, Z followed by those of their white; NaN where undefined.
 #[pyfunction]
 pub(crate) fn lab<'py>(py: Python<'py>, colours: Reals<'py>) -> Answer<'py> {
     rows::<3>(py, colours, 6, |row| {
@@ -57,7 +57,7 @@ pub(crate) fn lab<'py>(py: Python<'py>, colours: Reals<'py>) -> Answer<'py> {
     })
 }
 
-/// u', v' of rows of X, Y, Z; NaN where there is no light.
+/// Computes u', v' of rows of X, Y, Z; NaN for black.
 #[pyfunction]
 pub(crate) fn uv_prime<'py>(py: Python<'py>, colours: Reals<'py>) -> Answer<'py> {
     rows::<2>(py, colours, 3, |row| {
@@ -66,7 +66,8 @@ pub(crate) fn uv_prime<'py>(py: Python<'py>, colours: Reals<'py>) -> Answer<'py>
     })
 }
 
-/// Area of rows of three u', v', % of a reference's; with `covered`, the part of the reference inside.
+/// Computes the area of triangles (rows of three u', v') in % of that of a reference; with `covered`, the covered part of the
+/// reference.
 #[pyfunction]
 pub(crate) fn gamut<'py>(py: Python<'py>, corners: Reals<'py>, of: &str, covered: bool) -> Answer<'py> {
     let reference = match of {
@@ -74,7 +75,7 @@ pub(crate) fn gamut<'py>(py: Python<'py>, corners: Reals<'py>, of: &str, covered
         "ebu" => GamutReference::Ebu,
         "ntsc" => GamutReference::Ntsc,
         "dci-p3" => GamutReference::DciP3,
-        _ => return Err(errors::internal("there is no such gamut")),
+        _ => return Err(errors::internal("unknown gamut")),
     };
     let percent = if covered { coverage_percent } else { gamut_percent };
     rows::<1>(py, corners, 6, |row| {
@@ -82,7 +83,7 @@ pub(crate) fn gamut<'py>(py: Python<'py>, corners: Reals<'py>, of: &str, covered
     })
 }
 
-/// CIEDE2000 of rows of two L*, a*, b*.
+/// Computes CIEDE2000 of rows of two L*, a*, b*.
 #[pyfunction]
 pub(crate) fn delta_e_2000<'py>(py: Python<'py>, pairs: Reals<'py>) -> Answer<'py> {
     rows::<1>(py, pairs, 6, |row| {
@@ -91,7 +92,7 @@ pub(crate) fn delta_e_2000<'py>(py: Python<'py>, pairs: Reals<'py>) -> Answer<'p
     })
 }
 
-/// `of` every row of `length` numbers, with the interpreter free.
+/// Applies `of` to every row of `length` numbers, without holding the interpreter.
 fn rows<'py, const N: usize>(
     py: Python<'py>,
     all: Reals<'py>,
@@ -100,13 +101,13 @@ fn rows<'py, const N: usize>(
 ) -> Answer<'py> {
     let all = all.as_slice().map_err(|error| errors::internal(&error.to_string()))?;
     if all.len() % length != 0 {
-        return Err(errors::internal("rows of numbers are not whole"));
+        return Err(errors::internal("the number of values is not a multiple of the length of a row"));
     }
     let answers: Vec<f64> = py.detach(|| all.chunks_exact(length).flat_map(of).collect());
     Ok(PyArray1::from_vec(py, answers))
 }
 
-fn made(py: Python<'_>, (first, last, step): (f64, f64, f64)) -> PyResult<Grid> {
+fn wavelength_grid(py: Python<'_>, (first, last, step): (f64, f64, f64)) -> PyResult<Grid> {
     let grid = Grid::new(first, last, step);
     grid.map_err(|error| errors::argument(py, &format!("wavelength_nm: {error}")))
 }

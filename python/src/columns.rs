@@ -1,4 +1,4 @@
-//! Numbers that many items have alike, gathered from their published form into one array for each name.
+//! Conversion of the numbers of many equally structured items from JSON into one array for each name.
 
 use numpy::ndarray::{ArrayD, IxDyn};
 use numpy::{IntoPyArray, PyArrayDyn};
@@ -8,26 +8,26 @@ use serde_json::Value;
 
 use crate::errors;
 
-/// A name for each number of an item; NaN where an item does not have it.
+/// Arrays by name, one for each number of an item; NaN where an item lacks the number.
 pub(crate) struct Columns {
     items: Vec<usize>,
     found: Vec<(String, Column)>,
 }
 
-/// The numbers of all items.
+/// Numbers of one name for all items.
 struct Column {
-    /// The shape of one item's.
+    /// Shape of the numbers of one item.
     shape: Vec<usize>,
     values: Vec<f64>,
 }
 
 impl Columns {
-    /// Items in an array of this shape.
+    /// Creates columns for items in an array of this shape.
     pub(crate) fn new(items: &[usize]) -> Self {
         Self { items: items.to_vec(), found: Vec::new() }
     }
 
-    /// The numbers of an item: those of objects inside under `outer.inner`. Words are left out.
+    /// Adds the numbers of an item; those of nested objects have names `outer.inner`. Strings and booleans are skipped.
     pub(crate) fn add(&mut self, item: usize, name: &str, value: &Value) {
         match value {
             Value::Object(keys) => keys.iter().for_each(|(key, value)| match name {
@@ -51,7 +51,7 @@ impl Columns {
             self.found.push((name.to_owned(), Column { shape: Vec::new(), values: Vec::new() }));
         }
         let column = &mut self.found[at].1;
-        // A null says nothing of the shape: the first number does.
+        // A null does not determine the shape; the first number does.
         if column.values.is_empty() || column.shape.len() < shape.len() {
             column.shape = shape.to_vec();
             let all = self.items.iter().chain(shape).product();
@@ -63,7 +63,7 @@ impl Columns {
         }
     }
 
-    /// Names and arrays.
+    /// Converts the columns to a dictionary of names and arrays.
     pub(crate) fn into_dict(self, py: Python<'_>) -> PyResult<Bound<'_, PyDict>> {
         let dict = PyDict::new(py);
         for (name, column) in self.found {
@@ -74,7 +74,7 @@ impl Columns {
     }
 }
 
-/// An array of numpy's that owns these values.
+/// Creates a numpy array that owns the values.
 pub(crate) fn array<'py>(
     py: Python<'py>,
     shape: &[usize],
@@ -84,14 +84,14 @@ pub(crate) fn array<'py>(
     Ok(array.map_err(|error| errors::internal(&error.to_string()))?.into_pyarray(py))
 }
 
-/// The shape of nested arrays, as far as the first that is not null tells.
+/// Shape of nested arrays, from the deepest item.
 fn shape(value: &Value) -> Vec<usize> {
     let Value::Array(items) = value else { return Vec::new() };
     let inner = items.iter().map(shape).max_by_key(Vec::len).unwrap_or_default();
     [vec![items.len()], inner].concat()
 }
 
-/// The numbers of nested arrays, in order; what is not there stays.
+/// Copies the numbers of nested arrays in order; places without a number are not changed.
 fn fill(place: &mut [f64], shape: &[usize], value: &Value) {
     match (value, shape) {
         (Value::Number(number), []) => place.fill(number.as_f64().unwrap_or(f64::NAN)),

@@ -1,4 +1,4 @@
-//! What is seen from every direction.
+//! Conoscopic maps.
 
 use std::sync::atomic::AtomicBool;
 
@@ -13,16 +13,16 @@ use crate::errors;
 use crate::scenario::Resolved;
 use crate::watch::watched;
 
-/// A name, and where the number is.
+/// A name, and the function that returns the number.
 type Of<T> = (&'static str, fn(&T) -> f64);
 
-const TOGETHER: [Of<ConeView>; 3] = [
+const OF_ALL_STATES: [Of<ConeView>; 3] = [
     ("contrast_ratio", |view| view.contrast_ratio.unwrap_or(f64::NAN)),
     ("gamut_percent_srgb", |view| view.gamut_percent_srgb.unwrap_or(f64::NAN)),
     ("gamut_percent_ebu", |view| view.gamut_percent_ebu.unwrap_or(f64::NAN)),
 ];
 
-const ALONE: [Of<ConeState>; 5] = [
+const OF_EACH_STATE: [Of<ConeState>; 5] = [
     ("Y", |state| state.reflectance_factor_y),
     ("luminance_cd_m2", |state| state.luminance_cd_m2),
     ("u_prime", |state| state.u_prime.unwrap_or(f64::NAN)),
@@ -30,7 +30,7 @@ const ALONE: [Of<ConeState>; 5] = [
     ("uv_shift", |state| state.uv_shift.unwrap_or(f64::NAN)),
 ];
 
-/// A viewing cone.
+/// A conoscopic map.
 #[pyclass(frozen, module = "papilio._papilio")]
 pub(crate) struct Cone {
     of: ConeResult,
@@ -38,7 +38,7 @@ pub(crate) struct Cone {
 
 #[pymethods]
 impl Cone {
-    /// Over the default directions where none are given, ascending, degrees.
+    /// Computes the map over ascending directions, degrees; `None`: the default directions.
     #[new]
     #[pyo3(signature = (scenario, theta_deg=None, phi_deg=None, threads=None, progress=None, allow_error=None))]
     fn new(
@@ -84,21 +84,21 @@ impl Cone {
         self.of.warnings.clone()
     }
 
-    /// Names and arrays, of the states together (shape [phi, theta]) and of each (shape [phi, theta, state]).
+    /// Names and arrays: quantities of all states together (shape [phi, theta]) and of each state (shape [phi, theta, state]).
     fn arrays<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyDict>, Bound<'py, PyDict>)> {
         let (together, alone) = (PyDict::new(py), PyDict::new(py));
         let shape = [self.of.phi_deg.len(), self.of.theta_deg.len(), self.of.states.len()];
-        for (name, of) in TOGETHER {
+        for (name, of) in OF_ALL_STATES {
             together.set_item(name, array(py, &shape[..2], self.of.views.iter().map(of).collect())?)?;
         }
-        for (name, of) in ALONE {
+        for (name, of) in OF_EACH_STATE {
             let states = self.of.views.iter().flat_map(|view| &view.states);
             alone.set_item(name, array(py, &shape, states.map(of).collect())?)?;
         }
         Ok((together, alone))
     }
 
-    /// The SVG text of its maps; `None` where the directions span no area.
+    /// SVG text of the maps; `None` if the directions do not span an area.
     fn figure(&self, py: Python<'_>, title: &str) -> Option<String> {
         py.detach(|| papilio_figures::cone(&self.of, title))
     }

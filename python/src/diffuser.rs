@@ -1,4 +1,4 @@
-//! Files of measured scattering: what they hold, lobes that fit them, other formats.
+//! Files of measured scattering: audit, fits of lobes, conversion to other formats.
 
 use std::path::{Path, PathBuf};
 
@@ -14,7 +14,7 @@ use crate::errors;
 /// Names and SVG texts.
 type Figures = Vec<(String, String)>;
 
-/// A measurement: what a file holds.
+/// The measurement in a file.
 #[pyclass(frozen, module = "papilio._papilio")]
 pub(crate) struct Diffuser {
     name: String,
@@ -35,12 +35,12 @@ impl Diffuser {
         self.read.warnings.clone()
     }
 
-    /// What light each part is of: "front transmission".
+    /// Side and mode of each part: "front transmission".
     fn parts(&self) -> Vec<&'static str> {
         self.read.value.parts.iter().map(|part| part.way.name()).collect()
     }
 
-    /// The audit: as JSON, in words, and as figures.
+    /// The audit as JSON, as text, and as figures.
     fn audit(&self, py: Python<'_>) -> PyResult<(String, String, Figures)> {
         let measurement = &self.read.value;
         py.detach(|| {
@@ -55,13 +55,12 @@ impl Diffuser {
         })
     }
 
-    /// Lobes fitted to a part, the best first, as JSON.
+    /// Fits lobes to a part; returns them as JSON, the best fit first.
     fn fit(&self, py: Python<'_>, part: usize, model: Option<&str>) -> PyResult<String> {
-        let part =
-            self.read.value.parts.get(part).ok_or_else(|| errors::internal("there is no such part"))?;
+        let part = self.read.value.parts.get(part).ok_or_else(|| errors::internal("unknown part"))?;
         let kind = match model {
             None => None,
-            Some(name) => Some(kind(name).ok_or_else(|| errors::internal("there is no such model"))?),
+            Some(name) => Some(kind(name).ok_or_else(|| errors::internal("unknown model"))?),
         };
         let channel = part.luminous();
         let fits = py
@@ -70,14 +69,14 @@ impl Diffuser {
         json(&FitFile::new(part, channel, &fits))
     }
 
-    /// Writes another file, and tells what it does not hold.
+    /// Writes the measurement in another format; returns descriptions of the data that this format cannot store.
     fn convert(&self, py: Python<'_>, output: PathBuf, format: &str) -> PyResult<Vec<String>> {
         let format = match format {
             "bsdf" => BsdfFormat::Radiant,
             "csv" => BsdfFormat::Csv,
             "xml" => BsdfFormat::Klems,
             "npz" => BsdfFormat::Papilio,
-            _ => return Err(errors::internal("there is no such format")),
+            _ => return Err(errors::internal("unknown format")),
         };
         let mut lost = Ok(Vec::new());
         let written = py.detach(|| {
@@ -91,7 +90,7 @@ impl Diffuser {
     }
 }
 
-/// The names of lobes.
+/// Names of lobes.
 #[pyfunction]
 pub(crate) fn lobe_names() -> Vec<&'static str> {
     Kind::ALL.map(Kind::name).to_vec()

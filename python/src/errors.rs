@@ -1,4 +1,4 @@
-//! Mistakes as the exceptions that `papilio/errors.py` declares, with their texts and places.
+//! Conversion of errors to the exceptions of `papilio/errors.py`, with their messages and positions.
 
 use papilio_design::DesignError;
 use papilio_display::DisplayError;
@@ -8,10 +8,10 @@ use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
 
-/// Where the exceptions are.
+/// Module of the exceptions.
 const MODULE: &str = "papilio.errors";
 
-/// What is wrong with a scenario.
+/// Errors of a scenario.
 pub(crate) fn scenario(py: Python<'_>, errors: &ScenarioErrors) -> PyErr {
     let all = errors.iter().map(|error| {
         let mistake = at(py, &error.place)?;
@@ -24,7 +24,7 @@ pub(crate) fn scenario(py: Python<'_>, errors: &ScenarioErrors) -> PyErr {
     raised(py, "ScenarioError", errors.to_string(), all.collect())
 }
 
-/// What is wrong with a data file.
+/// Error of a data file.
 pub(crate) fn format(py: Python<'_>, error: &FormatError) -> PyErr {
     let mistake = at(py, &error.place).and_then(|mistake| {
         mistake.set_item("message", error.problem.to_string())?;
@@ -33,28 +33,28 @@ pub(crate) fn format(py: Python<'_>, error: &FormatError) -> PyErr {
     raised(py, "FileError", error.to_string(), mistake)
 }
 
-/// Why a scene cannot be computed, with the place in its scenario where one is at fault.
+/// Error of the computation of a scene, with the position in its scenario if a key causes it.
 pub(crate) fn display_of(py: Python<'_>, resolved: &Resolved, error: &DisplayError) -> PyErr {
     resolved.located(error).map_or_else(|| display(py, error), |errors| scenario(py, &errors))
 }
 
-/// Why a scene cannot be computed.
+/// Error of the computation of a scene.
 fn display(py: Python<'_>, error: &DisplayError) -> PyErr {
     raised(py, "DisplayError", error.to_string(), Ok(Vec::new()))
 }
 
-/// An argument that is wrong; `text` begins with its name.
+/// Error of an argument; `text` begins with its name.
 pub(crate) fn argument(py: Python<'_>, text: &str) -> PyErr {
     raised(py, "ArgumentError", text.to_owned(), Ok(Vec::new()))
 }
 
-/// A design that cannot be: which one, and why.
+/// Error of a design: its index and the reason.
 pub(crate) fn design(py: Python<'_>, design: usize, why: &str) -> PyErr {
     let made = || py.import(MODULE)?.getattr("DesignError")?.call1((why, design));
     made().map_or_else(|error| error, PyErr::from_value)
 }
 
-/// Why a search could not be.
+/// Error of a search.
 pub(crate) fn search(py: Python<'_>, error: &DesignError) -> PyErr {
     match error {
         DesignError::Scenario(errors) => scenario(py, errors),
@@ -63,12 +63,12 @@ pub(crate) fn search(py: Python<'_>, error: &DesignError) -> PyErr {
     }
 }
 
-/// A fault of this program.
+/// Internal error of this program.
 pub(crate) fn internal(what: &str) -> PyErr {
-    PyRuntimeError::new_err(format!("an internal fault of papilio: {what}"))
+    PyRuntimeError::new_err(format!("internal error of papilio: {what}"))
 }
 
-/// A place as a dictionary.
+/// Position in a text as a dictionary.
 fn at<'py>(py: Python<'py>, place: &Place) -> PyResult<Bound<'py, PyDict>> {
     let mistake = PyDict::new(py);
     mistake.set_item("file", &place.name)?;
@@ -78,7 +78,7 @@ fn at<'py>(py: Python<'py>, place: &Place) -> PyResult<Bound<'py, PyDict>> {
     Ok(mistake)
 }
 
-/// The exception of this name; an error on the way to it takes its place.
+/// Creates the exception of a name. If this fails, returns the error that occurred.
 fn raised(py: Python<'_>, name: &str, text: String, mistakes: PyResult<Vec<Bound<'_, PyDict>>>) -> PyErr {
     let made = || {
         let mistakes = PyList::new(py, mistakes?)?;

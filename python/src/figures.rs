@@ -1,11 +1,11 @@
-//! Figures as pictures.
+//! Figures as images.
 
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 
 use crate::errors;
 
-/// A PNG picture of a figure.
+/// Converts a figure to a PNG image.
 #[pyfunction]
 pub(crate) fn png<'py>(py: Python<'py>, svg: &str, scale: f32) -> PyResult<Bound<'py, PyBytes>> {
     let picture = py.detach(|| papilio_figures::png(svg, scale));

@@ -1,4 +1,4 @@
-//! Coherent films, one stack at each point of arrays that numpy has broadcast together.
+//! Coherent films, with one stack at each point of broadcast numpy arrays.
 
 use std::ffi::CString;
 use std::path::PathBuf;
@@ -18,13 +18,13 @@ use pyo3::prelude::*;
 use crate::errors;
 use crate::watch::watched;
 
-/// Points that a thread takes at once, about: some hundred microseconds.
+/// Approximate number of points that a thread takes at a time: some hundred microseconds.
 const BLOCK: usize = 4096;
 
 type Reals<'py> = PyReadonlyArray1<'py, f64>;
 type Answer<'py> = Bound<'py, PyArray1<f64>>;
 
-/// An array over the axes of a call: those along which it does not change have a stride of 0, the last axis one of 0 or 1.
+/// An array over the axes of a call. Axes along which it is constant have stride 0; the last axis has stride 0 or 1.
 #[derive(Clone, Copy)]
 struct Spread<'a> {
     values: &'a [f64],
@@ -32,12 +32,12 @@ struct Spread<'a> {
 }
 
 impl<'a> Spread<'a> {
-    /// Its number at these indices.
+    /// Number at indices.
     fn at(&self, place: &[usize]) -> f64 {
         self.values[place.iter().zip(self.strides).map(|(index, stride)| index * stride).sum::<usize>()]
     }
 
-    /// Its numbers along a stretch of the last axis, in the row of these indices.
+    /// Numbers along a section of the last axis, in the row of the indices.
     fn along(&self, row: &[usize], start: usize, count: usize) -> Along<'a> {
         let but_last = row.len().saturating_sub(1);
         let at: usize = row[..but_last].iter().zip(self.strides).map(|(index, stride)| index * stride).sum();
@@ -47,7 +47,7 @@ impl<'a> Spread<'a> {
         }
     }
 
-    /// Whether all that it can be asked for is there.
+    /// Whether every index of the shape is within the values.
     fn fits(&self, shape: &[usize]) -> bool {
         let last = shape
             .iter()
@@ -66,7 +66,7 @@ struct Films<'a> {
     wavelength_nm: Spread<'a>,
     beta: Spread<'a>,
     incidence: Spread<'a>,
-    /// n, k and thickness of each, from the light's side down.
+    /// n, k and thickness of each layer, from the side of the light to the substrate.
     layers: Vec<[Spread<'a>; 3]>,
     /// n and k.
     substrate: [Spread<'a>; 2],
@@ -74,12 +74,12 @@ struct Films<'a> {
 }
 
 impl Films<'_> {
-    /// Whether all numbers can be those of films: each once, however often it is used.
+    /// Checks the ranges of all numbers, each only once.
     fn check(&self) -> Result<(), OpticsError> {
         self.row(|spread| Along::Each(spread.values), |row| row.check())
     }
 
-    /// The powers from point number `start` on, in C order.
+    /// Computes the powers of points from index `start`, in C order.
     fn powers(
         &self,
         mut start: usize,
@@ -97,7 +97,7 @@ impl Films<'_> {
         Ok(())
     }
 
-    /// The same of points that stand in one row.
+    /// Computes the powers of points within one row.
     fn in_row(
         &self,
         start: usize,
@@ -112,7 +112,7 @@ impl Films<'_> {
         )
     }
 
-    /// The indices of point number `start`, in C order.
+    /// Indices of the point with flat index `start`, in C order.
     fn place(&self, start: usize) -> Vec<usize> {
         let mut place = vec![0; self.shape.len()];
         let mut left = start;
@@ -122,7 +122,7 @@ impl Films<'_> {
         place
     }
 
-    /// What is made of a row, of which each array gives a part.
+    /// Applies `of` to a row that consists of a part of each array.
     fn row<'s, T>(
         &'s self,
         part: impl Fn(&Spread<'s>) -> Along<'s>,
@@ -145,8 +145,8 @@ impl Films<'_> {
 /// Numbers, and their strides.
 type Given<'py> = (Reals<'py>, Vec<usize>);
 
-/// Reflectance and, if `both`, transmittance at every point: `beta` is n0 sin(theta), `layers` (n, k and thickness) from the light's
-/// side down, the substrate n and k. The answers are flat, in C order.
+/// Computes reflectance and, if `both`, transmittance at every point. `beta` is n0 sin(theta); `layers` have n, k and thickness,
+/// from the side of the light; `substrate` has n and k. The results are flat, in C order.
 #[pyfunction]
 #[pyo3(signature = (shape, wavelength_nm, beta, incidence, layers, substrate, polarisation, both, threads))]
 #[allow(clippy::too_many_arguments, reason = "the arrays of one call")]
@@ -191,8 +191,8 @@ pub(crate) fn film<'py>(
     }
 }
 
-/// Mean reflectance of s and p where the arrays have a grid's structure, the last three axes of which are directions (of which only beta
-/// changes), gaps (of which only the thickness of layer number `gap` changes) and wavelengths. Else as [`film`].
+/// Computes the mean reflectance of s and p on a grid. The last three axes are directions (along which only beta changes), gaps
+/// (along which only the thickness of layer `gap` changes) and wavelengths. The other arguments are those of [`film`].
 #[pyfunction]
 #[pyo3(signature = (shape, wavelength_nm, beta, incidence, layers, substrate, gap, threads))]
 #[allow(clippy::too_many_arguments, reason = "the arrays of one call")]
@@ -220,7 +220,7 @@ pub(crate) fn film_grid<'py>(
         polarisation: None,
     };
     let [.., directions, gaps, wavelengths] = shape[..] else {
-        return Err(errors::internal("a grid of films has three axes at least"));
+        return Err(errors::internal("a grid of films requires at least three axes"));
     };
     let grid = FilmGrid { films, gap, directions, gaps, wavelengths };
     grid.films.check().map_err(|error| errors::argument(py, &error.to_string()))?;
@@ -234,10 +234,10 @@ pub(crate) fn film_grid<'py>(
     }
 }
 
-/// Directions and gaps of a film, together, that a thread takes at once, about.
+/// Approximate number of directions times gaps of a film that a thread takes at a time.
 const PAIRS: usize = 256;
 
-/// Films whose arrays have a grid's structure.
+/// Films on a grid of directions, gaps and wavelengths.
 struct FilmGrid<'a> {
     films: Films<'a>,
     gap: Option<usize>,
@@ -246,9 +246,9 @@ struct FilmGrid<'a> {
     wavelengths: usize,
 }
 
-/// A part of a grid: some directions and gaps of one film.
-struct Part<'o> {
-    /// Which film.
+/// Some directions and gaps of one film of a grid.
+struct GridPart<'o> {
+    /// Index of the film.
     film: usize,
     direction: usize,
     gap: usize,
@@ -256,10 +256,10 @@ struct Part<'o> {
 }
 
 impl FilmGrid<'_> {
-    /// Part by part on threads; false if it was stopped.
+    /// Computes all parts on threads; returns false if stopped.
     fn computed(&self, found: &mut [f64], threads: usize, stop: &AtomicBool) -> Result<bool, OpticsError> {
         let row = self.gaps * self.wavelengths;
-        // Directions with all their gaps; or of one, some gaps.
+        // Several directions with all gaps, or one direction with some of the gaps.
         let directions = (PAIRS / self.gaps).max(1);
         let gaps = if directions == 1 { PAIRS } else { self.gaps };
         let films = found.chunks_mut(self.directions * row).enumerate();
@@ -270,13 +270,13 @@ impl FilmGrid<'_> {
         let parts = rows.flat_map(|(film, direction, rows)| {
             let cut = if directions == 1 { gaps * self.wavelengths } else { rows.len() };
             let parts = rows.chunks_mut(cut).enumerate();
-            parts.map(move |(at, out)| Part { film, direction, gap: at * gaps, out })
+            parts.map(move |(at, out)| GridPart { film, direction, gap: at * gaps, out })
         });
         on_threads(parts, threads, stop, |part| self.part(part))
     }
 
-    fn part(&self, part: Part<'_>) -> Result<(), OpticsError> {
-        let Part { film, direction, gap, out } = part;
+    fn part(&self, part: GridPart<'_>) -> Result<(), OpticsError> {
+        let GridPart { film, direction, gap, out } = part;
         let gaps = (out.len() / self.wavelengths).min(self.gaps - gap);
         let directions = out.len() / self.wavelengths / gaps;
         let films = &self.films;
@@ -323,7 +323,7 @@ impl FilmGrid<'_> {
     }
 }
 
-/// Part by part, each whole; false if it was stopped.
+/// Computes parts on threads, each completely; returns false if stopped.
 fn on_threads<T: Send>(
     parts: impl Iterator<Item = T> + Send,
     threads: usize,
@@ -349,14 +349,14 @@ fn on_threads<T: Send>(
     }
 }
 
-/// Block by block on threads; false if it was stopped.
+/// Computes blocks of points on threads; returns false if stopped.
 fn computed(
     films: &Films<'_>,
     (reflectance, transmittance): &mut (Vec<f64>, Vec<f64>),
     threads: usize,
     stop: &AtomicBool,
 ) -> Result<bool, OpticsError> {
-    // Whole rows where some fit.
+    // Whole rows if a block has room for one.
     let length = films.shape.last().copied().unwrap_or(1).max(1);
     let block = (BLOCK / length * length).max(BLOCK.min(length));
     let blocks = reflectance.len().div_ceil(block);
@@ -370,7 +370,11 @@ fn computed(
 fn spread<'a>((values, strides): &'a Given<'_>, shape: &[usize]) -> PyResult<Spread<'a>> {
     let values = values.as_slice().map_err(|error| errors::internal(&error.to_string()))?;
     let spread = Spread { values, strides };
-    if spread.fits(shape) { Ok(spread) } else { Err(errors::internal("arrays of films are not alike")) }
+    if spread.fits(shape) {
+        Ok(spread)
+    } else {
+        Err(errors::internal("the arrays of films do not fit the shape"))
+    }
 }
 
 fn all<T, const N: usize>(results: [PyResult<T>; N]) -> PyResult<[T; N]> {
@@ -378,7 +382,7 @@ fn all<T, const N: usize>(results: [PyResult<T>; N]) -> PyResult<[T; N]> {
     found.try_into().map_err(|_| errors::internal("an array lost some of its items"))
 }
 
-/// n + ik of a named material, or of a file.
+/// n + ik of a named material or of a file.
 #[pyfunction]
 pub(crate) fn material_index<'py>(
     py: Python<'py>,
@@ -392,7 +396,7 @@ pub(crate) fn material_index<'py>(
         (None, path) => {
             let path = path.unwrap_or_default();
             let file = DataFile::open(&path, &path.display().to_string());
-            // What the wanted wavelengths do not touch need not be sound.
+            // Errors outside the requested wavelengths are ignored.
             let wanted = wavelength_nm.as_array();
             let first = wanted.iter().copied().fold(f64::INFINITY, f64::min);
             let last = wanted.iter().copied().fold(f64::NEG_INFINITY, f64::max);
@@ -410,7 +414,7 @@ pub(crate) fn material_index<'py>(
     Ok(PyArray1::from_vec(py, index))
 }
 
-/// The names of materials.
+/// Names of materials.
 #[pyfunction]
 pub(crate) fn material_names() -> Vec<&'static str> {
     papilio_spectra::material_names().to_vec()

@@ -1,9 +1,9 @@
-//! The extension module under the Python package `papilio`: a thin face over `scenario`, `display`, `formats`,
+//! Extension module of the Python package `papilio`: a thin layer over `scenario`, `display`, `formats`,
 //! `figures`, `colour` and `optics`.
 //!
-//! The package's own modules (`papilio/*.py`) hold what Python does well: arguments, tables, notebooks. Here is what
-//! computes, with the interpreter free meanwhile. Mistakes come out as the exceptions of `papilio/errors.py`; what is
-//! given is checked on this side, too: nothing a script says ends the interpreter.
+//! The Python modules of the package (`papilio/*.py`) handle arguments, tables and notebooks. This module computes, and releases
+//! the interpreter meanwhile. It raises the exceptions of `papilio/errors.py`, and checks all arguments again, so that no
+//! script can crash the interpreter.
 
 mod batch;
 mod brdf;
@@ -25,11 +25,11 @@ mod watch;
 
 use pyo3::prelude::*;
 
-/// Small vectors come and go in every evaluation of a prepared display.
+/// Every evaluation of a prepared display allocates many small vectors.
 #[global_allocator]
 static ALLOCATOR: mimalloc::MiMalloc = mimalloc::MiMalloc;
 
-/// What the package `papilio` stands on; not for use by itself.
+/// Implementation of the package `papilio`; not for direct use.
 #[pymodule]
 mod _papilio {
     #[pymodule_export]

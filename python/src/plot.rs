@@ -3,10 +3,10 @@
 use papilio_figures::{Chart, ChartCurve, Hue, SweepAxis, SweepFigure, chart, sweep_map};
 use pyo3::prelude::*;
 
-/// A curve: its name, how it is drawn ("line", "dashed", "points"), and where it goes.
+/// A curve: its name, its style ("line", "dashed", "points"), x and y.
 type Curve = (String, String, Vec<f64>, Vec<f64>);
 
-/// Curves that share two axes.
+/// Draws curves over common axes; returns the SVG text.
 #[pyfunction]
 pub(crate) fn curves(x: String, y: String, logarithmic: bool, curves: Vec<Curve>, title: &str) -> String {
     let drawn = curves.into_iter().enumerate().map(|(group, (name, how, x, y))| ChartCurve {
@@ -19,7 +19,7 @@ pub(crate) fn curves(x: String, y: String, logarithmic: bool, curves: Vec<Curve>
     chart(&Chart { x, y, logarithmic, at_least: vec![], curves: drawn.collect() }, title)
 }
 
-/// A number over two axes, whose values are texts; those of all x for the first y, and so on. None: of no number.
+/// Draws a map of numbers over two axes with text labels; x is the faster index. `None` if there is no number.
 #[pyfunction]
 pub(crate) fn map(
     metric: String,

@@ -1,4 +1,4 @@
-//! Evaluators on several threads, kept from call to call.
+//! Evaluators on several threads, reused from call to call.
 
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -12,35 +12,35 @@ use pyo3::prelude::*;
 use crate::errors;
 use crate::watch::{Told, Watch, watched};
 
-/// Items that a thread takes at once.
+/// Items that a thread takes at a time.
 const BLOCK: usize = 8;
 
-/// The evaluators of a study, for calls from several threads at a time: each has a crew of its own, and so what ends one call ends no other.
+/// The evaluators of a study. Each concurrent call has its own crew, so that the end of one call does not end another.
 pub(crate) struct Pool {
     study: Arc<Study>,
     idle: Mutex<Vec<Crew>>,
 }
 
-/// Evaluators that work together: one for each thread that there was so far.
+/// Evaluators of one call, one for each thread.
 struct Crew {
     stop: &'static AtomicBool,
-    kept: Vec<Evaluator<'static>>,
+    evaluators: Vec<Evaluator<'static>>,
 }
 
 impl Crew {
     fn new(study: Arc<Study>) -> Self {
-        // One byte for each study that a script makes, and for each thread that evaluates the same at the same time.
+        // Leaks one byte for each study, and for each concurrent evaluation of the same study.
         let stop = Box::leak(Box::new(AtomicBool::new(false)));
-        Self { stop, kept: vec![Evaluator::new(study, stop)] }
+        Self { stop, evaluators: vec![Evaluator::new(study, stop)] }
     }
 
-    /// So many of them.
+    /// Returns evaluators for a number of threads; creates missing ones.
     fn of(&mut self, threads: usize) -> &mut [Evaluator<'static>] {
-        while let (true, Some(first)) = (self.kept.len() < threads, self.kept.first()) {
-            self.kept.push(first.worker());
+        while let (true, Some(first)) = (self.evaluators.len() < threads, self.evaluators.first()) {
+            self.evaluators.push(first.worker());
         }
-        let threads = threads.min(self.kept.len());
-        &mut self.kept[..threads]
+        let threads = threads.min(self.evaluators.len());
+        &mut self.evaluators[..threads]
     }
 }
 
@@ -49,10 +49,10 @@ impl Pool {
         Self { study, idle: Mutex::new(Vec::new()) }
     }
 
-    /// `of` every number below `count`, in order.
+    /// Applies `of` to every index below `count`; the results are in order.
     ///
     /// # Errors
-    /// `DesignError` with the smallest number that fails, whatever the number of threads.
+    /// `DesignError` with the smallest index that fails, independent of the number of threads.
     pub(crate) fn each<T: Send>(
         &self,
         py: Python<'_>,
@@ -70,11 +70,11 @@ impl Pool {
             *done.lock().unwrap_or_else(PoisonError::into_inner) = Some(crew);
             outcome
         });
-        // Not before nobody sets its flag any more; and one that a fault left half done is lost.
+        // Returned only when its flag is no longer set by others. A crew is dropped after a panic.
         self.idle().extend(done.into_inner().unwrap_or_else(PoisonError::into_inner));
         let outcome = outcome?;
         let done = outcome.map_err(|(at, error)| failed(py, at, &error))?;
-        // Only a stopped one is not done, and that has been raised.
+        // Only a stopped call is incomplete, and this was raised above.
         done.into_iter().collect::<Option<_>>().ok_or_else(|| PyKeyboardInterrupt::new_err(()))
     }
 
@@ -83,14 +83,15 @@ impl Pool {
     }
 }
 
-/// Every item by one of the evaluators; if some cannot be, the first of them and why.
+/// Evaluates every item; if items are invalid, returns the first of them with its error.
 fn each<T: Send>(
     evaluators: &mut [Evaluator<'static>],
     count: usize,
     watch: &Watch<'_>,
     of: &(impl Fn(&mut Evaluator<'static>, usize) -> Result<T, DesignError> + Sync),
 ) -> Result<Vec<Option<T>>, (usize, DesignError)> {
-    // Blocks are handed out in order, and all before the first failure are finished: which is the first does not depend on threads.
+    // Blocks are assigned in order, and all blocks before the first failure are completed, so that the first failure does not depend
+    // on the number of threads.
     let [next, finished] = [0, 0].map(AtomicUsize::new);
     let limit = AtomicUsize::new(count);
     let (done, failed) = (Mutex::new((0..count).map(|_| None).collect::<Vec<_>>()), Mutex::new(None));
@@ -126,23 +127,23 @@ fn each<T: Send>(
     failed.into_inner().ok().flatten().map_or(Ok(done), Err)
 }
 
-/// Two threads may fail at once: the smaller number counts.
+/// Keeps the failure with the smaller index if two threads fail.
 fn keep_first(failed: &mut Option<(usize, DesignError)>, at: usize, error: DesignError) {
     if failed.as_ref().is_none_or(|(first, _)| at < *first) {
         *failed = Some((at, error));
     }
 }
 
-/// Whether an error is that of a key, whatever its value.
+/// Whether an error concerns a key independent of its value.
 pub(crate) fn is_of_a_path(error: &DesignError) -> bool {
     matches!(error, DesignError::Scenario(errors) if errors.iter().any(|one| one.kind == MistakeKind::Path))
 }
 
-/// The number of the design goes first.
+/// The exception for a failed design.
 fn failed(py: Python<'_>, design: usize, error: &DesignError) -> PyErr {
     match error {
         DesignError::Display(DisplayError::Interrupted) => PyKeyboardInterrupt::new_err(()),
-        // Of a key that no scenario has, no design is to blame.
+        // A key that does not exist is not an error of a design.
         DesignError::Scenario(errors) if is_of_a_path(error) => errors::scenario(py, errors),
         error => errors::design(py, design, &error.to_string()),
     }

@@ -1,4 +1,4 @@
-//! The production that a scenario's `[tolerance]` describes, row by row, and what is said of it.
+//! The tolerance analysis that a scenario's `[tolerance]` describes: rows of samples, report, figures and tables.
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -16,7 +16,7 @@ use crate::errors;
 use crate::pool::Pool;
 use crate::scenario::library;
 
-/// The displays of a production, and what is known of them.
+/// The displays of a tolerance analysis, and the rows computed so far.
 #[pyclass(frozen, module = "papilio._papilio")]
 pub(crate) struct Production {
     tolerance: Tolerance,
@@ -25,24 +25,24 @@ pub(crate) struct Production {
     known: Mutex<Known>,
 }
 
-/// Rows that are done: in memory, or in a journal.
+/// Completed rows, in memory or in a journal.
 enum Known {
-    Here(BTreeMap<usize, Vec<f64>>),
-    Kept(JournalRows<ToleranceHead>),
+    Memory(BTreeMap<usize, Vec<f64>>),
+    Journal(JournalRows<ToleranceHead>),
 }
 
 impl Known {
     fn get(&self, row: usize) -> Option<&[f64]> {
         match self {
-            Self::Here(rows) => rows.get(&row).map(Vec::as_slice),
-            Self::Kept(rows) => rows.get(row),
+            Self::Memory(rows) => rows.get(&row).map(Vec::as_slice),
+            Self::Journal(rows) => rows.get(row),
         }
     }
 
     fn add(&mut self, row: usize, values: Vec<f64>) -> Result<(), FormatError> {
         match self {
-            Self::Here(rows) => drop(rows.insert(row, values)),
-            Self::Kept(rows) => rows.add(row, values)?,
+            Self::Memory(rows) => drop(rows.insert(row, values)),
+            Self::Journal(rows) => rows.add(row, values)?,
         }
         Ok(())
     }
@@ -67,22 +67,22 @@ impl Production {
         });
         let (tolerance, of) = made.map_err(|errors| errors::scenario(py, &errors))?;
         let pool = Pool::new(of.study().clone());
-        Ok(Self { tolerance, of, pool, known: Mutex::new(Known::Here(BTreeMap::new())) })
+        Ok(Self { tolerance, of, pool, known: Mutex::new(Known::Memory(BTreeMap::new())) })
     }
 
-    /// How many rows there are: displays, and while sensitivities are sought all that go with them.
+    /// Number of rows: displays, each with the displays of its sensitivity sample.
     #[getter]
     fn rows(&self) -> usize {
         self.of.rows()
     }
 
-    /// How many of them are for sensitivities, too.
+    /// Number of rows that have a sensitivity sample.
     #[getter]
     fn sensitivity_rows(&self) -> usize {
         self.of.sensitivity_rows()
     }
 
-    /// SHA-256 of all that a row's numbers depend on besides its number.
+    /// SHA-256 of all inputs of the rows except their index.
     #[getter]
     fn hash(&self) -> &str {
         &self.tolerance.hash
@@ -93,23 +93,23 @@ impl Production {
         self.tolerance.title.as_deref()
     }
 
-    /// The names of keys and of metrics.
+    /// Names of keys and of metrics.
     fn names(&self) -> (Vec<&str>, Vec<&str>) {
         let keys = self.tolerance.keys.iter().map(|key| key.name.as_str());
         (keys.collect(), self.tolerance.metrics.iter().map(|metric| metric.name.as_str()).collect())
     }
 
-    /// How many numbers a row has; its own display's metrics first.
+    /// Number of values of a row; the metrics of its own display are the first.
     fn width(&self, row: usize) -> usize {
         self.of.width(row)
     }
 
-    /// What each key of a row's own display is, as JSON.
+    /// Values of the keys of a row's own display, as JSON.
     fn keys(&self, row: usize) -> String {
         serde_json::Value::from(self.of.values(row)).to_string()
     }
 
-    /// The numbers of rows from `start` to before `stop`, one after the other.
+    /// Computes the values of the rows `start..stop`, concatenated.
     #[pyo3(signature = (start, stop, threads, progress=None))]
     fn evaluate<'py>(
         &self,
@@ -127,7 +127,7 @@ impl Production {
         Ok(PyArray1::from_iter(py, rows.into_iter().flatten()))
     }
 
-    /// Goes on with the journal in a folder, or begins it.
+    /// Opens the journal in a folder, or creates it.
     fn open(&self, py: Python<'_>, folder: PathBuf) -> PyResult<()> {
         let head = ToleranceHead {
             papilio: env!("CARGO_PKG_VERSION").to_owned(),
@@ -135,11 +135,11 @@ impl Production {
             metrics: self.tolerance.metrics.iter().map(|metric| metric.name.clone()).collect(),
         };
         let opened = py.detach(|| JournalRows::open(&folder, "tolerance", None, head, &[]));
-        *self.known() = Known::Kept(opened.map_err(|error| errors::format(py, &error))?);
+        *self.known() = Known::Journal(opened.map_err(|error| errors::format(py, &error))?);
         Ok(())
     }
 
-    /// The rows that are not known yet.
+    /// Rows that are not yet computed.
     fn missing(&self) -> Vec<usize> {
         let known = self.known();
         let is_known =
@@ -147,7 +147,7 @@ impl Production {
         (0..self.of.rows()).filter(|row| !is_known(row)).collect()
     }
 
-    /// Computes rows; an error has its number among these.
+    /// Computes rows; an error has the index within `rows`.
     #[pyo3(signature = (rows, threads, progress=None))]
     fn compute(
         &self,
@@ -157,32 +157,32 @@ impl Production {
         progress: Option<Bound<'_, PyAny>>,
     ) -> PyResult<()> {
         if rows.iter().any(|row| *row >= self.of.rows()) {
-            return Err(errors::internal("there are no such rows"));
+            return Err(errors::internal("row index out of range"));
         }
-        let unkept: Mutex<Option<FormatError>> = Mutex::new(None);
+        let journal_error: Mutex<Option<FormatError>> = Mutex::new(None);
         self.pool.each(py, rows.len(), threads, progress.as_ref(), |evaluator, at| {
             let values = self.of.evaluate(evaluator, rows[at])?;
             if let Err(error) = self.known().add(rows[at], values) {
-                unkept.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(error);
+                journal_error.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(error);
             }
             Ok(())
         })?;
-        let unkept = unkept.into_inner().unwrap_or_else(PoisonError::into_inner);
-        unkept.map_or(Ok(()), |error| Err(errors::format(py, &error)))
+        let journal_error = journal_error.into_inner().unwrap_or_else(PoisonError::into_inner);
+        journal_error.map_or(Ok(()), |error| Err(errors::format(py, &error)))
     }
 
-    /// Takes the numbers of a row, which may stand before others that are none of it.
+    /// Stores the values of a row; further values after these are ignored.
     fn take(&self, py: Python<'_>, row: usize, numbers: PyReadonlyArray1<'_, f64>) -> PyResult<()> {
         let all = numbers.as_slice().map_err(|error| errors::internal(&error.to_string()))?;
         let own =
-            all.get(..self.of.width(row)).ok_or_else(|| errors::internal("numbers of a row are missing"))?;
+            all.get(..self.of.width(row)).ok_or_else(|| errors::internal("values of a row are missing"))?;
         self.known().add(row, own.to_vec()).map_err(|error| errors::format(py, &error))
     }
 
-    /// The numbers of all rows, one after the other, once they are known. Puts the journal in order, and lets it go.
+    /// Values of all rows, concatenated, when all are computed. Sorts and closes the journal.
     fn finish<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<f64>>> {
         let rows = 0..self.of.rows();
-        if let Known::Kept(journal) = &mut *self.known() {
+        if let Known::Journal(journal) = &mut *self.known() {
             journal.finish(rows.clone()).map_err(|error| errors::format(py, &error))?;
         }
         let mut numbers = Vec::new();
@@ -195,19 +195,19 @@ impl Production {
         Ok(PyArray1::from_vec(py, numbers))
     }
 
-    /// Lets the journal go.
+    /// Closes the journal.
     fn close(&self) {
-        *self.known() = Known::Here(BTreeMap::new());
+        *self.known() = Known::Memory(BTreeMap::new());
     }
 
-    /// What is made of all rows, as JSON.
+    /// The report of all rows, as JSON.
     fn report<'py>(&self, py: Python<'py>, numbers: PyReadonlyArray1<'py, f64>) -> PyResult<String> {
         let rows = self.cut(&numbers)?;
         let report = py.detach(|| Report::new(&self.tolerance, &self.of, &rows));
         serde_json::to_string(&report).map_err(|error| errors::internal(&error.to_string()))
     }
 
-    /// Names and SVG texts of what `papilio tolerance` draws.
+    /// Names and SVG texts of the figures of `papilio tolerance`.
     fn figures<'py>(
         &self,
         py: Python<'py>,
@@ -221,7 +221,7 @@ impl Production {
         }))
     }
 
-    /// Names and bytes of the tables that `papilio tolerance` writes.
+    /// Names and bytes of the tables of `papilio tolerance`.
     fn tables<'py>(
         &self,
         py: Python<'py>,
@@ -238,14 +238,14 @@ impl Production {
 }
 
 impl Production {
-    /// The numbers of all rows, row by row.
+    /// Splits the values of all rows into rows.
     fn cut<'a>(&self, numbers: &'a PyReadonlyArray1<'_, f64>) -> PyResult<Vec<&'a [f64]>> {
         let mut left = numbers.as_slice().map_err(|error| errors::internal(&error.to_string()))?;
         let mut rows = Vec::with_capacity(self.of.rows());
         for row in 0..self.of.rows() {
             let (own, others) = left
                 .split_at_checked(self.of.width(row))
-                .ok_or_else(|| errors::internal("numbers of rows are missing"))?;
+                .ok_or_else(|| errors::internal("values of rows are missing"))?;
             rows.push(own);
             left = others;
         }

@@ -1,4 +1,4 @@
-//! Results: `result.json` to the byte, and all their numbers as arrays.
+//! Results: the bytes of `result.json`, and all numbers as arrays.
 
 use std::sync::Arc;
 
@@ -12,7 +12,7 @@ use pyo3::types::{PyBytes, PyDict};
 use crate::columns::Columns;
 use crate::errors;
 
-/// What a run found.
+/// The result of a run.
 #[pyclass(frozen, module = "papilio._papilio")]
 pub(crate) struct RunResult {
     result: display::RunResult,
@@ -54,7 +54,7 @@ impl RunResult {
         written(py, |out| write_spectra(out, &self.result))
     }
 
-    /// All numbers: names (`standard_error.Y`) and arrays, of the states together (shape [view]) and of each state
+    /// Names (`standard_error.Y`) and arrays: quantities of all states together (shape [view]) and of each state
     /// (shape [view, state, ...]).
     fn arrays<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyDict>, Bound<'py, PyDict>)> {
         let [views, states] =
@@ -62,7 +62,7 @@ impl RunResult {
         Ok((views.into_dict(py)?, states.into_dict(py)?))
     }
 
-    /// nm.
+    /// Wavelengths, nm.
     fn wavelength_nm<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
         PyArray1::from_slice(py, &self.result.wavelength_nm)
     }
@@ -72,27 +72,27 @@ impl RunResult {
         PyArray1::from_slice(py, &self.result.illuminant.radiance_of_white)
     }
 
-    /// Names and SVG texts of what `papilio run` draws.
+    /// Names and SVG texts of the figures of `papilio run`.
     fn figures(&self, py: Python<'_>, title: &str) -> Vec<(String, String)> {
         py.detach(|| papilio_figures::of_run(&self.result, title))
     }
 
-    /// The SVG text of a view's overview.
+    /// SVG text of the overview of the first view.
     fn overview(&self, py: Python<'_>, title: &str) -> Option<String> {
         py.detach(|| Some(papilio_figures::overview(&self.result, self.result.views.first()?, title)))
     }
 
-    /// What the reader should know.
+    /// Warnings of the scenario and of the run.
     fn warnings(&self) -> Vec<String> {
         self.result.warnings.clone()
     }
 
-    /// What the reader may like to know.
+    /// Notes of the scenario.
     fn notes(&self) -> Vec<String> {
         self.resolved.notes.clone()
     }
 
-    /// The names of the states.
+    /// Names of the drive states.
     fn states(&self) -> Vec<&str> {
         let first = self.result.views.first();
         first.map(|view| view.states.iter().map(|(name, _)| name).collect()).unwrap_or_default()
@@ -104,7 +104,7 @@ impl RunResult {
     }
 }
 
-/// Metrics of the states together, and of each state.
+/// Metrics of all states together, and of each state.
 fn columns(result: &display::RunResult) -> serde_json::Result<[Columns; 2]> {
     let count = result.views.first().map_or(0, |view| view.states.0.len());
     let mut together = Columns::new(&[result.views.len()]);
@@ -121,7 +121,7 @@ fn columns(result: &display::RunResult) -> serde_json::Result<[Columns; 2]> {
     Ok([together, alone])
 }
 
-/// What is written with the interpreter free.
+/// Returns the bytes that `write` writes, without holding the interpreter.
 fn written<'py>(
     py: Python<'py>,
     write: impl FnOnce(&mut Vec<u8>) -> std::io::Result<()> + Send,

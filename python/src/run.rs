@@ -1,4 +1,4 @@
-//! Runs, and displays that are kept for more of them.
+//! Runs, and displays that are prepared for several runs.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, TryLockError};
@@ -13,13 +13,13 @@ use crate::result::RunResult;
 use crate::scenario::Resolved;
 use crate::watch::watched;
 
-/// How often a thread looks whether another has done with the display.
+/// Interval between attempts to lock a display that another thread uses.
 const WAIT: Duration = Duration::from_millis(1);
 
-/// A display that keeps what the next run can use.
+/// A display that caches computations for later runs.
 #[pyclass(frozen, module = "papilio._papilio")]
 pub(crate) struct Prepared {
-    kept: Mutex<papilio_display::Prepared>,
+    display: Mutex<papilio_display::Prepared>,
 }
 
 #[pymethods]
@@ -27,7 +27,7 @@ impl Prepared {
     #[new]
     fn new(py: Python<'_>, like: &Resolved) -> PyResult<Self> {
         let prepared = py.detach(|| papilio_display::Prepared::new(&like.of.scene));
-        Ok(Self { kept: Mutex::new(prepared.map_err(|error| errors::display_of(py, &like.of, &error))?) })
+        Ok(Self { display: Mutex::new(prepared.map_err(|error| errors::display_of(py, &like.of, &error))?) })
     }
 
     #[pyo3(signature = (scenario, threads=None, progress=None))]
@@ -40,25 +40,27 @@ impl Prepared {
     ) -> PyResult<RunResult> {
         let of = &scenario.of;
         let outcome = watched(py, &AtomicBool::new(false), progress.as_ref(), |watch| {
-            let Some(mut kept) = free(&self.kept, watch.stop)? else {
+            let Some(mut display) = free(&self.display, watch.stop)? else {
                 return Some(Err(DisplayError::Interrupted));
             };
-            Some(watch.run(threads.map(usize::from), |control| kept.run(&of.scene, control)))
+            Some(watch.run(threads.map(usize::from), |control| display.run(&of.scene, control)))
         })?;
         match outcome {
             Some(Ok(result)) => Ok(RunResult::new(result, Arc::clone(of))),
             Some(Err(DisplayError::Interrupted)) => Err(PyKeyboardInterrupt::new_err(())),
             Some(Err(error)) => Err(errors::display_of(py, of, &error)),
-            None => Err(errors::internal("this display was left half done by an earlier fault")),
+            None => {
+                Err(errors::internal("an earlier internal error left this display in an incomplete state"))
+            }
         }
     }
 }
 
-/// The display, once no other thread computes with it; `Some(None)` if this one is stopped before, `None` after a fault of another.
-fn free<'a, T>(kept: &'a Mutex<T>, stop: &AtomicBool) -> Option<Option<MutexGuard<'a, T>>> {
+/// Waits for the display until no other thread uses it; `Some(None)` if stopped before, `None` after a panic of another thread.
+fn free<'a, T>(display: &'a Mutex<T>, stop: &AtomicBool) -> Option<Option<MutexGuard<'a, T>>> {
     loop {
-        match kept.try_lock() {
-            Ok(kept) => return Some(Some(kept)),
+        match display.try_lock() {
+            Ok(guard) => return Some(Some(guard)),
             Err(TryLockError::Poisoned(_)) => return None,
             Err(TryLockError::WouldBlock) if stop.load(Ordering::Relaxed) => return Some(None),
             Err(TryLockError::WouldBlock) => std::thread::sleep(WAIT),

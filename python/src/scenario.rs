@@ -1,4 +1,4 @@
-//! Scenarios: text in, scenes and errors with their places out.
+//! Scenarios: conversion of text to scenes, or to errors with their positions.
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -11,7 +11,7 @@ use pyo3::prelude::*;
 
 use crate::errors;
 
-/// A scenario that was read: well-formed, every key and type in order.
+/// A parsed scenario, with valid keys and types.
 #[pyclass(frozen, module = "papilio._papilio")]
 pub(crate) struct Described {
     scenario: Scenario,
@@ -19,7 +19,7 @@ pub(crate) struct Described {
 
 #[pymethods]
 impl Described {
-    /// From a file.
+    /// Reads a scenario from a file.
     #[staticmethod]
     fn load(py: Python<'_>, path: PathBuf) -> PyResult<(String, Self)> {
         let name = path.display().to_string();
@@ -28,10 +28,10 @@ impl Described {
             file.text().map(str::to_owned)
         };
         let text = py.detach(read).map_err(|_| {
-            // Read once more for the scenario's own words about what is wrong.
+            // Read again for the scenario's own error message.
             Scenario::load(&path, &[]).map_or_else(
                 |errors| errors::scenario(py, &errors),
-                |_| errors::internal("a file that changed while it was read"),
+                |_| errors::internal("the file changed while it was read"),
             )
         })?;
         let folder = path.parent().map(PathBuf::from).unwrap_or_default();
@@ -39,7 +39,7 @@ impl Described {
         Ok((text, described))
     }
 
-    /// From a text; `files`: in memory instead of the folder.
+    /// Parses a text; `files` in memory replace those of the folder.
     #[new]
     #[pyo3(signature = (text, name, folder, files=None))]
     fn new(
@@ -53,19 +53,19 @@ impl Described {
         Ok(Self { scenario: read.map_err(|errors| errors::scenario(py, &errors))? })
     }
 
-    /// The scenario with its defaults, as JSON.
+    /// The scenario including its defaults, as JSON.
     fn filled(&self) -> PyResult<String> {
         serde_json::to_string(&self.scenario.filled()).map_err(|error| errors::internal(&error.to_string()))
     }
 
-    /// Looks everything up.
+    /// Resolves the scenario, with all its files.
     fn resolve(&self, py: Python<'_>) -> PyResult<Resolved> {
         let resolved = py.detach(|| self.scenario.resolve());
         Ok(Resolved { of: Arc::new(resolved.map_err(|errors| errors::scenario(py, &errors))?) })
     }
 }
 
-/// Where a scenario's files are.
+/// Source of a scenario's files.
 pub(crate) fn library(folder: PathBuf, files: Option<BTreeMap<String, Vec<u8>>>) -> Library {
     let Some(files) = files else { return Library::Folder(folder) };
     let kept = |(name, bytes): (String, Vec<u8>)| (name.clone(), KeptFile::new(DataFile { name, bytes }));
@@ -75,7 +75,7 @@ pub(crate) fn library(folder: PathBuf, files: Option<BTreeMap<String, Vec<u8>>>)
     }
 }
 
-/// A scenario that can be computed.
+/// A resolved scenario.
 #[pyclass(frozen, module = "papilio._papilio")]
 pub(crate) struct Resolved {
     pub(crate) of: Arc<papilio_scenario::Resolved>,
@@ -109,7 +109,7 @@ impl Resolved {
     }
 }
 
-/// The text with changes, which come as JSON.
+/// Applies edits, given as JSON, to a text.
 #[pyfunction]
 pub(crate) fn edit(py: Python<'_>, text: &str, edits: &str) -> PyResult<String> {
     let edits: Vec<Edit> =
@@ -117,7 +117,7 @@ pub(crate) fn edit(py: Python<'_>, text: &str, edits: &str) -> PyResult<String> 
     papilio_scenario::edit(text, &edits).map_err(|errors| errors::scenario(py, &errors))
 }
 
-/// The text with the present names of keys and values, and what was replaced: line, old name, new name.
+/// Returns a text with the current names of keys and values, and the replacements: line, old name, new name.
 #[pyfunction]
 pub(crate) fn migrate(
     py: Python<'_>,
@@ -129,25 +129,25 @@ pub(crate) fn migrate(
     Ok((migrated.text, renamed))
 }
 
-/// A dotted path with the present names of its keys.
+/// Returns a dotted path with the current names of its keys.
 #[pyfunction]
 pub(crate) fn present_path(path: &str) -> String {
     papilio_scenario::KeyPath::new(path).present()
 }
 
-/// A scenario in a preset's light.
+/// Text of a scenario in the light of a preset.
 #[pyfunction]
 pub(crate) fn new_scenario(preset: &str) -> PyResult<String> {
     papilio_scenario::new_scenario(preset).ok_or_else(|| PyKeyError::new_err(preset.to_owned()))
 }
 
-/// The presets' names.
+/// Names of the presets.
 #[pyfunction]
 pub(crate) fn preset_names() -> Vec<&'static str> {
     papilio_scenario::preset_names().collect()
 }
 
-/// The JSON Schema of a scenario, or of a result, as JSON.
+/// JSON Schema of a scenario or of a result, as JSON.
 #[pyfunction]
 pub(crate) fn schema(of_result: bool) -> String {
     let schema = if of_result { papilio_formats::result_schema() } else { papilio_scenario::schema() };

@@ -1,4 +1,4 @@
-//! The search that a scenario's `[optimize]` describes: as a whole on threads, or piece by piece wherever.
+//! The search that a scenario's `[optimize]` describes: on threads, or as separate work items on any machine.
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -21,7 +21,7 @@ use crate::errors;
 use crate::scenario::library;
 use crate::watch::{Told, watched};
 
-/// A search, how far it has come, and its journal. Pieces and answers are texts: JSON.
+/// A search, its progress and its journal. Work items and their results are JSON texts.
 #[pyclass(frozen, module = "papilio._papilio")]
 pub(crate) struct Search {
     of: Arc<search::Search>,
@@ -31,13 +31,13 @@ pub(crate) struct Search {
     way: Mutex<Option<RunningSearch>>,
 }
 
-/// A search that was begun.
+/// State of a search that has begun.
 struct RunningSearch {
     schedule: SearchSchedule,
     journal: Option<HeldJournal>,
 }
 
-/// Why a search ends early.
+/// Error that ends a search.
 enum Failure {
     Design(DesignError),
     Journal(FormatError),
@@ -60,7 +60,7 @@ impl Failure {
 }
 
 impl RunningSearch {
-    /// Keeps what is new.
+    /// Writes new results to the journal.
     fn keep(&mut self) -> Result<(), FormatError> {
         let news = self.schedule.take_records();
         self.journal.as_mut().map_or(Ok(()), |journal| news.iter().try_for_each(|record| journal.add(record)))
@@ -69,7 +69,7 @@ impl RunningSearch {
 
 #[pymethods]
 impl Search {
-    /// Reads the scenario, and evaluates its own design.
+    /// Parses the scenario, and evaluates its own design.
     #[new]
     #[pyo3(signature = (text, name, folder, files=None))]
     fn new(
@@ -82,7 +82,7 @@ impl Search {
         let said = py.detach(|| Optimisation::from_text(text, name, library(folder, files), &[]));
         let said = said.map_err(|errors| errors::scenario(py, &errors))?;
         let hash = said.hash.clone();
-        // One byte for each search that a script makes.
+        // Leaks one byte for each search.
         let stop: &'static AtomicBool = Box::leak(Box::new(AtomicBool::new(false)));
         let made = watched(py, stop, None, |_| {
             let mut evaluator = Evaluator::new(Arc::new(Study::of(&said)), stop);
@@ -92,13 +92,13 @@ impl Search {
         Ok(Self { of: Arc::new(of), hash, stop, evaluator: Mutex::new(evaluator), way: Mutex::new(None) })
     }
 
-    /// SHA-256 of all that the search depends on.
+    /// SHA-256 of all inputs of the search.
     #[getter]
     fn hash(&self) -> &str {
         &self.hash
     }
 
-    /// Begins, or goes on with the journal in a folder; generations of populations are cut into so many pieces.
+    /// Begins the search, or resumes it from the journal in a folder; generations of populations are split into `cut` work items.
     fn begin(&self, py: Python<'_>, folder: Option<PathBuf>, cut: usize) -> PyResult<()> {
         let mut kept = SearchRecords::default();
         let opened = folder.map(|folder| {
@@ -114,7 +114,7 @@ impl Search {
         Ok(())
     }
 
-    /// A piece that nobody has yet; None: none until others are done, or the search is over.
+    /// The next work item; `None` while others must be completed first, or if the search is complete.
     fn piece(&self) -> PyResult<Option<String>> {
         let mut way = self.way();
         let piece = begun(&mut way)?.schedule.next_item();
@@ -123,7 +123,7 @@ impl Search {
             .transpose()
     }
 
-    /// Does a piece.
+    /// Computes a work item.
     fn work(&self, py: Python<'_>, piece: &str) -> PyResult<String> {
         let piece: WorkItem =
             serde_json::from_str(piece).map_err(|error| errors::internal(&error.to_string()))?;
@@ -136,7 +136,7 @@ impl Search {
         serde_json::to_string(&answer).map_err(|error| errors::internal(&error.to_string()))
     }
 
-    /// Takes what became of a piece, and keeps what is new.
+    /// Accepts the result of a work item, and writes it to the journal.
     fn take(&self, py: Python<'_>, answer: &str) -> PyResult<()> {
         let answer: WorkResult =
             serde_json::from_str(answer).map_err(|error| errors::internal(&error.to_string()))?;
@@ -146,7 +146,7 @@ impl Search {
         way.keep().map_err(|error| errors::format(py, &error))
     }
 
-    /// Does all that is left, on threads.
+    /// Computes all remaining work on threads.
     #[pyo3(signature = (threads, progress=None))]
     fn run(&self, py: Python<'_>, threads: usize, progress: Option<Bound<'_, PyAny>>) -> PyResult<()> {
         let outcome = watched(py, self.stop, progress.as_ref(), |watch| {
@@ -163,13 +163,13 @@ impl Search {
         outcome.map_err(|failure| failure.raised(py))
     }
 
-    /// Tasks of this round that are done, and all of them.
+    /// Number of completed tasks of this round, and of all its tasks.
     fn progress(&self) -> PyResult<(usize, usize)> {
         Ok(begun(&mut self.way())?.schedule.progress())
     }
 
-    /// What was found, as JSON: the names of variables and quantities, the scenario's own design, and those that are handed on,
-    /// each with its values; figures, and the table of what all tasks found. Puts the journal in order.
+    /// The result as JSON: names of variables and quantities, the scenario's own design and the resulting designs with their values,
+    /// figures, and the table of the results of all tasks. Sorts the journal.
     fn result(&self, py: Python<'_>, title: &str) -> PyResult<String> {
         let outcome = watched(py, self.stop, None, |_| {
             let mut evaluator = self.evaluator.lock().unwrap_or_else(PoisonError::into_inner);
@@ -188,7 +188,7 @@ impl Search {
         outcome.map(|found| found.to_string()).map_err(|failure: Failure| failure.raised(py))
     }
 
-    /// Lets the journal go.
+    /// Closes the journal.
     fn close(&self) {
         *self.way() = None;
     }
@@ -204,7 +204,7 @@ impl Search {
     }
 }
 
-/// A scenario's text from one folder as it is to stand in another: files beside it are found from there.
+/// Text of a scenario that moves from one folder to another, with adapted relative paths of files.
 #[pyfunction]
 pub(crate) fn moved_text(text: &str, here: PathBuf, there: PathBuf) -> String {
     moved(text, &here, &there)
@@ -216,7 +216,7 @@ fn begun(way: &mut Option<RunningSearch>) -> PyResult<&mut RunningSearch> {
 
 fn said_of(search: &search::Search, found: &[SearchResult], chosen: &[SelectedDesign]) -> Value {
     let study = search.study();
-    // What stands at every key: choices by their values, keys that give way to others included.
+    // The value of every key: choices by their values, including keys that others replace.
     let set = |design: &[f64]| -> Value {
         let settings = study.settings(design).unwrap_or_default().into_iter();
         Value::Object(settings.map(|(path, value)| (path.to_owned(), value)).collect())

@@ -1,4 +1,4 @@
-//! Computations that leave the interpreter free, and heed Ctrl-C.
+//! Computations that release the interpreter and can be interrupted by Ctrl-C.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Mutex;
@@ -12,34 +12,34 @@ use pyo3::types::PyDict;
 
 use crate::errors;
 
-/// How often Ctrl-C is looked for and progress is told.
+/// Interval between checks for Ctrl-C and reports of progress.
 const POLL: Duration = Duration::from_millis(50);
 
-/// How far a computation has come, without borrows.
+/// Progress of a computation, without borrows.
 #[derive(Clone, Copy)]
 pub(crate) enum Told {
     /// A run.
     Run { paths: Option<u64>, relative_error: f64, target: Option<f64>, views_done: (usize, usize) },
-    /// So many of so many designs, rows or tasks.
+    /// Number of completed designs, rows or tasks, and of all of them.
     Done(usize, usize),
 }
 
-/// What a computation is watched by.
+/// Connection of a computation to the thread that watches it.
 pub(crate) struct Watch<'a> {
-    /// Set when it is to end.
+    /// Set to stop the computation.
     pub(crate) stop: &'a AtomicBool,
     last: Mutex<Option<Told>>,
 }
 
 impl Watch<'_> {
-    /// Tells how far it has come; the last word before the next look counts.
+    /// Reports the progress; only the latest report before a check is passed on.
     pub(crate) fn tell(&self, now: Told) {
         if let Ok(mut last) = self.last.lock() {
             *last = Some(now);
         }
     }
 
-    /// Does a run's work on so many threads.
+    /// Runs `work` on a number of threads.
     pub(crate) fn run<T>(&self, threads: Option<usize>, work: impl FnOnce(&Control<'_>) -> T) -> T {
         let tell = |now: Progress<'_>| {
             let Progress { paths, relative_error, target, views_done, .. } = now;
@@ -49,11 +49,11 @@ impl Watch<'_> {
     }
 }
 
-/// Does `work` on a thread of its own while this one looks for Ctrl-C and tells `progress` (a callable).
+/// Runs `work` on a separate thread, while this thread checks for Ctrl-C and reports to `progress` (a callable).
 ///
 /// # Errors
-/// `KeyboardInterrupt` or what another signal's handler raised, what `progress` raised (either sets `stop`, until
-/// the work ends), and a fault of the work.
+/// `KeyboardInterrupt` or the exception of another signal's handler, or the exception of `progress` (both set `stop`, and the
+/// function returns when the work ends); an internal error if the work panics.
 pub(crate) fn watched<T: Send>(
     py: Python<'_>,
     stop: &AtomicBool,
@@ -64,7 +64,7 @@ pub(crate) fn watched<T: Send>(
     std::thread::scope(|scope| {
         let (done, mut waiting) = channel();
         scope.spawn(|| {
-            // Whoever waits hears of a panic, too.
+            // The waiting thread is notified of a panic, too.
             let _ = { done }.send(catch_unwind(AssertUnwindSafe(|| work(&watch))));
         });
         let mut raised = None;
@@ -94,7 +94,7 @@ pub(crate) fn watched<T: Send>(
     })
 }
 
-/// What was received, or nothing yet.
+/// Waits one interval for a result; `None` if there is none yet.
 fn wait<T: Send>(from: Receiver<T>) -> (Receiver<T>, Option<Result<T, RecvTimeoutError>>) {
     let outcome = match from.recv_timeout(POLL) {
         Err(RecvTimeoutError::Timeout) => None,

@@ -21,7 +21,7 @@ ODD = [
 @pytest.mark.parametrize(
     ("arguments", "names"),
     [
-        ({"solver": "path-tracing"}, "solver"),
+        ({"solver": "ray-tracing"}, "solver"),
         ({"seed": -1}, "seed"),
         ({"seed": 2**63}, "seed"),
         ({"seed": 1.5}, "seed"),

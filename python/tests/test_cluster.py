@@ -48,7 +48,7 @@ def plane(count):
 
 def in_batches_of(monkeypatch, size):
     """Leaves nothing to the clock."""
-    monkeypatch.setattr("papilio._roads._COSTS", {})
+    monkeypatch.setattr("papilio._backends._COSTS", {})
     monkeypatch.setattr("papilio._batches.batch_size", lambda *_: size)
     monkeypatch.setattr("papilio._batches.seconds_each", lambda *_: 1.0)
 
@@ -302,7 +302,7 @@ def test_workers_unlike_the_program_are_refused(tmp_path):
     designs = {"lighting.illuminance_lx": np.array([100.0, 200.0])}
     assert question.answered(designs).shape == (2, 1)
     (tmp_path / "w.csv").write_text("380,0.4\n780,0.5\n")
-    for other, says in [(question, "other files"), (replace(question, version="0.0.1"), "0.0.1")]:
+    for other, says in [(question, "different contents"), (replace(question, version="0.0.1"), "0.0.1")]:
         with ThreadPoolExecutor(1) as elsewhere, pytest.raises(ClusterError, match=says):
             elsewhere.submit(pickle.loads(pickle.dumps(other)).answered, designs).result()
 

@@ -34,13 +34,13 @@ def test_a_perfect_white_is_white():
 @pytest.mark.parametrize(
     ("first", "last", "light", "says"),
     [
-        (500, 510, "D65", "500 to 510 nm leave out .* of D65"),
-        (400, 700, "D65", r"400 to 700 nm leave out 0\.1\d % of X, 0\.0\d+ % of Y, 0\.\d+ % of Z"),
-        (400, 700, None, "equal energy"),
-        (400, 700, [1.0] * 31, "equal energy"),
+        (500, 510, "D65", "500 to 510 nm omit .* of D65"),
+        (400, 700, "D65", r"400 to 700 nm omit 0\.1\d % of X, 0\.0\d+ % of Y, 0\.\d+ % of Z"),
+        (400, 700, None, "equal-energy"),
+        (400, 700, [1.0] * 31, "equal-energy"),
         (380, 780, "D65", None),
         (360, 830, None, None),
-        (380, 740, "D65", None),  # X, Y and Z of what is left out: below 0.1 %
+        (380, 740, "D65", None),  # omits less than 0.1 % of X, Y and Z
     ],
 )
 def test_wavelengths_that_leave_light_out_are_warned_of(first, last, light, says, recwarn):

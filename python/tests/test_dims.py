@@ -53,7 +53,7 @@ def test_what_does_not_fit_is_refused(prepared, arrays):
     d, gap = arrays
     with pytest.raises(ArgumentError, match="without names"):
         prepared.evaluate({LAYER: d, RED: np.array([260.0, 270.0, 280.0])}, METRICS)
-    with pytest.raises(ArgumentError, match="differs"):
+    with pytest.raises(ArgumentError, match="a shared dimension differs"):
         prepared.evaluate({LAYER: d, RED: xarray.DataArray([1.0, 2.0, 3.0], {"d": [1, 2, 4]}, ["d"])}, METRICS)
     with pytest.raises(ArgumentError, match="rename it"):
         prepared.evaluate({LAYER: d.rename(d="metric")}, METRICS)
@@ -75,14 +75,14 @@ def test_many_designs_have_their_dimensions(prepared, arrays):
 def test_elsewhere_places_and_names_have_to_agree(arrays):
     d, gap = arrays
     nm = xarray.DataArray(np.arange(400.0, 701.0, 100.0), dims="nm")
-    with pytest.raises(ArgumentError, match="broadcast by place"):
+    with pytest.raises(ArgumentError, match="broadcasts by position"):
         films.power([("SiO2", d), ("air", gap)], 550.0)
-    with pytest.raises(ArgumentError, match="broadcast by place"):
+    with pytest.raises(ArgumentError, match="broadcasts by position"):
         films.power([("SiO2", d)], np.array([500.0, 550.0, 600.0]))
     together = films.power([("SiO2", d), ("air", 200 + d)], 550.0)
     assert together.reflectance.shape == (3,)
-    with pytest.raises(ArgumentError, match="broadcast by place"):
+    with pytest.raises(ArgumentError, match="broadcasts by position"):
         colour.xyz(xarray.DataArray(np.ones((4, 4)), dims=["nm", "d"]), nm, None)
     one, other = (xarray.DataArray(np.ones((3, 3)), dims=[name, "colour"]) for name in "ab")
-    with pytest.raises(ArgumentError, match="broadcast by place"):
+    with pytest.raises(ArgumentError, match="broadcasts by position"):
         colour.delta_e_2000(one, other)

@@ -38,7 +38,7 @@ def test_arrays_broadcast_over_designs_wavelengths_and_angles():
 
 
 def test_many_films_cost_little():
-    """Some hundred nanoseconds a film on a slow machine; a road that goes film by film takes 2 us on a fast one. (docs/peers.md has more.)"""
+    """Some hundred nanoseconds a film on a slow machine; a backend that goes film by film takes 2 us on a fast one. (docs/peers.md has more.)"""
     d, theta = np.linspace(0, 200, 40)[:, None, None], np.linspace(0, 80, 19)
     stack = [("Si3N4", 55.9), ("Cr:Johnson", 12.15), ("SiO2", d), ("air", 190.0), ("Al", 20.0)]
     films.reflectance(stack, NM[:, None], theta, threads=1)

@@ -74,7 +74,7 @@ def test_it_is_what_the_program_finds(scenario, found, program, tmp_path):
 
 def test_a_design_that_misses_its_limits_is_no_best_one(scenario, tmp_path):
     (tmp_path / "best.toml").write_text("of an earlier search")
-    with pytest.warns(papilio.PapilioWarning, match="no design was found that meets all limits"):
+    with pytest.warns(papilio.PapilioWarning, match="no feasible design was found"):
         missed = papilio.optimize(scenario, set={"optimize.constraints.0.at_least": 1000})
     assert not missed.best.meets_limits
     assert [file.name for file in missed.save(tmp_path)] == ["optimize.csv", "closest.toml", "trace.svg"]

@@ -1,4 +1,4 @@
-"""Units and long names of what results hold: the words of the published schema."""
+"""Units and long names of the quantities of results, from the published schema."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import Any
 
 from . import _papilio
 
-#: Dimensions of arrays beyond view and state, by the (first part of the) name.
+#: Dimensions of arrays in addition to view and state, by the quantity.
 _INNER = {
     "radiance": ("wavelength_nm",),
     "reflectance_factor": ("wavelength_nm",),
@@ -30,26 +30,26 @@ _ERRORS = ("standard_error", "discretisation_error")
 
 
 def parts(name: str) -> tuple[str, str | None]:
-    """The quantity of a name, and which error of it it is."""
+    """Splits a name into its quantity and the kind of error (None for a value)."""
     pieces = name.split(".")
     error = next((piece for piece in pieces if piece in _ERRORS), None)
     return ".".join(piece for piece in pieces if piece != error), error
 
 
 def flat(name: str) -> str:
-    """The name of a variable: ``standard_error.terms.diffuse`` becomes ``terms_diffuse_standard_error``."""
+    """Returns the name of a Dataset's variable: ``standard_error.terms.diffuse`` becomes ``terms_diffuse_standard_error``."""
     quantity, error = parts(name)
     return "_".join(quantity.split(".") + ([error] if error else []))
 
 
 def inner_dimensions(name: str, count: int) -> tuple[str, ...]:
-    """The dimensions of an array of this name, ``count`` of them, beyond view and state."""
+    """Returns the ``count`` dimensions of a named array in addition to view and state."""
     known = _INNER.get(parts(name)[0], ())
     return known if len(known) == count else tuple(f"{flat(name)}_{i}" for i in range(count))
 
 
 def attributes(name: str) -> dict[str, str]:
-    """Its unit and long name."""
+    """Returns the unit and long name of an array."""
     quantity, error = parts(name)
     words = _descriptions().get(quantity.rpartition(".")[2], quantity.replace(".", " ").replace("_", " "))
     kinds = {"standard_error": "standard error: ", "discretisation_error": "discretisation error: "}
@@ -57,7 +57,7 @@ def attributes(name: str) -> dict[str, str]:
 
 
 def unit(name: str) -> str:
-    """The unit of a quantity; "1" of those without."""
+    """Returns the unit of a quantity; "1" if it is dimensionless."""
     for end, of in [("_nm", "nm"), ("_cd_m2", "cd m-2"), ("_deg", "degree"), ("_lx", "lx")]:
         if name.endswith(end):
             return of
@@ -68,7 +68,7 @@ def unit(name: str) -> str:
 
 @cache
 def _descriptions() -> dict[str, str]:
-    """The first sentence that the schema says of each key."""
+    """Returns the first sentence of each key's description in the schema."""
     found: dict[str, str] = {}
 
     def gather(node: Any) -> None:

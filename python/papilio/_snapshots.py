@@ -1,7 +1,7 @@
-"""Results without the extension module's objects: what a pickle carries.
+"""Contents of pickled results, without objects of the extension module.
 
-All that a result can be asked for is computed before, so that it needs no file, no scenario and no computation where it is
-unpickled. It takes the place of the object of `_papilio` and has its methods.
+Everything that a result offers is computed before pickling, so that the unpickled result needs no file, scenario or
+computation. A snapshot replaces the object of `_papilio` and has its methods.
 """
 
 from __future__ import annotations
@@ -20,34 +20,34 @@ from . import _papilio
 Reals = NDArray[np.float64]
 Arrays = tuple[dict[str, Reals], dict[str, Reals]]
 
-__all__ = ["Arrays", "KeptCone", "KeptProduction", "KeptRun", "fixed", "packed", "unpacked"]
+__all__ = ["Arrays", "ConeSnapshot", "ProductionSnapshot", "RunSnapshot", "pack", "read_only", "read_only_arrays", "unpack"]
 
 
-def fixed(array: NDArray[Any]) -> NDArray[Any]:
-    """The array, which nobody can change from now on."""
+def read_only(array: NDArray[Any]) -> NDArray[Any]:
+    """Makes an array read-only, and returns it."""
     array.flags.writeable = False
     return array
 
 
-def fixed_arrays(arrays: tuple[Mapping[str, Reals], Mapping[str, Reals]]) -> Arrays:
-    """Arrays by name, which nobody can change."""
-    one, other = ({name: fixed(array) for name, array in some.items()} for some in arrays)
+def read_only_arrays(arrays: tuple[Mapping[str, Reals], Mapping[str, Reals]]) -> Arrays:
+    """Makes named arrays read-only, and returns them."""
+    one, other = ({name: read_only(array) for name, array in some.items()} for some in arrays)
     return one, other
 
 
-def packed(kept: object) -> bytes:
-    """A kept result, made small: most of it is figures."""
-    return zlib.compress(pickle.dumps(kept, protocol=5), 1)
+def pack(snapshot: object) -> bytes:
+    """Pickles and compresses a snapshot; figures are most of its size."""
+    return zlib.compress(pickle.dumps(snapshot, protocol=5), 1)
 
 
-def unpacked(content: bytes) -> Any:
-    """What was packed."""
+def unpack(content: bytes) -> Any:
+    """Restores the snapshot from the bytes of `pack`."""
     return pickle.loads(zlib.decompress(content))
 
 
 @dataclass(frozen=True)
-class KeptRun:
-    """In the place of ``_papilio.RunResult``."""
+class RunSnapshot:
+    """Replacement of ``_papilio.RunResult``."""
 
     texts: tuple[bytes, bytes, bytes]
     numbers: Arrays
@@ -59,8 +59,8 @@ class KeptRun:
     said: tuple[list[str], list[str]]
 
     @classmethod
-    def of(cls, core: _papilio.RunResult | KeptRun, title: str) -> KeptRun:
-        """All that can be asked of a result."""
+    def of(cls, core: _papilio.RunResult | RunSnapshot, title: str) -> RunSnapshot:
+        """Creates the snapshot of a result."""
         if isinstance(core, cls):
             return core
         return cls(
@@ -112,8 +112,8 @@ class KeptRun:
 
 
 @dataclass(frozen=True)
-class KeptCone:
-    """In the place of ``_papilio.Cone``."""
+class ConeSnapshot:
+    """Replacement of ``_papilio.Cone``."""
 
     angles: tuple[Reals, Reals]
     names: list[str]
@@ -122,8 +122,8 @@ class KeptCone:
     said: list[str]
 
     @classmethod
-    def of(cls, core: _papilio.Cone | KeptCone, title: str) -> KeptCone:
-        """All that can be asked of a cone."""
+    def of(cls, core: _papilio.Cone | ConeSnapshot, title: str) -> ConeSnapshot:
+        """Creates the snapshot of a conoscopic map."""
         if isinstance(core, cls):
             return core
         angles = core.theta_deg(), core.phi_deg()
@@ -149,8 +149,8 @@ class KeptCone:
 
 
 @dataclass(frozen=True)
-class KeptProduction:
-    """In the place of ``_papilio.Production``, for all but computing."""
+class ProductionSnapshot:
+    """Replacement of ``_papilio.Production``, except for computing."""
 
     of: tuple[list[str], list[str]]
     widths: list[int]
@@ -160,8 +160,8 @@ class KeptProduction:
     written: list[tuple[str, bytes]]
 
     @classmethod
-    def made(cls, core: _papilio.Production | KeptProduction, numbers: Reals, title: str) -> KeptProduction:
-        """All that can be asked of a production whose rows are known."""
+    def made(cls, core: _papilio.Production | ProductionSnapshot, numbers: Reals, title: str) -> ProductionSnapshot:
+        """Creates the snapshot of a tolerance analysis whose rows are all computed."""
         if isinstance(core, cls):
             return core
         rows = range(core.rows)
