@@ -418,7 +418,7 @@ fn mistakes_in_files_state_the_file_and_the_key_that_names_it() {
     assert!(text.contains("from 450 to 650 nm") && text.contains("[450, 650]"), "{text}");
     let (place, text) = shown(front, "reflectance = \"percent.csv\"");
     assert_eq!(place, (1, 5));
-    assert!(text.contains("the share is 10") && text.contains("relative to 1, not per cent"), "{text}");
+    assert!(text.contains("the share is 10") && text.contains("of 1, not percent"), "{text}");
     assert!(text.contains("requested at test.toml:8:15"), "{text}");
     let (_, text) = shown("index = 1.5", "index = \"um.csv\"");
     assert!(text.contains("micrometres") && text.contains("by 1000"), "{text}");

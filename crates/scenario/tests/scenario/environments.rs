@@ -96,7 +96,7 @@ fn mistake_in_profile_has_line_and_column() {
     for (rows, wanted, place) in [
         ("0,1\n10,-2\n", "the radiance is -2", "p.csv:2:4"),
         ("0,1\n10,nan\n", "not a finite number", "p.csv:2:4"),
-        ("10,1\n5,1\n", "increasing angles", "p.csv:2:1"),
+        ("10,1\n5,1\n", "angles that rise", "p.csv:2:1"),
         ("0,1\n95,1\n", "expected 0 to 90 deg", "p.csv:2:1"),
         ("0,1\n", "expected at least two angles", "p.csv"),
         ("0,0\n90,0\n", "none of this light falls on the display", "test.toml:"),
@@ -189,7 +189,7 @@ fn luminaire_becomes_a_disc_and_notes_its_illuminance() {
     assert!((lamp.radius_deg.unwrap() - radius).abs() < 1e-9);
     assert!(resolved.scene.lighting.environment.is_empty());
     let lux = 804.6 * 40.0_f64.to_radians().cos() / 4.0;
-    let said = format!("804.6 cd towards the display, {lux:.2} lx there");
+    let said = format!("804.6 cd towards the display, which are {lux:.2} lx there");
     assert!(resolved.notes.iter().any(|note| note.contains(&said)), "{:?}", resolved.notes);
     // A panel of .6 m, 2 m away: nearer than five times its side.
     let near = |resolved: &papilio_scenario::Resolved| {
