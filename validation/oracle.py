@@ -1,4 +1,4 @@
-"""What oracles share: tables are written, or recomputed and compared with those that are committed."""
+"""Common functions of the oracle scripts: tables are written, or recomputed and compared with the committed ones."""
 
 import argparse
 import csv
@@ -6,8 +6,8 @@ import sys
 
 
 def same(ours, committed, tolerance, least):
-    """Whether the cells of two tables are alike: words to the letter, numbers (`;` between several) within a tolerance,
-    relative to their size or to `least`."""
+    """Returns whether the cells of two tables agree: texts exactly, numbers (several are separated by `;`) within a
+    tolerance, relative to their size or to `least`."""
     cells = lambda rows: [part for row in rows for cell in row for part in str(cell).split(";")]  # noqa: E731
     ours, committed = cells(ours), cells(committed)
     if len(ours) != len(committed):

@@ -2,10 +2,10 @@
 
 use std::io::Write;
 
+use papilio_design::output::brdf_warnings;
 use papilio_display::BrdfGrid;
 use papilio_display::pixel::state_names;
 use papilio_display::scene::{Scene, Stop};
-use papilio_findings::brdf_warnings;
 use papilio_formats::{BsdfSource, write_bsdf, write_file, write_reflection};
 use papilio_scenario::Scenario;
 

@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use numpy::{PyArray1, PyReadonlyArray1};
 use papilio_design::search::was_stopped;
-use papilio_design::{Condition, Key, Named, Quantity, Study, Values, Variable};
+use papilio_design::{Condition, Key, NamedQuantity, Quantity, Study, Values, Variable};
 use papilio_display::pixel::state_names;
 use papilio_display::scene::{Metric, Scene};
 use papilio_scenario::Varied;
@@ -56,7 +56,7 @@ impl Batch {
         let quantities = metrics.into_iter().map(|name| {
             let quantity = quantity(&name, view, &like.of.scene);
             let quantity = quantity.map_err(|why| errors::argument(py, &why))?;
-            Ok(Named { name, condition: 0, quantity })
+            Ok(NamedQuantity { name, condition: 0, quantity })
         });
         let study = Study {
             conditions: vec![Condition { name: String::new(), varied }],

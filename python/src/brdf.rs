@@ -2,10 +2,10 @@
 
 use std::sync::atomic::AtomicBool;
 
+use papilio_design::output::{brdf_warnings, finer_step};
 use papilio_display::pixel::state_names;
 use papilio_display::scene::Stop;
 use papilio_display::{BrdfGrid, Control, DisplayError, brdf, reflection};
-use papilio_findings::{brdf_warnings, finer_step};
 use papilio_formats::{BsdfSource, write_bsdf, write_reflection};
 use pyo3::exceptions::PyKeyboardInterrupt;
 use pyo3::prelude::*;

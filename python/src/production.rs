@@ -5,8 +5,8 @@ use std::path::PathBuf;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use numpy::{PyArray1, PyReadonlyArray1};
+use papilio_design::output::{tolerance_figures, tolerance_tables};
 use papilio_design::tolerance::Report;
-use papilio_findings::{tolerance_figures, tolerance_tables};
 use papilio_formats::{FormatError, JournalRows, ToleranceHead};
 use papilio_scenario::Tolerance;
 use pyo3::prelude::*;

@@ -5,9 +5,12 @@ use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-use papilio_design::search::{self, Answer, Chosen, Course, Found, Kept, Piece, Record, was_stopped};
+use papilio_design::output::{moved, search_figures, search_table};
+use papilio_design::search::{
+    self, Record, SearchRecords, SearchResult, SearchSchedule, SelectedDesign, WorkItem, WorkResult,
+    was_stopped,
+};
 use papilio_design::{DesignError, Evaluator, Study};
-use papilio_findings::{moved, search_figures, search_table};
 use papilio_formats::{FormatError, HeldJournal, SearchHead, journal_name};
 use papilio_scenario::Optimisation;
 use pyo3::exceptions::PyKeyboardInterrupt;
@@ -25,12 +28,12 @@ pub(crate) struct Search {
     hash: String,
     stop: &'static AtomicBool,
     evaluator: Mutex<Evaluator<'static>>,
-    way: Mutex<Option<Way>>,
+    way: Mutex<Option<RunningSearch>>,
 }
 
 /// State of a search that has begun.
-struct Way {
-    course: Course,
+struct RunningSearch {
+    schedule: SearchSchedule,
     journal: Option<HeldJournal>,
 }
 
@@ -56,10 +59,10 @@ impl Failure {
     }
 }
 
-impl Way {
+impl RunningSearch {
     /// Writes new results to the journal.
     fn keep(&mut self) -> Result<(), FormatError> {
-        let news = self.course.news();
+        let news = self.schedule.take_records();
         self.journal.as_mut().map_or(Ok(()), |journal| news.iter().try_for_each(|record| journal.add(record)))
     }
 }
@@ -97,14 +100,15 @@ impl Search {
 
     /// Begins the search, or resumes it from the journal in a folder; generations of populations are split into `cut` work items.
     fn begin(&self, py: Python<'_>, folder: Option<PathBuf>, cut: usize) -> PyResult<()> {
-        let mut kept = Kept::default();
+        let mut kept = SearchRecords::default();
         let opened = folder.map(|folder| {
             HeldJournal::open(folder.join(journal_name("optimize", None)), &self.head(), |line| {
                 Record::parse(line).map(|record| kept.add(record)).is_ok()
             })
         });
         let journal = opened.transpose().map_err(|error| errors::format(py, &error))?;
-        let mut way = Way { course: Course::new(Arc::clone(&self.of), kept, cut), journal };
+        let mut way =
+            RunningSearch { schedule: SearchSchedule::new(Arc::clone(&self.of), kept, cut), journal };
         way.keep().map_err(|error| errors::format(py, &error))?;
         *self.way() = Some(way);
         Ok(())
@@ -113,7 +117,7 @@ impl Search {
     /// The next work item; `None` while others must be completed first, or if the search is complete.
     fn piece(&self) -> PyResult<Option<String>> {
         let mut way = self.way();
-        let piece = begun(&mut way)?.course.piece();
+        let piece = begun(&mut way)?.schedule.next_item();
         piece
             .map(|piece| serde_json::to_string(&piece).map_err(|error| errors::internal(&error.to_string())))
             .transpose()
@@ -121,7 +125,7 @@ impl Search {
 
     /// Computes a work item.
     fn work(&self, py: Python<'_>, piece: &str) -> PyResult<String> {
-        let piece: Piece =
+        let piece: WorkItem =
             serde_json::from_str(piece).map_err(|error| errors::internal(&error.to_string()))?;
         let answer = watched(py, self.stop, None, |_| {
             self.stop.store(false, Ordering::Relaxed);
@@ -134,11 +138,11 @@ impl Search {
 
     /// Accepts the result of a work item, and writes it to the journal.
     fn take(&self, py: Python<'_>, answer: &str) -> PyResult<()> {
-        let answer: Answer =
+        let answer: WorkResult =
             serde_json::from_str(answer).map_err(|error| errors::internal(&error.to_string()))?;
         let mut way = self.way();
         let way = begun(&mut way)?;
-        way.course.take(answer);
+        way.schedule.add_result(answer);
         way.keep().map_err(|error| errors::format(py, &error))
     }
 
@@ -149,19 +153,19 @@ impl Search {
             self.stop.store(false, Ordering::Relaxed);
             let evaluator = self.evaluator.lock().unwrap_or_else(PoisonError::into_inner);
             let mut way = self.way();
-            let Some(Way { course, journal }) = way.as_mut() else { return Ok(()) };
-            let mut tell = |record: &Record, (done, of): (usize, usize)| {
+            let Some(RunningSearch { schedule, journal }) = way.as_mut() else { return Ok(()) };
+            let mut on_record = |record: &Record, (done, of): (usize, usize)| {
                 watch.tell(Told::Done(done, of));
                 journal.as_mut().map_or(Ok(()), |journal| journal.add(record)).map_err(Failure::Journal)
             };
-            course.run(&evaluator, threads, &mut tell)
+            schedule.run(&evaluator, threads, &mut on_record)
         })?;
         outcome.map_err(|failure| failure.raised(py))
     }
 
     /// Number of completed tasks of this round, and of all its tasks.
     fn progress(&self) -> PyResult<(usize, usize)> {
-        Ok(begun(&mut self.way())?.course.progress())
+        Ok(begun(&mut self.way())?.schedule.progress())
     }
 
     /// The result as JSON: names of variables and quantities, the scenario's own design and the resulting designs with their values,
@@ -170,9 +174,9 @@ impl Search {
         let outcome = watched(py, self.stop, None, |_| {
             let mut evaluator = self.evaluator.lock().unwrap_or_else(PoisonError::into_inner);
             let mut way = self.way();
-            let Some(Way { course, journal }) = way.as_mut() else { return Ok(Value::Null) };
-            let found = course.found();
-            let chosen = self.of.chosen(&found, &mut evaluator)?;
+            let Some(RunningSearch { schedule, journal }) = way.as_mut() else { return Ok(Value::Null) };
+            let found = schedule.results();
+            let chosen = self.of.selected(&found, &mut evaluator)?;
             if let Some(journal) = journal {
                 journal.put(&self.head(), found.iter()).map_err(Failure::Journal)?;
             }
@@ -191,7 +195,7 @@ impl Search {
 }
 
 impl Search {
-    fn way(&self) -> MutexGuard<'_, Option<Way>> {
+    fn way(&self) -> MutexGuard<'_, Option<RunningSearch>> {
         self.way.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
@@ -206,18 +210,18 @@ pub(crate) fn moved_text(text: &str, here: PathBuf, there: PathBuf) -> String {
     moved(text, &here, &there)
 }
 
-fn begun(way: &mut Option<Way>) -> PyResult<&mut Way> {
+fn begun(way: &mut Option<RunningSearch>) -> PyResult<&mut RunningSearch> {
     way.as_mut().ok_or_else(|| errors::internal("the search has not begun"))
 }
 
-fn said_of(search: &search::Search, found: &[Found], chosen: &[Chosen]) -> Value {
+fn said_of(search: &search::Search, found: &[SearchResult], chosen: &[SelectedDesign]) -> Value {
     let study = search.study();
     // The value of every key: choices by their values, including keys that others replace.
     let set = |design: &[f64]| -> Value {
         let settings = study.settings(design).unwrap_or_default().into_iter();
         Value::Object(settings.map(|(path, value)| (path.to_owned(), value)).collect())
     };
-    let one = |chosen: &Chosen| {
+    let one = |chosen: &SelectedDesign| {
         json!({
             "design": chosen.design, "set": set(&chosen.design), "values": chosen.values,
             "meets_limits": chosen.meets_limits(),

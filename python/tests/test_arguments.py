@@ -21,7 +21,7 @@ ODD = [
 @pytest.mark.parametrize(
     ("arguments", "names"),
     [
-        ({"solver": "ray-tracing"}, "solver"),
+        ({"solver": "path-tracing"}, "solver"),
         ({"seed": -1}, "seed"),
         ({"seed": 2**63}, "seed"),
         ({"seed": 1.5}, "seed"),

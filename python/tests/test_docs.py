@@ -32,7 +32,7 @@ def test_python_version_is_consistent_and_tested():
     abi = re.search(r"abi3-py3(\d+)", (ROOT / "Cargo.toml").read_text())[1]
     page = re.search(r"Python (3\.\d+) or newer", (ROOT / "docs" / "python.md").read_text())[1]
     readme = re.search(r"Python package Python (3\.\d+)", (ROOT / "README.md").read_text())[1]
-    needed = re.search(r"Python (3\.\d+) or newer", (ROOT / "xtask" / "src" / "python.rs").read_text())[1]
+    needed = re.search(r"Python (3\.\d+) or later", (ROOT / "xtask" / "src" / "python.rs").read_text())[1]
     assert {promised, f"3.{abi}", page, readme, needed} == {promised}
     assert sys.version_info[:2] >= tuple(map(int, promised.split(".")))
 

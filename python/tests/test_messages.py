@@ -12,7 +12,7 @@ from papilio import PapilioWarning, Scenario, cluster
 
 #: Too few wavelengths for this spectrum.
 COARSE = {"spectrum.step_nm": 20, "lighting.spectrum": "LED-RGB1"}
-SAYS = "lighting.spectrum changes faster than a step of 20 nm follows"
+SAYS = "lighting.spectrum changes too fast for a step of 20 nm"
 
 PRODUCTION = """
 [tolerance]

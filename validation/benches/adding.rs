@@ -1,11 +1,11 @@
 //! The deterministic solver of a panel on one core: `cargo bench -p papilio-validation --bench adding`.
 //!
-//! The indoor panel (78 % haze, front .5 %) over a pixel with 33 cosines, 4 gaps, 81 wavelengths and
-//! 8 states, at the levels that 1e-4 takes. `from_scratch`: kernels and estimates; `diffuse`,
-//! `beam`: the kernel of one light; `recycling`: what the front adds to both; `new_light`: a beam
-//! moves under a prepared kernel; `new_pixel`: an estimate through a prepared kernel.
+//! The indoor panel (78 % haze, front 0.5 %) over a pixel with 33 cosines, 4 gaps, 81 wavelengths and
+//! 8 states, at the levels that a target of 1e-4 needs. `from_scratch`: kernels and estimates; `diffuse`,
+//! `beam`: the kernel of one source; `recycling`: the additional time for the front; `new_light`: a beam
+//! moves with a prepared kernel; `new_pixel`: an estimate with a prepared kernel.
 //!
-//! `slabs`: any layers, by their number and anisotropy (nodes grow as 1/(1 - g)), at two levels.
+//! `slabs`: general layers, by their number and anisotropy (the nodes increase as 1/(1 - g)), at two levels.
 
 #![allow(missing_docs, reason = "a benchmark")]
 
@@ -26,7 +26,7 @@ fn main() {
 
 const BINS: usize = 81;
 
-/// Fringes that move with gap, angle and wavelength as a film's do.
+/// Returns fringes that shift with gap, angle and wavelength like those of a film.
 fn pixel() -> AngularTable {
     let (nodes, gaps) = (33, [275.9, 192.3, 137.8, 20.0]);
     let mut basis = Vec::new();
@@ -123,7 +123,7 @@ fn new_pixel(bencher: Bencher<'_, '_>, level: u32) {
     bencher.bench(|| kernel.estimate(&stack, 0));
 }
 
-/// Slabs of different thickness upon one another, over a mirror.
+/// Returns a stack of slabs of different thickness over a mirror.
 fn slabs_over_mirror(count: usize, anisotropy: f64) -> Stack {
     let slab = |number: usize| Layer {
         interface: if number == 0 { Interface::Fresnel } else { Interface::Open },

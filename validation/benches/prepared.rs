@@ -1,7 +1,7 @@
 //! Adding, end to end, on one core: `cargo bench -p papilio-validation --bench prepared`.
 //!
-//! `from_scratch` is a whole run from a resolved scene, at 1e-4 in Y of every state; the
-//! others run a scene that differs in one thing through a [`Prepared`] that knows the rest.
+//! `from_scratch` is a complete run from a resolved scene, at 1e-4 in Y of every state. The
+//! others run a scene that differs in one respect, with a [`Prepared`] that has stored the rest.
 
 #![allow(clippy::unwrap_used, missing_docs, reason = "a benchmark")]
 
@@ -27,7 +27,7 @@ fn scene(name: &str) -> Scene {
     scene
 }
 
-/// Runs `scene` again and again, changed a little more each time: by 1, 2, 3, ...
+/// Runs `scene` repeatedly, each time with a larger change: by 1, 2, 3, ...
 fn changed(bencher: Bencher<'_, '_>, name: &str, change: impl Fn(&mut Scene, f64)) {
     let scene = scene(name);
     let stop = AtomicBool::new(false);

@@ -1,9 +1,9 @@
-//! What transport alone takes the walk, on one core: `cargo bench -p papilio-validation --bench transport`.
+//! Transport time of the Monte Carlo solver on one core: `cargo bench -p papilio-validation --bench transport`.
 //!
-//! A line for each scenario: CPU time, median of 21 runs, to .1 % in every bin of every state, and to .1 % in Y of
-//! one state alone; then long runs. Paths and the spectra from them are transport; tables of the pixel's
-//! reflectance and what is made before the first path stand beside it. Then what this machine could do at
-//! most, for what a path takes under diffuse light.
+//! The output has a line for each scenario: CPU time, median of 21 runs, to 0.1 % in every bin of every state, and to
+//! 0.1 % in Y of only one state; then long runs. Transport consists of the paths and the spectra from them; the tables of
+//! the pixel's reflectance and the preparation before the first path have their own columns. The last lines are lower
+//! bounds of the time of a path under diffuse light on this machine.
 
 #![allow(clippy::unwrap_used, clippy::print_stdout, missing_docs, reason = "a benchmark")]
 
@@ -12,7 +12,7 @@ use std::sync::atomic::AtomicBool;
 
 use papilio_display::{Control, Cost, cost};
 use papilio_sampling::{Numbers, Sampler};
-use papilio_validation::walked;
+use papilio_validation::monte_carlo_scenario;
 use pulp::{Arch, Simd, WithSimd};
 
 /// As in the program.
@@ -36,24 +36,24 @@ fn main() {
             line(name, strategy, "Y of one state", (0.001, false), &[&scattering, ONE_STATE, NO_OTHERS]);
         }
     }
-    // Long runs, in which what is made once weighs little.
+    // Long runs, in which the preparation is negligible.
     let [diffuse, _] = ["overcast", "indoor"].map(|name| {
-        let whole = line(name, "kernel", "Y to .001 %", (1e-5, false), &[]);
-        line(name, "kernel", "first passes alone", (1e-5, false), &["solver.approximation=single-pass"]);
-        whole
+        let long_run = line(name, "kernel", "Y to 0.001 %", (1e-5, false), &[]);
+        line(name, "kernel", "first passes only", (1e-5, false), &["solver.approximation=single-pass"]);
+        long_run
     });
     let least = bounds();
     println!(
-        "a path of the long run of overcast takes {diffuse:.1}: {:.2} of the lowest bound",
+        "a path of the long run of overcast takes {diffuse:.1}: {:.2} of the largest lower bound",
         least / diffuse
     );
 }
 
-/// What a path takes at least. Its first pass: numbers (field, direction); multiplications and additions, counted in
-/// the source; roots (field, direction, cosine) and a division; bytes that its look-up waits in, its share of what the sums
-/// of a panel move, and of the table of what leaves. A path that goes on, one of so many (measured: by how `overcast` reflects): two
-/// look-ups of 16 nodes with four spectra of 81 wavelengths, mixtures of them for eight states, and four sums and six
-/// products of all states.
+/// Minimum work of a path. Its first pass has random numbers (field, direction); multiplications and additions, counted in
+/// the source; roots (field, direction, cosine) and a division; the bytes in which its look-up is stored, and its
+/// fraction of those of the sums of a panel and of the table of the fraction that leaves. One of `GOES_ON` paths
+/// continues (measured with `overcast`). It has two look-ups of 16 nodes with four spectra of 81 wavelengths, mixtures of
+/// them for eight states, and four sums and six products of all states.
 const NUMBERS: usize = 4;
 const ROOTS: usize = 3;
 const GOES_ON: f64 = 220.0;
@@ -62,13 +62,13 @@ const LOOK_UP: f64 = 16.0 * 4.0 * 81.0;
 const OPERATIONS: f64 = 219.0 + (2.0 * (2.0 * LOOK_UP + 8.0 * ALL_STATES) + 14.0 * ALL_STATES) / GOES_ON;
 const BYTES: f64 = 8.0 * (4.0 + 8.0 + 4.0) + 8.0 * (2.0 * LOOK_UP + 8.0 * ALL_STATES) / GOES_ON;
 
-/// Nanoseconds that a path takes if nothing but this bounded it, each printed; the most of them.
+/// Prints the lower bounds of the time of a path, each as if nothing else took any time, and returns the largest, ns.
 fn bounds() -> f64 {
     let numbers = best(|| Arch::new().dispatch(Draws)) / DRAWS as f64;
     let multiply_adds = best(|| Arch::new().dispatch(MultiplyAdds)) / Arch::new().dispatch(Lanes);
     let roots = best(|| Arch::new().dispatch(Roots)) / Arch::new().dispatch(Lanes);
     let bytes = vec![1.0; (1 << 16) + 8];
-    // Reads across the borders of cache lines are slower.
+    // Reads across the boundaries of cache lines are slower.
     let aligned = &bytes[bytes.as_ptr().align_offset(64)..][..1 << 16];
     let reads = best(|| Arch::new().dispatch(Reads(aligned))) / READINGS as f64;
     let bounds = [
@@ -77,12 +77,12 @@ fn bounds() -> f64 {
         (format!("{ROOTS} roots and a division"), roots),
         (format!("{BYTES:.0} bytes, as reads from the second cache"), BYTES * reads / 8.0 / (1 << 16) as f64),
     ];
-    println!("\nat the least, ns a path, if nothing else took any time:");
+    println!("\nlower bounds, ns a path, each as if nothing else took any time:");
     bounds.iter().for_each(|(what, seconds)| println!("  {what:<43}{:>6.2}", 1e9 * seconds));
     1e9 * bounds.iter().map(|(_, seconds)| *seconds).fold(0.0, f64::max)
 }
 
-/// The least seconds of many runs.
+/// Returns the shortest time of many runs, seconds.
 fn best(mut work: impl FnMut() -> f64) -> f64 {
     let run = |_| {
         let started = cpu_seconds();
@@ -113,7 +113,7 @@ impl WithSimd for Draws {
     }
 }
 
-/// Multiply-adds that [`MultiplyAdds`] does.
+/// Number of multiply-adds of [`MultiplyAdds`].
 struct Lanes;
 
 impl WithSimd for Lanes {
@@ -125,10 +125,10 @@ impl WithSimd for Lanes {
     }
 }
 
-/// How often all bytes are read.
+/// Number of times that all bytes are read.
 const READINGS: usize = 8;
 
-/// Multiply-adds under way at a time, and how often each goes on.
+/// Number of simultaneous chains of multiply-adds, and length of each.
 const CHAINS: usize = 12;
 const ROUNDS: usize = 1 << 15;
 
@@ -150,7 +150,7 @@ impl WithSimd for MultiplyAdds {
     }
 }
 
-/// The roots and the division of as many paths as [`MultiplyAdds`] does multiply-adds.
+/// The roots and the division of as many paths as [`MultiplyAdds`] has multiply-adds.
 struct Roots;
 
 impl WithSimd for Roots {
@@ -173,7 +173,7 @@ impl WithSimd for Roots {
     }
 }
 
-/// Half a mebibyte, several times.
+/// Reads of half a mebibyte, several times.
 struct Reads<'a>(&'a [f64]);
 
 impl WithSimd for Reads<'_> {
@@ -191,13 +191,13 @@ impl WithSimd for Reads<'_> {
     }
 }
 
-/// Prints a line of the table; nanoseconds that a path takes.
+/// Prints a line of the table, and returns the time of a path, ns.
 fn line(name: &str, strategy: &str, aim: &str, target: (f64, bool), overrides: &[&str]) -> f64 {
-    let mut scene = walked(name, overrides).unwrap().scene;
+    let mut scene = monte_carlo_scenario(name, overrides).unwrap().scene;
     let control = Control { threads: Some(1), progress: &|_| {}, stop: &AtomicBool::new(false) };
     let costs: Vec<Cost> = (0..RUNS)
         .map(|seed| {
-            // Whether a round is enough is partly chance.
+            // The number of rounds depends on the seed.
             scene.solver.seed = seed;
             cost(&scene, target, &cpu_seconds, &control).unwrap()
         })
@@ -221,7 +221,7 @@ fn line(name: &str, strategy: &str, aim: &str, target: (f64, bool), overrides: &
     ns_a_path
 }
 
-/// CPU time of this thread, where the system tells.
+/// Returns the CPU time of this thread, on systems that report it.
 #[cfg(unix)]
 fn cpu_seconds() -> f64 {
     let time = nix::time::clock_gettime(nix::time::ClockId::CLOCK_THREAD_CPUTIME_ID).unwrap();

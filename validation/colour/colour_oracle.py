@@ -1,4 +1,4 @@
-"""Colours of some surfaces by colour-science, as an oracle for papilio-colour.
+"""Colours of some surfaces by colour-science, as reference values for papilio-colour.
 
     pip install colour-science==0.4.7 scipy==1.17.1
     python colour_oracle.py --write     # makes the tables
@@ -92,7 +92,7 @@ def appearance():
     numbers = np.random.default_rng(20220101)
     for i in range(60):
         white = np.round([numbers.uniform(0.85, 1.1), 1.0, numbers.uniform(0.3, 1.2)], 4)
-        # From near black to four times as bright as white, which a display with gain may be.
+        # From near black to four times the luminance of white, which a display with gain can have.
         xyz = np.round(white * numbers.uniform(0.3, 1.0, 3) * [0.003, 0.02, 0.1, 0.4, 1.0, 4.0][i // 3 % 6], 6)
         adapting = round(float(10 ** numbers.uniform(0, 3.5)), 3)
         background = round(float(numbers.uniform(0.1, 0.5)), 3)
@@ -114,7 +114,7 @@ STEPS = 10
 
 
 def displays():
-    """X, Y, Z of the eight corners, by which of red (1), green (2) and blue (4) are on."""
+    """X, Y, Z of the eight corners; bits of the index: red (1), green (2) and blue (4) are on."""
     for name, colourspace in [("srgb", "sRGB"), ("p3", "Display P3"), ("bt2020", "ITU-R BT.2020")]:
         matrix = colour.RGB_COLOURSPACES[colourspace].matrix_RGB_to_XYZ
         corners = np.array([matrix @ [on & 1, on >> 1 & 1, on >> 2 & 1] for on in range(8)])
@@ -129,7 +129,7 @@ def displays():
 
 
 def common_area(one, other):
-    """The area of two convex polygons' intersection, by half-planes."""
+    """Area of the intersection of two convex polygons, by half-planes."""
     def half_planes(corners):
         hull = scipy.spatial.ConvexHull(corners)
         return hull.equations
@@ -144,7 +144,7 @@ def common_area(one, other):
 
 
 def solid(corners):
-    """Volume of the surface in CIELAB, and of its convex hull."""
+    """Volume enclosed by the gamut surface in CIELAB, and volume of its convex hull."""
     steps = np.linspace(0.0, 1.0, STEPS + 1) ** 2.2
     volume, points = 0.0, []
     for axis in range(3):

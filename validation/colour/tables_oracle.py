@@ -1,4 +1,4 @@
-"""The CIE's tables that Papilio holds, from colour-science.
+"""The CIE tables of Papilio, from colour-science.
 
     pip install colour-science==0.4.7 scipy==1.17.1
     python tables_oracle.py --write     # makes the tables
@@ -8,11 +8,11 @@ crates/colour/data/observers.csv: the colour-matching functions of 1931 and 1964
 crates/spectra/data/daylight.csv: the components S0, S1 and S2 of daylight at 5 nm.
 crates/spectra/data/illuminants-5nm.csv: illuminants that the CIE tabulates at 5 nm.
 crates/spectra/data/illuminants-1nm.csv: illuminants that the CIE tabulates at 1 nm. A is computed from its definition.
-colour-science has the others at 5 nm, and to fewer digits: a committed value stands if it is colour-science's when it is
-rounded (LED series), or if it is within the rounding of a straight line between colour-science's values (D50, D65). A value
-that is not is replaced by colour-science's, so that the tables differ.
-lamps.csv (beside this file): x and y of each illuminant, 380 to 780 nm, 1931 observer: joined linearly and summed at 1 nm, and as
-published (CIE 15:2004, by colour-science; empty where it has none).
+colour-science has the others at 5 nm, with fewer digits. A committed value is accepted if it rounds to that of
+colour-science (LED series), or if it agrees within rounding with linear interpolation of the values of colour-science
+(D50, D65). Otherwise it is replaced by that of colour-science, so that the tables differ.
+lamps.csv (next to this file): x and y of each illuminant, 380 to 780 nm, 1931 observer: by linear interpolation and summation
+at 1 nm, and as published (CIE 15:2004, from colour-science; empty where it has none).
 """
 
 import csv
@@ -48,7 +48,7 @@ def values(spectrum, wavelengths):
 def rows(names, wavelengths, columns):
     yield ["nm", *names]
     for i, nm in enumerate(wavelengths):
-        # Ten digits: more than any table has, and D60, which is computed, has no noise then.
+        # Ten digits: more than any table has; they remove the rounding noise of D60, which is computed.
         yield [int(nm), *(column[i] if isinstance(column[i], str) else f"{column[i]:.10g}" for column in columns)]
 
 
@@ -73,14 +73,14 @@ def illuminant_a():
     return [f"{value:.6g}" for value in relative]
 
 
-def held(name, committed):
-    """The committed column, where colour-science does not contradict it."""
+def confirmed(name, committed):
+    """The committed column, with values of colour-science where they disagree."""
     theirs = colour.SDS_ILLUMINANTS[name]
     if name.startswith("LED"):
         at_nodes = dict(zip(NM_5, values(theirs, NM_5)))
         agrees = lambda nm, value: nm not in at_nodes or abs(value - at_nodes[nm]) <= 0.005  # noqa: E731
     else:
-        # Daylight is known every 10 nm; six digits here, five there at the least.
+        # Daylight is known every 10 nm, here with six digits, in colour-science with at least five.
         line = dict(zip(NM_1, np.interp(NM_1, NM_5[::2], values(theirs, NM_5[::2]))))
         agrees = lambda nm, value: abs(value - line[nm]) <= 0.00101  # noqa: E731
     own = np.interp(NM_1, NM_5, values(theirs, NM_5))
@@ -92,7 +92,7 @@ def at_1_nm():
     path = ROOT / "crates/spectra/data/illuminants-1nm.csv"
     with path.open(newline="") as file:
         committed = {int(row["nm"]): row for row in csv.DictReader(file)} if path.exists() else {}
-    columns = [held(name, [committed.get(int(nm), {}).get(name, "") for nm in NM_1]) for name in AT_1_NM[1:]]
+    columns = [confirmed(name, [committed.get(int(nm), {}).get(name, "") for nm in NM_1]) for name in AT_1_NM[1:]]
     yield from rows(AT_1_NM, NM_1, [illuminant_a(), *columns])
 
 

@@ -1,13 +1,13 @@
 //! Accuracy against cost of both solvers, as a figure and a table:
 //! `cargo run --release -p papilio-validation --example accuracy -- FILE.svg`.
 //!
-//! Three displays at one wavelength, each with the reflectance factor that one viewer sees. The
-//! truth is adding's finest level; for the slab the published value confirms it. *adding*: each
-//! coarser level against it, with the time that kernel and estimate take. *walk*: the root mean
-//! square over 32 seeds of the error, after 64, 128, ... paths, and the time of the quickest seed.
+//! Three displays at one wavelength, with the reflectance factor of one view each. The reference is the finest level of
+//! adding; a published value confirms that of the slab. *adding*: the error of each coarser level, with the time of
+//! kernel and estimate. *Monte Carlo*: the root mean square of the error over 32 seeds, after 64, 128, ... paths, with
+//! the time of the fastest seed.
 //!
-//! The last panel is no solver's but the rule's alone: light inside glass that its face
-//! sends back, integrated with nodes split at |beta| = 1, as adding's are, and not split.
+//! The last panel shows the quadrature rule alone, without a solver: light inside glass that is reflected by its
+//! interface with air, integrated with nodes split at |beta| = 1, as in adding, and without the split.
 
 #![allow(clippy::print_stdout, reason = "a program for the terminal")]
 
@@ -31,40 +31,40 @@ use papilio_validation::scenario;
 
 const SEEDS: u64 = 32;
 
-/// A display, its viewer and lights, and their shares of the illuminance.
+/// A display, its viewer and sources, and their fractions of the illuminance.
 struct Case {
     name: &'static str,
     stack: Stack,
     view: Cone,
     sources: Vec<Source>,
     shares: Vec<f64>,
-    /// Where one is known, a value found elsewhere and how far off it may be.
+    /// Published value and its tolerance, if there is one.
     published: Option<(f64, f64)>,
-    /// log2 of the paths that each seed takes at most.
+    /// log2 of the largest number of paths of a seed.
     doublings: u32,
 }
 
 impl Case {
-    fn seen(&self, estimate: &Estimate) -> f64 {
+    fn reflectance_factor(&self, estimate: &Estimate) -> f64 {
         let rho = estimate.rho.iter().map(|rho| rho.via_pixel[0] + rho.front[0]);
         rho.zip(&self.shares).map(|(rho, share)| rho * share).sum()
     }
 
-    /// What the level gives, its nodes and seconds (the least of nine).
+    /// Returns the value of a level of adding, its number of nodes, and its time in seconds (the smallest of nine).
     fn level(&self, level: u32) -> (f64, f64, f64) {
         let once = || {
             let start = Instant::now();
             let mut kernel = Kernel::new(level);
             kernel.prepare(&self.stack, &[self.view], &self.sources);
-            let seen = self.seen(&kernel.estimate(&self.stack, 0));
-            (seen, kernel.nodes() as f64, start.elapsed().as_secs_f64())
+            let value = self.reflectance_factor(&kernel.estimate(&self.stack, 0));
+            (value, kernel.nodes() as f64, start.elapsed().as_secs_f64())
         };
         let least = |a: (f64, f64, f64), b: (f64, f64, f64)| if b.2 < a.2 { b } else { a };
         (0..8).fold(once(), |best, _| least(best, once()))
     }
 
-    /// Seconds of the quickest seed and relative error after 64, 128, ... paths.
-    fn walked(&self, sampler: Sampler, truth: f64) -> Vec<(f64, f64)> {
+    /// Returns the time of the fastest seed in seconds and the relative error after 64, 128, ... paths.
+    fn monte_carlo(&self, sampler: Sampler, truth: f64) -> Vec<(f64, f64)> {
         let steps = 6..=self.doublings;
         let walk = Walk::new(&self.stack, self.view, &self.sources);
         let mut sums = vec![(f64::INFINITY, 0.0); steps.clone().count()];
@@ -77,7 +77,7 @@ impl Case {
                 walk.trace(&mut replicate, &numbers, more);
                 seconds += start.elapsed().as_secs_f64();
                 sum.0 = f64::min(sum.0, seconds);
-                sum.1 += (self.seen(&walk.estimate(&replicate)) / truth - 1.0).powi(2);
+                sum.1 += (self.reflectance_factor(&walk.estimate(&replicate)) / truth - 1.0).powi(2);
             }
         }
         let n = SEEDS as f64;
@@ -89,11 +89,11 @@ fn one(value: f64) -> Vec<f64> {
     vec![value]
 }
 
-/// The indoor scenario's panel at 550 nm in white: its lobe, its front, its film, its light.
+/// Returns the panel of the indoor scenario at 550 nm in its white state.
 fn panel() -> Result<Case, Box<dyn Error>> {
     let mut scene = scenario("indoor", &["spectrum.range_nm=[545, 555]", "spectrum.step_nm=5"])?.scene;
     scene.solver.angle_medium = AngleMedium::Glass;
-    // The display has this table for its pixel: what lies between the nodes is no error here.
+    // This table is the pixel of the display, so that its interpolation is not an error here.
     let panels = CosinePanels::new(&[3; 8]);
     let angles: Vec<f64> = panels.nodes().map(|cosine| cosine.acos().to_degrees()).collect();
     let pixel = scan(&scene, &angles)?;
@@ -146,7 +146,7 @@ fn over_mirror<const N: usize>(layers: [(Interface, Medium); N], reflectance: f6
     Stack::Layered(Layered { layers, base })
 }
 
-/// A slab that traps light, over a mirror: R(0) of the table of layers.
+/// Returns a slab with total internal reflection over a mirror: R(0) of the table of layers.
 fn one_slab() -> Case {
     Case {
         name: "slab",
@@ -159,7 +159,8 @@ fn one_slab() -> Case {
     }
 }
 
-/// Particles under a face, a lobe between them and the glass: both scatter, both trap.
+/// Returns a slab under an interface, with a lobe between slab and glass: both scatter, and both media have total
+/// internal reflection.
 fn layers() -> Case {
     let list = [
         (Interface::Fresnel, slab(0.5, 0.5, 1.6)),
@@ -176,9 +177,9 @@ fn layers() -> Case {
     }
 }
 
-/// The share of even light in glass of index 1.5 that a bare face sends back, by Gauss and
-/// Legendre's rule in angles t of beta^2 = a^2 + (b^2 - a^2) sin^2(t) between a and b.
-fn sent_back(edges: &[f64], points: usize) -> f64 {
+/// Returns the reflectance of a bare interface for isotropic light in glass of index 1.5, by the Gauss-Legendre rule in
+/// angles t with beta^2 = a^2 + (b^2 - a^2) sin^2(t) between a and b.
+fn internal_reflectance(edges: &[f64], points: usize) -> f64 {
     let between = |a: f64, b: f64| -> f64 {
         let node = |(x, weight): (f64, f64)| {
             let turn = std::f64::consts::FRAC_PI_4 * (1.0 + x);
@@ -191,7 +192,7 @@ fn sent_back(edges: &[f64], points: usize) -> f64 {
     edges.windows(2).map(|pair| between(pair[0], pair[1])).sum::<f64>() / 2.25
 }
 
-/// Nodes and weights on (-1, 1).
+/// Returns the nodes and weights of the Gauss-Legendre rule on (-1, 1).
 fn legendre(points: usize) -> Vec<(f64, f64)> {
     let n = points as f64;
     let node = |i: usize| {
@@ -210,46 +211,49 @@ fn legendre(points: usize) -> Vec<(f64, f64)> {
     (0..points).map(node).collect()
 }
 
-/// The rule's error, with nodes split at |beta| = 1 and not.
-fn faces(group: usize) -> Vec<ErrorCurve> {
-    let truth = sent_back(&[0.0, 1.0, 1.5], 60);
+/// Returns the error of the rule, with and without nodes split at |beta| = 1.
+fn rule_errors(group: usize) -> Vec<ErrorCurve> {
+    let truth = internal_reflectance(&[0.0, 1.0, 1.5], 60);
     let curve = |name: &str, dashed, edges: &[f64]| {
         let parts = edges.len() - 1;
-        let point = |n: usize| (n as f64, (sent_back(edges, n / parts) / truth - 1.0).abs());
+        let point = |n: usize| (n as f64, (internal_reflectance(edges, n / parts) / truth - 1.0).abs());
         ErrorCurve { name: name.to_owned(), group, dashed, points: (1..=10).map(|k| point(4 * k)).collect() }
     };
     vec![curve("split", false, &[0.0, 1.0, 1.5]), curve("not split", true, &[0.0, 1.5])]
 }
 
-/// A case's curves: adding against seconds and against nodes (of the coarsest level's), the walk against seconds.
+/// Returns the curves of a case: adding against seconds and against nodes (over those of the coarsest level), Monte Carlo
+/// against seconds.
 fn curves(group: usize, case: &Case) -> Result<[ErrorCurve; 3], Box<dyn Error>> {
     let (truth, ..) = case.level(FINEST);
     println!("{}: {truth:.12}", case.name);
     if let Some((published, tolerance)) = case.published
         && (truth - published).abs() > tolerance
     {
-        return Err(format!("{}: {published} is published", case.name).into());
+        return Err(format!("{}: the published value is {published}", case.name).into());
     }
     let (mut by_seconds, mut by_nodes, mut coarsest) = (Vec::new(), Vec::new(), None);
     for level in 0..FINEST {
-        let (seen, nodes, seconds) = case.level(level);
-        let error = seen / truth - 1.0;
+        let (value, nodes, seconds) = case.level(level);
+        let error = value / truth - 1.0;
         println!("  adding level {level}: {nodes:5} nodes {seconds:9.2e} s, error {error:+8.1e}");
         by_seconds.push((seconds, error.abs()));
         by_nodes.push((nodes / *coarsest.get_or_insert(nodes), error.abs()));
     }
-    let walked = case.walked(Sampler::Random, truth);
-    walked.iter().for_each(|(seconds, error)| println!("  walk: {seconds:9.2e} s, error {error:8.1e}"));
+    let monte_carlo = case.monte_carlo(Sampler::Random, truth);
+    monte_carlo
+        .iter()
+        .for_each(|(seconds, error)| println!("  Monte Carlo: {seconds:9.2e} s, error {error:8.1e}"));
     let curve = |name, dashed, points| ErrorCurve { name, group, dashed, points };
     Ok([
         curve(format!("{}, adding", case.name), false, by_seconds),
-        curve(format!("{}, walk", case.name), true, walked),
+        curve(format!("{}, MC", case.name), true, monte_carlo),
         curve(case.name.to_owned(), false, by_nodes),
     ])
 }
 
 fn main() -> Result<(), Box<dyn Error>> {
-    let file = std::env::args().nth(1).ok_or("which file shall the figure be written to?")?;
+    let file = std::env::args().nth(1).ok_or("usage: accuracy FILE.svg")?;
     let cases = [panel()?, one_slab(), layers()];
     let (mut against_seconds, mut against_nodes) = (Vec::new(), Vec::new());
     for (group, case) in cases.iter().enumerate() {
@@ -260,9 +264,9 @@ fn main() -> Result<(), Box<dyn Error>> {
     let panel = |x: &str, powers, curves| ErrorPanel { x: x.to_owned(), powers, curves };
     let panels = [
         panel("Seconds on one core", true, against_seconds),
-        panel("Nodes of adding, of the coarsest level's", false, against_nodes),
-        panel("Nodes over a bare face, split at |\u{3b2}| = 1 or not", false, faces(cases.len())),
+        panel("Nodes of adding, relative to the coarsest level", false, against_nodes),
+        panel("Nodes for a bare interface, split at |\u{3b2}| = 1 or not", false, rule_errors(cases.len())),
     ];
-    std::fs::write(file, accuracy(&panels, "Accuracy against cost"))?;
+    std::fs::write(file, accuracy(&panels, "Accuracy against cost (MC: Monte Carlo)"))?;
     Ok(())
 }

@@ -3,21 +3,21 @@
     python validation/films/tmm_oracle.py --check    # recompute, compare with the table
     python validation/films/tmm_oracle.py --write    # write the table
 
-Needs `pip install tmm==0.2.0 numpy`. The table, `tmm.csv` beside
-this file, has one row for each film, both polarisations in it; it comes from a
+Needs `pip install tmm==0.2.0 numpy`. The table, `tmm.csv` next to
+this file, has one row for each film with both polarisations, from a
 fixed seed.
 
-Where tmm 0.2.0 cannot serve as an oracle, and what is done about it:
+Limits of tmm 0.2.0 as a reference:
 
-- It clips the imaginary phase of a layer at 35, with a warning: what is behind
-  such an opaque layer is off by less than 1e-30. The rows are kept (20 um of
-  metal is drawn on purpose), the warning is silenced.
-- Where a layer's index equals beta = n sin(theta) to the last bits, its interface
-  matrices are singular and energy is lost: for n = 1.5 / 100 nm of n = beta / n = 1.5
-  at 60 deg it has R + T = 1.0005 for s and .558 for p. A random stack does not
-  come near it; the Rust tests hold that case to R + T = 1 and to a thin limit.
-- It stops with an AssertionError where it cannot tell a forward wave from a
-  backward one. No row of this seed does; if one did, this script would stop too.
+- It limits the imaginary phase of a layer to 35, with a warning: the error of the
+  field behind such an opaque layer is below 1e-30. The rows are included (20 um of
+  metal is drawn deliberately), and the warning is suppressed.
+- If the index of a layer equals beta = n sin(theta) to the last bits, its interface
+  matrices are singular and energy is not conserved: for n = 1.5 / 100 nm of n = beta /
+  n = 1.5 at 60 deg, R + T = 1.0005 for s and 0.558 for p. Random stacks are never
+  close to this case; the Rust tests compare it with R + T = 1 and with a thin limit.
+- It stops with an AssertionError if it cannot distinguish a forward wave from a
+  backward wave. No row of this seed is such a case; otherwise this script would stop, too.
 """
 
 import argparse
@@ -45,7 +45,7 @@ COLUMNS = (
 
 
 def medium(random, kind):
-    """A random index of one of four kinds."""
+    """Returns a random index of one of four kinds."""
     if kind == "glass":
         return complex(random.uniform(1.2, 3.0), 0.0)
     if kind == "air":
@@ -56,7 +56,7 @@ def medium(random, kind):
 
 
 def stack(random, row):
-    """Layers, substrate, incidence index, wavelength and angle of one row."""
+    """Returns layers, substrate, index of incidence, wavelength and angle of a row."""
     kinds = ["glass", "air", "weak", "metal"]
     layers = []
     for _ in range(random.integers(0, MAX_LAYERS + 1)):
@@ -66,13 +66,13 @@ def stack(random, row):
     substrate = medium(random, random.choice(kinds, p=[0.4, 0.2, 0.1, 0.3]))
     incidence = 1.0 if random.random() < 0.4 else random.uniform(1.0, 2.0)
     wavelength = random.uniform(380.0, 780.0)
-    # Normal and grazing incidence are drawn on purpose, the rest evenly.
+    # Normal and grazing incidence are drawn deliberately, the other angles uniformly.
     theta = [0.0, 89.9][row % 2] if row % 10 < 2 else random.uniform(0.0, 89.9)
     return layers, substrate, incidence, wavelength, theta
 
 
 def kind_of(layers, substrate, beta):
-    """What makes the row hard, for the reader of a failure."""
+    """Returns a description of the difficulties of a row, for the messages of failures."""
     words = []
     if any(n.imag > 0.5 for n, _ in layers) or substrate.imag > 0.5:
         words.append("metal")
@@ -84,7 +84,7 @@ def kind_of(layers, substrate, beta):
 
 
 def solve(layers, substrate, incidence, wavelength, theta):
-    """(r, t, R, T, A of each layer) for s and for p."""
+    """Returns (r, t, R, T, A of each layer) for s and for p."""
     n_list = [incidence] + [n for n, _ in layers] + [substrate]
     d_list = [math.inf] + [d for _, d in layers] + [math.inf]
     found = []
@@ -118,7 +118,7 @@ def rows():
 
 
 def agree(old, new):
-    """Equal within the tolerance, number by number; inputs relative to their size."""
+    """Returns whether all numbers are equal within the tolerance, which is relative for the inputs."""
     if old[0] != new[0]:
         return False
     old, new = (" ".join(line[1:]).replace(":", " ").split() for line in (old, new))

@@ -1,15 +1,15 @@
-"""Fits of lobes with a formula by SciPy's least_squares, as an oracle for papilio-goniometry.
+"""Fits of analytic lobes by SciPy's least_squares, as reference values for papilio-goniometry.
 
     pip install scipy==1.17.1 numpy==2.4.6
     python fit_oracle.py --write     # makes cells.csv and fits.csv
     python fit_oracle.py --check     # recomputes and compares with them
 
-cells.csv: direction cosines of propagation (in, out) and values f, 1/sr. The data are no lobe of the
-list: a narrow and a wide k-correlation lobe, a tilt, and noise of a fixed seed.
-fits.csv: for each formula, without and with a straight-through part of width .02 in direction cosines, the
-parameters at the least sum of ((d - f) cos(theta_i))^2 within bounds, their standard errors
-sqrt(diag(s^2 (J^T J)^-1)) and the root mean square residual. The formulas are written down anew
-here; derivatives are complex steps, so nothing is lost to differences.
+cells.csv: direction cosines of propagation (in, out) and values f, 1/sr. The data are not one of the
+formulas: a narrow and a wide k-correlation lobe, a tilt, and noise of a fixed seed.
+fits.csv: for each formula, without and with a regular part of width 0.02 in direction cosines, the
+parameters at the minimum of the sum of ((d - f) cos(theta_i))^2 within bounds, their standard errors
+sqrt(diag(s^2 (J^T J)^-1)) and the root mean square residual. The formulas are implemented independently
+here; derivatives are by complex steps, without errors of differences.
 """
 
 import pathlib
@@ -31,7 +31,7 @@ def kcor(delta2, width, exponent):
 
 
 class Cells:
-    """What the formulas need of pairs of directions."""
+    """Quantities of pairs of directions that the formulas need."""
 
     def __init__(self, rows):
         from_x, from_y, to_x, to_y, self.value = np.array(rows, dtype=float).T

@@ -2,12 +2,12 @@
 
 One unit of work: for each of the given designs (thicknesses of the reference pixel's film and its gaps) the film's reflectance along
 the normal in glass at all gaps and wavelengths, the eight states' spectra, their XYZ under D65, and the area of the gamut in u'v' over
-that of sRGB, %. The bare film alone: no diffuser, front, or light that comes from several directions.
+that of sRGB, %. Only the bare film: without diffuser, front, and light from several directions.
 """
 
 import numpy as np
 
-# Shares of red, green, blue and dark in white, black, red, green, blue, cyan, magenta, yellow.
+# Fractions of red, green, blue and dark in white, black, red, green, blue, cyan, magenta, yellow.
 ON = np.array([[1, 1, 1], [0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1], [0, 1, 1], [1, 0, 1], [1, 1, 0]])
 SRGB = np.array([[0.64, 0.33], [0.30, 0.60], [0.15, 0.06]])
 
@@ -26,7 +26,7 @@ def problem(given):
 
 
 def reflectance(work):
-    """Shape `[design][gap][wavelength]`; along the normal both polarisations are one."""
+    """Returns the reflectance, shape `[design][gap][wavelength]`; at normal incidence both polarisations are equal."""
     import tmm_fast
 
     designs, gaps, layers = work["thicknesses"].shape
@@ -38,7 +38,7 @@ def reflectance(work):
 
 
 def gamut(work, by_gap):
-    """The gamut of each design, %."""
+    """Returns the gamut of each design, %."""
     import colour
 
     shape = colour.SpectralShape(380, 780, 1)
@@ -46,7 +46,7 @@ def gamut(work, by_gap):
     on = ON * work["areas"]
     shares = np.column_stack([on, 1 - on.sum(axis=1)])
     states = np.einsum("sg,dgw->dsw", shares, by_gap)
-    # Radiance, linear from the grid to 1 nm, as Papilio has it.
+    # Radiance, interpolated linearly from the grid to 1 nm, as in Papilio.
     bins = work["wavelengths"].size
     fine = np.array([np.interp(shape.range(), work["wavelengths"], row) for row in np.eye(bins)])
     light = np.interp(work["wavelengths"], shape.range(), work["light"])

@@ -1,8 +1,8 @@
 """Thin films: the reference pixel's reflectance in tmm, tmm_fast, PyMoosh and pyElli.
 
-One unit of work: the mean of both polarisations' reflectances of one film at all its gaps, wavelengths and
-angles, `[angle][gap][wavelength]`, from the indices of its layers. The film stands on a medium without absorption,
-behind a layer of metal, because tmm_fast asks for that.
+One unit of work: the mean of the reflectances of both polarisations of one film at all its gaps, wavelengths and
+angles, `[angle][gap][wavelength]`, from the indices of its layers. Behind the film's metal there is a medium without
+absorption, as tmm_fast requires.
 """
 
 import numpy as np

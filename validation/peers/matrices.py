@@ -1,6 +1,6 @@
 """Layered matrices: a pane over a white shade in pywincalc.
 
-One unit of work: what returns of a beam at normal incidence from a pane of index 1.5 above a matte, opaque shade, at
+One unit of work: the reflectance of a pane of index 1.5 above a matte, opaque shade at normal incidence, at
 81 wavelengths. pywincalc multiplies matrices over the 145 patches of Klems' full basis; a woven shade without
 openings is its matte layer.
 """
@@ -15,9 +15,9 @@ def problem(given):
 def with_pywincalc(given):
     import pywincalc
 
-    # A face of index 1.5 twice, without interference.
-    face = ((given["index"] - 1) / (given["index"] + 1)) ** 2
-    reflected, passed = 2 * face / (1 + face), (1 - face) / (1 + face)
+    # Two interfaces of index 1.5, without interference.
+    interface = ((given["index"] - 1) / (given["index"] + 1)) ** 2
+    reflected, passed = 2 * interface / (1 + interface), (1 - interface) / (1 + interface)
 
     def layer(passed, reflected, thickness):
         data = [

@@ -1,12 +1,12 @@
-"""Papilio beside its peers: the same work, timed in turn, as a table in docs/peers.md.
+"""Comparison of Papilio with other programs: the same work, timed alternately, as a table in docs/peers.md.
 
     cargo xtask peers
 
-makes an environment with the packages named there, builds Papilio's side (validation/examples/peers.rs) and runs
+makes an environment with the packages listed there, builds Papilio's program (validation/examples/peers) and runs
 this file with the path of that program.
 
-For each task Papilio and the peer run in turn, ROUNDS times, one thread each; the table has the median of the CPU seconds
-and their spread, the ratio, and by how much the results differ. Let nothing else run meanwhile.
+For each task, Papilio and the peer run alternately, ROUNDS times, with one thread each. The table has the median of the CPU
+seconds and their spread, the ratio, and the difference of the results. Run nothing else at the same time.
 """
 
 import importlib.metadata
@@ -20,7 +20,7 @@ import sys
 import time
 from functools import partial
 
-# Before anything that counts the cores is imported.
+# These must be set before the import of any package that counts the cores.
 os.environ |= {name: "1" for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")}
 
 import numpy as np
@@ -37,20 +37,20 @@ MARKS = ("<!-- measured -->\n", "<!-- end -->\n")
 
 
 class Papilio:
-    """A task of Papilio's program."""
+    """A task of Papilio's program, to be timed."""
 
     def __init__(self, program, *words, seconds=2.0):
         self.command = [program, *words, str(seconds)]
 
     def __call__(self):
-        """CPU seconds of one repetition, and the result."""
+        """Returns the CPU seconds of one repetition, and the result."""
         told = subprocess.run(self.command, check=True, capture_output=True, text=True)
         seconds, numbers = told.stdout.splitlines()
         return float(seconds), np.array(numbers.split(), dtype=float)
 
 
 def timed(work, problem):
-    """The same of a peer: the least time that its clock can hold."""
+    """Returns a function that times a peer, over at least the time that its clock resolves."""
 
     def once():
         start, count = time.process_time(), 0
@@ -65,9 +65,9 @@ def timed(work, problem):
 
 
 def in_turn(*sides, rounds=ROUNDS):
-    """Of each side median and spread of the seconds, and the result."""
+    """Runs all sides alternately, and returns median and spread of the seconds and the result of each."""
     for side in sides[1:]:
-        # Imports, and whatever else is done once.
+        # The first run includes imports and other initialisation.
         side()
     runs = [[side() for side in sides] for _ in range(rounds)]
 
@@ -91,31 +91,31 @@ def row(task, peer, ours, theirs, difference):
     return f"| {task} | {peer} | {spread[1]} | {spread[0]} | {times} | {difference} |"
 
 
-def apart(a, b):
+def largest_difference(a, b):
     return f"{np.max(np.abs(a - b)):.1e}"
 
 
 def rows(program, given):
-    """The table's rows, one after the other: they take minutes."""
+    """Yields the rows of the table, which take minutes."""
     problem = films.problem(given)
     for peer, work in films.PEERS.items():
         (ours, a), (theirs, b) = in_turn(Papilio(program, "films"), timed(work, problem))
-        yield row("films", peer, ours, theirs, apart(a, b))
+        yield row("films", peer, ours, theirs, largest_difference(a, b))
 
     work = colours.PEERS["colour-science"]
     (ours, a), (theirs, b) = in_turn(Papilio(program, "colours"), timed(work, colours.problem(given)))
-    yield row("colours", "colour-science", ours, theirs, apart(a, b))
+    yield row("colours", "colour-science", ours, theirs, largest_difference(a, b))
 
     work = designs.PEERS["tmm_fast + colour-science"]
     theirs = timed(work, designs.problem(given))
     (ours, a), (whole, _), (theirs, b) = in_turn(Papilio(program, "designs"), Papilio(program, "displays"), theirs)
-    yield row("designs, bare film", "tmm_fast + colour-science", ours, theirs, apart(a, b))
+    yield row("designs, bare film", "tmm_fast + colour-science", ours, theirs, largest_difference(a, b))
     yield row("designs, whole displays vs. bare films", "tmm_fast + colour-science", whole, theirs, "-")
 
-    # Half a minute each.
+    # Each task takes half a minute.
     work = matrices.PEERS["pywincalc"]
     (ours, a), (theirs, b) = in_turn(Papilio(program, "matrices"), timed(work, given), rounds=3)
-    yield row("matrices", "pywincalc", ours, theirs, apart(a[-1], b))
+    yield row("matrices", "pywincalc", ours, theirs, largest_difference(a[-1], b))
 
     for luminous, kind, task in ((True, "luminous", "scene, Y"), (False, "bands", "scene, every band")):
         for light, label in (("sky", "sky"), ("lamp", "disc")):

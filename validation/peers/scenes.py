@@ -1,15 +1,15 @@
-"""Scenes: paper under an anti-glare face in Mitsuba 3.
+"""Scenes: paper under an anti-glare interface in Mitsuba 3.
 
 One unit of work: the reflectance factor from one direction, of each of 81 bands or of the luminous one, with a standard error
-of .1 %. The path tracer's variance is measured over independent renderings, and its time scaled to that error: the root mean square
-over the bands, where Papilio must reach it in every band.
+of 0.1 %. The variance of the path tracer is measured over independent renderings, and its time is scaled to that error. For
+Mitsuba, this is the root mean square over the bands; Papilio must reach it in every band.
 """
 
 import time
 
 import numpy as np
 
-# Extent and depth of the scene: a path inside the glass does not get far.
+# Extent and depth of the scene: paths inside the glass remain short.
 WIDE, DEEP = 1000.0, 0.01
 DISTANCE = 10_000.0
 RENDERINGS = 24
@@ -25,7 +25,7 @@ def towards(theta_deg):
 
 
 def scene(mi, given, luminous, light):
-    """`light`: "sky", "lamp", or "white": the sky itself, seen from below."""
+    """Returns a scene; `light`: "sky", "lamp", or "white" (the sky itself, viewed from below)."""
     nm = given["wavelengths_nm"]
     T = mi.ScalarTransform4f
 
@@ -81,11 +81,11 @@ def scene(mi, given, luminous, light):
 
 
 def rendered(mi, given, luminous, light, samples):
-    """Seconds of CPU of a rendering, and the values of all."""
+    """Returns the CPU seconds of a rendering, and the values of all renderings."""
     world = scene(mi, given, luminous, light)
 
     def once(seed):
-        # Reading the array waits for it.
+        # Reading the array waits for the end of the rendering.
         return np.array(mi.render(world, spp=samples, seed=seed)).ravel().astype(float)
 
     once(0)
@@ -95,7 +95,7 @@ def rendered(mi, given, luminous, light, samples):
 
 
 def measured(variant, given, luminous, light):
-    """Seconds to the standard error of .1 %, and the reflectance factors."""
+    """Returns the seconds to a standard error of 0.1 %, and the reflectance factors."""
     import mitsuba as mi
 
     mi.set_variant(variant)

@@ -1,6 +1,6 @@
-//! The dissertation's tables and published numbers, against Papilio.
+//! Comparison of Papilio with the dissertation's tables, published numbers and other programs.
 //!
-//! The library holds the tables and what the tests share; the comparisons are its tests.
+//! The library contains the tables and helpers of the tests. The comparisons are its tests.
 
 use std::path::PathBuf;
 use std::sync::atomic::AtomicBool;
@@ -13,10 +13,10 @@ use papilio_scenario::{Resolved, Scenario, ScenarioErrors};
 pub mod random_stacks;
 pub use papilio_reproduction::{table_5_1, table_5_3};
 
-/// An example scenario of the repository, with overrides `PATH=VALUE`.
+/// Loads an example scenario of the repository, with overrides `PATH=VALUE`.
 ///
 /// # Errors
-/// As the scenario's own.
+/// Those of the scenario.
 pub fn scenario(name: &str, overrides: &[&str]) -> Result<Resolved, ScenarioErrors> {
     let file =
         PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../scenarios").join(name).with_extension("toml");
@@ -24,31 +24,31 @@ pub fn scenario(name: &str, overrides: &[&str]) -> Result<Resolved, ScenarioErro
     Scenario::load(&file, &overrides)?.resolve()
 }
 
-/// An example scenario by the walk, with overrides `PATH=VALUE`.
+/// Loads an example scenario with the Monte Carlo solver, with overrides `PATH=VALUE`.
 ///
 /// # Errors
-/// As the scenario's own.
-pub fn walked(name: &str, overrides: &[&str]) -> Result<Resolved, ScenarioErrors> {
+/// Those of the scenario.
+pub fn monte_carlo_scenario(name: &str, overrides: &[&str]) -> Result<Resolved, ScenarioErrors> {
     scenario(name, &[&["solver.method=monte-carlo"], overrides].concat())
 }
 
-/// Runs a scene on this many threads, without a word.
+/// Runs a scene on this many threads, without progress messages.
 ///
 /// # Errors
-/// As [`papilio_display::run`].
+/// Those of [`papilio_display::run`].
 pub fn run_on(scene: &Scene, threads: Option<usize>) -> Result<RunResult, DisplayError> {
     papilio_display::run(scene, &Control { threads, progress: &|_| {}, stop: &AtomicBool::new(false) })
 }
 
-/// Runs a scene, without a word.
+/// Runs a scene on all threads, without progress messages.
 ///
 /// # Errors
-/// As [`papilio_display::run`].
+/// Those of [`papilio_display::run`].
 pub fn run(scene: &Scene) -> Result<RunResult, DisplayError> {
     run_on(scene, None)
 }
 
-/// A state of the first view; `None` if there is no such state.
+/// Returns a state of the first view; `None` if it does not exist.
 pub fn state<'a>(result: &'a RunResult, name: &str) -> Option<&'a State> {
     result.views.first()?.states.get(name)
 }

@@ -1,8 +1,8 @@
-//! A family of random displays for comparing the two solvers: every kind of layer, order,
-//! light and view, thin and thick. A number names a member for ever.
+//! A family of random displays for the comparison of the two solvers: all kinds of layers, in any order,
+//! all kinds of light and view, thin and thick. A number identifies a member permanently.
 //!
-//! **Left out**, after a first family had them: lobes narrower than .004 (.07 between general
-//! layers, or beside straight-through light) and rough faces below alpha .2. There adding takes minutes.
+//! **Excluded**: lobes narrower than 0.004 (0.07 between general layers, or with regular transmittance) and rough
+//! interfaces below alpha 0.2, for which adding takes minutes. A first version of the family contained them.
 
 use num_complex::Complex64;
 use papilio_optics::Beta;
@@ -17,26 +17,26 @@ use papilio_transport::{
 
 use papilio_testing::Dice;
 
-/// Wavelengths of every member, nm.
+/// Wavelengths of all members, nm.
 pub const WAVELENGTHS_NM: [f64; 2] = [480.0, 620.0];
 
-/// Drive states of every member.
+/// Number of drive states of each member.
 pub const STATES: usize = 2;
 
-/// A display, where it is looked at, and its lights.
+/// A display, its viewer and its light.
 #[derive(Debug, Clone)]
 pub struct Member {
-    /// The layers, in words.
+    /// Description of the layers.
     pub name: String,
     /// The display.
     pub stack: Stack,
-    /// The viewer's field.
+    /// Field of view.
     pub view: Cone,
-    /// Diffuse light, a beam, a disc.
+    /// Sources: diffuse light, a beam, a disc.
     pub sources: Vec<Source>,
 }
 
-/// Member number `number` of the family.
+/// Returns a member of the family by its number.
 pub fn member(number: u64) -> Member {
     let mut dice = Dice::new(FAMILY, number);
     let (name, stack) = if dice.one_in(3) { panel(&mut dice) } else { layered(&mut dice) };
@@ -51,8 +51,9 @@ pub fn member(number: u64) -> Member {
     Member { name, stack, view, sources: vec![Source::Diffuse, beam, disc] }
 }
 
-/// Member number `number` of a family in which much or some of the light takes a way that few paths would
-/// take: faint fronts, a rare scattering beside straight-through light, thin slabs, dense glass, black media.
+/// Returns a member of a second family by its number. In this family, some of the light depends on events that are
+/// improbable for a path: faint fronts, improbable scattering together with regular transmittance, thin slabs, dense
+/// glass, strongly absorbing media.
 pub fn rare_member(number: u64) -> Member {
     let mut dice = Dice::new(RARE_FAMILY, number);
     let (name, stack) = match dice.below(5) {
@@ -99,7 +100,7 @@ fn rare_straight(dice: &mut Dice) -> (String, Stack) {
     (name, Stack::Panel(Panel { front, top, medium, base: base(dice), single_pass: false }))
 }
 
-/// A thin slab, or one that absorbs nearly all it scatters, alone or under a diffuser.
+/// Returns a thin slab, or one that absorbs nearly all light, without or under a diffuser.
 fn rare_slab(dice: &mut Dice, under_diffuser: bool) -> (String, Stack) {
     let mut layers = Vec::new();
     let mut name = String::new();
@@ -118,7 +119,7 @@ fn rare_slab(dice: &mut Dice, under_diffuser: bool) -> (String, Stack) {
     (name, Stack::Layered(Layered { layers, base: base(dice) }))
 }
 
-/// The families' numbers among the streams of random numbers.
+/// Numbers of the families' streams of random numbers.
 const FAMILY: u64 = 3;
 const RARE_FAMILY: u64 = 4;
 
@@ -134,7 +135,7 @@ fn index(dice: &mut Dice) -> f64 {
     [1.0, 1.33, 1.5, 1.5, 1.7, 2.0][dice.below(6)]
 }
 
-/// A mirror whose reflectance varies over angle, or white paint.
+/// Returns a mirror whose reflectance varies with the angle, or white paint.
 fn base(dice: &mut Dice) -> Base {
     let bins = WAVELENGTHS_NM.len();
     let inactive_absorptance = spectrum(dice, 0.0, 0.1);
@@ -144,7 +145,7 @@ fn base(dice: &mut Dice) -> Base {
         let reflector = Reflector::Lambertian(reflectance);
         return Base { reflector, inactive_absorptance: constant(0.0) };
     }
-    // Smooth over the cosine, as films are.
+    // The reflectance is smooth over the cosine, as that of films.
     let nodes = 17;
     let curves: Vec<[f64; 3]> = (0..STATES * bins)
         .map(|_| [dice.between(0.05, 0.5), dice.between(0.0, 0.4), dice.between(0.5, 6.0)])
@@ -163,10 +164,11 @@ fn base(dice: &mut Dice) -> Base {
     Base { reflector: Reflector::Specular(table), inactive_absorptance }
 }
 
-/// `narrowest`: between any layers, adding takes minutes for what it does in milliseconds in a panel.
+/// Returns a diffuser whose lobe is not narrower than `narrowest`: between general layers, adding takes minutes for
+/// narrow lobes that it resolves in milliseconds in a panel.
 fn diffuser(dice: &mut Dice, narrowest: f64) -> (String, Diffuser) {
     let straight_through = if dice.one_in(2) { 0.0 } else { dice.between(0.0, 0.6) };
-    // Straight light makes each point of a field or disc a direction of its own: minutes, if narrow.
+    // With regular transmittance, each point of a field or disc is a separate direction: minutes, if the lobe is narrow.
     let narrowest = if straight_through > 0.0 { narrowest.max(0.07) } else { narrowest };
     let lobe = if dice.one_in(5) {
         Lobe::Lambertian
@@ -217,7 +219,7 @@ fn layered(dice: &mut Dice) -> (String, Stack) {
     (names.join(", "), Stack::Layered(Layered { layers, base }))
 }
 
-/// A layer under a medium of this index, its name, and its own index.
+/// Returns a layer under a medium of this index, with its name and its index.
 fn layer(dice: &mut Dice, above: f64) -> (String, Layer, f64) {
     let kind = dice.below(7);
     let same = Medium::new(constant(above));
@@ -244,7 +246,7 @@ fn layer(dice: &mut Dice, above: f64) -> (String, Layer, f64) {
         5 => {
             let below = index(dice);
             let medium = Medium::new(constant(below)).with_transmittance(spectrum(dice, 0.6, 1.0));
-            let interface = face(dice, above, below);
+            let interface = interface(dice, above, below);
             (format!("{} {below}", name_of(&interface)), Layer { interface, medium }, below)
         }
         _ => {
@@ -266,7 +268,7 @@ fn slab(dice: &mut Dice, index: f64) -> (String, Medium) {
     (name, Medium::new(constant(index)).with_scattering(scattering))
 }
 
-fn face(dice: &mut Dice, above: f64, below: f64) -> Interface {
+fn interface(dice: &mut Dice, above: f64, below: f64) -> Interface {
     match dice.below(3) {
         0 => Interface::Coated,
         1 => coating(dice, above, below).unwrap_or(Interface::Fresnel),
@@ -275,7 +277,7 @@ fn face(dice: &mut Dice, above: f64, below: f64) -> Interface {
     }
 }
 
-/// One or two films, the second perhaps a thin metal.
+/// Returns one or two films; the second may be a thin metal.
 fn coating(dice: &mut Dice, above: f64, below: f64) -> Option<Interface> {
     let film = |index: Complex64, nm: f64| SpectralLayer {
         index: vec![index; WAVELENGTHS_NM.len()],

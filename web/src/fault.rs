@@ -1,4 +1,4 @@
-//! What goes wrong, as answers: a status, and errors with their places.
+//! Errors as HTTP responses: a status, and messages with their locations in the scenario.
 
 use axum::body::Body;
 use axum::http::{HeaderValue, StatusCode, header};
@@ -9,30 +9,30 @@ use papilio_scenario::{Resolved, ScenarioError, ScenarioErrors};
 use schemars::JsonSchema;
 use serde::Serialize;
 
-/// Why a request has no answer.
+/// The error response to a request.
 #[derive(Debug, Clone)]
 pub(crate) struct Fault {
     pub(crate) status: StatusCode,
     pub(crate) body: FaultBody,
 }
 
-/// The body of every answer that is an error.
+/// The body of every error response.
 #[derive(Debug, Clone, Default, Serialize, JsonSchema)]
 pub(crate) struct FaultBody {
-    /// What is wrong; at least one.
+    /// The errors; at least one.
     pub(crate) errors: Vec<OneError>,
-    /// The scenario after the edits, if it is that which is wrong.
+    /// The scenario after the edits, if the error concerns the scenario.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) scenario: Option<String>,
-    /// Files that are no longer here and have to be sent again, by their ids.
+    /// Ids of the files that the server no longer stores and that must be sent again.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) missing: Option<Vec<String>>,
 }
 
-/// One thing that is wrong, in the words of the command line.
+/// An error, with the text of the command line.
 #[derive(Debug, Clone, Default, Serialize, JsonSchema)]
 pub(crate) struct OneError {
-    /// What is wrong.
+    /// What is wrong, in a sentence.
     pub(crate) message: String,
     /// The key that it concerns: `display.pixel.film.1.thickness_nm`.
     pub(crate) path: Option<String>,
@@ -40,48 +40,49 @@ pub(crate) struct OneError {
     pub(crate) line: Option<usize>,
     /// Column in characters, from 1.
     pub(crate) column: Option<usize>,
-    /// What should stand there.
+    /// The expected value.
     pub(crate) expected: Option<String>,
     /// What to do.
     pub(crate) hint: Option<String>,
 }
 
 impl Fault {
-    /// With a message and a hint.
+    /// Creates a response with one message and a hint; an empty hint is left out.
     pub(crate) fn new(status: StatusCode, message: impl Into<String>, hint: &str) -> Self {
         let hint = (!hint.is_empty()).then(|| hint.to_owned());
         let error = OneError { message: message.into(), hint, ..OneError::default() };
         Self { status, body: FaultBody { errors: vec![error], ..FaultBody::default() } }
     }
 
-    /// A request that is not what it should be.
+    /// Creates the response to a malformed request.
     pub(crate) fn malformed(message: impl Into<String>) -> Self {
         Self::new(StatusCode::BAD_REQUEST, message, "")
     }
 
-    /// What is right in itself but more than is computed here.
+    /// Creates the response to a valid request that cannot be processed: too large, too slow, or refused by a
+    /// reader.
     pub(crate) fn too_much(message: impl Into<String>, hint: &str) -> Self {
         Self::new(StatusCode::UNPROCESSABLE_ENTITY, message, hint)
     }
 
-    /// Nothing goes by this name.
+    /// Creates the response to an unknown name.
     pub(crate) fn unknown(what: &str, name: &str) -> Self {
         Self::new(StatusCode::NOT_FOUND, format!("there is no {what} `{}`", shortened(name)), "")
     }
 
-    /// A fault of the program's own.
+    /// Creates the response to an internal error of the program.
     pub(crate) fn internal(message: &str) -> Self {
         Self::new(StatusCode::INTERNAL_SERVER_ERROR, message, "")
     }
 
-    /// The same, with the scenario that is wrong.
+    /// Adds the scenario that the error concerns.
     pub(crate) fn about(mut self, scenario: &str) -> Self {
         self.body.scenario = Some(scenario.to_owned());
         self
     }
 }
 
-/// The start of a text that someone else chose.
+/// Returns at most 80 characters of a text from a client, without control characters.
 pub(crate) fn shortened(text: &str) -> String {
     const MOST: usize = 80;
     text.chars().take(MOST).map(|c| if c.is_control() { ' ' } else { c }).collect()
@@ -97,7 +98,7 @@ impl From<ScenarioErrors> for Fault {
 impl From<&ScenarioError> for OneError {
     fn from(error: &ScenarioError) -> Self {
         let message = error.diagnostic.message.clone();
-        // The place in a data file goes into the words; line and column are always the scenario's.
+        // The location in a data file is put into the message; line and column always refer to the scenario.
         let (message, place) = match &error.asked_for_at {
             Some(place) => (format!("{}: {message}", error.place), place),
             None => (message, &error.place),
@@ -115,7 +116,7 @@ impl From<&ScenarioError> for OneError {
 }
 
 impl Fault {
-    /// Why a scene could not be computed, with the place in the scenario where one is at fault.
+    /// Converts an error of a computation, with its location in the scenario if it has one.
     pub(crate) fn of(resolved: &Resolved, error: DisplayError) -> Self {
         resolved.located(&error).map_or_else(|| error.into(), Self::from)
     }

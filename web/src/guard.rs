@@ -1,12 +1,12 @@
-//! Who may ask: this page, on this machine, or whoever holds the token.
+//! Access control: requests must come from this page on this machine, or contain the token.
 //!
-//! - **Host** must name this machine or be an address, with our port: a foreign name that was made to resolve to this
-//!   machine (DNS rebinding) is turned away.
-//!   An absolute address in the request line must name the same host.
-//! - **Origin**, where a browser sends it, must be that same host; `Sec-Fetch-Site` must not say that another site asks.
-//!   Each of several such headers must.
-//! - **Token**: demanded of every request to the API where the server listens to more than this machine. Its page gets
-//!   it in the fragment of the address, which never leaves the browser.
+//! - **Host** must name this machine or be an address, with the server's port. A foreign name that was made
+//!   to resolve to this machine (DNS rebinding) is refused. An absolute address in the request line must name
+//!   the same host.
+//! - **Origin**, if the browser sends it, must be the same host; `Sec-Fetch-Site` must not be another site.
+//!   If a header occurs several times, each of them is checked.
+//! - **Token**: required for every request to the API if other machines can reach the server. The page
+//!   receives it in the fragment of its address, which the browser does not send.
 
 use std::net::{IpAddr, SocketAddr};
 
@@ -19,10 +19,10 @@ use crate::fault::{Fault, shortened};
 use crate::listen::ServeError;
 use crate::site::Site;
 
-/// Bytes of a token.
+/// Length of a token in bytes.
 const TOKEN_BYTES: usize = 24;
 
-/// What every answer says to a browser.
+/// Security headers of every response.
 const HEADERS: [(HeaderName, &str); 7] = [
     (
         header::CONTENT_SECURITY_POLICY,
@@ -37,11 +37,11 @@ const HEADERS: [(HeaderName, &str); 7] = [
     (HeaderName::from_static("cross-origin-embedder-policy"), "require-corp"),
 ];
 
-/// Who is let in.
+/// The rules by which requests are accepted.
 #[derive(Debug)]
 pub(crate) struct Guard {
     port: u16,
-    /// Demanded where others can reach the server.
+    /// Required if other machines can reach the server.
     token: Option<String>,
 }
 
@@ -60,11 +60,11 @@ impl Guard {
         format!("http://{address}/{fragment}")
     }
 
-    /// Why a request is turned away, if it is.
+    /// Returns an error if a request must be refused.
     fn check(&self, uri: &Uri, headers: &HeaderMap) -> Result<(), Fault> {
         let is_api = is_api(uri);
         let foreign = |what: &str, found: &str| {
-            let message = format!("requests with {what} \"{}\" are not answered", shortened(found));
+            let message = format!("requests with {what} \"{}\" are refused", shortened(found));
             Fault::new(
                 StatusCode::FORBIDDEN,
                 message,
@@ -90,16 +90,19 @@ impl Guard {
         match &self.token {
             Some(token) if is_api => {
                 let sent = all(header::AUTHORIZATION).next().and_then(|value| value.strip_prefix("Bearer "));
-                if sent.is_some_and(|sent| same(sent, token)) { Ok(()) } else { Err(no_token()) }
+                match sent {
+                    Some(sent) if equal_in_constant_time(sent, token) => Ok(()),
+                    _ => Err(no_token()),
+                }
             }
             _ => Ok(()),
         }
     }
 
-    /// True for a host that no foreign name server can answer for.
+    /// Returns true for a host that no foreign name server can resolve.
     fn is_ours(&self, host: &str) -> bool {
         let Some((name, port)) = host.rsplit_once(':') else { return false };
-        // As a browser writes it: `+7417` and `07417` are numbers to a parser.
+        // Compared as text: a parser would also accept `+7417` and `07417`.
         if port != self.port.to_string() {
             return false;
         }
@@ -114,8 +117,8 @@ impl Guard {
 fn no_token() -> Fault {
     Fault::new(
         StatusCode::UNAUTHORIZED,
-        "the token is missing or wrong: this server listens to more than its own machine",
-        "open the page at the whole address that papilio serve printed, with what stands behind #",
+        "the token is missing or wrong: this server accepts connections from other machines",
+        "open the page at the complete address that papilio serve printed, including the part after #",
     )
 }
 
@@ -125,17 +128,17 @@ fn new_token() -> Result<String, ServeError> {
     Ok(bytes.iter().map(|byte| format!("{byte:02x}")).collect())
 }
 
-/// Compares in a time that says nothing of where two texts differ.
-fn same(a: &str, b: &str) -> bool {
-    a.len() == b.len() && a.bytes().zip(b.bytes()).fold(0, |seen, (a, b)| seen | (a ^ b)) == 0
+/// Compares two texts in constant time, so that the time does not reveal where they differ.
+fn equal_in_constant_time(a: &str, b: &str) -> bool {
+    a.len() == b.len() && a.bytes().zip(b.bytes()).fold(0, |bits, (a, b)| bits | (a ^ b)) == 0
 }
 
 fn is_api(uri: &Uri) -> bool {
     uri.path().starts_with("/api/")
 }
 
-/// Turns away whom the guard does, and gives every answer its headers.
-pub(crate) async fn watch(State(site): State<Site>, request: Request, next: Next) -> Response {
+/// Refuses requests that the guard does not accept, and adds the security headers to every response.
+pub(crate) async fn check_request(State(site): State<Site>, request: Request, next: Next) -> Response {
     let is_api = is_api(request.uri());
     let mut response = match site.guard().check(request.uri(), request.headers()) {
         Ok(()) => next.run(request).await,
@@ -171,7 +174,7 @@ mod tests {
     }
 
     #[test]
-    fn only_this_machine_and_this_page() {
+    fn request_from_other_host_or_site_is_refused() {
         let own = guard("127.0.0.1:7417");
         for host in ["127.0.0.1:7417", "localhost:7417", "[::1]:7417", "LOCALHOST:7417"] {
             assert_eq!(status(&own, &[("host", host)]), 200, "{host}");
@@ -207,7 +210,7 @@ mod tests {
     }
 
     #[test]
-    fn elsewhere_everyone_needs_the_token() {
+    fn server_reachable_from_other_machines_requires_token() {
         let open = guard("0.0.0.0:7417");
         let token = open.token.clone().unwrap();
         assert_eq!(token.len(), 2 * TOKEN_BYTES);

@@ -1,28 +1,32 @@
 //! The web app: a display laboratory in the browser, served from this machine.
 //!
-//! A thin face over `scenario`, `display`, `formats` and `figures`: no physics lives here. The browser holds the
-//! scenario's text, the one thing that is ever edited; each request carries it whole. The server keeps only what
-//! may be lost at any moment: prepared displays (so that a moved slider costs milliseconds), files that were dropped
-//! onto the page (known by their SHA-256, sent again when they are gone), and running work.
+//! The server is a thin layer over `scenario`, `display`, `formats` and `figures`; it contains no physics.
+//! The browser holds the text of the scenario, which is the only thing that is edited, and sends all of it
+//! with each request. The server stores only data that may be lost at any time: prepared displays (so that
+//! moving a slider takes milliseconds), files that were dropped onto the page (identified by their SHA-256,
+//! and sent again when they are no longer stored), and running computations.
 //!
-//! - [`Site::bind`] takes a port of this machine, [`Site::serve`] answers on it.
-//! - `api` has a row for each endpoint; its OpenAPI description is made from the same rows and types
+//! - [`Site::bind`] binds a port of this machine, [`Site::serve`] serves requests on it.
+//! - `api` has a row for each endpoint; the OpenAPI description is generated from the same rows and types
 //!   ([`openapi`]).
-//! - `work` runs what computes: on threads of its own, bounded in number and time, ended when nobody listens.
-//! - `guard` turns away whoever is not this page: foreign hosts and origins, missing tokens.
-//! - `listen` and `places` accept connections, so many at once, and end those whose clients do not read.
-//! - `page` hands out the bundle of `web/page`, if one was built in.
+//! - `work` runs computations on separate threads, limits their number and time, and stops them when the
+//!   client disconnects.
+//! - `guard` refuses requests that do not come from this page: foreign hosts and origins, missing tokens.
+//! - `listen` and `places` accept a limited number of connections, and close those whose clients do not read.
+//! - `prepared` stores prepared displays, `store` uploaded files.
+//! - `page` serves the bundle of `web/page`, if one was built into the program.
 //!
-//! **Limits.** Requests of at most 1 MiB, scenarios of 256 KiB, files of 64 MiB, answers of about half a million
-//! numbers. **Out of scope.** Reading or writing the disk on behalf of the browser; users and their passwords.
+//! **Limits.** Requests of at most 1 MiB, scenarios of 256 KiB, files of 64 MiB, responses of about half a
+//! million numbers. **Out of scope.** Reading or writing the disk on behalf of the browser; users and
+//! passwords.
 
 mod api;
 mod fault;
 mod guard;
-mod kept;
 mod listen;
 mod page;
 mod places;
+mod prepared;
 mod reading;
 mod shipped;
 mod site;

@@ -1,4 +1,4 @@
-//! Connections: accepted, given a place, answered, and ended when their clients do not ask or do not read.
+//! Accepts connections, serves their requests, and closes those whose clients are idle or do not read.
 
 use std::convert::Infallible;
 use std::io;
@@ -19,93 +19,93 @@ use tokio::net::{TcpListener, TcpStream};
 use tower::ServiceExt;
 
 use crate::api;
-use crate::places::{Connection, LIMITS, Places, Watched};
+use crate::places::{Connection, LIMITS, MonitoredStream, Places};
 use crate::site::Site;
 
-/// How often connections whose clients do not read are looked for.
-const SWEEP: Duration = Duration::from_secs(1);
+/// Interval between the searches for connections whose clients do not read.
+const SEARCH_INTERVAL: Duration = Duration::from_secs(1);
 
-/// A header that takes longer to arrive ends its connection.
+/// Time limit for a request header; the connection is closed after it.
 const HEADER_TIME: Duration = Duration::from_secs(10);
 
-/// The longest header, in bytes; hyper's least.
+/// Maximum length of a header in bytes; the smallest value that hyper accepts.
 const LONGEST_HEADER: usize = 16 << 10;
 
-/// Why the server cannot start.
+/// The reason why the server cannot start.
 #[derive(Debug, thiserror::Error)]
 pub enum ServeError {
-    /// The port is not to be had.
+    /// The port cannot be bound.
     #[error(
-        "{wanted} cannot be listened on: {error}\n  = help: choose another port with --port, or 0 for any"
+        "cannot listen on {wanted}: {error}\n  = help: choose another port with --port; 0 selects any free port"
     )]
     Port {
         /// The address and port.
         wanted: SocketAddr,
-        /// The system's reason.
+        /// The error of the operating system.
         error: io::Error,
     },
-    /// The system gives no randomness for a token.
-    #[error("there is no randomness for a token: {0}")]
+    /// The operating system provides no random numbers for a token.
+    #[error("the operating system provides no random numbers for a token: {0}")]
     Token(getrandom::Error),
 }
 
-/// Answers on every connection until the process ends.
+/// Serves all connections until the process ends.
 pub(crate) async fn serve(site: Site, listener: TcpListener) {
     let routes = api::routes(site);
     let places = Places::new(LIMITS);
-    let swept = places.clone();
+    let open = places.clone();
     tokio::spawn(async move {
         loop {
-            tokio::time::sleep(SWEEP).await;
-            swept.sweep();
+            tokio::time::sleep(SEARCH_INTERVAL).await;
+            open.close_unread();
         }
     });
     loop {
         let Ok((stream, peer)) = listener.accept().await else {
-            // Out of descriptors, or a connection that is gone already.
+            // No file descriptors are left, or the connection was closed before it was accepted.
             tokio::time::sleep(Duration::from_millis(50)).await;
             continue;
         };
         let (places, routes) = (places.clone(), routes.clone());
         tokio::spawn(async move {
-            // Without a place the stream is closed: its client may try again.
+            // Without a place the stream is closed; the client may try again.
             if let Some(connection) = places.wait(peer.ip()).await {
-                answer(stream, connection, routes).await;
+                serve_connection(stream, connection, routes).await;
             }
         });
     }
 }
 
-/// Answers what is asked on a connection, until its client or its place ends it.
-async fn answer(stream: TcpStream, connection: Arc<Connection>, routes: Router) {
-    // Answers are small and wanted at once.
+/// Serves the requests of a connection until its client closes it or its place is taken away.
+async fn serve_connection(stream: TcpStream, connection: Arc<Connection>, routes: Router) {
+    // Responses are small, and must be sent without delay.
     let _ = stream.set_nodelay(true);
     let service = service_fn(|request: Request<Incoming>| respond(request, &connection, &routes));
-    let stream = Watched::new(stream, connection.clone());
-    let answered = http1::Builder::new()
+    let stream = MonitoredStream::new(stream, connection.clone());
+    let served = http1::Builder::new()
         .timer(TokioTimer::new())
         .header_read_timeout(HEADER_TIME)
         .max_buf_size(LONGEST_HEADER)
         .serve_connection(TokioIo::new(stream), service);
     tokio::select! {
-        // A broken connection is its client's affair.
-        _ = answered => {}
+        // An error of the connection concerns the client only.
+        _ = served => {}
         () = connection.ended() => {}
     }
 }
 
-/// The answer to one request; its connection counts as answering until the answer's body is written.
+/// Responds to one request. The connection counts as active until the body of the response is written.
 fn respond(
     request: Request<Incoming>,
     connection: &Arc<Connection>,
     routes: &Router,
 ) -> impl Future<Output = Result<Response, Infallible>> + use<> {
-    let (answering, routes) = (connection.answering(), routes.clone());
+    let (active, routes) = (connection.begin_request(), routes.clone());
     async move {
         let response = routes.oneshot(request.map(Body::new)).await?;
         Ok(response.map(|body| {
             Body::new(body.map_frame(move |frame| {
-                let _until_the_end = &answering;
+                let _until_the_end = &active;
                 frame
             }))
         }))

@@ -1,4 +1,4 @@
-//! The page's own files, built into the program.
+//! The files of the page, built into the program.
 
 use axum::body::Body;
 use axum::extract::Request;
@@ -13,13 +13,14 @@ use crate::fault::Fault;
 #[allow_missing = true]
 struct Bundle;
 
-/// What stands in the page's place where none was built.
+/// The text that is served if the page was not built.
 const MISSING: &str = include_str!("missing.html");
 
-/// Any path that is not the API's.
+/// Serves a path outside the API.
 pub(crate) async fn file(request: Request) -> Response {
     if !matches!(*request.method(), Method::GET | Method::HEAD) {
-        return Fault::new(StatusCode::METHOD_NOT_ALLOWED, "this can only be read", "").into_response();
+        return Fault::new(StatusCode::METHOD_NOT_ALLOWED, "this path accepts only GET and HEAD", "")
+            .into_response();
     }
     let path = match request.uri().path().trim_start_matches('/') {
         "" => "index.html",
@@ -30,7 +31,7 @@ pub(crate) async fn file(request: Request) -> Response {
             let mut response = Response::new(Body::from(file.data));
             let headers = response.headers_mut();
             headers.insert(header::CONTENT_TYPE, HeaderValue::from_static(kind(path)));
-            // Vite puts a hash into the names of what lies in assets.
+            // Vite puts a hash into the names of the files in assets.
             let keep = if path.starts_with("assets/") { "max-age=31536000, immutable" } else { "no-cache" };
             headers.insert(header::CACHE_CONTROL, HeaderValue::from_static(keep));
             response

@@ -1,12 +1,15 @@
-//! Places for connections: so many in all, so many for each peer, and none for a client that does not read.
+//! Places for connections: limits their number, in total and for each address, and closes those whose clients
+//! do not read.
 //!
-//! A connection is *answering* from the head of a request to the end of its answer, and *behind* while an answer waits for its
-//! reader. When all places are taken, a new connection takes the place of one that has been idle or behind for longest;
-//! one that is being answered and reads its answer is never ended. A connection that is behind and takes nothing for
-//! [`Limits::unread`] is ended in any case.
+//! A connection is *active* from the header of a request to the end of its response, and *blocked* while a
+//! response cannot be written because the client does not read. If all places are in use, a new connection
+//! replaces the one that has been idle or blocked for the longest time; a connection whose client reads an
+//! unfinished response is never closed. A connection whose client reads nothing for [`Limits::unread`] is
+//! always closed.
 //!
-//! Requests that a client sends ahead of their answers wait unread: hyper reads the next one when the last answer
-//! has left its buffer, so that a connection holds one answer and 16 KiB of requests at the most.
+//! Requests that a client sends before earlier responses are complete are not read: hyper reads the next one
+//! when the previous response has left its buffer. A connection therefore holds at most one response and 16
+//! KiB of requests.
 
 use std::net::IpAddr;
 use std::pin::Pin;
@@ -19,43 +22,43 @@ use tokio::net::TcpStream;
 use tokio::sync::{Notify, Semaphore};
 use tokio::time::Instant;
 
-/// How many connections there may be, and how long they may do nothing.
+/// Limits of the number of connections, and of the time for which they may be idle or blocked.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Limits {
-    /// Connections at once.
-    pub(crate) all: usize,
-    /// Connections of one address at once.
-    pub(crate) of_one_peer: usize,
-    /// A connection that is idle or behind for so long may lose its place to a new one.
+    /// Maximum number of open connections.
+    pub(crate) total: usize,
+    /// Maximum number of open connections from one address.
+    pub(crate) per_peer: usize,
+    /// Time after which an idle or blocked connection may be replaced by a new one.
     pub(crate) idle: Duration,
-    /// A new connection waits so long for a place, as many at once as there are places.
+    /// Time for which a new connection waits for a place; as many may wait as there are places.
     pub(crate) patience: Duration,
-    /// A connection whose client reads nothing of its answer for so long is ended.
+    /// Time after which a connection is closed if its client reads nothing of a response.
     pub(crate) unread: Duration,
 }
 
-/// The server's limits. A browser opens six connections at the most.
+/// The server's limits. A browser opens at most six connections.
 pub(crate) const LIMITS: Limits = Limits {
-    all: 256,
-    of_one_peer: 64,
+    total: 256,
+    per_peer: 64,
     idle: Duration::from_secs(1),
     patience: Duration::from_secs(3),
     unread: Duration::from_secs(10),
 };
 
-/// How often a waiting connection looks for a place.
+/// Interval at which a waiting connection looks for a place.
 const RETRY: Duration = Duration::from_millis(20);
 
-/// The connections that there are.
+/// The open connections.
 #[derive(Debug, Clone)]
 pub(crate) struct Places {
     taken: Arc<Mutex<Vec<Weak<Connection>>>>,
-    /// Connections that wait for a place.
+    /// Limits the number of connections that wait for a place.
     queue: Arc<Semaphore>,
     limits: Limits,
 }
 
-/// One connection: what it does at the moment. Its place is free when it is dropped.
+/// One connection and its state. Its place is free when it is dropped.
 #[derive(Debug)]
 pub(crate) struct Connection {
     peer: IpAddr,
@@ -65,24 +68,24 @@ pub(crate) struct Connection {
 
 #[derive(Debug)]
 struct State {
-    /// Requests that are being answered.
-    answers: usize,
-    /// Since when nothing is asked.
+    /// Number of requests in progress.
+    requests: usize,
+    /// Start of the time without requests.
     idle_since: Instant,
-    /// Since when an answer waits for its reader.
-    behind_since: Option<Instant>,
-    /// When something was written last.
-    written: Instant,
+    /// Start of the time for which a response has been waiting for the client.
+    blocked_since: Option<Instant>,
+    /// Time of the last write.
+    last_write: Instant,
     is_ended: bool,
 }
 
 impl Places {
     pub(crate) fn new(limits: Limits) -> Self {
-        Self { taken: Arc::default(), queue: Arc::new(Semaphore::new(limits.all)), limits }
+        Self { taken: Arc::default(), queue: Arc::new(Semaphore::new(limits.total)), limits }
     }
 
-    /// A place for a connection of this peer, as soon as there is one ([`take`](Self::take)); `None` if there is none within
-    /// [`Limits::patience`], or too many wait already.
+    /// Returns a place for a connection of this peer as soon as there is one ([`take`](Self::take)). Returns
+    /// `None` if there is none within [`Limits::patience`], or if too many connections are waiting.
     pub(crate) async fn wait(&self, peer: IpAddr) -> Option<Arc<Connection>> {
         if let Some(connection) = self.take(peer) {
             return Some(connection);
@@ -98,17 +101,17 @@ impl Places {
         None
     }
 
-    /// A place for a connection of this peer, if need be that of one which has been idle or behind for longest; `None` if
-    /// all of them are in use.
+    /// Returns a place for a connection of this peer, if necessary that of the connection that has been idle
+    /// or blocked for the longest time. Returns `None` if all of them are in use.
     fn take(&self, peer: IpAddr) -> Option<Arc<Connection>> {
         let mut taken = self.taken();
-        let there: Vec<Arc<Connection>> = taken.iter().filter_map(Weak::upgrade).collect();
-        let there: Vec<Arc<Connection>> = there.into_iter().filter(|one| !one.state().is_ended).collect();
-        let own: Vec<&Arc<Connection>> = there.iter().filter(|one| one.peer == peer).collect();
-        if own.len() >= self.limits.of_one_peer {
-            self.least_busy(own.into_iter())?.finish();
-        } else if there.len() >= self.limits.all {
-            self.least_busy(there.iter())?.finish();
+        let open: Vec<Arc<Connection>> = taken.iter().filter_map(Weak::upgrade).collect();
+        let open: Vec<Arc<Connection>> = open.into_iter().filter(|one| !one.state().is_ended).collect();
+        let own: Vec<&Arc<Connection>> = open.iter().filter(|one| one.peer == peer).collect();
+        if own.len() >= self.limits.per_peer {
+            self.longest_waiting(own.into_iter())?.close();
+        } else if open.len() >= self.limits.total {
+            self.longest_waiting(open.iter())?.close();
         }
         let connection = Arc::new(Connection::new(peer));
         taken.retain(|one| one.strong_count() > 0);
@@ -116,17 +119,19 @@ impl Places {
         Some(connection)
     }
 
-    /// Ends the connections whose clients have stopped to read.
-    pub(crate) fn sweep(&self) {
-        let stuck = |one: &Arc<Connection>| {
+    /// Closes the connections whose clients have stopped reading.
+    pub(crate) fn close_unread(&self) {
+        let is_unread = |one: &Arc<Connection>| {
             let state = one.state();
-            state.behind_since.is_some() && state.written.elapsed() >= self.limits.unread
+            state.blocked_since.is_some() && state.last_write.elapsed() >= self.limits.unread
         };
-        let there: Vec<Arc<Connection>> = self.taken().iter().filter_map(Weak::upgrade).collect();
-        there.iter().filter(|one| stuck(one)).for_each(|one| one.finish());
+        let open: Vec<Arc<Connection>> = self.taken().iter().filter_map(Weak::upgrade).collect();
+        open.iter().filter(|one| is_unread(one)).for_each(|one| one.close());
     }
 
-    fn least_busy<'a>(
+    /// Returns the connection that has been idle or blocked for the longest time, if this time exceeds
+    /// [`Limits::idle`].
+    fn longest_waiting<'a>(
         &self,
         among: impl Iterator<Item = &'a Arc<Connection>>,
     ) -> Option<&'a Arc<Connection>> {
@@ -142,47 +147,48 @@ impl Places {
 }
 
 impl State {
-    /// Since when the connection has been idle or behind; `None` if it is neither.
+    /// Returns the time since which the connection has been idle or blocked; `None` if it is neither.
     fn waiting_since(&self) -> Option<Instant> {
-        self.behind_since.or((self.answers == 0).then_some(self.idle_since))
+        self.blocked_since.or((self.requests == 0).then_some(self.idle_since))
     }
 }
 
 impl Connection {
     fn new(peer: IpAddr) -> Self {
         let now = Instant::now();
-        let state = State { answers: 0, idle_since: now, behind_since: None, written: now, is_ended: false };
+        let state =
+            State { requests: 0, idle_since: now, blocked_since: None, last_write: now, is_ended: false };
         Self { peer, state: Mutex::new(state), end: Notify::new() }
     }
 
-    /// Returns when the connection is to end.
+    /// Waits until the connection must be closed.
     pub(crate) async fn ended(&self) {
         self.end.notified().await;
     }
 
-    /// Marks a request that is being answered, until the mark is dropped.
-    pub(crate) fn answering(self: &Arc<Self>) -> Answering {
-        self.state().answers += 1;
-        Answering(self.clone())
+    /// Marks a request as in progress until the returned guard is dropped.
+    pub(crate) fn begin_request(self: &Arc<Self>) -> ActiveRequest {
+        self.state().requests += 1;
+        ActiveRequest(self.clone())
     }
 
-    fn finish(&self) {
+    fn close(&self) {
         self.state().is_ended = true;
-        // Kept for a connection that does not wait yet.
+        // The notification is stored if the connection does not wait for it yet.
         self.end.notify_one();
     }
 
-    fn wrote(&self, written: &Poll<std::io::Result<usize>>, wanted: usize) {
+    fn record_write(&self, written: &Poll<std::io::Result<usize>>, wanted: usize) {
         let (mut state, now) = (self.state(), Instant::now());
         match written {
             Poll::Ready(Ok(bytes)) => {
-                state.written = now;
+                state.last_write = now;
                 if *bytes == wanted {
-                    state.behind_since = None;
+                    state.blocked_since = None;
                 }
             }
-            Poll::Pending if state.behind_since.is_none() => {
-                (state.behind_since, state.written) = (Some(now), now);
+            Poll::Pending if state.blocked_since.is_none() => {
+                (state.blocked_since, state.last_write) = (Some(now), now);
             }
             _ => {}
         }
@@ -193,32 +199,32 @@ impl Connection {
     }
 }
 
-/// A request is being answered as long as this is there.
+/// The guard of a request in progress.
 #[derive(Debug)]
-pub(crate) struct Answering(Arc<Connection>);
+pub(crate) struct ActiveRequest(Arc<Connection>);
 
-impl Drop for Answering {
+impl Drop for ActiveRequest {
     fn drop(&mut self) {
         let mut state = self.0.state();
-        state.answers -= 1;
+        state.requests -= 1;
         state.idle_since = Instant::now();
     }
 }
 
-/// A stream that notes whether its client reads.
+/// A stream that records whether its client reads.
 #[derive(Debug)]
-pub(crate) struct Watched {
+pub(crate) struct MonitoredStream {
     stream: TcpStream,
     connection: Arc<Connection>,
 }
 
-impl Watched {
+impl MonitoredStream {
     pub(crate) fn new(stream: TcpStream, connection: Arc<Connection>) -> Self {
         Self { stream, connection }
     }
 }
 
-impl AsyncRead for Watched {
+impl AsyncRead for MonitoredStream {
     fn poll_read(
         mut self: Pin<&mut Self>,
         cx: &mut Context<'_>,
@@ -228,14 +234,14 @@ impl AsyncRead for Watched {
     }
 }
 
-impl AsyncWrite for Watched {
+impl AsyncWrite for MonitoredStream {
     fn poll_write(
         mut self: Pin<&mut Self>,
         cx: &mut Context<'_>,
         bytes: &[u8],
     ) -> Poll<std::io::Result<usize>> {
         let written = Pin::new(&mut self.stream).poll_write(cx, bytes);
-        self.connection.wrote(&written, bytes.len());
+        self.connection.record_write(&written, bytes.len());
         written
     }
 
@@ -245,7 +251,7 @@ impl AsyncWrite for Watched {
         parts: &[std::io::IoSlice<'_>],
     ) -> Poll<std::io::Result<usize>> {
         let written = Pin::new(&mut self.stream).poll_write_vectored(cx, parts);
-        self.connection.wrote(&written, parts.iter().map(|part| part.len()).sum());
+        self.connection.record_write(&written, parts.iter().map(|part| part.len()).sum());
         written
     }
 
@@ -269,27 +275,27 @@ mod tests {
     const PEERS: [IpAddr; 2] =
         [IpAddr::V4(std::net::Ipv4Addr::LOCALHOST), IpAddr::V4(std::net::Ipv4Addr::UNSPECIFIED)];
 
-    fn places(all: usize, of_one_peer: usize, idle_ms: u64) -> Places {
+    fn places(total: usize, per_peer: usize, idle_ms: u64) -> Places {
         let [idle, unread] = [idle_ms, 50].map(Duration::from_millis);
-        Places::new(Limits { all, of_one_peer, idle, patience: idle, unread })
+        Places::new(Limits { total, per_peer, idle, patience: idle, unread })
     }
 
     #[test]
-    fn the_longest_idle_connection_makes_room_and_answers_are_protected() {
+    fn longest_idle_connection_is_replaced_and_active_ones_are_protected() {
         let places = places(2, 2, 0);
         let first = places.take(PEERS[0]).unwrap();
         let second = places.take(PEERS[0]).unwrap();
-        let answer = first.answering();
+        let request = first.begin_request();
         let third = places.take(PEERS[1]).unwrap();
         assert!(!first.state().is_ended && second.state().is_ended && !third.state().is_ended);
-        let (_busy, _other) = (third.answering(), &second);
+        let (_busy, _other) = (third.begin_request(), &second);
         assert!(places.take(PEERS[1]).is_none());
-        drop(answer);
+        drop(request);
         assert!(places.take(PEERS[1]).is_some() && first.state().is_ended);
     }
 
     #[test]
-    fn a_peer_takes_places_from_itself_alone() {
+    fn connection_beyond_the_limit_of_its_peer_replaces_one_of_this_peer() {
         let places = places(9, 2, 0);
         let other = places.take(PEERS[1]).unwrap();
         let own: Vec<_> = (0..3).map(|_| places.take(PEERS[0]).unwrap()).collect();
@@ -297,7 +303,7 @@ mod tests {
     }
 
     #[test]
-    fn a_fresh_connection_has_time_to_ask() {
+    fn new_connection_is_not_replaced_before_the_idle_limit() {
         let places = places(1, 1, 60_000);
         let first = places.take(PEERS[0]).unwrap();
         assert!(places.take(PEERS[0]).is_none() && !first.state().is_ended);
@@ -306,18 +312,18 @@ mod tests {
     }
 
     #[test]
-    fn an_answer_that_nobody_reads_ends_its_connection() {
+    fn connection_with_unread_response_is_closed() {
         let places = places(2, 2, 0);
         let (stuck, slow) = (places.take(PEERS[0]).unwrap(), places.take(PEERS[0]).unwrap());
-        let _answers = [stuck.answering(), slow.answering()];
-        stuck.wrote(&Poll::Pending, 10);
-        slow.wrote(&Poll::Pending, 10);
+        let _requests = [stuck.begin_request(), slow.begin_request()];
+        stuck.record_write(&Poll::Pending, 10);
+        slow.record_write(&Poll::Pending, 10);
         std::thread::sleep(Duration::from_millis(60));
-        slow.wrote(&Poll::Ready(Ok(5)), 10);
-        places.sweep();
+        slow.record_write(&Poll::Ready(Ok(5)), 10);
+        places.close_unread();
         assert!(stuck.state().is_ended && !slow.state().is_ended);
-        assert!(slow.state().behind_since.is_some());
-        slow.wrote(&Poll::Ready(Ok(5)), 5);
-        assert!(slow.state().behind_since.is_none());
+        assert!(slow.state().blocked_since.is_some());
+        slow.record_write(&Poll::Ready(Ok(5)), 5);
+        assert!(slow.state().blocked_since.is_none());
     }
 }

@@ -1,4 +1,4 @@
-//! From a request's text and files to a scene, with nothing read from the disk.
+//! Converts the text and files of a request to a scene, without reading the disk.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -14,33 +14,33 @@ use crate::fault::Fault;
 use crate::shipped;
 use crate::site::Site;
 
-/// The longest scenario, in bytes.
+/// Maximum length of a scenario in bytes.
 const LONGEST_SCENARIO: usize = 256 << 10;
 
-/// Changes in one request.
+/// Maximum number of edits in one request.
 const MOST_EDITS: usize = 200;
 
-/// Files that one scenario may name.
+/// Maximum number of files of a scenario.
 const MOST_FILES: usize = 64;
 
-/// Views x states x wavelengths of an answer: about 20 MB of it.
+/// Maximum of views x states x wavelengths of a response: about 20 MB.
 const MOST_NUMBERS: usize = 200_000;
 
-/// What adding may take before it heeds a stop, roughly.
+/// Maximum of the estimated time, in seconds, for which adding cannot be stopped.
 const MOST_SECONDS: f64 = 20.0;
 
-/// A scenario and the files that it names.
+/// A scenario and its files.
 #[derive(Debug, Clone, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Given {
     /// The scenario: TOML.
     pub(crate) scenario: String,
-    /// Ids of uploaded files by the names that the scenario gives them. Data that ships with the program needs none.
+    /// Ids of uploaded files by their names in the scenario. The data of the program itself need no ids.
     #[serde(default)]
     pub(crate) files: BTreeMap<String, String>,
 }
 
-/// A scenario's text with changes.
+/// Applies edits to the text of a scenario.
 pub(crate) fn edited(scenario: String, edits: &[Edit]) -> Result<String, Fault> {
     check_length(&scenario)?;
     if edits.len() > MOST_EDITS {
@@ -54,18 +54,18 @@ fn check_length(scenario: &str) -> Result<(), Fault> {
         return Ok(());
     }
     let message = format!("the scenario is longer than {} KiB", LONGEST_SCENARIO >> 10);
-    Err(Fault::new(StatusCode::PAYLOAD_TOO_LARGE, message, "spectra and tables belong into files"))
+    Err(Fault::new(StatusCode::PAYLOAD_TOO_LARGE, message, "put spectra and tables into files"))
 }
 
-/// Which solver, whatever the scenario says.
+/// The solver of a computation, which replaces the solver of the scenario.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum By {
+pub(crate) enum Solver {
     Adding,
-    Walk,
+    MonteCarlo,
 }
 
 impl Given {
-    /// The files by their names.
+    /// Returns the files by their names, or an error with the ids of the files that are not stored.
     pub(crate) fn library(&self, site: &Site) -> Result<Library, Fault> {
         check_length(&self.scenario)?;
         if self.files.len() > MOST_FILES {
@@ -82,16 +82,16 @@ impl Given {
         if missing.is_empty() {
             return Ok(Library::Memory { files: Arc::new(files), memo: site.memo() });
         }
-        let mut fault = Fault::new(StatusCode::GONE, "a file is no longer here", "send it again");
+        let mut fault = Fault::new(StatusCode::GONE, "a file is no longer stored", "send it again");
         fault.body.missing = Some(missing);
         Err(fault)
     }
 
-    /// The scenario, and what it means to a solver.
-    pub(crate) fn resolve(&self, site: &Site, by: By) -> Result<(Scenario, Resolved), Fault> {
+    /// Reads the scenario and resolves it for a solver.
+    pub(crate) fn resolve(&self, site: &Site, solver: Solver) -> Result<(Scenario, Resolved), Fault> {
         let library = self.library(site)?;
         let mut scenario = self.read(&library, &[])?;
-        let set = set_for(&scenario, by);
+        let set = set_for(&scenario, solver);
         if !set.is_empty() {
             scenario = self.read(&library, &set)?;
         }
@@ -100,9 +100,9 @@ impl Given {
         Ok((scenario, resolved))
     }
 
-    /// What has to be set for a solver to take the scenario, as of `--set`.
-    pub(crate) fn overrides(&self, library: &Library, by: By) -> Result<Vec<String>, Fault> {
-        Ok(set_for(&self.read(library, &[])?, by))
+    /// Returns the overrides, as with `--set`, with which a solver accepts the scenario.
+    pub(crate) fn overrides(&self, library: &Library, solver: Solver) -> Result<Vec<String>, Fault> {
+        Ok(set_for(&self.read(library, &[])?, solver))
     }
 
     fn read(&self, library: &Library, set: &[String]) -> Result<Scenario, Fault> {
@@ -110,25 +110,26 @@ impl Given {
     }
 }
 
-/// What has to be set for a solver to take a scenario that is meant for the other.
-fn set_for(scenario: &Scenario, by: By) -> Vec<String> {
-    let solver = scenario.filled_at("solver");
-    let has = |key: &str| solver.get(key).is_some_and(|value| !value.is_null());
-    let wanted = match by {
-        By::Adding => "adding",
-        By::Walk => "monte-carlo",
+/// Returns the overrides with which a solver accepts a scenario that was written for the other one.
+fn set_for(scenario: &Scenario, solver: Solver) -> Vec<String> {
+    let table = scenario.filled_at("solver");
+    let has = |key: &str| table.get(key).is_some_and(|value| !value.is_null());
+    let wanted = match solver {
+        Solver::Adding => "adding",
+        Solver::MonteCarlo => "monte-carlo",
     };
-    if solver.get("method").and_then(|method| method.as_str()) == Some(wanted) {
+    if table.get("method").and_then(|method| method.as_str()) == Some(wanted) {
         return Vec::new();
     }
     let mut set = vec![format!("solver.method={wanted}")];
-    if by == By::Adding && has("paths") {
+    if solver == Solver::Adding && has("paths") {
         set.push("solver.relative_error=0.001".to_owned());
     }
     set
 }
 
-/// Refuses what would make an answer that no page can show, and what could not be stopped soon enough.
+/// Refuses scenarios whose result is too large for a page, or whose computation could not be stopped soon
+/// enough.
 pub(crate) fn check_work(resolved: &Resolved) -> Result<(), Fault> {
     let scene = &resolved.scene;
     let views = scene.viewer.theta_deg.len() * scene.viewer.phi_deg.len();
@@ -138,16 +139,19 @@ pub(crate) fn check_work(resolved: &Resolved) -> Result<(), Fault> {
         let bins = scene.grid.len();
         return Err(Fault::too_much(
             format!(
-                "{views} views of {states} states at {bins} wavelengths are too much for a page: at most {MOST_NUMBERS} numbers"
+                "{views} views of {states} states at {bins} wavelengths are too many for the page: at most {MOST_NUMBERS} numbers"
             ),
-            "fewer views or a larger spectrum.step_nm; `papilio run` takes all of it",
+            "choose fewer views or a larger spectrum.step_nm, or use `papilio run`, which has no such limit",
         ));
     }
     let seconds = adding_seconds(scene).map_err(|error| Fault::of(resolved, error))?;
     if seconds > MOST_SECONDS {
         return Err(Fault::too_much(
-            format!("these layers would take adding about {seconds:.0} s, more than a page waits for"),
-            "a wider diffuser, fewer wavelengths, or indices that are numbers; `papilio run` takes it",
+            format!(
+                "adding would take about {seconds:.0} s to prepare these layers; the page allows {MOST_SECONDS:.0} s"
+            ),
+            "choose a wider diffuser, fewer wavelengths or constant refractive indices, or use `papilio run`, which \
+             has no such limit",
         ));
     }
     Ok(())

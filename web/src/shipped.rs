@@ -1,4 +1,4 @@
-//! The example scenarios and their data, as they ship with the program.
+//! The example scenarios and their data, which are part of the program.
 
 use std::collections::BTreeMap;
 use std::sync::LazyLock;
@@ -11,7 +11,7 @@ use rust_embed::RustEmbed;
 #[folder = "../scenarios"]
 struct Scenarios;
 
-/// The scenario that a first visit shows.
+/// The scenario that is shown on the first visit.
 pub(crate) const FIRST: &str = "indoor";
 
 /// Names of the examples.
@@ -26,7 +26,7 @@ pub(crate) fn example(name: &str) -> Option<String> {
     String::from_utf8(file.data.into_owned()).ok()
 }
 
-/// Data files by the names that scenarios may give them: `data/H65.bsdf` as the examples do, and `H65.bsdf`.
+/// Data files under the names that scenarios may use: `data/H65.bsdf`, as in the examples, and `H65.bsdf`.
 pub(crate) static DATA: LazyLock<BTreeMap<String, KeptFile>> = LazyLock::new(|| {
     let named = |path: &str| {
         let name = path.strip_prefix("data/").filter(|name| !name.ends_with(".py"))?.to_owned();
@@ -42,7 +42,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn examples_and_data_are_here() {
+    fn examples_and_data_are_found_by_name_and_other_paths_are_not() {
         assert!(example(FIRST).is_some_and(|text| text.contains("[display.pixel]")));
         assert!(DATA.contains_key("H65.bsdf") && DATA.contains_key("data/H65.bsdf"));
         assert!(example("../Cargo").is_none() && example("data/H65").is_none());

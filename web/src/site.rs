@@ -1,4 +1,4 @@
-//! The server as a whole: what it was asked to be, and what it keeps while it runs.
+//! The server: its options, and the data that it stores while it runs.
 
 use std::net::{IpAddr, Ipv4Addr, SocketAddr};
 use std::sync::Arc;
@@ -9,19 +9,19 @@ use papilio_scenario::Memo;
 use tokio::net::TcpListener;
 
 use crate::guard::Guard;
-use crate::kept::Kept;
 use crate::listen::{self, ServeError};
+use crate::prepared::PreparedDisplays;
 use crate::store::Store;
 use crate::work::Gate;
 
-/// What a server is to be.
+/// The options of a server.
 #[derive(Debug, Clone)]
 pub struct Options {
-    /// The address to listen on; another than this machine's own demands a token of everyone.
+    /// The address to listen on. With any other address than a loopback address, all requests need a token.
     pub listen: IpAddr,
-    /// The port; 0: any that is free.
+    /// The port; 0: any free port.
     pub port: u16,
-    /// What the page opens; `None`: the example "indoor".
+    /// The scenario that the page opens; `None`: the example "indoor".
     pub start: Option<Start>,
 }
 
@@ -30,20 +30,21 @@ pub struct Options {
 pub struct Start {
     /// Its name.
     pub name: String,
-    /// Its text.
+    /// Its text (TOML).
     pub scenario: String,
-    /// The files that it names, under the names that it gives them.
+    /// Its files, under the names that it uses.
     pub files: Vec<DataFile>,
 }
 
 impl Default for Options {
-    /// On this machine alone, at the page's usual port: a browser keeps what was on screen by address and port.
+    /// Listens to this machine only, on port 7417. The port is fixed because the browser stores designs by
+    /// address and port.
     fn default() -> Self {
         Self { listen: IpAddr::V4(Ipv4Addr::LOCALHOST), port: 7417, start: None }
     }
 }
 
-/// The server; clones are the same one.
+/// The server; clones share its data.
 #[derive(Debug, Clone)]
 pub struct Site(Arc<Inner>);
 
@@ -53,19 +54,19 @@ struct Inner {
     guard: Guard,
     start: Option<Start>,
     store: Store,
-    kept: Kept,
+    prepared: PreparedDisplays,
     memo: Arc<Memo>,
     quick: Gate,
     files: Gate,
     long: Gate,
-    walks: Gate,
+    streamed: Gate,
 }
 
 impl Site {
-    /// Takes the port.
+    /// Binds the port.
     ///
     /// # Errors
-    /// If it is taken or not allowed, or there is no randomness for a token.
+    /// If the port is in use or not permitted, or if the system provides no random numbers for a token.
     pub async fn bind(options: Options) -> Result<(Self, TcpListener), ServeError> {
         let wanted = SocketAddr::new(options.listen, options.port);
         let listener = TcpListener::bind(wanted).await.map_err(|error| ServeError::Port { wanted, error })?;
@@ -77,33 +78,34 @@ impl Site {
             guard: Guard::new(address)?,
             start: options.start,
             store: Store::default(),
-            kept: Kept::default(),
+            prepared: PreparedDisplays::default(),
             memo: Arc::default(),
             quick: Gate::new(processors.max(2), seconds(20)).with_slow(seconds(1), processors.max(2)),
-            // Uploads come in crowds, and most of them take milliseconds: they wait rather than being refused.
+            // Many files are often uploaded together, and most take milliseconds: they wait longer before
+            // they are refused.
             files: Gate::new(processors.max(2), seconds(120)).with_patience(seconds(30)),
             long: Gate::new(processors.div_ceil(2), seconds(120)),
-            walks: Gate::new(1.max(processors / 4), seconds(1800)),
+            streamed: Gate::new(1.max(processors / 4), seconds(1800)),
         };
         Ok((Self(Arc::new(inner)), listener))
     }
 
-    /// Answers until the process ends.
+    /// Serves requests until the process ends.
     pub async fn serve(self, listener: TcpListener) {
         listen::serve(self, listener).await;
     }
 
-    /// Where a browser finds the page; with the token behind `#`, which browsers never send.
+    /// Returns the address of the page for a browser, with the token after `#`, which browsers do not send.
     pub fn url(&self) -> String {
         self.0.guard.url(self.0.address)
     }
 
-    /// Where it listens.
+    /// Returns the address and port on which the server listens.
     pub fn address(&self) -> SocketAddr {
         self.0.address
     }
 
-    /// True if a token is demanded.
+    /// Returns true if requests need a token.
     pub fn has_token(&self) -> bool {
         self.0.guard.has_token()
     }
@@ -120,31 +122,32 @@ impl Site {
         &self.0.store
     }
 
-    pub(crate) fn kept(&self) -> &Kept {
-        &self.0.kept
+    pub(crate) fn prepared(&self) -> &PreparedDisplays {
+        &self.0.prepared
     }
 
     pub(crate) fn memo(&self) -> Arc<Memo> {
         self.0.memo.clone()
     }
 
-    /// For what takes milliseconds; what takes longer than a second leaves its place to others.
+    /// Places for computations that take milliseconds; those that take longer than a second move to other
+    /// places.
     pub(crate) fn quick(&self) -> &Gate {
         &self.0.quick
     }
 
-    /// For reading and auditing files.
+    /// Places for reading and auditing files.
     pub(crate) fn files(&self) -> &Gate {
         &self.0.files
     }
 
-    /// For what takes seconds.
+    /// Places for computations that take seconds.
     pub(crate) fn long(&self) -> &Gate {
         &self.0.long
     }
 
-    /// For what takes as long as someone watches.
-    pub(crate) fn walks(&self) -> &Gate {
-        &self.0.walks
+    /// Places for computations that report their progress: Monte Carlo runs and sweeps.
+    pub(crate) fn streamed(&self) -> &Gate {
+        &self.0.streamed
     }
 }

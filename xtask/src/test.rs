@@ -1,7 +1,7 @@
-//! `cargo xtask test`: what must be green before anything is committed.
+//! `cargo xtask test`: the checks that must pass before every commit.
 //!
-//! All checks run, whatever fails before them. The last line counts the tests, and each
-//! check beside them as one more: `N passed, N failed`.
+//! All checks run, even if earlier ones fail. The last line counts the tests, with each
+//! other check as one more: `N passed, N failed`.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -12,48 +12,48 @@ use crate::page;
 use crate::python::Environment;
 use crate::shell::{self, Apart, Needs, Outcome, cargo, command};
 
-/// Seeds over which the statistical tests run in `cargo xtask full`; every day 16.
+/// Number of seeds of the statistical tests in `cargo xtask full`; 16 in `cargo xtask test`.
 pub(crate) const SEEDS: u64 = 480;
 
-/// `PAPILIO_SEEDS` is read by the statistical tests of `crates/transport`, and by that of sensitivities in `crates/design`.
+/// Number of seeds, read by the statistical tests of `crates/transport` and the test of sensitivities in `crates/design`.
 const SEEDS_VARIABLE: &str = "PAPILIO_SEEDS";
 
-/// `PAPILIO_STACKS` is read by validation's comparison of the two solvers: how many random displays.
+/// Number of random displays, read by validation's comparison of the two solvers.
 const STACKS_VARIABLE: &str = "PAPILIO_STACKS";
 
-/// `PAPILIO_SCENARIOS` is read by validation's comparison of the two solvers: how many random scenario files.
+/// Number of random scenario files, read by validation's comparison of the two solvers.
 const SCENARIOS_VARIABLE: &str = "PAPILIO_SCENARIOS";
 
-/// As many as make the mean square of z-scores known to a tenth.
+/// With this number, the mean square of the z-scores is known to 10 %.
 const SCENARIOS: &str = "300";
 
-/// `PAPILIO_FUZZ_SECONDS` is read by the mutation tests of BSDF files in `crates/formats`: for each format. Where it is set, those of
-/// scenarios mutate ten times as many.
+/// Duration for each format, read by the mutation tests of BSDF files in `crates/formats`. If it is set, the mutation
+/// tests of scenarios use ten times as many mutations.
 const FUZZ_VARIABLE: &str = "PAPILIO_FUZZ_SECONDS";
 
-/// Long enough for some hundred thousand files of each format.
+/// Enough for some hundred thousand files of each format.
 const FUZZ_SECONDS: &str = "180";
 
-/// `PAPILIO_SEARCH_SEEDS` is read by validation's search for a better pixel: seeds, each held to a population.
+/// Number of seeds, read by validation's search for a better pixel, which compares each with a population.
 const SEARCH_VARIABLE: &str = "PAPILIO_SEARCH_SEEDS";
 
-/// `PAPILIO_LOAD_SECONDS` is read by the web app's test of fifty clients at once.
+/// Duration of the web app's test of fifty simultaneous clients.
 const LOAD_VARIABLE: &str = "PAPILIO_LOAD_SECONDS";
 
-/// `PAPILIO_SWEEP_POINTS` is read by the program's test of sweeps of many points.
+/// Number of points, read by the program's test of long sweeps.
 const POINTS_VARIABLE: &str = "PAPILIO_SWEEP_POINTS";
 
-/// As many as a sweep may have.
+/// The largest number of points of a sweep.
 const POINTS: &str = "100000";
 
-/// How long they ask.
+/// Duration of the requests.
 const LOAD_SECONDS: &str = "60";
 
-/// The example scenarios that the program runs every day, which have figures of every kind between them. The tests run all of
-/// them in their own process, by both solvers.
+/// Example scenarios that the program runs in `cargo xtask test`; together they have all kinds of figures. The tests
+/// compute all example scenarios in-process, with both solvers.
 const EXAMPLES: [&str; 3] = ["map", "table-pixel", "two-diffusers"];
 
-/// The chore.
+/// Runs `cargo xtask test`.
 pub(crate) fn test() -> Outcome {
     let tests = || {
         let mut tests = cargo(TESTS);
@@ -63,7 +63,7 @@ pub(crate) fn test() -> Outcome {
     all_checks(tests, page::EVERYDAY)
 }
 
-/// The chore, with the statistics over that many seeds and random displays.
+/// Runs the checks with this number of seeds and random displays in the statistical tests.
 pub(crate) fn with_more(seeds: u64, stacks: u64) -> Outcome {
     let tests = || {
         let mut tests = cargo(TESTS);
@@ -80,7 +80,8 @@ pub(crate) fn with_more(seeds: u64, stacks: u64) -> Outcome {
     all_checks(tests, page::ALL)
 }
 
-/// Every day, Parquet and PNG are not compiled; what tests them says what it finds then. `cargo xtask full` has them.
+/// Returns the feature flags. `cargo xtask test` does not compile Parquet and PNG, and their tests check the messages
+/// about the missing features; `cargo xtask full` compiles them.
 fn features(of_page: &str) -> Option<&'static str> {
     (of_page == page::EVERYDAY).then_some("--no-default-features")
 }
@@ -95,23 +96,24 @@ fn all_checks(tests: impl Fn() -> Command, of_page: &str) -> Outcome {
     let mut lints = cargo(["clippy", "--workspace", "--all-targets"]);
     lints.args(features(of_page)).args(["--", "-D", "warnings"]);
     count.step("lints", |count| count.check(shell::run(lints)));
-    // Before all that is compiled: else the program would be compiled again when there is a page.
+    // The page is built first; otherwise the program would be compiled again once there is a page.
     let browser = count.step("page, built", Count::page);
-    // Apart, so that the time of the tests is theirs. If it fails, cargo says so once more, and it counts then.
+    // Compiled separately, so that the time of the tests does not include it. If it fails, the tests fail again below,
+    // and the failure is counted there.
     let mut compile = tests();
     compile.arg("--no-run");
     let _ = count.step("tests, compiled", |_| shell::run(compile));
     let environment = count.package();
     let mut others = Vec::new();
     if let Some(browser) = &browser {
-        others.push(("  page, alone", page::unit_tests()));
+        others.push(("  page, unit tests", page::unit_tests()));
         others.push(("  page, in a browser", page::end_to_end(of_page, browser)));
     }
     others.extend(environment.map(|environment| ("  Python", package::tests(&environment, Profile::Dev))));
     if of_page == page::EVERYDAY {
         count.step("tests", |count| count.together(tests(), others));
     } else {
-        // The long ones look at times.
+        // The long tests measure times and must not run in parallel with others.
         count.step("tests", |count| count.tests(tests()));
         others
             .into_iter()
@@ -130,7 +132,7 @@ fn all_checks(tests: impl Fn() -> Command, of_page: &str) -> Outcome {
     count.conclude()
 }
 
-/// The example scenarios, in order.
+/// Returns the paths of the example scenarios, in order.
 fn scenarios() -> Result<Vec<PathBuf>, String> {
     let folder = shell::root().join("scenarios");
     let entries = folder.read_dir().map_err(|error| format!("scenarios: {error}"))?;
@@ -142,25 +144,26 @@ fn scenarios() -> Result<Vec<PathBuf>, String> {
 
 fn run_scenario(scenario: &Path) -> Outcome {
     let out = shell::target().join("examples").join(scenario.file_stem().unwrap_or_default());
-    // Not by cargo: for this program alone it would compile nearly all once more, with other features of what it depends on.
+    // Not through cargo: for this program alone it would compile nearly everything again, with other features of the
+    // dependencies.
     let mut papilio = command(shell::papilio_for_tests(), ["run"]);
     papilio.arg(scenario).arg("--out").arg(out);
     shell::run(papilio)
 }
 
-/// What passed, what failed, and why.
+/// Numbers of passed and failed checks, with reasons and times.
 #[derive(Default)]
 struct Count {
     passed: u64,
     failed: u64,
     reasons: Vec<String>,
-    left_out: Vec<String>,
-    /// What was done, and how long it took.
+    skipped: Vec<String>,
+    /// Names and durations of the steps.
     steps: Vec<(&'static str, Duration)>,
 }
 
 impl Count {
-    /// Does something and notes how long it takes.
+    /// Runs a step and records its duration.
     fn step<T>(&mut self, name: &'static str, work: impl FnOnce(&mut Self) -> T) -> T {
         let begun = Instant::now();
         let done = work(self);
@@ -180,7 +183,8 @@ impl Count {
         self.reasons.push(why);
     }
 
-    /// Runs cargo's tests, and meanwhile the others, one after the other: those wait for browsers and clocks much of their time.
+    /// Runs cargo's tests, and in parallel the others, one after the other. The others mostly wait for browsers and
+    /// clocks.
     fn together(&mut self, tests: Command, others: Vec<(&'static str, Command)>) {
         let others = std::thread::spawn(move || -> Vec<(&'static str, Apart, Duration)> {
             let timed = |(name, other)| {
@@ -190,7 +194,7 @@ impl Count {
             others.into_iter().map(timed).collect()
         });
         self.step("  cargo", |count| count.tests(tests));
-        let Ok(others) = others.join() else { return self.fail(1, "the other tests: no end".to_owned()) };
+        let Ok(others) = others.join() else { return self.fail(1, "the other tests: panicked".to_owned()) };
         for (name, other, took) in others {
             self.steps.push((name, took));
             other.show();
@@ -203,7 +207,7 @@ impl Count {
         }
     }
 
-    /// Runs the tests and adds up their own summaries, one for each test program.
+    /// Runs the tests and adds up the summaries of the test programs.
     fn tests(&mut self, tests: Command) {
         let (mut passed, mut failed) = (0, 0);
         let mut read = |line: &str| {
@@ -215,18 +219,18 @@ impl Count {
         let outcome = shell::run_and_read(tests, Some(&mut read));
         self.passed += passed;
         if let Err(why) = outcome {
-            // Tests that do not compile have no summary.
+            // Tests that do not compile print no summary.
             self.fail(failed.max(1), why);
         }
     }
 
-    /// Builds the page. It and its tests need what nothing else here needs; without it they are left out, and a line says so.
-    /// With it: the browser to test it in.
+    /// Builds the page and returns the browser to test it in. The page and its tests need additional tools; if one is
+    /// missing, both are skipped, which the output states.
     fn page(&mut self) -> Option<PathBuf> {
         let browser = match page::browser() {
             Ok(browser) => browser,
             Err(missing) => {
-                self.left_out.push(format!("the web app's page: {missing}"));
+                self.skipped.push(format!("the web app's page: {missing}"));
                 return None;
             }
         };
@@ -236,12 +240,13 @@ impl Count {
         is_built.then_some(browser)
     }
 
-    /// The Python package: the wheel of the development profile in its environment; left out where there is no Python.
+    /// Builds the wheel of the Python package in the development profile and returns its environment. Skipped if Python
+    /// is missing.
     fn package(&mut self) -> Option<Environment> {
         let environment = match self.step("Python, environment", |_| package::environment()) {
             Ok(environment) => environment,
             Err(missing) => {
-                self.left_out.push(format!("the Python package: {missing}"));
+                self.skipped.push(format!("the Python package: {missing}"));
                 return None;
             }
         };
@@ -256,25 +261,25 @@ impl Count {
 
     fn conclude(self) -> Outcome {
         println!();
-        // What is indented is a part of the step below it.
+        // An indented step is part of the step below it.
         let whole = self.steps.iter().filter(|(name, _)| !name.starts_with(' '));
         let all: Duration = whole.map(|(_, took)| *took).sum();
         for (name, took) in self.steps.iter().copied().chain([("all", all)]) {
             println!("{name:<20} {:7.1} s", took.as_secs_f64());
         }
-        self.left_out.iter().for_each(|what| println!("left out: {what}"));
+        self.skipped.iter().for_each(|what| println!("skipped: {what}"));
         self.reasons.iter().for_each(|why| println!("failed: {why}"));
         println!("{} passed, {} failed", self.passed, self.failed);
         if self.failed == 0 { Ok(()) } else { Err("not green".to_owned()) }
     }
 }
 
-/// Passed and failed, from a summary line of any program of tests.
+/// Returns the numbers of passed and failed tests from a summary line of any test program.
 fn counts(line: &str) -> Option<(u64, u64)> {
     summary(line).or_else(|| summary_of_node(line)).or_else(|| summary_of_pytest(line))
 }
 
-/// Passed and failed, from a line like `test result: ok. 5 passed; 0 failed; 0 ignored; ...`.
+/// Returns the numbers of passed and failed tests from a line like `test result: ok. 5 passed; 0 failed; 0 ignored; ...`.
 fn summary(line: &str) -> Option<(u64, u64)> {
     let (_, counts) = line.strip_prefix("test result: ")?.split_once(". ")?;
     let of = |what: &str| {
@@ -284,14 +289,14 @@ fn summary(line: &str) -> Option<(u64, u64)> {
     Some((of("passed")?, of("failed")?))
 }
 
-/// Passed and failed, from a line of node like `# pass 25` or `# fail 1`.
+/// Returns the numbers of passed and failed tests from a line of node like `# pass 25` or `# fail 1`.
 fn summary_of_node(line: &str) -> Option<(u64, u64)> {
     let (_, counts) = line.split_once([' ']).filter(|(mark, _)| matches!(*mark, "#" | "\u{2139}"))?;
     let of = |what: &str| counts.strip_prefix(what)?.trim().parse().ok();
     of("pass ").map(|passed| (passed, 0)).or_else(|| of("fail ").map(|failed| (0, failed)))
 }
 
-/// Passed and failed, from the last line of pytest like `1 failed, 12 passed, 1 error in 1.33s`.
+/// Returns the numbers of passed and failed tests from the last line of pytest like `1 failed, 12 passed, 1 error in 1.33s`.
 fn summary_of_pytest(line: &str) -> Option<(u64, u64)> {
     let (counts, _) = line.trim_matches(['=', ' ']).split_once(" in ")?;
     let of = |what: &[&str]| {
@@ -308,7 +313,7 @@ mod tests {
     use super::{summary, summary_of_node, summary_of_pytest};
 
     #[test]
-    fn summary_lines_of_pytest() {
+    fn pytest_summary_is_parsed() {
         assert_eq!(summary_of_pytest("12 passed in 1.33s"), Some((12, 0)));
         assert_eq!(
             summary_of_pytest("=== 1 failed, 12 passed, 2 warnings, 3 errors in 70.21s (0:01:10) ==="),
@@ -319,7 +324,7 @@ mod tests {
     }
 
     #[test]
-    fn summary_lines_of_node() {
+    fn node_summary_is_parsed() {
         assert_eq!(summary_of_node("# pass 25"), Some((25, 0)));
         assert_eq!(summary_of_node("\u{2139} fail 2"), Some((0, 2)));
         assert_eq!(summary_of_node("# tests 27"), None);
@@ -327,7 +332,7 @@ mod tests {
     }
 
     #[test]
-    fn a_summary_line_of_cargo_test() {
+    fn cargo_summary_is_parsed() {
         let line = "test result: FAILED. 12 passed; 3 failed; 0 ignored; 0 measured; 0 filtered out; finished in 0.1s";
         assert_eq!(summary(line), Some((12, 3)));
         assert_eq!(summary("running 15 tests"), None);

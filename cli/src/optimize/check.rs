@@ -1,6 +1,6 @@
 //! The best design computed by the Monte Carlo solver too, which shares no integration with adding.
 
-use papilio_design::search::{Chosen, Search};
+use papilio_design::search::{Search, SelectedDesign};
 use papilio_display::scene::{Method, Stop};
 use serde_json::{Value, json};
 
@@ -34,7 +34,7 @@ impl SolverComparison {
 /// Computes a design by the Monte Carlo solver under every condition; `None` if interrupted.
 pub(super) fn check(
     search: &Search,
-    best: &Chosen,
+    best: &SelectedDesign,
     threads: Option<u16>,
 ) -> Result<Option<Vec<SolverComparison>>, Failure> {
     let study = search.study();

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use papilio_design::search::{Kept, Record};
+use papilio_design::search::{Record, SearchRecords};
 use papilio_formats::{HeldJournal, SearchHead, foreign, journal_name, journal_paths, trusted_lines};
 
 use crate::Failure;
@@ -20,15 +20,15 @@ pub(super) fn open(
     shard: Option<(usize, usize)>,
     head: &SearchHead,
     others: &[PathBuf],
-) -> Result<(HeldJournal, Kept), Failure> {
-    let mut records = Kept::default();
+) -> Result<(HeldJournal, SearchRecords), Failure> {
+    let mut records = SearchRecords::default();
     let own = folder.join(journal_name(STEM, shard));
     for (index, folder) in [folder].into_iter().chain(others.iter().map(PathBuf::as_path)).enumerate() {
         check_folder(folder, STEM)?;
         let paths = journal_paths(folder, STEM)?;
         let mut matching = 0;
         for path in paths.iter().filter(|path| **path != own) {
-            let mut read = Kept::default();
+            let mut read = SearchRecords::default();
             matching += trusted_lines(path, head, |line| add_record(&mut read, line))?;
             records.join(read);
         }
@@ -44,6 +44,6 @@ pub(super) fn open(
 }
 
 /// Adds the record in a line; false if the line is not a record.
-fn add_record(records: &mut Kept, line: &str) -> bool {
+fn add_record(records: &mut SearchRecords, line: &str) -> bool {
     Record::parse(line).map(|record| records.add(record)).is_ok()
 }

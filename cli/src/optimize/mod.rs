@@ -13,9 +13,11 @@ use std::sync::Arc;
 use std::sync::atomic::Ordering;
 use std::time::Instant;
 
-use papilio_design::search::{Chosen, Course, Found, Kept, Record, Search, was_stopped};
+use papilio_design::output::{design_texts, search_figures, search_table};
+use papilio_design::search::{
+    Record, Search, SearchRecords, SearchResult, SearchSchedule, SelectedDesign, was_stopped,
+};
 use papilio_design::{DesignError, Evaluator, Study};
-use papilio_findings::{design_texts, search_figures, search_table};
 use papilio_formats::{DataFile, HeldJournal, SearchHead, write_file};
 use papilio_scenario::{Edit, Optimisation, edit};
 
@@ -44,11 +46,11 @@ pub(crate) fn run(arguments: &Optimize) -> Result<(), Failure> {
         .threads
         .map_or_else(|| std::thread::available_parallelism().map_or(1, usize::from), usize::from);
     let mut schedule = match arguments.shard {
-        Some(shard) => Course::part(Arc::clone(&search), records, threads, shard),
-        None => Course::new(Arc::clone(&search), records, threads),
+        Some(shard) => SearchSchedule::shard(Arc::clone(&search), records, threads, shard),
+        None => SearchSchedule::new(Arc::clone(&search), records, threads),
     };
     let new = run_schedule(&mut schedule, &evaluator, threads, &mut journal)?;
-    let found = schedule.found();
+    let found = schedule.results();
     let seconds = started.elapsed().as_secs_f64();
     let all = report::evaluations(&found);
     let now = if new < all { format!(", {new} of them now,") } else { String::new() };
@@ -62,14 +64,14 @@ pub(crate) fn run(arguments: &Optimize) -> Result<(), Failure> {
         ));
         return Ok(());
     }
-    let chosen = or_interrupted(search.chosen(&found, &mut evaluator))?;
+    let chosen = or_interrupted(search.selected(&found, &mut evaluator))?;
     print_message(&evaluated);
     let (stopped, descents) = search.cut_short(&found);
     if stopped > 0 {
         print_message(&format!(
             "note: {stopped} of {descents} gradient searches stopped because their part of `evaluations` ({}) was used up\n  = help: increase \
              optimize.evaluations to let them converge",
-            search.said().evaluations
+            search.spec().evaluations
         ));
     }
     let comparison = match chosen.first() {
@@ -84,7 +86,7 @@ pub(crate) fn run(arguments: &Optimize) -> Result<(), Failure> {
 
 /// Runs a search to its end, and writes each record to the journal. Returns the number of evaluated designs.
 fn run_schedule(
-    schedule: &mut Course,
+    schedule: &mut SearchSchedule,
     evaluator: &Evaluator<'_>,
     threads: usize,
     journal: &mut HeldJournal,
@@ -96,7 +98,7 @@ fn run_schedule(
         format!("{done} of {total} searches, {} designs", counter.load(Ordering::Relaxed))
     });
     let mut store = |record: &Record, (done, total): (usize, usize)| {
-        if let Record::Found(found) = record {
+        if let Record::Task(found) = record {
             new += found.evaluations;
         }
         bar.set_length(total as u64);
@@ -115,7 +117,7 @@ fn run_schedule(
 
 /// Fails if a shard has no work.
 fn check_shard((k, n): (usize, usize), search: &Arc<Search>) -> Result<(), Failure> {
-    let (_, tasks) = Course::new(Arc::clone(search), Kept::default(), 1).progress();
+    let (_, tasks) = SearchSchedule::new(Arc::clone(search), SearchRecords::default(), 1).progress();
     if k <= tasks {
         return Ok(());
     }
@@ -139,12 +141,12 @@ fn finish(
     arguments: &Optimize,
     folder: &Path,
     search: &Search,
-    found: &[Found],
-    chosen: &[Chosen],
+    found: &[SearchResult],
+    chosen: &[SelectedDesign],
     comparison: &[SolverComparison],
 ) -> Result<(), Failure> {
     let title =
-        search.said().title.clone().unwrap_or_else(|| crate::report::file_title(&arguments.scenario.file));
+        search.spec().title.clone().unwrap_or_else(|| crate::report::file_title(&arguments.scenario.file));
     let names = interrupt::uninterrupted(|| write(arguments, folder, &title, search, found, chosen))?;
     let mut stdout = crate::terminal::stdout();
     if arguments.json {
@@ -166,7 +168,7 @@ fn finish(
     if chosen.is_empty() {
         return Err(Failure::Infeasible("no design could be evaluated, because its metrics are undefined"));
     }
-    if !chosen.iter().any(Chosen::meets_limits) {
+    if !chosen.iter().any(SelectedDesign::meets_limits) {
         return Err(Failure::Infeasible(
             "no feasible design was found; closest.toml contains the design with the smallest violation of the constraints",
         ));
@@ -179,8 +181,8 @@ fn write(
     folder: &Path,
     title: &str,
     search: &Search,
-    found: &[Found],
-    chosen: &[Chosen],
+    found: &[SearchResult],
+    chosen: &[SelectedDesign],
 ) -> Result<Vec<String>, Failure> {
     let mut names = vec!["optimize.csv".to_owned()];
     write_file(&folder.join("optimize.csv"), |out| out.write_all(search_table(search, found).as_bytes()))?;
@@ -201,7 +203,7 @@ fn designs(
     arguments: &Optimize,
     folder: &Path,
     search: &Search,
-    chosen: &[Chosen],
+    chosen: &[SelectedDesign],
 ) -> Result<Vec<(String, String)>, Failure> {
     let path = &arguments.scenario.file;
     let file = DataFile::open(path, &path.display().to_string()).map_err(Failure::Data)?;

@@ -1,6 +1,6 @@
 //! Report of a search, on the terminal and as JSON.
 
-use papilio_design::search::{Chosen, FEASIBLE, Found, Search};
+use papilio_design::search::{FEASIBLE, Search, SearchResult, SelectedDesign};
 use papilio_formats::sweep_value;
 use papilio_scenario::{SearchAim, SearchRange};
 use serde_json::{Map, Value, json};
@@ -9,7 +9,7 @@ use super::check::SolverComparison;
 use crate::report::{digits, plain, table};
 
 /// Report on the terminal: the best design, or the Pareto front.
-pub(super) fn text(title: &str, search: &Search, chosen: &[Chosen]) -> String {
+pub(super) fn text(title: &str, search: &Search, chosen: &[SelectedDesign]) -> String {
     let body = match chosen {
         [best] => best_design(search, best),
         several => front(search, several),
@@ -18,10 +18,10 @@ pub(super) fn text(title: &str, search: &Search, chosen: &[Chosen]) -> String {
 }
 
 /// The best design next to that of the scenario.
-fn best_design(search: &Search, best: &Chosen) -> String {
+fn best_design(search: &Search, best: &SelectedDesign) -> String {
     let (own, own_values) = search.own();
     let mut rows = vec![["key or metric", "scenario", "result", "range or aim"].map(str::to_owned).to_vec()];
-    for (index, variable) in search.said().variables.iter().enumerate() {
+    for (index, variable) in search.spec().variables.iter().enumerate() {
         let range = match &variable.range {
             SearchRange::Bounds(from, to) => format!("{from} to {to}"),
             SearchRange::Choices(choices) => format!("one of {}", choices.len()),
@@ -40,13 +40,13 @@ fn best_design(search: &Search, best: &Chosen) -> String {
 /// Aims and constraints of a quantity in words, and whether the result violates a constraint.
 fn aims(search: &Search, name: &str, found: Option<f64>) -> String {
     let objectives =
-        search.said().objectives.iter().filter(|one| one.parts.iter().any(|(_, part)| part.name == name));
+        search.spec().objectives.iter().filter(|one| one.parts.iter().any(|(_, part)| part.name == name));
     let objectives = objectives.map(|one| match one.aim {
         SearchAim::Maximise => "maximise".to_owned(),
         SearchAim::Minimise => "minimise".to_owned(),
         SearchAim::Target(target) => format!("near {target}"),
     });
-    let constraints = search.said().constraints.iter().filter(|one| one.quantity.name == name);
+    let constraints = search.spec().constraints.iter().filter(|one| one.quantity.name == name);
     let constraints = constraints.flat_map(|one| {
         let verdict = |violation: f64, limit: f64| {
             // The precision with which designs are written.
@@ -64,9 +64,9 @@ fn aims(search: &Search, name: &str, found: Option<f64>) -> String {
 }
 
 /// A row for each design of the Pareto front.
-fn front(search: &Search, chosen: &[Chosen]) -> String {
+fn front(search: &Search, chosen: &[SelectedDesign]) -> String {
     let quantities = search.study().quantities.iter().map(|one| one.name.clone());
-    let variables = search.said().variables.iter().map(|one| short(&one.name));
+    let variables = search.spec().variables.iter().map(|one| short(&one.name));
     let mut rows: Vec<Vec<String>> =
         vec![["design".to_owned()].into_iter().chain(quantities).chain(variables).collect()];
     let (own, own_values) = search.own();
@@ -84,7 +84,7 @@ fn front(search: &Search, chosen: &[Chosen]) -> String {
 
 /// Value of a variable: a number, or the choice with this index.
 fn value(search: &Search, index: usize, x: f64) -> String {
-    match &search.said().variables[index].range {
+    match &search.spec().variables[index].range {
         SearchRange::Bounds(..) => digits(x),
         SearchRange::Choices(choices) => choices.get(x as usize).map_or_else(|| "-".to_owned(), sweep_value),
     }
@@ -99,8 +99,8 @@ pub(super) fn short(path: &str) -> String {
 pub(super) fn json(
     title: &str,
     search: &Search,
-    chosen: &[Chosen],
-    found: &[Found],
+    chosen: &[SelectedDesign],
+    found: &[SearchResult],
     comparison: &[SolverComparison],
 ) -> Value {
     let study = search.study();
@@ -111,7 +111,7 @@ pub(super) fn json(
         let settings = study.settings(design).unwrap_or_default();
         settings.into_iter().map(|(path, value)| (path.to_owned(), value)).collect()
     };
-    let one = |chosen: &Chosen| {
+    let one = |chosen: &SelectedDesign| {
         json!({
             "set": settings(&chosen.design),
             "quantities": quantities(&chosen.values),
@@ -123,9 +123,9 @@ pub(super) fn json(
     json!({
         "papilio": env!("CARGO_PKG_VERSION"),
         "title": title,
-        "search": search.said().hash,
+        "search": search.spec().hash,
         "evaluations": evaluations(found),
-        "objectives": search.said().objectives.iter().map(|one| one.name.clone()).collect::<Vec<_>>(),
+        "objectives": search.spec().objectives.iter().map(|one| one.name.clone()).collect::<Vec<_>>(),
         "scenario": { "set": settings(own), "quantities": quantities(own_values) },
         "designs": chosen.iter().map(one).collect::<Vec<_>>(),
         "checked_by_walk": comparison.iter().map(SolverComparison::json).collect::<Vec<_>>(),
@@ -133,6 +133,6 @@ pub(super) fn json(
 }
 
 /// Total number of evaluated designs.
-pub(super) fn evaluations(found: &[Found]) -> usize {
+pub(super) fn evaluations(found: &[SearchResult]) -> usize {
     found.iter().map(|one| one.evaluations).sum()
 }

@@ -9,10 +9,10 @@ mod report;
 use std::io::Write;
 use std::time::Instant;
 
+use papilio_design::output::{tolerance_figures, tolerance_tables};
 use papilio_design::tolerance::{Production, Report};
 use papilio_design::{DesignError, Evaluator};
 use papilio_display::DisplayError;
-use papilio_findings::{tolerance_figures, tolerance_tables};
 use papilio_formats::{JournalRows, ToleranceHead, write_file, write_json};
 use papilio_scenario::Tolerance;
 

@@ -35,7 +35,8 @@ fn the_synthetic_panel_differs_as_it_was_made_to() {
     let output = compare(&run, &panel, &[Path::new("--out"), &out]);
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     let table = String::from_utf8(output.stdout).unwrap();
-    for words in ["Under an overcast sky", "seen from 20 deg", "simulated / measured", "mean difference of the peaks"]
+    for words in
+        ["Under an overcast sky", "seen from 20 deg", "simulated / measured", "mean difference of the peaks"]
     {
         assert!(table.contains(words), "{words} is not in\n{table}");
     }
@@ -90,7 +91,10 @@ fn wrong_input_is_said_and_writes_nothing() {
         ("state,theta,Y\nwhite,8,0.2\n", ":1:1"),
         ("state,theta_deg,X,Y,Z\nwhite,8,0.2,zero,0.2\n", ":2:13"),
         ("state,theta_deg,X,Y,Z\norange,8,0.2,0.2,0.2\nwhite,50,0.2,0.2,0.2\n", "no such state"),
-        ("state,theta_deg,X,Y,Z\norange,8,0.2,0.2,0.2\n", "measured.csv: nothing that was measured"),
+        (
+            "state,theta_deg,X,Y,Z\norange,8,0.2,0.2,0.2\n",
+            "measured.csv: no measured state has a counterpart",
+        ),
         ("state,theta_deg,X,Y,Z\nwhte,8,0.2,0.2,0.2\n", "did you mean `white` for `whte`?"),
         ("", "expected a first row with the names of the columns"),
     ] {

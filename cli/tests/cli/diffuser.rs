@@ -95,7 +95,7 @@ fn inspect_says_what_a_file_is_worth() {
         assert!(text.contains(word), "{word} is not in\n{text}");
     }
     // What an instrument does not see is blank.
-    let blank = "no light was seen there";
+    let blank = "no light measured";
     let figure = |name: &str| fs::read_to_string(folder.path(name).join("front-transmission.svg")).unwrap();
     assert!(!figure("figures").contains(blank));
     let (scenario, dark) = (shipped("virtual-instrument.toml"), folder.name("dark.bsdf"));
@@ -111,7 +111,7 @@ fn inspect_says_what_a_file_is_worth() {
     let (text, _) = done(&arguments.collect::<Vec<_>>());
     assert!(text.contains("maximum 90.0 %; half of the maximum at 392 nm"), "{text}");
     let svg = fs::read_to_string(folder.path("figures/transmission.svg")).unwrap();
-    assert!(["H65", "H78", "H81", "Transmission (%)"].iter().all(|word| svg.contains(word)));
+    assert!(["H65", "H78", "H81", "Transmittance (%)"].iter().all(|word| svg.contains(word)));
     assert!(refused(&["inspect", &h78, "--transmission", &h78]).contains("H78.bsdf"));
     let (json, _) = done(&["inspect", &shipped("data/H78.bsdf"), "--json"]);
     let json: serde_json::Value = serde_json::from_str(&json).unwrap();

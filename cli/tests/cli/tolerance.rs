@@ -224,7 +224,7 @@ fn mistakes_are_answered_with_their_place() {
         (
             "uniform = { plus_minus = 4 }",
             "uniform = { plus_minus = 400 }",
-            &["is out of range", "s.toml:29:26", "a display of this production has it\n"],
+            &["is out of range", "s.toml:29:26", "a display of this production has this value\n"],
         ),
         (
             "normal = { sigma = 0.3 }",
@@ -238,7 +238,7 @@ fn mistakes_are_answered_with_their_place() {
                 "is out of range",
                 "s.toml:25:20",
                 "expected a number from 0",
-                "`from` and `to` sort such displays out",
+                "`from` and `to` exclude such displays",
             ],
         ),
         ("film.1.thickness_nm\"\nnormal", "film.1.thick\"\nnormal", &["s.toml:24:7", "no key `thick`"]),

@@ -1,48 +1,49 @@
-//! Colour appearance: CIECAM16.
+//! Colour appearance model CIECAM16.
 //!
 //! **What.** The lightness J and chroma C of CIECAM16 (CIE 248:2022: CAM16 of Li et al., Color Res.
-//! Appl. 42, 703 (2017), made linear near black and beyond white) and the uniform coordinates J', a', b' of
-//! CAM16-UCS (same paper), in which the straight distance is a colour difference. The hue angle is
+//! Appl. 42, 703 (2017), with linear extensions near black and above white) and the uniform coordinates J', a', b' of
+//! CAM16-UCS (same paper), in which the Euclidean distance is a colour difference. The hue angle is
 //! that of (a', b').
 //!
-//! **Parameters.** The luminance that the eye is adapted to, cd/m2 (usually a fifth of that of white:
-//! a grey room), the luminance of the background over that of white (usually .2), and the surround.
+//! **Parameters.** The adapting luminance, cd/m2 (usually a fifth of that of white: a grey
+//! surrounding), the luminance of the background relative to white (usually 0.2), and the surround.
 //! **Range.** Surface colours, 1 to 10 000 cd/m2.
 
 use crate::Xyz;
 
-/// X, Y, Z to the responses of the cones.
+/// Matrix from X, Y, Z to the cone responses.
 const M16: [[f64; 3]; 3] =
     [[0.401288, 0.650173, -0.051461], [-0.250268, 1.204414, 0.045854], [-0.002079, 0.048952, 0.953127]];
 
-/// Below this response (of 100), and beyond the larger of the other and white's, compression goes on straight.
+/// Lower limit, on a scale of 100, below which the response compression is extended linearly. It is extended
+/// linearly as well above the larger of `HIGHEST` and the response to white.
 const LOWEST: f64 = 0.26;
 const HIGHEST: f64 = 150.0;
 
-/// What is around the display.
+/// Surround of the display, as defined by CIECAM16.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Surround {
-    /// As bright as the display or nearly so: paper, reflective displays in their room's light.
+    /// Average: about as bright as the display. Paper and reflective displays in ambient light.
     #[default]
     Average,
-    /// Less than a fifth of it.
+    /// Dim: less than a fifth of the display's luminance.
     Dim,
-    /// Nothing.
+    /// Dark: no light around the display.
     Dark,
 }
 
 /// Viewing conditions of CIECAM16.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Viewing {
-    /// Luminance that the eye is adapted to, cd/m2, above 0.
+    /// Adapting luminance, cd/m2, greater than 0.
     pub adapting_luminance_cd_m2: f64,
-    /// Luminance of the background over that of the white, above 0 to 1.
+    /// Luminance of the background relative to that of the white, greater than 0 and at most 1.
     pub background: f64,
-    /// What is around the display.
+    /// Surround of the display.
     pub surround: Surround,
 }
 
-/// What a colour looks like.
+/// Appearance correlates of a colour in CIECAM16.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Appearance {
     /// Lightness J, 100 for the white.
@@ -54,36 +55,36 @@ pub struct Appearance {
 }
 
 impl Xyz {
-    /// What this colour looks like beside `white`, both on one scale.
+    /// Computes the appearance of this colour relative to `white`; both must be on the same scale.
     ///
-    /// `None` unless the white is positive, and for colours that no eye sees (noise below black).
+    /// Returns `None` unless the white is positive, and for values outside the model (noise below black).
     pub fn appearance(self, white: Self, viewing: &Viewing) -> Option<Appearance> {
         let usable = white.to_array().into_iter().all(|value| value > 0.0 && value.is_finite());
         let eye = usable.then(|| Eye::new(white * (100.0 / white.y), viewing))?;
-        let seen = eye.sees(self * (100.0 / white.y));
+        let seen = eye.appearance(self * (100.0 / white.y));
         let all = [seen.lightness, seen.chroma].into_iter().chain(seen.uniform);
         all.into_iter().all(f64::is_finite).then_some(seen)
     }
 }
 
-/// An eye that is adapted; in the letters of CIE 248.
+/// Parameters of an adapted observer, in the symbols of CIE 248.
 struct Eye {
     c: f64,
     n_c: f64,
-    /// The background over the white.
+    /// Background luminance over white.
     n: f64,
-    /// Luminance adaptation.
+    /// Luminance-level adaptation factor.
     f_l: f64,
-    /// Of each cone: its gain.
+    /// Gain of each cone type.
     d: [f64; 3],
-    /// Response beyond which compression is straight.
+    /// Response above which the compression is linear.
     q_u: f64,
     /// Achromatic response of the white.
     a_w: f64,
 }
 
 impl Eye {
-    /// `white`: Y = 100.
+    /// Computes the parameters for a white with Y = 100.
     fn new(white: Xyz, viewing: &Viewing) -> Self {
         let [c, n_c, f] = match viewing.surround {
             Surround::Average => [0.69, 1.0, 1.0],
@@ -103,7 +104,7 @@ impl Eye {
         eye
     }
 
-    fn sees(&self, xyz: Xyz) -> Appearance {
+    fn appearance(&self, xyz: Xyz) -> Appearance {
         let [r, g, b] = self.responses(xyz);
         let (across, along) = (r - 12.0 / 11.0 * g + b / 11.0, (r + g - 2.0 * b) / 9.0);
         let hue = along.atan2(across);
@@ -118,7 +119,7 @@ impl Eye {
         Appearance { lightness, chroma, uniform }
     }
 
-    /// N_bb and N_cb.
+    /// Induction factors N_bb and N_cb, which are equal.
     fn induction(&self) -> f64 {
         0.725 * self.n.powf(-0.2)
     }
@@ -127,7 +128,7 @@ impl Eye {
         (2.0 * r + g + b / 20.0) * self.induction()
     }
 
-    /// The cones' compressed responses.
+    /// Compressed cone responses.
     fn responses(&self, xyz: Xyz) -> [f64; 3] {
         let cones = cones(xyz);
         [0, 1, 2].map(|k| self.compressed(cones[k] * self.d[k]))
@@ -153,7 +154,7 @@ fn cones(Xyz { x, y, z }: Xyz) -> [f64; 3] {
 }
 
 impl Appearance {
-    /// The straight distance in CAM16-UCS.
+    /// Colour difference: the Euclidean distance in CAM16-UCS.
     pub fn distance(self, other: Self) -> f64 {
         let square = |(a, b): (f64, f64)| (a - b).powi(2);
         self.uniform.into_iter().zip(other.uniform).map(square).sum::<f64>().sqrt()
@@ -170,7 +171,7 @@ mod tests {
 
     /// CIE 248:2022, the worked example of section 7.
     #[test]
-    fn the_worked_example_of_the_standard() {
+    fn appearance_equals_the_worked_example_of_the_standard() {
         let white = Xyz { x: 96.46, y: 100.0, z: 108.62 };
         let seen = Xyz { x: 60.70, y: 49.60, z: 10.29 }.appearance(white, &ROOM).unwrap();
         assert!((seen.lightness - 70.4406).abs() < 1e-4, "{seen:?}");
@@ -180,13 +181,13 @@ mod tests {
     }
 
     #[test]
-    fn white_is_white_on_any_scale_and_darkness_undefined() {
+    fn appearance_is_independent_of_scale_and_undefined_without_white() {
         for scale in [1.0, 100.0] {
             let white = (D65_WHITE * scale).appearance(D65_WHITE * scale, &ROOM).unwrap();
             assert!((white.lightness - 100.0).abs() < 1e-9 && white.distance(white) == 0.0);
         }
         assert_eq!(D65_WHITE.appearance(D65_WHITE * 0.0, &ROOM), None);
-        // Brighter than a perfect white, lightness goes on rising and hue stays.
+        // Above a perfect white, lightness continues to increase and hue is kept.
         let red = Xyz { x: 0.4, y: 0.25, z: 0.12 };
         let looks = [1.0, 2.0, 5.0, 8.0].map(|gain| (red * gain).appearance(D65_WHITE, &ROOM).unwrap());
         assert!(looks.windows(2).all(|pair| pair[0].lightness < pair[1].lightness), "{looks:?}");

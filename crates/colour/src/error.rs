@@ -1,10 +1,12 @@
-//! What can be wrong with light that is to be seen.
+//! Errors of colorimetry.
 
-/// Why an observer cannot look, or a light cannot be scaled.
+/// Error of preparing an observer or scaling a light.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 pub enum ColourError {
-    /// The grid holds no whole nanometre at which the observer is tabulated.
-    #[error("no whole nanometre of {start_nm} to {stop_nm} nm lies within the observer's 380 to 780 nm")]
+    /// The grid contains no wavelength at which the observer is tabulated.
+    #[error(
+        "the wavelength range {start_nm} to {stop_nm} nm contains no integer nanometre from 380 to 780 nm, where the observer is tabulated"
+    )]
     NothingVisible {
         /// First wavelength of the grid.
         start_nm: f64,
@@ -14,7 +16,7 @@ pub enum ColourError {
     /// A spectrum without visible light cannot be scaled to an illuminance.
     #[error("a spectrum without visible light cannot be scaled to {lux} lx")]
     Dark {
-        /// The illuminance asked for.
+        /// The requested illuminance.
         lux: f64,
     },
 }

@@ -1,14 +1,14 @@
-//! Gamut as an area of the u'v' diagram.
+//! Colour gamut as an area of the u'v' diagram.
 //!
-//! **What.** *Area*: the triangle of three primaries over that of a reference, in
-//! percent (Feng 2012, eq. 5-9). *Coverage*: the part of the reference's triangle that the
-//! primaries' covers, in percent (IDMS 1.1, section 5.18; there in x, y or u', v').
-//! **Limits.** Neither says anything about lightness. An area may lie elsewhere than the
-//! reference: 100 % of area is not coverage.
+//! **What.** *Area*: the area of the triangle of three primaries over that of a reference, in
+//! percent (Feng 2012, eq. 5-9). *Coverage*: the fraction of the reference triangle that the
+//! triangle of the primaries covers, in percent (IDMS 1.1, section 5.18; there in x, y or u', v').
+//! **Limits.** Neither quantity describes lightness. The triangle may be displaced from the
+//! reference: an area of 100 % does not imply a coverage of 100 %.
 
 use crate::{UvPrime, Xy};
 
-/// A set of primaries to compare with.
+/// Reference set of primaries of a gamut.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum GamutReference {
     /// sRGB and ITU-R BT.709.
@@ -22,7 +22,7 @@ pub enum GamutReference {
 }
 
 impl GamutReference {
-    /// Red, green and blue.
+    /// CIE 1931 x, y of red, green and blue.
     pub fn primaries(self) -> [Xy; 3] {
         let xy = |x, y| Xy { x, y };
         match self {
@@ -33,46 +33,46 @@ impl GamutReference {
         }
     }
 
-    /// Red, green and blue in u'v'.
+    /// CIE 1976 u', v' of red, green and blue.
     pub fn primaries_uv(self) -> [UvPrime; 3] {
-        // The same map as `Xy::uv_prime`, whose `None` cannot happen at a primary.
+        // The same conversion as `Xy::uv_prime`, which is always defined for a primary.
         self.primaries().map(|Xy { x, y }| {
             let sum = -2.0 * x + 12.0 * y + 3.0;
             UvPrime { u: 4.0 * x / sum, v: 9.0 * y / sum }
         })
     }
 
-    /// Area of the triangle in u'v'.
+    /// Area of the triangle of the primaries in u'v'.
     pub fn area(self) -> f64 {
         triangle_area(self.primaries_uv())
     }
 }
 
-/// Area of a triangle in u'v', whichever way round.
+/// Area of a triangle in u'v'; its orientation does not matter.
 pub fn triangle_area([a, b, c]: [UvPrime; 3]) -> f64 {
     0.5 * turn(a, b, c).abs()
 }
 
-/// Twice the area of a triangle, positive where its corners run anticlockwise.
+/// Twice the signed area of a triangle, positive if its corners are anticlockwise.
 fn turn(a: UvPrime, b: UvPrime, c: UvPrime) -> f64 {
     (b.u - a.u) * (c.v - a.v) - (c.u - a.u) * (b.v - a.v)
 }
 
-/// Area of the primaries' triangle in u'v', % of the reference's.
+/// Gamut area: area of the triangle of the primaries in u'v', % of the reference's area.
 pub fn gamut_percent(primaries: [UvPrime; 3], reference: GamutReference) -> f64 {
     100.0 * triangle_area(primaries) / reference.area()
 }
 
-/// The part of the reference's triangle that the primaries' covers, %.
+/// Gamut coverage: fraction of the reference triangle that the triangle of the primaries covers, %.
 pub fn coverage_percent(primaries: [UvPrime; 3], reference: GamutReference) -> f64 {
     100.0 * common_area(primaries, reference.primaries_uv()) / reference.area()
 }
 
-/// Area that two triangles share, whichever way round they are.
+/// Area of the intersection of two triangles of any orientation.
 fn common_area(one: [UvPrime; 3], other: [UvPrime; 3]) -> f64 {
     let [a, b, c] = other;
     let other = if turn(a, b, c) < 0.0 { [a, c, b] } else { other };
-    // A triangle cut by three lines has at most six corners.
+    // A triangle clipped by three lines has at most six corners.
     let mut shape = [one[0]; 6];
     shape[..3].copy_from_slice(&one);
     let mut corners = 3;
@@ -83,7 +83,7 @@ fn common_area(one: [UvPrime; 3], other: [UvPrime; 3]) -> f64 {
     0.5 * fan.sum::<f64>().abs()
 }
 
-/// What lies left of the line `from` - `to` (Sutherland, Hodgman 1974): corners, and how many.
+/// Clips a polygon to the left of the line `from` - `to` (Sutherland, Hodgman 1974); returns its corners and their number.
 fn cut(shape: &[UvPrime], from: UvPrime, to: UvPrime) -> ([UvPrime; 6], usize) {
     let (mut kept, mut count) = ([from; 6], 0);
     let mut keep = |corner: UvPrime| {
@@ -112,9 +112,9 @@ mod tests {
 
     use super::*;
 
-    /// Areas computed by hand from the standards' chromaticities.
+    /// Areas computed by hand from the chromaticities of the standards.
     #[test]
-    fn the_references_have_their_known_areas() {
+    fn areas_of_the_references_equal_those_of_the_standards() {
         for (reference, area) in [
             (GamutReference::Srgb, 0.064892),
             (GamutReference::Ebu, 0.065537),
@@ -128,7 +128,7 @@ mod tests {
     }
 
     #[test]
-    fn order_does_not_matter_and_a_line_has_no_area() {
+    fn area_is_independent_of_the_order_and_zero_for_a_line() {
         let [r, g, b] = GamutReference::Srgb.primaries_uv();
         assert!((triangle_area([g, r, b]) - triangle_area([r, g, b])).abs() < 1e-15);
         assert!(triangle_area([r, g, r]) < 1e-15);
@@ -140,9 +140,9 @@ mod tests {
         UvPrime { u, v }
     }
 
-    /// A right triangle and the same turned by half and moved: nothing, a square, a hexagon.
+    /// A right triangle and a copy rotated by 180 degrees and moved: the intersection is empty, a square, a hexagon.
     #[test]
-    fn shared_areas_by_hand() {
+    fn intersections_of_triangles_equal_areas_computed_by_hand() {
         let one = [at(0.0, 0.0), at(1.0, 0.0), at(0.0, 1.0)];
         let turned = |d: f64| [at(d, d), at(d - 1.0, d), at(d, d - 1.0)];
         assert!(common_area(one, turned(1.0)).abs() < 1e-15);
@@ -152,9 +152,9 @@ mod tests {
         assert_eq!(common_area(one, one.map(|p| at(p.u + 2.0, p.v))), 0.0);
     }
 
-    /// Coverage is symmetric, no larger than either triangle, and whole where one holds the other.
+    /// The area of an intersection is symmetric, at most that of either triangle, and equal to that of a contained one.
     #[test]
-    fn shared_areas_keep_their_bounds() {
+    fn intersection_of_triangles_is_symmetric_and_bounded() {
         let triangle = |dice: &mut Dice| [(); 3].map(|()| at(dice.throw(), dice.throw()));
         laws(
             300,

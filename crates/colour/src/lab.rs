@@ -1,33 +1,33 @@
 //! CIELAB, CIELUV and colour differences.
 //!
 //! **What.** CIE 15:2018, eq. 8.3 to 8.11 and 8.27 to 8.29, with the linear toe below
-//! (24/116)^3 = .008856 of the white (it also takes small negative values), and
+//! (24/116)^3 = 0.008856 of the white (small negative values are accepted, too), and
 //! CIEDE2000 (ISO/CIE 11664-6).
-//! **Range.** Surface colours in a light of moderate colour. Displays far below
-//! their white (black states) sit on the toe, where a* and b* follow noise.
+//! **Range.** Surface colours in a light of moderate chroma. Black states of displays are
+//! on the linear toe, where a* and b* amplify noise.
 
 use std::f64::consts::{PI, TAU};
 
 use crate::{UvPrime, Xyz};
 
-/// (24/116)^3: below this part of the white, the cube root goes on as a straight line.
+/// Ratio to the white below which the cube root is replaced by a straight line: (24/116)^3.
 const TOE: f64 = 0.008_856_451_679_035_631;
 
-/// L*, a*, b*.
+/// CIE 1976 L\*, a\*, b\* (CIELAB) of a colour relative to a white.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Lab {
-    /// Lightness, 0 to 100.
+    /// Lightness L\*, 0 to 100.
     pub l: f64,
-    /// Green (negative) to red.
+    /// a\*: green (negative) to red (positive).
     pub a: f64,
-    /// Blue (negative) to yellow.
+    /// b\*: blue (negative) to yellow (positive).
     pub b: f64,
 }
 
-/// u* and v* of CIELUV, whose lightness is that of CIELAB.
+/// CIE 1976 L\*, u\*, v\* (CIELUV) of a colour relative to a white.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Luv {
-    /// Lightness, 0 to 100.
+    /// Lightness L\*, 0 to 100: the same as that of CIELAB.
     pub l: f64,
     /// u* = 13 L* (u' - u'_n).
     pub u: f64,
@@ -36,7 +36,7 @@ pub struct Luv {
 }
 
 impl Lab {
-    /// CIELUV of a colour with this lightness at `uv`, in a light of chromaticity `white`.
+    /// Computes CIELUV from this lightness and the chromaticities of the colour (`uv`) and of the white.
     pub fn luv(self, uv: UvPrime, white: UvPrime) -> Luv {
         let scale = 13.0 * self.l;
         Luv { l: self.l, u: scale * (uv.u - white.u), v: scale * (uv.v - white.v) }
@@ -44,9 +44,9 @@ impl Lab {
 }
 
 impl Xyz {
-    /// CIELAB against `white`, both on one scale.
+    /// Computes CIELAB relative to `white`; both must be on the same scale.
     ///
-    /// `None` unless all three values of the white are positive: in a pure red
+    /// Returns `None` unless all three values of the white are positive: in pure red
     /// light, b* is not defined.
     pub fn lab(self, white: Self) -> Option<Lab> {
         let usable = white.to_array().into_iter().all(|value| value > 0.0 && value.is_finite());
@@ -57,30 +57,30 @@ impl Xyz {
     }
 }
 
-/// The cube root of a part of the white, straight below [`TOE`].
-fn root(part: f64) -> f64 {
-    if part > TOE { part.cbrt() } else { 841.0 / 108.0 * part + 16.0 / 116.0 }
+/// Cube root of a ratio to the white, linear below [`TOE`].
+fn root(ratio: f64) -> f64 {
+    if ratio > TOE { ratio.cbrt() } else { 841.0 / 108.0 * ratio + 16.0 / 116.0 }
 }
 
 impl Lab {
-    /// CIE 1976 difference: the straight distance.
+    /// CIE 1976 colour difference Delta E*ab: the Euclidean distance in CIELAB.
     pub fn delta_e_1976(self, other: Self) -> f64 {
         (self.l - other.l).hypot(self.a - other.a).hypot(self.b - other.b)
     }
 
-    /// CIEDE2000 difference, all weights 1; NaN where a value is not finite.
+    /// CIEDE2000 colour difference with kL = kC = kH = 1; NaN if a value is not finite.
     pub fn delta_e_2000(self, other: Self) -> f64 {
         let weight = |chroma: f64| (chroma.powi(7) / (chroma.powi(7) + 25_f64.powi(7))).sqrt();
         let mean = |one: f64, two: f64| (one + two) / 2.0;
         let length = |a: f64, b: f64| (a * a + b * b).sqrt();
-        // a* is stretched where both are nearly grey.
+        // a* is scaled up if both colours are nearly grey.
         let stretch = 0.5 * (1.0 - weight(mean(length(self.a, self.b), length(other.a, other.b))));
         let [(c1, h1), (c2, h2)] = [self, other].map(|colour| {
             let a = colour.a * (1.0 + stretch);
             (length(a, colour.b), colour.b.atan2(a).rem_euclid(TAU))
         });
         let (l, c) = (mean(self.l, other.l), mean(c1, c2));
-        // The short way round, and the middle of it.
+        // The smaller of the two hue differences, and its mean hue.
         let (turn, h) = match h2 - h1 {
             turn if turn > PI => (turn - TAU, (mean(h1 + h2, TAU)).rem_euclid(TAU)),
             turn if turn < -PI => (turn + TAU, (mean(h1 + h2, TAU)).rem_euclid(TAU)),
@@ -95,7 +95,7 @@ impl Lab {
             (other.l - self.l) / (1.0 + (0.015 * (l - 50.0).powi(2)) / (20.0 + (l - 50.0).powi(2)).sqrt());
         let chroma = (c2 - c1) / (1.0 + 0.045 * c);
         let hue = 2.0 * (c1 * c2).sqrt() * (turn / 2.0).sin() / (1.0 + 0.015 * c * t);
-        // In the blue, hue and chroma are not at right angles.
+        // For blue colours, hue and chroma differences interact.
         let rotation = degrees(30.0) * (-((h.to_degrees() - 275.0) / 25.0).powi(2)).exp();
         let cross = -(2.0 * weight(c)) * (2.0 * rotation).sin();
         (lightness.powi(2) + chroma.powi(2) + hue.powi(2) + cross * chroma * hue).sqrt()
@@ -108,7 +108,7 @@ mod tests {
     use crate::D65_WHITE;
 
     #[test]
-    fn white_is_100_and_black_is_0() {
+    fn white_has_lightness_100_and_black_0() {
         let white = Xyz { x: 0.9, y: 1.0, z: 0.3 };
         let lab = white.lab(white).unwrap();
         assert!((lab.l - 100.0).abs() < 1e-12 && lab.a.abs() < 1e-12 && lab.b.abs() < 1e-12);
@@ -116,18 +116,18 @@ mod tests {
         assert!(black.l.abs() < 1e-12 && black.a.abs() < 1e-12);
     }
 
-    /// On the toe L* = 903.3 Y/Yn: it runs straight through zero.
+    /// On the toe L* = 903.3 Y/Yn, which is linear through zero.
     #[test]
-    fn the_toe_takes_negative_noise() {
+    fn lightness_of_negative_noise_is_linear() {
         for y in [-0.004, -1e-6, 0.0, 0.004] {
             let lab = (D65_WHITE * y).lab(D65_WHITE).unwrap();
             assert!((lab.l - 24_389.0 / 27.0 * y).abs() < 1e-9, "{lab:?}");
         }
     }
 
-    /// colour-science's example for `XYZ_to_Luv`: XYZ .20654 .12197 .05137 under its D65.
+    /// colour-science's example for `XYZ_to_Luv`: XYZ = 0.20654, 0.12197, 0.05137 under its D65.
     #[test]
-    fn luv_of_a_known_surface() {
+    fn luv_equals_the_published_example() {
         let white = Xyz { x: 0.9504559270516716, y: 1.0, z: 1.0890577507598784 };
         let seen = Xyz { x: 0.20654008, y: 0.12197225, z: 0.05136952 };
         let luv = seen.lab(white).unwrap().luv(seen.uv_prime().unwrap(), white.uv_prime().unwrap());
@@ -137,18 +137,21 @@ mod tests {
     }
 
     #[test]
-    fn a_white_without_blue_has_no_lab() {
+    fn lab_relative_to_a_white_without_blue_is_undefined() {
         assert_eq!(D65_WHITE.lab(Xyz { x: 1.0, y: 1.0, z: 0.0 }), None);
         assert_eq!(D65_WHITE.lab(Xyz { x: 1.0, y: f64::NAN, z: 1.0 }), None);
     }
 
     /// Sharma, Wu, Dalal, Color Res. Appl. 30, 21 (2005), table 1, all 34 pairs: L*, a*, b* twice, and the difference.
     #[test]
-    fn delta_e_2000_as_sharma_tabulates_it() {
+    fn delta_e_2000_equals_the_published_table() {
         for [l1, a1, b1, l2, a2, b2, expected] in SHARMA {
             let (one, two) = (Lab { l: l1, a: a1, b: b1 }, Lab { l: l2, a: a2, b: b2 });
             for found in [one.delta_e_2000(two), two.delta_e_2000(one)] {
-                assert!((found - expected).abs() < 5e-5 + 1e-9, "{one:?} {two:?}: {found}, not {expected}");
+                assert!(
+                    (found - expected).abs() < 5e-5 + 1e-9,
+                    "{one:?} {two:?}: {found}, expected {expected}"
+                );
             }
             assert_eq!(one.delta_e_2000(one), 0.0);
         }

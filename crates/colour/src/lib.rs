@@ -1,19 +1,20 @@
-//! From a radiance spectrum to what an observer sees.
+//! Colorimetry of displays: from a spectral radiance to tristimulus values, colour differences and gamuts.
 //!
-//! A tour:
+//! The main types:
 //!
-//! - [`Observer`]: the CIE 1931 2 degree observer (or the 1964 10 degree one) on a wavelength grid; spectra become
-//!   [`Xyz`], luminance in cd/m2, light of so many lux. [`spectral_locus`] for diagrams.
-//! - [`Xyz`]: tristimulus values, and from them [`Xy`], [`UvPrime`], [`Lab`] and screen colours.
-//! - [`gamut_percent`], [`coverage_percent`]: the u'v' triangle of three primaries against sRGB's, EBU's,
-//!   NTSC's and DCI-P3's.
-//! - [`Corners`]: the gamut of eight states as a solid in CIELAB, its volume and rings.
-//! - [`Viewing`]: what a colour looks like in a room (CIECAM16).
-//! - [`peak_nm`]: where a reflectance spectrum peaks.
+//! - [`Observer`]: the CIE 1931 standard observer (2 degrees), or that of 1964 (10 degrees), on a wavelength grid. It
+//!   converts spectra to [`Xyz`] and to luminance in cd/m2, and scales light to an illuminance in lx.
+//!   [`spectral_locus`] draws chromaticity diagrams.
+//! - [`Xyz`]: tristimulus values, from which [`Xy`], [`UvPrime`], [`Lab`] and sRGB colours are computed.
+//! - [`gamut_percent`], [`coverage_percent`]: area and coverage of the u'v' triangle of three primaries, relative to
+//!   sRGB, EBU, NTSC and DCI-P3.
+//! - [`Corners`]: the colour gamut of eight states as a solid in CIELAB, with its volume and rings.
+//! - [`Viewing`]: the viewing conditions of the colour appearance model CIECAM16.
+//! - [`peak_nm`]: the wavelength at which a reflectance spectrum is largest.
 //!
-//! Everything is pure and cheap, because standard errors are found by computing every
-//! metric once per replicate; slightly negative values (noise) are taken as they come,
-//! and what is not defined is `None`.
+//! All functions are pure and cheap, because standard errors are computed by evaluating every
+//! metric once per replicate. Slightly negative values (noise) are accepted, and a quantity that
+//! is not defined is `None`.
 //!
 //! ```
 //! use papilio_colour::Observer;
@@ -22,25 +23,25 @@
 //! let grid = Grid::new(380.0, 780.0, 5.0)?;
 //! let observer = Observer::new(&grid)?;
 //!
-//! // Office light, and a perfect white in it: radiance is irradiance over pi.
+//! // Office light of 500 lx, and a perfect white in it: its radiance is the irradiance over pi.
 //! let light = observer.scale_to_illuminance(&illuminant("D65", &grid)?, 500.0)?;
 //! let white = light.map(|irradiance| irradiance / std::f64::consts::PI);
 //! assert!((observer.luminance(&white) - 159.155).abs() < 1e-3); // cd/m2
 //!
-//! // D65 lies at u' = .1978, v' = .4683 (CIE 15:2018).
+//! // D65 has u' = 0.1978, v' = 0.4683 (CIE 15:2018).
 //! let white = observer.xyz(&white);
-//! let uv = white.uv_prime().expect("a white has a chromaticity");
+//! let uv = white.uv_prime().expect("the white has a chromaticity");
 //! assert!((uv.u - 0.1978).abs() < 1e-4 && (uv.v - 0.4683).abs() < 1e-4);
 //!
-//! // A surface that reflects 18.42 % of it has L* = 50.
+//! // A surface that reflects 18.42 % of this light has L* = 50.
 //! let grey = light.map(|irradiance| 0.1842 * irradiance / std::f64::consts::PI);
-//! let lab = observer.xyz(&grey).lab(white).expect("a white has every colour");
+//! let lab = observer.xyz(&grey).lab(white).expect("all tristimulus values of the white are positive");
 //! assert!((lab.l - 50.0).abs() < 0.01);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! **Limits.** Observers are tabulated from 380 to 780 nm; a grid is cut there.
-//! **Out of scope.** What a colour means for a display (contrast, states), which is `papilio-display`'s.
+//! **Limits.** The observers are tabulated from 380 to 780 nm; wavelengths of a grid outside this range are ignored.
+//! **Out of scope.** Metrics of displays and their states, such as contrast: see `papilio-display`.
 
 mod appearance;
 mod error;

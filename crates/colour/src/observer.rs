@@ -1,16 +1,16 @@
-//! A CIE standard observer on a wavelength grid: of 1931 (2 degrees) or of 1964 (10 degrees).
+//! CIE standard observers on a wavelength grid: CIE 1931 (2 degrees) and CIE 1964 (10 degrees).
 //!
-//! **What.** `X = sum S(l) xbar(l)` over whole nanometres `l`, and Y and Z
-//! likewise (CIE 15:2018, at 1 nm; Feng 2012, eq. 5-6 to 5-8), with S
-//! interpolated linearly between the grid's wavelengths. The interpolation is
-//! linear in S, so it is folded once into a weight for each grid wavelength and
+//! **What.** `X = sum S(l) xbar(l)` over integer nanometres `l`, and the same for Y and Z
+//! (CIE 15:2018, at 1 nm; Feng 2012, eq. 5-6 to 5-8), with S
+//! interpolated linearly between the grid's wavelengths. Because the interpolation is
+//! linear in S, it is combined once into a weight for each grid wavelength, and
 //! X, Y, Z are three dot products.
 //!
-//! **Range.** The whole nanometres of the grid from 380 to 780, where
-//! `data/observers.csv` tabulates the observer; a grid that reaches farther is cut
-//! there (ybar outside holds 6e-6 of its integral). A grid that reaches less far
-//! loses light: white and display alike, so relative values stay consistent
-//! with each other, but not with those of the full range.
+//! **Range.** The integer nanometres of the grid from 380 to 780, where
+//! `data/observers.csv` tabulates the observer. Wavelengths outside are ignored
+//! (they hold 6e-6 of the integral of ybar). A narrower grid loses light of both the
+//! white and the display: relative values are then consistent with each other, but not
+//! with those of the full range.
 
 use std::sync::LazyLock;
 
@@ -20,22 +20,23 @@ use crate::{ColourError, D65_UV, UvPrime, Xyz};
 
 /// Luminous efficacy of radiation at ybar = 1, lm/W.
 ///
-/// The SI fixes 683 lm/W at 540 THz, a little beside the 555 nm peak of ybar in
-/// standard air, where it becomes 683.002 lm/W (CIE 18:2019).
+/// The SI fixes 683 lm/W at 540 THz, slightly off the peak of ybar, which is at
+/// 555 nm in standard air; there the efficacy is 683.002 lm/W (CIE 18:2019).
 pub const LUMENS_PER_WATT: f64 = 683.002;
 
-/// Who looks. Luminances and illuminances are those of 1931 whoever looks: photometry knows no other.
+/// Standard observer for X, Y, Z. Luminance and illuminance always use V(lambda), the ybar of CIE 1931.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Standard {
-    /// Of 1931, fields of 1 to 4 degrees.
+    /// CIE 1931 (2 degrees), for fields of 1 to 4 degrees.
     #[default]
     Cie1931,
-    /// Of 1964, fields of more than 4 degrees.
+    /// CIE 1964 (10 degrees), for fields of more than 4 degrees.
     Cie1964,
 }
 
 impl Standard {
-    /// D65 in u'v' (CIE 15:2018, appendix: x, y .31272, .32903 and .31381, .33098).
+    /// CIE 1976 u', v' of D65 for this observer (CIE 15:2018, appendix: x = 0.31272, y = 0.32903 for 1931;
+    /// x = 0.31381, y = 0.33098 for 1964).
     pub fn d65_uv(self) -> UvPrime {
         match self {
             Self::Cie1931 => D65_UV,
@@ -44,31 +45,31 @@ impl Standard {
     }
 }
 
-/// A standard observer, prepared for one grid.
+/// Standard observer, prepared for one wavelength grid.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Observer {
-    /// xbar, ybar, zbar times 1 nm, gathered at each grid wavelength.
+    /// Weights of xbar, ybar and zbar at each grid wavelength, nm.
     weight: [Vec<f64>; 3],
 }
 
 impl Observer {
-    /// The observer of 1931 on `grid`.
+    /// Prepares the CIE 1931 observer for `grid`.
     ///
     /// # Errors
-    /// If the grid holds no whole nanometre from 380 to 780 nm.
+    /// If the grid contains no integer nanometre from 380 to 780 nm.
     pub fn new(grid: &Grid) -> Result<Self, ColourError> {
         Self::of(Standard::Cie1931, grid)
     }
 
-    /// Gathers the weights for `grid`.
+    /// Prepares a standard observer for `grid`.
     ///
     /// # Errors
-    /// As [`new`](Self::new).
+    /// The same as those of [`new`](Self::new).
     pub fn of(standard: Standard, grid: &Grid) -> Result<Self, ColourError> {
         let mut weight = [(); 3].map(|()| vec![0.0; grid.len()]);
         let mut any = false;
         for (nm, matching) in matching_functions(standard) {
-            // A thousandth of a picometre forgives rounding at the ends of the grid.
+            // A tolerance of 1e-6 nm allows for rounding at the ends of the grid.
             let position = (nm - grid.start_nm()) / grid.step_nm();
             if nm < grid.start_nm() - 1e-6 || nm > grid.stop_nm() + 1e-6 {
                 continue;
@@ -88,10 +89,10 @@ impl Observer {
         }
     }
 
-    /// Tristimulus values of a spectrum on the observer's grid, in the
-    /// spectrum's unit times nm, without any scaling.
+    /// Computes the tristimulus values of a spectrum on the observer's grid, in the
+    /// spectrum's unit times nm, without normalisation.
     ///
-    /// Relative values are these over the Y of the white: `xyz * (1.0 / white.y)`.
+    /// Relative values are obtained by dividing by Y of the white: `xyz * (1.0 / white.y)`.
     pub fn xyz(&self, spectrum: &[f64]) -> Xyz {
         debug_assert_eq!(spectrum.len(), self.weight[0].len());
         let [x, y, z] = &self.weight;
@@ -102,16 +103,16 @@ impl Observer {
         }
     }
 
-    /// Luminance in cd/m2 of a spectral radiance in W/(m2 sr nm); likewise
-    /// illuminance in lx of a spectral irradiance in W/(m2 nm).
+    /// Computes the luminance, cd/m2, of a spectral radiance in W/(m2 sr nm), or the
+    /// illuminance, lx, of a spectral irradiance in W/(m2 nm).
     pub fn luminance(&self, spectrum: &[f64]) -> f64 {
         LUMENS_PER_WATT * sum_of_products(&self.weight[1], spectrum)
     }
 
-    /// A relative spectrum as a spectral irradiance, W/(m2 nm), of `lux`.
+    /// Scales a relative spectrum to a spectral irradiance, W/(m2 nm), of illuminance `lux`.
     ///
     /// # Errors
-    /// If the spectrum holds no visible light.
+    /// If the spectrum contains no visible light.
     pub fn scale_to_illuminance(&self, spectrum: &Spectrum, lux: f64) -> Result<Spectrum, ColourError> {
         let now = self.luminance(spectrum);
         if now > 0.0 && now.is_finite() {
@@ -121,27 +122,27 @@ impl Observer {
         }
     }
 
-    /// The weights of X, Y and Z, one for each grid wavelength, nm.
+    /// Returns the weights of X, Y and Z, one for each grid wavelength, nm.
     pub fn weights(&self) -> [&[f64]; 3] {
         [&self.weight[0], &self.weight[1], &self.weight[2]]
     }
 }
 
-/// The spectral locus: wavelength in nm and the colour of that light alone.
+/// Spectral locus: wavelength in nm and tristimulus values of monochromatic light.
 ///
-/// Whole nanometres from 380 to 699: beyond, the chromaticity no longer moves.
+/// Integer nanometres from 380 to 699; at longer wavelengths the chromaticity is constant.
 pub fn spectral_locus() -> impl Iterator<Item = (f64, Xyz)> {
     matching_functions(Standard::Cie1931).take_while(|(nm, _)| *nm < 700.0)
 }
 
-/// nm and xbar, ybar, zbar of 1931 and of 1964: the table of the CIE at 1 nm (its source: `spectra/data/README.md`).
+/// Wavelength in nm and xbar, ybar, zbar of 1931 and of 1964: the table of the CIE at 1 nm (source: `spectra/data/README.md`).
 static TABLE: LazyLock<Vec<[f64; 7]>> = LazyLock::new(|| {
     let rows = include_str!("../data/observers.csv").lines().skip(1);
     let numbers = |row: &str| row.split(',').filter_map(|cell| cell.parse().ok()).collect::<Vec<f64>>();
     rows.filter_map(|row| numbers(row).try_into().ok()).collect()
 });
 
-/// Wavelength in nm with xbar, ybar and zbar, as far as they are tabulated.
+/// Tabulated wavelengths in nm with xbar, ybar and zbar.
 fn matching_functions(standard: Standard) -> impl Iterator<Item = (f64, Xyz)> {
     TABLE.iter().map(move |&[nm, x, y, z, x10, y10, z10]| match standard {
         Standard::Cie1931 => (nm, Xyz { x, y, z }),
@@ -171,7 +172,7 @@ mod tests {
     }
 
     /// CIE 15:2018: x, y of the illuminants for the 2 degree observer
-    /// (360 to 830 nm; what 380 to 780 nm leave out is within the tolerance).
+    /// (360 to 830 nm; the light outside 380 to 780 nm is within the tolerance).
     #[test]
     fn illuminants_have_their_published_chromaticities() {
         let grid = grid(380.0, 780.0, 1.0);
@@ -188,9 +189,9 @@ mod tests {
         }
     }
 
-    /// A 5 nm grid is fine enough for every light that has a name.
+    /// A 5 nm grid is fine enough for every named illuminant.
     #[test]
-    fn coarse_grids_keep_the_colour_of_every_illuminant() {
+    fn chromaticity_of_every_illuminant_is_the_same_on_a_5_nm_grid() {
         let uv = |name: &str, step: f64| {
             let grid = grid(380.0, 780.0, step);
             Observer::new(&grid).unwrap().xyz(&illuminant(name, &grid).unwrap()).uv_prime().unwrap()
@@ -201,9 +202,9 @@ mod tests {
         }
     }
 
-    /// The weights are the plain recipe: interpolate to 1 nm, then sum.
+    /// The weights equal interpolation to 1 nm followed by summation.
     #[test]
-    fn weights_equal_interpolating_first() {
+    fn weights_equal_interpolation_to_1_nm() {
         let (coarse, fine) = (grid(381.3, 761.3, 7.6), grid(382.0, 761.0, 1.0));
         let s = |nm: f64| 1.0 + (nm / 37.0).sin();
         let table: Vec<f64> = coarse.wavelengths_nm().into_iter().map(s).collect();
@@ -220,9 +221,9 @@ mod tests {
         }
     }
 
-    /// CIE 15:2018, x10 and y10 of D65 and A.
+    /// CIE 15:2018: x10 and y10 of D65 and A.
     #[test]
-    fn the_observer_of_1964_sees_illuminants_where_the_cie_does() {
+    fn observer_of_1964_gives_the_published_chromaticities() {
         let grid = grid(380.0, 780.0, 1.0);
         let observer = Observer::of(Standard::Cie1964, &grid).unwrap();
         for (name, x, y) in [("D65", 0.31381, 0.33098), ("A", 0.45117, 0.40594)] {
@@ -237,7 +238,7 @@ mod tests {
     }
 
     #[test]
-    fn beyond_the_observer_nothing_counts() {
+    fn wavelengths_outside_the_table_are_ignored() {
         let (wide, visible) = (grid(300.0, 900.0, 5.0), grid(380.0, 780.0, 5.0));
         let y = |g: &Grid| Observer::new(g).unwrap().xyz(&Spectrum::constant(g, 1.0)).y;
         assert!((y(&wide) - y(&visible)).abs() < 1e-12);
@@ -247,7 +248,7 @@ mod tests {
     }
 
     #[test]
-    fn a_lux_is_a_lux() {
+    fn scaled_light_has_the_requested_illuminance() {
         let grid = grid(380.0, 780.0, 5.0);
         let observer = Observer::new(&grid).unwrap();
         let light = observer.scale_to_illuminance(&illuminant("A", &grid).unwrap(), 500.0).unwrap();
@@ -256,9 +257,9 @@ mod tests {
         assert_eq!(dark, Err(ColourError::Dark { lux: 500.0 }));
     }
 
-    /// Seeing is linear (Grassmann), and a perfect white has Y = 1 in any light.
+    /// Tristimulus values are linear in light (Grassmann), and a perfect white has Y = 1 in any light.
     #[test]
-    fn seeing_is_linear() {
+    fn tristimulus_values_are_linear_in_light() {
         let observer = Observer::new(&grid(380.0, 780.0, 5.0)).unwrap();
         let spectrum = |dice: &mut Dice, least| dice.several(81..=81, |dice| dice.between(least, 1.0));
         laws(

@@ -1,32 +1,32 @@
-//! Where a spectrum peaks.
+//! Peak wavelength of a spectrum.
 
 use papilio_spectra::Grid;
 
-/// A spectrum that varies by less than this share of its largest value is flat.
+/// Relative variation below which a spectrum is regarded as flat.
 const FLAT: f64 = 1e-9;
 
-/// Where a peak is looked for, nm.
+/// Wavelength interval in which peaks are searched, nm.
 const SEARCHED_NM: (f64, f64) = (400.0, 700.0);
 
 const LANES: usize = 8;
 
-/// Wavelength of the largest value between 400 and 700 nm, by the parabola
+/// Wavelength of the largest value between 400 and 700 nm, nm, from the parabola
 /// through the largest sample and its two neighbours.
 ///
-/// `None` where the largest sample stands at an edge of that interval (or of the
-/// grid): there the spectrum may go on rising. `None` also for a flat spectrum, whose
-/// differences are rounding. NaN is never the largest.
+/// Returns `None` if the largest sample is at an edge of that interval (or of the
+/// grid), because the spectrum may continue to rise there, and for a flat spectrum, whose
+/// differences are rounding errors. NaN is never the largest value.
 pub fn peak_nm(grid: &Grid, values: &[f64]) -> Option<f64> {
-    let (top, [left, centre, right]) = around_the_top(grid, values)?;
+    let (top, [left, centre, right]) = around_the_peak(grid, values)?;
     let curvature = left - 2.0 * centre + right;
-    // A flat top (curvature 0) peaks at its first sample.
+    // The peak of a flat top (curvature 0) is its first sample.
     let shift = if curvature < 0.0 { 0.5 * (left - right) / curvature } else { 0.0 };
     Some(grid.wavelength_nm(top) + shift * grid.step_nm())
 }
 
-/// How [`peak_nm`] changes with the values that it depends on: three, and where the first of them stands.
+/// Derivatives of [`peak_nm`] with respect to the three values that it depends on, and the index of the first.
 pub fn peak_slopes(grid: &Grid, values: &[f64]) -> Option<(usize, [f64; 3])> {
-    let (top, [left, centre, right]) = around_the_top(grid, values)?;
+    let (top, [left, centre, right]) = around_the_peak(grid, values)?;
     let curvature = left - 2.0 * centre + right;
     if curvature >= 0.0 {
         return None;
@@ -35,8 +35,8 @@ pub fn peak_slopes(grid: &Grid, values: &[f64]) -> Option<(usize, [f64; 3])> {
     Some((top - 1, [scale * (1.0 - lean), scale * 2.0 * lean, -scale * (1.0 + lean)]))
 }
 
-/// Where the largest value stands, and those before, at and after it; `None` at an edge, or if all are alike.
-fn around_the_top(grid: &Grid, values: &[f64]) -> Option<(usize, [f64; 3])> {
+/// Index of the largest value, with the values before, at and after it; `None` at an edge or for a flat spectrum.
+fn around_the_peak(grid: &Grid, values: &[f64]) -> Option<(usize, [f64; 3])> {
     let searched = |i: &usize| {
         let nm = grid.wavelength_nm(*i);
         nm >= SEARCHED_NM.0 - 1e-6 && nm <= SEARCHED_NM.1 + 1e-6
@@ -51,7 +51,7 @@ fn around_the_top(grid: &Grid, values: &[f64]) -> Option<(usize, [f64; 3])> {
     Some((top, [values[top - 1], values[top], values[top + 1]]))
 }
 
-/// The least and the largest value; NaN is neither. In lanes, so that comparisons do not wait for each other.
+/// Smallest and largest value, ignoring NaN. Independent lanes keep comparisons from waiting for each other.
 fn extremes(values: &[f64]) -> (f64, f64) {
     let (mut least, mut most) = ([f64::INFINITY; LANES], [f64::NEG_INFINITY; LANES]);
     for chunk in values.chunks(LANES) {
@@ -73,7 +73,7 @@ mod tests {
     }
 
     #[test]
-    fn a_parabola_is_found_exactly() {
+    fn peak_of_a_parabola_is_exact() {
         for peak in [406.0, 517.3, 523.0, 694.0] {
             let values = Spectrum::from_fn(&grid(), |nm| 1.0 - ((nm - peak) / 300.0).powi(2));
             assert!((peak_nm(&grid(), &values).unwrap() - peak).abs() < 1e-9);
@@ -81,7 +81,7 @@ mod tests {
     }
 
     #[test]
-    fn an_edge_is_no_peak() {
+    fn peak_at_an_edge_or_of_a_flat_spectrum_is_undefined() {
         for peak in [390.0, 400.0, 702.0, 760.0] {
             let values = Spectrum::from_fn(&grid(), |nm| -(nm - peak).powi(2));
             assert_eq!(peak_nm(&grid(), &values), None, "{peak}");
@@ -94,7 +94,7 @@ mod tests {
     }
 
     #[test]
-    fn noise_and_gaps_do_no_harm() {
+    fn nan_values_are_ignored() {
         assert_eq!(peak_nm(&grid(), &Spectrum::constant(&grid(), f64::NAN)), None);
         let mut values = Spectrum::from_fn(&grid(), |nm| -(nm - 550.0).abs()).to_vec();
         values[4] = f64::NAN;

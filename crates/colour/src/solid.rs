@@ -1,62 +1,64 @@
-//! Gamut as a solid in CIELAB: its volume, and its rings.
+//! Colour gamut as a solid in CIELAB: its volume and its gamut rings.
 //!
-//! **What.** A display that mixes its colours by area or in time shows every colour between its eight corners
-//! (black, red, green, blue, cyan, magenta, yellow, white) by linear interpolation of X, Y, Z
-//! (Neugebauer). The surface of that solid is taken in ten steps of each drive (even at a gamma of 2.2), 602
-//! colours, to CIELAB, and triangles between them enclose the volume (IDMS 1.1, CIELAB gamut volume).
+//! **What.** A display that mixes its colours by area or in time shows all colours between its eight corners
+//! (black, red, green, blue, cyan, magenta, yellow, white), which are linear interpolations of X, Y, Z
+//! (Neugebauer). The surface of that solid is sampled in ten steps of each drive (uniform at a gamma of 2.2), which
+//! are 602 colours. They are converted to CIELAB, and triangles between them enclose the volume (IDMS 1.1, CIELAB
+//! gamut volume).
 //!
-//! **Rings** (Masaoka, Jiang, Fairchild, Heckaman, J. SID 28, 273 (2020); IDMS 1.1) lay the solid flat: in
-//! each hue, the area within the ring of lightness L* is the volume below that lightness. The area
+//! **Gamut rings** (Masaoka, Jiang, Fairchild, Heckaman, J. SID 28, 273 (2020); IDMS 1.1) show the solid in the plane:
+//! for each hue, the area within the ring of lightness L* equals the volume below that lightness. The area
 //! within the last ring is the whole volume.
 //!
-//! **Range.** Any eight colours; a solid that is folded into itself counts its folds with their sign.
-//! **Limits.** Lightness and colour are those of CIELAB against one white: surface colours.
+//! **Range.** Any eight colours. If the surface intersects itself, the folds contribute with their sign.
+//! **Limits.** Lightness and chroma are those of CIELAB relative to one white: surface colours.
 
 use std::f64::consts::TAU;
 
 use crate::{Lab, Xyz};
 
-/// Steps along each edge, and the power of a step that the colour is mixed by: even steps of light would
-/// leave what is dark, where CIELAB is widest, to few triangles.
+/// Steps along each edge, and exponent from step to drive. Uniform steps of light would leave too few
+/// triangles for dark colours, where CIELAB is most sensitive.
 const STEPS: usize = 10;
 const GAMMA: f64 = 2.2;
 
-/// Levels of lightness in each ring.
+/// Number of lightness slices in each ring.
 const LEVELS_IN_A_RING: usize = 10;
 
-/// Rings, each of 100 / `RINGS` in L*.
+/// Number of gamut rings; each spans 100 / `RINGS` in L\*.
 pub const RINGS: usize = 10;
 
-/// Sectors of hue.
+/// Number of hue sectors of a gamut ring.
 pub const HUES: usize = 360;
 
-/// The eight corners of a display's gamut.
+/// Tristimulus values of the eight corners of a display's gamut.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Corners {
-    /// By which of red (1), green (2) and blue (4) are on: black, red, green, yellow, blue, magenta, cyan, white.
+    /// Indexed by the sum of the primaries that are on, red (1), green (2) and blue (4): black, red, green, yellow,
+    /// blue, magenta, cyan, white.
     pub xyz: [Xyz; 8],
 }
 
-/// The names of the corners, in order.
+/// Names of the corners, in order.
 pub const CORNERS: [&str; 8] = ["black", "red", "green", "yellow", "blue", "magenta", "cyan", "white"];
 
-/// The surface of a gamut in CIELAB: triangles that run anticlockwise seen from outside of the cube of drives.
+/// Surface of a colour gamut in CIELAB: triangles that are anticlockwise seen from outside the cube of drives.
 #[derive(Debug, Clone, PartialEq)]
 pub struct GamutSolid {
     triangles: Vec<[[f64; 3]; 3]>,
 }
 
 impl Corners {
-    /// The colour at drives from 0 to 1 of red, green and blue.
+    /// Mixes the corners at drives of red, green and blue from 0 to 1.
     pub fn mix(&self, drive: [f64; 3]) -> Xyz {
         let corners = self.xyz.iter().enumerate().map(|(corner, xyz)| {
-            let share = |axis: usize| if corner >> axis & 1 == 1 { drive[axis] } else { 1.0 - drive[axis] };
-            *xyz * (share(0) * share(1) * share(2))
+            let weight = |axis: usize| if corner >> axis & 1 == 1 { drive[axis] } else { 1.0 - drive[axis] };
+            *xyz * (weight(0) * weight(1) * weight(2))
         });
         corners.fold(Xyz { x: 0.0, y: 0.0, z: 0.0 }, |sum, part| sum + part)
     }
 
-    /// The solid in CIELAB against `white`; `None` where the white has no CIELAB.
+    /// Computes the solid in CIELAB relative to `white`; `None` if CIELAB is not defined for this white.
     pub fn solid(&self, white: Xyz) -> Option<GamutSolid> {
         let mut triangles = Vec::with_capacity(6 * 2 * STEPS * STEPS);
         for axis in 0..3 {
@@ -73,13 +75,13 @@ impl Corners {
         Some(GamutSolid { triangles })
     }
 
-    /// The colours of a face, a*, b*, L*, shape `[along one][along the other]` edge.
+    /// Colours a*, b*, L* of one face of the cube of drives, `[step along one edge][step along the other]`.
     fn face(&self, axis: usize, side: f64, white: Xyz) -> Option<Vec<[f64; 3]>> {
-        let share = |step: usize| (step as f64 / STEPS as f64).powf(GAMMA);
+        let drive_at = |step: usize| (step as f64 / STEPS as f64).powf(GAMMA);
         let point = |k: usize| {
             let mut drive = [side; 3];
-            drive[(axis + 1) % 3] = share(k / (STEPS + 1));
-            drive[(axis + 2) % 3] = share(k % (STEPS + 1));
+            drive[(axis + 1) % 3] = drive_at(k / (STEPS + 1));
+            drive[(axis + 2) % 3] = drive_at(k % (STEPS + 1));
             self.mix(drive).lab(white).map(|Lab { l, a, b }| [a, b, l])
         };
         (0..(STEPS + 1) * (STEPS + 1)).map(point).collect()
@@ -87,7 +89,7 @@ impl Corners {
 }
 
 impl GamutSolid {
-    /// Volume, in units of L* a* b*.
+    /// Volume of the solid, in cubic units of L\*, a\*, b\*.
     pub fn volume(&self) -> f64 {
         let six: f64 = self
             .triangles
@@ -96,12 +98,12 @@ impl GamutSolid {
                 ax * (by * cz - bz * cy) - ay * (bx * cz - bz * cx) + az * (bx * cy - by * cx)
             })
             .sum();
-        // A display whose drives run the other way about encloses as much.
+        // The sign depends on the handedness of the primaries.
         six.abs() / 6.0
     }
 
-    /// Radius of each ring in each sector of hue, from 0 degrees on, shape `[ring][hue]`; each ring holds the
-    /// volume of all lightness below it. What is folded the wrong way about has no radius.
+    /// Radius of each gamut ring in each hue sector, which start at 0 degrees; shape `[ring][hue]`. The area within a
+    /// ring is the volume of all lightness below it. The radius is 0 where that volume is negative (folds).
     pub fn rings(&self) -> Vec<Vec<f64>> {
         let step = 100.0 / (RINGS * LEVELS_IN_A_RING) as f64;
         let mut below = vec![0.0; HUES];
@@ -117,7 +119,7 @@ impl GamutSolid {
         rings
     }
 
-    /// Adds the volume of a slice to each sector of hue.
+    /// Adds the volume of a slice to each hue sector.
     fn slice(&self, lightness: f64, thickness: f64, sectors: &mut [f64]) {
         for triangle in &self.triangles {
             if let Some((from, to)) = cut(triangle, lightness) {
@@ -127,7 +129,7 @@ impl GamutSolid {
     }
 }
 
-/// Where a triangle crosses a plane of lightness: a line that has the solid on its left.
+/// Segment in which a triangle intersects a plane of constant lightness; the solid is on its left.
 fn cut(triangle: &[[f64; 3]; 3], lightness: f64) -> Option<([f64; 2], [f64; 2])> {
     let above = triangle.map(|[_, _, l]| l > lightness);
     let crossing = |from: usize, to: usize| {
@@ -141,7 +143,7 @@ fn cut(triangle: &[[f64; 3]; 3], lightness: f64) -> Option<([f64; 2], [f64; 2])>
     Some((crossing(down.0, down.1), crossing(up.0, up.1)))
 }
 
-/// The areas between a line and the origin, sector of hue by sector; positive where it runs anticlockwise.
+/// Areas between a segment and the origin for each hue sector; positive where the segment is anticlockwise.
 fn sweep(from: [f64; 2], to: [f64; 2], mut add: impl FnMut(usize, f64)) {
     let sector = TAU / HUES as f64;
     let cross = |p: [f64; 2], q: [f64; 2]| p[0] * q[1] - p[1] * q[0];
@@ -157,7 +159,7 @@ fn sweep(from: [f64; 2], to: [f64; 2], mut add: impl FnMut(usize, f64)) {
     let mut middle = first;
     for border in borders {
         let (sin, cos) = (border as f64 * sector).sin_cos();
-        // Where the line crosses the border's ray.
+        // Intersection of the segment with the ray between two sectors.
         let along = |p: [f64; 2]| p[1] * cos - p[0] * sin;
         let t = along(from) / (along(from) - along(to));
         let there = [from[0] + t * (to[0] - from[0]), from[1] + t * (to[1] - from[1])];
@@ -176,9 +178,9 @@ mod tests {
     use super::*;
     use crate::{D65_WHITE, GamutReference};
 
-    /// An additive display of these primaries whose white is D65.
+    /// Additive display with these primaries and D65 as its white.
     fn additive(reference: GamutReference) -> Corners {
-        // Luminances of the primaries such that they sum to D65: Cramer's rule.
+        // Luminances of the primaries such that they sum to D65, by Cramer's rule.
         let primaries = reference.primaries().map(|xy| xy.with_luminance(1.0).unwrap());
         let det = |m: [Xyz; 3]| {
             let [p, q, r] = m;
@@ -194,31 +196,30 @@ mod tests {
         Corners { xyz: [0, 1, 2, 3, 4, 5, 6, 7].map(corner) }
     }
 
-    /// sRGB's CIELAB volume against D65: 8.2e5 to 8.3e5 in the literature (colour-science's Monte Carlo
+    /// CIELAB volume of sRGB relative to D65: 8.2e5 to 8.3e5 in the literature (colour-science's Monte Carlo
     /// manual page: 821 958).
     #[test]
-    fn srgb_has_its_known_volume() {
+    fn volume_of_srgb_equals_the_published_value() {
         let volume = additive(GamutReference::Srgb).solid(D65_WHITE).unwrap().volume();
         assert!((815_000.0..835_000.0).contains(&volume), "{volume}");
     }
 
-    /// The area within the last ring is the volume, within the slices' width.
+    /// The area within the last ring equals the volume, up to the slice width.
     #[test]
-    fn rings_hold_the_volume() {
+    fn area_within_the_last_ring_equals_the_volume() {
         let solid = additive(GamutReference::Srgb).solid(D65_WHITE).unwrap();
         let rings = solid.rings();
         let area = |ring: &[f64]| ring.iter().map(|r| 0.5 * r * r * TAU / HUES as f64).sum::<f64>();
         let areas: Vec<f64> = rings.iter().map(|ring| area(ring)).collect();
         assert!((areas[RINGS - 1] / solid.volume() - 1.0).abs() < 2e-3, "{areas:?} {}", solid.volume());
         assert!(areas.windows(2).all(|pair| pair[0] <= pair[1]));
-        // Blue is dark and yellow is bright: half of blue's ring is full at L* 60, of yellow's hardly begun.
-        let share = |hue: usize| (rings[5][hue] / rings[9][hue]).powi(2);
-        assert!(share(300) > 0.8 && share(100) < 0.5, "{} {}", share(300), share(100));
+        // Blue is dark and yellow is bright: most of blue's volume is below L* = 60, and less than half of yellow's.
+        let below_60 = |hue: usize| (rings[5][hue] / rings[9][hue]).powi(2);
+        assert!(below_60(300) > 0.8 && below_60(100) < 0.5, "{} {}", below_60(300), below_60(100));
     }
 
-    /// A display of half the light under the same white, and one that is grey all over.
     #[test]
-    fn greys_have_no_volume() {
+    fn gamut_of_greys_has_no_volume() {
         let grey = Corners { xyz: [0.0, 0.2, 0.3, 0.5, 0.1, 0.3, 0.4, 0.6].map(|y| D65_WHITE * y) };
         let solid = grey.solid(D65_WHITE).unwrap();
         assert!(solid.volume() < 1e-6, "{}", solid.volume());
@@ -227,7 +228,7 @@ mod tests {
     }
 
     #[test]
-    fn sectors_share_a_line() {
+    fn segment_is_divided_among_the_hue_sectors() {
         let mut sectors = vec![0.0; HUES];
         sweep([1.0, -1.0], [1.0, 1.0], |hue, area| sectors[hue] += area);
         assert!((sectors.iter().sum::<f64>() - 1.0).abs() < 1e-12);

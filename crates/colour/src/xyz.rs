@@ -1,21 +1,21 @@
-//! Tristimulus values and the chromaticity diagrams.
+//! Tristimulus values and chromaticity diagrams.
 
 use std::ops::{Add, Mul, Sub};
 
-/// CIE 1931 tristimulus values; relative ones have Y = 1 for a perfect white.
+/// CIE tristimulus values X, Y, Z; relative values have Y = 1 for a perfect white.
 ///
-/// Noise may make them slightly negative: nothing here minds.
+/// Noise may make them slightly negative; all functions accept this.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Xyz {
-    /// X.
+    /// Tristimulus value X.
     pub x: f64,
-    /// Y, in proportion to luminance.
+    /// Tristimulus value Y, proportional to luminance.
     pub y: f64,
-    /// Z.
+    /// Tristimulus value Z.
     pub z: f64,
 }
 
-/// A point of the CIE 1931 chromaticity diagram.
+/// CIE 1931 x, y chromaticity.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Xy {
     /// x = X/(X + Y + Z).
@@ -24,36 +24,36 @@ pub struct Xy {
     pub y: f64,
 }
 
-/// A point of the CIE 1976 uniform chromaticity diagram.
+/// CIE 1976 u', v' chromaticity: a point of the uniform chromaticity scale diagram.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct UvPrime {
-    /// u'.
+    /// u' = 4X/(X + 15Y + 3Z).
     pub u: f64,
-    /// v'.
+    /// v' = 9Y/(X + 15Y + 3Z).
     pub v: f64,
 }
 
-/// D65 as the reference of `distance_from_d65_uv` (CIE 15:2018: .1978, .4683;
-/// one digit more from x = .31272, y = .32903).
+/// CIE 1976 u', v' of D65, the reference of `distance_from_d65_uv` (CIE 15:2018: 0.1978, 0.4683;
+/// the fifth digit is computed from x = 0.31272, y = 0.32903).
 pub const D65_UV: UvPrime = UvPrime { u: 0.19784, v: 0.46834 };
 
-/// D65, relative, 2 degree observer (CIE 15:2018: 95.04, 100, 108.88; the digits
+/// Relative tristimulus values of D65 for the CIE 1931 observer (CIE 15:2018: 95.04, 100, 108.88; the digits
 /// here are those of ASTM E308 and of most software).
 pub const D65_WHITE: Xyz = Xyz { x: 0.95047, y: 1.0, z: 1.08883 };
 
 impl Xyz {
-    /// X, Y, Z.
+    /// Returns `[X, Y, Z]`.
     pub fn to_array(self) -> [f64; 3] {
         [self.x, self.y, self.z]
     }
 
-    /// x, y; `None` for no light.
+    /// Computes the CIE 1931 x, y chromaticity; `None` if X + Y + Z is not positive.
     pub fn chromaticity(self) -> Option<Xy> {
         let sum = self.x + self.y + self.z;
         (sum > 0.0).then(|| Xy { x: self.x / sum, y: self.y / sum })
     }
 
-    /// u', v' of the CIE 1976 diagram; `None` for no light.
+    /// Computes the CIE 1976 u', v' chromaticity; `None` if X + 15Y + 3Z is not positive.
     pub fn uv_prime(self) -> Option<UvPrime> {
         let sum = self.x + 15.0 * self.y + 3.0 * self.z;
         (sum > 0.0).then(|| UvPrime { u: 4.0 * self.x / sum, v: 9.0 * self.y / sum })
@@ -61,12 +61,12 @@ impl Xyz {
 }
 
 impl Xy {
-    /// The same point in u'v'; `None` on the line -2x + 12y + 3 = 0, far from all colours.
+    /// Converts to u', v'; `None` unless -2x + 12y + 3 is positive, as it is for all real colours.
     pub fn uv_prime(self) -> Option<UvPrime> {
         Xyz { x: self.x, y: self.y, z: 1.0 - self.x - self.y }.uv_prime()
     }
 
-    /// The colour of this chromaticity with luminance `y`; `None` unless y of the chromaticity is positive.
+    /// Tristimulus values of this chromaticity with Y = `y`; `None` unless the chromaticity's y is positive.
     pub fn with_luminance(self, y: f64) -> Option<Xyz> {
         let Self { x: x_c, y: y_c } = self;
         (y_c > 0.0).then(|| Xyz { x: y * x_c / y_c, y, z: y * (1.0 - x_c - y_c) / y_c })
@@ -74,12 +74,12 @@ impl Xy {
 }
 
 impl UvPrime {
-    /// Straight distance in the diagram.
+    /// Euclidean distance in the u'v' diagram.
     pub fn distance(self, other: Self) -> f64 {
         (self.u - other.u).hypot(self.v - other.v)
     }
 
-    /// The colour of this chromaticity with luminance `y`; `None` unless v' is positive.
+    /// Tristimulus values of this chromaticity with Y = `y`; `None` unless v' is positive.
     pub fn with_luminance(self, y: f64) -> Option<Xyz> {
         let Self { u, v } = self;
         (v > 0.0).then(|| Xyz {
@@ -116,7 +116,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn d65_is_where_the_cie_puts_it() {
+    fn d65_has_its_published_chromaticity() {
         let (xy, uv) = (D65_WHITE.chromaticity().unwrap(), D65_WHITE.uv_prime().unwrap());
         assert!((xy.x - 0.31272).abs() < 1e-5 && (xy.y - 0.32903).abs() < 1e-5);
         assert!(uv.distance(D65_UV) < 1e-5, "{uv:?}");
@@ -124,7 +124,7 @@ mod tests {
     }
 
     #[test]
-    fn chromaticity_and_luminance_are_the_colour() {
+    fn chromaticity_and_luminance_give_the_tristimulus_values() {
         let colour = Xyz { x: 0.0701, y: 0.043, z: 0.0276 };
         let by_xy = colour.chromaticity().unwrap().with_luminance(colour.y).unwrap();
         let by_uv = colour.uv_prime().unwrap().with_luminance(colour.y).unwrap();
@@ -135,7 +135,7 @@ mod tests {
     }
 
     #[test]
-    fn no_light_has_no_chromaticity_and_noise_does_no_harm() {
+    fn chromaticity_without_light_is_undefined_and_with_noise_defined() {
         let dark = Xyz { x: 0.0, y: 0.0, z: 0.0 };
         assert_eq!((dark.chromaticity(), dark.uv_prime()), (None, None));
         let noisy = Xyz { x: -1e-6, y: 2e-6, z: 1e-6 };

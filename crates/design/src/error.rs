@@ -1,41 +1,42 @@
-//! Why a design is worth nothing.
+//! Errors of the evaluation of designs.
 
 use papilio_display::DisplayError;
 use papilio_scenario::ScenarioErrors;
 
-/// Why a design cannot be evaluated.
+/// Error of the evaluation of a design.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum DesignError {
-    /// The scenario cannot be with these values.
+    /// The scenario is invalid with these values.
     #[error(transparent)]
     Scenario(#[from] ScenarioErrors),
     /// The scene cannot be computed.
     #[error(transparent)]
     Display(#[from] DisplayError),
-    /// A design of the wrong length.
-    #[error("a design has {expected} numbers, one for each variable; these are {found}")]
+    /// The design has the wrong length.
+    #[error("the design has {found} numbers; expected {expected}, one for each variable")]
     Length {
-        /// Variables.
+        /// Number of variables.
         expected: usize,
-        /// Numbers.
+        /// Length of the design.
         found: usize,
     },
-    /// A number that is none, or a choice that there is not.
-    #[error("{value} is no value of `{variable}`")]
+    /// A number that is not finite, or a choice that does not exist.
+    #[error("{value} is not a valid value of the variable `{variable}`")]
     Value {
-        /// The variable.
+        /// Name of the variable.
         variable: String,
-        /// The number.
+        /// Its number in the design.
         value: f64,
     },
-    /// Choices that cannot be searched one by one.
+    /// Too many combinations of choices for a search by derivatives.
     #[error(
-        "the choices have {count} combinations, and a search by derivatives tries each: {limit} at most; method = \"both\" or \"global\" takes more"
+        "the choices have {count} combinations; a search by derivatives tries each of them and accepts at \
+         most {limit}; use method = \"both\" or \"global\" for more"
     )]
     TooManyChoices {
-        /// How many there are.
+        /// Number of combinations.
         count: f64,
-        /// How many there may be.
+        /// Largest number of combinations.
         limit: usize,
     },
 }

@@ -1,4 +1,6 @@
-//! Numbers in journals, read back to the last bit: `serde_json` alone may miss it by one.
+//! Exact reading of numbers from journals.
+//!
+//! The parser of `serde_json` alone may be off by one in the last bit.
 
 use serde::de::Error;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
@@ -7,15 +9,15 @@ use serde_json::value::RawValue;
 fn number(raw: &RawValue) -> Result<Option<f64>, String> {
     match raw.get() {
         "null" => Ok(None),
-        text => text.parse().map(Some).map_err(|_| format!("{text} is no number")),
+        text => text.parse().map(Some).map_err(|_| format!("{text} is not a number")),
     }
 }
 
 fn row(raw: &[Box<RawValue>]) -> Result<Vec<Option<f64>>, String> {
-    raw.iter().map(|one| number(one)).collect()
+    raw.iter().map(|raw| number(raw)).collect()
 }
 
-/// Numbers that may be missing.
+/// Numbers, some of which may be missing (null).
 pub(crate) mod values {
     use super::*;
 
@@ -28,7 +30,7 @@ pub(crate) mod values {
     }
 }
 
-/// Numbers.
+/// Numbers, none of which may be missing.
 pub(crate) mod numbers {
     use super::*;
 
@@ -42,7 +44,7 @@ pub(crate) mod numbers {
     }
 }
 
-/// Rows of numbers that may be missing.
+/// Rows of numbers, some of which may be missing (null).
 pub(crate) mod rows {
     use super::*;
 
@@ -52,11 +54,11 @@ pub(crate) mod rows {
 
     pub(crate) fn deserialize<'de, D: Deserializer<'de>>(from: D) -> Result<Vec<Vec<Option<f64>>>, D::Error> {
         let rows = Vec::<Vec<Box<RawValue>>>::deserialize(from)?;
-        rows.iter().map(|one| row(one).map_err(D::Error::custom)).collect()
+        rows.iter().map(|raw| row(raw).map_err(D::Error::custom)).collect()
     }
 }
 
-/// Rows of numbers.
+/// Rows of numbers, none of which may be missing.
 pub(crate) mod rows_of_numbers {
     use super::*;
 

@@ -1,10 +1,11 @@
-//! Design work: what a design is worth, and the search for better ones.
+//! Design studies of displays: evaluation of designs, optimisation, and tolerance analysis.
 //!
-//! A [`Study`] says what varies (keys of a scenario, each with a number or a choice), under which conditions
-//! (lights, views, anything that a scenario can say) and what is asked of every design. An [`Evaluator`] answers:
+//! A [`Study`] defines the variables (keys of a scenario, each with a number or a choice), the conditions
+//! (lights, views, or any other keys of a scenario) and the quantities that are computed for every design. An
+//! [`Evaluator`] computes them:
 //!
 //! ```
-//! use papilio_design::{Condition, Evaluator, Key, Named, Quantity, Study, Values, Variable};
+//! use papilio_design::{Condition, Evaluator, Key, NamedQuantity, Quantity, Study, Values, Variable};
 //! use papilio_display::scene::Metric;
 //! use papilio_scenario::{Varied, new_scenario};
 //! use std::path::Path;
@@ -17,7 +18,7 @@
 //! let study = Study {
 //!     conditions: vec![Condition { name: String::new(), varied }],
 //!     variables: vec![Variable { name: "red".into(), keys: vec![Key::plain(gap)], values: Values::Number }],
-//!     quantities: vec![Named { name: "gamut".into(), condition: 0, quantity: gamut }],
+//!     quantities: vec![NamedQuantity { name: "gamut".into(), condition: 0, quantity: gamut }],
 //! };
 //! let stop = AtomicBool::new(false);
 //! let mut evaluator = Evaluator::new(Arc::new(study), &stop);
@@ -26,16 +27,18 @@
 //! # Ok::<(), papilio_scenario::ScenarioErrors>(())
 //! ```
 //!
-//! [`tolerance`] says how such quantities scatter in production.
+//! [`search`] improves designs, [`tolerance`] computes the distribution of quantities in production, and
+//! [`output`] writes the results of both as tables, figures and scenarios.
 //!
-//! **Out of scope.** Files, printing, clocks.
+//! **Out of scope.** Writing files, printing, clocks.
 
 mod error;
 mod evaluator;
 mod exact;
+mod film_fast_path;
 mod light;
+pub mod output;
 mod parameter;
-mod road;
 pub mod search;
 mod study;
 pub mod tolerance;
@@ -44,4 +47,4 @@ pub use error::DesignError;
 pub use evaluator::{Evaluator, Slopes};
 pub use light::LightStudy;
 pub use papilio_display::Quantity;
-pub use study::{Condition, Key, Named, Study, Values, Variable};
+pub use study::{Condition, Key, NamedQuantity, Study, Values, Variable};

@@ -1,13 +1,13 @@
-//! A light sweep as a study: its points by their numbers.
+//! A sweep of selected metrics as a study, its points selected by their index.
 
 use std::sync::Arc;
 
 use papilio_scenario::{AskedMetric, LightSweep};
 use serde_json::Value;
 
-use crate::{Condition, DesignError, Evaluator, Key, Named, Quantity, Study, Values, Variable};
+use crate::{Condition, DesignError, Evaluator, Key, NamedQuantity, Quantity, Study, Values, Variable};
 
-/// The points of a sweep of which only some metrics are kept.
+/// Sweep of which only selected metrics are stored.
 #[derive(Debug, Clone)]
 pub struct LightStudy {
     study: Arc<Study>,
@@ -15,7 +15,7 @@ pub struct LightStudy {
 }
 
 impl LightStudy {
-    /// Of a sweep that was read.
+    /// Creates the study of a sweep.
     pub fn new(sweep: LightSweep) -> Self {
         let variable = |(path, values): (&str, &Vec<Value>)| Variable {
             name: path.to_owned(),
@@ -29,37 +29,37 @@ impl LightStudy {
         let study = Study {
             variables: sweep.varied.paths().zip(&sweep.keys).map(variable).collect(),
             conditions: vec![Condition { name: String::new(), varied: sweep.varied.clone() }],
-            quantities: sweep.metrics.iter().map(Named::of).collect(),
+            quantities: sweep.metrics.iter().map(NamedQuantity::of).collect(),
         };
         Self { study: Arc::new(study), sweep }
     }
 
-    /// What varies and what is asked.
+    /// Variables, conditions and quantities of the sweep.
     pub fn study(&self) -> &Arc<Study> {
         &self.study
     }
 
-    /// The metrics of a point; NaN where one is undefined.
+    /// Computes the metrics of a point; NaN where a metric is undefined.
     ///
     /// # Errors
-    /// If the point cannot be, or was stopped.
+    /// If the point cannot be evaluated, or the evaluation was interrupted.
     pub fn evaluate(&self, evaluator: &mut Evaluator<'_>, point: usize) -> Result<Vec<f64>, DesignError> {
-        let number = |((values, variable), at): ((&Vec<Value>, &Variable), usize)| match variable.values {
-            Values::Number => values[at].as_f64().unwrap_or(f64::NAN),
-            Values::Choices(_) => at as f64,
+        let number = |((values, variable), index): ((&Vec<Value>, &Variable), usize)| match variable.values {
+            Values::Number => values[index].as_f64().unwrap_or(f64::NAN),
+            Values::Choices(_) => index as f64,
         };
         let keys = self.sweep.keys.iter().zip(&self.study.variables);
         let design: Vec<f64> = keys.zip(self.sweep.at(point)).map(number).collect();
-        let found = evaluator.evaluate(&design)?;
-        Ok(found.into_iter().map(|number| number.unwrap_or(f64::NAN)).collect())
+        let values = evaluator.evaluate(&design)?;
+        Ok(values.into_iter().map(|number| number.unwrap_or(f64::NAN)).collect())
     }
 }
 
-impl Named {
-    /// A metric that a scenario asks for, under its only condition.
-    pub(crate) fn of(asked: &AskedMetric) -> Self {
+impl NamedQuantity {
+    /// The quantity of a metric that a scenario requests, under the only condition.
+    pub(crate) fn of(request: &AskedMetric) -> Self {
         let quantity =
-            Quantity::Metric { view: asked.view, state: asked.state.clone(), metric: asked.metric };
-        Self { name: asked.name.clone(), condition: 0, quantity }
+            Quantity::Metric { view: request.view, state: request.state.clone(), metric: request.metric };
+        Self { name: request.name.clone(), condition: 0, quantity }
     }
 }

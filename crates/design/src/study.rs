@@ -1,4 +1,4 @@
-//! What is varied and what is asked of every design.
+//! Definition of a study: variables, conditions and quantities.
 
 use papilio_display::Quantity;
 use papilio_scenario::{Optimisation, SearchQuantity, SearchRange, Varied};
@@ -6,133 +6,133 @@ use serde_json::Value as Json;
 
 use crate::DesignError;
 
-/// A display whose designs are compared: the same variables under every condition.
+/// Designs of a display to be compared. Every design is evaluated under every condition.
 #[derive(Debug, Clone)]
 pub struct Study {
-    /// At least one. The paths of each are those of all variables' keys, in order.
+    /// Conditions, at least one. The paths of each are those of the keys of all variables, in order.
     pub conditions: Vec<Condition>,
-    /// What a design is made of.
+    /// Variables; a design is one number for each.
     pub variables: Vec<Variable>,
-    /// What is asked of it.
-    pub quantities: Vec<Named>,
+    /// Quantities that are computed for each design.
+    pub quantities: Vec<NamedQuantity>,
 }
 
-/// A light, a view or anything else that every design has to do with.
+/// A scenario under which every design is evaluated: a light, a view or any other keys.
 #[derive(Debug, Clone)]
 pub struct Condition {
-    /// Its name; empty where there is one alone.
+    /// Name; empty if there is only one condition.
     pub name: String,
-    /// The scenario in this condition.
+    /// Scenario of this condition, parameterised by the keys of all variables.
     pub varied: Varied,
 }
 
-/// A number of every design: an axis of the space of designs.
+/// One dimension of the design space.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Variable {
-    /// For tables and messages.
+    /// Name in tables and messages.
     pub name: String,
-    /// The keys that it moves.
+    /// Keys that the variable sets.
     pub keys: Vec<Key>,
-    /// What its number means.
+    /// Meaning of its number.
     pub values: Values,
 }
 
-/// A key of the scenario that a variable moves: `slope * x + offset`.
+/// A key of the scenario that a variable x sets to `slope * x + offset`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Key {
-    /// As of `--set`.
+    /// Path of the key, in the syntax of `--set`.
     pub path: String,
-    /// 1, mostly; -1 where the key takes what another gives.
+    /// Slope: 1 as a rule; -1 if the key compensates for another one (`compensated_by`).
     pub slope: f64,
-    /// 0, mostly.
+    /// Offset: 0 as a rule.
     pub offset: f64,
 }
 
-/// What the number of a variable means.
+/// Meaning of the number of a variable.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Values {
-    /// Itself.
+    /// The number is the value.
     Number,
-    /// Which of these, from 0.
+    /// The number is the index of one of these values, from 0.
     Choices(Vec<Json>),
 }
 
-/// A quantity under a condition.
+/// A quantity under a condition, with its name.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Named {
-    /// For tables and messages.
+pub struct NamedQuantity {
+    /// Name in tables and messages.
     pub name: String,
-    /// Which condition, from 0.
+    /// Index of the condition, from 0.
     pub condition: usize,
-    /// What is asked.
+    /// The quantity.
     pub quantity: Quantity,
 }
 
 impl Key {
-    /// A key that takes the variable's number as it is.
+    /// Key that takes the variable's number unchanged.
     pub fn plain(path: impl Into<String>) -> Self {
         Self { path: path.into(), slope: 1.0, offset: 0.0 }
     }
 }
 
 impl Study {
-    /// What a search compares.
-    pub fn of(search: &Optimisation) -> Self {
-        let conditions = search.conditions.iter();
-        let variable = |one: &papilio_scenario::SearchVariable| Variable {
-            name: one.name.clone(),
-            keys: one
+    /// Study of an optimisation.
+    pub fn of(optimisation: &Optimisation) -> Self {
+        let conditions = optimisation.conditions.iter();
+        let variable = |read: &papilio_scenario::SearchVariable| Variable {
+            name: read.name.clone(),
+            keys: read
                 .keys
                 .iter()
                 .map(|(path, slope, offset)| Key { path: path.clone(), slope: *slope, offset: *offset })
                 .collect(),
-            values: match &one.range {
+            values: match &read.range {
                 SearchRange::Bounds(..) => Values::Number,
                 SearchRange::Choices(choices) => Values::Choices(choices.clone()),
             },
         };
-        let named = |one: &SearchQuantity| Named {
-            name: one.name.clone(),
-            condition: one.condition,
-            quantity: one.quantity.clone(),
+        let named = |read: &SearchQuantity| NamedQuantity {
+            name: read.name.clone(),
+            condition: read.condition,
+            quantity: read.quantity.clone(),
         };
         Self {
             conditions: conditions
-                .map(|one| Condition { name: one.name.clone(), varied: one.varied.clone() })
+                .map(|read| Condition { name: read.name.clone(), varied: read.varied.clone() })
                 .collect(),
-            variables: search.variables.iter().map(variable).collect(),
-            quantities: search.quantities().into_iter().map(named).collect(),
+            variables: optimisation.variables.iter().map(variable).collect(),
+            quantities: optimisation.quantities().into_iter().map(named).collect(),
         }
     }
 
-    /// Every path with its value at a design, in order.
+    /// Returns every path with its value in a design, in order.
     ///
     /// # Errors
-    /// As of [`values`](Self::values).
+    /// Those of [`values`](Self::values).
     pub fn settings(&self, design: &[f64]) -> Result<Vec<(&str, Json)>, DesignError> {
         let paths =
             self.variables.iter().flat_map(|variable| variable.keys.iter().map(|key| key.path.as_str()));
         Ok(paths.zip(self.values(design)?).collect())
     }
 
-    /// Refuses what is no design.
+    /// Checks a design.
     ///
     /// # Errors
-    /// If it has the wrong length, or a number that its variable does not have.
+    /// If it has the wrong length, or a number that is not a value of its variable.
     pub fn check(&self, design: &[f64]) -> Result<(), DesignError> {
         if design.len() != self.variables.len() {
             return Err(DesignError::Length { expected: self.variables.len(), found: design.len() });
         }
-        match self.variables.iter().zip(design).find(|(variable, x)| !variable.takes(**x)) {
+        match self.variables.iter().zip(design).find(|(variable, x)| !variable.accepts(**x)) {
             Some((variable, &value)) => Err(DesignError::Value { variable: variable.name.clone(), value }),
             None => Ok(()),
         }
     }
 
-    /// The values of the paths of every condition at a design.
+    /// Returns the values of all paths in a design, in order; they are the same under every condition.
     ///
     /// # Errors
-    /// If it has the wrong length, or a number that its variable does not have.
+    /// Those of [`check`](Self::check).
     pub fn values(&self, design: &[f64]) -> Result<Vec<Json>, DesignError> {
         self.check(design)?;
         let each = self.variables.iter().zip(design);
@@ -141,19 +141,19 @@ impl Study {
 }
 
 impl Variable {
-    /// True if it is no choice.
+    /// Returns true if the variable is a number, not a choice.
     pub fn is_number(&self) -> bool {
         self.values == Values::Number
     }
 
-    fn takes(&self, x: f64) -> bool {
+    fn accepts(&self, x: f64) -> bool {
         match &self.values {
             Values::Number => x.is_finite(),
             Values::Choices(choices) => x >= 0.0 && x.fract() == 0.0 && (x as usize) < choices.len(),
         }
     }
 
-    /// The value of one of its keys; null for a choice that there is not.
+    /// Value of one of its keys; null for a choice that does not exist.
     pub(crate) fn value(&self, key: &Key, x: f64) -> Json {
         match &self.values {
             Values::Number => (key.slope * x + key.offset).into(),

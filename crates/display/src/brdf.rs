@@ -1,27 +1,27 @@
-//! The finished display as a spectral BSDF: what it makes of light from any direction.
+//! Spectral BSDF of a whole display.
 //!
-//! A display of layers alike in all azimuths is isotropic, so two inclinations and
-//! the azimuth between them say everything. It is opaque: there is no transmission.
+//! A display of rotationally symmetric layers is isotropic: its BSDF is a function of two inclinations and
+//! the azimuth between them. It is opaque: there is no transmission.
 
 use crate::{DisplayError, RowErrors};
 
-/// The directions of a [`BrdfTable`], in air, both pointing away from the display.
+/// Directions of a [`BrdfTable`], in air; both point away from the display.
 #[derive(Debug, Clone, PartialEq)]
 pub struct BrdfGrid {
     /// Inclinations of the light, ascending, 0 to less than 90 degrees.
     pub theta_i_deg: Vec<f64>,
     /// Inclinations of the viewer, ascending, 0 to less than 90 degrees.
     pub theta_o_deg: Vec<f64>,
-    /// Azimuth of the viewer from that of the light, ascending, 0 (back to the light) to 180
-    /// (the mirror's side) degrees. The display is alike on the other side.
+    /// Azimuth of the viewer relative to that of the light, ascending, 0 (towards the light) to 180
+    /// (mirror direction) degrees. The display is symmetric about the plane of incidence.
     pub dphi_deg: Vec<f64>,
 }
 
 impl BrdfGrid {
-    /// A table of more numbers is a mistake: these take 400 MB.
+    /// Largest number of values of a table, which take 400 MB.
     pub const MOST_NUMBERS: usize = 100_000_000;
 
-    /// Every `step_deg` degrees, a divisor of 180: inclinations from 0 to below 90, azimuths from 0 to 180.
+    /// Uniform grid with steps of `step_deg` degrees, a divisor of 180: inclinations from 0 to below 90, azimuths from 0 to 180.
     pub fn even(step_deg: f64) -> Self {
         let every = |end: f64| -> Vec<f64> {
             (0..=(end / step_deg).round() as u32).map(|k| step_deg * f64::from(k)).collect()
@@ -31,13 +31,13 @@ impl BrdfGrid {
         Self { theta_i_deg: theta_deg.clone(), theta_o_deg: theta_deg, dphi_deg: every(180.0) }
     }
 
-    /// How many pairs of directions there are.
+    /// Returns the number of pairs of directions.
     pub fn pairs(&self) -> usize {
         self.theta_i_deg.len() * self.theta_o_deg.len() * self.dphi_deg.len()
     }
 }
 
-/// The display's spectral BSDF, for each state.
+/// Spectral BSDF of a display for each drive state.
 #[derive(Debug, Clone, PartialEq)]
 pub struct BrdfTable {
     /// The directions.
@@ -46,34 +46,34 @@ pub struct BrdfTable {
     pub wavelength_nm: Vec<f64>,
     /// The drive states, in the order of the scenario.
     pub states: Vec<BrdfState>,
-    /// Nodes of the quadrature.
+    /// Number of nodes of the quadrature.
     pub nodes: u64,
-    /// The largest relative discretisation error found.
+    /// Largest relative discretisation error.
     pub discretisation_error: f64,
-    /// Of the luminous BRDF (in an equal-energy light), `[state][theta_i][theta_o][dphi]`.
+    /// Errors of the luminous BRDF (in an equal-energy light), `[state][theta_i][theta_o][dphi]`.
     pub row_errors: RowErrors,
 }
 
-/// The BSDF of one state.
+/// BSDF of one drive state.
 #[derive(Debug, Clone, PartialEq)]
 pub struct BrdfState {
     /// Name of the state.
     pub name: String,
-    /// The scattering part, `dL_o/dE_i` in 1/sr, `[theta_i][theta_o][dphi][wavelength]` (the
-    /// last fastest). Single precision: the table is large, and seven digits are more than
-    /// any of them are worth.
+    /// Scattered part, `dL_o/dE_i` in 1/sr, `[theta_i][theta_o][dphi][wavelength]` (the
+    /// last fastest). Single precision, because the table is large and its errors exceed those of seven
+    /// digits.
     pub brdf: Vec<f32>,
-    /// The mirror part: share of a beam that leaves in the mirror direction, `[theta_i][wavelength]`.
+    /// Specular reflectance: fraction of a beam that leaves in the mirror direction, `[theta_i][wavelength]`.
     pub specular: Vec<f64>,
-    /// Share of a beam that leaves at all (scattered and mirrored), `[theta_i][wavelength]`.
+    /// Directional-hemispherical reflectance, scattered and specular, `[theta_i][wavelength]`.
     pub directional_hemispherical: Vec<f64>,
 }
 
 impl BrdfTable {
-    /// The table, if no row's error is larger than the scenario's target or, if an error is allowed, than that.
+    /// Checks that the error of each row is at most the allowed error, or the scenario's target if none is given.
     ///
     /// # Errors
-    /// Names the worst rows.
+    /// If a row exceeds the limit; the message names the worst rows.
     pub fn allowing(mut self, error: Option<f64>) -> Result<Self, DisplayError> {
         let grid = &self.grid;
         let name = |row: usize| {
@@ -92,10 +92,10 @@ impl BrdfTable {
         Ok(self)
     }
 
-    /// How far a sum over the table's directions is from the light that leaves: the largest
-    /// difference over states and inclinations of the light, of the most that leaves in that
-    /// state; spectra are averaged. It tells whether the directions are close enough together
-    /// for what the display does between them.
+    /// Computes the difference between the sum over the table's directions and the directional-hemispherical reflectance:
+    /// the largest over states and inclinations of the light, relative to the largest reflectance of the
+    /// state; spectra are averaged. It shows whether the directions are dense enough
+    /// to resolve the lobes of the display.
     pub fn missed(&self) -> f64 {
         let bins = self.wavelength_nm.len().max(1) as f64;
         let weights = self.weights();
@@ -118,7 +118,7 @@ impl BrdfTable {
         states.fold(0.0, f64::max)
     }
 
-    /// Projected solid angle of each direction of the viewer, both sides, [theta_o][dphi].
+    /// Projected solid angle of each direction of the viewer, for both sides of the plane of incidence, [theta_o][dphi].
     fn weights(&self) -> Vec<f64> {
         let theta: Vec<f64> = self.grid.theta_o_deg.iter().map(|theta| theta.to_radians()).collect();
         let phi: Vec<f64> = self.grid.dphi_deg.iter().map(|phi| phi.to_radians()).collect();
@@ -130,22 +130,22 @@ impl BrdfTable {
     }
 }
 
-/// Weights of the trapezoidal rule at these places and at `end`, where the integrand is taken as zero
-/// if no place is there.
-fn trapezoids(places: &[f64], end: f64) -> Vec<f64> {
-    let step = |from: usize, to: usize| match (places.get(from), places.get(to)) {
+/// Weights of the trapezoidal rule at these positions and at `end`, where the integrand is assumed to be zero
+/// unless it is one of the positions.
+fn trapezoids(positions: &[f64], end: f64) -> Vec<f64> {
+    let step = |from: usize, to: usize| match (positions.get(from), positions.get(to)) {
         (Some(from), Some(to)) => 0.5 * (to - from),
         (Some(from), None) => 0.5 * (end - from).max(0.0),
         _ => 0.0,
     };
-    (0..places.len()).map(|k| step(k, k + 1) + if k > 0 { step(k - 1, k) } else { 0.0 }).collect()
+    (0..positions.len()).map(|k| step(k, k + 1) + if k > 0 { step(k - 1, k) } else { 0.0 }).collect()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    /// White paint: f = rho/pi everywhere, and rho leaves.
+    /// White paint: f = rho/pi in all directions, with a directional-hemispherical reflectance of rho.
     fn paint(step_deg: f64, specular: f64) -> BrdfTable {
         let grid = BrdfGrid::even(step_deg);
         let lights = grid.theta_i_deg.len();
@@ -167,7 +167,7 @@ mod tests {
     }
 
     #[test]
-    fn a_sum_over_directions_finds_all_light_of_white_paint() {
+    fn sum_over_directions_of_white_paint_equals_its_reflectance() {
         // The trapezoidal rule's own error for sin cos: h^2/3 with h in radians.
         assert!(paint(5.0, 0.1).missed() < 3e-3);
         assert!(paint(1.0, 0.0).missed() < 1.1e-4);

@@ -1,10 +1,10 @@
-//! The viewing cone: what is seen from every direction, kept as numbers of the eye (no spectra).
+//! Conoscopic map (viewing cone): colours and contrast from all directions, without spectra.
 
 use crate::scene::Scene;
 use crate::setup::angle_index;
 use crate::{DisplayError, RowErrors};
 
-/// The directions of a cone: the product of all `theta_deg` and `phi_deg`.
+/// Directions of a conoscopic map: all combinations of `theta_deg` and `phi_deg`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ConeGrid {
     /// Inclinations, ascending, 0 to less than 90 degrees.
@@ -14,7 +14,7 @@ pub struct ConeGrid {
 }
 
 impl Default for ConeGrid {
-    /// Every degree from 0 to 89, every 5 degrees around.
+    /// Inclinations from 0 to 89 in steps of 1 degree, azimuths in steps of 5 degrees.
     fn default() -> Self {
         Self {
             theta_deg: (0..90).map(f64::from).collect(),
@@ -24,7 +24,7 @@ impl Default for ConeGrid {
 }
 
 impl ConeGrid {
-    /// The default directions, those from which all of a scene's field of view lies above the
+    /// Returns the default directions for which all of the scene's field of view is above the
     /// horizon in air (in the medium of the scene's angles).
     ///
     /// # Errors
@@ -37,7 +37,7 @@ impl ConeGrid {
     }
 }
 
-/// What is seen from every direction of a [`ConeGrid`].
+/// Conoscopic map: views from all directions of a [`ConeGrid`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct ConeResult {
     /// Inclinations, degrees.
@@ -46,49 +46,50 @@ pub struct ConeResult {
     pub phi_deg: Vec<f64>,
     /// Names of the drive states, in the order of the scenario.
     pub states: Vec<String>,
-    /// One for each direction, theta fastest.
+    /// One view for each direction, with theta varying fastest.
     pub views: Vec<ConeView>,
-    /// Where the directed light comes from.
+    /// Directed sources.
     pub lights: Vec<ConeLight>,
-    /// Nodes of the quadrature.
+    /// Number of nodes of the quadrature.
     pub nodes: u64,
-    /// The largest relative discretisation error of Y found, over states and directions.
+    /// Largest relative discretisation error of Y over states and directions.
     pub discretisation_error: f64,
-    /// Of the Y of each state in each direction, `[direction][state]`, directions as in `views`; 0 where nothing was measured.
+    /// Errors of Y of each state in each direction, `[direction][state]`, with directions as in `views`; 0 where the
+    /// diffuser was not measured.
     pub row_errors: RowErrors,
-    /// Remarks that the reader should see.
+    /// Warnings for the user.
     pub warnings: Vec<String>,
 }
 
-/// What is seen from one direction.
+/// View from one direction.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ConeView {
     /// Y of white over Y of black.
     pub contrast_ratio: Option<f64>,
-    /// Area of the red, green and blue states in u'v', % of sRGB's.
+    /// Area of the red, green and blue states in u'v', % of the sRGB gamut.
     pub gamut_percent_srgb: Option<f64>,
-    /// The same, % of EBU's.
+    /// The same, % of the EBU gamut.
     pub gamut_percent_ebu: Option<f64>,
-    /// One for each of the cone's states, in their order.
+    /// States, in the order of the map.
     pub states: Vec<ConeState>,
 }
 
-/// A state as seen from one direction.
+/// Drive state viewed from one direction.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ConeState {
-    /// Luminous reflectance factor (1: a perfect white in the same light); NaN where nothing was measured.
+    /// Luminous reflectance factor (1: a perfect white in the same light); NaN where the diffuser was not measured.
     pub reflectance_factor_y: f64,
-    /// Luminance, cd/m2; NaN where nothing was measured.
+    /// Luminance, cd/m2; NaN where the diffuser was not measured.
     pub luminance_cd_m2: f64,
     /// CIE 1976 u'.
     pub u_prime: Option<f64>,
     /// CIE 1976 v'.
     pub v_prime: Option<f64>,
-    /// u'v' distance from the same state seen along the normal.
+    /// u'v' distance from the same state viewed along the normal.
     pub uv_shift: Option<f64>,
 }
 
-/// A directed source, its direction as the scenario gives it.
+/// Directed source, with its direction as specified in the scenario.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ConeLight {
     /// Inclination, degrees; negative: towards phi + 180.
@@ -100,7 +101,7 @@ pub struct ConeLight {
 }
 
 impl ConeView {
-    /// Of so many states, none of which is known.
+    /// Returns a view of this number of states without values.
     pub(crate) fn unknown(states: usize) -> Self {
         let state = ConeState {
             reflectance_factor_y: f64::NAN,
@@ -119,10 +120,10 @@ impl ConeView {
 }
 
 impl ConeResult {
-    /// The cone, if no row's error is larger than the scenario's target or, if an error is allowed, than that.
+    /// Checks that the error of each row is at most the allowed error, or the scenario's target if none is given.
     ///
     /// # Errors
-    /// Names the worst rows.
+    /// If a row exceeds the limit; the message names the worst rows.
     pub fn allowing(mut self, error: Option<f64>) -> Result<Self, DisplayError> {
         let (states, thetas) = (self.states.len().max(1), self.theta_deg.len().max(1));
         let name = |row: usize| {
@@ -134,7 +135,7 @@ impl ConeResult {
         Ok(self)
     }
 
-    /// What is seen from `theta_deg[theta]`, `phi_deg[phi]`, if it is there.
+    /// Returns the view from `theta_deg[theta]`, `phi_deg[phi]`; `None` if an index is out of range.
     pub fn view(&self, theta: usize, phi: usize) -> Option<&ConeView> {
         (theta < self.theta_deg.len()).then(|| self.views.get(phi * self.theta_deg.len() + theta)).flatten()
     }

@@ -1,15 +1,15 @@
-//! Why a scene cannot be computed.
+//! Errors of scenes and runs.
 
 use papilio_colour::ColourError;
 use papilio_optics::OpticsError;
 
-/// Why a scene cannot be computed.
+/// Reason why a scene cannot be computed.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum DisplayError {
-    /// A film that cannot be.
+    /// A film with invalid parameters.
     #[error(transparent)]
     Film(#[from] OpticsError),
-    /// A light that cannot be scaled or seen.
+    /// A spectrum that cannot be scaled, or a grid outside the observer's range.
     #[error(transparent)]
     Colour(#[from] ColourError),
     /// A state needs a dark sub-pixel, but the pixel has no dark gap.
@@ -18,133 +18,135 @@ pub enum DisplayError {
         /// The state.
         state: String,
     },
-    /// A direction that no reader in air can see, or no light in air can come from.
+    /// A view or light direction that does not exist in air.
     #[error(
-        "a {what} at {theta_deg} deg in a medium of index {index} is not above the display's horizon in air"
+        "a {what} at {theta_deg} deg in a medium of index {index} is below the display's horizon in air (expected all of its cone above the horizon)"
     )]
     BelowHorizon {
-        /// "view" or "light".
+        /// The object: "view" or "light".
         what: &'static str,
         /// Its inclination.
         theta_deg: f64,
-        /// The medium of the angle.
+        /// Index of the medium of the angle.
         index: f64,
     },
-    /// A film's fringes over angle are too many to tabulate.
+    /// A film with too many interference fringes over angle to tabulate.
     #[error(
-        "{key}: this layer of {thickness_nm} nm makes {fringes} interference fringes over angle at {nm} nm, more than \
-         are tabulated (expected films of about {most_mm} mm in all at most; a thicker layer does not interfere in room \
-         light: make it a layer of the display)"
+        "{key}: this layer of {thickness_nm} nm has {fringes} interference fringes over angle at {nm} nm, more than \
+         can be tabulated (expected films with a total thickness of at most about {most_mm} mm; a thicker layer does \
+         not interfere in room light: describe it as a layer of the display)"
     )]
     Fringes {
-        /// The key of its thickness or gap.
+        /// The key of the layer's thickness or gap.
         key: String,
-        /// Its thickness.
+        /// Thickness of the layer, nm.
         thickness_nm: f64,
-        /// Their number, from the normal to the horizon in the layer.
+        /// Number of fringes from the normal to the horizon in the layer.
         fringes: f64,
-        /// The wavelength.
+        /// Wavelength, nm.
         nm: f64,
-        /// How thick films may be.
+        /// Approximate largest total thickness of films, mm.
         most_mm: f64,
     },
-    /// Angles in glass need one index.
+    /// Angles in glass for a glass with dispersion.
     #[error("angles in glass need a glass whose index does not depend on wavelength")]
     DispersiveGlassAngles,
-    /// A pixel that scatters lies under layers, not under the ordinary panel.
-    #[error("a pixel given by its BRDF lies under layers in general form, not under the ordinary panel")]
+    /// A scattering pixel under an ordinary panel.
+    #[error("a pixel given by its BRDF requires general layers above it, not an ordinary panel")]
     ScatteringUnderPanel,
-    /// A pixel that scatters has no reflectance by angle and wavelength alone.
+    /// An angle scan of a scattering pixel, whose reflectance is not a function of angle and wavelength alone.
     #[error(
-        "a pixel given by its BRDF sends light into all directions: there is no table of its reflectance by angle; \
-         `papilio diffuser inspect` shows its file, and `papilio brdf` what the whole display makes of light"
+        "a pixel given by its BRDF scatters light into all directions: it has no table of reflectance by angle; \
+         `papilio diffuser inspect` shows its file, and `papilio brdf` computes the BRDF of the whole display"
     )]
     ScanOfScattering,
     /// The worker threads could not be started.
     #[error("{threads} worker threads could not be started")]
     Threads {
-        /// How many were asked for.
+        /// Requested number of threads.
         threads: usize,
     },
-    /// A number overflowed: something in the scene is far outside of what displays are made of.
-    #[error("a result is not a finite number: something in the scenario is far too small or far too large")]
+    /// A result that is not finite: a value of the scene is far outside the range of real displays.
+    #[error("a result is not a finite number: a value in the scenario is far too small or far too large")]
     NotFinite,
-    /// Something scatters into an angle too narrow for adding to resolve between other layers.
+    /// A scatterer whose lobe is too narrow for adding to resolve within general layers.
     #[error(
-        "{what} (number {number} from the top of what scatters) is too narrow for adding among these layers: \
-         it would take {nodes} directions, more than {most} are a matter of hours; the walk takes it \
+        "{what} (scatterer {number} from the top) is too narrow for adding within these layers: \
+         it would need {nodes} directions, and more than {most} would take hours; use the Monte Carlo solver \
          (--solver monte-carlo, or method = \"monte-carlo\")"
     )]
     TooNarrow {
-        /// The layer: its kind, and what makes it narrow.
+        /// The layer: its kind and the parameter that makes it narrow.
         what: String,
-        /// Which one it is, counted from the top among what scatters, from 1.
+        /// Number of the scatterer, counted from the top, from 1.
         number: usize,
-        /// Radial nodes that two levels need.
+        /// Number of radial nodes that two levels need.
         nodes: usize,
-        /// The most that are tried.
+        /// Largest number of nodes that is attempted.
         most: usize,
     },
-    /// Rows of a table are worse than what it is to hold.
+    /// Rows of a table with an error above the limit.
     #[error(
-        "{count} of {of} rows of the {table} have a relative error of Y above {most:.1e}, the worst: {named}{more}\n  = help: \
-         --allow-error {enough} (allow_error in Python) writes the table with each row's error beside it; the walk \
-         (method = \"monte-carlo\") computes single views without this error"
+        "{count} of {of} rows of the {table} have a relative error of Y above {most:.1e}; the worst are: {named}{more}\n  \
+         = help: --allow-error {enough} (allow_error in Python) writes the table with the error of each row; the Monte \
+         Carlo solver (method = \"monte-carlo\") computes single views without this error"
     )]
     RowsTooUncertain {
-        /// What the table is of.
+        /// Name of the table.
         table: &'static str,
-        /// How many rows.
+        /// Number of rows above the limit.
         count: usize,
-        /// Of how many.
+        /// Number of all rows.
         of: usize,
-        /// The error that was to hold.
+        /// The limit of the relative error.
         most: f64,
         /// The worst rows, with their errors.
         named: String,
-        /// What follows them, if there are more.
+        /// "; ..." if more rows are above the limit than are named, or empty.
         more: &'static str,
-        /// What would have to be allowed.
+        /// Limit that all rows would meet.
         enough: f64,
     },
-    /// A number of paths says nothing to a solver without paths.
-    #[error("adding traces no paths: it needs a relative error to stop at")]
+    /// A number of paths as the stopping criterion of adding.
+    #[error("adding does not trace paths: its stopping criterion must be a relative error")]
     NoPaths,
-    /// Designs are pixels of films.
-    #[error("designs are film pixels: this display has another pixel")]
+    /// Designs of a display whose pixel is not a film pixel.
+    #[error("designs require a film pixel, but this display has another kind of pixel")]
     NotAFilm,
-    /// Designs are seen through adding's kernel.
-    #[error("designs are computed by adding to a relative error: the scene asks for another method")]
+    /// Designs of a scene that is not solved by adding to a relative error.
+    #[error(
+        "designs are computed by adding to a relative error, but the scene specifies another method or stopping criterion"
+    )]
     NotByAdding,
-    /// A design of other states than the display that was prepared.
-    #[error("a design has the states of the display that was prepared, in the same order")]
+    /// A design whose states differ from those of the prepared display.
+    #[error("the states of a design must be those of the prepared display, in the same order")]
     OtherStates,
-    /// A quantity of a view or state that is not there.
+    /// A quantity of a view or state that does not exist.
     #[error("there is no {what} for the quantity `{quantity}`")]
     NoSuchQuantity {
-        /// What is missing: a view or a state.
+        /// The missing view or state.
         what: String,
-        /// The quantity's name.
+        /// Name of the quantity.
         quantity: &'static str,
     },
-    /// A derivative by something that the film does not have.
+    /// A derivative with respect to a parameter that the film does not have.
     #[error("the film has no {what} number {number}")]
     NoSuchParameter {
-        /// A layer of fixed thickness, a sub-pixel, ...
+        /// Kind of parameter: a layer of fixed thickness, a sub-pixel, ...
         what: &'static str,
-        /// Its number, from 0.
+        /// Number of the parameter, from 0.
         number: usize,
     },
-    /// The run was stopped before there was anything to report.
+    /// The run was stopped before its first estimate.
     #[error("stopped before the first estimate")]
     Interrupted,
 }
 
-/// The thickest coating, mm.
+/// Approximate largest thickness of a coating, mm.
 const THICKEST_COATING_MM: f64 = 0.05;
 
 impl DisplayError {
-    /// What is wrong with a coating that errors call `key`.
+    /// Converts the error of a coating whose key is `key`.
     pub(crate) fn of_coating(error: OpticsError, key: &str) -> Self {
         match error {
             OpticsError::Fringes { layer, thickness_nm, fringes, nm } => {

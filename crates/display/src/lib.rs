@@ -1,8 +1,8 @@
-//! The reflective display: pixels, states, lighting, viewer, the run and its metrics.
+//! Simulation of reflective displays: pixels, drive states, lighting, viewer, runs and metrics.
 //!
-//! **API boundary.** A [`scene::Scene`] goes in, a [`result::RunResult`] comes out of
-//! [`run`]; [`pixel::scan`] is the pixel alone. Scenes are usually made by the `scenario`
-//! crate from a file, but any program can fill one in:
+//! **API boundary.** [`run`] computes a [`result::RunResult`] from a [`scene::Scene`];
+//! [`pixel::scan`] computes the reflectance of the pixel alone. The `scenario` crate reads scenes
+//! from files, but any program can construct one:
 //!
 //! ```
 //! use papilio_display::scene::*;
@@ -50,26 +50,27 @@
 //! let control = Control { threads: None, progress: &|_| {}, stop: &AtomicBool::new(false) };
 //! let result = run(&scene, &control)?;
 //! let white = result.views[0].states.get("white").unwrap();
-//! // Saunderson's correction: .316071 for a paint of .5 seen along the normal.
+//! // Saunderson's correction: 0.316071 for a paint of reflectance 0.5 viewed along the normal.
 //! assert!((white.value.Y - 0.316071).abs() < 5.0 * white.standard_error.Y);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! Many scenes that differ a little, as in a sweep or under a slider, are run through one
-//! [`Prepared`], which keeps what still serves.
+//! A series of scenes that differ little, as in a sweep or an interactive program, is run through one
+//! [`Prepared`], which reuses all results that are still valid.
 //!
-//! Pixels under layers that stay, as in a search for the best one, are the [`Designs`] of a display.
+//! [`Designs`] evaluates many film pixels under fixed layers, lights and views, as an optimisation needs it.
 //!
-//! Inside, data flows one way: `setup` makes the stack, sources and views of a scene;
-//! `run` has a solver look at them; `meter` turns what it saw into numbers with errors.
+//! Inside, data flows in one direction: `setup` prepares the stack, sources and views of a scene;
+//! `run` calls a solver for them; `meter` converts its estimates into metrics with errors.
 //!
-//! **Limits.** The display is uniform over the field of view. **Out of scope.** Files, TOML,
-//! printing.
+//! **Limits.** The display is uniform over the field of view. **Out of scope.** Files, TOML and
+//! output.
 
 mod brdf;
 pub mod compare;
 mod cone;
 mod designs;
+pub mod environment;
 mod error;
 mod meter;
 mod metrics;
@@ -78,7 +79,6 @@ mod prepared;
 pub mod readability;
 mod reflection;
 pub mod result;
-pub mod room;
 mod room_light;
 mod rows;
 mod run;

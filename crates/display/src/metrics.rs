@@ -1,10 +1,16 @@
-//! Metrics by name: of a state, and of the states together. Definitions and sources: docs/metrics.md.
+//! Metrics by name: of a state, and of a view, which combine its states. Definitions and sources: docs/metrics.md.
+//!
+//! The table at the end of this file is the only list of names. From it come the fields of the results, the enum
+//! [`Metric`] and all iterations. A new metric needs a line in the table, with its documentation, and its value in
+//! `meter/metrics.rs`.
 
 use schemars::JsonSchema;
 use serde::Serialize;
 
-/// Declares numbers that may be undefined, with their names, and ways through all of them.
-macro_rules! metrics {
+use crate::result::StateValues;
+
+/// Declares a structure of metrics that may be undefined, with iterators over all of them.
+macro_rules! numbers {
     (
         $(#[doc = $doc:literal])*
         $name:ident { $( $(#[doc = $field_doc:literal])* $field:ident ),* $(,)? }
@@ -17,12 +23,12 @@ macro_rules! metrics {
         }
 
         impl $name {
-            /// Names and numbers, in order.
+            /// Returns names and values, in order.
             pub fn named(&self) -> impl Iterator<Item = (&'static str, Option<f64>)> + use<> {
                 [$((stringify!($field), self.$field)),*].into_iter()
             }
 
-            /// All numbers, in order.
+            /// Returns all values, in order.
             pub(crate) fn all_mut(&mut self) -> impl Iterator<Item = &mut Option<f64>> {
                 [$(&mut self.$field),*].into_iter()
             }
@@ -30,34 +36,82 @@ macro_rules! metrics {
     };
 }
 
-metrics! {
-    /// What a state's colour is to other colours.
-    StateMetrics {
-        /// CIELUV u*, against the illuminant's white.
-        u_star,
-        /// CIELUV v*.
-        v_star,
-        /// CIEDE2000 difference from the perfect white in the same light.
-        delta_E_2000_from_white,
-        /// CIEDE2000 difference from the reference state, seen from the same direction.
-        delta_E_2000_from_reference,
-        /// u'v' distance from the reference state, seen from the same direction.
-        distance_from_reference_uv,
-        /// CIEDE2000 difference from the same state in the view nearest to the normal.
-        delta_E_2000_with_angle,
-        /// u'v' distance from the same state in the view nearest to the normal.
-        shift_with_angle_uv,
-        /// `peak_nm` less that of the pixel alone in the direction of the view (Feng 2012, eq. 5-12).
-        peak_shift_nm,
-    }
+/// Declares the enum of all metrics that can be targets: those of a view, and those of a state.
+macro_rules! names {
+    (
+        view { $( $(#[doc = $view_doc:literal])* $view:ident ),* $(,)? }
+        values { $($value:ident),* $(,)? }
+        state { $( $(#[doc = $state_doc:literal])* $state:ident ),* $(,)? }
+    ) => {
+        /// Metric of a result, named as there.
+        #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+        #[allow(missing_docs, non_camel_case_types, reason = "named and documented as the fields of a result")]
+        pub enum Metric { $($view,)* $($value,)* $($state,)* }
+
+        impl Metric {
+            /// Returns true for metrics of a view, which combine its states.
+            pub fn is_of_view(self) -> bool {
+                matches!(self, $(Self::$view)|*)
+            }
+
+            /// Returns the name of the metric in a result.
+            pub fn name(self) -> &'static str {
+                match self {
+                    $(Self::$view => stringify!($view),)*
+                    $(Self::$value => stringify!($value),)*
+                    $(Self::$state => stringify!($state),)*
+                }
+            }
+
+            /// All metrics.
+            pub const ALL: &[Self] = &[$(Self::$view,)* $(Self::$value,)* $(Self::$state,)*];
+
+            /// Returns the metric of this name, if it can be a target.
+            pub fn named(name: &str) -> Option<Self> {
+                Self::ALL.iter().copied().find(|metric| metric.name() == name)
+            }
+
+            /// Returns the value of a metric of a view; `None` for metrics of a state.
+            pub(crate) fn of_view(self, metrics: &ViewMetrics) -> Option<f64> {
+                match self {
+                    $(Self::$view => metrics.$view,)*
+                    _ => None,
+                }
+            }
+
+            /// Returns the value of a metric of a state; `None` for metrics of a view.
+            pub(crate) fn of_state(self, values: &StateValues) -> Option<f64> {
+                match self {
+                    $(Self::$value => values.$value.into(),)*
+                    $(Self::$state => values.metrics.$state,)*
+                    _ => None,
+                }
+            }
+        }
+    };
 }
 
-metrics! {
-    /// What a state looks like in its room (CIECAM16, CIE 248:2022).
+/// Declares all metrics from one table.
+macro_rules! metrics {
+    (
+        $(#[doc = $view_doc:literal])* view $view_name:ident { $($view:tt)* }
+        values { $($value:tt)* }
+        $(#[doc = $state_doc:literal])* state $state_name:ident { $($state:tt)* }
+        between_views { $($between:tt)* }
+        state { $($last:tt)* }
+    ) => {
+        numbers! { $(#[doc = $view_doc])* $view_name { $($view)* } }
+        numbers! { $(#[doc = $state_doc])* $state_name { $($state)* $($between)* $($last)* } }
+        names! { view { $($view)* } values { $($value)* } state { $($state)* $($last)* } }
+    };
+}
+
+numbers! {
+    /// Colour appearance of a state (CIECAM16, CIE 248:2022).
     Cam16 {
-        /// Lightness.
+        /// Lightness J.
         J,
-        /// Chroma.
+        /// Chroma C.
         C,
         /// Lightness J' of CAM16-UCS.
         J_prime,
@@ -69,27 +123,27 @@ metrics! {
 }
 
 metrics! {
-    /// Metrics of the states together.
-    ViewMetrics {
+    /// Metrics of a view, which combine its states.
+    view ViewMetrics {
         /// Y of white over Y of black.
         contrast_ratio,
-        /// Area of the red, green and blue states in u'v', % of sRGB's.
+        /// Gamut area of the red, green and blue states in u'v', % of sRGB.
         gamut_percent_srgb,
-        /// The same, % of EBU's.
+        /// The same, % of EBU.
         gamut_percent_ebu,
-        /// The same, % of NTSC's.
+        /// The same, % of NTSC.
         gamut_percent_ntsc,
-        /// The same, % of DCI-P3's.
+        /// The same, % of DCI-P3.
         gamut_percent_dci_p3,
-        /// Part of sRGB's triangle in u'v' that the display's covers, %.
+        /// Gamut coverage: fraction of the sRGB triangle in u'v' that the display covers, %.
         coverage_percent_srgb,
-        /// The same of EBU's.
+        /// The same for the EBU triangle.
         coverage_percent_ebu,
-        /// The same of NTSC's.
+        /// The same for the NTSC triangle.
         coverage_percent_ntsc,
-        /// The same of DCI-P3's.
+        /// The same for the DCI-P3 triangle.
         coverage_percent_dci_p3,
-        /// Volume of the gamut in CIELAB, where `metrics.gamut_volume` asks for it.
+        /// Gamut volume in CIELAB, if `metrics.gamut_volume` is set.
         gamut_volume_cielab,
         /// Mean over red, green and blue of `peak_shift_nm` (Feng 2012, eq. 5-12).
         average_peak_shift_nm,
@@ -98,13 +152,74 @@ metrics! {
         /// Contrast of black text on white (Feng 2012, eq. 5-14).
         text_contrast,
         /// Reading performance of a reader of 20 years, 0 to 1: a surrogate calibrated on Feng 2012,
-        /// table 5.3, and null beyond its range.
+        /// table 5.3; null outside its range.
         reading_surrogate_age_20,
-        /// The same of 50 years.
+        /// The same for a reader of 50 years.
         reading_surrogate_age_50,
-        /// The same of 75 years.
+        /// The same for a reader of 75 years.
         reading_surrogate_age_75,
-        /// The same of a reader of `viewer.age_years`; null where the scenario gives no age.
+        /// The same for a reader of `viewer.age_years`; null if the scenario does not specify an age.
         reading_surrogate,
+    }
+    // Fields of `StateValues` that are metrics, too.
+    values {
+        X,
+        Y,
+        Z,
+        x,
+        y,
+        u_prime,
+        v_prime,
+        L_star,
+        a_star,
+        b_star,
+        luminance_cd_m2,
+        contrast,
+        peak_nm,
+        distance_from_white_uv,
+        distance_from_d65_uv,
+        R_hemi,
+    }
+    /// Comparisons of a state's colour with other colours.
+    state StateMetrics {
+        /// CIELUV u*, relative to the illuminant's white.
+        u_star,
+        /// CIELUV v*.
+        v_star,
+        /// CIEDE2000 difference from the perfect white in the same light.
+        delta_E_2000_from_white,
+        /// CIEDE2000 difference from the reference state in the same view.
+        delta_E_2000_from_reference,
+        /// u'v' distance from the reference state in the same view.
+        distance_from_reference_uv,
+    }
+    // Fields of `StateMetrics` that compare views: known only after all views, so that they cannot be targets.
+    between_views {
+        /// CIEDE2000 difference from the same state in the view nearest to the normal.
+        delta_E_2000_with_angle,
+        /// u'v' distance from the same state in the view nearest to the normal.
+        shift_with_angle_uv,
+    }
+    // Further fields of `StateMetrics`; the order is that of the results.
+    state {
+        /// `peak_nm` minus that of the pixel alone in the direction of the view (Feng 2012, eq. 5-12), nm.
+        peak_shift_nm,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Every field of `ViewMetrics` and `StateMetrics` can be a target, except for those that compare views.
+    #[test]
+    fn every_field_of_a_result_is_a_metric() {
+        for (name, _) in ViewMetrics::default().named() {
+            assert!(Metric::named(name).is_some_and(Metric::is_of_view), "{name}");
+        }
+        let comparing_views = ["delta_E_2000_with_angle", "shift_with_angle_uv"];
+        for (name, _) in StateMetrics::default().named() {
+            assert_eq!(Metric::named(name).is_some(), !comparing_views.contains(&name), "{name}");
+        }
     }
 }

@@ -1,4 +1,4 @@
-//! Scenes one after the other, each from what is left of the last.
+//! Computation of a series of scenes that reuses results of the previous scene.
 
 use crate::DisplayError;
 use crate::result::RunResult;
@@ -6,33 +6,33 @@ use crate::run::{Control, Kernels, Workers, run_setup};
 use crate::scene::Scene;
 use crate::setup::Setup;
 
-/// A display, its light and its views, prepared: what sweeps, optimisers and sliders hold.
+/// Prepared display with its light and views, for sweeps, optimisations and interactive programs.
 ///
-/// [`run`](Self::run) takes any scene and computes anew only what has changed since the
-/// last: the angular kernels of *adding* serve as long as layers, views and lights stay, the
-/// film's reflectances as long as its layers and gaps stay. Results are those of
-/// [`run`](crate::run()), to the last bit.
+/// [`run`](Self::run) accepts any scene and recomputes only the parts that have changed since the
+/// previous one: the angular kernels of *adding* are reused as long as layers, views and sources stay the same, and the
+/// film's reflectances as long as its layers and gaps stay the same. Results are bit-identical to those of
+/// [`run`](crate::run()).
 #[derive(Debug)]
 pub struct Prepared {
-    /// `None` after a scene that cannot be.
+    /// `None` after an invalid scene.
     setup: Option<Setup>,
     kernels: Kernels,
     workers: Option<Workers>,
 }
 
 impl Prepared {
-    /// Prepared for scenes like this one.
+    /// Prepares the computation of scenes similar to this one.
     ///
     /// # Errors
-    /// If the scene cannot be.
+    /// If the scene is invalid.
     pub fn new(scene: &Scene) -> Result<Self, DisplayError> {
         Ok(Self { setup: Some(Setup::new(scene)?), kernels: Kernels::default(), workers: None })
     }
 
-    /// Runs a scene; interrupted, as [`run`](crate::run()) is.
+    /// Runs a scene; an interrupted run returns the same as [`run`](crate::run()).
     ///
     /// # Errors
-    /// If the scene cannot be, or was stopped before there was anything to report.
+    /// If the scene is invalid, or the run was stopped before its first estimate.
     pub fn run(&mut self, scene: &Scene, control: &Control<'_>) -> Result<RunResult, DisplayError> {
         let setup = match self.setup.take() {
             Some(setup) => setup.renewed(scene)?,

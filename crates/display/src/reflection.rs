@@ -1,16 +1,17 @@
-//! What kind of mirror a display is: its reflection split into mirror, haze and Lambertian parts.
+//! Components of the reflection of a display: mirror, haze and Lambertian.
 //!
-//! **What.** Of a beam of the scene's light, the luminous shares that leave
+//! **What.** The luminous fractions of a beam of the scene's light that are reflected
 //! - in the mirror direction (*mirror*),
-//! - as from white paint: pi times the least BRDF over a set of directions within 60 deg of the normal
-//!   (*Lambertian*; what falls off beyond is no base under anything),
-//! - and the rest (*haze*),
+//! - like light from white paint: pi times the smallest BRDF over a set of directions within 60 deg of the normal
+//!   (*Lambertian*; a BRDF that decreases at larger angles does not limit it),
+//! - and otherwise (*haze*).
 //!
-//! which sum to all that leaves (E. F. Kelley, "Display reflectance model based on the BRDF", Displays 19, 27
-//! (1998); IDMS 1.1, section 11). *Beyond 2.5 deg* is the share of all that leaves more than 2.5 deg off the mirror
-//! direction: to reflection what ASTM D1003 is to transmission.
-//! **How.** By reciprocity, what leaves in all of a beam is what is seen from its direction in diffuse light; within
-//! 2.5 deg, under a disc of that radius; in a direction, under a beam from there. One run by adding tells all.
+//! They sum to the directional-hemispherical reflectance (E. F. Kelley, "Display reflectance model based on the BRDF",
+//! Displays 19, 27 (1998); IDMS 1.1, section 11). *Beyond 2.5 deg* is the fraction of the reflected light at more than
+//! 2.5 deg from the mirror direction, the analogue for reflection of haze by ASTM D1003.
+//! **How.** By reciprocity, the directional-hemispherical reflectance of a beam is the reflectance factor viewed from its
+//! direction in diffuse light. In the same way, a disc of 2.5 deg radius gives the light within 2.5 deg, and a beam the light
+//! in its direction. One run by adding gives all of them.
 
 use papilio_spectra::Spectrum;
 
@@ -20,72 +21,72 @@ use crate::run::{Control, run};
 use crate::scene::{AngleMedium, DirectedLight, Method, Scene, Stop};
 use crate::setup::Setup;
 
-/// What ASTM D1003 calls straight on, degrees.
+/// Angle within which light counts as not scattered by ASTM D1003, degrees.
 const STRAIGHT_DEG: f64 = 2.5;
 
-/// Where the least BRDF is looked for: inclinations and azimuths from the plane of incidence, degrees.
+/// Directions for the smallest BRDF: inclinations, and azimuths relative to the plane of incidence, degrees.
 const INCLINATIONS_DEG: [f64; 5] = [0.0, 15.0, 30.0, 45.0, 60.0];
 const AZIMUTHS_DEG: [f64; 5] = [0.0, 45.0, 90.0, 135.0, 180.0];
 
-/// Adding's target, where the scene has none.
+/// Target of adding for scenes without one.
 const DEFAULT_TARGET: f64 = 1e-3;
 
-/// The reflection of a beam from one direction.
+/// Reflection of a beam from one direction.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Reflection {
     /// Inclination of the beam, degrees in air.
     pub theta_deg: f64,
-    /// One for each drive state.
+    /// Components of each drive state.
     pub states: Vec<ReflectionState>,
 }
 
-/// Luminous shares of a beam.
+/// Components of the reflection of a beam, as luminous fractions of the beam.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ReflectionState {
     /// Name of the state.
     pub name: String,
-    /// All that leaves.
+    /// Directional-hemispherical reflectance.
     pub returned: f64,
-    /// In the mirror direction alone.
+    /// Mirror component: the light in the mirror direction.
     pub mirror: f64,
-    /// Neither in the mirror direction nor as from paint.
+    /// Haze component: the light that is neither mirror nor Lambertian.
     pub haze: f64,
-    /// As from white paint.
+    /// Lambertian component.
     pub lambertian: f64,
-    /// Of all that leaves, what leaves more than 2.5 deg off the mirror direction; `None` if nothing leaves.
+    /// Fraction of the reflected light at more than 2.5 deg from the mirror direction; `None` without reflected light.
     pub beyond_straight: Option<f64>,
 }
 
-/// Splits the reflection of beams from these inclinations (degrees in air, below 87); by adding, whatever
-/// the scene's method.
+/// Computes the components of the reflection of beams from these inclinations (degrees in air, below 87), by adding
+/// independently of the scene's method.
 ///
 /// # Errors
-/// If the scene cannot be, or was stopped.
+/// If the scene is invalid, or the computation was stopped.
 pub fn reflection(
     scene: &Scene,
     theta_deg: &[f64],
     control: &Control<'_>,
 ) -> Result<Vec<Reflection>, DisplayError> {
-    let light = mixture(scene)?;
+    let light = ambient_spectrum(scene)?;
     let one = |theta: &f64| {
-        let result = run(&lit(scene, *theta, &light), control)?;
+        let result = run(&reflection_scene(scene, *theta, &light), control)?;
         Ok(Reflection { theta_deg: *theta, states: split(&result, *theta) })
     };
     theta_deg.iter().map(one).collect()
 }
 
-/// All of the room's light together, relative; an even spectrum where there is none.
-fn mixture(scene: &Scene) -> Result<Spectrum, DisplayError> {
-    let mut room = scene.clone();
-    room.lighting.front_light = None;
-    let setup = Setup::new(&room)?;
-    let nothing = Spectrum::constant(&scene.grid, 0.0);
-    let sum = setup.lights.iter().fold(nothing, |sum, light| sum.zip_map(&light.irradiance, |a, b| a + b));
+/// Relative spectrum of the total ambient light; an equal-energy spectrum if there is none.
+fn ambient_spectrum(scene: &Scene) -> Result<Spectrum, DisplayError> {
+    let mut ambient = scene.clone();
+    ambient.lighting.front_light = None;
+    let setup = Setup::new(&ambient)?;
+    let zero = Spectrum::constant(&scene.grid, 0.0);
+    let sum = setup.lights.iter().fold(zero, |sum, light| sum.zip_map(&light.irradiance, |a, b| a + b));
     Ok(if sum.max() > 0.0 { sum } else { Spectrum::constant(&scene.grid, 1.0) })
 }
 
-/// The display seen from `theta`, in diffuse light, under a disc in the mirror direction, and under beams.
-fn lit(scene: &Scene, theta_deg: f64, light: &Spectrum) -> Scene {
+/// Scene of the display viewed from `theta_deg` in diffuse light, under a disc in the mirror direction, and under beams.
+fn reflection_scene(scene: &Scene, theta_deg: f64, light: &Spectrum) -> Scene {
     let mut lit = scene.clone();
     lit.viewer.theta_deg = vec![theta_deg];
     lit.viewer.phi_deg = vec![0.0];
@@ -120,6 +121,7 @@ fn lit(scene: &Scene, theta_deg: f64, light: &Spectrum) -> Scene {
     lit
 }
 
+/// Computes the components from the result of [`reflection_scene`].
 fn split(result: &RunResult, theta_deg: f64) -> Vec<ReflectionState> {
     let Some(view) = result.views.first() else { return Vec::new() };
     let one = |(name, State { value, .. }): (&str, &State)| {
@@ -127,7 +129,7 @@ fn split(result: &RunResult, theta_deg: f64) -> Vec<ReflectionState> {
         let mirror = value.specular.first().copied().unwrap_or_default();
         let beams = value.R_dir.iter().skip(1).flatten();
         let lambertian = beams.copied().fold(f64::INFINITY, f64::min).clamp(0.0, returned - mirror);
-        // What is seen of a disc is the mean over its projected solid angle.
+        // The reflectance factor under a disc is the mean over its projected solid angle.
         let disc = theta_deg.to_radians().cos() * STRAIGHT_DEG.to_radians().sin().powi(2);
         let straight = value.R_dir.first().copied().flatten().unwrap_or_default() * disc;
         ReflectionState {

@@ -1,66 +1,66 @@
-//! The answer: what a meter would report, with its errors. Serialises to `result.json`.
+//! Results of a run, with their errors. Serialised as `result.json`.
 //!
 //! Arrays run over `wavelength_nm`. SI units and nm; X, Y, Z are relative
-//! (Y = 1 for a perfect white in the same light). A `None` is a number that is
-//! not defined here (a metric whose states are missing, a peak at an edge).
+//! (Y = 1 for a perfect white in the same light). `None` marks a value that is
+//! not defined (a metric whose states are missing, a peak at an edge).
 
 use schemars::JsonSchema;
 use serde::Serialize;
 
 pub use crate::metrics::{Cam16, StateMetrics, ViewMetrics};
 
-/// Everything that a run reports, but for the scenario itself.
+/// Result of a run; it does not contain the scenario.
 #[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct RunResult {
-    /// How it was computed, and how well.
+    /// Solver, and the accuracy that was reached.
     pub solver: SolverReport,
-    /// The wavelengths of every array, nm.
+    /// Wavelengths of all spectra, nm.
     pub wavelength_nm: Vec<f64>,
-    /// The reference white.
+    /// Reference white.
     pub illuminant: Illuminant,
-    /// One entry for each view, theta fastest.
+    /// One entry for each view, with theta varying fastest.
     pub views: Vec<View>,
-    /// Remarks that the reader should see.
+    /// Warnings for the user.
     pub warnings: Vec<String>,
 }
 
-/// How the numbers were computed.
+/// Solver of a run, and the accuracy that was reached.
 #[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct SolverReport {
-    /// `adding` or `walk`.
+    /// `adding` or `monte-carlo`.
     pub method: String,
-    /// Paths traced, over all views (walk).
+    /// Number of paths over all views (Monte Carlo).
     #[serde(skip_serializing_if = "Option::is_none")]
     pub paths: Option<u64>,
-    /// Directions at which light was followed, over all views, at the level that is reported (adding).
+    /// Number of nodes (directions) over all views at the reported level (adding).
     #[serde(skip_serializing_if = "Option::is_none")]
     pub nodes: Option<u64>,
-    /// Independent replicates less one: the degrees of freedom of every standard error; 0 without noise.
+    /// Degrees of freedom of the standard errors: the number of independent replicates minus one; 0 without noise.
     pub degrees_of_freedom: u64,
-    /// The largest relative error of Y over states and views (and wavelengths, with `every_bin`):
-    /// the standard error of the walk, the discretisation error of adding.
+    /// Largest relative error of Y over states and views (and wavelengths, with `per_wavelength`):
+    /// the standard error of the Monte Carlo solver, or the discretisation error of adding.
     pub relative_error_reached: f64,
-    /// How the target of one metric was met, if there is one.
+    /// Report on the target of one metric, if there is one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub target: Option<TargetReport>,
-    /// True if the run was stopped before it reached its target.
+    /// True if the run was stopped before it met its target.
     pub interrupted: bool,
 }
 
-/// How a target of one metric was met.
+/// Report on the target of one metric.
 #[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct TargetReport {
-    /// The largest standard error over its tolerance, of all views; null if the display has no such metric.
+    /// Largest ratio of standard error to tolerance over all views; null if the metric is not defined for this display.
     pub error_over_tolerance: Option<f64>,
-    /// Paths that a tenth of the error would take, all views together: as the error fell in this run,
-    /// and at the worst, as one over the root of the paths.
+    /// Estimated number of paths over all views for a tenth of the error: from the decrease of the error in this run,
+    /// and in the worst case, in which the error is inversely proportional to the square root of the number.
     pub paths_for_a_tenth: [f64; 2],
 }
 
-/// A perfect white under the scene's ambient light; under the front light where that is all the light.
+/// Perfect white under the scene's ambient light, or under the front light if that is the only light.
 #[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct Illuminant {
-    /// Its spectral radiance, W/(m2 sr nm).
+    /// Spectral radiance of the perfect white, W/(m2 sr nm).
     pub radiance_of_white: Vec<f64>,
     /// CIE 1931 x.
     pub x: f64,
@@ -72,7 +72,7 @@ pub struct Illuminant {
     pub v_prime: f64,
 }
 
-/// What is seen from one direction.
+/// Result of one view.
 #[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct View {
     /// Inclination, degrees.
@@ -81,39 +81,39 @@ pub struct View {
     pub phi_deg: f64,
     /// The drive states, in the order of the scenario.
     pub states: Named<State>,
-    /// Metrics of the states together.
+    /// Metrics that combine the states.
     #[serde(flatten)]
     pub metrics: ViewMetrics,
-    /// One sigma of each metric (0 where there is no noise).
+    /// Standard error of each metric (0 without noise).
     pub standard_error: ViewMetrics,
-    /// Discretisation errors of the same (adding).
+    /// Discretisation error of each metric (adding).
     #[serde(skip_serializing_if = "Option::is_none")]
     pub discretisation_error: Option<ViewMetrics>,
-    /// Where a unit beam that enters from the view direction ends.
+    /// Energy balance of a unit beam from the view direction.
     pub ledger: Named<Ledger>,
 }
 
-/// A drive state as seen from one direction.
+/// Result of a drive state in one view.
 #[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct State {
-    /// The values.
+    /// Values.
     #[serde(flatten)]
     pub value: StateValues,
-    /// One sigma of each of them, from independent replicates (0 where there is no noise).
+    /// Standard error of each value, from independent replicates (0 without noise).
     pub standard_error: StateValues,
-    /// How far each of them is from that of the next coarser discretisation (adding).
+    /// Discretisation error of each value, from the difference to the next coarser level (adding).
     #[serde(skip_serializing_if = "Option::is_none")]
     pub discretisation_error: Option<StateValues>,
 }
 
-/// The numbers of a state, or their errors.
+/// Values of a drive state, or their errors.
 #[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 #[allow(non_snake_case, reason = "the field's own letters, as result.json spells them")]
 pub struct StateValues {
     /// Spectral radiance, W/(m2 sr nm).
     pub radiance: Vec<f64>,
-    /// Radiance over that of the perfect white; where the light is dark, by the sources' shares of illuminance. Null where the
-    /// front light is all the light: no light falls on the display that it could reflect.
+    /// Radiance over that of the perfect white; at wavelengths without light, the mean of the reflectance factors under each
+    /// source, weighted by illuminance. Null if the front light is the only light: there is no ambient light to reflect.
     pub reflectance_factor: Option<Vec<f64>>,
     /// Relative tristimulus value.
     pub X: f64,
@@ -131,8 +131,8 @@ pub struct StateValues {
     pub u_prime: Option<f64>,
     /// CIE 1976 v'.
     pub v_prime: Option<f64>,
-    /// CIELAB lightness, against the illuminant's white (null in a light without X, Y or Z); against the screen's own white
-    /// state, seen from the same direction, where the front light is all the light. So are all colours and differences that need a white.
+    /// CIELAB lightness L* relative to the illuminant's white (null in light without X, Y or Z), or relative to the display's
+    /// white state in the same view if the front light is the only light. The same white applies to all colours and differences.
     pub L_star: Option<f64>,
     /// CIELAB a*.
     pub a_star: Option<f64>,
@@ -142,8 +142,8 @@ pub struct StateValues {
     pub luminance_cd_m2: f64,
     /// Y over that of black.
     pub contrast: Option<f64>,
-    /// Wavelength of the largest reflectance factor between 400 and 700 nm (null at an edge, and
-    /// where the spectrum is flat within its errors).
+    /// Wavelength of the largest reflectance factor between 400 and 700 nm, nm (null at an edge, and
+    /// if the spectrum is flat within its errors).
     pub peak_nm: Option<f64>,
     /// u'v' distance from the white of the scene's light.
     pub distance_from_white_uv: Option<f64>,
@@ -152,31 +152,32 @@ pub struct StateValues {
     /// 255 times linear sRGB of (x, y, z), clipped, without gamma: hue without lightness (the
     /// RGB rows of Feng 2012, table 5.1).
     pub hue_rgb: Option<[f64; 3]>,
-    /// What the colour is to other colours.
+    /// Comparisons with other colours.
     #[serde(flatten)]
     pub metrics: StateMetrics,
-    /// What it looks like, where `metrics.appearance` asks for it.
+    /// Colour appearance, if `metrics.appearance` is specified.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub cam16: Option<Cam16>,
-    /// Luminous reflectance factor under the diffuse light alone, front reflection included (Feng 2012,
-    /// eq. 3-1); null where there is none.
+    /// Luminous reflectance factor under the diffuse light alone, including front reflection (Feng 2012,
+    /// eq. 3-1); null without diffuse light.
     pub R_hemi: Option<f64>,
     /// The same under each directed source alone.
     pub R_dir: Vec<Option<f64>>,
-    /// The same in each environment alone.
+    /// The same under each environment alone.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub R_environment: Vec<Option<f64>>,
-    /// Reflectance factors under each light alone, where `metrics.spectra_by_light` asks for them.
+    /// Reflectance factors under each light alone, if `metrics.spectra_by_light` is set.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub by_light: Option<SpectraByLight>,
-    /// The parts of Y by light; they sum to Y.
+    /// Contributions to Y by light; they sum to Y.
     pub terms: Terms,
-    /// Luminance of each directed source's mirror image over that of the source, wherever it is seen.
+    /// Image luminance ratio of each directed source: luminance of its mirror image over that of the source, whether or not it
+    /// is in the field of view.
     pub specular: Vec<f64>,
 }
 
-/// Reflectance factors under each light alone, front reflection included (Feng 2012, eq. 3-1); null where
-/// there is none of it.
+/// Reflectance factors under each light alone, including front reflection (Feng 2012, eq. 3-1); null without
+/// this light.
 #[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 #[allow(non_snake_case, reason = "the letters of the equation")]
 pub struct SpectraByLight {
@@ -189,62 +190,62 @@ pub struct SpectraByLight {
     pub R_environment: Vec<Option<Vec<f64>>>,
 }
 
-/// The parts of Y by light (Feng 2012, eq. 3-1).
+/// Contributions to Y by light (Feng 2012, eq. 3-1).
 #[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct Terms {
-    /// From the diffuse light, by way of the pixel.
+    /// Diffuse light, reflected by the pixel.
     pub diffuse: f64,
-    /// From each directed source, by way of the pixel.
+    /// Each directed source, reflected by the pixel.
     pub directed: Vec<f64>,
-    /// From each environment, by way of the pixel.
+    /// Each environment, reflected by the pixel.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub environment: Vec<f64>,
-    /// From the front light, all that is seen of it, what leaks upwards included.
+    /// Front light, including its upward leak.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub front_light: Option<f64>,
-    /// From any light, mirrored before it met the pixel.
+    /// Front reflection: light of all ambient sources that is reflected before it meets the pixel.
     pub front_reflection: f64,
 }
 
-/// Luminous shares of a unit beam of the light's spectrum that enters from the view direction; they sum to 1.
+/// Energy balance: luminous fractions of a unit beam of the light's spectrum that enters from the view direction; they sum to 1.
 #[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct Ledger {
-    /// Back out into the room.
+    /// Returned to the air.
     pub returned: f64,
-    /// Absorbed, by layer.
+    /// Absorbed by each part of the display.
     pub absorbed: Absorbed,
-    /// What was not followed to its end.
+    /// Not attributed by the solver.
     pub unaccounted: f64,
-    /// One sigma of the above (0 where there is no noise).
+    /// Standard errors of the fractions (0 without noise).
     pub standard_error: LedgerError,
-    /// Discretisation errors of the above (adding).
+    /// Discretisation errors of the fractions (adding).
     #[serde(skip_serializing_if = "Option::is_none")]
     pub discretisation_error: Option<LedgerError>,
 }
 
-/// Errors of a ledger's shares.
+/// Errors of an energy balance.
 #[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct LedgerError {
-    /// Of `returned`.
+    /// Error of `returned`.
     pub returned: f64,
-    /// Of `absorbed`.
+    /// Error of `absorbed`.
     pub absorbed: Absorbed,
-    /// Of `unaccounted`.
+    /// Error of `unaccounted`.
     pub unaccounted: f64,
 }
 
-/// Shares absorbed by layer.
+/// Fractions that are absorbed by each part of the display.
 #[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct Absorbed {
     /// Front of screen.
     pub front: f64,
-    /// Diffuser, what its lobe sends beyond the medium's disc included.
+    /// Diffuser, including the part of its lobe outside the medium's disc.
     pub diffuser: f64,
     /// Glass.
     pub glass: f64,
-    /// The active pixel.
+    /// Active pixel area.
     pub pixel: f64,
-    /// The inactive share of the panel.
+    /// Inactive area of the panel.
     pub inactive: f64,
 }
 
@@ -253,12 +254,12 @@ pub struct Absorbed {
 pub struct Named<T>(pub Vec<(String, T)>);
 
 impl<T> Named<T> {
-    /// The item of that name.
+    /// Returns the item with this name.
     pub fn get(&self, name: &str) -> Option<&T> {
         self.0.iter().find(|(n, _)| n == name).map(|(_, item)| item)
     }
 
-    /// Names and items, in order.
+    /// Iterates over names and items, in order.
     pub fn iter(&self) -> impl Iterator<Item = (&str, &T)> {
         self.0.iter().map(|(name, item)| (name.as_str(), item))
     }

@@ -1,4 +1,4 @@
-//! Where a scene's light comes from: its luminance by direction, for a figure.
+//! Ambient light of a scene: its luminance by direction, for figures.
 
 use std::f64::consts::PI;
 
@@ -8,18 +8,18 @@ use crate::DisplayError;
 use crate::scene::Scene;
 use crate::setup::angle_index;
 
-/// The room's light over the display's hemisphere, angles in air.
+/// Ambient light over the display's hemisphere; angles in air.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RoomLight {
     /// Inclinations, degrees, ascending to 90.
     pub theta_deg: Vec<f64>,
     /// Azimuths, degrees, ascending from 0.
     pub phi_deg: Vec<f64>,
-    /// Luminance of what comes from there, directed sources left out, cd/m2; shape `[theta][phi]`.
+    /// Luminance of the light from each direction without directed sources, cd/m2; shape `[theta][phi]`.
     pub luminance_cd_m2: Vec<f64>,
     /// Illuminance of the diffuse light, lx.
     pub diffuse_lx: f64,
-    /// The same of each environment.
+    /// Illuminance of each environment, lx.
     pub environment_lx: Vec<f64>,
     /// The directed sources.
     pub directed: Vec<RoomLamp>,
@@ -27,7 +27,7 @@ pub struct RoomLight {
     pub views_deg: Vec<[f64; 2]>,
 }
 
-/// A directed source.
+/// Directed source of the ambient light.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RoomLamp {
     /// Inclination, degrees; negative: towards phi + 180.
@@ -36,11 +36,11 @@ pub struct RoomLamp {
     pub phi_deg: f64,
     /// Angular radius, degrees; 0: collimated.
     pub radius_deg: f64,
-    /// What it makes on the display, lx.
+    /// Illuminance on the display, lx.
     pub illuminance_lx: f64,
 }
 
-/// The room's light by direction.
+/// Computes the ambient light by direction.
 ///
 /// # Errors
 /// If the scene's angles are in a glass whose index depends on wavelength.
@@ -55,7 +55,7 @@ pub fn room_light(scene: &Scene) -> Result<RoomLight, DisplayError> {
         let beta = Beta::from_source(theta, phi, 1.0);
         parts().map(|part| part.share * part.field.radiance(beta)).sum::<f64>()
     };
-    // Edges of what is lit often lie at whole degrees: a mean over both sides, or rounding decides.
+    // Edges of sources are often at integer degrees: the mean over both sides avoids a dependence on rounding.
     let luminance = |theta: f64, phi: f64| {
         let beside = [-1.0, 1.0].map(|side| (theta + 0.3 * side).clamp(0.05, 89.95));
         let all = beside.into_iter().flat_map(|theta| [-0.6, 0.6].map(|turn| around(theta, phi + turn)));

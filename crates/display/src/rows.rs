@@ -1,27 +1,26 @@
-//! The errors of a table's rows, and whether the table may be handed on with them.
+//! Discretisation errors of the rows of a table, and the check that they are within the limit.
 
 use crate::DisplayError;
 
-/// How good the rows of a table are.
+/// Relative errors of the rows of a table.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct RowErrors {
-    /// The relative discretisation error of each row's Y, of its own value.
+    /// Discretisation error of the Y of each row, relative to this Y.
     pub relative: Vec<f64>,
-    /// The scenario's target, which no row may miss unless that is allowed.
+    /// Target of the scenario: the limit of all rows unless a larger error is allowed.
     pub target: f64,
-    /// What was allowed instead, if it was: the table is then written with its errors.
+    /// Allowed error, if it was set: the table is then written with its errors.
     pub allowed: Option<f64>,
 }
 
-/// So many rows are named in a refusal.
+/// Number of rows that an error message names.
 const NAMED: usize = 3;
 
 impl RowErrors {
-    /// The same with this error allowed.
+    /// Checks all rows against the allowed error, or the target if none is given; `name` describes a row.
     ///
     /// # Errors
-    /// If a row's error is larger than what is allowed, or than the target if nothing is; `name` says which row
-    /// a number is.
+    /// If the error of a row is larger than the limit.
     pub fn allow(
         self,
         allowed: Option<f64>,
@@ -29,7 +28,7 @@ impl RowErrors {
         name: impl Fn(usize) -> String,
     ) -> Result<Self, DisplayError> {
         let most = allowed.unwrap_or(self.target);
-        // What is not a number is not within.
+        // NaN is never within the limit.
         let beyond = |error: &f64| error.is_nan() || *error > most;
         let mut rows: Vec<usize> =
             (0..self.relative.len()).filter(|row| beyond(&self.relative[*row])).collect();
@@ -56,13 +55,13 @@ impl RowErrors {
     }
 }
 
-/// Two digits that are no less.
+/// Rounds up to two significant digits.
 fn rounded_up(error: f64) -> f64 {
     if !(error.is_finite() && error > 0.0) {
         return error;
     }
     let unit = 10.0_f64.powi(error.log10().floor() as i32 - 1);
-    // Printed with its own digits alone.
+    // Formatting and parsing removes digits that come from rounding.
     format!("{:.1e}", (error / unit).ceil() * unit).parse().unwrap_or(error)
 }
 
@@ -77,7 +76,7 @@ mod tests {
     }
 
     #[test]
-    fn rows_beyond_the_target_are_named_the_worst_first() {
+    fn rows_above_the_target_are_named_in_order_of_their_error() {
         let refused = errors().allow(None, "cone", |row| format!("row {row}")).unwrap_err().to_string();
         assert!(refused.contains("2 of 4 rows of the cone"), "{refused}");
         assert!(refused.contains("row 1 (3.12e-2); row 2 (2.00e-3)"), "{refused}");
@@ -85,7 +84,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_allowed_is_what_the_message_says() {
+    fn error_proposed_by_the_message_is_accepted() {
         let allowed = errors().allow(Some(0.032), "cone", |_| String::new()).unwrap();
         assert_eq!(allowed.allowed, Some(0.032));
         assert!(errors().allow(Some(0.03), "cone", |_| String::new()).is_err());

@@ -1,8 +1,8 @@
-//! What is simulated: the display, its light, its viewer, all resolved to numbers.
+//! Description of a computation: the display, its lighting and its viewer, with all values resolved.
 //!
-//! Every spectrum lies on `Scene::grid`. Values are taken as checked against the ranges
-//! given here, as the `scenario` crate does; [`run`](crate::run()) itself refuses only what
-//! it cannot compute (a view below the horizon, a film that cannot be).
+//! Every spectrum is sampled on `Scene::grid`. Values must be within the documented ranges, which the
+//! `scenario` crate checks; [`run`](crate::run()) itself returns errors only for scenes that
+//! it cannot compute (a view below the horizon, a film with invalid parameters).
 
 use std::sync::Arc;
 
@@ -18,48 +18,48 @@ pub use papilio_transport::{Diffuser, Field, Interface as Ready, ScatterFace, Sc
 
 pub use crate::target::{Metric, Target, Tolerance};
 
-/// One computation, complete.
+/// Complete description of one computation.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Scene {
-    /// The wavelengths of everything below.
+    /// Wavelength grid of all spectra.
     pub grid: Grid,
-    /// The panel, from the front of screen to the pixel.
+    /// The display, from the front of screen to the pixel.
     pub display: Display,
-    /// The room.
+    /// Ambient and front light.
     pub lighting: Lighting,
-    /// Where the reader looks from.
+    /// Directions and field of view of the viewer.
     pub viewer: Viewer,
-    /// What is said of the colours.
+    /// Colorimetric settings.
     pub metrics: Metrics,
-    /// How to compute, and how well.
+    /// Solver and accuracy.
     pub solver: Solver,
 }
 
-/// What is said of the colours.
+/// Colorimetric settings.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Metrics {
-    /// Whose X, Y, Z; luminances are photometric (1931) whoever looks.
+    /// Standard observer for X, Y, Z; luminances always use V(lambda) of CIE 1931.
     pub observer: Standard,
-    /// Name of the state that the others are compared with; nothing is if there is no such state.
+    /// Name of the state with which the others are compared; without such a state there is no comparison.
     pub reference_state: String,
-    /// Whether reflectance factors under each light alone are wanted.
+    /// Whether to report reflectance factors under each light alone.
     pub spectra_by_light: bool,
-    /// Whether the gamut's volume is wanted.
+    /// Whether to report the gamut volume.
     pub gamut_volume: bool,
-    /// Years of the reader, 20 to 75, if reading performance at that age is wanted.
+    /// Age of the reader in years, 20 to 75; `None`: no reading performance at a given age.
     pub reader_age_years: Option<f64>,
-    /// Viewing conditions, if colour appearance is wanted.
+    /// Viewing conditions; `None`: no colour appearance.
     pub appearance: Option<Appearance>,
 }
 
 /// Viewing conditions of CIECAM16.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Appearance {
-    /// Luminance that the eye is adapted to, cd/m2; `None`: that of the background.
+    /// Adapting luminance, cd/m2; `None`: that of the background.
     pub adapting_luminance_cd_m2: Option<f64>,
-    /// Luminance of the background over that of a perfect white in the scene's light, above 0 to 1.
+    /// Luminance of the background relative to a perfect white in the scene's light, greater than 0 and at most 1.
     pub background: f64,
-    /// What is around the display.
+    /// Surround of the display.
     pub surround: Surround,
 }
 
@@ -76,26 +76,26 @@ impl Default for Metrics {
     }
 }
 
-/// The layers and the pixel under them.
+/// Display: the layers and the pixel below them.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Display {
-    /// What light passes on its way to the pixel.
+    /// The layers above the pixel.
     pub layers: Layers,
-    /// The pixel array under the last layer.
+    /// The pixel array below the last layer.
     pub pixel: Pixel,
 }
 
-/// The layers above the pixel, in either form.
+/// Layers above the pixel.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Layers {
-    /// The ordinary panel, for which both solvers are fastest.
+    /// Ordinary panel, for which both solvers are fastest.
     Panel(Panel),
-    /// Any layers, top to bottom, from the air to the pixel; at least one.
+    /// General layers, top to bottom, from the air to the pixel; at least one.
     General(Vec<Layer>),
 }
 
 impl Display {
-    /// The ordinary panel, if it is one.
+    /// Returns the ordinary panel; `None` for general layers.
     pub fn panel(&self) -> Option<&Panel> {
         match &self.layers {
             Layers::Panel(panel) => Some(panel),
@@ -103,37 +103,37 @@ impl Display {
         }
     }
 
-    /// Index of the medium above the pixel.
+    /// Returns the refractive index of the medium above the pixel.
     pub fn index_above_pixel(&self) -> &Spectrum {
         match &self.layers {
             Layers::Panel(panel) => &panel.glass.index,
-            // A stack without layers has no pixel under it; its makers see to that.
+            // General layers are never empty.
             Layers::General(layers) => &layers[layers.len() - 1].medium.index,
         }
     }
 }
 
-/// An interface and the medium below it.
+/// Layer: an interface and the medium below it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Layer {
-    /// Between the medium above (air over the first layer) and `medium`.
+    /// Interface between the medium above (air for the first layer) and `medium`.
     pub interface: Interface,
-    /// Below the interface.
+    /// Medium below the interface.
     pub medium: Medium,
 }
 
-/// What stands between two media.
+/// Interface between two media.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Interface {
-    /// One of the kinds that need no more than what they hold.
+    /// An interface that needs no further preparation.
     Ready(Ready),
     /// Coherent thin films.
     Coating(Coating),
-    /// A rough face between media of constant index.
+    /// Rough interface between media of constant index.
     Rough {
-        /// Roughness: the largest slopes are about this.
+        /// Roughness alpha, about the largest slope.
         alpha: f64,
-        /// How the slopes are spread.
+        /// Distribution of the slopes.
         distribution: Distribution,
     },
 }
@@ -147,317 +147,317 @@ impl From<Ready> for Interface {
 /// Coherent thin films between two media.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Coating {
-    /// Of fixed thickness, top to bottom.
+    /// Films of fixed thickness, top to bottom.
     pub films: Vec<FilmLayer>,
-    /// What errors call it: where the scenario describes it, such as `display.layers.1`.
+    /// Key of the coating in the scenario, such as `display.layers.1`, for error messages.
     pub key: String,
 }
 
-/// A homogeneous medium.
+/// Homogeneous medium.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Medium {
     /// Refractive index, at least 1.
     pub index: Spectrum,
     /// Internal transmittance along the normal, 0 to 1.
     pub transmittance: Spectrum,
-    /// Scattering in its bulk; the index must then be constant.
+    /// Scattering in its volume; the index must then be constant.
     pub scattering: Option<Scattering>,
 }
 
-/// The ordinary panel, top to bottom: front, surface or diffuser, clear glass.
+/// Ordinary panel, top to bottom: front of screen, surface or diffuser, clear glass.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Panel {
     /// Front-of-screen components in air, outermost first.
     pub front: Vec<FrontComponent>,
-    /// The diffuser between air and glass, its faces included; `None`: a bare panel.
+    /// The diffuser between air and glass, including its surfaces; `None`: a bare panel.
     pub diffuser: Option<Diffuser>,
     /// The glass.
     pub glass: Glass,
 }
 
-/// A front-of-screen component, alike from both sides and at all angles.
+/// Front-of-screen component, with the same reflectance from both sides and at all angles.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FrontComponent {
-    /// Share of the light that it mirrors, 0 to 1.
+    /// Specular reflectance, 0 to 1.
     pub reflectance: Spectrum,
-    /// Share of the light that it absorbs, 0 to 1; the two together at most 1.
+    /// Absorptance, 0 to 1; the sum with the reflectance is at most 1.
     pub absorptance: Spectrum,
 }
 
-/// The glass between surface and pixel.
+/// Glass between the surface and the pixel.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Glass {
     /// Refractive index, at least 1.
     pub index: Spectrum,
-    /// Its face towards the air where no diffuser's own faces stand.
+    /// Surface towards the air; not used below a diffuser, which has its own surfaces.
     pub surface: Surface,
 }
 
-/// The face between air and glass of a bare panel.
+/// Interface between air and glass of a bare panel.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Surface {
-    /// A perfect antireflection face: |beta| <= 1 passes whole, |beta| > 1 is reflected whole.
+    /// Ideal antireflection interface: transmits all light with |beta| <= 1 and totally reflects light with |beta| > 1.
     Coated,
-    /// A bare face, unpolarised Fresnel.
+    /// Bare interface: Fresnel reflectance of unpolarised light.
     Fresnel,
 }
 
-/// The pixel array: what each drive state reflects.
+/// Pixel array: the reflectance of each drive state.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Pixel {
-    /// Thin-film sub-pixels with a gap-dependent layer.
+    /// Interferometric sub-pixels: thin films with a gap of variable thickness.
     Film(FilmPixel),
-    /// States tabulated against angle and wavelength.
+    /// States tabulated over angle and wavelength.
     Table(TablePixel),
-    /// States that reflect alike at all angles.
+    /// States whose reflectance does not depend on angle.
     Uniform(UniformPixel),
-    /// States that scatter, each by its BRDF; under [`Layers::General`].
+    /// States given by their BRDFs; requires [`Layers::General`].
     Scattering(ScatteringPixel),
 }
 
 /// Interferometric sub-pixels that share one film stack.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FilmPixel {
-    /// Layers from the glass down.
+    /// Layers, downwards from the glass.
     pub layers: Vec<FilmLayer>,
-    /// n + ik of the opaque, semi-infinite substrate.
+    /// Complex index n + ik of the opaque, semi-infinite substrate.
     pub substrate: Vec<Complex64>,
     /// The sub-pixels, in the order of the scenario.
     pub sub_pixels: Vec<SubPixel>,
-    /// Gap of a dark sub-pixel, nm; `None` where no state needs it.
+    /// Gap of a dark sub-pixel, nm; `None` if no state needs it.
     pub dark_gap_nm: Option<f64>,
-    /// Active share of the panel, 0 to 1.
+    /// Fill factor: active fraction of the panel's area, 0 to 1.
     pub fill_factor: f64,
-    /// Reflectance of the inactive rest.
+    /// Reflectance of the inactive area.
     pub inactive_reflectance: Spectrum,
     /// The drive states, in the order of the results.
     pub states: Vec<FilmState>,
 }
 
-/// One sub-pixel.
+/// Sub-pixel of an interferometric pixel.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SubPixel {
-    /// `red`, `green`, ...; free, except `dark`.
+    /// Name: `red`, `green`, ...; any name except `dark`.
     pub name: String,
-    /// Share of the active area; all sum to 1 (within .001).
+    /// Fraction of the active area; all sum to 1 (within 0.001).
     pub area: f64,
-    /// Gap at its own colour, nm.
+    /// Gap when the sub-pixel shows its colour, nm.
     pub gap_nm: f64,
 }
 
-/// A drive state: what each sub-pixel does, in the order of `sub_pixels`.
+/// Drive state of an interferometric pixel.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FilmState {
-    /// `white`, `black`, ... or the user's own.
+    /// Name: `white`, `black`, ... or any other name.
     pub name: String,
-    /// One drive for each sub-pixel.
+    /// One drive for each sub-pixel, in the order of `sub_pixels`.
     pub drives: Vec<Drive>,
 }
 
-/// How a sub-pixel is driven.
+/// Drive of a sub-pixel.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Drive {
-    /// This share (0 to 1) of its area at its own colour, the rest dark.
+    /// This fraction (0 to 1) of its area shows its colour; the rest is dark.
     Share(f64),
-    /// The whole of it at this gap, nm.
+    /// All of its area is at this gap, nm.
     Gap(f64),
 }
 
-/// Complete states from a table (areas and fill factor included).
+/// Tabulated states, which include areas and fill factor.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TablePixel {
-    /// The medium that the angles are in.
+    /// Medium of the angles.
     pub angles: TableAngles,
-    /// Angles from 0, ascending, in degrees.
+    /// Angles, degrees, ascending from 0.
     pub theta_deg: Vec<f64>,
     /// The states, in the order of the table.
     pub states: Vec<TableState>,
 }
 
-/// The medium of a table's angles.
+/// Medium of the angles of a table.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum TableAngles {
-    /// In air, before Snell.
+    /// Air, before refraction.
     Air,
-    /// In the glass above the pixel.
+    /// The glass above the pixel.
     Glass,
 }
 
-/// One state of a table.
+/// Tabulated state.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TableState {
-    /// Its name.
+    /// Name of the state.
     pub name: String,
-    /// A reflectance spectrum for each angle.
+    /// Reflectance spectrum at each angle.
     pub reflectance: Vec<Spectrum>,
 }
 
-/// Angle-independent states.
+/// States whose reflectance does not depend on angle.
 #[derive(Debug, Clone, PartialEq)]
 pub struct UniformPixel {
-    /// How it reflects.
+    /// Kind of reflection.
     pub kind: UniformKind,
     /// Name and reflectance of each state.
     pub states: Vec<(String, Spectrum)>,
 }
 
-/// States that scatter by their BRDF: directions are those of the medium above, of constant index, its sines in
-/// the place of those in air.
+/// States given by their BRDFs. Directions are those of the medium above, of constant index: its sines take
+/// the place of the sines in air.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ScatteringPixel {
     /// Name and kernel of each state.
     pub states: Vec<(String, ScatterKernel)>,
 }
 
-/// How a uniform pixel reflects.
+/// Kind of reflection of a uniform pixel.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum UniformKind {
-    /// Specularly.
+    /// Specular reflection.
     Mirror,
-    /// With the same basic radiance in every direction of the glass.
+    /// Lambertian reflection: the same basic radiance in all directions of the glass.
     Lambertian,
 }
 
-/// The room's light. All shares sum to 1.
+/// Ambient and front light. The fractions of all ambient sources sum to 1.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Lighting {
-    /// Illuminance that the shares refer to, lx.
+    /// Illuminance to which the fractions refer, lx.
     pub illuminance_lx: f64,
-    /// Share that comes alike from the whole hemisphere.
+    /// Fraction that is uniform over the hemisphere.
     pub diffuse: f64,
     /// Relative spectrum of the diffuse part.
     pub diffuse_spectrum: Spectrum,
     /// The directed sources.
     pub directed: Vec<DirectedLight>,
-    /// Light from all over the sky or the room.
+    /// Environments: light from all directions.
     pub environment: Vec<Environment>,
-    /// Light from a guide below the front of screen.
+    /// Light of a light guide below the front of screen.
     pub front_light: Option<FrontLight>,
 }
 
-/// A light guide below the front of screen and above all else, itself clear.
+/// Front light: a clear light guide below the front of screen and above all other layers.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FrontLight {
-    /// What it sends down, lx on the layer below the front of screen; beside the room's illuminance.
+    /// Downward illuminance on the layer below the front of screen, lx, in addition to the ambient illuminance.
     pub illuminance_lx: f64,
     /// Relative spectrum.
     pub spectrum: Spectrum,
-    /// Directions of what it sends down, as if they came from a sky; `None`: diffuse. Other than diffuse needs an
+    /// Angular distribution of the downward light, as that of a sky; `None`: diffuse. Any other distribution needs an
     /// ordinary panel with a diffuser.
     pub field: Option<Arc<Field>>,
-    /// What it sends up, diffusely, over what it sends down.
+    /// Ratio of the upward light, which is diffuse, to the downward light.
     pub upward_over_downward: f64,
 }
 
-/// Light from all over the sky or the room.
+/// Environment: light from all directions, such as a sky or a room.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Environment {
-    /// Its parts, which add up.
+    /// Parts whose light is added.
     pub parts: Vec<EnvironmentPart>,
 }
 
-/// The light of an environment that has one spectrum.
+/// Part of an environment with one spectrum.
 #[derive(Debug, Clone, PartialEq)]
 pub struct EnvironmentPart {
-    /// Where it comes from, in air whatever the medium of the scene's angles.
+    /// Angular distribution, always in air, independently of the medium of the scene's angles.
     pub field: Arc<Field>,
-    /// Share of the illuminance, in the display plane.
+    /// Fraction of the illuminance in the display plane.
     pub share: f64,
     /// Relative spectrum.
     pub spectrum: Spectrum,
 }
 
-/// A directed source.
+/// Directed source.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DirectedLight {
     /// Inclination, degrees in air (or glass, see `AngleMedium`); negative: towards phi + 180.
     pub theta_deg: f64,
     /// Azimuth, degrees.
     pub phi_deg: f64,
-    /// Share of the illuminance.
+    /// Fraction of the illuminance.
     pub share: f64,
     /// Relative spectrum.
     pub spectrum: Spectrum,
-    /// Angular radius of a round source of even radiance; `None`: collimated.
+    /// Angular radius of a circular source of uniform radiance, degrees; `None`: collimated.
     pub radius_deg: Option<f64>,
-    /// True: the share is measured across the beam, and cos(theta) of it falls on the display.
+    /// True: the fraction is that across the beam, and cos(theta) times it falls on the display.
     pub normal_to_beam: bool,
 }
 
-/// The views: the product of all theta and phi, theta fastest.
+/// Viewer. The views are all combinations of theta and phi, with theta varying fastest.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Viewer {
     /// Inclinations, degrees.
     pub theta_deg: Vec<f64>,
     /// Azimuths, degrees.
     pub phi_deg: Vec<f64>,
-    /// Full angle of the round field, degrees.
+    /// Full angle of the circular field of view, degrees.
     pub field_deg: f64,
-    /// Distance, mm (matters only where the display is not uniform).
+    /// Distance, mm (has an effect only if the display is not uniform).
     pub distance_mm: f64,
 }
 
-/// How to compute.
+/// Solver and accuracy.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Solver {
-    /// Which solver.
+    /// The solver.
     pub method: Method,
-    /// When to stop.
+    /// Stopping criterion.
     pub stop: Stop,
-    /// Where the walk's numbers come from.
+    /// Sample generator of the Monte Carlo solver.
     pub sampler: Sampler,
-    /// How the walk draws directions where a diffuser scatters.
+    /// Strategy of the Monte Carlo solver to draw directions at a diffuser.
     pub scattering: Strategy,
-    /// Exact, or as the dissertation.
+    /// Exact, or with the approximation of Feng 2012.
     pub approximation: Approximation,
-    /// The medium of the scene's angles.
+    /// Medium of the scene's angles.
     pub angle_medium: AngleMedium,
-    /// Seed of the walk.
+    /// Seed of the Monte Carlo solver.
     pub seed: u64,
 }
 
-/// The solvers.
+/// Solver.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Method {
-    /// Deterministic, without noise.
+    /// Adding: deterministic, without noise.
     Adding,
-    /// Unbiased Monte Carlo.
+    /// Monte Carlo: unbiased, with standard errors.
     Walk,
 }
 
-/// When the solver stops.
+/// Stopping criterion of a solver.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Stop {
-    /// At this relative error of Y, largest over states and views: the walk's standard error,
-    /// adding's discretisation error.
+    /// Relative error of Y, the largest over states and views: the standard error of the Monte Carlo solver or the
+    /// discretisation error of adding.
     RelativeError {
-        /// For example 0.001.
+        /// The relative error, for example 0.001.
         target: f64,
-        /// Over every wavelength too, against the spectrum's maximum.
+        /// Whether it applies to every wavelength, too, relative to the maximum of the spectrum.
         every_bin: bool,
     },
-    /// After this many paths for each view (the walk alone).
+    /// Number of paths for each view (Monte Carlo only).
     Paths(u64),
-    /// When a metric is known to within a tolerance (the walk alone).
+    /// Tolerance of the standard error of a metric (Monte Carlo only).
     Target(Target),
 }
 
-/// How completely light is followed.
+/// Approximation of the light transport.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Approximation {
-    /// All orders.
+    /// None: all orders of reflection.
     None,
-    /// Feng 2012, eq. 3-2, 3-3 and 3-5: front of screen to first order, one pass through the panel.
+    /// Single pass (Feng 2012, eq. 3-2, 3-3 and 3-5): front of screen to first order, one reflection by the pixel.
     SinglePass,
 }
 
-/// The medium that angles of viewer and light are given in.
+/// Medium of the angles of viewer and light.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum AngleMedium {
-    /// Angles in air, Snell does the rest.
+    /// Angles in air, refracted by Snell's law.
     Air,
     /// Angles in glass (bare panels with a constant index only).
     Glass,
-    /// Angles in air; the pixel is looked up at the air angle as if it were the angle in glass.
+    /// Angles in air without refraction: the pixel is evaluated as if the angle in air were that in glass.
     Unrefracted,
 }

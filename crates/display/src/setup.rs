@@ -1,4 +1,14 @@
-//! From a scene to what transport needs: the stack, the sources and the views.
+//! Preparation of a scene for the transport: the stack, the sources and the views.
+//!
+//! **Versions.** A setup that is updated for another scene ([`Setup::renewed`]) counts its changes, so that results
+//! of the transport can be reused as long as they are valid:
+//!
+//! | counter | incremented when | key of |
+//! |---|---|---|
+//! | `version` | layers, sources or views change, or everything is prepared again | kernels of general layers |
+//! | `base_version` | the pixel changes | with `version`: estimates of what is seen of each source |
+//!
+//! Spectra and illuminances of the light have no counter: estimates do not depend on them.
 
 use papilio_colour::{Observer, Standard};
 use papilio_optics::Beta;
@@ -13,42 +23,42 @@ use crate::DisplayError;
 use crate::pixel::{self, FilmKey};
 use crate::scene::{self, AngleMedium, Approximation, Layers, Pixel, Scene, Surface};
 
-/// A scene, ready for light.
+/// Scene that is prepared for the transport.
 #[derive(Debug)]
 pub(crate) struct Setup {
-    /// What everything else here was made for.
+    /// The scene of all other fields.
     pub(crate) scene: Scene,
-    /// Another whenever layers, sources or views are others: what kernels of any layers depend on.
+    /// Incremented when layers, sources or views change. Kernels of general layers are valid for one version.
     pub(crate) version: u64,
-    /// Another whenever the pixel is: together with `version`, what is seen of each source depends on no more.
+    /// Incremented when the pixel changes. `(version, base_version)` is the key of all cached estimates.
     pub(crate) base_version: u64,
-    /// What the reflectances in the stack's base belong to, if they are a film's.
+    /// Film to which the reflectances of the stack's base belong, if the pixel is a film pixel.
     film: Option<FilmKey>,
     pub(crate) stack: Stack,
-    /// The diffuse light first, then the directed ones in the scene's order, then the parts of each environment,
-    /// then the front light.
+    /// The diffuse light, the directed sources in the scene's order, the parts of each environment, and the front
+    /// light.
     pub(crate) lights: Vec<Light>,
     pub(crate) sources: Vec<Source>,
     pub(crate) views: Vec<ViewPoint>,
-    /// Of 1931: light and luminance.
+    /// CIE 1931 observer, for illuminance and luminance.
     pub(crate) observer: Observer,
-    /// Whose colours are reported, if not those of 1931.
+    /// Observer of the reported colours, if it is not that of 1931.
     other_observer: Option<Observer>,
     pub(crate) states: Vec<String>,
 }
 
-/// A source's light in the display plane.
+/// Light of a source in the display plane.
 #[derive(Debug)]
 pub(crate) struct Light {
     /// Spectral irradiance, W/(m2 nm).
     pub(crate) irradiance: Spectrum,
     /// Illuminance, lx.
     pub(crate) illuminance_lx: f64,
-    /// What it is a part of: lights are told apart in results by these numbers, from 0.
+    /// Number, from 0, of the contribution in the results to which this light belongs.
     pub(crate) term: usize,
 }
 
-/// One view.
+/// Direction and field of view of one view.
 #[derive(Debug)]
 pub(crate) struct ViewPoint {
     pub(crate) theta_deg: f64,
@@ -81,7 +91,13 @@ impl Setup {
         })
     }
 
-    /// The same as `new(scene)`, of parts of this one as far as they still serve.
+    /// Updates the setup for another scene. The result equals `new(scene)`, but parts that are still valid are reused,
+    /// and the version counters are incremented for the parts that changed.
+    ///
+    /// Another grid, angle medium, approximation or observer invalidates everything. Otherwise the base depends on the
+    /// pixel and the index above it, the stack on the layers, the sources on the lighting and that index, and the
+    /// views on the viewer and that index. `version` is not incremented if new lighting has the same sources, that is,
+    /// differs only in spectra and illuminances.
     pub(crate) fn renewed(mut self, scene: &Scene) -> Result<Self, DisplayError> {
         check(scene)?;
         let last = std::mem::replace(&mut self.scene, scene.clone());
@@ -99,11 +115,11 @@ impl Setup {
             self.base_version += 1;
         }
         if scene.display.layers != last.display.layers {
-            let nothing = Base {
+            let placeholder = Base {
                 reflector: Reflector::Lambertian(Vec::new()),
                 inactive_absorptance: Vec::new().into(),
             };
-            let base = std::mem::replace(base_of(&mut self.stack), nothing);
+            let base = std::mem::replace(base_of(&mut self.stack), placeholder);
             self.stack = stack(scene, base)?;
             self.version += 1;
         }
@@ -123,20 +139,20 @@ impl Setup {
 }
 
 impl Setup {
-    /// A view of the scene's field.
+    /// Returns a view in this direction with the scene's field of view.
     pub(crate) fn view(&self, theta_deg: f64, phi_deg: f64) -> Result<ViewPoint, DisplayError> {
         view(&self.scene, angle_index(&self.scene)?, theta_deg, phi_deg)
     }
 }
 
 impl Setup {
-    /// Whose colours are reported.
+    /// Returns the observer of the reported colours.
     pub(crate) fn seen_by(&self) -> &Observer {
         self.other_observer.as_ref().unwrap_or(&self.observer)
     }
 
-    /// What each state of the pixel alone reflects in the direction of a view, shape `[state][wavelength]`; false
-    /// if it is no mirror.
+    /// Computes the reflectance of each state of the pixel alone in the direction of a view, `[state][wavelength]`;
+    /// returns false if the pixel is not specular.
     pub(crate) fn pixel_alone(&self, base: &Base, at: &ViewPoint, out: &mut [f64]) -> bool {
         if base.is_specular() {
             let beta = at.field.axis_towards();
@@ -146,7 +162,7 @@ impl Setup {
     }
 }
 
-/// What lies under the layers.
+/// Returns the base of a stack, below all layers.
 pub(crate) fn base_under(stack: &Stack) -> &Base {
     match stack {
         Stack::Panel(panel) => &panel.base,
@@ -154,6 +170,7 @@ pub(crate) fn base_under(stack: &Stack) -> &Base {
     }
 }
 
+/// Returns the base of a stack for modification.
 pub(crate) fn base_of(stack: &mut Stack) -> &mut Base {
     match stack {
         Stack::Panel(panel) => &mut panel.base,
@@ -161,7 +178,7 @@ pub(crate) fn base_of(stack: &mut Stack) -> &mut Base {
     }
 }
 
-/// The index of the medium that the scene's angles are in.
+/// Returns the refractive index of the medium of the scene's angles.
 pub(crate) fn angle_index(scene: &Scene) -> Result<f64, DisplayError> {
     let index = scene.display.index_above_pixel();
     match scene.solver.angle_medium {
@@ -171,7 +188,7 @@ pub(crate) fn angle_index(scene: &Scene) -> Result<f64, DisplayError> {
     }
 }
 
-/// What no stack is made for.
+/// Checks that the transport supports this combination of layers and pixel.
 fn check(scene: &Scene) -> Result<(), DisplayError> {
     match (&scene.display.layers, &scene.display.pixel) {
         (Layers::Panel(_), Pixel::Scattering(_)) => Err(DisplayError::ScatteringUnderPanel),
@@ -186,7 +203,7 @@ fn stack(scene: &Scene, base: Base) -> Result<Stack, DisplayError> {
     }
 }
 
-/// The layers over a base that is none: enough to know what they take.
+/// Returns the layers over an empty base, which suffices to estimate the cost of the layers.
 pub(crate) fn layers_alone(scene: &Scene) -> Result<Stack, DisplayError> {
     let inactive_absorptance = vec![0.0; scene.grid.len()].into();
     stack(scene, Base { reflector: Reflector::Lambertian(Vec::new()), inactive_absorptance })
@@ -236,7 +253,7 @@ fn interface(
     })
 }
 
-/// The medium above the pixel; without refraction, the glass is as wide as the air.
+/// Returns the medium above the pixel. Without refraction its index is 1.
 pub(crate) fn medium(scene: &Scene) -> Medium {
     let index = scene.display.index_above_pixel();
     let unrefracted = scene.solver.angle_medium == AngleMedium::Unrefracted;
@@ -253,8 +270,8 @@ fn top(panel: &scene::Panel) -> Top {
 
 fn lights(scene: &Scene, observer: &Observer) -> Result<Vec<Light>, DisplayError> {
     let lighting = &scene.lighting;
-    let light = |term: usize, share: f64, spectrum: &Spectrum| -> Result<Light, DisplayError> {
-        let illuminance_lx = share * lighting.illuminance_lx;
+    let light = |term: usize, fraction: f64, spectrum: &Spectrum| -> Result<Light, DisplayError> {
+        let illuminance_lx = fraction * lighting.illuminance_lx;
         let irradiance = observer.scale_to_illuminance(spectrum, illuminance_lx)?;
         Ok(Light { irradiance, illuminance_lx, term })
     };
@@ -306,7 +323,7 @@ fn view(scene: &Scene, index: f64, theta_deg: f64, phi_deg: f64) -> Result<ViewP
     Ok(ViewPoint { theta_deg, phi_deg, field: Cone::new(theta_deg, phi_deg, half_field, index) })
 }
 
-/// All of a cone must lie above the horizon of the air.
+/// Checks that all of a cone is above the horizon in air.
 fn check_above_horizon(
     what: &'static str,
     theta_deg: f64,

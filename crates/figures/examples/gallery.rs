@@ -1,4 +1,4 @@
-//! Writes every figure of a made-up run into a folder, as SVG and PNG, to be looked at:
+//! Writes all figures of a synthetic run into a folder, as SVG and PNG, for visual inspection:
 //! `cargo run -p papilio-figures --example gallery -- DIR`.
 
 use std::path::PathBuf;
@@ -8,11 +8,11 @@ use papilio_figures::{
     AngleMetric, PixelScan, against_angle, chromaticity, cone, overview, patches, pixel_scan, png, spectra,
 };
 
-#[path = "../tests/made_up/mod.rs"]
-#[allow(clippy::unwrap_used, reason = "made-up data are known to be complete")]
-mod made_up;
+#[path = "../tests/synthetic/mod.rs"]
+#[allow(clippy::unwrap_used, reason = "the synthetic data are complete")]
+mod synthetic;
 
-const TITLE: &str = "Made-up display";
+const TITLE: &str = "Synthetic display";
 
 fn main() -> std::io::Result<()> {
     let dir = PathBuf::from(std::env::args().nth(1).unwrap_or_else(|| ".".to_owned()));
@@ -22,7 +22,7 @@ fn main() -> std::io::Result<()> {
         std::fs::write(dir.join(format!("{name}.png")), png(&svg, 2.0).map_err(std::io::Error::other)?)
     };
     for (suffix, error) in [("", 0.001), ("_noisy", 0.08)] {
-        let run = made_up::result(&[8.0, 0.0, 15.0, 30.0, 45.0, 60.0], error);
+        let run = synthetic::result(&[8.0, 0.0, 15.0, 30.0, 45.0, 60.0], error);
         for view in run.views.iter().take(1) {
             write(&format!("spectra{suffix}"), spectra(&run, view, TITLE))?;
             write(&format!("chromaticity{suffix}"), chromaticity(&run, view, TITLE))?;
@@ -36,7 +36,7 @@ fn main() -> std::io::Result<()> {
         }
     }
     let ConeGrid { theta_deg, phi_deg } = ConeGrid::default();
-    if let Some(svg) = cone(&made_up::cone(&theta_deg, &phi_deg), TITLE) {
+    if let Some(svg) = cone(&synthetic::cone(&theta_deg, &phi_deg), TITLE) {
         write("cone", svg)?;
     }
     write("pixel_scan", scan())
@@ -45,7 +45,7 @@ fn main() -> std::io::Result<()> {
 /// A scan of three states from 0 to 90 degrees.
 fn scan() -> String {
     let theta_deg: Vec<f64> = (0..=90).map(f64::from).collect();
-    let run = made_up::result(&theta_deg, 0.0);
+    let run = synthetic::result(&theta_deg, 0.0);
     let states = ["red", "green", "blue"].map(str::to_owned);
     let spectra =
         states.iter().flat_map(|name| run.views.iter().filter_map(move |view| view.states.get(name)));

@@ -1,40 +1,40 @@
-//! Errors of solvers: against what they cost, and against how finely they resolve.
+//! Errors of the solvers against their cost or their resolution.
 
 use crate::axis::{Axis, range};
 use crate::labels::{EndLabel, end_labels};
 use crate::panel::Panel;
 use crate::svg::{Point, Stroke, Svg};
 
-/// Errors along one road to more accuracy.
+/// Errors of one method at increasing cost or resolution.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ErrorCurve {
-    /// What stands at its end.
+    /// Label at the end of the curve.
     pub name: String,
-    /// Curves of one group share their colour.
+    /// Curves of one group have the same colour.
     pub group: usize,
-    /// Dashed: what is compared with.
+    /// Whether the curve is dashed: a reference for comparison.
     pub dashed: bool,
-    /// Cost or fineness, and relative error: what is not positive is left out.
+    /// Cost or resolution, and relative error. Values that are not positive are omitted.
     pub points: Vec<(f64, f64)>,
 }
 
-/// Curves that share their axes.
+/// Curves with common axes.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ErrorPanel {
-    /// What more accuracy takes, with its unit.
+    /// Title of the x axis (cost or resolution), with its unit.
     pub x: String,
-    /// Logarithmic: a power is a straight line. Else an exponential is one.
+    /// Whether the x axis is logarithmic, so that a power law is a straight line. Otherwise an exponential is one.
     pub powers: bool,
     /// The curves.
     pub curves: Vec<ErrorCurve>,
 }
 
-/// From one panel to the next, px: room for names included.
+/// Distance from one panel to the next, px, including space for labels.
 const PITCH: f64 = 600.0;
-/// Of a panel, px.
+/// Size of a panel, px.
 const SIZE: Point = (380.0, 400.0);
 
-/// Relative errors, on a logarithmic scale, against what they take; panels side by side.
+/// Draws relative errors, on a logarithmic scale, against cost or resolution, with the panels side by side.
 pub fn accuracy(panels: &[ErrorPanel], title: &str) -> String {
     let mut svg = Svg::new(PITCH * panels.len() as f64, SIZE.1 + 80.0).titled(title);
     for (i, panel) in panels.iter().enumerate() {
@@ -44,7 +44,7 @@ pub fn accuracy(panels: &[ErrorPanel], title: &str) -> String {
 }
 
 fn draw(svg: &mut Svg, panel: &ErrorPanel, left: f64) {
-    let points = || panel.curves.iter().flat_map(drawn);
+    let points = || panel.curves.iter().flat_map(positive_points);
     let logarithmic = |values: Vec<f64>, title: &str| {
         range(values.into_iter()).and_then(|(low, high)| Axis::decades(low, high, title))
     };
@@ -63,21 +63,21 @@ fn draw(svg: &mut Svg, panel: &ErrorPanel, left: f64) {
 }
 
 fn draw_curve(svg: &mut Svg, axes: &Panel, curve: &ErrorCurve) -> Option<EndLabel> {
-    let colour = hue(curve.group);
+    let colour = group_colour(curve.group);
     let stroke = Stroke::solid(colour, 2.0).dashed(if curve.dashed { "6 4" } else { "" });
-    let line: Vec<Point> = drawn(curve).map(|(x, y)| axes.at(x, y)).collect();
+    let line: Vec<Point> = positive_points(curve).map(|(x, y)| axes.at(x, y)).collect();
     svg.polyline(&line, &stroke);
     let fill = if curve.dashed { "#ffffff" } else { colour };
     line.iter().for_each(|point| svg.circle(*point, 3.2, fill, &Stroke::solid(colour, 1.4)));
     line.last().map(|end| EndLabel { end: *end, text: curve.name.clone(), stroke })
 }
 
-fn hue(group: usize) -> &'static str {
+fn group_colour(group: usize) -> &'static str {
     const HUES: [&str; 5] = ["#c8321f", "#2b5fc7", "#2c9a57", "#8a6d1c", "#7a5bc0"];
     HUES[group % HUES.len()]
 }
 
-fn drawn(curve: &ErrorCurve) -> impl Iterator<Item = (f64, f64)> {
+fn positive_points(curve: &ErrorCurve) -> impl Iterator<Item = (f64, f64)> {
     let positive = |value: f64| (1e-300..1e300).contains(&value);
     curve.points.iter().copied().filter(move |(x, y)| positive(*x) && positive(*y))
 }

@@ -8,27 +8,27 @@ use crate::panel::Panel;
 use crate::style::{INK, degrees, joined, state_stroke};
 use crate::svg::{Point, Stroke, Svg, finite};
 
-/// What is drawn against the viewing angle.
+/// A quantity drawn against the viewing angle.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum AngleMetric {
     /// Luminous reflectance factor Y of every state.
     Reflectance,
-    /// White's Y over black's.
+    /// Contrast ratio: Y of white over Y of black.
     Contrast,
     /// Gamut area, % of sRGB and of EBU.
     Gamut,
-    /// u'v' distance of every state from where it is at the smallest |theta|.
+    /// u'v' distance of every state from its colour at the smallest |theta|.
     ColourShift,
     /// Peak wavelength of every state that has one.
     Peak,
 }
 
 impl AngleMetric {
-    /// All of them.
+    /// All metrics.
     pub const ALL: [Self; 5] =
         [Self::Reflectance, Self::Contrast, Self::Gamut, Self::ColourShift, Self::Peak];
 
-    /// A name for files: `reflectance`, `contrast`, `gamut`, `colour_shift`, `peak`.
+    /// Returns the name used in file names: `reflectance`, `contrast`, `gamut`, `colour_shift`, `peak`.
     pub fn name(self) -> &'static str {
         match self {
             Self::Reflectance => "reflectance",
@@ -50,17 +50,18 @@ impl AngleMetric {
     }
 }
 
-/// Y is drawn on a logarithmic axis where its largest is more than so many times its smallest.
+/// Ratio of the largest to the smallest Y above which the axis is logarithmic.
 const WIDE: f64 = 30.0;
-/// A peak does not move so far (nm) between neighbouring angles: it is another one that has become the highest.
+/// Larger step of the peak wavelength between neighbouring angles (nm): a different peak has become the highest.
 const OTHER_ORDER_NM: f64 = 40.0;
-/// A u'v' distance below this is hardly seen: a display of constant colour is a flat line, not its rounding errors.
+/// Smallest upper end of the axis of u'v' distances, which are hardly visible below it. A display of constant colour
+/// is then a flat line instead of rounding errors.
 const UNSEEN_SHIFT: f64 = 0.005;
 
 /// A value and its standard error.
-type Measured = (Option<f64>, Option<f64>);
+type ValueAndError = (Option<f64>, Option<f64>);
 
-/// One curve: angles, values and standard errors; NaN where something is not defined.
+/// A curve: angles, values and standard errors; NaN for undefined values.
 #[derive(Debug)]
 struct Series {
     name: String,
@@ -69,20 +70,20 @@ struct Series {
 }
 
 impl Series {
-    /// The angles (0), values (1) or errors (2).
+    /// Returns the angles (0), values (1) or errors (2).
     fn column(&self, i: usize) -> Vec<f64> {
         self.points.iter().map(|point| point[i]).collect()
     }
 
-    /// The values on the page.
-    fn on(&self, panel: &Panel) -> Vec<Point> {
+    /// Returns the points of the curve on the page.
+    fn page_points(&self, panel: &Panel) -> Vec<Point> {
         self.points.iter().map(|[theta, value, _]| panel.at(*theta, *value)).collect()
     }
 }
 
-/// A metric against the inclination of the view, with bars of one standard
-/// error where they can be seen. Of several azimuths the first is drawn.
-/// `None` where the metric is nowhere defined (a gamut without primaries).
+/// Draws a metric against the inclination of the view, with bars of one standard
+/// error where they are visible. With several azimuths, the first is drawn.
+/// Returns `None` if the metric is undefined at all angles (a gamut without primaries).
 pub fn against_angle(result: &RunResult, metric: AngleMetric, title: &str) -> Option<String> {
     let azimuth = result.views.first()?.phi_deg;
     let mut views: Vec<&View> = result.views.iter().filter(|view| view.phi_deg == azimuth).collect();
@@ -115,7 +116,7 @@ fn value_axis(series: &[Series], metric: AngleMetric) -> Axis {
     }
     let extent = points().flat_map(|[_, value, error]| {
         let error = if error.is_finite() { *error } else { 0.0 };
-        // An error bar alone is no reason to show negative values.
+        // An error bar alone does not extend the axis to negative values.
         [(value - error).max(value.min(0.0)), value + error]
     });
     let at_least: &[f64] = match metric {
@@ -128,7 +129,7 @@ fn value_axis(series: &[Series], metric: AngleMetric) -> Axis {
 
 fn draw(svg: &mut Svg, panel: &Panel, series: &[Series], metric: AngleMetric) {
     panel.draw(svg);
-    let curves: Vec<Vec<Point>> = series.iter().map(|one| one.on(panel)).collect();
+    let curves: Vec<Vec<Point>> = series.iter().map(|one| one.page_points(panel)).collect();
     let (mut outside, mut inside, mut lines, mut barred) = (vec![], vec![], vec![], false);
     for (one, points) in series.iter().zip(&curves) {
         let pieces = pieces(points, &one.column(1), metric);
@@ -141,9 +142,9 @@ fn draw(svg: &mut Svg, panel: &Panel, series: &[Series], metric: AngleMetric) {
             }
         }
         barred |= panel.error_bars(svg, &one.column(0), &one.column(1), &one.column(2), &one.stroke);
-        let (end, to_the_edge) = end_of(points, &pieces);
+        let (end, reaches_last_angle) = end_of(points, &pieces);
         let label = EndLabel { end, text: one.name.clone(), stroke: one.stroke.clone() };
-        if to_the_edge {
+        if reaches_last_angle {
             outside.push(label)
         } else {
             inside.push(label)
@@ -157,8 +158,8 @@ fn draw(svg: &mut Svg, panel: &Panel, series: &[Series], metric: AngleMetric) {
     labels_inside(svg, panel, &inside, &lines);
 }
 
-/// A curve in pieces that are one curve each: a line between peaks of two
-/// orders of interference would look measured, and no peak is ever there.
+/// Splits a curve where it is discontinuous. A line between peaks of two orders of interference would suggest
+/// peaks in between, which do not exist.
 fn pieces<'a>(points: &'a [Point], values: &[f64], metric: AngleMetric) -> Vec<&'a [Point]> {
     let jump = |i: &usize| {
         let step = (values[*i] - values[i - 1]).abs();
@@ -170,7 +171,7 @@ fn pieces<'a>(points: &'a [Point], values: &[f64], metric: AngleMetric) -> Vec<&
     cuts.windows(2).map(|cut| &points[cut[0]..cut[1]]).collect()
 }
 
-/// Where a curve is named: the end of its longest piece, and whether the curve goes on to the last angle.
+/// Returns the position of a curve's label (the end of its longest piece), and whether that is the last angle.
 fn end_of(points: &[Point], pieces: &[&[Point]]) -> (Point, bool) {
     let longest = pieces.iter().max_by_key(|piece| piece.len());
     let drawn = longest.and_then(|piece| piece.iter().rev().find(|point| finite(**point)));
@@ -179,7 +180,7 @@ fn end_of(points: &[Point], pieces: &[&[Point]]) -> (Point, bool) {
 }
 
 fn series(views: &[&View], metric: AngleMetric) -> Vec<Series> {
-    let whole = |name: &str, stroke, value: fn(&View) -> Measured| Series {
+    let of_view = |name: &str, stroke, value: fn(&View) -> ValueAndError| Series {
         name: name.to_owned(),
         stroke,
         points: views.iter().map(|view| point(view.theta_deg, value(view))).collect(),
@@ -187,32 +188,34 @@ fn series(views: &[&View], metric: AngleMetric) -> Vec<Series> {
     let ink = || Stroke::solid(INK, 2.0);
     match metric {
         AngleMetric::Contrast => {
-            vec![whole("white : black", ink(), |v| {
+            vec![of_view("white / black", ink(), |v| {
                 (v.metrics.contrast_ratio, v.standard_error.contrast_ratio)
             })]
         }
         AngleMetric::Gamut => vec![
-            whole("of sRGB", ink(), |v| (v.metrics.gamut_percent_srgb, v.standard_error.gamut_percent_srgb)),
-            whole("of EBU", ink().dashed("1.5 3"), |v| {
+            of_view("of sRGB", ink(), |v| {
+                (v.metrics.gamut_percent_srgb, v.standard_error.gamut_percent_srgb)
+            }),
+            of_view("of EBU", ink().dashed("1.5 3"), |v| {
                 (v.metrics.gamut_percent_ebu, v.standard_error.gamut_percent_ebu)
             }),
         ],
-        AngleMetric::Reflectance => by_state(views, |state, _| both(state, |v| Some(v.Y))),
-        AngleMetric::Peak => by_state(views, |state, _| both(state, |v| v.peak_nm)),
+        AngleMetric::Reflectance => by_state(views, |state, _| value_and_error(state, |v| Some(v.Y))),
+        AngleMetric::Peak => by_state(views, |state, _| value_and_error(state, |v| v.peak_nm)),
         AngleMetric::ColourShift => by_state(views, shift),
     }
 }
 
-fn point(theta: f64, (value, error): Measured) -> [f64; 3] {
+fn point(theta: f64, (value, error): ValueAndError) -> [f64; 3] {
     [theta, value.unwrap_or(f64::NAN), error.unwrap_or(f64::NAN)]
 }
 
-fn both(state: &State, pick: fn(&StateValues) -> Option<f64>) -> Measured {
+fn value_and_error(state: &State, pick: fn(&StateValues) -> Option<f64>) -> ValueAndError {
     (pick(&state.value), pick(&state.standard_error))
 }
 
-/// A curve for each state of the first view; `value` also gets the state as seen at the smallest |theta|.
-fn by_state(views: &[&View], value: fn(&State, &State) -> Measured) -> Vec<Series> {
+/// Returns a curve for each state; `value` also gets the same state in the view of smallest |theta|.
+fn by_state(views: &[&View], value: fn(&State, &State) -> ValueAndError) -> Vec<Series> {
     let smallest = views.iter().min_by(|a, b| a.theta_deg.abs().total_cmp(&b.theta_deg.abs()));
     let Some(smallest) = smallest else { return vec![] };
     let curve = |(i, (name, reference)): (usize, (&str, &State))| {
@@ -229,8 +232,8 @@ fn by_state(views: &[&View], value: fn(&State, &State) -> Measured) -> Vec<Serie
     smallest.states.iter().enumerate().map(curve).collect()
 }
 
-/// u'v' distance between a state and itself at another angle; the error takes the two views as independent.
-fn shift(state: &State, reference: &State) -> Measured {
+/// Returns the u'v' distance between a state at two angles. The error assumes that the two views are independent.
+fn shift(state: &State, reference: &State) -> ValueAndError {
     let uv = |v: &StateValues| Some((v.u_prime?, v.v_prime?));
     let (Some(here), Some(there)) = (uv(&state.value), uv(&reference.value)) else { return (None, None) };
     let (du, dv) = (here.0 - there.0, here.1 - there.1);

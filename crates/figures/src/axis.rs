@@ -1,6 +1,6 @@
-//! Axes: what part of the numbers is drawn, and where the ticks are.
+//! Axes: their range and ticks.
 
-/// Values further below an axis's largest than this are not worth its length.
+/// Smallest value on a logarithmic axis, relative to the largest.
 const LOGARITHMIC_REACH: f64 = 1e-6;
 
 /// A linear or logarithmic axis with round ticks.
@@ -14,7 +14,7 @@ pub(crate) struct Axis {
 }
 
 impl Axis {
-    /// From `min` to `max` as they stand, with about `count` ticks.
+    /// Returns an axis from `min` to `max` exactly, with about `count` ticks.
     pub(crate) fn exact(min: f64, max: f64, count: usize, title: &str) -> Self {
         let step = round_step((max - min) / count.max(1) as f64);
         let first = (min / step - 1e-9).ceil();
@@ -24,7 +24,7 @@ impl Axis {
         Self { min, max, ticks: ticks.map(named).collect(), title: title.to_owned(), logarithmic: false }
     }
 
-    /// Widened to the ticks around all `values` (those that are finite).
+    /// Returns an axis that extends to the ticks around all finite `values`.
     pub(crate) fn covering(values: impl IntoIterator<Item = f64>, count: usize, title: &str) -> Self {
         let (mut min, mut max) = range(values.into_iter().filter(|v| v.is_finite())).unwrap_or((0.0, 1.0));
         if max - min <= 1e-9 * max.abs().max(min.abs()) {
@@ -36,18 +36,19 @@ impl Axis {
         Self::exact(low, high, ((high - low) / step).round() as usize, title)
     }
 
-    /// Logarithmic, and says so, if the positive ones of `values` span more than this `ratio`.
+    /// Returns a logarithmic axis, with "(logarithmic)" in its title, if the positive `values` span more than this
+    /// `ratio`.
     ///
-    /// Ticks at 1, 2 and 5 times the powers of ten, or at the powers alone
-    /// where they are many; at most six decades, from the largest value down.
+    /// Ticks are at 1, 2 and 5 times the powers of ten, or at the powers alone
+    /// where there are many. The axis has at most six decades, from the largest value down.
     pub(crate) fn logarithmic_beyond(ratio: f64, values: &[f64], title: &str) -> Option<Self> {
         let positive = values.iter().copied().filter(|v| (1e-300..1e300).contains(v));
         let (min, max) = range(positive).filter(|(min, max)| max / min > ratio)?;
         Self::decades(min.max(LOGARITHMIC_REACH * max), max, &format!("{title} (logarithmic)"))
     }
 
-    /// Logarithmic, widened to the ticks around two positive values: as above, or at every
-    /// second or third power of ten where the powers alone would be many.
+    /// Returns a logarithmic axis that extends to the ticks around two positive values. Ticks are as above, or at every
+    /// second or third power of ten where all powers would be too many.
     pub(crate) fn decades(min: f64, max: f64, title: &str) -> Option<Self> {
         let decades = (min.log10().floor() as i32, max.log10().ceil() as i32);
         let apart = (decades.1 - decades.0).unsigned_abs().div_ceil(8).max(1) as i32;
@@ -62,7 +63,7 @@ impl Axis {
         Some(Self { min: low, max: high, ticks, title: title.to_owned(), logarithmic: true })
     }
 
-    /// A place for each name: 0, 1, ...; at most about `count` of them are written.
+    /// Returns an axis of names at 0, 1, ...; at most about `count` of them have labels.
     pub(crate) fn of_names(names: &[String], count: usize, title: &str) -> Self {
         let every = names.len().div_ceil(count.max(1)).max(1);
         let ticks =
@@ -71,7 +72,7 @@ impl Axis {
         Self { min: -0.5, max: max.max(0.5), ticks, title: title.to_owned(), logarithmic: false }
     }
 
-    /// Between two ends, with ticks of the caller's.
+    /// Returns an axis with the given ends and ticks.
     pub(crate) fn marked(
         (min, max): (f64, f64),
         ticks: Vec<(f64, String)>,
@@ -82,7 +83,7 @@ impl Axis {
         Self { min, max, ticks, title, logarithmic }
     }
 
-    /// From the first to the last of ascending `values`.
+    /// Returns an axis from the first to the last of ascending `values`.
     pub(crate) fn between(values: &[f64], count: usize, title: &str) -> Self {
         match values {
             [first, .., last] if last - first > 0.0 && (last - first).is_finite() => {
@@ -92,35 +93,35 @@ impl Axis {
         }
     }
 
-    /// The same without its title, for panels beside one that has it.
+    /// Removes the title, for panels next to one that shows it.
     pub(crate) fn untitled(self) -> Self {
         Self { title: String::new(), ..self }
     }
 
-    /// The value at its left or lower end.
+    /// Returns the value at the left or lower end.
     pub(crate) fn min(&self) -> f64 {
         self.min
     }
 
-    /// Round values with their texts.
+    /// Returns the tick values with their labels.
     pub(crate) fn ticks(&self) -> &[(f64, String)] {
         &self.ticks
     }
 
-    /// What it shows, with its unit.
+    /// Returns the title: quantity and unit.
     pub(crate) fn title(&self) -> &str {
         &self.title
     }
 
-    /// Whether a value lies between its ends.
+    /// Returns whether a value lies between the ends.
     pub(crate) fn contains(&self, value: f64) -> bool {
         self.min < value && value < self.max
     }
 
-    /// Where a value lies, 0 to 1 between the ends; not finite where a logarithm is not.
-    pub(crate) fn share(&self, value: f64) -> f64 {
+    /// Returns the position of a value, from 0 to 1 between the ends; not finite where the logarithm is not.
+    pub(crate) fn fraction(&self, value: f64) -> f64 {
         if self.logarithmic {
-            // What is not positive lies infinitely far below.
+            // Values that are not positive are infinitely far below.
             let decades = if value <= 0.0 { f64::NEG_INFINITY } else { (value / self.min).log10() };
             return decades / (self.max / self.min).log10();
         }
@@ -128,13 +129,13 @@ impl Axis {
     }
 }
 
-/// The smallest and the largest, if any.
+/// Returns the smallest and the largest value, if there are any.
 pub(crate) fn range(values: impl Iterator<Item = f64>) -> Option<(f64, f64)> {
     values
         .fold(None, |range, v| Some(range.map_or((v, v), |(min, max): (f64, f64)| (min.min(v), max.max(v)))))
 }
 
-/// A tick with as many decimals as show a step of this size; with an exponent where those are many.
+/// Formats a tick with the decimals that a step of this size needs, or with an exponent if these are many.
 fn written(tick: f64, step: f64) -> String {
     let decade = step.log10().floor();
     if (-5.0..6.0).contains(&decade) {
@@ -144,7 +145,7 @@ fn written(tick: f64, step: f64) -> String {
     format!("{tick:.0e}")
 }
 
-/// 1, 2 or 5 times a power of ten, at least `step`.
+/// Returns the smallest 1, 2 or 5 times a power of ten that is at least `step`.
 fn round_step(step: f64) -> f64 {
     let decade = 10.0_f64.powf(step.log10().floor());
     let mantissa = step / decade;
@@ -161,14 +162,14 @@ mod tests {
     }
 
     #[test]
-    fn ticks_are_round() {
+    fn linear_axis_has_round_ticks() {
         let axis = Axis::covering([0.013, 0.241], 5, "Y");
         assert_eq!((axis.min, axis.max), (0.0, 0.25));
         assert_eq!(labels(&axis), ["0.00", "0.05", "0.10", "0.15", "0.20", "0.25"]);
     }
 
     #[test]
-    fn tiny_and_huge_ticks_are_short() {
+    fn tiny_and_huge_ticks_have_short_labels() {
         for scale in [1e-290, 1e-13, 1e9, 1e290] {
             for axis in [
                 Axis::covering([0.0, 4.0 * scale], 5, "Y"),
@@ -181,22 +182,22 @@ mod tests {
     }
 
     #[test]
-    fn a_wide_range_is_drawn_in_decades() {
+    fn wide_range_has_logarithmic_ticks() {
         assert!(Axis::logarithmic_beyond(30.0, &[0.0, 0.1, 3.0], "Y").is_none());
         assert!(Axis::logarithmic_beyond(30.0, &[0.0, -1.0, f64::NAN], "Y").is_none());
         let axis = Axis::logarithmic_beyond(30.0, &[0.03, -1.0, 4.3, f64::NAN], "Y").unwrap();
         assert_eq!(labels(&axis), ["0.02", "0.05", "0.1", "0.2", "0.5", "1", "2", "5"]);
-        assert!((axis.share(0.02) - 0.0).abs() < 1e-12 && (axis.share(5.0) - 1.0).abs() < 1e-12);
-        assert!((axis.share(0.316_227_766) - 0.5).abs() < 1e-6, "the middle is the geometric mean");
-        assert_eq!(axis.share(0.0), f64::NEG_INFINITY);
+        assert!((axis.fraction(0.02) - 0.0).abs() < 1e-12 && (axis.fraction(5.0) - 1.0).abs() < 1e-12);
+        assert!((axis.fraction(0.316_227_766) - 0.5).abs() < 1e-6, "the middle is the geometric mean");
+        assert_eq!(axis.fraction(0.0), f64::NEG_INFINITY);
         assert!(axis.title.contains("logarithmic"));
-        // Noise around zero does not take the axis over.
+        // Noise around zero does not determine the range.
         let axis = Axis::logarithmic_beyond(30.0, &[1e-30, 1.0], "Y").unwrap();
         assert_eq!((axis.min, labels(&axis).len()), (1e-6, 7));
     }
 
     #[test]
-    fn any_data_make_an_axis() {
+    fn unusual_data_give_finite_axis() {
         for values in
             [vec![], vec![f64::NAN], vec![0.0], vec![3.0, 3.0], vec![-1e-9, 1e12], vec![1e300, -1e300]]
         {

@@ -1,4 +1,4 @@
-//! Curves in a panel: the plain figure, for what has no figure of its own.
+//! Curves in one panel: the general figure, for data without a figure of their own.
 
 use crate::axis::{Axis, range};
 use crate::labels::{EndLabel, end_labels, labels_inside};
@@ -6,16 +6,16 @@ use crate::panel::Panel;
 use crate::style::ramp;
 use crate::svg::{Point, Stroke, Svg, finite};
 
-/// Curves that share two axes.
+/// Curves with common axes.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Chart {
-    /// What is told from left to right, with its unit.
+    /// Title of the x axis, with its unit.
     pub x: String,
-    /// What is told from bottom to top, with its unit.
+    /// Title of the y axis, with its unit.
     pub y: String,
-    /// Whether the axis of values is logarithmic: what is not positive is left out then.
+    /// Whether the y axis is logarithmic; values that are not positive are then omitted.
     pub logarithmic: bool,
-    /// Values that the axis of values shows in any case.
+    /// Values that the y axis always includes.
     pub at_least: Vec<f64>,
     /// The curves.
     pub curves: Vec<ChartCurve>,
@@ -24,26 +24,26 @@ pub struct Chart {
 /// A curve of a [`Chart`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct ChartCurve {
-    /// What stands at its end; empty: nothing.
+    /// Label at the end of the curve; empty: no label.
     pub name: String,
-    /// Its hue.
+    /// Colour of the curve.
     pub hue: Hue,
-    /// Dashed: what is compared with.
+    /// Whether the curve is dashed: a reference for comparison.
     pub dashed: bool,
-    /// Drawn as points, not as a line.
+    /// Whether the curve is drawn as points instead of a line.
     pub marks: bool,
-    /// Where it goes; what is not finite parts it.
+    /// Points of the curve; a point that is not finite interrupts it.
     pub points: Vec<(f64, f64)>,
 }
 
-/// How a curve is coloured.
+/// Colour of a curve.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Hue {
-    /// A share, 0 to 1, of a scale from dark to light.
+    /// A position, 0 to 1, on a scale from dark to light.
     Scale(f64),
-    /// One of a handful that are told apart easily.
+    /// One of six colours that are easily distinguished.
     Group(usize),
-    /// What stands back behind the others.
+    /// Grey, for curves in the background.
     Grey,
 }
 
@@ -54,7 +54,7 @@ impl Hue {
     fn colour(self) -> String {
         const GROUPS: [&str; 6] = ["#c8321f", "#2c9a57", "#2b5fc7", "#333333", "#8a6d1c", "#7a5bc0"];
         match self {
-            Self::Scale(share) => ramp(share),
+            Self::Scale(position) => ramp(position),
             Self::Grey => "#b8b8b8".to_owned(),
             Self::Group(group) => GROUPS[group % GROUPS.len()].to_owned(),
         }
@@ -105,7 +105,7 @@ pub fn chart(chart: &Chart, title: &str) -> String {
     svg.finish()
 }
 
-/// The least and the largest, if any.
+/// Returns the smallest and the largest value, if there are any.
 fn ends(values: impl Iterator<Item = f64>) -> Vec<f64> {
     range(values.filter(|value| value.is_finite())).map_or_else(Vec::new, |(low, high)| vec![low, high])
 }
@@ -115,7 +115,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn anything_can_be_drawn() {
+    fn unusual_data_give_well_formed_figure() {
         for points in [vec![], vec![(f64::NAN, 1.0)], vec![(0.0, -1.0), (1.0, 0.0), (2.0, f64::INFINITY)]] {
             for logarithmic in [false, true] {
                 let curve = ChartCurve {

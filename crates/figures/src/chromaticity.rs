@@ -10,18 +10,18 @@ use crate::panel::{Panel, SMALL};
 use crate::style::{INK, caption, with_error};
 use crate::svg::{Point, Stroke, Svg, Text};
 
-/// The part of the diagram that is drawn: u' and v', from and to.
+/// Range of the diagram: u' and v', from and to.
 const DRAWN: [(f64, f64); 2] = [(-0.05, 0.65), (0.0, 0.63)];
 /// Colours of several displays' gamuts.
 const HUES: [&str; 4] = ["#2b5fc7", "#c8321f", "#2c9a57", "#7a5bc0"];
 /// Height of a line of the legend, px.
 const LINE: f64 = 19.0;
 
-/// The states of a view in the u'v' diagram, each a disc in the colour that it
-/// shows, with crosses of one standard error where they can be seen.
+/// Draws the states of a view in the u'v' diagram. Each is a disc in its own colour, with a cross of one standard
+/// error where this is visible.
 ///
-/// Where the states and the light lie closer together than their marks and
-/// names allow, they are named in an enlarged part of the diagram.
+/// Where the states and the light are too close together for their marks and
+/// names, an enlarged part of the diagram shows the names.
 pub fn chromaticity(result: &RunResult, view: &View, title: &str) -> String {
     let width = 560.0;
     let mut svg = Svg::new(width + 90.0, height(width) + 72.0).titled(&caption(title, view));
@@ -29,7 +29,7 @@ pub fn chromaticity(result: &RunResult, view: &View, title: &str) -> String {
     svg.finish()
 }
 
-/// Gamuts of several displays over each other, the first one's sRGB beside them.
+/// Draws the gamuts of several displays and of sRGB in one diagram, with percentages of sRGB in the legend.
 pub fn gamuts(displays: &[(&str, &View)], title: &str) -> String {
     let width = 560.0;
     let mut svg = Svg::new(width + 90.0, height(width) + 72.0).titled(title);
@@ -54,7 +54,7 @@ pub fn gamuts(displays: &[(&str, &View)], title: &str) -> String {
     svg.finish()
 }
 
-/// Strokes and what they are.
+/// Draws a legend of strokes and their names.
 fn key(svg: &mut Svg, lines: &[(Stroke, String)], (left, top): Point) {
     for (i, (stroke, text)) in lines.iter().enumerate() {
         let y = top + LINE * (i + 1) as f64;
@@ -63,7 +63,7 @@ fn key(svg: &mut Svg, lines: &[(Stroke, String)], (left, top): Point) {
     }
 }
 
-/// An empty diagram with its locus.
+/// Draws an empty diagram with the spectral locus.
 fn diagram(svg: &mut Svg, origin: Point, width: f64) -> Panel {
     let panel = self::panel(origin, (width, height(width)));
     panel.draw(svg);
@@ -71,7 +71,7 @@ fn diagram(svg: &mut Svg, origin: Point, width: f64) -> Panel {
     panel
 }
 
-/// The same in a page, `width` px wide and [`height`] px high.
+/// Draws the diagram within a page, `width` px wide and [`height`] px high.
 pub(crate) fn draw(svg: &mut Svg, result: &RunResult, view: &View, origin: Point, width: f64) {
     let panel = diagram(svg, origin, width);
     let srgb = GamutReference::Srgb.primaries_uv();
@@ -95,7 +95,7 @@ pub(crate) fn draw(svg: &mut Svg, result: &RunResult, view: &View, origin: Point
     }
 }
 
-/// The axes of the diagram.
+/// Returns the panel of the diagram with its axes.
 pub(crate) fn panel(origin: Point, size: Point) -> Panel {
     Panel {
         origin,
@@ -105,7 +105,7 @@ pub(crate) fn panel(origin: Point, size: Point) -> Panel {
     }
 }
 
-/// Height of a diagram of this width, so that u' and v' have one scale.
+/// Returns the height of a diagram of this width for which u' and v' have the same scale.
 pub(crate) fn height(width: f64) -> f64 {
     let [u, v] = DRAWN.map(|(from, to)| to - from);
     width * v / u
@@ -123,7 +123,7 @@ fn ebu_stroke() -> Stroke {
     Stroke::solid("#666666", 1.2).dashed("1.5 3")
 }
 
-/// The display's own gamut, if it has the three states.
+/// Returns the gamut triangle of the display, if it has the three states.
 fn display(view: &View) -> Option<[UvPrime; 3]> {
     let [red, green, blue] = ["red", "green", "blue"].map(|name| {
         let value = &view.states.get(name)?.value;
@@ -133,7 +133,7 @@ fn display(view: &View) -> Option<[UvPrime; 3]> {
     Some([red?, green?, blue?])
 }
 
-/// The part of the diagram around the marks, enlarged and with their names, in the empty corner below the purples.
+/// Draws the part of the diagram around the marks, enlarged and with names, in the empty corner below the purple line.
 fn inset(svg: &mut Svg, panel: &Panel, marks: &Marks, window: Window, display: Option<[UvPrime; 3]>) {
     let side = 0.3 * panel.size.0;
     let origin = (panel.right() - side - 8.0, panel.bottom() - side - 34.0);
@@ -155,7 +155,7 @@ fn inset(svg: &mut Svg, panel: &Panel, marks: &Marks, window: Window, display: O
     marks.name(svg, &enlarged, &[display]);
 }
 
-/// What the triangles are, and how large the display's is, from `top` down, on the right.
+/// Draws the legend of the triangles, with the gamut area of the display, on the right, from `top` down.
 fn legend(svg: &mut Svg, top: f64, panel: &Panel, view: &View, has_gamut: bool) {
     let percent = |value: Option<f64>, error: Option<f64>, of: &str| {
         value.map_or_else(|| of.to_owned(), |v| format!("{} % of {of}", with_error(v, error, 1)))

@@ -1,8 +1,8 @@
-//! Colours for a number: viridis.
+//! The colour map viridis.
 //!
-//! Perceptually uniform, readable in grey and with any common deficiency of colour vision
-//! (S. van der Walt, N. Smith and E. Firing, matplotlib 1.5, 2015; released as CC0). Every
-//! sixteenth of its table; linear between, within 6 of 255 of it.
+//! Perceptually uniform, readable in grey and with all common deficiencies of colour vision
+//! (S. van der Walt, N. Smith and E. Firing, matplotlib 1.5, 2015; released as CC0). The
+//! table has every sixteenth entry of the original; linear interpolation between them is within 6 of 255 of it.
 
 use crate::svg::hex;
 
@@ -26,9 +26,9 @@ const VIRIDIS: [[f64; 3]; 17] = [
     [253.0, 231.0, 37.0],
 ];
 
-/// The colour of a share, 0 (dark violet) to 1 (yellow).
-pub(crate) fn viridis(share: f64) -> String {
-    let position = share.clamp(0.0, 1.0) * (VIRIDIS.len() - 1) as f64;
+/// Returns the colour at a position from 0 (dark violet) to 1 (yellow).
+pub(crate) fn viridis(value: f64) -> String {
+    let position = value.clamp(0.0, 1.0) * (VIRIDIS.len() - 1) as f64;
     let left = (position as usize).min(VIRIDIS.len() - 2);
     let right = position - left as f64;
     hex([0, 1, 2].map(|i| (VIRIDIS[left][i] * (1.0 - right) + VIRIDIS[left + 1][i] * right).round() as u8))

@@ -1,4 +1,4 @@
-//! A simulated display beside a measured one: spectra as in Feng 2012, figure 5.6, gamuts as in figure 5.7.
+//! Comparison of a simulated and a measured display: spectra as in Feng 2012, fig. 5.6, gamuts as in fig. 5.7.
 
 use papilio_colour::UvPrime;
 use papilio_display::compare::{Colour, Comparison, SIDES, StateComparison, ViewComparison};
@@ -12,7 +12,7 @@ use crate::panel::{Panel, SMALL};
 use crate::style::{INK, degrees, joined, state_stroke};
 use crate::svg::{Point, Stroke, Svg, Text};
 
-/// How what was measured is drawn.
+/// Dash pattern of measured curves.
 const MEASURED: &str = "6 3";
 /// The panel of spectra, px.
 const ORIGIN: Point = (70.0, 44.0);
@@ -21,8 +21,8 @@ const SIZE: Point = (540.0, 350.0);
 const DIAGRAM: Point = (70.0, 44.0);
 const WIDTH: f64 = 560.0;
 
-/// The states of a direction, in order.
-fn of<'a>(all: &'a Comparison, view: &ViewComparison) -> Vec<&'a StateComparison> {
+/// Returns the states of a viewing direction, in order.
+fn states_of<'a>(all: &'a Comparison, view: &ViewComparison) -> Vec<&'a StateComparison> {
     let (theta, phi) = (view.theta_deg, view.phi_deg);
     all.states.iter().filter(|one| one.theta_deg == theta && one.phi_deg == phi).collect()
 }
@@ -33,9 +33,10 @@ fn caption(title: &str, view: &ViewComparison) -> String {
     joined(&[title, &format!("viewed at {}{azimuth}", degrees(view.theta_deg))])
 }
 
-/// Reflectance factors of a direction, simulated and measured; `None` if no spectrum was measured there.
+/// Draws the simulated and measured reflectance factors of a viewing direction. Returns `None` if no spectrum was
+/// measured there.
 pub fn compared_spectra(all: &Comparison, view: &ViewComparison, title: &str) -> Option<String> {
-    let states = of(all, view);
+    let states = states_of(all, view);
     let spectra: Vec<_> =
         states.iter().filter_map(|one| Some((&one.state, one.spectrum.as_ref()?))).collect();
     if spectra.is_empty() {
@@ -60,13 +61,13 @@ pub fn compared_spectra(all: &Comparison, view: &ViewComparison, title: &str) ->
         }
     }
     end_labels(&mut svg, &panel, labels);
-    legend(&mut svg, both());
+    legend(&mut svg, legend_entries());
     Some(svg.finish())
 }
 
-/// Colours and gamuts of a direction in the u'v' diagram, simulated and measured.
+/// Draws the simulated and measured colours and gamuts of a viewing direction in the u'v' diagram.
 pub fn compared_gamuts(all: &Comparison, view: &ViewComparison, title: &str) -> String {
-    let states = of(all, view);
+    let states = states_of(all, view);
     let size = (WIDTH, chromaticity::height(WIDTH));
     let mut svg = Svg::new(WIDTH + 90.0, size.1 + 112.0).titled(&caption(title, view));
     let panel = chromaticity::panel(DIAGRAM, size);
@@ -91,7 +92,7 @@ pub fn compared_gamuts(all: &Comparison, view: &ViewComparison, title: &str) -> 
             svg.line(from, to, &Stroke::solid(&colour, 1.0));
         }
     }
-    legend(&mut svg, both());
+    legend(&mut svg, legend_entries());
     let percent = |value: Option<f64>| value.map_or("-".to_owned(), |value| format!("{value:.1}"));
     let [ours, theirs] = view.gamut_percent_ebu.map(percent);
     let note =
@@ -104,7 +105,7 @@ fn uv(colour: &Colour) -> Option<UvPrime> {
     Some(UvPrime { u: colour.u_prime?, v: colour.v_prime? })
 }
 
-fn both() -> impl Iterator<Item = (&'static str, Stroke)> {
+fn legend_entries() -> impl Iterator<Item = (&'static str, Stroke)> {
     [("simulated", ""), ("measured", MEASURED)]
         .into_iter()
         .map(|(name, dash)| (name, Stroke::solid(INK, 1.8).dashed(dash)))

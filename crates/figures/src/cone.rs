@@ -1,4 +1,4 @@
-//! The viewing cone: polar maps of what is seen from every direction.
+//! Conoscopic maps: polar maps of quantities over all viewing directions.
 
 use papilio_display::{ConeResult, ConeState, ConeView};
 
@@ -8,7 +8,7 @@ use crate::polar::{BLANK, Directions, Map, colour_bar, sun};
 use crate::style::INK;
 use crate::svg::{Anchor, Point, Stroke, Svg, Text, shortened};
 
-/// From one large map to the next, px: to the right, and down.
+/// Distance from one large map to the next, px: to the right, and down.
 const PITCH: Point = (1300.0 / 3.0, 2.0 * LARGE + 76.0);
 /// Radius of a large map, px.
 const LARGE: f64 = 138.0;
@@ -16,34 +16,34 @@ const LARGE: f64 = 138.0;
 const LITTLE: f64 = 62.0;
 /// Small maps in a row.
 const IN_A_ROW: usize = 8;
-/// From one row of small maps to the next, px.
+/// Distance from one row of small maps to the next, px.
 const ROW: f64 = 2.0 * LITTLE + 34.0;
-/// So few states have large maps, too.
+/// Largest number of states for which their maps are large, too.
 const FEW: usize = 3;
-/// Numbers are drawn on a logarithmic scale where the largest is more than so many times the smallest.
+/// Ratio of the largest to the smallest value above which the scale is logarithmic.
 const WIDE: f64 = 30.0;
-/// The same for states side by side, whose black has to be seen beside white.
+/// The same for maps of all states on one scale, on which black must be distinguishable next to white.
 const WIDE_TOGETHER: f64 = 10.0;
-/// A u'v' distance below this is hardly seen: where no state shifts further, there is nothing to map.
-const UNSEEN_SHIFT: f64 = 0.005;
+/// Smallest visible u'v' distance. If no state shifts further, colour shifts are not mapped.
+const VISIBLE_SHIFT: f64 = 0.005;
 
-/// A number of every direction and what it is.
-struct Large<'a> {
+/// A quantity over all directions, drawn as a large map.
+struct LargeMap<'a> {
     title: String,
     scale: Axis,
     value: Box<dyn Fn(&ConeView) -> f64 + 'a>,
 }
 
-/// A number of every direction and state, on one scale.
-struct Each {
+/// A quantity over all directions for every state, drawn as small maps on one scale.
+struct StateMaps {
     title: &'static str,
     value: fn(&ConeState) -> f64,
     scale: Axis,
 }
 
-/// Maps over all viewing directions: luminance of white (or the first state), contrast and
-/// gamut, reflectance factor and colour shift of every state. `None` where the directions
-/// span no area to map.
+/// Draws maps over all viewing directions: luminance of white (or the first state), contrast and
+/// gamut; reflectance factor and colour shift of every state. Returns `None` if the directions
+/// do not span an area.
 pub fn cone(result: &ConeResult, title: &str) -> Option<String> {
     let directions = Directions::new(&result.theta_deg, &result.phi_deg)?;
     let mut large = large(result);
@@ -51,7 +51,7 @@ pub fn cone(result: &ConeResult, title: &str) -> Option<String> {
     if result.states.len() <= FEW {
         large.extend(each.drain(..).flat_map(|each| enlarged(result, &each)));
     }
-    // Four stand best as two and two.
+    // Four maps form two rows of two.
     let columns = if large.len() == 4 { 2 } else { large.len().clamp(2, 3) };
     let rows = result.states.len().div_ceil(IN_A_ROW) as f64;
     let section = rows * ROW + 46.0;
@@ -70,47 +70,47 @@ pub fn cone(result: &ConeResult, title: &str) -> Option<String> {
     Some(svg.finish())
 }
 
-fn large(result: &ConeResult) -> Vec<Large<'_>> {
+fn large(result: &ConeResult) -> Vec<LargeMap<'_>> {
     let mut large = Vec::new();
     let mut add = |title: String, scale: fn(&[f64]) -> Axis, value: Box<dyn Fn(&ConeView) -> f64>| {
         let values: Vec<f64> = result.views.iter().map(&value).collect();
         if any(&values) {
-            large.push(Large { title, scale: scale(&values), value });
+            large.push(LargeMap { title, scale: scale(&values), value });
         }
     };
     let white = result.states.iter().position(|name| name == "white").unwrap_or(0);
     if let Some(name) = result.states.get(white) {
         let luminance = move |view: &ConeView| view.states.get(white).map_or(f64::NAN, |s| s.luminance_cd_m2);
         let title = format!("Luminance of {} (cd/m\u{b2})", shortened(name, 120.0, SMALL));
-        add(title, over_decades, Box::new(luminance));
+        add(title, logarithmic_if_wide, Box::new(luminance));
     }
     let contrast = |view: &ConeView| view.contrast_ratio.unwrap_or(f64::NAN);
-    add("Contrast ratio".to_owned(), over_decades, Box::new(contrast));
+    add("Contrast ratio".to_owned(), logarithmic_if_wide, Box::new(contrast));
     let gamut = |view: &ConeView| view.gamut_percent_srgb.unwrap_or(f64::NAN);
     add("Gamut area in u\u{2032}v\u{2032} (% of sRGB)".to_owned(), linear, Box::new(gamut));
     large
 }
 
-fn each(result: &ConeResult) -> Vec<Each> {
+fn each(result: &ConeResult) -> Vec<StateMaps> {
     let y = |state: &ConeState| state.reflectance_factor_y;
     let scale = sequential(&values_of(result, y), WIDE_TOGETHER);
-    let mut each = vec![Each { title: "Luminous reflectance factor Y", value: y, scale }];
+    let mut each = vec![StateMaps { title: "Luminous reflectance factor Y", value: y, scale }];
     let shift = |state: &ConeState| state.uv_shift.unwrap_or(f64::NAN);
     let shifts = values_of(result, shift);
-    if seen(&shifts) {
+    if any_visible(&shifts) {
         let scale = Axis::covering(shifts.into_iter().chain([0.0]), 5, "");
-        each.push(Each { title: SHIFT, value: shift, scale });
+        each.push(StateMaps { title: SHIFT, value: shift, scale });
     }
     each
 }
 
 const SHIFT: &str = "Colour shift \u{394}u\u{2032}v\u{2032} from the normal";
 
-/// A large map for each state.
-fn enlarged<'a>(result: &'a ConeResult, each: &Each) -> Vec<Large<'a>> {
+/// Returns a large map for each state.
+fn enlarged<'a>(result: &'a ConeResult, each: &StateMaps) -> Vec<LargeMap<'a>> {
     let of_state = |(state, name): (usize, &String)| {
         let value = each.value;
-        Large {
+        LargeMap {
             title: format!("{}, {}", each.title, shortened(name, 120.0, SMALL)),
             scale: each.scale.clone(),
             value: Box::new(move |view| view.states.get(state).map_or(f64::NAN, value)),
@@ -127,21 +127,21 @@ fn any(values: &[f64]) -> bool {
     values.iter().any(|value| value.is_finite())
 }
 
-/// Whether there are directions without numbers.
+/// Returns whether some directions have no values.
 fn blank(result: &ConeResult) -> bool {
     values_of(result, |state| state.luminance_cd_m2).iter().any(|value| value.is_nan())
 }
 
-/// Whether any colour shifts so far that one sees it.
-fn seen(shifts: &[f64]) -> bool {
-    shifts.iter().any(|shift| *shift >= UNSEEN_SHIFT)
+/// Returns whether any colour shift is visible.
+fn any_visible(shifts: &[f64]) -> bool {
+    shifts.iter().any(|shift| *shift >= VISIBLE_SHIFT)
 }
 
 fn linear(values: &[f64]) -> Axis {
     Axis::covering(values.iter().copied(), 6, "")
 }
 
-fn over_decades(values: &[f64]) -> Axis {
+fn logarithmic_if_wide(values: &[f64]) -> Axis {
     sequential(values, WIDE)
 }
 
@@ -153,7 +153,7 @@ fn draw_large(
     svg: &mut Svg,
     result: &ConeResult,
     directions: &Directions<'_>,
-    one: &Large<'_>,
+    one: &LargeMap<'_>,
     corner: Point,
 ) {
     let scale = &one.scale;
@@ -165,7 +165,7 @@ fn draw_large(
     colour_bar(svg, scale, (centre.0 + LARGE + 38.0, centre.1 - 100.0), 200.0, true);
 }
 
-fn draw_each(svg: &mut Svg, result: &ConeResult, directions: &Directions<'_>, each: &Each, top: f64) {
+fn draw_each(svg: &mut Svg, result: &ConeResult, directions: &Directions<'_>, each: &StateMaps, top: f64) {
     let width = 3.0 * PITCH.0;
     let pitch = (width - 96.0) / IN_A_ROW as f64;
     svg.text((20.0, top + 16.0), each.title, Text::new(13.0, INK).strong());
@@ -176,35 +176,36 @@ fn draw_each(svg: &mut Svg, result: &ConeResult, directions: &Directions<'_>, ea
         svg.text((centre.0, centre.1 - LITTLE - 7.0), &name, Text::new(SMALL, INK).anchor(Anchor::Middle));
         let map = Map { centre, radius: LITTLE, scale: &each.scale, labelled: false, contours: true };
         let number = |theta, phi| {
-            let seen = result.view(theta, phi).and_then(|view| view.states.get(state));
-            seen.map_or(f64::NAN, each.value)
+            let state = result.view(theta, phi).and_then(|view| view.states.get(state));
+            state.map_or(f64::NAN, each.value)
         };
         directions.draw(svg, &map, &result.lights, number);
     }
     colour_bar(svg, &each.scale, (width - 76.0, top + 46.0), 2.0 * LITTLE, false);
 }
 
-/// What the maps do not say themselves: up to four lines.
+/// Draws the legend below the maps: up to four lines.
 fn legend(svg: &mut Svg, result: &ConeResult, mut y: f64) {
     const LINE: f64 = 18.0;
     let style = Text::new(11.0, "#777777");
-    let text = "The normal in the centre, a ring every 20\u{b0} of inclination, azimuth around (0\u{b0} right, 90\u{b0} up).";
+    let text =
+        "Centre: display normal; rings: every 20\u{b0} of inclination; azimuth: 0\u{b0} right, 90\u{b0} up.";
     svg.text((20.0, y), text, style);
     if !result.lights.is_empty() {
         y += LINE;
         sun(svg, (27.0, y - 4.0), 4.0);
-        svg.text((41.0, y), "light comes from here", style);
+        svg.text((41.0, y), "direction of the light", style);
         svg.circle((179.0, y - 4.0), 4.0, "none", &Stroke::solid(INK, 1.2));
-        svg.text((189.0, y), "where its mirror image is seen", style);
+        svg.text((189.0, y), "direction of its mirror image", style);
     }
     if blank(result) {
         y += LINE;
         svg.rect((21.0, y - 10.0), (12.0, 12.0), 0.0, BLANK, "#bbbbbb");
-        svg.text((41.0, y), "nothing was measured there", style);
+        svg.text((41.0, y), "no data", style);
     }
     let shifts = values_of(result, |state| state.uv_shift.unwrap_or(f64::NAN));
-    if any(&shifts) && !seen(&shifts) {
+    if any(&shifts) && !any_visible(&shifts) {
         y += LINE;
-        svg.text((20.0, y), &format!("{SHIFT}: less than {UNSEEN_SHIFT} in every state."), style);
+        svg.text((20.0, y), &format!("{SHIFT}: less than {VISIBLE_SHIFT} for every state."), style);
     }
 }

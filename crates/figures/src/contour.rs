@@ -1,87 +1,87 @@
-//! Contours of a number known on a polar grid: areas to fill, and the lines around them.
+//! Contours of a quantity on a polar grid: areas to fill, and the lines around them.
 //!
-//! Marching squares: in each cell of the grid the contour is a straight line between points
-//! interpolated on its sides. A frame of nodes that lie on the grid's border and are below
-//! any level closes every area, so that areas are loops and nothing is stitched.
+//! The method is marching squares: in each cell of the grid, the contour is a straight line between points
+//! interpolated on the sides of the cell. A frame of nodes on the border of the grid, with values below
+//! any level, closes every area. All areas are therefore loops.
 
 use crate::svg::Point;
 
-/// A level's contour, on the page.
+/// The contour of a level, on the page.
 #[derive(Debug, Default)]
 pub(crate) struct Contour {
-    /// Loops around all that is at or above the level, holes included (to be filled even-odd).
+    /// Loops around the areas at or above the level, and around holes (to be filled by the even-odd rule).
     pub(crate) areas: Vec<Vec<Point>>,
-    /// The same without what runs along the end of the data; a closed line ends where it begins.
+    /// The same without the segments along the edge of the data; a closed line ends where it begins.
     pub(crate) lines: Vec<Vec<Point>>,
 }
 
-/// Numbers at the nodes of a grid, framed; the columns go around where `around`.
+/// Values at the nodes of a polar grid, with a frame. If `periodic`, the last column is next to the first.
 #[derive(Debug)]
-pub(crate) struct Field {
+pub(crate) struct PolarField {
     columns: usize,
-    around: bool,
+    periodic: bool,
     points: Vec<Point>,
-    /// Below any level where there is no data.
+    /// Minus infinity where there are no data.
     values: Vec<f64>,
 }
 
-/// Where a contour crosses a side of a cell.
+/// A point where a contour crosses a side of a cell.
 #[derive(Debug, Clone, Copy)]
 struct Crossing {
     at: Point,
-    /// Between data and none.
-    at_the_end: bool,
+    /// Whether the side lies between a node with data and one without.
+    at_edge: bool,
 }
 
-impl Field {
-    /// From each column's points and values, innermost first, all of one length.
-    pub(crate) fn new(columns: &[Vec<(Point, f64)>], around: bool) -> Self {
+impl PolarField {
+    /// Creates the field from the points and values of each column, innermost first. All columns have the same length.
+    pub(crate) fn new(columns: &[Vec<(Point, f64)>], periodic: bool) -> Self {
         let rows = columns.first().map_or(0, Vec::len);
-        // With a frame: one column before and after, unless they go around.
-        let side = usize::from(!around);
+        // The frame has one column before and one after the data, unless the field is periodic.
+        let side = usize::from(!periodic);
         let framed = columns.len() + 2 * side;
         let (mut points, mut values) = (Vec::new(), Vec::new());
         for i in 0..rows + 2 {
             for j in 0..framed {
                 let column = &columns[j.saturating_sub(side).min(columns.len() - 1)];
                 let (point, value) = column[i.saturating_sub(1).min(rows - 1)];
-                let inside = (1..=rows).contains(&i) && (around || (1..=columns.len()).contains(&j));
+                let inside = (1..=rows).contains(&i) && (periodic || (1..=columns.len()).contains(&j));
                 points.push(point);
                 values.push(if inside && value.is_finite() { value } else { f64::NEG_INFINITY });
             }
         }
-        Self { columns: framed, around, points, values }
+        Self { columns: framed, periodic, points, values }
     }
 
-    /// The contour of a level.
+    /// Returns the contour of a level.
     pub(crate) fn contour(&self, level: f64) -> Contour {
         let next = self.links(level);
-        let mut seen = vec![false; next.len()];
+        let mut visited = vec![false; next.len()];
         let mut contour = Contour::default();
         for start in 0..next.len() {
-            let (mut side, mut around) = (start, Vec::new());
-            while let Some(following) = next[side].filter(|_| !seen[side]) {
-                seen[side] = true;
-                around.push(self.crossing(side, level));
+            let (mut side, mut crossings) = (start, Vec::new());
+            while let Some(following) = next[side].filter(|_| !visited[side]) {
+                visited[side] = true;
+                crossings.push(self.crossing(side, level));
                 side = following;
             }
-            if around.len() > 2 {
-                contour.lines.extend(lines(&around));
-                contour.areas.push(around.iter().map(|crossing| crossing.at).collect());
+            if crossings.len() > 2 {
+                contour.lines.extend(lines(&crossings));
+                contour.areas.push(crossings.iter().map(|crossing| crossing.at).collect());
             }
         }
         contour
     }
 
-    /// For each side of a cell that the contour crosses, the one that it crosses next.
+    /// Returns, for each side of a cell that the contour crosses, the side that it crosses next.
     ///
-    /// Side 2 k goes from node k outwards, side 2 k + 1 around.
+    /// Side 2 k goes from node k outwards, side 2 k + 1 to the next column.
     fn links(&self, level: f64) -> Vec<Option<usize>> {
         let mut next = vec![None; 2 * self.values.len()];
         let rows = self.values.len() / self.columns.max(1);
-        let cells_around = if self.around { self.columns } else { self.columns - 1 };
+        let cell_columns = if self.periodic { self.columns } else { self.columns - 1 };
         for i in 0..rows.saturating_sub(1) {
-            for j in 0..cells_around {
+            for j in 0..cell_columns {
                 let right = (j + 1) % self.columns;
                 let corners =
                     [(i, j), (i, right), (i + 1, right), (i + 1, j)].map(|(i, j)| i * self.columns + j);
@@ -104,23 +104,23 @@ impl Field {
             i * self.columns + (j + 1) % self.columns
         };
         let (a, b) = (self.values[from], self.values[to]);
-        let share = match (a.is_finite(), b.is_finite()) {
+        let fraction = match (a.is_finite(), b.is_finite()) {
             (true, true) => (level - a) / (b - a),
             (true, false) => 0.0,
             _ => 1.0,
         };
         let (p, q) = (self.points[from], self.points[to]);
         Crossing {
-            at: (p.0 + share * (q.0 - p.0), p.1 + share * (q.1 - p.1)),
-            at_the_end: !(a.is_finite() && b.is_finite()),
+            at: (p.0 + fraction * (q.0 - p.0), p.1 + fraction * (q.1 - p.1)),
+            at_edge: !(a.is_finite() && b.is_finite()),
         }
     }
 }
 
-/// The segments in a cell, as pairs of its sides: side k lies between corners k and k + 1.
+/// Returns the segments in a cell, as pairs of its sides. Side k lies between corners k and k + 1.
 ///
-/// Each leaves by a side where, going around the cell, one goes out of the area. The
-/// neighbour goes around the other way and takes the contour up there.
+/// Each segment starts at a side where a circuit of the cell leaves the area. The circuit of the
+/// neighbouring cell crosses this side in the opposite sense, so that the contour continues there.
 fn in_cell(values: [f64; 4], level: f64) -> [Option<(usize, usize)>; 2] {
     let inside = values.map(|value| value >= level);
     let turns = |k: usize, from: bool| inside[k] == from && inside[(k + 1) % 4] != from;
@@ -128,7 +128,7 @@ fn in_cell(values: [f64; 4], level: f64) -> [Option<(usize, usize)>; 2] {
     let Some(first) = leaving(0) else { return [None, None] };
     match leaving(first + 1) {
         None => [(0..4).find(|k| turns(*k, false)).map(|entering| (first, entering)), None],
-        // Two opposite corners are inside: joined if the middle is.
+        // Two opposite corners are inside; they are joined if the mean of the corners is inside.
         Some(second) => {
             let joined = values.iter().sum::<f64>() / 4.0 >= level;
             let partner = |k: usize| if joined { (k + 1) % 4 } else { (k + 3) % 4 };
@@ -137,35 +137,36 @@ fn in_cell(values: [f64; 4], level: f64) -> [Option<(usize, usize)>; 2] {
     }
 }
 
-/// A loop's lines: the whole, or what is left of it without the end of the data.
+/// Returns the lines of a loop: the whole loop, or the parts of it that are not on the edge of the data.
 fn lines(around: &[Crossing]) -> Vec<Vec<Point>> {
-    let Some(start) = around.iter().position(|crossing| crossing.at_the_end) else {
+    let Some(start) = around.iter().position(|crossing| crossing.at_edge) else {
         return vec![around.iter().chain(around.first()).map(|crossing| crossing.at).collect()];
     };
     let turned: Vec<Crossing> = around[start..].iter().chain(&around[..start]).copied().collect();
-    let inside = turned.split(|crossing| crossing.at_the_end).filter(|run| run.len() > 1);
+    let inside = turned.split(|crossing| crossing.at_edge).filter(|run| run.len() > 1);
     inside.map(|run| run.iter().map(|crossing| crossing.at).collect()).collect()
 }
 
-/// The line with fewer points, none of those left out further than `reach` from it.
+/// Removes points from a line such that no removed point is further than `reach` from the new line.
 pub(crate) fn thinned(line: &[Point], reach: f64) -> Vec<Point> {
     let Some(&first) = line.first() else { return vec![] };
-    let (mut kept, mut from) = (vec![first], 0);
+    let (mut reduced, mut from) = (vec![first], 0);
     while from + 1 < line.len() {
-        let fits = |to: &usize| line[from + 1..*to].iter().all(|p| off(*p, line[from], line[*to]) <= reach);
+        let fits =
+            |to: &usize| line[from + 1..*to].iter().all(|p| distance(*p, line[from], line[*to]) <= reach);
         let to = (from + 2..line.len().min(from + 40)).take_while(fits).last().unwrap_or(from + 1);
-        kept.push(line[to]);
+        reduced.push(line[to]);
         from = to;
     }
-    kept
+    reduced
 }
 
-/// How far a point lies from the straight line between two others.
-fn off(point: Point, from: Point, to: Point) -> f64 {
+/// Returns the distance of a point from the segment between two others.
+fn distance(point: Point, from: Point, to: Point) -> f64 {
     let (dx, dy) = (to.0 - from.0, to.1 - from.1);
     let (px, py) = (point.0 - from.0, point.1 - from.1);
-    let share = ((px * dx + py * dy) / (dx * dx + dy * dy).max(1e-12)).clamp(0.0, 1.0);
-    (px - share * dx).hypot(py - share * dy)
+    let fraction = ((px * dx + py * dy) / (dx * dx + dy * dy).max(1e-12)).clamp(0.0, 1.0);
+    (px - fraction * dx).hypot(py - fraction * dy)
 }
 
 #[cfg(test)]
@@ -173,17 +174,17 @@ mod tests {
     use super::*;
     use std::f64::consts::{PI, TAU};
 
-    /// A disc of radius 1: 40 rings of 72, with this number at (x, y).
-    fn disc(value: impl Fn(f64, f64) -> f64) -> Field {
+    /// A disc of radius 1: 40 rings of 72 nodes, with `value(x, y)`.
+    fn disc(value: impl Fn(f64, f64) -> f64) -> PolarField {
         let column = |j: usize| {
             let (sin, cos) = (TAU * j as f64 / 72.0).sin_cos();
             let node = |i: usize| (i as f64 / 40.0 * cos, i as f64 / 40.0 * sin);
             (0..=40).map(|i| (node(i), value(node(i).0, node(i).1))).collect::<Vec<_>>()
         };
-        Field::new(&(0..72).map(column).collect::<Vec<_>>(), true)
+        PolarField::new(&(0..72).map(column).collect::<Vec<_>>(), true)
     }
 
-    /// Even-odd area of loops that do not cross, by the signs of their turns.
+    /// Even-odd area of loops that do not cross, from their orientations.
     fn area(contour: &Contour) -> f64 {
         let shoelace = |points: &Vec<Point>| {
             let next = points.iter().cycle().skip(1);
@@ -193,7 +194,7 @@ mod tests {
     }
 
     #[test]
-    fn areas_are_those_of_the_level_sets() {
+    fn contours_enclose_areas_of_level_sets() {
         let cone = disc(|x, y| 1.0 - x.hypot(y));
         for (level, radius) in [(-1.0, 1.0_f64), (0.5, 0.5), (0.31, 0.69)] {
             let contour = cone.contour(level);
@@ -213,7 +214,7 @@ mod tests {
     }
 
     #[test]
-    fn holes_in_the_data_are_holes() {
+    fn holes_in_data_are_excluded() {
         let holed = disc(|x, y| if (x - 0.5).hypot(y) < 0.2 { f64::NAN } else { 1.0 });
         let contour = holed.contour(0.0);
         assert!((area(&contour) - PI * (1.0 - 0.04)).abs() < 0.08, "{}", area(&contour));
@@ -222,17 +223,17 @@ mod tests {
     }
 
     #[test]
-    fn saddles_are_closed_loops() {
+    fn contours_at_saddle_are_closed() {
         let saddle = disc(|x, y| x * y);
         for level in [-0.1, -1e-6, 0.0, 1e-6, 0.1] {
             assert_eq!(saddle.contour(level).areas.iter().filter(|loop_| loop_.len() > 40).count() % 2, 0);
         }
         let (above, below) = (area(&saddle.contour(0.1)), area(&disc(|x, y| -x * y).contour(-0.1)));
-        assert!((above + below - PI).abs() < 1e-2, "{above} and {below} make the disc");
+        assert!((above + below - PI).abs() < 1e-2, "{above} and {below} do not add up to the disc");
     }
 
     #[test]
-    fn a_thinned_line_is_the_same_line() {
+    fn thinned_line_keeps_ends_and_shape() {
         let circle: Vec<Point> = (0..=360)
             .map(|k| f64::from(k).to_radians().sin_cos())
             .map(|(s, c)| (100.0 * c, 100.0 * s))

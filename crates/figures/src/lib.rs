@@ -2,40 +2,39 @@
 //!
 //! | figure | shows |
 //! |---|---|
-//! | [`of_run`] | all that `papilio run` draws |
-//! | [`overview`] | a view at a glance: patches, spectra, u'v' diagram |
-//! | [`spectra`] | reflectance factor of every state against wavelength |
+//! | [`of_run`] | all figures of `papilio run` |
+//! | [`overview`] | one page for a view: patches, spectra, u'v' diagram |
+//! | [`spectra`] | reflectance factor of each state against wavelength |
 //! | [`chromaticity`] | states and gamut in the u'v' diagram |
 //! | [`gamuts`] | gamuts of several displays in the u'v' diagram |
-//! | [`gamut_rings`] | the gamut's solid in CIELAB, laid flat |
-//! | [`patches`] | the states as the reader would see them |
+//! | [`gamut_rings`] | gamut rings of the CIELAB volume |
+//! | [`patches`] | colours of the states as the reader would see them |
 //! | [`against_angle`] | a metric against the viewing angle |
 //! | [`pixel_scan`] | pixel reflectance at several angles |
 //! | [`cone`] | polar maps over all viewing directions |
-//! | [`spectra_over`] | spectra of a display over those of variants of it |
-//! | [`compared_spectra`], [`compared_gamuts`] | a simulated display beside a measured one |
-//! | [`light`] | where the light comes from: luminance over the hemisphere, lamps |
-//! | [`transmission`] | what diffusers transmit against wavelength |
-//! | [`scattering`] | a measured lobe: in the plane of incidence, and over the hemisphere |
-//! | [`lobes`] | the same of every part of a measurement |
-//! | [`chart`] | plain curves in a panel |
-//! | [`accuracy`] | errors of solvers against their cost |
-//! | [`of_sweep`] | all that `papilio sweep` draws |
+//! | [`spectra_over`] | spectra of variants of a display in one panel |
+//! | [`compared_spectra`], [`compared_gamuts`] | a simulated and a measured display |
+//! | [`light`] | the lighting: luminance over the hemisphere, directed sources |
+//! | [`transmission`] | transmittance of diffusers against wavelength |
+//! | [`scattering`] | a measured lobe in the plane of incidence and over the hemisphere |
+//! | [`lobes`] | the same for each part of a measurement |
+//! | [`chart`] | curves in one panel |
+//! | [`accuracy`] | errors of the solvers against their cost |
+//! | [`of_sweep`] | all figures of `papilio sweep` |
 //! | [`sweep_curves`], [`sweep_map`] | a metric over one or two swept keys |
-//! | [`histogram`], [`sensitivities`], [`good_and_bad`] | what production makes of a design |
-//! | [`point_sets`] | where points lie in the unit square |
+//! | [`histogram`], [`sensitivities`], [`good_and_bad`] | a tolerance analysis: distribution, sensitivities, displays that pass and fail |
+//! | [`point_sets`] | points in the unit square |
 //!
-//! Each takes the scenario's title (empty: none), which stands above the figure, and
-//! figures of a view say from where it is seen. Errors are one standard error, drawn where they are wider than a line.
-//! Whatever the data (NaN, missing states, odd names), the text is well-formed
-//! XML: what cannot be drawn is left out.
+//! Each function takes the title of the scenario, which is printed above the figure (empty: no title). Figures of a
+//! view also state its direction. Error bars are one standard error; they are drawn where they are wider than a line.
+//! The output is well-formed XML for any data (NaN, missing states, unusual names). Values that cannot be drawn are
+//! omitted.
 //!
-//! The SVG is written by a small module of our own: the u'v' diagram, names at the
-//! ends of curves and composed pages are most of the work, and plotting crates offer none
-//! of them. Text names generic fonts only, and nothing is measured with a font. [`png`] makes
-//! a picture of any of them.
+//! A small module of this crate writes the SVG. Most of the work is in the u'v' diagram, the labels at the ends of
+//! curves and the composed pages, which plotting crates do not offer. Text refers to generic fonts only, and no font
+//! is used to measure it. [`png`] rasterises any of the figures.
 //!
-//! **Out of scope.** Files; names are proposed for those that a program writes.
+//! **Out of scope.** Writing files; the functions only propose file names.
 
 mod accuracy;
 mod angle;

@@ -1,4 +1,5 @@
-//! Where the light comes from: luminance over the hemisphere above the display, lamps, and what the viewer would see mirrored.
+//! The lighting: luminance over the hemisphere above the display, directed sources, and the mirror directions of the
+//! views.
 
 use papilio_display::RoomLight;
 
@@ -8,21 +9,21 @@ use crate::polar::{Directions, Map, colour_bar, sun};
 use crate::style::{INK, SOFT, degrees};
 use crate::svg::{Anchor, Point, Stroke, Svg, Text};
 
-/// Radius of the map, px, and where its middle is.
+/// Radius and centre of the map, px.
 const RADIUS: f64 = 190.0;
 const CENTRE: Point = (240.0, 256.0);
-/// Luminances are drawn on a logarithmic scale where the largest is more than so many times the smallest.
+/// Ratio of the largest to the smallest luminance above which the scale is logarithmic.
 const WIDE: f64 = 30.0;
-/// More sources are summed up.
+/// Largest number of rows in the list of sources; further sources are summed.
 const LISTED: usize = 8;
-/// More views have their mirror images all over the map.
-const MOST_VIEWS: usize = 12;
-/// Where the list begins, px, and how far its numbers are.
+/// Largest number of views whose mirror directions are drawn; more would cover the map.
+const MAX_VIEWS: usize = 12;
+/// Position of the list, and horizontal distance to the right edge of its numbers, px.
 const LIST: Point = (566.0, 64.0);
 const NUMBERS: f64 = 218.0;
 
-/// Luminance by direction in false colours, directed sources as suns, mirror images of the views as rings, and the
-/// lux of each source.
+/// Draws the luminance of each direction in false colours, directed sources as suns, the mirror directions of the views
+/// as rings, and a list of the illuminance of each source.
 pub fn light(room: &RoomLight, title: &str) -> String {
     let mut svg = Svg::new(800.0, 510.0).titled(title);
     let Some(directions) = Directions::new(&room.theta_deg, &room.phi_deg) else { return svg.finish() };
@@ -30,15 +31,15 @@ pub fn light(room: &RoomLight, title: &str) -> String {
     let is_lit = values.iter().any(|value| *value > 0.0);
     let scale = Axis::logarithmic_beyond(WIDE, values, "Luminance (cd/m\u{b2})")
         .unwrap_or_else(|| Axis::covering(values.iter().copied().chain([0.0]), 6, "Luminance (cd/m\u{b2})"));
-    let heading = if is_lit { "Light from each direction" } else { "Directed sources alone" };
+    let heading = if is_lit { "Light from each direction" } else { "Directed sources only" };
     svg.text((CENTRE.0, 36.0), heading, Text::new(13.0, INK).strong().anchor(Anchor::Middle));
     let map = Map { centre: CENTRE, radius: RADIUS, scale: &scale, labelled: true, contours: false };
     let columns = room.phi_deg.len();
     let value =
         |i: usize, j: usize| values.get(i * columns + j).copied().filter(|_| is_lit).unwrap_or(f64::NAN);
     directions.draw(&mut svg, &map, &[], value);
-    for lamp in &room.directed {
-        sun(&mut svg, directions.at(&map, lamp.theta_deg, lamp.phi_deg), 5.0);
+    for source in &room.directed {
+        sun(&mut svg, directions.at(&map, source.theta_deg, source.phi_deg), 5.0);
     }
     for [theta, phi] in mirrored(room) {
         let at = directions.at(&map, *theta, phi + 180.0);
@@ -55,17 +56,20 @@ pub fn light(room: &RoomLight, title: &str) -> String {
 }
 
 fn mirrored(room: &RoomLight) -> &[[f64; 2]] {
-    if room.views_deg.len() > MOST_VIEWS { &[] } else { &room.views_deg }
+    if room.views_deg.len() > MAX_VIEWS { &[] } else { &room.views_deg }
 }
 
-/// The sources and their lux.
+/// Draws the list of the sources and their illuminances.
 fn list(svg: &mut Svg, room: &RoomLight) {
     let diffuse = (room.diffuse_lx > 0.0).then(|| ("diffuse".to_owned(), room.diffuse_lx));
-    // Luminaires and suns of skies are among these: the scenario numbers them otherwise.
-    let directed = room.directed.iter().map(|lamp| {
-        let azimuth =
-            if lamp.phi_deg == 0.0 { String::new() } else { format!(", azimuth {}", degrees(lamp.phi_deg)) };
-        (format!("directed, from {}{azimuth}", degrees(lamp.theta_deg)), lamp.illuminance_lx)
+    // These include luminaires and the suns of skies, so that their numbers differ from those in the scenario.
+    let directed = room.directed.iter().map(|source| {
+        let azimuth = if source.phi_deg == 0.0 {
+            String::new()
+        } else {
+            format!(", azimuth {}", degrees(source.phi_deg))
+        };
+        (format!("directed, from {}{azimuth}", degrees(source.theta_deg)), source.illuminance_lx)
     });
     let of = room.environment_lx.len();
     let name =
@@ -79,18 +83,18 @@ fn list(svg: &mut Svg, room: &RoomLight) {
     }
     let (x, mut y) = LIST;
     let number = Text::new(SMALL, INK).anchor(Anchor::End);
-    svg.text((x, y - 26.0), "On the display", Text::new(13.0, INK).strong());
+    svg.text((x, y - 26.0), "Illuminance on the display", Text::new(13.0, INK).strong());
     for (name, lux) in &rows {
         svg.text((x, y), name, Text::new(SMALL, INK));
         svg.text((x + NUMBERS, y), &format!("{} lx", rounded(*lux)), number);
         y += 20.0;
     }
     svg.line((x, y - 12.0), (x + NUMBERS, y - 12.0), &Stroke::solid(SOFT, 1.0));
-    svg.text((x, y + 6.0), "together", Text::new(SMALL, INK));
+    svg.text((x, y + 6.0), "total", Text::new(SMALL, INK));
     svg.text((x + NUMBERS, y + 6.0), &format!("{} lx", rounded(all)), number.strong());
 }
 
-/// Three digits and all whole lux.
+/// Formats an illuminance with three significant digits, or with all digits before the decimal point if these are more.
 fn rounded(lux: f64) -> String {
     let decimals = if lux > 0.0 { (2.0 - lux.log10().floor()).clamp(0.0, 8.0) as usize } else { 0 };
     format!("{lux:.decimals$}")
@@ -100,9 +104,9 @@ fn legend(svg: &mut Svg, room: &RoomLight) {
     let style = Text::new(11.0, "#777777");
     let (x, mut y) = (LIST.0, CENTRE.1 + 60.0);
     let lines = [
-        "The display's normal in the centre,",
-        "a ring every 20\u{b0} of inclination,",
-        "azimuth around (0\u{b0} right, 90\u{b0} up).",
+        "Centre: display normal",
+        "Rings: every 20\u{b0} of inclination",
+        "Azimuth: 0\u{b0} right, 90\u{b0} up",
     ];
     for line in lines {
         svg.text((x, y), line, style);
@@ -111,12 +115,12 @@ fn legend(svg: &mut Svg, room: &RoomLight) {
     if !room.directed.is_empty() {
         y += 8.0;
         sun(svg, (x + 7.0, y - 4.0), 4.0);
-        svg.text((x + 22.0, y), "a directed source, not in the colours", style);
+        svg.text((x + 22.0, y), "directed source (not in the colours)", style);
         y += 16.0;
     }
     if !mirrored(room).is_empty() {
         y += 8.0;
         svg.circle((x + 7.0, y - 4.0), 4.5, "none", &Stroke::solid(INK, 1.4));
-        svg.text((x + 22.0, y), "what a mirror would show the viewer", style);
+        svg.text((x + 22.0, y), "mirror direction of a view", style);
     }
 }

@@ -1,19 +1,21 @@
-//! A measurement's lobes, as [`scattering`] draws them.
+//! The lobes of a measurement, drawn by [`scattering`].
 
 use papilio_goniometry::{Audit, Fill, Measurement, Part, Shape};
 use papilio_optics::Beta;
 
 use crate::scattering::{ScatterCurve, ScatterMap, Scattering, scattering};
 
-/// Incidences that the polar maps show, degrees; the nearest ones that the file has.
+/// Incidences of the polar maps, degrees. The nearest incidences of the file are drawn.
 const MAPS_DEG: [f64; 2] = [0.0, 45.0];
 
-/// A figure for each part of a measurement, with the name of its file: its luminous channel. Parts without an audit have none.
+/// Returns a file name and a figure for each part of a measurement that has an audit. The figure shows the luminous
+/// channel.
 pub fn lobes(measurement: &Measurement, audits: &[Option<Audit>]) -> Vec<(String, String)> {
     let one = |(part, audit): (&Part, &Option<Audit>)| {
-        let seen = |fill: Fill| Shape::of_part(part, part.luminous(), fill);
+        let shape_with = |fill: Fill| Shape::of_part(part, part.luminous(), fill);
         let last_deg = audit.as_ref()?.dark_beyond_deg;
-        let shape = Seen { plain: seen(Fill::None)?, filled: seen(Fill::Tail)?, last_deg };
+        let shape =
+            MeasuredLobe { plain: shape_with(Fill::None)?, filled: shape_with(Fill::Tail)?, last_deg };
         let name = part.way.name().replace(' ', "-");
         let quantity = if part.way.is_transmission() { "BTDF (1/sr)" } else { "BRDF (1/sr)" };
         let figure = Scattering { quantity: quantity.to_owned(), curves: curves(&shape), maps: maps(&shape) };
@@ -22,24 +24,25 @@ pub fn lobes(measurement: &Measurement, audits: &[Option<Audit>]) -> Vec<(String
     measurement.parts.iter().zip(audits).filter_map(one).collect()
 }
 
-/// A lobe as far as light was seen. Its rim would be as jagged as the cells, or fall off between the last lit and the first dark one:
-/// lobes go on up to the last inclination with light.
-struct Seen {
+/// A lobe within the inclinations at which light was measured. It extends to the last inclination with light. Without
+/// this limit, its edge would follow the outline of the cells, or decrease between the last cell with light and the
+/// first one without.
+struct MeasuredLobe {
     plain: Shape,
     filled: Shape,
     last_deg: f64,
 }
 
-impl Seen {
-    /// Towards an inclination, at this difference of direction cosines; NaN where no light was seen.
+impl MeasuredLobe {
+    /// Returns the value at an inclination and a difference of direction cosines; NaN where no light was measured.
     fn value(&self, incidence: usize, theta_deg: f64, delta: Beta) -> f64 {
         let dark = theta_deg.abs() > self.last_deg + 1e-6 || self.plain.value(incidence, delta) <= 0.0;
         if dark { f64::NAN } else { self.filled.value(incidence, delta) }
     }
 }
 
-/// Each incidence in the plane of incidence.
-fn curves(shape: &Seen) -> Vec<ScatterCurve> {
+/// Returns the curve of each incidence in the plane of incidence.
+fn curves(shape: &MeasuredLobe) -> Vec<ScatterCurve> {
     let value = |k: usize, from: f64, to: f64| {
         shape.value(k, to, Beta { x: to.to_radians().sin() - from.to_radians().sin(), y: 0.0 })
     };
@@ -52,8 +55,8 @@ fn curves(shape: &Seen) -> Vec<ScatterCurve> {
     shape.plain.incidences_deg().enumerate().map(curve).collect()
 }
 
-/// The hemisphere at the incidences nearest to those wanted.
-fn maps(shape: &Seen) -> Vec<ScatterMap> {
+/// Returns the maps of the hemisphere at the incidences closest to `MAPS_DEG`.
+fn maps(shape: &MeasuredLobe) -> Vec<ScatterMap> {
     let incidences: Vec<f64> = shape.plain.incidences_deg().collect();
     let nearest = |wanted: f64| {
         let off = |k: &usize| (incidences[*k] - wanted).abs();

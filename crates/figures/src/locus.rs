@@ -6,13 +6,13 @@ use crate::panel::Panel;
 use crate::style::SOFT;
 use crate::svg::{Anchor, Point, Stroke, Svg, Text, hex};
 
-/// Wavelengths that are written along the locus, nm.
+/// Wavelengths with a label on the locus, nm.
 const NAMED_NM: [f64; 12] =
     [440.0, 460.0, 470.0, 480.0, 490.0, 500.0, 520.0, 550.0, 580.0, 600.0, 620.0, 650.0];
-/// What is left of the screen's colours inside the locus.
+/// Fraction of the screen's colours in the tint inside the locus; the rest is white.
 const TINT: f64 = 0.30;
 
-/// The spectral locus, tinted inside, with wavelengths outside.
+/// Draws the spectral locus, with a tint inside and wavelengths outside.
 pub(crate) fn draw(svg: &mut Svg, panel: &Panel) {
     let points: Vec<(f64, UvPrime)> =
         spectral_locus().filter_map(|(nm, xyz)| Some((nm, xyz.uv_prime()?))).collect();
@@ -26,10 +26,10 @@ pub(crate) fn draw(svg: &mut Svg, panel: &Panel) {
     }
 }
 
-/// A tick at the middle one of three points of the locus, and its wavelength outside.
+/// Draws a tick at the middle one of three points of the locus, and its wavelength outside.
 fn name_wavelength(svg: &mut Svg, around: &[Point], nm: f64) {
     let &[before, here, after] = around else { return };
-    // Outwards is to the left of the way from blue to red, seen on the page.
+    // On the page, the outside is to the left of the direction from blue to red.
     let (dx, dy) = (after.0 - before.0, after.1 - before.1);
     let out = (dy / dx.hypot(dy), -dx / dx.hypot(dy));
     let step = |r: f64| (here.0 + r * out.0, here.1 + r * out.1);
@@ -44,7 +44,7 @@ fn name_wavelength(svg: &mut Svg, around: &[Point], nm: f64) {
     svg.text((x, y + 4.0 + 4.0 * out.1), &format!("{nm:.0}"), style);
 }
 
-/// Cells in a light version of the most luminous screen colour of their chromaticity.
+/// Fills cells with a light version of the most luminous screen colour of their chromaticity.
 fn tint(svg: &mut Svg, panel: &Panel, locus: &[(f64, UvPrime)]) {
     const CELL: f64 = 0.02;
     let (Some((_, blue)), Some((_, red))) = (locus.first(), locus.last()) else { return };
@@ -57,7 +57,7 @@ fn tint(svg: &mut Svg, panel: &Panel, locus: &[(f64, UvPrime)]) {
         let brightest = linear.into_iter().fold(1e-9, f64::max);
         let channel = |c: f64| 255.0 * (1.0 - TINT + TINT * (c / brightest).powf(1.0 / 2.2));
         let (low, high) = (panel.at(u, v), panel.at(u + CELL, v + CELL));
-        // Half a px more than the cell, or seams would show.
+        // Half a px larger than the cell, to avoid visible seams.
         let size = (high.0 - low.0 + 0.5, low.1 - high.1 + 0.5);
         svg.rect((low.0, high.1), size, 0.0, &hex(linear.map(|c| channel(c).round() as u8)), "");
     }

@@ -1,4 +1,4 @@
-//! The states and the light in the u'v' diagram.
+//! Marks of the states and the light in the u'v' diagram.
 
 use papilio_colour::UvPrime;
 use papilio_display::result::{RunResult, View};
@@ -9,10 +9,10 @@ use crate::place::Places;
 use crate::style::INK;
 use crate::svg::{Point, Stroke, Svg, Text};
 
-/// Sides of the windows that are worth enlarging.
+/// Sides of the windows that are enlarged, in u' and v'.
 const WINDOWS: [f64; 4] = [0.01, 0.02, 0.05, 0.08];
 
-/// What is marked in a diagram.
+/// The marks in a diagram.
 #[derive(Debug)]
 pub(crate) struct Marks {
     states: Vec<State>,
@@ -35,8 +35,8 @@ pub(crate) struct Window {
 }
 
 impl Marks {
-    /// The states of a view and the light, as far as they lie within a diagram
-    /// (noise of a black state can leave it).
+    /// Returns the marks of the states of a view and of the light that lie within the diagram
+    /// (noise can move a black state out of it).
     pub(crate) fn of(result: &RunResult, view: &View, diagram: &Panel) -> Self {
         let paint = Paint::of(result, view);
         let inside = |uv: &UvPrime| diagram.x.contains(uv.u) && diagram.y.contains(uv.v);
@@ -53,7 +53,7 @@ impl Marks {
         Self { states: states.collect(), light: Some(light).filter(inside) }
     }
 
-    /// The window around the marks, if they lie so close together that one is worth enlarging.
+    /// Returns the window around the marks, if they are close enough together to be enlarged.
     pub(crate) fn crowded(&self) -> Option<Window> {
         let all = || self.states.iter().map(|state| state.at).chain(self.light);
         let range = |of: fn(UvPrime) -> f64| {
@@ -67,7 +67,7 @@ impl Marks {
         (all().count() > 1).then_some(Window { middle, side })
     }
 
-    /// Discs and error crosses of the states; on top of them the cross of the light, which a state near it would hide.
+    /// Draws discs and error crosses of the states, and above them the cross of the light, which a state would hide.
     pub(crate) fn draw(&self, svg: &mut Svg, panel: &Panel) {
         let line = Stroke::solid(INK, 1.2);
         for State { at, error, fill, .. } in &self.states {
@@ -79,7 +79,7 @@ impl Marks {
         }
         if let Some(light) = self.light {
             let (x, y) = panel.at(light.u, light.v);
-            // White below the ink, so that it is seen on a dark disc too.
+            // A white outline makes the cross visible on a dark disc.
             for stroke in [Stroke::solid("#ffffff", 3.6), Stroke::solid(INK, 1.4)] {
                 svg.line((x - 5.0, y), (x + 5.0, y), &stroke);
                 svg.line((x, y - 5.0), (x, y + 5.0), &stroke);
@@ -87,7 +87,7 @@ impl Marks {
         }
     }
 
-    /// Names them, off each other and off the sides of the triangles.
+    /// Draws the names, clear of each other and of the sides of the triangles.
     pub(crate) fn name(&self, svg: &mut Svg, panel: &Panel, triangles: &[Option<[UvPrime; 3]>]) {
         let at = |uv: UvPrime| panel.at(uv.u, uv.v);
         let states = self.states.iter().map(|state| (state.name.as_str(), at(state.at)));

@@ -1,13 +1,14 @@
-//! The figures of a run, by the names of their files.
+//! The figures of a run and their file names.
 
 use papilio_display::result::{RunResult, View};
 
 use crate::{AngleMetric, against_angle, chromaticity, gamut_rings, overview, patches, spectra};
 
-/// More views than this: figures of the view nearest to the normal only, and of metrics against angle.
+/// Largest number of views that all have figures. With more views, only the view closest to the normal has them, and
+/// metrics are drawn against the angle.
 const VIEWS_WITH_FIGURES: usize = 6;
 
-/// What `papilio run` draws: names of files, without their ends, and SVG texts.
+/// Returns the figures of `papilio run`: file names without extensions, and SVG texts.
 pub fn of_run(result: &RunResult, title: &str) -> Vec<(String, String)> {
     let mut figures = Vec::new();
     let shown =
@@ -30,7 +31,7 @@ pub fn of_run(result: &RunResult, title: &str) -> Vec<(String, String)> {
     figures
 }
 
-/// The first view of least inclination.
+/// Returns the first view of smallest inclination.
 fn nearest_to_normal(result: &RunResult) -> &[View] {
     let inclination = |view: &View| view.theta_deg.abs();
     let least = result.views.iter().map(inclination).fold(f64::INFINITY, f64::min);

@@ -1,4 +1,4 @@
-//! One page that says it all: patches, spectra and the u'v' diagram.
+//! Overview of a view on one page: patches, spectra and the u'v' diagram.
 
 use papilio_display::result::{RunResult, View};
 
@@ -7,7 +7,7 @@ use crate::style::{INK, percent, seen_at, with_error};
 use crate::svg::{Svg, Text};
 use crate::{chromaticity, patches, spectra};
 
-/// A view at a glance: what is seen, the colours of the states, their spectra and the gamut.
+/// Draws the overview of a view: main metrics, colours of the states, their spectra and the gamut.
 pub fn overview(result: &RunResult, view: &View, title: &str) -> String {
     let shown = view.states.iter().count().clamp(1, 8) as f64;
     let side = (700.0 / shown - 12.0).min(76.0);

@@ -1,4 +1,4 @@
-//! The colours of the states, for a screen.
+//! Screen colours of the states.
 
 use papilio_colour::{Xy, Xyz};
 use papilio_display::result::{Illuminant, RunResult, StateValues, View};
@@ -6,32 +6,33 @@ use papilio_display::result::{Illuminant, RunResult, StateValues, View};
 use crate::style::is_self_lit;
 use crate::svg::hex;
 
-/// A channel less than this above 1 is not seen to be clipped.
+/// Largest channel value for which clipping is not visible.
 const CLIPPED: f64 = 1.005;
 
-/// How the states of a view are painted.
+/// Conversion of the states of a view to screen colours.
 ///
-/// A screen's white stands for the perfect white, unless a state is brighter
-/// than that (near a lamp's mirror image): then all states are dimmed alike,
-/// or they would be blank. Where the front light is all the light, the display's own white is the screen's.
+/// The white of the screen represents the perfect white diffuser, unless a state is brighter
+/// (near the mirror image of a source). Then the luminances of all states are divided by the same number; otherwise
+/// they would be clipped to white. If the front light is the only light, the white of the screen represents the white
+/// of the display.
 #[derive(Debug)]
 pub(crate) struct Paint {
     white: Option<Xyz>,
     divisor: f64,
-    /// Whether that is because a state is brighter than the perfect white.
+    /// Whether a state is brighter than the perfect white diffuser.
     is_dimmed: bool,
 }
 
 impl Paint {
-    /// For all states of a view.
+    /// Creates the conversion for all states of a view.
     pub(crate) fn of(result: &RunResult, view: &View) -> Self {
         if let Some(own) = own_white(view) {
             return Self { white: Some(own * (1.0 / own.y)), divisor: own.y, is_dimmed: false };
         }
         let Illuminant { x, y, .. } = result.illuminant;
         let mut paint = Self { white: Xy { x, y }.with_luminance(1.0), divisor: 1.0, is_dimmed: false };
-        let channels = view.states.iter().flat_map(|(_, state)| paint.seen(&state.value).linear_srgb());
-        // Y is a mean of the channels, so no channel above 1 means no Y above 1.
+        let channels = view.states.iter().flat_map(|(_, state)| paint.adapted(&state.value).linear_srgb());
+        // Y is a mean of the channels: if no channel exceeds 1, Y does not exceed 1 either.
         let brightest = channels.filter(|channel| channel.is_finite()).fold(0.0, f64::max);
         if brightest > CLIPPED {
             (paint.divisor, paint.is_dimmed) = (brightest, true);
@@ -39,27 +40,27 @@ impl Paint {
         paint
     }
 
-    /// The colour of a state as it looks in its light.
+    /// Returns the colour of a state as it appears in its light.
     pub(crate) fn colour(&self, state: &StateValues) -> String {
-        hex((self.seen(state) * (1.0 / self.divisor)).srgb_clipped())
+        hex((self.adapted(state) * (1.0 / self.divisor)).srgb_clipped())
     }
 
-    /// By what luminances are divided, as text, if they are.
+    /// Returns a text with the divisor of the luminances, if they are divided.
     pub(crate) fn dimmed(&self) -> Option<String> {
         let decimals = if self.divisor < 2.0 { 2 } else { 1 };
         self.is_dimmed.then(|| format!("shown at 1/{:.decimals$}", self.divisor))
     }
 
-    /// A state's colour, seen against D65.
-    fn seen(&self, state: &StateValues) -> Xyz {
-        let seen = Xyz { x: state.X, y: state.Y, z: state.Z };
-        self.white.and_then(|white| seen.adapted_to_d65(white)).unwrap_or(seen)
+    /// Returns the colour of a state, adapted to D65.
+    fn adapted(&self, state: &StateValues) -> Xyz {
+        let xyz = Xyz { x: state.X, y: state.Y, z: state.Z };
+        self.white.and_then(|white| xyz.adapted_to_d65(white)).unwrap_or(xyz)
     }
 }
 
-/// The white of a display that is lit by its front light alone.
+/// Returns the white of a display whose only light is its front light.
 fn own_white(view: &View) -> Option<Xyz> {
     let white = &view.states.get("white").filter(|_| is_self_lit(view))?.value;
-    let seen = Xyz { x: white.X, y: white.Y, z: white.Z };
-    (seen.y > 0.0 && seen.y.is_finite()).then_some(seen)
+    let xyz = Xyz { x: white.X, y: white.Y, z: white.Z };
+    (xyz.y > 0.0 && xyz.y.is_finite()).then_some(xyz)
 }

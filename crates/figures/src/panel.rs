@@ -1,4 +1,4 @@
-//! The panel between two axes.
+//! The panel with its two axes.
 
 use papilio_colour::UvPrime;
 
@@ -9,41 +9,41 @@ use crate::svg::{Anchor, Point, Stroke, Svg, Text, text_width};
 /// Size of tick labels and titles, px.
 pub(crate) const SMALL: f64 = 12.0;
 
-/// A rectangle of the page with an axis each way.
+/// A rectangle of the page with a horizontal and a vertical axis.
 #[derive(Debug, Clone)]
 pub(crate) struct Panel {
     /// Top left corner, px.
     pub(crate) origin: Point,
     /// Width and height, px.
     pub(crate) size: Point,
-    /// Left to right.
+    /// Horizontal axis.
     pub(crate) x: Axis,
-    /// Bottom to top.
+    /// Vertical axis.
     pub(crate) y: Axis,
 }
 
 impl Panel {
-    /// Right edge, px.
+    /// Returns the position of the right edge, px.
     pub(crate) fn right(&self) -> f64 {
         self.origin.0 + self.size.0
     }
 
-    /// Bottom edge, px.
+    /// Returns the position of the bottom edge, px.
     pub(crate) fn bottom(&self) -> f64 {
         self.origin.1 + self.size.1
     }
 
-    /// Where the data point (x, y) lies on the page.
+    /// Returns the position of the data point (x, y) on the page.
     pub(crate) fn at(&self, x: f64, y: f64) -> Point {
-        (self.origin.0 + self.size.0 * self.x.share(x), self.bottom() - self.size.1 * self.y.share(y))
+        (self.origin.0 + self.size.0 * self.x.fraction(x), self.bottom() - self.size.1 * self.y.fraction(y))
     }
 
-    /// Many data points.
+    /// Returns the positions of several data points on the page.
     pub(crate) fn points(&self, x: &[f64], y: &[f64]) -> Vec<Point> {
         x.iter().zip(y).map(|(&x, &y)| self.at(x, y)).collect()
     }
 
-    /// Grid lines, ticks and titles.
+    /// Draws grid lines, ticks and titles.
     pub(crate) fn draw(&self, svg: &mut Svg) {
         let (grid, axis) = (Stroke::solid(FAINT, 1.0), Stroke::solid(SOFT, 1.0));
         let label = Text::new(SMALL, INK);
@@ -71,13 +71,13 @@ impl Panel {
         svg.text((self.origin.0 - away, middle), self.y.title(), title.upright());
     }
 
-    /// A remark in the upper right corner.
+    /// Writes a note in the upper right corner.
     pub(crate) fn note(&self, svg: &mut Svg, text: &str) {
         let style = Text::new(11.0, "#777777").anchor(Anchor::End).halo();
         svg.text((self.right(), self.origin.1 - 6.0), text, style);
     }
 
-    /// Bars of one sigma, where they can be seen; true if any.
+    /// Draws bars of one standard error where they are visible. Returns whether any were drawn.
     pub(crate) fn error_bars(
         &self,
         svg: &mut Svg,
@@ -102,7 +102,7 @@ impl Panel {
         any
     }
 
-    /// The same for one point from left to right.
+    /// Draws a horizontal error bar at one point.
     pub(crate) fn error_bar_across(&self, svg: &mut Svg, (x, y): Point, error: f64, stroke: &Stroke) {
         let inside = |(x, y): Point| (x.clamp(self.origin.0, self.right()), y);
         let (left, right) = (inside(self.at(x - error, y)), inside(self.at(x + error, y)));
@@ -111,12 +111,12 @@ impl Panel {
         }
     }
 
-    /// A triangle in a u'v' diagram.
+    /// Draws a triangle in a u'v' diagram.
     pub(crate) fn triangle(&self, svg: &mut Svg, corners: [UvPrime; 3], stroke: &Stroke) {
         svg.outline(&corners.map(|uv| self.at(uv.u, uv.v)), stroke);
     }
 
-    /// A band of one sigma; false (and nothing drawn) where it is nowhere wider than a line.
+    /// Draws a band of one standard error. Returns false, and draws nothing, if it is not wider than a line anywhere.
     pub(crate) fn error_band(
         &self,
         svg: &mut Svg,

@@ -9,17 +9,16 @@ use crate::svg::{Anchor, Point, Svg, Text, shortened};
 
 /// Patches in a row, at most.
 const IN_A_ROW: usize = 8;
-/// What a row needs below its patches, px.
+/// Height of the captions below a row of patches, px.
 const CAPTIONS: f64 = 76.0;
 
-/// A patch for each state of a view, in sRGB.
+/// Draws a patch for each state of a view, in sRGB.
 ///
-/// The page's white is a perfect white in the same light (carried to D65 by a
-/// Bradford adaptation), so a patch is as dark against the page as the state is
-/// against paper in the room. If a state is brighter than a screen can show, all
-/// are dimmed alike, and the figure says by how much. Where the front light is all the light, the page is as white as the
-/// display's white. Colours that no screen
-/// shows are clipped.
+/// The white of the page is a perfect white diffuser in the same light (adapted to D65 by the
+/// Bradford transform), so that a patch is as dark relative to the page as the state is
+/// relative to white paper in the same light. If a state is brighter than the screen can show, all
+/// luminances are divided by the same number, which the figure states. If the front light is the only light, the white
+/// of the page is the white of the display. Colours outside the gamut of the screen are clipped.
 pub fn patches(result: &RunResult, view: &View, title: &str) -> String {
     let count = view.states.iter().count().max(1);
     let (width, side) = (40.0 + 104.0 * count.min(IN_A_ROW) as f64, 92.0);
@@ -27,20 +26,20 @@ pub fn patches(result: &RunResult, view: &View, title: &str) -> String {
     let mut svg = Svg::new(width.max(420.0), below + 20.0).titled(&caption(title, view));
     draw(&mut svg, result, view, (20.0, 20.0), side);
     let note = match Paint::of(result, view).dimmed() {
-        _ if is_self_lit(view) => "The page's white is the display's own.".to_owned(),
-        None => "The page's white is a perfect white in the same light.".to_owned(),
+        _ if is_self_lit(view) => "The white of the page is the white of the display.".to_owned(),
+        None => "The white of the page is a perfect white in the same light.".to_owned(),
         Some(dimmed) => format!("Brighter than a perfect white in the same light: {dimmed}."),
     };
     svg.text((20.0, below + 6.0), &note, Text::new(11.0, SOFT));
     svg.finish()
 }
 
-/// Height of all rows of patches `side` px wide.
+/// Returns the height of all rows of patches that are `side` px wide.
 pub(crate) fn height(view: &View, side: f64) -> f64 {
     view.states.iter().count().max(1).div_ceil(IN_A_ROW) as f64 * (side + CAPTIONS)
 }
 
-/// The same in a page: patches `side` px wide, 12 px apart.
+/// Draws the patches within a page, `side` px wide and 12 px apart.
 pub(crate) fn draw(svg: &mut Svg, result: &RunResult, view: &View, origin: Point, side: f64) {
     let paint = Paint::of(result, view);
     for (i, (name, state)) in view.states.iter().enumerate() {
@@ -51,7 +50,7 @@ pub(crate) fn draw(svg: &mut Svg, result: &RunResult, view: &View, origin: Point
     }
 }
 
-/// Name, L* and Y; the error of Y has a line of its own, or it would touch the neighbour's.
+/// Writes the name, L* and Y. The error of Y has its own line, so that it does not touch the next patch's text.
 fn describe(svg: &mut Svg, name: &str, state: &State, (x, y): Point, side: f64) {
     let centred = |size, colour| Text::new(size, colour).anchor(Anchor::Middle);
     let (luminous, error) = percent(state.value.Y, state.standard_error.Y);

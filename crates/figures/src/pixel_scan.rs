@@ -10,23 +10,23 @@ const CURVES: usize = 7;
 /// Panels in a row, at most.
 const COLUMNS: usize = 3;
 
-/// An angle scan of a pixel: what `pixel.csv` holds.
+/// An angle scan of a pixel: the contents of `pixel.csv`.
 #[derive(Debug, Clone, Copy)]
 pub struct PixelScan<'a> {
-    /// Names of the drive states; a panel for each.
+    /// Names of the drive states; each has its own panel.
     pub states: &'a [String],
-    /// What the angles are in: `air` or `glass`.
+    /// Medium of the angles: `air` or `glass`.
     pub medium: &'a str,
     /// Inclinations in that medium, degrees.
     pub theta_deg: &'a [f64],
     /// Wavelengths, nm.
     pub wavelength_nm: &'a [f64],
-    /// Reflectance by state, angle and wavelength, wavelength fastest; what is missing is not drawn.
+    /// Reflectance by state, angle and wavelength, wavelength fastest; missing values are not drawn.
     pub reflectance: &'a [f64],
 }
 
 impl PixelScan<'_> {
-    /// The spectrum of a state at an angle, as far as it is there.
+    /// Returns the spectrum of a state at an angle; empty if it is missing.
     fn spectrum(&self, state: usize, angle: usize) -> &[f64] {
         let len = self.wavelength_nm.len();
         let start = (state * self.theta_deg.len() + angle) * len;
@@ -34,7 +34,7 @@ impl PixelScan<'_> {
     }
 }
 
-/// A panel for each state, a curve for each of up to seven angles, dark (small) to light (large).
+/// Draws a panel for each state with a curve for each of up to seven angles, dark (small) to light (large).
 pub fn pixel_scan(scan: &PixelScan<'_>, title: &str) -> String {
     let count = scan.states.len().max(1);
     let (columns, rows) = (count.min(COLUMNS), count.div_ceil(COLUMNS));
@@ -49,7 +49,7 @@ pub fn pixel_scan(scan: &PixelScan<'_>, title: &str) -> String {
         let (column, row) = ((i % COLUMNS) as f64, (i / COLUMNS) as f64);
         let x = Axis::between(scan.wavelength_nm, 5, "Wavelength (nm)");
         let origin = (70.0 + cell.0 * column, 40.0 + cell.1 * row);
-        // The panels share one scale: to name it once in a row is enough.
+        // All panels have the same scale, so that only the first of each row has a title.
         let y = if column == 0.0 { y.clone() } else { y.clone().untitled() };
         let panel = Panel { origin, size: (cell.0 - 66.0, cell.1 - 86.0), x, y };
         panel.draw(&mut svg);
@@ -77,7 +77,7 @@ fn colour(k: usize, count: usize) -> String {
     ramp(k as f64 / (count.max(2) - 1) as f64)
 }
 
-/// Evenly spread indices below `len`, the first and the last among them.
+/// Returns uniformly spaced indices below `len`, including the first and the last.
 fn chosen(len: usize) -> Vec<usize> {
     let count = len.min(CURVES);
     (0..count).map(|k| (k * (len - 1) + (count.max(2) - 1) / 2) / (count.max(2) - 1)).collect()
@@ -88,7 +88,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn angles_are_spread_from_first_to_last() {
+    fn chosen_angles_include_first_and_last() {
         assert_eq!(chosen(0), Vec::<usize>::new());
         assert_eq!(chosen(1), [0]);
         assert_eq!(chosen(3), [0, 1, 2]);

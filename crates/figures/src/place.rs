@@ -1,24 +1,24 @@
-//! Where the name of a mark finds room beside others.
+//! Placement of the names of marks without overlaps.
 
 use crate::style::SOFT;
 use crate::svg::{Anchor, Point, Stroke, Svg, Text, finite, text_width};
 
-/// Names on contours keep so far from each other, px.
+/// Smallest distance between names on contours, px.
 const MARGIN: f64 = 4.0;
 
-/// What is taken in a rectangle of the page: marks, lines, and names already placed.
+/// Occupied parts of a rectangle of the page: marks, lines, and names already placed.
 #[derive(Debug)]
 pub(crate) struct Places {
     bounds: Box,
     taken: Vec<Box>,
 }
 
-/// Where a name stands.
+/// Position of a name.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Place {
     at: Point,
     anchor: Anchor,
-    /// From the mark to a name that stands away from it.
+    /// Leader line from the mark to a name that is not next to it.
     leader: Option<[Point; 2]>,
 }
 
@@ -31,7 +31,7 @@ struct Box {
 }
 
 impl Box {
-    /// What is within `reach` of a point, both ways.
+    /// Returns the square of side 2 `reach` around a point.
     fn around((x, y): Point, reach: f64) -> Self {
         Self { left: x - reach, right: x + reach, top: y - reach, bottom: y + reach }
     }
@@ -63,7 +63,7 @@ impl Box {
 }
 
 impl Places {
-    /// A rectangle where only these marks are.
+    /// Returns a rectangle in which only these marks are occupied.
     pub(crate) fn around((left, top): Point, size: Point, marks: impl Iterator<Item = Point>) -> Self {
         let bounds = Box { left, right: left + size.0, top, bottom: top + size.1 };
         Self {
@@ -72,18 +72,19 @@ impl Places {
         }
     }
 
-    /// Names also keep off this line.
+    /// Marks a line as occupied.
     pub(crate) fn avoid(&mut self, line: &[Point]) {
         const STEP: f64 = 4.0;
         for (from, to) in line.iter().zip(line.iter().skip(1)).filter(|(a, b)| finite(**a) && finite(**b)) {
             let (dx, dy) = (to.0 - from.0, to.1 - from.1);
             let steps = (dx.hypot(dy) / STEP).ceil().clamp(1.0, 1e3);
-            let share = (0..=steps as u32).map(|k| f64::from(k) / steps);
-            self.taken.extend(share.map(|t| Box::around((from.0 + t * dx, from.1 + t * dy), STEP / 2.0)));
+            let fraction = (0..=steps as u32).map(|k| f64::from(k) / steps);
+            self.taken.extend(fraction.map(|t| Box::around((from.0 + t * dx, from.1 + t * dy), STEP / 2.0)));
         }
     }
 
-    /// Takes the place of a text if all around it is free, and it lies within `reach` px of `centre`; false if not.
+    /// Occupies the place of a text and returns true if the place and a margin around it are free and it lies within
+    /// `reach` px of `centre`; otherwise returns false.
     pub(crate) fn take_in_disc(
         &mut self,
         at: Point,
@@ -104,23 +105,24 @@ impl Places {
         free
     }
 
-    /// The least crowded place for `name` beside its mark, or a little away from it, and takes it.
+    /// Finds and occupies the least crowded place for `name` next to its mark or close to it.
     pub(crate) fn find(&mut self, mark: Point, name: &str, size: f64) -> Place {
         let overlap = |wanted: &Box| self.taken.iter().map(|taken| taken.overlap(wanted)).sum::<f64>();
         let crowding = |place: &Place| {
             let wanted = Box::of_text(place.at, place.anchor, name, size);
             let outside = wanted.area() - wanted.overlap(&self.bounds);
-            // A name a little too near another is better than one far from its mark.
+            // A name that is slightly too close to another is better than one far from its mark.
             let leader = place.leader.map_or(0.0, |[from, to]| {
                 let tip = Box::around(to, 2.0);
                 2.0 * (to.0 - from.0).hypot(to.1 - from.1) + 8.0 * overlap(&tip)
             });
             overlap(&wanted) + 4.0 * outside + leader
         };
-        // The first of equals, so the order of candidates is the order of taste.
-        let (mut best, mut least) = (beside(mark)[0], f64::INFINITY);
-        for place in
-            beside(mark).into_iter().chain([26.0, 42.0, 60.0].into_iter().flat_map(|r| away(mark, r)))
+        // Of equal candidates the first is used: they are in order of preference.
+        let (mut best, mut least) = (adjacent(mark)[0], f64::INFINITY);
+        for place in adjacent(mark)
+            .into_iter()
+            .chain([26.0, 42.0, 60.0].into_iter().flat_map(|r| around_mark(mark, r)))
         {
             let cost = crowding(&place);
             if cost < least {
@@ -133,7 +135,7 @@ impl Places {
 }
 
 impl Place {
-    /// Sets the name there, with its leader if it needs one.
+    /// Writes the name, with a leader line if needed.
     pub(crate) fn write(&self, svg: &mut Svg, name: &str, style: Text<'_>) {
         if let Some([from, to]) = self.leader {
             svg.line(from, to, &Stroke::solid(SOFT, 0.8));
@@ -142,8 +144,8 @@ impl Place {
     }
 }
 
-/// Next to a mark.
-fn beside((x, y): Point) -> [Place; 8] {
+/// Returns the candidate places next to a mark.
+fn adjacent((x, y): Point) -> [Place; 8] {
     [
         ((x + 10.0, y + 4.0), Anchor::Start),
         ((x - 10.0, y + 4.0), Anchor::End),
@@ -157,8 +159,8 @@ fn beside((x, y): Point) -> [Place; 8] {
     .map(|(at, anchor)| Place { at, anchor, leader: None })
 }
 
-/// Around a mark, `radius` px away, with a leader.
-fn away((x, y): Point, radius: f64) -> impl Iterator<Item = Place> {
+/// Returns the candidate places around a mark, `radius` px away, with a leader line.
+fn around_mark((x, y): Point, radius: f64) -> impl Iterator<Item = Place> {
     const DIRECTIONS: u32 = 12;
     (0..DIRECTIONS).map(move |k| {
         let (sin, cos) = (std::f64::consts::TAU * f64::from(k) / f64::from(DIRECTIONS)).sin_cos();
@@ -179,7 +181,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn names_of_marks_at_one_point_stand_apart() {
+    fn names_of_coincident_marks_do_not_overlap() {
         let mark = (100.0, 100.0);
         let mut places = Places::around((0.0, 0.0), (200.0, 200.0), std::iter::repeat_n(mark, 9));
         let names = ["white", "black", "red", "green", "blue", "cyan", "magenta", "yellow", "light"];

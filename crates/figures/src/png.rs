@@ -1,9 +1,9 @@
-//! PNG: our own SVG, rasterised.
+//! PNG images of the SVG figures.
 //!
-//! The letters are those of `fonts/` and no others, so that a figure has the same pixels on
-//! every machine; a character that they lack is left out.
+//! Only the fonts in `fonts/` are used, so that a figure has the same pixels on
+//! every machine. Characters that they lack are omitted.
 //!
-//! What does this is compiled with the feature `png`, which builds of the programs have unless it is turned off.
+//! The rasteriser is compiled with the feature `png`, which builds of the programs have by default.
 
 #[cfg(feature = "png")]
 use std::sync::{Arc, OnceLock};
@@ -14,13 +14,13 @@ use resvg::{
     usvg::{self, fontdb},
 };
 
-/// Whether pictures can be made: the feature `png`.
+/// Whether PNG images can be made: the feature `png`.
 pub const HAS_PNG: bool = cfg!(feature = "png");
 
 /// Why a figure could not be rasterised.
 #[derive(Debug, thiserror::Error)]
 pub enum PngError {
-    /// The feature is off.
+    /// The feature `png` is off.
     #[error(
         "this papilio was built without PNG pictures; `cargo build --release --package papilio` builds it with the feature `png` on"
     )]
@@ -29,31 +29,31 @@ pub enum PngError {
     #[cfg(feature = "png")]
     #[error("this is not an SVG figure: {0}")]
     NotSvg(#[from] usvg::Error),
-    /// It has no pixel, or there is no memory for them.
-    #[error("a picture of {width} x {height} pixels cannot be made")]
+    /// The image has no pixels, or there is not enough memory for them.
+    #[error("cannot make an image of {width} x {height} pixels")]
     NoPixels {
-        /// px.
+        /// Width, px.
         width: u32,
-        /// px.
+        /// Height, px.
         height: u32,
     },
-    /// The pixels could not be packed.
-    #[error("the picture cannot be encoded: {0}")]
+    /// The image could not be encoded.
+    #[error("cannot encode the image: {0}")]
     Encoding(String),
 }
 
-/// No picture is larger than this many pixels either way.
+/// Largest width and height of an image, pixels.
 #[cfg(feature = "png")]
 const LARGEST: f32 = 16_384.0;
 
-/// Pixels for each px of an SVG, in the pictures that Papilio's programs write.
+/// Pixels per px of an SVG in the images that Papilio's programs write.
 pub const PNG_SCALE: f32 = 2.0;
 
-/// A figure as PNG, `scale` pixels for each px of its SVG (2 suits paper and screens alike),
-/// less where it would be larger than 16384 pixels either way.
+/// Rasterises a figure as PNG, with `scale` pixels per px of the SVG (2 suits both paper and screens),
+/// or fewer if the image would exceed 16384 pixels in width or height.
 ///
 /// # Errors
-/// If `svg` is not SVG, or not even a pixel large; without the feature, always.
+/// If `svg` is not SVG, or the image would have no pixels; without the feature `png`, always.
 #[cfg(feature = "png")]
 pub fn png(svg: &str, scale: f32) -> Result<Vec<u8>, PngError> {
     let options = usvg::Options { fontdb: fonts(), ..usvg::Options::default() };
@@ -66,7 +66,7 @@ pub fn png(svg: &str, scale: f32) -> Result<Vec<u8>, PngError> {
     pixmap.encode_png().map_err(|error| PngError::Encoding(error.to_string()))
 }
 
-/// Says that the feature `png` is off.
+/// Returns the error that the feature `png` is off.
 ///
 /// # Errors
 /// Always.
@@ -75,7 +75,7 @@ pub fn png(_: &str, _: f32) -> Result<Vec<u8>, PngError> {
     Err(PngError::NotBuilt)
 }
 
-/// The font database, filled once.
+/// Returns the font database, which is filled once.
 #[cfg(feature = "png")]
 fn fonts() -> Arc<fontdb::Database> {
     static FONTS: OnceLock<Arc<fontdb::Database>> = OnceLock::new();

@@ -5,11 +5,11 @@ use crate::panel::Panel;
 use crate::style::INK;
 use crate::svg::{Stroke, Svg, Text};
 
-/// Side of a panel, and from one to the next, px.
+/// Side of a panel, and distance from one panel to the next, px.
 const SIDE: f64 = 250.0;
 const PITCH: f64 = 320.0;
 
-/// A panel for each named set, side by side; points that are not finite are left out.
+/// Draws a panel for each named set, side by side. Points that are not finite are omitted.
 pub fn point_sets(sets: &[(&str, Vec<[f64; 2]>)], title: &str) -> String {
     let mut svg = Svg::new(PITCH * sets.len().max(1) as f64 + 20.0, SIDE + 110.0).titled(title);
     for (i, (name, points)) in sets.iter().enumerate() {

@@ -1,5 +1,5 @@
-//! Polar maps, as conoscopes draw them: the normal in the centre, inclination outwards,
-//! azimuth around (0 to the right, 90 up).
+//! Polar maps as drawn by conoscopes: the normal is in the centre, the inclination increases outwards,
+//! and azimuth 0° is to the right, 90° up.
 
 use std::f64::consts::TAU;
 
@@ -7,24 +7,25 @@ use papilio_display::ConeLight;
 
 use crate::axis::Axis;
 use crate::colour_map::viridis;
-use crate::contour::{Contour, Field, thinned};
+use crate::contour::{Contour, PolarField, thinned};
 use crate::panel::SMALL;
 use crate::place::Places;
 use crate::style::{INK, degrees};
 use crate::svg::{Anchor, Point, Stroke, Svg, Text, finite};
 
-/// Between columns further apart numbers are interpolated, degrees: chords would cut the circle.
+/// Largest distance of columns, degrees. Between columns further apart, values are interpolated, because straight lines
+/// would cut into the circle.
 const FINE_DEG: f64 = 5.0;
-/// Columns further apart than this have nothing between them, degrees.
+/// Largest distance of columns between which values are interpolated, degrees.
 const GAP_DEG: f64 = 90.0;
-/// Rings are this far apart, degrees.
+/// Distance of the rings, degrees.
 const RING_DEG: f64 = 20.0;
-/// The azimuth at which rings are named, degrees.
+/// Azimuth of the labels of the rings, degrees.
 const RING_NAMES_DEG: f64 = 270.0;
-/// Points of a contour closer than this to a straight line are left out, px.
+/// Points of a contour closer than this to a straight line are removed, px.
 const REACH: f64 = 0.12;
 
-/// What has no number.
+/// Colour of areas without data.
 pub(crate) const BLANK: &str = "#f2f2f2";
 
 /// The directions of a map.
@@ -32,72 +33,73 @@ pub(crate) const BLANK: &str = "#f2f2f2";
 pub(crate) struct Directions<'a> {
     theta_deg: &'a [f64],
     phi_deg: &'a [f64],
-    /// The inclination of the rim, degrees.
+    /// Inclination of the rim, degrees.
     rim_deg: f64,
-    around: bool,
+    /// Whether the azimuths cover the full circle.
+    periodic: bool,
 }
 
-/// Where a map stands, and how it is drawn.
+/// Position and style of a map.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Map<'a> {
-    /// On the page.
+    /// Centre on the page.
     pub(crate) centre: Point,
-    /// Of the rim, px.
+    /// Radius of the rim, px.
     pub(crate) radius: f64,
-    /// What the colours mean.
+    /// Scale of the colours.
     pub(crate) scale: &'a Axis,
-    /// Large enough for labels.
+    /// Whether the map has labels.
     pub(crate) labelled: bool,
-    /// Whether ticks of the scale have lines; where numbers jump they would lie upon one another.
+    /// Whether contour lines are drawn at the ticks of the scale; at discontinuities they would coincide.
     pub(crate) contours: bool,
 }
 
 impl<'a> Directions<'a> {
-    /// `None` where they span no area.
+    /// Returns `None` if the directions do not span an area.
     pub(crate) fn new(theta_deg: &'a [f64], phi_deg: &'a [f64]) -> Option<Self> {
         let (first, last) = (phi_deg.first()?, phi_deg.last()?);
         let widest = phi_deg.windows(2).map(|pair| pair[1] - pair[0]).fold(0.0, f64::max);
-        let around = phi_deg.len() > 2 && 360.0 - (last - first) <= widest.clamp(1.0, GAP_DEG) + 1e-6;
+        let periodic = phi_deg.len() > 2 && 360.0 - (last - first) <= widest.clamp(1.0, GAP_DEG) + 1e-6;
         let outermost = theta_deg.iter().copied().fold(0.0, f64::max);
         let spanned = theta_deg.len() > 1 && phi_deg.len() > 1 && outermost > 0.0 && widest <= GAP_DEG;
         let rim_deg = ((outermost / 10.0).ceil() * 10.0).min(90.0);
-        spanned.then_some(Self { theta_deg, phi_deg, rim_deg, around })
+        spanned.then_some(Self { theta_deg, phi_deg, rim_deg, periodic })
     }
 
-    /// A number of every direction, on the page; `value` takes the places in `theta_deg` and `phi_deg`.
-    fn field(&self, map: &Map<'_>, value: impl Fn(usize, usize) -> f64) -> Field {
+    /// Returns a quantity over all directions, on the page. `value` takes indices into `theta_deg` and `phi_deg`.
+    fn field(&self, map: &Map<'_>, value: impl Fn(usize, usize) -> f64) -> PolarField {
         let count = self.phi_deg.len();
         let mut columns = Vec::new();
         for j in 0..count {
             let next = (j + 1) % count;
             let turn = if next == 0 { 360.0 } else { 0.0 };
             let gap = self.phi_deg[next] + turn - self.phi_deg[j];
-            let last = next == 0 && !self.around;
+            let last = next == 0 && !self.periodic;
             let steps = if last { 1 } else { (gap / FINE_DEG - 1e-6).ceil().clamp(1.0, 72.0) as usize };
             for step in 0..steps {
-                let share = step as f64 / steps as f64;
+                let fraction = step as f64 / steps as f64;
                 let node = |i: usize| {
-                    let at = self.at(map, self.theta_deg[i], self.phi_deg[j] + share * gap);
+                    let at = self.at(map, self.theta_deg[i], self.phi_deg[j] + fraction * gap);
                     let here = value(i, j);
-                    let between = if step == 0 { here } else { here + share * (value(i, next) - here) };
-                    // What has no number has no colour; what lies below a logarithmic scale has the lowest.
-                    let share = map.scale.share(between).clamp(-0.5, 1.5);
-                    (at, if between.is_finite() { share } else { f64::NAN })
+                    let between = if step == 0 { here } else { here + fraction * (value(i, next) - here) };
+                    // Directions without data are blank; values below a logarithmic scale have its lowest colour.
+                    let level = map.scale.fraction(between).clamp(-0.5, 1.5);
+                    (at, if between.is_finite() { level } else { f64::NAN })
                 };
                 columns.push((0..self.theta_deg.len()).map(node).collect());
             }
         }
-        Field::new(&columns, self.around)
+        PolarField::new(&columns, self.periodic)
     }
 
-    /// Where a direction lies on the page.
+    /// Returns the position of a direction on the page.
     pub(crate) fn at(&self, map: &Map<'_>, theta_deg: f64, phi_deg: f64) -> Point {
         let (sin, cos) = phi_deg.to_radians().sin_cos();
         let r = map.radius * theta_deg / self.rim_deg;
         (map.centre.0 + r * cos, map.centre.1 - r * sin)
     }
 
-    /// Draws a map of `value`, with the light's directions.
+    /// Draws a map of `value`, with the directions of the light.
     pub(crate) fn draw(
         &self,
         svg: &mut Svg,
@@ -112,16 +114,16 @@ impl<'a> Directions<'a> {
             svg.area(&areas, &colour);
         }
         self.frame(svg, map);
-        let around = (map.centre.0 - map.radius, map.centre.1 - map.radius);
+        let corner = (map.centre.0 - map.radius, map.centre.1 - map.radius);
         let marks: Vec<Point> = lights.iter().flat_map(|light| self.mark(svg, map, light)).collect();
         let names = self.rings().map(|ring| self.at(map, ring, RING_NAMES_DEG));
         let mut places =
-            Places::around(around, (2.0 * map.radius, 2.0 * map.radius), marks.into_iter().chain(names));
+            Places::around(corner, (2.0 * map.radius, 2.0 * map.radius), marks.into_iter().chain(names));
         for (tick, text) in map.scale.ticks().iter().filter(|_| map.contours) {
-            let share = map.scale.share(*tick);
-            let contour = field.contour(share);
-            // Light lines on dark colours, dark ones on light colours.
-            let colour = if share < 0.6 { "#ffffff" } else { "#222222" };
+            let fraction = map.scale.fraction(*tick);
+            let contour = field.contour(fraction);
+            // Lines are light on dark colours and dark on light colours.
+            let colour = if fraction < 0.6 { "#ffffff" } else { "#222222" };
             let lines: Vec<_> = contour.lines.iter().map(|line| thinned(line, REACH)).collect();
             svg.lines(&lines, &Stroke::solid(colour, if map.labelled { 0.9 } else { 0.6 }), 0.7);
             if map.labelled {
@@ -133,7 +135,7 @@ impl<'a> Directions<'a> {
         }
     }
 
-    /// Rings, spokes, and their names.
+    /// Draws rings, spokes, and the labels of the spokes.
     fn frame(&self, svg: &mut Svg, map: &Map<'_>) {
         let faint = Stroke::solid("#ffffff", 0.6);
         for ring in self.rings() {
@@ -158,7 +160,7 @@ impl<'a> Directions<'a> {
         svg.circle(map.centre, map.radius, "none", &Stroke::solid(INK, 1.0));
     }
 
-    /// Inclinations with a ring, degrees.
+    /// Returns the inclinations of the rings, degrees.
     fn rings(&self) -> impl Iterator<Item = f64> {
         (1..).map(|k| RING_DEG * f64::from(k)).take_while(|ring| *ring < self.rim_deg)
     }
@@ -171,7 +173,7 @@ impl<'a> Directions<'a> {
         }
     }
 
-    /// The direction of a light and its mirror image; returns where they are.
+    /// Draws the direction of a light and of its mirror image, and returns their positions.
     fn mark(&self, svg: &mut Svg, map: &Map<'_>, light: &ConeLight) -> Vec<Point> {
         let size = if map.labelled { 4.5 } else { 2.5 };
         let (source, image) =
@@ -186,7 +188,7 @@ impl<'a> Directions<'a> {
     }
 }
 
-/// Where light comes from: a disc with rays.
+/// Draws the symbol of a directed source: a disc with rays.
 pub(crate) fn sun(svg: &mut Svg, (x, y): Point, size: f64) {
     for (colour, width) in [("#ffffff", 3.0), (INK, 1.1)] {
         for k in 0..8 {
@@ -198,9 +200,10 @@ pub(crate) fn sun(svg: &mut Svg, (x, y): Point, size: f64) {
     }
 }
 
-/// Where each band of colour begins, in shares of the scale, and its colour; the lowest holds all data.
+/// Returns the lower end of each band of colour, as a position (0 to 1) on the scale, and its colour. The lowest band
+/// includes all data below it.
 fn bands(scale: &Axis, fine: bool) -> Vec<(f64, String)> {
-    let ticks: Vec<f64> = scale.ticks().iter().map(|(tick, _)| scale.share(*tick)).collect();
+    let ticks: Vec<f64> = scale.ticks().iter().map(|(tick, _)| scale.fraction(*tick)).collect();
     let parts = if fine { 4 } else { 2 };
     let edges = ticks.windows(2).flat_map(|pair| {
         let (from, to) = (pair[0], pair[1]);
@@ -215,7 +218,7 @@ fn bands(scale: &Axis, fine: bool) -> Vec<(f64, String)> {
     edges.into_iter().enumerate().map(lowest).zip(middles.iter().map(colour)).collect()
 }
 
-/// Names a contour, once on each long line, near the upper right.
+/// Labels a contour, once on each long line, near the upper right.
 fn label(svg: &mut Svg, map: &Map<'_>, contour: &Contour, text: &str, places: &mut Places) {
     const SIZE: f64 = 10.0;
     for line in contour.lines.iter().filter(|line| length(line) > 40.0) {
@@ -234,7 +237,7 @@ fn length(line: &[Point]) -> f64 {
     line.windows(2).map(|pair| (pair[1].0 - pair[0].0).hypot(pair[1].1 - pair[0].1)).sum()
 }
 
-/// The colours of a scale, with its ticks, from `top` down.
+/// Draws the colours of a scale, with its ticks, from `top` down.
 pub(crate) fn colour_bar(svg: &mut Svg, scale: &Axis, (left, top): Point, height: f64, fine: bool) {
     const WIDTH: f64 = 12.0;
     let bottom = top + height;
@@ -246,7 +249,7 @@ pub(crate) fn colour_bar(svg: &mut Svg, scale: &Axis, (left, top): Point, height
         svg.rect((left, to), (WIDTH, (from - to + 0.5).min(bottom - to)), 0.0, colour, "");
     }
     for (tick, text) in scale.ticks() {
-        let y = bottom - height * scale.share(*tick);
+        let y = bottom - height * scale.fraction(*tick);
         svg.line((left + WIDTH, y), (left + WIDTH + 3.0, y), &Stroke::solid(INK, 0.8));
         svg.text((left + WIDTH + 6.0, y + 4.0), text, Text::new(SMALL - 1.0, INK));
     }
@@ -257,7 +260,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_has_no_number_has_no_colour() {
+    fn directions_without_data_have_no_colour() {
         let (theta, phi) = ([0.0, 30.0, 60.0], [0.0, 90.0, 180.0, 270.0]);
         let directions = Directions::new(&theta, &phi).unwrap();
         let wide = [1e-9, 1.0];
@@ -279,7 +282,7 @@ mod tests {
     }
 
     #[test]
-    fn bands_cover_the_scale_from_below() {
+    fn bands_cover_scale_and_values_below() {
         let scale = Axis::exact(0.0, 1.0, 5, "");
         let bands = bands(&scale, true);
         assert_eq!(bands.len(), 20);

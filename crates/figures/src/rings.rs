@@ -1,4 +1,4 @@
-//! Gamut rings: a gamut's solid in CIELAB laid flat (IDMS 1.1).
+//! Gamut rings: the gamut volume in CIELAB as areas in a plane (IDMS 1.1).
 
 use std::f64::consts::TAU;
 
@@ -14,8 +14,8 @@ use crate::svg::{Anchor, Point, Stroke, Svg, Text};
 const ORIGIN: Point = (80.0, 44.0);
 const SIDE: f64 = 480.0;
 
-/// Rings of a gamut whose volume was asked for: the area within each, in each hue, is the volume below its
-/// lightness. `None` where there is no volume.
+/// Draws the gamut rings of a view whose gamut volume was requested. The area within each ring, in each hue, is the
+/// volume below the lightness of the ring. Returns `None` if the result has no volume.
 pub fn gamut_rings(result: &RunResult, view: &View, title: &str) -> Option<String> {
     let volume = view.metrics.gamut_volume_cielab.filter(|volume| volume.is_finite())?;
     let white = Xy { x: result.illuminant.x, y: result.illuminant.y }.with_luminance(1.0)?;

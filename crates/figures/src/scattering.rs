@@ -1,5 +1,4 @@
-//! A measured lobe: against the angle in the plane of incidence, as in Feng 2012, fig. 3.8, and over
-//! the hemisphere.
+//! A measured lobe against the angle in the plane of incidence, as in Feng 2012, fig. 3.8, and over the hemisphere.
 
 use crate::axis::Axis;
 use crate::panel::{Panel, SMALL};
@@ -7,27 +6,27 @@ use crate::polar::{BLANK, Directions, Map, colour_bar};
 use crate::style::{INK, degrees, ramp};
 use crate::svg::{Anchor, Stroke, Svg, Text};
 
-/// What a figure of scattering shows.
+/// Data of a figure of scattering.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Scattering {
-    /// What stands on the axis of values: `BTDF (1/sr)`.
+    /// Title of the axis of values: `BTDF (1/sr)`.
     pub quantity: String,
-    /// In the plane of incidence.
+    /// Curves in the plane of incidence.
     pub curves: Vec<ScatterCurve>,
-    /// Over the hemisphere.
+    /// Maps over the hemisphere.
     pub maps: Vec<ScatterMap>,
 }
 
 /// Values in the plane of incidence.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ScatterCurve {
-    /// What it is, where the legend does not say the angle of incidence.
+    /// Name in the legend; `None` for the angle of incidence.
     pub name: Option<String>,
     /// Inclination of the light, degrees.
     pub incidence_deg: f64,
-    /// Drawn as points.
+    /// Whether the curve is drawn as points.
     pub points: bool,
-    /// Inclination of the viewer, degrees, positive on the specular side, and the value.
+    /// Inclinations of the viewer, degrees, positive on the specular side, and values.
     pub values: Vec<(f64, f64)>,
 }
 
@@ -46,14 +45,14 @@ pub struct ScatterMap {
 
 /// Size of the panel of curves, px.
 const SIZE: (f64, f64) = (560.0, 400.0);
-/// Room for its legend beside the names, and for each letter of the longest name, px.
+/// Width of the legend without the names, and width per letter of the longest name, px.
 const LEGEND: [f64; 2] = [90.0, 6.6];
 /// Radius of a map, px.
 const RADIUS: f64 = 150.0;
-/// Values further below the peak than this are not drawn: no instrument sees them.
+/// Smallest value drawn, relative to the peak; instruments do not resolve smaller ones.
 const REACH: f64 = 1e-5;
 
-/// The curves on a logarithmic scale, a map for each incidence given, on one scale of colours.
+/// Draws the curves on a logarithmic scale, and the maps on one scale of colours.
 pub fn scattering(figure: &Scattering, title: &str) -> String {
     let values = || {
         let of_curves = figure.curves.iter().flat_map(|curve| curve.values.iter().map(|(_, value)| *value));
@@ -99,7 +98,7 @@ pub fn scattering(figure: &Scattering, title: &str) -> String {
         if figure.maps.iter().flat_map(|map| &map.values).any(|value| value.is_nan()) {
             let (x, y) = (maps_left + 30.0, 2.0 * RADIUS + 110.0);
             svg.rect((x, y - 10.0), (12.0, 12.0), 0.0, BLANK, "#bbbbbb");
-            svg.text((x + 20.0, y), "no light was seen there", Text::new(SMALL, INK));
+            svg.text((x + 20.0, y), "no light measured", Text::new(SMALL, INK));
         }
     }
     svg.finish()

@@ -1,26 +1,26 @@
-//! A page of SVG: the few marks that the figures need.
+//! A page of SVG, with the marks that the figures need.
 //!
 //! Coordinates are in px from the top left. Marks with a coordinate that is not
-//! finite are left out, lines are broken there, and text is escaped: whatever
-//! the data, the page is well-formed. Only generic fonts are named.
+//! finite are omitted, lines are interrupted there, and text is escaped, so that the page
+//! is well-formed for any data. Text refers to generic fonts only.
 
 use std::fmt::Write as _;
 
 /// A point of the page, px.
 pub(crate) type Point = (f64, f64);
 
-/// How a line is drawn.
+/// Line style.
 #[derive(Debug, Clone)]
 pub(crate) struct Stroke {
-    /// Any SVG colour.
+    /// Colour, as in SVG.
     pub(crate) colour: String,
-    /// px.
+    /// Width, px.
     pub(crate) width: f64,
-    /// An SVG dash pattern; empty: solid.
+    /// Dash pattern, as in SVG; empty: solid.
     pub(crate) dash: &'static str,
 }
 
-/// Which end of a text its point is.
+/// Part of a text that is placed at its point.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Anchor {
     Start,
@@ -28,24 +28,24 @@ pub(crate) enum Anchor {
     End,
 }
 
-/// How a text is set.
+/// Text style.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Text<'a> {
-    /// px.
+    /// Font size, px.
     pub(crate) size: f64,
     /// Any SVG colour.
     pub(crate) colour: &'a str,
-    /// Where the point lies.
+    /// Part of the text at the point.
     pub(crate) anchor: Anchor,
-    /// Semi-bold, for names.
+    /// Whether the text is semi-bold, for names.
     pub(crate) strong: bool,
-    /// Read upwards.
+    /// Whether the text runs upwards.
     pub(crate) upright: bool,
-    /// With a white outline, to be read on top of lines.
+    /// Whether the text has a white outline, to be legible on lines.
     pub(crate) halo: bool,
 }
 
-/// A page in the making.
+/// A page that is being drawn.
 #[derive(Debug)]
 pub(crate) struct Svg {
     width: f64,
@@ -55,16 +55,16 @@ pub(crate) struct Svg {
     clips: usize,
 }
 
-/// What a title takes above a page, px.
+/// Height of the title above a page, px.
 const TITLE: f64 = 28.0;
 
 impl Stroke {
-    /// A solid line.
+    /// Returns a solid line style.
     pub(crate) fn solid(colour: &str, width: f64) -> Self {
         Self { colour: colour.to_owned(), width, dash: "" }
     }
 
-    /// The same line with a dash pattern.
+    /// Sets the dash pattern.
     pub(crate) fn dashed(self, dash: &'static str) -> Self {
         Self { dash, ..self }
     }
@@ -80,7 +80,7 @@ impl Stroke {
 }
 
 impl<'a> Text<'a> {
-    /// Plain text that starts at its point.
+    /// Returns the style of plain text that starts at its point.
     pub(crate) fn new(size: f64, colour: &'a str) -> Self {
         Self { size, colour, anchor: Anchor::Start, strong: false, upright: false, halo: false }
     }
@@ -103,23 +103,23 @@ impl<'a> Text<'a> {
 }
 
 impl Svg {
-    /// An empty white page.
+    /// Creates an empty white page.
     pub(crate) fn new(width: f64, height: f64) -> Self {
         Self { width, height, title: String::new(), body: String::new(), clips: 0 }
     }
 
-    /// With a line above it (unless that is empty), which is also the document's title.
+    /// Adds a title above the page (unless it is empty), which is also the title of the document.
     pub(crate) fn titled(self, title: &str) -> Self {
         Self { title: title.trim().to_owned(), ..self }
     }
 
-    /// The finished document.
+    /// Returns the finished document.
     pub(crate) fn finish(mut self) -> String {
         let (mut top, mut title) = (0.0, String::new());
         if !self.title.is_empty() {
             let line = shortened(&self.title, self.width - 40.0, 14.0);
             self.text((20.0, 22.0 - TITLE), &line, Text::new(14.0, "#222222").strong());
-            // Above the page's own zero, so that no coordinate depends on the title.
+            // The title is above the origin of the page, so that no coordinate depends on it.
             (top, title) = (-TITLE, format!("<title>{}</title>\n", escaped(&self.title)));
         }
         let (w, h, top) = (number(self.width), number(self.height - top), number(top));
@@ -131,19 +131,19 @@ impl Svg {
         )
     }
 
-    /// A straight line.
+    /// Draws a straight line.
     pub(crate) fn line(&mut self, from: Point, to: Point, stroke: &Stroke) {
         self.polyline(&[from, to], stroke);
     }
 
-    /// A line through points, broken where one is not finite.
+    /// Draws a line through points, interrupted where one is not finite.
     pub(crate) fn polyline(&mut self, points: &[Point], stroke: &Stroke) {
         for run in points.split(|p| !finite(*p)).filter(|run| run.len() > 1) {
             self.element(&format!(r#"<polyline points="{}" {}/>"#, joined(run), stroke.attributes()));
         }
     }
 
-    /// A filled area; points that are not finite are left out.
+    /// Draws a filled area. Points that are not finite are omitted.
     pub(crate) fn polygon(&mut self, points: &[Point], fill: &str, opacity: f64) {
         let points: Vec<Point> = points.iter().copied().filter(|p| finite(*p)).collect();
         if points.len() > 2 {
@@ -152,7 +152,7 @@ impl Svg {
         }
     }
 
-    /// What lies within an odd number of these loops; points that are not finite are left out.
+    /// Fills the area within an odd number of these loops. Points that are not finite are omitted.
     pub(crate) fn area(&mut self, loops: &[Vec<Point>], fill: &str) {
         let path: String = loops.iter().map(|points| format!("{}z", path(points))).collect();
         if path.len() > loops.len() {
@@ -160,7 +160,7 @@ impl Svg {
         }
     }
 
-    /// Lines of one stroke.
+    /// Draws several lines in one style.
     pub(crate) fn lines(&mut self, lines: &[Vec<Point>], stroke: &Stroke, opacity: f64) {
         let path: String = lines.iter().map(|points| path(points)).collect();
         if !path.is_empty() {
@@ -169,14 +169,14 @@ impl Svg {
         }
     }
 
-    /// A closed outline.
+    /// Draws a closed outline.
     pub(crate) fn outline(&mut self, points: &[Point], stroke: &Stroke) {
         if points.iter().all(|p| finite(*p)) {
             self.element(&format!(r#"<polygon points="{}" {}/>"#, joined(points), stroke.attributes()));
         }
     }
 
-    /// A filled rectangle with rounded corners and a thin border (empty colour: none).
+    /// Draws a filled rectangle with rounded corners and a thin border (empty colour: no border).
     pub(crate) fn rect(&mut self, (x, y): Point, (w, h): Point, radius: f64, fill: &str, border: &str) {
         if [x, y, w, h].iter().all(|v| v.is_finite()) {
             let round = if radius > 0.0 { format!(r#" rx="{}""#, number(radius)) } else { String::new() };
@@ -191,7 +191,7 @@ impl Svg {
         }
     }
 
-    /// A filled disc with a border.
+    /// Draws a filled disc with a border.
     pub(crate) fn circle(&mut self, (x, y): Point, radius: f64, fill: &str, border: &Stroke) {
         if finite((x, y)) {
             self.element(&format!(
@@ -205,7 +205,7 @@ impl Svg {
         }
     }
 
-    /// One line of text, its baseline at the point.
+    /// Writes a line of text with its baseline at the point.
     pub(crate) fn text(&mut self, (x, y): Point, content: &str, style: Text<'_>) {
         if !finite((x, y)) || content.is_empty() {
             return;
@@ -231,7 +231,7 @@ impl Svg {
         ));
     }
 
-    /// What `draw` draws, kept within the polygon and blurred by `blur` px.
+    /// Clips what `draw` draws to a polygon, and blurs it by `blur` px.
     pub(crate) fn clipped(&mut self, outline: &[Point], blur: f64, draw: impl FnOnce(&mut Self)) {
         self.clips += 1;
         let (id, points, blur) = (self.clips, joined(outline), number(blur));
@@ -249,27 +249,27 @@ impl Svg {
     }
 }
 
-/// Roughly how wide a text is set, px: no font is at hand to measure it.
+/// Estimates the width of a text, px; there is no font to measure it.
 pub(crate) fn text_width(content: &str, size: f64) -> f64 {
     0.56 * size * content.chars().count() as f64
 }
 
-/// A text cut to about `room` px.
-pub(crate) fn shortened(content: &str, room: f64, size: f64) -> String {
-    if text_width(content, size) <= room {
+/// Shortens a text to a width of about `max_width` px.
+pub(crate) fn shortened(content: &str, max_width: f64, size: f64) -> String {
+    if text_width(content, size) <= max_width {
         return content.to_owned();
     }
-    let kept = (room / text_width("m", size)) as usize;
+    let kept = (max_width / text_width("m", size)) as usize;
     let cut: String = content.chars().take(kept.saturating_sub(1)).collect();
     format!("{}\u{2026}", cut.trim_end())
 }
 
-/// `#rrggbb`.
+/// Formats a colour as `#rrggbb`.
 pub(crate) fn hex([r, g, b]: [u8; 3]) -> String {
     format!("#{r:02x}{g:02x}{b:02x}")
 }
 
-/// Whether a point is anywhere.
+/// Returns whether both coordinates of a point are finite.
 pub(crate) fn finite((x, y): Point) -> bool {
     x.is_finite() && y.is_finite()
 }
@@ -279,7 +279,7 @@ fn joined(points: &[Point]) -> String {
     points.join(" ")
 }
 
-/// Path data through points, to a tenth of a px and relative: maps have many points.
+/// Returns path data through points, in relative coordinates to a tenth of a px, because maps have many points.
 fn path(points: &[Point]) -> String {
     let tenths = |(x, y): Point| ((x.clamp(-1e5, 1e5) * 10.0).round(), (y.clamp(-1e5, 1e5) * 10.0).round());
     let mut path = String::new();
@@ -287,7 +287,7 @@ fn path(points: &[Point]) -> String {
     for (x, y) in points.iter().filter(|point| finite(**point)).map(|point| tenths(*point)) {
         let (command, dx, dy) = if path.is_empty() { ('M', x, y) } else { ('l', x - last.0, y - last.1) };
         let (dx, dy) = (number(dx / 10.0), number(dy / 10.0));
-        // A minus parts two numbers as well as a comma does.
+        // A minus sign separates two numbers as a comma does.
         let comma = if dy.starts_with('-') { "" } else { "," };
         // Writing to a String cannot fail.
         let _ = write!(path, "{command}{dx}{comma}{dy}");
@@ -296,15 +296,15 @@ fn path(points: &[Point]) -> String {
     path
 }
 
-/// A coordinate to a hundredth of a px, without idle zeros.
+/// Formats a coordinate to a hundredth of a px, without trailing zeros.
 fn number(value: f64) -> String {
-    // Renderers lose their way far outside the page.
+    // Renderers fail for coordinates far outside the page.
     let text = format!("{:.2}", value.clamp(-1e5, 1e5));
     let text = text.trim_end_matches('0').trim_end_matches('.');
     if text == "-0" { "0".to_owned() } else { text.to_owned() }
 }
 
-/// Text as XML wants it; characters that XML 1.0 forbids become a question mark.
+/// Escapes text for XML; characters that XML 1.0 forbids become a question mark.
 fn escaped(content: &str) -> String {
     let mut safe = String::with_capacity(content.len());
     for c in content.chars() {

@@ -1,9 +1,9 @@
-//! What a measurement is worth: coverage, energy, reciprocity, holes, noise, haze.
+//! Quality of a measurement: coverage, energy, reciprocity, holes, noise, haze.
 //!
-//! Haze and clarity are what a hazemeter would find in the same light, computed from the goniometric data. ASTM
-//! D1003 defines haze up to 30 %; above that it defers to goniometric methods (ASTM E2387).
-//! Clarity has no standard: here it is `(C - R)/(C + R)` of the light within 1 deg of the direct beam, C, and between 1 and
-//! 2.5 deg, R.
+//! Haze and clarity are the values of a hazemeter in the same light, computed from the goniometric data. ASTM
+//! D1003 defines haze up to 30 %; above that it refers to goniometric methods (ASTM E2387). Clarity has no
+//! standard. It is defined here as `(C - R)/(C + R)`, where C is the light within 1 deg of the direct beam,
+//! and R the light between 1 and 2.5 deg.
 
 mod patches;
 
@@ -12,100 +12,105 @@ use papilio_optics::Beta;
 use crate::shape::on_specular_grid;
 use crate::{Fill, Geometry, Part, Shape, SpecularGrid};
 
-/// Haze is light beyond this, degrees (ASTM D1003).
+/// Smallest angle of light that counts as haze, degrees (ASTM D1003).
 const HAZE_DEG: f64 = 2.5;
-/// The border of clarity's inner disc, degrees.
+/// Radius of the inner disc of clarity, degrees.
 const CLEAR_DEG: f64 = 1.0;
-/// Around the direction of the light, its source may hide the cells within this, degrees.
+/// Angle from the incident light within which the source may hide cells, degrees.
 const BEAM_DEG: f64 = 7.5;
-/// Reciprocity is judged where both values exceed this share of the peak.
+/// Fraction of the peak above which values are tested for reciprocity.
 const FAINT: f64 = 1e-3;
 
-/// What is found in one channel of one part.
+/// Quality of one channel of one part.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Audit {
-    /// How many cells lie in the hemisphere.
+    /// Number of cells in the hemisphere.
     pub cells: usize,
-    /// Those of them that hold a positive value.
+    /// Cells with a positive value.
     pub lit: usize,
-    /// Those of them that were not measured (NaN).
+    /// Cells that were not measured (NaN).
     pub unmeasured: usize,
-    /// Negative values.
+    /// Cells with a negative value.
     pub negative: usize,
-    /// Inclination beyond which no cell holds light, degrees.
+    /// Largest inclination of a cell with light, degrees.
     pub dark_beyond_deg: f64,
-    /// Cells without light that lie below that inclination.
+    /// Cells without light below that inclination.
     pub holes: usize,
-    /// Cells without light close to where the light comes from, on its side (reflection).
+    /// Cells without light near the direction of the source, on its side (reflection).
     pub beam_holes: usize,
-    /// Noise: standard deviation of neighbouring values in the faint half of the cells, 1/sr.
+    /// Noise: standard deviation estimated from neighbouring values in the faint half of the cells, 1/sr.
     pub noise: f64,
     /// Smallest and largest positive value, 1/sr.
     pub range: [f64; 2],
-    /// Mirrored and turned cells differ by so much of their mean (root mean square).
+    /// Difference of mirrored and rotated cells relative to their mean (root mean square).
     pub asymmetry: f64,
-    /// f(i, o) and f(o, i) differ by so much of their mean: root mean square, weighted by the light; and the worst.
+    /// Difference of f(i, o) and f(o, i) relative to their mean: root mean square, weighted by the light, and
+    /// maximum.
     pub reciprocity: Option<[f64; 2]>,
-    /// Share of the transmitted light that is more than 2.5 deg off, at the smallest incidence; of a transmission.
+    /// Fraction of the transmitted light beyond 2.5 deg, at the smallest incidence; only of a transmission.
     pub haze: Option<f64>,
-    /// See the module's page; of a grid of half a degree or finer near the peak.
+    /// Clarity (see the module documentation); only of a grid with steps of 0.5 deg or less near the peak.
     pub clarity: Option<f64>,
-    /// First and last azimuth, degrees from the plane of incidence, where they are not 0 and 180: beyond them the nearest holds.
+    /// First and last azimuth, degrees from the plane of incidence, if not 0 and 180; beyond them the nearest
+    /// value is used.
     pub held_azimuths_deg: Option<[f64; 2]>,
-    /// By incidence.
+    /// Quality by incidence.
     pub incidences: Vec<Incidence>,
-    /// By rotation and incidence, of a measurement at several rotations.
+    /// Quality by rotation and incidence, of a measurement at several rotations.
     pub rotations: Vec<Rotation>,
 }
 
-/// What is found at one rotation and incidence.
+/// Total scatter at one rotation and incidence.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Rotation {
-    /// Turn of the sample, degrees.
+    /// Rotation of the sample, degrees.
     pub rotation_deg: f64,
     /// Inclination of the light, degrees.
     pub theta_deg: f64,
-    /// Total integrated scatter as the file gives it for this rotation.
+    /// Total integrated scatter stated in the file for this rotation.
     pub tis: Option<f64>,
-    /// The integral of the values of this rotation.
+    /// Integral of the values of this rotation.
     pub integral: f64,
 }
 
-/// What is found at one incidence.
+/// Quality at one incidence.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Incidence {
     /// Inclination of the light, degrees.
     pub theta_deg: f64,
-    /// Total integrated scatter as the file gives it, the mean over rotations.
+    /// Total integrated scatter stated in the file, mean over rotations.
     pub tis: Option<f64>,
-    /// The integral of the values, the mean over rotations: dark cells as they are, and nothing beyond what was measured.
+    /// Integral of the values, mean over rotations, with dark cells unchanged and no extrapolation.
     pub integral: f64,
-    /// The least distance from the specular direction, degrees, at which measured cells end before the horizon does.
+    /// Smallest distance from the specular direction, degrees, at which measured cells end before the
+    /// horizon.
     pub measured_to_deg: Option<f64>,
-    /// The integral with tails that go on beyond the last measured distance.
+    /// Integral with tails extrapolated beyond the last measured distance.
     pub integral_beyond: f64,
-    /// The same with tails that go on through dark cells too.
+    /// Integral with tails extrapolated, also into dark cells.
     pub integral_filled: f64,
-    /// How far the grid leaves the integral unknown, relative: its distances and its azimuths together.
+    /// Relative uncertainty of the integral from the grid: of distances and azimuths together.
     pub grid_error: f64,
-    /// How far its azimuths do.
+    /// Relative uncertainty of the integral from the grid's azimuths.
     pub azimuth_error: f64,
     /// Value in the specular direction, 1/sr.
     pub peak: f64,
-    /// Distance from the specular direction to half the peak, degrees: towards the normal, across, away from it.
+    /// Distance from the specular direction to half the peak, degrees: towards the normal, sideways, away
+    /// from the normal.
     pub half_widths_deg: [Option<f64>; 3],
 }
 
 impl Incidence {
-    /// The share of the light that lies beyond the last measured distance, if tails go on there.
+    /// Fraction of the light beyond the last measured distance, if tails are extrapolated.
     pub fn beyond_share(&self) -> f64 {
         if self.integral_beyond > 0.0 { (1.0 - self.integral / self.integral_beyond).max(0.0) } else { 0.0 }
     }
 }
 
 impl Audit {
-    /// Of one channel, by its number. Patches are summed as they are; a part on another geometry than a specular-centred
-    /// grid is read on one first, and its cells are those of that grid; `None` for listed pairs.
+    /// Audits one channel, given by its index. Patches are summed directly. A part on another geometry is
+    /// first resampled on a specular-centred grid, and its cells are those of that grid. `None` for listed
+    /// pairs.
     pub fn of(part: &Part, channel: usize) -> Option<Self> {
         if let Geometry::Patches { incoming, outgoing } = &part.geometry {
             return Some(patches::audit([incoming, outgoing], part.channel(channel)));
@@ -134,7 +139,7 @@ impl Audit {
         };
         let transmission = part.way.is_transmission();
         let haze = beyond(HAZE_DEG).filter(|_| transmission);
-        // A coarser grid does not tell the disc from the ring.
+        // A coarser grid does not resolve the disc and the ring.
         let near = |pair: &[f64]| pair[0] >= HAZE_DEG || pair[1] - pair[0] <= 0.5 * CLEAR_DEG;
         let fine = grid.radials_deg.windows(2).all(near);
         let clarity = beyond(CLEAR_DEG).zip(haze).filter(|_| fine).map(|(beyond_disc, haze)| {
@@ -150,17 +155,17 @@ impl Audit {
             incidences,
             held_azimuths_deg: shape.held_azimuths_deg(),
             rotations: rotations(part, channel, grid, values),
-            ..Self::of_cells(grid, values, transmission)
+            ..Self::from_cells(grid, values, transmission)
         })
     }
 
-    /// The largest of the relative errors that the grid leaves in the integrals.
+    /// Largest relative uncertainty of the integrals from the grid.
     pub fn grid_error(&self) -> f64 {
         self.incidences.iter().map(|incidence| incidence.grid_error).fold(0.0, f64::max)
     }
 
-    /// What the cells tell by themselves.
-    fn of_cells(grid: &SpecularGrid, values: &[f64], transmission: bool) -> Self {
+    /// Counts and noise of the cells; the other fields are empty.
+    fn from_cells(grid: &SpecularGrid, values: &[f64], transmission: bool) -> Self {
         let mut audit = Self {
             cells: 0,
             lit: 0,
@@ -210,14 +215,14 @@ impl Audit {
     }
 }
 
-/// What is found at each rotation alone; empty for a single one.
+/// Totals at each rotation separately; empty for a single rotation.
 fn rotations(part: &Part, channel: usize, grid: &SpecularGrid, values: &[f64]) -> Vec<Rotation> {
     let turns = grid.rotations_deg.len();
     if turns < 2 {
         return Vec::new();
     }
-    let of_turn = |(turn, cells): (usize, &[f64])| {
-        let rotation_deg = grid.rotations_deg[turn];
+    let of_rotation = |(index, cells): (usize, &[f64])| {
+        let rotation_deg = grid.rotations_deg[index];
         let shape = Shape::of_grid(
             &SpecularGrid { rotations_deg: vec![rotation_deg], ..grid.clone() },
             cells,
@@ -226,15 +231,15 @@ fn rotations(part: &Part, channel: usize, grid: &SpecularGrid, values: &[f64]) -
         let one = |k: usize| Rotation {
             rotation_deg,
             theta_deg: grid.incidences_deg[k],
-            tis: part.tis(channel, turn, k),
+            tis: part.tis(channel, index, k),
             integral: shape.total(k),
         };
         (0..grid.incidences_deg.len()).map(one).collect::<Vec<_>>()
     };
-    values.chunks_exact((values.len() / turns).max(1)).enumerate().flat_map(of_turn).collect()
+    values.chunks_exact((values.len() / turns).max(1)).enumerate().flat_map(of_rotation).collect()
 }
 
-/// Root mean square and worst difference of f(i, o) and f(o, i), relative to their mean.
+/// Root mean square and maximum of the difference of f(i, o) and f(o, i), relative to their mean.
 fn reciprocity(shape: &Shape, peak: f64) -> Option<[f64; 2]> {
     let thetas: Vec<f64> = shape.incidences_deg().collect();
     let (mut squares, mut sizes, mut worst) = (0.0, 0.0, 0.0_f64);
@@ -258,7 +263,7 @@ fn reciprocity(shape: &Shape, peak: f64) -> Option<[f64; 2]> {
     (sizes > 0.0).then(|| [(squares / sizes).sqrt(), worst])
 }
 
-/// Standard deviation from second differences along the lines, median over the faint half of the cells.
+/// Standard deviation from second differences along radial lines, median over the faint half of the cells.
 fn noise(grid: &SpecularGrid, values: &[f64]) -> f64 {
     let mut triples: Vec<[f64; 2]> = values
         .chunks_exact(grid.radials_deg.len())
@@ -269,6 +274,6 @@ fn noise(grid: &SpecularGrid, values: &[f64]) -> f64 {
     triples.sort_by(|a, b| a[0].total_cmp(&b[0]));
     let mut differences: Vec<f64> = triples[..triples.len() / 2].iter().map(|[_, d]| *d).collect();
     differences.sort_by(f64::total_cmp);
-    // A normal law's median of |d| is .6745 sigma, and the variances add as 1 + 4 + 1.
+    // The median of |d| of a normal distribution is 0.6745 sigma, and the variances add as 1 + 4 + 1.
     differences.get(differences.len() / 2).map_or(0.0, |median| median / 0.6745 / 6.0_f64.sqrt())
 }

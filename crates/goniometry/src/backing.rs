@@ -1,18 +1,18 @@
-//! What is behind a film in a display, and what that does to a measurement of the film in air.
+//! The medium behind a foil in a display, and its effect on a measurement of the foil in air.
 
 use crate::kernel::Lamination;
 
-/// What is behind a film that was measured in air.
+/// Medium behind a foil that was measured in air.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Backing {
     /// Air, as in the measurement.
     Air,
-    /// Glass, and the measurement counts as it stands: it includes the film's back face.
+    /// Glass; the measurement is used unchanged and includes the foil's back surface.
     Glass {
         /// Smallest index of the glass.
         index: f64,
     },
-    /// Glass that the film touches: its back face in air is gone.
+    /// Glass in optical contact: the foil's back surface to air is absent.
     Laminated {
         /// Mean index of the glass.
         index: f64,
@@ -20,7 +20,7 @@ pub enum Backing {
 }
 
 impl Backing {
-    /// What has to be taken out of the film's transmission.
+    /// Returns the correction of the foil's transmission.
     pub fn lamination(self) -> Option<Lamination> {
         match self {
             Self::Laminated { index } => Some(Lamination { index }),
@@ -28,8 +28,8 @@ impl Backing {
         }
     }
 
-    /// Up to which |beta| light travels behind the film, as far as the measurement describes it: only a film that counts
-    /// as it stands may send light beyond the horizon of the air.
+    /// Largest |beta| of light behind the foil that the measurement describes. Only a foil whose measurement
+    /// is used unchanged may send light beyond the horizon of the air.
     pub fn reach(self) -> f64 {
         match self {
             Self::Glass { index } => index,

@@ -1,64 +1,65 @@
-//! Calibration against a known white.
+//! Calibration with a white reference.
 //!
-//! A white of known reflectance, measured on the same grid, tells what instrument and optics do to each
-//! direction: the correction is its known f, `reflectance_factor/pi` (Spectralon: .99, taken as
-//! Lambertian), over the f that was measured, and the sample is multiplied by it cell by cell. Vignetting,
-//! uneven coatings and the scale go; blur, stray light and noise stay, and the reference's own noise
-//! comes on top ([`Calibration::noise`]).
+//! A white of known reflectance, measured on the same grid, shows the effect of instrument and optics on each
+//! direction. The correction is its known f, `reflectance_factor/pi` (Spectralon: 0.99, taken as Lambertian),
+//! over the measured f. The sample is multiplied by it, cell by cell. This removes vignetting, non-uniform
+//! coatings and the error of scale. Blur, stray light and noise remain, and the noise of the reference is
+//! added ([`Calibration::noise`]).
 //!
-//! **What corrects what**: a part of the sample is corrected by the reference's part of the same way, or
-//! by its only part: the cells of reflection and transmission lie in the same directions of the sphere. A
-//! channel is corrected by the same channel, or by the only one.
+//! **Correspondence**: a part of the sample is corrected with the reference's part of the same scatter mode,
+//! or with its only part, because the cells of reflection and transmission lie in the same directions of the
+//! sphere. A channel is corrected with the same channel, or with the only one.
 //!
 //! **Nothing is extrapolated.** Where the sample has a value and the reference has none, the result is
-//! NaN, and counted.
+//! NaN, and the cell is counted.
 //!
-//! Total integrated scatter, where the file gives it, is multiplied with what the correction does to the
+//! Total integrated scatter that the file gives is multiplied by the relative change of the
 //! light of its incidence.
 //!
-//! **Limits**: a Lambertian white. Real ones are within some per cent of it, up to 60 deg or so.
+//! **Limits**: the white is assumed to be Lambertian. Real ones are so within some per cent, up to about 60
+//! deg.
 
 use std::f64::consts::PI;
 
 use crate::{Channel, Fill, Geometry, GoniometryError, Measurement, Part, Shape, SpecularGrid, Way};
 
-/// Where the correction of a cell differs from its neighbours' mean by more than this share, it is called
+/// Relative difference of a correction factor from its neighbours' mean above which it is counted as
 /// rough.
 const ROUGH: f64 = 0.05;
 
-/// A sample after calibration, and what was done to it.
+/// Calibrated sample, with the corrections.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Calibrated {
-    /// The sample, corrected.
+    /// The corrected sample.
     pub measurement: Measurement,
-    /// For each part and channel, in their order.
+    /// Corrections of each part and channel, in their order.
     pub calibrations: Vec<Calibration>,
 }
 
-/// What a correction is like.
+/// Statistics of the correction of one channel.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Calibration {
-    /// The part of the sample.
+    /// Scatter mode of the sample's part.
     pub way: Way,
-    /// Its channel.
+    /// Channel of the sample.
     pub channel: Channel,
     /// Smallest and largest factor.
     pub range: [f64; 2],
-    /// Cells that were corrected.
+    /// Number of corrected cells.
     pub corrected: usize,
-    /// Cells with a value for which the reference has none: NaN now.
+    /// Number of cells with a value but without one in the reference; they are now NaN.
     pub uncovered: usize,
-    /// Standard deviation of neighbouring factors, relative (on specular-centred grids): what the
-    /// reference's noise adds.
+    /// Relative standard deviation of neighbouring factors (specular-centred grids): the noise that
+    /// the reference adds.
     pub noise: Option<f64>,
-    /// Factors that differ from the mean of their neighbours by more than 5 %.
+    /// Number of factors that differ from the mean of their neighbours by more than 5 %.
     pub rough: usize,
 }
 
-/// A sample, corrected by a white of this reflectance factor that was measured on the same grid.
+/// Corrects a sample with a white of this reflectance factor that was measured on the same grid.
 ///
 /// # Errors
-/// If the grids differ, a way of light or a channel has no reference, or the reflectance factor is not
+/// If the grids differ, a scatter mode or a channel has no reference, or the reflectance factor is not
 /// above 0.
 pub fn calibrated(
     sample: &Measurement,
@@ -107,7 +108,7 @@ fn same_cells(sample: &Geometry, reference: &Geometry) -> Result<(), GoniometryE
     Err(GoniometryError::GridsDiffer(differing.unwrap_or("symmetries")))
 }
 
-/// Known over measured; `None` where the reference has no light.
+/// Returns the known f over the measured f; `None` where the reference has no light.
 fn correction(white: &Part, channel: Channel, known: f64) -> Result<Vec<Option<f64>>, GoniometryError> {
     let same = white.channels.iter().position(|other| *other == channel);
     let only = (white.channels.len() == 1).then_some(0);
@@ -129,7 +130,7 @@ fn apply(part: &mut Part, channel: usize, correction: &[Option<f64>]) -> Calibra
         rough: 0,
     };
     for (value, factor) in part.values[channel * cells..].iter_mut().zip(correction) {
-        // NaN and 0 stand for what was not measured.
+        // NaN and 0 mark cells that were not measured.
         if !value.is_finite() || *value == 0.0 {
             continue;
         }
@@ -156,15 +157,15 @@ fn apply(part: &mut Part, channel: usize, correction: &[Option<f64>]) -> Calibra
     calibration
 }
 
-/// How much light there is after the correction, over that before, by incidence: the integrals of the smooth lobes through
-/// the cells that have both.
+/// Ratio of the light after and before the correction, by incidence: from integrals of the smooth lobes
+/// through the cells that have both values.
 fn changes(grid: &SpecularGrid, before: &[f64], after: &[f64]) -> Vec<f64> {
-    let both = |values: &[f64], other: &[f64]| -> Shape {
-        let kept =
+    let common = |values: &[f64], other: &[f64]| -> Shape {
+        let masked =
             values.iter().zip(other).map(|(value, other)| if other.is_finite() { *value } else { f64::NAN });
-        Shape::of_grid(grid, &kept.collect::<Vec<_>>(), Fill::None)
+        Shape::of_grid(grid, &masked.collect::<Vec<_>>(), Fill::None)
     };
-    let [before, after] = [both(before, after), both(after, before)];
+    let [before, after] = [common(before, after), common(after, before)];
     let change = |incidence: usize| {
         let [before, after] = [&before, &after].map(|shape| shape.total(incidence));
         if before > 0.0 { after / before } else { 1.0 }
@@ -172,8 +173,8 @@ fn changes(grid: &SpecularGrid, before: &[f64], after: &[f64]) -> Vec<f64> {
     (0..grid.incidences_deg.len()).map(change).collect()
 }
 
-/// Standard deviation of the factors from second differences of their logarithms along the lines, and how
-/// many are rough.
+/// Standard deviation of the factors from second differences of their logarithms along radial lines, and the
+/// number of rough factors.
 fn roughness(grid: &SpecularGrid, correction: &[Option<f64>]) -> (Option<f64>, usize) {
     let lines = correction.chunks_exact(grid.radials_deg.len().max(1));
     let mut differences: Vec<f64> = lines
@@ -182,7 +183,7 @@ fn roughness(grid: &SpecularGrid, correction: &[Option<f64>]) -> (Option<f64>, u
         .collect();
     let rough = differences.iter().filter(|difference| 0.5 * **difference > ROUGH).count();
     differences.sort_by(f64::total_cmp);
-    // A normal law's median of |d| is .6745 sigma, and the variances add as 1 + 4 + 1.
+    // The median of |d| of a normal distribution is 0.6745 sigma, and the variances add as 1 + 4 + 1.
     let median = differences.get(differences.len() / 2);
     (median.map(|median| median / 0.6745 / 6.0_f64.sqrt()), rough)
 }
@@ -202,7 +203,7 @@ mod tests {
         instrument
     }
 
-    /// The camera sees less of what is off its axis; the scale is off, too.
+    /// Vignetting of the camera, with an error of scale.
     fn vignetting(to: Beta) -> f64 {
         0.8 * (1.0 - 0.6 * to.squared() + 0.1 * to.x)
     }
@@ -217,13 +218,13 @@ mod tests {
     }
 
     #[test]
-    fn vignetting_is_removed_whole() {
+    fn vignetting_is_removed_by_calibration() {
         let instrument = instrument(0);
         let lobe = |from: Beta, to: Beta| sample(from, to - from);
         let white = |_: Beta, to: Beta| 0.99 / PI * vignetting(to);
         let truth = measured(&instrument, Way::FrontTransmission, &lobe);
         let seen = measured(&instrument, Way::FrontTransmission, &|from, to| lobe(from, to) * vignetting(to));
-        // The white is measured in reflection.
+        // The white is measured in reflection, the sample in transmission.
         let reference = measured(&instrument, Way::FrontReflection, &white);
         let result = calibrated(&seen, &reference, 0.99).unwrap();
         for (ours, truth) in result.measurement.parts[0].values.iter().zip(&truth.parts[0].values) {
@@ -240,7 +241,7 @@ mod tests {
     }
 
     #[test]
-    fn noise_and_holes_of_the_reference_are_told() {
+    fn noise_and_holes_of_reference_are_reported() {
         let mut instrument = instrument(3);
         let lobe = |from: Beta, to: Beta| sample(from, to - from);
         let seen = measured(&instrument, Way::FrontReflection, &lobe);
@@ -253,14 +254,14 @@ mod tests {
         assert_eq!(calibration.uncovered, 2);
         assert!(result.measurement.parts[0].values[3].is_nan());
         assert!((calibration.noise.unwrap() / 0.02 - 1.0).abs() < 0.1, "{calibration:?}");
-        // Second differences have a standard deviation of 4.9 %, twice the limit is 2.04 of them: 4.1 %
-        // of the cells.
-        let share = calibration.rough as f64 / calibration.corrected as f64;
-        assert!((share - 0.041).abs() < 0.01, "{share}");
+        // Second differences have a standard deviation of 4.9 %, and twice the limit is 2.04 times that: 4.1
+        // % of the cells are rough.
+        let fraction = calibration.rough as f64 / calibration.corrected as f64;
+        assert!((fraction - 0.041).abs() < 0.01, "{fraction}");
     }
 
     #[test]
-    fn what_does_not_belong_together_is_refused() {
+    fn reference_with_other_grid_mode_or_channel_is_refused() {
         let instrument = instrument(0);
         let reference = measured(&instrument, Way::FrontReflection, &|_, _| 0.3);
         let refusal = |sample: &Measurement, reference: &Measurement, factor: f64| {

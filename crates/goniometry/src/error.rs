@@ -1,8 +1,8 @@
-//! Why measured scattering could not be worked on.
+//! Errors in the evaluation of measured scattering.
 
 use crate::fit::SPARE_CELLS;
 
-/// What is wrong with measurements, or with a question about them.
+/// Error of a measurement or its evaluation.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum GoniometryError {
     /// A fit needs more cells with light than it has parameters.
@@ -12,41 +12,41 @@ pub enum GoniometryError {
     TooFewCells {
         /// Cells with a value.
         cells: usize,
-        /// Parameters sought.
+        /// Number of fitted parameters.
         parameters: usize,
     },
     /// A number is out of its range.
     #[error("{what} is {value} (expected {expected})")]
     OutOfRange {
-        /// Which number.
+        /// Name of the number.
         what: &'static str,
-        /// What it is.
+        /// Its value.
         value: f64,
-        /// What it should be.
+        /// Its range.
         expected: &'static str,
     },
-    /// What was asked for needs a grid about the specular direction.
+    /// The operation needs a grid about the specular direction.
     #[error("only parts on a specular-centred grid (imaging spheres) can be {0}")]
     NotSpecular(&'static str),
-    /// What a display shows needs more than patches of ten degrees or a list of directions.
+    /// The measurement is too coarse for a display: patches of 10 deg, or a list of directions.
     #[error("patches and listed pairs of directions are too coarse for a display: it needs a grid of angles")]
     NoGrid,
-    /// A sample and a reference were not measured at the same directions.
+    /// Sample and reference were not measured on the same directions.
     #[error("sample and reference have different {0}: measure both on one grid")]
     GridsDiffer(&'static str),
-    /// There is nothing in the reference that could calibrate a part of the sample.
-    #[error("the reference has no part for this way of light: {0:?}")]
+    /// The reference has no part for the scatter mode of a part of the sample.
+    #[error("the reference has no part for the scatter mode {0:?}")]
     NoReference(crate::Way),
     /// A channel of the sample is missing in the reference.
     #[error("the reference has no channel {0:?}")]
     NoChannel(crate::Channel),
-    /// Totals are to be the instrument's, and the file gives none.
+    /// Totals should be normalised to the instrument's TIS, but the file gives none.
     #[error("the file gives no total integrated scatter (TIS), or not for each rotation and incidence")]
     NoTis,
-    /// No lobe that the instrument blurs looks like the file's.
+    /// Deconvolution failed: no lobe reproduces the file's values when blurred.
     #[error("no lobe blurred by {width} gives the file's values: {:.0} % remain", 100.0 * misfit)]
     Blur {
-        /// Width of the blur, direction cosines.
+        /// Width of the blur, in direction cosines.
         width: f64,
         /// Root mean square difference, relative.
         misfit: f64,

@@ -1,9 +1,9 @@
-//! From a part of a measurement to the kernel that light meets in a display.
+//! Conversion of a part of a measurement to the scattering kernel of a display.
 //!
-//! Nothing is changed that is not asked for, and [`Changes`] says what was: dark cells stay dark unless tails are to go on
-//! through them, totals are the values' own unless they are to be the instrument's TIS, light from
-//! beyond the largest incidence is not let through unless the last lobe is to hold there, and none is sent beyond the last
-//! measured distance from the specular direction unless tails are to go on there.
+//! By default, dark cells stay dark, totals are those of the values, light from beyond the largest incidence
+//! is blocked, and no light is sent beyond the last measured distance from the specular direction. Options
+//! fill dark cells, normalise totals to the instrument's TIS, and extrapolate beyond the largest incidence
+//! and the last distance. [`Changes`] reports every change.
 
 use papilio_optics::interface::fresnel_reflectance;
 use papilio_optics::scatter::{Scatter, Table};
@@ -11,95 +11,99 @@ use papilio_optics::scatter::{Scatter, Table};
 use crate::shape::on_specular_grid;
 use crate::{Fill, Geometry, GoniometryError, Part, Shape, SpecularGrid, incidence_scale};
 
-/// Distances of the table: `w sinh(t)` in such steps of t, w a half-width. Interpolation by cubics is good to
-/// 1e-4 then.
+/// Step in t of the table's distances `w sinh(t)`, with w a half-width. The error of cubic interpolation
+/// is then 1e-4.
 const STEP: f64 = 0.125;
-/// Azimuths of the table.
+/// Number of azimuths of the table.
 const AZIMUTHS: usize = 19;
-/// A lobe this wide (direction cosines) needs no finer distances.
+/// Largest half-width w (direction cosines) of the table's distances.
 const WIDEST: f64 = 0.5;
-/// Distances are no farther apart: next to the horizon transmission falls fast.
+/// Largest step of the distances: near the horizon, the transmittance falls steeply.
 const COARSEST: f64 = 0.025;
 
-/// What may be done to a measurement on its way into a display.
+/// Options of the conversion of a measurement to a kernel.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Preparation {
-    /// Dark cells.
+    /// Treatment of dark cells.
     pub fill: Fill,
-    /// Totals become the instrument's TIS.
+    /// Normalise totals to the instrument's TIS.
     pub to_tis: bool,
-    /// Beyond the largest incidence its lobe holds, shifted with the light; tails go on beyond the last measured distance
-    /// from the specular direction; and of a transmission beyond the horizon of the air, into a medium of this index (1:
-    /// air).
+    /// Extrapolate into a medium of this index (1: air). Beyond the largest incidence, the last lobe is used,
+    /// shifted with the light. Tails are extrapolated beyond the last measured distance from the specular
+    /// direction and, in a transmission, beyond the horizon of the air.
     pub extrapolate: Option<f64>,
-    /// The lobe of a measurement that has one incidence holds at all others, as if `extrapolate` were 1.
+    /// Use the lobe of a single incidence at all incidences, as if `extrapolate` were 1.
     pub hold_single: bool,
-    /// Of a transmission: its back face in air is removed.
+    /// Remove the back surface to air from a transmission.
     pub lamination: Option<Lamination>,
 }
 
-/// A film that was measured in air, and in the display touches the glass: the Fresnel loss of its back face is
-/// taken out of what it transmits, `f / T(beta_out)` with T of a face of this index.
+/// Lamination of a foil that was measured in air and is in optical contact with the glass of the display. The
+/// Fresnel loss of its back surface is removed from the transmission, `f / T(beta_out)`, with T of an
+/// interface of this index.
 ///
-/// To first order: light that the back face sent into the film again is not followed. Next to grazing, where T falls
-/// below .1, the tail of the divided lobe goes on.
+/// This is a first-order correction: light that the back surface reflects into the foil is not followed. Near
+/// grazing, where T is below 0.1, the tail of the divided lobe is extrapolated.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Lamination {
-    /// Index of film and glass.
+    /// Index of foil and glass.
     pub index: f64,
 }
 
-/// Where the face passes less than this, tails go on.
-const LEAST_PASSED: f64 = 0.1;
+/// Transmittance of the interface below which tails are extrapolated.
+const MIN_TRANSMITTANCE: f64 = 0.1;
 
-/// What was done, and what is left open.
+/// Changes made by the conversion to a kernel, and remaining uncertainties.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Changes {
-    /// Share of the cells in the hemisphere that were dark and filled.
+    /// Fraction of the cells in the hemisphere that were dark and filled.
     pub filled: f64,
     /// Totals in air before and after, by incidence.
     pub totals: Vec<[f64; 2]>,
-    /// The largest total, with what goes into the glass beyond the horizon of the air.
+    /// Largest total, including light in the glass beyond the horizon of the air.
     pub most: f64,
-    /// True if totals became the instrument's.
+    /// True if totals were normalised to the instrument's TIS.
     pub to_tis: bool,
-    /// True if the loss of a back face was taken out.
+    /// True if the loss of a back surface was removed.
     pub laminated: bool,
-    /// The least distance from the specular direction, degrees, at which measured cells end before the horizon does.
+    /// Smallest distance from the specular direction, degrees, at which measured cells end before the
+    /// horizon.
     pub measured_to_deg: Option<f64>,
-    /// By incidence: its degrees, and the share of the light that lies beyond the last measured distance if tails go on.
+    /// Incidence, degrees, and fraction of the light beyond the last measured distance if tails are
+    /// extrapolated.
     pub beyond: Vec<[f64; 2]>,
-    /// True if tails go on there; else that light is lost.
+    /// True if tails are extrapolated there; otherwise that light is lost.
     pub tails: bool,
-    /// First and last azimuth, degrees from the plane of incidence, where they are not 0 and 180: beyond them the nearest holds.
+    /// First and last azimuth, degrees from the plane of incidence, if not 0 and 180; beyond them the nearest
+    /// value is used.
     pub held_azimuths_deg: Option<[f64; 2]>,
-    /// True if the lobe of the only incidence holds at all others because the measurement has no other.
+    /// True if the lobe of the only incidence is used at all others because the measurement has no other.
     pub held_single: bool,
-    /// The largest incidence, degrees.
+    /// Largest incidence, degrees.
     pub last_deg: f64,
-    /// Share of diffuse light that comes from beyond it, and is lost.
+    /// Fraction of diffuse light that comes from beyond the largest incidence, and is lost.
     pub lost: f64,
-    /// Relative error of the totals that the grid leaves, the largest.
+    /// Largest relative uncertainty of the totals from the grid.
     pub grid_error: f64,
-    /// The largest that its azimuths leave; part of `grid_error`.
+    /// The same from the grid's azimuths alone; included in `grid_error`.
     pub azimuth_error: f64,
-    /// Mirrored and turned cells differed by so much (root mean square, relative).
+    /// Relative difference of mirrored and rotated cells (root mean square).
     pub asymmetry: f64,
 }
 
-/// The kernel of one channel of a part, times k of each incidence (see
-/// [`incidence_scale`]); `spectrum` is what it will be multiplied with, at evenly spaced
-/// wavelengths (empty: 1).
+/// Returns the kernel of one channel of a part, times k of each incidence (see [`incidence_scale`]).
+/// `spectrum` is the factor by wavelength that the caller applies later, at uniformly spaced wavelengths
+/// (empty: 1).
 ///
 /// # Errors
-/// If the part has no lobe of its own (patches), lacks the TIS that is asked for, or a table cannot hold it.
+/// If the part is too coarse (patches), lacks a requested TIS, or a table cannot represent it.
 pub fn kernel(
     part: &Part,
     channel: usize,
     preparation: &Preparation,
     spectrum: &[f64],
 ) -> Result<(Scatter, Changes), GoniometryError> {
-    // Patches of ten degrees hide what a display shows.
+    // Patches of 10 deg are too coarse for a display.
     let coarse = matches!(part.geometry, Geometry::Patches { .. });
     let (grid, cells) =
         on_specular_grid(part, &[channel]).filter(|_| !coarse).ok_or(GoniometryError::NoGrid)?;
@@ -112,7 +116,7 @@ pub fn kernel(
     };
     let shape = Shape::of_grid(&grid, &cells, fill);
     let incidences: Vec<f64> = shape.incidences_deg().collect();
-    // The lobe is the mean over rotations, and so is its total.
+    // Lobe and total are means over rotations.
     let tis: Option<Vec<f64>> = (0..incidences.len()).map(|k| part.mean_tis(channel, k)).collect();
     let tis = match (preparation.to_tis, tis) {
         (true, None) => return Err(GoniometryError::NoTis),
@@ -156,7 +160,7 @@ pub fn kernel(
     Ok((scatter, changes))
 }
 
-/// The numbers of a shape, those of each incidence times its scale.
+/// Tabulates a shape; values of each incidence are multiplied by its scale.
 fn table(shape: &Shape, scale: &[f64], radial: Vec<f64>) -> Result<Table, GoniometryError> {
     let azimuth: Vec<f64> =
         (0..AZIMUTHS).map(|k| std::f64::consts::PI * k as f64 / (AZIMUTHS - 1) as f64).collect();
@@ -173,7 +177,8 @@ fn table(shape: &Shape, scale: &[f64], radial: Vec<f64>) -> Result<Table, Goniom
     if !shape.has_ends() {
         return Ok(table);
     }
-    // No node lies on the edge of a lobe that ends: its light is right, its edge is as wide as the nodes are apart.
+    // No node lies on the edge of a truncated lobe. Rescaling corrects its total; the edge is blurred over
+    // one step.
     let made = Scatter::from(table);
     let off: Vec<f64> = (0..incidence.len())
         .map(|k| match made.albedo_at(incidence[k]) {
@@ -185,44 +190,46 @@ fn table(shape: &Shape, scale: &[f64], radial: Vec<f64>) -> Result<Table, Goniom
     Ok(Table::new(&incidence, &radial, &azimuth, &values)?)
 }
 
-/// By incidence: its degrees, and the share of the light that lies beyond the last measured distance if tails go on; empty
-/// where the measured cells reach the horizon all around.
+/// Incidence, degrees, and fraction of the light beyond the last measured distance if tails are extrapolated;
+/// empty if the measured cells reach the horizon at all azimuths.
 fn beyond(shape: &Shape, grid: &SpecularGrid, cells: &[f64], fill: Fill) -> Vec<[f64; 2]> {
     if least_measured_deg(shape).is_none() {
         return Vec::new();
     }
-    // Where tails go on through dark cells too, what they hold there is counted with it.
+    // If dark cells are filled too, the light in them is included.
     let [known, with_tails] = [Fill::None, if fill == Fill::Tail { fill } else { Fill::Beyond }]
         .map(|fill| Shape::of_grid(grid, cells, fill));
-    let share = |k: usize| match with_tails.total(k) {
+    let fraction = |k: usize| match with_tails.total(k) {
         all if all > 0.0 => (1.0 - known.total(k) / all).max(0.0),
         _ => 0.0,
     };
-    with_tails.incidences_deg().enumerate().map(|(k, theta)| [theta, share(k)]).collect()
+    with_tails.incidences_deg().enumerate().map(|(k, theta)| [theta, fraction(k)]).collect()
 }
 
-/// The least distance at which the measured cells of any incidence end before the horizon.
+/// Smallest distance at which the measured cells of any incidence end before the horizon.
 fn least_measured_deg(shape: &Shape) -> Option<f64> {
     let ends = (0..shape.incidences_deg().count()).filter_map(|k| shape.measured_to_deg(k));
     ends.min_by(f64::total_cmp)
 }
 
 impl Lamination {
-    /// The lobe of a grid's cells without the face. Cells are divided before they become a smooth lobe, which the face's
-    /// loss next to grazing would not let it be.
+    /// Lobe of a grid's cells without the interface. Cells are divided before the smooth lobe is formed,
+    /// because the loss of the interface near grazing is not smooth.
     fn removed(&self, grid: &SpecularGrid, cells: &[f64], fill: Fill) -> Shape {
         let passed = |beta: f64| 1.0 - fresnel_reflectance(1.0, self.index, beta);
         let horizon = (0..=900).map(|k| (0.1 * f64::from(k)).to_radians().sin());
-        let horizon = horizon.take_while(|beta| passed(*beta) >= LEAST_PASSED).last().unwrap_or(0.0);
-        let of = |cell: usize| {
-            grid.directions(cell).map_or(1.0, |[_, to]| passed(to.leaving().length()).max(LEAST_PASSED))
+        let horizon = horizon.take_while(|beta| passed(*beta) >= MIN_TRANSMITTANCE).last().unwrap_or(0.0);
+        let transmittance = |cell: usize| {
+            grid.directions(cell).map_or(1.0, |[_, to]| passed(to.leaving().length()).max(MIN_TRANSMITTANCE))
         };
-        let divided: Vec<f64> = cells.iter().enumerate().map(|(cell, value)| value / of(cell)).collect();
+        let divided: Vec<f64> =
+            cells.iter().enumerate().map(|(cell, value)| value / transmittance(cell)).collect();
         Shape::of_grid_within(grid, &divided, fill, horizon)
     }
 }
 
-/// Distances from the peak, fine where the lobe falls, up to across the discs of air and of this radius.
+/// Distances from the peak, dense where the lobe falls, up to the sum of the radii of the air's disc and of
+/// this one.
 fn distances(shape: &Shape, radius: f64) -> Vec<f64> {
     let half_widths = (0..shape.incidences_deg().count())
         .flat_map(|k| [0.0, 90.0, 180.0].map(|azimuth| shape.half_width_deg(k, azimuth)))
@@ -255,7 +262,7 @@ mod tests {
         0.8 * WIDTH / (2.0 * PI * (WIDTH * WIDTH + (to - from).squared()).powf(1.5))
     }
 
-    /// A film on a grid of one degree, seen as `f`.
+    /// Part of a foil on a grid of 1 deg with the values of `f`.
     fn part(f: impl Fn(Beta, Beta) -> f64) -> Part {
         let steps = |to: u32, step: u32| (0..=to / step).map(|k| f64::from(k * step)).collect::<Vec<_>>();
         let grid = SpecularGrid {
@@ -287,30 +294,31 @@ mod tests {
         Beta::towards(theta_deg, 0.0, 1.0)
     }
 
-    /// A lobe whose light goes out through a bare face of 1.5, which sends nothing back through the lobe: laminated, it is
-    /// the lobe alone. Next to grazing the face passes little, and the division ends.
+    /// The light of a lobe leaves through a bare interface of index 1.5, without reflection back through the
+    /// lobe. Lamination recovers the lobe. Near grazing, where the interface transmits little, the division
+    /// is limited.
     #[test]
-    fn laminated_films_are_rid_of_their_back_face() {
+    fn lamination_removes_back_surface_loss() {
         let behind = part(|from, to| lobe(from, to) * (1.0 - fresnel_reflectance(1.0, 1.5, to.length())));
         let preparation =
             Preparation { lamination: Some(Lamination { index: 1.5 }), ..Preparation::default() };
-        let (film, changes) = kernel(&behind, 0, &preparation, &[]).unwrap();
+        let (laminated, changes) = kernel(&behind, 0, &preparation, &[]).unwrap();
         let (seen, _) = kernel(&behind, 0, &Preparation::default(), &[]).unwrap();
         assert!(changes.laminated && changes.totals.iter().all(|[before, after]| after > before));
         for from in [0.0, 20.0, 40.0, 60.0].map(ray) {
             for (theta, phi) in [(0.0, 0.0), (15.0, 70.0), (35.0, 10.0), (60.0, 0.0), (70.0, 120.0)] {
                 let to = Beta::towards(theta, phi, 1.0);
-                let ratio = film.evaluate(from, to) / lobe(from, to);
+                let ratio = laminated.evaluate(from, to) / lobe(from, to);
                 assert!((ratio - 1.0).abs() < 1e-3, "{from:?} {to:?}: {ratio}");
-                // As it was seen it has the face's loss, 4 % and more.
+                // Without lamination the values include the loss of the interface, at least 4 %.
                 assert!(seen.evaluate(from, to) < 0.965 * lobe(from, to), "{from:?} {to:?}");
             }
         }
     }
 
-    /// Feng 2012, eq. 3-10: the integral of k f S, averaged over the spectrum, is the instrument's TIS.
+    /// Feng 2012, eq. 3-10: the integral of k f S, averaged over the spectrum, equals the instrument's TIS.
     #[test]
-    fn totals_become_the_instruments() {
+    fn totals_are_normalised_to_instrument_tis() {
         let spectrum = [0.2, 0.9, 0.95, 0.91];
         let mean = spectrum.iter().sum::<f64>() / 4.0;
         let preparation = Preparation { to_tis: true, ..Preparation::default() };
@@ -324,21 +332,26 @@ mod tests {
         assert_eq!(kernel(&without, 0, &preparation, &[]).unwrap_err(), GoniometryError::NoTis);
     }
 
-    /// Beyond the last incidence light is lost, and it is said how much; or the lobe holds about its own direction.
+    /// Beyond the last incidence, light is lost and the loss is reported; with extrapolation, the lobe is
+    /// used about its own specular direction.
     #[test]
-    fn beyond_the_last_incidence() {
-        let [(none, lost), (hold, kept)] = [None, Some(1.0)].map(|extrapolate| {
+    fn light_beyond_last_incidence_is_lost_unless_extrapolated() {
+        let [(none, lost), (hold, extended)] = [None, Some(1.0)].map(|extrapolate| {
             kernel(&part(lobe), 0, &Preparation { extrapolate, ..Preparation::default() }, &[]).unwrap()
         });
-        assert!((lost.lost - 0.25).abs() < 1e-12 && lost.last_deg == 60.0 && kept.lost == 0.0, "{lost:?}");
+        assert!(
+            (lost.lost - 0.25).abs() < 1e-12 && lost.last_deg == 60.0 && extended.lost == 0.0,
+            "{lost:?}"
+        );
         let (from, to) = (ray(75.0), ray(70.0));
         assert_eq!(none.evaluate(from, to), 0.0);
         assert!((hold.evaluate(from, to) / lobe(from, to) - 1.0).abs() < 3e-3, "{}", hold.evaluate(from, to));
     }
 
-    /// With a single incidence, along the normal, the lobe holds if it is to, or nothing else is sent.
+    /// With a single incidence, along the normal, the lobe is used at all incidences on request; otherwise
+    /// others are dark.
     #[test]
-    fn a_single_incidence() {
+    fn single_incidence_is_held_on_request() {
         let mut part = part(lobe);
         let Geometry::Specular(grid) = &mut part.geometry else { panic!("{:?}", part.geometry) };
         grid.incidences_deg.truncate(1);
@@ -361,9 +374,9 @@ mod tests {
         assert_eq!((lost.lost, lost.held_single, held.lost, held.held_single), (1.0, false, 0.0, true));
     }
 
-    /// Into the glass tails go on, and what they hold is the lobe's there.
+    /// Extrapolated tails in the glass equal the true lobe there.
     #[test]
-    fn tails_go_on_into_the_glass() {
+    fn tails_are_extrapolated_into_the_glass() {
         let preparation = Preparation { extrapolate: Some(1.5), ..Preparation::default() };
         let (scatter, changes) = kernel(&part(lobe), 0, &preparation, &[]).unwrap();
         let back = scatter.reversed();
@@ -386,10 +399,10 @@ mod tests {
             );
         }
         for length in [0.2, 0.97, 1.0, 1.003, 1.05, 1.2, 1.45] {
-            let share = 0.8 * closed.fraction_in_disc(length, 1.0);
+            let fraction = 0.8 * closed.fraction_in_disc(length, 1.0);
             assert!(
-                (back.albedo_at(length) - share).abs() < 5e-4,
-                "{length}: {share} {}",
+                (back.albedo_at(length) - fraction).abs() < 5e-4,
+                "{length}: {fraction} {}",
                 back.albedo_at(length)
             );
         }

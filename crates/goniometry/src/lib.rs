@@ -1,31 +1,32 @@
-//! Measured scattering: what goniometers and imaging spheres give, and what is done with it.
+//! Measured scattering: the data of goniometers and imaging spheres, and their evaluation.
 //!
-//! A [`Measurement`] is a BSDF as a file holds it: one [`Part`] for each way that light takes
-//! (reflected or transmitted, from the front or from the back), its values at the cells of a
-//! [`Geometry`] in one or more [`Channel`]s. Nothing in it is filled, smoothed or renormalised: a
+//! A [`Measurement`] is a BSDF as stored in a file. It has one [`Part`] for each scatter mode
+//! (reflection or transmission, from the front or from the back), with values at the cells of a
+//! [`Geometry`] in one or more [`Channel`]s. Its data are not filled, smoothed or renormalised: a
 //! cell that was not measured is NaN.
 //!
 //! **Conventions.** Values are `f` in 1/sr, radiance out over irradiance in, without the cosine,
 //! referred to air. A [`Direction`] points away from the sample, its inclination is from the normal
-//! of the side that the light is on, and the azimuth turns alike on both sides. So the mirror
-//! direction and the straight-through direction of light from (theta, phi) are both
+//! of the side of the light, and azimuths have the same sense on both sides. The mirror
+//! direction and the regular direction of light from (theta, phi) are therefore both
 //! (theta, phi + 180 deg).
 //!
-//! What is done with it: a smooth [`Shape`] between the cells, an [`Audit`], [`Fit`]s of lobes with a formula, the
-//! [`kernel`] that a display takes, [`calibrated`] and [`deblurred`] values, and an [`Instrument`] that measures what is
-//! given by numbers.
+//! **Evaluation.** A smooth [`Shape`] through the cells, an [`Audit`], [`Fit`]s of analytic lobes, the
+//! [`kernel`] for a display, [`calibrated`] and [`deblurred`] values, and an [`Instrument`] that simulates
+//! the measurement of a known BSDF.
 //!
 //! **Limits**: unpolarised light, a uniform sample, no fluorescence.
 //!
-//! **Out of scope**: files (`formats`).
+//!
+//! **Out of scope**: file formats (`formats`).
 //!
 //! ```
 //! use papilio_goniometry::{Fill, Instrument, Shape, SyntheticSample};
-//! // Haze 65 as an imaging sphere sees it, on its grid of two degrees and with its blur.
+//! // Haze 65 measured with an imaging sphere, on its grid of 2 deg and with its blur.
 //! let sample = SyntheticSample::new(0.65)?;
 //! let seen = sample.measured(&SyntheticSample::instrument(), &[1.0; 3])?;
 //! let shape = Shape::of_part(&seen.parts[0], 1, Fill::None).unwrap();
-//! // The instrument is told that the total integrated scatter is .90.
+//! // The total integrated scatter of the sample is 0.90.
 //! assert!((shape.total(0) - 0.90).abs() < 2e-3);
 //! assert!((shape.along(0, 0.0, 0.0).unwrap() - 20.7).abs() < 0.1);
 //! # Ok::<(), papilio_goniometry::GoniometryError>(())

@@ -1,4 +1,4 @@
-//! A BSDF as a file holds it.
+//! BSDF data as stored in a file.
 
 use std::fmt;
 
@@ -7,47 +7,47 @@ use crate::Geometry;
 /// A measured, simulated or computed BSDF.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Measurement {
-    /// Where it comes from.
+    /// Origin of the data.
     pub provenance: Provenance,
-    /// Index of the medium on the front and on the back, 1 in air.
+    /// Refractive index of the medium on the front and on the back, 1 in air.
     pub media: [f64; 2],
-    /// At most one for each [`Way`].
+    /// Parts, at most one for each [`Way`].
     pub parts: Vec<Part>,
 }
 
-/// Where a measurement comes from, in the file's own words.
+/// Origin of a measurement, as stated in the file.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Provenance {
-    /// The file format, as users call it: `Radiant/Zemax tabular BSDF`.
+    /// Common name of the file format: `Radiant/Zemax tabular BSDF`.
     pub format: String,
-    /// Name of the sample, as far as the file gives it.
+    /// Name of the sample, if the file gives it.
     pub sample: String,
-    /// Where the numbers come from, as far as the file says: `Measured`, `synthetic`, the instrument.
+    /// Source of the numbers, if the file states it: `Measured`, `synthetic`, the instrument.
     pub source: String,
-    /// Comments and header lines worth keeping, in order.
+    /// Relevant comments and header lines, in order.
     pub remarks: Vec<String>,
 }
 
-/// The way that light takes.
+/// Scatter mode: side of incidence, and reflection or transmission.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Way {
-    /// From the front, reflected.
+    /// Incident on the front, reflected.
     FrontReflection,
-    /// From the front, transmitted to the back.
+    /// Incident on the front, transmitted to the back.
     FrontTransmission,
-    /// From the back, transmitted to the front.
+    /// Incident on the back, transmitted to the front.
     BackTransmission,
-    /// From the back, reflected.
+    /// Incident on the back, reflected.
     BackReflection,
 }
 
 impl Way {
-    /// True if light leaves on the other side.
+    /// Returns true for transmission.
     pub fn is_transmission(self) -> bool {
         matches!(self, Self::FrontTransmission | Self::BackTransmission)
     }
 
-    /// What it is called: `front transmission`.
+    /// Name in messages: `front transmission`.
     pub fn name(self) -> &'static str {
         match self {
             Self::FrontReflection => "front reflection",
@@ -58,10 +58,10 @@ impl Way {
     }
 }
 
-/// What a value was weighted with over wavelength.
+/// Spectral weighting of a value.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Channel {
-    /// The luminous one, or of a file that does not say.
+    /// Luminous weighting, or the only channel of a file that does not specify it.
     Monochrome,
     /// CIE tristimulus X.
     X,
@@ -82,7 +82,7 @@ pub enum Channel {
 }
 
 impl fmt::Display for Channel {
-    /// A name, or the wavelength's number in nm.
+    /// Writes the name, or the wavelength in nm.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let name = match self {
             Self::Monochrome => "monochrome",
@@ -99,31 +99,31 @@ impl fmt::Display for Channel {
     }
 }
 
-/// One way of light through, or off, a sample.
+/// Values of one scatter mode of a sample.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Part {
-    /// From where to where.
+    /// Scatter mode.
     pub way: Way,
-    /// At least one; alike in all cells.
+    /// Channels, at least one, the same in all cells.
     pub channels: Vec<Channel>,
-    /// Where the values were taken.
+    /// Directions of the values.
     pub geometry: Geometry,
     /// f, 1/sr, without the cosine; NaN where nothing was measured. Shape `[channel][cell]`,
-    /// cells in the geometry's order.
+    /// with cells in the order of the geometry.
     pub values: Vec<f64>,
-    /// Total integrated scatter as the file gives it, 0 to 1: shape `[channel][rotation][incidence]`
-    /// of a specular-centred grid; empty if the file gives none.
+    /// Total integrated scatter stated in the file, 0 to 1: shape `[channel][rotation][incidence]`
+    /// of a specular-centred grid; empty if the file has none.
     pub tis: Vec<f64>,
 }
 
 impl Part {
-    /// The values of a channel, by its number.
+    /// Returns the values of a channel, given by its index.
     pub fn channel(&self, channel: usize) -> &[f64] {
         let cells = self.geometry.cells();
         &self.values[channel * cells..][..cells]
     }
 
-    /// The number of the luminous channel: monochrome, else Y, else green, else the wavelength closest to 555 nm.
+    /// Index of the luminous channel: monochrome, else Y, else green, else the wavelength closest to 555 nm.
     pub fn luminous(&self) -> usize {
         let off = |channel: &Channel| match channel {
             Channel::Monochrome => 0.0,
@@ -136,15 +136,15 @@ impl Part {
         channels.min_by(|a, b| off(&self.channels[*a]).total_cmp(&off(&self.channels[*b]))).unwrap_or(0)
     }
 
-    /// Total integrated scatter as the file gives it, by number of channel, rotation and incidence; a TIS of 0 was not
-    /// measured.
+    /// Total integrated scatter stated in the file, by indices of channel, rotation and incidence. A TIS of 0
+    /// means that it was not measured.
     pub fn tis(&self, channel: usize, rotation: usize, incidence: usize) -> Option<f64> {
         let Geometry::Specular(grid) = &self.geometry else { return None };
         let turn = channel * grid.rotations_deg.len() + rotation;
         self.tis.get(turn * grid.incidences_deg.len() + incidence).copied().filter(|tis| *tis > 0.0)
     }
 
-    /// The mean over rotations of the total integrated scatter of an incidence: what belongs to a lobe that is their mean.
+    /// Mean over rotations of the total integrated scatter of an incidence, for the mean lobe.
     /// `None` unless the file gives it for each rotation.
     pub fn mean_tis(&self, channel: usize, incidence: usize) -> Option<f64> {
         let Geometry::Specular(grid) = &self.geometry else { return None };

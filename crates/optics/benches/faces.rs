@@ -1,4 +1,4 @@
-//! Rough faces and coatings: what making their tables costs, and each look-up.
+//! Rough interfaces and coatings: time of building their tables, and of each look-up.
 
 #![allow(clippy::unwrap_used, missing_docs, reason = "a benchmark")]
 

@@ -76,7 +76,7 @@ fn derivatives<const INDEX: bool>(bencher: divan::Bencher<'_, '_>, level: &SimdL
     });
 }
 
-/// The plain road, for comparison: one wavelength and direction of the same stack.
+/// The reference implementation, for comparison: one wavelength and direction of the same stack.
 #[divan::bench]
 fn plain(bencher: divan::Bencher<'_, '_>) {
     let layer = |n: f64, k: f64, thickness_nm| Layer { index: Complex64::new(n, k), thickness_nm };

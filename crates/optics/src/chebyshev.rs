@@ -1,17 +1,17 @@
-//! Functions tabulated on [0, 1] as Chebyshev series on pieces, cut as finely as they need.
+//! Functions tabulated on [0, 1] as Chebyshev series on pieces, adaptively divided.
 
 use std::f64::consts::PI;
 
 /// Terms of the series on a piece.
 const TERMS: usize = 16;
 
-/// A piece narrower than this is not cut further: whatever happens within it carries no light.
+/// Width below which a piece is not divided further: such a narrow piece carries no light.
 const NARROWEST: f64 = 1e-10;
 
 /// `K` functions of one variable on [0, 1].
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Piecewise<const K: usize> {
-    /// Where the pieces begin; the first at 0.
+    /// Starts of the pieces; the first is 0.
     starts: Vec<f64>,
     /// 2 over the width of each piece.
     scales: Vec<f64>,
@@ -20,8 +20,8 @@ pub(crate) struct Piecewise<const K: usize> {
 }
 
 impl<const K: usize> Piecewise<K> {
-    /// Halves [0, 1] until, between the nodes, the series miss none of the functions by more
-    /// than `tolerance`; `None` if that takes more than `most_pieces`.
+    /// Halves [0, 1] until, between the nodes, the series approximate all functions to within `tolerance`;
+    /// `None` if that takes more than `most_pieces`.
     pub(crate) fn new<E>(
         tolerance: f64,
         most_pieces: usize,
@@ -30,7 +30,7 @@ impl<const K: usize> Piecewise<K> {
         Self::no_narrower(NARROWEST, tolerance, most_pieces, function)
     }
 
-    /// Likewise, but pieces narrower than this are not cut further.
+    /// Does the same, but does not divide pieces narrower than this.
     pub(crate) fn no_narrower<E>(
         narrowest: f64,
         tolerance: f64,
@@ -58,12 +58,12 @@ impl<const K: usize> Piecewise<K> {
         Ok(Some(table))
     }
 
-    /// Where each piece begins and ends.
+    /// Returns the start and end of each piece.
     pub(crate) fn pieces(&self) -> impl Iterator<Item = (f64, f64)> {
         self.starts.iter().zip(&self.scales).map(|(start, scale)| (*start, start + 2.0 / scale))
     }
 
-    /// The functions at x, 0 to 1.
+    /// Returns the functions at x, 0 to 1.
     #[inline]
     pub(crate) fn at(&self, x: f64) -> [f64; K] {
         let piece = self.starts.partition_point(|&start| start <= x).saturating_sub(1);
@@ -72,7 +72,8 @@ impl<const K: usize> Piecewise<K> {
 }
 
 impl Piecewise<1> {
-    /// On the same pieces, functions of x and of this one there; what is linear in it keeps its sums.
+    /// Tabulates functions of x and of this one on the same pieces; sums are preserved by functions that are
+    /// linear in it.
     pub(crate) fn map<const K: usize>(&self, mut function: impl FnMut(f64, f64) -> [f64; K]) -> Piecewise<K> {
         let series = self.pieces().map(|(from, to)| {
             let at = |x: f64| {
@@ -87,8 +88,8 @@ impl Piecewise<1> {
 }
 
 impl<const K: usize> Piecewise<K> {
-    /// The integral of `x^power f(x)`, power up to 3, from where the piece begins, as a function of x within it; f is
-    /// the one of this number.
+    /// Returns the integral of `x^power f(x)`, power up to 3, from the start of the piece, as a function of
+    /// x within it; f is the function of this number.
     pub(crate) fn moment(&self, number: usize, power: usize, piece: usize) -> impl Fn(f64) -> f64 + use<K> {
         const MOST: usize = TERMS + 4;
         let (start, scale) = (self.starts[piece], self.scales[piece]);
@@ -119,7 +120,7 @@ impl<const K: usize> Piecewise<K> {
     }
 }
 
-/// The series through the values at the Chebyshev points of [-1, 1].
+/// Returns the series through the values at the Chebyshev points of [-1, 1].
 fn interpolate<const K: usize, E>(
     at: &mut impl FnMut(f64) -> Result<[f64; K], E>,
 ) -> Result<[[f64; K]; TERMS], E> {
@@ -136,7 +137,7 @@ fn interpolate<const K: usize, E>(
     Ok(series)
 }
 
-/// The largest error midway between the Chebyshev points and at the ends.
+/// Returns the largest error midway between the Chebyshev points and at the ends.
 fn misses_by<const K: usize, E>(
     series: &[[f64; K]; TERMS],
     at: &mut impl FnMut(f64) -> Result<[f64; K], E>,
@@ -169,7 +170,7 @@ mod tests {
     }
 
     #[test]
-    fn a_narrow_peak_is_found_and_resolved() {
+    fn narrow_peak_is_found_and_resolved() {
         let peak = |x: f64| [1e-6 / (1e-6 + (x - 0.3).powi(2)), (40.0 * x).sin()];
         let table = table(1e-10, peak).unwrap();
         for step in 0..=10_000 {
@@ -180,7 +181,7 @@ mod tests {
     }
 
     #[test]
-    fn moments_are_integrals() {
+    fn moments_equal_integrals() {
         let table = table(1e-12, |x| [0.0, (3.0 * x).cos()]).unwrap();
         // By parts.
         let [first, third] = [
@@ -201,12 +202,12 @@ mod tests {
     }
 
     #[test]
-    fn what_needs_too_many_pieces_is_refused() {
+    fn function_with_too_many_pieces_is_refused() {
         assert_eq!(table(1e-9, |x| [(1e5 * x).sin()]), None);
     }
 
     #[test]
-    fn a_step_ends_in_a_narrow_piece() {
+    fn step_ends_in_narrow_piece() {
         let table = table(1e-9, |x| [f64::from(u8::from(x > 0.3))]).unwrap();
         assert!((table.at(0.3 - 1e-9)[0]).abs() < 1e-9 && (table.at(0.3 + 1e-9)[0] - 1.0).abs() < 1e-9);
     }

@@ -2,13 +2,12 @@
 
 use std::ops::{Add, Neg, Sub};
 
-/// `beta = n sin(theta) (cos phi, sin phi)`: the tangential part of a light ray's
-/// *propagation*, times the index of the medium that it travels in.
+/// `beta = n sin(theta) (cos phi, sin phi)`: the tangential part of a light ray's *propagation*, times the
+/// index of the medium in which it propagates.
 ///
-/// A flat interface conserves it (Snell), a mirror too: light that the display
-/// mirrors from a source to the reader has one `beta` all the way. Of a source in
-/// direction (theta, phi), seen from the display, it is therefore *minus*
-/// `n sin(theta) (cos phi, sin phi)`.
+/// Flat interfaces conserve it (Snell's law), and so do mirrors: light that the display mirrors from a
+/// source to the reader has the same `beta` everywhere. For a source in direction (theta, phi), seen from
+/// the display, it is therefore *minus* `n sin(theta) (cos phi, sin phi)`.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Beta {
     /// Along phi = 0.
@@ -18,33 +17,34 @@ pub struct Beta {
 }
 
 impl Beta {
-    /// Light that leaves the display towards (theta, phi), angles in degrees in a medium of this index.
+    /// Returns beta of light that leaves the display towards (theta, phi), angles in degrees in a medium of
+    /// this index.
     pub fn towards(theta_deg: f64, phi_deg: f64, index: f64) -> Self {
         let (sin_phi, cos_phi) = phi_deg.to_radians().sin_cos();
         let radius = index * sine_of_inclination(theta_deg);
         Self { x: radius * cos_phi, y: radius * sin_phi }
     }
 
-    /// Light that reaches the display from a source in direction (theta, phi).
+    /// Returns beta of light that reaches the display from a source in direction (theta, phi).
     pub fn from_source(theta_deg: f64, phi_deg: f64, index: f64) -> Self {
         -Self::towards(theta_deg, phi_deg, index)
     }
 
-    /// `|beta|^2`.
+    /// Returns `|beta|^2`.
     pub fn squared(self) -> f64 {
         self.x * self.x + self.y * self.y
     }
 
-    /// `|beta|`.
+    /// Returns `|beta|`.
     pub fn length(self) -> f64 {
         self.squared().sqrt()
     }
 }
 
-/// The sine of an inclination of at most 90 deg, degrees, short of 1 by more than what rounding makes of it.
+/// Returns the sine of an inclination of at most 90 deg, degrees, below 1 by more than rounding errors.
 ///
-/// From 89.9999994 deg on the nearest number is 1, and `|beta|^2`, a sum of two rounded squares, may be above
-/// it: such light would not be in the medium that it is in. It is taken for light at 89.9999983 deg.
+/// From 89.9999994 deg on the nearest number is 1, and `|beta|^2`, a sum of two rounded squares, may be
+/// above it: such light would not exist in its medium. It is treated as light at 89.9999983 deg.
 pub fn sine_of_inclination(theta_deg: f64) -> f64 {
     const LARGEST: f64 = 1.0 - 2.0 * f64::EPSILON;
     theta_deg.to_radians().sin().clamp(-LARGEST, LARGEST)
@@ -75,9 +75,9 @@ impl Neg for Beta {
 mod tests {
     use super::*;
 
-    /// Light just above the horizon is in its medium, from every azimuth and in every index.
+    /// Light just above the horizon exists in its medium, from every azimuth and in every index.
     #[test]
-    fn beta_of_grazing_light_is_below_the_index() {
+    fn beta_of_grazing_light_is_below_index() {
         for index in [1.0, 1.000_29, 1.33, 1.5, 2.461_9, 10.0] {
             for theta in [89.999_999, 89.999_999_9, 89.999_999_999_999, 90.0] {
                 for phi in (0..3600).map(|tenth| f64::from(tenth) * 0.1) {
@@ -88,7 +88,7 @@ mod tests {
                 }
             }
         }
-        // What is not that close is as it was.
+        // Smaller inclinations are unchanged.
         assert_eq!(Beta::towards(89.999_99, 0.0, 1.0).x, 89.999_99_f64.to_radians().sin());
     }
 }

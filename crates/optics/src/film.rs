@@ -1,6 +1,6 @@
 //! Coherent thin films: any stack of flat layers on a substrate, s and p.
 //!
-//! **What.** Light of vacuum wavelength `lambda` comes from a transparent medium
+//! **Model.** Light of vacuum wavelength `lambda` comes from a transparent medium
 //! (real n) through layers (n + ik, thickness in nm) to a semi-infinite
 //! substrate (n + ik). All multiple reflections interfere.
 //!
@@ -10,7 +10,7 @@
 //! `q = sqrt(n^2 - beta^2)` with Im q >= 0 (the wave decays where it travels),
 //! phase `delta = k0 q d`, admittance `eta = q/g` with g = 1 for s and n^2 for p.
 //!
-//! **How.** U is the tangential field along the layers (E for s, H for p), V its
+//! **Method.** U is the tangential field along the layers (E for s, H for p), V its
 //! partner. Both are continuous, and across a layer
 //! `U_top = cos(delta) U - i g (sin(delta)/q) V`,
 //! `V_top = cos(delta) V - i (q/g) sin(delta) U`,
@@ -28,10 +28,9 @@
 //! **Signs.** Fields vary as exp(-i omega t), so that absorbers have k > 0. The
 //! amplitude r_p is that of H: at normal incidence r_p = -r_s.
 //!
-//! **Two roads.** [`coherent`] is the plain one: one wavelength, one beta, all
-//! quantities. [`GapFilm`] is the fast one: reflectance of many wavelengths,
-//! betas and gaps; [`FilmRow`] the fast one of arrays, in which every point may have a stack of its
-//! own. The tests hold each to the plain one.
+//! **Two implementations.** [`coherent`] is the reference: one wavelength, one beta, all quantities.
+//! [`GapFilm`] is fast: reflectance of many wavelengths, betas and gaps. [`FilmRow`] is fast for arrays, in
+//! which every point may have a stack of its own. The tests compare each with the reference.
 //!
 //! Source: M. Born, E. Wolf, "Principles of Optics", 7th ed., section 1.6;
 //! A. Macleod, "Thin-Film Optical Filters", 4th ed., chapter 2.

@@ -6,19 +6,19 @@
 //! `r_s = (q1 - q2)/(q1 + q2)` and `r_p = (n2^2 q1 - n1^2 q2)/(n2^2 q1 + n1^2 q2)`.
 //! Beyond the critical angle everything is reflected.
 //!
-//! Valid for 0 <= beta <= n1; absorbing media are the business of [`film`](crate::film).
+//! Valid for 0 <= beta <= n1; for absorbing media see [`film`](crate::film).
 //!
 //! Intuition: 4 % at normal incidence on glass, none for p at Brewster's angle,
 //! all at grazing incidence. The same from both sides for the same beta.
 //!
 //! Source: M. Born, E. Wolf, "Principles of Optics", 7th ed., section 1.5.2.
 
-/// Reflectance for s (field across the plane of incidence), 0 to 1.
+/// Returns the reflectance for s (field perpendicular to the plane of incidence), 0 to 1.
 pub fn fresnel_reflectance_s(n1: f64, n2: f64, beta: f64) -> f64 {
     reflectance(n1, n2, beta, |_, _| 1.0)
 }
 
-/// Reflectance for p (field in the plane of incidence), 0 to 1.
+/// Returns the reflectance for p (field in the plane of incidence), 0 to 1.
 pub fn fresnel_reflectance_p(n1: f64, n2: f64, beta: f64) -> f64 {
     reflectance(n1, n2, beta, |n1, n2| (n2 / n1).powi(2))
 }
@@ -34,7 +34,7 @@ pub fn fresnel_reflectance(n1: f64, n2: f64, beta: f64) -> f64 {
     0.5 * (fresnel_reflectance_s(n1, n2, beta) + fresnel_reflectance_p(n1, n2, beta))
 }
 
-/// `weight` is what multiplies q1 against q2.
+/// Returns the reflectance of one polarisation; `weight` are the factors of q1 and q2.
 fn reflectance(n1: f64, n2: f64, beta: f64, weight: impl Fn(f64, f64) -> f64) -> f64 {
     let beta = beta.abs();
     if n1 == n2 {
@@ -54,7 +54,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn normal_incidence_is_the_textbook_value() {
+    fn reflectance_at_normal_incidence_equals_textbook() {
         for (n1, n2) in [(1.0, 1.5), (1.5, 1.0), (1.0, 1.33), (1.5, 2.4)] {
             let expected = ((n1 - n2) / (n1 + n2)) * ((n1 - n2) / (n1 + n2));
             assert!((fresnel_reflectance(n1, n2, 0.0) - expected).abs() < 1e-16);
@@ -63,7 +63,7 @@ mod tests {
 
     /// Born and Wolf, eq. 1.5.2 (21a): the laws of sines and tangents.
     #[test]
-    fn oblique_incidence_equals_the_angles_form() {
+    fn reflectance_at_oblique_incidence_equals_form_by_angles() {
         for theta1 in [30.0_f64, 45.0, 60.0, 89.9] {
             let (n1, n2) = (1.0, 1.52);
             let t1 = theta1.to_radians();
@@ -76,7 +76,7 @@ mod tests {
     }
 
     #[test]
-    fn brewsters_angle_reflects_no_p() {
+    fn p_reflectance_at_brewster_angle_is_zero() {
         let brewster = (1.5_f64).atan();
         assert!(fresnel_reflectance_p(1.0, 1.5, brewster.sin()) < 1e-30);
     }
@@ -90,7 +90,7 @@ mod tests {
     }
 
     #[test]
-    fn both_sides_reflect_alike_and_no_interface_reflects_nothing() {
+    fn reflectance_is_equal_from_both_sides_and_zero_between_equal_media() {
         for i in 0..100 {
             let beta = f64::from(i) * 0.01;
             let (down, up) = (fresnel_reflectance(1.0, 1.5, beta), fresnel_reflectance(1.5, 1.0, beta));

@@ -1,18 +1,18 @@
 //! Interfaces, coherent thin films and scattering lobes, in direction cosines.
 //!
-//! What a layer of a display does to light, each kind by itself; `transport` joins them.
+//! The effect of each kind of layer on light, independent of the others; `transport` combines them.
 //!
-//! - [`interface`]: Fresnel's reflectances between transparent media;
+//! - [`interface`]: Fresnel reflectances between transparent media;
 //! - [`film`]: any stack of coherent thin layers, metals and evanescent waves included:
-//!   [`film::coherent`] tells everything about one wavelength and direction,
+//!   [`film::coherent`] computes all properties at one wavelength and direction,
 //!   [`film::GapFilm`] the reflectances of very many, in a nanosecond each;
-//! - [`scatterer`]: the interface of everything that scatters;
+//! - [`scatterer`]: the interface of all scatterers;
 //! - [`lobe`]: the angular kernels of diffusers, with their densities and samplers;
 //! - [`film::Coating`]: such films between two transparent media, tabulated over direction;
-//! - [`rough`]: a rough face that sends light to both sides and loses none;
-//! - [`scatter`]: scattering faces by numbers or formulas;
+//! - [`rough`]: a rough interface that scatters light to both sides without losses;
+//! - [`scatter`]: scattering interfaces given by tables or formulas;
 //! - [`phase`]: the phase function of scattering media;
-//! - [`Beta`]: the direction cosines that all of them speak.
+//! - [`Beta`]: the direction cosines that all of them use.
 //!
 //! ```
 //! use papilio_optics::film::{coherent, Film, Layer, Polarisation};
@@ -28,11 +28,11 @@
 //! # Ok::<(), papilio_optics::OpticsError>(())
 //! ```
 //!
-//! **Limits.** Flat (but for rough faces), homogeneous, isotropic layers; geometric optics outside the
-//! films; the films keep s and p apart, lobes and layers take their mean.
+//! **Limits.** Flat (except for rough interfaces), homogeneous, isotropic layers; geometric optics outside
+//! the films; films are computed separately for s and p, lobes and layers for their mean.
 //!
-//! **Out of scope.** Stacks of layers that exchange light (`transport`), colour
-//! (`colour`), where the indices come from (`spectra`), files and threads.
+//! **Out of scope.** Stacks of layers that exchange light (`transport`), colour (`colour`), sources of the
+//! indices (`spectra`), files and threads.
 
 mod chebyshev;
 mod direction;
@@ -44,9 +44,9 @@ pub mod phase;
 pub mod rough;
 pub mod scatter;
 pub mod scatterer;
-mod wide;
+mod simd;
 
 pub use direction::{Beta, sine_of_inclination};
 pub use error::OpticsError;
 pub use scatterer::{Sample, Scatterer};
-pub use wide::wide;
+pub use simd::with_widest_simd;

@@ -1,18 +1,17 @@
-//! Phase functions: where a medium sends the light that it scatters.
+//! Phase functions: angular distribution of the light that a medium scatters.
 //!
 //! # Henyey-Greenstein
-//! `p(cos) = (1 - g^2) / (4 pi (1 + g^2 - 2 g cos)^(3/2))` per steradian, with `cos` that of the
-//! angle between the directions of propagation before and after: 1 is straight on.
+//! `p(cos) = (1 - g^2) / (4 pi (1 + g^2 - 2 g cos)^(3/2))` per steradian, with `cos` that of the angle
+//! between the directions of propagation before and after: 1 is the forward direction.
 //!
 //! **Parameter.** The anisotropy g, the mean cosine: -1 < g < 1. 0 is isotropic, above 0
 //! forward; particles larger than the wavelength have 0.7 to 0.95.
 //!
-//! **Intuition.** Half of the light of g = 0.9 stays within 10 deg, yet a tenth goes beyond
-//! 41 deg. Its Legendre moments are the powers of g, so that two deflections in a row are one
-//! with g^2.
+//! **Intuition.** Half of the light of g = 0.9 stays within 10 deg, yet a tenth goes beyond 41 deg. Its
+//! Legendre moments are the powers of g, so that two successive deflections equal one with g^2.
 //!
-//! **Validity.** A fit with one parameter: no glory, no rainbow, no diffraction rings. A dense
-//! medium's particles do not scatter independently; g is then an effective one.
+//! **Validity.** A fit with one parameter: no glory, no rainbow, no diffraction rings. The particles of a
+//! dense medium do not scatter independently; g is then an effective parameter.
 //!
 //! Source: L. G. Henyey, J. L. Greenstein, Astrophys. J. 93, 70 (1941), eq. 2.
 
@@ -38,18 +37,18 @@ pub struct HenyeyGreenstein {
 }
 
 impl HenyeyGreenstein {
-    /// Density per steradian at this cosine of the scattering angle; over the sphere it
-    /// integrates to one.
+    /// Returns the density per steradian at this cosine of the scattering angle; its integral over the
+    /// sphere is one.
     #[inline]
     pub fn at_cosine(&self, cos: f64) -> f64 {
         let g = self.anisotropy;
-        // 1 + g^2 - 2 g cos, as a sum of what is not negative.
+        // 1 + g^2 - 2 g cos, as a sum of non-negative terms.
         let s = (1.0 - g.abs()).powi(2) + 2.0 * (g.abs() - g * cos);
         (1.0 - g * g) / (4.0 * PI * s * s.sqrt())
     }
 
-    /// The cosine of a scattering angle sampled with [`Self::at_cosine`], from a uniform number;
-    /// it rises with `u`. The azimuth is uniform.
+    /// Samples the cosine of a scattering angle with [`Self::at_cosine`], from a uniform number; it
+    /// increases with `u`. The azimuth is uniform.
     #[inline]
     pub fn sample_cosine(&self, u: f64) -> f64 {
         let g = self.anisotropy;
@@ -58,7 +57,7 @@ impl HenyeyGreenstein {
         1.0 - 2.0 * (1.0 - u) * (1.0 + g * u) * narrowing * narrowing
     }
 
-    /// Legendre moment of order `l`: the mean of P_l(cos), which is g^l.
+    /// Returns the Legendre moment of order `l`: the mean of P_l(cos), which is g^l.
     pub fn moment(&self, l: u32) -> f64 {
         (0..l).fold(1.0, |power, _| power * self.anisotropy)
     }
@@ -98,8 +97,8 @@ mod tests {
 
     const ANISOTROPIES: [f64; 8] = [-0.9, -0.3, -1e-9, 0.0, 1e-12, 0.4, 0.75, 0.98];
 
-    /// Integral over the sphere of the density times `weight(cos)`: composite Gauss-Legendre
-    /// of two points, in a variable that spreads the peak (cos = 1 - 2 v^4 towards it).
+    /// Integral over the sphere of the density times `weight(cos)`: composite Gauss-Legendre rule of two
+    /// points, in a variable that spreads the peak (cos = 1 - 2 v^4 towards it).
     fn integral(phase: HenyeyGreenstein, from: f64, to: f64, weight: impl Fn(f64) -> f64) -> f64 {
         let sign = 1.0_f64.copysign(phase.anisotropy);
         let v_of = |cos: f64| ((1.0 - sign * cos) / 2.0).powf(0.25);
@@ -128,7 +127,7 @@ mod tests {
     }
 
     #[test]
-    fn moments_are_those_of_the_density() {
+    fn moments_equal_integrals_of_density() {
         for anisotropy in ANISOTROPIES {
             let phase = HenyeyGreenstein { anisotropy };
             for l in [0, 1, 2, 5, 12] {
@@ -138,9 +137,9 @@ mod tests {
         }
     }
 
-    /// The inversion as it is usually printed, away from its 0/0.
+    /// The inversion as usually published, away from its 0/0.
     #[test]
-    fn sample_is_the_textbook_inversion() {
+    fn samples_equal_textbook_inversion() {
         for g in [-0.9, -0.3, 0.4, 0.98_f64] {
             for step in 0..=100 {
                 let u = f64::from(step) / 100.0;
@@ -154,7 +153,7 @@ mod tests {
 
     /// The integral of the density below the cosine that is sampled from u is u.
     #[test]
-    fn sample_inverts_the_cumulative_density() {
+    fn samples_invert_cumulative_density() {
         for anisotropy in ANISOTROPIES {
             let phase = HenyeyGreenstein { anisotropy };
             for u in [0.0, 1e-3, 0.2, 0.5, 0.9, 0.999, 1.0] {
@@ -182,7 +181,7 @@ mod tests {
     }
 
     #[test]
-    fn samples_follow_the_density() {
+    fn samples_follow_density() {
         for anisotropy in ANISOTROPIES {
             let phase = HenyeyGreenstein { anisotropy };
             let (found, mean) = chi_square(phase, phase);
@@ -194,7 +193,7 @@ mod tests {
     }
 
     #[test]
-    fn a_slightly_wrong_anisotropy_is_caught() {
+    fn slightly_wrong_anisotropy_is_refused() {
         let phase = |anisotropy| HenyeyGreenstein { anisotropy };
         assert!(!chi_square(phase(0.75), phase(0.73)).0.is_likely());
         assert!(!chi_square(phase(0.0), phase(0.03)).0.is_likely());

@@ -1,50 +1,48 @@
-//! A rough face between two transparent media (GGX or Beckmann), nothing lost.
+//! A rough interface between two transparent media (GGX or Beckmann), without losses.
 //!
-//! **What.** A face whose microfacets each reflect and refract by Fresnel's law: etched or
-//! sandblasted glass, an antiglare surface, the faces of a diffuser film. Light is scattered to
-//! both sides.
+//! **Model.** An interface whose microfacets reflect and refract by Fresnel's law: etched or sandblasted
+//! glass, an antiglare surface, the surfaces of a diffuser foil. Light is scattered to both sides.
 //!
-//! **Parameters.** The two indices, real, above 0 and different; the roughness alpha, 0.01 to 1;
-//! how slopes are spread, [`Distribution`]. Antiglare has 0.02 to 0.1, ground glass 0.3 to 0.6.
+//! **Parameters.** The two indices, real, above 0 and different; the roughness alpha, 0.01 to 1; the
+//! distribution of slopes, [`Distribution`]. Antiglare surfaces have 0.02 to 0.1, ground glass 0.3 to 0.6.
 //!
-//! **One microfacet.** In direction cosines, wave vectors over k0 `p = (beta, q)`,
-//! `q = sqrt(n^2 - |beta|^2)`, every kernel is symmetric. With `v = p_i + p_o` (both pointing
-//! away from the face), `h = +-v/|v|`, `c = |p.h|`, D(h) the density of normals per steradian and
-//! F, unpolarised, of the microfacet,
+//! **One microfacet.** In direction cosines, with wave vectors over k0 `p = (beta, q)`,
+//! `q = sqrt(n^2 - |beta|^2)`, every kernel is symmetric. With `v = p_i + p_o` (both pointing away from the
+//! interface), `h = +-v/|v|`, `c = |p.h|`, D(h) the density of normals per steradian and F the unpolarised
+//! reflectance of the microfacet,
 //!
 //! `k_reflected = F D(h) G / (4 q_i q_o)`,
 //! `k_refracted = (1 - F) D(h) G c_i c_o / (q_i q_o |v|^2)`,
 //!
-//! which are Walter's eq. 20 and 21 over `n_o^2` and `cos_o`; G is Smith's shadowing and masking
-//! for correlated heights, `1/(1 + L_i + L_o)` in reflection, `B(1 + L_i, 1 + L_o)` in refraction.
+//! which are Walter's eq. 20 and 21 over `n_o^2` and `cos_o`; G is Smith's shadowing and masking for
+//! correlated heights, `1/(1 + L_i + L_o)` in reflection, `B(1 + L_i, 1 + L_o)` in refraction.
 //!
-//! **Several microfacets.** What G takes away does not vanish: it meets further microfacets. Of
-//! light that arrives with a, Heitz's walk over microfacets returns the fraction r(a) to its own side
-//! after more than one, and sends t(a) across. Both are given out as Kulla and Conty do:
-//! `r(a) r(b)/R` between directions of one side, `t(a) t(b)/T` across, R and T the integrals of r and
-//! t over a side. That is symmetric, and over both sides the whole integrates to one. So a rough
-//! face over a white mirror loses nothing, where one microfacet alone loses 6.0 % of light along
-//! the normal and 6.3 % at 10 deg, at alpha = 0.2, n = 1.5.
+//! **Several microfacets.** Light removed by G is not lost: it meets further microfacets. Of light that
+//! arrives with a, Heitz's random walk over microfacets returns the fraction r(a) to its own side after more
+//! than one, and transmits t(a). Both are distributed as by Kulla and Conty: `r(a) r(b)/R` between
+//! directions of one side, `t(a) t(b)/T` across, R and T the integrals of r and t over a side. This is
+//! symmetric, and the integral over both sides is one. A rough interface over a white mirror thus loses
+//! nothing, where one microfacet alone loses 6.0 % of light along the normal and 6.3 % at 10 deg, at alpha =
+//! 0.2, n = 1.5.
 //!
-//! **Intuition.** At alpha = 0.5 and n = 1.5 one microfacet loses 3 % of light that comes from the
-//! air along the normal, and a twentieth of that comes back; 25 % of light from the glass, and
-//! three quarters come back.
+//! **Intuition.** At alpha = 0.5 and n = 1.5 one microfacet loses 3 % of light that comes from the air along
+//! the normal, and a twentieth of that returns; of light from the glass it loses 25 %, and three quarters of
+//! that return.
 //!
-//! **Accuracy.** r + t is within 1e-5 of its integral, and so is the integral of k over both sides
-//! of one; sampling follows k but for that. What is returned in all is within 0.002 of the walk.
+//! **Accuracy.** r + t is within 1e-5 of its integral, and so is the integral of k over both sides of one;
+//! sampling follows k within the same error. The total returned light is within 0.002 of the random walk.
 //!
-//! **Validity.** Geometric optics: features larger than the wavelength, no diffraction, no
-//! speckle, no regular light. Slopes are independent of heights and of their
-//! neighbours'. In which directions light of several microfacets leaves is a model. Light is
-//! unpolarised at each facet.
+//! **Validity.** Geometric optics: features larger than the wavelength, no diffraction, no speckle, no
+//! regular light. Slopes are independent of heights and of the slopes of neighbours. The directions of light
+//! from several microfacets are a model. Light is unpolarised at each microfacet.
 //!
-//! Refracted light of one microfacet jumps to zero where q is the same on both sides, since upright
-//! facets are as bright as the tail of GGX is heavy: cut quadratures there.
+//! Refracted light of one microfacet jumps to zero where q is the same on both sides; for GGX, with its
+//! heavy tail, the light of vertical microfacets is bright. Quadratures should be divided there.
 //!
-//! Sources: B. Walter et al., "Microfacet Models for Refraction through Rough Surfaces", EGSR
-//! 2007, eq. 20, 21; E. Heitz, J. Hanika, E. d'Eon, C. Dachsbacher, "Multiple-Scattering Microfacet
-//! BSDFs with the Smith Model", ACM Trans. Graph. 35 (4), 58 (2016); C. Kulla, A. Conty,
-//! "Revisiting Physically Based Shading at Imageworks", SIGGRAPH courses 2017.
+//! Sources: B. Walter et al., "Microfacet Models for Refraction through Rough Surfaces", EGSR 2007, eq. 20,
+//! 21; E. Heitz, J. Hanika, E. d'Eon, C. Dachsbacher, "Multiple-Scattering Microfacet BSDFs with the Smith
+//! Model", ACM Trans. Graph. 35 (4), 58 (2016); C. Kulla, A. Conty, "Revisiting Physically Based Shading at
+//! Imageworks", SIGGRAPH courses 2017.
 
 mod deficit;
 mod microfacets;
@@ -61,7 +59,7 @@ pub use shadowing::Distribution;
 
 use crate::Beta;
 
-/// The side of a face.
+/// Side of an interface.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Side {
     /// In the medium above.
@@ -71,7 +69,7 @@ pub enum Side {
 }
 
 impl Side {
-    /// The one across the face.
+    /// Returns the side across the interface.
     pub fn other(self) -> Self {
         match self {
             Self::Above => Self::Below,
@@ -80,7 +78,7 @@ impl Side {
     }
 }
 
-/// A rough face.
+/// A rough interface.
 ///
 /// ```
 /// use papilio_optics::rough::{Rough, Side};
@@ -98,40 +96,44 @@ pub struct Rough {
 }
 
 impl Rough {
-    /// A face of GGX slopes and this roughness, 0.01 to 1, between media of these indices, above 0 and different.
+    /// Returns an interface with GGX slopes and this roughness, 0.01 to 1, between media of these indices,
+    /// above 0 and different.
     ///
-    /// Takes a few tenths of a second: it tabulates what one microfacet alone would lose, and where that goes.
+    /// Takes a few tenths of a second: it tabulates the light that one microfacet alone would lose, and its
+    /// distribution.
     pub fn new(alpha: f64, above: f64, below: f64) -> Self {
         Self::with(Distribution::Ggx, alpha, above, below)
     }
 
-    /// A face with these slopes.
+    /// Returns an interface with this distribution of slopes.
     pub fn with(distribution: Distribution, alpha: f64, above: f64, below: f64) -> Self {
         let facets = Microfacets { distribution, alpha, above, below };
         Self { facets, deficits: Box::new(Deficits::new(&facets)) }
     }
 
-    /// How its slopes are spread.
+    /// Returns the distribution of its slopes.
     pub fn distribution(&self) -> Distribution {
         self.facets.distribution
     }
 
-    /// The roughness.
+    /// Returns the roughness.
     pub fn alpha(&self) -> f64 {
         self.facets.alpha
     }
 
-    /// The index of the medium on this side.
+    /// Returns the index of the medium on this side.
     pub fn index(&self, side: Side) -> f64 {
         self.facets.index(side)
     }
 
-    /// The part of [`evaluate`](crate::Scatterer::evaluate) that met one microfacet; symmetric as well.
+    /// Returns the part of [`evaluate`](crate::Scatterer::evaluate) from one microfacet; it is symmetric as
+    /// well.
     pub fn single(&self, from: Side, beta_i: Beta, to: Side, beta_o: Beta) -> f64 {
         self.facets.single(from, beta_i, to, beta_o)
     }
 
-    /// [`Self::single`] for directions of these |beta|, as a function of the cosine of the azimuth between them.
+    /// Returns [`Self::single`] for directions of these |beta|, as a function of the cosine of the azimuth
+    /// between them.
     pub fn single_by_azimuth(&self, from: (Side, f64), to: (Side, f64)) -> impl Fn(f64) -> f64 + use<> {
         let pair = self.facets.pair((from.0, from.1 * from.1), (to.0, to.1 * to.1));
         let (difference, product) = (from.1 - to.1, from.1 * to.1);
@@ -141,29 +143,31 @@ impl Rough {
         }
     }
 
-    /// The fraction of light from this side that meets more than one microfacet: one less the
-    /// integral of [`Self::single`] over both sides. `beta_length` is below the side's index.
+    /// Returns the fraction of light from this side that meets more than one microfacet: one minus the
+    /// integral of [`Self::single`] over both sides. `beta_length` is below the index of the side.
     pub fn deficit(&self, side: Side, beta_length: f64) -> f64 {
         let [back, across] = self.several(side, beta_length);
         back + across
     }
 
-    /// What of [`Self::deficit`] goes back to this side in the end, and what goes across the face. Both set the
-    /// density of light of several microfacets: that of a and b, each in proportion.
+    /// Returns the parts of [`Self::deficit`] that return to this side in the end, and that cross the
+    /// interface. Both determine the density of light from several microfacets: it is proportional to those
+    /// of the two directions.
     pub fn several(&self, side: Side, beta_length: f64) -> [f64; 2] {
         let beta = Beta { x: beta_length, y: 0.0 };
         self.cosine(side, beta).map_or([0.0; 2], |cosine| self.deficits.at(side, cosine))
     }
 
-    /// What the products of [`Self::several`] are divided by: the integral of what is sent back, or across, over the directions of a side.
+    /// Returns the divisor of the products of [`Self::several`]: the integral of the returned, or of the
+    /// transmitted, light over the directions of a side.
     pub fn several_total(&self, from: Side, to: Side) -> f64 {
         self.deficits.total(from, to)
     }
 
-    /// The fraction of light that returns to its side, after however many microfacets; the rest crosses the face. For as
-    /// many |beta| as are asked for; 0 where it is not below the side's index.
+    /// Returns the fractions of light that return to their side, after any number of microfacets; the rest
+    /// crosses the interface. One fraction for each |beta|; 0 where this is not below the index of the side.
     ///
-    /// By Gauss's rule of this order, 12 or more: 12 is good to 1e-5.
+    /// By the Gauss rule of this order, 12 or more: with 12 the error is about 1e-5.
     pub fn returned(&self, side: Side, beta_lengths: &[f64], order: usize) -> Vec<f64> {
         let rule = Rule::new(order.max(ORDER));
         let one = |length: &f64| {
@@ -176,7 +180,7 @@ impl Rough {
         beta_lengths.iter().map(one).collect()
     }
 
-    /// Cosine to the face's normal of light that exists on this side.
+    /// Returns the cosine to the normal of light that exists on this side.
     fn cosine(&self, side: Side, beta: Beta) -> Option<f64> {
         let n = self.facets.index(side);
         let squared = 1.0 - beta.squared() / (n * n);
@@ -184,7 +188,8 @@ impl Rough {
     }
 }
 
-/// Where the rising function is `wanted`: Newton's method, with bisection where that strays.
+/// Solves for the argument at which an increasing function is `wanted`: Newton's method, with bisection
+/// where it does not converge.
 fn invert(
     [mut from, mut to]: [f64; 2],
     wanted: f64,

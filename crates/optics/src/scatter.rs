@@ -1,23 +1,22 @@
-//! Scattering faces given by numbers or by formulas: densities over direction cosines.
+//! Scattering interfaces given by tables or formulas: densities over direction cosines.
 //!
-//! **What.** A face that scatters light from one air hemisphere into one air hemisphere, to the
-//! same side (reflection) or through (transmission), by its BSDF f in 1/sr without the cosine,
-//! referred to air: since `cos(theta) d omega = d^2 beta`, f is the density per area of direction
-//! cosines of what becomes of a unit of light. Unlike a [`Lobe`](crate::lobe::Lobe) it says what
-//! becomes of all light: [`evaluate`](Scatterer::evaluate) integrates to the fraction that is sent, and what is neither sent
-//! nor reflected is absorbed.
+//! **Model.** An interface that scatters light from one hemisphere of air into one hemisphere of air, on the
+//! same side (reflection) or through (transmission), given by its BSDF f in 1/sr without the cosine,
+//! referred to air. Since `cos(theta) d omega = d^2 beta`, f is the density of the scattered light per area
+//! of direction cosines, for a unit of incident light. Unlike a [`Lobe`](crate::lobe::Lobe) it includes the
+//! total: [`evaluate`](Scatterer::evaluate) integrates to the fraction that is scattered, and the rest,
+//! except for regular light, is absorbed.
 //!
-//! **Kinds.** [`Ward`]: a formula, for faces and (flipped) for films. [`Table`]: what was
-//! measured, interpolated smoothly.
+//! **Kinds.** [`Ward`]: a formula, for surfaces and (flipped) for foils. [`Table`]: measured values,
+//! interpolated smoothly.
 //!
-//! **Validity.** Isotropic samples: turned about its normal the face stays the same, and light
-//! scattered left and right of the plane of incidence is alike. Only light of the air disc
-//! `|beta| <= 1` is scattered, and only into it; a table of a transmission may reach farther on the side of the glass
-//! ([`Table::reaching`]).
+//! **Validity.** Isotropic samples: rotation about the normal changes nothing, and scattering is symmetric
+//! about the plane of incidence. Only light of the disc of air `|beta| <= 1` is scattered, and only into it;
+//! a table of a transmission may extend farther on the side of the glass ([`Table::reaching`]).
 //!
-//! **Reciprocity.** `f(from, to) = f(to, from)` in cosines of propagation holds for a reflection;
-//! a table need not know that. [`Scatter::reciprocal`] is the mean of both readings. Of light
-//! that goes up through a diffuser measured downwards, [`Scatter::reversed`] says what becomes.
+//! **Reciprocity.** `f(from, to) = f(to, from)` in cosines of propagation holds for a reflection; a table
+//! need not fulfil it. [`Scatter::reciprocal`] is the mean of both readings. [`Scatter::reversed`] describes
+//! light that goes up through a diffuser measured downwards.
 
 mod albedos;
 mod axis;
@@ -38,18 +37,18 @@ use crate::scatterer::{Sample, Scatterer};
 /// A scattering kernel.
 #[derive(Debug, Clone)]
 pub enum Scatter {
-    /// By formula.
+    /// Given by a formula.
     Ward(Arc<Ward>),
-    /// By numbers, read in this sense.
+    /// Given by a table, read in this sense.
     Table(Arc<Table>, Sense),
 }
 
-/// How a table's numbers are read.
+/// Sense in which a table is read.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Sense {
-    /// As they stand: from the incidence to the scattered direction.
+    /// As given: from the incidence to the scattered direction.
     Forward,
-    /// For light that retraces these ways.
+    /// For light in the opposite direction.
     Reversed,
     /// The mean of both: reciprocal.
     Mean,
@@ -67,7 +66,7 @@ impl From<Ward> for Scatter {
     }
 }
 
-/// Kernels are the same if they share their numbers.
+/// Kernels are equal if they share their values.
 impl PartialEq for Scatter {
     fn eq(&self, other: &Self) -> bool {
         match (self, other) {
@@ -130,8 +129,8 @@ impl Scatterer for Scatter {
 }
 
 impl Scatter {
-    /// The [albedo](Scatterer::albedo) for light that arrives with this `|beta|`, within its disc, interpolated:
-    /// within about 1e-4.
+    /// Returns the [albedo](Scatterer::albedo) for light that arrives with this `|beta|`, within its disc,
+    /// interpolated: accurate to about 1e-4.
     #[inline]
     pub fn albedo_at(&self, from_length: f64) -> f64 {
         match self {
@@ -144,8 +143,8 @@ impl Scatter {
         }
     }
 
-    /// [`Self::albedo_at`] by an integral, for callers that need more digits than the interpolation has: of a
-    /// fineness of 2, 3, ..., each of which gains a digit or more.
+    /// Returns [`Self::albedo_at`] by quadrature, for callers that need more digits than the interpolation
+    /// has. `fineness` is 2, 3, ...; each step gains a digit or more.
     pub fn albedo_by(&self, from_length: f64, fineness: usize) -> f64 {
         let table = |table: &Table, reversed| table.albedo_by(from_length, reversed, fineness);
         match self {
@@ -156,8 +155,8 @@ impl Scatter {
         }
     }
 
-    /// The distance in direction cosines over which the kernel changes, about its peak: that of
-    /// a k-correlation lobe of this width.
+    /// Returns the distance in direction cosines over which the kernel changes, about its peak: the width of
+    /// the corresponding k-correlation lobe.
     pub fn width(&self) -> f64 {
         match self {
             Self::Ward(ward) => ward.width(),
@@ -165,9 +164,10 @@ impl Scatter {
         }
     }
 
-    /// The difference of azimuths, radians, over which the kernel changes between directions of these `|beta|`: of a Gaussian
-    /// the distance to 1/e ([`Self::is_gaussian`]), else that of its nearest pole. Near the horizon half vectors about the normal
-    /// join directions ever closer in azimuth.
+    /// Returns the difference of azimuths, radians, over which the kernel changes between directions of
+    /// these `|beta|`: the distance to 1/e for a Gaussian ([`Self::is_gaussian`]), otherwise that of its
+    /// nearest pole. Near the horizon half vectors about the normal connect directions that are ever closer
+    /// in azimuth.
     pub fn azimuth_width(&self, from: f64, to: f64) -> f64 {
         let product = (from * to).max(1e-12);
         match self {
@@ -180,13 +180,13 @@ impl Scatter {
         }
     }
 
-    /// True if the kernel is a Gaussian of half vectors.
+    /// Returns true if the kernel is a Gaussian of half vectors.
     pub fn is_gaussian(&self) -> bool {
         matches!(self, Self::Ward(_))
     }
 
-    /// The radii, in direction cosines, of the discs that light comes from and is sent to: 1, the air's, save for a table
-    /// that [reaches](Table::reaching) beyond.
+    /// Returns the radii, in direction cosines, of the discs of incident and of scattered light: 1, that of
+    /// air, except for a table that [extends](Table::reaching) beyond.
     #[inline]
     pub fn discs(&self) -> [f64; 2] {
         match self {
@@ -196,15 +196,15 @@ impl Scatter {
         }
     }
 
-    /// True if either direction lies beyond its disc.
+    /// Returns true if either direction lies beyond its disc.
     #[inline]
     fn misses(&self, from: Beta, to: Beta) -> bool {
         let [of_from, of_to] = self.discs();
         from.squared() > of_from * of_from || to.squared() > of_to * of_to
     }
 
-    /// The `|beta|` other than 1 at which the kernel jumps: where its incidences end ([`Table::dark_beyond`]), and
-    /// what it reaches.
+    /// Returns the values of `|beta|` other than 1 at which the kernel jumps: where its incidences end
+    /// ([`Table::dark_beyond`]), and where the scattered light ends.
     pub fn edges(&self) -> impl Iterator<Item = f64> {
         let ends = match self {
             Self::Ward(_) => [1.0; 2],
@@ -213,7 +213,7 @@ impl Scatter {
         ends.into_iter().filter(|end| *end != 1.0)
     }
 
-    /// The kernel of light that retraces its ways: `reversed.evaluate(a, b) = evaluate(b, a)`.
+    /// Returns the kernel of light in the opposite direction: `reversed.evaluate(a, b) = evaluate(b, a)`.
     pub fn reversed(&self) -> Self {
         match self {
             Self::Ward(ward) => Self::Ward(Arc::clone(ward)),
@@ -228,7 +228,7 @@ impl Scatter {
         }
     }
 
-    /// The mean of this kernel and its reverse.
+    /// Returns the mean of this kernel and its reverse.
     pub fn reciprocal(&self) -> Self {
         match self {
             Self::Ward(ward) => Self::Ward(Arc::clone(ward)),
@@ -236,7 +236,7 @@ impl Scatter {
         }
     }
 
-    /// True if light has the same density both ways, whatever the directions.
+    /// Returns true if light has the same density in both directions, for all directions.
     pub fn is_reciprocal(&self) -> bool {
         matches!(self, Self::Ward(_) | Self::Table(_, Sense::Mean))
     }

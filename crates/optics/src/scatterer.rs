@@ -1,4 +1,4 @@
-//! The interface of everything that scatters.
+//! The interface of all scatterers.
 //!
 //! A scatterer answers four questions about light that arrives in one direction: how much of it goes where
 //! ([`evaluate`](Scatterer::evaluate)), a random direction ([`sample`](Scatterer::sample)), the probability density
@@ -7,17 +7,17 @@
 //!
 //! | kind | model | direction | domain |
 //! |---|---|---|---|
-//! | [`Lobe`](crate::lobe::Lobe) | k-correlation, Lambertian | [`Beta`] | the whole plane; the disc of air |
-//! | [`Scatter`](crate::scatter::Scatter) | Ward, tabulated | [`Beta`] | its [`discs`](crate::scatter::Scatter::discs) |
+//! | [`Lobe`](crate::lobe::Lobe) | k-correlation, Lambertian | [`Beta`](crate::Beta) | the whole plane; the disc of air |
+//! | [`Scatter`](crate::scatter::Scatter) | Ward, tabulated | [`Beta`](crate::Beta) | its [`discs`](crate::scatter::Scatter::discs) |
 //! | [`Rough`](crate::rough::Rough) | GGX, Beckmann | [`OnSide`](crate::rough::OnSide) | `\|beta\| < n` on each side |
 //! | [`HenyeyGreenstein`](crate::phase::HenyeyGreenstein) | phase function | unit vector | the sphere |
 //!
 //! # Directions
-//! All directions are directions of propagation, before and after. [`Beta`] describes light that takes one way,
-//! either through an interface or back from it; the caller knows which way, and which disc the medium there carries:
-//! `|beta| <= 1` in air, `|beta| < n` in a medium of index n, so `|beta| > 1` occurs below an interface only. A kind
-//! that scatters to both sides takes the side as part of the direction. In direction cosines reflection and
-//! transmission have the same form, and `to = from` is the regular direction of both.
+//! All directions are directions of propagation, before and after. [`Beta`](crate::Beta) describes light in one
+//! mode, either through an interface or back from it; the caller knows which, and which disc the medium there
+//! carries: `|beta| <= 1` in air, `|beta| < n` in a medium of index n, so `|beta| > 1` occurs below an
+//! interface only. A kind that scatters to both sides takes the side as part of the direction. In direction
+//! cosines reflection and transmission have the same form, and `to = from` is the regular direction of both.
 //!
 //! # Measure
 //! Direction cosines are referred to air: `d^2 beta = cos(theta) d omega`. So `evaluate` is the BSDF f in 1/sr
@@ -29,7 +29,7 @@
 //!   that depends on wavelength is one scatterer for each wavelength: one of them is sampled, and the weight of each
 //!   is its own `evaluate` over the density that the direction was sampled with.
 
-/// Something that scatters light.
+/// A scatterer of light.
 pub trait Scatterer {
     /// A direction of propagation.
     type Direction: Copy;
@@ -65,20 +65,20 @@ pub struct Sample<D> {
 }
 
 impl<D: Copy> Sample<D> {
-    /// Returns what the light is multiplied by, `value / density`. It includes the cosine, through the measure.
+    /// Returns the factor of the light, `value / density`. It includes the cosine, through the measure.
     #[inline(always)]
     pub fn weight(&self) -> f64 {
         self.value / self.density
     }
 
-    /// A direction that `scatterer` sampled; `None` if its density is 0.
+    /// Returns a direction that `scatterer` sampled; `None` if its density is 0.
     #[inline(always)]
     pub(crate) fn new<S: Scatterer<Direction = D>>(scatterer: &S, from: D, to: D) -> Option<Self> {
         let density = scatterer.density(from, to);
         (density > 0.0).then(|| Self { direction: to, value: scatterer.evaluate(from, to), density })
     }
 
-    /// A direction sampled exactly in proportion to what is scattered.
+    /// Returns a direction sampled exactly in proportion to the scattered light.
     #[inline(always)]
     pub(crate) fn exact(direction: D, density: f64) -> Self {
         Self { direction, value: density, density }
@@ -127,7 +127,7 @@ mod tests {
         }
     }
 
-    /// One disc: light that takes one way.
+    /// One disc: light in one mode.
     fn one_way(radius: f64) -> Domain<Beta> {
         Domain { squares: vec![disc(radius, |beta| beta, Some)] }
     }
@@ -183,8 +183,9 @@ mod tests {
         (sum - freedom) / f64::sqrt(2.0 * freedom)
     }
 
-    /// The contract of [`Scatterer`], for light from one direction: samples follow the density, a wrong density is
-    /// caught, the weights' mean and (unless the domain is cut off) the integral of `evaluate` are the albedo.
+    /// The contract of [`Scatterer`], for light from one direction: samples follow the density, a wrong
+    /// density is caught, and the mean of the weights and (unless the domain is cut off) the integral of
+    /// `evaluate` equal the albedo.
     fn check<S: Scatterer>(
         name: &str,
         scatterer: &S,
@@ -236,7 +237,7 @@ mod tests {
     }
 
     #[test]
-    fn every_scatterer_keeps_the_contract() {
+    fn scatterers_fulfil_their_contract() {
         let from = Beta { x: 0.35, y: -0.2 };
         check("k-correlation", &Lobe::KCorrelation { width: 0.2 }, from, &one_way(1.5), true);
         check("Lambertian", &Lobe::Lambertian, from, &one_way(1.0), false);

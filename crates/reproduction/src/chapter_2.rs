@@ -5,7 +5,7 @@ use papilio_optics::phase::HenyeyGreenstein;
 
 use crate::report::{Section, Table, fixed, number};
 
-/// Mean cosines that are drawn.
+/// Mean cosines of the phase functions in the figure.
 const MEAN_COSINES: [f64; 5] = [-0.3, 0.0, 0.3, 0.6, 0.9];
 
 /// Figure 2.17.
@@ -32,7 +32,7 @@ pub(crate) fn phase_functions() -> Section {
     let mut table = Table::new(&["g", "integral over all directions", "mean cosine"]);
     for g in MEAN_COSINES {
         let phase = HenyeyGreenstein { anisotropy: g };
-        // The midpoint rule in the scattering angle: twice as fine changes neither number's sixth digit.
+        // Midpoint rule in the scattering angle. Twice as many steps do not change the sixth digit of either number.
         let steps = 20_000;
         let step = std::f64::consts::PI / f64::from(steps);
         let mut sums = [0.0; 2];
@@ -47,8 +47,8 @@ pub(crate) fn phase_functions() -> Section {
     Section::new("figure-2-17", "Figure 2.17: typical shapes of phase functions")
         .figure(chart(&figure, ""), "Henyey-Greenstein phase functions (eq. 2-18) of bulk scatterers.")
         .say(
-            "Each integrates to 1, and its mean cosine is g. The thesis's eq. 2-19 for the mean cosine lacks the \
-             factor sin \u{3b8} in its second form; with it, g comes out:",
+            "Each phase function integrates to 1 and has the mean cosine g. In the second form of the thesis's eq. 2-19 for \
+             the mean cosine, the factor sin \u{3b8} is missing; with this factor, the result is g:",
         )
         .table(table)
 }

@@ -1,4 +1,4 @@
-//! Chapter 3: what goes into the simulation: the measured diffusers and the pixel.
+//! Chapter 3: the input of the simulation, measured diffusers and the pixel.
 
 use papilio_display::pixel::scan;
 use papilio_display::scene::AngleMedium;
@@ -12,7 +12,7 @@ use papilio_optics::Beta;
 use crate::displays::{Bench, ReproductionError, first, of};
 use crate::report::{Section, Table, number, off};
 
-/// Figure 3.8's legend: inclinations in air and, in brackets, in the glass, degrees.
+/// Legend of figure 3.8: inclinations in air and (in brackets in the figure) in the glass, degrees.
 const INCIDENCES_DEG: [(f64, f64); 16] = [
     (0.0, 0.0),
     (5.0, 3.3),
@@ -36,20 +36,20 @@ pub(crate) fn sections(bench: &Bench<'_>) -> Result<Vec<Section>, ReproductionEr
     Ok(vec![measured_lobe(bench)?, transmissions(bench)?, scale_factor(bench)?, pixel_angles(bench)?])
 }
 
-/// A shipped measurement.
+/// Reads a measurement that is shipped with the report.
 pub(crate) fn measurement(bench: &Bench<'_>, name: &str) -> Result<Measurement, ReproductionError> {
     let file = DataFile::open_within(&bench.path(name), name, LARGEST_BSDF_FILE)?;
     Ok(read_bsdf(&file)?.value)
 }
 
-/// A measurement's luminous channel as a smooth lobe.
+/// Returns the luminous channel of a measurement as a smooth lobe.
 pub(crate) fn shape(measurement: &Measurement) -> Result<Shape, ReproductionError> {
     let part = measurement.parts.first();
     let shape = part.and_then(|part| Shape::of_part(part, part.luminous(), Fill::Tail));
-    shape.ok_or_else(|| ReproductionError::Sample("it has no lobe".to_owned()))
+    shape.ok_or_else(|| ReproductionError::Sample("the measurement has no lobe".to_owned()))
 }
 
-/// A lobe in the plane of incidence: inclination and value.
+/// Returns a lobe in the plane of incidence, as pairs of inclination (degrees) and value.
 pub(crate) fn in_plane(shape: &Shape, incidence: usize, from_deg: f64) -> Vec<(f64, f64)> {
     let from = from_deg.to_radians().sin();
     let value = |to: f64| shape.value(incidence, Beta { x: to.to_radians().sin() - from, y: 0.0 });
@@ -78,17 +78,17 @@ fn measured_lobe(bench: &Bench<'_>) -> Result<Section, ReproductionError> {
     peaks.row(["peak at normal incidence (1/sr)", "14.5", &number(peak, 3), &off(14.5, peak)]);
     Ok(Section::new("figure-3-8", "Figure 3.8: measured BTDF of a haze 78 diffuser")
         .figure(
-            scattering(&figure, "H78 as a virtual imaging sphere sees it"),
-            "Synthetic: a k-correlation lobe of 78 % haze, seen by an instrument of the thesis's grid (2 by 10 deg) and of \
-             a blur of .048 in direction cosines.",
+            scattering(&figure, "H78, simulated measurement with an imaging sphere"),
+            "Synthetic data: a k-correlation lobe of 78 % haze, measured by a simulated instrument with the thesis's grid \
+             (2 by 10 deg) and a blur of 0.048 in direction cosines.",
         )
         .table(peaks)
         .say(
-            "The thesis's peak is read off its figure. A lobe of that peak has a haze of at least 88 % by the 2.5 deg \
-             rule; haze and peak agree if the instrument blurs by .048, and so does ours. A display must be computed \
-             with the lobe itself, not with its blurred picture.",
+            "The thesis's peak was read from its figure. A lobe with this peak has a haze of at least 88 % by the 2.5 deg \
+             rule. Haze and peak agree if the instrument has a blur of 0.048, which our instrument has, too. Displays must \
+             be computed with the lobe itself, not with its blurred measurement.",
         )
-        .say("The angles in brackets in its legend are those in glass of index 1.5:")
+        .say("The angles in brackets in the legend of the thesis's figure are those in glass of index 1.5:")
         .table(snell))
 }
 
@@ -104,20 +104,20 @@ fn transmissions(bench: &Bench<'_>) -> Result<Section, ReproductionError> {
             share: spectrum.values().to_vec(),
         });
     }
-    let share = |spectrum: &Transmission, nm: f64| {
-        let at = spectrum.wavelength_nm.iter().position(|w| *w >= nm);
-        at.map_or(f64::NAN, |at| 100.0 * spectrum.share[at])
+    let percent = |spectrum: &Transmission, nm: f64| {
+        let index = spectrum.wavelength_nm.iter().position(|w| *w >= nm);
+        index.map_or(f64::NAN, |index| 100.0 * spectrum.share[index])
     };
     let mut table = Table::new(&["", "380 nm, %", "420 nm, %", "550 nm, %"]);
     for spectrum in &spectra {
-        let cells = [380.0, 420.0, 550.0].map(|nm| number(share(spectrum, nm), 3));
+        let cells = [380.0, 420.0, 550.0].map(|nm| number(percent(spectrum, nm), 3));
         table.row(std::iter::once(spectrum.name.clone()).chain(cells));
     }
     Ok(Section::new("figure-3-10", "Figure 3.10: transmission of various diffusers at normal viewing angle")
         .figure(
             transmission(&spectra, ""),
-            "Synthetic, and one formula for all three: they lie on each other. The thesis's have the same drop from 420 \
-             to 380 nm; its numbers are not printed.",
+            "Synthetic data from one formula, so that the three curves coincide. The thesis's curves decrease in the same \
+             way from 420 to 380 nm; the thesis does not print their values.",
         )
         .table(table))
 }
@@ -127,7 +127,7 @@ fn scale_factor(bench: &Bench<'_>) -> Result<Section, ReproductionError> {
     let with = bench.run("measured-diffused", &[])?;
     let without = bench.run("measured-diffused", &["display.diffuser.normalise=none"])?;
     let truth = bench.run("measured-truth", &[])?;
-    let mut table = Table::new(&["Y", "true lobe", "with k", "off", "without k", "off"]);
+    let mut table = Table::new(&["Y", "true lobe", "with k", "difference", "without k", "difference"]);
     for state in ["white", "red", "green", "blue", "black"] {
         let [true_y, k, no_k] =
             [&truth, &with, &without].map(|result| of(first(result), state, |v| Some(v.Y)));
@@ -137,16 +137,17 @@ fn scale_factor(bench: &Bench<'_>) -> Result<Section, ReproductionError> {
     let shown = [("with k", &with), ("without k", &without), ("true lobe", &truth)];
     Ok(Section::new("figure-3-12", "Figure 3.12: impact of incident angle dependent scale factor")
         .figure(
-            spectra_over(&shown, "H78 from its file"),
-            "Reflectance factors in diffuse light at 8 deg: the two-instrument BTDF with and without the scale factor k \
-             (eq. 3-10, 3-11), and the lobe that was measured, which stands for the thesis's measured panel.",
+            spectra_over(&shown, "H78 from its measured file"),
+            "Reflectance factors in diffuse light at 8 deg: the BTDF from two instruments with and without the scale factor \
+             k (eq. 3-10, 3-11), and the true lobe, which takes the place of the thesis's measured panel.",
         )
         .table(table)
         .say(
-            "In the thesis the model without k is too bright for all colours and the one with k agrees better. Here the one \
-             without k is too dark, for a plain reason: the file's values hold the film's level already, and the \
-             transmission spectrum holds it once more. Either way k takes the level from the instrument's total: white \
-             agrees. The colours keep what k cannot mend, the instrument's blur (instrument_blur removes it).",
+            "In the thesis, the model without k is too bright for all colours, and the model with k agrees better. Here, the \
+             model without k is too dark, because the values in the file already include the transmittance of the \
+             diffuser, and the transmittance spectrum applies it again. In both cases, k takes the level from the total \
+             transmittance of the instrument, so that white agrees. The colours keep an error that k cannot correct, the \
+             blur of the instrument (instrument_blur removes it).",
         ))
 }
 
@@ -168,7 +169,7 @@ fn pixel_angles(bench: &Bench<'_>) -> Result<Section, ReproductionError> {
     };
     Ok(Section::new("figure-3-13", "Figure 3.13: SPD of pixel reflectance with angle scanning").figure(
         pixel_scan(&figure, "The reference pixel"),
-        "The states' reflectance at 8, 20, 30 and 40 deg in glass: with the angle the spectra go to the blue. The \
-         thesis's pixel tool is closed; ours is a film stack fitted to its bare peaks.",
+        "Reflectance of the states at 8, 20, 30 and 40 deg in glass: with increasing angle, the spectra shift to the blue. \
+         The thesis's program for the pixel is not public; ours is a film stack fitted to the peaks of its bare panel.",
     ))
 }

@@ -15,7 +15,7 @@ use crate::chapter_3::{in_plane, measurement, shape};
 use crate::displays::{Bench, ReproductionError};
 use crate::report::{Section, Table, number};
 
-/// Table 4.1: variance times N (or N cubed) and samples for a standard error of .08, as printed.
+/// Table 4.1: variance times N (or N cubed) and samples for a standard error of 0.08, as printed.
 const TABLE_4_1: [(&str, u64); 5] =
     [("56.8/N", 8875), ("21.3/N", 3328), ("0", 1), ("0.1645/N", 26), ("21.3/N^3", 15)];
 
@@ -33,9 +33,9 @@ fn table_4_1() -> Section {
         "density",
         "variance, thesis",
         "variance, here",
-        "at N = 16",
+        "variance at N = 16, exact",
         "by experiment",
-        "N for SE .08, thesis",
+        "N for a standard error of 0.08, thesis",
         "here",
     ]);
     for (way, (printed, samples)) in Way::ALL.into_iter().zip(TABLE_4_1) {
@@ -55,26 +55,28 @@ fn table_4_1() -> Section {
     Section::new("table-4-1", "Table 4.1: comparison between different sampling functions")
         .table(table)
         .say(
-            "The integral of x from 0 to 4, which is 8. Variances are exact (eq. 4-9) and by 20 000 experiments of 16 \
-             samples. The thesis's numbers of samples for the first two are those of its rounded variances.",
+            "Estimates of the integral of x from 0 to 4, which is 8. Variances are exact (eq. 4-9), and from 20 000 \
+             experiments of 16 samples. In the first two rows, the thesis computed the numbers of samples from its rounded \
+             variances.",
         )
 }
 
-/// Figure 4.1: paths that the walk's own directions make, drawn in the plane of incidence.
+/// Figure 4.1: paths with the directions of the Monte Carlo solver, drawn in the plane of incidence.
 fn paths(bench: &Bench<'_>) -> Result<Section, ReproductionError> {
     let scene = bench.resolve("indoor", &[])?.scene;
     let lobe = scene.display.panel().and_then(|panel| panel.diffuser.as_ref()).map(|diffuser| diffuser.lobe);
     let lobe = lobe.unwrap_or(Lobe::Lambertian);
-    // Above the diffuser, in the glass; height of the eye.
+    // Thickness of the glass below the diffuser, and height of the eye above it.
     let (glass, eye) = (1.0, 1.3);
     let down = |beta: Beta, index: f64| beta.x / (index * index - beta.squared()).max(1e-9).sqrt();
-    let seen = Beta::from_source(8.0, 0.0, 1.0);
+    let view_direction = Beta::from_source(8.0, 0.0, 1.0);
     let numbers = Numbers::new(Sampler::Stratified, 0, 0);
     let path = |k: u64| {
         let [u, v, s, t] = numbers.block(16 + k, 0);
-        let start = -eye * down(seen, 1.0);
+        let start = -eye * down(view_direction, 1.0);
         let mut points = vec![(start, eye), (0.0, 0.0)];
-        let Some(inside) = lobe.sample_direction(seen, [u, v]).filter(|beta| beta.squared() < GLASS * GLASS)
+        let Some(inside) =
+            lobe.sample_direction(view_direction, [u, v]).filter(|beta| beta.squared() < GLASS * GLASS)
         else {
             return points;
         };
@@ -87,7 +89,7 @@ fn paths(bench: &Bench<'_>) -> Result<Section, ReproductionError> {
         points
     };
     let count = 14;
-    // How far the picture reaches to either side.
+    // Extent of the figure to either side.
     let reach = 1.4;
     let curve = |k: u64| ChartCurve {
         name: String::new(),
@@ -96,7 +98,7 @@ fn paths(bench: &Bench<'_>) -> Result<Section, ReproductionError> {
         marks: false,
         points: path(k),
     };
-    let face = |height: f64, name: &str| ChartCurve {
+    let interface = |height: f64, name: &str| ChartCurve {
         name: name.to_owned(),
         hue: Hue::Group(3),
         dashed: false,
@@ -108,28 +110,30 @@ fn paths(bench: &Bench<'_>) -> Result<Section, ReproductionError> {
         let inside = curve.points.iter().take_while(|(x, _)| x.abs() <= reach).count();
         curve.points.truncate(inside);
     }
-    curves.extend([face(0.0, "diffuser"), face(-glass, "pixel")]);
+    curves.extend([interface(0.0, "diffuser"), interface(-glass, "pixel")]);
     let figure = Chart {
-        x: "Position, in thicknesses of the glass".to_owned(),
-        y: "Height".to_owned(),
+        x: "Position (in units of the glass thickness)".to_owned(),
+        y: "Height (in units of the glass thickness)".to_owned(),
         logarithmic: false,
         at_least: vec![],
         curves,
     };
     Ok(Section::new("figure-4-1", "Figure 4.1: path tracing for display simulation").figure(
         chart(&figure, ""),
-        "Paths of the indoor scenario, projected onto one plane: from the eye at 8 deg down to the diffuser, \
-         scattered into the glass, mirrored by the pixel, scattered out into the room.",
+        "Paths of the indoor scenario, projected onto one plane: from the eye at 8 deg to the diffuser, scattered into the \
+         glass, reflected by the pixel, and scattered out of the display.",
     ))
 }
 
 /// Figure 4.2.
 fn sets() -> Section {
     const POINTS: u64 = 256;
-    let of = |sampler: Sampler| (sampler.name(), sampler.first_pairs(POINTS..2 * POINTS));
-    let sets: Vec<(&str, Vec<[f64; 2]>)> = Sampler::ALL.into_iter().map(of).collect();
-    Section::new("figure-4-2", "Figure 4.2: random spatial samples from different sampling methods")
-        .figure(point_sets(&sets, "256 points"), "The first pair of coordinates that paths draw from.")
+    let named_set = |sampler: Sampler| (sampler.name(), sampler.first_pairs(POINTS..2 * POINTS));
+    let sets: Vec<(&str, Vec<[f64; 2]>)> = Sampler::ALL.into_iter().map(named_set).collect();
+    Section::new("figure-4-2", "Figure 4.2: random spatial samples from different sampling methods").figure(
+        point_sets(&sets, "256 points"),
+        "The first two coordinates of the random points of the paths.",
+    )
 }
 
 /// Figure 4.3.
@@ -138,7 +142,7 @@ fn densities() -> Section {
     let all: [(&str, Density); 4] = [
         ("(6 - x)/16", |x| (6.0 - x) / 16.0),
         ("x/8", |x| x / 8.0),
-        ("(.1 + .95 x)/8", |x| (0.1 + 0.95 * x) / 8.0),
+        ("(0.1 + 0.95 x)/8", |x| (0.1 + 0.95 * x) / 8.0),
         ("1/4", |_| 0.25),
     ];
     let curve = |(k, (name, density)): (usize, (&str, Density))| ChartCurve {
@@ -189,24 +193,25 @@ fn standard_errors(bench: &Bench<'_>) -> Result<Section, ReproductionError> {
     };
     let (uniform, cosine, ward) =
         (errors(Strategy::Uniform), errors(Strategy::Cosine), errors(Strategy::Ward));
-    let beats = |a: &[f64], b: &[f64]| {
-        let won = a.iter().zip(b).filter(|(a, b)| a < b).count();
-        format!("at {won} of {} numbers of paths", a.len().min(b.len()))
+    let smaller = |a: &[f64], b: &[f64]| {
+        let count = a.iter().zip(b).filter(|(a, b)| a < b).count();
+        format!("for {count} of {} numbers of paths", a.len().min(b.len()))
     };
     let mut claims = Table::new(&["the thesis finds", "here"]);
-    claims.row(["cosine sampling reduces the error more than uniform sampling", &beats(&cosine, &uniform)]);
-    claims.row(["Ward's error is below the cosine's", &beats(&ward, &cosine)]);
+    claims.row(["cosine sampling reduces the error more than uniform sampling", &smaller(&cosine, &uniform)]);
+    claims.row(["the error of Ward sampling is below that of cosine sampling", &smaller(&ward, &cosine)]);
     Ok(Section::new("figure-4-4", "Figure 4.4: standard error of different sampling methods")
         .figure(
             accuracy(&[panel], "Indoor, haze 78, random numbers"),
-            "Largest relative standard error of Y over the states. Dashed: what the thesis did not have, the lobe itself \
-             (kernel) and the product of lobe, light and pixel (guided).",
+            "Largest relative standard error of Y over the states. Dashed: methods that the thesis does not have, sampling \
+             of the lobe itself (kernel) and of the product of lobe, light and pixel (guided).",
         )
         .table(table)
         .table(claims)
         .say(
-            "The thesis's Ward lobe is fitted alone; ours has a tenth drawn by the cosine beside it, without which its \
-             variance has no bound (a Gaussian's tail under a lobe that falls by a power).",
+            "The thesis draws all directions from the fitted Ward lobe. Ours are drawn by the cosine with a probability of \
+             0.1; otherwise the variance would be unbounded (the lobe decreases by a power, and the tail of a Gaussian is \
+             below it).",
         ))
 }
 
@@ -227,21 +232,26 @@ fn ward(bench: &Bench<'_>) -> Result<Section, ReproductionError> {
         let fitted: Vec<(f64, f64)> =
             values.iter().map(|(to, _)| (*to, fit.value(ray(from), ray(*to)))).collect();
         let peak = |values: &[(f64, f64)]| values.iter().map(|(_, value)| *value).fold(0.0, f64::max);
-        let [seen, found] = [peak(&values), peak(&fitted)];
-        table.row([from.to_string(), number(seen, 3), number(found, 3), number(found / seen, 3)]);
+        let [measured, fit_peak] = [peak(&values), peak(&fitted)];
+        table.row([
+            from.to_string(),
+            number(measured, 3),
+            number(fit_peak, 3),
+            number(fit_peak / measured, 3),
+        ]);
         for (name, points, values) in [("data", true, values), ("Ward", false, fitted)] {
             let name = Some(format!("{from} deg, {name}"));
             curves.push(ScatterCurve { name, incidence_deg: from, points, values });
         }
     }
     let figure = Scattering { quantity: "BTDF (1/sr)".to_owned(), curves, maps: Vec::new() };
-    let found: Vec<String> =
+    let parameters: Vec<String> =
         fit.parameters.iter().map(|p| format!("{} = {}", p.name, number(p.value, 4))).collect();
     Ok(Section::new("figure-4-5", "Figure 4.5: fitted Ward BRDF against measured data")
         .figure(
-            scattering(&figure, "H78 as a virtual imaging sphere sees it"),
-            format!("Least squares over all cells (eq. 4-16 to 4-18): {}.", found.join(", ")),
+            scattering(&figure, "H78, simulated measurement with an imaging sphere"),
+            format!("Least-squares fit to all cells (eq. 4-16 to 4-18): {}.", parameters.join(", ")),
         )
         .table(table)
-        .say("The thesis: \u{201c}The peak of the fitted curve is lower than the measured data.\u{201d} So it is here."))
+        .say("The thesis: \u{201c}The peak of the fitted curve is lower than the measured data.\u{201d} This also holds here."))
 }

@@ -1,4 +1,4 @@
-//! The displays of the report: shipped scenarios, written out so that they can be run again, and run.
+//! The displays of the report: shipped scenarios, which are written to a folder and run.
 
 use std::path::{Path, PathBuf};
 
@@ -7,10 +7,10 @@ use papilio_display::{Control, DisplayError};
 use papilio_formats::{FormatError, write_file};
 use papilio_scenario::{Resolved, Scenario, ScenarioErrors};
 
-/// Why a report could not be made.
+/// Error of the computation of a report.
 #[derive(Debug, thiserror::Error)]
 pub enum ReproductionError {
-    /// A scenario of the report is wrong.
+    /// A scenario of the report is invalid.
     #[error(transparent)]
     Scenario(#[from] ScenarioErrors),
     /// A display could not be computed, or was interrupted.
@@ -22,12 +22,12 @@ pub enum ReproductionError {
     /// A measurement could not be used.
     #[error("a measured sample of the report cannot be used: {0}")]
     Sample(String),
-    /// A folder could not be made.
-    #[error("cannot make the folder {0}: {1}")]
+    /// A folder could not be created.
+    #[error("cannot create the folder {0}: {1}")]
     Folder(PathBuf, std::io::Error),
 }
 
-/// Names and bytes of what is shipped.
+/// Names and contents of the shipped files.
 macro_rules! shipped {
     ($($name:literal),* $(,)?) => {
         &[$(($name, include_bytes!(concat!("../../../scenarios/", $name)).as_slice())),*]
@@ -52,7 +52,7 @@ const SHIPPED: &[(&str, &[u8])] = shipped![
     "data/H81-transmission.csv",
 ];
 
-/// Where the scenarios of a report lie, and how they are computed.
+/// Folder of the scenarios of a report, and control of their computation.
 pub(crate) struct Bench<'a> {
     folder: PathBuf,
     control: &'a Control<'a>,
@@ -69,28 +69,28 @@ impl<'a> Bench<'a> {
         Ok(Self { folder: folder.to_owned(), control })
     }
 
-    /// Where one of the shipped files lies.
+    /// Returns the path of one of the shipped files.
     pub(crate) fn path(&self, name: &str) -> PathBuf {
         self.folder.join(name)
     }
 
-    /// How to compute.
+    /// Returns the control of the computation.
     pub(crate) fn control(&self) -> &'a Control<'a> {
         self.control
     }
 
-    /// A shipped scenario with changes as of `--set`.
+    /// Resolves a shipped scenario with changes as by `--set`.
     pub(crate) fn resolve(&self, name: &str, set: &[&str]) -> Result<Resolved, ReproductionError> {
         let set: Vec<String> = set.iter().map(|&text| text.to_owned()).collect();
         Ok(Scenario::load(&self.path(&format!("{name}.toml")), &set)?.resolve()?)
     }
 
-    /// The same, computed.
+    /// Runs a shipped scenario with changes as by `--set`.
     pub(crate) fn run(&self, name: &str, set: &[&str]) -> Result<RunResult, ReproductionError> {
         Ok(papilio_display::run(&self.resolve(name, set)?.scene, self.control)?)
     }
 
-    /// The same at these viewing angles, degrees.
+    /// Runs a shipped scenario at these viewing angles, degrees.
     pub(crate) fn at(
         &self,
         name: &str,
@@ -103,17 +103,17 @@ impl<'a> Bench<'a> {
     }
 }
 
-/// A state's numbers in a view; of NaN where there is no such state.
+/// Returns the values of a state in a view, if it has this state.
 pub(crate) fn values<'a>(view: &'a View, state: &str) -> Option<&'a StateValues> {
     view.states.get(state).map(|state| &state.value)
 }
 
-/// A number of a state; NaN where it is not defined.
+/// Returns a number of a state; NaN where it is not defined.
 pub(crate) fn of(view: &View, state: &str, number: fn(&StateValues) -> Option<f64>) -> f64 {
     values(view, state).and_then(number).unwrap_or(f64::NAN)
 }
 
-/// The view that a result begins with; every scenario has one.
+/// Returns the first view of a result; every scenario has one.
 pub(crate) fn first(result: &RunResult) -> &View {
     &result.views[0]
 }

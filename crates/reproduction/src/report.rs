@@ -1,26 +1,26 @@
-//! What a report holds: sections of words, tables and figures; and its HTML, one page that needs nothing else.
+//! The report: sections of text, tables and figures, and its conversion to a self-contained HTML page.
 
 use std::fmt::Write;
 
 /// A report.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Report {
-    /// What stands at its top.
+    /// Title.
     pub title: String,
-    /// What it is.
+    /// Introductory paragraphs.
     pub about: Vec<String>,
-    /// Its sections, in the order of the dissertation.
+    /// Sections, in the order of the dissertation.
     pub sections: Vec<Section>,
 }
 
-/// A table or figure of the dissertation, and ours.
+/// A section about a table or figure of the dissertation and its reproduction.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Section {
-    /// A name within the page: `table-5-1`.
+    /// Identifier within the page: `table-5-1`.
     pub id: &'static str,
-    /// What the dissertation calls it.
+    /// Number and title in the dissertation.
     pub title: &'static str,
-    /// What is in it.
+    /// Contents.
     pub parts: Vec<Part>,
 }
 
@@ -31,49 +31,49 @@ pub enum Part {
     Words(String),
     /// A table.
     Table(Table),
-    /// A figure as SVG, and what is said below it.
+    /// A figure as SVG, and its caption.
     Figure(String, String),
-    /// A text as it stands.
+    /// Preformatted text.
     Code(String),
 }
 
-/// Numbers side by side.
+/// A table of texts.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Table {
-    /// Names of the columns.
+    /// Titles of the columns.
     pub head: Vec<String>,
-    /// Cells, as many as columns.
+    /// Rows, with a cell for each column.
     pub rows: Vec<Vec<String>>,
 }
 
 impl Section {
-    /// A section without parts.
+    /// Creates a section without parts.
     pub fn new(id: &'static str, title: &'static str) -> Self {
         Self { id, title, parts: Vec::new() }
     }
 
-    /// With a paragraph more.
+    /// Adds a paragraph.
     #[must_use]
     pub fn say(mut self, text: impl Into<String>) -> Self {
         self.parts.push(Part::Words(text.into()));
         self
     }
 
-    /// With a text more that is shown as it stands.
+    /// Adds preformatted text.
     #[must_use]
     pub fn code(mut self, text: impl Into<String>) -> Self {
         self.parts.push(Part::Code(text.into()));
         self
     }
 
-    /// With a table more.
+    /// Adds a table.
     #[must_use]
     pub fn table(mut self, table: Table) -> Self {
         self.parts.push(Part::Table(table));
         self
     }
 
-    /// With a figure more.
+    /// Adds a figure.
     #[must_use]
     pub fn figure(mut self, svg: String, caption: impl Into<String>) -> Self {
         self.parts.push(Part::Figure(svg, caption.into()));
@@ -82,18 +82,18 @@ impl Section {
 }
 
 impl Table {
-    /// Of these columns.
+    /// Creates a table with these columns.
     pub fn new(head: &[&str]) -> Self {
         Self { head: head.iter().map(|&name| name.to_owned()).collect(), rows: Vec::new() }
     }
 
-    /// With a row more.
+    /// Adds a row.
     pub fn row<C: Into<String>>(&mut self, cells: impl IntoIterator<Item = C>) {
         self.rows.push(cells.into_iter().map(Into::into).collect());
     }
 }
 
-/// A number with so many significant digits, without an exponent where that is short.
+/// Formats a number with so many significant digits, with an exponent only if the number would be long without it.
 pub(crate) fn number(value: f64, digits: usize) -> String {
     if !value.is_finite() {
         return "-".to_owned();
@@ -109,19 +109,19 @@ pub(crate) fn number(value: f64, digits: usize) -> String {
     format!("{value:.decimals$}")
 }
 
-/// A number with so many decimals, and without the sign of a zero.
+/// Formats a number with so many decimals, without the sign of a zero.
 pub(crate) fn fixed(value: f64, decimals: usize) -> String {
     let text = format!("{value:.decimals$}");
     if text.chars().any(|c| ('1'..='9').contains(&c)) { text } else { text.replace('-', "") }
 }
 
-/// A difference with its sign and so many decimals.
+/// Formats a difference with its sign and so many decimals.
 pub(crate) fn difference(value: f64, decimals: usize) -> String {
     let text = fixed(value, decimals);
     if value > 0.0 && text.chars().any(|c| ('1'..='9').contains(&c)) { format!("+{text}") } else { text }
 }
 
-/// By how much a number of ours is off from theirs: a difference, or a share where that says more.
+/// Formats the deviation of our number from the printed one: in %, or as a difference.
 pub(crate) fn off(theirs: f64, ours: f64) -> String {
     let difference = ours - theirs;
     if theirs == 0.0 || !difference.is_finite() {
@@ -139,7 +139,7 @@ pre{overflow-x:auto;font-size:.85rem}figure{margin:1.2rem 0}figure img{max-width
 nav{columns:16rem;font-size:.9rem}nav a{display:block;color:#1f4e9c;text-decoration:none}nav a:hover{text-decoration:underline}";
 
 impl Report {
-    /// A page of HTML with its figures inside.
+    /// Returns an HTML page that contains the figures.
     pub fn html(&self) -> String {
         let title = escaped(&self.title);
         let mut page = format!(
@@ -204,7 +204,7 @@ impl Table {
         page.push_str("</table>\n");
     }
 
-    /// Whether every cell of a column begins with a letter.
+    /// Returns whether every cell of a column begins with a letter.
     fn is_of_words(&self, column: usize) -> bool {
         let mut cells = self.rows.iter().filter_map(|row| row.get(column)?.chars().next()).peekable();
         cells.peek().is_some() && cells.all(char::is_alphabetic)
@@ -219,7 +219,7 @@ fn escaped(text: &str) -> String {
     text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
 }
 
-/// An SVG text as the address of a picture: names inside it are its own then.
+/// Returns an SVG text as a data URI. The identifiers within each figure are then independent of the others.
 fn data_uri(svg: &str) -> String {
     let mut uri = String::with_capacity(svg.len() * 2);
     uri.push_str("data:image/svg+xml,");
@@ -242,19 +242,19 @@ mod tests {
     use super::*;
 
     #[test]
-    fn numbers_are_written_shortly() {
+    fn numbers_have_given_significant_digits() {
         let written = [0.242_04, 24.0, 1234.5, -0.013_3, 0.0, 1e-9, f64::NAN].map(|v| number(v, 3));
         assert_eq!(written, ["0.242", "24.0", "1234", "-0.0133", "0", "1.00e-9", "-"]);
     }
 
     #[test]
-    fn zeros_have_no_sign() {
+    fn rounded_zero_has_no_sign() {
         assert_eq!([-1e-9, 0.04, -0.06].map(|v| difference(v, 1)), ["0.0", "0.0", "-0.1"]);
         assert_eq!((off(2.0, 2.0), off(2.0, 2.2)), ("0.0 %".to_owned(), "+10.0 %".to_owned()));
     }
 
     #[test]
-    fn a_page_escapes_what_it_shows() {
+    fn page_escapes_text_and_figures() {
         let mut table = Table::new(&["<a>", "b"]);
         table.row(["1 < 2", "&"]);
         table.row(["3", "words"]);

@@ -1,13 +1,13 @@
 //! Table 5.1 of Feng 2012: the colorimetric output of one run, as printed.
 //!
 //! Five drive states of an interferometric panel with a diffuser. X, Y, Z are
-//! relative to a perfect white under D65; every other row follows from them.
-//! Numbers are printed with three significant digits (trailing zeros dropped),
-//! the RGB rows as whole numbers.
+//! relative to a perfect white under D65; all other rows follow from them.
+//! Numbers are printed with three significant digits (without trailing zeros),
+//! the RGB rows as integers.
 
 use papilio_colour::Xyz;
 
-/// One column: a drive state.
+/// A column of the table: one drive state.
 #[derive(Debug, Clone, Copy)]
 pub struct Column {
     /// The drive state.
@@ -16,7 +16,7 @@ pub struct Column {
     pub xyz: Xyz,
     /// "dR": u'v' distance from D65.
     pub distance_from_d65: f64,
-    /// "CR": Y over that of black.
+    /// "CR": contrast ratio, Y over Y of black.
     pub contrast: f64,
     /// "up, vp": u', v'.
     pub uv: [f64; 2],
@@ -33,7 +33,7 @@ pub struct Column {
 /// "Gamut": u'v' area of the three primaries, in percent.
 pub const GAMUT_PERCENT: f64 = 33.4;
 
-/// White, black, red, green and blue.
+/// The columns: white, black, red, green and blue.
 pub const TABLE_5_1: [Column; 5] = [
     Column {
         name: "white",
@@ -92,7 +92,7 @@ pub const TABLE_5_1: [Column; 5] = [
     },
 ];
 
-/// Half a unit of the last printed digit: how far rounding may have moved a number.
+/// Returns half a unit of the last printed digit, the largest rounding error.
 pub fn half_digit(printed: f64) -> f64 {
     0.5 * 10.0_f64.powf(printed.abs().log10().floor() - 2.0)
 }

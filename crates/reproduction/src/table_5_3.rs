@@ -1,12 +1,12 @@
 //! Table 5.3 of Feng 2012: daylight readability of four displays, as printed.
 //!
-//! Luminances of white and black in cd/m2; everything else in the table follows from them, but for the
-//! reading performances, which were read by eye off charts of CIE 145:2002.
+//! Luminances of white and black are in cd/m2. All other rows follow from them, except the
+//! reading performances, which were read by eye from charts of CIE 145:2002.
 
-/// One column: a display.
+/// A column of the table: one display.
 #[derive(Debug, Clone, Copy)]
 pub struct Column {
-    /// The display.
+    /// Name of the display.
     pub name: &'static str,
     /// "Kw": luminance of white, cd/m2.
     pub white_cd_m2: f64,
@@ -14,16 +14,16 @@ pub struct Column {
     pub black_cd_m2: f64,
     /// "D": contrast ratio.
     pub contrast_ratio: f64,
-    /// "Lave", cd/m2.
+    /// "Lave": mean luminance of the text, cd/m2.
     pub text_luminance_cd_m2: f64,
-    /// "C".
+    /// "C": contrast of the text.
     pub text_contrast: f64,
-    /// "P" at 20, 50 and 75 years, %. (The table's head says 70 where the chart that it was read off, figure 5.20,
-    /// says 75.)
+    /// "P": reading performance at 20, 50 and 75 years, %. (The head of the table has 70 years, but the chart from which
+    /// it was read, figure 5.20, has 75.)
     pub performance_percent: [f64; 3],
 }
 
-/// An LCD, a transflective display, and the dissertation's reflective one in two set-ups.
+/// The columns: an LCD, a transflective display, and the dissertation's reflective display in two set-ups.
 pub const TABLE_5_3: [Column; 4] = [
     Column {
         name: "LCD",

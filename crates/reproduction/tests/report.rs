@@ -1,4 +1,4 @@
-//! The report, made once: what must be in it, what must agree, and that its page needs nothing else.
+//! Tests of the report: completeness, agreement with the thesis, and a self-contained page.
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test says what it expects by unwrapping")]
 
@@ -17,20 +17,20 @@ fn report() -> &'static Report {
     })
 }
 
-/// The tables of a section.
+/// Returns the tables of a section.
 fn tables(id: &str) -> Vec<&'static Table> {
     let section = report().sections.iter().find(|section| section.id == id).unwrap();
     let table = |part: &'static Part| if let Part::Table(table) = part { Some(table) } else { None };
     section.parts.iter().filter_map(table).collect()
 }
 
-/// A cell as a number.
+/// Parses a cell as a number.
 fn number(cell: &str) -> f64 {
     cell.trim_end_matches('%').trim().parse().unwrap_or_else(|_| panic!("{cell} is not a number"))
 }
 
 #[test]
-fn every_table_and_figure_is_there() {
+fn report_contains_all_tables_and_figures() {
     let titles: Vec<&str> = report().sections.iter().map(|section| section.title).collect();
     for table in ["4.1", "5.1", "5.2", "5.3"] {
         assert!(titles.iter().any(|title| title.starts_with(&format!("Table {table}"))), "{table}");
@@ -48,9 +48,9 @@ fn every_table_and_figure_is_there() {
     }
 }
 
-/// Table 5.2's bare peaks, in glass, within 5 nm; blue at 20 deg lies at the edge of the thesis's axis, 400 nm.
+/// The bare peaks of table 5.2, in glass, agree to 5 nm; blue at 20 deg is at the edge of the thesis's axis, 400 nm.
 #[test]
-fn bare_peaks_agree() {
+fn bare_peaks_agree_with_table_5_2() {
     let bare = tables("table-5-2")[0];
     assert_eq!(bare.rows.len(), 6);
     for row in &bare.rows {
@@ -62,9 +62,9 @@ fn bare_peaks_agree() {
     }
 }
 
-/// Table 5.3's derived rows, but for its 10.08, follow from its luminances.
+/// The derived rows of table 5.3, except its 10.08, follow from its luminances.
 #[test]
-fn readability_follows() {
+fn readability_follows_from_luminances() {
     for row in &tables("table-5-3")[0].rows {
         let cells: Vec<f64> = row[1..7].iter().map(|cell| number(cell)).collect();
         let known_error = cells[0] == 10.08;
@@ -76,19 +76,19 @@ fn readability_follows() {
     }
 }
 
-/// What the thesis finds in its figures, ours finds in the report's numbers.
+/// The findings of the thesis from its figures hold for the numbers of the report.
 #[test]
-fn the_findings_hold() {
-    let fsr = tables("figure-5-15")[0];
-    let left = |condition: &str, column: usize| {
-        let row = fsr.rows.iter().find(|row| row[0] == condition).unwrap();
+fn findings_of_thesis_hold() {
+    let front_reflection = tables("figure-5-15")[0];
+    let ratio = |condition: &str, column: usize| {
+        let row = front_reflection.rows.iter().find(|row| row[0] == condition).unwrap();
         number(&row[column])
     };
     for column in [1, 2] {
         for condition in ["indoor", "sunny", "overcast"] {
-            assert!(left(condition, column) < 1.0);
+            assert!(ratio(condition, column) < 1.0);
         }
-        assert!(left("overcast", column) < left("indoor", column).min(left("sunny", column)));
+        assert!(ratio("overcast", column) < ratio("indoor", column).min(ratio("sunny", column)));
     }
     let haze = tables("figure-5-17")[0];
     assert_eq!(haze.rows[0][1..], ["20 deg", "20 deg"]);
@@ -96,15 +96,15 @@ fn the_findings_hold() {
         assert_eq!(number(&row[1]) > number(&row[2]), h65_is_better, "{row:?}");
     }
     let front_light = tables("figure-5-19")[0];
-    // Red, green and blue LEDs against the white one, alone and with the room.
+    // RGB LEDs against the white LED, without and with room light.
     for (rgb, white) in [(2, 1), (4, 3)] {
         assert!(number(&front_light.rows[rgb][1]) > 1.2 * number(&front_light.rows[white][1]));
     }
 }
 
-/// One file: no address of anything else, and every table as wide as its head.
+/// The page refers to no other files, and all rows of a table have as many cells as its head.
 #[test]
-fn the_page_needs_nothing_else() {
+fn page_is_self_contained() {
     let page = report().html();
     for address in ["src=\"http", "href=\"http", "<script", "<link", "url(http"] {
         assert!(!page.contains(address), "{address}");
@@ -120,9 +120,9 @@ fn the_page_needs_nothing_else() {
     }
 }
 
-/// What the report says in words beside its tables.
+/// The statements of the report about its tables are true.
 #[test]
-fn the_words_fit_the_numbers() {
+fn statements_agree_with_tables() {
     for row in &tables("table-5-1")[0].rows {
         let off = || number(row[5].trim_end_matches('%'));
         match (row[0].as_str(), row[1].as_str()) {
@@ -144,7 +144,7 @@ fn the_words_fit_the_numbers() {
     let falls: Vec<f64> = tables("figure-5-8")[0].rows.iter().map(|row| number(&row[3])).collect();
     let [bare_in_glass, bare_in_air, diffused, _] = falls[..] else { panic!("{falls:?}") };
     assert!(bare_in_glass > diffused && diffused > bare_in_air, "{falls:?}");
-    // A blue shift near the normal; a red one at 20 deg, of tens of nm where two conventions meet alone.
+    // A blue shift near the normal, and a red shift at 20 deg, which is tens of nm only with two conventions.
     let shifts = &tables("figure-5-13")[0].rows;
     assert!(shifts.iter().all(|row| number(&row[1]) < 0.0), "{shifts:?}");
     let at_20: Vec<f64> = shifts.iter().map(|row| number(&row[3])).collect();

@@ -1,22 +1,22 @@
-//! A set of points that keep away from each other: Mitchell's best candidates.
+//! Well-separated points of the unit square: Mitchell's best-candidate algorithm.
 //!
-//! Each new point is that of several candidates which is farthest from all before, on the torus
-//! (D. Mitchell, *Spectrally Optimal Sampling for Distribution Ray Tracing*, SIGGRAPH 1991; Feng
-//! 2012, ch. 4). Any first part of the set is itself such a set.
+//! Of several random candidates, each new point is the one that is farthest from all previous points, on the
+//! torus (D. Mitchell, *Spectrally Optimal Sampling for Distribution Ray Tracing*, SIGGRAPH 1991; Feng 2012,
+//! ch. 4). The first n points, for any n, are such a set too.
 
 use crate::numbers::{mix64, open_unit};
 
-/// Points of the set: a power of two.
+/// Number of points of the set: a power of two.
 pub(crate) const LARGEST_SET: usize = 4096;
 
-/// Candidates for each point.
+/// Number of candidates for each point.
 const CANDIDATES: u64 = 32;
 
-/// Cells of the search grid along each side.
+/// Number of cells of the search grid along each side.
 const CELLS: usize = 48;
 
-/// The set, always the same.
-pub(crate) fn set() -> Vec<[f64; 2]> {
+/// Returns the point set, which is the same for every call.
+pub(crate) fn best_candidate_points() -> Vec<[f64; 2]> {
     let mut grid = Grid { cells: vec![Vec::new(); CELLS * CELLS] };
     let mut points: Vec<[f64; 2]> = Vec::with_capacity(LARGEST_SET);
     for n in 0..LARGEST_SET as u64 {
@@ -37,7 +37,7 @@ pub(crate) fn set() -> Vec<[f64; 2]> {
     points
 }
 
-/// The points so far, by place.
+/// The points so far, sorted into cells.
 struct Grid {
     cells: Vec<Vec<[f64; 2]>>,
 }
@@ -48,18 +48,19 @@ impl Grid {
         y * CELLS + x
     }
 
-    /// Squared distance to the nearest point, or something below `enough`, if it is.
-    fn nearest(&self, point: [f64; 2], enough: f64) -> f64 {
+    /// Squared distance to the nearest point. If it is below `threshold`, any value below `threshold` may be
+    /// returned.
+    fn nearest(&self, point: [f64; 2], threshold: f64) -> f64 {
         let [x, y] = point.map(|v| (v * CELLS as f64) as usize);
         let mut nearest = f64::INFINITY;
         for ring in 0..=CELLS / 2 {
-            // All that is not in the rings so far is at least this far away.
+            // Points outside the rings searched so far are at least this far away.
             let beyond = (ring as f64 - 1.0).max(0.0) / CELLS as f64;
-            if nearest <= beyond * beyond || nearest < enough {
+            if nearest <= beyond * beyond || nearest < threshold {
                 break;
             }
-            for (dx, dy) in around(ring) {
-                let wrap = |at: usize, d: isize| (at as isize + d).rem_euclid(CELLS as isize) as usize;
+            for (dx, dy) in ring_cells(ring) {
+                let wrap = |cell: usize, d: isize| (cell as isize + d).rem_euclid(CELLS as isize) as usize;
                 for other in &self.cells[wrap(y, dy) * CELLS + wrap(x, dx)] {
                     nearest = nearest.min(distance_squared(point, *other));
                 }
@@ -69,8 +70,8 @@ impl Grid {
     }
 }
 
-/// The cells of a square ring.
-fn around(ring: usize) -> impl Iterator<Item = (isize, isize)> {
+/// Offsets of the cells of a square ring.
+fn ring_cells(ring: usize) -> impl Iterator<Item = (isize, isize)> {
     let r = ring as isize;
     (-r..=r).flat_map(move |dy| {
         let step = if dy.abs() == r { 1 } else { (2 * r).max(1) };
@@ -78,7 +79,7 @@ fn around(ring: usize) -> impl Iterator<Item = (isize, isize)> {
     })
 }
 
-/// On the torus.
+/// Squared distance on the torus.
 fn distance_squared(a: [f64; 2], b: [f64; 2]) -> f64 {
     let along = |k: usize| {
         let d = (a[k] - b[k]).abs();
@@ -91,11 +92,11 @@ fn distance_squared(a: [f64; 2], b: [f64; 2]) -> f64 {
 mod tests {
     use super::*;
 
-    /// 4096 points cannot all be farther apart than those of a hexagonal lattice, .0168. Mitchell's
-    /// keep half of that; of random ones the closest two are at about 1e-4.
+    /// The smallest distance of 4096 points cannot exceed that of a hexagonal lattice, 0.0168. Best
+    /// candidates keep at least half of it; the closest two of random points are about 1e-4 apart.
     #[test]
-    fn points_keep_apart() {
-        let points = set();
+    fn closest_points_are_half_a_lattice_spacing_apart() {
+        let points = best_candidate_points();
         for count in [64, 4096] {
             let lattice = (2.0 / 3.0_f64.sqrt() / count as f64).sqrt();
             let pairs = (1..count).flat_map(|i| (0..i).map(move |j| (i, j)));

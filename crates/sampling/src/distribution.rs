@@ -1,77 +1,79 @@
-//! Numbers as production scatters them, by their quantile functions.
+//! Probability distributions by their quantile functions.
 //!
-//! A quantile function turns an even number in (0, 1) into one of the distribution, and even sets of points
-//! into sets that are as even: errors of averages fall faster than those of random numbers.
+//! A quantile function converts a uniform number in (0, 1) to a number of the distribution. Low-discrepancy
+//! points stay low-discrepancy points: errors of means decrease faster than those of random numbers.
 //!
 //! | distribution | parameters | range |
 //! |---|---|---|
-//! | normal | mean, standard deviation `sigma`; may be cut off at both ends | all, or within |
-//! | log-normal | `median`, standard deviation `sigma` of the logarithm; may be cut off | above 0, or within |
+//! | normal | mean, standard deviation `sigma`; may be truncated at both ends | all, or within |
+//! | log-normal | `median`, standard deviation `sigma` of the logarithm; may be truncated | above 0, or within |
 //! | uniform | `from`, `to` | both ends |
-//! | triangular | `from`, `mode` (the likeliest), `to` | both ends |
-//! | choices | a weight for each of a list | 0, 1, ... |
+//! | triangular | `from`, `mode` (the most probable value), `to` | both ends |
+//! | choices | a weight for each item of a list | 0, 1, ... |
 //!
-//! A distribution that is cut off keeps its shape between the ends: what lies beyond is sorted out, not moved.
+//! A truncated distribution keeps its shape between the ends: values outside are discarded, not moved to the
+//! ends.
 
 use std::f64::consts::SQRT_2;
 
 use crate::{erfc, erfc_inv};
 
-/// How a number scatters.
+/// Probability distribution of a number.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Distribution {
-    /// Bell-shaped.
+    /// Normal distribution, possibly truncated.
     Normal {
-        /// Mean of the whole, before it is cut off.
+        /// Mean before truncation.
         mean: f64,
-        /// Standard deviation of the whole, above 0.
+        /// Standard deviation before truncation, above 0.
         sigma: f64,
-        /// Nothing lies beyond; infinite where it is not cut off.
+        /// Lower and upper end; infinite without truncation.
         within: [f64; 2],
     },
-    /// Its logarithm is normal.
+    /// Log-normal distribution, possibly truncated.
     LogNormal {
-        /// Half of the whole lies below; above 0.
+        /// Median before truncation, above 0.
         median: f64,
         /// Standard deviation of the natural logarithm, above 0.
         sigma: f64,
-        /// Nothing lies beyond; 0 and infinity where it is not cut off.
+        /// Lower and upper end; 0 and infinity without truncation.
         within: [f64; 2],
     },
-    /// Alike between two ends.
+    /// Uniform between two ends.
     Uniform {
-        /// The least.
+        /// Lower end.
         from: f64,
-        /// The largest.
+        /// Upper end.
         to: f64,
     },
-    /// Rising to the likeliest, and falling.
+    /// Density that rises linearly to the mode and falls linearly.
     Triangular {
-        /// The least.
+        /// Lower end.
         from: f64,
-        /// The likeliest.
+        /// Most probable value.
         mode: f64,
-        /// The largest.
+        /// Upper end.
         to: f64,
     },
-    /// One of several, called by its number from 0.
+    /// One of several items, given by its zero-based index.
     Choices {
-        /// How often each is met: 0 or more, and not all 0.
+        /// Relative probabilities: 0 or more, not all 0.
         weights: Vec<f64>,
     },
 }
 
 impl Distribution {
-    /// The number that a share `u` of all lies below, 0 < u < 1; of choices the number of one.
+    /// Quantile: the number below which the fraction `u` of the distribution lies, 0 < u < 1; of choices, the
+    /// index.
     pub fn quantile(&self, u: f64) -> f64 {
         match *self {
             Self::Normal { mean, sigma, within } => {
                 let ends = within.map(|end| (end - mean) / sigma);
-                (mean + sigma * normal_within(u, ends)).clamp(within[0], within[1])
+                (mean + sigma * truncated_normal_quantile(u, ends)).clamp(within[0], within[1])
             }
             Self::LogNormal { median, sigma, within } => {
                 let ends = within.map(|end| (end.max(0.0) / median).ln() / sigma);
-                (median * (sigma * normal_within(u, ends)).exp()).clamp(within[0], within[1])
+                (median * (sigma * truncated_normal_quantile(u, ends)).exp()).clamp(within[0], within[1])
             }
             Self::Uniform { from, to } => from + u * (to - from),
             Self::Triangular { from, mode, to } => {
@@ -98,23 +100,23 @@ impl Distribution {
     }
 }
 
-/// The standard normal number below which a share `u` of those between two ends lies.
-fn normal_within(u: f64, [low, high]: [f64; 2]) -> f64 {
-    // Counted from the end that is nearer: shares near 1 have lost the digits that matter.
+/// Quantile of the standard normal distribution truncated to `[low, high]`.
+fn truncated_normal_quantile(u: f64, [low, high]: [f64; 2]) -> f64 {
+    // Computed from the nearer end: probabilities near 1 have lost significant digits.
     if low > 0.0 {
-        return -normal_within(1.0 - u, [-high, -low]);
+        return -truncated_normal_quantile(1.0 - u, [-high, -low]);
     }
-    let (below, above) = (share_below(low), share_below(high));
-    normal(below + u * (above - below))
+    let (below, above) = (normal_cdf(low), normal_cdf(high));
+    normal_quantile(below + u * (above - below))
 }
 
-/// The share of the standard normal distribution below `z`.
-pub(crate) fn share_below(z: f64) -> f64 {
+/// Cumulative distribution function of the standard normal distribution.
+pub(crate) fn normal_cdf(z: f64) -> f64 {
     0.5 * erfc(-z / SQRT_2)
 }
 
-/// The standard normal number that a share `u` lies below.
-pub(crate) fn normal(u: f64) -> f64 {
+/// Quantile function of the standard normal distribution.
+pub(crate) fn normal_quantile(u: f64) -> f64 {
     -SQRT_2 * erfc_inv(2.0 * u)
 }
 
@@ -122,15 +124,15 @@ pub(crate) fn normal(u: f64) -> f64 {
 mod tests {
     use super::*;
 
-    const WHOLE: [f64; 2] = [f64::NEG_INFINITY, f64::INFINITY];
+    const UNBOUNDED: [f64; 2] = [f64::NEG_INFINITY, f64::INFINITY];
 
     fn standard(within: [f64; 2]) -> Distribution {
         Distribution::Normal { mean: 0.0, sigma: 1.0, within }
     }
 
-    /// Abramowitz and Stegun, table 26.5, and the tail by Wichura's AS 241, as R prints them.
+    /// Abramowitz and Stegun, table 26.5; the tail by Wichura's AS 241, as printed by R.
     #[test]
-    fn normal_quantiles_are_those_of_tables() {
+    fn normal_quantiles_equal_published_values() {
         for (u, z) in [
             (0.5, 0.0),
             (0.975, 1.959963984540054),
@@ -138,26 +140,26 @@ mod tests {
             (1e-10, -6.361340902404056),
             (0.3, -0.5244005127080407),
         ] {
-            assert!((standard(WHOLE).quantile(u) - z).abs() < 1e-11, "{u}");
+            assert!((standard(UNBOUNDED).quantile(u) - z).abs() < 1e-11, "{u}");
         }
     }
 
-    /// Whatever the distribution: the mean and the spread of the quantiles at even shares are its own.
+    /// Mean and variance of the quantiles at equidistant probabilities equal those of the distribution.
     #[test]
-    fn moments_are_those_of_closed_forms() {
+    fn quantile_moments_equal_closed_forms() {
         let (from, mode, to) = (1.0, 2.0, 5.0);
         let triangle = Distribution::Triangular { from, mode, to };
         let of_triangle = (from * from + mode * mode + to * to - from * mode - from * to - mode * to) / 18.0;
-        // A normal distribution cut off at one and two standard deviations.
+        // A normal distribution truncated at one and two standard deviations.
         let cut = standard([-1.0, 2.0]);
         let density = |z: f64| (-0.5 * z * z).exp() / (2.0 * std::f64::consts::PI).sqrt();
-        let share = share_below(2.0) - share_below(-1.0);
-        let mean = (density(-1.0) - density(2.0)) / share;
-        let variance = 1.0 + (-density(-1.0) - 2.0 * density(2.0)) / share - mean * mean;
+        let fraction = normal_cdf(2.0) - normal_cdf(-1.0);
+        let mean = (density(-1.0) - density(2.0)) / fraction;
+        let variance = 1.0 + (-density(-1.0) - 2.0 * density(2.0)) / fraction - mean * mean;
         let log = Distribution::LogNormal { median: 2.0, sigma: 0.25, within: [0.0, f64::INFINITY] };
         let of_log = 4.0 * (0.0625_f64.exp() - 1.0) * 0.0625_f64.exp();
         let weights = Distribution::Choices { weights: vec![1.0, 0.0, 3.0] };
-        let shifted = Distribution::Normal { mean: 3.0, sigma: 0.2, within: WHOLE };
+        let shifted = Distribution::Normal { mean: 3.0, sigma: 0.2, within: UNBOUNDED };
         for (distribution, mean, variance) in [
             (shifted, 3.0, 0.04),
             (cut, mean, variance),
@@ -176,9 +178,10 @@ mod tests {
         }
     }
 
-    /// Far out in either tail, nothing leaves the ends and nothing is lost: mirrored ends give mirrored numbers.
+    /// Far out in either tail, quantiles stay within the ends and keep their digits: mirrored ends give
+    /// mirrored numbers.
     #[test]
-    fn both_tails_are_alike() {
+    fn quantiles_of_opposite_tails_are_mirrored() {
         let (low, high) = (standard([-9.0, -8.0]), standard([8.0, 9.0]));
         for i in 1..100 {
             let u = f64::from(i) / 100.0;
@@ -188,7 +191,7 @@ mod tests {
     }
 
     #[test]
-    fn choices_come_by_their_weights() {
+    fn choices_follow_their_weights() {
         let weights = Distribution::Choices { weights: vec![0.0, 1.0, 2.0, 1.0, 0.0] };
         let chosen = [1e-9, 0.2499, 0.2501, 0.7499, 0.7501, 1.0 - 1e-9].map(|u| weights.quantile(u));
         assert_eq!(chosen, [1.0, 1.0, 2.0, 2.0, 3.0, 3.0]);

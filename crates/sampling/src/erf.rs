@@ -1,10 +1,11 @@
 //! The complementary error function and its inverse.
 //!
-//! **What.** `erfc(x) = 2/sqrt(pi) int_x^inf exp(-t^2) dt` and its inverse, each by rational approximations in pieces. The normal
-//! distribution below z is `erfc(-z/sqrt 2)/2`.
-//! **Accuracy.** `erfc` to 1e-10 of itself, because the constants of its tail have ten digits; `erfc_inv` to 1e-14.
-//! **Source.** The coefficients are those of the Boost Math Toolkit (copyright John Maddock 2006, `LICENSE-BOOST`). The constants of
-//! the tail are rounded, and the operations ordered, as in the crate statrs, whose results these keep to the last bit.
+//! **Definition.** `erfc(x) = 2/sqrt(pi) int_x^inf exp(-t^2) dt` and its inverse, each as piecewise rational
+//! approximations. The cumulative normal distribution is `erfc(-z/sqrt 2)/2`. **Accuracy.** Relative error of
+//! `erfc` 1e-10, because the constants of its tail have ten digits; of `erfc_inv` 1e-14. **Source.** The
+//! coefficients are those of the Boost Math Toolkit (copyright John Maddock 2006, `LICENSE-BOOST`). The
+//! constants of the tail are rounded, and the operations ordered, as in the crate statrs; results equal those
+//! of statrs to the last bit.
 
 mod pieces;
 
@@ -19,7 +20,7 @@ impl Piece {
         polynomial(self.below, x - self.from)
     }
 
-    /// The base and the ratio, each times `scale`.
+    /// Base plus ratio, times `scale`.
     fn scaled(&self, x: f64, scale: f64) -> f64 {
         scale * self.base + scale * (self.numerator(x) / self.denominator(x))
     }
@@ -48,7 +49,7 @@ pub fn erfc(x: f64) -> f64 {
     }
 }
 
-/// The error function, 0 to 0.5.
+/// The error function for x from 0 to 0.5.
 fn erf(x: f64) -> f64 {
     if x < 1e-10 {
         x * CENTRE.base + x * CENTRE.above[0]
@@ -59,13 +60,13 @@ fn erf(x: f64) -> f64 {
     }
 }
 
-/// The complementary error function from 0.5.
+/// The complementary error function for x from 0.5.
 fn tail(x: f64) -> f64 {
     let piece = TAIL.iter().find(|piece| x < piece.until);
     piece.map_or(0.0, |piece| piece.scaled(x, (-x * x).exp() / x))
 }
 
-/// The x whose [`erfc`] is `q`; infinite where q is not between 0 and 2.
+/// The inverse of [`erfc`]; infinite where q is not between 0 and 2.
 ///
 /// ```
 /// assert!((papilio_sampling::erfc_inv(0.5) - 0.476936276204470).abs() < 1e-15);
@@ -82,7 +83,8 @@ pub fn erfc_inv(q: f64) -> f64 {
     }
 }
 
-/// The x from 0 whose erf is `p` and whose erfc is `q`: one of the two has the digits that the other lost.
+/// Returns the x >= 0 with erf(x) = `p` and erfc(x) = `q`. Both are given because the smaller one has more
+/// digits.
 fn positive(p: f64, q: f64) -> f64 {
     if p <= INVERSE_CENTRE.until {
         INVERSE_CENTRE.scaled(p, p * (p + 10.0))
@@ -100,9 +102,9 @@ fn positive(p: f64, q: f64) -> f64 {
 mod tests {
     use super::*;
 
-    /// By mpmath 1.3, 40 digits.
+    /// Computed with mpmath 1.3, 40 digits.
     #[test]
-    fn erfc_is_as_published() {
+    fn erfc_equals_published_values() {
         for (x, exact) in [
             (-6.0, 2.0),
             (-2.5, 1.999593047982555),
@@ -130,9 +132,9 @@ mod tests {
         assert!(erfc(f64::NAN).is_nan());
     }
 
-    /// By mpmath 1.3, 40 digits: roots of its erfc.
+    /// Computed with mpmath 1.3, 40 digits: roots of its erfc.
     #[test]
-    fn the_inverse_is_as_published() {
+    fn erfc_inv_equals_published_values() {
         for (q, exact) in [
             (1e-300, 26.209469960516124),
             (1e-150, 18.490448550008626),
@@ -158,14 +160,14 @@ mod tests {
         assert!(erfc_inv(f64::from_bits(1)).is_finite() && erfc_inv(f64::NAN).is_nan());
     }
 
-    /// Across all joints of the pieces: the two undo each other, and nothing jumps.
+    /// Across all boundaries of the pieces, erfc_inv inverts erfc, and erfc decreases monotonically.
     #[test]
-    fn each_undoes_the_other() {
+    fn erfc_inv_inverts_erfc_across_pieces() {
         let mut last = f64::INFINITY;
         for i in -240..2600 {
             let x = f64::from(i) / 100.0;
             let (q, back) = (erfc(x), erfc_inv(erfc(x)));
-            // Near 2, erfc has lost the digits that x had.
+            // Near 2, erfc has lost digits of x.
             let allowed = if x < 0.0 { 1e-9 + 1e-15 * (x * x).exp() } else { 1e-9 };
             assert!((back - x).abs() < allowed, "{x}: {back}");
             assert!(q < last, "{x}");

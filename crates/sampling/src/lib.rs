@@ -1,18 +1,17 @@
-//! Uniform numbers for Monte Carlo, and the warps that turn them into directions.
+//! Uniform numbers for Monte Carlo integration, and warps that convert them to directions.
 //!
-//! - [`Numbers`]: the source of one replicate: independent counter-based random
-//!   numbers, or points of better sets ([`Sampler`]). A path asks for blocks of four numbers
-//!   by position, so its numbers depend on (seed, replicate, path, block) alone and
-//!   never on which thread ran it or what other paths did.
-//! - [`table_4_1`]: what importance and strata are worth, on an integral that all know.
+//! - [`Numbers`]: the sample stream of one replicate: independent counter-based random numbers, or points of
+//!   low-discrepancy and stratified sets ([`Sampler`]). A path requests blocks of four numbers by position.
+//!   Its numbers depend on (seed, replicate, path, block) alone, not on threads or other paths.
+//! - [`table_4_1`]: the gain from importance sampling and stratification, on an integral with known value.
 //! - [`warp`]: maps from the unit square to discs and cones, each with its density.
-//! - [`Distribution`]: even numbers as numbers that scatter as production does; [`Correlation`]: several that scatter
-//!   together; [`erfc`] and its inverse, which the normal distribution is made of.
+//! - [`Distribution`]: probability distributions by quantile functions; [`Correlation`]: correlated numbers;
+//!   [`erfc`] and its inverse, from which the normal distribution is computed.
 //!
-//! Limits: only the first [`PLANNED_BLOCKS`] blocks of a path are points of such sets; a path
-//! that lives longer goes on with independent random numbers. Sobol's are one set of sixteen
-//! dimensions. Stratified and best-candidate sets are two-dimensional, and stand beside each other in random
-//! order; a set of best candidates has at most 4096 points, then come others.
+//! Limits: only the first [`PLANNED_BLOCKS`] blocks of a path are points of such sets; a longer
+//! path continues with independent random numbers. Sobol points are one set of sixteen
+//! dimensions. Stratified and best-candidate sets are two-dimensional and combined in random
+//! order (padding). A set of best candidates has at most 4096 points; further paths use further sets.
 //!
 //! ```
 //! use papilio_sampling::{Numbers, Sampler};

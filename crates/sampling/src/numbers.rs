@@ -1,32 +1,32 @@
-//! Uniform numbers by (seed, stream, path, block).
+//! Uniform numbers indexed by (seed, stream, path, block).
 //!
 //! Random numbers are SplitMix64 outputs at a hashed counter (Steele, Lea & Flood,
-//! OOPSLA 2014). Sobol points come from `sobol`: path `p` is point `p mod 2^32` of an
-//! independent scramble numbered `p / 2^32`, and its 32 bits name the middle of one of 2^32 cells.
-//! The other two kinds are pairs of coordinates: `strata`.
+//! OOPSLA 2014). Sobol points come from `sobol`: path `p` is point `p mod 2^32` of
+//! independent scramble `p / 2^32`, and its 32 bits select the centre of one of 2^32 cells.
+//! The other two samplers provide pairs of coordinates: `strata`.
 
 use std::ops::Range;
 
 use crate::{sobol, strata};
 
-/// Where uniform numbers come from.
+/// Kind of the uniform numbers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Sampler {
     /// Independent random numbers.
     Random,
     /// Jittered points on pairs of coordinates.
     Stratified,
-    /// Owen-scrambled Sobol points, a fresh scramble for each replicate.
+    /// Owen-scrambled Sobol points, with another scramble for each replicate.
     Sobol,
-    /// Points that keep away from each other, on pairs of coordinates.
+    /// Best-candidate points (Mitchell) on pairs of coordinates.
     BestCandidate,
 }
 
 impl Sampler {
-    /// All of them.
+    /// All samplers.
     pub const ALL: [Self; 4] = [Self::Random, Self::Stratified, Self::Sobol, Self::BestCandidate];
 
-    /// As scenarios call it.
+    /// Name in scenario files.
     pub fn name(self) -> &'static str {
         match self {
             Self::Random => "random",
@@ -36,7 +36,7 @@ impl Sampler {
         }
     }
 
-    /// The first two numbers of these paths, for a figure of the set.
+    /// The first two numbers of each path, for a figure of the set.
     pub fn first_pairs(self, paths: Range<u64>) -> Vec<[f64; 2]> {
         let numbers = Numbers::new(self, 0, 0);
         let pair = |path| {
@@ -47,10 +47,10 @@ impl Sampler {
     }
 }
 
-/// Blocks of four numbers at the head of a path that are points of the sampler's sets.
+/// Number of blocks of four numbers at the start of a path that are points of the sampler's sets.
 pub const PLANNED_BLOCKS: u32 = sobol::BLOCKS as u32;
 
-/// The numbers of one replicate.
+/// Sample stream of one replicate.
 #[derive(Debug, Clone, Copy)]
 pub struct Numbers {
     sampler: Sampler,
@@ -58,17 +58,18 @@ pub struct Numbers {
 }
 
 impl Numbers {
-    /// Numbers for replicate `stream` of a computation with this seed.
+    /// Returns the numbers of replicate `stream` of a computation with this seed.
     pub fn new(sampler: Sampler, seed: u64, stream: u64) -> Self {
         Self { sampler, key: mix64(mix64(seed ^ 0x5061_7069_6c69_6f00) ^ stream) }
     }
 
-    /// Numbers for the same replicate that have nothing to do with these.
+    /// Returns numbers for the same replicate that are independent of these.
     pub fn apart(&self) -> Self {
         Self { key: mix64(self.key ^ 0x6170_6172_7400), ..*self }
     }
 
-    /// A whole number from 0 to below `end`, the same for all of the replicate, each as likely as any other.
+    /// Returns an integer in `0..end`, uniformly distributed over replicates and the same for all paths of
+    /// one.
     pub fn whole(&self, end: u64) -> u64 {
         ((u128::from(mix64(self.key)) * u128::from(end)) >> 64) as u64
     }
@@ -82,13 +83,13 @@ impl Numbers {
             Sampler::Sobol => self.sobol_block(path, block),
             Sampler::Stratified => {
                 let [a, b, c, d] = self.random_block(path, block);
-                let [x, y] = strata::stratified(path, self.of_pair(2 * block), [a, b]);
-                let [z, w] = strata::stratified(path, self.of_pair(2 * block + 1), [c, d]);
+                let [x, y] = strata::stratified(path, self.pair_hash(2 * block), [a, b]);
+                let [z, w] = strata::stratified(path, self.pair_hash(2 * block + 1), [c, d]);
                 [x, y, z, w]
             }
             Sampler::BestCandidate => {
-                let [x, y] = strata::best_candidate(path, self.of_pair(2 * block));
-                let [z, w] = strata::best_candidate(path, self.of_pair(2 * block + 1));
+                let [x, y] = strata::best_candidate(path, self.pair_hash(2 * block));
+                let [z, w] = strata::best_candidate(path, self.pair_hash(2 * block + 1));
                 [x, y, z, w]
             }
         }
@@ -101,9 +102,9 @@ impl Numbers {
         [uniform(1), uniform(2), uniform(3), uniform(4)]
     }
 
-    /// Random bits for each set of a pair of coordinates.
+    /// Returns the random bits of each set of a pair of coordinates.
     #[inline]
-    fn of_pair(&self, pair: u32) -> impl Fn(u64) -> u64 {
+    fn pair_hash(&self, pair: u32) -> impl Fn(u64) -> u64 {
         let key = mix64(self.key ^ u64::from(pair + 1).wrapping_mul(GOLDEN));
         move |set| mix64(key ^ mix64(set))
     }
@@ -112,22 +113,23 @@ impl Numbers {
     fn sobol_block(&self, path: u64, block: u32) -> [f64; 4] {
         let scramble = self.scramble(path, block);
         let point = sobol::point(path as u32, block as usize, scramble as u32);
-        point.map(middle)
+        point.map(cell_centre)
     }
 
-    /// A number of a block for `N` paths from this one on, the same as [`Self::block`] gives one by one.
+    /// Returns one number of a block for `N` consecutive paths; the values equal those of [`Self::block`].
     ///
-    /// One number of the four at a time: with all of them compilers mix up paths and numbers in their registers.
+    /// Computes one of the four numbers at a time: with all four, compilers mix paths and numbers in SIMD
+    /// registers.
     #[inline(always)]
     pub fn side_by_side<const N: usize>(&self, first: u64, block: u32, number: usize) -> [f64; N] {
-        let in_a_row = self.sampler == Sampler::Sobol && block < PLANNED_BLOCKS;
-        if !in_a_row || !first.is_multiple_of(sobol::IN_A_ROW as u64) {
+        let consecutive = self.sampler == Sampler::Sobol && block < PLANNED_BLOCKS;
+        if !consecutive || !first.is_multiple_of(sobol::CONSECUTIVE as u64) {
             return std::array::from_fn(|k| self.block(first + k as u64, block)[number]);
         }
         let scramble = self.scramble(first, block) as u32;
-        let points = sobol::in_a_row::<N>(first as u32, block as usize, scramble, number);
+        let points = sobol::consecutive_points::<N>(first as u32, block as usize, scramble, number);
         let mut numbers = [0.0; N];
-        numbers.iter_mut().zip(points).for_each(|(number, point)| *number = middle(point));
+        numbers.iter_mut().zip(points).for_each(|(number, point)| *number = cell_centre(point));
         numbers
     }
 
@@ -137,9 +139,9 @@ impl Numbers {
     }
 }
 
-/// The middle of a point's cell.
+/// The centre of a point's cell.
 #[inline(always)]
-fn middle(point: u32) -> f64 {
+fn cell_centre(point: u32) -> f64 {
     (f64::from(point) + 0.5) * (-32.0_f64).exp2()
 }
 
@@ -154,7 +156,7 @@ pub(crate) fn mix64(counter: u64) -> u64 {
     z ^ (z >> 31)
 }
 
-/// The top 52 bits as the middle of one of 2^52 cells of (0, 1).
+/// Converts the top 52 bits to the centre of one of 2^52 cells of (0, 1).
 #[inline]
 pub(crate) fn open_unit(bits: u64) -> f64 {
     ((bits >> 12) as f64 + 0.5) * (-52.0_f64).exp2()
@@ -173,16 +175,16 @@ mod tests {
     }
 
     #[test]
-    fn numbers_lie_in_the_open_interval() {
+    fn all_samplers_stay_in_the_open_interval() {
         for sampler in Sampler::ALL {
             assert!(all(sampler).flatten().all(|u| u > 0.0 && u < 1.0));
         }
     }
 
     /// Chi-square on 16 x 16 cells of each pair of coordinates, as a one-sided
-    /// test at 1e-4 for each of 12 pairs (Sidak: 1.2e-3 in all).
+    /// test at 1e-4 for each of 12 pairs (Sidak: 1.2e-3 in total).
     #[test]
-    fn pairs_of_coordinates_fill_the_square_evenly() {
+    fn pairs_of_coordinates_are_uniform_on_the_square() {
         for sampler in Sampler::ALL {
             for (a, b) in [(0, 1), (0, 2), (0, 3), (1, 2), (1, 3), (2, 3)] {
                 let mut cells = [0.0_f64; 256];
@@ -196,7 +198,7 @@ mod tests {
     }
 
     #[test]
-    fn sobol_integrates_a_smooth_function_far_better_than_random() {
+    fn sobol_error_is_a_tenth_of_the_random_error_for_a_smooth_function() {
         let error = |sampler| {
             let errors = (0..32).map(|stream| {
                 let numbers = Numbers::new(sampler, 1, stream);
@@ -209,7 +211,7 @@ mod tests {
     }
 
     #[test]
-    fn a_long_run_goes_on_with_fresh_scrambles() {
+    fn paths_beyond_one_sobol_set_use_new_scrambles() {
         let numbers = Numbers::new(Sampler::Sobol, 3, 0);
         assert_ne!(numbers.block(5, 0), numbers.block(5 + (1 << 16), 0));
         let mean = (0..(1_u64 << 17)).map(|p| numbers.block(p, 0)[2]).sum::<f64>() / f64::from(1 << 17);
@@ -217,15 +219,15 @@ mod tests {
     }
 
     #[test]
-    fn side_by_side_is_one_by_one() {
+    fn side_by_side_equals_single_blocks() {
         for sampler in Sampler::ALL {
             let numbers = Numbers::new(sampler, 9, 2);
             for first in [0, 48, 64, 8128, (1 << 32) - 64, (1 << 32) - 5, (1 << 32) + 128] {
                 for block in [0, 3, 4] {
-                    let found = [0, 1, 2, 3].map(|of| numbers.side_by_side::<64>(first, block, of));
+                    let found = [0, 1, 2, 3].map(|number| numbers.side_by_side::<64>(first, block, number));
                     for k in 0..64 {
                         let one = numbers.block(first + k as u64, block);
-                        assert_eq!(found.map(|of| of[k]), one);
+                        assert_eq!(found.map(|number| number[k]), one);
                     }
                 }
             }
@@ -233,7 +235,7 @@ mod tests {
     }
 
     #[test]
-    fn whole_numbers_are_even_and_numbers_apart_are_others() {
+    fn whole_is_uniform_and_apart_is_independent() {
         let mut cells = [0.0_f64; 16];
         for stream in 0..16_000 {
             let numbers = Numbers::new(Sampler::Sobol, 5, stream).apart();
@@ -249,7 +251,7 @@ mod tests {
     }
 
     #[test]
-    fn seeds_streams_paths_and_blocks_all_differ() {
+    fn numbers_differ_by_seed_stream_path_and_block() {
         for sampler in Sampler::ALL {
             let base = Numbers::new(sampler, 0, 0).block(0, 0);
             assert_ne!(base, Numbers::new(sampler, 1, 0).block(0, 0));

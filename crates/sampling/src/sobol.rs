@@ -1,11 +1,11 @@
-//! Owen-scrambled Sobol points in sixteen dimensions, four blocks of four.
+//! Owen-scrambled Sobol points in sixteen dimensions, as four blocks of four.
 //!
 //! Direction numbers of S. Joe and F. Kuo (SIAM J. Sci. Comput. 30, 2635 (2008)), scrambled by hashing (B.
 //! Burley, *Practical Hash-based Owen Scrambling*, JCGT 9:4, 2020; the hash is N. Vegdahl's).
 //!
-//! Range: 2^32 points with 32 bits each.
+//! Range: 2^32 points of 32 bits.
 
-/// Blocks of four dimensions.
+/// Number of blocks of four dimensions.
 pub(crate) const BLOCKS: usize = 4;
 
 const DIMENSIONS: usize = 4 * BLOCKS;
@@ -29,7 +29,7 @@ const INITIAL: [(u32, &[u32]); DIMENSIONS - 1] = [
     (16, &[1, 3, 7, 1, 19, 63]),
 ];
 
-/// Reversed direction numbers from the initial ones and the inner coefficients of the
+/// Computes reversed direction numbers from the initial ones and the inner coefficients of the
 /// primitive polynomial.
 const fn directions(initial: &[u32], coefficients: u32) -> [u32; 32] {
     let degree = initial.len();
@@ -58,7 +58,7 @@ const fn directions(initial: &[u32], coefficients: u32) -> [u32; 32] {
     v
 }
 
-/// The exclusive or of the directions that a byte of the index chooses, for each block of dimensions.
+/// Exclusive or of the direction numbers that a byte of the index selects, for each block of dimensions.
 static BY_BYTE: [[[[u32; 4]; 256]; 4]; BLOCKS] = by_byte();
 
 const fn by_byte() -> [[[[u32; 4]; 256]; 4]; BLOCKS] {
@@ -67,7 +67,7 @@ const fn by_byte() -> [[[[u32; 4]; 256]; 4]; BLOCKS] {
     while dimension < DIMENSIONS {
         let (block, place) = (dimension / 4, dimension % 4);
         let directions = if dimension == 0 {
-            // The first dimension is the reversed index: reversed, the index itself.
+            // The first dimension is the bit-reversed index; reversed again, the index itself.
             let mut identity = [0_u32; 32];
             let mut bit = 0;
             while bit < 32 {
@@ -99,44 +99,44 @@ const fn by_byte() -> [[[[u32; 4]; 256]; 4]; BLOCKS] {
 #[inline]
 pub(crate) fn point(index: u32, block: usize, scramble: u32) -> [u32; 4] {
     let reversed = reversed(index, block);
-    std::array::from_fn(|k| permute(reversed[k], of_dimension(scramble, k)).reverse_bits())
+    std::array::from_fn(|k| permute(reversed[k], dimension_seed(scramble, k)).reverse_bits())
 }
 
-/// Points that differ in the lowest bits of their indices alone.
-pub(crate) const IN_A_ROW: usize = 64;
+/// Number of consecutive points whose indices differ only in the lowest bits.
+pub(crate) const CONSECUTIVE: usize = 64;
 
-/// What those bits choose, for each dimension of each block.
-static OF_LOWEST_BITS: [[[u32; IN_A_ROW]; 4]; BLOCKS] = {
-    let mut table = [[[0; IN_A_ROW]; 4]; BLOCKS];
-    let mut at = 0;
-    while at < BLOCKS * 4 * IN_A_ROW {
-        let (block, dimension, k) = (at / (4 * IN_A_ROW), at / IN_A_ROW % 4, at % IN_A_ROW);
+/// Contribution of the lowest bits, for each dimension of each block.
+static LOW_BITS: [[[u32; CONSECUTIVE]; 4]; BLOCKS] = {
+    let mut table = [[[0; CONSECUTIVE]; 4]; BLOCKS];
+    let mut index = 0;
+    while index < BLOCKS * 4 * CONSECUTIVE {
+        let (block, dimension, k) = (index / (4 * CONSECUTIVE), index / CONSECUTIVE % 4, index % CONSECUTIVE);
         table[block][dimension][k] = BY_BYTE[block][0][k][dimension];
-        at += 1;
+        index += 1;
     }
     table
 };
 
-/// One dimension of a block of `N` points in a row, `first` a multiple of [`IN_A_ROW`]: compilers put them side by
-/// side in registers.
+/// Computes one dimension of `N` consecutive points. `first` is a multiple of [`CONSECUTIVE`]. Compilers
+/// vectorise the loop.
 #[inline(always)]
-pub(crate) fn in_a_row<const N: usize>(
+pub(crate) fn consecutive_points<const N: usize>(
     first: u32,
     block: usize,
     scramble: u32,
     dimension: usize,
 ) -> [u32; N] {
-    const { assert!(N <= IN_A_ROW) };
+    const { assert!(N <= CONSECUTIVE) };
     let common = reversed(first, block)[dimension];
-    let seed = of_dimension(scramble, dimension);
+    let seed = dimension_seed(scramble, dimension);
     let mut points = [0; N];
-    for (point, lowest) in points.iter_mut().zip(&OF_LOWEST_BITS[block][dimension]) {
+    for (point, lowest) in points.iter_mut().zip(&LOW_BITS[block][dimension]) {
         *point = permute(common ^ lowest, seed).reverse_bits();
     }
     points
 }
 
-/// Four dimensions of point `index`, the highest bit lowest.
+/// Four dimensions of point `index`, bit-reversed.
 #[inline(always)]
 fn reversed(index: u32, block: usize) -> [u32; 4] {
     let mut reversed = [0_u32; 4];
@@ -148,13 +148,13 @@ fn reversed(index: u32, block: usize) -> [u32; 4] {
     reversed
 }
 
-/// What scrambles a dimension of a block.
+/// Scrambling seed of one dimension of a block.
 #[inline(always)]
-fn of_dimension(scramble: u32, dimension: usize) -> u32 {
+fn dimension_seed(scramble: u32, dimension: usize) -> u32 {
     mix(scramble ^ (dimension as u32).wrapping_mul(0x9e37_79b9))
 }
 
-/// A permutation in which each bit depends on the lower ones alone.
+/// Permutes the values so that each bit depends on the lower bits alone.
 #[inline(always)]
 fn permute(mut x: u32, seed: u32) -> u32 {
     x ^= x.wrapping_mul(0x3d20_adea);
@@ -177,7 +177,7 @@ fn mix(mut x: u32) -> u32 {
 mod tests {
     use super::*;
 
-    /// Row `row` of a dimension's generator matrix, a bit for each of the 16 lowest bits of the index.
+    /// Row `row` of a dimension's generator matrix, one bit for each of the 16 lowest bits of the index.
     fn row(dimension: usize, row: usize) -> u32 {
         (0..16).fold(0, |bits, bit: usize| {
             let direction = BY_BYTE[dimension / 4][bit / 8][1 << (bit % 8)][dimension % 4];
@@ -185,26 +185,27 @@ mod tests {
         })
     }
 
-    /// Adds a row to a set of independent ones, ordered by their highest bit; false if it depends on them.
+    /// Adds a row to a set of independent rows, ordered by their highest bit. Returns false if it depends on
+    /// them.
     fn extend(independent: &mut [u32; 16], mut row: u32) -> bool {
         while let Some(highest) = row.checked_ilog2() {
-            let rival = &mut independent[highest as usize];
-            if *rival == 0 {
-                *rival = row;
+            let pivot = &mut independent[highest as usize];
+            if *pivot == 0 {
+                *pivot = row;
                 return true;
             }
-            row ^= *rival;
+            row ^= *pivot;
         }
         false
     }
 
-    /// The quality t of the first 2^m points in these two dimensions: every rectangle of area 2^(t-m) that is
-    /// a product of binary intervals holds just 2^t of them (H. Niederreiter, SIAM, 1992, theorem 4.28).
+    /// The quality t of the first 2^m points in two dimensions: every rectangle of area 2^(t-m) that is
+    /// a product of binary intervals contains exactly 2^t points (H. Niederreiter, SIAM, 1992, theorem 4.28).
     fn quality(a: usize, b: usize, m: usize) -> usize {
         let cut = |rows: [u32; 16]| rows.map(|row| row & ((1 << m) - 1) as u32);
         let [a, b] = [a, b].map(|dimension| cut(std::array::from_fn(|k| row(dimension, k))));
-        // With so many rows of the first, so many of both are independent.
-        let of_both = |of_first: usize| {
+        // Number of independent rows if `of_first` of them come from the first dimension.
+        let independent_rows = |of_first: usize| {
             let mut independent = [0; 16];
             let first = a[..of_first].iter().take_while(|row| extend(&mut independent, **row)).count();
             if first < of_first {
@@ -212,13 +213,13 @@ mod tests {
             }
             of_first + b[..m - of_first].iter().take_while(|row| extend(&mut independent, **row)).count()
         };
-        m - (0..=m).map(of_both).min().unwrap()
+        m - (0..=m).map(independent_rows).min().unwrap()
     }
 
-    /// Owen's scrambling keeps the quality. Points that are uneven on a pair leave an error that does not
-    /// fall for several octaves: with t of 5 at 2^10 points, all of the square is 32 rectangles.
+    /// Owen's scrambling preserves the quality. A pair of low quality causes an error that does not
+    /// fall for several octaves: with t = 5 at 2^10 points, only 32 rectangles divide the square.
     #[test]
-    fn every_pair_is_even_at_every_power_of_two() {
+    fn every_pair_has_low_t_at_every_power_of_two() {
         for b in 0..DIMENSIONS {
             for a in 0..b {
                 let together = a / 4 == b / 4 || a < 2;
@@ -237,10 +238,10 @@ mod tests {
         }
     }
 
-    /// The test knows what it looks at: the first two dimensions are a (0, 2)-sequence, and rows in
-    /// the wrong order are not.
+    /// Checks `quality` itself: the first two dimensions are a (0, 2)-sequence, and dependent rows
+    /// are detected.
     #[test]
-    fn the_first_pair_is_perfect() {
+    fn first_pair_is_a_0_2_sequence() {
         assert!((1..=16).all(|m| quality(0, 1, m) == 0));
         assert_eq!(quality(0, 0, 8), 7);
     }

@@ -1,43 +1,44 @@
-//! Points that come in octaves: 2^k paths from path 2^k on are one set.
+//! Point sets for octaves of paths: paths 2^k to 2^(k+1) - 1 form one set.
 //!
-//! A run need not know how long it will be: each doubling adds a whole set, in an order of its
-//! own. Two pairs of coordinates are two such sets side by side (padding), independently ordered.
+//! A run need not know its length in advance: each doubling adds a complete set, in an order of its
+//! own. Two pairs of coordinates are two independently ordered sets (padding).
 //!
 //! - [`stratified`]: jittered points in 2^ceil(k/2) x 2^floor(k/2) cells (Feng 2012, ch. 4).
-//! - [`best_candidate`]: sets of at most [`LARGEST_SET`] points that keep away from each other
-//!   (Mitchell, SIGGRAPH 1991), shifted at random around the torus (Cranley & Patterson 1976).
+//! - [`best_candidate`]: well-separated sets of at most [`LARGEST_SET`] points
+//!   (Mitchell, SIGGRAPH 1991), shifted at random on the torus (Cranley & Patterson 1976).
 
 use std::sync::OnceLock;
 
 use crate::candidates::{self, LARGEST_SET};
 
-/// Where a path stands: in which set, which of its points, and of how many (a power of two).
+/// Position of a path: its set, its point of the set, and the binary logarithm of the size of the set.
 #[derive(Debug, Clone, Copy)]
-struct Place {
+struct SetPosition {
     set: u64,
     point: u32,
     bits: u32,
 }
 
-impl Place {
-    /// A path's place where sets have at most `2^most` points; the first path has one for itself.
+impl SetPosition {
+    /// Returns the position of a path if sets have at most `2^most` points; the first path has a set of its
+    /// own.
     #[inline]
-    fn of(path: u64, most: u32) -> Self {
+    fn new(path: u64, most: u32) -> Self {
         let octave = path.max(1).ilog2();
         let first = if path == 0 { 0 } else { 1 << octave };
         let bits = octave.min(most);
         let point = path - first;
-        // Octave numbers and the counts within them never meet: both below 2^58.
+        // Octave numbers and the counts within them do not collide: both are below 2^58.
         let set = (u64::from(octave) << 58) ^ (point >> bits) ^ (u64::from(path == 0) << 57);
         Self { set, point: (point & ((1 << bits) - 1)) as u32, bits }
     }
 }
 
-/// A pair of coordinates in the unit square for this path; `random` makes numbers from a count,
-/// the same for all paths of a set, `jitter` is this path's own.
+/// A pair of coordinates in the unit square for this path. `random` hashes a set's number,
+/// the same for all paths of the set; `jitter` is this path's own.
 #[inline]
 pub(crate) fn stratified(path: u64, random: impl Fn(u64) -> u64, jitter: [f64; 2]) -> [f64; 2] {
-    let place = Place::of(path, 32);
+    let place = SetPosition::new(path, 32);
     let cell = permuted(place.point, place.bits, random(place.set));
     let columns = place.bits.div_ceil(2);
     let (x, y) = (cell & ((1 << columns) - 1), cell.checked_shr(columns).unwrap_or(0));
@@ -48,16 +49,16 @@ pub(crate) fn stratified(path: u64, random: impl Fn(u64) -> u64, jitter: [f64; 2
     ]
 }
 
-/// As [`stratified`], of a set of best candidates.
+/// A pair of coordinates like [`stratified`], from a set of best candidates.
 #[inline]
 pub(crate) fn best_candidate(path: u64, random: impl Fn(u64) -> u64) -> [f64; 2] {
     static SET: OnceLock<Vec<[f64; 2]>> = OnceLock::new();
-    let place = Place::of(path, LARGEST_SET.ilog2());
+    let place = SetPosition::new(path, LARGEST_SET.ilog2());
     let own = random(place.set);
     let shift = [own >> 32, own & 0xffff_ffff].map(|half| (half as f64 + 0.5) * (-32.0_f64).exp2());
     let chosen = permuted(place.point, place.bits, own ^ (own >> 29));
-    let point = SET.get_or_init(candidates::set)[chosen as usize];
-    // A sum that rounds to 1 is no number below 1.
+    let point = SET.get_or_init(candidates::best_candidate_points)[chosen as usize];
+    // The interval is open: a sum may round to 1.
     let wrapped = |k: usize| {
         let sum = point[k] + shift[k];
         (sum - sum.floor()).clamp(f64::EPSILON, 1.0 - f64::EPSILON)
@@ -65,8 +66,8 @@ pub(crate) fn best_candidate(path: u64, random: impl Fn(u64) -> u64) -> [f64; 2]
     [wrapped(0), wrapped(1)]
 }
 
-/// A permutation of the numbers of this many bits: each round can be undone (A. Kensler,
-/// *Correlated Multi-Jittered Sampling*, Pixar 13-01, 2013, has the idea).
+/// Permutes the integers of `bits` bits in invertible rounds (after A. Kensler,
+/// *Correlated Multi-Jittered Sampling*, Pixar 13-01, 2013).
 #[inline]
 fn permuted(point: u32, bits: u32, key: u64) -> u32 {
     if bits == 0 {
@@ -91,7 +92,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_permutation_meets_every_number_once() {
+    fn permutation_is_a_bijection() {
         for bits in 0..12 {
             for key in [0, 1, 0xdead_beef_1234_5678] {
                 let mut met = vec![false; 1 << bits];
@@ -101,10 +102,10 @@ mod tests {
         }
     }
 
-    /// Where a point goes depends on the key alone: each of 16 points meets each place alike.
+    /// Over the keys, each of 16 points is permuted to each position with the same probability.
     /// Chi-square at 1e-4 for each of 16 points (Sidak 1.6e-3).
     #[test]
-    fn a_permutation_has_no_favourites() {
+    fn permuted_position_is_uniform_over_keys() {
         for point in 0..16 {
             let mut met = [0.0_f64; 16];
             for key in 0..4096_u64 {
@@ -117,7 +118,7 @@ mod tests {
     }
 
     #[test]
-    fn every_octave_fills_its_cells() {
+    fn every_octave_fills_all_its_cells() {
         for octave in [4_u32, 5, 10] {
             let mut met = vec![false; 1 << octave];
             let columns = 1_usize << octave.div_ceil(2);

@@ -1,11 +1,11 @@
-//! Five ways to integrate x from 0 to 4: Feng 2012, Table 4.1.
+//! Five methods of integrating x from 0 to 4: Feng 2012, Table 4.1.
 //!
-//! Variances of the estimate from N samples, in closed form and by experiment. The dissertation's
-//! integral is 8; its last column is how many samples bring the standard error to .08.
+//! Variances of the estimate from N samples, in closed form and by experiment. The
+//! integral is 8; the table's last column is the number of samples for a standard error of 0.08.
 
 use crate::{Numbers, Sampler};
 
-/// A row of the table.
+/// Integration method: a row of the table.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Way {
     /// Density (6 - x)/16: few samples where the integrand is large.
@@ -14,9 +14,9 @@ pub enum Way {
     Uniform,
     /// Density x/8.
     Ideal,
-    /// Density (.1 + .95 x)/8.
+    /// Density (0.1 + 0.95 x)/8.
     NearIdeal,
-    /// Density 1/4, one sample in each of N equal parts.
+    /// Density 1/4, one sample in each of N equal intervals.
     Stratified,
 }
 
@@ -24,10 +24,10 @@ pub enum Way {
 pub const INTEGRAL: f64 = 8.0;
 
 impl Way {
-    /// In the order of the table.
+    /// All methods, in the order of the table.
     pub const ALL: [Self; 5] = [Self::Poor, Self::Uniform, Self::Ideal, Self::NearIdeal, Self::Stratified];
 
-    /// The density, as the table writes it.
+    /// The density, in the notation of the table.
     pub fn density_in_words(self) -> &'static str {
         match self {
             Self::Poor => "(6 - x)/16",
@@ -38,7 +38,8 @@ impl Way {
         }
     }
 
-    /// `variance = factor / N^power`, exactly (eq. 4-9: the integral of x^2/density, less 64).
+    /// Returns (factor, power) of `variance = factor / N^power`, exactly (eq. 4-9: the integral of
+    /// x^2/density, minus 64).
     pub fn variance(self) -> (f64, i32) {
         match self {
             Self::Poor => (16.0 * (36.0 * 3.0_f64.ln() - 32.0) - 64.0, 1),
@@ -54,13 +55,13 @@ impl Way {
         }
     }
 
-    /// Samples that bring the standard error to this.
+    /// Number of samples for a given standard error.
     pub fn samples_for(self, error: f64) -> u64 {
         let (factor, power) = self.variance();
         ((factor / (error * error)).powf(1.0 / f64::from(power)) - 1e-9).ceil().max(1.0) as u64
     }
 
-    /// A sample by inversion, and its density.
+    /// Draws a sample by inversion; returns it with its density.
     fn draw(self, u: f64) -> (f64, f64) {
         match self {
             Self::Poor => {
@@ -80,7 +81,7 @@ impl Way {
         }
     }
 
-    /// The mean square error of estimates from N samples over many experiments, and its standard error.
+    /// Mean squared error of estimates from N samples over many experiments, and its standard error.
     pub fn experiment(self, samples: u64, experiments: u64, seed: u64) -> (f64, f64) {
         let squares: Vec<f64> = (0..experiments)
             .map(|stream| {
@@ -107,10 +108,10 @@ impl Way {
 mod tests {
     use super::*;
 
-    /// Feng 2012, Table 4.1: variances as printed there (.1645 in its text), samples for .08. The
-    /// table's own 8875 and 3328 are of its rounded variances, 56.8 and 21.3; 26 agrees.
+    /// Feng 2012, Table 4.1: printed variances (0.1645 in its text) and numbers of samples for 0.08. The
+    /// table's 8875 and 3328 follow from its rounded variances, 56.8 and 21.3; 26 agrees.
     #[test]
-    fn the_table() {
+    fn variances_and_sample_counts_equal_table_4_1() {
         let printed = [(56.80, 1), (21.33, 1), (0.0, 1), (0.1646, 1), (21.33, 3)];
         for (way, (factor, power)) in Way::ALL.into_iter().zip(printed) {
             let exact = way.variance();
@@ -133,9 +134,9 @@ mod tests {
         }
     }
 
-    /// 4.5 standard errors, five rows.
+    /// Within 4.5 standard errors, for five rows.
     #[test]
-    fn experiments_agree() {
+    fn experiments_agree_with_closed_form_variances() {
         for way in Way::ALL {
             let (factor, power) = way.variance();
             let (found, error) = way.experiment(16, 20_000, 1);

@@ -4,8 +4,8 @@ use std::f64::consts::TAU;
 
 /// The point at this radius and at azimuth `2 pi v`, v in [0, 1].
 ///
-/// Error of sine and cosine below 4e-16. Knowing the turn, not the angle, makes the
-/// reduction to an eighth of a turn exact and several times as fast as `sin_cos`.
+/// Error of sine and cosine below 4e-16. Because the argument is a fraction of a turn, the
+/// reduction to an eighth of a turn is exact, and the function is several times as fast as `sin_cos`.
 #[inline(always)]
 pub fn polar(radius: f64, v: f64) -> (f64, f64) {
     let (nearest, quarter) = rounded(4.0 * v);
@@ -16,18 +16,18 @@ pub fn polar(radius: f64, v: f64) -> (f64, f64) {
     (radius * cos, radius * sin)
 }
 
-/// The nearest whole number to one from -1/2 to 2^51, and its lowest bits. (Conversions saturate, which compilers do one
-/// by one, and rounding is a call on the plainest of processors.)
+/// Returns the integer nearest to x, for x from -1/2 to 2^51, and its lowest bits. (Conversions saturate,
+/// which compilers do not vectorise, and rounding is a function call on baseline processors.)
 #[inline(always)]
 pub fn rounded(x: f64) -> (f64, u32) {
-    // From 2^52 to 2^53 numbers are whole.
+    // Numbers from 2^52 to 2^53 are integers.
     const SHIFT: f64 = 1.5 * 4_503_599_627_370_496.0;
     let shifted = x + SHIFT;
     (shifted - SHIFT, shifted.to_bits() as u32)
 }
 
-/// Of `sin(2 pi t)/t` and `cos(2 pi t)` by powers of `t^2`, for |t| up to an eighth: the polynomials with the least largest
-/// error (Remez' algorithm), 1e-18 and 5e-17.
+/// Minimax polynomials (Remez' algorithm) of `sin(2 pi t)/t` and `cos(2 pi t)` in powers of `t^2`, for |t| up
+/// to 1/8; the largest errors are 1e-18 and 5e-17.
 const SINE: [f64; 7] = [
     TAU,
     -41.341_702_240_399_41,
@@ -47,16 +47,17 @@ const COSINE: [f64; 7] = [
     7.810_299_497_052_723,
 ];
 
-/// Even and odd powers side by side: half as long a chain as term after term.
+/// Evaluates a polynomial with even and odd powers in parallel, which halves the dependency chain of Horner's
+/// rule.
 #[inline(always)]
 fn polynomial(x: f64, [a, b, c, d, e, f, g]: [f64; 7]) -> f64 {
     let x2 = x * x;
     (a + x2 * (c + x2 * (e + x2 * g))) + x * (b + x2 * (d + x2 * f))
 }
 
-/// A point of the disc of this radius, density [`uniform_disc_density`].
+/// Maps to a point of the disc of this radius, with density [`uniform_disc_density`].
 ///
-/// With radius n this is a direction of the hemisphere with density cos(theta)/pi per
+/// With radius n, the point is a direction of the hemisphere with density cos(theta)/pi per
 /// steradian, in direction cosines of a medium of index n.
 #[inline]
 pub fn uniform_disc(radius: f64, u: [f64; 2]) -> (f64, f64) {
@@ -69,20 +70,20 @@ pub fn uniform_disc_density(radius: f64) -> f64 {
     2.0 / (TAU * radius * radius)
 }
 
-/// A unit vector within `half_angle` (radians) of `axis`, uniform in solid angle,
-/// density [`uniform_cone_density`]. `axis` is a unit vector.
+/// Maps to a unit vector within `half_angle` (radians) of `axis`, uniform in solid angle,
+/// with density [`uniform_cone_density`]. `axis` is a unit vector.
 #[inline(always)]
 pub fn uniform_cone(axis: [f64; 3], half_angle: f64, u: [f64; 2]) -> [f64; 3] {
     deflected(axis, one_minus_cos(half_angle) * u[0], u[1])
 }
 
-/// 1 - cos without cancellation: fields of a tenth of a degree are the rule.
+/// 1 - cos(angle) without cancellation; fields of view of 0.1 deg are common.
 #[inline]
 pub fn one_minus_cos(angle: f64) -> f64 {
     2.0 * (0.5 * angle).sin().powi(2)
 }
 
-/// The unit vector at an angle of this `1 - cos` to the unit vector `axis`, at azimuth `2 pi v`.
+/// The unit vector at an angle with this `1 - cos` from the unit vector `axis`, at azimuth `2 pi v`.
 #[inline(always)]
 pub fn deflected(axis: [f64; 3], one_minus_cos: f64, v: f64) -> [f64; 3] {
     let sin = (one_minus_cos * (2.0 - one_minus_cos)).max(0.0).sqrt();
@@ -97,7 +98,7 @@ pub fn uniform_cone_density(half_angle: f64) -> f64 {
     1.0 / (TAU * one_minus_cos(half_angle))
 }
 
-/// Two unit vectors that complete `axis` (Duff et al., JCGT 6:1, 2017).
+/// Two unit vectors that are orthogonal to `axis` and each other (Duff et al., JCGT 6:1, 2017).
 #[inline(always)]
 fn frame(axis: [f64; 3]) -> ([f64; 3], [f64; 3]) {
     let [x, y, z] = axis;
@@ -115,8 +116,8 @@ mod tests {
 
     const POINTS: u64 = 40_000;
 
-    /// Chi-square of samples, mapped back to the unit square by the cumulative
-    /// distribution that `to_square` claims, on 16 x 16 cells of equal probability.
+    /// Chi-square of samples on 16 x 16 cells of equal probability. `sample` maps them back to the unit
+    /// square by the cumulative distribution.
     fn chi_square(sample: impl Fn([f64; 2]) -> [f64; 2]) -> ChiSquare {
         let numbers = Numbers::new(Sampler::Random, 11, 0);
         let mut cells = [0.0_f64; 256];
@@ -134,7 +135,7 @@ mod tests {
     }
 
     #[test]
-    fn polar_is_sine_and_cosine() {
+    fn polar_equals_sine_and_cosine() {
         for step in 0..=10_000 {
             let v = f64::from(step) / 10_000.0;
             let (x, y) = polar(2.0, v);
@@ -145,7 +146,7 @@ mod tests {
     }
 
     #[test]
-    fn disc_samples_follow_their_density() {
+    fn uniform_disc_samples_follow_their_density() {
         let radius: f64 = 1.5;
         let fraction_within = |r: f64| uniform_disc_density(radius) * std::f64::consts::PI * r * r;
         let found = chi_square(|u| {
@@ -156,7 +157,7 @@ mod tests {
     }
 
     #[test]
-    fn a_wrong_density_is_caught() {
+    fn chi_square_detects_wrong_density() {
         let found = chi_square(|u| {
             let (x, y) = polar(u[0], u[1]);
             [x * x + y * y, turn(x, y)]
@@ -165,7 +166,7 @@ mod tests {
     }
 
     #[test]
-    fn cone_samples_follow_their_density() {
+    fn uniform_cone_samples_follow_their_density() {
         for (axis, half_angle) in [
             ([0.0, 0.0, 1.0], 0.4),
             ([0.6, 0.0, 0.8], 0.01),

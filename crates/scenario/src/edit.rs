@@ -1,7 +1,7 @@
-//! Changes to the text of a scenario that keep its comments, its order and its layout: what a form behind the text does.
+//! Edits of the text of a scenario that preserve its comments, its order and its layout, for the forms of an editor.
 //!
-//! Paths are those of `--set` ([`KeyPath`](crate::KeyPath)). What is set replaces its rival (`haze` and `width`), and
-//! an array that only the scenario's preset gives is written into the text before one of its items changes.
+//! Paths are those of `--set` ([`KeyPath`](crate::KeyPath)). A key that is set replaces the key that it excludes (`haze`
+//! and `width`). An array that only the preset of the scenario has is written into the text before one of its items changes.
 
 mod layout;
 
@@ -13,51 +13,51 @@ use toml_edit::{DocumentMut, Item, Table, Value};
 use self::layout::{forget_positions, item, like_neighbour, number_positions};
 use crate::error::{ScenarioError, ScenarioErrors};
 use crate::mistake;
-use crate::path::{At, Grow, KeyPath, Shape, Step, Tree, index, step};
+use crate::path::{Grow, KeyPath, Position, Shape, Step, Tree, index, step};
 use crate::preset;
 use crate::renamed::old_key;
 use crate::scenario::parse;
-use crate::set::RIVALS;
+use crate::set::EXCLUSIVE_KEYS;
 use crate::tree::Node;
 
-/// One change.
+/// One edit.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(tag = "op", rename_all = "lowercase", deny_unknown_fields)]
 pub enum Edit {
-    /// Sets a key or an item of an array; what is not there is made.
+    /// Sets a key or an item of an array. Missing tables and arrays are created.
     Set {
-        /// Where: `display.pixel.film.1.thickness_nm`.
+        /// Path of the key: `display.pixel.film.1.thickness_nm`.
         path: String,
-        /// What; a null is no value.
+        /// The value; null is not allowed.
         value: serde_json::Value,
     },
-    /// Takes a key or an item of an array away. What is not there stays away.
+    /// Removes a key or an item of an array, if it exists.
     Remove {
-        /// Where.
+        /// Path of the key.
         path: String,
     },
-    /// Puts an item into an array, which is made if it is not there.
+    /// Inserts an item into an array, which is created if it does not exist.
     Insert {
-        /// Where the array is.
+        /// Path of the array.
         path: String,
-        /// Before which item; none: behind the last one.
+        /// Index of the item before which it is inserted; none: after the last one.
         index: Option<usize>,
-        /// What.
+        /// The item.
         value: serde_json::Value,
     },
     /// Moves an item of an array.
     Move {
-        /// Where the array is.
+        /// Path of the array.
         path: String,
-        /// Its index.
+        /// Index of the item.
         from: usize,
-        /// Its index afterwards.
+        /// Index of the item afterwards.
         to: usize,
     },
 }
 
 impl Edit {
-    /// What `--set PATH=VALUE` does; `None` of a text that is not that.
+    /// Returns the edit that corresponds to `--set PATH=VALUE`; `None` if the text has another form.
     pub fn of_set(text: &str) -> Option<Self> {
         let (path, value) = text.split_once('=')?;
         let value = Node::parse_value(value.trim_start(), 0, 0).0.to_json();
@@ -74,10 +74,10 @@ impl Edit {
     }
 }
 
-/// The text with the changes, one after the other.
+/// Applies edits to a text in order.
 ///
 /// # Errors
-/// If the text is not TOML, or a path leads nowhere.
+/// If the text is not TOML, or a path cannot exist in it.
 ///
 /// ```
 /// use papilio_scenario::{Edit, edit};
@@ -103,12 +103,12 @@ pub fn edit(text: &str, edits: &[Edit]) -> Result<String, ScenarioErrors> {
     Ok(edited)
 }
 
-/// Why a change cannot be made, in words.
-type Why = String;
+/// The reason why an edit cannot be made.
+type Message = String;
 
-fn apply(document: &mut DocumentMut, edit: &Edit) -> Result<(), Why> {
+fn apply(document: &mut DocumentMut, edit: &Edit) -> Result<(), Message> {
     let path = KeyPath::new(edit.path());
-    let mut text = Text { preset: preset_of(document) };
+    let mut text = Editor { preset: preset_of(document) };
     let root = document.as_item_mut();
     match edit {
         Edit::Set { value, .. } => text.set(root, &path, value),
@@ -118,7 +118,7 @@ fn apply(document: &mut DocumentMut, edit: &Edit) -> Result<(), Why> {
     }
 }
 
-/// The name that a table has of the key at the end of a path: the old one, if it has that alone.
+/// Returns the name in a table of the key at the end of a path: the old name if the table has only that.
 fn written_name<'a>(table: &Item, path: &KeyPath, key: &'a str) -> &'a str {
     let keys: Vec<&str> = path.keys().collect();
     let above = keys.split_last().map_or(&[][..], |(_, above)| above);
@@ -126,7 +126,7 @@ fn written_name<'a>(table: &Item, path: &KeyPath, key: &'a str) -> &'a str {
     old_key(above, key).filter(|old| has(old) && !has(key)).unwrap_or(key)
 }
 
-/// What the scenario's preset gives.
+/// Returns the keys of the scenario's preset.
 fn preset_of(document: &DocumentMut) -> Option<DocumentMut> {
     let name = document.get("lighting")?.get("preset")?.as_str()?;
     let mut document: DocumentMut = preset::text(name)?.parse().ok()?;
@@ -134,23 +134,23 @@ fn preset_of(document: &DocumentMut) -> Option<DocumentMut> {
     Some(document)
 }
 
-/// What changes a document: it knows what the scenario's preset gives.
-struct Text {
+/// Editor of a document, with the keys of the scenario's preset.
+struct Editor {
     preset: Option<DocumentMut>,
 }
 
-impl Text {
-    /// What is at a path, made if it is not there; `array`: what it is to be then.
-    fn at<'a>(&mut self, root: &'a mut Item, path: &KeyPath, array: bool) -> Result<&'a mut Item, Why> {
+impl Editor {
+    /// Returns the item at a path, which is created if it does not exist, as an array if `array`.
+    fn at<'a>(&mut self, root: &'a mut Item, path: &KeyPath, array: bool) -> Result<&'a mut Item, Message> {
         path.put(root, array, self).map_err(|error| error.message)
     }
 
-    /// What holds the last key of a path, and what that key means there.
+    /// Returns the table or array above the last key of a path, and the step that the key means there.
     fn above<'a, 'k>(
         &mut self,
         root: &'a mut Item,
         path: &'k KeyPath,
-    ) -> Result<(&'a mut Item, Step<'k>), Why> {
+    ) -> Result<(&'a mut Item, Step<'k>), Message> {
         path.check().map_err(|error| error.message)?;
         let (above, last) = path.split_last();
         let parent = match above {
@@ -161,7 +161,7 @@ impl Text {
         Ok((parent, step))
     }
 
-    fn set(&mut self, root: &mut Item, path: &KeyPath, value: &serde_json::Value) -> Result<(), Why> {
+    fn set(&mut self, root: &mut Item, path: &KeyPath, value: &serde_json::Value) -> Result<(), Message> {
         let (parent, step) = self.above(root, path)?;
         let in_table = parent.is_table();
         let key = match step {
@@ -174,7 +174,7 @@ impl Text {
             Step::Key(key) => written_name(parent, path, key),
         };
         let table = parent.as_table_like_mut().ok_or("the value above this key has no keys")?;
-        for [a, b] in RIVALS {
+        for [a, b] in EXCLUSIVE_KEYS {
             for (one, rival) in [(a, b), (b, a)] {
                 if key == one {
                     table.remove(rival);
@@ -184,7 +184,7 @@ impl Text {
         replace(table.entry(key).or_insert(Item::None), value, in_table)
     }
 
-    fn remove(&mut self, root: &mut Item, path: &KeyPath) -> Result<(), Why> {
+    fn remove(&mut self, root: &mut Item, path: &KeyPath) -> Result<(), Message> {
         let (above, last) = path.split_last();
         let is_there = above.as_ref().is_none_or(|above| above.get(root).is_some());
         if index(last).is_none() && !is_there {
@@ -207,7 +207,7 @@ impl Text {
         }
         take(parent, index);
         if count == 1 && parent.is_array_of_tables() {
-            // An array of tables without tables cannot be written; without the key, a preset's array would come back.
+            // An array of tables without tables cannot be written. Without the key, the array of the preset would apply.
             *parent = Item::Value(Value::Array(toml_edit::Array::new()));
             if let Some(above) = above {
                 self.blank_before_value(root, &above);
@@ -216,7 +216,7 @@ impl Text {
         Ok(())
     }
 
-    /// A key that was a header is followed by a value now: by a blank and `=`, too.
+    /// Adds the blank before `=` to a key that was a header and now has a value.
     fn blank_before_value(&mut self, root: &mut Item, path: &KeyPath) {
         let (above, key) = path.split_last();
         let table = match above {
@@ -234,7 +234,7 @@ impl Text {
         path: &KeyPath,
         before: Option<usize>,
         value: &serde_json::Value,
-    ) -> Result<(), Why> {
+    ) -> Result<(), Message> {
         let array = self.at(root, path, true)?;
         let count = length(array).ok_or("this is not an array")?;
         let before = before.unwrap_or(count);
@@ -244,7 +244,7 @@ impl Text {
         put(array, before, value)
     }
 
-    fn rearrange(&mut self, root: &mut Item, path: &KeyPath, from: usize, to: usize) -> Result<(), Why> {
+    fn rearrange(&mut self, root: &mut Item, path: &KeyPath, from: usize, to: usize) -> Result<(), Message> {
         let array = self.at(root, path, true)?;
         let count = length(array).ok_or("this is not an array")?;
         if from.max(to) >= count {
@@ -289,10 +289,10 @@ impl Tree for Item {
     }
 }
 
-impl Grow for Text {
+impl Grow for Editor {
     type Tree = Item;
 
-    fn child<'a>(&mut self, node: &'a mut Item, at: At<'_>) -> Result<&'a mut Item, Why> {
+    fn child<'a>(&mut self, node: &'a mut Item, at: Position<'_>) -> Result<&'a mut Item, Message> {
         let in_table = node.is_table();
         let item = match at.step {
             Step::Index(index) => {
@@ -313,7 +313,7 @@ impl Grow for Text {
                 None if at.array => Item::Value(Value::Array(toml_edit::Array::new())),
                 None if in_table => {
                     let mut table = Table::new();
-                    // No header of its own until it has keys of its own.
+                    // A header is written only if the table has keys.
                     table.set_implicit(true);
                     Item::Table(table)
                 }
@@ -324,8 +324,8 @@ impl Grow for Text {
     }
 }
 
-/// Puts a value in the place of another, in the same layout.
-fn replace(old: &mut Item, value: &serde_json::Value, in_table: bool) -> Result<(), Why> {
+/// Replaces a value by another in the same layout.
+fn replace(old: &mut Item, value: &serde_json::Value, in_table: bool) -> Result<(), Message> {
     let as_table = if old.is_none() { in_table } else { old.is_table() || old.is_array_of_tables() };
     let mut new = item(value, as_table)?;
     match (&mut new, &*old) {
@@ -340,8 +340,8 @@ fn replace(old: &mut Item, value: &serde_json::Value, in_table: bool) -> Result<
     Ok(())
 }
 
-/// Puts an item into an array, 0 to its length.
-fn put(array: &mut Item, at: usize, value: &serde_json::Value) -> Result<(), Why> {
+/// Inserts an item into an array, at an index from 0 to its length.
+fn put(array: &mut Item, at: usize, value: &serde_json::Value) -> Result<(), Message> {
     // An empty array has no layout yet.
     if array.as_array().is_some_and(toml_edit::Array::is_empty) && value.is_object() {
         *array = Item::ArrayOfTables(toml_edit::ArrayOfTables::new());
@@ -356,7 +356,7 @@ fn put(array: &mut Item, at: usize, value: &serde_json::Value) -> Result<(), Why
         }
         Item::Value(Value::Array(values)) => {
             let Item::Value(mut value) = item(value, false)? else {
-                return Err("a table cannot stand here".to_owned());
+                return Err("a table is not allowed here".to_owned());
             };
             like_neighbour(values, at, &mut value);
             values.insert_formatted(at, value);
@@ -379,7 +379,7 @@ fn take(array: &mut Item, at: usize) {
     }
 }
 
-/// How many items an array has; `None` for what is none.
+/// Returns the number of items of an array; `None` for other items.
 fn length(item: &Item) -> Option<usize> {
     match item {
         Item::ArrayOfTables(tables) => Some(tables.len()),

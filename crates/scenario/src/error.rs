@@ -1,4 +1,4 @@
-//! Errors with their places: how they are gathered, ordered and shown.
+//! Errors with their places: collected, sorted and printed.
 
 use std::fmt;
 
@@ -10,38 +10,38 @@ use crate::origin::Origin;
 use crate::path::joined;
 use crate::source::Sources;
 
-/// Everything that is wrong with a scenario; never empty.
+/// All errors of a scenario, at least one.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ScenarioErrors {
     errors: Vec<ScenarioError>,
-    /// How many more there are.
+    /// Number of further errors.
     more: usize,
 }
 
-/// One thing that is wrong. Prints as compilers do, with the line and a caret below it.
+/// One error. It is printed as by compilers, with the line and a caret below it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ScenarioError {
     /// The file (or `--set`), line and column.
     pub place: Place,
-    /// What is wrong there, what was expected, and what to do.
+    /// What is wrong, what was expected, and a hint.
     pub diagnostic: Diagnostic,
-    /// What code has to know of it.
+    /// Kind of the error, for programs.
     pub kind: MistakeKind,
-    /// Where the scenario asks for the file that `place` is in.
+    /// Place in the scenario that names the file of `place`.
     pub asked_for_at: Option<Place>,
-    /// What else there is to know: which of many scenarios this is of.
+    /// A further note, for example which of many scenarios the error is in.
     pub note: Option<String>,
-    /// The key that it concerns, as of `--set`: `display.pixel.film.1.thickness_nm`.
+    /// Path of the key that it concerns, as in `--set`: `display.pixel.film.1.thickness_nm`.
     pub path: Option<String>,
 }
 
 impl ScenarioErrors {
-    /// How many more there are than [`iter`](Self::iter) gives.
+    /// Returns the number of errors beyond those of [`iter`](Self::iter).
     pub fn more(&self) -> usize {
         self.more
     }
 
-    /// The same, asked for at this place where they are not of it.
+    /// Sets `asked_for_at` of all errors that are not on the line of this place.
     pub(crate) fn asked_for_at(mut self, place: &Place) -> Self {
         let line = |place: &Place| place.line_column().map(|(line, _)| line);
         for error in &mut self.errors {
@@ -52,13 +52,13 @@ impl ScenarioErrors {
         self
     }
 
-    /// The same, with something else to know about each.
+    /// Sets the note of each error.
     pub(crate) fn noted(mut self, note: impl Fn(&ScenarioError) -> Option<String>) -> Self {
         self.errors.iter_mut().for_each(|error| error.note = note(error));
         self
     }
 
-    /// The same, each with a note: which of many scenarios this is.
+    /// Adds a note to each error, for example which of many scenarios this is.
     #[must_use]
     pub fn with_note(mut self, note: &str) -> Self {
         for error in &mut self.errors {
@@ -67,7 +67,7 @@ impl ScenarioErrors {
         self
     }
 
-    /// The errors, in the order of the text; the first 50 that were found.
+    /// Returns the first 50 errors, in the order of the text.
     pub fn iter(&self) -> impl Iterator<Item = &ScenarioError> {
         self.errors.iter()
     }
@@ -80,25 +80,25 @@ impl From<ScenarioError> for ScenarioErrors {
 }
 
 impl ScenarioError {
-    /// An error at a place.
+    /// Creates an error at a place.
     pub(crate) fn new(place: Place, mistake: impl Into<Mistake>) -> Self {
         let Mistake { kind, diagnostic } = mistake.into();
         Self { place, diagnostic, kind, asked_for_at: None, note: None, path: None }
     }
 
-    /// An error about a file as a whole.
+    /// Creates an error about a file as a whole.
     pub(crate) fn about_file(name: &str, mistake: impl Into<Mistake>) -> Self {
         Self::new(Place::whole(name), mistake)
     }
 
-    /// What to do about it.
+    /// Returns a hint, if there is one.
     pub fn hint(&self) -> Option<&str> {
         match (&self.kind, &self.asked_for_at, &self.note) {
             (MistakeKind::Unreadable, Some(_), _) => Some("paths in a scenario are relative to its folder"),
             (MistakeKind::Unreadable, None, _) => {
                 Some("give the path of a scenario, for example scenarios/indoor.toml")
             }
-            // Nobody wrote this number: it was drawn, or is what a sum leaves.
+            // The user did not write this number: it was drawn, or is the rest of a sum.
             (MistakeKind::OutOfRange, _, Some(_)) => None,
             _ => self.diagnostic.hint.as_deref(),
         }
@@ -131,7 +131,7 @@ impl fmt::Display for ScenarioError {
         let asked = self.asked_for_at.as_ref().map(|place| {
             let text = place.spot.as_ref().map_or("", |spot| spot.text.trim());
             let text: String = text.chars().take(LONGEST_NOTE).collect();
-            format!("it is asked for at {place}: {text}")
+            format!("requested at {place}: {text}")
         });
         let notes = asked.iter().chain(&self.note);
         let shown = notes.fold(self.diagnostic.clone(), Diagnostic::note).hint_if(self.hint());
@@ -142,13 +142,13 @@ impl fmt::Display for ScenarioError {
 impl std::error::Error for ScenarioErrors {}
 impl std::error::Error for ScenarioError {}
 
-/// A longer line is quoted in part.
+/// Longest quotation of a line, in characters.
 const LONGEST_NOTE: usize = 120;
 
-/// Nobody reads more errors than this at once.
+/// Largest number of errors that are listed.
 const MOST_ERRORS: usize = 50;
 
-/// Errors as they are found.
+/// Errors found so far.
 #[derive(Debug, Default)]
 pub(crate) struct Errors {
     found: Vec<(Origin, Mistake, Option<Place>)>,
@@ -156,12 +156,12 @@ pub(crate) struct Errors {
 }
 
 impl Errors {
-    /// An error at a place of the scenario.
+    /// Adds an error at a place of the scenario.
     pub(crate) fn push(&mut self, origin: Origin, mistake: impl Into<Mistake>) {
         self.add(origin, mistake.into(), None);
     }
 
-    /// An error inside a file that the scenario asks for at `origin`.
+    /// Adds an error inside a file that the scenario names at `origin`.
     pub(crate) fn push_data(&mut self, origin: Origin, error: FormatError) {
         self.add(origin, error.problem.into(), Some(error.place));
     }
@@ -178,7 +178,7 @@ impl Errors {
         self.found.is_empty()
     }
 
-    /// `value`, or all errors in the order of the text.
+    /// Returns `value`, or all errors in the order of the text.
     pub(crate) fn finish<T>(mut self, value: Option<T>, sources: &Sources) -> Result<T, ScenarioErrors> {
         match value {
             Some(value) if self.found.is_empty() => return Ok(value),
@@ -201,7 +201,7 @@ impl Errors {
         Err(ScenarioErrors { errors: self.found.into_iter().map(error).collect(), more: self.more })
     }
 
-    /// Fails with what has been found so far, if anything.
+    /// Fails if any error has been found so far.
     pub(crate) fn check(&mut self, sources: &Sources) -> Result<(), ScenarioErrors> {
         std::mem::take(self).finish(Some(()), sources)
     }

@@ -1,11 +1,11 @@
-//! The words that the grammar of a scenario is written in.
+//! Macros that declare the grammar of a scenario.
 //!
-//! `table!`, `kinds!`, `choice!`, `number!` and `forms!` declare what a scenario may hold, once:
-//! the type, its reading, its defaults and its JSON Schema come from the same lines.
+//! `table!`, `kinds!`, `choice!`, `number!` and `forms!` declare each part of the grammar once:
+//! the type, its reading, its defaults, its JSON Schema and its documentation come from the same lines.
 //! The declarations themselves are in `describe`.
 
-/// Declares a table: its keys, each with its type, meaning and (after `=`) default;
-/// keys that a later version will have are named as such when they are met.
+/// Declares a table: its keys, each with its type, meaning and (after `=`) default.
+/// Keys that a later version will have (`later`) get a message of their own.
 macro_rules! table {
     (
         $(#[doc = $doc:literal])*
@@ -19,8 +19,8 @@ macro_rules! table {
         pub(crate) struct $name {
             $(
                 $(#[doc = $field_doc])*
-                #[serde(skip_serializing_if = "At::is_absent")]
-                pub(crate) $field: At<$ty>,
+                #[serde(skip_serializing_if = "Spanned::is_absent")]
+                pub(crate) $field: Spanned<$ty>,
             )*
         }
 
@@ -54,7 +54,7 @@ macro_rules! table {
                 Some(Self { $($field: $field?),* })
             }
 
-            /// A table may be missing if all its keys may.
+            /// A table may be missing if all its keys may be missing.
             fn absent() -> Option<Self> {
                 let mut errors = $crate::error::Errors::default();
                 let table = Self::read(&$crate::tree::Node::empty_table(), &mut errors);
@@ -78,7 +78,7 @@ macro_rules! table {
 }
 pub(crate) use table;
 
-/// Declares a table of several kinds, told apart by one key: each kind has keys of its own.
+/// Declares a table of several kinds, selected by one key: each kind has keys of its own.
 macro_rules! kinds {
     (
         $(#[doc = $doc:literal])*
@@ -92,7 +92,7 @@ macro_rules! kinds {
         #[serde(tag = $tag)]
         #[allow(clippy::large_enum_variant, reason = "a scenario has a few of them, not many")]
         pub(crate) enum $name {
-            $( $(#[doc = $kind_doc])* #[serde(rename = $word)] $variant($crate::read::At<$ty>), )*
+            $( $(#[doc = $kind_doc])* #[serde(rename = $word)] $variant($crate::read::Spanned<$ty>), )*
         }
 
         impl $crate::read::Table for $name {
@@ -125,7 +125,7 @@ macro_rules! kinds {
                 let (word, origin, rest) = kinds.split(node, errors)?;
                 match word {
                     $( $word => <$ty as $crate::read::Read>::read(&rest, errors)
-                        .map(|value| Self::$variant($crate::read::At { value, origin })), )*
+                        .map(|value| Self::$variant($crate::read::Spanned { value, origin })), )*
                     _ => None,
                 }
             }
@@ -146,7 +146,7 @@ macro_rules! kinds {
 }
 pub(crate) use kinds;
 
-/// Declares a closed set of words.
+/// Declares a set of words, of which a value is one.
 macro_rules! choice {
     (
         $(#[doc = $doc:literal])*
@@ -191,7 +191,7 @@ macro_rules! choice {
 }
 pub(crate) use choice;
 
-/// Declares a number with its range, from which its words, its test and its schema come.
+/// Declares a number with its range, which defines its description, test and schema.
 macro_rules! number {
     ($(#[doc = $doc:literal])* $name:ident, $range:expr) => {
         $(#[doc = $doc])*
@@ -199,7 +199,7 @@ macro_rules! number {
         pub(crate) struct $name(pub(crate) f64);
 
         impl $name {
-            /// Which numbers it may be.
+            /// Range of the number.
             const RANGE: $crate::range::Range = $range;
         }
 
@@ -228,7 +228,7 @@ macro_rules! number {
 }
 pub(crate) use number;
 
-/// Declares a value that may take several forms: the first that fits the kind of value is read.
+/// Declares a value with several forms: the first form that fits the type of the value is read.
 macro_rules! forms {
     (
         $(#[doc = $doc:literal])*

@@ -1,4 +1,4 @@
-//! Tables of several kinds, told apart by one key (`model`, `kind`).
+//! Tables of several kinds, selected by one key (`model`, `kind`).
 
 use papilio_diagnostics::{Diagnostic, quoted};
 
@@ -8,7 +8,7 @@ use crate::origin::Origin;
 use crate::read::unknown_word;
 use crate::tree::{Entry, Node, Value};
 
-/// The kinds that a table may be of, and the key that says which.
+/// The possible kinds of a table, and the key that selects one.
 pub(crate) struct Kinds {
     pub(crate) tag: &'static str,
     pub(crate) known: Vec<Kind>,
@@ -17,17 +17,17 @@ pub(crate) struct Kinds {
 
 /// One kind of table.
 pub(crate) struct Kind {
-    /// The tag's value.
+    /// Value of the tag.
     pub(crate) word: &'static str,
-    /// Tag and value, as they are written.
+    /// Tag and value as they are written.
     pub(crate) named: &'static str,
     /// The keys besides the tag.
     pub(crate) keys: Vec<&'static str>,
 }
 
 impl Kinds {
-    /// The kind of a table, where that is said, and the table with the keys that are left to read:
-    /// those of other kinds alone are reported here.
+    /// Returns the kind of a table, the place of its tag, and the table with the remaining keys.
+    /// Keys that only other kinds have are reported as errors.
     pub(crate) fn split(&self, node: &Node, errors: &mut Errors) -> Option<(&'static str, Origin, Node)> {
         let words: Vec<&str> = self.known.iter().map(|kind| kind.word).collect();
         let in_words = || quoted(words.iter().copied());
@@ -40,15 +40,15 @@ impl Kinds {
             return unknown_word(tag, word, &words, self.later, errors);
         };
         let mut rest = node.clone();
-        // What a kind needs and does not find is missing where the kind is said.
-        rest.origin = node.origin.or_set([tag.origin]);
+        // A missing key of a kind is reported at the tag, if `--set` has set it.
+        rest.origin = node.origin.or_override([tag.origin]);
         if let Value::Table(entries) = &mut rest.value {
             entries.retain(|entry| entry.key != self.tag && !self.is_alien(entry, kind, tag.origin, errors));
         }
         Some((kind.word, tag.origin, rest))
     }
 
-    /// Reports a key that other kinds have and this one has not.
+    /// Reports a key that other kinds have and this one does not.
     fn is_alien(&self, entry: &Entry, kind: &Kind, tag: Origin, errors: &mut Errors) -> bool {
         if kind.keys.contains(&entry.key.as_str()) {
             return false;
@@ -60,7 +60,7 @@ impl Kinds {
             let (key, named, of) = (&entry.key, kind.named, of.join(" and "));
             let wrong = Diagnostic::new(format!("`{key}` cannot be combined with {named}"))
                 .hint(format!("remove it: `{key}` is a key of {of}"));
-            errors.push(entry.node.origin.or_set([tag]), mistake::of_path(wrong));
+            errors.push(entry.node.origin.or_override([tag]), mistake::of_path(wrong));
         }
         alien
     }

@@ -1,29 +1,28 @@
-//! The TOML scenario: *describe* and *resolve*, with errors that say where.
+//! The TOML scenario: it is read (*describe*) and evaluated (*resolve*), with errors that state the line.
 //!
-//! A scenario is one file: the display, the light on it, the viewer, and how to
-//! compute. [`Scenario::load`] reads it (*describe*: every key known, of the right
-//! type and in range) and [`Scenario::resolve`] turns it into a
-//! [`Scene`](papilio_display::scene::Scene) (*resolve*: materials, lights and files
-//! on the wavelength grid, everything checked against everything else).
+//! A scenario is one file. It describes the display, the light, the viewer, and the
+//! computation. [`Scenario::load`] reads it: every key must be known, of the right type
+//! and in range. [`Scenario::resolve`] turns it into a
+//! [`Scene`](papilio_display::scene::Scene): it evaluates materials, lights and files
+//! on the wavelength grid, and checks that all keys fit together.
 //!
-//! - The grammar is declared once, in `describe`: a table's struct, its reading,
-//!   its defaults and its JSON [`schema`] come from the same lines.
-//! - A mistake is a [`ScenarioError`]: file (or `--set`), line and column, what was
-//!   expected, a hint; all independent mistakes are reported together.
-//! - Later changes (`--set`) and presets act on the tree of the text before it is
-//!   read, so that they obey the same grammar and point to their own text.
-//! - A [`Sweep`] is a scenario at many points: values of its `[sweep]` are put into the same tree.
-//! - An [`Optimisation`] is a scenario with what may vary and what is wanted of it.
-//! - A [`Varied`] is a scenario whose keys take any values, one set after the other.
-//! - A [`Tolerance`] is a [`Varied`] with the distributions of its keys, and limits.
-//! - The [hash](Resolved::hash) names the computation: the scenario with all its
+//! - The grammar is declared once, in `describe`: the struct of a table, its reading,
+//!   its defaults, its JSON [`schema`] and its documentation come from the same lines.
+//! - A mistake is a [`ScenarioError`] with the file (or `--set`), line and column, the
+//!   expectation and a hint. All independent mistakes are reported together.
+//! - Changes by `--set` and presets act on the parsed tree before it is read. They
+//!   satisfy the same grammar, and their errors point to their own text.
+//! - A [`Sweep`] is a scenario at many points: the values of its `[sweep]` are set in the same tree.
+//! - An [`Optimisation`] is a scenario with variables, objectives and constraints.
+//! - A [`Varied`] is a scenario some of whose keys get values one set after the other.
+//! - A [`Tolerance`] is a [`Varied`] with distributions of its keys, and limits.
+//! - The [hash](Resolved::hash) identifies the computation: the scenario with all its
 //!   defaults, and the bytes of its files.
 //!
 //! Limits: a text of at most 1 MiB, files of at most 64 MiB, 5000 views, ten million
 //! numbers for each quantity of the result, eight million states x wavelengths x
-//! (directed sources + 8), and 100 000 film gaps x wavelengths; nothing a file says makes the
-//! program panic or take memory without bound. **Out of scope**:
-//! any computation with light.
+//! (directed sources + 8), and 100 000 film gaps x wavelengths. No content of a file makes the
+//! program panic or use memory without bound. **Out of scope**: any computation with light.
 //!
 //! ```
 //! use papilio_scenario::Scenario;

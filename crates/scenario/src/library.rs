@@ -1,4 +1,4 @@
-//! Where the files of a scenario are: in a folder, or in memory.
+//! Files of a scenario: in a folder, or in memory.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -10,16 +10,16 @@ use sha2::{Digest, Sha256};
 
 use crate::memo::Memo;
 
-/// Where the files are that a scenario names.
+/// The files that a scenario may name.
 #[derive(Debug, Clone)]
 pub enum Library {
-    /// On disk: names are paths relative to this folder.
+    /// Files on disk; names are paths relative to this folder.
     Folder(PathBuf),
-    /// In memory, under the names that scenarios give them. Whatever a scenario says, nothing is read from the disk.
+    /// Files in memory, by the names that scenarios use. Nothing is read from the disk, whatever a scenario contains.
     Memory {
-        /// The files.
+        /// Files by their names.
         files: Arc<BTreeMap<String, KeptFile>>,
-        /// What was made of them before.
+        /// Cache of values that were computed from them.
         memo: Arc<Memo>,
     },
 }
@@ -29,18 +29,18 @@ pub enum Library {
 pub struct KeptFile(Arc<(DataFile, String)>);
 
 impl KeptFile {
-    /// Keeps a file; errors in it call it by its name.
+    /// Holds a file; errors in it state its name.
     pub fn new(file: DataFile) -> Self {
         let sha256 = sha256(&file.bytes);
         Self(Arc::new((file, sha256)))
     }
 
-    /// Its name and bytes.
+    /// Name and bytes of the file.
     pub fn file(&self) -> &DataFile {
         &self.0.0
     }
 
-    /// SHA-256 of its bytes, in hexadecimal digits.
+    /// SHA-256 of the bytes, in hexadecimal digits.
     pub fn sha256(&self) -> &str {
         &self.0.1
     }
@@ -59,7 +59,7 @@ impl From<&PathBuf> for Library {
 }
 
 impl Library {
-    /// Reads a file of `limit` bytes at most.
+    /// Reads a file of at most `limit` bytes.
     pub(crate) fn open(&self, name: &str, limit: u64) -> Result<KeptFile, Missing> {
         match self {
             Self::Folder(folder) => DataFile::open_within(&folder.join(name), name, limit)
@@ -81,7 +81,7 @@ impl Library {
         }
     }
 
-    /// True if there is a file of this name.
+    /// True if there is a file with this name.
     pub(crate) fn has(&self, name: &str) -> bool {
         match self {
             Self::Folder(folder) => folder.join(name).is_file(),
@@ -90,20 +90,20 @@ impl Library {
     }
 }
 
-/// Why there is no file.
+/// Why a file is not available.
 pub(crate) enum Missing {
-    /// It cannot be read.
+    /// The file cannot be read.
     Unread(FormatError),
-    /// Nothing goes by its name.
+    /// There is no file with this name.
     Unknown(Diagnostic),
 }
 
-/// SHA-256 of bytes, in hexadecimal digits.
+/// Computes the SHA-256 of bytes, in hexadecimal digits.
 pub(crate) fn sha256(bytes: &[u8]) -> String {
     hex(&Sha256::digest(bytes))
 }
 
-/// Bytes as hexadecimal digits.
+/// Formats bytes as hexadecimal digits.
 pub(crate) fn hex(bytes: &[u8]) -> String {
     bytes.iter().map(|byte| format!("{byte:02x}")).collect()
 }

@@ -1,30 +1,30 @@
-//! What costs much to resolve, kept for the next scenario that asks for the same: measured scattering, light maps.
+//! Cache of values that are expensive to resolve: measured scattering, and maps of light.
 //!
-//! An entry is known by a text that names all it was made of, and by the contents of the files that were read on the way.
-//! What an entry holds is the resolver's business.
+//! The key of an entry is a text with everything that determines the value, together with the contents of the files that
+//! were read. The resolver defines the type of the value.
 
 use std::any::Any;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-/// Entries that are kept; each is some MB at most.
-const MOST: usize = 12;
+/// Largest number of entries; each has a few MB at most.
+const MOST_ENTRIES: usize = 12;
 
-/// What was resolved before; for scenarios that are resolved again and again with small changes.
+/// Cache of resolved values, for scenarios that are resolved many times with small changes.
 #[derive(Debug, Default)]
 pub struct Memo(Mutex<Vec<Entry>>);
 
-/// One thing that was made.
+/// A cached value.
 #[derive(Debug, Clone)]
 pub(crate) struct Entry {
     pub(crate) key: String,
-    /// What it is, with all that was said while it was made.
+    /// The value, with its warnings and notes.
     pub(crate) value: Arc<dyn Any + Send + Sync>,
-    /// Files that were read, with their SHA-256.
+    /// Names of the files that were read, with their SHA-256.
     pub(crate) inputs: Vec<(String, String)>,
 }
 
 impl Memo {
-    /// An entry, which is the last one used then; `is_same`: whether a file still has this SHA-256.
+    /// Finds an entry and marks it as used last. `is_same` tests whether a file still has this SHA-256.
     pub(crate) fn find(&self, key: &str, is_same: impl Fn(&str, &str) -> bool) -> Option<Entry> {
         let mut entries = self.entries();
         let holds = |entry: &Entry| entry.inputs.iter().all(|(name, sha256)| is_same(name, sha256));
@@ -34,10 +34,10 @@ impl Memo {
         Some(entry)
     }
 
-    pub(crate) fn keep(&self, entry: Entry) {
+    pub(crate) fn insert(&self, entry: Entry) {
         let mut entries = self.entries();
         entries.push(entry);
-        let surplus = entries.len().saturating_sub(MOST);
+        let surplus = entries.len().saturating_sub(MOST_ENTRIES);
         entries.drain(..surplus);
     }
 

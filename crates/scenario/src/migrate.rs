@@ -1,4 +1,4 @@
-//! A scenario's text with the present names of its keys and values: what `papilio migrate` does.
+//! `papilio migrate`: the text of a scenario with the present names of its keys and values.
 
 use crate::error::{Errors, ScenarioErrors};
 use crate::mistake;
@@ -6,16 +6,16 @@ use crate::renamed::{FORMAT, changes};
 use crate::scenario::parse;
 use crate::tree::Value;
 
-/// A text with present names, and what was changed.
+/// A text with present names, and the changes.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Migrated {
-    /// The new text: comments, order and layout are those of the old one.
+    /// The new text, with the comments, order and layout of the old one.
     pub text: String,
     /// Each change, in the order of the text.
     pub renamed: Vec<RenamedPlace>,
 }
 
-/// One name that was replaced.
+/// A replaced name.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct RenamedPlace {
     /// Line in the old text, from 1.
@@ -26,9 +26,9 @@ pub struct RenamedPlace {
     pub new: String,
 }
 
-/// Brings a scenario's text to the present names, and states its `format`.
+/// Converts the text of a scenario to present names, and sets its `format`.
 ///
-/// Nothing else of the text changes. A text that has present names and states the present format is returned as it is.
+/// Nothing else in the text changes. A text with present names and the present format does not change at all.
 ///
 /// # Errors
 /// If the text is not TOML, if one table has both names of a key, or if its format is newer than this version.
@@ -44,7 +44,7 @@ pub struct RenamedPlace {
 pub fn migrate(text: &str, name: &str) -> Result<Migrated, ScenarioErrors> {
     let sources = parse(text, name, &[])?;
     let root = sources.document();
-    // A byte order mark is not part of the text that has places.
+    // Places do not count a byte order mark.
     let mut new = text.strip_prefix('\u{feff}').unwrap_or(text).to_owned();
     let mut errors = Errors::default();
     let found = changes(&new, root, &mut errors);
@@ -66,7 +66,7 @@ pub fn migrate(text: &str, name: &str) -> Result<Migrated, ScenarioErrors> {
         })
         .collect();
     renamed.reverse();
-    // From the last to the first, so that the places of those that are left stay true.
+    // From the last to the first, so that the places of the remaining names stay valid.
     for (range, name) in found {
         new.replace_range(range, &name.new);
     }

@@ -1,28 +1,28 @@
-//! Mistakes that are found in several places, and what code has to know of a mistake.
+//! Kinds of mistakes, and messages that are used in several places.
 //!
-//! A mistake is a [`Diagnostic`], written where it is found. What stands here is found in more than one place.
+//! A mistake is a [`Diagnostic`]. Messages that are used once are written where the mistake is found.
 
 use papilio_diagnostics::{Diagnostic, nearest, quoted, suggestion};
 use papilio_formats::FormatError;
 use papilio_goniometry::GoniometryError;
 use papilio_spectra::SpectraError;
 
-/// What code has to know of a mistake, beside its words.
+/// Kind of a mistake, for programs.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum MistakeKind {
     /// The path of a key is wrong, whatever its value.
     Path,
-    /// A key that must be there is not: this one, below the table where the mistake stands.
+    /// A required key is missing: its name below the table at the place of the mistake.
     MissingKey(String),
     /// A number is outside its range.
     OutOfRange,
     /// A file cannot be opened or read.
     Unreadable,
-    /// Anything else.
+    /// Any other mistake.
     Other,
 }
 
-/// A mistake as it is found.
+/// A mistake: a message with its kind.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Mistake {
     pub(crate) kind: MistakeKind,
@@ -83,15 +83,15 @@ pub(crate) fn not_in_this_version(what: &str, choices: &[&str]) -> Mistake {
     of_path(Diagnostic::new(format!("`{what}` is not in this version")).hint(hint))
 }
 
-/// A key that must be there.
+/// A required key that is missing.
 pub(crate) fn missing_key(key: &str, expected: impl std::fmt::Display) -> Mistake {
     let diagnostic = Diagnostic::new(format!("the key `{key}` is missing")).expected(expected);
     Mistake { kind: MistakeKind::MissingKey(key.to_owned()), diagnostic }
 }
 
-/// A list with another number of items than it should have.
+/// A list with the wrong number of items.
 pub(crate) fn another_length(expected: impl std::fmt::Display) -> Diagnostic {
-    Diagnostic::new("this is a list of another length").expected(expected)
+    Diagnostic::new("this list has the wrong length").expected(expected)
 }
 
 /// A number outside its range.
@@ -100,13 +100,13 @@ pub(crate) fn out_of_range(value: f64, expected: impl std::fmt::Display) -> Mist
     Mistake { kind: MistakeKind::OutOfRange, diagnostic }
 }
 
-/// A number that does not count what it should.
+/// A number that is not an integer, or an integer outside its range.
 pub(crate) fn no_such_count(value: f64, expected: impl std::fmt::Display) -> Diagnostic {
     let wrong = if value.fract() == 0.0 { "out of range" } else { "not a whole number" };
     Diagnostic::new(format!("{value} is {wrong}")).expected(expected)
 }
 
-/// A word that is none of the choices.
+/// A word that is not one of the choices.
 pub(crate) fn unknown_choice(found: &str, choices: &[&str]) -> Diagnostic {
     let hint = match found {
         "slab" => Some("a slab is a layer of its own: kind = \"slab\"".to_owned()),
@@ -131,17 +131,17 @@ pub(crate) fn no_such_state(name: &str, known: &[String]) -> Diagnostic {
     Diagnostic::new(format!("there is no state `{name}`")).hint(hint)
 }
 
-/// The pixel has no states; `remedy`: how to give it one.
+/// A pixel without states; `remedy` is the hint.
 pub(crate) fn no_states(remedy: &str) -> Diagnostic {
     Diagnostic::new("this pixel has no states").hint(remedy)
 }
 
-/// A key without which another makes no sense, or beside which it makes none.
+/// A key that cannot be combined with `beside`.
 pub(crate) fn not_with(key: &str, beside: &str) -> Diagnostic {
     Diagnostic::new(format!("`{key}` cannot be combined with {beside}")).hint(format!("remove `{key}`"))
 }
 
-/// Of several keys exactly one must be there.
+/// Several keys of which exactly one is required.
 pub(crate) fn exactly_one(keys: &str, given: usize) -> Diagnostic {
     let number = if given == 0 { "none" } else { "more than one" };
     Diagnostic::new(format!("{number} of {keys} is given")).expected(format!("exactly one of {keys}"))
@@ -151,10 +151,10 @@ pub(crate) fn exactly_one(keys: &str, given: usize) -> Diagnostic {
 pub(crate) fn both_names(old: &str, new: &str) -> Diagnostic {
     Diagnostic::new(format!("`{old}` and `{new}` are two names of one key"))
         .expected("one of them")
-        .hint("remove the old name; `papilio migrate` replaces it where it stands alone")
+        .hint("remove the old name; `papilio migrate` replaces it if it is the only one")
 }
 
-/// A scenario for a later version of this program.
+/// A scenario in the grammar of a later version of the program.
 pub(crate) fn newer_format(found: i64, known: u64) -> Diagnostic {
     Diagnostic::new(format!("this scenario is of format {found}, which this version does not know"))
         .expected(format!("a format from 1 to {known}"))
@@ -174,24 +174,24 @@ pub(crate) fn empty_list() -> Diagnostic {
     Diagnostic::new("this list is empty").expected("at least one item")
 }
 
-/// Numbers that should make a whole.
+/// Numbers with a wrong sum.
 pub(crate) fn sum(what: &str, sum: f64, expected: &str) -> Diagnostic {
     Diagnostic::new(format!("{what} sum to {}", tidy(sum))).expected(expected)
 }
 
-/// A range whose end is not above its beginning.
+/// A range whose end is not above its start.
 pub(crate) fn empty_range(from: f64, to: f64) -> Diagnostic {
-    Diagnostic::new(format!("nothing lies between {from} and {to}"))
-        .expected("an end that is larger than the beginning")
+    Diagnostic::new(format!("the range from {from} to {to} is empty"))
+        .expected("an end that is larger than the start")
 }
 
-/// A part of the hemisphere that is not one: a "ring", a "cap" or a "region".
+/// Wrong edges of a "ring", a "cap" or a "region".
 pub(crate) fn edges(what: &str, from_deg: f64, to_deg: f64, expected: impl std::fmt::Display) -> Diagnostic {
     Diagnostic::new(format!("this {what} reaches from {} to {} deg", tidy(from_deg), tidy(to_deg)))
         .expected(expected)
 }
 
-/// Something that dips below the display's horizon: a "cone" or a "luminaire".
+/// A "cone" or a "luminaire" that reaches below the display's horizon.
 pub(crate) fn below_horizon(what: &str, theta_deg: f64) -> Diagnostic {
     let reach = (theta_deg * 100.0).round() / 100.0;
     Diagnostic::new(format!("this {what} reaches {reach} deg from the normal")).expected("less than 90 deg")
@@ -202,7 +202,7 @@ pub(crate) fn dark_field() -> Diagnostic {
     Diagnostic::new("none of this light falls on the display")
 }
 
-/// Data that do not cover the wavelengths that are needed.
+/// Data that do not cover the wavelength grid.
 pub(crate) fn not_covered(what: &str, have: (f64, f64), needed: (f64, f64)) -> Diagnostic {
     let shared = (have.0.max(needed.0).ceil(), have.1.min(needed.1).floor());
     let range = match shared.0 < shared.1 {
@@ -214,13 +214,13 @@ pub(crate) fn not_covered(what: &str, have: (f64, f64), needed: (f64, f64)) -> D
         .hint(format!("data are not extrapolated: extend them, or {range}"))
 }
 
-/// Wavelengths that no eye sees.
+/// A wavelength grid outside the visible range.
 pub(crate) fn invisible(range_nm: (f64, f64)) -> Diagnostic {
     Diagnostic::new(format!("nothing between {} and {} nm is visible", range_nm.0, range_nm.1))
-        .expected("a range with a part of 380 to 780 nm")
+        .expected("a range that overlaps 380 to 780 nm")
 }
 
-/// What the parser says of a text that is not TOML.
+/// A syntax error of the TOML parser, with a hint.
 pub(crate) fn syntax(message: &str) -> Diagnostic {
     let of_number = ["mantissa", "fraction", "float", "leading zero"];
     let hint = if of_number.iter().any(|word| message.contains(word)) {
@@ -231,7 +231,7 @@ pub(crate) fn syntax(message: &str) -> Diagnostic {
     Diagnostic::new(message).hint_if(hint)
 }
 
-/// A number as a reader writes it: without the digits that are rounding, and with an exponent where it is very large or small.
+/// Formats a number without the digits of rounding errors, and with an exponent if it is very large or small.
 fn written(value: f64) -> String {
     let short: f64 = format!("{value:.9e}").parse().unwrap_or(value);
     if short == 0.0 || (1e-6..1e16).contains(&short.abs()) || !short.is_finite() {
@@ -241,7 +241,7 @@ fn written(value: f64) -> String {
     }
 }
 
-/// A sum of decimal fractions as a reader writes it: to a millionth.
+/// Rounds a sum of decimal fractions to 1e-6, to remove rounding errors.
 pub(crate) fn tidy(value: f64) -> f64 {
     (value * 1e6).round() / 1e6 + 0.0
 }

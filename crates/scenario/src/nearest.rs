@@ -1,13 +1,13 @@
-//! The name of a metric that was probably meant.
+//! Suggestions for misspelt names of metrics.
 
 use papilio_diagnostics::{Diagnostic, nearest};
 
-/// A metric that no result has.
+/// Error: no result has this metric.
 pub(crate) fn no_such_metric(name: &str, known: &[String]) -> Diagnostic {
     Diagnostic::new(format!("there is no metric `{name}`")).hint(metric_advice(name, known))
 }
 
-/// What may have been meant by the name of a metric; those of a state have its name and a point before them.
+/// Suggests a metric for a wrong name. Metrics of a state begin with its name and a point.
 fn metric_advice(wrong: &str, known: &[String]) -> String {
     let (state, name) = state_and_metric(wrong);
     let states = known.iter().map(|one| state_and_metric(one).0);
@@ -18,14 +18,14 @@ fn metric_advice(wrong: &str, known: &[String]) -> String {
         let meant = nearest(name, all.iter().map(|one| state_and_metric(one).1))?;
         all.iter().find(|one| state_and_metric(one).1 == meant).map(|one| format!("did you mean `{one}`?"))
     };
-    // Half a name is as clear, and so is one with the right letters.
+    // The beginning of a name is enough, whatever its case, underscores and asterisks.
     let bare = |text: &str| text.to_lowercase().replace(['_', '*'], "");
     let begin_so = own.iter().filter(|one| bare(state_and_metric(one).1).starts_with(&bare(name)));
     let begin_so: Vec<String> = begin_so.map(|one| format!("`{one}`")).collect();
     let list = || match (own.is_empty(), others.is_empty() || !state.is_empty()) {
         (true, _) => format!("the metrics are {}", others.join(", ")),
         (false, true) => format!("the metrics are {}", own.join(", ")),
-        (false, false) => format!("the metrics are {}; of a state {}", own.join(", "), others.join(", ")),
+        (false, false) => format!("the metrics are {}; for a state {}", own.join(", "), others.join(", ")),
     };
     match begin_so.len() {
         0 => near(&own).or_else(|| near(&others)).unwrap_or_else(list),
@@ -33,7 +33,7 @@ fn metric_advice(wrong: &str, known: &[String]) -> String {
     }
 }
 
-/// The state, empty where there is none, and the metric.
+/// Splits a name into the state (empty if there is none) and the metric.
 fn state_and_metric(text: &str) -> (&str, &str) {
     text.rsplit_once('.').unwrap_or(("", text))
 }
@@ -43,7 +43,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn metric_advice_of_a_mistyped_name_names_the_metric() {
+    fn metric_advice_for_misspelt_name_suggests_the_metric() {
         let known = [
             "contrast_ratio",
             "gamut_percent_srgb",
@@ -63,7 +63,7 @@ mod tests {
             ("white.chroma", "the metrics are white.X, white.Y, white.L_star"),
             (
                 "hue",
-                "the metrics are contrast_ratio, gamut_percent_srgb, gamut_percent_ebu; of a state white.X, white.Y, white.L_star",
+                "the metrics are contrast_ratio, gamut_percent_srgb, gamut_percent_ebu; for a state white.X, white.Y, white.L_star",
             ),
         ] {
             assert_eq!(metric_advice(wrong, &known), advice, "{wrong}");

@@ -1,6 +1,6 @@
-//! Where in the texts of a scenario something stands.
+//! Places in the texts of a scenario.
 
-/// A stretch of one of the scenario's [`Sources`](crate::source::Sources), in bytes; an empty one means all of it.
+/// A range of one of the scenario's [`Sources`](crate::source::Sources), in bytes; an empty range means the whole text.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) struct Origin {
     pub(crate) source: usize,
@@ -12,9 +12,9 @@ impl Origin {
     /// The scenario file as a whole.
     pub(crate) const FILE: Self = Self { source: 0, start: 0, end: 0 };
 
-    /// This place, or that of the last `--set` among the other values that have a part in
-    /// an error: a file that was right before is not what is wrong.
-    pub(crate) fn or_set(self, others: impl IntoIterator<Item = Self>) -> Self {
+    /// Returns this place, or that of the last `--set` among the other values that are involved in
+    /// an error: if the file alone is valid, the `--set` is the cause.
+    pub(crate) fn or_override(self, others: impl IntoIterator<Item = Self>) -> Self {
         others.into_iter().fold(self, |at, other| if other.source > at.source { other } else { at })
     }
 }

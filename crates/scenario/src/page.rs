@@ -1,4 +1,4 @@
-//! The tables of keys in `docs/scenario.md`: they are made of the grammar.
+//! The tables of keys in `docs/scenario.md`, generated from the grammar.
 
 use crate::describe::{
     File, Spectrum, diffuser, display, environment, layers, lighting, limits, measure, metrics, optimize,
@@ -7,12 +7,12 @@ use crate::describe::{
 use crate::read::Table;
 use crate::schema::{Default, Row, toml};
 
-/// Stands above a table in a page of documentation, and names it.
+/// Begins a table in a page of documentation, and names it.
 const BEGIN: &str = "<!-- keys: ";
-/// Stands below it.
+/// Ends it.
 const END: &str = "<!-- end of keys -->";
 
-/// Every table of keys, by the name that a page gives it.
+/// Every table of keys, by its name in the page.
 #[rustfmt::skip]
 fn tables() -> Vec<(&'static str, Vec<Row>)> {
     vec![
@@ -70,11 +70,11 @@ fn tables() -> Vec<(&'static str, Vec<Row>)> {
     ]
 }
 
-/// A page of documentation with its tables of keys as the grammar has them: what stands between
+/// Returns a page of documentation with the tables of keys of the grammar: the text between
 /// `<!-- keys: NAME -->` and `<!-- end of keys -->` is replaced.
 ///
 /// # Errors
-/// A name of no table, a table without an end, or a table that the page lacks.
+/// If a table is unknown, has no end, or is missing in the page.
 ///
 /// ```
 /// let page = "# Glass\n\n<!-- keys: metrics.appearance -->\n<!-- end of keys -->\n";
@@ -99,21 +99,21 @@ pub fn with_key_tables(page: &str) -> Result<String, String> {
     }
 }
 
-/// A table of keys in Markdown.
+/// Formats a table of keys in Markdown.
 fn table_of(rows: &[Row]) -> String {
     let mut table = "\n| key | meaning | value | default |\n|---|---|---|---|\n".to_owned();
     for row in rows {
         let default = match &row.default {
             Default::Required => "required".to_owned(),
             Default::Value(value, None) => format!("`{}`", toml(value)),
-            // An empty list or table says less than its meaning.
+            // The meaning of an empty list or table says more than its value.
             Default::Value(value, Some(words)) if matches!(toml(value).as_str(), "[]" | "{}") => {
                 words.clone()
             }
             Default::Value(value, Some(words)) => format!("`{}`; {words}", toml(value)),
             Default::Words(words) => words.clone(),
         };
-        // A bar in a cell would begin the next one.
+        // A bar would begin the next cell.
         let [doc, value, default] =
             [&row.doc, &(row.on_page)(), &default].map(|text| text.replace('|', "\\|"));
         table += &format!("| `{}` | {doc} | {value} | {default} |\n", row.key);

@@ -1,11 +1,11 @@
 //! Dotted paths of keys: `display.pixel.film.1.thickness_nm`.
 //!
-//! `--set`, edits of the text, `[sweep]`, `[optimize]`, `[tolerance]`, batches of designs and the reports of errors all
-//! name a key by such a path. [`KeyPath`] is the only place in Rust that reads one: it splits the text at its points,
-//! takes an array's index from 0, and lets the index after the last one append. What it leads through is a [`Tree`]: the
+//! `--set`, edits of the text, `[sweep]`, `[optimize]`, `[tolerance]`, batches of designs and error reports all
+//! identify a key by such a path. [`KeyPath`] is the only reader of paths in Rust: it splits the text at its points,
+//! counts indices from 0, and appends at the index after the last one. It is followed through a [`Tree`]: the
 //! scenario's own tree with its places, JSON, or the TOML document of an editor.
 //!
-//! Two more readers of the same paths are not in Rust, since their trees are not: the page's `model/json.ts` and the
+//! Two more readers of the same paths are not in Rust, because their trees are not: the page's `model/json.ts` and the
 //! Python package's `Scenario.__getitem__`.
 
 use std::fmt;
@@ -15,10 +15,10 @@ use serde_json::Value as Json;
 
 use crate::renamed::new_key;
 
-/// More keys than this are no path of a scenario.
+/// Largest number of keys of a path.
 const MOST_KEYS: usize = 16;
 
-/// A dotted path of keys, as `--set` takes it. Two paths are equal if their keys have the same present names.
+/// A dotted path of keys, as in `--set`. Two paths are equal if their keys have the same present names.
 ///
 /// ```
 /// use papilio_scenario::KeyPath;
@@ -37,65 +37,66 @@ pub struct KeyPath {
 /// A key of a path.
 #[derive(Debug, Clone, PartialEq, Eq)]
 struct Key {
-    /// Its place in the path's text, without blanks.
+    /// Range in the text of the path, without blanks.
     range: Range<usize>,
-    /// Its present name, where the text has an old one.
+    /// Present name, if the text has an old one.
     present: Option<&'static str>,
 }
 
-/// Why a path leads nowhere.
+/// Why a path cannot be followed.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct PathError {
-    /// Which part of the path's text is wrong, in bytes.
+    /// Range of the wrong part in the text of the path, in bytes.
     pub(crate) range: Range<usize>,
-    /// What is wrong with it.
+    /// What is wrong.
     pub(crate) message: String,
 }
 
-/// What a path leads through.
+/// A tree of tables and arrays through which paths can be followed.
 pub(crate) trait Tree: Sized {
-    /// What a node holds.
+    /// Shape of this node.
     fn shape(&self) -> Shape;
-    /// A node below this one, if it is there.
+    /// Returns a child node, if it exists.
     fn child(&self, step: Step<'_>) -> Option<&Self>;
 }
 
-/// What a node of a [`Tree`] holds.
+/// Shape of a node of a [`Tree`].
 pub(crate) enum Shape {
     Table,
-    /// So many items.
+    /// Number of items.
     Array(usize),
-    /// A value of this kind, in words: it has no keys.
+    /// Type of the value in words; a value has no keys.
     Value(&'static str),
 }
 
-/// From a node to one below it.
+/// A step from a node to a child.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Step<'a> {
     Key(&'a str),
-    /// At most the number of items: the one after the last is new.
+    /// An index up to the number of items; the last one appends.
     Index(usize),
 }
 
-/// Makes the nodes of a [`Tree`] that a path leads through.
+/// Creates missing nodes of a [`Tree`] along a path.
 pub(crate) trait Grow {
     type Tree: Tree;
-    /// The node below `node`, which is made if it is not there.
-    fn child<'a>(&mut self, node: &'a mut Self::Tree, at: At<'_>) -> Result<&'a mut Self::Tree, String>;
+    /// Returns a child of `node`, which is created if it does not exist.
+    fn child<'a>(&mut self, node: &'a mut Self::Tree, at: Position<'_>)
+    -> Result<&'a mut Self::Tree, String>;
 }
 
-/// A place on the path that is followed.
-pub(crate) struct At<'a> {
+/// The position on a path that is being followed.
+pub(crate) struct Position<'a> {
     pub(crate) path: &'a KeyPath,
-    /// Which of the path's keys.
+    /// Index of the key in the path.
     pub(crate) number: usize,
     pub(crate) step: Step<'a>,
-    /// Whether a new node is to be an array, not a table.
+    /// Whether a new node is an array instead of a table.
     pub(crate) array: bool,
 }
 
 impl KeyPath {
-    /// A path; whether it leads anywhere is found out when it is followed.
+    /// Creates a path. Whether a scenario has it is checked when it is followed.
     pub fn new(text: &str) -> Self {
         let mut start = 0;
         let mut above: Vec<&str> = Vec::new();
@@ -111,23 +112,23 @@ impl KeyPath {
         Self { text: text.to_owned(), keys }
     }
 
-    /// Its keys by their present names, without blanks; an array's index is one of them.
+    /// Returns the keys by their present names, without blanks; indices of arrays are among them.
     pub fn keys(&self) -> impl ExactSizeIterator<Item = &str> {
         self.keys.iter().map(|key| key.present.unwrap_or(&self.text[key.range.clone()]))
     }
 
-    /// Its keys as they are written, without blanks.
+    /// Returns the keys as they are written, without blanks.
     pub(crate) fn written_keys(&self) -> impl ExactSizeIterator<Item = &str> {
         self.keys.iter().map(|key| &self.text[key.range.clone()])
     }
 
-    /// The old names in it: the place in the path's text, the old name and the present one.
+    /// Returns the old names in the path: range in its text, old name and present name.
     pub(crate) fn old_names(&self) -> impl Iterator<Item = (Range<usize>, &str, &'static str)> {
         let old = |key: &Key| Some((key.range.clone(), &self.text[key.range.clone()], key.present?));
         self.keys.iter().filter_map(old)
     }
 
-    /// A value of a JSON document, if there is one at this path.
+    /// Returns the value of a JSON document at this path, if there is one.
     pub fn in_json<'a>(&self, root: &'a Json) -> Option<&'a Json> {
         self.get(root)
     }
@@ -142,12 +143,12 @@ impl KeyPath {
         &self.text
     }
 
-    /// The table at the top that it leads into.
+    /// The first key: a table at the top level.
     pub(crate) fn first(&self) -> &str {
         self.keys().next().unwrap_or_default()
     }
 
-    /// The path to what holds its last key, and that key; no such path if it has one key alone.
+    /// Splits off the last key. The path above it is `None` for a single key.
     pub(crate) fn split_last(&self) -> (Option<Self>, &str) {
         let Some((last, above)) = self.keys.split_last() else { return (None, "") };
         let parent = above
@@ -156,7 +157,7 @@ impl KeyPath {
         (parent, last.present.unwrap_or(&self.text[last.range.clone()]))
     }
 
-    /// The paths to its first key, to its second, and so on, itself included.
+    /// Returns the paths of the first key, of the first two keys, and so on, up to the whole path.
     pub(crate) fn prefixes(&self) -> impl Iterator<Item = Self> {
         let prefix = |count: usize| Self {
             text: self.text[..self.keys[count - 1].range.end].to_owned(),
@@ -165,12 +166,12 @@ impl KeyPath {
         (1..=self.keys.len()).map(prefix)
     }
 
-    /// What is at the path, if it is there.
+    /// Returns the node at the path, if it exists.
     pub(crate) fn get<'a, T: Tree>(&self, root: &'a T) -> Option<&'a T> {
         self.keys().try_fold(root, |node, key| node.child(step(node.shape(), key).ok()?))
     }
 
-    /// Nothing, if this can be a path of a scenario: no key of it is empty, and it is not too long.
+    /// Checks that no key is empty, and that the path is not too long.
     pub(crate) fn check(&self) -> Result<(), PathError> {
         let wrong = |range: &Range<usize>, message: String| Err(PathError { range: range.clone(), message });
         if let Some(Key { range, .. }) = self.keys.iter().find(|key| key.range.is_empty()) {
@@ -182,7 +183,7 @@ impl KeyPath {
         }
     }
 
-    /// What is at the path; what is not there is made by `grow`, an array at its end where `array`.
+    /// Returns the node at the path. `grow` creates missing nodes; with `array`, the last one is an array.
     pub(crate) fn put<'a, G: Grow>(
         &self,
         root: &'a mut G::Tree,
@@ -195,7 +196,7 @@ impl KeyPath {
             let array = self.keys().nth(number + 1).map_or(array, |next| index(next).is_some());
             let wrong = |message| PathError { range: range.clone(), message };
             let step = step(node.shape(), key).map_err(wrong)?;
-            node = grow.child(node, At { path: self, number, step, array }).map_err(wrong)?;
+            node = grow.child(node, Position { path: self, number, step, array }).map_err(wrong)?;
         }
         Ok(node)
     }
@@ -221,35 +222,35 @@ impl serde::Serialize for KeyPath {
     }
 }
 
-impl At<'_> {
-    /// The path that ends here.
+impl Position<'_> {
+    /// Returns the path up to this key.
     pub(crate) fn path(&self) -> KeyPath {
         let keys = &self.path.keys[..=self.number];
         KeyPath { text: self.path.text[..keys[self.number].range.end].to_owned(), keys: keys.to_vec() }
     }
 
-    /// True at the end of the path.
+    /// True at the last key of the path.
     pub(crate) fn is_last(&self) -> bool {
         self.number + 1 == self.path.keys.len()
     }
 
-    /// Where the key stands in the path's text, in bytes.
+    /// Range of the key in the text of the path, in bytes.
     pub(crate) fn range(&self) -> Range<usize> {
         self.path.keys[self.number].range.clone()
     }
 }
 
-/// The path of a key below another path, which may be empty.
+/// Appends a key to a path, which may be empty.
 pub(crate) fn joined(above: &str, key: &str) -> String {
     if above.is_empty() { key.to_owned() } else { format!("{above}.{key}") }
 }
 
-/// The index that a key is, if it is one.
+/// Returns the index that a key represents, if it is one.
 pub(crate) fn index(key: &str) -> Option<usize> {
     key.parse().ok()
 }
 
-/// What a key means at a node of this shape.
+/// Returns the step that a key means at a node of this shape.
 pub(crate) fn step(shape: Shape, key: &str) -> Result<Step<'_>, String> {
     match shape {
         Shape::Table => Ok(Step::Key(key)),
@@ -262,7 +263,7 @@ pub(crate) fn step(shape: Shape, key: &str) -> Result<Step<'_>, String> {
             }
             None => Err("this is an array: an index is needed here".to_owned()),
         },
-        Shape::Value(kind) => Err(format!("the value above this key is {kind}, it has no keys")),
+        Shape::Value(kind) => Err(format!("the value above this key is {kind}, which has no keys")),
     }
 }
 
@@ -291,7 +292,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_path_knows_its_keys_and_where_they_stand() {
+    fn path_has_keys_with_ranges_and_prefixes() {
         let path = KeyPath::new(" a . b.0");
         assert_eq!(path.keys().collect::<Vec<_>>(), ["a", "b", "0"]);
         assert_eq!(path.keys.iter().map(|key| key.range.clone()).collect::<Vec<_>>(), [1..2, 5..6, 7..8]);
@@ -303,7 +304,7 @@ mod tests {
     }
 
     #[test]
-    fn old_names_of_keys_are_read_as_the_present_ones() {
+    fn old_names_of_keys_are_read_as_present_names() {
         let path = KeyPath::new("display.diffuser.straight_through");
         assert_eq!(path, KeyPath::new("display.diffuser.regular_fraction"));
         assert_eq!(path.old_names().collect::<Vec<_>>(), [(17..33, "straight_through", "regular_fraction")]);
@@ -313,7 +314,7 @@ mod tests {
     }
 
     #[test]
-    fn a_step_takes_an_index_of_an_array_and_a_key_of_a_table() {
+    fn step_needs_index_in_array_and_key_in_table() {
         assert_eq!(step(Shape::Table, "0"), Ok(Step::Key("0")));
         assert_eq!(step(Shape::Array(2), "2"), Ok(Step::Index(2)));
         for (shape, key, message) in [
@@ -321,7 +322,7 @@ mod tests {
             (Shape::Array(2), "-1", "indices start at 0"),
             (Shape::Array(0), "1", "its first index is 0"),
             (Shape::Array(2), "first", "an index is needed here"),
-            (Shape::Value("a number"), "n", "is a number, it has no keys"),
+            (Shape::Value("a number"), "n", "is a number, which has no keys"),
         ] {
             assert!(step(shape, key).unwrap_err().contains(message), "{key}");
         }

@@ -1,4 +1,4 @@
-//! Ranges of numbers: one declaration gives the test, the words and the JSON Schema.
+//! Ranges of numbers: one declaration defines the test, the description and the JSON Schema.
 
 use papilio_diagnostics::Diagnostic;
 use serde_json::{Map, Value as Json, json};
@@ -7,17 +7,17 @@ use crate::error::Errors;
 use crate::mistake::{Mistake, out_of_range};
 use crate::tree::Node;
 
-/// Which numbers a quantity may have.
+/// Range of a quantity.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Range {
     least: f64,
     most: f64,
-    /// Whether `least` and `most` are outside.
+    /// Whether `least` and `most` are excluded.
     open: [bool; 2],
-    /// Whether 0 is allowed too, and what is said of that.
+    /// Whether 0 is also allowed; the text follows it in the description.
     zero: Option<&'static str>,
     unit: &'static str,
-    /// What to do about a number below the range.
+    /// Hint for a number below the range.
     below: Option<&'static str>,
 }
 
@@ -25,32 +25,32 @@ impl Range {
     /// Any number.
     pub(crate) const ANY: Self = Self::from_to(f64::NEG_INFINITY, f64::INFINITY);
 
-    /// Both ends included.
+    /// A range that includes both ends.
     pub(crate) const fn from_to(least: f64, most: f64) -> Self {
         Self { least, most, open: [false; 2], zero: None, unit: "", below: None }
     }
 
-    /// Neither end included.
+    /// A range that excludes both ends.
     pub(crate) const fn between(least: f64, most: f64) -> Self {
         Self { open: [true; 2], ..Self::from_to(least, most) }
     }
 
-    /// Above 0, the upper end included.
+    /// A range above 0 that includes its upper end.
     pub(crate) const fn above_0_to(most: f64) -> Self {
         Self { open: [true, false], ..Self::from_to(0.0, most) }
     }
 
-    /// In this unit, or of this quantity.
+    /// Sets the unit, or the name of the quantity.
     pub(crate) const fn unit(self, unit: &'static str) -> Self {
         Self { unit, ..self }
     }
 
-    /// And 0; `when`: what is said of that, after a blank.
+    /// Allows 0 too; `when` follows it in the description, after a blank.
     pub(crate) const fn or_0(self, when: &'static str) -> Self {
         Self { zero: Some(when), ..self }
     }
 
-    /// With what to do about a number that is too small.
+    /// Sets the hint for a number that is too small.
     pub(crate) const fn hint_below(self, hint: &'static str) -> Self {
         Self { below: Some(hint), ..self }
     }
@@ -62,7 +62,7 @@ impl Range {
         value.is_finite() && ((is_above && is_below) || (self.zero.is_some() && value == 0.0))
     }
 
-    /// "a number from 0 to 1e6 (nm)".
+    /// Describes the range: "a number from 0 to 1e6 (nm)".
     pub(crate) fn in_words(&self) -> String {
         let (least, most) = (written(self.least), written(self.most));
         let range = match self.open {
@@ -76,15 +76,15 @@ impl Range {
         format!("{range}{unit}{zero}")
     }
 
-    /// The number that stands here, or an error.
+    /// Reads a number, or reports an error.
     pub(crate) fn read(&self, node: &Node, errors: &mut Errors) -> Option<f64> {
         let Some(value) = node.number() else { return node.wrong_type(self.in_words(), errors) };
         if self.contains(value) {
-            // Adding 0 makes -0 a 0: they are one view, and one scenario.
+            // Adding 0 turns -0 into 0, so that both have one hash.
             return Some(value + 0.0);
         }
         let percent = (self.least == 0.0 && self.most == 1.0 && value > 1.0)
-            .then_some("this is a fraction of 1, not percent");
+            .then_some("this is a fraction relative to 1, not per cent");
         let hint = percent.or(self.below.filter(|_| value < self.least));
         let Mistake { kind, diagnostic } = out_of_range(value, self.in_words());
         errors.push(node.origin, Mistake { kind, diagnostic: Diagnostic::hint_if(diagnostic, hint) });
@@ -107,7 +107,7 @@ impl Range {
     }
 }
 
-/// A bound as it is written in a text.
+/// Formats a bound.
 fn written(value: f64) -> String {
     if value == 0.0 || (1e-4..1e6).contains(&value.abs()) { value.to_string() } else { format!("{value:e}") }
 }
@@ -117,7 +117,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn range_words_test_and_schema_agree() {
+    fn range_description_test_and_schema_agree() {
         for (range, words, inside, outside) in [
             (Range::from_to(0.0, 1e6).unit("nm"), "a number from 0 to 1e6 (nm)", [0.0, 1e6], [-1e-9, 1.1e6]),
             (Range::between(-90.0, 90.0), "a number between -90 and 90", [-89.9, 89.9], [-90.0, 90.0]),

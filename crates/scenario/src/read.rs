@@ -1,4 +1,4 @@
-//! From a tree to typed values: every mistake of a table is reported, not the first alone.
+//! Reading: from a tree to typed values. All mistakes of a table are reported, not only the first.
 
 use std::borrow::Cow;
 use std::ops::Deref;
@@ -14,37 +14,37 @@ use crate::origin::Origin;
 use crate::schema::Row;
 use crate::tree::{Entry, Node, Value};
 
-/// A value and where it was given; a default stands where its table does.
+/// A value and its place in the text. A default has the place of its table.
 #[derive(Debug, Clone)]
-pub(crate) struct At<T> {
+pub(crate) struct Spanned<T> {
     pub(crate) value: T,
     pub(crate) origin: Origin,
 }
 
-/// What can be read from a tree.
+/// A type that can be read from a tree.
 pub(crate) trait Read: Sized + JsonSchema {
-    /// The kind of value, in words: "a number from 0 to 1".
+    /// Description of the value in words: "a number from 0 to 1".
     fn in_words() -> String;
 
-    /// The same for a page of documentation, in Markdown.
+    /// The same in Markdown, for the documentation.
     fn on_page() -> String {
         Self::in_words()
     }
 
-    /// The value, or at least one error.
+    /// Reads the value, or reports at least one error.
     fn read(node: &Node, errors: &mut Errors) -> Option<Self>;
 
-    /// What a missing key means, if it may be missing.
+    /// The value of a missing key, if it may be missing.
     fn absent() -> Option<Self> {
         None
     }
 
-    /// True if this is what a missing key means.
+    /// True if this is the value of a missing key.
     fn is_absent(&self) -> bool {
         false
     }
 
-    /// The JSON Schema of a value that is there; TOML has no null.
+    /// JSON Schema of a value that is present; TOML has no null.
     fn schema_of_value(generator: &mut SchemaGenerator) -> Schema {
         generator.subschema_for::<Self>()
     }
@@ -54,50 +54,50 @@ pub(crate) trait Read: Sized + JsonSchema {
 pub(crate) trait Table {
     fn keys() -> Vec<&'static str>;
 
-    /// Its keys for schema and documentation; none of a table whose kinds have keys of their own.
+    /// The keys for schema and documentation; none for a table whose kinds have keys of their own.
     fn rows() -> Vec<Row> {
         Vec::new()
     }
 }
 
-impl<T> Deref for At<T> {
+impl<T> Deref for Spanned<T> {
     type Target = T;
     fn deref(&self) -> &T {
         &self.value
     }
 }
 
-impl<T> At<T> {
-    /// A value that stands nowhere in particular: a default.
-    pub(crate) fn at_large(value: T) -> Self {
+impl<T> Spanned<T> {
+    /// A value without a place in the text: a default.
+    pub(crate) fn without_span(value: T) -> Self {
         Self { value, origin: Origin::FILE }
     }
 }
 
-impl<T: Read> At<T> {
+impl<T: Read> Spanned<T> {
     pub(crate) fn read(node: &Node, errors: &mut Errors) -> Option<Self> {
         T::read(node, errors).map(|value| Self { value, origin: node.origin })
     }
 
-    /// For serde: leave out what is absent.
+    /// For serde, to skip absent values.
     pub(crate) fn is_absent(&self) -> bool {
         self.value.is_absent()
     }
 }
 
-impl<T: Serialize> Serialize for At<T> {
+impl<T: Serialize> Serialize for Spanned<T> {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         self.value.serialize(serializer)
     }
 }
 
 impl Node {
-    /// Reports that something else should stand here.
+    /// Reports a value of the wrong type.
     pub(crate) fn wrong_type<T>(&self, expected: impl Into<String>, errors: &mut Errors) -> Option<T> {
         let (expected, found) = (expected.into(), self.kind());
         let hint = match found {
             "a string" if expected.starts_with("a number") => Some(
-                "numbers stand without quotes, units and percent signs: the unit is in the key's name, and fractions are of 1",
+                "write numbers without quotes, units and percent signs: the unit is in the key's name, and fractions are relative to 1",
             ),
             "a table" if expected.starts_with("a list, each item a table") => {
                 Some("write its header in double brackets, once for each item, as in [[display.layers]]")
@@ -109,17 +109,17 @@ impl Node {
         None
     }
 
-    /// The number that stands here, which may be NaN or infinite.
+    /// Returns the number, which may be NaN or infinite; `None` for other types.
     pub(crate) fn number(&self) -> Option<f64> {
         match self.value {
-            // Integers beyond 2^53 lose digits here; none that large makes sense as a quantity.
+            // Integers above 2^53 lose digits; no quantity is so large.
             Value::Integer(value) => Some(value as f64),
             Value::Float(value) => Some(value),
             _ => None,
         }
     }
 
-    /// The entries of a table, all of whose keys are `known`.
+    /// Checks that this is a table and that all its keys are `known`.
     pub(crate) fn known_entries(
         &self,
         known: &[&'static str],
@@ -139,16 +139,21 @@ impl Node {
         Some(())
     }
 
-    /// The value under `key`, or its default, or what its absence means.
-    pub(crate) fn field<T: Read>(&self, key: &str, default: Option<T>, errors: &mut Errors) -> Option<At<T>> {
+    /// Reads the value of `key`, or returns its default, or the value of a missing key.
+    pub(crate) fn field<T: Read>(
+        &self,
+        key: &str,
+        default: Option<T>,
+        errors: &mut Errors,
+    ) -> Option<Spanned<T>> {
         if let Some(node) = self.get(key) {
-            return At::read(node, errors);
+            return Spanned::read(node, errors);
         }
         let value = default.or_else(T::absent);
         if value.is_none() {
             errors.push(self.origin, mistake::missing_key(key, T::in_words()));
         }
-        value.map(|value| At { value, origin: self.origin })
+        value.map(|value| Spanned { value, origin: self.origin })
     }
 }
 
@@ -218,7 +223,7 @@ impl Read for bool {
     }
 }
 
-impl<T: Read> Read for Vec<At<T>> {
+impl<T: Read> Read for Vec<Spanned<T>> {
     fn in_words() -> String {
         format!("a list, each item {}", T::in_words())
     }
@@ -229,13 +234,13 @@ impl<T: Read> Read for Vec<At<T>> {
         let Value::Array(items) = &node.value else {
             return node.wrong_type(Self::in_words(), errors);
         };
-        // Read them all before giving up, so that every wrong item is reported.
-        let items: Vec<Option<At<T>>> = items.iter().map(|item| At::read(item, errors)).collect();
+        // All items are read first, so that every wrong one is reported.
+        let items: Vec<Option<Spanned<T>>> = items.iter().map(|item| Spanned::read(item, errors)).collect();
         items.into_iter().collect()
     }
 }
 
-impl<T: JsonSchema> JsonSchema for At<T> {
+impl<T: JsonSchema> JsonSchema for Spanned<T> {
     fn schema_name() -> Cow<'static, str> {
         T::schema_name()
     }
@@ -247,7 +252,7 @@ impl<T: JsonSchema> JsonSchema for At<T> {
     }
 }
 
-/// Items under names of the user's own, in the order of the text.
+/// Items with names of the user's choice, in the order of the text.
 #[derive(Debug, Clone)]
 pub(crate) struct Named<T>(pub(crate) Vec<Item<T>>);
 
@@ -256,11 +261,11 @@ pub(crate) struct Named<T>(pub(crate) Vec<Item<T>>);
 pub(crate) struct Item<T> {
     pub(crate) name: String,
     pub(crate) name_origin: Origin,
-    pub(crate) value: At<T>,
+    pub(crate) value: Spanned<T>,
 }
 
 impl<T> Named<T> {
-    pub(crate) fn get(&self, name: &str) -> Option<&At<T>> {
+    pub(crate) fn get(&self, name: &str) -> Option<&Spanned<T>> {
         self.0.iter().find(|item| item.name == name).map(|item| &item.value)
     }
 
@@ -285,7 +290,7 @@ impl<T: Read> Read for Named<T> {
                 errors.push(entry.key_origin, papilio_formats::Problem::BadName);
                 return None;
             }
-            let value = At::read(&entry.node, errors)?;
+            let value = Spanned::read(&entry.node, errors)?;
             Some(Item { name: entry.key.clone(), name_origin: entry.key_origin, value })
         };
         let items: Vec<Option<Item<T>>> = entries.iter().map(item).collect();
@@ -312,7 +317,7 @@ impl<T: JsonSchema> JsonSchema for Named<T> {
     }
 }
 
-/// Reports a word that is none of the choices.
+/// Reports a word that is not one of the choices.
 pub(crate) fn unknown_word<T>(
     node: &Node,
     word: &str,

@@ -1,9 +1,9 @@
 //! Old names of keys and values, which scenarios may still use.
 //!
-//! [`RENAMED`] is the only list: a file, `--set`, the keys of studies, Python and the page's edits are all brought to the
-//! new names through it, and `papilio migrate` rewrites a file by it. Both names of one key at once are an error.
+//! [`RENAMED`] is the only list. Files, `--set`, the keys of studies, Python and the page's edits are all converted to the
+//! new names with it, and so does `papilio migrate` with the text of a file. Both names of one key together are an error.
 //!
-//! [`FORMAT`] numbers the grammar. It changes when a key is renamed, and is part of the hash.
+//! [`FORMAT`] is the number of the grammar. It changes when a key is renamed, and is part of the hash.
 
 use std::ops::Range;
 
@@ -19,13 +19,13 @@ pub(crate) const FORMAT: u64 = 2;
 /// A key or a value with its old and its new name.
 #[derive(Debug, Clone, Copy)]
 pub(crate) enum Renamed {
-    /// A key of these tables; `*` is any index.
+    /// A key of these tables; `*` stands for any index.
     Key { tables: &'static [&'static str], old: &'static str, new: &'static str },
-    /// A value of the keys at these paths, which are spelt as they are now.
+    /// A value of the keys at these paths of present names.
     Value { keys: &'static [&'static str], old: &'static str, new: NewValue },
 }
 
-/// The value that an old word means now.
+/// The present value for an old one.
 #[derive(Debug, Clone, Copy)]
 pub(crate) enum NewValue {
     Word(&'static str),
@@ -67,10 +67,10 @@ const TAILS: &[&str] = &[
     "display.pixel.extrapolate_tails",
 ];
 
-/// Any one key of a path: the index of an item.
+/// Pattern for any single key of a path: the index of an item.
 const ANY: &str = "*";
 
-/// Where studies name other keys by their paths.
+/// Values of studies that are paths of other keys.
 const PATHS: &[&str] = &[
     "sweep.axes.*.key",
     "sweep.axes.*.keys.*",
@@ -82,20 +82,20 @@ const PATHS: &[&str] = &[
     "tolerance.correlations.*.keys.*",
 ];
 
-/// Where a table holds keys of the scenario, as `--set` does.
+/// Table of keys of the scenario with their values, as in `--set`.
 const CHANGES: &str = "optimize.conditions.*.set";
 
 /// An old name that was found.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct OldName {
     pub(crate) origin: Origin,
-    /// As it is written in TOML.
+    /// The old name as it is written in TOML.
     pub(crate) old: String,
     pub(crate) new: String,
 }
 
 impl OldName {
-    /// What the reader of a scenario is told.
+    /// Note for the user.
     pub(crate) fn note(&self) -> String {
         format!("`{}` is the old name of `{}`; it is still accepted", self.old, self.new)
     }
@@ -117,7 +117,7 @@ impl NewValue {
     }
 }
 
-/// The present name of the key `key` in the table at `table`, if it has been renamed.
+/// Returns the present name of the key `key` in the table at `table`, if it has been renamed.
 pub(crate) fn new_key(table: &[&str], key: &str) -> Option<&'static str> {
     RENAMED.iter().find_map(|row| match row {
         Key { tables, old, new } if *old == key && is_any_of(table, tables) => Some(*new),
@@ -125,7 +125,7 @@ pub(crate) fn new_key(table: &[&str], key: &str) -> Option<&'static str> {
     })
 }
 
-/// The old name of the key `key` in the table at `table`, if it has one.
+/// Returns the old name of the key `key` in the table at `table`, if it has one.
 pub(crate) fn old_key(table: &[&str], key: &str) -> Option<&'static str> {
     RENAMED.iter().find_map(|row| match row {
         Key { tables, old, new } if *new == key && is_any_of(table, tables) => Some(*old),
@@ -133,7 +133,7 @@ pub(crate) fn old_key(table: &[&str], key: &str) -> Option<&'static str> {
     })
 }
 
-/// The present value of the old word `word` of the key at `path`, if it has been renamed.
+/// Returns the present value for the old word `word` of the key at `path`, if it has been renamed.
 pub(crate) fn new_value(path: &[&str], word: &str) -> Option<NewValue> {
     RENAMED.iter().find_map(|row| match row {
         Choice { keys, old, new } if *old == word && is_any_of(path, keys) => Some(*new),
@@ -141,7 +141,7 @@ pub(crate) fn new_value(path: &[&str], word: &str) -> Option<NewValue> {
     })
 }
 
-/// True if `path` is one of the patterns, in which `*` is any one key.
+/// True if `path` matches one of the patterns, in which `*` is any single key.
 fn is_any_of(path: &[&str], patterns: &[&str]) -> bool {
     patterns.iter().any(|pattern| {
         let keys = pattern.split('.');
@@ -149,7 +149,7 @@ fn is_any_of(path: &[&str], patterns: &[&str]) -> bool {
     })
 }
 
-/// Brings a value at `path` (of present names; empty for a whole scenario) to present names.
+/// Converts a value at `path` (of present names; empty for a whole scenario) to present names.
 /// Both names of a key in one table are an error.
 pub(crate) fn rename(node: &mut Node, path: &[&str], found: &mut Vec<OldName>, errors: &mut Errors) {
     match &mut node.value {
@@ -180,7 +180,7 @@ pub(crate) fn rename(node: &mut Node, path: &[&str], found: &mut Vec<OldName>, e
     }
 }
 
-/// The changes that bring a scenario's text to the present names, from the last to the first.
+/// Returns the changes that convert the text of a scenario to present names, from the last to the first.
 pub(crate) fn changes(text: &str, root: &Node, errors: &mut Errors) -> Vec<(Range<usize>, OldName)> {
     let mut found = Vec::new();
     let mut renamed = root.clone();
@@ -192,7 +192,7 @@ pub(crate) fn changes(text: &str, root: &Node, errors: &mut Errors) -> Vec<(Rang
     found.into_iter().map(place).collect()
 }
 
-/// The old names among the paths that studies name, and among the values that they give to renamed keys.
+/// Finds old names in the paths of studies, and in their values for renamed keys.
 fn of_studies(node: &Node, path: &[&str], found: &mut Vec<OldName>) {
     match &node.value {
         Value::Text(text) if is_any_of(path, PATHS) => {
@@ -231,7 +231,7 @@ fn of_studies(node: &Node, path: &[&str], found: &mut Vec<OldName>) {
     }
 }
 
-/// The old names in a key of a condition, dotted or nested, and in its value.
+/// Finds old names in a key of a condition, dotted or nested, and in its value.
 fn of_change(entry: &Entry, found: &mut Vec<OldName>) {
     let path = KeyPath::new(&entry.key);
     if path.old_names().next().is_some() {

@@ -1,4 +1,4 @@
-//! A key of `[tolerance]` with its distribution, about what the key is.
+//! Keys of `[tolerance]`: distributions about the values of the scenario.
 
 use papilio_diagnostics::Diagnostic;
 use papilio_sampling::Distribution;
@@ -10,16 +10,16 @@ use crate::error::Errors;
 use crate::mistake::{self, Mistake};
 use crate::origin::Origin;
 use crate::path::KeyPath;
-use crate::read::At;
+use crate::read::Spanned;
 use crate::tolerance::ScatteredKey;
-use crate::varied::Base;
+use crate::varied::ParsedScenario;
 
 const KINDS: &str = "`normal`, `lognormal`, `uniform`, `triangular` and `choices`";
 
-/// A key as it scatters; `filled` is the scenario as it stands, of `base`.
+/// Evaluates a key with its distribution; `filled` is the scenario of `base` with its defaults.
 pub(crate) fn scattered(
-    key: &At<Scattered>,
-    base: &Base,
+    key: &Spanned<Scattered>,
+    base: &ParsedScenario,
     filled: &Value,
     errors: &mut Errors,
 ) -> Option<ScatteredKey> {
@@ -38,24 +38,24 @@ pub(crate) fn scattered(
             return None;
         }
     };
-    let stands: Vec<Option<f64>> = paths.iter().map(|(path, _)| number_at(filled, path)).collect();
-    let absent = paths.iter().zip(&stands).filter(|(_, stands)| stands.is_none());
+    let values: Vec<Option<f64>> = paths.iter().map(|(path, _)| number_at(filled, path)).collect();
+    let absent = paths.iter().zip(&values).filter(|(_, values)| values.is_none());
     let wrong = absent.filter_map(|((path, origin), _)| Some((*origin, base.wrong_path(path, *origin)?)));
     let wrong: Vec<(Origin, Mistake)> = wrong.collect();
     if !wrong.is_empty() {
         wrong.into_iter().for_each(|(origin, problem)| errors.push(origin, problem));
         return None;
     }
-    let middle = Middle::of(*key.relative, &stands);
-    let distribution = distribution(key, &middle, errors);
-    // What the key is has a part only where numbers are told from it.
-    let moved = paths.iter().zip(&stands).map(|((path, origin), stands)| {
-        let told_from = *key.relative || paths.len() > 1;
-        match (stands, &key.choices.value) {
+    let centre = Centre::of(*key.relative, &values);
+    let distribution = distribution(key, &centre, errors);
+    // The key's own value is needed only where the numbers are relative to it, or deviations from it.
+    let moved = paths.iter().zip(&values).map(|((path, origin), values)| {
+        let is_deviation = *key.relative || paths.len() > 1;
+        match (values, &key.choices.value) {
             (_, Some(_)) => Some(((*path).to_owned(), 1.0, 0.0)),
             (Some(value), None) if *key.relative => Some(((*path).to_owned(), *value, 0.0)),
-            (Some(value), None) if told_from => Some(((*path).to_owned(), 1.0, *value)),
-            (_, None) if !told_from => Some(((*path).to_owned(), 1.0, 0.0)),
+            (Some(value), None) if is_deviation => Some(((*path).to_owned(), 1.0, *value)),
+            (_, None) if !is_deviation => Some(((*path).to_owned(), 1.0, 0.0)),
             (..) => {
                 errors.push(*origin, no_number(path));
                 None
@@ -68,49 +68,49 @@ pub(crate) fn scattered(
     Some(ScatteredKey { name, paths: moved?, distribution: distribution?, choices: choices.collect() })
 }
 
-/// The number at a path of the scenario with its defaults.
+/// Returns the number at a path of the scenario with its defaults.
 fn number_at(filled: &Value, path: &str) -> Option<f64> {
     KeyPath::new(path).in_json(filled)?.as_f64()
 }
 
-/// A distribution about a number that the scenario does not have.
+/// Error: the scenario has no number as the centre of a distribution.
 fn no_number(path: &str) -> Diagnostic {
     Diagnostic::new(format!("the scenario has no number at `{path}`")).hint(
-        "give its centre (`mean`, `median`, `mode`, or `from` and `to`); where there are several keys, each needs a number",
+        "give the centre (`mean`, `median`, `mode`, or `from` and `to`); with several keys, each needs a number",
     )
 }
 
-/// What a distribution is about where it does not say.
-struct Middle(Option<f64>);
+/// Centre of a distribution that does not specify one.
+struct Centre(Option<f64>);
 
-impl Middle {
-    fn of(relative: bool, stands: &[Option<f64>]) -> Self {
-        Self(match stands {
+impl Centre {
+    fn of(relative: bool, values: &[Option<f64>]) -> Self {
+        Self(match values {
             _ if relative => Some(1.0),
             [one] => *one,
             _ => Some(0.0),
         })
     }
 
-    /// What is given, or else what the key is.
-    fn or(&self, given: &At<Option<Any>>, key: &At<Scattered>, errors: &mut Errors) -> Option<f64> {
-        let middle = given.value.map(|one| one.0).or(self.0);
-        if middle.is_none() {
+    /// Returns the specified centre, or else the value of the key.
+    fn or(&self, given: &Spanned<Option<Any>>, key: &Spanned<Scattered>, errors: &mut Errors) -> Option<f64> {
+        let centre = given.value.map(|one| one.0).or(self.0);
+        if centre.is_none() {
             errors.push(key.key.origin, no_number(key.key.as_deref().unwrap_or_default()));
         }
-        middle
+        centre
     }
 }
 
-fn distribution(key: &At<Scattered>, middle: &Middle, errors: &mut Errors) -> Option<Distribution> {
+fn distribution(key: &Spanned<Scattered>, centre: &Centre, errors: &mut Errors) -> Option<Distribution> {
     let given = [
-        key.normal.value.as_ref().map(|one| normal(one, middle.or(&one.mean, key, errors)?, errors)),
-        key.lognormal.value.as_ref().map(|one| lognormal(one, middle.or(&one.median, key, errors)?, errors)),
-        key.uniform.value.as_ref().map(|one| uniform(one, key.uniform.origin, middle, key, errors)),
+        key.normal.value.as_ref().map(|one| normal(one, centre.or(&one.mean, key, errors)?, errors)),
+        key.lognormal.value.as_ref().map(|one| lognormal(one, centre.or(&one.median, key, errors)?, errors)),
+        key.uniform.value.as_ref().map(|one| uniform(one, key.uniform.origin, centre, key, errors)),
         key.triangular
             .value
             .as_ref()
-            .map(|one| triangular(one, key.triangular.origin, middle.or(&one.mode, key, errors)?, errors)),
+            .map(|one| triangular(one, key.triangular.origin, centre.or(&one.mode, key, errors)?, errors)),
         key.choices.value.as_ref().map(|one| bins(one, errors)),
     ];
     let mut given: Vec<Option<Distribution>> = given.into_iter().flatten().collect();
@@ -123,10 +123,10 @@ fn distribution(key: &At<Scattered>, middle: &Middle, errors: &mut Errors) -> Op
     }
 }
 
-/// The ends of a range, if it has an inside.
+/// Returns the ends of a range that is not empty.
 fn ends(
-    from: &At<Option<Any>>,
-    to: &At<Option<Any>>,
+    from: &Spanned<Option<Any>>,
+    to: &Spanned<Option<Any>>,
     widest: [f64; 2],
     errors: &mut Errors,
 ) -> Option<[f64; 2]> {
@@ -158,15 +158,15 @@ fn lognormal(one: &LogNormal, median: f64, errors: &mut Errors) -> Option<Distri
 fn uniform(
     one: &Uniform,
     place: Origin,
-    middle: &Middle,
-    key: &At<Scattered>,
+    centre: &Centre,
+    key: &Spanned<Scattered>,
     errors: &mut Errors,
 ) -> Option<Distribution> {
     let [from, to] = match (one.from.value, one.to.value, one.plus_minus.value) {
         (Some(_), Some(_), None) => ends(&one.from, &one.to, [0.0; 2], errors)?,
         (None, None, Some(half)) => {
-            let middle = middle.or(&At::at_large(None), key, errors)?;
-            [middle - half.0, middle + half.0]
+            let centre = centre.or(&Spanned::without_span(None), key, errors)?;
+            [centre - half.0, centre + half.0]
         }
         _ => return range_or_half(place, one.plus_minus.is_some(), errors),
     };

@@ -1,4 +1,4 @@
-//! A scenario from its text to a scene.
+//! Scenarios: from a text to a described scenario, and on to a resolved one.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -18,25 +18,25 @@ use crate::resolve::{self, Found, VirtualMeasurement};
 use crate::set::Change;
 use crate::source::Sources;
 use crate::tree::Node;
-use crate::varied::ABOUT;
+use crate::varied::STUDY_TABLES;
 use crate::{preset, renamed, set};
 
-/// A scenario is written by hand: a longer text, in bytes, is something else.
+/// Longest text of a scenario, bytes. Scenarios are written by hand; a longer text is a mistake.
 const LONGEST_TEXT: usize = 1 << 20;
 
-/// A described scenario: well-formed, every key and type in order, not yet looked up.
+/// A described scenario: all keys are known, of the right type and in range. Its files are not read yet.
 #[derive(Debug, Clone)]
 pub struct Scenario {
     file: File,
     library: Library,
     written: Arc<Written>,
-    /// What looked wrong before anything was looked up.
+    /// Warnings from the reading.
     warnings: Vec<String>,
-    /// What the reader should know before anything was looked up.
+    /// Notes from the reading.
     pub(crate) notes: Vec<String>,
 }
 
-/// What was written, and where.
+/// The tree of the scenario, and its texts.
 #[derive(Debug)]
 struct Written {
     root: Node,
@@ -46,15 +46,15 @@ struct Written {
 /// A scenario that can be computed.
 #[derive(Debug, Clone)]
 pub struct Resolved {
-    /// The numbers.
+    /// The scene: all numbers of the computation.
     pub scene: Scene,
-    /// The scenario's title.
+    /// Title of the scenario.
     pub title: Option<String>,
-    /// What may be wrong with the scenario.
+    /// Warnings: what may be wrong with the scenario.
     pub warnings: Vec<String>,
-    /// What the reader should know, with nothing wrong.
+    /// Notes: consequences of the scenario that are worth knowing, and not wrong.
     pub notes: Vec<String>,
-    /// The scenario with every default filled in, its keys sorted, and under
+    /// The scenario with every default filled in and sorted keys, and under
     /// `inputs` the SHA-256 of each file that it names.
     pub canonical: Value,
     /// SHA-256 of `canonical` as compact JSON, in hexadecimal digits.
@@ -63,11 +63,10 @@ pub struct Resolved {
 }
 
 impl Scenario {
-    /// Reads a scenario file; `overrides` are texts `PATH=VALUE`, as of `--set`.
+    /// Reads a scenario file. `overrides` are texts `PATH=VALUE`, as in `--set`.
     ///
     /// # Errors
-    /// Everything that is wrong with its bytes, its TOML, its keys and their
-    /// types and ranges, each with its place.
+    /// All mistakes in its bytes, its TOML, its keys and their types and ranges, each with its place.
     pub fn load(path: &Path, overrides: &[String]) -> Result<Self, ScenarioErrors> {
         let name = path.display().to_string();
         let file = DataFile::open(path, &name).map_err(ScenarioError::from)?;
@@ -75,8 +74,7 @@ impl Scenario {
         Self::from_text(text, &name, path.parent().unwrap_or(Path::new("")), overrides)
     }
 
-    /// A scenario from a text; errors call it `name`, and its files are in `library` (of a path: relative to this
-    /// folder).
+    /// Reads a scenario from a text. Errors call it `name`. Its files are in `library`; a path is the folder of the files.
     ///
     /// # Errors
     /// As [`load`](Self::load).
@@ -91,7 +89,7 @@ impl Scenario {
         Self::read(assembled, library.into(), sources)
     }
 
-    /// A scenario from its tree, to which nothing is to be added.
+    /// Reads a scenario from its complete tree.
     pub(crate) fn read(
         assembled: Assembled,
         library: Library,
@@ -105,37 +103,35 @@ impl Scenario {
         Ok(Self { file, library, written: Arc::new(Written { root, sources }), warnings, notes })
     }
 
-    /// The scenario as it was read, with every default filled in, in the order of the grammar and the text.
+    /// Returns the scenario with every default filled in, in the order of the grammar and the text.
     pub fn filled(&self) -> impl serde::Serialize + '_ {
         &self.file
     }
 
-    /// One table of [`filled`](Self::filled), by its key; null if there is none.
+    /// Returns one table of [`filled`](Self::filled) by its key; null if there is none.
     pub fn filled_at(&self, key: &str) -> Value {
         let mut all = serde_json::to_value(&self.file).unwrap_or_default();
         all.get_mut(key).map(Value::take).unwrap_or_default()
     }
 
-    /// Looks up what [`papilio diffuser measure`](VirtualMeasurement) needs: the display's diffuser and `[measure]`.
+    /// Resolves the display's diffuser and `[measure]`, for [`papilio diffuser measure`](VirtualMeasurement).
     ///
     /// # Errors
-    /// As [`resolve`](Self::resolve), and where the display has no diffuser that is given by its BTDF.
+    /// As [`resolve`](Self::resolve), and if the display has no diffuser given by its BTDF.
     pub fn measurement(&self) -> Result<VirtualMeasurement, ScenarioErrors> {
         resolve::measurement(&self.file, &self.library, &self.written.sources)
     }
 
-    /// Looks up materials, lights and files, puts everything on the wavelength grid and checks it.
+    /// Evaluates materials, lights and files on the wavelength grid, and checks the whole scenario.
     ///
     /// # Errors
-    /// Everything that does not fit together, each with its place; mistakes in
-    /// data files with the file's line and column.
+    /// All keys that do not fit together, each with its place, and mistakes in data files, with line and column of the file.
     pub fn resolve(&self) -> Result<Resolved, ScenarioErrors> {
         let Found { scene, warnings, notes, inputs } =
             resolve::resolve(&self.file, &self.library, &self.written.sources)?;
         let mut canonical = serde_json::to_value(&self.file).unwrap_or_default();
         if let Value::Object(keys) = &mut canonical {
-            // What else might be computed has no part in what is.
-            ABOUT.iter().for_each(|table| drop(keys.remove(*table)));
+            STUDY_TABLES.iter().for_each(|table| drop(keys.remove(*table)));
             keys.insert("inputs".to_owned(), json!(inputs));
         }
         let canonical = sorted(canonical);
@@ -153,29 +149,16 @@ impl Scenario {
 }
 
 impl Resolved {
-    /// An error of the scene as one of the scenario, with its place in the text; `None` if no key is at fault.
-    ///
-    /// ```
-    /// use papilio_display::pixel::scan;
-    /// use papilio_scenario::{Scenario, new_scenario};
-    ///
-    /// let text = new_scenario("indoor").unwrap();
-    /// let thick = ["display.pixel.film.2.thickness_nm=1e6".to_owned()];
-    /// let resolved = Scenario::from_text(&text, "thick.toml", std::path::Path::new(""), &thick)?.resolve()?;
-    /// let error = scan(&resolved.scene, &[0.0]).unwrap_err();
-    /// let errors = resolved.located(&error).unwrap();
-    /// assert_eq!(errors.iter().next().unwrap().place.to_string(), "--set #1:1:34");
-    /// # Ok::<(), papilio_scenario::ScenarioErrors>(())
-    /// ```
+    /// Converts an error of the scene to one of the scenario, with its place in the text; `None` if no key causes it.
     pub fn located(&self, error: &DisplayError) -> Option<ScenarioErrors> {
         let DisplayError::Fringes { key, thickness_nm, fringes, nm, most_mm } = error else { return None };
         let wrong = Diagnostic::new(format!(
             "this layer of {thickness_nm} nm makes {fringes} interference fringes over angle at {nm} nm, more than are \
              tabulated"
         ))
-        .expected(format!("films of about {most_mm} mm in all at most"))
+        .expected(format!("films with a total thickness of at most about {most_mm} mm"))
         .hint(
-            "a layer so thick does not interfere in room light: describe it as a layer of the display, \
+            "so thick a layer does not interfere in room light: describe it as a layer of the display, \
              { kind = \"medium\", index = 1.5 }, with the thin films below it as the pixel's film or a coating",
         );
         let mut errors = Errors::default();
@@ -184,7 +167,7 @@ impl Resolved {
     }
 }
 
-/// The tree of a text, and the texts that change it.
+/// Parses a text, and returns it together with the texts of `--set`.
 pub(crate) fn parse(text: &str, name: &str, overrides: &[String]) -> Result<Sources, ScenarioErrors> {
     if text.len() > LONGEST_TEXT {
         let problem =
@@ -200,23 +183,23 @@ pub(crate) fn parse(text: &str, name: &str, overrides: &[String]) -> Result<Sour
     Ok(sources)
 }
 
-/// A tree to which nothing is to be added.
+/// A complete tree: with preset, `--set` and other changes.
 pub(crate) struct Assembled {
     pub(crate) root: Node,
-    /// What looked wrong on the way.
+    /// Warnings, for example of a preset without effect.
     pub(crate) warnings: Vec<String>,
-    /// What the reader should know.
+    /// Notes, for example of old names.
     pub(crate) notes: Vec<String>,
 }
 
-/// The tree with its preset, each `--set`, and other changes.
+/// Builds the tree with its preset, each `--set`, and other changes.
 pub(crate) fn assemble(sources: &Sources, changes: &[Change]) -> Result<Assembled, ScenarioErrors> {
     let mut root = sources.document().clone();
     let mut errors = Errors::default();
     let mut old = Vec::new();
     renamed::rename(&mut root, &[], &mut old, &mut errors);
-    // The preset comes first, so that other keys can change what it gives; and once more, for a whole table that
-    // was set and names one.
+    // The preset comes first, so that other keys can change its values. It is expanded again for a whole table that
+    // was set and names a preset.
     set::apply(&mut root, sources, changes, true, &mut old, &mut errors);
     let at_first = preset::expand(&mut root, &mut errors);
     errors.check(sources)?;
@@ -225,7 +208,7 @@ pub(crate) fn assemble(sources: &Sources, changes: &[Change]) -> Result<Assemble
     errors.check(sources)?;
     let idle = preset::named(&root).filter(|_| !at_first && !at_last);
     let warnings = idle.map(|name| {
-        format!("the preset \"{name}\" changes nothing: the scenario gives all of its keys, and those count")
+        format!("the preset \"{name}\" has no effect: the scenario sets all of its keys itself, and they take precedence")
     });
     let warnings = warnings.into_iter().collect();
     let mut notes: Vec<String> = Vec::new();
@@ -237,7 +220,7 @@ pub(crate) fn assemble(sources: &Sources, changes: &[Change]) -> Result<Assemble
     Ok(Assembled { root, warnings, notes })
 }
 
-/// The same value with the keys of its objects sorted, whatever the map keeps.
+/// Sorts the keys of all objects in a value.
 fn sorted(value: Value) -> Value {
     match value {
         Value::Object(keys) => {

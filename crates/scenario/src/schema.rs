@@ -8,7 +8,7 @@ use serde_json::{Map, Value, json};
 use crate::describe::File;
 use crate::read::Read;
 
-/// The JSON Schema (draft 2020-12) of a scenario file: every key with its
+/// Returns the JSON Schema (draft 2020-12) of a scenario file: every key with its
 /// meaning, unit, range and default.
 pub fn schema() -> Value {
     let generator = SchemaSettings::draft2020_12().into_generator();
@@ -17,32 +17,32 @@ pub fn schema() -> Value {
     schema.to_value()
 }
 
-/// A key of a table, as schema and documentation show it.
+/// A key of a table, for schema and documentation.
 pub(crate) struct Row {
     pub(crate) key: &'static str,
-    /// What it is, without range and default.
+    /// Meaning, without range and default.
     pub(crate) doc: String,
-    /// Its default; of a key without one that may be missing, what that means, in words.
+    /// Default value, or the meaning of a missing key in words.
     pub(crate) default: Default,
-    /// What it may be, in words.
+    /// Possible values in words.
     words: fn() -> String,
-    /// The same for a page of documentation, in Markdown.
+    /// The same in Markdown, for the documentation.
     pub(crate) on_page: fn() -> String,
     schema: fn(&mut SchemaGenerator) -> Schema,
 }
 
-/// What a missing key means.
+/// Meaning of a missing key.
 pub(crate) enum Default {
-    /// It must be there.
+    /// The key is required.
     Required,
-    /// This value, and what else there is to say of it.
+    /// This value, with a remark.
     Value(Value, Option<String>),
-    /// This, in words.
+    /// A meaning in words.
     Words(String),
 }
 
 impl Row {
-    /// A key of type `T`; its doc comment may end with "Default: " and what a missing key means, in words.
+    /// Creates the row of a key of type `T`. Its doc comment may end with "Default: " and the meaning of a missing key.
     pub(crate) fn new<T: Read + Serialize>(key: &'static str, doc: &str, default: Option<T>) -> Self {
         let doc = text(doc);
         let (doc, said) = match doc.split_once(" Default: ") {
@@ -57,7 +57,7 @@ impl Row {
         Self { key, doc, default, words: T::in_words, on_page: T::on_page, schema: T::schema_of_value }
     }
 
-    /// What it is, with the range of a number and the default.
+    /// Returns the meaning, with the range of a number and the default.
     fn description(&self) -> String {
         let words = (self.words)();
         let mut all = self.doc.clone();
@@ -77,7 +77,7 @@ impl Row {
     }
 }
 
-/// The schema of a table with these keys.
+/// Returns the schema of a table with these keys.
 pub(crate) fn of_table(rows: &[Row], doc: &str, generator: &mut SchemaGenerator) -> Schema {
     let (mut properties, mut required) = (Map::new(), Vec::new());
     for row in rows {
@@ -99,7 +99,7 @@ pub(crate) fn of_table(rows: &[Row], doc: &str, generator: &mut SchemaGenerator)
     })
 }
 
-/// A value as TOML writes it on one line.
+/// Formats a value as TOML on one line.
 pub(crate) fn toml(value: &Value) -> String {
     match value {
         Value::Number(number) => {
@@ -116,7 +116,7 @@ pub(crate) fn toml(value: &Value) -> String {
     }
 }
 
-/// The schema of a table, or of several kinds of tables, with a key that says which kind it is.
+/// Adds the key that selects the kind to the schema of a table, or of several kinds of tables.
 pub(crate) fn with_tag(tag: &str, word: &str, mut schema: Schema) -> Schema {
     if let Some(rules) = schema.as_object_mut() {
         add_tag(tag, word, rules);
@@ -137,15 +137,15 @@ fn add_tag(tag: &str, word: &str, rules: &mut Map<String, Value>) {
     }
 }
 
-/// A doc comment as running text.
+/// Joins the lines of a doc comment.
 pub(crate) fn text(doc: &str) -> String {
     doc.lines().map(str::trim).collect::<Vec<_>>().join(" ").trim().to_owned()
 }
 
-/// More choices than this are listed without their meanings.
+/// Largest number of choices that are listed with their meanings.
 const MOST_EXPLAINED: usize = 6;
 
-/// Words and what they mean, for a page of documentation.
+/// Formats words with their meanings for the documentation.
 pub(crate) fn choices(words: &[(&str, &str)]) -> String {
     let explained = words.len() <= MOST_EXPLAINED;
     let one = |(word, doc): &(&str, &str)| match explained {
@@ -155,7 +155,7 @@ pub(crate) fn choices(words: &[(&str, &str)]) -> String {
     words.iter().map(one).collect::<Vec<_>>().join(if explained { "; " } else { ", " })
 }
 
-/// A sentence as a part of another: a name in capitals keeps them.
+/// Converts the first letter to lower case, except in names and abbreviations.
 fn lower_first(sentence: &str) -> String {
     let mut letters = sentence.chars();
     match (letters.next(), letters.clone().next()) {
@@ -168,5 +168,5 @@ fn lower_first(sentence: &str) -> String {
     }
 }
 
-/// Names that keep their capital within a sentence.
+/// Names that keep their capital letter within a sentence.
 const NAMES: [&str; 6] = ["Gaussian", "Henyey", "Owen", "Sobol", "Ward", "Monte Carlo"];

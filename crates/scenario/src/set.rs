@@ -1,34 +1,34 @@
-//! `--set PATH=VALUE`: changes to a scenario from the command line, and those of a sweep or a search.
+//! Changes of a scenario: `--set PATH=VALUE` from the command line, and those of sweeps and searches.
 //!
-//! PATH is a [`KeyPath`]. Of two keys that exclude each other (`haze` and `width`) a set one
-//! replaces the file's; two set ones are an error. VALUE is TOML, or else a string. What is not there is made;
-//! whether the schema has such a key is found out when the scenario is read.
+//! PATH is a [`KeyPath`]. Of two keys that exclude each other (`haze` and `width`), one that is set
+//! replaces the one in the file; setting both is an error. VALUE is TOML, or otherwise a string. Missing tables are
+//! created; whether the grammar has such a key is checked when the scenario is read.
 
 use papilio_diagnostics::Diagnostic;
 
 use crate::error::Errors;
 use crate::mistake;
 use crate::origin::Origin;
-use crate::path::{At, Grow, KeyPath, Step};
+use crate::path::{Grow, KeyPath, Position, Step};
 use crate::renamed::{OldName, rename};
 use crate::source::Sources;
 use crate::tree::{Entry, Node, Value};
 
-/// Where presets are named; they are set before any other key.
+/// Path of the preset, which is set before any other key.
 pub(crate) const PRESET_PATH: &str = "lighting.preset";
 
-/// A change that is none of the user's `--set`: a value of a sweep, a search or a condition.
+/// A change that is not a `--set`: a value of a sweep, a search or a condition.
 #[derive(Debug, Clone)]
 pub(crate) struct Change {
     /// The key.
     pub(crate) path: KeyPath,
-    /// Where the path stands.
+    /// Place of the path in the text.
     pub(crate) origin: Origin,
     pub(crate) value: Node,
 }
 
-/// Applies each `--set` in turn, then the other changes: those of the preset alone, or all others. Old names of keys and
-/// values that are set go to `old`.
+/// Applies each `--set` in order, then the other changes: with `presets` only those of the preset, otherwise all others.
+/// Old names in them are added to `old`.
 pub(crate) fn apply(
     root: &mut Node,
     sources: &Sources,
@@ -69,11 +69,11 @@ pub(crate) fn apply(
     }
 }
 
-/// Where a path stands.
+/// Place of a path in a text.
 #[derive(Clone, Copy)]
 struct Place {
     path: Origin,
-    /// Whether all of it counts as the place of each of its keys: it may be spread over a table.
+    /// Whether the whole place is that of each key: a path may be spread over a table.
     whole: bool,
 }
 
@@ -87,7 +87,7 @@ impl Place {
     }
 }
 
-/// Puts a value at a path, and brings both to the present names.
+/// Sets a value at a path, and converts both to the present names.
 fn put(
     root: &mut Node,
     path: &KeyPath,
@@ -100,28 +100,28 @@ fn put(
         old.push(OldName { origin: place.of(range), old: name.to_owned(), new: new.to_owned() });
     }
     rename(&mut value, &path.keys().collect::<Vec<_>>(), old, errors);
-    match path.put(root, false, &mut Maker { place }) {
+    match path.put(root, false, &mut NodeBuilder { place }) {
         Ok(node) => *node = value,
         Err(error) => errors.push(place.of(error.range), mistake::of_path(Diagnostic::new(error.message))),
     }
 }
 
-/// Makes tables and arrays, and takes the rival of the key at the end of the path out.
-struct Maker {
+/// Creates tables and arrays, and removes the key that the last key of the path excludes.
+struct NodeBuilder {
     place: Place,
 }
 
-impl Grow for Maker {
+impl Grow for NodeBuilder {
     type Tree = Node;
 
-    fn child<'a>(&mut self, node: &'a mut Node, at: At<'_>) -> Result<&'a mut Node, String> {
+    fn child<'a>(&mut self, node: &'a mut Node, at: Position<'_>) -> Result<&'a mut Node, String> {
         let origin = self.place.of(at.range());
         let value = if at.array { Value::Array(Vec::new()) } else { Value::Table(Vec::new()) };
         let new = Node { origin, value };
         if let Step::Key(key) = at.step
             && at.is_last()
         {
-            drop_rival(node, key);
+            drop_excluded(node, key);
         }
         match (&mut node.value, at.step) {
             (Value::Table(entries), Step::Key(key)) => {
@@ -142,22 +142,22 @@ impl Grow for Maker {
     }
 }
 
-/// Keys of which a table may have one: setting one means to replace the other.
-pub(crate) const RIVALS: [[&str; 2]; 4] = [
+/// Pairs of keys that exclude each other: setting one replaces the other.
+pub(crate) const EXCLUSIVE_KEYS: [[&str; 2]; 4] = [
     ["relative_error", "paths"],
     ["haze", "width"],
     ["transmittance", "total_transmittance"],
     ["internal_transmittance", "thickness_mm"],
 ];
 
-/// Takes the rival of `key` out of a table, where its value is the file's and not that of another `--set`.
-fn drop_rival(table: &mut Node, key: &str) {
-    let rival = RIVALS.iter().find_map(|[a, b]| match key {
+/// Removes the key that `key` excludes from a table, if its value is from the file and not from another `--set`.
+fn drop_excluded(table: &mut Node, key: &str) {
+    let excluded = EXCLUSIVE_KEYS.iter().find_map(|[a, b]| match key {
         _ if key == *a => Some(*b),
         _ if key == *b => Some(*a),
         _ => None,
     });
-    if let (Value::Table(entries), Some(rival)) = (&mut table.value, rival) {
-        entries.retain(|entry| entry.key != rival || entry.node.origin.source != Origin::FILE.source);
+    if let (Value::Table(entries), Some(excluded)) = (&mut table.value, excluded) {
+        entries.retain(|entry| entry.key != excluded || entry.node.origin.source != Origin::FILE.source);
     }
 }

@@ -1,4 +1,4 @@
-//! The texts that a scenario comes from, and where in them a value stands.
+//! Texts of a scenario, and places in them.
 
 use std::sync::Arc;
 
@@ -7,18 +7,18 @@ use papilio_diagnostics::Place;
 use crate::origin::Origin;
 use crate::tree::Node;
 
-/// The scenario file, then each `--set` in turn, then what else may change it.
+/// The scenario file, then each `--set` in order, then other texts that change it.
 #[derive(Debug, Clone)]
 pub(crate) struct Sources {
     texts: Vec<(String, String)>,
-    /// The scenario file, parsed: each of its nodes knows where it stands.
+    /// The parsed scenario file; each node has its place.
     document: Arc<Node>,
-    /// How many `--set` there are.
+    /// Number of `--set`.
     overrides: usize,
 }
 
 impl Sources {
-    /// `document`: the file's text, parsed.
+    /// `document` is the parsed text of the file.
     pub(crate) fn new(file_name: &str, file_text: &str, document: Node, overrides: &[String]) -> Self {
         let mut texts = vec![(file_name.to_owned(), file_text.to_owned())];
         let sets = overrides.iter().enumerate();
@@ -26,7 +26,7 @@ impl Sources {
         Self { texts, document: Arc::new(document), overrides: overrides.len() }
     }
 
-    /// One more text, which errors call `name`, and all of it as a place.
+    /// Adds a text, which errors call `name`, and returns the place of the whole text.
     pub(crate) fn add(&mut self, name: &str, text: &str) -> Origin {
         self.texts.push((name.to_owned(), text.to_owned()));
         Origin { source: self.texts.len() - 1, start: 0, end: text.len() }
@@ -36,17 +36,17 @@ impl Sources {
         self.texts.get(source).map_or("", |(_, text)| text)
     }
 
-    /// The scenario file as it stands.
+    /// The parsed scenario file, without changes.
     pub(crate) fn document(&self) -> &Node {
         &self.document
     }
 
-    /// How many `--set` there are.
+    /// Number of `--set`.
     pub(crate) fn overrides(&self) -> usize {
         self.overrides
     }
 
-    /// The path of the key or value at a place, as of `--set`; empty for the scenario as a whole.
+    /// Returns the path of the key or value at a place, as in `--set`; empty for the whole scenario.
     pub(crate) fn path(&self, origin: Origin) -> Option<String> {
         let text = self.text(origin.source);
         if origin.source > 0 {

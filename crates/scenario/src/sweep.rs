@@ -1,4 +1,4 @@
-//! A scenario at every point of its `[sweep]`.
+//! Sweeps: a scenario at every point of its `[sweep]`.
 
 use papilio_diagnostics::Diagnostic;
 use papilio_formats::{SweepHead, SweepHeadAxis, sweep_place};
@@ -12,28 +12,28 @@ use crate::mistake;
 use crate::nearest::no_such_metric;
 use crate::origin::Origin;
 use crate::path::KeyPath;
-use crate::read::{At, Read};
+use crate::read::{Read, Spanned};
 use crate::scenario::Scenario;
 use crate::set::Change;
 use crate::tolerance::{AskedMetric, of_all_views};
 use crate::tree::{Node, Value};
-use crate::varied::{Base, Varied, VariedKey, read_of_scenarios};
+use crate::varied::{ParsedScenario, Varied, VariedKey, read_of_scenarios};
 
-/// A scenario whose keys vary: the product of its axes, the last one fastest.
+/// A scenario at every combination of the axes of its `[sweep]`; the last axis varies fastest.
 #[derive(Debug, Clone)]
 pub struct Sweep {
-    base: Base,
+    base: ParsedScenario,
     axes: Vec<Axis>,
-    figures: Vec<At<String>>,
-    metrics: Option<Vec<At<MetricName>>>,
+    figures: Vec<Spanned<String>>,
+    metrics: Option<Vec<Spanned<MetricName>>>,
     title: Option<String>,
 }
 
-// What is wrong with the scenario itself shows at the sweep's points.
+// Mistakes in the scenario itself are reported at the points of the sweep.
 read_of_scenarios!(Sweep: "a `[sweep]`", Self::new);
 
 impl Sweep {
-    fn new(base: Base) -> Result<Self, ScenarioErrors> {
+    fn new(base: ParsedScenario) -> Result<Self, ScenarioErrors> {
         let assembled = base.assembled()?;
         let mut errors = Errors::default();
         let node = assembled.get("sweep");
@@ -64,13 +64,13 @@ impl Sweep {
         })
     }
 
-    /// How many points there are; at least 1.
+    /// Returns the number of points, at least 1.
     #[allow(clippy::len_without_is_empty, reason = "it is never empty")]
     pub fn len(&self) -> usize {
         self.axes.iter().map(Axis::len).product()
     }
 
-    /// What a journal begins with, written by this version of the program; `name`: the title of a scenario without one.
+    /// Returns the head of a journal by this version of the program; `name` is the title of a scenario without one.
     pub fn head(&self, papilio: &str, name: &str) -> SweepHead {
         let axis = |axis: &Axis| {
             let at = |at: usize| axis.0.iter().map(|swept| swept.values[at].to_json()).collect();
@@ -88,10 +88,10 @@ impl Sweep {
         }
     }
 
-    /// What a light sweep keeps, if this is one; where nobody asked for figures, all of it is drawn.
+    /// Returns the light sweep, if this is one. Without `figures` all its metrics are drawn.
     ///
     /// # Errors
-    /// What is wrong with its metrics, or with the scenario at a point of [`samples`](Self::samples).
+    /// Mistakes in its metrics, or in the scenario at a point of [`samples`](Self::samples).
     pub fn light(&mut self) -> Result<Option<LightSweep>, ScenarioErrors> {
         let Some(named) = self.metrics.clone() else { return Ok(None) };
         let first = self.scenario(0)?.resolve()?;
@@ -104,7 +104,7 @@ impl Sweep {
         let moved = self.axes.iter().flat_map(|axis| &axis.0).any(|swept| is_of_viewer(&swept.path));
         let views = if moved { Vec::new() } else { views.collect() };
         if !self.figures.is_empty() && self.figures.iter().all(|name| name.origin == Origin::FILE) {
-            self.figures = known.iter().cloned().map(At::at_large).collect();
+            self.figures = known.iter().cloned().map(Spanned::without_span).collect();
         }
         let is_metric = |name: &str| MetricName::named(name).is_some();
         for name in self.figures.iter().filter(|name| !known.contains(name) && is_metric(name)) {
@@ -115,7 +115,7 @@ impl Sweep {
         }
         errors.check(&self.base.sources)?;
         self.check_figures(&known)?;
-        // Other files may change what a value means; numbers are what they are.
+        // A value that is not a number may name a file, whose content belongs to the hash.
         let mut means = vec![first.hash];
         for point in self.samples().into_iter().skip(1) {
             if self.at(point).iter().any(|change| change.value.number().is_none()) {
@@ -136,10 +136,10 @@ impl Sweep {
         }))
     }
 
-    /// Nothing, if results have all metrics that are to be drawn: `known`.
+    /// Checks that all metrics to draw are among the `known` metrics of the results.
     ///
     /// # Errors
-    /// Each one that they do not have, with its place.
+    /// Each metric that the results do not have, with its place.
     pub fn check_figures(&self, known: &[String]) -> Result<(), ScenarioErrors> {
         let mut errors = Errors::default();
         for name in self.figures.iter().filter(|name| !known.contains(name)) {
@@ -148,16 +148,16 @@ impl Sweep {
         errors.check(&self.base.sources)
     }
 
-    /// The scenario at a point.
+    /// Reads the scenario at a point.
     ///
     /// # Errors
-    /// As [`Scenario::load`]; a value's place is where `[sweep]` gives it.
+    /// As [`Scenario::load`]; the place of a value is that in `[sweep]`.
     pub fn scenario(&self, point: usize) -> Result<Scenario, ScenarioErrors> {
         self.base.scenario(&self.at(point))
     }
 
-    /// One point for every value of every axis, the others at their first: enough to find what is wrong with a
-    /// value alone before anything is computed.
+    /// Returns one point for every value of every axis, with the first values of the other axes. They are enough to
+    /// find mistakes in single values before the computation.
     pub fn samples(&self) -> Vec<usize> {
         let mut samples = vec![0];
         let mut stride = self.len();
@@ -181,25 +181,25 @@ impl Sweep {
     }
 }
 
-/// A sweep of which only some metrics are kept.
+/// A sweep that stores only some metrics.
 #[derive(Debug, Clone)]
 pub struct LightSweep {
     /// The scenario: its paths are those of all keys, in order.
     pub varied: Varied,
     /// The values of each key.
     pub keys: Vec<Vec<serde_json::Value>>,
-    /// What is kept of every point: of the first view, then of the others.
+    /// Metrics that are stored for every point: of the first view, then of the others.
     pub metrics: Vec<AskedMetric>,
-    /// Angles theta and phi of the views, degrees; empty if what is swept changes them.
+    /// Angles theta and phi of the views, degrees; empty if the swept keys may change them.
     pub views: Vec<[f64; 2]>,
-    /// SHA-256 of all that a point's numbers depend on besides its number.
+    /// SHA-256 of everything that determines the results, except the index of the point.
     pub hash: String,
-    /// For each axis its length and how many keys it has.
+    /// Length and number of keys of each axis.
     axes: Vec<(usize, usize)>,
 }
 
 impl LightSweep {
-    /// Which of its values each key has at a point.
+    /// Returns the index of the value of each key at a point.
     pub fn at(&self, point: usize) -> Vec<usize> {
         let lengths: Vec<usize> = self.axes.iter().map(|(length, _)| *length).collect();
         let place = sweep_place(&lengths, point);
@@ -207,17 +207,17 @@ impl LightSweep {
     }
 }
 
-/// Whether a key may move the views.
+/// True if a key may change the views.
 fn is_of_viewer(path: &KeyPath) -> bool {
     let keys: Vec<&str> = path.keys().collect();
-    // A preset tells where the viewer is, too.
+    // A preset sets the viewer too.
     matches!(
         keys[..],
         ["viewer"] | ["viewer", "theta_deg" | "phi_deg", ..] | ["lighting"] | ["lighting", "preset"]
     )
 }
 
-/// What an axis cannot know: that there is one, that no key is swept twice, and how many points there are.
+/// Checks the axes together: there is at least one, no key is swept twice, and there are not too many points.
 fn is_sound(sweep: &Described, errors: &mut Errors) -> bool {
     if let Some(metrics) = &sweep.metrics.value
         && metrics.is_empty()
@@ -248,7 +248,7 @@ fn is_sound(sweep: &Described, errors: &mut Errors) -> bool {
 }
 
 impl Node {
-    /// The value as JSON.
+    /// Converts the value to JSON.
     pub(crate) fn to_json(&self) -> serde_json::Value {
         use crate::tree::Value as Toml;
         match &self.value {

@@ -1,4 +1,4 @@
-//! A scenario as production makes it: `[tolerance]`.
+//! Tolerance analyses: a scenario with the distributions of its `[tolerance]`.
 
 use papilio_diagnostics::{Diagnostic, suggestion};
 use papilio_display::pixel::state_names;
@@ -13,12 +13,12 @@ use crate::library::sha256;
 use crate::mistake;
 use crate::origin::Origin;
 use crate::path::KeyPath;
-use crate::read::{At, Read};
+use crate::read::{Read, Spanned};
 use crate::scattered::scattered;
 use crate::scenario::Scenario;
-use crate::varied::{Base, Varied, VariedKey, read_of_scenarios};
+use crate::varied::{ParsedScenario, Varied, VariedKey, read_of_scenarios};
 
-/// What is reported where the scenario does not say.
+/// Metrics that are reported if the scenario does not specify any.
 const REPORTED: [&str; 7] = [
     "contrast_ratio",
     "gamut_percent_srgb",
@@ -29,72 +29,73 @@ const REPORTED: [&str; 7] = [
     "white.b_star",
 ];
 
-/// A scenario whose keys scatter, and what its displays have to meet.
+/// A scenario whose keys have distributions, with limits of good displays.
 #[derive(Debug, Clone)]
 pub struct Tolerance {
-    /// The scenario: its paths are those of all keys, in order.
+    /// The scenario; its paths are those of all keys, in order.
     pub varied: Varied,
-    /// The scenario's title.
+    /// Title of the scenario.
     pub title: Option<String>,
-    /// How many displays are made.
+    /// Number of displays.
     pub samples: usize,
-    /// For how many of them sensitivities are sought; at most `samples`.
+    /// Number of displays for sensitivities, at most `samples`.
     pub sensitivity_samples: usize,
-    /// Which displays are made.
+    /// Seed of the displays.
     pub seed: u64,
-    /// What scatters.
+    /// Keys with their distributions.
     pub keys: Vec<ScatteredKey>,
-    /// What scatters together.
+    /// Correlation of the keys.
     pub correlation: Correlation,
-    /// What is reported, those with limits first.
+    /// Metrics to report, those with limits first.
     pub metrics: Vec<AskedMetric>,
-    /// What a good display has to meet.
+    /// Limits of a good display.
     pub limits: Vec<ToleranceLimit>,
-    /// SHA-256 of all that a display's numbers depend on besides its number: the scenario, the keys, the seed, the metrics.
+    /// SHA-256 of everything that determines the results of a display, except its index: the scenario, the keys, the seed,
+    /// the metrics.
     pub hash: String,
 }
 
-/// Keys that scatter alike.
+/// Keys with the same deviation, and their distribution.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ScatteredKey {
-    /// For tables and figures.
+    /// Name in tables and figures.
     pub name: String,
-    /// Each path with slope and offset: the number x of the distribution makes it `slope * x + offset`.
+    /// Each path with slope and offset: its value is `slope * x + offset` for a number x of the distribution.
     pub paths: Vec<(String, f64, f64)>,
-    /// How it scatters.
+    /// Distribution of the keys.
     pub distribution: Distribution,
-    /// What it is one of, where it is [`Distribution::Choices`].
+    /// The possible values of [`Distribution::Choices`].
     pub choices: Vec<Value>,
 }
 
-/// A metric, where it is seen.
+/// A metric of a view, or of a state in a view.
 #[derive(Debug, Clone, PartialEq)]
 pub struct AskedMetric {
-    /// For tables and figures: "white.Y", "white.Y, view 1".
+    /// Name in tables and figures: "white.Y", "white.Y, view 1".
     pub name: String,
-    /// The view, from 0.
+    /// Index of the view, from 0.
     pub view: usize,
-    /// The state, if it is of one.
+    /// The state; `None` for a metric of a view.
     pub state: Option<String>,
     /// The metric.
     pub metric: Metric,
 }
 
-/// What one of the metrics has to meet.
+/// Limits of a metric.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ToleranceLimit {
-    /// Which of [`Tolerance::metrics`].
+    /// Index in [`Tolerance::metrics`].
     pub metric: usize,
-    /// No less.
+    /// Lower limit.
     pub at_least: Option<f64>,
-    /// No more.
+    /// Upper limit.
     pub at_most: Option<f64>,
 }
 
 read_of_scenarios!(Tolerance: "a `[tolerance]`", Self::new);
 
 impl Tolerance {
-    fn new(base: Base) -> Result<Self, ScenarioErrors> {
+    fn new(base: ParsedScenario) -> Result<Self, ScenarioErrors> {
         let assembled = base.assembled()?;
         let mut errors = Errors::default();
         let read = match assembled.get("tolerance") {
@@ -119,8 +120,8 @@ impl Tolerance {
         let sensitivity = read.sensitivity_samples.value.map_or(samples / 4, |count| count.0 as usize);
         let names: Vec<&str> = metrics.iter().map(|one| one.name.as_str()).collect();
         let means = json!([resolved.hash, read.keys, read.correlations, read.seed, names]);
-        let varied = |key: &At<Scattered>| {
-            let values = key.spread_at().unwrap_or(key.origin);
+        let varied = |key: &Spanned<Scattered>| {
+            let values = key.spread_origin().unwrap_or(key.origin);
             let paths = key.paths().into_iter();
             paths
                 .map(move |(path, origin)| VariedKey { path: KeyPath::new(&path), origin, values })
@@ -141,10 +142,10 @@ impl Tolerance {
         })
     }
 
-    #[allow(clippy::type_complexity, reason = "the parts of what is made of them next")]
+    #[allow(clippy::type_complexity, reason = "the parts of one result")]
     fn found(
         read: &Described,
-        base: &Base,
+        base: &ParsedScenario,
         scenario: &Scenario,
         scene: &Scene,
         errors: &mut Errors,
@@ -155,32 +156,32 @@ impl Tolerance {
             errors.push(read.keys.origin, mistake::empty_list());
         }
         let keys: Vec<ScatteredKey> = keys.into_iter().collect::<Option<_>>()?;
-        told_apart(&read.keys, &keys, errors);
+        check_distinct(&read.keys, &keys, errors);
         let correlation = correlation(&read.correlations, &keys, errors);
-        let (metrics, limits) = asked(read, scene, errors);
+        let (metrics, limits) = columns(read, scene, errors);
         errors.is_empty().then_some((keys, correlation?, metrics, limits))
     }
 
-    /// Nothing, if there are displays whose paths have these values.
+    /// Checks that a display with these values of its paths is possible.
     ///
     /// # Errors
-    /// What is wrong with them, where `[tolerance]` has the key.
+    /// Mistakes in the values, at the place of the key in `[tolerance]`.
     pub fn check(&self, values: &[Value]) -> Result<(), ScenarioErrors> {
         let made = self.varied.scenario(values).and_then(|scenario| scenario.resolve());
         made.map(|_| ()).map_err(|errors| errors.noted(|error| self.drawn(error)))
     }
 
-    /// What to say of a value that a distribution gave, not the text.
+    /// Returns a note on a value that was drawn from a distribution.
     fn drawn(&self, error: &ScenarioError) -> Option<String> {
         let keys = self.keys.iter().flat_map(|key| key.paths.iter().map(move |_| key));
         let (key, _) = keys.zip(self.varied.places()).find(|(_, place)| *place == error.place)?;
-        let said = "a display of this production has it";
+        let note = "a display of this production has this value";
         match key.distribution {
             Distribution::Normal { .. } | Distribution::LogNormal { .. } => {
-                Some(format!("{said}: `from` and `to` sort such displays out"))
+                Some(format!("{note}: `from` and `to` exclude such displays"))
             }
             Distribution::Choices { .. } => None,
-            _ => Some(said.to_owned()),
+            _ => Some(note.to_owned()),
         }
     }
 }
@@ -193,7 +194,7 @@ impl AskedMetric {
 }
 
 impl Scattered {
-    /// Its paths, each with its place.
+    /// Returns the paths, each with its place.
     fn paths(&self) -> Vec<(String, Origin)> {
         let several = self.keys.iter().flatten().map(|path| (path.value.clone(), path.origin));
         self.key.iter().map(|path| (path.clone(), self.key.origin)).chain(several).collect()
@@ -201,9 +202,9 @@ impl Scattered {
 }
 
 impl Scattered {
-    /// Where it is said how far it scatters.
-    fn spread_at(&self) -> Option<Origin> {
-        let or_all = |spread: &At<Option<Deviation>>, all: Origin| {
+    /// Returns the place of the width of the distribution.
+    fn spread_origin(&self) -> Option<Origin> {
+        let or_all = |spread: &Spanned<Option<Deviation>>, all: Origin| {
             if spread.is_some() { spread.origin } else { all }
         };
         let normal = self.normal.as_ref().map(|one| one.sigma.origin);
@@ -215,13 +216,13 @@ impl Scattered {
     }
 }
 
-/// A key, or a name of two, with more than one distribution.
+/// Error: a key, or two keys with the same name, have more than one distribution.
 fn two_distributions(name: &str) -> Diagnostic {
     Diagnostic::new(format!("`{name}` has more than one distribution"))
 }
 
-/// No key and no name comes twice.
-fn told_apart(read: &[At<Scattered>], keys: &[ScatteredKey], errors: &mut Errors) {
+/// Checks that each key and each name occurs once.
+fn check_distinct(read: &[Spanned<Scattered>], keys: &[ScatteredKey], errors: &mut Errors) {
     let (mut paths, mut names): (Vec<String>, Vec<&str>) = (Vec::new(), Vec::new());
     for (one, key) in read.iter().zip(keys) {
         for (path, origin) in one.paths() {
@@ -237,10 +238,14 @@ fn told_apart(read: &[At<Scattered>], keys: &[ScatteredKey], errors: &mut Errors
     }
 }
 
-fn correlation(read: &[At<Correlated>], keys: &[ScatteredKey], errors: &mut Errors) -> Option<Correlation> {
+fn correlation(
+    read: &[Spanned<Correlated>],
+    keys: &[ScatteredKey],
+    errors: &mut Errors,
+) -> Option<Correlation> {
     let (mut coefficients, mut places) = (Vec::new(), Vec::new());
     for one in read {
-        let place = |name: &At<String>| {
+        let place = |name: &Spanned<String>| {
             let place = keys.iter().position(|key| key.name == name.value);
             if place.is_none() {
                 let hint = suggestion(name, keys.iter().map(|key| key.name.as_str()), "names");
@@ -275,8 +280,8 @@ fn correlation(read: &[At<Correlated>], keys: &[ScatteredKey], errors: &mut Erro
     }
 }
 
-/// The metrics that have limits, then those that are reported besides.
-fn asked(read: &Described, scene: &Scene, errors: &mut Errors) -> (Vec<AskedMetric>, Vec<ToleranceLimit>) {
+/// Returns the metrics with limits, then the other metrics to report; and the limits.
+fn columns(read: &Described, scene: &Scene, errors: &mut Errors) -> (Vec<AskedMetric>, Vec<ToleranceLimit>) {
     let states = state_names(&scene.display.pixel);
     let mut metrics: Vec<AskedMetric> = Vec::new();
     let mut column = |name: &MetricName, view: usize| {
@@ -307,7 +312,7 @@ fn asked(read: &Described, scene: &Scene, errors: &mut Errors) -> (Vec<AskedMetr
     (metrics, limits)
 }
 
-fn checked(limit: &At<Limit>, scene: &Scene, states: &[String], errors: &mut Errors) {
+fn checked(limit: &Spanned<Limit>, scene: &Scene, states: &[String], errors: &mut Errors) {
     has_state(&limit.metric, states, errors);
     let views = views(scene);
     if limit.view.0 as usize >= views {
@@ -326,8 +331,12 @@ fn checked(limit: &At<Limit>, scene: &Scene, states: &[String], errors: &mut Err
     }
 }
 
-/// Metrics of every view of a scene, those of the first under their own names.
-pub(crate) fn of_all_views(named: &[At<MetricName>], scene: &Scene, errors: &mut Errors) -> Vec<AskedMetric> {
+/// Returns the metrics of every view of a scene. Those of the first view have no view in their names.
+pub(crate) fn of_all_views(
+    named: &[Spanned<MetricName>],
+    scene: &Scene,
+    errors: &mut Errors,
+) -> Vec<AskedMetric> {
     let states = state_names(&scene.display.pixel);
     named.iter().for_each(|name| has_state(name, &states, errors));
     let of_view = |view: usize| named.iter().map(move |name| AskedMetric::of(name, view));
@@ -338,7 +347,7 @@ fn views(scene: &Scene) -> usize {
     scene.viewer.theta_deg.len() * scene.viewer.phi_deg.len()
 }
 
-fn has_state(name: &At<MetricName>, states: &[String], errors: &mut Errors) {
+fn has_state(name: &Spanned<MetricName>, states: &[String], errors: &mut Errors) {
     if let Some(state) = name.state.as_ref().filter(|state| !states.contains(state)) {
         errors.push(name.origin, mistake::no_such_state(state, states));
     }

@@ -1,4 +1,4 @@
-//! A TOML document whose every key and value knows where it stands.
+//! TOML documents in which every key and value has its place in the text.
 
 use std::ops::Range;
 
@@ -27,11 +27,11 @@ pub(crate) enum Value {
     Text(String),
     DateTime,
     Array(Vec<Node>),
-    /// In the order of the text.
+    /// Entries in the order of the text.
     Table(Vec<Entry>),
 }
 
-/// A key of a table and what it holds.
+/// A key of a table and its value.
 #[derive(Debug, Clone)]
 pub(crate) struct Entry {
     pub(crate) key: String,
@@ -39,11 +39,11 @@ pub(crate) struct Entry {
     pub(crate) node: Node,
 }
 
-/// No more syntax errors than this are worth reading at once: one often makes the next.
+/// Largest number of syntax errors that are reported: one often causes the next.
 const MOST_SYNTAX_ERRORS: usize = 3;
 
 impl Node {
-    /// Parses a whole document: what of it can be read, and its syntax errors with their places.
+    /// Parses a whole document. Returns the part that can be read, and the syntax errors with their places.
     pub(crate) fn parse_document(text: &str) -> (Self, Vec<(Origin, Diagnostic)>) {
         let (table, found) = DeTable::parse_recoverable(text);
         let is_scenario = text.lines().any(is_toml);
@@ -71,9 +71,9 @@ impl Node {
         Self { origin: Origin::FILE, value: Value::Table(Vec::new()) }
     }
 
-    /// Parses `text[at..]` of a source as one value. Numbers may be spelt as in a shell
-    /// (`.5`, `5.`). A text that is no value is a string; one that begins as an array, a table or a quoted string does
-    /// is a syntax error, too.
+    /// Parses `text[at..]` of a source as one value. Numbers may be written as in a shell
+    /// (`.5`, `5.`). A text that is not a value is a string; if it begins like an array, a table or a quoted string, it is
+    /// also a syntax error.
     pub(crate) fn parse_value(text: &str, at: usize, source: usize) -> (Self, Option<(Origin, Diagnostic)>) {
         let rest = text.get(at..).unwrap_or_default();
         let mut wrong = None;
@@ -91,7 +91,7 @@ impl Node {
         (Self { origin: Origin { source, start: at, end: text.len() }, value }, wrong)
     }
 
-    /// The same values, all at one place.
+    /// Moves all values to one place.
     pub(crate) fn moved_to(mut self, origin: Origin) -> Self {
         self.origin = origin;
         match &mut self.value {
@@ -110,7 +110,7 @@ impl Node {
         self
     }
 
-    /// What is under `key`, if this is a table that has it.
+    /// Returns the value of `key`, if this is a table that has it.
     pub(crate) fn get(&self, key: &str) -> Option<&Self> {
         match &self.value {
             Value::Table(entries) => entries.iter().find(|entry| entry.key == key).map(|entry| &entry.node),
@@ -118,32 +118,32 @@ impl Node {
         }
     }
 
-    /// What is at a path.
+    /// Returns the value at a path.
     pub(crate) fn at(&self, path: &str) -> Option<&Self> {
         KeyPath::new(path).get(self)
     }
 
-    /// The place of what is at a path, or of the nearest value that holds it.
+    /// Returns the place of the value at a path, or of the nearest table or array above it.
     pub(crate) fn place_of(&self, path: &str) -> Origin {
         let there = KeyPath::new(path).prefixes().map_while(|path| path.get(self)).last();
         there.map_or(Origin::FILE, |node| node.origin)
     }
 
-    /// Takes a key out of a table, if this is one that has it.
+    /// Removes a key, if this is a table that has it.
     pub(crate) fn remove(&mut self, key: &str) {
         if let Value::Table(entries) = &mut self.value {
             entries.retain(|entry| entry.key != key);
         }
     }
 
-    /// The path of the shortest stretch of the text that holds `origin`, as of `--set`.
+    /// Returns the path of the shortest range of the text that contains `origin`, as in `--set`.
     pub(crate) fn path_to(&self, origin: Origin) -> Option<String> {
         let mut best: Option<(usize, String)> = None;
         self.narrow(String::new(), origin, &mut best);
         best.map(|(_, path)| path)
     }
 
-    /// Looks for a shorter stretch in here. A table's header does not hold its keys, so all are looked at.
+    /// Searches this node for a shorter range. All keys are searched, because the range of a table does not contain them.
     fn narrow(&self, path: String, origin: Origin, best: &mut Option<(usize, String)>) {
         let mut look = |at: &Origin, path: &str| {
             let length = at.end - at.start;
@@ -172,7 +172,7 @@ impl Node {
         }
     }
 
-    /// Takes every key of `other` that is missing here, all the way down; arrays count as one value. True if there
+    /// Adds every key of `other` that is missing here, at all depths; arrays count as one value. Returns true if there
     /// was one.
     pub(crate) fn fill_from(&mut self, other: Self) -> bool {
         let (Value::Table(mine), Value::Table(theirs)) = (&mut self.value, other.value) else { return false };
@@ -189,7 +189,7 @@ impl Node {
         any
     }
 
-    /// What kind of value it is, in words.
+    /// Type of the value in words.
     pub(crate) fn kind(&self) -> &'static str {
         match &self.value {
             Value::Bool(_) => "true or false",
@@ -264,25 +264,25 @@ fn origin(span: Range<usize>, source: usize, offset: usize) -> Origin {
     Origin { source, start: span.start + offset, end: span.end + offset }
 }
 
-/// A text without a line of TOML.
+/// Error: the text has no line of TOML.
 fn not_toml() -> Diagnostic {
     Diagnostic::new("this does not look like a scenario (TOML)").hint(
         "a scenario has lines such as `title = \"Indoor\"` and `[display.pixel]`; scenarios/ holds examples",
     )
 }
 
-/// What a syntax error means and where it is, where the parser's words mislead.
+/// Returns a better message and place for syntax errors whose message by the parser is misleading.
 fn known_mistake(text: &str, origin: Origin, message: &str) -> Option<(Origin, Diagnostic)> {
     let start = text.get(..origin.start).and_then(|before| before.rfind('\n')).map_or(0, |i| i + 1);
     let before = text.get(start..origin.start).unwrap_or_default();
     let line = text.get(start..).and_then(|rest| rest.lines().next()).unwrap_or_default();
-    // The parser points at the unit alone, or at the number too.
+    // The parser marks either the unit alone, or the number too.
     let found = text.get(origin.start..origin.end).unwrap_or_default();
     let begun = before.rsplit(['=', '[', '{', ',']).next().unwrap_or_default();
     if let Some(unit) = unit_of(format!("{begun}{found}").trim()) {
         let hint = match unit {
-            "%" => "fractions are of 1: write 78 % as 0.78",
-            _ => "write the number alone: the unit is in the key's name",
+            "%" => "fractions are relative to 1: write 78 % as 0.78",
+            _ => "write the number without a unit: the unit is in the key's name",
         };
         let wrong = Diagnostic::new(format!("units are not allowed in values (found `{unit}`)"));
         return Some((origin, wrong.expected("a number without a unit").hint(hint)));
@@ -305,7 +305,7 @@ fn known_mistake(text: &str, origin: Origin, message: &str) -> Option<(Origin, D
     None
 }
 
-/// The letters or percent sign behind a number, if there is nothing else.
+/// Returns the letters or percent sign after a number, if there is nothing else.
 fn unit_of(text: &str) -> Option<&str> {
     let number_ends = text.find(|c: char| !c.is_ascii_digit() && !"+-._".contains(c))?;
     let (number, unit) = (text[..number_ends].replace('_', ""), text[number_ends..].trim());
@@ -315,7 +315,7 @@ fn unit_of(text: &str) -> Option<&str> {
     (number.parse::<f64>().is_ok() && is_unit).then_some(unit)
 }
 
-/// Where a value such as `0,493` stands in a line.
+/// Returns the range of a value such as `0,493` in a line.
 fn decimal_comma(line: &str) -> Option<Range<usize>> {
     let mut values = line.match_indices('=').filter_map(|(i, _)| line.get(i + 1..));
     values.find_map(|rest| {
@@ -327,7 +327,7 @@ fn decimal_comma(line: &str) -> Option<Range<usize>> {
     })
 }
 
-/// True if a line is a key with its value, or the head of a table.
+/// True if a line is a key with its value, or the header of a table.
 fn is_toml(line: &str) -> bool {
     let is_key = |key: &str| {
         let key = key.trim();
@@ -336,9 +336,9 @@ fn is_toml(line: &str) -> bool {
     line.trim_start().starts_with('[') || line.split_once('=').is_some_and(|(key, _)| is_key(key))
 }
 
-/// A number as other languages spell it: `.5`, `5.`, `+.5`.
+/// Reads a number as other languages write it: `.5`, `5.`, `+.5`.
 fn shell_number(text: &str) -> Option<f64> {
     let text = text.trim();
-    // Words such as "inf" have no point, and remain words.
+    // Words such as "inf" have no point and stay words.
     if text.contains('.') { text.parse().ok() } else { None }
 }

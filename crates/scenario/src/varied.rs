@@ -1,4 +1,4 @@
-//! A scenario whose keys vary: the text is parsed once, and read anew with every set of values.
+//! Scenarios whose keys vary: the text is parsed once, and read again with every set of values.
 
 use std::path::Path;
 
@@ -16,17 +16,17 @@ use crate::set::Change;
 use crate::source::Sources;
 use crate::tree::{Entry, Node, Value};
 
-/// Tables that say what else might be computed of a scenario; they have no part in the scenario itself.
-pub(crate) const ABOUT: [&str; 3] = ["sweep", "optimize", "tolerance"];
+/// Tables of studies, which are not part of the scenario itself.
+pub(crate) const STUDY_TABLES: [&str; 3] = ["sweep", "optimize", "tolerance"];
 
-/// The text of a scenario, parsed, and its files.
+/// A parsed scenario, and the library of its files.
 #[derive(Debug, Clone)]
-pub(crate) struct Base {
+pub(crate) struct ParsedScenario {
     library: Library,
     pub(crate) sources: Sources,
 }
 
-impl Base {
+impl ParsedScenario {
     pub(crate) fn load(path: &Path, overrides: &[String]) -> Result<Self, ScenarioErrors> {
         let name = path.display().to_string();
         let file = DataFile::open(path, &name).map_err(ScenarioError::from)?;
@@ -47,12 +47,12 @@ impl Base {
         &self.library
     }
 
-    /// The whole tree as it stands, what is about the scenario included.
+    /// Builds the whole tree, including the tables of studies.
     pub(crate) fn assembled(&self) -> Result<Node, ScenarioErrors> {
         Ok(assemble(&self.sources, &[])?.root)
     }
 
-    /// What is wrong with a path that no scenario has, if that is so.
+    /// Returns the mistake in a path that no scenario can have; `None` if the path is possible.
     pub(crate) fn wrong_path(&self, path: &str, origin: Origin) -> Option<Mistake> {
         let place = self.sources.place(origin);
         let wrong = |path: KeyPath| {
@@ -63,35 +63,35 @@ impl Base {
             let wrong = here.find(|error| error.kind == MistakeKind::Path)?;
             Some(mistake::of_path(wrong.diagnostic.clone()))
         };
-        // The first of its keys that is wrong: what follows has no meaning then.
+        // Only the first wrong key counts: the keys below it have no meaning.
         KeyPath::new(path).prefixes().find_map(wrong)
     }
 
-    /// The scenario with changes, those of the preset first.
+    /// Reads the scenario with changes; a change of the preset is made first.
     pub(crate) fn scenario(&self, changes: &[Change]) -> Result<Scenario, ScenarioErrors> {
         let Assembled { mut root, warnings, notes } = assemble(&self.sources, changes)?;
-        ABOUT.iter().for_each(|table| root.remove(table));
+        STUDY_TABLES.iter().for_each(|table| root.remove(table));
         Scenario::read(Assembled { root, warnings, notes }, self.library.clone(), self.sources.clone())
     }
 }
 
-/// Declares how a type is read that a scenario says besides itself: of a file and of a text.
+/// Declares `load` and `from_text` for a study, which is read from a scenario.
 macro_rules! read_of_scenarios {
     ($name:ident: $what:literal, $read:expr) => {
         impl $name {
-            #[doc = concat!("Reads a scenario file with ", $what, "; `overrides` are texts `PATH=VALUE`, as of `--set`.")]
+            #[doc = concat!("Reads a scenario file with ", $what, ". `overrides` are texts `PATH=VALUE`, as in `--set`.")]
             ///
             /// # Errors
-            /// What is wrong with its bytes, its TOML and what is read, each with its place.
+            /// All mistakes in its bytes, its TOML and the study, each with its place.
             pub fn load(
                 path: &std::path::Path,
                 overrides: &[String],
             ) -> Result<Self, $crate::error::ScenarioErrors> {
-                $crate::varied::Base::load(path, overrides).and_then($read)
+                $crate::varied::ParsedScenario::load(path, overrides).and_then($read)
             }
 
-            /// The same of a text; errors call it `name`, and its files are in `library` (of a path: relative to this
-            /// folder).
+            /// Reads the same from a text. Errors call it `name`. Its files are in `library`; a path is the folder of the
+            /// files.
             ///
             /// # Errors
             /// As [`load`](Self::load).
@@ -101,14 +101,14 @@ macro_rules! read_of_scenarios {
                 library: impl Into<$crate::library::Library>,
                 overrides: &[String],
             ) -> Result<Self, $crate::error::ScenarioErrors> {
-                $crate::varied::Base::from_text(text, name, library, overrides).and_then($read)
+                $crate::varied::ParsedScenario::from_text(text, name, library, overrides).and_then($read)
             }
         }
     };
 }
 pub(crate) use read_of_scenarios;
 
-/// A scenario some of whose keys vary: what a search, a tolerance analysis and a batch of designs hold.
+/// A scenario some of whose keys vary, for searches, tolerance analyses and batches of designs.
 ///
 /// ```
 /// use papilio_scenario::{Varied, new_scenario};
@@ -123,8 +123,8 @@ pub(crate) use read_of_scenarios;
 /// ```
 #[derive(Debug, Clone)]
 pub struct Varied {
-    base: Base,
-    /// What holds whatever varies.
+    base: ParsedScenario,
+    /// Changes that are the same for all values.
     fixed: Vec<Change>,
     keys: Vec<VariedKey>,
 }
@@ -133,22 +133,22 @@ pub struct Varied {
 #[derive(Debug, Clone)]
 pub(crate) struct VariedKey {
     pub(crate) path: KeyPath,
-    /// Where the path stands.
+    /// Place of the path in the text.
     pub(crate) origin: Origin,
-    /// Where it is said what values it has.
+    /// Place of the values in the text.
     pub(crate) values: Origin,
 }
 
 impl Varied {
-    /// Reads a scenario file, of which the keys at `paths` (as of `--set`) will vary.
+    /// Reads a scenario file whose keys at `paths` (as in `--set`) will vary.
     ///
     /// # Errors
-    /// What is wrong with its bytes and its TOML. What is wrong with keys and values shows in [`scenario`](Self::scenario).
+    /// Mistakes in its bytes and its TOML. Mistakes in keys and values are reported by [`scenario`](Self::scenario).
     pub fn load(path: &Path, overrides: &[String], paths: &[String]) -> Result<Self, ScenarioErrors> {
-        Base::load(path, overrides).map(|base| Self::of_paths(base, paths))
+        ParsedScenario::load(path, overrides).map(|base| Self::of_paths(base, paths))
     }
 
-    /// The same of a text; errors call it `name`, and its files are in `library` (of a path: relative to this folder).
+    /// Reads the same from a text. Errors call it `name`. Its files are in `library`; a path is the folder of the files.
     ///
     /// # Errors
     /// As [`load`](Self::load).
@@ -159,30 +159,30 @@ impl Varied {
         overrides: &[String],
         paths: &[String],
     ) -> Result<Self, ScenarioErrors> {
-        Base::from_text(text, name, library, overrides).map(|base| Self::of_paths(base, paths))
+        ParsedScenario::from_text(text, name, library, overrides).map(|base| Self::of_paths(base, paths))
     }
 
-    fn of_paths(mut base: Base, paths: &[String]) -> Self {
+    fn of_paths(mut base: ParsedScenario, paths: &[String]) -> Self {
         let key = |path: &String| VariedKey::at(path, base.sources.add("key", path));
         let keys = paths.iter().map(key).collect();
         Self::new(base, Vec::new(), keys)
     }
 
-    pub(crate) fn new(base: Base, fixed: Vec<Change>, keys: Vec<VariedKey>) -> Self {
+    pub(crate) fn new(base: ParsedScenario, fixed: Vec<Change>, keys: Vec<VariedKey>) -> Self {
         Self { base, fixed, keys }
     }
 
-    /// The paths of the keys.
+    /// Returns the paths of the keys.
     pub fn paths(&self) -> impl Iterator<Item = &str> {
         self.keys.iter().map(|key| key.path.text())
     }
 
-    /// Where it is said what values each key has.
+    /// Returns the place of the values of each key.
     pub(crate) fn places(&self) -> impl Iterator<Item = Place> {
         self.keys.iter().map(|key| self.base.sources.place(key.values))
     }
 
-    /// The scenario with these values, one for each key; a null leaves the key as it stands.
+    /// Reads the scenario with these values, one for each key. A null does not change its key.
     ///
     /// # Errors
     /// As [`Scenario::load`]; a value's place is that of its key.
@@ -196,7 +196,7 @@ impl Varied {
         self.with(varied)
     }
 
-    /// The scenario with these changes.
+    /// Reads the scenario with these changes.
     pub(crate) fn with(&self, changes: impl Iterator<Item = Change>) -> Result<Scenario, ScenarioErrors> {
         let changes: Vec<Change> = self.fixed.iter().cloned().chain(changes).collect();
         self.base.scenario(&changes)
@@ -204,14 +204,14 @@ impl Varied {
 }
 
 impl VariedKey {
-    /// Its values have no place of their own.
+    /// A key whose values have no place of their own.
     pub(crate) fn at(path: &str, origin: Origin) -> Self {
         Self { path: KeyPath::new(path), origin, values: origin }
     }
 }
 
 impl Node {
-    /// The value, all of it at one place; a null is an empty text.
+    /// Converts a JSON value; all of it gets one place, and a null becomes an empty text.
     pub(crate) fn from_json(value: &Json, origin: Origin) -> Self {
         let node = |value: &Json| Self::from_json(value, origin);
         let value = match value {

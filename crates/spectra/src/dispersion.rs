@@ -1,10 +1,10 @@
-//! Dispersion: the complex refractive index n + ik against wavelength.
+//! Dispersion: the complex refractive index n + ik as a function of wavelength.
 //!
-//! The convention is n + ik with k >= 0 for an absorber, fields varying as
-//! `exp(-i omega t)`. Wavelengths are vacuum wavelengths in nm at every door;
-//! a model's own unit (um or eV) stays inside it. No model is ever evaluated
-//! outside its range: not a table outside its points, not a fit outside the
-//! data that it was fitted to.
+//! The convention is n + ik with k >= 0 for an absorber; fields vary as
+//! `exp(-i omega t)`. All interfaces use vacuum wavelengths in nm;
+//! a model's own unit (um or eV) is internal. No model is evaluated
+//! outside its range, which is that of the table's points or of the data
+//! to which a formula was fitted.
 
 mod faddeeva;
 mod formula;
@@ -18,7 +18,7 @@ use oscillators::{BrendelBormann, LorentzDrude};
 
 pub(crate) use oscillators::Oscillator;
 
-/// The complex index n + ik of one medium, with its range of validity.
+/// Complex refractive index n + ik of a medium, with its range of validity.
 ///
 /// ```
 /// use papilio_spectra::material;
@@ -44,7 +44,7 @@ enum Model {
 }
 
 impl Dispersion {
-    /// The same n + ik at every wavelength.
+    /// Constant n + ik at every wavelength.
     ///
     /// # Errors
     /// Unless n and k are finite, not negative and not both zero.
@@ -53,32 +53,32 @@ impl Dispersion {
         Ok(Self { model: Model::Constant(index), range_nm: (0.0, f64::INFINITY) })
     }
 
-    /// Tables of n and k against nm, each linear between its own points; no `k` means k = 0.
+    /// Tables of n and k against wavelength (nm), each linear between its points; without `k`, k = 0.
     ///
-    /// The range is what the two tables share.
+    /// The range is the intersection of the ranges of the two tables.
     ///
     /// # Errors
     /// If a value is negative, n and k vanish together, or the ranges do not overlap.
     pub fn tabulated(n: Tabulated, k: Option<Tabulated>) -> Result<Self, SpectraError> {
         let range_nm = shared_range(n.range_nm(), k.as_ref())?;
         let dispersion = Self { model: Model::Tabulated { n, k }, range_nm };
-        // Between points both are linear, so that the points stand for the whole.
+        // Both tables are linear between points, so checking the points is sufficient.
         for nm in dispersion.table_points() {
             dispersion.index(nm)?;
         }
         Ok(dispersion)
     }
 
-    /// One of the dispersion formulas of refractiveindex.info.
+    /// A dispersion formula of refractiveindex.info.
     ///
     /// `number` is 1 to 9 and `coefficients` are C1, C2, ... for wavelengths in
-    /// um, both as the database writes them; coefficients left off at the end of
-    /// formulas 4 and 7 to 9 are zero. `range_nm` is where the formula holds.
-    /// The range is narrowed to that of `k` where a table of k is given.
+    /// um, both as in the database; missing coefficients at the end of
+    /// formulas 4 and 7 to 9 are zero. `range_nm` is the range of validity of the formula.
+    /// With a table of k, the range is restricted to that of `k`.
     ///
     /// # Errors
-    /// An unknown number, a count of coefficients that the formula cannot have,
-    /// a range that is empty or not shared with `k`, a negative k.
+    /// An unknown number, a wrong number of coefficients for the formula,
+    /// a range that is empty or does not overlap that of `k`, a negative k.
     pub fn formula(
         number: u8,
         coefficients: &[f64],
@@ -116,7 +116,7 @@ impl Dispersion {
         Self { model: Model::BrendelBormann(model), range_nm }
     }
 
-    /// First and last wavelength where the index is known, nm; (0, infinity) for a constant.
+    /// First and last wavelength of the range of validity, nm; (0, infinity) for a constant.
     pub fn range_nm(&self) -> (f64, f64) {
         self.range_nm
     }
@@ -124,7 +124,7 @@ impl Dispersion {
     /// n + ik at `nm`, with k >= 0.
     ///
     /// # Errors
-    /// Outside [`range_nm`](Self::range_nm), or where a formula gives no real n.
+    /// Outside [`range_nm`](Self::range_nm), or if a formula gives no real n.
     pub fn index(&self, nm: f64) -> Result<Complex64, SpectraError> {
         let (first, last) = self.range_nm;
         if !(first..=last).contains(&nm) {
@@ -148,7 +148,7 @@ impl Dispersion {
         grid.wavelengths_nm().into_iter().map(|nm| self.index(nm)).collect()
     }
 
-    /// The wavelengths of all table points inside the range, and its two ends.
+    /// Wavelengths of all table points within the range, and its two ends.
     fn table_points(&self) -> Vec<f64> {
         let (first, last) = self.range_nm;
         let mut points = vec![first, last];
@@ -193,7 +193,7 @@ mod tests {
     }
 
     #[test]
-    fn tables_of_n_and_k_keep_their_own_points() {
+    fn tables_of_n_and_k_are_interpolated_separately() {
         let n = table(&[(400.0, 1.5), (600.0, 1.7), (800.0, 1.6)]);
         let k = table(&[(500.0, 0.1), (900.0, 0.5)]);
         let dispersion = Dispersion::tabulated(n, Some(k)).unwrap();
@@ -203,7 +203,7 @@ mod tests {
     }
 
     #[test]
-    fn nothing_is_extrapolated() {
+    fn wavelength_outside_table_is_refused() {
         let dispersion = Dispersion::tabulated(table(&[(400.0, 1.5), (600.0, 1.7)]), None).unwrap();
         let expected = SpectraError::OutsideTable { nm: 601.0, first: 400.0, last: 600.0 };
         assert_eq!(dispersion.index(601.0), Err(expected));
@@ -213,7 +213,7 @@ mod tests {
     }
 
     #[test]
-    fn active_and_empty_media_are_refused() {
+    fn negative_k_zero_index_and_disjoint_ranges_are_refused() {
         assert!(Dispersion::constant(1.5, -1e-9).is_err());
         assert!(Dispersion::constant(0.0, 0.0).is_err());
         assert!(Dispersion::constant(f64::NAN, 0.0).is_err());

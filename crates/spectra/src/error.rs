@@ -1,70 +1,70 @@
-//! What can be wrong with spectral data.
+//! Errors in spectral data.
 
-/// Why a grid, a table or a material could not be made or sampled.
+/// Error of a grid, a table or a material.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum SpectraError {
-    /// The three numbers do not make a grid.
+    /// The three numbers do not define a grid.
     #[error(
-        "{start_nm} to {stop_nm} nm in steps of {step_nm} nm is not a grid (expected 0 < start < stop and a whole number of steps, at most {} points)",
+        "{start_nm} to {stop_nm} nm in steps of {step_nm} nm is not a grid (expected 0 < start < stop and an integer number of steps, at most {} points)",
         crate::Grid::MAX_LEN
     )]
     Grid {
-        /// First wavelength asked for.
+        /// Requested first wavelength.
         start_nm: f64,
-        /// Last wavelength asked for.
+        /// Requested last wavelength.
         stop_nm: f64,
-        /// Step asked for.
+        /// Requested step.
         step_nm: f64,
     },
     /// A table needs at least two points.
     #[error("a table needs at least two points, this one has {points}")]
     TooFewPoints {
-        /// How many there are.
+        /// Number of points.
         points: usize,
     },
     /// NaN or infinity in a table.
     #[error("point {} of the table is not a finite number", point + 1)]
     NotFinite {
-        /// Zero-based position.
+        /// Zero-based index.
         point: usize,
     },
     /// Wavelengths must ascend.
-    #[error("the wavelengths must ascend, point {} does not", point + 1)]
+    #[error("the wavelengths must ascend; point {} does not", point + 1)]
     NotAscending {
-        /// Zero-based position.
+        /// Zero-based index.
         point: usize,
     },
-    /// A table or model is asked for a wavelength that it does not have.
-    #[error("{nm} nm is outside the data, which reach from {first} to {last} nm")]
+    /// A wavelength outside the range of a table or model.
+    #[error("{nm} nm is outside the data, which range from {first} to {last} nm")]
     OutsideTable {
-        /// The wavelength asked for.
+        /// Requested wavelength.
         nm: f64,
-        /// Where the data begin.
+        /// First wavelength of the data.
         first: f64,
-        /// Where they end.
+        /// Last wavelength of the data.
         last: f64,
     },
-    /// A parameter that a model is not made for.
+    /// A parameter outside the range of a model.
     #[error("{quantity} must lie between {first} and {last}, not {value}")]
     OutsideModel {
-        /// What it is, with its unit.
+        /// Name of the parameter, with its unit.
         quantity: &'static str,
-        /// What was asked for.
+        /// Requested value.
         value: f64,
-        /// Smallest value allowed.
+        /// Smallest allowed value.
         first: f64,
-        /// Largest value allowed.
+        /// Largest allowed value.
         last: f64,
     },
-    /// No material or illuminant of that name.
+    /// Unknown name of a material or illuminant.
     #[error("there is no {kind} named `{name}`")]
     UnknownName {
         /// "material" or "illuminant".
         kind: &'static str,
-        /// What was asked for.
+        /// Requested name.
         name: String,
     },
-    /// A refractive index that no passive medium has.
+    /// A refractive index that is impossible for a passive medium.
     #[error("n = {n}, k = {k} is not a refractive index (expected n >= 0 and k >= 0, not both zero)")]
     NoIndex {
         /// Real part.
@@ -72,36 +72,36 @@ pub enum SpectraError {
         /// Imaginary part.
         k: f64,
     },
-    /// A dispersion formula is not one of the nine.
+    /// An unknown number of a dispersion formula.
     #[error("there is no dispersion formula {number} (expected 1 to 9)")]
     FormulaNumber {
-        /// The number asked for.
+        /// Requested number.
         number: u8,
     },
-    /// A dispersion formula has too few or too many coefficients.
+    /// Wrong number of coefficients of a dispersion formula.
     #[error("dispersion formula {number} takes {expected} coefficients, not {found}")]
     FormulaCoefficients {
-        /// The formula's number.
+        /// Number of the formula.
         number: u8,
-        /// How many it takes.
+        /// Expected number of coefficients.
         expected: &'static str,
-        /// How many there are.
+        /// Number of coefficients found.
         found: usize,
     },
-    /// A dispersion formula has a pole, or gives a negative square.
+    /// A dispersion formula has a pole or gives a negative n^2.
     #[error("dispersion formula {number} gives no index at {nm} nm")]
     FormulaUndefined {
-        /// The formula's number.
+        /// Number of the formula.
         number: u8,
-        /// The wavelength asked for.
+        /// Requested wavelength.
         nm: f64,
     },
-    /// The data hold nowhere: an empty range, or n and k known at different wavelengths.
+    /// Empty range: first and last wavelength in the wrong order, or no overlap of the tables of n and k.
     #[error("no wavelength has both n and k: the shared range would be {first} to {last} nm")]
     NoRange {
-        /// Where the shared range would begin.
+        /// First wavelength of the common range.
         first: f64,
-        /// Where it would end.
+        /// Last wavelength of the common range.
         last: f64,
     },
 }

@@ -1,8 +1,8 @@
-//! The wavelength grid that every spectrum of one computation shares.
+//! The wavelength grid of all spectra of one computation.
 
 use crate::SpectraError;
 
-/// Evenly spaced wavelengths in nm.
+/// Uniformly spaced wavelengths in nm.
 ///
 /// ```
 /// let grid = papilio_spectra::Grid::new(380.0, 780.0, 5.0).unwrap();
@@ -17,14 +17,14 @@ pub struct Grid {
 }
 
 impl Grid {
-    /// The most wavelengths that a grid may have.
+    /// Largest number of wavelengths of a grid.
     pub const MAX_LEN: usize = 20_001;
 
-    /// From `start_nm` to `stop_nm` inclusive in steps of `step_nm`.
+    /// Grid from `start_nm` to `stop_nm` inclusive in steps of `step_nm`.
     ///
     /// # Errors
-    /// Unless 0 < start < stop, the step is positive, and a whole number of
-    /// steps (to 1e-6 of one) fits between the two.
+    /// Unless 0 < start < stop, the step is positive, and an integer number of
+    /// steps (to 1e-6 of one) fits between start and stop.
     pub fn new(start_nm: f64, stop_nm: f64, step_nm: f64) -> Result<Self, SpectraError> {
         let bad = || SpectraError::Grid { start_nm, stop_nm, step_nm };
         let in_order = start_nm > 0.0 && stop_nm > start_nm && step_nm > 0.0 && stop_nm.is_finite();
@@ -38,13 +38,13 @@ impl Grid {
         Ok(Self { start_nm, step_nm, len: steps.round() as usize + 1 })
     }
 
-    /// The number of wavelengths, at least 2.
+    /// Number of wavelengths, at least 2.
     #[allow(clippy::len_without_is_empty, reason = "a grid is never empty")]
     pub fn len(&self) -> usize {
         self.len
     }
 
-    /// The wavelength of bin `i`, in nm.
+    /// Wavelength of bin `i`, nm.
     pub fn wavelength_nm(&self, i: usize) -> f64 {
         self.start_nm + self.step_nm * i as f64
     }

@@ -1,7 +1,7 @@
-//! Light by name, by colour temperature and by LED model.
+//! Spectra of light sources: CIE illuminants, black bodies, daylight and an LED model.
 //!
-//! Every function gives a *relative* spectral power distribution, per nm; whoever
-//! lights a scene scales it to lux (`papilio_colour::Observer::scale_to_illuminance`).
+//! Each function returns a *relative* spectral power distribution, per nm. To scale it
+//! to lux, use `papilio_colour::Observer::scale_to_illuminance`.
 //!
 //! | light | parameters | valid | source |
 //! |---|---|---|---|
@@ -11,25 +11,26 @@
 //! | [`ohno_led`] | peak, width | any wavelength | Ohno, Opt. Eng. 44(11), 111302 (2005) |
 //!
 //! Tables are linear between their points and never extrapolated: a grid that
-//! leaves 380 to 780 nm is an error where a table is asked.
+//! extends beyond 380 to 780 nm is an error for tabulated light.
 //!
-//! The tables of the lamps (FL1 to FL12, FL3.1 to FL3.15, HP1 to HP5) hold the power in bands of 5 nm: a mercury line is as
-//! wide as its band. On a grid that has those wavelengths, colours are within .0003 in x and y of the published ones, which are
-//! sums over the bands. A grid that lies between them, or is coarser, loses or counts lines twice.
+//! The tables of discharge lamps (FL1 to FL12, FL3.1 to FL3.15, HP1 to HP5) give the power in bands of 5 nm:
+//! a mercury line is as wide as its band. On a grid with those wavelengths, colours are within 0.0003 in x
+//! and y of the published ones, which are sums over the bands. A grid between those wavelengths, or a coarser
+//! one, misses lines or counts them twice.
 //!
-//! The D series is named by its *nominal* temperature in the tables: D65 has
-//! 6504 K, because the second radiation constant was revised after it was
-//! defined. `daylight(6500.0, ..)` is therefore close to D65 but not D65.
+//! The names of the D series give the *nominal* temperature: D65 has
+//! 6504 K, because the second radiation constant was revised after D65 was
+//! defined. `daylight(6500.0, ..)` is therefore close to D65, but not equal.
 
 use std::f64::consts::PI;
 
 use crate::{Grid, SpectraError, Spectrum, Tabulated, table};
 
-/// Where the CIE's tables begin and end, nm.
+/// First and last wavelength of the CIE's tables, nm.
 const TABLES_NM: (u32, u32) = (380, 780);
-/// Temperatures that the D series is defined for, K.
+/// Temperature range of the definition of the D series, K.
 const DAYLIGHT_K: (f64, f64) = (4000.0, 25_000.0);
-/// Temperatures that make visible light, K.
+/// Accepted temperatures of black bodies, K.
 const PLANCK_K: (f64, f64) = (500.0, 100_000.0);
 
 /// CODATA 2014: speed of light, m/s; Planck's constant, J s; Boltzmann's constant, J/K.
@@ -37,7 +38,7 @@ const C: f64 = 299_792_458.0;
 const H: f64 = 6.626_070_040_818_1e-34;
 const K: f64 = 1.380_648_527_9e-23;
 
-/// The names of CIE 15:2018.
+/// Names of the illuminants in CIE 15:2018.
 #[rustfmt::skip]
 const NAMES: [&str; 49] = [
     "A", "C", "D50", "D55", "D60", "D65", "D75", "E",
@@ -48,32 +49,32 @@ const NAMES: [&str; 49] = [
     "LED-B1", "LED-B2", "LED-B3", "LED-B4", "LED-B5", "LED-BH1", "LED-RGB1", "LED-V1", "LED-V2",
 ];
 
-/// The names that [`illuminant`] knows, as the CIE writes them.
+/// Names accepted by [`illuminant`], in the spelling of the CIE.
 pub fn illuminant_names() -> &'static [&'static str] {
     &NAMES
 }
 
-/// The CIE illuminant of that name on `grid`, relative.
+/// Returns the CIE illuminant of that name on `grid`, relative.
 ///
-/// Upper and lower case are alike, and so are `-`, `_` and a space
+/// Case is ignored, and so are `-`, `_` and spaces
 /// (`led_b5`, `LED-B5`).
 ///
 /// # Errors
-/// For a name that is not one of [`illuminant_names`], and for a grid that
-/// leaves 380 to 780 nm.
+/// For a name that is not in [`illuminant_names`], and for a grid that
+/// extends beyond 380 to 780 nm.
 pub fn illuminant(name: &str, grid: &Grid) -> Result<Spectrum, SpectraError> {
-    let wanted = simplified(name);
+    let wanted = normalised(name);
     let unknown = || SpectraError::UnknownName { kind: "illuminant", name: name.to_owned() };
-    let known = NAMES.into_iter().find(|known| simplified(known) == wanted).ok_or_else(unknown)?;
+    let known = NAMES.into_iter().find(|known| normalised(known) == wanted).ok_or_else(unknown)?;
     let (first, last) = TABLES_NM;
-    let even = || Tabulated::new(vec![f64::from(first), f64::from(last)], vec![1.0; 2]);
-    table::illuminant(known).unwrap_or_else(even)?.on(grid)
+    let equal_energy = || Tabulated::new(vec![f64::from(first), f64::from(last)], vec![1.0; 2]);
+    table::illuminant(known).unwrap_or_else(equal_energy)?.on(grid)
 }
 
-/// CIE daylight of a correlated colour temperature, on `grid`, relative.
+/// Returns CIE daylight of a correlated colour temperature on `grid`, relative.
 ///
 /// # Errors
-/// For a temperature outside 4000 to 25 000 K, and for a grid that leaves 380 to 780 nm.
+/// For a temperature outside 4000 to 25 000 K, and for a grid that extends beyond 380 to 780 nm.
 pub fn daylight(cct_k: f64, grid: &Grid) -> Result<Spectrum, SpectraError> {
     within("the colour temperature of daylight, K,", cct_k, DAYLIGHT_K)?;
     let t = cct_k;
@@ -93,20 +94,21 @@ pub fn daylight(cct_k: f64, grid: &Grid) -> Result<Spectrum, SpectraError> {
     Tabulated::new((TABLES_NM.0..=TABLES_NM.1).map(f64::from).collect(), values)?.on(grid)
 }
 
-/// A table of even steps over the tables' range, at whole nm.
+/// Interpolates a table of equidistant nodes over the range of the CIE's tables, at an integer wavelength in
+/// nm.
 fn between(nodes: &[f64], nm: u32) -> f64 {
-    // In metres, in this order: results keep the last bit that they have always had.
+    // Units of metres and this order of operations keep results the same to the last bit across versions.
     let [first, last, here] = [TABLES_NM.0, TABLES_NM.1, nm].map(|nm| f64::from(nm) * 1e-9);
     let position = ((here - first) / (last - first)).clamp(0.0, 1.0) * nodes.len().saturating_sub(1) as f64;
-    let (left, share) = (position.trunc() as usize, position.fract());
+    let (left, fraction) = (position.trunc() as usize, position.fract());
     match nodes[left..] {
-        [here, next, ..] => here * (1.0 - share) + next * share,
+        [here, next, ..] => here * (1.0 - fraction) + next * fraction,
         [.., last] => last,
         [] => f64::NAN,
     }
 }
 
-/// A black body of that temperature on `grid`, relative.
+/// Returns the spectrum of a black body of that temperature on `grid`, relative.
 ///
 /// # Errors
 /// For a temperature outside 500 to 100 000 K.
@@ -119,11 +121,11 @@ pub fn planck(temperature_k: f64, grid: &Grid) -> Result<Spectrum, SpectraError>
     }))
 }
 
-/// A single-colour LED on `grid`, 1 at its peak: `(g + 2 g^5)/3` with
-/// `g = exp(-((l - peak)/width)^2)`. Its full width at half maximum is .92 `width_nm`.
+/// Returns the spectrum of a single-colour LED on `grid`, 1 at its peak: `(g + 2 g^5)/3` with
+/// `g = exp(-((l - peak)/width)^2)`. The full width at half maximum is 0.92 `width_nm`.
 ///
 /// # Errors
-/// For a peak outside 100 to 10 000 nm or a width outside .1 to 1000 nm.
+/// For a peak outside 100 to 10 000 nm or a width outside 0.1 to 1000 nm.
 pub fn ohno_led(grid: &Grid, peak_nm: f64, width_nm: f64) -> Result<Spectrum, SpectraError> {
     within("the peak wavelength of an LED, nm,", peak_nm, (100.0, 10_000.0))?;
     within("the width of an LED, nm,", width_nm, (0.1, 1000.0))?;
@@ -133,8 +135,8 @@ pub fn ohno_led(grid: &Grid, peak_nm: f64, width_nm: f64) -> Result<Spectrum, Sp
     }))
 }
 
-/// What is left of a name when case and separators do not matter.
-fn simplified(name: &str) -> String {
+/// Converts a name to upper case without separators.
+fn normalised(name: &str) -> String {
     name.to_uppercase().replace(['-', '_', ' '], "")
 }
 
@@ -156,7 +158,7 @@ mod tests {
 
     /// ISO 11664-2 (CIE standard illuminants D65 and A), relative to 100 at 560 nm.
     #[test]
-    fn tables_hold_the_published_values() {
+    fn illuminants_a_d65_and_e_equal_published_values() {
         let grid = visible(5.0);
         let at = |s: &Spectrum, nm: f64| s[((nm - 380.0) / 5.0) as usize];
         let d65 = illuminant("D65", &grid).unwrap();
@@ -171,7 +173,7 @@ mod tests {
     }
 
     #[test]
-    fn every_name_is_found_however_it_is_spelt() {
+    fn every_illuminant_name_is_found_in_any_spelling() {
         let grid = visible(20.0);
         for name in illuminant_names() {
             let exact = illuminant(name, &grid).unwrap();
@@ -182,7 +184,7 @@ mod tests {
     }
 
     #[test]
-    fn between_whole_nanometres_a_table_is_linear() {
+    fn table_is_linear_between_integer_wavelengths() {
         let quarter = illuminant("LED-RGB1", &visible(0.25)).unwrap();
         let whole = illuminant("LED-RGB1", &visible(1.0)).unwrap();
         for i in 0..400 {
@@ -192,7 +194,7 @@ mod tests {
     }
 
     #[test]
-    fn daylight_at_6504_k_is_d65() {
+    fn daylight_at_6504_k_equals_d65() {
         let grid = visible(5.0);
         let (ours, d65) = (daylight(6504.0, &grid).unwrap(), illuminant("D65", &grid).unwrap());
         let i560 = 36;
@@ -201,9 +203,9 @@ mod tests {
         }
     }
 
-    /// Illuminant A is a black body of 2856 K as the present constants have it, 2855.54 K.
+    /// Illuminant A is a black body of nominally 2856 K; with the present constants, 2855.54 K.
     #[test]
-    fn planck_gives_illuminant_a_and_wiens_peak() {
+    fn planck_equals_illuminant_a_and_follows_wien() {
         let grid = visible(10.0);
         let (ours, a) = (planck(2855.54, &grid).unwrap(), illuminant("A", &grid).unwrap());
         for i in 0..grid.len() {
@@ -216,7 +218,7 @@ mod tests {
     }
 
     #[test]
-    fn an_ohno_led_peaks_at_one_and_is_092_wide() {
+    fn ohno_led_has_peak_one_and_width_092() {
         let grid = Grid::new(300.0, 1100.0, 0.1).unwrap();
         let led = ohno_led(&grid, 525.0, 35.0).unwrap();
         assert!((led.max() - 1.0).abs() < 1e-12);
@@ -225,7 +227,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_outside_is_refused() {
+    fn wavelength_name_or_parameter_out_of_range_is_refused() {
         let (grid, wide) = (visible(5.0), Grid::new(380.0, 785.0, 5.0).unwrap());
         assert!(matches!(illuminant("D65", &wide), Err(SpectraError::OutsideTable { .. })));
         assert!(matches!(daylight(5000.0, &wide), Err(SpectraError::OutsideTable { .. })));

@@ -1,8 +1,8 @@
 //! Wavelength grids, spectra, dispersion (n + ik) and illuminants.
 //!
 //! - [`Grid`]: the wavelengths of one computation; [`Spectrum`]: a value at each;
-//! - [`Tabulated`]: a table to sample a spectrum from, never beyond its ends;
-//! - [`Dispersion`]: the complex index of a medium; [`material`]: those with a name;
+//! - [`Tabulated`]: a table from which spectra are interpolated, never extrapolated;
+//! - [`Dispersion`]: the complex refractive index of a medium; [`material`]: named materials;
 //! - [`illuminant`], [`daylight`], [`planck`], [`ohno_led`]: spectra of light.
 //!
 //! ```
@@ -15,10 +15,10 @@
 //! # Ok::<(), papilio_spectra::SpectraError>(())
 //! ```
 //!
-//! **Limits.** Wavelengths are those in vacuum, in nm; indices are scalars (no
+//! **Limits.** Wavelengths are vacuum wavelengths in nm; indices are scalars (no
 //! birefringence) and do not depend on temperature.
 //!
-//! **Out of scope.** Files (`formats`), observers and colours (`colour`).
+//! **Out of scope.** File formats (`formats`), observers and colours (`colour`).
 
 mod dispersion;
 mod error;

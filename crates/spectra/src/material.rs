@@ -1,9 +1,9 @@
-//! The named materials: models, constants and sources in one place.
+//! The named materials with their models, constants and sources.
 
 use crate::dispersion::Oscillator;
 use crate::{Dispersion, SpectraError, Tabulated};
 
-/// The names that [`material`] knows.
+/// Names accepted by [`material`].
 const NAMES: [&str; 19] = [
     "air",
     "SiO2",
@@ -26,12 +26,12 @@ const NAMES: [&str; 19] = [
     "Cr:Johnson",
 ];
 
-/// The names that [`material`] knows, dielectrics first.
+/// Names accepted by [`material`], dielectrics first.
 pub fn material_names() -> &'static [&'static str] {
     &NAMES
 }
 
-/// The named material.
+/// Returns the dispersion of the named material.
 ///
 /// | name | model | source | range, nm |
 /// |---|---|---|---|
@@ -47,15 +47,15 @@ pub fn material_names() -> &'static [&'static str] {
 /// | `Al:BB Cr:BB W:BB` | Brendel-Bormann | the same | see below |
 /// | `Cr:Johnson` | table | P. B. Johnson, R. W. Christy, Phys. Rev. B 9, 5056 (1974) | 354-892 |
 ///
-/// The two chromiums differ by half a unit of n across the visible: evaporated
+/// The two data sets of chromium differ by 0.5 in n across the visible; evaporated
 /// films vary as much. Sapphire (`Al2O3`, n = 1.77) is not a deposited film (`AlOx`).
 ///
-/// The models of metals hold over the energies of their fits: 5 meV to 20 eV
-/// for Al; up to 5 eV (248 nm) for the others, down to .02 eV for Cr, .04 eV
-/// for Ti, .1 eV for W and Ag, .2 eV for Ni and Au.
+/// The models of metals are valid over the energies of their fits: 5 meV to 20 eV
+/// for Al; up to 5 eV (248 nm) for the others, down to 0.02 eV for Cr, 0.04 eV
+/// for Ti, 0.1 eV for W and Ag, 0.2 eV for Ni and Au.
 ///
 /// # Errors
-/// If there is no material of that name; names are case-sensitive.
+/// If the name is not in [`material_names`]; names are case-sensitive.
 pub fn material(name: &str) -> Result<Dispersion, SpectraError> {
     match name {
         "air" => Dispersion::constant(1.0, 0.0),
@@ -75,7 +75,7 @@ fn sellmeier(coefficients: &[f64], range_nm: (f64, f64)) -> Result<Dispersion, S
     Dispersion::formula(1, coefficients, range_nm, None)
 }
 
-/// A table of (um, n, k).
+/// Dispersion from a table of (um, n, k).
 fn table(rows: &[(f64, f64, f64)]) -> Result<Dispersion, SpectraError> {
     let nm: Vec<f64> = rows.iter().map(|row| 1e3 * row.0).collect();
     let n = Tabulated::new(nm.clone(), rows.iter().map(|row| row.1).collect())?;
@@ -83,7 +83,7 @@ fn table(rows: &[(f64, f64, f64)]) -> Result<Dispersion, SpectraError> {
     Dispersion::tabulated(n, Some(k))
 }
 
-/// Rakic et al. 1998: plasma energy (table 1, eV), (f0, G0), resonances (f, G, w_j[, s]).
+/// Models of Rakic et al. 1998: plasma energy (table 1, eV), (f0, G0), resonances (f, G, w_j[, s]).
 fn metal(name: &str) -> Option<Dispersion> {
     let lorentz_drude = |wp, drude, oscillators: &[Oscillator], range_nm| {
         Some(Dispersion::lorentz_drude(wp, drude, oscillators, range_nm))
@@ -224,10 +224,10 @@ mod tests {
         assert!((found - expected).norm() < tolerance, "{name} at {nm} nm: {found}, not {expected}");
     }
 
-    /// The models against values computed elsewhere from the same paper, which
-    /// themselves equal the paper's published tables within 1.1e-4.
+    /// Values computed independently from the same paper, which
+    /// equal its published tables within 1.1e-4.
     #[test]
-    fn metals_have_their_check_values() {
+    fn metals_equal_independently_computed_values() {
         let table = [
             ("Al", [(0.5897, 5.3107), (0.9656, 6.4581), (1.4204, 7.4674)]),
             ("Cr", [(2.1448, 3.8623), (2.9007, 4.2311), (3.5348, 4.3476)]),
@@ -241,7 +241,7 @@ mod tests {
         }
     }
 
-    /// The same paper's models as tabulated by refractiveindex.info (5 digits, CC0).
+    /// The same models as tabulated by refractiveindex.info (5 digits, CC0).
     #[test]
     fn metals_equal_their_published_tables() {
         let table = [
@@ -258,7 +258,7 @@ mod tests {
     }
 
     #[test]
-    fn dielectrics_have_their_published_indices() {
+    fn dielectrics_equal_published_indices() {
         assert_index("SiO2", 587.5618, 1.458464.into(), 1e-6);
         assert_index("BK7", 587.5618, 1.516800.into(), 1e-6);
         assert_index("MgF2", 587.5618, 1.3777.into(), 5e-5);
@@ -272,7 +272,7 @@ mod tests {
     }
 
     #[test]
-    fn every_material_covers_the_visible_and_absorbs_or_does_nothing() {
+    fn every_material_covers_the_visible_and_is_passive() {
         let grid = Grid::new(380.0, 780.0, 1.0).unwrap();
         for name in material_names() {
             let index = material(name).and_then(|m| m.on(&grid)).unwrap();
@@ -281,7 +281,7 @@ mod tests {
     }
 
     #[test]
-    fn an_unknown_name_is_an_error() {
+    fn unknown_material_is_an_error() {
         let error = material("unobtainium").unwrap_err();
         assert_eq!(error.to_string(), "there is no material named `unobtainium`");
     }

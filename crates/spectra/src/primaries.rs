@@ -1,17 +1,18 @@
-//! Spectra for linear sRGB colours: three that add up.
+//! Spectra of linear sRGB colours from three primaries.
 //!
 //! # Model
-//! `S = (r rho_r + g rho_g + b rho_b) W`: three reflectances that sum to 1, times the light that is white (1, 1, 1). The
-//! lift is linear: a picture in red, green and blue is three pictures, each of one spectrum. In D65 the colours are those of
-//! sRGB, to .001 in u'v'; another white gives what a scene of these reflectances would send under it.
+//! `S = (r rho_r + g rho_g + b rho_b) W`: three reflectances that sum to 1, times the white light W of (1, 1,
+//! 1). The conversion is linear: an RGB picture is the sum of three pictures, each with one spectrum. In D65
+//! the colours are those of sRGB, to 0.001 in u'v'. With another white W, the result is the light from the
+//! same reflectances under W.
 //!
 //! # Source
 //! I. Mallett, C. Yuksel, *Spectral primary decomposition for rendering with sRGB reflectance*, Eurographics
-//! Symposium on Rendering (2019): 380 to 780 nm at 5 nm, here to five decimals.
+//! Symposium on Rendering (2019): 380 to 780 nm at 5 nm, here rounded to five decimals.
 
 use crate::{Grid, SpectraError, Spectrum, Tabulated};
 
-/// rho of red and green; blue is the rest.
+/// rho of red and green; that of blue is 1 minus both.
 #[rustfmt::skip]
 const RED_AND_GREEN: [[f64; 2]; 81] = [
     [0.32746, 0.33186], [0.32375, 0.32969], [0.31344, 0.32786], [0.28888, 0.31917], [0.23921, 0.29432],
@@ -33,10 +34,10 @@ const RED_AND_GREEN: [[f64; 2]; 81] = [
     [0.33357, 0.33331],
 ];
 
-/// The reflectances of red, green and blue on a grid; they sum to 1.
+/// Returns the reflectances of red, green and blue on a grid; they sum to 1.
 ///
 /// # Errors
-/// If the grid reaches beyond 380 to 780 nm.
+/// If the grid extends beyond 380 to 780 nm.
 ///
 /// ```
 /// # use papilio_spectra::{Grid, srgb_primaries};

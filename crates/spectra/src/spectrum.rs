@@ -1,53 +1,53 @@
-//! A quantity at every wavelength of a grid, and tables to sample it from.
+//! Spectra on a grid, and tables from which they are interpolated.
 
 use std::ops::{Deref, DerefMut};
 
 use crate::{Grid, SpectraError};
 
-/// One value for each wavelength of a [`Grid`]; the unit is that of the quantity.
+/// Values of a quantity at the wavelengths of a [`Grid`], in the unit of the quantity.
 ///
-/// The grid itself is kept once, by whoever owns the computation.
+/// The spectrum does not store its grid; the owner of the computation does.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Spectrum(Vec<f64>);
 
 impl Spectrum {
-    /// The same value at every wavelength.
+    /// Spectrum with the same value at every wavelength.
     pub fn constant(grid: &Grid, value: f64) -> Self {
         Self(vec![value; grid.len()])
     }
 
-    /// `f` of each wavelength in nm.
+    /// Spectrum of the values of `f` at each wavelength in nm.
     pub fn from_fn(grid: &Grid, f: impl FnMut(f64) -> f64) -> Self {
         Self(grid.wavelengths_nm().into_iter().map(f).collect())
     }
 
-    /// Values in the order of the grid's wavelengths.
+    /// Spectrum from values in the order of the grid's wavelengths.
     pub fn from_values(values: Vec<f64>) -> Self {
         Self(values)
     }
 
-    /// Element-wise `f` of this spectrum and another on the same grid.
+    /// Applies `f` element-wise to this spectrum and another on the same grid.
     pub fn zip_map(&self, other: &Self, f: impl Fn(f64, f64) -> f64) -> Self {
         debug_assert_eq!(self.len(), other.len());
         Self(self.iter().zip(other.iter()).map(|(&a, &b)| f(a, b)).collect())
     }
 
-    /// Element-wise `f`.
+    /// Applies `f` element-wise.
     pub fn map(&self, f: impl Fn(f64) -> f64) -> Self {
         Self(self.iter().map(|&a| f(a)).collect())
     }
 
-    /// True if all wavelengths hold the same value.
+    /// Returns true if the value is the same at all wavelengths.
     pub fn is_constant(&self) -> bool {
         self.windows(2).all(|pair| pair[0] == pair[1])
     }
 
-    /// The largest value.
+    /// Largest value.
     pub fn max(&self) -> f64 {
         self.iter().copied().fold(f64::NEG_INFINITY, f64::max)
     }
 
-    /// The smallest value.
+    /// Smallest value.
     pub fn min(&self) -> f64 {
         self.iter().copied().fold(f64::INFINITY, f64::min)
     }
@@ -72,7 +72,7 @@ impl From<Vec<f64>> for Spectrum {
     }
 }
 
-/// A quantity tabulated against wavelength, linear between its points.
+/// Quantity tabulated against wavelength, linear between its points.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Tabulated {
     wavelength_nm: Vec<f64>,
@@ -80,7 +80,7 @@ pub struct Tabulated {
 }
 
 impl Tabulated {
-    /// Points in strictly ascending order of wavelength (nm), all finite.
+    /// Table of points in strictly ascending order of wavelength (nm), all finite.
     ///
     /// # Errors
     /// If the two lengths differ, there are fewer than two points, a number is
@@ -115,10 +115,10 @@ impl Tabulated {
         &self.wavelength_nm
     }
 
-    /// The value at `nm`, linear between neighbours.
+    /// Interpolates the value at `nm` linearly between neighbours.
     ///
     /// # Errors
-    /// Outside the table: it is never extrapolated.
+    /// If `nm` is outside the table.
     pub fn at(&self, nm: f64) -> Result<f64, SpectraError> {
         let (first, last) = self.range_nm();
         if !(first..=last).contains(&nm) {
@@ -130,7 +130,7 @@ impl Tabulated {
         Ok(self.value[right - 1] * (1.0 - t) + self.value[right] * t)
     }
 
-    /// The table sampled at every wavelength of `grid`.
+    /// Interpolates the table at every wavelength of `grid`.
     ///
     /// # Errors
     /// If the table does not cover the grid.
@@ -140,9 +140,9 @@ impl Tabulated {
     }
 }
 
-/// The sum over all wavelengths of the products of two spectra, of as many as the shorter has.
+/// Returns the scalar product of two spectra, up to the length of the shorter one.
 ///
-/// Eight sums side by side: one alone would wait for each addition.
+/// Eight partial sums allow SIMD; a single sum would wait for each addition.
 ///
 /// ```
 /// let (a, b) = ([1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0], [1.0; 10]);

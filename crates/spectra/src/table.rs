@@ -1,23 +1,23 @@
-//! The CIE's tables that are compiled in (`data/`).
+//! The compiled-in tables of the CIE (`data/`).
 
 use std::sync::LazyLock;
 
 use crate::{SpectraError, Tabulated};
 
-/// Columns of numbers against wavelength.
+/// Columns of numbers with their wavelengths.
 pub(crate) struct Table {
     nm: Vec<f64>,
     columns: Vec<(&'static str, Vec<f64>)>,
 }
 
-/// At 1 nm: A, D50, D65 and the LED series.
+/// Tables at 1 nm: A, D50, D65 and the LED series.
 static FINE: LazyLock<Table> = LazyLock::new(|| Table::read(include_str!("../data/illuminants-1nm.csv")));
-/// At 5 nm: all others but E, which has no table.
+/// Tables at 5 nm: all others except E, which has no table.
 static COARSE: LazyLock<Table> = LazyLock::new(|| Table::read(include_str!("../data/illuminants-5nm.csv")));
 /// S0, S1 and S2 of daylight, at 5 nm.
 static DAYLIGHT: LazyLock<Table> = LazyLock::new(|| Table::read(include_str!("../data/daylight.csv")));
 
-/// The illuminant that the CIE gives this name, if it is a tabulated one.
+/// Returns the CIE illuminant of this name, or None if it is not tabulated.
 pub(crate) fn illuminant(name: &str) -> Option<Result<Tabulated, SpectraError>> {
     [&FINE, &COARSE].into_iter().find_map(|table| {
         let values = table.column(name)?;
@@ -32,7 +32,7 @@ pub(crate) fn daylight_components() -> impl Iterator<Item = [f64; 3]> {
 }
 
 impl Table {
-    /// A head and rows of numbers, as our own files have them. A cell that were no number would be NaN, which
+    /// Reads a header and rows of numbers. A cell that is not a number becomes NaN, which
     /// `Tabulated` refuses; a test reads every cell.
     fn read(csv: &'static str) -> Self {
         let mut lines = csv.lines();
@@ -58,7 +58,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn tables_are_whole_and_have_nothing_without_a_name() {
+    fn tables_are_complete_and_have_only_known_names() {
         for (table, rows, step) in [(&FINE, 401, 1.0), (&COARSE, 81, 5.0), (&DAYLIGHT, 81, 5.0)] {
             assert_eq!(table.nm, (0..rows).map(|i| 380.0 + step * f64::from(i)).collect::<Vec<_>>());
             for (name, values) in &table.columns {
@@ -68,7 +68,7 @@ mod tests {
         }
         let tabulated = FINE.columns.iter().chain(&COARSE.columns).map(|(name, _)| *name);
         assert!(tabulated.clone().all(|name| crate::illuminant_names().contains(&name)));
-        // And E.
+        // E is not tabulated.
         assert_eq!(tabulated.count() + 1, crate::illuminant_names().len());
     }
 }

@@ -1,17 +1,18 @@
-//! Counts in cells against what is expected there.
+//! Chi-square test of counts in cells.
 
-/// Chi-square of counts against their expectations.
+/// Chi-square statistic of counts against their expectations.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ChiSquare {
-    /// The sum of squared deviations, each over its variance.
+    /// Sum of squared deviations, each divided by its variance.
     pub statistic: f64,
-    /// How many of them are independent.
+    /// Degrees of freedom.
     pub freedom: f64,
 }
 
 impl ChiSquare {
-    /// Of cells (count, expectation) whose counts add up to what the expectations add up to. The smallest cells are made
-    /// one cell until each expects at least `fewest`; what falls where nothing is expected is infinitely unlikely.
+    /// Statistic of cells (count, expectation) with equal sums of counts and expectations. The smallest cells
+    /// are merged until each expects at least `fewest` counts. A count in a cell of expectation 0 gives an
+    /// infinite statistic.
     pub fn of(cells: impl IntoIterator<Item = (f64, f64)>, fewest: f64) -> Self {
         let mut cells: Vec<(f64, f64)> = cells.into_iter().collect();
         cells.sort_by(|a, b| a.1.total_cmp(&b.1));
@@ -30,19 +31,19 @@ impl ChiSquare {
         Self { statistic, freedom: count - 1.0 }
     }
 
-    /// Of cells that all expect the same.
+    /// Statistic of cells with equal expectations.
     pub fn uniform(counts: &[f64]) -> Self {
         let expected = counts.iter().sum::<f64>() / counts.len() as f64;
         Self::of(counts.iter().map(|found| (*found, expected)), 0.0)
     }
 
-    /// The statistic as a standard normal variable (Wilson and Hilferty, PNAS 17, 684 (1931)).
+    /// The statistic converted to a standard normal variable (Wilson and Hilferty, PNAS 17, 684 (1931)).
     pub fn z(&self) -> f64 {
         let spread = 2.0 / (9.0 * self.freedom);
         ((self.statistic / self.freedom).cbrt() - (1.0 - spread)) / spread.sqrt()
     }
 
-    /// False if counts as far off as these, or farther, come by chance once in 10 000 times or less.
+    /// Returns false if deviations as large as these, or larger, have a probability of 1e-4 or less.
     pub fn is_likely(&self) -> bool {
         self.z() < 3.719
     }
@@ -52,9 +53,9 @@ impl ChiSquare {
 mod tests {
     use super::*;
 
-    /// Upper quantiles at 1e-4, by inverting the incomplete gamma function.
+    /// Upper quantiles at 1e-4, from the inverse of the incomplete gamma function.
     #[test]
-    fn quantiles_are_those_of_tables() {
+    fn z_of_published_quantiles_is_3_719() {
         for (freedom, quantile) in [(8.0, 31.8276), (15.0, 44.2632), (31.0, 69.1057), (255.0, 347.6542)] {
             let z = ChiSquare { statistic: quantile, freedom }.z();
             assert!((z - 3.719).abs() < 0.05, "{freedom}: {z}");
@@ -62,7 +63,7 @@ mod tests {
     }
 
     #[test]
-    fn small_cells_are_one_and_impossible_ones_are_found() {
+    fn small_cells_are_merged_and_impossible_counts_are_unlikely() {
         let cells = [(3.0, 4.0), (2.0, 3.0), (12.0, 10.0), (4.0, 4.0), (0.0, 0.0)];
         // 3 + 4 + 4 expect 11, of which 9 are found.
         let found = ChiSquare::of(cells, 10.0);

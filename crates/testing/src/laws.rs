@@ -1,4 +1,4 @@
-//! Laws that hold for every case: many are drawn, and the one that breaks a law is shown.
+//! Property tests: random cases are drawn, and a case that violates the property is printed.
 
 use std::fmt::Debug;
 use std::ops::RangeInclusive;
@@ -6,7 +6,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 
 use crate::Dice;
 
-/// Draws so many cases, the same every time, and holds each to a law. A case that breaks it is printed.
+/// Draws `cases` reproducible cases and checks a property of each. A case that violates it is printed.
 ///
 /// ```
 /// use papilio_testing::laws;
@@ -14,20 +14,20 @@ use crate::Dice;
 /// ```
 ///
 /// # Panics
-/// As the law does.
+/// If the property panics.
 #[allow(clippy::print_stderr, reason = "the output of a test that fails")]
-pub fn laws<T: Debug>(cases: u64, draw: impl Fn(&mut Dice) -> T, law: impl Fn(&T)) {
+pub fn laws<T: Debug>(cases: u64, draw: impl Fn(&mut Dice) -> T, property: impl Fn(&T)) {
     for number in 0..cases {
         let case = draw(&mut Dice::new(0, number));
-        if let Err(failure) = catch_unwind(AssertUnwindSafe(|| law(&case))) {
-            eprintln!("case {number} of {cases} breaks the law: {case:#?}");
+        if let Err(failure) = catch_unwind(AssertUnwindSafe(|| property(&case))) {
+            eprintln!("case {number} of {cases} violates the property: {case:#?}");
             resume_unwind(failure);
         }
     }
 }
 
 impl Dice {
-    /// As many things as one of these numbers says, each as likely as any other.
+    /// Draws a list whose length is uniform in the range.
     pub fn several<T>(
         &mut self,
         count: RangeInclusive<usize>,
@@ -38,7 +38,7 @@ impl Dice {
         (0..count).map(|_| draw(self)).collect()
     }
 
-    /// Text of at most so many characters, each one of these.
+    /// Draws text of at most `longest` characters from the given set.
     pub fn text(&mut self, characters: &str, longest: usize) -> String {
         let characters: Vec<char> = characters.chars().collect();
         self.several(0..=longest, |dice| characters[dice.below(characters.len())]).into_iter().collect()
@@ -52,7 +52,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn every_case_is_drawn_and_one_that_breaks_the_law_is_an_error() {
+    fn every_case_is_drawn_and_a_violation_panics() {
         let seen = RefCell::new(Vec::new());
         laws(300, |dice| dice.throw(), |x| seen.borrow_mut().push(*x));
         let seen = seen.into_inner();
@@ -63,7 +63,7 @@ mod tests {
     }
 
     #[test]
-    fn texts_have_all_lengths_and_no_other_characters() {
+    fn texts_have_all_lengths_and_only_given_characters() {
         let mut lengths = [0; 4];
         for number in 0..400 {
             let text = Dice::new(1, number).text("ab\u{e9}", 3);

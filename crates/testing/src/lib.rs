@@ -1,7 +1,8 @@
-//! What tests share: statistics whose bounds are known, and random choices. For development only.
+//! Shared test tools: statistics with known bounds, and random cases. For development only.
 //!
-//! Statistical tests draw the same numbers every time: they either pass always or fail always, until the code or the bound
-//! changes. Bounds are set so that a correct program fails one test of this repository in some thousand changes.
+//! Statistical tests draw the same numbers every time: they pass always or fail always, until the code or the
+//! bound changes. With these bounds, a correct program fails one test of this repository in some thousand
+//! changes.
 
 mod chi_square;
 mod dice;

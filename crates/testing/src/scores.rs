@@ -9,18 +9,19 @@ pub fn mean_and_error(values: impl IntoIterator<Item = f64>) -> (f64, f64) {
     (mean, (variance / n).sqrt())
 }
 
-/// The replicates of which every standard error of the tests is made.
+/// Number of replicates of every standard error in the tests.
 const REPLICATES: f64 = 32.0;
 
-/// Standard deviations that nothing correct is off by: 7e-6, two-sided.
+/// Bound of deviations, in standard deviations: probability 7e-6, two-sided.
 pub(crate) const SIGMA: f64 = 4.5;
 
-/// What a statistic may be.
+/// Acceptance interval of a statistic.
 pub type Bounds = std::ops::RangeInclusive<f64>;
 
-/// Where the mean of `n` squares lies whose own mean and variance are known, at 4.5 standard deviations: as that of a
-/// chi-square variable of the same relative variance (Wilson and Hilferty), which is skewed as such means are. A normal
-/// variable's bounds would be below zero for n < 50, and would hold nothing there.
+/// Bounds, at 4.5 standard deviations, of the mean of `n` squares with known mean and variance. They are
+/// those of a chi-square variable of the same relative variance (Wilson and Hilferty), which has the skewness
+/// of such means. The lower bound of a normal variable would be negative for n < 50, and would exclude
+/// nothing.
 pub fn mean_square_bounds(mean: f64, variance: f64, n: f64) -> Bounds {
     let freedom = 2.0 * mean * mean * n / variance;
     let spread = 2.0 / (9.0 * freedom);
@@ -28,11 +29,12 @@ pub fn mean_square_bounds(mean: f64, variance: f64, n: f64) -> Bounds {
     at(-SIGMA)..=at(SIGMA)
 }
 
-/// Holds scores to Student's t of 31 degrees of freedom, which deviations over the standard errors of 32 replicates follow:
-/// mean 0 and mean square 31/29, of as many independent scores as is said.
+/// Tests scores against Student's t of 31 degrees of freedom, the distribution of deviations over the
+/// standard errors of 32 replicates: mean 0 and mean square 31/29. `independent` is the number of independent
+/// scores.
 ///
 /// # Panics
-/// If they are not.
+/// If either is outside its bounds.
 pub fn assert_student(what: &str, scores: &[f64], independent: f64) {
     let n = scores.len() as f64;
     let (mean, square) = (scores.iter().sum::<f64>() / n, scores.iter().map(|z| z * z).sum::<f64>() / n);
@@ -48,10 +50,10 @@ pub fn assert_student(what: &str, scores: &[f64], independent: f64) {
 mod tests {
     use super::*;
 
-    /// Quantiles of chi-square at 4.5 standard deviations of a normal variable (3.4e-6 on each side), by inverting the incomplete
-    /// gamma function.
+    /// Quantiles of chi-square at 4.5 standard deviations of a normal variable (3.4e-6 on each side), from
+    /// the inverse of the incomplete gamma function.
     #[test]
-    fn bounds_are_those_of_chi_square() {
+    fn mean_square_bounds_equal_chi_square_quantiles() {
         for (freedom, low, high) in [(16.0, 1.7151, 55.1204), (48.0, 15.9108, 105.4767)] {
             let bounds = mean_square_bounds(1.0, 2.0, freedom);
             assert!((bounds.start() * freedom - low).abs() < 0.25, "{bounds:?}");

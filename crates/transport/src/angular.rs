@@ -1,40 +1,40 @@
 //! Reflectance spectra tabulated against direction, for specular pixels.
 //!
-//! Interpolation is linear in the tabulated values, so a sum of weighted look-ups
-//! equals one product of the table with the summed weights: the walk drops weights
-//! on nodes and touches spectra once at the end.
+//! Interpolation is linear in the tabulated values, so a sum of weighted look-ups equals one product of the
+//! table with the summed weights: the Monte Carlo solver adds weights to nodes and forms spectra once at the
+//! end.
 //!
-//! The values are those of a few *basis* reflectances (one for each gap of a film
-//! pixel); a drive state is a mixture of them plus a part that all states share.
+//! The values are those of a few *basis* reflectances (one for each gap of a film pixel); a drive state is a
+//! mixture of them plus a part that all states share.
 
 use std::sync::Arc;
 
-use papilio_optics::wide;
+use papilio_optics::with_widest_simd;
 
 use crate::base::largest;
 use crate::product::add_product;
 use crate::{CosinePanels, Medium};
 
-/// Where the nodes of a table lie.
+/// Positions of the nodes of a table.
 #[derive(Debug, Clone, PartialEq)]
 #[allow(clippy::large_enum_variant, reason = "there is one table, not many")]
 pub enum Nodes {
     /// One value for all directions.
     Constant,
-    /// Evenly spaced in cos(theta) of the medium from 0 to 1, at least 8 of them.
-    /// A film's reflectance is analytic in that cosine; eight-point Lagrange interpolation.
+    /// Uniformly spaced in cos(theta) of the medium from 0 to 1, at least 8 of them. The reflectance of a
+    /// film is analytic in that cosine; eight-point Lagrange interpolation.
     Cosines(usize),
     /// In panels of different widths; interpolation among all nodes of a panel.
     CosinePanels(CosinePanels),
-    /// At these angles in the medium, radians, ascending from 0; linear between them,
-    /// the last value held beyond the last angle.
+    /// At these angles in the medium, radians, ascending from 0; linear between them, with the last value
+    /// beyond the last angle.
     AnglesInMedium(Vec<f64>),
-    /// At these angles in air, likewise.
+    /// At these angles in air, with the same interpolation.
     AnglesInAir(Vec<f64>),
 }
 
 impl Nodes {
-    /// How many there are.
+    /// Returns the number of nodes.
     pub fn count(&self) -> usize {
         match self {
             Self::Constant => 1,
@@ -44,8 +44,8 @@ impl Nodes {
         }
     }
 
-    /// `|beta|` between which the table is smooth and changes no faster than a few points of a
-    /// Gauss rule follow: every kink of a linear table, every [`SMOOTH_STEPS`] of a finer one.
+    /// Returns values of `|beta|` between which the table is smooth and changes no faster than a few points
+    /// of a Gauss rule resolve: every kink of a linear table, every [`SMOOTH_STEPS`] of a finer one.
     pub(crate) fn breaks(&self, index: f64) -> Vec<f64> {
         let of_cosine = |cosine: f64| index * (1.0 - cosine * cosine).max(0.0).sqrt();
         match self {
@@ -60,7 +60,7 @@ impl Nodes {
         }
     }
 
-    /// How many there are from one `|beta|` to a larger one, in a medium of this index.
+    /// Returns the number of nodes from one `|beta|` to a larger one, in a medium of this index.
     pub(crate) fn between(&self, [from, to]: [f64; 2], index: f64) -> f64 {
         let cosine = |beta: f64| (1.0 - (beta / index).powi(2)).max(0.0).sqrt();
         let inside = |angles: &[f64], index: f64| {
@@ -75,7 +75,7 @@ impl Nodes {
         }
     }
 
-    /// The weights that a look-up at `|beta|^2` in a medium of this index gives to the nodes.
+    /// Returns the weights on the nodes of a look-up at `|beta|^2` in a medium of this index.
     #[inline(always)]
     pub(crate) fn stencil(&self, beta_squared: f64, index: f64) -> Stencil {
         match self {
@@ -95,8 +95,8 @@ impl Nodes {
     }
 }
 
-/// Where eight-point interpolation is good, singularities are several nodes off: so many steps
-/// between nodes are an interval that they are not close to.
+/// Number of steps between nodes over which the function is smooth: where eight-point interpolation is
+/// accurate, singularities are several nodes away.
 const SMOOTH_STEPS: usize = 8;
 
 /// Interpolation weights for consecutive nodes from `first` on.
@@ -109,10 +109,10 @@ pub(crate) struct Stencil {
 impl Stencil {
     pub(crate) const LEN: usize = 16;
 
-    /// Nodes between which uniformly spaced ones are interpolated.
+    /// Number of nodes of the interpolation between uniformly spaced ones.
     const EVEN: usize = 8;
 
-    /// The look-up of a table with one node.
+    /// Look-up of a table with one node.
     pub(crate) const ONLY_NODE: Self = {
         let mut weights = [0.0; Self::LEN];
         weights[0] = 1.0;
@@ -162,37 +162,37 @@ impl Stencil {
     }
 }
 
-/// Reflectance by node, basis and wavelength, and the mixtures of the basis that the states are.
+/// Reflectance by node, basis and wavelength, and the mixtures of the basis that make the states.
 #[derive(Debug, Clone, PartialEq)]
 pub struct AngularTable {
-    /// Where the nodes lie.
+    /// Positions of the nodes.
     pub nodes: Nodes,
-    /// Basis reflectances, shape `[node][basis][wavelength]`; shared, for they are large.
+    /// Basis reflectances, shape `[node][basis][wavelength]`; shared, because they are large.
     pub basis: Arc<[f64]>,
     /// The fraction of each basis in each state, shape `[state][basis]`.
     pub mixture: Vec<f64>,
-    /// What every state reflects besides, shape `[wavelength]`.
+    /// Additional reflectance common to all states, shape `[wavelength]`.
     pub common: Vec<f64>,
 }
 
 impl AngularTable {
-    /// The number of basis reflectances.
+    /// Returns the number of basis reflectances.
     pub fn basis_count(&self) -> usize {
         self.basis.len() / (self.nodes.count() * self.common.len())
     }
 
-    /// The number of states.
+    /// Returns the number of states.
     pub fn state_count(&self) -> usize {
         self.mixture.len() / self.basis_count()
     }
 
-    /// The reflectance of every state at `|beta|^2`: `out` has shape `[state][wavelength]`.
+    /// Computes the reflectance of every state at `|beta|^2`: `out` has shape `[state][wavelength]`.
     pub fn reflectance(&self, beta_squared: f64, medium: &Medium, out: &mut [f64]) {
         let (bins, width) = (self.common.len(), self.basis_count() * self.common.len());
         let mut basis = vec![0.0; width];
         if let Some(index) = medium.constant_index() {
             let stencil = self.nodes.stencil(beta_squared, index);
-            wide(
+            with_widest_simd(
                 #[inline(always)]
                 || self.add_nodes(&stencil, &mut basis),
             );
@@ -207,13 +207,13 @@ impl AngularTable {
                 }
             }
         }
-        wide(
+        with_widest_simd(
             #[inline(always)]
             || self.mix(&basis, 1.0, out),
         );
     }
 
-    /// Sums of look-ups whose weights were dropped on the nodes; shape `[sum][state][wavelength]`.
+    /// Returns sums of look-ups whose weights were added to the nodes; shape `[sum][state][wavelength]`.
     pub(crate) fn weighted_sums(&self, node_weights: &[&[f64]]) -> Vec<f64> {
         let width = self.basis_count() * self.common.len();
         let mut basis = vec![0.0; node_weights.len() * width];
@@ -223,7 +223,7 @@ impl AngularTable {
         for ((out, basis), weights) in
             sums.chunks_exact_mut(one_sum).zip(basis.chunks_exact(width.max(1))).zip(node_weights)
         {
-            wide(
+            with_widest_simd(
                 #[inline(always)]
                 || self.mix(basis, weights.iter().sum(), out),
             );
@@ -231,7 +231,7 @@ impl AngularTable {
         sums
     }
 
-    /// Whether the basis is the very same, and the states are the same mixtures of it.
+    /// Returns whether the basis is the same object, and the states are the same mixtures of it.
     pub(crate) fn is_same(&self, other: &Self) -> bool {
         Arc::ptr_eq(&self.basis, &other.basis)
             && self.mixture == other.mixture
@@ -239,8 +239,8 @@ impl AngularTable {
             && self.nodes == other.nodes
     }
 
-    /// At each node the mean over states and wavelengths, each state against its own at the node nearest
-    /// to the normal.
+    /// Returns at each node the mean over states and wavelengths of the reflectance, relative to that of the
+    /// same state at the node nearest to the normal.
     pub(crate) fn relative_reflectance(&self) -> Vec<f64> {
         let (bins, count, nodes) = (self.common.len(), self.basis_count(), self.nodes.count());
         let mean = |row: &[f64]| row.iter().sum::<f64>() / bins as f64;
@@ -264,7 +264,7 @@ impl AngularTable {
         sum
     }
 
-    /// An upper bound of every state's reflectance at any angle, from that of the basis.
+    /// Returns an upper bound of the reflectance of every state at any angle, from that of the basis.
     pub(crate) fn largest_reflectance(&self, of_basis: f64) -> f64 {
         (of_basis + largest(&self.common)).min(1.0)
     }
@@ -275,7 +275,7 @@ impl AngularTable {
         add_rows(basis, &self.basis[stencil.first * basis.len()..], &stencil.weights[..used]);
     }
 
-    /// All states from sums of the basis.
+    /// Computes all states from sums of the basis.
     #[inline(always)]
     fn mix(&self, basis: &[f64], common_weight: f64, out: &mut [f64]) {
         match self.common.len() {
@@ -285,7 +285,8 @@ impl AngularTable {
         }
     }
 
-    /// The same, so many wavelengths at a time; the last of them once more rather than one by one.
+    /// Computes the same, `N` wavelengths at a time; the last block overlaps the one before instead of being
+    /// done one by one.
     #[inline(always)]
     fn mix_columns<const N: usize>(&self, basis: &[f64], common_weight: f64, out: &mut [f64]) {
         let (bins, count) = (self.common.len(), self.basis_count());
@@ -304,16 +305,16 @@ impl AngularTable {
     }
 }
 
-/// Adds weighted rows that stand one after the other.
+/// Adds weighted consecutive rows.
 #[inline(always)]
 fn add_rows(sum: &mut [f64], rows: &[f64], weights: &[f64]) {
-    // As many as registers hold over all rows, and then what is left.
+    // As many columns as the registers hold over all rows, and then the rest.
     let done = add_columns::<32>(sum, rows, weights, 0);
     let done = add_columns::<8>(sum, rows, weights, done);
     add_columns::<1>(sum, rows, weights, done);
 }
 
-/// The same for columns from the first on, `N` at a time; where the next one is.
+/// Adds columns from the first on, `N` at a time; returns the next one.
 #[inline(always)]
 fn add_columns<const N: usize>(sum: &mut [f64], rows: &[f64], weights: &[f64], first: usize) -> usize {
     let len = sum.len().max(1);
@@ -361,7 +362,7 @@ mod tests {
         assert_eq!((beyond.first, beyond.weights[0], beyond.weights[1]), (1, 0.0, 1.0));
     }
 
-    /// However many wavelengths there are, more or fewer than are mixed at a time, and none left over or some.
+    /// For numbers of wavelengths below and above the number mixed at a time, with and without a remainder.
     #[test]
     fn states_are_mixtures_of_the_basis() {
         for bins in [1, 3, 8, 9, 31, 32, 33, 64, 81] {

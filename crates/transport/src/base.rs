@@ -1,4 +1,4 @@
-//! What lies under the last medium: the pixel.
+//! The pixel, below the last medium.
 
 use std::f64::consts::FRAC_PI_2;
 
@@ -6,16 +6,16 @@ use papilio_spectra::Spectrum;
 
 use crate::{AngularTable, Cone, Medium, ScatterKernel};
 
-/// What lies under the medium and sends light back.
+/// The reflector below the last medium.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Base {
-    /// How it reflects.
+    /// Reflection of the active area.
     pub reflector: Reflector,
     /// Absorptance of the inactive part of the panel, times its fraction of the area, per wavelength.
     pub inactive_absorptance: Spectrum,
 }
 
-/// How a base reflects.
+/// Kind of reflection of a base.
 #[derive(Debug, Clone, PartialEq)]
 #[allow(clippy::large_enum_variant, reason = "there is one pixel, not many")]
 pub enum Reflector {
@@ -23,21 +23,23 @@ pub enum Reflector {
     Specular(AngularTable),
     /// The same basic radiance in every direction of the medium; shape `[state][wavelength]`.
     Lambertian(Vec<f64>),
-    /// By a kernel for each state, its directions those of the medium: cosines over its index, which
-    /// should be constant; made by [`Reflector::scattering`]. All that is not sent back is absorbed by
-    /// the pixel; any layers may be over it, but no panel.
+    /// By a kernel for each state, with directions in the medium: cosines over its index, which should be
+    /// constant; made by [`Reflector::scattering`]. The pixel absorbs all light that it does not send back.
+    /// Only general layers can be above it, not a panel.
     Scattering(Vec<ScatterKernel>),
 }
 
 impl Reflector {
-    /// By a kernel for each state: of light both ways the mean of both readings counts.
+    /// Builds the reflection by a kernel for each state; each is replaced by the mean of its two readings,
+    /// which is reciprocal.
     pub fn scattering(kernels: impl IntoIterator<Item = ScatterKernel>) -> Self {
         Self::Scattering(kernels.into_iter().map(ScatterKernel::reciprocal).collect())
     }
 }
 
 impl Base {
-    /// How many nodes of a mirror's table lie across a cone of directions in air, under this medium.
+    /// Returns the number of nodes of a mirror's table across a cone of directions in air, under this
+    /// medium.
     pub(crate) fn nodes_across(&self, cone: &Cone, medium: &Medium) -> f64 {
         let Reflector::Specular(table) = &self.reflector else { return 0.0 };
         let axis = cone.axis_towards().length().min(1.0).asin();
@@ -47,12 +49,12 @@ impl Base {
         medium.index().iter().copied().map(across).fold(0.0, f64::max)
     }
 
-    /// The number of wavelengths.
+    /// Returns the number of wavelengths.
     pub fn bins(&self) -> usize {
         self.inactive_absorptance.len()
     }
 
-    /// The number of states.
+    /// Returns the number of states.
     pub fn states(&self) -> usize {
         match &self.reflector {
             Reflector::Specular(table) => table.state_count(),
@@ -61,12 +63,12 @@ impl Base {
         }
     }
 
-    /// True if it keeps the direction of light, as a mirror.
+    /// Returns true if it preserves the direction of light, as a mirror.
     pub fn is_specular(&self) -> bool {
         matches!(self.reflector, Reflector::Specular(_))
     }
 
-    /// The fraction that every state reflects at `|beta|^2`; `out` has shape `[state][wavelength]`.
+    /// Computes the reflectance of every state at `|beta|^2`; `out` has shape `[state][wavelength]`.
     pub fn reflectance(&self, beta_squared: f64, medium: &Medium, out: &mut [f64]) {
         match &self.reflector {
             Reflector::Specular(table) => table.reflectance(beta_squared, medium, out),
@@ -82,7 +84,7 @@ impl Base {
         }
     }
 
-    /// An upper bound of every state's reflectance at any angle.
+    /// Returns an upper bound of the reflectance of every state at any angle.
     pub(crate) fn largest_reflectance(&self) -> f64 {
         match &self.reflector {
             Reflector::Specular(table) => table.largest_reflectance(largest(&table.basis)),
@@ -92,9 +94,9 @@ impl Base {
     }
 }
 
-/// The largest of these values that are not negative.
+/// Returns the largest of these values; negative ones count as 0.
 pub(crate) fn largest(values: &[f64]) -> f64 {
-    // Side by side, as registers hold them: tables are large.
+    // Several at a time, as registers hold them: tables are large.
     let mut most = [0.0_f64; 16];
     for values in values.chunks(most.len()) {
         most.iter_mut()

@@ -3,28 +3,29 @@
 use std::f64::consts::PI;
 use std::sync::LazyLock;
 
-use papilio_optics::wide;
+use papilio_optics::with_widest_simd;
 use papilio_sampling::warp::rounded;
 
 use crate::angular::Stencil;
 
-/// Panels that fill the cosines from 0 to 1, halves of halves, each with Chebyshev's points of the
-/// first kind for nodes: interpolation among all nodes of a panel.
+/// Panels that fill the cosines from 0 to 1 by repeated halving, each with the Chebyshev points of the first
+/// kind as nodes, and interpolation among all nodes of a panel.
 ///
-/// A film's reflectance is analytic in the cosine, but a resonance may be a hundredth wide:
-/// panels are small there alone.
+/// The reflectance of a film is analytic in the cosine, but a resonance may be only 0.01 wide: panels are
+/// small only there.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CosinePanels {
     /// In ascending order.
     panels: Vec<Panel>,
-    /// For each of so many equal parts of 0 to 1 the number of the panel that it lies in.
+    /// For each of these equal parts of 0 to 1 the number of the panel that contains it.
     parts: Vec<u16>,
-    /// Of a panel from -1 to 1, and 1 over the product of differences from all others.
+    /// Nodes of a panel from -1 to 1, and 1 over the product of differences from all others.
     nodes: [f64; Self::NODES],
     scale: [f64; Self::NODES],
 }
 
-/// Chebyshev's polynomials at the nodes, `[degree][node]`, times what makes Lagrange's of them.
+/// Chebyshev polynomials at the nodes, `[degree][node]`, with the factors that turn them into Lagrange
+/// polynomials.
 static POLYNOMIALS: LazyLock<[[f64; CosinePanels::NODES]; CosinePanels::NODES]> = LazyLock::new(|| {
     let scale = |degree: usize| if degree == 0 { 1.0 } else { 2.0 } / CosinePanels::NODES as f64;
     std::array::from_fn(|degree| {
@@ -47,10 +48,10 @@ impl Panel {
 }
 
 impl CosinePanels {
-    /// Nodes of a panel.
+    /// Number of nodes of a panel.
     pub const NODES: usize = Stencil::LEN;
 
-    /// Panels of widths 1/2^k from 0 on, for these k (at most 20), which are to sum to 1.
+    /// Builds panels of widths 1/2^k from 0 on, for these k (at most 20); the widths must sum to 1.
     pub fn new(halvings: &[u32]) -> Self {
         let mut panels = Vec::with_capacity(halvings.len());
         let mut start = 0.0;
@@ -79,28 +80,28 @@ impl CosinePanels {
         }
     }
 
-    /// Whether one of the panels is that of this start and width.
+    /// Returns whether one of the panels has this start and width.
     pub fn holds(&self, start: f64, width: f64) -> bool {
         self.panels.contains(&Panel::new(start, width))
     }
 
-    /// The number of nodes.
+    /// Returns the number of nodes.
     pub fn count(&self) -> usize {
         self.panels.len() * Self::NODES
     }
 
-    /// The cosines of all nodes.
+    /// Returns the cosines of all nodes.
     pub fn nodes(&self) -> impl Iterator<Item = f64> {
         self.panels.iter().flat_map(|panel| Self::nodes_between(panel.start, panel.start + panel.width))
     }
 
-    /// The cosines of the nodes of a panel.
+    /// Returns the cosines of the nodes of a panel.
     pub fn nodes_between(from: f64, to: f64) -> impl Iterator<Item = f64> {
         let (middle, half) = (0.5 * (from + to), 0.5 * (to - from));
         (0..Self::NODES).map(move |k| middle - half * angle(k).cos())
     }
 
-    /// How many nodes lie from one cosine to a larger one, about.
+    /// Returns the approximate number of nodes from one cosine to a larger one.
     pub(crate) fn nodes_from(&self, from: f64, to: f64) -> f64 {
         let share = |panel: &Panel| {
             let inside = to.min(panel.start + panel.width) - from.max(panel.start);
@@ -109,30 +110,30 @@ impl CosinePanels {
         Self::NODES as f64 * self.panels.iter().map(share).sum::<f64>()
     }
 
-    /// Where panels begin, and their middles.
+    /// Returns the starts and the middles of the panels.
     pub(crate) fn halves(&self) -> impl Iterator<Item = f64> {
         self.panels.iter().flat_map(|panel| [panel.start, panel.start + 0.5 * panel.width])
     }
 
-    /// The number of equal parts of 0 to 1 that panels are made of.
+    /// Returns the number of equal parts of 0 to 1 of which panels are made.
     #[inline(always)]
     pub(crate) fn part_count(&self) -> f64 {
         self.parts.len() as f64
     }
 
-    /// Which of so many parts a cosine from 0 to 1 lies in.
+    /// Returns the part, of `count`, that contains a cosine from 0 to 1.
     #[inline(always)]
     pub(crate) fn part(cosine: f64, count: f64) -> u32 {
         rounded(cosine * count - 0.5).1
     }
 
-    /// Which panel a part lies in.
+    /// Returns the panel that contains a part.
     #[inline(always)]
     pub(crate) fn panel_of(&self, part: u32) -> usize {
         usize::from(self.parts[(part as usize).min(self.parts.len() - 1)])
     }
 
-    /// Where in a panel a cosine lies, from -1 to 1.
+    /// Returns the position of a cosine in a panel, from -1 to 1.
     #[inline(always)]
     fn place(&self, number: usize, cosine: f64) -> f64 {
         let panel = &self.panels[number];
@@ -140,17 +141,17 @@ impl CosinePanels {
         (cosine - panel.start) * panel.per_half_width - 1.0
     }
 
-    /// Of each panel where it starts, and one over half its width.
+    /// Returns for each panel its start, and one over half its width.
     pub(crate) fn borders(&self) -> impl Iterator<Item = [f64; 2]> {
         self.panels.iter().map(|panel| [panel.start, panel.per_half_width])
     }
 
     /// Adds to the weights of a panel's nodes those of look-ups with these moments: sums of weights times
-    /// Chebyshev's polynomials T_0, T_1, ... of where they lie. (The points are orthogonal under the polynomials,
-    /// so that Lagrange's are sums of them.)
+    /// Chebyshev polynomials T_0, T_1, ... of the positions. (The polynomials are orthogonal over the
+    /// points, so that Lagrange polynomials are sums of them.)
     pub(crate) fn add_moments(moments: &[f64; Self::NODES], weights: &mut [f64; Self::NODES]) {
         let at_nodes = &*POLYNOMIALS;
-        wide(
+        with_widest_simd(
             #[inline(always)]
             || {
                 for (at_nodes, moment) in at_nodes.iter().zip(moments) {
@@ -160,13 +161,13 @@ impl CosinePanels {
         );
     }
 
-    /// Lagrange's interpolation within the panel of this cosine.
+    /// Returns Lagrange interpolation within the panel of this cosine.
     #[inline(always)]
     pub(crate) fn stencil(&self, cosine: f64) -> Stencil {
         let number = self.panel_of(Self::part(cosine, self.part_count()));
         let x = self.place(number, cosine);
         let away = self.nodes.map(|node| x - node);
-        // Four products side by side.
+        // Four products at a time.
         let (mut products, mut product) = ([1.0; 4], 1.0);
         for away in away.chunks_exact(4) {
             (0..4).for_each(|k| products[k] *= away[k]);
@@ -180,7 +181,7 @@ impl CosinePanels {
     }
 }
 
-/// The angle of a Chebyshev point from the lower end of its panel.
+/// Returns the angle of a Chebyshev point from the lower end of its panel.
 fn angle(k: usize) -> f64 {
     PI * (k as f64 + 0.5) / CosinePanels::NODES as f64
 }
@@ -189,9 +190,9 @@ fn angle(k: usize) -> f64 {
 mod tests {
     use super::*;
 
-    /// Moments of look-ups give the weights that the look-ups give one by one.
+    /// Moments of look-ups give the same weights as single look-ups.
     #[test]
-    fn moments_are_look_ups() {
+    fn moments_equal_single_look_ups() {
         let panels = CosinePanels::new(&[2, 3, 3, 1]);
         let (mut one_by_one, mut by_moments) = (vec![0.0; panels.count()], vec![0.0; panels.count()]);
         let mut moments = vec![[0.0; CosinePanels::NODES]; panels.borders().count()];
@@ -218,7 +219,7 @@ mod tests {
     }
 
     #[test]
-    fn panels_of_any_size_reproduce_a_polynomial_of_degree_fifteen() {
+    fn panels_of_any_size_reproduce_polynomial_of_degree_fifteen() {
         let polynomial = |x: f64| 1.0 - 2.0 * x + 3.0 * x.powi(3) - 0.5 * x.powi(7) + 0.2 * x.powi(15);
         for halvings in [&[0_u32][..], &[1, 1], &[2, 3, 3, 1], &[1, 2, 4, 4, 3]] {
             let panels = CosinePanels::new(halvings);

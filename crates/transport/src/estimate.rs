@@ -1,18 +1,18 @@
-//! What a solver answers: reflectance factors under each source alone, and a ledger of energy.
+//! Results of a solver: reflectance factors under each source alone, and an energy ledger.
 
-/// What a solver answers for one view.
+/// Result of a solver for one view.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Estimate {
-    /// For each source, in the order they were given.
+    /// Reflectance factors by source, in the given order.
     pub rho: Vec<ReflectanceFactor>,
-    /// Where a unit beam from the view direction ends.
+    /// Distribution of a unit beam from the view direction.
     pub ledger: Ledger,
 }
 
 /// Reflectance factor under one source alone.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct ReflectanceFactor {
-    /// Light that met the pixel; shape `[state][wavelength]`.
+    /// Light that has met the pixel; shape `[state][wavelength]`.
     pub via_pixel: Vec<f64>,
     /// Light reflected before it met the pixel, the same in all states; shape `[wavelength]`.
     pub front: Vec<f64>,
@@ -21,19 +21,19 @@ pub struct ReflectanceFactor {
 /// Fractions of a unit beam, per state and wavelength (shape `[state][wavelength]`).
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Ledger {
-    /// Back into the room.
+    /// Returned into the air.
     pub returned: Vec<f64>,
     /// Absorbed in the front of screen.
     pub front: Vec<f64>,
-    /// Absorbed in the diffuser, or beyond its lobe's reach.
+    /// Absorbed in the diffuser, or scattered beyond the disc of directions.
     pub diffuser: Vec<f64>,
     /// Absorbed in the glass and other clear layers, coatings included.
     pub glass: Vec<f64>,
     /// Absorbed in the active pixel.
     pub pixel: Vec<f64>,
-    /// Absorbed in the inactive share of the panel.
+    /// Absorbed in the inactive area of the panel.
     pub inactive: Vec<f64>,
-    /// Not followed to its end.
+    /// Not attributed: light that was not followed to its end.
     pub unaccounted: Vec<f64>,
 }
 
@@ -57,7 +57,7 @@ impl Ledger {
 pub(crate) enum Account {
     /// Front-of-screen components.
     Front = 0,
-    /// Diffusers, scattering media and rough faces.
+    /// Diffusers, scattering media and rough interfaces.
     Diffuser = 1,
     /// Clear media and coatings.
     Glass = 2,

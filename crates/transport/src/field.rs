@@ -1,16 +1,17 @@
-//! Light from all over the sky: a radiance for each direction of the air's hemisphere.
+//! Light from the whole hemisphere: a radiance for each direction of the hemisphere of air.
 //!
 //! # Model
-//! Either cells, rows of inclination times equal columns of azimuth with the same radiance within each (exact for
-//! rings; a map is resampled to them by its reader), or a formula ([`Radiance`]), which is evaluated where
-//! light is looked up and integrated where it is summed. Radiance is kept for unit irradiance in the display plane: its integral
-//! over direction cosines is 1.
+//! A field consists either of cells, rows of inclination times equal columns of azimuth with uniform
+//! radiance in each (exact for rings; the reader of a map resamples it to cells), or of a formula
+//! ([`Radiance`]), which is evaluated for look-ups and integrated for sums. Radiance is stored for unit
+//! irradiance in the display plane: its integral over direction cosines is 1.
 //!
-//! [`Field::sample`] samples directions (inverse cumulative distributions of rows, then of columns; uniform in direction cosines
-//! within a cell) with the density [`Field::density`]. Of cells that is the radiance itself; a formula has
-//! cells beside it that are about as bright, and nowhere dark where it is bright.
+//! [`Field::sample`] samples directions (inverse cumulative distributions of rows, then of columns; uniform
+//! in direction cosines within a cell) with the density [`Field::density`]. For cells, the density is
+//! proportional to the radiance. A formula also has cells, which are about as bright as it is, and nowhere
+//! dark where it is bright.
 //!
-//! One column is a field that is the same at all azimuths.
+//! A field of one column is the same at all azimuths.
 
 use std::f64::consts::{FRAC_PI_2, TAU};
 use std::sync::Arc;
@@ -26,17 +27,17 @@ pub struct Field {
     formula: Option<OfUnit>,
 }
 
-/// A formula, and what makes its irradiance one.
+/// A formula, and the factor that makes its irradiance one.
 #[derive(Debug, Clone)]
 struct OfUnit {
     formula: Formula,
     scale: f64,
 }
 
-/// What is summed of a field.
+/// Light of a field in the form in which it is summed.
 #[derive(Debug)]
 pub(crate) enum Light<'a> {
-    /// The lit rows: the inclinations they lie between, radians, and their radiances.
+    /// The lit rows: the inclinations between which they lie, radians, and their radiances.
     Cells(Vec<([f64; 2], &'a [f64])>),
     /// A formula, and the factor of its radiances.
     Formula(&'a Formula, f64),
@@ -52,15 +53,16 @@ struct Cells {
     radiance: Vec<f64>,
     /// Irradiance up to the end of each row.
     up_to_row: Vec<f64>,
-    /// Up to the end of each column, as parts of its row's; `[row][column]`.
+    /// Up to the end of each column, as fractions of its row's; `[row][column]`.
     up_to_column: Vec<f64>,
 }
 
-/// Of the mean over all cells, what is sampled even where a formula seems dark: a cell that holds an edge may do so.
+/// Fraction of the mean over all cells that is sampled even where a formula seems dark: a cell that contains
+/// an edge may do so.
 const WHEREVER: f64 = 0.01;
 
 impl PartialEq for Field {
-    /// Formulas are the same where their irradiances and the cells beside them are, to the last digit.
+    /// Formulas are equal if their irradiances and their cells are, to the last digit.
     fn eq(&self, other: &Self) -> bool {
         let scale = |field: &Self| field.formula.as_ref().map(|formula| formula.scale);
         self.cells == other.cells && scale(self) == scale(other)
@@ -68,18 +70,20 @@ impl PartialEq for Field {
 }
 
 impl Field {
-    /// Of these radiances, shape `[row][column]`, and the irradiance that they make in the display plane.
+    /// Builds a field of these radiances, shape `[row][column]`; returns it with the irradiance in the
+    /// display plane.
     ///
     /// Rows lie between the inclinations `edges_deg`, which ascend from 0 or more to 90 or less; column k
-    /// holds azimuths from k to k + 1 of `columns` parts of the circle. `None` if the numbers do not fit
-    /// together, if a radiance is negative or no number, or if there is no light.
+    /// contains azimuths from k to k + 1 of `columns` parts of the circle. `None` if the sizes do not agree,
+    /// if a radiance is negative or NaN, or if there is no light.
     pub fn new(edges_deg: &[f64], columns: usize, radiance: Vec<f64>) -> Option<(Self, f64)> {
         let (cells, irradiance) = Cells::new(edges_deg, columns, radiance)?;
         Some((Self { cells, formula: None }, irradiance))
     }
 
-    /// Of a formula, and its irradiance. Directions are sampled from cells as of [`Field::new`] whose radiances are about those of the formula,
-    /// at any scale; they hold all that is lit. One column says that the formula is the same at all azimuths.
+    /// Builds a field from a formula; returns it with its irradiance. Directions are sampled from cells as
+    /// of [`Field::new`] with approximately the radiances of the formula, at any scale; they must cover
+    /// everything that is lit. One column means that the formula is the same at all azimuths.
     pub fn of(
         radiance: Arc<dyn Radiance>,
         edges_deg: &[f64],
@@ -96,19 +100,19 @@ impl Field {
         (irradiance > 0.0 && irradiance.is_finite()).then_some((Self { cells, formula }, irradiance))
     }
 
-    /// Even light from a ring around the normal, or from a cap where it begins at 0, degrees.
+    /// Returns uniform light from a ring around the normal, or from a cap if it begins at 0, degrees.
     pub fn ring(from_deg: f64, to_deg: f64) -> Option<Self> {
         Some(Self::new(&[from_deg, to_deg], 1, vec![1.0])?.0)
     }
 
-    /// Radiance over irradiance, 1/sr, of the light that propagates with `beta`.
+    /// Returns radiance over irradiance, 1/sr, of the light that propagates with `beta`.
     #[inline]
     pub fn radiance(&self, beta: Beta) -> f64 {
         match &self.formula {
             None => self.cells.at(beta),
             Some(OfUnit { formula, scale }) => {
                 let square = 1.0 - beta.squared();
-                // Light of no angle in the air comes from nowhere.
+                // Directions beyond the horizon carry no light.
                 if square < -1e-12 {
                     return 0.0;
                 }
@@ -117,24 +121,25 @@ impl Field {
         }
     }
 
-    /// The density over direction cosines with which [`Self::sample`] samples this direction.
+    /// Returns the density over direction cosines with which [`Self::sample`] samples this direction.
     #[inline]
     pub fn density(&self, beta: Beta) -> f64 {
         self.cells.at(beta)
     }
 
-    /// A direction sampled about by radiance: the direction cosines of its light, and [`Self::density`] there.
+    /// Samples a direction approximately by radiance; returns the direction cosines of its light, and
+    /// [`Self::density`] there.
     #[inline]
     pub fn sample(&self, u: [f64; 2]) -> (Beta, f64) {
         self.cells.sample(u)
     }
 
-    /// True if it is the same at all azimuths.
+    /// Returns true if it is the same at all azimuths.
     pub fn is_ring(&self) -> bool {
         self.cells.columns == 1
     }
 
-    /// What there is to be summed.
+    /// Returns the light in the form in which it is summed.
     pub(crate) fn light(&self) -> Light<'_> {
         match &self.formula {
             None => Light::Cells(self.cells.lit_rows().collect()),
@@ -181,7 +186,7 @@ impl Cells {
         let square = beta.squared();
         let row = match self.squares.partition_point(|edge| *edge <= square) {
             0 => return 0.0,
-            // The last row holds its own end, grazing light.
+            // The last row includes its own end, grazing light.
             all if all == self.squares.len() && square > self.squares[all - 1] => return 0.0,
             all if all == self.squares.len() => all - 2,
             after => after - 1,
@@ -189,7 +194,7 @@ impl Cells {
         self.row(row)[self.column(beta)]
     }
 
-    /// The column that sends light of these direction cosines.
+    /// Returns the column that sends light of these direction cosines.
     #[inline]
     fn column(&self, beta: Beta) -> usize {
         if self.columns == 1 {
@@ -209,7 +214,7 @@ impl Cells {
         (Beta { x: radius * cos, y: radius * sin }, self.row(row)[column])
     }
 
-    /// The lit rows: the inclinations they lie between, radians, and their radiances.
+    /// Returns the lit rows: the inclinations between which they lie, radians, and their radiances.
     fn lit_rows(&self) -> impl Iterator<Item = ([f64; 2], &[f64])> {
         let rows = self.edges.windows(2).zip(self.radiance.chunks_exact(self.columns));
         let lit = rows.filter(|(_, row)| row.iter().any(|value| *value > 0.0));
@@ -221,15 +226,15 @@ impl Cells {
     }
 }
 
-/// Area of a row's cells in direction cosines.
+/// Returns the area of a row's cells in direction cosines.
 fn cell_area(squares: &[f64], columns: usize) -> f64 {
     0.5 * (squares[1] - squares[0]) * TAU / columns as f64
 }
 
-/// Of parts that are summed up to 1, the one that holds `u`, and where in it.
+/// Returns the interval of cumulative fractions up to 1 that contains `u`, and the position in it.
 #[inline]
 fn pick(up_to: &[f64], u: f64) -> (usize, f64) {
-    // Parts of nothing are never picked: what they are up to is no larger than what came before.
+    // Empty intervals are never selected: their end is not larger than the end before.
     let k = up_to.partition_point(|end| *end <= u).min(up_to.len() - 1);
     let from = if k > 0 { up_to[k - 1] } else { 0.0 };
     (k, ((u - from) / (up_to[k] - from)).clamp(0.0, 1.0))
@@ -245,9 +250,9 @@ mod tests {
         Field::new(&[0.0, 10.0, 35.0, 60.0, 90.0], 4, radiance).unwrap().0
     }
 
-    /// Chi-square of directions over cells, against the integral of the density over each.
+    /// Chi-square of sampled directions over cells, compared with the integral of the density over each.
     #[test]
-    fn directions_are_drawn_by_radiance() {
+    fn sampled_directions_follow_radiance() {
         let field = patches();
         let numbers = Numbers::new(Sampler::Random, 7, 0);
         let (samples, mut counts) = (40_000_u64, [0.0; 16]);
@@ -266,7 +271,7 @@ mod tests {
         assert!(found.is_likely() && found.freedom == 7.0, "eight lit cells: {found:?}");
     }
 
-    /// Two roads to the irradiance of one: the sum over cells, and uniform directions in the disc.
+    /// The irradiance of one, computed in two ways: the sum over cells, and uniform directions in the disc.
     #[test]
     fn radiance_integrates_to_one() {
         let field = patches();
@@ -283,8 +288,8 @@ mod tests {
     }
 
     #[test]
-    fn a_column_holds_the_light_from_its_azimuth() {
-        // The column from 0 to 90 deg alone is lit.
+    fn column_contains_light_from_its_azimuth() {
+        // Only the column from 0 to 90 deg is lit.
         let (field, irradiance) = Field::new(&[0.0, 90.0], 4, vec![2.0, 0.0, 0.0, 0.0]).unwrap();
         assert!((irradiance - 0.5 * std::f64::consts::PI).abs() < 1e-15);
         assert!(field.radiance(Beta::from_source(40.0, 45.0, 1.0)) > 0.0);
@@ -293,7 +298,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_field() {
+    fn invalid_fields_are_refused() {
         assert!(Field::new(&[0.0, 90.0], 1, vec![0.0]).is_none());
         assert!(Field::new(&[0.0, 90.0], 1, vec![-1.0]).is_none());
         assert!(Field::new(&[0.0, 90.0], 2, vec![2.0, -1.0]).is_none());

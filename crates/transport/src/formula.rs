@@ -1,13 +1,14 @@
-//! Light by a formula: the radiance is known in every direction, and where it is not smooth.
+//! Light by a formula: radiance is known in every direction, and so are the places where it is not smooth.
 //!
 //! # Method
-//! What is summed over directions is summed in polar coordinates about an axis: the display's normal, or that of a field of view.
-//! A formula tells on which circles of the sphere it is not smooth: edges, tables' angles, a horizon, or
-//! (circles of no radius) a sun. On a circle about the axis, the distance to such a circle is a
-//! cosine of the azimuth, so that it is known where they cross, or how far off the real line they do, and rules
-//! are graded there ([`quadrature`](crate::adding::quadrature)). Over inclination they end where circles touch.
+//! Integrals over directions use polar coordinates about an axis: the display's normal, or that of a field
+//! of view. A formula gives the circles of the sphere on which it is not smooth: edges, angles of a table, a
+//! horizon, or (circles of radius zero) a sun. On a circle about the axis, the distance to such a circle is
+//! a function of the cosine of the azimuth. The intersections, or their distance from the real line, are
+//! thus known, and rules are graded there ([`quadrature`](crate::adding::quadrature)). Over inclination,
+//! panels end where circles touch.
 //!
-//! `digits` are natural ones: an error of `exp(-digits)` is asked for.
+//! All `digits` are natural: the requested error is `exp(-digits)`.
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use std::fmt::Debug;
@@ -18,31 +19,33 @@ use crate::adding::quadrature::{MOST_POINTS, Node, Pole, gauss, panels, points_f
 
 /// Radiance by direction.
 pub trait Radiance: Debug + Send + Sync {
-    /// That of light which comes from this direction: a unit vector away from the display, z its normal.
+    /// Returns the radiance of light that comes from this direction: a unit vector away from the display, z
+    /// its normal.
     fn at(&self, direction: [f64; 3]) -> f64;
 
-    /// Where it is not smooth.
+    /// Returns the circles on which it is not smooth.
     fn edges(&self) -> Vec<Edge>;
 
-    /// Inclinations beyond which it is dark, radians.
+    /// Returns the inclinations beyond which it is dark, radians.
     fn span(&self) -> [f64; 2] {
         [0.0, FRAC_PI_2]
     }
 
-    /// True if it is the same everywhere between its edges.
+    /// Returns true if it is uniform between its edges.
     fn is_even(&self) -> bool {
         false
     }
 }
 
-/// A circle on the sphere of directions at which a radiance is not smooth; of no radius it is a point.
+/// A circle on the sphere of directions at which a radiance is not smooth; a point if its radius is zero.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Edge {
     /// Its centre, a unit vector.
     pub centre: [f64; 3],
     /// Its angular radius.
     pub radius: f64,
-    /// How far from it the radiance changes fast, radians; infinite if it is smooth on either side.
+    /// Distance from it over which the radiance changes fast, radians; infinite if it is smooth on either
+    /// side.
     pub scale: f64,
 }
 
@@ -51,10 +54,10 @@ pub struct Edge {
 pub(crate) struct Polar([[f64; 3]; 3]);
 
 impl Polar {
-    /// About the display's normal.
+    /// Coordinates about the display's normal.
     pub(crate) const NORMAL: Self = Self([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]);
 
-    /// About what a mirror shows in the middle of this field of view.
+    /// Returns coordinates about the direction that a mirror shows in the middle of this field of view.
     pub(crate) fn mirrored(view: &Cone) -> Self {
         Self(view.frame().map(|[x, y, z]| [-x, -y, z]))
     }
@@ -65,10 +68,10 @@ impl Polar {
         std::array::from_fn(|i| sin * (cos_turn * out[i] + sin_turn * side[i]) + cos * axis[i])
     }
 
-    fn sees(&self, edge: &Edge) -> Seen {
+    fn sees(&self, edge: &Edge) -> PolarCircle {
         let dot = |a: &[f64; 3]| a.iter().zip(&edge.centre).map(|(a, b)| a * b).sum::<f64>();
         let [out, side, along] = [dot(&self.0[0]), dot(&self.0[1]), dot(&self.0[2])];
-        Seen {
+        PolarCircle {
             distance: out.hypot(side).atan2(along),
             turn: side.atan2(out),
             radius: edge.radius,
@@ -79,32 +82,32 @@ impl Polar {
 
 /// A circle in polar coordinates.
 #[derive(Debug, Clone, Copy)]
-struct Seen {
-    /// Of its centre from the axis.
+struct PolarCircle {
+    /// Distance of its centre from the axis.
     distance: f64,
     turn: f64,
     radius: f64,
     scale: f64,
 }
 
-/// Circles whose centre is no farther from the axis lie about it.
+/// Largest distance of its centre from the axis at which a circle is concentric.
 const CONCENTRIC: f64 = 1e-9;
 
-impl Seen {
+impl PolarCircle {
     fn is_concentric(&self) -> bool {
         self.distance < CONCENTRIC || self.distance > PI - CONCENTRIC
     }
 
-    /// The angles from the axis at which it begins and ends.
+    /// Returns the angles from the axis at which it begins and ends.
     fn ends(&self) -> [f64; 2] {
         let sum = self.distance + self.radius;
         [(self.distance - self.radius).abs(), if sum > PI { TAU - sum } else { sum }]
     }
 
-    /// Poles of what is seen on circles about the axis, by their angle, and breaks.
+    /// Returns the poles of integrals over circles about the axis, by their angle, and the breaks.
     fn over_angle(&self, finest: f64) -> impl Iterator<Item = (f64, Option<f64>)> {
         let off = if self.is_concentric() {
-            // From a point on the axis all is smooth.
+            // PolarCircle from a point on the axis everything is smooth.
             (self.radius > 0.0 && self.scale.is_finite()).then_some(self.scale.max(finest))
         } else {
             // Where circles touch there is a square root; about a point, a logarithm.
@@ -113,7 +116,7 @@ impl Seen {
         self.ends().into_iter().map(move |at| (at, off))
     }
 
-    /// The same on a circle about the axis: azimuths that end panels, and poles.
+    /// Adds the same on a circle about the axis: azimuths that end panels, and poles.
     fn around(&self, angle: f64, finest: f64, breaks: &mut Vec<f64>, poles: &mut Vec<Pole>) {
         let product = angle.sin() * self.distance.sin();
         if self.is_concentric() || product <= 0.0 {
@@ -146,12 +149,12 @@ impl Seen {
 pub(crate) struct Formula {
     radiance: Arc<dyn Radiance>,
     polar: Polar,
-    seen: Vec<Seen>,
+    seen: Vec<PolarCircle>,
 }
 
-/// Natural digits that rules over formulas have more than what they serve: they cost little beside it.
+/// Natural digits that rules over formulas have in addition to those of the result: they cost little.
 const MORE_DIGITS: f64 = 3.0;
-/// Beyond this many points on a circle, or where there are edges, they are graded.
+/// Number of points on a circle above which, or in the presence of edges, rules are graded.
 const MOST_EVEN: f64 = 96.0;
 
 impl Formula {
@@ -160,7 +163,7 @@ impl Formula {
         Self { radiance, polar, seen }
     }
 
-    /// The same in other coordinates.
+    /// Returns the same formula in other coordinates.
     pub(crate) fn about(&self, polar: Polar) -> Self {
         Self::new(self.radiance.clone(), polar)
     }
@@ -173,12 +176,12 @@ impl Formula {
         self.radiance.span()
     }
 
-    /// True if its edges are the same at all azimuths.
+    /// Returns true if its edges are the same at all azimuths.
     pub(crate) fn is_round(&self) -> bool {
-        self.seen.iter().all(Seen::is_concentric)
+        self.seen.iter().all(PolarCircle::is_concentric)
     }
 
-    /// What there is on the whole hemisphere by area of direction cosines.
+    /// Returns the irradiance: the integral over the hemisphere by area of direction cosines.
     pub(crate) fn irradiance(&self) -> f64 {
         let [from, to] = self.span();
         let nodes = self.over_angle(from, to, DIGITS_OF_WHOLE, 0.0);
@@ -186,11 +189,11 @@ impl Formula {
         nodes.iter().map(|node| node.weight * node.x.sin() * node.x.cos() * ring(node)).sum()
     }
 
-    /// A rule over angles from the axis for products with polynomials of this degree.
+    /// Returns a rule over angles from the axis for products with polynomials of this degree.
     pub(crate) fn over_angle(&self, from: f64, to: f64, digits: f64, degree: f64) -> Vec<Node> {
         let finest = (-0.5 * digits).exp();
         let (mut breaks, mut poles) = (Vec::new(), Vec::new());
-        // What lies farther off is not felt, and a table has many rows.
+        // Edges farther away have no influence, and a table has many rows.
         let near = (from - 2.0 * (to - from))..=(to + 2.0 * (to - from));
         let ends = self.seen.iter().flat_map(|seen| seen.over_angle(finest));
         for (at, off) in ends.filter(|(at, _)| near.contains(at)) {
@@ -206,7 +209,7 @@ impl Formula {
         nodes
     }
 
-    /// A rule over a circle about the axis for products with this many orders of azimuth.
+    /// Returns a rule over a circle about the axis for products with this many azimuthal orders.
     pub(crate) fn around(&self, angle: f64, digits: f64, orders: usize) -> Vec<Node> {
         let finest = (-digits / 3.0).exp();
         let (mut breaks, mut poles) = (Vec::new(), Vec::new());
@@ -239,8 +242,9 @@ impl Formula {
         nodes
     }
 
-    /// Integrals of radiance times `exp(-i m turn)` over a circle about the axis, real and imaginary parts, for m = 0 and on, up to these
-    /// orders or to where they are no more than is asked for.
+    /// Returns the integrals of radiance times `exp(-i m turn)` over a circle about the axis, real and
+    /// imaginary parts, for m = 0 and on, up to these orders or until they are smaller than the requested
+    /// error.
     pub(crate) fn harmonics(&self, angle: f64, digits: f64, orders: usize) -> Vec<[f64; 2]> {
         if self.is_round() {
             return vec![[TAU * self.radiance.at(self.polar.at(angle, 0.0)), 0.0]];
@@ -262,7 +266,7 @@ impl Formula {
 
     fn harmonics_up_to(&self, angle: f64, digits: f64, orders: usize) -> Vec<[f64; 2]> {
         let mut sums = vec![[0.0; 2]; orders + 1];
-        // The turn of each point, step by step of order.
+        // The rotation of each point, order by order.
         let points = self.around(angle, digits, orders).into_iter().map(|node| {
             let (sin, cos) = node.x.sin_cos();
             (node.weight * self.radiance.at(self.polar.at(angle, node.x)), [cos, -sin])
@@ -280,7 +284,7 @@ impl Formula {
         sums
     }
 
-    /// The same in closed form for light that is even between edges.
+    /// Returns the same in closed form for light that is uniform between edges.
     fn harmonics_of_arcs(&self, angle: f64, orders: usize) -> Vec<[f64; 2]> {
         let mut breaks = Vec::new();
         self.seen.iter().for_each(|seen| seen.around(angle, 0.0, &mut breaks, &mut Vec::new()));
@@ -308,15 +312,15 @@ impl Formula {
         sums
     }
 
-    /// Radiance in these coordinates.
+    /// Returns the radiance in these coordinates.
     pub(crate) fn seen_at(&self, angle: f64, turn: f64) -> f64 {
         self.radiance.at(self.polar.at(angle, turn))
     }
 }
 
-/// Natural digits of what lights the display: all else is relative to it.
+/// Natural digits of the light on the display: everything else is relative to it.
 const DIGITS_OF_WHOLE: f64 = 24.0;
-/// Orders of azimuth that are looked at first.
+/// Azimuthal orders that are computed first.
 const FEW_ORDERS: usize = 32;
-/// No radiance is taken for smoother than this over azimuth, radians.
+/// Largest distance over azimuth over which a radiance is assumed to be smooth, radians.
 const LEAST_SMOOTH: f64 = 0.7;

@@ -1,36 +1,36 @@
 //! Front of screen: flat components in air, combined incoherently.
 //!
-//! Each component mirrors a fraction R and absorbs a fraction A of the light, alike from
-//! both sides and at every angle (Feng 2012, fig. 3.2); it transmits 1 - R - A. Two
-//! parts above each other, `r'` the upper one's reflectance from below:
+//! Each component mirrors a fraction R and absorbs a fraction A of the light, the same from both sides and
+//! at every angle (Feng 2012, fig. 3.2); it transmits 1 - R - A. For two parts above each other, with `r'`
+//! the upper one's reflectance from below:
 //!
 //! `T = T1 T2 / (1 - r1' r2)`, `R = r1 + T1^2 r2 / (1 - r1' r2)`,
 //!
-//! which sums all inter-reflections. The first order of Feng 2012, eq. 3-2 and 3-3,
-//! leaves the denominators out. Valid for components whose distance exceeds the
-//! coherence length of room light (tens of micrometres).
+//! which sums all inter-reflections. The first order of Feng 2012, eq. 3-2 and 3-3, leaves the denominators
+//! out. Valid for components whose distance exceeds the coherence length of room light (tens of
+//! micrometres).
 
 use papilio_spectra::Spectrum;
 
-/// The whole front of screen, per wavelength. Shares; each side's three sum to one.
+/// The whole front of screen, per wavelength: fractions; the three of each side sum to one.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Front {
-    /// Transmitted, the same in both directions.
+    /// Fraction transmitted, the same in both directions.
     pub transmittance: Spectrum,
-    /// Mirrored back to a reader.
+    /// Fraction mirrored back to the reader.
     pub reflectance_above: Spectrum,
-    /// Mirrored back to the panel.
+    /// Fraction mirrored back to the panel.
     pub reflectance_below: Spectrum,
 }
 
 impl Front {
-    /// No components: everything passes.
+    /// Returns a front without components: everything passes.
     pub fn none(bins: usize) -> Self {
         let all = |value| Spectrum::from_values(vec![value; bins]);
         Self { transmittance: all(1.0), reflectance_above: all(0.0), reflectance_below: all(0.0) }
     }
 
-    /// All inter-reflections of components given as (R, A), outermost first.
+    /// Sums all inter-reflections of components given as (R, A), outermost first.
     pub fn exact<'a>(bins: usize, components: impl IntoIterator<Item = (&'a [f64], &'a [f64])>) -> Self {
         let mut sum = Self::none(bins);
         for (r, a) in components {
@@ -42,7 +42,7 @@ impl Front {
         sum
     }
 
-    /// First order only (Feng 2012, eq. 3-2 and 3-3).
+    /// Combines components to first order only (Feng 2012, eq. 3-2 and 3-3).
     pub fn first_order<'a>(
         bins: usize,
         components: impl IntoIterator<Item = (&'a [f64], &'a [f64])>,
@@ -57,7 +57,7 @@ impl Front {
         sum
     }
 
-    /// The three numbers of one wavelength.
+    /// Returns the three numbers of one wavelength.
     #[inline]
     pub(crate) fn at(&self, bin: usize) -> Flat {
         Flat {
@@ -93,7 +93,7 @@ impl Flat {
     /// Everything is reflected.
     pub(crate) const MIRROR: Self = Self { t: 0.0, above: 1.0, below: 1.0 };
 
-    /// This part above `lower`, all inter-reflections included.
+    /// Combines this part with `lower` below it, all inter-reflections included.
     #[inline]
     pub(crate) fn over(self, lower: Self) -> Self {
         if self.t == 0.0 {
@@ -107,7 +107,8 @@ impl Flat {
         }
     }
 
-    /// This part above `lower` to first order: no light goes to and fro between them.
+    /// Combines this part with `lower` below it to first order: without light reflected back and forth
+    /// between them.
     #[inline]
     pub(crate) fn once_over(self, lower: Self) -> Self {
         Self {
@@ -117,11 +118,11 @@ impl Flat {
         }
     }
 
-    /// Reflectance from below of this part under an opaque one.
+    /// Returns the reflectance from below of this part under another one.
     #[inline]
     fn below_under(self, upper: Self) -> f64 {
         let denominator = 1.0 - upper.below * self.above;
-        // Both whole mirrors: nothing passes between them either.
+        // Between two perfect mirrors nothing passes.
         if denominator <= 0.0 { self.below } else { self.below + self.t * self.t * upper.below / denominator }
     }
 }
@@ -137,7 +138,7 @@ mod tests {
         R.iter().zip(&A).map(|(r, a)| (std::slice::from_ref(r), std::slice::from_ref(a)))
     }
 
-    /// Summed by hand from eq. 3-2, 3-3 and from the full series.
+    /// Values summed by hand from eq. 3-2, 3-3 and from the full series.
     #[test]
     fn three_components_first_order_and_exact() {
         let first = Front::first_order(1, components());
@@ -158,7 +159,7 @@ mod tests {
     }
 
     #[test]
-    fn a_whole_mirror_above_another_is_no_division_by_zero() {
+    fn perfect_mirror_above_another_is_finite() {
         let mirror = Flat { t: 0.0, above: 1.0, below: 1.0 };
         let both = mirror.over(mirror);
         assert_eq!((both.t, both.above, both.below), (0.0, 1.0, 1.0));

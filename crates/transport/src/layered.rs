@@ -18,8 +18,8 @@ pub struct Layered {
 }
 
 impl Layered {
-    /// Interfaces and media in turn, top to bottom, each between the media above and below: a medium stands between
-    /// itself and itself; there is none above the first interface, but air.
+    /// Returns interfaces and media in turn, top to bottom, each with the media above and below it. A medium
+    /// has itself on both sides; the first interface has `None`, air, above.
     pub(crate) fn elements(&self) -> impl Iterator<Item = (&dyn LayerKind, [Option<&Medium>; 2])> {
         let above = std::iter::once(None).chain(self.layers.iter().map(|layer| Some(&layer.medium)));
         self.layers.iter().zip(above).flat_map(|(Layer { interface, medium }, above)| {

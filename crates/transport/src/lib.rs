@@ -1,11 +1,11 @@
-//! Light through the layered display: the stack and its two solvers.
+//! Light transport through the layered display: the stack and its two solvers.
 //!
-//! - [`Panel`]: front of screen ([`Front`]), a face or a [`Diffuser`] ([`Top`]), the glass
+//! - [`Panel`]: front of screen ([`Front`]), a surface or a [`Diffuser`] ([`Top`]), the glass
 //!   ([`Medium`]), the pixel ([`Base`]; a specular one is an [`AngularTable`]).
 //! - [`Layered`]: any layers in any order, each an [`Interface`] and the [`Medium`] below it.
-//! - [`Source`], [`Field`] and [`Cone`]: where light comes from and where it is looked at, as
-//!   directions alone; a source's spectrum and illuminance are the caller's. A field is cells or a formula ([`Radiance`]).
-//! - [`walk`]: unbiased Monte Carlo; the answer is, for each source, the reflectance factor
+//! - [`Source`], [`Field`] and [`Cone`]: directions of light and of the viewer; spectrum and illuminance of a
+//!   source are the caller's. A field consists of cells or of a formula ([`Radiance`]).
+//! - [`walk`]: unbiased Monte Carlo. The result is, for each source, the reflectance factor
 //!   under that source alone, by state and wavelength, and an energy ledger.
 //!
 //! Directions are [`Beta`](papilio_optics::Beta), direction cosines of propagation; radiance is
@@ -35,7 +35,7 @@
 //! walk.trace(&mut replicate, &Numbers::new(Sampler::Sobol, 0, 0), 1 << 14);
 //! let rho = &walk.estimate(&replicate).rho[0];
 //! // r + (1 - r)^2 0.5 / (1 - 0.5 r) with r = 0.04.
-//! assert!((rho.base[0] + rho.front[0] - 0.510204).abs() < 1e-3);
+//! assert!((rho.via_pixel[0] + rho.front[0] - 0.510204).abs() < 1e-3);
 //! ```
 //!
 //! **Limits.** Layers are parallel and uniform; light is unpolarised between them; a

@@ -1,5 +1,4 @@
-//! Where light comes from and where it is looked at, as directions alone: what a
-//! source's spectrum or illuminance is, transport need not know.
+//! Directions of light sources and of the viewer. Transport does not use a source's spectrum or illuminance.
 
 use std::f64::consts::PI;
 use std::sync::Arc;
@@ -9,21 +8,21 @@ use papilio_sampling::warp;
 
 use crate::Field;
 
-/// A light source far away, in air.
+/// A distant light source, in air.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Source {
     /// The same radiance from the whole hemisphere.
     Diffuse,
     /// A collimated beam whose light propagates with these direction cosines.
     Beam(Beta),
-    /// A round source of even radiance.
+    /// A round source of uniform radiance.
     Disc(Cone),
-    /// Light from all over the sky.
+    /// Light from the whole hemisphere, with a radiance for each direction.
     Field(Arc<Field>),
 }
 
 impl Source {
-    /// True if it has directions, each with a radiance.
+    /// Returns true if it has directions, each with a finite radiance.
     pub(crate) fn has_radiance(&self) -> bool {
         matches!(self, Self::Disc(_) | Self::Field(_))
     }
@@ -38,44 +37,47 @@ pub struct Cone {
 }
 
 impl Cone {
-    /// Around (theta, phi), degrees in a medium of this index, with this half-angle in degrees.
+    /// Returns the cone around (theta, phi), degrees in a medium of this index, with this half-angle in
+    /// degrees.
     pub fn new(theta_deg: f64, phi_deg: f64, half_angle_deg: f64, index: f64) -> Self {
         let (sin, cos) = (sine_of_inclination(theta_deg), theta_deg.to_radians().cos());
         let (sin_phi, cos_phi) = phi_deg.to_radians().sin_cos();
         Self { axis: [sin * cos_phi, sin * sin_phi, cos], half_angle: half_angle_deg.to_radians(), index }
     }
 
-    /// A direction of the cone, uniform in solid angle: the direction cosines of light that leaves towards it.
+    /// Samples a direction of the cone, uniform in solid angle; returns the direction cosines of light that
+    /// leaves towards it.
     #[inline(always)]
     pub fn sample_towards(&self, u: [f64; 2]) -> Beta {
         self.sampler()(u)
     }
 
-    /// The same of many, what they have in common found once.
+    /// Returns a sampler of many directions, with the common terms precomputed.
     #[inline(always)]
     pub(crate) fn sampler(&self) -> impl Fn([f64; 2]) -> Beta {
         let Self { axis, half_angle, index } = *self;
         let one_minus_cos = warp::one_minus_cos(half_angle);
         #[inline(always)]
         move |[u, v]| {
-            // On the axis itself where the cone has no width.
+            // On the axis itself if the cone has zero width.
             let [x, y, _] = warp::deflected(axis, one_minus_cos * u, v);
             Beta { x: index * x, y: index * y }
         }
     }
 
-    /// The cone in which a mirror shows this one.
+    /// Returns the mirror image of the cone.
     pub(crate) fn mirrored(&self) -> Self {
         let [x, y, z] = self.axis;
         Self { axis: [-x, -y, z], ..*self }
     }
 
-    /// Its half-angle, radians.
+    /// Returns its half-angle, radians.
     pub(crate) fn half_angle(&self) -> f64 {
         self.half_angle
     }
 
-    /// Two directions across its axis: outwards in its plane of incidence, and across that.
+    /// Returns two directions perpendicular to its axis: outwards in its plane of incidence, and
+    /// perpendicular to that.
     fn across(&self) -> [[f64; 3]; 2] {
         let [x, y, z] = self.axis;
         let sin = x.hypot(y);
@@ -83,19 +85,19 @@ impl Cone {
         [[z * cos_phi, z * sin_phi, -sin], [-sin_phi, cos_phi, 0.0]]
     }
 
-    /// What [`Self::around`] turns in: azimuths 0 and 90 deg, and the axis.
+    /// Returns the frame of [`Self::around`]: azimuths 0 and 90 deg, and the axis.
     pub(crate) fn frame(&self) -> [[f64; 3]; 3] {
         let [out, side] = self.across();
         [out, side, self.axis]
     }
 
-    /// True if its angles are those in the air.
+    /// Returns true if its angles are those in the air.
     pub(crate) fn is_in_air(&self) -> bool {
         self.index == 1.0
     }
 
-    /// The direction cosines of light that leaves at this angle from the axis, `turn` around
-    /// it from its plane of incidence (radians).
+    /// Returns the direction cosines of light that leaves at this angle from the axis, rotated by `turn`
+    /// around it from its plane of incidence (radians).
     pub(crate) fn around(&self, angle: f64, turn: f64) -> Beta {
         let [out, side] = self.across();
         let ((sin, cos), (sin_turn, cos_turn)) = (angle.sin_cos(), turn.sin_cos());
@@ -103,29 +105,29 @@ impl Cone {
         Beta { x: self.index * along(0), y: self.index * along(1) }
     }
 
-    /// The angle to another cone's axis, and the turn (as in [`Self::around`]) towards it.
+    /// Returns the angle to another cone's axis, and the rotation (as in [`Self::around`]) towards it.
     pub(crate) fn bearing(&self, other: &Self) -> (f64, f64) {
         let dot = |a: [f64; 3], b: [f64; 3]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
         let [out, side] = self.across().map(|axis| dot(axis, other.axis));
         (out.hypot(side).atan2(dot(self.axis, other.axis)), side.atan2(out))
     }
 
-    /// True if the other is this one turned about the normal.
+    /// Returns true if the other is this one rotated about the normal.
     pub(crate) fn is_turned(&self, other: &Self) -> bool {
         (self.axis[2], self.half_angle, self.index) == (other.axis[2], other.half_angle, other.index)
     }
 
-    /// True if it has no width.
+    /// Returns true if it has zero width.
     pub(crate) fn is_point(&self) -> bool {
         self.half_angle == 0.0
     }
 
-    /// Its solid angle.
+    /// Returns its solid angle.
     pub(crate) fn solid_angle(&self) -> f64 {
         1.0 / warp::uniform_cone_density(self.half_angle)
     }
 
-    /// The smallest cone that holds what two cones have in common; `None` if they have nothing.
+    /// Returns the smallest cone that contains the intersection of two cones; `None` if they are disjoint.
     pub(crate) fn overlap(&self, other: &Self) -> Option<Self> {
         let (small, large) = if self.half_angle <= other.half_angle { (self, other) } else { (other, self) };
         let (a, b) = (small.half_angle, large.half_angle);
@@ -138,8 +140,8 @@ impl Cone {
         if distance >= a + b {
             return None;
         }
-        // From the small axis towards the large one to the plane of the common chord: a
-        // right spherical triangle, cos a = cos t cos(half chord).
+        // From the small axis towards the large one to the plane of the common chord: a right spherical
+        // triangle, cos a = cos t cos(half chord).
         let t = (b.cos() - a.cos() * cos).atan2(a.cos() * sin);
         if distance <= b - a || t <= 0.0 {
             return Some(*small);
@@ -152,13 +154,13 @@ impl Cone {
         Some(Self { axis, half_angle, index: small.index })
     }
 
-    /// The direction cosines of its axis, of light that leaves towards it.
+    /// Returns the direction cosines of light that leaves towards its axis.
     pub fn axis_towards(&self) -> Beta {
         Beta { x: self.index * self.axis[0], y: self.index * self.axis[1] }
     }
 
-    /// True if light that leaves with `beta` goes to a point within the cone (a cone of
-    /// no width still holds its axis).
+    /// Returns true if light that leaves with `beta` goes to a point within the cone (a cone of zero width
+    /// contains its axis).
     #[inline]
     pub fn holds(&self, beta: Beta) -> bool {
         let z = (1.0 - beta.squared() / (self.index * self.index)).max(0.0).sqrt();
@@ -169,13 +171,13 @@ impl Cone {
         half_chord <= (0.5 * self.half_angle).sin() + 1e-12
     }
 
-    /// True if light that propagates with `beta` comes from within the cone.
+    /// Returns true if light that propagates with `beta` comes from within the cone.
     #[inline]
     pub(crate) fn sends(&self, beta: Beta) -> bool {
         self.holds(-beta)
     }
 
-    /// Density of [`Self::sample_towards`] over direction cosines at `beta`.
+    /// Returns the density of [`Self::sample_towards`] over direction cosines at `beta`.
     #[inline]
     pub(crate) fn density(&self, beta: Beta) -> f64 {
         let n_squared = self.index * self.index;
@@ -183,7 +185,8 @@ impl Cone {
         warp::uniform_cone_density(self.half_angle) / (n_squared * cosine)
     }
 
-    /// Its area in direction cosines (in air: the projected solid angle), for a cone above the horizon.
+    /// Returns its area in direction cosines (in air: the projected solid angle), for a cone above the
+    /// horizon.
     pub fn projected_solid_angle(&self) -> f64 {
         PI * self.half_angle.sin().powi(2) * self.axis[2] * self.index * self.index
     }
@@ -194,10 +197,10 @@ mod tests {
     use super::*;
     use papilio_sampling::{Numbers, Sampler};
 
-    /// Two roads to the projected solid angle: the closed form, and the mean of
-    /// 1/density over samples.
+    /// The projected solid angle, computed in two ways: the closed form, and the mean of 1/density over
+    /// samples.
     #[test]
-    fn area_of_a_source_in_direction_cosines() {
+    fn projected_solid_angle_equals_sampled_area() {
         for (theta_deg, radius_deg) in [(0.0, 0.27), (40.0, 5.0), (-70.0, 12.0)] {
             let cone = Cone::new(theta_deg, 30.0, radius_deg, 1.0);
             let numbers = Numbers::new(Sampler::Sobol, 0, 0);
@@ -216,9 +219,9 @@ mod tests {
         }
     }
 
-    /// Every point of both cones lies in their overlap, and a fair share of it in both.
+    /// Every common point of both cones lies in their overlap, and a good part of the overlap lies in both.
     #[test]
-    fn an_overlap_holds_what_is_common() {
+    fn overlap_contains_common_directions() {
         let cone = |theta, half| Cone::new(theta, 20.0, half, 1.0);
         let numbers = Numbers::new(Sampler::Sobol, 0, 0);
         for (distance, a, b) in
@@ -237,7 +240,7 @@ mod tests {
                 let of_overlap = overlap.sample_towards([u[2], u[3]]);
                 common[1] += i32::from(small.holds(of_overlap) && large.holds(of_overlap));
             }
-            // Two roads to the common solid angle.
+            // The common solid angle, computed in two ways.
             let [from_small, from_overlap] =
                 [(&small, common[0]), (&overlap, common[1])].map(|(c, n)| c.solid_angle() * f64::from(n));
             assert!(common[1] > 200, "{distance}: {common:?}");
@@ -248,7 +251,7 @@ mod tests {
     }
 
     #[test]
-    fn a_cone_sends_only_its_own_light() {
+    fn cone_sends_only_its_own_light() {
         let cone = Cone::new(-20.0, 0.0, 2.0, 1.0);
         assert!(cone.sends(Beta::from_source(-21.9, 0.0, 1.0)));
         assert!(!cone.sends(Beta::from_source(-22.1, 0.0, 1.0)));

@@ -1,5 +1,5 @@
-//! Products of matrices kept row after row: `faer`'s, in the widest registers that there are, on
-//! one thread.
+//! Products of matrices in row-major order, by `faer` with the widest SIMD registers available, on one
+//! thread.
 
 use faer::linalg::matmul::matmul;
 use faer::{Accum, MatMut, MatRef, Par};
@@ -33,7 +33,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn products_by_hand() {
+    fn products_equal_values_by_hand() {
         let (left, right) = ([1.0, 2.0, 3.0, 4.0, 5.0, 6.0], [1.0, 0.5, -1.0, 2.0, 0.0, 3.0]);
         let mut out = [10.0; 4];
         add_product(&left, &right, 3, &mut out);

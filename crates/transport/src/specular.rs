@@ -7,16 +7,16 @@ use crate::front::Flat;
 use crate::skeleton::{Ray, Skeleton};
 use crate::{Diffuser, Layered, Panel, Reflector, Stack, Top};
 
-/// What a mirror image holds, in parts of the source's own radiance.
+/// Radiance of a mirror image, relative to that of the source.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Image {
-    /// Mirrored before the base, the same in all states; shape `[wavelength]`.
+    /// Reflected before the base, the same in all states; shape `[wavelength]`.
     pub front: Vec<f64>,
-    /// By way of the base; shape `[state][wavelength]`.
+    /// Via the base; shape `[state][wavelength]`.
     pub base: Vec<f64>,
 }
 
-/// The specular reflectance of the whole display for light with these direction cosines,
+/// Returns the specular reflectance of the whole display for light with these direction cosines,
 /// `|beta| <= 1`: the luminance of its mirror image over its own.
 pub fn specular_image(stack: &Stack, beta: Beta) -> Image {
     match stack {
@@ -25,7 +25,7 @@ pub fn specular_image(stack: &Stack, beta: Beta) -> Image {
     }
 }
 
-/// [`specular_image`] of any layers: what their flat skeleton sends back.
+/// [`specular_image`] of general layers: the reflection of their specular skeleton.
 pub(crate) fn layered_image(stack: &Layered, beta: Beta) -> Image {
     let mut skeleton = Skeleton::new(stack);
     skeleton.set(stack, beta.squared());
@@ -61,13 +61,13 @@ pub(crate) fn panel_image(stack: &Panel, beta: Beta) -> Image {
     Image { front: (0..base.bins()).map(|bin| flat(bin).above).collect(), base: r }
 }
 
-/// All orders of a round trip that keeps this fraction of the light.
+/// Sums all orders of a round trip that preserves this fraction of the light.
 fn round_trip(stack: &Panel, share: f64) -> f64 {
     if stack.single_pass { 1.0 } else { 1.0 / (1.0 - share) }
 }
 
-/// All orders of `front from below, straight down, base, straight up`, as a factor on
-/// a beam that arrives at the diffuser; `r` is the base's reflectance of the beam.
+/// Sums all orders of the round trip front from below, unscattered down, base, unscattered up, as a factor
+/// on a beam that arrives at the diffuser; `r` is the reflectance of the base for the beam.
 pub(crate) fn round_trips(stack: &Panel, diffuser: &Diffuser, r: &[f64]) -> Vec<f64> {
     let bins = diffuser.transmittance.len();
     let one = |(k, r): (usize, &f64)| {
@@ -78,7 +78,7 @@ pub(crate) fn round_trips(stack: &Panel, diffuser: &Diffuser, r: &[f64]) -> Vec<
     r.iter().enumerate().map(one).collect()
 }
 
-/// Front and face of a bare panel as one flat part, at one angle.
+/// Front and surface of a bare panel as one flat part, at one angle.
 #[derive(Debug, Clone)]
 pub(crate) struct FlatTop {
     /// Shape `[wavelength]`, as in [`Flat`].
@@ -96,7 +96,7 @@ impl FlatTop {
         Flat { t: self.t[bin], above: self.above[bin], below: self.below[bin] }
     }
 
-    /// The stack's front and face at this angle.
+    /// Sets the values for the stack's front and surface at this angle.
     pub(crate) fn set(&mut self, stack: &Panel, beta_squared: f64) {
         let alike = !matches!(&stack.top, Top::Fresnel(index) if !index.is_constant());
         let first = face(stack, beta_squared, 0);
@@ -109,7 +109,7 @@ impl FlatTop {
     }
 }
 
-/// The face of a bare panel at one angle and wavelength.
+/// Returns the surface of a bare panel at one angle and wavelength.
 #[inline]
 fn face(stack: &Panel, beta_squared: f64, bin: usize) -> Flat {
     match &stack.top {

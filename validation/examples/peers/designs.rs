@@ -1,7 +1,7 @@
-//! The task `designs`: the reference pixel's film with other thicknesses and gaps, from its layers to the gamut.
+//! The task `designs`: the film of the reference pixel with other thicknesses and gaps, from its layers to the gamut.
 //!
-//! The bare film along the normal, as the peers have it; as the task `displays` the same designs as the pixels of
-//! scenarios/indoor.toml, through its diffuser and front.
+//! The task computes the bare film at normal incidence, as the peers do. The task `displays` computes the same designs as
+//! pixels of scenarios/indoor.toml, with its diffuser and front.
 
 use std::sync::atomic::AtomicBool;
 
@@ -15,23 +15,24 @@ use papilio_validation::scenario;
 
 use super::{GAPS_NM, INDEX, LAYERS, Numbers, grid, indices};
 
-/// How many: an even number of batches for whoever works in batches.
+/// Number of designs, a multiple of the batch sizes of programs that compute in batches.
 const DESIGNS: usize = 256;
-/// Of red, green and blue.
+/// Areas of red, green and blue.
 pub(super) const AREAS: [f64; 3] = [0.493, 0.381, 0.126];
-/// Which sub-pixels are on in red, green and blue.
+/// Sub-pixels that are on in the states red, green and blue.
 const PRIMARIES: [[f64; 3]; 3] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
-/// The other states, which are seen as well: white, black, cyan, magenta, yellow.
+/// Sub-pixels that are on in the other states, which are also computed: white, black, cyan, magenta, yellow.
 const OTHERS: [[f64; 3]; 5] =
     [[1.0, 1.0, 1.0], [0.0, 0.0, 0.0], [0.0, 1.0, 1.0], [1.0, 0.0, 1.0], [1.0, 1.0, 0.0]];
 
-/// Thicknesses of all layers (the gap's is not a number) and the four gaps.
+/// Thicknesses of all layers (NaN for the gap) and the four gaps.
 pub(super) struct Design {
     pub(super) layers_nm: [f64; LAYERS.len()],
     pub(super) gaps_nm: [f64; GAPS_NM.len()],
 }
 
-/// Spread evenly over .8 to 1.2 times the reference pixel's numbers (multiples of the golden ratio's powers).
+/// Returns all designs, spread uniformly over 0.8 to 1.2 times the values of the reference pixel (multiples of powers of
+/// the golden ratio).
 pub(super) fn all() -> impl Iterator<Item = Design> {
     (0..DESIGNS).map(|k| {
         let factor = |number: usize| {
@@ -44,7 +45,7 @@ pub(super) fn all() -> impl Iterator<Item = Design> {
     })
 }
 
-/// What the peers are given: shape `[design][gap][layer]`.
+/// Returns the thicknesses for the peers, shape `[design][gap][layer]`.
 pub(super) fn given() -> impl Iterator<Item = f64> {
     all().flat_map(|design| {
         design.gaps_nm.into_iter().flat_map(move |gap| {
@@ -53,7 +54,7 @@ pub(super) fn given() -> impl Iterator<Item = f64> {
     })
 }
 
-/// The gamut of each bare film.
+/// Returns the task that computes the gamut of each bare film.
 pub(super) fn bare() -> Result<impl FnMut() -> Numbers, Box<dyn std::error::Error>> {
     let (coarse, indices) = (grid(5.0)?, indices()?);
     let (observer, light) = (Observer::new(&coarse)?, illuminant("D65", &coarse)?);
@@ -90,10 +91,10 @@ pub(super) fn bare() -> Result<impl FnMut() -> Numbers, Box<dyn std::error::Erro
     })
 }
 
-/// The gamut of each design in the indoor scenario; all eight states' colours are found as well.
+/// Returns the task that computes the gamut of each design in the indoor scenario, and the colours of all eight states.
 pub(super) fn through_diffuser() -> Result<impl FnMut() -> Numbers, Box<dyn std::error::Error>> {
     let scene = scenario("indoor", &[])?.scene;
-    let Pixel::Film(film) = scene.display.pixel.clone() else { return Err("no film".into()) };
+    let Pixel::Film(film) = scene.display.pixel.clone() else { return Err("the pixel is not a film".into()) };
     let gamut = Quantity::Metric { view: 0, state: None, metric: Metric::gamut_percent_srgb };
     let lightness = film.states.iter().map(|state| Quantity::Metric {
         view: 0,
@@ -113,7 +114,7 @@ pub(super) fn through_diffuser() -> Result<impl FnMut() -> Numbers, Box<dyn std:
     })
 }
 
-/// The scenario's pixel with a design's thicknesses (its metal is opaque) and gaps.
+/// Returns the pixel of the scenario with the thicknesses (its metal is opaque) and gaps of a design.
 fn pixel(film: &FilmPixel, design: &Design) -> FilmPixel {
     let mut film = film.clone();
     for (layer, nm) in film.layers.iter_mut().zip(design.layers_nm) {

@@ -1,7 +1,7 @@
-//! Papilio's side of `cargo xtask peers`: the tasks, and what they take on one core.
+//! Papilio's part of `cargo xtask peers`: the tasks and their times on one core.
 //!
-//! `peers inputs` prints what all programs are given, as JSON; `peers TASK SECONDS` repeats a task for so long and prints the
-//! CPU seconds of one repetition on a line, the result's numbers on the next.
+//! `peers inputs` prints the input of all programs as JSON. `peers TASK SECONDS` repeats a task for this time and prints the
+//! CPU seconds of one repetition on one line and the numbers of the result on the next.
 
 #![allow(clippy::print_stdout, reason = "a program for the terminal")]
 
@@ -22,14 +22,14 @@ use papilio_validation::run_on;
 type Numbers = Result<Vec<f64>, Box<dyn Error>>;
 
 const INDEX: f64 = 1.5;
-/// The reference pixel from the glass down; on glass behind its metal.
+/// The layers of the reference pixel from the glass down; there is glass behind its metal.
 const LAYERS: [(&str, f64); 6] =
     [("Si3N4", 55.9), ("Cr:Johnson", 12.15), ("SiO2", 38.6), ("AlOx", 9.0), ("air", f64::NAN), ("Al", 200.0)];
 const GAPS_NM: [f64; 4] = [275.9, 192.3, 137.8, 20.0];
-/// In glass, to 36 degrees.
+/// Number of angles in glass, from 0 to 36 degrees.
 const ANGLES: usize = 19;
 const SPECTRA: usize = 1000;
-/// Of a matte layer under a pane.
+/// Reflectance of the matte layer under a pane.
 const SHADE: f64 = 0.6;
 
 fn main() -> Result<(), Box<dyn Error>> {
@@ -48,15 +48,15 @@ fn main() -> Result<(), Box<dyn Error>> {
     }
 }
 
-/// Repeats a task, at least once.
+/// Repeats a task, at least once, and prints its time and numbers.
 fn timed(seconds: &str, mut task: impl FnMut() -> Numbers) -> Result<(), Box<dyn Error>> {
     let seconds: f64 = seconds.parse()?;
     let numbers = task()?;
-    let (start, mut count) = (on_cpu()?, 0.0);
+    let (start, mut count) = (cpu_time()?, 0.0);
     let each = loop {
         task()?;
         count += 1.0;
-        let taken = on_cpu()? - start;
+        let taken = cpu_time()? - start;
         if taken >= seconds {
             break taken / count;
         }
@@ -66,12 +66,13 @@ fn timed(seconds: &str, mut task: impl FnMut() -> Numbers) -> Result<(), Box<dyn
     Ok(())
 }
 
-/// Seconds that all threads have had, by the kernel's account in hundredths; by the clock where there is none.
-fn on_cpu() -> Result<f64, Box<dyn Error>> {
+/// Returns the CPU time of all threads in seconds, as the kernel reports it in hundredths, or the clock time on systems
+/// that do not report it.
+fn cpu_time() -> Result<f64, Box<dyn Error>> {
     static START: LazyLock<Instant> = LazyLock::new(Instant::now);
     let start = START.elapsed().as_secs_f64();
     let Ok(text) = std::fs::read_to_string("/proc/self/stat") else { return Ok(start) };
-    // The name, in brackets, may hold blanks; user and system time are fields 14 and 15, it is field 2.
+    // Field 2 is the name in brackets, which may contain blanks; fields 14 and 15 are user and system time.
     let fields = text.rsplit(')').next().unwrap_or_default().split_whitespace();
     let hundredths = fields.skip(11).take(2).map(str::parse::<f64>).sum::<Result<f64, _>>()?;
     Ok(0.01 * hundredths)
@@ -85,7 +86,7 @@ fn wavelengths() -> Result<Vec<f64>, Box<dyn Error>> {
     Ok(grid(5.0)?.wavelengths_nm())
 }
 
-/// n + ik of each layer.
+/// Returns n + ik of each layer.
 fn indices() -> Result<Vec<Vec<Complex64>>, Box<dyn Error>> {
     let grid = grid(5.0)?;
     LAYERS.iter().map(|(name, _)| Ok(material(name)?.on(&grid)?)).collect()
@@ -111,7 +112,7 @@ fn angles_deg() -> impl Iterator<Item = f64> {
     (0..ANGLES).map(|k| 2.0 * k as f64)
 }
 
-/// Smooth reflectances, each with its own hue.
+/// Returns smooth reflectances of different hues.
 fn spectra() -> Vec<f64> {
     let one = |k: usize| {
         let (centre, width) = (400.0 + 360.0 * (k as f64 / SPECTRA as f64), 20.0 + (k % 7) as f64 * 15.0);
@@ -141,7 +142,7 @@ fn colours() -> Result<impl FnMut() -> Numbers, Box<dyn Error>> {
         let white = scaled(white);
         let all: Vec<Xyz> = spectra.chunks(grid.len()).map(|r| scaled(xyz(Some(r)))).collect();
         let labs: Option<Vec<_>> = all.iter().map(|c| c.lab(white)).collect();
-        let labs = labs.ok_or("a white without light")?;
+        let labs = labs.ok_or("the white point has no light")?;
         let mut out = Vec::with_capacity(9 * all.len());
         for (k, (c, lab)) in all.iter().zip(&labs).enumerate() {
             let uv = c.uv_prime().ok_or("black")?;
@@ -152,7 +153,8 @@ fn colours() -> Result<impl FnMut() -> Numbers, Box<dyn Error>> {
     })
 }
 
-/// Computes a display from its scene on, on one thread; reflectance factors of the state, by wavelength and Y.
+/// Returns the task that computes a display from its scene, on one thread: reflectance factors of the state by wavelength,
+/// and Y.
 fn displayed(scene: &Scene) -> impl FnMut() -> Numbers {
     || {
         let result = run_on(scene, Some(1))?;
@@ -162,7 +164,8 @@ fn displayed(scene: &Scene) -> impl FnMut() -> Numbers {
     }
 }
 
-/// A pane in air over a matte layer, seen along the normal in diffuse light: by reciprocity what returns of a beam from there.
+/// Returns a pane in air over a matte layer, viewed along the normal in diffuse light. By reciprocity, its reflectance
+/// factor is the reflected fraction of a beam at normal incidence.
 fn pane() -> Result<Scene, Box<dyn Error>> {
     let text = format!(
         "[[display.layers]]\nkind = \"fresnel\"\n[[display.layers]]\nkind = \"medium\"\nindex = {INDEX}\n\
@@ -174,7 +177,7 @@ fn pane() -> Result<Scene, Box<dyn Error>> {
     Ok(Scenario::from_text(&text, "pane.toml", &std::env::temp_dir(), &[])?.resolve()?.scene)
 }
 
-/// Paper under an anti-glare face: `kind` is `bands` (.1 % in every wavelength bin) or `luminous`.
+/// Returns paper under an anti-glare interface: `kind` is `bands` (0.1 % in every wavelength bin) or `luminous`.
 fn paper(kind: &str, light: &str, solver: &str) -> Result<Scene, Box<dyn Error>> {
     let (diffuse, lamp) = match light {
         "lamp" => ("0.0", "[[lighting.directed]]\ntheta_deg = -45\nradius_deg = 5\nshare = 1.0\n"),
@@ -196,7 +199,7 @@ fn paper(kind: &str, light: &str, solver: &str) -> Result<Scene, Box<dyn Error>>
     Ok(Scenario::from_text(&text, "paper.toml", folder.path(), &[])?.resolve()?.scene)
 }
 
-/// A paper that is a little yellow.
+/// Returns the reflectance of a slightly yellow paper.
 fn paper_white() -> impl Iterator<Item = f64> {
     (0..81).map(|bin| 0.3 + 0.4 * f64::from(bin) / 80.0)
 }

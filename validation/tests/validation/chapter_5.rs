@@ -1,15 +1,15 @@
-//! The qualitative truths of Feng 2012, chapter 5, on the reference pixel.
+//! The qualitative findings of Feng 2012, chapter 5, for the reference pixel.
 use papilio_display::result::RunResult;
 use papilio_display::scene::Layers;
-use papilio_validation::{run, state, walked};
+use papilio_validation::{monte_carlo_scenario, run, state};
 
 fn overcast(overrides: &[&str]) -> RunResult {
-    run(&walked("overcast", overrides).unwrap().scene).unwrap()
+    run(&monte_carlo_scenario("overcast", overrides).unwrap().scene).unwrap()
 }
 
-/// The same panel, bare: no diffuser, no front of screen.
+/// Runs the same panel bare: without diffuser and front of screen.
 fn bare(overrides: &[&str]) -> RunResult {
-    let scenario = walked("overcast", overrides).unwrap();
+    let scenario = monte_carlo_scenario("overcast", overrides).unwrap();
     let mut scene = scenario.scene;
     let Layers::Panel(panel) = &mut scene.display.layers else { panic!("an ordinary panel") };
     panel.diffuser = None;
@@ -26,10 +26,10 @@ fn contrast(result: &RunResult) -> f64 {
 }
 
 /// "Decreased reflectance, reduced color gamut, and shifted spectrum" (p. 65): near the
-/// normal the diffuser mixes in steeper rays, whose spectra lie to the blue. (Y of red
-/// rises all the same: its peak moves from the deep red to where the eye sees more.)
+/// normal, the diffuser adds rays of larger inclination, whose spectra are shifted to the blue. (Y of red
+/// nevertheless increases: its peak shifts from the deep red to wavelengths of higher luminous efficiency.)
 #[test]
-fn a_diffuser_lowers_reflectance_and_gamut_and_shifts_to_the_blue() {
+fn diffuser_lowers_reflectance_and_gamut_and_shifts_spectra_to_blue() {
     let (with, without) = (overcast(&["viewer.theta_deg=2"]), bare(&["viewer.theta_deg=2"]));
     assert!(gamut(&with) < gamut(&without) - 5.0, "{} {}", gamut(&with), gamut(&without));
     for name in ["white", "red", "green", "blue"] {
@@ -42,16 +42,16 @@ fn a_diffuser_lowers_reflectance_and_gamut_and_shifts_to_the_blue() {
     assert!(y(&with) < y(&without));
 }
 
-/// Wavelength and height of the largest value beyond 400 nm, on the default grid.
+/// Returns wavelength and height of the largest value above 400 nm, on the default grid.
 fn peak(factor: &[f64]) -> (usize, f64) {
     let beyond = factor.iter().enumerate().skip(4);
     let (bin, most) = beyond.fold((0, 0.0), |best, (bin, r)| if *r > best.1 { (bin, *r) } else { best });
     (380 + 5 * bin, most)
 }
 
-/// Front reflection adds the light's own white to every state.
+/// Front reflection adds the white of the light to every state.
 #[test]
-fn contrast_and_gamut_fall_with_front_reflection() {
+fn contrast_and_gamut_decrease_with_front_reflection() {
     let results: Vec<RunResult> = ["0", "0.005", "0.01", "0.02", "0.04"]
         .iter()
         .map(|r| {
@@ -64,39 +64,40 @@ fn contrast_and_gamut_fall_with_front_reflection() {
     }
 }
 
-/// Gamut falls with the viewing angle, faster on the bare panel (fig. 5.8). The figure's
-/// bare panel can only have angles in glass; with angles in air the bare gamut falls by 3 %
+/// Gamut decreases with the viewing angle, and faster for the bare panel (fig. 5.8). The
+/// bare panel of the figure can only have angles in glass; with angles in air, the bare gamut decreases by 3 %
 /// from 8 to 20 deg, less than the diffused one.
 #[test]
-fn gamut_falls_with_the_viewing_angle() {
+fn gamut_decreases_with_viewing_angle() {
     let falls = |at: &dyn Fn(&[&str]) -> RunResult| {
         gamut(&at(&["viewer.theta_deg=8"])) / gamut(&at(&["viewer.theta_deg=20"]))
     };
-    let in_glass = |overrides: &[&str]| run(&walked("reference-pixel", overrides).unwrap().scene).unwrap();
+    let in_glass =
+        |overrides: &[&str]| run(&monte_carlo_scenario("reference-pixel", overrides).unwrap().scene).unwrap();
     let (diffused, bare_in_air, bare_in_glass) = (falls(&overcast), falls(&bare), falls(&in_glass));
     assert!(bare_in_air > 1.0 && diffused > bare_in_air, "{diffused} {bare_in_air}");
     assert!(bare_in_glass > diffused, "{bare_in_glass} {diffused}");
 }
 
-/// Each part of Y by light is there, and they sum to Y (eq. 3-1).
+/// Y has a term for each source, and the terms sum to Y (eq. 3-1).
 #[test]
-fn parts_of_y_sum_to_y() {
-    let result = run(&walked("indoor", &[]).unwrap().scene).unwrap();
+fn terms_of_y_sum_to_y() {
+    let result = run(&monte_carlo_scenario("indoor", &[]).unwrap().scene).unwrap();
     for (name, state) in result.views[0].states.iter() {
         let terms = &state.value.terms;
         let sum = terms.diffuse + terms.directed.iter().sum::<f64>() + terms.front_reflection;
         assert!((sum - state.value.Y).abs() < 1e-12, "{name}");
-        // Half of the light is diffuse, and the front mirrors .5 % of that.
+        // Half of the light is diffuse, and the front reflects 0.5 % of it.
         assert!((terms.front_reflection - 0.0025).abs() < 1e-6, "{name}: {}", terms.front_reflection);
         assert!(terms.diffuse > 0.0 && terms.directed[0] > 0.0);
     }
 }
 
-/// The books of a view close for every state, and sum to one.
+/// The energy balance of each state of a view sums to one.
 #[test]
-fn ledgers_close() {
+fn energy_balances_sum_to_one() {
     for name in ["indoor", "overcast", "epaper", "table-pixel", "own-material"] {
-        let result = run(&walked(name, &[]).unwrap().scene).unwrap();
+        let result = run(&monte_carlo_scenario(name, &[]).unwrap().scene).unwrap();
         for view in &result.views {
             for (state, ledger) in view.ledger.iter() {
                 let a = &ledger.absorbed;

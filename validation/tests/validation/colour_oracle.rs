@@ -1,4 +1,4 @@
-//! Surfaces and colour differences as colour-science 0.4.7 computes them
+//! Comparison of colours and colour differences with colour-science 0.4.7
 //! (`validation/colour/colour_oracle.py` and `tables_oracle.py` make the tables).
 
 use papilio_colour::{
@@ -7,7 +7,7 @@ use papilio_colour::{
 };
 use papilio_spectra::{Grid, Spectrum, illuminant, illuminant_names};
 
-/// The rows of a table of ours, as text.
+/// Returns the rows of a table, as texts.
 fn rows(table: &str) -> impl Iterator<Item = Vec<&str>> {
     table.lines().skip(1).map(|line| line.split(',').collect())
 }
@@ -16,8 +16,8 @@ fn numbers(cells: &[&str]) -> Vec<f64> {
     cells.iter().map(|cell| cell.parse().unwrap()).collect()
 }
 
-/// In X, Y, Z and u'v'. Equal energy needs no table. colour-science interpolates
-/// tables at 5 nm with two decimals for the LEDs; ours are the CIE's own at 1 nm.
+/// Returns the tolerance in X, Y, Z and u'v'. Equal energy needs no table. For the LEDs, colour-science interpolates
+/// tables at 5 nm with two decimals; ours are those of the CIE at 1 nm.
 fn tolerance(light: &str) -> f64 {
     match light {
         "E" => 1e-9,
@@ -27,7 +27,7 @@ fn tolerance(light: &str) -> f64 {
 }
 
 #[test]
-fn surfaces_look_as_colour_science_sees_them() {
+fn colours_of_surfaces_agree_with_colour_science() {
     let grid = Grid::new(380.0, 780.0, 1.0).unwrap();
     let observer = Observer::new(&grid).unwrap();
     let large_field = Observer::of(Standard::Cie1964, &grid).unwrap();
@@ -47,7 +47,7 @@ fn surfaces_look_as_colour_science_sees_them() {
         let ours: Vec<f64> = ours.into_iter().chain(seen_10.to_array()).collect();
         assert_eq!(ours.len(), v.len() - 4);
         for (column, (ours, theirs)) in ours.iter().zip(&v[4..]).enumerate() {
-            // L*, a*, b*, u* and v* run to 100 and beyond where the others run to 1.
+            // L*, a*, b*, u* and v* reach 100 and more, the others 1.
             let tolerance = tolerance(row[0]) * if (5..10).contains(&column) { 100.0 } else { 1.0 };
             assert!((ours - theirs).abs() < tolerance, "{row:?}, column {column}: {ours}");
         }
@@ -56,14 +56,14 @@ fn surfaces_look_as_colour_science_sees_them() {
     assert_eq!(count, 48);
 }
 
-/// Every illuminant's x and y as colour-science finds them on a straight line between the table's points, and within 3e-4 of the
-/// published ones, which sum the bands of 5 nm.
+/// x and y of every illuminant agree with colour-science, with linear interpolation of the table, and to 3e-4 with the
+/// published values, which are sums over bands of 5 nm.
 #[test]
-fn illuminants_look_as_colour_science_sees_them() {
+fn chromaticities_of_illuminants_agree_with_colour_science() {
     let grid = Grid::new(380.0, 780.0, 1.0).unwrap();
     let observer = Observer::new(&grid).unwrap();
     let all: Vec<_> = rows(include_str!("../../colour/lamps.csv")).collect();
-    // E has no table.
+    // Illuminant E has no table.
     assert_eq!(all.len() + 1, illuminant_names().len());
     for row in all {
         let seen = observer.xyz(&illuminant(row[0], &grid).unwrap()).chromaticity().unwrap();
@@ -77,7 +77,7 @@ fn illuminants_look_as_colour_science_sees_them() {
 }
 
 #[test]
-fn differences_are_those_of_colour_science() {
+fn colour_differences_agree_with_colour_science() {
     for row in rows(include_str!("../../colour/differences.csv")) {
         let v = numbers(&row);
         let (one, two) = (Lab { l: v[0], a: v[1], b: v[2] }, Lab { l: v[3], a: v[4], b: v[5] });
@@ -86,7 +86,7 @@ fn differences_are_those_of_colour_science() {
 }
 
 #[test]
-fn states_look_in_a_room_as_colour_science_says() {
+fn appearance_agrees_with_colour_science() {
     for row in rows(include_str!("../../colour/appearance.csv")) {
         let (before, after) = (numbers(&row[..8]), numbers(&row[9..]));
         let xyz = |k: usize| Xyz { x: before[k], y: before[k + 1], z: before[k + 2] };
@@ -105,7 +105,7 @@ fn states_look_in_a_room_as_colour_science_says() {
 }
 
 #[test]
-fn gamuts_are_as_large_and_cover_as_much() {
+fn gamut_areas_coverages_and_volumes_agree_with_oracle() {
     for row in rows(include_str!("../../colour/gamuts.csv")) {
         let v = numbers(&row[1..]);
         let corner = |on: usize| Xyz { x: v[3 * on], y: v[3 * on + 1], z: v[3 * on + 2] };
@@ -116,7 +116,7 @@ fn gamuts_are_as_large_and_cover_as_much() {
         for (reference, theirs) in references.into_iter().zip(v[24..32].chunks(2)) {
             let ours = [gamut_percent(primaries, reference), coverage_percent(primaries, reference)];
             for (ours, theirs) in ours.iter().zip(theirs) {
-                // What half-planes of 1e-12 leave of an area of .06, in %.
+                // Error of half-planes shifted by 1e-12, relative to an area of 0.06, in %.
                 assert!((ours - theirs).abs() < 1e-7, "{} {reference:?}: {ours} {theirs}", row[0]);
             }
         }
@@ -127,9 +127,9 @@ fn gamuts_are_as_large_and_cover_as_much() {
     }
 }
 
-/// Ours have five decimals, and blue is what red and green leave.
+/// Ours have five decimals, and blue is one minus red and green.
 #[test]
-fn primaries_are_those_of_colour_science() {
+fn primaries_agree_with_colour_science() {
     let [red, green, blue] = papilio_spectra::srgb_primaries(&Grid::new(380.0, 780.0, 5.0).unwrap()).unwrap();
     let all: Vec<_> = rows(include_str!("../../colour/primaries.csv")).collect();
     assert_eq!(all.len(), 81);

@@ -1,13 +1,13 @@
-//! Table 5.1 of Feng 2012 follows from its own X, Y, Z.
+//! The derived numbers in table 5.1 of Feng 2012 follow from its X, Y, Z.
 //!
-//! The tolerance is not chosen: each derived number is computed at the eight
-//! corners of the box that rounding leaves around X, Y, Z, and the printed one must lie
-//! within what they span, give or take half of its own last digit.
+//! The tolerance follows from the rounding of X, Y, Z, which leaves a box of possible values. Each derived number is
+//! computed at the eight corners of this box. The printed number must lie within their range, extended by half a unit
+//! of its last digit.
 
 use papilio_colour::{D65_UV, D65_WHITE, GamutReference, LUMENS_PER_WATT, UvPrime, Xyz, gamut_percent};
 use papilio_validation::table_5_1::{Column, GAMUT_PERCENT, TABLE_5_1, half_digit};
 
-/// The corners of the box that rounding leaves around a colour.
+/// Returns the corners of the box of colours that are rounded to `xyz`.
 fn corners(xyz: Xyz) -> Vec<Xyz> {
     let moved = |value: f64, up: bool| value + if up { half_digit(value) } else { -half_digit(value) };
     (0..8)
@@ -19,7 +19,7 @@ fn corners(xyz: Xyz) -> Vec<Xyz> {
         .collect()
 }
 
-/// `printed` lies within what `metric` spans over the rounding of `xyz`, itself rounded.
+/// Checks that `printed` is within the rounded range of `metric` over the box around `xyz`.
 fn follows(column: &Column, row: &str, printed: f64, metric: impl Fn(Xyz) -> f64) {
     let values: Vec<f64> = corners(column.xyz).into_iter().map(metric).collect();
     let low = values.iter().copied().fold(f64::INFINITY, f64::min) - half_digit(printed);
@@ -27,7 +27,7 @@ fn follows(column: &Column, row: &str, printed: f64, metric: impl Fn(Xyz) -> f64
     assert!((low..=high).contains(&printed), "{} {row}: {printed}, from XYZ {low} to {high}", column.name);
 }
 
-/// `computed` is the printed number within the tolerance that the rounding of X, Y, Z allows.
+/// Checks that `computed` agrees with the printed number within the tolerance from the rounding of X, Y, Z.
 fn close(column: &Column, row: &str, printed: f64, computed: f64, tolerance: f64) {
     assert!((printed - computed).abs() <= tolerance, "{} {row}: {printed}, computed {computed}", column.name);
 }
@@ -37,7 +37,7 @@ fn uv(xyz: Xyz) -> UvPrime {
 }
 
 #[test]
-fn chromaticities_follow() {
+fn chromaticities_follow_from_xyz() {
     for column in &TABLE_5_1 {
         follows(column, "x", column.chromaticity[0], |c| c.chromaticity().unwrap().x);
         follows(column, "y", column.chromaticity[1], |c| c.chromaticity().unwrap().y);
@@ -51,7 +51,7 @@ fn chromaticities_follow() {
 }
 
 #[test]
-fn lab_follows_against_d65() {
+fn lab_follows_from_xyz_with_white_d65() {
     for column in &TABLE_5_1 {
         let lab = |c: Xyz| c.lab(D65_WHITE).unwrap();
         follows(column, "L*", column.lab[0], |c| lab(c).l);
@@ -63,7 +63,7 @@ fn lab_follows_against_d65() {
 }
 
 #[test]
-fn luminance_and_contrast_follow() {
+fn luminance_and_contrast_follow_from_y() {
     let black = TABLE_5_1[1].xyz.y;
     for column in &TABLE_5_1 {
         follows(column, "Ynits", column.nits, |c| LUMENS_PER_WATT * c.y);
@@ -76,7 +76,7 @@ fn luminance_and_contrast_follow() {
 }
 
 #[test]
-fn rgb_rows_are_the_linear_matrix_on_the_chromaticity() {
+fn rgb_rows_are_linear_matrix_of_chromaticity() {
     for column in &TABLE_5_1 {
         let computed = column.xyz.hue_rgb().unwrap();
         for (row, (printed, computed)) in ["R", "G", "B"].iter().zip(column.rgb.into_iter().zip(computed)) {
@@ -85,9 +85,9 @@ fn rgb_rows_are_the_linear_matrix_on_the_chromaticity() {
     }
 }
 
-/// 33.67 % of sRGB, 33.34 % of EBU: rounding cannot tell which of them the printed 33.4 is.
+/// 33.67 % of sRGB, 33.34 % of EBU: with the rounding, the printed 33.4 can be either.
 #[test]
-fn gamut_follows_against_srgb_and_ebu_alike() {
+fn gamut_agrees_with_both_srgb_and_ebu() {
     let [_, _, red, green, blue] = TABLE_5_1.map(|column| column.xyz);
     for (reference, expected) in [(GamutReference::Srgb, 33.67), (GamutReference::Ebu, 33.34)] {
         let percent = |r, g, b| gamut_percent([uv(r), uv(g), uv(b)], reference);
@@ -105,9 +105,9 @@ fn gamut_follows_against_srgb_and_ebu_alike() {
 }
 
 /// A front surface of reflectance R in diffuse light, to first order:
-/// `X' = (1 - R)^2 X + R X_D65`. Contrast and gamut (of sRGB) fall.
+/// `X' = (1 - R)^2 X + R X_D65`. Contrast and gamut (of sRGB) decrease.
 #[test]
-fn front_reflection_washes_out_contrast_and_gamut() {
+fn front_reflection_lowers_contrast_and_gamut() {
     let expected =
         [(0.0, 23.96, 33.7), (0.5, 16.31, 27.2), (1.0, 12.42, 22.4), (2.0, 8.50, 15.9), (4.0, 5.33, 9.1)];
     for (percent, contrast, gamut) in expected {

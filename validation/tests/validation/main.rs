@@ -1,11 +1,11 @@
-//! Published numbers, other programs, and the two solvers against each other.
+//! Comparisons with published numbers, with other programs, and between the two solvers.
 
 #![allow(
     clippy::expect_used,
     clippy::panic,
     clippy::print_stdout,
     clippy::unwrap_used,
-    reason = "helpers of tests, too, say what they expect by unwrapping"
+    reason = "helpers of tests state their expectations by unwrapping"
 )]
 
 mod chapter_5;
@@ -13,9 +13,9 @@ mod colour_oracle;
 mod colour_table_5_1;
 mod measured;
 mod measured_pixel;
+mod numerical_integration;
 mod optimize;
 mod random_scenarios;
 mod reference_pixel;
-mod second_road;
 mod table_5_3;
 mod two_solvers;

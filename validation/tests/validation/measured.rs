@@ -1,13 +1,12 @@
-//! From the goniometer to the display and back to the truth: a diffuser that is known exactly is measured by a virtual
-//! instrument, written to a file, read from it into a display, and the display is that of the
-//! diffuser itself.
+//! Round trip of a measured diffuser: a simulated instrument measures a known diffuser, and writes a file. A display with
+//! this file must have the same metrics as a display with the diffuser itself.
 //!
-//! A file taken in air ends at |beta| = 1; the lobe goes on into the glass, 1 < |beta| < n, and some of that light comes back:
-//! .2 to .5 % of the darkest state. `extrapolate = "glass"` follows its tail there.
+//! A measurement in air ends at |beta| = 1. The lobe continues in the glass, 1 < |beta| < n, and some of this light
+//! returns: 0.2 to 0.5 % of the darkest state. `extrapolate = "glass"` extrapolates the tail there.
 //!
-//! Samples: the synthetic diffusers of haze 65, 78 and 81 %, total transmittance .90, over the reference film pixel
-//! (scenarios/indoor.toml: half of the light diffuse, half from -20 deg, viewer at 8 deg). The instrument is the
-//! dissertation's (Feng 2012, section 3.3), without blur and noise.
+//! Samples: the synthetic diffusers of haze 65, 78 and 81 %, total transmittance 0.90, over the reference film pixel
+//! (scenarios/indoor.toml: half of the light diffuse, half from -20 deg, viewer at 8 deg). The instrument is that of the
+//! dissertation (Feng 2012, section 3.3), without blur and noise.
 use std::fs::File;
 use std::path::{Path, PathBuf};
 
@@ -17,7 +16,7 @@ use papilio_goniometry::{Audit, Channel, Instrument, SyntheticSample};
 use papilio_scenario::Scenario;
 use papilio_validation::{run, scenario};
 
-/// The outer two by day, all three where there is time.
+/// Returns the smallest and the largest haze, or all three in the long tests.
 fn hazes() -> &'static [f64] {
     if std::env::var_os("PAPILIO_STACKS").is_some() { &[0.65, 0.78, 0.81] } else { &[0.65, 0.81] }
 }
@@ -26,16 +25,16 @@ fn shipped(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenarios").join(name)
 }
 
-/// Enough wavelengths: what differs is the same for all.
+/// A coarse wavelength grid suffices: the differences are the same at all wavelengths.
 const COARSE: &str = "spectrum.step_nm=20";
 
-/// The reference display under the sample itself.
+/// Runs the reference display with the sample itself.
 fn truth(haze: f64, glass: &str) -> RunResult {
     let haze = format!("display.diffuser.haze={haze}");
     run(&scenario("indoor", &[&haze, glass, ADDING, COARSE]).unwrap().scene).unwrap()
 }
 
-/// The reference display under the file of a measurement.
+/// Runs the reference display with the file of a measurement.
 fn under(path: &Path, sets: &[&str]) -> RunResult {
     let text = std::fs::read_to_string(shipped("indoor.toml")).unwrap();
     let (before, rest) = text.split_once("[display.diffuser]").unwrap();
@@ -50,7 +49,7 @@ fn under(path: &Path, sets: &[&str]) -> RunResult {
     run(&scenario.resolve().unwrap().scene).unwrap()
 }
 
-/// Measures a sample at radial distances of this step, into a file; the error that its audit predicts.
+/// Measures a sample at radial distances of this step and writes a file. Returns the error that the audit predicts.
 fn measured(haze: f64, radial_deg: f64, path: &Path) -> f64 {
     let mut instrument = Instrument::imaging_sphere();
     instrument.channels = vec![Channel::Monochrome];
@@ -67,7 +66,7 @@ fn measured(haze: f64, radial_deg: f64, path: &Path) -> f64 {
     Audit::of(&read.value.parts[0], 0).unwrap().grid_error()
 }
 
-/// The largest relative difference of any metric of any state, and that of the gamut in points.
+/// Returns the largest relative difference of any metric of any state, and the difference of the gamut in points.
 fn differences(found: &RunResult, truth: &RunResult) -> (f64, f64) {
     let [found, truth] = [found, truth].map(|result| &result.views[0]);
     let mut largest = 0.0_f64;
@@ -103,7 +102,7 @@ const GLASS: &str = "display.glass.index=1.5";
 const ADDING: &str = "solver.relative_error=1e-4";
 
 #[test]
-fn on_half_a_degree_a_measured_diffuser_is_the_diffuser() {
+fn measurement_in_half_degree_steps_reproduces_diffuser() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("sample.bsdf");
     for &haze in hazes() {
@@ -116,9 +115,9 @@ fn on_half_a_degree_a_measured_diffuser_is_the_diffuser() {
     }
 }
 
-/// Light crosses a diffuser twice: so does the error that the audit predicts.
+/// Light passes a diffuser twice, so that the error is twice that predicted by the audit.
 #[test]
-fn on_the_real_grid_the_audit_predicts_the_error() {
+fn audit_predicts_error_of_real_grid() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("sample.bsdf");
     for &haze in hazes() {
@@ -126,7 +125,7 @@ fn on_the_real_grid_the_audit_predicts_the_error() {
         println!("haze {haze}, predicted {:.3} %", 100.0 * predicted);
         for glass in [AIR, GLASS] {
             let (relative, points) = differences(&under(&path, &[glass, ADDING]), &truth(haze, glass));
-            // Both solutions have their own error besides.
+            // In addition, both solutions have errors of their own.
             assert!(
                 relative < 2.0 * predicted + 2e-4 && points < 0.2,
                 "{haze}, {glass}: {relative} of {predicted}, {points}"
@@ -136,7 +135,7 @@ fn on_the_real_grid_the_audit_predicts_the_error() {
 }
 
 #[test]
-fn the_walk_finds_the_same_display() {
+fn both_solvers_agree_on_measured_diffuser() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("sample.bsdf");
     measured(0.78, 2.0, &path);
@@ -149,7 +148,7 @@ fn the_walk_finds_the_same_display() {
         for ((walk, adding), (standard_error, discretisation)) in pairs.zip(errors) {
             let z = (walk - adding) / standard_error.hypot(discretisation);
             println!("{name}: {walk:.5} {adding:.5} {z:.2}");
-            // 24 numbers, much alike: Student's t of 31 degrees of freedom exceeds 4.5 once in 10^4.
+            // 24 correlated numbers: Student's t with 31 degrees of freedom exceeds 4.5 with a probability of 1e-4.
             assert!(z.abs() < 4.5, "{name}: {walk} {adding} {z}");
         }
     }

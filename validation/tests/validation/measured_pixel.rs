@@ -1,10 +1,10 @@
-//! A pixel that scatters by its measured BRDF, in everything that a display is asked for.
+//! Displays whose pixel has a measured BRDF.
 use std::sync::atomic::AtomicBool;
 
 use papilio_display::pixel::scan;
 use papilio_display::scene::{Layers, Pixel, Scene};
 use papilio_display::{BrdfGrid, ConeGrid, Control, DisplayError, brdf, cone};
-use papilio_validation::{run, scenario, state, walked};
+use papilio_validation::{monte_carlo_scenario, run, scenario, state};
 
 fn paper() -> Scene {
     scenario("epaper-measured", &["spectrum.step_nm=20"]).unwrap().scene
@@ -15,19 +15,20 @@ fn quietly<T>(ask: impl Fn(&Control<'_>) -> T) -> T {
 }
 
 #[test]
-fn both_solvers_agree() {
+fn both_solvers_agree_on_measured_pixel() {
     let adding = run(&paper()).unwrap();
     let sets = ["spectrum.step_nm=20", "solver.relative_error=0.002"];
-    let walk = run(&walked("epaper-measured", &sets).unwrap().scene).unwrap();
+    let monte_carlo = run(&monte_carlo_scenario("epaper-measured", &sets).unwrap().scene).unwrap();
     for name in ["white", "black"] {
-        let [adding, walk] = [&adding, &walk].map(|result| state(result, name).unwrap());
-        let z = (walk.value.Y - adding.value.Y) / walk.standard_error.Y.hypot(1e-3 * adding.value.Y);
-        assert!(z.abs() < 4.0, "{name}: {} {} {z}", walk.value.Y, adding.value.Y);
+        let [adding, monte_carlo] = [&adding, &monte_carlo].map(|result| state(result, name).unwrap());
+        let z = (monte_carlo.value.Y - adding.value.Y)
+            / monte_carlo.standard_error.Y.hypot(1e-3 * adding.value.Y);
+        assert!(z.abs() < 4.0, "{name}: {} {} {z}", monte_carlo.value.Y, adding.value.Y);
     }
 }
 
 #[test]
-fn the_cone_sees_what_a_run_sees() {
+fn conoscopic_map_agrees_with_run() {
     let scene = paper();
     let run = run(&scene).unwrap();
     let grid = ConeGrid { theta_deg: vec![0.0, 8.0, 40.0], phi_deg: vec![0.0, 180.0] };
@@ -36,13 +37,13 @@ fn the_cone_sees_what_a_run_sees() {
         let once = state(&run, name).unwrap().value.Y;
         let seen = |theta, phi| cone.view(theta, phi).unwrap().states[number].reflectance_factor_y;
         assert!((seen(1, 0) / once - 1.0).abs() < 2e-3, "{name}: {} {once}", seen(1, 0));
-        // The lamp stands at -45 deg: its gloss is on the other side.
+        // The source is at -45 deg: its gloss is on the opposite side.
         assert!(seen(2, 0) > 1.02 * seen(2, 1), "{name}: {} {}", seen(2, 0), seen(2, 1));
     }
 }
 
 #[test]
-fn its_display_has_a_reciprocal_brdf() {
+fn brdf_of_display_is_reciprocal() {
     let scene = paper();
     let table = quietly(|control| brdf(&scene, BrdfGrid::even(15.0), control)).unwrap();
     let (grid, bins) = (&table.grid, table.wavelength_nm.len());
@@ -57,7 +58,7 @@ fn its_display_has_a_reciprocal_brdf() {
 }
 
 #[test]
-fn what_has_no_answer_is_refused() {
+fn undefined_results_are_refused() {
     let mut scene = paper();
     assert_eq!(scan(&scene, &[0.0]), Err(DisplayError::ScanOfScattering));
     assert!(matches!(scene.display.pixel, Pixel::Scattering(_)));

@@ -1,9 +1,11 @@
-//! The search for better designs, held to what is known of the reference pixel and to a global method.
+//! The search for better designs, compared with known designs of the reference pixel and with a global method.
 use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
-use papilio_design::search::{Chosen, Course, FEASIBLE, Found, Kept, Record, Search};
+use papilio_design::search::{
+    FEASIBLE, Record, Search, SearchRecords, SearchResult, SearchSchedule, SelectedDesign,
+};
 use papilio_design::{DesignError, Evaluator, Study};
 use papilio_display::scene::{Method, Stop};
 use papilio_scenario::Optimisation;
@@ -11,32 +13,32 @@ use papilio_validation::{run, scenario};
 
 static STOP: AtomicBool = AtomicBool::new(false);
 
-/// The search of scenarios/optimize.toml, with changes.
-fn search(overrides: &[String]) -> (Arc<Search>, Vec<Found>, Chosen) {
+/// Runs the search of scenarios/optimize.toml, with changes.
+fn search(overrides: &[String]) -> (Arc<Search>, Vec<SearchResult>, SelectedDesign) {
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenarios/optimize.toml");
     let said = Optimisation::load(&file, overrides).unwrap();
     let mut evaluator = Evaluator::new(Arc::new(Study::of(&said)), &STOP);
     let search = Arc::new(Search::new(said, &mut evaluator).unwrap());
-    let mut tell = |_: &Record, _: (usize, usize)| Ok::<(), DesignError>(());
-    let mut course = Course::new(Arc::clone(&search), Kept::default(), 2);
-    course.run(&evaluator, 2, &mut tell).unwrap();
-    let found = course.found();
-    let best = search.chosen(&found, &mut evaluator).unwrap().remove(0);
+    let mut on_record = |_: &Record, _: (usize, usize)| Ok::<(), DesignError>(());
+    let mut schedule = SearchSchedule::new(Arc::clone(&search), SearchRecords::default(), 2);
+    schedule.run(&evaluator, 2, &mut on_record).unwrap();
+    let found = schedule.results();
+    let best = search.selected(&found, &mut evaluator).unwrap().remove(0);
     (search, found, best)
 }
 
-/// Enough to find it, from the scenario's own design.
+/// Sufficient effort to find the better pixel, starting with the design of the scenario.
 const FEW: [&str; 2] = ["optimize.starts=3", "optimize.evaluations=900"];
 
-/// Gamut, luminous reflectance factor of white, contrast.
-fn worth(chosen: &Chosen) -> [f64; 3] {
+/// Returns gamut, luminous reflectance factor of white, and contrast.
+fn worth(chosen: &SelectedDesign) -> [f64; 3] {
     [0, 1, 2].map(|at| chosen.values[at].unwrap())
 }
 
-/// From a plain stack without the matching layer, a pixel whose gamut through H78 indoors is 3 points and more above the reference
-/// pixel's, at no less reflectance and contrast; and the walk agrees.
+/// From a stack without the matching layer, the search finds a pixel whose gamut with H78 indoors is at least 3 points
+/// above that of the reference pixel, without loss of reflectance and contrast. The Monte Carlo solver agrees.
 #[test]
-fn a_better_pixel_than_the_reference_is_found() {
+fn search_finds_better_pixel_than_reference() {
     let reference = run(&scenario("indoor", &[]).unwrap().scene).unwrap();
     let view = &reference.views[0];
     let white = view.states.get("white").unwrap().value.Y;
@@ -55,11 +57,11 @@ fn a_better_pixel_than_the_reference_is_found() {
     let mut scene = study.conditions[0].varied.scenario(&values).unwrap().resolve().unwrap().scene;
     scene.solver.method = Method::Walk;
     scene.solver.stop = Stop::RelativeError { target: 0.002, every_bin: false };
-    let walked = run(&scene).unwrap();
+    let result = run(&scene).unwrap();
     for (asked, adding) in study.quantities.iter().zip(worth(&best)) {
-        let walk = asked.quantity.of(&walked).unwrap();
-        let error = asked.quantity.standard_error(&walked).unwrap();
-        // Four sigma, and what adding's levels differ by.
+        let walk = asked.quantity.of(&result).unwrap();
+        let error = asked.quantity.standard_error(&result).unwrap();
+        // Four standard errors, and the difference between adding's levels.
         assert!(
             (walk - adding).abs() < 4.0 * error + 1e-3 * adding,
             "{}: {walk} ({error}), {adding}",
@@ -68,28 +70,29 @@ fn a_better_pixel_than_the_reference_is_found() {
     }
 }
 
-/// What the best of many searches by derivatives has found (60 starts of two seeds, of which 18 end there), and a population of 125 300
-/// designs.
+/// The largest gamut found by many gradient searches (60 starts of two seeds, of which 18 end there) and by a population
+/// of 125 300 designs.
 const BEST_GAMUT: f64 = 35.518;
 
-/// Seeds that a search is begun with: `PAPILIO_SEARCH_SEEDS`, and then a population of 100 times the evaluations is held to it, too.
+/// Returns the number of seeds, and whether populations with 100 times the evaluations are compared as well, which is the
+/// case if `PAPILIO_SEARCH_SEEDS` is set.
 fn seeds() -> (u64, bool) {
     let seeds = std::env::var("PAPILIO_SEARCH_SEEDS").ok().and_then(|text| text.parse().ok());
     (seeds.unwrap_or(1), seeds.is_some())
 }
 
-/// For nine of ten seeds the search by derivatives is within .1 of the best that is known, and that a global method finds with a hundred
-/// times the evaluations. The first start is the scenario's own design, whatever the seed, and does not count.
+/// For nine of ten seeds, the gradient search is within 0.1 of the best known gamut, which a global method finds with a
+/// hundred times the evaluations. The first start is the design of the scenario for all seeds and is not counted.
 #[test]
-fn descents_find_what_populations_find() {
+fn gradient_searches_find_optimum_of_populations() {
     let (seeds, by_population) = seeds();
     let (mut best, mut near) = (BEST_GAMUT, Vec::new());
     for seed in 1..=seeds {
         let (search, found, _) = self::search(&[format!("optimize.seed={seed}")]);
         let evaluations: usize = found.iter().map(|one| one.evaluations).sum();
-        let sound = |one: &&Found| one.task > 0 && search.aims().missed(&one.values) <= FEASIBLE;
+        let sound = |one: &&SearchResult| one.task > 0 && search.aims().missed(&one.values) <= FEASIBLE;
         near.push(found.iter().filter(sound).filter_map(|one| one.values[0]).fold(0.0, f64::max));
-        // A population takes as long as a hundred searches: two of them say what there is to find.
+        // A population takes as long as a hundred searches; two of them suffice to determine the optimum.
         if by_population && seed <= 2 {
             let overrides = [
                 "optimize.method=global".to_owned(),

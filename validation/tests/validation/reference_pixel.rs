@@ -1,6 +1,6 @@
-//! The reference IMOD pixel, bare, angles in glass, D65, 1931 2 deg observer: numbers on
-//! which two independent computations (scripts of transfer matrices and colour-science)
-//! agreed to 3e-4 in XYZ and .1 in gamut and contrast.
+//! The reference IMOD pixel, bare, angles in glass, D65, 1931 2 deg observer. The expected numbers are from two
+//! independent computations (scripts of transfer matrices and colour-science), which
+//! agreed to 3e-4 in XYZ and 0.1 in gamut and contrast.
 use papilio_display::pixel::scan;
 use papilio_validation::{run, scenario, state};
 
@@ -13,7 +13,7 @@ const XYZ: [(&str, [f64; 3]); 5] = [
 ];
 
 #[test]
-fn colours_gamut_and_contrast_on_a_2_nm_grid() {
+fn colours_gamut_and_contrast_agree_on_2_nm_grid() {
     let result = run(&scenario("reference-pixel", &[]).unwrap().scene).unwrap();
     for (name, xyz) in XYZ {
         let value = &state(&result, name).unwrap().value;
@@ -34,9 +34,9 @@ fn colours_gamut_and_contrast_on_a_2_nm_grid() {
     }
 }
 
-/// Each sub-pixel alone, 8 and 20 deg in glass. Blue at 20 deg lies at the edge of the axis.
+/// Each sub-pixel as the only one, at 8 and 20 deg in glass. Blue at 20 deg is at the edge of the axis.
 #[test]
-fn peaks_of_the_sub_pixels() {
+fn peaks_of_sub_pixels_agree() {
     for (name, peaks) in [
         ("red", [Some(686.3), Some(615.5)]),
         ("green", [Some(530.1), Some(476.8)]),
@@ -63,17 +63,17 @@ fn peaks_of_the_sub_pixels() {
     }
 }
 
-/// W = R + G + B - 2K exactly: areas add, and each primary holds the others' dark share.
+/// W = R + G + B - 2K exactly: areas add, and each primary includes the dark light of the other sub-pixels.
 #[test]
-fn white_is_the_sum_of_the_primaries_less_two_blacks() {
+fn white_is_sum_of_primaries_minus_two_blacks() {
     let result = run(&scenario("reference-pixel", &[]).unwrap().scene).unwrap();
     let y = |name: &str| state(&result, name).unwrap().value.Y;
     assert!((y("white") - (y("red") + y("green") + y("blue") - 2.0 * y("black"))).abs() < 1e-9);
 }
 
-/// How far the default grid of 5 nm is off, against 1 nm: stated in docs/numbers.md.
+/// The error of the default grid of 5 nm, compared with 1 nm, is within the limits stated in docs/numbers.md.
 #[test]
-fn the_default_grid_is_good_enough() {
+fn default_grid_is_accurate_as_documented() {
     let on = |step: &str| run(&scenario("reference-pixel", &[step]).unwrap().scene).unwrap();
     let (coarse, fine) = (on("spectrum.step_nm=5"), on("spectrum.step_nm=1"));
     for (name, _) in XYZ {

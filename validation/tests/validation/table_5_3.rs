@@ -1,4 +1,4 @@
-//! Every derived row of Table 5.3 (Feng 2012) from its white and black.
+//! The derived rows of table 5.3 (Feng 2012) follow from its white and black.
 
 use papilio_display::readability::{AGES_YEARS, Text};
 use papilio_validation::table_5_3::{Column, TABLE_5_3};
@@ -7,22 +7,22 @@ fn text(column: &Column) -> Text {
     Text::new(column.white_cd_m2, column.black_cd_m2).unwrap()
 }
 
-/// Within the rounding of what is printed.
+/// They agree within the rounding of the printed numbers.
 #[test]
-fn luminance_and_contrast_of_text_are_those_printed() {
+fn luminance_and_contrast_of_text_follow_from_luminances() {
     for column in &TABLE_5_3 {
         let text = text(column);
         let off = (text.luminance_cd_m2 - column.text_luminance_cd_m2).abs();
         assert!(off <= 0.5, "{}: {text:?}", column.name);
         assert!((text.contrast - column.text_contrast).abs() <= 0.005, "{}: {text:?}", column.name);
     }
-    // Eq. 5-14 itself prints .879.
+    // The text at eq. 5-14 prints 0.879.
     assert!((text(&TABLE_5_3[2]).contrast - 0.879).abs() < 1e-3);
 }
 
-/// The printed 10.08 of the third column is a slip: its own 2973/277 is 10.73.
+/// The printed 10.08 of the third column is an error: its 2973/277 is 10.73.
 #[test]
-fn contrast_ratios_are_those_printed_but_for_one() {
+fn contrast_ratios_follow_from_luminances_except_one() {
     for (k, column) in TABLE_5_3.iter().enumerate() {
         let ratio = column.white_cd_m2 / column.black_cd_m2;
         let as_printed = (ratio - column.contrast_ratio).abs() <= if k < 2 { 0.05 } else { 0.01 };
@@ -31,9 +31,9 @@ fn contrast_ratios_are_those_printed_but_for_one() {
     assert!((TABLE_5_3[2].white_cd_m2 / TABLE_5_3[2].black_cd_m2 - 10.73).abs() < 0.005);
 }
 
-/// The surrogate gives back what it was calibrated on, to the whole per cent that was read off the chart.
+/// The surrogate reproduces its calibration data to the integer per cent that was read from the chart.
 #[test]
-fn the_surrogate_reads_as_the_table_does() {
+fn surrogate_reproduces_performances_of_table() {
     for column in &TABLE_5_3 {
         for (age, printed) in AGES_YEARS.into_iter().zip(column.performance_percent) {
             let performance = 100.0 * text(column).reading_surrogate(age).unwrap();

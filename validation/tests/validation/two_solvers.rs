@@ -1,6 +1,6 @@
-//! The two solvers against each other: a family of random displays, every kind of layer,
-//! light and view. Each number that the walk estimates is compared with adding's, and all
-//! z-scores together must scatter as Student's t does.
+//! Comparison of the two solvers on a family of random displays, with all kinds of layers,
+//! light and views. Each number of the Monte Carlo solver is compared with that of adding, and the
+//! z-scores must be distributed as Student's t.
 use papilio_display::result::{State, StateValues, View};
 use papilio_optics::Beta;
 use papilio_optics::lobe::Lobe;
@@ -18,7 +18,7 @@ use rayon::prelude::*;
 
 const REPLICATES: u64 = 32;
 
-/// Every number of an estimate that both solvers claim, `unaccounted` apart.
+/// Returns all numbers of an estimate that both solvers compute, except `unaccounted`.
 fn numbers(estimate: &Estimate) -> Vec<f64> {
     let bins = WAVELENGTHS_NM.len();
     let mut all = Vec::new();
@@ -34,7 +34,7 @@ fn numbers(estimate: &Estimate) -> Vec<f64> {
     all
 }
 
-/// What both solvers say of one number.
+/// The results of both solvers for one number.
 #[derive(Debug, Clone, Copy)]
 struct Pair {
     walk: f64,
@@ -43,12 +43,12 @@ struct Pair {
     discretisation_error: f64,
 }
 
-/// What the tables of films and coatings may add up to, as a share of the light.
+/// Largest total error of the tables of films and coatings, as a fraction of the light.
 const TABLES: f64 = 1e-7;
 
 impl Pair {
-    /// True if the walk's noise is nearly all there is between the two: only then is z Student's t.
-    /// (Closed forms have none; of a rough face adding leaves much.)
+    /// Returns whether the Monte Carlo noise is most of the expected difference; only then is z distributed as Student's t.
+    /// (Closed forms have no noise; for rough interfaces, adding has a large discretisation error.)
     fn is_noisy(self) -> bool {
         self.standard_error > 3.0 * self.discretisation_error.hypot(TABLES)
     }
@@ -59,7 +59,7 @@ impl Pair {
     }
 }
 
-/// Mean and standard error of each number over the walk's replicates.
+/// Returns mean and standard error of each number over the Monte Carlo replicates.
 fn walk(member: &Member, (sampler, seed): (Sampler, u64), paths: u64) -> Vec<(f64, f64)> {
     let walk = Walk::new(&member.stack, member.view, &member.sources);
     let replicates: Vec<Vec<f64>> = (0..REPLICATES)
@@ -73,19 +73,19 @@ fn walk(member: &Member, (sampler, seed): (Sampler, u64), paths: u64) -> Vec<(f6
     numbers.map(|k| mean_and_error(replicates.iter().map(|replicate| replicate[k]))).collect()
 }
 
-/// The finest level that is tried, and the most nodes: rough faces take minutes beyond. What
-/// error is left then is part of the z-scores.
+/// Finest level, and largest number of nodes; beyond these, rough interfaces take minutes. The
+/// remaining error is part of the z-scores.
 const FINEST: u32 = 2;
-const MOST_NODES: usize = 150;
+const MAX_NODES: usize = 150;
 
-/// Each number and its discretisation error, refined until the latter is small against
-/// the walk's standard errors.
+/// Returns each number and its discretisation error, refined until the latter is small compared with
+/// the Monte Carlo standard errors.
 fn adding(member: &Member, walk: &[(f64, f64)]) -> Vec<(f64, f64)> {
     let mut before: Option<Vec<f64>> = None;
     let mut found = Vec::new();
     let bound = error_over_difference(&member.stack);
     for level in 0..=FINEST {
-        if level > 1 && nodes_needed(&member.stack, level) > MOST_NODES {
+        if level > 1 && nodes_needed(&member.stack, level) > MAX_NODES {
             break;
         }
         let mut kernel = Kernel::new(level);
@@ -105,7 +105,7 @@ fn adding(member: &Member, walk: &[(f64, f64)]) -> Vec<(f64, f64)> {
     found
 }
 
-/// Both solvers' numbers: those of adding once, with those of the walk for each seed.
+/// Returns the numbers of both solvers: those of adding, computed once, with those of Monte Carlo for each seed.
 fn compare(member: &Member, sampler: Sampler, seeds: &[u64], paths: u64) -> Vec<Vec<Pair>> {
     let walks: Vec<_> = seeds.iter().map(|seed| walk(member, (sampler, *seed), paths)).collect();
     let adding = adding(member, &walks[0]);
@@ -120,28 +120,29 @@ fn compare(member: &Member, sampler: Sampler, seeds: &[u64], paths: u64) -> Vec<
     walks.into_iter().map(pairs).collect()
 }
 
-/// True if there is more time than every day has.
+/// Returns whether the long tests are requested.
 fn has_time() -> bool {
     std::env::var_os("PAPILIO_STACKS").is_some()
 }
 
-/// How many members: so many, or as `PAPILIO_STACKS` says, and then with two seeds each.
+/// Returns the numbers of members and of seeds: `everyday` members, or the value of `PAPILIO_STACKS` with two seeds each.
 fn count(everyday: u64) -> (u64, u64) {
     std::env::var("PAPILIO_STACKS").map_or((everyday, 1), |more| (more.parse().unwrap(), 2))
 }
 
-/// What is fainter is met by few of some thousand paths (light that gets through eleven mean free paths of an absorbing
-/// slab), so that means of replicates are far from normal: it is not looked at for the largest deviation.
+/// Smallest value that counts for the largest deviation. Few of some thousand paths contribute to fainter light (such as
+/// that transmitted through eleven mean free paths of an absorbing slab), so that the means of replicates are far from
+/// normal.
 const FAINT: f64 = 1e-4;
 
-/// What one member adds to the statistics.
+/// The z-scores of one member.
 #[derive(Debug, Default)]
 struct Scores {
-    /// One number of each source, drawn by the member's number.
+    /// One number of each source, selected by the number of the member.
     sources: Vec<f64>,
     /// One number of the ledger.
     ledger: Vec<f64>,
-    /// The largest deviation of all, and what it is of.
+    /// The largest deviations, with descriptions.
     worst: Vec<(f64, String)>,
 }
 
@@ -154,7 +155,7 @@ fn scores(member: &Member, number: u64, sampler: Sampler, seeds: u64, paths: u64
         let noisy = |k: usize| Some(pairs[k]).filter(|pair| pair.is_noisy()).map(Pair::z);
         let drawn = (0..member.sources.len()).map(|source| source * each + number as usize % each);
         scores.sources.extend(drawn.filter_map(noisy));
-        // Of the ledger the first one from a drawn place on that is noisy: most parts of most members are nothing.
+        // Of the ledger, the first noisy number after a selected position: most numbers of most members are zero.
         let parts = pairs.len() - ledger;
         let turned = (0..parts).map(|k| ledger + (number as usize + k) % parts);
         scores.ledger.extend(turned.filter_map(noisy).next());
@@ -166,58 +167,58 @@ fn scores(member: &Member, number: u64, sampler: Sampler, seeds: u64, paths: u64
     scores
 }
 
-/// Mean and mean square of z against those of Student's t.
-fn hold_to_student(what: &str, z: &[f64]) {
+/// Compares mean and mean square of z with those of Student's t.
+fn assert_student(what: &str, z: &[f64]) {
     let n = z.len() as f64;
     let (mean, square) = (z.iter().sum::<f64>() / n, z.iter().map(|z| z * z).sum::<f64>() / n);
     println!("{what}: {n} z-scores: mean {mean:.3}, mean square {square:.3}; Student's t: 0, 1.069");
     assert_student(what, z, n);
 }
 
-/// All numbers of a member share their paths and are far from independent, so the
-/// distribution is tested on a few of each; the largest deviation is looked for among all.
-fn hold_together(what: &str, all: &[Scores], most: f64) {
+/// All numbers of a member come from the same paths and are strongly correlated. The
+/// distribution is therefore tested on a few numbers of each member, the largest deviation on all.
+fn assert_distribution(what: &str, all: &[Scores], most: f64) {
     let gathered = |of: fn(&Scores) -> &Vec<f64>| all.iter().flat_map(of).copied().collect::<Vec<f64>>();
     let mut worst: Vec<&(f64, String)> = all.iter().flat_map(|scores| &scores.worst).collect();
     worst.sort_by(|a, b| b.0.abs().total_cmp(&a.0.abs()));
     for (z, what) in worst.iter().take(10) {
         println!("z {z:.2}: {what}");
     }
-    hold_to_student(&format!("{what}, sources"), &gathered(|scores| &scores.sources));
-    hold_to_student(&format!("{what}, ledger"), &gathered(|scores| &scores.ledger));
+    assert_student(&format!("{what}, sources"), &gathered(|scores| &scores.sources));
+    assert_student(&format!("{what}, ledger"), &gathered(|scores| &scores.ledger));
     assert!(worst[0].0.abs() < most, "{worst:?}");
 }
 
-/// The largest deviation: 36 numbers each of 40 members, of Student's t with 31 degrees of freedom; 6.5 happens
-/// to one of 5 million.
+/// Largest deviation: 36 numbers of each of 40 members, Student's t with 31 degrees of freedom; one number in 5 million
+/// exceeds 6.5.
 #[test]
-fn random_stacks_scatter_as_they_should() {
+fn random_stacks_have_student_distributed_deviations() {
     let (count, seeds) = count(40);
     let one = |number| {
         let member = member(number);
-        // A panel's path is cheap; faint light of a lamp far from a narrow lobe's peak needs many.
+        // Paths in a panel are fast; faint light of a source far from the peak of a narrow lobe needs many.
         let paths = if matches!(member.stack, Stack::Panel(_)) { 1 << 14 } else { 1 << 10 };
         scores(&member, number, Sampler::Random, seeds, paths)
     };
     let all: Vec<Scores> = (0..count).into_par_iter().map(one).collect();
-    hold_together("random stacks", &all, 6.5);
+    assert_distribution("random stacks", &all, 6.5);
 }
 
-/// Where some of the light takes rare ways, the spread of replicates still tells of it, with the sampler and about the fewest
-/// paths that a run stops with. (Of so few paths the means of replicates are not quite normal, and differences of a hundred
-/// thousandth of a number that is nearly a closed form may be many of its errors: the largest deviation may be more.)
+/// The spread of replicates includes improbable events, with the sampler and about the smallest number of
+/// paths of a run. (With so few paths, the means of replicates are not quite normal, and a relative difference of 1e-5 of
+/// a number that is nearly a closed form may be many of its errors; the limit of the largest deviation is therefore larger.)
 #[test]
-fn rare_ways_are_seen_by_every_replicate() {
+fn standard_errors_include_improbable_events() {
     let (count, seeds) = count(20);
     let one = |number| scores(&rare_member(number), number, Sampler::Sobol, seeds, 1 << 7);
     let all: Vec<Scores> = (0..count).into_par_iter().map(one).collect();
-    hold_together("rare ways", &all, if seeds > 1 { 25.0 } else { 10.0 });
+    assert_distribution("rare ways", &all, if seeds > 1 { 25.0 } else { 10.0 });
 }
 
-/// Light from 89.9999999 deg, whose sine is 1 to the last bit, is seen by every tracer, from every azimuth: a Lambertian base
-/// under a face that passes everything returns what it does for any other light.
+/// All tracers include light from 89.9999999 deg, whose sine is 1 to the last bit, from every azimuth: a Lambertian base
+/// under an interface that transmits all light returns the same fraction as for any other light.
 #[test]
-fn light_just_above_the_horizon_is_seen_by_every_tracer() {
+fn light_just_above_horizon_is_included_by_all_tracers() {
     let bins = WAVELENGTHS_NM.len();
     let base = || Base {
         reflector: Reflector::Lambertian(vec![0.5; STATES * bins]),
@@ -258,10 +259,10 @@ fn light_just_above_the_horizon_is_seen_by_every_tracer() {
     }
 }
 
-/// A gap of 16 um has 85 fringes over angle, and resonances far narrower than they: the walk used to give .33 for white, and
-/// adding no number.
+/// A gap of 16 um has 85 fringes over angle, and resonances that are far narrower. Earlier, Monte Carlo gave 0.33 for
+/// white, and adding gave no number.
 #[test]
-fn thick_gaps_are_the_same_by_both_solvers_or_refused_by_both() {
+fn both_solvers_agree_on_thick_gaps_or_refuse_them() {
     let by = |gap: &str, solver: &str| {
         let all =
             ["spectrum.range_nm=[500,600]", "spectrum.step_nm=50", "display.diffuser.haze=0.3", gap, solver];
@@ -282,14 +283,14 @@ fn thick_gaps_are_the_same_by_both_solvers_or_refused_by_both() {
     }
 }
 
-/// A few paths are taken as they are wanted, but their errors are not believed.
+/// A run with few paths is computed as requested, with a warning and a lower limit of the standard errors.
 #[test]
-fn too_few_paths_are_warned_of_and_hold_errors_up() {
+fn too_few_paths_give_warning_and_minimum_errors() {
     let of =
         |paths: &str| run(&scenario("indoor", &["solver.method=monte-carlo", paths]).unwrap().scene).unwrap();
     let few = of("solver.paths=64");
     assert!(
-        few.warnings.iter().any(|warning| warning.contains("64 paths a view are too few")),
+        few.warnings.iter().any(|warning| warning.contains("64 paths per view are too few")),
         "{:?}",
         few.warnings
     );
@@ -382,7 +383,12 @@ theta_deg = 75.5652
 #[test]
 fn monte_carlo_stopped_at_a_target_has_honest_errors_of_light_that_a_thin_slab_traps() {
     let by = |overrides: &[String]| {
-        let scenario = papilio_scenario::Scenario::from_text(TRAPPING, "trapping.toml", std::path::Path::new(""), overrides);
+        let scenario = papilio_scenario::Scenario::from_text(
+            TRAPPING,
+            "trapping.toml",
+            std::path::Path::new(""),
+            overrides,
+        );
         run(&scenario.unwrap().resolve().unwrap().scene).unwrap()
     };
     let exact = by(&["solver.relative_error=1e-5".to_owned()]);

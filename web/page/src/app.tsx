@@ -1,4 +1,4 @@
-// The page: the design on the left (drawing and fields, or its TOML), what it shows on the right.
+// The page: the design on the left (drawing and fields, or TOML), the result on the right.
 
 import { useSignal } from "@preact/signals";
 
@@ -26,14 +26,14 @@ import { Chromaticity } from "./plots/chromaticity.tsx";
 import { Patches } from "./plots/patches.tsx";
 import { Spectra } from "./plots/spectra.tsx";
 import { answer, busy, draft, problems, startProblems, text } from "./state/design.ts";
-import { putBack } from "./state/live.ts";
+import { discard } from "./state/live.ts";
 import { openTab } from "./state/tab.ts";
 
 function Design() {
   const source = useSignal(false);
   return (
     <section class="design" aria-label="Design">
-      <div class="switch" role="group" aria-label="Show the design as">
+      <div class="switch" role="group" aria-label="View of the design">
         <button type="button" aria-pressed={!source.value} onClick={() => (source.value = false)}>
           Drawing
         </button>
@@ -59,17 +59,17 @@ const TABS = [
   { id: "states", name: "States", body: () => <StatesTable /> },
   { id: "angles", name: "Angles", body: () => <AnglesPanel /> },
   { id: "cone", name: "All directions", body: () => <ConePanel /> },
-  { id: "energy", name: "Energy", body: () => <LedgerPanel /> },
-  { id: "reading", name: "Reading", body: () => <Readability /> },
-  { id: "walk", name: "Walk", body: () => <WalkPanel /> },
+  { id: "energy", name: "Energy balance", body: () => <LedgerPanel /> },
+  { id: "reading", name: "Readability", body: () => <Readability /> },
+  { id: "walk", name: "Monte Carlo", body: () => <WalkPanel /> },
   { id: "sweep", name: "Sweep", body: () => <SweepPanel /> },
   { id: "compare", name: "Compare", body: () => <ComparePanel /> },
   { id: "files", name: "Files", body: () => <FilesPanel /> },
 ];
 
-function Picture() {
+function ResultPanel() {
   return (
-    <main class={busy.value ? "picture busy" : "picture"} aria-busy={busy.value} aria-label="What the display shows">
+    <main class={busy.value ? "picture busy" : "picture"} aria-busy={busy.value} aria-label="Result">
       <div class="top">
         <Summary />
         <Views />
@@ -86,22 +86,22 @@ function Picture() {
   );
 }
 
-/** A scenario that has never computed is mended as text. */
+/** The text of a scenario that cannot be computed, if there is no earlier result to show. */
 function Broken() {
   return (
-    <main class="broken" aria-label="A scenario that does not compute">
-      <h2>This scenario does not compute yet</h2>
+    <main class="broken" aria-label="Scenario with errors">
+      <h2>This scenario cannot be computed</h2>
       <Source />
       {text.value !== "" && draft.value !== null && (
-        <button type="button" onClick={putBack}>
-          Back to what was open before
+        <button type="button" onClick={discard}>
+          Back to the previous design
         </button>
       )}
     </main>
   );
 }
 
-/** Before the first answer; or why there is none: a server that is gone, a token that is missing. */
+/** The page before the first result; or the reason why there is none: no server, or no token. */
 function Starting() {
   if (startProblems.value.length === 0)
     return (
@@ -125,7 +125,7 @@ export function App() {
       {answer.value && (
         <div class="bench">
           <Design />
-          <Picture />
+          <ResultPanel />
         </div>
       )}
       {!answer.value && (problems.value.length > 0 ? <Broken /> : <Starting />)}

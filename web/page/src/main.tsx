@@ -1,4 +1,4 @@
-// Starts the page: what was on screen at the last visit, or what a link holds, or a working example.
+// Starts the page with the design of the last visit, the scenario of a link, or an example.
 
 import { render } from "preact";
 
@@ -13,7 +13,7 @@ import { begin } from "./state/start.ts";
 import { followTheme } from "./state/theme.ts";
 import "./style/page.css";
 
-/** The token of a server beyond loopback comes in the fragment, and does not stay in the address. */
+/** Reads the token of a server on another machine from the fragment, and removes it from the address. */
 function takeToken(): void {
   const given = /(?:^#|&)token=([^&]+)/.exec(location.hash)?.[1];
   if (given) {

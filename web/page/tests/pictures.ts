@@ -1,4 +1,4 @@
-// Makes docs/pictures/web-*.png anew: the real page, as a reader meets it. `npm run pictures`.
+// Writes docs/pictures/web-*.png: screenshots of the page. `npm run pictures`.
 
 import { join } from "node:path";
 
@@ -13,7 +13,7 @@ await page.getByRole("button", { name: "Got it" }).click();
 await settled(page);
 await page.screenshot({ path: to("page") });
 
-// A thinner absorber beside the pinned design, at night.
+// A thinner absorber next to the pinned design, in the dark theme.
 const night = await on.visit({ ...SIZE, colorScheme: "dark" });
 await night.getByRole("button", { name: "Got it" }).click();
 await night.getByRole("button", { name: "Pin", exact: true }).click();
@@ -23,15 +23,15 @@ await night.locator("#tab-compare").click();
 await settled(night);
 await night.screenshot({ path: to("compare") });
 
-// The walk beside the live answer.
+// Monte Carlo compared with the live result.
 await page.locator("#tab-walk").click();
 await page.locator("#walk-aim").selectOption("0.0001");
-await page.getByRole("button", { name: "Run the walk" }).click();
+await page.getByRole("button", { name: "Run Monte Carlo" }).click();
 await page.locator('[data-phase="done"]').waitFor({ timeout: 120_000 });
 await settled(page);
 await page.locator(".tabs").screenshot({ path: to("walk") });
 
-// A measured diffuser, dropped.
+// An uploaded measured diffuser.
 await page.setViewportSize({ width: 1280, height: 1300 });
 await page.locator("input[type=file]").first().setInputFiles(join(ROOT, "scenarios/data/H65.bsdf"));
 await page.locator(".file .words").waitFor({ timeout: 60_000 });

@@ -1,4 +1,4 @@
-//! What is seen from many directions, and drawings of it: cone, angles, figures.
+//! The endpoints `/cone`, `/angles` and `/figures`: metrics over many viewing directions, and drawings.
 
 use std::collections::BTreeMap;
 use std::sync::atomic::AtomicBool;
@@ -10,27 +10,27 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 
-use super::live::{Answer, look, seen};
+use super::live::{Answer, compute_scenario, compute_scene};
 use crate::fault::Fault;
-use crate::reading::{By, Given};
+use crate::reading::{Given, Solver};
 use crate::site::Site;
 
-/// Steps of the cone's directions, degrees.
+/// Least and largest step of the inclinations of a cone, in degrees.
 pub(super) const CONE_STEPS_DEG: (f64, f64) = (1.0, 15.0);
 
-/// Views of a scan of angles.
+/// Maximum number of views of a scan of angles.
 const MOST_ANGLES: f64 = 181.0;
 
 /// A drawing.
 #[derive(Debug, Serialize, JsonSchema)]
 pub(super) struct Figure {
-    /// Its name, as of a file without its end.
+    /// Its name: a file name without extension.
     pub(super) name: String,
-    /// SVG.
+    /// The drawing as SVG.
     pub(super) svg: String,
 }
 
-/// A scenario whose display is looked at from everywhere.
+/// A request for metrics over all viewing directions.
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct ConeOf {
@@ -39,7 +39,7 @@ pub(super) struct ConeOf {
     /// Ids of uploaded files by their names in the scenario.
     #[serde(default)]
     files: BTreeMap<String, String>,
-    /// Degrees between inclinations, 1 to 15; azimuths are five times as far apart, 30 at most.
+    /// Step of the inclinations, degrees, 1 to 15; that of the azimuths is five times as large, at most 30.
     #[serde(default = "one_degree")]
     step_deg: f64,
 }
@@ -48,10 +48,10 @@ fn one_degree() -> f64 {
     1.0
 }
 
-/// What is seen from everywhere.
+/// Metrics over all viewing directions.
 #[derive(Debug, Serialize, JsonSchema)]
 pub(super) struct ConeSeen {
-    /// Conoscopic maps; none where the directions span no area.
+    /// Conoscopic maps; empty if the directions span no area.
     figures: Vec<Figure>,
     /// Inclinations, degrees.
     theta_deg: Vec<f64>,
@@ -59,27 +59,27 @@ pub(super) struct ConeSeen {
     phi_deg: Vec<f64>,
     /// States, in the order of the scenario.
     states: Vec<String>,
-    /// Names of the numbers of a direction.
+    /// Names of the quantities in `data`.
     quantities: [&'static str; 8],
-    /// For each direction (theta fastest) and state, the numbers.
+    /// The quantities of each direction (theta varies fastest) and state.
     data: Vec<Vec<[Option<f64>; 8]>>,
-    /// The largest relative discretisation error of Y that was found.
+    /// The largest relative discretisation error of Y.
     discretisation_error: f64,
-    /// Remarks.
+    /// Warnings of the computation.
     warnings: Vec<String>,
 }
 
-pub(super) async fn cone(site: Site, asked: ConeOf) -> Result<ConeSeen, Fault> {
+pub(super) async fn cone(site: Site, request: ConeOf) -> Result<ConeSeen, Fault> {
     let (least, most) = CONE_STEPS_DEG;
-    if !(least..=most).contains(&asked.step_deg) {
-        return Err(Fault::malformed(format!("step_deg must be from {least} to {most}")));
+    if !(least..=most).contains(&request.step_deg) {
+        return Err(Fault::malformed(format!("step_deg must be from {least} to {most} deg")));
     }
-    let of = site.clone();
-    let given = Given { scenario: asked.scenario, files: asked.files };
+    let server = site.clone();
+    let given = Given { scenario: request.scenario, files: request.files };
     site.long()
         .work(move |stop| {
-            let (_, resolved) = given.resolve(&of, By::Adding)?;
-            let cone = survey(&resolved, asked.step_deg, stop)?;
+            let (_, resolved) = given.resolve(&server, Solver::Adding)?;
+            let cone = compute_cone(&resolved, request.step_deg, stop)?;
             let title = resolved.title.unwrap_or_default();
             let figures =
                 papilio_figures::cone(&cone, &title).map(|svg| Figure { name: "cone".to_owned(), svg });
@@ -97,34 +97,38 @@ pub(super) async fn cone(site: Site, asked: ConeOf) -> Result<ConeSeen, Fault> {
         .await
 }
 
-/// All directions so many degrees apart.
-pub(super) fn survey(resolved: &Resolved, step_deg: f64, stop: &AtomicBool) -> Result<ConeResult, Fault> {
+/// Computes the metrics over all viewing directions, at inclinations with the given step.
+pub(super) fn compute_cone(
+    resolved: &Resolved,
+    step_deg: f64,
+    stop: &AtomicBool,
+) -> Result<ConeResult, Fault> {
     let scene = &resolved.scene;
     let mut grid = ConeGrid::within(scene)?;
     if step_deg > 1.0 {
         let last = grid.theta_deg.last().copied().unwrap_or(0.0);
-        // As many as close the circle.
+        // The number of equal steps that complete the circle.
         let around = (360.0 / (5.0 * step_deg).min(30.0) - 1e-9).ceil();
-        grid.theta_deg = evenly(0.0, last, step_deg);
+        grid.theta_deg = uniform_steps(0.0, last, step_deg);
         grid.phi_deg = (0..around as usize).map(|k| 360.0 * k as f64 / around).collect();
     }
     let control = Control { threads: None, progress: &|_| {}, stop };
     papilio_display::cone(scene, grid, &control).map_err(|error| Fault::of(resolved, error))
 }
 
-/// From `from` on in steps, `to` included if they reach it.
-fn evenly(from: f64, to: f64, step: f64) -> Vec<f64> {
+/// Returns values from `from` to `to` with a constant step; `to` is included if a step reaches it.
+fn uniform_steps(from: f64, to: f64, step: f64) -> Vec<f64> {
     let count = ((to - from) / step + 1e-9).floor() as usize;
     (0..=count).map(|k| from + step * k as f64).collect()
 }
 
 fn numbers(cone: &ConeResult) -> Vec<Vec<[Option<f64>; 8]>> {
-    let known = |value: f64| Some(value).filter(|value| value.is_finite());
-    let one = |view: &papilio_display::ConeView| {
-        let of = |state: &papilio_display::ConeState| {
+    let finite = |value: f64| Some(value).filter(|value| value.is_finite());
+    let of_view = |view: &papilio_display::ConeView| {
+        let of_state = |state: &papilio_display::ConeState| {
             [
-                known(state.reflectance_factor_y),
-                known(state.luminance_cd_m2),
+                finite(state.reflectance_factor_y),
+                finite(state.luminance_cd_m2),
                 state.u_prime,
                 state.v_prime,
                 state.uv_shift,
@@ -133,12 +137,12 @@ fn numbers(cone: &ConeResult) -> Vec<Vec<[Option<f64>; 8]>> {
                 view.gamut_percent_ebu,
             ]
         };
-        view.states.iter().map(of).collect()
+        view.states.iter().map(of_state).collect()
     };
-    cone.views.iter().map(one).collect()
+    cone.views.iter().map(of_view).collect()
 }
 
-/// A scenario that is looked at along a plane.
+/// A request for metrics against the viewing angle in a plane.
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct AnglesOf {
@@ -153,7 +157,7 @@ pub(super) struct AnglesOf {
     from_deg: f64,
     /// Last inclination, degrees, below 90.
     to_deg: f64,
-    /// Degrees between them; 181 inclinations at most.
+    /// Step of the inclinations, degrees; at most 181 inclinations.
     step_deg: f64,
 }
 
@@ -164,29 +168,32 @@ pub(super) struct AnglesSeen {
     theta_deg: Vec<f64>,
     /// Azimuth, degrees.
     phi_deg: f64,
-    /// Metrics of the states together by their names in result.json: a number for each inclination.
+    /// Metrics of a view by their names in result.json: a number for each inclination.
     metrics: BTreeMap<String, Vec<Option<f64>>>,
-    /// The same of each state.
+    /// Metrics of each state by their names in result.json: a number for each inclination.
     states: BTreeMap<String, BTreeMap<String, Vec<Option<f64>>>>,
 }
 
-pub(super) async fn angles(site: Site, asked: AnglesOf) -> Result<AnglesSeen, Fault> {
-    let AnglesOf { scenario, files, phi_deg, from_deg, to_deg, step_deg } = asked;
+pub(super) async fn angles(site: Site, request: AnglesOf) -> Result<AnglesSeen, Fault> {
+    let AnglesOf { scenario, files, phi_deg, from_deg, to_deg, step_deg } = request;
     let inside = |theta: f64| theta.abs() < 90.0;
     let count = ((to_deg - from_deg) / step_deg).floor() + 1.0;
     if !(inside(from_deg) && inside(to_deg) && phi_deg.abs() <= 360.0 && (1.0..=MOST_ANGLES).contains(&count))
     {
-        let message = format!("angles must run up between -90 and 90 degrees, in {MOST_ANGLES} at most");
+        let message = format!(
+            "from_deg and to_deg must be above -90 and below 90 deg, in increasing order, phi_deg from -360 to 360 \
+             deg, and there must be 1 to {MOST_ANGLES} inclinations"
+        );
         return Err(Fault::malformed(message));
     }
-    let of = site.clone();
+    let server = site.clone();
     let given = Given { scenario, files };
     site.quick()
         .work(move |stop| {
-            let (_, mut resolved) = given.resolve(&of, By::Adding)?;
-            resolved.scene.viewer.theta_deg = evenly(from_deg, to_deg, step_deg);
+            let (_, mut resolved) = given.resolve(&server, Solver::Adding)?;
+            resolved.scene.viewer.theta_deg = uniform_steps(from_deg, to_deg, step_deg);
             resolved.scene.viewer.phi_deg = vec![phi_deg];
-            Ok(by_angle(&seen(&of, resolved, stop)?, phi_deg))
+            Ok(by_angle(&compute_scene(&server, resolved, stop)?, phi_deg))
         })
         .await
 }
@@ -203,9 +210,9 @@ fn by_angle(answer: &Answer, phi_deg: f64) -> AnglesSeen {
         for (name, value) in view.metrics.named() {
             all.metrics.entry(name.to_owned()).or_default().push(value);
         }
-        for (state, seen) in view.states.iter() {
-            let metrics = all.states.entry(state.to_owned()).or_default();
-            for (name, value) in plain_numbers(&seen.value) {
+        for (name, state) in view.states.iter() {
+            let metrics = all.states.entry(name.to_owned()).or_default();
+            for (name, value) in plain_numbers(&state.value) {
                 metrics.entry(name).or_default().push(value);
             }
         }
@@ -213,7 +220,7 @@ fn by_angle(answer: &Answer, phi_deg: f64) -> AnglesSeen {
     all
 }
 
-/// The numbers of a struct by the names of its fields; what else it has is left out.
+/// Returns the numbers of a struct by the names of its fields; fields of other types are left out.
 fn plain_numbers(values: &impl Serialize) -> impl Iterator<Item = (String, Option<f64>)> {
     let all = match serde_json::to_value(values) {
         Ok(Value::Object(all)) => all,
@@ -227,7 +234,7 @@ fn plain_numbers(values: &impl Serialize) -> impl Iterator<Item = (String, Optio
     all.into_iter().filter_map(plain)
 }
 
-/// A scenario whose figures are wanted.
+/// A request for figures of a scenario.
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct FiguresOf {
@@ -236,21 +243,21 @@ pub(super) struct FiguresOf {
     /// Ids of uploaded files by their names in the scenario.
     #[serde(default)]
     files: BTreeMap<String, String>,
-    /// Names of figures, as `papilio run` gives them to files; none: all.
+    /// Names of the figures, as in the file names of `papilio run`; empty: all figures.
     #[serde(default)]
     names: Vec<String>,
 }
 
-pub(super) async fn figures(site: Site, asked: FiguresOf) -> Result<Vec<Figure>, Fault> {
-    let of = site.clone();
-    let given = Given { scenario: asked.scenario, files: asked.files };
+pub(super) async fn figures(site: Site, request: FiguresOf) -> Result<Vec<Figure>, Fault> {
+    let server = site.clone();
+    let given = Given { scenario: request.scenario, files: request.files };
     let figures = site
         .quick()
         .work(move |stop| {
-            let answer = look(&of, &given, stop)?;
+            let answer = compute_scenario(&server, &given, stop)?;
             Ok(papilio_figures::of_run(&answer.result, answer.title()))
         })
         .await?;
-    let wanted = |name: &String| asked.names.is_empty() || asked.names.contains(name);
+    let wanted = |name: &String| request.names.is_empty() || request.names.contains(name);
     Ok(figures.into_iter().filter(|(name, _)| wanted(name)).map(|(name, svg)| Figure { name, svg }).collect())
 }

@@ -1,4 +1,4 @@
-//! A row for each endpoint: its route and its description come from the same types.
+//! The table of endpoints: route and description of each are generated from the same types.
 
 use std::sync::{Arc, OnceLock};
 
@@ -16,14 +16,14 @@ use serde_json::{Map, Value, json};
 
 use super::events::Events;
 use super::export::Exported;
-use super::request::{file, question};
+use super::request::{read_file, read_json};
 use crate::fault::{Fault, FaultBody};
 use crate::site::Site;
 
-/// Where the API lives.
+/// The path of the API.
 const ROOT: &str = "/api/v1";
 
-/// Endpoints as they are gathered.
+/// A collection of endpoints: their routes and their descriptions.
 pub(super) struct Endpoints {
     router: Router<Site>,
     paths: Map<String, Value>,
@@ -39,23 +39,23 @@ impl Endpoints {
         Self { router: Router::new(), paths: Map::new(), schemas: settings.into_generator() }
     }
 
-    /// An answer that depends on the site alone, and is made once.
+    /// Adds a GET endpoint whose response depends only on the site; it is computed once.
     pub(super) fn get<A>(self, path: &str, about: &str, answer: fn(&Site) -> Result<A, Fault>) -> Self
     where
         A: Serialize + JsonSchema + 'static,
     {
-        let made: Arc<OnceLock<Bytes>> = Arc::default();
+        let cached: Arc<OnceLock<Bytes>> = Arc::default();
         let handler = get(move |State(site): State<Site>| async move {
-            let json = match made.get() {
+            let json = match cached.get() {
                 Some(json) => Ok(json.clone()),
-                None => written(answer(&site)).map(|json| made.get_or_init(|| json).clone()),
+                None => to_json(answer(&site)).map(|json| cached.get_or_init(|| json).clone()),
             };
-            json.map_or_else(Fault::into_response, as_json)
+            json.map_or_else(Fault::into_response, json_response)
         });
         self.add::<A>(path, about, handler)
     }
 
-    /// An answer that depends on a name in the path.
+    /// Adds a GET endpoint whose response depends on a name in the path.
     pub(super) fn get_named<A>(self, path: &str, about: &str, answer: fn(&str) -> Result<A, Fault>) -> Self
     where
         A: Serialize + JsonSchema + 'static,
@@ -64,7 +64,7 @@ impl Endpoints {
         self.add::<A>(path, about, handler)
     }
 
-    /// An answer to a question in JSON.
+    /// Adds a POST endpoint that responds with JSON to a request in JSON.
     pub(super) fn post<Q, A, F>(self, path: &str, about: &str, answer: fn(Site, Q) -> F) -> Self
     where
         Q: DeserializeOwned + JsonSchema + Send + 'static,
@@ -74,25 +74,26 @@ impl Endpoints {
         let mut this = self;
         let schema = this.schemas.subschema_for::<A>().to_value();
         let json = json!({ "application/json": { "schema": schema } });
-        this.asked(path, about, json, move |site, question| async move {
-            Ok(respond(answer(site, question).await))
+        this.post_json(path, about, json, move |site, request| async move {
+            Ok(respond(answer(site, request).await))
         })
     }
 
-    /// A file as the answer to a question in JSON.
+    /// Adds a POST endpoint that responds with a file to a request in JSON.
     pub(super) fn export<Q, F>(self, path: &str, about: &str, answer: fn(Site, Q) -> F) -> Self
     where
         Q: DeserializeOwned + JsonSchema + Send + 'static,
         F: Future<Output = Result<Exported, Fault>> + Send + 'static,
     {
         let binary = json!({ "*/*": { "schema": { "type": "string", "contentMediaType": "application/octet-stream" } } });
-        self.asked(path, about, binary, move |site, question| async move {
-            let Exported { kind, bytes } = answer(site, question).await?;
+        self.post_json(path, about, binary, move |site, request| async move {
+            let Exported { kind, bytes } = answer(site, request).await?;
             Ok(([(header::CONTENT_TYPE, HeaderValue::from_static(kind))], bytes).into_response())
         })
     }
 
-    /// Events `E` as the answer to a question in JSON; the description has the type of one of them.
+    /// Adds a POST endpoint that responds with a stream of events `E` to a request in JSON. The description
+    /// has the type of one event.
     pub(super) fn events<Q, E, F>(mut self, path: &str, about: &str, answer: fn(Site, Q) -> F) -> Self
     where
         Q: DeserializeOwned + JsonSchema + Send + 'static,
@@ -101,12 +102,12 @@ impl Endpoints {
     {
         let event = self.schemas.subschema_for::<E>().to_value();
         let stream = json!({ "text/event-stream": { "schema": event } });
-        self.asked(path, about, stream, move |site, question| async move {
-            Ok(answer(site, question).await?.into_response())
+        self.post_json(path, about, stream, move |site, request| async move {
+            Ok(answer(site, request).await?.into_response())
         })
     }
 
-    /// An answer to the bytes of a file; its name is in the query.
+    /// Adds a POST endpoint that responds with JSON to the bytes of a file, whose name is in the query.
     pub(super) fn upload<A, F>(
         mut self,
         path: &str,
@@ -118,7 +119,7 @@ impl Endpoints {
         F: Future<Output = Result<A, Fault>> + Send + 'static,
     {
         let handler = post(move |State(site): State<Site>, request: Request| async move {
-            respond(match file(request).await {
+            respond(match read_file(request).await {
                 Ok((name, bytes)) => answer(site, name, bytes).await,
                 Err(fault) => Err(fault),
             })
@@ -133,8 +134,8 @@ impl Endpoints {
         self
     }
 
-    /// What any answer to a question in JSON has in common.
-    fn asked<Q, F>(
+    /// Adds a POST endpoint for requests in JSON.
+    fn post_json<Q, F>(
         mut self,
         path: &str,
         about: &str,
@@ -146,14 +147,14 @@ impl Endpoints {
         F: Future<Output = Result<Response, Fault>> + Send + 'static,
     {
         let handler = post(move |State(site): State<Site>, request: Request| async move {
-            let answer = match question(request).await {
-                Ok(question) => answer(site, question).await,
+            let response = match read_json(request).await {
+                Ok(request) => answer(site, request).await,
                 Err(fault) => Err(fault),
             };
-            answer.unwrap_or_else(Fault::into_response)
+            response.unwrap_or_else(Fault::into_response)
         });
-        let question = self.schemas.subschema_for::<Q>().to_value();
-        let body = json!({ "application/json": { "schema": question } });
+        let schema = self.schemas.subschema_for::<Q>().to_value();
+        let body = json!({ "application/json": { "schema": schema } });
         self.describe("post", path, about, Some(body), content);
         self.router = self.router.route(&format!("{ROOT}{path}"), handler);
         self
@@ -173,9 +174,9 @@ impl Endpoints {
             "summary": about,
             "operationId": path.trim_matches('/').replace(['/', '.'], "_").replace(['{', '}'], ""),
             "responses": {
-                "200": { "description": "The answer", "content": answer },
+                "200": { "description": "The response", "content": answer },
                 "default": {
-                    "description": "What is wrong",
+                    "description": "The errors",
                     "content": { "application/json": { "schema": fault } }
                 },
             },
@@ -190,22 +191,21 @@ impl Endpoints {
         self.paths.insert(format!("{ROOT}{path}"), json!({ method: operation }));
     }
 
-    /// The routes, with that of the description.
+    /// Returns the routes, including that of the description.
     pub(super) fn router(self) -> Router<Site> {
         let router = self.router.clone();
         let description = self.description();
-        let unknown =
-            || async { Fault::new(StatusCode::NOT_FOUND, "there is no such endpoint", "").into_response() };
+        let unknown = || async { Fault::new(StatusCode::NOT_FOUND, "unknown endpoint", "").into_response() };
         router
             .route(&format!("{ROOT}/openapi.json"), get(move || async move { respond(Ok(description)) }))
             .route("/api/{*rest}", axum::routing::any(unknown))
             .method_not_allowed_fallback(|| async {
-                Fault::new(StatusCode::METHOD_NOT_ALLOWED, "this endpoint does not take this method", "")
+                Fault::new(StatusCode::METHOD_NOT_ALLOWED, "this endpoint does not support this method", "")
                     .into_response()
             })
     }
 
-    /// The OpenAPI description.
+    /// Returns the OpenAPI description.
     pub(super) fn description(mut self) -> Value {
         json!({
             "openapi": "3.1.0",
@@ -221,14 +221,14 @@ impl Endpoints {
 }
 
 fn respond<A: Serialize>(answer: Result<A, Fault>) -> Response {
-    written(answer).map_or_else(Fault::into_response, as_json)
+    to_json(answer).map_or_else(Fault::into_response, json_response)
 }
 
-fn written<A: Serialize>(answer: Result<A, Fault>) -> Result<Bytes, Fault> {
+fn to_json<A: Serialize>(answer: Result<A, Fault>) -> Result<Bytes, Fault> {
     let json = serde_json::to_vec(&answer?);
-    json.map(Bytes::from).map_err(|_| Fault::internal("the answer cannot be written"))
+    json.map(Bytes::from).map_err(|_| Fault::internal("the response cannot be serialised"))
 }
 
-fn as_json(json: Bytes) -> Response {
+fn json_response(json: Bytes) -> Response {
     ([(header::CONTENT_TYPE, HeaderValue::from_static("application/json"))], json).into_response()
 }

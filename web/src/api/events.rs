@@ -1,4 +1,4 @@
-//! Work that reports as it goes: server-sent events, ended at once when the browser goes away.
+//! Computations that report their progress as server-sent events, and stop when the browser disconnects.
 
 use std::convert::Infallible;
 use std::sync::Arc;
@@ -13,48 +13,48 @@ use tokio::sync::mpsc::error::TrySendError;
 use tokio::sync::{mpsc, oneshot};
 
 use crate::fault::Fault;
-use crate::work::{Gate, Leash};
+use crate::work::{Gate, StopOnDrop};
 
-/// Events that wait for a slow reader.
-const WAITING: usize = 16;
+/// Maximum number of events that wait for a slow client.
+const QUEUE_LENGTH: usize = 16;
 
-/// A reader that takes nothing for so long is given up.
+/// Time after which a computation stops if the client accepts no events.
 const PATIENCE: Duration = Duration::from_secs(10);
 
-/// Events of running work.
+/// The events of a running computation.
 pub(super) struct Events {
     before: mpsc::Receiver<Event>,
     last: Option<oneshot::Receiver<Event>>,
-    /// Dropped with the answer, when the browser goes away.
-    _leash: Leash,
+    /// Stops the computation when the response is dropped because the browser has disconnected.
+    _guard: StopOnDrop,
 }
 
-/// How work reports.
-pub(super) struct Teller {
+/// The sender of a computation's events, with its stop flag and its time limit.
+pub(super) struct EventSender {
     sender: mpsc::Sender<Event>,
     stop: Arc<AtomicBool>,
     started: Instant,
     deadline: Duration,
 }
 
-impl Teller {
-    /// Set when nobody listens any more, or time is up.
+impl EventSender {
+    /// Returns the stop flag, which is set when the client has disconnected or the time limit is reached.
     pub(super) fn stop(&self) -> &AtomicBool {
         &self.stop
     }
 
-    /// Seconds since the work began.
+    /// Returns the time since the start in seconds.
     pub(super) fn seconds(&self) -> f64 {
         self.started.elapsed().as_secs_f64()
     }
 
-    /// How long the work may take.
+    /// Returns the time limit.
     pub(super) fn deadline(&self) -> Duration {
         self.deadline
     }
 
-    /// Stops the work when its time is up; true if it is.
-    pub(super) fn is_late(&self) -> bool {
+    /// Returns true and sets the stop flag if the time limit is exceeded.
+    pub(super) fn stop_if_late(&self) -> bool {
         let late = self.started.elapsed() > self.deadline;
         if late {
             self.stop.store(true, Ordering::Relaxed);
@@ -62,14 +62,15 @@ impl Teller {
         late
     }
 
-    /// Tells something that the next event would make old: it is left out for a slow reader.
-    pub(super) fn tell(&self, event: &impl Serialize) {
-        // A full queue and a reader that is gone are alike here: the latter has set the flag.
+    /// Sends an event that the next one will supersede; it is left out if the queue is full.
+    pub(super) fn send(&self, event: &impl Serialize) {
+        // A full queue and a disconnected client are treated equally: the latter has set the stop flag.
         let _ = self.sender.try_send(as_event(event));
     }
 
-    /// Tells something that must arrive, and waits for a slow reader; one that takes nothing ends the work.
-    pub(super) fn tell_surely(&self, event: &impl Serialize) {
+    /// Sends an event that must arrive: waits for a slow client, and stops the computation if it accepts no
+    /// events.
+    pub(super) fn send_reliably(&self, event: &impl Serialize) {
         let (mut event, waiting) = (as_event(event), Instant::now());
         loop {
             match self.sender.try_send(event) {
@@ -84,25 +85,25 @@ impl Teller {
     }
 }
 
-/// Starts work as soon as there is a place for it; what it returns is its last event.
+/// Starts a computation as soon as there is a place for it; its return value is the last event.
 pub(super) async fn start<E: Serialize + 'static>(
     gate: &Gate,
-    compute: impl FnOnce(&Teller) -> E + Send + 'static,
+    compute: impl FnOnce(&EventSender) -> E + Send + 'static,
 ) -> Result<Events, Fault> {
     let permit = gate.enter().await?;
-    let leash = Leash::default();
-    let (sender, before) = mpsc::channel(WAITING);
+    let guard = StopOnDrop::default();
+    let (sender, before) = mpsc::channel(QUEUE_LENGTH);
     let (finish, last) = oneshot::channel();
-    let teller = Teller { sender, stop: leash.flag(), started: Instant::now(), deadline: gate.deadline };
+    let events = EventSender { sender, stop: guard.flag(), started: Instant::now(), deadline: gate.deadline };
     tokio::task::spawn_blocking(move || {
         let _permit = permit;
-        let event = as_event(&compute(&teller));
+        let event = as_event(&compute(&events));
         let _ = finish.send(event);
     });
-    Ok(Events { before, last: Some(last), _leash: leash })
+    Ok(Events { before, last: Some(last), _guard: guard })
 }
 
-/// An enum that serialises as `event` and `data`.
+/// Converts an enum that serialises as `event` and `data`.
 fn as_event(event: &impl Serialize) -> Event {
     let json = serde_json::to_value(event).unwrap_or_default();
     let name = json.get("event").and_then(|name| name.as_str()).unwrap_or("message");

@@ -1,4 +1,4 @@
-//! What is seen as files: those of `papilio run`, and a report.
+//! The endpoint `/export`: results as files, those of `papilio run` and a report.
 
 use std::collections::BTreeMap;
 use std::sync::atomic::AtomicBool;
@@ -9,14 +9,14 @@ use papilio_formats::{write_json, write_spectra, write_states};
 use schemars::JsonSchema;
 use serde::Deserialize;
 
-use super::drawn::{CONE_STEPS_DEG, survey};
-use super::live::{Answer, look};
+use super::drawn::{CONE_STEPS_DEG, compute_cone};
+use super::live::{Answer, compute_scenario};
 use super::report;
 use crate::fault::Fault;
 use crate::reading::Given;
 use crate::site::Site;
 
-/// A file that is wanted of a scenario.
+/// A request for the result of a scenario as a file.
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct ExportOf {
@@ -36,14 +36,14 @@ pub(super) struct Exported {
     pub(super) bytes: Vec<u8>,
 }
 
-pub(super) async fn export(site: Site, asked: ExportOf) -> Result<Exported, Fault> {
-    let of = site.clone();
-    let given = Given { scenario: asked.scenario, files: asked.files };
-    site.long().work(move |stop| exported(&of, &given, &asked.what, stop)).await
+pub(super) async fn export(site: Site, request: ExportOf) -> Result<Exported, Fault> {
+    let server = site.clone();
+    let given = Given { scenario: request.scenario, files: request.files };
+    site.long().work(move |stop| exported(&server, &given, &request.what, stop)).await
 }
 
 fn exported(site: &Site, given: &Given, what: &str, stop: &AtomicBool) -> Result<Exported, Fault> {
-    let answer = look(site, given, stop)?;
+    let answer = compute_scenario(site, given, stop)?;
     let mut bytes = Vec::new();
     let text = |bytes: Vec<u8>, kind| Exported { kind, bytes };
     let written =
@@ -56,7 +56,7 @@ fn exported(site: &Site, given: &Given, what: &str, stop: &AtomicBool) -> Result
         "states.csv" => written(write_states(&mut bytes, &answer.result)).map(|()| text(bytes, csv)),
         "spectra.csv" => written(write_spectra(&mut bytes, &answer.result)).map(|()| text(bytes, csv)),
         "report.html" => {
-            let cone = survey(&answer.resolved, CONE_STEPS_DEG.0, stop)?.allowing(None)?;
+            let cone = compute_cone(&answer.resolved, CONE_STEPS_DEG.0, stop)?.allowing(None)?;
             let page = report::page(&answer, &given.scenario, &cone);
             Ok(text(page.into_bytes(), "text/html; charset=utf-8"))
         }
@@ -69,7 +69,7 @@ fn figure(answer: &Answer, what: &str, stop: &AtomicBool) -> Result<Exported, Fa
     let (name, end) = what.rsplit_once('.').ok_or_else(unknown)?;
     let svg = match name {
         "cone" => {
-            let cone = survey(&answer.resolved, CONE_STEPS_DEG.0, stop)?.allowing(None)?;
+            let cone = compute_cone(&answer.resolved, CONE_STEPS_DEG.0, stop)?.allowing(None)?;
             papilio_figures::cone(&cone, answer.title())
         }
         _ => {
@@ -84,7 +84,7 @@ fn figure(answer: &Answer, what: &str, stop: &AtomicBool) -> Result<Exported, Fa
             let png = papilio_figures::png(&svg, papilio_figures::PNG_SCALE);
             let bytes = png.map_err(|error| match error {
                 PngError::NotBuilt => Fault::new(StatusCode::NOT_IMPLEMENTED, error.to_string(), ""),
-                error => Fault::internal(&format!("no picture can be made: {error}")),
+                error => Fault::internal(&format!("the figure cannot be converted to PNG: {error}")),
             })?;
             Ok(Exported { kind: "image/png", bytes })
         }

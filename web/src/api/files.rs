@@ -1,4 +1,5 @@
-//! A file that was dropped onto the page: kept, recognised by its content, audited, and offered for use.
+//! The endpoint `/files`: stores an uploaded file, detects its kind from its content, audits it, and offers
+//! edits that use it.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -16,58 +17,58 @@ use serde_json::{Value, json};
 use super::drawn::Figure;
 use crate::fault::Fault;
 use crate::site::Site;
-use crate::work::gone;
+use crate::work::abandoned;
 
-/// What a file is.
+/// The kind of a file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub(super) enum FileKind {
-    /// Measured scattering.
+    /// A measured BSDF.
     Bsdf,
-    /// A value for each wavelength.
+    /// A spectrum: a value for each wavelength.
     Spectrum,
-    /// Refractive index, n and k.
+    /// A refractive index: n and k.
     Material,
-    /// Reflectance of states by angle and wavelength.
+    /// A pixel table: reflectances of states by angle and wavelength.
     Pixel,
-    /// A picture of the light from all around.
+    /// A light map: radiance over all directions.
     Map,
-    /// An IES file.
+    /// A luminaire (IES).
     Luminaire,
-    /// Radiance by inclination.
+    /// A light profile: radiance by inclination.
     Profile,
-    /// What a meter said of a panel.
+    /// Measurements of a panel.
     Panel,
 }
 
-/// A file that is kept.
+/// A stored file.
 #[derive(Debug, Serialize, JsonSchema)]
 pub(super) struct Kept {
-    /// By which requests name it: SHA-256 of its bytes.
+    /// Its id in requests: the SHA-256 of its bytes.
     id: String,
     /// Its name.
     name: String,
-    /// What it is.
+    /// Its kind.
     kind: FileKind,
-    /// What was found in it, line by line.
+    /// The lines of its audit.
     words: Vec<String>,
-    /// Drawings of it.
+    /// Drawings of its contents.
     figures: Vec<Figure>,
-    /// Ways to put it to use.
+    /// The possible uses of the file.
     edits: Vec<Offer>,
 }
 
-/// A way to put a file to use.
+/// A use of a file.
 #[derive(Debug, Serialize, JsonSchema)]
 pub(super) struct Offer {
-    /// What it does.
+    /// A description of the use.
     label: String,
-    /// How.
+    /// The edits of the scenario.
     edits: Vec<Edit>,
 }
 
-/// What was found.
-struct Found {
+/// The contents of a file.
+struct Contents {
     kind: FileKind,
     words: Vec<String>,
     figures: Vec<Figure>,
@@ -75,19 +76,20 @@ struct Found {
 }
 
 pub(super) async fn file(site: Site, name: String, bytes: Vec<u8>) -> Result<Kept, Fault> {
-    let of = site.clone();
+    let server = site.clone();
     site.files()
         .work(move |stop| {
             let file = DataFile { name, bytes };
-            let Found { kind, words, figures, edits } = recognised(&file, stop)?;
+            let Contents { kind, words, figures, edits } = read_contents(&file, stop)?;
             let name = file.name.clone();
-            Ok(Kept { id: of.store().keep(file), name, kind, words, figures, edits })
+            Ok(Kept { id: server.store().insert(file), name, kind, words, figures, edits })
         })
         .await
 }
 
-/// Tries the readers from the most particular to the plainest; each knows its files by their content.
-fn recognised(file: &DataFile, stop: &AtomicBool) -> Result<Found, Fault> {
+/// Detects the kind of a file from its content, and reads it. The readers are tried from the most specific to
+/// the most general one.
+fn read_contents(file: &DataFile, stop: &AtomicBool) -> Result<Contents, Fault> {
     match read_bsdf(file) {
         Ok(read) => return scattering(file, &read.value, &read.warnings, stop),
         Err(FormatError { problem: Problem::Bsdf(problem), .. }) if *problem == BsdfProblem::Unknown => {}
@@ -123,9 +125,9 @@ fn scattering(
     measurement: &Measurement,
     warnings: &[String],
     stop: &AtomicBool,
-) -> Result<Found, Fault> {
+) -> Result<Contents, Fault> {
     let audit = |part: &Part| match stop.load(Ordering::Relaxed) {
-        true => Err(gone()),
+        true => Err(abandoned()),
         false => Ok(Audit::of(part, part.luminous())),
     };
     let audits: Vec<Option<Audit>> = measurement.parts.iter().map(audit).collect::<Result<_, _>>()?;
@@ -138,7 +140,7 @@ fn scattering(
         "Use as the diffuser",
         [remove("display.glass.surface"), remove("display.layers"), set("display.diffuser", diffuser)],
     );
-    Ok(Found {
+    Ok(Contents {
         kind: FileKind::Bsdf,
         words,
         figures: lobes(measurement, &audits).into_iter().map(|(name, svg)| Figure { name, svg }).collect(),
@@ -146,7 +148,7 @@ fn scattering(
     })
 }
 
-fn luminaire(file: &DataFile) -> Result<Found, Fault> {
+fn luminaire(file: &DataFile) -> Result<Contents, Fault> {
     let read = read_ies(file)?;
     let [length, width] = read.opening_m;
     let words = vec![
@@ -157,10 +159,10 @@ fn luminaire(file: &DataFile) -> Result<Found, Fault> {
     let drawn = drawn("intensity", ["Angle from the nadir (deg)", "Intensity (cd)"], vec![points]);
     let light = json!({ "model": "luminaire", "file": file.name, "elevation_deg": 60, "azimuth_deg": 90,
         "distance_m": 3, "share": 1 });
-    Ok(Found { kind: FileKind::Luminaire, words, figures: vec![drawn], edits: vec![all_light(light)] })
+    Ok(Contents { kind: FileKind::Luminaire, words, figures: vec![drawn], edits: vec![all_light(light)] })
 }
 
-fn map(file: &DataFile) -> Result<Found, Fault> {
+fn map(file: &DataFile) -> Result<Contents, Fault> {
     let read = read_light_map(file)?;
     let channel = |colour: MapColour| match colour {
         MapColour::Red => "red".to_owned(),
@@ -175,10 +177,10 @@ fn map(file: &DataFile) -> Result<Found, Fault> {
         format!("channels: {}", channels.join(", ")),
     ];
     let light = json!({ "model": "map", "file": file.name, "share": 1 });
-    Ok(Found { kind: FileKind::Map, words, figures: vec![], edits: vec![all_light(light)] })
+    Ok(Contents { kind: FileKind::Map, words, figures: vec![], edits: vec![all_light(light)] })
 }
 
-fn pixel(file: &DataFile) -> Result<Found, Fault> {
+fn pixel(file: &DataFile) -> Result<Contents, Fault> {
     let table = read_pixel_table(file)?;
     let states: Vec<String> = table.states.iter().map(|(name, _)| name.clone()).collect();
     let (theta, nm) = (&table.theta_deg, &table.wavelength_nm);
@@ -203,21 +205,24 @@ fn pixel(file: &DataFile) -> Result<Found, Fault> {
     let figures = vec![Figure { name: "pixel".to_owned(), svg: pixel_scan(&scan, "") }];
     let pixel = |angles: &str| {
         let pixel = json!({ "model": "table", "file": file.name, "angles": angles });
-        offer(&format!("Use as the pixel, its angles in {angles}"), [set("display.pixel", pixel)])
+        offer(
+            &format!("Use as the pixel; the angles of the table are in {angles}"),
+            [set("display.pixel", pixel)],
+        )
     };
-    Ok(Found { kind: FileKind::Pixel, words, figures, edits: vec![pixel("glass"), pixel("air")] })
+    Ok(Contents { kind: FileKind::Pixel, words, figures, edits: vec![pixel("glass"), pixel("air")] })
 }
 
-fn panel(file: &DataFile) -> Result<Found, Fault> {
+fn panel(file: &DataFile) -> Result<Contents, Fault> {
     let measured = read_measured_panel(file)?;
     let words = vec![
-        format!("{}: a measured panel, {} states and directions", file.name, measured.len()),
-        "`papilio compare` holds it to a simulated one".to_owned(),
+        format!("{}: measured panel, {} measurements (states and directions)", file.name, measured.len()),
+        "compare it with a simulated panel: `papilio compare`".to_owned(),
     ];
-    Ok(Found { kind: FileKind::Panel, words, figures: vec![], edits: vec![] })
+    Ok(Contents { kind: FileKind::Panel, words, figures: vec![], edits: vec![] })
 }
 
-fn spectrum(file: &DataFile, nm: &[f64], values: &[f64]) -> Found {
+fn spectrum(file: &DataFile, nm: &[f64], values: &[f64]) -> Contents {
     let largest = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
     let smallest = values.iter().copied().fold(f64::INFINITY, f64::min);
     let words = vec![
@@ -229,23 +234,26 @@ fn spectrum(file: &DataFile, nm: &[f64], values: &[f64]) -> Found {
     let mut edits = vec![offer("Use as the light's spectrum", [set("lighting.spectrum", json!(file.name))])];
     if smallest >= 0.0 && largest <= 1.0 {
         let path = "display.diffuser.transmission";
-        edits.push(offer("Use as the transmission of a measured diffuser", [set(path, json!(file.name))]));
+        edits.push(offer(
+            "Use as the transmission spectrum of a measured diffuser",
+            [set(path, json!(file.name))],
+        ));
     } else if smallest >= 1.0 && largest < 10.0 {
         let glass = [set("display.glass.index", json!(file.name))];
         edits.insert(0, offer("Use as the refractive index of the glass", glass));
     }
-    Found { kind: FileKind::Spectrum, words, figures: vec![drawn], edits }
+    Contents { kind: FileKind::Spectrum, words, figures: vec![drawn], edits }
 }
 
-fn profile(file: &DataFile, points: &[(f64, f64)]) -> Found {
-    let words = vec![format!("{}: profile of light over {} angles", file.name, points.len())];
+fn profile(file: &DataFile, points: &[(f64, f64)]) -> Contents {
+    let words = vec![format!("{}: light profile, {} angles", file.name, points.len())];
     let drawn = drawn("profile", ["Angle (deg)", "Relative radiance"], vec![points.to_vec()]);
     let light = json!({ "model": "profile", "file": file.name, "share": 1 });
-    Found { kind: FileKind::Profile, words, figures: vec![drawn], edits: vec![all_light(light)] }
+    Contents { kind: FileKind::Profile, words, figures: vec![drawn], edits: vec![all_light(light)] }
 }
 
-fn material(file: &DataFile) -> Result<Found, Fault> {
-    // A display needs it where light is visible.
+fn material(file: &DataFile) -> Result<Contents, Fault> {
+    // A display needs the index at visible wavelengths.
     let read = read_index_within(file, (380.0, 780.0))?;
     let index = read.value;
     let (first, last) = index.range_nm();
@@ -259,7 +267,7 @@ fn material(file: &DataFile) -> Result<Found, Fault> {
     let drawn = drawn("index", ["Wavelength (nm)", "n and k"], vec![n, k]);
     let offers = [("the glass", "display.glass.index"), ("the pixel's substrate", "display.pixel.substrate")];
     let edits = offers.map(|(what, path)| offer(&format!("Use as {what}"), [set(path, json!(file.name))]));
-    Ok(Found { kind: FileKind::Material, words, figures: vec![drawn], edits: edits.into() })
+    Ok(Contents { kind: FileKind::Material, words, figures: vec![drawn], edits: edits.into() })
 }
 
 fn wavelengths(nm: &[f64]) -> String {
@@ -267,7 +275,7 @@ fn wavelengths(nm: &[f64]) -> String {
     format!("{} wavelengths from {} to {} nm", nm.len(), ends[0], ends[1])
 }
 
-/// Curves in a panel.
+/// Draws curves in one diagram.
 fn drawn(name: &str, [x, y]: [&str; 2], curves: Vec<Vec<(f64, f64)>>) -> Figure {
     let curve = |(group, points)| ChartCurve {
         name: String::new(),
@@ -282,11 +290,11 @@ fn drawn(name: &str, [x, y]: [&str; 2], curves: Vec<Vec<(f64, f64)>>) -> Figure 
     Figure { name: name.to_owned(), svg }
 }
 
-/// All of the room's light is this.
+/// Offers to replace all ambient light by an environment.
 fn all_light(light: Value) -> Offer {
     let others = ["lighting.preset", "lighting.diffuse", "lighting.directed"];
     let edits = others.map(remove).into_iter().chain([set("lighting.environment", json!([light]))]);
-    Offer { label: "Use as all of the room's light".to_owned(), edits: edits.collect() }
+    Offer { label: "Use as the only ambient light".to_owned(), edits: edits.collect() }
 }
 
 fn offer<const N: usize>(label: &str, edits: [Edit; N]) -> Offer {

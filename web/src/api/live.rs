@@ -1,4 +1,4 @@
-//! What the reader sees, now: the deterministic solver through a prepared display.
+//! The endpoint `/live`: the result of a scenario by adding, with a prepared display.
 
 use std::sync::atomic::AtomicBool;
 use std::time::Instant;
@@ -13,40 +13,40 @@ use serde_json::Value;
 use std::collections::BTreeMap;
 
 use crate::fault::Fault;
-use crate::reading::{By, Given, edited};
+use crate::reading::{Given, Solver, edited};
 use crate::site::Site;
 
-/// A scenario, and changes to it that come first.
+/// A scenario, with edits that are applied before it is read.
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Live {
     /// The scenario: TOML.
     scenario: String,
-    /// Ids of uploaded files by the names that the scenario gives them.
+    /// Ids of uploaded files by their names in the scenario.
     #[serde(default)]
     files: BTreeMap<String, String>,
-    /// Made before anything is read.
+    /// Edits of the scenario.
     #[serde(default)]
     edits: Vec<Edit>,
 }
 
-/// What the reader sees.
+/// The result of a scenario.
 #[derive(Debug, Serialize, JsonSchema)]
 pub(super) struct Seen {
     /// The scenario after the edits.
     scenario: String,
-    /// The scenario as it was read, all defaults filled in.
+    /// The scenario as it was read, with all defaults.
     #[schemars(with = "BTreeMap<String, Value>")]
     fields: Box<serde_json::value::RawValue>,
-    /// What `papilio run --solver adding` writes into result.json.
+    /// The contents of result.json, as `papilio run --solver adding` writes it.
     result: Answer,
-    /// What may be wrong with the scenario.
+    /// Warnings about the scenario.
     warnings: Vec<String>,
-    /// What it cost to read and to compute, ms.
+    /// Time for reading and computing, ms.
     cost_ms: f64,
 }
 
-/// `result.json`, owning what it is made of.
+/// The contents of `result.json`.
 #[derive(Debug)]
 pub(super) struct Answer {
     pub(super) resolved: Resolved,
@@ -54,12 +54,12 @@ pub(super) struct Answer {
 }
 
 impl Answer {
-    /// The scenario's title; empty if it has none.
+    /// Returns the title of the scenario; empty if it has none.
     pub(super) fn title(&self) -> &str {
         self.resolved.title.as_deref().unwrap_or_default()
     }
 
-    /// As it is written.
+    /// Returns the contents in the form in which they are written.
     pub(super) fn file(&self) -> ResultFile<'_> {
         ResultFile {
             papilio: env!("CARGO_PKG_VERSION"),
@@ -88,24 +88,24 @@ impl JsonSchema for Answer {
     }
 }
 
-/// Computes what a scenario asks for, by adding, as `papilio run` would.
-pub(super) fn look(site: &Site, given: &Given, stop: &AtomicBool) -> Result<Answer, Fault> {
-    let (_, resolved) = given.resolve(site, By::Adding)?;
-    seen(site, resolved, stop)
+/// Computes the result of a scenario by adding, like `papilio run`.
+pub(super) fn compute_scenario(site: &Site, given: &Given, stop: &AtomicBool) -> Result<Answer, Fault> {
+    let (_, resolved) = given.resolve(site, Solver::Adding)?;
+    compute_scene(site, resolved, stop)
 }
 
-/// Computes what is resolved.
-pub(super) fn seen(site: &Site, resolved: Resolved, stop: &AtomicBool) -> Result<Answer, Fault> {
+/// Computes the result of a resolved scenario by adding.
+pub(super) fn compute_scene(site: &Site, resolved: Resolved, stop: &AtomicBool) -> Result<Answer, Fault> {
     let control = Control { threads: None, progress: &|_| {}, stop };
-    let result = site.kept().run(&resolved.scene, &control);
+    let result = site.prepared().run(&resolved.scene, &control);
     let mut result = result.map_err(|error| Fault::of(&resolved, error))?;
     result.warnings.splice(0..0, resolved.warnings.iter().cloned());
     Ok(Answer { resolved, result })
 }
 
 pub(super) async fn live(site: Site, live: Live) -> Result<Seen, Fault> {
-    let of = site.clone();
-    site.quick().work(move |stop| compute(&of, live, stop)).await
+    let server = site.clone();
+    site.quick().work(move |stop| compute(&server, live, stop)).await
 }
 
 fn compute(site: &Site, live: Live, stop: &AtomicBool) -> Result<Seen, Fault> {
@@ -113,10 +113,10 @@ fn compute(site: &Site, live: Live, stop: &AtomicBool) -> Result<Seen, Fault> {
     let scenario = edited(live.scenario, &live.edits)?;
     let given = Given { scenario, files: live.files };
     let about = |fault: Fault| fault.about(&given.scenario);
-    let (read, resolved) = given.resolve(site, By::Adding).map_err(about)?;
+    let (read, resolved) = given.resolve(site, Solver::Adding).map_err(about)?;
     let fields = serde_json::value::to_raw_value(&read.filled());
-    let fields = fields.map_err(|_| Fault::internal("the scenario cannot be written"))?;
-    let result = seen(site, resolved, stop).map_err(about)?;
+    let fields = fields.map_err(|_| Fault::internal("the scenario cannot be serialised"))?;
+    let result = compute_scene(site, resolved, stop).map_err(about)?;
     let warnings = result.result.warnings.clone();
     let cost_ms = 1e3 * started.elapsed().as_secs_f64();
     Ok(Seen { scenario: given.scenario, fields, result, warnings, cost_ms })

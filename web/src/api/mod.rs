@@ -1,4 +1,5 @@
-//! The endpoints: each a row of [`endpoints`], from which both the router and the OpenAPI description are made.
+//! The endpoints. Each is a row of [`endpoints`], from which the router and the OpenAPI description are
+//! generated.
 
 mod drawn;
 mod endpoint;
@@ -20,38 +21,50 @@ use self::endpoint::Endpoints;
 use crate::site::Site;
 use crate::{guard, page};
 
-/// All of them, under `/api/v1`.
+/// All endpoints, under `/api/v1`.
 fn endpoints() -> Endpoints {
     Endpoints::new()
-        .get("/health", "Whether the server is there, and which version", text::health)
+        .get("/health", "The version of the server, which shows that it runs", text::health)
         .get("/start", "The scenario that the page opens", text::start)
         .get("/schema", "The JSON Schema of a scenario: keys, units, ranges, defaults, help", text::schema)
-        .get("/presets", "Ready-made lighting and viewers", text::presets)
-        .get_named("/presets/{name}", "A scenario in a preset's light", text::preset)
-        .get("/examples", "The scenarios that ship with the program", text::examples)
-        .get_named("/examples/{name}", "A scenario that ships with the program", text::example)
-        .post("/edit", "Changes a scenario's text; comments and order stay", text::edit)
-        .post("/live", "What the reader sees, by the deterministic solver", live::live)
+        .get("/presets", "The presets of lighting and viewer", text::presets)
+        .get_named("/presets/{name}", "A new scenario with a preset", text::preset)
+        .get("/examples", "The example scenarios", text::examples)
+        .get_named("/examples/{name}", "An example scenario", text::example)
+        .post(
+            "/edit",
+            "Applies edits to the text of a scenario; comments and order are preserved",
+            text::edit,
+        )
+        .post("/live", "The result of a scenario, computed by adding", live::live)
         .post("/angles", "Metrics against the viewing angle", drawn::angles)
-        .post("/cone", "What is seen from all directions: numbers and conoscopic maps", drawn::cone)
+        .post("/cone", "Metrics over all viewing directions: numbers and conoscopic maps", drawn::cone)
         .post("/figures", "The figures that papilio run draws, as SVG", drawn::figures)
-        .export("/export", "A file: result.json, tables, figures, a report on one page", export::export)
-        .upload("/files", "Keeps a file and says what is in it; its bytes are the body", files::file)
-        .events::<_, walk::WalkEvent, _>("/walk", "The Monte Carlo walk, told as it goes", walk::walk)
+        .export(
+            "/export",
+            "A result as a file: result.json, tables, figures, or a report on one page",
+            export::export,
+        )
+        .upload("/files", "Stores a file, whose bytes are the body, and describes its contents", files::file)
+        .events::<_, walk::WalkEvent, _>(
+            "/walk",
+            "A run of the Monte Carlo solver, with its progress",
+            walk::walk,
+        )
         .events::<_, sweep::SweepEvent, _>(
             "/sweep",
-            "The points of [sweep], told as they are done",
+            "The points of [sweep], as they are computed",
             sweep::sweep,
         )
 }
 
 /// The router of the whole site.
 pub(crate) fn routes(site: Site) -> Router {
-    let guard = middleware::from_fn_with_state(site.clone(), guard::watch);
+    let guard = middleware::from_fn_with_state(site.clone(), guard::check_request);
     endpoints().router().fallback(page::file).layer(guard).with_state(site)
 }
 
-/// The OpenAPI 3.1 description of the API, as `GET /api/v1/openapi.json` gives it.
+/// Returns the OpenAPI 3.1 description of the API, as `GET /api/v1/openapi.json` does.
 pub fn openapi() -> Value {
     endpoints().description()
 }

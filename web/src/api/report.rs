@@ -1,4 +1,4 @@
-//! `report.html`: a display on one page that needs nothing else.
+//! `report.html`: the result of a scenario on one self-contained page.
 
 use papilio_display::ConeResult;
 use papilio_display::result::{State, View};
@@ -6,10 +6,10 @@ use papilio_reproduction::{Report, Section, Table};
 
 use super::live::Answer;
 
-/// The page: what was asked, what is seen, from everywhere, where the light goes.
+/// Writes the report: figures, numbers, energy balance, conoscopic maps, notes and the scenario.
 pub(super) fn page(answer: &Answer, scenario: &str, cone: &ConeResult) -> String {
     let (result, title) = (&answer.result, answer.title());
-    let mut sections = vec![Section::new("seen", "What the reader sees")];
+    let mut sections = vec![Section::new("seen", "Appearance")];
     for (name, svg) in papilio_figures::of_run(result, "") {
         let is_overview = name.starts_with("overview") || name.ends_with("_against_angle");
         if let (true, Some(section)) = (is_overview, sections.pop()) {
@@ -17,25 +17,28 @@ pub(super) fn page(answer: &Answer, scenario: &str, cone: &ConeResult) -> String
         }
     }
     let mut numbers = Section::new("numbers", "Numbers");
-    let mut ledger = Section::new("ledger", "Where the light goes");
+    let mut ledger = Section::new("ledger", "Energy balance");
     for view in &result.views {
-        let at = format!("Seen from {} deg, azimuth {} deg.", view.theta_deg, view.phi_deg);
-        numbers = numbers.say(at.clone()).table(colours(view)).table(together(view));
+        let direction = format!("Seen from {} deg, azimuth {} deg.", view.theta_deg, view.phi_deg);
+        numbers = numbers.say(direction.clone()).table(colours(view)).table(metrics(view));
         ledger = ledger
-            .say(format!("{at} Shares of a beam that enters from there, by luminance."))
-            .table(ends(view));
+            .say(format!(
+                "{direction} Fractions of a beam that enters from this direction, weighted by luminance."
+            ))
+            .table(energy_balance(view));
     }
     sections.extend([numbers, ledger]);
     if let Some(svg) = papilio_figures::cone(cone, "") {
         sections.push(Section::new("directions", "From all directions").figure(svg, ""));
     }
     let remarks = result.warnings.iter().chain(&answer.resolved.notes);
-    let remarks = remarks.fold(Section::new("remarks", "Remarks"), |section, text| section.say(text.clone()));
+    let remarks = remarks
+        .fold(Section::new("remarks", "Warnings and notes"), |section, text| section.say(text.clone()));
     sections.extend((!remarks.parts.is_empty()).then_some(remarks));
     sections.push(Section::new("scenario", "The scenario").code(scenario));
     let about = format!(
-        "Computed by Papilio {} with the deterministic solver, to a relative error of {:.1e}; scenario {}. \
-         Errors are those of discretisation: the difference from the next coarser level.",
+        "Computed by Papilio {} with the solver adding, to a relative error of {:.1e}; scenario {}. \
+         The errors are discretisation errors: the difference from the next coarser level.",
         env!("CARGO_PKG_VERSION"),
         result.solver.relative_error_reached,
         answer.resolved.hash,
@@ -44,7 +47,7 @@ pub(super) fn page(answer: &Answer, scenario: &str, cone: &ConeResult) -> String
     Report { title: title.to_owned(), about: vec![about], sections }.html()
 }
 
-/// A row for each state.
+/// The table of the states.
 fn colours(view: &View) -> Table {
     let mut table = Table::new(&["state", "Y", "L*", "u'", "v'", "contrast", "peak nm", "cd/m2"]);
     for (name, state) in view.states.iter() {
@@ -76,8 +79,8 @@ fn with_error(
     format!("{value:.decimals$}{error}")
 }
 
-/// Metrics of the states together, those that there are.
-fn together(view: &View) -> Table {
+/// The table of the metrics of a view that are defined.
+fn metrics(view: &View) -> Table {
     let mut table = Table::new(&["metric", "value"]);
     for (name, value) in view.metrics.named() {
         if let Some(value) = value {
@@ -87,13 +90,13 @@ fn together(view: &View) -> Table {
     table
 }
 
-/// Where a beam ends, for each state.
-fn ends(view: &View) -> Table {
+/// The table of the energy balance of each state.
+fn energy_balance(view: &View) -> Table {
     let mut table =
         Table::new(&["state", "returned", "front", "diffuser", "glass", "pixel", "inactive", "unaccounted"]);
     for (name, ledger) in view.ledger.iter() {
         let absorbed = &ledger.absorbed;
-        let shares = [
+        let fractions = [
             ledger.returned,
             absorbed.front,
             absorbed.diffuser,
@@ -102,7 +105,7 @@ fn ends(view: &View) -> Table {
             absorbed.inactive,
             ledger.unaccounted,
         ];
-        table.row(std::iter::once(name.to_owned()).chain(shares.map(|share| format!("{share:.4}"))));
+        table.row(std::iter::once(name.to_owned()).chain(fractions.map(|fraction| format!("{fraction:.4}"))));
     }
     table
 }

@@ -1,4 +1,4 @@
-//! A scenario at every point of its `[sweep]`, told point by point.
+//! The endpoint `/sweep`: the results of a scenario at the points of its `[sweep]`, as a stream of events.
 
 use std::collections::BTreeMap;
 
@@ -10,71 +10,71 @@ use serde::Serialize;
 use serde_json::Value;
 
 use super::drawn::Figure;
-use super::events::{self, Events, Teller};
+use super::events::{self, EventSender, Events};
 use crate::fault::{Fault, FaultBody};
-use crate::reading::{By, Given, check_work};
+use crate::reading::{Given, Solver, check_work};
 use crate::site::Site;
 
-/// More points are a matter of the command line.
+/// Maximum number of points; the command line computes more.
 const MOST_POINTS: usize = 4000;
 
-/// Points that are looked at before any is computed.
+/// Maximum number of points that are checked before the first one is computed.
 const MOST_SAMPLES: usize = 100;
 
-/// What a sweep tells.
+/// An event of a sweep.
 #[derive(Debug, Serialize, JsonSchema)]
 #[serde(tag = "event", content = "data", rename_all = "lowercase")]
 pub(super) enum SweepEvent {
-    /// A point is done.
+    /// A point is computed.
     Point(Point),
-    /// All are.
+    /// All points are computed.
     Done(SweepDone),
-    /// Instead of the end.
+    /// The sweep has failed; this event replaces `done`.
     Failed(FaultBody),
 }
 
-/// A point that is done.
+/// A computed point.
 #[derive(Debug, Serialize, JsonSchema)]
 pub(super) struct Point {
-    /// Its number, from 0; the last axis is the fastest.
+    /// Its index, from 0; the last axis varies fastest.
     index: usize,
-    /// How many there are.
+    /// The number of points.
     of: usize,
-    /// What each swept key is there.
+    /// The values of the swept keys.
     values: BTreeMap<String, Value>,
-    /// Every metric of the first view by its name: `contrast_ratio`, `red.u_prime`; `_de`: its discretisation error.
+    /// Metrics of the first view by name: `contrast_ratio`, `red.u_prime`; with `_de`: discretisation errors.
     metrics: BTreeMap<String, Option<f64>>,
 }
 
 /// The end of a sweep.
 #[derive(Debug, Serialize, JsonSchema)]
 pub(super) struct SweepDone {
-    /// `sweep.csv`.
+    /// The text of `sweep.csv`.
     csv: String,
-    /// What `papilio sweep` draws of `sweep.figures`.
+    /// The figures of `sweep.figures`, as `papilio sweep` draws them.
     figures: Vec<Figure>,
-    /// Warnings of the points, each once.
+    /// The warnings of all points, without repetitions.
     warnings: Vec<String>,
 }
 
 pub(super) async fn sweep(site: Site, given: Given) -> Result<Events, Fault> {
-    let of = site.clone();
-    let sweep = site.quick().work(move |_| prepared(&of, &given)).await?;
-    let of = site.clone();
-    events::start(site.walks(), move |teller| {
-        run(&of, &sweep, teller).unwrap_or_else(|fault| SweepEvent::Failed(fault.body))
+    let server = site.clone();
+    let sweep = site.quick().work(move |_| read_sweep(&server, &given)).await?;
+    let server = site.clone();
+    events::start(site.streamed(), move |events| {
+        run(&server, &sweep, events).unwrap_or_else(|fault| SweepEvent::Failed(fault.body))
     })
     .await
 }
 
-/// The sweep, of which each value was looked at.
-fn prepared(site: &Site, given: &Given) -> Result<Sweep, Fault> {
+/// Reads a sweep and checks that each of its values can be used.
+fn read_sweep(site: &Site, given: &Given) -> Result<Sweep, Fault> {
     let library = given.library(site)?;
-    let set = given.overrides(&library, By::Adding)?;
+    let set = given.overrides(&library, Solver::Adding)?;
     let sweep = Sweep::from_text(&given.scenario, "scenario", library, &set)?;
     if sweep.len() > MOST_POINTS {
         let message = format!("{} points are too many for the page: at most {MOST_POINTS}", sweep.len());
-        return Err(Fault::too_much(message, "fewer values on an axis, or `papilio sweep`"));
+        return Err(Fault::too_much(message, "choose fewer values on an axis, or use `papilio sweep`"));
     }
     for point in sweep.samples().into_iter().take(MOST_SAMPLES) {
         check_work(&sweep.scenario(point)?.resolve()?)?;
@@ -82,25 +82,25 @@ fn prepared(site: &Site, given: &Given) -> Result<Sweep, Fault> {
     Ok(sweep)
 }
 
-fn run(site: &Site, sweep: &Sweep, teller: &Teller) -> Result<SweepEvent, Fault> {
+fn run(site: &Site, sweep: &Sweep, events: &EventSender) -> Result<SweepEvent, Fault> {
     let head = sweep.head(env!("CARGO_PKG_VERSION"), "");
-    let control = Control { threads: Some(1), progress: &|_| {}, stop: teller.stop() };
+    let control = Control { threads: Some(1), progress: &|_| {}, stop: events.stop() };
     let mut points = Vec::with_capacity(sweep.len());
     for index in 0..sweep.len() {
-        if teller.is_late() {
-            return Err(crate::work::too_long(teller.deadline()));
+        if events.stop_if_late() {
+            return Err(crate::work::too_long(events.deadline()));
         }
         let resolved = sweep.scenario(index)?.resolve()?;
-        let result = site.kept().run(&resolved.scene, &control);
+        let result = site.prepared().run(&resolved.scene, &control);
         let mut result = result.map_err(|error| Fault::of(&resolved, error))?;
         result.warnings.splice(0..0, resolved.warnings);
         let point = SweepPoint::new(index, resolved.hash, env!("CARGO_PKG_VERSION"), &result);
-        teller.tell_surely(&SweepEvent::Point(told(&head, index, &point)));
+        events.send_reliably(&SweepEvent::Point(point_event(&head, index, &point)));
         points.push(point);
     }
     let mut csv = Vec::new();
     let all: Vec<&SweepPoint> = points.iter().collect();
-    write_sweep_csv(&mut csv, &head, &all).map_err(|_| Fault::internal("the table cannot be written"))?;
+    write_sweep_csv(&mut csv, &head, &all).map_err(|_| Fault::internal("sweep.csv cannot be written"))?;
     let mut warnings: Vec<String> = points.iter().flat_map(|point| point.warnings.clone()).collect();
     warnings.sort_unstable();
     warnings.dedup();
@@ -110,7 +110,7 @@ fn run(site: &Site, sweep: &Sweep, teller: &Teller) -> Result<SweepEvent, Fault>
     Ok(SweepEvent::Done(SweepDone { csv, figures, warnings }))
 }
 
-fn told(head: &SweepHead, index: usize, point: &SweepPoint) -> Point {
+fn point_event(head: &SweepHead, index: usize, point: &SweepPoint) -> Point {
     let view = point.views().first().copied().unwrap_or_default();
     let metric = |name: String| {
         let value = point.metric(view, &name);

@@ -1,4 +1,4 @@
-//! Scenarios as texts: examples, presets, the schema, changes. Nothing here computes.
+//! The endpoints for texts of scenarios: examples, presets, schema and edits. They compute nothing.
 
 use std::collections::BTreeMap;
 
@@ -12,10 +12,10 @@ use crate::reading::edited;
 use crate::shipped;
 use crate::site::Site;
 
-/// The server is there.
+/// The state of the server.
 #[derive(Debug, Serialize, JsonSchema)]
 pub(super) struct Health {
-    /// Version of the program.
+    /// The version of the program.
     papilio: &'static str,
 }
 
@@ -28,9 +28,9 @@ pub(super) fn health(_: &Site) -> Result<Health, Fault> {
 pub(super) struct Start {
     /// Its name.
     name: String,
-    /// Its text.
+    /// Its text: TOML.
     scenario: String,
-    /// Ids of its files by the names that it gives them.
+    /// Ids of its files by their names in the scenario.
     files: BTreeMap<String, String>,
 }
 
@@ -38,7 +38,7 @@ pub(super) fn start(site: &Site) -> Result<Start, Fault> {
     match site.start() {
         Some(start) => {
             let keep =
-                |file: &papilio_formats::DataFile| (file.name.clone(), site.store().keep(file.clone()));
+                |file: &papilio_formats::DataFile| (file.name.clone(), site.store().insert(file.clone()));
             let files = start.files.iter().map(keep).collect();
             Ok(Start { name: start.name.clone(), scenario: start.scenario.clone(), files })
         }
@@ -53,19 +53,19 @@ pub(super) fn schema(_: &Site) -> Result<Value, Fault> {
     Ok(papilio_scenario::schema())
 }
 
-/// A scenario to begin with.
+/// An entry of a list of presets or examples.
 #[derive(Debug, Serialize, JsonSchema)]
 pub(super) struct Listed {
-    /// What it is asked for by.
+    /// Its name, by which it is requested.
     name: String,
-    /// What it is, in a sentence or two.
+    /// A description of one or two sentences.
     summary: String,
 }
 
-/// A scenario's text.
+/// The text of a scenario.
 #[derive(Debug, Serialize, JsonSchema)]
 pub(super) struct Text {
-    /// TOML.
+    /// The scenario: TOML.
     scenario: String,
 }
 
@@ -89,22 +89,22 @@ pub(super) fn example(name: &str) -> Result<Text, Fault> {
     Ok(Text { scenario })
 }
 
-/// The first paragraph of a scenario's opening comment.
+/// Returns the first paragraph of the comment at the beginning of a scenario.
 fn summary(scenario: &str) -> String {
     let lines = scenario.lines().map_while(|line| line.strip_prefix('#')).map(str::trim);
     lines.take_while(|line| !line.is_empty()).collect::<Vec<_>>().join(" ")
 }
 
-/// Changes to a scenario's text.
+/// Edits of the text of a scenario.
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Edits {
-    /// TOML.
+    /// The scenario: TOML.
     scenario: String,
-    /// Made one after the other.
+    /// The edits, which are applied in this order.
     edits: Vec<Edit>,
 }
 
-pub(super) async fn edit(site: Site, asked: Edits) -> Result<Text, Fault> {
-    site.quick().work(move |_| Ok(Text { scenario: edited(asked.scenario, &asked.edits)? })).await
+pub(super) async fn edit(site: Site, request: Edits) -> Result<Text, Fault> {
+    site.quick().work(move |_| Ok(Text { scenario: edited(request.scenario, &request.edits)? })).await
 }

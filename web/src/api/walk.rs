@@ -1,4 +1,5 @@
-//! The Monte Carlo walk beside the live answer: progress, shrinking errors, agreement.
+//! The endpoint `/walk`: a run of the Monte Carlo solver, compared with the result of adding, as a stream of
+//! events.
 
 use std::num::NonZero;
 use std::sync::Mutex;
@@ -11,111 +12,111 @@ use papilio_scenario::Resolved;
 use schemars::JsonSchema;
 use serde::Serialize;
 
-use super::events::{self, Events, Teller};
-use super::live::{Answer, look};
+use super::events::{self, EventSender, Events};
+use super::live::{Answer, compute_scenario};
 use crate::fault::{Fault, FaultBody};
-use crate::reading::{By, Given};
+use crate::reading::{Given, Solver};
 use crate::site::Site;
 
-/// Rounds that come faster than this are not told, all but the first.
-const OFTEN: Duration = Duration::from_millis(100);
+/// Minimum time between progress events; rounds that finish earlier are not reported, except the first one.
+const MIN_INTERVAL: Duration = Duration::from_millis(100);
 
-/// What the walk tells.
+/// An event of a Monte Carlo run.
 #[derive(Debug, Serialize, JsonSchema)]
 #[serde(tag = "event", content = "data", rename_all = "lowercase")]
 pub(super) enum WalkEvent {
-    /// As it goes.
+    /// Intermediate estimates.
     Progress(WalkProgress),
-    /// At the end.
+    /// The final result.
     Done(Box<WalkDone>),
-    /// Instead of the end.
+    /// The run has failed; this event replaces `done`.
     Failed(FaultBody),
 }
 
-/// How far the walk has come.
+/// The progress of a Monte Carlo run.
 #[derive(Debug, Serialize, JsonSchema)]
 pub(super) struct WalkProgress {
-    /// Paths traced, all views together.
+    /// Number of paths traced so far, for all views.
     paths: u64,
-    /// Since it began.
+    /// Time since the start, s.
     seconds: f64,
-    /// The largest of Y in the current view: standard error over value.
+    /// The largest relative standard error of Y in the current view.
     relative_error: f64,
-    /// Views that are done.
+    /// Number of finished views.
     views_done: usize,
-    /// All views.
+    /// Number of views.
     views: usize,
-    /// What is known so far of each view that was looked at, and state.
+    /// The estimates so far, for each view that was started and each state.
     states: Vec<WalkState>,
 }
 
-/// The end of the walk.
+/// The result of a Monte Carlo run.
 #[derive(Debug, Serialize, JsonSchema)]
 pub(super) struct WalkDone {
-    /// Paths traced.
+    /// Number of paths.
     paths: u64,
-    /// It took so long.
+    /// Time of the run, s.
     seconds: f64,
-    /// Reached.
+    /// The largest relative standard error of Y.
     relative_error: f64,
-    /// Each view and state.
+    /// The estimates for each view and state.
     states: Vec<WalkState>,
-    /// What `papilio run --solver monte-carlo` writes into result.json.
+    /// The contents of result.json, as `papilio run --solver monte-carlo` writes it.
     result: Answer,
 }
 
-/// A state by the walk, and by the live answer.
+/// A state by Monte Carlo and by adding (the live result).
 #[derive(Debug, Clone, Serialize, JsonSchema)]
 #[allow(non_snake_case, reason = "as in result.json")]
 pub(super) struct WalkState {
     /// Its name.
     name: String,
-    /// Number of the view, from 0.
+    /// Index of the view, from 0.
     view: usize,
-    /// By the walk.
+    /// Tristimulus value X by Monte Carlo.
     X: f64,
-    /// Its standard error.
+    /// Standard error of X.
     X_se: f64,
-    /// By the walk.
+    /// Tristimulus value Y by Monte Carlo.
     Y: f64,
-    /// Its standard error.
+    /// Standard error of Y.
     Y_se: f64,
-    /// By the walk.
+    /// Tristimulus value Z by Monte Carlo.
     Z: f64,
-    /// Its standard error.
+    /// Standard error of Z.
     Z_se: f64,
-    /// Y of the live answer.
+    /// Y by adding.
     live_Y: f64,
-    /// Distance of the two Y over the errors of both; null where both know it exactly.
+    /// Difference of the two values of Y over the combined error; null if both are exact.
     z: Option<f64>,
-    /// The same of X, Y and Z.
+    /// The same for X, Y and Z.
     z_of_xyz: [Option<f64>; 3],
 }
 
 pub(super) async fn walk(site: Site, given: Given) -> Result<Events, Fault> {
-    let of = site.clone();
-    // What is wrong with the scenario is told before anything begins.
+    let server = site.clone();
+    // Errors of the scenario are reported before the stream starts.
     let (resolved, live) = site
         .quick()
         .work(move |stop| {
-            let (_, resolved) = given.resolve(&of, By::Walk)?;
-            Ok((resolved, look(&of, &given, stop)?))
+            let (_, resolved) = given.resolve(&server, Solver::MonteCarlo)?;
+            Ok((resolved, compute_scenario(&server, &given, stop)?))
         })
         .await?;
-    events::start(site.walks(), move |teller| run(resolved, &live, teller)).await
+    events::start(site.streamed(), move |events| run(resolved, &live, events)).await
 }
 
-fn run(resolved: Resolved, live: &Answer, teller: &Teller) -> WalkEvent {
-    let shown = Mutex::new(Shown { at: None, states: Vec::new() });
-    let tell = |progress: Progress<'_>| {
-        teller.is_late();
-        if let Ok(mut shown) = shown.lock() {
-            shown.tell(progress, live, teller);
+fn run(resolved: Resolved, live: &Answer, events: &EventSender) -> WalkEvent {
+    let reported = Mutex::new(Reported { time: None, states: Vec::new() });
+    let report = |progress: Progress<'_>| {
+        events.stop_if_late();
+        if let Ok(mut reported) = reported.lock() {
+            reported.report(progress, live, events);
         }
     };
-    // One thread is left for whoever moves a slider meanwhile.
+    // One thread is left for live results.
     let threads = available_parallelism().map_or(1, NonZero::get).saturating_sub(1).max(1);
-    let control = Control { threads: Some(threads), progress: &tell, stop: teller.stop() };
+    let control = Control { threads: Some(threads), progress: &report, stop: events.stop() };
     match papilio_display::run(&resolved.scene, &control) {
         Ok(mut result) => {
             result.warnings.splice(0..0, resolved.warnings.iter().cloned());
@@ -123,7 +124,7 @@ fn run(resolved: Resolved, live: &Answer, teller: &Teller) -> WalkEvent {
             let states = views.flat_map(|(number, view)| states(number, view, live)).collect();
             WalkEvent::Done(Box::new(WalkDone {
                 paths: result.solver.paths.unwrap_or(0),
-                seconds: teller.seconds(),
+                seconds: events.seconds(),
                 relative_error: result.solver.relative_error_reached,
                 states,
                 result: Answer { resolved, result },
@@ -133,24 +134,24 @@ fn run(resolved: Resolved, live: &Answer, teller: &Teller) -> WalkEvent {
     }
 }
 
-/// What was told last.
-struct Shown {
-    at: Option<Instant>,
+/// The estimates that were reported last, and the time of the report.
+struct Reported {
+    time: Option<Instant>,
     states: Vec<WalkState>,
 }
 
-impl Shown {
-    fn tell(&mut self, progress: Progress<'_>, live: &Answer, teller: &Teller) {
+impl Reported {
+    fn report(&mut self, progress: Progress<'_>, live: &Answer, events: &EventSender) {
         let (done, views) = progress.views_done;
-        let is_new = self.at.is_none_or(|at| at.elapsed() >= OFTEN);
-        let Some(so_far) = progress.so_far.filter(|_| is_new) else { return };
+        let is_due = self.time.is_none_or(|time| time.elapsed() >= MIN_INTERVAL);
+        let Some(so_far) = progress.so_far.filter(|_| is_due) else { return };
         let (number, view) = so_far();
-        self.at = Some(Instant::now());
+        self.time = Some(Instant::now());
         self.states.retain(|state| state.view != number);
         self.states.extend(states(number, &view, live));
-        teller.tell(&WalkEvent::Progress(WalkProgress {
+        events.send(&WalkEvent::Progress(WalkProgress {
             paths: progress.paths.unwrap_or(0),
-            seconds: teller.seconds(),
+            seconds: events.seconds(),
             relative_error: progress.relative_error,
             views_done: done,
             views,
@@ -159,13 +160,13 @@ impl Shown {
     }
 }
 
-/// The states of a view, beside those of the live answer.
+/// Compares the states of a view with those of the live result.
 fn states(number: usize, view: &View, live: &Answer) -> Vec<WalkState> {
-    let Some(beside) = live.result.views.get(number) else { return Vec::new() };
-    let one = |(name, walk): (&str, &papilio_display::result::State)| {
-        let live = beside.states.get(name)?;
+    let Some(live_view) = live.result.views.get(number) else { return Vec::new() };
+    let compare = |(name, estimate): (&str, &papilio_display::result::State)| {
+        let live = live_view.states.get(name)?;
         let xyz = |values: &StateValues| [values.X, values.Y, values.Z];
-        let (value, se) = (xyz(&walk.value), xyz(&walk.standard_error));
+        let (value, se) = (xyz(&estimate.value), xyz(&estimate.standard_error));
         let (exact, de) = (xyz(&live.value), live.discretisation_error.as_ref().map_or([0.0; 3], xyz));
         let z = |k: usize| {
             let error = se[k].hypot(de[k]);
@@ -185,5 +186,5 @@ fn states(number: usize, view: &View, live: &Answer) -> Vec<WalkState> {
             z_of_xyz: [z(0), z(1), z(2)],
         })
     };
-    view.states.iter().filter_map(one).collect()
+    view.states.iter().filter_map(compare).collect()
 }

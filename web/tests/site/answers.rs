@@ -1,4 +1,4 @@
-//! What is asked in good faith.
+//! Valid requests.
 
 use std::io::{BufRead, BufReader, Write};
 use std::sync::atomic::AtomicBool;
@@ -14,9 +14,9 @@ pub(crate) fn indoor(server: &Server) -> String {
     server.get("/api/v1/examples/indoor").json()["scenario"].as_str().unwrap().to_owned()
 }
 
-/// The page's numbers are those of `papilio run`, to the last bit, whatever was on screen before.
+/// The result equals that of `papilio run` to the last bit, independent of earlier requests.
 #[test]
-fn live_is_what_the_command_line_says() {
+fn live_result_equals_the_command_line() {
     let server = Server::start();
     let scenario = indoor(&server);
     let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../scenarios/indoor.toml");
@@ -32,7 +32,7 @@ fn live_is_what_the_command_line_says() {
         assert_eq!(answer.status, 200, "{answer:?}");
         let seen = answer.json();
         assert_eq!(seen["result"]["hash"], resolved.hash);
-        // As texts: reading a number back may change its last bit.
+        // Compared as text: parsing a number could change its last bit.
         let views = format!("\"views\":{}", serde_json::to_string(&wanted.views).unwrap());
         let text = String::from_utf8_lossy(&answer.body);
         assert!(text.contains(&views), "{key}");
@@ -41,9 +41,9 @@ fn live_is_what_the_command_line_says() {
     }
 }
 
-/// Every shipped scenario and preset can be opened.
+/// Every example and every preset has a live result.
 #[test]
-fn examples_and_presets_are_seen() {
+fn every_example_and_preset_computes() {
     let server = Server::start();
     for list in ["examples", "presets"] {
         let all = server.get(&format!("/api/v1/{list}")).json();
@@ -60,7 +60,7 @@ fn examples_and_presets_are_seen() {
 }
 
 #[test]
-fn a_mistake_is_told_at_its_key() {
+fn error_of_a_scenario_has_its_key_and_location() {
     let server = Server::start();
     let scenario = indoor(&server);
     let edits = json!([{ "op": "set", "path": "display.diffuser.haze", "value": 78 }]);
@@ -70,7 +70,7 @@ fn a_mistake_is_told_at_its_key() {
     let error = &body["errors"][0];
     assert_eq!(error["path"], "display.diffuser.haze");
     assert_eq!(error["message"], "78 is out of range");
-    assert_eq!(error["hint"], "this is a fraction of 1, not percent");
+    assert_eq!(error["hint"], "this is a fraction relative to 1, not per cent");
     assert!(error["line"].as_u64().unwrap() > 10 && error["column"].as_u64().unwrap() == 8);
     assert!(body["scenario"].as_str().unwrap().contains("haze = 78"));
     let missing = scenario.replace("total_transmittance", "# total_transmittance");
@@ -79,7 +79,7 @@ fn a_mistake_is_told_at_its_key() {
 }
 
 #[test]
-fn a_file_is_kept_recognised_and_used() {
+fn uploaded_file_is_stored_recognised_and_used() {
     let server = Server::start();
     let bytes = std::fs::read(concat!(env!("CARGO_MANIFEST_DIR"), "/../scenarios/data/H65.bsdf")).unwrap();
     let answer = server.send("/api/v1/files?name=my%20film.bsdf", "application/octet-stream", &bytes);
@@ -93,18 +93,17 @@ fn a_file_is_kept_recognised_and_used() {
     let seen = server.post("/live", &with(&kept["id"]));
     assert_eq!(seen.status, 200, "{}", String::from_utf8_lossy(&seen.body));
     assert_eq!(seen.json()["result"]["scenario"]["inputs"]["my film.bsdf"], kept["id"]);
-    // What the server has forgotten is asked for again.
+    // The ids of files that are not stored are returned.
     let gone = server.post("/live", &with(&json!("00")));
     assert_eq!((gone.status, &gone.json()["missing"]), (410, &json!(["00"])));
-    // Without the file, its name leads nowhere, least of all to the disk.
+    // Without an id, the name of a file is not found; the disk is not searched.
     let (message, path) = server.post("/live", &json!({ "scenario": scenario, "edits": edits })).error();
     assert_eq!(message, "there is no file `my film.bsdf` here");
     assert_eq!(path.as_deref(), Some("display.diffuser.file"));
 }
 
-/// Each kind of shipped data is told from the others.
 #[test]
-fn files_are_told_apart() {
+fn kind_of_each_example_file_is_detected() {
     let server = Server::start();
     let kinds = [
         ("H65-transmission.csv", "spectrum"),
@@ -129,7 +128,7 @@ fn files_are_told_apart() {
 }
 
 #[test]
-fn angles_cone_figures_and_files_come_back() {
+fn angles_cone_figures_and_exports_are_returned() {
     let server = Server::start();
     let scenario = indoor(&server);
     let asked = json!({ "scenario": scenario, "phi_deg": 0, "from_deg": -60, "to_deg": 60, "step_deg": 20 });
@@ -139,7 +138,7 @@ fn angles_cone_figures_and_files_come_back() {
     assert_eq!(angles["states"]["red"]["u_prime"].as_array().unwrap().len(), 7);
     let cone = server.post("/cone", &json!({ "scenario": scenario, "step_deg": 15 })).json();
     assert_eq!(cone["data"].as_array().unwrap().len(), 6 * 12);
-    // Azimuths close the circle: in steps of 25 deg the last would be nearer to the first than to the one before.
+    // The azimuths divide the circle into equal steps; with steps of 25 deg, the last step would be smaller.
     let cone_of_fives = server.post("/cone", &json!({ "scenario": scenario, "step_deg": 5 })).json();
     let azimuths: Vec<f64> =
         cone_of_fives["phi_deg"].as_array().unwrap().iter().map(|phi| phi.as_f64().unwrap()).collect();
@@ -166,18 +165,15 @@ fn angles_cone_figures_and_files_come_back() {
     assert_eq!(server.post("/export", &json!({ "scenario": scenario, "what": "../x" })).status, 404);
 }
 
-/// The report needs nothing else: no address of another file or host in it.
+/// The report contains no address of another file or host.
 #[test]
-fn a_report_is_whole() {
+fn report_is_self_contained() {
     let server = Server::start();
     let report = server.post("/export", &json!({ "scenario": indoor(&server), "what": "report.html" }));
     let html = String::from_utf8(report.body).unwrap();
-    for part in [
-        "<h1>Indoor reading</h1>",
-        "Where the light goes",
-        "From all directions",
-        "total_transmittance = 0.90",
-    ] {
+    for part in
+        ["<h1>Indoor reading</h1>", "Energy balance", "From all directions", "total_transmittance = 0.90"]
+    {
         assert!(html.contains(part), "{part}");
     }
     for address in html.split("src=\"").skip(1).chain(html.split("href=\"").skip(1)) {
@@ -185,7 +181,7 @@ fn a_report_is_whole() {
     }
 }
 
-/// The last event of a stream, and how many came before it.
+/// Returns the number of events before the last one, and the name and data of the last one.
 fn events(body: &[u8]) -> (usize, String, Value) {
     let text = String::from_utf8_lossy(body);
     let all: Vec<(String, Value)> = text
@@ -200,10 +196,10 @@ fn events(body: &[u8]) -> (usize, String, Value) {
     (all.len() - 1, name, data)
 }
 
-/// The walk's answer is that of `papilio run --solver monte-carlo`, and agrees with the live one: 24 numbers, of which the
-/// worst lies beyond 5 standard errors once in 70 000 displays.
+/// The Monte Carlo run has the hash of `papilio run --solver monte-carlo`, and agrees with adding. The
+/// largest of the 24 differences exceeds 5 standard errors once in 70 000 displays.
 #[test]
-fn the_walk_tells_how_it_comes_on_and_agrees() {
+fn monte_carlo_run_reports_progress_and_agrees_with_adding() {
     let server = Server::start();
     let answer = server.post("/walk", &json!({ "scenario": indoor(&server) }));
     assert!(answer.status == 200 && answer.head.contains("text/event-stream"), "{answer:?}");
@@ -224,7 +220,7 @@ fn the_walk_tells_how_it_comes_on_and_agrees() {
 }
 
 #[test]
-fn a_sweep_tells_each_point() {
+fn sweep_reports_each_point() {
     let server = Server::start();
     let sweep = "\n[sweep]\nfigures = [\"contrast_ratio\"]\naxes = [{ \"viewer.theta_deg\" = [0, 8, 16] }]\n";
     let answer = server.post("/sweep", &json!({ "scenario": indoor(&server) + sweep }));
@@ -234,9 +230,10 @@ fn a_sweep_tells_each_point() {
     assert_eq!(done["csv"].as_str().unwrap().lines().count(), 1 + 3 * 8);
 }
 
-/// A browser that goes away frees its place at once: a walk that would take hours is begun, left, and begun again.
+/// A client that disconnects frees its place immediately: a Monte Carlo run that would take hours is started,
+/// left, and started again.
 #[test]
-fn who_goes_away_frees_the_work() {
+fn disconnected_client_stops_its_monte_carlo_run() {
     let server = Server::start();
     let scenario =
         indoor(&server).replace("relative_error = 0.001", "relative_error = 1e-6\nsampler = \"random\"");
@@ -249,24 +246,24 @@ fn who_goes_away_frees_the_work() {
         lines.find(|line| line.as_ref().is_ok_and(|line| line.contains("event: progress"))).unwrap().unwrap();
         lines
     };
-    // A quarter of the processors, as `Site::bind` has it.
+    // A quarter of the processors, as in `Site::bind`.
     let places = 1.max(std::thread::available_parallelism().map_or(1, usize::from) / 4);
-    let walks: Vec<_> = (0..places).map(|_| begin()).collect();
-    // All places are taken: the next one is asked to come back.
+    let runs: Vec<_> = (0..places).map(|_| begin()).collect();
+    // All places are in use: the next run is refused, with the time after which to try again.
     let busy = server.post("/walk", &json!({ "scenario": scenario }));
     assert!(busy.status == 503 && busy.head.contains("retry-after: 1"), "{}", busy.head);
-    // The live answer has places of its own.
+    // Live results have separate places.
     assert_eq!(server.post("/live", &json!({ "scenario": indoor(&server) })).status, 200);
-    drop(walks);
+    drop(runs);
     let started = Instant::now();
     drop(begin());
     assert!(started.elapsed() < Duration::from_secs(2), "{:?}", started.elapsed());
 }
 
-/// So does one whose question is not answered yet: work that takes a second is begun and left a hundred times, and the next
-/// question is answered as if nothing had been.
+/// Requests of disconnected clients are dropped: a computation that takes a second is started and left a
+/// hundred times, and the next request is processed without delay.
 #[test]
-fn questions_that_nobody_waits_for_are_dropped() {
+fn request_of_disconnected_client_is_dropped() {
     let server = Server::start();
     let slow = server.get("/api/v1/examples/cover-glass").json()["scenario"].as_str().unwrap().to_owned();
     for k in 0..100 {

@@ -1,4 +1,4 @@
-//! A server of its own for each test, and a client that can say anything.
+//! A separate server for each test, and a client that can send any bytes.
 
 use std::io::{Read, Write};
 use std::net::{SocketAddr, TcpStream};
@@ -13,7 +13,7 @@ pub(crate) struct Server {
     pub(crate) address: SocketAddr,
 }
 
-/// What came back.
+/// A response.
 #[derive(Debug)]
 pub(crate) struct Answer {
     pub(crate) status: u16,
@@ -27,7 +27,7 @@ impl Answer {
             .unwrap_or_else(|e| panic!("{e}: {}", String::from_utf8_lossy(&self.body)))
     }
 
-    /// Message and path of the first error.
+    /// Returns the message and the path of the first error.
     pub(crate) fn error(&self) -> (String, Option<String>) {
         let error = &self.json()["errors"][0];
         (error["message"].as_str().unwrap().to_owned(), error["path"].as_str().map(str::to_owned))
@@ -62,7 +62,7 @@ impl Server {
     /// Sends bytes as they are, and reads to the end.
     pub(crate) fn raw(&self, request: &[u8]) -> Answer {
         let mut stream = self.connect();
-        // A server that has heard enough closes while we still speak.
+        // The server may close the connection before the request is complete.
         let _ = stream.write_all(request);
         read(&mut stream)
     }
@@ -74,7 +74,7 @@ impl Server {
         )
     }
 
-    /// A question in JSON, without its path's beginning.
+    /// Sends a request in JSON to a path below `/api/v1`.
     pub(crate) fn post(&self, path: &str, body: &Value) -> Answer {
         self.send(&format!("/api/v1{path}"), "application/json", body.to_string().as_bytes())
     }
@@ -93,7 +93,7 @@ impl Server {
     }
 }
 
-/// A whole answer; one that is cut off has status 0.
+/// Reads a complete response; status 0 if there is none.
 pub(crate) fn read(stream: &mut TcpStream) -> Answer {
     let mut bytes = Vec::new();
     let _ = stream.read_to_end(&mut bytes);

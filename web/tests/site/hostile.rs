@@ -1,4 +1,4 @@
-//! What is asked in bad faith: each request has an answer of its own, and the server goes on.
+//! Hostile requests: each of them has a response, and the server continues to run.
 
 use std::io::Write;
 use std::net::{IpAddr, TcpStream};
@@ -18,7 +18,7 @@ fn is_alive(server: &Server) -> bool {
 }
 
 #[test]
-fn no_path_leads_to_the_disk() {
+fn path_outside_the_api_and_the_page_is_refused() {
     let server = Server::start();
     for path in [
         "/../Cargo.toml",
@@ -36,7 +36,7 @@ fn no_path_leads_to_the_disk() {
         assert!((400..500).contains(&answer.status), "{path}: {answer:?}");
         assert!(!String::from_utf8_lossy(&answer.body).contains("root:"), "{path}");
     }
-    // A scenario cannot name one, either.
+    // A scenario cannot use such a path either.
     for file in ["/etc/passwd", "../Cargo.toml", "data/../../Cargo.toml", "Cargo.toml"] {
         let edits = json!([{ "op": "set", "path": "lighting.spectrum", "value": file }]);
         let answer = server.post("/live", &json!({ "scenario": indoor(&server), "edits": edits }));
@@ -50,7 +50,7 @@ fn no_path_leads_to_the_disk() {
 }
 
 #[test]
-fn foreign_hosts_origins_and_methods_are_turned_away() {
+fn foreign_host_origin_or_method_is_refused() {
     let server = Server::start();
     let port = server.address.port();
     let ask = |lines: &str| server.raw(format!("{lines}\r\nConnection: close\r\n\r\n").as_bytes()).status;
@@ -69,7 +69,7 @@ fn foreign_hosts_origins_and_methods_are_turned_away() {
     let origin = format!("Origin: http://localhost:{port}\r\nOrigin: http://evil.example");
     assert_eq!(ask(&format!("{health}Host: localhost:{port}\r\n{origin}")), 403);
     assert_eq!(ask("BREW / COFFEE"), 400);
-    // A form of another site can send texts, never JSON.
+    // A form of another site can send text, but not JSON.
     assert_eq!(server.send("/api/v1/live", "text/plain", b"{}").status, 415);
     let head = server.get("/").head;
     assert!(
@@ -78,17 +78,17 @@ fn foreign_hosts_origins_and_methods_are_turned_away() {
 }
 
 #[test]
-fn elsewhere_a_token_is_demanded() {
+fn server_reachable_from_other_machines_requires_token() {
     let everywhere: IpAddr = "0.0.0.0".parse().unwrap();
     let server = Server::with(Options { listen: everywhere, port: 0, start: None });
     assert_eq!(server.get("/api/v1/health").status, 401);
     assert_eq!(server.post("/live", &json!({ "scenario": "" })).status, 401);
-    // The page itself may load: it reads the token from its address.
+    // The page itself loads without the token, which it reads from its address.
     assert_eq!(server.get("/").status, 200);
 }
 
 #[test]
-fn what_is_too_large_too_deep_or_too_much_is_refused() {
+fn request_that_exceeds_a_limit_is_refused() {
     let server = Server::start();
     let long = "#".repeat(300 << 10);
     assert_eq!(server.post("/live", &json!({ "scenario": long })).status, 413);
@@ -114,27 +114,28 @@ fn what_is_too_large_too_deep_or_too_much_is_refused() {
     assert_eq!(server.post("/edit", &json!({ "scenario": "", "edits": edits })).status, 400);
     let many = indoor(&server).replace("theta_deg = 8", "theta_deg = { from = -80, to = 80, step = 0.1 }");
     let (message, _) = server.post("/live", &json!({ "scenario": many })).error();
-    assert!(message.contains("too much for a page"), "{message}");
+    assert!(message.contains("too many for the page"), "{message}");
     let slow = server.get("/api/v1/examples/two-diffusers").json()["scenario"].as_str().unwrap().to_owned();
     let slow = slow.replace("width = 0.04", "width = 0.02").replace("width = 0.03", "width = 0.02");
     let slow = slow.replace("index = 1.5", "index = \"fused-silica.yml\"");
     let (message, _) = server.post("/live", &json!({ "scenario": slow })).error();
-    assert!(message.contains("more than a page waits for"), "{message}");
+    assert!(message.contains("the page allows 20 s"), "{message}");
     let header = format!("GET / HTTP/1.1\r\nHost: localhost\r\nX: {}\r\n\r\n", "y".repeat(64 << 10));
     assert!((400..500).contains(&server.raw(header.as_bytes()).status));
     assert!(is_alive(&server));
 }
 
-/// The two that wait for clocks, at the same time.
+/// Runs the two tests that wait for time limits at the same time.
 #[test]
-fn who_dawdles_and_who_never_reads_is_given_up() {
-    let never_read = std::thread::spawn(clients_that_never_read_do_not_shut_others_out);
-    who_dawdles_is_given_up();
+fn slow_clients_and_clients_that_never_read_are_disconnected() {
+    let never_read = std::thread::spawn(clients_that_never_read_do_not_block_others);
+    slow_clients_are_disconnected();
     never_read.join().unwrap();
 }
 
-/// A body, and a header, that never end are given up after ten seconds, and others are served meanwhile.
-fn who_dawdles_is_given_up() {
+/// Connections with an incomplete body or header are closed after ten seconds; others are served at the same
+/// time.
+fn slow_clients_are_disconnected() {
     let server = Server::start();
     let started = Instant::now();
     let (mut body, mut header) = (server.connect(), server.connect());
@@ -151,16 +152,16 @@ fn who_dawdles_is_given_up() {
     assert!((Duration::from_secs(8)..Duration::from_secs(25)).contains(&waited), "{waited:?}");
 }
 
-/// Connections that ask for much and never read, more than there are places: another client is served at once, and each of
-/// them is ended within seconds.
-fn clients_that_never_read_do_not_shut_others_out() {
+/// More connections than places send many requests and never read: another client is served immediately, and
+/// each of them is closed within seconds.
+fn clients_that_never_read_do_not_block_others() {
     let server = Server::start();
     let port = server.address.port();
     let ask = format!("GET /api/v1/schema HTTP/1.1\r\nHost: localhost:{port}\r\n\r\n").repeat(600);
     let before = resident_kb();
     let mut silent: Vec<_> = (0..300).map(|_| server.connect()).collect();
     for stream in &mut silent {
-        // Those beyond the places of one address are closed at once.
+        // The connections that exceed the limit of one address are closed immediately.
         let _ = stream.write_all(ask.as_bytes());
     }
     std::thread::sleep(Duration::from_millis(1200));
@@ -170,7 +171,7 @@ fn clients_that_never_read_do_not_shut_others_out() {
         assert!(asked.elapsed() < Duration::from_secs(2), "{:?}", asked.elapsed());
     }
     if let Some((before, now)) = before.zip(resident_kb()) {
-        // An answer is 0.1 MB and 64 connections hold one each; other tests of this program run meanwhile.
+        // A response takes 0.1 MB, and 64 connections hold one each; other tests run at the same time.
         assert!(now < before + (200 << 10), "{before} kB, then {now} kB");
     }
     std::thread::sleep(Duration::from_secs(12));
@@ -182,9 +183,8 @@ fn clients_that_never_read_do_not_shut_others_out() {
     assert!(silent.iter_mut().step_by(50).all(is_ended));
 }
 
-/// Connections that ask for nothing make room for those that do.
 #[test]
-fn idle_connections_make_room() {
+fn idle_connections_are_replaced_by_active_ones() {
     let server = Server::start();
     let _idle: Vec<_> = (0..300).map(|_| server.connect()).collect();
     std::thread::sleep(Duration::from_millis(1200));
@@ -195,9 +195,9 @@ fn idle_connections_make_room() {
     }
 }
 
-/// Many small files at once wait for their turn.
+/// Many small files that are uploaded at the same time wait for their places.
 #[test]
-fn a_crowd_of_uploads_is_not_refused() {
+fn many_simultaneous_uploads_are_accepted() {
     let server = Server::start();
     let upload = |k: usize| {
         let text = format!("wavelength_nm,value\n400,{k}\n700,1\n");
@@ -213,9 +213,9 @@ fn a_crowd_of_uploads_is_not_refused() {
     });
 }
 
-/// The description is whole: every reference leads somewhere, every endpoint says what it takes and gives.
+/// Every reference of the OpenAPI description exists, and the server returns the same description.
 #[test]
-fn the_description_is_whole() {
+fn openapi_description_is_complete() {
     let all = openapi();
     assert_eq!(all["openapi"], "3.1.0");
     let schemas = all["components"]["schemas"].as_object().unwrap();
@@ -230,7 +230,7 @@ fn the_description_is_whole() {
     assert_eq!(server.get("/api/v1/openapi.json").json(), all);
 }
 
-/// Any path of keys and indices, most of them real ones.
+/// Draws a path of keys and indices, most of which exist.
 fn path(dice: &mut Dice) -> String {
     let keys = [
         "display",
@@ -252,9 +252,9 @@ fn path(dice: &mut Dice) -> String {
     dice.several(0..=4, |dice| dice.of(keys)).join(".")
 }
 
-/// Whatever the edits, the text is TOML afterwards, or they are refused: never a panic, never broken text.
+/// After any edits, the text is TOML, or the edits are refused: no panic, no broken text.
 #[test]
-fn any_edits_leave_a_text_or_an_error() {
+fn random_edits_give_valid_toml_or_an_error() {
     let server = Server::start();
     let texts: Vec<String> = ["indoor", "cover-glass", "readability"]
         .map(|name| {
@@ -281,7 +281,7 @@ fn any_edits_leave_a_text_or_an_error() {
     );
 }
 
-/// Any JSON, up to so many levels.
+/// Draws a JSON value with at most `levels` levels.
 fn junk(dice: &mut Dice, levels: usize) -> Value {
     let printable: String = (' '..='~').collect();
     match dice.below(if levels > 0 { 12 } else { 8 }) {
@@ -303,17 +303,17 @@ fn junk(dice: &mut Dice, levels: usize) -> Value {
     }
 }
 
-/// The properties that a schema names, resolved.
+/// Returns the names of the properties of a schema, following its reference.
 fn properties(all: &Value, schema: &Value) -> Vec<String> {
     let reference = schema["$ref"].as_str().and_then(|path| path.strip_prefix('#'));
     let schema = reference.and_then(|path| all.pointer(path)).unwrap_or(schema);
     schema["properties"].as_object().map(|all| all.keys().cloned().collect()).unwrap_or_default()
 }
 
-/// Requests that are made of the description, each property some junk or a scenario: the answer is one, never a
-/// fault of the server's.
+/// Requests generated from the description, with random values or a scenario for each property, never cause
+/// an internal error.
 #[test]
-fn generated_requests_have_an_answer() {
+fn generated_request_gives_a_result_or_a_client_error() {
     let (server, all) = (Server::start(), openapi());
     let scenario = indoor(&server);
     let mut asked = 0;

@@ -1,4 +1,4 @@
-//! Fifty clients at once. `PAPILIO_LOAD_SECONDS` says for how long; `cargo xtask full` says a minute.
+//! Load test with fifty clients, for `PAPILIO_LOAD_SECONDS`; `cargo xtask full` sets a minute.
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::{Duration, Instant};
@@ -10,16 +10,16 @@ use crate::client::Server;
 
 const CLIENTS: usize = 50;
 
-/// What the process holds in memory, kB.
+/// Resident memory of the process, kB.
 pub(crate) fn resident_kb() -> Option<u64> {
     let status = std::fs::read_to_string("/proc/self/status").ok()?;
     status.lines().find_map(|line| line.strip_prefix("VmRSS:"))?.trim().split(' ').next()?.parse().ok()
 }
 
-/// Every answer is the right one or an intended refusal, memory stays bounded, and one more user, who moves a slider,
-/// is served all the while.
+/// Every response is a result or an intended refusal, memory stays bounded, and another user, who moves a
+/// slider, is served at the same time.
 #[test]
-fn fifty_clients_and_one_who_moves_a_slider() {
+fn fifty_clients_do_not_block_another_user() {
     let seconds = std::env::var("PAPILIO_LOAD_SECONDS").ok().and_then(|text| text.parse().ok()).unwrap_or(3);
     let server = Server::start();
     let scenario = indoor(&server);
@@ -58,15 +58,15 @@ fn fifty_clients_and_one_who_moves_a_slider() {
     });
     waits.sort_unstable();
     let grown_mb = before.zip(resident_kb()).map(|(before, after)| after.saturating_sub(before) / 1024);
-    let of = |share: f64| waits[((waits.len() - 1) as f64 * share) as usize];
+    let quantile = |fraction: f64| waits[((waits.len() - 1) as f64 * fraction) as usize];
     println!(
-        "{} answers, {} refusals in {seconds} s; one more user waited {:?} (median), {:?} (95 %); memory grew by {grown_mb:?} MB",
+        "{} responses, {} refusals in {seconds} s; another user waited {:?} (median), {:?} (95 %); memory grew by {grown_mb:?} MB",
         answered.load(Ordering::Relaxed),
         refused.load(Ordering::Relaxed),
-        of(0.5),
-        of(0.95),
+        quantile(0.5),
+        quantile(0.95),
     );
     assert!(answered.load(Ordering::Relaxed) > CLIENTS);
     assert!(grown_mb.is_none_or(|grown| grown < 500), "{grown_mb:?} MB");
-    assert!(of(0.95) < Duration::from_secs(2), "{:?}", of(0.95));
+    assert!(quantile(0.95) < Duration::from_secs(2), "{:?}", quantile(0.95));
 }

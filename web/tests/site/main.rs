@@ -1,10 +1,10 @@
-//! The server as a browser, or an attacker, meets it: over a socket.
+//! Tests of the server over a socket, with requests of browsers and of attackers.
 
 #![allow(
     clippy::unwrap_used,
     clippy::panic,
     clippy::print_stdout,
-    reason = "a test; that of the load says what it found"
+    reason = "tests; the load test prints its results"
 )]
 
 mod answers;

@@ -1,12 +1,13 @@
-//! What makes a design good, in numbers that a search can compare.
+//! Objectives and constraints as scaled numbers.
 //!
-//! An objective becomes a *merit*, which is to be small: `-v / s` of what is to be large, `v / s` of what is to be small,
-//! `((v - t) / s)^2` of what is to be near `t`; `s` is the size of the scenario's own value. A constraint becomes a
-//! number that is to be 0 or less: how far the limit is missed, over the size of the limit.
+//! An objective becomes a *merit*, which a search minimises: `-v / s` for a value v to be maximised, `v / s`
+//! for one to be minimised, `((v - t) / s)^2` for a target t. The scale s is the magnitude of the scenario's
+//! own value. A constraint becomes its *violation*: the distance from the limit, divided by the magnitude of
+//! the limit. It is at most 0 if the constraint is satisfied.
 
 use papilio_scenario::{Optimisation, SearchAim, SearchObjective, SearchQuantity};
 
-/// A design that misses its limits by no more than this, relative, meets them: optimisers end about there.
+/// Largest relative violation of a feasible design: optimisers satisfy constraints to about this accuracy.
 pub const FEASIBLE: f64 = 1e-6;
 
 /// Objectives and constraints.
@@ -18,7 +19,7 @@ pub struct Aims {
 
 #[derive(Debug, Clone, PartialEq)]
 struct Objective {
-    /// Weights and numbers of quantities.
+    /// Weights and indices of quantities.
     parts: Vec<(f64, usize)>,
     aim: SearchAim,
     size: f64,
@@ -27,55 +28,56 @@ struct Objective {
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Limit {
     quantity: usize,
-    /// 1: no more; -1: no less.
+    /// 1 for an upper limit, -1 for a lower limit.
     sign: f64,
     limit: f64,
     size: f64,
 }
 
 impl Aims {
-    pub(super) fn new(said: &Optimisation, own: &[Option<f64>]) -> Self {
-        let quantities = said.quantities();
-        let number = |one: &SearchQuantity| quantities.iter().position(|known| *known == one).unwrap_or(0);
+    pub(super) fn new(spec: &Optimisation, own: &[Option<f64>]) -> Self {
+        let quantities = spec.quantities();
+        let index = |one: &SearchQuantity| quantities.iter().position(|known| *known == one).unwrap_or(0);
         let objective = |one: &SearchObjective| {
             let parts: Vec<(f64, usize)> =
-                one.parts.iter().map(|(weight, part)| (*weight, number(part))).collect();
+                one.parts.iter().map(|(weight, part)| (*weight, index(part))).collect();
             let target = if let SearchAim::Target(target) = one.aim { target } else { 0.0 };
             let size = size(&[mean(&parts, own).unwrap_or(0.0), target]);
             Objective { parts, aim: one.aim, size }
         };
-        let limits = said.constraints.iter().flat_map(|one| {
-            let quantity = number(&one.quantity);
+        let limits = spec.constraints.iter().flat_map(|constraint| {
+            let quantity = index(&constraint.quantity);
             let limit = move |sign: f64, limit: f64| Limit {
                 quantity,
                 sign,
                 limit,
                 size: if limit == 0.0 { size(&[own[quantity].unwrap_or(0.0)]) } else { limit.abs() },
             };
-            one.at_least
+            constraint
+                .at_least
                 .map(|least| limit(-1.0, least))
                 .into_iter()
-                .chain(one.at_most.map(|most| limit(1.0, most)))
+                .chain(constraint.at_most.map(|most| limit(1.0, most)))
         });
-        Self { objectives: said.objectives.iter().map(objective).collect(), limits: limits.collect() }
+        Self { objectives: spec.objectives.iter().map(objective).collect(), limits: limits.collect() }
     }
 
-    /// How many objectives there are.
+    /// Number of objectives.
     pub fn objectives(&self) -> usize {
         self.objectives.len()
     }
 
-    /// How many limits there are, `at_least` and `at_most` counted each.
+    /// Number of limits; `at_least` and `at_most` count separately.
     pub fn limits(&self) -> usize {
         self.limits.len()
     }
 
-    /// The value of an objective; `None` where it is not defined.
+    /// Value of an objective; `None` where it is undefined.
     pub fn value(&self, objective: usize, values: &[Option<f64>]) -> Option<f64> {
         mean(&self.objectives[objective].parts, values)
     }
 
-    /// The merit of an objective: the smaller the better.
+    /// Merit of an objective; smaller is better.
     pub fn merit(&self, objective: usize, values: &[Option<f64>]) -> Option<f64> {
         let Objective { aim, size, .. } = self.objectives[objective];
         self.value(objective, values).map(|value| match aim {
@@ -85,7 +87,7 @@ impl Aims {
         })
     }
 
-    /// The slopes of a merit, from those of the quantities, `[quantity][variable]`.
+    /// Derivatives of a merit from those of the quantities, `[quantity][variable]`.
     pub(super) fn merit_slopes(
         &self,
         objective: usize,
@@ -108,26 +110,26 @@ impl Aims {
         (0..variables).map(slope).collect()
     }
 
-    /// By how much each limit is missed: 0 or less where it is met; infinite where its quantity is not defined.
-    pub(super) fn misses(&self, values: &[Option<f64>]) -> Vec<f64> {
-        let miss = |one: &Limit| {
+    /// Violation of each limit: 0 or less if it is satisfied, infinite if its quantity is undefined.
+    pub(super) fn violations(&self, values: &[Option<f64>]) -> Vec<f64> {
+        let violation = |one: &Limit| {
             values[one.quantity].map_or(f64::INFINITY, |value| one.sign * (value - one.limit) / one.size)
         };
-        self.limits.iter().map(miss).collect()
+        self.limits.iter().map(violation).collect()
     }
 
-    /// The slopes of [`misses`](Self::misses), `[limit][variable]`.
-    pub(super) fn miss_slopes(&self, slopes: &[f64], variables: usize) -> Vec<f64> {
-        let of = |one: &Limit| {
-            let (row, factor) = (one.quantity * variables, one.sign / one.size);
-            slopes[row..row + variables].iter().map(move |slope| factor * slope).collect::<Vec<_>>()
+    /// Derivatives of the [`violations`](Self::violations), `[limit][variable]`.
+    pub(super) fn violation_slopes(&self, slopes: &[f64], variables: usize) -> Vec<f64> {
+        let row = |one: &Limit| {
+            let (start, factor) = (one.quantity * variables, one.sign / one.size);
+            slopes[start..start + variables].iter().map(move |slope| factor * slope).collect::<Vec<_>>()
         };
-        self.limits.iter().flat_map(of).collect()
+        self.limits.iter().flat_map(row).collect()
     }
 
-    /// How far a design misses its limits, relative: at most [`FEASIBLE`] of one that meets them.
+    /// Largest relative violation of a design's constraints; at most [`FEASIBLE`] for a feasible design.
     pub fn missed(&self, values: &[Option<f64>]) -> f64 {
-        self.misses(values).into_iter().fold(0.0, f64::max)
+        self.violations(values).into_iter().fold(0.0, f64::max)
     }
 }
 
@@ -135,7 +137,7 @@ fn mean(parts: &[(f64, usize)], values: &[Option<f64>]) -> Option<f64> {
     parts.iter().map(|(weight, at)| values[*at].map(|value| weight * value)).sum()
 }
 
-/// The largest of these; 1 of zeros.
+/// Largest magnitude of the values; 1 if all are zero.
 fn size(values: &[f64]) -> f64 {
     let largest = values.iter().fold(0.0_f64, |largest, value| largest.max(value.abs()));
     if largest > 0.0 && largest.is_finite() { largest } else { 1.0 }

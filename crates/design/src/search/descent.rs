@@ -1,4 +1,4 @@
-//! Downhill by derivatives: sequential least squares programming (Kraft 1988), by the crate `basin`.
+//! Descent by derivatives: sequential least squares programming (SLSQP, Kraft 1988), by the crate `basin`.
 
 use basin::{
     BoxBounds, ConstraintDescription, ConstraintJacobian, ConstraintSet, ConstraintSolveError, Constraints,
@@ -6,17 +6,17 @@ use basin::{
     NonlinearBlocks, NonlinearInequalityValues, SelectedFirstOrderState, Slsqp,
 };
 
-use super::scalar::Scalar;
+use super::task_problem::DescentTask;
 use crate::DesignError;
 
-/// Merits and misses are of the size of 1: this is far below what anybody sees.
+/// Absolute accuracy of merits and violations, which are of the order of 1.
 const ACCURACY: f64 = 1e-9;
 const ITERATIONS: u64 = 200;
 
-/// Goes down from a point of the unit cube, until the task has evaluated so many designs: those that it evaluated before
-/// count, too.
+/// Runs a descent from a point of the unit cube until it converges, or until the task has evaluated
+/// `evaluations` designs, including those evaluated before.
 pub(super) fn descend(
-    scalar: &Scalar<'_, '_>,
+    scalar: &DescentTask<'_, '_>,
     start: Vec<f64>,
     evaluations: usize,
 ) -> Result<(), DesignError> {
@@ -29,26 +29,26 @@ pub(super) fn descend(
         evaluations,
     };
     let solver = Slsqp::new().with_absolute_accuracy_tolerance(ACCURACY);
-    let ended =
+    let outcome =
         Executor::new(problem, solver, SelectedFirstOrderState::new(start)).max_iter(ITERATIONS).run();
-    match ended {
-        Err(ConstraintSolveError::Evaluation(Ended::Failed(error))) => Err(error),
-        // However it ended: the best design that it saw is what counts.
+    match outcome {
+        Err(ConstraintSolveError::Evaluation(Stopped::Failed(error))) => Err(error),
+        // The best evaluated design is the result, even without convergence.
         _ => Ok(()),
     }
 }
 
-/// Why there is no value at a point.
+/// Reason why a point is not evaluated.
 #[derive(Debug, thiserror::Error)]
-enum Ended {
-    #[error("its evaluations are used up")]
+enum Stopped {
+    #[error("the task has used up its evaluations")]
     UsedUp,
     #[error(transparent)]
     Failed(#[from] DesignError),
 }
 
 struct Descent<'a, 'b, 'stop> {
-    scalar: &'a Scalar<'b, 'stop>,
+    scalar: &'a DescentTask<'b, 'stop>,
     lower: Vec<f64>,
     upper: Vec<f64>,
     limits: usize,
@@ -56,9 +56,9 @@ struct Descent<'a, 'b, 'stop> {
 }
 
 impl<'b, 'stop> Descent<'_, 'b, 'stop> {
-    /// The task, while it may evaluate designs.
-    fn scalar(&self) -> Result<&Scalar<'b, 'stop>, Ended> {
-        (self.scalar.evaluations() < self.evaluations).then_some(self.scalar).ok_or(Ended::UsedUp)
+    /// Returns the task if it has evaluations left.
+    fn scalar(&self) -> Result<&DescentTask<'b, 'stop>, Stopped> {
+        (self.scalar.evaluations() < self.evaluations).then_some(self.scalar).ok_or(Stopped::UsedUp)
     }
 }
 
@@ -79,9 +79,9 @@ impl Constraints for Descent<'_, '_, '_> {
 impl CostFunction for Descent<'_, '_, '_> {
     type Param = Vec<f64>;
     type Output = f64;
-    type Error = Ended;
+    type Error = Stopped;
 
-    fn cost(&self, point: &Vec<f64>) -> Result<f64, Ended> {
+    fn cost(&self, point: &Vec<f64>) -> Result<f64, Stopped> {
         Ok(self.scalar()?.value(point)?.0)
     }
 }
@@ -89,7 +89,7 @@ impl CostFunction for Descent<'_, '_, '_> {
 impl Gradient for Descent<'_, '_, '_> {
     type Gradient = Vec<f64>;
 
-    fn gradient(&self, point: &Vec<f64>) -> Result<Vec<f64>, Ended> {
+    fn gradient(&self, point: &Vec<f64>) -> Result<Vec<f64>, Stopped> {
         Ok(self.scalar()?.slopes(point)?.0)
     }
 }
@@ -97,22 +97,22 @@ impl Gradient for Descent<'_, '_, '_> {
 impl NonlinearInequalityValues for Descent<'_, '_, '_> {
     type Param = Vec<f64>;
     type Values = Vec<f64>;
-    type Error = Ended;
+    type Error = Stopped;
 
-    fn nonlinear_inequalities(&self, point: &Vec<f64>) -> Result<Vec<f64>, ConstraintSolveError<Ended>> {
-        let found = self.scalar().and_then(|scalar| Ok(scalar.value(point)?));
-        Ok(found.map_err(ConstraintSolveError::Evaluation)?.1)
+    fn nonlinear_inequalities(&self, point: &Vec<f64>) -> Result<Vec<f64>, ConstraintSolveError<Stopped>> {
+        let value = self.scalar().and_then(|scalar| Ok(scalar.value(point)?));
+        Ok(value.map_err(ConstraintSolveError::Evaluation)?.1)
     }
 }
 
 impl ConstraintJacobian for Descent<'_, '_, '_> {
     type Param = Vec<f64>;
     type Jacobian = DenseMatrix;
-    type Error = Ended;
+    type Error = Stopped;
 
-    fn constraint_jacobian(&self, point: &Vec<f64>) -> Result<DenseMatrix, ConstraintSolveError<Ended>> {
-        let found = self.scalar().and_then(|scalar| Ok(scalar.slopes(point)?));
-        let slopes = found.map_err(ConstraintSolveError::Evaluation)?.1;
+    fn constraint_jacobian(&self, point: &Vec<f64>) -> Result<DenseMatrix, ConstraintSolveError<Stopped>> {
+        let value = self.scalar().and_then(|scalar| Ok(scalar.slopes(point)?));
+        let slopes = value.map_err(ConstraintSolveError::Evaluation)?.1;
         Ok(DenseMatrix::from_row_slice(self.limits, self.lower.len(), &slopes))
     }
 }

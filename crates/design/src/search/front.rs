@@ -1,46 +1,54 @@
-//! The designs that no other beats in everything.
+//! Pareto front.
 
-use super::{Aims, FEASIBLE, Found};
+use super::{Aims, FEASIBLE, SearchResult};
 
-/// Merits that differ by no more than this are alike: optimisers keep a limit to about a hundredth of it.
-const ALIKE: f64 = 1e-4;
+/// Merits that differ by at most this count as equal. Optimisers satisfy limits to about a hundredth of it.
+const EQUAL: f64 = 1e-4;
 
-/// The numbers of those designs that meet their limits and that no other one beats: as good in every objective and better in
-/// one. In the order of the first objective, the best first; of designs that are alike the first found.
-pub fn front(aims: &Aims, found: &[Found]) -> Vec<usize> {
-    let merits = |one: &Found| -> Option<Vec<f64>> {
-        let sound = !one.design.is_empty() && aims.missed(&one.values) <= FEASIBLE;
-        (0..aims.objectives()).map(|at| aims.merit(at, &one.values).filter(|_| sound)).collect()
+/// Returns the indices of the feasible designs that are not dominated: no other one is as good in every
+/// objective and better in one.
+///
+/// They are sorted by the first objective, the best first. Of equal designs, only the first one is included.
+pub fn front(aims: &Aims, results: &[SearchResult]) -> Vec<usize> {
+    let merits = |one: &SearchResult| -> Option<Vec<f64>> {
+        let feasible = !one.design.is_empty() && aims.missed(&one.values) <= FEASIBLE;
+        (0..aims.objectives())
+            .map(|objective| aims.merit(objective, &one.values).filter(|_| feasible))
+            .collect()
     };
-    let all: Vec<(usize, Vec<f64>)> =
-        found.iter().enumerate().filter_map(|(at, one)| merits(one).map(|merits| (at, merits))).collect();
+    let all: Vec<(usize, Vec<f64>)> = results
+        .iter()
+        .enumerate()
+        .filter_map(|(index, one)| merits(one).map(|merits| (index, merits)))
+        .collect();
     let mut front: Vec<&(usize, Vec<f64>)> =
-        all.iter().filter(|one| !all.iter().any(|other| beats(other, one))).collect();
+        all.iter().filter(|one| !all.iter().any(|other| dominates(other, one))).collect();
     front.sort_by(|a, b| a.1[0].total_cmp(&b.1[0]));
-    front.into_iter().map(|(at, _)| *at).collect()
+    front.into_iter().map(|(index, _)| *index).collect()
 }
 
-/// True if the first design beats the second. One objective is exact: there is a best.
-fn beats((number, one): &(usize, Vec<f64>), (other_number, other): &(usize, Vec<f64>)) -> bool {
-    let alike = if one.len() == 1 { 0.0 } else { ALIKE };
-    let as_good = one.iter().zip(other).all(|(a, b)| *a <= b + alike);
-    let better = one.iter().zip(other).any(|(a, b)| *a < b - alike);
+/// Returns true if the first design dominates the second, or equals it and has a smaller index. With a single
+/// objective, the comparison is exact, so that there is one best design.
+fn dominates((number, one): &(usize, Vec<f64>), (other_number, other): &(usize, Vec<f64>)) -> bool {
+    let margin = if one.len() == 1 { 0.0 } else { EQUAL };
+    let as_good = one.iter().zip(other).all(|(a, b)| *a <= b + margin);
+    let better = one.iter().zip(other).any(|(a, b)| *a < b - margin);
     as_good && (better || number < other_number)
 }
 
 #[cfg(test)]
 mod tests {
-    use super::beats;
+    use super::dominates;
 
     #[test]
-    fn what_beats_what() {
+    fn dominates_compares_all_objectives_and_prefers_the_first_of_equals() {
         let design = |number: usize, a: f64, b: f64| (number, vec![a, b]);
-        assert!(beats(&design(1, -2.0, -1.0), &design(0, -1.0, -1.0)));
-        assert!(!beats(&design(1, -2.0, 1.0), &design(0, -1.0, -1.0)));
-        // As good as can be told in the one, better in the other.
-        assert!(beats(&design(1, -2.0, -1.0), &design(0, -1.0, -1.00001)));
-        // Alike: the first found.
-        assert!(beats(&design(0, 1.0, 1.0), &design(1, 1.0, 1.0)));
-        assert!(!beats(&design(1, 1.0, 1.0), &design(0, 1.0, 1.0)));
+        assert!(dominates(&design(1, -2.0, -1.0), &design(0, -1.0, -1.0)));
+        assert!(!dominates(&design(1, -2.0, 1.0), &design(0, -1.0, -1.0)));
+        // Equal within the margin in the second objective, better in the first.
+        assert!(dominates(&design(1, -2.0, -1.0), &design(0, -1.0, -1.00001)));
+        // Equal: the first one.
+        assert!(dominates(&design(0, 1.0, 1.0), &design(1, 1.0, 1.0)));
+        assert!(!dominates(&design(1, 1.0, 1.0), &design(0, 1.0, 1.0)));
     }
 }

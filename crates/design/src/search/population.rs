@@ -1,6 +1,6 @@
-//! By a population: differential evolution (Storn and Price 1997), by the crate `basin`.
+//! Differential evolution (Storn and Price 1997), by the crate `basin`.
 //!
-//! A generation is made of the one before it alone, so that its members can be evaluated side by side, wherever.
+//! A generation depends only on the one before it. Its members can therefore be evaluated in parallel.
 
 use std::cell::RefCell;
 use std::convert::Infallible;
@@ -11,72 +11,73 @@ use basin::{
     Problem, Solver,
 };
 
-use super::starts::drawn;
+use super::starts::random_point;
 
-/// Members for each variable, and the fewest and the most of them.
+/// Members per variable, and the smallest and largest number of members.
 const MEMBERS: usize = 8;
 const FEWEST: usize = 16;
 const MOST: usize = 120;
 
-/// A population in the unit cube, between two generations.
+/// Population in the unit cube, between two generations.
 pub(super) struct Population {
-    /// The optimiser, and its twin, which is always a generation ahead: it says which points the next one has.
     solver: De,
-    scout: De,
-    /// `None`: the first generation is not known yet.
+    /// Second instance of the optimiser, one generation ahead, from which the points of the next generation
+    /// are obtained.
+    look_ahead: De,
+    /// `None` before the first generation is evaluated.
     state: Option<PopulationProgress<Vec<f64>>>,
     first: Vec<Vec<f64>>,
 }
 
 impl Population {
-    /// Around a point, its first member.
+    /// Creates a population whose first member is `own`.
     pub(super) fn new(own: Vec<f64>, seed: u64) -> Self {
         let variables = own.len();
         let members = (MEMBERS * variables).clamp(FEWEST, MOST);
-        let others = (1..members as u64).map(|member| drawn(seed, u64::MAX, member, variables));
+        let others = (1..members as u64).map(|member| random_point(seed, u64::MAX, member, variables));
         let solver = || De::new(seed).with_pop_size(members).with_dither(0.5, 1.0);
         Self {
             solver: solver(),
-            scout: solver(),
+            look_ahead: solver(),
             state: None,
             first: std::iter::once(own).chain(others).collect(),
         }
     }
 
-    /// The points of the next generation; to be asked once for each.
-    pub(super) fn next(&mut self) -> Vec<Vec<f64>> {
-        // What a point costs does not change what is asked in the same generation.
+    /// Returns the points of the next generation. Must be called once for each generation.
+    pub(super) fn next_points(&mut self) -> Vec<Vec<f64>> {
+        // The costs do not affect the points of the same generation.
         let unknown = vec![0.0; self.first.len()];
-        stepped(&mut self.scout, self.state.clone(), &self.first, unknown).1
+        step(&mut self.look_ahead, self.state.clone(), &self.first, unknown).1
     }
 
-    /// Takes what those points cost, in order.
-    pub(super) fn take(&mut self, costs: Vec<f64>) {
-        self.state = stepped(&mut self.solver, self.state.take(), &self.first, costs).0;
+    /// Sets the costs of these points, in order.
+    pub(super) fn set_costs(&mut self, costs: Vec<f64>) {
+        self.state = step(&mut self.solver, self.state.take(), &self.first, costs).0;
     }
 }
 
-/// A generation with these costs; and its points.
-fn stepped(
+/// Advances the optimiser by one generation with these costs; also returns the points of the generation.
+fn step(
     solver: &mut De,
     state: Option<PopulationProgress<Vec<f64>>>,
     first: &[Vec<f64>],
     costs: Vec<f64>,
 ) -> (Option<PopulationProgress<Vec<f64>>>, Vec<Vec<f64>>) {
     let variables = first.first().map_or(0, Vec::len);
-    let told = Told {
-        asked: RefCell::default(),
+    let costs = RecordedCosts {
+        points: RefCell::default(),
         costs: RefCell::new(costs.into_iter()),
         lower: vec![0.0; variables],
         upper: vec![1.0; variables],
     };
-    let mut problem = Problem::new(told);
+    let mut problem = Problem::new(costs);
     let state = match state {
         None => solver.init(&mut problem, PopulationProgress::from_population(first.to_vec())).ok(),
         Some(state) => solver.next_iter(&mut problem, state).ok().map(|step| step.state),
     };
-    let asked = problem.inner().asked.take();
-    (state, asked)
+    let points = problem.inner().points.take();
+    (state, points)
 }
 
 impl std::fmt::Debug for Population {
@@ -85,15 +86,15 @@ impl std::fmt::Debug for Population {
     }
 }
 
-/// Costs that are told in order, whatever the points.
-struct Told {
-    asked: RefCell<Vec<Vec<f64>>>,
+/// Cost function that returns given costs in order and records the points.
+struct RecordedCosts {
+    points: RefCell<Vec<Vec<f64>>>,
     costs: RefCell<IntoIter<f64>>,
     lower: Vec<f64>,
     upper: Vec<f64>,
 }
 
-impl Constraints for Told {
+impl Constraints for RecordedCosts {
     type Set = ConstraintSet<BoxBounds<Vec<f64>>>;
 
     fn constraints(&self) -> <Self::Set as ConstraintDescription>::Borrowed<'_> {
@@ -101,13 +102,13 @@ impl Constraints for Told {
     }
 }
 
-impl CostFunction for Told {
+impl CostFunction for RecordedCosts {
     type Param = Vec<f64>;
     type Output = f64;
     type Error = Infallible;
 
     fn cost(&self, point: &Vec<f64>) -> Result<f64, Infallible> {
-        self.asked.borrow_mut().push(point.clone());
+        self.points.borrow_mut().push(point.clone());
         Ok(self.costs.borrow_mut().next().unwrap_or(f64::MAX))
     }
 }

@@ -1,115 +1,131 @@
-//! Which tasks a search is made of, round by round.
+//! Tasks of each round of a search.
 //!
-//! **One objective.** Descents from `starts` places of every combination of choices; or a population; or the one after the other.
+//! **One objective.** Descents from `starts` points for every combination of choices; or a population; or a
+//! population followed by descents.
 //!
-//! **Several.** First each one alone. Then, along the front, the first one again with the others kept at least
-//! as good as a limit (the epsilon-constraint method: Haimes, Lasdon and Wismer 1971), from the designs that the first
-//! round found and from places of their own. At last each of these from what its neighbours found.
+//! **Several objectives.** First each objective is optimised alone. Then the first objective is optimised at
+//! points along the front, with limits on the others (the epsilon-constraint method: Haimes, Lasdon and
+//! Wismer 1971). These tasks start from the designs of the first round and from new points. Finally each
+//! point of the front is optimised again, starting from its neighbours.
 
 use papilio_scenario::SearchMethod;
 
-use super::starts::drawn;
-use super::{Found, Search, Task, Way, front};
+use super::starts::random_point;
+use super::{Search, SearchResult, Task, TaskMethod, front};
 
-/// No search has more rounds.
+/// Largest number of rounds.
 const ROUNDS: usize = 5;
 
 impl Search {
-    /// The tasks of a round, given all that was found before it; none: the search is over.
-    pub(super) fn round(&self, round: usize, found: &[Found]) -> Vec<Task> {
-        let population_first = self.said.method == SearchMethod::Both;
+    /// Tasks of a round, given the results of the rounds before it; empty if the search is finished.
+    pub(super) fn round(&self, round: usize, results: &[SearchResult]) -> Vec<Task> {
+        let population_first = self.spec.method == SearchMethod::Both;
         let mut tasks = match (round, population_first) {
-            (0, _) => self.alone(self.said.method != SearchMethod::Gradient),
-            (1, true) => self.polished(found),
+            (0, _) => self.single_objectives(self.spec.method != SearchMethod::Gradient),
+            (1, true) => self.refinements(results),
             _ if self.aims.objectives() == 1 || round >= ROUNDS => Vec::new(),
-            (1, false) | (2, true) => self.along(found),
+            (1, false) | (2, true) => self.front_points(results),
             (2, false) | (3, true)
-                if self.aims.objectives() == 2 && self.said.method != SearchMethod::Global =>
+                if self.aims.objectives() == 2 && self.spec.method != SearchMethod::Global =>
             {
-                self.neighbours(found)
+                self.from_neighbours(results)
             }
             _ => Vec::new(),
         };
-        tasks.iter_mut().enumerate().for_each(|(at, task)| task.number = found.len() + at);
+        tasks.iter_mut().enumerate().for_each(|(index, task)| task.number = results.len() + index);
         tasks
     }
 
-    fn task(&self, objective: usize, limits: Vec<Option<f64>>, way: Way, evaluations: usize) -> Task {
-        Task { number: 0, objective, limits, way, evaluations }
+    fn task(
+        &self,
+        objective: usize,
+        limits: Vec<Option<f64>>,
+        method: TaskMethod,
+        evaluations: usize,
+    ) -> Task {
+        Task { number: 0, objective, limits, method, evaluations }
     }
 
-    fn free(&self) -> Vec<Option<f64>> {
+    fn no_limits(&self) -> Vec<Option<f64>> {
         vec![None; self.aims.objectives()]
     }
 
-    /// Each objective for itself.
-    fn alone(&self, by_population: bool) -> Vec<Task> {
+    /// Tasks that optimise each objective alone.
+    fn single_objectives(&self, by_population: bool) -> Vec<Task> {
         let objectives = 0..self.aims.objectives();
         if by_population {
             return objectives
-                .map(|objective| self.task(objective, self.free(), Way::Population, self.said.evaluations))
+                .map(|objective| {
+                    self.task(objective, self.no_limits(), TaskMethod::Population, self.spec.evaluations)
+                })
                 .collect();
         }
-        objectives.flat_map(|objective| self.starts(objective, &self.free(), self.said.starts)).collect()
+        objectives.flat_map(|objective| self.starts(objective, &self.no_limits(), self.spec.starts)).collect()
     }
 
-    /// Descents of an objective from so many places of every combination of choices.
+    /// Descents of an objective from `starts` points for every combination of choices.
     fn starts(&self, objective: usize, limits: &[Option<f64>], starts: usize) -> Vec<Task> {
-        let each = (self.said.evaluations / (starts * self.combinations.len()).max(1)).max(1);
-        let ways = self
-            .combinations
-            .iter()
-            .flat_map(|choices| (0..starts).map(|start| Way::Start { start, choices: choices.clone() }));
-        ways.map(|way| self.task(objective, limits.to_vec(), way, each)).collect()
+        let each = (self.spec.evaluations / (starts * self.combinations.len()).max(1)).max(1);
+        let methods = self.combinations.iter().flat_map(|choices| {
+            (0..starts).map(|start| TaskMethod::Start { start, choices: choices.clone() })
+        });
+        methods.map(|method| self.task(objective, limits.to_vec(), method, each)).collect()
     }
 
-    /// Descents from what populations found.
-    fn polished(&self, found: &[Found]) -> Vec<Task> {
-        let each = (self.said.evaluations / self.said.starts).max(1);
-        let sound = found.iter().enumerate().filter(|(_, one)| !one.design.is_empty());
-        sound.map(|(at, one)| self.task(at, self.free(), Way::From(one.design.clone()), each)).collect()
+    /// Descents from the results of populations.
+    fn refinements(&self, results: &[SearchResult]) -> Vec<Task> {
+        let each = (self.spec.evaluations / self.spec.starts).max(1);
+        let valid = results.iter().enumerate().filter(|(_, one)| !one.design.is_empty());
+        valid
+            .map(|(objective, one)| {
+                self.task(objective, self.no_limits(), TaskMethod::From(one.design.clone()), each)
+            })
+            .collect()
     }
 
-    /// The first objective along the front, limits on the others.
-    fn along(&self, found: &[Found]) -> Vec<Task> {
-        let ends = self.ends(found);
+    /// Tasks that optimise the first objective along the front, with limits on the others.
+    fn front_points(&self, results: &[SearchResult]) -> Vec<Task> {
+        let ends = self.ends(results);
         let Some(ranges) = self.ranges(&ends) else { return Vec::new() };
         let others = ranges.len() - 1;
-        let inner = self.said.points.saturating_sub(if others == 1 { 2 } else { 0 });
+        let inner = self.spec.points.saturating_sub(if others == 1 { 2 } else { 0 });
         let mut tasks = Vec::new();
         for point in 0..inner {
-            let shares = match others {
+            let fractions = match others {
                 1 => vec![(point + 1) as f64 / (inner + 1) as f64],
-                _ => drawn(self.said.seed, u64::MAX - 1, point as u64, others),
+                _ => random_point(self.spec.seed, u64::MAX - 1, point as u64, others),
             };
-            let of_others =
-                ranges[1..].iter().zip(shares).map(|((best, worst), share)| best + share * (worst - best));
+            let of_others = ranges[1..]
+                .iter()
+                .zip(fractions)
+                .map(|((best, worst), fraction)| best + fraction * (worst - best));
             let limits: Vec<Option<f64>> = std::iter::once(None).chain(of_others.map(Some)).collect();
-            if self.said.method == SearchMethod::Global {
-                tasks.push(self.task(0, limits, Way::Population, self.said.evaluations));
+            if self.spec.method == SearchMethod::Global {
+                tasks.push(self.task(0, limits, TaskMethod::Population, self.spec.evaluations));
                 continue;
             }
-            let each = (self.said.evaluations / (self.said.starts + ends.len())).max(1);
-            let from_ends =
-                ends.iter().map(|end| self.task(0, limits.clone(), Way::From(end.design.clone()), each));
+            let each = (self.spec.evaluations / (self.spec.starts + ends.len())).max(1);
+            let from_ends = ends
+                .iter()
+                .map(|end| self.task(0, limits.clone(), TaskMethod::From(end.design.clone()), each));
             tasks.extend(from_ends);
-            tasks.extend(self.starts(0, &limits, self.said.starts));
+            tasks.extend(self.starts(0, &limits, self.spec.starts));
         }
         tasks
     }
 
-    /// The best design of each objective alone.
-    fn ends<'a>(&self, found: &'a [Found]) -> Vec<&'a Found> {
+    /// Best design of each objective: the ends of the front.
+    fn ends<'a>(&self, results: &'a [SearchResult]) -> Vec<&'a SearchResult> {
         let best = |objective: usize| {
-            let front = front(&self.aims, found).into_iter().map(|at| &found[at]);
-            let merit = |one: &Found| self.aims.merit(objective, &one.values).unwrap_or(f64::INFINITY);
+            let front = front(&self.aims, results).into_iter().map(|at| &results[at]);
+            let merit = |one: &SearchResult| self.aims.merit(objective, &one.values).unwrap_or(f64::INFINITY);
             front.min_by(|a, b| merit(a).total_cmp(&merit(b)))
         };
         (0..self.aims.objectives()).filter_map(best).collect()
     }
 
-    /// The best and the worst merit of each objective among the ends.
-    fn ranges(&self, ends: &[&Found]) -> Option<Vec<(f64, f64)>> {
+    /// Best and worst merit of each objective among the ends of the front.
+    fn ranges(&self, ends: &[&SearchResult]) -> Option<Vec<(f64, f64)>> {
         let range = |objective: usize| {
             let merits: Option<Vec<f64>> =
                 ends.iter().map(|end| self.aims.merit(objective, &end.values)).collect();
@@ -124,20 +140,19 @@ impl Search {
         (0..self.aims.objectives()).map(range).collect()
     }
 
-    /// Each point of the front again, from what the points beside it found.
-    fn neighbours(&self, found: &[Found]) -> Vec<Task> {
-        let front = front(&self.aims, found);
-        let each = (self.said.evaluations / self.said.starts).max(1);
+    /// Tasks that optimise each point of the front again, starting from the neighbouring points.
+    fn from_neighbours(&self, results: &[SearchResult]) -> Vec<Task> {
+        let front = front(&self.aims, results);
+        let each = (self.spec.evaluations / self.spec.starts).max(1);
         let mut tasks = Vec::new();
-        for (at, one) in front.iter().enumerate() {
-            let Some(merit) = self.aims.merit(1, &found[*one].values) else { continue };
+        for (position, index) in front.iter().enumerate() {
+            let Some(merit) = self.aims.merit(1, &results[*index].values) else { continue };
             let limits = vec![None, Some(merit)];
-            let beside =
-                [at.checked_sub(1), Some(at + 1)].into_iter().flatten().filter_map(|at| front.get(at));
-            tasks
-                .extend(beside.map(|other| {
-                    self.task(0, limits.clone(), Way::From(found[*other].design.clone()), each)
-                }));
+            let neighbours = [position.checked_sub(1), Some(position + 1)];
+            let neighbours = neighbours.into_iter().flatten().filter_map(|position| front.get(position));
+            tasks.extend(neighbours.map(|other| {
+                self.task(0, limits.clone(), TaskMethod::From(results[*other].design.clone()), each)
+            }));
         }
         tasks
     }

@@ -1,4 +1,4 @@
-//! A search on threads: each takes a piece of its course, until there is none.
+//! Search on several threads, which take work items from one schedule.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Condvar, Mutex, MutexGuard, PoisonError, mpsc};
@@ -6,47 +6,49 @@ use std::sync::{Condvar, Mutex, MutexGuard, PoisonError, mpsc};
 use papilio_display::DisplayError;
 use papilio_scenario::SearchRange;
 
-use super::course::{Course, Piece};
 use super::descent::descend;
-use super::scalar::Scalar;
-use super::starts::best_of_drawn;
-use super::{Found, Record, Search, Task, Way};
+use super::schedule::{SearchSchedule, WorkItem};
+use super::starts::best_random_point;
+use super::task_problem::DescentTask;
+use super::{Record, Search, SearchResult, Task, TaskMethod};
 use crate::{DesignError, Evaluator};
 
-/// Who is told of every new record, and of how many tasks of its round are done, of how many.
-pub type Tell<'a, E> = dyn FnMut(&Record, (usize, usize)) -> Result<(), E> + 'a;
+/// Callback for every new record, with the numbers of finished and of all tasks of its round.
+pub type OnRecord<'a, E> = dyn FnMut(&Record, (usize, usize)) -> Result<(), E> + 'a;
 
-/// What threads share.
+/// State that the threads share.
 struct Shared<'a> {
     search: &'a Search,
-    course: Mutex<&'a mut Course>,
-    /// Something was done, or all is to stop.
-    turned: Condvar,
+    schedule: Mutex<&'a mut SearchSchedule>,
+    /// Notified when a result was added or the search is to stop.
+    changed: Condvar,
     stop: AtomicBool,
 }
 
-/// What a thread says: records, and how far the round is.
-type Said = Result<(Vec<Record>, (usize, usize)), DesignError>;
+/// Message of a thread: new records and the progress of the round.
+type Message = Result<(Vec<Record>, (usize, usize)), DesignError>;
 
-impl Course {
-    /// Goes to the end, or to that of its part, on so many threads. `tell` gets every new record, the tasks of a round in any
-    /// order; an error from it ends the search.
+impl SearchSchedule {
+    /// Runs the search, or its shard, to the end on `threads` threads.
+    ///
+    /// `on_record` is called with every new record; the order of the tasks of a round is arbitrary. An error
+    /// that it returns ends the search.
     ///
     /// # Errors
-    /// That of `tell`, or of the first piece that fails.
+    /// The error of `on_record`, or of the first work item that fails.
     pub fn run<E: From<DesignError>>(
         &mut self,
         evaluator: &Evaluator<'_>,
         threads: usize,
-        tell: &mut Tell<'_, E>,
+        on_record: &mut OnRecord<'_, E>,
     ) -> Result<(), E> {
         let search = self.search();
-        let (sender, receiver) = mpsc::channel::<Said>();
-        drop(sender.send(Ok((self.news(), self.progress()))));
+        let (sender, receiver) = mpsc::channel::<Message>();
+        drop(sender.send(Ok((self.take_records(), self.progress()))));
         let shared = Shared {
             search: &search,
-            course: Mutex::new(self),
-            turned: Condvar::new(),
+            schedule: Mutex::new(self),
+            changed: Condvar::new(),
             stop: AtomicBool::new(false),
         };
         let mut failure: Option<E> = None;
@@ -57,12 +59,12 @@ impl Course {
                 scope.spawn(move || shared.work(&mut evaluator, &sender));
             }
             drop(sender);
-            for said in receiver {
-                let told = said.map_err(E::from).and_then(|(records, progress)| {
-                    records.iter().try_for_each(|record| tell(record, progress))
+            for message in receiver {
+                let outcome = message.map_err(E::from).and_then(|(records, progress)| {
+                    records.iter().try_for_each(|record| on_record(record, progress))
                 });
-                if let Err(error) = told {
-                    shared.end();
+                if let Err(error) = outcome {
+                    shared.stop();
                     failure.get_or_insert(error);
                 }
             }
@@ -72,92 +74,97 @@ impl Course {
 }
 
 impl<'a> Shared<'a> {
-    /// One thread's share.
-    fn work(&self, evaluator: &mut Evaluator<'_>, sender: &mpsc::Sender<Said>) {
-        // Threads that wait hear of a panic, too.
-        let _ending = Ending(self);
-        while let Some(piece) = self.piece() {
-            let answer = match self.search.work(&piece, evaluator) {
-                Ok(answer) => answer,
+    /// Computes work items until there are none left.
+    fn work(&self, evaluator: &mut Evaluator<'_>, sender: &mpsc::Sender<Message>) {
+        // A panic of this thread also ends the threads that wait.
+        let _guard = StopOnPanic(self);
+        while let Some(item) = self.next_item() {
+            let result = match self.search.work(&item, evaluator) {
+                Ok(result) => result,
                 Err(error) => {
-                    self.end();
+                    self.stop();
                     drop(sender.send(Err(error)));
                     return;
                 }
             };
-            let mut course = self.course();
-            course.take(answer);
-            // While the course is held: records come in the order of what they say.
-            drop(sender.send(Ok((course.news(), course.progress()))));
-            drop(course);
-            self.turned.notify_all();
+            let mut schedule = self.schedule();
+            schedule.add_result(result);
+            // Sent while the schedule is locked, so that records arrive in order.
+            drop(sender.send(Ok((schedule.take_records(), schedule.progress()))));
+            drop(schedule);
+            self.changed.notify_all();
         }
     }
 
-    /// The next piece, waited for; `None` at the end.
-    fn piece(&self) -> Option<Piece> {
-        let mut course = self.course();
+    /// Waits for the next work item; `None` at the end of the search.
+    fn next_item(&self) -> Option<WorkItem> {
+        let mut schedule = self.schedule();
         loop {
-            if self.stop.load(Ordering::Relaxed) || course.is_over() {
+            if self.stop.load(Ordering::Relaxed) || schedule.is_finished() {
                 return None;
             }
-            if let Some(piece) = course.piece() {
-                return Some(piece);
+            if let Some(item) = schedule.next_item() {
+                return Some(item);
             }
-            course = self.turned.wait(course).unwrap_or_else(PoisonError::into_inner);
+            schedule = self.changed.wait(schedule).unwrap_or_else(PoisonError::into_inner);
         }
     }
 
-    fn course(&self) -> MutexGuard<'_, &'a mut Course> {
-        self.course.lock().unwrap_or_else(PoisonError::into_inner)
+    fn schedule(&self) -> MutexGuard<'_, &'a mut SearchSchedule> {
+        self.schedule.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    fn end(&self) {
-        // Held, so that nobody begins to wait between the two.
-        let _course = self.course();
+    /// Stops all threads.
+    fn stop(&self) {
+        // Locked, so that no thread starts to wait between the two statements.
+        let _schedule = self.schedule();
         self.stop.store(true, Ordering::Relaxed);
-        self.turned.notify_all();
+        self.changed.notify_all();
     }
 }
 
-/// Ends all if its thread panics.
-struct Ending<'a, 'b>(&'b Shared<'a>);
+/// Stops all threads if its own thread panics.
+struct StopOnPanic<'a, 'b>(&'b Shared<'a>);
 
-impl Drop for Ending<'_, '_> {
+impl Drop for StopOnPanic<'_, '_> {
     fn drop(&mut self) {
         if std::thread::panicking() {
-            self.0.end();
+            self.0.stop();
         }
     }
 }
 
 impl Search {
-    /// Does a task that is no population.
-    pub(super) fn pursue(&self, task: &Task, evaluator: &mut Evaluator<'_>) -> Result<Found, DesignError> {
-        let scalar = Scalar::new(self, task, evaluator);
+    /// Runs a task that is a descent.
+    pub(super) fn run_task(
+        &self,
+        task: &Task,
+        evaluator: &mut Evaluator<'_>,
+    ) -> Result<SearchResult, DesignError> {
+        let scalar = DescentTask::new(self, task, evaluator);
         if scalar.problem.free.is_empty() {
             scalar.cost(&[])?;
-            return Ok(scalar.found());
+            return Ok(scalar.result());
         }
-        let start = match &task.way {
-            Way::From(design) => scalar.problem.point(design),
-            Way::Population | Way::Start { start: 0, .. } => scalar.problem.point(&self.own),
-            Way::Start { start, .. } => {
-                best_of_drawn(&scalar, self.said.seed, self.stream(task), *start as u64)?
+        let start = match &task.method {
+            TaskMethod::From(design) => scalar.problem.point(design),
+            TaskMethod::Population | TaskMethod::Start { start: 0, .. } => scalar.problem.point(&self.own),
+            TaskMethod::Start { start, .. } => {
+                best_random_point(&scalar, self.spec.seed, self.stream(task), *start as u64)?
             }
         };
         descend(&scalar, start, task.evaluations)?;
-        Ok(scalar.found())
+        Ok(scalar.result())
     }
 
-    /// The values that a task does not change.
+    /// Values of the variables that a task does not change.
     pub(super) fn fixed(&self, task: &Task) -> Vec<f64> {
-        match &task.way {
-            Way::Population => self.own.clone(),
-            Way::From(design) => design.clone(),
-            Way::Start { choices, .. } => {
+        match &task.method {
+            TaskMethod::Population => self.own.clone(),
+            TaskMethod::From(design) => design.clone(),
+            TaskMethod::Start { choices, .. } => {
                 let mut choices = choices.iter();
-                let variables = self.own.iter().zip(&self.said.variables);
+                let variables = self.own.iter().zip(&self.spec.variables);
                 let value = |(own, variable): (&f64, &papilio_scenario::SearchVariable)| match variable.range
                 {
                     SearchRange::Choices(_) => choices.next().map_or(*own, |choice| *choice as f64),
@@ -168,10 +175,10 @@ impl Search {
         }
     }
 
-    /// Random numbers of a start: its own for each combination of choices.
+    /// Stream of random numbers of a start; each combination of choices has its own.
     fn stream(&self, task: &Task) -> u64 {
-        match &task.way {
-            Way::Start { choices, .. } => {
+        match &task.method {
+            TaskMethod::Start { choices, .. } => {
                 self.combinations.iter().position(|one| one == choices).unwrap_or(0) as u64
             }
             _ => 0,
@@ -179,7 +186,7 @@ impl Search {
     }
 }
 
-/// True if a search that failed so was only stopped.
+/// Returns true if the error is an interruption.
 pub fn was_stopped(error: &DesignError) -> bool {
     matches!(error, DesignError::Display(DisplayError::Interrupted))
 }

@@ -1,36 +1,38 @@
-//! Numbers with their standard errors.
+//! Estimates with standard errors.
 
 use serde::Serialize;
 
 use super::plan::REPLICATES;
 
-/// A number found from a sample, and one sigma of it.
+/// Estimate from a sample, with its standard error.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Estimate {
-    /// The number.
+    /// Value.
     pub value: f64,
-    /// Its standard error, of fifteen degrees of freedom.
+    /// Standard error, with fifteen degrees of freedom.
     pub standard_error: f64,
 }
 
 impl Estimate {
-    /// The jackknife over replicates: `estimate` gives the number from all of them, or from all but one.
+    /// Computes an estimate and its standard error by the jackknife over replicates.
+    ///
+    /// `estimate` returns the value from all replicates, or from all but the one that is given.
     ///
     /// Source: B. Efron and C. Stein, Ann. Statist. 9, 586 (1981), applied to groups.
     pub(super) fn jackknife(estimate: impl Fn(Option<usize>) -> f64) -> Self {
         let count = REPLICATES as f64;
-        let without: Vec<f64> = (0..REPLICATES).map(|one| estimate(Some(one))).collect();
+        let without: Vec<f64> = (0..REPLICATES).map(|left_out| estimate(Some(left_out))).collect();
         let mean = without.iter().sum::<f64>() / count;
         let squares: f64 = without.iter().map(|value| (value - mean).powi(2)).sum();
         Self { value: estimate(None), standard_error: (squares * (count - 1.0) / count).sqrt() }
     }
 }
 
-/// Sums over the rows of each replicate, of all but one of them or of all.
+/// Sums over the rows of each replicate.
 pub(super) struct Sums<const N: usize>([[f64; N]; REPLICATES]);
 
 impl<const N: usize> Sums<N> {
-    /// Of these terms, each with the number of its replicate.
+    /// Sums terms, each given with its replicate.
     pub(super) fn of(terms: impl Iterator<Item = (usize, [f64; N])>) -> Self {
         let mut sums = [[0.0; N]; REPLICATES];
         for (replicate, terms) in terms {
@@ -39,16 +41,16 @@ impl<const N: usize> Sums<N> {
         Self(sums)
     }
 
-    /// Of all replicates but one.
+    /// Sums over all replicates, or over all but one.
     pub(super) fn without(&self, left_out: Option<usize>) -> [f64; N] {
-        let kept = self.0.iter().enumerate().filter(|(replicate, _)| Some(*replicate) != left_out);
+        let included = self.0.iter().enumerate().filter(|(replicate, _)| Some(*replicate) != left_out);
         let mut all = [0.0; N];
-        kept.for_each(|(_, sums)| all.iter_mut().zip(sums).for_each(|(all, sum)| *all += sum));
+        included.for_each(|(_, sums)| all.iter_mut().zip(sums).for_each(|(all, sum)| *all += sum));
         all
     }
 
-    /// A share of the rows: the first sum over the second.
-    pub(super) fn share(&self) -> Estimate {
+    /// Fraction of the rows: the first sum over the last.
+    pub(super) fn fraction(&self) -> Estimate {
         Estimate::jackknife(|left_out| {
             let sums = self.without(left_out);
             sums[0] / sums[N - 1]

@@ -1,81 +1,83 @@
-//! Which keys are to blame: Sobol indices of variance.
+//! Sobol indices: contributions of keys to the variance of a metric.
 //!
-//! The *first-order* index of a key is the share of a metric's variance that would be gone if the key did not
-//! scatter and nothing else changed, on average; the *total* index is the share that would be left if nothing but the key
-//! scattered, interactions with other keys included. Of independent keys, the first-order indices sum to 1 at most,
-//! and to 1 where keys act one by one; a total index of 0 means that the key makes no difference.
+//! The *first-order* index of a key is the fraction of a metric's variance that vanishes on average if the
+//! key is fixed and nothing else changes. The *total* index is the fraction that remains on average if only
+//! this key varies, interactions with other keys included. The first-order indices of independent keys sum to
+//! at most 1, and to 1 if there are no interactions. A total index of 0 means that the key has no effect.
 //!
-//! Correlated keys have no indices of their own: what each of them does cannot be told apart. Their group has.
+//! Correlated keys have no indices of their own, because their effects cannot be separated; their group has.
 //!
-//! # How they are found
+//! # Method
 //!
 //! 1. A [polynomial chaos](super::surrogate) is fitted to all displays. Its own indices have closed forms.
-//! 2. What it leaves over is estimated from displays that share some of their keys ("pick-freeze"): every sum over displays is that
-//!    of the metric less that of the fit, which was made of other replicates, plus what the fit's is known to be. That
-//!    is right on average whatever the fit is worth, and its errors are those of the remainder alone. Where a fit is of no use the
-//!    sums of the metric stand alone.
-//! 3. First-order indices are the mean, weighted by their errors, of two estimators: one is exact for a key that does
-//!    nothing, the other for a key that does all.
-//! 4. All indices of a metric are moved to the nearest that there can be, in units of their errors: see [`consistent`]. Errors stay those
-//!    from before that.
+//! 2. The residual is estimated from displays that share some of their keys ("pick-freeze"): every sum over
+//!    displays is the sum of the metric, minus the sum of a fit to other replicates, plus the known expected
+//!    value of the fit's sum (a control variate). This is unbiased, however good the fit is, and only the
+//!    residual contributes to the errors. If a fit is of no use, the sums of the metric are used alone.
+//! 3. First-order indices are the mean of two estimators, weighted by their errors: one is exact for a key
+//!    without effect, the other for a key that causes all variance.
+//! 4. All indices of a metric are moved to the nearest consistent ones, in units of their errors: see
+//!    [`consistent`]. Standard errors are those before this step.
 //!
-//! Sources: first order A. Saltelli et al., Comput. Phys. Commun. 181, 259 (2010), eq. 16, centred, and eq. 17 (M. J. W.
-//! Jansen); total index M. J. W. Jansen, Comput. Phys. Commun. 117, 35 (1999).
+//! Sources: first order A. Saltelli et al., Comput. Phys. Commun. 181, 259 (2010), eq. 16, centred, and eq.
+//! 17 (M. J. W. Jansen); total index M. J. W. Jansen, Comput. Phys. Commun. 117, 35 (1999).
 
 use serde::Serialize;
 
 use super::consistent::consistent;
 use super::estimate::{Estimate, Sums};
 use super::plan::{Draw, Plan, replicate};
-use super::surrogate::{Basis, Fits, Room, Term};
+use super::surrogate::{Basis, Fits, Term, Workspace};
 
-/// How much of a metric's variance comes from a group of keys.
+/// Sobol indices of a group of keys: its contributions to a metric's variance.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Indices {
-    /// By itself.
+    /// First-order index.
     pub first: Estimate,
-    /// With all that it does together with others.
+    /// Total index, interactions with other groups included.
     pub total: Estimate,
 }
 
-/// What a metric is at the displays of a plan; NaN where it is undefined.
+/// Values of a metric for the displays of a plan; NaN where it is undefined.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Samples {
-    /// At each row's own display.
+    /// Values for each row's own display.
     pub own: Vec<f64>,
-    /// At the other display of each row that has one: the first rows.
+    /// Values for the second display of each row that has one: the first rows.
     pub other: Vec<f64>,
-    /// For each group of keys, at the display that has it from the other, of the same rows.
+    /// Values for the mixed displays of the same rows, `[group][row]`: the group's keys are those of the
+    /// second display.
     pub mixed: Vec<Vec<f64>>,
 }
 
-/// A metric's sensitivities.
+/// Sensitivities of a metric.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Sensitivities {
-    /// For each group of keys; `None` where the metric does not scatter.
+    /// Indices of each group of keys; `None` if the metric does not vary.
     pub indices: Vec<Option<Indices>>,
-    /// The fit that they rest on; `None` where there is none.
+    /// Polynomial fit that they are based on; `None` if there is none.
     pub surrogate: Option<Surrogate>,
 }
 
-/// The polynomials that stand for a metric.
+/// Polynomial fit of a metric.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Surrogate {
-    /// How many products of polynomials there are, the constant included.
+    /// Number of products of polynomials, including the constant.
     pub terms: usize,
-    /// The share of the variance that they leave unexplained, in displays that they were not fitted to.
+    /// Fraction of the variance that the fit does not explain, for displays to which it was not fitted.
     pub unexplained: f64,
 }
 
-/// Fits that leave more of the variance unexplained are not used: between and beyond the displays they may be anything.
+/// Largest unexplained fraction of the variance of a fit that is used. Between and beyond the displays, a
+/// worse fit may have any value.
 const MOST_UNEXPLAINED: f64 = 0.1;
 
-/// What a fit adds in error at least: moments of polynomials are known to 1e-5, and what they are beyond the outermost of the displays is not
-/// seen by any error that comes from these.
+/// Smallest standard error of an index that uses a fit. Moments of polynomials have errors of up to 1e-5, and
+/// standard errors from the displays do not include errors of the fit beyond the outermost displays.
 const LEAST_ERROR: f64 = 1e-4;
 
 impl Sensitivities {
-    /// Of several metrics of a plan's displays.
+    /// Computes the sensitivities of several metrics of a plan's displays.
     pub fn of(plan: &Plan, metrics: &[Samples]) -> Vec<Self> {
         let rows = metrics.first().map_or(0, |one| one.own.len());
         let count = metrics.first().map_or(0, |one| one.other.len());
@@ -86,61 +88,63 @@ impl Sensitivities {
         }
         let basis = Basis::new(plan, rows, count);
         let fits: Vec<Option<Fits>> = metrics.iter().map(|one| one.fit(&basis)).collect();
-        let said = Said::of(plan, &basis, &fits, count);
+        let fitted = FittedSamples::of(plan, &basis, &fits, count);
         let each = metrics.iter().zip(&fits).enumerate().map(|(metric, (samples, fit))| {
-            let of_group = |group: usize| {
-                let parts = fit.as_ref().map(|fit| Parts { basis: &basis, fit, keys: &plan.groups()[group] });
-                samples.indices(group, parts.map(|parts| (parts, &said.0[metric])))
+            let group_indices = |group: usize| {
+                let fit =
+                    fit.as_ref().map(|fit| GroupFit { basis: &basis, fit, keys: &plan.groups()[group] });
+                samples.indices(group, fit.map(|fit| (fit, &fitted.0[metric])))
             };
             let surrogate =
                 fit.as_ref().map(|fit| Surrogate { terms: fit.terms(), unexplained: fit.unexplained });
-            Self { indices: consistent((0..groups).map(of_group).collect()), surrogate }
+            Self { indices: consistent((0..groups).map(group_indices).collect()), surrogate }
         });
         each.collect()
     }
 }
 
-/// A fit, and a group of keys.
+/// Fit of a metric, and a group of keys.
 #[derive(Clone, Copy)]
-struct Parts<'a> {
+struct GroupFit<'a> {
     basis: &'a Basis,
     fit: &'a Fits,
     keys: &'a [usize],
 }
 
-impl Parts<'_> {
-    /// Mean; variance; what comes from the group by itself and with others; of a replicate's fit.
-    fn of(&self, replicate: usize) -> [f64; 4] {
+impl GroupFit<'_> {
+    /// Mean and variance of a replicate's fit, and the variances that the group causes alone and with
+    /// interactions.
+    fn moments(&self, replicate: usize) -> [f64; 4] {
         let mean = self.basis.mean(self.fit, replicate);
         let part = |counts: &dyn Fn(&Term) -> bool| self.basis.variance(self.fit, replicate, counts);
-        let is_here = |(key, _): &(usize, usize)| self.keys.contains(key);
+        let is_in_group = |(key, _): &(usize, usize)| self.keys.contains(key);
         [
             mean,
             part(&|_| true),
-            part(&|term| term.iter().all(is_here)),
-            part(&|term| term.iter().any(is_here)),
+            part(&|term| term.iter().all(is_in_group)),
+            part(&|term| term.iter().any(is_in_group)),
         ]
     }
 }
 
-/// What fits say of all displays: `[metric]`, as the metrics' own samples; empty without a fit.
-struct Said(Vec<Samples>);
+/// Values of the fits for all displays, `[metric]`; empty for a metric without a fit.
+struct FittedSamples(Vec<Samples>);
 
-impl Said {
+impl FittedSamples {
     fn of(plan: &Plan, basis: &Basis, fits: &[Option<Fits>], count: usize) -> Self {
         let groups = plan.groups().len();
         let empty = Samples { own: vec![], other: vec![], mixed: vec![vec![]; groups] };
-        let mut said = vec![empty; fits.len()];
+        let mut all = vec![empty; fits.len()];
         let known: Vec<&Fits> = fits.iter().flatten().collect();
-        let mut room = Room::default();
+        let mut workspace = Workspace::default();
         if known.is_empty() {
-            return Self(said);
+            return Self(all);
         }
         for row in 0..count {
             for draw in [Draw::Own, Draw::Other].into_iter().chain((0..groups).map(Draw::Mixed)) {
-                basis.said(plan, &known, row, draw, &mut room);
-                let fitted = said.iter_mut().zip(fits).filter(|(_, fit)| fit.is_some());
-                for ((samples, _), value) in fitted.zip(&room.said) {
+                basis.evaluate(plan, &known, row, draw, &mut workspace);
+                let fitted = all.iter_mut().zip(fits).filter(|(_, fit)| fit.is_some());
+                for ((samples, _), value) in fitted.zip(&workspace.values_of_fits) {
                     match draw {
                         Draw::Own => samples.own.push(*value),
                         Draw::Other => samples.other.push(*value),
@@ -149,15 +153,17 @@ impl Said {
                 }
             }
         }
-        Self(said)
+        Self(all)
     }
 }
 
-/// Sums over rows: of the metric, of the squares; of what comes from the group by two estimators; their pieces; the count.
+/// Number of sums over rows: the metric, its square, the terms of the estimators of the group's variance, and
+/// the count.
 const TERMS: usize = 7;
 
 impl Samples {
-    /// Polynomials for all displays; none where the metric is undefined at one, or they are worth nothing.
+    /// Fits polynomials to all displays; `None` if the metric is undefined for one of them, or the fit is of
+    /// no use.
     fn fit(&self, basis: &Basis) -> Option<Fits> {
         let undefined = |values: &Vec<f64>| values.iter().any(|value| !value.is_finite());
         if [&self.own, &self.other].into_iter().chain(&self.mixed).any(undefined) {
@@ -171,63 +177,66 @@ impl Samples {
         basis.fit(value).filter(|fit| fit.terms() > 1 && fit.unexplained <= MOST_UNEXPLAINED)
     }
 
-    /// A row's values at its own display, the other, and the one that has a group from the other.
+    /// Values of a row for its own display, the second one, and the one with a group mixed in from the
+    /// second.
     fn row(&self, group: usize, row: usize) -> [f64; 3] {
         [self.own[row], self.other[row], self.mixed[group][row]]
     }
 
-    /// The indices of a group; `None` if the metric does not scatter.
-    fn indices(&self, group: usize, fitted: Option<(Parts<'_>, &Self)>) -> Option<Indices> {
+    /// Indices of a group; `None` if the metric does not vary.
+    fn indices(&self, group: usize, fitted: Option<(GroupFit<'_>, &Self)>) -> Option<Indices> {
         let rows = (0..self.other.len()).map(|row| (row, self.row(group, row)));
         let known: Vec<(usize, [f64; 3])> =
             rows.filter(|(_, row)| row.iter().all(|value| !value.is_nan())).collect();
         let centre = known.iter().map(|(_, [a, b, _])| 0.5 * (a + b)).sum::<f64>() / known.len() as f64;
         let plain =
             Estimators(Sums::of(known.iter().map(|(row, values)| (replicate(*row), terms(*values, centre)))));
-        // What rounding leaves of metrics that do not change is no variance.
+        // A smaller variance is a rounding error of a metric that does not vary.
         let least = 1e-20 * (centre * centre + plain.variance(None));
         if known.is_empty() || plain.variance(None) <= least {
             return None;
         }
-        let controlled = fitted.map(|(parts, said)| {
-            let known_of: Vec<[f64; TERMS]> =
-                (0..super::REPLICATES).map(|of| expected(parts.of(of), centre)).collect();
+        let controlled = fitted.map(|(fit, fitted)| {
+            let expected_terms: Vec<[f64; TERMS]> =
+                (0..super::REPLICATES).map(|replicate| expected(fit.moments(replicate), centre)).collect();
             Estimators(Sums::of(known.iter().map(|(row, values)| {
-                let [own, fit] = [*values, said.row(group, *row)].map(|values| terms(values, centre));
-                let known = known_of[replicate(*row)];
+                let [own, fit] = [*values, fitted.row(group, *row)].map(|values| terms(values, centre));
+                let expected = expected_terms[replicate(*row)];
                 let mut sum = [1.0; TERMS];
-                (0..TERMS - 1).for_each(|k| sum[k] = own[k] - fit[k] + known[k]);
+                (0..TERMS - 1).for_each(|k| sum[k] = own[k] - fit[k] + expected[k]);
                 (replicate(*row), sum)
             })))
         });
-        // A row more or less is always in doubt: of what happens rarely, no replicate may have met any.
+        // The sums are uncertain by at least one row: no replicate may contain any of the rare events.
         let far =
             known.iter().flat_map(|(_, row)| row).map(|value| (value - centre).powi(2)).fold(0.0, f64::max);
         let one_row = far / known.len() as f64 / plain.variance(None);
         let is_inert = known.iter().all(|(_, [a, _, m])| a == m);
         let is_alone = known.iter().all(|(_, [_, b, m])| b == m);
-        Some(Roads { plain, controlled, one_row, is_inert, is_alone }.indices())
+        Some(IndexEstimates { plain, controlled, one_row, is_inert, is_alone }.indices())
     }
 }
 
-/// The rows of a group as they are, and as differences from a fit.
-struct Roads {
+/// Estimators of a group's indices, from the metric alone and with a fit as control variate.
+struct IndexEstimates {
     plain: Estimators,
     controlled: Option<Estimators>,
-    /// What a row more or less makes of an index.
+    /// Change of an index by one row.
     one_row: f64,
-    /// No row tells of the group.
+    /// True if the group has no effect in any row.
     is_inert: bool,
-    /// No row tells of anything else.
+    /// True if no other group has an effect in any row.
     is_alone: bool,
 }
 
-impl Roads {
-    /// The better one for an index, and its error. If it `is_certain`, rows say all that there is to say.
+impl IndexEstimates {
+    /// Returns the better estimators for an index, and their standard error. `is_certain` is true if the rows
+    /// determine the index exactly.
     fn better(&self, of: fn(&Estimators, Option<usize>) -> f64, is_certain: bool) -> (&Estimators, f64) {
         let error = |all: &Estimators| Estimate::jackknife(|left_out| of(all, left_out)).standard_error;
         let plain = error(&self.plain).max(if is_certain { 0.0 } else { self.one_row });
-        // A fit that is of no use adds its own errors. Not the smaller of two unsure errors: that would be too small.
+        // A fit that is of no use adds its own errors. Selecting the smaller of two uncertain errors would be
+        // biased.
         match self.controlled.as_ref().map(|all| (all, error(all))) {
             Some((all, controlled)) if plain >= 0.5 * controlled => (all, controlled.max(LEAST_ERROR)),
             _ => (&self.plain, plain),
@@ -235,38 +244,39 @@ impl Roads {
     }
 
     fn indices(&self) -> Indices {
-        let (little, little_error) = self.better(Estimators::of_little, self.is_inert);
-        let (much, much_error) = self.better(Estimators::of_much, self.is_alone);
+        let (weak, weak_error) = self.better(Estimators::first_of_weak_group, self.is_inert);
+        let (strong, strong_error) = self.better(Estimators::first_of_strong_group, self.is_alone);
         let (all, all_error) = self.better(Estimators::total, self.is_inert);
-        let [little_varies, much_varies] = [little_error, much_error].map(|error| error * error);
-        // The whole of the weight to one that has no error.
-        let weight = much_varies / (little_varies + much_varies).max(f64::MIN_POSITIVE);
+        let [weak_variance, strong_variance] = [weak_error, strong_error].map(|error| error * error);
+        // An estimator without error receives the full weight.
+        let weight = strong_variance / (weak_variance + strong_variance).max(f64::MIN_POSITIVE);
         let mut first = Estimate::jackknife(|left_out| {
-            weight * little.of_little(left_out) + (1.0 - weight) * much.of_much(left_out)
+            weight * weak.first_of_weak_group(left_out)
+                + (1.0 - weight) * strong.first_of_strong_group(left_out)
         });
         let mut total = Estimate::jackknife(|left_out| all.total(left_out));
-        // A mean of two is no surer than two independent ones make it.
-        let least = little_error.min(much_error) * std::f64::consts::FRAC_1_SQRT_2;
+        // The mean of two estimators is at best as accurate as that of independent ones.
+        let least = weak_error.min(strong_error) * std::f64::consts::FRAC_1_SQRT_2;
         first.standard_error = first.standard_error.max(least);
         total.standard_error = total.standard_error.max(all_error);
         Indices { first, total }
     }
 }
 
-/// The terms of a row, about a centre: of its own, of the other and of the mixed display.
+/// Terms of a row from the values of its own, the second and the mixed display, relative to a centre.
 fn terms(values: [f64; 3], centre: f64) -> [f64; TERMS] {
     let [a, b, m] = values.map(|value| value - centre);
     let halved = |difference: f64| 0.5 * difference * difference;
     [0.5 * (a + b), 0.5 * (a * a + b * b), b * (m - a), m - a, halved(b - m), halved(m - a), 1.0]
 }
 
-/// What [`terms`] are on average of a fit whose parts are known.
+/// Expected values of [`terms`] for a fit with known moments.
 fn expected([mean, variance, own, shared]: [f64; 4], centre: f64) -> [f64; TERMS] {
     let mean = mean - centre;
     [mean, variance + mean * mean, own, 0.0, variance - own, shared, 1.0]
 }
 
-/// Indices from sums of [`terms`], of all replicates or all but one.
+/// Estimators of indices from sums of [`terms`] over all replicates, or over all but one.
 struct Estimators(Sums<TERMS>);
 
 impl Estimators {
@@ -275,12 +285,14 @@ impl Estimators {
         squares / count - (sum / count).powi(2)
     }
 
-    fn of_little(&self, left_out: Option<usize>) -> f64 {
+    /// First-order index; exact for a group without effect.
+    fn first_of_weak_group(&self, left_out: Option<usize>) -> f64 {
         let [sum, _, product, change, .., count] = self.0.without(left_out);
         (product - sum * change / count) / count / self.variance(left_out)
     }
 
-    fn of_much(&self, left_out: Option<usize>) -> f64 {
+    /// First-order index; exact for a group that causes all variance.
+    fn first_of_strong_group(&self, left_out: Option<usize>) -> f64 {
         let [.., halved, _, count] = self.0.without(left_out);
         1.0 - halved / count / self.variance(left_out)
     }

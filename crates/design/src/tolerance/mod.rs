@@ -1,15 +1,16 @@
-//! What production makes of a design: how its metrics scatter, how many pieces meet their limits, and which key is
-//! to blame.
+//! Tolerance analysis: distributions of metrics in production, yield, and sensitivities to keys.
 //!
-//! - [`Plan`]: which pieces are made: scrambled Sobol points in sixteen independent replicates, by number, so that
-//!   parts may be computed apart and a plan of more pieces begins with the same ones.
+//! - [`Plan`]: the displays of a production, as scrambled Sobol points in sixteen independent replicates. A
+//!   display is determined by its row number. Shards can therefore be computed separately, and a longer plan
+//!   begins with the same displays.
 //! - [`Spread`]: mean, standard deviation and percentiles of a metric.
-//! - [`Verdict`]: yield against limits, which limit fails how often, and the pieces that miss most.
-//! - [`Sensitivities`]: first-order and total Sobol [`Indices`], from polynomials and what they leave over.
-//! - [`Production`]: all of it for a scenario's `[tolerance]`; [`Report`]: what is said of it.
+//! - [`Verdict`]: yield, how often each limit fails, and the displays that miss a limit most.
+//! - [`Sensitivities`]: first-order and total-order Sobol [`Indices`], from a polynomial fit and its
+//!   residuals.
+//! - [`Production`]: the plan and study of a scenario's `[tolerance]`; [`Report`]: its results.
 //!
-//! Every number has its standard error: the jackknife over the replicates. Undefined metrics are NaN here: they are
-//! counted, meet no limit, and are left out of all else.
+//! Every number has a standard error, from the jackknife over the replicates. Undefined metrics are NaN: they
+//! are counted, meet no limit, and are excluded from everything else.
 //!
 //! **Out of scope**: files, threads.
 

@@ -1,37 +1,39 @@
-//! Orthonormal polynomials of a number that scatters: what a smooth metric is expanded in.
+//! Orthonormal polynomials of a random variable, in which a smooth metric is expanded.
 //!
-//! Each key has a *coordinate*, in which metrics are smooth: its value; of a log-normal key the value's logarithm; of a key
-//! that is correlated with others the independent standard normal number that it is made of. Of a choice it is the
-//! choice's place in its list: as many polynomials as there are choices stand for any function of them.
+//! Each key has a *coordinate*, in which metrics are smooth: its value; for a log-normal key, the logarithm
+//! of the value; for a key that is correlated with others, the independent standard normal number from which
+//! it is computed. The coordinate of a choice is its index. As many polynomials as there are choices
+//! represent any function of them.
 //!
-//! Moments are those of the distribution itself, not of a sample: sums over its quantiles at 1601 even numbers u by the trapezoidal
-//! rule in ln(u/(1 - u)), which converges exponentially for smooth distributions and is right to 1e-5 for a triangle's kink.
+//! Moments are those of the distribution itself, not of a sample: sums over its quantiles at 1601 numbers u
+//! by the trapezoidal rule in ln(u/(1 - u)). The rule converges exponentially for smooth distributions; for
+//! the kink of a triangular distribution its error is 1e-5.
 //!
 //! Source: W. Gautschi, *Orthogonal Polynomials* (2004), section 2.2.3 (the discretised Stieltjes procedure).
 
 use papilio_sampling::Distribution;
 
-/// No polynomial is of a higher degree; of choices, there are as many as choices.
+/// Highest degree of a polynomial, except for choices, which have as many polynomials as choices.
 const HIGHEST: usize = 12;
-/// The most choices that each have their own polynomial.
+/// Largest number of polynomials of a choice.
 const MOST_CHOICES: usize = 40;
-/// Numbers at which moments are summed, from -`REACH` to `REACH` in ln(u/(1 - u)): what lies beyond has a share of 1e-14.
+/// Number of nodes for moments, from -`REACH` to `REACH` in ln(u/(1 - u)). The probability beyond is 1e-14.
 const NODES: usize = 1601;
 const REACH: f64 = 32.0;
 
-/// What a key's coordinate is.
+/// Coordinate of a key.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Coordinate {
-    /// The key's number; of a choice its place.
+    /// The number of the key; for a choice, its index.
     Number,
-    /// Its logarithm.
+    /// The logarithm of the number.
     Logarithm,
-    /// The standard normal number that it is made of.
+    /// The standard normal number from which the key is computed.
     Deviate,
 }
 
 impl Coordinate {
-    /// Of a key, alone or correlated with others.
+    /// Coordinate of a key; `is_alone` is false if the key is correlated with others.
     pub(super) fn of(distribution: &Distribution, is_alone: bool) -> Self {
         match distribution {
             _ if !is_alone => Self::Deviate,
@@ -40,7 +42,7 @@ impl Coordinate {
         }
     }
 
-    /// The coordinate at an even number, 0 < u < 1.
+    /// Coordinate at a uniform number u, 0 < u < 1.
     pub(super) fn at(self, distribution: &Distribution, u: f64) -> f64 {
         match self {
             Self::Number => distribution.quantile(u),
@@ -62,11 +64,12 @@ pub(super) struct Polynomials {
     /// The recurrence `root[k+1] p[k+1] = (x - middle[k]) p[k] - root[k] p[k-1]`.
     middle: Vec<f64>,
     root: Vec<f64>,
-    /// Whether any order of the coordinate is as good as another: of choices.
+    /// True for a choice, whose order has no meaning.
     pub(super) is_choice: bool,
 }
 
 impl Polynomials {
+    /// Polynomials that are orthonormal for a distribution of the key.
     pub(super) fn of(distribution: &Distribution, coordinate: Coordinate) -> Self {
         let (points, is_choice) = measure(distribution, coordinate);
         let all: f64 = points.iter().map(|(_, weight)| weight).sum();
@@ -103,12 +106,12 @@ impl Polynomials {
         one
     }
 
-    /// The highest degree that there is.
+    /// Highest degree.
     pub(super) fn highest(&self) -> usize {
         self.middle.len()
     }
 
-    /// Values of degrees 1 and up at a coordinate, appended to `to`.
+    /// Appends the values of all polynomials from degree 1 at a coordinate to `to`.
     pub(super) fn values(&self, x: f64, to: &mut Vec<f64>) {
         let x = (x - self.centre) / self.scale;
         let (mut before, mut last) = (0.0, 1.0);
@@ -120,11 +123,11 @@ impl Polynomials {
     }
 }
 
-/// Numbers and their weights that stand for a distribution; whether they are choices.
+/// Nodes and weights that represent a distribution, and whether they are choices.
 fn measure(distribution: &Distribution, coordinate: Coordinate) -> (Vec<(f64, f64)>, bool) {
     if let (Distribution::Choices { weights }, Coordinate::Number) = (distribution, coordinate) {
         let points = weights.iter().enumerate().filter(|(_, weight)| **weight > 0.0);
-        return (points.map(|(place, weight)| (place as f64, *weight)).collect(), true);
+        return (points.map(|(index, weight)| (index as f64, *weight)).collect(), true);
     }
     let step = 2.0 * REACH / (NODES - 1) as f64;
     let points = (0..NODES).map(|k| step * k as f64 - REACH).map(|logit| {
@@ -138,21 +141,22 @@ fn measure(distribution: &Distribution, coordinate: Coordinate) -> (Vec<(f64, f6
 mod tests {
     use super::*;
 
-    /// Legendre's, Hermite's, and any function of three choices.
+    /// Legendre and Hermite polynomials, and two polynomials for three choices.
     #[test]
-    fn polynomials_are_those_of_their_distribution() {
-        let even = Distribution::Uniform { from: 2.0, to: 6.0 };
+    fn polynomials_of_known_distributions_match_closed_forms() {
+        let uniform = Distribution::Uniform { from: 2.0, to: 6.0 };
         let mut found = Vec::new();
-        Polynomials::of(&even, Coordinate::Number).values(5.0, &mut found);
+        Polynomials::of(&uniform, Coordinate::Number).values(5.0, &mut found);
         let x = 0.5_f64;
         let legendre = [x, 1.5 * x * x - 0.5, 2.5 * x.powi(3) - 1.5 * x];
         for (k, wanted) in legendre.iter().enumerate() {
             let wanted = wanted * f64::sqrt(2.0 * k as f64 + 3.0);
             assert!((found[k] - wanted).abs() < 1e-9, "{found:?} {wanted}");
         }
-        let bell = Distribution::Normal { mean: 1.0, sigma: 2.0, within: [f64::NEG_INFINITY, f64::INFINITY] };
+        let normal =
+            Distribution::Normal { mean: 1.0, sigma: 2.0, within: [f64::NEG_INFINITY, f64::INFINITY] };
         found.clear();
-        Polynomials::of(&bell, Coordinate::Number).values(4.0, &mut found);
+        Polynomials::of(&normal, Coordinate::Number).values(4.0, &mut found);
         let z = 1.5_f64;
         let hermite = [z, (z * z - 1.0) / f64::sqrt(2.0), (z.powi(3) - 3.0 * z) / f64::sqrt(6.0)];
         hermite.iter().zip(&found).for_each(|(a, b)| assert!((a - b).abs() < 1e-6, "{a} {b}"));
@@ -161,9 +165,10 @@ mod tests {
         assert_eq!((of_choices.highest(), of_choices.is_choice), (2, true));
     }
 
-    /// Of a triangle, whose second derivative jumps, moments are those of closed forms: degree 1 is (x - mean)/sigma.
+    /// Moments of a triangular distribution, whose density has a kink, match closed forms: degree 1 is (x -
+    /// mean)/sigma.
     #[test]
-    fn a_kink_is_integrated_closely() {
+    fn moments_of_triangular_distribution_match_closed_form() {
         let (from, mode, to) = (-1.0, 0.5, 2.0);
         let mut found = Vec::new();
         let triangle = Distribution::Triangular { from, mode, to };

@@ -1,4 +1,4 @@
-//! A scenario's production: the displays that stand for it, what each of them is, and what is made of all of them.
+//! Production of a scenario's `[tolerance]`: the sampled displays and their evaluation.
 
 use std::sync::Arc;
 
@@ -6,11 +6,12 @@ use papilio_scenario::{ScenarioErrors, Tolerance};
 use serde_json::Value;
 
 use super::plan::{Draw, Plan};
-use crate::{Condition, DesignError, Evaluator, Key, Named, Study, Values, Variable};
+use crate::{Condition, DesignError, Evaluator, Key, NamedQuantity, Study, Values, Variable};
 
-/// The displays of a `[tolerance]`, by row.
+/// Displays of a `[tolerance]`, by row.
 ///
-/// A row is a display, and, while sensitivities are sought, the other display and the mixtures of both: see [`Plan`].
+/// A row is one display. Rows for sensitivities also have a second, independent display and the mixtures of
+/// both: see [`Plan`].
 #[derive(Debug, Clone)]
 pub struct Production {
     study: Arc<Study>,
@@ -20,7 +21,7 @@ pub struct Production {
 }
 
 impl Production {
-    /// Of a scenario that was read.
+    /// Creates the production of a scenario.
     pub fn new(tolerance: &Tolerance) -> Self {
         let variables = tolerance.keys.iter().map(|key| Variable {
             name: key.name.clone(),
@@ -38,7 +39,7 @@ impl Production {
         let study = Study {
             conditions: vec![Condition { name: String::new(), varied: tolerance.varied.clone() }],
             variables: variables.collect(),
-            quantities: tolerance.metrics.iter().map(Named::of).collect(),
+            quantities: tolerance.metrics.iter().map(NamedQuantity::of).collect(),
         };
         let distributions = tolerance.keys.iter().map(|key| key.distribution.clone()).collect();
         Self {
@@ -49,32 +50,32 @@ impl Production {
         }
     }
 
-    /// What varies and what is asked.
+    /// Variables and quantities of the production.
     pub fn study(&self) -> &Arc<Study> {
         &self.study
     }
 
-    /// Which displays.
+    /// Plan of the displays.
     pub fn plan(&self) -> &Plan {
         &self.plan
     }
 
-    /// How many rows there are.
+    /// Number of rows.
     pub fn rows(&self) -> usize {
         self.rows
     }
 
-    /// How many of them are for sensitivities, too.
+    /// Number of rows that are also used for sensitivities: the first ones.
     pub fn sensitivity_rows(&self) -> usize {
         self.sensitivity_rows
     }
 
-    /// How many displays there are in all.
+    /// Number of displays of all rows.
     pub fn displays(&self) -> usize {
         self.rows + self.sensitivity_rows * (1 + self.plan.groups().len())
     }
 
-    /// The displays of a row: its own first.
+    /// Displays of a row; its own display is first.
     pub fn draws(&self, row: usize) -> Vec<Draw> {
         let own = [Draw::Own];
         if row >= self.sensitivity_rows {
@@ -84,29 +85,29 @@ impl Production {
         own.into_iter().chain([Draw::Other]).chain(mixed).collect()
     }
 
-    /// How many numbers a row has: of each of its displays every metric.
+    /// Number of values of a row: every metric of each of its displays.
     pub fn width(&self, row: usize) -> usize {
         self.draws(row).len() * self.study.quantities.len()
     }
 
-    /// The numbers of a row, display by display; NaN where one is undefined.
+    /// Computes the metrics of a row, display by display; NaN where one is undefined.
     ///
     /// # Errors
-    /// If one of its displays cannot be, or was stopped.
+    /// If one of its displays cannot be evaluated, or the evaluation was interrupted.
     pub fn evaluate(&self, evaluator: &mut Evaluator<'_>, row: usize) -> Result<Vec<f64>, DesignError> {
         let mut numbers = Vec::with_capacity(self.width(row));
         for draw in self.draws(row) {
-            let found = evaluator.evaluate(&self.plan.piece(row as u64, draw))?;
-            numbers.extend(found.into_iter().map(|number| number.unwrap_or(f64::NAN)));
+            let values = evaluator.evaluate(&self.plan.display(row as u64, draw))?;
+            numbers.extend(values.into_iter().map(|number| number.unwrap_or(f64::NAN)));
         }
         Ok(numbers)
     }
 
-    /// What each key of a row's own display is: the value of its first path; of a choice that is a table or a list, its
-    /// place in the list of choices, as "#2".
+    /// Values of the keys of a row's own display: for each key, the value of its first path. A choice that is
+    /// a table or an array is given by its position in the list of choices, such as "#2".
     pub fn values(&self, row: usize) -> Vec<Value> {
-        let piece = self.plan.piece(row as u64, Draw::Own);
-        let values = self.study.variables.iter().zip(piece);
+        let display = self.plan.display(row as u64, Draw::Own);
+        let values = self.study.variables.iter().zip(display);
         let shown = |(variable, x): (&Variable, f64)| match variable.value(&variable.keys[0], x) {
             Value::Array(_) | Value::Object(_) => format!("#{}", x as usize + 1).into(),
             value => value,
@@ -114,15 +115,16 @@ impl Production {
         values.map(shown).collect()
     }
 
-    /// Nothing, if the displays at both ends of every key can be: found before any is computed.
+    /// Checks the displays with the smallest and the largest number of each key, and all choices, before any
+    /// display is computed.
     ///
     /// # Errors
-    /// What is wrong with one of them, with the place of its key.
+    /// If the scenario of one of them is invalid, with the location of its key.
     pub fn check(&self, tolerance: &Tolerance) -> Result<(), ScenarioErrors> {
         let count = self.study.variables.len();
         let mut ends: Vec<[(f64, u64); 2]> = vec![[(f64::INFINITY, 0), (f64::NEG_INFINITY, 0)]; count];
         for row in 0..self.rows as u64 {
-            for (end, x) in ends.iter_mut().zip(self.plan.piece(row, Draw::Own)) {
+            for (end, x) in ends.iter_mut().zip(self.plan.display(row, Draw::Own)) {
                 let [low, high] = end;
                 *low = if x < low.0 { (x, row) } else { *low };
                 *high = if x > high.0 { (x, row) } else { *high };
@@ -132,16 +134,16 @@ impl Production {
         rows.sort_unstable();
         rows.dedup();
         for row in rows {
-            if let Ok(values) = self.study.values(&self.plan.piece(row, Draw::Own)) {
+            if let Ok(values) = self.study.values(&self.plan.display(row, Draw::Own)) {
                 tolerance.check(&values)?;
             }
         }
-        // Choices that are rarely met are looked at all the same.
-        for (at, key) in tolerance.keys.iter().enumerate() {
+        // All choices are checked, even improbable ones.
+        for (index, key) in tolerance.keys.iter().enumerate() {
             for choice in 0..key.choices.len() {
-                let mut piece = self.plan.piece(0, Draw::Own);
-                piece[at] = choice as f64;
-                if let Ok(values) = self.study.values(&piece) {
+                let mut display = self.plan.display(0, Draw::Own);
+                display[index] = choice as f64;
+                if let Ok(values) = self.study.values(&display) {
                     tolerance.check(&values)?;
                 }
             }

@@ -1,4 +1,4 @@
-//! What is said of a production.
+//! Report of a tolerance analysis.
 
 use papilio_scenario::Tolerance;
 use serde::Serialize;
@@ -9,92 +9,93 @@ use super::production::Production;
 use super::spread::Spread;
 use super::verdict::{Limit, Verdict};
 
-/// So many of the worst displays are named.
+/// Number of worst displays in a report.
 const WORST: usize = 10;
 
-/// What production makes of a design.
+/// Results of a tolerance analysis.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Report {
-    /// Displays that stand for the production.
+    /// Number of sampled displays.
     pub samples: usize,
-    /// Of how many sensitivities are found.
+    /// Number of rows from which sensitivities are computed.
     pub sensitivity_samples: usize,
-    /// The keys that scatter, in groups of those that do so together.
+    /// Varied keys, in groups of correlated ones.
     pub groups: Vec<Vec<String>>,
-    /// Each metric.
+    /// Results of each metric.
     pub metrics: Vec<MetricReport>,
-    /// Each limit: which metric, and how often it fails.
+    /// Limits, in the order of `verdict.failing`.
     pub limits: Vec<LimitReport>,
-    /// Yield, and what it is not met by.
+    /// Yield, and how often each limit fails.
     pub verdict: Verdict,
-    /// The displays that miss most.
+    /// Displays that miss a limit most.
     pub worst: Vec<WorstDisplay>,
 }
 
-/// How a metric scatters, and why.
+/// Distribution and sensitivities of a metric.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct MetricReport {
-    /// Its name.
+    /// Name of the metric.
     pub name: String,
-    /// How it scatters; null if it is nowhere defined.
+    /// Distribution; null if the metric is undefined everywhere.
     pub spread: Option<Spread>,
-    /// For each group of keys how much of its variance comes from it; null where it does not scatter or none were sought.
+    /// Sobol indices of each group of keys; null if the metric does not vary or no sensitivities were
+    /// requested.
     pub indices: Vec<Option<Indices>>,
-    /// The polynomials that the indices rest on; null without any.
+    /// Polynomial fit that the indices are based on; null if there is none.
     pub surrogate: Option<Surrogate>,
 }
 
-/// A limit as it was given.
+/// A limit of the scenario.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct LimitReport {
-    /// The metric.
+    /// Name of the metric.
     pub metric: String,
-    /// No less.
+    /// Lower limit.
     pub at_least: Option<f64>,
-    /// No more.
+    /// Upper limit.
     pub at_most: Option<f64>,
 }
 
-/// A display that misses a limit by far.
+/// Display that misses a limit by a large distance.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct WorstDisplay {
-    /// Its row.
+    /// Row of the display.
     pub row: usize,
-    /// The limit that it misses most, from 0.
+    /// Index of the limit that it misses most, from 0.
     pub limit: usize,
-    /// How far, in standard deviations of the metric; null where the metric is undefined.
+    /// Distance from this limit in standard deviations of the metric; null if the metric is undefined.
     pub missed_by_sigma: Option<f64>,
-    /// What its keys are.
+    /// Values of its keys.
     pub keys: Vec<Value>,
-    /// Its metrics; null where undefined.
+    /// Metrics; null where undefined.
     pub metrics: Vec<Option<f64>>,
 }
 
 impl Report {
-    /// Of all rows, in order, each as [`Production::evaluate`] gives it.
+    /// Computes the report from all rows in order, each as returned by [`Production::evaluate`].
     pub fn new(tolerance: &Tolerance, production: &Production, rows: &[&[f64]]) -> Self {
         let count = tolerance.metrics.len();
         let column = |draw: usize, metric: usize, rows: &[&[f64]]| -> Vec<f64> {
-            let at = draw * count + metric;
-            rows.iter().map(|row| row.get(at).copied().unwrap_or(f64::NAN)).collect()
+            let index = draw * count + metric;
+            rows.iter().map(|row| row.get(index).copied().unwrap_or(f64::NAN)).collect()
         };
         let columns: Vec<Vec<f64>> = (0..count).map(|metric| column(0, metric, rows)).collect();
-        let sought = &rows[..production.sensitivity_rows().min(rows.len())];
+        let sensitivity_rows = &rows[..production.sensitivity_rows().min(rows.len())];
         let groups = production.plan().groups();
         let samples: Vec<Samples> = (0..count)
             .map(|metric| Samples {
                 own: columns[metric].clone(),
-                other: column(1, metric, sought),
-                mixed: (0..groups.len()).map(|group| column(2 + group, metric, sought)).collect(),
+                other: column(1, metric, sensitivity_rows),
+                mixed: (0..groups.len()).map(|group| column(2 + group, metric, sensitivity_rows)).collect(),
             })
             .collect();
         let sensitivities = Sensitivities::of(production.plan(), &samples);
         let metrics: Vec<MetricReport> = (columns.iter().zip(sensitivities).zip(&tolerance.metrics))
-            .map(|((column, found), metric)| MetricReport {
+            .map(|((column, sensitivities), metric)| MetricReport {
                 name: metric.name.clone(),
                 spread: Spread::of(column),
-                indices: found.indices,
-                surrogate: found.surrogate,
+                indices: sensitivities.indices,
+                surrogate: sensitivities.surrogate,
             })
             .collect();
         let limits = tolerance.limits.iter();
@@ -118,7 +119,7 @@ impl Report {
         let name = |key: &usize| tolerance.keys[*key].name.clone();
         Self {
             samples: rows.len(),
-            sensitivity_samples: sought.len(),
+            sensitivity_samples: sensitivity_rows.len(),
             groups: groups.iter().map(|group| group.iter().map(name).collect()).collect(),
             limits: tolerance
                 .limits

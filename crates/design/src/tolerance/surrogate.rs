@@ -1,42 +1,44 @@
-//! A metric as a sum of polynomials of the keys: a sparse polynomial chaos, fitted to all displays.
+//! Sparse polynomial chaos: a metric as a sum of products of polynomials of the keys, fitted to all displays.
 //!
-//! Every replicate has a fit of its own, made of all *other* replicates: what a fit says of a display then owes nothing to that
-//! display, and how far it is off is what it would be off for any. How many terms there are is chosen by that: of the lists of
-//! terms (see [`Terms`]) the one whose fits are off least.
+//! Every replicate has its own fit, from all *other* replicates. The value of a fit for a display is
+//! therefore independent of that display, and its residuals are those of new displays (cross-validation).
+//! They determine the number of terms: of the lists of terms (see [`Terms`]), the one with the smallest
+//! residuals is used.
 //!
-//! The variance of a fit, and the parts of it that come from a group of keys, are sums of squares of its coefficients.
+//! The variance of a fit, and the contributions of a group of keys to it, are sums of squares of its
+//! coefficients.
 //!
-//! Sources: B. Sudret, Reliab. Eng. Syst. Saf. 93, 964 (2008), for the indices; G. Blatman and B. Sudret, J. Comput. Phys. 230, 2345
-//! (2011), for lists of terms by a hyperbolic norm.
+//! Sources: B. Sudret, Reliab. Eng. Syst. Saf. 93, 964 (2008), for the indices; G. Blatman and B. Sudret, J.
+//! Comput. Phys. 230, 2345 (2011), for lists of terms by a hyperbolic norm.
 
 use super::plan::{Draw, Plan, REPLICATES, replicate};
 use super::polynomials::Polynomials;
 
-/// Displays that a fit is made of, at most; the products that its matrix takes, at most.
+/// Largest number of displays of a fit, and of products in the computation of its matrix.
 const MOST_FITTED: usize = 8192;
 const MOST_PRODUCTS: f64 = 3e8;
-/// Displays for each term, at least.
+/// Smallest number of displays per term.
 const DISPLAYS_FOR_A_TERM: usize = 6;
-/// The exponent of the norm of degrees that lists of terms are ordered by, and the largest norm.
+/// Exponent of the hyperbolic norm of the degrees, by which terms are ordered, and the largest norm.
 const HYPERBOLIC: f64 = 0.75;
 const LARGEST_NORM: usize = 14;
-/// Lists of terms that are tried.
+/// Number of lists of terms that are tried.
 const LISTS: usize = 12;
 
-/// A product of polynomials: its keys, and its degree in each, which is not 0.
+/// Product of polynomials: its keys, and the degree in each, which is at least 1.
 pub(super) type Term = [(usize, usize)];
 
-/// Products of polynomials, the simplest first; the first is 1.
+/// Products of polynomials in order of their norms; the first one is the constant 1.
 #[derive(Debug, Clone)]
 pub(super) struct Terms {
-    /// Each a [`Term`].
+    /// The [`Term`]s.
     terms: Vec<Vec<(usize, usize)>>,
-    /// How many of the first terms make a list.
+    /// Lengths of the lists; each list is the first terms.
     lists: Vec<usize>,
 }
 
 impl Terms {
-    /// Of these polynomials, `most` at most.
+    /// Creates at most `most` products of these polynomials.
     fn new(axes: &[Polynomials], most: usize) -> Self {
         let mut ordered: Vec<(f64, Vec<(usize, usize)>)> = Vec::new();
         for norm in 0..=LARGEST_NORM {
@@ -49,12 +51,12 @@ impl Terms {
             }
         }
         ordered.sort_by(|a, b| a.0.total_cmp(&b.0).then_with(|| a.1.cmp(&b.1)));
-        // A list ends where the norm rises.
+        // A list ends where the norm increases.
         let ends = (1..ordered.len()).filter(|at| ordered[*at].0 > ordered[at - 1].0 + 1e-9);
         let ends: Vec<usize> = ends.chain([ordered.len()]).filter(|end| *end <= most.max(1)).collect();
         let mut lists: Vec<usize> = Vec::new();
         for (at, end) in ends.iter().enumerate() {
-            // The first few, and then ever longer steps.
+            // Lengths increase by a factor of at least 1.25.
             let is_far = lists.last().is_none_or(|last| *end as f64 >= 1.25 * *last as f64);
             if (lists.len() < LISTS && is_far) || at + 1 == ends.len() {
                 lists.push(*end);
@@ -64,27 +66,29 @@ impl Terms {
         Self { terms: ordered.into_iter().map(|(_, term)| term).collect(), lists }
     }
 
-    /// The terms at a display, into `to`; `values[key][degree - 1]` are its polynomials, flat, from `from[key]`.
+    /// Writes the first `count` terms of a display to `to`. The polynomial of a key and a degree is
+    /// `values[from[key] + degree - 1]`.
     fn at(&self, count: usize, values: &[f64], from: &[usize], to: &mut Vec<f64>) {
         to.clear();
-        let one = |term: &Vec<(usize, usize)>| {
+        let product = |term: &Vec<(usize, usize)>| {
             term.iter().map(|(key, degree)| values[from[*key] + degree - 1]).product::<f64>()
         };
-        to.extend(self.terms[..count].iter().map(one));
+        to.extend(self.terms[..count].iter().map(product));
     }
 }
 
-/// A term's norm, without the outer exponent.
+/// Contribution of a key to the norm of a term, without the outer exponent.
 fn cost(axes: &[Polynomials], key: usize, degree: usize) -> f64 {
-    // Of choices, the order of which means nothing, all functions are alike.
+    // The order of choices has no meaning, so that all their polynomials count equally.
     if axes[key].is_choice { 1.0 } else { (degree as f64).powf(HYPERBOLIC) }
 }
 
+/// Norm of a term.
 fn size(axes: &[Polynomials], term: &Term) -> f64 {
     term.iter().map(|(key, degree)| cost(axes, *key, *degree)).sum::<f64>().powf(1.0 / HYPERBOLIC)
 }
 
-/// All terms of keys from `key` on within a budget; false if there are more than `most`.
+/// Collects all terms of the keys from `key` within a budget; returns false if there are more than `most`.
 fn collect(
     axes: &[Polynomials],
     key: usize,
@@ -114,19 +118,19 @@ fn collect(
     true
 }
 
-/// The polynomials of the displays of a plan, and what all fits of them share.
+/// Polynomials of the displays of a plan, and the matrices that all fits share.
 #[derive(Debug)]
 pub(super) struct Basis {
     axes: Vec<Polynomials>,
     terms: Terms,
-    /// Where the polynomials of each key begin among those of a display.
+    /// Index of the first polynomial of each key among those of a display.
     from: Vec<usize>,
-    /// The displays that are fitted: row, and which of its displays.
+    /// Displays that are fitted: row, and display of the row.
     fitted: Vec<(usize, Draw)>,
-    /// Their terms, display by display.
+    /// Terms of these displays, display by display.
     design: Vec<f64>,
-    /// Sums of products of terms over the displays of each replicate, lower halves; and the factor of those of all
-    /// others, as far as it goes.
+    /// For each replicate: the lower triangle of the sums of products of terms over its displays, and the
+    /// Cholesky factor of the sums over all other replicates, as far as it is well-conditioned.
     products: Vec<Vec<f64>>,
     factors: Vec<Factor>,
 }
@@ -138,27 +142,27 @@ struct Factor {
     count: usize,
 }
 
-/// A metric's fits, one for each replicate, made of the others.
+/// Fits of a metric, one for each replicate, from all others.
 #[derive(Debug, Clone)]
 pub(super) struct Fits {
-    /// Coefficients, `[replicate][term]`, of a metric that was scaled and moved so.
+    /// Coefficients, `[replicate][term]`, of the metric minus `centre`, divided by `scale`.
     coefficients: Vec<Vec<f64>>,
     centre: f64,
     scale: f64,
-    /// The variance that the fits leave unexplained in displays that they were not made of, over the variance.
+    /// Fraction of the variance that the fits do not explain, for displays to which they were not fitted.
     pub(super) unexplained: f64,
 }
 
 impl Basis {
-    /// Of rows whose first ones have all their displays.
+    /// Creates the basis of a plan's rows, of which the first ones have displays for sensitivities.
     pub(super) fn new(plan: &Plan, rows: usize, sensitivity_rows: usize) -> Self {
         let axes = plan.polynomials();
         let draws = [Draw::Own, Draw::Other].into_iter().chain((0..plan.groups().len()).map(Draw::Mixed));
-        let of_row = |row: usize| {
+        let draws_of_row = |row: usize| {
             let count = if row < sensitivity_rows { plan.groups().len() + 2 } else { 1 };
             draws.clone().take(count).map(move |draw| (row, draw))
         };
-        let fitted: Vec<(usize, Draw)> = (0..rows).flat_map(of_row).take(MOST_FITTED).collect();
+        let fitted: Vec<(usize, Draw)> = (0..rows).flat_map(draws_of_row).take(MOST_FITTED).collect();
         let most = (fitted.len() / DISPLAYS_FOR_A_TERM)
             .min((MOST_PRODUCTS / fitted.len().max(1) as f64).sqrt() as usize)
             .max(1);
@@ -171,6 +175,7 @@ impl Basis {
         basis
     }
 
+    /// Computes the terms of all displays, and the matrices and their factors.
     fn prepare(&mut self, plan: &Plan) {
         let count = self.terms.terms.len();
         let (mut values, mut one) = (Vec::new(), Vec::new());
@@ -191,14 +196,15 @@ impl Basis {
         self.factors = self.products.iter().map(|one| Factor::of(without(one), count)).collect();
     }
 
-    /// The polynomials of a display, those of each key after the other.
+    /// Computes the polynomials of a display, key by key.
     fn polynomials(&self, plan: &Plan, row: usize, draw: Draw, values: &mut Vec<f64>) {
         values.clear();
         let at = plan.coordinates(row as u64, draw);
         self.axes.iter().zip(at).for_each(|(axis, x)| axis.values(x, values));
     }
 
-    /// Fits a metric of the displays; `value` gives it. `None` where it is undefined somewhere.
+    /// Fits a metric, whose values are given by `value`. `None` if it is undefined for a display or does not
+    /// vary.
     pub(super) fn fit(&self, value: impl Fn(usize, Draw) -> f64) -> Option<Fits> {
         let values: Vec<f64> = self.fitted.iter().map(|(row, draw)| value(*row, *draw)).collect();
         let count = values.len() as f64;
@@ -235,48 +241,56 @@ impl Basis {
         best
     }
 
-    /// What a metric's fit of a display's replicate says of the display.
-    pub(super) fn said(&self, plan: &Plan, fits: &[&Fits], row: usize, draw: Draw, room: &mut Room) {
+    /// Evaluates the fits of several metrics for a display, with the coefficients of the display's replicate.
+    pub(super) fn evaluate(
+        &self,
+        plan: &Plan,
+        fits: &[&Fits],
+        row: usize,
+        draw: Draw,
+        workspace: &mut Workspace,
+    ) {
         let count = fits.iter().map(|fit| fit.terms()).max().unwrap_or(0);
-        self.polynomials(plan, row, draw, &mut room.values);
-        self.terms.at(count, &room.values, &self.from, &mut room.terms);
-        room.said.clear();
+        let Workspace { values, terms, values_of_fits } = workspace;
+        self.polynomials(plan, row, draw, values);
+        self.terms.at(count, values, &self.from, terms);
         let of = replicate(row);
-        room.said
-            .extend(fits.iter().map(|fit| fit.centre + fit.scale * dot(&fit.coefficients[of], &room.terms)));
+        let value = |fit: &&Fits| fit.centre + fit.scale * dot(&fit.coefficients[of], terms);
+        values_of_fits.clear();
+        values_of_fits.extend(fits.iter().map(value));
     }
 
-    /// The mean of a fit of one replicate.
+    /// Mean of a replicate's fit.
     pub(super) fn mean(&self, fit: &Fits, of: usize) -> f64 {
         fit.centre + fit.scale * fit.coefficients[of][0]
     }
 
-    /// The variance of a fit of one replicate that comes from the terms that `counts`, each its keys and degrees.
+    /// Variance of a replicate's fit from the terms for which `counts` returns true.
     pub(super) fn variance(&self, fit: &Fits, of: usize, counts: impl Fn(&Term) -> bool) -> f64 {
         let terms = self.terms.terms.iter().zip(&fit.coefficients[of]).skip(1);
-        let of_them = terms.filter(|(term, _)| counts(term));
-        fit.scale * fit.scale * of_them.map(|(_, c)| c * c).sum::<f64>()
+        let counted = terms.filter(|(term, _)| counts(term));
+        fit.scale * fit.scale * counted.map(|(_, c)| c * c).sum::<f64>()
     }
 }
 
-/// Room to evaluate fits in.
+/// Buffers for the evaluation of fits.
 #[derive(Debug, Default)]
-pub(super) struct Room {
+pub(super) struct Workspace {
     values: Vec<f64>,
     terms: Vec<f64>,
-    /// What each fit says.
-    pub(super) said: Vec<f64>,
+    /// Value of each fit.
+    pub(super) values_of_fits: Vec<f64>,
 }
 
 impl Fits {
-    /// How many terms there are.
+    /// Number of terms.
     pub(super) fn terms(&self) -> usize {
         self.coefficients.first().map_or(0, Vec::len)
     }
 }
 
 impl Factor {
-    /// Of a matrix whose lower half is given.
+    /// Factor of a symmetric matrix, given by its lower triangle.
     fn of(mut lower: Vec<f64>, size: usize) -> Self {
         for i in 0..size {
             for j in 0..=i {
@@ -288,9 +302,9 @@ impl Factor {
                 };
                 let rest = lower[i * size + j] - known;
                 if i == j {
-                    // A term that is next to one made of the others.
+                    // The term is almost a linear combination of the others.
                     if rest.is_nan() || rest <= 1e-9 * lower[i * size + i] {
-                        return Self { lower, count: i }.cut(size);
+                        return Self { lower, count: i }.truncated(size);
                     }
                     lower[i * size + i] = rest.sqrt();
                 } else {
@@ -298,15 +312,16 @@ impl Factor {
                 }
             }
         }
-        Self { lower, count: size }.cut(size)
+        Self { lower, count: size }.truncated(size)
     }
 
-    /// Only the lines that are done, each as long as there are lines.
-    fn cut(self, size: usize) -> Self {
+    /// Keeps the square block of the finished rows.
+    fn truncated(self, size: usize) -> Self {
         let lines = self.lower.chunks(size.max(1)).take(self.count);
         Self { lower: lines.flat_map(|line| line[..self.count].to_vec()).collect(), count: self.count }
     }
 
+    /// Forward substitution.
     fn forward(&self, right: impl Iterator<Item = f64>) -> Vec<f64> {
         let mut half: Vec<f64> = Vec::with_capacity(self.count);
         for (line, right) in self.lower.chunks(self.count.max(1)).zip(right) {
@@ -316,7 +331,7 @@ impl Factor {
         half
     }
 
-    /// Of the first lines alone, as many as `half` has.
+    /// Backward substitution with the first rows only, as many as `half` has.
     fn backward(&self, half: &[f64]) -> Vec<f64> {
         let mut solution = half.to_vec();
         for i in (0..half.len()).rev() {
@@ -329,12 +344,12 @@ impl Factor {
     }
 }
 
-/// Of as many numbers as the shorter one has.
+/// Dot product over the length of the shorter vector.
 fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
-/// `c' G c` of the lower half of a matrix.
+/// Quadratic form `c' G c` of a symmetric matrix G, given by its lower triangle.
 fn quadratic(lower: &[f64], size: usize, c: &[f64]) -> f64 {
     let of_line = |(i, own): (usize, &f64)| {
         let line = &lower[i * size..][..=i];

@@ -1,11 +1,15 @@
-//! Designs and searches from outside: two roads to the same numbers, slopes, and what a search may not depend on.
+//! Studies and searches: both evaluation methods, derivatives, and independence of threads and journals.
 
 use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
-use papilio_design::search::{Answer, Course, Found, Kept, Piece, Record, Search, front};
-use papilio_design::{Condition, DesignError, Evaluator, Key, Named, Quantity, Study, Values, Variable};
+use papilio_design::search::{
+    Record, Search, SearchRecords, SearchResult, SearchSchedule, WorkItem, WorkResult, front,
+};
+use papilio_design::{
+    Condition, DesignError, Evaluator, Key, NamedQuantity, Quantity, Study, Values, Variable,
+};
 use papilio_display::DisplayError;
 use papilio_display::scene::Metric;
 use papilio_scenario::{Optimisation, Varied};
@@ -66,7 +70,7 @@ fn metric(name: &str) -> Quantity {
     Quantity::Metric { view: 0, state, metric: Metric::named(name).unwrap() }
 }
 
-/// A study of some keys and metrics.
+/// Study of some keys and metrics.
 fn study(keys: &[&str], metrics: &[&str]) -> Study {
     let paths: Vec<String> = keys.iter().map(|key| (*key).to_owned()).collect();
     let varied = Varied::from_text(DISPLAY, "test.toml", Path::new(""), &[], &paths).unwrap();
@@ -75,7 +79,8 @@ fn study(keys: &[&str], metrics: &[&str]) -> Study {
         keys: vec![Key::plain(*key)],
         values: Values::Number,
     };
-    let named = |name: &&str| Named { name: (*name).to_owned(), condition: 0, quantity: metric(name) };
+    let named =
+        |name: &&str| NamedQuantity { name: (*name).to_owned(), condition: 0, quantity: metric(name) };
     Study {
         conditions: vec![Condition { name: String::new(), varied }],
         variables: keys.iter().map(variable).collect(),
@@ -84,30 +89,31 @@ fn study(keys: &[&str], metrics: &[&str]) -> Study {
 }
 
 fn search(text: &str) -> (Arc<Search>, Evaluator<'static>) {
-    let said = Optimisation::from_text(&format!("{DISPLAY}{text}"), "test.toml", Path::new(""), &[]).unwrap();
-    let mut evaluator = Evaluator::new(Arc::new(Study::of(&said)), &STOP);
-    (Arc::new(Search::new(said, &mut evaluator).unwrap()), evaluator)
+    let spec = Optimisation::from_text(&format!("{DISPLAY}{text}"), "test.toml", Path::new(""), &[]).unwrap();
+    let mut evaluator = Evaluator::new(Arc::new(Study::of(&spec)), &STOP);
+    (Arc::new(Search::new(spec, &mut evaluator).unwrap()), evaluator)
 }
 
 fn run(
     search: &Arc<Search>,
     evaluator: &Evaluator<'_>,
     threads: usize,
-    kept: &Kept,
-) -> (Vec<Found>, Vec<Record>) {
-    let mut course = Course::new(Arc::clone(search), kept.clone(), threads);
+    known: &SearchRecords,
+) -> (Vec<SearchResult>, Vec<Record>) {
+    let mut schedule = SearchSchedule::new(Arc::clone(search), known.clone(), threads);
     let mut records = Vec::new();
-    let mut tell = |record: &Record, _: (usize, usize)| {
+    let mut on_record = |record: &Record, _: (usize, usize)| {
         records.push(record.clone());
         Ok::<(), DesignError>(())
     };
-    course.run(evaluator, threads, &mut tell).unwrap();
-    (course.found(), records)
+    schedule.run(evaluator, threads, &mut on_record).unwrap();
+    (schedule.results(), records)
 }
 
-/// Thicknesses, gaps, areas: the kept kernels give what a run of the scenario gives, to what two levels differ by.
+/// Thicknesses, gaps, fill factor: the reused kernels match a full run of the scenario within 0.2 %, the
+/// difference of two levels.
 #[test]
-fn film_designs_are_worth_what_their_runs_are() {
+fn film_fast_path_matches_full_run() {
     let keys = [
         "display.pixel.film.0.thickness_nm",
         "display.pixel.gap_nm.red",
@@ -127,18 +133,19 @@ fn film_designs_are_worth_what_their_runs_are() {
     }
 }
 
-/// What is not a number of the film takes the general road; both roads have slopes.
+/// A parameter of the film is evaluated by the fast method, any other key by full runs. Both have
+/// derivatives.
 #[test]
-fn slopes_are_those_of_differences() {
+fn derivatives_match_finite_differences() {
     let metrics = ["white.Y", "contrast_ratio"];
     for (key, own) in [("display.pixel.gap_nm.green", 192.3), ("display.diffuser.transmittance", 0.9)] {
         let mut evaluator = Evaluator::new(Arc::new(study(&[key], &metrics)), &STOP);
         let slopes = evaluator.derivatives(&[own]).unwrap();
         let step = 1e-3 * own;
         let [above, below] = [step, -step].map(|step| evaluator.evaluate(&[own + step]).unwrap());
-        for at in 0..metrics.len() {
-            let difference = (above[at].unwrap() - below[at].unwrap()) / (2.0 * step);
-            let slope = slopes.slopes[at];
+        for index in 0..metrics.len() {
+            let difference = (above[index].unwrap() - below[index].unwrap()) / (2.0 * step);
+            let slope = slopes.slopes[index];
             assert!(
                 (slope - difference).abs() < 1e-3 * difference.abs() + 1e-7,
                 "{key}: {slope}, {difference}"
@@ -148,7 +155,7 @@ fn slopes_are_those_of_differences() {
 }
 
 #[test]
-fn what_is_no_design_is_refused() {
+fn invalid_design_is_refused() {
     let mut evaluator = Evaluator::new(Arc::new(study(&["display.pixel.gap_nm.red"], &["white.Y"])), &STOP);
     assert!(matches!(evaluator.evaluate(&[]), Err(DesignError::Length { expected: 1, found: 0 })));
     assert!(matches!(evaluator.evaluate(&[f64::NAN]), Err(DesignError::Value { .. })));
@@ -159,87 +166,87 @@ fn what_is_no_design_is_refused() {
     assert_eq!(error, DesignError::Display(DisplayError::Interrupted));
 }
 
-/// What a search finds does not depend on threads, nor on what of it was known before.
+/// The result does not depend on the number of threads or on the records from which the search is resumed.
 #[test]
-fn a_search_depends_on_its_seed_alone() {
+fn search_result_depends_on_seed_alone() {
     for text in [SEARCH.to_owned(), SEARCH.replace("[optimize]", "[optimize]\nmethod = \"both\"")] {
         let (search, evaluator) = search(&text);
-        let (found, records) = run(&search, &evaluator, 1, &Kept::default());
-        assert_eq!(found, run(&search, &evaluator, 4, &Kept::default()).0);
+        let (found, records) = run(&search, &evaluator, 1, &SearchRecords::default());
+        assert_eq!(found, run(&search, &evaluator, 4, &SearchRecords::default()).0);
         for known in [records.len() / 2, records.len()] {
-            let mut kept = Kept::default();
+            let mut stored = SearchRecords::default();
             for record in &records[..known] {
                 let line = serde_json::to_string(record).unwrap();
-                kept.add(Record::parse(&line).unwrap());
+                stored.add(Record::parse(&line).unwrap());
             }
-            assert_eq!(found, run(&search, &evaluator, 2, &kept).0, "with {known} of {}", records.len());
+            assert_eq!(found, run(&search, &evaluator, 2, &stored).0, "with {known} of {}", records.len());
         }
     }
 }
 
-/// Pieces and answers are plain data: through a wire, in another order, twice over, some of them lost and done again; of
-/// generations cut into pieces, too.
+/// Work items and results are transmitted as text, in any order, repeatedly, and some items are lost and
+/// computed again. Generations are divided into several items.
 #[test]
-fn the_pieces_of_a_search_may_go_anywhere() {
+fn search_result_does_not_depend_on_transport_of_work_items() {
     let both = SEARCH.replace("[optimize]", "[optimize]\nmethod = \"both\"");
     for text in [both, format!("{SEARCH}{SECOND}").replace("starts = 4", "starts = 2")] {
         let (search, mut evaluator) = search(&text);
-        let (found, records) = run(&search, &evaluator, 1, &Kept::default());
-        let mut course = Course::new(Arc::clone(&search), Kept::default(), 5);
-        let (mut told, mut out, mut lost) = (Vec::new(), Vec::new(), false);
-        while !course.is_over() {
+        let (found, records) = run(&search, &evaluator, 1, &SearchRecords::default());
+        let mut schedule = SearchSchedule::new(Arc::clone(&search), SearchRecords::default(), 5);
+        let (mut received, mut out, mut lost) = (Vec::new(), Vec::new(), false);
+        while !schedule.is_finished() {
             out.extend(
-                std::iter::from_fn(|| course.piece()).map(|piece| serde_json::to_string(&piece).unwrap()),
+                std::iter::from_fn(|| schedule.next_item()).map(|item| serde_json::to_string(&item).unwrap()),
             );
-            let piece: Piece = serde_json::from_str(&out.pop().unwrap()).unwrap();
+            let item: WorkItem = serde_json::from_str(&out.pop().unwrap()).unwrap();
             lost = !lost;
             if lost {
-                out.insert(0, serde_json::to_string(&piece).unwrap());
+                out.insert(0, serde_json::to_string(&item).unwrap());
                 continue;
             }
-            let answer = serde_json::to_string(&search.work(&piece, &mut evaluator).unwrap()).unwrap();
+            let result = serde_json::to_string(&search.work(&item, &mut evaluator).unwrap()).unwrap();
             for _ in 0..2 {
-                course.take(serde_json::from_str::<Answer>(&answer).unwrap());
+                schedule.add_result(serde_json::from_str::<WorkResult>(&result).unwrap());
             }
-            told.extend(course.news());
+            received.extend(schedule.take_records());
         }
-        assert_eq!(found, course.found());
+        assert_eq!(found, schedule.results());
         let lines = |records: &[Record]| {
             let mut lines: Vec<_> =
                 records.iter().map(|record| serde_json::to_string(record).unwrap()).collect();
             lines.sort();
             lines
         };
-        assert_eq!(lines(&records), lines(&told));
+        assert_eq!(lines(&records), lines(&received));
     }
 }
 
-/// The first round in parts that do not know of each other; what they tell, joined, is as good as one search's.
+/// The joined records of independent shards of the first round give the result of a single search.
 #[test]
-fn parts_are_joined() {
+fn joined_shards_equal_a_single_search() {
     let (search, evaluator) = search(SEARCH);
-    let mut tell = |_: &Record, _: (usize, usize)| Ok::<(), DesignError>(());
-    let mut kept = Kept::default();
+    let mut on_record = |_: &Record, _: (usize, usize)| Ok::<(), DesignError>(());
+    let mut joined = SearchRecords::default();
     for k in 1..=3 {
-        let mut part = Course::part(Arc::clone(&search), Kept::default(), 1, (k, 3));
-        part.run(&evaluator, 1, &mut tell).unwrap();
-        let numbers: Vec<usize> = part.found().iter().map(|one| one.task).collect();
+        let mut shard = SearchSchedule::shard(Arc::clone(&search), SearchRecords::default(), 1, (k, 3));
+        shard.run(&evaluator, 1, &mut on_record).unwrap();
+        let numbers: Vec<usize> = shard.results().iter().map(|one| one.task).collect();
         assert_eq!(numbers, [vec![0, 3], vec![1], vec![2]][k - 1]);
-        let mut own = Kept::default();
-        part.found().into_iter().for_each(|one| own.add(Record::Found(one)));
-        kept.join(own);
+        let mut own = SearchRecords::default();
+        shard.results().into_iter().for_each(|one| own.add(Record::Task(one)));
+        joined.join(own);
     }
-    let mut whole = Course::new(Arc::clone(&search), kept, 1);
-    assert!(whole.is_over() && whole.news().is_empty());
-    assert_eq!(whole.found(), run(&search, &evaluator, 1, &Kept::default()).0);
+    let mut whole = SearchSchedule::new(Arc::clone(&search), joined, 1);
+    assert!(whole.is_finished() && whole.take_records().is_empty());
+    assert_eq!(whole.results(), run(&search, &evaluator, 1, &SearchRecords::default()).0);
 }
 
-/// The best of a search is better than where it began, meets its limits, and lies within its bounds.
+/// The best design is better than the scenario's own, satisfies the constraints, and is within its bounds.
 #[test]
-fn a_search_finds_something_better() {
+fn search_improves_on_the_scenario() {
     let (search, mut evaluator) = search(SEARCH);
-    let (found, _) = run(&search, &evaluator, 1, &Kept::default());
-    let best = search.chosen(&found, &mut evaluator).unwrap().remove(0);
+    let (found, _) = run(&search, &evaluator, 1, &SearchRecords::default());
+    let best = search.selected(&found, &mut evaluator).unwrap().remove(0);
     let (own, own_values) = search.own();
     assert_eq!(own, [55.9, 12.15, 0.4]);
     assert!(best.values[0].unwrap() > own_values[0].unwrap(), "{best:?}");
@@ -247,9 +254,9 @@ fn a_search_finds_something_better() {
     assert!((0.0..=120.0).contains(&best.design[0]) && (0.2..=0.6).contains(&best.design[2]));
 }
 
-/// What a pixel is made of, from its spectrum through the diffuser: the search finds the thicknesses again that made it.
+/// The target is the spectrum of a known pixel through the diffuser; the search recovers its thicknesses.
 #[test]
-fn a_wanted_spectrum_is_found_again() {
+fn search_for_a_spectrum_recovers_the_film() {
     let keys = ["display.pixel.film.0.thickness_nm", "display.pixel.film.1.thickness_nm"];
     let mut evaluator = Evaluator::new(Arc::new(study(&keys, &["white.Y"])), &STOP);
     let result = evaluator.run(&[70.0, 9.0], 0).unwrap();
@@ -266,27 +273,28 @@ fn a_wanted_spectrum_is_found_again() {
         pairs.join(", ")
     );
     let (search, mut evaluator) = search(&text);
-    let (found, _) = run(&search, &evaluator, 1, &Kept::default());
-    let best = search.chosen(&found, &mut evaluator).unwrap().remove(0);
-    for (found, made) in best.design.iter().zip([70.0, 9.0]) {
-        assert!((found - made).abs() < 0.05, "{best:?}");
+    let (found, _) = run(&search, &evaluator, 1, &SearchRecords::default());
+    let best = search.selected(&found, &mut evaluator).unwrap().remove(0);
+    for (found, true_nm) in best.design.iter().zip([70.0, 9.0]) {
+        assert!((found - true_nm).abs() < 0.05, "{best:?}");
     }
 }
 
 #[test]
-fn a_front_holds_what_nothing_beats() {
+fn front_designs_are_not_dominated() {
     let (search, evaluator) = search(&format!("{SEARCH}{SECOND}"));
-    let (found, _) = run(&search, &evaluator, 1, &Kept::default());
+    let (found, _) = run(&search, &evaluator, 1, &SearchRecords::default());
     let aims = search.aims();
     let front = front(aims, &found);
     assert!(front.len() >= 4, "{front:?}");
-    let merits = |at: usize| [0, 1].map(|objective| aims.merit(objective, &found[at].values).unwrap());
-    let sound: Vec<usize> = (0..found.len()).filter(|at| aims.missed(&found[*at].values) <= 1e-6).collect();
+    let merits = |index: usize| [0, 1].map(|objective| aims.merit(objective, &found[index].values).unwrap());
+    let feasible: Vec<usize> =
+        (0..found.len()).filter(|index| aims.missed(&found[*index].values) <= 1e-6).collect();
     for one in front {
-        let beats = |other: usize| {
+        let dominates = |other: usize| {
             let (one, other) = (merits(one), merits(other));
             other[0] <= one[0] && other[1] <= one[1] && (other[0] < one[0] - 1e-4 || other[1] < one[1] - 1e-4)
         };
-        assert!(!sound.iter().any(|other| beats(*other)));
+        assert!(!feasible.iter().any(|other| dominates(*other)));
     }
 }

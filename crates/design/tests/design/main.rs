@@ -1,10 +1,6 @@
-//! Designs, searches and tolerances from outside.
+//! Tests of studies, searches and tolerance analyses through the public API.
 
-#![allow(
-    clippy::panic,
-    clippy::unwrap_used,
-    reason = "helpers of tests, too, say what they expect by unwrapping"
-)]
+#![allow(clippy::panic, clippy::unwrap_used, reason = "test helpers unwrap what they expect")]
 
 mod design;
 mod production;

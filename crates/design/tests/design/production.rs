@@ -1,4 +1,4 @@
-//! What production makes of functions whose answers are known.
+//! Tolerance analyses of functions with known distributions and indices.
 
 use std::collections::BTreeMap;
 use std::f64::consts::PI;
@@ -17,12 +17,12 @@ fn normal(mean: f64, sigma: f64) -> Distribution {
     Distribution::Normal { mean, sigma, within: [f64::NEG_INFINITY, f64::INFINITY] }
 }
 
-/// A function of the pieces of many rows.
+/// Values of a function for one display of each row.
 fn column(plan: &Plan, rows: u64, draw: Draw, f: impl Fn(&[f64]) -> f64) -> Vec<f64> {
-    (0..rows).map(|row| f(&plan.piece(row, draw))).collect()
+    (0..rows).map(|row| f(&plan.display(row, draw))).collect()
 }
 
-/// A metric of as many rows, of which the first ones have all their pieces.
+/// Values of a metric for all rows, of which the first ones have displays for sensitivities.
 fn samples(plan: &Plan, rows: u64, sensitivity_rows: u64, f: impl Fn(&[f64]) -> f64 + Copy) -> Samples {
     let mixed = |group| column(plan, sensitivity_rows, Draw::Mixed(group), f);
     Samples {
@@ -37,9 +37,9 @@ fn indices_of(plan: &Plan, rows: u64, f: impl Fn(&[f64]) -> f64 + Copy) -> Vec<I
     found.indices.into_iter().map(Option::unwrap).collect()
 }
 
-/// The share of a standard normal distribution below z, by its series (Abramowitz and Stegun 26.2.11): a second road
-/// beside the one that makes the pieces.
-fn share_below(z: f64) -> f64 {
+/// Cumulative distribution function of the standard normal distribution, by its series (Abramowitz and Stegun
+/// 26.2.11): independent of the method that samples the displays.
+fn normal_cdf(z: f64) -> f64 {
     let (mut term, mut sum) = (z, z);
     for k in 1..200 {
         term *= z * z / f64::from(2 * k + 1);
@@ -48,7 +48,7 @@ fn share_below(z: f64) -> f64 {
     0.5 + sum * (-0.5 * z * z).exp() / (2.0 * PI).sqrt()
 }
 
-/// The standard normal distribution's number below which so many per cent lie, for each of [`PERCENTILES`].
+/// Quantiles of the standard normal distribution at [`PERCENTILES`].
 const NORMAL: [f64; 7] = [
     -2.326_347_874_040_841,
     -1.644_853_626_951_472,
@@ -59,15 +59,16 @@ const NORMAL: [f64; 7] = [
     2.326_347_874_040_841,
 ];
 
-/// A sum of correlated normal numbers is normal: its yield, percentiles and spread are closed forms. Over seeds the
-/// errors are as large as they are said to be, and far smaller than those of random pieces.
+/// A sum of correlated normal variables is normal: yield, percentiles and standard deviation have closed
+/// forms. Over seeds, deviations agree with the standard errors, which are far smaller than those of random
+/// sampling.
 #[test]
-fn a_linear_toy_has_the_yield_of_its_closed_form() {
+fn linear_metric_has_the_yield_and_percentiles_of_its_closed_form() {
     let (a, b, c, r) = (2.0, -1.0, 0.5, 0.6);
     let variance = a * a * 0.09 + b * b * 0.16 + c * c * 0.25 + 2.0 * a * b * r * 0.3 * 0.4;
     let (mean, sigma) = (a - 2.0 * b + 3.0 * c, f64::sqrt(variance));
     let (least, most) = (mean - 1.1 * sigma, mean + 1.7 * sigma);
-    let wanted = share_below(1.7) - share_below(-1.1);
+    let wanted = normal_cdf(1.7) - normal_cdf(-1.1);
     let limit = Limit { column: 0, at_least: Some(least), at_most: Some(most) };
     let (mut scores, mut gains) = (BTreeMap::<String, Vec<f64>>::new(), [0.0; 2]);
     for seed in 0..40 {
@@ -90,27 +91,27 @@ fn a_linear_toy_has_the_yield_of_its_closed_form() {
             scores.entry(name).or_default().push((found.value - wanted) / found.standard_error);
         }
     }
-    // A share has a jump in it, which even points see less of than of a smooth sum.
+    // A yield integrates a discontinuous function, for which Sobol points gain less than for a smooth sum.
     assert!(gains[0] < 0.7 && gains[1] < 0.2, "{gains:?}");
     assert_eq!(scores.len(), 10);
     for (name, of) in scores {
         let squares = of.iter().map(|t| t * t).sum::<f64>() / of.len() as f64;
         println!("{name}: mean square {squares:.2}");
-        // Squares of Student's t of 15 degrees of freedom: mean 15/13, variance 1.96 in the mean of one; over 40
-        // seeds one in 2000 lies outside.
+        // Squares of Student's t with 15 degrees of freedom: mean 15/13, relative variance 1.96. Over 40
+        // seeds, the mean lies outside with a probability of 1/2000.
         assert!((0.45..2.5).contains(&squares), "{name}: mean square {squares}");
         assert!(of.iter().all(|t| t.abs() < 6.0), "{name}: {of:?}");
     }
 }
 
-/// Of any distribution (one that leans, one of several humps with next to nothing between them) percentiles scatter over seeds as their
-/// errors say, near the ends as in the middle.
+/// For a skewed distribution, and one with several modes and almost no probability between them, the
+/// deviations of percentiles over seeds agree with their standard errors, in the tails as in the middle.
 #[test]
-fn percentiles_err_as_they_say() {
+fn percentile_deviations_agree_with_standard_errors() {
     const SEEDS: u64 = 48;
-    let leaning = |x: &[f64]| (0.8 * x[0]).exp() + 0.3 * x[1] * x[2];
-    let humps = |x: &[f64]| x[0] + 0.4 * x[2] + if x[1] < -0.4 { 0.0 } else { 5.0 };
-    for (name, f) in [("leaning", &leaning as &dyn Fn(&[f64]) -> f64), ("humps", &humps)] {
+    let skewed = |x: &[f64]| (0.8 * x[0]).exp() + 0.3 * x[1] * x[2];
+    let modes = |x: &[f64]| x[0] + 0.4 * x[2] + if x[1] < -0.4 { 0.0 } else { 5.0 };
+    for (name, f) in [("skewed", &skewed as &dyn Fn(&[f64]) -> f64), ("modes", &modes)] {
         let of_seed = |seed| {
             let plan = independent(vec![normal(0.0, 1.0); 3], seed);
             Spread::of(&column(&plan, 1024, Draw::Own, f)).unwrap().percentiles
@@ -121,24 +122,25 @@ fn percentiles_err_as_they_say() {
             let score = |one: &[Estimate; 7]| ((one[k].value - mean) / one[k].standard_error).powi(2);
             let squares = found.iter().map(score).sum::<f64>() / (SEEDS - 1) as f64;
             println!("{name}, {percent} %: mean square {squares:.2}");
-            // As above; the share that errors are taken from has few pieces near the ends.
+            // As above. In the tails, standard errors come from few displays.
             assert!((0.4..2.5).contains(&squares), "{name}, {percent} %: mean square {squares}");
         }
     }
 }
 
-/// Ishigami and Homma 1990: sin x + 7 sin^2 y + .1 z^4 sin x over [-pi, pi], with its indices in closed form.
+/// Ishigami and Homma 1990: sin x + 7 sin^2 y + 0.1 z^4 sin x over [-pi, pi], whose indices have closed
+/// forms.
 #[test]
-fn ishigamis_indices_are_found_to_a_hundredth() {
+fn indices_of_ishigami_function_are_within_one_percent() {
     let (a, b) = (7.0, 0.1);
-    let even = Distribution::Uniform { from: -PI, to: PI };
+    let uniform = Distribution::Uniform { from: -PI, to: PI };
     let by_x = 0.5 * f64::powi(1.0 + b * PI.powi(4) / 5.0, 2);
     let by_y = a * a / 8.0;
     let by_both = 8.0 / 225.0 * b * b * PI.powi(8);
     let all = by_x + by_y + by_both;
     let first = [by_x / all, by_y / all, 0.0];
     let total = [(by_x + by_both) / all, by_y / all, by_both / all];
-    let plan = independent(vec![even; 3], 0);
+    let plan = independent(vec![uniform; 3], 0);
     let f = |x: &[f64]| x[0].sin() + a * x[1].sin().powi(2) + b * x[2].powi(4) * x[0].sin();
     let found = indices_of(&plan, 1 << 16, f);
     for (k, found) in found.iter().enumerate() {
@@ -152,57 +154,58 @@ fn ishigamis_indices_are_found_to_a_hundredth() {
     }
 }
 
-/// Of a linear function of correlated keys, the group has the variance of its part.
+/// For a linear function, the index of a group of correlated keys is the variance of their sum.
 #[test]
-fn correlated_keys_have_the_indices_of_their_group() {
+fn correlated_keys_have_indices_of_their_group() {
     let r = 0.5;
     let correlation = Correlation::new(3, &[Coefficient { between: [0, 2], value: r }]).unwrap();
     let plan = Plan::new(vec![normal(0.0, 1.0), normal(5.0, 2.0), normal(0.0, 1.0)], correlation, 3);
     let found = indices_of(&plan, 4096, |x| x[0] + x[1] + x[2]);
     let (pair, alone) = (2.0 + 2.0 * r, 4.0);
     for (found, part) in found.iter().zip([pair, alone]) {
-        let share = part / (pair + alone);
-        assert!((found.first.value - share).abs() < 0.005 && (found.total.value - share).abs() < 0.005);
+        let fraction = part / (pair + alone);
+        assert!((found.first.value - fraction).abs() < 0.005 && (found.total.value - fraction).abs() < 0.005);
     }
 }
 
-/// A key that does nothing has no indices to speak of, and a metric that does not scatter has none at all.
+/// A key without effect has negligible indices, and a metric that does not vary has none.
 #[test]
-fn what_does_nothing_is_not_to_blame() {
+fn key_without_effect_has_zero_indices() {
     let plan = independent(vec![normal(1.0, 0.1), normal(1.0, 0.1)], 1);
     let found = indices_of(&plan, 512, |x| x[0] * x[0]);
-    // To what rounding leaves of the first key's.
+    // Zero, up to the rounding error of the first key's indices.
     assert!(found[1].total.value < 1e-12 && found[1].first.value <= found[1].total.value, "{found:?}");
     let none = Sensitivities::of(&plan, &[samples(&plan, 64, 64, |_| 1e9)]).remove(0);
     assert!(none.indices.iter().all(Option::is_none) && none.surrogate.is_none());
 }
 
-/// Where a metric is undefined for some pieces no polynomials stand for it; the others are not taken for all.
+/// A metric that is undefined for some displays has no polynomial fit.
 #[test]
-fn what_is_undefined_somewhere_rests_on_pieces_alone() {
+fn partly_undefined_metric_has_no_surrogate() {
     let plan = independent(vec![normal(0.0, 1.0), normal(0.0, 1.0)], 2);
     let metrics = [|x: &[f64]| if x[0] > 2.0 { f64::NAN } else { x[0] + x[1] }, |x: &[f64]| x[0] + x[1]];
     let found = Sensitivities::of(&plan, &metrics.map(|metric| samples(&plan, 512, 512, metric)));
     assert!(found[0].surrogate.is_none() && found[1].surrogate.is_some_and(|fit| fit.unexplained < 1e-9));
     let error = |of: &Sensitivities| of.indices[1].unwrap().total.standard_error;
     assert!(error(&found[0]) > 10.0 * error(&found[1]), "{found:?}");
-    // Of what is left the first key has less than a half: E of a normal number cut off at 2 has a variance of 0.886.
-    let share = found[0].indices[1].unwrap().total;
-    assert!((share.value - 1.0 / 1.886).abs() < 4.0 * share.standard_error, "{share:?}");
+    // The first key causes less than half of the remaining variance: a normal variable truncated at 2 has a
+    // variance of 0.886.
+    let fraction = found[0].indices[1].unwrap().total;
+    assert!((fraction.value - 1.0 / 1.886).abs() < 4.0 * fraction.standard_error, "{fraction:?}");
 }
 
-/// A plan of more pieces begins with the same ones.
+/// A longer plan begins with the same displays.
 #[test]
-fn a_longer_plan_begins_alike() {
+fn longer_plan_begins_with_the_same_displays() {
     let plan = independent(vec![normal(0.0, 1.0); 9], 7);
     let short = column(&plan, 100, Draw::Other, |x| x[8]);
     assert_eq!(column(&plan, 300, Draw::Other, |x| x[8])[..100], short);
 }
 
-/// A function whose indices are known, and how its keys scatter.
+/// Function with known indices, and the distributions of its keys.
 struct Known {
     name: &'static str,
-    /// Whether a sum of polynomials is as good as the function.
+    /// True if a sum of polynomials represents the function.
     is_smooth: bool,
     plan: fn(u64) -> Plan,
     metric: fn(&[f64]) -> f64,
@@ -210,8 +213,9 @@ struct Known {
     total: Vec<f64>,
 }
 
-/// The indices of a product of independent factors from the mean and the variance of each: V = prod(v + m^2) - prod m^2.
-fn of_product(factors: &[(f64, f64)]) -> [Vec<f64>; 2] {
+/// Indices of a product of independent factors from the mean and the variance of each: V = prod(v + m^2) -
+/// prod m^2.
+fn indices_of_product(factors: &[(f64, f64)]) -> [Vec<f64>; 2] {
     let squares: Vec<f64> = factors.iter().map(|(mean, _)| mean * mean).collect();
     let product = |of: &dyn Fn(usize) -> f64| (0..factors.len()).map(of).product::<f64>();
     let means = product(&|k| squares[k]);
@@ -224,20 +228,22 @@ fn of_product(factors: &[(f64, f64)]) -> [Vec<f64>; 2] {
 
 fn known() -> Vec<Known> {
     let log = (0.045_f64.exp(), 0.09_f64.exp() * (0.09_f64.exp() - 1.0));
-    let product = of_product(&[(2.0, 0.25), (1.0, 1.0 / 12.0), log]);
-    // Sobol's g function with a = 0, 1, 9: factors (|4x - 2| + a)/(1 + a) of mean 1 and variance 1/3/(1 + a)^2.
-    let kinks = of_product(&[(1.0, 1.0 / 3.0), (1.0, 1.0 / 12.0), (1.0, 1.0 / 300.0)]);
-    // Three of four bins with weights 1, 2, 1 have values 3, -1, 0, times 1 + x; beside them a step of a third key.
+    let product = indices_of_product(&[(2.0, 0.25), (1.0, 1.0 / 12.0), log]);
+    // Sobol's g function with a = 0, 1, 9: factors (|4x - 2| + a)/(1 + a) of mean 1 and variance 1/3/(1 +
+    // a)^2.
+    let kinks = indices_of_product(&[(1.0, 1.0 / 3.0), (1.0, 1.0 / 12.0), (1.0, 1.0 / 300.0)]);
+    // Three of four bins with weights 1, 2, 1 have values 3, -1, 0, times 1 + x; plus a step function of a
+    // third key.
     let (mean, squares) = (0.25 * 3.0 - 0.5, 0.25 * 9.0 + 0.5);
-    let bins = of_product(&[(mean, squares - mean * mean), (1.5, 1.0 / 12.0)]);
+    let bins = indices_of_product(&[(mean, squares - mean * mean), (1.5, 1.0 / 12.0)]);
     let of_bins = (squares * (2.25 + 1.0 / 12.0) - mean * mean * 2.25, 4.0 * 0.3 * 0.7);
     let with_step = |all: &[f64], step| {
-        let own = all.iter().map(|share| share * of_bins.0).chain([step * of_bins.1]);
+        let own = all.iter().map(|fraction| fraction * of_bins.0).chain([step * of_bins.1]);
         own.map(|part| part / (of_bins.0 + of_bins.1)).collect::<Vec<f64>>()
     };
     let [bins_first, bins_total] = [with_step(&bins[0], 1.0), with_step(&bins[1], 1.0)];
     let linear = [4.0 * 0.09, 0.16, 0.25 * 0.25].map(|part| part / (0.36 + 0.16 + 0.0625)).to_vec();
-    let steep = of_product(&[(0.5, 0.25), (0.5, 0.25), (0.5, 0.25)]);
+    let steep = indices_of_product(&[(0.5, 0.25), (0.5, 0.25), (0.5, 0.25)]);
     vec![
         Known {
             name: "linear",
@@ -252,8 +258,8 @@ fn known() -> Vec<Known> {
             is_smooth: true,
             plan: |seed| {
                 let log = Distribution::LogNormal { median: 1.0, sigma: 0.3, within: [0.0, f64::INFINITY] };
-                let even = Distribution::Uniform { from: 0.5, to: 1.5 };
-                independent(vec![normal(2.0, 0.5), even, log], seed)
+                let uniform = Distribution::Uniform { from: 0.5, to: 1.5 };
+                independent(vec![normal(2.0, 0.5), uniform, log], seed)
             },
             metric: |x| x[0] * x[1] * x[2],
             first: product[0].clone(),
@@ -274,8 +280,8 @@ fn known() -> Vec<Known> {
             is_smooth: false,
             plan: |seed| {
                 let bins = Distribution::Choices { weights: vec![1.0, 0.0, 2.0, 1.0] };
-                let even = Distribution::Uniform { from: 0.0, to: 1.0 };
-                independent(vec![bins, even.clone(), even], seed)
+                let uniform = Distribution::Uniform { from: 0.0, to: 1.0 };
+                independent(vec![bins, uniform.clone(), uniform], seed)
             },
             metric: |x| {
                 [3.0, f64::NAN, -1.0, 0.0][x[0] as usize] * (1.0 + x[1]) + if x[2] < 0.3 { 2.0 } else { 0.0 }
@@ -294,14 +300,14 @@ fn known() -> Vec<Known> {
     ]
 }
 
-/// Over seeds, indices of smooth functions, kinks, choices and corners scatter about their closed forms as their errors say,
-/// and none by itself is above its total.
+/// Over seeds, deviations of indices from closed forms agree with their standard errors, for smooth
+/// functions, kinks, choices and corners. No first-order index exceeds its total index.
 #[test]
-fn indices_err_as_they_say_and_never_contradict_themselves() {
+fn index_deviations_agree_with_standard_errors() {
     let seeds: u64 = std::env::var("PAPILIO_SEEDS").ok().and_then(|text| text.parse().ok()).unwrap_or(12);
     for one in known() {
         let (mut inside, mut all) = (Vec::new(), Vec::new());
-        // Errors that are the least ever stated say the same of every seed.
+        // Smooth functions have the smallest standard error for every seed, so that two seeds suffice.
         for seed in 0..if one.is_smooth { 2 } else { seeds } {
             let plan = (one.plan)(seed);
             let found = Sensitivities::of(&plan, &[samples(&plan, 512, 256, one.metric)]).remove(0);
@@ -313,7 +319,8 @@ fn indices_err_as_they_say_and_never_contradict_themselves() {
                 for (found, wanted) in [(found.first, one.first[k]), (found.total, one.total[k])] {
                     let score = (found.value - wanted) / found.standard_error;
                     all.push(score);
-                    // Where indices are at the end of what can be, they are moved there: nearer than they say.
+                    // Indices near their bounds are moved there, and are more accurate than their standard
+                    // errors.
                     if one.total[k] - one.first[k] > 3.0 * found.standard_error
                         && wanted > 3.0 * found.standard_error
                     {
@@ -327,8 +334,9 @@ fn indices_err_as_they_say_and_never_contradict_themselves() {
         println!("{}: mean square {found:.2?}", one.name);
         let wild = all.iter().filter(|score| score.abs() > 6.0).count();
         assert!(wild as f64 <= 0.002 * all.len() as f64, "{}: {wild} of {}", one.name, all.len());
-        // Of 12 seeds with 6 numbers each, which are not independent. Student's t of 15 degrees of freedom has 1.15; where polynomials
-        // are the function, errors are the least that is ever stated, and far larger than those that are made.
+        // 12 seeds with 6 numbers each, which are not independent. Student's t with 15 degrees of freedom has
+        // a mean square of 1.15. For smooth functions, the standard errors are the smallest that are
+        // reported, and far larger than the deviations.
         assert!(found.iter().all(|square| *square < 2.2), "{}: {found:?}", one.name);
         assert!(one.is_smooth || found.iter().all(|square| *square > 0.4), "{}: {found:?}", one.name);
     }

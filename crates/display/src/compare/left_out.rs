@@ -1,6 +1,6 @@
-//! What was left out, in words: alike ones together.
+//! Notes on skipped states; states with the same reason are reported in one note.
 
-/// A state in a direction, and why it is left out or stands for less.
+/// State in a direction, and the reason why it is skipped or limited.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct LeftOut {
     pub(super) state: String,
@@ -9,7 +9,7 @@ pub(super) struct LeftOut {
     pub(super) why: String,
 }
 
-/// A sentence for each reason: `not measured: cyan, magenta at theta 8, 20 deg`.
+/// Returns a note for each reason: `not measured: cyan, magenta at theta 8, 20 deg`.
 pub(super) fn gathered(all: &[LeftOut]) -> Vec<String> {
     let mut reasons: Vec<&str> = Vec::new();
     for one in all {
@@ -17,14 +17,14 @@ pub(super) fn gathered(all: &[LeftOut]) -> Vec<String> {
             reasons.push(&one.why);
         }
     }
-    let told = |why: &str| {
+    let note = |why: &str| {
         let alike: Vec<&LeftOut> = all.iter().filter(|one| one.why == why).collect();
         format!("{why}: {}", places(&alike))
     };
-    reasons.into_iter().map(told).collect()
+    reasons.into_iter().map(note).collect()
 }
 
-/// States with the directions in which they are left out; states of the same directions together.
+/// Lists the states with their directions; states with the same directions are combined.
 fn places(alike: &[&LeftOut]) -> String {
     let mut groups: Vec<(Vec<[f64; 2]>, Vec<&str>)> = Vec::new();
     let mut seen: Vec<&str> = Vec::new();
@@ -40,13 +40,13 @@ fn places(alike: &[&LeftOut]) -> String {
             None => groups.push((directions, vec![&one.state])),
         }
     }
-    let told = |(directions, states): &(Vec<[f64; 2]>, Vec<&str>)| {
+    let place = |(directions, states): &(Vec<[f64; 2]>, Vec<&str>)| {
         format!("{} at {}", states.join(", "), in_words(directions))
     };
-    groups.iter().map(told).collect::<Vec<_>>().join("; ")
+    groups.iter().map(place).collect::<Vec<_>>().join("; ")
 }
 
-/// `theta 8, 20 deg`; with azimuths where one is not 0.
+/// Formats directions as `theta 8, 20 deg`, with azimuths if one is not 0.
 fn in_words(directions: &[[f64; 2]]) -> String {
     let join =
         |text: &dyn Fn(&[f64; 2]) -> String| directions.iter().map(text).collect::<Vec<_>>().join(", ");
@@ -61,7 +61,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn alike_ones_are_told_together() {
+    fn states_with_the_same_reason_are_combined() {
         let one = |state: &str, theta: f64, phi: f64, why: &str| LeftOut {
             state: state.to_owned(),
             direction: [theta, phi],

@@ -1,9 +1,9 @@
-//! A simulated display against a measured one, state by state and view by view.
+//! Comparison of a simulated display with a measured one, for each state and view.
 //!
-//! **What.** Each measured spectrum (or X, Y, Z) is held to the simulated state of the same name in the
-//! view nearest to it, no more than [`NEAREST_DEG`] away. Spectra are compared where both have
-//! wavelengths, on the simulation's grid, and both colours are taken over that range in the simulation's light.
-//! What has no counterpart is left out, and said so.
+//! **What.** Each measured spectrum (or X, Y, Z) is compared with the simulated state of the same name in the
+//! nearest view, which must be within [`NEAREST_DEG`]. Spectra are compared over the common wavelength range,
+//! on the simulation's grid, and both colours are computed over that range in the simulation's light.
+//! States without a counterpart are skipped and reported.
 //! **Source.** Feng 2012, figures 5.6 (spectra) and 5.7 (gamuts); differences are CIEDE2000 and u'v' distances.
 
 mod left_out;
@@ -18,23 +18,23 @@ use left_out::{LeftOut, gathered};
 use pairs::{Pair, pair};
 use views::{not_measured, together};
 
-/// Views further away from a measured direction are not those that were measured, degrees.
+/// Largest angle between a measured direction and its simulated view, degrees.
 pub const NEAREST_DEG: f64 = 1.0;
 
-/// What a run reported, as far as it can be compared.
+/// Simulated display: the part of a run's result that can be compared.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Simulated {
-    /// The wavelengths of all spectra, evenly spaced.
+    /// Wavelength grid of all spectra.
     pub grid: Grid,
     /// Spectral radiance of the perfect white.
     pub radiance_of_white: Vec<f64>,
-    /// Whose X, Y, Z.
+    /// Standard observer of X, Y, Z.
     pub observer: Standard,
-    /// At least one.
+    /// Simulated views, at least one.
     pub views: Vec<SimulatedView>,
 }
 
-/// What was simulated from one direction.
+/// Simulated states from one direction.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SimulatedView {
     /// Inclination, degrees; negative: towards phi + 180.
@@ -45,76 +45,76 @@ pub struct SimulatedView {
     pub states: Vec<(String, Vec<f64>, Xyz)>,
 }
 
-/// A state as it was measured from one direction.
+/// State measured from one direction.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Measured {
-    /// Its name.
+    /// Name of the state.
     pub state: String,
     /// Inclination, degrees; negative: towards phi + 180.
     pub theta_deg: f64,
     /// Azimuth, degrees.
     pub phi_deg: f64,
-    /// What was measured.
+    /// Measured quantity.
     pub quantity: Quantity,
 }
 
-/// What a meter says of a state.
+/// Measured quantity of a state.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Quantity {
-    /// The reflectance factor against wavelength.
+    /// Reflectance factor against wavelength.
     Spectrum(Tabulated),
     /// Relative X, Y, Z: Y = 1 for a perfect white.
     Xyz(Xyz),
 }
 
-/// Why nothing can be compared.
+/// Error of a comparison.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum CompareError {
     /// No measured state has a counterpart.
-    #[error("nothing that was measured has a counterpart in the result:\n  {}", .reasons.join("\n  "))]
+    #[error("no measured state has a counterpart in the result:\n  {}", .reasons.join("\n  "))]
     Nothing {
-        /// Why, and for which states and directions.
+        /// Reasons, with the states and directions.
         reasons: Vec<String>,
     },
 }
 
-/// Everything that was compared.
+/// Result of a comparison.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Comparison {
-    /// One for each measured state that has a counterpart, in the order measured.
+    /// One for each measured state that has a counterpart, in the order of the measurement.
     pub states: Vec<StateComparison>,
-    /// One for each direction, in the order measured: contrast and gamuts of both.
+    /// One for each direction, in the order of the measurement: simulated and measured contrast and gamut.
     pub views: Vec<ViewComparison>,
-    /// What has no counterpart, in words.
+    /// Notes on the states without a counterpart.
     pub left_out: Vec<String>,
 }
 
-/// A state, simulated and measured.
+/// Comparison of a simulated and a measured state.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[allow(non_snake_case, reason = "named as in result.json")]
 pub struct StateComparison {
-    /// Its name.
+    /// Name of the state.
     pub state: String,
     /// Inclination of the simulated view, degrees.
     pub theta_deg: f64,
     /// Azimuth of the simulated view, degrees.
     pub phi_deg: f64,
-    /// What the simulation says.
+    /// Simulated colour.
     pub simulated: Colour,
-    /// What was measured.
+    /// Measured colour.
     pub measured: Colour,
     /// CIEDE2000 difference, in the simulation's light.
     pub delta_E_2000: Option<f64>,
     /// u'v' distance.
     pub distance_uv: Option<f64>,
-    /// Y simulated less Y measured.
+    /// Difference of Y, simulated minus measured.
     pub difference_Y: f64,
-    /// Both spectra, if one was measured.
+    /// Both spectra, if a spectrum was measured.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub spectrum: Option<SpectrumComparison>,
 }
 
-/// A colour, relative to a perfect white in the simulation's light.
+/// Colour relative to a perfect white in the simulation's light.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 #[allow(non_snake_case, reason = "named as in result.json")]
 pub struct Colour {
@@ -136,14 +136,14 @@ pub struct Colour {
     pub b_star: Option<f64>,
     /// Y over that of black, where black was measured (or simulated) in this view.
     pub contrast: Option<f64>,
-    /// Where the spectrum peaks, nm.
+    /// Peak wavelength, nm.
     pub peak_nm: Option<f64>,
 }
 
-/// One side of a comparison.
+/// Accessor to one side of a comparison.
 pub type Side = fn(&StateComparison) -> &Colour;
 
-/// What was simulated, and what was measured.
+/// The simulated and the measured side.
 pub const SIDES: [Side; 2] = [|one| &one.simulated, |one| &one.measured];
 
 /// Reflectance factors, simulated and measured, over the wavelengths that both have.
@@ -153,19 +153,19 @@ pub struct SpectrumComparison {
     pub wavelength_nm: Vec<f64>,
     /// Simulated reflectance factors.
     pub simulated: Vec<f64>,
-    /// Measured ones.
+    /// Measured reflectance factors.
     pub measured: Vec<f64>,
-    /// Mean of simulated less measured.
+    /// Mean difference, simulated minus measured.
     pub mean_difference: f64,
-    /// Root of the mean squared difference.
+    /// Root mean square difference.
     pub rms_difference: f64,
     /// The largest difference, with its sign.
     pub largest_difference: f64,
-    /// Where that is, nm.
+    /// Wavelength of the largest difference, nm.
     pub largest_at_nm: f64,
 }
 
-/// The states together, simulated and measured; the first of each pair is simulated.
+/// Comparison of metrics that combine the states of a view; the first value of each pair is simulated, the second measured.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ViewComparison {
     /// Inclination of the simulated view, degrees.
@@ -174,19 +174,20 @@ pub struct ViewComparison {
     pub phi_deg: f64,
     /// Y of white over Y of black.
     pub contrast_ratio: [Option<f64>; 2],
-    /// Area of red, green and blue in u'v', % of sRGB's.
+    /// Gamut area of red, green and blue in u'v', % of sRGB.
     pub gamut_percent_srgb: [Option<f64>; 2],
-    /// The same, % of EBU's.
+    /// The same, % of EBU.
     pub gamut_percent_ebu: [Option<f64>; 2],
-    /// Part of sRGB's triangle that is covered, %.
+    /// Coverage of the sRGB triangle, %.
     pub coverage_percent_srgb: [Option<f64>; 2],
-    /// Mean over red, green and blue of the peak simulated less the peak measured, nm.
+    /// Mean over red, green and blue of the simulated minus the measured peak wavelength, nm.
     pub average_peak_difference_nm: Option<f64>,
 }
-/// Compares what was measured with what was simulated.
+
+/// Compares measured states with a simulated display.
 ///
 /// # Errors
-/// If nothing measured has a counterpart.
+/// If no measured state has a counterpart.
 pub fn compare(simulated: &Simulated, measured: &[Measured]) -> Result<Comparison, CompareError> {
     let mut left_out: Vec<LeftOut> = Vec::new();
     let mut pairs = Vec::new();
@@ -213,6 +214,7 @@ pub fn compare(simulated: &Simulated, measured: &[Measured]) -> Result<Compariso
     let (views, left_out) = (views.collect(), gathered(&left_out));
     Ok(Comparison { views, left_out, states: pairs.into_iter().map(|pair| pair.comparison).collect() })
 }
+
 #[cfg(test)]
 mod tests {
     use papilio_colour::Observer;
@@ -255,9 +257,9 @@ mod tests {
         Measured { state: state.to_owned(), theta_deg, phi_deg, quantity }
     }
 
-    /// A linear spectrum is measured as it was simulated, at other wavelengths: no difference is left.
+    /// A linear spectrum that is measured at other wavelengths than simulated has no difference.
     #[test]
-    fn the_same_display_has_no_difference() {
+    fn equal_displays_have_no_difference() {
         let measured = [
             spectrum("white", 8.2, 0.0, |nm| 0.5 * (nm - 300.0) / 500.0, [350, 800]),
             spectrum("black", 8.0, 360.0, |_| 0.02, [350, 800]),
@@ -276,7 +278,7 @@ mod tests {
     }
 
     #[test]
-    fn what_has_no_counterpart_is_left_out_with_its_reason() {
+    fn state_without_counterpart_is_skipped_with_its_reason() {
         let xyz = Quantity::Xyz(Xyz { x: 0.2, y: 0.2, z: 0.2 });
         let at = |state: &str, theta_deg| Measured {
             state: state.to_owned(),
@@ -294,7 +296,7 @@ mod tests {
         let all = compare(&simulated(), &measured).unwrap();
         assert_eq!(all.states.len(), 2);
         assert!(all.states[0].spectrum.is_none() && all.states[0].simulated.peak_nm.is_none());
-        for words in ["no such state: orange", "no view", "do not meet", "over 500 to 590 nm alone"] {
+        for words in ["no such state: orange", "no view", "do not overlap", "over 500 to 590 nm only"] {
             assert!(all.left_out.iter().any(|reason| reason.contains(words)), "{words}: {:?}", all.left_out);
         }
         let none = compare(&simulated(), &measured[..2]).unwrap_err();
@@ -302,7 +304,7 @@ mod tests {
     }
 
     #[test]
-    fn directions_are_apart_by_the_angle_between_them() {
+    fn angle_between_directions_accounts_for_azimuth() {
         assert!(between([8.0, 0.0], [-8.0, 180.0]) < 1e-9);
         assert!((between([30.0, 0.0], [-30.0, 0.0]) - 60.0).abs() < 1e-9);
         assert!((between([90.0, 0.0], [90.0, 90.0]) - 90.0).abs() < 1e-9);

@@ -1,4 +1,4 @@
-//! A measured state and the simulated one that it is held to.
+//! Pairs of a measured state and its simulated counterpart.
 
 use papilio_colour::{ColourError, Lab, Observer, Xyz, peak_nm};
 use papilio_spectra::{Grid, SpectraError, Tabulated};
@@ -8,13 +8,13 @@ use super::{
     Colour, Measured, NEAREST_DEG, Quantity, Simulated, SimulatedView, SpectrumComparison, StateComparison,
 };
 
-/// A comparison and the view that it is of.
+/// Comparison of a state, with the number of its view.
 pub(super) struct Pair {
     pub(super) view: usize,
     pub(super) comparison: StateComparison,
 }
 
-/// The simulated state of a measured one, compared with it; or why there is none.
+/// Finds the simulated counterpart of a measured state and compares the two; fails with the reason if there is none.
 pub(super) fn pair(simulated: &Simulated, measured: &Measured) -> Result<Pair, LeftOut> {
     let Measured { state, theta_deg, phi_deg, quantity } = measured;
     let left_out = |why: String| LeftOut { state: state.clone(), direction: [*theta_deg, *phi_deg], why };
@@ -59,7 +59,7 @@ impl Simulated {
         Ok(([simulated, measured].map(|xyz| (xyz, colour(xyz, white, None))), None))
     }
 
-    /// Both spectra over the wavelengths that both have.
+    /// Compares both spectra over their common wavelength range.
     fn spectra(
         &self,
         simulated: &[f64],
@@ -88,10 +88,10 @@ impl Simulated {
     }
 }
 
-/// Why two spectra cannot be compared.
+/// Reason why two spectra cannot be compared.
 #[derive(Debug, thiserror::Error)]
 enum Unequal {
-    #[error("the wavelengths measured, {from} to {to} nm, do not meet those of the result")]
+    #[error("the measured wavelengths, {from} to {to} nm, do not overlap those of the result")]
     NoCommonRange { from: f64, to: f64 },
     #[error(transparent)]
     Spectra(#[from] SpectraError),
@@ -134,7 +134,8 @@ fn colour(xyz: Xyz, white: Xyz, peak_nm: Option<f64>) -> Colour {
 fn lab(colour: &Colour) -> Option<Lab> {
     Some(Lab { l: colour.L_star?, a: colour.a_star?, b: colour.b_star? })
 }
-/// The angle between two directions, degrees.
+
+/// Returns the angle between two directions, degrees.
 pub(super) fn between(one: [f64; 2], other: [f64; 2]) -> f64 {
     let vector = |[theta, phi]: [f64; 2]| {
         let ((sin, cos), (sin_phi, cos_phi)) = (theta.to_radians().sin_cos(), phi.to_radians().sin_cos());

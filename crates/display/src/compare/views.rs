@@ -1,4 +1,4 @@
-//! The states of a view together, simulated and measured; and what has no counterpart.
+//! Metrics that combine the simulated and measured states of a view, and notes on missing measurements.
 
 use papilio_colour::{GamutReference, UvPrime, coverage_percent, gamut_percent};
 
@@ -6,10 +6,10 @@ use super::left_out::LeftOut;
 use super::pairs::Pair;
 use super::{SIDES, Side, Simulated, ViewComparison};
 
-/// Where colours are decided: a spectrum that covers less has colours of its range only, nm.
+/// Wavelength range that determines colours, nm; a narrower spectrum has colours of its own range only.
 const LUMINOUS_NM: (f64, f64) = (400.0, 700.0);
 
-/// The metrics of a view's states together; fills in their contrasts.
+/// Computes the metrics that combine the states of a view, and sets the contrast of each state.
 pub(super) fn together(mut pairs: Vec<&mut Pair>) -> ViewComparison {
     let named = |pairs: &[&mut Pair], name: &str| {
         pairs.iter().find(|pair| pair.comparison.state == name).map(|pair| pair.comparison.clone())
@@ -49,7 +49,7 @@ pub(super) fn together(mut pairs: Vec<&mut Pair>) -> ViewComparison {
     }
 }
 
-/// Simulated states that were not measured in a view that was, and spectra that are short.
+/// Returns the simulated states that were not measured in a measured view, and spectra with a short range.
 pub(super) fn not_measured(simulated: &Simulated, pairs: &[Pair]) -> Vec<LeftOut> {
     let mut left_out = Vec::new();
     for (v, view) in simulated.views.iter().enumerate() {
@@ -71,7 +71,7 @@ pub(super) fn not_measured(simulated: &Simulated, pairs: &[Pair]) -> Vec<LeftOut
         (*from > LUMINOUS_NM.0 || *to < LUMINOUS_NM.1).then(|| LeftOut {
             state: one.state.clone(),
             direction: [one.theta_deg, one.phi_deg],
-            why: format!("colours are taken over {from} to {to} nm alone"),
+            why: format!("colours are computed over {from} to {to} nm only"),
         })
     });
     left_out.extend(short);

@@ -1,9 +1,10 @@
-//! Derivatives of a design's quantities with respect to its film, gaps and areas.
+//! Derivatives of the quantities of a design with respect to its film, gaps and areas.
 //!
-//! Backwards, from each quantity to all parameters at once: how it changes with what is seen (`meter::slopes`), with
-//! the table of the pixel's reflectances (the kernel's `pull_back`; where that has no such road, by [`differences`](super::differences)), and from there, with the
-//! film's own derivatives at the table's nodes, with every parameter. A table on fixed nodes is linear in its
-//! values, so these derivatives are those of the numbers that are reported, not of what they approximate.
+//! The derivatives of a quantity with respect to all parameters are computed together, by the chain rule in reverse order:
+//! with respect to the reflectance factors (`meter::slopes`), with respect to the table of the pixel's reflectances (the
+//! kernel's `pull_back`, or [`differences`](super::differences) if the kernel does not support it), and finally, with the
+//! derivatives of the film at the table's nodes, with respect to each parameter. A table on fixed nodes is linear in its
+//! values. These derivatives are therefore those of the reported values, not of the exact values that they approximate.
 
 use std::sync::Arc;
 
@@ -14,7 +15,7 @@ use papilio_transport::adding::TableGradient;
 use papilio_transport::{AngularTable, Nodes, Reflector};
 
 use super::parameter::Change;
-use super::{Designs, Parameter, Quantity, Seen};
+use super::{DesignObservation, Designs, Parameter, Quantity};
 use crate::DisplayError;
 use crate::meter::{Meter, Number, PRIMARIES, Slopes, ViewScalars};
 use crate::pixel::film::{Beta, Film, Mixture};
@@ -22,22 +23,21 @@ use crate::result::StateValues;
 use crate::scene::{FilmPixel, Metric};
 use crate::setup::base_under;
 
-/// The quantities of a design and their derivatives.
+/// Quantities of a design and their derivatives.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Derivatives {
-    /// The quantities; `None` where one is not defined.
+    /// Values of the quantities; `None` if one is not defined.
     pub values: Vec<Option<f64>>,
-    /// Shape `[quantity][parameter]`, per unit of each parameter; NaN where a derivative is not defined: where the quantity is not,
-    /// or would not be a little further on, and of `peak_shift_nm`, of which there is none here.
+    /// Derivatives per unit of each parameter, `[quantity][parameter]`. NaN if a derivative is not defined: if the quantity
+    /// is not defined here or at a small distance, and for `peak_shift_nm`, for which derivatives are not implemented.
     pub gradients: Vec<f64>,
 }
 
 impl Designs {
-    /// The quantities of another pixel of the same states, with their exact derivatives. Not of the choice of nodes: see
-    /// above.
+    /// Computes the quantities of another pixel with the same states and their exact derivatives for fixed table nodes.
     ///
     /// # Errors
-    /// As [`evaluate`](Self::evaluate), and if the film has no such parameter.
+    /// Those of [`evaluate`](Self::evaluate), and if the film does not have a parameter.
     pub fn derivatives(
         &mut self,
         film: &FilmPixel,
@@ -46,7 +46,7 @@ impl Designs {
         if parameters.is_empty() {
             return Ok(Derivatives { values: self.evaluate(film)?, gradients: Vec::new() });
         }
-        let mixture = self.take(film, Mixture::by_owner)?;
+        let mixture = self.replace_pixel(film, Mixture::by_owner)?;
         let changes: Result<Vec<Change>, _> =
             parameters.iter().map(|parameter| parameter.change(film, &mixture)).collect();
         let tangents = Tangents::new(self, film, &mixture, changes?)?;
@@ -55,17 +55,17 @@ impl Designs {
         let mut values = vec![None; self.quantities.len()];
         let mut gradients = vec![f64::NAN; self.quantities.len() * parameters.len()];
         for view in 0..setup.views.len() {
-            let asked: Vec<usize> =
+            let in_view: Vec<usize> =
                 (0..values.len()).filter(|k| self.quantities[*k].view() == view).collect();
-            if asked.is_empty() {
+            if in_view.is_empty() {
                 continue;
             }
-            let seen = self.look(&meter, view)?;
-            let mut numbers = Vec::with_capacity(asked.len());
+            let observed = self.observe(&meter, view)?;
+            let mut numbers = Vec::with_capacity(in_view.len());
             let mut by_seen = Vec::new();
-            for k in asked {
-                values[k] = seen.value(&meter, &self.quantities[k]);
-                if let Some(one) = seen.slopes(&meter, &self.quantities[k]) {
+            for k in in_view {
+                values[k] = observed.value(&meter, &self.quantities[k]);
+                if let Some(one) = observed.slopes(&meter, &self.quantities[k]) {
                     numbers.push(k);
                     by_seen.extend(one);
                 }
@@ -81,7 +81,8 @@ impl Designs {
         Ok(Derivatives { values, gradients })
     }
 
-    /// `[number][parameter]`, of so many numbers that change so with what is seen.
+    /// Derivatives `[number][parameter]` of several numbers, from their derivatives with respect to the reflectance
+    /// factors.
     fn pull_back(
         &mut self,
         view: usize,
@@ -90,11 +91,11 @@ impl Designs {
     ) -> Result<Vec<f64>, DisplayError> {
         let (setup, stack) = (&self.setup, &self.stack);
         let Reflector::Specular(table) = &base_under(stack).reflector else { return Ok(Vec::new()) };
-        let Some(lens) = self.lenses.iter_mut().find(|lens| lens.views.contains(&view)) else {
+        let Some(group) = self.groups.iter_mut().find(|group| group.views.contains(&view)) else {
             return Ok(Vec::new());
         };
-        let number = view - lens.views.start;
-        let kernel = lens.kernel_for(setup, stack);
+        let number = view - group.views.start;
+        let kernel = group.kernel_for(setup, stack);
         match kernel.pull_back(stack, number, by_seen) {
             Some(gradients) => tangents.along(&gradients),
             None => {
@@ -106,23 +107,23 @@ impl Designs {
     }
 }
 
-/// The sum of products; no slopes are zeros.
+/// Sum of products; an empty slice counts as zeros.
 fn dot(one: &[f64], slopes: &[f64]) -> f64 {
     one.iter().zip(slopes).map(|(a, b)| a * b).sum()
 }
 
-/// What each parameter changes of the table.
+/// Derivatives of the table with respect to the parameters.
 pub(super) struct Tangents<'a> {
     pub(super) changes: Vec<Change>,
     film: Film<'a>,
-    /// Of the table's nodes.
+    /// Cosines of the table's nodes.
     cosines: Vec<f64>,
     variables: Vec<Variable>,
     pub(super) gaps: usize,
     pub(super) inactive_reflectance: &'a [f64],
 }
 
-/// Nodes whose derivatives are in memory at a time: they stay in the cache until they are used.
+/// Number of nodes whose derivatives are computed at a time, so that they stay in the processor's cache until used.
 const NODES_TOGETHER: usize = 16;
 
 impl<'a> Tangents<'a> {
@@ -157,17 +158,17 @@ impl<'a> Tangents<'a> {
         })
     }
 
-    /// What the variables change of the film's reflectances, `[variable][node][gap][wavelength]`.
+    /// Derivatives of the film's reflectances, `[variable][node][gap][wavelength]`.
     pub(super) fn of_film(&self) -> Result<Vec<f64>, DisplayError> {
         self.film.derivatives_at_cosines(&self.cosines, &self.variables)
     }
 
-    /// Where a variable stands among them.
+    /// Index of a variable.
     pub(super) fn place(&self, variable: Variable) -> usize {
         self.variables.iter().position(|one| *one == variable).unwrap_or_default()
     }
 
-    /// `[number][parameter]`, of numbers that change so with the table.
+    /// Derivatives `[number][parameter]` of several numbers, from their derivatives with respect to the table.
     fn along(&self, gradients: &[TableGradient]) -> Result<Vec<f64>, DisplayError> {
         let by_gap = self.by_variable_and_gap(gradients)?;
         let one = |number: usize, change: &Change| match change {
@@ -186,7 +187,7 @@ impl<'a> Tangents<'a> {
         Ok((0..gradients.len()).flat_map(each).collect())
     }
 
-    /// What each variable changes of each number by way of each gap: `[number][variable][gap]`.
+    /// Derivative of each number with respect to each variable through each gap: `[number][variable][gap]`.
     fn by_variable_and_gap(&self, gradients: &[TableGradient]) -> Result<Vec<f64>, DisplayError> {
         let variables = self.variables.len();
         let mut sums = vec![0.0; gradients.len() * variables * self.gaps];
@@ -213,9 +214,9 @@ impl<'a> Tangents<'a> {
     }
 }
 
-impl Seen {
-    /// How a quantity changes with each source's `rho.base`, `[source][state][wavelength]`; `None` where it is not
-    /// defined.
+impl DesignObservation {
+    /// Derivatives of a quantity with respect to each source's `rho.base`, `[source][state][wavelength]`; `None` if it
+    /// is not defined.
     fn slopes(&self, meter: &Meter<'_>, quantity: &Quantity) -> Option<Vec<f64>> {
         let (states, bins, sources) = meter.sizes();
         let mut slopes = Slopes::zeros(states, bins);
@@ -250,7 +251,7 @@ impl Seen {
     }
 }
 
-/// The states that a quantity depends on, its own before all others, and which of their numbers.
+/// Returns the states on which a quantity depends, its own first, and which of their numbers.
 fn depends_on(meter: &Meter<'_>, quantity: &Quantity) -> (Vec<Option<usize>>, &'static [Number]) {
     const XYZ: &[Number] = &[Number::Xyz(0), Number::Xyz(1), Number::Xyz(2)];
     let (others, numbers): (Vec<&str>, _) = match quantity.metric() {

@@ -1,9 +1,9 @@
-//! Derivatives by differences of what is seen, where the kernel has no road back.
+//! Derivatives by finite differences, for kernels without reverse differentiation.
 //!
-//! What is seen is an analytic function of the table. Tables that are moved along a parameter's tangent, by one and two
-//! steps to both sides, are looked at as so many states more of the same pixel: one estimate for each parameter. Steps move
-//! no reflectance by more than 1e-3, so that what fourth-order differences leave out is below 1e-10 of the slope, and
-//! rounding below 1e-12 of what is seen.
+//! The reflectance factors are analytic functions of the table. Tables that are moved along the tangent of a parameter, by
+//! one and two steps in both directions, are evaluated as additional states of the same pixel: one estimate for each
+//! parameter. A step changes each reflectance by at most 1e-3. The truncation error of fourth-order differences is then
+//! below 1e-10 of the slope, and the rounding error below 1e-12 of the reflectance factor.
 
 use papilio_transport::adding::Kernel;
 use papilio_transport::{AngularTable, Reflector, Stack};
@@ -13,15 +13,16 @@ use super::parameter::Change;
 use crate::DisplayError;
 use crate::setup::base_of;
 
-/// No reflectance, and no share, moves by more in a step.
+/// Largest change of a reflectance or an area fraction in one step.
 const STEP: f64 = 1e-3;
 
-/// Where tables are moved to, in steps, and what the differences count.
+/// Displacements in steps, and their coefficients in the difference.
 const MOVES: [(f64, f64); 4] =
     [(1.0, 8.0 / 12.0), (-1.0, -8.0 / 12.0), (2.0, -1.0 / 12.0), (-2.0, 1.0 / 12.0)];
 
 impl Tangents<'_> {
-    /// For each parameter what it changes of what is seen, `[source][state][wavelength]`; empty where that is nothing.
+    /// Computes, for each parameter, the derivatives of the reflectance factors, `[source][state][wavelength]`; empty if
+    /// they are zero.
     pub(super) fn by_differences(
         &self,
         kernel: &Kernel,
@@ -48,11 +49,12 @@ impl Tangents<'_> {
         Ok(slopes.collect())
     }
 
-    /// The table's states moved along a parameter, `[move][state]`, and the step; `None` if they do not move.
+    /// Returns a table with the states displaced along a parameter, `[displacement][state]`, and the step; `None` if the
+    /// table does not depend on the parameter.
     fn moved(&self, table: &AngularTable, of_film: &[f64], change: &Change) -> Option<(AngularTable, f64)> {
         let bins = table.common.len();
         let width = self.gaps * bins;
-        // Further basis reflectances, `[node][..]`, and which of the shares they take part with.
+        // Additional basis reflectances, `[node][..]`, and the mixture coefficients that apply to them.
         let (more, first, shares, step): (Vec<f64>, usize, Option<&[f64]>, f64) = match change {
             Change::Nothing => return None,
             Change::Film { variable, gap } => {

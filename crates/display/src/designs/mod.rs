@@ -1,17 +1,17 @@
-//! Many pixels under layers that stay: what searches and tolerances evaluate.
+//! Evaluation of many film pixels under fixed layers, for optimisations and tolerance analyses.
 //!
-//! **What.** [`Designs`] keeps the angular kernel of one display (layers, lights, views) and answers other film
-//! pixels through it: a table of the film's reflectances, one product with the kernel, colours. That is a
-//! complete design, exact in all that a run is exact in; it lacks only a run's second level, which tells the error.
+//! **What.** [`Designs`] keeps the angular kernel of one display (layers, lights, views) and evaluates other film
+//! pixels with it: a table of the film's reflectances, one product with the kernel, and the colours. This is a
+//! complete computation, as exact as a run; only the second level of a run, from which its error is estimated, is missing.
 //!
-//! **Which level.** That at which a run of the scene's own pixel meets its `relative_error`, the finer of the two that a
-//! run compares. A design has the very numbers that [`run`](crate::run()) reports where that takes it to the same level; its
-//! error is that of the level, about the first pixel's. A search ends with a run of what it found.
+//! **Level.** The level at which a run of the scene's own pixel meets its `relative_error`: the finer of the two levels
+//! that a run compares. The values are identical to those of [`run`](crate::run()) if that reaches the same level. The
+//! error is that of the level, about that of the first pixel. An optimisation ends with a run of its result.
 //!
-//! **Which numbers.** Every design is computed on the nodes that its own film needs, whatever came before: the order of
-//! designs changes nothing. Where a film begins to need other nodes the numbers step by no more than the table's
-//! error ([`TABLE_ERROR`](crate::pixel::TABLE_ERROR)). A peak is reported however flat the spectrum is: only a second level tells what is
-//! flat within its errors.
+//! **Reproducibility.** Each design is computed on the nodes that its own film needs, independently of earlier designs:
+//! the order of designs does not affect the values. Where a film needs other nodes, the values change by at most the
+//! table's error ([`TABLE_ERROR`](crate::pixel::TABLE_ERROR)). The peak of a flat spectrum is reported, too: only a
+//! second level shows whether a spectrum is flat within its errors.
 
 mod derivatives;
 mod differences;
@@ -33,39 +33,39 @@ use crate::DisplayError;
 use crate::meter::{Meter, Sample, ViewScalars};
 use crate::pixel::film::{Mixture, tabulated};
 use crate::result::StateValues;
-use crate::run::{Control, Lens, prepared_lenses};
+use crate::run::{Control, ViewGroupKernel, prepared_kernels};
 use crate::scene::{FilmPixel, Method, Metric, Pixel, Scene, Stop};
 use crate::setup::{Setup, base_of, base_under};
 
-/// The pixels of one display: layers, lights and views stay, the film changes.
+/// Evaluator of film pixels for one display, with fixed layers, lights and views.
 ///
-/// A clone shares the kernels: one for each thread.
+/// A clone shares the kernels: use one clone for each thread.
 #[derive(Debug, Clone)]
 pub struct Designs {
     setup: Arc<Setup>,
     quantities: Arc<[Quantity]>,
-    /// The setup's, over the last pixel.
+    /// Stack of the setup with the last pixel as its base.
     stack: Stack,
-    /// For each group of views that share kernels.
-    lenses: Vec<Kernels>,
+    /// Groups of views that share kernels.
+    groups: Vec<ViewGroup>,
 }
 
-/// Kernels of one level, for the nodes of one table and another, the last used first.
+/// Kernels of a group of views at one level, one for each set of table nodes, the most recently used first.
 #[derive(Debug, Clone)]
-struct Kernels {
+struct ViewGroup {
     views: Range<usize>,
     kernels: VecDeque<Arc<Kernel>>,
 }
 
-/// Films need few sets of nodes.
+/// Largest number of kernels that are kept; films need few sets of nodes.
 const MOST_KERNELS: usize = 8;
 
 impl Designs {
-    /// Prepares the kernels at the level that meets the scene's target for this scene's own pixel.
+    /// Prepares the kernels at the level that meets the scene's target for the scene's own pixel.
     ///
     /// # Errors
-    /// If the scene cannot be, has no film pixel or is not solved by adding to a relative error; if there is no view or state of a
-    /// quantity; if it was stopped.
+    /// If the scene is invalid, has no film pixel or is not solved by adding to a relative error; if a view or state of a
+    /// quantity does not exist; if the preparation was stopped.
     pub fn new(scene: &Scene, quantities: &[Quantity], control: &Control<'_>) -> Result<Self, DisplayError> {
         let Pixel::Film(_) = &scene.display.pixel else { return Err(DisplayError::NotAFilm) };
         if scene.solver.method != Method::Adding || !matches!(scene.solver.stop, Stop::RelativeError { .. }) {
@@ -73,18 +73,19 @@ impl Designs {
         }
         let setup = Setup::new(scene)?;
         quantities.iter().try_for_each(|one| one.check(setup.views.len(), &setup.states))?;
-        let lens = |Lens { kernel, views }| Kernels { views, kernels: [Arc::new(kernel)].into() };
-        let lenses = prepared_lenses(&setup, control)?.into_iter().map(lens).collect();
+        let group =
+            |ViewGroupKernel { kernel, views }| ViewGroup { views, kernels: [Arc::new(kernel)].into() };
+        let groups = prepared_kernels(&setup, control)?.into_iter().map(group).collect();
         let stack = setup.stack.clone();
-        Ok(Self { setup: Arc::new(setup), quantities: quantities.into(), stack, lenses })
+        Ok(Self { setup: Arc::new(setup), quantities: quantities.into(), stack, groups })
     }
 
-    /// The quantities of another pixel of the same states, in their order; `None` where one is not defined.
+    /// Computes the quantities of another pixel with the same states, in their order; `None` if one is not defined.
     ///
     /// # Errors
-    /// If the film cannot be, or has other states.
+    /// If the film is invalid or its states differ.
     pub fn evaluate(&mut self, film: &FilmPixel) -> Result<Vec<Option<f64>>, DisplayError> {
-        self.take(film, Mixture::new)?;
+        self.replace_pixel(film, Mixture::new)?;
         let setup = Arc::clone(&self.setup);
         let meter = Meter::new(&setup);
         let mut values = vec![None; self.quantities.len()];
@@ -92,18 +93,18 @@ impl Designs {
             if self.quantities.iter().all(|quantity| quantity.view() != view) {
                 continue;
             }
-            let seen = self.look(&meter, view)?;
+            let observed = self.observe(&meter, view)?;
             for (value, quantity) in values.iter_mut().zip(&*self.quantities) {
                 if quantity.view() == view {
-                    *value = seen.value(&meter, quantity);
+                    *value = observed.value(&meter, quantity);
                 }
             }
         }
         Ok(values)
     }
 
-    /// Puts a pixel under the layers, a mixture of its gaps.
-    fn take(
+    /// Replaces the pixel below the layers; returns the mixture of its gaps.
+    fn replace_pixel(
         &mut self,
         film: &FilmPixel,
         mixture: impl Fn(&FilmPixel) -> Result<Mixture, DisplayError>,
@@ -124,14 +125,14 @@ impl Designs {
         Ok(mixture)
     }
 
-    /// What is seen of the last pixel.
-    fn look(&mut self, meter: &Meter<'_>, view: usize) -> Result<Seen, DisplayError> {
+    /// Computes the sample and the metrics of the last pixel in a view.
+    fn observe(&mut self, meter: &Meter<'_>, view: usize) -> Result<DesignObservation, DisplayError> {
         let (setup, stack) = (&self.setup, &self.stack);
-        let Some(lens) = self.lenses.iter_mut().find(|lens| lens.views.contains(&view)) else {
+        let Some(group) = self.groups.iter_mut().find(|group| group.views.contains(&view)) else {
             return Err(DisplayError::Interrupted);
         };
-        let number = view - lens.views.start;
-        let sample = meter.sample_without_ledger(&lens.kernel_for(setup, stack).seen(stack, number));
+        let number = view - group.views.start;
+        let sample = meter.sample_without_ledger(&group.kernel_for(setup, stack).seen(stack, number));
         if !sample.is_finite() {
             return Err(DisplayError::NotFinite);
         }
@@ -142,12 +143,12 @@ impl Designs {
             vec![None; setup.states.len()]
         };
         let scalars = meter.scalars(&sample, &bare);
-        Ok(Seen { sample, scalars })
+        Ok(DesignObservation { sample, scalars })
     }
 }
 
-impl Kernels {
-    /// One that serves this stack.
+impl ViewGroup {
+    /// Returns a kernel that is valid for this stack; prepares one if necessary.
     fn kernel_for(&mut self, setup: &Setup, stack: &Stack) -> &Kernel {
         match self.kernels.iter().position(|kernel| kernel.serves(stack)) {
             Some(0) => {}
@@ -165,13 +166,14 @@ impl Kernels {
     }
 }
 
-/// What is seen of a pixel from one view.
-struct Seen {
+/// Sample and metrics of a pixel in one view.
+struct DesignObservation {
     sample: Sample,
     scalars: ViewScalars,
 }
 
-impl Seen {
+impl DesignObservation {
+    /// Returns the value of a quantity; `None` if it is not defined.
     fn value(&self, meter: &Meter<'_>, quantity: &Quantity) -> Option<f64> {
         let Some(name) = quantity.state() else {
             return quantity.metric()?.of_view(&self.scalars.together);

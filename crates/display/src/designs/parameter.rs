@@ -1,4 +1,4 @@
-//! What a film pixel is differentiated by.
+//! Parameters of film pixels for differentiation.
 
 use papilio_optics::film::Variable;
 
@@ -6,68 +6,69 @@ use crate::DisplayError;
 use crate::pixel::film::{Mixture, Owner, Part};
 use crate::scene::{Drive, FilmPixel, Thickness};
 
-/// A number of a film pixel. All others stay when one is changed: areas, too, whose sum then changes.
+/// Parameter of a film pixel. A derivative keeps all other parameters fixed, including the other areas: the sum of the
+/// areas then changes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Parameter {
-    /// The thickness of a layer that is not the gap, nm.
+    /// Thickness of a layer other than the gap, nm.
     Thickness {
-        /// Its number, 0 next to the glass.
+        /// Number of the layer, 0 next to the glass.
         layer: usize,
     },
-    /// The gap of a sub-pixel at its own colour, nm.
+    /// Gap of a sub-pixel that shows its colour, nm.
     Gap {
-        /// Its number, from 0.
+        /// Number of the sub-pixel, from 0.
         sub_pixel: usize,
     },
-    /// The gap of dark sub-pixels, nm.
+    /// Gap of dark sub-pixels, nm.
     DarkGap,
-    /// The gap that one state sets for a sub-pixel, nm.
+    /// Gap of a sub-pixel in a state that specifies it, nm.
     StateGap {
         /// Number of the state, from 0.
         state: usize,
         /// Number of the sub-pixel, from 0.
         sub_pixel: usize,
     },
-    /// A sub-pixel's share of the active area.
+    /// Fraction of the active area of a sub-pixel.
     Area {
-        /// Its number, from 0.
+        /// Number of the sub-pixel, from 0.
         sub_pixel: usize,
     },
-    /// The active share of the panel.
+    /// Fill factor: active fraction of the panel.
     FillFactor,
-    /// n of a layer, shifted alike at all wavelengths.
+    /// n of a layer, shifted by the same amount at all wavelengths.
     Index {
-        /// Its number, 0 next to the glass, the gap counted.
+        /// Number of the layer, 0 next to the glass, including the gap.
         layer: usize,
     },
-    /// k of a layer, likewise.
+    /// k of a layer, shifted by the same amount at all wavelengths.
     Extinction {
-        /// Its number, 0 next to the glass, the gap counted.
+        /// Number of the layer, 0 next to the glass, including the gap.
         layer: usize,
     },
-    /// n of the substrate, likewise.
+    /// n of the substrate, shifted by the same amount at all wavelengths.
     SubstrateIndex,
-    /// k of the substrate, likewise.
+    /// k of the substrate, shifted by the same amount at all wavelengths.
     SubstrateExtinction,
 }
 
-/// What of the table a parameter changes.
+/// Part of the table that depends on a parameter.
 pub(super) enum Change {
-    /// The film's reflectances: at one gap, or at all.
+    /// Reflectances of the film, at one gap or at all gaps.
     Film { variable: Variable, gap: Option<usize> },
-    /// The shares of the gaps in the states.
+    /// Area fractions of the gaps in the states.
     Shares {
-        /// `[state][gap]`.
+        /// Derivatives of the fractions, `[state][gap]`.
         mixture: Vec<f64>,
-        /// Of the inactive reflectance.
+        /// Derivative of the inactive fraction.
         inactive: f64,
     },
-    /// Nothing.
+    /// None.
     Nothing,
 }
 
 impl Parameter {
-    /// What it changes of this film.
+    /// Returns the part of the table of this film that depends on the parameter.
     pub(super) fn change(self, film: &FilmPixel, mixture: &Mixture) -> Result<Change, DisplayError> {
         let layers = film.layers.len();
         let missing = |what, number| DisplayError::NoSuchParameter { what, number };
@@ -112,7 +113,7 @@ impl Parameter {
     }
 }
 
-/// That of an owner's gap; nothing if no state shows it, or the film has no gap.
+/// Dependence on the gap of an owner; none if no state shows it, or the film has no gap.
 fn gap_of(owner: Owner, film: &FilmPixel, mixture: &Mixture) -> Change {
     let layer = film.layers.iter().position(|layer| layer.thickness == Thickness::Gap);
     let gap = mixture.owners.iter().position(|one| *one == owner);
@@ -122,7 +123,7 @@ fn gap_of(owner: Owner, film: &FilmPixel, mixture: &Mixture) -> Change {
     }
 }
 
-/// What the parts of each state and gap sum to.
+/// Sums a value of the parts for each state and gap.
 fn summed(film: &FilmPixel, mixture: &Mixture, of_part: impl Fn(&Part) -> f64) -> Vec<f64> {
     let gaps = mixture.gaps_nm.len();
     let mut sum = vec![0.0; film.states.len() * gaps];

@@ -1,4 +1,4 @@
-//! What is asked of a display: one number from each quantity.
+//! Quantities of a display: numbers that an optimisation or a tolerance analysis evaluates.
 
 use papilio_colour::{Lab, UvPrime};
 use papilio_spectra::Spectrum;
@@ -7,49 +7,49 @@ use crate::DisplayError;
 use crate::result::{RunResult, StateValues, View};
 use crate::scene::Metric;
 
-/// One number of a result.
+/// Quantity of a display, a single number.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Quantity {
-    /// A metric of a state, or of the states together.
+    /// Metric of a state or of a view.
     Metric {
         /// Number of the view, from 0.
         view: usize,
-        /// The state; `None` for metrics of the states together.
+        /// The state; `None` for metrics of a view.
         state: Option<String>,
-        /// Which one.
+        /// The metric.
         metric: Metric,
     },
-    /// Root mean square difference of a state's reflectance factor from a wanted one, over the grid.
+    /// Root mean square difference between a state's reflectance factor and a target spectrum, over the grid.
     SpectrumDistance {
         /// Number of the view, from 0.
         view: usize,
         /// The state.
         state: String,
-        /// What its reflectance factor should be.
+        /// Target reflectance factor.
         wanted: Spectrum,
     },
-    /// CIEDE2000 difference of a state from a wanted colour.
+    /// CIEDE2000 difference between a state and a target colour.
     ColourDistance {
         /// Number of the view, from 0.
         view: usize,
         /// The state.
         state: String,
-        /// What its colour should be.
+        /// Target colour.
         wanted: Lab,
     },
-    /// u'v' distance of a state from a wanted chromaticity.
+    /// u'v' distance between a state and a target chromaticity.
     ChromaticityDistance {
         /// Number of the view, from 0.
         view: usize,
         /// The state.
         state: String,
-        /// What its chromaticity should be.
+        /// Target chromaticity.
         wanted: UvPrime,
     },
 }
 
 impl Quantity {
-    /// The number in a result; `None` where it is not defined there.
+    /// Returns the value of the quantity in a result; `None` if it is not defined there.
     pub fn of(&self, result: &RunResult) -> Option<f64> {
         let view: &View = result.views.get(self.view())?;
         match self.state() {
@@ -58,7 +58,7 @@ impl Quantity {
         }
     }
 
-    /// One sigma of a metric in a result, where it is known; distances have none.
+    /// Returns the standard error of a metric in a result; `None` if it is not known, and for distances.
     pub fn standard_error(&self, result: &RunResult) -> Option<f64> {
         let (view, metric) = (result.views.get(self.view())?, self.metric()?);
         match self.state() {
@@ -67,7 +67,7 @@ impl Quantity {
         }
     }
 
-    /// Number of the view that it is seen from.
+    /// Returns the number of the view, from 0.
     pub fn view(&self) -> usize {
         match self {
             Self::Metric { view, .. }
@@ -77,7 +77,7 @@ impl Quantity {
         }
     }
 
-    /// The state that it is of, if it is not of the states together.
+    /// Returns the state; `None` for metrics of a view.
     pub fn state(&self) -> Option<&str> {
         match self {
             Self::Metric { state, .. } => state.as_deref(),
@@ -103,7 +103,7 @@ impl Quantity {
         }
     }
 
-    /// Of a state's values; `None` if it is not of a state.
+    /// Returns the value for a state; `None` for metrics of a view.
     pub(super) fn of_state(&self, values: &StateValues) -> Option<f64> {
         match self {
             Self::Metric { metric, .. } => metric.of_state(values),
@@ -123,7 +123,7 @@ impl Quantity {
         }
     }
 
-    /// Refuses a quantity of what a display with these views and states has not.
+    /// Checks that the view and the state of the quantity exist.
     pub(super) fn check(&self, views: usize, states: &[String]) -> Result<(), DisplayError> {
         let missing = |what| Err(DisplayError::NoSuchQuantity { what, quantity: self.name() });
         if self.view() >= views {

@@ -1,26 +1,26 @@
-//! Colours against angle: what a state's colour in one view is to its colour in another.
+//! Colour differences of a state between views.
 //!
-//! Views are compared last, when all are there. Errors carry what both views share: the difference
-//! is taken anew at each level of adding, and with each replicate of both views left out in turn.
+//! Views are compared after all of them are computed. The errors account for the correlation between the two views: the
+//! difference is computed at each level of adding, or with each replicate of both views left out in turn.
 
 use super::levels::LevelError;
-use super::metrics::{Seen, jackknife};
+use super::metrics::{Colour, jackknife};
 use crate::result::{State, StateMetrics, View};
 
-/// A view's result, and the colours that other views are compared with.
+/// Result of a view, and the colours with which other views are compared.
 #[derive(Debug, Clone)]
-pub(crate) struct Looked {
+pub(crate) struct ViewSamples {
     pub(crate) view: View,
-    /// Shape `[set][state]`: the reported colours, then those that tell their errors: the coarser
-    /// level's, or those with each replicate left out.
-    pub(super) colours: Vec<Vec<Seen>>,
-    /// How errors follow from two levels; `None`: from replicates.
+    /// Shape `[set][state]`: the reported colours, followed by those from which their errors are computed, which are those
+    /// of the coarser level, or those with each replicate left out.
+    pub(super) colours: Vec<Vec<Colour>>,
+    /// Error model of adding; `None`: errors are computed from replicates.
     pub(super) of_levels: Option<LevelError>,
 }
 
-/// The views, each compared with the first of least inclination; a view alone is compared with nothing.
-pub(crate) fn against_angle(mut looked: Vec<Looked>) -> Vec<View> {
-    let inclination = |one: &Looked| one.view.theta_deg.abs();
+/// Compares each view with the first view of smallest inclination; a single view is not compared.
+pub(crate) fn against_angle(mut looked: Vec<ViewSamples>) -> Vec<View> {
+    let inclination = |one: &ViewSamples| one.view.theta_deg.abs();
     let nearest = looked.iter().min_by(|a, b| inclination(a).total_cmp(&inclination(b)));
     if let Some(normal) = nearest.map(|one| one.colours.clone()).filter(|_| looked.len() > 1) {
         looked.iter_mut().for_each(|one| one.compare(&normal));
@@ -28,19 +28,19 @@ pub(crate) fn against_angle(mut looked: Vec<Looked>) -> Vec<View> {
     looked.into_iter().map(|one| one.view).collect()
 }
 
-impl Looked {
-    fn compare(&mut self, normal: &[Vec<Seen>]) {
+impl ViewSamples {
+    fn compare(&mut self, normal: &[Vec<Colour>]) {
         for (s, (_, state)) in self.view.states.0.iter_mut().enumerate() {
             let differences =
                 self.colours.iter().zip(normal).map(|(here, there)| here[s].differences(&there[s]));
             let differences: Vec<[Option<f64>; 2]> = differences.collect();
-            set(state, &differences, self.of_levels.as_ref());
+            store(state, &differences, self.of_levels.as_ref());
         }
     }
 }
 
-/// Writes the u'v' distances and CIEDE2000 differences of all sets down as a value and its errors.
-fn set(state: &mut State, differences: &[[Option<f64>; 2]], of_levels: Option<&LevelError>) {
+/// Stores the u'v' distances and CIEDE2000 differences of all sets as values and errors.
+fn store(state: &mut State, differences: &[[Option<f64>; 2]], of_levels: Option<&LevelError>) {
     let write = |metrics: &mut StateMetrics, [shift, delta_e]: [Option<f64>; 2]| {
         metrics.shift_with_angle_uv = shift;
         metrics.delta_E_2000_with_angle = delta_e;

@@ -1,4 +1,4 @@
-//! The colours of a view alone: what a viewing cone keeps of it.
+//! Colours of a view without its spectra, as stored in a viewing cone.
 
 use papilio_colour::{LUMENS_PER_WATT, UvPrime, Xyz};
 use papilio_transport::Estimate;
@@ -7,7 +7,7 @@ use super::Meter;
 use crate::cone::{ConeState, ConeView};
 
 impl Meter<'_> {
-    /// Relative X, Y and Z of each state.
+    /// Computes the relative X, Y and Z of each state.
     pub(crate) fn colours(&self, estimate: &Estimate) -> Vec<Xyz> {
         let mut colours = vec![Xyz { x: 0.0, y: 0.0, z: 0.0 }; self.layout.states];
         for (light, rho) in self.lights.iter().zip(self.seen_of(&estimate.rho)) {
@@ -24,7 +24,7 @@ impl Meter<'_> {
         colours
     }
 
-    /// What a cone keeps of these colours; `normal`: those of the view along the normal.
+    /// Computes the entry of a viewing cone from these colours and those of the view along the normal, `normal`.
     pub(crate) fn cone_view(&self, colours: &[Xyz], normal: &[Xyz]) -> ConeView {
         let state = |(xyz, normal): (&Xyz, &Xyz)| {
             let (uv, from) = (xyz.uv_prime(), normal.uv_prime());

@@ -1,16 +1,16 @@
-//! What is seen of a light guide below the front of screen, from what is seen of the same light above it.
+//! Reflectance factor under a front light below the front of screen, computed from that under the same light above it.
 //!
-//! The front is alike at all angles, so light that falls on the layer below it goes the same ways wherever it came
-//! from: a guide of E lx there is ambient light of E/t, t the front's transmittance, less what the front itself
-//! mirrors of that. For one component of reflectance R and absorptance A that is the factor 1/(1 - R - A) which light gains that crosses
-//! the front once instead of twice. What leaks upwards is a veil of t times its luminance, and what the front sends back of it
-//! is diffuse light on the panel.
+//! The properties of the front do not depend on angle. The light that falls on the layer below it therefore follows the same
+//! paths whatever its origin: a light guide of E lx there is equivalent to ambient light of E/t, where t is the front's
+//! transmittance, without the front's own reflection of that light. For one component of reflectance R and absorptance A,
+//! this is the factor 1/(1 - R - A) that light gains by crossing the front once instead of twice. Light that leaks upwards
+//! adds a veil of t times its luminance, and the part of it that the front reflects is diffuse light on the panel.
 
 use papilio_transport::{Front, ReflectanceFactor, Stack};
 
 use crate::scene::{FrontLight, Scene};
 
-/// A front light and the front above it.
+/// Front light, with the front of screen above it.
 #[derive(Debug)]
 pub(super) struct BelowFront {
     front: Front,
@@ -33,8 +33,8 @@ impl BelowFront {
         Some(Self { front, is_diffuse: field.is_none(), leak: *upward_over_downward })
     }
 
-    /// How a number changes with what is seen above the front, from how it changes with what is seen below it:
-    /// shapes are those of `rho.base`; that of diffuse light is added to.
+    /// Converts the derivatives of a number with respect to the reflectance factor below the front to those with respect
+    /// to the one above it. Shapes are those of `rho.base`; the derivative for diffuse light is added to `of_diffuse`.
     pub(super) fn pull_back(&self, of_it: &mut [f64], of_diffuse: &mut [f64]) {
         let Front { transmittance, reflectance_below, .. } = &self.front;
         let bins = transmittance.len();
@@ -45,7 +45,7 @@ impl BelowFront {
         }
     }
 
-    /// Of what is seen of its light above the front, and of diffuse light.
+    /// Computes the reflectance factor from those under the same light above the front and under diffuse light.
     pub(super) fn seen(
         &self,
         of_it: &ReflectanceFactor,
@@ -53,17 +53,17 @@ impl BelowFront {
     ) -> ReflectanceFactor {
         let Front { transmittance, reflectance_above, reflectance_below } = &self.front;
         let bins = transmittance.len();
-        let share = |bin: usize| if transmittance[bin] > 0.0 { 1.0 / transmittance[bin] } else { 0.0 };
+        let gain = |bin: usize| if transmittance[bin] > 0.0 { 1.0 / transmittance[bin] } else { 0.0 };
         let sent_back = |bin: usize| self.leak * reflectance_below[bin];
         let base = of_it.via_pixel.iter().zip(&of_diffuse.via_pixel).enumerate().map(|(k, (it, diffuse))| {
             let bin = k % bins;
-            share(bin) * (it + sent_back(bin) * diffuse)
+            gain(bin) * (it + sent_back(bin) * diffuse)
         });
         let front = (0..bins).map(|bin| {
             let diffuse = of_diffuse.front[bin] - reflectance_above[bin];
-            // Other light than diffuse is mirrored by the front alone: a panel's diffuser reflects nothing.
+            // Light that is not diffuse is reflected by the front only: a panel's diffuser has no reflection.
             let it = if self.is_diffuse { diffuse } else { 0.0 };
-            share(bin) * (it + sent_back(bin) * diffuse) + self.leak * transmittance[bin]
+            gain(bin) * (it + sent_back(bin) * diffuse) + self.leak * transmittance[bin]
         });
         ReflectanceFactor { via_pixel: base.collect(), front: front.collect() }
     }

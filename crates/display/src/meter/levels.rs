@@ -1,31 +1,31 @@
-//! Errors of adding: the difference between two levels of discretisation.
+//! Discretisation errors of adding, from the difference between two levels.
 //!
-//! The finer level's numbers are reported. Each level gains much on the one before, so the
-//! difference is nearly the coarser one's error, and bounds the finer one's from above (where
-//! levels gain little, it is multiplied: [`error_over_difference`]). One number may have hardly
-//! changed by chance: none is claimed to be better, relatively, than the worst Y of its view.
+//! The values of the finer level are reported. Each level is much more accurate than the previous one. The
+//! difference is therefore nearly the error of the coarser level, and an upper bound of that of the finer level (if the
+//! levels converge slowly, it is multiplied by a factor: [`error_over_difference`]). A single value may change little by
+//! chance: no relative error is reported to be smaller than that of the worst Y of the view.
 
 use papilio_transport::adding::error_over_difference;
 
 use super::metrics::ViewScalars;
 use super::sample::{Sample, relative};
 use super::view::Numbers;
-use super::{Looked, Meter};
+use super::{Meter, ViewSamples};
 use crate::run::{largest, level_error};
 use crate::setup::{ViewPoint, base_under};
 
-/// No number is claimed to be better, relatively: what is tabulated over direction (films) and summed over wavelengths is not.
+/// Smallest relative error that is reported: tables over direction (films) and sums over wavelengths are not more accurate.
 const LEAST_CLAIMED: f64 = 1e-7;
 
-/// Of the largest Y, what is no more than rounding of sums.
+/// Rounding error of sums, relative to the largest Y.
 const ROUNDING: f64 = 1e-9;
 
-/// How a number's error follows from its values at two levels.
+/// Error model: the error of a value from its values at two levels.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct LevelError {
-    /// Errors over differences.
+    /// Ratio of the error to the difference.
     times: f64,
-    /// The least error claimed, relative.
+    /// Smallest relative error.
     least: f64,
 }
 
@@ -36,8 +36,9 @@ impl LevelError {
 }
 
 impl Meter<'_> {
-    /// The largest relative error of Y over the states, of the last of two or three levels; with `every_bin`, also of the
-    /// radiance at each wavelength, against the spectrum's maximum. Of a Y below zero, which no light has, it is one at least.
+    /// Returns the largest relative error, over the states, of Y at the last of two or three levels and, with `every_bin`, of
+    /// the radiance at each wavelength, relative to the maximum of the spectrum. It is at least 1 if a Y is negative, which
+    /// is unphysical.
     pub(crate) fn level_error(
         &self,
         [finer, coarser]: [&Sample; 2],
@@ -51,14 +52,14 @@ impl Meter<'_> {
         if self.is_negative(finer) { largest(error, 1.0) } else { error }
     }
 
-    /// True if a state's Y is below zero by more than rounding.
+    /// Returns true if Y of a state is negative by more than rounding errors.
     fn is_negative(&self, sample: &Sample) -> bool {
         let y = || (0..self.layout.states).map(|state| self.luminous(state, sample));
         let most = y().map(f64::abs).fold(0.0, f64::max);
         y().any(|y| y < -ROUNDING * most)
     }
 
-    /// The largest relative difference.
+    /// Returns the largest relative difference between two levels.
     fn difference(&self, finer: &Sample, coarser: &Sample, every_bin: bool) -> f64 {
         let mut worst = 0.0_f64;
         for state in 0..self.layout.states {
@@ -75,14 +76,14 @@ impl Meter<'_> {
         worst
     }
 
-    /// A view's result from two or three levels; `specular` has shape `[state][light]`.
+    /// Computes the result of a view from two or three levels; `specular` has shape `[state][light]`.
     pub(crate) fn view_of_levels(
         &self,
         at: &ViewPoint,
         [finer, coarser]: [&Sample; 2],
         before: Option<&Sample>,
         specular: &[Vec<f64>],
-    ) -> Looked {
+    ) -> ViewSamples {
         let bare = self.bare_peaks(at, base_under(&self.setup.stack));
         let (scalars, of_coarser) = (self.scalars(finer, &bare), self.scalars(coarser, &bare));
         let least = Some(self.level_error([finer, coarser], before, false)).filter(|least| least.is_finite());
@@ -91,7 +92,7 @@ impl Meter<'_> {
             least: least.unwrap_or(0.0).max(LEAST_CLAIMED),
         };
         let error = |a: f64, b: f64| of_levels.of(a, b);
-        // Neither light nor what becomes of it is below zero: a number that is errs by as much.
+        // Amounts of light cannot be negative: the error of a negative value is at least its magnitude.
         let of_light = |a: f64, b: f64| error(a, b).max(-a);
         let discretisation = Numbers {
             linear: finer.combine(coarser, of_light),
@@ -101,6 +102,6 @@ impl Meter<'_> {
         let colours = [&scalars, &of_coarser].map(ViewScalars::colours).to_vec();
         let value = Numbers { linear: finer.clone(), scalars };
         let view = self.view(at, value, noise, Some(discretisation), specular);
-        Looked { view, colours, of_levels: Some(of_levels) }
+        ViewSamples { view, colours, of_levels: Some(of_levels) }
     }
 }

@@ -1,6 +1,6 @@
-//! Metrics of what is seen: numbers of one state, and of the states together.
+//! Scalar metrics of a view: those of one state, and those that combine the states.
 //!
-//! Colorimetry is CIE 15:2018 through `papilio_colour`. X, Y, Z are over the Y of the
+//! Colorimetry follows CIE 15:2018 by `papilio_colour`. X, Y, Z are relative to Y of the
 //! perfect white in the same light. Contrast is Feng 2012, eq. 5-10, gamut eq. 5-9.
 
 use papilio_colour::{
@@ -11,7 +11,7 @@ use crate::readability::Text;
 use crate::result::{Cam16, StateMetrics, ViewMetrics};
 use crate::scene::{Appearance, Metrics, Standard};
 
-/// The scalar numbers of one state; `None` where one is not defined.
+/// Scalar metrics of one state; `None` if one is not defined.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(crate) struct Scalars {
     pub(crate) xyz: [Option<f64>; 3],
@@ -28,51 +28,51 @@ pub(crate) struct Scalars {
     pub(crate) cam16: Option<Cam16>,
 }
 
-/// The numbers of a view: those of its states, and of the states together.
+/// Scalar metrics of a view: those of each state, and those that combine the states.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct ViewScalars {
     pub(crate) states: Vec<Scalars>,
     pub(crate) together: ViewMetrics,
 }
 
-/// The states that span a gamut in the diagram.
+/// Names of the states that span the gamut in the chromaticity diagram.
 pub(crate) const PRIMARIES: [&str; 3] = ["red", "green", "blue"];
 
-/// What metrics are measured against.
+/// References of the metrics: the white, and the names of the states.
 pub(crate) struct Reference<'a> {
     pub(crate) names: &'a [String],
-    /// The white, relative as X, Y and Z are, and its luminance in cd/m2; `None` where there is none.
+    /// The white, relative like X, Y and Z, and its luminance, cd/m2; `None` if it is not defined.
     pub(crate) white: Option<(Xyz, f64)>,
-    pub(crate) asked: &'a Metrics,
+    pub(crate) settings: &'a Metrics,
 }
 
-/// What is seen of a state.
+/// Observed colour quantities of a state.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Sight {
-    /// Relative.
+pub(crate) struct StateObservation {
+    /// Relative tristimulus values.
     pub(crate) xyz: Xyz,
     pub(crate) luminance_cd_m2: f64,
     pub(crate) peak_nm: Option<f64>,
-    /// Where the pixel alone peaks.
+    /// Peak wavelength of the pixel alone, nm.
     pub(crate) bare_peak_nm: Option<f64>,
 }
 
-/// What the states of a view are compared with.
-struct Beside {
+/// Colours with which the states of a view are compared.
+struct ColourReferences {
     black: Option<f64>,
-    white: Seen,
-    state: Option<Seen>,
+    white: Colour,
+    state: Option<Colour>,
     viewing: Option<Viewing>,
 }
 
-/// A colour as it is compared with others; `None` where the light has no white or nothing is seen.
+/// Colour coordinates for comparisons; `None` if the light has no white or the state reflects no light.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Seen {
+pub(crate) struct Colour {
     pub(crate) uv: Option<UvPrime>,
     pub(crate) lab: Option<Lab>,
 }
 
-impl Seen {
+impl Colour {
     fn new(xyz: Xyz, white: Option<Xyz>) -> Self {
         Self { uv: xyz.uv_prime(), lab: white.and_then(|white| xyz.lab(white)) }
     }
@@ -83,7 +83,7 @@ impl Seen {
         Self { uv: u.zip(v).map(|(u, v)| UvPrime { u, v }), lab }
     }
 
-    /// u'v' distance and CIEDE2000 difference.
+    /// Computes the u'v' distance and the CIEDE2000 difference.
     pub(crate) fn differences(&self, other: &Self) -> [Option<f64>; 2] {
         let uv = self.uv.zip(other.uv).map(|(one, other)| one.distance(other));
         let lab = self.lab.zip(other.lab).map(|(one, other)| one.delta_e_2000(other));
@@ -92,23 +92,26 @@ impl Seen {
 }
 
 impl Reference<'_> {
-    /// All metrics but those that compare views.
-    pub(crate) fn view(&self, sights: &[Sight]) -> ViewScalars {
-        let xyz: Vec<Xyz> = sights.iter().map(|sight| sight.xyz).collect();
+    /// Computes all metrics except those that compare views.
+    pub(crate) fn view(&self, observations: &[StateObservation]) -> ViewScalars {
+        let xyz: Vec<Xyz> = observations.iter().map(|observation| observation.xyz).collect();
         let white = self.white.map(|(xyz, _)| xyz);
-        let colours: Vec<Seen> = xyz.iter().map(|xyz| Seen::new(*xyz, white)).collect();
-        let beside = Beside {
+        let colours: Vec<Colour> = xyz.iter().map(|xyz| Colour::new(*xyz, white)).collect();
+        let references = ColourReferences {
             black: self.at("black").map(|black| xyz[black].y),
-            white: white.map_or(Seen { uv: None, lab: None }, |xyz| Seen::new(xyz, white)),
-            state: self.at(&self.asked.reference_state).map(|state| colours[state]),
+            white: white.map_or(Colour { uv: None, lab: None }, |xyz| Colour::new(xyz, white)),
+            state: self.at(&self.settings.reference_state).map(|state| colours[state]),
             viewing: self.viewing(),
         };
-        let states = sights.iter().zip(&colours).map(|(sight, seen)| self.state(sight, seen, &beside));
+        let states = observations
+            .iter()
+            .zip(&colours)
+            .map(|(observation, colour)| self.state(observation, colour, &references));
         let states: Vec<Scalars> = states.collect();
         let mut together = self.together(&xyz);
         let shift = |name| states[self.at(name)?].metrics.peak_shift_nm;
         together.average_peak_shift_nm = three(PRIMARIES.map(shift)).map(|[r, g, b]| (r + g + b) / 3.0);
-        let luminance = |name| Some(sights[self.at(name)?].luminance_cd_m2);
+        let luminance = |name| Some(observations[self.at(name)?].luminance_cd_m2);
         let text = luminance("white").zip(luminance("black")).and_then(|(w, k)| Text::new(w, k));
         if let Some(text) = text {
             together.text_luminance_cd_m2 = Some(text.luminance_cd_m2);
@@ -117,26 +120,26 @@ impl Reference<'_> {
             together.reading_surrogate_age_50 = text.reading_surrogate(50.0);
             together.reading_surrogate_age_75 = text.reading_surrogate(75.0);
             together.reading_surrogate =
-                self.asked.reader_age_years.and_then(|age_years| text.reading_surrogate(age_years));
+                self.settings.reader_age_years.and_then(|age_years| text.reading_surrogate(age_years));
         }
-        if self.asked.gamut_volume {
+        if self.settings.gamut_volume {
             together.gamut_volume_cielab = self.volume(&xyz);
         }
         ViewScalars { states, together }
     }
 
-    /// Contrast and gamut of the states together.
+    /// Computes contrast and gamut, which combine the states.
     pub(crate) fn together(&self, xyz: &[Xyz]) -> ViewMetrics {
-        let seen = |name| self.at(name).map(|state| xyz[state]);
-        let black = seen("black").map(|black| black.y);
-        // The standards' primaries are those of the observer of 1931.
-        let diagram = self.asked.observer == Standard::Cie1931;
-        let uv = |name| seen(name).filter(|_| diagram).and_then(Xyz::uv_prime);
+        let colour = |name| self.at(name).map(|state| xyz[state]);
+        let black = colour("black").map(|black| black.y);
+        // The primaries of the standards are defined for the observer of 1931.
+        let diagram = self.settings.observer == Standard::Cie1931;
+        let uv = |name| colour(name).filter(|_| diagram).and_then(Xyz::uv_prime);
         let primaries = three(PRIMARIES.map(uv));
         let gamut = |reference| primaries.map(|primaries| gamut_percent(primaries, reference));
         let coverage = |reference| primaries.map(|primaries| coverage_percent(primaries, reference));
         ViewMetrics {
-            contrast_ratio: seen("white").and_then(|white| ratio(white.y, black)),
+            contrast_ratio: colour("white").and_then(|white| ratio(white.y, black)),
             gamut_percent_srgb: gamut(GamutReference::Srgb),
             gamut_percent_ebu: gamut(GamutReference::Ebu),
             gamut_percent_ntsc: gamut(GamutReference::Ntsc),
@@ -149,7 +152,7 @@ impl Reference<'_> {
         }
     }
 
-    /// Volume of the gamut, if all its corners are there.
+    /// Computes the gamut volume; `None` unless all eight corners are states.
     fn volume(&self, xyz: &[Xyz]) -> Option<f64> {
         let (white, _) = self.white?;
         let mut corners = [white; 8];
@@ -159,36 +162,41 @@ impl Reference<'_> {
         Some(Corners { xyz: corners }.solid(white)?.volume())
     }
 
-    /// Where a state stands.
+    /// Returns the index of a state.
     fn at(&self, name: &str) -> Option<usize> {
         self.names.iter().position(|n| n == name)
     }
 
     fn viewing(&self) -> Option<Viewing> {
-        let Appearance { adapting_luminance_cd_m2, background, surround } = self.asked.appearance?;
-        let of_background = background * self.white?.1;
-        let adapting_luminance_cd_m2 = adapting_luminance_cd_m2.unwrap_or(of_background);
+        let Appearance { adapting_luminance_cd_m2, background, surround } = self.settings.appearance?;
+        let background_luminance = background * self.white?.1;
+        let adapting_luminance_cd_m2 = adapting_luminance_cd_m2.unwrap_or(background_luminance);
         Some(Viewing { adapting_luminance_cd_m2, background, surround })
     }
 
-    fn state(&self, sight: &Sight, seen: &Seen, beside: &Beside) -> Scalars {
-        let (xyz, Seen { uv, lab }) = (sight.xyz, *seen);
+    fn state(
+        &self,
+        observation: &StateObservation,
+        colour: &Colour,
+        references: &ColourReferences,
+    ) -> Scalars {
+        let (xyz, Colour { uv, lab }) = (observation.xyz, *colour);
         let xy = xyz.chromaticity();
-        let hue = xyz.hue_rgb().filter(|_| self.asked.observer == Standard::Cie1931);
-        let [from_white, delta_e] = seen.differences(&beside.white);
-        let luv = lab.zip(uv.zip(beside.white.uv)).map(|(lab, (uv, white))| lab.luv(uv, white));
+        let hue = xyz.hue_rgb().filter(|_| self.settings.observer == Standard::Cie1931);
+        let [from_white, delta_e] = colour.differences(&references.white);
+        let luv = lab.zip(uv.zip(references.white.uv)).map(|(lab, (uv, white))| lab.luv(uv, white));
         let [from_reference, delta_e_reference] =
-            beside.state.map_or([None; 2], |state| seen.differences(&state));
+            references.state.map_or([None; 2], |state| colour.differences(&state));
         Scalars {
             xyz: xyz.to_array().map(Some),
             chromaticity: [xy.map(|c| c.x), xy.map(|c| c.y), xy.map(|c| 1.0 - c.x - c.y)],
             uv_prime: [uv.map(|c| c.u), uv.map(|c| c.v)],
             lab: [lab.map(|c| c.l), lab.map(|c| c.a), lab.map(|c| c.b)],
-            luminance: Some(sight.luminance_cd_m2),
-            contrast: ratio(xyz.y, beside.black),
-            peak_nm: sight.peak_nm,
+            luminance: Some(observation.luminance_cd_m2),
+            contrast: ratio(xyz.y, references.black),
+            peak_nm: observation.peak_nm,
             from_white,
-            from_d65: uv.map(|uv| uv.distance(self.asked.observer.d65_uv())),
+            from_d65: uv.map(|uv| uv.distance(self.settings.observer.d65_uv())),
             hue_rgb: std::array::from_fn(|k| hue.map(|rgb| rgb[k])),
             metrics: StateMetrics {
                 u_star: luv.map(|c| c.u),
@@ -196,10 +204,13 @@ impl Reference<'_> {
                 delta_E_2000_from_white: delta_e,
                 delta_E_2000_from_reference: delta_e_reference,
                 distance_from_reference_uv: from_reference,
-                peak_shift_nm: sight.peak_nm.zip(sight.bare_peak_nm).map(|(peak, bare)| peak - bare),
+                peak_shift_nm: observation
+                    .peak_nm
+                    .zip(observation.bare_peak_nm)
+                    .map(|(peak, bare)| peak - bare),
                 ..StateMetrics::default()
             },
-            cam16: beside
+            cam16: references
                 .viewing
                 .zip(self.white)
                 .map(|(viewing, (white, _))| cam16(xyz.appearance(white, &viewing))),
@@ -218,12 +229,12 @@ fn cam16(looks: Option<papilio_colour::Appearance>) -> Cam16 {
     }
 }
 
-/// All three, or none.
+/// Returns all three values, or `None` if one is missing.
 pub(crate) fn three<T>([a, b, c]: [Option<T>; 3]) -> Option<[T; 3]> {
     Some([a?, b?, c?])
 }
 
-/// Y over that of black, where black reflects anything.
+/// Ratio of Y to that of black; `None` unless black reflects light.
 fn ratio(y: f64, black: Option<f64>) -> Option<f64> {
     black.filter(|black| *black > 0.0).map(|black| y / black)
 }
@@ -243,12 +254,12 @@ impl ViewScalars {
         self.states.iter_mut().flat_map(Scalars::all_mut).chain(self.together.all_mut())
     }
 
-    /// The colours of the states.
-    pub(crate) fn colours(&self) -> Vec<Seen> {
-        self.states.iter().map(Seen::of).collect()
+    /// Returns the colours of the states.
+    pub(crate) fn colours(&self) -> Vec<Colour> {
+        self.states.iter().map(Colour::of).collect()
     }
 
-    /// Each number with the other's; `None` where one of the two is missing.
+    /// Combines the metrics of two views; `None` if one of the two is not defined.
     pub(crate) fn combine(one: &Self, other: &Self, with: impl Fn(f64, f64) -> f64) -> Self {
         let (mut combined, mut other) = (one.clone(), other.clone());
         for (slot, other) in combined.all_mut().zip(other.all_mut()) {
@@ -257,18 +268,18 @@ impl ViewScalars {
         combined
     }
 
-    /// 0 wherever there is a number.
+    /// Returns 0 for each defined metric.
     pub(crate) fn zeros(&self) -> Self {
         Self::combine(self, self, |_, _| 0.0)
     }
 
-    /// Jackknife standard errors from the metrics with each replicate left out in turn.
+    /// Computes jackknife standard errors from the metrics with each replicate left out in turn.
     pub(crate) fn jackknife(left_out: &[Self]) -> Self {
         let mut errors = left_out[0].clone();
         let mut all = left_out.to_vec();
         let mut rows: Vec<_> = all.iter_mut().map(Self::all_mut).collect();
         for error in errors.all_mut() {
-            // Every row goes on by one, whatever is found in it.
+            // Every row must advance by one, even if a value is not defined.
             let column: Vec<Option<f64>> = rows.iter_mut().map(|row| *row.next()?).collect();
             *error = jackknife(&mut column.into_iter());
         }
@@ -276,7 +287,8 @@ impl ViewScalars {
     }
 }
 
-/// `sqrt((n-1)/n sum (x_i - mean)^2)` of leave-one-out values; `None` if any is missing.
+/// Computes the jackknife standard error `sqrt((n-1)/n sum (x_i - mean)^2)` of leave-one-out values; `None` if one is
+/// not defined.
 pub(crate) fn jackknife(values: &mut dyn Iterator<Item = Option<f64>>) -> Option<f64> {
     let values: Vec<f64> = values.collect::<Option<_>>()?;
     let n = values.len() as f64;
@@ -289,9 +301,8 @@ pub(crate) fn jackknife(values: &mut dyn Iterator<Item = Option<f64>>) -> Option
 mod tests {
     use super::*;
 
-    /// For a mean, the jackknife is the textbook standard error.
     #[test]
-    fn jackknife_of_a_mean() {
+    fn jackknife_of_a_mean_equals_the_usual_standard_error() {
         let x = [3.0, 1.0, 4.0, 1.0, 5.0, 9.0, 2.0, 6.0];
         let total: f64 = x.iter().sum();
         let error = jackknife(&mut x.iter().map(|one| Some((total - one) / 7.0))).unwrap();
@@ -300,9 +311,9 @@ mod tests {
         assert_eq!(jackknife(&mut [Some(1.0), None].into_iter()), None);
     }
 
-    /// A number that one replicate lacks has no error, and the numbers after it have theirs.
+    /// A metric that is not defined in one replicate has no error, and the errors of the metrics after it are correct.
     #[test]
-    fn a_missing_number_moves_no_other() {
+    fn undefined_metric_does_not_affect_the_errors_of_others() {
         let view = |contrast: Option<f64>, gamut: f64| ViewScalars {
             states: vec![Scalars { peak_nm: contrast, luminance: Some(gamut), ..Scalars::default() }],
             together: ViewMetrics {
@@ -318,18 +329,18 @@ mod tests {
     }
 
     #[test]
-    fn metrics_of_missing_states_are_missing() {
+    fn metrics_of_missing_states_are_undefined() {
         let white = Xyz { x: 0.95, y: 1.0, z: 1.09 };
         let names = ["white".to_owned(), "orange".to_owned()];
-        let asked = Metrics { gamut_volume: true, ..Metrics::default() };
-        let reference = Reference { names: &names, white: Some((white, 100.0)), asked: &asked };
-        let seen = |xyz: Xyz| Sight {
+        let settings = Metrics { gamut_volume: true, ..Metrics::default() };
+        let reference = Reference { names: &names, white: Some((white, 100.0)), settings: &settings };
+        let observed = |xyz: Xyz| StateObservation {
             xyz,
             luminance_cd_m2: 100.0 * xyz.y,
             peak_nm: Some(600.0),
             bare_peak_nm: None,
         };
-        let view = reference.view(&[white, Xyz { x: 0.2, y: 0.1, z: 0.05 }].map(seen));
+        let view = reference.view(&[white, Xyz { x: 0.2, y: 0.1, z: 0.05 }].map(observed));
         assert_eq!((view.together.contrast_ratio, view.together.gamut_percent_srgb), (None, None));
         assert_eq!(view.states[1].contrast, None);
         assert!(view.states[0].from_white.unwrap() < 1e-15);

@@ -1,8 +1,8 @@
-//! *measure*: from what a solver saw to what a meter would say, with errors.
+//! Measurement: from the estimates of a solver to metrics with errors.
 //!
-//! Everything linear in light is a [`Sample`]; colours and other metrics ([`ViewScalars`]) are
-//! computed from samples last. Where errors come from is the solver's: `replicates` (walk) and
-//! `levels` (adding); `view` writes values and errors down.
+//! All quantities that are linear in light are collected in a [`Sample`]. Colours and other metrics ([`ViewScalars`]) are
+//! computed last, from samples. The source of the errors depends on the solver: `replicates` (Monte Carlo) or
+//! `levels` (adding). `view` assembles values and errors into results.
 
 mod angle;
 mod colours;
@@ -23,44 +23,44 @@ use papilio_transport::{Base, Estimate, ReflectanceFactor};
 
 use crate::result::Illuminant;
 use crate::setup::{Light, Setup, ViewPoint};
-pub(crate) use angle::{Looked, against_angle};
+pub(crate) use angle::{ViewSamples, against_angle};
 use front_light::BelowFront;
 pub(crate) use metrics::{PRIMARIES, ViewScalars};
-use metrics::{Reference, Sight};
+use metrics::{Reference, StateObservation};
 use sample::Layout;
 pub(crate) use sample::{Sample, relative};
 pub(crate) use slopes::{Number, Slopes};
 
-/// Turns estimates into samples and samples into results.
+/// Converts estimates to samples, and samples to results.
 pub(crate) struct Meter<'a> {
     setup: &'a Setup,
     grid: Grid,
     layout: Layout,
-    /// Spectral radiance of the perfect white, and its X, Y, Z in W/(m2 sr): in the room's light, or in that of a front
-    /// light where it is alone.
+    /// Spectral radiance of the perfect white, and its X, Y, Z in W/(m2 sr), in the ambient light, or in that of the
+    /// front light if there is no ambient light.
     white: Vec<f64>,
     white_xyz: Xyz,
-    /// For each light alone.
+    /// Weights of each light.
     lights: Vec<Weights>,
-    /// The last of them, if it is a front light.
+    /// The front light, which is the last light, if there is one.
     below_front: Option<BelowFront>,
-    /// Whether it is all the light there is.
+    /// Whether the front light is the only light.
     is_self_lit: bool,
-    /// Y of the perfect white in each light of a result, which may be several of these.
+    /// Y of the perfect white in each contribution of a result, which may combine several lights.
     luminous: Vec<f64>,
 }
 
-/// What a reflectance factor under one light alone adds to what is seen.
+/// Weights by which a reflectance factor under one light contributes to the observed quantities.
 struct Weights {
-    /// To the radiance: that of the perfect white; shape `[wavelength]`.
+    /// Radiance: that of the perfect white, `[wavelength]`.
     radiance: Vec<f64>,
-    /// To X, Y and Z; shape `[wavelength]`.
+    /// X, Y and Z, `[wavelength]`.
     xyz: [Vec<f64>; 3],
-    /// To the reflectance factor by shares of illuminance.
+    /// Reflectance factor weighted by illuminance: fraction of the illuminance.
     share: f64,
-    /// The part of Y that it counts in.
+    /// Number of the contribution to Y to which the light belongs.
     term: usize,
-    /// Its share of that part's light, shape `[wavelength]`; empty unless spectra by light are wanted.
+    /// Fraction of the light of that contribution, `[wavelength]`; empty unless spectra by light are reported.
     within: Vec<f64>,
 }
 
@@ -69,7 +69,7 @@ impl<'a> Meter<'a> {
         let grid = setup.scene.grid;
         let mut white = vec![0.0; grid.len()];
         let below_front = BelowFront::new(&setup.scene, &setup.stack);
-        // The reference white sees the room's light alone, if there is any.
+        // The reference white is lit by the ambient light only, if there is any.
         let (room, guide) = setup.lights.split_at(setup.lights.len() - usize::from(below_front.is_some()));
         let is_self_lit = !guide.is_empty() && room.iter().all(|light| light.illuminance_lx == 0.0);
         let reference = if is_self_lit { guide } else { room };
@@ -95,12 +95,12 @@ impl<'a> Meter<'a> {
         Self { setup, grid, layout, white, white_xyz, lights, below_front, is_self_lit, luminous }
     }
 
-    /// ybar at each wavelength, nm.
+    /// Returns the weights of ybar at each wavelength, nm.
     fn y_bar(&self) -> &[f64] {
         self.setup.seen_by().weights()[1]
     }
 
-    /// A state's Y of a sample, W/(m2 sr).
+    /// Computes Y of a state of a sample, W/(m2 sr).
     fn luminous(&self, state: usize, sample: &Sample) -> f64 {
         sum_of_products(&sample.0[self.layout.radiance(state)], self.y_bar())
     }
@@ -109,7 +109,7 @@ impl<'a> Meter<'a> {
         self.below_front.is_some() && light.term + 1 == self.layout.terms
     }
 
-    /// What is seen of each light, the front light as it is below the front of screen.
+    /// Reflectance factors under each light, with that of the front light converted to its place below the front.
     fn seen_of<'e>(&self, all: &'e [ReflectanceFactor]) -> impl Iterator<Item = Cow<'e, ReflectanceFactor>> {
         let last = all.len().saturating_sub(1);
         all.iter().enumerate().map(move |(k, rho)| match &self.below_front {
@@ -118,14 +118,14 @@ impl<'a> Meter<'a> {
         })
     }
 
-    /// An estimate as a sample.
+    /// Converts an estimate to a sample.
     pub(crate) fn sample(&self, estimate: &Estimate) -> Sample {
         let mut sample = self.sample_without_ledger(&estimate.rho);
         self.add_ledger(&estimate.ledger, &mut sample.0);
         sample
     }
 
-    /// What is seen of each light as a sample.
+    /// Converts reflectance factors under each light to a sample; the entries of the energy balance are 0.
     pub(crate) fn sample_without_ledger(&self, seen: &[ReflectanceFactor]) -> Sample {
         let layout = &self.layout;
         let mut sample = vec![0.0; layout.len()];
@@ -178,7 +178,7 @@ impl<'a> Meter<'a> {
         }
     }
 
-    /// The perfect white under the scene's light.
+    /// Returns the perfect white under the scene's light.
     pub(crate) fn illuminant(&self) -> Illuminant {
         let (xy, uv) = (self.white_xyz.chromaticity(), self.white_xyz.uv_prime());
         Illuminant {
@@ -190,17 +190,17 @@ impl<'a> Meter<'a> {
         }
     }
 
-    /// `bare`: where each state of the pixel alone peaks.
+    /// Computes the metrics of a sample; `bare` holds the peak wavelengths of the states of the pixel alone, nm.
     pub(crate) fn scalars(&self, mean: &Sample, bare: &[Option<f64>]) -> ViewScalars {
-        let sights: Vec<Sight> =
-            (0..self.layout.states).map(|state| self.sight(state, mean, bare[state])).collect();
-        self.reference(&sights).view(&sights)
+        let observations: Vec<StateObservation> =
+            (0..self.layout.states).map(|state| self.observation(state, mean, bare[state])).collect();
+        self.reference(&observations).view(&observations)
     }
 
-    fn sight(&self, state: usize, mean: &Sample, bare_peak_nm: Option<f64>) -> Sight {
+    fn observation(&self, state: usize, mean: &Sample, bare_peak_nm: Option<f64>) -> StateObservation {
         let radiance = &mean.0[self.layout.radiance(state)];
         let factor = self.reflectance_factor(state, &mean.0);
-        Sight {
+        StateObservation {
             xyz: over(self.setup.seen_by().xyz(radiance), self.white_xyz.y),
             luminance_cd_m2: self.setup.observer.luminance(radiance),
             peak_nm: factor.and_then(|factor| peak_nm(&self.grid, &factor)),
@@ -208,7 +208,7 @@ impl<'a> Meter<'a> {
         }
     }
 
-    /// Where each state of the pixel alone peaks in the direction of a view.
+    /// Computes the peak wavelength of each state of the pixel alone in the direction of a view, nm.
     pub(crate) fn bare_peaks(&self, at: &ViewPoint, base: &Base) -> Vec<Option<f64>> {
         let mut reflectance = vec![0.0; self.layout.states * self.layout.bins];
         if !self.setup.pixel_alone(base, at, &mut reflectance) {
@@ -217,38 +217,44 @@ impl<'a> Meter<'a> {
         reflectance.chunks_exact(self.layout.bins).map(|one| peak_nm(&self.grid, one)).collect()
     }
 
-    /// What the states, `sights`, are measured against: a perfect white, or the screen's own where the front light is alone.
-    fn reference(&self, sights: &[Sight]) -> Reference<'_> {
-        self.reference_among(&self.setup.states, sights)
+    /// Returns the references of the states: a perfect white, or the display's white state if the front light is the only
+    /// light.
+    fn reference(&self, observations: &[StateObservation]) -> Reference<'_> {
+        self.reference_among(&self.setup.states, observations)
     }
 
-    /// The same where only states of these names are looked at.
-    fn reference_among<'b>(&'b self, names: &'b [String], sights: &[Sight]) -> Reference<'b> {
+    /// Returns the references if only states of these names are observed.
+    fn reference_among<'b>(
+        &'b self,
+        names: &'b [String],
+        observations: &[StateObservation],
+    ) -> Reference<'b> {
         let paper = (over(self.white_xyz, self.white_xyz.y), self.setup.observer.luminance(&self.white));
         let own = || {
-            let white = sights.get(names.iter().position(|name| name == "white")?)?;
+            let white = observations.get(names.iter().position(|name| name == "white")?)?;
             Some((white.xyz, white.luminance_cd_m2))
         };
         let white = if self.is_self_lit { own() } else { Some(paper) };
-        Reference { names, white, asked: &self.setup.scene.metrics }
+        Reference { names, white, settings: &self.setup.scene.metrics }
     }
 
-    /// How many states, wavelengths and sources there are.
+    /// Returns the numbers of states, wavelengths and sources.
     pub(crate) fn sizes(&self) -> (usize, usize, usize) {
         (self.layout.states, self.layout.bins, self.lights.len())
     }
 
-    /// The state that others are compared with.
+    /// Returns the name of the reference state.
     pub(crate) fn reference_state(&self) -> &str {
         &self.setup.scene.metrics.reference_state
     }
 
-    /// Whether colours are measured against the screen's own white.
+    /// Returns true if colours are relative to the display's white state, because the front light is the only light.
     pub(crate) fn is_self_lit(&self) -> bool {
         self.is_self_lit
     }
 
-    /// Also of standard errors: both radiance and factor are linear in light. `None` where no light falls on the display.
+    /// Computes the reflectance factor of a state. It applies to standard errors, too, because radiance and factor are linear
+    /// in light. `None` if there is no ambient light.
     pub(crate) fn reflectance_factor(&self, state: usize, linear: &[f64]) -> Option<Vec<f64>> {
         let (radiance, by_share) = (&linear[self.layout.radiance(state)], &linear[self.layout.factor(state)]);
         let bins = radiance.iter().zip(by_share).zip(&self.white);
@@ -257,17 +263,17 @@ impl<'a> Meter<'a> {
         (!self.is_self_lit).then(factor)
     }
 
-    /// Where a state stands.
+    /// Returns the index of a state.
     pub(crate) fn state_named(&self, name: &str) -> Option<usize> {
         self.setup.states.iter().position(|state| state == name)
     }
 
-    /// The luminous reflectance factor under the diffuse light alone, if there is any.
+    /// Returns the luminous reflectance factor under the diffuse light alone; `None` without diffuse light.
     pub(crate) fn under_diffuse(&self, state: usize, sample: &Sample) -> Option<f64> {
         (self.luminous[0] > 0.0).then(|| sample.0[self.layout.alone(state)][0])
     }
 
-    /// Luminance factors of the directed sources' images, shape `[state][light]`.
+    /// Computes the image luminance ratios of the directed sources, `[state][light]`.
     pub(crate) fn specular(&self, images: &[Vec<f64>]) -> Vec<Vec<f64>> {
         let lights = &self.setup.lights[1..];
         let one = |state: usize, (light, image): (&Light, &Vec<f64>)| {
@@ -282,7 +288,8 @@ impl<'a> Meter<'a> {
     }
 }
 
-/// A light's share of the light of its part of Y; by illuminance at wavelengths that none of it has.
+/// Fraction of a light in the light of its contribution to Y, by irradiance, or by illuminance at wavelengths where the
+/// irradiance is 0.
 fn within(setup: &Setup, light: &Light) -> Vec<f64> {
     let part = || setup.lights.iter().filter(|other| other.term == light.term);
     let lux: f64 = part().map(|other| other.illuminance_lx).sum();

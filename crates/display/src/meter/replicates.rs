@@ -1,19 +1,19 @@
-//! Errors of the walk: from the spread of its replicates.
+//! Standard errors of the Monte Carlo solver, from the spread of its replicates.
 //!
-//! Standard errors come from the jackknife (Efron 1982): metrics of the mean with one
-//! replicate left out, for each in turn. For linear quantities this is the textbook
-//! standard error; for ratios and colour coordinates it carries all correlations between
+//! Standard errors are computed by the jackknife (Efron 1982): from the metrics of the mean with each
+//! replicate left out in turn. For linear quantities this is the usual
+//! standard error; for ratios and colour coordinates it includes all correlations between
 //! wavelengths and states.
 
 use super::metrics::ViewScalars;
 use super::sample::{Sample, relative, spread};
 use super::view::Numbers;
-use super::{Looked, Meter};
+use super::{Meter, ViewSamples};
 use crate::setup::{ViewPoint, base_under};
 
 impl Meter<'_> {
-    /// The largest relative standard error of Y over the states; with `every_bin`, also of
-    /// the radiance at each wavelength, against the spectrum's maximum.
+    /// Returns the largest relative standard error of Y over the states and, with `every_bin`, of
+    /// the radiance at each wavelength, relative to the maximum of the spectrum.
     pub(crate) fn standard_error(&self, samples: &[Sample], every_bin: bool) -> f64 {
         let mut worst = 0.0_f64;
         for state in 0..self.layout.states {
@@ -29,22 +29,22 @@ impl Meter<'_> {
         worst
     }
 
-    /// Y of every state, and its standard error.
+    /// Returns Y of each state, and its standard error.
     pub(crate) fn luminous_means(&self, samples: &[Sample]) -> Vec<(f64, f64)> {
         (0..self.layout.states)
             .map(|state| spread(samples.iter().map(|sample| self.luminous(state, sample))))
             .collect()
     }
 
-    /// A view's result from the samples of all replicates; `specular` has shape `[state][light]`. No number has
-    /// a standard error below `least` times its value.
+    /// Computes the result of a view from the samples of all replicates; `specular` has shape `[state][light]`. No
+    /// standard error is below `least` times the value.
     pub(crate) fn view_of_replicates(
         &self,
         at: &ViewPoint,
         samples: &[Sample],
         least: f64,
         specular: &[Vec<f64>],
-    ) -> Looked {
+    ) -> ViewSamples {
         let bare = self.bare_peaks(at, base_under(&self.setup.stack));
         let mean = Sample::mean(samples, None);
         let left_out: Vec<ViewScalars> =
@@ -61,6 +61,6 @@ impl Meter<'_> {
         };
         let value = Numbers { scalars: of_mean, linear: mean };
         let colours = std::iter::once(&value.scalars).chain(&left_out).map(ViewScalars::colours).collect();
-        Looked { view: self.view(at, value, errors, None, specular), colours, of_levels: None }
+        ViewSamples { view: self.view(at, value, errors, None, specular), colours, of_levels: None }
     }
 }

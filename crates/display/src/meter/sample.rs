@@ -1,18 +1,18 @@
-//! What one replicate of a view saw, linear in light, and its mean and spread over replicates.
+//! Samples of a view: all quantities that are linear in light, with their mean and spread over replicates.
 
 use std::ops::Range;
 
-/// One replicate of a view, or a mean of several. [`Layout`] says what stands where.
+/// Sample of a view: one replicate or the mean of several. [`Layout`] defines its entries.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Sample(pub(crate) Vec<f64>);
 
 impl Sample {
-    /// True if every entry is a finite number.
+    /// Returns true if all entries are finite.
     pub(crate) fn is_finite(&self) -> bool {
         self.0.iter().all(|value| value.is_finite())
     }
 
-    /// The mean of all samples, without the one at `left_out`.
+    /// Computes the mean of all samples except the one at `left_out`.
     pub(crate) fn mean(samples: &[Self], left_out: Option<usize>) -> Self {
         let mut mean = vec![0.0; samples[0].0.len()];
         let kept = samples.iter().enumerate().filter(|(k, _)| Some(*k) != left_out);
@@ -24,23 +24,23 @@ impl Sample {
         Self(mean)
     }
 
-    /// One sigma of the mean of each entry.
+    /// Computes the standard error of the mean of each entry.
     pub(crate) fn standard_errors(samples: &[Self]) -> Self {
         Self((0..samples[0].0.len()).map(|k| spread(samples.iter().map(|s| s.0[k])).1).collect())
     }
 
-    /// Each entry with the other's.
+    /// Combines the entries of two samples.
     pub(crate) fn combine(&self, other: &Self, with: impl Fn(f64, f64) -> f64) -> Self {
         Self(self.0.iter().zip(&other.0).map(|(a, b)| with(*a, *b)).collect())
     }
 
-    /// As many zeros.
+    /// Returns a sample of zeros of the same size.
     pub(crate) fn zeros(like: &Self) -> Self {
         Self(vec![0.0; like.0.len()])
     }
 }
 
-/// Mean of independent values, and its standard error.
+/// Computes the mean of independent values and its standard error.
 pub(crate) fn spread(values: impl Iterator<Item = f64> + Clone) -> (f64, f64) {
     let count = values.clone().count() as f64;
     let mean = values.clone().sum::<f64>() / count;
@@ -48,24 +48,24 @@ pub(crate) fn spread(values: impl Iterator<Item = f64> + Clone) -> (f64, f64) {
     (mean, (variance / count).sqrt())
 }
 
-/// Error over mean; nothing for nothing, infinite if only the error is there.
+/// Computes the relative error; 0 if the error is 0, infinite if only the mean is 0.
 pub(crate) fn relative((mean, error): (f64, f64)) -> f64 {
     if error == 0.0 { 0.0 } else { error / mean.abs() }
 }
 
-/// Where a [`Sample`] keeps what.
+/// Layout of the entries of a [`Sample`].
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Layout {
     pub(crate) states: usize,
     pub(crate) bins: usize,
-    /// Parts of Y by light.
+    /// Number of contributions to Y.
     pub(crate) terms: usize,
-    /// Whether the spectrum under each light alone is kept.
+    /// Whether the spectrum under each light alone is stored.
     pub(crate) by_light: bool,
 }
 
 impl Layout {
-    /// Shares in a ledger: returned, front, diffuser, glass, pixel, inactive, unaccounted.
+    /// Entries of the energy balance: returned, front, diffuser, glass, pixel, inactive, unaccounted.
     pub(crate) const LEDGER: usize = 7;
 
     fn per_state(&self) -> usize {
@@ -83,36 +83,36 @@ impl Layout {
         start..start + self.bins
     }
 
-    /// Reflectance factor by the lights' shares of illuminance.
+    /// Reflectance factor, weighted by the illuminances of the lights.
     pub(crate) fn factor(&self, state: usize) -> Range<usize> {
         let start = self.radiance(state).end;
         start..start + self.bins
     }
 
-    /// The parts of Y by light, by way of the pixel.
+    /// Contributions to Y of light that has met the pixel.
     pub(crate) fn terms(&self, state: usize) -> Range<usize> {
         let start = self.factor(state).end;
         start..start + self.terms
     }
 
-    /// The part of Y that never met the pixel.
+    /// Contribution to Y of light that has not met the pixel.
     pub(crate) fn front_term(&self, state: usize) -> usize {
         self.terms(state).end
     }
 
-    /// The luminous reflectance factor under each light alone.
+    /// Luminous reflectance factor under each light alone.
     pub(crate) fn alone(&self, state: usize) -> Range<usize> {
         let start = self.front_term(state) + 1;
         start..start + self.terms
     }
 
-    /// The ledger's luminous shares.
+    /// Luminous fractions of the energy balance.
     pub(crate) fn ledger(&self, state: usize) -> Range<usize> {
         let start = self.alone(state).end;
         start..start + Self::LEDGER
     }
 
-    /// The reflectance factor under one light alone; empty unless it is kept.
+    /// Reflectance factor under one light alone; empty unless it is stored.
     pub(crate) fn spectrum_alone(&self, state: usize, term: usize) -> Range<usize> {
         let bins = if self.by_light { self.bins } else { 0 };
         let start = self.ledger(state).end + term * bins;
@@ -125,7 +125,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_layout_has_no_overlaps_and_no_holes() {
+    fn layout_has_no_overlaps_and_no_gaps() {
         for by_light in [false, true] {
             let layout = Layout { states: 3, bins: 5, terms: 2, by_light };
             let mut used = vec![0; layout.len()];
@@ -141,7 +141,7 @@ mod tests {
     }
 
     #[test]
-    fn spread_of_one_to_five() {
+    fn spread_of_one_to_five_equals_the_closed_form() {
         let (mean, error) = spread([1.0, 2.0, 3.0, 4.0, 5.0].into_iter());
         assert_eq!(mean, 3.0);
         assert!((error - 0.5_f64.sqrt()).abs() < 1e-15);

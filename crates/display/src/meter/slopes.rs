@@ -1,27 +1,27 @@
-//! How a number that a meter reports changes with what is seen of each source.
+//! Derivatives of the metrics with respect to the reflectance factors under each source.
 //!
-//! Everything up to X, Y and Z is linear; what follows are closed forms of a few numbers. These are differentiated by
-//! central differences of fourth order, whose steps are a thousandth of each number and stay on one side of the
-//! joint of CIELAB's cube root: errors are below 1e-10 of the slope. At the joint itself, where the slope is
-//! continuous, 1e-6.
+//! All quantities up to X, Y and Z are linear; the metrics are closed forms of a few of these numbers. They are differentiated
+//! by central differences of fourth order. The steps are small relative to each number ([`STEP`]) and do not cross the
+//! joint of CIELAB's cube root and its linear toe: errors are below 1e-10 of the slope. At the joint itself, where the
+//! slope is continuous, they are below 1e-6.
 
 use papilio_colour::{LUMENS_PER_WATT, Xyz, peak_slopes};
 
-use super::metrics::{Sight, ViewScalars};
+use super::metrics::{StateObservation, ViewScalars};
 use super::{Meter, Sample};
 use crate::setup::Setup;
 
-/// How a number changes with what is known of each state.
+/// Derivatives of a number with respect to the quantities of each state.
 pub(crate) struct Slopes {
-    /// With X, Y and Z.
+    /// With respect to X, Y and Z.
     pub(crate) xyz: Vec<[f64; 3]>,
-    /// With the luminance, cd/m2.
+    /// With respect to the luminance, cd/m2.
     pub(crate) luminance: Vec<f64>,
-    /// With the wavelength of the peak.
+    /// With respect to the peak wavelength, nm.
     pub(crate) peak_nm: Vec<f64>,
-    /// With the reflectance factor, `[state][wavelength]`.
+    /// With respect to the reflectance factor, `[state][wavelength]`.
     pub(crate) factor: Vec<f64>,
-    /// With the luminous reflectance factor under the diffuse light alone.
+    /// With respect to the luminous reflectance factor under the diffuse light alone.
     pub(crate) diffuse: Vec<f64>,
 }
 
@@ -37,35 +37,35 @@ impl Slopes {
     }
 }
 
-/// Numbers of a state that a metric may depend on.
+/// Number of a state on which a metric may depend.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Number {
-    /// X, Y or Z: 0, 1 or 2.
+    /// X (0), Y (1) or Z (2).
     Xyz(usize),
     Luminance,
     Peak,
 }
 
 impl Number {
-    fn of(self, sight: &mut Sight) -> Option<&mut f64> {
+    fn of(self, observation: &mut StateObservation) -> Option<&mut f64> {
         match self {
-            Self::Xyz(0) => Some(&mut sight.xyz.x),
-            Self::Xyz(1) => Some(&mut sight.xyz.y),
-            Self::Xyz(_) => Some(&mut sight.xyz.z),
-            Self::Luminance => Some(&mut sight.luminance_cd_m2),
-            Self::Peak => sight.peak_nm.as_mut(),
+            Self::Xyz(0) => Some(&mut observation.xyz.x),
+            Self::Xyz(1) => Some(&mut observation.xyz.y),
+            Self::Xyz(_) => Some(&mut observation.xyz.z),
+            Self::Luminance => Some(&mut observation.luminance_cd_m2),
+            Self::Peak => observation.peak_nm.as_mut(),
         }
     }
 }
 
-/// Of the numbers: steps of differences.
+/// Step of the differences, relative to each number.
 const STEP: f64 = 3e-5;
-/// Of a white's X, Y or Z: where CIELAB's cube root is joined to its straight line.
+/// Ratio to the white's X, Y or Z at which CIELAB's cube root joins its linear toe.
 const JOINT: f64 = 216.0 / 24389.0;
 
 impl Meter<'_> {
-    /// Adds to `slopes` how a number that `value` finds in the metrics changes with these numbers of some states; false if it is
-    /// not defined here. Only these states are looked at.
+    /// Adds to `slopes` the derivatives of a metric, which `value` selects, with respect to these numbers of some states;
+    /// returns false if it is not defined here. Only these states are evaluated.
     pub(crate) fn add_slopes(
         &self,
         sample: &Sample,
@@ -74,12 +74,15 @@ impl Meter<'_> {
         value: impl Fn(&ViewScalars) -> Option<f64>,
         slopes: &mut Slopes,
     ) -> bool {
-        let sights: Vec<Sight> = states.iter().map(|state| self.sight(*state, sample, None)).collect();
+        let observations: Vec<StateObservation> =
+            states.iter().map(|state| self.observation(*state, sample, None)).collect();
         let names: Vec<String> = states.iter().map(|state| self.setup.states[*state].clone()).collect();
-        let at = |sights: &[Sight]| value(&self.reference_among(&names, sights).view(sights));
+        let at = |observations: &[StateObservation]| {
+            value(&self.reference_among(&names, observations).view(observations))
+        };
         for (place, &state) in states.iter().enumerate() {
             for &number in numbers {
-                let Some(slope) = self.slope(&sights, place, number, at) else { return false };
+                let Some(slope) = self.slope(&observations, place, number, at) else { return false };
                 match number {
                     Number::Xyz(k) => slopes.xyz[state][k] += slope,
                     Number::Luminance => slopes.luminance[state] += slope,
@@ -92,12 +95,12 @@ impl Meter<'_> {
 
     fn slope(
         &self,
-        sights: &[Sight],
+        observations: &[StateObservation],
         place: usize,
         number: Number,
-        at: impl Fn(&[Sight]) -> Option<f64>,
+        at: impl Fn(&[StateObservation]) -> Option<f64>,
     ) -> Option<f64> {
-        let mut moved = sights.to_vec();
+        let mut moved = observations.to_vec();
         let Xyz { x, y, z } = moved[place].xyz;
         let value = *number.of(&mut moved[place])?;
         let step = match number {
@@ -121,8 +124,8 @@ impl Meter<'_> {
         Some((8.0 * near - far) / (12.0 * step))
     }
 
-    /// How the number changes with each source's `rho.base`: adds to `out`, `[source][state][wavelength]`.
-    /// False if a peak is not defined.
+    /// Adds the derivatives of the number with respect to each source's `rho.base` to `out`, `[source][state][wavelength]`.
+    /// Returns false if a peak is not defined.
     pub(crate) fn pull_back(&self, sample: &Sample, slopes: &mut Slopes, out: &mut [f64]) -> bool {
         let (states, bins) = (self.layout.states, self.layout.bins);
         for state in (0..states).filter(|state| slopes.peak_nm[*state] != 0.0) {
@@ -154,7 +157,7 @@ impl Meter<'_> {
         true
     }
 
-    /// How it changes with a state's radiance.
+    /// Computes the derivative with respect to a state's radiance.
     fn by_radiance(&self, slopes: &Slopes, state: usize, radiance: &mut [f64]) {
         let Setup { observer, .. } = self.setup;
         let (bars, y_bar) = (self.setup.seen_by().weights(), observer.weights()[1]);

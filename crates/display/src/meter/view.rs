@@ -1,4 +1,4 @@
-//! Values and their errors, written down as results.
+//! Assembly of values and their errors into results.
 
 use super::Meter;
 use super::metrics::{PRIMARIES, Scalars, ViewScalars, three};
@@ -6,17 +6,17 @@ use super::sample::Sample;
 use crate::result::{Absorbed, Ledger, LedgerError, Named, SpectraByLight, State, StateValues, Terms, View};
 use crate::setup::ViewPoint;
 
-/// A spectrum whose extremes differ by less than this many of its largest error is flat.
+/// A spectrum is flat if its range is below this multiple of its largest error.
 const FLAT: f64 = 10.0;
 
-/// Values of a view, or errors of them.
+/// Values of a view, or their errors.
 pub(super) struct Numbers {
     pub(super) linear: Sample,
     pub(super) scalars: ViewScalars,
 }
 
 impl Meter<'_> {
-    /// A view's result; without noise `standard` is 0 and `discretisation` is there.
+    /// Assembles the result of a view; without noise, `standard` is 0 and `discretisation` is given.
     pub(super) fn view(
         &self,
         at: &ViewPoint,
@@ -25,7 +25,7 @@ impl Meter<'_> {
         mut discretisation: Option<Numbers>,
         specular: &[Vec<f64>],
     ) -> View {
-        self.forget_flat_peaks(&mut value, &mut standard, discretisation.as_mut());
+        self.remove_flat_peaks(&mut value, &mut standard, discretisation.as_mut());
         let state = |s: usize| {
             let error = |errors: &Numbers| self.state(s, errors, vec![0.0; specular[s].len()]);
             State {
@@ -45,8 +45,8 @@ impl Meter<'_> {
         }
     }
 
-    /// What is flat has no peak, and nothing that a peak tells.
-    fn forget_flat_peaks(
+    /// Removes the peaks of flat spectra, and all metrics that depend on them.
+    fn remove_flat_peaks(
         &self,
         value: &mut Numbers,
         standard: &mut Numbers,
@@ -69,7 +69,7 @@ impl Meter<'_> {
         Named(self.setup.states.iter().enumerate().map(|(s, name)| (name.clone(), one(s))).collect())
     }
 
-    /// A spectrum that varies by no more than its own error has no peak.
+    /// Returns true if a spectrum is flat within its errors.
     fn is_flat(&self, state: usize, value: &Numbers, errors: &Numbers) -> bool {
         let [Some(factor), Some(error)] =
             [value, errors].map(|numbers| self.reflectance_factor(state, &numbers.linear.0))
@@ -92,12 +92,12 @@ impl Meter<'_> {
         let lighting = &self.setup.scene.lighting;
         let (directed, environments) = (lighting.directed.len(), lighting.environment.len());
         let alone = |light: usize| {
-            let there = self.luminous[light] > 0.0;
-            there.then(|| linear[self.layout.alone(state)][light])
+            let is_lit = self.luminous[light] > 0.0;
+            is_lit.then(|| linear[self.layout.alone(state)][light])
         };
         let spectrum = |light: usize| {
-            let there = self.luminous[light] > 0.0;
-            there.then(|| linear[self.layout.spectrum_alone(state, light)].to_vec())
+            let is_lit = self.luminous[light] > 0.0;
+            is_lit.then(|| linear[self.layout.spectrum_alone(state, light)].to_vec())
         };
         StateValues {
             radiance: linear[self.layout.radiance(state)].to_vec(),
@@ -137,7 +137,7 @@ impl Meter<'_> {
 }
 
 impl StateValues {
-    /// The scalar numbers alone; all that is linear in light is left empty.
+    /// Converts the scalar metrics; all quantities that are linear in light are left empty.
     pub(crate) fn of_scalars(scalars: &Scalars) -> Self {
         let [x, y, z] = scalars.xyz.map(Option::unwrap_or_default);
         Self {
@@ -178,14 +178,14 @@ impl StateValues {
     }
 }
 
-/// Shares in the order of a sample's ledger, or their errors.
-fn ledger_parts(shares: &[f64]) -> LedgerError {
+/// Converts the energy balance of a sample, or its errors, to the parts of a ledger.
+fn ledger_parts(fractions: &[f64]) -> LedgerError {
     let absorbed = Absorbed {
-        front: shares[1],
-        diffuser: shares[2],
-        glass: shares[3],
-        pixel: shares[4],
-        inactive: shares[5],
+        front: fractions[1],
+        diffuser: fractions[2],
+        glass: fractions[3],
+        pixel: fractions[4],
+        inactive: fractions[5],
     };
-    LedgerError { returned: shares[0], absorbed, unaccounted: shares[6] }
+    LedgerError { returned: fractions[0], absorbed, unaccounted: fractions[6] }
 }

@@ -1,4 +1,4 @@
-//! Film pixels: the reflectances at the gaps that the states need, against angle.
+//! Reflectances of film pixels at the gaps of their states, against angle.
 
 use std::sync::Arc;
 
@@ -11,8 +11,8 @@ use super::table;
 use crate::DisplayError;
 use crate::scene::{Drive, FilmLayer, FilmPixel};
 
-/// A film pixel as the base of a stack; of `before`, the base of a stack whose film is described
-/// by `kept`, what still serves is taken.
+/// Computes a film pixel as the base of a stack. Reflectances of the previous base, `before`, whose film is described
+/// by `kept`, are reused if they are still valid.
 pub(super) fn base(
     film: &FilmPixel,
     grid: &Grid,
@@ -36,7 +36,7 @@ pub(super) fn base(
     Ok(Base { reflector: Reflector::Specular(table), inactive_absorptance: inactive })
 }
 
-/// What a film's reflectances depend on.
+/// Key of a film's reflectances: all that they depend on.
 #[derive(Debug)]
 pub(crate) struct FilmKey {
     layers: Vec<FilmLayer>,
@@ -57,7 +57,7 @@ impl FilmKey {
         }
     }
 
-    /// True if the reflectances are those of this film at these gaps.
+    /// Returns true if the reflectances are those of this film at these gaps.
     fn serves(&self, film: &FilmPixel, grid: &Grid, index: &Spectrum, gaps_nm: &[f64]) -> bool {
         self.grid == *grid
             && self.gaps_nm == gaps_nm
@@ -67,12 +67,12 @@ impl FilmKey {
     }
 }
 
-/// Most panels that are too wide for a film are so at any of these many wavelengths (which fill a
-/// wide register).
+/// Number of wavelengths at which panels are tested first. Most panels that are too wide are so at any wavelength, and
+/// this number fills a wide register.
 const BINS_OF_SAMPLE: usize = 8;
 
-/// The reflectances at the gaps, shape `[node][gap][wavelength]`. The nodes of the last film's table,
-/// if it was much like this one, save time.
+/// Tabulates the reflectances at the gaps, `[node][gap][wavelength]`. The nodes of the previous table, `last`,
+/// save time if its film was similar.
 pub(crate) fn tabulated(
     film: &FilmPixel,
     grid: &Grid,
@@ -93,10 +93,10 @@ pub(crate) fn tabulated(
     Ok((Nodes::CosinePanels(panels), values))
 }
 
-/// The thickest film of a pixel whose fringes a table holds, mm.
+/// Approximate largest thickness of a film whose fringes can be tabulated, mm.
 const THICKEST_MM: f64 = 0.015;
 
-/// What is said of a film whose fringes have no table: the layer that makes the most of them, where it makes the most.
+/// Returns the error of a film with too many fringes, with the layer and the wavelength that have the most.
 fn too_many_fringes(film: &FilmPixel, grid: &Grid, gaps_nm: &[f64]) -> DisplayError {
     let gap_nm = gaps_nm.iter().copied().fold(0.0, f64::max);
     let thickness_nm = |layer: &FilmLayer| match layer.thickness {
@@ -128,7 +128,7 @@ fn too_many_fringes(film: &FilmPixel, grid: &Grid, gaps_nm: &[f64]) -> DisplayEr
     }
 }
 
-/// Where a pixel is given this gap: for a sub-pixel, the dark ones, or in a state.
+/// Returns the key that specifies this gap: that of a sub-pixel, of dark sub-pixels, or of a state.
 fn gap_key(film: &FilmPixel, gap_nm: f64) -> String {
     if let Some(sub_pixel) = film.sub_pixels.iter().find(|sub_pixel| sub_pixel.gap_nm == gap_nm) {
         return format!("gap_nm.{}", sub_pixel.name);
@@ -144,44 +144,44 @@ fn gap_key(film: &FilmPixel, gap_nm: f64) -> String {
     own.next().unwrap_or_else(|| "gap_nm".to_owned())
 }
 
-/// Whose gap it is.
+/// Owner of a gap.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Owner {
-    /// A sub-pixel, at its own colour.
+    /// A sub-pixel that shows its colour.
     SubPixel(usize),
     /// All dark sub-pixels.
     Dark,
-    /// A sub-pixel in a state that sets its gap.
+    /// A sub-pixel in a state that specifies its gap.
     State { state: usize, sub_pixel: usize },
 }
 
-/// A part of a state: the share `on` of a sub-pixel's area at a gap.
+/// Part of a state: the fraction `on` of a sub-pixel's area at a gap.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Part {
     pub(crate) state: usize,
     pub(crate) sub_pixel: usize,
-    /// Which of the gaps.
+    /// Index of the gap.
     pub(crate) gap: usize,
     pub(crate) on: f64,
 }
 
-/// Which gaps the states need, and how much of each they hold.
+/// Gaps of the states, and the area fraction of each gap in each state.
 pub(crate) struct Mixture {
     pub(crate) gaps_nm: Vec<f64>,
-    /// Of each gap; where several have the same, the first of them.
+    /// Owner of each gap; the first one if several owners have the same gap.
     pub(crate) owners: Vec<Owner>,
     pub(crate) parts: Vec<Part>,
-    /// Shape `[state][gap]`, fill factor included.
-    shares: Vec<f64>,
+    /// Area fractions, `[state][gap]`, including the fill factor.
+    fractions: Vec<f64>,
 }
 
 impl Mixture {
-    /// Every gap once.
+    /// Lists each gap once.
     pub(crate) fn new(film: &FilmPixel) -> Result<Self, DisplayError> {
         Self::of(film, |(_, gap), (_, other)| gap == other)
     }
 
-    /// Every owner's gap by itself, even where others have the same.
+    /// Lists the gap of each owner separately, even if others are equal.
     pub(crate) fn by_owner(film: &FilmPixel) -> Result<Self, DisplayError> {
         Self::of(film, |(owner, _), (other, _)| owner == other)
     }
@@ -218,38 +218,39 @@ impl Mixture {
                 }
             }
         }
-        let mut shares = vec![0.0; film.states.len() * gaps.len()];
+        let mut fractions = vec![0.0; film.states.len() * gaps.len()];
         for part in &parts {
-            let share = film.fill_factor * film.sub_pixels[part.sub_pixel].area * part.on;
-            shares[part.state * gaps.len() + part.gap] += share;
+            let fraction = film.fill_factor * film.sub_pixels[part.sub_pixel].area * part.on;
+            fractions[part.state * gaps.len() + part.gap] += fraction;
         }
         let (owners, gaps_nm) = gaps.into_iter().unzip();
-        Ok(Self { gaps_nm, owners, parts, shares })
+        Ok(Self { gaps_nm, owners, parts, fractions })
     }
 
+    /// Returns the table of the states on these nodes.
     pub(crate) fn table(&self, nodes: Nodes, basis: Arc<[f64]>, film: &FilmPixel) -> AngularTable {
         let common = film.inactive_reflectance.iter().map(|r| (1.0 - film.fill_factor) * r).collect();
-        AngularTable { nodes, basis, mixture: self.shares.clone(), common }
+        AngularTable { nodes, basis, mixture: self.fractions.clone(), common }
     }
 }
 
-/// What a sine is the sine of.
+/// Medium of the angle of a sine.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Beta {
-    /// The angle in air: beta is the sine.
+    /// Air: beta is the sine.
     Air,
-    /// The angle in glass: beta is the index times the sine.
+    /// Glass: beta is the index times the sine.
     InGlass,
 }
 
-/// A film over the grid or some bins of it, condensed for its gaps.
+/// Film at all or some wavelengths of the grid, prepared for its gaps.
 pub(crate) struct Film<'a> {
-    /// Of the medium above, at each bin.
+    /// Index of the medium above at each wavelength.
     index: Vec<f64>,
     gaps_nm: &'a [f64],
     kind: Beta,
-    /// One over all wavelengths, or one for each: the same angle in a dispersive glass has
-    /// another beta at each.
+    /// One for all wavelengths, or one for each: in a dispersive glass, the beta of an angle depends on
+    /// wavelength.
     parts: Vec<GapFilm>,
 }
 
@@ -264,7 +265,7 @@ impl<'a> Film<'a> {
         Self::at_bins(film, grid, index, gaps_nm, kind, &(0..grid.len()).collect::<Vec<usize>>())
     }
 
-    /// The same at these bins of the grid alone.
+    /// Prepares the film at these wavelengths of the grid only.
     fn at_bins(
         film: &FilmPixel,
         grid: &Grid,
@@ -278,14 +279,14 @@ impl<'a> Film<'a> {
             let layers: Vec<_> = film.layers.iter().map(|layer| layer_at(layer, bins)).collect();
             GapFilm::new(&at(&wavelengths_nm, bins), &at(index, bins), &layers, &at(&film.substrate, bins))
         };
-        let alike = kind == Beta::Air || index.is_constant();
-        let together = if alike { bins.len().max(1) } else { 1 };
+        let has_one_beta = kind == Beta::Air || index.is_constant();
+        let together = if has_one_beta { bins.len().max(1) } else { 1 };
         let parts: Result<Vec<GapFilm>, _> = bins.chunks(together).map(part).collect();
         Ok(Self { index: at(index, bins), gaps_nm, kind, parts: parts? })
     }
 
-    /// Mean reflectance of s and p; shape `[angle][gap][wavelength]`. A grazing ray in the glass
-    /// is reflected whole.
+    /// Computes the mean reflectance of s and p, `[angle][gap][wavelength]`. At grazing incidence in the glass
+    /// it is 1.
     pub(super) fn reflectance(&self, sines: &[f64]) -> Result<Vec<f64>, DisplayError> {
         let (bins, gaps) = (self.index.len(), self.gaps_nm.len());
         let mut reflectance = vec![0.0; sines.len() * gaps * bins];
@@ -307,12 +308,12 @@ impl<'a> Film<'a> {
         Ok(reflectance)
     }
 
-    /// The same at these cosines of the angle in the glass.
+    /// Computes the reflectance at these cosines of the angle in the glass.
     fn at_cosines(&self, cosines: &[f64]) -> Result<Vec<f64>, DisplayError> {
         self.reflectance(&sines(cosines))
     }
 
-    /// Derivatives of the same, shape `[variable][angle][gap][wavelength]`.
+    /// Computes the derivatives of the reflectance, `[variable][angle][gap][wavelength]`.
     pub(crate) fn derivatives_at_cosines(
         &self,
         cosines: &[f64],
@@ -349,7 +350,7 @@ fn at<T: Copy>(values: &[T], bins: &[usize]) -> Vec<T> {
 }
 
 #[cfg(test)]
-#[allow(clippy::unwrap_used, reason = "a test says what it expects by unwrapping")]
+#[allow(clippy::unwrap_used, reason = "tests express expectations by unwrapping")]
 mod tests {
     use papilio_optics::film as optics;
     use papilio_transport::Medium;
@@ -357,7 +358,7 @@ mod tests {
     use super::*;
     use crate::scene::{FilmState, SubPixel};
 
-    /// A thin metal, a gap and a mirror.
+    /// Film of a thin metal layer, a gap and a mirror.
     fn film(gap_nm: f64, bins: usize) -> FilmPixel {
         let layer = |index: Complex64, thickness| FilmLayer { index: vec![index; bins], thickness };
         let sub_pixels = vec![SubPixel { name: "red".to_owned(), area: 1.0, gap_nm }];
@@ -375,9 +376,9 @@ mod tests {
         }
     }
 
-    /// The table against [`optics::coherent`], which shares no code with it, between fringes and about the critical angle.
+    /// Compares the table with [`optics::coherent`], an independent implementation, between fringes and at the critical angle.
     #[test]
-    fn thick_gaps_are_tabulated_as_finely_as_their_fringes() {
+    fn table_of_thick_gaps_resolves_their_fringes() {
         let grid = Grid::new(500.0, 600.0, 50.0).unwrap();
         let index = Spectrum::from_values(vec![1.5; grid.len()]);
         for gap_nm in [300.0, 4000.0, 12_000.0] {
@@ -415,7 +416,7 @@ mod tests {
     }
 
     #[test]
-    fn a_gap_of_a_tenth_of_a_millimetre_is_refused_by_its_key() {
+    fn gap_of_a_tenth_of_a_millimetre_is_refused_with_its_key() {
         let grid = Grid::new(500.0, 600.0, 50.0).unwrap();
         let index = Spectrum::from_values(vec![1.5; grid.len()]);
         let error = base(&film(1e5, grid.len()), &grid, &index, &mut None, None).unwrap_err();

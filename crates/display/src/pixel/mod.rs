@@ -1,8 +1,8 @@
-//! Pixels: what each drive state reflects, as the base of a stack or as an angle scan.
+//! Reflectance of pixels: the base of a stack, and angle scans of the pixel alone.
 //!
-//! A film pixel's states are mixtures of the reflectances at a few gaps. They are
-//! tabulated over cos(theta) in the glass, in which a film's reflectance is analytic, as
-//! densely as interpolation to [`TABLE_ERROR`] needs.
+//! The reflectances of the states of a film pixel are mixtures of those at a few gaps, which are
+//! tabulated over cos(theta) in the glass. The reflectance of a film is an analytic function of it, and the table is as
+//! dense as an interpolation error of [`TABLE_ERROR`] requires.
 
 pub(crate) mod film;
 mod table;
@@ -18,7 +18,7 @@ use crate::scene::{
 };
 use crate::{DisplayError, setup};
 
-/// The reflectance of every state against angle, in the scene's angle medium.
+/// Reflectance of all states of a pixel against angle, in the medium of the scene's angles.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PixelScan {
     /// Angles, degrees.
@@ -29,7 +29,7 @@ pub struct PixelScan {
     pub states: Vec<(String, Vec<f64>)>,
 }
 
-/// The names of a pixel's states, in order.
+/// Returns the names of a pixel's states, in order.
 pub fn state_names(pixel: &Pixel) -> Vec<String> {
     match pixel {
         Pixel::Film(film) => film.states.iter().map(|state| state.name.clone()).collect(),
@@ -39,11 +39,11 @@ pub fn state_names(pixel: &Pixel) -> Vec<String> {
     }
 }
 
-/// The pixel alone, without front, surface or diffuser, at these angles (0 to 90 deg) in
-/// the scene's angle medium.
+/// Computes the reflectance of the pixel alone, without front, surface or diffuser, at these angles (0 to 90 deg) in
+/// the medium of the scene's angles.
 ///
 /// # Errors
-/// If the film cannot be, or the pixel scatters.
+/// If the film is invalid, or the pixel scatters.
 pub fn scan(scene: &Scene, theta_deg: &[f64]) -> Result<PixelScan, DisplayError> {
     let pixel = &scene.display.pixel;
     if let Pixel::Scattering(_) = pixel {
@@ -86,8 +86,8 @@ pub fn scan(scene: &Scene, theta_deg: &[f64]) -> Result<PixelScan, DisplayError>
     Ok(PixelScan { theta_deg: theta_deg.to_vec(), wavelength_nm, states })
 }
 
-/// The pixel as the base of a stack. A film's reflectances are taken from the base that there was
-/// `before`, if they still serve; `film` says what they belong to.
+/// Computes the pixel as the base of a stack. The reflectances of a film are taken from the previous base, `before`,
+/// if they are still valid; `film` describes the film to which they belong.
 pub(crate) fn base(
     scene: &Scene,
     film: &mut Option<FilmKey>,
@@ -134,7 +134,7 @@ fn table_base(pixel: &TablePixel, bins: usize) -> Base {
     Base { reflector: Reflector::Specular(table), inactive_absorptance: vec![0.0; bins].into() }
 }
 
-/// A table whose basis is the states themselves.
+/// Returns a table whose basis reflectances are those of the states.
 fn states_as_table(nodes: Nodes, basis: Vec<f64>, states: usize, bins: usize) -> AngularTable {
     let unit = |k: usize| if k / states == k % states { 1.0 } else { 0.0 };
     AngularTable {

@@ -1,49 +1,49 @@
-//! Tables of a film's reflectances over cos(theta) in the glass, on few nodes.
+//! Tables of a film's reflectances over cos(theta) in the glass, with few nodes.
 //!
-//! On a panel of the table the reflectance is a polynomial through as many points of Chebyshev's.
-//! Its Chebyshev coefficients fall off geometrically (Trefethen, *Approximation Theory and
-//! Approximation Practice*, theorem 8.2): the last of them tell how large those are that it lacks. Panels
-//! that lack too much are halved.
+//! On each panel of the table the reflectance is interpolated by a polynomial through Chebyshev points.
+//! Its Chebyshev coefficients decrease geometrically (Trefethen, *Approximation Theory and
+//! Approximation Practice*, theorem 8.2), so that the last of them give an estimate of the missing ones. Panels
+//! whose estimate is too large are halved.
 
 use std::f64::consts::PI;
 use std::sync::Arc;
 
 use papilio_transport::CosinePanels;
 
-/// The interpolation error of a film pixel's table is below this reflectance, in
-/// each gap, direction and wavelength, as far as the last coefficients of its panels tell. In panels narrower than 1/64, about a
-/// critical angle, it may be larger, up to 1e-3, the more the narrower they are; in panels of 1e-6 it is not held.
+/// Upper limit of the interpolation error of a film pixel's table, as a reflectance, for each gap, direction and
+/// wavelength, as estimated from the last coefficients of its panels. In panels narrower than 1/64, near a
+/// critical angle, the limit increases with decreasing width, up to 1e-3; in panels of 1e-6 there is no limit.
 pub const TABLE_ERROR: f64 = 1e-7;
 
-/// Halvings of the panel from 0 to 1 to begin with, and at most. Between mirrors a thick gap has resonances close to its
-/// critical angle that are far narrower than any fringe; what is narrower than the last halving holds no light.
+/// Initial and largest number of halvings of the panel from 0 to 1. Between mirrors a thick gap has resonances near its
+/// critical angle that are far narrower than any fringe; those narrower than the last halving contain hardly any light.
 const HALVINGS: (u32, u32) = (1, 20);
 
-/// Panels of more halvings are narrow.
+/// Number of halvings above which a panel is narrow.
 const NARROW: u32 = 6;
 
-/// What any panel may lack.
+/// Largest allowed error of narrow panels.
 const NARROW_ERROR: f64 = 1e-3;
 
-/// The most panels. Films that need more have a hundred fringes over angle and more; they
-/// are refused, for a table that is too coarse for them is wrong by any amount.
+/// Largest number of panels. Films that need more have at least a hundred fringes over angle. They
+/// are refused, because the error of a table that is too coarse is unlimited.
 const MOST_PANELS: usize = 1024;
 
-/// Panels, and the functions' values at their nodes.
+/// Panels, with the values of the functions at their nodes.
 type Table = (CosinePanels, Arc<[f64]>);
 
-/// Panels fine enough for functions of the cosine, and the functions' values at the nodes,
-/// `[node][function]`. `whole` computes them at these cosines, `sample` some of them: where those are
-/// lacking, the others need not be known. Panels that are known to serve a function much like these
-/// are not looked at by the sample; this changes the time that it takes, nothing else. `None` if it would take more than
-/// [`MOST_PANELS`].
+/// Returns panels that are fine enough for functions of the cosine, with the values of the functions at the nodes,
+/// `[node][function]`. `whole` computes all functions at these cosines, `sample` some of them: if their error is too
+/// large, the others need not be computed. Panels in `known`, which suffice for similar functions,
+/// skip the sample; this affects the time only, not the result. `None` if more than
+/// [`MOST_PANELS`] are needed.
 pub(super) fn panels<E>(
     known: Option<&CosinePanels>,
     sample: impl Fn(&[f64]) -> Result<Vec<f64>, E>,
     whole: impl Fn(&[f64]) -> Result<Vec<f64>, E>,
 ) -> Result<Option<Table>, E> {
     let last = last_polynomials();
-    let suffice = |panel: &Panel, values: &[f64]| lacking(values, &last) < panel.tolerance();
+    let suffice = |panel: &Panel, values: &[f64]| estimated_error(values, &last) < panel.tolerance();
     let mut done: Vec<Panel> = Vec::new();
     let mut open: Vec<Panel> = (0..1 << HALVINGS.0).rev().map(|k| Panel::new(k, HALVINGS.0)).collect();
     while let Some(mut panel) = open.pop() {
@@ -73,7 +73,7 @@ pub(super) fn panels<E>(
     Ok(Some((panels, all)))
 }
 
-/// A panel in the making: the one of this number, of those of its width.
+/// Candidate panel: the one of this number among those of its width.
 struct Panel {
     number: u32,
     halvings: u32,
@@ -93,9 +93,9 @@ impl Panel {
         0.5_f64.powi(self.halvings as i32)
     }
 
-    /// The largest error that is left: [`TABLE_ERROR`], but in narrow panels more. There may be a critical angle, a square root,
-    /// which polynomials close in on by narrower panels alone; what they lack there is a part of ever less light. Of the last
-    /// halving, a millionth of all cosines, any reflectance serves.
+    /// Returns the largest allowed error: [`TABLE_ERROR`], or more in narrow panels. Near a critical angle the reflectance has
+    /// a square root, which polynomials approximate only on narrower and narrower panels, where the error concerns less and
+    /// less light. Panels of the last halving, a millionth of all cosines, may have any error.
     fn tolerance(&self) -> f64 {
         if self.halvings == HALVINGS.1 {
             return 1.0;
@@ -108,11 +108,11 @@ impl Panel {
     }
 }
 
-/// Of how many coefficients at the end the pace is taken.
+/// Number of last coefficients from which the rate of decrease is estimated.
 const LAST: usize = 4;
 
-/// What makes the last coefficients of the values at a panel's nodes, in its lower half; in the upper
-/// half it is the same for even degrees, and the opposite for odd ones.
+/// Matrix from the values at a panel's nodes to its last coefficients, for the lower half of the nodes; for the upper
+/// half it is the same for even degrees, and has the opposite sign for odd ones.
 fn last_polynomials() -> [[f64; LAST]; HALF] {
     let count = CosinePanels::NODES as f64;
     std::array::from_fn(|node| {
@@ -125,11 +125,11 @@ fn last_polynomials() -> [[f64; LAST]; HALF] {
 
 const HALF: usize = CosinePanels::NODES / 2;
 
-/// Functions that are looked at together.
+/// Number of functions that are processed together.
 const TOGETHER: usize = 32;
 
-/// An estimate of the largest error of the polynomials through these values, `[node][function]`.
-fn lacking(values: &[f64], last: &[[f64; LAST]; HALF]) -> f64 {
+/// Estimates the largest error of the polynomials through these values, `[node][function]`.
+fn estimated_error(values: &[f64], last: &[[f64; LAST]; HALF]) -> f64 {
     let functions = values.len() / CosinePanels::NODES;
     let mut worst = 0.0_f64;
     for first in (0..functions).step_by(TOGETHER) {
@@ -146,16 +146,16 @@ fn lacking(values: &[f64], last: &[[f64; LAST]; HALF]) -> f64 {
                 d[k] += s * odd;
             }
         }
-        worst = (0..count).map(|k| lacking_of([a[k], b[k], c[k], d[k]])).fold(worst, f64::max);
+        worst = (0..count).map(|k| error_of_coefficients([a[k], b[k], c[k], d[k]])).fold(worst, f64::max);
     }
     worst
 }
 
-/// The estimate for a function of these last coefficients.
-fn lacking_of([a, b, c, d]: [f64; LAST]) -> f64 {
+/// Estimates the error of a function with these last coefficients.
+fn error_of_coefficients([a, b, c, d]: [f64; LAST]) -> f64 {
     let (before, last) = (a.abs() + b.abs(), c.abs() + d.abs());
-    // The rest of a geometric series, in pairs of terms; what is left out of it reappears, at the
-    // nodes, as much again.
+    // Remainder of a geometric series in pairs of terms. Aliasing at the nodes doubles the error of
+    // the truncated terms.
     let rest = if 2.0 * last < before { last / (before - last) } else { 1.0 };
     2.0 * last * rest
 }
@@ -164,7 +164,7 @@ fn lacking_of([a, b, c, d]: [f64; LAST]) -> f64 {
 mod tests {
     use super::*;
 
-    /// Values of a table by the second barycentric formula, next to the true ones.
+    /// Largest difference between the true values and the table, interpolated by the second barycentric formula.
     fn largest_error(panels: &CosinePanels, values: &[f64], truth: impl Fn(f64) -> f64) -> f64 {
         let nodes: Vec<f64> = panels.nodes().collect();
         let mut worst = 0.0_f64;
@@ -184,7 +184,7 @@ mod tests {
     }
 
     #[test]
-    fn errors_are_within_what_is_claimed() {
+    fn error_of_the_table_is_below_its_limit() {
         let resonance = |width: f64, c: f64| 0.5 + 0.4 / (1.0 + ((c - 0.8) / width).powi(2));
         type Function<'a> = &'a dyn Fn(f64) -> f64;
         let functions: [(Function<'_>, usize); 6] = [
@@ -204,9 +204,9 @@ mod tests {
         }
     }
 
-    /// Where a sample sees nothing, the whole is looked at, and so is it where panels are known.
+    /// All functions are tested even if the sample is smooth, and for known panels.
     #[test]
-    fn neither_a_sample_nor_known_panels_change_anything() {
+    fn table_does_not_depend_on_the_sample_and_on_known_panels() {
         let smooth = |c: f64| 0.3 + 0.1 * c;
         let sharp = |c: f64| 0.1 / (1.0 + ((c - 0.8) / 0.02).powi(2));
         let whole =
@@ -221,10 +221,10 @@ mod tests {
         assert_eq!(panels(Some(&plain.0), whole, whole).unwrap().unwrap(), plain);
     }
 
-    /// A resonance a hundred thousandth wide is found if fringes around it lead there, and a square root's
-    /// error is small where it is not tiny.
+    /// A resonance of width 1e-5 is resolved if wider structure around it leads to its refinement, and the error of a
+    /// square root is small outside the narrowest panels.
     #[test]
-    fn narrow_resonances_and_critical_angles_are_closed_in_on() {
+    fn narrow_resonances_and_critical_angles_are_resolved() {
         let resonance = |c: f64| {
             0.5 + 0.4 / (1.0 + ((c - 0.745) / 1e-5).powi(2)) + 0.1 / (1.0 + ((c - 0.745) / 1e-3).powi(2))
         };
@@ -235,13 +235,13 @@ mod tests {
         let critical = |c: f64| if c < 0.745 { 1.0 } else { 1.0 - (c - 0.745_f64).sqrt() };
         let at = |cosines: &[f64]| Ok::<_, ()>(cosines.iter().map(|c| critical(*c)).collect());
         let (panels_of_it, values) = panels(None, at, at).unwrap().unwrap();
-        // Coefficients of a square root fall off as a power: a geometric series is an estimate from below.
+        // Coefficients of a square root decrease as a power: a geometric series underestimates the error.
         let error = largest_error(&panels_of_it, &values, critical);
         assert!(error < 2.0 * NARROW_ERROR, "{error}");
     }
 
     #[test]
-    fn films_with_thousands_of_fringes_have_no_table() {
+    fn film_with_thousands_of_fringes_is_refused() {
         let fringes = |c: f64| 0.5 + 0.5 * (30_000.0 * c).cos();
         let at = |cosines: &[f64]| Ok::<_, ()>(cosines.iter().map(|c| fringes(*c)).collect());
         assert!(panels(None, at, at).unwrap().is_none());

@@ -1,9 +1,12 @@
-//! Adding: level after level until two of them agree.
+//! Runs by adding: finer levels of discretisation until two successive levels agree.
 //!
-//! The difference between two levels is the error that is reported, the finer one's numbers are the
-//! result. Views of an ordinary panel are independent: each has kernels of its own and stops
-//! at its own level. Views through any layers share the operators of the layers, which cost
-//! most: all of them are taken to the level that the worst one needs.
+//! The result is that of the finer level, and the difference between the two levels is its reported error. Views of an
+//! ordinary panel are independent: each has its own kernels and stops at its own level. Views through general
+//! layers share the operators of the layers, which dominate the cost: all of them are computed at the level that the
+//! worst view needs.
+//!
+//! **Caches.** A [`Level`] keeps its kernel and its estimates between runs. The counters of
+//! [`Setup`](crate::setup::Setup) (`version`, `base_version`) tell whether they are still valid.
 
 use std::ops::Range;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -20,29 +23,30 @@ use crate::result::{RunResult, SolverReport};
 use crate::scene::Stop;
 use crate::setup::{Setup, ViewPoint};
 
-/// Kernels that were prepared: for each group of views that share them, one of each level.
+/// Cached levels of each group of views that share kernels.
 pub(crate) type Kernels = Vec<Levels>;
 
-/// Kernels from the coarsest level on.
+/// Cached levels of a group of views, starting with the coarsest.
 type Levels = Vec<Level>;
 
-/// A kernel and the version of the setup that it was prepared for last; what was seen through it, and the
-/// versions of setup and base that this was.
+/// One level of discretisation: its kernel and the estimates computed with it.
 #[derive(Debug)]
 pub(crate) struct Level {
     kernel: Kernel,
-    version: Option<u64>,
-    seen: Option<((u64, u64), Vec<Estimate>)>,
+    /// `Setup::version` for which the kernel was prepared; `None` before the first, or after an interrupted, preparation.
+    prepared_for: Option<u64>,
+    /// Estimates of all views, with the `(version, base_version)` of the setup for which they were computed.
+    estimates: Option<((u64, u64), Vec<Estimate>)>,
 }
 
 impl Level {
     fn new(level: u32) -> Self {
-        Self { kernel: Kernel::new(level), version: None, seen: None }
+        Self { kernel: Kernel::new(level), prepared_for: None, estimates: None }
     }
 
-    /// What is seen of each source from these views; `None` if the run was stopped. Other spectra and illuminances
-    /// need nothing new.
-    fn seen(
+    /// Returns the estimates of these views, from the cache if neither version of the setup has changed; `None` if the
+    /// run was stopped. A change of spectra and illuminances alone does not invalidate them.
+    fn estimates(
         &mut self,
         setup: &Setup,
         views: &[ViewPoint],
@@ -50,41 +54,41 @@ impl Level {
         control: &Control<'_>,
     ) -> Option<&[Estimate]> {
         let versions = (setup.version, setup.base_version);
-        if self.seen.as_ref().is_none_or(|(of, _)| *of != versions) {
-            // Its room serves again.
-            self.seen = None;
+        if self.estimates.as_ref().is_none_or(|(of, _)| *of != versions) {
+            // Releases the memory before the new estimates are computed.
+            self.estimates = None;
             let kernel = self.kernel_for(setup, views, control)?;
-            let mut seen = vec![None; views.len()];
-            each(pool, &mut seen, |(view, seen)| {
+            let mut estimates = vec![None; views.len()];
+            each(pool, &mut estimates, |(view, estimate)| {
                 if !control.stopped() {
-                    *seen = kernel.estimate_unless(&setup.stack, view, control.stop);
+                    *estimate = kernel.estimate_unless(&setup.stack, view, control.stop);
                 }
             });
-            self.seen = Some((versions, seen.into_iter().collect::<Option<_>>()?));
+            self.estimates = Some((versions, estimates.into_iter().collect::<Option<_>>()?));
         }
-        self.seen.as_ref().map(|(_, seen)| seen.as_slice())
+        self.estimates.as_ref().map(|(_, estimates)| estimates.as_slice())
     }
 
-    /// The kernel, ready for these views of the setup; `None` if the run was stopped.
+    /// Returns the kernel, prepared for these views of the setup; `None` if the run was stopped.
     fn kernel_for(&mut self, setup: &Setup, views: &[ViewPoint], control: &Control<'_>) -> Option<&Kernel> {
-        // Operators of any layers know little of the base; a panel's kernel plans for it,
-        // and sees for itself what it can keep.
-        let serves = matches!(setup.stack, Stack::Layered(_))
-            && self.version == Some(setup.version)
+        // Operators of general layers hardly depend on the base. The kernel of a panel depends on it, and
+        // decides itself during the preparation what can be reused.
+        let is_valid = matches!(setup.stack, Stack::Layered(_))
+            && self.prepared_for == Some(setup.version)
             && self.kernel.serves(&setup.stack);
-        if !serves {
+        if !is_valid {
             let fields: Vec<Cone> = views.iter().map(|view| view.field).collect();
-            self.version = None;
+            self.prepared_for = None;
             if !self.kernel.prepare_unless(&setup.stack, &fields, &setup.sources, control.stop) {
                 return None;
             }
-            self.version = Some(setup.version);
+            self.prepared_for = Some(setup.version);
         }
         Some(&self.kernel)
     }
 }
 
-/// Runs a scene, its views in parallel if there are threads for them.
+/// Runs a scene, with its views in parallel if there is a thread pool.
 pub(super) fn run(
     run: &Run<'_>,
     kernels: &mut Kernels,
@@ -95,40 +99,40 @@ pub(super) fn run(
     let groups: Vec<Option<Group>> = match run.setup.stack {
         Stack::Panel(_) => {
             kernels.resize_with(views.len(), Vec::new);
-            let one = |(view, levels): (usize, &mut Levels)| runner.look(levels, &views[view..=view], None);
+            let one = |(view, levels): (usize, &mut Levels)| runner.refine(levels, &views[view..=view], None);
             each(pool, kernels, one)
         }
         Stack::Layered(_) => {
             kernels.resize_with(1, Vec::new);
-            kernels.iter_mut().map(|levels| runner.look(levels, views, pool)).collect()
+            kernels.iter_mut().map(|levels| runner.refine(levels, views, pool)).collect()
         }
     };
     runner.result(&groups)
 }
 
-/// A kernel and the views that share it.
+/// Kernel of a group of views, with the range of these views.
 #[derive(Debug)]
-pub(crate) struct Lens {
+pub(crate) struct ViewGroupKernel {
     pub(crate) kernel: Kernel,
     pub(crate) views: Range<usize>,
 }
 
-/// For each group of views that share one, the kernel at the level that meets the scene's target.
-pub(super) fn lenses(run: &Run<'_>) -> Result<Vec<Lens>, DisplayError> {
+/// Returns, for each group of views that share a kernel, the kernel at the level that meets the scene's target.
+pub(super) fn view_group_kernels(run: &Run<'_>) -> Result<Vec<ViewGroupKernel>, DisplayError> {
     let runner = Runner::new(run)?;
     let views = &run.setup.views;
     let each = match run.setup.stack {
         Stack::Panel(_) => 1,
         Stack::Layered(_) => views.len(),
     };
-    let lens = |(number, views): (usize, &[ViewPoint])| {
+    let group_kernel = |(number, views): (usize, &[ViewPoint])| {
         let mut levels = Levels::new();
-        let group = runner.look(&mut levels, views, None).filter(|group| group.samples.finished);
+        let group = runner.refine(&mut levels, views, None).filter(|group| group.samples.finished);
         let level = group.ok_or(DisplayError::Interrupted)?.samples.level;
         let first = number * each;
-        Ok(Lens { kernel: levels.swap_remove(level).kernel, views: first..first + views.len() })
+        Ok(ViewGroupKernel { kernel: levels.swap_remove(level).kernel, views: first..first + views.len() })
     };
-    views.chunks(each.max(1)).enumerate().map(lens).collect()
+    views.chunks(each.max(1)).enumerate().map(group_kernel).collect()
 }
 
 struct Runner<'a> {
@@ -139,10 +143,10 @@ struct Runner<'a> {
     views_done: AtomicUsize,
 }
 
-/// What was seen of a group of views.
+/// Samples of a group of views.
 struct Group {
     samples: Refined<Vec<Sample>>,
-    /// Of the finer level.
+    /// Number of nodes of the finer level.
     nodes: usize,
 }
 
@@ -155,8 +159,8 @@ impl<'a> Runner<'a> {
         Ok(Self { run, target, finest, every_bin, views_done: AtomicUsize::new(0) })
     }
 
-    /// Looks through finer and finer kernels; `None` if it was stopped before there were two.
-    fn look(&self, levels: &mut Levels, views: &[ViewPoint], pool: Option<&ThreadPool>) -> Option<Group> {
+    /// Computes finer levels until the target is met; `None` if stopped before two levels were computed.
+    fn refine(&self, levels: &mut Levels, views: &[ViewPoint], pool: Option<&ThreadPool>) -> Option<Group> {
         let at = |level| self.at_level(level, levels, views, pool);
         let samples = refine(
             self.target,
@@ -164,13 +168,13 @@ impl<'a> Runner<'a> {
             at,
             |levels, before| self.error(levels, before),
             |error, done| {
-                self.tell(error, if done { views.len() } else { 0 });
+                self.report(error, if done { views.len() } else { 0 });
             },
         )?;
         Some(Group { nodes: levels[samples.level].kernel.nodes(), samples })
     }
 
-    /// What is seen through the kernel of this level; `None` if the run was stopped.
+    /// Computes the samples of these views at a level; `None` if the run was stopped.
     fn at_level(
         &self,
         level: usize,
@@ -185,11 +189,11 @@ impl<'a> Runner<'a> {
             levels.push(Level::new(missing as u32));
         }
         let setup = self.run.setup;
-        let seen = levels[level].seen(setup, views, pool, self.run.control)?;
-        Some(seen.iter().map(|estimate| self.run.meter.sample(estimate)).collect())
+        let estimates = levels[level].estimates(setup, views, pool, self.run.control)?;
+        Some(estimates.iter().map(|estimate| self.run.meter.sample(estimate)).collect())
     }
 
-    /// The largest relative error of the views.
+    /// Returns the largest relative error of all views.
     fn error(&self, [finer, coarser]: [&Vec<Sample>; 2], before: Option<&Vec<Sample>>) -> f64 {
         let error = |view: usize| {
             let before = before.map(|before| &before[view]);
@@ -198,7 +202,8 @@ impl<'a> Runner<'a> {
         (0..finer.len()).map(error).fold(0.0, largest)
     }
 
-    fn tell(&self, relative_error: f64, views_done: usize) {
+    /// Reports progress to the caller.
+    fn report(&self, relative_error: f64, views_done: usize) {
         let done = self.views_done.fetch_add(views_done, Ordering::Relaxed) + views_done;
         (self.run.control.progress)(Progress {
             paths: None,
@@ -214,7 +219,7 @@ impl<'a> Runner<'a> {
         let specular = self.run.specular();
         let mut views = Vec::new();
         let mut points = self.run.setup.views.iter();
-        // In a panel a group that was not seen has one view; elsewhere there is but one group.
+        // A group of a panel is a single view; general layers have one group.
         for group in groups {
             let Some(group) = group else {
                 points.next();
@@ -232,14 +237,14 @@ impl<'a> Runner<'a> {
         if views.is_empty() {
             return Err(DisplayError::Interrupted);
         }
-        let seen = || groups.iter().flatten();
+        let computed = || groups.iter().flatten();
         let solver = SolverReport {
             method: "adding".to_owned(),
             paths: None,
-            nodes: Some(seen().map(|group| group.nodes as u64).sum()),
+            nodes: Some(computed().map(|group| group.nodes as u64).sum()),
             degrees_of_freedom: 0,
             target: None,
-            relative_error_reached: seen().map(|group| group.samples.error).fold(0.0, largest),
+            relative_error_reached: computed().map(|group| group.samples.error).fold(0.0, largest),
             interrupted: groups
                 .iter()
                 .any(|group| group.as_ref().is_none_or(|group| !group.samples.finished)),

@@ -1,8 +1,8 @@
-//! The display's own BSDF, by adding: a beam from every inclination of the light, seen from everywhere.
+//! BSDF of the display by adding: a beam from each inclination of the light, viewed from all directions.
 //!
-//! The scene's lights and views play no part. Under a beam alone the reflectance factor is
-//! pi dL/dE, so that the BRDF is that over pi. What leaves at all of a beam is, by
-//! reciprocity, what is seen from the beam's direction in diffuse light.
+//! The scene's lights and views are not used. Under a single beam the reflectance factor is
+//! pi dL/dE, so that the BRDF is the reflectance factor over pi. By reciprocity, the directional-hemispherical
+//! reflectance of a beam is the reflectance factor viewed from the beam's direction in diffuse light.
 
 use std::f64::consts::PI;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -20,13 +20,13 @@ use crate::scene::{Scene, Stop};
 use crate::setup::Setup;
 use crate::{DisplayError, RowErrors};
 
-/// The BSDF of the scene's display; by adding, whatever the scene's method.
+/// Computes the BSDF of the scene's display, by adding independently of the scene's method.
 ///
-/// The scene's `relative_error` holds for the luminous BRDF (in an equal-energy light) of each state
-/// in a sample of directions, whose level is taken for all.
+/// The scene's `relative_error` applies to the luminous BRDF (in an equal-energy light) of each state
+/// in a sample of directions; all directions are computed at the level of the sample.
 ///
 /// # Errors
-/// If the scene cannot be, or was stopped.
+/// If the scene is invalid, or the computation was stopped.
 pub fn brdf(scene: &Scene, grid: BrdfGrid, control: &Control<'_>) -> Result<BrdfTable, DisplayError> {
     let setup = Setup::new(scene)?;
     let mut workers = None;
@@ -47,19 +47,19 @@ struct Survey<'a> {
     setup: &'a Setup,
     control: &'a Control<'a>,
     grid: &'a BrdfGrid,
-    /// One for each inclination of the light, from azimuth 0.
+    /// One beam for each inclination of the light, from azimuth 0.
     beams: Vec<Source>,
-    /// The finest level that the layers can be taken to.
+    /// Finest level that can be computed for the layers.
     finest: usize,
 }
 
-/// Y of each state, under each source and from each view.
+/// Y of each state under each source and from each view.
 type Luminous = Vec<f64>;
 
-/// For each inclination of the viewer its spectra and their Y, and nodes that were used.
+/// Spectra and their Y for each inclination of the viewer, and the number of nodes.
 type Scattered = (Vec<Vec<f32>>, Vec<Luminous>, u64);
 
-/// What is scattered, and nodes; relative errors of Y, row by row.
+/// Scattered spectra and number of nodes; relative errors of Y of each row.
 type Rows = ((Vec<Vec<f32>>, u64), Vec<f64>);
 
 impl Survey<'_> {
@@ -90,7 +90,7 @@ impl Survey<'_> {
         })
     }
 
-    /// Looks at some inclinations and azimuths; leaves the kernel that was good enough in `kernel`.
+    /// Computes a sample of inclinations and azimuths; leaves the kernel that met the target in `kernel`.
     fn sample(&self, target: f64, kernel: &mut Kernel) -> Option<Refined<Luminous>> {
         let some = |values: &[f64], most: usize| -> Vec<f64> {
             values.iter().step_by(values.len().div_ceil(most).max(1)).chain(values.last()).copied().collect()
@@ -106,7 +106,7 @@ impl Survey<'_> {
                 return None;
             }
             *kernel = Kernel::new(level as u32);
-            self.ready(kernel, &fields, &sources)?;
+            self.prepare(kernel, &fields, &sources)?;
             let mut all = Luminous::new();
             for view in 0..fields.len() {
                 let estimate = kernel.estimate_unless(&self.setup.stack, view, self.control.stop)?;
@@ -118,15 +118,15 @@ impl Survey<'_> {
         let error = |levels: [&Luminous; 2], before: Option<&Luminous>| {
             of_levels(bound, levels.map(Clone::clone), before.map(Vec::as_slice))
         };
-        refine(target, self.finest, at, error, |error, _| self.tell(error, target, 0))
+        refine(target, self.finest, at, error, |error, _| self.report(error, target, 0))
     }
 
     /// Prepares a kernel; `None` if it was stopped.
-    fn ready(&self, kernel: &mut Kernel, views: &[Cone], sources: &[Source]) -> Option<()> {
+    fn prepare(&self, kernel: &mut Kernel, views: &[Cone], sources: &[Source]) -> Option<()> {
         kernel.prepare_unless(&self.setup.stack, views, sources, self.control.stop).then_some(())
     }
 
-    /// Adds the Y of each state.
+    /// Appends the Y of each state.
     fn add_luminous(&self, rho: &ReflectanceFactor, all: &mut Luminous) {
         let y_bar = self.setup.observer.weights()[1];
         let sum = |rho: &[f64]| rho.iter().zip(y_bar).map(|(r, y)| r * y).sum::<f64>();
@@ -134,9 +134,10 @@ impl Survey<'_> {
         all.extend(rho.via_pixel.chunks_exact(y_bar.len()).map(|base| sum(base) + front));
     }
 
-    /// What is scattered, as [`Self::scattered`] says, with nodes and the relative errors of Y. A panel's kernels
-    /// resolve its lobes whatever the directions: there the sample's error holds for all. Through any layers, each row is held to the
-    /// level before, and if one misses the target, all go on to the next; leaves the last kernel in `kernel`.
+    /// Computes the scattered spectra as [`Self::scattered`] does, the number of nodes and the relative errors of Y. The
+    /// kernels of a panel resolve its lobes in all directions: the error of the sample applies to all. Under general
+    /// layers, each row is compared with that of the previous level, and if one misses the target, all are computed at
+    /// the next level. Leaves the last kernel in `kernel`.
     fn rows(
         &self,
         sample: &Refined<Luminous>,
@@ -165,7 +166,7 @@ impl Survey<'_> {
         }
     }
 
-    /// The relative errors of Y, `[state][theta_i][theta_o][dphi]`.
+    /// Returns the relative errors of Y, `[state][theta_i][theta_o][dphi]`.
     fn errors(&self, luminous: &[Luminous], coarser: &[Luminous], times: f64) -> Vec<f64> {
         let (states, lights) = (self.setup.states.len(), self.beams.len());
         let most = largest_of_states(luminous.iter().map(Vec::as_slice), states);
@@ -186,7 +187,7 @@ impl Survey<'_> {
         errors
     }
 
-    fn tell(&self, relative_error: f64, target: f64, done: usize) {
+    fn report(&self, relative_error: f64, target: f64, done: usize) {
         let views_done = (done, self.grid.theta_o_deg.len());
         (self.control.progress)(Progress {
             paths: None,
@@ -198,8 +199,8 @@ impl Survey<'_> {
         });
     }
 
-    /// What is scattered towards each inclination of the viewer, [dphi][theta_i][state][wavelength]; its Y; and how many nodes that
-    /// took.
+    /// Computes the spectra scattered towards each inclination of the viewer, [dphi][theta_i][state][wavelength], their Y, and
+    /// the number of nodes.
     fn scattered(&self, kernel: &Kernel, pool: Option<&ThreadPool>) -> Option<Scattered> {
         let stack = &self.setup.stack;
         let fields = |theta: f64| self.grid.dphi_deg.iter().map(move |phi| view(theta, *phi));
@@ -207,7 +208,7 @@ impl Survey<'_> {
         let mut shared = kernel.unprepared();
         if let Stack::Layered(_) = stack {
             let fields: Vec<Cone> = self.grid.theta_o_deg.iter().flat_map(|theta| fields(*theta)).collect();
-            self.ready(&mut shared, &fields, &self.beams)?;
+            self.prepare(&mut shared, &fields, &self.beams)?;
         }
         let done = AtomicUsize::new(0);
         let row = |(theta, rows): (usize, &mut (Vec<f32>, Luminous, u64))| {
@@ -220,17 +221,17 @@ impl Survey<'_> {
             } else {
                 let kernel = own.insert(kernel.clone());
                 let fields: Vec<Cone> = fields(self.grid.theta_o_deg[theta]).collect();
-                self.ready(kernel, &fields, &self.beams)?;
+                self.prepare(kernel, &fields, &self.beams)?;
                 (&*kernel, 0)
             };
             for view in first..first + azimuths {
                 for rho in &kernel.estimate_unless(stack, view, self.control.stop)?.rho {
-                    rows.0.extend(both(rho).map(|r| (r / PI) as f32));
+                    rows.0.extend(total(rho).map(|r| (r / PI) as f32));
                     self.add_luminous(rho, &mut rows.1);
                 }
             }
             rows.2 = own.map_or(0, |kernel| kernel.nodes() as u64);
-            self.tell(0.0, 1.0, done.fetch_add(1, Ordering::Relaxed) + 1);
+            self.report(0.0, 1.0, done.fetch_add(1, Ordering::Relaxed) + 1);
             Some(())
         };
         let mut rows = vec![(Vec::new(), Luminous::new(), 0); self.grid.theta_o_deg.len()];
@@ -245,16 +246,16 @@ impl Survey<'_> {
         Some((spectra, luminous, nodes))
     }
 
-    /// What is seen in diffuse light from each inclination of the light.
+    /// Computes the estimates in diffuse light, viewed from each inclination of the light.
     fn returned(&self, kernel: &Kernel) -> Option<Vec<Estimate>> {
         let fields: Vec<Cone> = self.grid.theta_i_deg.iter().map(|theta| view(*theta, 0.0)).collect();
         let mut kernel = kernel.unprepared();
-        self.ready(&mut kernel, &fields, &[Source::Diffuse])?;
+        self.prepare(&mut kernel, &fields, &[Source::Diffuse])?;
         let seen = |view| kernel.estimate_unless(&self.setup.stack, view, self.control.stop);
         (0..fields.len()).map(seen).collect()
     }
 
-    /// A state's rows of [dphi][theta_i][state][wavelength] for each theta_o, as
+    /// Reorders the rows of a state from [dphi][theta_i][state][wavelength] for each theta_o to
     /// [theta_i][theta_o][dphi][wavelength].
     fn table(&self, state: usize, scattered: &[Vec<f32>]) -> Vec<f32> {
         let (states, bins) = (self.setup.states.len(), self.setup.scene.grid.len());
@@ -284,19 +285,19 @@ impl Survey<'_> {
         self.of_state(state, images.iter())
     }
 
-    /// A state's spectra, one after the other.
+    /// Concatenates the spectra of a state.
     fn of_state<'r>(&self, state: usize, all: impl Iterator<Item = &'r ReflectanceFactor>) -> Vec<f64> {
         let bins = self.setup.scene.grid.len();
-        all.flat_map(|rho| both(rho).skip(state * bins).take(bins)).collect()
+        all.flat_map(|rho| total(rho).skip(state * bins).take(bins)).collect()
     }
 }
 
-/// By way of the base and before it, [state][wavelength].
-fn both(rho: &ReflectanceFactor) -> impl Iterator<Item = f64> {
+/// Total reflectance factor, via the pixel and from the front, [state][wavelength].
+fn total(rho: &ReflectanceFactor) -> impl Iterator<Item = f64> {
     rho.via_pixel.iter().zip(rho.front.iter().cycle()).map(|(base, front)| base + front)
 }
 
-/// A point of view in air.
+/// Returns the direction of a viewer in air.
 fn view(theta_deg: f64, phi_deg: f64) -> Cone {
     Cone::new(theta_deg, phi_deg, 0.0, 1.0)
 }

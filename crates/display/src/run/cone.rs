@@ -1,8 +1,7 @@
-//! The viewing cone, by adding: every direction at the level that a sample of directions needs.
+//! Conoscopic maps by adding: all directions at the level that a sample of directions needs.
 //!
-//! Directions that are mirror images of each other look alike where all directed lights lie
-//! in one plane with the normal; they are computed once. Spectra of one direction at a time
-//! are in memory for each thread.
+//! If all directed lights lie in one plane with the normal, directions that are mirror images in this plane are
+//! equivalent and are computed once. Each thread holds the spectra of one direction at a time in memory.
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -19,21 +18,21 @@ use crate::scene::{DirectedLight, Lighting, Scene, Standard, Stop};
 use crate::setup::{Setup, ViewPoint, angle_index};
 use crate::{DisplayError, RowErrors};
 
-/// Where a scene counts paths instead of naming an error.
+/// Target of scenes that specify a number of paths instead of an error.
 pub(super) const DEFAULT_TARGET: f64 = 1e-3;
 
-/// What is seen from all directions of a grid, in place of the scene's own views; by adding,
-/// whatever the scene's method.
+/// Computes the view from all directions of a grid instead of the scene's own views, by adding
+/// independently of the scene's method.
 ///
-/// The scene's `relative_error` holds for Y in a sample of about twenty directions, the
-/// normal, grazing ones and the mirror images of the lights among them; all others are computed at the
-/// level that this takes.
+/// The scene's `relative_error` applies to Y in a sample of about twenty directions, which include the
+/// normal, grazing directions and the mirror images of the lights; all others are computed at the
+/// level that these need.
 ///
 /// # Errors
-/// If the scene cannot be (a field of view that reaches below the horizon, too), or was stopped.
+/// If the scene is invalid (including a field of view that reaches below the horizon), or the computation was stopped.
 pub fn cone(scene: &Scene, grid: ConeGrid, control: &Control<'_>) -> Result<ConeResult, DisplayError> {
     let mut everywhere = scene.clone();
-    // A cone has colours of the observer of 1931 only: it keeps no spectra to see luminance with.
+    // The map does not store spectra, and luminance needs the observer of 1931: so do its colours.
     everywhere.metrics.observer = Standard::Cie1931;
     everywhere.viewer.theta_deg.clone_from(&grid.theta_deg);
     everywhere.viewer.phi_deg.clone_from(&grid.phi_deg);
@@ -44,33 +43,33 @@ pub fn cone(scene: &Scene, grid: ConeGrid, control: &Control<'_>) -> Result<Cone
     let pool = Workers::unless_one(&mut workers, control.threads)?;
     let run = Run { scene: &everywhere, control, setup: &setup, meter: &meter };
     let finest = finest(&setup.stack)?;
-    let alike = alike(&grid.phi_deg, &scene.lighting);
+    let equivalent = equivalent_azimuths(&grid.phi_deg, &scene.lighting);
     let angle_index = angle_index(scene)?;
-    let survey = Survey { run, alike, grid, normal, finest, angle_index };
+    let survey = Survey { run, equivalent, grid, normal, finest, angle_index };
     survey.run(pool).unwrap_or(Err(DisplayError::Interrupted))
 }
 
 struct Survey<'a> {
     run: Run<'a>,
     grid: ConeGrid,
-    /// For each azimuth the first one that looks the same.
-    alike: Vec<usize>,
+    /// Index of the first equivalent azimuth, for each azimuth.
+    equivalent: Vec<usize>,
     normal: ViewPoint,
-    /// The finest level that the layers can be taken to.
+    /// Finest level that can be computed for the layers.
     finest: usize,
     /// Index of the medium of the angles.
     angle_index: f64,
 }
 
-/// All directions that are computed, `[theta][phi]`.
+/// Views of all computed directions, `[theta][phi]`.
 struct Rows {
     views: Vec<Vec<ConeView>>,
-    /// Of each state's Y.
+    /// Relative errors of each state's Y.
     errors: Vec<Vec<Vec<f64>>>,
     nodes: u64,
 }
 
-/// Colours of each direction and state.
+/// Tristimulus values of each direction and state.
 type Colours = Vec<Vec<Xyz>>;
 
 impl Survey<'_> {
@@ -88,7 +87,7 @@ impl Survey<'_> {
             return Some(Err(DisplayError::NotFinite));
         }
         let computed = self.computed();
-        let place = |phi: usize| computed.iter().position(|one| *one == self.alike[phi]);
+        let place = |phi: usize| computed.iter().position(|one| *one == self.equivalent[phi]);
         let places: Vec<usize> = (0..self.grid.phi_deg.len()).filter_map(place).collect();
         let known = self.known();
         let view = |theta: usize, phi: usize| match known.get(theta) {
@@ -122,10 +121,10 @@ impl Survey<'_> {
         }))
     }
 
-    /// All inclinations and the azimuths that are computed, with the relative error of each state's Y. A panel's kernels resolve
-    /// its lobes whatever the direction: there the sample's error holds for all. Through any layers, what lies near the
-    /// horizon may be narrower than anything sampled: each row is held to the level before, and if one misses the
-    /// target, all go on to the next level.
+    /// Computes all inclinations at the selected azimuths, with the relative error of each state's Y. The kernels of a panel
+    /// resolve its lobes in all directions: the error of the sample applies to all of them. Under general layers, light near
+    /// the horizon may vary faster than in any sampled direction: each row is compared with that of the previous level,
+    /// and if one misses the target, all are computed at the next level.
     fn rows(
         &self,
         sample: &Refined<Colours>,
@@ -173,8 +172,8 @@ impl Survey<'_> {
         }
     }
 
-    /// For each inclination, whether the uppermost face that scatters was measured there. What else is seen from there, a
-    /// reflection of the front, is not what the display looks like.
+    /// Returns for each inclination whether the uppermost scattering interface was measured there. Elsewhere, other light,
+    /// such as the reflection of the front, does not represent the display.
     fn known(&self) -> Vec<bool> {
         let reach = self.run.setup.stack.known_within().unwrap_or(f64::INFINITY);
         let inside = |theta: &f64| self.angle_index * theta.to_radians().sin() <= reach * (1.0 + 1e-9);
@@ -186,26 +185,26 @@ impl Survey<'_> {
         let last = last.copied().fold(0.0, f64::max);
         known.contains(&false).then(|| {
             format!(
-                "nothing was measured from beyond {last} deg: the maps are blank there, and numbers are left out"
+                "there are no measurements beyond {last} deg: the maps are blank there, and values are omitted"
             )
         })
     }
 
-    /// One line for all directions that look into the mirror image of a beam.
+    /// Returns one warning for all directions that look into the mirror image of a beam.
     fn mirror_images(&self) -> Option<String> {
         let specular = self.run.specular();
         let looking = self.run.looking_into(&specular).len();
         (looking > 0).then(|| {
             format!(
-                "{looking} of {} directions look into the mirror image of a directed source: without radius_deg it has \
-                 no radiance, and the maps do not show its image",
+                "{looking} of {} directions look into the mirror image of a directed source: without radius_deg its \
+                 radiance is not defined, and the maps do not show its image",
                 self.run.setup.views.len()
             )
         })
     }
 
-    /// Looks from a sample of directions, the normal first; leaves the kernel that was good
-    /// enough in `kernel`.
+    /// Computes a sample of directions, the normal first; leaves the kernel that met the target
+    /// in `kernel`.
     fn sample(&self, target: f64, kernel: &mut Kernel) -> Option<Refined<Colours>> {
         let setup = self.run.setup;
         let fields: Vec<Cone> = std::iter::once(self.normal.field)
@@ -225,16 +224,16 @@ impl Survey<'_> {
         let error = |levels: [&Colours; 2], before: Option<&Colours>| {
             of_levels(bound, levels.map(luminous), before.map(luminous).as_deref())
         };
-        refine(target, self.finest, at, error, |error, _| self.tell(error, target, 0))
+        refine(target, self.finest, at, error, |error, _| self.report(error, target, 0))
     }
 
-    /// `None` if it was stopped.
+    /// Computes the colours of a view; `None` if it was stopped.
     fn colours(&self, kernel: &Kernel, view: usize) -> Option<Vec<Xyz>> {
         let estimate = kernel.estimate_unless(&self.run.setup.stack, view, self.run.control.stop)?;
         Some(self.run.meter.colours(&estimate))
     }
 
-    fn tell(&self, relative_error: f64, target: f64, done: usize) {
+    fn report(&self, relative_error: f64, target: f64, done: usize) {
         let views_done = (done, self.run.setup.views.len());
         (self.run.control.progress)(Progress {
             paths: None,
@@ -246,7 +245,7 @@ impl Survey<'_> {
         });
     }
 
-    /// All inclinations: for each the views at the azimuths that are computed; and how many nodes that took.
+    /// Computes all inclinations at the selected azimuths; returns the views and the number of nodes.
     fn all(
         &self,
         mut kernel: Kernel,
@@ -257,8 +256,8 @@ impl Survey<'_> {
         let computed = self.computed();
         let thetas = self.grid.theta_deg.len();
         let fields = |theta: usize| computed.iter().map(move |phi| setup.views[phi * thetas + theta].field);
-        // The operators of any layers are worth sharing; a panel's kernels are cheap, and each
-        // inclination has its own.
+        // The operators of general layers are shared because they are expensive. The kernels of a panel are cheap:
+        // each inclination has its own.
         let shared = matches!(setup.stack, Stack::Layered(_));
         if shared {
             let fields: Vec<Cone> = (0..thetas).flat_map(fields).collect();
@@ -283,13 +282,13 @@ impl Survey<'_> {
                 (&*kernel, 0)
             };
             let view = |k: usize| {
-                let go_on = !self.run.control.stopped();
-                let colours = if go_on { self.colours(kernel, first + k) } else { None };
+                let is_running = !self.run.control.stopped();
+                let colours = if is_running { self.colours(kernel, first + k) } else { None };
                 colours.map(|colours| self.run.meter.cone_view(&colours, normal))
             };
             let views = (0..computed.len()).map(view).collect::<Option<Vec<_>>>()?;
             let more = self.grid.phi_deg.len();
-            self.tell(0.0, 1.0, done.fetch_add(more, Ordering::Relaxed) + more);
+            self.report(0.0, 1.0, done.fetch_add(more, Ordering::Relaxed) + more);
             Some((views, own.map_or(0, |kernel| kernel.nodes() as u64)))
         };
         let mut rows: Vec<usize> = (0..thetas).collect();
@@ -299,12 +298,12 @@ impl Survey<'_> {
         Some((views, nodes))
     }
 
-    /// The azimuths that are computed; the others look like one of them.
+    /// Returns the azimuths that are computed; each other azimuth is equivalent to one of them.
     fn computed(&self) -> Vec<usize> {
-        (0..self.alike.len()).filter(|phi| self.alike[*phi] == *phi).collect()
+        (0..self.equivalent.len()).filter(|phi| self.equivalent[*phi] == *phi).collect()
     }
 
-    /// Numbers of about twenty views: spread over the grid, and where lamps are mirrored.
+    /// Returns the numbers of about twenty views: spread over the grid, and at the mirror images of sources.
     fn sampled(&self) -> Vec<usize> {
         let (thetas, azimuths) = (self.grid.theta_deg.len(), self.computed());
         if thetas == 0 || azimuths.is_empty() {
@@ -319,7 +318,7 @@ impl Survey<'_> {
             let image = light.phi_deg + if light.theta_deg < 0.0 { 0.0 } else { 180.0 };
             let theta = nearest(&self.grid.theta_deg, |theta| (theta - light.theta_deg.abs()).abs());
             let phi = nearest(&self.grid.phi_deg, |phi| between(phi, image));
-            views.push(self.alike[phi] * thetas + theta);
+            views.push(self.equivalent[phi] * thetas + theta);
         }
         views.sort_unstable();
         views.dedup();
@@ -327,7 +326,7 @@ impl Survey<'_> {
     }
 }
 
-/// The Y of all states and directions.
+/// Returns Y of all states and directions.
 fn luminous(colours: &Colours) -> Vec<f64> {
     colours.iter().flatten().map(|xyz| xyz.y).collect()
 }
@@ -340,10 +339,10 @@ fn light(light: &DirectedLight) -> ConeLight {
     }
 }
 
-/// For each azimuth the first one from which the display looks the same: the mirror image in the
-/// plane of the lights, any one without directed lights, itself if they lie in several planes or an
-/// environment differs by azimuth.
-fn alike(phi_deg: &[f64], light: &Lighting) -> Vec<usize> {
+/// Returns the first equivalent azimuth for each azimuth: the mirror image in the
+/// plane of the lights, any azimuth without directed lights, or itself if the lights lie in several planes or an
+/// environment depends on azimuth.
+fn equivalent_azimuths(phi_deg: &[f64], light: &Lighting) -> Vec<usize> {
     let mut parts = light.environment.iter().flat_map(|environment| &environment.parts);
     if parts.any(|part| !part.field.is_ring()) {
         return (0..phi_deg.len()).collect();
@@ -353,19 +352,19 @@ fn alike(phi_deg: &[f64], light: &Lighting) -> Vec<usize> {
     let Some(plane) = planes.next() else { return vec![0; phi_deg.len()] };
     let one_plane = planes.all(|phi| same(2.0 * phi, 2.0 * plane));
     let first = |phi: f64| {
-        let alike = |other: &f64| same(*other, phi) || (one_plane && same(*other, 2.0 * plane - phi));
-        phi_deg.iter().position(alike).unwrap_or_default()
+        let is_equivalent = |other: &f64| same(*other, phi) || (one_plane && same(*other, 2.0 * plane - phi));
+        phi_deg.iter().position(is_equivalent).unwrap_or_default()
     };
     phi_deg.iter().map(|phi| first(*phi)).collect()
 }
 
-/// The angle between two azimuths, degrees.
+/// Returns the angle between two azimuths, degrees.
 fn between(a_deg: f64, b_deg: f64) -> f64 {
     let turn = (a_deg - b_deg).rem_euclid(360.0);
     turn.min(360.0 - turn)
 }
 
-/// The place of the value with the least distance.
+/// Returns the index of the value with the smallest distance.
 fn nearest(values: &[f64], distance: impl Fn(f64) -> f64) -> usize {
     let mut best = 0;
     for (k, value) in values.iter().enumerate() {
@@ -387,7 +386,7 @@ mod tests {
     }
 
     #[test]
-    fn azimuths_that_look_alike() {
+    fn equivalent_azimuths_are_mirror_images_in_the_plane_of_the_lights() {
         let looks = |directed: &[DirectedLight]| {
             let (diffuse_spectrum, environment) = (Spectrum::from_values(vec![]), vec![]);
             let directed = directed.to_vec();
@@ -399,7 +398,7 @@ mod tests {
                 environment,
                 front_light: None,
             };
-            alike(&[0.0, 90.0, 180.0, 270.0], &light)
+            equivalent_azimuths(&[0.0, 90.0, 180.0, 270.0], &light)
         };
         assert_eq!(looks(&[]), [0, 0, 0, 0]);
         assert_eq!(looks(&[from(0.0, 33.0)]), [0, 0, 0, 0]);

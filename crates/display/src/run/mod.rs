@@ -1,5 +1,5 @@
-//! Runs a scene: what both solvers have in common. `walk` adds rounds of paths, `adding`
-//! goes from level to level, until the numbers are good enough.
+//! Runs of scenes: the common part of both solvers. `walk` (Monte Carlo) adds rounds of paths, and `adding`
+//! refines its level, until the target is met.
 
 mod adding;
 mod brdf;
@@ -15,47 +15,46 @@ use papilio_transport::{Source, specular_image};
 use rayon::ThreadPool;
 use rayon::prelude::*;
 
-pub(crate) use adding::{Kernels, Lens};
+pub(crate) use adding::{Kernels, ViewGroupKernel};
 pub use brdf::brdf;
 pub use cone::cone;
 pub use refine::adding_seconds;
 pub(crate) use refine::{largest, level_error};
 pub use study::{Cost, StudyCurve, StudyPoint, cost, study};
 
-use crate::meter::{Looked, Meter, against_angle};
+use crate::meter::{Meter, ViewSamples, against_angle};
 use crate::result::{RunResult, SolverReport, View};
 use crate::scene::{Method, Scene, Stop};
 use crate::setup::{Setup, ViewPoint};
 use crate::{DisplayError, Prepared};
 
-/// Why adding would not reach a target.
-const FINEST_REACHED: &str =
-    "adding's finest level is reached; the walk (method = \"monte-carlo\") may get closer";
+/// Explanation of why adding did not reach a target.
+const FINEST_REACHED: &str = "adding's finest level is reached; the Monte Carlo solver (method = \"monte-carlo\") may reach a smaller error";
 
-/// How far a run has come.
+/// Progress of a run.
 #[derive(Clone, Copy)]
 pub struct Progress<'a> {
-    /// Paths traced, over all views so far (walk).
+    /// Paths traced so far, over all views (Monte Carlo).
     pub paths: Option<u64>,
-    /// The part of the current view's paths that is done, where that is known.
+    /// Fraction of the current view's paths that is done, if it is known.
     pub share_of_paths: Option<f64>,
-    /// The largest relative error of Y in the current view.
+    /// Largest relative error of Y in the current view.
     pub relative_error: f64,
-    /// The target, where there is one.
+    /// Target of the relative error, if there is one.
     pub target: Option<f64>,
-    /// Views that are done, of how many.
+    /// Number of views that are done, and of all views.
     pub views_done: (usize, usize),
-    /// Makes the numbers of the current view so far, and its number from 0 (walk).
+    /// Computes the number of the current view, from 0, and its result so far (Monte Carlo).
     pub so_far: Option<&'a dyn Fn() -> (usize, View)>,
 }
 
-/// How a run talks to its caller.
+/// Control of a run by its caller.
 pub struct Control<'a> {
     /// Worker threads; `None`: one for each processor.
     pub threads: Option<usize>,
-    /// Called after each round or level; from several threads, where views are computed in parallel.
+    /// Called after each round or level; from several threads if views are computed in parallel.
     pub progress: &'a (dyn Fn(Progress<'_>) + Sync),
-    /// Set it to end the run with what is there.
+    /// Set to true to stop the run; it then returns the results so far.
     pub stop: &'a AtomicBool,
 }
 
@@ -65,18 +64,18 @@ impl Control<'_> {
     }
 }
 
-/// Runs a scene. To run many that differ a little, keep a [`Prepared`].
+/// Runs a scene. For a series of scenes that differ little, use a [`Prepared`].
 ///
-/// Interrupted, it reports the views that are done and, if it has been seen at all, the one
-/// in work.
+/// An interrupted run reports the views that are done and, if it has an estimate, the current
+/// view.
 ///
 /// # Errors
-/// If the scene cannot be, or was stopped before there was anything to report.
+/// If the scene is invalid, or the run was stopped before its first estimate.
 pub fn run(scene: &Scene, control: &Control<'_>) -> Result<RunResult, DisplayError> {
     Prepared::new(scene)?.run(scene, control)
 }
 
-/// Worker threads, kept as long as as many are wanted.
+/// Pool of worker threads, kept as long as the requested number does not change.
 #[derive(Debug)]
 pub(crate) struct Workers {
     threads: usize,
@@ -84,7 +83,7 @@ pub(crate) struct Workers {
 }
 
 impl Workers {
-    /// The pool of so many threads (0: one for each processor), from `kept` if it is there.
+    /// Returns a pool of this many threads (0: one for each processor); `kept` is reused if it has the same number.
     pub(crate) fn wanted(kept: &mut Option<Self>, threads: usize) -> Result<&ThreadPool, DisplayError> {
         let workers = match kept.take() {
             Some(workers) if workers.threads == threads => workers,
@@ -96,7 +95,7 @@ impl Workers {
         Ok(&kept.insert(workers).pool)
     }
 
-    /// The pool of so many threads; none if it would be one.
+    /// Returns a pool of this many threads; `None` for one thread.
     fn unless_one(
         kept: &mut Option<Self>,
         threads: Option<usize>,
@@ -105,7 +104,7 @@ impl Workers {
     }
 }
 
-/// `f` of every item and its number, in their order; in parallel if there is a pool.
+/// Calls `f` with each item and its number; returns the results in order. Runs in parallel if there is a pool.
 pub(crate) fn each<T: Send, R: Send>(
     pool: Option<&ThreadPool>,
     items: &mut [T],
@@ -117,7 +116,7 @@ pub(crate) fn each<T: Send, R: Send>(
     }
 }
 
-/// Runs what is set up.
+/// Runs the scene of a setup.
 pub(crate) fn run_setup(
     setup: &Setup,
     control: &Control<'_>,
@@ -131,19 +130,22 @@ pub(crate) fn run_setup(
             let pool = Workers::wanted(workers, control.threads.unwrap_or(0))?;
             pool.install(|| walk::run(&run))
         }
-        // Threads cost more than one view does.
+        // Starting threads would cost more than computing a single view.
         Method::Adding if setup.views.len() == 1 => adding::run(&run, kernels, None),
         Method::Adding => adding::run(&run, kernels, Workers::unless_one(workers, control.threads)?),
     }
 }
 
-/// Kernels at the level that meets the scene's target.
-pub(crate) fn prepared_lenses(setup: &Setup, control: &Control<'_>) -> Result<Vec<Lens>, DisplayError> {
+/// Prepares kernels at the level that meets the scene's target, one for each group of views that share it.
+pub(crate) fn prepared_kernels(
+    setup: &Setup,
+    control: &Control<'_>,
+) -> Result<Vec<ViewGroupKernel>, DisplayError> {
     let meter = Meter::new(setup);
-    adding::lenses(&Run { scene: &setup.scene, control, setup, meter: &meter })
+    adding::view_group_kernels(&Run { scene: &setup.scene, control, setup, meter: &meter })
 }
 
-/// What a solver works with.
+/// Input of a solver.
 pub(crate) struct Run<'a> {
     pub(crate) scene: &'a Scene,
     pub(crate) control: &'a Control<'a>,
@@ -152,14 +154,14 @@ pub(crate) struct Run<'a> {
 }
 
 impl Run<'_> {
-    /// The specular reflectance for each directed source, shape `[state][light]`.
+    /// Computes the image luminance ratio of each directed source, `[state][light]`.
     fn specular(&self) -> Vec<Vec<f64>> {
         let directed = &self.setup.sources[1..][..self.scene.lighting.directed.len()];
         let images: Vec<Vec<f64>> = directed.iter().map(|source| self.image(source)).collect();
         self.meter.specular(&images)
     }
 
-    /// The specular reflectance for a directed source (for a disc, at its middle).
+    /// Computes the specular reflectance for a directed source (for a disc, at its centre).
     fn image(&self, source: &Source) -> Vec<f64> {
         let beta = match source {
             Source::Diffuse | Source::Field(_) => Beta::default(),
@@ -170,10 +172,10 @@ impl Run<'_> {
         image.base.iter().zip(image.front.iter().cycle()).map(|(base, front)| base + front).collect()
     }
 
-    /// What is reported; `unreached` explains why a target would not be reached.
+    /// Assembles the result; `unreached` explains why a target was not reached.
     fn result(
         &self,
-        views: Vec<Looked>,
+        views: Vec<ViewSamples>,
         solver: SolverReport,
         specular: &[Vec<f64>],
         unreached: &str,
@@ -192,7 +194,7 @@ impl Run<'_> {
             warnings.push(format!("relative error {reached:.2e} instead of {target:.2e}: {unreached}"));
         } else if let Some(target) = &solver.target {
             match target.error_over_tolerance {
-                None => warnings.push("the target's metric is not defined in this display".to_owned()),
+                None => warnings.push("the metric of the target is not defined for this display".to_owned()),
                 Some(over) if over > 1.0 => {
                     warnings.push(format!("the target is missed by a factor of {over:.2e}: {unreached}"));
                 }
@@ -208,20 +210,20 @@ impl Run<'_> {
         }
     }
 
-    /// Warnings of views that look into the mirror image of a beam.
+    /// Returns warnings for views that look into the mirror image of a beam.
     fn mirror_images(&self, specular: &[Vec<f64>]) -> Vec<String> {
         let warning = |(light, view): (usize, &ViewPoint)| {
             format!(
                 "the view at theta {} deg, phi {} deg looks into the mirror image of directed source {light} \
-                 (theta {} deg): a source without radius_deg has no radiance, its image is not part of the \
-                 luminance; see `specular`, or give the source a radius_deg",
+                 (theta {} deg): the radiance of a source without radius_deg is not defined, and its image is not part of \
+                 the luminance; see `specular`, or specify radius_deg for the source",
                 view.theta_deg, view.phi_deg, self.scene.lighting.directed[light].theta_deg
             )
         };
         self.looking_into(specular).into_iter().map(warning).collect()
     }
 
-    /// Directed sources without extent that are mirrored at all, each with the views that look into its image.
+    /// Returns the collimated sources that the display mirrors, each with the views that look into its image.
     fn looking_into(&self, specular: &[Vec<f64>]) -> Vec<(usize, &ViewPoint)> {
         let directed = self.scene.lighting.directed.iter().enumerate();
         let mirrored = |light: usize| specular.iter().any(|by_light| by_light[light] > 0.0);
@@ -234,7 +236,7 @@ impl Run<'_> {
     }
 }
 
-/// True if the mirror image of a beam lies in the field of view.
+/// Returns true if the mirror image of a beam is in the field of view.
 fn looks_into(view: &ViewPoint, source: &Source) -> bool {
     matches!(source, Source::Beam(beta) if view.field.holds(*beta))
 }

@@ -1,4 +1,4 @@
-//! Finer and finer levels of discretisation, until two successive ones agree.
+//! Refinement of the discretisation until two successive levels agree, and the errors of levels.
 
 use std::collections::HashSet;
 
@@ -11,10 +11,10 @@ use crate::pixel::state_names;
 use crate::scene::{Layers, Pixel, Scene};
 use crate::setup::layers_alone;
 
-/// The finest level that the layers can be taken to.
+/// Returns the finest level that can be computed for the layers.
 ///
 /// # Errors
-/// If not even two levels are within what can be computed.
+/// If even the second level has too many nodes.
 pub(crate) fn finest(stack: &Stack) -> Result<usize, DisplayError> {
     let fits = |level: &u32| nodes_needed(stack, *level) <= MOST_NODES;
     match (0..=FINEST).take_while(fits).last() {
@@ -23,17 +23,18 @@ pub(crate) fn finest(stack: &Stack) -> Result<usize, DisplayError> {
     }
 }
 
-/// Roughly how long adding prepares the layers of a scene for one beam, in seconds of one processor; right to within a factor of
-/// ten. A pixel that scatters is a layer more for each of its states. 0 for an ordinary panel, whose preparation takes milliseconds.
+/// Estimates the time that adding needs to prepare the layers of a scene for one beam, in seconds of one processor; correct
+/// to within a factor of ten. Each state of a scattering pixel counts as a further layer. 0 for an ordinary panel,
+/// whose preparation takes milliseconds.
 ///
 /// # Errors
-/// If there is no such stack.
+/// If the layers are invalid.
 pub fn adding_seconds(scene: &Scene) -> Result<f64, DisplayError> {
-    /// Of a node cubed, at each set of indices: two narrow diffusers in glass take 1.5 s with 213 nodes.
+    /// Per node cubed and set of indices: two narrow diffusers in glass take 1.5 s with 213 nodes.
     const SECONDS: f64 = 1.5e-7;
     let Layers::General(layers) = &scene.display.layers else { return Ok(0.0) };
     let nodes = nodes_needed(&layers_alone(scene)?, 1) as f64;
-    // Where indices differ, nothing is shared between wavelengths.
+    // Wavelengths with different indices do not share operators.
     let indices = |bin: usize| layers.iter().map(|layer| layer.medium.index[bin].to_bits()).collect();
     let sets: HashSet<Vec<u64>> = (0..scene.grid.len()).map(indices).collect();
     let stacks = match &scene.display.pixel {
@@ -43,15 +44,15 @@ pub fn adding_seconds(scene: &Scene) -> Result<f64, DisplayError> {
     Ok(SECONDS * nodes.powi(3) * (sets.len() * stacks) as f64)
 }
 
-/// The refusal, with what is to blame.
+/// Returns the error, which names the narrowest scatterer.
 fn too_narrow(stack: &Stack) -> DisplayError {
     let (what, number) = match narrowest(stack) {
-        None => ("a face".to_owned(), 1),
+        None => ("an interface".to_owned(), 1),
         Some(found) => {
             let what = match found.scatterer {
                 Narrowness::Lobe { width } => format!("the diffuser of width {width:.5}"),
                 Narrowness::Face { width } => format!("the diffuser of width {width:.5}"),
-                Narrowness::Rough { alpha, .. } => format!("the rough face of alpha {alpha}"),
+                Narrowness::Rough { alpha, .. } => format!("the rough interface of alpha {alpha}"),
                 Narrowness::Slab { anisotropy } => format!("the slab of anisotropy {anisotropy}"),
             };
             (what, found.number)
@@ -60,38 +61,39 @@ fn too_narrow(stack: &Stack) -> DisplayError {
     DisplayError::TooNarrow { what, number, nodes: nodes_needed(stack, 1), most: MOST_NODES }
 }
 
-/// What two successive levels gave.
+/// Values at two or three successive levels.
 pub(crate) struct Refined<T> {
     pub(crate) finer: T,
     pub(crate) coarser: T,
-    /// The level before that, if there is one.
+    /// The level before `coarser`, if there is one.
     pub(crate) before: Option<T>,
-    /// The finer level.
+    /// Number of the finer level.
     pub(crate) level: usize,
-    /// The relative difference of the two.
+    /// Relative error of the finer level.
     pub(crate) error: f64,
-    /// Not stopped before the target or the finest level was reached.
+    /// False if the run was stopped before the target or the finest level was reached.
     pub(crate) finished: bool,
 }
 
-/// Levels from 0 on until the difference of two is at most the target, or to the finest (1 or more);
-/// `None` if it was stopped before there were two. `at` computes a level, `None` if it was stopped; `error` tells the relative
-/// error of the last of two or three levels; `tell` hears each difference, and whether it was the last.
+/// Computes levels from 0 until the error is at most the target, or the finest level (1 or more) is reached;
+/// `None` if stopped before two levels were computed. `at` computes a level, or returns `None` if it was stopped; `error`
+/// computes the relative error of the last of two or three levels; `report` is called with each error and whether it is
+/// the last.
 pub(crate) fn refine<T>(
     target: f64,
     finest: usize,
     mut at: impl FnMut(usize) -> Option<T>,
     error: impl Fn([&T; 2], Option<&T>) -> f64,
-    tell: impl Fn(f64, bool),
+    report: impl Fn(f64, bool),
 ) -> Option<Refined<T>> {
     let (coarser, finer) = (at(0)?, at(1)?);
     let mut refined = Refined { finer, coarser, before: None, level: 1, error: 0.0, finished: false };
     loop {
         refined.error = error([&refined.finer, &refined.coarser], refined.before.as_ref());
-        // An error that is not a number will not become one.
+        // NaN does not disappear at finer levels.
         let enough = refined.error <= target || refined.error.is_nan();
         refined.finished = enough || refined.level >= finest;
-        tell(refined.error, refined.finished);
+        report(refined.error, refined.finished);
         if refined.finished {
             return Some(refined);
         }
@@ -102,22 +104,22 @@ pub(crate) fn refine<T>(
     }
 }
 
-/// The relative error of the finer of two levels that differ by `now`, where the two before differed by `before` and
-/// `times` is the least that differences are multiplied by ([`error_over_difference`](papilio_transport::adding::error_over_difference)).
+/// Computes the relative error of the finer of two levels that differ by `now`, if the previous two differed by `before`;
+/// `times` is the smallest factor from differences to errors ([`error_over_difference`](papilio_transport::adding::error_over_difference)).
 ///
-/// Differences that fall by a factor r from level to level leave `r/(1 - r)` times the last. Where they do not fall,
-/// and are no mere rounding, nothing is known: the error is that of the whole number.
+/// If differences decrease by a factor r from level to level, the remaining error is `r/(1 - r)` times the last. If they do
+/// not decrease and exceed rounding errors, the error is unknown and at least 1.
 pub(crate) fn level_error(times: f64, now: f64, before: Option<f64>) -> f64 {
-    /// The most that slow levels are extrapolated by.
+    /// Largest factor by which slow convergence is extrapolated.
     const MOST: f64 = 10.0;
-    /// Differences that are more than what else is tabulated to.
+    /// Differences above this are larger than the errors of tables.
     const LARGE: f64 = 1e-2;
     let Some(before) = before.filter(|before| *before > 0.0) else { return times * now };
     let ratio = now / before;
     if ratio >= 1.0 && now > LARGE {
         return (times * now).max(1.0);
     }
-    // What is known to be slow has been multiplied for that: single ratios scatter.
+    // Known slow convergence is already part of `times`; single ratios are too uncertain.
     let rest = if times > 1.0 {
         times
     } else if ratio < 1.0 {
@@ -128,8 +130,8 @@ pub(crate) fn level_error(times: f64, now: f64, before: Option<f64>) -> f64 {
     rest * now
 }
 
-/// The largest relative error of numbers of light at the finer of two levels, each relative to itself, with those of the level before
-/// if there is one. That of a number below zero, which no light has, is one at least.
+/// Computes the largest relative error of amounts of light at the finer of two levels, each relative to itself; `before` are
+/// those of the previous level, if there is one. It is at least 1 if an amount is negative, which is unphysical.
 pub(crate) fn of_levels(times: f64, [finer, coarser]: [Vec<f64>; 2], before: Option<&[f64]>) -> f64 {
     let now = difference(&finer, &coarser);
     let error = level_error(times, now, before.map(|before| difference(&coarser, before)));
@@ -140,7 +142,7 @@ fn difference(finer: &[f64], coarser: &[f64]) -> f64 {
     finer.iter().zip(coarser).map(|(a, b)| relative((*a, (a - b).abs()))).fold(0.0, largest)
 }
 
-/// By how much differences between the last levels of a sample had to be multiplied.
+/// Returns the ratio of error to difference between the last levels of a sample.
 pub(crate) fn slowness<T>(sample: &Refined<T>, numbers: &impl Fn(&T) -> Vec<f64>) -> f64 {
     let [finer, coarser] = [&sample.finer, &sample.coarser].map(numbers);
     let now = difference(&finer, &coarser);
@@ -148,11 +150,12 @@ pub(crate) fn slowness<T>(sample: &Refined<T>, numbers: &impl Fn(&T) -> Vec<f64>
     if now > 0.0 { level_error(1.0, now, before) / now } else { 1.0 }
 }
 
-/// Rows fainter than this part of a state's brightest are held to that much light: far off a lobe there is next to none.
+/// Floor of the reference of relative errors, relative to the brightest row of a state: far from a lobe there is hardly any
+/// light.
 const FAINT: f64 = 1e-4;
 
-/// The relative error of each state's Y in a row, at the finer of two levels; `most` is the largest of each state in the table. What is
-/// below zero, as no light is, errs by as much at least.
+/// Computes the relative error of each state's Y in a row, at the finer of two levels; `most` is the largest Y of each state in
+/// the table. The error of a negative Y is at least its magnitude.
 pub(crate) fn row_errors(finer: &[f64], coarser: &[f64], most: &[f64], times: f64) -> Vec<f64> {
     let error = |((a, b), most): ((&f64, &f64), &f64)| {
         let difference = (times * (a - b).abs()).max(-a);
@@ -161,7 +164,7 @@ pub(crate) fn row_errors(finer: &[f64], coarser: &[f64], most: &[f64], times: f6
     finer.iter().zip(coarser).zip(most.iter().cycle()).map(error).collect()
 }
 
-/// The largest value of each state, of rows that hold one of each in turn.
+/// Returns the largest value of each state; the rows contain the values of all states in turn.
 pub(crate) fn largest_of_states<'a>(rows: impl Iterator<Item = &'a [f64]>, states: usize) -> Vec<f64> {
     let mut most = vec![0.0; states];
     for row in rows.flat_map(|values| values.chunks_exact(states.max(1))) {
@@ -170,14 +173,14 @@ pub(crate) fn largest_of_states<'a>(rows: impl Iterator<Item = &'a [f64]>, state
     most
 }
 
-/// Below zero by more than rounding of the largest.
+/// Returns true if a value is negative by more than rounding errors of the largest.
 fn is_negative(y: f64, all: &[f64]) -> bool {
-    /// Of the largest, what is no more than rounding of sums.
+    /// Rounding error of sums, relative to the largest value.
     const ROUNDING: f64 = 1e-9;
     y < 0.0 && y < -ROUNDING * all.iter().fold(0.0, |most: f64, y| most.max(y.abs()))
 }
 
-/// The larger of two errors; not a number if one of them is not.
+/// Returns the larger of two errors; NaN if one of them is NaN.
 pub(crate) fn largest(a: f64, b: f64) -> f64 {
     if a > b || a.is_nan() { a } else { b }
 }
@@ -192,39 +195,39 @@ mod tests {
     }
 
     #[test]
-    fn the_finer_of_the_first_two_that_agree() {
+    fn refinement_returns_the_finer_of_the_first_two_levels_that_agree() {
         let refined = by_tenths(0.01, 9).unwrap();
         assert_eq!((refined.level, refined.finished), (3, true));
         assert!((refined.error - 0.009).abs() < 1e-15 && (refined.finer - 0.001).abs() < 1e-15);
     }
 
     #[test]
-    fn the_finest_is_the_last() {
+    fn refinement_ends_at_the_finest_level() {
         let refined = by_tenths(0.0, 99).unwrap();
         assert_eq!((refined.level, refined.finished), (6, true));
     }
 
     #[test]
-    fn stopped_it_has_what_two_levels_gave_or_nothing() {
+    fn stopped_refinement_returns_the_last_two_levels_or_none() {
         let refined = by_tenths(0.0, 3).unwrap();
         assert_eq!((refined.level, refined.finished), (2, false));
         assert!(by_tenths(0.0, 1).is_none());
     }
 
     #[test]
-    fn levels_that_do_not_fall_have_the_error_of_the_whole() {
+    fn error_of_differences_that_do_not_decrease_is_at_least_1() {
         assert_eq!(level_error(1.0, 0.01, None), 0.01);
         assert_eq!(level_error(1.0, 0.01, Some(0.1)), 0.01);
         assert!((level_error(1.0, 0.03, Some(0.04)) - 0.09).abs() < 1e-12);
         assert!((level_error(4.0, 0.03, Some(0.04)) - 0.12).abs() < 1e-12);
         assert_eq!(level_error(1.0, 0.03, Some(0.02)), 1.0);
         assert_eq!(level_error(1.0, 3.0, Some(0.02)), 3.0);
-        // Rounding does not fall either.
+        // Rounding errors do not decrease either.
         assert!((level_error(1.0, 1e-9, Some(1e-9)) - 1e-8).abs() < 1e-20);
     }
 
     #[test]
-    fn faint_rows_are_held_to_the_brightest_and_dark_light_errs_by_itself() {
+    fn errors_of_faint_rows_are_relative_to_the_brightest_and_of_negative_rows_at_least_1() {
         let most = largest_of_states([&[1.0, 1e-3, -2.0, 5e-4][..]].into_iter(), 2);
         assert_eq!(most, [2.0, 1e-3]);
         let errors = row_errors(&[1.0, 1e-3, -0.5, 1e-9], &[0.99, 1e-3, -0.5, 2e-9], &most, 1.0);
@@ -233,7 +236,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_not_a_number_ends_it() {
+    fn nan_ends_the_refinement() {
         let refined = refine(0.1, 6, |_| Some(f64::NAN), |[a, b], _| a - b, |_, _| {}).unwrap();
         assert!(refined.error.is_nan() && refined.finished && refined.level == 1);
         assert!(

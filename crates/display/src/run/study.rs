@@ -1,4 +1,4 @@
-//! Standard errors of the walk against paths and cost, for every sampler and strategy.
+//! Convergence studies of the Monte Carlo solver: standard error against paths and time, for all samplers and strategies.
 
 use papilio_sampling::Numbers;
 use papilio_transport::walk::Walk;
@@ -10,33 +10,33 @@ use crate::meter::{Meter, Sample};
 use crate::scene::{Sampler, Scene, Strategy};
 use crate::setup::{Setup, ViewPoint};
 
-/// A sampler with a strategy, and how it came on.
+/// Convergence of one sampler with one strategy.
 #[derive(Debug, Clone, PartialEq)]
 pub struct StudyCurve {
-    /// Where its numbers came from.
+    /// Sample generator.
     pub sampler: Sampler,
-    /// How directions were drawn.
+    /// Strategy for drawing directions.
     pub strategy: Strategy,
-    /// What was made before the first path, seconds.
+    /// Time of the preparation before the first path, s.
     pub setup_s: f64,
-    /// Ever more paths.
+    /// Points in the order of increasing numbers of paths.
     pub points: Vec<StudyPoint>,
 }
 
-/// So many paths, and how good they are.
+/// Point of a convergence curve.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct StudyPoint {
-    /// Paths, all replicates together.
+    /// Number of paths of all replicates.
     pub paths: u64,
-    /// Transport alone, seconds.
+    /// Time of the transport alone, s.
     pub transport_s: f64,
-    /// The largest standard error of Y over its value, of all states.
+    /// Largest relative standard error of Y over all states.
     pub relative_error: f64,
 }
 
 impl StudyCurve {
-    /// CPU time of transport to a relative error: between the points around it as a power of time;
-    /// that of the first point if it is good enough, `None` if the last is not.
+    /// Returns the CPU time of the transport to a relative error, s: interpolated between points as a power of time;
+    /// that of the first point if its error is small enough, `None` if that of the last is not.
     pub fn seconds_to(&self, error: f64) -> Option<f64> {
         let at = self.points.iter().position(|point| point.relative_error <= error)?;
         let after = self.points[at];
@@ -48,10 +48,10 @@ impl StudyCurve {
         Some(before.transport_s * (after.transport_s / before.transport_s).powf(share))
     }
 
-    /// The exponent p of `error = c paths^-p`, by least squares over the logarithms, and its standard
-    /// error as what each point knows of its error (13 %) has it; `None` without two points.
+    /// Returns the exponent p of `error = c paths^-p`, by least squares of the logarithms, and its standard
+    /// error, from the uncertainty of each point's error (13 %); `None` unless there are two points.
     pub fn slope(&self) -> Option<(f64, f64)> {
-        /// Of the logarithm of a standard error with 31 degrees of freedom, `1/sqrt(2 * 31)`.
+        /// Standard error of the logarithm of a standard error with 31 degrees of freedom, `1/sqrt(2 * 31)`.
         const KNOWN_TO: f64 = 0.127;
         let positive = self.points.iter().filter(|point| point.relative_error > 0.0);
         let logs: Vec<(f64, f64)> =
@@ -64,11 +64,11 @@ impl StudyCurve {
     }
 }
 
-/// Follows the walk from the scene's first view, for every sampler and strategy, on one thread:
-/// each number of paths in `paths` (ascending) in turn. `seconds` is a clock.
+/// Runs a convergence study of the scene's first view, for all samplers and strategies, on one thread, with
+/// the numbers of paths in `paths` (ascending). `seconds` is a clock.
 ///
 /// # Errors
-/// If the scene cannot be, or was stopped.
+/// If the scene is invalid, or the study was stopped.
 pub fn study(
     scene: &Scene,
     paths: &[u64],
@@ -82,26 +82,26 @@ pub fn study(
     pairs.map(|(sampler, strategy)| study.curve(at, sampler, strategy)).collect()
 }
 
-/// What a scene takes the walk, on one thread, from its first view.
+/// Cost of the first view of a scene with the Monte Carlo solver on one thread.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Cost {
-    /// All that does not depend on light or view: tables of the pixel's reflectance among it. Seconds.
+    /// Time of the preparation that does not depend on light or view, such as tables of the pixel's reflectance, s.
     pub tables_s: f64,
-    /// What is made before the first path: of a guided walk the guide. Seconds.
+    /// Time of the preparation before the first path, such as that of a guide, s.
     pub setup_s: f64,
-    /// Paths, seconds.
+    /// Time of tracing paths, s.
     pub tracing_s: f64,
-    /// Spectra of all replicates from the sums of the paths, after each round. Seconds.
+    /// Time of computing the spectra of all replicates from the sums of the paths, after each round, s.
     pub spectra_s: f64,
-    /// All replicates together.
+    /// Number of paths of all replicates.
     pub paths: u64,
 }
 
-/// Follows the walk from the scene's first view to this relative error of Y of every state, or of every bin of
-/// every state, by rounds as a run would. `seconds` is a clock.
+/// Measures the cost of the scene's first view to a relative error of Y of all states, or of all wavelengths of
+/// all states, in rounds like those of a run. `seconds` is a clock.
 ///
 /// # Errors
-/// If the scene cannot be, or was stopped.
+/// If the scene is invalid, or the computation was stopped.
 pub fn cost(
     scene: &Scene,
     (target, every_bin): (f64, bool),
@@ -159,7 +159,7 @@ impl Study<'_> {
         sampler: Sampler,
         strategy: Strategy,
     ) -> Result<StudyCurve, DisplayError> {
-        // Sets that are made once must not count as anyone's.
+        // Point sets that are constructed once must not be part of a measured time.
         Numbers::new(sampler, 0, 0).block(0, 0);
         let started = (self.seconds)();
         let walk = self.setup.walk(at, strategy);
@@ -189,7 +189,7 @@ impl Study<'_> {
 }
 
 impl Setup {
-    /// The walk from a view.
+    /// Prepares the Monte Carlo solver for a view.
     pub(super) fn walk(&self, at: &ViewPoint, strategy: Strategy) -> Walk<'_> {
         let illuminance: Vec<f64> = self.lights.iter().map(|light| light.illuminance_lx).collect();
         Walk::with_strategy(&self.stack, at.field, &self.sources, strategy, &illuminance)

@@ -1,9 +1,9 @@
-//! The walk: rounds of paths on all threads until the numbers are good enough.
+//! Runs by the Monte Carlo solver: rounds of paths on all threads until the target is met.
 //!
-//! Each view has [`REPLICATES`] replicates with numbers of their own. A round adds the
-//! same number of paths to each; replicates never share sums, so the result does not
-//! depend on which thread ran what. Views are computed one after the other: the sums of
-//! one are in memory.
+//! Each view has [`REPLICATES`] replicates with independent random numbers. A round adds the
+//! same number of paths to each replicate. Replicates do not share sums, so that the result does not
+//! depend on the assignment of work to threads. Views are computed one after another, so that the sums of
+//! only one view are in memory.
 
 use papilio_sampling::Numbers;
 use papilio_transport::walk::{Replicate, Walk};
@@ -11,34 +11,34 @@ use rayon::prelude::*;
 
 use super::{Progress, Run};
 use crate::DisplayError;
-use crate::meter::{Looked, Sample};
+use crate::meter::{Sample, ViewSamples};
 use crate::result::{RunResult, SolverReport, TargetReport};
 use crate::scene::{Solver, Stop, Strategy};
 use crate::setup::ViewPoint;
 
-/// Independent replicates of each view; standard errors have one degree of freedom less.
+/// Number of independent replicates of each view; standard errors have one degree of freedom less.
 pub(super) const REPLICATES: u64 = 32;
 
-/// Paths of each replicate in the first round; rounds double the total from there. A guided path knows
-/// as much as several.
+/// Paths of each replicate in the first round; each further round doubles the total. With guiding, fewer paths
+/// contain the same information.
 const FIRST_ROUND: u64 = 64;
 const FIRST_GUIDED_ROUND: u64 = 16;
 
-/// The most paths that a round adds to a replicate: how finely progress shows.
+/// Largest number of paths that a round adds to a replicate, which limits the time between progress reports.
 const LARGEST_ROUND: u64 = 1 << 14;
 
-/// A round that changes a Y by more than so many of its standard errors was not expected by them.
+/// A change of Y by more than this many standard errors in a round contradicts the standard error.
 const UNEXPECTED: f64 = 4.0;
 
-/// A target that is not reached with this many paths of a view is given up.
+/// Largest number of paths of a view; a target that is not reached with them is missed.
 const MOST_PATHS: u64 = 1 << 31;
 
-/// Runs a scene, on the threads of the pool that this is called in.
+/// Runs a scene on the threads of the current pool.
 pub(super) fn run(run: &Run<'_>) -> Result<RunResult, DisplayError> {
     Runner { run }.run()
 }
 
-/// Paths that the next round adds to each replicate that has `so_far`.
+/// Returns the number of paths that the next round adds to each replicate, which has `so_far`.
 pub(super) fn round_size(solver: &Solver, so_far: u64) -> u64 {
     let first = if solver.scattering == Strategy::Guided { FIRST_GUIDED_ROUND } else { FIRST_ROUND };
     let double = so_far.clamp(first, LARGEST_ROUND);
@@ -48,15 +48,17 @@ pub(super) fn round_size(solver: &Solver, so_far: u64) -> u64 {
     }
 }
 
-/// Whether the spread of a view's replicates can be believed.
+/// Check of whether the spread of a view's replicates is a reliable standard error.
 ///
-/// Light that few paths meet may be missed by every replicate; their spread then says nothing of it. So
-/// there are as many paths as what is least probable in the walk asks for, and a further round has to
-/// confirm what an earlier one said, to within its errors.
+/// All replicates may miss light that few paths meet; their spread then does not include it. A view therefore
+/// needs a number of paths that is given by the least probable event of the solver, and a further round must
+/// confirm the result of an earlier one within its errors.
 pub(super) struct Confidence {
+    /// Smallest number of paths.
     least: u64,
-    something_random: bool,
-    /// Y of every state after the last round, and its standard error.
+    /// False if the estimate has no noise.
+    is_random: bool,
+    /// Y of each state after the last round, and its standard error.
     before: Vec<(f64, f64)>,
     confirmed: bool,
 }
@@ -64,12 +66,12 @@ pub(super) struct Confidence {
 impl Confidence {
     pub(super) fn new(walk: &Walk<'_>) -> Self {
         let rarest = walk.rarest();
-        // Each replicate should have met it.
+        // Each replicate is expected to meet the least probable event once.
         let least = ((REPLICATES as f64 / rarest).ceil() as u64).min(MOST_PATHS);
-        Self { least, something_random: rarest < 1.0, before: Vec::new(), confirmed: false }
+        Self { least, is_random: rarest < 1.0, before: Vec::new(), confirmed: false }
     }
 
-    /// Takes note of a round's Y of every state and their standard errors.
+    /// Adds the Y of each state after a round, with their standard errors.
     pub(super) fn add(&mut self, now: Vec<(f64, f64)>) {
         let expected = |((now, _), (before, error)): (&(f64, f64), &(f64, f64))| {
             (now - before).abs() <= UNEXPECTED * error + 1e-12 * before.abs()
@@ -78,13 +80,13 @@ impl Confidence {
         self.before = now;
     }
 
-    /// True if so many paths, and what they found, suffice for a stop.
+    /// Returns true if this number of paths, and their results, suffice to stop.
     pub(super) fn holds(&self, paths: u64) -> bool {
-        paths >= self.least && (self.confirmed || !self.something_random)
+        paths >= self.least && (self.confirmed || !self.is_random)
     }
 
-    /// The least relative standard error that a view of so many paths may claim: what none of n paths has met may
-    /// have a probability of 1/n.
+    /// Returns the smallest relative standard error of a view with this number of paths: an event that none of n paths has
+    /// met may have a probability of 1/n.
     fn least_error(&self, paths: u64) -> f64 {
         if paths < self.least { 1.0 / paths as f64 } else { 0.0 }
     }
@@ -94,30 +96,30 @@ struct Runner<'a> {
     run: &'a Run<'a>,
 }
 
-/// A view in work.
+/// State of the computation of one view.
 struct Work<'a> {
     walk: Walk<'a>,
-    /// Its number, from 0.
+    /// Number of the view, from 0.
     number: usize,
     replicates: Vec<Replicate>,
-    /// After the last whole round.
+    /// Samples after the last complete round.
     samples: Vec<Sample>,
     paths: u64,
     confidence: Confidence,
     relative_error: f64,
-    /// Of a target, after each round: paths, and the error over the tolerance; infinite if there is no
-    /// such metric.
+    /// Number of paths and ratio of error to tolerance of a target after each round; the ratio is infinite if the metric
+    /// is not defined.
     missed: Vec<(u64, f64)>,
 }
 
 impl Work<'_> {
-    /// The error over the tolerance of a target.
+    /// Returns the last ratio of error to tolerance of a target.
     fn missed_by(&self) -> f64 {
         self.missed.last().map_or(f64::INFINITY, |last| last.1)
     }
 
-    /// Paths that a tenth of a target's error would take: as it fell with paths, by least squares over the
-    /// logarithms, and at the worst.
+    /// Estimates the number of paths for a tenth of a target's error: from the decrease of the error with the number of
+    /// paths, by least squares of the logarithms, and in the worst case.
     fn paths_for_a_tenth(&self) -> [f64; 2] {
         let logs = self.missed.iter().filter(|(_, missed)| *missed > 0.0 && missed.is_finite());
         let logs: Vec<(f64, f64)> = logs.map(|(paths, missed)| ((*paths as f64).ln(), missed.ln())).collect();
@@ -125,21 +127,21 @@ impl Work<'_> {
         let (x, y) = (logs.iter().map(|p| p.0).sum::<f64>() / n, logs.iter().map(|p| p.1).sum::<f64>() / n);
         let xx: f64 = logs.iter().map(|p| (p.0 - x).powi(2)).sum();
         let xy: f64 = logs.iter().map(|p| (p.0 - x) * (p.1 - y)).sum();
-        // Few rounds know little: slopes that no method has are not believed.
+        // The slope of few rounds is uncertain: it is limited to the range of possible methods.
         let power = if xx > 0.0 { (-xy / xx).clamp(0.5, 1.5) } else { 0.5 };
         [10.0_f64.powf(1.0 / power), 100.0].map(|times| times * self.paths as f64)
     }
 }
 
-/// What has been seen so far.
+/// Results of the completed views.
 #[derive(Default)]
 struct Done {
-    views: Vec<Looked>,
+    views: Vec<ViewSamples>,
     paths: u64,
     relative_error: f64,
     missed: f64,
     paths_for_a_tenth: [f64; 2],
-    /// The least paths of a view that had fewer than it should, and what it should have had.
+    /// Smallest number of paths of views with too few, and the largest number that was needed.
     too_few: Option<(u64, u64)>,
 }
 
@@ -148,10 +150,9 @@ impl<'a> Runner<'a> {
         let specular = self.run.specular();
         let mut done = Done::default();
         let mut interrupted = false;
-        // One view after the other: only one view's sums are in memory.
         for (number, at) in self.run.setup.views.iter().enumerate() {
             let mut work = self.start(number, at);
-            interrupted = !self.look(&mut work, at, &specular, &done);
+            interrupted = !self.refine(&mut work, at, &specular, &done);
             if !work.samples.is_empty() {
                 if !work.samples.iter().all(Sample::is_finite) {
                     return Err(DisplayError::NotFinite);
@@ -193,8 +194,8 @@ impl<'a> Runner<'a> {
         }
     }
 
-    /// Adds rounds to a view until it is good enough; false if it was stopped before.
-    fn look(&self, work: &mut Work<'_>, at: &ViewPoint, specular: &[Vec<f64>], done: &Done) -> bool {
+    /// Adds rounds to a view until the stopping criterion is met; returns false if it was stopped before.
+    fn refine(&self, work: &mut Work<'_>, at: &ViewPoint, specular: &[Vec<f64>], done: &Done) -> bool {
         while !self.is_enough(work) {
             if !self.round(work) {
                 return false;
@@ -209,12 +210,12 @@ impl<'a> Runner<'a> {
         true
     }
 
-    fn view(&self, work: &Work<'_>, at: &ViewPoint, specular: &[Vec<f64>]) -> Looked {
+    fn view(&self, work: &Work<'_>, at: &ViewPoint, specular: &[Vec<f64>]) -> ViewSamples {
         let least = work.confidence.least_error(work.paths);
         self.run.meter.view_of_replicates(at, &work.samples, least, specular)
     }
 
-    /// Adds a round; false if it was stopped meanwhile, in which case nothing of it counts.
+    /// Adds a round; returns false if it was stopped, in which case the round is discarded.
     fn round(&self, work: &mut Work<'_>) -> bool {
         let each = round_size(&self.run.scene.solver, work.paths / REPLICATES);
         let (walk, number) = (&work.walk, work.number);
@@ -243,7 +244,7 @@ impl<'a> Runner<'a> {
         true
     }
 
-    /// Traces in pieces, so that a stop is heeded at once.
+    /// Traces paths in small batches, so that a stop takes effect at once.
     fn trace(&self, walk: &Walk<'_>, replicate: &mut Replicate, numbers: &Numbers, count: u64) -> Option<()> {
         let mut left = count;
         while left > 0 {
@@ -264,7 +265,7 @@ impl<'a> Runner<'a> {
                 work.paths >= MOST_PATHS
                     || (work.relative_error <= target && work.confidence.holds(work.paths))
             }
-            // More paths do not make a metric that is not there.
+            // More paths do not make a metric defined.
             Stop::Target(_) if work.missed_by().is_infinite() => work.paths > 0,
             Stop::Target(_) => {
                 work.paths >= MOST_PATHS || (work.missed_by() <= 1.0 && work.confidence.holds(work.paths))
@@ -276,7 +277,7 @@ impl<'a> Runner<'a> {
         let (share_of_paths, target) = match self.run.scene.solver.stop {
             Stop::Paths(paths) => (Some((work.paths as f64 / paths as f64).min(1.0)), None),
             Stop::RelativeError { target, .. } => (None, Some(target)),
-            // The share of paths that the error over the tolerance tells.
+            // Estimated from the ratio of tolerance to error.
             Stop::Target(_) => (Some((1.0 / work.missed_by()).min(1.0)), None),
         };
         let views = done.views.len() + usize::from(self.is_enough(work));
@@ -307,9 +308,9 @@ impl<'a> Runner<'a> {
         let mut result = self.run.result(done.views, solver, specular, &unreached);
         if let Some((paths, least)) = done.too_few {
             result.warnings.push(format!(
-                "{paths} paths a view are too few: here some light is met by one path in {}, and all replicates may \
-                 miss it (expected {least} paths or more); standard errors are \
-                 held at 1/{paths} of each value",
+                "{paths} paths per view are too few: some light of this scene is met by only one path in {}, and all \
+                 replicates may miss it (expected at least {least} paths); standard errors are set to at \
+                 least 1/{paths} of each value",
                 least.div_ceil(REPLICATES)
             ));
         }

@@ -1,4 +1,4 @@
-//! Metrics that a scenario asks for: the other observer, the gamut's volume, appearance, a reference state.
+//! Tests of optional metrics: the observer of 1964, gamut volume, colour appearance, reference state, reading performance.
 
 use crate::common::{run, scenario};
 use papilio_colour::{CORNERS, Corners, Surround, Viewing, Xy, Xyz};
@@ -16,9 +16,9 @@ fn xyz(state: &State) -> Xyz {
     Xyz { x: state.value.X, y: state.value.Y, z: state.value.Z }
 }
 
-/// Luminance is photometric whoever looks, a perfect white has Y = 1 for both, and colours are others.
+/// Luminance does not depend on the observer, a perfect white has Y = 1 for both, and chromaticities differ.
 #[test]
-fn the_other_observer_sees_other_colours_and_the_same_luminance() {
+fn observer_of_1964_changes_colours_but_not_luminance() {
     let [two, ten] = ["1931", "1964"].map(|year| indoor(&[&format!("metrics.observer=\"{year}\"")]));
     for (name, seen) in two.views[0].states.iter() {
         let other = state(&ten, name);
@@ -28,7 +28,7 @@ fn the_other_observer_sees_other_colours_and_the_same_luminance() {
     }
     let (green, other) = (state(&two, "green"), state(&ten, "green"));
     assert!((green.value.u_prime.unwrap() - other.value.u_prime.unwrap()).abs() > 1e-3);
-    // D65 of either observer, on whole wavelengths of 5 nm.
+    // D65 of each observer, in steps of 5 nm.
     for (result, x, y) in [(&two, 0.31272, 0.32903), (&ten, 0.31381, 0.33098)] {
         assert!((result.illuminant.x - x).abs() < 2e-4 && (result.illuminant.y - y).abs() < 2e-4);
     }
@@ -41,7 +41,7 @@ fn the_other_observer_sees_other_colours_and_the_same_luminance() {
 }
 
 #[test]
-fn the_volume_is_that_of_the_states_and_there_where_asked_for() {
+fn gamut_volume_is_that_of_the_states_if_requested() {
     assert_eq!(indoor(&[]).views[0].metrics.gamut_volume_cielab, None);
     let result = indoor(&["metrics.gamut_volume=true"]);
     let white = Xy { x: result.illuminant.x, y: result.illuminant.y }.with_luminance(1.0).unwrap();
@@ -51,7 +51,7 @@ fn the_volume_is_that_of_the_states_and_there_where_asked_for() {
     assert!((found / volume - 1.0).abs() < 1e-9, "{found} {volume}");
     let error = view.discretisation_error.unwrap().gamut_volume_cielab.unwrap();
     assert!(error > 0.0 && error < 1e-2 * found, "{error}");
-    // Without cyan there is no cube.
+    // Without cyan the solid is not defined.
     let fewer = [
         "display.pixel.default_states=false",
         "display.pixel.states={ white = { red = 1, green = 1, blue = 1 } }",
@@ -61,7 +61,7 @@ fn the_volume_is_that_of_the_states_and_there_where_asked_for() {
 }
 
 #[test]
-fn appearance_is_that_of_the_room() {
+fn appearance_follows_the_viewing_conditions() {
     assert!(state(&indoor(&[]), "red").value.cam16.is_none());
     let result = indoor(&["metrics.appearance={ surround = \"dim\", background = 0.3 }"]);
     let white = Xy { x: result.illuminant.x, y: result.illuminant.y }.with_luminance(1.0).unwrap();
@@ -77,7 +77,7 @@ fn appearance_is_that_of_the_room() {
 }
 
 #[test]
-fn any_state_may_be_the_reference() {
+fn differences_are_relative_to_the_chosen_reference_state() {
     let result = indoor(&["metrics.reference_state=\"green\""]);
     let green = state(&result, "green").value.metrics;
     assert_eq!((green.delta_E_2000_from_reference, green.distance_from_reference_uv), (Some(0.0), Some(0.0)));
@@ -90,9 +90,9 @@ fn any_state_may_be_the_reference() {
     assert!(red.metrics.delta_E_2000_from_reference.unwrap() > 20.0);
 }
 
-/// Differences with the angle, and CIELUV, are those of the colours that the views report.
+/// Colour differences between views, and CIELUV, equal those computed from the reported colours.
 #[test]
-fn colours_shift_with_the_angle_as_they_are_seen() {
+fn colour_shift_with_angle_equals_that_of_the_reported_colours() {
     let result = indoor(&["viewer.theta_deg=[30, 0, 8]"]);
     let normal = |name: &str| result.views[1].states.get(name).unwrap().value.clone();
     let white = Xy { x: result.illuminant.x, y: result.illuminant.y }.with_luminance(1.0).unwrap();
@@ -115,9 +115,9 @@ fn colours_shift_with_the_angle_as_they_are_seen() {
     }
 }
 
-/// The reader's age changes nothing but the performance at that age, and between two ages it lies between theirs.
+/// The reader's age affects only the performance at that age, which is between those of the neighbouring ages.
 #[test]
-fn the_readers_age_is_said_alone() {
+fn reader_age_affects_only_its_own_metric() {
     let lit = ["lighting.illuminance_lx=12000", "display.front=[{ reflectance = 0.08, absorptance = 0.01 }]"];
     let plain = indoor(&lit);
     assert_eq!(plain.views[0].metrics.reading_surrogate, None);
@@ -136,10 +136,10 @@ fn the_readers_age_is_said_alone() {
     );
 }
 
-/// Without light of its own, a display's text is as many times as bright as the room and keeps its contrast: what the
-/// maps over illuminance and age count on.
+/// Without front light, the luminance of text is proportional to the illuminance and its contrast is constant, as the
+/// maps over illuminance and age assume.
 #[test]
-fn text_grows_with_the_light_and_keeps_its_contrast() {
+fn text_luminance_is_proportional_to_illuminance_at_constant_contrast() {
     let cover = "display.front=[{ reflectance = 0.04, absorptance = 0.01 }]";
     let [dim, lit] = [2e4, 8e4].map(|lux| {
         let light = format!("lighting.illuminance_lx={lux}");
@@ -149,15 +149,15 @@ fn text_grows_with_the_light_and_keeps_its_contrast() {
     let (l, c) = (dim.text_luminance_cd_m2.unwrap(), dim.text_contrast.unwrap());
     assert!((lit.text_luminance_cd_m2.unwrap() / l - 4.0).abs() < 1e-9);
     assert!((lit.text_contrast.unwrap() - c).abs() < 1e-9);
-    // Halfway between 50 and 75 years, by the formula of docs/metrics.md: p0 + p1 ln(C/.35) + p2 ln(L/1000).
+    // Halfway between 50 and 75 years, by the formula of docs/metrics.md: p0 + p1 ln(C/0.35) + p2 ln(L/1000).
     let (p0, p1, p2) = (0.5 * (0.6619 + 0.2971), 0.5 * (0.1845 + 0.3141), 0.5 * (0.0481 + 0.0074));
     let expected = p0 + p1 * (c / 0.35).ln() + p2 * (4.0 * l / 1000.0).ln();
     assert!((lit.reading_surrogate.unwrap() - expected).abs() < 1e-9, "{lit:?}");
 }
 
-/// What is asked for costs what is not asked for nothing: the other numbers stay, bit by bit.
+/// Optional metrics do not affect the others: they are bit-identical.
 #[test]
-fn asking_changes_no_other_number() {
+fn optional_metrics_do_not_affect_other_metrics() {
     let (plain, all) = (indoor(&[]), indoor(&["metrics.gamut_volume=true", "metrics.appearance={}"]));
     let mut forgotten = all;
     for view in &mut forgotten.views {

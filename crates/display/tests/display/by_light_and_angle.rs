@@ -1,4 +1,4 @@
-//! Reflectance by light, and colours against angle, in displays whose answer is known.
+//! Tests of reflectance by light, and of colour against angle, for displays with known results.
 
 use std::sync::atomic::AtomicBool;
 
@@ -7,7 +7,7 @@ use papilio_colour::Observer;
 use papilio_display::{Control, reflection};
 use papilio_scenario::preset_names;
 
-/// White paint without glass is as bright in any light, from anywhere, and keeps its colour.
+/// White paint without glass: its reflectance and colour are the same in any light and from all directions.
 const PAINT: [&str; 6] = [
     "display={ glass = { index = 1.0 }, pixel = { model = \"uniform\", kind = \"lambertian\", reflectance = { white = 0.6, black = 0.03 } } }",
     "viewer.theta_deg=[-40, 8, 35]",
@@ -18,7 +18,7 @@ const PAINT: [&str; 6] = [
 ];
 
 #[test]
-fn paint_is_alike_in_every_light_and_from_everywhere() {
+fn reflectance_of_paint_is_the_same_in_every_light_and_view() {
     for method in ["solver.method=adding", "solver.method=monte-carlo"] {
         let result = run(&scenario("overcast", &[&PAINT[..], &[method]].concat()).unwrap().scene).unwrap();
         for view in &result.views {
@@ -39,7 +39,7 @@ fn paint_is_alike_in_every_light_and_from_everywhere() {
                 (white.delta_E_2000_from_reference, white.distance_from_reference_uv),
                 (Some(0.0), Some(0.0))
             );
-            // 400 lx on .6 and .03: 76.4 and 3.82 cd/m2, far below what the surrogate knows.
+            // 400 lx on 0.6 and 0.03: 76.4 and 3.82 cd/m2, far below the range of the surrogate.
             let (white, black) = (0.6 * 400.0 / std::f64::consts::PI, 0.03 * 400.0 / std::f64::consts::PI);
             let luminance = view.metrics.text_luminance_cd_m2.unwrap();
             assert!((luminance / (0.75 * white + 0.25 * black) - 1.0).abs() < 0.01, "{luminance}");
@@ -49,10 +49,10 @@ fn paint_is_alike_in_every_light_and_from_everywhere() {
     }
 }
 
-/// The same paint in every preset's light and geometry; in the light of readability tests, its text is that of
-/// so many cd/m2.
+/// The same paint in the light and geometry of all presets; in the light of readability tests, the luminance of its text is
+/// known.
 #[test]
-fn paint_is_paint_in_every_preset() {
+fn reflectance_of_paint_is_the_same_in_every_preset() {
     for name in preset_names() {
         let preset = format!("lighting.preset={name}");
         let result = run(&scenario("overcast", &[&preset, PAINT[0]]).unwrap().scene).unwrap();
@@ -69,9 +69,9 @@ fn paint_is_paint_in_every_preset() {
     }
 }
 
-/// A light that is not there has no reflectance; a view alone is compared with no other.
+/// The reflectance under an absent light is undefined, and a single view is not compared.
 #[test]
-fn what_is_not_there_is_null() {
+fn metrics_of_absent_lights_and_views_are_null() {
     let result = run(&scenario("overcast", &[]).unwrap().scene).unwrap();
     let white = result.views[0].states.get("white").unwrap();
     assert!(white.value.R_hemi.is_some() && white.value.R_dir.is_empty());
@@ -83,9 +83,9 @@ fn what_is_not_there_is_null() {
     assert!((white.value.R_dir[0].unwrap() - white.value.Y).abs() < 1e-12);
 }
 
-/// Eq. 3-1: Y is the mean of the reflectances under each light, by their shares of the white's Y.
+/// Eq. 3-1: Y is the mean of the reflectances under each light, weighted by their fractions of the white's Y.
 #[test]
-fn y_is_made_of_the_reflectances_by_light() {
+fn y_is_the_weighted_mean_of_the_reflectances_by_light() {
     let result = run(&scenario("indoor", &[]).unwrap().scene).unwrap();
     for (name, state) in result.views[0].states.iter() {
         let v = &state.value;
@@ -94,10 +94,10 @@ fn y_is_made_of_the_reflectances_by_light() {
     }
 }
 
-/// The same at each wavelength: the reflectance factor is the mean of those by light, weighted by its light; and their
-/// luminous means are `R_hemi` and `R_dir`.
+/// At each wavelength the reflectance factor is the mean of those by light, weighted by the light; the luminous means of
+/// these are `R_hemi` and `R_dir`.
 #[test]
-fn spectra_by_light_make_the_reflectance_factor() {
+fn reflectance_factor_is_the_weighted_mean_of_the_spectra_by_light() {
     let asked =
         ["metrics.spectra_by_light=true", "lighting.directed.0.spectrum=A", "lighting.directed.0.share=0.3"];
     let set = [&asked[..], &["lighting.diffuse=0.7"]].concat();
@@ -124,10 +124,10 @@ fn spectra_by_light_make_the_reflectance_factor() {
     }
 }
 
-/// A bare panel in diffuse light peaks where its pixel does; behind a diffuser, at 8 deg, it peaks further to the
+/// The peak of a bare panel in diffuse light is that of its pixel; behind a diffuser, at 8 deg, it is shifted towards the
 /// blue (Feng 2012, figure 5.13).
 #[test]
-fn a_diffuser_shifts_peaks_and_nothing_does_not() {
+fn diffuser_shifts_the_peaks_of_a_bare_panel() {
     let bare =
         run(&scenario("reference-pixel", &["solver.angle_medium=air", "viewer.theta_deg=8"]).unwrap().scene)
             .unwrap();
@@ -142,25 +142,25 @@ fn a_diffuser_shifts_peaks_and_nothing_does_not() {
     assert!((shift - mean.iter().sum::<f64>() / 3.0).abs() < 1e-9);
 }
 
-/// Mirror, haze and Lambertian parts in displays whose split is known, and what they sum to.
+/// Mirror, haze and Lambertian components of displays for which they are known, and their sum.
 #[test]
-fn reflections_are_split_as_they_were_made() {
+fn components_of_known_reflections_are_recovered() {
     let stop = AtomicBool::new(false);
     let control = Control { threads: Some(1), progress: &|_| {}, stop: &stop };
     let at = [0.0, 8.0, 30.0];
-    // Paint under a front that mirrors 3 %: paint is all Lambertian, the front all mirror.
+    // Paint under a front that reflects 3 %: the paint is only Lambertian, the front only mirror.
     let set = [&PAINT[..], &["display.front=[{ reflectance = 0.03, absorptance = 0 }]"]].concat();
     let paint = reflection(&scenario("overcast", &set).unwrap().scene, &at, &control).unwrap();
     for one in &paint {
         let white = one.states.iter().find(|state| state.name == "white").unwrap();
         assert!((white.mirror - 0.03).abs() < 1e-9 && white.haze.abs() < 1e-3, "{one:?}");
         assert!((white.lambertian - 0.97 * 0.97 * 0.6 / (1.0 - 0.03 * 0.6)).abs() < 1e-3, "{one:?}");
-        // Paint sends sin^2(2.5 deg) cos(theta) of its light into the disc, and the mirror all of its own.
+        // Paint reflects a fraction sin^2(2.5 deg) cos(theta) of its light into the disc, the mirror all of its light.
         let straight =
             0.03 + white.lambertian * one.theta_deg.to_radians().cos() * 2.5_f64.to_radians().sin().powi(2);
         assert!((white.beyond_straight.unwrap() - (1.0 - straight / white.returned)).abs() < 1e-4, "{one:?}");
     }
-    // A lobe twice over a mirror, under no front: no mirror image, and beyond 2.5 deg the double lobe's share,
+    // A lobe passed twice over a mirror, without front: no mirror image, and beyond 2.5 deg the fraction of the double lobe,
     // b' = 2 b: 1 - H with H of width 2b, over what leaves.
     let mirror = [
         "display.front=[]",

@@ -1,6 +1,6 @@
-//! Displays of the repository's scenarios, run without a word.
+//! Runs of the repository's scenarios without progress reports.
 //!
-//! Scenarios are read by a crate above this one: displays are written as their users write them.
+//! The tests use the crate that reads scenarios, so that displays are described as users describe them.
 
 use std::path::PathBuf;
 use std::sync::atomic::AtomicBool;
@@ -10,18 +10,18 @@ use papilio_display::scene::Scene;
 use papilio_display::{Control, DisplayError};
 use papilio_scenario::{Resolved, Scenario, ScenarioErrors};
 
-/// Where the example scenarios are.
+/// Returns the folder of the example scenarios.
 pub(crate) fn scenarios() -> PathBuf {
     PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../scenarios")
 }
 
-/// An example scenario, with overrides `PATH=VALUE`.
+/// Reads an example scenario, with overrides `PATH=VALUE`.
 pub(crate) fn scenario(name: &str, overrides: &[&str]) -> Result<Resolved, ScenarioErrors> {
     let overrides: Vec<String> = overrides.iter().map(|text| (*text).to_owned()).collect();
     Scenario::load(&scenarios().join(name).with_extension("toml"), &overrides)?.resolve()
 }
 
-/// An example scenario by the walk, with overrides `PATH=VALUE`.
+/// Reads an example scenario for the Monte Carlo solver, with overrides `PATH=VALUE`.
 pub(crate) fn walked(name: &str, overrides: &[&str]) -> Result<Resolved, ScenarioErrors> {
     scenario(name, &[&["solver.method=monte-carlo"], overrides].concat())
 }

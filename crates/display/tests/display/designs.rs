@@ -1,4 +1,4 @@
-//! Designs through a kept kernel: the numbers of a run, in any order.
+//! Tests of designs: their values equal those of runs, in any order.
 
 use std::sync::atomic::AtomicBool;
 
@@ -9,8 +9,8 @@ use papilio_display::{Control, Designs, DisplayError, Parameter, Prepared, Quant
 use papilio_sampling::{Numbers, Sampler};
 use papilio_spectra::Spectrum;
 
-/// Displays of every kind that designs go through, on few wavelengths. The target is so wide that two levels are enough
-/// for any design: a run then reports the level that designs are computed at.
+/// Displays of all kinds that support designs, with few wavelengths. The target is so large that two levels suffice
+/// for all designs: a run then reports the level at which designs are computed.
 fn scenes() -> Vec<(&'static str, Scene)> {
     let scene = |name: &str, overrides: &[&str]| {
         let overrides = [&["spectrum.step_nm=20", "metrics.gamut_volume=true"], overrides].concat();
@@ -42,7 +42,7 @@ fn film(scene: &Scene) -> &FilmPixel {
     }
 }
 
-/// Layers, gaps and shares moved at random: thicknesses by up to a third, one layer gone, gaps by up to 30 nm.
+/// Random changes of layers, gaps and fractions: thicknesses by up to a third, one layer removed, gaps by up to 30 nm.
 fn moved(film: &FilmPixel, number: u64) -> FilmPixel {
     let numbers = Numbers::new(Sampler::Random, 8, 0);
     let mut thrown = 0;
@@ -62,7 +62,7 @@ fn moved(film: &FilmPixel, number: u64) -> FilmPixel {
     moved
 }
 
-/// Every metric of every state in every view, and distances from made-up wants.
+/// All metrics of all states in all views, and distances from arbitrary targets.
 fn everything(scene: &Scene) -> Vec<Quantity> {
     let views = scene.viewer.theta_deg.len();
     let mut all = Vec::new();
@@ -91,9 +91,9 @@ fn designs(scene: &Scene, quantities: &[Quantity]) -> Designs {
     Designs::new(scene, quantities, &control(&AtomicBool::new(false))).unwrap()
 }
 
-/// Peaks of spectra that are flat within their errors, which a run forgets, are the one thing that differs.
+/// Only the peaks of spectra that are flat within their errors differ: a run does not report them.
 #[test]
-fn a_design_is_what_a_run_reports() {
+fn design_equals_the_result_of_a_run() {
     for (name, scene) in scenes() {
         let quantities = everything(&scene);
         let mut designs = designs(&scene, &quantities);
@@ -118,7 +118,7 @@ fn a_design_is_what_a_run_reports() {
     }
 }
 
-/// All parameters of a film.
+/// Returns all parameters of a film.
 fn parameters(film: &FilmPixel) -> Vec<Parameter> {
     let mut all = vec![Parameter::DarkGap, Parameter::FillFactor, Parameter::SubstrateIndex];
     all.push(Parameter::SubstrateExtinction);
@@ -136,7 +136,7 @@ fn parameters(film: &FilmPixel) -> Vec<Parameter> {
     all
 }
 
-/// What one unit of a parameter is to a designer.
+/// Typical change of a parameter in a design.
 fn unit(parameter: Parameter) -> f64 {
     match parameter {
         Parameter::Thickness { .. } | Parameter::Gap { .. } | Parameter::DarkGap => 1.0,
@@ -170,7 +170,8 @@ fn shifted(film: &FilmPixel, parameter: Parameter, by: f64) -> FilmPixel {
     film
 }
 
-/// A film to differentiate at: moved, with an analogue gap equal to another, and absorbing everywhere, so that k can go both ways.
+/// Film for derivatives: changed at random, with a gap of a state equal to another gap, and with absorption in all layers, so
+/// that k can both increase and decrease.
 fn film_with_everything(scene: &Scene, number: u64) -> FilmPixel {
     let mut film = moved(film(scene), number);
     film.layers.iter_mut().flat_map(|layer| &mut layer.index).for_each(|n| n.im += 0.01);
@@ -185,7 +186,7 @@ fn film_with_everything(scene: &Scene, number: u64) -> FilmPixel {
     film
 }
 
-/// Differences of sixth order with two steps, the shorter's first; `None` where a quantity is not defined on the way.
+/// Differences of sixth order with two steps, the shorter first; `None` if a quantity is not defined at one of the points.
 fn differences(at: impl Fn(f64) -> Vec<Option<f64>>, step: f64) -> [Vec<Option<f64>>; 2] {
     let pairs = [1.0, 2.0, 3.0, 4.0, 6.0].map(|k| (at(k * step), at(-k * step)));
     let of = |steps: [usize; 3], step: f64, k: usize| {
@@ -196,10 +197,10 @@ fn differences(at: impl Fn(f64) -> Vec<Option<f64>>, step: f64) -> [Vec<Option<f
     [all([0, 1, 2], step), all([1, 3, 4], 2.0 * step)]
 }
 
-/// To 1e-6 of the gradient's largest part, wherever differences with two steps agree on what the truth is: a peak has kinks
-/// where another wavelength becomes the highest, a distance where it is small, and a film's table where it takes other nodes.
+/// Within 1e-6 of the largest component of the gradient, wherever differences with two steps agree: a peak has kinks where
+/// another wavelength becomes the largest, a distance where it is small, and a film's table where its nodes change.
 #[test]
-fn derivatives_are_those_of_the_numbers() {
+fn derivatives_equal_finite_differences() {
     let (mut compared, mut unclear) = (0, 0);
     for (number, (name, scene)) in scenes().into_iter().enumerate() {
         let quantities = everything(&scene);
@@ -207,7 +208,7 @@ fn derivatives_are_those_of_the_numbers() {
         let film = film_with_everything(&scene, number as u64);
         let parameters = parameters(&film);
         let found = own.derivatives(&film, &parameters).unwrap();
-        // Gaps that are equal are one to a design, and several to its derivatives: sums differ in their last bits.
+        // Equal gaps are combined in a design and separate in its derivatives: sums differ in their last bits.
         for (found, value) in found.values.iter().zip(own.evaluate(&film).unwrap()) {
             let off = found.zip(value).map(|(a, b)| (a - b).abs() / (1.0 + b.abs()));
             assert!(found.is_some() == value.is_some() && off.unwrap_or(0.0) < 1e-11, "{name}: {off:?}");
@@ -239,12 +240,12 @@ fn derivatives_are_those_of_the_numbers() {
             }
         }
     }
-    // 2.4 %: peaks, mostly.
+    // Observed: 2.4 %, mostly peaks.
     assert!(unclear < compared / 30, "{unclear} of {compared}");
 }
 
 #[test]
-fn what_is_no_parameter_is_refused() {
+fn missing_parameter_is_refused() {
     let scene = &scenes()[0].1;
     let mut designs = designs(scene, &[]);
     let film = film(scene);
@@ -262,7 +263,7 @@ fn what_is_no_parameter_is_refused() {
 }
 
 #[test]
-fn the_order_of_designs_changes_nothing() {
+fn order_of_designs_has_no_effect() {
     for (name, scene) in scenes() {
         let quantities = everything(&scene);
         let films: Vec<FilmPixel> = (0..8).map(|number| moved(film(&scene), number)).collect();
@@ -277,7 +278,7 @@ fn the_order_of_designs_changes_nothing() {
 }
 
 #[test]
-fn what_is_no_design_is_refused() {
+fn invalid_designs_are_refused() {
     let scene = &scenes()[0].1;
     let stop = AtomicBool::new(false);
     let refused = |scene: &Scene, quantity: Quantity| Designs::new(scene, &[quantity], &control(&stop)).err();

@@ -1,4 +1,4 @@
-//! A light guide below the front of screen, alone and beside the room's light.
+//! Tests of front lights, alone and in addition to ambient light.
 use std::path::Path;
 
 use papilio_display::result::{RunResult, StateValues};
@@ -16,7 +16,7 @@ fn scenario(display: &str, lighting: &str, solver: &str) -> String {
     )
 }
 
-/// In a room of 500 lx.
+/// Runs a display in ambient light of 500 lx.
 fn run(display: &str, lighting: &str, solver: &str) -> RunResult {
     run_in(display, &format!("illuminance_lx = 500\n{lighting}"), solver)
 }
@@ -36,10 +36,10 @@ fn near(what: &str, found: f64, truth: f64, tolerance: f64) {
     assert!((found / truth - 1.0).abs() < tolerance, "{what}: {found} against {truth}");
 }
 
-/// It crosses the front once where ambient light crosses twice: 1/(1 - R - A) of one component, with all that is
-/// recycled; and the reference white does not see it.
+/// Front light crosses the front once and ambient light twice: the ratio is 1/(1 - R - A) for one component, including all
+/// inter-reflections. The reference white is not lit by the front light.
 #[test]
-fn light_below_the_front_crosses_it_once() {
+fn front_light_crosses_the_front_once() {
     for solver in SOLVERS {
         let panel = [FRONT, LOBE].concat();
         let both = run(&panel, "[lighting.front_light]\nilluminance_lx = 500\n", solver);
@@ -54,7 +54,7 @@ fn light_below_the_front_crosses_it_once() {
 }
 
 #[test]
-fn a_distribution_is_light_from_there() {
+fn front_light_with_a_distribution_equals_an_environment() {
     let guide = "[lighting.front_light]\nilluminance_lx = 500\ndistribution = \"data/synthetic-room.csv\"\n";
     let sky =
         "[[lighting.environment]]\nmodel = \"profile\"\nfile = \"data/synthetic-room.csv\"\nshare = 1\n";
@@ -62,15 +62,15 @@ fn a_distribution_is_light_from_there() {
         let panel = [FRONT, LOBE].concat();
         let above = run(&panel, sky, solver);
         let below = run(&panel, guide, solver);
-        // By way of the pixel alone: below it the front mirrors nothing of it.
+        // Only the contribution via the pixel: the front does not reflect light that starts below it.
         let truth = white(&above).terms.environment[0] / 0.97;
         near(solver, white(&below).terms.front_light.unwrap(), truth, tolerance);
     }
 }
 
-/// A guide that leaks a fifth: a veil of t E_up/pi, and what the front sends back of it lights the panel.
+/// A light guide that leaks a fifth upwards adds a veil of t E_up/pi, and the part that the front reflects lights the panel.
 #[test]
-fn a_leak_is_a_veil_over_all_states() {
+fn upward_leak_adds_the_same_veil_to_all_states() {
     for solver in SOLVERS {
         let of = |leak: &str| {
             run(
@@ -90,9 +90,9 @@ fn a_leak_is_a_veil_over_all_states() {
     }
 }
 
-/// Any layers: under a front that only absorbs, the panel is seen as without it, once through the front.
+/// General layers: under a front that only absorbs, the luminance is that without the front times one transmittance.
 #[test]
-fn over_any_layers_a_front_that_absorbs_is_crossed_once() {
+fn front_light_over_general_layers_crosses_an_absorbing_front_once() {
     let layers = |sheet: &str| {
         format!(
             "[display]\nlayers = [{sheet}{{ kind = \"fresnel\" }}, {{ kind = \"slab\", optical_thickness = 1, anisotropy = 0.6, \
@@ -108,10 +108,10 @@ fn over_any_layers_a_front_that_absorbs_is_crossed_once() {
     near("layers", white(&below).terms.front_light.unwrap(), 0.8 * white(&bare).Y, 1e-6);
 }
 
-/// Alone over a Lambertian panel without a face: of E on it comes back R E, which the front passes once and sends back in part, round
-/// after round: Y = t R/(1 - R r) against a perfect white in the guide's light.
+/// Front light alone over a Lambertian panel without an interface: the panel reflects R E, of which the front transmits t and
+/// reflects r in each round trip: Y = t R/(1 - R r) relative to a perfect white in the front light.
 #[test]
-fn alone_it_is_a_closed_form() {
+fn front_light_alone_equals_the_closed_form() {
     const PAPER: &str =
         "[display.diffuser]\nmodel = \"lambertian\"\ntransmittance = 0.8\n[display.glass]\nindex = 1\n";
     let dark = "diffuse = 0\n[lighting.front_light]\nilluminance_lx = 300\nspectrum = \"LED-B5\"\n";
@@ -127,7 +127,7 @@ fn alone_it_is_a_closed_form() {
             assert_eq!(value.R_hemi, None);
             assert_eq!((&value.reflectance_factor, value.peak_nm), (&None, None));
         }
-        // L* a* b* are those of a screen whose white is white, u'v' those of the light.
+        // L*, a*, b* are relative to the display's white state, u'v' are those of the light.
         let white = white(&alone);
         let lab = [white.L_star, white.a_star, white.b_star].map(Option::unwrap);
         assert!((lab[0] - 100.0).abs() < 1e-9 && lab[1].abs() < 1e-9 && lab[2].abs() < 1e-9, "{lab:?}");
@@ -136,9 +136,9 @@ fn alone_it_is_a_closed_form() {
     }
 }
 
-/// Of light that is weak enough, the room's is none.
+/// The limit of weak ambient light is the result without ambient light.
 #[test]
-fn a_dark_room_is_the_limit_of_a_dim_one() {
+fn dark_environment_is_the_limit_of_a_dim_one() {
     let guide = "[lighting.front_light]\nilluminance_lx = 500\nupward_leak = 0.1\n";
     let panel = [FRONT, LOBE].concat();
     let alone = run_in(&panel, guide, SOLVERS[0]);
@@ -151,9 +151,9 @@ fn a_dark_room_is_the_limit_of_a_dim_one() {
     assert!(dim.views[0].states.get("white").unwrap().value.reflectance_factor.is_some());
 }
 
-/// A guide by its IES file: one that shines by Lambert's law is diffuse.
+/// A light guide whose IES file follows Lambert's law is diffuse.
 #[test]
-fn a_distribution_may_be_an_ies_file() {
+fn lambertian_ies_file_equals_a_diffuse_front_light() {
     let folder = tempfile::tempdir().unwrap();
     let rows: Vec<f64> = (0..=90).map(f64::from).collect();
     let line = |f: &dyn Fn(f64) -> f64| rows.iter().map(|v| f(*v).to_string()).collect::<Vec<_>>().join(" ");
@@ -177,7 +177,7 @@ fn a_distribution_may_be_an_ies_file() {
 }
 
 #[test]
-fn what_is_refused() {
+fn invalid_front_lights_are_refused() {
     let errors = |display: &str, lighting: &str| {
         let text = format!("{display}{PIXEL}[lighting.front_light]\n{lighting}\n");
         let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenarios");

@@ -1,9 +1,9 @@
-//! Standard errors of the walk mean what they say, of derived metrics too: over many seeds, the
-//! deviations from a long run have the size that the errors claim.
+//! Tests of the standard errors of the Monte Carlo solver, including those of derived metrics: over many seeds, the
+//! deviations from a long run follow the distribution that the errors imply.
 use crate::common::{run, run_on, walked};
 use papilio_display::result::{RunResult, View};
 
-/// Metrics and their standard errors, linear and not.
+/// Linear and nonlinear metrics with their standard errors.
 fn metrics(view: &View) -> Vec<(&'static str, f64, f64)> {
     let mut all = vec![
         ("contrast", view.metrics.contrast_ratio.unwrap(), view.standard_error.contrast_ratio.unwrap()),
@@ -57,12 +57,12 @@ fn indoor(sampler: &str, seed: u64, relative_error: f64) -> RunResult {
     run(&walked("indoor", &overrides).unwrap().scene).unwrap()
 }
 
-/// z-scores are Student's (Sidak over 40 metrics: 3e-4), each with 48 seeds or more.
+/// The z-scores follow Student's distribution (Sidak over 40 metrics: 3e-4), each with at least 48 seeds.
 #[test]
-fn z_scores_of_every_metric() {
+fn z_scores_of_every_metric_follow_students_distribution() {
     let seeds = papilio_testing::seeds().max(48);
     for (sampler, target) in [("sobol", 0.01), ("random", 0.02)] {
-        // A run takes a second round at least, which leaves a good deal less than these targets.
+        // A run has at least two rounds, after which the error is well below these targets.
         let truth = metrics(&indoor("sobol", 1_000_000, 2e-5).views[0]);
         let mut scores = vec![Vec::new(); truth.len()];
         for seed in 0..seeds {
@@ -70,7 +70,7 @@ fn z_scores_of_every_metric() {
             for ((scores, (_, value, error)), (name, exact, exact_error)) in
                 scores.iter_mut().zip(found).zip(&truth)
             {
-                assert!(*exact_error < 0.3 * error, "{name}: the reference is not good enough");
+                assert!(*exact_error < 0.3 * error, "{name}: the reference is not accurate enough");
                 scores.push((value - exact) / error.hypot(*exact_error));
             }
         }
@@ -81,7 +81,7 @@ fn z_scores_of_every_metric() {
 }
 
 #[test]
-fn the_number_of_threads_changes_nothing() {
+fn number_of_threads_has_no_effect() {
     let scene = walked("angle-scan", &[]).unwrap().scene;
     let one = run_on(&scene, Some(1)).unwrap();
     assert_eq!(one, run_on(&scene, Some(3)).unwrap());
@@ -89,7 +89,7 @@ fn the_number_of_threads_changes_nothing() {
 }
 
 #[test]
-fn a_run_stops_where_it_is_told() {
+fn run_stops_at_its_stopping_criterion() {
     let result = indoor("random", 3, 0.02);
     assert!(result.solver.relative_error_reached <= 0.02);
     let every_bin = walked("overcast", &["solver.per_wavelength=true"]).unwrap().scene;

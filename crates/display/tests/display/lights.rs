@@ -1,4 +1,4 @@
-//! Every kind of room's light, from scenario to result.
+//! Tests of all kinds of ambient light, from the scenario to the result.
 mod fields_of_view;
 mod formulas;
 mod third_road;
@@ -8,7 +8,7 @@ use std::path::Path;
 use papilio_display::result::RunResult;
 use papilio_scenario::Scenario;
 
-/// Lights of every kind, each for the whole illuminance.
+/// Name and keys of lights of all kinds, each with all of the illuminance.
 const LIGHTS: &[(&str, &str)] = &[
     ("ring", "model = \"ring\"\ntheta_deg = 35\nwidth_deg = 10\nshare = 1"),
     ("cap", "model = \"cap\"\nto_deg = 15\nshare = 1"),
@@ -57,9 +57,8 @@ fn run_in(text: &str, folder: &Path) -> RunResult {
     crate::common::run(&scenario.resolve().unwrap().scene).unwrap()
 }
 
-/// A Lambertian display gives its reflectance under every kind of light.
 #[test]
-fn a_lambertian_display_gives_its_reflectance_under_every_light() {
+fn lambertian_display_has_its_reflectance_under_every_light() {
     let diffuse = "model = \"cap\"\nshare = 1";
     let even = run(&text(OVER_MIRROR, diffuse, ""));
     let even = even.views[0].states.get("white").unwrap().value.Y;
@@ -75,9 +74,9 @@ fn a_lambertian_display_gives_its_reflectance_under_every_light() {
     }
 }
 
-/// Both solvers agree, parts sum to Y, and ledgers close.
+/// Both solvers agree, the contributions sum to Y, and the energy balance closes.
 #[test]
-fn the_solvers_agree_under_every_light() {
+fn solvers_agree_under_every_light() {
     for (name, light) in LIGHTS {
         let adding = run(&text(PANEL, light, "relative_error = 1e-4"));
         let walk = run(&text(PANEL, light, "method = \"monte-carlo\"\npaths = 16384"));
@@ -106,9 +105,9 @@ fn the_solvers_agree_under_every_light() {
     }
 }
 
-/// A cap around any direction is a disc there, and a sphere with a trap is the sphere less a disc.
+/// A cap around any direction equals a disc, and a sphere with a trap equals the sphere minus a disc.
 #[test]
-fn a_trap_is_what_its_disc_takes() {
+fn sphere_with_a_trap_lacks_the_light_of_a_disc() {
     let solver = "relative_error = 1e-5";
     let white = |display: &str, lighting: &str| {
         let text = format!(
@@ -127,9 +126,9 @@ fn a_trap_is_what_its_disc_takes() {
     assert!((trapped / truth - 1.0).abs() < 1e-4, "{trapped} against {truth}");
 }
 
-/// Of a mirror the meter at 8 deg sees nothing but the trap.
+/// The image of the trap fills the view of a mirror at 8 deg.
 #[test]
-fn the_excluded_specular_part_is_excluded() {
+fn specular_excluded_geometry_excludes_the_mirror_image() {
     let mirror = "[display.glass]\nindex = 1.5\nsurface = \"fresnel\"\n[display.pixel]\nmodel = \"uniform\"\nkind = \"mirror\"\n\
         reflectance = { white = 0.6, black = 0.05 }\n";
     let of = |preset: &str| {
@@ -140,9 +139,9 @@ fn the_excluded_specular_part_is_excluded() {
     assert!(of("d8-included") > 0.5);
 }
 
-/// Light by direction, as it is drawn, has the lux that fall on the display.
+/// The luminance by direction, as drawn in figures, integrates to the illuminance on the display.
 #[test]
-fn luminance_by_direction_makes_the_illuminance() {
+fn luminance_by_direction_integrates_to_the_illuminance() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenarios");
     for (name, light) in LIGHTS {
         let scenario = Scenario::from_text(&text(PAPER, light, ""), "light.toml", &folder, &[]).unwrap();

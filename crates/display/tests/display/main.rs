@@ -1,9 +1,9 @@
-//! Displays from the scenario to the result: numbers, laws and what does not change them.
+//! Tests of displays from the scenario to the result: values, physical laws and reproducibility.
 
 #![allow(
     clippy::panic,
     clippy::unwrap_used,
-    reason = "helpers of tests, too, say what they expect by unwrapping"
+    reason = "helpers of tests express expectations by unwrapping, too"
 )]
 
 mod asked_metrics;

@@ -1,5 +1,5 @@
-//! A prepared display gives what a plain run gives, to the last bit, whatever was run before;
-//! so does any number of threads.
+//! Tests of prepared displays: their results are bit-identical to those of single runs, independently of earlier
+//! scenes and of the number of threads.
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use crate::common::{run_on, scenario};
@@ -8,7 +8,7 @@ use papilio_display::scene::{Layers, Lobe, Method, Pixel, Scene, Stop, Thickness
 use papilio_display::{Control, DisplayError, Prepared};
 use papilio_spectra::Grid;
 
-/// A scenario's scene, to be run by adding, on few wavelengths.
+/// Reads the scene of a scenario for adding, with few wavelengths.
 fn scene(name: &str, overrides: &[&str]) -> Scene {
     let overrides: Vec<&str> = ["spectrum.step_nm=40"].iter().chain(overrides).copied().collect();
     let mut scene = scenario(name, &overrides).unwrap().scene;
@@ -21,10 +21,10 @@ fn with_stop<T>(threads: usize, run: impl FnOnce(&Control<'_>) -> T) -> T {
     run(&Control { threads: Some(threads), progress: &|_| {}, stop: &AtomicBool::new(false) })
 }
 
-/// What is changed, and how.
+/// Description of a change, and the change.
 type Change = (&'static str, fn(&mut Scene));
 
-/// Changes of every kind of key, in an order in which each meets what the others left.
+/// Changes of all kinds of keys, each applied after the previous ones.
 fn changes() -> Vec<Change> {
     vec![
         ("nothing", |_| {}),
@@ -92,13 +92,13 @@ fn lobe(scene: &mut Scene, width: f64) {
     }
 }
 
-/// As written: 17 digits tell any two numbers apart, and two NaN are alike.
+/// Formats a result: 17 digits distinguish all numbers, and NaN values are equal.
 fn text(result: &RunResult) -> String {
     format!("{result:?}")
 }
 
 #[test]
-fn a_prepared_display_equals_a_plain_run() {
+fn prepared_display_equals_a_single_run_after_every_change() {
     with_stop(1, |control| {
         let mut scene = scene("indoor", &[]);
         let mut prepared = Prepared::new(&scene).unwrap();
@@ -111,9 +111,8 @@ fn a_prepared_display_equals_a_plain_run() {
     });
 }
 
-/// Back and forth: what is kept is never what another scene left.
 #[test]
-fn scenes_in_turn_do_not_mix() {
+fn alternating_scenes_do_not_affect_each_other() {
     with_stop(1, |control| {
         let scenes =
             ["indoor", "epaper", "two-diffusers", "table-pixel", "sunny"].map(|name| scene(name, &[]));
@@ -126,7 +125,7 @@ fn scenes_in_turn_do_not_mix() {
 }
 
 #[test]
-fn after_a_scene_that_cannot_be_the_next_is_right() {
+fn invalid_scene_does_not_affect_the_next() {
     with_stop(1, |control| {
         let good = scene("indoor", &[]);
         let mut prepared = Prepared::new(&good).unwrap();
@@ -140,7 +139,7 @@ fn after_a_scene_that_cannot_be_the_next_is_right() {
 }
 
 #[test]
-fn threads_do_not_matter() {
+fn number_of_threads_has_no_effect_on_views() {
     for name in ["angle-scan", "two-diffusers"] {
         let mut scene = scene(name, &[]);
         scene.viewer.theta_deg = vec![-40.0, -3.0, 0.0, 8.0, 20.0, 33.0, 75.0];
@@ -150,10 +149,10 @@ fn threads_do_not_matter() {
     }
 }
 
-/// No noise: standard errors are 0, and null where there is no number; discretisation errors
-/// are there, of the same shapes, and below the target.
+/// Without noise, standard errors are 0, or null if a value is not defined. Discretisation errors
+/// have the same shapes and are below the target.
 #[test]
-fn errors_of_adding() {
+fn errors_of_adding_are_complete_and_below_the_target() {
     let scene = scene("indoor", &[]);
     let result = run_on(&scene, Some(1)).unwrap();
     let solver = &result.solver;
@@ -185,15 +184,14 @@ fn errors_of_adding() {
 }
 
 #[test]
-fn a_number_of_paths_is_refused() {
+fn number_of_paths_is_refused_by_adding() {
     let mut scene = scene("indoor", &[]);
     scene.solver.stop = Stop::Paths(1000);
     assert_eq!(run_on(&scene, Some(1)), Err(DisplayError::NoPaths));
 }
 
-/// A target that no level reaches is said.
 #[test]
-fn a_target_out_of_reach_is_said() {
+fn target_that_no_level_reaches_causes_a_warning() {
     let mut scene = scene("overcast", &[]);
     scene.solver.stop = Stop::RelativeError { target: 0.0, every_bin: true };
     let result = run_on(&scene, Some(1)).unwrap();
@@ -201,9 +199,9 @@ fn a_target_out_of_reach_is_said() {
     assert!(result.solver.relative_error_reached > 0.0, "{:?}", result.solver);
 }
 
-/// Stopped at once there is nothing; stopped after some views, these are reported.
+/// A run that is stopped at once fails; a run that is stopped after some views reports these.
 #[test]
-fn interrupted() {
+fn interrupted_run_reports_the_completed_views() {
     let mut scene = scene("indoor", &[]);
     scene.viewer.theta_deg = vec![0.0, 10.0, 20.0, 30.0];
     let stop = AtomicBool::new(true);
@@ -217,9 +215,9 @@ fn interrupted() {
     assert!(result.warnings.iter().any(|w| w.contains("interrupted: 2 of 4 views")), "{:?}", result.warnings);
 }
 
-/// Equal to what a grid made anew gives: a coarser grid is not served what a finer one left.
+/// A coarser grid gives the same result after a finer one as in a single run.
 #[test]
-fn grids_do_not_mix() {
+fn change_of_the_grid_equals_a_single_run() {
     let (fine, coarse) = (scene("indoor", &[]), scene("indoor", &["spectrum.step_nm=80"]));
     assert_ne!(fine.grid, Grid::new(380.0, 780.0, 80.0).unwrap());
     with_stop(1, |control| {

@@ -1,4 +1,4 @@
-//! The viewing cone and the display's BSDF against plain runs.
+//! Tests of the viewing cone and the display's BSDF against single runs.
 use std::f64::consts::PI;
 use std::sync::atomic::AtomicBool;
 
@@ -21,9 +21,9 @@ fn seen(scene: &Scene, theta_deg: &[f64], phi_deg: &[f64], threads: usize) -> Co
     cone(scene, grid, &Control { threads: Some(threads), progress: &|_| {}, stop: &stop }).unwrap()
 }
 
-/// Beyond what was measured nothing is known: no number, whatever a front reflects; beside it all as ever.
+/// Outside the measured directions there are no values, even if the front reflects light; inside they are not affected.
 #[test]
-fn beyond_a_measurement_there_are_no_numbers() {
+fn cone_outside_the_measured_directions_has_no_values() {
     let sets = [
         "spectrum.step_nm=20",
         "display.diffuser.extrapolate=none",
@@ -41,16 +41,16 @@ fn beyond_a_measurement_there_are_no_numbers() {
             assert_eq!((state.u_prime.is_some(), state.uv_shift.is_some()), (known, known));
         }
     }
-    assert!(found.warnings.iter().any(|line| line.contains("from beyond 75 deg")), "{:?}", found.warnings);
-    // A lobe that holds, a diffuser over it, and what has another form are known everywhere.
+    assert!(found.warnings.iter().any(|line| line.contains("no measurements beyond 75 deg")), "{:?}", found.warnings);
+    // Extrapolated lobes, lobes below another diffuser, and other forms of diffusers are known in all directions.
     let held = scenario("measured-h65", &["spectrum.step_nm=20"]).unwrap().scene;
     let everywhere = seen(&held, &[0.0, 89.0], &[0.0], 1);
     assert!(everywhere.views.iter().all(|view| view.contrast_ratio.is_some()));
 }
 
-/// Two roads: a direction of the cone is what a run with that view says.
+/// Two methods: a direction of the cone equals a run with that view.
 #[test]
-fn a_direction_of_the_cone_is_a_run_with_that_view() {
+fn direction_of_the_cone_equals_a_run_with_that_view() {
     for (name, thetas) in [("indoor", [0.0, 15.0, 40.0, 80.0]), ("two-diffusers", [0.0, 15.0, 40.0, 80.0])] {
         let target = 1e-4;
         let mut scene = scene(name, target);
@@ -89,12 +89,12 @@ fn a_direction_of_the_cone_is_a_run_with_that_view() {
     }
 }
 
-/// What is taken from the other side of the plane of light is what is seen there.
+/// Values that are taken from the mirror image in the plane of light equal computed values.
 #[test]
-fn mirrored_directions_are_what_is_computed_there() {
+fn mirrored_directions_equal_computed_ones() {
     let scene = scene("indoor", 1e-5);
     let thetas = [0.0, 20.0, 50.0];
-    // The first grid holds mirror images, the second none.
+    // The first grid contains mirror images, the second does not.
     let both = seen(&scene, &thetas, &[30.0, 120.0, 240.0, 330.0], 1);
     let one_side = seen(&scene, &thetas, &[240.0, 330.0], 1);
     for theta in 0..3 {
@@ -110,7 +110,7 @@ fn mirrored_directions_are_what_is_computed_there() {
 }
 
 #[test]
-fn threads_do_not_matter_to_a_cone() {
+fn number_of_threads_has_no_effect_on_a_cone() {
     for name in ["indoor", "two-diffusers"] {
         let scene = scene(name, 1e-3);
         let cones = [1, 2].map(|threads| seen(&scene, &[0.0, 25.0, 60.0], &[0.0, 45.0, 200.0], threads));
@@ -119,7 +119,7 @@ fn threads_do_not_matter_to_a_cone() {
 }
 
 #[test]
-fn cones_that_cannot_be() {
+fn invalid_cones_are_refused() {
     let mut scene = scene("indoor", 1e-3);
     let stop = AtomicBool::new(true);
     let control = Control { threads: Some(1), progress: &|_| {}, stop: &stop };
@@ -134,9 +134,9 @@ fn table(scene: &Scene, grid: BrdfGrid) -> papilio_display::BrdfTable {
     brdf(scene, grid, &Control { threads: Some(2), progress: &|_| {}, stop: &stop }).unwrap()
 }
 
-/// The BSDF of a display is reciprocal, and alike all around for light along the normal.
+/// The BSDF of a display is reciprocal, and rotationally symmetric for light along the normal.
 #[test]
-fn a_bsdf_is_reciprocal() {
+fn bsdf_is_reciprocal() {
     for name in ["epaper", "indoor"] {
         let scene = scene(name, 1e-5);
         let table = table(&scene, BrdfGrid::even(30.0));
@@ -157,17 +157,17 @@ fn a_bsdf_is_reciprocal() {
                     );
                 }
             }
-            // Light along the normal is scattered alike all around.
+            // The scattering of light along the normal is rotationally symmetric.
             assert!((at(0, i, 0) / at(0, i, 2) - 1.0).abs() < 1e-4, "{name} {i}");
         }
-        // The mirror's side is that of azimuth 180 deg: there the lobe is seen.
+        // The mirror direction has azimuth 180 deg: the lobe is there.
         assert!(at(1, 1, phis - 1) >= 0.999 * at(1, 1, 0), "{name}");
     }
 }
 
-/// A beam in a run is the BSDF at its directions: L = BRDF E.
+/// The luminance under a beam follows from the BSDF: L = BRDF E.
 #[test]
-fn a_beam_in_a_run_is_the_bsdf() {
+fn run_with_a_beam_equals_the_bsdf() {
     let mut scene = scene("indoor", 1e-5);
     scene.lighting.diffuse = 0.0;
     scene.lighting.directed[0].share = 1.0;
@@ -184,10 +184,10 @@ fn a_beam_in_a_run_is_the_bsdf() {
     }
 }
 
-/// A rough face in grazing light: the lobe in the mirror direction is the face's own kernel, and what comes by way of the white
-/// pixel below it is less than its reflectance. Its rows say how good they are, and are not handed on silently.
+/// A rough interface at grazing incidence: the lobe in the mirror direction is the kernel of the interface, and the contribution
+/// of the white pixel below is less than its reflectance. The rows have errors, and rows above the limit are refused.
 #[test]
-fn a_rough_face_in_grazing_light_is_its_kernel() {
+fn bsdf_of_a_rough_interface_at_grazing_incidence_equals_its_kernel() {
     let sets = ["spectrum.step_nm=80", "display.layers.0.alpha=0.35", "display.pixel.reflectance.white=0.7"];
     let mut scene = scenario("rough-glass", &sets).unwrap().scene;
     scene.solver.stop = Stop::RelativeError { target: 1e-4, every_bin: false };

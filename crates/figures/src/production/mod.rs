@@ -1,4 +1,4 @@
-//! What production makes of a design: how metrics scatter, which keys are to blame, where the bad displays lie.
+//! Figures of a tolerance analysis: distribution of metrics, sensitivities to keys, displays that pass and fail.
 
 mod histogram;
 mod keys;
@@ -10,23 +10,23 @@ pub use sensitivities::{Blame, sensitivities};
 
 use crate::svg::Point;
 
-/// Displays that meet the limits, and those that do not.
+/// Colours of displays that meet the limits, and of those that do not.
 const GOOD: &str = "#4c78a8";
 const BAD: &str = "#c8321f";
 /// The panel, px.
 const PANEL: (Point, Point) = ((96.0, 24.0), (540.0, 330.0));
 
-/// What a metric has to meet.
+/// Limits of a metric.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Ends {
-    /// No less.
+    /// Lower limit.
     pub at_least: Option<f64>,
-    /// No more.
+    /// Upper limit.
     pub at_most: Option<f64>,
 }
 
 impl Ends {
-    /// Whether a value does; what is undefined does not.
+    /// Returns whether a value meets both limits; an undefined value does not.
     pub fn meets(&self, value: f64) -> bool {
         self.at_least.is_none_or(|least| value >= least) && self.at_most.is_none_or(|most| value <= most)
     }
@@ -40,23 +40,25 @@ impl Ends {
 mod tests {
     use super::*;
 
-    fn sound(svg: &str) {
+    fn assert_well_formed(svg: &str) {
         assert!(svg.ends_with("</svg>\n") && !svg.contains("NaN") && !svg.contains("inf"), "{svg}");
     }
 
     #[test]
-    fn anything_can_be_drawn() {
+    fn unusual_data_give_well_formed_figures() {
         let ends = Ends { at_least: Some(1.0), at_most: None };
         for values in
             [vec![1.0], vec![1.0; 50], vec![f64::NAN, 2.0, 1e300], (0..500).map(f64::from).collect()]
         {
-            sound(&histogram("<Y>", &values, ends, "<t>").unwrap());
+            assert_well_formed(&histogram("<Y>", &values, ends, "<t>").unwrap());
         }
         assert!(histogram("Y", &[f64::NAN], ends, "t").is_none());
         let blame = Blame { first: [-0.1, 0.3], total: [1.4, f64::NAN] };
         let groups = ["a".to_owned(), "b".to_owned()];
-        sound(&sensitivities(&["Y".to_owned()], &groups, &[vec![Some(blame), None]], "t").unwrap());
+        assert_well_formed(
+            &sensitivities(&["Y".to_owned()], &groups, &[vec![Some(blame), None]], "t").unwrap(),
+        );
         assert!(sensitivities(&["Y".to_owned()], &groups, &[vec![None, None]], "t").is_none());
-        sound(&good_and_bad(["a", "b"], &[([1.0, f64::NAN], true), ([1.0, 2.0], false)], "t"));
+        assert_well_formed(&good_and_bad(["a", "b"], &[([1.0, f64::NAN], true), ([1.0, 2.0], false)], "t"));
     }
 }

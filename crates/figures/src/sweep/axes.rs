@@ -1,16 +1,16 @@
-//! What a sweep's numbers run over: its views, if there are several, then its axes.
+//! The axes of a sweep's results: its views, if there are several, then its swept axes.
 
 use papilio_formats::{SweepHead, SweepHeadAxis, SweepPoint, sweep_value};
 
 use super::SweepAxis;
 
-/// The views that all points have; none, if they differ.
+/// Returns the views of all points; none if they differ.
 pub(super) fn common_views<'a>(points: &[&'a SweepPoint]) -> Vec<[&'a str; 2]> {
     let views = points.first().map(|first| first.views()).unwrap_or_default();
     if points.iter().all(|point| point.views() == views) { views } else { vec![] }
 }
 
-/// Views as an axis, if there are several.
+/// Returns the views as an axis, if there are several.
 pub(super) fn of_views(views: &[[&str; 2]]) -> Option<SweepAxis> {
     let first = views.first().filter(|_| views.len() > 1)?;
     let one = |k: usize| views.iter().all(|view| view[k] == first[k]);
@@ -22,7 +22,7 @@ pub(super) fn of_views(views: &[[&str; 2]]) -> Option<SweepAxis> {
     Some(SweepAxis { name: name.to_owned(), values: views.iter().map(text).collect() })
 }
 
-/// An axis goes by the first of its keys that changes; the others are named.
+/// Returns a swept axis. Its name is the first of its keys that changes, followed by the others in brackets.
 pub(super) fn of_axis(head: &SweepHead, axis: &SweepHeadAxis) -> SweepAxis {
     let text = |key: usize| -> Vec<String> {
         axis.values.iter().map(|values| values.get(key).map(sweep_value).unwrap_or_default()).collect()
@@ -39,7 +39,7 @@ pub(super) fn of_axis(head: &SweepHead, axis: &SweepHeadAxis) -> SweepAxis {
     }
 }
 
-/// The end of a path that no other swept path ends in: `haze` for `display.diffuser.haze`.
+/// Returns the shortest end of a key that no other swept key has: `haze` for `display.diffuser.haze`.
 pub fn short_key(head: &SweepHead, key: &str) -> String {
     let all = || head.axes.iter().flat_map(|axis| &axis.keys).filter(|other| *other != key);
     let starts = key.match_indices('.').map(|(at, _)| at + 1).rev().chain([0]);
@@ -59,7 +59,7 @@ mod tests {
     }
 
     #[test]
-    fn keys_that_move_together_are_all_named() {
+    fn axis_of_several_keys_names_all() {
         let keys = ["lighting.preset", "lighting.diffuse", "lighting.directed.0.share"];
         let value = |share: f64| vec![json!("indoor"), json!(share), json!(1.0 - share)];
         let axis =
@@ -70,7 +70,7 @@ mod tests {
     }
 
     #[test]
-    fn views_are_named_by_what_changes() {
+    fn axis_of_views_is_named_after_changing_angles() {
         let name = |views: &[[&str; 2]]| of_views(views).map(|named| (named.name, named.values[1].clone()));
         let expected = |name: &str, value: &str| Some((name.to_owned(), value.to_owned()));
         assert_eq!(name(&[["0", "0"]]), None);
@@ -80,7 +80,7 @@ mod tests {
     }
 
     #[test]
-    fn keys_are_as_short_as_is_clear() {
+    fn short_keys_are_shortest_unique_ends() {
         let axis = |key: &str| SweepHeadAxis { keys: vec![key.to_owned()], values: vec![] };
         let keys = ["display.diffuser.haze", "viewer.theta_deg", "lighting.directed.0.theta_deg"];
         let head = head(keys.iter().map(|key| axis(key)).collect());

@@ -1,4 +1,4 @@
-//! A metric over one or two swept keys: curves, and a map.
+//! A metric over one or two swept keys, as curves and as a map.
 
 mod axes;
 mod of_sweep;
@@ -16,36 +16,36 @@ use crate::polar::colour_bar;
 use crate::style::INK;
 use crate::svg::{Anchor, Point, Stroke, Svg, Text, finite, shortened};
 
-/// A swept axis: what it is called, and its values as they are written.
+/// A swept axis: its name, and its values as texts.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SweepAxis {
-    /// Its key, or its keys.
+    /// Name of the key, or of the keys.
     pub name: String,
-    /// A text for each value; if all are numbers, they are places on a scale.
+    /// A text for each value; if all are numbers, they are drawn on a scale.
     pub values: Vec<String>,
 }
 
 /// A metric at all points of two axes.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SweepFigure {
-    /// What is drawn.
+    /// Name of the metric.
     pub metric: String,
-    /// Left to right.
+    /// Horizontal axis.
     pub x: SweepAxis,
-    /// One curve for each value, or bottom to top in a map; of one axis alone: `None`.
+    /// Vertical axis of a map, or one curve for each value; `None` for a sweep of one axis.
     pub y: Option<SweepAxis>,
-    /// What a map's colours go over, where maps are to be held against each other; otherwise what there is.
+    /// Range of the colours of a map, if maps are to be compared; otherwise the range of its values.
     pub colours: Option<[f64; 2]>,
-    /// Values and standard errors: those of all x for the first y, and so on; NaN where not defined.
+    /// Values and standard errors, x fastest; NaN where not defined.
     pub values: Vec<(f64, f64)>,
 }
 
-/// Values are drawn on a logarithmic axis where the largest is more than so many times the smallest.
+/// Ratio of the largest to the smallest value above which the axis is logarithmic.
 const WIDE: f64 = 30.0;
 /// The panel, px.
 const PANEL: (Point, Point) = ((96.0, 24.0), (470.0, 330.0));
 
-/// Curves over x, one for each y.
+/// Draws curves over x, one for each y.
 pub fn sweep_curves(figure: &SweepFigure, title: &str) -> String {
     let all: Vec<f64> = figure.values.iter().map(|(value, _)| *value).collect();
     let y = Axis::logarithmic_beyond(WIDE, &all, &figure.metric)
@@ -73,7 +73,7 @@ pub fn sweep_curves(figure: &SweepFigure, title: &str) -> String {
         }
         let (values, errors): (Vec<f64>, Vec<f64>) = curve.iter().copied().unzip();
         barred |= panel.error_bars(&mut svg, &x, &values, &errors, &stroke);
-        // The curve's end is where x is largest, whichever way it was swept.
+        // The label is at the largest x, in whatever order it was swept.
         let end = line.iter().copied().filter(|p| finite(*p)).max_by(|a, b| a.0.total_cmp(&b.0));
         let (Some(end), Some(name), true) = (end, names.get(i), figure.y.is_some()) else { continue };
         let label = EndLabel { end, text: name.clone(), stroke };
@@ -101,7 +101,7 @@ pub fn sweep_curves(figure: &SweepFigure, title: &str) -> String {
     svg.finish()
 }
 
-/// A map over both axes; `None` if there is but one, or nothing to map.
+/// Draws a map over both axes. Returns `None` if there is only one axis, or no value is defined.
 pub fn sweep_map(figure: &SweepFigure, title: &str) -> Option<String> {
     let y = figure.y.as_ref()?;
     let values: Vec<f64> = figure.values.iter().map(|(value, _)| *value).collect();
@@ -114,15 +114,15 @@ pub fn sweep_map(figure: &SweepFigure, title: &str) -> Option<String> {
     let (across, up) = (Cells::of(&figure.x, Side::Below(PANEL.1.0)), Cells::of(y, Side::Left(PANEL.1.1)));
     let panel = Panel { origin: PANEL.0, size: PANEL.1, x: across.axis.clone(), y: up.axis.clone() };
     let mut svg = Svg::new(720.0, 420.0).titled(title);
-    // The cells cover the lines of its grid.
+    // The cells cover the grid lines.
     panel.draw(&mut svg);
     for (k, value) in values.iter().enumerate().filter(|(_, value)| value.is_finite()) {
         let (i, j) = (k % figure.x.values.len(), k / figure.x.values.len());
         let ((left, right), (low, high)) = (across.edges[i], up.edges[j]);
         let (from, to) = (panel.at(left, low), panel.at(right, high));
-        // A little larger than it is, so that no seam shows.
+        // Slightly larger than the cell, to avoid visible seams.
         let size = ((to.0 - from.0).abs() + 0.4, (from.1 - to.1).abs() + 0.4);
-        svg.rect((from.0.min(to.0), from.1.min(to.1)), size, 0.0, &viridis(scale.share(*value)), "");
+        svg.rect((from.0.min(to.0), from.1.min(to.1)), size, 0.0, &viridis(scale.fraction(*value)), "");
     }
     let mark = Stroke::solid(INK, 0.8);
     for (value, _) in panel.y.ticks() {
@@ -130,7 +130,7 @@ pub fn sweep_map(figure: &SweepFigure, title: &str) -> Option<String> {
         svg.line((panel.origin.0 - 4.0, height), (panel.origin.0, height), &mark);
     }
     if values.iter().any(|value| !value.is_finite()) {
-        panel.note(&mut svg, "empty: no number");
+        panel.note(&mut svg, "empty: undefined");
     }
     colour_bar(&mut svg, &scale, (panel.right() + 24.0, panel.origin.1), panel.size.1, true);
     let name = Text::new(SMALL, INK).anchor(Anchor::Middle).upright();
@@ -138,12 +138,12 @@ pub fn sweep_map(figure: &SweepFigure, title: &str) -> Option<String> {
     Some(svg.finish())
 }
 
-/// Colours along a scale: neighbouring values look alike.
+/// Returns colours along a scale, similar for neighbouring values.
 fn hue(i: usize, count: usize) -> String {
     if count == 1 {
         return INK.to_owned();
     }
-    // The lightest end is hard to see on white.
+    // The lightest colours of the map are hard to see on white.
     viridis(0.85 * i as f64 / (count - 1) as f64)
 }
 
@@ -156,7 +156,7 @@ mod tests {
     }
 
     #[test]
-    fn anything_can_be_drawn() {
+    fn unusual_data_give_well_formed_figures() {
         let nan = (f64::NAN, f64::NAN);
         for (x, values) in [
             (axis("a", &["1"]), vec![(1.0, 0.0); 2]),

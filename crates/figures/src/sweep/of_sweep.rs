@@ -1,36 +1,36 @@
-//! Figures of a sweep: each metric over the last axis, a curve for each value of the one before; and as a map.
+//! Figures of a sweep: each metric over the last axis, with a curve for each value of the axis before it, and as a map.
 
 use papilio_formats::{SweepHead, SweepPoint};
 
 use super::axes::{common_views, of_axis, of_views};
 use super::{SweepAxis, SweepFigure, sweep_curves, sweep_map};
 
-/// More curves cannot be told apart.
-const MOST_CURVES: usize = 8;
+/// Largest number of curves in a figure; more cannot be distinguished.
+const MAX_CURVES: usize = 8;
 
-/// A map of fewer values than this each way says less than its curves.
-const FEWEST_ROWS: usize = 3;
+/// Smallest number of values per axis of a map; curves are more informative for fewer.
+const MIN_ROWS: usize = 3;
 
-/// What `papilio sweep` draws: names of files, without their ends, and SVG texts. Of more than two axes, the others are
-/// at their first value, and the figure says so. Several views are an axis before all others.
+/// Returns the figures of `papilio sweep`: file names without extensions, and SVG texts. With more than two axes, the
+/// others are at their first value, which the title states. Several views form an additional first axis.
 pub fn of_sweep(head: &SweepHead, points: &[&SweepPoint]) -> Vec<(String, String)> {
     let mut drawn = Vec::new();
     for metric in &head.figures {
         let Some((figure, title)) = figure(head, points, metric) else { continue };
         let (curves, columns) = (figure.y.as_ref().map_or(1, |y| y.values.len()), figure.x.values.len());
-        let few = curves <= MOST_CURVES;
+        let few = curves <= MAX_CURVES;
         if few {
             drawn.push((format!("sweep_{metric}"), sweep_curves(&figure, &title)));
         }
-        if !few || (curves >= FEWEST_ROWS && columns >= FEWEST_ROWS) {
+        if !few || (curves >= MIN_ROWS && columns >= MIN_ROWS) {
             drawn.extend(sweep_map(&figure, &title).map(|svg| (format!("sweep_{metric}_map"), svg)));
         }
     }
     drawn
 }
 
-/// A metric over the last two axes (of which the views are the first, if there are several), and what stands above
-/// it; `None` where it is nowhere defined.
+/// Returns a metric over the last two axes (several views are the first axis), and the title of its figure; `None` if
+/// no value is defined.
 fn figure(head: &SweepHead, points: &[&SweepPoint], metric: &str) -> Option<(SweepFigure, String)> {
     let views = common_views(points);
     let mut axes: Vec<SweepAxis> = of_views(&views).into_iter().collect();
@@ -40,7 +40,7 @@ fn figure(head: &SweepHead, points: &[&SweepPoint], metric: &str) -> Option<(Swe
     let (y, fixed) = before.split_last().map_or((None, before), |(y, fixed)| (Some(y), fixed));
     let rows = y.map_or(1, |y| y.values.len());
     let value = |(j, i): (usize, usize)| {
-        // Of one swept axis, the views are the rows; of more, the last axis is the fastest of all.
+        // With one swept axis, the rows are the views; with more, the last axis varies fastest.
         let (view, at) =
             if over_views && head.axes.len() == 1 { (j, i) } else { (0, j * x.values.len() + i) };
         points.get(at).and_then(|point| measured(point, views.get(view).copied(), metric))
@@ -57,7 +57,7 @@ fn figure(head: &SweepHead, points: &[&SweepPoint], metric: &str) -> Option<(Swe
     Some((figure, title))
 }
 
-/// A metric and its error, in a view or in the first.
+/// Returns a metric and its error in a view, or in the first view.
 fn measured(point: &SweepPoint, view: Option<[&str; 2]>, metric: &str) -> Option<(f64, f64)> {
     let view = view.or_else(|| point.views().first().copied())?;
     let error = |end: &str| point.metric(view, &format!("{metric}{end}")).unwrap_or(0.0);

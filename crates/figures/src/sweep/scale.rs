@@ -1,34 +1,34 @@
-//! Where the values of a swept axis lie: evenly, by their logarithms, or in the order of their names.
+//! The scale of a swept axis: linear, logarithmic, or a list of names.
 
 use super::SweepAxis;
 use crate::axis::{Axis, range};
 use crate::panel::SMALL;
 use crate::svg::{shortened, text_width};
 
-/// Values that are spaced by ratios are drawn so if they span at least this one.
+/// Smallest ratio of the last to the first value for which an axis may be logarithmic.
 const LOGARITHMIC_FROM: f64 = 8.0;
 
-/// Of more values than this not each is worth a tick.
-const MOST_MARKED: usize = 24;
+/// Largest number of values that all have ticks.
+const MAX_MARKED: usize = 24;
 
-/// The side of a panel that an axis is on, and how long it is, px.
+/// Side of a panel that an axis is on, and its length, px.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Side {
     Below(f64),
     Left(f64),
 }
 
-/// What places on the axis mean.
+/// Scale of an axis.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Scale {
     Linear,
     Logarithmic,
-    /// Places in the list.
+    /// Indices in the list.
     Names,
 }
 
 impl SweepAxis {
-    /// The values as numbers, if they are; otherwise their places in the list.
+    /// Returns the values as numbers if all are numbers; otherwise their indices in the list.
     pub(super) fn places(&self) -> Vec<f64> {
         self.numbers().unwrap_or_else(|| (0..self.values.len()).map(|i| i as f64).collect())
     }
@@ -38,7 +38,7 @@ impl SweepAxis {
         numbers.collect()
     }
 
-    /// Logarithmic where the ratios of neighbours are more alike than their differences.
+    /// Returns a logarithmic scale if the ratios of neighbours vary less than their differences.
     fn scale(&self) -> Scale {
         let Some(mut sorted) = self.numbers() else { return Scale::Names };
         sorted.sort_by(f64::total_cmp);
@@ -47,15 +47,15 @@ impl SweepAxis {
         if sorted.len() < 3 || *first <= 0.0 || last / first < LOGARITHMIC_FROM {
             return Scale::Linear;
         }
-        let unevenness = |step: fn(f64, f64) -> f64| {
+        let variation = |step: fn(f64, f64) -> f64| {
             let steps = range(sorted.windows(2).map(|pair| step(pair[0], pair[1])));
             steps.map_or(1.0, |(least, most)| most / least)
         };
-        let by_ratios = unevenness(|a, b| (b / a).ln()) < unevenness(|a, b| b - a);
+        let by_ratios = variation(|a, b| (b / a).ln()) < variation(|a, b| b - a);
         if by_ratios { Scale::Logarithmic } else { Scale::Linear }
     }
 
-    /// An axis with round ticks around all values.
+    /// Returns an axis with round ticks around all values.
     pub(super) fn axis(&self) -> Axis {
         let places = self.places();
         match self.scale() {
@@ -70,9 +70,9 @@ impl SweepAxis {
     }
 }
 
-/// Where the cells of an axis begin and end: halfway between neighbours.
+/// Cells of an axis; their edges are halfway between neighbouring values.
 pub(super) struct Cells {
-    /// With a tick at every value, and texts where there is room for them.
+    /// Axis with a tick at every value, and labels where there is space for them.
     pub(super) axis: Axis,
     pub(super) edges: Vec<(f64, f64)>,
 }
@@ -91,12 +91,12 @@ impl Cells {
         let ends = range(edges.iter().flat_map(|(low, high)| [*low, *high])).unwrap_or((0.0, 1.0));
         let longest = if matches!(side, Side::Left(_)) { 62.0 } else { 84.0 };
         let texts: Vec<String> = order.iter().map(|i| shortened(&of.values[*i], longest, SMALL)).collect();
-        let shares: Vec<f64> = sorted.iter().map(|place| (place - ends.0) / (ends.1 - ends.0)).collect();
-        let shown = with_room(&shares, &texts, side);
+        let fractions: Vec<f64> = sorted.iter().map(|place| (place - ends.0) / (ends.1 - ends.0)).collect();
+        let shown = with_room(&fractions, &texts, side);
         let ticks = sorted.iter().zip(texts).zip(shown);
         let ticks =
             ticks.map(|((place, text), shown)| (back(*place), if shown { text } else { String::new() }));
-        let axis = if scale == Scale::Linear && order.len() > MOST_MARKED {
+        let axis = if scale == Scale::Linear && order.len() > MAX_MARKED {
             Axis::exact(ends.0, ends.1, 7, &of.name)
         } else {
             let ends = (back(ends.0), back(ends.1));
@@ -106,13 +106,13 @@ impl Cells {
     }
 }
 
-/// Both edges of each cell, from their places in `order`.
+/// Returns both edges of each cell, in the original order of the values.
 fn halfway(order: &[usize], sorted: &[f64]) -> Vec<(f64, f64)> {
     let half = |i: usize| 0.5 * (sorted[i + 1] - sorted[i]);
     let last = sorted.len().saturating_sub(1);
     let mut edges = vec![(0.0, 0.0); sorted.len()];
     for (k, place) in order.iter().enumerate() {
-        // At the ends as wide outwards as inwards; a cell that is alone has a width of its own.
+        // The first and the last cell are symmetric about their values; a single cell has a width of 1.
         let below = if k > 0 {
             half(k - 1)
         } else if last > 0 {
@@ -126,14 +126,14 @@ fn halfway(order: &[usize], sorted: &[f64]) -> Vec<(f64, f64)> {
     edges
 }
 
-/// Which texts can be written without touching the one before.
-fn with_room(shares: &[f64], texts: &[String], side: Side) -> Vec<bool> {
+/// Returns which labels can be written without touching the previous one.
+fn with_room(fractions: &[f64], texts: &[String], side: Side) -> Vec<bool> {
     const GAP: f64 = 6.0;
     let mut free = f64::NEG_INFINITY;
-    let fits = shares.iter().zip(texts).map(|(share, text)| {
+    let fits = fractions.iter().zip(texts).map(|(fraction, text)| {
         let (middle, half) = match side {
-            Side::Below(length) => (share * length, 0.5 * text_width(text, SMALL)),
-            Side::Left(length) => (share * length, 0.5 * SMALL),
+            Side::Below(length) => (fraction * length, 0.5 * text_width(text, SMALL)),
+            Side::Left(length) => (fraction * length, 0.5 * SMALL),
         };
         let fits = middle - half >= free;
         if fits {
@@ -153,7 +153,7 @@ mod tests {
     }
 
     #[test]
-    fn cells_meet_halfway_whichever_way_they_are_swept() {
+    fn cell_edges_are_halfway_for_any_order() {
         let cells = Cells::of(&axis(&["3", "1", "0"]), Side::Left(300.0));
         assert_eq!(cells.edges, [(2.0, 4.0), (0.5, 2.0), (-0.5, 0.5)]);
         let cells = Cells::of(&axis(&["1", "10", "100"]), Side::Left(300.0));
@@ -163,7 +163,7 @@ mod tests {
     }
 
     #[test]
-    fn values_spaced_by_ratios_are_drawn_so() {
+    fn values_in_geometric_progression_have_logarithmic_scale() {
         for (values, scale) in [
             (&["500", "1000", "2000", "4000", "6000", "10000"][..], Scale::Logarithmic),
             (&["10", "1", "0.1"], Scale::Logarithmic),
@@ -178,7 +178,7 @@ mod tests {
     }
 
     #[test]
-    fn every_value_has_a_tick_and_texts_do_not_touch() {
+    fn every_value_has_tick_and_labels_do_not_touch() {
         let texts: Vec<String> = (0..24).map(|i| (1000 * i).to_string()).collect();
         let texts: Vec<&str> = texts.iter().map(String::as_str).collect();
         let cells = Cells::of(&axis(&texts), Side::Below(470.0));

@@ -1,18 +1,18 @@
-//! Maps of a cone.
+//! Tests of conoscopic maps.
 
 use super::*;
 
-/// A cone of 10 by 24 directions.
+/// A conoscopic map of 9 by 24 directions.
 fn small_cone() -> ConeResult {
     let every = |count: u32, step: f64| (0..count).map(|k| step * f64::from(k)).collect::<Vec<_>>();
-    made_up::cone(&every(9, 9.0), &every(24, 15.0))
+    synthetic::cone(&every(9, 9.0), &every(24, 15.0))
 }
 
 #[test]
-fn a_cone_is_mapped() {
+fn cone_is_drawn_as_labelled_maps() {
     let svg = cone(&small_cone(), TITLE).unwrap();
-    says(&svg, &STATES);
-    says(
+    assert_texts(&svg, &STATES);
+    assert_texts(
         &svg,
         &[
             TITLE,
@@ -23,15 +23,15 @@ fn a_cone_is_mapped() {
             "Colour shift",
             "270\u{b0}",
             "60\u{b0}",
-            "light comes from here",
+            "direction of the light",
         ],
     );
     let ConeGrid { theta_deg, phi_deg } = ConeGrid::default();
-    let full = cone(&made_up::cone(&theta_deg, &phi_deg), TITLE).unwrap();
+    let full = cone(&synthetic::cone(&theta_deg, &phi_deg), TITLE).unwrap();
     assert!(full.len() < 1_000_000, "{} bytes", full.len());
 }
 
-/// Replaces the numbers of all states of a cone.
+/// Returns a cone with changed values in all states.
 fn cone_with(change: fn(&mut ConeState)) -> ConeResult {
     let mut cone = small_cone();
     cone.views.iter_mut().flat_map(|view| &mut view.states).for_each(change);
@@ -39,7 +39,7 @@ fn cone_with(change: fn(&mut ConeState)) -> ConeResult {
 }
 
 #[test]
-fn a_cone_of_broken_numbers_is_still_a_page() {
+fn cone_with_invalid_values_is_well_formed() {
     let mut holed = small_cone();
     for view in holed.views.iter_mut().step_by(3) {
         view.contrast_ratio = Some(f64::NAN);
@@ -74,16 +74,16 @@ fn a_cone_of_broken_numbers_is_still_a_page() {
     }
 }
 
-/// Half a circle, a few spokes, a ring: an area can be mapped, a line cannot.
+/// Directions on a line give no map; half a circle, a few spokes or a ring do.
 #[test]
-fn directions_that_span_no_area_are_no_map() {
+fn directions_without_area_give_no_map() {
     let (some, one) = ([0.0, 20.0, 40.0], [10.0]);
     for (theta, phi) in
         [(&some[..], &one[..]), (&one, &some), (&one, &one), (&some, &[0.0, 180.0]), (&some, &[])]
     {
-        assert_eq!(cone(&made_up::cone(theta, phi), TITLE), None, "{theta:?} {phi:?}");
+        assert_eq!(cone(&synthetic::cone(theta, phi), TITLE), None, "{theta:?} {phi:?}");
     }
     for phi in [&[0.0, 45.0, 90.0][..], &[0.0, 90.0, 180.0, 270.0], &[300.0, 330.0]] {
-        texts(&cone(&made_up::cone(&some, phi), TITLE).unwrap());
+        texts(&cone(&synthetic::cone(&some, phi), TITLE).unwrap());
     }
 }

@@ -1,4 +1,4 @@
-//! Whatever the data, a figure is a well-formed page that says what it shows.
+//! Tests of the figures: for any data, a figure is well-formed and has its labels.
 
 #![allow(clippy::unwrap_used, clippy::expect_used, reason = "a test says what it expects by unwrapping")]
 
@@ -10,8 +10,8 @@ use papilio_figures::{
 };
 
 mod cones;
-#[path = "../made_up/mod.rs"]
-mod made_up;
+#[path = "../synthetic/mod.rs"]
+mod synthetic;
 
 const TITLE: &str = "Indoor & <bright>";
 
@@ -19,8 +19,8 @@ fn metric_of(run: &RunResult, metric: AngleMetric) -> String {
     against_angle(run, metric, TITLE).expect("a metric that is defined")
 }
 
-/// Every figure of a run.
-fn all(run: &RunResult) -> Vec<String> {
+/// Returns all figures of a run.
+fn all_figures(run: &RunResult) -> Vec<String> {
     let against_angle = AngleMetric::ALL.map(|metric| against_angle(run, metric, TITLE));
     let mut figures: Vec<String> = against_angle.into_iter().flatten().collect();
     for view in &run.views {
@@ -35,7 +35,7 @@ fn all(run: &RunResult) -> Vec<String> {
     figures
 }
 
-/// The texts of a figure, which must be XML without a number that is none.
+/// Returns the texts of a figure, after a check that it is well-formed XML without NaN and infinity.
 fn texts(svg: &str) -> Vec<String> {
     let document = roxmltree::Document::parse(svg).expect("well-formed XML");
     assert_eq!(document.root_element().tag_name().name(), "svg");
@@ -45,7 +45,7 @@ fn texts(svg: &str) -> Vec<String> {
             assert!(!value.contains("nan") && !value.contains("inf"), "{}=\"{value}\"", attribute.name());
         }
     }
-    assert!(!svg.contains("NaN") && !svg.contains(" inf"), "a number that is none");
+    assert!(!svg.contains("NaN") && !svg.contains(" inf"), "NaN or infinity in the figure");
     document
         .descendants()
         .filter(|n| n.has_tag_name("text"))
@@ -54,7 +54,7 @@ fn texts(svg: &str) -> Vec<String> {
         .collect()
 }
 
-fn says(svg: &str, wanted: &[&str]) {
+fn assert_texts(svg: &str, wanted: &[&str]) {
     let texts = texts(svg);
     for wanted in wanted {
         assert!(texts.iter().any(|text| text.contains(wanted)), "{wanted} is not among {texts:?}");
@@ -64,20 +64,20 @@ fn says(svg: &str, wanted: &[&str]) {
 const STATES: [&str; 8] = ["white", "black", "red", "green", "blue", "cyan", "magenta", "yellow"];
 
 #[test]
-fn spectra_of_transmission_are_in_percent() {
+fn transmittance_spectra_are_in_percent() {
     let one = |share: f64| Transmission {
         name: "film <".to_owned(),
         wavelength_nm: vec![360.0, 420.0, 830.0],
         share: vec![0.0, share, share],
     };
     let svg = transmission(&[one(0.9), one(f64::NAN)], TITLE);
-    says(&svg, &["Transmission (%)", "Wavelength (nm)", "100", "film <", TITLE]);
-    says(&transmission(&[], TITLE), &[TITLE]);
+    assert_texts(&svg, &["Transmittance (%)", "Wavelength (nm)", "100", "film <", TITLE]);
+    assert_texts(&transmission(&[], TITLE), &[TITLE]);
 }
 
 #[test]
 fn every_figure_names_its_states_and_axes() {
-    let run = made_up::result(&[8.0, 0.0, 30.0], 0.05);
+    let run = synthetic::result(&[8.0, 0.0, 30.0], 0.05);
     let view = &run.views[0];
     for svg in [
         spectra(&run, view, TITLE),
@@ -85,46 +85,49 @@ fn every_figure_names_its_states_and_axes() {
         patches(&run, view, TITLE),
         overview(&run, view, TITLE),
     ] {
-        says(&svg, &STATES);
+        assert_texts(&svg, &STATES);
     }
-    says(&spectra(&run, view, TITLE), &["Wavelength (nm)", "Reflectance factor", "one standard error"]);
-    says(
+    assert_texts(
+        &spectra(&run, view, TITLE),
+        &["Wavelength (nm)", "Reflectance factor", "one standard error"],
+    );
+    assert_texts(
         &chromaticity(&run, view, TITLE),
         &["u\u{2032}", "v\u{2032}", "% of sRGB", "% of EBU", "light", "520", "display"],
     );
-    says(&overview(&run, view, TITLE), &["Viewed at 8\u{b0}", "contrast", "gamut"]);
+    assert_texts(&overview(&run, view, TITLE), &["Viewed at 8\u{b0}", "contrast", "gamut"]);
     for metric in AngleMetric::ALL {
-        says(&metric_of(&run, metric), &["Viewing angle (deg)", "one standard error"]);
+        assert_texts(&metric_of(&run, metric), &["Viewing angle (deg)", "one standard error"]);
     }
-    says(&metric_of(&run, AngleMetric::Reflectance), &STATES);
-    says(&metric_of(&run, AngleMetric::Peak), &["red", "green", "blue", "Peak wavelength (nm)"]);
+    assert_texts(&metric_of(&run, AngleMetric::Reflectance), &STATES);
+    assert_texts(&metric_of(&run, AngleMetric::Peak), &["red", "green", "blue", "Peak wavelength (nm)"]);
 }
 
-/// Errors are drawn only where they can be seen.
+/// Errors are drawn only where they are visible.
 #[test]
-fn small_errors_leave_no_mark() {
-    let run = made_up::result(&[8.0], 1e-6);
+fn invisible_errors_are_not_drawn() {
+    let run = synthetic::result(&[8.0], 1e-6);
     let view = &run.views[0];
     for svg in [spectra(&run, view, TITLE), metric_of(&run, AngleMetric::Reflectance)] {
         assert!(!svg.contains("standard error") && !svg.contains("fill-opacity"));
     }
-    assert!(spectra(&made_up::result(&[8.0], 0.05), view, TITLE).len() < 1_000_000);
+    assert!(spectra(&synthetic::result(&[8.0], 0.05), view, TITLE).len() < 1_000_000);
 }
 
 #[test]
-fn a_name_is_text_whatever_it_holds() {
-    let mut run = made_up::result(&[0.0, 8.0], 0.01);
+fn special_characters_in_names_are_escaped() {
+    let mut run = synthetic::result(&[0.0, 8.0], 0.01);
     let hostile = "<b>&\"' ]]>\u{0}\u{1f}\n\u{ffff} \u{1f98b}";
     for view in &mut run.views {
         view.states.0[0].0 = hostile.to_owned();
     }
-    for svg in all(&run) {
+    for svg in all_figures(&run) {
         texts(&svg);
     }
-    says(&spectra(&run, &run.views[0], TITLE), &["<b>&\"' ]]>"]);
+    assert_texts(&spectra(&run, &run.views[0], TITLE), &["<b>&\"' ]]>"]);
 }
 
-/// Replaces every number of a run's states.
+/// Returns a run with changed values in all states.
 fn with_values(run: &RunResult, change: fn(&mut StateValues)) -> RunResult {
     let mut run = run.clone();
     for state in run.views.iter_mut().flat_map(|view| view.states.0.iter_mut().map(|(_, state)| state)) {
@@ -135,8 +138,8 @@ fn with_values(run: &RunResult, change: fn(&mut StateValues)) -> RunResult {
 }
 
 #[test]
-fn missing_and_broken_numbers_are_left_out() {
-    let run = made_up::result(&[0.0, 8.0], 0.01);
+fn missing_and_invalid_numbers_are_omitted() {
+    let run = synthetic::result(&[0.0, 8.0], 0.01);
     let none =
         with_values(&run, |v| (v.x, v.y, v.u_prime, v.v_prime, v.peak_nm) = (None, None, None, None, None));
     let nan = with_values(&run, |v| {
@@ -160,15 +163,15 @@ fn missing_and_broken_numbers_are_left_out() {
     let short = with_values(&run, |v| v.reflectance_factor.iter_mut().for_each(|all| all.truncate(3)));
     let self_lit = with_values(&run, |v| v.reflectance_factor = None);
     for run in [none, nan, zero, noise, huge, short, self_lit] {
-        for svg in all(&run) {
+        for svg in all_figures(&run) {
             texts(&svg);
         }
     }
 }
 
 #[test]
-fn few_states_and_few_views_are_enough() {
-    let full = made_up::result(&[8.0], 0.01);
+fn figures_need_no_minimum_of_states_and_views() {
+    let full = synthetic::result(&[8.0], 0.01);
     for keep in [&["red"][..], &["black"], &["red", "green"], &[]] {
         let mut run = full.clone();
         run.views[0].states = Named(
@@ -177,10 +180,10 @@ fn few_states_and_few_views_are_enough() {
         run.views[0].metrics.contrast_ratio = None;
         run.views[0].metrics.gamut_percent_srgb = None;
         run.views[0].metrics.gamut_percent_ebu = None;
-        for svg in all(&run) {
+        for svg in all_figures(&run) {
             texts(&svg);
         }
-        says(&patches(&run, &run.views[0], TITLE), keep);
+        assert_texts(&patches(&run, &run.views[0], TITLE), keep);
     }
     let mut many = full.clone();
     let states = &full.views[0].states.0;
@@ -192,29 +195,29 @@ fn few_states_and_few_views_are_enough() {
     let mut dark = full;
     (dark.illuminant.x, dark.illuminant.y, dark.wavelength_nm) = (f64::NAN, 0.0, vec![]);
     for run in [many, nothing, dark] {
-        for svg in all(&run) {
+        for svg in all_figures(&run) {
             texts(&svg);
         }
     }
 }
 
-/// A reader who finds a figure alone knows what it shows.
+/// Each figure has the title, so that it can be understood without its context.
 #[test]
-fn every_figure_carries_its_title() {
-    let run = made_up::result(&[8.0, 0.0], 0.01);
-    for svg in all(&run) {
-        says(&svg, &[TITLE]);
+fn every_figure_has_title() {
+    let run = synthetic::result(&[8.0, 0.0], 0.01);
+    for svg in all_figures(&run) {
+        assert_texts(&svg, &[TITLE]);
         let document = roxmltree::Document::parse(&svg).unwrap();
         let title = document.descendants().find(|node| node.has_tag_name("title")).expect("a title");
         assert!(title.text().unwrap().starts_with(TITLE));
     }
-    says(&spectra(&run, &run.views[0], TITLE), &["viewed at 8\u{b0}"]);
+    assert_texts(&spectra(&run, &run.views[0], TITLE), &["viewed at 8\u{b0}"]);
     assert!(!against_angle(&run, AngleMetric::Contrast, "").unwrap().contains("<title>"));
 }
 
 #[test]
-fn a_metric_that_is_nowhere_defined_is_no_figure() {
-    let mut run = made_up::result(&[0.0, 30.0], 0.01);
+fn undefined_metric_gives_no_figure() {
+    let mut run = synthetic::result(&[0.0, 30.0], 0.01);
     for view in &mut run.views {
         view.metrics.gamut_percent_srgb = None;
         view.metrics.gamut_percent_ebu = None;
@@ -225,17 +228,17 @@ fn a_metric_that_is_nowhere_defined_is_no_figure() {
     assert!(AngleMetric::ALL.iter().all(|metric| against_angle(&run, *metric, TITLE).is_none()));
 }
 
-/// The colours of the patches, in order.
+/// Returns the colours of the patches, in order.
 fn fills(svg: &str) -> Vec<String> {
     let document = roxmltree::Document::parse(svg).unwrap();
     let patches = document.descendants().filter(|node| node.attribute("rx") == Some("4"));
     patches.filter_map(|node| node.attribute("fill")).map(str::to_owned).collect()
 }
 
-/// A white that fills the screen is a white of 100 %; one of 430 % would make every patch blank.
+/// The white of the screen represents Y = 100 %. At 430 %, all patches would be clipped to white.
 #[test]
-fn patches_brighter_than_the_page_are_dimmed_alike() {
-    let run = made_up::result(&[8.0], 0.001);
+fn patches_brighter_than_page_are_dimmed_equally() {
+    let run = synthetic::result(&[8.0], 0.001);
     let scaled = |factor: f64| {
         let mut run = run.clone();
         for (_, state) in &mut run.views[0].states.0 {
@@ -248,32 +251,32 @@ fn patches_brighter_than_the_page_are_dimmed_alike() {
     let plain = scaled(1.0);
     assert!(!plain.contains("shown at"));
     let white = 100.0 * run.views[0].states.get("white").unwrap().value.Y;
-    says(&plain, &["perfect white in the same light", &format!("Y {white:.1} %")]);
+    assert_texts(&plain, &["perfect white in the same light", &format!("Y {white:.1} %")]);
     let (bright, brighter) = (scaled(40.0), scaled(80.0));
-    says(&bright, &["shown at 1/", &format!("Y {:.0} %", 40.0 * white), "\u{b1} 1 %"]);
-    assert_eq!(fills(&bright), fills(&brighter), "dimmed to the same");
+    assert_texts(&bright, &["shown at 1/", &format!("Y {:.0} %", 40.0 * white), "\u{b1} 1 %"]);
+    assert_eq!(fills(&bright), fills(&brighter), "both are dimmed to the same colours");
     let mut distinct = fills(&bright);
     distinct.sort();
     distinct.dedup();
     assert_eq!(distinct.len(), STATES.len(), "no two states are clipped to one colour: {distinct:?}");
 }
 
-/// Of 4 % and 430 % both are to be read.
+/// Values of 4 % and of 430 % are both legible.
 #[test]
-fn a_wide_range_of_y_is_drawn_logarithmically() {
-    let mut run = made_up::result(&[0.0, 20.0, 40.0], 0.001);
+fn wide_range_of_y_has_logarithmic_axis() {
+    let mut run = synthetic::result(&[0.0, 20.0, 40.0], 0.001);
     assert!(!metric_of(&run, AngleMetric::Reflectance).contains("logarithmic"));
     for (_, state) in &mut run.views[1].states.0 {
         state.value.Y *= 30.0;
     }
-    says(&metric_of(&run, AngleMetric::Reflectance), &["logarithmic", "0.05", "0.1"]);
+    assert_texts(&metric_of(&run, AngleMetric::Reflectance), &["logarithmic", "0.05", "0.1"]);
     assert!(!metric_of(&run, AngleMetric::Contrast).contains("logarithmic"));
 }
 
-/// No line is drawn between the peaks of two orders of interference.
+/// No line connects the peaks of two orders of interference.
 #[test]
-fn a_peak_that_jumps_breaks_its_curve() {
-    let mut run = made_up::result(&[0.0, 10.0, 20.0, 30.0, 40.0], 0.0);
+fn jump_of_peak_interrupts_curve() {
+    let mut run = synthetic::result(&[0.0, 10.0, 20.0, 30.0, 40.0], 0.0);
     for view in &mut run.views {
         view.states.0.retain(|(name, _)| name == "red");
     }
@@ -287,13 +290,13 @@ fn a_peak_that_jumps_breaks_its_curve() {
         .map(|line| line.split("points=\"").nth(1).unwrap().split('"').next().unwrap().split(' ').count())
         .collect();
     assert_eq!(points, [3, 2]);
-    says(&svg, &["red"]);
+    assert_texts(&svg, &["red"]);
 }
 
-/// Grey states lie on top of each other and of the light.
+/// Grey states coincide with each other and with the light.
 #[test]
-fn crowded_states_are_shown_enlarged() {
-    let run = made_up::result(&[8.0], 0.001);
+fn crowded_states_have_enlarged_inset() {
+    let run = synthetic::result(&[8.0], 0.001);
     let light = (run.illuminant.u_prime, run.illuminant.v_prime);
     let mut grey = run.clone();
     for (i, (_, state)) in grey.views[0].states.0.iter_mut().enumerate() {
@@ -302,15 +305,15 @@ fn crowded_states_are_shown_enlarged() {
     }
     let discs = |run: &RunResult| {
         let svg = chromaticity(run, &run.views[0], TITLE);
-        says(&svg, &STATES);
-        says(&svg, &["light"]);
+        assert_texts(&svg, &STATES);
+        assert_texts(&svg, &["light"]);
         svg.matches("<circle").count()
     };
     assert_eq!(discs(&grey), 2 * discs(&run));
 }
 
 #[test]
-fn a_pixel_scan_has_a_panel_for_each_state() {
+fn pixel_scan_has_panel_for_each_state() {
     let states = ["red", "a & b", "blue", "dark"].map(str::to_owned);
     let (theta_deg, wavelength_nm) = ([0.0, 30.0, 60.0], [400.0, 550.0, 700.0]);
     let reflectance: Vec<f64> = (0..36).map(|i| f64::from(i) / 36.0).collect();
@@ -322,7 +325,7 @@ fn a_pixel_scan_has_a_panel_for_each_state() {
         reflectance: &reflectance,
     };
     let svg = pixel_scan(&scan, TITLE);
-    says(
+    assert_texts(
         &svg,
         &[
             "red",
@@ -350,15 +353,15 @@ fn a_pixel_scan_has_a_panel_for_each_state() {
     }
 }
 
-/// Without the feature the function says so.
+/// The error names the feature.
 #[cfg(not(feature = "png"))]
 #[test]
-fn without_the_feature_there_is_no_picture() {
+fn png_without_feature_is_refused() {
     let error = png("<svg/>", 1.0).unwrap_err().to_string();
     assert!(error.contains("feature `png`"), "{error}");
 }
 
-/// Width and height of a PNG (ISO/IEC 15948, 11.2.2).
+/// Returns width and height of a PNG (ISO/IEC 15948, 11.2.2).
 #[cfg(feature = "png")]
 fn pixels(png: &[u8]) -> (u32, u32) {
     assert_eq!(&png[..8], b"\x89PNG\r\n\x1a\n");
@@ -368,8 +371,8 @@ fn pixels(png: &[u8]) -> (u32, u32) {
 
 #[cfg(feature = "png")]
 #[test]
-fn a_figure_is_a_picture_with_letters() {
-    let run = made_up::result(&[8.0], 0.01);
+fn png_of_figure_has_its_size_and_text() {
+    let run = synthetic::result(&[8.0], 0.01);
     let svg = patches(&run, &run.views[0], TITLE);
     let document = roxmltree::Document::parse(&svg).unwrap();
     let [width, height] = ["width", "height"]
@@ -379,29 +382,29 @@ fn a_figure_is_a_picture_with_letters() {
     assert_eq!(picture, png(&svg, 1.0).unwrap(), "the same pixels each time");
     let doubled = pixels(&png(&svg, 2.0).unwrap());
     assert!(doubled.0.abs_diff(2 * width) <= 2 && doubled.1.abs_diff(2 * height) <= 2);
-    // Without its texts it is another picture: letters are drawn, whatever fonts the machine has.
+    // Without its texts the image differs: letters are drawn, whatever fonts the machine has.
     let silent: String = svg.lines().filter(|line| !line.starts_with("<text")).collect();
     assert_ne!(png(&silent, 1.0).unwrap(), picture);
     assert!(pixels(&png(&svg, 1e6).unwrap()).0 <= 16_384);
     assert!(png("no figure", 1.0).is_err());
 }
 
-/// The solid of the made-up display, laid flat; none where nobody asked for its volume.
+/// Gamut rings of the synthetic display exist only if its volume was requested.
 #[test]
-fn a_gamut_has_rings_where_its_volume_was_asked_for() {
-    let mut run = made_up::result(&[8.0], 0.01);
+fn gamut_rings_need_requested_volume() {
+    let mut run = synthetic::result(&[8.0], 0.01);
     assert_eq!(gamut_rings(&run, &run.views[0], TITLE), None);
     run.views[0].metrics.gamut_volume_cielab = Some(51_234.0);
     let svg = gamut_rings(&run, &run.views[0], TITLE);
-    says(&svg.unwrap(), &[TITLE, "L* 100", "volume 51234"]);
-    // Without one of the eight corners there is no solid.
+    assert_texts(&svg.unwrap(), &[TITLE, "L* 100", "volume 51234"]);
+    // Without one of the eight corners there is no volume.
     run.views[0].states.0.retain(|(name, _)| name != "cyan");
     assert_eq!(gamut_rings(&run, &run.views[0], TITLE), None);
 }
 
-/// Both sides of a comparison, with spectra and without, and with what is not defined.
+/// Comparisons with and without spectra, and with undefined values.
 #[test]
-fn a_comparison_shows_both_sides() {
+fn comparison_shows_simulated_and_measured() {
     use papilio_display::compare::{Colour, Comparison, SpectrumComparison, StateComparison, ViewComparison};
     let colour = |uv: Option<f64>| Colour {
         X: 0.2,
@@ -450,14 +453,20 @@ fn a_comparison_shows_both_sides() {
         views: vec![view.clone()],
         left_out: vec![],
     };
-    says(&compared_spectra(&all, &view, TITLE).unwrap(), &[TITLE, "simulated", "measured", "odd <name>"]);
-    says(&compared_gamuts(&all, &view, TITLE), &[TITLE, "measured", "20.0 % of EBU simulated, - % measured"]);
+    assert_texts(
+        &compared_spectra(&all, &view, TITLE).unwrap(),
+        &[TITLE, "simulated", "measured", "odd <name>"],
+    );
+    assert_texts(
+        &compared_gamuts(&all, &view, TITLE),
+        &[TITLE, "measured", "20.0 % of EBU simulated, - % measured"],
+    );
     all.states.iter_mut().for_each(|one| one.spectrum = None);
     assert_eq!(compared_spectra(&all, &view, TITLE), None);
 }
 
 #[test]
-fn the_light_is_a_page_whatever_it_is() {
+fn figure_of_light_lists_sources_and_directions() {
     let lamp = RoomLamp { theta_deg: -30.0, phi_deg: 10.0, radius_deg: 0.0, illuminance_lx: 120.0 };
     let room = |value: f64, lamps: usize| RoomLight {
         theta_deg: (0..=9).map(|k| 10.0 * f64::from(k)).collect(),
@@ -468,7 +477,7 @@ fn the_light_is_a_page_whatever_it_is() {
         directed: vec![lamp; lamps],
         views_deg: vec![[8.0, 0.0]],
     };
-    says(
+    assert_texts(
         &light(&room(400.0, 1), TITLE),
         &[
             "Light from each direction",
@@ -476,15 +485,15 @@ fn the_light_is_a_page_whatever_it_is() {
             "33.3 lx",
             "directed, from -30\u{b0}, azimuth 10\u{b0}",
             "403 lx",
-            "what a mirror",
+            "mirror direction of a view",
         ],
     );
-    says(&light(&room(2.0, 20), TITLE), &["15 more"]);
+    assert_texts(&light(&room(2.0, 20), TITLE), &["15 more"]);
     for value in [0.0, -1.0, f64::NAN, f64::INFINITY, 1e300] {
         texts(&light(&room(value, 2), TITLE));
     }
     let dark = RoomLight { luminance_cd_m2: vec![0.0; 360], ..room(1.0, 1) };
-    says(&light(&dark, TITLE), &["Directed sources alone"]);
+    assert_texts(&light(&dark, TITLE), &["Directed sources only"]);
     let none = RoomLight { theta_deg: vec![], phi_deg: vec![], luminance_cd_m2: vec![], ..dark };
     texts(&light(&none, TITLE));
 }

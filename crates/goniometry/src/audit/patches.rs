@@ -1,13 +1,14 @@
-//! What a matrix of patches is worth: sums over the patches themselves, without any shape between them.
+//! Quality of a matrix of patches: sums over the patches, without interpolation.
 //!
-//! The hemispherical value of light from one patch is the sum of value x projected solid angle over the patches that light
-//! goes to. A ring's is the mean over its patches. Nothing finer than a patch is known: no half-width, no haze.
+//! The hemispherical value for light from one patch is the sum of value x projected solid angle over the
+//! outgoing patches. That of a ring is the mean over its patches. Details finer than a patch, such as
+//! half-widths and haze, are unknown.
 
 use super::{Audit, FAINT, Incidence};
 use crate::geometry::patch_centre;
 use crate::{Ring, patch_count, projected_solid_angle};
 
-/// Of the values `[in][out]` of one channel.
+/// Audits the values `[in][out]` of one channel.
 pub(super) fn audit([incoming, outgoing]: [&[Ring]; 2], values: &[f64]) -> Audit {
     let omega = projected_solid_angle(outgoing);
     let columns: Vec<&[f64]> = values.chunks_exact(omega.len().max(1)).collect();
@@ -27,14 +28,14 @@ pub(super) fn audit([incoming, outgoing]: [&[Ring]; 2], values: &[f64]) -> Audit
         negative: count(|value| *value < 0.0),
         dark_beyond_deg,
         holes: with_theta()
-            .filter(|(value, theta)| light(**value) == 0.0 && **theta < dark_beyond_deg)
+            .filter(|(value, theta)| positive(**value) == 0.0 && **theta < dark_beyond_deg)
             .count(),
         beam_holes: 0,
         noise: 0.0,
         range: [values.iter().filter(lit).copied().fold(f64::INFINITY, f64::min), peak],
         asymmetry: asymmetry([incoming, outgoing], &columns),
         reciprocity: (incoming == outgoing).then(|| reciprocity(incoming, &columns, &omega, peak)).flatten(),
-        // The patch about the direct beam is wider than what haze leaves out.
+        // The patch about the direct beam is wider than the cone that haze excludes.
         haze: None,
         clarity: None,
         held_azimuths_deg: None,
@@ -43,23 +44,24 @@ pub(super) fn audit([incoming, outgoing]: [&[Ring]; 2], values: &[f64]) -> Audit
     }
 }
 
-/// What was not measured, or is negative, counts as dark.
-fn light(value: f64) -> f64 {
+/// Returns the value, or 0 if it is NaN or negative.
+fn positive(value: f64) -> f64 {
     value.max(0.0)
 }
 
-/// One incidence a ring: the mean over its patches.
+/// Returns one incidence for each ring: the mean over its patches.
 fn incidences([incoming, outgoing]: [&[Ring]; 2], columns: &[&[f64]], omega: &[f64]) -> Vec<Incidence> {
     let mut first = 0;
     let ring = |ring: &Ring| {
         let patches = first..first + ring.patches;
         first = patches.end;
         let mean = |of: &dyn Fn(usize) -> f64| patches.clone().map(of).sum::<f64>() / ring.patches as f64;
-        let sum =
-            |patch: usize| columns[patch].iter().zip(omega).map(|(f, omega)| light(*f) * omega).sum::<f64>();
+        let sum = |patch: usize| {
+            columns[patch].iter().zip(omega).map(|(f, omega)| positive(*f) * omega).sum::<f64>()
+        };
         let specular = |patch: usize| {
             let to = patch_centre(incoming, patch).and_then(|to| crate::patch_of(outgoing, to));
-            to.map_or(0.0, |to| light(columns[patch][to]))
+            to.map_or(0.0, |to| positive(columns[patch][to]))
         };
         let integral = mean(&sum);
         Incidence {
@@ -78,25 +80,25 @@ fn incidences([incoming, outgoing]: [&[Ring]; 2], columns: &[&[f64]], omega: &[f
     incoming.iter().map(ring).collect()
 }
 
-/// Pairs of patches of the same rings whose turns are the same, either way round, should be alike: root mean square
-/// difference from their mean, relative.
+/// Relative root mean square difference of values that should be equal in an isotropic sample: pairs of
+/// patches of the same rings with the same azimuth difference, in either sense.
 fn asymmetry([incoming, outgoing]: [&[Ring]; 2], columns: &[&[f64]]) -> f64 {
     let (mut differences, mut squares, mut first_in) = (0.0, 0.0, 0);
     for from in incoming {
         let mut first_out = 0;
         for to in outgoing {
-            // Turns are counted in parts of 360 deg that both rings have.
-            let parts = from.patches * to.patches;
-            let mut alike = vec![(0.0, 0.0, 0.0); parts / 2 + 1];
+            // Azimuth differences are counted in a common fraction of 360 deg of both rings.
+            let steps = from.patches * to.patches;
+            let mut classes = vec![(0.0, 0.0, 0.0); steps / 2 + 1];
             for (i, column) in columns[first_in..first_in + from.patches].iter().enumerate() {
                 for (o, value) in column[first_out..first_out + to.patches].iter().enumerate() {
-                    let turn = (o * from.patches + parts - i * to.patches) % parts;
-                    let (count, sum, square) = &mut alike[turn.min(parts - turn)];
-                    let value = light(*value);
+                    let turn = (o * from.patches + steps - i * to.patches) % steps;
+                    let (count, sum, square) = &mut classes[turn.min(steps - turn)];
+                    let value = positive(*value);
                     (*count, *sum, *square) = (*count + 1.0, *sum + value, *square + value * value);
                 }
             }
-            for (count, sum, square) in alike.into_iter().filter(|(count, ..)| *count > 0.0) {
+            for (count, sum, square) in classes.into_iter().filter(|(count, ..)| *count > 0.0) {
                 differences += (square - sum * sum / count).max(0.0);
                 squares += sum * sum / count;
             }
@@ -107,9 +109,9 @@ fn asymmetry([incoming, outgoing]: [&[Ring]; 2], columns: &[&[f64]]) -> f64 {
     if squares > 0.0 { f64::sqrt(differences / squares) } else { 0.0 }
 }
 
-/// f(i, o) against f(o, i) of one basis: root mean square, weighted by the light, and the worst.
+/// Difference of f(i, o) and f(o, i) of one basis: root mean square, weighted by the light, and maximum.
 fn reciprocity(rings: &[Ring], columns: &[&[f64]], omega: &[f64], peak: f64) -> Option<[f64; 2]> {
-    // The patch that light comes from when it retraces its way to a patch: the incident ones are turned by 180 deg.
+    // Incident patch of the light that retraces its path to a patch; incident patches are rotated by 180 deg.
     let turned = |patch: usize| {
         let back = patch_centre(rings, patch)?.specular();
         crate::patch_of(rings, back)
@@ -118,7 +120,7 @@ fn reciprocity(rings: &[Ring], columns: &[&[f64]], omega: &[f64], peak: f64) -> 
     let (mut squares, mut sizes, mut worst) = (0.0, 0.0, 0.0_f64);
     for (i, column) in columns.iter().enumerate() {
         for (o, a) in column.iter().enumerate() {
-            let (a, b) = (light(*a), light(columns[turned[o]][turned[i]]));
+            let (a, b) = (positive(*a), positive(columns[turned[o]][turned[i]]));
             if a.min(b) > FAINT * peak {
                 let (weight, mean) = (omega[i] * omega[o], 0.5 * (a + b));
                 squares += weight * (a - b).powi(2);

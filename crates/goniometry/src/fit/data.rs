@@ -1,4 +1,4 @@
-//! The cells that a fit is about.
+//! Cells of a measurement as data of a fit.
 
 use std::f64::consts::PI;
 
@@ -7,11 +7,11 @@ use papilio_optics::Beta;
 use crate::models::{Model, Pair};
 use crate::{Geometry, Part, SpecularGrid, SphericalGrid, Symmetry};
 
-/// Measured values and where they lie, each direction once.
+/// Measured values with their directions, each direction once.
 ///
-/// Cells that hold nothing are left out: NaN, or exactly 0 as files have it beyond what an instrument
-/// sees. At radial distance 0 all azimuths of a specular-centred grid are one direction; it counts once,
-/// with their mean.
+/// Cells without a value are omitted: NaN, or exactly 0, which files contain outside the instrument's field
+/// of view. At radial distance 0, all azimuths of a specular-centred grid are the same direction. It counts
+/// once, with the mean of their values.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Data {
     pub(super) cells: Vec<Cell>,
@@ -21,19 +21,19 @@ pub struct Data {
 pub(super) struct Cell {
     pub(super) pair: Pair,
     pub(super) value: f64,
-    /// sr; 1 where the geometry has none.
+    /// Solid angle, sr; 1 if the geometry does not define it.
     pub(super) solid_angle: f64,
 }
 
 impl Data {
-    /// Values f (1/sr) between directions: `[from, to]` of propagation in air, value.
+    /// Data from values f (1/sr) of pairs of directions: `[from, to]` of propagation in air, value.
     pub fn new(values: impl IntoIterator<Item = ([Beta; 2], f64)>) -> Self {
         let mut data = Self::default();
         values.into_iter().for_each(|([from, to], value)| data.push(from, to, value, 1.0));
         data
     }
 
-    /// One channel of a part, by its number.
+    /// Data of one channel of a part, given by its index.
     pub fn of_part(part: &Part, channel: usize) -> Self {
         let mut data = Self::default();
         let values = part.channel(channel);
@@ -58,17 +58,17 @@ impl Data {
         }
     }
 
-    /// How many cells hold a value.
+    /// Number of cells with a value.
     pub fn len(&self) -> usize {
         self.cells.len()
     }
 
-    /// True if no cell does.
+    /// Returns true if no cell has a value.
     pub fn is_empty(&self) -> bool {
         self.cells.is_empty()
     }
 
-    /// How far a model's total over the cells is from the data's, relative.
+    /// Relative difference of a model's total over the cells from that of the data.
     pub(super) fn total_error(&self, f: impl Fn(&Pair) -> f64) -> f64 {
         let light = |cell: &Cell| cell.pair.cos_out * cell.solid_angle;
         let [ours, theirs] = self.cells.iter().fold([0.0; 2], |[ours, theirs], cell| {
@@ -77,17 +77,17 @@ impl Data {
         ours / theirs - 1.0
     }
 
-    /// The width of a k-correlation lobe that falls to half its peak where the data do.
+    /// Width of the k-correlation lobe with the half width of the data.
     pub(super) fn width(&self) -> f64 {
         let mut cells: Vec<&Cell> = self.cells.iter().collect();
         cells.sort_by(|a, b| a.pair.delta2.total_cmp(&b.pair.delta2));
         let peak = cells.iter().take(8).map(|cell| cell.value).fold(0.0, f64::max);
-        // Half the peak is at b sqrt(2^(2/3) - 1).
+        // A k-correlation lobe has half its peak at b sqrt(2^(2/3) - 1).
         let half = cells.iter().find(|cell| cell.value < 0.5 * peak);
         half.map_or(1.0, |cell| cell.pair.delta2.sqrt() / 0.766).clamp(1e-3, 1.0)
     }
 
-    /// What the amplitude of a model should be, by linear least squares.
+    /// Amplitude of a model, by linear least squares.
     pub(super) fn amplitude(&self, unit: &Model) -> f64 {
         let [product, square] = self.cells.iter().fold([0.0; 2], |[product, square], cell| {
             let f = unit.value_and_slopes(&cell.pair)[0];
@@ -98,14 +98,14 @@ impl Data {
     }
 }
 
-/// Value and solid angle of a cell; `None` if another one stands for its direction.
+/// Value and solid angle of a cell; `None` if another cell represents its direction.
 fn specular(grid: &SpecularGrid, values: &[f64], cell: usize) -> Option<(f64, f64)> {
     let (radials, azimuths) = (&grid.radials_deg, &grid.azimuths_deg);
     let (radial, azimuth) = (cell % radials.len(), cell / radials.len() % azimuths.len());
     let [inner, outer] = around(radials, radial, 180.0);
     let cap = inner.cos() - outer.cos();
     if radials[radial] == 0.0 {
-        // The first azimuth's cell stands for all of them.
+        // The cell of the first azimuth represents all of them.
         let all = (0..azimuths.len()).filter_map(|k| values.get(cell + k * radials.len()).copied());
         let known = all.filter(|f| azimuth == 0 && f.is_finite());
         let (count, sum) = known.fold((0.0, 0.0), |(count, sum), f| (count + 1.0, sum + f));
@@ -113,7 +113,7 @@ fn specular(grid: &SpecularGrid, values: &[f64], cell: usize) -> Option<(f64, f6
     }
     let [before, after] = match grid.symmetry {
         Symmetry::Plane => around(azimuths, azimuth, 180.0).map(|angle| 2.0 * angle),
-        Symmetry::None => turned(azimuths, azimuth),
+        Symmetry::None => around_circle(azimuths, azimuth),
     };
     Some((values[cell], cap * (after - before)))
 }
@@ -122,19 +122,19 @@ fn spherical(grid: &SphericalGrid, cell: usize) -> f64 {
     let azimuth = cell % grid.phi_o_deg.len();
     let theta = cell / grid.phi_o_deg.len() % grid.theta_o_deg.len();
     let [inner, outer] = around(&grid.theta_o_deg, theta, 90.0);
-    let [before, after] = turned(&grid.phi_o_deg, azimuth);
+    let [before, after] = around_circle(&grid.phi_o_deg, azimuth);
     (inner.cos() - outer.cos()) * (after - before)
 }
 
-/// Where a cell begins and ends, radians: half-way to its neighbours, between 0 and the end.
+/// Limits of a cell, radians: half-way to its neighbours, between 0 and the end.
 fn around(angles: &[f64], k: usize, end: f64) -> [f64; 2] {
     let middle = |other: f64| 0.5 * (angles[k] + other);
     let before = if k > 0 { middle(angles[k - 1]) } else { 0.0 };
     [before, angles.get(k + 1).map_or(end, |next| middle(*next))].map(f64::to_radians)
 }
 
-/// The same all around a circle.
-fn turned(angles: &[f64], k: usize) -> [f64; 2] {
+/// Limits of a cell on a full circle, radians.
+fn around_circle(angles: &[f64], k: usize) -> [f64; 2] {
     let last = angles.len() - 1;
     let before = if k > 0 { angles[k - 1] } else { angles[last] - 360.0 };
     let after = if k < last { angles[k + 1] } else { angles[0] + 360.0 };

@@ -1,7 +1,7 @@
-//! A small symmetric matrix's inverse, and Student's quantile.
+//! Inverse of a small symmetric matrix, and Student's quantile.
 
-/// The inverse of a positive definite matrix, row by row, by Cholesky's decomposition of its
-/// correlations; `None` if it is singular to the precision of numbers.
+/// Inverse of a positive definite matrix, row by row, from the Cholesky factor of its
+/// correlation matrix; `None` if it is numerically singular.
 pub(super) fn inverse(matrix: &[f64], n: usize) -> Option<Vec<f64>> {
     let sizes: Vec<f64> = (0..n).map(|i| matrix[i * n + i].sqrt()).collect();
     if sizes.iter().any(|size| !(*size > 0.0 && size.is_finite())) {
@@ -37,8 +37,8 @@ pub(super) fn inverse(matrix: &[f64], n: usize) -> Option<Vec<f64>> {
     Some(inverse)
 }
 
-/// The .975 quantile of Student's t, for 5 degrees of freedom or more: the expansion about the normal
-/// quantile (Abramowitz & Stegun 26.7.5), good to .003 at 5.
+/// The 0.975 quantile of Student's t for 5 or more degrees of freedom: expansion about the normal
+/// quantile (Abramowitz & Stegun 26.7.5), with an error of 0.003 at 5.
 pub(super) fn student_975(freedom: f64) -> f64 {
     let z: f64 = 1.959_963_984_540_054;
     let z2 = z * z;
@@ -55,14 +55,14 @@ mod tests {
     use super::*;
 
     #[test]
-    fn student_is_tabulated() {
+    fn student_quantiles_equal_published_values() {
         for (freedom, quantile) in [(5.0, 2.5706), (10.0, 2.2281), (30.0, 2.0423), (120.0, 1.9799)] {
             assert!((student_975(freedom) - quantile).abs() < 3e-3, "{freedom}");
         }
     }
 
     #[test]
-    fn an_inverse_of_badly_scaled_parameters() {
+    fn badly_scaled_matrix_is_inverted() {
         let matrix = [4e10, 1e5, 2.0, 1e5, 9e-1, 1e-6, 2.0, 1e-6, 5e-9];
         let inverse = inverse(&matrix, 3).unwrap();
         for i in 0..3 {

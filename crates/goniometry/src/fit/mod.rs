@@ -1,27 +1,27 @@
-//! Fits of measured values to lobes with a formula.
+//! Fits of analytic lobes to measured values.
 //!
-//! **Objective** (Feng 2012, eq. 4-17 and 4-18; after Ngan, Durand & Matusik, EGSR 2005): the sum over
-//! all cells of `w g^2` with the residual `g = (d - f) cos(theta_i)`, theta_i the inclination of the
-//! light. [`Weights::Even`] has w = 1, as there, so that densely measured directions count most;
-//! [`Weights::SolidAngle`] has the cells' solid angles.
+//! **Objective** (Feng 2012, eq. 4-17 and 4-18; after Ngan, Durand & Matusik, EGSR 2005): the sum over all
+//! cells of `w g^2` with the residual `g = (d - f) cos(theta_i)`, theta_i the inclination of the light.
+//! [`Weights::Even`] has w = 1, as in these papers, so that densely measured directions have most weight;
+//! [`Weights::SolidAngle`] uses the solid angles of the cells.
 //!
-//! **Minimum** by a bounded trust-region method (Branch, Coleman & Li 1999: the reflective one, as in
-//! MATLAB's lsqnonlin and SciPy's `least_squares`), with analytic derivatives, in logarithms of
-//! totals, widths and exponents, from several starts about the width that the data show. The best end is
-//! taken; [`Fit::agreeing`] tells how many starts ended there.
+//! **Minimum** by a bounded trust-region method (Branch, Coleman & Li 1999: the reflective method, as in
+//! MATLAB's lsqnonlin and SciPy's `least_squares`), with analytic derivatives. Totals, widths and exponents
+//! are varied as logarithms. Searches start from several points about the width of the data. The best minimum
+//! is returned; [`Fit::agreeing`] is the number of starts that reached it.
 //!
-//! **Intervals** are the linear ones at the minimum: covariance `s^2 (J^T W J)^-1` with the residual
-//! variance `s^2`, and Student's quantiles. They are what they say if g is independent noise of equal
-//! variance about the right formula. The misfit of a real lobe is neither: then they understate, and
-//! the spread between formulas says more. They mean little where a parameter is
+//! **Intervals** are those of linear theory at the minimum: covariance `s^2 (J^T W J)^-1` with the residual
+//! variance `s^2`, and Student's quantiles. They are correct if g is independent noise of equal
+//! variance and the formula is right. The misfit of a real lobe is neither; then they are too small, and
+//! the differences between formulas are more informative. They mean little for a parameter
 //! [at the end of its range](Parameter::at_bound).
 //!
-//! **Straight-through light** may be sought besides: unscattered light as the instrument blurs it, a
-//! k-correlation lobe of a stated width. Its share is as good as that width: if all of it lies in the
-//! cell at the specular direction, the share follows the excess of that one cell times the width
-//! squared. Without a known width, half the grid's radial step is the least that makes sense.
+//! **Regular transmission** can be fitted in addition: unscattered light, blurred by the instrument to a
+//! k-correlation lobe of given width. Its fraction is as uncertain as that width: if all of it lies in the
+//! cell at the specular direction, the fraction is proportional to the excess of that cell times the width
+//! squared. If the width is unknown, the smallest sensible value is half the radial step of the grid.
 //!
-//! **Limits**: isotropic lobes. A fit of a blurred measurement is one of the blurred lobe.
+//! **Limits**: isotropic lobes. A fit to a blurred measurement gives the blurred lobe.
 
 mod data;
 mod linear;
@@ -38,32 +38,33 @@ use problem::Problem;
 pub use data::Data;
 pub use ranking::{Ranked, fitted, ranked};
 
-/// Cells that a fit needs beyond the number of its parameters.
+/// Number of cells that a fit needs in addition to the number of its parameters.
 pub(crate) const SPARE_CELLS: usize = 5;
 
-/// What each squared residual counts.
+/// Weights of the squared residuals.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Weights {
-    /// All the same.
+    /// Uniform weights.
     #[default]
     Even,
-    /// Its cell's solid angle, where the geometry has one.
+    /// Solid angle of the cell, if the geometry defines it.
     SolidAngle,
 }
 
-/// How to fit.
+/// Options of a fit.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct FitOptions {
-    /// What residuals count.
+    /// Weights of the residuals.
     pub weights: Weights,
-    /// Width of the instrument's blur, direction cosines, above 0, if straight-through light is sought.
+    /// Width of the instrument's blur, direction cosines, above 0; if given, regular transmission is fitted
+    /// too.
     pub straight_width: Option<f64>,
 }
 
-/// Unscattered light as an instrument of some blur sees it.
+/// Unscattered light, blurred by an instrument.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Straight {
-    /// Transmitted (or mirrored) share of the incident light.
+    /// Fraction of the incident light that is regularly transmitted or reflected.
     pub share: f64,
     /// Width of the blur: a k-correlation lobe of exponent 3, direction cosines.
     pub width: f64,
@@ -75,58 +76,58 @@ impl Straight {
     }
 }
 
-/// A number that was found.
+/// Fitted parameter.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Parameter {
-    /// As in [`Model`]; `straight_through` for that share.
+    /// Name as in [`Model`]; `straight_through` for the regular fraction.
     pub name: &'static str,
-    /// What it is counted in.
+    /// Unit.
     pub unit: &'static str,
     /// The best value.
     pub value: f64,
-    /// Its 95 % confidence interval; infinite if the data do not tell.
+    /// 95 % confidence interval of linear theory; infinite if the data do not determine the parameter.
     pub interval: [f64; 2],
-    /// True if it lies at the end of its range.
+    /// True if the value is at the end of its range.
     pub at_bound: bool,
 }
 
-/// The best lobe of a kind for some data.
+/// Best lobe of a kind for given data.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Fit {
     /// The lobe.
     pub model: Model,
-    /// Unscattered light besides, if it was sought.
+    /// Regular transmission, if it was fitted.
     pub straight: Option<Straight>,
-    /// What was found, in the order of [`Kind::parameters`], then the straight-through share.
+    /// Fitted parameters, in the order of [`Kind::parameters`], then the regular fraction.
     pub parameters: Vec<Parameter>,
     /// Covariance of the parameters, row by row.
     pub covariance: Vec<f64>,
     /// Root mean square residual g, 1/sr (weighted).
     pub rms: f64,
-    /// The same over the root mean square of the data times the cosine.
+    /// `rms` divided by the root mean square of the data times the cosine.
     pub relative_rms: f64,
-    /// Total over the cells, of the fit over that of the data, less 1.
+    /// Relative difference of the fit's total over the cells from that of the data.
     pub total_error: f64,
-    /// Cells that the fit is about.
+    /// Number of fitted cells.
     pub cells: usize,
-    /// Starts that were tried.
+    /// Number of starts.
     pub starts: usize,
-    /// Starts that ended at the best minimum.
+    /// Number of starts that reached the best minimum.
     pub agreeing: usize,
-    /// Iterations from the best start.
+    /// Number of iterations from the best start.
     pub iterations: usize,
-    /// True if the search stood still where it ended: at a minimum.
+    /// True if the search ended at a minimum.
     pub converged: bool,
 }
 
 impl Fit {
-    /// The best lobe of this kind.
+    /// Fits a lobe of this kind.
     pub fn new(data: &Data, kind: Kind, options: &FitOptions) -> Result<Self, GoniometryError> {
         let problem = Problem::new(data, kind, options)?;
         Ok(problem.fit(&problem.starts()))
     }
 
-    /// The best lobe of each kind, the least residual first.
+    /// Fits a lobe of each kind; the smallest residual comes first.
     pub fn all(data: &Data, options: &FitOptions) -> Result<Vec<Self>, GoniometryError> {
         let mut fits: Vec<Self> =
             Kind::ALL.into_iter().map(|kind| Self::new(data, kind, options)).collect::<Result<_, _>>()?;
@@ -134,8 +135,8 @@ impl Fit {
         Ok(fits)
     }
 
-    /// f, 1/sr, straight-through light included, from and to direction cosines of propagation in air: what
-    /// stands beside the data in a figure.
+    /// Returns f, 1/sr, including regular transmission, for direction cosines of propagation in air. This is
+    /// the quantity to compare with the data in a figure.
     pub fn value(&self, from: Beta, to: Beta) -> f64 {
         Pair::new(from, to).map_or(0.0, |pair| self.at(&pair))
     }

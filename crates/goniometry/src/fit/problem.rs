@@ -1,19 +1,19 @@
-//! The least-squares problem of one kind of lobe, and what its solution means.
+//! Least-squares problem of one kind of lobe, and the statistics of its solution.
 
 use super::data::{Cell, Data};
 use super::{Fit, FitOptions, Parameter, SPARE_CELLS, Straight, Weights, linear, search};
 use crate::GoniometryError;
 use crate::models::{Kind, Meaning, Pair};
 
-/// The least-squares problem of one kind of lobe.
+/// Least-squares problem of one kind of lobe.
 pub(super) struct Problem<'a> {
     pub(super) data: &'a Data,
     kind: Kind,
     straight_width: Option<f64>,
     pub(super) meanings: Vec<Meaning>,
-    /// Root of each cell's weight times its cosine, over `scale`.
+    /// Square root of each cell's weight times its cosine, divided by `scale`.
     factors: Vec<f64>,
-    /// Root of the weighted sum of squares of the data.
+    /// Square root of the weighted sum of squares of the data.
     scale: f64,
     /// Sum of the weights.
     weight: f64,
@@ -22,15 +22,15 @@ pub(super) struct Problem<'a> {
 const STRAIGHT: Meaning =
     Meaning { name: "straight_through", unit: "1", range: [0.0, 10.0], logarithmic: false };
 
-/// Widths of starts over the width that the data show.
+/// Widths of starts, relative to the width of the data.
 const START_WIDTHS: [f64; 3] = [1.0, 0.4, 2.5];
-/// Costs this close, relative, are the same minimum; and so are all below the square of the precision of
-/// numbers.
+/// Costs that differ by less than this, relatively, belong to the same minimum; so do all costs below the
+/// square of the numerical precision.
 const SAME: f64 = 1e-6;
 const EXACT: f64 = 1e-25;
-/// Distance from an end of a range that counts as being there, relative.
+/// Relative distance from an end of a range that counts as being at the end.
 const AT_BOUND: f64 = 1e-6;
-/// Where a search stands still the residuals are this orthogonal to all derivatives (but at ends of ranges).
+/// At a minimum, the cosine between residuals and each derivative is below this, except at ends of ranges.
 const ORTHOGONAL: f64 = 1e-6;
 
 impl<'a> Problem<'a> {
@@ -38,8 +38,8 @@ impl<'a> Problem<'a> {
         if let Some(width) = options.straight_width
             && !(1e-4..=10.0).contains(&width)
         {
-            let what = "the width of straight-through light";
-            return Err(GoniometryError::OutOfRange { what, value: width, expected: ".0001 to 10" });
+            let what = "the width of the blur of regular transmission";
+            return Err(GoniometryError::OutOfRange { what, value: width, expected: "0.0001 to 10" });
         }
         let mut meanings = kind.parameters().to_vec();
         meanings.extend(options.straight_width.map(|_| STRAIGHT));
@@ -69,7 +69,7 @@ impl<'a> Problem<'a> {
         })
     }
 
-    /// Values of the parameters to start from.
+    /// Start values of the parameters.
     pub(super) fn starts(&self) -> Vec<Vec<f64>> {
         let thirds: &[f64] = match self.kind {
             Kind::KCorrelation => &[3.0, 8.0],
@@ -79,7 +79,7 @@ impl<'a> Problem<'a> {
         let width = self.data.width();
         let mut starts = Vec::new();
         for factor in START_WIDTHS {
-            // Half vectors turn half as far as what they mirror.
+            // Half vectors turn by half the angle of the reflected direction.
             let scale = if matches!(self.kind, Kind::Ward(_) | Kind::Ggx) { 0.5 } else { 1.0 };
             for third in thirds.iter().map(Some).chain(thirds.is_empty().then_some(None)) {
                 let mut start = vec![1.0, width * factor * scale];
@@ -92,7 +92,7 @@ impl<'a> Problem<'a> {
         starts
     }
 
-    /// The best of what the starts lead to.
+    /// Best result of all starts.
     pub(super) fn fit(&self, starts: &[Vec<f64>]) -> Fit {
         let mut ends: Vec<search::End> = starts.iter().map(|start| search::search(self, start)).collect();
         ends.sort_by(|a, b| a.cost.total_cmp(&b.cost));
@@ -106,7 +106,7 @@ impl<'a> Problem<'a> {
         let columns = self.columns(&end.values);
         let (slopes, residuals) = (&columns[..count], &columns[count]);
         let normal: Vec<f64> = slopes.iter().flat_map(|a| slopes.iter().map(|b| dot(a, b))).collect();
-        // Squares of the residuals are relative to those of the data, and so are those of the slopes.
+        // Squares of the residuals and of the derivatives are relative to those of the data.
         let variance = 2.0 * end.cost / freedom;
         let covariance = match linear::inverse(&normal, count) {
             Some(inverse) => inverse.into_iter().map(|entry| entry * variance).collect(),
@@ -161,7 +161,7 @@ impl<'a> Problem<'a> {
         cells.map(|(cell, factor)| factor * (self.modelled(values, &cell.pair)[0] - cell.value)).collect()
     }
 
-    /// Derivatives of the residuals by each parameter, and the residuals.
+    /// Derivatives of the residuals with respect to each parameter, then the residuals.
     pub(super) fn columns(&self, values: &[f64]) -> Vec<Vec<f64>> {
         let count = self.meanings.len();
         let mut columns = vec![Vec::with_capacity(self.data.len()); count + 1];
@@ -175,7 +175,7 @@ impl<'a> Problem<'a> {
         columns
     }
 
-    /// f and its derivatives by all parameters.
+    /// f and its derivatives with respect to all parameters.
     fn modelled(&self, values: &[f64], pair: &Pair) -> [f64; 5] {
         let [f, a, b, c] = self.kind.model(values).value_and_slopes(pair);
         let mut all = [f, a, b, c, 0.0];

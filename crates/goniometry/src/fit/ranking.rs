@@ -1,4 +1,4 @@
-//! Which lobe serves best.
+//! Ranking of fitted lobes.
 
 use super::{Data, Fit, FitOptions};
 use crate::double_pass::double_pass_error;
@@ -8,17 +8,17 @@ use crate::measurement::Part;
 use crate::models::Kind;
 use papilio_optics::Scatterer;
 
-/// A fit, and what it is worth to the caller.
+/// Fit with its score.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Ranked {
     /// The fit.
     pub fit: Fit,
-    /// The caller's score, the smaller the better; `None` if there is none.
+    /// Score from the caller, smaller is better; `None` if there is none.
     pub score: Option<f64>,
 }
 
-/// Fits by a score of the caller's, the smallest first: for instance by how far a display's metrics
-/// move when the lobe takes the measurement's place. Equal scores, and fits without one (at the end), go
+/// Ranks fits by a score from the caller, the smallest first; for instance, the change of a display's metrics
+/// when the lobe replaces the measurement. Equal scores, and fits without one (at the end), are ordered
 /// by their residual.
 pub fn ranked(fits: Vec<Fit>, mut score: impl FnMut(&Fit) -> Option<f64>) -> Vec<Ranked> {
     let score = |fit: Fit| Ranked { score: score(&fit).filter(|score| !score.is_nan()), fit };
@@ -28,9 +28,10 @@ pub fn ranked(fits: Vec<Fit>, mut score: impl FnMut(&Fit) -> Option<f64>) -> Vec
     all
 }
 
-/// Fits of a part's channel by one kind of lobe, or by all of them, ranked by their [`double_pass_error`] against the
-/// kernel that a display would take of the data itself, from and to directions that were measured: what a display would
-/// extrapolate says nothing of a lobe. Of a measurement with one incidence there is no such error, for no light crosses twice.
+/// Fits one kind of lobe, or all kinds, to a channel of a part. The fits are ranked by their
+/// [`double_pass_error`] relative to the kernel of a display from the data themselves, over measured
+/// directions: extrapolated values contain no information about a lobe. A measurement with one incidence has
+/// no such error, because no light passes twice.
 ///
 /// # Errors
 /// If the data are too few or too dark for a fit.
@@ -45,15 +46,15 @@ pub fn fitted(
         None => Fit::all(&data, options)?,
         Some(kind) => vec![Fit::new(&data, kind, options)?],
     };
-    let made = |extrapolate| {
+    let kernel_with = |extrapolate| {
         let preparation = Preparation { extrapolate, ..Preparation::default() };
         kernel(part, channel, &preparation, &[]).ok().map(|(scatter, _)| scatter)
     };
-    let (truth, going_on) = (made(None), made(Some(1.0)));
+    let (truth, extrapolated) = (kernel_with(None), kernel_with(Some(1.0)));
     Ok(ranked(fits, |fit| {
-        let (truth, going_on) = (truth.as_ref()?, going_on.as_ref()?);
-        // Dark because it was not measured is what would not be dark if the lobe went on.
-        let known = |from, to| truth.evaluate(from, to) > 0.0 || going_on.evaluate(from, to) <= 0.0;
+        let (truth, extrapolated) = (truth.as_ref()?, extrapolated.as_ref()?);
+        // A direction was not measured if it is dark, but not dark with extrapolation.
+        let known = |from, to| truth.evaluate(from, to) > 0.0 || extrapolated.evaluate(from, to) <= 0.0;
         double_pass_error(|from, to| fit.value(from, to), |from, to| truth.evaluate(from, to), known)
     }))
 }

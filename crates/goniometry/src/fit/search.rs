@@ -1,8 +1,8 @@
-//! The search for the least sum of squares, by the crate `basin`.
+//! Least-squares search with the crate `basin`.
 //!
-//! It decomposes the derivatives at each step, which takes long for ten thousand cells. All that a step
-//! depends on, `J^T J`, `J^T r` and `|r|`, is kept by a rotation of the residuals' space. So the crate is
-//! given `n + 1` residuals: those along the derivatives, and the length of the rest.
+//! The crate decomposes the Jacobian at each step, which is slow for ten thousand cells. All quantities of a
+//! step, `J^T J`, `J^T r` and `|r|`, are invariant under a rotation of the residuals' space. The crate is
+//! therefore given `n + 1` residuals: the components along the derivatives, and the length of the remainder.
 
 use std::convert::Infallible;
 
@@ -14,57 +14,59 @@ use basin::{
 use super::problem::{Problem, dot};
 use crate::models::Meaning;
 
-/// Scaled gradients below this end a search; residuals are relative to the data, parameters logarithms.
+/// Tolerance of scaled gradients; residuals are relative to the data, parameters are logarithms.
 const GRADIENT: f64 = 1e-15;
-/// Steps below this, relative, end it too.
+/// Tolerance of relative steps.
 const STEP: f64 = 1e-13;
 const ITERATIONS: u64 = 200;
 
-/// Where a search ended.
+/// Result of a search.
 pub(super) struct End {
     pub(super) values: Vec<f64>,
-    /// Half the sum of the squared residuals, relative to the data's.
+    /// Half the sum of the squared residuals, relative to that of the data.
     pub(super) cost: f64,
     pub(super) iterations: usize,
 }
 
-/// The minimum downhill of a start, which is moved into the parameters' ranges.
+/// Searches the local minimum from a start, which is first clamped to the parameters' ranges.
 pub(super) fn search(problem: &Problem<'_>, start: &[f64]) -> End {
     let bounds = |side: usize| -> Vec<f64> {
-        problem.meanings.iter().map(|meaning| forth(meaning.range[side], meaning.logarithmic)).collect()
+        problem.meanings.iter().map(|meaning| to_search(meaning.range[side], meaning.logarithmic)).collect()
     };
     let (lower, upper) = (bounds(0), bounds(1));
     let start: Vec<f64> = problem
         .meanings
         .iter()
         .zip(start)
-        .map(|(meaning, value)| forth(value.clamp(meaning.range[0], meaning.range[1]), meaning.logarithmic))
+        .map(|(meaning, value)| {
+            to_search(value.clamp(meaning.range[0], meaning.range[1]), meaning.logarithmic)
+        })
         .collect();
     let solver = TrustRegionReflective::new()
         .with_absolute_scaled_gradient_tolerance(GRADIENT)
         .with_relative_step_tolerance(STEP);
     let squares = Squares { problem, lower, upper };
-    let begun = start.clone();
+    let first = start.clone();
     let Ok(result) = Executor::from_start(squares, solver, start).max_iter(ITERATIONS).run() else {
-        return End { values: back(problem, &begun), cost: f64::INFINITY, iterations: 0 };
+        return End { values: from_search(problem, &first), cost: f64::INFINITY, iterations: 0 };
     };
     End {
-        values: back(problem, result.param()),
+        values: from_search(problem, result.param()),
         cost: result.cost(),
         iterations: usize::try_from(result.iter()).unwrap_or(usize::MAX),
     }
 }
 
-fn forth(value: f64, logarithmic: bool) -> f64 {
+fn to_search(value: f64, logarithmic: bool) -> f64 {
     if logarithmic { value.ln() } else { value }
 }
 
-fn back(problem: &Problem<'_>, sought: &[f64]) -> Vec<f64> {
+fn from_search(problem: &Problem<'_>, sought: &[f64]) -> Vec<f64> {
     let one = |(meaning, x): (&Meaning, &f64)| if meaning.logarithmic { x.exp() } else { *x };
     problem.meanings.iter().zip(sought).map(one).collect()
 }
 
-/// The problem as the crate asks for it.
+/// The problem in the form required by `basin`.
 struct Squares<'a> {
     problem: &'a Problem<'a>,
     lower: Vec<f64>,
@@ -72,10 +74,10 @@ struct Squares<'a> {
 }
 
 impl Squares<'_> {
-    /// Rotated residuals, and their derivatives by what is sought, row by row: modified Gram and
-    /// Schmidt's method on both together, as good as Householder's for least squares (Bjoerck 1967).
+    /// Rotated residuals and their Jacobian, row by row: modified Gram-Schmidt
+    /// on both together, as accurate as Householder's method for least squares (Bjoerck 1967).
     fn rotated(&self, sought: &[f64]) -> (Vec<f64>, Vec<f64>) {
-        let values = back(self.problem, sought);
+        let values = from_search(self.problem, sought);
         let n = sought.len();
         let mut columns = self.problem.columns(&values);
         for ((column, meaning), value) in columns.iter_mut().zip(&self.problem.meanings).zip(&values) {
@@ -118,7 +120,7 @@ impl CostFunction for Squares<'_> {
     type Error = Infallible;
 
     fn cost(&self, sought: &Vec<f64>) -> Result<f64, Infallible> {
-        let residuals = self.problem.residuals(&back(self.problem, sought));
+        let residuals = self.problem.residuals(&from_search(self.problem, sought));
         Ok(0.5 * dot(&residuals, &residuals))
     }
 }

@@ -1,10 +1,10 @@
-//! Exact data, noisy data, degenerate data.
+//! Tests of fits to exact, noisy and degenerate data.
 
 use super::*;
 use crate::models::Normalisation;
 use papilio_sampling::{Numbers, Sampler};
 
-/// Directions of an imaging sphere, coarse: incidences to 60 deg, four azimuths, 1 to 73 deg off the
+/// Coarse directions of an imaging sphere: incidences to 60 deg, four azimuths, 1 to 73 deg from the
 /// specular direction.
 fn directions() -> Vec<[Beta; 2]> {
     let mut pairs = Vec::new();
@@ -40,12 +40,12 @@ fn exact(kind: Kind) -> Data {
 }
 
 #[test]
-fn exact_data_give_the_parameters_to_ten_digits_from_each_start() {
+fn fit_to_exact_data_is_exact_to_ten_digits_from_each_start() {
     for kind in Kind::ALL {
         let (data, truth) = (exact(kind), truth(kind));
         let problem = Problem::new(&data, kind, &FitOptions::default()).unwrap();
         let mut starts = problem.starts();
-        // And from far off: a quarter and four times the width, a third and three times the total.
+        // Distant starts: a quarter and four times the width, a third and three times the total.
         for (total, width) in [(0.33, 0.25), (3.0, 0.25), (0.33, 4.0), (3.0, 4.0)] {
             let mut start = truth.clone();
             start[0] *= total;
@@ -70,17 +70,18 @@ fn exact_data_give_the_parameters_to_ten_digits_from_each_start() {
     }
 }
 
-/// Independent normal noise of one size in g: 95 % of the intervals hold the truth. With 400 draws, 4
-/// standard deviations of the binomial law about 380 are 363 to 397 (twelve trials: 8e-4 for all).
+/// With independent normal noise of equal size in g, 95 % of the intervals contain the true value. With 400
+/// draws, 4 standard deviations of the binomial distribution about 380 are 363 to 397 (twelve trials: 8e-4
+/// for all).
 #[test]
-fn intervals_hold_the_truth_at_the_stated_rate() {
+fn confidence_intervals_contain_truth_at_nominal_rate() {
     const DRAWS: u64 = 400;
     for kind in [Kind::Ward(Normalisation::Ward), Kind::KCorrelation, Kind::Ggx, Kind::PseudoVoigt] {
         let (mut exact, truth) = (exact(kind), truth(kind));
         let mut number = 0..;
         exact.cells.retain(|_| number.next().is_some_and(|k: usize| k.is_multiple_of(2)));
         let peak = exact.cells.iter().map(|cell| cell.value).fold(0.0, f64::max);
-        let mut held = vec![0; truth.len()];
+        let mut covered = vec![0; truth.len()];
         for draw in 0..DRAWS {
             let numbers = Numbers::new(Sampler::Random, 4, draw);
             let mut noisy = exact.clone();
@@ -93,34 +94,34 @@ fn intervals_hold_the_truth_at_the_stated_rate() {
             let fit = problem.fit(&problem.starts()[..1]);
             for (k, parameter) in fit.parameters.iter().enumerate() {
                 let [below, above] = parameter.interval;
-                held[k] += u64::from(below < truth[k] && truth[k] < above);
+                covered[k] += u64::from(below < truth[k] && truth[k] < above);
             }
         }
-        assert!(held.iter().all(|count| (363..=397).contains(count)), "{kind:?}: {held:?}");
+        assert!(covered.iter().all(|count| (363..=397).contains(count)), "{kind:?}: {covered:?}");
     }
 }
 
 #[test]
-fn straight_through_light_is_told_from_the_lobe() {
+fn regular_transmission_is_separated_from_lobe() {
     for kind in Kind::ALL {
         let model = kind.model(&truth(kind));
         let straight = Straight::lobe(0.02);
         let data = data(|from, to| model.value(from, to) + 0.06 * straight.value(from, to));
         let options = FitOptions { straight_width: Some(0.02), ..FitOptions::default() };
         let fit = Fit::new(&data, kind, &options).unwrap();
-        let share = fit.straight.unwrap().share;
-        assert!((share - 0.06).abs() < 1e-9, "{kind:?}: {share}");
+        let fraction = fit.straight.unwrap().share;
+        assert!((fraction - 0.06).abs() < 1e-9, "{kind:?}: {fraction}");
         assert_eq!(fit.parameters.len(), truth(kind).len() + 1);
         let [from, to] = directions()[3];
         let sum = model.value(from, to) + 0.06 * straight.value(from, to);
         assert!((fit.value(from, to) / sum - 1.0).abs() < 1e-8);
-        // Without that part it cannot be as good.
+        // Without regular transmission, the fit is much worse.
         assert!(Fit::new(&data, kind, &FitOptions::default()).unwrap().rms > 100.0 * fit.rms);
     }
 }
 
 #[test]
-fn the_right_formula_fits_best_and_the_callers_score_decides() {
+fn right_formula_fits_best_and_score_determines_rank() {
     let data = exact(Kind::Ggx);
     let fits = Fit::all(&data, &FitOptions::default()).unwrap();
     assert_eq!(fits[0].model.kind(), Kind::Ggx);
@@ -138,9 +139,10 @@ fn the_right_formula_fits_best_and_the_callers_score_decides() {
     assert!(by_total[1].fit.rms <= by_total[2].fit.rms);
 }
 
-/// A Gaussian is a k-correlation lobe at the end of its exponents' range, and a pseudo-Voigt of mix 0.
+/// A Gaussian is a k-correlation lobe at the upper end of the exponent's range, and a pseudo-Voigt lobe with
+/// mix 0.
 #[test]
-fn ends_of_ranges_are_told() {
+fn parameter_at_end_of_range_is_reported() {
     let gaussian = data(|from, to| 3.0 * (-(to - from).squared() / 0.01).exp());
     let fit = Fit::new(&gaussian, Kind::KCorrelation, &FitOptions::default()).unwrap();
     assert!(fit.parameters[2].at_bound && !fit.parameters[0].at_bound, "{fit:?}");
@@ -150,7 +152,7 @@ fn ends_of_ranges_are_told() {
 }
 
 #[test]
-fn weights_and_wrong_questions() {
+fn weights_change_fit_and_bad_input_is_refused() {
     let data = exact(Kind::Ggx);
     let few = Data { cells: data.cells[..6].to_vec() };
     let error = Fit::new(&few, Kind::Ggx, &FitOptions::default()).unwrap_err();
@@ -158,18 +160,18 @@ fn weights_and_wrong_questions() {
     assert!(error.to_string().contains("5 more"), "{error}");
     let options = FitOptions { straight_width: Some(0.0), ..FitOptions::default() };
     assert!(matches!(Fit::new(&data, Kind::Ggx, &options), Err(GoniometryError::OutOfRange { .. })));
-    // Data of another formula: the weights decide what it is bent to.
+    // For data of another formula, the weights change the fit.
     let options = FitOptions { weights: Weights::SolidAngle, ..FitOptions::default() };
     let mut outer = data.clone();
     outer.cells.iter_mut().for_each(|cell| cell.solid_angle = cell.pair.delta2);
-    let [even, solid] = [FitOptions::default(), options]
+    let [uniform, solid] = [FitOptions::default(), options]
         .map(|options| Fit::new(&outer, Kind::Ward(Normalisation::Duer), &options).unwrap());
-    assert!(solid.parameters[1].value > 1.02 * even.parameters[1].value, "{even:?} {solid:?}");
+    assert!(solid.parameters[1].value > 1.02 * uniform.parameters[1].value, "{uniform:?} {solid:?}");
 }
 
-/// Numbers out of all bounds are refused, and nonsense does not look like a fit.
+/// Data out of range are refused, and data without a lobe do not give a good fit.
 #[test]
-fn absurd_data_do_no_harm() {
+fn absurd_data_are_refused_or_fit_badly() {
     let times = |size: f64| {
         let mut data = exact(Kind::Ggx);
         data.cells.iter_mut().for_each(|cell| cell.value *= size);
@@ -185,9 +187,10 @@ fn absurd_data_do_no_harm() {
     }
 }
 
-/// Of a lobe that was measured up to 15 deg from its peak, the right formula is right: where tails would go on says nothing of it.
+/// For a lobe measured up to 15 deg from its peak, the right formula has a small error: extrapolated tails do
+/// not count.
 #[test]
-fn what_is_extrapolated_has_no_part_in_the_ranking() {
+fn extrapolated_directions_do_not_affect_ranking() {
     let steps = |to: u32, step: u32| (0..=to / step).map(|k| f64::from(k * step)).collect::<Vec<_>>();
     let grid = crate::SpecularGrid {
         rotations_deg: vec![0.0],
@@ -218,7 +221,7 @@ fn what_is_extrapolated_has_no_part_in_the_ranking() {
     assert!(best.fit.relative_rms < 1e-6, "{best:?}");
     let score = best.score.unwrap();
     assert!(score < 0.02, "{score}");
-    // Light of one incidence crosses no lobe twice.
+    // With one incidence, no light passes through the lobe twice.
     let crate::Geometry::Specular(grid) = &mut part.geometry else { unreachable!() };
     grid.incidences_deg.truncate(1);
     part.values.truncate(part.values.len() / 4);

@@ -1,12 +1,12 @@
-//! Where a number lies on an axis.
+//! Interpolation on an axis of angles.
 
-/// Two places on an axis and their shares.
+/// Two indices on an axis and their interpolation weights.
 pub(super) type Weights = [(usize, f64); 2];
 
-/// Slack for angles that should be on an end of the axis, degrees.
+/// Tolerance for angles at an end of the axis, degrees.
 const SLACK_DEG: f64 = 1e-6;
 
-/// The neighbours of an angle on an ascending axis; `None` beyond its ends.
+/// Interpolation weights of an angle on an ascending axis; `None` beyond its ends.
 pub(super) fn between(axis: &[f64], angle: f64) -> Option<Weights> {
     let (first, last) = (*axis.first()?, *axis.last()?);
     if !(first - SLACK_DEG..=last + SLACK_DEG).contains(&angle) {
@@ -16,13 +16,13 @@ pub(super) fn between(axis: &[f64], angle: f64) -> Option<Weights> {
     if axis.len() == 1 {
         return Some([(0, 1.0), (0, 0.0)]);
     }
-    let share = ((angle - axis[next - 1]) / (axis[next] - axis[next - 1])).clamp(0.0, 1.0);
-    Some([(next - 1, 1.0 - share), (next, share)])
+    let fraction = ((angle - axis[next - 1]) / (axis[next] - axis[next - 1])).clamp(0.0, 1.0);
+    Some([(next - 1, 1.0 - fraction), (next, fraction)])
 }
 
-/// The neighbours of an azimuth on an axis that goes round: what lies between its last and its first
-/// angle lies between these, if they are no further apart than half a turn. An axis of one angle stands
-/// for all.
+/// Interpolation weights of an azimuth on a periodic axis. Between its last and its first
+/// angle, these two are used if they are no more than half a turn apart. An axis of one angle represents
+/// all azimuths.
 pub(super) fn around(axis: &[f64], azimuth: f64) -> Option<Weights> {
     let (first, last) = (*axis.first()?, *axis.last()?);
     if axis.len() == 1 {
@@ -33,11 +33,12 @@ pub(super) fn around(axis: &[f64], azimuth: f64) -> Option<Weights> {
         return Some(weights);
     }
     let gap = first + 360.0 - last;
-    let share = (turned - last) / gap;
-    (gap > 0.0 && gap <= 180.0).then_some([(axis.len() - 1, 1.0 - share), (0, share)])
+    let fraction = (turned - last) / gap;
+    (gap > 0.0 && gap <= 180.0).then_some([(axis.len() - 1, 1.0 - fraction), (0, fraction)])
 }
 
-/// As [`around`] for azimuths from a plane of symmetry, of which an axis within 0 to 180 deg may hold one side.
+/// Interpolation weights of an azimuth relative to a plane of symmetry; an axis within 0 to 180 deg covers
+/// one side.
 pub(super) fn mirrored(axis: &[f64], azimuth: f64) -> Option<Weights> {
     let turned = azimuth.rem_euclid(360.0);
     between(axis, turned.min(360.0 - turned))
@@ -48,7 +49,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn neighbours() {
+    fn interpolation_weights_on_open_periodic_and_mirrored_axes() {
         let axis = [0.0, 10.0, 30.0];
         assert_eq!(between(&axis, 15.0), Some([(1, 0.75), (2, 0.25)]));
         assert_eq!(between(&axis, 0.0), Some([(0, 1.0), (1, 0.0)]));

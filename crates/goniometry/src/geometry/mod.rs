@@ -1,4 +1,4 @@
-//! Where values are taken: the coordinates of each kind of file.
+//! Geometries of measurements: the coordinates of each file format.
 
 mod axis;
 mod half_angle;
@@ -21,7 +21,7 @@ pub use warped::{WarpFields, WarpedGrid};
 use crate::{Direction, Part};
 pub(crate) use patches::patch_centre;
 
-/// The cells of a part.
+/// Directions of the cells of a part.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Geometry {
     /// A grid about the specular direction (imaging spheres; Radiant, Zemax).
@@ -30,26 +30,26 @@ pub enum Geometry {
     Spherical(SphericalGrid),
     /// Pairs of directions (light, viewer) in any order.
     Pairs(Vec<[Direction; 2]>),
-    /// Patches of the hemisphere in rings from the normal (Klems); cells `[in][out]`. The incident patches
-    /// are turned by 180 deg, so that light that keeps its direction goes from a patch to the one of the
+    /// Patches of the hemisphere in rings about the normal (Klems); cells `[in][out]`. The incident patches
+    /// are rotated by 180 deg, so that regularly transmitted light goes from a patch to the one of the
     /// same number.
     Patches {
-        /// Rings of the patches from which light comes, from the normal outwards.
+        /// Rings of the incident patches, from the normal outwards.
         incoming: Vec<Ring>,
-        /// Rings of the patches to which it goes.
+        /// Rings of the outgoing patches.
         outgoing: Vec<Ring>,
     },
     /// Half and difference angles (MERL).
     HalfAngle(HalfAngleGrid),
-    /// Cells of many sizes in squares mapped to the disk of direction cosines (tensor trees).
+    /// Cells of variable size in squares mapped to the disc of direction cosines (tensor trees).
     Tree(TensorTree),
-    /// A grid warped to where a surface's facets are (RGL). Its values are not f: [`Geometry::evaluate`]
-    /// makes f of them.
+    /// A grid warped according to the surface's facets (RGL). Its values are not f; [`Geometry::evaluate`]
+    /// converts them to f.
     Warped(Box<WarpedGrid>),
 }
 
 impl Geometry {
-    /// How many cells there are.
+    /// Number of cells.
     pub fn cells(&self) -> usize {
         match self {
             Self::Specular(grid) => grid.cells(),
@@ -62,7 +62,7 @@ impl Geometry {
         }
     }
 
-    /// Whether all azimuths of the light are alike: turning light and viewer together changes nothing.
+    /// Returns true if the sample is isotropic: rotating light and viewer together changes nothing.
     pub fn is_isotropic(&self) -> bool {
         match self {
             Self::Specular(grid) => grid.rotations_deg.len() == 1,
@@ -74,7 +74,7 @@ impl Geometry {
         }
     }
 
-    /// Where the middle of a cell lies: the directions of light and viewer; `None` if it is outside the
+    /// Directions of light and viewer at the centre of a cell; `None` outside the
     /// hemisphere, and for warped grids.
     pub fn directions(&self, cell: usize) -> Option<[Direction; 2]> {
         match self {
@@ -92,14 +92,14 @@ impl Geometry {
         }
     }
 
-    /// f, 1/sr, of light from `i` towards `o`, of one channel's values in the geometry's order; `None` where
-    /// nothing was measured.
+    /// Returns f, 1/sr, for light from `i` towards `o`, from one channel's values in the geometry's order;
+    /// `None` where nothing was measured.
     ///
-    /// A plain reading of the file, not a smooth one: linear between a grid's angles (about the specular
-    /// direction, where a grid is), constant in patches, cells of half angles and of trees, the nearest
-    /// of listed pairs (which takes time in proportion to their number), and as its authors define it on a
-    /// warped grid. Nothing is extrapolated. A grid with one azimuth of the light is taken for a sample that
-    /// is alike in all.
+    /// This is the simplest interpolation, not a smooth one: linear between the angles of a grid (about the
+    /// specular direction for specular-centred grids), constant in patches and in cells of half angles and of
+    /// trees, the nearest of listed pairs (in time proportional to their number), and the authors' definition
+    /// on a warped grid. Nothing is extrapolated. A grid with one azimuth of the light is treated as an
+    /// isotropic sample.
     pub fn evaluate(&self, values: &[f64], i: Direction, o: Direction) -> Option<f64> {
         let on_its_side = |d: Direction| (0.0..=90.0).contains(&d.theta_deg) && d.phi_deg.is_finite();
         if !on_its_side(i) || !on_its_side(o) {
@@ -122,16 +122,19 @@ impl Geometry {
 }
 
 impl Part {
-    /// f, 1/sr, of a channel (by its number) of light from `i` towards `o`: [`Geometry::evaluate`].
+    /// Returns f, 1/sr, of a channel (given by its index) for light from `i` towards `o`:
+    /// [`Geometry::evaluate`].
     pub fn evaluate(&self, channel: usize, i: Direction, o: Direction) -> Option<f64> {
         self.geometry.evaluate(self.channel(channel), i, o)
     }
 }
 
-/// The number of the pair whose directions are nearest.
+/// Index of the pair with the nearest directions.
 fn nearest(pairs: &[[Direction; 2]], i: Direction, o: Direction) -> Option<usize> {
     let (i, o) = (i.vector(), o.vector());
-    let apart = |a: [f64; 3], b: [f64; 3]| (0..3).map(|k| (a[k] - b[k]).powi(2)).sum::<f64>();
-    let distances = pairs.iter().map(|pair| apart(pair[0].vector(), i) + apart(pair[1].vector(), o));
+    let squared_distance = |a: [f64; 3], b: [f64; 3]| (0..3).map(|k| (a[k] - b[k]).powi(2)).sum::<f64>();
+    let distances = pairs
+        .iter()
+        .map(|pair| squared_distance(pair[0].vector(), i) + squared_distance(pair[1].vector(), o));
     distances.enumerate().min_by(|a, b| a.1.total_cmp(&b.1)).map(|(number, _)| number)
 }

@@ -1,18 +1,18 @@
-//! Rings of patches from the normal (Klems 1994, ASHRAE Trans. 100(1)): what WINDOW and Radiance use.
+//! Rings of patches about the normal (Klems 1994, ASHRAE Trans. 100(1)), as used by WINDOW and Radiance.
 //!
-//! Patch k of a ring of n is centred on azimuth 360 k/n. The patches that light comes from are turned
-//! by 180 deg: light that goes straight on, or is mirrored, stays in the patch of its number.
+//! Patch k of a ring of n is centred on azimuth 360 k/n. The incident patches are rotated
+//! by 180 deg: regularly transmitted and specularly reflected light has the same patch number on both sides.
 
 use std::f64::consts::PI;
 
 use crate::Direction;
 
-/// A ring of patches; it ends where the next begins, the last at 90 deg.
+/// Ring of patches; it ends where the next begins, the last at 90 deg.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Ring {
-    /// Where it begins, degrees from the normal.
+    /// Inner edge, degrees from the normal.
     pub from_deg: f64,
-    /// How many patches it is parted into; the first is centred on azimuth 0.
+    /// Number of patches; the first is centred on azimuth 0.
     pub patches: usize,
 }
 
@@ -20,7 +20,7 @@ const fn ring(from_deg: f64, patches: usize) -> Ring {
     Ring { from_deg, patches }
 }
 
-/// The full basis, 145 patches.
+/// Full Klems basis, 145 patches.
 pub const KLEMS_FULL: [Ring; 9] = [
     ring(0.0, 1),
     ring(5.0, 8),
@@ -33,7 +33,7 @@ pub const KLEMS_FULL: [Ring; 9] = [
     ring(75.0, 12),
 ];
 
-/// The half basis, 73 patches.
+/// Half Klems basis, 73 patches.
 pub const KLEMS_HALF: [Ring; 7] = [
     ring(0.0, 1),
     ring(6.5, 8),
@@ -44,16 +44,16 @@ pub const KLEMS_HALF: [Ring; 7] = [
     ring(76.5, 4),
 ];
 
-/// The quarter basis, 41 patches.
+/// Quarter Klems basis, 41 patches.
 pub const KLEMS_QUARTER: [Ring; 5] =
     [ring(0.0, 1), ring(9.0, 8), ring(27.0, 12), ring(46.0, 12), ring(66.0, 8)];
 
-/// How many patches there are.
+/// Number of patches.
 pub fn patch_count(rings: &[Ring]) -> usize {
     rings.iter().map(|ring| ring.patches).sum()
 }
 
-/// The patch that holds a direction in which light leaves; for one from which it comes, ask for its
+/// Index of the patch that contains an outgoing direction. For an incident direction, pass its
 /// [`Direction::specular`].
 pub fn patch_of(rings: &[Ring], direction: Direction) -> Option<usize> {
     let number = rings.partition_point(|ring| ring.from_deg <= direction.theta_deg).checked_sub(1)?;
@@ -65,7 +65,7 @@ pub fn patch_of(rings: &[Ring], direction: Direction) -> Option<usize> {
     Some(patch_count(&rings[..number]) + around)
 }
 
-/// Integral of the cosine over each patch, sr: pi (cos^2 t0 - cos^2 t1)/n, in the patches' order; pi together.
+/// Projected solid angle of each patch, sr: pi (cos^2 t0 - cos^2 t1)/n, in the patches' order; the sum is pi.
 pub fn projected_solid_angle(rings: &[Ring]) -> Vec<f64> {
     let of_ring = |(k, ring): (usize, &Ring)| {
         let to_deg = rings.get(k + 1).map_or(90.0, |next| next.from_deg);
@@ -75,7 +75,7 @@ pub fn projected_solid_angle(rings: &[Ring]) -> Vec<f64> {
     rings.iter().enumerate().flat_map(of_ring).collect()
 }
 
-/// The middle of a patch; the patch about the normal has the normal.
+/// Centre of a patch; for the patch about the normal, the normal.
 pub(crate) fn patch_centre(rings: &[Ring], mut patch: usize) -> Option<Direction> {
     for (k, ring) in rings.iter().enumerate() {
         if patch < ring.patches {
@@ -92,9 +92,9 @@ pub(crate) fn patch_centre(rings: &[Ring], mut patch: usize) -> Option<Direction
 mod tests {
     use super::*;
 
-    /// Projected solid angles of the full basis as the Klems literature has them.
+    /// Projected solid angles of the full basis as published.
     #[test]
-    fn bases() {
+    fn klems_bases_have_published_counts_and_solid_angles() {
         for (rings, count) in [(&KLEMS_FULL[..], 145), (&KLEMS_HALF[..], 73), (&KLEMS_QUARTER[..], 41)] {
             assert_eq!(patch_count(rings), count);
             assert!((projected_solid_angle(rings).iter().sum::<f64>() - PI).abs() < 1e-12);

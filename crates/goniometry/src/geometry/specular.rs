@@ -1,21 +1,21 @@
-//! The grid of an imaging sphere: rings about the specular direction.
+//! Grid of an imaging sphere: rings about the specular direction.
 //!
-//! Light comes from inclination `a` at azimuth 180 deg, so that its specular
-//! direction is `s = (sin a, 0, cos a)`. A cell at radial distance `r` and azimuth `A` about it lies in
-//! `d = cos r s + sin r (cos A e0 + sin A e1)` with `e0 = (-cos a, 0, sin a)`, which points from `s`
-//! towards the normal, and `e1 = s x e0 = (0, -1, 0)`. Cells with `d.z < 0` are outside the hemisphere.
+//! Light comes from inclination `a` at azimuth 180 deg, so that its specular direction is `s = (sin a, 0, cos
+//! a)`. A cell at radial distance `r` and azimuth `A` about it has the direction `d = cos r s + sin r (cos A
+//! e0 + sin A e1)` with `e0 = (-cos a, 0, sin a)`, which points from `s` towards the normal, and `e1 = s x e0
+//! = (0, -1, 0)`. Cells with `d.z < 0` are outside the hemisphere.
 //!
-//! A sample that was turned by `w` about its normal, counter-clockwise seen from the front, has seen all
-//! of it turned by `-w`: light from azimuth `180 - w`.
+//! For a sample rotated by `w` about its normal, counter-clockwise seen from the front, all directions are
+//! rotated by `-w` relative to the sample: light comes from azimuth `180 - w`.
 
 use super::axis::{Weights, around, between, mirrored};
 use crate::Direction;
 
-/// Rings about the specular direction. Cells in the order rotation, incidence, azimuth, radial
+/// Grid of rings about the specular direction. Cells in the order rotation, incidence, azimuth, radial
 /// distance, the last fastest.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SpecularGrid {
-    /// Turns of the sample about its normal, degrees, ascending.
+    /// Rotations of the sample about its normal, degrees, ascending.
     pub rotations_deg: Vec<f64>,
     /// Inclinations of the light, degrees, ascending.
     pub incidences_deg: Vec<f64>,
@@ -23,21 +23,21 @@ pub struct SpecularGrid {
     pub azimuths_deg: Vec<f64>,
     /// Distances from the specular direction, degrees, ascending.
     pub radials_deg: Vec<f64>,
-    /// What the azimuths stand for.
+    /// Symmetry of the azimuths.
     pub symmetry: Symmetry,
 }
 
-/// What a grid's azimuths stand for.
+/// Symmetry of a grid's azimuths.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Symmetry {
-    /// 0 to 180 deg, mirrored in the plane of incidence.
+    /// Azimuths 0 to 180 deg, mirrored in the plane of incidence.
     Plane,
-    /// All around.
+    /// Full circle of azimuths.
     None,
 }
 
 impl SpecularGrid {
-    /// How many cells there are.
+    /// Number of cells.
     pub fn cells(&self) -> usize {
         self.rotations_deg.len()
             * self.incidences_deg.len()
@@ -45,14 +45,15 @@ impl SpecularGrid {
             * self.radials_deg.len()
     }
 
-    /// What a rotation counts in a mean over the turn: a first and a last one that are the same half each.
+    /// Weight of a rotation in the mean over a full turn; a first and a last one that are the same count half
+    /// each.
     pub(crate) fn rotation_weight(&self, turn: usize) -> f64 {
-        let whole_turn = match self.rotations_deg[..] {
+        let full_turn = match self.rotations_deg[..] {
             [first, .., last] => last - first > 360.0 - 1e-6,
             _ => false,
         };
         let is_end = turn == 0 || turn + 1 == self.rotations_deg.len();
-        if whole_turn && is_end { 0.5 } else { 1.0 }
+        if full_turn && is_end { 0.5 } else { 1.0 }
     }
 
     /// Directions of light and viewer of a cell, in the coordinates of the sample; `None` outside the
@@ -70,8 +71,8 @@ impl SpecularGrid {
         Some([light, Direction::new(viewer.theta_deg, viewer.phi_deg - rotation)])
     }
 
-    /// f between the cells: linear in rotation, incidence, azimuth and radial distance. Cells outside the
-    /// hemisphere take no part.
+    /// Interpolates f linearly in rotation, incidence, azimuth and radial distance. Cells outside the
+    /// hemisphere are ignored.
     pub(super) fn evaluate(&self, values: &[f64], i: Direction, o: Direction) -> Option<f64> {
         let turn = around(&self.rotations_deg, 180.0 - i.phi_deg)?;
         let incidence = between(&self.incidences_deg, i.theta_deg)?;
@@ -85,25 +86,25 @@ impl SpecularGrid {
         self.mean(values, [turn, incidence, azimuth, between(&self.radials_deg, radial_deg)?])
     }
 
-    /// The mean of the cells around a place.
+    /// Weighted mean of the neighbouring cells.
     fn mean(&self, values: &[f64], [turn, incidence, azimuth, radial]: [Weights; 4]) -> Option<f64> {
         let (mut sum, mut weight) = (0.0, 0.0);
         for corner in 0..16 {
             let pick = |weights: Weights, bit: usize| weights[corner >> bit & 1];
             let ((t, wt), (n, wn)) = (pick(turn, 0), pick(incidence, 1));
             let ((a, wa), (r, wr)) = (pick(azimuth, 2), pick(radial, 3));
-            let share = wt * wn * wa * wr;
-            let place = [self.incidences_deg[n], self.azimuths_deg[a], self.radials_deg[r]];
-            if share > 0.0 && Self::is_inside(place) {
+            let weight_of_cell = wt * wn * wa * wr;
+            let angles = [self.incidences_deg[n], self.azimuths_deg[a], self.radials_deg[r]];
+            if weight_of_cell > 0.0 && Self::is_inside(angles) {
                 let row = (t * self.incidences_deg.len() + n) * self.azimuths_deg.len() + a;
-                sum += share * values.get(row * self.radials_deg.len() + r)?;
-                weight += share;
+                sum += weight_of_cell * values.get(row * self.radials_deg.len() + r)?;
+                weight += weight_of_cell;
             }
         }
         (weight > 0.0).then(|| sum / weight)
     }
 
-    /// Whether a cell is in the hemisphere; the angles at once where that is plain.
+    /// Returns true if a cell is in the hemisphere; tests the angles first, which is faster.
     fn is_inside([incidence_deg, azimuth_deg, radial_deg]: [f64; 3]) -> bool {
         incidence_deg + radial_deg < 89.999
             || Self::direction(incidence_deg, azimuth_deg, radial_deg).is_some()
@@ -116,19 +117,19 @@ impl SpecularGrid {
         let along = x * sin_a + z * cos_a;
         let [towards, across] = [z * sin_a - x * cos_a, -y];
         let aside = towards.hypot(across);
-        // A viewer in the specular direction but for rounding has no azimuth.
+        // In the specular direction, up to rounding, the azimuth is undefined.
         let azimuth = if aside < 1e-12 { 0.0 } else { across.atan2(towards).to_degrees() };
         (azimuth, aside.atan2(along).to_degrees())
     }
 
-    /// Where a cell lies, for light from azimuth 180 deg; `None` outside the hemisphere.
+    /// Direction of a cell, for light from azimuth 180 deg; `None` outside the hemisphere.
     pub fn direction(incidence_deg: f64, azimuth_deg: f64, radial_deg: f64) -> Option<Direction> {
         let (sin_a, cos_a) = incidence_deg.to_radians().sin_cos();
         let (sin_r, cos_r) = radial_deg.to_radians().sin_cos();
         let (sin_azimuth, cos_azimuth) = azimuth_deg.to_radians().sin_cos();
         let towards = sin_r * cos_azimuth;
         let d = [cos_r * sin_a - towards * cos_a, -sin_r * sin_azimuth, cos_r * cos_a + towards * sin_a];
-        // The horizon itself belongs to it, however it is rounded.
+        // The horizon is included, up to rounding.
         (d[2] >= -1e-12).then(|| Direction::of_vector([d[0], d[1], d[2].max(0.0)]))
     }
 }
@@ -137,9 +138,9 @@ impl SpecularGrid {
 mod tests {
     use super::*;
 
-    /// The worked directions of the format's description.
+    /// The worked directions in the description of the format.
     #[test]
-    fn cells_lie_where_the_format_says() {
+    fn cell_directions_equal_those_of_the_format_description() {
         for (azimuth, theta, phi) in [(0.0, 10.0, 0.0), (90.0, 35.531, -36.052), (180.0, 50.0, 0.0)] {
             let d = SpecularGrid::direction(30.0, azimuth, 20.0).unwrap();
             assert!((d.theta_deg - theta).abs() < 1e-3 && (d.phi_deg - phi).abs() < 1e-3, "{azimuth}: {d:?}");
@@ -157,9 +158,9 @@ mod tests {
         }
     }
 
-    /// At its cells a grid has their values, whichever way round the light comes.
+    /// At its cells, a grid returns their values, for all azimuths of the light.
     #[test]
-    fn cells_have_their_values() {
+    fn evaluation_at_a_cell_returns_its_value() {
         let all = [0.0, 60.0, 120.0, 180.0, 240.0, 300.0];
         for (symmetry, azimuths) in [(Symmetry::Plane, &all[..4]), (Symmetry::None, &all[..])] {
             let grid = grid(symmetry, azimuths);
@@ -167,7 +168,7 @@ mod tests {
             for (cell, value) in values.iter().enumerate() {
                 let Some([i, o]) = grid.directions(cell) else { continue };
                 let f = grid.evaluate(&values, i, o).unwrap();
-                // At the centre all azimuths meet.
+                // At the centre all azimuths coincide.
                 if cell % 4 > 0 {
                     assert!((f - value).abs() < 1e-6, "{cell}: {f} {value}");
                 }
@@ -175,9 +176,9 @@ mod tests {
         }
     }
 
-    /// A lobe about the specular direction moves with the light: no second peak between incidences.
+    /// A lobe about the specular direction moves with the light; there is no second peak between incidences.
     #[test]
-    fn a_lobe_moves_with_the_light() {
+    fn interpolated_lobe_moves_with_the_light() {
         let grid = SpecularGrid { rotations_deg: vec![0.0], ..grid(Symmetry::Plane, &[0.0, 180.0]) };
         let lobe = [10.0, 4.0, 1.0, 0.0];
         let values: Vec<f64> = lobe.iter().copied().cycle().take(grid.cells()).collect();

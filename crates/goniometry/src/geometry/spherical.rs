@@ -1,10 +1,10 @@
-//! A grid of inclinations and azimuths of light and viewer.
+//! Grid of inclinations and azimuths of light and viewer.
 
 use super::axis::{Weights, around, between, mirrored};
 use crate::Direction;
 
-/// A product of angles, degrees, each ascending. Cells in the order theta_i, phi_i, theta_o, phi_o, the last
-/// fastest.
+/// Product grid of angles, degrees, each ascending. Cells in the order theta_i, phi_i, theta_o, phi_o, the
+/// last fastest.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SphericalGrid {
     /// Inclinations of the light.
@@ -18,7 +18,7 @@ pub struct SphericalGrid {
 }
 
 impl SphericalGrid {
-    /// How many cells there are.
+    /// Number of cells.
     pub fn cells(&self) -> usize {
         [&self.theta_i_deg, &self.phi_i_deg, &self.theta_o_deg, &self.phi_o_deg]
             .into_iter()
@@ -38,8 +38,8 @@ impl SphericalGrid {
         Some([Direction::new(theta_i, phi_i), Direction::new(theta_o, phi_o)])
     }
 
-    /// f between the cells: linear in all angles. With one azimuth of the light those of the viewer are
-    /// relative to it, and if they end at 180 deg the other side is their mirror image.
+    /// Interpolates f linearly in all angles. With one azimuth of the light, the azimuths of the viewer are
+    /// relative to it; if they end at 180 deg, the other side is the mirror image.
     pub(super) fn evaluate(&self, values: &[f64], i: Direction, o: Direction) -> Option<f64> {
         let theta_i = between(&self.theta_i_deg, i.theta_deg)?;
         let theta_o = between(&self.theta_o_deg, o.theta_deg)?;
@@ -51,13 +51,13 @@ impl SphericalGrid {
         self.mean(values, [theta_i, phi_i, theta_o, phi_o])
     }
 
-    /// The viewer's azimuth less the light's, on the axis of a grid whose light has azimuth `only`.
+    /// Interpolation weights of the azimuth difference, on the axis of a grid whose light has azimuth `only`.
     fn relative(&self, dphi_deg: f64, only: f64) -> Option<Weights> {
         let axis: Vec<f64> = self.phi_o_deg.iter().map(|phi| phi - only).collect();
         if self.is_half() { mirrored(&axis, dphi_deg) } else { around(&axis, dphi_deg) }
     }
 
-    /// Whether the viewer's azimuths are those of one side of the plane of incidence, and stand for both.
+    /// Returns true if the viewer's azimuths cover one side of the plane of incidence and represent both.
     pub(crate) fn is_half(&self) -> bool {
         match (&self.phi_i_deg[..], &self.phi_o_deg[..]) {
             ([light], [first, .., last]) => first - light >= 0.0 && last - light <= 180.0,
@@ -70,10 +70,10 @@ impl SphericalGrid {
         let mut sum = 0.0;
         for corner in 0..16 {
             let picked: [(usize, f64); 4] = std::array::from_fn(|k| weights[k][corner >> k & 1]);
-            let share: f64 = picked.iter().map(|(_, share)| share).product();
-            if share > 0.0 {
+            let weight: f64 = picked.iter().map(|(_, weight)| weight).product();
+            if weight > 0.0 {
                 let cell = picked.iter().zip(lengths).fold(0, |cell, ((k, _), length)| cell * length + k);
-                sum += share * values.get(cell)?;
+                sum += weight * values.get(cell)?;
             }
         }
         Some(sum)
@@ -84,9 +84,9 @@ impl SphericalGrid {
 mod tests {
     use super::*;
 
-    /// Values that are linear in the angles come out exactly between the cells.
+    /// Values that are linear in the angles are interpolated exactly.
     #[test]
-    fn between_cells_it_is_linear() {
+    fn interpolation_of_linear_values_is_exact() {
         let mut grid = SphericalGrid {
             theta_i_deg: vec![0.0, 40.0],
             phi_i_deg: vec![0.0, 120.0, 240.0],
@@ -101,7 +101,7 @@ mod tests {
         let pair = [Direction::new(13.0, 50.0), Direction::new(71.0, 200.0)];
         assert!((grid.evaluate(&values(&grid), pair[0], pair[1]).unwrap() - value(pair)).abs() < 1e-9);
         assert_eq!(grid.evaluate(&values(&grid), Direction::new(41.0, 0.0), pair[1]), None);
-        // One azimuth of the light: turned with it; half a circle: mirrored.
+        // With one azimuth of the light, azimuths are relative to it; a half circle is mirrored.
         (grid.phi_i_deg, grid.phi_o_deg) = (vec![0.0], vec![0.0, 90.0, 180.0]);
         let turned =
             grid.evaluate(&values(&grid), Direction::new(13.0, 50.0), Direction::new(71.0, 50.0 - 120.0));

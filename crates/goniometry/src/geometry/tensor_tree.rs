@@ -1,30 +1,30 @@
-//! Cells of many sizes: the tensor trees of Radiance (Ward, Kurt & Bonneel 2014).
+//! Cells of variable size: the tensor trees of Radiance (Ward, Kurt & Bonneel 2014).
 //!
-//! Directions are points of the unit square, mapped from the disk of direction cosines by Shirley & Chiu
-//! (1997), which keeps areas, so that a cell's share of the square is its share of the projected solid
-//! angle. Rank 4: the square of `-i`, then that of `o`. Rank 3, of isotropic samples: `(1 - sin theta_i)/2`,
-//! then the square of `o` turned so that the specular direction is at azimuth 0. A node of the tree halves
-//! every side; a leaf is a grid of equal cells.
+//! Directions are points of the unit square, mapped from the disc of direction cosines by the equal-area map
+//! of Shirley & Chiu (1997): a cell's fraction of the square is its fraction of the projected solid angle.
+//! Rank 4: the square of `-i`, then that of `o`. Rank 3, for isotropic samples: `(1 - sin theta_i)/2`, then
+//! the square of `o` rotated so that the specular direction is at azimuth 0. A node of the tree halves every
+//! side; a leaf is a grid of equal cells.
 
 use std::f64::consts::{FRAC_PI_4, PI};
 
 use crate::Direction;
 
-/// A node of a [`TensorTree`].
+/// Node of a [`TensorTree`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum TreeNode {
-    /// 2^rank children; bit k of a child's number says which half of side k it is.
+    /// 2^rank children; bit k of a child's index selects the half of side k.
     Branch {
-        /// The first one's place among the nodes; they follow each other.
+        /// Index of the first child among the nodes; the others follow it.
         children: u32,
-        /// The first cell below.
+        /// First cell of the subtree.
         cell: u32,
     },
-    /// A grid of 2^(rank log2) cells, the last side fastest.
+    /// Leaf: a grid of 2^(rank log2) cells, the last side fastest.
     Grid {
-        /// Cells of a side, as a power of two.
+        /// Binary logarithm of the number of cells of a side.
         log2: u8,
-        /// Its first cell.
+        /// First cell of the grid.
         cell: u32,
     },
 }
@@ -37,7 +37,7 @@ impl TreeNode {
     }
 }
 
-/// A tree of cells; they are numbered in the order of its leaves.
+/// Tree of cells, which are numbered in the order of the leaves.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct TensorTree {
     rank: usize,
@@ -45,20 +45,20 @@ pub struct TensorTree {
     cells: usize,
 }
 
-/// No grid may have sides of more cells, as a power of two.
+/// Binary logarithm of the largest number of cells of a grid's side.
 pub(crate) const LARGEST_LOG2: u8 = 12;
 
 impl TensorTree {
-    /// Of nodes, the root first; `None` unless the rank is 3 or 4, children follow their parents, each has one
-    /// parent, and cells are numbered from 0 in the order of the leaves.
+    /// Tree from its nodes, the root first; `None` unless the rank is 3 or 4, children follow their parents,
+    /// each has one parent, and cells are numbered from 0 in the order of the leaves.
     pub fn new(rank: usize, nodes: Vec<TreeNode>) -> Option<Self> {
         if !(3..=4).contains(&rank) || nodes.is_empty() {
             return None;
         }
         let branches = 1 << rank;
         let (mut cells, mut visited, mut stack) = (0, 0, vec![0]);
-        while let Some(at) = stack.pop() {
-            let node = *nodes.get(at)?;
+        while let Some(index) = stack.pop() {
+            let node = *nodes.get(index)?;
             visited += 1;
             if node.cell() != cells || visited > nodes.len() {
                 return None;
@@ -67,7 +67,7 @@ impl TensorTree {
                 TreeNode::Grid { log2, .. } if log2 <= LARGEST_LOG2 => {
                     cells += 1 << (rank * usize::from(log2))
                 }
-                TreeNode::Branch { children, .. } if children as usize > at => {
+                TreeNode::Branch { children, .. } if children as usize > index => {
                     stack.extend((0..branches).rev().map(|child| children as usize + child));
                 }
                 _ => return None,
@@ -76,7 +76,7 @@ impl TensorTree {
         (visited == nodes.len() && u32::try_from(cells).is_ok()).then_some(Self { rank, nodes, cells })
     }
 
-    /// 3 (isotropic) or 4.
+    /// Rank: 3 (isotropic) or 4.
     pub fn rank(&self) -> usize {
         self.rank
     }
@@ -86,12 +86,12 @@ impl TensorTree {
         &self.nodes
     }
 
-    /// How many cells there are.
+    /// Number of cells.
     pub fn cells(&self) -> usize {
         self.cells
     }
 
-    /// The cell of light from `i` towards `o`; rank 3 has none in the half of its cube that means nothing.
+    /// Returns the cell of light from `i` towards `o`; `None` in the unused half of a rank 3 cube.
     pub(super) fn cell(&self, i: Direction, o: Direction) -> Option<usize> {
         let to_square = |d: Direction| {
             let [x, y, _] = d.vector();
@@ -107,11 +107,11 @@ impl TensorTree {
                 [x, y, u, v]
             }
         };
-        // A side holds its lower end, not its upper one.
-        self.at(place.map(|x| x.clamp(0.0, 1.0 - 1e-9)))
+        // A cell includes its lower limits, not its upper ones.
+        self.cell_at(place.map(|x| x.clamp(0.0, 1.0 - 1e-9)))
     }
 
-    fn at(&self, mut place: [f64; 4]) -> Option<usize> {
+    fn cell_at(&self, mut place: [f64; 4]) -> Option<usize> {
         let mut node = *self.nodes.first()?;
         while let TreeNode::Branch { children, .. } = node {
             let mut child = 0;
@@ -131,11 +131,11 @@ impl TensorTree {
         Some(cell as usize + within)
     }
 
-    /// Light and viewer of the middle of a cell; those of rank 3 that mean nothing have none.
+    /// Directions of light and viewer at the centre of a cell; `None` in the unused half of a rank 3 cube.
     pub(super) fn directions(&self, cell: usize) -> Option<[Direction; 2]> {
-        let (mut at, mut corner, mut size) = (0, [0.0; 4], 1.0);
+        let (mut index, mut corner, mut size) = (0, [0.0; 4], 1.0);
         let (log2, first) = loop {
-            match *self.nodes.get(at)? {
+            match *self.nodes.get(index)? {
                 TreeNode::Grid { log2, cell } => break (log2, cell as usize),
                 TreeNode::Branch { children, .. } => {
                     let first = children as usize;
@@ -143,7 +143,7 @@ impl TensorTree {
                     let child = children.iter().rposition(|child| child.cell() <= cell)?;
                     size /= 2.0;
                     corner.iter_mut().enumerate().for_each(|(k, x)| *x += size * (child >> k & 1) as f64);
-                    at = first + child;
+                    index = first + child;
                 }
             }
         };
@@ -172,11 +172,11 @@ impl TensorTree {
     }
 }
 
-/// From the unit disk to the unit square (Shirley & Chiu 1997).
+/// Maps the unit disc to the unit square (Shirley & Chiu 1997).
 fn square_of_disk([x, y]: [f64; 2]) -> [f64; 2] {
     let r = x.hypot(y);
     let phi = y.atan2(x);
-    // Counted from the middle of the quadrant's side, -45 to 45 deg.
+    // The angle is measured from the centre of the quadrant's side, -45 to 45 deg.
     let quadrant = ((phi / (2.0 * FRAC_PI_4)).round() as i64).rem_euclid(4);
     let from_middle = phi - (phi / (2.0 * FRAC_PI_4)).round() * 2.0 * FRAC_PI_4;
     let along = r * from_middle / FRAC_PI_4;
@@ -189,7 +189,7 @@ fn square_of_disk([x, y]: [f64; 2]) -> [f64; 2] {
     [(a + 1.0) / 2.0, (b + 1.0) / 2.0]
 }
 
-/// From the unit square to the unit disk.
+/// Maps the unit square to the unit disc.
 fn disk_of_square([x, y]: [f64; 2]) -> [f64; 2] {
     let (a, b) = (2.0 * x - 1.0, 2.0 * y - 1.0);
     let (r, phi) = if a == 0.0 && b == 0.0 {
@@ -207,13 +207,13 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_square_and_the_disk_are_each_other() {
+    fn maps_between_square_and_disk_are_inverse() {
         for k in 0..1000 {
             let square = [(f64::from(k) * 0.618_034).fract(), (f64::from(k) + 0.5) / 1000.0];
             let back = square_of_disk(disk_of_square(square));
             assert!((back[0] - square[0]).abs() + (back[1] - square[1]).abs() < 1e-12, "{square:?} {back:?}");
         }
-        // Sides and corners: (1, 0) is the middle of the right side, 45 deg a corner.
+        // (1, 0) is the middle of the right side; 45 deg is a corner.
         assert_eq!(square_of_disk([1.0, 0.0]), [1.0, 0.5]);
         assert_eq!(square_of_disk([0.0, 1.0]), [0.5, 1.0]);
         let corner = square_of_disk([0.5_f64.sqrt(), 0.5_f64.sqrt()]);
@@ -229,7 +229,7 @@ mod tests {
     }
 
     #[test]
-    fn cells_hold_their_middles() {
+    fn cell_centres_are_in_their_cells() {
         for rank in [3, 4] {
             let tree = tree(rank);
             assert_eq!(tree.cells(), 1 << (2 * rank));
@@ -245,7 +245,7 @@ mod tests {
     }
 
     #[test]
-    fn trees_that_are_none_are_refused() {
+    fn malformed_trees_are_refused() {
         let branch = |children| TreeNode::Branch { children, cell: 0 };
         assert_eq!(TensorTree::new(3, vec![]), None);
         assert_eq!(TensorTree::new(3, vec![branch(0)]), None, "its own child");

@@ -1,38 +1,38 @@
-//! A bilinear density on the unit square for each place on two axes, and its cumulative map.
+//! Bilinear density on the unit square at each node of two axes, and its cumulative map.
 //!
-//! Uniform numbers become points of the density by a marginal distribution over rows and then a
-//! conditional one along a row; only the inverse is needed here, from points to uniform numbers. Both are
-//! linear between the axes' places, densities and cumulative sums alike, as in the parametrisation's
-//! reference implementation.
+//! The map from uniform numbers to points of the density uses a marginal distribution over rows and then a
+//! conditional distribution along a row. Only the inverse is needed here, from points to uniform numbers.
+//! Densities and cumulative sums are both interpolated linearly between the nodes of the axes, as in the
+//! reference implementation of the parametrisation.
 
 use super::axis::Weights;
 
-/// A density over x (columns) and y (rows) at each of some places.
+/// Densities over x (columns) and y (rows) at a list of nodes.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Warp {
     width: usize,
     height: usize,
-    /// `[place][y][x]`, its integral over the square made 1.
+    /// `[node][y][x]`, normalised to an integral of 1 over the square.
     density: Vec<f64>,
-    /// Integral along each row to the end of each column: `[place][y][x - 1]`.
+    /// Integral along each row to the end of each column: `[node][y][x - 1]`.
     rows: Vec<f64>,
-    /// Integral over all rows to the end of each: `[place][y - 1]`.
+    /// Integral over all rows to the end of each row: `[node][y - 1]`.
     marginal: Vec<f64>,
 }
 
 impl Warp {
-    /// Of samples `[place][y][x]`; `None` unless there are two at least each way, none is negative, and each
-    /// place has light.
+    /// Map from samples `[node][y][x]`; `None` unless there are at least two in each direction, none is
+    /// negative, and each node has a positive integral.
     pub(super) fn new(samples: &[f64], width: usize, height: usize) -> Option<Self> {
         if width < 2 || height < 2 || samples.iter().any(|v| !(*v >= 0.0 && v.is_finite())) {
             return None;
         }
         let mut warp = Self { width, height, density: Vec::new(), rows: Vec::new(), marginal: Vec::new() };
-        samples.chunks_exact(width * height).try_for_each(|place| warp.add(place))?;
+        samples.chunks_exact(width * height).try_for_each(|node| warp.add(node))?;
         Some(warp)
     }
 
-    fn add(&mut self, place: &[f64]) -> Option<()> {
+    fn add(&mut self, node: &[f64]) -> Option<()> {
         let running = |step: f64| {
             let mut sum = 0.0;
             move |pair: &[f64]| {
@@ -42,7 +42,7 @@ impl Warp {
         };
         let (dx, dy) = (0.5 / (self.width - 1) as f64, 0.5 / (self.height - 1) as f64);
         let rows: Vec<f64> =
-            place.chunks_exact(self.width).flat_map(|row| row.windows(2).map(running(dx))).collect();
+            node.chunks_exact(self.width).flat_map(|row| row.windows(2).map(running(dx))).collect();
         let ends: Vec<f64> =
             rows.chunks_exact(self.width - 1).filter_map(|row| row.last().copied()).collect();
         let marginal: Vec<f64> = ends.windows(2).map(running(dy)).collect();
@@ -50,19 +50,19 @@ impl Warp {
         if !norm.is_finite() {
             return None;
         }
-        self.density.extend(place.iter().map(|v| v * norm));
+        self.density.extend(node.iter().map(|v| v * norm));
         self.rows.extend(rows.iter().map(|v| v * norm));
         self.marginal.extend(marginal.iter().map(|v| v * norm));
         Some(())
     }
 
-    /// The uniform numbers of a point; `None` on a row without light.
-    pub(super) fn invert(&self, places: &[(usize, f64)], [x, y]: [f64; 2]) -> Option<[f64; 2]> {
+    /// Returns the uniform numbers of a point; `None` on a row without light.
+    pub(super) fn invert(&self, nodes: &[(usize, f64)], [x, y]: [f64; 2]) -> Option<[f64; 2]> {
         let (column, x) = patch(x, self.width);
         let (row, y) = patch(y, self.height);
         let (columns, rows) = (self.width - 1, self.height - 1);
-        let sum = |table: &[f64], size: usize, at: usize| -> f64 {
-            places.iter().map(|(place, share)| share * table[place * size + at]).sum()
+        let sum = |table: &[f64], size: usize, index: usize| -> f64 {
+            nodes.iter().map(|(node, weight)| weight * table[node * size + index]).sum()
         };
         let density =
             |dx, dy| sum(&self.density, self.width * self.height, (row + dy) * self.width + column + dx);
@@ -70,7 +70,7 @@ impl Warp {
             0 => 0.0,
             end => sum(&self.rows, columns * self.height, (row + dy) * columns + end - 1),
         };
-        let lerp = |a: f64, b: f64, share: f64| a + share * (b - a);
+        let lerp = |a: f64, b: f64, fraction: f64| a + fraction * (b - a);
         let at_left = lerp(density(0, 0), density(0, 1), y);
         let at_right = lerp(density(1, 0), density(1, 1), y);
         let before = lerp(along(0, column), along(1, column), y);
@@ -83,25 +83,25 @@ impl Warp {
     }
 }
 
-/// The patch of a bilinear grid of `points` points over 0 to 1, and the place in it.
+/// Cell of a uniform grid of `points` points over 0 to 1, and the position in it.
 pub(super) fn patch(x: f64, points: usize) -> (usize, f64) {
     let x = x.clamp(0.0, 1.0) * (points - 1) as f64;
-    let at = (x as usize).min(points - 2);
-    (at, x - at as f64)
+    let index = (x as usize).min(points - 2);
+    (index, x - index as f64)
 }
 
-/// A bilinear grid `[y][x]` at a point of the unit square.
+/// Interpolates a bilinear grid `[y][x]` at a point of the unit square.
 pub(super) fn bilinear(grid: impl Fn(usize) -> f64, width: usize, height: usize, [x, y]: [f64; 2]) -> f64 {
     let ((column, x), (row, y)) = (patch(x, width), patch(y, height));
     let at = |dx: usize, dy: usize| grid((row + dy) * width + column + dx);
     (at(0, 0) * (1.0 - x) + at(1, 0) * x) * (1.0 - y) + (at(0, 1) * (1.0 - x) + at(1, 1) * x) * y
 }
 
-/// The four places of two axes, the second fastest, and their shares.
-pub(super) fn places(first: Weights, second: Weights, length: usize) -> [(usize, f64); 4] {
+/// The four nodes of two axes, the second fastest, with their weights.
+pub(super) fn nodes(first: Weights, second: Weights, length: usize) -> [(usize, f64); 4] {
     std::array::from_fn(|k| {
-        let ((a, share_a), (b, share_b)) = (first[k / 2], second[k % 2]);
-        (a * length + b, share_a * share_b)
+        let ((a, weight_a), (b, weight_b)) = (first[k / 2], second[k % 2]);
+        (a * length + b, weight_a * weight_b)
     })
 }
 
@@ -109,7 +109,7 @@ pub(super) fn places(first: Weights, second: Weights, length: usize) -> [(usize,
 mod tests {
     use super::*;
 
-    /// A density 2x has the cumulative sum x^2; (x + y) has, along a row, (x^2/2 + x y)/(1/2 + y).
+    /// The density 2x has the cumulative sum x^2; (x + y) has, along a row, (x^2/2 + x y)/(1/2 + y).
     #[test]
     fn cumulative_sums_of_bilinear_densities_are_exact() {
         let slope = Warp::new(&[0.0, 1.0, 2.0, 0.0, 1.0, 2.0], 3, 2).unwrap();

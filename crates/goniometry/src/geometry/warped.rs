@@ -1,47 +1,47 @@
-//! A grid warped to where a surface's facets are: the RGL database (Dupuy & Jakob 2018, "An adaptive
+//! Grid warped according to a surface's facets: the RGL database (Dupuy & Jakob 2018, "An adaptive
 //! parameterization for efficient material acquisition and rendering", ACM Trans. Graph. 37(6)).
 //!
-//! For each direction of the light, the visible normals of the facets (`vndf`, on a square of theta_m and
-//! phi_m) say where light goes; their cumulative map takes half vectors to a second square, on which the
-//! measured values are smooth. With `jacobian`, f cos(theta_o) = value x ndf(m) / (4 sigma(i)), where `ndf` is the
-//! density of normals and `sigma` the area that they show. Squares: `u = sqrt(theta/(pi/2))`, `v = (phi +
-//! pi)/(2 pi)`; with at most two azimuths of the light the sample is isotropic and phi_m is relative to
-//! the light's. Reflection only.
+//! For each direction of the light, the distribution of visible facet normals (`vndf`, on a square of theta_m
+//! and phi_m) determines where light goes. Its cumulative map takes half vectors to a second square, on which
+//! the measured values are smooth. With `jacobian`, f cos(theta_o) = value x ndf(m) / (4 sigma(i)), where
+//! `ndf` is the density of normals and `sigma` the projected area of the facets. Squares: `u =
+//! sqrt(theta/(pi/2))`, `v = (phi + pi)/(2 pi)`; with at most two azimuths of the light, the sample is
+//! isotropic, and phi_m is relative to that of the light. Reflection only.
 //!
-//! f is the stored f cos over the cosine: at the horizon, where the interpolated f cos of a table does not vanish exactly,
-//! it is not known, and within [`HORIZON_COS`] of it there is no value.
+//! f is the stored f cos divided by the cosine. At the horizon, where the interpolated f cos does not vanish
+//! exactly, f is unknown; where the cosine is below [`HORIZON_COS`], there is no value.
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 use super::axis::between;
-use super::warp::{Warp, bilinear, places};
+use super::warp::{Warp, bilinear, nodes};
 use crate::Direction;
 
-/// What a [`WarpedGrid`] is made of.
+/// Data of a [`WarpedGrid`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct WarpFields {
     /// Azimuths of the light, radians, ascending.
     pub phi_i: Vec<f64>,
     /// Inclinations of the light, radians, ascending.
     pub theta_i: Vec<f64>,
-    /// Density of normals, `[phi][theta]`, and its rows and columns.
+    /// Density of normals, `[phi][theta]`, with its numbers of rows and columns.
     pub ndf: (Vec<f64>, [usize; 2]),
-    /// Projected area of the facets, `[phi][theta]`, and its rows and columns.
+    /// Projected area of the facets, `[phi][theta]`, with its numbers of rows and columns.
     pub sigma: (Vec<f64>, [usize; 2]),
-    /// Density of visible normals, `[phi_i][theta_i][phi][theta]`, and rows and columns.
+    /// Density of visible normals, `[phi_i][theta_i][phi][theta]`, with its numbers of rows and columns.
     pub vndf: (Vec<f64>, [usize; 2]),
-    /// Rows and columns of the values.
+    /// Numbers of rows and columns of the values.
     pub shape: [usize; 2],
-    /// Whether the values are to be multiplied with ndf / (4 sigma).
+    /// True if the values are to be multiplied by ndf / (4 sigma).
     pub jacobian: bool,
 }
 
-/// Where the cosine of theta_o is less than this (89.94 deg and on), f cos / cos is a ratio of rounding and interpolation
-/// errors. Of a Lambertian reflection 1e-6 goes there.
+/// Cosine of theta_o below which (from 89.94 deg) f cos / cos is a ratio of rounding and interpolation
+/// errors. It excludes a fraction of 1e-6 of a Lambertian reflection.
 const HORIZON_COS: f64 = 1e-3;
 
-/// The grid. Cells in the order phi_i, theta_i, row, column, the last fastest. **The values of a part on it
-/// are not f** but what the file has.
+/// Warped grid. Cells in the order phi_i, theta_i, row, column, the last fastest. **The values of a part on
+/// it are not f**, but those stored in the file.
 #[derive(Debug, Clone, PartialEq)]
 pub struct WarpedGrid {
     fields: WarpFields,
@@ -49,21 +49,21 @@ pub struct WarpedGrid {
 }
 
 impl WarpedGrid {
-    /// Of its fields; `None` if the lengths do not fit each other, an axis does not rise, or a density is
+    /// Grid from its data; `None` if the lengths are inconsistent, an axis does not ascend, or a density is
     /// negative or nowhere positive.
     pub fn new(fields: WarpFields) -> Option<Self> {
-        let rises = |axis: &[f64]| {
+        let ascends = |axis: &[f64]| {
             let is_finite = !axis.is_empty() && axis.iter().all(|angle| angle.is_finite());
             is_finite && axis.windows(2).all(|pair| pair[0] < pair[1])
         };
-        let fits = |(values, [rows, columns]): &(Vec<f64>, [usize; 2]), places: usize| {
+        let fits = |(values, [rows, columns]): &(Vec<f64>, [usize; 2]), nodes: usize| {
             let sound = values.iter().all(|v| v.is_finite() && *v >= 0.0);
-            let count = rows.checked_mul(*columns).and_then(|cells| cells.checked_mul(places));
+            let count = rows.checked_mul(*columns).and_then(|cells| cells.checked_mul(nodes));
             *rows >= 2 && *columns >= 2 && sound && count == Some(values.len())
         };
         let lights = fields.phi_i.len().checked_mul(fields.theta_i.len())?;
-        let is_sound = rises(&fields.phi_i)
-            && rises(&fields.theta_i)
+        let is_sound = ascends(&fields.phi_i)
+            && ascends(&fields.theta_i)
             && fields.shape.iter().all(|length| *length >= 2)
             && fits(&fields.ndf, 1)
             && fits(&fields.sigma, 1)
@@ -73,12 +73,12 @@ impl WarpedGrid {
         Some(Self { fields, warp })
     }
 
-    /// What it was made of.
+    /// The data of the grid.
     pub fn fields(&self) -> &WarpFields {
         &self.fields
     }
 
-    /// How many cells there are.
+    /// Number of cells.
     pub fn cells(&self) -> usize {
         let [rows, columns] = self.fields.shape;
         self.fields.phi_i.len() * self.fields.theta_i.len() * rows * columns
@@ -88,15 +88,15 @@ impl WarpedGrid {
         self.fields.phi_i.len() <= 2
     }
 
-    /// Brings a pair into the range of azimuths that was measured, by the sample's mirror symmetry: a half or a
+    /// Reflects a pair into the measured range of azimuths by the sample's mirror symmetry: a half or a
     /// quarter of the circle, from -180 deg.
     fn reduced(&self, mut i: [f64; 3], mut o: [f64; 3]) -> [[f64; 3]; 2] {
         let phi = &self.fields.phi_i;
         let range = phi[phi.len() - 1] - phi[0];
-        let parts = if self.is_isotropic() { 1 } else { (TAU / range).round() as usize };
-        if parts >= 2 {
+        let sectors = if self.is_isotropic() { 1 } else { (TAU / range).round() as usize };
+        if sectors >= 2 {
             let flip_y = i[1] > 0.0;
-            let flip_x = if parts == 4 { i[0] > 0.0 } else { flip_y };
+            let flip_x = if sectors == 4 { i[0] > 0.0 } else { flip_y };
             for (flip, k) in [(flip_x, 0), (flip_y, 1)] {
                 if flip {
                     i[k] = -i[k];
@@ -107,16 +107,16 @@ impl WarpedGrid {
         [i, o]
     }
 
-    /// The measured directions of light around one, and their shares.
+    /// The measured directions of light around a direction, with their weights.
     fn lights(&self, phi_i: f64, theta_i: f64) -> Option<[(usize, f64); 4]> {
         let axis = &self.fields.phi_i;
         let phi = if self.is_isotropic() {
-            // One or two azimuths stand for all.
+            // One or two azimuths represent all.
             between(axis, phi_i.clamp(axis[0], axis[axis.len() - 1]))
         } else {
             [phi_i, phi_i - TAU, phi_i + TAU].into_iter().find_map(|phi| between(axis, phi))
         };
-        Some(places(phi?, between(&self.fields.theta_i, theta_i)?, self.fields.theta_i.len()))
+        Some(nodes(phi?, between(&self.fields.theta_i, theta_i)?, self.fields.theta_i.len()))
     }
 
     pub(super) fn evaluate(&self, values: &[f64], i: Direction, o: Direction) -> Option<f64> {
@@ -137,7 +137,7 @@ impl WarpedGrid {
         let at = self.warp.invert(&lights, at_m)?;
         let [rows, columns] = fields.shape;
         let value =
-            |cell| lights.iter().map(|(place, share)| share * values[place * rows * columns + cell]).sum();
+            |cell| lights.iter().map(|(node, weight)| weight * values[node * rows * columns + cell]).sum();
         let on = |(grid, [rows, columns]): &(Vec<f64>, [usize; 2]), at| {
             bilinear(|cell| grid[cell], *columns, *rows, at)
         };
@@ -167,10 +167,10 @@ mod tests {
         }
     }
 
-    /// Light from 30 deg, viewer at 50 deg beyond the normal: theta_m = 10 deg, and values that rise with the
-    /// first uniform number give 1/9 x 3/(4 x .5) / cos 50 deg.
+    /// Light from 30 deg, viewer at 50 deg on the other side of the normal: theta_m = 10 deg, and values that
+    /// increase with the first uniform number give 1/9 x 3/(4 x 0.5) / cos 50 deg.
     #[test]
-    fn a_worked_direction() {
+    fn isotropic_value_equals_hand_computation() {
         let grid = WarpedGrid::new(fields()).unwrap();
         let values = [0.0, 1.0, 0.0, 1.0].repeat(2);
         for turn in [0.0, 123.0] {
@@ -181,9 +181,9 @@ mod tests {
         }
     }
 
-    /// A quarter of the circle stands for all of it: each azimuth of the light has values of its own.
+    /// With azimuths over a quarter of the circle, the others are found by reflection.
     #[test]
-    fn a_quarter_of_the_azimuths_is_mirrored() {
+    fn quarter_of_azimuths_is_mirrored_to_full_circle() {
         let quarter = WarpFields {
             phi_i: vec![-PI, -0.75 * PI, -FRAC_PI_2],
             vndf: (vec![1.0; 24], [2, 2]),
@@ -208,7 +208,7 @@ mod tests {
     }
 
     #[test]
-    fn fields_that_do_not_fit_are_refused() {
+    fn inconsistent_fields_are_refused() {
         for spoil in [
             |f: &mut WarpFields| f.theta_i = vec![1.0, 0.0],
             |f: &mut WarpFields| f.phi_i = vec![],

@@ -1,22 +1,22 @@
-//! What an instrument of finite resolution sees of a lobe.
+//! Effect of an instrument's finite resolution on a lobe.
 
 use papilio_optics::lobe::Lobe;
 use papilio_optics::{Beta, Scatterer};
 
 use super::quadrature::Rule;
 
-/// A lobe whose middle is this many widths from where it is looked at has a quadrature of its own there.
-const APART: f64 = 1.5;
-/// The half width at half maximum of a k-correlation lobe of width 1.
+/// Distance in widths from which the kernel and the lobe have separate quadratures.
+const SEPARATE: f64 = 1.5;
+/// Half width at half maximum of a k-correlation lobe of width 1.
 pub(super) const HALF: f64 = 0.766_420_937;
 
-/// The lobe of light from one direction, convolved with the k-correlation kernel of an instrument.
+/// Lobe of light from one direction, convolved with the k-correlation kernel of an instrument.
 ///
-/// Two lobes meet under the integral: the kernel about the direction looked at, and the sample's about
-/// the specular direction. Where they are apart, each has the half plane on its side, in polar
-/// coordinates about its middle, graded by its width; where they are close, the narrower's coordinates
-/// serve for both. Error below 1e-4, relative; below 5e-4 of what is near for lobes that end at the
-/// horizon in a root of the cosine.
+/// The integrand is the product of two lobes: the kernel about the viewing direction, and the sample's lobe
+/// about the specular direction. If they are well separated, each is integrated over the half plane on its
+/// side, in polar coordinates about its centre, graded by its width. If they are close, the coordinates of
+/// the narrower lobe are used for the whole plane. The relative error is below 1e-4. For lobes that vanish at
+/// the horizon like the square root of the cosine, it is below 5e-4 of the nearby values.
 pub(super) struct Blurred<'a> {
     pub(super) rule: &'a Rule,
     pub(super) f: &'a dyn Fn(Beta, Beta) -> f64,
@@ -24,7 +24,7 @@ pub(super) struct Blurred<'a> {
     /// Width of the kernel, direction cosines; 0 for none.
     pub(super) blur: f64,
     width: f64,
-    /// Share that passes without scattering; its image is the kernel.
+    /// Fraction that is not scattered; its image is the kernel.
     straight: f64,
 }
 
@@ -33,22 +33,22 @@ impl<'a> Blurred<'a> {
         Self { rule, f, from, blur, width: width(f, from), straight: 0.0 }
     }
 
-    /// The same with light that passes straight beside the lobe.
+    /// Adds unscattered light.
     pub(super) fn with_straight(self, straight: f64) -> Self {
         Self { straight, ..self }
     }
 
-    /// f as the instrument sees it.
+    /// Returns f as measured by the instrument.
     pub(super) fn value(&self, to: Beta) -> f64 {
         if self.blur == 0.0 {
             return (self.f)(self.from, to);
         }
         let kernel = Lobe::KCorrelation { width: self.blur };
         let product = |beta: Beta| (self.f)(self.from, beta) * kernel.density(beta, to);
-        let apart = (to - self.from).length();
+        let distance = (to - self.from).length();
         let straight = self.straight * kernel.density(self.from, to);
         straight
-            + if apart > APART * self.blur.max(self.width) {
+            + if distance > SEPARATE * self.blur.max(self.width) {
                 self.rule.half_plane(to, self.from, self.blur, product)
                     + self.rule.half_plane(self.from, to, self.width, product)
             } else if self.blur < self.width {
@@ -58,25 +58,25 @@ impl<'a> Blurred<'a> {
             }
     }
 
-    /// What the sample sends into the hemisphere: its total integrated scatter.
+    /// Light that the sample sends into the hemisphere: its total integrated scatter.
     pub(super) fn total(&self) -> f64 {
         self.straight + self.rule.plane(self.from, self.width, false, |beta| (self.f)(self.from, beta))
     }
 
-    /// The integral of what the instrument sees: the kernel loses some of it beyond the horizon.
-    pub(super) fn seen(&self) -> f64 {
+    /// Integral of the measured values: the kernel moves some light beyond the horizon.
+    pub(super) fn measured_total(&self) -> f64 {
         if self.blur == 0.0 {
             return self.total();
         }
         let kernel = Lobe::KCorrelation { width: self.blur };
-        let kept = |beta: Beta| (self.f)(self.from, beta) * kernel.fraction_in_disc(beta.length(), 1.0);
+        let remaining = |beta: Beta| (self.f)(self.from, beta) * kernel.fraction_in_disc(beta.length(), 1.0);
         self.straight * kernel.fraction_in_disc(self.from.length(), 1.0)
-            + self.rule.plane(self.from, self.width, true, kept)
+            + self.rule.plane(self.from, self.width, true, remaining)
     }
 }
 
-/// The width of a k-correlation lobe with the same half width, the least of four directions; 1 if there is
-/// no peak.
+/// Width of a k-correlation lobe with the same half width, the smallest of four directions; 1 without
+/// a peak.
 fn width(f: &dyn Fn(Beta, Beta) -> f64, from: Beta) -> f64 {
     let peak = f(from, from);
     let narrow = |x: f64, y: f64| {
@@ -96,9 +96,9 @@ fn width(f: &dyn Fn(Beta, Beta) -> f64, from: Beta) -> f64 {
 mod tests {
     use super::*;
 
-    /// Of two k-correlation lobes in a row the widths add.
+    /// The convolution of two k-correlation lobes has the sum of their widths.
     #[test]
-    fn widths_add() {
+    fn widths_of_lobe_and_blur_add() {
         let rule = Rule::new();
         for (width, blur) in [(0.03869, 0.0483), (0.06295, 0.0483), (0.005, 0.0483), (0.1, 0.01), (0.3, 0.05)]
         {
@@ -118,18 +118,18 @@ mod tests {
                         assert!(error.abs() < 1e-4, "{width} {blur} {theta} {r} {cos}: {error}");
                     }
                 }
-                let (total, seen) = (blurred.total(), blurred.seen());
+                let (total, measured) = (blurred.total(), blurred.measured_total());
                 let exact = [width, width + blur]
                     .map(|width| 0.9 * Lobe::KCorrelation { width }.fraction_in_disc(from.x, 1.0));
                 assert!((total / exact[0] - 1.0).abs() < 1e-4, "{width} {theta}: {total} {exact:?}");
-                assert!((seen / exact[1] - 1.0).abs() < 1e-4, "{width} {theta}: {seen} {exact:?}");
+                assert!((measured / exact[1] - 1.0).abs() < 1e-4, "{width} {theta}: {measured} {exact:?}");
             }
         }
     }
 
-    /// A lobe that ends at the horizon, by a rule three times as fine.
+    /// Lobes that end at the horizon, compared with a rule with three times as many nodes.
     #[test]
-    fn rims_are_seen_to() {
+    fn blur_of_lobes_with_an_edge_converges() {
         let f = |from: Beta, to: Beta| {
             let inside = 1.0 - to.squared();
             if inside > 0.0 { (-(to - from).squared() / 0.04).exp() * inside.sqrt() } else { 0.0 }

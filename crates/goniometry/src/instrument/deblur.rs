@@ -1,26 +1,28 @@
-//! Removal of an instrument's blur whose width is known.
+//! Removal of an instrument's blur of known width.
 //!
-//! Blurred lobes are wider and lower than the sample's: a diffuser of haze 78 % seems to have 90 %.
-//! Undoing it is ill-posed: every detail finer than the blur is amplified exponentially, noise with it.
-//! So only the lobe's round shape is deconvolved, and the cells follow:
+//! Blurred lobes are wider and lower than those of the sample: a diffuser of haze 78 % appears to have 90 %.
+//! Deconvolution is ill-posed: details finer than the blur, and noise with them, are amplified exponentially.
+//! Therefore only the rotationally symmetric shape of the lobe is deconvolved, and the cells are scaled
+//! accordingly:
 //!
-//! 1. For each incidence, the mean over azimuth at equal |delta| = |beta_out - beta_in| is a radial
-//!    profile d; beyond the horizon its tail goes on. Blurring a profile is a matrix A, whose entries are
+//! 1. For each incidence, the mean over azimuth at equal |delta| = |beta_out - beta_in| is a radial profile
+//!    d; beyond the horizon its tail is extrapolated. Blurring a profile is a matrix A, whose elements are
 //!    elliptic integrals.
-//! 2. Richardson and Lucy's iteration `p <- p A(d/A p)` (Richardson 1972; Lucy 1974), which keeps p
-//!    positive and the light in it, from d times a ratio of two k-correlation lobes: that of d's half
-//!    width less the blur, over that of d's half width. It ends when `A p` is within the stated noise of d,
-//!    when it no longer comes nearer, or at a limit: [`Unblurred::iterations`].
-//! 3. Each cell is multiplied by `p/(A p)` at its |delta|. So noise of single cells is not amplified, only
-//!    that of the mean; the lobe keeps its asymmetry as measured, not sharpened. The integral over the
-//!    hemisphere stays what it was.
+//! 2. The Richardson-Lucy iteration `p <- p A(d/A p)` (Richardson 1972; Lucy 1974) keeps p positive and
+//!    conserves its light. It starts from d times a ratio of two k-correlation lobes: one with the half width
+//!    of d minus the blur, over one with the half width of d. It ends when `A p` is within the given noise of
+//!    d, when the misfit no longer decreases, or at a limit: [`Unblurred::iterations`].
+//! 3. Each cell is multiplied by `p/(A p)` at its |delta|. The noise of single cells is thus not amplified,
+//!    only that of the mean. The asymmetry of the lobe remains as measured, and is not sharpened. The
+//!    integral over the hemisphere is conserved.
 //!
-//! The result is blurred again by the quadrature of the virtual instrument and held against the values:
-//! [`Unblurred::misfit`] is what the method could not explain.
+//! The result is blurred again with the quadrature of the virtual instrument and compared with the values:
+//! [`Unblurred::misfit`] is the difference that the method cannot explain.
 //!
-//! **Limits.** What is finer than about half the blur or than the grid's step does not come back; there
-//! the start decides. K-correlation lobes return to .5 %. A Gaussian as wide as the blur returns to 12 %
-//! at its peak and some per cent on its flanks; its tails stay too bright, some 1e-3 of the peak.
+//! **Limits.** Details finer than about half the blur or than the grid's step are not recovered; there the
+//! start determines the result. K-correlation lobes are recovered to 0.5 %. A Gaussian as wide as the blur is
+//! recovered to 12 % at its peak and to some per cent on its flanks; its tails stay too bright, by about 1e-3
+//! of the peak.
 
 use std::f64::consts::PI;
 
@@ -32,60 +34,60 @@ use super::quadrature::Rule;
 use super::rings::Rings;
 use crate::{Fill, Geometry, GoniometryError, Part, Shape, SpecularGrid};
 
-/// For the amplification: noise this large, relative, in so many draws.
+/// Relative noise and number of draws of the trials that estimate the noise amplification.
 const TRIAL_NOISE: f64 = 1e-3;
 const DRAWS: u64 = 4;
-/// Cells above this share of the peak are judged.
+/// Fraction of the peak above which cells count in the misfit and the noise amplification.
 const FAINT: f64 = 1e-2;
 
-/// How to remove a blur.
+/// Options of the removal of a blur.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Unblur {
-    /// Width of the instrument's kernel, direction cosines, .0001 to 1: that of a k-correlation lobe,
-    /// the image of a straight beam.
+    /// Width of the instrument's kernel, direction cosines, 0.0001 to 1: that of a k-correlation lobe,
+    /// the image of a collimated beam.
     pub width: f64,
-    /// Relative noise of a lobe's mean over azimuth, below which misfit means nothing.
+    /// Relative noise of a lobe's mean over azimuth; smaller misfits are not significant.
     pub noise: f64,
-    /// Most iterations.
+    /// Largest number of iterations.
     pub iterations: usize,
 }
 
 impl Unblur {
-    /// Of an instrument with this width; noise of 1e-3, 500 iterations at most.
+    /// Options for an instrument with this width, with a noise of 1e-3 and at most 500 iterations.
     pub fn of_width(width: f64) -> Self {
         Self { width, noise: 1e-3, iterations: 500 }
     }
 }
 
-/// What became of a channel of a part.
+/// Result of the removal of a blur from one channel of a part.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Deblurred {
-    /// The values without blur, in the grid's order.
+    /// Values without blur, in the grid's order.
     pub values: Vec<f64>,
-    /// What was done at each incidence.
+    /// Statistics of each incidence.
     pub incidences: Vec<Unblurred>,
-    /// Relative noise of the result over that of the values, by trial: root mean square over cells
+    /// Relative noise of the result over that of the values, from trials: root mean square over cells
     /// above 1 % of the peak, and at the peak.
     pub noise_amplification: [f64; 2],
 }
 
-/// What was done at one incidence.
+/// Statistics of the removal of a blur at one incidence.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Unblurred {
     /// Inclination of the light, degrees.
     pub theta_deg: f64,
-    /// Iterations until the end.
+    /// Number of iterations.
     pub iterations: usize,
-    /// Values at the specular direction before and after, 1/sr.
+    /// Values in the specular direction before and after, 1/sr.
     pub peak: [f64; 2],
-    /// Factor that keeps the integral over the hemisphere.
+    /// Factor that conserves the integral over the hemisphere.
     pub scale: f64,
-    /// Difference between the result, blurred again, and the values: root mean square, relative, over
-    /// cells above 1 % of the peak in three azimuths.
+    /// Relative difference between the result, blurred again, and the values: root mean square over
+    /// cells above 1 % of the peak at three azimuths.
     pub misfit: f64,
 }
 
-/// One channel of a part, by its number, without the blur.
+/// Removes the blur from one channel of a part, given by its index.
 ///
 /// # Errors
 /// If the part is not on a specular-centred grid, or the width is out of range.
@@ -95,29 +97,29 @@ pub fn deblurred(part: &Part, channel: usize, how: &Unblur) -> Result<Deblurred,
     };
     if !(1e-4..=1.0).contains(&how.width) {
         let what = "the width of the blur";
-        return Err(GoniometryError::OutOfRange { what, value: how.width, expected: ".0001 to 1" });
+        return Err(GoniometryError::OutOfRange { what, value: how.width, expected: "0.0001 to 1" });
     }
     if grid.cells() == 0 {
         return Ok(Deblurred { values: Vec::new(), incidences: Vec::new(), noise_amplification: [1.0; 2] });
     }
     let (rings, values) = (Rings::new(how.width), part.channel(channel));
-    let (clean, done) = unblurred(grid, values, &rings, how, None);
-    let incidences = described(grid, values, &clean, &done, how.width);
-    let noise_amplification = amplification(grid, values, &clean, &rings, how, &done);
+    let (clean, steps) = unblurred(grid, values, &rings, how, None);
+    let incidences = statistics(grid, values, &clean, &steps, how.width);
+    let noise_amplification = amplification(grid, values, &clean, &rings, how, &steps);
     Ok(Deblurred { values: clean, incidences, noise_amplification })
 }
 
-/// Iterations and scale of each incidence.
-type Done = Vec<(usize, f64)>;
+/// Number of iterations and scale of each incidence.
+type Steps = Vec<(usize, f64)>;
 
-/// `fixed` asks for the iterations of a run before.
+/// Values without blur; `fixed` prescribes the iterations of a previous run.
 fn unblurred(
     grid: &SpecularGrid,
     values: &[f64],
     rings: &Rings,
     how: &Unblur,
-    fixed: Option<&Done>,
-) -> (Vec<f64>, Done) {
+    fixed: Option<&Steps>,
+) -> (Vec<f64>, Steps) {
     let before = Shape::of_grid(grid, values, Fill::Tail);
     let sharpened = |k: usize| {
         let from = Beta { x: grid.incidences_deg[k].to_radians().sin(), y: 0.0 };
@@ -128,13 +130,14 @@ fn unblurred(
         let scale = if after > 0.0 { before / after } else { 1.0 };
         (ratio.into_iter().map(|ratio| ratio * scale).collect(), (iterations, scale))
     };
-    let (ratios, done): (Vec<Vec<f64>>, Done) = (0..grid.incidences_deg.len()).map(sharpened).unzip();
+    let (ratios, steps): (Vec<Vec<f64>>, Steps) = (0..grid.incidences_deg.len()).map(sharpened).unzip();
     let mut clean = values.to_vec();
-    each_cell(grid, |cell, k, delta| clean[cell] *= rings.at(&ratios[k], delta.length()));
-    (clean, done)
+    each_cell(grid, |cell, k, delta| clean[cell] *= rings.interpolated(&ratios[k], delta.length()));
+    (clean, steps)
 }
 
-/// Cells in the hemisphere: their number, that of their incidence, and beta_out - beta_in.
+/// Calls `f` for each cell in the hemisphere, with the indices of the cell and its incidence, and beta_out -
+/// beta_in.
 fn each_cell(grid: &SpecularGrid, mut f: impl FnMut(usize, usize, Beta)) {
     let mut cell = 0;
     for _ in &grid.rotations_deg {
@@ -152,14 +155,20 @@ fn each_cell(grid: &SpecularGrid, mut f: impl FnMut(usize, usize, Beta)) {
     }
 }
 
-fn described(grid: &SpecularGrid, values: &[f64], clean: &[f64], done: &Done, blur: f64) -> Vec<Unblurred> {
+fn statistics(
+    grid: &SpecularGrid,
+    values: &[f64],
+    clean: &[f64],
+    steps: &Steps,
+    blur: f64,
+) -> Vec<Unblurred> {
     let [before, after] = [values, clean].map(|values| Shape::of_grid(grid, values, Fill::Tail));
     let rule = Rule::new();
     let one = |(k, (iterations, scale)): (usize, &(usize, f64))| {
         let theta_deg = grid.incidences_deg[k];
         let from = Beta { x: theta_deg.to_radians().sin(), y: 0.0 };
         let lobe = |from: Beta, to: Beta| after.value(k, to - from);
-        let again = Blurred::new(&rule, &lobe, from, blur);
+        let reblurred = Blurred::new(&rule, &lobe, from, blur);
         let peak = [&before, &after].map(|shape| shape.value(k, Beta::default()));
         let (mut squares, mut count) = (0.0, 0.0);
         for azimuth in [0.0, 90.0, 180.0] {
@@ -167,7 +176,7 @@ fn described(grid: &SpecularGrid, values: &[f64], clean: &[f64], done: &Done, bl
                 let Some(to) = SpecularGrid::direction(theta_deg, azimuth, *radial) else { continue };
                 let value = before.value(k, to.leaving() - from);
                 if value > FAINT * peak[0] {
-                    squares += (again.value(to.leaving()) / (scale * value) - 1.0).powi(2);
+                    squares += (reblurred.value(to.leaving()) / (scale * value) - 1.0).powi(2);
                     count += 1.0;
                 }
             }
@@ -175,17 +184,17 @@ fn described(grid: &SpecularGrid, values: &[f64], clean: &[f64], done: &Done, bl
         let misfit = if count > 0.0 { f64::sqrt(squares / count) } else { 0.0 };
         Unblurred { theta_deg, iterations: *iterations, peak, scale: *scale, misfit }
     };
-    done.iter().enumerate().map(one).collect()
+    steps.iter().enumerate().map(one).collect()
 }
 
-/// See [`Deblurred::noise_amplification`].
+/// Computes [`Deblurred::noise_amplification`].
 fn amplification(
     grid: &SpecularGrid,
     values: &[f64],
     clean: &[f64],
     rings: &Rings,
     how: &Unblur,
-    done: &Done,
+    steps: &Steps,
 ) -> [f64; 2] {
     let largest = values.iter().copied().fold(0.0, f64::max);
     let (mut all, mut peaks) = ([0.0; 2], [0.0; 2]);
@@ -199,7 +208,7 @@ fn amplification(
             value * (1.0 + TRIAL_NOISE * (-2.0 * u.ln()).sqrt() * (2.0 * PI * v).cos())
         };
         let noisy: Vec<f64> = values.iter().enumerate().map(noisy).collect();
-        let (trial, _) = unblurred(grid, &noisy, rings, how, Some(done));
+        let (trial, _) = unblurred(grid, &noisy, rings, how, Some(steps));
         for (cell, value) in values.iter().enumerate().filter(|(_, value)| **value > FAINT * largest) {
             let squares = [(noisy[cell] / value - 1.0).powi(2), (trial[cell] / clean[cell] - 1.0).powi(2)];
             for k in 0..2 {
@@ -216,8 +225,9 @@ mod tests {
     use super::*;
     use crate::{Channel, Instrument, Noise, SyntheticSample, View, Way};
 
-    /// Ratio of a result to the truth across the plane of incidence, at these numbers of radial distances.
-    fn against(
+    /// Ratio of a result to the truth perpendicular to the plane of incidence, for incidence `k` and radial
+    /// index `r`.
+    fn ratio_to_truth(
         truth: &dyn Fn(Beta, Beta) -> f64,
         grid: &SpecularGrid,
         values: &[f64],
@@ -238,10 +248,10 @@ mod tests {
         instrument
     }
 
-    /// From peaks of 20.7, 14.5 and 13.0 per sr back to 99.8, 47.3 and 38.6; with nothing beyond 85 deg,
-    /// as real files are, too.
+    /// Peaks of 20.7, 14.5 and 13.0 per sr are recovered to 99.8, 47.3 and 38.6, also without values beyond
+    /// 85 deg, as in real files.
     #[test]
-    fn the_synthetic_samples_come_back() {
+    fn deblurring_recovers_synthetic_samples() {
         for (haze, dark_beyond_deg) in [(0.65, 90.0), (0.78, 90.0), (0.78, 85.0), (0.81, 90.0)] {
             let instrument = Instrument { dark_beyond_deg, ..instrument(0.0) };
             let sample = SyntheticSample::new(haze).unwrap();
@@ -250,7 +260,7 @@ mod tests {
             let truth = |from: Beta, to: Beta| sample.btdf(from, to);
             for k in 0..4 {
                 for r in [0, 1, 2, 3, 5, 8, 12, 20, 30] {
-                    let ratio = against(&truth, &instrument.grid, &result.values, k, r);
+                    let ratio = ratio_to_truth(&truth, &instrument.grid, &result.values, k, r);
                     let dark = dark_beyond_deg < 90.0 && ratio == 0.0;
                     assert!(dark || (ratio - 1.0).abs() < 5e-3, "{haze} {k} {r}: {ratio}");
                 }
@@ -264,10 +274,10 @@ mod tests {
         }
     }
 
-    /// A Gaussian, nothing of which is in the start: its core comes back within some per cent, and the
-    /// misfit tells that the tails do not. With noise nothing breaks.
+    /// The start does not contain a Gaussian: its core is recovered to some per cent, and the
+    /// misfit shows that its tails are not. Noise does not change this.
     #[test]
-    fn other_lobes_come_back_to_the_resolution_of_the_blur() {
+    fn deblurring_recovers_gaussian_core_to_12_percent() {
         let gaussian = |from: Beta, to: Beta| (-(to - from).squared() / 0.005).exp() * 0.9 / (0.005 * PI);
         let view = View { way: Way::FrontTransmission, f: &gaussian, straight: 0.0, factors: &[1.0] };
         for noise in [0.0, 0.003] {
@@ -275,11 +285,11 @@ mod tests {
             let part = instrument.measure("", &[view]).unwrap().parts.remove(0);
             let how = Unblur { noise: noise / 4.0, ..Unblur::of_width(0.0483) };
             let result = deblurred(&part, 0, &how).unwrap();
-            let before = against(&gaussian, &instrument.grid, &part.values, 0, 0);
+            let before = ratio_to_truth(&gaussian, &instrument.grid, &part.values, 0, 0);
             assert!(before < 0.4, "{before}");
             for k in 0..3 {
                 for r in [0, 1, 2, 3] {
-                    let ratio = against(&gaussian, &instrument.grid, &result.values, k, r);
+                    let ratio = ratio_to_truth(&gaussian, &instrument.grid, &result.values, k, r);
                     assert!((ratio - 1.0).abs() < 0.12, "{noise} {k} {r}: {ratio}");
                 }
             }
@@ -288,14 +298,14 @@ mod tests {
     }
 
     #[test]
-    fn wrong_questions_and_flat_lobes() {
+    fn flat_lobe_is_unchanged_and_bad_width_or_geometry_is_refused() {
         let instrument = instrument(0.0);
         let flat = |_: Beta, _: Beta| 0.3;
         let view = View { way: Way::FrontReflection, f: &flat, straight: 0.0, factors: &[1.0] };
         let mut part = Instrument { blur: 0.0, ..instrument }.measure("", &[view]).unwrap().parts.remove(0);
         let error = deblurred(&part, 0, &Unblur::of_width(-1.0)).unwrap_err();
         assert!(matches!(error, GoniometryError::OutOfRange { .. }));
-        // Nothing to sharpen.
+        // A flat lobe has no half width to sharpen.
         let same = deblurred(&part, 0, &Unblur::of_width(0.05)).unwrap();
         for (after, before) in same.values.iter().zip(&part.values) {
             assert!((after - before).abs() < 1e-12, "{after} {before}");

@@ -1,20 +1,20 @@
-//! A virtual instrument: what an imaging sphere would write about a lobe that is known.
+//! A virtual instrument: simulated measurement of a known lobe with an imaging sphere.
 //!
-//! Light comes from each incidence of the grid; the values are those of the sample, blurred, normalised,
-//! with noise:
+//! Light arrives from each incidence of the grid. The values are those of the sample, blurred, normalised
+//! and with noise:
 //!
 //! - **Blur**: f is convolved, in the plane of direction cosines, with a k-correlation kernel of width
-//!   `blur`, the image that source, optics and camera make of a straight beam. A k-correlation lobe of
+//!   `blur`, which is the image of a collimated beam by source, optics and camera. A k-correlation lobe of
 //!   width b becomes one of width b + blur.
-//! - **Renormalised** values integrate to the sample's own total in spite of light that the blur moves
-//!   beyond the horizon; real instruments calibrate so. Otherwise that light is lost.
-//! - **Noise** is normal: a `relative` part and a `floor` in 1/sr; what would be negative is 0. Numbers
-//!   depend on seed, way, channel and cell alone.
-//! - **TIS** is the true total of each incidence, times the channel's factor: a detector of its own,
+//! - **Renormalised** values integrate to the sample's own total, including light that the blur moves
+//!   beyond the horizon; real instruments are calibrated in this way. Otherwise that light is lost.
+//! - **Noise** is normal, with a `relative` component and a `floor` in 1/sr; negative values become 0. Random
+//!   numbers depend on seed, scatter mode, channel and cell only.
+//! - **TIS** is the true total of each incidence, times the channel's factor, as from a separate detector
 //!   without blur and noise.
 //!
-//! The instrument sees no finer than its kernel, but it samples points: cells are not averaged over their
-//! extent.
+//! The resolution of the instrument is that of its kernel, but it samples points: cells are not averaged over
+//! their extent.
 
 mod blur;
 mod deblur;
@@ -34,20 +34,20 @@ use quadrature::Rule;
 pub use deblur::{Deblurred, Unblur, Unblurred, deblurred};
 pub use synthetic::{SyntheticSample, tristimulus_factors};
 
-/// An imaging sphere.
+/// Virtual imaging sphere.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Instrument {
-    /// Where it looks.
+    /// Directions of the measurement.
     pub grid: SpecularGrid,
-    /// What it looks through.
+    /// Channels of the measurement.
     pub channels: Vec<Channel>,
-    /// Width of the image of a straight beam, direction cosines: .0001 to 1, or 0 for none.
+    /// Width of the image of a collimated beam, direction cosines: 0.0001 to 1, or 0 without blur.
     pub blur: f64,
-    /// True if its values integrate to the sample's total.
+    /// True if the values integrate to the sample's total.
     pub renormalise: bool,
-    /// Its noise.
+    /// Noise of the values.
     pub noise: Noise,
-    /// It sees nothing beyond this inclination, degrees.
+    /// Inclination beyond which all values are 0, degrees.
     pub dark_beyond_deg: f64,
 }
 
@@ -56,30 +56,31 @@ pub struct Instrument {
 pub struct Noise {
     /// Standard deviation relative to the value.
     pub relative: f64,
-    /// Standard deviation of what comes on top, 1/sr.
+    /// Standard deviation of the additive component, 1/sr.
     pub floor: f64,
-    /// Other seeds, other noise.
+    /// Seed of the random numbers.
     pub seed: u64,
 }
 
-/// One way of light through, or off, what is measured.
+/// One scatter mode of a sample to be measured.
 #[derive(Clone, Copy)]
 pub struct View<'a> {
-    /// From where to where.
+    /// Scatter mode.
     pub way: Way,
-    /// f, 1/sr, from and to direction cosines of propagation in air. What it is beyond |beta| = 1 is
-    /// blurred into the hemisphere; 0 for nothing.
+    /// f, 1/sr, for direction cosines of propagation in air. Values beyond |beta| = 1 are
+    /// blurred into the hemisphere; they may be 0.
     pub f: &'a dyn Fn(Beta, Beta) -> f64,
-    /// Share that passes without scattering, multiplied with the same factors: 0 for an instrument without blur, to which it
-    /// has no width.
+    /// Fraction that is not scattered, multiplied by the same factors. It must be 0 for an instrument without
+    /// blur, because its image would have no width.
     pub straight: f64,
-    /// What f is multiplied with in each of the instrument's channels.
+    /// Factors of f in each of the instrument's channels.
     pub factors: &'a [f64],
 }
 
 impl Instrument {
-    /// The dissertation's (Feng 2012, section 3.3): incidences 0 to 75 deg by 5, azimuths 0 to 180 by
-    /// 10, radial distances 0 to 180 by 2; X, Y and Z; without blur and noise.
+    /// Instrument of the dissertation (Feng 2012, section 3.3): incidences 0 to 75 deg in steps of 5,
+    /// azimuths 0 to 180 in steps of 10, radial distances 0 to 180 in steps of 2; X, Y and Z; without blur
+    /// and noise.
     pub fn imaging_sphere() -> Self {
         let steps = |to: u32, step: u32| (0..=to / step).map(|k| f64::from(k * step)).collect();
         Self {
@@ -98,10 +99,11 @@ impl Instrument {
         }
     }
 
-    /// What it finds.
+    /// Simulates the measurement of a sample.
     ///
     /// # Errors
-    /// If one of its numbers is out of range, or a view has not a factor for each channel.
+    /// If one of the instrument's numbers is out of range, or a view does not have one factor for each
+    /// channel.
     pub fn measure(&self, sample: &str, views: &[View<'_>]) -> Result<Measurement, GoniometryError> {
         self.check(views)?;
         let provenance = Provenance {
@@ -131,10 +133,10 @@ impl Instrument {
         }
         if self.blur != 0.0 && !(1e-4..=1.0).contains(&self.blur) {
             let (what, value) = ("the blur", self.blur);
-            return Err(GoniometryError::OutOfRange { what, value, expected: "0, or .0001 to 1" });
+            return Err(GoniometryError::OutOfRange { what, value, expected: "0, or 0.0001 to 1" });
         }
         if self.blur == 0.0 && views.iter().any(|view| view.straight > 0.0) {
-            let expected = "above 0 beside light that passes straight, whose image it is";
+            let expected = "above 0 with unscattered light, whose image has the width of the blur";
             return Err(GoniometryError::OutOfRange { what: "the blur", value: 0.0, expected });
         }
         let counts = views.iter().map(|view| view.factors.len());
@@ -153,16 +155,16 @@ impl Instrument {
         let mut totals = Vec::new();
         for rotation in &self.grid.rotations_deg {
             for incidence in &self.grid.incidences_deg {
-                // Only the sample turns.
+                // The sample rotates; the instrument does not.
                 let from = Beta::from_source(*incidence, 180.0 - rotation, 1.0);
                 let lobe = Blurred::new(&rule, view.f, from, self.blur).with_straight(view.straight);
                 let total = lobe.total();
-                let scale = if self.renormalise && total > 0.0 { total / lobe.seen() } else { 1.0 };
+                let scale = if self.renormalise && total > 0.0 { total / lobe.measured_total() } else { 1.0 };
                 let cells = clean.len()..clean.len() + per_incidence;
                 clean.extend(cells.map(|cell| {
                     let viewer = geometry.directions(cell).map(|[_, viewer]| viewer);
-                    let seen = viewer.filter(|viewer| viewer.theta_deg <= self.dark_beyond_deg);
-                    seen.map_or(0.0, |viewer| scale * lobe.value(viewer.leaving()))
+                    let visible = viewer.filter(|viewer| viewer.theta_deg <= self.dark_beyond_deg);
+                    visible.map_or(0.0, |viewer| scale * lobe.value(viewer.leaving()))
                 }));
                 totals.push(total);
             }
@@ -181,12 +183,12 @@ impl Instrument {
         }
     }
 
-    /// At radial distance 0 all azimuths are one pixel.
+    /// Index of the camera pixel of a cell: at radial distance 0, all azimuths share one pixel.
     fn pixel(&self, cell: usize) -> u64 {
         let radials = self.grid.radials_deg.len();
         let row = radials * self.grid.azimuths_deg.len();
-        let middle = self.grid.radials_deg[cell % radials] == 0.0;
-        (if middle { cell - cell % row + cell % radials } else { cell }) as u64
+        let at_centre = self.grid.radials_deg[cell % radials] == 0.0;
+        (if at_centre { cell - cell % row + cell % radials } else { cell }) as u64
     }
 
     fn noisy(&self, f: f64, numbers: &Numbers, pixel: u64) -> f64 {

@@ -1,19 +1,20 @@
-//! Integrals over the plane of direction cosines, about the middle of a lobe.
+//! Integrals over the plane of direction cosines, about the centre of a lobe.
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
 use papilio_optics::Beta;
 
-/// Nothing that counts lies farther out than this: products of two lobes fall as the sixth power.
+/// Largest distance: the contribution of larger ones is negligible, because products of two lobes fall as the
+/// sixth power.
 const FARTHEST: f64 = 20.0;
-/// Nodes along a ray within the hemisphere's disc and beyond it, around in half a circle cut off by a
-/// line, and all around.
+/// Numbers of nodes: along a ray inside and outside the hemisphere's disc, in azimuth over half a circle
+/// limited by a line, and in azimuth over a full circle.
 const INSIDE: usize = 22;
 const BEYOND: usize = 18;
 const HALF_AROUND: usize = 18;
 const AROUND: usize = 56;
 
-/// A rule of nodes; made once.
+/// Nodes of the quadrature; computed once.
 #[derive(Debug, Clone)]
 pub(super) struct Rule {
     inside: Vec<[f64; 2]>,
@@ -27,7 +28,7 @@ impl Rule {
         Self::times(1)
     }
 
-    /// With so many times the nodes along each line.
+    /// Rule with `n` times as many nodes along each line.
     pub(super) fn times(n: usize) -> Self {
         Self {
             inside: gauss(n * INSIDE),
@@ -37,8 +38,8 @@ impl Rule {
         }
     }
 
-    /// Of a function with features of size `width` about `middle`, smoother elsewhere, that may end at
-    /// the rim of the disc |beta| = 1: over the whole plane, or over the disc.
+    /// Integral of a function with features of size `width` about `middle`, smoother elsewhere, which may end
+    /// at the rim of the disc |beta| = 1: over the whole plane, or over the disc.
     pub(super) fn plane(&self, middle: Beta, width: f64, whole: bool, f: impl Fn(Beta) -> f64) -> f64 {
         let step = 2.0 * PI / self.around as f64;
         let farthest = if whole { FARTHEST } else { 0.0 };
@@ -49,16 +50,16 @@ impl Rule {
         rays.sum::<f64>() * step
     }
 
-    /// Likewise over the half plane of all points nearer to `middle` than to `other`.
+    /// The same over the half plane of all points nearer to `middle` than to `other`.
     pub(super) fn half_plane(&self, middle: Beta, other: Beta, width: f64, f: impl Fn(Beta) -> f64) -> f64 {
-        let apart = other - middle;
-        let distance = apart.length();
+        let separation = other - middle;
+        let distance = separation.length();
         let mut sum = 0.0;
         for [node, weight] in &self.half {
             for (from, towards) in [(-FRAC_PI_2, true), (FRAC_PI_2, false)] {
                 let (sin, cos) = (from + PI * node).sin_cos();
-                let x = (apart.x * cos - apart.y * sin) / distance;
-                let y = (apart.x * sin + apart.y * cos) / distance;
+                let x = (separation.x * cos - separation.y * sin) / distance;
+                let y = (separation.x * sin + separation.y * cos) / distance;
                 let end = if towards { (0.5 * distance / cos).min(FARTHEST) } else { FARTHEST };
                 sum += PI * weight * self.ray(middle, Beta { x, y }, width, end, &f);
             }
@@ -66,7 +67,7 @@ impl Rule {
         sum
     }
 
-    /// Along a ray, times the distance; an end of 0 is the rim of the disc.
+    /// Integral along a ray, times the distance; an end of 0 means the rim of the disc.
     fn ray(&self, middle: Beta, along: Beta, width: f64, end: f64, f: &impl Fn(Beta) -> f64) -> f64 {
         let ahead = middle.x * along.x + middle.y * along.y;
         let rim = (ahead * ahead + 1.0 - middle.squared()).max(0.0).sqrt() - ahead;
@@ -86,7 +87,7 @@ impl Rule {
     }
 }
 
-/// Gauss and Legendre's nodes and weights on 0 to 1, by Newton's method.
+/// Gauss-Legendre nodes and weights on 0 to 1, by Newton's method.
 fn gauss(count: usize) -> Vec<[f64; 2]> {
     let n = count as f64;
     let node = |k: usize| {
@@ -119,13 +120,14 @@ mod tests {
     }
 
     #[test]
-    fn areas() {
+    fn disc_area_and_half_plane_of_gaussian_equal_closed_forms() {
         let rule = Rule::new();
         for x in [0.0, 0.5, 0.99] {
             let disc = rule.plane(Beta { x, y: 0.0 }, 0.05, false, |_| 1.0);
             assert!((disc / PI - 1.0).abs() < 1e-3, "{x}: {disc}");
         }
-        // A Gaussian's half nearer to its own middle than to a point two standard deviations away: Phi(1).
+        // A Gaussian's fraction nearer to its own centre than to a point two standard deviations away:
+        // Phi(1).
         let gaussian = |beta: Beta| (-beta.squared() / 0.02).exp() / (0.02 * PI);
         let half = rule.half_plane(Beta::default(), Beta { x: 0.12, y: -0.16 }, 0.1, gaussian);
         assert!((half - 0.841_344_746).abs() < 1e-5, "{half}");

@@ -1,4 +1,4 @@
-//! Blur of round profiles, and its removal: the rings about a specular direction.
+//! Blur of rotationally symmetric profiles, and its removal, on rings about the specular direction.
 
 use std::f64::consts::PI;
 
@@ -9,25 +9,25 @@ use super::Unblur;
 use super::blur::HALF;
 use crate::Shape;
 
-/// Radial nodes: `r = w sinh t`, w half the blur, steps of t, out to a distance.
+/// Radial nodes: `r = w sinh t`, with w half the blur, in steps of t up to a largest distance.
 const STEP: f64 = 0.04;
 const FARTHEST: f64 = 4.0;
-/// Directions over which a profile is the mean, on half a circle.
+/// Number of azimuths of a profile's mean, on half a circle.
 const AROUND: usize = 24;
-/// An iteration that brings the misfit down by less than this share is the last.
-const STANDSTILL: f64 = 3e-4;
-/// The least misfit that the matrix can resolve.
+/// An iteration that reduces the misfit by less than this fraction is the last.
+const MIN_DECREASE: f64 = 3e-4;
+/// Smallest misfit that the matrix can resolve.
 const RESOLVED: f64 = 2e-5;
 
-/// Rings about the specular direction, and how light gets from one to the others.
+/// Rings about the specular direction, and the blur between them.
 pub(super) struct Rings {
     width: f64,
     radii: Vec<f64>,
     areas: Vec<f64>,
-    /// Blurring, row by row.
+    /// Blur matrix, row by row.
     matrix: Vec<f64>,
-    /// What it leaves of an even plane: less than 1 near the outer end.
-    kept: Vec<f64>,
+    /// Blur of a constant: less than 1 near the outer end.
+    constant_blur: Vec<f64>,
 }
 
 impl Rings {
@@ -37,7 +37,8 @@ impl Rings {
         let radii: Vec<f64> = (0..count).map(|k| width * (STEP * k as f64).sinh()).collect();
         let area = |k: usize| {
             let cosh = width.hypot(radii[k]);
-            // The trapezoid rule in t; what is 0 in the middle itself is Euler and Maclaurin's correction.
+            // Trapezoidal rule in t; the first node, where the integrand is 0, has the Euler-Maclaurin
+            // correction.
             match k {
                 0 => STEP * STEP * width * width / 12.0,
                 k if k + 1 == count => 0.5 * STEP * radii[k] * cosh,
@@ -47,15 +48,16 @@ impl Rings {
         let areas: Vec<f64> = (0..count).map(area).collect();
         let kernel = Lobe::KCorrelation { width: blur };
         let farthest = radii[count - 1];
-        let kept: Vec<f64> = radii.iter().map(|r| kernel.fraction_in_disc(*r, farthest)).collect();
+        let constant_blur: Vec<f64> = radii.iter().map(|r| kernel.fraction_in_disc(*r, farthest)).collect();
         let mut matrix = Vec::with_capacity(count * count);
         for (k, to) in radii.iter().enumerate() {
             matrix.extend(radii.iter().zip(&areas).map(|(from, area)| area * around(*to, *from, blur)));
-            // Far out the steps are no finer than the kernel; what it keeps of an even plane is known.
+            // At large distances the steps are coarser than the kernel; the sum of a row is known, and
+            // corrects it.
             let sum: f64 = matrix[k * count..].iter().sum();
-            matrix[k * count + k] += kept[k] - sum;
+            matrix[k * count + k] += constant_blur[k] - sum;
         }
-        Self { width, radii, areas, matrix, kept }
+        Self { width, radii, areas, matrix, constant_blur }
     }
 
     fn blurred(&self, profile: &[f64]) -> Vec<f64> {
@@ -63,7 +65,8 @@ impl Rings {
         self.matrix.chunks_exact(profile.len()).map(row).collect()
     }
 
-    /// The mean over azimuth of a lobe, where it lies in the hemisphere; of its tail where all is beyond.
+    /// Mean of a lobe over azimuth within the hemisphere; of its tail where all azimuths are beyond the
+    /// horizon.
     pub(super) fn profile(&self, shape: &Shape, incidence: usize, from: Beta) -> Vec<f64> {
         let mean = |r: &f64| {
             let mut sums = [[0.0; 2]; 2];
@@ -80,7 +83,7 @@ impl Rings {
         self.radii.iter().map(mean).collect()
     }
 
-    /// A profile's integral over the hemisphere, about light of this |beta|.
+    /// Integral of a profile over the hemisphere, for light of this |beta|.
     pub(super) fn total(&self, profile: &[f64], beta: f64) -> f64 {
         let inside = |r: f64| {
             let cos = (1.0 - beta * beta - r * r) / (2.0 * beta * r);
@@ -94,12 +97,12 @@ impl Rings {
         2.0 * PI * rings.map(|((r, area), p)| area * inside(*r) * p).sum::<f64>()
     }
 
-    /// What a profile has to be multiplied with to be without blur, and after how many iterations.
+    /// Returns the factors that remove the blur from a profile, and the number of iterations.
     pub(super) fn sharpened(&self, d: &[f64], how: &Unblur, fixed: Option<usize>) -> (Vec<f64>, usize) {
         let flat = || (vec![1.0; d.len()], 0);
-        let beyond = d.iter().position(|value| *value < 0.5 * d[0]).filter(|k| *k > 0);
-        let Some(k) = beyond else { return flat() };
-        // Of a k-correlation lobe the power -2/3 is a line in r^2.
+        let below_half = d.iter().position(|value| *value < 0.5 * d[0]).filter(|k| *k > 0);
+        let Some(k) = below_half else { return flat() };
+        // The power -2/3 of a k-correlation lobe is linear in r^2.
         let [near, half, far] = [d[k - 1], 0.5 * d[0], d[k]].map(|value| value.max(1e-300).powf(-2.0 / 3.0));
         let [inner, outer] = [self.radii[k - 1], self.radii[k]].map(|r| r * r);
         let seen = (inner + (outer - inner) * (half - near) / (far - near)).sqrt() / HALF;
@@ -115,11 +118,13 @@ impl Rings {
             let quotients: Vec<f64> =
                 d.iter().zip(&blurred).map(|(d, b)| if *b > 0.0 { d / b } else { 1.0 }).collect();
             let corrections = self.blurred(&quotients);
-            p.iter_mut().zip(corrections.iter().zip(&self.kept)).for_each(|(p, (c, kept))| *p *= c / kept);
+            p.iter_mut()
+                .zip(corrections.iter().zip(&self.constant_blur))
+                .for_each(|(p, (c, of_one))| *p *= c / of_one);
             blurred = self.blurred(&p);
             iterations += 1;
             let now = self.misfit(d, &blurred);
-            if fixed.is_none() && now > misfit * (1.0 - STANDSTILL) {
+            if fixed.is_none() && now > misfit * (1.0 - MIN_DECREASE) {
                 break;
             }
             misfit = now;
@@ -128,7 +133,7 @@ impl Rings {
         (ratio.collect(), iterations)
     }
 
-    /// Root mean square, relative, weighted by the light of each ring.
+    /// Relative root mean square difference, weighted by the light of each ring.
     fn misfit(&self, d: &[f64], blurred: &[f64]) -> f64 {
         let rings = d.iter().zip(blurred).zip(&self.areas).filter(|((value, _), _)| **value > 0.0);
         let (sum, light) = rings.fold((0.0, 0.0), |(sum, light), ((value, blurred), area)| {
@@ -137,23 +142,23 @@ impl Rings {
         if light > 0.0 { f64::sqrt(sum / light) } else { 0.0 }
     }
 
-    /// A profile between its nodes, linearly in t.
-    pub(super) fn at(&self, profile: &[f64], r: f64) -> f64 {
+    /// Interpolates a profile between its nodes, linearly in t.
+    pub(super) fn interpolated(&self, profile: &[f64], r: f64) -> f64 {
         let t = (r / self.width).asinh() / STEP;
         let k = (t as usize).min(profile.len() - 2);
-        let share = (t - k as f64).min(1.0);
-        profile[k] + share * (profile[k + 1] - profile[k])
+        let fraction = (t - k as f64).min(1.0);
+        profile[k] + fraction * (profile[k + 1] - profile[k])
     }
 }
 
-/// The kernel between a point at one distance and the ring at another, over its azimuth:
+/// Integral of the kernel between a point at one distance and the ring at another, over its azimuth:
 /// `b/(2 pi) int dphi/(b^2 + |r - s|^2)^(3/2) = (2 b/pi) E(m)/(near^2 far)`.
 fn around(r: f64, s: f64, blur: f64) -> f64 {
     let (near, far) = (blur.hypot(r - s), blur.hypot(r + s));
     2.0 * blur / PI * elliptic_e(near / far) / (near * near * far)
 }
 
-/// The complete elliptic integral of the second kind by its complementary modulus: the arithmetic-geometric
+/// Complete elliptic integral of the second kind for a complementary modulus, by the arithmetic-geometric
 /// mean (Abramowitz & Stegun 17.6).
 fn elliptic_e(complementary: f64) -> f64 {
     let (mut a, mut b) = (1.0, complementary);
@@ -176,14 +181,14 @@ mod tests {
     use super::*;
 
     #[test]
-    fn elliptic_integrals() {
+    fn elliptic_e_equals_published_values() {
         assert!((elliptic_e(1.0) - 0.5 * PI).abs() < 1e-15);
         // E(m = 1/2), Abramowitz & Stegun 17.6: 1.35064 38810.
         assert!((elliptic_e(0.5_f64.sqrt()) - 1.350_643_881_0).abs() < 1e-10);
     }
 
     #[test]
-    fn rings_blur_as_the_closed_form_does() {
+    fn ring_blur_equals_closed_form_for_k_correlation_lobes() {
         for blur in [0.0483, 0.01] {
             let rings = Rings::new(blur);
             let lobe = |width: f64| -> Vec<f64> {

@@ -1,11 +1,11 @@
-//! What the virtual instrument writes.
+//! Tests of the virtual instrument.
 
 use super::*;
 use crate::{Audit, Fill, Shape};
 use papilio_optics::Scatterer;
 use papilio_optics::lobe::Lobe;
 
-/// A coarser instrument, for speed.
+/// Coarser instrument, for speed.
 fn small() -> Instrument {
     let mut instrument = Instrument::imaging_sphere();
     instrument.grid.incidences_deg = vec![0.0, 45.0, 75.0];
@@ -23,9 +23,9 @@ fn peak(part: &Part, incidence: usize) -> f64 {
     part.values[incidence * 19 * 91]
 }
 
-/// Peaks of the three samples as published figures have them: renormalised, and with T conserved.
+/// Peaks of the three samples as in published figures: renormalised, and with T conserved.
 #[test]
-fn synthetic_samples_have_the_published_peaks() {
+fn synthetic_samples_have_published_peaks() {
     let published = [(0.65, 99.6, 20.7, 19.7), (0.78, 47.3, 14.5, 13.8), (0.81, 38.6, 13.0, 12.3)];
     for (haze, sharp, renormalised, conserved) in published {
         let sample = SyntheticSample::new(haze).unwrap();
@@ -38,7 +38,7 @@ fn synthetic_samples_have_the_published_peaks() {
             assert!((measurement.parts[0].tis[0] - 0.9).abs() < 1e-4, "{:?}", measurement.parts[0].tis);
             measurement.parts[0].values[0]
         };
-        // The page rounds widths and peaks to three digits.
+        // The published widths and peaks have three digits.
         let close =
             |ours: f64, published: f64| assert!((ours / published - 1.0).abs() < 5e-3, "{ours} {published}");
         close(seen(&instrument), renormalised);
@@ -50,7 +50,7 @@ fn synthetic_samples_have_the_published_peaks() {
 }
 
 #[test]
-fn blurred_lobes_on_the_grid_are_those_of_the_closed_form() {
+fn blurred_lobes_on_the_grid_equal_closed_form() {
     let mut instrument = small();
     instrument.blur = 0.0483;
     instrument.renormalise = false;
@@ -82,9 +82,9 @@ fn renormalised_values_integrate_to_the_total() {
     assert!(part.tis[0] > part.tis[2]);
 }
 
-/// Straight light is the kernel's own lobe beside the other, in closed form.
+/// The image of unscattered light is the kernel, added to the blurred lobe in closed form.
 #[test]
-fn straight_light_has_the_width_of_the_blur() {
+fn unscattered_light_has_the_width_of_the_blur() {
     let mut instrument = small();
     instrument.grid.incidences_deg.truncate(2);
     instrument.blur = 0.05;
@@ -103,14 +103,14 @@ fn straight_light_has_the_width_of_the_blur() {
 }
 
 #[test]
-fn noise_has_its_size_and_comes_again() {
+fn noise_has_given_size_and_is_reproducible() {
     let mut instrument = small();
     let clean = measured(&instrument, 0.1);
     instrument.noise = Noise { relative: 0.01, floor: 1e-4, seed: 7 };
     instrument.dark_beyond_deg = 85.0;
     let noisy = measured(&instrument, 0.1);
     assert_eq!(noisy, measured(&instrument, 0.1));
-    // At radial distance 0 there is one pixel, however many azimuths.
+    // At radial distance 0 there is one pixel for all azimuths.
     assert!((1..19).all(|k| noisy.values[k * 91] == noisy.values[0]) && noisy.values[0] != clean.values[0]);
     let (mut count, mut sum) = (0.0, 0.0);
     for (cell, (noisy, clean)) in noisy.values.iter().zip(&clean.values).enumerate() {
@@ -122,7 +122,7 @@ fn noise_has_its_size_and_comes_again() {
             count += 1.0;
         }
     }
-    // The mean of `count` squares of normal numbers: 4 standard deviations of sqrt(2/count).
+    // Mean of `count` squares of normal numbers: within 4 standard deviations, each sqrt(2/count).
     let mean: f64 = sum / count;
     assert!((mean - 1.0).abs() < 4.0 * (2.0_f64 / count).sqrt(), "{mean} {count}");
     assert!(peak(&noisy, 0) > 0.0);
@@ -134,13 +134,13 @@ fn clean_direction(instrument: &Instrument, cell: usize) -> Option<f64> {
 }
 
 #[test]
-fn channels_have_their_factors_and_the_sample_says_what_it_is() {
+fn channels_have_their_factors_and_provenance_says_synthetic() {
     let sample = SyntheticSample::new(0.78).unwrap();
     let nm: Vec<f64> = (0..81).map(|k| 380.0 + 5.0 * f64::from(k)).collect();
     let flat = vec![1.0; nm.len()];
-    // Bands about 600, 550 and 440 nm: only the blue one meets the edge.
+    // Bands about 600, 550 and 440 nm: only the blue one overlaps the edge.
     let bands = [600.0, 550.0, 440.0]
-        .map(|middle| nm.iter().map(|nm| (-((nm - middle) / 30.0_f64).powi(2)).exp()).collect::<Vec<f64>>());
+        .map(|centre| nm.iter().map(|nm| (-((nm - centre) / 30.0_f64).powi(2)).exp()).collect::<Vec<f64>>());
     let factors = sample.factors(&nm, &flat, [&bands[0], &bands[1], &bands[2]]);
     assert!(factors[0] > 0.9999 && factors[1] > 0.9999, "{factors:?}");
     assert!(factors[2] < 0.995 && factors[2] > 0.95, "{factors:?}");
@@ -153,13 +153,13 @@ fn channels_have_their_factors_and_the_sample_says_what_it_is() {
     let part = &measurement.parts[0];
     assert!((part.channel(2)[0] / part.channel(0)[0] - factors[2] / factors[0]).abs() < 1e-12);
     assert!((part.tis(2, 0, 0).unwrap() - 0.9 * factors[2]).abs() < 1e-4);
-    // The audit finds the haze that it was made with.
+    // The audit finds the haze of the sample.
     let haze = Audit::of(part, 1).unwrap().haze.unwrap();
     assert!((haze - 0.78).abs() < 2e-3, "{haze}");
 }
 
 #[test]
-fn wrong_questions_are_refused() {
+fn blur_noise_factors_or_haze_out_of_range_are_refused() {
     let instrument = Instrument { blur: -0.1, ..small() };
     let f = |_: Beta, _: Beta| 1.0;
     let view = View { way: Way::FrontReflection, f: &f, straight: 0.0, factors: &[1.0] };

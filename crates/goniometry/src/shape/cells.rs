@@ -1,32 +1,32 @@
-//! A grid's cells of one incidence, folded onto a half plane; and the width of the abscissa that suits them.
+//! Cells of one incidence, folded onto a half plane, and the best width of the abscissa.
 
 use super::abscissa;
 use super::line::Line;
 use crate::{Direction, SpecularGrid};
 
-/// Angles closer than this are the same, degrees.
+/// Angles that differ by less than this are equal, degrees.
 pub(super) const SAME_DEG: f64 = 1e-6;
 
-/// Widths w that are tried, in direction cosines.
+/// Range of widths w for the search, in direction cosines.
 const WIDTHS: [f64; 2] = [1e-3, 10.0];
 const WIDTHS_TRIED: usize = 41;
 
-/// One incidence's cells on the half plane: `[azimuth][radial]`, as points (|delta|, f); cells outside
-/// the hemisphere are left out.
+/// Cells of one incidence on the half plane: `[azimuth][radial]`, as points (|delta|, f). Cells outside
+/// the hemisphere are omitted.
 pub(super) struct Cells {
     pub(super) theta_deg: f64,
     pub(super) azimuths: Vec<f64>,
     pub(super) lines: Vec<Vec<[f64; 2]>>,
-    /// Points of each line up to its last cell with a value: what follows was not measured.
+    /// Number of points of each line up to its last cell with a value; the following ones were not measured.
     pub(super) measured: Vec<usize>,
-    /// The grid's last distance from the specular direction, degrees, where the hemisphere goes on beyond it.
+    /// Last radial distance of the grid, degrees, if the hemisphere extends beyond it.
     pub(super) limit_deg: Option<f64>,
-    /// The least distance, degrees, at which the measured cells of a line end before the horizon.
+    /// Smallest distance, degrees, at which the measured cells of a line end before the horizon.
     pub(super) measured_to_deg: Option<f64>,
 }
 
 impl Cells {
-    /// The smallest distance at which a line has fallen to half its peak.
+    /// Smallest distance at which a line falls to half its peak.
     pub(super) fn half(&self) -> f64 {
         let of_line = |line: &Vec<[f64; 2]>| {
             let peak = line.first().map_or(0.0, |[_, f]| *f);
@@ -36,7 +36,7 @@ impl Cells {
     }
 }
 
-/// Sums for a root mean square difference.
+/// Sums of a root mean square difference.
 #[derive(Default)]
 pub(super) struct Spread {
     differences: f64,
@@ -44,7 +44,7 @@ pub(super) struct Spread {
 }
 
 impl Spread {
-    /// Values and their weights.
+    /// Adds values with their weights.
     fn add(&mut self, values: &[(f64, f64)], mean: f64) {
         self.differences += values.iter().map(|(value, weight)| weight * (value - mean).powi(2)).sum::<f64>();
         self.values += values.iter().map(|(_, weight)| weight).sum::<f64>() * mean * mean;
@@ -55,7 +55,8 @@ impl Spread {
     }
 }
 
-/// The cells of an incidence on one half plane up to a `|beta|`, the mean of those that should be alike.
+/// Cells of an incidence on one half plane up to a `|beta|`, with the mean of values that are equal by
+/// symmetry.
 pub(super) fn folded(
     grid: &SpecularGrid,
     values: &[f64],
@@ -63,7 +64,7 @@ pub(super) fn folded(
     asymmetry: &mut Spread,
 ) -> Cells {
     let (azimuths, radials) = (grid.azimuths_deg.len(), grid.radials_deg.len());
-    // From the plane of incidence: both sides of it should be alike.
+    // Azimuth from the plane of incidence; its two sides are equal by symmetry.
     let aside = |k: usize| {
         let azimuth = grid.azimuths_deg[k].rem_euclid(360.0);
         azimuth.min(360.0 - azimuth)
@@ -85,7 +86,8 @@ pub(super) fn folded(
         let like: Vec<usize> = (0..azimuths).filter(|k| (aside(*k) - azimuth).abs() < SAME_DEG).collect();
         let mut line = Vec::with_capacity(radials);
         let beyond_grid = SpecularGrid::direction(theta_deg, azimuth, last_deg + SAME_DEG);
-        // Points up to the last measured one, its distance, and whether the last cell of the line is that one.
+        // Number of points up to the last measured one, its distance, and whether it is the last cell of the
+        // line.
         let (mut measured, mut measured_deg, mut to_the_end) = (0, 0.0, true);
         for (r, radial) in grid.radials_deg.iter().enumerate() {
             let to = SpecularGrid::direction(cells.theta_deg, azimuth, *radial);
@@ -103,7 +105,7 @@ pub(super) fn folded(
             let sum: f64 = known.iter().map(|(value, weight)| weight * value).sum();
             let mean = if known.is_empty() { 0.0 } else { sum / weights };
             asymmetry.add(&known, mean);
-            // Seen from the specular direction, in the plane of direction cosines.
+            // Distance from the specular direction in the plane of direction cosines.
             let delta = (beta.x - cells.theta_deg.to_radians().sin()).hypot(beta.y);
             if line.last().is_none_or(|[before, _]: &[f64; 2]| delta > *before) {
                 line.push([delta, mean]);
@@ -124,14 +126,14 @@ pub(super) fn folded(
     cells
 }
 
-/// Leaves out what was not measured behind the last measured cell of each line.
+/// Removes the points behind the last measured cell of each line.
 pub(super) fn without_unmeasured_tails(mut cells: Cells) -> Cells {
     let Cells { lines, measured, .. } = &mut cells;
     lines.iter_mut().zip(measured).for_each(|(line, measured)| line.truncate(*measured));
     cells
 }
 
-/// Leaves out the zeros after the last positive value of each line; counts them, and all.
+/// Removes the zeros behind the last positive value of each line; counts the removed points and all points.
 pub(super) fn without_tail_zeros(mut cells: Cells, filled: &mut [f64; 2]) -> Cells {
     for line in &mut cells.lines {
         let keep = line.iter().rposition(|[_, f]| *f > 0.0).map_or(line.len(), |last| last + 1);
@@ -142,7 +144,7 @@ pub(super) fn without_tail_zeros(mut cells: Cells, filled: &mut [f64; 2]) -> Cel
     cells
 }
 
-/// The width at which points predict those between them best, weighted by their light.
+/// Width with which points best predict those between them, weighted by their light.
 pub(super) fn best_width(cells: &[Cells]) -> f64 {
     let score = |width: f64| -> f64 {
         let lines = cells.iter().flat_map(|cells| &cells.lines);
@@ -154,7 +156,7 @@ pub(super) fn best_width(cells: &[Cells]) -> f64 {
     best.map_or(1.0, |(width, _)| width)
 }
 
-/// Light by which a line through every other point misses those between.
+/// Light of the differences between points and a line through every other point.
 fn missed(points: &[[f64; 2]], width: f64) -> f64 {
     let x: Vec<f64> = points.iter().map(|[delta, _]| abscissa(*delta, width)).collect();
     let values: Vec<f64> = points.iter().map(|[_, f]| *f).collect();

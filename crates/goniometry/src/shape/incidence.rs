@@ -1,4 +1,4 @@
-//! The smooth lobe of one incidence: its value in any direction, and what it adds up to.
+//! Smooth lobe of one incidence: its value in any direction, and its total.
 
 use std::f64::consts::PI;
 
@@ -8,7 +8,7 @@ use super::abscissa;
 use super::cells::{Cells, SAME_DEG};
 use super::line::Line;
 
-/// Steps of Simpson's rule outwards and of the trapezoid rule around.
+/// Numbers of steps of Simpson's rule in radius and of the trapezoidal rule in azimuth.
 const RADIAL_STEPS: usize = 96;
 const AROUND: usize = 48;
 
@@ -16,21 +16,21 @@ const AROUND: usize = 48;
 pub(super) struct Incidence {
     pub(super) theta_deg: f64,
     pub(super) beta: f64,
-    /// About the distance at which the lobe has fallen to a half: what integrals are fine enough for.
+    /// Approximate distance at which the lobe falls to half its peak; sets the steps of integrals.
     pub(super) half: f64,
     /// Azimuths about the specular direction, radians, 0 (towards the normal) to pi.
     pub(super) azimuths: Vec<f64>,
     pub(super) lines: Vec<Line>,
-    /// Between azimuths: by the logarithm where both lines are positive, or linearly.
+    /// True for linear interpolation between azimuths; otherwise logarithmic where both lines are positive.
     pub(super) linear: bool,
-    /// Cosine of the distance from the specular direction beyond which nothing is known and nothing is sent.
+    /// Cosine of the distance from the specular direction beyond which values are unknown and taken as 0.
     pub(super) ends_at: Option<f64>,
-    /// The least distance, degrees, at which measured cells end before the horizon.
+    /// Smallest distance, degrees, at which measured cells end before the horizon.
     pub(super) measured_to_deg: Option<f64>,
 }
 
 impl Incidence {
-    /// `tails`: light goes on beyond the last measured distance.
+    /// Lobe through these cells. With `tails`, it is extrapolated beyond the last measured distance.
     pub(super) fn new(cells: &Cells, width: f64, tails: bool) -> Self {
         let line = |points: &Vec<[f64; 2]>| {
             let x = points.iter().map(|[delta, _]| abscissa(*delta, width)).collect();
@@ -52,12 +52,12 @@ impl Incidence {
         if self.ends_at.is_some_and(|cosine| self.cosine(delta) < cosine) {
             0.0
         } else {
-            self.held(delta, width)
+            self.extrapolated(delta, width)
         }
     }
 
-    /// The value with nothing said of where the lobe ends.
-    pub(super) fn held(&self, delta: Beta, width: f64) -> f64 {
+    /// The value, extrapolated beyond the end of the lobe.
+    pub(super) fn extrapolated(&self, delta: Beta, width: f64) -> f64 {
         let x = abscissa(delta.length(), width);
         let azimuth = self.azimuth(delta);
         let upper = self.azimuths.partition_point(|known| *known <= azimuth).min(self.azimuths.len() - 1);
@@ -68,21 +68,22 @@ impl Incidence {
         if a > 0.0 && b > 0.0 && !self.linear { a.powf(1.0 - t) * b.powf(t) } else { (1.0 - t) * a + t * b }
     }
 
-    /// Azimuth about the specular direction, radians, 0 to pi; of a direction beyond the hemisphere, where its
-    /// line leaves it.
+    /// Azimuth about the specular direction, radians, 0 to pi. For a direction beyond the hemisphere, the
+    /// azimuth where its line leaves the hemisphere.
     fn azimuth(&self, delta: Beta) -> f64 {
         let [x, y, z] = self.direction(delta);
         let cos = (1.0 - self.beta * self.beta).sqrt();
         y.abs().atan2(self.beta * z - cos * x)
     }
 
-    /// Cosine of the angle from the specular direction; beyond the hemisphere, of where the line leaves it.
+    /// Cosine of the angle from the specular direction; beyond the hemisphere, that of the point where the
+    /// line leaves it.
     fn cosine(&self, delta: Beta) -> f64 {
         let [x, _, z] = self.direction(delta);
         self.beta * x + (1.0 - self.beta * self.beta).sqrt() * z
     }
 
-    /// The unit vector at `delta` from the specular direction, no farther than the horizon.
+    /// Unit vector at `delta` from the specular direction, limited to the horizon.
     fn direction(&self, delta: Beta) -> [f64; 3] {
         let reach = self.reach(delta);
         let k = if reach < 1.0 { reach } else { 1.0 };
@@ -90,34 +91,35 @@ impl Incidence {
         [x, y, (1.0 - x * x - y * y).max(0.0).sqrt()]
     }
 
-    /// How far from the specular direction the lobe ends in the direction of a unit vector: on a line, the angle from the
-    /// specular direction grows with the distance. Infinity where it does not end before the horizon.
+    /// Distance from the specular direction at which the lobe ends, in the direction of a unit vector;
+    /// infinity if it does not end before the horizon. On a line, the angle from the specular direction
+    /// increases with the distance.
     pub(super) fn end(&self, unit: Beta) -> f64 {
         let Some(cosine) = self.ends_at else { return f64::INFINITY };
-        let at = |distance: f64| self.cosine(Beta { x: distance * unit.x, y: distance * unit.y });
+        let cosine_at = |distance: f64| self.cosine(Beta { x: distance * unit.x, y: distance * unit.y });
         let (mut inner, mut outer) = (0.0, self.reach(unit));
-        if at(outer) >= cosine {
+        if cosine_at(outer) >= cosine {
             return f64::INFINITY;
         }
         for _ in 0..50 {
             let middle = 0.5 * (inner + outer);
-            if at(middle) >= cosine { inner = middle } else { outer = middle }
+            if cosine_at(middle) >= cosine { inner = middle } else { outer = middle }
         }
         inner
     }
 
-    /// The same on a coarser grid of azimuths: every other one, and the last; `None` for less than three.
+    /// The lobe on a coarser grid of azimuths: every other one, and the last; `None` for less than three.
     pub(super) fn with_fewer_azimuths(&self) -> Option<Self> {
         let last = self.azimuths.len().checked_sub(1).filter(|last| *last > 1)?;
-        let kept = || (0..=last).filter(|k| k.is_multiple_of(2) || *k == last);
+        let retained = || (0..=last).filter(|k| k.is_multiple_of(2) || *k == last);
         Some(Self {
-            azimuths: kept().map(|k| self.azimuths[k]).collect(),
-            lines: kept().map(|k| self.lines[k].clone()).collect(),
+            azimuths: retained().map(|k| self.azimuths[k]).collect(),
+            lines: retained().map(|k| self.lines[k].clone()).collect(),
             ..*self
         })
     }
 
-    /// How many times `delta` fits between the specular direction and the edge of the hemisphere.
+    /// Multiple of `delta` that reaches from the specular direction to the edge of the hemisphere.
     fn reach(&self, delta: Beta) -> f64 {
         let squared = delta.squared();
         if squared == 0.0 {
@@ -127,7 +129,8 @@ impl Incidence {
         ((half * half + (1.0 - self.beta * self.beta) / squared).sqrt() - half).max(0.0)
     }
 
-    /// By the trapezoid rule around and Simpson's rule in `ln(1 + (|delta|/half)^2)`, where lobes are smooth.
+    /// Integral by the trapezoidal rule in azimuth and Simpson's rule in `ln(1 + (|delta|/half)^2)`, where
+    /// lobes are smooth.
     pub(super) fn total(&self, width: f64, radius: f64) -> f64 {
         let mut sum = 0.0;
         for around in 0..=AROUND {
@@ -140,11 +143,11 @@ impl Incidence {
                 let simpson = if k == 0 || k == RADIAL_STEPS { 1.0 } else { 2.0 + 2.0 * (k % 2) as f64 };
                 let x = k as f64 * step;
                 let delta = (self.half * x.exp_m1().sqrt()).min(edge);
-                let f = self.held(Beta { x: delta * cos, y: delta * sin }, width);
+                let f = self.extrapolated(Beta { x: delta * cos, y: delta * sin }, width);
                 sum += ends * simpson * step / 3.0 * 0.5 * self.half * self.half * x.exp() * f;
             }
         }
-        // Both half planes.
+        // The factor 2 is for both half planes.
         2.0 * sum * PI / AROUND as f64
     }
 }

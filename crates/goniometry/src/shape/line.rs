@@ -1,8 +1,8 @@
-//! One line of a measurement, from the peak outwards.
+//! Interpolation along one line of a measurement, from the peak outwards.
 
-/// Values of a lobe along a line, interpolated in `x = ln(1 + (|delta|/w)^2)`: by the logarithm where
-/// they are positive, cubically with the slopes of the parabola through three points
-/// (no tail is too steep for it), and linearly next to zeros.
+/// Values of a lobe along a line, interpolated in `x = ln(1 + (|delta|/w)^2)`. Where values are positive, the
+/// logarithm is interpolated cubically, with the slopes of the parabola through three points (suitable for
+/// tails of any steepness). Next to zeros, interpolation is linear.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Line {
     x: Vec<f64>,
@@ -12,7 +12,7 @@ pub(super) struct Line {
 }
 
 impl Line {
-    /// Through these points, `x` ascending, at least one; what is not positive counts as zero.
+    /// Line through points with ascending `x`, at least one; values that are not positive count as zero.
     pub(super) fn new(x: Vec<f64>, values: &[f64]) -> Self {
         let logs: Vec<f64> =
             values.iter().map(|f| if *f > 0.0 { f.ln() } else { f64::NEG_INFINITY }).collect();
@@ -20,7 +20,8 @@ impl Line {
         Self { x, logs, slopes }
     }
 
-    /// The value at `x`; beyond the last point, along the line's last slope if that falls, else held.
+    /// Interpolates the value at `x`. Beyond the last point, extrapolates along the last slope if it is
+    /// negative; otherwise uses the last value.
     pub(super) fn value(&self, x: f64) -> f64 {
         let last = self.x.len() - 1;
         let upper = self.x.partition_point(|known| *known <= x);
@@ -41,7 +42,7 @@ impl Line {
         (a + t * rise + t * s * (s * (p - rise) - t * (q - rise))).exp()
     }
 
-    /// The line through every other point, from the first.
+    /// The line through every other point, starting with the first.
     pub(super) fn coarser(&self) -> Self {
         let half = |values: &[f64]| -> Vec<f64> { values.iter().copied().step_by(2).collect() };
         let (x, logs) = (half(&self.x), half(&self.logs));
@@ -50,7 +51,7 @@ impl Line {
     }
 }
 
-/// The slope at a point, of the parabola through it and its positive neighbours.
+/// Slope at a point of the parabola through it and its positive neighbours.
 fn slope(x: &[f64], logs: &[f64], k: usize) -> f64 {
     if !logs[k].is_finite() {
         return 0.0;
@@ -74,7 +75,7 @@ fn slope(x: &[f64], logs: &[f64], k: usize) -> f64 {
     }
 }
 
-/// The slope of a parabola at its end, from the two secants next to it and their widths.
+/// Slope of a parabola at its end, from the two nearest secants and their widths.
 fn end(near: f64, far: f64, width: f64, next: f64) -> f64 {
     near + (near - far) * width / (width + next)
 }
@@ -84,7 +85,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn parabolas_of_the_logarithm_are_exact() {
+    fn parabola_of_logarithm_is_interpolated_exactly() {
         let law = |x: f64| (1.0 - 2.0 * x + 0.3 * x * x).exp();
         let x = vec![0.0, 0.3, 0.5, 1.1, 1.4];
         let values: Vec<f64> = x.iter().map(|x| law(*x)).collect();
@@ -96,7 +97,7 @@ mod tests {
     }
 
     #[test]
-    fn zeros_stay_zeros_and_nothing_turns_negative() {
+    fn zeros_stay_zero_and_values_stay_nonnegative() {
         let line = Line::new(vec![0.0, 1.0, 2.0, 3.0], &[2.0, 1.0, 0.0, 0.0]);
         assert_eq!(line.value(1.5), 0.5);
         assert_eq!([2.0, 2.5, 3.0, 9.0].map(|x| line.value(x)), [0.0; 4]);

@@ -1,21 +1,21 @@
-//! The smooth shape of a measured lobe between the directions of its grid.
+//! Smooth shape of a measured lobe between the directions of its grid.
 //!
-//! A sharp lobe on a grid of a degree or two cannot be interpolated linearly: the chord above a
-//! convex flank adds several per cent of light. Two facts about lobes mend that.
+//! A sharp lobe on a grid of 1 or 2 deg cannot be interpolated linearly: the chord above a
+//! convex flank adds several per cent of light. Two properties of lobes avoid this error.
 //!
-//! - **They move with the light.** In direction cosines a lobe keeps its shape about the specular
-//!   direction when the light's direction changes (Harvey & Shack 1979), far better than in angles. So
-//!   values are interpolated at equal `delta = beta_out - beta_in` between incidences and azimuths:
-//!   the peak moves, it does not double.
-//! - **They are bells with power-law or Gaussian tails.** ln f against `ln(1 + (|delta|/w)^2)` is a straight
-//!   line for any power law with its own w, and for a Gaussian if w is large. The w that makes every
-//!   other point best predict those between is found from the data.
+//! - **They move with the light.** In direction cosines, a lobe keeps its shape about the specular direction
+//!   when the direction of the light changes (Harvey & Shack 1979), much better than in angles. Therefore
+//!   values are interpolated at equal `delta = beta_out - beta_in` between incidences and azimuths: the peak
+//!   moves, and is not doubled.
+//! - **They are bell-shaped with power-law or Gaussian tails.** ln f as a function of `ln(1 + (|delta|/w)^2)`
+//!   is a straight line for any power law with its own w, and for a Gaussian if w is large. The data
+//!   determine the w with which every other point best predicts the points between.
 //!
-//! Samples are taken to be isotropic and mirror symmetric about the plane of incidence; what a file
-//! has beyond that is averaged, and [`Shape::asymmetry`] says how much there was.
+//! Samples are assumed to be isotropic and mirror symmetric about the plane of incidence. Deviations in a
+//! file are averaged, and [`Shape::asymmetry`] reports their size.
 //!
-//! **Limits**: the shape cannot know what happens between the peak and the nearest points; the error
-//! that the grid leaves is [`Shape::grid_error`].
+//! **Limits**: the shape between the peak and the nearest points is unknown; the uncertainty
+//! from the grid is [`Shape::grid_error`].
 
 mod cells;
 mod incidence;
@@ -31,20 +31,20 @@ use incidence::Incidence;
 use line::Line;
 pub use resample::on_specular_grid;
 
-/// What stands for directions of the hemisphere that hold no light in the file.
+/// Treatment of directions of the hemisphere without light in the file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Fill {
-    /// Zeros are zeros, and what was not measured counts as zero: cells without a value, and directions farther from the
-    /// specular one than the grid's last.
+    /// Zeros are zeros, and directions that were not measured count as zero: cells without a value, and
+    /// directions farther from the specular direction than the last one of the grid.
     #[default]
     None,
-    /// Zeros are zeros; from the last measured cell of a line outwards, its tail goes on.
+    /// Zeros are zeros; tails are extrapolated from the last measured cell of each line.
     Beyond,
-    /// From the last positive cell of a line outwards, its tail goes on.
+    /// Tails are extrapolated from the last positive cell of each line.
     Tail,
 }
 
-/// A smooth lobe for each incidence of a grid.
+/// Smooth lobes for the incidences of a grid.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Shape {
     width: f64,
@@ -54,19 +54,19 @@ pub struct Shape {
 }
 
 impl Shape {
-    /// The shape of one channel, by its number. A part on another geometry than a specular-centred grid is read on one
-    /// first; `None` for listed pairs, and where nothing was measured.
+    /// Shape of one channel, given by its index. A part on another geometry is first resampled on a
+    /// specular-centred grid; `None` for listed pairs, and if nothing was measured.
     pub fn of_part(part: &Part, channel: usize, fill: Fill) -> Option<Self> {
         let (grid, values) = on_specular_grid(part, &[channel])?;
         Some(Self::of_grid(&grid, &values, fill))
     }
 
-    /// The shape of values on a specular-centred grid, in the grid's order.
+    /// Shape of values on a specular-centred grid, in the grid's order.
     pub fn of_grid(grid: &SpecularGrid, values: &[f64], fill: Fill) -> Self {
         Self::of_grid_within(grid, values, fill, 1.0)
     }
 
-    /// The same by cells up to this `|beta|` of the scattered light alone: tails go on beyond.
+    /// Shape from cells up to this `|beta|` of the scattered light only, with extrapolated tails beyond.
     pub(crate) fn of_grid_within(grid: &SpecularGrid, values: &[f64], fill: Fill, horizon: f64) -> Self {
         let mut asymmetry = Spread::default();
         let mut filled = [0.0; 2];
@@ -94,59 +94,60 @@ impl Shape {
         self.incidences.iter().map(|incidence| incidence.theta_deg)
     }
 
-    /// The width w that suits the lobe, direction cosines.
+    /// Best width w for the lobe, direction cosines.
     pub fn width(&self) -> f64 {
         self.width
     }
 
-    /// Root mean square difference of mirrored and turned cells from their mean, relative to the
-    /// values' own: 0 for a grid that holds half the directions of one sample.
+    /// Root mean square difference of mirrored and rotated cells from their mean, relative to the
+    /// values; 0 for a grid with half the directions of one sample.
     pub fn asymmetry(&self) -> f64 {
         self.asymmetry
     }
 
-    /// The share of cells in the hemisphere that [`Fill`] took for dark and replaced.
+    /// Fraction of the cells in the hemisphere that [`Fill`] treated as dark and replaced.
     pub fn filled(&self) -> f64 {
         self.filled
     }
 
-    /// The least distance from the specular direction, degrees, at which the measured cells of an incidence end before the
-    /// horizon does; `None` if they reach it all around.
+    /// Smallest distance from the specular direction, degrees, at which the measured cells of an incidence
+    /// end before the horizon; `None` if they reach it at all azimuths.
     pub fn measured_to_deg(&self, incidence: usize) -> Option<f64> {
         self.incidences[incidence].measured_to_deg
     }
 
-    /// The first and the last azimuth about the specular direction, degrees from the plane of incidence, if they are not 0 and
-    /// 180: beyond them the nearest holds.
+    /// First and last azimuth about the specular direction, degrees from the plane of incidence, if not 0 and
+    /// 180; beyond them the nearest value is used.
     pub fn held_azimuths_deg(&self) -> Option<[f64; 2]> {
         let azimuths = &self.incidences.first()?.azimuths;
         let [first, last] = [azimuths.first()?, azimuths.last()?].map(|azimuth| azimuth.to_degrees());
         (first > 1e-3 || last < 180.0 - 1e-3).then_some([first, last])
     }
 
-    /// Whether the lobe of some incidence ends, at the grid's last distance from the specular direction, before the horizon.
+    /// Returns true if the lobe of any incidence ends before the horizon, at the last radial distance of the
+    /// grid.
     pub fn has_ends(&self) -> bool {
         self.incidences.iter().any(|incidence| incidence.ends_at.is_some())
     }
 
-    /// f, 1/sr, of one of the incidences (by number) at `delta = beta_out - beta_in`, for light that travels along +x;
-    /// beyond the hemisphere, along the tail.
+    /// Returns f, 1/sr, of an incidence (given by its index) at `delta = beta_out - beta_in`, for light that
+    /// travels along +x; beyond the hemisphere, along the tail.
     pub fn value(&self, incidence: usize, delta: Beta) -> f64 {
         self.incidences[incidence].value(delta, self.width)
     }
 
-    /// f, 1/sr, of one of the incidences at a cell's angles, degrees: along the lines of the grid.
+    /// Returns f, 1/sr, of an incidence at a cell's angles, degrees: along the lines of the grid.
     pub fn along(&self, incidence: usize, azimuth_deg: f64, radial_deg: f64) -> Option<f64> {
         let theta_deg = self.incidences[incidence].theta_deg;
         let to = SpecularGrid::direction(theta_deg, azimuth_deg, radial_deg)?.leaving();
         Some(self.value(incidence, to - Beta { x: theta_deg.to_radians().sin(), y: 0.0 }))
     }
 
-    /// The distance from the specular direction, degrees, at which one of the incidences has half its
-    /// value there, along an azimuth of the grid; `None` if that is beyond the hemisphere, or beyond what was measured.
+    /// Distance from the specular direction, degrees, at which an incidence has half its value there, along
+    /// an azimuth of the grid; `None` if it is beyond the hemisphere, or beyond the measured cells.
     pub fn half_width_deg(&self, incidence: usize, azimuth_deg: f64) -> Option<f64> {
         let half = 0.5 * self.along(incidence, azimuth_deg, 0.0)?;
-        // Where the measured cells end is no half-width.
+        // The end of the measured cells does not count as a half-width.
         let end_deg = self.incidences[incidence].ends_at.map_or(180.0, |cosine| cosine.acos().to_degrees());
         let above = |radial: f64| {
             (radial < end_deg).then(|| self.along(incidence, azimuth_deg, radial).map(|f| f > half))?
@@ -162,58 +163,60 @@ impl Shape {
         Some(0.5 * (inner + outer))
     }
 
-    /// Total integrated scatter of one of the incidences: the integral of f cos over the hemisphere.
+    /// Total integrated scatter of an incidence: the integral of f cos over the hemisphere.
     pub fn total(&self, incidence: usize) -> f64 {
         self.incidences[incidence].total(self.width, f64::INFINITY)
     }
 
-    /// The part of the total within this distance of the specular direction, in direction cosines.
+    /// Contribution to the total from within this distance of the specular direction, in direction cosines.
     pub fn total_within(&self, incidence: usize, radius: f64) -> f64 {
         self.incidences[incidence].total(self.width, radius)
     }
 
-    /// The error, relative, that the grid leaves in the total of an incidence, at most: that of its distances and that of
-    /// its azimuths together ([`grid_errors`](Self::grid_errors)).
+    /// Upper estimate of the relative uncertainty of an incidence's total from the grid: sum of those from
+    /// distances and from azimuths ([`grid_errors`](Self::grid_errors)).
     pub fn grid_error(&self, incidence: usize) -> f64 {
         self.grid_errors(incidence).iter().sum()
     }
 
-    /// What the grid's distances, and what its azimuths, leave unknown of the total of an incidence, relative.
+    /// Relative uncertainties of an incidence's total from the grid's distances, and from its azimuths.
     ///
-    /// Distances: how far the total moves when every other point along the lines is left out. Smooth lobes are ten times as
-    /// good; one with a flat top and a sharp edge is a little better only, so no order of convergence is counted on.
-    /// Azimuths: how far it moves when values are linear between them instead of by the logarithm, or a third of how far that
-    /// moves when every other one is left out, whichever is more: linear between azimuths is of second order, so that half as
-    /// many have four times the error. This one is an estimate, good to a quarter of itself for smooth lobes.
+    /// Distances: change of the total when every other point along the lines is omitted. For smooth lobes,
+    /// the true error is ten times smaller; for a flat top with a sharp edge only a little smaller, so that
+    /// no order of convergence is assumed. Azimuths: change of the total with linear instead of logarithmic
+    /// interpolation between azimuths, or a third of the change of the linear result when every other azimuth
+    /// is omitted, whichever is larger. Linear interpolation is of second order, so that half as many
+    /// azimuths have four times the error. This estimate is accurate to a quarter of itself for smooth lobes.
     pub fn grid_errors(&self, incidence: usize) -> [f64; 2] {
         let known = &self.incidences[incidence];
         let total = self.total(incidence);
         if total <= 0.0 {
             return [0.0; 2];
         }
-        let of = |other: &Incidence| other.total(self.width, f64::INFINITY);
+        let total_of = |other: &Incidence| other.total(self.width, f64::INFINITY);
         let lines = known.lines.iter().map(Line::coarser).collect();
-        let by_distance = of(&Incidence { lines, azimuths: known.azimuths.clone(), ..*known }) - total;
+        let by_distance = total_of(&Incidence { lines, azimuths: known.azimuths.clone(), ..*known }) - total;
         let linear = Incidence { linear: true, ..known.clone() };
-        let linear_total = of(&linear);
-        let fewer = linear.with_fewer_azimuths().map_or(0.0, |fewer| of(&fewer) - linear_total);
+        let linear_total = total_of(&linear);
+        let fewer = linear.with_fewer_azimuths().map_or(0.0, |fewer| total_of(&fewer) - linear_total);
         let by_azimuth = (linear_total - total).abs().max(fewer.abs() / 3.0);
         [by_distance.abs() / total, by_azimuth / total]
     }
 
-    /// f on nodes of |delta| and of its azimuth about the light's direction of travel (0 to pi), for each incidence:
-    /// shape `[incidence][azimuth][radial]`. A node next to where the lobe ends has f times the share of the space around
-    /// it, to halfway to its neighbours, that lies before the end: linear between nodes, the line keeps its light.
+    /// Returns f on nodes of |delta| and of its azimuth about the light's direction of travel (0 to pi), for
+    /// each incidence: shape `[incidence][azimuth][radial]`. At a node near the end of a lobe, f is
+    /// multiplied by the fraction of the interval around it (half-way to its neighbours) that is before the
+    /// end. Linear interpolation then conserves the light of a line.
     pub fn tabulate(&self, radials: &[f64], azimuths: &[f64]) -> Vec<f64> {
         let mut values = Vec::with_capacity(self.incidences.len() * radials.len() * azimuths.len());
         for incidence in &self.incidences {
             for azimuth in azimuths {
                 let (sin, cos) = azimuth.sin_cos();
                 let end = incidence.end(Beta { x: cos, y: sin });
-                let value = |r: f64| incidence.held(Beta { x: r * cos, y: r * sin }, self.width);
-                values.extend((0..radials.len()).map(|k| match share_before(radials, k, end) {
+                let value = |r: f64| incidence.extrapolated(Beta { x: r * cos, y: r * sin }, self.width);
+                values.extend((0..radials.len()).map(|k| match fraction_before(radials, k, end) {
                     0.0 => 0.0,
-                    share => share * value(radials[k].min(end)),
+                    fraction => fraction * value(radials[k].min(end)),
                 }));
             }
         }
@@ -221,15 +224,15 @@ impl Shape {
     }
 }
 
-/// The share of the space around a node that lies before `end`.
-fn share_before(nodes: &[f64], k: usize, end: f64) -> f64 {
+/// Fraction of the interval around a node that is before `end`.
+fn fraction_before(nodes: &[f64], k: usize, end: f64) -> f64 {
     let middle = |a: usize, b: usize| 0.5 * (nodes[a] + nodes[b]);
     let from = if k == 0 { nodes[0] } else { middle(k - 1, k) };
     let to = if k + 1 < nodes.len() { middle(k, k + 1) } else { nodes[k] };
     if to <= end { 1.0 } else { ((end - from) / (to - from).max(f64::MIN_POSITIVE)).clamp(0.0, 1.0) }
 }
 
-/// What lobes are smooth in.
+/// Abscissa in which lobes are smooth.
 fn abscissa(delta: f64, width: f64) -> f64 {
     (delta / width).powi(2).ln_1p()
 }
@@ -241,7 +244,7 @@ mod tests {
     use super::*;
     use crate::Symmetry;
 
-    /// The grid of an imaging sphere.
+    /// Grid of an imaging sphere.
     fn grid(radial_deg: f64) -> SpecularGrid {
         let steps = |to: f64, step: f64| (0..=(to / step) as usize).map(|k| k as f64 * step).collect();
         SpecularGrid {
@@ -271,20 +274,21 @@ mod tests {
         move |_, delta| width / (2.0 * PI * (width * width + delta.squared()).powf(1.5))
     }
 
-    /// Shares of a k-correlation lobe of width .1 that leave at 0, 15, ... 75 deg, by an independent quadrature.
+    /// Fractions of a k-correlation lobe of width 0.1 that leave at 0, 15, ... 75 deg, by an independent
+    /// quadrature.
     #[test]
-    fn totals_of_a_wide_lobe_are_the_published_ones() {
+    fn totals_of_wide_lobe_equal_published_values() {
         let grid = grid(0.5);
         let shape = Shape::of_grid(&grid, &measured(&grid, k_correlation(0.1)), Fill::None);
-        for (k, share) in [0.9005, 0.8953, 0.8768, 0.8331, 0.7291, 0.5342].into_iter().enumerate() {
-            assert!((shape.total(k) - share).abs() < 6e-5, "{k}: {} {share}", shape.total(k));
+        for (k, fraction) in [0.9005, 0.8953, 0.8768, 0.8331, 0.7291, 0.5342].into_iter().enumerate() {
+            assert!((shape.total(k) - fraction).abs() < 6e-5, "{k}: {} {fraction}", shape.total(k));
         }
     }
 
-    /// Haze 65, 78 and 81 on the grid of a real instrument, where straight lines between the points
-    /// are off by several per cent.
+    /// Haze 65, 78 and 81 on the grid of a real instrument, where linear interpolation
+    /// has errors of several per cent.
     #[test]
-    fn two_degrees_are_enough_for_sharp_lobes() {
+    fn grid_of_two_degrees_resolves_sharp_lobes() {
         for width in [0.03869, 0.05667, 0.06295] {
             let [coarse, fine] = [2.0, 0.25].map(|radial| {
                 let grid = grid(radial);
@@ -298,10 +302,10 @@ mod tests {
         }
     }
 
-    /// Lobes of no family that the interpolation was made for, on the grid of a real instrument: what the grid is said
-    /// to leave open covers what it does.
+    /// Lobes for which the interpolation was not designed, on the grid of a real instrument: the estimated
+    /// uncertainty covers the error.
     #[test]
-    fn the_grid_error_is_honest_for_lobes_of_any_kind() {
+    fn grid_error_covers_true_error_for_lobes_of_any_shape() {
         let power = |width: f64, exponent: f64| {
             move |squared: f64| (1.0 + squared / (width * width)).powf(-0.5 * exponent)
         };
@@ -328,9 +332,10 @@ mod tests {
         }
     }
 
-    /// Lobes that are not the same all around, on azimuths by 30 deg: what these are said to leave open covers what they do.
+    /// Lobes that depend on azimuth, on a grid with azimuths in steps of 30 deg: the estimated uncertainty
+    /// covers the error.
     #[test]
-    fn the_error_of_azimuths_is_honest() {
+    fn azimuth_error_covers_true_error() {
         for (name, width, incidences) in [("wide", 0.5, 0..6), ("narrow", 0.06, 0..3)] {
             let lobe = |_: f64, delta: Beta| {
                 let azimuth = delta.y.atan2(delta.x);
@@ -344,28 +349,28 @@ mod tests {
             for k in incidences {
                 let error = coarse.total(k) / fine.total(k) - 1.0;
                 let [_, claimed] = coarse.grid_errors(k);
-                // An estimate, not a bound: where both of its parts have one sign they add.
+                // It is an estimate, not a bound: where both contributions have the same sign, they add.
                 assert!(error.abs() < 1.25 * claimed && claimed < 0.1, "{name}, {k}: {error} {claimed}");
             }
         }
     }
 
-    /// A narrow Gaussian has the total of its formula, where the hemisphere holds all of it.
+    /// The total of a narrow Gaussian equals its closed form if the hemisphere contains all of it.
     #[test]
-    fn totals_of_narrow_gaussians_are_those_of_the_formula() {
+    fn totals_of_narrow_gaussians_equal_closed_form() {
         for spread in [0.005, 0.0036, 0.05] {
             let grid = grid(1.0);
             let gaussian = |_: f64, delta: Beta| (-delta.squared() / spread).exp() / (spread * PI);
             let shape = Shape::of_grid(&grid, &measured(&grid, gaussian), Fill::None);
-            let whole = if spread < 0.01 { 0..4 } else { 0..1 };
-            for k in whole {
+            let inside = if spread < 0.01 { 0..4 } else { 0..1 };
+            for k in inside {
                 assert!((shape.total(k) - 1.0).abs() < 2e-4, "{spread}, {k}: {}", shape.total(k));
             }
         }
     }
 
     #[test]
-    fn gaussian_lobes_too() {
+    fn totals_of_gaussian_converge_on_coarse_grid() {
         let gaussian = |_: f64, delta: Beta| (-delta.squared() / 0.0036).exp();
         let [coarse, fine] = [2.0, 0.25].map(|radial| {
             let grid = grid(radial);
@@ -373,13 +378,13 @@ mod tests {
         });
         for k in 0..6 {
             let error = coarse.total(k) / fine.total(k) - 1.0;
-            // Their quadratures begin at different widths.
+            // The quadratures begin at different widths.
             assert!(error.abs() < 1e-6, "{k}: {error}");
         }
     }
 
     #[test]
-    fn mirrored_azimuths_are_averaged_and_told() {
+    fn mirrored_azimuths_are_averaged_and_asymmetry_is_reported() {
         let mut grid = grid(2.0);
         let plane = measured(&grid, k_correlation(0.1));
         grid.symmetry = Symmetry::None;

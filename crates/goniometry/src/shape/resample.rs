@@ -1,16 +1,18 @@
-//! Any geometry read on a grid about the specular direction.
+//! Resampling of any geometry on a grid about the specular direction.
 
 use super::spherical::Smooth;
 use crate::{Direction, Geometry, Part, SpecularGrid, Symmetry};
 
-/// Incidences where a geometry has none of its own: to 85 deg by 5.
+/// Number of incidences for geometries without incidences of their own: 0 to 85 deg in steps of 5.
 const INCIDENCES: u32 = 18;
 
-/// Channels of a part, by their numbers, on a specular-centred grid: its own, or 10 deg around and half a degree to two degrees
-/// outwards, for light from its first azimuth. Grids of inclinations are interpolated smoothly at their own incidences, other geometries are
-/// read plainly; what cannot be read is NaN. Values have the shape `[channel][cell]`.
+/// Returns channels of a part, given by their indices, on a specular-centred grid: its own grid, or azimuths
+/// every 10 deg and radial distances every 0.5 to 2 deg, for light from its first azimuth. Grids of
+/// inclinations are interpolated smoothly at their own incidences; other geometries are read with
+/// [`Part::evaluate`]. Unknown values are NaN. Values have the shape `[channel][cell]`.
 ///
-/// `None` for listed pairs that are not such a grid themselves (they leave open what is between them), and where there is no light.
+/// `None` for listed pairs that do not form such a grid (the values between them are unknown), and if there
+/// is no light.
 pub fn on_specular_grid(part: &Part, channels: &[usize]) -> Option<(SpecularGrid, Vec<f64>)> {
     let known = || channels.iter().map(|channel| part.channel(*channel));
     let (incidences_deg, light_deg) = match &part.geometry {
@@ -31,19 +33,19 @@ pub fn on_specular_grid(part: &Part, channels: &[usize]) -> Option<(SpecularGrid
     };
     let lobes: Vec<Vec<Vec<f64>>> =
         channels.iter().map(|channel| lobes(part, *channel, &grid, light_deg)).collect();
-    // What was not measured at all is no incidence.
+    // Incidences without any light were not measured.
     let lit = |k: &usize| lobes.iter().any(|lobes| lobes[*k].iter().any(|value| *value > 0.0));
-    let kept: Vec<usize> = (0..grid.incidences_deg.len()).filter(lit).collect();
-    let values = lobes.iter().flat_map(|lobes| kept.iter().flat_map(|k| &lobes[*k])).copied().collect();
-    grid.incidences_deg = kept.iter().map(|k| grid.incidences_deg[*k]).collect();
-    (!kept.is_empty()).then_some((grid, values))
+    let retained: Vec<usize> = (0..grid.incidences_deg.len()).filter(lit).collect();
+    let values = lobes.iter().flat_map(|lobes| retained.iter().flat_map(|k| &lobes[*k])).copied().collect();
+    grid.incidences_deg = retained.iter().map(|k| grid.incidences_deg[*k]).collect();
+    (!retained.is_empty()).then_some((grid, values))
 }
 
-/// Closer to the horizon than this, degrees, a warped grid is read here: its f is f cos over the cosine, which at the
-/// horizon itself is not known.
+/// Largest inclination, degrees, at which a warped grid is evaluated here: its f is f cos over the cosine,
+/// which is unknown at the horizon.
 const WARPED_LAST_DEG: f64 = 89.0;
 
-/// The values at each incidence of the grid, `[azimuth][radial]`.
+/// Values at each incidence of the grid, `[azimuth][radial]`.
 fn lobes(part: &Part, channel: usize, grid: &SpecularGrid, light_deg: f64) -> Vec<Vec<f64>> {
     let smooth = match &part.geometry {
         Geometry::Spherical(own) => Some(Smooth::new(own, part.channel(channel))),
@@ -53,7 +55,7 @@ fn lobes(part: &Part, channel: usize, grid: &SpecularGrid, light_deg: f64) -> Ve
     let lobe = |(k, theta): (usize, &f64)| {
         let light = Direction::new(*theta, light_deg);
         let value = |azimuth: f64, radial: f64| {
-            // The grid's light comes from 180 deg.
+            // On the grid, light comes from azimuth 180 deg.
             let to = SpecularGrid::direction(*theta, azimuth, radial)?;
             let to = Direction::new(to.theta_deg.min(last_deg), to.phi_deg + light_deg - 180.0);
             let plain = part.evaluate(channel, light, to)?;
@@ -68,29 +70,29 @@ fn lobes(part: &Part, channel: usize, grid: &SpecularGrid, light_deg: f64) -> Ve
     grid.incidences_deg.iter().enumerate().map(lobe).collect()
 }
 
-/// Angles closer than this are the same, degrees: files round them.
+/// Angles that differ by less than this are equal, degrees, because files round them.
 const SAME_DEG: f64 = 2e-3;
 
-/// Listed pairs that lie on rings about the specular direction, as a grid, with a rotation for each azimuth of the light;
-/// cells that are not listed are NaN.
+/// Converts listed pairs that lie on rings about the specular direction to a grid, with a rotation for each
+/// azimuth of the light; cells that are not listed are NaN.
 fn rings(pairs: &[[Direction; 2]], channels: &[&[f64]]) -> Option<(SpecularGrid, Vec<f64>)> {
-    let place = |[from, to]: &[Direction; 2]| {
+    let coordinates = |[from, to]: &[Direction; 2]| {
         let turned = Direction::new(to.theta_deg, to.phi_deg - from.phi_deg + 180.0).vector();
         let (sin, cos) = from.theta_deg.to_radians().sin_cos();
         let [along, across, towards] =
             [turned[0] * sin + turned[2] * cos, -turned[1], -turned[0] * cos + turned[2] * sin];
         let radial = across.hypot(towards).atan2(along).to_degrees();
-        // At the centre all azimuths are one.
+        // At the centre all azimuths coincide.
         let azimuth =
             if radial < SAME_DEG { 0.0 } else { across.atan2(towards).to_degrees().rem_euclid(360.0) };
-        let whole = |angle: f64| if angle > 360.0 - SAME_DEG { 0.0 } else { angle };
-        // A sample that was turned by w has seen its light come from 180 - w.
-        let rotation = whole((180.0 - from.phi_deg).rem_euclid(360.0));
-        [rotation, from.theta_deg, whole(azimuth), radial]
+        let wrapped = |angle: f64| if angle > 360.0 - SAME_DEG { 0.0 } else { angle };
+        // For a sample rotated by w, light comes from azimuth 180 - w.
+        let rotation = wrapped((180.0 - from.phi_deg).rem_euclid(360.0));
+        [rotation, from.theta_deg, wrapped(azimuth), radial]
     };
-    let places: Vec<[f64; 4]> = pairs.iter().map(place).collect();
+    let points: Vec<[f64; 4]> = pairs.iter().map(coordinates).collect();
     let [mut rotations_deg, incidences_deg, azimuths_deg, radials_deg] = [0, 1, 2, 3].map(|axis| {
-        let mut angles: Vec<f64> = places.iter().map(|place| place[axis]).collect();
+        let mut angles: Vec<f64> = points.iter().map(|place| place[axis]).collect();
         angles.sort_by(f64::total_cmp);
         angles.dedup_by(|b, a| *b - *a < SAME_DEG);
         angles
@@ -98,12 +100,12 @@ fn rings(pairs: &[[Direction; 2]], channels: &[&[f64]]) -> Option<(SpecularGrid,
     let (incidences, azimuths, radials) = (incidences_deg.len(), azimuths_deg.len(), radials_deg.len());
     let cells =
         [rotations_deg.len(), incidences, azimuths, radials].into_iter().fold(1_usize, usize::saturating_mul);
-    // A grid is listed all but beyond the horizon: about half of each.
+    // Cells beyond the horizon, about half of a grid, are not listed.
     if radials < 3 || pairs.len() < cells / 4 {
         return None;
     }
     let mut found = vec![f64::NAN; cells * channels.len()];
-    for (number, [rotation, incidence, azimuth, radial]) in places.iter().enumerate() {
+    for (number, [rotation, incidence, azimuth, radial]) in points.iter().enumerate() {
         let [t, i, a, r] = [
             (&rotations_deg, rotation),
             (&incidences_deg, incidence),
@@ -122,7 +124,7 @@ fn rings(pairs: &[[Direction; 2]], channels: &[&[f64]]) -> Option<(SpecularGrid,
     }
     let half = azimuths_deg.last().is_some_and(|last| *last <= 180.0 + SAME_DEG);
     let symmetry = if half { Symmetry::Plane } else { Symmetry::None };
-    // Light from one azimuth alone stands for all.
+    // A single azimuth of the light represents all.
     if let [only] = &mut rotations_deg[..] {
         *only = 0.0;
     }
@@ -140,9 +142,9 @@ mod tests {
     use super::*;
     use crate::{Channel, Fill, Shape, SphericalGrid, Way};
 
-    /// What is listed pair by pair from rings is found again as rings.
+    /// Pairs listed from rings are recognised as rings.
     #[test]
-    fn rings_are_found_among_pairs() {
+    fn listed_pairs_on_rings_become_a_grid() {
         let grid = SpecularGrid {
             rotations_deg: vec![0.0],
             incidences_deg: vec![0.0, 20.0, 70.0],
@@ -155,7 +157,7 @@ mod tests {
             for azimuth in &grid.azimuths_deg {
                 for radial in &grid.radials_deg {
                     if let Some(to) = SpecularGrid::direction(*incidence, *azimuth, *radial) {
-                        // As a file rounds them, seen with the light at 30 deg.
+                        // Rounded as in a file, with the light at azimuth 30 deg.
                         let round = |angle: f64| (angle * 1e6).round() / 1e6;
                         pairs.push([
                             Direction::new(*incidence, 30.0),
@@ -174,9 +176,10 @@ mod tests {
         assert_eq!([at(0, 3, 5), at(1, 18, 4), at(2, 9, 0)], [40.0, 20.0 + 80.0 + 8.0, 70.0]);
     }
 
-    /// A lobe on a grid of inclinations has the total of its formula: read linearly it would be 1 % off.
+    /// The total of a lobe on a grid of inclinations equals its closed form; linear interpolation has an
+    /// error of 1 %.
     #[test]
-    fn spherical_grids_keep_the_total() {
+    fn resampled_spherical_grid_conserves_the_total() {
         let steps =
             |to: f64, step: f64| (0..=(to / step) as usize).map(|k| k as f64 * step).collect::<Vec<_>>();
         let grid = SphericalGrid {
@@ -204,8 +207,8 @@ mod tests {
             tis: Vec::new(),
         };
         let shape = Shape::of_part(&part, 0, Fill::None).unwrap();
-        for (k, share) in [0.9005, 0.8953, 0.8768, 0.8331, 0.7291].into_iter().enumerate() {
-            assert!((shape.total(k) - share).abs() < 2e-3, "{k}: {} {share}", shape.total(k));
+        for (k, fraction) in [0.9005, 0.8953, 0.8768, 0.8331, 0.7291].into_iter().enumerate() {
+            assert!((shape.total(k) - fraction).abs() < 2e-3, "{k}: {} {fraction}", shape.total(k));
         }
     }
 }

@@ -1,16 +1,18 @@
-//! A grid of inclinations read smoothly between the viewer's directions.
+//! Smooth interpolation of a grid of inclinations between the viewer's directions.
 
 use super::line::Line;
 use crate::{Direction, SphericalGrid};
 
-/// One channel's values on a grid of inclinations and azimuths: of their logarithm, cubically in the viewer's azimuth and then in
-/// the inclination, next to zeros linearly ([`Line`]). For light from the grid's own inclinations and its first azimuth.
+/// Values of one channel on a grid of inclinations and azimuths. The logarithm is interpolated cubically in
+/// the viewer's azimuth and then in the inclination, and linearly next to zeros ([`Line`]), for light from
+/// the grid's own inclinations and its first azimuth.
 pub(super) struct Smooth<'a> {
     grid: &'a SphericalGrid,
     values: &'a [f64],
-    /// Azimuths from the light's, degrees, rising, and their places on the grid's axis: a little more than one turn.
+    /// Ascending azimuths from that of the light, degrees, with their indices on the grid's axis: a little
+    /// more than one turn.
     azimuths: Vec<(f64, usize)>,
-    /// One half stands for both.
+    /// True if the azimuths of one side represent both.
     mirrored: bool,
 }
 
@@ -31,7 +33,8 @@ impl<'a> Smooth<'a> {
         Self { grid, values, azimuths, mirrored }
     }
 
-    /// f of light from one of the grid's inclinations, by its number, towards `o`, which is between the grid's.
+    /// Returns f for light from one of the grid's inclinations, given by its index, towards `o`, interpolated
+    /// between the grid's directions.
     pub(super) fn value(&self, theta_i: usize, o: Direction) -> f64 {
         let light = self.grid.phi_i_deg.first().copied().unwrap_or(0.0);
         let turned = (o.phi_deg - light).rem_euclid(360.0);
@@ -50,7 +53,8 @@ impl<'a> Smooth<'a> {
     }
 }
 
-/// The two places before and the two after where an ascending axis is no longer below; fewer at its ends.
+/// Range of the two nodes before and the two after the point where `below` becomes false; fewer at the ends
+/// of the axis.
 fn around<T>(axis: &[T], below: impl FnMut(&T) -> bool) -> std::ops::Range<usize> {
     let upper = axis.partition_point(below);
     upper.saturating_sub(2)..(upper + 2).min(axis.len())

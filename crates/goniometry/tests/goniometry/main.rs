@@ -1,4 +1,4 @@
-//! Measured scattering against what it was made of, and against other programs.
+//! Tests of measured scattering against its known source, and against other programs.
 
 #![allow(clippy::unwrap_used, reason = "helpers of tests, too, say what they expect by unwrapping")]
 

@@ -1,4 +1,4 @@
-//! Fits as SciPy 1.17.1 finds them: `least_squares(method="trf")` with bounds
+//! Comparison of fits with SciPy 1.17.1: `least_squares(method="trf")` with bounds
 //! (`validation/fits/fit_oracle.py` makes the tables).
 
 use papilio_goniometry::{Data, Fit, FitOptions, Kind};
@@ -13,7 +13,7 @@ fn numbers(cells: &str) -> Vec<f64> {
 }
 
 #[test]
-fn fits_are_those_of_scipy() {
+fn fits_equal_those_of_scipy() {
     let cells = rows(include_str!("../../../../validation/fits/cells.csv")).map(|row| {
         let v: Vec<f64> = row.iter().map(|cell| cell.parse().unwrap()).collect();
         ([Beta { x: v[0], y: v[1] }, Beta { x: v[2], y: v[3] }], v[4])
@@ -31,8 +31,8 @@ fn fits_are_those_of_scipy() {
         let n = parameters.len();
         for (k, ours) in fit.parameters.iter().enumerate() {
             let error = fit.covariance[k * n + k].sqrt();
-            // Both stop where the sum of squares no longer falls. Its rounding, 6e-15 of 700 terms, hides steps of
-            // sqrt(350 * 6e-15) = 1.4e-6 standard errors.
+            // Both searches stop where the sum of squares no longer decreases. Its rounding error, 6e-15 of
+            // 700 terms, hides steps of sqrt(350 * 6e-15) = 1.4e-6 standard errors.
             assert!((ours.value - parameters[k]).abs() < 2e-6 * errors[k], "{row:?} {ours:?}");
             assert!((error / errors[k] - 1.0).abs() < 1e-5, "{row:?} {k}: {error}");
             // 350 to 352 degrees of freedom: Student's quantile is 1.967.

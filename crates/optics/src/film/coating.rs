@@ -1,39 +1,37 @@
 //! A coherent coating between two transparent media, seen from both sides.
 //!
-//! **What.** Reflectances and transmittance, mean of s and p, of flat coherent layers that
-//! stand between two media, such as an antireflection film on a cover glass. They are
-//! tabulated over direction once, so that a look-up costs a few dozen multiplications.
+//! **Model.** Reflectances and transmittance, mean of s and p, of flat coherent layers between two media,
+//! such as an antireflection film on a cover glass. They are tabulated over direction once, so that a
+//! look-up costs a few dozen multiplications.
 //!
-//! **Parameters.** Layers as in [`film`](super), 0 to 0.05 mm in all; media of real index,
-//! per wavelength. `beta` is conserved through the whole: `beta < n` is light in a medium of
-//! index n. The transmittance is a fraction of power, the same from both sides (reciprocity), and as
-//! such what happens to basic radiance.
+//! **Parameters.** Layers as in [`film`](super), 0 to 0.05 mm in total; media of real index, per wavelength.
+//! `beta` is conserved through the whole: `beta < n` is light in a medium of index n. The transmittance is a
+//! fraction of power, the same from both sides (reciprocity). It therefore applies to basic radiance.
 //!
-//! **Beyond the smaller index** nothing is transmitted, and there is light on the denser side
-//! alone. Between dense media on both sides a thin gap of air does pass light beyond its own
-//! critical angle: it tunnels.
+//! **Beyond the smaller index** nothing is transmitted, and there is light only on the denser side. Between
+//! dense media on both sides a thin gap of air does transmit light beyond its own critical angle, by
+//! tunnelling.
 //!
-//! **How.** The fields' admittances hold `q = sqrt(n^2 - beta^2)` of the two media, so that as
-//! functions of beta the quantities have square roots at both indices; layers in between add
-//! none. Below the smaller index l they are analytic in `q_l`. Between l and the larger one h
-//! both roots are rational in x, `sqrt(beta^2 - l^2) = D 2x/(1 + x^2)`,
-//! `q_h = D (1 - x^2)/(1 + x^2)`, `D^2 = h^2 - l^2`, so x runs from 0 to 1 without any root.
-//! Each of the two intervals holds Chebyshev series on pieces that are halved until, between
-//! their nodes, no quantity is off by more than 1e-9. A guided resonance narrower than the
-//! pieces' nodes could be missed; its fraction of the light is of the order of its width.
+//! **Method.** The admittances of the fields contain `q = sqrt(n^2 - beta^2)` of the two media, so that as
+//! functions of beta the quantities have square roots at both indices; layers in between add none. Below the
+//! smaller index l they are analytic in `q_l`. Between l and the larger one h both roots are rational in x,
+//! `sqrt(beta^2 - l^2) = D 2x/(1 + x^2)`, `q_h = D (1 - x^2)/(1 + x^2)`, `D^2 = h^2 - l^2`, so x runs from 0
+//! to 1 without any root. Each of the two intervals has Chebyshev series on pieces that are halved until,
+//! between their nodes, no quantity has an error above 1e-9. A guided resonance narrower than the distance
+//! of the nodes could be missed; its fraction of the light is of the order of its width.
 //!
-//! **Validity.** That of [`coherent`], from which every node comes. A coating that absorbs may
-//! differ from its two sides; R + T <= 1 holds to rounding on both.
+//! **Validity.** That of [`coherent`], which computes every node. The two sides of an absorbing coating may
+//! differ; R + T <= 1 holds to rounding on both.
 
 use super::coherent::{Film, Layer, Polarisation, coherent};
 use super::{SpectralLayer, Thickness, checked_incidence, checked_wavelength, most_fringes};
 use crate::OpticsError;
 use crate::chebyshev::Piecewise;
 
-/// The largest error between nodes.
+/// Largest error between nodes.
 const TOLERANCE: f64 = 1e-9;
 
-/// Of each of the two intervals of a wavelength.
+/// Largest number of pieces of each of the two intervals of a wavelength.
 const MOST_PIECES: usize = 256;
 
 /// A coating at every wavelength, ready for look-ups.
@@ -42,7 +40,7 @@ pub struct Coating {
     bins: Vec<Table>,
 }
 
-/// What a flat part does to light of one wavelength and direction; basic radiance.
+/// Reflection and transmission of a flat part for light of one wavelength and direction; basic radiance.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CoatingPart {
     /// Transmittance, the same in both directions; 0 from the smaller index on.
@@ -53,7 +51,7 @@ pub struct CoatingPart {
     pub below: f64,
 }
 
-/// One wavelength.
+/// Table of one wavelength.
 #[derive(Debug, Clone, PartialEq)]
 struct Table {
     above_squared: f64,
@@ -105,7 +103,7 @@ impl Coating {
         Ok(Self { bins: (0..expected).map(table).collect::<Result<_, _>>()? })
     }
 
-    /// What it does at `|beta|^2` to wavelength number `bin`.
+    /// Returns the reflection and transmission at `|beta|^2` and wavelength number `bin`.
     #[inline]
     pub fn part(&self, beta_squared: f64, bin: usize) -> CoatingPart {
         self.bins[bin].part(beta_squared)
@@ -153,7 +151,7 @@ impl Table {
         if beta_squared < smaller {
             let x = (1.0 - beta_squared / smaller).sqrt();
             let [transmittance, above, below] = self.both.at(x);
-            // An error of interpolation may not make light.
+            // Interpolation errors must not create light.
             let [above, below] = [above, below].map(|r| r.clamp(0.0, 1.0));
             let transmittance = transmittance.clamp(0.0, 1.0 - above.max(below));
             return CoatingPart { transmittance, above, below };
@@ -173,14 +171,14 @@ impl Table {
     }
 }
 
-/// What is said of layers whose fringes have no table.
+/// Returns the error of layers whose fringes are too many to tabulate.
 fn too_many_fringes(layers: &[Layer], nm: f64) -> OpticsError {
     let most = most_fringes(layers.iter().map(|layer| (layer.index, layer.thickness_nm)), nm);
     let thickness_nm = layers.get(most.layer).map_or(0.0, |layer| layer.thickness_nm);
     OpticsError::Fringes { layer: most.layer, thickness_nm, fringes: most.fringes.ceil(), nm }
 }
 
-/// Transmittance and reflectance, mean of s and p; a ray along the layers is reflected whole.
+/// Returns transmittance and reflectance, mean of s and p; a ray along the layers is reflected completely.
 fn mean(film: &Film, nm: f64, beta: f64) -> Result<[f64; 2], OpticsError> {
     if beta >= film.incidence {
         return Ok([0.0, 1.0]);

@@ -1,4 +1,4 @@
-//! The plain road: one wavelength, one direction, everything there is to know.
+//! Reference implementation: one wavelength, one direction, all quantities.
 
 use std::f64::consts::PI;
 
@@ -10,7 +10,7 @@ use crate::OpticsError;
 /// The two states of linear polarisation.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Polarisation {
-    /// Electric field across the plane of incidence.
+    /// Electric field perpendicular to the plane of incidence.
     S,
     /// Electric field in the plane of incidence.
     P,
@@ -28,9 +28,9 @@ pub struct Layer {
 /// A stack at one wavelength.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Film {
-    /// Index of the transparent medium that the light comes from.
+    /// Index of the transparent medium of the incident light.
     pub incidence: f64,
-    /// Layers in the order that the light meets them.
+    /// Layers in the order in which the light meets them.
     pub layers: Vec<Layer>,
     /// n + ik of the semi-infinite medium behind.
     pub substrate: Complex64,
@@ -41,18 +41,19 @@ pub struct Film {
 pub struct Field {
     /// E for s, H for p.
     pub u: Complex64,
-    /// Its partner: eta U for a wave that travels down, -eta U for one that travels up.
+    /// The other field: eta U for a wave that propagates down, -eta U for one that propagates up.
     pub v: Complex64,
 }
 
 impl Field {
-    /// Power that flows down through this plane, in units where the incident wave carries `eta0`.
+    /// Returns the power that flows down through this plane, in units where the incident wave carries
+    /// `eta0`.
     pub fn flux(self) -> f64 {
         (self.u.conj() * self.v).re
     }
 }
 
-/// What a film does to light of one wavelength, direction and polarisation.
+/// Response of a film to light of one wavelength, direction and polarisation.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Coherent {
     /// Amplitude of the reflected wave over the incident one: of E for s, of H for p.
@@ -102,7 +103,7 @@ pub fn coherent(
     let incidence = Medium::new(n0.into(), beta, polarisation)?;
     let eta0 = incidence.admittance().re;
 
-    // Upwards from the substrate; each step is divided by its growth, which is kept.
+    // Upwards from the substrate; each step is divided by its growth, which is stored.
     let mut fields = vec![Field { u: Complex64::ONE, v: substrate.admittance() }];
     let mut shrinks = Vec::with_capacity(film.layers.len());
     for layer in film.layers.iter().rev() {
@@ -173,8 +174,8 @@ impl Medium {
         self.q / self.g
     }
 
-    /// The fields above a layer of k0 d = `depth` from those below it, both
-    /// divided so that they stay of order 1, and what they were multiplied by.
+    /// Returns the fields above a layer of k0 d = `depth` from those below it, both divided so that they
+    /// remain of order 1, and the factor.
     fn through(&self, depth: f64, below: Field) -> (Field, f64) {
         let delta = self.q * depth;
         let (sin, cos) = delta.re.sin_cos();
@@ -192,7 +193,7 @@ impl Medium {
     }
 }
 
-/// The root with both parts >= 0 of a number with Im >= 0, accurate in both parts.
+/// Returns the square root with both parts >= 0 of a number with Im >= 0, accurate in both parts.
 fn root(z: Complex64) -> Complex64 {
     let large = ((z.norm() + z.re.abs()) / 2.0).sqrt();
     if large == 0.0 {

@@ -1,25 +1,26 @@
 //! Derivatives of the mean reflectance of s and p with respect to all layers at once.
 //!
-//! **What.** The change of R with the thickness of a layer (per nm) and with n or k of a medium (per 1, alike at all
-//! wavelengths), exact to rounding.
+//! **Model.** The change of R with the thickness of a layer (per nm) and with n or k of a medium (per 1, the
+//! same at all wavelengths), exact to rounding.
 //!
-//! **How.** Let a and b be the reflected and the incident wave as forms of the fields at the top of a layer, F the
-//! field at its bottom, M its matrix: `r = (a M F)/(b M F)`. If M changes by dM, then, by the rule of Cauchy and Binet,
+//! **Method.** Let a and b be the reflected and the incident wave as forms of the fields at the top of a
+//! layer, F the field at its bottom, M its matrix: `r = (a M F)/(b M F)`. If M changes by dM, then, by the
+//! Cauchy-Binet formula,
 //!
 //! `dr = det(a, b) det(dM F, M F)/(b M F)^2`.
 //!
-//! Forms are carried down once and fields up once; every layer then costs a few products, however many there are.
-//! Numerator and denominator have any common factors of forms, fields and matrices alike, so all of these may be
-//! scaled at will, as the kernel does. With `q^2 = n^2 - beta^2`, g = 1 (s) or n^2 (p), D = k0 d, `S = sin(q D)/q`
-//! and `c = cos(q D)`:
+//! Forms are propagated down once and fields up once; every layer then costs a few products, however many
+//! there are. Common factors of forms, fields and matrices cancel between numerator and denominator, so all
+//! of these may be scaled at will, as the kernel does. With `q^2 = n^2 - beta^2`, g = 1 (s) or n^2 (p), D =
+//! k0 d, `S = sin(q D)/q` and `c = cos(q D)`:
 //! - thickness: `dM = -i k0 (0, g; q^2/g, 0) M`;
 //! - index: `c' = -n D S` and `S' = 2 n T`, `T = (D c - S)/(2 q^2)`, a series where q D is small. The field of the
 //!   substrate is (1, q/g), and its change (0, (q/g)').
 //!
-//! r is analytic in n + ik: what n changes, k changes by i times as much.
+//! r is analytic in n + ik: the derivative by k is i times that by n.
 //!
-//! **Range.** As the reflectance: any passive layers, total reflection, thickness 0. Where a medium's q is 0 the
-//! substrate's derivative diverges, as the truth does.
+//! **Range.** As the reflectance: any passive layers, total reflection, thickness 0. If q of a medium is 0
+//! the derivative by the substrate diverges, as it does in theory.
 //!
 //! Source: M. Born, E. Wolf, "Principles of Optics", 7th ed., section 1.6, differentiated.
 
@@ -30,24 +31,24 @@ use super::kernel::Direction;
 use super::lanes::{Complex, Lanes};
 use super::media::{Media, Medium, load};
 
-/// What a film's reflectance is differentiated by. Layers count from 0, in the order that the light meets them, the
-/// gap among them.
+/// Variable by which a film's reflectance is differentiated. Layers are counted from 0, including the gap,
+/// in the order in which the light meets them.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Variable {
-    /// A layer's thickness; of the gap layer, the gap. Per nm.
+    /// Thickness of a layer; for the gap layer, the gap. Per nm.
     Thickness(usize),
-    /// A layer's n, shifted the same at all wavelengths.
+    /// n of a layer, shifted the same at all wavelengths.
     Index(usize),
-    /// A layer's k, likewise.
+    /// k of a layer, shifted the same at all wavelengths.
     Extinction(usize),
-    /// The substrate's n, likewise.
+    /// n of the substrate, shifted the same at all wavelengths.
     SubstrateIndex,
-    /// The substrate's k, likewise.
+    /// k of the substrate, shifted the same at all wavelengths.
     SubstrateExtinction,
 }
 
 impl Variable {
-    /// The layer that it is of; `None`: the substrate.
+    /// Returns the layer to which it belongs; `None`: the substrate.
     pub(super) fn layer(self) -> Option<usize> {
         match self {
             Self::Thickness(layer) | Self::Index(layer) | Self::Extinction(layer) => Some(layer),
@@ -99,7 +100,7 @@ impl WithSimd for Derivatives<'_> {
     }
 }
 
-/// Of which layers what is wanted; the last index is the substrate's.
+/// Layers whose derivatives are requested; the last index is that of the substrate.
 struct Wanted {
     thickness: Vec<bool>,
     index: Vec<bool>,
@@ -120,8 +121,8 @@ impl Wanted {
     }
 }
 
-/// The derivatives of the mean reflectance of one beta and gap, where they are wanted. By an index: the real part is
-/// what n changes, the opposite of the imaginary part what k does.
+/// Requested derivatives of the mean reflectance of one beta and gap. By an index: the real part is the
+/// derivative by n, minus the imaginary part that by k.
 struct Found<S: Simd> {
     thickness: Vec<Lanes<S>>,
     index: Vec<Complex<S>>,
@@ -157,8 +158,8 @@ struct Around<S: Simd> {
     above: Field<S>,
 }
 
-/// What does not depend on the gap, of one beta at a registerful of wavelengths; arrays are `[s, p]`, layers in the
-/// order of the light.
+/// Quantities that do not depend on the gap, for one beta and one register of wavelengths; arrays are
+/// `[s, p]`, layers in the order of the light.
 struct Passes<S: Simd> {
     above: Vec<[Slab<S>; 2]>,
     below: Vec<[Slab<S>; 2]>,
@@ -196,7 +197,7 @@ impl<S: Simd> Passes<S> {
         }
     }
 
-    /// The mean reflectance at this gap; the derivatives are left in `found`.
+    /// Returns the mean reflectance at this gap and stores the derivatives in `found`.
     #[inline(always)]
     fn at_gap(
         &self,
@@ -239,7 +240,7 @@ impl<S: Simd> Passes<S> {
 }
 
 impl<S: Simd> Found<S> {
-    /// Writes down what a layer's thickness and index change.
+    /// Stores the derivatives by a layer's thickness and index.
     #[inline(always)]
     fn meet(
         &mut self,
@@ -267,7 +268,7 @@ impl<S: Simd> Found<S> {
         self.index[layer] = index;
     }
 
-    /// The same of the substrate's index.
+    /// Stores the derivative by the index of the substrate.
     #[inline(always)]
     fn rest(&mut self, direction: &Direction<'_, S>, forms: [Pair<Form<S>>; 2], r: [Complex<S>; 2]) {
         let fields = direction.at_rest();
@@ -311,7 +312,7 @@ impl<S: Simd> Direction<'_, S> {
         ]
     }
 
-    /// What n changes of a layer's matrices, of c, S and T.
+    /// Returns the derivatives by n of a layer's matrices, of c, S and T.
     #[inline(always)]
     fn changes(
         &self,
@@ -338,7 +339,7 @@ impl<S: Simd> Direction<'_, S> {
         [by_s, by_p]
     }
 
-    /// What n changes of the substrate's V/U, for s and for p.
+    /// Returns the derivatives by n of the substrate's V/U, for s and for p.
     #[inline(always)]
     fn change_of_rest(&self) -> [Complex<S>; 2] {
         let medium = &self.media.substrate;
@@ -390,7 +391,8 @@ impl<S: Simd> Around<S> {
     }
 }
 
-/// Below this |x|, x = (q D)^2, the series serve: of cos, of sin/(q D), and of T over -D^3/2, in powers of -x.
+/// Value of |x|, x = (q D)^2, below which series are used: of cos, of sin/(q D), and of T over -D^3/2, in
+/// powers of -x.
 const SMALL: f64 = 0.5;
 const COSINE: [f64; 8] = series(0);
 const SINE: [f64; 8] = series(1);

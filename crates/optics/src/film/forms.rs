@@ -1,5 +1,5 @@
-//! What the kernel carries through the layers, in one polarisation: the incidence
-//! medium's amplitudes downwards, the substrate's fields upwards.
+//! Quantities that the kernel propagates through the layers, in one polarisation: the amplitudes of the
+//! incidence medium downwards, the fields of the substrate upwards.
 
 use pulp::Simd;
 
@@ -25,13 +25,13 @@ impl<S: Simd> Form<S> {
         self.x.mul_add(field.u, self.y * field.v)
     }
 
-    /// The part of the form that goes with sin(delta) in a gap of these g/q, q/g.
+    /// Returns the part of the form proportional to sin(delta) in a gap of these g/q, q/g.
     #[inline(always)]
     pub(super) fn crossed(self, [g_q, q_g]: [Complex<S>; 2]) -> Self {
         Self { x: (self.y * q_g).minus_i(), y: (self.x * g_q).minus_i() }
     }
 
-    /// The same in a gap in which waves travel.
+    /// Returns the same in a gap in which waves propagate.
     #[inline(always)]
     pub(super) fn crossed_real(self, [g_q, q_g]: [Lanes<S>; 2]) -> Self {
         Self { x: self.y.scale(q_g).minus_i(), y: self.x.scale(g_q).minus_i() }
@@ -56,8 +56,8 @@ pub(super) struct Pair<T> {
     pub(super) incident: T,
 }
 
-// Spelt out rather than mapped: a closure may end up in a function of its own,
-// compiled without the instruction set.
+// Written out instead of using `map`: a closure may become a function of its own, compiled without the
+// instruction set.
 impl<S: Simd> Pair<Form<S>> {
     #[inline(always)]
     pub(super) fn new(eta0: Lanes<S>) -> Self {
@@ -124,12 +124,12 @@ impl<S: Simd> Field<S> {
     }
 }
 
-/// What is carried through layers, up to a factor.
+/// Quantity that is propagated through layers, up to a factor.
 pub(super) trait Carried<S: Simd>: Copy {
     /// Beyond a layer.
     fn through(self, m: impl Transfer<S>) -> Self;
 
-    /// Times what makes its size about 1.
+    /// Scales it to a size of about 1.
     fn scaled(self) -> Self;
 }
 

@@ -1,36 +1,40 @@
-//! How many interference fringes the layers of a film make.
+//! Number of interference fringes of the layers of a film.
 //!
-//! A layer of index n and thickness d delays what crosses it to and fro by `2 n d cos(theta)` wavelengths: so many
-//! fringes lie between its normal and its horizon, and over wavelength one in every `lambda^2/(2 n d)`.
+//! A layer of index n and thickness d delays light that crosses it back and forth by `2 n d cos(theta)`
+//! wavelengths: between its normal and its horizon there are as many fringes, and over wavelength there is
+//! one in every `lambda^2/(2 n d)`.
 
 use num_complex::Complex64;
 
-/// A layer that leaves less of the light, to and fro, has no fringes.
+/// Fraction of the light after a round trip below which a layer has no fringes.
 const OPAQUE: f64 = 1e-9;
 
-/// Of a film the layer whose fringes are the most.
+/// The layer of a film with the most fringes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LayerFringes {
     /// Its number, from 0.
     pub layer: usize,
-    /// The fringes from its normal to its horizon.
+    /// Number of fringes from its normal to its horizon.
     pub fringes: f64,
 }
 
-/// The fringes of a layer of this index and thickness (nm) at a wavelength (nm); 0 if it is opaque.
+/// Returns the number of fringes of a layer of this index and thickness (nm) at a wavelength (nm); 0 if it
+/// is opaque.
 pub(super) fn fringes(index: Complex64, thickness_nm: f64, nm: f64) -> f64 {
     let left = (-8.0 * std::f64::consts::PI * index.im * thickness_nm / nm).exp();
     if left > OPAQUE { 2.0 * index.re * thickness_nm / nm } else { 0.0 }
 }
 
-/// How far apart in wavelength (nm) the fringes of all layers together are near a wavelength (nm), along the normal; each
-/// layer is an index and a thickness (nm). Infinite without layers that light gets through.
+/// Returns the distance in wavelength (nm) between the fringes of all layers together near a wavelength
+/// (nm), along the normal; each layer is an index and a thickness (nm). Infinite if there are no transparent
+/// layers.
 pub fn fringe_spacing_nm(layers: impl IntoIterator<Item = (Complex64, f64)>, nm: f64) -> f64 {
     let all: f64 = layers.into_iter().map(|(index, thickness_nm)| fringes(index, thickness_nm, nm)).sum();
     nm / all
 }
 
-/// Of layers, each an index and a thickness (nm), the one that makes the most fringes at a wavelength (nm).
+/// Returns the layer, each given by an index and a thickness (nm), with the most fringes at a wavelength
+/// (nm).
 ///
 /// ```
 /// use papilio_optics::film::most_fringes;

@@ -1,4 +1,4 @@
-//! The fast road: reflectance of many wavelengths, directions and gaps at once.
+//! Fast implementation: reflectance of many wavelengths, directions and gaps at once.
 
 use num_complex::Complex64;
 
@@ -20,21 +20,20 @@ pub struct SpectralLayer {
 /// The thickness of a layer.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Thickness {
-    /// Always the same, nm.
+    /// A constant, nm.
     Fixed(f64),
-    /// Whatever the gap is.
+    /// That of the gap.
     Gap,
 }
 
 /// A stack with at most one layer of variable thickness, ready for many evaluations.
 ///
-/// The layers above the gap and those below it are condensed once for each
-/// wavelength, beta and polarisation; a further gap then costs one sine and
-/// cosine, which s and p share, and two small quotients.
+/// The layers above the gap and those below it are condensed once for each wavelength, beta and
+/// polarisation. A further gap then costs one sine and cosine, which s and p share, and two small quotients.
 ///
 /// ```
 /// use papilio_optics::film::{GapFilm, SpectralLayer, Thickness};
-/// // Half a wave of air between two glasses is not there at all: 4 % + 4 % cancel.
+/// // Half a wave of air between two glasses has no effect: 4 % + 4 % cancel.
 /// let gap = SpectralLayer { index: vec![1.0.into(); 2], thickness: Thickness::Gap };
 /// let film = GapFilm::new(&[500.0, 1000.0], &[1.5; 2], &[gap], &[1.5.into(); 2])?;
 /// let mut reflectance = [0.0; 2];
@@ -52,8 +51,8 @@ pub struct GapFilm {
 impl GapFilm {
     /// A film over a list of wavelengths (nm), in any order.
     ///
-    /// `incidence` and `substrate` hold an index per wavelength, as does each of
-    /// the `layers`, which come in the order that the light meets them.
+    /// `incidence` and `substrate` contain an index per wavelength, as does each of the `layers`, in the
+    /// order in which the light meets them.
     ///
     /// # Errors
     /// If lengths differ from that of `wavelengths_nm`, a wavelength or an index
@@ -86,23 +85,23 @@ impl GapFilm {
         Ok(Self { media, level: SimdLevel::best() })
     }
 
-    /// The same film on a given instruction set; [`new`](Self::new) takes the best.
+    /// Returns the same film for a given instruction set; [`new`](Self::new) selects the best.
     #[must_use]
     pub fn with_simd_level(self, level: SimdLevel) -> Self {
         Self { level, ..self }
     }
 
-    /// How many wavelengths there are.
+    /// Returns the number of wavelengths.
     pub fn wavelengths(&self) -> usize {
         self.media.wavelengths()
     }
 
-    /// Mean reflectance of s and p, into `out[beta][gap][wavelength]`.
+    /// Computes the mean reflectance of s and p, into `out[beta][gap][wavelength]`.
     ///
-    /// Equal to the mean of [`coherent`](super::coherent)'s two reflectances within
-    /// 1e-12, short of resonators whose finesse amplifies rounding. Where beta is not below the index of the incidence medium (which may
-    /// depend on the wavelength) there is no such light, and `out` is 0. A film
-    /// without a gap layer gives the same for every gap.
+    /// Equal to the mean of [`coherent`](super::coherent)'s two reflectances within 1e-12, except in
+    /// resonators whose finesse amplifies rounding. Where beta is not below the index of the incidence
+    /// medium (which may depend on the wavelength) there is no such light, and `out` is 0. A film without a
+    /// gap layer gives the same for every gap.
     ///
     /// # Errors
     /// If a beta is negative or not finite, a gap is negative or not finite, or
@@ -115,13 +114,13 @@ impl GapFilm {
         Ok(())
     }
 
-    /// The mean reflectance, as [`reflectance`](Self::reflectance) gives it (within 1e-12), and its derivatives, into
-    /// `out[variable][beta][gap][wavelength]`: with respect to thicknesses per nm, to n and k per 1. Where there is no light they are 0.
-    /// See `film/derivative.rs` for how.
+    /// Computes the mean reflectance, as [`reflectance`](Self::reflectance) does (within 1e-12), and its
+    /// derivatives, into `out[variable][beta][gap][wavelength]`: by thicknesses per nm, by n and k per 1.
+    /// Where there is no light they are 0. The method is described in `film/derivative.rs`.
     ///
     /// # Errors
-    /// As [`reflectance`](Self::reflectance), if `out` does not have as many values for each variable, or if a
-    /// variable is of a layer that is not there.
+    /// As [`reflectance`](Self::reflectance); if `out` does not have as many values for each variable; or if
+    /// a variable belongs to a layer that does not exist.
     pub fn derivatives(
         &self,
         beta: &[f64],

@@ -1,17 +1,16 @@
-//! Sine and cosine, and their hyperbolic kin, up to a factor that they share.
+//! Sine and cosine, and hyperbolic sine and cosine, up to a common factor.
 //!
-//! A layer's matrix may be scaled at will where only ratios of fields matter, and
-//! that makes its functions cheap: no quadrants (half a turn flips both signs),
-//! no exponential, no division. Lambert's continued fraction for the tangent,
-//! cut off at level m, is the diagonal Pade approximant of exp,
+//! A layer's matrix may be scaled at will where only ratios of fields matter. This makes its functions
+//! cheap: no quadrants (half a turn flips both signs), no exponential, no division. Lambert's continued
+//! fraction for the tangent, truncated at level m, is the diagonal Pade approximant of exp,
 //! `exp(y) = p(y)/p(-y)`, `p(y) = sum_j c_j y^j`, `c_j = m! (2m - j)!/((2m)! j! (m - j)!)`,
 //! so that with p(2ix) = A + iB, tan x = B/A. A and B are polynomials in x^2; at
 //! m = 11 the error is 2e-17 at |x| = pi/2. With all signs positive the same
 //! polynomials give the hyperbolic functions.
 //!
-//! Of a thin layer, of |x| up to [`THIN`], A and B need no reduction of x, and as they hold x^2
-//! alone they take a complex one, or a negative one, as well: no root is sampled at all. The common
-//! factor is then complex. At m = 13 the error is 2e-17 at |x| = 2.4.
+//! For a thin layer, of |x| up to [`THIN`], A and B need no reduction of x. Since they contain only x^2,
+//! they can be evaluated at a complex or negative one as well: no square root is needed. The common factor
+//! is then complex. At m = 13 the error is 2e-17 at |x| = 2.4.
 //!
 //! Source: W. B. Jones, W. J. Thron, "Continued Fractions" (1980), section 6.1;
 //! reduction by pi in three parts after W. J. Cody and W. Waite, "Software Manual for the
@@ -21,13 +20,13 @@ use pulp::Simd;
 
 use super::lanes::{Complex, Lanes};
 
-/// Coefficients of A and of B, which has a factor x besides, in powers of x^2, at m = 11.
+/// Coefficients of A and of B, which has an additional factor x, in powers of x^2, at m = 11.
 const EVEN: [f64; 6] = coefficients(0);
 const ODD: [f64; 6] = coefficients(1);
 
-/// Up to this |x| there is no need to reduce it.
+/// Value of |x| up to which it need not be reduced.
 pub(super) const THIN: f64 = 2.4;
-/// The coefficients that serve there, at m = 13.
+/// Coefficients for these |x|, at m = 13.
 const THIN_EVEN: [f64; 7] = coefficients(0);
 const THIN_ODD: [f64; 7] = coefficients(1);
 
@@ -71,7 +70,7 @@ pub(super) fn circular<S: Simd>(x: Lanes<S>) -> (Lanes<S>, Lanes<S>) {
     const PI_1: f64 = 2.0 * 1.570_796_326_734_125_6;
     const PI_2: f64 = 2.0 * 6.077_100_506_303_966e-11;
     const PI_3: f64 = 2.0 * 2.022_266_248_795_950_6e-21;
-    // Adding it rounds to an integer: the last bit of the sum is worth 1.
+    // Adding it rounds to an integer: the last bit of the sum has the value 1.
     const ROUND: f64 = 6_755_399_441_055_744.0;
     let turns = x.mul_add(x.splat(std::f64::consts::FRAC_1_PI), x.splat(ROUND)) - x.splat(ROUND);
     let x = turns.neg_mul_add(x.splat(PI_1), x);
@@ -84,8 +83,8 @@ pub(super) fn circular<S: Simd>(x: Lanes<S>) -> (Lanes<S>, Lanes<S>) {
 /// (cosh x, sinh x) for x >= 0, both times a common factor that keeps them within (0, 1e11).
 #[inline(always)]
 pub(super) fn hyperbolic<S: Simd>(x: Lanes<S>) -> (Lanes<S>, Lanes<S>) {
-    // tanh(20) is 1 within 1e-17. The approximant serves a quarter of x, then two
-    // doublings, which only sharpen it: tanh saturates.
+    // tanh(20) is 1 within 1e-17. The approximant is used for a quarter of x, then two doublings, which
+    // increase the accuracy: tanh saturates.
     let x = x.min(x.splat(20.0)) * x.splat(0.25);
     let x2 = x * x;
     let (c, s) = (x2.polynomial(&EVEN), x * x2.polynomial(&ODD));
@@ -93,13 +92,14 @@ pub(super) fn hyperbolic<S: Simd>(x: Lanes<S>) -> (Lanes<S>, Lanes<S>) {
     (c.mul_add(c, s * s), (c + c) * s)
 }
 
-/// What [`hyperbolic_and_factor`] takes a deeper x for.
+/// Value by which [`hyperbolic_and_factor`] replaces a larger x.
 pub(super) const DEEPEST: f64 = 20.0;
 
 /// As [`hyperbolic`], and the square of the common factor, within 1e-12 of itself.
 #[inline(always)]
 pub(super) fn hyperbolic_and_factor<S: Simd>(x: Lanes<S>) -> (Lanes<S>, Lanes<S>, Lanes<S>) {
-    // cosh^2 - sinh^2 = 1 tells the factor. Of an eighth of x, three doublings before cosh and sinh are nearly one number.
+    // The factor follows from cosh^2 - sinh^2 = 1. For an eighth of x, three doublings before cosh and sinh
+    // become nearly equal.
     let x = x.min(x.splat(DEEPEST)) * x.splat(0.125);
     let x2 = x * x;
     let (mut c, mut s) = (x2.polynomial(&EVEN), x * x2.polynomial(&ODD));
@@ -201,14 +201,14 @@ mod tests {
     }
 
     #[test]
-    fn thin_layers_have_the_tangent_of_a_complex_angle() {
+    fn thin_layers_have_tangent_of_complex_angle() {
         let polar =
             |k: i32| Complex64::from_polar(THIN * f64::from(k % 50 + 1) / 50.0, 0.0123 * f64::from(k));
         let on_axes = [1.2, 2.4].map(|x| [Complex64::from(x), Complex64::new(0.0, x)]);
         let x: Vec<Complex64> = (0..500).map(polar).chain(on_axes.into_iter().flatten()).collect();
         for level in SimdLevel::available() {
             for (x, [complex, real]) in x.iter().zip(level.dispatch(Thin(&x))) {
-                // Near its pole, at pi/2, a tangent is as uncertain as its square.
+                // Near its pole, at pi/2, the relative uncertainty of a tangent grows as its square.
                 let truth = x.tan() / x;
                 let bound = 3e-15 * (1.0 + truth.norm_sqr());
                 assert!((complex - truth).norm() < bound, "{level:?} at {x}: {complex} for {truth}");
@@ -233,7 +233,7 @@ mod tests {
     }
 
     #[test]
-    fn hyperbolic_has_the_tangent_of_its_name() {
+    fn hyperbolic_has_hyperbolic_tangent() {
         let x: Vec<f64> = (0..6000).map(|i| f64::from(i) * 0.005).chain([700.0, 1e6, 1e300]).collect();
         for level in SimdLevel::available() {
             for (&x, (c, s)) in x.iter().zip(level.dispatch(Map { x: &x, f: Hyperbolic })) {

@@ -1,4 +1,4 @@
-//! The inner loops of [`GapFilm`](super::GapFilm): wavelengths side by side in SIMD registers.
+//! Inner loops of [`GapFilm`](super::GapFilm): several wavelengths at a time in SIMD registers.
 //!
 //! From above, the incidence medium's amplitudes `eta0 U - V` (reflected) and
 //! `eta0 U + V` (incident) are linear forms of the fields in the plane below the
@@ -6,10 +6,10 @@
 //! the two meet around the gap, of phase delta, each form is
 //! `P cos(delta) + Q sin(delta)`: the reflectance is |P C + Q S|^2 over the same
 //! of the incident form, and only C and S depend on the gap. In a transparent gap
-//! C and S are real, whether waves travel there or decay.
+//! C and S are real, whether waves propagate there or decay.
 //!
-//! Any common factor of C and S drops out, and so does any factor common to both
-//! forms or to the fields below: see [`harmonic`](super::harmonic).
+//! A common factor of C and S cancels, and so does a common factor of both forms or of the fields below: see
+//! [`harmonic`](super::harmonic).
 
 use pulp::{Simd, WithSimd};
 
@@ -18,7 +18,7 @@ use super::harmonic::{circular, hyperbolic, thin, thin_real};
 use super::lanes::{Complex, Lanes};
 use super::media::{Layer, Media, Medium, load};
 
-/// q^2 is kept away from 0, where sin(delta)/q would be 0/0; 1e-60 changes nothing.
+/// Smallest q^2: at 0, sin(delta)/q would be 0/0; 1e-60 changes nothing.
 const TINY: f64 = 1e-60;
 
 /// One call of [`GapFilm::reflectance`](super::GapFilm::reflectance), arguments checked.
@@ -47,7 +47,7 @@ impl WithSimd for Sweep<'_> {
     }
 }
 
-/// One beta at a registerful of wavelengths.
+/// One beta at one register of wavelengths.
 pub(super) struct Direction<'a, S: Simd> {
     pub(super) simd: S,
     pub(super) media: &'a Media,
@@ -57,27 +57,27 @@ pub(super) struct Direction<'a, S: Simd> {
 }
 
 impl<S: Simd> Direction<'_, S> {
-    /// Whether waves travel in a medium at every wavelength: q is then real.
+    /// Returns whether waves propagate in a medium at every wavelength: q is then real.
     #[inline(always)]
     fn travels(&self, medium: &Medium) -> bool {
         self.beta < medium.travels_below
     }
 
-    /// n^2 - beta^2 of the real n. As a product, it keeps its digits where beta is close to n.
+    /// Returns n^2 - beta^2 of the real n. As a product, it keeps its digits where beta is close to n.
     #[inline(always)]
     fn real_q_squared(&self, n: Lanes<S>) -> Lanes<S> {
         let beta = self.k0.splat(self.beta);
         (n - beta) * (n + beta)
     }
 
-    /// q in a medium where waves travel.
+    /// Returns q in a medium where waves propagate.
     #[inline(always)]
     fn real_q(&self, medium: &Medium) -> Lanes<S> {
         let n = medium.index.load_real(self.simd, self.at);
         self.real_q_squared(n).max(self.k0.splat(TINY)).sqrt()
     }
 
-    /// q/i in a medium where waves decay without being absorbed.
+    /// Returns q/i in a medium where waves decay without being absorbed.
     #[inline(always)]
     fn kappa(&self, medium: &Medium) -> Lanes<S> {
         let n = medium.index.load_real(self.simd, self.at);
@@ -162,7 +162,7 @@ impl<S: Simd> Direction<'_, S> {
         [Absorbing { c, u: sin * s[0], v: sin * s[1] }, Absorbing { c, u: sin * p[0], v: sin * p[1] }]
     }
 
-    /// The same where waves travel.
+    /// The same where waves propagate.
     #[inline(always)]
     fn travelling(&self, layer: &Layer) -> [Clear<S>; 2] {
         let q = self.real_q(&layer.medium);
@@ -184,7 +184,7 @@ impl<S: Simd> Direction<'_, S> {
         [Absorbing { c, u: sin_q, v: q_sin }, Absorbing { c, u: sin_q * eps, v: q_sin * inverse_eps }]
     }
 
-    /// The same of a thin layer that does not absorb; waves need not travel in it.
+    /// The same of a thin layer that does not absorb, whether or not waves propagate in it.
     #[inline(always)]
     fn thin_and_clear(&self, layer: &Layer) -> [Clear<S>; 2] {
         let eps = layer.medium.eps.load_real(self.simd, self.at);
@@ -205,13 +205,13 @@ impl<S: Simd> Direction<'_, S> {
         [Pair::new(q0), Pair::new(q0.div(n0 * n0))]
     }
 
-    /// The same, seen from the top of the gap.
+    /// The same, at the top of the gap.
     #[inline(always)]
     fn above(&self) -> [Pair<Form<S>>; 2] {
         self.carried(self.incident(), self.media.above.iter())
     }
 
-    /// (U, V) of light that comes to rest in the substrate, at its top, for s and for p.
+    /// Returns (U, V) of light that is transmitted into the substrate, at its top, for s and for p.
     #[inline(always)]
     pub(super) fn at_rest(&self) -> [Field<S>; 2] {
         let substrate = &self.media.substrate;

@@ -1,9 +1,8 @@
 //! Several wavelengths at once: a SIMD register, and a pair of them as complex numbers,
 //! with the usual operators.
 //!
-//! The `pulp` crate finds the best instruction set at run time. Everything here is
-//! `inline(always)`: only so does the code become part of the function that was
-//! compiled for that instruction set.
+//! The `pulp` crate selects the best instruction set at run time. Everything here is `inline(always)`, since
+//! only then is the code compiled for that instruction set, as part of the calling function.
 
 use std::ops::{Add, Mul, Neg, Sub};
 
@@ -17,18 +16,18 @@ pub struct SimdLevel {
 }
 
 impl SimdLevel {
-    /// The best one.
+    /// Returns the best one.
     pub fn best() -> Self {
         let levels = Self::available();
         levels[levels.len() - 1]
     }
 
-    /// Plain scalar code.
+    /// Returns plain scalar code.
     pub fn portable() -> Self {
         Self { name: "portable", arch: Arch::Scalar }
     }
 
-    /// All that this machine has, slowest first; the first is [`portable`](Self::portable).
+    /// Returns all that this machine supports, slowest first; the first is [`portable`](Self::portable).
     pub fn available() -> Vec<Self> {
         let mut levels = vec![Self::portable()];
         #[cfg(target_arch = "x86_64")]
@@ -73,13 +72,13 @@ impl<S: Simd> Lanes<S> {
         Self { simd, x: simd.splat_f64s(value) }
     }
 
-    /// As many numbers as there are lanes; short of that the rest is zero.
+    /// Loads as many numbers as there are lanes; missing ones are zero.
     #[inline(always)]
     pub(super) fn load(simd: S, values: &[f64]) -> Self {
         Self { simd, x: simd.partial_load_f64s(values) }
     }
 
-    /// Into `out`, which may be shorter than the register.
+    /// Stores into `out`, which may be shorter than the register.
     #[inline(always)]
     pub(super) fn store(self, out: &mut [f64]) {
         match S::as_mut_simd_f64s(out) {
@@ -190,7 +189,7 @@ impl<S: Simd> Neg for Lanes<S> {
     }
 }
 
-/// A register of complex numbers, parts apart.
+/// A register of complex numbers, with separate registers for the two parts.
 #[derive(Clone, Copy)]
 pub(super) struct Complex<S: Simd> {
     pub(super) re: Lanes<S>,
@@ -273,7 +272,7 @@ impl<S: Simd> Complex<S> {
         Self { re: sums[0].mul_add(self.re, rest), im: sums[0] * self.im }
     }
 
-    /// The root with both parts >= 0 of a number with Im >= 0, accurate in both parts.
+    /// Returns the square root with both parts >= 0 of a number with Im >= 0, accurate in both parts.
     #[inline(always)]
     pub(super) fn sqrt(self) -> Self {
         let half = self.re.splat(0.5);

@@ -39,9 +39,9 @@ pub(super) struct Medium {
     pub(super) eps: Parts,
     /// 1/n^2.
     pub(super) inverse_eps: Parts,
-    /// Up to this beta waves travel at every wavelength; 0 if any is absorbed.
+    /// Beta up to which waves propagate at every wavelength; 0 if any is absorbed.
     pub(super) travels_below: f64,
-    /// Above this beta waves decay at every wavelength.
+    /// Beta above which waves decay at every wavelength.
     pub(super) decays_above: f64,
 }
 
@@ -81,13 +81,13 @@ impl Media {
 
     fn layer(&self, medium: Medium, nm: f64) -> Layer {
         let beta = self.incidence.iter().fold(0.0, |most: f64, n| most.max(*n));
-        // |n^2 - beta^2| at most; the two are of one sign where both are real.
+        // Upper bound of |n^2 - beta^2|; the two have the same sign if both are real.
         let most = |eps: f64| if medium.is_clear() { eps.max(beta * beta) } else { eps + beta * beta };
         let thin = (0..self.k0.len()).all(|at| most(medium.eps.size(at)).sqrt() * self.k0[at] * nm <= THIN);
         Layer { medium, nm, thin }
     }
 
-    /// How many layers there are, the gap among them.
+    /// Returns the number of layers, including the gap.
     pub(super) fn layers(&self) -> usize {
         self.above.len() + usize::from(self.gap.is_some()) + self.below.len()
     }
@@ -110,7 +110,7 @@ impl Medium {
         }
     }
 
-    /// Whether nothing is absorbed at any wavelength.
+    /// Returns whether nothing is absorbed at any wavelength.
     pub(super) fn is_clear(&self) -> bool {
         self.travels_below > 0.0
     }
@@ -137,8 +137,8 @@ impl Parts {
     }
 }
 
-/// The registerful of `values` that begins at `at`. Lanes beyond the end hold zeros,
-/// which give nonsense there, and are not stored.
+/// Loads the register of `values` that begins at `at`. Lanes beyond the end contain zeros; their results are
+/// meaningless and not stored.
 #[inline(always)]
 pub(super) fn load<S: Simd>(simd: S, values: &[f64], at: usize) -> Lanes<S> {
     Lanes::load(simd, &values[at..values.len().min(at + S::F64_LANES)])

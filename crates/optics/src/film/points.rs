@@ -1,12 +1,13 @@
-//! The fast road of arrays: power reflected and transmitted at many points at once, each of which may have a wavelength, a direction
-//! and a stack of its own.
+//! Fast implementation for arrays: reflected and transmitted power at many points at once, each of which may
+//! have a wavelength, a direction and a stack of its own.
 //!
-//! Points lie in rows. What changes along a row is a slice, what does not is one number; the points of a row stand side by side in
-//! SIMD registers. Fields are carried up from the substrate as in [`coherent`](super::coherent), with the
-//! functions of [`harmonic`](super::harmonic) in the place of sines and exponentials. These have a factor to spare, of which reflectance
-//! knows nothing; transmittance does, so it is kept: its square is `c^2 + s^2` of a sine and cosine, and of their hyperbolic kin
-//! `c^2 - s^2` where those were made, before they grow. Of a layer deeper than the functions reach, what is beyond is one
-//! exponential at the end.
+//! Points form rows. A quantity that varies along a row is a slice, a constant one is a number; the points
+//! of a row are processed together in SIMD registers. Fields are propagated up from the substrate as in
+//! [`coherent`](super::coherent), with the functions of [`harmonic`](super::harmonic) instead of sines and
+//! exponentials. These have a common factor, which cancels in the reflectance. It does not in the
+//! transmittance, so it is computed: its square is `c^2 + s^2` of a sine and cosine, and `c^2 - s^2` of the
+//! hyperbolic functions where these are formed, before they grow. If a layer is deeper than the range of the
+//! functions, the excess is one exponential at the end.
 
 use std::f64::consts::PI;
 
@@ -21,18 +22,18 @@ use super::{
 };
 use crate::OpticsError;
 
-/// q^2 is kept away from 0, where sin(delta)/q would be 0/0; 1e-60 changes nothing.
+/// Smallest q^2: at 0, sin(delta)/q would be 0/0; 1e-60 changes nothing.
 const TINY: f64 = 1e-60;
 
-/// No register holds more numbers.
+/// Largest number of lanes of a register.
 const MOST_LANES: usize = 16;
 
 /// A number along a row of points.
 #[derive(Debug, Clone, Copy)]
 pub enum Along<'a> {
-    /// The same at all of them.
+    /// The same at all points.
     Same(f64),
-    /// One for each.
+    /// One for each point.
     Each(&'a [f64]),
 }
 
@@ -61,21 +62,22 @@ pub struct FilmRow<'a> {
     pub wavelength_nm: Along<'a>,
     /// n0 sin(theta), below n0.
     pub beta: Along<'a>,
-    /// n0, the index of the transparent medium that the light comes from.
+    /// n0, the index of the transparent medium of the incident light.
     pub incidence: Along<'a>,
-    /// Layers in the order that the light meets them.
+    /// Layers in the order in which the light meets them.
     pub layers: &'a [LayerAlong<'a>],
     /// The semi-infinite medium behind.
     pub substrate: IndexAlong<'a>,
 }
 
 impl FilmRow<'_> {
-    /// Power reflected, and transmitted into the substrate, at each point of the row: as [`coherent`](super::coherent) has them, within
-    /// 1e-12 (a transmittance: of itself within 1e-10), in one polarisation or in the mean of both.
+    /// Computes the power reflected, and transmitted into the substrate, at each point of the row: as
+    /// [`coherent`](super::coherent) does, within 1e-12 (for a transmittance, a relative error within
+    /// 1e-10), in one polarisation or as the mean of both.
     ///
     /// ```
     /// use papilio_optics::film::{Along, FilmRow, IndexAlong, LayerAlong, SimdLevel};
-    /// // A quarter wave of sqrt(1.5) on n = 1.5 reflects nothing, half a wave what the bare glass does.
+    /// // A quarter wave of sqrt(1.5) on n = 1.5 reflects nothing, half a wave as much as the bare glass.
     /// let of = |n| IndexAlong { n: Along::Same(n), k: Along::Same(0.0) };
     /// let n = 1.5_f64.sqrt();
     /// let layer = LayerAlong { index: of(n), nm: Along::Each(&[550.0 / 4.0 / n, 550.0 / 2.0 / n]) };
@@ -89,7 +91,7 @@ impl FilmRow<'_> {
     /// ```
     ///
     /// # Errors
-    /// Slices of other lengths than `reflectance`. Numbers are taken as they are: see [`check`](Self::check).
+    /// Slices of other lengths than `reflectance`. Values are not checked: see [`check`](Self::check).
     pub fn powers(
         &self,
         level: SimdLevel,
@@ -108,7 +110,7 @@ impl FilmRow<'_> {
         Ok(())
     }
 
-    /// Whether all numbers can be those of a film.
+    /// Tests whether all numbers are possible for a film.
     ///
     /// # Errors
     /// As of [`coherent`](super::coherent).
@@ -123,7 +125,7 @@ impl FilmRow<'_> {
         })
     }
 
-    /// Whether waves travel in a medium at every point, and are not absorbed: its q is real.
+    /// Returns whether waves propagate in a medium at every point, and are not absorbed: its q is real.
     fn travels(&self, index: &IndexAlong<'_>) -> bool {
         let beta = self.beta.most();
         index.k.most() == 0.0 && -index.n.map_most(|n| -n) > beta
@@ -161,7 +163,7 @@ impl Along<'_> {
         self.map_most(|value| value)
     }
 
-    /// The largest `of` any.
+    /// Returns the largest value of `of`.
     fn map_most(self, of: impl Fn(f64) -> f64) -> f64 {
         match self {
             Self::Same(value) => of(value),
@@ -206,7 +208,7 @@ impl WithSimd for Powers<'_> {
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
         let Self { row, polarisation, reflectance, mut transmittance } = self;
-        // How much s counts, and p.
+        // Weights of s and of p.
         let weights = match polarisation {
             Some(Polarisation::S) => [1.0, 0.0],
             Some(Polarisation::P) => [0.0, 1.0],
@@ -230,7 +232,7 @@ impl WithSimd for Powers<'_> {
     }
 }
 
-/// As many points of a row as a register holds.
+/// As many points of a row as a register has lanes.
 struct Points<'a, S: Simd> {
     row: &'a FilmRow<'a>,
     simd: S,
@@ -243,13 +245,13 @@ struct Points<'a, S: Simd> {
 struct Wave<S: Simd> {
     u: Complex<S>,
     v: Complex<S>,
-    /// What flows down in the substrate, times the square of the factor.
+    /// Flux down in the substrate, times the square of the factor.
     flux: Lanes<S>,
-    /// Admittance of the medium that the light comes from.
+    /// Admittance of the incident medium.
     eta0: Lanes<S>,
 }
 
-/// Fractions of what comes in.
+/// Fractions of the incident power.
 struct Shares<S: Simd> {
     reflected: Lanes<S>,
     transmitted: Lanes<S>,
@@ -258,7 +260,7 @@ struct Shares<S: Simd> {
 /// A medium: q, n^2 and their inverses.
 #[derive(Clone, Copy)]
 enum Medium<S: Simd> {
-    /// One in which waves travel, and are not absorbed.
+    /// A medium in which waves propagate, and are not absorbed.
     Travels {
         q: Lanes<S>,
         inverse_q: Lanes<S>,
@@ -273,11 +275,11 @@ enum Medium<S: Simd> {
     },
 }
 
-/// What is known of a row before its points.
+/// Properties of a row common to its points.
 struct Known<S: Simd> {
-    /// Of each layer, whether waves travel in it all along the row.
+    /// For each layer, whether waves propagate in it all along the row.
     travels: Vec<bool>,
-    /// The media that are the same all along the row.
+    /// Media that are the same all along the row.
     layers: Vec<Option<Medium<S>>>,
     substrate: Option<Medium<S>>,
 }
@@ -341,8 +343,8 @@ impl<S: Simd> Points<'_, S> {
         Medium::Any { q, inverse_q: q.recip(), eps, inverse_eps: eps.recip() }
     }
 
-    /// The waves of s and p above all layers, and by how much layers are deeper than the hyperbolic functions reach; `counted`: with
-    /// what is transmitted.
+    /// Returns the waves of s and p above all layers, and the depth of layers beyond the range of the
+    /// hyperbolic functions; `counted`: including the transmittance.
     #[inline(always)]
     fn carried(&self, known: &Known<S>, counted: bool) -> (Wave<S>, Wave<S>, Lanes<S>) {
         let n0 = self.load(self.row.incidence);
@@ -395,7 +397,7 @@ impl<S: Simd> Points<'_, S> {
 }
 
 impl<S: Simd> Wave<S> {
-    /// Beyond a layer; `scaled`: the fields become of size 1.
+    /// Propagates beyond a layer; `scaled`: the fields are scaled to size 1.
     #[inline(always)]
     fn pass(&mut self, m: impl Transfer<S>, factor: Lanes<S>, scaled: bool, counted: bool) {
         let [u, v] = m.on([self.u, self.v]);
@@ -422,7 +424,7 @@ impl<S: Simd> Wave<S> {
     }
 }
 
-/// Takes off what fades in layers beyond the depth that the hyperbolic functions reach.
+/// Applies the decay in layers beyond the range of the hyperbolic functions.
 #[inline(always)]
 fn fade<S: Simd>(transmittance: &mut [f64], beyond: Lanes<S>) {
     let mut depths = [0.0; MOST_LANES];

@@ -1,21 +1,21 @@
 //! The k-correlation lobe.
 //!
-//! `b / (2 pi (b^2 + |beta_o - beta_i|^2)^(3/2))`, the generalised Harvey-Shack
-//! lobe with exponent 3/2 (Harvey 1976; Stover, *Optical Scattering*, the ABC or
-//! k-correlation model).
+//! `b / (2 pi (b^2 + |beta_o - beta_i|^2)^(3/2))`, the generalised Harvey-Shack lobe with exponent 3/2
+//! (Harvey 1976; Stover, *Optical Scattering*, the ABC or k-correlation model).
 //!
-//! **Parameter.** `width` b, in direction cosines, above 0; diffusers have 0.01 to 0.2. Half of the light lies
-//! within `sqrt(3) b` of the regular direction.
+//! **Parameter.** `width` b, in direction cosines, above 0; diffusers have 0.01 to 0.2. Half of the light
+//! lies within `sqrt(3) b` of the regular direction.
 //!
-//! **Domain.** The whole plane: the lobe knows no surface. What it sends beyond the disc of a medium does not leave.
-//! Two such lobes in a row make one of twice the width, which tests the whole transport chain.
+//! **Domain.** The whole plane: the lobe does not depend on the disc of a medium. Light that it scatters
+//! beyond the disc of a medium does not leave. Two successive lobes are one of twice the width, which tests
+//! the whole transport chain.
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
 use papilio_sampling::warp;
 
 use crate::scatterer::{Sample, Scatterer};
-use crate::{Beta, wide};
+use crate::{Beta, with_widest_simd};
 
 /// The k-correlation lobe of exponent 3/2.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -25,7 +25,8 @@ pub struct KCorrelation {
 }
 
 impl KCorrelation {
-    /// Density at the square of a distance `|beta_o - beta_i|`, per unit area of direction cosines.
+    /// Returns the density at the square of a distance `|beta_o - beta_i|`, per unit area of direction
+    /// cosines.
     #[inline(always)]
     pub fn at_squared_distance(&self, squared: f64) -> f64 {
         let Self { width } = *self;
@@ -33,7 +34,7 @@ impl KCorrelation {
         width / (2.0 * PI * s * s.sqrt())
     }
 
-    /// The direction of [`sample`](Scatterer::sample).
+    /// Returns the direction of [`sample`](Scatterer::sample).
     #[inline(always)]
     pub(super) fn sample_direction(&self, from: Beta, u: [f64; 2]) -> Beta {
         let radius = self.width * (1.0 / (u[0] * u[0]) - 1.0).sqrt();
@@ -41,7 +42,7 @@ impl KCorrelation {
         from + Beta { x, y }
     }
 
-    /// Fraction of the lobe within a distance of the regular direction.
+    /// Returns the fraction of the lobe within a distance of the regular direction.
     pub fn fraction_within(&self, radius: f64) -> f64 {
         let Self { width } = *self;
         let hypotenuse = width.hypot(radius);
@@ -49,15 +50,15 @@ impl KCorrelation {
         radius * radius / (hypotenuse * (hypotenuse + width))
     }
 
-    /// Fractions of lobes about points at these `|beta_i|` within the disc `|beta_o| <= radius`.
+    /// Returns fractions of lobes about points at these `|beta_i|` within the disc `|beta_o| <= radius`.
     ///
-    /// Each is the solid angle, over 2 pi, of the disc seen from a height `width` above the point, in complete
-    /// elliptic integrals (Paxton, Rev. Sci. Instrum. 30, 254 (1959)); error below 1e-12. Several at once: divisions
-    /// overlap.
+    /// Each is the solid angle, over 2 pi, of the disc seen from a height `width` above the point, in
+    /// complete elliptic integrals (Paxton, Rev. Sci. Instrum. 30, 254 (1959)); error below 1e-12. Several
+    /// are computed at once, so that divisions overlap.
     #[inline(always)]
     pub fn fractions_in_disc<const N: usize>(&self, offsets: [f64; N], radius: f64) -> [f64; N] {
         let Self { width } = *self;
-        wide(
+        with_widest_simd(
             #[inline(always)]
             || fractions_of_lobes(width, offsets, radius),
         )
@@ -88,7 +89,7 @@ impl Scatterer for KCorrelation {
     }
 }
 
-/// Fractions within a disc of lobes about points at these offsets.
+/// Returns fractions within a disc of lobes about points at these offsets.
 #[inline(always)]
 fn fractions_of_lobes<const N: usize>(width: f64, offsets: [f64; N], radius: f64) -> [f64; N] {
     let distance = |across: f64| (width * width + across * across).sqrt();
@@ -101,7 +102,7 @@ fn fractions_of_lobes<const N: usize>(width: f64, offsets: [f64; N], radius: f64
     std::array::from_fn(|k| within(slopes[k]) - width / (PI * farthest[k]) * integrals[k])
 }
 
-/// a, b and p of the [integral](complete_elliptic) that is K + slope Pi(1 - slope^2).
+/// Returns a, b and p of the [integral](complete_elliptic) that is K + slope Pi(1 - slope^2).
 #[inline(always)]
 fn numerator_and_pole(slope: f64) -> [f64; 3] {
     if slope == 0.0 { [1.0; 3] } else { [1.0 + slope, slope * (1.0 + slope), slope * slope] }

@@ -15,7 +15,7 @@ use crate::scatterer::{Sample, Scatterer};
 pub struct Lambertian;
 
 impl Lambertian {
-    /// The direction of [`sample`](Scatterer::sample).
+    /// Returns the direction of [`sample`](Scatterer::sample).
     #[inline(always)]
     pub(super) fn sample_direction(self, from: Beta, u: [f64; 2]) -> Option<Beta> {
         if from.squared() > 1.0 {
@@ -25,7 +25,7 @@ impl Lambertian {
         Some(Beta { x, y })
     }
 
-    /// Fraction of the lobe within the disc `|beta_o| <= radius`.
+    /// Returns the fraction of the lobe within the disc `|beta_o| <= radius`.
     #[inline(always)]
     pub fn fraction_within(self, radius: f64) -> f64 {
         (radius * radius).min(1.0)

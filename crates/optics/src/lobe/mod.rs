@@ -59,7 +59,7 @@ impl Scatterer for Lobe {
 }
 
 impl Lobe {
-    /// The direction of [`sample`](Scatterer::sample) alone, from the two numbers that lobes need.
+    /// Returns only the direction of [`sample`](Scatterer::sample), from the two numbers that lobes need.
     #[inline(always)]
     pub fn sample_direction(&self, from: Beta, [u, v]: [f64; 2]) -> Option<Beta> {
         // Without closures and without the density: this is the innermost loop of Monte Carlo.
@@ -69,7 +69,7 @@ impl Lobe {
         }
     }
 
-    /// Fraction of the lobe within `radius` of the direction of normal incidence.
+    /// Returns the fraction of the lobe within `radius` of the direction of normal incidence.
     pub fn fraction_within(&self, radius: f64) -> f64 {
         match *self {
             Self::KCorrelation { width } => KCorrelation { width }.fraction_within(radius),
@@ -77,20 +77,20 @@ impl Lobe {
         }
     }
 
-    /// Fraction of the lobe that stays within the air hemisphere at normal incidence.
+    /// Returns the fraction of the lobe that stays within the air hemisphere at normal incidence.
     ///
     /// `total_transmittance = T ((1 - s) fraction + s)`, s the regular fraction.
     pub fn hemispherical_fraction(&self) -> f64 {
         self.fraction_within(1.0)
     }
 
-    /// Fraction of the lobe within the disc `|beta_o| <= radius`, for light that arrives with `|beta_i| = offset`;
-    /// what a diffuser sends out into the air is that of radius 1.
+    /// Returns the fraction of the lobe within the disc `|beta_o| <= radius`, for light that arrives with
+    /// `|beta_i| = offset`. With a radius of 1 it is the fraction that a diffuser transmits into the air.
     pub fn fraction_in_disc(&self, offset: f64, radius: f64) -> f64 {
         self.fractions_in_disc([offset], radius)[0]
     }
 
-    /// The same for several offsets at once: divisions overlap.
+    /// Returns the same for several offsets at once, so that divisions overlap.
     #[inline(always)]
     pub fn fractions_in_disc<const N: usize>(&self, offsets: [f64; N], radius: f64) -> [f64; N] {
         match *self {
@@ -101,8 +101,8 @@ impl Lobe {
         }
     }
 
-    /// Haze: share beyond 2.5 deg of all light transmitted into the air hemisphere
-    /// at normal incidence, the regular fraction included.
+    /// Returns the haze: fraction beyond 2.5 deg of all light transmitted into the air hemisphere at normal
+    /// incidence, regular light included.
     pub fn haze(&self, straight_through: f64) -> f64 {
         let scattered = 1.0 - straight_through;
         let hemisphere = self.fraction_within(1.0);
@@ -114,11 +114,11 @@ impl Lobe {
 /// ASTM D1003: light deviated by more than this counts as haze, degrees.
 pub const HAZE_ANGLE_DEG: f64 = 2.5;
 
-/// The width b of the k-correlation lobe that has this [haze](Lobe::haze).
+/// Returns the width b of the k-correlation lobe that has this [haze](Lobe::haze).
 ///
-/// With a regular fraction the haze first rises and then falls with b (a very
-/// wide lobe sends most of its light beyond the hemisphere): the narrower of the two
-/// widths is meant. `None` if no width gives that haze.
+/// With a regular fraction the haze first rises and then falls with b (a very wide lobe scatters most of its
+/// light beyond the hemisphere): the narrower of the two widths is returned. `None` if no width has that
+/// haze.
 pub fn width_from_haze(haze: f64, straight_through: f64) -> Option<f64> {
     let haze_of = |log_width: f64| Lobe::KCorrelation { width: log_width.exp() }.haze(straight_through);
     if !(haze > 0.0 && haze < 1.0 && (0.0..1.0).contains(&straight_through)) {
@@ -136,13 +136,13 @@ pub fn width_from_haze(haze: f64, straight_through: f64) -> Option<f64> {
     Some((0.5 * (low + high)).exp())
 }
 
-/// The largest haze that a k-correlation lobe can have beside this regular fraction.
+/// Returns the largest haze that a k-correlation lobe can have with this regular fraction.
 pub fn largest_haze(straight_through: f64) -> f64 {
     let haze_of = |log_width: f64| Lobe::KCorrelation { width: log_width.exp() }.haze(straight_through);
     haze_of(log_width_of_most_haze(haze_of))
 }
 
-/// Golden-section search for the maximum of a function with one hump in ln(width).
+/// Golden-section search for the maximum of a unimodal function of ln(width).
 fn log_width_of_most_haze(haze_of: impl Fn(f64) -> f64) -> f64 {
     let golden = 0.5 * (5.0_f64.sqrt() - 1.0);
     let (mut a, mut b) = ((1e-9_f64).ln(), (1e3_f64).ln());
@@ -162,10 +162,10 @@ mod tests {
     use super::*;
     use papilio_testing::ChiSquare;
 
-    /// Haze and width, truncated at the hemisphere: table recomputed from
-    /// 1 - F(sin 2.5 deg)/F(1), F(r) = 1 - b/sqrt(b^2 + r^2).
+    /// Haze and width, truncated at the hemisphere: table recomputed from 1 - F(sin 2.5 deg)/F(1),
+    /// F(r) = 1 - b/sqrt(b^2 + r^2).
     #[test]
-    fn haze_and_width_belong_together() {
+    fn haze_and_width_are_inverse() {
         for (haze, width) in
             [(0.50, 0.02607), (0.65, 0.03869), (0.78, 0.05667), (0.81, 0.06295), (0.90, 0.09543)]
         {
@@ -190,10 +190,9 @@ mod tests {
         ChiSquare::uniform(&cells)
     }
 
-    /// `fraction_within` is the integral of the density (tested below), so this ties
-    /// samples to densities.
+    /// `fraction_within` is the integral of the density (tested below), which relates samples to densities.
     #[test]
-    fn samples_follow_the_density() {
+    fn samples_follow_density() {
         for lobe in
             [Lobe::KCorrelation { width: 0.0567 }, Lobe::KCorrelation { width: 0.9 }, Lobe::Lambertian]
         {
@@ -207,7 +206,7 @@ mod tests {
     }
 
     #[test]
-    fn a_density_that_is_slightly_too_wide_is_caught() {
+    fn slightly_too_wide_density_is_refused() {
         let wider = Lobe::KCorrelation { width: 0.0567 * 1.05 };
         let lobe = Lobe::KCorrelation { width: 0.0567 };
         let found = chi_square(lobe, Beta::default(), |radius| wider.fraction_within(radius));
@@ -215,7 +214,7 @@ mod tests {
     }
 
     #[test]
-    fn straight_through_light_is_not_haze() {
+    fn regular_light_is_not_haze() {
         let width = width_from_haze(0.4, 0.3).unwrap();
         assert!((Lobe::KCorrelation { width }.haze(0.3) - 0.4).abs() < 1e-12);
         assert!(width < 0.2, "the narrower of the two widths: {width}");
@@ -226,17 +225,17 @@ mod tests {
             assert!(width_from_haze(most - 1e-9, straight_through).is_some());
             assert_eq!(width_from_haze(most + 1e-9, straight_through), None);
         }
-        // The widest lobe is flat over the hemisphere: all but the fraction sin^2 2.5 deg is haze.
+        // The widest lobe is uniform over the hemisphere: all but the fraction sin^2 2.5 deg is haze.
         let flat = 1.0 - 2.5_f64.to_radians().sin().powi(2);
         assert!((largest_haze(0.0) - flat).abs() < 1e-6);
         assert_eq!(largest_haze(1.0), 0.0);
         assert_eq!(width_from_haze(f64::NAN, 0.0), None);
     }
 
-    /// TIS/T of a b = 0.1 lobe by truncation alone, 0 to 75 deg, by brute-force
-    /// integration over the unit disc.
+    /// TIS/T of a b = 0.1 lobe by truncation alone, 0 to 75 deg, by numerical integration over the unit
+    /// disc.
     #[test]
-    fn truncation_takes_more_of_oblique_light() {
+    fn truncation_removes_more_of_oblique_light() {
         let lobe = Lobe::KCorrelation { width: 0.1 };
         let published =
             [(0.0, 0.9005), (15.0, 0.8953), (30.0, 0.8768), (45.0, 0.8331), (60.0, 0.7291), (75.0, 0.5342)];
@@ -256,9 +255,9 @@ mod tests {
         }
     }
 
-    /// Against the integral over azimuth of what lies between the near and far rim.
+    /// Compared with the integral over azimuth of the part between the near and far rim.
     #[test]
-    fn share_in_a_disc_is_the_integral_of_the_density() {
+    fn fraction_in_disc_equals_integral_of_density() {
         for (width, radius) in [(0.0567, 1.0), (0.005, 1.0), (0.4, 1.5)] {
             let lobe = Lobe::KCorrelation { width };
             for offset in [0.0, 0.3, 0.97, 1.0, 1.02, 1.4, 1.5] {
@@ -279,7 +278,7 @@ mod tests {
     }
 
     #[test]
-    fn share_within_a_radius_is_the_integral_of_the_density() {
+    fn fraction_within_radius_equals_integral_of_density() {
         for lobe in [Lobe::KCorrelation { width: 0.07 }, Lobe::Lambertian] {
             for radius in [0.05, 0.4, 1.0] {
                 let rings = 20_000;

@@ -1,12 +1,11 @@
-//! The fraction of light that one microfacet alone would lose: what it sends against the others; and the fraction that it
-//! sends back to the side where it came from.
+//! Fraction of the light that one microfacet alone would lose, since it goes on to others; and the fraction
+//! that it returns to the side of incidence.
 //!
-//! The deficit is an integral over the microfacet's normal h. In polar coordinates about the
-//! face's normal everything depends on h_z and on c1, the component along h of the wave vector
-//! that arrives, `c1 = q h_z - |beta| h_t cos(phi)`; so do the places where the integrand is not
-//! analytic: facets seen edge-on, the critical angle, light that leaves along the face. They cut
-//! the two integrals into parts which Gauss's rule integrates after a substitution that takes
-//! square roots at their ends.
+//! The deficit is an integral over the normal h of the microfacet. In polar coordinates about the normal of
+//! the interface everything depends on h_z and on c1, the component along h of the incident wave vector,
+//! `c1 = q h_z - |beta| h_t cos(phi)`. So do the places where the integrand is not analytic: microfacets seen
+//! edge-on, the critical angle, light that leaves along the interface. They divide the two integrals into
+//! parts. A Gauss rule integrates each part after a substitution that removes square roots at its ends.
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -14,7 +13,7 @@ use super::Side;
 use super::microfacets::{Microfacets, beyond, transmittance};
 use super::shadowing::beta_function;
 
-/// Gauss's rule after `x = sin^2(pi t/2)`: nodes and weights on [0, 1].
+/// Gauss rule after `x = sin^2(pi t/2)`: nodes and weights on [0, 1].
 pub(super) struct Rule(Vec<(f64, f64)>);
 
 impl Rule {
@@ -27,7 +26,7 @@ impl Rule {
         Self((0..order).map(node).collect())
     }
 
-    /// The integral over [from, to], cut where `cuts` fall within.
+    /// Returns the integral over [from, to], divided where `cuts` lie within.
     fn integrate(
         &self,
         from: f64,
@@ -43,7 +42,7 @@ impl Rule {
         sum
     }
 
-    /// The nodes and weights of [`Self::integrate`].
+    /// Returns the nodes and weights of [`Self::integrate`].
     pub(super) fn points(&self, from: f64, to: f64, cuts: impl IntoIterator<Item = f64>) -> Vec<(f64, f64)> {
         let mut points = Vec::new();
         self.parts(from, to, cuts, |begin, width| {
@@ -70,18 +69,19 @@ impl Rule {
 }
 
 impl Microfacets {
-    /// The fraction of light from this side, at this cosine to the face's normal, that one
-    /// microfacet sends against others.
+    /// Returns the fraction of light from this side, at this cosine to the normal of the interface, that one
+    /// microfacet sends to others.
     pub(super) fn deficit(&self, rule: &Rule, side: Side, cosine: f64) -> f64 {
         self.over_normals(rule, side, cosine, |arriving, h_z, h_t| arriving.over_azimuth(rule, h_z, h_t))
     }
 
-    /// The fraction of that light that returns to its side after one microfacet.
+    /// Returns the fraction of that light that returns to its side after one microfacet.
     pub(super) fn returned(&self, rule: &Rule, side: Side, cosine: f64) -> f64 {
         self.over_normals(rule, side, cosine, |arriving, h_z, h_t| arriving.returned(rule, h_z, h_t))
     }
 
-    /// The mean over the microfacets that light from this side sees, of what `over_azimuth` says of a tilt.
+    /// Returns the mean of `over_azimuth`, a function of the tilt, over the microfacets visible to light
+    /// from this side.
     fn over_normals(
         &self,
         rule: &Rule,
@@ -90,7 +90,7 @@ impl Microfacets {
         over_azimuth: impl Fn(&Arriving<'_>, f64, f64) -> f64,
     ) -> f64 {
         let n1 = self.index(side);
-        // Along the face itself Lambda is infinite.
+        // Along the interface itself Lambda is infinite.
         let cosine = cosine.max(1e-9);
         let (q, beta) = (n1 * cosine, n1 * ((1.0 - cosine) * (1.0 + cosine)).sqrt());
         let hidden = self.hidden(q, beta * beta) / q;
@@ -108,27 +108,27 @@ impl Microfacets {
     }
 }
 
-/// Light that arrives at the face.
+/// Light that arrives at the interface.
 struct Arriving<'a> {
     facets: &'a Microfacets,
-    /// Index where it comes from.
+    /// Index of the incident medium.
     n1: f64,
-    /// Index behind the face.
+    /// Index of the medium behind the interface.
     n2: f64,
     q: f64,
     beta: f64,
-    /// Lambda there.
+    /// Lambda of the light.
     hidden: f64,
     across: Across,
 }
 
 impl Arriving<'_> {
-    /// c1 at the critical angle, 0 where there is none.
+    /// Returns c1 at the critical angle, 0 if there is none.
     fn critical(&self) -> f64 {
         ((self.n1 - self.n2) * (self.n1 + self.n2)).max(0.0).sqrt()
     }
 
-    /// Tilts of the microfacets at which a special case enters or leaves the plane of incidence.
+    /// Returns tilts of the microfacets at which a special case enters or leaves the plane of incidence.
     fn tilts(&self) -> [f64; 10] {
         let theta = self.beta.atan2(self.q);
         let critical_angle = (self.critical() / self.n1).acos();
@@ -138,18 +138,18 @@ impl Arriving<'_> {
             critical_angle - theta,
             theta - critical_angle,
             critical_angle + theta,
-            // Sent along the face, by reflection and by refraction.
+            // Light that leaves along the interface, by reflection and by refraction.
             0.5 * (FRAC_PI_2 - theta),
             0.5 * (FRAC_PI_2 + theta),
             (self.n2 - self.beta).abs().atan2(self.q),
             (self.n2 + self.beta).atan2(self.q),
-            // Not special: between the face's own scale and upright facets.
+            // Not special: between the scale of the interface and vertical microfacets.
             0.25 * PI,
             self.facets.alpha.sqrt().atan(),
         ]
     }
 
-    /// What facets of one tilt lose, weighted by c1, over half a turn.
+    /// Returns the loss of microfacets of one tilt, weighted by c1, over half a turn.
     fn over_azimuth(&self, rule: &Rule, h_z: f64, h_t: f64) -> f64 {
         let Self { facets, n1, n2, q, hidden, .. } = *self;
         self.half_a_turn(rule, h_z, h_t, |c1| {
@@ -168,7 +168,7 @@ impl Arriving<'_> {
         })
     }
 
-    /// What facets of one tilt send back and nothing hides, weighted by c1, over half a turn.
+    /// Returns the unshadowed light that microfacets of one tilt return, weighted by c1, over half a turn.
     fn returned(&self, rule: &Rule, h_z: f64, h_t: f64) -> f64 {
         let Self { facets, n1, n2, q, hidden, .. } = *self;
         self.half_a_turn(rule, h_z, h_t, |c1| {
@@ -182,12 +182,12 @@ impl Arriving<'_> {
         })
     }
 
-    /// The integral over half a turn of what a facet does that the light sees, by c1.
+    /// Returns the integral over half a turn of a function of c1, for microfacets visible to the light.
     fn half_a_turn(&self, rule: &Rule, h_z: f64, h_t: f64, by_c1: impl Fn(f64) -> f64) -> f64 {
         let Self { q, beta, .. } = *self;
         let (critical, along) = (self.critical(), q / h_z);
-        // c1 edge-on, at the critical angle, where the reflected and the refracted light leave
-        // along the face.
+        // c1 edge-on, at the critical angle, where the reflected and the refracted light leave along the
+        // interface.
         let edges = [0.0, critical, 0.5 * along, 0.5 * (along + critical * critical / along)];
         let azimuths = edges.map(|c1| ((q * h_z - c1) / (beta * h_t)).clamp(-1.0, 1.0).acos());
         rule.integrate(0.0, PI, azimuths, |phi| {
@@ -197,20 +197,21 @@ impl Arriving<'_> {
     }
 }
 
-/// The chance that refracted light meets no other facet, by `1/(1 + Lambda)` of its direction: cubics between nodes.
+/// Probability that refracted light meets no other microfacet, by `1/(1 + Lambda)` of its direction: cubics
+/// between nodes.
 struct Across([f64; Across::NODES + 3]);
 
 impl Across {
     const NODES: usize = 128;
 
-    /// For light that comes with this Lambda.
+    /// For incident light with this Lambda.
     fn new(hidden: f64) -> Self {
         let chance = |x: f64| (1.0 + hidden) * beta_function(hidden, 1.0 / x - 1.0);
         let mut nodes = [0.0; Self::NODES + 3];
         for (k, node) in nodes.iter_mut().enumerate().skip(2) {
             *node = chance((k as f64 - 1.0) / Self::NODES as f64);
         }
-        // One more node on either side; at 0 nothing leaves, and odd functions go through there.
+        // One more node on either side; at 0 nothing leaves, and odd functions vanish there.
         nodes[0] = -nodes[2];
         Self(nodes)
     }
@@ -220,18 +221,18 @@ impl Across {
         let first = (place as usize).min(Self::NODES - 1);
         let t = place - first as f64;
         let [a, b, c, d] = std::array::from_fn(|k| self.0[first + k]);
-        // Lagrange's cubic through the four nodes around.
+        // Lagrange cubic through the four neighbouring nodes.
         let (up, down, over) = (1.0 + t, 1.0 - t, 2.0 - t);
         0.5 * up * over * (b * down + c * t) - t * down * (a * over + d * up) / 6.0
     }
 }
 
-/// Node and weight of Gauss and Legendre's rule of this order on [-1, 1].
+/// Returns node and weight of the Gauss-Legendre rule of this order on [-1, 1].
 fn legendre_node(order: usize, k: usize) -> (f64, f64) {
     let n = order as f64;
     let mut x = (PI * (k as f64 + 0.75) / (n + 0.5)).cos();
     let mut slope = 0.0;
-    // Newton from an estimate this good converges in four steps.
+    // Newton's method from such an accurate estimate converges in four steps.
     for _ in 0..6 {
         let (mut previous, mut value) = (1.0, x);
         for l in 2..=order {
@@ -250,23 +251,24 @@ mod tests {
     use crate::rough::Distribution;
 
     #[test]
-    fn the_table_of_what_passes_is_fine_enough() {
+    fn table_of_transmission_is_fine_enough() {
         for hidden in [0.0, 0.1, 3.0, 1e3] {
             let across = Across::new(hidden);
             for step in 0..1000 {
                 let after = 1000.0 / (f64::from(step) + 0.5) - 1.0;
                 let exact = (1.0 + hidden) * beta_function(hidden, after.max(0.0));
-                // Light so close to the face is next to none.
+                // Light so close to the interface is negligible.
                 let tolerance = if after < 12.0 { 1e-7 } else { 2e-4 };
                 assert!((across.at(after.max(0.0)) - exact).abs() < tolerance, "{hidden} {after}");
             }
         }
     }
 
-    /// Against a rule of four times the order; [`super::super::again`] relies on 1e-5. (Light along the face itself, which
-    /// carries nothing, has what heights and slopes hide together vary over the cosine's own scale: there 9e-6.)
+    /// Compared with a rule of four times the order; [`super::super::multiple_scattering`] relies on 1e-5.
+    /// (For light along the interface itself, which carries nothing, the combined effect of heights and
+    /// slopes varies on the scale of the cosine: there 9e-6.)
     #[test]
-    fn twelve_nodes_are_enough() {
+    fn twelve_nodes_are_accurate() {
         let (rule, fine) = (Rule::new(12), Rule::new(48));
         for (alpha, below) in [(0.01, 1.5), (0.1, 1.05), (0.4, 2.4), (1.0, 1.5)] {
             let facets = Microfacets { distribution: Distribution::Ggx, alpha, above: 1.0, below };

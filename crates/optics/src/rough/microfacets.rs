@@ -1,15 +1,15 @@
 //! One reflection or refraction at a microfacet, for light from either side.
 //!
-//! Everything is said in wave vectors over k0: `(beta, q)` with `q = sqrt(n^2 - |beta|^2)`, in a
-//! frame whose z points to the side that the light comes from. A microfacet of normal h keeps
-//! what lies in its own plane, so the wave vector moves along h alone: by `2 c1` in a
-//! reflection, by `c1 - c2` in a refraction, c1 and c2 its components along h on either side.
+//! All quantities are wave vectors over k0: `(beta, q)` with `q = sqrt(n^2 - |beta|^2)`, in a frame whose z
+//! points to the side of the incident light. A microfacet of normal h conserves the component in its own
+//! plane, so the wave vector changes only along h: by `2 c1` in a reflection, by `c1 - c2` in a refraction,
+//! c1 and c2 its components along h on either side.
 
 use super::Side;
 use super::shadowing::{Distribution, beta_function};
 use crate::Beta;
 
-/// The statistics of a face, and its media.
+/// Statistics of the microfacets of an interface, and its media.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Microfacets {
     pub(super) distribution: Distribution,
@@ -20,20 +20,20 @@ pub(super) struct Microfacets {
 
 /// Light after one microfacet.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Leaving {
-    /// Which way the face sends it.
+pub(super) struct ScatteredLight {
+    /// Side to which the microfacet scatters it.
     pub(super) side: Side,
     /// Its direction.
     pub(super) beta: Beta,
-    /// The fraction of it that no other microfacet stands in the way of.
+    /// Probability that no other microfacet is in its path.
     pub(super) unshadowed: f64,
 }
 
-/// Light at a microfacet that it sees.
+/// Light at a microfacet that is visible to it.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Meeting {
+pub(super) struct MicrofacetEvent {
     from: Side,
-    /// Wave vector before, z towards the side that it comes from.
+    /// Wave vector before, z towards the side of incidence.
     arriving: [f64; 3],
     /// Lambda of that light.
     hidden: f64,
@@ -41,25 +41,25 @@ pub(super) struct Meeting {
     /// Components along the normal, of the light before and of the refracted light.
     c1: f64,
     c2: f64,
-    /// Share reflected.
+    /// Reflected fraction.
     pub(super) reflectance: f64,
 }
 
-/// Two directions, but for the angle between their planes of incidence.
+/// Two directions, without the angle between their planes of incidence.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Pair {
     facets: Microfacets,
     back: bool,
     n1: f64,
     n2: f64,
-    /// Of the vector along the microfacet's normal, towards the side that the light comes from.
+    /// z component of the vector along the normal of the microfacet, towards the side of incidence.
     z: f64,
     /// `G/(4 q_i q_o)`.
     shadowing: f64,
 }
 
 impl Pair {
-    /// As [`Microfacets::single`], where the difference of beta has this square.
+    /// Returns [`Microfacets::single`], where this is the square of the difference of beta.
     pub(super) fn single(&self, tangential: f64) -> f64 {
         let Self { n1, n2, z, .. } = *self;
         let length_squared = tangential + z * z;
@@ -71,7 +71,7 @@ impl Pair {
             let c1 = 0.5 * length_squared.sqrt();
             return (1.0 - transmittance(c1, n1, beyond(c1, n1, n2), n2)) * normals() * self.shadowing;
         }
-        // Twice the components along (the microfacet's normal times the length).
+        // Twice the components along (the normal of the microfacet times the length).
         let step = (n1 - n2) * (n1 + n2);
         let [c1, c2] = [length_squared + step, step - length_squared].map(|c| c * z.signum());
         if c1 <= 0.0 || c2 <= 0.0 {
@@ -91,13 +91,13 @@ impl Microfacets {
         }
     }
 
-    /// Light that meets one microfacet, by the density of directions after it. Symmetric.
+    /// Returns the density of directions of light after one microfacet. Symmetric.
     pub(super) fn single(&self, from: Side, beta_i: Beta, to: Side, beta_o: Beta) -> f64 {
         let pair = self.pair((from, beta_i.squared()), (to, beta_o.squared()));
         pair.map_or(0.0, |pair| pair.single((beta_o - beta_i).squared()))
     }
 
-    /// Two directions whose |beta| have these squares; `None` if one of them does not exist.
+    /// Returns two directions whose |beta| have these squares; `None` if one of them does not exist.
     pub(super) fn pair(&self, (from, before): (Side, f64), (to, after): (Side, f64)) -> Option<Pair> {
         let (n1, n2) = (self.index(from), self.index(to));
         if before >= n1 * n1 || after >= n2 * n2 {
@@ -116,23 +116,24 @@ impl Microfacets {
         Some(Pair { facets: *self, back, n1, n2: self.index(from.other()), z, shadowing: 0.25 * shadowing })
     }
 
-    /// `q Lambda` of light in this direction.
+    /// Returns `q Lambda` of light in this direction.
     pub(super) fn hidden(&self, q: f64, beta_squared: f64) -> f64 {
         self.distribution.hidden(self.alpha, q, beta_squared)
     }
 
-    /// The chance that light which left its first microfacet with this component q along the face's normal, in a
-    /// medium of index n, meets no other. `hidden` is Lambda of the light that came.
+    /// Returns the probability that light which left its first microfacet with this component q along the
+    /// normal of the interface, in a medium of index n, meets no other. `hidden` is Lambda of the incident
+    /// light.
     fn unshadowed(&self, hidden: f64, q: f64, n: f64, reflected: bool) -> f64 {
         let after = self.hidden(q, (n - q) * (n + q)) / q;
         (1.0 + hidden) * if reflected { 1.0 / (1.0 + hidden + after) } else { beta_function(hidden, after) }
     }
 
-    /// A microfacet sampled among those that the light sees, weighted by their projected areas.
-    pub(super) fn meet(&self, from: Side, beta: Beta, u: [f64; 2]) -> Meeting {
+    /// Samples a microfacet among those visible to the light, weighted by their projected areas.
+    pub(super) fn meet(&self, from: Side, beta: Beta, u: [f64; 2]) -> MicrofacetEvent {
         let n1 = self.index(from);
         let q = (n1 * n1 - beta.squared()).max(0.0).sqrt();
-        // In units where the roughness is 1, towards where the light comes from.
+        // In units where the roughness is 1, towards the incident light.
         let stretched = unit([-self.alpha * beta.x, -self.alpha * beta.y, q]);
         let [x, y, z] = self.distribution.visible(stretched, u);
         let normal = unit([self.alpha * x, self.alpha * y, z]);
@@ -141,30 +142,37 @@ impl Microfacets {
         let n2 = self.index(from.other());
         let c2 = beyond(c1, n1, n2);
         let hidden = self.hidden(q, beta.squared()) / q;
-        Meeting { from, arriving, hidden, normal, c1, c2, reflectance: 1.0 - transmittance(c1, n1, c2, n2) }
+        MicrofacetEvent {
+            from,
+            arriving,
+            hidden,
+            normal,
+            c1,
+            c2,
+            reflectance: 1.0 - transmittance(c1, n1, c2, n2),
+        }
     }
 
-    /// Where the face sends light that this microfacet reflects, or refracts; `None` if that is
-    /// against other microfacets.
-    pub(super) fn leave(&self, meeting: &Meeting, reflected: bool) -> Option<Leaving> {
-        let Meeting { from, arriving, hidden, normal, c1, c2, .. } = *meeting;
+    /// Returns the light that this microfacet reflects, or refracts; `None` if it meets other microfacets.
+    pub(super) fn leave(&self, event: &MicrofacetEvent, reflected: bool) -> Option<ScatteredLight> {
+        let MicrofacetEvent { from, arriving, hidden, normal, c1, c2, .. } = *event;
         let along = if reflected { 2.0 * c1 } else { c1 - c2 };
         let [x, y, z] = std::array::from_fn(|k| arriving[k] + along * normal[k]);
         let (side, q) = if reflected { (from, z) } else { (from.other(), -z) };
         let (beta, n) = (Beta { x, y }, self.index(side));
         (q > 0.0 && beta.squared() < n * n).then(|| {
             let unshadowed = self.unshadowed(hidden, q, n, reflected);
-            Leaving { side, beta, unshadowed }
+            ScatteredLight { side, beta, unshadowed }
         })
     }
 }
 
-/// The component along a face's normal behind it, 0 if the light cannot pass.
+/// Returns the component along the normal of an interface behind it, 0 if the light cannot pass.
 pub(super) fn beyond(c1: f64, n1: f64, n2: f64) -> f64 {
     ((n2 - n1) * (n2 + n1) + c1 * c1).max(0.0).sqrt()
 }
 
-/// Fresnel's transmittance, mean of s and p, from the components along the normal; 0 beyond the
+/// Returns the Fresnel transmittance, mean of s and p, from the components along the normal; 0 beyond the
 /// critical angle.
 pub(super) fn transmittance(c1: f64, n1: f64, c2: f64, n2: f64) -> f64 {
     if c2 <= 0.0 || c1 <= 0.0 {

@@ -1,6 +1,7 @@
-//! Light that met more than one microfacet: how much there is, and where it goes.
+//! Light that has met more than one microfacet: its fraction, and its distribution.
 //!
-//! Tables are over the square root of the cosine to the face's normal, in which grazing light is smooth.
+//! Tables are over the square root of the cosine to the normal of the interface, in which grazing light is
+//! smooth.
 
 use std::convert::Infallible;
 use std::f64::consts::TAU;
@@ -14,29 +15,31 @@ use super::{Side, invert};
 use crate::Beta;
 use crate::chebyshev::Piecewise;
 
-/// Order of the rule that the deficits are integrated with: error below 1e-5.
+/// Order of the rule for the deficits: error below 1e-5.
 pub(super) const ORDER: usize = 12;
 
-/// The largest error of the table between its nodes.
+/// Largest error of the table between its nodes.
 const TOLERANCE: f64 = 2e-6;
 
-/// The largest shift of log odds that is looked for; what is found is below 0.05.
+/// Largest shift of log odds in the search; the result is below 0.05.
 const SHIFT: f64 = 2.0;
 
-/// Pieces are not cut below this width: beyond 89.99 deg the deficit bends ever more, and no light is there.
+/// Width below which pieces are not divided: beyond 89.99 deg the curvature of the deficit diverges, and
+/// there is no light.
 const NARROWEST: f64 = 0.01;
 
-/// A table of roughness 0.01 has about a tenth of this.
+/// Largest number of pieces; a table of roughness 0.01 has about a tenth of it.
 const MOST_PIECES: usize = 100;
 
-/// Which way light leaves the face, seen from where it came.
+/// Mode in which light leaves the interface, relative to the side of incidence.
 pub(super) const BACK: usize = 0;
 pub(super) const ACROSS: usize = 1;
 
-/// What several microfacets send back and across.
+/// Light that several microfacets send back and across.
 ///
-/// Light that comes from a and leaves to b of the same side X has met several facets with the density
-/// `r(a) r(b)/R_X`, across with `t(a) t(b)/T`; R and T are the integrals of r and t over the directions of a side.
+/// Light that comes from a and leaves to b of the same side X has met several microfacets with the density
+/// `r(a) r(b)/R_X`; across, the density is `t(a) t(b)/T`. R and T are the integrals of r and t over the
+/// directions of a side.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Deficits {
     above: OneSide,
@@ -47,7 +50,7 @@ pub(super) struct Deficits {
 struct OneSide {
     /// `[BACK, ACROSS]`.
     table: Piecewise<2>,
-    /// The pieces, with what lies before each of the two integrals over directions.
+    /// Pieces, with the cumulative value of each of the two integrals over directions before them.
     pieces: Vec<Piece>,
     totals: [f64; 2],
 }
@@ -72,32 +75,34 @@ impl Deficits {
             });
             Self { above, below }
         };
-        // What crosses is the same from both sides: the least change of the odds to cross that makes it so.
+        // The light that crosses is the same from both sides: the smallest change of the odds of crossing
+        // that achieves this.
         let unlike = |shift: f64| both(shift).excess();
         let shift =
             invert([-SHIFT, SHIFT], 0.0, |x| -unlike(x), |x| (unlike(x - 1e-4) - unlike(x + 1e-4)) / 2e-4);
         both(shift)
     }
 
-    /// The logarithm of what crosses from above, over what crosses from below.
+    /// Returns the logarithm of the light that crosses from above, over that from below.
     fn excess(&self) -> f64 {
         let [above, below] = [&self.above, &self.below].map(|side| side.totals[ACROSS]);
         if above > 0.0 && below > 0.0 { (above / below).ln() } else { 0.0 }
     }
 
-    /// What is sent back and across, of light at this cosine.
+    /// Returns the fractions of light at this cosine that are sent back and across.
     pub(super) fn at(&self, side: Side, cosine: f64) -> [f64; 2] {
         self.of(side).table.at(cosine.sqrt()).map(|share| share.max(0.0))
     }
 
-    /// Density per unit area of `beta_o`.
+    /// Returns the density per unit area of `beta_o`.
     pub(super) fn density(&self, from: (Side, f64), to: (Side, f64)) -> f64 {
         let way = if from.0 == to.0 { BACK } else { ACROSS };
         let total = self.total(from.0, to.0);
         if total > 0.0 { self.at(from.0, from.1)[way] * self.at(to.0, to.1)[way] / total } else { 0.0 }
     }
 
-    /// Of directions: what the integrals of a way are divided by; the same from both sides.
+    /// Returns the divisor of the products: the integral over directions of a mode; the same from both
+    /// sides.
     pub(super) fn total(&self, from: Side, to: Side) -> f64 {
         if from == to {
             self.of(from).totals[BACK]
@@ -106,7 +111,8 @@ impl Deficits {
         }
     }
 
-    /// A side and a direction for light from this one at this cosine, sampled with the density above, from two numbers.
+    /// Samples a side and a direction for light from this side at this cosine, with the density above, from
+    /// two numbers.
     pub(super) fn sample(&self, facets: &Microfacets, from: (Side, f64), u: [f64; 2]) -> (Side, Beta) {
         let [back, across] = self.at(from.0, from.1);
         let share = if back + across > 0.0 { back / (back + across) } else { 0.5 };
@@ -116,7 +122,7 @@ impl Deficits {
             (from.0.other(), ACROSS, (u[0] - share) / (1.0 - share))
         };
         let n = facets.index(to);
-        // Along the face itself there is no direction to go to.
+        // There is no direction exactly along the interface.
         let cosine = self.of(to).cosine(n, way, u0).max(1e-7);
         let (x, y) = warp::polar(n * ((1.0 - cosine) * (1.0 + cosine)).sqrt(), u[1]);
         (to, Beta { x, y })
@@ -142,7 +148,7 @@ impl OneSide {
         Self { table, pieces, totals }
     }
 
-    /// The cosine below which this fraction of one of the integrals lies.
+    /// Returns the cosine below which this fraction of one of the integrals lies.
     fn cosine(&self, n: f64, way: usize, share: f64) -> f64 {
         let wanted = share * self.totals[way];
         let number = self.pieces.partition_point(|piece| piece.before[way] <= wanted).saturating_sub(1);
@@ -153,7 +159,7 @@ impl OneSide {
     }
 }
 
-/// `d^2 beta` over `x^3 dx`, x the root of the cosine, all azimuths together.
+/// Returns `d^2 beta` over `x^3 dx`, x the square root of the cosine, for all azimuths together.
 fn area(n: f64) -> f64 {
     2.0 * TAU * n * n
 }
@@ -166,7 +172,7 @@ fn table(facets: &Microfacets, rule: &Rule, side: Side) -> Piecewise<1> {
         if let Some(table) = table {
             return table;
         }
-        // Never for the roughnesses that are allowed.
+        // Never needed for the permitted roughnesses.
         tolerance *= 10.0;
     }
 }
@@ -181,9 +187,9 @@ mod tests {
         (facets, Deficits::new(&facets))
     }
 
-    /// By the midpoint rule over what lies before each direction that is sampled.
+    /// Compared with the midpoint rule over the cumulative integral up to each sampled direction.
     #[test]
-    fn drawn_directions_invert_the_cumulative_deficit() {
+    fn samples_invert_cumulative_deficit() {
         let (facets, deficits) = deficits(Distribution::Ggx, 0.1);
         let steps = 4000;
         let share = |side, way: usize, to: f64| {
@@ -203,10 +209,10 @@ mod tests {
         }
     }
 
-    /// The walk's equations are reciprocal but for the grid they are solved on: what crosses is the same from both sides
-    /// before that is mended.
+    /// The equations of the random walk are reciprocal except for the grid on which they are solved: the
+    /// light that crosses is the same from both sides already before the correction.
     #[test]
-    fn what_crosses_is_alike_from_both_sides() {
+    fn crossing_light_is_equal_from_both_sides() {
         for (distribution, alpha) in [(Distribution::Ggx, 0.3), (Distribution::Beckmann, 0.6)] {
             let (facets, balanced) = deficits(distribution, alpha);
             assert!(balanced.excess().abs() < 1e-9);

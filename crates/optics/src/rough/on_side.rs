@@ -7,22 +7,22 @@ use crate::scatterer::{Sample, Scatterer};
 /// A direction on one side of an interface.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct OnSide {
-    /// The side that the light is on.
+    /// Side of the interface.
     pub side: Side,
-    /// Its direction of propagation.
+    /// Direction of propagation.
     pub beta: Beta,
 }
 
 impl Side {
-    /// A direction on this side.
+    /// Returns a direction on this side.
     pub fn at(self, beta: Beta) -> OnSide {
         OnSide { side: self, beta }
     }
 }
 
-/// Lossless: the albedo is 1. Symmetric: light that retraces its way has the same density. 0 where `|beta|` is not
-/// below the index of its side. `to = from` is the direction of the mirror on the same side, and straight on across
-/// the face.
+/// Lossless: the albedo is 1. Symmetric: light in the opposite direction has the same density. 0 if `|beta|`
+/// is not below the index of its side. `to = from` is the specular direction on the same side, and the
+/// undeviated direction across the interface.
 impl Scatterer for Rough {
     type Direction = OnSide;
 
@@ -52,17 +52,17 @@ impl Scatterer for Rough {
 
 impl Rough {
     fn sample_direction(&self, OnSide { side: from, beta: beta_i }: OnSide, u: [f64; 4]) -> OnSide {
-        let meeting = self.facets.meet(from, beta_i, [u[0], u[1]]);
-        let reflectance = meeting.reflectance;
+        let event = self.facets.meet(from, beta_i, [u[0], u[1]]);
+        let reflectance = event.reflectance;
         let reflected = u[2] < reflectance;
         let mut again = u[3];
-        if let Some(leaving) = self.facets.leave(&meeting, reflected) {
-            if again < leaving.unshadowed {
-                return leaving.side.at(leaving.beta);
+        if let Some(scattered) = self.facets.leave(&event, reflected) {
+            if again < scattered.unshadowed {
+                return scattered.side.at(scattered.beta);
             }
-            again = (again - leaving.unshadowed) / (1.0 - leaving.unshadowed);
+            again = (again - scattered.unshadowed) / (1.0 - scattered.unshadowed);
         }
-        // Both choices leave what is uniform among the numbers that led to them.
+        // Both choices leave a uniform number among those that led to them.
         let turn = if reflected { u[2] / reflectance } else { (u[2] - reflectance) / (1.0 - reflectance) };
         let cosine = self.cosine(from, beta_i).unwrap_or(0.0);
         let (side, beta) = self.deficits.sample(&self.facets, (from, cosine), [again, turn]);

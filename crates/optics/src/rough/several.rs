@@ -1,17 +1,19 @@
-//! Which side light leaves to that meets several microfacets.
+//! Side on which light leaves that meets several microfacets.
 //!
-//! Heitz's walk over microfacets (E. Heitz et al., "Multiple-Scattering Microfacet BSDFs with the Smith Model", ACM
-//! Trans. Graph. 35 (4), 58 (2016)) is a walk in the height of the face's plane layer of facets and in the direction's
-//! cosine. Instead of following walkers, the chance to leave above is solved for: it is a function of height C, cosine
-//! and sense of a ray that has just left a facet,
+//! Heitz's random walk over microfacets (E. Heitz et al., "Multiple-Scattering Microfacet BSDFs with the
+//! Smith Model", ACM Trans. Graph. 35 (4), 58 (2016)) takes place in the height within the layer of
+//! microfacets and in the cosine of the direction. Instead of following random walkers, this module solves
+//! for the probability of leaving above, a function of height C, cosine and sense of a ray that has just
+//! left a microfacet,
 //!
 //! `E = (leaves above) + integral of rate(C -> C') mean over facets at C' of E(next ray)`,
 //!
-//! iterated on a grid until it stands still. Facets are integrated by a product rule, rays in between by closed
-//! forms over cells of height in which the mean is linear. No chance numbers: equal faces have equal tables.
+//! iterated on a grid until it converges. Microfacets are integrated by a product rule, rays in between by
+//! closed forms over cells of height in which the mean is linear. No random numbers are used: equal
+//! interfaces have equal tables.
 //!
-//! Exactly, what crosses is the same from both sides (the walk is reciprocal); on this grid to some 1e-3 of it. That is
-//! mended by [`Split::balanced`].
+//! In exact arithmetic, the light that crosses is the same from both sides (the random walk is reciprocal);
+//! on this grid the two differ by about 1e-3. [`Split::balanced`] corrects this.
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -23,18 +25,19 @@ use super::microfacets::{Microfacets, beyond, transmittance};
 const ANGLES: usize = 48;
 /// Heights.
 const HEIGHTS: usize = 25;
-/// Azimuths of facets, over half a turn.
+/// Azimuths of microfacets, over half a turn.
 const AZIMUTHS: usize = 24;
-/// Facets' tilts in each of three parts.
+/// Tilts of microfacets in each of three parts.
 const TILTS: usize = 16;
-/// Facets that are followed, at most: far more than any light that counts.
+/// Largest number of microfacets that are followed: far more than any significant light meets.
 const MOST_FACETS: usize = 1000;
 
-/// On each side, light that comes, and light that leaves.
+/// Senses on each side: incident light, and light that leaves.
 const COMES: usize = 0;
 const LEAVES: usize = 1;
 
-/// The fraction of what one facet loses that goes back to the side where it came from, at the [`cosine`]s of the grid.
+/// Fraction of the light lost by one microfacet that returns to the side of incidence, at the [`cosine`]s of
+/// the grid.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Split {
     back: [[f64; ANGLES]; 2],
@@ -57,7 +60,7 @@ impl Split {
         split
     }
 
-    /// The fraction at this cosine: a cubic through the four nearest nodes.
+    /// Returns the fraction at this cosine: a cubic through the four nearest nodes.
     fn back(&self, side: Side, cosine: f64) -> f64 {
         let values = &self.back[side as usize];
         let place = place(cosine);
@@ -70,13 +73,14 @@ impl Split {
         (0..4).map(term).sum::<f64>().clamp(1e-6, 1.0 - 1e-6)
     }
 
-    /// What goes `[BACK, ACROSS]` of what one facet loses at this cosine.
+    /// Returns the parts `[BACK, ACROSS]` of the light lost by one microfacet at this cosine.
     pub(super) fn of(&self, side: Side, cosine: f64, lost: f64) -> [f64; 2] {
         let back = self.back(side, cosine);
         [back * lost, (1.0 - back) * lost]
     }
 
-    /// With the odds of crossing `exp(-shift)` times as large from above, `exp(shift)` times from below.
+    /// Returns the same with the odds of crossing multiplied by `exp(-shift)` from above, `exp(shift)` from
+    /// below.
     pub(super) fn balanced(&self, shift: f64) -> Self {
         let mut split = self.clone();
         for (back, factor) in split.back.iter_mut().zip([shift.exp(), (-shift).exp()]) {
@@ -88,12 +92,12 @@ impl Split {
     }
 }
 
-/// A ray's place among all: by side, sense and angle.
+/// Returns the index of a ray among all: by side, sense and angle.
 fn number(side: usize, sense: usize, angle: usize) -> usize {
     (2 * side + sense) * ANGLES + angle
 }
 
-/// Cosines to the face's normal, denser towards the face.
+/// Returns cosines to the normal of the interface, denser towards grazing directions.
 fn cosines() -> [f64; ANGLES] {
     std::array::from_fn(|k| {
         let v = k as f64 / (ANGLES - 1) as f64;
@@ -101,21 +105,21 @@ fn cosines() -> [f64; ANGLES] {
     })
 }
 
-/// Where a cosine lies among them.
+/// Returns the position of a cosine among them.
 fn place(cosine: f64) -> f64 {
     (cosine.clamp(0.0, 1.0).asin() / FRAC_PI_2).cbrt().powi(2) * (ANGLES - 1) as f64
 }
 
-/// A height, 0 to 1, dense at the top and at the bottom.
+/// Returns a height, 0 to 1, dense at the top and at the bottom.
 fn height(j: usize) -> f64 {
     0.5 * (1.0 - (PI * j as f64 / (HEIGHTS - 1) as f64).cos())
 }
 
-/// A ray between facets, on one side.
+/// A ray between microfacets, on one side.
 struct Ray {
     side: usize,
     sense: usize,
-    /// Wave vector along and away from the face.
+    /// Wave vector along the interface and away from it.
     beta: f64,
     z: f64,
     /// Smith's Lambda.
@@ -137,7 +141,7 @@ fn rays(facets: &Microfacets) -> Vec<Ray> {
     all
 }
 
-/// The ray's next one after a facet: the chance of each, by [`number`].
+/// Returns the distribution of rays after a microfacet: the probability of each, by [`number`].
 fn after_a_facet(facets: &Microfacets, ray: &Ray) -> Vec<f64> {
     let rule = Rule::new(TILTS);
     let mut next = vec![0.0; 4 * ANGLES];
@@ -168,7 +172,7 @@ fn after_a_facet(facets: &Microfacets, ray: &Ray) -> Vec<f64> {
     next
 }
 
-/// Shares a weight out between the two cosines beside this one (below 0: light that comes).
+/// Distributes a weight among the two cosines next to this one (below 0: incident light).
 fn add(next: &mut [f64], side: usize, cosine: f64, weight: f64) {
     let sense = if cosine > 0.0 { LEAVES } else { COMES };
     let place = place(cosine.abs());
@@ -179,12 +183,13 @@ fn add(next: &mut [f64], side: usize, cosine: f64, weight: f64) {
     next[at + 1] += weight * right;
 }
 
-/// Free flight over heights, each counted towards the ray's own side.
+/// Free flight over heights, each counted towards the side of the ray.
 struct Flight {
     sense: usize,
-    /// The chance to meet no other facet, from each height.
+    /// Probability of meeting no other microfacet, from each height.
     leaves: [f64; HEIGHTS],
-    /// Between two neighbouring heights: what passes, and what meets a facet, by the value at the lower and at the upper end.
+    /// Between two adjacent heights: the light that passes, and the light that meets a microfacet, by the
+    /// value at the lower and at the upper end.
     cells: [[f64; 3]; HEIGHTS - 1],
 }
 
@@ -210,8 +215,8 @@ impl Flight {
         };
         let leaves = |j: usize| match (ray.sense, j) {
             (COMES, _) => 0.0,
-            // So that the lowest cell, linear, holds what it should: at the bottom itself light never leaves, but so
-            // close to it almost all does where Lambda is small.
+            // So that the lowest cell, which is linear, has the right integral: at the bottom itself light
+            // never leaves, but very close to it nearly all light does if Lambda is small.
             (_, 0) => height(1).powf(rate) * ((1.0 - rate) / (1.0 + rate)).max(0.0),
             _ => height(j).powf(rate),
         };
@@ -219,7 +224,7 @@ impl Flight {
         Self { sense: ray.sense, leaves, cells }
     }
 
-    /// Sets what light has ahead of it at each height, of what there is `after` a facet met at each.
+    /// Sets the expected value of light at each height, given that `after` a microfacet met at each.
     fn set(&self, ahead: &mut [f64; HEIGHTS], at_top: f64, after: &[f64; HEIGHTS]) {
         if self.sense == COMES {
             ahead[0] = after[0];
@@ -231,14 +236,14 @@ impl Flight {
             for (j, [passes, lower, upper]) in self.cells.iter().enumerate().rev() {
                 ahead[j] = passes * ahead[j + 1] + lower * after[j] + upper * after[j + 1];
             }
-            // At the bottom, what does not leave meets what it meets from the next height.
+            // At the bottom, light that does not leave meets the same as from the next height.
             let [bottom, next] = [self.leaves[0], self.leaves[1]];
             let meets = if next < 1.0 { (ahead[1] - next * at_top) / (1.0 - next) } else { 0.0 };
             ahead[0] = bottom * at_top + (1.0 - bottom) * meets;
         }
     }
 
-    /// Of light that comes from outside and meets more than one facet, the fraction that leaves above.
+    /// Returns the fraction, of incident light that meets more than one microfacet, that leaves above.
     fn share_above(&self, next: &[f64], above: &[[f64; HEIGHTS]], flights: &[Self], side: usize) -> f64 {
         let [mut to_above, mut all] = [[0.0; HEIGHTS]; 2];
         for (ray, chance) in next.iter().enumerate().filter(|(_, chance)| **chance > 0.0) {
@@ -259,12 +264,13 @@ impl Flight {
     }
 }
 
-/// The chance to leave above, of each ray that has just left a facet at each height (of its own side).
+/// Returns the probability of leaving above, of each ray that has just left a microfacet at each height (of
+/// its own side).
 fn chance_above(scattering: &[Vec<f64>], flights: &[Flight]) -> Vec<[f64; HEIGHTS]> {
     let mut above = vec![[0.5; HEIGHTS]; flights.len()];
     for _ in 0..MOST_FACETS {
         let mut change = 0.0_f64;
-        // From the same values for all: what is found first must not matter.
+        // All values are computed from the previous ones: the order must not matter.
         let before = above.clone();
         for (ray, (flight, next)) in flights.iter().zip(scattering).enumerate() {
             let side = ray / (2 * ANGLES);

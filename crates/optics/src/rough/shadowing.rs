@@ -1,9 +1,10 @@
-//! The slopes of a face, and what they hide: Smith's Lambda for heights that are independent of slopes.
+//! Slopes of an interface, and their shadowing: Smith's Lambda for heights that are independent of slopes.
 //!
-//! A ray that goes along a direction of cosine mu over heights that fill (0, 1) uniformly meets a facet at the rate
-//! Lambda while it leaves, 1 + Lambda while it comes, per logarithm of the height: light at the height C leaves with
-//! the chance `C^Lambda`. All else here follows from that (E. Heitz et al., "Multiple-Scattering Microfacet BSDFs with
-//! the Smith Model", ACM Trans. Graph. 35 (4), 58 (2016), eq. 4 to 12).
+//! A ray in a direction of cosine mu over heights that fill (0, 1) uniformly meets microfacets at the rate
+//! Lambda if it leaves, 1 + Lambda if it arrives, per logarithm of the height: light at the height C leaves
+//! with the probability `C^Lambda`. Everything else here follows from that (E. Heitz et al.,
+//! "Multiple-Scattering Microfacet BSDFs with the Smith Model", ACM Trans. Graph. 35 (4), 58 (2016), eq. 4
+//! to 12).
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
@@ -11,19 +12,21 @@ use papilio_sampling::{erfc, erfc_inv, warp};
 
 use super::invert;
 
-/// How the slopes of a face are spread.
+/// Distribution of the slopes of an interface.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Distribution {
-    /// GGX (Trowbridge-Reitz): half of the face is steeper than `atan alpha`, and few facets are very steep.
+    /// GGX (Trowbridge-Reitz): half of the interface is steeper than `atan alpha`, and few microfacets are
+    /// very steep.
     #[default]
     Ggx,
-    /// Gaussian slopes of variance `alpha^2/2` along each axis: hardly any facet is steeper than 2.5 alpha.
+    /// Gaussian slopes of variance `alpha^2/2` along each axis: hardly any microfacet is steeper than 2.5
+    /// alpha.
     Beckmann,
 }
 
 impl Distribution {
-    /// Density per steradian of normals along a vector whose tangential part has this square, and whose z this one;
-    /// their sum is not 0.
+    /// Returns the density per steradian of normals along a vector with these squares of its tangential part
+    /// and of its z component; their sum is not 0.
     pub fn normals(self, alpha: f64, tangential: f64, z_squared: f64) -> f64 {
         let alpha_squared = alpha * alpha;
         match self {
@@ -39,7 +42,8 @@ impl Distribution {
         }
     }
 
-    /// Fraction of the face's area, seen from above, whose slope is `alpha tan(w)`, per unit of w from 0 to pi/2.
+    /// Returns the fraction of the area, seen from above, with slope `alpha tan(w)`, per unit of w from 0 to
+    /// pi/2.
     pub(super) fn slopes(self, w: f64) -> f64 {
         let (sin, cos) = w.sin_cos();
         match self {
@@ -52,14 +56,15 @@ impl Distribution {
         }
     }
 
-    /// `q Lambda` for a wave vector of this component q >= 0 along the face's normal, this length along the face.
+    /// Returns `q Lambda` for a wave vector with this component q >= 0 along the normal, and this square of
+    /// its length along the interface.
     pub fn hidden(self, alpha: f64, q: f64, beta_squared: f64) -> f64 {
         let across = alpha * alpha * beta_squared;
         match self {
             Self::Ggx => 0.5 * across / (q + (q * q + across).sqrt()),
             Self::Beckmann => {
                 let (across, ratio) = (across.sqrt(), q / across.sqrt());
-                // Beyond, it is below 1e-32; where the face is met straight, the ratio is infinite.
+                // Beyond, it is below 1e-32; at normal incidence the ratio is infinite.
                 if ratio.is_nan() || ratio > 8.0 {
                     return 0.0;
                 }
@@ -69,8 +74,8 @@ impl Distribution {
         }
     }
 
-    /// A normal, of any length, sampled among those of a face of alpha 1 that light from `towards`, a unit vector, sees,
-    /// weighted by their projected areas.
+    /// Samples a normal, of any length, among those of an interface of alpha 1 that are visible to light
+    /// from `towards`, a unit vector, weighted by their projected areas.
     pub(super) fn visible(self, towards: [f64; 3], [u, v]: [f64; 2]) -> [f64; 3] {
         match self {
             // Spherical caps: J. Dupuy, A. Benyoub, Comput. Graph. Forum 42 (8), 2023.
@@ -91,7 +96,7 @@ impl Distribution {
     }
 }
 
-/// A Gaussian slope towards the light, weighted by `cos + slope sin` where that is positive.
+/// Samples a Gaussian slope towards the light, weighted by `cos + slope sin` where that is positive.
 fn visible_slope(sin: f64, cos: f64, u: f64) -> f64 {
     let least = if sin > 0.0 { (-cos / sin).max(-6.0) } else { -6.0 };
     let gauss = |x: f64| (-x * x).exp();
@@ -100,20 +105,20 @@ fn visible_slope(sin: f64, cos: f64, u: f64) -> f64 {
     invert([least, 6.0], -u * all, |x| -steeper(x), |x| (cos + x * sin) * gauss(x))
 }
 
-/// Euler's `B(1 + x, 1 + y)`, x and y from 0, to 2e-10: the chance that light passes a height where nothing hides
-/// it from above (Lambda = x) nor from below (y), mean over heights.
+/// Returns Euler's `B(1 + x, 1 + y)`, x and y from 0, to 2e-10: the probability that light at a height is
+/// shadowed neither from above (Lambda = x) nor from below (y), averaged over heights.
 pub(super) fn beta_function(x: f64, y: f64) -> f64 {
     let (x, y) = (x.max(y), x.min(y));
     let t = x + y + G + 1.5;
-    // Of three gammas, each as sqrt(2 pi) (z + G + 1/2)^(z + 1/2) exp(-z - G - 1/2) P(z)/Q(z).
+    // From three gammas, each as sqrt(2 pi) (z + G + 1/2)^(z + 1/2) exp(-z - G - 1/2) P(z)/Q(z).
     let power = (x + 0.5) * (-(y + 1.0) / t).ln_1p() + (y + 0.5) * ((y + G + 0.5) / t).ln() - G + 0.5;
     let [[p_x, q_x], [p_y, q_y], [p, q]] =
         [x, y, x + y + 1.0].map(|z| [polynomial(z, &P), polynomial(z, &Q)]);
     (TAU / t).sqrt() * power.exp() * (p_x * p_y * q) / (q_x * q_y * p)
 }
 
-/// C. Lanczos, SIAM J. Numer. Anal. 1, 86 (1964), with seven terms as W. Press et al. have them (Numerical Recipes,
-/// 2nd ed., 6.1), over their common denominator `(z + 1) .. (z + 6)`.
+/// Constants of C. Lanczos, SIAM J. Numer. Anal. 1, 86 (1964), with seven terms as given by W. Press et al.
+/// (Numerical Recipes, 2nd ed., 6.1), over their common denominator `(z + 1) .. (z + 6)`.
 const G: f64 = 5.0;
 const P: [f64; 7] = [
     29_969.594_579_836_12,
@@ -134,10 +139,10 @@ fn polynomial(z: f64, coefficients: &[f64; 7]) -> f64 {
 mod tests {
     use super::*;
 
-    /// By mpmath 1.3, 40 digits.
+    /// Computed by mpmath 1.3, 40 digits.
     #[test]
     #[rustfmt::skip]
-    fn the_beta_function_is_as_published() {
+    fn beta_function_equals_published_values() {
         for (x, all) in [
             (0.0, [1.0, 0.9999000099990001, 0.7142857142857143, 0.3333333333333333, 0.03225806451612903]),
             (1e-9, [0.999999999, 0.9999000089990356, 0.7142857134070594, 0.3333333327222222, 0.032258064386217894]),
@@ -155,10 +160,10 @@ mod tests {
         }
     }
 
-    /// What is seen of a face from any side is its projection: the integral of the facets' projected areas is
-    /// `cos (1 + Lambda)`, by the midpoint rule over slopes.
+    /// The visible area of an interface from any direction is its projection: the integral of the projected
+    /// areas of microfacets is `cos (1 + Lambda)`, by the midpoint rule over slopes.
     #[test]
-    fn facets_seen_and_hidden_add_up() {
+    fn visible_area_equals_projection() {
         for distribution in [Distribution::Ggx, Distribution::Beckmann] {
             for (alpha, theta) in [(0.3, 0.2_f64), (0.3, 1.4), (1.0, 1.0)] {
                 let (mut seen, steps) = (0.0, 800);

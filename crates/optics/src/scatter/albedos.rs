@@ -1,4 +1,4 @@
-//! The fraction of light that a kernel sends into its disc, by incidence.
+//! Albedo: the fraction of light that a kernel scatters into its disc, by incidence.
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -9,31 +9,31 @@ use crate::Beta;
 /// Integrals at nodes of `|beta|`, up to the last from which light is scattered.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Albedos {
-    /// Where nodes go on in another way: where it ends within the air disc, and beyond.
+    /// Ends of the two intervals of nodes: within the disc of air, and beyond.
     ends: [f64; 2],
     values: [Vec<f64>; 2],
 }
 
-/// Steps within the air disc, and as many beyond.
+/// Steps within the disc of air, and as many beyond.
 const STEPS: usize = 36;
 
 impl Albedos {
-    /// Of a function of `|beta|` that is the integral; beyond `end`, 1 in air, it is 0.
+    /// Tabulates a function of `|beta|`, the integral; beyond `end`, 1 in air, it is 0.
     pub(super) fn new(end: f64, integral: impl Fn(f64) -> f64) -> Self {
         let ends = [end.min(1.0), end];
         let at = |step: usize| FRAC_PI_2 * step as f64 / STEPS as f64;
         let within = (0..=STEPS).map(|step| integral(ends[0] * at(step).sin()));
-        // Beyond the horizon lobes fall, steeply at first.
+        // Beyond the horizon lobes decrease, steeply at first.
         let beyond =
             (0..=STEPS).filter(|_| end > 1.0).map(|step| integral(end - (end - 1.0) * at(step).cos()));
         Self { values: [within.collect(), beyond.collect()], ends }
     }
 
-    /// At `|beta|`, 0 to 1, or on to where light comes from.
+    /// Returns the albedo at `|beta|`, 0 to 1, or up to the end of the incident disc.
     #[inline]
     pub(super) fn at(&self, length: f64) -> f64 {
         let [within, end] = self.ends;
-        // Without light from beyond the air disc, rounding beyond 1 counts as 1.
+        // Without light from beyond the disc of air, values above 1 are rounding and count as 1.
         if length > end && end != 1.0 {
             0.0
         } else if length <= within || end <= 1.0 {
@@ -46,13 +46,13 @@ impl Albedos {
     }
 }
 
-/// Lagrange's four points among values at even places from 0 to 1.
+/// Lagrange interpolation of four points among values at uniform positions from 0 to 1.
 #[inline]
 fn interpolated(values: &[f64], place: f64) -> f64 {
     four_points(values, place * STEPS as f64).max(0.0)
 }
 
-/// Lagrange's four points among values at places 0, 1, ...
+/// Lagrange interpolation of four points among values at positions 0, 1, ...
 #[inline]
 pub(super) fn four_points(values: &[f64], x: f64) -> f64 {
     let first = (x as usize).saturating_sub(1).min(values.len() - 4);
@@ -66,8 +66,8 @@ pub(super) fn four_points(values: &[f64], x: f64) -> f64 {
     weights.iter().zip(&values[first..]).map(|(w, v)| w * v).sum()
 }
 
-/// The integral over a disc about 0, of radius 1 in air, of a function of distance and azimuth about
-/// `|beta| = length` that is smooth between these nodes, by Gauss's rule of so many points in each cell.
+/// Returns the integral over a disc about 0, of radius 1 in air, of a function of distance and azimuth about
+/// `|beta| = length` that is smooth between these nodes, by the Gauss rule of this many points in each cell.
 pub(super) fn integral(
     radial: &Axis,
     azimuth: &Axis,
@@ -76,7 +76,7 @@ pub(super) fn integral(
     value: impl Fn(f64, f64) -> f64,
 ) -> f64 {
     let mut radii = radial.nodes().to_vec();
-    // Where the rim of the disc begins and ends to cut circles, the integrand has a square root.
+    // Where circles begin and cease to intersect the rim of the disc, the integrand has a square root.
     let rims = [(disc - length).abs(), disc + length].into_iter();
     let graded =
         rims.flat_map(|r| [0.0, 0.001, 0.004, 0.016, 0.064].into_iter().flat_map(move |d| [r - d, r + d]));
@@ -101,7 +101,8 @@ pub(super) fn integral(
     sum
 }
 
-/// Light at `|beta| = length` along x that is turned by a distance at an azimuth about it.
+/// Returns the direction `|beta| = length` along x, and the direction displaced from it by a distance at an
+/// azimuth.
 pub(super) fn turned(length: f64, distance: f64, azimuth: f64) -> [Beta; 2] {
     debug_assert!((-1e-9..=PI + 1e-9).contains(&azimuth));
     let (sin, cos) = azimuth.sin_cos();

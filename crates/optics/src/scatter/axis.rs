@@ -5,12 +5,12 @@
 pub(super) struct Axis {
     nodes: Vec<f64>,
     cells: Vec<Cell>,
-    /// For each of so many equal parts of the range the cell that it begins in.
+    /// For each of these equal parts of the range the cell in which it begins.
     cell_at: Vec<u32>,
     parts_per_unit: f64,
 }
 
-/// The space between two nodes, seen from four: the one before, its ends, the one after.
+/// Interval between two nodes, with four nodes: the one before, its ends, the one after.
 #[derive(Debug, Clone, Copy)]
 struct Cell {
     start: f64,
@@ -18,11 +18,11 @@ struct Cell {
     inverse: f64,
     /// Inverse widths of the cells before and after.
     around: [f64; 2],
-    /// Of the slope at either end, the fraction that this cell's secant has.
+    /// Weight of this cell's secant in the slope at either end.
     own: [f64; 2],
 }
 
-/// A place in a cell.
+/// Position in a cell.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Place {
     pub(super) cell: usize,
@@ -34,12 +34,12 @@ pub(super) struct Place {
 /// Parts of the range for each cell: enough that a step or two finds it.
 const PARTS_PER_CELL: usize = 4;
 
-/// A slope is at most this multiple of the smaller secant beside it: so it overshoots by less
-/// than what changes nearby (Fritsch and Carlson 1980; Hyman 1983).
+/// Largest slope, as a multiple of the smaller adjacent secant: it bounds overshoot to less than the changes
+/// nearby (Fritsch and Carlson 1980; Hyman 1983).
 pub(super) const STEEPEST: f64 = 3.0;
 
 impl Axis {
-    /// Of nodes, and of the places where the values before the first and after the last one lie.
+    /// Builds the axis from nodes, and the positions of the values before the first and after the last one.
     pub(super) fn new(nodes: Vec<f64>, before: f64, after: f64) -> Self {
         let last = nodes.len() - 1;
         let at = |i: isize| match i {
@@ -68,7 +68,7 @@ impl Axis {
         Self { cells, cell_at: cell_at.collect(), parts_per_unit: parts as f64 / range, nodes }
     }
 
-    /// Of nodes whose values are mirrored at both ends, as those of an angle from 0 to pi.
+    /// Builds the axis of nodes whose values are mirrored at both ends, as those of an angle from 0 to pi.
     pub(super) fn mirrored(nodes: Vec<f64>) -> Self {
         let last = nodes.len() - 1;
         let (before, after) = (2.0 * nodes[0] - nodes[1], 2.0 * nodes[last] - nodes[last - 1]);
@@ -83,7 +83,7 @@ impl Axis {
         self.nodes[self.nodes.len() - 1]
     }
 
-    /// The place of `x`; beyond the nodes that of the nearest.
+    /// Returns the position of `x`; beyond the nodes that of the nearest.
     #[inline]
     pub(super) fn place(&self, x: f64) -> Place {
         let part = ((x - self.nodes[0]) * self.parts_per_unit) as usize;
@@ -98,21 +98,21 @@ impl Axis {
 }
 
 impl Place {
-    /// The width of the cell.
+    /// Returns the width of the cell.
     #[inline]
     pub(super) fn width(&self) -> f64 {
         self.geometry.width
     }
 
-    /// Hermite's basis: of the values at the ends, and of the slopes, times the cell's width.
+    /// Returns the Hermite basis: of the values at the ends, and of the slopes, times the width of the cell.
     #[inline]
     pub(super) fn hermite(&self) -> [f64; 4] {
         let (t, s) = (self.t, 1.0 - self.t);
         [s * s * (1.0 + 2.0 * t), t * t * (3.0 - 2.0 * t), t * s * s, -t * t * s]
     }
 
-    /// A cubic between the middle two of four values, with the slopes of parabolas through
-    /// three of them, no steeper than [`STEEPEST`] allows.
+    /// Returns the cubic between the middle two of four values, with the slopes of parabolas through three
+    /// of them, limited by [`STEEPEST`].
     #[inline]
     pub(super) fn cubic(&self, values: [f64; 4]) -> f64 {
         let Cell { inverse, around, own, .. } = self.geometry;
@@ -132,7 +132,7 @@ impl Place {
     }
 }
 
-/// Comparisons without the care for what is no number, which costs time.
+/// Comparison without a test for NaN, which takes time.
 #[inline]
 fn smaller(a: f64, b: f64) -> f64 {
     if a < b { a } else { b }
@@ -148,7 +148,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn places_are_found_in_uneven_axes() {
+    fn positions_are_found_on_nonuniform_axes() {
         let nodes = vec![0.0, 0.01, 0.02, 0.5, 0.9, 2.0];
         let axis = Axis::mirrored(nodes.clone());
         for step in 0..=4000 {
@@ -160,9 +160,9 @@ mod tests {
         assert_eq!((axis.place(7.0).cell, axis.place(7.0).t, axis.place(-1.0).t), (4, 1.0, 0.0));
     }
 
-    /// Parabolas are reproduced where they are not steepest beside a top.
+    /// Parabolas are reproduced except where slopes are limited near an extremum.
     #[test]
-    fn a_parabola_is_reproduced() {
+    fn parabola_is_reproduced() {
         let nodes = [0.3, 0.5, 0.8, 1.0];
         let axis = Axis::new(nodes[1..3].to_vec(), nodes[0], nodes[3]);
         let f = |x: f64| 2.0 + x + x * x;
@@ -173,7 +173,7 @@ mod tests {
     }
 
     #[test]
-    fn a_step_does_not_overshoot() {
+    fn step_does_not_overshoot() {
         let axis = Axis::new(vec![1.0, 2.0], 0.0, 3.0);
         for step in 0..=20 {
             let value = axis.place(1.0 + 0.05 * f64::from(step)).cubic([0.0, 0.0, 1.0, 1.0]);

@@ -1,21 +1,21 @@
-//! Gauss and Legendre's rules.
+//! Gauss-Legendre rules.
 
 use std::f64::consts::PI;
 use std::sync::LazyLock;
 
-/// The largest rule.
+/// Largest number of points.
 const MOST_POINTS: usize = 40;
 
 /// Nodes and weights on [-1, 1], by the number of points.
 static RULES: LazyLock<Vec<Vec<(f64, f64)>>> = LazyLock::new(|| (0..=MOST_POINTS).map(rule).collect());
 
-/// Nodes and weights of the rule of so many points, 1 to 40, on an interval.
+/// Returns nodes and weights of the rule of this many points, 1 to 40, on an interval.
 pub(super) fn gauss(from: f64, to: f64, points: usize) -> impl Iterator<Item = (f64, f64)> {
     let (middle, half) = (0.5 * (from + to), 0.5 * (to - from));
     RULES[points.clamp(1, MOST_POINTS)].iter().map(move |(x, weight)| (middle + half * x, half * weight))
 }
 
-/// By Newton's method from Tricomi's first guess.
+/// Computes a rule by Newton's method from Tricomi's first approximation.
 fn rule(points: usize) -> Vec<(f64, f64)> {
     let n = points as f64;
     let node = |i: usize| {

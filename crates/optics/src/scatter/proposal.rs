@@ -1,9 +1,9 @@
-//! Directions sampled from a kernel on a working grid, exactly by the density that it says.
+//! Sampling of directions from a kernel on a working grid, with exactly the stated density.
 //!
-//! Between nodes the density times the distance from the specular direction is bilinear; the
-//! distance is sampled by its marginal, the azimuth given that, both by inverting their cumulative
-//! sums. Between two incidences one of the two is sampled. A small fraction of directions is sampled
-//! uniformly from the disc, so that no weight is without bound.
+//! Between nodes the density times the distance from the specular direction is bilinear. The distance is
+//! sampled by its marginal, then the azimuth given the distance, both by inverting cumulative sums. Between
+//! two incidences one of the two is selected. A small fraction of the directions is sampled uniformly from
+//! the disc, so that weights are bounded.
 
 use papilio_sampling::warp;
 
@@ -11,10 +11,10 @@ use super::albedos::turned;
 use super::axis::Axis;
 use crate::Beta;
 
-/// The fraction of directions that is sampled uniformly.
+/// Fraction of the directions that is sampled uniformly.
 const EVEN: f64 = 1.0 / 64.0;
 
-/// A density of directions for each incidence.
+/// Density of directions for each incidence.
 #[derive(Debug, Clone)]
 pub(super) struct Proposal {
     incidence: Axis,
@@ -22,16 +22,16 @@ pub(super) struct Proposal {
     azimuth: Axis,
     /// The kernel times the distance, `[incidence][radial][azimuth]`.
     density: Vec<f64>,
-    /// Its integral over azimuth up to each node.
+    /// Integral over azimuth up to each node.
     around: Vec<f64>,
-    /// The integral of the whole over distance up to each node, `[incidence][radial]`.
+    /// Integral of the total over distance up to each node, `[incidence][radial]`.
     outward: Vec<f64>,
-    /// The radius of the disc that light is sent to: 1 in air.
+    /// Radius of the disc of scattered light: 1 in air.
     disc: f64,
 }
 
 impl Proposal {
-    /// Of a kernel, on working nodes; light that it sends well beyond a disc is left out.
+    /// Tabulates a kernel on working nodes; light that it scatters well beyond a disc is left out.
     pub(super) fn new(axes: [&[f64]; 3], disc: f64, value: impl Fn(Beta, Beta) -> f64) -> Self {
         let [incidence, radial, azimuth] = axes.map(|nodes| Axis::mirrored(nodes.to_vec()));
         let mut density = Vec::with_capacity(axes.iter().map(|axis| axis.len()).product());
@@ -42,7 +42,7 @@ impl Proposal {
         for (i, &length) in axes[0].iter().enumerate() {
             for (k, &r) in axes[1].iter().enumerate() {
                 for (j, &angle) in axes[2].iter().enumerate() {
-                    // A node counts if a cell that it ends has a corner on the disc.
+                    // A node counts if one of its cells has a corner on the disc.
                     let near = reach(axes[0], i).into_iter().any(|length| {
                         reach(axes[1], k).into_iter().any(|r| {
                             let on_disc = |a| turned(length, r, a)[1].squared() <= disc * disc;
@@ -72,7 +72,7 @@ impl Proposal {
         }
     }
 
-    /// Drawn for light from `from`; may lie beyond the disc.
+    /// Samples a direction for light from `from`; it may lie beyond the disc.
     ///
     /// The last number makes all choices, one after the other.
     pub(super) fn sample(&self, from: Beta, [u, v, choice]: [f64; 3]) -> Beta {
@@ -98,7 +98,7 @@ impl Proposal {
         let (distance, azimuth) = self.draw(incidence, [u, v]);
         let (sin, cos) = azimuth.sin_cos();
         let (along, across) = (distance * cos, distance * sin.copysign(side));
-        // The frame of the incidence; along the normal any will do.
+        // Frame of the incidence; any frame along the normal.
         let (x, y) = if length > 0.0 { (from.x / length, from.y / length) } else { (1.0, 0.0) };
         from + Beta { x: along * x - across * y, y: along * y + across * x }
     }
@@ -121,13 +121,13 @@ impl Proposal {
         (distance, azimuths[j] + t * (azimuths[j + 1] - azimuths[j]))
     }
 
-    /// The integral over half the plane at an incidence.
+    /// Returns the integral over half the plane at an incidence.
     fn whole(&self, incidence: usize) -> f64 {
         let distances = self.radial.nodes().len();
         self.outward[incidence * distances + distances - 1]
     }
 
-    /// The density of [`Self::sample`] at a distance and azimuth, on the disc.
+    /// Returns the density of [`Self::sample`] at a distance and azimuth, on the disc.
     #[inline]
     pub(super) fn density(&self, length: f64, distance: f64, azimuth: f64) -> f64 {
         let i = self.incidence.place(length);
@@ -154,7 +154,7 @@ impl Proposal {
     }
 }
 
-/// Integrals up to each node of what is linear between them.
+/// Returns integrals up to each node of a function that is linear between them.
 fn cumulative(nodes: &[f64], values: impl Iterator<Item = f64>) -> Vec<f64> {
     let mut sum = 0.0;
     let mut before = None;
@@ -167,7 +167,8 @@ fn cumulative(nodes: &[f64], values: impl Iterator<Item = f64>) -> Vec<f64> {
     nodes.iter().zip(values).map(one).collect()
 }
 
-/// The cell of ascending sums in which a fraction `u` of the last is reached, and how far in it.
+/// Returns the cell of ascending sums in which a fraction `u` of the last is reached, and the position in
+/// it.
 fn find(sums: impl Fn(usize) -> f64, count: usize, u: f64) -> (usize, f64) {
     let wanted = u * sums(count - 1);
     let (mut low, mut high) = (0, count - 1);
@@ -180,7 +181,8 @@ fn find(sums: impl Fn(usize) -> f64, count: usize, u: f64) -> (usize, f64) {
     (low, share.clamp(0.0, 1.0))
 }
 
-/// Where a density that goes linearly from a to b over 0 to 1 has this fraction before it.
+/// Returns the position at which the cumulative distribution of a density that is linear from a to b over 0
+/// to 1 is this fraction.
 fn linear(a: f64, b: f64, share: f64) -> f64 {
     let below = a + (a * a + share * (b * b - a * a)).max(0.0).sqrt();
     if below > 0.0 { (share * (a + b) / below).min(1.0) } else { share }

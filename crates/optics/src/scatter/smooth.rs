@@ -1,9 +1,9 @@
-//! A smooth function through numbers on three axes: incidence, distance and azimuth.
+//! Smooth interpolation of values on three axes: incidence, distance and azimuth.
 //!
-//! Cubic in the logarithm, so that lobes over many decades keep their shape between nodes:
-//! along diameters through the peak a spline with continuous curvature, then cubics over azimuth
-//! and incidence, all with slopes that do not overshoot. A cell with a zero at a corner has no
-//! logarithm: it is linear.
+//! The interpolation is cubic in the logarithm, so that lobes over many decades keep their shape between
+//! nodes: along diameters through the peak a spline with continuous curvature, then cubics over azimuth and
+//! incidence, all with slopes that do not overshoot. A cell with a zero at a corner has no logarithm: there
+//! it is linear.
 
 use std::f64::consts::PI;
 
@@ -15,13 +15,13 @@ pub(super) struct Smooth {
     pub(super) incidence: Axis,
     pub(super) radial: Axis,
     pub(super) azimuth: Axis,
-    /// Logarithms and their radial slopes, `[incidence][radial][azimuth]`, with one more
-    /// incidence and one more azimuth on either side.
+    /// Logarithms and their radial slopes, `[incidence][radial][azimuth]`, with one more incidence and one
+    /// more azimuth on either side.
     ln: Vec<f64>,
     slope: Vec<f64>,
-    /// The values themselves, in the same places.
+    /// The values themselves, in the same order.
     plain: Vec<f64>,
-    /// Which cells are linear, `[incidence][radial][azimuth]`.
+    /// Whether cells are linear, `[incidence][radial][azimuth]`.
     linear: Vec<bool>,
 }
 
@@ -43,7 +43,7 @@ impl Grid {
         &mut self.values[(i * self.radial.len() + k) * len..][..len]
     }
 
-    /// The value on the other side of the peak from azimuth number `j`.
+    /// Returns the value on the other side of the peak from azimuth number `j`.
     fn opposite(&self, i: usize, k: usize, j: usize) -> f64 {
         let angle = PI - self.azimuth[j];
         let right = self.azimuth.partition_point(|a| *a < angle - 1e-9).clamp(1, self.azimuth.len() - 1);
@@ -52,9 +52,9 @@ impl Grid {
         mix(self.at(i, k, right - 1), self.at(i, k, right), t)
     }
 
-    /// The logarithms along the diameter at azimuth number `j`, its other side first.
+    /// Returns the logarithms along the diameter at azimuth number `j`, its other side first.
     fn diameter(&self, i: usize, j: usize) -> (Vec<f64>, Vec<f64>) {
-        // A peak that is a node itself stands once.
+        // A peak that is a node itself occurs once.
         let first = usize::from(self.radial[0] == 0.0);
         let far = (first..self.radial.len()).rev();
         let x = far.clone().map(|k| -self.radial[k]).chain(self.radial.iter().copied());
@@ -62,7 +62,7 @@ impl Grid {
         (x.collect(), y.map(f64::ln).collect())
     }
 
-    /// Makes a peak that is not among the distances one.
+    /// Adds the peak as a node if it is not among the distances.
     fn with_peak(self) -> Self {
         if self.radial[0] == 0.0 {
             return self;
@@ -84,7 +84,7 @@ impl Grid {
         Self { radial, values, ..self }
     }
 
-    /// No azimuth makes a difference at the peak, nor to light along the normal.
+    /// Replaces values at the peak, and of light along the normal, by their mean over azimuth.
     fn even_where_azimuth_is_none(&mut self) {
         for i in 0..self.incidence.len() {
             let normal = self.incidence[i] == 0.0;
@@ -95,7 +95,7 @@ impl Grid {
     }
 }
 
-/// Between two values, by their logarithms where these exist.
+/// Interpolates between two values, by their logarithms if these exist.
 fn mix(a: f64, b: f64, t: f64) -> f64 {
     if a > 0.0 && b > 0.0 { a * (b / a).powf(t) } else { a + (b - a) * t }
 }
@@ -111,10 +111,10 @@ fn even(row: &mut [f64]) {
 }
 
 impl Smooth {
-    /// Of values in `[incidence][azimuth][radial]` order on ascending axes: `|beta|` of incidence,
-    /// distance from the specular direction, azimuth about it.
+    /// Builds the interpolation from values in `[incidence][azimuth][radial]` order on ascending axes:
+    /// `|beta|` of incidence, distance from the specular direction, azimuth about it.
     pub(super) fn new(incidence: &[f64], radial: &[f64], azimuth: &[f64], values: &[f64]) -> Self {
-        // An axis of one node is one of two that are the same.
+        // An axis of one node becomes one of two equal ones.
         let twice = |nodes: &[f64], other: f64| match nodes {
             [only] => (vec![only.min(other), only.max(other)], vec![0, 0]),
             _ => (nodes.to_vec(), (0..nodes.len()).collect::<Vec<_>>()),
@@ -143,7 +143,7 @@ impl Smooth {
     fn of(grid: Grid) -> Self {
         let [incidences, distances, azimuths] =
             [&grid.incidence, &grid.radial, &grid.azimuth].map(|axis| axis.len());
-        // Instead of the logarithm of zero, which no cell uses but to find slopes.
+        // Replaces the logarithm of zero, which cells use only to find slopes.
         let positive = grid.values.iter().copied().filter(|v| *v > 0.0);
         let floor = positive.fold(f64::INFINITY, f64::min).min(1.0).ln() - 3.0;
         let row = azimuths + 2;
@@ -177,7 +177,7 @@ impl Smooth {
         all
     }
 
-    /// What lies beyond the ends of incidence and azimuth.
+    /// Fills the values beyond the ends of incidence and azimuth.
     fn fill_beyond(&mut self, grid: &Grid) {
         let (distances, azimuths) = (grid.radial.len(), grid.azimuth.len());
         let row = azimuths + 2;
@@ -193,12 +193,12 @@ impl Smooth {
             mirror(values, 1..last + 1);
             for k in 0..distances {
                 for j in 0..azimuths {
-                    // Incidence from the other side: the plane of incidence turned by half a turn.
+                    // Incidence from the other side: the plane of incidence rotated by half a turn.
                     let angle = PI - grid.azimuth[j];
                     let place = self.azimuth.place(angle);
                     let from = 2 * plane + k * row + 1 + place.cell;
                     values[k * row + 1 + j] = values[from] + place.t * (values[from + 1] - values[from]);
-                    // And on as between the last two.
+                    // Continues as between the last two.
                     let at = last * plane + k * row + 1 + j;
                     values[at + plane] = 2.0 * values[at] - values[at - plane];
                 }
@@ -208,8 +208,8 @@ impl Smooth {
         }
     }
 
-    /// The function; an incidence beyond the nodes is that of the nearest, and beyond the last
-    /// distance it is 0.
+    /// Returns the function. An incidence beyond the nodes is that of the nearest; beyond the last distance
+    /// the function is 0.
     #[inline]
     pub(super) fn value(&self, incidence: f64, distance: f64, azimuth: f64) -> f64 {
         if distance > self.radial.last() {
@@ -243,7 +243,7 @@ impl Smooth {
     }
 }
 
-/// Cells with a zero at one of their corners.
+/// Returns the cells with a zero at one of their corners.
 fn linear_cells(grid: &Grid) -> Vec<bool> {
     let mut linear = Vec::new();
     for i in 1..grid.incidence.len() {
@@ -259,8 +259,8 @@ fn linear_cells(grid: &Grid) -> Vec<bool> {
     linear
 }
 
-/// Slopes of the spline with continuous curvature through values at ascending `x`, no steeper
-/// than [`STEEPEST`] allows. Stretches between values without a logarithm are on their own.
+/// Returns slopes of the spline with continuous curvature through values at ascending `x`, limited by
+/// [`STEEPEST`]. Intervals separated by values without a logarithm are independent.
 fn slopes(x: &[f64], y: &[f64]) -> Vec<f64> {
     let mut all = vec![0.0; x.len()];
     let mut start = 0;
@@ -289,7 +289,7 @@ fn stretch(x: &[f64], y: &[f64], out: &mut [f64]) {
     };
     out[0] = end(0, 1);
     out[last] = end(last - 1, last - 2);
-    // Thomas's elimination.
+    // Thomas elimination.
     let mut upper = vec![0.0; x.len()];
     for i in 1..last {
         let [left, right] = [1.0 / width(i - 1), 1.0 / width(i)];
@@ -313,7 +313,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_spline_is_of_fourth_order() {
+    fn spline_error_is_of_fourth_order() {
         let error = |count: usize| {
             let x: Vec<f64> = (0..=count).map(|i| i as f64 / count as f64 * 2.0).collect();
             let y: Vec<f64> = x.iter().map(|x| (1.0 + x * x).ln()).collect();
@@ -325,7 +325,7 @@ mod tests {
     }
 
     #[test]
-    fn values_without_logarithm_part_stretches() {
+    fn values_without_logarithm_separate_intervals() {
         let y = [0.0, 1.0, f64::NEG_INFINITY, 5.0, f64::NEG_INFINITY, 2.0, 3.0, 4.0];
         let x: Vec<f64> = (0..8).map(f64::from).collect();
         assert_eq!(slopes(&x, &y), [1.0, 1.0, 0.0, 0.0, 0.0, 1.0, 1.0, 1.0]);

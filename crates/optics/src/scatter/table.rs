@@ -1,23 +1,23 @@
-//! A kernel given by numbers: a measured BTDF or BRDF.
+//! A tabulated kernel: a measured BTDF or BRDF.
 //!
-//! **Coordinates.** `|beta|` of the incidence (the sine of its angle in air), and the scattered
-//! direction about the specular one: distance and azimuth of `beta_out - beta_in`, both of
-//! propagation, azimuth 0 away from the normal, pi towards it. So the peak moves with the
-//! incidence, where a table of plain directions would show it twice in between; and a lobe that
-//! depends on that difference alone (k-correlation) is the same at all incidences.
+//! **Coordinates.** `|beta|` of the incidence (the sine of its angle in air), and the scattered direction
+//! about the specular one: distance and azimuth of `beta_out - beta_in`, both of propagation, azimuth 0 away
+//! from the normal, pi towards it. The peak thus moves with the incidence, whereas interpolation between
+//! plain directions would show it twice. A lobe that depends only on that difference (k-correlation) is the
+//! same at all incidences.
 //!
-//! **Between the numbers** the kernel is cubic in its logarithm, along diameters through the
-//! peak and over azimuth and incidence, and does not overshoot ([`smooth`](super::smooth)). A
-//! k-correlation lobe tabulated every 0.3 of its width b keeps its values within 0.04 %, every 0.9 within
-//! 0.5 %; every b, its integral within 0.1 %.
+//! **Interpolation.** The kernel is cubic in its logarithm, along diameters through the peak and over
+//! azimuth and incidence, and does not overshoot ([`smooth`](super::smooth)). A k-correlation lobe tabulated
+//! every 0.3 of its width b keeps its values within 0.04 %, every 0.9 within 0.5 %; every b, its integral
+//! within 0.1 %.
 //!
-//! **At the edges.** Before the first incidence its values hold, beyond the last one too, or nothing is
-//! sent there ([`Table::dark_beyond`]); beyond the last distance nothing is sent. Along the normal, and at the
-//! peak, the mean over azimuth counts: an isotropic sample has no azimuth there.
+//! **Edges.** Before the first incidence its values are used. Beyond the last one its values are used too,
+//! or nothing is scattered ([`Table::dark_beyond`]). Beyond the last distance nothing is scattered. Along
+//! the normal, and at the peak, the mean over azimuth is used: an isotropic sample has no azimuth there.
 //!
-//! **Sampling.** [`sample`](crate::scatterer::Scatterer::sample) samples from a working table that is bilinear
-//! between finer nodes: what is sampled follows `density` exactly, and value over density is the albedo,
-//! within some per cent.
+//! **Sampling.** [`sample`](crate::scatterer::Scatterer::sample) uses a working table that is bilinear
+//! between finer nodes: samples follow `density` exactly, and value over density is the albedo, within a few
+//! percent.
 
 use std::f64::consts::PI;
 use std::sync::OnceLock;
@@ -28,42 +28,42 @@ use super::proposal::Proposal;
 use super::smooth::Smooth;
 use crate::{Beta, OpticsError};
 
-/// A kernel by its numbers.
+/// A tabulated kernel.
 #[derive(Debug, Clone)]
 pub struct Table {
     smooth: Smooth,
-    /// Forward, and for light that retraces its ways; made when they are first asked for.
+    /// Sampling tables, forward and for light in the opposite direction; computed on first use.
     proposals: [OnceLock<Proposal>; 2],
     albedos: [OnceLock<Albedos>; 2],
-    /// For integrals.
+    /// Cells for integrals.
     cells: OnceLock<[Axis; 2]>,
     width: f64,
-    /// The last `|beta|` of incidence that there are numbers for.
+    /// Last tabulated `|beta|` of incidence.
     last: f64,
-    /// Light of incidences beyond this `|beta|`, 1 at most, is not scattered.
+    /// Largest `|beta|`, 1 at most, of incidence from which light is scattered.
     end: f64,
-    /// Light is scattered to `|beta|` up to this, 1 at least.
+    /// Largest `|beta|`, 1 at least, to which light is scattered.
     reach: f64,
 }
 
-/// Working incidences, distances and azimuths are no farther apart.
+/// Largest distance between working incidences, distances and azimuths.
 const WORKING_INCIDENCE: f64 = 0.05;
 const WORKING_AZIMUTH: f64 = PI / 18.0;
-/// No `|beta|` that light is scattered to is larger: indices of glass are less.
+/// Largest `|beta|` to which light is scattered: indices of glass are smaller.
 const FARTHEST: f64 = 4.0;
-/// Distances are halved while the working table has fewer cells.
+/// Number of cells of the working table up to which distances are halved.
 const WORKING_CELLS: usize = 60_000;
-/// Cells about the peak that integrals need.
+/// Number of cells about the peak that integrals need.
 const SMOOTH_CELLS: usize = 1000;
 
 impl Table {
-    /// From f in 1/sr in `[incidence][azimuth][radial]` order, at ascending `|beta|` of incidence
-    /// (0 to 1), azimuths (radians, from 0 to pi, or one for all) and distances (0 to 2, or on for a table that is to
-    /// [reach](Self::reaching) farther).
+    /// Builds a kernel from f in 1/sr in `[incidence][azimuth][radial]` order, at ascending `|beta|` of
+    /// incidence (0 to 1), azimuths (radians, from 0 to pi, or one for all) and distances (0 to 2, or more
+    /// for a table that is to [extend](Self::reaching) farther).
     ///
     /// # Errors
-    /// An axis that does not ascend or leaves its range; a value that is negative or not finite;
-    /// a wrong number of values.
+    /// An axis that does not ascend or leaves its range; a value that is negative or not finite; a wrong
+    /// number of values.
     pub fn new(
         incidence: &[f64],
         radial: &[f64],
@@ -98,31 +98,32 @@ impl Table {
         })
     }
 
-    /// The same with nothing scattered of light from beyond its last incidence.
+    /// Returns the same kernel without scattering of light from beyond its last incidence.
     pub fn dark_beyond(self) -> Self {
         let end = self.last.min(1.0);
         Self { proposals: Default::default(), albedos: Default::default(), end, ..self }
     }
 
-    /// The same of a transmission that scatters light of air into a medium of this index, 1 to 4, beyond the air disc
-    /// too; light of the medium comes back the same ways.
+    /// Returns the same kernel as a transmission that scatters light of air into a medium of this index, 1
+    /// to 4, also beyond the disc of air; light of the medium returns along the same paths.
     pub fn reaching(self, reach: f64) -> Self {
         let reach = reach.clamp(1.0, FARTHEST);
         Self { proposals: Default::default(), albedos: Default::default(), reach, ..self }
     }
 
-    /// Where the kernel ends, `|beta|`: of light that comes, and of light that is sent.
+    /// Returns the `|beta|` at which the kernel ends: of incident light, and of scattered light.
     #[inline]
     pub(super) fn ends(&self) -> [f64; 2] {
         [self.end, self.reach]
     }
 
-    /// The radii of the discs that light comes from and is sent to, where its kernel may end before.
+    /// Returns the radii of the discs of incident and scattered light, within which its kernel may end
+    /// earlier.
     fn discs(&self, reversed: bool) -> [f64; 2] {
         if reversed { [self.reach, 1.0] } else { [1.0, self.reach] }
     }
 
-    /// The kernel with nothing said of the air disc and of where it ends, either way.
+    /// Returns the kernel without regard to the disc of air and to its ends, in either direction.
     #[inline]
     fn held(&self, from: Beta, to: Beta, reversed: bool) -> f64 {
         let [from, to] = if reversed { [to, from] } else { [from, to] };
@@ -130,7 +131,7 @@ impl Table {
         self.smooth.value(length, distance, azimuth)
     }
 
-    /// Incidences, distances and azimuths of the working table.
+    /// Returns incidences, distances and azimuths of the working table.
     fn working(&self, from: f64) -> [Vec<f64>; 3] {
         let incidence = finer(self.smooth.incidence.nodes(), from, WORKING_INCIDENCE);
         let azimuth = finer(self.smooth.azimuth.nodes(), PI, WORKING_AZIMUTH);
@@ -157,7 +158,7 @@ impl Table {
         })
     }
 
-    /// Distances and azimuths between which the kernel is smooth, and changes little.
+    /// Returns distances and azimuths between which the kernel is smooth, and changes little.
     fn cells(&self) -> &[Axis; 2] {
         self.cells.get_or_init(|| {
             let azimuth = finer(self.smooth.azimuth.nodes(), PI, WORKING_AZIMUTH);
@@ -177,7 +178,7 @@ impl Table {
         })
     }
 
-    /// [`Self::albedo`] without interpolation, by so many points in each cell.
+    /// Returns [`Self::albedo`] without interpolation, by this many points in each cell.
     pub(super) fn albedo_by(&self, length: f64, reversed: bool, points: usize) -> f64 {
         let end = if reversed { self.reach } else { self.end };
         if length > end { 0.0 } else { self.integral(self.cells(), length, reversed, points) }
@@ -209,7 +210,7 @@ impl Table {
     }
 }
 
-/// `|beta|` of incidence, then distance and azimuth of the way to `to`.
+/// Returns `|beta|` of incidence, then distance and azimuth of the displacement to `to`.
 #[inline]
 fn place(from: Beta, to: Beta) -> (f64, f64, f64) {
     let way = to - from;
@@ -218,10 +219,10 @@ fn place(from: Beta, to: Beta) -> (f64, f64, f64) {
     (from.length(), way.length(), across.abs().atan2(along))
 }
 
-/// The least width of a k-correlation lobe that falls to a half of its peak where this kernel
+/// Returns the smallest width of a k-correlation lobe that decreases to half of its peak where this kernel
 /// does at some incidence and azimuth.
 fn width(smooth: &Smooth) -> f64 {
-    // Of a lobe of width 1.
+    // For a lobe of width 1.
     let half_of_lobe = (2.0_f64.powf(2.0 / 3.0) - 1.0).sqrt();
     let mut least = f64::INFINITY;
     for &incidence in smooth.incidence.nodes() {
@@ -240,7 +241,7 @@ fn width(smooth: &Smooth) -> f64 {
     least.clamp(1e-3, 1.0)
 }
 
-/// Nodes and as many between them, up to `end`, that none are farther apart than `step`.
+/// Returns nodes, with further ones in between, up to `end`, so that none are farther apart than `step`.
 fn finer(nodes: &[f64], end: f64, step: f64) -> Vec<f64> {
     let mut all = vec![nodes[0]];
     let ends = nodes[1..].iter().copied().chain((nodes[nodes.len() - 1] < end).then_some(end));

@@ -1,4 +1,4 @@
-//! Tabulated coatings against the plain road, closed forms and laws.
+//! Tabulated coatings compared with the reference implementation, closed forms and laws.
 
 use num_complex::Complex64;
 use papilio_optics::OpticsError;
@@ -24,7 +24,7 @@ fn coating(above: f64, layers: &[Layer], below: f64) -> Coating {
     Coating::new(&[NM], &[above], &spectral(layers), &[below]).unwrap()
 }
 
-/// Transmittance and reflectance, mean of s and p, by the plain road.
+/// Transmittance and reflectance, mean of s and p, by the reference implementation.
 fn plain(incidence: f64, layers: Vec<Layer>, substrate: f64, beta: f64) -> [f64; 2] {
     let film = Film { incidence, layers, substrate: substrate.into() };
     let [s, p] = [Polarisation::S, Polarisation::P]
@@ -32,14 +32,15 @@ fn plain(incidence: f64, layers: Vec<Layer>, substrate: f64, beta: f64) -> [f64;
     [0.5 * (s.transmittance + p.transmittance), 0.5 * (s.reflectance + p.reflectance)]
 }
 
-/// The largest difference from the plain road at random beta in either medium, and R + T <= 1.
+/// Returns the largest difference from the reference implementation at random beta in either medium; asserts
+/// R + T <= 1.
 fn worst_difference(above: f64, layers: &[Layer], below: f64, stream: u64) -> f64 {
     let table = coating(above, layers, below);
     let upside_down: Vec<Layer> = layers.iter().rev().copied().collect();
     let numbers = Numbers::new(Sampler::Random, 5, stream);
     let mut worst = 0.0_f64;
     for path in 0..2000 {
-        // Half of them towards grazing, where square roots begin.
+        // Half of them are close to grazing, where square roots begin.
         let u = numbers.block(path, 0);
         let beta = above.max(below) * if path % 2 == 0 { u[0] } else { 1.0 - 1e-3 * u[0] * u[0] };
         let part = table.part(beta * beta, 0);
@@ -64,11 +65,11 @@ fn worst_difference(above: f64, layers: &[Layer], below: f64, stream: u64) -> f6
     worst
 }
 
-/// Twice what is asked for midway between the nodes.
+/// Twice the tolerance midway between the nodes.
 const TOLERANCE: f64 = 2e-9;
 
 #[test]
-fn tables_equal_the_plain_road() {
+fn tables_equal_reference() {
     let quarter = NM / (4.0 * 1.38);
     let stacks: [(f64, Vec<Layer>, f64); 9] = [
         (1.0, vec![layer(1.38, 0.0, quarter)], 1.52),
@@ -97,7 +98,7 @@ fn tables_equal_the_plain_road() {
 }
 
 #[test]
-fn random_stacks_equal_the_plain_road() {
+fn random_coatings_equal_reference() {
     for stream in 0..40 {
         let numbers = Numbers::new(Sampler::Random, 77, stream);
         let media = numbers.block(0, 0);
@@ -115,7 +116,7 @@ fn random_stacks_equal_the_plain_road() {
 
 /// H. A. Macleod, "Thin-Film Optical Filters", 4th ed., section 4.1: MgF2 on glass of 1.52.
 #[test]
-fn a_quarter_wave_on_glass_reflects_1_26_percent() {
+fn quarter_wave_on_glass_reflects_1_26_percent() {
     let part = coating(1.0, &[layer(1.38, 0.0, NM / (4.0 * 1.38))], 1.52).part(0.0, 0);
     let closed = ((1.52 - 1.38 * 1.38) / (1.52 + 1.38 * 1.38_f64)).powi(2);
     assert!((closed - 0.0126).abs() < 5e-5);
@@ -124,7 +125,7 @@ fn a_quarter_wave_on_glass_reflects_1_26_percent() {
 }
 
 #[test]
-fn no_layers_are_fresnels_face() {
+fn coating_without_layers_equals_fresnel() {
     for (above, below) in [(1.0, 1.5), (1.5, 1.0), (1.5, 1.51), (2.4, 1.0)] {
         let table = coating(above, &[], below);
         for step in 0..1000 {
@@ -142,7 +143,7 @@ fn no_layers_are_fresnels_face() {
 /// Frustrated total reflection, s and p, in closed form: S. Zhu et al., Am. J. Phys. 54, 601
 /// (1986): 1/T = 1 + a sinh^2(k0 kappa d), with a of the like of (q^2 + kappa^2)^2/(2 q kappa)^2.
 #[test]
-fn light_tunnels_through_a_thin_gap_of_air() {
+fn light_tunnels_through_thin_air_gap() {
     let (n, gap_nm) = (1.5_f64, 120.0);
     let table = coating(n, &[layer(1.0, 0.0, gap_nm)], n);
     for beta in [1.05_f64, 1.2, 1.35, 1.45] {
@@ -158,7 +159,7 @@ fn light_tunnels_through_a_thin_gap_of_air() {
 }
 
 #[test]
-fn each_wavelength_has_its_own_indices() {
+fn coating_uses_indices_of_each_wavelength() {
     let index = vec![1.38.into(), 1.39.into()];
     let layers = [SpectralLayer { index, thickness: Thickness::Fixed(100.0) }];
     let both = Coating::new(&[500.0, 600.0], &[1.0, 1.0], &layers, &[1.53, 1.51]).unwrap();
@@ -171,7 +172,7 @@ fn each_wavelength_has_its_own_indices() {
 }
 
 #[test]
-fn what_is_no_coating_is_refused() {
+fn invalid_coatings_are_refused() {
     let new = |above: f64, layer: Layer| Coating::new(&[NM], &[above], &spectral(&[layer]), &[1.5]);
     assert!(matches!(new(0.0, layer(1.4, 0.0, 1.0)), Err(OpticsError::Incidence { .. })));
     assert!(matches!(new(1.0, layer(1.4, -1.0, 1.0)), Err(OpticsError::Index { .. })));

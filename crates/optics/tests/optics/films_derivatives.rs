@@ -1,5 +1,6 @@
-//! Derivatives of a film's reflectance against those of its amplitude, which is analytic in every thickness and
-//! index: means over a circle in the complex plane (Cauchy) give them to rounding, with no step to choose.
+//! Derivatives of a film's reflectance, compared with those of its amplitude, which is analytic in every
+//! thickness and index: means over a circle in the complex plane (Cauchy) give them to rounding, without a
+//! step size.
 
 use std::f64::consts::PI;
 
@@ -17,7 +18,7 @@ struct Stack {
 }
 
 impl Stack {
-    /// The amplitude reflectance; `root` is the substrate's q where nothing is shifted.
+    /// Returns the amplitude reflectance; `root` is the substrate's q for unshifted parameters.
     fn r(&self, nm: f64, beta: f64, is_p: bool, root: Complex64) -> Complex64 {
         let k0 = 2.0 * PI / nm;
         let g = |n: Complex64| if is_p { n * n } else { Complex64::ONE };
@@ -40,7 +41,8 @@ impl Stack {
         if q.im < 0.0 { -q } else { q }
     }
 
-    /// Mean reflectance and its derivative by what `shifted` shifts by a complex number.
+    /// Returns the mean reflectance and its derivative by the parameter that `shifted` shifts by a complex
+    /// number.
     fn derivative(
         &self,
         nm: f64,
@@ -88,7 +90,8 @@ impl Case {
         (0..self.layers.len()).flat_map(of).chain(substrate).collect()
     }
 
-    /// Circles are small, so that no pole of a sharp resonance lies inside; rounding is 1e-16 over their radius.
+    /// Circles are small, so that no pole of a sharp resonance lies inside; rounding is 1e-16 over their
+    /// radius.
     fn truth(&self, variable: Variable, nm: f64) -> (f64, f64) {
         let by = |radius, shift: &dyn Fn(&mut Stack, Complex64)| {
             self.stack().derivative(nm, self.beta, radius, shift)
@@ -103,7 +106,8 @@ impl Case {
         }
     }
 
-    /// The largest differences of reflectances and of derivatives, these over 1 + the truth.
+    /// Returns the largest differences of reflectances and of derivatives, the latter over 1 + the true
+    /// value.
     fn largest_differences(&self) -> (f64, f64) {
         let wavelengths: Vec<f64> = (0..11).map(|i| 380.0 + 40.0 * f64::from(i)).collect();
         let count = wavelengths.len();
@@ -146,7 +150,7 @@ fn medium(dice: &mut Dice) -> Complex64 {
     }
 }
 
-/// Films of a display's size on metal, up to 85 deg in the incidence medium.
+/// Films of typical thickness on metal, up to 85 deg in the incidence medium.
 fn case(dice: &mut Dice) -> Case {
     let nought_or = |dice: &mut Dice, most| if dice.one_in(2) { 0.0 } else { dice.between(0.0, most) };
     let layers = dice.several(0..=5, |dice| (medium(dice), nought_or(dice, 400.0)));
@@ -158,16 +162,16 @@ fn case(dice: &mut Dice) -> Case {
 }
 
 #[test]
-fn derivatives_are_those_of_the_analytic_amplitude() {
+fn derivatives_equal_those_of_analytic_amplitude() {
     laws(300, case, |case| {
         let (reflectance, derivative) = case.largest_differences();
         assert!(reflectance < 1e-10 && derivative < 1e-8, "{reflectance:e} {derivative:e}");
     });
 }
 
-/// Total reflection, frustrated by an absorber and not; a layer that light grazes inside; a bare substrate.
+/// Total reflection, with and without an absorber; a layer in which light is grazing; a bare substrate.
 #[test]
-fn special_films() {
+fn derivatives_of_special_films_are_finite_and_correct() {
     let (glass, air, metal) = (Complex64::from(1.5), Complex64::from(1.0), Complex64::new(0.97, 6.46));
     let case = |beta, layers: &[(Complex64, f64)], gap, substrate| Case {
         n0: 1.5,
@@ -191,7 +195,7 @@ fn special_films() {
 }
 
 #[test]
-fn a_layer_that_is_not_there_is_refused() {
+fn derivative_by_missing_layer_is_refused() {
     let film = GapFilm::new(&[500.0], &[1.5], &[], &[1.0.into()]).unwrap();
     let found = film.derivatives(&[0.0], &[1.0], &[Variable::Index(0)], &mut [0.0], &mut [0.0]);
     assert_eq!(found, Err(OpticsError::NoLayer { layer: 0, layers: 0 }));

@@ -1,5 +1,5 @@
-//! Films equal PyPI `tmm` 0.2.0 (S. J. Byrnes, arXiv:1603.02720): the committed table
-//! of `validation/films/tmm_oracle.py`, on both roads.
+//! Films equal PyPI `tmm` 0.2.0 (S. J. Byrnes, arXiv:1603.02720): the committed table of
+//! `validation/films/tmm_oracle.py`, by both implementations.
 
 use num_complex::Complex64;
 use papilio_optics::film::{
@@ -86,7 +86,7 @@ fn amplitudes_and_powers_equal_tmm() {
 }
 
 #[test]
-fn the_fast_road_equals_tmm_whichever_layer_is_the_gap() {
+fn fast_implementation_equals_tmm_for_every_gap_layer() {
     for (i, row) in rows().enumerate() {
         let mean = 0.5 * (row.expected[0].reflectance + row.expected[1].reflectance);
         for gap in 0..row.film.layers.len().max(1) {

@@ -1,4 +1,4 @@
-//! Cases that other implementations fall over, each with a test of its name, on both roads.
+//! Cases in which other implementations fail, each with a test of its name, by both implementations.
 
 use std::f64::consts::PI;
 
@@ -15,7 +15,7 @@ fn layer(index: impl Into<Complex64>, thickness_nm: f64) -> Layer {
     Layer { index: index.into(), thickness_nm }
 }
 
-/// s and p, after a check that the fast road agrees with every choice of the gap.
+/// Returns s and p, after a check that the fast implementation agrees for every choice of the gap.
 fn both(incidence: f64, layers: &[Layer], substrate: impl Into<Complex64>, beta: f64) -> [Coherent; 2] {
     let film = Film { incidence, layers: layers.to_vec(), substrate: substrate.into() };
     let found = [Polarisation::S, Polarisation::P].map(|p| coherent(&film, NM, beta, p).unwrap());
@@ -72,7 +72,7 @@ fn layers_behind_opaque_metal_are_dark_and_harmless() {
 }
 
 #[test]
-fn tiny_k_is_the_limit_of_no_k() {
+fn tiny_k_approaches_zero_k() {
     for beta in [0.0, 0.5, 0.99, 1.01, 1.3] {
         let thin = |k: f64| [layer(Complex64::new(1.0, k), 300.0), layer(Complex64::new(2.0, k), 200.0)];
         for substrate in [1.0, 1.5] {
@@ -80,8 +80,8 @@ fn tiny_k_is_the_limit_of_no_k() {
             for log_k in [-300, -100, -30, -18, -16, -15, -14] {
                 let k = 10.0_f64.powi(log_k);
                 let found = both(1.5, &thin(k), Complex64::new(substrate, k), beta);
-                // What so little k really absorbs: of the order of k times path over
-                // wavelength, times the resonance of a light guide near cut-off.
+                // The true absorptance of so small a k: of the order of k times path over wavelength, times
+                // the resonance of a waveguide near cut-off.
                 let tolerance = 1e-13 + 1e3 * k;
                 for (found, none) in found.iter().zip(&none) {
                     assert_close(found.reflectance, none.reflectance, tolerance);
@@ -107,7 +107,7 @@ fn power_into_an_absorbing_substrate_never_exceeds_one() {
 
 /// P. Yeh, "Optical Waves in Layered Media", eq. 4.2: at normal incidence T is Re(n2)/n1 |t|^2.
 #[test]
-fn transmittance_into_metal_is_that_of_the_textbook() {
+fn transmittance_into_metal_equals_textbook() {
     for found in both(1.5, &[], ALUMINIUM, 0.0) {
         let t = 2.0 * 1.5 / (1.5 + ALUMINIUM);
         assert!((found.t - t).norm() < 1e-15);
@@ -152,10 +152,10 @@ fn thick_evanescent_gap_does_not_overflow() {
     }
 }
 
-/// A layer whose own index equals beta: sin(delta)/q is 0/0. The closed form of its
-/// limit, for s between equal media, is T = 1/(1 + (q k0 d/2)^2).
+/// A layer whose own index equals beta: sin(delta)/q is 0/0. The closed form of its limit, for s between
+/// equal media, is T = 1/(1 + (q k0 d/2)^2).
 #[test]
-fn light_that_grazes_inside_a_layer() {
+fn light_grazing_inside_layer_equals_closed_form() {
     let beta = 1.5 * 60.0_f64.to_radians().sin();
     let q = (1.5 * 1.5 - beta * beta).sqrt();
     let depth = 2.0 * PI / NM * 100.0;
@@ -171,7 +171,7 @@ fn light_that_grazes_inside_a_layer() {
         let at = both(1.5, &[layer(beta, 150.0)], 1.5, beta);
         assert_close(near[0].reflectance, at[0].reflectance, 1e-7);
     }
-    // A gap of that index right under glass of that index, and a substrate too.
+    // A gap of that index directly under glass of that index, and a substrate too.
     both(1.5, &[layer(beta, 10.0), layer(beta, 20.0)], beta, beta);
 }
 
@@ -186,7 +186,7 @@ fn grazing_incidence_reflects_everything() {
 }
 
 #[test]
-fn layers_of_no_thickness_are_not_there() {
+fn layers_of_zero_thickness_change_nothing() {
     let bare = both(1.0, &[layer(2.0, 80.0)], ALUMINIUM, 0.7);
     let with = both(1.0, &[layer(ALUMINIUM, 0.0), layer(2.0, 80.0), layer(1.0, 0.0)], ALUMINIUM, 0.7);
     for (a, b) in bare.iter().zip(&with) {
@@ -195,7 +195,7 @@ fn layers_of_no_thickness_are_not_there() {
 }
 
 #[test]
-fn no_layers_is_fresnel() {
+fn film_without_layers_equals_fresnel() {
     for (n1, n2) in [(1.0, 1.5), (1.5, 1.0), (1.33, 1.33)] {
         for i in 0..100 {
             let beta = n1 * f64::from(i) / 100.0;
@@ -207,12 +207,12 @@ fn no_layers_is_fresnel() {
 }
 
 #[test]
-fn light_that_cannot_exist_is_an_error_or_nothing() {
+fn light_that_cannot_exist_is_refused_or_zero() {
     let film = Film { incidence: 1.5, layers: vec![], substrate: 1.0.into() };
     for beta in [1.5, 2.0, -0.1, f64::NAN, f64::INFINITY] {
         assert!(coherent(&film, NM, beta, Polarisation::S).is_err());
     }
-    // The incidence medium disperses: at 1.51 there is light in the blue only.
+    // The incidence medium is dispersive: at 1.51 light exists only in the blue.
     let fast = GapFilm::new(&[450.0, 650.0], &[1.53, 1.51], &[], &[1.0.into(); 2]).unwrap();
     let mut out = [f64::NAN; 2];
     fast.reflectance(&[1.51], &[0.0], &mut out).unwrap();
@@ -232,7 +232,7 @@ fn hundreds_of_layers_of_metal_and_glass_stay_finite() {
 }
 
 #[test]
-fn what_is_not_a_film_is_an_error() {
+fn invalid_films_are_refused() {
     let good = || SpectralLayer { index: vec![1.5.into(); 2], thickness: Thickness::Fixed(10.0) };
     let new = |layers: &[SpectralLayer]| GapFilm::new(&[400.0, 500.0], &[1.0; 2], layers, &[1.5.into(); 2]);
     assert!(new(&[good()]).is_ok());

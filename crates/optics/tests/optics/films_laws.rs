@@ -1,4 +1,4 @@
-//! Laws that every film obeys, on random stacks: energy, reciprocity, splitting a layer.
+//! Laws of all films, on random stacks: energy, reciprocity, splitting a layer.
 
 use std::f64::consts::PI;
 use std::ops::RangeInclusive;
@@ -26,7 +26,8 @@ struct Case {
     polarisation: Polarisation,
 }
 
-/// Of so many layers, each of this thickness at most; up to 87 deg in the incidence medium.
+/// Returns a case with this range of layers, each up to this thickness; up to 87 deg in the incidence
+/// medium.
 fn case(dice: &mut Dice, layers: RangeInclusive<usize>, thickest_nm: f64) -> Case {
     let layer = |dice: &mut Dice| Layer { index: medium(dice), thickness_nm: dice.between(0.0, thickest_nm) };
     let layers = dice.several(layers, layer);
@@ -39,9 +40,8 @@ fn solve(film: &Film, beta: f64, polarisation: Polarisation) -> Coherent {
     coherent(film, NM, beta, polarisation).unwrap()
 }
 
-/// What a layer absorbs by Joule's law: k0 Im(eps) times the integral of |E|^2, over
-/// the incident flux. The field inside comes from cutting the layer into slices;
-/// Simpson's rule integrates it.
+/// Returns the absorption of a layer by Joule's law: k0 Im(eps) times the integral of |E|^2, over the
+/// incident flux. The field inside is found by cutting the layer into slices; Simpson's rule integrates it.
 fn joule(film: &Film, j: usize, beta: f64, polarisation: Polarisation) -> f64 {
     const SLICES: usize = 1000;
     let Layer { index, thickness_nm } = film.layers[j];
@@ -54,7 +54,7 @@ fn joule(film: &Film, j: usize, beta: f64, polarisation: Polarisation) -> f64 {
         let field = fields[j + i];
         match polarisation {
             Polarisation::S => field.u.norm_sqr(),
-            // E along the layers is V; across them it is beta H/eps.
+            // E along the layers is V; perpendicular to them it is beta H/eps.
             Polarisation::P => field.v.norm_sqr() + (field.u * beta / eps).norm_sqr(),
         }
     };
@@ -72,11 +72,11 @@ fn joule(film: &Film, j: usize, beta: f64, polarisation: Polarisation) -> f64 {
     2.0 * PI / NM * eps.im * integral / eta0
 }
 
-/// The absorptances are differences of Poynting fluxes; here they are held to
-/// the field inside the layers. Simpson's error, (2 k0 k h)^4/180 of the share for
-/// slices h, is 5e-8 at most in layers of up to 300 nm.
+/// The absorptances are differences of Poynting fluxes; here they are compared with the field inside the
+/// layers. Simpson's error, (2 k0 k h)^4/180 of the absorptance for slices h, is 5e-8 at most in layers of
+/// up to 300 nm.
 #[test]
-fn reflected_transmitted_and_absorbed_are_all_there_is() {
+fn reflected_transmitted_and_absorbed_sum_to_one() {
     laws(
         300,
         |dice| case(dice, 0..=3, 300.0),
@@ -112,7 +112,7 @@ fn transmittance_is_the_same_from_both_sides() {
 }
 
 #[test]
-fn splitting_a_layer_changes_nothing() {
+fn split_layer_equals_whole_layer() {
     let draw = |dice: &mut Dice| {
         let case = case(dice, 1..=4, 500.0);
         let layer = dice.below(case.film.layers.len());

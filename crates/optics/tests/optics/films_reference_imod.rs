@@ -1,8 +1,8 @@
-//! The reference IMOD sub-pixels, bare, angles in glass: where their colours peak.
+//! Reference IMOD sub-pixels, bare, angles in glass: peak wavelengths.
 //!
-//! The stack is fitted to the bare peaks of Feng 2012, table 5.2; the values here are
-//! those of two independent computations of the fitted stack (2 nm grid, mean of s
-//! and p, parabola through three samples, 400 to 700 nm).
+//! The stack is fitted to the bare peaks of Feng 2012, table 5.2; the values here are those of two
+//! independent computations of the fitted stack (2 nm grid, mean of s and p, parabola through three samples,
+//! 400 to 700 nm).
 
 use papilio_optics::film::{GapFilm, SpectralLayer, Thickness};
 use papilio_spectra::{Grid, material};
@@ -23,7 +23,7 @@ fn reference() -> (Grid, GapFilm) {
     (grid, film)
 }
 
-/// Where the largest sample from 400 to 700 nm lies; refined by a parabola unless at an edge.
+/// Wavelength of the largest sample from 400 to 700 nm, refined by a parabola unless it is at an edge.
 fn peak_nm(grid: &Grid, reflectance: &[f64]) -> f64 {
     let inside = (0..grid.len()).filter(|&i| (400.0..=700.0).contains(&grid.wavelength_nm(i)));
     let i = inside.max_by(|&a, &b| reflectance[a].total_cmp(&reflectance[b])).unwrap();
@@ -35,7 +35,7 @@ fn peak_nm(grid: &Grid, reflectance: &[f64]) -> f64 {
 }
 
 #[test]
-fn sub_pixels_peak_where_they_should() {
+fn sub_pixels_peak_at_reference_wavelengths() {
     let (grid, film) = reference();
     let expected = [(8.0_f64, [686.3, 530.1, 432.5]), (20.0, [615.5, 476.8, 400.0])];
     let beta = expected.map(|(theta, _)| 1.5 * theta.to_radians().sin());

@@ -1,4 +1,4 @@
-//! The fast road against the plain one, on random stacks and at every SIMD level.
+//! The fast implementation compared with the reference one, on random stacks and at every SIMD level.
 
 use num_complex::Complex64;
 use papilio_optics::film::{
@@ -33,23 +33,23 @@ fn case(dice: &mut Dice, share: fn(&mut Dice) -> f64, thickness_nm: fn(&mut Dice
     let layer = |dice: &mut Dice| Layer { index: medium(dice), thickness_nm: thickness_nm(dice) };
     let (above, gap, below) = (dice.several(0..=4, layer), medium(dice), dice.several(0..=4, layer));
     let (substrate, n0, share) = (medium(dice), dice.between(1.0, 2.0), share(dice));
-    // Light that grazes inside the gap is met by chance never.
+    // Random directions never happen to be grazing in the gap.
     let beta = if dice.one_in(10) { gap.re } else { share * n0 };
     Case { above, gap, below, substrate, n0, beta, gaps_nm: dice.several(1..=3, thickness_nm) }
 }
 
-/// 0 as often as a number below this.
+/// Returns 0 as often as a number below this.
 fn nought_or(dice: &mut Dice, most: f64) -> f64 {
     if dice.one_in(2) { 0.0 } else { dice.between(0.0, most) }
 }
 
-/// The mean of s and p on the plain road; 0 where the light does not exist.
+/// Returns the mean of s and p by the reference implementation; 0 if the light does not exist.
 fn plain(film: &Film, nm: f64, beta: f64) -> f64 {
     let of = |polarisation| coherent(film, nm, beta, polarisation).map_or(0.0, |c| c.reflectance);
     0.5 * (of(Polarisation::S) + of(Polarisation::P))
 }
 
-/// The largest difference between the roads, over 11 wavelengths (more than a register
+/// Returns the largest difference between the implementations, over 11 wavelengths (more than a register
 /// holds, and not a multiple), all gaps and SIMD levels.
 fn largest_difference(case: &Case) -> f64 {
     let wavelengths: Vec<f64> = (0..11).map(|i| 380.0 + 40.0 * f64::from(i)).collect();
@@ -81,13 +81,13 @@ fn largest_difference(case: &Case) -> f64 {
     largest
 }
 
-/// Layers of a display's size, up to 88 deg in the incidence medium. All but
-/// about one in a hundred thousand agree to 1e-12. That one lies next to a guided mode behind an evanescent
-/// barrier: the fast road carries the amplitudes of the incidence medium down through the
-/// barrier, where they all but cancel against the mode, and keeps 1e-16 over the relative
-/// distance to it (the case below). The bound is that of the comparison with `tmm`.
+/// Layers of typical thickness, up to 88 deg in the incidence medium. All but about one in a hundred
+/// thousand agree to 1e-12. That one lies next to a guided mode behind an evanescent barrier: the fast
+/// implementation carries the amplitudes of the incidence medium down through the barrier, where they nearly
+/// cancel against the mode, and retains 1e-16 over the relative distance to it (the case below). The bound
+/// is that of the comparison with `tmm`.
 #[test]
-fn roads_are_equal() {
+fn implementations_agree() {
     let draw = |dice: &mut Dice| case(dice, |dice| nought_or(dice, 0.999), |dice| nought_or(dice, 500.0));
     laws(1000, draw, |case| {
         let difference = largest_difference(case);
@@ -95,11 +95,10 @@ fn roads_are_equal() {
     });
 }
 
-/// Anything: 100 um of glass, grazing incidence, no light at all. Between grazing
-/// incidence and a thick light guide the finesse reaches 1e5, so that the last bits
-/// of the phase (1e3 rad) count 1e-16 * 1e3 * 1e5.
+/// Extreme cases: 100 um of glass, grazing incidence, no light at all. Between grazing incidence and a thick
+/// waveguide the finesse reaches 1e5, so that the last bits of the phase (1e3 rad) count 1e-16 * 1e3 * 1e5.
 #[test]
-fn roads_are_equal_in_resonators_too() {
+fn implementations_agree_in_resonators() {
     let share = |dice: &mut Dice| if dice.one_in(2) { 1.0 - 1e-9 } else { dice.between(0.0, 1.1) };
     let thickness_nm =
         |dice: &mut Dice| if dice.one_in(2) { dice.between(1e3, 1e5) } else { dice.between(0.0, 1000.0) };
@@ -113,9 +112,9 @@ fn roads_are_equal_in_resonators_too() {
     );
 }
 
-/// A light guide 1e-5 from a mode behind an evanescent barrier: one of the hardest of many random films.
+/// A waveguide 1e-5 from a mode behind an evanescent barrier: one of the hardest of many random films.
 #[test]
-fn next_to_a_guided_mode_the_roads_still_agree() {
+fn implementations_agree_next_to_guided_mode() {
     let layer = |n: f64, thickness_nm| Layer { index: Complex64::new(n, 0.0), thickness_nm };
     let case = Case {
         above: vec![layer(0.7, 409.86431620061734), layer(1.0, 248.54892670531905)],
@@ -130,7 +129,7 @@ fn next_to_a_guided_mode_the_roads_still_agree() {
     assert!(difference < 1e-11, "{difference:e}");
 }
 
-/// Points of a row with a stack each: indices and thicknesses `[layer][point]`.
+/// Points of a row, each with its own stack: indices and thicknesses `[layer][point]`.
 #[derive(Debug)]
 struct Row {
     wavelengths_nm: Vec<f64>,
@@ -156,7 +155,8 @@ fn row(dice: &mut Dice, share: f64, thickness_nm: fn(&mut Dice) -> f64) -> Row {
 }
 
 impl Row {
-    /// The largest absolute differences of reflectance and of transmittance, and the largest relative one of the latter.
+    /// Returns the largest absolute differences of reflectance and of transmittance, and the largest
+    /// relative one of the latter.
     fn differences(&self) -> [f64; 3] {
         let index = |indices: Vec<Complex64>| -> [Vec<f64>; 2] {
             [indices.iter().map(|n| n.re).collect(), indices.iter().map(|n| n.im).collect()]
@@ -198,7 +198,7 @@ impl Row {
         largest
     }
 
-    /// Reflectance and transmittance of a point on the plain road.
+    /// Returns reflectance and transmittance of a point by the reference implementation.
     fn plain(&self, at: usize, of: Option<Polarisation>) -> [f64; 2] {
         let layers = self.layers.iter().map(|layer| layer[at]).collect();
         let film = Film { incidence: self.incidence[at], layers, substrate: self.substrate[at] };
@@ -220,7 +220,7 @@ fn layer_along<'a>(index: &'a [Vec<f64>; 2], nm: &'a [f64]) -> LayerAlong<'a> {
 
 /// Every point with a stack of its own, up to 88 deg.
 #[test]
-fn rows_of_points_equal_the_plain_road() {
+fn rows_of_points_equal_reference() {
     laws(
         300,
         |dice| row(dice, 0.999, |dice| nought_or(dice, 500.0)),
@@ -231,9 +231,9 @@ fn rows_of_points_equal_the_plain_road() {
     );
 }
 
-/// Micrometres of metal, through which 1e-100 or less goes: as many digits of that.
+/// Micrometres of metal, which transmit 1e-100 or less: to the same relative accuracy.
 #[test]
-fn rows_of_opaque_points_fade_as_on_the_plain_road() {
+fn rows_of_opaque_points_equal_reference() {
     laws(
         300,
         |dice| row(dice, 0.9, |dice| dice.between(100.0, 2000.0)),
@@ -244,9 +244,9 @@ fn rows_of_opaque_points_fade_as_on_the_plain_road() {
     );
 }
 
-/// What is one number for a whole row is the same number at every point.
+/// A parameter given as one number for a whole row equals the same number at every point.
 #[test]
-fn rows_of_broadcast_numbers_are_rows_of_points() {
+fn rows_of_broadcast_numbers_equal_rows_of_points() {
     let nm: Vec<f64> = (0..POINTS).map(|at| 400.0 + 30.0 * at as f64).collect();
     let [n, k, thick] = [vec![2.1; POINTS], vec![0.3; POINTS], vec![70.0; POINTS]];
     let written =

@@ -1,4 +1,4 @@
-//! Films, coatings, rough faces and kernels, each against something independent of it.
+//! Films, coatings, rough interfaces and kernels, each compared with an independent reference.
 
 #![allow(clippy::unwrap_used, reason = "helpers of tests, too, say what they expect by unwrapping")]
 

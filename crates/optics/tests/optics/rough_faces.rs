@@ -1,4 +1,4 @@
-//! Rough faces: reciprocity, nothing lost, samples that follow their density, limits.
+//! Rough interfaces: reciprocity, no losses, samples that follow their density, limits.
 
 mod heitz;
 mod several;
@@ -13,13 +13,13 @@ use papilio_testing::ChiSquare;
 
 const SIDES: [Side; 2] = [Side::Above, Side::Below];
 
-/// Light at this angle in the medium of its side, in the plane phi = 0.
+/// Returns light at this angle in the medium of its side, in the plane phi = 0.
 fn beta(face: &Rough, side: Side, theta_deg: f64) -> Beta {
     Beta::towards(theta_deg, 0.0, face.index(side))
 }
 
-/// Integral of `integrand` over the disc of this side, between two angles and two turns: two
-/// points of Gauss in each step of the angle, the midpoint rule in azimuth.
+/// Returns the integral of `integrand` over the disc of this side, between two angles and two azimuths: a
+/// two-point Gauss rule in each step of the angle, the midpoint rule in azimuth.
 fn integral(
     n: f64,
     [from, to]: [f64; 2],
@@ -43,15 +43,15 @@ fn integral(
     0.5 * sum * d_theta * d_turn * TAU
 }
 
-/// Over all of a side, cut at an angle (radians) where the integrand jumps; it is the same on both
-/// sides of the plane of incidence, phi = 0.
+/// Returns the integral over a whole side, divided at an angle (radians) where the integrand jumps; the
+/// integrand is symmetric about the plane of incidence, phi = 0.
 fn over_side(face: &Rough, side: Side, cut: f64, integrand: impl Fn(Beta) -> f64) -> f64 {
     let half = |angles| integral(face.index(side), angles, [0.0, 0.5], [500, 300], &integrand);
     2.0 * (half([0.0, cut]) + half([cut, FRAC_PI_2]))
 }
 
 #[test]
-fn every_pair_of_directions_is_reciprocal() {
+fn density_is_reciprocal_for_all_directions() {
     use Distribution::{Beckmann, Ggx};
     for (distribution, alpha, above, below) in
         [(Ggx, 0.02, 1.0, 1.5), (Ggx, 0.2, 1.0, 1.5), (Beckmann, 0.5, 1.7, 1.33), (Ggx, 1.0, 1.5, 1.52)]
@@ -66,7 +66,7 @@ fn every_pair_of_directions_is_reciprocal() {
                     let a = Beta { x, y };
                     let (x, y) = warp::uniform_disc(face.index(to), [u[2], u[3]]);
                     let b = Beta { x, y };
-                    // Back along the same way: propagation turns round, and the face is isotropic.
+                    // Back along the same path: propagation is reversed, and the interface is isotropic.
                     for back in [(b, a), (-b, -a)] {
                         let pair = [
                             face.evaluate(from.at(a), to.at(b)),
@@ -82,11 +82,11 @@ fn every_pair_of_directions_is_reciprocal() {
     }
 }
 
-/// Refracted light jumps to zero where q is alike on both sides: there the facets stand upright.
-/// Cut there, the rule is good to 2e-5 (critical angle, narrow peaks), the table of deficits
-/// to 1e-5; with four times the steps the largest difference from one is 2e-6.
+/// Refracted light jumps to zero where q is the same on both sides: there the microfacets are vertical. If
+/// divided there, the rule is accurate to 2e-5 (critical angle, narrow peaks), the table of deficits to
+/// 1e-5; with four times the steps the largest difference from one is 2e-6.
 #[test]
-fn nothing_is_lost() {
+fn scattered_light_sums_to_one() {
     use Distribution::{Beckmann, Ggx};
     for (distribution, alpha) in [(Ggx, 0.05), (Ggx, 0.2), (Ggx, 0.5), (Ggx, 1.0), (Beckmann, 0.5)] {
         let face = Rough::with(distribution, alpha, 1.0, 1.5);
@@ -105,8 +105,7 @@ fn nothing_is_lost() {
     }
 }
 
-/// Chi-square of samples of `drawn` against the density of `claimed`, on 10 x 8 cells of each
-/// side.
+/// Chi-square of samples of `drawn` against the density of `claimed`, on 10 x 8 cells of each side.
 fn chi_square(drawn: &Rough, from: Side, a: Beta, claimed: impl Fn(Side, Beta) -> f64) -> ChiSquare {
     let (rings, turns, samples) = (10, 8, 40_000);
     let numbers = Numbers::new(Sampler::Random, 29, 0);
@@ -133,7 +132,7 @@ fn chi_square(drawn: &Rough, from: Side, a: Beta, claimed: impl Fn(Side, Beta) -
 }
 
 #[test]
-fn samples_follow_the_density() {
+fn samples_follow_density() {
     use Distribution::{Beckmann, Ggx};
     for (distribution, alpha, above, below) in [
         (Ggx, 0.1, 1.0, 1.5),
@@ -154,22 +153,22 @@ fn samples_follow_the_density() {
 }
 
 #[test]
-fn wrong_densities_are_caught() {
+fn wrong_densities_are_refused() {
     let (face, rougher) = (Rough::new(0.3, 1.0, 1.5), Rough::new(0.33, 1.0, 1.5));
     for from in SIDES {
         let a = beta(&face, from, 40.0);
         let found = chi_square(&face, from, a, |to, b| rougher.evaluate(from.at(a), to.at(b)));
         assert!(!found.is_likely(), "rougher: {found:?}");
-        // One microfacet alone, scaled up to one.
+        // A single microfacet, scaled to one.
         let scale = 1.0 / (1.0 - face.deficit(from, a.length()));
         let found = chi_square(&face, from, a, |to, b| scale * face.single(from, a, to, b));
         assert!(!found.is_likely(), "scaled: {found:?}");
     }
 }
 
-/// Samples that follow the density, rare ones included: those sent on by several microfacets.
+/// Samples follow the density also where they are rare: light of several microfacets.
 #[test]
-fn light_of_several_microfacets_is_drawn_as_often_as_it_should() {
+fn light_of_several_microfacets_is_sampled_with_its_probability() {
     let face = Rough::new(0.2, 1.0, 1.5);
     let numbers = Numbers::new(Sampler::Random, 31, 0);
     for from in SIDES {
@@ -182,15 +181,15 @@ fn light_of_several_microfacets_is_drawn_as_often_as_it_should() {
         });
         let mean = mean.sum::<f64>() / samples as f64;
         let deficit = face.deficit(from, a.length());
-        // Four sigma of what is at most a coin of this bias.
+        // Four sigma of a Bernoulli variable of this probability at most.
         let tolerance = 4.0 * (deficit / samples as f64).sqrt();
         assert!((mean - deficit).abs() < tolerance, "{from:?}: {mean} {deficit}");
     }
 }
 
-/// Away from the critical angle; what remains is of the order of alpha squared.
+/// Away from the critical angle; the remaining difference is of the order of alpha squared.
 #[test]
-fn a_fine_roughness_reflects_as_fresnel() {
+fn fine_roughness_reflects_as_fresnel() {
     let face = Rough::new(0.01, 1.0, 1.5);
     let numbers = Numbers::new(Sampler::Sobol, 41, 0);
     for from in SIDES {
@@ -207,11 +206,11 @@ fn a_fine_roughness_reflects_as_fresnel() {
     }
 }
 
-/// A meeting with the face: side and direction after it, and what is left of the light.
+/// An event at the interface: side and direction after it, and the remaining fraction of the light.
 type Meets<'a> = &'a dyn Fn(Side, Beta, [f64; 4]) -> (Side, Beta, f64);
 
-/// The share of light along the normal that a white mirror under a rough face does not return,
-/// and its standard error.
+/// Fraction of light along the normal that a white mirror under a rough interface does not return, and its
+/// standard error.
 fn loss_over_a_white_mirror(seed: u64, meets: Meets<'_>) -> (f64, f64) {
     let numbers = Numbers::new(Sampler::Random, seed, 0);
     let (mut sum, mut squares, paths) = (0.0, 0.0, 200_000);
@@ -223,7 +222,7 @@ fn loss_over_a_white_mirror(seed: u64, meets: Meets<'_>) -> (f64, f64) {
             if to == Side::Above || weight < 1e-12 {
                 break;
             }
-            // The mirror sends it up again with the same beta.
+            // The mirror reflects it up with the same beta.
             (side, beta) = (Side::Below, out);
         }
         sum += 1.0 - weight;
@@ -233,9 +232,9 @@ fn loss_over_a_white_mirror(seed: u64, meets: Meets<'_>) -> (f64, f64) {
     (mean, ((squares / paths as f64 - mean * mean) / paths as f64).sqrt())
 }
 
-/// One meeting as Walter et al. (2007) write it, in unit vectors: a normal drawn with D cos
-/// (eq. 35, 36), reflected or refracted (eq. 39, 40), weighted by eq. 41, but for the shadowing: at the facet's
-/// height, drawn evenly, light comes and leaves unhindered.
+/// One event as given by Walter et al. (2007), in unit vectors: a normal drawn with D cos (eq. 35, 36),
+/// reflected or refracted (eq. 39, 40), weighted by eq. 41, except for the shadowing: at the height of the
+/// microfacet, drawn uniformly, light arrives and leaves unhindered.
 fn walter(alpha: f64, above: f64, below: f64, from: Side, beta: Beta, u: [f64; 4]) -> (Side, Beta, f64) {
     let (n_i, n_o, other) = match from {
         Side::Above => (above, below, Side::Below),
@@ -268,10 +267,10 @@ fn walter(alpha: f64, above: f64, below: f64, from: Side, beta: Beta, u: [f64; 4
     (to, Beta { x: n * o[0], y: n * o[1] }, c * shadowing / (i[2] * m[2]))
 }
 
-/// Renderers that follow one microfacet for each meeting (Mitsuba 3, pbrt-v4) are reported to
-/// lose 6.3 % here, at a direction near the normal. On the normal itself two roads say 6.0 %.
+/// Renderers that follow one microfacet per event (Mitsuba 3, pbrt-v4) are reported to lose 6.3 % here, at a
+/// direction near the normal. On the normal itself two methods give 6.0 %.
 #[test]
-fn one_microfacet_alone_loses_6_percent_over_a_white_mirror() {
+fn single_microfacet_loses_6_percent_over_white_mirror() {
     let face = Rough::new(0.2, 1.0, 1.5);
     let single = |from: Side, a: Beta, u: [f64; 4]| {
         let OnSide { side: to, beta: b } = face.sample(from.at(a), u).unwrap().direction;
@@ -302,9 +301,10 @@ fn directions_that_do_not_exist_have_no_density() {
     assert_eq!(face.deficit(Side::Above, 1.2), 0.0);
 }
 
-/// What was met several times goes back by what is sent back, across by what is sent across, and by nothing else.
+/// Light of several microfacets is distributed back in proportion to the returned light, across in
+/// proportion to the transmitted light, and in no other way.
 #[test]
-fn what_one_microfacet_loses_is_shared_out_reciprocally() {
+fn light_lost_by_one_microfacet_is_distributed_reciprocally() {
     let face = Rough::new(0.4, 1.0, 1.5);
     let sums = SIDES
         .map(|side| [0, 1].map(|way| over_side(&face, side, 1.0, |b| face.several(side, b.length())[way])));

@@ -1,4 +1,4 @@
-//! Figures 5.3 and 5.4, Table 5.1: from spectra to colours.
+//! Figures 5.3 and 5.4 and Table 5.1: colours of spectra.
 
 use papilio_colour::{Observer, Xyz};
 use papilio_display::result::{StateValues, View};
@@ -37,7 +37,7 @@ pub(super) fn observer() -> Result<Section, ReproductionError> {
     let mut table = Table::new(&["", "thesis", "here"]);
     table.row(["integral of the luminosity function (nm)", "1", &number(integral, 6)]);
     table.row([
-        "illuminance of a radiance of 1 W/(m\u{b2} sr nm) from everywhere (lx)",
+        "illuminance of a radiance of 1 W/(m\u{b2} sr nm) from all directions (lx)",
         "2145.7141",
         &number(683.002 * std::f64::consts::PI * integral, 6),
     ]);
@@ -49,8 +49,9 @@ pub(super) fn observer() -> Result<Section, ReproductionError> {
         )
         .table(table)
         .say(
-            "Eq. 5-5 takes the integral of the luminosity function for 1; it is 106.857 nm (106.856 from 380 to 780 nm). The thesis's 2145.7 lx is \
-             683.002 \u{3c0} and holds in its own normalisation, in which ratios, and so all its colours, are right.",
+            "Eq. 5-5 assumes that the integral of the luminosity function is 1; it is 106.857 nm (106.856 nm from 380 to \
+             780 nm). The thesis's 2145.7 lx is 683.002 \u{3c0} and is correct in the thesis's normalisation. This does not \
+             affect ratios, so that all its colours are correct.",
         ))
 }
 
@@ -60,69 +61,69 @@ struct Row {
     printed: fn(&Column) -> f64,
     from_xyz: fn(Xyz) -> f64,
     ours: fn(&StateValues) -> Option<f64>,
-    /// How far ours is off: as a share, or, of numbers that may be 0, as a difference.
-    off: fn(f64, f64) -> String,
+    /// Formats the deviation of our number: relative, or absolute for quantities that may be 0.
+    deviation: fn(f64, f64) -> String,
 }
 
-/// The difference itself.
-fn apart(theirs: f64, ours: f64) -> String {
+/// Formats the absolute difference.
+fn absolute(theirs: f64, ours: f64) -> String {
     let difference = ours - theirs;
     let sign = if difference > 0.0 { "+" } else { "" };
     format!("{sign}{}", number(difference, 2))
 }
 
 const ROWS: [Row; 10] = [
-    Row { name: "X", printed: |c| c.xyz.x, from_xyz: |c| c.x, ours: |v| Some(v.X), off },
-    Row { name: "Y", printed: |c| c.xyz.y, from_xyz: |c| c.y, ours: |v| Some(v.Y), off },
-    Row { name: "Z", printed: |c| c.xyz.z, from_xyz: |c| c.z, ours: |v| Some(v.Z), off },
+    Row { name: "X", printed: |c| c.xyz.x, from_xyz: |c| c.x, ours: |v| Some(v.X), deviation: off },
+    Row { name: "Y", printed: |c| c.xyz.y, from_xyz: |c| c.y, ours: |v| Some(v.Y), deviation: off },
+    Row { name: "Z", printed: |c| c.xyz.z, from_xyz: |c| c.z, ours: |v| Some(v.Z), deviation: off },
     Row {
         name: "u\u{2032}",
         printed: |c| c.uv[0],
         from_xyz: |c| c.uv_prime().map_or(f64::NAN, |uv| uv.u),
         ours: |v| v.u_prime,
-        off: apart,
+        deviation: absolute,
     },
     Row {
         name: "v\u{2032}",
         printed: |c| c.uv[1],
         from_xyz: |c| c.uv_prime().map_or(f64::NAN, |uv| uv.v),
         ours: |v| v.v_prime,
-        off: apart,
+        deviation: absolute,
     },
     Row {
         name: "dR",
         printed: |c| c.distance_from_d65,
         from_xyz: |c| c.uv_prime().map_or(f64::NAN, |uv| uv.distance(papilio_colour::D65_UV)),
         ours: |v| v.distance_from_d65_uv,
-        off: apart,
+        deviation: absolute,
     },
     Row {
         name: "CR",
         printed: |c| c.contrast,
         from_xyz: |c| c.y / TABLE_5_1[1].xyz.y,
         ours: |v| v.contrast,
-        off,
+        deviation: off,
     },
     Row {
         name: "L*",
         printed: |c| c.lab[0],
         from_xyz: |c| c.lab(papilio_colour::D65_WHITE).map_or(f64::NAN, |lab| lab.l),
         ours: |v| v.L_star,
-        off: apart,
+        deviation: absolute,
     },
     Row {
         name: "a*",
         printed: |c| c.lab[1],
         from_xyz: |c| c.lab(papilio_colour::D65_WHITE).map_or(f64::NAN, |lab| lab.a),
         ours: |v| v.a_star,
-        off: apart,
+        deviation: absolute,
     },
     Row {
         name: "b*",
         printed: |c| c.lab[2],
         from_xyz: |c| c.lab(papilio_colour::D65_WHITE).map_or(f64::NAN, |lab| lab.b),
         ours: |v| v.b_star,
-        off: apart,
+        deviation: absolute,
     },
 ];
 
@@ -155,7 +156,7 @@ pub(super) fn table_5_1(bench: &Bench<'_>) -> Result<Section, ReproductionError>
                 number(printed, 3),
                 number((row.from_xyz)(column.xyz), 3),
                 number(ours[0], 3),
-                (row.off)(printed, ours[0]),
+                (row.deviation)(printed, ours[0]),
                 number(ours[1], 3),
                 number(ours[2], 3),
             ]);
@@ -182,14 +183,14 @@ pub(super) fn table_5_1(bench: &Bench<'_>) -> Result<Section, ReproductionError>
     Ok(Section::new("table-5-1", "Table 5.1: colorimetric output")
         .table(table)
         .say(
-            "The derived rows follow from the thesis's own X, Y, Z within their rounding. Our nearest display is the bare \
-             reference pixel at 8 deg in glass, to whose kind it was fitted: X, Y, Z of white, red, green and blue lie \
-             within an eighth of the thesis's, black is bluer.",
+            "The derived rows follow from the thesis's own X, Y, Z within their rounding. Our most similar display is the bare \
+             reference pixel at 8 deg in glass, the condition to which it was fitted: X, Y, Z of white, red, green and blue \
+             agree with the thesis's to 12.5 %; black is bluer.",
         )
         .say(
-            "The diffused panels (haze 78, diffuse light, 8 deg, no front) mix the colours of many angles: their gamut is \
-             lower than the thesis's 33.4 %, so the table's display has a narrower lobe than that of haze 78, or more \
-             saturated pixels than ours. \u{201c}As the thesis\u{201d}: one pass through the panel (eq. 3-5), the pixel looked up at \
-             the angle in air.",
+            "The diffused panels (haze 78, diffuse light, 8 deg, no front) mix the colours of many angles. Their gamut is \
+             smaller than the thesis's 33.4 %: the display of the table has a narrower lobe than haze 78, or more \
+             saturated pixels than ours. \u{201c}As the thesis\u{201d}: one pass through the panel (eq. 3-5), with the \
+             reflectance of the pixel at the angle in air.",
         ))
 }

@@ -11,7 +11,7 @@ use crate::report::{Section, Table, number};
 /// The three lighting conditions.
 const CONDITIONS: [&str; 3] = ["indoor", "sunny", "overcast"];
 
-/// What is drawn of a view: its name, and how to get it.
+/// Axis title of a metric, and the function that returns it.
 type Metric = (&'static str, fn(&View) -> f64);
 
 const METRICS: [Metric; 3] = [
@@ -23,9 +23,9 @@ const METRICS: [Metric; 3] = [
 /// Figure 5.14.
 pub(super) fn distributions() -> Section {
     Section::new("figure-5-14", "Figure 5.14: mean directional luminance of 42 outdoor and 70 indoor locations").say(
-        "Kubota et al. 2006 measured it; their data are not public, so nothing is computed here. The thesis takes from it \
-         its three conditions, which are presets: indoor (50 % diffuse, 50 % from -20 deg, seen from 8 deg), sunny (20 % \
-         and 80 % from -35 deg, seen from 20 deg), overcast (diffuse, seen from 8 deg).",
+        "The data were measured by Kubota et al. 2006 and are not public, so that nothing is computed here. The thesis derives \
+         three lighting conditions from them, which are presets: indoor (50 % diffuse, 50 % from -20 deg, viewed at 8 deg), \
+         sunny (20 % diffuse, 80 % from -35 deg, viewed at 20 deg), overcast (diffuse, viewed at 8 deg).",
     )
 }
 
@@ -60,15 +60,16 @@ pub(super) fn front_reflection(bench: &Bench<'_>) -> Result<Section, Reproductio
         section = section.figure(chart(&figure, ""), "");
     }
     let mut table =
-        Table::new(&["what is left at 2 % of what there is at 0", "contrast ratio", "gamut", "white"]);
+        Table::new(&["value at 2 % front reflectance over value at 0 %", "contrast ratio", "gamut", "white"]);
     for (condition, runs) in &all {
-        let left = METRICS.map(|(_, metric)| metric(first(&runs[4])) / metric(first(&runs[0])));
-        table.row(std::iter::once((*condition).to_owned()).chain(left.map(|share| number(share, 3))));
+        let ratios = METRICS.map(|(_, metric)| metric(first(&runs[4])) / metric(first(&runs[0])));
+        table.row(std::iter::once((*condition).to_owned()).chain(ratios.map(|ratio| number(ratio, 3))));
     }
     Ok(section.table(table).say(
-        "The thesis: low front reflection means higher contrast and a larger gamut in all conditions, and diffuse light \
-         suffers most. So it is here. White rises with front reflection in diffuse light alone; a lamp's light, whose \
-         mirror image is not seen, only loses. Haze 78, one front component without absorption.",
+        "The thesis finds that low front reflection gives higher contrast and a larger gamut in all conditions, and that the \
+         effect is largest in diffuse light. This also holds here. White becomes brighter with front reflection only in \
+         diffuse light; the front only attenuates a directed source whose mirror image is outside the view. Haze 78, one \
+         front component without absorption.",
     ))
 }
 
@@ -98,11 +99,11 @@ pub(super) fn lobes(bench: &Bench<'_>) -> Result<Section, ReproductionError> {
         curves,
     };
     Ok(Section::new("figure-5-16", "Figure 5.16: scattering profile of haze 78 and haze 65 diffusers at normal angle")
-        .figure(chart(&figure, ""), "Synthetic samples on the thesis's grid, blurred by their instrument as in figure 3.8.")
+        .figure(chart(&figure, ""), "Synthetic measurements on the thesis's grid, with the blur of the instrument of figure 3.8.")
         .table(table)
         .say(
-            "The thesis's axis goes from 1 to 100 1/sr and its text gives no number. Without the blur the peaks would be 47 \
-             and 100 1/sr (haze 78 and 65, total .90).",
+            "The thesis's axis extends from 1 to 100 1/sr, and its text gives no numbers. Without the blur, the peaks would be \
+             47 and 100 1/sr (haze 78 and 65, total transmittance 0.90).",
         ))
 }
 
@@ -110,7 +111,7 @@ pub(super) fn lobes(bench: &Bench<'_>) -> Result<Section, ReproductionError> {
 pub(super) fn haze(bench: &Bench<'_>) -> Result<Section, ReproductionError> {
     let h65 = bench.run("measured-h65", &[])?;
     let h78 = bench.run("measured-h78", &[])?;
-    let both = [("H65", &h65), ("H78", &h78)];
+    let diffusers = [("H65", &h65), ("H78", &h78)];
     let mut section =
         Section::new("figure-5-17", "Figure 5.17: diffusers with different haze values in indoor lighting");
     for (name, metric) in METRICS {
@@ -126,7 +127,7 @@ pub(super) fn haze(bench: &Bench<'_>) -> Result<Section, ReproductionError> {
             y: name.to_owned(),
             logarithmic: false,
             at_least: vec![0.0],
-            curves: both.iter().enumerate().map(curve).collect(),
+            curves: diffusers.iter().enumerate().map(curve).collect(),
         };
         section = section.figure(chart(&figure, ""), "");
     }
@@ -144,19 +145,19 @@ pub(super) fn haze(bench: &Bench<'_>) -> Result<Section, ReproductionError> {
         format!("{} deg", brightest(&h78)),
     ]);
     for (words, deg, metric) in [
-        ("H65's peak of white is much higher", 20.0, METRICS[2].1),
+        ("the peak of white is much higher with H65", 20.0, METRICS[2].1),
         ("H65 has higher contrast at typical angles (10 deg)", 10.0, METRICS[0].1),
         ("H65 has a larger gamut at typical angles (10 deg)", 10.0, METRICS[1].1),
-        ("from 50 deg on H78 is better: white", 50.0, METRICS[2].1),
-        ("from 50 deg on H78 is better: contrast", 50.0, METRICS[0].1),
-        ("from 50 deg on H78 is better: gamut", 50.0, METRICS[1].1),
+        ("from 50 deg, H78 is better: white", 50.0, METRICS[2].1),
+        ("from 50 deg, H78 is better: contrast", 50.0, METRICS[0].1),
+        ("from 50 deg, H78 is better: gamut", 50.0, METRICS[1].1),
     ] {
         let [a, b] = [&h65, &h78].map(|run| number(at(run, deg, metric), 3));
         claims.row([words.to_owned(), a, b]);
     }
     Ok(section.table(claims).say(
-        "Every finding of the thesis holds here, though the samples are synthetic: the narrower lobe gathers the lamp at \
-         its mirror angle, and the wider one has light left for the eye at 50 deg. The thesis prints no numbers.",
+        "All findings of the thesis hold here, although the samples are synthetic: the narrower lobe concentrates the light \
+         of the source at its mirror angle, and the wider lobe scatters more light to 50 deg. The thesis prints no numbers.",
     ))
 }
 
@@ -173,13 +174,13 @@ pub(super) fn front_light(bench: &Bench<'_>) -> Result<Section, ReproductionErro
         let set: Vec<&str> = std::iter::once(room.as_str()).chain(guide.as_deref()).collect();
         bench.run("overcast", &set)
     };
-    let (alone, dim) = (0.0, 100.0);
+    let (dark_lx, dim_lx) = (0.0, 100.0);
     let all = [
-        ("room alone", run(dim, None)?),
-        ("white LED alone", run(alone, Some(WHITE_LED))?),
-        ("RGB LED alone", run(alone, Some(RGB_LED))?),
-        ("white LED and room", run(dim, Some(WHITE_LED))?),
-        ("RGB LED and room", run(dim, Some(RGB_LED))?),
+        ("room only", run(dim_lx, None)?),
+        ("white LED only", run(dark_lx, Some(WHITE_LED))?),
+        ("RGB LED only", run(dark_lx, Some(RGB_LED))?),
+        ("white LED and room", run(dim_lx, Some(WHITE_LED))?),
+        ("RGB LED and room", run(dim_lx, Some(RGB_LED))?),
     ];
     let mut table = Table::new(&[
         "light",
@@ -204,13 +205,14 @@ pub(super) fn front_light(bench: &Bench<'_>) -> Result<Section, ReproductionErro
     Ok(Section::new("figure-5-19", "Figures 5.18 and 5.19: auxiliary lighting of different SPDs")
         .figure(
             gamuts(&shown, "Haze 78, at 8 deg"),
-            "A front light below the front of screen (.5 % reflectance, 1 % absorptance), which its light passes once, \
-             500 lx on the diffuser; the room 100 lx of diffuse D65.",
+            "A front light below the front of screen (0.5 % reflectance, 1 % absorptance), which its light passes once, \
+             with 500 lx on the diffuser. The room light is 100 lx of diffuse D65.",
         )
         .table(table)
         .say(
-            "The thesis: an RGB LED front light has a larger gamut than a white LED, and a much more saturated red. So it \
-             has here, also mixed with the room's light (LED models: three of Ohno 2005 at 630, 525 and 460 nm, balanced to \
-             D65; CIE LED-B5). The room's reflection by the front lowers gamut and contrast; a front light has none.",
+            "The thesis finds that an RGB LED front light gives a larger gamut than a white LED, and a much more saturated red. \
+             This also holds here, and in a mixture with the room light (LED models: three of Ohno 2005 at 630, 525 and \
+             460 nm, balanced to D65; CIE LED-B5). The front reflection of the room light lowers gamut and contrast; a front \
+             light has no front reflection.",
         ))
 }

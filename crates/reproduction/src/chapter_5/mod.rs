@@ -1,4 +1,4 @@
-//! Chapter 5: what displays look like.
+//! Chapter 5: the appearance of displays.
 
 mod colour;
 mod lighting;

@@ -15,13 +15,13 @@ const PRIMARIES: [(&str, f64); 3] = [("red", 275.9), ("green", 192.3), ("blue", 
 const TABLE_5_2: [[f64; 4]; 3] =
     [[613.0, 690.0, 665.0, 683.0], [472.0, 528.0, 498.0, 520.0], [400.0, 437.0, 407.0, 421.0]];
 
-/// The diffused panel without front of screen: nothing but the diffuser is added to the bare one.
+/// Change of key for the diffused panel without front of screen: it differs from the bare panel by the diffuser only.
 const NO_FRONT: &str = "display.front=[]";
 
-/// The pixel looked up at the angle in air, as the thesis's tracer probably did.
+/// Change of key for the reflectance of the pixel at the angle in air, as the thesis's tracer probably used it.
 const UNREFRACTED: &str = "solver.angle_medium=unrefracted";
 
-/// The bare panel with angles in air.
+/// Change of key for the bare panel with angles in air.
 const IN_AIR: &str = "solver.angle_medium=air";
 
 fn bare(bench: &Bench<'_>, theta_deg: &[f64], medium: &str) -> Result<RunResult, ReproductionError> {
@@ -51,13 +51,13 @@ pub(super) fn gamuts(bench: &Bench<'_>) -> Result<Section, ReproductionError> {
         table.row(std::iter::once(name.to_owned()).chain(cells.map(|v| number(v, 3))));
     }
     let turn = |view: &View, other: &View| {
-        // The angle by which a primary turns about the light's white, in u'v'.
-        let about = |view: &View, state: &str| {
+        // Hue angle of a primary about the white of the light, in u'v'.
+        let hue_deg = |view: &View, state: &str| {
             let (u, v) = (of(view, state, |s| s.u_prime), of(view, state, |s| s.v_prime));
             (v - 0.46834).atan2(u - 0.19784).to_degrees()
         };
         PRIMARIES.map(|(state, _)| {
-            let turned = about(other, state) - about(view, state);
+            let turned = hue_deg(other, state) - hue_deg(view, state);
             (turned + 540.0).rem_euclid(360.0) - 180.0
         })
     };
@@ -68,11 +68,11 @@ pub(super) fn gamuts(bench: &Bench<'_>) -> Result<Section, ReproductionError> {
         .map(|((name, _), deg)| format!("{name} by {} deg", difference(deg, 1)))
         .collect();
     Ok(Section::new("figure-5-5", "Figures 5.5 and 5.7: colour gamuts of a bare and a diffused panel")
-        .figure(draw_gamuts(&displays, "At 8 deg, diffuse light"), "The bare panel in glass angles, as the thesis's.")
+        .figure(draw_gamuts(&displays, "At 8 deg, diffuse light"), "The angle of the bare panel is in glass, as in the thesis.")
         .table(table)
         .say(format!(
-            "The thesis finds that a diffuser turns the triangle counter-clockwise (to the blue) and shrinks it. Here it \
-             turns about white: {} (positive is counter-clockwise).",
+            "The thesis finds that a diffuser rotates the gamut triangle counter-clockwise (to the blue) and makes it smaller. \
+             Here, the primaries rotate about white: {} (positive is counter-clockwise).",
             words.join(", ")
         )))
 }
@@ -95,13 +95,13 @@ pub(super) fn spectra(bench: &Bench<'_>) -> Result<Section, ReproductionError> {
     }
     let shown = [("bare", &bare), ("diffused", &diffused), ("diffused, unrefracted", &single)];
     Ok(Section::new("figure-5-6", "Figure 5.6: simulated reflectance, bare and diffused, at 8 deg")
-        .figure(spectra_over(&shown, ""), "Diffuse light. The thesis's panel (b), the measured panel, is not public.")
+        .figure(spectra_over(&shown, ""), "Diffuse light. The measured panel of the thesis, part (b) of its figure, is not public.")
         .table(table)
         .say(
-            "As the thesis: the diffuser lowers reflectance and flattens the spectra. It moves them to the blue against a \
-             bare panel whose angles are those in air (table 5.2); a bare panel in glass angles lies further to the blue \
-             by itself. Without a front nothing is sent back down, so one pass is exact here; the third column differs by \
-             the angle at which the pixel is looked up.",
+            "As in the thesis, the diffuser lowers the reflectance and flattens the spectra. It shifts them to the blue \
+             relative to a bare panel whose angles are in air (table 5.2); a bare panel whose angles are in glass has its \
+             peaks further in the blue. Without a front, no light returns to the pixel, so that one pass is exact here. \
+             The third column differs only in the angle at which the reflectance of the pixel is taken.",
         ))
 }
 
@@ -109,8 +109,8 @@ pub(super) fn spectra(bench: &Bench<'_>) -> Result<Section, ReproductionError> {
 pub(super) fn gamut_against_angle(bench: &Bench<'_>) -> Result<Section, ReproductionError> {
     let theta: Vec<f64> = (8..=20).step_by(2).map(f64::from).collect();
     let all = [
-        ("bare, in glass", bare(bench, &theta, "solver.angle_medium=glass")?, false),
-        ("bare, in air", bare(bench, &theta, IN_AIR)?, true),
+        ("bare, glass", bare(bench, &theta, "solver.angle_medium=glass")?, false),
+        ("bare, air", bare(bench, &theta, IN_AIR)?, true),
         ("diffused, air", bench.at("overcast", &theta, &[NO_FRONT])?, false),
         ("unrefracted", bench.at("overcast", &theta, &[NO_FRONT, UNREFRACTED])?, true),
     ];
@@ -129,19 +129,19 @@ pub(super) fn gamut_against_angle(bench: &Bench<'_>) -> Result<Section, Reproduc
         at_least: vec![0.0],
         curves: all.iter().enumerate().map(curve).collect(),
     };
-    let mut table = Table::new(&["gamut, % of EBU", "8 deg", "20 deg", "falls by"]);
+    let mut table = Table::new(&["gamut, % of EBU", "8 deg", "20 deg", "decrease"]);
     for (name, result, _) in &all {
         let ends = [result.views.first(), result.views.last()].map(|view| view.map_or(f64::NAN, gamut));
-        let fall = format!("{:.0} %", 100.0 * (1.0 - ends[1] / ends[0]));
-        table.row([(*name).to_owned(), number(ends[0], 3), number(ends[1], 3), fall]);
+        let decrease = format!("{:.0} %", 100.0 * (1.0 - ends[1] / ends[0]));
+        table.row([(*name).to_owned(), number(ends[0], 3), number(ends[1], 3), decrease]);
     }
     Ok(Section::new("figure-5-8", "Figure 5.8: colour gamut against viewing angle")
-        .figure(chart(&figure, ""), "Diffuse light. Unrefracted: the diffused panel, its pixel looked up at the angle in air.")
+        .figure(chart(&figure, ""), "Diffuse light. Unrefracted: the diffused panel, with the reflectance of the pixel at the angle in air.")
         .table(table)
         .say(
-            "The thesis: gamut decreases faster in a bare panel. It does if the bare panel's angles are those in glass. \
-             With both panels' angles in air the bare one hardly changes from 8 to 20 deg, since these are 5 to 13 deg at \
-             the pixel: the thesis's figure compares two conventions.",
+            "The thesis finds that the gamut of a bare panel decreases faster. This holds if the angles of the bare panel are \
+             in glass. If the angles of both panels are in air, the bare panel hardly changes from 8 to 20 deg, which are 5 \
+             to 13 deg at the pixel: the thesis's figure compares two conventions.",
         ))
 }
 
@@ -163,17 +163,17 @@ pub(super) fn soap_film() -> Section {
         0.5 * (of(Polarisation::S) + of(Polarisation::P))
     };
     let formula = |theta: f64, nm: f64| {
-        // Eq. 5-11, R_f the reflectance of one face at normal incidence.
+        // Eq. 5-11; R_f is the reflectance of one interface at normal incidence.
         let inside = (theta.to_radians().sin() / WATER).asin();
-        let face = ((WATER - 1.0) / (WATER + 1.0)).powi(2);
-        4.0 * face * (std::f64::consts::TAU * THICKNESS_NM * WATER * inside.cos() / nm).sin().powi(2)
+        let interface = ((WATER - 1.0) / (WATER + 1.0)).powi(2);
+        4.0 * interface * (std::f64::consts::TAU * THICKNESS_NM * WATER * inside.cos() / nm).sin().powi(2)
     };
     let mut curves = Vec::new();
     for (k, theta) in angles.into_iter().enumerate() {
-        let share = k as f64 / angles.len() as f64;
+        let position = k as f64 / angles.len() as f64;
         let curve = |name: String, dashed, of: &dyn Fn(f64, f64) -> f64| ChartCurve {
             name,
-            hue: Hue::Scale(share),
+            hue: Hue::Scale(position),
             dashed,
             marks: false,
             points: nm.iter().map(|nm| (*nm, of(theta, *nm))).collect(),
@@ -188,24 +188,25 @@ pub(super) fn soap_film() -> Section {
         at_least: vec![0.0],
         curves,
     };
-    let mut table = Table::new(&["angle in air (deg)", "peak, exact (nm)", "peak, 2 w n cos \u{3b8}"]);
+    let mut table =
+        Table::new(&["angle in air (deg)", "peak, exact (nm)", "peak, 4 w n cos \u{3b8} / 3 (nm)"]);
     for theta in angles {
         let highest = nm.iter().copied().max_by(|a, b| exact(theta, *a).total_cmp(&exact(theta, *b)));
         let inside = (theta.to_radians().sin() / WATER).asin();
-        // Constructive where the path is an odd number of half waves: 4 w n cos/3 is the one in the visible range.
+        // Interference is constructive if the path is an odd number of half waves; 4 w n cos/3 is in the visible range.
         let order = 4.0 * THICKNESS_NM * WATER * inside.cos() / 3.0;
         table.row([theta.to_string(), number(highest.unwrap_or(f64::NAN), 3), number(order, 3)]);
     }
     Section::new("figure-5-10", "Figure 5.10: thin film spectral reflectance at different angles")
         .figure(
             chart(&figure, "A film of water, 300 nm, in air"),
-            "Solid: all orders, both polarisations, by the transfer matrices that Papilio's pixels use. Dashed: eq. 5-11, \
-             first order.",
+            "Solid: all orders and both polarisations, by the transfer matrices of Papilio's pixels. Dashed: eq. 5-11, first \
+             order.",
         )
         .table(table)
         .say(
-            "The peak goes from red to violet as the angle grows; the thesis's sentence (p. 69) has it the other way \
-             round, its figure does not. It does not give the film's thickness.",
+            "The peak shifts from red to violet with increasing angle. The thesis's text (p. 69) states the opposite, but its \
+             figure agrees. The thesis does not give the thickness of the film.",
         )
 }
 
@@ -219,12 +220,14 @@ pub(super) fn shift_at_20(bench: &Bench<'_>) -> Result<Section, ReproductionErro
     Ok(Section::new("figure-5-12", "Figure 5.12: SPD shift from a bare to a diffused panel at 20 deg")
         .figure(spectra_over(&shown, ""), "Diffuse light.")
         .say(
-            "The thesis sees a red shift at 20 deg. Against a bare panel in glass angles there is one; it is the convention's \
-             (the diffused panel's 20 deg in air are 13 deg at the pixel): figure 5.13 has both in one.",
+            "The thesis finds a red shift at 20 deg. There is one relative to a bare panel whose angle is in glass, but it is \
+             due to the convention: the 20 deg of the diffused panel in air are 13 deg at the pixel. Figure 5.13 compares \
+             both conventions.",
         ))
 }
 
-/// The peaks of the three sub-pixels alone at some views of a panel, nm; blue may lie below 400 nm: NaN.
+/// Returns the peaks of the three sub-pixels, each computed as the only one, in several views of a panel, nm; NaN where
+/// the peak of blue is below 400 nm.
 fn peaks(
     bench: &Bench<'_>,
     scenario: &str,
@@ -287,14 +290,14 @@ pub(super) fn peak_shift(bench: &Bench<'_>) -> Result<Section, ReproductionError
         );
     }
     Ok(Section::new("figure-5-13", "Figure 5.13: average peak shift against angle")
-        .figure(chart(&figure, ""), "Peaks of the sub-pixels alone, diffused less bare, in diffuse light; haze 78. Glass and air: bare at angles in glass, \
-             diffused at angles in air. At the pixel: the diffused one unrefracted.")
+        .figure(chart(&figure, ""), "Peaks of single sub-pixels, diffused minus bare, in diffuse light; haze 78. Glass and air: angles of the bare panel in \
+             glass, of the diffused panel in air. At the pixel: the diffused panel unrefracted.")
         .table(table)
         .say(
-            "The thesis: a blue shift at small angles that becomes a red shift at large ones (about +35 nm at 24 deg in its \
-             figure). With the bare panel in glass and the diffused one in air, ours does the same. With one convention \
-             for both the red shift at 20 deg is a few nm or none. Where a peak lies below 400 nm (blue at \
-             large angles in glass) the mean is of the others.",
+            "The thesis finds a blue shift at small angles that becomes a red shift at large angles (about +35 nm at 24 deg in \
+             its figure). With the angles of the bare panel in glass and those of the diffused panel in air, the result here \
+             is the same. With one convention for both, the red shift at 20 deg is a few nm or none. Peaks below 400 nm \
+             (blue at large angles in glass) are omitted from the mean.",
         ))
 }
 
@@ -324,14 +327,14 @@ pub(super) fn table_5_2(bench: &Bench<'_>) -> Result<Section, ReproductionError>
             let [printed_bare, printed] = [TABLE_5_2[c][k], TABLE_5_2[c][2 + k]];
             let (glass, air) = (bare_glass[c][k], bare_air[c][k]);
             bare.row([row.clone(), nm(printed_bare), nm(glass), difference(glass, printed_bare), nm(air)]);
-            let (air, looked_up) = (diffused_air[c][k], unrefracted[c][k]);
+            let (air, at_air_angle) = (diffused_air[c][k], unrefracted[c][k]);
             diffused.row([
                 row,
                 nm(printed),
                 nm(air),
                 difference(air, printed),
-                nm(looked_up),
-                difference(looked_up, printed),
+                nm(at_air_angle),
+                difference(at_air_angle, printed),
             ]);
         }
     }
@@ -350,8 +353,9 @@ pub(super) fn table_5_2(bench: &Bench<'_>) -> Result<Section, ReproductionError>
         .table(diffused)
         .table(average)
         .say(
-            "Peaks of the sub-pixels alone. The thesis's bare peaks can only be angles in glass: in air the peak at 20 deg \
-             of any film is at least cos 20/cos 8 = .949 of that at 8 deg, and the thesis has .888 to .915. At \
-             20 deg its diffused peaks lie nearer to angles in air, at 8 deg to a pixel looked up at the angle in air. An average leaves out a peak at the edge of 400 nm.",
+            "Peaks of single sub-pixels. The thesis's peaks of the bare panel can only be for angles in glass: in air, the peak \
+             of any film at 20 deg is at least cos 20/cos 8 = 0.949 of that at 8 deg, and the thesis has 0.888 to 0.915. \
+             The thesis's peaks of the diffused panel are closest to angles in air at 20 deg, and to a pixel at the angle in \
+             air (unrefracted) at 8 deg. Averages omit peaks at the edge of 400 nm.",
         ))
 }

@@ -8,14 +8,15 @@ use crate::displays::{Bench, ReproductionError, first, of};
 use crate::report::{Section, Table, number, off};
 use crate::table_5_3::TABLE_5_3;
 
-/// The two set-ups: sky and sun, lx (the sun's across its beam), where the sun stands and where the eye is, degrees.
+/// The two set-ups: illuminances of sky and sun, lx (that of the sun perpendicular to its beam), and inclinations of the
+/// sun and the eye, degrees.
 const SET_UPS: [(&str, f64, f64, f64, f64); 2] =
     [("45/0", 1e4, 1e5, -45.0, 0.0), ("35/20", 1e3, 1e4, -35.0, 20.0)];
 
-/// Between numbers that stay on one line.
-const BESIDE: &str = ",\u{a0}";
+/// Separator of numbers, without a line break.
+const SEPARATOR: &str = ",\u{a0}";
 
-/// What the colours of all maps go over.
+/// Range of the colours of all maps.
 const PERFORMANCE: [f64; 2] = [0.2, 1.0];
 
 /// Table 5.3.
@@ -42,17 +43,17 @@ pub(super) fn table_5_3(bench: &Bench<'_>) -> Result<Section, ReproductionError>
             number(text.luminance_cd_m2, 6),
             column.text_contrast.to_string(),
             number(text.contrast, 3),
-            printed.join(BESIDE),
-            read(text),
+            printed.join(SEPARATOR),
+            performances(text),
         ]);
     }
     let mut panels = Table::new(&[
         "set-up",
         "panel",
         "Kw, cd/m\u{b2}",
-        "off",
+        "difference",
         "Kk, cd/m\u{b2}",
-        "off",
+        "difference",
         "Kw / Kk",
         "C",
         "P, %",
@@ -81,9 +82,12 @@ pub(super) fn table_5_3(bench: &Bench<'_>) -> Result<Section, ReproductionError>
         for (panel, changes) in [
             ("haze 65", &["display.diffuser.haze=0.65"] as &[&str]),
             ("haze 78", &[]),
-            ("haze 78, front .5 % and 1 %", &["display.front=[{ reflectance = 0.005, absorptance = 0.01 }]"]),
             (
-                "lobe as measured (b = .105)",
+                "haze 78, front 0.5 % and 1 %",
+                &["display.front=[{ reflectance = 0.005, absorptance = 0.01 }]"],
+            ),
+            (
+                "lobe as measured (b = 0.105)",
                 &["display.diffuser={ model = \"k-correlation\", width = 0.105, transmittance = 0.954 }"],
             ),
             ("haze 78, single pass", &["solver.approximation=single-pass"]),
@@ -104,7 +108,7 @@ pub(super) fn table_5_3(bench: &Bench<'_>) -> Result<Section, ReproductionError>
                 off(printed.black_cd_m2, black),
                 number(white / black, 3),
                 number(text(white, black).contrast, 3),
-                read(text(white, black)),
+                performances(text(white, black)),
             ]);
         }
     }
@@ -112,22 +116,22 @@ pub(super) fn table_5_3(bench: &Bench<'_>) -> Result<Section, ReproductionError>
         Section::new("table-5-3", "Table 5.3 and figure 5.20: readability results of various displays")
         .table(derived)
         .say(
-            "D is the ratio of Kw and Kk; the thesis prints 10.08 where its luminances give 10.73. L_ave = .75 Kw + .25 Kk \
-             (eq. 5-13), C = (Kw - Kk)/(Kw + Kk/3) (eq. 5-14). P is the reading performance (the thesis's table says 70 \
-             years where its chart has 75), read by eye off charts of CIE 145:2002. Ours is a surrogate calibrated on this \
-             very table, not the CIE's model: that it agrees shows no more than that.",
+            "D is the ratio of Kw and Kk; the thesis prints 10.08 where its luminances give 10.73. L_ave = 0.75 Kw + 0.25 Kk \
+             (eq. 5-13), C = (Kw - Kk)/(Kw + Kk/3) (eq. 5-14). P is the reading performance, which the thesis read by eye \
+             from charts of CIE 145:2002 (its table has 70 years where its chart has 75). Ours is a surrogate that was \
+             calibrated with this table, not the model of the CIE, so that the agreement is no verification.",
         )
         .table(panels)
         .say(
-            "Luminances of our panels in the thesis's light: a sky of even radiance and a sun whose illuminance is taken \
-             across its beam. The thesis does not give its panel's lobe, front or white. Its panel sends more of the sun's \
-             light to the eye, in both set-ups, than lobes of these hazes, and its black is lighter: reported, not fitted. \
-             Beyond C = .9 the surrogate gives no number.",
+            "Luminances of our panels in the thesis's light: a sky of uniform radiance, and a sun whose illuminance is given \
+             perpendicular to its beam. The thesis does not give the lobe, the front or the white of its panel. In both \
+             set-ups, its panel reflects more sunlight to the eye than lobes of these hazes, and its black is lighter; these \
+             differences are reported, not fitted. Above C = 0.9, the surrogate is undefined.",
         );
     for age in AGES_YEARS {
         section = section.figure(
             chart_5_20(age),
-            format!("Figure 5.20 by the calibrated surrogate, {age} years: performance over luminance and contrast of text."),
+            format!("Figure 5.20 by the calibrated surrogate, {age} years: reading performance over luminance and contrast of the text."),
         );
     }
     let (map, contrast) = illuminance_and_age(bench)?;
@@ -135,31 +139,31 @@ pub(super) fn table_5_3(bench: &Bench<'_>) -> Result<Section, ReproductionError>
         .figure(
             map,
             format!(
-                "The same as a map of our panel over illuminance and age: haze 78 behind a cover that mirrors 4 %, in \
-                 diffuse light, where its text has a contrast of {} at any illuminance. Empty where text is dimmer or \
-                 brighter than what the surrogate is calibrated for (1000 to 5200 cd/m\u{b2}).",
+                "Reading performance of our panel over illuminance and age: haze 78 behind a cover with a reflectance of 4 %, in \
+                 diffuse light, in which its text has a contrast of {} at any illuminance. Empty where the luminance of the \
+                 text is outside the range for which the surrogate is calibrated (1000 to 5200 cd/m\u{b2}).",
                 number(contrast, 3)
             ),
         )
         .say(
-            "The thesis's charts have no illuminance: a reader takes the luminance from table 5.3. Between 20, 50 and 75 \
-             years the surrogate is linear in its coefficients.",
+            "The thesis's charts do not have the illuminance; the luminance is to be taken from table 5.3. Between 20, 50 and \
+             75 years, the coefficients of the surrogate are interpolated linearly.",
         ))
 }
 
-/// Black text on white; without light there is none.
+/// Returns black text on white; its quantities are NaN without light.
 fn text(white_cd_m2: f64, black_cd_m2: f64) -> Text {
     Text::new(white_cd_m2, black_cd_m2).unwrap_or(Text { luminance_cd_m2: f64::NAN, contrast: f64::NAN })
 }
 
-/// Performance at the three ages, %.
-fn read(text: Text) -> String {
+/// Formats the reading performance at the three ages, %.
+fn performances(text: Text) -> String {
     let percent = |age| text.reading_surrogate(age).map(|p| format!("{:.0}", 100.0 * p));
     let all: Option<Vec<String>> = AGES_YEARS.into_iter().map(percent).collect();
-    all.map_or("out of range".to_owned(), |all| all.join(BESIDE))
+    all.map_or("out of range".to_owned(), |all| all.join(SEPARATOR))
 }
 
-/// The surrogate over its range.
+/// Draws the surrogate over its range.
 fn chart_5_20(age_years: f64) -> String {
     let between = |[from, to]: [f64; 2], count: u32| -> Vec<f64> {
         (0..count).map(|k| from + (to - from) * (f64::from(k) + 0.5) / f64::from(count)).collect()
@@ -171,11 +175,11 @@ fn chart_5_20(age_years: f64) -> String {
     map(x, y, value, &format!("{age_years} years"))
 }
 
-/// How readers of all ages read a panel with a plain cover in diffuse light, and the contrast of its text. Without light
-/// of its own its luminances go with the illuminance.
+/// Draws the reading performance of a panel with a bare cover in diffuse light over illuminance and age, and returns the
+/// contrast of its text. The panel has no front light, so that its luminances are proportional to the illuminance.
 fn illuminance_and_age(bench: &Bench<'_>) -> Result<(String, f64), ReproductionError> {
     const AT_LX: f64 = 1e4;
-    // Tenths of a decade, rounded (ISO 3, R 10).
+    // Ten steps per decade, rounded (ISO 3, R 10).
     const LIT_LX: [f64; 11] = [1e4, 1.25e4, 1.6e4, 2e4, 2.5e4, 3.15e4, 4e4, 5e4, 6.3e4, 8e4, 1e5];
     let cover = "display.front=[{ reflectance = 0.04, absorptance = 0.01 }]";
     let result = bench.run("overcast", &[cover, &format!("lighting.illuminance_lx={AT_LX}")])?;
@@ -191,12 +195,12 @@ fn illuminance_and_age(bench: &Bench<'_>) -> Result<(String, f64), ReproductionE
         ("Illuminance (lx)", illuminances),
         ("Age (years)", ages),
         value,
-        "Haze 78, cover of 4 %, diffuse light",
+        "Haze 78, cover with 4 % reflectance, diffuse light",
     );
     Ok((svg, lit.contrast))
 }
 
-/// Reading performance over two quantities.
+/// Draws the reading performance over two quantities.
 fn map(
     (x_name, x): (&str, Vec<f64>),
     (y_name, y): (&str, Vec<f64>),

@@ -1,6 +1,6 @@
 //! The coefficients of the error functions' approximations (their source: `erf.rs`).
 
-/// A rational function of `x - from`, for x below `until`; `base` is what it is added to.
+/// A rational function of `x - from`, for x below `until`; it is added to `base`.
 /// Coefficients are in ascending order of powers.
 pub(super) struct Piece {
     pub(super) until: f64,
@@ -192,7 +192,7 @@ pub(super) static INVERSE_FLANK: Piece = Piece {
     ],
 };
 
-/// x over `sqrt(-ln q)`, which the pieces are of; q below 0.25.
+/// `x/sqrt(-ln q)` in pieces of `sqrt(-ln q)`; q below 0.25.
 #[rustfmt::skip]
 pub(super) static INVERSE_TAIL: [Piece; 4] = [
     Piece {

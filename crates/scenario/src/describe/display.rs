@@ -5,15 +5,15 @@ use super::layers::Layer;
 use super::numbers::{Extinction, Index, Share, Thickness};
 use super::pixel::Pixel;
 use crate::grammar::{choice, forms, table};
-use crate::read::{At, Read};
+use crate::read::{Read, Spanned};
 
 table! {
-    /// The layers over the pixel, top to bottom: front, surface or diffuser, glass; or `layers` in any order.
+    /// The layers above the pixel, from top to bottom: front, surface or diffuser, glass; or `layers` in any order.
     Display later ["front_light"] {
-        /// Any layers in any order, 1 to 64, from the air down to the pixel. They replace `front`, `diffuser` and `glass`.
-        layers: Option<Vec<At<Layer>>>,
-        /// Components in front of the screen, in air, outermost first.
-        front: Option<Vec<At<FrontComponent>>>,
+        /// Any layers in any order, 1 to 64, from the air down to the pixel, instead of `front`, `diffuser` and `glass`.
+        layers: Option<Vec<Spanned<Layer>>>,
+        /// Front-of-screen components, in air, outermost first.
+        front: Option<Vec<Spanned<FrontComponent>>>,
         /// The diffuser between air and glass. Default: none, a bare panel.
         diffuser: Option<Diffuser>,
         /// The glass above the pixel. Default: clear, with an index of 1.5.
@@ -24,7 +24,7 @@ table! {
 }
 
 impl Display {
-    /// Fills in what a panel has without saying so; the general form says everything.
+    /// Fills in the defaults of a panel. The general form, `layers`, has none.
     pub(super) fn complete(&mut self) {
         if self.layers.is_some() {
             return;
@@ -35,53 +35,53 @@ impl Display {
             self.glass.value = Glass::absent();
         }
         if let Some(glass) = self.glass.value.as_mut().filter(|_| bare) {
-            // Under a diffuser there is no face.
+            // A diffuser replaces the surface.
             glass.surface.value.get_or_insert(Surface::IdealAr);
         }
     }
 }
 
 table! {
-    /// A component in front of the screen, the same from both sides and at all angles.
+    /// A front-of-screen component, with the same properties from both sides and at all angles.
     FrontComponent {
         /// Fraction of the light that is reflected specularly.
         reflectance: ShareSpectrum = ShareSpectrum::Constant(Share(0.0)),
-        /// Fraction of the light that is absorbed; with `reflectance` at most 1.
+        /// Fraction of the light that is absorbed. Its sum with `reflectance` is at most 1.
         absorptance: ShareSpectrum = ShareSpectrum::Constant(Share(0.0)),
     }
 }
 
 table! {
-    /// The glass between surface and pixel.
+    /// The glass above the pixel.
     Glass {
-        /// Real refractive index, from 1 to 10.
+        /// Refractive index, with n from 1 to 10; its k absorbs only with `thickness_mm`.
         index: MaterialSpec = MaterialSpec::Number(Index(1.5)),
-        /// The interface between air and glass of a panel without a diffuser. Default: `"ideal-ar"`; with a diffuser none.
+        /// Surface of the glass of a panel without a diffuser. Default: `"ideal-ar"`; with a diffuser none.
         surface: Option<Surface>,
-        /// Internal transmittance along the normal; oblique light takes a longer path. Either this or `thickness_mm`.
-        /// Default: clear.
+        /// Transmittance of the glass without its surfaces, along the normal; oblique light has a longer path. Either this or
+        /// `thickness_mm`. Default: clear.
         internal_transmittance: Option<ShareSpectrum>,
-        /// Thickness: the index's k (at most 1e-3) absorbs along the path. Either this or `internal_transmittance`.
+        /// Thickness: k of the index (at most 1e-3) absorbs along the path. Either this or `internal_transmittance`.
         thickness_mm: Option<Thickness>,
     }
 }
 
 choice! {
-    /// The face between air and glass.
+    /// The interface between air and glass.
     Surface {
-        /// A perfect antireflection face: |beta| <= 1 passes whole, beyond it everything is reflected.
+        /// An ideal antireflection interface: light with |beta| <= 1 is transmitted, all other light is reflected.
         IdealAr = "ideal-ar",
-        /// A bare face.
+        /// A bare interface, with Fresnel reflection.
         Fresnel = "fresnel",
     }
 }
 
 forms! {
-    /// A fraction of the light at every wavelength: a number from 0 to 1, or a two-column spectrum file.
+    /// A fraction of the light at every wavelength: a number from 0 to 1, or a spectrum file with two columns.
     ShareSpectrum, format!("{}, or a spectrum file", Share::in_words()); {
         /// The same at all wavelengths.
         Constant(Share) if Value::Integer(_) | Value::Float(_),
-        /// A file, relative to the scenario.
+        /// A file, relative to the folder of the scenario.
         File(String) if Value::Text(_),
     }
 }
@@ -91,7 +91,7 @@ forms! {
     MaterialSpec, "a refractive index, { n, k }, a material or a file"; {
         /// A real index.
         Number(Index) if Value::Integer(_) | Value::Float(_),
-        /// A name first, else a file, relative to the scenario.
+        /// The name of a material, or else a file, relative to the folder of the scenario.
         Text(String) if Value::Text(_),
         /// A complex index.
         Complex(NK) if Value::Table(_),
@@ -103,7 +103,7 @@ table! {
     NK {
         /// Refractive index.
         n: Index,
-        /// Extinction coefficient: positive in an absorber (n + ik).
+        /// Extinction coefficient, positive in an absorber (n + ik).
         k: Extinction = Extinction(0.0),
     }
 }

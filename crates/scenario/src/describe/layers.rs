@@ -1,32 +1,32 @@
-//! `[[display.layers]]`: media and what stands between them, in any order.
+//! `[[display.layers]]`: media and interfaces in any order.
 
 use super::diffuser::{Btdf, Slab};
 use super::display::{FrontComponent, MaterialSpec, ShareSpectrum};
 use super::numbers::{Index, Nanometres, Roughness, Thickness};
 use crate::error::Errors;
 use crate::grammar::{choice, kinds, table};
-use crate::read::{At, Read, Table};
+use crate::read::{Read, Spanned, Table};
 use crate::schema::of_table;
 use crate::tree::Node;
 
 kinds! {
-    /// A medium (`medium`, `slab`) or what stands between two media (the other kinds); its keys depend on `kind`.
+    /// A medium (`medium`, `slab`) or an interface (the other kinds); its keys depend on `kind`.
     Layer by "kind" {
         /// Cover glass, adhesive, an air gap, a colour filter.
         Medium(Medium) = "medium",
-        /// A medium that scatters in its bulk.
+        /// A medium with volume scattering.
         Slab(Slab) = "slab",
-        /// A diffuser given by its BTDF, its faces included.
+        /// A diffuser given by its BTDF, including its surfaces.
         Diffuser(Btdf) = "diffuser",
-        /// A flat component in a medium, the same from both sides and at all angles.
+        /// A flat component in a medium, with the same properties from both sides and at all angles.
         Component(FrontComponent) = "component",
-        /// Coherent thin films, an antireflection coating for example.
+        /// Coherent thin films, for example an antireflection coating.
         Coating(Coating) = "coating",
-        /// A perfect antireflection face: what both media can carry passes whole, the rest is reflected whole.
+        /// An ideal antireflection interface: transmits all light that exists in both media, and reflects the rest.
         IdealAr(NoKeys) = "ideal-ar",
-        /// A bare face, unpolarised Fresnel: what stands between two media where no other face is given.
+        /// A bare interface (unpolarised Fresnel), which is also used between two media without another interface.
         Fresnel(NoKeys) = "fresnel",
-        /// An etched or moulded face between two media.
+        /// An etched or moulded surface between two media.
         Rough(Rough) = "rough",
     }
 }
@@ -34,12 +34,12 @@ kinds! {
 table! {
     /// A homogeneous medium.
     Medium {
-        /// Real refractive index, from 1 to 10.
+        /// Refractive index, with n from 1 to 10; its k absorbs only with `thickness_mm`.
         index: MaterialSpec = MaterialSpec::Number(Index(1.5)),
-        /// Internal transmittance along the normal; oblique light takes a longer path. Either this or `thickness_mm`.
-        /// Default: clear.
+        /// Transmittance without the surfaces, along the normal; oblique light has a longer path. Either this or
+        /// `thickness_mm`. Default: clear.
         internal_transmittance: Option<ShareSpectrum>,
-        /// Thickness: the index's k (at most 1e-3) absorbs along the path. Either this or `internal_transmittance`.
+        /// Thickness: k of the index (at most 1e-3) absorbs along the path. Either this or `internal_transmittance`.
         thickness_mm: Option<Thickness>,
     }
 }
@@ -48,7 +48,7 @@ table! {
     /// Coherent films between two media.
     Coating {
         /// The films from top to bottom, 1 to 256.
-        film: Vec<At<CoatingFilm>>,
+        film: Vec<Spanned<CoatingFilm>>,
     }
 }
 
@@ -63,9 +63,9 @@ table! {
 }
 
 choice! {
-    /// How the slopes of a rough face are spread.
+    /// Distribution of the slopes of a rough interface.
     Slopes {
-        /// GGX (Trowbridge-Reitz): half of the face is steeper than atan(alpha), with a long tail.
+        /// GGX (Trowbridge-Reitz), with a long tail: half of the surface is steeper than atan(alpha).
         Ggx = "ggx",
         /// Gaussian slopes of variance alpha^2/2 along each axis.
         Beckmann = "beckmann",
@@ -73,11 +73,11 @@ choice! {
 }
 
 table! {
-    /// A rough face between two media of different, constant index.
+    /// A rough interface between two media of different index, both independent of wavelength.
     Rough {
-        /// Roughness: the slopes of the face are about this.
+        /// Roughness: typical slope of the surface.
         alpha: Roughness,
-        /// How the slopes of the face are distributed.
+        /// Distribution of the slopes.
         distribution: Slopes = Slopes::Ggx,
     }
 }

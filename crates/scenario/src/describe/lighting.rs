@@ -1,4 +1,4 @@
-//! `[lighting]`: diffuse and directed light.
+//! `[lighting]`: diffuse light, directed sources, environments and a front light.
 
 use super::environment::Environment;
 use super::numbers::{
@@ -6,26 +6,25 @@ use super::numbers::{
     Weight,
 };
 use crate::grammar::{choice, forms, table};
-use crate::read::At;
+use crate::read::Spanned;
 
 table! {
-    /// The room's light; all shares sum to 1.
+    /// The light on the display; `diffuse` and all shares sum to 1.
     Lighting {
-        /// A ready-made light and viewer (docs/light.md). Keys that are given override it.
+        /// A preset of lighting and viewer (docs/light.md); keys of the scenario override it.
         preset: Option<Preset>,
-        /// Illuminance in the display plane, to which all fractions of the light refer; `"from-map"` takes it from the
-        /// scenario's one map. Default: `500`, or `0` where a front light is all the light there is.
+        /// Illuminance of the display plane, to which all shares refer; 0 is allowed with a front light; `"from-map"` takes it
+        /// from the absolute values of the scenario's one map. Default: `500`, or `0` if a front light is the only light.
         illuminance_lx: Option<Illuminance>,
-        /// Relative spectrum of all light that has none of its own.
+        /// Relative spectrum of all light without a spectrum of its own.
         spectrum: LightSpectrum = LightSpectrum::Text("D65".to_owned()),
-        /// Fraction of the light that comes from the whole hemisphere with uniform radiance. Default: `1`, or `0` where
-        /// other light is given.
+        /// Fraction of `illuminance_lx` that is uniform over the hemisphere. Default: `1`, or `0` if other light is given.
         diffuse: Option<Share>,
         /// Directed sources. Default: none.
-        directed: Vec<At<Directed>> = Vec::new(),
-        /// Light from many directions at once: rings, skies, maps. Default: none.
-        environment: Vec<At<Environment>> = Vec::new(),
-        /// A light guide below the front of screen.
+        directed: Vec<Spanned<Directed>> = Vec::new(),
+        /// Light from many directions at once: rings, skies, maps, luminaires. Default: none.
+        environment: Vec<Spanned<Environment>> = Vec::new(),
+        /// A front light: a light guide below the front of screen.
         front_light: Option<FrontLight>,
     }
 }
@@ -33,39 +32,39 @@ table! {
 table! {
     /// A clear light guide below the front of screen and above all other layers.
     FrontLight {
-        /// What the guide sends down, on the layer below the front of screen; it adds to the light of the room.
+        /// Illuminance of the layer below the front of screen by the guide, in addition to the ambient light.
         illuminance_lx: Lux,
         /// Relative spectrum. Default: that of the lighting.
         spectrum: Option<LightSpectrum>,
-        /// Directions of what the guide sends down: a file of two columns, inclination in degrees (0 to 90, rising) and
-        /// relative radiance, the same at all azimuths; or an IES file (.ies), whose nadir is the display's normal and
-        /// whose plane C = 0 is along x. Only above the diffuser of an ordinary panel. Default: diffuse.
+        /// Directions of the light that the guide emits downwards: a file with two columns, inclination in degrees (0 to 90,
+        /// increasing) and relative radiance, the same at all azimuths; or an IES file (.ies, type C), whose nadir is the
+        /// display's normal and whose plane C = 0 is along x. Only over the lobe of an ordinary panel. Default: diffuse.
         distribution: Option<String>,
-        /// Fraction of all its light that the guide sends up, diffusely.
+        /// Fraction of all its light that the guide emits upwards, diffusely.
         upward_leak: Leak = Leak(0.0),
     }
 }
 
 forms! {
-    /// The illuminance of the room, lx, or "from-map".
+    /// The illuminance by ambient light, lx, or "from-map".
     Illuminance, format!("{}, or \"from-map\"", RoomLux::in_words()); {
-        /// So many lx.
+        /// A value, lx.
         Lux(RoomLux) if Value::Integer(_) | Value::Float(_),
-        /// By a map's own numbers.
+        /// The illuminance of a map's absolute values.
         ByMap(ByMap) if Value::Text(_),
     }
 }
 
 choice! {
-    /// Where the illuminance comes from.
+    /// Source of the illuminance.
     ByMap {
-        /// The map's numbers are W/(m2 sr), 179 lm/W in colours.
+        /// The values of the map are W/(m2 sr); those of a colour map have 179 lm/W.
         FromMap = "from-map",
     }
 }
 
 choice! {
-    /// Ready-made light and viewer.
+    /// Presets of lighting and viewer.
     Preset {
         /// Half diffuse, half at -20 deg; viewer at 8 deg; 500 lx.
         Indoor = "indoor",
@@ -81,7 +80,7 @@ choice! {
         Daylight = "daylight",
         /// 100 000 lx at -45 deg; viewer along the normal.
         FullSun = "full-sun",
-        /// 10 000 lx diffuse, 100 000 lx across the beam at -45 deg; viewer along the normal.
+        /// 10 000 lx diffuse, 100 000 lx (on a plane across the beam) at -45 deg; viewer along the normal.
         DaylightReadability = "daylight-readability",
         /// At -40 deg; viewer at 30 deg.
         IecDirectional = "iec-directional",
@@ -91,7 +90,7 @@ choice! {
         IecHemispherical = "iec-hemispherical",
         /// Diffuse; viewer at 8 deg.
         D8Included = "d8-included",
-        /// From everywhere but 5 deg around the viewer's mirror image; viewer at 8 deg.
+        /// From the whole hemisphere except 5 deg around the viewer's mirror image; viewer at 8 deg.
         D8Excluded = "d8-excluded",
         /// At 45 deg; viewer along the normal.
         FortyFive = "45-0",
@@ -103,7 +102,7 @@ choice! {
 table! {
     /// A directed source.
     Directed {
-        /// Inclination; below 0: towards phi + 180.
+        /// Inclination; a negative value is at phi + 180.
         theta_deg: Inclination,
         /// Azimuth.
         phi_deg: Azimuth = Azimuth(0.0),
@@ -111,45 +110,44 @@ table! {
         share: Share,
         /// Relative spectrum. Default: that of the lighting.
         spectrum: Option<LightSpectrum>,
-        /// Angular radius of a round source of uniform radiance; the source must not reach below the horizon. Default:
-        /// none, collimated light.
+        /// Angular radius of a disc of uniform radiance, which must be above the horizon. Default: none: collimated light.
         radius_deg: Option<AngularRadius>,
-        /// `true`: the fraction is measured across the beam, and cos(theta) of it falls on the display.
+        /// `true`: the share is measured on a plane across the beam, and cos(theta) of it falls on the display.
         normal_to_beam: bool = false,
     }
 }
 
 forms! {
-    /// A relative spectrum of light: the name of a CIE illuminant, a two-column file, a model, or a list of models that add up.
+    /// A relative spectrum of light: the name of a CIE illuminant, a file with two columns, a model, or a sum of models.
     LightSpectrum, "the name of an illuminant, a spectrum file, { led_nm, width_nm }, or a list of such"; {
-        /// A name first, else a file, relative to the scenario.
+        /// The name of an illuminant, or else a file, relative to the folder of the scenario.
         Text(String) if Value::Text(_),
         /// One model.
         One(LightModel) if Value::Table(_),
-        /// Several, each with its weight.
-        Sum(Vec<At<LightModel>>) if Value::Array(_),
+        /// A sum of models, each with its weight.
+        Sum(Vec<Spanned<LightModel>>) if Value::Array(_),
     }
 }
 
 table! {
-    /// A model of light: an LED (Ohno 2005), CIE daylight, or a black body. LEDs are 1 at
-    /// their peak, the others 1 at 560 nm, before the weight.
+    /// A model of light: an LED (Ohno 2005), CIE daylight, or a black body. Before the weight, an LED is 1 at its peak,
+    /// the others are 1 at 560 nm.
     LightModel {
         /// Peak wavelength of an LED.
         led_nm: Option<Wavelength>,
-        /// Width of the LED; its full width at half maximum is 0.92 of this.
+        /// Width of the LED; its full width at half maximum is 0.92 of this value.
         width_nm: Option<Wavelength>,
         /// Correlated colour temperature of CIE daylight.
         daylight_K: Option<DaylightKelvin>,
         /// Temperature of a black body.
         planck_K: Option<Kelvin>,
-        /// Weight in a list.
+        /// Weight in a list of models.
         weight: Weight = Weight(1.0),
     }
 }
 
 impl Lighting {
-    /// Fills in `illuminance_lx` and `diffuse`, and forgets the preset, which has done its work.
+    /// Fills in `illuminance_lx` and `diffuse`, and removes the preset, whose keys are already in place.
     pub(super) fn complete(&mut self) {
         self.preset.value = None;
         let no_other = self.directed.is_empty() && self.environment.is_empty();

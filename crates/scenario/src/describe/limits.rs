@@ -1,4 +1,4 @@
-//! What displays are asked for: a metric by its name, and limits that it has to meet.
+//! Metrics by name, and limits of their values.
 
 use papilio_display::scene::Metric;
 
@@ -7,33 +7,33 @@ use super::sweep::Any;
 use crate::error::Errors;
 use crate::grammar::table;
 use crate::nearest::no_such_metric;
-use crate::read::{At, Read};
+use crate::read::{Read, Spanned};
 use crate::tree::{Node, Value};
 
 table! {
     /// A limit: `at_least`, `at_most` or both.
     Limit {
-        /// The metric: `"gamut_percent_srgb"`, or one of a state: `"white.Y"`.
+        /// A metric of a view, `"gamut_percent_srgb"`, or of a state, `"white.Y"`.
         metric: MetricName,
-        /// The number of the view, from 0.
+        /// Index of the view, from 0.
         view: Count<0, 4999> = Count(0),
-        /// The smallest value that is good. At least one of `at_least` and `at_most`.
+        /// Smallest value of a good display. At least one of `at_least` and `at_most`.
         at_least: Option<Any>,
-        /// The largest value that is good. At least one of `at_least` and `at_most`.
+        /// Largest value of a good display. At least one of `at_least` and `at_most`.
         at_most: Option<Any>,
     }
 }
 
-/// A metric of the states together, or of a state.
+/// A metric of a view (of all states together), or of a state.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct MetricName {
-    /// The state, if it is of one.
+    /// The state; `None` for a metric of a view.
     pub(crate) state: Option<String>,
     pub(crate) metric: Metric,
 }
 
 impl MetricName {
-    /// The metric of this name.
+    /// Returns the metric with this name.
     pub(crate) fn named(text: &str) -> Option<Self> {
         let (state, name) = match text.rsplit_once('.') {
             Some((state, name)) => (Some(state.to_owned()), name),
@@ -43,7 +43,7 @@ impl MetricName {
         Some(Self { state, metric })
     }
 
-    /// As it is written.
+    /// The name as a scenario has it: `white.Y`.
     pub(crate) fn text(&self) -> String {
         self.state.iter().map(String::as_str).chain([self.metric.name()]).collect::<Vec<_>>().join(".")
     }
@@ -66,7 +66,7 @@ impl Read for MetricName {
     }
 }
 
-/// How a metric is written, those of states of this one.
+/// Returns the names of metrics, those of a state with `state` as their prefix.
 fn written_with(state: &str) -> impl Fn(&Metric) -> String {
     move |metric| match metric.is_of_view() {
         true => metric.name().to_owned(),

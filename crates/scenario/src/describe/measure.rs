@@ -1,39 +1,38 @@
-//! `[measure]`: a virtual imaging sphere that looks at the diffuser.
+//! `[measure]`: a virtual imaging sphere that measures the diffuser.
 
 use super::Title;
 use super::lighting::LightSpectrum;
 use super::numbers::{Azimuth, Blur, Count, GridAngle, Horizon, Noise, NoiseFloor, Seed};
 use super::viewer::{AngleRange, AngleStep};
 use crate::grammar::{choice, forms, table};
-use crate::read::At;
+use crate::read::Spanned;
 
 table! {
-    /// A virtual imaging sphere (the defaults are the grid of Feng 2012, section 3.3), for `papilio diffuser measure` alone.
+    /// A virtual imaging sphere, for `papilio diffuser measure` only. The defaults are the grid of Feng 2012, section 3.3.
     Measure {
         /// Name of the sample. Default: that of the output file.
         sample: Option<Title>,
-        /// Inclinations of the light: rising, from 0 to below 90.
-        incidence_deg: GridAngles = evenly(75.0, 5.0),
-        /// Azimuths about the specular direction: rising, from 0 to 180, both included.
-        azimuth_deg: GridAngles = evenly(180.0, 10.0),
-        /// Distances from the specular direction: rising, from 0 to at most 180.
-        radial_deg: GridAngles = evenly(180.0, 2.0),
-        /// What the instrument looks through.
+        /// Inclinations of the light: increasing, from 0 to below 90.
+        incidence_deg: GridAngles = uniform(75.0, 5.0),
+        /// Azimuths about the specular direction: increasing, from 0 to 180, both included.
+        azimuth_deg: GridAngles = uniform(180.0, 10.0),
+        /// Distances from the specular direction: increasing, from 0 to at most 180.
+        radial_deg: GridAngles = uniform(180.0, 2.0),
+        /// Channels of the instrument.
         channels: Channels = Channels::Xyz,
-        /// The light, whose spectrum weights the channels.
+        /// The light that weights the channels.
         light: LightSpectrum = LightSpectrum::Text("D65".to_owned()),
-        /// Width b of the image of a straight beam.
+        /// Width b of the image of a collimated beam.
         blur: Blur = Blur(0.0),
-        /// `true`: the values integrate to the total of the sample; `false`: light that the blur moves beyond the horizon
-        /// is lost.
+        /// `true`: values integrate to the total of the sample; `false`: light that the blur moves beyond the horizon is lost.
         renormalise: bool = true,
         /// Standard deviation of the noise relative to the value.
         noise: Noise = Noise(0.0),
-        /// Standard deviation of the noise that is added to every value.
+        /// Standard deviation of additional noise, the same for every value.
         noise_floor: NoiseFloor = NoiseFloor(0.0),
         /// Seed of the noise.
         seed: Seed = Count(0),
-        /// The instrument sees nothing beyond this inclination.
+        /// No light is measured beyond this inclination.
         dark_beyond_deg: Horizon = Horizon(90.0),
     }
 }
@@ -41,15 +40,15 @@ table! {
 forms! {
     /// Angles of a grid, degrees: a list, or { from, to, step }.
     GridAngles, "a list of angles (degrees), or { from, to, step }"; {
-        /// One by one.
-        List(Vec<At<GridAngle>>) if Value::Array(_),
-        /// Evenly spaced.
+        /// Listed angles.
+        List(Vec<Spanned<GridAngle>>) if Value::Array(_),
+        /// Uniformly spaced angles.
         Range(AngleRange) if Value::Table(_),
     }
 }
 
 choice! {
-    /// What the instrument looks through.
+    /// Channels of the instrument.
     Channels {
         /// CIE X, Y and Z.
         Xyz = "xyz",
@@ -58,11 +57,11 @@ choice! {
     }
 }
 
-/// From 0.
-fn evenly(to: f64, step: f64) -> GridAngles {
+/// Returns angles from 0 to `to`, uniformly spaced.
+fn uniform(to: f64, step: f64) -> GridAngles {
     GridAngles::Range(AngleRange {
-        from: At::at_large(Azimuth(0.0)),
-        to: At::at_large(Azimuth(to)),
-        step: At::at_large(AngleStep(step)),
+        from: Spanned::without_span(Azimuth(0.0)),
+        to: Spanned::without_span(Azimuth(to)),
+        step: Spanned::without_span(AngleStep(step)),
     })
 }

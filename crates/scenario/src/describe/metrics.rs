@@ -1,21 +1,21 @@
-//! `[metrics]`: how colours are evaluated.
+//! `[metrics]`: colorimetric settings.
 
 use super::numbers::{AdaptingLuminance, Background};
 use crate::grammar::{choice, table};
-use crate::read::At;
+use crate::read::Spanned;
 
 table! {
-    /// How colours are evaluated.
+    /// Colorimetric settings.
     Metrics {
-        /// CIE standard observer of X, Y and Z.
+        /// CIE standard observer for X, Y and Z.
         observer: Observer = Observer::Cie1931,
-        /// Name of the state that the others are compared with. Default: `"white"`, if there is one.
+        /// Name of the state with which the others are compared. Default: `"white"`, if there is one.
         reference_state: Option<String>,
-        /// Whether to keep the reflectance factors under each light alone.
+        /// Whether to report the reflectance factors in each light separately.
         spectra_by_light: bool = false,
         /// Whether to compute the volume of the gamut in CIELAB, and its rings.
         gamut_volume: bool = false,
-        /// Viewing conditions: the appearance of the states (CIECAM16) is computed, too.
+        /// Viewing conditions for the appearance of the states (CIECAM16), which is then computed too.
         appearance: Option<Appearance>,
     }
 }
@@ -37,19 +37,19 @@ table! {
         adapting_luminance_cd_m2: Option<AdaptingLuminance>,
         /// Luminance of the background over that of a perfect white in the same light.
         background: Background = Background(0.2),
-        /// What surrounds the display.
+        /// Surround of the display.
         surround: Surround = Surround::Average,
     }
 }
 
 choice! {
-    /// What is around a display.
+    /// Surround of a display in CIECAM16.
     Surround {
-        /// About as bright as the display.
+        /// A surround about as bright as the display.
         Average = "average",
-        /// Less than a fifth as bright.
+        /// A surround less than a fifth as bright.
         Dim = "dim",
-        /// Nothing.
+        /// A dark surround.
         Dark = "dark",
     }
 }

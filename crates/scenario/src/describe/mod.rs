@@ -1,7 +1,6 @@
-//! What a scenario file may say: every key with its type, range and default.
+//! Grammar of a scenario file: every key with its type, range and default.
 //!
-//! These tables are the whole grammar. They know nothing of files, materials or
-//! grids; that is the business of `resolve`.
+//! These tables do not depend on data files, materials or the wavelength grid; `resolve` reads those.
 
 pub(crate) mod diffuser;
 pub(crate) mod display;
@@ -25,53 +24,52 @@ use papilio_formats::words::is_formula;
 use crate::error::Errors;
 use crate::grammar::table;
 use crate::mistake;
-use crate::read::{At, Read};
+use crate::read::{Read, Spanned};
 use crate::renamed::FORMAT;
 use crate::tree::{Node, Value};
 use numbers::Wavelength;
 
 table! {
-    /// A scenario: the display, the light that falls on it, the viewer, and how to compute.
+    /// A scenario: the display, the light, the viewer, and the computation.
     File later ["study"] {
-        /// Number of the grammar that the file is written in, 1 or 2. Old names are accepted in both; `papilio migrate`
-        /// replaces them.
+        /// Number of the grammar of the file, 1 or 2. Old names are accepted in both; `papilio migrate` replaces them.
         format: Format = Format(FORMAT),
-        /// Title for tables and figures, one line.
+        /// Title of tables and figures, one line.
         title: Option<Title>,
-        /// The wavelengths of the computation. Default: the defaults of its keys.
+        /// The wavelength grid. Default: the defaults of its keys.
         spectrum: Spectrum,
-        /// The display, from the front of screen to the pixel.
+        /// The display: its layers and its pixel.
         display: display::Display,
-        /// The light of the room. Default: 500 lx of diffuse D65.
+        /// The light on the display. Default: 500 lx of diffuse D65.
         lighting: lighting::Lighting,
-        /// The directions of view. Default: along the normal.
+        /// The viewing directions, and the reader. Default: along the normal.
         viewer: viewer::Viewer,
-        /// How colours are evaluated. Default: the defaults of its keys.
+        /// Colorimetric settings. Default: the defaults of its keys.
         metrics: metrics::Metrics,
-        /// How to compute, and how accurately. Default: the defaults of its keys.
+        /// The solver, and its accuracy. Default: the defaults of its keys.
         solver: solver::Solver,
         /// A virtual imaging sphere that measures the diffuser, for `papilio diffuser measure` only.
         measure: Option<measure::Measure>,
-        /// Keys that are varied, for `papilio sweep` only.
+        /// Keys that vary over given values, for `papilio sweep` only.
         sweep: Option<sweep::Sweep>,
         /// A search for better designs, for `papilio optimize` only.
         optimize: Option<optimize::Optimize>,
-        /// How production varies keys, and which limits its displays have to meet, for `papilio tolerance` only.
+        /// Production tolerances of keys, and the limits of good displays, for `papilio tolerance` only.
         tolerance: Option<tolerance::Tolerance>,
     }
 }
 
 table! {
-    /// The wavelength grid: evenly spaced, both ends included.
+    /// The wavelength grid: uniformly spaced, both ends included.
     Spectrum {
-        /// First and last wavelength, both included; the range has a part of 380 to 780 nm.
-        range_nm: Vec<At<Wavelength>> = vec![At::at_large(Wavelength(380.0)), At::at_large(Wavelength(780.0))],
-        /// Distance of neighbouring wavelengths; the range is a whole number of steps.
+        /// First and last wavelength, both included. The range must overlap 380 to 780 nm.
+        range_nm: Vec<Spanned<Wavelength>> = vec![Spanned::without_span(Wavelength(380.0)), Spanned::without_span(Wavelength(780.0))],
+        /// Step of the grid. The range must be an integer number of steps.
         step_nm: Wavelength = Wavelength(5.0),
     }
 }
 
-/// The number of a grammar; whatever was read is stated in the present one.
+/// Number of a grammar. A scenario that has been read is always in the present one.
 #[derive(Debug, Clone, serde::Serialize)]
 pub(crate) struct Format(pub(crate) u64);
 
@@ -125,7 +123,7 @@ impl Read for Title {
     }
 }
 
-/// A line of text that stands in tables.
+/// A line of text for tables: a spreadsheet must not read it as a formula.
 #[derive(Debug, Clone, serde::Serialize)]
 pub(crate) struct Label(pub(crate) String);
 

@@ -1,6 +1,6 @@
 //! The quantities of a scenario, each with its range.
 //!
-//! Upper limits keep the arithmetic finite; they lie far beyond any display.
+//! Upper limits keep the arithmetic finite; they are far beyond any display.
 
 use crate::error::Errors;
 use crate::grammar::number;
@@ -9,22 +9,22 @@ use crate::range::Range;
 use crate::read::Read;
 use crate::tree::{Node, Value};
 
-/// What a negative k usually means.
+/// Hint for a negative k.
 const SIGN_OF_K: &str = "Papilio uses n + ik, k positive in an absorber: change the sign of n - ik data";
 
 number!(
-    /// A share of a whole.
+    /// A fraction of a whole.
     Share, Range::from_to(0.0, 1.0)
 );
 number!(
-    /// A share that is neither nothing nor all.
+    /// A fraction between 0 and 1, both excluded.
     InnerShare, Range::between(0.0, 1.0)
 );
 number!(
-    /// A share above 0.
+    /// A fraction above 0.
     PositiveShare, Range::above_0_to(1.0)
 );
-/// The narrowest lobe, in direction cosines: a fifth of a second of arc, where haze is 2e-5.
+/// Width of the narrowest lobe, in direction cosines: 0.2 seconds of arc, with a haze of 2e-5.
 pub(crate) const NARROWEST_LOBE: f64 = 1e-6;
 
 number!(
@@ -32,11 +32,11 @@ number!(
     Width, Range::from_to(NARROWEST_LOBE, 100.0).unit("direction cosines")
 );
 number!(
-    /// A length of films, nm.
+    /// A thickness of a film or a gap, nm.
     Nanometres, Range::from_to(0.0, 1e6).unit("nm")
 );
 number!(
-    /// A standard error, in the unit of what it is of.
+    /// A standard error, in the unit of its quantity.
     Tolerance, Range::above_0_to(1e6)
 );
 number!(
@@ -56,7 +56,7 @@ number!(
     Inclination, Range::between(-90.0, 90.0).unit("degrees")
 );
 number!(
-    /// The share of a light guide's light that goes up.
+    /// The fraction of a light guide's light that it emits upwards.
     Leak, Range::from_to(0.0, 0.99)
 );
 number!(
@@ -68,7 +68,7 @@ number!(
     Elevation, Range::above_0_to(90.0).unit("degrees above the horizon")
 );
 number!(
-    /// Where a cap ends, degrees from its axis.
+    /// The outer edge of a cap, degrees from its axis.
     CapEnd, Range::above_0_to(180.0).unit("degrees")
 );
 number!(
@@ -96,7 +96,7 @@ number!(
     Thickness, Range::above_0_to(1000.0).unit("mm")
 );
 number!(
-    /// Extinction along the normal.
+    /// The optical thickness of a slab: its extinction along the normal.
     OpticalThickness, Range::from_to(1e-6, 1e6).unit("optical thickness")
 );
 number!(
@@ -104,7 +104,7 @@ number!(
     Anisotropy, Range::from_to(-0.99, 0.99).unit("mean cosine")
 );
 number!(
-    /// The roughness of a face.
+    /// The roughness of an interface.
     Roughness, Range::from_to(0.01, 1.0).unit("roughness")
 );
 number!(
@@ -116,15 +116,15 @@ number!(
     Lux, Range::from_to(1e-6, 1e9).unit("lx")
 );
 number!(
-    /// The illuminance of a room, which may be dark, lx.
-    RoomLux, Range::from_to(1e-6, 1e9).unit("lx").or_0(" beside a front light")
+    /// The illuminance by ambient light, lx; 0 in the dark.
+    RoomLux, Range::from_to(1e-6, 1e9).unit("lx").or_0(" with a front light")
 );
 number!(
-    /// A luminance that an eye is adapted to, cd/m2.
+    /// The luminance to which an eye is adapted, cd/m2.
     AdaptingLuminance, Range::from_to(0.01, 1e6).unit("cd/m2")
 );
 number!(
-    /// The luminance of a background over that of the white.
+    /// The luminance of a background over that of a perfect white.
     Background, Range::from_to(0.01, 1.0)
 );
 number!(
@@ -148,30 +148,30 @@ number!(
     GridAngle, Range::from_to(0.0, 180.0).unit("degrees")
 );
 number!(
-    /// The width of an instrument's image of a straight beam, in direction cosines, or none.
+    /// The width of an instrument's image of a collimated beam, in direction cosines; 0 for none.
     Blur, Range::from_to(0.0001, 1.0).unit("direction cosines").or_0("")
 );
 number!(
-    /// Relative noise.
+    /// Standard deviation of noise relative to the value.
     Noise, Range::from_to(0.0, 1.0)
 );
 number!(
-    /// Noise of a BSDF.
+    /// Standard deviation of noise of a BSDF, 1/sr.
     NoiseFloor, Range::from_to(0.0, 1000.0).unit("1/sr")
 );
 number!(
-    /// The last inclination that is seen, degrees.
+    /// An inclination within the hemisphere, degrees.
     Horizon, Range::above_0_to(90.0).unit("degrees")
 );
 
-/// A count from `LEAST` to `MOST`.
+/// An integer from `LEAST` to `MOST`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
 pub(crate) struct Count<const LEAST: u64, const MOST: u64>(pub(crate) u64);
 
-/// How many paths a run may trace for each view.
+/// Number of paths for each view.
 pub(crate) type Paths = Count<1, { 1 << 40 }>;
 
-/// Seed of the random numbers: what a TOML integer holds.
+/// Seed of random numbers: any non-negative TOML integer.
 pub(crate) type Seed = Count<0, { i64::MAX as u64 }>;
 
 impl<const LEAST: u64, const MOST: u64> Read for Count<LEAST, MOST> {

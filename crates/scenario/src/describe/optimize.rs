@@ -1,4 +1,4 @@
-//! `[optimize]`: what may vary, and what makes a design a good one.
+//! `[optimize]`: variables, conditions, objectives and constraints of a search.
 
 use std::borrow::Cow;
 
@@ -12,117 +12,116 @@ use crate::error::Errors;
 use crate::grammar::{choice, forms, table};
 use crate::mistake;
 use crate::path::{KeyPath, joined};
-use crate::read::{At, Read};
+use crate::read::{Read, Spanned};
 use crate::set::Change;
 use crate::tree::{Node, Value};
 
 table! {
-    /// A search for better designs; for `papilio optimize` alone.
+    /// A search for better designs, for `papilio optimize` only.
     Optimize {
-        /// How designs are searched.
+        /// Method of the search.
         method: Method = Method::Gradient,
-        /// Number of gradient searches for each combination of choices, each from a starting point of its own.
+        /// Number of gradient searches for each combination of choices, each from its own starting point.
         starts: Count<1, 10_000> = Count(20),
-        /// Seed of the starting points and of the global method.
+        /// Seed of the starting points and of the population.
         seed: Seed = Count(0),
-        /// Number of designs that one search may evaluate, all its starts together.
+        /// Largest number of designs that one search evaluates, for all its starts together.
         evaluations: Count<10, 100_000_000> = Count(20_000),
-        /// Number of searches along the front of several objectives.
+        /// Number of searches along the Pareto front of several objectives.
         points: Count<2, 1000> = Count(15),
-        /// What may vary.
-        variables: Vec<At<Variable>>,
-        /// Lights, views and other circumstances that every design has to do with. Default: none, the scenario as it
-        /// stands.
-        conditions: Vec<At<Condition>> = Vec::new(),
-        /// What makes a design good; several objectives make a front.
-        objectives: Vec<At<Objective>>,
-        /// What every design has to meet. Default: none.
-        constraints: Vec<At<Constraint>> = Vec::new(),
+        /// Variables: keys that the search may change.
+        variables: Vec<Spanned<Variable>>,
+        /// Lights, views and other conditions of use. Default: none: the scenario without changes.
+        conditions: Vec<Spanned<Condition>> = Vec::new(),
+        /// Quantities to improve; several define a Pareto front.
+        objectives: Vec<Spanned<Objective>>,
+        /// Limits that every design must satisfy. Default: none.
+        constraints: Vec<Spanned<Constraint>> = Vec::new(),
     }
 }
 
 choice! {
-    /// How designs are searched.
+    /// Method of a search.
     Method {
-        /// Downhill from many starts, by derivatives (SLSQP).
+        /// By derivatives from many starting points (SLSQP).
         Gradient = "gradient",
         /// By a population of designs (differential evolution).
         Global = "global",
-        /// First `"global"`, then `"gradient"` from its best design.
+        /// A population first, then derivatives from its best design.
         Both = "both",
     }
 }
 
 table! {
-    /// A number or a choice that may vary.
+    /// A key that the search may change: a number or a choice.
     Variable {
         /// A path as in `--set`. Either `key` or `keys`.
         key: Option<String>,
-        /// Several paths that take the same value. Either `key` or `keys`.
-        keys: Option<Vec<At<String>>>,
-        /// A key that compensates the others, so that their sum stays the same: for areas and fractions of the light.
+        /// Several paths that get the same value. Either `key` or `keys`.
+        keys: Option<Vec<Spanned<String>>>,
+        /// A key that changes by the opposite amount, so that the sum is constant: for areas and shares of the light.
         compensated_by: Option<String>,
         /// The smallest and the largest value. Either `bounds` or `choices`.
-        bounds: Option<Vec<At<Any>>>,
-        /// The possible values: numbers, names of materials, files, tables. Either `bounds` or `choices`.
+        bounds: Option<Vec<Spanned<Any>>>,
+        /// The possible values: materials, files, numbers, tables. Either `bounds` or `choices`.
         choices: Option<Choices>,
     }
 }
 
 table! {
-    /// A light, a view or anything else that every design has to do with.
+    /// A condition of use: a light, a view or any other keys.
     Condition {
         /// Name of the condition.
         name: String,
-        /// Keys and their values as in `--set`: `{ "lighting.preset" = "sunny" }`. Default: the scenario as it stands.
+        /// Keys and their values as in `--set`. Default: the scenario without changes.
         set: Changes = Changes(Vec::new()),
-        /// Weight in objectives that name no condition.
+        /// Weight in objectives without a `condition`.
         weight: Weight = Weight(1.0),
     }
 }
 
 table! {
-    /// What is to be large, small or near something: a `metric`, or how far a `state` is from a `spectrum`, `lab` or `uv`.
-    /// Without `condition` and `view` it is the mean over all of them.
+    /// A quantity to improve: a `metric`, or the difference of a `state` from a `spectrum`, `lab` or `uv`. Without
+    /// `condition` and `view` it is the mean over all of them.
     Objective {
-        /// A metric of all states together, `"gamut_percent_srgb"`, or of one state, `"white.Y"`. Exactly one of `metric`,
+        /// A metric of a view, `"gamut_percent_srgb"`, or of a state, `"white.Y"`. Exactly one of `metric`,
         /// `spectrum`, `lab` and `uv`.
         metric: Option<MetricName>,
-        /// What is wanted of the metric; required with `metric`. Distances are minimised.
+        /// Aim of a metric; required with `metric`. Differences are minimised.
         aim: Option<Aim>,
         /// The state whose spectrum or colour is compared with `spectrum`, `lab` or `uv`.
         state: Option<String>,
-        /// The wanted reflectance factor; the objective is the root mean square difference over the wavelengths.
-        spectrum: Option<WantedSpectrum>,
-        /// The wanted CIELAB colour, `[L, a, b]`; the objective is the CIEDE2000 difference.
-        lab: Option<Vec<At<Any>>>,
-        /// The wanted chromaticity, `[u', v']`; the objective is the distance.
-        uv: Option<Vec<At<Any>>>,
-        /// Name of the condition. Default: all of them; the objective is the mean.
+        /// Desired reflectance factor of the state; the objective is the root mean square difference over the grid.
+        spectrum: Option<DesiredSpectrum>,
+        /// Desired CIELAB colour of the state, `[L, a, b]`; the objective is the CIEDE2000 difference.
+        lab: Option<Vec<Spanned<Any>>>,
+        /// Desired chromaticity of the state, `[u', v']`; the objective is the distance.
+        uv: Option<Vec<Spanned<Any>>>,
+        /// Name of the condition. Default: all conditions; the objective is the mean.
         condition: Option<String>,
-        /// Number of the view, from 0. Default: all of them; the objective is the mean.
+        /// Index of the view, from 0. Default: all views; the objective is the mean.
         view: Option<Count<0, 4999>>,
     }
 }
 
 table! {
-    /// A limit that every design has to meet, of what an objective may be, too. Without `condition` and `view` it holds in
-    /// all of them.
+    /// A limit that every design must satisfy, for any quantity that an objective may have. Without `condition` and `view`
+    /// it must hold in all of them.
     Constraint {
-        /// A metric of all states together, `"gamut_percent_srgb"`, or of one state, `"white.Y"`. Exactly one of `metric`,
+        /// A metric of a view, `"gamut_percent_srgb"`, or of a state, `"white.Y"`. Exactly one of `metric`,
         /// `spectrum`, `lab` and `uv`.
         metric: Option<MetricName>,
         /// The state whose spectrum or colour is compared with `spectrum`, `lab` or `uv`.
         state: Option<String>,
-        /// A reflectance factor; the limits are on the root mean square difference over the wavelengths.
-        spectrum: Option<WantedSpectrum>,
-        /// A CIELAB colour, `[L, a, b]`; the limits are on the CIEDE2000 difference.
-        lab: Option<Vec<At<Any>>>,
-        /// A chromaticity, `[u', v']`; the limits are on the distance.
-        uv: Option<Vec<At<Any>>>,
-        /// Name of the condition. Default: all of them; the constraint holds in each.
+        /// Reflectance factor; the limits apply to the root mean square difference of the state over the grid.
+        spectrum: Option<DesiredSpectrum>,
+        /// CIELAB colour, `[L, a, b]`; the limits apply to the CIEDE2000 difference of the state.
+        lab: Option<Vec<Spanned<Any>>>,
+        /// Chromaticity, `[u', v']`; the limits apply to the distance of the state.
+        uv: Option<Vec<Spanned<Any>>>,
+        /// Name of the condition. Default: all conditions; the constraint must hold in each.
         condition: Option<String>,
-        /// Number of the view, from 0. Default: all of them; the constraint holds in each.
+        /// Index of the view, from 0. Default: all views; the constraint must hold in each.
         view: Option<Count<0, 4999>>,
         /// Lower limit. At least one of `at_least` and `at_most`.
         at_least: Option<Any>,
@@ -133,45 +132,45 @@ table! {
 
 forms! {
     /// A reflectance factor: the same at all wavelengths, from a file, or as [nm, value] pairs.
-    WantedSpectrum, format!("{}, a spectrum file, or a list of [nm, value]", Share::in_words()); {
+    DesiredSpectrum, format!("{}, a spectrum file, or a list of [nm, value]", Share::in_words()); {
         /// The same at all wavelengths.
         Constant(Share) if Value::Integer(_) | Value::Float(_),
-        /// A two-column file, relative to the scenario.
+        /// A file with two columns, relative to the folder of the scenario.
         File(String) if Value::Text(_),
         /// Pairs of wavelength and value, linear between them.
-        List(Vec<At<Vec<At<Any>>>>) if Value::Array(_),
+        List(Vec<Spanned<Vec<Spanned<Any>>>>) if Value::Array(_),
     }
 }
 
 forms! {
-    /// What is to become of a metric.
+    /// Aim of a metric.
     Aim, "\"maximise\", \"minimise\" or { target = ... }"; {
-        /// As large or as small as can be.
-        Way(Way) if Value::Text(_),
-        /// Near a value.
+        /// The largest or the smallest value.
+        Sense(Sense) if Value::Text(_),
+        /// A value near a target.
         Target(Target) if Value::Table(_),
     }
 }
 
 choice! {
-    /// Larger or smaller.
-    Way {
-        /// The larger the better.
+    /// Sense of an optimisation.
+    Sense {
+        /// Larger is better.
         Maximise = "maximise",
-        /// The smaller the better.
+        /// Smaller is better.
         Minimise = "minimise",
     }
 }
 
 table! {
-    /// A value to come near to.
+    /// A target value.
     Target {
-        /// The wanted value.
+        /// The desired value.
         target: Any,
     }
 }
 
-/// Values of a key, of any kind.
+/// The possible values of a key, of any type.
 #[derive(Debug, Clone)]
 pub(crate) struct Choices(pub(crate) Vec<Node>);
 
@@ -208,17 +207,17 @@ impl JsonSchema for Choices {
     }
 }
 
-/// Keys and the values that they are to have: `a.b = 1` is the same as `"a.b" = 1`.
+/// Keys and their values: `a.b = 1` means the same as `"a.b" = 1`.
 #[derive(Debug, Clone)]
 pub(crate) struct Changes(pub(crate) Vec<Change>);
 
 impl Changes {
-    fn take(&mut self, above: &str, node: &Node) {
+    fn add(&mut self, above: &str, node: &Node) {
         let Value::Table(entries) = &node.value else { return };
         for entry in entries {
             let path = joined(above, &entry.key);
             match &entry.node.value {
-                Value::Table(_) => self.take(&path, &entry.node),
+                Value::Table(_) => self.add(&path, &entry.node),
                 _ => self.0.push(Change {
                     path: KeyPath::new(&path),
                     origin: entry.key_origin,
@@ -239,7 +238,7 @@ impl Read for Changes {
             return node.wrong_type(Self::in_words(), errors);
         }
         let mut changes = Self(Vec::new());
-        changes.take("", node);
+        changes.add("", node);
         Some(changes)
     }
 }

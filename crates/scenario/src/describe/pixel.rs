@@ -1,4 +1,4 @@
-//! `[display.pixel]`: film, table, uniform or measured.
+//! `[display.pixel]`: a film, a table, a uniform or a measured pixel.
 
 use std::borrow::Cow;
 
@@ -11,25 +11,25 @@ use super::numbers::{Nanometres, PositiveShare, Share};
 use crate::error::Errors;
 use crate::grammar::{choice, forms, kinds, table};
 use crate::origin::Origin;
-use crate::read::{At, Named, Read};
+use crate::read::{Named, Read, Spanned};
 use crate::tree::{Node, Value};
 
 kinds! {
     /// The pixel array; its keys depend on `model`.
     Pixel by "model" {
-        /// Thin-film sub-pixels with a gap.
+        /// Thin-film sub-pixels that share one stack with a gap.
         Film(Box<FilmPixel>) = "film",
-        /// States from an angle x wavelength table.
+        /// States from a table over angle and wavelength.
         Table(TablePixel) = "table",
-        /// States that reflect the same at all angles.
+        /// States with the same reflectance at all angles.
         Uniform(UniformPixel) = "uniform",
-        /// States with a BRDF that was measured with a goniometer or an imaging sphere.
+        /// States with a BRDF measured with a goniometer or an imaging sphere.
         Measured(MeasuredPixel) = "measured",
     }
 }
 
 impl Pixel {
-    /// Where its model stands.
+    /// Place of its `model` in the text.
     pub(crate) fn model(&self) -> Origin {
         match self {
             Self::Film(film) => film.origin,
@@ -41,24 +41,24 @@ impl Pixel {
 }
 
 table! {
-    /// Thin-film sub-pixels that share one stack with a gap-dependent layer.
+    /// Thin-film sub-pixels that share one stack, in which one layer is the gap.
     FilmPixel {
-        /// Layers from the glass down; exactly one has `thickness_nm = "gap"`.
-        film: Vec<At<FilmLayer>>,
+        /// Layers from the glass down, `{ material, thickness_nm }` each; exactly one has `thickness_nm = "gap"`.
+        film: Vec<Spanned<FilmLayer>>,
         /// Material of the opaque, semi-infinite substrate.
         substrate: MaterialSpec,
-        /// Fraction of the active area for each sub-pixel; they sum to 1 within 0.001. Names are free, except `dark`.
+        /// Fraction of the active area of each sub-pixel; the sum is 1 within 0.001. Any names except `dark`.
         area: Named<Share>,
-        /// Gap of each sub-pixel at its own colour, and of `dark`.
+        /// Gap of each sub-pixel in its own colour, and `dark` if a state needs it.
         gap_nm: Named<Nanometres>,
         /// Active fraction of the panel.
         fill_factor: PositiveShare = PositiveShare(1.0),
-        /// Reflectance of the inactive part.
+        /// Reflectance of the inactive area.
         inactive_reflectance: ShareSpectrum = ShareSpectrum::Constant(Share(0.0)),
-        /// Drive states of your own; one with the name of a default state replaces it. Default: none.
+        /// Further states; one with the name of a default state replaces it. Default: none.
         states: Named<StateSpec> = Named(Vec::new()),
-        /// Whether there are the states white, black, red, green, blue, cyan, magenta and yellow; they need sub-pixels red,
-        /// green and blue.
+        /// Whether to define the states white, black, red, green, blue, cyan, magenta and yellow, if sub-pixels red, green and
+        /// blue exist.
         default_states: bool = true,
     }
 }
@@ -68,7 +68,7 @@ table! {
     FilmLayer {
         /// Refractive index of the layer.
         material: MaterialSpec,
-        /// Thickness of the layer, or `"gap"` for the one that changes with the state.
+        /// Thickness of the layer, or `"gap"` for the layer that changes with the state.
         thickness_nm: LayerThickness,
     }
 }
@@ -118,7 +118,7 @@ impl JsonSchema for Gap {
     }
 }
 
-/// What each sub-pixel does in a state.
+/// The drive of each sub-pixel in a state.
 #[derive(Debug, Clone, serde::Serialize)]
 #[serde(transparent)]
 pub(crate) struct StateSpec(pub(crate) Named<DriveSpec>);
@@ -129,7 +129,7 @@ impl Read for StateSpec {
     }
 
     fn read(node: &Node, errors: &mut Errors) -> Option<Self> {
-        // A sub-pixel may have this name; then it has a share, which is 1 at most.
+        // A sub-pixel may have the name `gap_nm`; its value is then a fraction, at most 1.
         if node.get("gap_nm").and_then(Node::number).is_some_and(|value| value > 1.0) {
             let wrong = Diagnostic::new("`gap_nm` is given for a whole state");
             let hint = "a gap belongs under a sub-pixel: teal = { green = { gap_nm = 165.0 } }";
@@ -153,11 +153,11 @@ impl JsonSchema for StateSpec {
 }
 
 forms! {
-    /// How a sub-pixel is driven: the share of its area at its own colour, or an analogue gap.
+    /// The drive of a sub-pixel: the fraction of its area in its own colour, or an analogue gap.
     DriveSpec, format!("{}, or {{ gap_nm = ... }}", Share::in_words()); {
-        /// Share of its area at its own colour, 0 to 1, the rest dark.
+        /// Fraction of its area in its own colour, 0 to 1; the rest is dark.
         Share(Share) if Value::Integer(_) | Value::Float(_),
-        /// The whole of it at this gap.
+        /// The whole sub-pixel at this gap.
         Gap(DriveGap) if Value::Table(_),
     }
 }
@@ -171,61 +171,61 @@ table! {
 }
 
 table! {
-    /// Complete states (areas and fill factor included) from a table.
+    /// Complete states (including areas and fill factor) from a table.
     TablePixel {
-        /// CSV file with the columns state, theta_deg, wavelength_nm, reflectance.
+        /// A CSV file with the columns state, theta_deg, wavelength_nm, reflectance.
         file: String,
-        /// The medium of the table's angles.
+        /// Medium of the angles of the file.
         angles: TableMedium,
     }
 }
 
 choice! {
-    /// The medium of a pixel table's angles.
+    /// Medium of the angles of a pixel table.
     TableMedium {
-        /// In air, before Snell.
+        /// Angles are in air, before refraction.
         Air = "air",
-        /// In the glass above the pixel.
+        /// Angles are in the glass above the pixel.
         Glass = "glass",
     }
 }
 
 table! {
-    /// States that reflect the same at all angles.
+    /// States with the same reflectance at all angles.
     UniformPixel {
-        /// How the pixel reflects.
+        /// Kind of the reflection.
         kind: ReflectionKind,
-        /// Reflectance of each state, below the glass.
+        /// Reflectance of each state *below* the glass, which is not the value of a datasheet.
         reflectance: Named<ShareSpectrum>,
     }
 }
 
 choice! {
-    /// How a uniform pixel reflects.
+    /// Reflection of a uniform pixel.
     ReflectionKind {
-        /// Specularly.
+        /// Specular.
         Mirror = "mirror",
-        /// Diffusely: the same radiance in every direction of the glass.
+        /// Diffuse: the same radiance in every direction of the glass.
         Lambertian = "lambertian",
     }
 }
 
 table! {
-    /// A measured BRDF for each state; its directions are taken as those in the medium above the pixel.
+    /// A measured BRDF for each state. Its directions are used as directions in the medium above the pixel.
     MeasuredPixel {
-        /// A file of measured scattering for each state, of which the front reflection is used; its format is recognised by
-        /// its content (docs/bsdf-files.md).
+        /// A file of measured scattering for each state: Radiant/Zemax, ASTM E1392, CSV or Papilio's own format, detected from
+        /// the content (docs/bsdf-files.md). The front reflection is used.
         file: Named<String>,
-        /// Reflectance spectra of any of the states. Their shape colours the BRDF; the level is that of the file (see
-        /// `normalise`). Default: the same at all wavelengths.
+        /// Reflectance spectra of any of the states. They give the spectral shape of the BRDF; the level is that of the file
+        /// (see `normalise`). Default: the same at all wavelengths.
         spectrum: Named<ShareSpectrum> = Named(Vec::new()),
-        /// What the totals of the measurement are set to.
+        /// The totals to which the measurement is normalised.
         normalise: Normalise = Normalise::None,
-        /// Whether cells without light are taken as not measured: the tail of a line is then extrapolated beyond the last
-        /// cell with light. Otherwise they are dark.
+        /// `true`: cells without light were not measured, and tails are extrapolated beyond the last cell with light; `false`:
+        /// cells without light are dark.
         extrapolate_tails: bool = false,
-        /// What becomes of light beyond the directions that were measured. Default: `"none"`; of a file with one incidence
-        /// `"hold"`, with a note.
+        /// Treatment of light beyond the measured directions. Default: `"none"`; for a file with one incidence `"hold"`, with
+        /// a note.
         extrapolate: Option<Extrapolate>,
     }
 }

@@ -1,57 +1,57 @@
-//! `[solver]`: how to compute, and how well.
+//! `[solver]`: the solver, its accuracy and its approximations.
 
 use papilio_display::scene;
 
 use super::numbers::{Count, Paths, RelativeError, Seed, Tolerance};
 use crate::error::Errors;
 use crate::grammar::{choice, table};
-use crate::read::{At, Read, unknown_word};
+use crate::read::{Read, Spanned, unknown_word};
 use crate::tree::{Node, Value};
 
 table! {
-    /// How to compute, and how well.
+    /// The solver, its accuracy and its approximations.
     Solver {
-        /// The solver.
+        /// Solver.
         method: Method = Method::Adding,
-        /// Stop at this relative error of Y, the largest over states and views: the standard error of the walk, the
-        /// discretisation error of adding. Default: `0.001`.
+        /// Stop at this relative error of Y, the largest over states and views: the standard error for Monte Carlo, the
+        /// discretisation error for adding. Default: `0.001`.
         relative_error: Option<RelativeError>,
-        /// For the walk only: stop after this many paths for each view instead; rounded up to a multiple of 32. Default:
-        /// none, `relative_error` is used.
+        /// For Monte Carlo, alternative to `relative_error`: stop after this number of paths for each view, rounded up to a
+        /// multiple of 32. Default: none, `relative_error` is used.
         paths: Option<Paths>,
-        /// For the walk only: stop when a metric is known to within a tolerance.
+        /// For Monte Carlo: stop at this error of a metric.
         target: Option<Target>,
-        /// Apply `relative_error` at every wavelength too, relative to the maximum of the spectrum; without effect beside
-        /// `paths`.
+        /// `true`: `relative_error` also applies at every wavelength, relative to the maximum of the spectrum. With `paths` it
+        /// has no effect, with a warning.
         per_wavelength: bool = false,
-        /// Where the numbers of the walk come from (docs/sampling.md); adding needs none.
+        /// For Monte Carlo: source of the random numbers (docs/sampling.md).
         sampler: Sampler = Sampler::Sobol,
-        /// How the walk samples directions at a diffuser (docs/sampling.md).
+        /// For Monte Carlo: sampling of directions at a diffuser (docs/sampling.md).
         scattering: Scattering = Scattering::Kernel,
-        /// Which orders of reflection are computed.
+        /// Orders of reflection that are computed.
         approximation: Approximation = Approximation::None,
-        /// The medium of the angles of viewer, lights and pixel.csv.
+        /// Medium of the angles of viewer, sources and pixel.csv.
         angle_medium: AngleMedium = AngleMedium::Air,
-        /// Seed of the walk's random numbers.
+        /// For Monte Carlo: seed of the random numbers.
         seed: Seed = Count(0),
     }
 }
 
 table! {
-    /// A metric, and how well it is to be known: one standard error at every view.
+    /// A metric and its largest standard error, at every view.
     Target {
         /// Name of the metric in result.json.
         metric: Metric,
-        /// The state; metrics of all states together have none. Default: all states that have the metric.
+        /// Name of the state, for a metric of a state. Default: all states that have the metric.
         state: Option<String>,
-        /// Standard error in the metric's own unit. Either `error` or `relative_error`.
+        /// Standard error in the unit of the metric. Either `error` or `relative_error`.
         error: Option<Tolerance>,
-        /// Standard error as a fraction of the value. Either `error` or `relative_error`.
+        /// Standard error relative to the value. Either `error` or `relative_error`.
         relative_error: Option<RelativeError>,
     }
 }
 
-/// A metric that may be a target, by its name in result.json.
+/// A metric by its name in result.json.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Metric(pub(crate) scene::Metric);
 
@@ -92,7 +92,7 @@ impl schemars::JsonSchema for Metric {
 }
 
 impl Solver {
-    /// The default accuracy, where neither it nor a number of paths nor a target is given.
+    /// Fills in the default accuracy if neither an accuracy nor a number of paths nor a target is given.
     pub(super) fn complete(&mut self) {
         if self.paths.is_none() && self.target.is_none() {
             self.relative_error.value.get_or_insert(RelativeError(0.001));
@@ -103,15 +103,15 @@ impl Solver {
 choice! {
     /// The solvers.
     Method {
-        /// Deterministic: the layers as operators on direction cosines.
+        /// Deterministic and without noise; layers are operators on direction cosines.
         Adding = "adding",
-        /// Unbiased Monte Carlo path tracing.
+        /// Unbiased path tracing with standard errors, the reference.
         MonteCarlo = "monte-carlo",
     }
 }
 
 choice! {
-    /// Where the walk's numbers come from.
+    /// Sources of random numbers.
     Sampler {
         /// Owen-scrambled Sobol points.
         Sobol = "sobol",
@@ -119,21 +119,21 @@ choice! {
         Random = "random",
         /// Jittered points on pairs of coordinates.
         Stratified = "stratified",
-        /// Points that are far from each other on pairs of coordinates, in sets of at most 4096.
+        /// Points with large distances from each other on pairs of coordinates, in sets of at most 4096.
         BestCandidate = "best-candidate",
     }
 }
 
 choice! {
-    /// How directions are drawn.
+    /// Sampling of directions at a diffuser.
     Scattering {
-        /// From the lobe itself, towards lamps from both ends of the path.
+        /// From the lobe itself, and towards sources from both ends of the path.
         Kernel = "kernel",
         /// Uniformly over the hemisphere.
         Uniform = "uniform",
         /// Proportionally to the cosine.
         Cosine = "cosine",
-        /// From Ward's lobe, fitted to the diffuser's.
+        /// From a Ward lobe, fitted to that of the diffuser.
         Ward = "ward",
         /// From the product of lobe, light and pixel.
         Guided = "guided",
@@ -141,7 +141,7 @@ choice! {
 }
 
 choice! {
-    /// How completely light is followed.
+    /// Orders of reflection that are computed.
     Approximation {
         /// All orders.
         None = "none",
@@ -151,14 +151,14 @@ choice! {
 }
 
 choice! {
-    /// The medium of a scenario's angles.
+    /// Medium of the angles of a scenario.
     AngleMedium {
-        /// In air; light is refracted by Snell's law.
+        /// Angles are in air, and refracted by Snell's law.
         Air = "air",
-        /// In glass, for a bare panel.
+        /// Angles are in glass; for a bare panel.
         Glass = "glass",
-        /// In air, the pixel looked up at the air angle as if it were the angle in glass; a diffuser's
-        /// lobe, too, is cut at |beta| = 1 below.
+        /// Angles are in air, and the pixel is evaluated at the angle in air as if it were in glass; the lobe of a
+        /// diffuser is also cut off at |beta| = 1 below it.
         Unrefracted = "unrefracted",
     }
 }

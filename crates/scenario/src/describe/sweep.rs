@@ -1,4 +1,4 @@
-//! `[sweep]`: which keys are varied, over what.
+//! `[sweep]`: keys that vary, and their values.
 
 use std::borrow::Cow;
 
@@ -14,27 +14,27 @@ use crate::mistake;
 use crate::origin::Origin;
 use crate::path::{KeyPath, joined};
 use crate::range::Range as NumberRange;
-use crate::read::{At, Read};
+use crate::read::{Read, Spanned};
 use crate::tree::{Entry, Node, Value};
 
 table! {
-    /// Keys that `papilio sweep` varies: every point of the product of the axes is computed, the last axis fastest.
+    /// Keys that `papilio sweep` varies. Every combination of the axes is computed; the last axis varies fastest.
     Sweep {
-        /// The axes: tables of paths as in `--set`, each with a list of values, `{ from, to, step }` or `{ from, to, count
-        /// }`. Keys of one axis move together; every combination of the axes is computed, the last axis fastest.
-        axes: Vec<At<Axis>>,
-        /// Metrics that are drawn: columns of sweep.csv, those of a state as `"white.L_star"`. Default: of a light sweep
-        /// all its metrics.
-        figures: Vec<At<String>> =
-            ["contrast_ratio", "gamut_percent_srgb"].map(|name| At::at_large(name.to_owned())).to_vec(),
-        /// Makes a light sweep, for many points: only these metrics are kept, for every view. Default: all results of every
-        /// point.
-        metrics: Option<Vec<At<MetricName>>>,
+        /// The axes: tables of keys as in `--set`, each with a list of values, `{ from, to, step }` or `{ from, to, count }`.
+        /// Keys of one axis change together. Every combination of the axes is computed; the last axis varies fastest.
+        axes: Vec<Spanned<Axis>>,
+        /// Metrics to draw: columns of sweep.csv, those of a state as `"white.L_star"`. Default: for a light sweep all stored
+        /// metrics.
+        figures: Vec<Spanned<String>> =
+            ["contrast_ratio", "gamut_percent_srgb"].map(|name| Spanned::without_span(name.to_owned())).to_vec(),
+        /// Makes this a light sweep, for many points: only these metrics are stored, for every view. Default: all results of
+        /// every point.
+        metrics: Option<Vec<Spanned<MetricName>>>,
     }
 }
 
 table! {
-    /// Evenly spaced values, both ends included where the steps reach them.
+    /// Uniformly spaced values, including both ends if the steps reach them.
     Range {
         /// First value.
         from: Any,
@@ -48,30 +48,30 @@ table! {
 }
 
 number!(
-    /// A value, whatever its key takes.
+    /// A number without a range.
     Any, NumberRange::ANY
 );
 
-/// One axis: paths as of `--set`, each with as many values.
+/// One axis: paths as in `--set`, with the same number of values each.
 #[derive(Debug, Clone)]
 pub(crate) struct Axis(pub(crate) Vec<Swept>);
 
-/// A key that is varied.
+/// A key of an axis.
 #[derive(Debug, Clone)]
 pub(crate) struct Swept {
-    /// Its path.
+    /// Path of the key.
     pub(crate) path: KeyPath,
-    /// Where the path stands.
+    /// Place of the path in the text.
     pub(crate) origin: Origin,
-    /// One for each point of the axis, each with its place.
+    /// One value for each point of the axis, with its place.
     pub(crate) values: Vec<Node>,
 }
 
-/// No axis has more points, and no sweep.
+/// Largest number of points of an axis, and of a sweep.
 pub(crate) const MOST_POINTS: usize = 100_000;
 
 impl Axis {
-    /// How many points it has.
+    /// Returns the number of points.
     pub(crate) fn len(&self) -> usize {
         self.0.first().map_or(0, |swept| swept.values.len())
     }
@@ -87,7 +87,8 @@ impl Read for Axis {
             return node.wrong_type(Self::in_words(), errors);
         };
         let mut swept = Vec::new();
-        let sound = entries.iter().map(|entry| take("", entry, &mut swept, errors)).collect::<Vec<_>>();
+        let sound =
+            entries.iter().map(|entry| read_values("", entry, &mut swept, errors)).collect::<Vec<_>>();
         if sound.contains(&None) {
             return None;
         }
@@ -103,7 +104,7 @@ impl Read for Axis {
                     first.path
                 ))
                 .expected(format!("{count} values"))
-                .hint("keys of one [[sweep.axes]] move together; for all combinations give each its own");
+                .hint("keys of one [[sweep.axes]] change together; for all combinations give each its own");
                 errors.push(other.origin, wrong);
                 return None;
             }
@@ -112,16 +113,17 @@ impl Read for Axis {
     }
 }
 
-/// The values under a key; of a table that is no range, those of each of its keys: `a.b = [1]` is the same as
-/// `"a.b" = [1]`.
-fn take(above: &str, entry: &Entry, swept: &mut Vec<Swept>, errors: &mut Errors) -> Option<()> {
+/// Reads the values of a key. In a table that is not a range, reads those of each of its keys: `a.b = [1]` means the
+/// same as `"a.b" = [1]`.
+fn read_values(above: &str, entry: &Entry, swept: &mut Vec<Swept>, errors: &mut Errors) -> Option<()> {
     let path = joined(above, &entry.key);
     let origin = entry.key_origin;
     let values = match &entry.node.value {
         Value::Array(items) => items.clone(),
-        Value::Table(_) if entry.node.get("from").is_some() => evenly(&entry.node, errors)?,
+        Value::Table(_) if entry.node.get("from").is_some() => range_values(&entry.node, errors)?,
         Value::Table(entries) if !entries.is_empty() => {
-            let found: Vec<_> = entries.iter().map(|entry| take(&path, entry, swept, errors)).collect();
+            let found: Vec<_> =
+                entries.iter().map(|entry| read_values(&path, entry, swept, errors)).collect();
             return found.into_iter().collect();
         }
         _ => return entry.node.wrong_type("a list of values, or { from, to, step }", errors),
@@ -139,8 +141,8 @@ fn take(above: &str, entry: &Entry, swept: &mut Vec<Swept>, errors: &mut Errors)
     Some(())
 }
 
-/// The values of a range.
-fn evenly(node: &Node, errors: &mut Errors) -> Option<Vec<Node>> {
+/// Returns the values of a range.
+fn range_values(node: &Node, errors: &mut Errors) -> Option<Vec<Node>> {
     let range = Range::read(node, errors)?;
     let (from, to) = (range.from.0, range.to.0);
     let steps = match (range.step.value, range.count.value) {
@@ -154,7 +156,7 @@ fn evenly(node: &Node, errors: &mut Errors) -> Option<Vec<Node>> {
                 );
                 return None;
             }
-            // A step that misses the end by rounding alone reaches it.
+            // Rounding errors must not remove the last value.
             Steps { each: step.0, count: (steps + 1e-9).floor() }
         }
         (None, Some(count)) => {
@@ -176,14 +178,14 @@ fn evenly(node: &Node, errors: &mut Errors) -> Option<Vec<Node>> {
     Some((0..=steps.count as usize).map(value).collect())
 }
 
-/// What lies between the values of a range.
+/// Steps between the values of a range.
 struct Steps {
     each: f64,
-    /// How many: a whole number.
+    /// Number of steps, an integer.
     count: f64,
 }
 
-/// The number without the last digits, which are rounding: .1 + 2 * .1 is .3.
+/// Removes the digits of rounding errors: 0.1 + 2 * 0.1 is 0.3.
 fn tidy(value: f64) -> f64 {
     format!("{value:.12e}").parse().unwrap_or(value)
 }
@@ -203,7 +205,7 @@ impl JsonSchema for Axis {
         let range = generator.subschema_for::<Range>();
         schemars::json_schema!({
             "type": "object",
-            "description": "Paths as of --set, each with as many values.",
+            "description": "Paths as in --set, with the same number of values each.",
             "additionalProperties": { "anyOf": [{ "type": "array" }, range, { "type": "object" }] },
         })
     }

@@ -1,4 +1,4 @@
-//! `[tolerance]`: how production scatters the keys of a scenario, and which limits its displays have to meet.
+//! `[tolerance]`: distributions of keys in production, and limits of good displays.
 
 use super::Label;
 use super::limits::{Limit, MetricName};
@@ -6,63 +6,62 @@ use super::numbers::{Count, Seed};
 use super::sweep::Any;
 use crate::grammar::{number, table};
 use crate::range::Range;
-use crate::read::{At, Read};
+use crate::read::{Read, Spanned};
 use crate::tree::Node;
 
 table! {
-    /// How keys vary in production, for `papilio tolerance` only.
+    /// Production tolerances, for `papilio tolerance` only.
     Tolerance {
         /// Number of displays.
         samples: Count<64, MOST_SAMPLES> = Count(4096),
-        /// Number of displays for which sensitivities are computed, which takes two more evaluations and one for each key;
-        /// 0: none. Default: a quarter of `samples`.
+        /// Number of displays for sensitivities, each with two more evaluations and one for each key; 0: none. Default: a quarter of `samples`.
         sensitivity_samples: Option<Count<0, MOST_SAMPLES>>,
-        /// Seed of the displays.
+        /// Seed of the samples.
         seed: Seed = Count(0),
         /// The keys that vary, each with a distribution.
-        keys: Vec<At<Scattered>>,
+        keys: Vec<Spanned<Scattered>>,
         /// Keys whose deviations are correlated. Default: none.
-        correlations: Vec<At<Correlated>> = Vec::new(),
-        /// What a good display has to meet. Default: none, and every display is good.
-        limits: Vec<At<Limit>> = Vec::new(),
-        /// Metrics that are reported beside those that have limits. Default: contrast_ratio, gamut_percent_srgb, white.Y,
-        /// black.Y and L_star, a_star, b_star of white, as far as the display has them.
-        metrics: Option<Vec<At<MetricName>>>,
+        correlations: Vec<Spanned<Correlated>> = Vec::new(),
+        /// Limits of a good display. Default: none: every display is good.
+        limits: Vec<Spanned<Limit>> = Vec::new(),
+        /// Metrics to report in addition to those with limits. Default: contrast_ratio, gamut_percent_srgb, white.Y, black.Y and
+        /// L_star, a_star, b_star of white, if the display has these states.
+        metrics: Option<Vec<Spanned<MetricName>>>,
     }
 }
 
-/// More displays are not made.
+/// Largest number of displays.
 pub(crate) const MOST_SAMPLES: u64 = 10_000_000;
 
 table! {
-    /// A key that scatters, or several that do so alike; with exactly one distribution. Its numbers are those of the key; of
-    /// several keys, deviations from what each of them is.
+    /// A key with a distribution, or several with the same deviation. There is exactly one distribution. Its numbers are
+    /// values of the key; for several keys, deviations from the value of each.
     Scattered {
         /// A path as in `--set`. Either `key` or `keys`.
         key: Option<String>,
         /// Several paths with the same deviation; numbers are deviations from the value of each. Either `key` or `keys`.
-        keys: Option<Vec<At<String>>>,
-        /// Name for tables and figures, one line. Default: the path.
+        keys: Option<Vec<Spanned<String>>>,
+        /// Name in tables and figures, one line. Default: the path.
         name: Option<Label>,
-        /// `true`: the numbers of the distribution are multiples of the key's value.
+        /// `true`: the numbers of the distribution are multiples of the scenario's value.
         relative: bool = false,
-        /// Normal distribution.
+        /// Normal distribution: `sigma`, and `mean`, `from`, `to`.
         normal: Option<Normal>,
-        /// Log-normal distribution: never below 0.
+        /// Log-normal distribution, always above 0: `sigma` of the logarithm, and `median`, `from`, `to`.
         lognormal: Option<LogNormal>,
-        /// Uniform distribution between two ends.
+        /// Uniform distribution: `from` and `to`, or `plus_minus`.
         uniform: Option<Uniform>,
-        /// Triangular distribution: rising to the mode, then falling.
+        /// Triangular distribution, with its maximum at the mode: `from` and `to`, or `plus_minus`, and `mode`.
         triangular: Option<Triangular>,
-        /// One of a list of values: bins, lots, suppliers.
+        /// One of a list of values (bins, lots, suppliers): `values` and `weights`.
         choices: Option<Bins>,
     }
 }
 
 table! {
-    /// A normal distribution, which may be cut off at both ends: what lies beyond is sorted out.
+    /// A normal distribution, which may be truncated at both ends: displays beyond are sorted out.
     Normal {
-        /// Mean, before truncation. Default: the key's value.
+        /// Mean, before truncation. Default: the scenario's value.
         mean: Option<Any>,
         /// Standard deviation, before truncation.
         sigma: Deviation,
@@ -74,11 +73,11 @@ table! {
 }
 
 table! {
-    /// A log-normal distribution, which may be cut off at both ends.
+    /// A log-normal distribution, which may be truncated at both ends.
     LogNormal {
-        /// Median, before truncation. Default: the key's value.
+        /// Median, before truncation. Default: the scenario's value.
         median: Option<Any>,
-        /// Standard deviation of the natural logarithm: about the relative standard deviation of the number.
+        /// Standard deviation of the natural logarithm, about the relative standard deviation of the number.
         sigma: Deviation,
         /// Lower end of the truncated distribution. Default: not truncated.
         from: Option<Any>,
@@ -94,7 +93,7 @@ table! {
         from: Option<Any>,
         /// Upper end. Either `from` and `to`, or `plus_minus`.
         to: Option<Any>,
-        /// Half width about the key's value. Either `from` and `to`, or `plus_minus`.
+        /// Half width about the scenario's value. Either `from` and `to`, or `plus_minus`.
         plus_minus: Option<Deviation>,
     }
 }
@@ -104,7 +103,7 @@ table! {
     Triangular {
         /// Lower end. Either `from` and `to`, or `plus_minus`.
         from: Option<Any>,
-        /// The most likely value. Default: the key's value.
+        /// The most probable value. Default: the scenario's value.
         mode: Option<Any>,
         /// Upper end. Either `from` and `to`, or `plus_minus`.
         to: Option<Any>,
@@ -114,39 +113,39 @@ table! {
 }
 
 table! {
-    /// Anything that the key may be, one of a list.
+    /// One of a list of values, with probabilities.
     Bins {
-        /// The values.
-        values: Vec<At<Anything>>,
-        /// How often each value occurs, relative to the others. Default: all equally often.
-        weights: Option<Vec<At<Frequency>>>,
+        /// The possible values, of any type that the key accepts.
+        values: Vec<Spanned<Anything>>,
+        /// Relative frequencies of the values. Default: equal weights.
+        weights: Option<Vec<Spanned<Frequency>>>,
     }
 }
 
 table! {
     /// Keys whose deviations are correlated.
     Correlated {
-        /// Two or more of the keys, by name (by path where no name is given); every pair has the coefficient.
-        keys: Vec<At<String>>,
-        /// Correlation of the normal numbers from which the values are drawn.
+        /// Names of two or more keys (the path if there is no name). Every pair of them has the coefficient.
+        keys: Vec<Spanned<String>>,
+        /// Correlation of the normal random numbers from which the values are drawn.
         coefficient: Correlation,
     }
 }
 
 number!(
-    /// How far a number scatters, in its own unit.
+    /// A standard deviation or a half width, in the unit of the key.
     Deviation, Range::above_0_to(1e6)
 );
 number!(
-    /// How often one of a list is met, relative to the others.
+    /// A relative frequency.
     Frequency, Range::from_to(0.0, 1e6)
 );
 number!(
-    /// A coefficient of correlation.
+    /// A correlation coefficient.
     Correlation, Range::between(-1.0, 1.0)
 );
 
-/// A value of whatever kind its key takes.
+/// A value of any type.
 #[derive(Debug, Clone)]
 pub(crate) struct Anything(pub(crate) Node);
 

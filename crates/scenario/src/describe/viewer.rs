@@ -1,22 +1,22 @@
-//! `[viewer]`: where the reader looks from.
+//! `[viewer]`: the viewing directions, and the reader.
 
 use super::numbers::{Azimuth, FieldAngle, Inclination, Millimetres};
 use crate::grammar::{forms, number, table};
 use crate::range::Range;
-use crate::read::At;
+use crate::read::Spanned;
 
 table! {
-    /// The views are the product of all theta and phi, theta fastest.
+    /// The views: all combinations of theta and phi; theta varies fastest.
     Viewer {
-        /// Inclination of the view.
+        /// Inclination of the view, or several.
         theta_deg: Inclinations = Inclinations::One(Inclination(0.0)),
-        /// Azimuth of the view.
+        /// Azimuth of the view, or several.
         phi_deg: Azimuths = Azimuths::One(Azimuth(0.0)),
-        /// Full angle of the round field of view; it must not reach below the horizon.
+        /// Full angle of the round field of view, which must be above the horizon.
         field_deg: FieldAngle = FieldAngle(0.1),
-        /// Viewing distance; matters only where the display is not uniform.
+        /// Viewing distance; no effect if the display is uniform.
         distance_mm: Millimetres = Millimetres(500.0),
-        /// Age of the reader: how well text is read (docs/metrics.md).
+        /// Age of the reader, for `reading_surrogate` (docs/metrics.md).
         age_years: Option<Years>,
     }
 }
@@ -26,9 +26,9 @@ forms! {
     Inclinations, format!("{}, a list, or {{ from, to, step }}", Inclination::in_words()); {
         /// One view.
         One(Inclination) if Value::Integer(_) | Value::Float(_),
-        /// Several.
-        List(Vec<At<Inclination>>) if Value::Array(_),
-        /// Evenly spaced.
+        /// Several views.
+        List(Vec<Spanned<Inclination>>) if Value::Array(_),
+        /// Uniformly spaced views.
         Range(AngleRange) if Value::Table(_),
     }
 }
@@ -38,15 +38,15 @@ forms! {
     Azimuths, format!("{}, a list, or {{ from, to, step }}", Azimuth::in_words()); {
         /// One view.
         One(Azimuth) if Value::Integer(_) | Value::Float(_),
-        /// Several.
-        List(Vec<At<Azimuth>>) if Value::Array(_),
-        /// Evenly spaced.
+        /// Several views.
+        List(Vec<Spanned<Azimuth>>) if Value::Array(_),
+        /// Uniformly spaced views.
         Range(AngleRange) if Value::Table(_),
     }
 }
 
 table! {
-    /// Evenly spaced angles, both ends included where the steps reach them.
+    /// Uniformly spaced angles, including both ends if the steps reach them.
     AngleRange {
         /// First angle.
         from: Azimuth,

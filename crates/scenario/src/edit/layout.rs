@@ -1,11 +1,11 @@
-//! How new values are laid out, and how tables keep their order.
+//! Layout of new values, and order of tables.
 
 use toml_edit::{Array, ArrayOfTables, InlineTable, Item, Table, Value};
 
-/// A table of at most so many plain values is written on one line.
+/// Largest number of plain values of a table on one line.
 const SHORT: usize = 4;
 
-/// A value as TOML; `as_table`: with a header of its own, if it is a table or an array of tables.
+/// Converts a value to TOML; with `as_table`, a table or an array of tables gets a header.
 pub(super) fn item(value: &serde_json::Value, as_table: bool) -> Result<Item, String> {
     use serde_json::Value as Json;
     match value {
@@ -29,7 +29,7 @@ pub(super) fn item(value: &serde_json::Value, as_table: bool) -> Result<Item, St
     }
 }
 
-/// True for a value that reads well on a line.
+/// True for a value that is short enough for one line.
 fn is_short(value: &serde_json::Value) -> bool {
     use serde_json::Value as Json;
     let plain = |value: &Json| !value.is_object() && !value.is_array();
@@ -67,7 +67,7 @@ fn inline(value: &serde_json::Value) -> Result<Value, String> {
     })
 }
 
-/// Gives a value the line break and indentation of the items that it will stand among.
+/// Gives a value the line break and indentation of its neighbours in an array.
 pub(super) fn like_neighbour(values: &Array, at: usize, value: &mut Value) {
     let neighbour = values.get(at.saturating_sub(1)).or_else(|| values.get(0));
     let prefix = neighbour.and_then(|value| value.decor().prefix()?.as_str());
@@ -79,7 +79,7 @@ pub(super) fn like_neighbour(values: &Array, at: usize, value: &mut Value) {
     value.decor_mut().set_prefix(prefix.unwrap_or(if at == 0 { "" } else { " " }));
 }
 
-/// Numbers the tables in their order by the places that they have in the text; new ones follow the one before.
+/// Assigns the positions of the tables in the text to the tables in their new order; new tables follow the one before.
 pub(super) fn number_positions(tables: &mut ArrayOfTables) {
     let mut places: Vec<isize> = tables.iter().filter_map(Table::position).collect();
     places.sort_unstable();
@@ -90,7 +90,7 @@ pub(super) fn number_positions(tables: &mut ArrayOfTables) {
     }
 }
 
-/// Takes the places of a table and all in it, which then follow what is before.
+/// Removes the positions of a table and all tables in it, which then follow the table before.
 pub(super) fn forget_positions(table: &mut Table) {
     table.set_position(None);
     for (_, item) in table.iter_mut() {

@@ -10,12 +10,12 @@ fn edited(text: &str, edits: serde_json::Value) -> String {
 }
 
 #[test]
-fn no_change_changes_nothing() {
+fn text_without_edits_is_unchanged() {
     assert_eq!(edited(TEXT, json!([])), TEXT);
 }
 
 #[test]
-fn a_number_is_set_in_its_place() {
+fn number_is_set_and_keeps_its_comment() {
     let text = edited(
         TEXT,
         json!([
@@ -27,7 +27,7 @@ fn a_number_is_set_in_its_place() {
 }
 
 #[test]
-fn films_are_put_in_moved_and_taken_away() {
+fn films_are_inserted_moved_and_removed() {
     let layer = json!({ "material": "AlOx", "thickness_nm": 9.5 });
     let more =
         edited(TEXT, json!([{ "op": "insert", "path": "display.pixel.film", "index": 1, "value": layer }]));
@@ -39,14 +39,14 @@ fn films_are_put_in_moved_and_taken_away() {
 }
 
 #[test]
-fn what_only_the_preset_gives_is_written_first() {
+fn array_of_the_preset_is_written_before_its_item_changes() {
     let text = edited(TEXT, json!([{ "op": "set", "path": "lighting.directed.0.theta_deg", "value": -35 }]));
     assert!(text.contains("[[lighting.directed]]\ntheta_deg = -35"), "{text}");
     assert!(text.contains("share = 0.5") && text.contains("preset = \"indoor\""), "{text}");
 }
 
 #[test]
-fn tables_are_made_and_arrays_of_tables_keep_their_order() {
+fn missing_tables_are_created_and_arrays_of_tables_keep_their_order() {
     let front = |reflectance: f64| json!({ "reflectance": reflectance, "absorptance": 0.01 });
     let text = edited(
         TEXT,
@@ -73,7 +73,7 @@ fn tables_are_made_and_arrays_of_tables_keep_their_order() {
 }
 
 #[test]
-fn paths_that_lead_nowhere_are_errors() {
+fn impossible_paths_are_refused() {
     for edits in [
         json!([{ "op": "set", "path": "", "value": 1 }]),
         json!([{ "op": "set", "path": "title.x", "value": 1 }]),

@@ -1,6 +1,6 @@
-//! A scenario with an `[optimize]`: what may vary, under which conditions, and what is asked of a design.
+//! Searches: a scenario with the variables, conditions, objectives and constraints of its `[optimize]`.
 
-mod asked;
+mod quantities;
 mod read;
 
 use papilio_display::Quantity;
@@ -8,126 +8,126 @@ use serde_json::Value as Json;
 
 use crate::varied::{Varied, read_of_scenarios};
 
-/// A search, read and checked: every bound and every choice is a scenario that can be.
+/// A search, read and checked: every bound and every choice gives a valid scenario.
 #[derive(Debug, Clone)]
 pub struct Optimisation {
-    /// How it is searched.
+    /// Method of the search.
     pub method: SearchMethod,
-    /// Gradient searches of each combination of choices.
+    /// Number of gradient searches for each combination of choices.
     pub starts: usize,
-    /// Seed of whatever is drawn.
+    /// Seed of the starting points and of the population.
     pub seed: u64,
-    /// Evaluations of one search, at most.
+    /// Largest number of evaluations of one search.
     pub evaluations: usize,
-    /// Searches along a front.
+    /// Number of searches along a Pareto front.
     pub points: usize,
-    /// What varies.
+    /// Variables.
     pub variables: Vec<SearchVariable>,
-    /// Under which conditions; at least one.
+    /// Conditions of use, at least one.
     pub conditions: Vec<SearchCondition>,
-    /// What makes a design good; at least one.
+    /// Objectives, at least one.
     pub objectives: Vec<SearchObjective>,
-    /// What every design has to meet.
+    /// Limits that every design must satisfy.
     pub constraints: Vec<SearchConstraint>,
-    /// The scenario's title.
+    /// Title of the scenario.
     pub title: Option<String>,
-    /// SHA-256 of all of it, of the scenarios of its conditions and of their files.
+    /// SHA-256 of the search, of the scenarios of its conditions, and of their files.
     pub hash: String,
 }
 
-/// How designs are searched.
+/// Method of a search.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum SearchMethod {
-    /// By derivatives, from many starts.
+    /// By derivatives, from many starting points.
     Gradient,
     /// By a population.
     Global,
-    /// By a population first, and from there by derivatives.
+    /// By a population first, then by derivatives from its result.
     Both,
 }
 
-/// A number or a choice that varies.
+/// A variable: a number or a choice.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SearchVariable {
-    /// Its first path.
+    /// Name: the first path.
     pub name: String,
-    /// The paths that it moves, each to `slope * x + offset`: path, slope and offset.
+    /// Paths that it changes, with slope and offset: their values are `slope * x + offset`.
     pub keys: Vec<(String, f64, f64)>,
-    /// What it may be.
+    /// Possible values.
     pub range: SearchRange,
-    /// What the scenario says, if that is in the range: a number, or the number of a choice.
+    /// Value of the scenario, if it is in the range: a number, or the index of a choice.
     pub own: Option<f64>,
 }
 
-/// What a variable may be.
+/// Possible values of a variable.
 #[derive(Debug, Clone, PartialEq)]
 pub enum SearchRange {
-    /// A number between these.
+    /// A number between two bounds.
     Bounds(f64, f64),
-    /// One of these.
+    /// One of several values.
     Choices(Vec<Json>),
 }
 
-/// A light, a view or anything else that every design has to do with.
+/// A condition of use: a light, a view or any other keys.
 #[derive(Debug, Clone)]
 pub struct SearchCondition {
-    /// Its name; empty if there is one alone.
+    /// Name; empty if there is only one.
     pub name: String,
     /// Weight in objectives without a condition.
     pub weight: f64,
-    /// The scenario there; its paths are those of all variables, in order.
+    /// The scenario under this condition; its paths are those of all variables, in order.
     pub varied: Varied,
 }
 
-/// Something that is asked under a condition.
+/// A quantity under a condition.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SearchQuantity {
-    /// For tables: `white.Y (sun)`.
+    /// Name in tables: `white.Y (sun)`.
     pub name: String,
-    /// Which condition.
+    /// Index of the condition.
     pub condition: usize,
-    /// What.
+    /// The quantity.
     pub quantity: Quantity,
 }
 
-/// What makes a design good: a mean.
+/// An objective: a weighted mean of quantities.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SearchObjective {
-    /// For tables.
+    /// Name in tables.
     pub name: String,
-    /// What it is the mean of, each with its weight; the weights sum to 1.
+    /// Quantities with their weights, which sum to 1.
     pub parts: Vec<(f64, SearchQuantity)>,
-    /// What is to become of it.
+    /// Aim of the objective.
     pub aim: SearchAim,
 }
 
-/// What is to become of an objective.
+/// Aim of an objective.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum SearchAim {
-    /// The larger the better.
+    /// Larger is better.
     Maximise,
-    /// The smaller the better.
+    /// Smaller is better.
     Minimise,
-    /// The nearer the better.
+    /// Closer to this value is better.
     Target(f64),
 }
 
-/// A limit.
+/// A constraint: limits of a quantity.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SearchConstraint {
-    /// Of what.
+    /// The limited quantity.
     pub quantity: SearchQuantity,
-    /// No less.
+    /// Lower limit.
     pub at_least: Option<f64>,
-    /// No more.
+    /// Upper limit.
     pub at_most: Option<f64>,
 }
 
-// Bounds and choices, each with all else as it stands, are scenarios that can be.
+// Each bound and each choice, with all other keys unchanged, is a valid scenario.
 read_of_scenarios!(Optimisation: "an `[optimize]`", read::search);
 
 impl Optimisation {
-    /// Everything that is asked, each thing once.
+    /// Returns the quantities of all objectives and constraints, each once.
     pub fn quantities(&self) -> Vec<&SearchQuantity> {
         let of_objectives = self.objectives.iter().flat_map(|one| one.parts.iter().map(|(_, part)| part));
         let all = of_objectives.chain(self.constraints.iter().map(|one| &one.quantity));
@@ -142,7 +142,7 @@ impl Optimisation {
 }
 
 impl SearchVariable {
-    /// Where a search begins: at its own value, or at the middle of its range.
+    /// Starting point of a search: the scenario's own value, or the centre of the range.
     pub fn start(&self) -> f64 {
         self.own.unwrap_or(match &self.range {
             SearchRange::Bounds(from, to) => 0.5 * (from + to),
@@ -150,7 +150,7 @@ impl SearchVariable {
         })
     }
 
-    /// What it makes of its keys: each path with its value.
+    /// Returns each path with its value at `x`.
     pub fn values(&self, x: f64) -> Vec<(String, Json)> {
         let value = |slope: f64, offset: f64| match &self.range {
             SearchRange::Bounds(..) => (slope * x + offset).into(),

@@ -1,4 +1,4 @@
-//! `[optimize]` from its description to a search.
+//! Evaluation of `[optimize]`: from its description to a search.
 
 use papilio_diagnostics::Diagnostic;
 use papilio_display::pixel::state_names;
@@ -13,13 +13,13 @@ use crate::library::hex;
 use crate::mistake::{self, tidy};
 use crate::origin::Origin;
 use crate::path::KeyPath;
-use crate::read::{At, Read};
+use crate::read::{Read, Spanned};
 use crate::set::Change;
 use crate::tree::Node;
-use crate::varied::{ABOUT, Base, Varied, VariedKey};
+use crate::varied::{ParsedScenario, STUDY_TABLES, Varied, VariedKey};
 
-/// Reads the search of a scenario.
-pub(super) fn search(base: Base) -> Result<Optimisation, ScenarioErrors> {
+/// Reads the `[optimize]` of a scenario.
+pub(super) fn search(base: ParsedScenario) -> Result<Optimisation, ScenarioErrors> {
     let root = base.assembled()?;
     let mut errors = Errors::default();
     let described = match root.get("optimize") {
@@ -37,19 +37,19 @@ pub(super) fn search(base: Base) -> Result<Optimisation, ScenarioErrors> {
     Reader { base, root, errors: Errors::default() }.search(&described, title)
 }
 
-/// One variable as it is read.
-struct Found {
+/// A variable, with the places of its keys.
+struct ReadVariable {
     variable: SearchVariable,
-    /// Where each of its paths stands.
+    /// Place of each path.
     origins: Vec<Origin>,
-    /// Where its bounds or choices stand,
+    /// Place of the bounds or choices.
     values: Origin,
-    /// and each of them, with its number.
+    /// Place and value of each bound, or place and index of each choice.
     ends: Vec<(Origin, f64)>,
 }
 
-impl Found {
-    /// What the key gives that stands against the others, where they are `x`.
+impl ReadVariable {
+    /// Returns a note on the value of the compensating key at `x`.
     fn given(&self, x: f64) -> Option<String> {
         let (path, slope, offset) = self.variable.keys.iter().find(|(_, slope, _)| *slope < 0.0)?;
         Some(format!("at this bound `{path}` is {}", tidy(slope * x + offset)))
@@ -57,7 +57,7 @@ impl Found {
 }
 
 pub(super) struct Reader {
-    pub(super) base: Base,
+    pub(super) base: ParsedScenario,
     root: Node,
     pub(super) errors: Errors,
 }
@@ -65,46 +65,48 @@ pub(super) struct Reader {
 impl Reader {
     fn search(
         mut self,
-        said: &describe::Optimize,
+        spec: &describe::Optimize,
         title: Option<String>,
     ) -> Result<Optimisation, ScenarioErrors> {
-        let found: Vec<Option<Found>> = said.variables.iter().map(|one| self.variable(one)).collect();
-        if said.variables.is_empty() {
-            self.errors.push(said.variables.origin, mistake::empty_list());
+        let found: Vec<Option<ReadVariable>> = spec.variables.iter().map(|one| self.variable(one)).collect();
+        if spec.variables.is_empty() {
+            self.errors.push(spec.variables.origin, mistake::empty_list());
         }
-        if said.objectives.is_empty() {
-            self.errors.push(said.objectives.origin, mistake::empty_list());
+        if spec.objectives.is_empty() {
+            self.errors.push(spec.objectives.origin, mistake::empty_list());
         }
-        let found: Option<Vec<Found>> = found.into_iter().collect();
+        let found: Option<Vec<ReadVariable>> = found.into_iter().collect();
         self.check_once(found.as_deref().unwrap_or_default());
-        self.check_names(said);
+        self.check_names(spec);
         let found = std::mem::take(&mut self.errors).finish(found, &self.base.sources)?;
-        let conditions = self.conditions(said, &found);
-        let scenes =
-            conditions.iter().map(|one| known(&one.varied, &found)).collect::<Result<Vec<_>, _>>()?;
+        let conditions = self.conditions(spec, &found);
+        let scenes = conditions
+            .iter()
+            .map(|one| condition_scene(&one.varied, &found))
+            .collect::<Result<Vec<_>, _>>()?;
         for (condition, known) in conditions.iter().zip(&scenes) {
             self.check_ends(&condition.varied, &found, &known.scene)?;
         }
         let names: Vec<&str> = conditions.iter().map(|one| one.name.as_str()).collect();
         let weights: Vec<f64> = conditions.iter().map(|one| one.weight).collect();
         let objectives: Option<Vec<_>> =
-            said.objectives.iter().map(|one| self.objective(one, &names, &weights, &scenes)).collect();
+            spec.objectives.iter().map(|one| self.objective(one, &names, &weights, &scenes)).collect();
         let constraints: Vec<Option<Vec<_>>> =
-            said.constraints.iter().map(|one| self.constraint(one, &names, &scenes)).collect();
+            spec.constraints.iter().map(|one| self.constraint(one, &names, &scenes)).collect();
         let constraints: Option<Vec<Vec<_>>> = constraints.into_iter().collect();
         let both =
             std::mem::take(&mut self.errors).finish(objectives.zip(constraints), &self.base.sources)?;
-        let hash = hash(said, &scenes);
+        let hash = hash(spec, &scenes);
         Ok(Optimisation {
-            method: match said.method.value {
+            method: match spec.method.value {
                 describe::Method::Gradient => SearchMethod::Gradient,
                 describe::Method::Global => SearchMethod::Global,
                 describe::Method::Both => SearchMethod::Both,
             },
-            starts: said.starts.0 as usize,
-            seed: said.seed.0,
-            evaluations: said.evaluations.0 as usize,
-            points: said.points.0 as usize,
+            starts: spec.starts.0 as usize,
+            seed: spec.seed.0,
+            evaluations: spec.evaluations.0 as usize,
+            points: spec.points.0 as usize,
             variables: found.into_iter().map(|one| one.variable).collect(),
             conditions,
             objectives: both.0,
@@ -114,13 +116,13 @@ impl Reader {
         })
     }
 
-    fn variable(&mut self, said: &At<describe::Variable>) -> Option<Found> {
-        let single = said.key.value.iter().map(|key| (key.clone(), said.key.origin));
-        let several = said.keys.value.iter().flatten().map(|key| (key.value.clone(), key.origin));
+    fn variable(&mut self, spec: &Spanned<describe::Variable>) -> Option<ReadVariable> {
+        let single = spec.key.value.iter().map(|key| (key.clone(), spec.key.origin));
+        let several = spec.keys.value.iter().flatten().map(|key| (key.value.clone(), key.origin));
         let paths: Vec<(String, Origin)> = single.chain(several).collect();
-        if said.key.is_some() == said.keys.is_some() || paths.is_empty() {
-            let given = usize::from(said.key.is_some()) + usize::from(said.keys.is_some());
-            self.errors.push(said.origin, mistake::exactly_one("`key` and `keys`", given));
+        if spec.key.is_some() == spec.keys.is_some() || paths.is_empty() {
+            let given = usize::from(spec.key.is_some()) + usize::from(spec.keys.is_some());
+            self.errors.push(spec.origin, mistake::exactly_one("`key` and `keys`", given));
             return None;
         }
         let mut keys: Vec<(String, f64, f64)> =
@@ -129,37 +131,40 @@ impl Reader {
         for (path, origin) in paths
             .iter()
             .map(|(path, origin)| (path, *origin))
-            .chain(said.compensated_by.iter().map(|path| (path, said.compensated_by.origin)))
+            .chain(spec.compensated_by.iter().map(|path| (path, spec.compensated_by.origin)))
         {
-            if ABOUT.contains(&KeyPath::new(path).first()) {
+            if STUDY_TABLES.contains(&KeyPath::new(path).first()) {
                 let wrong = "keys of `[sweep]`, `[optimize]` and `[tolerance]` cannot be variables";
                 self.errors.push(origin, Diagnostic::new(wrong));
                 return None;
             }
         }
         let own = self.root.at(&paths[0].0).cloned();
-        if let Some(against) = &said.compensated_by.value {
-            let sum = own.as_ref().and_then(Node::number).zip(self.root.at(against).and_then(Node::number));
+        if let Some(compensating) = &spec.compensated_by.value {
+            let sum =
+                own.as_ref().and_then(Node::number).zip(self.root.at(compensating).and_then(Node::number));
             let Some((own, other)) = sum else {
-                let both = [(against, said.compensated_by.origin), (&paths[0].0, paths[0].1)];
+                let both = [(compensating, spec.compensated_by.origin), (&paths[0].0, paths[0].1)];
                 let wrong = both
                     .into_iter()
                     .find_map(|(path, origin)| Some((origin, self.base.wrong_path(path, origin)?)));
                 let no_sum = || {
                     let wrong = format!(
-                        "`{against}` and `{}` have no sum: both must be numbers in this scenario",
+                        "`{compensating}` and `{}` have no constant sum: both must be numbers in this scenario",
                         paths[0].0
                     );
-                    Diagnostic::new(wrong).hint("give both keys a number; their sum is then kept").into()
+                    Diagnostic::new(wrong)
+                        .hint("give both keys a number; their sum then stays constant")
+                        .into()
                 };
-                let (origin, problem) = wrong.unwrap_or_else(|| (said.compensated_by.origin, no_sum()));
+                let (origin, problem) = wrong.unwrap_or_else(|| (spec.compensated_by.origin, no_sum()));
                 self.errors.push(origin, problem);
                 return None;
             };
-            keys.push((against.clone(), -(paths.len() as f64), other + paths.len() as f64 * own));
-            origins.push(said.compensated_by.origin);
+            keys.push((compensating.clone(), -(paths.len() as f64), other + paths.len() as f64 * own));
+            origins.push(spec.compensated_by.origin);
         }
-        let (range, ends) = self.range(said)?;
+        let (range, ends) = self.range(spec)?;
         let own = own.and_then(|own| match &range {
             SearchRange::Bounds(from, to) => own.number().filter(|own| (*from..=*to).contains(own)),
             SearchRange::Choices(choices) => {
@@ -167,31 +172,31 @@ impl Reader {
                 choices.iter().position(|choice| plain(choice) == own).map(|at| at as f64)
             }
         });
-        let values = if said.bounds.is_some() { said.bounds.origin } else { said.choices.origin };
+        let values = if spec.bounds.is_some() { spec.bounds.origin } else { spec.choices.origin };
         let variable = SearchVariable { name: paths[0].0.clone(), keys, range, own };
-        Some(Found { variable, origins, values, ends })
+        Some(ReadVariable { variable, origins, values, ends })
     }
 
-    fn range(&mut self, said: &At<describe::Variable>) -> Option<(SearchRange, Vec<(Origin, f64)>)> {
-        match (&said.bounds.value, &said.choices.value) {
+    fn range(&mut self, spec: &Spanned<describe::Variable>) -> Option<(SearchRange, Vec<(Origin, f64)>)> {
+        match (&spec.bounds.value, &spec.choices.value) {
             (Some(bounds), None) => match bounds.as_slice() {
                 [from, to] if from.0 < to.0 => {
                     Some((SearchRange::Bounds(from.0, to.0), vec![(from.origin, from.0), (to.origin, to.0)]))
                 }
                 [from, to] => {
-                    self.errors.push(said.bounds.origin, no_bounds(from.0, to.0));
+                    self.errors.push(spec.bounds.origin, no_bounds(from.0, to.0));
                     None
                 }
                 _ => {
                     let wrong = mistake::another_length("the smallest and the largest value, as [0, 120]");
-                    self.errors.push(said.bounds.origin, wrong);
+                    self.errors.push(spec.bounds.origin, wrong);
                     None
                 }
             },
             (None, Some(choices)) => {
-                if said.compensated_by.is_some() {
+                if spec.compensated_by.is_some() {
                     self.errors
-                        .push(said.compensated_by.origin, mistake::not_with("compensated_by", "`choices`"));
+                        .push(spec.compensated_by.origin, mistake::not_with("compensated_by", "`choices`"));
                     return None;
                 }
                 let ends = choices.0.iter().enumerate().map(|(at, node)| (node.origin, at as f64));
@@ -199,13 +204,13 @@ impl Reader {
             }
             (bounds, choices) => {
                 let given = usize::from(bounds.is_some()) + usize::from(choices.is_some());
-                self.errors.push(said.origin, mistake::exactly_one("`bounds` and `choices`", given));
+                self.errors.push(spec.origin, mistake::exactly_one("`bounds` and `choices`", given));
                 None
             }
         }
     }
 
-    fn check_once(&mut self, found: &[Found]) {
+    fn check_once(&mut self, found: &[ReadVariable]) {
         let all: Vec<(&str, Origin)> = found
             .iter()
             .flat_map(|one| {
@@ -219,9 +224,9 @@ impl Reader {
         }
     }
 
-    fn check_names(&mut self, said: &describe::Optimize) {
-        for (i, condition) in said.conditions.iter().enumerate() {
-            if said.conditions[..i].iter().any(|other| other.name.value == condition.name.value) {
+    fn check_names(&mut self, spec: &describe::Optimize) {
+        for (i, condition) in spec.conditions.iter().enumerate() {
+            if spec.conditions[..i].iter().any(|other| other.name.value == condition.name.value) {
                 let wrong =
                     Diagnostic::new(format!("there are two conditions named `{}`", condition.name.value));
                 self.errors.push(condition.name.origin, wrong);
@@ -229,7 +234,7 @@ impl Reader {
         }
     }
 
-    fn conditions(&self, said: &describe::Optimize, found: &[Found]) -> Vec<SearchCondition> {
+    fn conditions(&self, spec: &describe::Optimize, found: &[ReadVariable]) -> Vec<SearchCondition> {
         let keys = found.iter().flat_map(|one| {
             let keys = one.variable.keys.iter().zip(&one.origins);
             keys.map(|((path, ..), origin)| VariedKey {
@@ -244,20 +249,21 @@ impl Reader {
             weight,
             varied: Varied::new(self.base.clone(), fixed.to_vec(), keys.clone()),
         };
-        if said.conditions.is_empty() {
+        if spec.conditions.is_empty() {
             return vec![condition("", 1.0, &[])];
         }
-        let described = said.conditions.iter();
+        let described = spec.conditions.iter();
         described.map(|one| condition(&one.name.value, one.weight.0, &one.set.value.0)).collect()
     }
 
-    /// Tries each bound and each choice, everything else as it stands or at the middle of its range.
-    fn check_ends(&self, varied: &Varied, found: &[Found], own: &Scene) -> Result<(), ScenarioErrors> {
+    /// Tests each bound and each choice, with all other variables at their starting points.
+    fn check_ends(&self, varied: &Varied, found: &[ReadVariable], own: &Scene) -> Result<(), ScenarioErrors> {
         if own.solver.method == Solver::Walk {
             let mut errors = Errors::default();
-            let wrong =
-                Diagnostic::new("a search with method = \"monte-carlo\" would follow the noise of the walk")
-                    .hint("set solver.method = \"adding\"; the walk checks the best design afterwards");
+            let wrong = Diagnostic::new(
+                "a search with method = \"monte-carlo\" would follow the noise of the Monte Carlo solver",
+            )
+            .hint("set solver.method = \"adding\"; the Monte Carlo solver checks the best design afterwards");
             errors.push(self.root.at("solver.method").map_or(self.root.origin, |node| node.origin), wrong);
             return errors.check(&self.base.sources);
         }
@@ -284,7 +290,7 @@ impl Reader {
     }
 }
 
-/// Two bounds between which nothing varies.
+/// Error: the lower bound is not below the upper one.
 fn no_bounds(from: f64, to: f64) -> Diagnostic {
     let expected = "the smaller value first, and a larger one";
     if from == to {
@@ -295,33 +301,33 @@ fn no_bounds(from: f64, to: f64) -> Diagnostic {
     Diagnostic::new(format!("the first bound, {from}, is above the second, {to}")).expected(expected)
 }
 
-/// What the search needs to know of a condition's scenario.
-pub(super) struct Known {
+/// The resolved scenario of a condition, at the starting point.
+pub(super) struct ConditionScene {
     pub(super) scene: Scene,
     pub(super) states: Vec<String>,
     hash: String,
 }
 
-/// The scenario of a condition where a search begins.
-fn known(varied: &Varied, found: &[Found]) -> Result<Known, ScenarioErrors> {
+/// Resolves the scenario of a condition at the starting point.
+fn condition_scene(varied: &Varied, found: &[ReadVariable]) -> Result<ConditionScene, ScenarioErrors> {
     let values: Vec<Json> = found
         .iter()
         .flat_map(|one| one.variable.values(one.variable.start()).into_iter().map(|(_, value)| value))
         .collect();
     let resolved = varied.scenario(&values)?.resolve()?;
     let states = state_names(&resolved.scene.display.pixel);
-    Ok(Known { scene: resolved.scene, states, hash: resolved.hash })
+    Ok(ConditionScene { scene: resolved.scene, states, hash: resolved.hash })
 }
 
-/// Names the search: what is said of it, and its scenarios.
-fn hash(said: &describe::Optimize, known: &[Known]) -> String {
+/// Computes the hash of a search: of its description and its scenarios.
+fn hash(spec: &describe::Optimize, known: &[ConditionScene]) -> String {
     let mut digest = Sha256::new();
-    digest.update(serde_json::to_string(said).unwrap_or_default());
+    digest.update(serde_json::to_string(spec).unwrap_or_default());
     known.iter().for_each(|known| digest.update(&known.hash));
     hex(&digest.finalize())
 }
 
-/// A value that is equal to others that mean the same: all numbers as floats.
+/// Converts numbers to floats, so that equal values compare equal.
 fn plain(value: &Json) -> Json {
     value.as_f64().map_or_else(|| value.clone(), Json::from)
 }

@@ -1,7 +1,7 @@
-//! Ready-made light and viewer: rooms, daylight, and the geometries of standards.
+//! Presets of lighting and viewer: rooms, daylight, and the measuring geometries of standards.
 //!
-//! Each is a commented file beside this one, with its source. `lighting.preset` fills a scenario from it;
-//! [`new_scenario`] makes a scenario of it.
+//! Each is a commented file in this folder, with its source. `lighting.preset` fills in its keys;
+//! [`new_scenario`] writes a scenario with it.
 
 use crate::error::Errors;
 use crate::mistake;
@@ -11,7 +11,7 @@ use crate::tree::{Node, Value};
 /// Declares the presets by the names of their files.
 macro_rules! presets {
     ($($name:literal),* $(,)?) => {
-        /// Names and contents.
+        /// Names and contents of the presets.
         const PRESETS: &[(&str, &str)] = &[$(($name, include_str!(concat!($name, ".toml")))),*];
     };
 }
@@ -34,27 +34,27 @@ presets!(
     "30-0",
 );
 
-/// A display to begin with.
+/// The display of new scenarios.
 const DISPLAY: &str = include_str!("display.toml");
 
-/// The names of the presets.
+/// Returns the names of the presets.
 pub fn preset_names() -> impl Iterator<Item = &'static str> {
     PRESETS.iter().map(|(name, _)| *name)
 }
 
-/// A commented scenario in this preset's light, which runs as it stands; `None` for no preset of this name.
+/// Returns a complete, commented scenario with the light and viewer of a preset; `None` if there is no such preset.
 pub fn new_scenario(name: &str) -> Option<String> {
     let light = text(name)?;
     let (about, keys) = light.split_once("\n\n")?;
     Some(format!("{about}\n\ntitle = \"{name}\"\n\n{keys}\n{DISPLAY}"))
 }
 
-/// The keys that a preset gives, as TOML.
+/// Returns the keys of a preset as TOML.
 pub(crate) fn text(name: &str) -> Option<&'static str> {
     PRESETS.iter().find(|(known, _)| *known == name).map(|(_, text)| *text)
 }
 
-/// Fills in what the preset gives and the scenario does not, if it names one; true if that was anything.
+/// Fills in the keys of the scenario's preset that the scenario does not set. Returns true if there was one.
 pub(crate) fn expand(root: &mut Node, errors: &mut Errors) -> bool {
     let Some(Node { origin, value: Value::Text(name) }) = root.at(PRESET_PATH) else { return false };
     match PRESETS.iter().find(|(known, _)| known == name) {
@@ -70,7 +70,7 @@ pub(crate) fn expand(root: &mut Node, errors: &mut Errors) -> bool {
     }
 }
 
-/// The preset that is named, if one is.
+/// Returns the name of the scenario's preset, if it has one.
 pub(crate) fn named(root: &Node) -> Option<&str> {
     match &root.at(PRESET_PATH)?.value {
         Value::Text(name) => Some(name),
@@ -85,9 +85,8 @@ mod tests {
     use super::*;
     use crate::Scenario;
 
-    /// Each is the scenario that its preset makes of the same display.
     #[test]
-    fn a_new_scenario_resolves_and_is_what_its_preset_makes() {
+    fn new_scenario_equals_the_same_display_with_the_preset() {
         for name in preset_names() {
             let written = new_scenario(name).unwrap();
             let preset = format!("title = \"{name}\"\nlighting.preset = \"{name}\"\n{DISPLAY}");

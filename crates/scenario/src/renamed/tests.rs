@@ -120,7 +120,7 @@ fn both_names_in_one_table_are_refused() {
 }
 
 #[test]
-fn old_name_as_a_path_that_varies_is_the_new_one() {
+fn old_name_as_varied_path_is_the_new_one() {
     for (table, old, new) in places().into_iter().filter(|(table, ..)| !table.starts_with("optimize")) {
         let varied = |line: &str| {
             let (key, value) = line.split_once(" = ").unwrap();
@@ -135,7 +135,7 @@ fn old_name_as_a_path_that_varies_is_the_new_one() {
 }
 
 #[test]
-fn edit_changes_the_key_whichever_name_the_text_has() {
+fn edit_changes_the_key_under_the_name_in_the_text() {
     for (table, old, new) in places() {
         for (there, set) in [(&old, &new), (&new, &old), (&old, &old)] {
             let (key, value) = set.split_once(" = ").unwrap();
@@ -174,7 +174,7 @@ fn migrated_studies_have_the_new_names_in_their_paths_and_values() {
 }
 
 #[test]
-fn no_new_name_is_an_old_one() {
+fn new_names_are_not_old_names() {
     for (i, row) in RENAMED.iter().enumerate() {
         let Key { tables, new, .. } = row else { continue };
         for table in *tables {

@@ -1,4 +1,4 @@
-//! Files, share spectra and materials.
+//! Data files, spectra of fractions, and materials.
 
 use num_complex::Complex64;
 use papilio_diagnostics::Diagnostic;
@@ -10,20 +10,20 @@ use crate::describe::display::{MaterialSpec, ShareSpectrum};
 use crate::library::{KeptFile, Missing};
 use crate::mistake;
 use crate::origin::Origin;
-use crate::read::At;
+use crate::read::Spanned;
 
-/// n and k of a film are at most this.
+/// Largest n and k of a film.
 const LARGEST_INDEX: f64 = 1e3;
-/// And |n + ik| is at least this: far beyond any material, and films stay computable.
+/// Smallest |n + ik|. Both limits are far beyond any material, and keep films computable.
 const SMALLEST_INDEX: f64 = 1e-3;
 
 impl Resolver<'_> {
-    /// Reads a file of the scenario's and notes its SHA-256.
+    /// Reads a file of the scenario, and records its SHA-256.
     pub(super) fn open(&mut self, name: &str, origin: Origin) -> Option<KeptFile> {
         self.open_within(name, origin, LARGEST_FILE)
     }
 
-    /// As [`Resolver::open`], up to a size.
+    /// As [`Resolver::open`], with a limit of its size in bytes.
     pub(super) fn open_within(&mut self, name: &str, origin: Origin, limit: u64) -> Option<KeptFile> {
         match self.library.open(name, limit) {
             Ok(kept) => {
@@ -36,14 +36,14 @@ impl Resolver<'_> {
         None
     }
 
-    /// True if `text` is meant as a file rather than as a name.
+    /// True if `text` is the path of a file rather than a name.
     pub(super) fn is_file(&self, text: &str) -> bool {
         let looks_so =
             text.contains(['/', '\\']) || text.rsplit_once('.').is_some_and(|(_, end)| !end.is_empty());
         looks_so || self.library.has(text)
     }
 
-    /// What `read` makes of the file `name`.
+    /// Reads the file `name` with `read`.
     pub(super) fn data<T>(
         &mut self,
         name: &str,
@@ -60,7 +60,7 @@ impl Resolver<'_> {
         }
     }
 
-    /// A share of the light on the grid, 0 to 1.
+    /// Resolves a fraction of the light on the grid, 0 to 1.
     pub(super) fn share(&mut self, share: &ShareSpectrum, origin: Origin) -> Option<Spectrum> {
         let name = match share {
             ShareSpectrum::Constant(share) => return Some(Spectrum::constant(&self.grid, share.0)),
@@ -70,7 +70,7 @@ impl Resolver<'_> {
         self.sampled(name, origin, on_grid)
     }
 
-    /// What a table or model gives on the grid; says what is missing where it does not cover it.
+    /// Returns the values of a table or model on the grid, or reports that it does not cover the grid.
     pub(super) fn sampled<T>(
         &mut self,
         name: &str,
@@ -82,20 +82,20 @@ impl Resolver<'_> {
             Err(SpectraError::OutsideTable { first, last, .. }) => {
                 let needed = (self.grid.start_nm(), self.grid.stop_nm());
                 let wrong = mistake::not_covered(name, (first, last), needed);
-                self.errors.push(origin.or_set([self.range]), wrong);
+                self.errors.push(origin.or_override([self.range]), wrong);
             }
             Err(error) => self.errors.push(origin, error),
         }
         None
     }
 
-    /// n + ik from a file, which needs to be sound where the grid is.
+    /// Reads n + ik from a file, which must be valid in the range of the grid.
     fn index_file(&mut self, name: &str, origin: Origin) -> Option<Dispersion> {
         let kept = self.open(name, origin)?;
         match read_index_within(kept.file(), (self.grid.start_nm(), self.grid.stop_nm())) {
             Ok(read) => {
                 for note in read.warnings.iter().map(|note| format!("{name}: {note}")) {
-                    // A material may stand in several places.
+                    // A material may be used in several places.
                     if !self.notes.contains(&note) {
                         self.notes.push(note);
                     }
@@ -109,8 +109,8 @@ impl Resolver<'_> {
         }
     }
 
-    /// n + ik on the grid.
-    pub(super) fn material(&mut self, spec: &At<MaterialSpec>) -> Option<Vec<Complex64>> {
+    /// Resolves n + ik on the grid.
+    pub(super) fn material(&mut self, spec: &Spanned<MaterialSpec>) -> Option<Vec<Complex64>> {
         let (name, dispersion) = match &spec.value {
             MaterialSpec::Number(n) => ("the index", Dispersion::constant(n.0, 0.0)),
             MaterialSpec::Complex(index) => ("the index", Dispersion::constant(index.n.0, index.k.0)),
@@ -134,7 +134,7 @@ impl Resolver<'_> {
             let Complex64 { re: n, im: k } = index[i];
             let nm = self.grid.wavelength_nm(i);
             let wrong = Diagnostic::new(format!("the refractive index is {n} + {k}i at {nm} nm"));
-            self.err(spec, wrong.expected("n and k up to 1000, and |n + ik| of 0.001 or more"));
+            self.err(spec, wrong.expected("n and k up to 1000, and |n + ik| of at least 0.001"));
             return None;
         }
         Some(index)

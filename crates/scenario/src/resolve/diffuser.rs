@@ -1,4 +1,4 @@
-//! Diffusers by their BTDF: lobes, kernels, and transmittances.
+//! Diffusers given by their BTDF: lobes, kernels and transmittances.
 
 use papilio_diagnostics::Diagnostic;
 use papilio_display::scene::{Diffuser, Interface, Lobe, Ready, ScatterFace, ScatterKernel};
@@ -13,24 +13,24 @@ use crate::describe::display::ShareSpectrum;
 use crate::describe::numbers::{NARROWEST_LOBE, Share};
 use crate::mistake;
 use crate::origin::Origin;
-use crate::read::At;
+use crate::read::Spanned;
 
-/// ASTM D1003 measures haze up to here.
+/// Largest haze in the scope of ASTM D1003.
 const HAZE_SCOPE: f64 = 0.30;
 
-/// What all BTDFs have besides their lobe.
-struct Whole<'a> {
-    transmittance: &'a At<Option<ShareSpectrum>>,
-    total_transmittance: &'a At<Option<ShareSpectrum>>,
-    regular_fraction: &'a At<Share>,
+/// Keys that all BTDFs have in addition to their lobe.
+struct BtdfTransmittance<'a> {
+    transmittance: &'a Spanned<Option<ShareSpectrum>>,
+    total_transmittance: &'a Spanned<Option<ShareSpectrum>>,
+    regular_fraction: &'a Spanned<Share>,
 }
 
-/// A diffuser given by its BTDF, as a layer.
+/// Converts a diffuser given by its BTDF to an interface.
 pub(super) fn transmitting(diffuser: Diffuser) -> Interface {
     Ready::Diffuser(diffuser).into()
 }
 
-/// An interface given by its BSDF, as a layer.
+/// Converts a scattering given by its BSDF to an interface.
 pub(super) fn scattering(face: ScatterFace) -> Interface {
     Ready::Scatter(Box::new(face)).into()
 }
@@ -45,22 +45,22 @@ impl Resolver<'_> {
         }
     }
 
-    pub(super) fn ward(&mut self, path: &str, ward: &At<Ward>) -> Option<ScatterFace> {
+    pub(super) fn ward(&mut self, path: &str, ward: &Spanned<Ward>) -> Option<ScatterFace> {
         let (scatter, transmittance) = self.ward_lobe(ward)?;
         if ward.normalisation.value == WardNormalisation::Duer {
             let lobe = Unbounded {
                 path: path.to_owned(),
                 scatter: scatter.clone(),
                 transmittance: transmittance.max(),
-                straight_through: ward.regular_fraction.0,
+                regular_fraction: ward.regular_fraction.0,
             };
             self.unbounded.push(lobe);
         }
         Some(transmitting_face(scatter, &transmittance, ward.regular_fraction.0))
     }
 
-    /// The lobe, and what it is multiplied with, straight-through included.
-    pub(super) fn ward_lobe(&mut self, ward: &At<Ward>) -> Option<(Scatter, Spectrum)> {
+    /// Returns the lobe and its factor, including the regular part.
+    pub(super) fn ward_lobe(&mut self, ward: &Spanned<Ward>) -> Option<(Scatter, Spectrum)> {
         let Ward { alpha, normalisation, transmittance, total_transmittance, regular_fraction } = &ward.value;
         let normalisation = match normalisation.value {
             WardNormalisation::Ward => Normalisation::Ward,
@@ -69,36 +69,36 @@ impl Resolver<'_> {
         };
         let scatter: Scatter = match scatter::Ward::new(alpha.value.0, normalisation) {
             Ok(ward) => ward.into(),
-            // Its range is that of the key.
+            // The key has the same range.
             Err(_) => return None,
         };
-        let whole = Whole { transmittance, total_transmittance, regular_fraction };
+        let whole = BtdfTransmittance { transmittance, total_transmittance, regular_fraction };
         let causes = [alpha.origin, ward.origin, ward.origin];
         let transmittance = self.transmittance(Some(scatter.albedo_at(0.0)), &whole, causes)?;
         Some((scatter, transmittance))
     }
 
-    pub(super) fn k_correlation(&mut self, diffuser: &At<KCorrelation>) -> Option<Diffuser> {
+    pub(super) fn k_correlation(&mut self, diffuser: &Spanned<KCorrelation>) -> Option<Diffuser> {
         let lobe = self.lobe(diffuser);
         let KCorrelation { transmittance, total_transmittance, regular_fraction, .. } = &diffuser.value;
-        let whole = Whole { transmittance, total_transmittance, regular_fraction };
+        let whole = BtdfTransmittance { transmittance, total_transmittance, regular_fraction };
         let causes = [diffuser.width.origin, diffuser.haze.origin, diffuser.origin];
         self.transmitting(lobe, &whole, causes)
     }
 
-    pub(super) fn lambertian(&mut self, diffuser: &At<Lambertian>) -> Option<Diffuser> {
+    pub(super) fn lambertian(&mut self, diffuser: &Spanned<Lambertian>) -> Option<Diffuser> {
         let Lambertian { transmittance, total_transmittance, regular_fraction } = &diffuser.value;
-        let whole = Whole { transmittance, total_transmittance, regular_fraction };
+        let whole = BtdfTransmittance { transmittance, total_transmittance, regular_fraction };
         self.transmitting(Some(Lobe::Lambertian), &whole, [diffuser.origin; 3])
     }
 
-    /// The width of a k-correlation lobe, from itself or from haze; `diffuser` stands where its model does.
-    fn lobe(&mut self, diffuser: &At<KCorrelation>) -> Option<Lobe> {
+    /// Returns a k-correlation lobe from its width or its haze; the place of `diffuser` is that of its model.
+    fn lobe(&mut self, diffuser: &Spanned<KCorrelation>) -> Option<Lobe> {
         match (diffuser.haze.value, diffuser.width.value) {
             (Some(haze), None) => self.lobe_from_haze(haze.0, diffuser),
             (None, Some(width)) => Some(Lobe::KCorrelation { width: width.0 }),
             (haze, _) => {
-                let at = diffuser.width.origin.or_set([diffuser.haze.origin, diffuser.origin]);
+                let at = diffuser.width.origin.or_override([diffuser.haze.origin, diffuser.origin]);
                 let given = if haze.is_some() { 2 } else { 0 };
                 self.errors.push(at, mistake::exactly_one("`haze` and `width`", given));
                 None
@@ -107,11 +107,11 @@ impl Resolver<'_> {
     }
 
     fn lobe_from_haze(&mut self, haze: f64, diffuser: &KCorrelation) -> Option<Lobe> {
-        let straight_through = diffuser.regular_fraction.0;
-        let width = width_from_haze(haze, straight_through).filter(|width| *width >= NARROWEST_LOBE);
+        let regular_fraction = diffuser.regular_fraction.0;
+        let width = width_from_haze(haze, regular_fraction).filter(|width| *width >= NARROWEST_LOBE);
         let Some(width) = width else {
-            let at = diffuser.haze.origin.or_set([diffuser.regular_fraction.origin]);
-            self.errors.push(at, no_width(haze, straight_through));
+            let at = diffuser.haze.origin.or_override([diffuser.regular_fraction.origin]);
+            self.errors.push(at, no_width(haze, regular_fraction));
             return None;
         };
         if haze > HAZE_SCOPE {
@@ -123,11 +123,11 @@ impl Resolver<'_> {
         Some(Lobe::KCorrelation { width })
     }
 
-    /// T of the whole lobe, from itself or from the datasheet's total transmittance.
+    /// Returns a diffuser with T from `transmittance` or from the total transmittance of a datasheet.
     fn transmitting(
         &mut self,
         lobe: Option<Lobe>,
-        whole: &Whole<'_>,
+        whole: &BtdfTransmittance<'_>,
         causes: [Origin; 3],
     ) -> Option<Diffuser> {
         let transmittance =
@@ -135,24 +135,24 @@ impl Resolver<'_> {
         Some(Diffuser { lobe: lobe?, transmittance, straight_through: whole.regular_fraction.0 })
     }
 
-    /// T of a lobe of which this share leaves at normal incidence.
+    /// Returns T of a lobe; `leaving` is the fraction of the lobe that leaves at normal incidence.
     fn transmittance(
         &mut self,
         leaving: Option<f64>,
-        whole: &Whole<'_>,
+        whole: &BtdfTransmittance<'_>,
         causes: [Origin; 3],
     ) -> Option<Spectrum> {
-        let straight_through = whole.regular_fraction.0;
+        let regular_fraction = whole.regular_fraction.0;
         let (spec, origin, share) = match (&whole.transmittance.value, &whole.total_transmittance.value) {
             (Some(spec), None) => (spec, whole.transmittance.origin, 1.0),
             (None, Some(spec)) => {
-                let share = (1.0 - straight_through) * leaving? + straight_through;
+                let share = (1.0 - regular_fraction) * leaving? + regular_fraction;
                 (spec, whole.total_transmittance.origin, share)
             }
             (given, _) => {
                 let given = if given.is_some() { 2 } else { 0 };
                 let keys = "`transmittance` and `total_transmittance`";
-                let at = whole.transmittance.origin.or_set([whole.total_transmittance.origin]);
+                let at = whole.transmittance.origin.or_override([whole.total_transmittance.origin]);
                 self.errors.push(at, mistake::exactly_one(keys, given));
                 return None;
             }
@@ -160,11 +160,11 @@ impl Resolver<'_> {
         let transmittance: Spectrum = self.share(spec, origin)?.map(|t| t / share);
         let largest = transmittance.max();
         if largest > 1.0 + 1e-12 {
-            let at = origin.or_set(causes).or_set([whole.regular_fraction.origin]);
+            let at = origin.or_override(causes).or_override([whole.regular_fraction.origin]);
             let wrong = Diagnostic::new(format!("the transmittance of the whole lobe would be {largest:.4}"))
                 .expected("at most 1")
                 .hint(format!(
-                    "a lobe this wide loses light beyond the hemisphere: total_transmittance can be {share:.4} at most"
+                    "a lobe this wide loses light beyond the hemisphere: total_transmittance can be at most {share:.4}"
                 ));
             self.errors.push(at, wrong);
             return None;
@@ -173,29 +173,28 @@ impl Resolver<'_> {
     }
 }
 
-/// No k-correlation lobe has this haze.
-fn no_width(haze: f64, straight_through: f64) -> Diagnostic {
-    let limit = largest_haze(straight_through);
+/// Error: no k-correlation lobe has this haze.
+fn no_width(haze: f64, regular_fraction: f64) -> Diagnostic {
+    let limit = largest_haze(regular_fraction);
     let hint = if limit <= 0.0 {
-        "light that passes straight through is not haze".to_owned()
+        "regular transmission is not haze".to_owned()
     } else if haze < limit {
-        "so small a haze is none: give a larger one, or remove the diffuser".to_owned()
+        "this haze is too small: give a larger one, or remove the diffuser".to_owned()
     } else {
         let limit = (limit * 1e4).floor() / 1e4;
-        format!("haze can be {limit} at most: a wider lobe loses its light beyond the hemisphere")
+        format!("haze can be at most {limit}: a wider lobe loses its light beyond the hemisphere")
     };
     let lobe = "no k-correlation lobe has a haze of";
-    Diagnostic::new(format!("{lobe} {haze} with straight_through = {straight_through}")).hint(hint)
+    Diagnostic::new(format!("{lobe} {haze} with regular_fraction = {regular_fraction}")).hint(hint)
 }
 
-/// A face that scatters light through like this, but for the share that passes straight; it reflects
-/// nothing.
+/// Returns an interface with this transmission and regular fraction, and without reflection.
 pub(super) fn transmitting_face(
     scatter: Scatter,
     transmittance: &Spectrum,
-    straight_through: f64,
+    regular_fraction: f64,
 ) -> ScatterFace {
-    let factor = transmittance.map(|t| t * (1.0 - straight_through));
-    ScatterFace::new(transmittance.map(|t| t * straight_through))
+    let factor = transmittance.map(|t| t * (1.0 - regular_fraction));
+    ScatterFace::new(transmittance.map(|t| t * regular_fraction))
         .with_transmission(ScatterKernel { scatter, factor })
 }

@@ -1,10 +1,10 @@
-//! Light from all over the sky or the room, as fields.
+//! `[[lighting.environment]]`: light from many directions, as radiance fields.
 
 use std::f64::consts::PI;
 use std::sync::Arc;
 
 use papilio_diagnostics::Diagnostic;
-use papilio_display::room::{Pose, Sky, cap as cap_field, profile};
+use papilio_display::environment::{Pose, Sky, cap as cap_field, profile};
 use papilio_display::scene::{DirectedLight, Environment, EnvironmentPart, Field};
 use papilio_formats::{read_ies, read_profile};
 use papilio_spectra::Spectrum;
@@ -15,41 +15,41 @@ use crate::describe::lighting::LightSpectrum;
 use crate::describe::numbers::{Elevation, Share};
 use crate::mistake;
 use crate::origin::Origin;
-use crate::read::{At, Read};
+use crate::read::{Read, Spanned};
 
-/// A luminaire is far away from so many of its widths on (the five-times rule: CIE 70-1987; IES Lighting Handbook).
+/// Smallest distance of the far field, in widths of the luminaire (the five-times rule: CIE 70-1987; IES Lighting Handbook).
 const FAR: f64 = 5.0;
 
 /// Angular radius of the sun, degrees.
 const SUN_RADIUS_DEG: f64 = 0.27;
 
 impl describe::Environment {
-    /// Share of the illuminance, of what there is besides the sun's disc.
-    pub(super) fn share(&self) -> &At<Share> {
+    /// Share of the illuminance, without the sun's disc.
+    pub(super) fn share(&self) -> &Spanned<Share> {
         match self {
             Self::Ring(ring) => &ring.share,
             Self::Cap(cap) => &cap.share,
             Self::Profile(profile) => &profile.share,
             Self::Sky(sky) => &sky.share,
             Self::Map(map) => &map.share,
-            Self::Luminaire(lamp) => &lamp.share,
+            Self::Luminaire(luminaire) => &luminaire.share,
         }
     }
 
-    fn spectrum(&self) -> &At<Option<LightSpectrum>> {
+    fn spectrum(&self) -> &Spanned<Option<LightSpectrum>> {
         match self {
             Self::Ring(ring) => &ring.spectrum,
             Self::Cap(cap) => &cap.spectrum,
             Self::Profile(profile) => &profile.spectrum,
             Self::Sky(sky) => &sky.spectrum,
             Self::Map(map) => &map.spectrum,
-            Self::Luminaire(lamp) => &lamp.spectrum,
+            Self::Luminaire(luminaire) => &luminaire.spectrum,
         }
     }
 }
 
 impl Resolver<'_> {
-    /// Number `i` of the environments; a sun's disc and a luminaire become directed sources.
+    /// Resolves environment `i`. The sun's disc and a luminaire become directed sources.
     pub(super) fn environment(
         &mut self,
         i: usize,
@@ -61,8 +61,8 @@ impl Resolver<'_> {
         let spectrum = self.own_light(&format!("{key}.spectrum"), environment.spectrum(), general);
         let field = match environment {
             describe::Environment::Map(map) => return self.map(&key, map, spectrum),
-            describe::Environment::Luminaire(lamp) => {
-                directed.push(self.luminaire(&key, lamp, spectrum)?);
+            describe::Environment::Luminaire(luminaire) => {
+                directed.push(self.luminaire(&key, luminaire, spectrum)?);
                 return Some(Environment { parts: Vec::new() });
             }
             describe::Environment::Ring(ring) => self.ring(ring),
@@ -85,8 +85,8 @@ impl Resolver<'_> {
         let (middle, half) = (ring.theta_deg.0, 0.5 * ring.width_deg.0);
         let edges = (middle - half, middle + half);
         if edges.0 < 0.0 || edges.1 > 90.0 {
-            let at = ring.width_deg.origin.or_set([ring.theta_deg.origin]);
-            let expected = "a ring between 0 and 90 deg that ends beyond its beginning";
+            let at = ring.width_deg.origin.or_override([ring.theta_deg.origin]);
+            let expected = "a ring between 0 and 90 deg whose end is above its start";
             self.errors.push(at, mistake::edges("ring", edges.0, edges.1, expected));
             return None;
         }
@@ -96,13 +96,13 @@ impl Resolver<'_> {
     fn cap(&mut self, cap: &describe::Cap) -> Option<Field> {
         let (from, to) = (cap.from_deg.0, cap.to_deg.0);
         if from >= to {
-            let at = cap.to_deg.origin.or_set([cap.from_deg.origin]);
-            self.errors.push(at, mistake::edges("cap", from, to, "a cap that ends beyond its beginning"));
+            let at = cap.to_deg.origin.or_override([cap.from_deg.origin]);
+            self.errors.push(at, mistake::edges("cap", from, to, "a cap whose end is above its start"));
             return None;
         }
         let field = cap_field(cap.theta_deg.0, cap.phi_deg.0, from, to);
         if field.is_none() {
-            self.dark(cap.from_deg.origin.or_set([cap.to_deg.origin, cap.theta_deg.origin]));
+            self.dark(cap.from_deg.origin.or_override([cap.to_deg.origin, cap.theta_deg.origin]));
         }
         field
     }
@@ -120,18 +120,18 @@ impl Resolver<'_> {
         field
     }
 
-    fn sky(&mut self, sky: &At<describe::Sky>) -> Option<Field> {
+    fn sky(&mut self, sky: &Spanned<describe::Sky>) -> Option<Field> {
         let number = u8::try_from(sky.number.0).ok()?;
         let sun = sky.sun_elevation_deg.value.map(|elevation| [elevation.0, sky.sun_azimuth_deg.0]);
         if Sky::has_sun(number) && sun.is_none() {
             let wrong = mistake::missing_key("sun_elevation_deg", Elevation::in_words());
-            self.errors.push(sky.number.origin.or_set([sky.origin]), wrong);
+            self.errors.push(sky.number.origin.or_override([sky.origin]), wrong);
             return None;
         }
         let pose = Pose { tilt_deg: sky.tilt_deg.0 };
         let field = Sky { number, sun, ground: sky.ground_reflectance.0 }.field(pose);
         if field.is_none() {
-            self.dark(sky.tilt_deg.origin.or_set([sky.origin]));
+            self.dark(sky.tilt_deg.origin.or_override([sky.origin]));
         } else if pose.tilt_deg > 0.0 {
             self.notes.push(format!(
                 "the display is tilted by {} deg: only sky above its plane contributes, and ground below the horizon by \
@@ -142,60 +142,64 @@ impl Resolver<'_> {
         field
     }
 
-    /// A luminaire as a disc of its opening's size in its direction.
+    /// Resolves a luminaire: a disc of the size of its opening, in its direction.
     fn luminaire(
         &mut self,
         key: &str,
-        lamp: &At<describe::Luminaire>,
+        luminaire: &Spanned<describe::Luminaire>,
         spectrum: Option<Spectrum>,
     ) -> Option<DirectedLight> {
-        let light = self.data(&lamp.file.value, lamp.file.origin, read_ies)?;
-        let pose = Pose { tilt_deg: lamp.tilt_deg.0 };
-        let (theta_deg, phi_deg) = pose.sees([lamp.elevation_deg.0, lamp.azimuth_deg.0]);
-        // What goes towards the display leaves the luminaire this far from its nadir, in the opposite azimuth.
-        let from_nadir_deg = 90.0 - lamp.elevation_deg.0;
-        let intensity = light.intensity(from_nadir_deg, lamp.azimuth_deg.0 + 180.0 - lamp.rotation_deg.0);
+        let light = self.data(&luminaire.file.value, luminaire.file.origin, read_ies)?;
+        let pose = Pose { tilt_deg: luminaire.tilt_deg.0 };
+        let (theta_deg, phi_deg) = pose.sees([luminaire.elevation_deg.0, luminaire.azimuth_deg.0]);
+        // Light towards the display leaves the luminaire at this angle from its nadir, in the opposite azimuth.
+        let from_nadir_deg = 90.0 - luminaire.elevation_deg.0;
+        let intensity =
+            light.intensity(from_nadir_deg, luminaire.azimuth_deg.0 + 180.0 - luminaire.rotation_deg.0);
         let seen_m2 = light.opening_m2() * from_nadir_deg.to_radians().cos();
-        let radius_deg = (seen_m2 / PI).sqrt().atan2(lamp.distance_m.0).to_degrees();
+        let radius_deg = (seen_m2 / PI).sqrt().atan2(luminaire.distance_m.0).to_degrees();
         if theta_deg + radius_deg >= 90.0 {
-            let at = lamp.elevation_deg.origin.or_set([lamp.tilt_deg.origin, lamp.azimuth_deg.origin]);
+            let at = luminaire
+                .elevation_deg
+                .origin
+                .or_override([luminaire.tilt_deg.origin, luminaire.azimuth_deg.origin]);
             let reach = theta_deg + radius_deg;
             self.errors.push(at, mistake::below_horizon("luminaire", reach));
             return None;
         }
         if intensity == 0.0 {
-            self.dark(lamp.file.origin);
+            self.dark(luminaire.file.origin);
             return None;
         }
-        let lux = intensity * theta_deg.to_radians().cos() / lamp.distance_m.0.powi(2);
-        self.check_far(key, lamp.distance_m.0, light.opening_m);
+        let lux = intensity * theta_deg.to_radians().cos() / luminaire.distance_m.0.powi(2);
+        self.check_far(key, luminaire.distance_m.0, light.opening_m);
         self.notes.push(format!(
-            "{key}: the luminaire has {intensity:.1} cd towards the display, {lux:.2} lx there; these are not used, `share` sets the level"
+            "{key}: the luminaire has {intensity:.1} cd towards the display, which are {lux:.2} lx there; these values are not used, `share` sets the level"
         ));
         Some(DirectedLight {
             theta_deg,
             phi_deg,
-            share: lamp.share.0,
+            share: luminaire.share.0,
             spectrum: spectrum?,
             radius_deg: (radius_deg > 0.0).then_some(radius_deg),
             normal_to_beam: false,
         })
     }
 
-    /// A luminaire's file is its far field: from five times its opening on, within 1 % (a Lambertian disc of diameter D makes
-    /// 1/(1 + (D/2d)^2) of what the inverse square of its distance says).
+    /// Warns of a luminaire that is too close: its file is its far field, which is correct within 1 % from five times its
+    /// opening (the illuminance of a Lambertian disc of diameter D at distance d is 1/(1 + (D/2d)^2) of the inverse square law).
     fn check_far(&mut self, key: &str, distance_m: f64, opening_m: [f64; 2]) {
         let widest = opening_m[0].max(opening_m[1]);
         if distance_m < FAR * widest {
             self.warnings.push(format!(
                 "{key}: the luminaire is {distance_m} m away, less than five times its opening of {widest:.2} m: its file is its far \
-                 field (IES and CIE measure it from five times the opening on), and from this distance it is less uniform than a disc"
+                 field (IES and CIE measure it at five times the opening or more), and at this distance it is less uniform than a disc"
             ));
         }
     }
 
-    /// The sun's disc.
-    fn sun(&mut self, sky: &At<describe::Sky>, spectrum: Option<Spectrum>) -> Option<DirectedLight> {
+    /// Resolves the sun's disc.
+    fn sun(&mut self, sky: &Spanned<describe::Sky>, spectrum: Option<Spectrum>) -> Option<DirectedLight> {
         let Some(elevation) = sky.sun_elevation_deg.value else {
             let wrong = mistake::missing_key("sun_elevation_deg", Elevation::in_words());
             self.errors.push(sky.sun_share.origin, wrong);
@@ -204,7 +208,8 @@ impl Resolver<'_> {
         let pose = Pose { tilt_deg: sky.tilt_deg.0 };
         let (theta_deg, phi_deg) = pose.sees([elevation.0, sky.sun_azimuth_deg.0]);
         if theta_deg + SUN_RADIUS_DEG >= 90.0 {
-            let at = sky.sun_elevation_deg.origin.or_set([sky.tilt_deg.origin, sky.sun_azimuth_deg.origin]);
+            let at =
+                sky.sun_elevation_deg.origin.or_override([sky.tilt_deg.origin, sky.sun_azimuth_deg.origin]);
             let wrong = format!("the sun is {theta_deg:.2} deg from the display's normal");
             let expected = "its whole disc above the display's own horizon, less than 89.73 deg";
             self.errors.push(at, Diagnostic::new(wrong).expected(expected));
@@ -224,15 +229,15 @@ impl Resolver<'_> {
         self.errors.push(at, mistake::dark_field());
     }
 
-    /// A light's own spectrum, or that of all.
+    /// Returns the light's own spectrum, or the general one.
     pub(super) fn own_light(
         &mut self,
         key: &str,
-        own: &At<Option<LightSpectrum>>,
+        own: &Spanned<Option<LightSpectrum>>,
         general: Option<&Spectrum>,
     ) -> Option<Spectrum> {
         match &own.value {
-            Some(light) => self.light(key, &At { value: light.clone(), origin: own.origin }),
+            Some(light) => self.light(key, &Spanned { value: light.clone(), origin: own.origin }),
             None => general.cloned(),
         }
     }

@@ -1,4 +1,4 @@
-//! Film pixels: layers, sub-pixels and drive states.
+//! Film pixels: layers, sub-pixels and states.
 
 use std::collections::HashSet;
 
@@ -11,7 +11,7 @@ use crate::describe::pixel::{DriveSpec, StateSpec};
 use crate::mistake::{self, Mistake, tidy};
 use crate::read::Item;
 
-/// The default states: which of red, green and blue are at their colour.
+/// Default states: fractions of red, green and blue in their own colour.
 const DEFAULT_STATES: [(&str, [f64; 3]); 8] = [
     ("white", [1.0, 1.0, 1.0]),
     ("black", [0.0, 0.0, 0.0]),
@@ -23,10 +23,10 @@ const DEFAULT_STATES: [(&str, [f64; 3]); 8] = [
     ("yellow", [1.0, 1.0, 0.0]),
 ];
 
-/// Nothing is thinner than two atoms, nm.
+/// Smallest plausible thickness, nm: two atoms.
 const THINNEST_NM: f64 = 0.5;
 
-/// The name that `gap_nm` has beside those of the sub-pixels.
+/// Name in `gap_nm` in addition to those of the sub-pixels.
 const DARK: &str = "dark";
 
 impl Resolver<'_> {
@@ -71,12 +71,12 @@ impl Resolver<'_> {
             let thicknesses = pixel.film.iter().map(|layer| layer.thickness_nm.origin);
             let wrong = Diagnostic::new(format!("{gaps} layers of this film have thickness_nm = \"gap\""));
             let wrong = wrong.expected("one layer with thickness_nm = \"gap\"");
-            self.errors.push(pixel.film.origin.or_set(thicknesses), wrong);
+            self.errors.push(pixel.film.origin.or_override(thicknesses), wrong);
         }
         layers.into_iter().collect()
     }
 
-    /// Sub-pixels, each with an area and a gap; `None` where the two tables do not match.
+    /// Resolves the sub-pixels, each with an area and a gap; `None` if the two tables do not match.
     fn sub_pixels(&mut self, pixel: &describe::FilmPixel) -> Option<Vec<SubPixel>> {
         let (area, gap_nm) = (&pixel.area.value, &pixel.gap_nm.value);
         for gap in &gap_nm.0 {
@@ -96,20 +96,20 @@ impl Resolver<'_> {
                 _ if name == DARK => self.errors.push(*name_origin, dark_is_no_sub_pixel()),
                 Some(gap) => sub_pixels.push(SubPixel { name: name.clone(), area: value.0, gap_nm: gap.0 }),
                 None => {
-                    let at = name_origin.or_set([pixel.gap_nm.origin]);
+                    let at = name_origin.or_override([pixel.gap_nm.origin]);
                     self.errors.push(at, no_sub_pixel(name, "gap_nm", &gap_nm.names()));
                 }
             }
         }
         for Item { name, name_origin, .. } in gap_nm.0.iter().filter(|item| item.name != DARK) {
             if area.get(name).is_none() {
-                let at = name_origin.or_set([pixel.area.origin]);
+                let at = name_origin.or_override([pixel.area.origin]);
                 self.errors.push(at, no_sub_pixel(name, "area", &area.names()));
             }
         }
         let sum: f64 = area.0.iter().map(|item| item.value.0).sum();
         if (sum - 1.0).abs() > 1e-3 {
-            let at = pixel.area.origin.or_set(area.0.iter().map(|item| item.value.origin));
+            let at = pixel.area.origin.or_override(area.0.iter().map(|item| item.value.origin));
             self.errors.push(at, mistake::sum("the areas", sum, "1 within 0.001"));
         } else if (sum - 1.0).abs() > 1e-9 {
             self.warnings
@@ -128,7 +128,7 @@ impl Resolver<'_> {
             }
         }
         if states.is_empty() {
-            let at = pixel.states.origin.or_set([pixel.default_states.origin, pixel.area.origin]);
+            let at = pixel.states.origin.or_override([pixel.default_states.origin, pixel.area.origin]);
             let remedy = "add one under `[display.pixel.states]`, or name sub-pixels red, green and blue";
             self.errors.push(at, mistake::no_states(remedy));
         }
@@ -138,7 +138,7 @@ impl Resolver<'_> {
         Some(states)
     }
 
-    /// What each sub-pixel does in a state of the user's; those not named are dark.
+    /// Resolves the drive of each sub-pixel in a state of the user; sub-pixels that it does not name are dark.
     fn drives(&mut self, state: &Item<StateSpec>, sub_pixels: &[SubPixel]) -> Option<Vec<Drive>> {
         let mut drives = vec![Drive::Share(0.0); sub_pixels.len()];
         for item in &state.value.0.0 {
@@ -168,7 +168,7 @@ impl Resolver<'_> {
         Some(drives)
     }
 
-    /// Warns of a film or gap that was probably given in micrometres; no film at all may be meant.
+    /// Warns of a film or gap that is probably in micrometres; 0 is allowed.
     pub(super) fn check_nm(&mut self, key: &str, nm: f64) {
         if nm > 0.0 && nm < THINNEST_NM {
             let meant = tidy(1e3 * nm);
@@ -186,14 +186,14 @@ impl Resolver<'_> {
                 let wrong = format!("state `{state}` leaves `{sub_pixel}` dark, but there is no dark gap");
                 let wrong = Diagnostic::new(wrong).hint("add `dark = 20.0`, in nm, to `gap_nm`");
                 let drives = pixel.states.0.iter().flat_map(|state| &state.value.0.0);
-                let at = pixel.gap_nm.origin.or_set(drives.map(|drive| drive.value.origin));
+                let at = pixel.gap_nm.origin.or_override(drives.map(|drive| drive.value.origin));
                 return self.errors.push(at, wrong);
             }
         }
     }
 }
 
-/// A sub-pixel that is named in one table and not in another.
+/// Error: a sub-pixel is in one table and not in another.
 fn no_sub_pixel(name: &str, of: &str, known: &[String]) -> Mistake {
     let hint = suggestion(name, known.iter().map(String::as_str), "sub-pixels");
     mistake::of_path(Diagnostic::new(format!("there is no sub-pixel `{name}` in `{of}`")).hint(hint))
@@ -203,7 +203,7 @@ fn dark_is_no_sub_pixel() -> Diagnostic {
     Diagnostic::new("`dark` is not a sub-pixel: it has no area and is not driven")
 }
 
-/// The different gaps that the states of a film ask for, nm, in no order.
+/// Returns the distinct gaps of all states of a film, nm, in any order.
 pub(super) fn distinct_gaps(film: &FilmPixel) -> Vec<f64> {
     let mut gaps = HashSet::new();
     for (drive, sub_pixel) in film.states.iter().flat_map(|state| state.drives.iter().zip(&film.sub_pixels)) {
@@ -218,7 +218,7 @@ pub(super) fn distinct_gaps(film: &FilmPixel) -> Vec<f64> {
     gaps.into_iter().map(f64::from_bits).collect()
 }
 
-/// The eight named states, if there are sub-pixels red, green and blue; any others stay dark.
+/// Returns the eight default states, if there are sub-pixels red, green and blue; other sub-pixels are dark.
 fn default_states(sub_pixels: &[SubPixel]) -> Vec<FilmState> {
     let position = |name| sub_pixels.iter().position(|sub_pixel| sub_pixel.name == name);
     let (Some(red), Some(green), Some(blue)) = (position("red"), position("green"), position("blue")) else {

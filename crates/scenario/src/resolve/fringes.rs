@@ -1,8 +1,8 @@
-//! Films whose interference fringes over wavelength are narrower than the grid can hold.
+//! Films whose interference fringes over wavelength are too narrow for the grid.
 //!
-//! Two steps. The distance of the fringes, `lambda^2/(2 sum of n d)`, tells at no cost that almost all films are thin
-//! enough. For any other the error is computed: how far X, Y and Z of light along the normal are off when the film's
-//! reflectance is known at the grid's wavelengths alone, and is linear between them, as colours take it.
+//! There are two steps. The distance of the fringes, `lambda^2/(2 sum of n d)`, shows at no cost that almost all films are
+//! thin enough. For any other film the error is computed: the error of X, Y and Z for light along the normal if the
+//! reflectance is known only at the wavelengths of the grid and linear between them, as in the computation of colours.
 
 use num_complex::Complex64;
 use papilio_colour::Observer;
@@ -13,21 +13,21 @@ use papilio_spectra::Grid;
 use super::Resolver;
 use super::film::distinct_gaps;
 
-/// Fringes with more wavelengths than this in each are held: Y is off by 0.04 % or less (docs/films.md, "Thick films").
+/// Wavelengths per fringe that are sufficient: the error of Y is 0.04 % or less (docs/films.md, "Thick films").
 const ENOUGH_PER_FRINGE: f64 = 12.0;
 
-/// Colours that are off by less than this, where a perfect white has 1, go without saying: the default error target.
-const SMALL: f64 = 1e-3;
+/// Largest error of X, Y and Z, relative to a perfect white, that gives no warning: the default relative error.
+const NEGLIGIBLE_ERROR: f64 = 1e-3;
 
-/// The true spectrum is looked at in so many places of each fringe, and at as many as this in each step.
+/// Samples of the true spectrum in each fringe, and the largest number of them in each step.
 const PER_FRINGE: f64 = 32.0;
 const MOST_PER_STEP: f64 = 512.0;
 
-/// Steps that may be advised, nm. Colours are sums over whole nanometres: a finer step changes none.
+/// Steps that may be recommended, nm. Colours are sums over integer nanometres, so that a finer step has no effect.
 const STEPS_NM: [f64; 3] = [2.5, 2.0, 1.0];
 
-/// A film of the scene, and what is on its two sides.
-struct Thick<'a> {
+/// A film of the scene, and the media on its two sides.
+struct FilmStack<'a> {
     key: &'a str,
     layers: &'a [FilmLayer],
     gap_nm: f64,
@@ -36,7 +36,7 @@ struct Thick<'a> {
 }
 
 impl Resolver<'_> {
-    /// Warns of the film whose colours the wavelength grid spoils most, if there is one.
+    /// Warns of the film with the largest colour error due to the wavelength grid, if there is one.
     pub(super) fn warn_of_fringes(&mut self, scene: &Scene) {
         let grid = &scene.grid;
         let Some((film, error)) = worst(scene, |film| {
@@ -45,37 +45,41 @@ impl Resolver<'_> {
         }) else {
             return;
         };
-        if error <= SMALL {
+        if error <= NEGLIGIBLE_ERROR {
             return;
         }
         let finer = STEPS_NM.into_iter().filter(|step| *step < grid.step_nm());
-        let enough =
-            finer.into_iter().find(|step| film.colour_error(grid, *step).is_some_and(|error| error <= SMALL));
+        let enough = finer
+            .into_iter()
+            .find(|step| film.colour_error(grid, *step).is_some_and(|error| error <= NEGLIGIBLE_ERROR));
         let remedy = match enough {
             Some(step) => format!("set spectrum.step_nm = {step}"),
-            None => "no step holds them, for colours are sums over whole nanometres: describe so thick a layer as a layer of \
-                     the display, which does not interfere"
+            None => "no step is fine enough, because colours are sums over integer nanometres: describe so thick a layer as a layer \
+                     of the display, which does not interfere"
                 .to_owned(),
         };
         let (nm, step_nm) = (grid.wavelength_nm(grid.len() / 2), grid.step_nm());
         self.warnings.push(format!(
-            "{}: the film's interference fringes are {:.1} nm apart near {nm} nm, too close for spectrum.step_nm = {step_nm}: of \
-             light along the normal X, Y or Z is off by {error:.4} of a perfect white's (a wide lobe averages over fringes, and \
-             is off by less); {remedy}",
+            "{}: the film's interference fringes are {:.1} nm apart near {nm} nm, too close for spectrum.step_nm = {step_nm}: for \
+             light along the normal, the error of X, Y or Z is {error:.4} relative to a perfect white (a wide lobe averages over \
+             fringes, and has a smaller error); {remedy}",
             film.key,
             film.spacing_nm(grid)
         ));
     }
 }
 
-/// The film, at the gap, whose error is the largest.
-fn worst<'a>(scene: &'a Scene, error: impl Fn(&Thick<'a>) -> Option<f64>) -> Option<(Thick<'a>, f64)> {
+/// Returns the film and gap with the largest error.
+fn worst<'a>(
+    scene: &'a Scene,
+    error: impl Fn(&FilmStack<'a>) -> Option<f64>,
+) -> Option<(FilmStack<'a>, f64)> {
     let errors = films(scene).into_iter().filter_map(|film| error(&film).map(|error| (film, error)));
     errors.max_by(|a, b| a.1.total_cmp(&b.1))
 }
 
-/// All films of a scene, at all of their gaps.
-fn films(scene: &Scene) -> Vec<Thick<'_>> {
+/// Returns all films of a scene with all their gaps.
+fn films(scene: &Scene) -> Vec<FilmStack<'_>> {
     let mut films = Vec::new();
     if let Layers::General(layers) = &scene.display.layers {
         let mut above = None;
@@ -83,7 +87,7 @@ fn films(scene: &Scene) -> Vec<Thick<'_>> {
             let below = &*layer.medium.index;
             if let Interface::Coating(coating) = &layer.interface {
                 let below = below.iter().map(|n| (*n).into()).collect();
-                films.push(Thick {
+                films.push(FilmStack {
                     key: &coating.key,
                     layers: &coating.films,
                     gap_nm: 0.0,
@@ -95,7 +99,7 @@ fn films(scene: &Scene) -> Vec<Thick<'_>> {
         }
     }
     if let Pixel::Film(film) = &scene.display.pixel {
-        films.extend(distinct_gaps(film).into_iter().map(|gap_nm| Thick {
+        films.extend(distinct_gaps(film).into_iter().map(|gap_nm| FilmStack {
             key: "display.pixel",
             layers: &film.layers,
             gap_nm,
@@ -106,7 +110,7 @@ fn films(scene: &Scene) -> Vec<Thick<'_>> {
     films
 }
 
-impl Thick<'_> {
+impl FilmStack<'_> {
     fn thickness_nm(&self, layer: &FilmLayer) -> f64 {
         match layer.thickness {
             Thickness::Fixed(nm) => nm,
@@ -114,14 +118,14 @@ impl Thick<'_> {
         }
     }
 
-    /// How far apart its fringes are at the centre of the grid.
+    /// Distance of the fringes at the centre of the grid, nm.
     fn spacing_nm(&self, grid: &Grid) -> f64 {
         let bin = grid.len() / 2;
         let layers = self.layers.iter().map(|layer| (layer.index[bin], self.thickness_nm(layer)));
         fringe_spacing_nm(layers, grid.wavelength_nm(bin))
     }
 
-    /// Its reflectance along the normal, with indices that are linear between the grid's wavelengths.
+    /// Reflectance along the normal, with indices that are interpolated linearly between the wavelengths of the grid.
     fn reflectance(&self, grid: &Grid, nm: f64) -> Option<f64> {
         let at = ((nm - grid.start_nm()) / grid.step_nm()).clamp(0.0, (grid.len() - 1) as f64);
         let bin = (at as usize).min(grid.len() - 2);
@@ -132,7 +136,7 @@ impl Thick<'_> {
             thickness_nm: self.thickness_nm(layer),
         };
         let film = Film {
-            // Above all layers is air.
+            // Air is above all layers.
             incidence: self.above.get(bin).copied().unwrap_or(1.0),
             layers: self.layers.iter().map(layer).collect(),
             substrate: between(&self.below),
@@ -140,8 +144,8 @@ impl Thick<'_> {
         coherent(&film, nm, 0.0, Polarisation::S).ok().map(|film| film.reflectance)
     }
 
-    /// How far X, Y and Z of equal-energy light are off, the largest, over those of a perfect white, if the reflectance is
-    /// known in these steps alone.
+    /// Largest error of X, Y and Z in equal-energy light, relative to a perfect white, if the reflectance is known only in
+    /// these steps.
     fn colour_error(&self, grid: &Grid, step_nm: f64) -> Option<f64> {
         let step_nm = step_nm.max(1.0);
         let (first, last) = (grid.start_nm().ceil().max(380.0), grid.stop_nm().floor().min(780.0));

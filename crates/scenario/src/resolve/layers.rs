@@ -1,4 +1,4 @@
-//! Layers in any order, and the media of all displays.
+//! `[[display.layers]]`, and the media of all displays.
 
 use std::f64::consts::PI;
 
@@ -19,20 +19,21 @@ use crate::describe::numbers;
 use crate::describe::solver::Method;
 use crate::mistake::{self, tidy};
 use crate::origin::Origin;
-use crate::read::At;
+use crate::read::Spanned;
 
-/// The k of a clear medium: at most this.
+/// Largest k of a clear medium.
 const CLEAR_K: f64 = 1e-6;
-/// And of one that absorbs along a path that is given; beyond it Fresnel's real index is not enough.
+/// Largest k of a medium that absorbs along its thickness; beyond it, Fresnel's equations need the complex index.
 const ABSORBING_K: f64 = 1e-3;
-/// More layers than this are no display.
+/// Largest number of layers.
 const MOST_LAYERS: usize = 64;
 /// Nanometres in a millimetre.
 const NM_PER_MM: f64 = 1e6;
-/// A path takes the more turns the thicker a slab is; beyond this optical thickness a walk takes hours.
-const THICKEST_WALK: f64 = 200.0;
+/// Largest optical thickness for the Monte Carlo solver: the number of scattering events of a path increases with it, and
+/// beyond this value a run takes hours.
+const THICKEST_FOR_MONTE_CARLO: f64 = 200.0;
 
-/// An index that no transparent medium has.
+/// Error: the index is not that of a transparent medium.
 fn not_transparent(index: Complex64, nm: f64, largest_k: f64) -> Diagnostic {
     let Complex64 { re: n, im: k } = index;
     let wrong = Diagnostic::new(format!("the refractive index is {n} + {k}i at {nm} nm"));
@@ -41,31 +42,31 @@ fn not_transparent(index: Complex64, nm: f64, largest_k: f64) -> Diagnostic {
         false => wrong.expected(format!("n from 1 to 10 and k below {largest_k:e}")),
     };
     let absorbs = (1.0..=10.0).contains(&n) && k > largest_k && k <= ABSORBING_K;
-    wrong.hint_if(absorbs.then_some("give `thickness_mm`, and k absorbs along the path"))
+    wrong.hint_if(absorbs.then_some("specify `thickness_mm`: k then absorbs along the path"))
 }
 
-/// An entry of the list.
+/// An entry of the list of layers.
 pub(super) enum Part {
-    /// And where its index is given.
+    /// A medium, and the place of its index.
     Medium(Medium, Origin),
     Interface(Interface),
 }
 
-/// A front-of-screen component as a layer.
-pub(super) fn sheet(component: FrontComponent) -> Interface {
+/// Converts a front-of-screen component to an interface.
+pub(super) fn component_interface(component: FrontComponent) -> Interface {
     let FrontComponent { reflectance, absorptance } = component;
     Ready::sheet(reflectance, absorptance).into()
 }
 
-/// How a medium absorbs: by its internal transmittance, or by its thickness.
-type Absorption<'a> = (&'a At<Option<ShareSpectrum>>, &'a At<Option<numbers::Thickness>>);
+/// Absorption of a medium: its internal transmittance, or its thickness.
+type Absorption<'a> = (&'a Spanned<Option<ShareSpectrum>>, &'a Spanned<Option<numbers::Thickness>>);
 
 impl Resolver<'_> {
-    /// `[[display.layers]]`, which stands for everything over the pixel.
+    /// Resolves `[[display.layers]]`, which describes everything above the pixel.
     pub(super) fn layers(
         &mut self,
-        display: &At<Display>,
-        layers: &[At<describe::Layer>],
+        display: &Spanned<Display>,
+        layers: &[Spanned<describe::Layer>],
     ) -> Option<Vec<Layer>> {
         let beside = [
             ("front", display.front.is_some(), display.front.origin, "{ kind = \"component\", ... }"),
@@ -80,8 +81,8 @@ impl Resolver<'_> {
         for (key, _, at, layer) in beside.into_iter().filter(|(_, given, ..)| *given) {
             let wrong = "cannot be combined with `layers`, which describes everything above the pixel";
             let wrong = Diagnostic::new(format!("`{key}` {wrong}"))
-                .hint(format!("make it a layer, {layer}, or remove it"));
-            self.errors.push(at.or_set([display.layers.origin]), wrong);
+                .hint(format!("replace it by a layer, {layer}, or remove it"));
+            self.errors.push(at.or_override([display.layers.origin]), wrong);
         }
         if layers.is_empty() {
             self.err(&display.layers, mistake::empty_list());
@@ -99,12 +100,12 @@ impl Resolver<'_> {
                 Part::Interface(interface) => stack.put(interface, layer.origin),
             }
         }
-        self.tell_of_coatings(layers);
+        self.note_coatings(layers);
         Some(stack.finish(&mut self.errors))
     }
 
-    /// A coating is meant to lie on something: one that no medium follows lies within the medium above.
-    fn tell_of_coatings(&mut self, layers: &[At<describe::Layer>]) {
+    /// Notes each coating without a medium below it: it is inside the medium above, which is rarely intended.
+    fn note_coatings(&mut self, layers: &[Spanned<describe::Layer>]) {
         let is_medium =
             |layer: &describe::Layer| matches!(layer, describe::Layer::Medium(_) | describe::Layer::Slab(_));
         let mut above = "the air";
@@ -122,7 +123,7 @@ impl Resolver<'_> {
         }
     }
 
-    /// One entry; `path` is the key that it stands under.
+    /// Resolves one layer; `path` is its key.
     fn part(&mut self, path: &str, layer: &describe::Layer, at: Origin) -> Option<Part> {
         Some(match layer {
             describe::Layer::Medium(medium) => {
@@ -131,7 +132,9 @@ impl Resolver<'_> {
             }
             describe::Layer::Slab(slab) => Part::Medium(self.slab(path, slab)?, slab.index.origin),
             describe::Layer::Diffuser(diffuser) => Part::Interface(self.btdf(path, diffuser)?),
-            describe::Layer::Component(sheet) => Part::Interface(self::sheet(self.component(sheet, at)?)),
+            describe::Layer::Component(component) => {
+                Part::Interface(component_interface(self.component(component, at)?))
+            }
             describe::Layer::Coating(coating) => {
                 let films = self.coating(path, coating)?;
                 Part::Interface(Interface::Coating(Coating { films, key: path.to_owned() }))
@@ -148,15 +151,15 @@ impl Resolver<'_> {
         })
     }
 
-    /// A medium that does not scatter.
+    /// Resolves a medium without scattering.
     pub(super) fn medium(
         &mut self,
         path: &str,
-        index: &At<MaterialSpec>,
+        index: &Spanned<MaterialSpec>,
         (transmittance, thickness_mm): Absorption<'_>,
     ) -> Option<Medium> {
         if transmittance.is_some() && thickness_mm.is_some() {
-            let at = thickness_mm.origin.or_set([transmittance.origin]);
+            let at = thickness_mm.origin.or_override([transmittance.origin]);
             self.errors.push(at, mistake::not_with("thickness_mm", "`internal_transmittance`"));
         }
         let clear = transmittance.is_none() && thickness_mm.is_none();
@@ -170,7 +173,7 @@ impl Resolver<'_> {
         Some(Medium { index, transmittance, scattering: None })
     }
 
-    /// exp(-4 pi k d / wavelength), k being that of `index`.
+    /// Computes exp(-4 pi k d / wavelength) with k of `index`.
     fn beer_lambert(&mut self, path: &str, index: &[Complex64], thickness_mm: f64) -> Spectrum {
         if index.iter().all(|index| index.im == 0.0) {
             self.notes
@@ -181,7 +184,7 @@ impl Resolver<'_> {
         Spectrum::from_values(index.iter().zip(self.grid.wavelengths_nm()).map(transmittance).collect())
     }
 
-    /// Particles in a binder.
+    /// Resolves a slab of particles in a binder.
     pub(super) fn slab(&mut self, path: &str, slab: &Slab) -> Option<Medium> {
         let index = self.transparent(&slab.index, ABSORBING_K);
         let albedo = self.share(&slab.albedo.value, slab.albedo.origin);
@@ -192,8 +195,8 @@ impl Resolver<'_> {
             let (least, largest) = (tidy(n.min()), tidy(n.max()));
             let wrong =
                 Diagnostic::new(format!("this refractive index is {least} to {largest}, with k up to {k}"))
-                    .expected("one real index for all wavelengths: slabs have no other")
-                    .hint("give the index at 550 nm, as a number; what the slab absorbs is 1 - `albedo`");
+                    .expected("one real index for all wavelengths, as slabs need")
+                    .hint("give the index at 550 nm as a number; the absorption of a slab is 1 - `albedo`");
             self.err(&slab.index, wrong);
             return None;
         }
@@ -212,8 +215,8 @@ impl Resolver<'_> {
         })
     }
 
-    /// No walk through a slab that it does not get out of in time.
-    pub(super) fn check_walk(&mut self, file: &File) {
+    /// Refuses slabs that are too thick for the Monte Carlo solver.
+    pub(super) fn check_slab_thickness(&mut self, file: &File) {
         if file.solver.method.value != Method::MonteCarlo {
             return;
         }
@@ -227,12 +230,13 @@ impl Resolver<'_> {
         });
         for slab in diffuser.into_iter().chain(layers) {
             let optical_thickness = slab.optical_thickness.0;
-            if optical_thickness > THICKEST_WALK {
-                let at = slab.optical_thickness.origin.or_set([file.solver.method.origin]);
-                let wrong =
-                    format!("a walk through an optical thickness of {optical_thickness} would take hours");
+            if optical_thickness > THICKEST_FOR_MONTE_CARLO {
+                let at = slab.optical_thickness.origin.or_override([file.solver.method.origin]);
+                let wrong = format!(
+                    "the Monte Carlo solver would take hours with an optical thickness of {optical_thickness}"
+                );
                 let wrong = Diagnostic::new(wrong)
-                    .expected(format!("at most {THICKEST_WALK} with method = \"monte-carlo\""))
+                    .expected(format!("at most {THICKEST_FOR_MONTE_CARLO} with method = \"monte-carlo\""))
                     .hint("use method = \"adding\", whose time hardly depends on the thickness");
                 self.errors.push(at, wrong);
             }
@@ -255,8 +259,8 @@ impl Resolver<'_> {
         films.into_iter().collect()
     }
 
-    /// The index of a medium that light crosses: n from 1 to 10, k at most `largest_k`.
-    fn transparent(&mut self, spec: &At<MaterialSpec>, largest_k: f64) -> Option<Vec<Complex64>> {
+    /// Resolves the index of a transparent medium: n from 1 to 10, k at most `largest_k`.
+    fn transparent(&mut self, spec: &Spanned<MaterialSpec>, largest_k: f64) -> Option<Vec<Complex64>> {
         let index = self.material(spec)?;
         let is_transparent = |index: &Complex64| (1.0..=10.0).contains(&index.re) && index.im <= largest_k;
         if let Some(i) = index.iter().position(|index| !is_transparent(index)) {

@@ -11,17 +11,17 @@ use crate::describe::lighting::{LightModel, LightSpectrum};
 use crate::describe::numbers::Wavelength;
 use crate::mistake;
 use crate::origin::Origin;
-use crate::read::{At, Read};
+use crate::read::{Read, Spanned};
 
-/// Where daylight and black bodies have the value 1, nm.
+/// Wavelength at which daylight and black bodies have the value 1, nm.
 const UNIT_NM: f64 = 560.0;
 
-/// A light whose largest value is below this is dark: its squares are no numbers any more.
+/// Smallest maximum of a light: the squares of smaller values underflow.
 const DARKEST: f64 = 1e-30;
 
-/// One of the parts that a light adds up from.
+/// One of the terms of a light.
 struct Part {
-    /// For errors.
+    /// Name in errors.
     name: String,
     origin: Origin,
     weight: f64,
@@ -50,8 +50,8 @@ impl Part {
 }
 
 impl Resolver<'_> {
-    /// The relative spectrum under `key` on the grid: nowhere negative, somewhere positive.
-    pub(super) fn light(&mut self, key: &str, light: &At<LightSpectrum>) -> Option<Spectrum> {
+    /// Resolves the relative spectrum at `key` on the grid, which has no negative values and some positive ones.
+    pub(super) fn light(&mut self, key: &str, light: &Spanned<LightSpectrum>) -> Option<Spectrum> {
         let parts = match &light.value {
             LightSpectrum::Text(name) => vec![self.named_light(name, light)?],
             LightSpectrum::One(model) => vec![self.model(model, light.origin)?],
@@ -76,7 +76,7 @@ impl Resolver<'_> {
             let wrong = Diagnostic::new(format!("this light is dark between {start} and {stop} nm")).hint(
                 "lines narrower than the grid's step are lost: set spectrum.step_nm = 1; or change range_nm",
             );
-            self.errors.push(light.origin.or_set([self.range]), wrong);
+            self.errors.push(light.origin.or_override([self.range]), wrong);
             return None;
         }
         let all_on = |grid: &Grid| {
@@ -89,7 +89,7 @@ impl Resolver<'_> {
         Some(spectrum)
     }
 
-    fn named_light(&mut self, name: &str, light: &At<LightSpectrum>) -> Option<Part> {
+    fn named_light(&mut self, name: &str, light: &Spanned<LightSpectrum>) -> Option<Part> {
         let part = |source| Part { name: name.to_owned(), origin: light.origin, weight: 1.0, source };
         match illuminant(name, &self.grid) {
             Err(SpectraError::UnknownName { .. }) if self.is_file(name) => {
@@ -127,7 +127,7 @@ impl Resolver<'_> {
                         model.daylight_K.origin,
                         model.planck_K.origin,
                     ];
-                    self.errors.push(origin.or_set(keys_at), mistake::exactly_one(keys, given));
+                    self.errors.push(origin.or_override(keys_at), mistake::exactly_one(keys, given));
                     return None;
                 }
             };
@@ -135,12 +135,12 @@ impl Resolver<'_> {
     }
 }
 
-/// All parts together.
+/// Returns the sum of all parts.
 fn sum(grid: &Grid, parts: Vec<Spectrum>) -> Spectrum {
     parts.iter().fold(Spectrum::constant(grid, 0.0), |sum, part| sum.zip_map(part, |a, b| a + b))
 }
 
-/// A spectrum, 1 at 560 nm.
+/// Scales a spectrum to 1 at 560 nm.
 fn unit(
     model: impl Fn(&Grid) -> Result<Spectrum, SpectraError>,
     grid: &Grid,

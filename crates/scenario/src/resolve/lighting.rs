@@ -1,9 +1,9 @@
-//! The room's light: its sources, and whether their shares make a whole.
+//! `[lighting]`: its sources, and the sum of their shares.
 
 use std::sync::Arc;
 
 use papilio_diagnostics::Diagnostic;
-use papilio_display::room::{Sheet, luminous_sheet, profile};
+use papilio_display::environment::{Sheet, luminous_sheet, profile};
 use papilio_display::scene::{DirectedLight, Environment, Field, FrontLight, Lighting};
 use papilio_formats::{Luminaire, read_ies, read_profile};
 use papilio_spectra::Spectrum;
@@ -15,10 +15,10 @@ use crate::describe::lighting::{self as describe, Illuminance};
 use crate::describe::numbers::{Lux, Share};
 use crate::mistake::{self, tidy};
 use crate::origin::Origin;
-use crate::read::{At, Read};
+use crate::read::{Read, Spanned};
 
 impl Resolver<'_> {
-    pub(super) fn lighting(&mut self, lighting: &At<describe::Lighting>) -> Option<Lighting> {
+    pub(super) fn lighting(&mut self, lighting: &Spanned<describe::Lighting>) -> Option<Lighting> {
         self.limit(&lighting.directed, "sources", lighting.directed.len(), 256)?;
         self.limit(&lighting.environment, "environments", lighting.environment.len(), 64)?;
         if !matches!(&lighting.illuminance_lx.value, Some(Illuminance::Lux(lux)) if lux.0 == 0.0) {
@@ -72,7 +72,7 @@ impl Resolver<'_> {
                 }
                 _ => {
                     let wrong = match self.maps.len() {
-                        1 => "the map has no share of the light".to_owned(),
+                        1 => "the share of the map is 0".to_owned(),
                         maps => format!("\"from-map\" needs one map, and there are {maps}"),
                     };
                     let expected = "one [[lighting.environment]] with model = \"map\" and a share above 0";
@@ -102,7 +102,7 @@ impl Resolver<'_> {
         })
     }
 
-    /// Directions of what a front light sends down.
+    /// Resolves the directions of the downward light of a front light.
     fn distribution(&mut self, name: &str, origin: Origin) -> Option<Field> {
         let field = if name.to_ascii_lowercase().ends_with(".ies") {
             let light = self.data(name, origin, read_ies)?;
@@ -121,10 +121,10 @@ impl Resolver<'_> {
         field
     }
 
-    /// A dark room needs a front light, and numbers mean something else in it.
-    fn check_front_light_alone(&mut self, lighting: &At<describe::Lighting>) {
+    /// Checks that there is a front light if there is no ambient light, and notes that results then have another meaning.
+    fn check_front_light_alone(&mut self, lighting: &Spanned<describe::Lighting>) {
         if lighting.front_light.is_none() {
-            let expected = format!("{}: only beside a front light may a room be dark", Lux::in_words());
+            let expected = format!("{}; 0 is allowed only with a front light", Lux::in_words());
             self.errors.push(lighting.illuminance_lx.origin, mistake::out_of_range(0.0, expected));
             return;
         }
@@ -144,7 +144,7 @@ impl Resolver<'_> {
         let radius_deg = source.radius_deg.map(|radius| radius.0);
         let reach = source.theta_deg.0.abs() + radius_deg.unwrap_or(0.0);
         if radius_deg.is_some() && reach >= 90.0 {
-            let at = source.radius_deg.origin.or_set([source.theta_deg.origin]);
+            let at = source.radius_deg.origin.or_override([source.theta_deg.origin]);
             self.errors.push(at, mistake::below_horizon("cone", reach));
         }
         let spectrum = self.own_light(&format!("lighting.directed.{i}.spectrum"), &source.spectrum, general);
@@ -158,8 +158,8 @@ impl Resolver<'_> {
         })
     }
 
-    /// All shares must sum to 1. If not, the last one that the user gave is pointed at
-    /// (that of a `--set` before that of the file), and another is named that would mend it.
+    /// Checks that all shares sum to 1. The error is at the last share that the user gave
+    /// (one of a `--set` before one of the file), and suggests a value for another one.
     fn check_shares(&mut self, lighting: &describe::Lighting) {
         let diffuse = lighting.diffuse.map_or(0.0, |share| share.0);
         let mut shares = vec![("lighting.diffuse".to_owned(), diffuse, lighting.diffuse.origin)];
@@ -167,7 +167,7 @@ impl Resolver<'_> {
             shares.push((format!("lighting.directed.{i}.share"), source.share.0, source.share.origin));
         }
         for (i, environment) in lighting.environment.iter().enumerate() {
-            let mut add = |key: &str, share: &At<Share>| {
+            let mut add = |key: &str, share: &Spanned<Share>| {
                 shares.push((format!("lighting.environment.{i}.{key}"), share.0, share.origin));
             };
             add("share", environment.share());
@@ -179,14 +179,14 @@ impl Resolver<'_> {
         if (sum - 1.0).abs() <= 1e-6 {
             return;
         }
-        // What a preset gives stands where the preset does; so does a default.
+        // Shares of a preset have the place of the preset, and so have defaults.
         let is_given = |origin: Origin| origin != lighting.preset.origin;
         let given = (0..shares.len()).filter(|&i| is_given(shares[i].2));
         let wrong = given.max_by_key(|&i| shares[i].2.source).unwrap_or(0);
         let needed = |i: usize| 1.0 - (sum - shares[i].1);
         let others = (0..shares.len()).rev().filter(|&i| i != wrong);
-        let mends = others.chain([wrong]).find(|&i| (0.0..=1.0).contains(&needed(i))).unwrap_or(wrong);
-        let (remedy, value) = (&shares[mends].0, needed(mends));
+        let mended = others.chain([wrong]).find(|&i| (0.0..=1.0).contains(&needed(i))).unwrap_or(wrong);
+        let (remedy, value) = (&shares[mended].0, needed(mended));
         let hint =
             (0.0..=1.0).contains(&value).then(|| format!("{remedy}={} would make the sum 1", tidy(value)));
         let mistake = mistake::sum("the shares of the light", sum, "1").hint_if(hint);
@@ -194,7 +194,7 @@ impl Resolver<'_> {
     }
 }
 
-/// A luminaire as a sheet over the display, its nadir the normal.
+/// A light guide with the intensities of an IES file, whose nadir is the display's normal.
 #[derive(Debug)]
 struct Guide(Luminaire);
 

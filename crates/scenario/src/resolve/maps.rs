@@ -1,9 +1,9 @@
-//! Maps of light: pictures of the whole sphere as fields, one for each spectrum; parts of them may have spectra of their own.
+//! Maps of light: pictures of the whole sphere as radiance fields, one for each spectrum. Regions may have spectra of their own.
 
 use std::sync::Arc;
 
 use papilio_colour::Observer;
-use papilio_display::room::{Panorama, Pose};
+use papilio_display::environment::{Panorama, Pose};
 use papilio_display::scene::{Environment, EnvironmentPart, Field};
 use papilio_formats::{LightMap, MapChannel, MapColour, read_light_map};
 use papilio_spectra::{Grid, SpectraError, Spectrum, Tabulated, srgb_primaries};
@@ -13,36 +13,36 @@ use super::Resolver;
 use crate::describe::environment as describe;
 use crate::mistake;
 use crate::origin::Origin;
-use crate::read::At;
+use crate::read::Spanned;
 
-/// Lumens for each watt of a picture in red, green and blue, by Radiance's convention.
+/// Luminous efficacy of a picture in red, green and blue, lm/W: the convention of Radiance.
 const PICTURE_LM_PER_W: f64 = 179.0;
 
-/// What a map makes on the display.
+/// Light of a map on the display.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct MapLight {
-    /// By its own numbers.
+    /// Illuminance by the map's absolute values, lx.
     pub(super) lux: f64,
-    /// Of the scenario's light.
+    /// Share of the scenario's light.
     pub(super) share: f64,
 }
 
 impl Resolver<'_> {
-    /// The parts of a map; `white` is the spectrum of its white.
+    /// Resolves a map; `white` is the spectrum of its white.
     pub(super) fn map(
         &mut self,
         key: &str,
-        map: &At<describe::Map>,
+        map: &Spanned<describe::Map>,
         white: Option<Spectrum>,
     ) -> Option<Environment> {
         let named = || format!("{key} {} {white:?}", json!(map));
-        self.once(named, |this| this.map_anew(key, map, white.clone()))
+        self.cached(named, |this| this.map_uncached(key, map, white.clone()))
     }
 
-    fn map_anew(
+    fn map_uncached(
         &mut self,
         key: &str,
-        map: &At<describe::Map>,
+        map: &Spanned<describe::Map>,
         white: Option<Spectrum>,
     ) -> Option<Environment> {
         let mut picture = self.data(&map.file.value, map.file.origin, read_light_map)?;
@@ -108,7 +108,7 @@ impl Resolver<'_> {
         Some(Environment { parts })
     }
 
-    /// The pixels of a region.
+    /// Resolves a region: its pixels and its spectrum.
     fn region(&mut self, key: &str, region: &describe::Region, picture: &LightMap) -> Option<Region> {
         let spectrum = self.light(&format!("{key}.spectrum"), &region.spectrum);
         let elevation = region.elevation_deg.iter().map(|at| at.0).collect();
@@ -119,38 +119,39 @@ impl Resolver<'_> {
         let is_held = |pixel: usize| {
             let (row, column) = (pixel / picture.width, pixel % picture.width);
             let up = 90.0 - 180.0 * (row as f64 + 0.5) / rows;
-            // To the right in the picture is clockwise, and its middle is at -90 deg.
+            // To the right in the picture is clockwise; its centre is at -90 deg.
             let around = 90.0 - 360.0 * (column as f64 + 0.5) / columns;
             (elevation[0]..=elevation[1]).contains(&up) && (around - from).rem_euclid(360.0) <= to - from
         };
         let pixels: Vec<usize> =
             (0..picture.width * picture.height).filter(|pixel| is_held(*pixel)).collect();
         if pixels.is_empty() {
-            self.warnings.push(format!("{key} is smaller than a pixel of the map, and holds none"));
+            self.warnings.push(format!("{key} is smaller than a pixel of the map, and contains none"));
         }
         Some(Region { pixels, spectrum: spectrum? })
     }
 
-    /// Two angles, the first below the second.
+    /// Returns two angles, of which the first must be below the second.
     fn pair(&mut self, angles: Vec<f64>, origin: Origin) -> Option<[f64; 2]> {
         let wrong = match angles[..] {
             [from, to] if from < to => return Some([from, to]),
-            [from, to] => mistake::edges("region", from, to, "a region that ends beyond its beginning"),
-            _ => mistake::another_length("two angles: where it begins and where it ends"),
+            [from, to] => mistake::edges("region", from, to, "a region whose end is above its start"),
+            _ => mistake::another_length("two angles: the start and the end"),
         };
         self.errors.push(origin, wrong);
         None
     }
 }
 
-/// A part of a picture with a spectrum of its own.
+/// A region of a picture with a spectrum of its own.
 struct Region {
     pixels: Vec<usize>,
     spectrum: Spectrum,
 }
 
 impl Region {
-    /// Takes its pixels out of the picture's colours, whose lm/W are these: their luminances, 1 for white, 0 elsewhere.
+    /// Removes its pixels from the colour channels of the picture, which have these lm/W. Returns their luminances, 1 for
+    /// white, and 0 for all other pixels.
     fn take(&self, picture: &mut LightMap, lm_per_w: &[f64]) -> Vec<f32> {
         let mut luminance = vec![0.0; picture.width * picture.height];
         for (channel, lm_per_w) in picture.channels.iter_mut().zip(lm_per_w) {
@@ -167,7 +168,7 @@ fn in_lux(lux: f64) -> String {
     if (0.01..1e7).contains(&lux) { format!("{lux:.2} lx") } else { format!("{lux:.2e} lx") }
 }
 
-/// A spectrum for each channel.
+/// Returns the spectrum of each channel.
 fn lifted(picture: &LightMap, white: &Spectrum, grid: &Grid) -> Result<Vec<Spectrum>, SpectraError> {
     let wavelengths: Vec<f64> = picture
         .channels
@@ -195,7 +196,8 @@ fn lifted(picture: &LightMap, white: &Spectrum, grid: &Grid) -> Result<Vec<Spect
     picture.channels.iter().enumerate().map(|(number, channel)| of(number, channel.colour)).collect()
 }
 
-/// 1 at wavelength number `k`, linear to 0 at its neighbours: spectra that run linearly between channels.
+/// Returns a spectrum that is 1 at wavelength `k` and decreases linearly to 0 at its neighbours: linear interpolation
+/// between channels.
 fn hat(wavelengths: &[f64], k: usize, grid: &Grid) -> Result<Spectrum, SpectraError> {
     let values = (0..wavelengths.len()).map(|at| if at == k { 1.0 } else { 0.0 }).collect();
     Tabulated::new(wavelengths.to_vec(), values)?.on(grid)

@@ -1,4 +1,4 @@
-//! `[measure]`: the diffuser before a virtual imaging sphere.
+//! `[measure]`: a virtual imaging sphere that measures the diffuser.
 
 use papilio_colour::Observer;
 use papilio_diagnostics::Diagnostic;
@@ -18,48 +18,48 @@ use crate::describe::measure::{Channels, GridAngles, Measure};
 use crate::error::ScenarioErrors;
 use crate::library::Library;
 use crate::mistake;
-use crate::read::{At, Read};
+use crate::read::{Read, Spanned};
 use crate::source::Sources;
 
-/// More cells than this, in one channel, are no instrument's.
+/// Largest number of cells in one channel.
 const MOST_CELLS: usize = 1_000_000;
-/// Significant digits that an instrument writes.
+/// Significant digits of measured values.
 const DIGITS: usize = 5;
 
-/// A diffuser before a virtual imaging sphere.
+/// A virtual measurement of a diffuser.
 #[derive(Debug, Clone)]
 pub struct VirtualMeasurement {
-    /// What looks at it.
+    /// The instrument.
     pub instrument: Instrument,
-    /// Its name, if the scenario gives one.
+    /// Name of the sample, if the scenario specifies it.
     pub sample: Option<String>,
-    /// What may be wrong with the scenario.
+    /// Warnings: what may be wrong with the scenario.
     pub warnings: Vec<String>,
-    /// What the reader should know, with nothing wrong.
+    /// Notes: consequences of the scenario that are worth knowing, and not wrong.
     pub notes: Vec<String>,
-    /// The diffuser's table, as JSON.
+    /// The table of the diffuser as JSON.
     truth: String,
-    ways: Vec<Seen>,
+    ways: Vec<MeasuredWay>,
 }
 
-/// One way of light, as it is in truth.
+/// The true scattering in one transmission or reflection.
 #[derive(Debug, Clone)]
-struct Seen {
+struct MeasuredWay {
     way: Way,
-    lobe: Truth,
-    /// What of the lobe is scattered, and what passes straight.
+    lobe: TrueLobe,
+    /// Scattered and regular fraction.
     shares: [f64; 2],
-    /// By channel.
+    /// Factor of each channel.
     factors: Vec<f64>,
 }
 
 #[derive(Debug, Clone)]
-enum Truth {
+enum TrueLobe {
     Lobe(Lobe),
     Scatter(Scatter),
 }
 
-impl Truth {
+impl TrueLobe {
     fn value(&self, from: Beta, to: Beta) -> f64 {
         match self {
             Self::Lobe(lobe) => lobe.evaluate(from, to),
@@ -69,10 +69,10 @@ impl Truth {
 }
 
 impl VirtualMeasurement {
-    /// What the instrument writes: five digits, and in its remarks what the truth is.
+    /// Computes the measurement: values with five digits, and the true parameters as a remark.
     ///
     /// # Errors
-    /// If the instrument cannot see what it looks at: unscattered light without blur.
+    /// If the instrument cannot measure the sample: unscattered light without blur.
     pub fn measure(&self, sample: &str) -> Result<Measurement, GoniometryError> {
         let lobes: Vec<_> = self
             .ways
@@ -94,12 +94,12 @@ impl VirtualMeasurement {
     }
 }
 
-/// To the digits of an instrument.
+/// Rounds a value to the digits of the instrument.
 fn rounded(value: f64) -> f64 {
     format!("{value:.*e}", DIGITS - 1).parse().unwrap_or(value)
 }
 
-/// Resolves what a virtual measurement needs of a described scenario.
+/// Resolves the virtual measurement of a described scenario.
 pub(crate) fn measurement(
     file: &File,
     library: &Library,
@@ -112,13 +112,13 @@ pub(crate) fn measurement(
     Ok(VirtualMeasurement { warnings, notes, ..found })
 }
 
-/// A way of light at the diffuser: the lobe, the shares of it that are scattered and not, and the spectrum of
+/// A transmission or reflection of the diffuser: its lobe, scattered and regular fraction, and the spectrum of
 /// both.
-type TrueWay = (Way, Truth, [f64; 2], Spectrum);
+type TrueWay = (Way, TrueLobe, [f64; 2], Spectrum);
 
 impl Resolver<'_> {
     fn before_instrument(&mut self, file: &File) -> Option<VirtualMeasurement> {
-        let default = Measure::absent().map(At::at_large);
+        let default = Measure::absent().map(Spanned::without_span);
         let measure = file.measure.value.as_ref().or(default.as_deref())?;
         let instrument = self.instrument(measure);
         let light = self.light("measure.light", &measure.light);
@@ -126,7 +126,7 @@ impl Resolver<'_> {
         let (instrument, light, ways) = (instrument?, light?, ways?);
         let ways = ways.into_iter().map(|(way, lobe, shares, spectrum)| {
             let factors = self.factors(&spectrum, &light, measure.channels.value)?;
-            Some(Seen { way, lobe, shares, factors })
+            Some(MeasuredWay { way, lobe, shares, factors })
         });
         let ways = ways.collect::<Option<_>>()?;
         Some(VirtualMeasurement {
@@ -189,8 +189,8 @@ impl Resolver<'_> {
         })
     }
 
-    /// The angles of an axis: from 0 to 180 deg, rising.
-    fn grid_angles(&mut self, key: &str, angles: &At<GridAngles>) -> Option<Vec<f64>> {
+    /// Resolves the angles of an axis: from 0 to 180 deg, increasing.
+    fn grid_angles(&mut self, key: &str, angles: &Spanned<GridAngles>) -> Option<Vec<f64>> {
         let values = match &angles.value {
             GridAngles::List(list) => self.listed(list, |angle| angle.0, angles.origin)?,
             GridAngles::Range(range) => self.spaced(key, range, angles.origin)?,
@@ -201,16 +201,16 @@ impl Resolver<'_> {
             return None;
         }
         if let Some(pair) = values.windows(2).find(|pair| pair[1] <= pair[0]) {
-            self.err(angles, mistake::out_of_range(pair[1], "angles that rise"));
+            self.err(angles, mistake::out_of_range(pair[1], "increasing angles"));
             return None;
         }
         Some(values)
     }
 
-    /// What light does at the diffuser.
+    /// Resolves the transmission and reflection of the diffuser.
     fn ways(&mut self, file: &File) -> Option<Vec<TrueWay>> {
         let at = &file.display.diffuser;
-        let through = |truth: Truth, spectrum: Spectrum, straight: f64| {
+        let through = |truth: TrueLobe, spectrum: Spectrum, straight: f64| {
             vec![(Way::FrontTransmission, truth, [1.0 - straight, straight], spectrum)]
         };
         let lobe = match &at.value {
@@ -218,33 +218,36 @@ impl Resolver<'_> {
             Some(Diffuser::Lambertian(lobe)) => self.lambertian(lobe)?,
             Some(Diffuser::Ward(ward)) => {
                 let (scatter, transmittance) = self.ward_lobe(ward)?;
-                return Some(through(Truth::Scatter(scatter), transmittance, ward.regular_fraction.0));
+                return Some(through(TrueLobe::Scatter(scatter), transmittance, ward.regular_fraction.0));
             }
             Some(Diffuser::Measured(measured)) => {
-                let film = self.film_in_air("display.diffuser", measured)?;
+                let film = self.foil_in_air("display.diffuser", measured)?;
                 let whole = |(way, kernel): (Way, papilio_display::scene::ScatterKernel)| {
-                    (way, Truth::Scatter(kernel.scatter), [1.0, 0.0], kernel.factor)
+                    (way, TrueLobe::Scatter(kernel.scatter), [1.0, 0.0], kernel.factor)
                 };
                 return Some(film.into_iter().map(whole).collect());
             }
             Some(Diffuser::Slab(slab)) => {
-                let wrong = Diagnostic::new("a slab has no BTDF of its own that an instrument could measure").hint(
-                    "use model = \"k-correlation\", \"lambertian\", \"ward\" or \"measured\"; `papilio brdf` tables a \
-                     whole display with a slab",
+                let wrong = Diagnostic::new(
+                    "an instrument cannot measure a slab, because it has no BTDF of its own",
+                )
+                .hint(
+                    "use model = \"k-correlation\", \"lambertian\", \"ward\" or \"measured\"; `papilio brdf` \
+                     computes the BRDF of a whole display with a slab",
                 );
                 self.errors.push(slab.origin, wrong);
                 return None;
             }
             None => {
                 let wrong = mistake::missing_key("diffuser", Diffuser::in_words());
-                self.errors.push(file.display.origin.or_set([file.display.layers.origin]), wrong);
+                self.errors.push(file.display.origin.or_override([file.display.layers.origin]), wrong);
                 return None;
             }
         };
-        Some(through(Truth::Lobe(lobe.lobe), lobe.transmittance, lobe.straight_through))
+        Some(through(TrueLobe::Lobe(lobe.lobe), lobe.transmittance, lobe.straight_through))
     }
 
-    /// What a spectrum of transmission does to each channel, relative to the light's own.
+    /// Computes the factor of a transmission spectrum for each channel, relative to the light.
     pub(super) fn factors(
         &mut self,
         spectrum: &Spectrum,

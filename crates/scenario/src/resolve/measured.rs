@@ -1,8 +1,8 @@
-//! `model = "measured"`: a diffuser or a pixel as a goniometer or an imaging sphere saw it.
+//! `model = "measured"`: a diffuser or a pixel measured with a goniometer or an imaging sphere.
 
 mod blur;
 mod file;
-mod told;
+mod report;
 
 use papilio_display::scene::{Medium, Ready, ScatterFace, ScatterKernel, ScatteringPixel};
 use papilio_goniometry::{Backing, Way};
@@ -18,25 +18,25 @@ use crate::describe::display::ShareSpectrum;
 use crate::describe::pixel::MeasuredPixel;
 use crate::mistake;
 use crate::origin::Origin;
-use crate::read::At;
+use crate::read::Spanned;
 
-/// What a film does with light.
+/// A transmission or reflection of a foil.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Side {
-    /// From above, through it.
+    /// Transmission of light from above.
     Through,
-    /// From above, back.
+    /// Reflection of light from above.
     Above,
-    /// From below, back.
+    /// Reflection of light from below.
     Below,
 }
 
 impl Resolver<'_> {
-    /// A film over glass of this index: from the air down, without the glass.
+    /// Resolves a foil on glass of this index: its layers from the air down, without the glass.
     pub(super) fn measured_over(
         &mut self,
         path: &str,
-        diffuser: &At<Measured>,
+        diffuser: &Spanned<Measured>,
         glass: &Spectrum,
     ) -> Option<Vec<Part>> {
         let backing = match diffuser.mounting.value {
@@ -47,13 +47,13 @@ impl Resolver<'_> {
             Mounting::Air => Backing::Air,
         };
         if !matches!(backing, Backing::Glass { .. }) {
-            self.in_air(&diffuser.extrapolate, "this mounting")?;
+            self.refuse_glass_tails(&diffuser.extrapolate, "this mounting")?;
         }
-        let face = self.face(path, diffuser, backing)?;
-        let mut parts = vec![Part::Interface(scattering(face))];
+        let interface = self.foil_interface(path, diffuser, backing)?;
+        let mut parts = vec![Part::Interface(scattering(interface))];
         let below = match diffuser.mounting.value {
             Mounting::AsMeasured => return Some(parts),
-            // What the air disc does not hold stays in the glass.
+            // Light beyond the disc of air stays in the glass.
             Mounting::Laminated => Ready::Coated,
             Mounting::Air => Ready::Fresnel,
         };
@@ -63,18 +63,22 @@ impl Resolver<'_> {
         Some(parts)
     }
 
-    /// A film among layers in any order, where what is below it is a layer of its own.
-    pub(super) fn measured_alone(&mut self, path: &str, diffuser: &At<Measured>) -> Option<ScatterFace> {
+    /// Resolves a foil in `[[display.layers]]`, where the medium below it is a layer of its own.
+    pub(super) fn measured_alone(&mut self, path: &str, diffuser: &Spanned<Measured>) -> Option<ScatterFace> {
         if diffuser.mounting.value != Mounting::AsMeasured {
             self.err(&diffuser.mounting, mistake::not_with("mounting", "`[[display.layers]]`"));
             return None;
         }
-        self.in_air(&diffuser.extrapolate, "`[[display.layers]]`")?;
-        self.face(path, diffuser, Backing::Air)
+        self.refuse_glass_tails(&diffuser.extrapolate, "`[[display.layers]]`")?;
+        self.foil_interface(path, diffuser, Backing::Air)
     }
 
-    /// Refuses tails in the glass where none is known to be.
-    fn in_air(&mut self, extrapolate: &At<Option<Extrapolate>>, beside: &'static str) -> Option<()> {
+    /// Refuses tails in the glass if the foil is not known to be on glass.
+    fn refuse_glass_tails(
+        &mut self,
+        extrapolate: &Spanned<Option<Extrapolate>>,
+        beside: &'static str,
+    ) -> Option<()> {
         if extrapolate.value == Some(Extrapolate::Glass) {
             let wrong = mistake::not_with("extrapolate = \"glass\"", beside);
             let hint = "\"hold\" keeps the last lobe within the horizon of the air";
@@ -84,47 +88,48 @@ impl Resolver<'_> {
         Some(())
     }
 
-    fn face(&mut self, path: &str, diffuser: &At<Measured>, backing: Backing) -> Option<ScatterFace> {
-        let mut face = ScatterFace::new(Spectrum::constant(&self.grid, 0.0));
-        for (side, kernel) in self.film_sides(path, diffuser, backing)? {
-            face = match side {
-                Side::Through => face.with_transmission(kernel),
-                Side::Above => face.with_reflection_above(kernel),
-                Side::Below => face.with_reflection_below(kernel),
+    fn foil_interface(&mut self, path: &str, diffuser: &Spanned<Measured>, backing: Backing) -> Option<ScatterFace> {
+        let mut interface = ScatterFace::new(Spectrum::constant(&self.grid, 0.0));
+        for (side, kernel) in self.foil_sides(path, diffuser, backing)? {
+            interface = match side {
+                Side::Through => interface.with_transmission(kernel),
+                Side::Above => interface.with_reflection_above(kernel),
+                Side::Below => interface.with_reflection_below(kernel),
             };
         }
-        Some(face)
+        Some(interface)
     }
 
-    /// The film in air, whichever side is up: what it does with light from above, and with light from below that it reflects.
-    pub(super) fn film_in_air(
+    /// Resolves a foil in air, with either side up: its transmission and reflection of light from above, and its reflection of
+    /// light from below.
+    pub(super) fn foil_in_air(
         &mut self,
         path: &str,
-        diffuser: &At<Measured>,
+        diffuser: &Spanned<Measured>,
     ) -> Option<Vec<(Way, ScatterKernel)>> {
         let way = |side: Side| match side {
             Side::Through => Way::FrontTransmission,
             Side::Above => Way::FrontReflection,
             Side::Below => Way::BackReflection,
         };
-        let film = self.film_sides(path, diffuser, Backing::Air)?;
-        Some(film.into_iter().map(|(side, kernel)| (way(side), kernel)).collect())
+        let foil = self.foil_sides(path, diffuser, Backing::Air)?;
+        Some(foil.into_iter().map(|(side, kernel)| (way(side), kernel)).collect())
     }
 
-    fn film_sides(
+    fn foil_sides(
         &mut self,
         path: &str,
-        diffuser: &At<Measured>,
+        diffuser: &Spanned<Measured>,
         backing: Backing,
     ) -> Option<Vec<(Side, ScatterKernel)>> {
-        let key = || format!("film {path} {} {backing:?}", json!(diffuser));
-        self.once(key, |this| this.film_sides_anew(path, diffuser, backing))
+        let key = || format!("foil {path} {} {backing:?}", json!(diffuser));
+        self.cached(key, |this| this.foil_sides_uncached(path, diffuser, backing))
     }
 
-    fn film_sides_anew(
+    fn foil_sides_uncached(
         &mut self,
         path: &str,
-        diffuser: &At<Measured>,
+        diffuser: &Spanned<Measured>,
         backing: Backing,
     ) -> Option<Vec<(Side, ScatterKernel)>> {
         let source = Source {
@@ -156,24 +161,24 @@ impl Resolver<'_> {
                 source.path
             ));
         }
-        let mut film = vec![(Side::Through, self.scattered(&source, through, spectrum, backing)?)];
+        let mut foil = vec![(Side::Through, self.scattered(&source, through, spectrum, backing)?)];
         if let Some(part) = part(front) {
-            film.push((Side::Above, self.scattered(&source, part, None, Backing::Air)?));
+            foil.push((Side::Above, self.scattered(&source, part, None, Backing::Air)?));
         }
-        // A laminated film's back face in air is gone, and with it most of what it reflected.
+        // A laminated foil has no back surface in air, and without it little back reflection.
         if let Some(part) = part(back).filter(|_| backing.lamination().is_none()) {
-            film.push((Side::Below, self.scattered(&source, part, None, Backing::Air)?));
+            foil.push((Side::Below, self.scattered(&source, part, None, Backing::Air)?));
         }
-        Some(film)
+        Some(foil)
     }
 
-    /// A pixel under a medium of this index: the BRDF of its states, angles in air taken as angles in the medium.
+    /// Resolves a measured pixel: the BRDF of its states, with angles in air used as angles in the medium above.
     pub(super) fn measured_pixel(&mut self, pixel: &MeasuredPixel) -> Option<ScatteringPixel> {
-        self.once(|| format!("pixel {}", json!(pixel)), |this| this.measured_pixel_anew(pixel))
+        self.cached(|| format!("pixel {}", json!(pixel)), |this| this.measured_pixel_uncached(pixel))
     }
 
-    fn measured_pixel_anew(&mut self, pixel: &MeasuredPixel) -> Option<ScatteringPixel> {
-        self.in_air(&pixel.extrapolate, "a pixel")?;
+    fn measured_pixel_uncached(&mut self, pixel: &MeasuredPixel) -> Option<ScatteringPixel> {
+        self.refuse_glass_tails(&pixel.extrapolate, "a pixel")?;
         let states = &pixel.file.0;
         self.limit(&pixel.file, "states", states.len(), 256)?;
         if states.is_empty() {
@@ -204,7 +209,7 @@ impl Resolver<'_> {
     fn measured_state(
         &mut self,
         source: &Source<'_>,
-        spectrum: Option<&At<ShareSpectrum>>,
+        spectrum: Option<&Spanned<ShareSpectrum>>,
     ) -> Option<ScatterKernel> {
         let measurement = self.measurement(source)?;
         let reflection = self.way(source, &measurement, Way::FrontReflection)?;

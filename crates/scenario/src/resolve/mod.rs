@@ -1,5 +1,6 @@
-//! From words to numbers: materials, files and lights on the wavelength grid, everything checked.
+//! Resolving: materials, files and lights are evaluated on the wavelength grid, and all keys are checked together.
 
+mod cache;
 mod data;
 mod diffuser;
 mod environment;
@@ -11,7 +12,6 @@ mod lighting;
 mod maps;
 mod measure;
 mod measured;
-mod once;
 mod panel;
 mod pixel;
 mod sampling;
@@ -34,27 +34,27 @@ use crate::error::{Errors, ScenarioErrors};
 use crate::library::Library;
 use crate::mistake::{self, Mistake};
 use crate::origin::Origin;
-use crate::read::At;
+use crate::read::Spanned;
 use crate::source::Sources;
 
-/// Wavelengths that the standard observer sees, nm.
+/// Visible range of the standard observer, nm.
 const VISIBLE_NM: (f64, f64) = (380.0, 780.0);
-/// The luminous part of it: 99.9 % of V(lambda) lies inside, nm.
+/// Range with 99.9 % of V(lambda), nm.
 const LUMINOUS_NM: (f64, f64) = (400.0, 700.0);
 
-/// The largest result, and the largest pixel table: 80 MB for each quantity.
+/// Largest number of values in a result or a pixel table: 80 MB for each quantity.
 const MOST_NUMBERS: usize = 10_000_000;
 
-/// States x wavelengths x (directed sources + 8): what a path carries, and a worker adds up.
+/// Largest states x wavelengths x (directed sources + 8), which each path and each worker holds.
 const MOST_WORK: usize = 8_000_000;
 
-/// Distinct film gaps x wavelengths: the films are tabulated at up to 1088 angles each.
+/// Largest number of distinct film gaps x wavelengths: each film is tabulated at up to 1088 angles.
 const MOST_FILMS: usize = 100_000;
 
-/// A view has 32 replicates of at least one path each.
+/// Smallest number of paths of a view: 32 replicates with at least one path each.
 const FEWEST_PATHS: u64 = 32;
 
-/// A scene and what was found on the way to it.
+/// A scene, with its warnings, notes and input files.
 pub(crate) struct Found {
     pub(crate) scene: Scene,
     pub(crate) warnings: Vec<String>,
@@ -63,19 +63,19 @@ pub(crate) struct Found {
     pub(crate) inputs: BTreeMap<String, String>,
 }
 
-/// The state of the work: the grid, and what has been found so far.
+/// State of the resolution: the grid, and the results so far.
 struct Resolver<'a> {
     grid: Grid,
-    /// Where the first and last wavelength stand.
+    /// Place of the first and last wavelength.
     range: Origin,
     library: &'a Library,
     errors: Errors,
     warnings: Vec<String>,
     notes: Vec<String>,
     inputs: BTreeMap<String, String>,
-    /// What its maps of light make on the display.
+    /// Light of the maps on the display.
     maps: Vec<maps::MapLight>,
-    /// Lobes that may send on more light than they get.
+    /// Lobes that may scatter more light than they receive.
     unbounded: Vec<unbounded::Unbounded>,
 }
 
@@ -93,7 +93,11 @@ impl<'a> Resolver<'a> {
         let grid = grid(file, &mut errors);
         Ok(Self {
             grid: errors.finish(grid, sources)?,
-            range: file.spectrum.range_nm.origin.or_set(file.spectrum.range_nm.iter().map(|end| end.origin)),
+            range: file
+                .spectrum
+                .range_nm
+                .origin
+                .or_override(file.spectrum.range_nm.iter().map(|end| end.origin)),
             library,
             errors: Errors::default(),
             warnings: Vec::new(),
@@ -119,7 +123,7 @@ fn grid(file: &File, errors: &mut Errors) -> Option<Grid> {
         }
         Err(error) => {
             let step = file.spectrum.step_nm.origin;
-            let at = if first.0 < last.0 { step.or_set([range.origin]) } else { range.origin };
+            let at = if first.0 < last.0 { step.or_override([range.origin]) } else { range.origin };
             errors.push(at, error);
             None
         }
@@ -134,12 +138,12 @@ impl Resolver<'_> {
                 "colours are computed from {start} to {stop} nm only, not over the visible range"
             ));
         }
-        // Each part reports its own errors; all are looked at before giving up.
+        // All parts are resolved before the first error ends the resolution, so that all errors are reported.
         let solver = self.solver(&file.solver);
         let display = self.display(file);
         let lighting = self.lighting(&file.lighting);
         let viewer = self.viewer(&file.viewer);
-        self.check_walk(file);
+        self.check_slab_thickness(file);
         let (display, lighting, viewer, solver) = (display?, lighting?, viewer?, solver?);
         let metrics = self.metrics(file, &display.pixel);
         let scene = Scene { grid: self.grid, display, lighting, viewer, metrics, solver };
@@ -154,7 +158,7 @@ impl Resolver<'_> {
         Some(scene)
     }
 
-    /// The reference state must be one of the display's, if it was asked for.
+    /// Resolves `[metrics]`. A specified reference state must be one of the display's.
     fn metrics(&mut self, file: &File, pixel: &scene::Pixel) -> scene::Metrics {
         let asked = &file.metrics;
         let mut metrics = scene::Metrics {
@@ -186,7 +190,7 @@ impl Resolver<'_> {
         metrics
     }
 
-    /// A target's state must be one of the display's.
+    /// Checks that the state of a target is one of the display's.
     fn check_target(&mut self, file: &File, scene: &Scene) {
         let Some(state) = file.solver.target.value.as_ref().map(|target| &target.state) else { return };
         let known = state_names(&scene.display.pixel);
@@ -195,22 +199,22 @@ impl Resolver<'_> {
         }
     }
 
-    /// Says so where a choice of directions has nothing to choose between.
+    /// Notes a `scattering` without effect.
     fn note_scattering(&mut self, scene: &Scene) {
         let chosen =
             scene.solver.method == scene::Method::Walk && scene.solver.scattering != Strategy::Kernel;
         let lobe = scene.display.panel().is_some_and(|panel| panel.diffuser.is_some());
         if chosen && !lobe {
             self.notes.push(
-                "solver.scattering has no effect: it is for a panel's diffuser given by its lobe; whatever scatters in this \
-                 display samples directions from its own kernel"
+                "solver.scattering has no effect: it is for a panel's diffuser given by its lobe; all scattering layers of \
+                 this display sample directions from their own kernels"
                     .to_owned(),
             );
         }
     }
 
-    /// Fails if there are more of something than any display has.
-    fn limit<T>(&mut self, at: &At<T>, what: &'static str, count: usize, limit: usize) -> Option<()> {
+    /// Reports more items than are allowed.
+    fn limit<T>(&mut self, at: &Spanned<T>, what: &'static str, count: usize, limit: usize) -> Option<()> {
         if count <= limit {
             return Some(());
         }
@@ -218,7 +222,7 @@ impl Resolver<'_> {
         None
     }
 
-    /// Neither the work nor the result may be of a size that cannot be held.
+    /// Checks that the computation and its result fit into memory.
     fn check_size(&mut self, file: &File, scene: &Scene) {
         let states = match &scene.display.pixel {
             scene::Pixel::Film(film) => film.states.len(),
@@ -228,7 +232,8 @@ impl Resolver<'_> {
         };
         let bins = scene.grid.len();
         let (step, views_at) = (file.spectrum.step_nm.origin, file.viewer.theta_deg.origin);
-        let (step, views_at) = (step.or_set([self.range]), views_at.or_set([file.viewer.phi_deg.origin]));
+        let (step, views_at) =
+            (step.or_override([self.range]), views_at.or_override([file.viewer.phi_deg.origin]));
         let mut limit = |at, what, factors: &[usize], limit| {
             let count = factors.iter().fold(1, |product: usize, factor| product.saturating_mul(*factor));
             if count > limit {
@@ -250,10 +255,10 @@ impl Resolver<'_> {
         }
         let views = scene.viewer.theta_deg.len() * scene.viewer.phi_deg.len();
         let what = "numbers (views x states x wavelengths)";
-        limit(views_at.or_set([step]), what, &[views, states, bins], MOST_NUMBERS);
+        limit(views_at.or_override([step]), what, &[views, states, bins], MOST_NUMBERS);
     }
 
-    fn err<T>(&mut self, at: &At<T>, mistake: impl Into<Mistake>) {
+    fn err<T>(&mut self, at: &Spanned<T>, mistake: impl Into<Mistake>) {
         self.errors.push(at.origin, mistake);
     }
 
@@ -299,7 +304,7 @@ impl Resolver<'_> {
         ] {
             if given {
                 self.notes.push(format!(
-                    "solver.{key} has no effect beside solver.target, which says when the walk stops"
+                    "solver.{key} has no effect together with solver.target, which defines when the Monte Carlo solver stops"
                 ));
             }
         }
@@ -327,17 +332,17 @@ impl Resolver<'_> {
                 return self.target(solver, target);
             }
             self.notes.push(
-                "solver.target has no effect: it is for the walk, adding has no standard errors".to_owned(),
+                "solver.target has no effect: it is for the Monte Carlo solver, adding has no standard errors".to_owned(),
             );
         }
         match (solver.relative_error.value, solver.paths.value) {
             (Some(_), Some(_)) => {
-                let at = solver.paths.origin.or_set([solver.relative_error.origin]);
+                let at = solver.paths.origin.or_override([solver.relative_error.origin]);
                 self.errors.push(at, mistake::exactly_one("`relative_error` and `paths`", 2));
                 None
             }
             (None, Some(_)) if solver.method.value == solver::Method::Adding => {
-                let at = solver.paths.origin.or_set([solver.method.origin]);
+                let at = solver.paths.origin.or_override([solver.method.origin]);
                 let wrong = mistake::not_with("paths", "method = \"adding\"");
                 self.errors.push(at, wrong.hint("give `relative_error`, or method = \"monte-carlo\""));
                 None
@@ -345,13 +350,13 @@ impl Resolver<'_> {
             (None, Some(paths)) => {
                 if solver.per_wavelength.value {
                     self.warnings.push(
-                        "solver.per_wavelength has no effect beside solver.paths: it belongs to solver.relative_error"
+                        "solver.per_wavelength has no effect together with solver.paths: it applies to solver.relative_error"
                             .to_owned(),
                     );
                 }
                 if paths.0 < FEWEST_PATHS {
                     self.notes.push(format!(
-                        "solver.paths = {} is rounded up to {FEWEST_PATHS}: standard errors need as many",
+                        "solver.paths = {} is rounded up to {FEWEST_PATHS}, the minimum for standard errors",
                         paths.0
                     ));
                 }

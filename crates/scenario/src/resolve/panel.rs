@@ -1,4 +1,4 @@
-//! The panel: front of screen, face or diffuser, glass; and what is for it alone.
+//! The ordinary panel: front of screen, surface or diffuser, glass; and the checks of keys for it only.
 
 use papilio_diagnostics::Diagnostic;
 use papilio_display::scene::{
@@ -8,7 +8,7 @@ use papilio_spectra::Spectrum;
 
 use super::Resolver;
 use super::diffuser::{scattering, transmitting};
-use super::layers::{Part, sheet};
+use super::layers::{Part, component_interface};
 use super::stack::Stack;
 use crate::describe::File;
 use crate::describe::diffuser::Diffuser;
@@ -17,26 +17,26 @@ use crate::describe::pixel::Pixel;
 use crate::mistake;
 use crate::origin::Origin;
 
-/// Something that only the ordinary panel can have, and what every display can have instead.
+/// Error: a key is for the ordinary panel only; `instead` is possible for every display.
 fn needs_panel(what: &str, instead: &str) -> Diagnostic {
     Diagnostic::new(format!("{what} is for the ordinary panel only"))
         .expected(
-            "front components, a face or a lobe by formula, clear glass, and a pixel that is not measured",
+            "front components, a surface or a lobe given by a formula, clear glass, and a pixel that is not measured",
         )
         .hint(format!("use {instead}"))
 }
 
-/// A direction in glass that never leaves the glass.
+/// Error: light in this direction in glass is totally reflected.
 fn trapped(theta_deg: f64, limit_deg: f64) -> Diagnostic {
     Diagnostic::new(format!("light at {theta_deg} deg in this glass never leaves it"))
-        .expected(format!("less than {limit_deg:.2} deg, field and radius included"))
+        .expected(format!("less than {limit_deg:.2} deg, including field of view and radius"))
 }
 
-/// What a panel has between air and glass.
-enum Top {
+/// The layers of a panel between air and glass.
+enum AboveGlass {
     Nothing,
     Lobe(scene::Diffuser),
-    /// From the air down.
+    /// Media and interfaces from the air down.
     Parts(Vec<Part>),
 }
 
@@ -51,8 +51,8 @@ impl Resolver<'_> {
         Some(Display { layers: layers?, pixel: pixel? })
     }
 
-    /// Front, face or diffuser, glass: the ordinary panel, if nothing scatters in bulk, the glass is clear, and
-    /// the pixel scatters by no kernel.
+    /// Resolves front, surface or diffuser, and glass: an ordinary panel, if there is no volume scattering, the glass is
+    /// clear, and the pixel is not measured; otherwise general layers.
     fn panel(&mut self, display: &describe::Display) -> Option<Layers> {
         let front = display.front.as_deref().unwrap_or_default();
         self.limit(&display.front, "front components", front.len(), 32)?;
@@ -62,26 +62,26 @@ impl Resolver<'_> {
         let top = self.top(display, glass.as_ref().map(|(medium, _)| &medium.index));
         let front = front.into_iter().collect::<Option<Vec<_>>>()?;
         let (top, (medium, surface)) = (top?, glass?);
-        // What is for the panel alone takes neither.
+        // The ordinary panel has neither absorbing glass nor a measured pixel.
         let scatters = matches!(display.pixel.value, Pixel::Measured(_));
         let plain = medium.transmittance.min() == 1.0 && !scatters;
         let parts = match top {
-            Top::Parts(parts) => parts,
-            Top::Lobe(diffuser) if plain => {
+            AboveGlass::Parts(parts) => parts,
+            AboveGlass::Lobe(diffuser) if plain => {
                 let glass = Glass { index: medium.index, surface };
                 return Some(Layers::Panel(Panel { front, diffuser: Some(diffuser), glass }));
             }
-            Top::Nothing if plain => {
+            AboveGlass::Nothing if plain => {
                 let glass = Glass { index: medium.index, surface };
                 return Some(Layers::Panel(Panel { front, diffuser: None, glass }));
             }
-            Top::Lobe(diffuser) => vec![Part::Interface(transmitting(diffuser))],
-            Top::Nothing => vec![Part::Interface(match surface {
+            AboveGlass::Lobe(diffuser) => vec![Part::Interface(transmitting(diffuser))],
+            AboveGlass::Nothing => vec![Part::Interface(match surface {
                 scene::Surface::Coated => Ready::Coated.into(),
                 scene::Surface::Fresnel => Ready::Fresnel.into(),
             })],
         };
-        let front = front.into_iter().map(|component| Part::Interface(sheet(component)));
+        let front = front.into_iter().map(|component| Part::Interface(component_interface(component)));
         let mut stack = Stack::new(&self.grid);
         for part in front.chain(parts).chain([Part::Medium(medium, Origin::FILE)]) {
             match part {
@@ -92,26 +92,26 @@ impl Resolver<'_> {
         Some(Layers::General(stack.finish(&mut self.errors)))
     }
 
-    /// What stands over glass of this index (`None` if that is unknown).
-    fn top(&mut self, display: &describe::Display, glass: Option<&Spectrum>) -> Option<Top> {
+    /// Resolves the layers above glass of this index (`None` if that is unknown).
+    fn top(&mut self, display: &describe::Display, glass: Option<&Spectrum>) -> Option<AboveGlass> {
         match &display.diffuser.value {
-            Some(Diffuser::KCorrelation(lobe)) => self.k_correlation(lobe).map(Top::Lobe),
-            Some(Diffuser::Lambertian(lobe)) => self.lambertian(lobe).map(Top::Lobe),
+            Some(Diffuser::KCorrelation(lobe)) => self.k_correlation(lobe).map(AboveGlass::Lobe),
+            Some(Diffuser::Lambertian(lobe)) => self.lambertian(lobe).map(AboveGlass::Lobe),
             Some(Diffuser::Ward(ward)) => {
                 let face = self.ward("display.diffuser", ward)?;
-                Some(Top::Parts(vec![Part::Interface(scattering(face))]))
+                Some(AboveGlass::Parts(vec![Part::Interface(scattering(face))]))
             }
             Some(Diffuser::Measured(diffuser)) => {
-                self.measured_over("display.diffuser", diffuser, glass?).map(Top::Parts)
+                self.measured_over("display.diffuser", diffuser, glass?).map(AboveGlass::Parts)
             }
             Some(Diffuser::Slab(slab)) => {
                 let slab = self.slab("display.diffuser", slab)?;
-                Some(Top::Parts(vec![
+                Some(AboveGlass::Parts(vec![
                     Part::Interface(Ready::Fresnel.into()),
                     Part::Medium(slab, Origin::FILE),
                 ]))
             }
-            None => Some(Top::Nothing),
+            None => Some(AboveGlass::Nothing),
         }
     }
 
@@ -124,31 +124,31 @@ impl Resolver<'_> {
         let absorptance = self.share(&component.absorptance, component.absorptance.origin);
         let (reflectance, absorptance) = (reflectance?, absorptance?);
         let sum = reflectance.zip_map(&absorptance, |r, a| r + a).max();
-        // A tolerance for sums such as .7 + .3 of decimal files.
+        // The tolerance is for rounding errors of sums such as 0.7 + 0.3.
         if sum > 1.0 + 1e-12 {
             let what = "reflectance and absorptance";
-            let at = origin.or_set([component.reflectance.origin, component.absorptance.origin]);
+            let at = origin.or_override([component.reflectance.origin, component.absorptance.origin]);
             self.errors.push(at, mistake::sum(what, sum, "at most 1"));
             return None;
         }
         Some(FrontComponent { reflectance, absorptance })
     }
 
-    /// The glass and its face.
+    /// Resolves the glass and its surface.
     fn glass(&mut self, display: &describe::Display) -> Option<(Medium, scene::Surface)> {
         let glass = display.glass.as_ref()?;
         let wrong = match (&display.diffuser.value, glass.surface.value) {
             (Some(Diffuser::Slab(_)), Some(_)) => {
-                Some("a slab has faces of its own: Fresnel's, where the index changes")
+                Some("a slab has interfaces of its own: bare ones, where the index changes")
             }
             (Some(_), Some(describe::Surface::Fresnel)) => {
-                Some("a diffuser given by its BTDF contains its faces")
+                Some("a diffuser given by its BTDF includes its surfaces")
             }
             _ => None,
         };
         if let Some(why) = wrong {
             let model = display.diffuser.as_ref().map_or(display.diffuser.origin, Diffuser::model);
-            let at = glass.surface.origin.or_set([display.diffuser.origin, model]);
+            let at = glass.surface.origin.or_override([display.diffuser.origin, model]);
             self.errors.push(at, Diagnostic::new(why).hint("remove `surface`, or the diffuser"));
         }
         let absorption = (&glass.internal_transmittance, &glass.thickness_mm);
@@ -160,7 +160,8 @@ impl Resolver<'_> {
         Some((medium, surface))
     }
 
-    /// A front light of a given distribution is mirrored by the front of screen alone: a lobe has to lie below.
+    /// Checks that a front light with a distribution is above a lobe, so that only the front of screen reflects it
+    /// specularly.
     fn check_front_light(&mut self, file: &File, scene: &Scene) {
         let Some(guide) = &file.lighting.front_light.value else { return };
         let over_lobe = scene.display.panel().is_some_and(|panel| panel.diffuser.is_some());
@@ -168,12 +169,12 @@ impl Resolver<'_> {
             let wrong = Diagnostic::new(
                 "`distribution` of a front light needs a panel with a diffuser given by a lobe",
             )
-            .hint("remove `distribution`: a diffuse front light lies over any layers");
+            .hint("remove `distribution`: a diffuse front light can be above any layers");
             self.errors.push(guide.distribution.origin, wrong);
         }
     }
 
-    /// Angles that are not in air, and one pass alone, are for the ordinary panel.
+    /// Checks the keys for the ordinary panel only: angles in other media than air, and single-pass.
     pub(super) fn check_panel(&mut self, file: &File, scene: &Scene) {
         self.check_front_light(file, scene);
         let Layers::General(_) = scene.display.layers else {
@@ -191,17 +192,17 @@ impl Resolver<'_> {
             AngleMedium::Unrefracted => Some("angle_medium = \"unrefracted\""),
         };
         if let Some(what) = what {
-            let at = solver.angle_medium.origin.or_set(causes.iter().copied());
+            let at = solver.angle_medium.origin.or_override(causes.iter().copied());
             self.errors.push(at, needs_panel(what, "angle_medium = \"air\""));
         }
         if scene.solver.approximation == Approximation::SinglePass {
             let what = "approximation = \"single-pass\"";
-            let at = solver.approximation.origin.or_set(causes);
+            let at = solver.approximation.origin.or_override(causes);
             self.errors.push(at, needs_panel(what, "approximation = \"none\""));
         }
     }
 
-    /// Angles in glass: for a bare panel of one index, and only for light that gets out.
+    /// Checks angles in glass, which are for a bare panel of one index, and for light that leaves the glass.
     fn check_angles(&mut self, file: &File, scene: &Scene) {
         if scene.solver.angle_medium != AngleMedium::Glass {
             return;
@@ -219,13 +220,13 @@ impl Resolver<'_> {
         let display = &file.display;
         let mut causes = vec![display.diffuser.origin, display.glass.origin];
         causes.extend(display.glass.iter().flat_map(|glass| [glass.index.origin, glass.surface.origin]));
-        let at = file.solver.angle_medium.origin.or_set(causes);
+        let at = file.solver.angle_medium.origin.or_override(causes);
         let wrong = Diagnostic::new(format!("angles in glass need {needs}"))
             .hint("use angle_medium = \"air\": angles are then refracted by Snell's law");
         self.errors.push(at, wrong);
     }
 
-    /// What is seen or shines at |beta| >= 1 is light that the glass holds.
+    /// Refuses views and sources with |beta| >= 1, whose light is totally reflected in the glass.
     fn check_trapped(&mut self, file: &File, scene: &Scene) {
         let limit_deg = (1.0 / scene.display.index_above_pixel()[0]).asin().to_degrees();
         let glass = file.display.glass.as_ref().map_or(file.display.glass.origin, |glass| glass.index.origin);
@@ -234,13 +235,14 @@ impl Resolver<'_> {
         let edges = scene.viewer.theta_deg.iter().map(|theta| theta.abs() + half_field);
         let edge = edges.fold(0.0, f64::max);
         if edge >= limit_deg {
-            let at = file.viewer.theta_deg.origin.or_set(causes).or_set([file.viewer.field_deg.origin]);
+            let at =
+                file.viewer.theta_deg.origin.or_override(causes).or_override([file.viewer.field_deg.origin]);
             self.errors.push(at, trapped(edge, limit_deg));
         }
         for source in file.lighting.directed.iter() {
             let theta_deg = source.theta_deg.0.abs() + source.radius_deg.map_or(0.0, |radius| radius.0);
             if theta_deg >= limit_deg {
-                let at = source.theta_deg.origin.or_set(causes).or_set([source.radius_deg.origin]);
+                let at = source.theta_deg.origin.or_override(causes).or_override([source.radius_deg.origin]);
                 self.errors.push(at, trapped(theta_deg, limit_deg));
             }
         }

@@ -1,4 +1,4 @@
-//! The pixel: uniform states, tables and how far a table must reach, and what lies over a pixel that scatters.
+//! The pixel: uniform states, tables and their range of angles, and the medium above a measured pixel.
 
 use papilio_diagnostics::Diagnostic;
 use papilio_display::scene::{
@@ -13,10 +13,10 @@ use crate::describe::File;
 use crate::describe::diffuser::Diffuser;
 use crate::describe::pixel as describe;
 use crate::mistake::{self, tidy};
-use crate::read::At;
+use crate::read::Spanned;
 
 impl Resolver<'_> {
-    pub(super) fn pixel(&mut self, pixel: &At<describe::Pixel>) -> Option<Pixel> {
+    pub(super) fn pixel(&mut self, pixel: &Spanned<describe::Pixel>) -> Option<Pixel> {
         match &pixel.value {
             describe::Pixel::Film(film) => self.film(film).map(Pixel::Film),
             describe::Pixel::Table(table) => self.table_pixel(table).map(Pixel::Table),
@@ -62,7 +62,7 @@ impl Resolver<'_> {
         Some(TablePixel { angles, theta_deg: table.theta_deg, states })
     }
 
-    /// A pixel that scatters has directions of its own, which are those of a medium of one index.
+    /// Checks that the medium above a measured pixel has one index, because its directions are those of that medium.
     pub(super) fn check_medium(&mut self, file: &File, scene: &Scene) {
         let Pixel::Scattering(_) = scene.display.pixel else { return };
         let index = scene.display.index_above_pixel();
@@ -70,16 +70,16 @@ impl Resolver<'_> {
             let display = &file.display;
             let causes = [display.glass.origin, display.layers.origin];
             let glass = display.glass.as_ref().map(|glass| glass.index.origin);
-            let at = display.pixel.model().or_set(glass.into_iter().chain(causes));
-            self.errors.push(at, dispersive("the medium over this pixel", index));
+            let at = display.pixel.model().or_override(glass.into_iter().chain(causes));
+            self.errors.push(at, dispersive("the medium above this pixel", index));
         }
     }
 
-    /// A pixel table must reach as far as the light in the stack does.
+    /// Checks that a pixel table covers the angles of the light in the stack.
     ///
-    /// All light of a bare panel, and of one under a Lambertian diffuser, has
-    /// |beta| <= 1: 90 deg in air. A k-correlation lobe fills the glass. Where
-    /// the air angle is looked up unrefracted, it too runs to 90 deg "in glass".
+    /// All light in a bare panel, and below a Lambertian diffuser, has |beta| <= 1:
+    /// 90 deg in air. A k-correlation lobe fills the glass. With unrefracted angles,
+    /// those in air also extend to 90 deg "in glass".
     pub(super) fn check_reach(&mut self, file: &File, scene: &Scene) {
         let (Pixel::Table(table), describe::Pixel::Table(described)) =
             (&scene.display.pixel, &file.display.pixel.value)
@@ -95,12 +95,12 @@ impl Resolver<'_> {
             fills_glass(&scene.display.layers) || scene.solver.angle_medium == AngleMedium::Unrefracted;
         let (medium, needed_deg) = match table.angles {
             TableAngles::Air if fills_glass => {
-                let wrong = Diagnostic::new("angles in air do not reach the light beyond total internal reflection")
+                let wrong = Diagnostic::new("angles in air do not cover light beyond the critical angle of total internal reflection")
                     .expected("angles = \"glass\"")
                     .hint(
-                        "give the table in glass angles, to 90 deg; `papilio pixel FILE --angles glass` makes such a table",
+                        "give the table with angles in glass, up to 90 deg; `papilio pixel FILE --angles glass` writes such a table",
                     );
-                return self.errors.push(described.angles.origin.or_set(causes), wrong);
+                return self.errors.push(described.angles.origin.or_override(causes), wrong);
             }
             TableAngles::Air => ("air", 90.0),
             TableAngles::Glass if fills_glass => ("glass", 90.0),
@@ -108,7 +108,7 @@ impl Resolver<'_> {
         };
         let last_deg = table.theta_deg.last().copied().unwrap_or_default();
         if last_deg < needed_deg {
-            let at = described.file.origin.or_set(causes).or_set([described.angles.origin]);
+            let at = described.file.origin.or_override(causes).or_override([described.angles.origin]);
             let wrong =
                 Diagnostic::new(format!("the angles of this table end at {last_deg} deg in {medium}"))
                     .expected(format!("{needed_deg:.2} deg or more"))
@@ -118,20 +118,20 @@ impl Resolver<'_> {
     }
 }
 
-/// A medium beside something that needs one index at all wavelengths.
+/// Error: a medium must have one index at all wavelengths.
 pub(super) fn dispersive(what: &str, index: &Spectrum) -> Diagnostic {
     let (least, largest) = (tidy(index.min()), tidy(index.max()));
     Diagnostic::new(format!("{what} has an index of {least} to {largest}"))
         .expected("the same index at all wavelengths")
-        .hint("give the index as a number, that at 550 nm for example")
+        .hint("give the index as a number, for example that at 550 nm")
 }
 
-/// The largest angle in glass of light with |beta| <= 1, over the wavelengths, degrees.
+/// Largest angle in glass of light with |beta| <= 1 over all wavelengths, degrees.
 fn critical_deg(index: &Spectrum) -> f64 {
     (1.0 / index.min()).asin().to_degrees()
 }
 
-/// True if something scatters light beyond |beta| = 1.
+/// True if a layer scatters light beyond |beta| = 1.
 fn fills_glass(layers: &scene::Layers) -> bool {
     let wide = |diffuser: &scene::Diffuser| matches!(diffuser.lobe, Lobe::KCorrelation { .. });
     let layer = |layer: &scene::Layer| {

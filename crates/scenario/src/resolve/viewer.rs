@@ -1,4 +1,4 @@
-//! Where the reader looks from.
+//! `[viewer]`: the views.
 
 use std::collections::HashSet;
 
@@ -10,9 +10,9 @@ use crate::describe::numbers::Inclination;
 use crate::describe::viewer::{self as describe, AngleRange, Azimuths, Inclinations};
 use crate::mistake::{self, tidy};
 use crate::origin::Origin;
-use crate::read::{At, Read};
+use crate::read::{Read, Spanned};
 
-/// More views than this make a result that nobody can open.
+/// Largest number of views: larger results are too large to open.
 const MOST_VIEWS: usize = 5000;
 
 impl Resolver<'_> {
@@ -30,22 +30,22 @@ impl Resolver<'_> {
         let (theta_deg, phi_deg) = (theta_deg?, phi_deg?);
         let count = theta_deg.len() * phi_deg.len();
         if count > MOST_VIEWS {
-            let at = viewer.theta_deg.origin.or_set([viewer.phi_deg.origin]);
+            let at = viewer.theta_deg.origin.or_override([viewer.phi_deg.origin]);
             self.errors.push(at, mistake::too_many("views", count as f64, MOST_VIEWS));
         }
         let field_deg = viewer.field_deg.0;
         let reach = theta_deg.iter().fold(0.0, |most: f64, theta| most.max(theta.abs())) + 0.5 * field_deg;
         if reach >= 90.0 {
-            let at = viewer.field_deg.origin.or_set([viewer.theta_deg.origin]);
+            let at = viewer.field_deg.origin.or_override([viewer.theta_deg.origin]);
             self.errors.push(at, mistake::below_horizon("cone", reach));
         }
         Some(Viewer { theta_deg, phi_deg, field_deg, distance_mm: viewer.distance_mm.0 })
     }
 
-    /// The angles of a list, each there once.
+    /// Returns the angles of a list, which must contain each once.
     pub(super) fn listed<T>(
         &mut self,
-        list: &[At<T>],
+        list: &[Spanned<T>],
         angle: fn(&T) -> f64,
         origin: Origin,
     ) -> Option<Vec<f64>> {
@@ -71,10 +71,10 @@ impl Resolver<'_> {
         self.spaced("viewer.theta_deg", range, origin)
     }
 
-    /// `from`, `from + step`, ... up to `to`, with a millionth of a step to spare.
+    /// Returns `from`, `from + step`, ... up to `to`, with a tolerance of 1e-6 steps.
     pub(super) fn spaced(&mut self, key: &str, range: &AngleRange, origin: Origin) -> Option<Vec<f64>> {
         let (from, to, step) = (range.from.0, range.to.0, range.step.0);
-        let origin = origin.or_set([range.from.origin, range.to.origin, range.step.origin]);
+        let origin = origin.or_override([range.from.origin, range.to.origin, range.step.origin]);
         if from > to {
             let wrong = Diagnostic::new(format!("the range from {from} to {to} in steps of {step} is empty"));
             self.errors.push(origin, wrong.expected("from <= to and a step above 0"));

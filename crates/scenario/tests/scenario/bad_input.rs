@@ -1,4 +1,4 @@
-//! Everything that a user may get wrong: where the error points, what it says, what it advises.
+//! Mistakes of users: place, message and hint of each error.
 
 use std::fs;
 use std::path::Path;
@@ -6,7 +6,7 @@ use std::path::Path;
 use crate::common::{GOOD, changed, resolve};
 use papilio_scenario::ScenarioError;
 
-/// All errors of a text, in a folder without files.
+/// Returns all errors of a text in a folder without files.
 fn errors(text: &str, sets: &[&str]) -> Vec<ScenarioError> {
     let Err(errors) = resolve(text, Path::new(""), sets) else {
         panic!("this is no error:\n{text}\n{sets:?}")
@@ -14,7 +14,7 @@ fn errors(text: &str, sets: &[&str]) -> Vec<ScenarioError> {
     errors.iter().cloned().collect()
 }
 
-/// The one error that a change of the good scenario makes: line, column, and the whole of it as shown.
+/// Returns the only error after a change of the valid scenario: line, column, and the printed error.
 fn one(from: &str, to: &str) -> ((usize, usize), String) {
     only(errors(&changed(&[(from, to)]), &[]))
 }
@@ -24,7 +24,7 @@ fn only(errors: Vec<ScenarioError>) -> ((usize, usize), String) {
     (errors[0].place.line_column().unwrap_or((0, 0)), errors[0].to_string())
 }
 
-/// A change, where the error is, and what it must say.
+/// A change, the place of the error, and parts of its text.
 type Case = (&'static str, &'static str, (usize, usize), &'static [&'static str]);
 
 const KEYS_AND_TYPES: &[Case] = &[
@@ -104,7 +104,7 @@ const NAMES_AND_CHOICES: &[Case] = &[
         (13, 8),
         &["`haze` cannot be combined with model = \"lambertian\""],
     ),
-    ("index = 1.5", "index = 1.5\nsurface = \"fresnel\"", (18, 11), &["contains its faces"]),
+    ("index = 1.5", "index = 1.5\nsurface = \"fresnel\"", (18, 11), &["includes its surfaces"]),
     ("[viewer]", "[solver]\nangle_medium = \"glass\"\n[viewer]", (38, 16), &["a panel without diffuser"]),
     ("[viewer]", "[solver]\npaths = 10\nrelative_error = 0.1\n[viewer]", (38, 9), &["more than one of"]),
     (
@@ -134,7 +134,7 @@ const ADVICE: &[Case] = &[
         &["no k-correlation lobe has a haze of 0.999", "haze can be 0.998 at most"],
     ),
     ("haze = 0.78", "haze = 0.9\nregular_fraction = 0.3", (13, 8), &["haze can be 0.6"]),
-    ("haze = 0.78", "haze = 0.9\nregular_fraction = 1", (13, 8), &["straight through is not haze"]),
+    ("haze = 0.78", "haze = 0.9\nregular_fraction = 1", (13, 8), &["regular transmission is not haze"]),
     ("haze = 0.78", "haze = .78", (13, 8), &["mantissa", "0.50"]),
     ("haze = 0.78", "haze = 1.", (13, 10), &["fraction", "0.50"]),
     ("\"Cr:Johnson\"", "{ n = 2, k = -1 }", (25, 29), &["n + ik", "change the sign"]),
@@ -153,7 +153,7 @@ const WRITTEN_OTHERWISE: &[Case] = &[
     ("theta_deg = 8", "theta_deg = 8, 20", (38, 14), &["expected newline"]),
     ("haze = 0.78", "haze = 78 %", (13, 8), &["found `%`", "write 78 % as 0.78"]),
     ("haze = 0.78", "haze = 78%", (13, 8), &["found `%`", "write 78 % as 0.78"]),
-    ("haze = 0.78", "haze = 78", (13, 8), &["fraction of 1, not percent"]),
+    ("haze = 0.78", "haze = 78", (13, 8), &["fraction relative to 1, not per cent"]),
     ("haze = 0.78", "haze = 0,78", (13, 8), &["has a decimal comma", "with a point"]),
     ("red = 0.5", "red = 0,5", (22, 16), &["has a decimal comma", "with a point"]),
     ("title = \"Test\"", "title = Test", (1, 9), &["this is not a value", "write strings in double quotes"]),
@@ -161,7 +161,7 @@ const WRITTEN_OTHERWISE: &[Case] = &[
     ("title = \"Test\"", "title = \"Te\\u001bst\"", (1, 9), &["control characters", "one line"]),
     ("red = 0.5", "\"r\\u0007\" = 0.5", (22, 10), &["this name is not permitted", "no control characters"]),
     ("red = 0.5", "\"red \" = 0.5", (22, 10), &["this name is not permitted", "no blanks at the ends"]),
-    ("haze = 0.78", "haze = 1e-9", (13, 8), &["so small a haze is none: give a larger one"]),
+    ("haze = 0.78", "haze = 1e-9", (13, 8), &["this haze is too small: give a larger one"]),
     (
         "red = 0.5, green = 0.3, blue = 0.2",
         "",
@@ -201,7 +201,7 @@ const TARGETS: &[Case] = &[
     ),
 ];
 
-/// Of `[metrics]`.
+/// Changes of `[metrics]`.
 const METRICS: &[Case] = &[
     ("[viewer]", "[metrics]\nreference_state = \"wite\"\n[viewer]", (38, 19), &["there is no state `wite`"]),
     ("[viewer]", "[metrics]\nobserver = \"1960\"\n[viewer]", (38, 12), &["1931", "1964"]),
@@ -228,7 +228,7 @@ const NOT_IN_THIS_VERSION: &[Case] =
     &[("[viewer]", "[study]\n[viewer]", (37, 2), &["`study` is not in this version"])];
 
 #[test]
-fn every_mistake_is_shown_where_it_is() {
+fn mistakes_are_reported_at_their_places() {
     let mut wrong = Vec::new();
     for (from, to, place, says) in [
         KEYS_AND_TYPES,
@@ -252,7 +252,7 @@ fn every_mistake_is_shown_where_it_is() {
 }
 
 #[test]
-fn an_error_looks_as_a_compilers() {
+fn error_is_printed_as_by_compilers() {
     let (_, shown) = one("thickness_nm = 12 ", "thickness_nm = -5 ");
     let expected = "error: -5 is out of range\n  --> test.toml:25:45\n   |\n25 |   { material = \"Cr:Johnson\", thickness_nm = -5 },\n   \
                     |                                             ^^ expected a number from 0 to 1e6 (nm)";
@@ -273,7 +273,7 @@ fn independent_mistakes_are_reported_together() {
 }
 
 #[test]
-fn mistakes_in_set_name_it_and_its_position() {
+fn mistakes_in_set_are_reported_with_its_number_and_column() {
     let cases: [(&[&str], &str, &[&str]); 14] = [
         (&["display.glas.index=1.5"], "--set #1:1:9", &["no key `glas`", "did you mean `glass`?"]),
         (
@@ -284,7 +284,7 @@ fn mistakes_in_set_name_it_and_its_position() {
         (&["display.pixel.film.2.material=1.4"], "--set #1:1:20", &["`thickness_nm` is missing"]),
         (&["display.pixel.film.3.material=1.4"], "--set #1:1:20", &["has the indices 0 to 1"]),
         (&["display.pixel.film.first.material=1.4"], "--set #1:1:20", &["an index is needed here"]),
-        (&["display.glass.index.n=1.4"], "--set #1:1:21", &["a number, it has no keys"]),
+        (&["display.glass.index.n=1.4"], "--set #1:1:21", &["a number, which has no keys"]),
         (&["nonsense"], "--set #1:1:1", &["not PATH=VALUE"]),
         (&["=1"], "--set #1:1:1", &["the path has an empty key"]),
         (&["display..glass=1"], "--set #1:1:9", &["the path has an empty key"]),
@@ -304,15 +304,15 @@ fn mistakes_in_set_name_it_and_its_position() {
     }
     // A file that a --set asks for: which key it was is shown.
     let shown = errors(GOOD, &["display.glass.index=none.csv"])[0].to_string();
-    let note = "it is asked for at --set #1:1:21: display.glass.index=none.csv";
+    let note = "requested at --set #1:1:21: display.glass.index=none.csv";
     assert!(shown.contains(note) && shown.contains("paths in a scenario"), "{shown}");
     let long = format!("a{}=1", ".a".repeat(100_000));
     assert_eq!(errors(GOOD, &[&long]).len(), 1);
 }
 
-/// The file was right before the `--set`: that is where the error is, whichever value it is about.
+/// The file alone is valid: the error is at the `--set`, whichever value it concerns.
 #[test]
-fn what_a_set_spoils_is_shown_at_the_set() {
+fn mistakes_caused_by_set_are_reported_at_the_set() {
     let bare = {
         let (start, end) = (GOOD.find("[display.diffuser]").unwrap(), GOOD.find("[display.glass]").unwrap());
         format!("{}{}", &GOOD[..start], &GOOD[end..])
@@ -333,7 +333,7 @@ fn what_a_set_spoils_is_shown_at_the_set() {
         (GOOD, "spectrum.range_nm=[340, 700]", "`Cr:Johnson` reaches from"),
         (GOOD, "spectrum.step_nm=7", "not a grid"),
         (GOOD, "viewer.theta_deg=89.99", "this cone reaches"),
-        (&coated, diffuser, "contains its faces"),
+        (&coated, diffuser, "includes its surfaces"),
         (
             &coated,
             "display.diffuser={ model = \"slab\", optical_thickness = 1, anisotropy = 0 }",
@@ -353,7 +353,7 @@ fn what_a_set_spoils_is_shown_at_the_set() {
 }
 
 #[test]
-fn what_is_cut_is_counted() {
+fn errors_beyond_the_limit_are_counted() {
     let keys: String = (0..73).map(|i| format!("k{i} = 1\n")).collect();
     let errors = resolve(&format!("{keys}{GOOD}"), Path::new(""), &[]).unwrap_err();
     assert_eq!(errors.iter().count(), 50);
@@ -361,7 +361,7 @@ fn what_is_cut_is_counted() {
 }
 
 #[test]
-fn shares_that_do_not_fit_a_preset() {
+fn shares_that_do_not_fit_a_preset_are_refused() {
     let text = GOOD.replace(&GOOD[GOOD.find("illuminance_lx").unwrap()..], "preset = \"indoor\"\n");
     let error = &errors(&text, &["lighting.diffuse=0.7"])[0];
     let shown = error.to_string();
@@ -379,7 +379,7 @@ fn shares_that_do_not_fit_a_preset() {
 }
 
 #[test]
-fn what_is_no_scenario_is_told_so_once() {
+fn other_text_than_toml_gives_one_error() {
     for text in ["nm,R\n380,0.1\n390,0.1\n400,0.1\n", "{\"a\": 1,\n\"b\": 2}\n", "Dear reader,\n\nhello.\n"] {
         let (_, shown) = only(errors(text, &[]));
         assert!(shown.contains("does not look like a scenario (TOML)"), "{shown}");
@@ -396,7 +396,7 @@ fn what_is_no_scenario_is_told_so_once() {
 }
 
 #[test]
-fn mistakes_in_files_name_the_file_and_where_it_is_asked_for() {
+fn mistakes_in_files_state_the_file_and_the_key_that_names_it() {
     let folder = tempfile::tempdir().unwrap();
     let file = |name: &str, text: &str| fs::write(folder.path().join(name), text).unwrap();
     file("nan.csv", "nm,R\n380,0.1\n500,nan\n780,0.1\n");
@@ -412,14 +412,14 @@ fn mistakes_in_files_name_the_file_and_where_it_is_asked_for() {
     let front = "reflectance = 0.01";
     let (place, text) = shown(front, "reflectance = \"nan.csv\"");
     assert_eq!(place, (3, 5));
-    assert!(text.contains("--> nan.csv:3:5") && text.contains("it is asked for at test.toml:8:15"), "{text}");
+    assert!(text.contains("--> nan.csv:3:5") && text.contains("requested at test.toml:8:15"), "{text}");
     let (place, text) = shown(front, "reflectance = \"short.csv\"");
     assert_eq!(place, (8, 15));
     assert!(text.contains("from 450 to 650 nm") && text.contains("[450, 650]"), "{text}");
     let (place, text) = shown(front, "reflectance = \"percent.csv\"");
     assert_eq!(place, (1, 5));
     assert!(text.contains("the fraction is 10") && text.contains("from 0 to 1, not in percent"), "{text}");
-    assert!(text.contains("it is asked for at test.toml:8:15"), "{text}");
+    assert!(text.contains("requested at test.toml:8:15"), "{text}");
     let (_, text) = shown("index = 1.5", "index = \"um.csv\"");
     assert!(text.contains("micrometres") && text.contains("by 1000"), "{text}");
     let (_, text) = shown(front, "reflectance = \"none.csv\"");
@@ -433,7 +433,7 @@ fn mistakes_in_files_name_the_file_and_where_it_is_asked_for() {
 }
 
 #[test]
-fn a_pixel_table_must_reach_as_far_as_the_light() {
+fn pixel_table_that_does_not_cover_the_light_is_refused() {
     let folder = tempfile::tempdir().unwrap();
     for last in [41, 42, 90] {
         let rows: String =
@@ -460,7 +460,7 @@ fn a_pixel_table_must_reach_as_far_as_the_light() {
     // asin(1/1.5) = 41.81 deg bounds all light of a bare panel; a lobe fills the glass.
     let ends =
         |deg: u32, medium: &str| Some(format!("the angles of this table end at {deg} deg in {medium}"));
-    let in_air = "angles in air do not reach the light beyond total internal reflection";
+    let in_air = "angles in air do not cover light beyond the critical angle of total internal reflection";
     assert_eq!(problem(true, 41, "glass", "air"), ends(41, "glass"));
     assert_eq!(problem(true, 42, "glass", "air"), None);
     assert_eq!(problem(true, 42, "air", "air"), ends(42, "air"));
@@ -473,7 +473,7 @@ fn a_pixel_table_must_reach_as_far_as_the_light() {
 }
 
 #[test]
-fn angles_in_glass_must_leave_it() {
+fn angles_in_glass_beyond_the_critical_angle_are_refused() {
     let bare = {
         let (start, end) = (GOOD.find("[display.diffuser]").unwrap(), GOOD.find("[display.glass]").unwrap());
         format!("{}{}", &GOOD[..start], &GOOD[end..])

@@ -1,4 +1,4 @@
-//! How large a computation may be, and which quantities it can hold.
+//! Limits of the size of a computation, and of quantities.
 
 use std::fmt::Write as _;
 use std::fs;
@@ -13,7 +13,7 @@ fn problems(text: &str, folder: &Path, sets: &[&str]) -> Vec<String> {
     }
 }
 
-/// `GOOD` with `states` states, each with a gap of its own or shares alone, and `sources` lamps.
+/// `GOOD` with `states` states, each with its own gap or with fractions only, and `sources` directed sources.
 fn large(states: usize, own_gaps: bool, sources: usize) -> String {
     let (mut drives, mut lamps) = (String::new(), String::new());
     for i in 0..states {
@@ -28,7 +28,7 @@ fn large(states: usize, own_gaps: bool, sources: usize) -> String {
 }
 
 #[test]
-fn the_work_is_bounded() {
+fn computations_that_are_too_large_are_refused() {
     let step = |nm: f64| format!("spectrum.step_nm={nm}");
     // 258 states x 301 wavelengths x (95 + 8) = 7 998 774; one lamp more is 8 076 432.
     let bare = Path::new("");
@@ -46,7 +46,7 @@ fn the_work_is_bounded() {
 }
 
 #[test]
-fn quantities_that_no_arithmetic_holds() {
+fn quantities_beyond_the_range_of_arithmetic_are_refused() {
     let folder = tempfile::tempdir().unwrap();
     let file = |name: &str, text: &str| fs::write(folder.path().join(name), text).unwrap();
     file("large.csv", "380,1001,0\n780,1001,0\n");
@@ -82,7 +82,7 @@ fn quantities_that_no_arithmetic_holds() {
         let found = refused(from, to);
         assert!(found.len() == 1 && found[0].ends_with(" is out of range"), "{to}: {found:?}");
     }
-    let said = "no k-correlation lobe has a haze of 0.000001 with straight_through = 0";
+    let said = "no k-correlation lobe has a haze of 0.000001 with regular_fraction = 0";
     assert_eq!(refused("haze = 0.78", "haze = 1e-6"), [said]);
     assert!(refused("haze = 0.78", "width = 1e-6").is_empty());
 }

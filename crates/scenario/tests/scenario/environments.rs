@@ -1,4 +1,4 @@
-//! Light from all over the sky or the room: what it takes, and what it refuses.
+//! `[[lighting.environment]]`: resolved fields, and refused input.
 
 use std::path::Path;
 
@@ -8,13 +8,13 @@ use crate::common::{GOOD, changed, resolve, shipped};
 
 const LAMP: &str = "[[lighting.directed]]\ntheta_deg = -20\nshare = 0.5\n";
 
-/// The good scenario with this instead of its lamp.
+/// The valid scenario with this text instead of its directed source.
 fn with(environment: &str) -> String {
     changed(&[(LAMP, &format!("[[lighting.environment]]\n{environment}\n"))])
 }
 
 #[test]
-fn rings_caps_and_profiles_are_where_they_say() {
+fn rings_caps_and_profiles_have_their_edges() {
     for (environment, dark, lit) in [
         ("model = \"ring\"\ntheta_deg = 35\nwidth_deg = 10\nshare = 0.5", [29.9, 40.1], [30.1, 39.9]),
         ("model = \"cap\"\nto_deg = 20\nshare = 0.5", [20.1, 89.0], [0.0, 19.9]),
@@ -31,7 +31,7 @@ fn rings_caps_and_profiles_are_where_they_say() {
 }
 
 #[test]
-fn a_profile_may_count_from_the_plane() {
+fn profile_by_elevation_equals_that_by_inclination() {
     let text =
         with("model = \"profile\"\nfile = \"data/synthetic-room.csv\"\nangles = \"elevation\"\nshare = 0.5");
     let scene = resolve(&text, &shipped(), &[]).unwrap().scene;
@@ -41,7 +41,7 @@ fn a_profile_may_count_from_the_plane() {
 }
 
 #[test]
-fn a_sky_brings_its_sun() {
+fn sky_with_sun_adds_a_directed_source() {
     let text = with(
         "model = \"sky\"\nnumber = 12\nsun_elevation_deg = 30\nsun_azimuth_deg = -90\nsun_share = 0.4\nshare = 0.1\n\
          tilt_deg = 40",
@@ -55,7 +55,7 @@ fn a_sky_brings_its_sun() {
 }
 
 #[test]
-fn what_is_refused() {
+fn wrong_environments_are_refused() {
     let sky = |rest: &str| format!("model = \"sky\"\nshare = 0.5\n{rest}");
     for (environment, wanted) in [
         ("model = \"ring\"\ntheta_deg = 88\nwidth_deg = 10\nshare = 0.5".into(), "reaches from 83 to 93 deg"),
@@ -90,7 +90,7 @@ fn what_is_refused() {
 }
 
 #[test]
-fn a_bad_profile_has_a_place() {
+fn mistake_in_profile_has_line_and_column() {
     let folder = tempfile::tempdir().unwrap();
     let text = with("model = \"profile\"\nfile = \"p.csv\"\nshare = 0.5");
     for (rows, wanted, place) in [
@@ -108,7 +108,7 @@ fn a_bad_profile_has_a_place() {
     assert!(GOOD.contains(LAMP));
 }
 
-/// A picture of one colour, plain.
+/// A picture of one colour.
 fn one_colour(pixel: [u8; 4]) -> Vec<u8> {
     let mut bytes = b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 8 +X 16\n".to_vec();
     bytes.extend(pixel.repeat(128));
@@ -116,7 +116,7 @@ fn one_colour(pixel: [u8; 4]) -> Vec<u8> {
 }
 
 #[test]
-fn a_white_map_is_white_light_from_everywhere() {
+fn white_map_equals_diffuse_light() {
     let folder = tempfile::tempdir().unwrap();
     std::fs::write(folder.path().join("white.hdr"), one_colour([128, 128, 128, 129])).unwrap();
     for tilt in ["0", "50"] {
@@ -148,7 +148,7 @@ fn a_white_map_is_white_light_from_everywhere() {
 }
 
 #[test]
-fn maps_and_luminaires_that_are_refused() {
+fn wrong_maps_and_luminaires_are_refused() {
     let folder = tempfile::tempdir().unwrap();
     std::fs::write(folder.path().join("dark.hdr"), one_colour([0, 0, 0, 0])).unwrap();
     std::fs::write(folder.path().join("short.hdr"), &one_colour([1, 2, 3, 128])[..90]).unwrap();
@@ -175,9 +175,9 @@ fn maps_and_luminaires_that_are_refused() {
     }
 }
 
-/// E = I cos/d2: the file's 1200 cd cos^1.5 at 40 deg from its nadir, 2 m away.
+/// E = I cos(theta)/d^2: the file has 1200 cd cos^1.5, here at 40 deg from its nadir and at 2 m.
 #[test]
-fn a_luminaire_is_a_disc_and_says_its_lux() {
+fn luminaire_becomes_a_disc_and_notes_its_illuminance() {
     let text = with(
         "model = \"luminaire\"\nfile = \"data/synthetic-panel.ies\"\nelevation_deg = 50\nazimuth_deg = 20\ndistance_m = 2\nshare = 0.5",
     );
@@ -200,9 +200,9 @@ fn a_luminaire_is_a_disc_and_says_its_lux() {
     assert!(!near(&far), "{:?}", far.warnings);
 }
 
-/// One region over the whole of a map of one colour is that map with its spectrum.
+/// A region over a whole map of one colour equals that map with the spectrum of the region.
 #[test]
-fn a_region_over_the_whole_map_is_its_spectrum() {
+fn region_over_the_whole_map_has_its_spectrum() {
     let folder = tempfile::tempdir().unwrap();
     std::fs::write(folder.path().join("white.hdr"), one_colour([128, 128, 128, 129])).unwrap();
     let map = "model = \"map\"\nfile = \"white.hdr\"\nshare = 0.5\n";
@@ -215,9 +215,9 @@ fn a_region_over_the_whole_map_is_its_spectrum() {
     assert!((even(5.0) - 1.0).abs() < 1e-6 && (even(80.0) - 1.0).abs() < 1e-6);
 }
 
-/// What a region takes out of the colours it keeps as luminance: no lux are won or lost, and the first region wins.
+/// Regions conserve luminance, so that the illuminance does not change; a pixel in two regions belongs to the first.
 #[test]
-fn regions_keep_the_luminance_and_are_where_they_say() {
+fn regions_keep_the_luminance_and_have_their_edges() {
     let office = "model = \"map\"\nfile = \"data/synthetic-office.hdr\"\nshare = 0.5\n";
     let lux = |text: &str| {
         let resolved = resolve(&with(text), &shipped(), &[]).unwrap();
@@ -245,9 +245,9 @@ fn regions_keep_the_luminance_and_are_where_they_say() {
     assert!(at(270.0) > 0.0 && at(180.0) == 0.0);
 }
 
-/// Two roads to a map's own lux: cells, and the file's pixels by their projected solid angle.
+/// The illuminance of a map is computed in two independent ways: from cells, and from pixels and their projected solid angles.
 #[test]
-fn illuminance_from_a_spectral_map() {
+fn spectral_map_sets_the_illuminance() {
     let map = "model = \"map\"\nfile = \"data/synthetic-hall.exr\"\nshare = 0.5";
     let text = with(map).replace("illuminance_lx = 500", "illuminance_lx = \"from-map\"");
     let scene = resolve(&text, &shipped(), &[]).unwrap().scene;
@@ -279,7 +279,7 @@ fn illuminance_from_a_spectral_map() {
 }
 
 #[test]
-fn regions_and_lux_that_are_refused() {
+fn wrong_regions_and_illuminances_are_refused() {
     let office = "model = \"map\"\nfile = \"data/synthetic-office.hdr\"\nshare = 0.5\n";
     let hall = office.replace("office.hdr", "hall.exr");
     let from_map = |text: String| text.replace("illuminance_lx = 500", "illuminance_lx = \"from-map\"");

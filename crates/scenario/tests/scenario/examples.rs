@@ -13,7 +13,7 @@ fn files() -> Vec<PathBuf> {
 }
 
 #[test]
-fn every_shipped_scenario_resolves() {
+fn shipped_scenarios_resolve() {
     let files = files();
     assert!(files.len() >= 14);
     for path in files {
@@ -30,7 +30,7 @@ fn every_shipped_scenario_resolves() {
 }
 
 #[test]
-fn the_flagship_is_the_reference_display() {
+fn indoor_scenario_has_the_reference_display() {
     let resolved = Scenario::load(&shipped().join("indoor.toml"), &[]).unwrap().resolve().unwrap();
     let scene = &resolved.scene;
     assert_eq!((scene.grid.len(), scene.grid.stop_nm()), (81, 780.0));
@@ -59,7 +59,7 @@ fn the_flagship_is_the_reference_display() {
 
 /// The canonical form is itself a scenario, and resolves to the same hash.
 #[test]
-fn the_canonical_form_reads_back() {
+fn canonical_form_reads_back_with_the_same_hash() {
     for path in files() {
         let resolved = Scenario::load(&path, &[]).unwrap().resolve().unwrap();
         let mut canonical = resolved.canonical.clone();

@@ -1,4 +1,4 @@
-//! Whatever the bytes, there is a scenario or an error, never a panic and never a blow-up.
+//! Any bytes give a scenario or an error, without panics and without unlimited time or memory.
 
 use std::path::Path;
 
@@ -6,7 +6,7 @@ use crate::common::{GOOD, LAYERED, resolve, shipped};
 use papilio_scenario::Scenario;
 use papilio_testing::Dice;
 
-/// Words that have broken readers before.
+/// Values that have broken readers before.
 const WORDS: &[&str] = &[
     "nan",
     "inf",
@@ -86,7 +86,7 @@ TIS 0.7
 DataEnd
 ";
 
-/// The data of the scenarios that ship, with small measurements in place of theirs.
+/// The data of the shipped scenarios, with small measurements instead of theirs.
 fn folder() -> tempfile::TempDir {
     let folder = tempfile::tempdir().unwrap();
     let data = folder.path().join("data");
@@ -178,7 +178,7 @@ fn mutated_scenarios_do_not_panic() {
     }
 }
 
-/// Each value of the scenarios in turn is replaced by each hostile word.
+/// Each value of the scenarios is replaced by each hostile value.
 #[test]
 fn hostile_values_do_not_panic() {
     let folder = folder();
@@ -201,7 +201,7 @@ fn hostile_values(text: &str, folder: &Path) {
 }
 
 #[test]
-fn huge_and_odd_texts_are_refused() {
+fn huge_and_malformed_texts_are_refused() {
     let refused = |text: &str| {
         let errors = resolve(text, Path::new(""), &[]).unwrap_err();
         assert!(errors.iter().count() <= 50);
@@ -231,7 +231,7 @@ fn huge_and_odd_texts_are_refused() {
 }
 
 #[test]
-fn a_file_that_is_no_text_is_refused_with_its_place() {
+fn file_that_is_not_text_is_refused_with_its_place() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("x.toml");
     std::fs::write(&path, b"title = \"\xFF\"\n").unwrap();

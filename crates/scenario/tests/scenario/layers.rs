@@ -1,4 +1,4 @@
-//! Layers in any order, slabs and absorbing glass: what becomes of them, and what is refused.
+//! Layers in any order, slabs and absorbing glass: resolved layers, and refused input.
 
 use std::path::Path;
 
@@ -15,7 +15,7 @@ pub(crate) fn general(resolved: &Resolved) -> &[Layer] {
     layers
 }
 
-/// Each layer in a word and its medium's index.
+/// Each interface in one word, with the index of the medium below it.
 pub(crate) fn outline(layers: &[Layer]) -> Vec<(&'static str, f64)> {
     let word = |interface: &Interface| match interface {
         Interface::Ready(Ready::Open) => "open",
@@ -36,7 +36,7 @@ fn pixel_under(layers: &str) -> String {
 }
 
 #[test]
-fn every_kind_of_layer() {
+fn layers_of_all_kinds_resolve() {
     let resolved = resolved(LAYERED, &[]);
     let layers = general(&resolved);
     let expected = [
@@ -70,9 +70,9 @@ fn every_kind_of_layer() {
     assert_eq!(resolved.notes, [note]);
 }
 
-/// A Ward diffuser, in a panel and as a layer: T is what leaves along the normal over the kernel's total.
+/// A Ward diffuser, in a panel and as a layer: T is the total transmittance over the total of the kernel at normal incidence.
 #[test]
-fn ward_diffusers() {
+fn ward_diffuser_in_panel_and_layer_has_its_transmittance() {
     let lobe = "model = \"k-correlation\"\nhaze = 0.78";
     let ward = "model = \"ward\"\nalpha = 0.2\nnormalisation = \"ward\"\nregular_fraction = 0.1";
     let panel = resolved(&GOOD.replace(lobe, ward), &[]);
@@ -95,7 +95,7 @@ fn ward_diffusers() {
 }
 
 #[test]
-fn what_stands_between_media() {
+fn interfaces_between_media_are_completed() {
     let outline = |layers: &str| outline(general(&resolved(&pixel_under(layers), &[])));
     let glass = "{ kind = \"medium\", index = 1.5 }";
     let air = "{ kind = \"medium\", index = \"air\" }";
@@ -121,7 +121,7 @@ fn what_stands_between_media() {
 }
 
 #[test]
-fn a_slab_is_a_diffuser_with_faces() {
+fn slab_as_diffuser_has_interfaces() {
     let slab = "model = \"slab\"\noptical_thickness = 1\nanisotropy = 0.9";
     let text = changed(&[("model = \"k-correlation\"\nhaze = 0.78\ntotal_transmittance = 0.9", slab)]);
     let layers = |sets: &[&str]| outline(general(&resolved(&text, sets)));
@@ -136,7 +136,7 @@ fn a_slab_is_a_diffuser_with_faces() {
 }
 
 #[test]
-fn glass_that_absorbs() {
+fn absorbing_glass_resolves_to_general_layers() {
     let is_panel = |sets: &[&str]| resolved(GOOD, sets).scene.display.panel().is_some();
     assert!(is_panel(&[]) && is_panel(&["display.glass.internal_transmittance=1"]));
     let absorbing = resolved(GOOD, &["display.glass.internal_transmittance=0.9"]);
@@ -161,7 +161,7 @@ fn glass_that_absorbs() {
     assert!(resolve(&text, Path::new(""), &["display.glass.internal_transmittance=0.9"]).is_ok());
 }
 
-/// A change of `LAYERED`, where the error is, and what it must say.
+/// A change of `LAYERED`, the place of the error, and parts of its text.
 type Case = (&'static str, &'static str, (usize, usize), &'static [&'static str]);
 
 const WRONG: &[Case] = &[
@@ -176,7 +176,7 @@ const WRONG: &[Case] = &[
     ("optical_thickness = 2", "optical_thickness = 0", (10, 40), &["0 is out of range"]),
     ("anisotropy = 0.8", "anisotropy = 1", (10, 56), &["from -0.99 to 0.99"]),
     ("anisotropy = 0.8", "anisotropy = -1", (10, 56), &["from -0.99 to 0.99"]),
-    ("albedo = 0.99", "albedo = 1.01", (10, 70), &["from 0 to 1", "not percent"]),
+    ("albedo = 0.99", "albedo = 1.01", (10, 70), &["from 0 to 1", "not per cent"]),
     ("albedo = 0.99", "albedo = -0.1", (10, 70), &["from 0 to 1"]),
     ("index = 1.48", "index = 0.9", (10, 84), &["0.9 + 0i", "n from 1 to 10"]),
     ("index = 1.6", "index = 0.5", (9, 30), &["0.5 + 0i", "n from 1 to 10"]),
@@ -184,7 +184,7 @@ const WRONG: &[Case] = &[
     ("alpha = 0.3", "alpha = 1.1", (6, 29), &["from 0.01 to 1 (roughness)"]),
     ("thickness_mm = 0.7", "thickness_mm = 0", (5, 68), &["above 0, at most 1000 (mm)"]),
     ("thickness_mm = 0.7", "thickness_mm = 1001", (5, 68), &["above 0, at most 1000 (mm)"]),
-    ("internal_transmittance = 0.9", "internal_transmittance = 90", (9, 60), &["not percent"]),
+    ("internal_transmittance = 0.9", "internal_transmittance = 90", (9, 60), &["not per cent"]),
     ("reflectance = 0.005", "reflectance = 0.995", (3, 3), &["sum to 1.005"]),
     ("thickness_nm = 90", "thickness_nm = -90", (4, 67), &["from 0 to 1e6 (nm)"]),
     // Keys and kinds.
@@ -254,7 +254,7 @@ const WRONG: &[Case] = &[
         "index = 1.6, internal_transmittance = 0.9",
         "index = { n = 1.6, k = 1e-5 }",
         (9, 30),
-        &["k below 1e-6", "give `thickness_mm`"],
+        &["k below 1e-6", "specify `thickness_mm`"],
     ),
     ("k = 1e-7", "k = 2e-3", (5, 30), &["k below 1e-3"]),
     ("index = 1.6, internal_transmittance = 0.9", "index = \"Al\"", (9, 30), &["k below 1e-6"]),
@@ -262,7 +262,7 @@ const WRONG: &[Case] = &[
         "index = 1.48",
         "index = \"BK7\"",
         (10, 84),
-        &["this refractive index is 1.511183 to 1.533745", "one real index", "at 550 nm, as a number"],
+        &["this refractive index is 1.511183 to 1.533745", "one real index", "at 550 nm as a number"],
     ),
     (
         "index = 1.48",
@@ -321,9 +321,9 @@ const WRONG: &[Case] = &[
     ),
 ];
 
-/// Adding takes a slab of any thickness, a walk one of 200; said at the thickness, or where a `--set` spoils it.
+/// Adding accepts any optical thickness, Monte Carlo at most 200. The error is at the thickness, or at the `--set` that causes it.
 #[test]
-fn a_walk_does_not_go_through_a_thick_slab() {
+fn thick_slab_is_refused_for_monte_carlo() {
     let thick = changed_in(LAYERED, &[("optical_thickness = 2", "optical_thickness = 1000")]);
     let walked = format!("{thick}[solver]\nmethod = \"monte-carlo\"\n");
     let behind = changed(&[(
@@ -339,7 +339,7 @@ fn a_walk_does_not_go_through_a_thick_slab() {
     for (text, set, name, place) in cases {
         let errors = resolve(text, Path::new(""), set.as_slice()).unwrap_err();
         let [error] = errors.iter().collect::<Vec<_>>()[..] else { panic!("{errors}") };
-        let said = "a walk through an optical thickness of 1000 would take hours";
+        let said = "the Monte Carlo solver would take hours with an optical thickness of 1000";
         assert_eq!(error.diagnostic.message, said);
         assert_eq!(
             error.diagnostic.expected.as_deref(),
@@ -356,7 +356,7 @@ fn a_walk_does_not_go_through_a_thick_slab() {
 }
 
 #[test]
-fn every_mistake_is_shown_where_it_is() {
+fn mistakes_are_reported_at_their_places() {
     let mut wrong = Vec::new();
     for (from, to, place, says) in WRONG {
         let text = changed_in(LAYERED, &[(from, to)]);
@@ -375,7 +375,7 @@ fn every_mistake_is_shown_where_it_is() {
 }
 
 #[test]
-fn lists_that_are_no_stack() {
+fn impossible_stacks_are_refused() {
     let problem = |layers: &str| {
         let errors = resolve(&pixel_under(layers), Path::new(""), &[]).unwrap_err();
         errors.iter().next().unwrap().diagnostic.message.clone()
@@ -385,7 +385,7 @@ fn lists_that_are_no_stack() {
     assert_eq!(problem(&many), "these are 65 layers");
     assert!(resolve(&pixel_under(&many[..64 * 23]), Path::new(""), &[]).is_ok());
     // A rough face right above the pixel stands in one medium.
-    let no_face = "the media on both sides of this face have the same index";
+    let no_face = "the media on both sides of this interface have the same index";
     assert_eq!(problem("{ kind = \"medium\" }, { kind = \"rough\", alpha = 0.1 }"), no_face);
     assert_eq!(problem("{ kind = \"rough\", alpha = 0.1 }"), no_face);
     let films = "{ material = 1.4, thickness_nm = 1 }, ".repeat(250);
@@ -394,7 +394,7 @@ fn lists_that_are_no_stack() {
 }
 
 #[test]
-fn a_coating_on_nothing_is_told() {
+fn coating_without_medium_below_is_noted() {
     let coating = "{ kind = \"coating\", film = [{ material = \"MgF2\", thickness_nm = 100 }] }";
     let glass = "{ kind = \"medium\" }";
     let notes = |layers: &str| resolved(&pixel_under(layers), &[]).notes;
@@ -410,7 +410,7 @@ fn a_coating_on_nothing_is_told() {
 }
 
 #[test]
-fn a_rough_face_of_gaussian_slopes() {
+fn rough_interface_with_beckmann_slopes_resolves() {
     for set in ["display.layers.3.distribution=beckmann", "display.layers.3.distribution='beckmann'"] {
         let resolved = resolved(LAYERED, &[set]);
         let Interface::Rough { alpha, distribution } = general(&resolved)[2].interface else {
@@ -420,9 +420,9 @@ fn a_rough_face_of_gaussian_slopes() {
     }
 }
 
-/// The file was right before the `--set`: that is where the error is.
+/// The file alone is valid: the error is at the `--set`.
 #[test]
-fn what_a_set_spoils_is_shown_at_the_set() {
+fn mistakes_caused_by_set_are_reported_at_the_set() {
     let unrefracted = format!("{GOOD}[solver]\nangle_medium = \"unrefracted\"\n");
     let cases = [
         (LAYERED, "display.layers.3.kind=medium", "`alpha` cannot be combined"),
@@ -442,9 +442,9 @@ fn what_a_set_spoils_is_shown_at_the_set() {
     }
 }
 
-/// The canonical form of every kind of layer is a scenario, with the same hash.
+/// The canonical form of every kind of layer is a scenario with the same hash.
 #[test]
-fn the_canonical_form_reads_back() {
+fn canonical_form_reads_back_with_the_same_hash() {
     let slab = changed(&[(
         "model = \"k-correlation\"\nhaze = 0.78\ntotal_transmittance = 0.9",
         "model = \"slab\"\noptical_thickness = 1\nanisotropy = 0.9",
@@ -462,7 +462,7 @@ fn the_canonical_form_reads_back() {
 }
 
 #[test]
-fn a_pixel_table_under_layers_must_reach_as_far_as_the_light() {
+fn pixel_table_below_layers_that_does_not_cover_the_light_is_refused() {
     let folder = tempfile::tempdir().unwrap();
     let rows = "white,0,380,0.5\nwhite,0,780,0.5\nwhite,42,380,0.5\nwhite,42,780,0.5\n";
     std::fs::write(

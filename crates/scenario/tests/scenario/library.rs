@@ -1,4 +1,4 @@
-//! Files in memory: what they make is what the same files make on disk, and nothing else is read.
+//! Files in memory: they give the same results as files on disk, and nothing else is read.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -9,7 +9,7 @@ use papilio_scenario::{KeptFile, Library, Memo, Resolved, Scenario};
 
 use crate::common::shipped;
 
-/// The shipped data in memory, as the examples name it.
+/// The shipped data in memory, with the names in the examples.
 fn in_memory() -> BTreeMap<String, KeptFile> {
     let data = shipped().join("data");
     let file = |path: &Path| {
@@ -23,9 +23,9 @@ fn resolved(text: &str, library: Library) -> Resolved {
     Scenario::from_text(text, "s.toml", library, &[]).unwrap().resolve().unwrap_or_else(|e| panic!("{e}"))
 }
 
-/// First from files, then from what was kept of them, and after other scenarios in between.
+/// Results from files, then from the cache, and again after other scenarios.
 #[test]
-fn files_in_memory_make_what_files_on_disk_make() {
+fn files_in_memory_and_on_disk_give_the_same_results() {
     let (files, memo) = (Arc::new(in_memory()), Arc::new(Memo::default()));
     let names = [
         "measured-diffused",
@@ -47,9 +47,9 @@ fn files_in_memory_make_what_files_on_disk_make() {
     }
 }
 
-/// A file of the same name and other contents is another file; keys that change something count, too.
+/// Neither a file with the same name and other contents, nor a changed key, is served from the cache.
 #[test]
-fn what_was_kept_is_not_taken_for_something_else() {
+fn cached_value_is_not_used_for_other_files_or_keys() {
     let memo = Arc::new(Memo::default());
     let mut files = in_memory();
     let text = std::fs::read_to_string(shipped().join("measured-diffused.toml")).unwrap();
@@ -66,7 +66,7 @@ fn what_was_kept_is_not_taken_for_something_else() {
 }
 
 #[test]
-fn a_file_that_is_not_in_memory_is_not_looked_for_on_disk() {
+fn file_missing_in_memory_is_not_read_from_disk() {
     let (files, memo) = (Arc::default(), Arc::default());
     let library = Library::Memory { files, memo };
     for name in ["/etc/passwd", "Cargo.toml", "data/H78-raw.bsdf"] {

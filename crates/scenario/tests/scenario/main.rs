@@ -1,11 +1,6 @@
-//! The scenario room from outside: what it takes, what it refuses, and how.
+//! Tests of the scenario crate through its public interface.
 
-#![allow(
-    clippy::unwrap_used,
-    clippy::expect_used,
-    clippy::panic,
-    reason = "helpers of tests, too, say what they expect by unwrapping"
-)]
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "helpers of tests may unwrap too")]
 
 mod bad_input;
 mod bounds;

@@ -1,4 +1,4 @@
-//! Measured diffusers: what is refused, and where; what is told.
+//! Measured diffusers: refused input with its place, notes and warnings.
 
 use std::path::Path;
 
@@ -10,7 +10,7 @@ use crate::layers::{general, outline};
 
 const LOBE: &str = "model = \"k-correlation\"\nhaze = 0.78\ntotal_transmittance = 0.9";
 
-/// The small scenario with a measured diffuser, and more keys for it.
+/// The small scenario with a measured diffuser and further keys of it.
 fn measured(file: &str, more: &str) -> String {
     changed(&[(LOBE, &format!("model = \"measured\"\nfile = \"{file}\"\nextrapolate = \"hold\"\n{more}"))])
 }
@@ -20,7 +20,7 @@ fn refusal(text: &str) -> String {
 }
 
 #[test]
-fn what_cannot_be_used_is_refused_where_it_is_said() {
+fn wrong_keys_of_measured_diffusers_are_refused_at_their_places() {
     let h78 = "data/H78-raw.bsdf";
     for (text, says) in [
         (measured("data/none.bsdf", ""), &["test.toml:13:8", "data/none.bsdf"][..]),
@@ -32,11 +32,11 @@ fn what_cannot_be_used_is_refused_where_it_is_said() {
             &["`odd` is not one of the choices", "\"uniform\" or \"luminous\""],
         ),
         (measured(h78, "instrument_blur = 2"), &["test.toml:15:19", "from 0.0001 to 1"]),
-        (measured(h78, "transmission = 90"), &["not percent"]),
-        (measured(h78, "transmission = 0"), &["test.toml:15:16", "cannot colour the measurement"]),
+        (measured(h78, "transmission = 90"), &["not per cent"]),
+        (measured(h78, "transmission = 0"), &["test.toml:15:16", "gives no spectral shape"]),
         (
             measured(h78, "instrument_blur = 0.2"),
-            &["test.toml:15:19", "no lobe blurred by 0.2", "a straight beam"],
+            &["test.toml:15:19", "no lobe blurred by 0.2", "a collimated beam"],
         ),
         (
             measured(h78, "mounting = \"air\"").replace("hold", "glass"),
@@ -54,7 +54,7 @@ fn what_cannot_be_used_is_refused_where_it_is_said() {
 }
 
 #[test]
-fn a_film_among_layers_is_mounted_by_its_neighbours() {
+fn mounting_in_layers_is_refused() {
     let layers = |mounting: &str| {
         format!(
             "[display]\nlayers = [{{ kind = \"diffuser\", model = \"measured\", file = \"data/H78-raw.bsdf\", \
@@ -72,9 +72,9 @@ fn a_film_among_layers_is_mounted_by_its_neighbours() {
     );
 }
 
-/// In a panel the mounting puts down what stands below the film.
+/// In a panel, the mounting defines the layers below the foil.
 #[test]
-fn mountings_are_what_stands_below_the_film() {
+fn mounting_sets_the_layers_below_the_foil() {
     for (mounting, below) in [
         ("as-measured", &[("scatter", 1.5)][..]),
         ("laminated", &[("scatter", 1.0), ("coated", 1.5)]),
@@ -90,7 +90,7 @@ fn mountings_are_what_stands_below_the_film() {
 
 /// A file without transmission, and one without TIS.
 #[test]
-fn a_file_must_have_what_is_asked_of_it() {
+fn file_without_transmission_or_tis_is_refused() {
     let folder = tempfile::tempdir().unwrap();
     let mut rows = "theta_i,phi_i,theta_o,phi_o,value\n".to_owned();
     for theta_i in [0, 30, 60] {
@@ -117,9 +117,9 @@ fn a_file_must_have_what_is_asked_of_it() {
     assert!(shown.contains("no total integrated scatter (TIS)") && shown.contains("\"none\""), "{shown}");
 }
 
-/// Nothing is changed that is not said.
+/// All changes are reported.
 #[test]
-fn what_is_changed_is_told() {
+fn changes_of_the_data_are_noted() {
     let told = |more: &str| {
         let resolved = resolve(&measured("data/H78-raw.bsdf", more), &shipped(), &[]).unwrap();
         assert!(resolved.warnings.is_empty(), "{:?}", resolved.warnings);
@@ -134,7 +134,7 @@ fn what_is_changed_is_told() {
     assert!(resolved.warnings[0].contains("beyond 75 deg"), "{:?}", resolved.warnings);
 }
 
-/// A Lambertian film, .3 of the light, measured at these incidences and up to a viewer at this inclination.
+/// A Lambertian foil that transmits 0.3 of the light, measured at these incidences and up to this inclination of the receiver.
 fn film(incidences: &[u32], to_deg: u32) -> String {
     let mut rows = "way,theta_i,phi_i,theta_o,phi_o,value\n".to_owned();
     for theta_i in incidences {
@@ -147,7 +147,7 @@ fn film(incidences: &[u32], to_deg: u32) -> String {
     rows
 }
 
-/// What a film is told to be with `extrapolate` written so: notes and warnings.
+/// Returns notes and warnings for a foil with this `extrapolate`.
 fn told(film: &str, extrapolate: &str) -> [String; 2] {
     let folder = tempfile::tempdir().unwrap();
     std::fs::write(folder.path().join("film.csv"), film).unwrap();
@@ -159,9 +159,9 @@ fn told(film: &str, extrapolate: &str) -> [String; 2] {
     [of_film(&resolved.notes), of_film(&resolved.warnings)]
 }
 
-/// With one incidence `hold` is the default, with a note; a written `none` loses what lies beyond.
+/// With one incidence, `hold` is the default, with a note; with `none`, light beyond is lost.
 #[test]
-fn a_single_incidence_holds_unless_none_is_written() {
+fn single_incidence_is_held_by_default() {
     let [single, two] = [&[0][..], &[0, 30]].map(|incidences| film(incidences, 90));
     let [notes, warnings] = told(&single, "");
     assert!(
@@ -175,13 +175,13 @@ fn a_single_incidence_holds_unless_none_is_written() {
     assert!(notes.is_empty() && warnings.contains("beyond 30 deg"), "{notes}\n{warnings}");
 }
 
-/// Light beyond the last measured angle is lost, or extrapolated by a key; either way its share is told: of a Lambertian film
-/// seen to 60 deg it is cos^2 60, a quarter.
+/// Light beyond the last measured angle is lost, or extrapolated with a key; its fraction is reported in both cases. For a
+/// Lambertian foil measured up to 60 deg it is cos^2 60, a quarter.
 #[test]
-fn light_beyond_the_last_measured_angle_is_told() {
+fn light_beyond_the_last_measured_angle_is_reported() {
     let film = film(&[0, 30], 60);
     let [_, warnings] = told(&film, "extrapolate = \"none\"");
-    assert!(warnings.contains("no light is sent there"), "{warnings}");
+    assert!(warnings.contains("no light is scattered there"), "{warnings}");
     let [_, warnings] = told(&film, "extrapolate = \"hold\"");
     assert!(warnings.contains("this part is not measured"), "{warnings}");
     let share = warnings.split(" tails there have ").nth(1).and_then(|rest| rest.split(' ').next()).unwrap();
@@ -196,7 +196,7 @@ fn measurement(text: &str, more: &str) -> Result<papilio_scenario::VirtualMeasur
 }
 
 #[test]
-fn an_instrument_sees_what_it_is_asked_to() {
+fn instrument_has_its_grid_and_channels() {
     let good = changed(&[]);
     let small =
         "incidence_deg = [0, 45]\nradial_deg = { from = 0, to = 180, step = 5 }\nchannels = \"monochrome\"";
@@ -217,15 +217,15 @@ fn an_instrument_sees_what_it_is_asked_to() {
 }
 
 #[test]
-fn what_no_instrument_can_see_is_refused() {
+fn impossible_measurements_are_refused() {
     let good = changed(&[]);
     let slab = changed(&[(LOBE, "model = \"slab\"\noptical_thickness = 1\nanisotropy = 0.8")]);
     let bare = changed(&[(LOBE, ""), ("[display.diffuser]\n", "")]);
     for (text, more, says) in [
-        (&slab, "", "a slab has no BTDF"),
+        (&slab, "", "an instrument cannot measure a slab, because it has no BTDF"),
         (&bare, "", "`diffuser` is missing"),
         (&good, "incidence_deg = [0, 90]", "expected angles below 90 deg"),
-        (&good, "radial_deg = [0, 4, 2]", "expected angles that rise"),
+        (&good, "radial_deg = [0, 4, 2]", "expected increasing angles"),
         (&good, "radial_deg = [2, 4]", "expected 0 as the first angle"),
         (&good, "azimuth_deg = [0, 90]", "expected 180 as the last angle"),
         (&good, "radial_deg = { from = 0, to = 180, step = 0.001 }", "angles"),

@@ -46,7 +46,7 @@ fn whole() -> String {
 }
 
 #[test]
-fn all_of_it_is_read() {
+fn all_keys_of_optimize_are_read() {
     let search = read(&whole()).unwrap();
     assert_eq!((search.method, search.starts, search.seed), (SearchMethod::Gradient, 3, 0));
     let [thickness, material, area] = &search.variables[..] else { panic!("three variables") };
@@ -72,7 +72,7 @@ fn all_of_it_is_read() {
 
 /// The hash tells searches apart, and scenarios of conditions.
 #[test]
-fn the_hash_knows_what_matters() {
+fn hash_changes_only_with_the_search() {
     let hash = |text: &str| read(text).unwrap().hash;
     let own = hash(&whole());
     assert_eq!(own, hash(&(whole() + "\n# a remark\n")));
@@ -84,11 +84,11 @@ fn the_hash_knows_what_matters() {
 }
 
 #[test]
-fn mistakes_are_answered_with_their_places() {
+fn mistakes_are_reported_at_their_places() {
     for (from, to, said, line) in [
         ("[5, 20]", "[20, 5]", "the first bound, 20, is above the second, 5", "bounds = "),
         ("[5, 20]", "[5, 5]", "both bounds are 5", "bounds = "),
-        ("[5, 20]", "[5]", "a list of another length", "bounds = "),
+        ("[5, 20]", "[5]", "this list has the wrong length", "bounds = "),
         ("[5, 20]", "[-5, 20]", "-5 is out of range", "bounds = "),
         ("\"Cr\", ", "\"Xy\", ", "there is no material named `Xy`", "choices = "),
         (
@@ -112,7 +112,7 @@ fn mistakes_are_answered_with_their_places() {
         ),
         ("compensated_by = \"display.pixel.area.green\"", "", "the areas sum to", "bounds = "),
         ("area.green\"\nbounds", "area.grey\"\nbounds", "no sub-pixel `grey`", "compensated_by = "),
-        ("area.green\"\nbounds", "area\"\nbounds", "have no sum", "compensated_by = "),
+        ("area.green\"\nbounds", "area\"\nbounds", "have no constant sum", "compensated_by = "),
         ("[0.3, 0.6]", "[0.3, 0.95]", "at this bound `display.pixel.area.green` is -0.15", "bounds = "),
         ("gamut_percent_srgb", "gamut_percent_srg", "did you mean `gamut_percent_srgb`?", "metric = "),
         ("\"white.Y\"", "\"wite.Y\"", "there is no state `wite`", "metric = "),
@@ -132,5 +132,5 @@ fn mistakes_are_answered_with_their_places() {
     }
     assert!(read(GOOD).unwrap_err().contains("the scenario has no `[optimize]`"));
     let walk = changed_in(&whole(), &[("[optimize]", "[solver]\nmethod = \"monte-carlo\"\n[optimize]")]);
-    assert!(read(&walk).unwrap_err().contains("follow the noise of the walk"));
+    assert!(read(&walk).unwrap_err().contains("follow the noise of the Monte Carlo solver"));
 }

@@ -48,9 +48,9 @@ fn file(measurement: &Measurement) -> Vec<u8> {
     bytes
 }
 
-/// The shipped files are what this program makes; where they are not, what it makes is left beside the tests.
+/// The shipped files equal those of this program. Files that differ are written to the temporary folder of the tests.
 #[test]
-fn shipped_papers_are_made_by_the_virtual_instrument() {
+fn shipped_papers_equal_those_of_the_virtual_instrument() {
     let mut other = Vec::new();
     for (name, parameters) in [("white", WHITE), ("black", BLACK)] {
         let sample = format!("synthetic paper, {name}");
@@ -71,7 +71,7 @@ fn scene(path: &str) -> Scene {
 
 /// What the example makes of the files is the paper that they were made from.
 #[test]
-fn the_kernel_of_a_pixel_is_its_paper() {
+fn kernel_of_pixel_equals_that_of_its_paper() {
     let scene = scene("epaper-measured.toml");
     assert!(matches!(scene.display.layers, Layers::General(_)));
     let Pixel::Scattering(pixel) = &scene.display.pixel else { panic!("not a scattering pixel") };
@@ -104,7 +104,7 @@ fn folder() -> tempfile::TempDir {
 
 /// Its spectrum colours a state; its level stays that of the file.
 #[test]
-fn spectra_colour_and_keep_the_level() {
+fn spectra_set_the_shape_and_keep_the_level() {
     let folder = folder();
     let kernels = |text: &str| {
         let scene = resolve(text, folder.path(), &[]).unwrap().scene;
@@ -126,7 +126,7 @@ fn spectra_colour_and_keep_the_level() {
 
 /// What is over it, and what the light from beyond the last incidence becomes, is said.
 #[test]
-fn what_is_lost_is_told() {
+fn lost_light_is_reported() {
     let folder = folder();
     let warned = |text: &str| resolve(text, folder.path(), &[]).unwrap().warnings;
     let lost = warned(PAPER);
@@ -139,7 +139,7 @@ fn what_is_lost_is_told() {
 }
 
 #[test]
-fn mistakes_are_shown_where_they_are() {
+fn mistakes_are_reported_at_their_places() {
     let folder = folder();
     type Case<'a> = (&'a str, &'a str, (usize, usize), &'a [&'a str]);
     let cases: &[Case<'_>] = &[

@@ -1,9 +1,9 @@
-//! The published JSON Schema: every shipped scenario keeps it, and what is wrong breaks it.
+//! The published JSON Schema: shipped scenarios satisfy it, wrong ones violate it.
 
 use crate::common::{GOOD, changed, shipped};
 use serde_json::Value;
 
-/// The part of JSON Schema that the scenario's uses.
+/// Validator for the part of JSON Schema that the scenario's schema uses.
 fn valid(schema: &Value, root: &Value, value: &Value) -> bool {
     let Some(rules) = schema.as_object() else { return schema.as_bool() != Some(false) };
     rules.iter().all(|(rule, with)| match rule.as_str() {
@@ -45,25 +45,25 @@ fn valid(schema: &Value, root: &Value, value: &Value) -> bool {
     })
 }
 
-fn keeps_schema(text: &str) -> bool {
+fn satisfies_schema(text: &str) -> bool {
     let schema = papilio_scenario::schema();
     let value: Value = toml::from_str(text).unwrap();
     valid(&schema, &schema, &value)
 }
 
 #[test]
-fn shipped_scenarios_keep_the_schema() {
+fn shipped_scenarios_satisfy_the_schema() {
     for entry in std::fs::read_dir(shipped()).unwrap() {
         let path = entry.unwrap().path();
         if path.extension().is_some_and(|end| end == "toml") {
-            assert!(keeps_schema(&std::fs::read_to_string(&path).unwrap()), "{}", path.display());
+            assert!(satisfies_schema(&std::fs::read_to_string(&path).unwrap()), "{}", path.display());
         }
     }
-    assert!(keeps_schema(GOOD));
+    assert!(satisfies_schema(GOOD));
 }
 
 #[test]
-fn what_is_wrong_breaks_the_schema() {
+fn wrong_scenarios_violate_the_schema() {
     for (from, to) in [
         ("haze", "hase"),
         ("haze = 0.78", "haze = 78"),
@@ -79,13 +79,13 @@ fn what_is_wrong_breaks_the_schema() {
         ("[viewer]", "[[display.layers]]\nindex = 1.5\n[viewer]"),
         ("[viewer]", "[[display.layers]]\nkind = \"diffuser\"\nmodel = \"slab\"\n[viewer]"),
     ] {
-        assert!(!keeps_schema(&changed(&[(from, to)])), "{to}");
+        assert!(!satisfies_schema(&changed(&[(from, to)])), "{to}");
     }
 }
 
 /// Every key says what it is, and every description of a number names its unit or range.
 #[test]
-fn every_key_is_described() {
+fn all_keys_have_descriptions() {
     fn look(schema: &Value, seen: &mut usize) {
         let Some(object) = schema.as_object() else { return };
         if let Some(properties) = object.get("properties").and_then(Value::as_object) {

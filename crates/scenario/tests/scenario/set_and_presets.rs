@@ -1,4 +1,4 @@
-//! `--set`, presets, defaults, the hash, and the forms that a value may take.
+//! `--set`, presets, defaults, the hash, and the forms of values.
 
 use std::path::Path;
 
@@ -15,9 +15,9 @@ fn film(scene: &Scene) -> &papilio_display::scene::FilmPixel {
     film
 }
 
-/// A preset counts in a whole table that is set, as it does in one that stands in the file.
+/// A preset in a table that is set has the same effect as in the file.
 #[test]
-fn a_set_table_may_name_a_preset() {
+fn preset_in_a_set_table_is_expanded() {
     let table = set(&["lighting={ preset = \"sunny\" }"]).scene.lighting;
     assert_eq!((table.illuminance_lx, table.diffuse, table.directed[0].theta_deg), (1e5, 0.2, -35.0));
     let with_own = set(&["lighting={ preset = \"sunny\", illuminance_lx = 7 }"]).scene.lighting;
@@ -25,10 +25,10 @@ fn a_set_table_may_name_a_preset() {
 }
 
 #[test]
-fn a_preset_that_changes_nothing_is_said() {
+fn preset_without_effect_is_reported() {
     let warns = |text: &str, sets: &[&str]| {
         let resolved = resolve(text, Path::new(""), sets).unwrap_or_else(|e| panic!("{e}"));
-        resolved.warnings.iter().any(|warning| warning.contains("changes nothing"))
+        resolved.warnings.iter().any(|warning| warning.contains("has no effect: the scenario sets all of its keys"))
     };
     let indoor = std::fs::read_to_string(shipped().join("indoor.toml")).unwrap();
     assert!(warns(&indoor, &["lighting.preset=sunny"]));
@@ -37,7 +37,7 @@ fn a_preset_that_changes_nothing_is_said() {
 }
 
 #[test]
-fn set_changes_and_makes_keys() {
+fn set_changes_and_creates_keys() {
     let resolved = set(&[
         "display.pixel.film.0.thickness_nm=7.5",
         "lighting.directed.0.theta_deg=-30",
@@ -68,7 +68,7 @@ fn set_changes_and_makes_keys() {
 }
 
 #[test]
-fn set_takes_numbers_as_shells_write_them() {
+fn set_accepts_numbers_without_leading_zero() {
     let straight = |value: &str| {
         let resolved =
             set(&["display.diffuser.haze=.5", &format!("display.diffuser.regular_fraction={value}")]);
@@ -82,9 +82,9 @@ fn set_takes_numbers_as_shells_write_them() {
     assert_eq!(set(&["title=infinity"]).title.as_deref(), Some("infinity"));
 }
 
-/// A set key replaces the file's rival of it, and not that of another `--set`.
+/// A key that is set replaces the key of the file that it excludes, but not that of another `--set`.
 #[test]
-fn rivals_of_two_sets_are_an_error_in_both_orders() {
+fn exclusive_keys_of_two_sets_are_refused_in_both_orders() {
     let sets = ["solver.relative_error=0.1", "solver.paths=100"];
     let rivals = [["display.diffuser.haze=0.5", "display.diffuser.width=0.1"], sets];
     let walk = format!("{GOOD}[solver]\nmethod = \"monte-carlo\"\n");
@@ -102,7 +102,7 @@ fn rivals_of_two_sets_are_an_error_in_both_orders() {
 }
 
 #[test]
-fn the_last_set_wins() {
+fn last_set_takes_precedence() {
     assert_eq!(set(&["viewer.theta_deg=1", "viewer.theta_deg=2"]).scene.viewer.theta_deg, [2.0]);
 }
 
@@ -130,7 +130,7 @@ fn defaults() {
     assert!(resolved.warnings.is_empty(), "{:?}", resolved.warnings);
 }
 
-/// Kubota et al. 2006, as Feng 2012 has them.
+/// Kubota et al. 2006, as cited by Feng 2012.
 #[test]
 fn presets_fill_lighting_and_viewer_and_keys_override_them() {
     let preset = |name: &str, more: &str, sets: &[&str]| {
@@ -181,9 +181,9 @@ fn presets_fill_lighting_and_viewer_and_keys_override_them() {
     assert_eq!(errors.iter().next().unwrap().place.line_column(), Some((7, 11)));
 }
 
-/// K-correlation lobe truncated at the hemisphere: T = TIS/(1 - b/sqrt(1 + b^2)); with a straight-through share only the rest is truncated.
+/// K-correlation lobe truncated at the hemisphere: T = TIS/(1 - b/sqrt(1 + b^2)); with a regular fraction only the rest is truncated.
 #[test]
-fn the_two_transmittances_of_a_diffuser() {
+fn transmittances_of_a_diffuser_are_consistent() {
     let diffuser = |sets: &[&str]| {
         let more = ["display.diffuser={ model = \"k-correlation\", width = 0.1, total_transmittance = 0.8 }"];
         set(&[&more[..], sets].concat()).scene.display.panel().unwrap().diffuser.clone().unwrap()
@@ -198,7 +198,7 @@ fn the_two_transmittances_of_a_diffuser() {
 }
 
 #[test]
-fn lights_by_name_by_model_and_mixed() {
+fn lights_by_name_model_and_sum_resolve() {
     let light = |value: &str| set(&[&format!("lighting.spectrum={value}")]).scene.lighting.diffuse_spectrum;
     let led = light("{ led_nm = 550, width_nm = 30 }");
     assert!((led[15] - 1.0).abs() < 1e-12);
@@ -210,7 +210,7 @@ fn lights_by_name_by_model_and_mixed() {
 }
 
 #[test]
-fn areas_a_little_off_are_taken_and_said() {
+fn areas_with_a_small_deviation_are_used_and_reported() {
     let resolved = resolve(&changed(&[("red = 0.5", "red = 0.4996")]), Path::new(""), &[]).unwrap();
     assert!(
         resolved.warnings.iter().any(|warning| warning.contains("sum to 0.9996")),
@@ -221,7 +221,7 @@ fn areas_a_little_off_are_taken_and_said() {
 }
 
 #[test]
-fn states_replace_the_default_of_their_name_or_stand_alone() {
+fn states_replace_default_states_of_their_name() {
     let states = |sets: &[&str]| -> Vec<String> {
         film(&set(sets).scene).states.iter().map(|state| state.name.clone()).collect()
     };
@@ -233,7 +233,7 @@ fn states_replace_the_default_of_their_name_or_stand_alone() {
 }
 
 #[test]
-fn the_hash_knows_what_matters() {
+fn hash_changes_only_with_the_computation() {
     let hash = |text: &str| resolve(text, Path::new(""), &[]).unwrap().hash;
     let good = hash(GOOD);
     assert_eq!(good.len(), 64);
@@ -257,7 +257,7 @@ fn the_hash_knows_what_matters() {
 }
 
 #[test]
-fn the_hash_knows_the_bytes_of_files_and_not_their_folder() {
+fn hash_depends_on_bytes_of_files_and_not_on_their_folder() {
     let at = |value: &str| {
         let folder = tempfile::tempdir().unwrap();
         std::fs::write(folder.path().join("r.csv"), format!("380,{value}\n780,0.1\n")).unwrap();
@@ -268,9 +268,9 @@ fn the_hash_knows_the_bytes_of_files_and_not_their_folder() {
     assert!(at("0.1").canonical["inputs"]["r.csv"].as_str().is_some_and(|digest| digest.len() == 64));
 }
 
-/// A preset and its keys spelt out are one scenario.
+/// A preset and its keys written out are the same scenario.
 #[test]
-fn a_preset_leaves_no_trace_in_the_canonical_form() {
+fn canonical_form_of_a_preset_is_that_of_its_keys() {
     let preset = format!("{BARE}[lighting]\npreset = \"overcast\"\n");
     let spelt = format!("{BARE}[lighting]\nilluminance_lx = 1e4\n[viewer]\ntheta_deg = 8\n");
     let hash = |text: &str| resolve(text, Path::new(""), &[]).unwrap().hash;
@@ -278,7 +278,7 @@ fn a_preset_leaves_no_trace_in_the_canonical_form() {
 }
 
 #[test]
-fn files_lie_beside_the_scenario() {
+fn paths_of_files_are_relative_to_the_scenario() {
     let path = shipped().join("table-pixel.toml");
     let resolved = papilio_scenario::Scenario::load(&path, &[]).unwrap().resolve().unwrap();
     let Pixel::Table(table) = &resolved.scene.display.pixel else { panic!("not a table") };

@@ -1,9 +1,9 @@
 //! The Faddeeva function `W(z) = exp(-z^2) erfc(-i z)` in the upper half plane.
 //!
-//! It is the integral `i/pi int exp(-t^2)/(z - t) dt`, taken by the trapezoidal
-//! (or midpoint) rule with step h, which converges geometrically; a pole near
-//! the axis is added by hand. Of the two rules the one is taken whose nodes stay
-//! away from z. 12 nodes give a relative error of about 3e-15.
+//! It equals the integral `i/pi int exp(-t^2)/(z - t) dt`, computed by the trapezoidal
+//! or midpoint rule with step h, which converges geometrically. The contribution of a pole near
+//! the axis is added explicitly. The rule whose nodes are farther
+//! from z is used. 12 nodes give a relative error of about 3e-15.
 //!
 //! Valid for Im z >= 0. Source: M. Al Azah, S. N. Chandler-Wilde, "Computation of
 //! the complex error function using modified trapezoidal rules", SIAM J. Numer.
@@ -45,7 +45,7 @@ pub(super) fn faddeeva(z: Complex64) -> Complex64 {
 mod tests {
     use super::*;
 
-    /// From mpmath's erfc with 30 digits; the first five agree with Abramowitz and
+    /// Computed with mpmath's erfc, 30 digits; the first five agree with Abramowitz and
     /// Stegun, table 7.9. They cover both rules, both poles and the far region.
     #[test]
     fn faddeeva_equals_published_values() {

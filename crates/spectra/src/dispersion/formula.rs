@@ -7,15 +7,15 @@
 //! | 1 | Sellmeier | n^2 - 1 = C1 + C2 l^2/(l^2 - C3^2) + C4 l^2/(l^2 - C5^2) + ... |
 //! | 2 | Sellmeier-2 | n^2 - 1 = C1 + C2 l^2/(l^2 - C3) + C4 l^2/(l^2 - C5) + ... |
 //! | 3 | polynomial | n^2 = C1 + C2 l^C3 + C4 l^C5 + ... |
-//! | 4 | the database's own | n^2 = C1 + C2 l^C3/(l^2 - C4^C5) + C6 l^C7/(l^2 - C8^C9) + C10 l^C11 + ... |
+//! | 4 | special to the database | n^2 = C1 + C2 l^C3/(l^2 - C4^C5) + C6 l^C7/(l^2 - C8^C9) + C10 l^C11 + ... |
 //! | 5 | Cauchy | n = C1 + C2 l^C3 + C4 l^C5 + ... |
 //! | 6 | gases | n - 1 = C1 + C2/(C3 - l^-2) + C4/(C5 - l^-2) + ... |
-//! | 7 | Herzberger | n = C1 + C2/(l^2 - .028) + C3/(l^2 - .028)^2 + C4 l^2 + C5 l^4 + C6 l^6 |
+//! | 7 | Herzberger | n = C1 + C2/(l^2 - 0.028) + C3/(l^2 - 0.028)^2 + C4 l^2 + C5 l^4 + C6 l^6 |
 //! | 8 | retro | (n^2 - 1)/(n^2 + 2) = C1 + C2 l^2/(l^2 - C3) + C4 l^2 |
 //! | 9 | exotic | n^2 = C1 + C2/(l^2 - C3) + C4 (l - C5)/((l - C5)^2 + C6) |
 //!
-//! Validity: the range that comes with each set of coefficients, for
-//! transparent media (n real; k, if any, is tabulated beside it).
+//! Validity: the range given with each set of coefficients, for
+//! transparent media (n real; k, if given, is a separate table).
 //!
 //! Source: M. N. Polyanskiy, "Refractiveindex.info database of optical
 //! constants", Sci. Data 11, 94 (2024), and its "Dispersion formulas" sheet.
@@ -28,7 +28,7 @@ pub(super) struct Formula {
     number: u8,
     /// The leading C1.
     constant: f64,
-    /// C2, C3, ...: padded with zeros where the formula has a fixed count.
+    /// C2, C3, ...; padded with zeros if the formula has a fixed number of coefficients.
     rest: Vec<f64>,
 }
 
@@ -80,7 +80,7 @@ impl Formula {
 
     /// C1 plus the sum of `term` over the pairs (C2, C3), (C4, C5), ...
     fn pairs(&self, term: impl Fn(f64, f64) -> f64) -> f64 {
-        // A pair that begins with zero is the database's way of leaving it out.
+        // The database marks an unused pair by a zero coefficient.
         let present = self.rest.chunks_exact(2).filter(|pair| pair[0] != 0.0);
         self.constant + present.map(|pair| term(pair[0], pair[1])).sum::<f64>()
     }
@@ -140,11 +140,11 @@ mod tests {
         Formula::new(number, coefficients).and_then(|formula| formula.index(nm)).unwrap()
     }
 
-    /// Coefficients from the database, indices from elsewhere: data sheets (2, 3),
-    /// the paper's own table (1), handbook values of the same substance measured by
-    /// others (the rest, hence their wider tolerances).
+    /// Coefficients from the database; indices from independent sources: data sheets (2, 3),
+    /// the paper's own table (1), handbook values of the same substance from other
+    /// measurements (the others, hence their wider tolerances).
     #[test]
-    fn every_formula_gives_a_published_index() {
+    fn every_formula_equals_a_published_index() {
         let cases: [(u8, &[f64], f64, f64, f64); 9] = [
             // Fused silica, Malitson 1965.
             (1, &MALITSON, 587.5618, 1.458464, 1e-6),
@@ -171,17 +171,17 @@ mod tests {
         }
     }
 
-    /// Small terms that the published values above are too coarse to see, worked by hand.
+    /// Small terms below the accuracy of the published values above, computed by hand.
     #[test]
-    fn the_small_terms_count() {
-        // 3.41983 + .00159951 - .00001232 + .00012688 - .00001951
+    fn small_terms_of_formulas_7_to_9_equal_hand_computation() {
+        // 3.41983 + 0.00159951 - 0.00001232 + 0.00012688 - 0.00001951
         assert!((index(7, &EDWARDS_OCHOA, 10_000.0) - 3.42152456).abs() < 1e-8);
         // The same with C6 l^6 = 1e-9 * 1e6.
         let sixth = [3.41983, 0.159906, -0.123109, 1.26878e-6, -1.95104e-9, 1e-9];
         assert!((index(7, &sixth, 10_000.0) - 3.42252456).abs() < 1e-8);
-        // Lorentz-Lorenz .45 + .1 * .25/(.25 - .05) + .02 * .25 = .58, so n^2 = 2.16/.42.
+        // Lorentz-Lorenz 0.45 + 0.1 * 0.25/(0.25 - 0.05) + 0.02 * 0.25 = 0.58, so n^2 = 2.16/0.42.
         assert!((index(8, &[0.45, 0.1, 0.05, 0.02], 500.0).powi(2) - 2.16 / 0.42).abs() < 1e-12);
-        // 2.5 + .02/(.25 - .05) + .1 * (-1)/(1 + 1)
+        // 2.5 + 0.02/(0.25 - 0.05) + 0.1 * (-1)/(1 + 1)
         assert!((index(9, &[2.5, 0.02, 0.05, 0.1, 1.5, 1.0], 500.0).powi(2) - 2.55).abs() < 1e-12);
     }
 
@@ -195,14 +195,14 @@ mod tests {
     }
 
     #[test]
-    fn a_pole_is_an_error() {
+    fn pole_is_an_error() {
         let pole = Formula::new(1, &[0.0, 1.0, 0.5]).unwrap();
         assert_eq!(pole.index(500.0), Err(SpectraError::FormulaUndefined { number: 1, nm: 500.0 }));
         assert!(pole.index(400.0).is_err(), "n^2 is negative below the pole");
     }
 
     #[test]
-    fn wrong_coefficients_are_errors() {
+    fn wrong_formula_number_or_coefficients_are_refused() {
         assert_eq!(Formula::new(10, &[1.0]), Err(SpectraError::FormulaNumber { number: 10 }));
         assert_eq!(Formula::new(0, &[1.0]), Err(SpectraError::FormulaNumber { number: 0 }));
         for (number, count) in [(1, 0), (1, 2), (4, 10), (7, 7), (8, 5), (9, 7)] {

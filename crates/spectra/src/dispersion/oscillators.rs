@@ -1,20 +1,20 @@
 //! Oscillator models of metals: Lorentz-Drude and Brendel-Bormann.
 //!
-//! The permittivity is that of free electrons (Drude) plus bound ones, each
-//! with a strength f, a damping G and a resonance w_j. With w the photon energy
+//! The permittivity is that of free electrons (Drude) plus bound ones. Each bound resonance has
+//! a strength f, a damping G and a resonance energy w_j. With w the photon energy
 //! and wp the plasma energy, all in eV,
 //!
 //! `eps = 1 - f0 wp^2/(w (w + i G0)) + sum_j chi_j`.
 //!
 //! Lorentz-Drude: `chi_j = f_j wp^2/(w_j^2 - w^2 - i w G_j)`.
 //!
-//! Brendel-Bormann: each resonance is spread over a Gaussian of width s_j, which
-//! gives absorption edges their true steepness (Lorentz's wings fall too slowly):
-//! `chi_j = i sqrt(pi) f_j wp^2/(2 sqrt(2) a_j s_j) (W((a_j - w_j)/(sqrt(2) s_j)) + W((a_j + w_j)/(sqrt(2) s_j)))`
-//! with `a_j = sqrt(w^2 + i w G_j)` and W the Faddeeva function.
+//! Brendel-Bormann: each resonance is broadened by a Gaussian of width s_j, which reproduces the steepness of
+//! absorption edges (Lorentzian wings fall too slowly): `chi_j = i sqrt(pi) f_j wp^2/(2 sqrt(2) a_j s_j)
+//! (W((a_j - w_j)/(sqrt(2) s_j)) + W((a_j + w_j)/(sqrt(2) s_j)))` with `a_j = sqrt(w^2 + i w G_j)` and W the
+//! Faddeeva function.
 //!
-//! Valid over the energies that the constants were fitted to; bulk, opaque metal.
-//! A film of a few nm may well differ.
+//! Valid over the energies of the data to which the constants were fitted, for bulk, opaque metal.
+//! Films of a few nm may differ.
 //!
 //! Source: A. D. Rakic, A. B. Djurisic, J. M. Elazar, M. L. Majewski, "Optical
 //! properties of metallic films for vertical-cavity optoelectronic devices",

@@ -1,11 +1,12 @@
 //! A field of light as weighted directions.
 //!
-//! What a view sees of a direction is smooth, but for a peak in the view's mirror direction whose
-//! width is known; a field is rough, down to its cells. So it is the view's side that is interpolated
-//! (product integration): over inclination by polynomials on panels graded around the peaks, over azimuth by
-//! trigonometric polynomials, and the weights of their nodes are integrals of the field: of cells exact ones, of a formula
-//! by rules that know where it is not smooth ([`Formula`]). The number
-//! of directions is that of the smooth side, however many cells there are; weights may be negative.
+//! The response of a view to the direction of light is smooth, except for a peak of known width in the
+//! view's mirror direction. A field is rough, down to its cells. Therefore the response of the view is
+//! interpolated (product integration): over inclination by polynomials on panels graded around the peaks,
+//! over azimuth by trigonometric polynomials. The weights of their nodes are integrals of the field: exact
+//! ones for cells; for a formula, by rules that take into account where it is not smooth ([`Formula`]). The
+//! number of directions is that of the smooth response, however many cells there are; weights may be
+//! negative.
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
@@ -16,16 +17,17 @@ use crate::field::Light;
 use crate::formula::Formula;
 use crate::{Cone, Field};
 
-/// Where what is seen of light by its direction changes fast.
+/// Directions about which the response changes fast.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Peaks<'a> {
-    /// In the mirror directions of these views ...
+    /// Mirror directions of these views ...
     pub(super) views: &'a [Cone],
-    /// ... over distances of this size, direction cosines.
+    /// ... and the size of the peaks, direction cosines.
     pub(super) width: f64,
 }
 
-/// Directions of a field at one inclination, uniformly spaced in azimuth from 0; weights of all rings are 1 in sum.
+/// Directions of a field at one inclination, uniformly spaced in azimuth from 0; the weights of all rings
+/// sum to 1.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Ring {
     /// `|beta|`.
@@ -34,7 +36,7 @@ pub(super) struct Ring {
 }
 
 impl Ring {
-    /// Light that propagates from there.
+    /// Returns light that propagates from these directions.
     pub(super) fn points(&self) -> impl Iterator<Item = Point> {
         let step = TAU / self.weights.len() as f64;
         self.weights.iter().enumerate().map(move |(k, weight)| {
@@ -43,12 +45,12 @@ impl Ring {
         })
     }
 
-    /// All of its light.
+    /// Returns its total weight.
     pub(super) fn weight(&self) -> f64 {
         self.weights.iter().sum()
     }
 
-    /// The ring's parts that are the same (1) or opposite (-1) at azimuths of opposite sign.
+    /// Returns the part of the ring that is the same (1) or opposite (-1) at azimuths of opposite sign.
     pub(super) fn part(&self, sign: f64) -> Self {
         let (count, weights) = (self.weights.len(), &self.weights);
         let weights = (0..count).map(|k| 0.5 * (weights[k] + sign * weights[(count - k) % count]));
@@ -56,7 +58,7 @@ impl Ring {
     }
 }
 
-/// The field's rings: for functions without peaks where there is no view.
+/// Returns the rings of the field; without views, for functions without peaks.
 pub(super) fn rings(field: &Field, peaks: Peaks<'_>, digits: f64) -> Vec<Ring> {
     let light = field.light();
     let span = match &light {
@@ -90,10 +92,12 @@ pub(super) fn rings(field: &Field, peaks: Peaks<'_>, digits: f64) -> Vec<Ring> {
     rings
 }
 
-/// Nodes beside those that the digits ask for: of rules that do not grow from level to level nobody knows how wrong they are.
+/// Nodes in addition to those that the digits require: the error of a rule that does not grow from level to
+/// level is unknown.
 const MORE_NODES: usize = 2;
 
-/// `|beta|` of a view's field, from its inner to its outer rim, as densely as peaks are wide.
+/// Returns values of `|beta|` in a field of view, from its inner to its outer rim, as dense as peaks are
+/// wide.
 fn radii(view: &Cone, width: f64) -> impl Iterator<Item = f64> {
     let (axis, half) = (view.axis_towards().length().min(1.0).asin(), view.half_angle());
     let steps = (2.0 * half / width).ceil().min(64.0);
@@ -103,9 +107,9 @@ fn radii(view: &Cone, width: f64) -> impl Iterator<Item = f64> {
     })
 }
 
-/// The azimuthal orders of peaks at these radii, seen at another.
+/// Returns the number of azimuthal orders of peaks at these radii, seen at another.
 fn orders(radius: f64, centres: &[f64], width: f64, digits: f64) -> usize {
-    // A pole off the real line by so much has orders that fall off as `exp(-off m)`.
+    // A pole at this distance from the real line has orders that decrease as `exp(-off m)`.
     let off = |centre: &f64| {
         let excess = ((radius - centre).powi(2) + width * width) / (2.0 * radius * centre).max(1e-300);
         2.0 * (0.5 * excess).sqrt().asinh()
@@ -114,7 +118,7 @@ fn orders(radius: f64, centres: &[f64], width: f64, digits: f64) -> usize {
     (digits / least).ceil().clamp(LEAST_ORDERS, MOST_ORDERS) as usize
 }
 
-/// At least these orders are kept, whatever is seen, and at most those.
+/// Smallest and largest number of orders.
 const LEAST_ORDERS: f64 = 2.0;
 const MOST_ORDERS: f64 = 4000.0;
 
@@ -123,7 +127,7 @@ struct Panel {
     from: f64,
     to: f64,
     nodes: Vec<f64>,
-    /// Of the barycentric formula (Berrut & Trefethen 2004).
+    /// Scales of the barycentric formula (Berrut & Trefethen 2004).
     scales: Vec<f64>,
 }
 
@@ -143,7 +147,7 @@ impl Panel {
         }
     }
 
-    /// For each node the light that counts there, by column of the field.
+    /// Returns for each node its light, by column of the field.
     fn columns(&self, lit: &[([f64; 2], &[f64])]) -> Vec<Vec<f64>> {
         let columns = lit.first().map_or(0, |row| row.1.len());
         let width = TAU / columns.max(1) as f64;
@@ -159,7 +163,7 @@ impl Panel {
         sums
     }
 
-    /// For each node the harmonics, up to its orders of azimuth, of the light that counts there.
+    /// Returns for each node the harmonics, up to its azimuthal orders, of its light.
     fn harmonics(&self, formula: &Formula, scale: f64, orders: &[usize], digits: f64) -> Vec<Vec<[f64; 2]>> {
         let most = orders.iter().copied().max().unwrap_or(0);
         let mut sums = vec![vec![[0.0; 2]; most + 1]; self.nodes.len()];
@@ -176,7 +180,7 @@ impl Panel {
         sums
     }
 
-    /// Each node's polynomial at this angle.
+    /// Returns the polynomial of each node at this angle.
     fn values(&self, angle: f64) -> Vec<f64> {
         let mut terms: Vec<f64> =
             self.nodes.iter().zip(&self.scales).map(|(at, scale)| scale / (angle - at)).collect();
@@ -190,7 +194,8 @@ impl Panel {
         terms
     }
 
-    /// The integrals of each node's polynomial over a part of the panel, by area of direction cosines.
+    /// Returns the integrals of each node's polynomial over a part of the panel, by area of direction
+    /// cosines.
     fn moments(&self, from: f64, to: f64) -> Vec<f64> {
         let share = (to - from) / (self.to - self.from);
         let count = 3 + (share * 0.5 * self.nodes.len() as f64).ceil() as usize;
@@ -203,8 +208,8 @@ impl Panel {
     }
 }
 
-/// The integrals of `exp(-i m phi)`, real and imaginary parts, up to these orders, of light that is even within
-/// columns.
+/// Returns the integrals of `exp(-i m phi)`, real and imaginary parts, up to these orders, of light that is
+/// uniform within columns.
 fn of_columns(columns: &[f64], orders: usize) -> Vec<[f64; 2]> {
     let parts = columns.len();
     let whole: f64 = columns.iter().sum();
@@ -227,7 +232,8 @@ fn of_columns(columns: &[f64], orders: usize) -> Vec<[f64; 2]> {
     std::iter::once([whole, 0.0]).chain((1..=orders).map(of)).collect()
 }
 
-/// Weights of `2 orders + 1` azimuths that stand for light of these harmonics, exact for functions of no more orders.
+/// Returns weights of `2 orders + 1` azimuths that represent light of these harmonics, exact for functions
+/// of at most these orders.
 fn around(harmonics: &[[f64; 2]], orders: usize) -> Vec<f64> {
     let count = 2 * orders + 1;
     let mut weights = vec![harmonics[0][0] / count as f64; count];
@@ -241,7 +247,7 @@ fn around(harmonics: &[[f64; 2]], orders: usize) -> Vec<f64> {
     weights
 }
 
-/// Cosine and sine of so many even parts of a turn.
+/// Returns cosine and sine of equal parts of a turn.
 fn circle(parts: usize) -> Vec<[f64; 2]> {
     let of = |k: usize| {
         let (sin, cos) = (TAU * k as f64 / parts as f64).sin_cos();
@@ -254,9 +260,10 @@ fn circle(parts: usize) -> Vec<[f64; 2]> {
 mod tests {
     use super::*;
 
-    /// A rough field against the sum over its cells, each by a fine rule, of a lobe with its peak amid them.
+    /// A rough field is compared with the sum over its cells, each by a fine rule, for a lobe whose peak
+    /// lies among them.
     #[test]
-    fn directions_stand_for_a_rough_field() {
+    fn directions_represent_rough_field() {
         let (rows, columns) = (18, 24);
         let edges: Vec<f64> = (0..=rows).map(|k| 90.0 * k as f64 / rows as f64).collect();
         let radiance: Vec<f64> = (0..rows * columns).map(|k| ((k * k * 7919 + k) % 101) as f64).collect();
@@ -292,7 +299,7 @@ mod tests {
     }
 
     #[test]
-    fn a_ring_is_the_sum_of_its_parts() {
+    fn ring_equals_sum_of_its_parts() {
         let ring = Ring { radius: 0.5, weights: vec![1.0, 2.0, 3.0, 4.0, 5.0] };
         let (even, odd) = (ring.part(1.0), ring.part(-1.0));
         let sum: Vec<f64> = even.weights.iter().zip(&odd.weights).map(|(a, b)| a + b).collect();

@@ -1,12 +1,12 @@
-//! Gradients with respect to the base's table, from gradients with respect to what is seen.
+//! Gradients with respect to the base's table, from gradients with respect to the reflectance factors.
 
-/// How a number changes with the table of a specular base; shapes are the table's own.
+/// Derivatives of a number by the table of a specular base; shapes are those of the table.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TableGradient {
-    /// With each basis reflectance, `[node][basis][wavelength]`.
+    /// By each basis reflectance, `[node][basis][wavelength]`.
     pub basis: Vec<f64>,
-    /// With the fraction of each basis in each state, `[state][basis]`.
+    /// By the fraction of each basis in each state, `[state][basis]`.
     pub mixture: Vec<f64>,
-    /// With what every state reflects besides, `[wavelength]`.
+    /// By the common reflectance of all states, `[wavelength]`.
     pub common: Vec<f64>,
 }

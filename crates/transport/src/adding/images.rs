@@ -14,7 +14,7 @@ use crate::field::Light;
 use crate::formula::{Formula, Polar};
 use crate::{Cone, Field, Source};
 
-/// The points of a source's image that a view sees: `rho` is the sum of weights times
+/// Points of a source's image that a view sees: `rho` is the sum of weights times
 /// [`specular_image`](crate::specular_image).
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct ImagePoints {
@@ -22,8 +22,8 @@ pub(super) struct ImagePoints {
     pub(super) points: Vec<Point>,
 }
 
-/// The images of all sources in this field of view, `across` which lie so many nodes of the base's table: a film's fringes have a few
-/// each.
+/// Returns the images of all sources in this field of view, `across` which lie this many nodes of the base's
+/// table: the fringes of a film have a few each.
 pub(super) fn image_points(view: &Cone, sources: &[Source], digits: f64, across: f64) -> Vec<ImagePoints> {
     let seen = |(source, light): (usize, &Source)| {
         let points = match light {
@@ -41,8 +41,9 @@ pub(super) fn image_points(view: &Cone, sources: &[Source], digits: f64, across:
 /// Digits, and nodes of the base's table across the view.
 type Fine = (f64, f64);
 
-/// The mean over the view of a field's radiance: light that is even within the view needs few points. Other light is summed at many, by parts
-/// of the view so small that what mirrors them is hardly curved, each at points that have its moments.
+/// Returns points for the mean of a field's radiance over the view: light that is uniform within the view
+/// needs few points. Other light is summed at many points, by parts of the view so small that the
+/// reflectance is hardly curved within them, each represented by points that have its moments.
 fn in_view(view: &Cone, field: &Field, fine: Fine) -> Vec<Point> {
     match field.light() {
         Light::Formula(..) if view.is_point() => {
@@ -50,7 +51,7 @@ fn in_view(view: &Cone, field: &Field, fine: Fine) -> Vec<Point> {
             let weight = PI * field.radiance(beta);
             if weight > 0.0 { vec![Point { beta, weight }] } else { Vec::new() }
         }
-        // In a medium angles are not those of the formula.
+        // In a medium the angles differ from those of the formula.
         Light::Formula(formula, scale) if view.is_in_air() => {
             let formula = formula.about(Polar::mirrored(view));
             of_formula(view, &formula, PI * scale / view.solid_angle(), fine)
@@ -59,7 +60,7 @@ fn in_view(view: &Cone, field: &Field, fine: Fine) -> Vec<Point> {
     }
 }
 
-/// By a rule that knows where the formula is not smooth.
+/// Returns points of a rule that takes into account where the formula is not smooth.
 fn of_formula(view: &Cone, formula: &Formula, scale: f64, fine: Fine) -> Vec<Point> {
     let (digits, across) = fine;
     let degree = digits + across;
@@ -81,10 +82,11 @@ fn of_formula(view: &Cone, formula: &Formula, scale: f64, fine: Fine) -> Vec<Poi
     parts.points()
 }
 
-/// Of parts of a view.
+/// Largest number of rings of parts of a view.
 const MOST_RINGS: f64 = 64.0;
 
-/// Light of parts of a view, by its moments: sums of 1, x, y, xx, xy and yy of the directions from the axis.
+/// Light of the parts of a view, by its moments: sums of 1, x, y, xx, xy and yy of the directions from the
+/// axis.
 struct Parts {
     axis: Beta,
     rings: f64,
@@ -95,13 +97,14 @@ struct Parts {
 impl Parts {
     fn new(view: &Cone, (digits, across): Fine) -> Self {
         let size = view.half_angle() / smooth_at(view, SMOOTH);
-        // Two points lie across each part: one for each node of a fringe, more at finer levels.
+        // Two points represent each part: one for each node of a fringe, more at finer levels.
         let rings = (1.0 + (2.0 * digits * size).ceil()).max((0.05 * digits * across).ceil()).min(MOST_RINGS);
         let sectors = 4.0 * rings;
         Self { axis: view.axis_towards(), rings, sectors, sums: vec![[0.0; 6]; (rings * sectors) as usize] }
     }
 
-    /// `along`: part of the way from the axis to the rim; `turn` around it, radians.
+    /// Adds light; `along`: fraction of the distance from the axis to the rim; `turn`: angle around it,
+    /// radians.
     fn add(&mut self, along: f64, turn: f64, beta: Beta, light: f64) {
         let turn = (turn / TAU).rem_euclid(1.0);
         let (ring, sector) = ((along * self.rings).floor(), (turn * self.sectors).floor());
@@ -117,10 +120,11 @@ impl Parts {
     }
 }
 
-/// Four points of a part: with its light, its centre and its extent (mean squares and product of directions from the centre). What is a
-/// parabola over the part is summed exactly.
+/// Returns four points of a part, which have its light, its centre and its extent (mean squares and product
+/// of directions from the centre). A parabola over the part is summed exactly.
 fn of_moments(light: f64, [x, y, xx, xy, yy]: [f64; 5], axis: Beta) -> [Point; 4] {
-    // Any root of the matrix of the extent serves: its columns are half of a point's way, squared.
+    // Any square root of the matrix of the extent can be used: its columns are half of a point's offset,
+    // squared.
     let wide = (xx - x * x).max(0.0).sqrt();
     let aslant = if wide > 0.0 { (xy - x * y) / wide } else { 0.0 };
     let high = (yy - y * y - aslant * aslant).max(0.0).sqrt();
@@ -132,7 +136,7 @@ fn of_moments(light: f64, [x, y, xx, xy, yy]: [f64; 5], axis: Beta) -> [Point; 4
     around.map(|beta| Point { beta: if is_above { beta } else { Beta { x, y } }, weight: 0.25 * light })
 }
 
-/// Of cells, whose edges may be anywhere, by chance.
+/// Returns points of cells, whose edges may lie anywhere, by spiral sampling.
 fn of_cells(view: &Cone, field: &Field, fine: Fine) -> Vec<Point> {
     let (digits, across) = fine;
     let seen = |p: Point| Point { weight: PI * p.weight * field.radiance(p.beta), ..p };
@@ -147,7 +151,7 @@ fn of_cells(view: &Cone, field: &Field, fine: Fine) -> Vec<Point> {
     let count = seeds(&many, digits);
     let whole = 2.0 * (0.5 * half).sin();
     for k in 0..count {
-        // A sunflower's seeds: even in solid angle.
+        // A sunflower spiral: uniform in solid angle.
         let (along, turn) = ((k as f64 + 0.5) / count as f64, TAU * (k as f64 * GOLDEN).fract());
         let angle = 2.0 * (0.5 * along.sqrt() * whole).asin();
         let beta = view.around(angle, turn);
@@ -156,8 +160,9 @@ fn of_cells(view: &Cone, field: &Field, fine: Fine) -> Vec<Point> {
     parts.points()
 }
 
-/// How many seeds edges take, from radiances in the view: their error is that of an edge's step over the mean and falls as
-/// 1/count^(3/4), so that small steps, as of a sky from cell to cell, take few.
+/// Returns the number of spiral points that edges require, from radiances in the view: the error is that of
+/// an edge's step over the mean and decreases as 1/count^(3/4), so that small steps, as those of a sky from
+/// cell to cell, take few.
 fn seeds(seen: &[Point], digits: f64) -> usize {
     let radiances = || seen.iter().map(|point| point.weight);
     let (least, most) = (radiances().fold(f64::INFINITY, f64::min), radiances().fold(0.0, f64::max));
@@ -167,19 +172,19 @@ fn seeds(seen: &[Point], digits: f64) -> usize {
     (of_whole_steps * step.powf(4.0 / 3.0)).max(FEWEST_SEEDS) as usize
 }
 
-/// So many leave some 1e-5 of an edge, and take a fifth of a second.
+/// Largest number: it leaves about 1e-5 of an edge, and takes a fifth of a second.
 const MOST_SEEDS: f64 = 2e6;
 
-/// And fewer are not worth counting.
+/// Smallest number: fewer do not save time.
 const FEWEST_SEEDS: f64 = 4096.0;
 
 /// The golden section.
 const GOLDEN: f64 = 0.618_033_988_749_894_9;
 
-/// Faces and films change over directions of this size.
+/// Angle over which interfaces and films change.
 const SMOOTH: f64 = 0.3;
 
-/// The mean over the view of the indicator of the mirrored source, times `scale`.
+/// Returns points for the mean over the view of the indicator of the mirrored source, times `scale`.
 fn overlap(view: &Cone, mirrored: &Cone, scale: f64, (digits, across): Fine) -> Vec<Point> {
     if view.is_point() {
         let beta = view.axis_towards();
@@ -194,7 +199,8 @@ fn overlap(view: &Cone, mirrored: &Cone, scale: f64, (digits, across): Fine) -> 
         return Vec::new();
     }
     let scale = scale / view.solid_angle();
-    // Faces change over a tenth of a radian or more; of a table's nodes, the smaller cone holds its part.
+    // Interfaces change over a tenth of a radian or more; of the nodes of a table, the smaller cone contains
+    // its fraction.
     let of_table = 0.05 * digits * across * a / view.half_angle();
     let across = 2 + (digits * a + of_table).ceil() as usize;
     let mut points = Vec::new();
@@ -215,7 +221,7 @@ fn overlap(view: &Cone, mirrored: &Cone, scale: f64, (digits, across): Fine) -> 
     points
 }
 
-/// Half of the arc, at this angle around an axis, within `radius` of a point at `distance`.
+/// Returns half of the arc, at this angle around an axis, within `radius` of a point at `distance`.
 fn half_arc(angle: f64, radius: f64, distance: f64) -> f64 {
     let product = (0.5 * (radius + angle - distance)).sin() * (0.5 * (radius - angle + distance)).sin();
     let square = product / (angle.sin() * distance.sin());
@@ -232,9 +238,9 @@ fn arc(cone: &Cone, angle: f64, turn: f64, half: f64, count: usize, weight: f64,
 mod tests {
     use super::*;
 
-    /// The fraction of two overlapping small circles, by the planar lens formula.
+    /// The fraction of two overlapping small circles equals the planar lens formula.
     #[test]
-    fn the_area_of_a_lens() {
+    fn overlap_equals_area_of_lens() {
         let lens = |a: f64, b: f64, d: f64| {
             let part = |a: f64, b: f64| a * a * ((d * d + a * a - b * b) / (2.0 * d * a)).acos();
             let root = (-d + a + b) * (d + a - b) * (d - a + b) * (d + a + b);

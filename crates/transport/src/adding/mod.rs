@@ -1,11 +1,11 @@
 //! *adding*: the deterministic solver.
 //!
-//! A [`Kernel`] holds what depends neither on the pixel nor on spectra, for one stack of layers,
-//! its views and its sources, at one level of discretisation. An [`Estimate`] through it costs
-//! little: new pixels, states, spectra and (of a panel) new fronts of screen.
+//! A [`Kernel`] contains the data that depend neither on the pixel nor on spectra, for one stack of layers,
+//! its views and its sources, at one level of discretisation. An [`Estimate`] from it takes little time:
+//! pixels, states, spectra and (of a panel) the front of screen may change.
 //!
-//! Levels are nested in accuracy: the difference between the estimates of two levels is the
-//! coarser one's discretisation error.
+//! Accuracy increases with the level: the difference between the estimates of two levels is the
+//! discretisation error of the coarser one.
 
 mod field;
 mod gradient;
@@ -23,13 +23,15 @@ pub(crate) use layered::{Action, Preparation, rough_width};
 /// The finest level.
 pub const FINEST: u32 = 6;
 
-/// More radial nodes than this are beyond *adding* ([`nodes_needed`]): a minute, and a gigabyte.
+/// Largest number of radial nodes for which *adding* is practicable ([`nodes_needed`]): a minute, and a
+/// gigabyte.
 pub const MOST_NODES: usize = 300;
 
-/// Radial nodes that these layers take at a level, besides the directions of views and sources;
-/// 0 for a panel, which finds its own. They grow as 1/width of the narrowest lobe, 1/(alpha times the
-/// difference of indices) of a rough face and 1/(1 - g) of a phase function; work grows with their cube and more. The caller refuses what takes more than
-/// [`MOST_NODES`], or leaves it to the walk.
+/// Returns the number of radial nodes that these layers take at a level, besides the directions of views and
+/// sources; 0 for a panel, which determines its own. The number grows as 1/width of the narrowest lobe,
+/// 1/(alpha times the difference of indices) of a rough interface and 1/(1 - g) of a phase function; work
+/// grows with its cube and more. The caller refuses stacks that take more than [`MOST_NODES`], or uses the
+/// Monte Carlo solver.
 pub fn nodes_needed(stack: &Stack, level: u32) -> usize {
     match stack {
         Stack::Panel(_) => 0,
@@ -37,16 +39,16 @@ pub fn nodes_needed(stack: &Stack, level: u32) -> usize {
     }
 }
 
-/// The one among all that scatters whose nodes a stack needs.
+/// The scatterer that determines the number of nodes of a stack.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Narrowest {
-    /// Which one, counted from the top among what scatters, from 1.
+    /// Its number among the scatterers, counted from the top, from 1.
     pub number: usize,
-    /// What it is.
+    /// Its narrowness.
     pub scatterer: Narrowness,
 }
 
-/// What scatters, by what makes it narrow.
+/// A scatterer, by the quantity that makes it narrow.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Narrowness {
     /// A diffuser's lobe.
@@ -54,19 +56,19 @@ pub enum Narrowness {
         /// Its width b, direction cosines.
         width: f64,
     },
-    /// A face given by its BSDF.
+    /// An interface given by its BSDF.
     Face {
-        /// That of its narrowest kernel, as of a k-correlation lobe, direction cosines.
+        /// Width of its narrowest kernel, as of a k-correlation lobe, direction cosines.
         width: f64,
     },
-    /// A rough face.
+    /// A rough interface.
     Rough {
         /// Its roughness.
         alpha: f64,
-        /// The narrowest that it refracts light into, direction cosines.
+        /// Width of the narrowest lobe into which it refracts light, direction cosines.
         width: f64,
     },
-    /// A medium that scatters in its bulk.
+    /// A medium that scatters in its volume.
     Slab {
         /// Mean cosine of the scattering angle.
         anisotropy: f64,
@@ -74,17 +76,18 @@ pub enum Narrowness {
 }
 
 impl Narrowness {
-    /// The distance in direction cosines over which what is seen of it changes.
+    /// Returns the distance in direction cosines over which its scattered light changes.
     fn smoothness(self) -> f64 {
         match self {
             Self::Lobe { width } | Self::Face { width } | Self::Rough { width, .. } => width,
-            // The phase function's pole lies at this imaginary angle.
+            // The pole of the phase function lies at this imaginary angle.
             Self::Slab { anisotropy } => -anisotropy.abs().max(1e-9).ln(),
         }
     }
 }
 
-/// What makes a stack need so many nodes ([`nodes_needed`]); none in a panel or where nothing scatters.
+/// Returns the scatterer that determines the number of nodes of a stack ([`nodes_needed`]); `None` in a
+/// panel or where nothing scatters.
 pub fn narrowest(stack: &Stack) -> Option<Narrowest> {
     match stack {
         Stack::Panel(_) => None,
@@ -92,11 +95,12 @@ pub fn narrowest(stack: &Stack) -> Option<Narrowest> {
     }
 }
 
-/// By how much the difference between two levels must be multiplied to bound the error of the
-/// finer one: a rough face's refracted light ends abruptly in direction, and its levels gain as
-/// little as a factor of 1.3 (the sum of the differences to come is then up to 4 times the last); what
-/// a front sends back through a lobe too narrow for a grid gains 1.2 on the mean, now more and now less (the rest
-/// was up to 6.3 times the last in `tests/transport/narrow_lobes.rs`); all others gain 2 or far more.
+/// Returns the factor by which the difference between two levels must be multiplied to bound the error of
+/// the finer one. Refracted light of a rough interface ends abruptly in direction, and its error decreases
+/// by as little as a factor of 1.3 per level (the sum of the remaining differences is then up to 4 times the
+/// last). Light that a front sends back through a lobe too narrow for a grid gains 1.2 on average,
+/// irregularly (the rest was up to 6.3 times the last in `tests/transport/narrow_lobes.rs`). All others gain
+/// 2 or far more.
 pub fn error_over_difference(stack: &Stack) -> f64 {
     match stack {
         Stack::Layered(layered) => {
@@ -122,23 +126,24 @@ enum Kind {
 }
 
 impl Kernel {
-    /// An empty kernel of this level, 0 (coarsest) to [`FINEST`].
+    /// Returns an empty kernel of this level, 0 (coarsest) to [`FINEST`].
     pub fn new(level: u32) -> Self {
         Self { level, kind: Kind::Empty }
     }
 
-    /// An empty kernel of the same level.
+    /// Returns an empty kernel of the same level.
     pub fn unprepared(&self) -> Self {
         Self::new(self.level)
     }
 
-    /// Makes it ready for these layers, views (cones of directions in air) and sources. What
-    /// was prepared before and still serves is kept.
+    /// Prepares the kernel for these layers, views (cones of directions in air) and sources. Data prepared
+    /// before are reused if they are still valid.
     pub fn prepare(&mut self, stack: &Stack, views: &[Cone], sources: &[Source]) {
         self.prepare_until(stack, views, sources, &AtomicBool::new(false));
     }
 
-    /// The same, given up when `stop` is set, which is looked at many times a second: then it is empty, and this returns false.
+    /// Prepares the kernel in the same way, unless `stop` is set, which is tested many times a second: then
+    /// the kernel is empty, and this returns false.
     #[must_use]
     pub fn prepare_unless(
         &mut self,
@@ -172,9 +177,10 @@ impl Kernel {
         }
     }
 
-    /// Whether an estimate of this stack, whose layers it was prepared for, needs nothing that is not prepared: a panel's
-    /// kernel depends on the nodes of the base's table, and on how much light the base sends back at most; that of any layers on
-    /// how many of those nodes lie across a field of view.
+    /// Returns whether an estimate of this stack, for whose layers it was prepared, needs no further
+    /// preparation. A panel's kernel depends on the nodes of the base's table, and on the largest fraction
+    /// of light that the base sends back; that of general layers on how many of those nodes lie across a
+    /// field of view.
     pub fn serves(&self, stack: &Stack) -> bool {
         match (stack, &self.kind) {
             (Stack::Panel(panel), Kind::Panel(kernel)) => kernel.serves(panel),
@@ -183,13 +189,14 @@ impl Kernel {
         }
     }
 
-    /// What is seen from view number `view`; the stack's layers, the views and the sources are
-    /// those it was prepared for, its base and spectra may be others.
+    /// Returns the estimate of view number `view`. The layers of the stack, the views and the sources must
+    /// be those for which the kernel was prepared; base and spectra may differ.
     pub fn estimate(&self, stack: &Stack, view: usize) -> Estimate {
         self.estimate_unless(stack, view, &AtomicBool::new(false)).unwrap_or_default()
     }
 
-    /// The same; `None` if `stop` was set before it was found. Over another base than the last this can take long.
+    /// Returns the same estimate; `None` if `stop` was set during the computation. Over another base than
+    /// the last this can take long.
     pub fn estimate_unless(&self, stack: &Stack, view: usize, stop: &AtomicBool) -> Option<Estimate> {
         let estimate = match (stack, &self.kind) {
             (Stack::Panel(panel), Kind::Panel(kernel)) => kernel.estimate(panel, view),
@@ -202,7 +209,7 @@ impl Kernel {
         (!stop.load(Ordering::Relaxed)).then_some(estimate)
     }
 
-    /// The `rho` of an estimate alone, which costs less: nothing is said of where light ends.
+    /// Returns only the `rho` of an estimate, which takes less time: the ledger is not computed.
     pub fn seen(&self, stack: &Stack, view: usize) -> Vec<ReflectanceFactor> {
         match (stack, &self.kind) {
             (Stack::Panel(panel), Kind::Panel(kernel)) => kernel.seen(panel, view),
@@ -210,10 +217,11 @@ impl Kernel {
         }
     }
 
-    /// The gradients, with respect to the table of a specular base, of numbers that change with what is seen: `seen` has shape
-    /// `[number][source][state][wavelength]` and tells how each number changes with each source's `rho.base` of an estimate of this stack.
-    /// Exact to rounding, and little more work than an estimate. `None` where this has to be found by differences of
-    /// estimates: this road is that of a panel's scattered light.
+    /// Returns the gradients, with respect to the table of a specular base, of numbers that depend on the
+    /// reflectance factors: `seen` has shape `[number][source][state][wavelength]` and contains the
+    /// derivative of each number by each source's `rho.base` of an estimate of this stack. Exact to
+    /// rounding, and little more work than an estimate. `None` if the gradients must be found by differences
+    /// of estimates: this method covers the scattered light of a panel.
     pub fn pull_back(&self, stack: &Stack, view: usize, seen: &[f64]) -> Option<Vec<TableGradient>> {
         match (stack, &self.kind) {
             (Stack::Panel(panel), Kind::Panel(kernel)) => kernel.pull_back(panel, view, seen),
@@ -221,7 +229,8 @@ impl Kernel {
         }
     }
 
-    /// Directions at which light is followed: radial nodes, over all views and sources.
+    /// Returns the number of directions at which light is followed: radial nodes, over all views and
+    /// sources.
     pub fn nodes(&self) -> usize {
         match &self.kind {
             Kind::Empty => 0,

@@ -1,12 +1,12 @@
-//! Quadrature that knows where its integrand is sharp.
+//! Quadrature for integrands with known singularities.
 //!
-//! Gauss-Legendre's rule of p points errs by `rho^(-2p)`, rho the size of the largest ellipse
-//! around the interval (foci at its ends, rho the sum of its half-axes) that holds no
-//! singularity (Trefethen, *Approximation Theory and Approximation Practice*, theorem 19.3). Lobes
-//! are rational functions: their poles are known. So an interval is cut until no pole is near
-//! any panel, and each panel gets the points that its nearest pole demands.
+//! The error of a Gauss-Legendre rule of p points is `rho^(-2p)`, with rho the size of the largest ellipse
+//! around the interval (foci at its ends, rho the sum of its half-axes) that contains no singularity
+//! (Trefethen, *Approximation Theory and Approximation Practice*, theorem 19.3). Lobes are rational
+//! functions: their poles are known. An interval is therefore divided until no pole is near any panel, and
+//! each panel gets the number of points that its nearest pole requires.
 //!
-//! `digits` are natural ones throughout: an error of `exp(-digits)` is asked for.
+//! All `digits` are natural: the requested error is `exp(-digits)`.
 
 use std::f64::consts::{FRAC_PI_2, PI};
 use std::sync::LazyLock;
@@ -29,13 +29,13 @@ pub(super) struct Point {
     pub(super) weight: f64,
 }
 
-/// Of one panel.
+/// Largest number of points of one panel.
 pub(crate) const MOST_POINTS: usize = 40;
 
 static RULES: LazyLock<Vec<Vec<Node>>> = LazyLock::new(|| (0..=MOST_POINTS).map(legendre).collect());
 
-/// Gauss and Legendre's rule of this many points on (-1, 1), by Newton's method from
-/// Tricomi's first guess.
+/// Returns the Gauss-Legendre rule of this many points on (-1, 1), by Newton's method from Tricomi's first
+/// approximation.
 pub(super) fn legendre(points: usize) -> Vec<Node> {
     let n = points as f64;
     let node = |i: usize| {
@@ -59,7 +59,7 @@ pub(super) fn legendre(points: usize) -> Vec<Node> {
     (0..points).map(node).collect()
 }
 
-/// Gauss and Legendre's rule on an interval.
+/// Returns the Gauss-Legendre rule on an interval.
 pub(crate) fn gauss(from: f64, to: f64, points: usize) -> impl Iterator<Item = Node> {
     let (middle, half) = (0.5 * (from + to), 0.5 * (to - from));
     RULES[points.clamp(1, MOST_POINTS)]
@@ -75,7 +75,7 @@ pub(crate) struct Pole {
 }
 
 impl Pole {
-    /// The pole of a function of `beta`, seen in `x` of `beta = radius sin x`.
+    /// Converts the pole of a function of `beta` to one in `x` of `beta = radius sin x`.
     pub(super) fn in_arc(self, radius: f64) -> Self {
         let (re, im) = (self.at / radius, self.off / radius);
         let (right, left) = ((re + 1.0).hypot(im), (re - 1.0).hypot(im));
@@ -83,8 +83,8 @@ impl Pole {
         Self { at: difference.clamp(-1.0, 1.0).asin(), off: sum.max(1.0).acosh() }
     }
 
-    /// The larger half-axis of the ellipse around the interval (as one from -1 to 1) that this pole
-    /// lies on.
+    /// Returns the larger half-axis of the ellipse around the interval (scaled to -1 to 1) on which this
+    /// pole lies.
     fn half_axis(self, from: f64, to: f64) -> f64 {
         let (middle, half) = (0.5 * (from + to), 0.5 * (to - from));
         let (re, im) = ((self.at - middle) / half, self.off / half);
@@ -93,12 +93,12 @@ impl Pole {
     }
 }
 
-/// Panels are cut until their ellipses are at least this large ...
+/// Panels are divided until their ellipses are at least this large ...
 const SMALLEST_ELLIPSE: f64 = 2.3;
-/// ... or they have this fraction of the whole interval (singularities on the interval itself).
+/// ... or they are this fraction of the whole interval (singularities on the interval itself).
 const SMALLEST_PANEL: f64 = 1e-8;
 
-/// A rule on an interval for an integrand with these poles, that is smooth between `breaks`.
+/// Returns a rule on an interval for an integrand with these poles that is smooth between `breaks`.
 pub(super) fn graded(from: f64, to: f64, breaks: &[f64], poles: &[Pole], digits: f64) -> Vec<Node> {
     let mut nodes = Vec::new();
     panels(from, to, breaks, poles, &mut |from, to, ellipse: f64| {
@@ -107,7 +107,8 @@ pub(super) fn graded(from: f64, to: f64, breaks: &[f64], poles: &[Pole], digits:
     nodes
 }
 
-/// The panels of such a rule: `each` gets both ends and the size of the ellipse in which there is no pole.
+/// Computes the panels of such a rule: `each` receives both ends and the size of the ellipse in which there
+/// is no pole.
 pub(crate) fn panels(
     from: f64,
     to: f64,
@@ -141,56 +142,59 @@ fn cut(from: f64, to: f64, poles: &[Pole], least: f64, each: &mut impl FnMut(f64
         cut(from, at, poles, least, each);
         cut(at, to, poles, least, each);
     } else {
-        // Integrands are no rational functions of lowest degree where no pole is near.
+        // Where no pole is near, integrands are still not polynomials of low degree.
         each(from, to, ellipse.clamp(SMALLEST_ELLIPSE, LARGEST_ELLIPSE));
     }
 }
 
-/// Natural digits that poles cost which are not simple: of products of lobes they are threefold.
+/// Additional natural digits for multiple poles: products of lobes have threefold ones.
 pub(super) const MULTIPLE_POLES: f64 = 3.0;
 
-/// No panel is taken for smoother than this: besides the poles there are the functions
-/// that are tabulated over direction.
+/// Largest ellipse assumed for a panel: besides the poles there are functions that are tabulated over
+/// direction.
 const LARGEST_ELLIPSE: f64 = 6.0;
 
-/// Points for this many digits at so many digits for each.
+/// Returns the number of points for this many digits at `each` digits per point.
 pub(crate) fn points_for(digits: f64, each: f64) -> usize {
     (digits / each).ceil().clamp(1.0, MOST_POINTS as f64) as usize
 }
 
-/// The scale over a cone, for [`cone_points`], of what changes over `scale` in direction cosines and over angles of the same size: flat parts
-/// are smooth functions of the cosine of inclination, which vanish with it at the horizon, so that their mean over a cone
-/// asks for steps that are small beside it.
+/// Returns the scale over a cone, for [`cone_points`], of a function that changes over `scale` in direction
+/// cosines and over angles of the same size. Flat parts are smooth functions of the cosine of inclination,
+/// which vanish with it at the horizon, so that their mean over a cone requires steps that are small
+/// compared with it.
 pub(super) fn smooth_at(cone: &Cone, scale: f64) -> f64 {
     let cosine = (1.0 - cone.axis_towards().squared()).max(0.0).sqrt();
     // A cone of any width reaches beyond the smallest cosines.
     scale * cosine.max(cone.half_angle()).max(1e-9)
 }
 
-/// Points of a cone, their weights uniform in solid angle and one in sum, for functions that
-/// change over a distance of `scale` (direction cosines: poles that far off the real plane).
-/// They are symmetric about the cone's plane of incidence.
+/// Returns points of a cone, with weights uniform in solid angle that sum to one, for functions that change
+/// over a distance of `scale` (direction cosines: poles at this distance from the real plane). They are
+/// symmetric about the cone's plane of incidence.
 pub(super) fn cone_points(cone: &Cone, scale: f64, digits: f64) -> Vec<Point> {
     cone_points_of(cone, scale, digits, Nodes::default())
 }
 
-/// What a rule over a cone takes besides what its scale asks for.
+/// Nodes of a rule over a cone in addition to those that its scale requires.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Nodes {
-    /// Rings, at least. A rule that is the same at two levels says nothing of its error.
+    /// Smallest number of rings. A rule that is the same at two levels gives no estimate of its error.
     pub(super) rings: usize,
-    /// How many nodes of a table over the inclination lie across the cone: a film's fringes have a few each.
+    /// Number of nodes of a table over the inclination across the cone: the fringes of a film have a few
+    /// each.
     pub(super) across: f64,
 }
 
 impl Nodes {
-    /// Rings and spokes more. Both are exponential once there are two points for what a few nodes follow.
+    /// Returns the number of additional rings and spokes. Both converge exponentially once there are two
+    /// points for each few nodes.
     pub(super) fn more(&self) -> usize {
         (0.5 * self.across) as usize
     }
 }
 
-/// [`cone_points`] with so many more.
+/// Returns [`cone_points`] with this many more.
 pub(super) fn cone_points_of(cone: &Cone, scale: f64, digits: f64, nodes: Nodes) -> Vec<Point> {
     let half_angle = cone.half_angle();
     let size = half_angle / scale;
@@ -216,8 +220,8 @@ pub(super) fn cone_points_of(cone: &Cone, scale: f64, digits: f64, nodes: Nodes)
     points
 }
 
-/// Points of an even round source, for the light that propagates from them; weights uniform in
-/// direction cosines and one in sum.
+/// Returns points of a uniform round source, for the light that propagates from them, with weights uniform
+/// in direction cosines that sum to one.
 pub(super) fn disc_points(cone: &Cone, scale: f64, digits: f64) -> Vec<Point> {
     let mut points = cone_points(cone, scale, digits);
     for point in &mut points {
@@ -231,8 +235,8 @@ pub(super) fn disc_points(cone: &Cone, scale: f64, digits: f64) -> Vec<Point> {
     points
 }
 
-/// A rule over the radius of the disc `|beta| <= radius` in `beta = radius sin x`, which resolves
-/// square roots that end on its rim: nodes are |beta|, weights hold `2 pi |beta| d|beta|`.
+/// Returns a rule over the radius of the disc `|beta| <= radius` in `beta = radius sin x`, which resolves
+/// square roots that end on its rim: nodes are |beta|, weights contain `2 pi |beta| d|beta|`.
 pub(super) fn radial(radius: f64, breaks: &[f64], poles: &[Pole], digits: f64) -> Vec<Node> {
     let inside = breaks.iter().filter(|b| **b < radius);
     let breaks: Vec<f64> = inside.map(|b| (b / radius).asin()).collect();
@@ -261,7 +265,7 @@ mod tests {
 
     /// The lobe's own integral along a line, over six decades of width.
     #[test]
-    fn a_graded_rule_keeps_its_promise() {
+    fn graded_rule_has_requested_error() {
         for width in [1e-6, 1e-3, 0.05, 3.0] {
             for digits in [12.0, 18.0, 28.0] {
                 let nodes = graded(0.0, 1.5, &[], &[Pole { at: 0.4, off: width }], digits);
@@ -269,7 +273,7 @@ mod tests {
                 let antiderivative = |x: f64| (x - 0.4) / (width * width + (x - 0.4).powi(2)).sqrt();
                 let sum: f64 = nodes.iter().map(|n| n.weight * f(n.x)).sum();
                 let truth = antiderivative(1.5) - antiderivative(0.0);
-                // Positions near 0.4 are rounded to 1e-16, which is much of a narrow lobe.
+                // Positions near 0.4 are rounded to 1e-16, which is much for a narrow lobe.
                 let allowed = 20.0 * (-digits).exp() + 1e-13 + 1e-15 / width;
                 assert!((sum / truth - 1.0).abs() < allowed, "{width} {digits}");
             }
@@ -277,15 +281,15 @@ mod tests {
     }
 
     #[test]
-    fn a_square_root_on_the_rim_costs_nothing() {
+    fn square_root_on_rim_is_resolved() {
         let nodes = radial(1.5, &[], &[], 28.0);
         let sum: f64 = nodes.iter().map(|n| n.weight * (1.0 - n.x * n.x / 2.25).sqrt()).sum();
         assert!((sum - 2.25 * PI * 2.0 / 3.0).abs() < 1e-11, "{sum}");
     }
 
-    /// The mean of a lobe over a cone converges as it says.
+    /// The mean of a lobe over a cone converges as stated.
     #[test]
-    fn points_of_a_cone() {
+    fn cone_points_converge_with_digits() {
         let cone = Cone::new(30.0, 20.0, 4.0, 1.0);
         let f = |beta: Beta| (0.05 * 0.05 + (beta - Beta::towards(24.0, 20.0, 1.0)).squared()).powf(-1.5);
         let mean =

@@ -1,4 +1,5 @@
-//! A perfect antireflection face: what both media can carry passes whole, the rest is reflected whole.
+//! Ideal antireflection interface: light that both media can carry is transmitted completely, the rest is
+//! reflected completely.
 
 use super::{Incidence, LayerKind};
 use crate::front::Flat;

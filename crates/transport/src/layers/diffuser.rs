@@ -1,6 +1,6 @@
-//! A diffuser given by its BTDF, its faces included: it reflects nothing.
+//! A diffuser given by its BTDF, including its surfaces. It reflects nothing.
 //!
-//! What its lobe scatters beyond the index of the medium there, above (1 in air) or below, it absorbs.
+//! Light that its lobe scatters beyond the index of the medium, above (1 in air) or below, is absorbed.
 
 use papilio_optics::Scatterer;
 use papilio_optics::lobe::Lobe;
@@ -17,7 +17,7 @@ use crate::skeleton::Propagation;
 pub struct Diffuser {
     /// Angular shape of the scattered part.
     pub lobe: Lobe,
-    /// T, straight-through included, per wavelength.
+    /// T, including regular transmittance, per wavelength.
     pub transmittance: Spectrum,
     /// Fraction of the transmitted light that keeps its direction.
     pub straight_through: f64,

@@ -1,4 +1,4 @@
-//! A bare face: Fresnel's reflectance for unpolarised light.
+//! Bare interface: Fresnel reflectance for unpolarised light.
 
 use papilio_optics::interface::fresnel_reflectance;
 

@@ -1,4 +1,4 @@
-//! What fills the space between two interfaces: an index, absorption, bulk scattering.
+//! Medium between two interfaces: index, absorption, scattering in the volume.
 
 use papilio_spectra::Spectrum;
 
@@ -17,7 +17,7 @@ pub struct Medium {
     scattering: Option<Scattering>,
 }
 
-/// Bulk scattering in a medium of constant index (Henyey & Greenstein 1941).
+/// Scattering in the volume of a medium of constant index (Henyey & Greenstein 1941).
 #[derive(Debug, Clone, PartialEq)]
 pub struct Scattering {
     /// Extinction along the normal, above 0.
@@ -29,46 +29,46 @@ pub struct Scattering {
 }
 
 impl Medium {
-    /// A clear medium of this index, at least 1 at every wavelength.
+    /// Returns a clear medium of this index, at least 1 at every wavelength.
     pub fn new(index: Spectrum) -> Self {
         let constant = index.is_constant().then(|| index[0]);
         Self { constant, largest: index.max(), index, transmittance: None, scattering: None }
     }
 
-    /// The same medium with this internal transmittance along the normal, 0 to 1; at an angle
-    /// the path is longer: `t^(1/cos theta)` (Beer & Lambert).
+    /// Returns the same medium with this internal transmittance along the normal, 0 to 1; at an angle the
+    /// path is longer: `t^(1/cos theta)` (Beer & Lambert).
     pub fn with_transmittance(self, transmittance: Spectrum) -> Self {
         let clear = transmittance.iter().all(|t| *t == 1.0);
         Self { transmittance: (!clear).then_some(transmittance), ..self }
     }
 
-    /// The same medium with scattering in its bulk; its index must be constant.
+    /// Returns the same medium with scattering in its volume; its index must be constant.
     pub fn with_scattering(self, scattering: Scattering) -> Self {
         Self { scattering: Some(scattering), ..self }
     }
 
-    /// Internal transmittance along the normal, where the medium absorbs.
+    /// Returns the internal transmittance along the normal, if the medium absorbs.
     pub fn transmittance(&self) -> Option<&Spectrum> {
         self.transmittance.as_ref()
     }
 
-    /// Scattering in the bulk.
+    /// Returns the scattering in the volume.
     pub fn scattering(&self) -> Option<&Scattering> {
         self.scattering.as_ref()
     }
 
-    /// Its index, per wavelength.
+    /// Returns its index, per wavelength.
     pub fn index(&self) -> &Spectrum {
         &self.index
     }
 
-    /// Its index where that does not depend on wavelength.
+    /// Returns its index if that does not depend on wavelength.
     #[inline]
     pub fn constant_index(&self) -> Option<f64> {
         self.constant
     }
 
-    /// Its largest index: the disc that holds every direction cosine in it.
+    /// Returns its largest index: the radius of the disc that contains all its direction cosines.
     #[inline]
     pub fn largest_index(&self) -> f64 {
         self.largest
@@ -92,7 +92,7 @@ impl Medium {
     }
 }
 
-/// Between itself and itself: both indices are its own.
+/// A medium lies between itself and itself: both indices are its own.
 impl LayerKind for Medium {
     fn regular(&self, at: &Incidence) -> Flat {
         self.part(at).flat
@@ -127,7 +127,7 @@ impl LayerKind for Medium {
         let Some(scattering) = &self.scattering else {
             return (transmittance < 1.0).then_some(Action::Clear { transmittance });
         };
-        // Absorption besides the scattering is more extinction that does not scatter.
+        // Absorption besides the scattering is additional extinction without scattering.
         let absorbing = -transmittance.max(f64::MIN_POSITIVE).ln();
         let thickness = scattering.optical_thickness + absorbing;
         let scattered = scattering.optical_thickness * scattering.albedo[prepare.bin];

@@ -1,12 +1,12 @@
-//! Kinds of layers: one file for each, and what each is asked.
+//! Kinds of layers, one file for each, and their common interface.
 //!
-//! A display is interfaces and media in turn. Both are *elements*: both solvers, the ledger and the closed forms know
-//! them by the answers to [`LayerKind`] alone, and those that scatter at an interface also by those to
+//! A display consists of interfaces and media in turn. Both are *elements*: the two solvers, the ledger and
+//! the closed forms use them only through [`LayerKind`], and those that scatter at an interface also through
 //! [`ScatteringInterface`]. To add a kind of interface: write its file, and add it to [`Interface`] and to
 //! [`Interface::kind`].
 //!
-//! Light arrives as an [`Arrival`] and leaves as a [`Departure`]. Both hold directions only, since layers are uniform;
-//! a layer that displaces light needs places (x, y) beside them.
+//! Light arrives as an [`Arrival`] and leaves as a [`Departure`]. Both contain directions only, since layers
+//! are uniform; a layer that displaces light would need positions (x, y) as well.
 
 mod coated;
 mod coating;
@@ -36,29 +36,30 @@ use crate::estimate::Account;
 use crate::front::Flat;
 use crate::skeleton::{Part, Propagation};
 
-/// What stands between two media.
+/// Interface between two media.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Interface {
     /// Nothing: the media have the same index.
     Open,
-    /// A perfect antireflection face: what both media can carry passes whole, the rest is reflected whole.
+    /// Ideal antireflection: light that both media can carry is transmitted completely, the rest is
+    /// reflected completely.
     Coated,
-    /// A bare face, unpolarised Fresnel.
+    /// A bare interface, unpolarised Fresnel.
     Fresnel,
     /// A front-of-screen component in a medium.
     Sheet(Sheet),
     /// Coherent thin films.
     Coating(Coating),
-    /// A diffuser given by its BTDF, its faces included.
+    /// A diffuser given by its BTDF, including its surfaces.
     Diffuser(Diffuser),
-    /// A rough face between two media of constant index.
+    /// A rough interface between two media of constant index.
     Rough(Rough),
-    /// A face given by its BSDF.
+    /// An interface given by its BSDF.
     Scatter(Box<ScatterFace>),
 }
 
 impl Interface {
-    /// The answers of this kind.
+    /// Returns the common interface of this kind.
     pub(crate) fn kind(&self) -> &dyn LayerKind {
         match self {
             Self::Open => &open::Open,
@@ -72,19 +73,19 @@ impl Interface {
         }
     }
 
-    /// True if the media above and below must have the same index.
+    /// Returns true if the media above and below must have the same index.
     pub fn lies_in_one_medium(&self) -> bool {
         self.kind().lies_in_one_medium()
     }
 
-    /// Reflectance and absorptance, per wavelength, of a flat component that is the same from both sides and at all
-    /// angles: all that a front of screen is made of.
+    /// Returns reflectance and absorptance, per wavelength, of a flat component that is the same from both
+    /// sides and at all angles, as the components of a front of screen.
     pub fn front_component(&self) -> Option<[&Spectrum; 2]> {
         self.kind().front_component()
     }
 }
 
-/// What a kind of layer is asked. The order is that of `skeleton`, ledger, *adding*, Monte Carlo.
+/// Common interface of the kinds of layers. The order is that of `skeleton`, ledger, *adding*, Monte Carlo.
 pub(crate) trait LayerKind: Debug + Sync {
     /// The regular part, which keeps the direction of light, at one wavelength and direction.
     fn regular(&self, at: &Incidence) -> Flat;
@@ -134,13 +135,12 @@ pub(crate) trait LayerKind: Debug + Sync {
         None
     }
 
-    /// The `|beta|` beyond which nothing is known of what is seen of it from above, if it scatters: where its table
-    /// ends.
+    /// The `|beta|` beyond which the appearance from above is unknown, if it scatters: where its table ends.
     fn known_within(&self) -> Option<f64> {
         None
     }
 
-    /// How narrow it scatters; `None` if it needs no finer directions than flat layers do.
+    /// Narrowness of its scattering; `None` if it needs no finer directions than flat layers do.
     fn narrowness(&self) -> Option<Narrowness> {
         None
     }
@@ -155,32 +155,34 @@ pub(crate) trait LayerKind: Debug + Sync {
         1.0
     }
 
-    /// Adds everything that it depends on at a wavelength: where all layers agree in this, their operators are shared.
+    /// Adds all data on which it depends at a wavelength: wavelengths with equal keys share their operators.
     fn spectral_key(&self, _bin: usize, _key: &mut Vec<u64>) {}
 
-    /// What it does to light on the nodes of *adding*, at one wavelength; `None` if nothing.
+    /// Its effect on light at the nodes of *adding*, at one wavelength; `None` if it has none.
     fn action<'a>(&'a self, _prepare: &mut Preparation<'_, 'a>) -> Option<Action> {
         Some(Action::Regular)
     }
 
-    /// What *walk* is to ask, if it is an interface that scatters.
+    /// Its interface to the Monte Carlo solver, if it is an interface that scatters.
     fn scattering_interface(&self) -> Option<&dyn ScatteringInterface> {
         None
     }
 }
 
-/// What *walk* asks an interface that scatters. Numbers refer to the light that is scattered on a [`Channel`].
+/// Interface of scattering interfaces to the Monte Carlo solver. Numbers refer to the light that is
+/// scattered on a [`Channel`].
 pub(crate) trait ScatteringInterface: Debug + Sync {
-    /// The channels of light that travels this way.
+    /// The channels of light that propagates in this sense.
     fn channels(&self, going: Propagation) -> Vec<Channel>;
 
-    /// The fraction of light of this `|beta|` that takes the channel, as a number and a factor per wavelength; `None`
-    /// if there is one channel, which takes all that is [`scattered`](LayerKind::scattered).
+    /// The fraction of light of this `|beta|` that takes the channel, as a number and a factor per
+    /// wavelength; `None` if there is one channel, which takes all [`scattered`](LayerKind::scattered)
+    /// light.
     fn fraction(&self, _channel: Channel, _going: Propagation, _length: f64) -> Option<(f64, &Spectrum)> {
         None
     }
 
-    /// The uniform random numbers that a sample takes: three that are at hand, or four new ones.
+    /// The uniform random numbers for a sample: the three given ones, or four new ones.
     fn numbers(&self, [u, v, w]: [f64; 3], _next: &mut dyn FnMut() -> [f64; 4]) -> [f64; 4] {
         [u, v, w, 0.5]
     }
@@ -223,7 +225,7 @@ impl Incidence {
     }
 }
 
-/// One of the ways on which an interface scatters light.
+/// Mode in which an interface scatters light.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Channel {
     /// To the other side.
@@ -235,7 +237,7 @@ pub(crate) enum Channel {
 }
 
 impl Channel {
-    /// The ways on which light leaves that arrived like this.
+    /// Returns the senses of propagation in which light leaves that arrived in this one.
     pub(crate) fn leaves(self, going: Propagation) -> &'static [Propagation] {
         match (self, going) {
             (Self::Both, _) => &[Propagation::Up, Propagation::Down],
@@ -261,7 +263,7 @@ pub(crate) struct Departure {
     pub(crate) going: Propagation,
 }
 
-/// How light is scattered from one direction to another, over direction cosines.
+/// Densities of scattering from one direction to another, over direction cosines.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Scattered {
     /// Density of the scattered light.
@@ -273,7 +275,7 @@ pub(crate) struct Scattered {
 }
 
 impl Scattered {
-    /// By a scatterer that is reciprocal and samples in proportion to what it scatters.
+    /// Returns the densities of a reciprocal scatterer that samples in proportion to the scattered light.
     pub(crate) fn exactly(density: f64) -> Self {
         Self { value: density, density, reverse: density }
     }
@@ -327,7 +329,8 @@ mod tests {
         ]
     }
 
-    /// What is asked for all wavelengths at once is what is asked for each, and no more light comes out than goes in.
+    /// Parts computed for all wavelengths at once equal those of each wavelength, and energy does not
+    /// increase.
     #[test]
     fn parts_are_regular_and_scattered_light_at_each_wavelength() {
         let [above, below] = media();
@@ -351,7 +354,8 @@ mod tests {
         }
     }
 
-    /// Channels share what is scattered, and a sample says what is said of its direction.
+    /// The fractions of the channels sum to the scattered light, and samples agree with the densities of
+    /// their directions.
     #[test]
     fn channels_add_up_and_samples_agree_with_densities() {
         let ([above, below], numbers) = (media(), Numbers::new(Sampler::Random, 3, 0));

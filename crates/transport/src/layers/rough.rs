@@ -1,4 +1,4 @@
-//! A rough face between two media of constant index.
+//! A rough interface between two media of constant index.
 
 use papilio_optics::Scatterer;
 use papilio_optics::rough::{OnSide, Rough, Side};
@@ -34,7 +34,7 @@ impl LayerKind for Rough {
         Some(Narrowness::Rough { alpha: self.alpha(), width: rough_width(self) })
     }
 
-    /// What facets refract along the face jumps to zero there: levels gain little.
+    /// Light that microfacets refract along the interface jumps to zero there: levels gain little.
     fn error_over_difference(&self) -> f64 {
         4.0
     }
@@ -74,7 +74,7 @@ fn arriving(Arrival { beta, going, .. }: Arrival) -> OnSide {
     OnSide { side: side_after(going).other(), beta }
 }
 
-/// The side that light is on after it left the face this way.
+/// Returns the side on which light is after it left the interface in this sense.
 fn side_after(going: Propagation) -> Side {
     if going == Propagation::Down { Side::Below } else { Side::Above }
 }

@@ -19,12 +19,12 @@ pub struct ScatterKernel {
     pub factor: Spectrum,
 }
 
-/// An interface given by its BSDF, which includes the surfaces of the sample. Light of the air disc `|beta| <= 1` is
-/// scattered into the air disc, keeps its direction, or is absorbed. Transmitted light may reach beyond the air disc
-/// below the interface; light from there is transmitted back.
+/// An interface given by its BSDF, which includes the surfaces of the sample. Light of the disc of air
+/// `|beta| <= 1` is scattered into the disc of air, keeps its direction, or is absorbed. Transmitted light
+/// may extend beyond the disc of air below the interface; light from there is transmitted back.
 ///
-/// It is reciprocal: light that goes up is transmitted by the reverse of the kernel for light that goes down, and a
-/// reflection is the mean of its kernel and the reverse.
+/// It is reciprocal: light that goes up is transmitted by the reverse of the kernel for light that goes
+/// down, and a reflection is the mean of its kernel and the reverse.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ScatterFace {
     straight: Spectrum,
@@ -93,8 +93,8 @@ impl ScatterFace {
         disc * self.kernels().map(|kernel| kernel.scatter.width()).fold(f64::INFINITY, f64::min)
     }
 
-    /// `|beta|` at which its kernels jump, apart from the rim of the air disc. A kernel that ends at the normal itself,
-    /// as a table of that incidence alone, leaves no interval before its end.
+    /// `|beta|` at which its kernels jump, other than the rim of the disc of air. A kernel that ends at the
+    /// normal itself, as a table of that incidence alone, leaves no interval before its end.
     fn kernel_edges(&self, bin: usize) -> impl Iterator<Item = f64> {
         let disc = self.disc(bin).unwrap_or(1.0);
         let edges = self.kernels().flat_map(|kernel| kernel.scatter.edges());
@@ -125,7 +125,7 @@ pub(crate) fn least_edge<'a>(kernels: impl IntoIterator<Item = &'a ScatterKernel
 }
 
 impl ScatterFace {
-    /// The kernel of a channel, for light that travels this way, and the kernel of the way back.
+    /// Kernel of a channel, for light that propagates in this sense, and the kernel of the reverse path.
     fn channel(&self, channel: Channel, going: Propagation) -> Option<[&ScatterKernel; 2]> {
         match channel {
             Channel::Through => Some([self.through(going)?, self.through(going.reversed())?]),

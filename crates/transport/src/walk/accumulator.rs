@@ -1,4 +1,4 @@
-//! The sums that the tracers keep.
+//! Sums that the tracers accumulate.
 
 use pulp::{Arch, Simd, WithSimd};
 
@@ -6,36 +6,36 @@ use super::add_scaled;
 use crate::angular::Stencil;
 use crate::{Base, CosinePanels, Reflector};
 
-/// Light that has met the base, as a path carries it.
+/// Light reflected by the base, as a path carries it.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Reflected<'a> {
-    /// On a first pass: the look-up that gives the base's reflectance.
+    /// On a first pass: the look-up that gives the reflectance of the base.
     LookUp(Stencil),
-    /// Later: spectra that hold everything the path has met; shape `[state][wavelength]`.
+    /// Later: spectra that contain all reflections of the path; shape `[state][wavelength]`.
     Spectra(&'a [f64]),
 }
 
-/// Look-ups that are added side by side, and how many registers' worth of them.
+/// Number of look-ups that are added side by side, and the number of registers that they fill.
 const SIDE_BY_SIDE: usize = 8;
 const IN_TURN: usize = 4;
 
-/// Numbers of look-ups that wait.
+/// Numbers of the look-ups that wait.
 type Waiting = [f64; WAITING];
 const WAITING: usize = SIDE_BY_SIDE * IN_TURN;
 
-/// Sums of look-ups in a panel of a table, as [`CosinePanels::add_moments`] takes them: for each polynomial that of
-/// each look-up's place among those side by side.
+/// Sums of look-ups in a panel of a table, as [`CosinePanels::add_moments`] takes them: for each polynomial,
+/// one for each position of a look-up among those side by side.
 type Moments = [[f64; SIDE_BY_SIDE]; CosinePanels::NODES];
 
-/// Look-ups in a panel of a table: they wait until there are enough of them to fill registers.
+/// Look-ups in a panel of a table: they wait until there are enough of them to fill the registers.
 #[derive(Debug, Clone)]
 struct InPanel {
-    /// Of the panel: where its cosines begin, and one over half their width.
+    /// Borders of the panel: the first of its cosines, and one over half their width.
     borders: [f64; 2],
     waiting: usize,
     cosines: Waiting,
     weights: Waiting,
-    /// Once there were enough: with weights, and (zero if nobody asks) without.
+    /// Once there were enough look-ups: sums with weights, and without (zero if not requested).
     moments: Option<Box<[Moments; 2]>>,
 }
 
@@ -45,7 +45,7 @@ pub(super) struct Channel {
     nodes: Vec<f64>,
     /// Look-ups that are added by their moments, for each panel of the table.
     panels: Vec<InPanel>,
-    /// They are also added without their weights.
+    /// Whether look-ups are also added without their weights.
     counted: bool,
     spectra: Vec<f64>,
 }
@@ -56,7 +56,7 @@ impl Channel {
             Reflector::Specular(table) => table.nodes.count(),
             Reflector::Lambertian(_) | Reflector::Scattering(_) => 1,
         };
-        // A look-up always touches `Stencil::LEN` consecutive slots.
+        // A look-up always covers `Stencil::LEN` consecutive nodes.
         Self {
             nodes: vec![0.0; nodes + Stencil::LEN],
             panels: Vec::new(),
@@ -73,14 +73,14 @@ impl Channel {
         }
     }
 
-    /// Light on its first pass.
+    /// Adds light on its first pass.
     #[inline(always)]
     pub(super) fn look_up(&mut self, stencil: &Stencil, weight: f64) {
         let slots = &mut self.nodes[stencil.first..][..Stencil::LEN];
         slots.iter_mut().zip(&stencil.weights).for_each(|(slot, w)| *slot += w * weight);
     }
 
-    /// Makes workspace for look-ups in panels, to be added without their weights, too, or not.
+    /// Allocates workspace for look-ups in panels, to be added also without their weights or not.
     pub(super) fn prepare(&mut self, panels: &CosinePanels, counted: bool) {
         if self.panels.is_empty() {
             self.panels = panels.borders().map(InPanel::new).collect();
@@ -88,11 +88,11 @@ impl Channel {
         }
     }
 
-    /// Light on its first pass, in the panel of this number.
+    /// Adds light on its first pass, in the panel of this number.
     #[inline(always)]
     pub(super) fn look_up_in_panel(&mut self, number: usize, cosine: f64, weight: f64) {
         let panel = &mut self.panels[number];
-        // So there is no doubt about the borders.
+        // The remainder tells the compiler that the index is within bounds.
         let at = panel.waiting % panel.cosines.len();
         panel.cosines[at] = cosine;
         panel.weights[at] = weight;
@@ -102,8 +102,8 @@ impl Channel {
         }
     }
 
-    /// The weights on the nodes of a table, and besides, what they were if all that was looked up in panels had
-    /// weighed one (zero where nobody asked for that).
+    /// Returns the weights on the nodes of a table, and the weights as they would be if every look-up in a
+    /// panel had weight one (zero if not requested).
     pub(super) fn node_weights(&self) -> [Vec<f64>; 2] {
         let mut weights = [self.nodes.clone(), vec![0.0; self.nodes.len()]];
         for (number, panel) in self.panels.iter().enumerate() {
@@ -116,7 +116,8 @@ impl Channel {
         weights
     }
 
-    /// The whole sums of several, each with its weights on nodes and times its scale; shape `[sum][state][wavelength]`.
+    /// Returns the total sums of several channels, each with its weights on nodes and times its scale; shape
+    /// `[sum][state][wavelength]`.
     pub(super) fn sums(channels: &[(&Self, Vec<f64>, f64)], base: &Base) -> Vec<f64> {
         let mut sums: Vec<f64> = match &base.reflector {
             Reflector::Specular(table) => {
@@ -127,7 +128,7 @@ impl Channel {
             Reflector::Lambertian(reflectance) => {
                 channels.iter().flat_map(|(_, nodes, _)| reflectance.iter().map(|r| r * nodes[0])).collect()
             }
-            // Any layers are over such a base, no panel.
+            // Such a base occurs only under general layers, never in a panel.
             Reflector::Scattering(_) => {
                 channels.iter().flat_map(|(channel, ..)| channel.spectra.iter().map(|_| 0.0)).collect()
             }
@@ -161,7 +162,7 @@ impl InPanel {
         self.waiting = 0;
     }
 
-    /// The moments, those that wait among them; `None` if there is nothing.
+    /// Returns the moments, including look-ups that still wait; `None` if there are none.
     fn whole(&self, counted: bool) -> Option<[[f64; CosinePanels::NODES]; 2]> {
         let Self { borders, waiting, cosines, mut weights, ref moments } = *self;
         if waiting == 0 && moments.is_none() {
@@ -178,7 +179,7 @@ impl InPanel {
     }
 }
 
-/// Adds Chebyshev's polynomials of degrees 0, 1, ... times weights and times counts.
+/// Adds Chebyshev polynomials of degrees 0, 1, ... times weights and times counts.
 struct AddPolynomials<'a> {
     borders: [f64; 2],
     cosines: &'a Waiting,
@@ -205,7 +206,7 @@ impl WithSimd for AddPolynomials<'_> {
     }
 }
 
-/// The polynomials times each of several factors.
+/// Multiplies the polynomials by each of several factors.
 #[allow(clippy::needless_range_loop, reason = "a degree of several sums at a time")]
 #[inline(always)]
 fn add<S: Simd, const N: usize>(simd: S, places: &Waiting, factors: [&Waiting; N], sums: [&mut Moments; N]) {
@@ -240,7 +241,7 @@ fn add<S: Simd, const N: usize>(simd: S, places: &Waiting, factors: [&Waiting; N
     }
 }
 
-/// A sum of light that has yet to meet the base: plain weights on first passes, spectra later.
+/// A sum of light that has not yet reached the base: scalar weights on first passes, spectra later.
 #[derive(Debug, Clone)]
 pub(super) struct Incident {
     weight: f64,
@@ -260,7 +261,7 @@ impl Incident {
         }
     }
 
-    /// The whole sum times `scale`; shape `[state][wavelength]`.
+    /// Returns the total sum times `scale`; shape `[state][wavelength]`.
     pub(super) fn sum(&self, scale: f64) -> Vec<f64> {
         self.spectra.iter().map(|s| (s + self.weight) * scale).collect()
     }
@@ -271,10 +272,10 @@ mod tests {
     use super::*;
     use crate::{AngularTable, Nodes};
 
-    /// Look-ups that wait for company are the look-ups that each is by itself, however many wait at the end; and a sum is the
-    /// same whether or not someone looked at it on the way.
+    /// Batched look-ups equal single look-ups, whatever the remainder. A sum does not change if it is read
+    /// before it is complete.
     #[test]
-    fn look_ups_in_panels_are_look_ups() {
+    fn batched_look_ups_equal_single_look_ups() {
         let panels = CosinePanels::new(&[2, 3, 3, 1]);
         let nodes = panels.count();
         let table = AngularTable {

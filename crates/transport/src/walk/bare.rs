@@ -1,11 +1,11 @@
-//! The tracer of a bare panel: front and face are flat, only the base may scatter.
+//! Tracer of a bare panel: front and surface are flat, only the base may scatter.
 //!
-//! Front and face are one flat part whose inter-reflections are summed in closed form
-//! at each angle. Over a mirror light keeps its angle, and all its round trips are a geometric
-//! series: nothing is random but the point in the viewer's field. Off a Lambertian base light comes
-//! up to the face as often as roulette grants. Only directions that can leave are sampled: what total
-//! internal reflection traps is known in closed form, and however small the fraction of either is, no
-//! path has to find it. The path carries spectra all the way: `[state][wavelength]`.
+//! Front and surface are one flat part, whose inter-reflections are summed in closed form at each angle.
+//! Over a mirror, light keeps its angle, and all round trips are a geometric series: the only random choice
+//! is the point in the viewer's field. From a Lambertian base, light returns to the surface as often as
+//! roulette grants. Only directions that can leave are sampled. The light trapped by total internal
+//! reflection is known in closed form; however small either fraction is, no path has to find it. The path
+//! always carries spectra: `[state][wavelength]`.
 
 use papilio_optics::Beta;
 use papilio_sampling::warp;
@@ -25,25 +25,25 @@ pub(super) struct Bare<'a> {
     leaving: f64,
 }
 
-/// A path never goes on with a lower probability, if it can at all: faint light that is seen by a few
-/// paths alone might be missed by all replicates alike.
+/// Smallest probability with which a path continues, if it can: otherwise all replicates might miss light
+/// that only a few paths carry.
 const LEAST_SURVIVAL: f64 = 0.05;
 
-/// The sums of a replicate, and workspace to work in.
+/// Sums of a replicate, and a workspace.
 #[derive(Debug, Clone)]
 pub(super) struct Accumulator {
     sums: Sums,
     workspace: Workspace,
 }
 
-/// Shapes: `[state][wavelength]`, but for what is the same in all states: `[wavelength]`.
+/// Sums of shape `[state][wavelength]`; where all states are equal, of shape `[wavelength]`.
 #[derive(Debug, Clone)]
 struct Sums {
     rho: Vec<ReflectanceFactor>,
     /// Mirrored and absorbed on entering, the same in all states.
     mirrored: Vec<f64>,
     absorbed_entering: Vec<f64>,
-    /// Reaches the base, is reflected by it, leaves, ends in the front, goes on.
+    /// Light that reaches the base, is reflected by it, leaves, is absorbed in the front, continues.
     arriving: Vec<f64>,
     reflected: Vec<f64>,
     leaving: Vec<f64>,
@@ -53,11 +53,11 @@ struct Sums {
 
 #[derive(Debug, Clone)]
 struct Workspace {
-    /// The spectra of the path at hand.
+    /// Spectra of the current path.
     carried: Vec<f64>,
-    /// The base's reflectance.
+    /// Reflectance of the base.
     reflectance: Vec<f64>,
-    /// Front and face at the path's angle, and at that of a source.
+    /// Front and surface at the angle of the path, and at that of a source.
     flat: FlatTop,
     towards: FlatTop,
     /// A factor for each wavelength.
@@ -109,33 +109,34 @@ impl<'a> Bare<'a> {
         let beta = self.view.sample_towards(numbers.field());
         self.enter(beta, sums, workspace);
         if self.specular {
-            self.go_to_and_fro(beta, sums, workspace);
+            self.sum_round_trips(beta, sums, workspace);
             return;
         }
         let mut u = numbers.beside_field();
         for pass in 0.. {
             self.meet_base(beta, sums, workspace);
-            // Points of sources and ways of the base are two techniques: the same numbers serve.
+            // Points of sources and directions from the base are two techniques, so the same numbers serve
+            // both.
             self.connect(u, sums, workspace);
             let (x, y) = warp::uniform_disc(self.leaving, u);
             self.leave(Beta { x, y }, sums, workspace);
             let [survival, way @ .., _] = numbers.block(1 + pass);
-            if self.stack.single_pass || !Self::goes_on(survival, sums, workspace) {
+            if self.stack.single_pass || !Self::continues(survival, sums, workspace) {
                 return;
             }
             u = way;
         }
     }
 
-    /// All round trips between a mirror and the face, at the angle at which light entered.
-    fn go_to_and_fro(&self, beta: Beta, sums: &mut Sums, workspace: &mut Workspace) {
+    /// Sums all round trips between a mirror and the surface, at the angle at which light entered.
+    fn sum_round_trips(&self, beta: Beta, sums: &mut Sums, workspace: &mut Workspace) {
         let Workspace { carried, reflectance, flat, .. } = workspace;
         self.stack.base.reflectance(beta.squared(), &self.stack.medium, reflectance);
         for row in 0..carried.len() / flat.t.len() {
             for (bin, (t, below)) in flat.t.iter().zip(&flat.below).enumerate() {
                 let k = row * flat.t.len() + bin;
                 let returned = if self.stack.single_pass { 0.0 } else { reflectance[k] * below };
-                // Nothing gets into a closed box of whole mirrors.
+                // No light enters a cavity of two perfect mirrors.
                 let arriving = if returned >= 1.0 { 0.0 } else { carried[k] / (1.0 - returned) };
                 let reflected = arriving * reflectance[k];
                 sums.arriving[k] += arriving;
@@ -153,7 +154,7 @@ impl<'a> Bare<'a> {
         }
     }
 
-    /// What the viewer sees mirrored, and what goes on to the base.
+    /// Adds the light that the viewer sees mirrored, and transmits the rest to the base.
     fn enter(&self, beta: Beta, sums: &mut Sums, workspace: &mut Workspace) {
         let Workspace { flat, factor, carried, .. } = workspace;
         flat.set(self.stack, beta.squared());
@@ -176,7 +177,7 @@ impl<'a> Bare<'a> {
         add_scaled(&mut sums.reflected, &workspace.carried, 1.0);
     }
 
-    /// Connections from a Lambertian base to directed sources.
+    /// Connects a Lambertian base to directed sources.
     fn connect(&self, u: [f64; 2], sums: &mut Sums, workspace: &mut Workspace) {
         let Workspace { carried, towards, factor, .. } = workspace;
         for (source, rho) in self.sources.iter().zip(&mut sums.rho) {
@@ -187,20 +188,22 @@ impl<'a> Bare<'a> {
         }
     }
 
-    /// The balanced weight of a point of a source, met by connection or by chance, in parts of
+    /// Returns the balanced weight of a point of a source, found by connection or by chance, in units of
     /// [`spread_factors`](Self::spread_factors).
     fn balanced(&self, target: &Target) -> f64 {
         let drawn = warp::uniform_disc_density(self.leaving);
         target.balanced(drawn, || drawn, 0.0)
     }
 
-    /// Per wavelength: the Lambertian density at `beta` over that with which directions are sampled.
+    /// Returns, per wavelength, the Lambertian density at `beta` over the density with which directions are
+    /// sampled.
     fn spread_factors(&self, beta: Beta) -> impl Iterator<Item = f64> {
         let (medium, leaving) = (&self.stack.medium, self.leaving);
         medium.index().iter().map(move |&n| if beta.squared() < n * n { (leaving / n).powi(2) } else { 0.0 })
     }
 
-    /// Out through the face: what the sources there send in, the books, and what goes on.
+    /// Transmits light through the surface: adds the light of the sources in that direction and the ledger,
+    /// and retains the light that is sent back.
     fn leave(&self, beta: Beta, sums: &mut Sums, workspace: &mut Workspace) {
         let Workspace { flat, factor, carried, .. } = workspace;
         flat.set(self.stack, beta.squared());
@@ -223,8 +226,8 @@ impl<'a> Bare<'a> {
         scale_rows(carried, factor);
     }
 
-    /// Russian roulette on what the face sends back.
-    fn goes_on(u: f64, sums: &mut Sums, workspace: &mut Workspace) -> bool {
+    /// Decides by Russian roulette whether the light that the surface sends back is followed.
+    fn continues(u: f64, sums: &mut Sums, workspace: &mut Workspace) -> bool {
         let left = workspace.carried.iter().copied().fold(0.0, f64::max);
         let survival = left.clamp(LEAST_SURVIVAL, 1.0);
         if left == 0.0 || u >= survival {

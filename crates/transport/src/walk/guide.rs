@@ -1,50 +1,51 @@
-//! A density over direction cosines that follows a given function: a guide to draw from.
+//! Guide: a sampling density over direction cosines that follows a given function.
 //!
-//! The function times `|beta|` at the nodes of a polar grid, bilinear between them. Rings and spokes
-//! stand close where the function is narrow. The length of `beta` is sampled first, from the mean
-//! over a ring, then its azimuth: uniform numbers go over into directions without a jump, so that
-//! well-spread numbers stay well spread, above all in length, which is what a pixel's
-//! reflectance depends on.
+//! The density is the function times `|beta|` at the nodes of a polar grid, bilinear between them. Rings and
+//! spokes are close together where the function is narrow. The length of `beta` is sampled first, from the
+//! mean over each ring, then its azimuth. Uniform numbers are thus mapped to directions without a jump, so
+//! that low-discrepancy numbers keep their uniformity, above all in length, on which the reflectance of a
+//! pixel depends.
 //!
-//! The density is known exactly, so estimates have no bias however rough the guide is. The function
-//! must not vanish where light is.
+//! The density is known exactly, so estimates are unbiased however coarse the guide is. The function must be
+//! positive wherever there is light.
 
 use std::f64::consts::TAU;
 
 use papilio_optics::Beta;
 use papilio_sampling::warp;
 
-/// Steps of the grid, in parts of the distance to the next peak (or of its size).
+/// Steps of the grid, as a fraction of the distance to the next peak (or of its size).
 const STEP: f64 = 0.15;
 
-/// The widest steps: of the disc's radius, of a turn.
+/// Widest steps, as fractions of the disc's radius and of a turn.
 const WIDEST: [f64; 2] = [1.0 / 32.0, 1.0 / 24.0];
 
-/// Rings and spokes are not more than these; where peaks are many, steps grow.
+/// Largest numbers of rings and of spokes; if there are many peaks, the steps grow.
 const MOST: usize = 160;
 
-/// A place where the function is narrow.
+/// A direction about which the function is narrow.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Peak {
     pub(super) at: Beta,
     pub(super) size: f64,
 }
 
-/// The grid. The density is over length and azimuth, the latter in turns.
+/// Guide on a polar grid. Its density is over length and azimuth, the latter in turns.
 #[derive(Debug)]
 pub(super) struct Guide {
     lengths: Vec<f64>,
     turns: Vec<f64>,
-    /// At the nodes, shape `[length][turn]`; not normalised.
+    /// Values at the nodes, shape `[length][turn]`; not normalised.
     values: Vec<f64>,
-    /// Its integral over the turns up to each, likewise.
+    /// Integrals over the turns up to each node, same shape.
     within: Vec<f64>,
-    /// The integral over lengths up to each.
+    /// Integral over lengths up to each.
     up_to: Vec<f64>,
 }
 
 impl Guide {
-    /// A guide to `function`, above zero, on the disc of this radius; `None` if it finds nothing.
+    /// Builds a guide to a positive `function` on the disc of this radius; `None` if the function is zero at
+    /// all nodes.
     pub(super) fn new(radius: f64, peaks: &[Peak], function: impl Fn(Beta) -> f64) -> Option<Self> {
         let lengths: Vec<(f64, f64)> = peaks.iter().map(|peak| (peak.at.length(), peak.size)).collect();
         let turns: Vec<(f64, f64)> = peaks.iter().flat_map(Peak::in_turns).collect();
@@ -68,7 +69,7 @@ impl Guide {
         (total > 0.0 && total.is_finite()).then_some(Self { lengths, turns, values, within, up_to })
     }
 
-    /// A direction and its density over direction cosines.
+    /// Samples a direction; returns it with its density over direction cosines.
     #[inline]
     pub(super) fn draw(&self, [u, v]: [f64; 2]) -> (Beta, f64) {
         let (spokes, last) = (self.turns.len(), self.up_to.len() - 1);
@@ -99,16 +100,17 @@ impl Guide {
 }
 
 impl Peak {
-    /// Its azimuth and size in turns, and once more a turn before and after.
+    /// Returns its azimuth and size in turns, repeated one turn before and one after.
     fn in_turns(&self) -> [(f64, f64); 3] {
         let at = self.at.y.atan2(self.at.x).rem_euclid(TAU) / TAU;
-        // Around the normal no azimuth is better than another.
+        // Around the normal all azimuths are equally important.
         let size = (self.size / (TAU * self.at.length()).max(self.size)).min(1.0);
         [(at - 1.0, size), (at, size), (at + 1.0, size)]
     }
 }
 
-/// From 0 to `end`, in steps that follow the distance to the nearest of the peaks (place, size).
+/// Returns nodes from 0 to `end`, in steps that follow the distance to the nearest of the peaks (position,
+/// size).
 fn nodes(end: f64, peaks: &[(f64, f64)], widest: f64) -> Vec<f64> {
     let mut scale = STEP;
     loop {
@@ -119,7 +121,7 @@ fn nodes(end: f64, peaks: &[(f64, f64)], widest: f64) -> Vec<f64> {
         let mut nodes = vec![0.0];
         let mut x = 0.0;
         while nodes.len() <= MOST {
-            // The step in the middle of the step.
+            // The step is that at its own middle.
             x += step(x + 0.5 * step(x));
             if x >= end * (1.0 - 1e-9) {
                 nodes.push(end);
@@ -131,7 +133,7 @@ fn nodes(end: f64, peaks: &[(f64, f64)], widest: f64) -> Vec<f64> {
     }
 }
 
-/// The integral of a piecewise linear function from the first node up to each.
+/// Returns the integral of a piecewise linear function from the first node up to each.
 fn integrals(nodes: &[f64], values: &[f64]) -> Vec<f64> {
     let mut sum = 0.0;
     let steps = nodes.iter().zip(&nodes[1..]).zip(values.iter().zip(&values[1..]));
@@ -142,7 +144,7 @@ fn integrals(nodes: &[f64], values: &[f64]) -> Vec<f64> {
     std::iter::once(0.0).chain(up_to).collect()
 }
 
-/// From 0 to 1 with a density that goes from `a` to `b` in a straight line.
+/// Samples a number from 0 to 1 with a density that changes linearly from `a` to `b`.
 #[inline]
 fn linear(a: f64, b: f64, u: f64) -> f64 {
     let root = (a * a + u * (b * b - a * a)).max(0.0).sqrt();
@@ -166,8 +168,8 @@ mod tests {
         Guide::new(1.5, &peaks, |to| lobe.density(a, to) * lobe.density(b, to) + 0.1).unwrap()
     }
 
-    /// On 20 x 20 cells the mean of 1/density over samples is the cell's area: chi-square of the cells that lie in the disc, as a
-    /// standard normal variable.
+    /// Chi-square, as a standard normal variable. On each of 20 x 20 cells the mean of 1/density over
+    /// samples is the area of the cell; only cells within the disc count.
     fn statistic(distort: f64) -> f64 {
         const SIDE: usize = 20;
         const DRAWS: u64 = 200_000;
@@ -194,7 +196,7 @@ mod tests {
     }
 
     #[test]
-    fn draws_follow_the_density() {
+    fn samples_follow_density() {
         assert!(statistic(0.0).abs() < 4.5, "{}", statistic(0.0));
         assert!(statistic(0.1) > 4.5, "a wrong density must be caught: {}", statistic(0.1));
     }

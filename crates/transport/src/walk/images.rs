@@ -1,9 +1,9 @@
-//! Mirror images of round sources and fields: light that nothing scatters.
+//! Mirror images of round sources and fields: light that is not scattered.
 //!
-//! The image is seen where the viewer's field and the mirrored source overlap. Either
-//! may be far smaller than the other, so that points of the one hardly ever fall on the
-//! other: points are sampled in the smallest cone that holds the overlap (of a field, in the whole view). Everything that
-//! happens to the light is known in closed form ([`specular_image`]).
+//! An image is visible where the viewer's field and the mirrored source overlap. Either may be far smaller
+//! than the other, so that points of the larger rarely fall on the smaller. Points are therefore sampled in
+//! the smallest cone that contains the overlap (for a field: in the whole view). The reflectance of the
+//! display is known in closed form ([`specular_image`]).
 
 use papilio_sampling::{Numbers, Sampler};
 
@@ -11,30 +11,30 @@ use super::{PathNumbers, Target};
 use crate::specular::{Image, specular_image};
 use crate::{Cone, Estimate, Panel, Reflector, Source, Stack, Top};
 
-/// Points of the view at which fields are looked at before the first path.
+/// Points of the view at which fields are evaluated before the first path.
 const POINTS: u64 = 1 << 13;
 
-/// The images of all sources in one field of view.
+/// Mirror images of all sources in one field of view.
 #[derive(Debug)]
 pub(super) struct Images<'a> {
     stack: &'a Stack,
     view: Cone,
-    seen: Vec<Seen<'a>>,
-    /// Whether the stack mirrors anything at all.
+    seen: Vec<VisibleSource<'a>>,
+    /// Whether the stack mirrors any light.
     mirrors: bool,
 }
 
-/// A source that may be seen.
+/// A source whose image may be visible.
 #[derive(Debug)]
-struct Seen<'a> {
+struct VisibleSource<'a> {
     source: usize,
     light: &'a Source,
-    /// Where points are sampled, and its fraction of the view.
+    /// Cone in which points are sampled, and its fraction of the view.
     cone: Cone,
     share: f64,
 }
 
-/// The sums over a replicate's paths: an image for each source that may be seen.
+/// Sums over the paths of a replicate: an image for each source that may be visible.
 #[derive(Debug, Clone)]
 pub(super) struct Sums(Vec<Image>);
 
@@ -46,18 +46,18 @@ impl<'a> Images<'a> {
                 Source::Disc(disc) => view.overlap(&disc.mirrored())?,
                 Source::Field(_) => view,
             };
-            // A view of no width is a single direction.
+            // A view of zero width is a single direction.
             let share = if view.is_point() { 1.0 } else { cone.solid_angle() / view.solid_angle() };
-            Some(Seen { source, light, cone, share })
+            Some(VisibleSource { source, light, cone, share })
         });
         Self { stack, view, seen: seen.collect(), mirrors: mirrors(stack) }
     }
 
-    /// As [`Walk::rarest`](super::Walk::rarest): where a small part of the view sees the image of another radiance than
-    /// the rest, about the fraction of that part.
+    /// As [`Walk::rarest`](super::Walk::rarest): where a small part of the view sees an image with another
+    /// radiance than the rest, about the fraction of that part.
     ///
-    /// Of a quantity that is different in a fraction p of all points, the fourth moment about the mean is 1/p times the
-    /// square of the second.
+    /// If a quantity has another value in a fraction p of all points, its fourth moment about the mean is
+    /// 1/p times the square of the second.
     pub(super) fn rarest(&self) -> f64 {
         let fields = self.seen.iter().filter(|seen| matches!(seen.light, Source::Field(_)));
         fields
@@ -66,7 +66,7 @@ impl<'a> Images<'a> {
             .fold(1.0, f64::min)
     }
 
-    fn rarest_of(&self, seen: &Seen<'_>) -> f64 {
+    fn rarest_of(&self, seen: &VisibleSource<'_>) -> f64 {
         let numbers = Numbers::new(Sampler::Sobol, 0, 0);
         let strength = |path| {
             let [u, v, ..] = numbers.block(path, 0);
@@ -77,7 +77,7 @@ impl<'a> Images<'a> {
         let mean = strengths.iter().sum::<f64>() / count;
         let moment = |power| strengths.iter().map(|one| (one - mean).abs().powi(power)).sum::<f64>() / count;
         let (second, fourth) = (moment(2), moment(4));
-        // What differs by rounding alone does not differ.
+        // Differences due to rounding are ignored.
         if second <= (1e-9 * mean).powi(2) { 1.0 } else { (second * second / fourth).min(1.0) }
     }
 
@@ -97,7 +97,7 @@ impl<'a> Images<'a> {
     fn path(&self, u: [f64; 2], sums: &mut Sums) {
         for (seen, sum) in self.seen.iter().zip(&mut sums.0) {
             let beta = seen.cone.sample_towards(u);
-            // Mirrors keep direction cosines.
+            // Mirrors conserve direction cosines.
             let Some(target) = Target::at(seen.light, beta).filter(|_| self.view.holds(beta)) else {
                 continue;
             };
@@ -107,7 +107,7 @@ impl<'a> Images<'a> {
         }
     }
 
-    /// Adds the mean images to what else is seen of the sources.
+    /// Adds the mean images to the estimate of each source.
     pub(super) fn add_to(&self, estimate: &mut Estimate, sums: &Sums, scale: f64) {
         for (seen, sum) in self.seen.iter().zip(&sums.0) {
             let rho = &mut estimate.rho[seen.source];
@@ -117,11 +117,11 @@ impl<'a> Images<'a> {
     }
 }
 
-/// Whether any light comes back unscattered.
+/// Returns whether any light returns unscattered.
 fn mirrors(stack: &Stack) -> bool {
     match stack {
         Stack::Panel(panel) => panel_mirrors(panel),
-        // Some angle may, and what does not is cheap.
+        // It may at some angle, and evaluating a dark image is cheap.
         Stack::Layered(_) => true,
     }
 }

@@ -1,39 +1,37 @@
-//! *walk*: unbiased Monte Carlo through the stack, backwards from the viewer.
+//! Monte Carlo solver: unbiased path tracing through the stack, backwards from the viewer.
 //!
 //! # Estimator
-//! A path starts with the direction cosines of light that reaches the viewer and
-//! follows it back: through the front, into the medium, to the base, out again, and
-//! on for as many passes as Russian roulette grants. Every event is sampled
-//! from its own kernel, so the path's weight holds spectra alone. One path carries all
-//! wavelengths and all states, so that contrast and gamut come from correlated
-//! numbers.
+//! A path starts with the direction cosines of light that reaches the viewer and follows the light back:
+//! through the front, into the medium, to the base, out again, and into as many further passes as Russian
+//! roulette grants. Every event is sampled from its own kernel, so the weight of a path holds only spectra.
+//! One path carries all wavelengths and all states; contrast and gamut thus come from correlated estimates.
 //!
-//! What is estimated for each source is `rho`, the *reflectance factor under that
-//! source alone*: `pi L / E`, by state and wavelength, L the radiance to the viewer and
-//! E the source's illuminance in the display plane. Diffuse light is met wherever light
-//! leaves, at the exact share of it that leaves. Beams are met by connections at every scattering
-//! event. Round sources and fields are met by both, weighted by the balance heuristic (Veach &
-//! Guibas 1995), so that nothing counts twice. A narrow lobe between the reader's
-//! direction and the source's is sampled from both ends, again by the balance heuristic.
+//! The estimate for each source is `rho`, the *reflectance factor under that source alone*: `pi L / E`, by
+//! state and wavelength, with L the radiance towards the viewer and E the illuminance of the source in the
+//! display plane. Diffuse light is added wherever light leaves, with the exact fraction of it that leaves.
+//! Beams are added by connections at every scattering event. Round sources and fields are found by
+//! connections and by chance, weighted by the balance heuristic (Veach & Guibas 1995), so that nothing
+//! counts twice. A narrow lobe between the direction of the viewer and that of the source is sampled from
+//! both ends, again with the balance heuristic.
 //!
-//! Mirror images of round sources and fields are integrated apart from the paths, over what the
-//! field of view and the image have in common. Those of beams have no radiance; they add
-//! nothing here (see [`specular_image`](crate::specular_image)).
+//! Mirror images of round sources and fields are integrated separately from the paths, over the intersection
+//! of the field of view and the image. Mirror images of beams have no radiance; they add nothing here (see
+//! [`specular_image`](crate::specular_image)).
 //!
 //! # Speed
-//! Scattering does not depend on wavelength. On its first pass a path only drops
-//! its weight on the nodes of the base's [`AngularTable`](crate::AngularTable);
-//! spectra are formed once at the end. Later passes carry them along.
+//! Scattering does not depend on wavelength. On its first pass a path only adds its weight to the nodes of
+//! the [`AngularTable`](crate::AngularTable) of the base; spectra are formed once at the end. On later
+//! passes the path carries spectra.
 //!
 //! # Tracers
-//! A bare panel, a panel with a diffuser, and layers in any order have one each. The last sums
-//! all that happens between two scattering events in closed form and is the reference for
-//! everything that the panel is too plain for.
+//! There is one tracer each for a bare panel, a panel with a diffuser, and layers in any order. The last
+//! sums everything that happens between two scattering events in closed form. It is the reference for all
+//! stacks that a panel cannot describe.
 //!
 //! # Ledger
-//! The same path is also the fate of a unit beam that enters from the view direction
-//! (all kernels are reciprocal). Where light goes is booked by layer; `unaccounted`
-//! is what roulette dropped less what it added, zero on average.
+//! The same path also describes a unit beam that enters from the view direction (all kernels are
+//! reciprocal). The light that ends in each layer is recorded; `unaccounted` is what roulette removed minus
+//! what it added, zero on average.
 
 mod accumulator;
 mod bare;
@@ -43,7 +41,7 @@ mod images;
 mod layered;
 mod strategy;
 
-use papilio_optics::{Beta, wide};
+use papilio_optics::{Beta, with_widest_simd};
 use papilio_sampling::{Numbers, PLANNED_BLOCKS, warp};
 
 use crate::{Cone, Estimate, Source, Stack, Top};
@@ -53,8 +51,8 @@ use images::Images;
 use layered::Layered;
 pub use strategy::Strategy;
 
-/// Numbers of one path. Its first blocks are planned ([`PLANNED_BLOCKS`]): those of the first have the
-/// least unevenness, and what tells most belongs there.
+/// Uniform random numbers of one path. Its first blocks are planned ([`PLANNED_BLOCKS`]): those of the first
+/// block have the smallest discrepancy, and serve the decisions with the largest effect.
 struct PathNumbers<'a> {
     numbers: &'a Numbers,
     path: u64,
@@ -67,44 +65,45 @@ impl<'a> PathNumbers<'a> {
         Self { numbers, path, start: numbers.block(path, 0) }
     }
 
-    /// For the point in the viewer's field.
+    /// Returns the numbers for the point in the viewer's field.
     #[inline]
     fn field(&self) -> [f64; 2] {
         [self.start[0], self.start[1]]
     }
 
-    /// For what hangs together with the point in the field.
+    /// Returns the numbers for decisions that interact with the point in the field.
     #[inline]
     fn beside_field(&self) -> [f64; 2] {
         [self.start[2], self.start[3]]
     }
 
-    /// For the point of a mirror image.
+    /// Returns the numbers for the point of a mirror image.
     #[inline]
     fn image(&self) -> [f64; 2] {
         self.field()
     }
 
-    /// For the points of round sources.
+    /// Returns the numbers for the points of round sources.
     #[inline]
     fn on_discs(&self) -> [f64; 2] {
         [self.start[2], self.start[3]]
     }
 
-    /// Four numbers; the blocks from 1 to `PLANNED_BLOCKS - 1` are planned ones, others are independent.
+    /// Returns four numbers; the blocks from 1 to `PLANNED_BLOCKS - 1` are planned, others are independent.
     #[inline]
     fn block(&self, block: u32) -> [f64; 4] {
         self.numbers.block(self.path, block)
     }
 
-    /// For what scatterer number `k` does to a source's light: planned ones for the first.
+    /// Returns the numbers for the scattering of a source's light by scatterer number `k`: planned ones for
+    /// the first.
     #[inline]
     fn of_sources(&self, k: u32) -> [f64; 4] {
         self.block(if k == 0 { PLANNED_BLOCKS - 1 } else { u32::MAX - k })
     }
 }
 
-/// A walk prepared for one stack, one view and its sources.
+/// The Monte Carlo solver, prepared for one stack, one view and its sources.
 #[derive(Debug)]
 pub struct Walk<'a> {
     kind: Kind<'a>,
@@ -118,16 +117,15 @@ enum Kind<'a> {
 }
 
 impl<'a> Walk<'a> {
-    /// `view` is the cone of directions (in air) that the viewer's field covers.
+    /// Prepares a solver; `view` is the cone of directions (in air) that the viewer's field covers.
     pub fn new(stack: &'a Stack, view: Cone, sources: &'a [Source]) -> Self {
         Self::with_strategy(stack, view, sources, Strategy::default(), &[])
     }
 
-    /// As [`Self::new`], directions sampled by this strategy where a panel's diffuser scatters (all
-    /// other stacks know the kernel alone).
+    /// Prepares a solver as [`Self::new`] does. `strategy` selects how directions are sampled where a
+    /// panel's diffuser scatters (for all other stacks, directions are always sampled from the kernel).
     ///
-    /// `shares` are the sources' shares of the illuminance, for which the guided strategy cares; missing
-    /// ones are 1.
+    /// `shares` are the fractions of the illuminance by source, for the guided strategy; missing ones are 1.
     pub fn with_strategy(
         stack: &'a Stack,
         view: Cone,
@@ -149,8 +147,9 @@ impl<'a> Walk<'a> {
         Self { kind }
     }
 
-    /// The least probability with which a path takes a way that much of the light may take; 1 where no way is chosen
-    /// at random. Replicates that have each traced fewer paths than 1 over it may agree by chance: their spread says little.
+    /// Returns the smallest probability of a random choice that may carry a large fraction of the light; 1
+    /// if nothing is chosen at random. Replicates that have each traced fewer paths than its reciprocal may
+    /// agree by chance: their spread says little.
     pub fn rarest(&self) -> f64 {
         let (of_paths, images) = match &self.kind {
             Kind::Bare(bare, images) => (bare.rarest(), images),
@@ -160,7 +159,7 @@ impl<'a> Walk<'a> {
         of_paths.min(images.rarest())
     }
 
-    /// An empty replicate, to be filled by [`Self::trace`].
+    /// Returns an empty replicate, to be filled by [`Self::trace`].
     pub fn replicate(&self) -> Replicate {
         let tally = match &self.kind {
             Kind::Bare(bare, images) => Accumulator::Bare(Box::new(bare.tally()), images.sums()),
@@ -172,8 +171,8 @@ impl<'a> Walk<'a> {
         Replicate { paths: 0, tally }
     }
 
-    /// Traces `count` further paths of a replicate. The result depends on the
-    /// numbers and the total of paths alone, not on how they are split over calls.
+    /// Traces `count` further paths of a replicate. The result depends only on the random numbers and the
+    /// total number of paths, not on how the paths are divided among calls.
     pub fn trace(&self, replicate: &mut Replicate, numbers: &Numbers, count: u64) {
         let paths = replicate.paths..replicate.paths + count;
         let of = |path| PathNumbers::new(numbers, path);
@@ -190,18 +189,19 @@ impl<'a> Walk<'a> {
                 images.paths(paths.clone().map(of), sums);
                 paths.map(of).for_each(|path| layered.path(&path, tally));
             }
-            // A replicate of another walk: its numbers would mean nothing here.
+            // A replicate of another solver: its sums have no meaning here.
             _ => debug_assert!(false, "a replicate belongs to the walk that made it"),
         }
         replicate.paths += count;
     }
 
-    /// The means over a replicate's paths; it must have traced at least one.
+    /// Returns the means over the paths of a replicate, which must have traced at least one.
     pub fn estimate(&self, replicate: &Replicate) -> Estimate {
         self.estimates(std::slice::from_ref(replicate)).pop().unwrap_or_default()
     }
 
-    /// The same of several replicates: spectra are formed at once, which takes a fraction of the time.
+    /// Returns the means of several replicates. Their spectra are formed together, which takes a fraction of
+    /// the time.
     pub fn estimates(&self, replicates: &[Replicate]) -> Vec<Estimate> {
         let mut means = match &self.kind {
             Kind::Diffused(diffused, _) => diffused.estimates(&Self::diffused_sums(replicates)),
@@ -226,7 +226,7 @@ impl<'a> Walk<'a> {
         sums
     }
 
-    /// Without images; nothing for the replicate of another walk.
+    /// Returns the means without mirror images; an empty estimate for the replicate of another solver.
     fn mean(&self, replicate: &Replicate) -> Estimate {
         match (&self.kind, &replicate.tally) {
             (Kind::Bare(bare, _), Accumulator::Bare(tally, _)) => bare.estimate(tally, replicate.scale()),
@@ -238,7 +238,7 @@ impl<'a> Walk<'a> {
     }
 }
 
-/// The running sums of one replicate.
+/// Running sums of one replicate.
 #[derive(Debug, Clone)]
 pub struct Replicate {
     paths: u64,
@@ -246,12 +246,12 @@ pub struct Replicate {
 }
 
 impl Replicate {
-    /// Paths traced so far.
+    /// Returns the number of paths traced so far.
     pub fn paths(&self) -> u64 {
         self.paths
     }
 
-    /// What makes sums means.
+    /// Returns the factor that turns sums into means.
     fn scale(&self) -> f64 {
         1.0 / self.paths as f64
     }
@@ -264,14 +264,13 @@ enum Accumulator {
     Layered(Box<layered::Accumulator>, images::Sums),
 }
 
-/// A point of a source to connect to, and its density over direction cosines
-/// (infinite for a beam).
+/// A point of a source to connect to, and its density over direction cosines (infinite for a beam).
 #[derive(Debug, Clone, Copy)]
 struct Target {
     beta: Beta,
     density: f64,
-    /// `pi` times the source's radiance over its illuminance; for a beam `pi`, the
-    /// weight of its delta function.
+    /// `pi` times the radiance of the source over its illuminance; for a beam `pi`, the weight of its delta
+    /// function.
     strength: f64,
 }
 
@@ -289,8 +288,8 @@ impl Target {
         }
     }
 
-    /// The point of a source that light propagating with `beta` comes from, if it has radiance there;
-    /// diffuse light, which is met in closed form, has no points.
+    /// Returns the point of a source that light propagating with `beta` comes from, if the source has
+    /// radiance there. Diffuse light, which is added in closed form, has no points.
     #[inline]
     fn at(source: &Source, beta: Beta) -> Option<Self> {
         match source {
@@ -319,7 +318,7 @@ impl Target {
         Self { beta, density, strength: std::f64::consts::PI * radiance }
     }
 
-    /// What one sample adds to `rho` where this connection is the only technique.
+    /// Returns the contribution of one sample to `rho` where this connection is the only technique.
     #[inline]
     fn only_connection(&self, scatter: f64) -> f64 {
         if self.density.is_infinite() {
@@ -329,13 +328,13 @@ impl Target {
         }
     }
 
-    /// What one sample adds to `rho` where a direction reaches this point by any of three
-    /// techniques: the last scattering event, whose kernel has this `value` and is sampled with density
-    /// `pdf`; this connection; and the direction before it sampled backwards from here, with a density
-    /// of this `ratio` to that with which the path drew it (0: it is not).
+    /// Returns the contribution of one sample to `rho` where a direction can reach this point by any of
+    /// three techniques: the last scattering event, whose kernel has this `value` and is sampled with
+    /// density `pdf`; this connection; and the direction before it sampled backwards from here, with a
+    /// density of this `ratio` to that with which the path drew it (0: it is not sampled backwards).
     ///
-    /// Balance heuristic: the integrand over the sum of the three products of densities. The same
-    /// value serves whichever technique drew the sample.
+    /// Balance heuristic: the integrand over the sum of the three products of densities. The value is the
+    /// same for all techniques.
     #[inline(always)]
     fn balanced(&self, value: f64, pdf: impl FnOnce() -> f64, ratio: f64) -> f64 {
         if self.density.is_infinite() {
@@ -346,11 +345,12 @@ impl Target {
     }
 }
 
-/// In a medium of a higher index than this few of all directions can leave into the air.
+/// Index of the medium above which so few directions can leave into the air that they are sampled
+/// separately.
 const DENSE: f64 = 2.0;
 
-/// A direction that a Lambertian base in a medium of this index sends light to: in a dense medium every second one can
-/// leave, however few of all can.
+/// Samples a direction into which a Lambertian base in a medium of this index sends light. In a dense medium
+/// every second one can leave, although only a small fraction of all directions can.
 fn base_direction(index: f64, [u, v]: [f64; 2]) -> Beta {
     let (radius, u) = match index {
         _ if index <= DENSE => (index, u),
@@ -361,7 +361,7 @@ fn base_direction(index: f64, [u, v]: [f64; 2]) -> Beta {
     Beta { x, y }
 }
 
-/// The density of [`base_direction`] over direction cosines.
+/// Returns the density of [`base_direction`] over direction cosines.
 fn base_density(index: f64, to: Beta) -> f64 {
     let all = warp::uniform_disc_density(index);
     if index <= DENSE {
@@ -372,7 +372,7 @@ fn base_density(index: f64, to: Beta) -> f64 {
 
 /// Multiplies each row of `rows` (shape `[state][wavelength]`) by `factor`.
 fn scale_rows(rows: &mut [f64], factor: &[f64]) {
-    wide(
+    with_widest_simd(
         #[inline(always)]
         || {
             for row in rows.chunks_exact_mut(factor.len()) {
@@ -384,7 +384,7 @@ fn scale_rows(rows: &mut [f64], factor: &[f64]) {
 
 /// `sum += scale * values`.
 fn add_scaled(sum: &mut [f64], values: &[f64], scale: f64) {
-    wide(
+    with_widest_simd(
         #[inline(always)]
         || sum.iter_mut().zip(values).for_each(|(s, v)| *s += v * scale),
     );
@@ -393,7 +393,7 @@ fn add_scaled(sum: &mut [f64], values: &[f64], scale: f64) {
 /// `sum[state][wavelength] += scale * values[state][wavelength] * factor[wavelength]`.
 fn add_rows_times(sum: &mut [f64], values: &[f64], factor: &[f64], scale: f64) {
     let bins = factor.len();
-    wide(
+    with_widest_simd(
         #[inline(always)]
         || {
             for (sum, row) in sum.chunks_exact_mut(bins).zip(values.chunks_exact(bins)) {

@@ -1,20 +1,20 @@
-//! How directions are sampled where a diffuser scatters.
+//! Strategies for sampling directions where a diffuser scatters.
 //!
-//! Whatever they are sampled from, a path's weight holds the lobe's value over the density, so that
-//! every strategy has the same mean; they differ in noise.
+//! Whatever the density, the weight of a path contains the value of the lobe over the density. All
+//! strategies thus have the same mean; they differ in noise.
 //!
 //! - [`Strategy::Uniform`]: uniformly over the hemisphere (of the medium on the way down, of air up).
 //! - [`Strategy::Cosine`]: uniformly over direction cosines.
 //! - [`Strategy::Ward`]: Ward's lobe with the width that fits the diffuser best (least squares, as
 //!   Feng 2012, eq. 4-17, 4-18), about the unscattered direction (eq. 4-19 to 4-21). Its Gaussian
-//!   tail ends where the diffuser's goes on: one direction in ten is sampled by the cosine, without
-//!   which the weights have no bound.
-//! - [`Strategy::Kernel`]: from the lobe itself; towards lamps from both ends.
+//!   tail falls faster than the diffuser's: one direction in ten is sampled by the cosine, without
+//!   which the weights would be unbounded.
+//! - [`Strategy::Kernel`]: from the lobe itself; towards sources from both ends.
 //! - [`Strategy::Guided`]: on the first pass from the product of lobe, light and pixel
 //!   ([`guide`](super::guide)).
 //!
-//! From the first way up on, the last two draw some directions from lobes about the lamps: a path
-//! that gets there by chance alone is rare and bright where lobes are narrow.
+//! From the first scattering on the way up on, the last two draw some directions from lobes about the
+//! sources: paths that reach a source by chance alone are rare and bright where lobes are narrow.
 
 use papilio_optics::lobe::Lobe;
 use papilio_optics::scatter::GaussianFacets;
@@ -23,14 +23,14 @@ use papilio_sampling::warp;
 
 use crate::Source;
 
-/// How the walk samples directions where a diffuser scatters.
+/// How the Monte Carlo solver samples directions where a diffuser scatters.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Strategy {
-    /// Evenly over the hemisphere of directions.
+    /// Uniformly over the hemisphere of directions.
     Uniform,
     /// Proportionally to the cosine.
     Cosine,
-    /// From Ward's lobe, fitted to the diffuser's.
+    /// From Ward's lobe, fitted to that of the diffuser.
     Ward,
     /// From the lobe itself.
     #[default]
@@ -40,10 +40,10 @@ pub enum Strategy {
 }
 
 impl Strategy {
-    /// All of them.
+    /// All strategies.
     pub const ALL: [Self; 5] = [Self::Uniform, Self::Cosine, Self::Ward, Self::Kernel, Self::Guided];
 
-    /// As scenarios call it.
+    /// Returns the name used in scenarios.
     pub fn name(self) -> &'static str {
         match self {
             Self::Uniform => "uniform",
@@ -55,17 +55,17 @@ impl Strategy {
     }
 }
 
-/// The part of directions that are sampled by the cosine beside Ward's.
-const BESIDE_WARD: f64 = 0.1;
+/// Fraction of the directions that are sampled by the cosine instead of from Ward's lobe.
+const COSINE_FRACTION: f64 = 0.1;
 
-/// The part that are sampled from lobes about lamps.
-const TO_LAMPS: f64 = 0.5;
+/// Fraction of the directions that are sampled from lobes about sources.
+const ABOUT_SOURCES: f64 = 0.5;
 
-/// Width of the Gaussian `exp(-r^2/s^2)` that fits a k-correlation lobe of width 1 best: of
-/// `(integral of both)^2 / integral of its square` the maximum.
+/// Width of the Gaussian `exp(-r^2/s^2)` that fits a k-correlation lobe of width 1 best: it maximises
+/// `(integral of both)^2 / integral of its square`.
 const GAUSSIAN_OF_LOBE: f64 = 1.2175;
 
-/// A way to draw directions for one lobe.
+/// Samples directions for one lobe.
 #[derive(Debug)]
 pub(super) struct DirectionSampler {
     lobe: Lobe,
@@ -78,10 +78,10 @@ enum Kind {
     Cosine,
     Ward(Ward),
     Kernel,
-    Lamps(Vec<(Beta, Lobe)>),
+    AboutSources(Vec<(Beta, Lobe)>),
 }
 
-/// A direction, and the lobe's value over the density that it was sampled with.
+/// A direction, and the value of the lobe over the density with which it was sampled.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct DirectionSample {
     pub(super) beta: Beta,
@@ -89,27 +89,27 @@ pub(super) struct DirectionSample {
 }
 
 impl DirectionSampler {
-    /// That of a strategy; `index`: of the medium below the diffuser.
+    /// Returns the sampler of a strategy; `index` is that of the medium below the diffuser.
     pub(super) fn new(strategy: Strategy, lobe: Lobe, index: f64, sources: &[Source]) -> Self {
         let kind = match (strategy, lobe) {
             (Strategy::Uniform, _) => Kind::Uniform,
             (Strategy::Cosine, _) => Kind::Cosine,
             (Strategy::Ward, Lobe::KCorrelation { width }) => Kind::Ward(Ward::fitted(width, index)),
             (Strategy::Kernel | Strategy::Guided, Lobe::KCorrelation { width }) => {
-                let lamps: Vec<_> = sources.iter().filter_map(|source| lamp(source, width)).collect();
-                if lamps.is_empty() { Kind::Kernel } else { Kind::Lamps(lamps) }
+                let lamps: Vec<_> = sources.iter().filter_map(|source| lobe_about(source, width)).collect();
+                if lamps.is_empty() { Kind::Kernel } else { Kind::AboutSources(lamps) }
             }
             (_, Lobe::Lambertian) => Kind::Kernel,
         };
         Self { lobe, kind }
     }
 
-    /// From the lobe itself.
+    /// Returns a sampler of the lobe itself.
     pub(super) fn kernel(lobe: Lobe) -> Self {
         Self { lobe, kind: Kind::Kernel }
     }
 
-    /// A direction in a medium whose directions fill a disc of this radius; `None` if there is none.
+    /// Samples a direction in a medium whose directions fill a disc of this radius; `None` if there is none.
     #[inline]
     pub(super) fn draw(&self, from: Beta, radius: f64, u: [f64; 2]) -> Option<DirectionSample> {
         let beta = match &self.kind {
@@ -121,17 +121,20 @@ impl DirectionSampler {
                 Beta { x, y }
             }
             Kind::Cosine => cosine(radius, u),
-            Kind::Ward(_) if u[0] < BESIDE_WARD => cosine(radius, [u[0] / BESIDE_WARD, u[1]]),
-            Kind::Ward(ward) => ward.sample(from, [(u[0] - BESIDE_WARD) / (1.0 - BESIDE_WARD), u[1]])?,
-            Kind::Lamps(lamps) => {
-                let rest = u[0] / TO_LAMPS;
+            Kind::Ward(_) if u[0] < COSINE_FRACTION => cosine(radius, [u[0] / COSINE_FRACTION, u[1]]),
+            Kind::Ward(ward) => {
+                ward.sample(from, [(u[0] - COSINE_FRACTION) / (1.0 - COSINE_FRACTION), u[1]])?
+            }
+            Kind::AboutSources(lamps) => {
+                let rest = u[0] / ABOUT_SOURCES;
                 if rest < 1.0 {
                     let lamp = (rest * lamps.len() as f64) as usize;
                     let (at, lobe) = lamps.get(lamp)?;
                     let rest = (rest * lamps.len() as f64 - lamp as f64).max(f64::MIN_POSITIVE);
                     lobe.sample_direction(*at, [rest, u[1]])?
                 } else {
-                    self.lobe.sample_direction(from, [(u[0] - TO_LAMPS) / (1.0 - TO_LAMPS), u[1]])?
+                    self.lobe
+                        .sample_direction(from, [(u[0] - ABOUT_SOURCES) / (1.0 - ABOUT_SOURCES), u[1]])?
                 }
             }
         };
@@ -139,14 +142,15 @@ impl DirectionSampler {
         (density > 0.0).then(|| DirectionSample { beta, weight: self.lobe.density(from, beta) / density })
     }
 
-    /// The density with which [`Self::draw`] gives `to`, over direction cosines.
+    /// Returns the density with which [`Self::draw`] samples `to`, over direction cosines.
     #[inline]
     pub(super) fn density(&self, from: Beta, to: Beta, radius: f64) -> f64 {
         match &self.kind {
             Kind::Kernel => self.lobe.density(from, to),
-            Kind::Lamps(lamps) => {
+            Kind::AboutSources(lamps) => {
                 let of_lamps: f64 = lamps.iter().map(|(at, lobe)| lobe.density(*at, to)).sum();
-                (1.0 - TO_LAMPS) * self.lobe.density(from, to) + TO_LAMPS * of_lamps / lamps.len() as f64
+                (1.0 - ABOUT_SOURCES) * self.lobe.density(from, to)
+                    + ABOUT_SOURCES * of_lamps / lamps.len() as f64
             }
             _ if to.length() >= radius => 0.0,
             Kind::Uniform => {
@@ -155,8 +159,8 @@ impl DirectionSampler {
             }
             Kind::Cosine => warp::uniform_disc_density(radius),
             Kind::Ward(ward) => {
-                let cosine = BESIDE_WARD * warp::uniform_disc_density(radius);
-                (1.0 - BESIDE_WARD) * ward.density(from, to) + cosine
+                let cosine = COSINE_FRACTION * warp::uniform_disc_density(radius);
+                (1.0 - COSINE_FRACTION) * ward.density(from, to) + cosine
             }
         }
     }
@@ -168,8 +172,8 @@ fn cosine(radius: f64, u: [f64; 2]) -> Beta {
     Beta { x, y }
 }
 
-/// Where a lamp's light comes from, and a lobe of its size or the diffuser's, whichever is larger.
-fn lamp(source: &Source, width: f64) -> Option<(Beta, Lobe)> {
+/// Returns the direction of a source, and a lobe of its size or of the diffuser's, whichever is larger.
+fn lobe_about(source: &Source, width: f64) -> Option<(Beta, Lobe)> {
     match source {
         Source::Diffuse | Source::Field(_) => None,
         Source::Beam(beta) => Some((*beta, Lobe::KCorrelation { width })),
@@ -180,7 +184,7 @@ fn lamp(source: &Source, width: f64) -> Option<(Beta, Lobe)> {
     }
 }
 
-/// Facets of Gaussian slopes in a medium of this index.
+/// Microfacets with Gaussian slopes in a medium of this index.
 #[derive(Debug, Clone, Copy)]
 struct Ward {
     facets: GaussianFacets,
@@ -188,12 +192,12 @@ struct Ward {
 }
 
 impl Ward {
-    /// Near the normal `tan h` is half the deviation over the index.
+    /// Fits the lobe: near the normal `tan h` is half the deviation over the index.
     fn fitted(width: f64, index: f64) -> Self {
         Self { facets: GaussianFacets { alpha: GAUSSIAN_OF_LOBE * width / (2.0 * index) }, index }
     }
 
-    /// The same direction as cosines of a medium of index 1.
+    /// Converts a direction to cosines of a medium of index 1.
     fn of_air(&self, beta: Beta) -> Beta {
         Beta { x: beta.x / self.index, y: beta.y / self.index }
     }
@@ -203,7 +207,7 @@ impl Ward {
         Some(Beta { x: self.index * to.x, y: self.index * to.y })
     }
 
-    /// Per unit area of direction cosines.
+    /// Returns the density per unit area of direction cosines.
     fn density(&self, from: Beta, to: Beta) -> f64 {
         self.facets.density(self.of_air(from), self.of_air(to)) / (self.index * self.index)
     }
@@ -214,7 +218,8 @@ mod tests {
     use super::*;
     use papilio_sampling::{Numbers, Sampler};
 
-    /// Chi-square of samples on the cells of a square grid against the density times `distorted`, as a standard normal variable.
+    /// Chi-square, as a standard normal variable, of samples on the cells of a square grid against the
+    /// density times `distorted`.
     fn statistic(drawing: &DirectionSampler, radius: f64, distorted: impl Fn(Beta) -> f64) -> f64 {
         const SIDE: usize = 12;
         const DRAWS: u64 = 60_000;
@@ -245,9 +250,9 @@ mod tests {
         papilio_testing::ChiSquare::of(cells, 20.0).z()
     }
 
-    /// Below the glass and above it; the lamps' lobes make the kernel's a mixture.
+    /// Below the glass and above it; lobes about the sources make the kernel a mixture.
     #[test]
-    fn draws_follow_their_density() {
+    fn samples_follow_density() {
         let lobe = Lobe::KCorrelation { width: 0.2 };
         let lamps =
             [Source::Beam(Beta { x: -0.4, y: 0.3 }), Source::Disc(crate::Cone::new(40.0, 0.0, 5.0, 1.0))];
@@ -262,9 +267,9 @@ mod tests {
         }
     }
 
-    /// A draw's weight is the lobe's value over the density.
+    /// The weight of a sample is the value of the lobe over the density.
     #[test]
-    fn weights_are_of_the_density() {
+    fn sample_weights_equal_lobe_over_density() {
         let lobe = Lobe::KCorrelation { width: 0.1 };
         let lamps = [Source::Beam(Beta { x: -0.4, y: 0.3 })];
         let numbers = Numbers::new(Sampler::Random, 6, 0);

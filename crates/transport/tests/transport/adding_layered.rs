@@ -9,8 +9,8 @@ use papilio_optics::lobe::Lobe;
 use papilio_optics::{Beta, Scatterer};
 use papilio_transport::{Cone, Diffuser, Estimate, Front, Interface, Panel, Source, Stack, Top};
 
-/// Angles in degrees and weights of a mean over the hemisphere, weighted with the cosine:
-/// Gauss and Legendre's rule of eight points in theta, twice.
+/// Angles in degrees and weights of a mean over the hemisphere, weighted with the cosine: the Gauss-Legendre
+/// rule of eight points in theta, twice.
 fn hemisphere() -> Vec<(f64, f64)> {
     let half = [
         (0.183_434_642_495_649_8, 0.362_683_783_378_362),
@@ -28,7 +28,7 @@ fn hemisphere() -> Vec<(f64, f64)> {
     rule
 }
 
-/// The mean of a quantity under diffuse light over all views.
+/// Mean of a quantity under diffuse light over all views.
 fn mean_over_views(level: u32, stack: &Stack, quantity: impl Fn(&Estimate) -> f64) -> f64 {
     let rule = hemisphere();
     let cones: Vec<Cone> = rule.iter().map(|(theta, _)| view(*theta)).collect();
@@ -36,10 +36,10 @@ fn mean_over_views(level: u32, stack: &Stack, quantity: impl Fn(&Estimate) -> f6
     rule.iter().zip(&estimates).map(|((_, weight), estimate)| weight * quantity(estimate)).sum()
 }
 
-/// Index-matched slabs of Henyey and Greenstein's phase function, converged to 1e-8 by an
-/// independent solver and printed to 6 digits; what is transmitted ends in a black base.
+/// Index-matched slabs with the Henyey-Greenstein phase function, converged to 1e-8 by an independent solver
+/// and given to 6 digits; transmitted light ends in a black base.
 #[test]
-fn table_of_slabs() {
+fn slabs_equal_published_table() {
     let table = [
         (0.9, 1.0, 0.0, [0.267410, 0.591625, 0.393662, 0.414840, 0.352712, 0.474746]),
         (0.9, 4.0, 0.0, [0.408142, 0.128524, 0.504093, 0.071824, 0.473186, 0.090564]),
@@ -67,9 +67,9 @@ fn table_of_slabs() {
     }
 }
 
-/// van de Hulst, *Multiple Light Scattering* (1980): a = .9, tau = 2, g = .75, normal incidence.
+/// van de Hulst, *Multiple Light Scattering* (1980): a = 0.9, tau = 2, g = 0.75, normal incidence.
 #[test]
-fn van_de_hulst() {
+fn slab_equals_van_de_hulst_table() {
     let stack = stack([(Interface::Open, slab(2.0, 0.75, 0.9, 1.0))], mirror(0.0));
     let found = estimate(1, &stack, view(0.0), &[Source::Diffuse]);
     assert_close("R", rho(&found, 0), 0.09739, 5e-6);
@@ -78,7 +78,7 @@ fn van_de_hulst() {
 
 /// A conservative layer over a back surface, all orders, to 2e-6 by an independent solver.
 #[test]
-fn table_of_layers() {
+fn layers_over_back_surface_equal_published_table() {
     let table = [
         (1.0, 1.0, 0.9, mirror(0.5), [0.503286, 0.503368, 0.527987]),
         (1.0, 1.0, 0.9, lambertian(0.5), [0.487380, 0.487701, 0.526353]),
@@ -98,18 +98,18 @@ fn table_of_layers() {
     }
 }
 
-/// Giovanelli, Opt. Acta 2, 153 (1955): a half space of albedo .9 under a face of n = 1.5.
+/// Giovanelli, Opt. Acta 2, 153 (1955): a half space of albedo 0.9 under a surface of n = 1.5.
 #[test]
-fn giovanelli() {
+fn half_space_under_glass_equals_giovanelli() {
     let stack = stack([(Interface::Fresnel, slab(200.0, 0.0, 0.9, 1.5))], mirror(0.0));
     assert_close("normal", rho(&estimate(1, &stack, view(0.0), &[Source::Diffuse]), 0), 0.259919, 1e-6);
     assert_close("diffuse", mean_over_views(1, &stack, |e| rho(e, 0)), 0.307890, 1e-6);
 }
 
-/// Chandrasekhar, *Radiative Transfer* (1960): isotropic half space, omega = .9:
+/// Chandrasekhar, *Radiative Transfer* (1960): isotropic half space, omega = 0.9:
 /// `R = omega/4 H(mu) H(mu0)/(mu + mu0)`; H to 5 decimals.
 #[test]
-fn radiance_by_the_h_function() {
+fn half_space_radiance_equals_h_function() {
     let stack = stack([(Interface::Open, slab(1e4, 0.0, 0.9, 1.0))], mirror(0.0));
     let h = [(0.1_f64, 1.17214), (0.5, 1.55603), (1.0, 1.85010)];
     for (mu, h_out) in h {
@@ -117,15 +117,15 @@ fn radiance_by_the_h_function() {
             let light = beam(mu0.acos().to_degrees(), 40.0);
             let found = estimate(3, &stack, view(mu.acos().to_degrees()), &[light]);
             let truth = 0.225 * h_out * h_in / (mu + mu0);
-            // The table's last decimal is half a unit of 1e-5, twice.
+            // Half a unit of the table's last decimal, 1e-5, twice.
             assert_close(&format!("{mu} {mu0}"), rho(&found, 0), truth, 1.2e-5 * truth);
         }
     }
 }
 
-/// Flat layers are no matter of discretisation: closed forms, and Saunderson's correction.
+/// Flat layers have no discretisation error: closed forms, and Saunderson's correction.
 #[test]
-fn clear_layers_in_closed_form() {
+fn clear_layers_equal_closed_forms() {
     let glass = |base| stack([(Interface::Fresnel, clear(1.5))], base);
     let seen = |stack: &Stack, theta| rho(&estimate(0, stack, view(theta), &[Source::Diffuse]), 0);
     let r = |theta: f64| fresnel_reflectance(1.0, 1.5, theta.to_radians().sin());
@@ -141,7 +141,7 @@ fn clear_layers_in_closed_form() {
         0.352959,
         1e-6,
     );
-    // A filter of transmittance .6 along the normal, seen at an angle; albedo 0 is the same.
+    // A filter of transmittance 0.6 along the normal, seen at an angle; a medium of albedo 0 is the same.
     let cosine = (1.0 - (0.5 / 1.5_f64).powi(2)).sqrt();
     let t = 0.6_f64.powf(1.0 / cosine);
     let truth = r(30.0) + (1.0 - r(30.0)).powi(2) * t * t * 0.5 / (1.0 - 0.5 * t * t * r(30.0));
@@ -152,9 +152,9 @@ fn clear_layers_in_closed_form() {
     }
 }
 
-/// Two passes through a lobe of width b are one of width 2b, but for what the discs cut off.
+/// Two passes through a lobe of width b equal one of width 2b, except for light outside the discs.
 #[test]
-fn double_pass_over_a_mirror() {
+fn double_pass_over_mirror_equals_lobe_of_twice_the_width() {
     let (b, t) = (0.05, 0.9);
     let stack = stack([(diffuser(b, t, 0.0), clear(1.5))], mirror(0.7));
     for (theta, phi) in [(-8.0, 0.0), (-12.0, 0.0), (-3.0, 40.0)] {
@@ -166,9 +166,9 @@ fn double_pass_over_a_mirror() {
     }
 }
 
-/// What a panel is, both solvers for it say.
+/// A panel given as layers equals the panel, for both of its solvers.
 #[test]
-fn a_panel_as_layers() {
+fn panel_as_layers_equals_panel() {
     let disc = |theta| Source::Disc(Cone::new(theta, 20.0, 3.0, 1.0));
     let sources = [Source::Diffuse, beam(-20.0, 0.0), beam(40.0, 70.0), disc(-10.0), disc(-8.0)];
     for (lobe, straight_through, base) in [

@@ -1,4 +1,4 @@
-//! General stacks by *adding*: laws, extremes, and the walk.
+//! General stacks by *adding*: physical laws, extreme cases, and comparison with Monte Carlo.
 
 use crate::common::*;
 use crate::layers::*;
@@ -12,10 +12,10 @@ use papilio_transport::{
     Scattering, Source, Stack,
 };
 
-/// No level of a slab is out of line: each has at most a fifth of the error of the one before, so that their
-/// differences are honest. R = .439692 from elsewhere.
+/// Each level of a slab has at most a fifth of the error of the one before, so that level differences
+/// estimate errors. R = 0.439692 is from an independent source.
 #[test]
-fn slabs_gain_at_every_level() {
+fn slab_error_decreases_at_every_level() {
     let stack = stack([(Interface::Fresnel, slab(1.0, 0.9, 1.0, 1.5))], mirror(0.5));
     let seen = |level: u32| rho(&estimate(level, &stack, view(0.0), &[Source::Diffuse]), 0);
     let finest = seen(6);
@@ -25,9 +25,9 @@ fn slabs_gain_at_every_level() {
     assert!(errors.windows(2).all(|pair| pair[1] < 0.2 * pair[0]), "{errors:?}");
 }
 
-/// Everything at once over a white mirror: what nothing absorbs comes back.
+/// A stack of all kinds of layers without absorption over a white mirror returns all light.
 #[test]
-fn white_furnace() {
+fn lossless_layers_return_all_light() {
     let white = |layers| match layers {
         0 => stack([(Interface::Fresnel, slab(1.0, 0.9, 1.0, 1.5))], mirror(1.0)),
         1 => stack([(Interface::Fresnel, slab(1e6, 0.5, 1.0, 1.5))], mirror(1.0)),
@@ -54,7 +54,7 @@ fn white_furnace() {
     }
 }
 
-/// A stack of many kinds, nothing symmetric about it.
+/// A stack of many kinds of layers without symmetry.
 fn mixed() -> Stack {
     stack(
         [
@@ -68,7 +68,7 @@ fn mixed() -> Stack {
 }
 
 #[test]
-fn reader_and_lamp_may_change_places() {
+fn exchanged_view_and_source_give_the_same_value() {
     for (a, b, phi) in [(10.0, 50.0, 0.0), (0.0, 30.0, 0.0), (70.0, 20.0, 130.0), (45.0, 45.0, 180.0)] {
         let there = estimate(2, &mixed(), Cone::new(a, 0.0, 0.0, 1.0), &[beam(b, phi)]);
         let back = estimate(2, &mixed(), Cone::new(b, phi, 0.0, 1.0), &[beam(a, 0.0)]);
@@ -78,7 +78,7 @@ fn reader_and_lamp_may_change_places() {
 }
 
 #[test]
-fn splitting_a_slab_changes_nothing() {
+fn split_slab_equals_whole_slab() {
     let sources = [Source::Diffuse, beam(-35.0, 0.0)];
     let whole = stack([(Interface::Fresnel, slab(2.0, 0.8, 0.97, 1.5))], mirror(0.6));
     let parts = [0.1, 0.4, 1.5].map(|tau| slab(tau, 0.8, 0.97, 1.5));
@@ -86,16 +86,16 @@ fn splitting_a_slab_changes_nothing() {
     let split = stack([(Interface::Fresnel, a), (Interface::Open, b), (Interface::Open, c)], mirror(0.6));
     let [whole, split] = [whole, split].map(|stack| estimate(0, &stack, view(20.0), &sources));
     for source in 0..2 {
-        // The thin layer's rational function errs by 1e-7 at grazing angles.
+        // The rational function of the thin layer has an error of 1e-7 at grazing angles.
         assert_close("split", rho(&split, source), rho(&whole, source), 1e-7);
     }
 }
 
-/// Each level must gain a factor of five or more, and the change to the next level be no
-/// smaller than half of the error against the finest: but for a tenth of what the level promises,
-/// since rules of few points are the same at neighbouring levels.
+/// Each level must gain a factor of five or more, and the change to the next level must be at least half of
+/// the error relative to the finest level; except for a tenth of the accuracy of the level, since rules of
+/// few points are equal at neighbouring levels.
 #[test]
-fn levels_tighten() {
+fn errors_decrease_with_level() {
     let sources = [Source::Diffuse, beam(-20.0, 0.0), Source::Disc(Cone::new(30.0, 10.0, 5.0, 1.0))];
     let slabs = |g| stack([(Interface::Fresnel, slab(1.0, g, 1.0, 1.5))], mirror(0.5));
     let lobe = stack(
@@ -128,9 +128,10 @@ fn levels_tighten() {
     }
 }
 
-/// Refracted light of one microfacet jumps to zero in grazing directions: slower than other layers, but sure.
+/// Refracted light of one microfacet jumps to zero in grazing directions: convergence is slower than for
+/// other layers.
 #[test]
-fn rough_faces_tighten() {
+fn rough_interface_errors_decrease_with_level() {
     let sources = [Source::Diffuse, beam(-20.0, 0.0)];
     for alpha in [0.15, 0.5] {
         let stack = stack([(Interface::Rough(Rough::new(alpha, 1.0, 1.5)), clear(1.5))], mirror(0.5));
@@ -144,7 +145,7 @@ fn rough_faces_tighten() {
 }
 
 #[test]
-fn the_ledger_closes() {
+fn ledger_sums_to_one() {
     for base in [mirror(0.6), lambertian(0.4)] {
         let Stack::Layered(mut layered) = mixed() else { return };
         layered.base = Base { inactive_absorptance: one(0.1), ..base };
@@ -159,7 +160,7 @@ fn the_ledger_closes() {
 
 /// A slab so thin that it hardly scatters, one so thick that nothing passes, grazing views.
 #[test]
-fn extremes() {
+fn extreme_slabs_have_known_limits() {
     let thin = |tau: f64| stack([(Interface::Open, slab(tau, 0.0, 1.0, 1.0))], mirror(0.0));
     let light = [beam(60.0, 0.0)];
     let [small, large] = [1e-6, 2e-6].map(|tau| rho(&estimate(1, &thin(tau), view(0.0), &light), 0));
@@ -171,7 +172,7 @@ fn extremes() {
     // Through a thick conservative layer: 4/3 K(1)/((1 - g) tau), K(1) = 1.27 to a few percent.
     let through = found.ledger.pixel[0];
     assert!((1.5e-5..1.8e-5).contains(&through), "{through}");
-    // Thirty doublings leave this of a rounding error.
+    // Error of thirty doublings.
     assert_close("sum", rho(&found, 0) + through, 1.0, 1e-10);
     let grazing = estimate(1, &mixed(), view(89.9), &[Source::Diffuse, beam(-89.9, 0.0)]);
     assert!((0.0..=1.0).contains(&rho(&grazing, 0)) && rho(&grazing, 1) >= 0.0);
@@ -180,14 +181,14 @@ fn extremes() {
     assert_close("closed", rho(&estimate(0, &mirrors, view(10.0), &[Source::Diffuse]), 0), 1.0, 1e-12);
 }
 
-/// What a level takes is known beforehand, so that a caller can refuse.
+/// The number of nodes of a level is known beforehand, so that a caller can refuse the stack.
 #[test]
-fn nodes_are_counted_before_the_work() {
+fn nodes_needed_equal_nodes_used() {
     let lobe = |width| stack([(diffuser(width, 0.9, 0.0), clear(1.5))], mirror(0.5));
     for level in [0, 2] {
         let mut kernel = Kernel::new(level);
         kernel.prepare(&lobe(0.1), &[view(8.0)], &[beam(-20.0, 0.0)]);
-        // And one for the view, one for the beam.
+        // And one node for the view, one for the beam.
         assert_eq!(kernel.nodes(), nodes_needed(&lobe(0.1), level) + 2);
     }
     let haze_65 = nodes_needed(&lobe(0.03869), 2);
@@ -198,9 +199,9 @@ fn nodes_are_counted_before_the_work() {
     );
 }
 
-/// States and wavelengths each get what they would alone, dispersive media included.
+/// States and wavelengths have the same results as alone, dispersive media included.
 #[test]
-fn every_wavelength_and_state_is_its_own() {
+fn wavelengths_and_states_are_independent() {
     let spectrum = |bins: &[usize], values: [f64; 3]| -> Spectrum {
         bins.iter().map(|b| values[*b]).collect::<Vec<_>>().into()
     };
@@ -249,9 +250,9 @@ fn every_wavelength_and_state_is_its_own() {
     }
 }
 
-/// The walk through the same stacks: every kind of layer and source, within its error bars.
+/// Monte Carlo through the same stacks: every kind of layer and source, within its error bars.
 #[test]
-fn the_walk_agrees() {
+fn monte_carlo_agrees_with_adding() {
     let antireflection = || {
         let layer = SpectralLayer { index: vec![1.38.into()], thickness: Thickness::Fixed(99.6) };
         Interface::Coating(Coating::new(&[550.0], &[1.0], &[layer], &[1.5]).unwrap())
@@ -291,6 +292,6 @@ fn the_walk_agrees() {
         ("negative", stack([(Interface::Fresnel, slab(2.0, -0.6, 0.9, 1.4))], lambertian(0.9))),
     ];
     for (name, stack) in stacks {
-        assert_the_walk_agrees(name, &stack, 1, 64);
+        assert_monte_carlo_agrees(name, &stack, 1, 64);
     }
 }

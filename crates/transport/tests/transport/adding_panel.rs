@@ -1,4 +1,4 @@
-//! The deterministic solver of the ordinary panel: closed forms, laws, levels, and the walk.
+//! The deterministic solver of the ordinary panel: closed forms, physical laws, levels, and Monte Carlo.
 
 mod resonance;
 
@@ -42,10 +42,10 @@ fn fringes(nodes: Nodes) -> Base {
     Base { reflector: Reflector::Specular(table), inactive_absorptance: one(0.05) }
 }
 
-/// Two passes of a k-correlation lobe over a mirror are one lobe of twice the width, from wide
-/// lobes to widths of 1e-6.
+/// Two passes of a k-correlation lobe over a mirror are one lobe of twice the width, from wide lobes to
+/// widths of 1e-6.
 #[test]
-fn double_pass_over_a_mirror_is_one_lobe_of_twice_the_width() {
+fn double_pass_over_mirror_equals_lobe_of_twice_the_width() {
     for (width, view_deg, light_deg, phi_deg) in [
         (0.0567, 8.0, -20.0, 0.0),
         (0.0567, 0.0, 0.0, 0.0),
@@ -62,10 +62,10 @@ fn double_pass_over_a_mirror_is_one_lobe_of_twice_the_width() {
         let (from, to) = (Beta::towards(view_deg, 0.0, 1.0), Beta::from_source(light_deg, phi_deg, 1.0));
         let (narrow, wide) = (Lobe::KCorrelation { width }, Lobe::KCorrelation { width: 2.0 * width });
         let truth = PI * 0.81 * (wide.density(from, to) - beyond_the_glass(narrow, from, to));
-        // Two lobes in one place make a pole of third order: some hundred times exp(-digits).
+        // Two lobes in one place make a pole of third order: the error is a few hundred times exp(-digits).
         for (level, within) in [(0, 2e-4), (1, 1e-5), (3, 2e-7)] {
             let found = rho(&solve(&stack, view(view_deg), &[beam(light_deg, phi_deg)], level), 0);
-            // The midpoint rule leaves 1e-7 of what is beyond; positions are rounded to 1e-16.
+            // The midpoint rule leaves 1e-7 of the light beyond the glass; positions are rounded to 1e-16.
             let allowed = (within + 1e-15 / width) * truth + 1e-7;
             assert!(
                 (found - truth).abs() < allowed,
@@ -75,9 +75,9 @@ fn double_pass_over_a_mirror_is_one_lobe_of_twice_the_width() {
     }
 }
 
-/// With a straight-through share s the double pass is s^2 delta + 2 s (1-s) lobe(b) + (1-s)^2 lobe(2b).
+/// With a regular fraction s the double pass is s^2 delta + 2 s (1-s) lobe(b) + (1-s)^2 lobe(2b).
 #[test]
-fn straight_through_light_joins_the_double_pass() {
+fn double_pass_with_regular_fraction_equals_closed_form() {
     let (width, t, s) = (0.04, 0.8, 0.3);
     let stack = panel(diffuser(width, t, s), mirror(0.7));
     let (from, to) = (Beta::towards(8.0, 0.0, 1.0), Beta::from_source(-20.0, 0.0, 1.0));
@@ -89,9 +89,9 @@ fn straight_through_light_joins_the_double_pass() {
     assert!((found / truth - 1.0).abs() < 1e-7, "{found} {truth}");
 }
 
-/// A disc is the mean of the beams from it, and where its mirror image is in view, that.
+/// A disc is the mean of the beams from it, plus its mirror image where this is in view.
 #[test]
-fn a_disc_is_a_sum_of_beams() {
+fn disc_equals_mean_of_beams() {
     let (width, t, s) = (0.05, 0.9, 0.2);
     let stack = panel(diffuser(width, t, s), mirror(0.5));
     let passes = DoublePass { width, transmittance: t, straight_through: s, reflectance: 0.5 };
@@ -104,10 +104,10 @@ fn a_disc_is_a_sum_of_beams() {
     }
 }
 
-/// The sun's image in a bare mirror: where it fills a share of the field, `rho` is that share
-/// of `pi R / Omega`.
+/// The sun's image in a bare mirror: if it fills a fraction of the field, `rho` is that fraction of
+/// `pi R / Omega`.
 #[test]
-fn a_small_image_in_a_large_field() {
+fn small_image_in_large_view_equals_its_fraction() {
     let stack = panel(Top::Coated, mirror(0.5));
     for (radius_deg, field_deg) in [(0.27, 5.0), (0.02, 20.0), (0.0001, 0.1), (3.0, 0.0)] {
         let sun = Cone::new(-8.0, 0.0, radius_deg, 1.0);
@@ -120,8 +120,8 @@ fn a_small_image_in_a_large_field() {
     }
 }
 
-/// Of light inside a medium of index n (Walsh; Duntley, J. Opt. Soc. Am. 32, 61 (1942), by way of
-/// the reflectance from outside).
+/// Internal diffuse reflectance of a medium of index n (Walsh; Duntley, J. Opt. Soc. Am. 32, 61 (1942),
+/// through the reflectance from outside).
 fn internal_diffuse_reflectance(n: f64) -> f64 {
     let (n2, n4) = (n * n, n.powi(4));
     let outside = 0.5
@@ -132,9 +132,10 @@ fn internal_diffuse_reflectance(n: f64) -> f64 {
     1.0 - (1.0 - outside) / n2
 }
 
-/// Glass over a mirror: r + t^2 R/(1 - r R); Lambertian .5 under bare glass of index 1.5 (Saunderson).
+/// Glass over a mirror: r + t^2 R/(1 - r R); a Lambertian base of 0.5 under bare glass of index 1.5
+/// (Saunderson).
 #[test]
-fn bare_glass() {
+fn bare_glass_equals_closed_forms() {
     let stack = panel(Top::Fresnel(one(1.5)), mirror(0.5));
     let found = rho(&solve(&stack, view(0.0), &[Source::Diffuse], 0), 0);
     assert!((found - 0.510_204_081_632_653).abs() < 1e-14, "{found}");
@@ -144,7 +145,7 @@ fn bare_glass() {
     let truth = 0.04 + 0.96 * 0.5 * (1.0 - f) / (1.0 - 0.5 * f);
     let found = rho(&solve(&stack, view(0.0), &[Source::Diffuse], 3), 0);
     assert!((found - truth).abs() < 1e-8 && (found - 0.316_071).abs() < 1e-6, "{found} {truth}");
-    // Under diffuse light: the hemisphere's mean of the view (a Lambertian receiver).
+    // Under diffuse light: the mean over the hemisphere of views (a Lambertian receiver).
     let nodes = 60;
     let mean: f64 = (0..nodes)
         .map(|k| {
@@ -157,9 +158,9 @@ fn bare_glass() {
     assert!((mean - 0.352_959).abs() < 1e-4, "{mean}");
 }
 
-/// Layers that lose nothing return everything.
+/// Lossless layers return all light.
 #[test]
-fn white_furnace() {
+fn lossless_layers_return_all_light() {
     for front in [Front::none(1), front(&[(0.04, 0.0), (0.1, 0.0)], false), front(&[(0.6, 0.0)], false)] {
         for (name, top, base) in [
             ("fresnel, mirror", Top::Fresnel(one(1.5)), mirror(1.0)),
@@ -179,7 +180,7 @@ fn white_furnace() {
 
 /// Recycling between a Lambertian panel and the front: R + T^2 R_p/(1 - r R_p).
 #[test]
-fn light_that_the_front_sends_back_counts() {
+fn recycled_light_equals_closed_form() {
     for r in [0.04, 0.3, 0.8] {
         let mut stack = panel(lambertian_diffuser(0.0), mirror(0.4));
         stack.front = front(&[(r, 0.0)], false);
@@ -222,9 +223,9 @@ fn lights() -> Vec<Source> {
     vec![Source::Diffuse, beam(-20.0, 10.0), Source::Disc(Cone::new(-35.0, 30.0, 2.0, 1.0))]
 }
 
-/// The difference between levels is the coarser one's error, and it falls.
+/// The difference between levels is the error of the coarser one, and it decreases.
 #[test]
-fn levels_converge() {
+fn level_differences_estimate_errors_and_decrease() {
     for (name, stack) in family() {
         let view = Cone::new(12.0, 0.0, 0.3, 1.0);
         let estimates: Vec<Estimate> = (0..4).map(|level| solve(&stack, view, &lights(), level)).collect();
@@ -242,9 +243,10 @@ fn levels_converge() {
     }
 }
 
-/// Lobes too narrow for the grid of recycled light: bounded work, and right at the lobe's peak and far from it.
+/// Lobes too narrow for the grid of recycled light: the work is bounded, and the result is right at the peak
+/// of the lobe and far from it.
 #[test]
-fn narrow_lobes_under_a_front() {
+fn narrow_lobes_under_front_equal_closed_form() {
     for (width, sent_back, light_deg) in [
         (2e-3, 0.02, -20.0),
         (1e-4, 0.02, -20.0),
@@ -259,7 +261,7 @@ fn narrow_lobes_under_a_front() {
             let mut stack = panel(diffuser(width, 1.0, straight), mirror(0.8));
             stack.front = front(&[(sent_back, 0.0)], false);
             let found = rho(&solve(&stack, view(20.0), &[beam(light_deg, 0.0)], 0), 0);
-            // Without rims, what is scattered n times is one lobe of width nb.
+            // Without rims, light scattered n times has one lobe of width nb.
             let (from, to) = (Beta::towards(20.0, 0.0, 1.0), Beta::from_source(light_deg, 0.0, 1.0));
             let order = |k: i32| {
                 let (scattered, mut ways) = (1.0 - straight, 1.0);
@@ -274,7 +276,8 @@ fn narrow_lobes_under_a_front() {
             };
             let truth: f64 = (1..12).map(order).sum();
             let error = (found / truth - 1.0).abs();
-            // Far from the peak all orders are tails, which the rims cut, and those of the grid's wider lobe more.
+            // Far from the peak all orders are tails, which are cut at the rims; those of the grid's wider
+            // lobe more so.
             let allowed = if (from - to).length() < 0.1 { 3e-5 } else { 3e-3 };
             assert!(error < allowed, "{width} {sent_back} {light_deg} {straight}: {found} {truth}");
         }
@@ -282,7 +285,7 @@ fn narrow_lobes_under_a_front() {
 }
 
 #[test]
-fn the_ledger_closes() {
+fn ledger_sums_to_one() {
     for (name, mut stack) in family() {
         for single_pass in [false, true] {
             stack.single_pass = single_pass;
@@ -300,9 +303,9 @@ fn the_ledger_closes() {
     }
 }
 
-/// Swapping reader and lamp changes nothing (Helmholtz).
+/// Exchanging viewer and source changes nothing (Helmholtz).
 #[test]
-fn reader_and_lamp_may_change_places() {
+fn exchanged_view_and_source_give_the_same_value() {
     for (name, stack) in family() {
         let one_way = rho(&solve(&stack, view(10.0), &[beam(35.0, 40.0)], 2), 0);
         let other = rho(&solve(&stack, view(35.0), &[beam(10.0, 40.0)], 2), 0);
@@ -310,9 +313,10 @@ fn reader_and_lamp_may_change_places() {
     }
 }
 
-/// A kernel that has served other views, lights and fronts answers as a new one does, to the bit.
+/// A kernel that was used for other views, sources and fronts gives the same results as a new one, to the
+/// bit.
 #[test]
-fn a_kept_kernel_is_a_new_one() {
+fn reused_kernel_is_bit_identical_to_new_one() {
     for (name, panel) in family() {
         let (mut kept, views) = (Kernel::new(1), [view(8.0), view(20.0), Cone::new(40.0, 90.0, 0.5, 1.0)]);
         let mut other = panel.clone();
@@ -331,9 +335,9 @@ fn a_kept_kernel_is_a_new_one() {
     }
 }
 
-/// A kernel prepared for a faint front still answers rightly for a strong one.
+/// A kernel prepared for a faint front is also right for a strong one.
 #[test]
-fn a_stronger_front_than_prepared_for() {
+fn kernel_under_stronger_front_than_prepared_is_correct() {
     let mut faint = panel(diffuser(0.08, 0.9, 0.1), fringes(Nodes::Cosines(33)));
     faint.front = front(&[(0.005, 0.0)], false);
     let mut strong = faint.clone();
@@ -344,9 +348,9 @@ fn a_stronger_front_than_prepared_for() {
     assert_eq!(found, solve(&strong, view(8.0), &lights(), 0));
 }
 
-/// Every wavelength of dispersive glass is the panel with that index.
+/// Every wavelength of dispersive glass equals the panel with that index.
 #[test]
-fn dispersive_glass_is_a_glass_for_each_wavelength() {
+fn dispersive_glass_equals_glass_of_each_index() {
     let indices: Vec<f64> = (0..30).map(|k| 1.5 + 0.001 * f64::from(k)).collect();
     for base in [fringes(Nodes::Cosines(33)), lambertian(0.7)] {
         let mut stack = panel(diffuser(0.08, 0.9, 0.2), base.clone());
@@ -382,9 +386,9 @@ fn dispersive_glass_is_a_glass_for_each_wavelength() {
     }
 }
 
-/// The walk, within its error bars: fronts, straight-through light, Lambertian lobes, discs.
+/// Monte Carlo, within its error bars: fronts, regular light, Lambertian lobes, discs.
 #[test]
-fn the_walk_agrees() {
+fn monte_carlo_agrees_with_adding() {
     for (name, stack) in family().into_iter().step_by(3) {
         let view = Cone::new(12.0, 0.0, 0.3, 1.0);
         let truth = solve(&stack, view, &lights(), 2);
@@ -406,10 +410,10 @@ fn the_walk_agrees() {
     }
 }
 
-/// Fringes of a film as thick as glass, some fourteen across the field of view: along the normal all rings are circles about it,
-/// and the mean is an integral over one angle. Every level knows them.
+/// Fringes of a film as thick as glass, about fourteen across the field of view. Along the normal all rings
+/// are circles about it, and the mean is an integral over one angle. The result is right at every level.
 #[test]
-fn a_field_of_view_over_fringes_is_a_plain_quadrature() {
+fn view_over_fringes_equals_quadrature() {
     let (fringes, nodes) = (3600.0, 40_001);
     let at = |cosine: f64| 0.5 + 0.4 * (2.0 * PI * fringes * cosine).cos();
     let table = AngularTable {
@@ -421,7 +425,7 @@ fn a_field_of_view_over_fringes_is_a_plain_quadrature() {
     let base = Base { reflector: Reflector::Specular(table), inactive_absorptance: one(0.0) };
     let stack = panel(Top::Coated, base);
     let half_angle = 5.0_f64;
-    // Even in solid angle, of rays in air; the table goes by the cosine in glass.
+    // Uniform in solid angle, for rays in air; the table is over the cosine in glass.
     let steps = 20_000;
     let mean: f64 = (0..steps)
         .map(|k| {
@@ -434,7 +438,7 @@ fn a_field_of_view_over_fringes_is_a_plain_quadrature() {
         let eye = Cone::new(0.0, 0.0, half_angle, 1.0);
         let found = rho(&solve(&stack, eye, &[Source::Diffuse], level), 0);
         assert!((found - mean).abs() < 1e-6, "level {level}: {found} against {mean}");
-        // The same display in general form.
+        // The same display as general layers.
         let layers = vec![Layer { interface: Interface::Coated, medium: stack.medium.clone() }];
         let layered = Stack::Layered(Layered { layers, base: stack.base.clone() });
         let mut kernel = Kernel::new(level);

@@ -1,4 +1,4 @@
-//! The walk against closed forms, within its own error bars, over many seeds.
+//! Monte Carlo compared with closed forms, within its own error bars, over many seeds.
 
 use crate::common::*;
 use crate::double_pass::*;
@@ -12,7 +12,7 @@ use papilio_transport::{
     Top,
 };
 
-/// `rho` under the last source, over seeds, against the truth.
+/// Compares `rho` under the last source, over seeds, with the expected value.
 fn check(what: &str, stack: &Panel, view: Cone, sources: &[Source], paths: u64, truth: f64) {
     for sampler in [Sampler::Random, Sampler::Sobol] {
         let what = format!("{what}, {sampler:?}");
@@ -25,7 +25,7 @@ fn check(what: &str, stack: &Panel, view: Cone, sources: &[Source], paths: u64, 
 
 /// Two passes of a k-correlation lobe over a mirror: the same lobe with 2b and T^2.
 #[test]
-fn double_pass_over_a_mirror_is_one_lobe_of_twice_the_width() {
+fn double_pass_over_mirror_equals_lobe_of_twice_the_width() {
     let (width, t) = (0.03, 0.9);
     let stack = panel(diffuser(width, t, 0.0), mirror(1.0));
     let (narrow, wide) = (Lobe::KCorrelation { width }, Lobe::KCorrelation { width: 2.0 * width });
@@ -45,10 +45,9 @@ fn double_pass_over_a_mirror_is_one_lobe_of_twice_the_width() {
     }
 }
 
-/// Between unscattered and double-scattered light: with a straight-through share s the
-/// double pass is s^2 delta + 2 s (1-s) lobe(b) + (1-s)^2 lobe(2b).
+/// With a regular fraction s the double pass is s^2 delta + 2 s (1-s) lobe(b) + (1-s)^2 lobe(2b).
 #[test]
-fn straight_through_light_joins_the_double_pass() {
+fn double_pass_with_regular_fraction_equals_closed_form() {
     let (width, t, s) = (0.04, 0.8, 0.3);
     let stack = panel(diffuser(width, t, s), mirror(0.7));
     let beam = Beta::from_source(-20.0, 0.0, 1.0);
@@ -61,10 +60,10 @@ fn straight_through_light_joins_the_double_pass() {
     assert!((image.base[0] - (s * t).powi(2) * 0.7).abs() < 1e-15 && image.front[0] == 0.0);
 }
 
-/// A round source of growing radius over the same panel: its `rho` is the beam's,
-/// averaged over the disc (by a sum over points of the disc, the second road).
+/// A round source of growing radius over the same panel: its `rho` is that of a beam, averaged over the disc
+/// (by an independent sum over points of the disc).
 #[test]
-fn a_disc_is_a_sum_of_beams() {
+fn disc_equals_mean_of_beams() {
     let (width, t, s) = (0.05, 0.9, 0.2);
     let stack = panel(diffuser(width, t, s), mirror(0.5));
     let passes = DoublePass { width, transmittance: t, straight_through: s, reflectance: 0.5 };
@@ -76,10 +75,10 @@ fn a_disc_is_a_sum_of_beams() {
     }
 }
 
-/// The sun's image in a bare mirror: where it fills a share of the field, `rho` is that share
-/// of `pi R / Omega`; points of the field would hit it once in thousands.
+/// The sun's image in a bare mirror: if it fills a fraction of the field, `rho` is that fraction of
+/// `pi R / Omega`; random points of the field would hit it once in thousands.
 #[test]
-fn a_small_image_in_a_large_field() {
+fn small_image_in_large_view_equals_its_fraction() {
     let stack = panel(Top::Coated, mirror(0.5));
     for (radius_deg, field_deg) in [(0.27, 5.0), (0.02, 20.0), (0.0001, 0.1), (3.0, 0.0)] {
         let sun = Cone::new(-8.0, 0.0, radius_deg, 1.0);
@@ -91,10 +90,10 @@ fn a_small_image_in_a_large_field() {
     }
 }
 
-/// A sun that the diffuser lets through: scattered on the way down or up alone, its light is
-/// the beam's. Its disc is so small that no path would run into it.
+/// A sun seen through a partly regular diffuser: light scattered only on the way down or up equals that of a
+/// beam. The disc is so small that no path would reach it by chance.
 #[test]
-fn a_small_sun_behind_a_diffuser_with_straight_through_light() {
+fn small_disc_under_partly_regular_diffuser_equals_beam() {
     let (s, t) = (0.4, 0.9);
     for (name, base) in [("mirror", mirror(0.7)), ("Lambertian", lambertian(0.7))] {
         let stack = panel(diffuser(0.05, t, s), base);
@@ -110,12 +109,13 @@ fn a_small_sun_behind_a_diffuser_with_straight_through_light() {
 }
 
 #[test]
-fn a_perfect_white_is_white_under_any_light() {
+fn perfect_white_has_reflectance_one_under_any_light() {
     for (name, top) in [("coated", Top::Coated), ("fresnel", Top::Fresnel(one(1.5)))] {
         let stack = panel(top, lambertian(1.0));
         check(&format!("white, {name}"), &stack, view(8.0), &[Source::Diffuse], 256, 1.0);
     }
-    // Inside a coated face the Lambertian radiance is even, and so is what leaves.
+    // Below an ideal antireflection surface the Lambertian radiance is uniform, and so is the light that
+    // leaves.
     let stack = panel(Top::Coated, lambertian(1.0));
     let beam = Source::Beam(Beta::from_source(40.0, 90.0, 1.0));
     let disc = Source::Disc(Cone::new(30.0, 45.0, 5.0, 1.0));
@@ -124,19 +124,19 @@ fn a_perfect_white_is_white_under_any_light() {
     }
 }
 
-/// Bare glass of index 1.5 over a mirror of .5: r + t^2 .5/(1 - .5 r), r = .04.
+/// Bare glass of index 1.5 over a mirror of 0.5: r + t^2 0.5/(1 - 0.5 r), r = 0.04.
 #[test]
-fn glass_over_a_mirror() {
+fn glass_over_mirror_equals_closed_form() {
     let stack = panel(Top::Fresnel(one(1.5)), mirror(0.5));
     check("glass over a mirror", &stack, view(0.0), &[Source::Diffuse], 256, 0.510204081632653);
 }
 
-/// Saunderson: Lambertian .5 under bare glass of index 1.5.
+/// Saunderson: a Lambertian base of 0.5 under bare glass of index 1.5.
 #[test]
-fn saunderson() {
+fn lambertian_base_under_glass_equals_saunderson() {
     let stack = panel(Top::Fresnel(one(1.5)), lambertian(0.5));
     check("Saunderson, normal", &stack, view(0.0), &[Source::Diffuse], 1024, 0.316_071);
-    // Diffuse: the view's mean over the hemisphere, Gauss-Legendre in the cosine.
+    // Diffuse light: mean of the view over the hemisphere, Gauss-Legendre in the cosine.
     let nodes = gauss_legendre_12();
     assert_unbiased("Saunderson, diffuse", 0.352_959, 0.01, |seed| {
         let parts = nodes.iter().enumerate().map(|(k, (cosine, weight))| {
@@ -164,8 +164,8 @@ fn gauss_legendre_12() -> Vec<(f64, f64)> {
     HALF.iter().flat_map(|&(x, w)| [(0.5 * (1.0 - x), 0.5 * w), (0.5 * (1.0 + x), 0.5 * w)]).collect()
 }
 
-/// Front of screen (.04,.01) (.01,.005) (.02,0) over a Lambertian-free, coated mirror of .4:
-/// exact R + T^2 .4/(1 - r .4), and the dissertation's R + T^2 .4.
+/// Front of screen (0.04, 0.01) (0.01, 0.005) (0.02, 0) over a mirror of 0.4 with an ideal antireflection
+/// surface: exact R + T^2 0.4/(1 - r 0.4), and the dissertation's R + T^2 0.4.
 #[test]
 fn front_of_screen_exact_and_first_order() {
     let components = [(0.04, 0.01), (0.01, 0.005), (0.02, 0.0)];
@@ -182,7 +182,7 @@ fn front_of_screen_exact_and_first_order() {
     stack.single_pass = true;
     let first_order = stack.front.reflectance_above[0] + stack.front.transmittance[0].powi(2) * 0.4;
     assert!((first_order - (0.066_538 + 0.917_035_f64.powi(2) * 0.4)).abs() < 2e-6);
-    // What the front sends back down is not followed: the books say so.
+    // Light that the front sends back down is not followed: the ledger contains it as unaccounted.
     let e = &replicates(&stack, view(8.0), &[Source::Diffuse], 0, 16, Sampler::Random)[0].ledger;
     let sent_back = stack.front.transmittance[0] * 0.4 * stack.front.reflectance_below[0];
     assert!((e.unaccounted[0] - sent_back).abs() < 1e-12 && sent_back > 0.02);
@@ -190,10 +190,10 @@ fn front_of_screen_exact_and_first_order() {
     check("front, first order", &stack, view(8.0), &[Source::Diffuse], 16, first_order);
 }
 
-/// Recycling between a Lambertian panel and the front: R + T^2 R_p/(1 - r R_p), eq. 3-5
-/// without and with its missing factor (1.016 for r = .04, R_p = .4).
+/// Recycling between a Lambertian panel and the front: R + T^2 R_p/(1 - r R_p), eq. 3-5 without and with its
+/// missing factor (1.016 for r = 0.04, R_p = 0.4).
 #[test]
-fn light_that_the_front_sends_back_counts() {
+fn recycled_light_equals_closed_form() {
     let mut stack = panel(diffuser_white(), mirror(0.4));
     stack.front = front(&[(0.04, 0.0)], false);
     let exact = 0.04 + 0.96 * 0.96 * 0.4 / (1.0 - 0.04 * 0.4);
@@ -201,14 +201,14 @@ fn light_that_the_front_sends_back_counts() {
     assert!((1.0_f64 / (1.0 - 0.04 * 0.4) - 1.016).abs() < 5e-4);
 }
 
-/// A Lambertian diffuser that loses nothing.
+/// A Lambertian diffuser without losses.
 fn diffuser_white() -> Top {
     Top::Diffuser(Diffuser { lobe: Lobe::Lambertian, transmittance: one(1.0), straight_through: 0.0 })
 }
 
-/// Layers that lose nothing return everything, whatever they do to directions.
+/// Lossless layers return all light, whatever they do to directions.
 #[test]
-fn white_furnace() {
+fn lossless_layers_return_all_light() {
     let fronts = [Front::none(1), front(&[(0.04, 0.0), (0.1, 0.0)], false)];
     for (k, front) in fronts.into_iter().enumerate() {
         for (name, top, base) in [
@@ -226,10 +226,10 @@ fn white_furnace() {
     }
 }
 
-/// The ledger closes: its shares sum to one, roulette's part is zero within its error bar,
-/// and with a uniform white room what returns is what is seen.
+/// The ledger closes: its fractions sum to one, the part of roulette is zero within its error bar, and under
+/// uniform white light the returned light equals the visible light.
 #[test]
-fn the_ledger_closes() {
+fn ledger_sums_to_one() {
     for (name, top, base) in [
         ("diffuser, mirror", diffuser(0.06, 0.9, 0.1), mirror(0.5)),
         ("diffuser, Lambertian", diffuser(0.06, 0.9, 0.1), lambertian(0.5)),
@@ -253,9 +253,9 @@ fn the_ledger_closes() {
     }
 }
 
-/// Swapping reader and lamp changes nothing, whatever stands between (Helmholtz).
+/// Exchanging viewer and source changes nothing, whatever lies between (Helmholtz).
 #[test]
-fn reader_and_lamp_may_change_places() {
+fn exchanged_view_and_source_give_the_same_value() {
     for (name, top, base) in [
         ("diffuser, mirror", diffuser(0.08, 0.9, 0.1), mirror(0.9)),
         ("diffuser, Lambertian", diffuser(0.08, 0.9, 0.1), lambertian(0.9)),
@@ -278,11 +278,11 @@ fn reader_and_lamp_may_change_places() {
     }
 }
 
-/// A medium whose index depends on wavelength takes another road (spectra from the start):
-/// with an index that hardly varies it must agree with the plain one. Over a mirror without
-/// straight-through light this is also the road of one path at a time against that of many together.
+/// A medium whose index depends on wavelength uses another algorithm (spectra from the start). With an index
+/// that hardly varies it must agree with the constant one. Over a mirror without regular transmittance this
+/// also compares single paths with groups of paths.
 #[test]
-fn a_dispersive_medium_agrees_with_a_constant_one() {
+fn dispersive_medium_agrees_with_constant_one() {
     for (base, straight_through) in [(mirror(0.8), 0.1), (mirror(0.8), 0.0), (lambertian(0.8), 0.1)] {
         let sources = [Source::Diffuse, Source::Beam(Beta::from_source(-15.0, 0.0, 1.0))];
         let constant = panel(diffuser(0.2, 0.9, straight_through), base.clone());
@@ -313,10 +313,10 @@ fn a_dispersive_medium_agrees_with_a_constant_one() {
     }
 }
 
-/// Paths that are traced together stand in groups: the sums are the same bits however calls cut them, over a table of one
+/// Paths are traced in groups. The sums are bit-identical however calls divide them, over a table of one
 /// node and over one in panels.
 #[test]
-fn split_calls_give_the_same_bits() {
+fn sums_of_split_calls_are_bit_identical() {
     for base in [mirror(0.8), in_panels()] {
         let mut stack = panel(diffuser(0.06, 0.9, 0.0), base);
         stack.front = front(&[(0.1, 0.05)], false);
@@ -345,10 +345,10 @@ fn in_panels() -> Base {
     Base { reflector: Reflector::Specular(table), inactive_absorptance: one(0.0) }
 }
 
-/// The statistics above can fail: a truth that is off by half of one percent is refused.
+/// The statistics above can fail: an expected value that is off by half a percent is refused.
 #[test]
 #[should_panic(expected = "mean z")]
-fn a_wrong_answer_is_caught() {
+fn wrong_expected_value_is_refused() {
     let stack = panel(Top::Fresnel(one(1.5)), lambertian(0.5));
     check("wrong on purpose", &stack, view(0.0), &[Source::Diffuse], 1024, 0.316_071 * 1.005);
 }

@@ -1,4 +1,4 @@
-//! Small stacks, and the walk of them.
+//! Small stacks, and their results by Monte Carlo.
 
 use papilio_sampling::{Numbers, Sampler};
 use papilio_spectra::Spectrum;
@@ -34,7 +34,7 @@ pub(crate) fn panel(top: Top, base: Base) -> Panel {
     Panel { front: Front::none(1), top, medium: Medium::new(one(1.5)), base, single_pass: false }
 }
 
-/// Front of screen from components (R, A).
+/// A front of screen from components (R, A).
 pub(crate) fn front(components: &[(f64, f64)], first_order: bool) -> Front {
     let components = components.iter().map(|(r, a)| (std::slice::from_ref(r), std::slice::from_ref(a)));
     if first_order { Front::first_order(1, components) } else { Front::exact(1, components) }
@@ -44,7 +44,7 @@ pub(crate) fn view(theta_deg: f64) -> Cone {
     Cone::new(theta_deg, 0.0, 0.0, 1.0)
 }
 
-/// The estimates of 32 replicates.
+/// Estimates of 32 replicates.
 pub(crate) fn replicates(
     stack: &Panel,
     view: Cone,

@@ -1,4 +1,4 @@
-//! Two passes through a k-correlation lobe over a mirror, in closed form and by plain sums.
+//! Two passes through a k-correlation lobe over a mirror, in closed form and by quadrature.
 
 use std::f64::consts::PI;
 
@@ -14,8 +14,8 @@ pub(crate) fn diffuser(width: f64, transmittance: f64, straight_through: f64) ->
     Top::Diffuser(Diffuser { lobe, transmittance: one(transmittance), straight_through })
 }
 
-/// The part of a double pass that would go by way of |beta| > 1.5, which the glass does not have:
-/// midpoint rule in the azimuth and in 1.5/|beta|.
+/// The part of a double pass that would go through |beta| > 1.5, which the glass does not carry: midpoint
+/// rule in the azimuth and in 1.5/|beta|.
 pub(crate) fn beyond_the_glass(lobe: Lobe, from: Beta, to: Beta) -> f64 {
     let (rings, spokes) = (400, 200);
     let mut sum = 0.0;
@@ -31,7 +31,7 @@ pub(crate) fn beyond_the_glass(lobe: Lobe, from: Beta, to: Beta) -> f64 {
     sum * 2.0 * PI / f64::from(rings * spokes)
 }
 
-/// A diffuser of width b, transmittance T and straight-through share s over a mirror R.
+/// A diffuser of width b, transmittance T and regular fraction s over a mirror R.
 pub(crate) struct DoublePass {
     pub(crate) width: f64,
     pub(crate) transmittance: f64,
@@ -40,9 +40,9 @@ pub(crate) struct DoublePass {
 }
 
 impl DoublePass {
-    /// `rho` of a disc seen from a direction: the mean of its beams' (midpoint rule, uniform in solid
-    /// angle, weighted with the cosine), and its mirror image if `seen`. Of what is lost beyond the
-    /// glass, only the value at the disc's axis is taken off.
+    /// Returns `rho` of a disc seen from a direction: the mean over its beams (midpoint rule, uniform in
+    /// solid angle, weighted with the cosine), and its mirror image if `seen`. The loss beyond the glass is
+    /// subtracted with its value at the disc's axis.
     pub(crate) fn of_disc(&self, from: Beta, disc: &Cone, seen: bool) -> f64 {
         let s = self.straight_through;
         let density = |width, to| Lobe::KCorrelation { width }.density(from, to);

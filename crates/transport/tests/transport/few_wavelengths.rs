@@ -1,4 +1,4 @@
-//! Panels by *adding* at a wavelength or two: what is worked on in blocks has blocks that are not full.
+//! Panels by *adding* at one or two wavelengths: blocks of wavelengths that are not full.
 
 use papilio_optics::Beta;
 use papilio_optics::lobe::Lobe;
@@ -8,7 +8,7 @@ use papilio_transport::{
     AngularTable, Base, Cone, Diffuser, Front, Medium, Nodes, Panel, Reflector, Source, Stack, Top,
 };
 
-/// A mirror of two states, alike at so many wavelengths, under a diffuser and a front.
+/// A mirror of two states, with the same spectrum at all wavelengths, under a diffuser and a front.
 fn panel(bins: usize, front: f64, straight_through: f64) -> Stack {
     let all = |value: f64| -> Spectrum { vec![value; bins].into() };
     let cosines = (0..33).map(|k| f64::from(k) / 32.0);
@@ -25,9 +25,10 @@ fn panel(bins: usize, front: f64, straight_through: f64) -> Stack {
     })
 }
 
-/// Every wavelength is what it would be alone; faint fronts by forms, strong ones column by column.
+/// Every wavelength equals its result alone; faint fronts use forms, strong ones are summed column by
+/// column.
 #[test]
-fn wavelengths_do_not_know_of_each_other() {
+fn wavelengths_computed_together_equal_single_ones() {
     let sources = [Source::Diffuse, Source::Beam(Beta::from_source(-20.0, 30.0, 1.0))];
     for (front, straight_through) in [(0.0, 0.0), (0.04, 0.0), (0.04, 0.2), (0.7, 0.2)] {
         let solve = |bins: usize| {

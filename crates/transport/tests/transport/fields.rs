@@ -1,4 +1,4 @@
-//! Light from all over the sky: closed forms, other sources that it must equal, and walk against adding.
+//! Light from the whole hemisphere: closed forms, equivalent sources, and Monte Carlo compared with adding.
 use std::cell::RefCell;
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -17,19 +17,19 @@ fn source(field: Field) -> Source {
     Source::Field(Arc::new(field))
 }
 
-/// Even rows and columns over the hemisphere.
+/// Equal rows and columns over the hemisphere.
 fn sky(rows: usize, columns: usize, radiance: impl Fn(usize, usize) -> f64) -> Field {
     let edges: Vec<f64> = (0..=rows).map(|k| 90.0 * k as f64 / rows as f64).collect();
     let cells = (0..rows * columns).map(|k| radiance(k / columns, k % columns)).collect();
     Field::new(&edges, columns, cells).unwrap().0
 }
 
-/// Dark and bright patches beside each other.
+/// Dark and bright patches next to each other.
 fn patches() -> Field {
     sky(18, 24, |row, column| ((row * row * 31 + column * column * 17 + row * column) % 13) as f64)
 }
 
-/// Even light, in rings and in cells that do not know that they are alike.
+/// Uniform light, as a ring and as separate cells of the same radiance.
 fn even() -> [Source; 2] {
     let almost = |row: usize, column: usize| if (row, column) == (0, 0) { 1.0 + 1e-13 } else { 1.0 };
     [source(Field::ring(0.0, 90.0).unwrap()), source(sky(9, 12, almost))]
@@ -68,9 +68,9 @@ fn stacks() -> Vec<(&'static str, Stack, f64)> {
     ]
 }
 
-/// A field that is even is the diffuse hemisphere, whatever it is made of.
+/// A uniform field is diffuse light, however it is represented.
 #[test]
-fn an_even_field_is_diffuse_light() {
+fn uniform_field_equals_diffuse_light() {
     let [rings, cells] = even();
     let sources = [Source::Diffuse, rings, cells];
     for (name, stack, tolerance) in stacks() {
@@ -86,9 +86,9 @@ fn an_even_field_is_diffuse_light() {
     }
 }
 
-/// A Lambertian display has its reflectance under every light.
+/// A Lambertian display has the same reflectance under every light.
 #[test]
-fn a_lambertian_display_has_its_reflectance_under_every_field() {
+fn lambertian_display_has_same_reflectance_under_every_field() {
     let air = |base| {
         let mut panel = panel(Top::Coated, base);
         panel.medium = papilio_transport::Medium::new(one(1.0));
@@ -118,9 +118,10 @@ fn a_lambertian_display_has_its_reflectance_under_every_field() {
     }
 }
 
-/// A cap is a disc at the normal; a ring is the mean of beams; one bright cell is the disc of its solid angle.
+/// A cap is a disc at the normal; a ring is the mean of beams; one bright cell is the disc of its solid
+/// angle.
 #[test]
-fn fields_are_the_lights_that_they_look_like() {
+fn fields_equal_equivalent_sources() {
     let cell = |row: usize, column: usize| if (row, column) == (80, 100) { 1.0 } else { 0.0 };
     // Half a degree by half a degree at 40.25 deg, 50.25 deg.
     let pixel = source(sky(180, 720, cell));
@@ -147,9 +148,9 @@ fn fields_are_the_lights_that_they_look_like() {
     }
 }
 
-/// Levels come together as they say, for a field whose cells are finer than any lobe.
+/// Levels converge within their claimed errors, for a field whose cells are finer than any lobe.
 #[test]
-fn levels_come_together() {
+fn levels_of_fine_field_converge() {
     let sources = [source(patches())];
     for (name, stack, _) in stacks() {
         let eye = Cone::new(20.0, 35.0, 0.05, 1.0);
@@ -159,9 +160,9 @@ fn levels_come_together() {
     }
 }
 
-/// What the walk sees of fields scatters about what adding sees, and its ledgers close.
+/// Monte Carlo results for fields scatter about those of adding, and the ledgers close.
 #[test]
-fn the_walk_agrees() {
+fn monte_carlo_agrees_with_adding() {
     let sources = [
         Source::Diffuse,
         source(patches()),
@@ -172,7 +173,7 @@ fn the_walk_agrees() {
     for (name, stack, _) in stacks() {
         let truth = estimate(2, &stack, eye, &sources);
         let paths = if matches!(stack, Stack::Panel(_)) { 256 } else { 64 };
-        // Each seed is walked once.
+        // Each seed is traced once.
         let runs = RefCell::new(HashMap::new());
         for i in 1..3 {
             assert_unbiased(&format!("{name}, field {i}"), rho(&truth, i), 0.2, |seed| {
@@ -204,7 +205,7 @@ impl Radiance for Slope {
     }
 }
 
-/// A film with fringes over angle, `speed` of them in a turn of the cosine times 2 pi.
+/// A film with fringes over angle: the phase is `speed` times the cosine.
 fn fringes(speed: f64) -> papilio_transport::Base {
     let nodes = 513;
     let at = |node: usize| 0.5 + 0.4 * (speed * node as f64 / (nodes - 1) as f64).cos();
@@ -217,10 +218,11 @@ fn fringes(speed: f64) -> papilio_transport::Base {
     papilio_transport::Base { reflector: Reflector::Specular(table), inactive_absorptance: one(0.0) }
 }
 
-/// Of light that a bare mirror shows the view sees the mean over its field, of any radiance and any reflectance: summed at 25 600
-/// directions here. (They used to be off by 2e-6 for a smooth mirror, beside a claimed 1e-7, and by up to 7e-4 for one with fringes.)
+/// Through a bare mirror the view sees the mean over its field, for any radiance and any reflectance; here
+/// it is summed over 25 600 directions. (Earlier versions were off by 2e-6 for a smooth mirror, with a
+/// claimed error of 1e-7, and by up to 7e-4 for one with fringes.)
 #[test]
-fn images_of_uneven_light_are_means_over_the_field_of_view() {
+fn images_of_nonuniform_light_equal_means_over_view() {
     let slope = source(Field::of(Arc::new(Slope), &[0.0, 90.0], 4, vec![1.0; 4]).unwrap().0);
     let Source::Field(field) = &slope else { unreachable!() };
     let disc = Cone::new(-40.0, 25.0, 7.0, 1.0);
@@ -251,8 +253,8 @@ fn images_of_uneven_light_are_means_over_the_field_of_view() {
     }
 }
 
-/// The mean over a field of view, even in solid angle, by rules of two points in each of a hundred rings: `beta` as of light that leaves
-/// towards the viewer.
+/// Mean over a field of view, uniform in solid angle, by rules of two points in each of a hundred rings;
+/// `beta` is that of light that leaves towards the viewer.
 fn mean_over([theta, phi, half]: [f64; 3], f: impl Fn(Beta) -> f64) -> f64 {
     let (theta, phi, half) = (theta.to_radians(), phi.to_radians(), half.to_radians());
     let (rings, spokes) = (100, 128);
@@ -263,7 +265,7 @@ fn mean_over([theta, phi, half]: [f64; 3], f: impl Fn(Beta) -> f64) -> f64 {
         let sine = (1.0 - cosine * cosine).sqrt();
         for spoke in 0..spokes {
             let turn = std::f64::consts::TAU * f64::from(spoke) / f64::from(spokes);
-            // About the axis, then turned to it.
+            // About the axis, then rotated to it.
             let (u, v) = (sine * turn.cos(), sine * turn.sin());
             let x = u * theta.cos() + cosine * theta.sin();
             sum += f(Beta { x: x * phi.cos() - v * phi.sin(), y: x * phi.sin() + v * phi.cos() });

@@ -1,4 +1,4 @@
-//! The general tracer: against the panel's tracers, published slabs and the laws of light.
+//! The general tracer, compared with the panel's tracers, published slabs and physical laws.
 
 use std::cell::RefCell;
 use std::collections::HashMap;
@@ -32,13 +32,13 @@ fn slab(index: f64, optical_thickness: f64, anisotropy: f64, albedo: f64) -> Med
     clear(index).with_scattering(Scattering { optical_thickness, anisotropy, albedo: one(albedo) })
 }
 
-/// A slab under air, with Fresnel's face where the index changes.
+/// A slab under air, with a Fresnel interface if the index changes.
 fn under_air(medium: Medium) -> Layer {
     let interface = if medium.constant_index() == Some(1.0) { Interface::Open } else { Interface::Fresnel };
     layer(interface, medium)
 }
 
-/// Quantities of one family of runs, each against its truth within its own error bars.
+/// Quantities of one family of runs, each compared with its expected value within its own error bars.
 struct Runs<'a> {
     stack: &'a Stack,
     from: Cone,
@@ -66,7 +66,7 @@ impl<'a> Runs<'a> {
     }
 }
 
-/// What two families give for the same must be the same.
+/// Asserts that two families agree on the same quantity.
 fn assert_same(what: &str, a: (&Runs<'_>, usize), b: (&Runs<'_>, usize), most_error: f64) {
     assert_unbiased(what, 1.0, most_error, |seed| {
         let (x, error_x) = a.0.mean(2 * seed, |e| rho(e, a.1));
@@ -88,7 +88,7 @@ fn beam(theta_deg: f64) -> Source {
     Source::Beam(Beta::from_source(theta_deg, 0.0, 1.0))
 }
 
-/// A panel and the same as layers, its front from these components.
+/// A panel and the same display as layers, with a front of these components.
 fn both_forms(mut panel: Panel, components: &[(f64, f64)]) -> (Stack, Stack) {
     panel.front = front(components, false);
     let mut layers: Vec<Layer> = components.iter().map(|&(r, a)| layer(sheet(r, a), clear(1.0))).collect();
@@ -102,9 +102,9 @@ fn both_forms(mut panel: Panel, components: &[(f64, f64)]) -> (Stack, Stack) {
     (Stack::Panel(panel), layered(layers, base))
 }
 
-/// Without scattering there is nothing random: image, diffuse light and ledger in closed form.
+/// Without scattering nothing is random: image, diffuse light and ledger in closed form.
 #[test]
-fn flat_layers_are_exact() {
+fn flat_layers_equal_closed_forms() {
     let components = [(0.1, 0.02), (0.05, 0.0)];
     for top in [Top::Coated, Top::Fresnel(one(1.5))] {
         let (panel, layers) = both_forms(panel(top, mirror(0.5)), &components);
@@ -119,7 +119,7 @@ fn flat_layers_are_exact() {
             assert!(e.ledger.unaccounted[0] == 0.0);
         }
     }
-    // n = 1.5 over a mirror of .5: the published number; and through an absorbing glass.
+    // n = 1.5 over a mirror of 0.5: the published number; and through an absorbing glass.
     let glass = clear(1.5).with_transmittance(one(0.8));
     for (medium, t) in [(clear(1.5), 1.0), (glass, 0.64)] {
         let stack = layered(vec![layer(Interface::Fresnel, medium)], mirror(0.5));
@@ -130,9 +130,9 @@ fn flat_layers_are_exact() {
     }
 }
 
-/// Any panel, expressed as layers, gives what the panel's own tracers give.
+/// Any panel, expressed as layers, has the results of the panel's own tracers.
 #[test]
-fn a_panel_as_layers() {
+fn panel_as_layers_equals_panel() {
     let sources = [Source::Diffuse, beam(-20.0), Source::Disc(Cone::new(-12.0, 0.0, 5.0, 1.0))];
     let diffuser = |straight| Top::Diffuser(diffuser(0.08, 0.9, straight));
     for (name, panel) in [
@@ -151,10 +151,10 @@ fn a_panel_as_layers() {
     }
 }
 
-/// Slabs over black (PHYSICS: converged to 1e-8): reflected is what diffuse light shows from
-/// that direction, by reciprocity, transmitted what the base absorbs.
+/// Slabs over black (converged to 1e-8): the reflected light is that of diffuse light seen from that
+/// direction, by reciprocity; the transmitted light is absorbed by the base.
 #[test]
-fn index_matched_slabs() {
+fn index_matched_slabs_equal_published_values() {
     for (albedo, tau, g, normal, oblique) in [
         (0.9, 1.0, 0.0, (0.267410, 0.591625), (0.393662, 0.414840)),
         (0.9, 4.0, 0.0, (0.408142, 0.128524), (0.504093, 0.071824)),
@@ -179,9 +179,9 @@ fn index_matched_slabs() {
     }
 }
 
-/// A conservative slab over a back surface, under Fresnel's face where n = 1.5, all orders.
+/// A conservative slab over a back surface, under a Fresnel interface if n = 1.5, all orders.
 #[test]
-fn slabs_over_a_back_surface() {
+fn slabs_over_back_surface_equal_published_values() {
     for (n, tau, base, normal, oblique) in [
         (1.0, 1.0, mirror(0.5), 0.503286, 0.503368),
         (1.0, 1.0, lambertian(0.5), 0.487380, 0.487701),
@@ -198,15 +198,15 @@ fn slabs_over_a_back_surface() {
     }
 }
 
-/// Giovanelli's half-space under a Fresnel face of 1.5: albedo .9, isotropic (converged).
+/// Giovanelli's half-space under a Fresnel interface of 1.5: albedo 0.9, isotropic (converged).
 #[test]
-fn a_half_space_under_a_face() {
+fn half_space_under_interface_equals_giovanelli() {
     let stack = layered(vec![under_air(slab(1.5, 200.0, 0.0, 0.9))], mirror(0.0));
     let runs = Runs::new(&stack, 0.0, &[Source::Diffuse], 256);
     runs.check("Giovanelli", 0.259919, 0.05, |e| rho(e, 0));
 }
 
-/// Rough antiglare glass, adhesive, a diffuser, a slab, an air gap, over a base: everything at once.
+/// Rough antiglare glass, adhesive, a diffuser, a slab, an air gap, over a base.
 fn everything(loss: f64, base: Base) -> Stack {
     let t = |value: f64| 1.0 - loss * (1.0 - value);
     let absorbing = |medium: Medium, value| medium.with_transmittance(one(t(value)));
@@ -225,9 +225,9 @@ fn everything(loss: f64, base: Base) -> Stack {
     )
 }
 
-/// What loses nothing gives everything back.
+/// Lossless layers return all light.
 #[test]
-fn white_furnace() {
+fn lossless_layers_return_all_light() {
     let rough = |alpha| Interface::Rough(Rough::new(alpha, 1.0, 1.5));
     for (name, stack) in [
         ("slab under glass", layered(vec![under_air(slab(1.5, 3.0, 0.8, 1.0))], mirror(1.0))),
@@ -242,10 +242,10 @@ fn white_furnace() {
     }
 }
 
-/// A round source as large as the sky is the sky: connections, chance and images together are
-/// diffuse light. And a small one is a beam.
+/// A round source as large as the hemisphere is diffuse light: connections, chance and images together. A
+/// small one is a beam.
 #[test]
-fn discs_from_a_beam_to_the_sky() {
+fn small_and_hemispherical_discs_equal_beam_and_diffuse_light() {
     let sky = Source::Disc(Cone::new(0.0, 0.0, 90.0, 1.0));
     let small = Source::Disc(Cone::new(-25.0, 0.0, 0.3, 1.0));
     let sources = [Source::Diffuse, sky, beam(-25.0), small];
@@ -257,9 +257,9 @@ fn discs_from_a_beam_to_the_sky() {
     }
 }
 
-/// Swapping reader and lamp changes nothing.
+/// Exchanging viewer and source changes nothing.
 #[test]
-fn reader_and_lamp_may_change_places() {
+fn exchanged_view_and_source_give_the_same_value() {
     for (name, base) in [("mirror", mirror(0.8)), ("Lambertian", lambertian(0.8))] {
         let stack = everything(1.0, base);
         let (there, back) = ([beam(35.0)], [beam(10.0)]);
@@ -269,9 +269,9 @@ fn reader_and_lamp_may_change_places() {
     }
 }
 
-/// Two slabs in contact are one.
+/// Two slabs in contact equal one.
 #[test]
-fn splitting_a_slab_changes_nothing() {
+fn split_slab_equals_whole_slab() {
     let sources = [Source::Diffuse, beam(-30.0)];
     let part = |share: f64| slab(1.5, 2.0 * share, 0.7, 0.95).with_transmittance(one(0.8_f64.powf(share)));
     let whole = layered(vec![under_air(part(1.0))], mirror(0.6));
@@ -282,9 +282,9 @@ fn splitting_a_slab_changes_nothing() {
     }
 }
 
-/// The ledger closes on every path, and roulette takes nothing on average.
+/// The ledger closes on every path, and roulette removes nothing on average.
 #[test]
-fn the_ledger_closes() {
+fn ledger_sums_to_one() {
     for (name, base) in [("mirror", mirror(0.8)), ("Lambertian", lambertian(0.8))] {
         let stack = everything(1.0, base);
         let runs = Runs::new(&stack, 30.0, &[Source::Diffuse], 128);
@@ -298,8 +298,8 @@ fn the_ledger_closes() {
     }
 }
 
-/// A stack with these of three wavelengths: everything that may depend on it does, glass
-/// indices included. Two states.
+/// A stack with these of three wavelengths, in which all properties depend on wavelength, including the
+/// indices of glass. Two states.
 fn coloured(bins: &[usize], lambertian: bool) -> Stack {
     let of =
         |values: [f64; 3]| -> Spectrum { bins.iter().map(|&bin| values[bin]).collect::<Vec<_>>().into() };
@@ -326,9 +326,9 @@ fn coloured(bins: &[usize], lambertian: bool) -> Stack {
     layered(layers, Base { reflector, inactive_absorptance: of([0.02, 0.0, 0.05]) })
 }
 
-/// Paths that carry many wavelengths and states give for each what paths of its own give.
+/// Paths that carry many wavelengths and states give the same results as separate paths for each.
 #[test]
-fn every_wavelength_and_state_is_its_own() {
+fn wavelengths_and_states_are_independent() {
     let sources = [Source::Diffuse, beam(-20.0), Source::Disc(Cone::new(-12.0, 0.0, 5.0, 1.0))];
     for lambertian in [false, true] {
         let all = coloured(&[0, 1, 2], lambertian);
@@ -351,27 +351,27 @@ fn every_wavelength_and_state_is_its_own() {
     }
 }
 
-/// Layers as thin and as thick as anyone may ask for: the first orders, and an end in time.
+/// The thinnest and the thickest layers that can be requested: the first orders, and an end in finite time.
 #[test]
-fn from_a_breath_to_a_wall() {
-    // Isotropic and thin, seen along the normal: half of tau goes back up.
+fn thinnest_and_thickest_slabs_have_known_limits() {
+    // Isotropic and thin, seen along the normal: half of tau is scattered back up.
     let breath = layered(vec![under_air(slab(1.0, 1e-6, 0.0, 1.0))], mirror(0.0));
     let runs = Runs::new(&breath, 0.0, &[Source::Diffuse], 64);
     runs.check("a breath", 0.5e-6, 0.1, |e| rho(e, 0));
-    // What absorbs nothing returns all but one in a million; the rest needs 10^12 events.
+    // A layer without absorption returns all but one in a million; the rest needs 10^12 events.
     let wall = layered(vec![under_air(slab(1.0, 1e6, 0.0, 1.0))], mirror(0.0));
     let runs = Runs::new(&wall, 0.0, &[Source::Diffuse], 32);
     runs.check("a wall", 1.0 - 1.7e-6, 0.2, |e| rho(e, 0));
-    // Almost along the surface, through a lobe as narrow as a diffraction limit.
+    // Near grazing incidence, through a lobe as narrow as a diffraction limit.
     let stack = layered(vec![layer(Interface::Diffuser(diffuser(1e-4, 1.0, 0.0)), clear(1.5))], mirror(1.0));
     let runs = Runs::new(&stack, 89.9, &[Source::Diffuse], 16);
     let sin = 89.9_f64.to_radians().sin();
     runs.check("grazing", Lobe::KCorrelation { width: 2e-4 }.fraction_in_disc(sin, 1.0), 0.05, |e| rho(e, 0));
 }
 
-/// Once scattered, light in a thin slab is rarely scattered again; the errors know of it.
+/// Light scattered once in a thin slab is rarely scattered again; the standard errors include this.
 #[test]
-fn thin_slabs_know_their_errors() {
+fn errors_of_thin_slabs_are_honest() {
     for (thickness, albedo) in [(1e-4, 1.0), (1e-2, 0.9)] {
         let medium = slab(1.5, thickness, 0.3, albedo).with_transmittance(one(0.99));
         let stack = layered(vec![under_air(medium)], mirror(0.6));
@@ -384,9 +384,10 @@ fn thin_slabs_know_their_errors() {
     }
 }
 
-/// The sums depend on the numbers and the total of paths, not on how they are split over calls.
+/// The sums depend on the random numbers and the total number of paths, not on how the paths are divided
+/// among calls.
 #[test]
-fn split_calls_give_the_same_bits() {
+fn sums_of_split_calls_are_bit_identical() {
     let stack = everything(1.0, mirror(0.7));
     let sources = [Source::Diffuse, beam(-20.0), Source::Disc(Cone::new(-12.0, 0.0, 5.0, 1.0))];
     let walk = Walk::new(&stack, view(8.0), &sources);

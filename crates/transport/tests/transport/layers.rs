@@ -1,4 +1,4 @@
-//! General stacks in few words, and what adding sees of them.
+//! Constructors of general stacks, and their results by adding.
 
 use std::cell::RefCell;
 use std::collections::HashMap;
@@ -54,9 +54,9 @@ pub(crate) fn assert_close(what: &str, found: f64, truth: f64, tolerance: f64) {
     assert!((found - truth).abs() <= tolerance, "{what}: {found} against {truth}");
 }
 
-/// What the walk sees of each state under each kind of source scatters about what adding sees, and its ledgers close. Each
-/// seed is walked once.
-pub(crate) fn assert_the_walk_agrees(name: &str, stack: &Stack, states: usize, paths: u64) {
+/// Asserts that the Monte Carlo results of each state under each kind of source scatter about those of
+/// adding, and that the ledgers close. Each seed is traced once.
+pub(crate) fn assert_monte_carlo_agrees(name: &str, stack: &Stack, states: usize, paths: u64) {
     let sources = [Source::Diffuse, beam(-25.0, 0.0), Source::Disc(Cone::new(40.0, 90.0, 5.0, 1.0))];
     let eye = Cone::new(12.0, 0.0, 0.5, 1.0);
     let truth = estimate(2, stack, eye, &sources);

@@ -1,6 +1,6 @@
-//! Light that a front sends back through lobes too narrow for a grid: two levels claim no less than the
-//! finer one's error. The truth is a far finer level, whose grid has the lobe itself or nearly: views are near
-//! the normal, where few azimuthal orders are needed.
+//! Light that a front sends back through lobes too narrow for a grid: the error estimated from two levels is
+//! at least that of the finer one. The reference is a far finer level, whose grid has the lobe itself or
+//! nearly: views are near the normal, where few azimuthal orders are needed.
 
 use crate::common::{self, one};
 use papilio_optics::Beta;
@@ -11,7 +11,7 @@ use papilio_transport::{
     AngularTable, Base, Cone, Diffuser, Front, Medium, Nodes, Panel, Reflector, Source, Stack, Top,
 };
 
-/// A panel, how it is looked at, and the share of diffuse light besides a beam.
+/// A panel, its view, and the fraction of diffuse light besides a beam.
 struct Case {
     name: String,
     stack: Stack,
@@ -20,7 +20,7 @@ struct Case {
     diffuse: f64,
 }
 
-/// Its number among the streams of random numbers.
+/// Number of the random stream.
 const FAMILY: u64 = 35;
 
 fn case(number: u64) -> Case {
@@ -52,7 +52,7 @@ fn case(number: u64) -> Case {
     }
 }
 
-/// Smooth over the cosine, as films are.
+/// Smooth over the cosine, as for films.
 fn mirror([level, swing, speed]: [f64; 3]) -> Base {
     let value = |node: u32| level + swing * (0.5 + 0.5 * (speed * f64::from(node) / 32.0).cos());
     let table = AngularTable {
@@ -75,7 +75,7 @@ impl Case {
 }
 
 #[test]
-fn no_error_is_above_the_claim() {
+fn errors_do_not_exceed_claimed_errors() {
     for number in 0..24 {
         let case = case(number);
         let times = error_over_difference(&case.stack);

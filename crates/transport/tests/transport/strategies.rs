@@ -1,5 +1,5 @@
-//! Every way to draw directions, with numbers of every kind: the same mean as adding, honest errors,
-//! and what the guide is worth.
+//! All strategies for directions, with all kinds of random numbers: the same mean as adding, honest standard
+//! errors, and the gain of the guide.
 use crate::common::{self, REPLICATES, front, lambertian, mirror, one, panel, rho};
 use papilio_optics::lobe::Lobe;
 use papilio_optics::{Beta, Scatterer};
@@ -36,7 +36,7 @@ fn view() -> Cone {
     Cone::new(8.0, 0.0, 0.05, 1.0)
 }
 
-/// Diffuse light, a beam near the mirror direction, a disc beside it.
+/// Diffuse light, a beam near the mirror direction, a disc next to it.
 fn near() -> Vec<Source> {
     vec![
         Source::Diffuse,
@@ -67,25 +67,26 @@ fn adding(stack: &Stack, sources: &[Source]) -> Estimate {
     kernel.estimate(stack, 0)
 }
 
-/// What is compared.
+/// Quantities that are compared.
 fn quantities(e: &Estimate) -> Vec<f64> {
     let sources = (0..e.rho.len()).map(|source| rho(e, source));
     let ledger = &e.ledger;
     sources.chain([ledger.returned[0], ledger.pixel[0], ledger.front[0], ledger.diffuser[0]]).collect()
 }
 
-/// z-scores of all quantities against adding's.
+/// z-scores of all quantities relative to adding.
 fn scores(estimates: &[Estimate], truth: &Estimate) -> Vec<f64> {
     let all: Vec<Vec<f64>> = estimates.iter().map(quantities).collect();
     let score = |(k, truth): (usize, &f64)| {
         let (mean, error) = common::mean_and_error(all.iter().map(|one| one[k]));
-        // Adding's own error, and the tables'.
+        // The errors of adding and of the tables.
         (mean - truth) / error.hypot(3e-7 * (1.0 + truth))
     };
     quantities(truth).iter().enumerate().map(score).collect()
 }
 
-/// Scores as Student's t, of as many independent ones as there are displays (the quantities of one are not), the worst below 6.5.
+/// Tests scores as Student's t, with as many independent ones as there are displays (the quantities of one
+/// are correlated); the largest must be below 6.5.
 fn assert_scattered(what: &str, scores: &[f64], independent: f64) {
     assert_student(what, scores, independent);
     let worst = scores.iter().fold(0.0_f64, |worst, z| worst.max(z.abs()));
@@ -93,8 +94,8 @@ fn assert_scattered(what: &str, scores: &[f64], independent: f64) {
 }
 
 #[test]
-fn every_strategy_and_sampler_agrees_with_adding() {
-    // Lobes wide enough for uniform directions to have a normal mean of so many paths.
+fn strategies_and_samplers_agree_with_adding() {
+    // Lobes wide enough for uniform directions to have a normally distributed mean of this many paths.
     let displays = [
         display(0.3, 0.0, coloured()),
         display(0.3, 0.25, coloured()),
@@ -117,8 +118,8 @@ fn every_strategy_and_sampler_agrees_with_adding() {
     }
 }
 
-/// Over a plain mirror, lobes in a row are one: pass k is of width 2 k b, but for what is lost beyond
-/// the horizon (below 1e-3 here); straight-through light leaves fewer of them.
+/// Over a mirror, successive lobes are one: pass k has width 2 k b, except for losses beyond the horizon
+/// (below 1e-3 here); with a regular fraction some of them are missing.
 fn in_closed_form(width: f64, straight: f64, view: Beta, lamp: Beta) -> f64 {
     let (t, r, mirror, diffuser): (f64, f64, f64, f64) = (0.91, 0.08, 0.8, 0.95);
     let pass = |k: i32| {
@@ -134,10 +135,10 @@ fn in_closed_form(width: f64, straight: f64, view: Beta, lamp: Beta) -> f64 {
     t * t * std::f64::consts::PI * (1..20).map(pass).sum::<f64>()
 }
 
-/// Faint light of lamps far from the mirror direction of a narrow lobe, which turns once, on any of
-/// its ways through the diffuser, and otherwise goes straight.
+/// Faint light of sources far from the mirror direction of a narrow lobe, which is scattered once, in any of
+/// its passes through the diffuser, and otherwise passes unscattered.
 #[test]
-fn narrow_lobes_and_small_lamps() {
+fn narrow_lobes_with_small_sources_equal_closed_form() {
     for strategy in [Strategy::Kernel, Strategy::Guided] {
         let mut all = Vec::new();
         for seed in 0..24_u32 {
@@ -170,11 +171,11 @@ fn narrow_lobes_and_small_lamps() {
     }
 }
 
-/// Under a lamp the guide leaves less than a tenth of the kernel's variance, path by path: with random
-/// numbers, and (where the front sends little light around, which is decided by independent numbers) with
-/// Sobol's.
+/// Under a directed source the guide leaves less than a tenth of the kernel's variance, path by path: with
+/// random numbers, and (if the front returns little light, which is decided by independent numbers) with
+/// Sobol numbers.
 #[test]
-fn the_guide_beats_the_kernel() {
+fn guided_strategy_has_less_variance_than_kernel() {
     let mut weak = display(0.0567, 0.0, coloured());
     weak.front = front(&[(0.002, 0.01)], false);
     for (sampler, panel) in [(Sampler::Random, display(0.0567, 0.0, coloured())), (Sampler::Sobol, weak)] {
@@ -191,8 +192,8 @@ fn the_guide_beats_the_kernel() {
     }
 }
 
-/// The exponent of the standard error against paths, and its own standard error: each error is known
-/// to `1/sqrt(2 * 31)` of itself.
+/// Exponent of the standard error against the number of paths, and its own standard error: each error is
+/// known to `1/sqrt(2 * 31)` of itself.
 fn slope(stack: &Stack, sources: &[Source], strategy: Strategy, paths: &[u64]) -> (f64, f64) {
     let log_error = |paths: &u64| {
         let all = estimates(stack, sources, strategy, (Sampler::Sobol, 3), *paths);
@@ -206,11 +207,11 @@ fn slope(stack: &Stack, sources: &[Source], strategy: Strategy, paths: &[u64]) -
     (-xy / xx, 1.0 / (62.0 * xx).sqrt())
 }
 
-/// On smooth scenes the error falls faster than `1/sqrt(paths)`, by more than three standard errors of
-/// the exponent, and so it goes on beyond 2^16 points of a sequence. (Smooth: little of the lobe is cut off at
-/// the edge of the glass's directions, which is a jump to the kernel.)
+/// On smooth scenes the error decreases faster than `1/sqrt(paths)`, by more than three standard errors of
+/// the exponent, also beyond 2^16 points of a sequence. (Smooth: little of the lobe is cut off at the edge
+/// of the glass's directions, which is a jump for the kernel.)
 #[test]
-fn sobol_points_beat_the_square_root() {
+fn sobol_error_decreases_faster_than_square_root() {
     let mut smooth = display(0.05, 0.0, coloured());
     smooth.front = front(&[(0.0, 0.01)], false);
     let stack = Stack::Panel(smooth);

@@ -1,4 +1,4 @@
-//! A scenario file through the project's own reader and both solvers.
+//! Runs of a scenario file by both solvers, through the project's own reader.
 
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -12,23 +12,23 @@ use papilio_scenario::Scenario;
 
 use super::draw::Drawn;
 
-/// No scenario may take a solver longer, seconds of a processor.
+/// Largest CPU time of a scenario with a solver, seconds.
 pub(crate) const SLOW: f64 = 60.0;
 
-/// Seconds after which a run is stopped, on a processor that has other work.
+/// Time after which a run is stopped, on a processor that has other work, seconds.
 const LONGEST: f64 = 5.0 * SLOW;
 
-/// The walk's runs of a scenario, one for each seed.
+/// Monte Carlo runs of a scenario, one for each seed.
 #[derive(Debug)]
-pub(crate) struct Walked {
+pub(crate) struct MonteCarloRuns {
     pub(crate) drawn: Drawn,
     pub(crate) scene: Scene,
     pub(crate) runs: Vec<RunResult>,
-    /// Of all runs together.
+    /// Total time of all runs.
     pub(crate) seconds: f64,
 }
 
-/// A number of both solvers.
+/// A number as computed by both solvers.
 #[derive(Debug, Clone)]
 pub(crate) struct Pair {
     pub(crate) what: String,
@@ -40,21 +40,22 @@ pub(crate) struct Pair {
 }
 
 impl Pair {
-    /// What the tables of films and coatings may add up to, as a share of the light, or of what is brighter.
+    /// Returns the largest total error of the tables of films and coatings, as a fraction of the light, or of the value
+    /// if it is larger.
     fn tables(&self) -> f64 {
         1e-7 * self.adding.abs().max(1.0)
     }
 
-    /// True if the walk's noise is nearly all there is between the two: only then is z Student's t.
+    /// Returns whether the Monte Carlo noise is most of the expected difference; only then is z distributed as Student's t.
     pub(crate) fn is_noisy(&self) -> bool {
         self.standard_error > 3.0 * self.discretisation_error.hypot(self.tables())
     }
 
-    pub(crate) fn words(&self) -> String {
+    pub(crate) fn description(&self) -> String {
         let Self { what, walk, standard_error, adding, discretisation_error, .. } = self;
         let z = self.z();
         format!(
-            "{what}: walk {walk} ± {standard_error:.2e}, adding {adding} ± {discretisation_error:.2e}, z {z:.2}"
+            "{what}: Monte Carlo {walk} ± {standard_error:.2e}, adding {adding} ± {discretisation_error:.2e}, z {z:.2}"
         )
     }
 
@@ -64,20 +65,21 @@ impl Pair {
     }
 }
 
-/// A scenario text as a scene; its files are those of the examples.
+/// Resolves the text of a scenario; its files are those of the examples.
 pub(crate) fn scene(text: &str) -> Result<Scene, String> {
     let folder = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../scenarios");
     let scenario = Scenario::from_text(text, "random.toml", folder.as_path(), &[]);
     scenario.and_then(|scenario| scenario.resolve()).map(|all| all.scene).map_err(|errors| errors.to_string())
 }
 
-/// Seconds that this thread has had a processor, where the system tells (Linux).
+/// Returns the CPU time of this thread in seconds, on systems that report it (Linux).
 fn busy() -> Option<f64> {
     let nanoseconds = std::fs::read_to_string("/proc/thread-self/schedstat").ok()?;
     nanoseconds.split_whitespace().next()?.parse::<f64>().ok().map(|nanoseconds| 1e-9 * nanoseconds)
 }
 
-/// Runs a scene, no longer than `LONGEST`; how long it took: adding, which runs on this thread, by the processor's time.
+/// Runs a scene for at most `LONGEST`, and returns the time that it took: for adding, which runs on this thread, the CPU
+/// time.
 pub(crate) fn timed(scene: &Scene) -> (Result<RunResult, DisplayError>, f64) {
     let stop = AtomicBool::new(false);
     let (done, wait) = channel::<()>();
@@ -99,24 +101,25 @@ pub(crate) fn timed(scene: &Scene) -> (Result<RunResult, DisplayError>, f64) {
     })
 }
 
-/// The scenario by the walk, with seeds that no other scenario has.
-pub(crate) fn walked(drawn: Drawn, seeds: std::ops::Range<u64>) -> Result<Walked, String> {
+/// Runs the scenario with the Monte Carlo solver, with seeds that no other scenario has.
+pub(crate) fn monte_carlo_runs(drawn: Drawn, seeds: std::ops::Range<u64>) -> Result<MonteCarloRuns, String> {
     let about = |why: String| format!("{} ({}): {why}\n{}", drawn.number, drawn.name, drawn.text);
     let mut scene = scene(&drawn.text).map_err(about)?;
     scene.solver.method = Method::Walk;
     scene.solver.stop = Stop::Paths(drawn.paths);
-    let mut walked = Walked { drawn, scene, runs: Vec::new(), seconds: 0.0 };
+    let mut all = MonteCarloRuns { drawn, scene, runs: Vec::new(), seconds: 0.0 };
     for seed in seeds {
-        walked.scene.solver.seed = 1000 * walked.drawn.number + seed;
-        let (run, seconds) = timed(&walked.scene);
-        walked.runs.push(run.map_err(|error| format!("{} by walk: {error}", walked.drawn.number))?);
-        walked.seconds += seconds;
+        all.scene.solver.seed = 1000 * all.drawn.number + seed;
+        let (run, seconds) = timed(&all.scene);
+        all.runs.push(run.map_err(|error| format!("{} by Monte Carlo: {error}", all.drawn.number))?);
+        all.seconds += seconds;
     }
-    Ok(walked)
+    Ok(all)
 }
 
-impl Walked {
-    /// The largest relative error of Y over states that adding has to meet, so that the walk's noise is most of the difference.
+impl MonteCarloRuns {
+    /// Returns the target of adding, the largest relative error of Y over states, such that the Monte Carlo noise is most of
+    /// the difference.
     fn target(&self) -> f64 {
         let of_state = |state: &papilio_display::result::State| {
             let part = [
@@ -131,7 +134,7 @@ impl Walked {
             .clamp(self.drawn.least_error, 1e-2)
     }
 
-    /// The same scene, or one that differs from it, by adding; seconds.
+    /// Runs this scene, or a different one, with adding, and returns the time in seconds.
     pub(crate) fn adding(&self, scene: &Scene) -> (Result<RunResult, String>, f64) {
         let mut scene = scene.clone();
         scene.solver.method = Method::Adding;
@@ -140,7 +143,7 @@ impl Walked {
         (run.map_err(|error| format!("adding: {error}")), seconds)
     }
 
-    /// Numbers of both solvers, for each seed: those of adding once.
+    /// Returns the numbers of both solvers for each seed; those of adding are computed once.
     pub(crate) fn pairs(&self, adding: &RunResult) -> Vec<Vec<Pair>> {
         let exact = numbers(adding);
         let of = |walk: &RunResult| {
@@ -167,7 +170,7 @@ struct Number {
     discretisation_error: f64,
 }
 
-/// X, Y, Z of each state, and each account of its ledger.
+/// Returns X, Y, Z of each state, and the entries of its ledger.
 fn numbers(run: &RunResult) -> Vec<Number> {
     let mut all = Vec::new();
     let view = &run.views[0];

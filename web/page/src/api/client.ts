@@ -1,10 +1,10 @@
-// The server's answers. A refusal carries the command line's own words, each at the key that it concerns.
+// Requests to the server. An error has the messages of the command line, each with the key that it concerns.
 
 import type { Edit, Live, Named, Problem } from "./types.ts";
 
 const BASE = "api/v1";
 
-/** Why a request was not answered. */
+/** An error response, or a missing response (status 0). */
 export class Refused extends Error {
   constructor(
     readonly status: number,
@@ -15,7 +15,7 @@ export class Refused extends Error {
 }
 
 let token = "";
-/** The token that a server beyond loopback asks for. */
+/** Sets the token that a server on another machine requires. */
 export const useToken = (given: string): void => void (token = given);
 
 const headers = (more: Record<string, string> = {}): Record<string, string> =>
@@ -27,10 +27,10 @@ async function refusal(response: Response): Promise<Refused> {
     const { errors } = JSON.parse(text) as { errors?: Problem[] };
     if (errors?.length) return new Refused(response.status, errors);
   } catch {
-    // Not the server's own words: a proxy's, say.
+    // The response does not come from Papilio, but for example from a proxy.
   }
   return new Refused(response.status, [
-    { message: text.trim().slice(0, 400) || `The server answered ${response.status}.` },
+    { message: text.trim().slice(0, 400) || `The server responded with status ${response.status}.` },
   ]);
 }
 
@@ -41,7 +41,10 @@ async function send(path: string, init: RequestInit): Promise<Response> {
   } catch (why) {
     if (init.signal?.aborted) throw why;
     throw new Refused(0, [
-      { message: "Papilio does not answer.", hint: "Is `papilio serve` still running? What you change is kept here." },
+      {
+        message: "Papilio does not respond.",
+        hint: "Check that `papilio serve` is running. Your changes are stored in the browser.",
+      },
     ]);
   }
   if (!response.ok) throw await refusal(response);
@@ -64,7 +67,7 @@ export const post = async <T>(path: string, body: unknown, signal?: AbortSignal)
 export const postForBlob = async (path: string, body: unknown, signal?: AbortSignal): Promise<Blob> =>
   (await send(path, posting(body, signal))).blob();
 
-/** A scenario and the files that it names, as every request that computes carries them. */
+/** A scenario and its files, as in all requests that compute something. */
 export interface Work {
   scenario: string;
   files: Record<string, string>;
@@ -78,13 +81,13 @@ export const list = (what: "presets" | "examples"): Promise<Named[]> => get(what
 export const named = (what: "presets" | "examples", name: string): Promise<{ scenario: string }> =>
   get(`${what}/${encodeURIComponent(name)}`);
 
-/** A file's bytes, for its audit. */
+/** Uploads a file and returns its audit. */
 export async function upload<T>(name: string, bytes: Blob): Promise<T> {
   const init = { method: "POST", headers: headers({ "Content-Type": "application/octet-stream" }), body: bytes };
   return (await send(`files?name=${encodeURIComponent(name)}`, init)).json() as Promise<T>;
 }
 
-/** Events of a long work as they come; aborting the signal ends the work on the server, too. */
+/** Yields the events of a long computation. Aborting the signal also stops the computation on the server. */
 export async function* events(
   path: string,
   body: unknown,

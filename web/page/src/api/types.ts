@@ -1,5 +1,5 @@
-// The names by which the page knows what the server takes and answers. The types are made from the server's
-// OpenAPI description (`npm run types` makes openapi.d.ts from web/openapi.json).
+// Names for the types of requests and responses. The types are generated from the server's OpenAPI description
+// (`npm run types` generates openapi.d.ts from web/openapi.json).
 
 import type { components } from "./openapi.d.ts";
 
@@ -23,5 +23,5 @@ export type WalkProgress = Schemas["WalkProgress"];
 export type Upload = Schemas["Kept"];
 export type SweepPoint = Schemas["Point"];
 
-/** A number that may not be defined. */
+/** A number that may be undefined. */
 export type Num = number | null | undefined;

@@ -1,5 +1,5 @@
-// The room from above: inclination outwards, azimuth around. Lights and viewer are dragged to any direction,
-// or moved by arrow keys (up and down: inclination; left and right: azimuth).
+// The directions from above: the inclination is the radius, the azimuth the angle. Sources and viewer can be dragged
+// to any direction, or moved with arrow keys (up and down: inclination; left and right: azimuth).
 
 import type { ComponentChildren } from "preact";
 
@@ -14,7 +14,7 @@ import { Eye, Sun } from "./glyphs.tsx";
 const RADIUS = 68;
 const MIDDLE = { x: CENTRE.x, y: 90 } as const;
 const STEEPEST = 89;
-/** Within so many degrees of the plane of drawing, azimuth 0, a direction is taken to lie in it. */
+/** Directions closer than this to the plane of the drawing, azimuth 0, are moved into it, degrees. */
 const IN_PLANE_DEG = 3;
 
 function point({ theta, phi }: Direction): [number, number] {
@@ -23,8 +23,8 @@ function point({ theta, phi }: Direction): [number, number] {
   return [MIDDLE.x + radius * Math.cos(angle), MIDDLE.y - radius * Math.sin(angle)];
 }
 
-/** As scenarios say it: in the plane of azimuth 0 by a signed inclination. */
-function said(theta: number, phi: number): Direction {
+/** Converts a direction to the form of scenarios: a signed inclination in the plane of azimuth 0. */
+function normalised(theta: number, phi: number): Direction {
   const steep = Math.min(STEEPEST, theta);
   const turned = ((((phi + 180) % 360) + 360) % 360) - 180;
   if (Math.abs(turned) < IN_PLANE_DEG) return { theta: steep, phi: 0 };
@@ -36,10 +36,13 @@ function under(event: PointerEvent): Direction {
   const svg = (event.currentTarget as SVGElement).ownerSVGElement!;
   const to = new DOMPoint(event.clientX, event.clientY).matrixTransform(svg.getScreenCTM()!.inverse());
   const [dx, dy] = [to.x - MIDDLE.x, MIDDLE.y - to.y];
-  return said(Math.round((180 * Math.hypot(dx, dy)) / RADIUS) / 2, Math.round((Math.atan2(dy, dx) * 180) / Math.PI));
+  return normalised(
+    Math.round((180 * Math.hypot(dx, dy)) / RADIUS) / 2,
+    Math.round((Math.atan2(dy, dx) * 180) / Math.PI),
+  );
 }
 
-/** Something that is dragged over the hemisphere; `path` is its table. */
+/** A handle that is dragged over the hemisphere; `path` is its table. */
 function Handle({
   path,
   theta,
@@ -81,7 +84,7 @@ function Handle({
       transform={`translate(${x.toFixed(2)} ${y.toFixed(2)})`}
       role="slider"
       tabindex={0}
-      aria-label={`${name}, inclination; left and right turn its azimuth`}
+      aria-label={`${name}, inclination; left and right arrows change the azimuth`}
       aria-valuemin={-STEEPEST}
       aria-valuemax={STEEPEST}
       aria-valuenow={theta}
@@ -139,9 +142,9 @@ export function Above() {
           isTable(source) && (
             <g key={i}>
               <circle class="mirror" cx={mx} cy={my} r="5">
-                <title>Its mirror image is seen from here</title>
+                <title>Direction of the mirror image</title>
               </circle>
-              <Handle path={`lighting.directed.${i}`} name={`Light ${i + 1}`} {...from}>
+              <Handle path={`lighting.directed.${i}`} name={`Source ${i + 1}`} {...from}>
                 <Sun />
               </Handle>
             </g>
@@ -154,7 +157,7 @@ export function Above() {
         </Handle>
       ) : (
         <text class="scale" x={MIDDLE.x} y={CENTRE.y + 4} text-anchor="middle">
-          several views: they are moved from the side, or by their fields
+          several views: move them in the side view or with their fields
         </text>
       )}
     </g>

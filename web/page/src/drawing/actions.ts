@@ -1,5 +1,5 @@
-// What is done with the drawing's parts: add, remove, move up or down. A panel that its ordinary keys
-// cannot state becomes a list of free layers, which mean the same.
+// Actions on the parts of the drawing: add, remove, move up or down. A panel that the keys of the ordinary panel
+// cannot describe is converted to an equivalent list of general layers.
 
 import type { Edit } from "../api/types.ts";
 import { at, listAt, numberAt, split, type Table } from "../model/json.ts";
@@ -9,13 +9,13 @@ import { freed, layers, MODELS } from "../model/stack.ts";
 import { fields, selected } from "../state/design.ts";
 import { edit } from "../state/live.ts";
 
-/** The list and place of a path that ends in a number. */
+/** Returns the list and the index of a path that ends in a number. */
 function entry(path: string): { list: string; index: number } | null {
   const [list, key] = split(path);
   return /^\d+$/.test(key) ? { list, index: Number(key) } : null;
 }
 
-/** Adds a layer below the one that is chosen. */
+/** Adds a layer below the selected one. */
 export function addLayer(kind: string): void {
   const starter = KINDS[kind]?.starter;
   if (!starter) return;
@@ -46,13 +46,13 @@ export function addLayer(kind: string): void {
 
 const MEDIA = ["medium", "slab"];
 
-/** Where a new layer goes: a face parts two media, so it stays above the last of them. */
+/** Returns the index of a new layer. An interface separates two media, so it is inserted above the last medium. */
 function placeFor(kind: string, list: readonly Table[], wanted: number): number {
   const last = list.findLastIndex((layer) => MEDIA.includes(String(layer["kind"])));
   return MEDIA.includes(kind) || kind === "air gap" || last < 0 ? wanted : Math.min(wanted, last);
 }
 
-/** The edits that state the panel as free layers, with one more. */
+/** Returns the edits that convert the panel to general layers and insert a layer. */
 function freeing(list: Table[], place: number, starter: Table): Edit[] {
   const gone = ["display.front", "display.diffuser", "display.glass"].filter(
     (path) => at(fields.value, path) !== undefined,
@@ -61,7 +61,7 @@ function freeing(list: Table[], place: number, starter: Table): Edit[] {
   return [...gone.map((path): Edit => ({ op: "remove", path })), { op: "set", path: "display.layers", value: all }];
 }
 
-/** Adds a film below the one that is chosen. */
+/** Adds a film below the selected one. */
 export function addFilm(): void {
   const here = entry(selected.value);
   const index = here?.list === "display.pixel.film" ? here.index + 1 : 0;
@@ -69,7 +69,7 @@ export function addFilm(): void {
   selected.value = `display.pixel.film.${index}`;
 }
 
-/** A new source takes a fifth of the light from the others. */
+/** The fraction of the light that a new source has; the others are reduced in proportion. */
 const NEW_SHARE = 0.2;
 
 export function addLight(kind: string): void {
@@ -87,7 +87,7 @@ export function addLight(kind: string): void {
   selected.value = `${list}.${index}`;
 }
 
-/** All shares of the light times a factor. */
+/** Returns the edits that multiply the fractions of all sources by a factor. */
 function shrunk(factor: number): Edit[] {
   const all = fields.value;
   const rounded = (value: number) => Math.round(value * factor * 1e6) / 1e6;

@@ -1,5 +1,5 @@
-// The room as the display sees it: the half circle of directions in the plane of azimuth 0, with the lights and
-// the viewer on it, or within it where they lie outside this plane. They are dragged along, or moved by arrow keys.
+// The directions from the side: the half circle in the plane of azimuth 0. Sources and viewer in this plane are drawn
+// on the half circle, all others inside it. They can be dragged along it, or moved with arrow keys.
 
 import { type ComponentChildren } from "preact";
 
@@ -19,13 +19,13 @@ const point = (theta: number, radius = RADIUS): [number, number] => {
   return [CENTRE.x + radius * Math.sin(angle), CENTRE.y - radius * Math.cos(angle)];
 };
 
-/** Where a direction is seen on the half circle. */
+/** Returns the position of a direction in the drawing. */
 function place(direction: Direction, radius = RADIUS): [number, number] {
   const [right, up] = seen(direction);
   return [CENTRE.x + radius * right, CENTRE.y - radius * up];
 }
 
-/** A lamp's disc, from edge to edge along its inclination. */
+/** Returns the path of a source's disc, from edge to edge along its inclination. */
 function across({ theta, phi }: Direction, radius: number): string {
   const [from, to] = [Math.max(-90, theta - radius), Math.min(90, theta + radius)];
   const steps = Math.max(2, Math.ceil(to - from));
@@ -39,14 +39,14 @@ const arc = (from: number, to: number, radius = RADIUS): string => {
   return `M${x0.toFixed(2)} ${y0.toFixed(2)}A${radius} ${radius} 0 0 1 ${x1.toFixed(2)} ${y1.toFixed(2)}`;
 };
 
-/** Lights and viewers are not moved further than this from the normal, deg. */
+/** Maximum inclination of sources and viewers that are dragged, degrees. */
 const STEEPEST = 89;
 
-/** The inclination under the pointer at an azimuth, in steps of half a degree (Alt: of a tenth). */
+/** Returns the inclination at the pointer, at the azimuth of `from`, in steps of 0.5° (with Alt: 0.1°). */
 function under(event: PointerEvent, from: Direction): number {
   const svg = (event.currentTarget as SVGElement).ownerSVGElement!;
   const to = new DOMPoint(event.clientX, event.clientY).matrixTransform(svg.getScreenCTM()!.inverse());
-  // From far away and from near by: what counts is the direction of the pointer.
+  // Only the direction of the pointer from the centre is used, not its distance.
   const far = Math.hypot(to.x - CENTRE.x, to.y - CENTRE.y) || 1;
   const radius = inPlane(from) ? far : Math.max(far, RADIUS);
   const point = [(to.x - CENTRE.x) / radius, (CENTRE.y - to.y) / radius] as const;
@@ -54,10 +54,10 @@ function under(event: PointerEvent, from: Direction): number {
 }
 
 const KEYS: Record<string, number> = { ArrowDown: -1, ArrowUp: 1, PageUp: 10, PageDown: -10 };
-/** To the left and to the right, whichever way the inclination grows. */
+/** Keys that move to the left and to the right in the drawing, independent of the sign of the inclination. */
 const SIDEWAYS: Record<string, number> = { ArrowLeft: -1, ArrowRight: 1 };
 
-/** Something that is dragged along the half circle. */
+/** A handle that is dragged along the half circle. */
 function Handle({
   path,
   theta,
@@ -113,16 +113,16 @@ function Handle({
   );
 }
 
-/** How far beside a handle its label stands. */
-const BESIDE = 21;
-/** Labels of what is drawn further to a side than this start or end there. */
-const ASIDE = Math.sin((20 * Math.PI) / 180);
+/** Distance of a label from its handle, px of the drawing. */
+const LABEL_DISTANCE = 21;
+/** Labels further to a side than this are aligned at their start or end instead of their middle. */
+const SIDE = Math.sin((20 * Math.PI) / 180);
 
-/** The label of a handle, outside the half circle: its inclination, and its azimuth where that is not 0. */
+/** The label of a handle, outside the half circle: its inclination, and its azimuth if it is not 0. */
 function Tag({ theta, phi }: Direction) {
   const [right, up] = seen({ theta, phi });
-  const far = 1 + BESIDE / RADIUS / (Math.hypot(right, up) || 1);
-  const anchor = right < -ASIDE ? "end" : right > ASIDE ? "start" : "middle";
+  const far = 1 + LABEL_DISTANCE / RADIUS / (Math.hypot(right, up) || 1);
+  const anchor = right < -SIDE ? "end" : right > SIDE ? "start" : "middle";
   return (
     <text class="tag" x={CENTRE.x + RADIUS * right * far} y={CENTRE.y - RADIUS * up * far + 4} text-anchor={anchor}>
       {degrees(theta)}
@@ -131,11 +131,11 @@ function Tag({ theta, phi }: Direction) {
   );
 }
 
-/** What is said of a mirror image. */
-const imageOf = (direction: Direction): string =>
-  `Its mirror image is seen from here${inPlane(direction) ? "" : ", before or behind the plane of drawing"}`;
+/** The tooltip of a mirror image. */
+const imageTitle = (direction: Direction): string =>
+  `Direction of the mirror image${inPlane(direction) ? "" : ", in front of or behind the plane of the drawing"}`;
 
-/** A source where it is seen from the side. */
+/** A directed source, with its mirror image. */
 function Directed({ source, index }: { source: Table; index: number }) {
   const theta = Number(source["theta_deg"] ?? 0);
   const phi = Number(source["phi_deg"] ?? 0);
@@ -153,10 +153,10 @@ function Directed({ source, index }: { source: Table; index: number }) {
         ref={(p) => p?.style.setProperty("opacity", String(0.25 + 0.75 * strength))}
       />
       <circle class="mirror" cx={mx} cy={my} r="5">
-        <title>{imageOf(here)}</title>
+        <title>{imageTitle(here)}</title>
       </circle>
       {radius > 0 && <path class="disc" d={across(here, radius)} />}
-      <Handle path={`${path}.theta_deg`} select={path} {...here} name={`Light ${index + 1}`}>
+      <Handle path={`${path}.theta_deg`} select={path} {...here} name={`Source ${index + 1}`}>
         <Sun />
       </Handle>
       <Tag {...here} />
@@ -165,8 +165,8 @@ function Directed({ source, index }: { source: Table; index: number }) {
 }
 
 /**
- * Where the disc of a sky's sun, or a luminaire, is seen from a display of some tilt: 0 lies flat, 90 stands
- * upright and faces azimuth -90.
+ * Returns the direction of a sky's sun or of a luminaire in the coordinates of the display, which may be tilted: 0 is
+ * horizontal, 90 vertical and facing azimuth -90.
  */
 function discOf(source: Table): { theta: number; phi: number } | null {
   const n = (key: string) => ((numberAt(source, key) ?? 0) * Math.PI) / 180;
@@ -190,11 +190,11 @@ function discOf(source: Table): { theta: number; phi: number } | null {
   };
 }
 
-/** A disc that is not dragged: its place is told by other angles than the display's. */
+/** A disc that cannot be dragged, because its direction is given in other coordinates than the display's. */
 function Disc({ source }: { source: Table }) {
   const disc = discOf(source);
   if (!disc || disc.theta > 90) return null;
-  // In the plane of drawing a signed inclination says it all.
+  // In the plane of the drawing, a signed inclination is sufficient.
   const toLeft = sense(disc.phi) < 0;
   const here = inPlane(disc) ? { theta: toLeft ? -disc.theta : disc.theta, phi: 0 } : disc;
   const [x, y] = place(here);
@@ -210,7 +210,7 @@ function Disc({ source }: { source: Table }) {
   );
 }
 
-/** Light from many directions, as the part of the half circle that it comes from. */
+/** An environment, drawn as the part of the half circle from which its light comes. */
 function Environment({ source, index }: { source: Table; index: number }) {
   const path = `lighting.environment.${index}`;
   const model = textAt(source, "model") ?? "";
@@ -227,7 +227,7 @@ function Environment({ source, index }: { source: Table; index: number }) {
       class={`surround of-${model} ${selected.value === path ? "chosen" : ""}`}
       role="button"
       tabindex={0}
-      aria-label={`${model} light, share ${n("share", 0)}`}
+      aria-label={`Environment (${model}), fraction of the light ${n("share", 0)}`}
       aria-pressed={selected.value === path}
       onClick={choose}
       onKeyDown={(event) => (event.key === "Enter" || event.key === " ") && choose()}
@@ -247,10 +247,10 @@ function Environment({ source, index }: { source: Table; index: number }) {
   );
 }
 
-/** More angles of a range than this are not drawn. */
+/** Maximum number of angles of a range that are drawn. */
 const MOST_ANGLES = 200;
 
-/** Angles at a key of the viewer, with the path of those that can be dragged: one, a list, or those of a range. */
+/** Returns the angles at a key of the viewer (one, a list or a range), with the paths of those that can be dragged. */
 function anglesAt(viewer: Json | undefined, key: string): { path: string | null; angle: number }[] {
   const angle = at(viewer, key);
   if (Array.isArray(angle)) return angle.map((value, i) => ({ path: `viewer.${key}.${i}`, angle: Number(value) }));
@@ -260,7 +260,7 @@ function anglesAt(viewer: Json | undefined, key: string): { path: string | null;
   return Array.from({ length: count }, (_, i) => ({ path: null, angle: from + i * step }));
 }
 
-/** The viewer's directions; those at the first azimuth can be dragged. */
+/** Returns the viewing directions; those at the first azimuth can be dragged. */
 function viewersOf(viewer: Json | undefined): (Direction & { path: string | null })[] {
   const inclinations = anglesAt(viewer, "theta_deg");
   return anglesAt(viewer, "phi_deg").flatMap(({ angle: phi }, turn) =>
@@ -268,7 +268,7 @@ function viewersOf(viewer: Json | undefined): (Direction & { path: string | null
   );
 }
 
-/** Rings of 30 deg, and the angles of the half circle. */
+/** The scale of the half circle. */
 function Scale() {
   const minor = Array.from({ length: 17 }, (_, i) => (i - 8) * 10);
   return (
@@ -307,7 +307,7 @@ export function Dome() {
         role="button"
         tabindex={0}
         aria-pressed={selected.value === "lighting"}
-        aria-label={`Diffuse light, share ${plain(diffuse, 3)}`}
+        aria-label={`Diffuse light, fraction of the light ${plain(diffuse, 3)}`}
         onClick={choose}
         onKeyDown={(event) => (event.key === "Enter" || event.key === " ") && choose()}
       >

@@ -1,4 +1,4 @@
-// A light and a viewer, as they are drawn from the side and from above.
+// The symbols of sources and viewers.
 
 const SUN = Array.from({ length: 8 }, (_, i) => {
   const [c, s] = [Math.cos((i * Math.PI) / 4), Math.sin((i * Math.PI) / 4)];

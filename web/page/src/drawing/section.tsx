@@ -1,5 +1,5 @@
-// The display cut open: the room above it, then its layers from the front of screen down to the pixel's
-// mirror, not to scale. Every layer is a button; what is chosen is edited beside the drawing.
+// The cross-section of the display, not to scale: the directions above it, then its layers from the front of screen to
+// the mirror of the pixel. Every layer is a button; the fields of the selected layer are next to the drawing.
 
 import { computed, signal } from "@preact/signals";
 import { useEffect, useRef } from "preact/hooks";
@@ -33,7 +33,7 @@ const FILM = 18;
 const GAP = 44;
 const MIRROR = 16;
 
-/** A part of the drawing that is chosen by click, Enter or Space. */
+/** A part of the drawing that is selected with a click, Enter or Space. */
 function Part({ path, children, y }: { path: string; children: preact.ComponentChildren; y: number }) {
   const chosen = selected.value === path;
   const press = (event: KeyboardEvent) => {
@@ -62,7 +62,7 @@ function Part({ path, children, y }: { path: string; children: preact.ComponentC
   );
 }
 
-/** A layer that is moved takes the focus along. */
+/** Moves the selected layer, together with the focus. */
 function moveWithFocus(by: number): void {
   moveSelected(by);
   requestAnimationFrame(() =>
@@ -70,13 +70,13 @@ function moveWithFocus(by: number): void {
   );
 }
 
-/** The focus goes to the next part up or down. */
+/** Moves the focus to the next part above or below. */
 function neighbour(from: Element, by: number): void {
   const parts = [...(from.closest("svg")?.querySelectorAll<SVGElement>("[data-part]") ?? [])];
   parts[parts.indexOf(from as SVGElement) + by]?.focus();
 }
 
-/** Letters inside a band, its name on the left and what it is on the right. */
+/** The text of a band: its name on the left, its description on the right. */
 function Words({ name, note, height }: { name: string; note: string; height: number }) {
   return (
     <>
@@ -122,7 +122,10 @@ function FilmBand({ film, y }: { film: Film; y: number }) {
   );
 }
 
-/** The gap and the mirrors below it, each sub-pixel as wide as its area and as deep as its gap in the shown state. */
+/**
+ * The gap and the mirrors below it. The width of each sub-pixel is proportional to its area, the depth to its gap in
+ * the selected state.
+ */
 function Gaps({ y, film }: { y: number; film: Film }) {
   const all = fields.value;
   const state = shownState.value;
@@ -176,10 +179,10 @@ function Gaps({ y, film }: { y: number; film: Film }) {
   );
 }
 
-/** A cavity that shows no colour. */
+/** The colour of a cavity that is not driven. */
 const DARK = "#15171c";
 
-/** The colour that the display shows in the state of a sub-pixel's name, for its cavity. */
+/** The colours of the states; the cavity of a sub-pixel has the colour of the state with its name. */
 const colours = computed(() => coloursOf(result.value, view.value).colours);
 const stateColour = (name: string): string => colours.value.get(name) ?? "#8899aa";
 
@@ -246,7 +249,7 @@ function Patterns() {
   );
 }
 
-/** Whether the room is drawn from above instead of from the side. */
+/** Whether the directions are drawn from above instead of from the side. */
 const fromAbove = signal(false);
 
 function Viewpoint() {
@@ -256,7 +259,7 @@ function Viewpoint() {
     </button>
   );
   return (
-    <div class="viewpoint" role="group" aria-label="Draw the room">
+    <div class="viewpoint" role="group" aria-label="View of the directions">
       {choice(false, "Side")}
       {choice(true, "Above")}
     </div>

@@ -1,4 +1,4 @@
-// One of a few words.
+// A choice between a few words.
 
 export function Choice({
   id,

@@ -1,4 +1,4 @@
-// The control for a value, chosen by the name of its type in the schema.
+// The control for a value, selected by the name of its type in the schema.
 
 import { isTable, split, type Table } from "../model/json.ts";
 import { limits } from "../model/schema.ts";
@@ -11,7 +11,7 @@ import { NumberField } from "./number.tsx";
 import { Angles, Light, Material, Thickness } from "./physical.tsx";
 import { List, Text, type Props } from "./text.tsx";
 
-/** A number at a path: a share of several takes the others along. */
+/** Changes a number. If it is one of several fractions with the sum 1, the others change in proportion. */
 function change(path: string, value: number): void {
   const group = groupOf(fields.value, path);
   if (group && group.size > 1 && value >= 0 && value <= 1) edit(balanced(group, path, value), path);
@@ -55,10 +55,10 @@ function Quantity({ id, path, found, value, name, unit, invalid }: Props) {
   );
 }
 
-/** Names of the spectra that were dropped. */
+/** Names of the uploaded spectra. */
 const spectra = (): string[] => files.value.filter(({ audit }) => audit?.kind === "spectrum").map(({ name }) => name);
 
-/** A share that is alike at all wavelengths, or a spectrum that was dropped. */
+/** A fraction: the same number at all wavelengths, or an uploaded spectrum. */
 function Share(props: Props) {
   const { path, value, name } = props;
   const names = spectra();
@@ -67,7 +67,7 @@ function Share(props: Props) {
   return (
     <div class="pair">
       <Choice
-        label={`${name}: given as`}
+        label={`${name}: specified as`}
         value={now}
         options={options}
         change={(as) => set(path, as === "number" ? 0.5 : as, "")}
@@ -77,7 +77,7 @@ function Share(props: Props) {
   );
 }
 
-/** Gaps of sub-pixels stand under names: their unit is that of the table. */
+/** The unit of a key without one: gaps have the names of sub-pixels as keys, and the unit of their table. */
 const inheritedUnit = (path: string): string => (path.includes(".gap_nm.") ? "nm" : "");
 
 function Toggle({ id, path, value }: Props) {

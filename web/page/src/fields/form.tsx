@@ -1,5 +1,5 @@
-// The fields of one table of the scenario, made from its schema: required keys, those that are set, and the
-// rest to be added. Each field has its label, unit, range and a line of help, and shows its errors.
+// The fields of a table of the scenario, generated from its schema: required keys, those that are set, and the others,
+// which can be added. Each field has a label, a unit, a range and a line of help, and shows its errors.
 
 import { useSignal } from "@preact/signals";
 
@@ -13,7 +13,7 @@ import { Problems } from "../panels/problems.tsx";
 import { Choice } from "./choice.tsx";
 import { Editor } from "./editor.tsx";
 
-/** A table at a path, without the keys that are shown elsewhere. */
+/** The fields of the table at a path, without the keys that are shown elsewhere. */
 export function Form({ path, except = [], only }: { path: string; except?: string[]; only?: string[] }) {
   const found = schema.value?.find(path, fields.value);
   if (!found || !schema.value) return null;
@@ -32,7 +32,7 @@ export function Form({ path, except = [], only }: { path: string; except?: strin
   );
 }
 
-/** Lists of tables have a place of their own in the drawing. */
+/** Returns true for a list of tables, which are shown in the drawing. */
 function isNested(found: Found, key: string, value: Json): boolean {
   const node = schema.value!.chosen(found.node, value).properties?.[key];
   if (!node) return true;
@@ -42,7 +42,7 @@ function isNested(found: Found, key: string, value: Json): boolean {
   );
 }
 
-/** What chooses between alternatives: `model` or `kind`. */
+/** The choice between alternatives, by `model` or `kind`. */
 function Model({ path, found, value }: { path: string; found: Found; value: Json }) {
   const which = schema.value?.discriminator(found.node, value);
   if (!which) return null;
@@ -92,7 +92,7 @@ export function Field({ path, name, bare = false }: { path: string; name?: strin
 
 const isMap = ({ node }: Found): boolean => typeof node.additionalProperties === "object" && !node.properties;
 
-/** A table whose keys are free names: areas, gaps, reflectances of states. */
+/** A table whose keys are arbitrary names: areas, gaps, reflectances of states. */
 function MapOf({ path, found, name }: { path: string; found: Found; name: string }) {
   const entries = Object.keys(tableAt(fields.value, path));
   if (
@@ -116,7 +116,7 @@ function MapOf({ path, found, name }: { path: string; found: Found; name: string
   );
 }
 
-/** Keys that are not set: each is added with its default or the least that is allowed. */
+/** Keys that are not set; each is added with its default or a valid value. */
 function More({ path, keys }: { path: string; keys: string[] }) {
   const open = useSignal(false);
   if (keys.length === 0) return null;
@@ -139,7 +139,7 @@ function More({ path, keys }: { path: string; keys: string[] }) {
   );
 }
 
-/** A first value for a key that was not set. */
+/** Returns the initial value of a key that was not set. */
 function start(path: string): Json {
   const found = schema.value?.find(path, fields.value);
   const node = found?.node ?? {};
@@ -160,7 +160,7 @@ function start(path: string): Json {
   return min > 0 ? min : max <= 1 ? (min + max) / 2 : Math.min(1, max);
 }
 
-/** Problems that no field on screen can show. */
+/** The errors for which there is no field on the screen. */
 export function Elsewhere() {
   const loose = problems.value.filter(
     (problem) => !problem.path || !document.querySelector(`[data-path="${CSS.escape(problem.path)}"]`),

@@ -1,5 +1,5 @@
-// A number with its unit: a slider over the useful span, and a box that takes everything allowed.
-// While it is being typed in, the box keeps what was typed; refused values stay, beside their reason.
+// A number with its unit: a slider over the useful range, and an input box that accepts all allowed values.
+// The box keeps the typed text while it has the focus; a refused value stays, with the error message.
 
 import { useSignal } from "@preact/signals";
 import { useRef } from "preact/hooks";
@@ -11,12 +11,12 @@ import { position, span, valueAt, type Span } from "../model/span.ts";
 interface Props {
   id: string;
   name: string;
-  /** The key that the number stands under, which knows the useful span. */
+  /** The key of the number, which determines the useful range. */
   of: string;
   unit: string;
   value: number | undefined;
   limits: Limits;
-  /** What stands in an empty box. */
+  /** The text of an empty box. */
   placeholder?: string;
   integer?: boolean;
   invalid: boolean;
@@ -24,14 +24,14 @@ interface Props {
   change: (value: number) => void;
 }
 
-/** A span that stays while the slider moves within it, so that its end does not run away from the hand. */
+/** Returns the range of the slider. It stays the same while the slider moves, so that its end does not move away. */
 function useSpan(of: string, limits: Limits, value: number): Span {
   const kept = useRef<Span | null>(null);
   if (!kept.current || value < kept.current.min || value > kept.current.max) kept.current = span(of, limits, value);
   return kept.current;
 }
 
-/** Positions of a slider from end to end. */
+/** Number of steps of a slider. */
 const STEPS = 1000;
 
 export function NumberField(props: Props) {
@@ -39,7 +39,7 @@ export function NumberField(props: Props) {
   const typed = useSignal<string | null>(null);
   const before = useRef(value);
   if (before.current !== value) {
-    // A value that comes from elsewhere takes the place of what was typed.
+    // A value that was changed elsewhere replaces the typed text.
     before.current = value;
     if (typed.value !== null && Number(typed.value.replace(",", ".")) !== value) typed.value = null;
   }
@@ -97,9 +97,9 @@ export function NumberField(props: Props) {
       </span>
       {bad && (
         <p class="error" role="alert">
-          {typed.value} is not a number. Expected one
+          {typed.value} is not a number. Expected a number
           {Number.isFinite(limits.max - limits.min) && ` from ${plain(limits.min)} to ${plain(limits.max)}`}
-          {unit && ` (${unit})`}, without its unit
+          {unit && ` (${unit})`} without unit
         </p>
       )}
     </div>

@@ -1,5 +1,5 @@
-// Controls for physical quantities that can be given in several ways: a material, a light's spectrum, a
-// thickness or the gap, one angle or many.
+// Controls for physical quantities that can be specified in several ways: a material, the spectrum of a source, a
+// thickness or the gap, one angle or several.
 
 import { isTable, type Json, type Table } from "../model/json.ts";
 import { set } from "../state/live.ts";
@@ -7,7 +7,7 @@ import { Choice } from "./choice.tsx";
 import { NumberField } from "./number.tsx";
 import { List, Text, type Props } from "./text.tsx";
 
-/** Names that are suggested; the program knows them, and refuses others in words. */
+/** Suggested names of materials; the program refuses unknown names with a message. */
 const MATERIALS = "air SiO2 MgF2 Al2O3 AlOx Si3N4 BK7 ITO Al Cr W Ni Ti Au Ag Al:BB Cr:BB W:BB Cr:Johnson".split(" ");
 const numbered = (name: string, count: number) => Array.from({ length: count }, (_, i) => `${name}${i + 1}`);
 const LIGHTS = [
@@ -40,7 +40,7 @@ export function Material(props: Props) {
   return (
     <div class="pair">
       <Choice
-        label={`${props.name}: given as`}
+        label={`${props.name}: specified as`}
         value={form}
         options={Object.keys(starts)}
         change={(as) => set(path, starts[as], "")}
@@ -57,13 +57,13 @@ export function Material(props: Props) {
   );
 }
 
-/** A light's spectrum: a name or a file, or a model. */
+/** The spectrum of a source: a name or a file, or a model. */
 export function Light(props: Props) {
   const { path, value, id, invalid } = props;
   const model = isTable(value)
     ? Object.keys(value).find((key) => ["led_nm", "planck_K", "daylight_K"].includes(key))
     : undefined;
-  if (Array.isArray(value)) return <p class="value">{value.length} models, weighted</p>;
+  if (Array.isArray(value)) return <p class="value">weighted sum of {value.length} models</p>;
   const starts: Record<string, Json> = {
     "name or file": "D65",
     daylight: { daylight_K: 5500 },
@@ -74,7 +74,7 @@ export function Light(props: Props) {
   return (
     <div class="pair">
       <Choice
-        label={`${props.name}: given as`}
+        label={`${props.name}: specified as`}
         value={form}
         options={Object.keys(starts)}
         change={(as) => set(path, starts[as], "")}
@@ -109,7 +109,7 @@ export function Light(props: Props) {
 }
 
 export function Thickness(props: Props) {
-  if (props.value === "gap") return <p class="value">the gap: each sub-pixel has its own, below</p>;
+  if (props.value === "gap") return <p class="value">the gap; its values for the sub-pixels are below</p>;
   const { id, path, name, value, invalid } = props;
   return (
     <NumberField
@@ -143,7 +143,7 @@ export function Angles(props: Props) {
   return (
     <div class="pair">
       <Choice
-        label={`${name}: given as`}
+        label={`${name}: specified as`}
         value={form}
         options={Object.keys(starts)}
         change={(as) => set(path, starts[as], "")}

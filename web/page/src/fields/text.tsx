@@ -1,4 +1,4 @@
-// Controls that are typed into: names and files, and lists of numbers.
+// Text controls: names and files, and lists of numbers.
 
 import { listAt, type Json } from "../model/json.ts";
 import type { Found } from "../model/schema.ts";
@@ -6,7 +6,7 @@ import { files } from "../state/files.ts";
 import { held } from "../state/design.ts";
 import { set } from "../state/live.ts";
 
-/** What a control is told about its field. */
+/** The properties of a field's control. */
 export interface Props {
   id: string;
   path: string;
@@ -17,7 +17,10 @@ export interface Props {
   invalid: boolean;
 }
 
-/** A box whose value is entered when it is left; until then it is held, so that it is not lost with the page. */
+/**
+ * Event handlers of a box whose value is applied when it loses the focus. Until then it is stored in `held`, so that it
+ * is not lost with the page.
+ */
 function entered(path: string, meant: (text: string) => Json | undefined) {
   type Of = { currentTarget: HTMLInputElement };
   const of = (event: Of) => meant(event.currentTarget.value);
@@ -34,7 +37,7 @@ function entered(path: string, meant: (text: string) => Json | undefined) {
   };
 }
 
-/** Free text with suggestions: names that are known, files that were dropped. */
+/** Text with suggestions: known names, uploaded files. */
 export function Text({ id, path, value, invalid, found, options = [] }: Props & { options?: string[] }) {
   const names = [...options, ...files.value.filter((file) => file.audit).map((file) => file.name)];
   const list = `${id}-list`;
@@ -64,7 +67,7 @@ export function Text({ id, path, value, invalid, found, options = [] }: Props & 
   );
 }
 
-/** Numbers, parted by commas. */
+/** Numbers, separated by commas. */
 export function List({ id, path, value, invalid }: Props) {
   const meant = (text: string): Json | undefined => {
     const numbers = text

@@ -1,6 +1,6 @@
-// Colours for a screen: XYZ relative to the room's white, carried to D65 by a Bradford adaptation, to sRGB.
-// The same as crates/figures' paint: a screen's white stands for a perfect white in the same light, and
-// where a state is brighter than that, all are dimmed alike.
+// Conversion of XYZ to screen colours: Bradford adaptation from the white of the light to D65, then sRGB, as in
+// crates/figures. The white of the screen represents a perfect white diffuser in the same light; if a state is
+// brighter, all states are dimmed by the same factor.
 
 export type Triple = readonly [number, number, number];
 
@@ -20,16 +20,16 @@ const TO_SRGB: readonly Triple[] = [
   [0.0556434, -0.2040259, 1.0572252],
 ];
 const D65: Triple = [0.95047, 1, 1.08883];
-/** A channel less than this above 1 is not seen to be clipped. */
+/** Channels up to this value are clipped without dimming, because the clipping is invisible. */
 const CLIPPED = 1.005;
 
 const times = (matrix: readonly Triple[], [x, y, z]: Triple): Triple =>
   matrix.map((row) => row[0] * x + row[1] * y + row[2] * z) as unknown as Triple;
 
-/** Linear sRGB, not clipped, of XYZ seen against D65. */
+/** Converts XYZ, relative to D65, to linear sRGB without clipping. */
 export const linearSrgb = (xyz: Triple): Triple => times(TO_SRGB, xyz);
 
-/** XYZ seen in light of white chromaticity x, y, as they would look in D65. */
+/** Adapts XYZ from a light with the chromaticity x, y to D65. */
 function adapted(xyz: Triple, [x, y]: readonly [number, number]): Triple {
   const white = times(BRADFORD, [x / y, 1, (1 - x - y) / y]);
   const target = times(BRADFORD, D65);
@@ -42,7 +42,7 @@ const encoded = (linear: number): number => {
   return c <= 0.0031308 ? 12.92 * c : 1.055 * c ** (1 / 2.4) - 0.055;
 };
 
-/** A hex colour of linear sRGB, clipped. */
+/** Converts linear sRGB to a hexadecimal colour, with clipping. */
 export const hex = (linear: Triple): string =>
   "#" +
   linear
@@ -54,8 +54,8 @@ export const hex = (linear: Triple): string =>
     .join("");
 
 /**
- * Colours of some states in one light, and by what they were dimmed (1: not). A screen that is lit by its own
- * light alone is seen against its own white, of luminance `own`.
+ * Returns the colours of states in one light, and the factor by which they were dimmed (1: not at all). A display that
+ * is lit only by its own light is compared with its own white, of luminance `own`.
  */
 export function painted(
   states: readonly Triple[],
@@ -69,7 +69,7 @@ export function painted(
   return { colours: channels.map((c) => hex(c.map((part) => part / scale) as unknown as Triple)), divisor };
 }
 
-/** Whether dark letters are read on a colour better than light ones. */
+/** Returns true for a colour on which dark text is more readable than light text. */
 export function isLight(colour: string): boolean {
   const part = (at: number) => (parseInt(colour.slice(at, at + 2), 16) / 255) ** 2.2;
   return 0.2126 * part(1) + 0.7152 * part(3) + 0.0722 * part(5) > 0.25;

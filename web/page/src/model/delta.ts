@@ -1,7 +1,7 @@
-// A list of texts of which each differs little from the one before it, written small: the first one whole, the
-// others as what changed. Two hundred steps of undo take some kilobytes then, instead of a megabyte.
+// Compact storage of a list of similar texts: the first one is stored whole, the others as differences from the text
+// before. Two hundred undo steps take some kilobytes instead of a megabyte.
 
-/** What makes a text of the one before: so many letters of it stay at its start and its end, others come between. */
+/** The difference from the text before: how many characters stay at the start and the end, and the text between. */
 type Change = readonly [start: number, end: number, between: string];
 
 export type Chain = readonly (string | Change)[];
@@ -18,7 +18,7 @@ function change(from: string, to: string): Change {
 export const chained = (texts: readonly string[]): Chain =>
   texts.map((text, i) => (i === 0 ? text : change(texts[i - 1]!, text)));
 
-/** The texts of a chain; none of what is no chain. */
+/** Returns the texts of a chain; an empty list for an invalid chain. */
 export function unchained(chain: unknown): string[] {
   const texts: string[] = [];
   for (const link of Array.isArray(chain) ? (chain as Chain) : []) {

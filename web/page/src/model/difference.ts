@@ -6,7 +6,7 @@ const RADIANS = Math.PI / 180;
 const power7 = (c: number): number => Math.sqrt(c ** 7 / (c ** 7 + 25 ** 7));
 const hue = (b: number, a: number): number => (a === 0 && b === 0 ? 0 : (Math.atan2(b, a) / RADIANS + 360) % 360);
 
-/** The difference of two hues, and their mean; 0 and the sum where a colour has none. */
+/** Returns the difference of two hues and their mean; 0 and the sum if one of the colours is grey. */
 function hues(h1: number, h2: number, grey: boolean): [difference: number, mean: number] {
   if (grey) return [0, h1 + h2];
   const d = h2 - h1;

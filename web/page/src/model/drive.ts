@@ -1,4 +1,4 @@
-// What each sub-pixel does in a state: the share of its area at its own colour, or an analogue gap.
+// The drive of each sub-pixel in a state: the fraction of its area that shows its own colour, or an analogue gap.
 
 import { at, isTable, join, numberAt, tableAt, type Json } from "./json.ts";
 
@@ -22,14 +22,14 @@ export const subPixels = (fields: Json): string[] => {
   return names.sort((a, b) => rank(a) - rank(b));
 };
 
-/** How a state drives each sub-pixel; those that it does not name are dark. */
+/** Returns the drive of each sub-pixel in a state; sub-pixels that the state does not contain are dark. */
 export function drives(fields: Json, state: string): Map<string, Drive> {
   const own = at(fields, join("display.pixel.states", state));
   return new Map(
     subPixels(fields).map((name): [string, Drive] => {
-      const said = isTable(own) ? own[name] : undefined;
-      if (isTable(said)) return [name, { gap_nm: Number(said["gap_nm"]) }];
-      if (typeof said === "number") return [name, said];
+      const drive = isTable(own) ? own[name] : undefined;
+      if (isTable(drive)) return [name, { gap_nm: Number(drive["gap_nm"]) }];
+      if (typeof drive === "number") return [name, drive];
       return [name, !isTable(own) && MIXED[state]?.includes(name) ? 1 : 0];
     }),
   );
@@ -38,7 +38,7 @@ export function drives(fields: Json, state: string): Map<string, Drive> {
 export const isDefaultState = (fields: Json, state: string): boolean =>
   state in MIXED && at(fields, join("display.pixel.states", state)) === undefined;
 
-/** Parts of a sub-pixel's width with their gaps, nm. */
+/** Returns the fractions of a sub-pixel's width with their gaps, nm. */
 export function gaps(fields: Json, sub: string, drive: Drive): { part: number; gap: number }[] {
   const dark = numberAt(fields, "display.pixel.gap_nm.dark") ?? 0;
   const own = numberAt(fields, join("display.pixel.gap_nm", sub)) ?? dark;

@@ -6,7 +6,7 @@ export type Table = { [key: string]: Json };
 export const isTable = (value: Json | undefined): value is Table =>
   typeof value === "object" && value !== null && !Array.isArray(value);
 
-/** What stands at a path, or undefined. */
+/** Returns the value at a path, or undefined. */
 export function at(root: Json | undefined, path: string): Json | undefined {
   let here = root;
   for (const key of path === "" ? [] : path.split(".")) {
@@ -37,7 +37,7 @@ export const textAt = (root: Json | undefined, path: string): string | undefined
   return typeof found === "string" ? found : undefined;
 };
 
-/** The path of the table or list that holds `path`, and the last key. */
+/** Splits a path into the path of its table or list and the last key. */
 export function split(path: string): [parent: string, key: string] {
   const dot = path.lastIndexOf(".");
   return dot < 0 ? ["", path] : [path.slice(0, dot), path.slice(dot + 1)];

@@ -1,10 +1,10 @@
-// All numbers of a scenario that a sweep can vary, by path, and what differs between two scenarios.
+// The numbers of a scenario that a sweep can vary, by path, and the differences between two scenarios.
 
 import { isTable, join, type Json } from "./json.ts";
 
 const skipped = /^(solver|inputs|sweep|optimize|tolerance|measure|spectrum)(\.|$)/;
 
-/** Every leaf of a value with its path. */
+/** Returns all leaves of a value with their paths. */
 export function leaves(value: Json, path = ""): [string, Json][] {
   if (skipped.test(path)) return [];
   if (Array.isArray(value)) return value.flatMap((one, i) => leaves(one, join(path, i)));
@@ -15,7 +15,7 @@ export function leaves(value: Json, path = ""): [string, Json][] {
 export const numbers = (fields: Json): [string, number][] =>
   leaves(fields).filter((leaf): leaf is [string, number] => typeof leaf[1] === "number");
 
-/** Keys whose values differ, with both. */
+/** Returns the keys whose values differ, with both values. */
 export function differences(
   before: Json,
   now: Json,
@@ -29,5 +29,5 @@ export function differences(
 const PARTS =
   /^(display\.(?:front|layers)\.\d+|display\.pixel\.(?:film\.\d+|states)|display\.\w+|lighting\.(?:directed|environment)\.\d+|lighting\.front_light|lighting|viewer)/;
 
-/** The part of the drawing, or the group of fields, that a key belongs to. */
+/** Returns the part of the drawing, or the group of fields, to which a key belongs. */
 export const partOf = (path: string): string => PARTS.exec(path)?.[0] ?? "computing";

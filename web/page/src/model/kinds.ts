@@ -1,13 +1,13 @@
-// Kinds of layers: what the page knows of each. A kind is one entry of KINDS.
+// The kinds of layers, each an entry of KINDS.
 
 import { at, isTable, listAt, textAt, type Json, type Table } from "./json.ts";
 import { plain } from "./format.ts";
 import { label } from "./schema.ts";
 
-/** How a layer is drawn. */
+/** The appearance of a layer in the drawing. */
 export type Look = "component" | "diffuser" | "slab" | "medium" | "face" | "coating" | "rough" | "guide";
 
-/** A material in a few letters. */
+/** Returns a short description of a material. */
 export function material(value: Json | undefined): string {
   if (typeof value === "number") return `n ${plain(value)}`;
   if (isTable(value))
@@ -15,23 +15,23 @@ export function material(value: Json | undefined): string {
   return typeof value === "string" ? (value.split("/").at(-1) ?? value) : "–";
 }
 
-const share = (value: Json | undefined): string => (typeof value === "number" ? plain(value, 4) : material(value));
+const valueText = (value: Json | undefined): string => (typeof value === "number" ? plain(value, 4) : material(value));
 
-/** A key's name and value, if it is given. */
-const say = (table: Table, key: string, name = label(key).toLowerCase()): string[] =>
-  table[key] === undefined ? [] : [`${name} ${share(table[key])}`];
+/** Returns the name and the value of a key, if it is set. */
+const entryText = (table: Table, key: string, name = label(key).toLowerCase()): string[] =>
+  table[key] === undefined ? [] : [`${name} ${valueText(table[key])}`];
 
 const component = (table: Table): string =>
-  [...say(table, "reflectance", "R"), ...say(table, "absorptance", "A")].join(", ");
+  [...entryText(table, "reflectance", "R"), ...entryText(table, "absorptance", "A")].join(", ");
 
-const particles = (table: Table): string =>
-  [...say(table, "optical_thickness", "τ"), ...say(table, "anisotropy", "g")].join(", ");
+const slab = (table: Table): string =>
+  [...entryText(table, "optical_thickness", "τ"), ...entryText(table, "anisotropy", "g")].join(", ");
 
 const medium = (table: Table): string =>
   [
     material(table["index"]),
-    ...say(table, "internal_transmittance", "T"),
-    ...(table["thickness_mm"] === undefined ? [] : [`${share(table["thickness_mm"])} mm`]),
+    ...entryText(table, "internal_transmittance", "T"),
+    ...(table["thickness_mm"] === undefined ? [] : [`${valueText(table["thickness_mm"])} mm`]),
   ].join(", ");
 
 function coating(table: Table): string {
@@ -42,26 +42,27 @@ function coating(table: Table): string {
     : `${films.length} films`;
 }
 
-/** What is said of a model of a diffuser. */
+/** Returns a short description of a diffuser. */
 function diffuser(table: Table): string {
   const model = textAt(table, "model");
-  if (model === "slab") return particles(table);
+  if (model === "slab") return slab(table);
   if (model === "measured") return material(table["file"]);
   if (!model) return medium(table);
-  return [...say(table, "haze"), ...say(table, "width", "b"), ...say(table, "alpha", "α")].join(", ") || model;
+  const entries = [...entryText(table, "haze"), ...entryText(table, "width", "b"), ...entryText(table, "alpha", "α")];
+  return entries.join(", ") || model;
 }
 
 export interface Kind {
-  /** Its name in the drawing, and how it is drawn. */
+  /** Its name and its appearance in the drawing. */
   readonly name: string;
   readonly look: Look;
-  /** Its name in the menu, if that is not its key. */
+  /** Its name in the menu, if it differs from its key. */
   readonly menu?: string;
-  /** What is said of it beside its name. */
+  /** The description next to its name. */
   readonly note: (table: Table) => string;
-  /** A new one, with values that compute. */
+  /** The valid values of a new layer. */
   readonly starter: Table;
-  /** True of what a front of screen is made of. */
+  /** True for a component of the front of screen. */
   readonly isComponent?: boolean;
 }
 
@@ -92,7 +93,7 @@ export const KINDS: Record<string, Kind> = {
   coating: {
     name: "Coating",
     look: "coating",
-    menu: "coating of films",
+    menu: "coating (thin films)",
     note: coating,
     starter: { kind: "coating", film: [{ material: "MgF2", thickness_nm: 99.6 }] },
   },
@@ -100,14 +101,14 @@ export const KINDS: Record<string, Kind> = {
     name: "Rough interface",
     look: "rough",
     menu: "rough interface",
-    note: (table) => say(table, "alpha", "α").join(""),
+    note: (table) => entryText(table, "alpha", "α").join(""),
     starter: { kind: "rough", alpha: 0.1 },
   },
   slab: {
-    name: "Particles",
+    name: "Scattering slab",
     look: "slab",
-    menu: "particles",
-    note: particles,
+    menu: "scattering slab",
+    note: slab,
     starter: { kind: "slab", optical_thickness: 2, anisotropy: 0.8, index: 1.5 },
   },
   "ideal-ar": {
@@ -121,12 +122,12 @@ export const KINDS: Record<string, Kind> = {
 };
 
 /** An entry of the front of screen, which has no kind. */
-export const FRONT: Pick<Kind, "name" | "look"> = { name: "Front", look: "component" };
+export const FRONT: Pick<Kind, "name" | "look"> = { name: "Front component", look: "component" };
 
-/** The kind that an entry of the front of screen is as a free layer. */
+/** The kind of a general layer that is equivalent to an entry of the front of screen. */
 export const COMPONENT = Object.keys(KINDS).find((kind) => KINDS[kind]!.isComponent) ?? "";
 
-/** What is said of a layer beside its name: of one with a kind, of an entry of the front, of a diffuser or glass. */
+/** Returns the description of a layer: one with a kind, an entry of the front of screen, a diffuser, or the glass. */
 export function note(table: Table): string {
   const kind = KINDS[textAt(table, "kind") ?? ""];
   if (kind) return kind.note(table);

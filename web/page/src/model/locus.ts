@@ -1,4 +1,4 @@
-// The spectral locus in u'v': CIE 1931 2 degree observer (CIE 15:2018), as crates/colour has it.
+// The spectral locus in u'v' for the CIE 1931 2° observer (CIE 15:2018), as in crates/colour.
 
 /** Wavelength in nm, u' and v'. */
 export const LOCUS: readonly (readonly [number, number, number])[] = [
@@ -129,15 +129,15 @@ export const LOCUS: readonly (readonly [number, number, number])[] = [
   [699, 0.6234, 0.5065],
 ];
 
-/** Wavelengths that are written along the locus, nm. */
+/** Wavelengths of the labels along the locus, nm. */
 export const NAMED_NM = [440, 460, 470, 480, 490, 500, 520, 550, 580, 600, 620, 650];
 
-/** u' and v' of x and y. */
+/** Converts x, y to u', v'. */
 const uv = (x: number, y: number): readonly [number, number] => {
   const sum = -2 * x + 12 * y + 3;
   return [(4 * x) / sum, (9 * y) / sum];
 };
 
-/** Primaries red, green and blue of the standards that gamuts are compared with, in u'v'. */
+/** Red, green and blue primaries of the reference gamuts, in u'v'. */
 export const SRGB = [uv(0.64, 0.33), uv(0.3, 0.6), uv(0.15, 0.06)] as const;
 export const EBU = [uv(0.64, 0.33), uv(0.29, 0.6), uv(0.15, 0.06)] as const;

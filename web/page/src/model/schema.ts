@@ -1,5 +1,5 @@
-// The scenario's JSON Schema, read for forms: what stands at a path, its unit, range, default and help.
-// Where keys depend on `model` or `kind`, the values say which alternative holds.
+// The JSON Schema of a scenario, for generating forms: the type, unit, range, default and help of the key at a path.
+// If keys depend on `model` or `kind`, the values of the scenario select the alternative.
 
 import { plain } from "./format.ts";
 import { isTable, type Json, type Table } from "./json.ts";
@@ -24,7 +24,7 @@ export interface Node {
   readonly $defs?: Record<string, Node>;
 }
 
-/** A node with its reference followed; `def` is the name it went by, which chooses an editor. */
+/** A node whose reference is resolved; `def` is the name of its type, which selects an editor. */
 export interface Found {
   readonly node: Node;
   readonly def: string;
@@ -33,7 +33,7 @@ export interface Found {
 export class Schema {
   constructor(private readonly root: Node) {}
 
-  /** A node without its reference; what is said beside the reference goes first. */
+  /** Resolves the reference of a node; entries next to the reference have priority. */
   follow(node: Node): Found {
     if (!node.$ref) return { node, def: "" };
     const def = node.$ref.replace("#/$defs/", "");
@@ -41,14 +41,14 @@ export class Schema {
     return { node: { ...this.root.$defs?.[def], ...beside }, def };
   }
 
-  /** All alternatives, those of alternatives included. */
+  /** Returns all alternatives, including nested ones. */
   private alternatives(node: Node): Node[] {
     return (node.oneOf ?? [])
       .map((one) => this.follow(one).node)
       .flatMap((one) => (one.oneOf ? this.alternatives(one) : [one]));
   }
 
-  /** The alternative that a table's constants choose; the node itself where there is none. */
+  /** Returns the alternative that the constants of a table select; the node itself if there is none. */
   chosen(node: Node, value: Json | undefined): Node {
     const table = isTable(value) ? value : {};
     const fits = (one: Node) =>
@@ -58,14 +58,14 @@ export class Schema {
     return this.alternatives(node).find(fits) ?? node;
   }
 
-  /** The key and the values that choose between alternatives: `kind`, or `model` where a kind has several. */
+  /** Returns the key that selects an alternative, and its values: `kind`, or `model` if a kind has several models. */
   discriminator(node: Node, value: Json): { key: string; values: string[]; help: Map<string, string> } | null {
     const has = (key: string) => (one: Node) => one.properties?.[key]?.const !== undefined;
     const all = this.alternatives(node);
     const kind = isTable(value) ? value["kind"] : undefined;
-    const alike = all.filter((one) => has("kind")(one) && one.properties!["kind"]!.const === kind);
-    const [ones, key] = alike.some(has("model"))
-      ? [alike, "model"]
+    const ofKind = all.filter((one) => has("kind")(one) && one.properties!["kind"]!.const === kind);
+    const [ones, key] = ofKind.some(has("model"))
+      ? [ofKind, "model"]
       : all.some(has("kind"))
         ? [all, "kind"]
         : [all, "model"];
@@ -75,7 +75,7 @@ export class Schema {
     return { key, values: [...help.keys()], help };
   }
 
-  /** What stands at a path, given the values on the way. */
+  /** Returns the node at a path; `values` select the alternatives. */
   find(path: string, values: Json): Found | null {
     let found: Found = { node: this.root, def: "" };
     let here: Json | undefined = values;
@@ -95,13 +95,13 @@ export class Schema {
     return typeof node.additionalProperties === "object" ? node.additionalProperties : null;
   }
 
-  /** The keys of a table in the order of a form: required ones, those that are set, the others. */
+  /** Returns the keys of a table in the order of a form: required keys, keys that are set, and the others. */
   keys(node: Node, value: Table): { shown: string[]; more: string[] } {
     const chosen = this.chosen(node, value);
     const all = Object.keys(chosen.properties ?? {}).filter((key) => chosen.properties![key]!.const === undefined);
     const needed = new Set(chosen.required ?? []);
     const there = (key: string) => needed.has(key) || value[key] !== undefined;
-    // Keys that have a default matter less than those that were given without one.
+    // Keys with a default come after those without.
     const rank = (key: string) =>
       needed.has(key) ? 0 : this.follow(chosen.properties![key]!).node.default === undefined ? 1 : 2;
     return {
@@ -124,14 +124,14 @@ const UNITS: readonly (readonly [string, string])[] = [
 const NAMES: Record<string, string> = {
   theta_deg: "Inclination θ",
   phi_deg: "Azimuth φ",
-  share: "Share of light",
-  diffuse: "Diffuse share",
+  share: "Fraction of the light",
+  diffuse: "Diffuse fraction",
   n: "n",
   k: "k",
   gap_nm: "Gap",
   area: "Area",
   index: "Index",
-  field_deg: "Field",
+  field_deg: "Field of view",
   radius_deg: "Angular radius",
   led_nm: "LED peak",
   planck_K: "Black body",
@@ -142,7 +142,7 @@ const NAMES: Record<string, string> = {
 
 export const unit = (key: string): string => UNITS.find(([end]) => key.endsWith(end))?.[1] ?? "";
 
-/** A key as a label: `total_transmittance` reads "Total transmittance". */
+/** Returns the label of a key: "Total transmittance" for `total_transmittance`. */
 export function label(key: string): string {
   const end = UNITS.find(([suffix]) => key.endsWith(suffix))?.[0] ?? "";
   const words = key.slice(0, key.length - end.length).replaceAll("_", " ");
@@ -159,10 +159,10 @@ export const limits = (node: Node): Limits => ({
   max: node.maximum ?? node.exclusiveMaximum ?? Infinity,
 });
 
-/** The help of a field as plain sentences, no back quotes; a range that they do not tell is added. */
+/** Returns the help of a field as plain text, without back quotes; the range is added if the text does not contain it. */
 export function help(node: Node): string {
   const words = (node.description ?? "").replaceAll("`", "");
   const { min, max } = limits(node);
-  const told = /\d to |between|above|at most|at least|or more/.test(words) || !Number.isFinite(max - min);
-  return told ? words : `${words} From ${plain(min)} to ${plain(max)}.`.trim();
+  const hasRange = /\d to |between|above|at most|at least|or more/.test(words) || !Number.isFinite(max - min);
+  return hasRange ? words : `${words} From ${plain(min)} to ${plain(max)}.`.trim();
 }

@@ -1,4 +1,4 @@
-// Shares that sum to 1: when one is moved, the others give way in proportion.
+// Fractions (keys `share`, `area`) whose sum is 1: if one of them changes, the others are scaled in proportion.
 
 import type { Edit } from "../api/types.ts";
 import { isTable, join, listAt, numberAt, tableAt, type Json } from "./json.ts";
@@ -6,7 +6,7 @@ import { isTable, join, listAt, numberAt, tableAt, type Json } from "./json.ts";
 const DECIMALS = 1e6;
 const rounded = (value: number): number => Math.round(value * DECIMALS) / DECIMALS;
 
-/** The shares of the light, by path; a missing `diffuse` is what the others leave. */
+/** Returns the fractions of the light, by path; a missing `diffuse` is the remainder. */
 export function lightShares(fields: Json): Map<string, number> {
   const shares = new Map<string, number>();
   for (const kind of ["directed", "environment"]) {
@@ -22,7 +22,7 @@ export function lightShares(fields: Json): Map<string, number> {
   return shares;
 }
 
-/** Areas of the sub-pixels, by path. */
+/** Returns the areas of the sub-pixels, by path. */
 export const areaShares = (fields: Json): Map<string, number> =>
   new Map(
     Object.entries(tableAt(fields, "display.pixel.area")).map(([name, area]) => [
@@ -31,13 +31,13 @@ export const areaShares = (fields: Json): Map<string, number> =>
     ]),
   );
 
-/** The group of shares that a path belongs to, or null. */
+/** Returns the group of fractions to which a path belongs, or null. */
 export function groupOf(fields: Json, path: string): Map<string, number> | null {
   for (const group of [lightShares(fields), areaShares(fields)]) if (group.has(path)) return group;
   return null;
 }
 
-/** The edits that give one share a value and keep the sum at 1. */
+/** Returns the edits that set one fraction and keep the sum at 1. */
 export function balanced(group: ReadonlyMap<string, number>, path: string, value: number): Edit[] {
   const moved = rounded(value);
   const others = [...group].filter(([other]) => other !== path);
@@ -58,7 +58,7 @@ export function balanced(group: ReadonlyMap<string, number>, path: string, value
   return [[path, moved] as const, ...all].map(([at, share]) => ({ op: "set", path: at, value: share }));
 }
 
-/** The edits that take a source away: its share goes to the others. */
+/** Returns the edits that remove a source and distribute its fraction to the others. */
 export function without(fields: Json, source: string): Edit[] {
   const group = lightShares(fields);
   const kept = new Map([...group].filter(([path]) => !path.startsWith(`${source}.`)));

@@ -1,5 +1,5 @@
-// The span of a slider: what is allowed reaches from 0 to a million nanometres, what is useful does not.
-// The number beside the slider takes everything that is allowed.
+// The range of a slider, which covers the useful values of a key. The allowed range is often much larger (0 to a million
+// nanometres); the input box next to the slider accepts all of it.
 
 import type { Limits } from "./schema.ts";
 
@@ -7,7 +7,7 @@ export interface Span {
   readonly min: number;
   readonly max: number;
   readonly step: number;
-  /** Equal ratios instead of equal differences. */
+  /** Whether the scale is logarithmic. */
   readonly log: boolean;
 }
 
@@ -36,7 +36,7 @@ const USEFUL: Record<string, Span> = {
   adapting_luminance_cd_m2: { min: 1, max: 1000, step: 0, log: true },
 };
 
-/** The span for a key; it widens to hold the value. */
+/** Returns the range for a key, extended if necessary to include the value. */
 export function span(key: string, limits: Limits, value: number): Span {
   const width = limits.max - limits.min;
   const all: Span = {
@@ -54,15 +54,15 @@ export function span(key: string, limits: Limits, value: number): Span {
   };
 }
 
-/** Where a value lies along a slider, 0 to 1. */
+/** Returns the position of a value on a slider, 0 to 1. */
 export function position({ min, max, log }: Span, value: number): number {
-  const share = log ? Math.log(value / min) / Math.log(max / min) : (value - min) / (max - min);
-  return Math.min(1, Math.max(0, Number.isFinite(share) ? share : 0));
+  const fraction = log ? Math.log(value / min) / Math.log(max / min) : (value - min) / (max - min);
+  return Math.min(1, Math.max(0, Number.isFinite(fraction) ? fraction : 0));
 }
 
-/** The value at a position, rounded to the step, or to three digits on a logarithmic slider. */
-export function valueAt({ min, max, step, log }: Span, share: number): number {
-  if (log) return Number((min * (max / min) ** share).toPrecision(3));
-  const raw = min + share * (max - min);
+/** Returns the value at a position, rounded to the step, or to three digits on a logarithmic slider. */
+export function valueAt({ min, max, step, log }: Span, fraction: number): number {
+  if (log) return Number((min * (max / min) ** fraction).toPrecision(3));
+  const raw = min + fraction * (max - min);
   return Number(Math.min(max, Math.max(min, Math.round(raw / step) * step)).toPrecision(8));
 }

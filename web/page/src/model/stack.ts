@@ -1,4 +1,4 @@
-// The display as a list of layers from top to bottom, whichever way the scenario states it.
+// The display as a list of layers from top to bottom, for an ordinary panel and for general layers.
 
 import { at, isTable, join, listAt, tableAt, textAt, type Json, type Table } from "./json.ts";
 import { plain } from "./format.ts";
@@ -9,7 +9,7 @@ export interface Layer {
   readonly look: Look;
   readonly name: string;
   readonly note: string;
-  /** The list that it is an entry of, and its place there; null for a table of its own. */
+  /** The path of its list, and its index there; null for a layer that is not in a list. */
   readonly list: string | null;
   readonly index: number;
   readonly removable: boolean;
@@ -18,7 +18,7 @@ export interface Layer {
 export interface Film {
   readonly path: string;
   readonly material: string;
-  /** nm, or null for the gap. */
+  /** Thickness, nm; null for the gap. */
   readonly thickness: number | null;
 }
 
@@ -47,7 +47,7 @@ const own = (path: string, look: Look, name: string, words: string, removable: b
   removable,
 });
 
-/** The layers over the pixel, top to bottom. */
+/** Returns the layers above the pixel, from top to bottom. */
 export function layers(fields: Json): Layer[] {
   const guide = at(fields, "lighting.front_light");
   const guides = isTable(guide)
@@ -62,11 +62,17 @@ export function layers(fields: Json): Layer[] {
     ? own(
         "display.diffuser",
         diffuser["model"] === "slab" ? "slab" : "diffuser",
-        diffuser["model"] === "slab" ? "Particles" : "Diffuser",
+        diffuser["model"] === "slab" ? "Scattering slab" : "Diffuser",
         note(diffuser),
         true,
       )
-    : own("display.glass.surface", "face", glass["surface"] === "fresnel" ? "Bare interface" : "Ideal antireflection", "", false);
+    : own(
+        "display.glass.surface",
+        "face",
+        glass["surface"] === "fresnel" ? "Bare interface" : "Ideal antireflection",
+        "",
+        false,
+      );
   return [...fronts, ...guides, top, own("display.glass", "medium", "Glass", note(glass), false)];
 }
 
@@ -81,7 +87,7 @@ export function films(fields: Json): Film[] {
   });
 }
 
-/** What an ordinary panel looks like as a list of free layers. */
+/** Converts an ordinary panel to an equivalent list of general layers. */
 export function freed(fields: Json): Table[] {
   const fronts = listAt(fields, "display.front").map((value) => ({ kind: COMPONENT, ...(value as Table) }));
   const { surface, ...glass } = tableAt(fields, "display.glass");
@@ -95,7 +101,7 @@ export function freed(fields: Json): Table[] {
   return [...fronts, top, { kind: "medium", index: 1.5, ...glass }];
 }
 
-/** Models of a diffuser, a pixel or a light, each with values that compute. */
+/** The models of a diffuser, a pixel or an environment, each with valid values. */
 export const MODELS: Record<string, Record<string, Table>> = {
   "display.diffuser": {
     "k-correlation": { model: "k-correlation", haze: 0.5, total_transmittance: 0.9 },

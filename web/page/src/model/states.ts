@@ -1,5 +1,5 @@
-// How drive states are drawn: each in its own hue, and told apart without colour too (primaries solid,
-// secondaries dashed, black dotted). The hues are those of crates/figures.
+// The lines of the drive states in diagrams. Each has its own hue, as in crates/figures, and they can be distinguished
+// without colour too: primaries are solid, secondaries dashed, black dotted.
 
 export interface Stroke {
   readonly light: string;
@@ -19,7 +19,7 @@ const KNOWN: Record<string, Stroke> = {
 };
 const OTHERS = ["#d9822b", "#7a5bc0", "#5f8a3a", "#8c564b", "#4c78a8"];
 
-/** The line of a state; `index` chooses for names that have no hue. */
+/** Returns the line of a state; `index` selects the hue for unknown names. */
 export function stroke(name: string, index: number): Stroke {
   const other = OTHERS[index % OTHERS.length]!;
   return KNOWN[name] ?? { light: other, dark: other, dash: [9, 3, 2, 3] };

@@ -1,8 +1,8 @@
-// The server's words on a problem, as sentences.
+// The text of an error of the server.
 
 import type { Problem } from "../api/types.ts";
 
-/** Where in the text, what is wrong, and what was expected; the hint stands apart. */
+/** Returns the location in the text, the message and the expected value; the hint is shown separately. */
 export function words({ message, expected, line, column }: Problem, withPlace = false): string {
   const place = withPlace && line ? `Line ${line}, column ${column ?? 1}: ` : "";
   const wanted = expected ? `. Expected ${expected.replace(/^expected /, "")}` : "";

@@ -13,7 +13,7 @@ import type { Angles } from "../api/types.ts";
 import { dark } from "../state/theme.ts";
 import { Problems } from "./problems.tsx";
 
-/** Quantities of the display, and of each state, by their names in result.json. */
+/** Metrics of the display and of each state, by their names in result.json. */
 const OF_DISPLAY: Record<string, string> = {
   contrast_ratio: "Contrast ratio",
   gamut_percent_srgb: "Gamut (% of sRGB)",
@@ -21,17 +21,17 @@ const OF_DISPLAY: Record<string, string> = {
   text_contrast: "Text contrast",
 };
 const OF_STATES: Record<string, string> = {
-  Y: "Luminous reflectance factor Y",
+  Y: "Luminance factor Y",
   luminance_cd_m2: "Luminance (cd/m²)",
   L_star: "Lightness L*",
   u_prime: "u′",
   v_prime: "v′",
   shift_with_angle_uv: "Colour shift Δu′v′",
-  peak_nm: "Peak (nm)",
+  peak_nm: "Peak wavelength (nm)",
 };
 const NAMES: Record<string, string> = { ...OF_DISPLAY, ...OF_STATES };
 const nameOf = (metric: string): string => NAMES[metric] ?? metric;
-/** The text rests this long before the angles are asked for, ms. */
+/** Time without changes after which the angles are requested, ms. */
 const REST_MS = 60;
 
 function curvesOf(angles: Angles | null, metric: string): Curve[] {
@@ -118,7 +118,8 @@ export function AnglesPanel() {
         </ul>
       </div>
       <p class="remark" id="angle-remark">
-        The dotted line is the view that is shown above. A lamp without angular radius has no mirror image of its own.
+        The dotted line marks the view that is shown above. The mirror image of a source is visible only if the source
+        has an angular radius.
       </p>
     </>
   );

@@ -1,10 +1,10 @@
-// A choice of files of the reader's own.
+// A button for choosing local files.
 
 import { useRef } from "preact/hooks";
 
 import { take } from "./drop.tsx";
 
-/** A button that opens the browser's choice of files. */
+/** A button that opens the file dialog of the browser. */
 export function FileButton({ label, title }: { label: string; title?: string }) {
   const chooser = useRef<HTMLInputElement>(null);
   return (

@@ -1,4 +1,4 @@
-// Two designs side by side: which keys differ, and what that does to every state.
+// The comparison of two designs: the keys that differ, and the colours of every state.
 
 import { Fragment } from "preact";
 
@@ -17,15 +17,14 @@ const shown = (value: Json | undefined): string =>
 
 function Keys() {
   const changed = differences(pinned.value!.result.scenario as Json, (result.value?.scenario ?? null) as Json);
-  if (changed.length === 0)
-    return <p class="remark">No key differs yet: change the design, and the differences appear here.</p>;
+  if (changed.length === 0) return <p class="remark">No key differs. Change the design to see the differences here.</p>;
   return (
     <table class="numbers">
       <thead>
         <tr>
           <th scope="col">key</th>
           <th scope="col">pinned</th>
-          <th scope="col">now</th>
+          <th scope="col">current</th>
         </tr>
       </thead>
       <tbody>
@@ -45,7 +44,7 @@ function Keys() {
   );
 }
 
-/** CIEDE2000 between a state now and before. */
+/** Returns the CIEDE2000 difference between a state of the current and of the pinned design. */
 function distance(a: StateResult, b: StateResult): number | null {
   const [now, before] = [a, b].map(({ L_star, a_star, b_star }) => [L_star, a_star, b_star]);
   const known = [...now!, ...before!].every((part) => typeof part === "number");
@@ -70,7 +69,7 @@ function Colours() {
             <span
               class="swatch half"
               ref={(e) => e?.style.setProperty("background-color", now.get(name) ?? "")}
-              title="now"
+              title="current"
             />
             <span>Y {was ? `${fixed(100 * was.Y, 1)} → ${fixed(100 * state.Y, 1)} %` : NONE}</span>
             <span>ΔL* {was ? signed((state.L_star ?? NaN) - (was.L_star ?? NaN), 1) : NONE}</span>
@@ -96,7 +95,8 @@ export function ComparePanel() {
           Pin this design
         </button>
         <span class="remark">
-          It stays beside the one on the bench: in the patches, both diagrams, the tables, and here, key by key.
+          The pinned design is shown next to the current one: in the patches, both diagrams, the tables, and here key by
+          key.
         </span>
       </div>
     );
@@ -107,13 +107,13 @@ export function ComparePanel() {
       <div class="controls">
         <span>
           Pinned: <b>{before.title}</b>
-          {same ? ", the same as now" : `; on the bench: ${title.value}`}
+          {same ? ", equal to the current design" : `; current: ${title.value}`}
         </span>
         <button type="button" onClick={swap}>
           Swap
         </button>
         <button type="button" onClick={pin}>
-          Pin this one instead
+          Pin the current design instead
         </button>
         <button type="button" onClick={unpin}>
           Unpin

@@ -1,4 +1,4 @@
-// What is seen from all directions: conoscopic maps, drawn by the command line's own code.
+// Conoscopic maps over all viewing directions, drawn by the same code as on the command line.
 
 import { useSignal } from "@preact/signals";
 
@@ -8,7 +8,7 @@ import { useFollowed } from "../state/follow.ts";
 import { pinned } from "../state/pin.ts";
 import { Problems } from "./problems.tsx";
 
-/** Maps take longer than a picture: they wait until the hand rests, ms. */
+/** Time without changes after which the maps are requested, ms; they take longer than the live result. */
 const REST_MS = 300;
 
 export function ConePanel() {
@@ -18,7 +18,7 @@ export function ConePanel() {
   return (
     <>
       <div class="controls">
-        <label for="cone-step">Directions every</label>
+        <label for="cone-step">Step of the inclinations</label>
         <select id="cone-step" value={step.value} onChange={(event) => (step.value = event.currentTarget.value)}>
           <option value="5">5°</option>
           <option value="3">3°</option>

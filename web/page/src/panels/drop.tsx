@@ -1,10 +1,10 @@
-// Files that come onto the page: scenarios are opened, everything else is sent to be audited.
+// Files that are chosen or dropped: scenarios are opened, all others are sent to the server and audited.
 
 import { add } from "../state/files.ts";
 import { open } from "../state/open.ts";
 import { openTab } from "../state/tab.ts";
 
-/** A scenario longer than this is none, bytes. */
+/** Maximum length of a scenario, bytes; longer files are treated as data. */
 const LONGEST = 256 * 1024;
 
 export async function take(given: readonly File[]): Promise<void> {
@@ -18,7 +18,7 @@ export async function take(given: readonly File[]): Promise<void> {
   }
 }
 
-/** Takes what is dropped anywhere on the page. */
+/** Accepts files that are dropped anywhere on the page. */
 export function acceptDrops(): void {
   const page = document.documentElement;
   addEventListener("dragover", (event) => {

@@ -1,41 +1,41 @@
-// The fields of what is chosen in the drawing, under its name and its key in the scenario.
+// The fields of the part that is selected in the drawing, under its name and its key in the scenario.
 
 import { addFilm, addLayer, addLight, canMove, canRemove, moveSelected, removeSelected } from "../drawing/actions.ts";
 import { Elsewhere, Field, Form } from "../fields/form.tsx";
 import { KINDS } from "../model/kinds.ts";
 import { films, layers } from "../model/stack.ts";
 import { draft, draftName, fields, pending, problems, selected, text } from "../state/design.ts";
-import { edit, putBack } from "../state/live.ts";
+import { discard, edit } from "../state/live.ts";
 import { at, listAt, textAt } from "../model/json.ts";
 import { Menu } from "./menu.tsx";
 import { StatesEditor } from "./states.tsx";
 import { said } from "../state/said.ts";
 import { PRESETS } from "../state/shelf.ts";
 
-/** What a path is called. */
+/** Returns the name of the part at a path. */
 function nameOf(path: string): string {
   const layer = layers(fields.value).find((one) => one.path === path);
   const film = films(fields.value).find((one) => one.path === path);
   if (layer) return layer.name;
   if (film) return film.thickness === null ? "Gap" : `Film of ${film.material}`;
-  if (path.startsWith("lighting.directed.")) return `Light ${Number(path.split(".")[2]) + 1}`;
-  if (path.startsWith("lighting.environment.")) return `Surround ${Number(path.split(".")[2]) + 1}`;
+  if (path.startsWith("lighting.directed.")) return `Source ${Number(path.split(".")[2]) + 1}`;
+  if (path.startsWith("lighting.environment.")) return `Environment ${Number(path.split(".")[2]) + 1}`;
   const names: Record<string, string> = {
     "display.pixel": "Pixel",
     "display.pixel.states": "Drive states",
-    lighting: "Room light",
+    lighting: "Ambient light",
     viewer: "Viewer",
-    computing: "Computing",
+    computing: "Computation",
   };
   return names[path] ?? path;
 }
 
 const CHIPS = ["display.pixel", "display.pixel.states", "lighting", "viewer", "computing"];
 
-/** What layers are called in menus. */
+/** The names of layers in menus. */
 const LAYER_NAMES = Object.fromEntries(Object.entries(KINDS).map(([kind, { menu }]) => [kind, menu ?? kind]));
 
-/** A menu of things to add. */
+/** A menu of parts to add. */
 function Add({
   name,
   options,
@@ -55,31 +55,31 @@ function Add({
 }
 
 /**
- * The light and the viewer of a room or of a standard's geometry. The viewer's own direction gives way to the
- * preset's; a front light is part of the display and stays.
+ * Applies a preset of lighting and viewer. It replaces the viewing direction; a front light is part of the display and
+ * is kept.
  */
-function enter(room: string): void {
+function applyPreset(preset: string): void {
   const guide = at(fields.value, "lighting.front_light");
   edit([
-    { op: "set", path: "lighting", value: { preset: room, ...(guide === undefined ? {} : { front_light: guide }) } },
+    { op: "set", path: "lighting", value: { preset, ...(guide === undefined ? {} : { front_light: guide }) } },
     { op: "remove", path: "viewer.theta_deg" },
     { op: "remove", path: "viewer.phi_deg" },
   ]);
-  said.value = `${room}: light and viewer are the preset's${guide === undefined ? "" : "; the front light stays"}.`;
+  said.value = `${preset}: lighting and viewer are those of the preset${guide === undefined ? "" : "; the front light is kept"}.`;
 }
 
-/** A room or a standard's geometry, which fills lighting and viewer; the one in use is shown. */
+/** The menu of the presets of lighting and viewer (rooms, geometries of standards), with the current one. */
 export function Room() {
   const now = /^\s*preset\s*=\s*"([^"]+)"/m.exec(text.value)?.[1] ?? "";
   return (
     <Menu
       class="room"
-      label={now ? `Room preset: ${now}` : undefined}
+      label={now ? `Lighting preset: ${now}` : undefined}
       items={PRESETS.value}
       chosen={now}
-      choose={enter}
+      choose={applyPreset}
     >
-      {now || "Room or standard"}
+      {now || "Lighting preset"}
     </Menu>
   );
 }
@@ -90,12 +90,12 @@ export function Toolbar() {
     <div class="toolbar" role="toolbar" aria-label="Parts of the display">
       <Add
         name="Add layer"
-        options={[...Object.keys(KINDS), ...(film ? ["film of the pixel"] : [])]}
+        options={[...Object.keys(KINDS), ...(film ? ["pixel film"] : [])]}
         names={LAYER_NAMES}
-        add={(what) => (what === "film of the pixel" ? addFilm() : addLayer(what))}
+        add={(what) => (what === "pixel film" ? addFilm() : addLayer(what))}
       />
       <Add
-        name="Add light"
+        name="Add source"
         options={[
           "directed",
           "ring",
@@ -130,7 +130,7 @@ export function Toolbar() {
   );
 }
 
-/** What was refused, and the way back. */
+/** The errors of a refused change, and a button that discards it. */
 function Refusal() {
   if (problems.value.length === 0) return null;
   const waiting = pending.value.length + (draft.value === null ? 0 : 1);
@@ -139,24 +139,24 @@ function Refusal() {
       <p>
         <b>
           {draft.value !== null && draftName.value
-            ? `${draftName.value} does not compute.`
+            ? `${draftName.value} cannot be computed.`
             : waiting > 0
-              ? "Not applied yet."
-              : "Not computed."}
+              ? "The change is not applied."
+              : "The design cannot be computed."}
         </b>{" "}
-        The picture shows the last design that computes.
+        The result is that of the last valid design.
       </p>
       <Elsewhere />
       {waiting > 0 && (
-        <button type="button" onClick={putBack}>
-          Put it back
+        <button type="button" onClick={discard}>
+          Discard
         </button>
       )}
     </div>
   );
 }
 
-/** A coating has films of its own, top to bottom. */
+/** The fields of a coating and of its films, from top to bottom. */
 function CoatingFields({ path }: { path: string }) {
   const list = `${path}.film`;
   const count = listAt(fields.value, list).length;
@@ -213,7 +213,7 @@ function Fields({ path }: { path: string }) {
 export function FieldsPanel() {
   const path = selected.value;
   return (
-    <section class="editor" aria-label="Fields of what is chosen">
+    <section class="editor" aria-label="Fields of the selection">
       <nav class="chips" aria-label="Parts of the scenario">
         {CHIPS.map((chip) => (
           <button type="button" key={chip} aria-pressed={path === chip} onClick={() => (selected.value = chip)}>

@@ -1,4 +1,4 @@
-// Measured files: what the audit says of each, in words and pictures, and how it is put to use.
+// Uploaded files: the audit of each, as text and figures, and its possible uses.
 
 import type { Edit } from "../api/types.ts";
 import { textAt } from "../model/json.ts";
@@ -10,31 +10,31 @@ import { FileButton } from "./choose.tsx";
 import { Problems } from "./problems.tsx";
 
 const KINDS: Record<string, string> = {
-  bsdf: "measured scattering",
+  bsdf: "measured BSDF",
   spectrum: "spectrum",
   material: "n and k of a material",
-  pixel: "table of a pixel",
-  map: "map of light",
+  pixel: "pixel table",
+  map: "light map",
   luminaire: "luminaire",
-  profile: "profile of light",
+  profile: "light profile",
   panel: "measured panel",
 };
 
-/** Why a use is of no use to the design on the bench, or "". */
+/** Returns the reason why a use has no effect on the current design, or "". */
 function idle(edits: readonly Edit[]): string {
   const colours = edits.some(({ path }) => path.startsWith("display.diffuser.transmission"));
   const brings = edits.some(({ path }) => path === "display.diffuser");
   return colours && !brings && textAt(fields.value, "display.diffuser.model") !== "measured"
-    ? "only a measured diffuser has a transmission spectrum of its own"
+    ? "only a measured diffuser can have a transmission spectrum"
     : "";
 }
 
-/** A material can be the film that is chosen in the drawing. */
+/** Offers a material for the film that is selected in the drawing. */
 function asFilm(file: Dropped): { label: string; edits: Edit[] }[] {
   const film = /^display\.pixel\.film\.\d+$/.test(selected.value);
   if (file.audit?.kind !== "material" || !film) return [];
   return [
-    { label: "Use as the chosen film", edits: [{ op: "set", path: `${selected.value}.material`, value: file.name }] },
+    { label: "Use as the selected film", edits: [{ op: "set", path: `${selected.value}.material`, value: file.name }] },
   ];
 }
 
@@ -52,8 +52,8 @@ function File({ file }: { file: Dropped }) {
           {audit ? `${KINDS[audit.kind] ?? audit.kind}, ` : ""}
           {size(file.bytes)}
         </small>
-        <button type="button" onClick={() => forget(file.name)} aria-label={`Forget ${file.name}`}>
-          Forget
+        <button type="button" onClick={() => forget(file.name)} aria-label={`Remove ${file.name}`}>
+          Remove
         </button>
       </header>
       {!audit && file.problems.length === 0 && <p role="status">Reading…</p>}
@@ -81,7 +81,7 @@ function File({ file }: { file: Dropped }) {
                 <Drawn key={name} svg={svg} label={`${file.name}: ${name}`} />
               ))}
             </div>
-            <pre class="words" tabindex={0} aria-label={`What ${file.name} is worth`}>
+            <pre class="words" tabindex={0} aria-label={`Audit of ${file.name}`}>
               {audit.words.join("\n")}
             </pre>
           </div>
@@ -97,8 +97,8 @@ export function FilesPanel() {
       <div class="controls">
         <FileButton label="Choose files" />
         <span class="remark">
-          or drop them anywhere: BSDF (Zemax, ASTM E1392, CSV), n-k tables, spectra, pixel tables, light maps, IES
-          luminaires. They stay on this machine.
+          or drop files anywhere on the page: BSDFs (Zemax, ASTM E1392, CSV), n-k tables, spectra, pixel tables, light
+          maps, IES luminaires. The files stay on this machine.
         </span>
       </div>
       {files.value.map((file) => (

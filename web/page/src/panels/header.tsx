@@ -1,4 +1,4 @@
-// What is done with the design as a whole: its name, undo, examples, open, save, link, pin, run.
+// The actions on the whole design: title, undo, examples, open, save, link, pin, run.
 
 import { named, postForBlob, Refused } from "../api/client.ts";
 import { addressOf, show } from "../state/address.ts";
@@ -21,15 +21,15 @@ import { FileButton } from "./choose.tsx";
 import { Menu } from "./menu.tsx";
 import { save } from "./save.ts";
 
-/** A file's name for the design. */
+/** Returns a file name for the design. */
 export const fileName = (): string =>
   title.value
     .toLowerCase()
     .replace(/[^a-z0-9]+/g, "-")
     .replace(/^-|-$/g, "") || "scenario";
 
-/** The user's own files that the scenario names, as a half sentence. */
-function without(): string {
+/** Returns the uploaded files that the scenario uses and that are not part of its text, as an end of a sentence. */
+function withoutFiles(): string {
   const left = Object.keys(fileIds.value).filter((name) => text.value.includes(JSON.stringify(name)));
   return left.length > 0 ? `, but not its files: ${left.join(", ")}` : "";
 }
@@ -37,7 +37,7 @@ function without(): string {
 async function saveText(): Promise<void> {
   if (!(await ready("saved"))) return;
   save(`${fileName()}.toml`, new Blob([text.value], { type: "application/toml" }));
-  if (without()) said.value = `The scenario is saved${without()}. Keep them beside it.`;
+  if (withoutFiles()) said.value = `The scenario is saved${withoutFiles()}. Keep them in the same folder.`;
 }
 
 function runWalk(): void {
@@ -51,10 +51,10 @@ async function copyLink(): Promise<void> {
   const address = await addressOf(scenario);
   try {
     await navigator.clipboard.writeText(address);
-    said.value = `The link is copied; it holds the whole scenario${without()}.`;
+    said.value = `The link is copied to the clipboard. It contains the whole scenario${withoutFiles()}.`;
   } catch {
     show(address, scenario);
-    said.value = `The address now holds the whole scenario${without()}.`;
+    said.value = `The address of the page now contains the whole scenario${withoutFiles()}.`;
   }
 }
 
@@ -66,7 +66,7 @@ async function openExample(name: string): Promise<void> {
   }
 }
 
-/** When a design was last changed, for a list. */
+/** Returns the time of a design's last change as text. */
 const when = (at: number): string =>
   new Date(at).toLocaleString(undefined, {
     weekday: "short",
@@ -76,7 +76,7 @@ const when = (at: number): string =>
     minute: "2-digit",
   });
 
-/** What a design is exported as: the command line's own files. */
+/** The files that can be exported, the same as on the command line. */
 const EXPORTS = [
   "report.html",
   "result.json",
@@ -92,7 +92,7 @@ const EXPORTS = [
 
 async function exportAs(what: string): Promise<void> {
   if (!(await ready("exported"))) return;
-  said.value = `Making ${what}…`;
+  said.value = `Exporting ${what}…`;
   try {
     save(`${fileName()}-${what}`, await postForBlob("export", { scenario: text.value, files: fileIds.value, what }));
     said.value = `${what} is saved.`;
@@ -112,7 +112,7 @@ function Mark() {
 
 const THEMES: readonly Theme[] = ["system", "light", "dark"];
 
-/** A new title; none takes the key away. */
+/** Returns the edit that sets the title; an empty title removes the key. */
 const titled = (name: string): Edit =>
   name === "" && at(fields.value, "title") !== undefined
     ? { op: "remove", path: "title" }
@@ -151,7 +151,7 @@ export function Header() {
         </Menu>
         {earlier.value.length > 0 && (
           <Menu
-            title="Designs of other tabs and of earlier visits"
+            title="Designs of other tabs and earlier visits"
             items={earlier.value.map(({ id, title, at }) => ({ name: id, label: title, summary: when(at) }))}
             choose={takeUp}
             opens={lookForEarlier}
@@ -159,7 +159,7 @@ export function Header() {
             Earlier
           </Menu>
         )}
-        <FileButton label="Open" title="A scenario, or a measured file" />
+        <FileButton label="Open" title="Open a scenario or a measured file" />
         <button type="button" onClick={() => void saveText()}>
           Save
         </button>
@@ -180,7 +180,7 @@ export function Header() {
           Run
         </button>
         <select
-          aria-label="Colours of the page"
+          aria-label="Colour theme"
           value={theme.value}
           onChange={(event) => (theme.value = event.currentTarget.value as Theme)}
         >

@@ -1,4 +1,4 @@
-// Where the light goes: for each state, luminous shares of a beam that enters from the view direction.
+// The energy balance: for each state, the fractions of a beam from the viewing direction, weighted by luminance.
 
 import type { Ledger } from "../api/types.ts";
 import { fixed, withError } from "../model/format.ts";
@@ -10,7 +10,7 @@ type Part = (typeof PARTS)[number];
 const share = (ledger: Pick<Ledger, "returned" | "absorbed" | "unaccounted">, part: Part): number =>
   part === "returned" || part === "unaccounted" ? ledger[part] : (ledger.absorbed[part] ?? 0);
 
-/** A state's shares as one bar; each part has its own hatch, and its number in the table below. */
+/** The fractions of a state as a bar. Each part has its own pattern; the numbers are in the table. */
 function Bar({ name, ledger }: { name: string; ledger: Ledger }) {
   let from = 0;
   return (
@@ -19,7 +19,7 @@ function Bar({ name, ledger }: { name: string; ledger: Ledger }) {
       viewBox="0 0 1000 26"
       preserveAspectRatio="none"
       role="img"
-      aria-label={`${name}: ${fixed(100 * ledger.returned, 1)} per cent returns`}
+      aria-label={`${name}: ${fixed(100 * ledger.returned, 1)} percent returned`}
     >
       {PARTS.map((part) => {
         const width = Math.max(0, 1000 * share(ledger, part));
@@ -36,18 +36,18 @@ export function LedgerPanel() {
   const used = PARTS.filter((part) => all.some(([, ledger]) => Math.abs(share(ledger, part)) > 5e-7));
   return (
     <>
-      <div class="scroll" tabindex={0} role="region" aria-label="Energy ledger">
+      <div class="scroll" tabindex={0} role="region" aria-label="Energy balance">
         <table class="numbers ledger">
           <thead>
             <tr>
               <th scope="col">state</th>
               <th scope="col" class="bar-head">
-                a beam from the view direction
+                beam from the viewing direction
               </th>
               {used.map((part) => (
                 <th scope="col" key={part}>
                   <span class={`chip share ${part}`} />
-                  {part === "returned" ? "returns" : part} %
+                  {part} %
                 </th>
               ))}
             </tr>
@@ -70,8 +70,8 @@ export function LedgerPanel() {
         </table>
       </div>
       <p class="remark">
-        Luminous shares of a unit beam of the room's light that enters from where the viewer is; what does not return is
-        absorbed in that part.
+        Fractions of a unit beam that enters from the viewing direction with the spectrum of the light, weighted by
+        luminance. Light that is not returned is absorbed by the named parts.
       </p>
     </>
   );

@@ -1,5 +1,5 @@
-// A button that opens a menu, after the ARIA pattern: arrow keys, Home, End and letters move in it, Enter and Space
-// act, Escape and Tab close it. Nothing is done by merely moving through it.
+// A button that opens a menu, according to the ARIA pattern: arrow keys, Home, End and letters move in it, Enter and
+// Space select an item, Escape and Tab close it. Moving through the menu selects nothing.
 
 import { useSignal } from "@preact/signals";
 import type { ComponentChildren } from "preact";
@@ -7,30 +7,30 @@ import { useLayoutEffect, useRef } from "preact/hooks";
 
 export interface Item {
   readonly name: string;
-  /** What is shown, if not its name. */
+  /** The text that is shown instead of the name. */
   readonly label?: string;
   readonly summary?: string;
 }
 
 interface Props {
-  /** What stands on the button. */
+  /** The content of the button. */
   children: ComponentChildren;
-  /** What it is called, where that is not what stands on it. */
+  /** The accessible name, if it is not the content. */
   label?: string | undefined;
   title?: string;
   class?: string;
   items: readonly Item[];
-  /** The item that is in use, where the menu chooses one. */
+  /** The current item of a menu that selects one of several. */
   chosen?: string;
   choose: (name: string) => unknown;
-  /** Called before it opens. */
+  /** Called before the menu opens. */
   opens?: () => void;
 }
 
-/** Between the menu and the window's edge, px. */
+/** Distance between the menu and the edge of the window, px. */
 const MARGIN = 8;
 
-/** Puts a menu below its button, or above it where there is more room, inside the window. */
+/** Places a menu below its button, or above it if there is more room, inside the window. */
 function place(menu: HTMLElement, button: HTMLElement): void {
   const at = button.getBoundingClientRect();
   const [above, below] = [at.top - MARGIN, innerHeight - at.bottom - MARGIN];
@@ -40,14 +40,14 @@ function place(menu: HTMLElement, button: HTMLElement): void {
   menu.style.top = up ? `${at.top - Math.min(menu.scrollHeight + 2, above)}px` : `${at.bottom + 2}px`;
 }
 
-/** A summary without the marks of code and emphasis. */
+/** Removes the marks of code and emphasis from a summary. */
 const plain = (summary: string): string => summary.replace(/[`*]/g, "");
 
 const itemsOf = (menu: HTMLElement | null): HTMLElement[] => [
   ...(menu?.querySelectorAll<HTMLElement>("[role^=menuitem]") ?? []),
 ];
 
-/** Where a key moves to from item `at` of several; null for one that does not move. */
+/** Returns the index to which a key moves from item `at`; null for keys that do not move. */
 function moved(key: string, at: number, items: readonly HTMLElement[]): number | null {
   const count = items.length;
   if (key === "ArrowDown") return (at + 1) % count;

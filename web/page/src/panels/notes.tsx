@@ -1,4 +1,4 @@
-// What the program says of the scenario besides its numbers: how it was understood, and what may be wrong.
+// The warnings and notes of the scenario.
 
 import { answer, result } from "../state/design.ts";
 

@@ -1,4 +1,4 @@
-// What the server refused, in its words.
+// The error messages of the server.
 
 import { words } from "../model/words.ts";
 import type { Problem } from "../api/types.ts";

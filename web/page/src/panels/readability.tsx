@@ -1,4 +1,4 @@
-// How well black text on white is read.
+// The readability of black text on white.
 
 import { NONE, withError } from "../model/format.ts";
 import { view } from "../state/design.ts";
@@ -12,7 +12,7 @@ export function Readability() {
     [
       "Text luminance",
       withError(now.text_luminance_cd_m2, now.standard_error.text_luminance_cd_m2, 1),
-      "cd/m², three quarters white, one quarter black",
+      "cd/m²; mean of a text that is three quarters white and one quarter black",
     ],
     [
       "Text contrast",
@@ -26,8 +26,8 @@ export function Readability() {
         `Small print, ${age} years`,
         typeof value !== "number" ? NONE : `${withError(100 * value, 100 * (now.standard_error[key] ?? 0), 1)} %`,
         typeof value !== "number"
-          ? "out of the surrogate's range (text of 1000 to 5200 cd/m², contrast .35 to .9)"
-          : "reading performance, a surrogate calibrated on Feng 2012, table 5.3",
+          ? "outside the range of the surrogate (text luminance 1000 to 5200 cd/m², contrast 0.35 to 0.9)"
+          : "reading performance, by a surrogate calibrated with Feng 2012, table 5.3",
       ];
     }),
   ];

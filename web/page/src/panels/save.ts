@@ -1,4 +1,4 @@
-// Hands bytes to the browser's downloads.
+// Saves bytes as a download of the browser.
 
 export function save(name: string, bytes: Blob): void {
   const link = document.createElement("a");

@@ -1,4 +1,4 @@
-// The scenario's own text. What is typed is read as it is typed; a mistake is shown with its line.
+// The text of the scenario. It is read while it is edited; errors are shown with their lines.
 
 import { useEffect, useRef } from "preact/hooks";
 
@@ -10,7 +10,7 @@ import { writeOut } from "../state/open.ts";
 export function Source() {
   const area = useRef<HTMLTextAreaElement>(null);
   const shown = draft.value ?? text.value;
-  // Edits that wait are not in the text yet: what is typed into it would be without them.
+  // Pending edits must be in the text before it is edited.
   useEffect(() => void writeOut(), []);
   useEffect(() => {
     if (area.current && area.current.value !== shown && document.activeElement !== area.current)
@@ -19,7 +19,7 @@ export function Source() {
   return (
     <div class="source">
       <label for="source">
-        The scenario, as <code>papilio run</code> takes it
+        The scenario, as for <code>papilio run</code>
       </label>
       <textarea
         id="source"

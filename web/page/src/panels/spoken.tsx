@@ -1,4 +1,4 @@
-// What changed, for screen readers: the display in a sentence, once the hand rests.
+// A summary of the result for screen readers, after each change.
 
 import { useSignal } from "@preact/signals";
 import { useEffect } from "preact/hooks";
@@ -6,7 +6,7 @@ import { useEffect } from "preact/hooks";
 import { fixed } from "../model/format.ts";
 import { view } from "../state/design.ts";
 
-/** After a pause of so many ms. */
+/** Time without changes after which the summary is announced, ms. */
 const REST_MS = 900;
 
 export function Spoken() {
@@ -16,7 +16,7 @@ export function Spoken() {
     if (!now) return;
     const say = () => {
       const white = now.states["white"];
-      words.value = `${white ? `White ${fixed(100 * white.Y, 1)} per cent. ` : ""}Contrast ${fixed(now.contrast_ratio, 1)}. Gamut ${fixed(now.gamut_percent_srgb, 1)} per cent of sRGB.`;
+      words.value = `${white ? `White ${fixed(100 * white.Y, 1)} percent. ` : ""}Contrast ${fixed(now.contrast_ratio, 1)}. Gamut ${fixed(now.gamut_percent_srgb, 1)} percent of sRGB.`;
     };
     const rest = setTimeout(say, REST_MS);
     return () => clearTimeout(rest);

@@ -1,5 +1,5 @@
-// Drive states: what each sub-pixel does in the state that is shown. A default state that is changed becomes
-// one of the scenario's own.
+// Drive states: how each sub-pixel is driven in the selected state. If a default state is changed, it is written to
+// the scenario.
 
 import { useSignal } from "@preact/signals";
 
@@ -28,8 +28,8 @@ function SubPixel({ state, sub, value }: { state: string; sub: string; value: Dr
       <div class="pair">
         <Choice
           label={`${sub}: driven by`}
-          value={analogue ? "gap" : "share"}
-          options={["share", "gap"]}
+          value={analogue ? "gap" : "area fraction"}
+          options={["area fraction", "gap"]}
           change={(as) => drive(state, sub, as === "gap" ? { gap_nm: own } : 1)}
         />
         <NumberField
@@ -79,7 +79,7 @@ export function StatesEditor() {
   if (textAt(fields.value, "display.pixel.model") !== "film")
     return (
       <p class="help">
-        Only a pixel of films has states that can be driven; a table or a uniform pixel brings its own.
+        Only the states of a film pixel can be edited here. Those of a table or of a uniform pixel are part of its data.
       </p>
     );
   const own = at(fields.value, join("display.pixel.states", state)) !== undefined;
@@ -94,8 +94,8 @@ export function StatesEditor() {
           change={(name) => showState(name)}
         />
         <p class="help" id="f-state-help">
-          Share of each sub-pixel's area at its own colour, the rest dark; or an analogue gap.{" "}
-          {isDefaultState(fields.value, state) && "This is a default state; a change makes it your own."}
+          Fraction of each sub-pixel's area that shows its own colour (the rest is dark), or an analogue gap.{" "}
+          {isDefaultState(fields.value, state) && "This is a default state; a change writes it to the scenario."}
         </p>
       </div>
       {[...drives(fields.value, state)].map(([sub, value]) => (

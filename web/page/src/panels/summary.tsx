@@ -1,4 +1,4 @@
-// The display in six numbers, each with its difference from the pinned design.
+// The six main numbers of the result, each with its difference from the pinned design.
 
 import type { Num, View } from "../api/types.ts";
 import { fixed, signed, withError } from "../model/format.ts";
@@ -18,28 +18,28 @@ const FIGURES: readonly Figure[] = [
     name: "White",
     unit: "% Y",
     decimals: 1,
-    help: "Luminous reflectance factor of the white state: 100 % for a perfect white in the same light",
+    help: "Luminance factor of the white state: 100 % for a perfect white diffuser in the same light",
     of: (v) => [percent(v.states["white"]?.Y), percent(v.states["white"]?.standard_error.Y)],
   },
   {
     name: "Contrast",
     unit: ": 1",
     decimals: 2,
-    help: "Y of white over Y of black",
+    help: "Luminance factor of white divided by that of black",
     of: (v) => [v.contrast_ratio, v.standard_error.contrast_ratio],
   },
   {
     name: "Gamut",
     unit: "% sRGB",
     decimals: 2,
-    help: "Area of the triangle of red, green and blue in u′v′ over that of sRGB",
+    help: "Area of the triangle of red, green and blue in u′v′ divided by that of sRGB",
     of: (v) => [v.gamut_percent_srgb, v.standard_error.gamut_percent_srgb],
   },
   {
     name: "Gamut",
     unit: "% EBU",
     decimals: 2,
-    help: "The same over that of EBU",
+    help: "Area of the triangle of red, green and blue in u′v′ divided by that of EBU",
     of: (v) => [v.gamut_percent_ebu, v.standard_error.gamut_percent_ebu],
   },
   {
@@ -53,7 +53,7 @@ const FIGURES: readonly Figure[] = [
     name: "Text contrast",
     unit: "",
     decimals: 3,
-    help: "(white − black)/(white + black/3), of luminances",
+    help: "(white − black)/(white + black/3), with luminances",
     of: (v) => [v.text_contrast, v.standard_error.text_contrast],
   },
 ];

@@ -1,4 +1,4 @@
-// A metric over one key as a curve, over two as a map; the same sweep as `papilio sweep` runs.
+// A sweep, as by `papilio sweep`: a metric over one key as a curve, over two keys as a map.
 
 import type { SweepPoint } from "../api/types.ts";
 import { useSignal } from "@preact/signals";
@@ -31,7 +31,7 @@ const OF_STATES = ["Y", "L_star", "u_prime", "v_prime", "peak_nm"];
 const FINE = 21;
 const COARSE = 11;
 
-/** A path in words: the last keys, and where they stand. */
+/** Returns the label of a key with its unit. */
 export function nameOf(path: string): string {
   const [parent, key] = split(path);
   const u = unit(/^\w+$/.test(key) && unit(key) ? key : split(parent)[1]);
@@ -42,7 +42,7 @@ function put(index: number, axis: Axis): void {
   axes.value = axes.value.map((one, i) => (i === index ? axis : one));
 }
 
-/** Most points on an axis here; `papilio sweep` takes more. */
+/** Maximum number of points on an axis of the page; `papilio sweep` allows more. */
 const MOST = 101;
 
 function AxisFields({ axis, index }: { axis: Axis; index: number }) {
@@ -53,7 +53,7 @@ function AxisFields({ axis, index }: { axis: Axis; index: number }) {
     const right = typed.trim() !== "" && Number.isFinite(value) && counts;
     wrong.value = right
       ? ""
-      : `“${typed}”: ${key} is ${key === "count" ? `a whole number from 2 to ${MOST}` : "a number"}`;
+      : `“${typed}”: ${key} must be ${key === "count" ? `an integer from 2 to ${MOST}` : "a number"}`;
     if (right) put(index, { ...axis, [key]: value });
   };
   const number = (key: "from" | "to" | "count") => (
@@ -93,7 +93,7 @@ function AxisFields({ axis, index }: { axis: Axis; index: number }) {
   );
 }
 
-/** The key that is chosen in the drawing is the first that comes to mind. */
+/** Adds an axis: a key of the part that is selected in the drawing, if it has one. */
 function addAxis(): void {
   const taken = axes.value.map(({ path }) => path);
   const free = keys.value.filter((path) => !taken.includes(path));
@@ -191,16 +191,16 @@ export function SweepPanel() {
         <button
           type="button"
           onClick={() => edit(asEdits())}
-          title="The scenario then runs as `papilio sweep FILE`, too"
+          title="Write this sweep to the scenario, for `papilio sweep FILE`"
         >
-          Keep in the scenario
+          Add to the scenario
         </button>
       </div>
       <Problems of={sweep.problems.value} />
       <Plot />
       {end && (
         <p class="remark">
-          {points.value.length} points; the last: {digits(end.metrics[metric.value], 4)}.
+          {points.value.length} points; value at the last point: {digits(end.metrics[metric.value], 4)}.
         </p>
       )}
     </>

@@ -1,5 +1,5 @@
-// The table of Feng 2012, table 5.1, and what is said of a state besides, each number with its error; beside
-// a pinned design, with the difference.
+// The table of the states: the columns of Feng 2012, table 5.1, and others, each number with its error and its
+// difference from the pinned design.
 
 import { useSignal } from "@preact/signals";
 
@@ -24,11 +24,11 @@ const column = (head: string, decimals: number, help: string, of: Column["of"]):
   of,
 });
 
-const Y = column("Y", 4, "Luminous reflectance factor", (v) => v.Y);
+const Y = column("Y", 4, "Luminance factor", (v) => v.Y);
 const LUMINANCE = column("cd/m²", 2, "Luminance", (v) => v.luminance_cd_m2);
-const CONTRAST = column("contrast", 2, "Its Y over that of black (Feng 2012: CR)", (v) => v.contrast);
+const CONTRAST = column("contrast", 2, "Y divided by Y of black (Feng 2012: CR)", (v) => v.contrast);
 const LAB = [
-  column("L*", 2, "CIELAB against the light's white", (v) => v.L_star),
+  column("L*", 2, "CIELAB, relative to the white of the light", (v) => v.L_star),
   column("a*", 2, "CIELAB", (v) => v.a_star),
   column("b*", 2, "CIELAB", (v) => v.b_star),
 ];
@@ -40,24 +40,24 @@ const DR = column("dR", 4, "u′v′ distance from D65", (v) => v.distance_from_
 const hue = (name: string, i: number) =>
   column(name, 0, "Hue without lightness: linear sRGB of x, y, z", (v) => v.hue_rgb?.[i]);
 
-/** What is shown of the states; the second set has all that the table of the dissertation has. */
+/** Sets of columns; the second one has all columns of the table in the dissertation. */
 const SETS: Record<string, readonly Column[]> = {
-  "At a glance": [
+  Overview: [
     Y,
     LUMINANCE,
     CONTRAST,
     ...LAB,
     ...UV,
     DR,
-    column("peak nm", 1, "Largest reflectance factor between 400 and 700 nm", (v) => v.peak_nm),
-    column("R hemi", 4, "Luminous reflectance factor in the diffuse light alone (Feng 2012, eq. 3-1)", (v) => v.R_hemi),
+    column("peak nm", 1, "Wavelength of the largest reflectance factor, 400 to 700 nm", (v) => v.peak_nm),
+    column("R hemi", 4, "Luminance factor in the diffuse light only (Feng 2012, eq. 3-1)", (v) => v.R_hemi),
   ],
   "Feng 2012, table 5.1": [
     DR,
     CONTRAST,
-    column("X", 4, "Tristimulus value, relative: Y is 1 for a perfect white", (v) => v.X),
+    column("X", 4, "Relative tristimulus value: Y is 1 for a perfect white diffuser", (v) => v.X),
     Y,
-    column("Z", 4, "Tristimulus value, relative", (v) => v.Z),
+    column("Z", 4, "Relative tristimulus value", (v) => v.Z),
     ...UV,
     column("x", 4, "CIE 1931 chromaticity", (v) => v.x),
     column("y", 4, "CIE 1931 chromaticity", (v) => v.y),
@@ -72,7 +72,7 @@ const SETS: Record<string, readonly Column[]> = {
     column(
       "ΔE00 white",
       2,
-      "CIEDE2000 difference from a perfect white in the same light",
+      "CIEDE2000 difference from a perfect white diffuser in the same light",
       (v) => v.delta_E_2000_from_white,
     ),
     column(
@@ -81,46 +81,41 @@ const SETS: Record<string, readonly Column[]> = {
       "CIEDE2000 difference from metrics.reference_state",
       (v) => v.delta_E_2000_from_reference,
     ),
-    column("Δu′v′ reference", 4, "u′v′ distance from it", (v) => v.distance_from_reference_uv),
+    column("Δu′v′ reference", 4, "u′v′ distance from metrics.reference_state", (v) => v.distance_from_reference_uv),
     column(
       "ΔE00 angle",
       2,
       "CIEDE2000 difference from the view nearest to the normal",
       (v) => v.delta_E_2000_with_angle,
     ),
-    column("Δu′v′ angle", 4, "u′v′ distance from it", (v) => v.shift_with_angle_uv),
+    column("Δu′v′ angle", 4, "u′v′ distance from the view nearest to the normal", (v) => v.shift_with_angle_uv),
     column(
       "peak shift nm",
       2,
-      "Peak less that of the pixel alone in the mirror direction (Feng 2012, eq. 5-12)",
+      "Peak minus the peak of the pixel alone in the specular direction (Feng 2012, eq. 5-12)",
       (v) => v.peak_shift_nm,
     ),
   ],
 };
 
-const FIRST = "At a glance";
+const FIRST = "Overview";
 
-/** R in each directed source and in each environment alone, as many as there are. */
+/** Returns the columns of R in each directed source and in each environment only. */
 function byLight(state: StateResult | undefined): Column[] {
   const named = (name: string, i: number, count: number) => (count > 1 ? `${name} ${i + 1}` : name);
   const dir = (state?.R_dir ?? []).map((_, i, all) =>
-    column(
-      named("R dir", i, all.length),
-      4,
-      "Luminous reflectance factor in this directed source alone",
-      (v) => v.R_dir[i],
-    ),
+    column(named("R dir", i, all.length), 4, "Luminance factor in this directed source only", (v) => v.R_dir[i]),
   );
   const around = (state?.R_environment ?? []).map((_, i, all) =>
-    column(named("R env", i, all.length), 4, "The same in this environment alone", (v) => v.R_environment[i]),
+    column(named("R env", i, all.length), 4, "Luminance factor in this environment only", (v) => v.R_environment[i]),
   );
   return [...dir, ...around];
 }
 
-/** The error of a number: the standard error of a walk, or what the discretisation leaves. */
+/** The errors of a state: discretisation errors of adding, or standard errors of Monte Carlo. */
 const errorOf = (state: StateResult): Values => state.discretisation_error ?? state.standard_error;
 
-/** An error to two digits, however small. */
+/** Formats an error with two digits, even if it is smaller than the last digit of the value. */
 function small(value: number | null | undefined): string {
   if (value === null || value === undefined || !(value > 0)) return "";
   return `± ${value < 1e-4 ? value.toExponential(0).replace("e-", "e−") : Number(value.toPrecision(2))}`;
@@ -198,11 +193,11 @@ export function StatesTable() {
       <p class="remark">
         <Choice label="Columns" value={set.value} options={Object.keys(SETS)} change={(name) => (set.value = name)} />{" "}
         {adding
-          ? `Adding: ${solver.nodes} nodes, no noise; discretisation error of Y at most ${(100 * solver.relative_error_reached).toPrecision(2)} %. `
-          : `Walk: standard errors of one sigma, ${solver.degrees_of_freedom} degrees of freedom. `}
+          ? `Adding: ${solver.nodes} nodes; relative discretisation error of Y at most ${(100 * solver.relative_error_reached).toPrecision(2)} %, no noise. `
+          : `Monte Carlo: standard errors (one standard deviation), ${solver.degrees_of_freedom} degrees of freedom. `}
         <label class="toggle inline">
           <input type="checkbox" checked={errors.value} onChange={(e) => (errors.value = e.currentTarget.checked)} />{" "}
-          show errors however small
+          show small errors too
         </label>
       </p>
     </>

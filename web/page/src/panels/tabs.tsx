@@ -1,4 +1,4 @@
-// Tabs after the ARIA pattern: arrow keys move between them, the open one's panel follows.
+// Tabs according to the ARIA pattern: arrow keys move between them and open them.
 
 import type { Signal } from "@preact/signals";
 import type { ComponentChild } from "preact";
@@ -22,8 +22,8 @@ export function Tabs({ tabs, open }: { tabs: readonly Tab[]; open: Signal<string
     event.preventDefault();
   };
   return (
-    <section class="tabs" aria-label="More about this design">
-      <div role="tablist" aria-label="More about this design" onKeyDown={press}>
+    <section class="tabs" aria-label="Details of the design">
+      <div role="tablist" aria-label="Details of the design" onKeyDown={press}>
         {tabs.map(({ id, name }) => (
           <button
             type="button"

@@ -1,4 +1,4 @@
-// Which view is shown, where the viewer has several.
+// The choice of the view, if the viewer has several.
 
 import { degrees } from "../model/format.ts";
 import { result, showView, view, viewIndex } from "../state/design.ts";

@@ -1,5 +1,5 @@
-// The Run button's place: the Monte Carlo walk beside the live answer. The two share no integration; where
-// the walk's error bars hold the live value, the number is proved twice.
+// A run of the Monte Carlo solver, compared with the live result of adding. The two solvers have no integration in
+// common, so that their agreement within the error bars checks both.
 
 import type { WalkState } from "../api/types.ts";
 import { count, digits, fixed, plain, signed } from "../model/format.ts";
@@ -13,10 +13,10 @@ import { Problems } from "./problems.tsx";
 /** Relative errors to choose from. */
 const AIMS = [1e-2, 1e-3, 1e-4, 1e-5, 1e-6];
 const WIDTH = 260;
-/** The bars' axis reaches from -LIMIT to LIMIT times the error that is asked for. */
+/** The axis of the error bars extends from -LIMIT to LIMIT times the requested error. */
 const LIMIT = 4;
 
-/** The walk's Y less the live one, over it, with bars of one and two standard errors; the middle is the live answer. */
+/** The relative difference of Y between Monte Carlo and adding, with bars of one and two standard errors. */
 function Bars({ state, target }: { state: WalkState; target: number }) {
   const x = (relative: number) =>
     WIDTH / 2 + (Math.max(-LIMIT, Math.min(LIMIT, relative / target)) * WIDTH) / (2 * LIMIT);
@@ -27,7 +27,7 @@ function Bars({ state, target }: { state: WalkState; target: number }) {
       class="bars"
       viewBox={`0 0 ${WIDTH} 18`}
       role="img"
-      aria-label={`${fixed(100 * off, 3)} per cent from the live answer, standard error ${fixed(100 * se, 3)} per cent`}
+      aria-label={`difference from adding ${fixed(100 * off, 3)} percent, standard error ${fixed(100 * se, 3)} percent`}
     >
       <path class="zero" d={`M${WIDTH / 2} 0V18`} />
       <path class="bar-2" d={`M${x(off - 2 * se)} 9H${x(off + 2 * se)}`} />
@@ -37,12 +37,13 @@ function Bars({ state, target }: { state: WalkState; target: number }) {
   );
 }
 
-/** Decimals that show two digits of the error. */
+/** Returns the number of decimals that shows two digits of the error. */
 const decimals = ({ Y_se: se }: WalkState): number =>
   se > 0 ? Math.min(9, Math.max(4, 1 - Math.floor(Math.log10(se)))) : 5;
 
-/** Agreement in words: how likely so large a distance is by chance is what counts. */
-const verdict = (z: number): string => (Math.abs(z) < 2 ? "agrees" : Math.abs(z) < 3 ? "agrees, barely" : "look again");
+/** Rates the agreement by the difference in standard errors. */
+const verdict = (z: number): string =>
+  Math.abs(z) < 2 ? "agrees" : Math.abs(z) < 3 ? "agrees (2 to 3 standard errors)" : "differs (over 3 standard errors)";
 
 function Rows({ states, target }: { states: readonly WalkState[]; target: number }) {
   return (
@@ -50,14 +51,14 @@ function Rows({ states, target }: { states: readonly WalkState[]; target: number
       <thead>
         <tr>
           <th scope="col">state</th>
-          <th scope="col">Y live</th>
-          <th scope="col">Y walk</th>
+          <th scope="col">Y, adding</th>
+          <th scope="col">Y, Monte Carlo</th>
           <th scope="col" class="bar-head">
-            walk less live, ±1 and ±2 standard errors
+            Monte Carlo minus adding, ±1 and ±2 standard errors
           </th>
           <th scope="col">z</th>
           <th scope="col" class="words">
-            verdict
+            agreement
           </th>
         </tr>
       </thead>
@@ -96,10 +97,10 @@ export function WalkPanel() {
           </button>
         ) : (
           <button type="button" class="run" onClick={() => void run()}>
-            {now ? "Run again" : "Run the walk"}
+            {now ? "Run again" : "Run Monte Carlo"}
           </button>
         )}
-        <label for="walk-aim">to a relative error of</label>
+        <label for="walk-aim">until the relative error is</label>
         <select
           id="walk-aim"
           value={String(aim.value ?? "")}
@@ -117,22 +118,26 @@ export function WalkPanel() {
             </option>
           ))}
         </select>
-        <progress max={1} value={walk.phase.value === "done" ? 1 : reached} aria-label="Progress of the walk" />
+        <progress max={1} value={walk.phase.value === "done" ? 1 : reached} aria-label="Progress of the run" />
         <span role="status" data-phase={walk.phase.value}>
           {now &&
-            `${count(now.paths)} paths in ${fixed(now.seconds, now.seconds < 1 ? 2 : 1)} s, error ${digits(100 * now.relative_error, 2)} %`}
+            `${count(now.paths)} paths in ${fixed(now.seconds, now.seconds < 1 ? 2 : 1)} s, relative error ${digits(100 * now.relative_error, 2)} %`}
           {walk.phase.value === "cancelled" && ", cancelled"}
           {walk.phase.value === "done" && ", done"}
         </span>
       </div>
       <Problems of={walk.problems.value} />
-      {stale.value && <p class="remark warning">The design has changed since; this walk is of the earlier one.</p>}
+      {stale.value && (
+        <p class="remark warning">
+          The design has changed since this run. The results are those of the earlier design.
+        </p>
+      )}
       {states.length > 0 && (
         <div
           class={stale.value ? "scroll stale" : "scroll"}
           tabindex={0}
           role="region"
-          aria-label="Walk and live answer"
+          aria-label="Monte Carlo and adding"
         >
           <Rows states={states} target={target} />
         </div>
@@ -141,7 +146,7 @@ export function WalkPanel() {
         <Curves
           x={course.value.map(([paths]) => paths)}
           xName="Paths"
-          yName="Error of Y (%)"
+          yName="Relative error of Y (%)"
           height={170}
           log
           label="Relative error against paths"
@@ -157,8 +162,9 @@ export function WalkPanel() {
         />
       )}
       <p class="remark">
-        The walk follows light path by path and shares no integration with the live answer. Its errors are one sigma, of
-        independent replicates; z is their distance in standard errors.
+        Monte Carlo traces random paths and has no integration in common with adding, which computes the live result.
+        Its standard errors (one standard deviation) are computed from independent replicates; z is the difference in
+        standard errors.
       </p>
     </>
   );

@@ -1,4 +1,4 @@
-// One sentence for a first visit, over a working example.
+// A short introduction for the first visit.
 
 import { signal } from "@preact/signals";
 
@@ -16,8 +16,9 @@ export function Welcome() {
   return (
     <aside class="welcome">
       <p>
-        <b>This is a reflective display on a bench.</b> Drag the lamp or the eye, click a layer and move its sliders:
-        colours, gamut and contrast follow at once, and every number is the one that <code>papilio run</code> prints.
+        <b>This page simulates a reflective display.</b> Drag the source or the eye, or click a layer and move its
+        sliders: colours, gamut and contrast are updated immediately. All numbers equal those of{" "}
+        <code>papilio run</code>.
       </p>
       <button type="button" onClick={close}>
         Got it

@@ -1,5 +1,5 @@
-// The u'v' diagram: spectral locus, sRGB and EBU, the display's gamut, its states and its light; the pinned
-// design's gamut dashed beside it.
+// The u'v' diagram: spectral locus, the gamuts of sRGB, EBU and the display, the states and the light. The gamut of the
+// pinned design is dashed.
 
 import { useComputed, useSignal } from "@preact/signals";
 import { useEffect, useRef } from "preact/hooks";
@@ -14,7 +14,7 @@ import { dark } from "../state/theme.ts";
 import { useColours } from "./patches.tsx";
 import { placed } from "./place.ts";
 
-/** px per unit of u' and v', and the place of the origin. */
+/** Scale in px per unit of u' and v', and position of the origin. */
 const SCALE = 640;
 const LEFT = 78;
 const BOTTOM = 406;
@@ -29,7 +29,7 @@ const path = (points: readonly Uv[], close = true): string =>
 
 const OUTLINE = path(LOCUS.map(([, u, v]) => [u, v]));
 
-/** The screen's most luminous colour of a chromaticity, part `tint` of it on the ground. */
+/** Returns the most luminous screen colour of a chromaticity, mixed with the background: fraction `tint` of the colour. */
 function colourAt(u: number, v: number, tint: number, ground: number): string {
   const cx = (9 * u) / (6 * u - 16 * v + 12);
   const cy = (4 * v) / (6 * u - 16 * v + 12);
@@ -39,7 +39,7 @@ function colourAt(u: number, v: number, tint: number, ground: number): string {
   return hex(mixed.map((c) => c ** 2.2) as unknown as Triple);
 }
 
-/** The tinted inside of the locus, painted once for each theme. */
+/** The tinted interior of the locus, drawn once for each theme. */
 function Tint() {
   const canvas = useRef<HTMLCanvasElement>(null);
   const night = dark.value;
@@ -65,7 +65,7 @@ function Tint() {
   return <canvas ref={canvas} width={2 * WIDTH} height={2 * HEIGHT} aria-hidden="true" />;
 }
 
-/** A wavelength beside the locus, outside. */
+/** The label of a wavelength, outside the locus. */
 function Wavelength({ nm }: { nm: number }) {
   const i = LOCUS.findIndex(([at]) => at === nm);
   const [before, here, after] = [LOCUS[i - 1], LOCUS[i], LOCUS[i + 1]];
@@ -132,7 +132,7 @@ export function gamut(of: View | null): Uv[] | null {
   return corners.every((corner) => corner !== null) ? (corners as Uv[]) : null;
 }
 
-/** Discs in the states' colours with their names, crosses where a standard error is seen. */
+/** Discs in the colours of the states with their names, and crosses for standard errors of visible size. */
 function Marks({ size }: { size: number }) {
   const colours = useColours().value.colours;
   const light = result.value?.illuminant;
@@ -207,7 +207,7 @@ export function Chromaticity() {
   const holder = useRef<HTMLDivElement>(null);
   const size = useSignal(1);
   useEffect(() => {
-    // Letters stay readable where the drawing is small.
+    // The text stays readable if the diagram is small.
     const fit = () => {
       size.value = Math.min(1.3, Math.max(1, WIDTH / (holder.current?.clientWidth || WIDTH)));
       holder.current?.style.setProperty("--size", size.value.toFixed(3));

@@ -1,4 +1,4 @@
-// Curves over one variable (uPlot): made once, then given new data; restyled when the theme changes.
+// Curves over one variable (uPlot). The plot is created once and then updated; it is created again if the style changes.
 
 import { useEffect, useRef } from "preact/hooks";
 import uPlot from "uplot";
@@ -20,14 +20,14 @@ interface Props {
   curves: readonly Curve[];
   xName: string;
   yName: string;
-  /** px; without it the curves fill their box. */
+  /** Height in px; without it, the plot fills its box. */
   height?: number;
-  /** The least that the ordinate reaches from and to. */
+  /** The range that the ordinate always includes. */
   range?: readonly [number, number];
   label: string;
-  /** Both axes in equal ratios. */
+  /** Whether both axes are logarithmic. */
   log?: boolean;
-  /** The index under the pointer, or null. */
+  /** Called with the index at the pointer, or null. */
   hover?: (index: number | null) => void;
   /** A vertical line at this abscissa. */
   marked?: number | undefined;
@@ -37,7 +37,7 @@ const FONT = "11px Roboto, Helvetica, Arial, sans-serif";
 const ink = () => (dark.value ? "#b4b9c1" : "#555555");
 const faint = () => (dark.value ? "#2b2f36" : "#ececec");
 
-/** The size of the plot in its box. */
+/** Returns the size of the plot in its box. */
 const sizeIn = (box: HTMLElement, height: number | undefined) => ({
   width: box.clientWidth || 400,
   height: height ?? Math.max(200, box.clientHeight),
@@ -94,7 +94,7 @@ function options(props: Props, size: { width: number; height: number }): uPlot.O
   };
 }
 
-/** The view that is shown, as a thin line. */
+/** Draws a thin vertical line at the marked abscissa. */
 function mark(plot: uPlot): void {
   const at = (plot as uPlot & { marked?: number }).marked;
   if (at === undefined) return;
@@ -111,7 +111,7 @@ function mark(plot: uPlot): void {
   ctx.restore();
 }
 
-/** A range with round ends that holds both. */
+/** Returns a range with round ends that includes both values. */
 function nice(low: number, high: number): [number, number] {
   const width = high - low || Math.abs(high) || 1;
   const unit = 10 ** Math.floor(Math.log10(width / 4));

@@ -1,4 +1,4 @@
-// A figure drawn by the program's own code, as a picture.
+// A figure that was drawn by the server, as an image.
 
 import { useEffect } from "preact/hooks";
 import { useSignal } from "@preact/signals";

@@ -1,4 +1,4 @@
-// A metric over two keys as a map, each cell with its number under the pointer; dark is low, bright is high.
+// A metric over two keys as a map: dark cells are low, bright cells are high; the value at the pointer is shown.
 
 import { useSignal } from "@preact/signals";
 
@@ -12,7 +12,7 @@ const STOPS = [
   [224, 186, 28],
 ] as const;
 
-/** Part `t` of a ramp from dark violet over green to yellow, that of the command line's maps. */
+/** Returns the colour at position `t` of the scale from dark violet through green to yellow, as on the command line. */
 function ramp(t: number): string {
   const at = Math.min(1, Math.max(0, t)) * (STOPS.length - 1);
   const left = Math.min(Math.floor(at), STOPS.length - 2);
@@ -25,7 +25,7 @@ interface Props {
   xName: string;
   yName: string;
   name: string;
-  /** By row (y), then column (x). */
+  /** Values by row (y), then column (x). */
   values: readonly (readonly (number | null)[])[];
 }
 

@@ -1,5 +1,5 @@
-// The states as colour patches, as a reader would see them: the lightest grey of the patches' ground stands
-// for a perfect white in the same light. A pinned design shows in the lower part of each patch.
+// The states as colour patches. The frame of the patches represents a perfect white diffuser in the same light. The
+// lower part of each patch shows the pinned design.
 
 import { useComputed } from "@preact/signals";
 
@@ -9,7 +9,7 @@ import { fixed, withError } from "../model/format.ts";
 import { result, selected, showState, shownState, states, view } from "../state/design.ts";
 import { pinned, pinnedView } from "../state/pin.ts";
 
-/** Colours of a view's states by name, and by what they were dimmed. */
+/** Returns the colours of a view's states by name, and the factor by which they were dimmed. */
 export function coloursOf(result: Result | null, view: View | null): { colours: Map<string, string>; divisor: number } {
   if (!result || !view) return { colours: new Map(), divisor: 1 };
   const all = Object.entries(view.states);
@@ -22,7 +22,7 @@ export function coloursOf(result: Result | null, view: View | null): { colours: 
   return { colours: new Map(all.map(([name], i) => [name, colours[i]!])), divisor };
 }
 
-/** The white that a reader is adapted to: the room's, or, in a dark room, the screen's own. */
+/** Returns the white to which the viewer is adapted: that of the light, or, without ambient light, the display's own. */
 export function seenAgainst(result: Result, view: View): { white: readonly [number, number]; own: number | null } {
   const white = view.states["white"];
   if (!white || white.reflectance_factor || !(white.Y > 0))
@@ -83,8 +83,9 @@ export function Patches() {
       </div>
       {(divisor > 1 || pinned.value) && (
         <p class="remark">
-          {divisor > 1 && `Brighter than a screen can show: drawn at 1/${divisor.toFixed(divisor < 2 ? 2 : 1)}. `}
-          {pinned.value && "The lower strip of each patch is the pinned design."}
+          {divisor > 1 &&
+            `The states are brighter than a screen can show; they are drawn with 1/${divisor.toFixed(divisor < 2 ? 2 : 1)} of their luminance. `}
+          {pinned.value && "The lower part of each patch shows the pinned design."}
         </p>
       )}
     </section>

@@ -1,4 +1,4 @@
-// Places for the names of points, so that names touch neither each other nor other points.
+// Positions for the names of points, so that names overlap neither each other nor other points.
 
 export interface Named {
   readonly name: string;
@@ -6,11 +6,11 @@ export interface Named {
   readonly y: number;
 }
 
-/** How far a point is from a box. */
+/** Returns the distance of a point from a box. */
 const from = ({ left, right, top, bottom }: Box, { x, y }: Named): number =>
   Math.hypot(Math.max(left - x, 0, x - right), Math.max(top - y, 0, y - bottom));
 
-/** Whether the middle or the end of a leader lies in a box. */
+/** Returns true if the middle or the end of a leader line is inside a box. */
 const within = (
   { left, right, top, bottom }: Box,
   [x0, y0, x1, y1]: readonly [number, number, number, number],
@@ -22,7 +22,7 @@ const within = (
 
 export interface Placed extends Named {
   readonly anchor: "start" | "end" | "middle";
-  /** A leader from the point, where the name stands apart. */
+  /** A leader line from the point, if the name is far from it. */
   readonly from: readonly [number, number, number, number] | null;
 }
 
@@ -33,13 +33,13 @@ interface Box {
   bottom: number;
 }
 
-/** Width of a letter, px of the drawing, where letters are of plain size. */
+/** Width of a character at the normal size, px of the drawing. */
 const LETTER = 6.3;
 const overlap = (a: Box, b: Box): number =>
   Math.max(0, Math.min(a.right, b.right) - Math.max(a.left, b.left)) *
   Math.max(0, Math.min(a.bottom, b.bottom) - Math.max(a.top, b.top));
 
-/** A name at a distance in one of eight directions. */
+/** Returns the position of a name at a distance in one of eight directions. */
 function candidate(point: Named, angle: number, distance: number, size: number): { placed: Placed; box: Box } {
   const [c, s] = [Math.cos(angle), Math.sin(angle)];
   const [px, py] = [point.x + distance * c, point.y + distance * s];
@@ -57,7 +57,7 @@ function candidate(point: Named, angle: number, distance: number, size: number):
   };
 }
 
-/** Places for letters of `size` times the plain one. */
+/** Returns positions for the names, for text of `size` times the normal size. */
 export function placed(points: readonly Named[], size: number): Placed[] {
   const marks: Box[] = points.map(({ x, y }) => ({ left: x - 7, right: x + 7, top: y - 7, bottom: y + 7 }));
   const taken: Box[] = [];

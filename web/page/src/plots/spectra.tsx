@@ -1,4 +1,4 @@
-// Reflectance factors against wavelength, with the values under the pointer beside the names.
+// Reflectance factors against wavelength; the values at the pointer are shown next to the names.
 
 import { useComputed, useSignal } from "@preact/signals";
 
@@ -10,13 +10,13 @@ import { pinnedView } from "../state/pin.ts";
 import { dark } from "../state/theme.ts";
 import { Curves, type Curve } from "./curves.tsx";
 
-/** A line of a state as CSS wants it. */
+/** Returns the colour and the dashes of a state's line in the current theme. */
 export function lineOf(name: string, index: number): { colour: string; dash: readonly number[] } {
   const { light, dark: night, dash } = stroke(name, index);
   return { colour: dark.value ? night : light, dash };
 }
 
-/** A short piece of a state's line. */
+/** A sample of a state's line, for the key. */
 export function Sample({ name, index }: { name: string; index: number }) {
   const { colour, dash } = lineOf(name, index);
   return (
@@ -69,7 +69,11 @@ export function Spectra() {
     <figure class="spectra">
       <figcaption>
         Spectra{" "}
-        <small>{nm === null || nm === undefined ? "move over the curves to read them" : `at ${fixed(nm, 0)} nm`}</small>
+        <small>
+          {nm === null || nm === undefined
+            ? "move the pointer over the curves to read values"
+            : `at ${fixed(nm, 0)} nm`}
+        </small>
       </figcaption>
       <div class="with-key">
         <Curves

@@ -1,12 +1,12 @@
-// Edits of a scenario: how they merge while they wait for the server, and what they do to its fields
-// in the meantime. The TOML itself is edited by the server, which keeps comments and order.
+// Pending edits of a scenario: merging them, and applying them to its fields. The server applies them to the TOML and
+// preserves comments and order.
 
 import type { Edit } from "../api/types.ts";
 import { at, isTable, split, type Json } from "../model/json.ts";
 
 /**
- * `more` after `edits`: a key that is set again takes the newer value alone, as long as nothing was
- * inserted, removed or moved in between.
+ * Appends `more` to `edits`. If a key is set again, only the newer value is kept, unless entries were inserted, removed
+ * or moved in between.
  */
 export function merged(edits: readonly Edit[], more: readonly Edit[]): Edit[] {
   const all = [...edits];
@@ -20,7 +20,7 @@ export function merged(edits: readonly Edit[], more: readonly Edit[]): Edit[] {
   return all;
 }
 
-/** The fields after some edits. */
+/** Returns the fields after edits. */
 export function edited(fields: Json, edits: readonly Edit[]): Json {
   if (edits.length === 0) return fields;
   const copy = structuredClone(fields);
@@ -48,7 +48,7 @@ function apply(root: Json, edit: Edit): void {
   }
 }
 
-/** The table or list at a path, made where there is none. */
+/** Returns the table or list at a path, which is created if necessary. */
 function reach(root: Json, path: string): Json {
   let here = root;
   for (const key of path === "" ? [] : path.split(".")) {

@@ -1,5 +1,5 @@
-// Files dropped on the page: kept here, sent to the server, which audits them and says what they are good
-// for. The server forgets them when it is restarted or full; then they are sent again.
+// Uploaded files. The browser stores them and sends them to the server, which audits them and offers uses. The server
+// loses them when it is restarted or full; they are then sent again.
 
 import { computed, signal } from "@preact/signals";
 
@@ -8,28 +8,28 @@ import type { Problem, Upload } from "../api/types.ts";
 import { said } from "./said.ts";
 import { dropFormer, formerFiles, keepFile, keptFile } from "./keep.ts";
 
-/** What the server takes at most, bytes. */
+/** Maximum size of a file that the server accepts, bytes. */
 const LARGEST = 64 * 1024 * 1024;
 
 export interface Dropped {
   readonly name: string;
   readonly bytes: number;
-  /** By which it is kept and asked for; null for a file that was not read yet. */
+  /** The id under which it is stored and requested; null for a file that was not read yet. */
   readonly id: string | null;
-  /** The audit; null while it is awaited. */
+  /** The audit; null before the response. */
   readonly audit: Upload | null;
-  /** Why there is none. */
+  /** The errors because of which there is no audit. */
   readonly problems: readonly Problem[];
 }
 
 export const files = signal<readonly Dropped[]>([]);
 
-/** Names and ids of all that is kept, of what the server has lost, too. */
+/** Ids of all stored files by name, including files that the server has lost. */
 export const keptIds = computed(() =>
   Object.fromEntries(files.value.flatMap(({ name, id }) => (id ? [[name, id] as const] : []))),
 );
 
-/** Names and ids, as requests carry them. */
+/** Ids of the files by name, as in requests. */
 export const fileIds = computed(() => {
   const known = files.value.flatMap(({ name, audit }) => (audit ? [[name, audit.id] as const] : []));
   return Object.fromEntries(known);
@@ -41,18 +41,18 @@ function put(file: Dropped): void {
   if (file.problems.length > 0) said.value = `${file.name} cannot be used: ${file.problems[0]!.message}`;
 }
 
-/** Files that the server has from its command line: named, without an audit here. */
+/** Adds the files of the scenario with which the server was started, without audits. */
 export function adopt(ids: Record<string, string>): void {
   for (const [name, id] of Object.entries(ids))
     put({ name, bytes: 0, id, audit: { id, name, kind: "spectrum", words: [], figures: [], edits: [] }, problems: [] });
 }
 
-/** Sends a file; it is kept for the next visit once the server has read it. */
+/** Uploads a file. It is stored in the browser for the next visit after the server has read it. */
 export async function add(name: string, bytes: Blob, id: string | null = null): Promise<void> {
   const file: Dropped = { name, bytes: bytes.size, id, audit: null, problems: [] };
   const limit = `${LARGEST / 1024 / 1024} MiB at most`;
   if (bytes.size > LARGEST)
-    return put({ ...file, problems: [{ message: "This file is too large to be sent.", expected: limit }] });
+    return put({ ...file, problems: [{ message: "This file is too large.", expected: limit }] });
   put(file);
   try {
     const audit = await upload<Upload>(name, bytes);
@@ -63,10 +63,10 @@ export async function add(name: string, bytes: Blob, id: string | null = null): 
   }
 }
 
-/** A design that was open before may name it still: it stays in the browser for some days. */
+/** Removes a file from the list. It stays in the browser for some days, because other designs may use it. */
 export const forget = (name: string): void => void (files.value = files.value.filter((file) => file.name !== name));
 
-/** Files of a design, by the ids of their names. */
+/** Uploads the stored files of a design again; `ids` has their ids by name. */
 export async function recallFiles(ids: Readonly<Record<string, string>>): Promise<void> {
   for (const [name, id] of Object.entries(ids)) {
     const bytes = await keptFile(id);
@@ -74,7 +74,7 @@ export async function recallFiles(ids: Readonly<Record<string, string>>): Promis
   }
 }
 
-/** Files of a former version, which belong to this tab from now on. */
+/** Takes over the files that a former version stored. */
 export async function recallFormer(): Promise<void> {
   for (const name of await formerFiles()) {
     const bytes = await keptFile(name);
@@ -83,7 +83,7 @@ export async function recallFormer(): Promise<void> {
   }
 }
 
-/** Whether a request was refused for files that the server no longer had, and they were sent again. */
+/** Sends the files again if a request failed because the server no longer stores them; returns true if it did. */
 export async function sendAgain(why: Refused): Promise<boolean> {
   if ((why.status !== 404 && why.status !== 410) || files.value.length === 0) return false;
   await recallFiles(keptIds.value);

@@ -1,5 +1,5 @@
-// Answers that follow the design while someone looks at them: asked for when the text has rested for a
-// moment, dropped when it changes.
+// Results that follow the design while they are visible. They are requested after a short time without changes, and
+// cancelled if the design changes.
 
 import { useSignal } from "@preact/signals";
 import { useEffect } from "preact/hooks";
@@ -15,7 +15,7 @@ export interface Followed<T> {
   readonly busy: boolean;
 }
 
-/** The answer to `path` for a scenario (that on the bench, if none is given) and what else the request says. */
+/** Requests `path` for a scenario (by default the current one), with the additional fields `more`. */
 export function useFollowed<T>(
   path: string,
   more: object,
@@ -24,7 +24,7 @@ export function useFollowed<T>(
 ): Followed<T> {
   const state = useSignal<Followed<T>>({ value: null, problems: [], busy: true });
   const files = fileIds.value;
-  const asked = JSON.stringify([scenario, more, files]);
+  const request = JSON.stringify([scenario, more, files]);
   useEffect(() => {
     if (scenario === null) {
       state.value = { value: null, problems: [], busy: false };
@@ -50,6 +50,6 @@ export function useFollowed<T>(
       clearTimeout(rest);
       abort.abort();
     };
-  }, [asked]);
+  }, [request]);
   return state.value;
 }

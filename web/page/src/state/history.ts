@@ -1,8 +1,8 @@
-// Undo and redo over whole texts. A gesture (one drag, one field being typed in) is one step.
+// Undo and redo of whole texts. A gesture (a drag, or typing in a field) is one step.
 
-/** Most steps that are kept. */
+/** Maximum number of steps. */
 const LIMIT = 200;
-/** Changes of one gesture that follow each other this fast are one step, ms. */
+/** Maximum time between changes of one gesture that are one step, ms. */
 const PAUSE_MS = 1500;
 
 export interface History {
@@ -13,12 +13,12 @@ export interface History {
   readonly at: number;
 }
 
-/** One list for all that have nothing to redo: what keeps the steps sees that it is the same. */
+/** The empty list of steps; it is shared, so that an unchanged list is recognised by identity. */
 const NONE: readonly string[] = [];
 
 export const begin = (present: string): History => ({ past: NONE, present, future: NONE, gesture: "", at: 0 });
 
-/** After a change; `gesture` names what was moved, "" for a change that stands for itself. */
+/** Records a change; `gesture` is the name of the gesture, "" for a change that is always a separate step. */
 export function record(history: History, text: string, gesture: string, now: number): History {
   if (text === history.present) return history;
   const same = gesture !== "" && gesture === history.gesture && now - history.at < PAUSE_MS && history.past.length > 0;

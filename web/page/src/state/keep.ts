@@ -1,11 +1,11 @@
-// What survives a reload, on this machine alone, beside the designs: small values in localStorage, dropped files
-// in IndexedDB, by the SHA-256 of their bytes, so that tabs may have different files of one name.
+// Data other than designs that survive a reload, only on this machine: small values in localStorage, and uploaded files
+// in IndexedDB by the SHA-256 of their bytes, so that tabs may have different files with the same name.
 
 const STORE = "files";
-/** A file that no design names any more is kept for so long, ms. */
+/** Time for which a file that no design uses is stored, ms. */
 const UNUSED_MS = 7 * 24 * 3600 * 1000;
 
-/** A small value under a name; null where there is none, or where the browser keeps nothing. */
+/** Returns a stored value; null if there is none, or if the browser stores nothing. */
 export function recall<T>(key: string): T | null {
   try {
     const text = localStorage.getItem(key);
@@ -19,7 +19,7 @@ export function remember(key: string, value: unknown): void {
   try {
     localStorage.setItem(key, JSON.stringify(value));
   } catch {
-    // A browser that keeps nothing (private, full) still works; a reload then starts anew.
+    // Without storage (private window, full), the page works, but a reload starts with the default.
   }
 }
 
@@ -38,7 +38,7 @@ async function ask<T>(mode: IDBTransactionMode, request: (store: IDBObjectStore)
     return await new Promise<T>((resolve, reject) => {
       const asked = request(db.transaction(STORE, mode).objectStore(STORE));
       asked.onsuccess = () => resolve(asked.result);
-      asked.onerror = () => reject(asked.error ?? new Error("not kept"));
+      asked.onerror = () => reject(asked.error ?? new Error("not stored"));
     });
   } catch {
     return null;
@@ -53,11 +53,11 @@ const dropFile = (id: string): Promise<unknown> => ask("readwrite", (store) => s
 const keptIds = async (): Promise<string[]> =>
   ((await ask("readonly", (store) => store.getAllKeys())) ?? []).map(String);
 
-/** Files that a former version kept by their names, for all tabs together. */
+/** Returns the names of files that a former version stored by name, for all tabs. */
 export const formerFiles = async (): Promise<string[]> => (await keptIds()).filter((id) => !/^[0-9a-f]{64}$/.test(id));
 export const dropFormer = dropFile;
 
-/** Forgets files that no design has named for some days. */
+/** Removes files that no design has used for some days. */
 export async function forgetUnused(named: ReadonlySet<string>): Promise<void> {
   for (const id of await keptIds()) {
     const file = named.has(id) ? null : await keptFile(id);

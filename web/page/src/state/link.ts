@@ -1,7 +1,7 @@
-// A link that holds a whole scenario: its text, deflated, in the address's fragment, which no server sees.
+// Links that contain a whole scenario: its compressed text in the fragment of the address, which is not sent to servers.
 
 const KEY = "s=";
-/** Texts longer than this are not unpacked: a small fragment can hold a very large one. */
+/** Maximum length of a text, because a small fragment can expand to a very large text. */
 const LONGEST = 1 << 20;
 
 async function through(bytes: Uint8Array, stream: GenericTransformStream, longest: number): Promise<Uint8Array> {
@@ -12,7 +12,7 @@ async function through(bytes: Uint8Array, stream: GenericTransformStream, longes
     const { done, value } = await reader.read();
     if (done) break;
     length += (value as Uint8Array).length;
-    if (length > longest) throw new Error("the link holds more than a scenario");
+    if (length > longest) throw new Error("the link contains more than a scenario");
     parts.push(value as Uint8Array);
   }
   const whole = new Uint8Array(length);
@@ -20,14 +20,14 @@ async function through(bytes: Uint8Array, stream: GenericTransformStream, longes
   return whole;
 }
 
-/** The fragment, without its #, that holds a text. */
+/** Returns the fragment, without #, that contains a text. */
 export async function packed(text: string): Promise<string> {
   const deflated = await through(new TextEncoder().encode(text), new CompressionStream("deflate-raw"), Infinity);
   const binary = Array.from(deflated, (byte) => String.fromCharCode(byte)).join("");
   return KEY + btoa(binary).replaceAll("+", "-").replaceAll("/", "_").replaceAll("=", "");
 }
 
-/** The text that a fragment holds, or null where it holds none. */
+/** Returns the text in a fragment, or null if it contains none. */
 export async function unpacked(fragment: string): Promise<string | null> {
   const held = fragment
     .replace(/^#/, "")

@@ -1,5 +1,5 @@
-// From a movement to a new picture: one request is on its way, the newest value waits, nothing queues.
-// A request that has become slow is dropped as soon as something newer waits; the server then stops its work.
+// The live result of the current design. One request is in progress at a time, and only the newest values wait for it. A
+// slow request is cancelled as soon as newer values wait; the server then stops its computation.
 
 import { batch } from "@preact/signals";
 
@@ -12,30 +12,30 @@ import { said } from "./said.ts";
 import { accepted, undone } from "./undo.ts";
 import type { Work as Kept } from "./works.ts";
 
-/** A request older than this, and than twice what the last one took, gives way to a newer value, ms. */
+/** A request older than this, and older than twice the time of the last one, is cancelled for newer values, ms. */
 const PATIENCE_MS = 250;
-/** Waiting longer than this is shown, ms. */
+/** Time of waiting after which it is shown, ms. */
 const SHOWN_MS = 300;
 
-/** All places are taken: the server asks to come again. */
+/** The status of a server whose places are all in use. */
 export const BUSY = 503;
-/** It is asked again after so many ms. */
+/** Time after which the request is repeated, ms. */
 const AGAIN_MS = 700;
 const pause = (): Promise<true> => new Promise((resolve) => setTimeout(() => resolve(true), AGAIN_MS));
 
-/** The requests that are on their way, one after the other, or null. */
+/** The sequence of requests in progress, or null. */
 let running: Promise<void> | null = null;
 let dirty = false;
 let gesture = "";
 let lastTook = 0;
-/** Whether the server gave no answer at all, last. */
+/** Whether there was no response to the last request. */
 let isGone = false;
 export const isUnanswered = (): boolean => isGone;
-/** The edits that were refused last. */
+/** The edits of the last refused request. */
 let refused: readonly Edit[] = [];
 let flight: { abort: AbortController; since: number } | null = null;
 
-/** Changes keys; `name` is the gesture that undo takes as one step. */
+/** Changes keys; `name` is the gesture, which is one undo step. */
 export function edit(edits: readonly Edit[], name = ""): void {
   batch(() => {
     pending.value = merged(pending.value, edits);
@@ -47,14 +47,14 @@ export function edit(edits: readonly Edit[], name = ""): void {
 
 export const set = (path: string, value: unknown, name = path): void => edit([{ op: "set", path, value }], name);
 
-/** Whether the draft is typed here, and is nowhere else. */
+/** Whether the draft is being typed, and therefore exists nowhere else. */
 let typed = false;
 export const isTyped = (): boolean => draft.value !== null && typed;
 
-/** A whole text that is being typed. */
+/** Replaces the whole text while it is being typed. */
 export const retype = (whole: string): void => replace(whole, "source", "", true);
 
-/** Puts a whole text in the place of the present one, and of all that waits. */
+/** Replaces the current text and all pending edits by a whole text. */
 export function replace(whole: string, name = "", file = "", isTyped = false): void {
   typed = isTyped;
   batch(() => {
@@ -67,22 +67,22 @@ export function replace(whole: string, name = "", file = "", isTyped = false): v
 }
 
 /**
- * Edits that were refused before and again with newer ones are given up for the newer ones, so that one
- * wrong value does not hold up everything after it; together they may have been right (two shares of one sum).
+ * Discards edits that were refused before and again together with newer ones, so that a wrong value does not block all
+ * later changes. They are sent together first, because they may be valid together (two fractions of one sum).
  */
 function dropRefused(sent: readonly Edit[]): boolean {
   const newer = sent.filter((edit) => !refused.includes(edit));
   if (newer.length === 0 || newer.length === sent.length) return false;
   pending.value = pending.value.filter((edit) => !refused.includes(edit));
-  said.value = "A change that does not compute was put back.";
+  said.value = "A change that cannot be computed was discarded.";
   return true;
 }
 
-/** Whether edits wait because they were refused. */
+/** Returns true if there are pending edits that were refused. */
 export const isRefused = (): boolean => pending.value.length > 0 && !running && problems.value.length > 0;
 
-/** Drops what was refused; a text that was typed comes back with redo. */
-export function putBack(): void {
+/** Discards refused edits and the draft; a typed draft can be restored with redo. */
+export function discard(): void {
   if (isTyped()) {
     accepted(draft.value!, "");
     undone();
@@ -97,7 +97,7 @@ export function putBack(): void {
   kick();
 }
 
-/** Whether all changes are in the text; false if what waits was refused, or the server is gone. */
+/** Waits until all changes are in the text; returns false if they were refused or the server does not respond. */
 export async function settled(): Promise<boolean> {
   if (isWaiting() && !running) kick();
   while (running) await running;
@@ -106,7 +106,7 @@ export async function settled(): Promise<boolean> {
 
 const isWaiting = (): boolean => pending.value.length > 0 || draft.value !== null;
 
-/** Goes on where a tab, or an earlier visit, ended. */
+/** Restores the design of a tab or of an earlier visit. */
 export function resume(work: Kept): void {
   typed = work.typed;
   batch(() => {
@@ -122,7 +122,7 @@ export function resume(work: Kept): void {
   kick();
 }
 
-/** Asks again, nothing having changed here: after a file came back, say. */
+/** Requests the result again, for example after a file was sent again. */
 export function kick(): void {
   dirty = true;
   if (!running) running = run();

@@ -1,6 +1,6 @@
-// A second copy of what localStorage holds of the designs, in IndexedDB. Chromium writes localStorage to the disk
-// 5 s after a change, and then once a minute; a browser that is killed loses what came after. A transaction of
-// IndexedDB is with the system some milliseconds after the change.
+// A second copy of the designs of localStorage, in IndexedDB. Chromium writes localStorage to the disk 5 s after a
+// change, and then once a minute; if the browser is killed, later changes are lost. IndexedDB passes a transaction to
+// the operating system within some milliseconds.
 
 import type { Place } from "./works.ts";
 
@@ -20,21 +20,21 @@ function opened(): Promise<IDBDatabase | null> {
   });
 }
 
-/** All records and their keys. */
+/** Returns all records with their keys. */
 function recorded(db: IDBDatabase): Promise<[string, string][]> {
   return new Promise((resolve) => {
     const all: [string, string][] = [];
-    const walk = db.transaction(STORE).objectStore(STORE).openCursor();
-    walk.onerror = () => resolve(all);
-    walk.onsuccess = () => {
-      if (!walk.result) return resolve(all);
-      all.push([String(walk.result.key), String(walk.result.value)]);
-      walk.result.continue();
+    const cursor = db.transaction(STORE).objectStore(STORE).openCursor();
+    cursor.onerror = () => resolve(all);
+    cursor.onsuccess = () => {
+      if (!cursor.result) return resolve(all);
+      all.push([String(cursor.result.key), String(cursor.result.value)]);
+      cursor.result.continue();
     };
   });
 }
 
-/** Writes changes one transaction at a time; what changes meanwhile goes together with the next. */
+/** Writes changes in one transaction at a time; changes during a transaction are written together in the next one. */
 function writer(db: IDBDatabase): (key: string, value: string | null) => void {
   const waiting = new Map<string, string | null>();
   let writing = false;
@@ -53,7 +53,7 @@ function writer(db: IDBDatabase): (key: string, value: string | null) => void {
       for (const [key, value] of changes) value === null ? store.delete(key) : store.put(value, key);
       transaction.oncomplete = transaction.onabort = done;
     } catch {
-      // A database that is gone (cleared by the user) is missed at the next load only.
+      // A database that the user has cleared is needed only at the next load.
       writing = false;
     }
   };
@@ -63,7 +63,7 @@ function writer(db: IDBDatabase): (key: string, value: string | null) => void {
   };
 }
 
-/** How often a record was written, as it says itself. */
+/** Returns the number of times a record was written, which is stored in it. */
 function countOf(record: string | null): number {
   try {
     return (JSON.parse(record ?? "{}") as { count?: number }).count ?? 0;
@@ -73,8 +73,8 @@ function countOf(record: string | null): number {
 }
 
 /**
- * A storage whose records under `heads` (each with its `tails`) have a second copy; those of which the storage has
- * lost the latest are put back first.
+ * Returns a storage whose records under `heads` (each with its `tails`) have a second copy. Records of which the storage
+ * has lost the latest version are restored first.
  */
 export async function mirrored(place: Place, heads: string, tails: string): Promise<Place> {
   const db = await opened();
@@ -87,7 +87,7 @@ export async function mirrored(place: Place, heads: string, tails: string): Prom
       if (copies.has(tail)) place.setItem(tail, copies.get(tail)!);
       place.setItem(key, copy);
     } catch {
-      // A full storage: what is newest is written again with the next change.
+      // The storage is full; the newest version is written again at the next change.
     }
   }
   const write = writer(db);

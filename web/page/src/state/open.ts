@@ -1,14 +1,14 @@
-// Whole texts that take the place of the present one: opened, undone, redone. Nothing that waits is lost by it.
+// Replacing the whole text: open, undo, redo. Pending changes are not lost.
 
 import { batch, computed } from "@preact/signals";
 
 import * as api from "../api/client.ts";
 import { draft, held, pending, text } from "./design.ts";
-import { BUSY, edit, isRefused, isTyped, kick, putBack, replace } from "./live.ts";
+import { BUSY, discard, edit, isRefused, isTyped, kick, replace } from "./live.ts";
 import { said } from "./said.ts";
 import { accepted, history, redone, undone } from "./undo.ts";
 
-/** Puts edits into the text that they are of, which is then the draft and a step of undo; false without a server. */
+/** Applies the pending edits to their text, which becomes the draft and an undo step; returns false without a server. */
 async function write(): Promise<boolean> {
   const [base, sent] = [draft.value, pending.value];
   const whole = base ?? text.value;
@@ -17,9 +17,9 @@ async function write(): Promise<boolean> {
     ({ scenario } = await api.post<{ scenario: string }>("edit", { scenario: whole, edits: sent }));
   } catch (why) {
     if (!(why instanceof api.Refused) || why.status === 0 || why.status === BUSY) return false;
-    said.value = `A change that does not fit was put back: ${why.message}`;
+    said.value = `A change that cannot be applied was discarded: ${why.message}`;
   }
-  // An answer may have taken the edits meanwhile.
+  // A response may have applied the edits in the meantime.
   if (draft.value !== base || (base === null && text.value !== whole)) return true;
   batch(() => {
     pending.value = pending.value.filter((edit) => !sent.includes(edit));
@@ -30,41 +30,41 @@ async function write(): Promise<boolean> {
 }
 
 /**
- * Makes a step of undo of what waits, before another text takes its place: edits are put into the text by the
- * server, whether or not it computes then. False if there is no server to do it.
+ * Makes an undo step of the pending changes, before another text replaces them. The server applies the edits to the
+ * text, even if the result cannot be computed. Returns false if the server does not respond.
  */
 async function leave(): Promise<boolean> {
   if (held.value !== null) edit([held.value]);
   while (pending.value.length > 0)
     if (!(await write())) {
-      said.value = "The last change waits for Papilio, which does not answer: nothing else is opened before.";
+      said.value = "Papilio does not respond, and the last change is still pending: no other design can be opened now.";
       return false;
     }
   if (isTyped()) accepted(draft.value!, "");
   return true;
 }
 
-/** Opens a whole text in the place of the present one, which becomes a step of undo with all that waits. */
+/** Opens a whole text. The current design, with all pending changes, becomes an undo step. */
 export async function open(whole: string, file = ""): Promise<boolean> {
   if (!(await leave())) return false;
   replace(whole, "", file);
   return true;
 }
 
-/** Puts all that waits into the text, so that it can be edited as such. */
+/** Applies all pending edits to the text, so that the text can be edited. */
 export async function writeOut(): Promise<void> {
   if (pending.value.length > 0 && (await leave())) kick();
 }
 
-/** Whether something waits that is no step of undo yet. */
+/** Whether there are changes that are not an undo step yet. */
 export const isNew = computed(
   () => pending.value.length > 0 || (draft.value !== null && draft.value !== history.value.present),
 );
 
-/** One step back; from what was refused, or is being opened, to the design that computes. */
+/** Undoes one step; a refused change or a scenario that is being opened is discarded. */
 export async function undo(): Promise<void> {
   const isOpening = isNew.value && pending.value.length === 0 && !isTyped();
-  if (isRefused() || isOpening) return putBack();
+  if (isRefused() || isOpening) return discard();
   if (await leave()) step(undone());
 }
 

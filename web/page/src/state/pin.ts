@@ -1,4 +1,4 @@
-// A design that is kept beside the one on the bench, for comparison.
+// The pinned design, with which the current one is compared.
 
 import { computed, signal } from "@preact/signals";
 
@@ -20,7 +20,7 @@ export const pinnedView = computed<View | null>(
   () => pinned.value?.result.views[Math.min(viewIndex.value, pinned.value.result.views.length - 1)] ?? null,
 );
 
-/** Pins the design on the bench, once all changes are in it. */
+/** Pins the current design after all changes are applied. */
 export async function pin(): Promise<boolean> {
   const result = (await ready("pinned")) && answer.value?.result;
   if (!result) return false;
@@ -28,13 +28,13 @@ export async function pin(): Promise<boolean> {
   return true;
 }
 
-/** Pins the design of an earlier visit, computed anew. */
+/** Computes and pins the pinned design of an earlier visit. */
 export async function repin(scenario: string): Promise<void> {
   try {
     const { fields, result } = await live({ scenario, files: fileIds.value }, [], new AbortController().signal);
     pinned.value = { title: textAt(fields as Json, "title") ?? "Untitled", text: scenario, result };
   } catch {
-    // A design that no longer computes is not pinned.
+    // A design that can no longer be computed is not pinned.
   }
 }
 

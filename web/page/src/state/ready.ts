@@ -1,4 +1,4 @@
-// Before a design leaves the page (saved, linked, exported, walked, pinned), all changes must be in it.
+// Waits until all changes are applied, before a design is saved, linked, exported, run or pinned.
 
 import type { Edit } from "../api/types.ts";
 import { at, type Json } from "../model/json.ts";
@@ -7,22 +7,22 @@ import { answer, draft, draftName, pending, problems } from "./design.ts";
 import { isUnanswered, settled } from "./live.ts";
 import { said } from "./said.ts";
 
-/** Waiting longer than this is said, ms. */
+/** Time of waiting after which there is a message, ms. */
 const SAID_MS = 400;
-/** So many refused values are named. */
+/** Maximum number of refused values in a message. */
 const NAMED = 2;
 
-/** A value in a few letters. */
+/** Returns a value as a short text. */
 const short = (value: unknown): string => {
   const text = JSON.stringify(value) ?? "nothing";
   return text.length > 40 ? `${text.slice(0, 39)}…` : text;
 };
 
-/** What an edit wants. */
+/** Returns an edit as text. */
 const wanted = (edit: Edit): string =>
   edit.op === "set" ? `${edit.path} = ${short(edit.value)}` : `a change of ${edit.path}`;
 
-/** What the design holds instead of what an edit wants. */
+/** Returns the current value of an edit's key as text. */
 function instead({ path }: Edit): string {
   const now = at((answer.value?.fields ?? null) as Json, path);
   return now === undefined ? `no ${path}` : `${path} = ${short(now)}`;
@@ -30,18 +30,18 @@ function instead({ path }: Edit): string {
 
 const sentence = (text: string): string => (/[.!?]$/.test(text) ? text : `${text}.`);
 
-/** What was refused and why, and what the design holds instead. */
+/** Returns the refused changes, the reason, and the current values. */
 function refusal(): string {
-  const why = sentence(problems.value[0] ? words(problems.value[0]) : "It does not compute");
-  if (draft.value !== null) return `${draftName.value || "the text as it was typed"} does not compute. ${why}`;
+  const why = sentence(problems.value[0] ? words(problems.value[0]) : "It cannot be computed");
+  if (draft.value !== null) return `${draftName.value || "the typed text"} cannot be computed. ${why}`;
   const last = pending.value.slice(-NAMED);
-  const holds = last.map(instead).join(", ");
-  return `${last.map(wanted).join(", ")} was refused. ${why} The design that is shown holds ${holds}.`;
+  const current = last.map(instead).join(", ");
+  return `${last.map(wanted).join(", ")} was refused. ${why} The design that is shown has ${current}.`;
 }
 
 /**
- * Waits until everything that was changed is in the text; otherwise says why it is not, and that nothing was
- * `done` (saved, linked).
+ * Waits until all changes are in the text and returns true. Otherwise it returns false, with a message that the design
+ * was not `done` (saved, linked), and the reason.
  */
 export async function ready(done: string): Promise<boolean> {
   const slow = setTimeout(() => (said.value = "Waiting for the last change, which is being computed…"), SAID_MS);
@@ -49,7 +49,7 @@ export async function ready(done: string): Promise<boolean> {
   clearTimeout(slow);
   if (!all)
     said.value = isUnanswered()
-      ? `Not ${done}: Papilio does not answer, and the last change waits for it. It is kept here.`
-      : `Not ${done}: ${refusal()} Mend it or put it back, then try again.`;
+      ? `Not ${done}: Papilio does not respond, and the last change is still pending. It is stored in the browser.`
+      : `Not ${done}: ${refusal()} Correct or discard the change, then try again.`;
   return all;
 }

@@ -1,8 +1,8 @@
-// What was just done, for eyes and screen readers.
+// The message about the last action, which screen readers announce.
 
 import { effect, signal } from "@preact/signals";
 
-/** How long it is said, ms. */
+/** Time for which a message is shown, ms. */
 const SAID_MS = 9000;
 
 export const said = signal("");

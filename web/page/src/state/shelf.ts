@@ -1,4 +1,4 @@
-// What ships with the program: presets of rooms and examples.
+// The lists of presets and examples.
 
 import { signal } from "@preact/signals";
 

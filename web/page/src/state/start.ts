@@ -1,5 +1,5 @@
-// What is open when the page starts, and that it is kept from then on: written at once with every change, be it
-// taken by the server, refused, on its way or half typed.
+// Opens a design when the page starts, and stores it from then on: every change is written immediately, whether the
+// server has accepted it, has refused it or has not responded, and also while it is being typed.
 
 import { batch, effect, signal } from "@preact/signals";
 
@@ -18,7 +18,7 @@ import { said } from "./said.ts";
 import { history, resume as resumeSteps } from "./undo.ts";
 import { keeper, STEPS, WORK, type Earlier, type Keeper, type Now, type Steps, type Work } from "./works.ts";
 
-/** A storage of the browser, or null where it gives none. */
+/** Returns a storage of the browser, or null if it is not available. */
 function place(which: "localStorage" | "sessionStorage"): Storage | null {
   try {
     return window[which];
@@ -29,24 +29,24 @@ function place(which: "localStorage" | "sessionStorage"): Storage | null {
 
 let works: Keeper;
 
-/** Takes the browser's storages into use. */
+/** Opens the storages of the browser. */
 async function openWorks(): Promise<void> {
   const all = place("localStorage");
   const say = (words: string): void => void (said.value = words);
   works = keeper(place("sessionStorage"), all && (await mirrored(all, WORK, STEPS)), say);
 }
 
-/** The scenario that the server was started with when this tab last asked. */
+/** The name of the scenario with which the server was started, as of this tab's last request. */
 let started = "";
-/** What the address or the command line opened: nothing is lost with it. */
+/** The scenario that the address or the command line has opened; it need not be stored. */
 let given: string | null = null;
 let isTouched = false;
-/** Files of the scenario that the server was started with. */
+/** Files of the scenario with which the server was started. */
 let adopted: Readonly<Record<string, string>> = {};
-/** The design as it was last written: its title stands until there is an answer. */
+/** The design as it was last written; its title is used until there is a response. */
 let last: Work | null = null;
 
-/** Earlier designs, and those of other tabs, newest first. */
+/** Earlier designs and designs of other tabs, newest first. */
 export const earlier = signal<readonly Earlier[]>([]);
 export const lookForEarlier = (): void => void (earlier.value = works.earlier());
 
@@ -63,7 +63,7 @@ const now = (): Now => ({
   title: answer.value === null ? (last?.title ?? "Untitled") : title.value,
 });
 
-/** A pinned text that is being computed anew. */
+/** A pinned text that is being computed again. */
 const waitingPin = signal<string | null>(null);
 
 const isSame = (a: Now & Steps, b: Now & Steps): boolean =>
@@ -75,7 +75,7 @@ const isSame = (a: Now & Steps, b: Now & Steps): boolean =>
   a.future === b.future &&
   JSON.stringify([a.pending, a.files]) === JSON.stringify([b.pending, b.files]);
 
-/** Whether there is anything to lose: more than what was opened for the reader. */
+/** Returns true if the design must be stored, because the user has changed it. */
 function isChanged(work: Work): boolean {
   const waits = work.pending.length > 0 || (work.draft !== null && work.draft !== given);
   const hasFiles = Object.keys(work.files).some((name) => !(name in adopted));
@@ -84,8 +84,8 @@ function isChanged(work: Work): boolean {
   return isTouched;
 }
 
-/** Keeps the design from here on. */
-function keepOn(): void {
+/** Stores the design at every change from now on. */
+function storeChanges(): void {
   effect(() => {
     const [all, { past, future }] = [now(), history.value];
     const work: Work = { ...all, past, future };
@@ -96,7 +96,7 @@ function keepOn(): void {
   });
 }
 
-/** Puts a kept design on the bench, as it was left. */
+/** Restores a stored design, including its pending changes. */
 function restore(work: Work): void {
   batch(() => {
     unpin();
@@ -112,19 +112,19 @@ async function pinAgain(): Promise<void> {
   waitingPin.value = null;
 }
 
-const BACK = "Undo brings back what was open before.";
+const BACK = "Undo restores the previous design.";
 
-/** Opens the scenario of the address in the place of what is open. */
+/** Opens the scenario in the address. */
 async function follow(scenario: string): Promise<void> {
   const before = text.value;
   if (scenario === (draft.value ?? before)) return opening(scenario);
   given = isTouched ? null : scenario;
   if (!(await open(scenario))) return;
   opening(scenario);
-  if (before !== "") said.value = `The link's scenario is open. ${BACK}`;
+  if (before !== "") said.value = `The scenario of the link is open. ${BACK}`;
 }
 
-/** A link's scenario; or that of the command line, where it is a new one; or that of the last visit. */
+/** Opens the scenario of a link, or that of the command line if it is new, or else the design of the last visit. */
 export async function begin(): Promise<void> {
   const [link, first] = await Promise.all([linked(), api.get<Start>("start"), openWorks()]);
   const loaded = works.load();
@@ -135,16 +135,16 @@ export async function begin(): Promise<void> {
   await recallFormer();
   if (loaded !== null) {
     await recallFiles(loaded.work.files);
-    // In a new tab other scenarios than those of the last visit stand beside them.
+    // A new tab that opens another scenario does not replace the design of the last visit.
     if (!loaded.own && (link !== null || isNew)) works.part();
     restore(loaded.work);
   }
-  keepOn();
+  storeChanges();
   if (link !== null) await follow(link);
   else if (isNew) {
     given = first.scenario;
     await open(first.scenario);
-    if (loaded !== null) said.value = `${first.name} is open, with which the program was started. ${BACK}`;
+    if (loaded !== null) said.value = `${first.name} is open, because the program was started with it. ${BACK}`;
   }
   followDesign();
   watch();
@@ -152,7 +152,7 @@ export async function begin(): Promise<void> {
   await forgetUnused(new Set([...works.files(), ...Object.values(keptIds.value)]));
 }
 
-/** Looks for links that are opened here, and for designs of other tabs as they come and go. */
+/** Watches for links that are opened in this tab, and for designs that other tabs store or remove. */
 function watch(): void {
   addEventListener(
     "hashchange",
@@ -162,7 +162,7 @@ function watch(): void {
   lookForEarlier();
 }
 
-/** Goes on with an earlier design; what was open is among them then. */
+/** Opens an earlier design; the previous one becomes an earlier design. */
 export async function takeUp(id: string): Promise<void> {
   const others = works.earlier().length;
   const work = works.take(id);
@@ -171,10 +171,10 @@ export async function takeUp(id: string): Promise<void> {
   restore(work);
   given = null;
   isTouched = false;
-  // A reload goes on with it, too.
+  // A reload opens it, too.
   works.keep(now(), history.value, false);
   lookForEarlier();
   const isThere = earlier.value.length === others;
-  said.value = `“${work.title}” is open again, as it was left${isThere ? "; the design before it is under Earlier" : ""}.`;
+  said.value = `“${work.title}” is open again${isThere ? "; the previous design is under Earlier" : ""}.`;
   await pinAgain();
 }

@@ -1,4 +1,4 @@
-// A sweep over one or two keys: its axes, and the points as they come.
+// A sweep over one or two keys: its axes, and the points that are computed so far.
 
 import { computed, signal } from "@preact/signals";
 
@@ -20,26 +20,30 @@ export const sweep = long();
 export const axes = signal<readonly Axis[]>([]);
 export const metric = signal("gamut_percent_srgb");
 export const points = signal<readonly SweepPoint[]>([]);
-/** The axes that the points belong to. */
+/** The axes to which the points belong. */
 export const swept = signal<readonly Axis[]>([]);
 export const keys = computed(() => numbers(fields.value).map(([path]) => path));
 
-/** Values on an axis, evenly spaced. */
+/** Returns the uniformly spaced values on an axis. */
 export const valuesOf = ({ from, to, count }: Axis): number[] =>
   Array.from({ length: count }, (_, i) => Number((from + ((to - from) * i) / Math.max(1, count - 1)).toPrecision(8)));
 
-/** A first axis for a key: about its present value. */
+/** Returns the initial axis for a key, around its current value. */
 export function axisFor(path: string, count: number): Axis {
   const value = numbers(fields.value).find(([key]) => key === path)?.[1] ?? 1;
-  const share = /haze|share|transmittance|reflectance|absorptance|albedo|fill_factor|diffuse$/.test(path);
-  // A wide lobe cannot pass much more than it does.
-  const most = path.endsWith("ransmittance") ? value : share ? Math.min(1.5 * value, (1 + value) / 2) : 1.5 * value;
-  const around = value === 0 ? [0, share ? 0.1 : 1] : [0.5 * value, most];
+  const isFraction = /haze|share|transmittance|reflectance|absorptance|albedo|fill_factor|diffuse$/.test(path);
+  // The transmittance of a wide lobe cannot be increased much.
+  const most = path.endsWith("ransmittance")
+    ? value
+    : isFraction
+      ? Math.min(1.5 * value, (1 + value) / 2)
+      : 1.5 * value;
+  const around = value === 0 ? [0, isFraction ? 0.1 : 1] : [0.5 * value, most];
   const [from, to] = (path.endsWith("theta_deg") ? [-60, 60] : around) as [number, number];
   return { path, from: Number(from.toPrecision(4)), to: Number(to.toPrecision(4)), count };
 }
 
-/** The edits that write the sweep into a scenario, as `papilio sweep` reads it. */
+/** Returns the edits that write the sweep to a scenario, for `papilio sweep`. */
 export function asEdits(): Edit[] {
   const entries = axes.value.map((axis) => ({ [axis.path]: valuesOf(axis) }));
   return [{ op: "set", path: "sweep", value: { figures: [metric.value], axes: entries } }];

@@ -1,4 +1,4 @@
-// Which of the tabs below the plots is open.
+// The open tab below the plots.
 
 import { signal } from "@preact/signals";
 

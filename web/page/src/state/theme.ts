@@ -1,4 +1,4 @@
-// Light or dark: what the system prefers, unless it was chosen here.
+// The colour theme: light or dark, as in the system or as chosen on the page.
 
 import { computed, effect, signal } from "@preact/signals";
 
@@ -13,7 +13,7 @@ const system = signal(prefers.matches);
 export const theme = signal<Theme>(recall<Theme>(KEY) ?? "system");
 export const dark = computed(() => (theme.value === "system" ? system.value : theme.value === "dark"));
 
-/** Keeps the document's theme as it should be. */
+/** Applies the theme to the document, and stores the choice. */
 export function followTheme(): void {
   prefers.addEventListener("change", () => (system.value = prefers.matches));
   effect(() => {

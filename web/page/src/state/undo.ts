@@ -1,4 +1,4 @@
-// Undo and redo of the design, as signals over the pure history.
+// Undo and redo of the design, as signals.
 
 import { computed, signal } from "@preact/signals";
 
@@ -8,12 +8,12 @@ export const history = signal<History>(begin(""));
 export const canUndo = computed(() => history.value.past.length > 0);
 export const canRedo = computed(() => history.value.future.length > 0);
 
-/** Goes on where an earlier load of the page ended. */
+/** Restores the steps of an earlier load of the page. */
 export function resume(past: readonly string[], present: string, future: readonly string[]): void {
   history.value = { ...begin(present), past, future };
 }
 
-/** A text that the server took, or that gives way to another one; the first is where undo ends. */
+/** Records a text that the server has accepted, or that is replaced by another one; the first text is the oldest. */
 export function accepted(text: string, gesture: string): void {
   const first = history.value.present === "";
   history.value = first ? begin(text) : record(history.value, text, gesture, Date.now());
@@ -25,6 +25,6 @@ const stepped = (next: History): string | null => {
   return next.present;
 };
 
-/** The text to go back to, or null. */
+/** Returns the text of the previous step, or null. */
 export const undone = (): string | null => stepped(back(history.value));
 export const redone = (): string | null => stepped(forward(history.value));

@@ -1,4 +1,4 @@
-// The Monte Carlo walk of the design on the bench: its progress, and how it agrees with the live answer.
+// The Monte Carlo run of the current design: its progress, and its comparison with the live result of adding.
 
 import { computed, signal } from "@preact/signals";
 
@@ -9,20 +9,20 @@ import { ready } from "./ready.ts";
 import { long } from "./work.ts";
 
 export const walk = long();
-/** The scenario that was walked. */
-export const walked = signal("");
+/** The scenario of the run. */
+export const scenarioOfRun = signal("");
 export const progress = signal<WalkProgress | null>(null);
 /** Paths and relative error so far, for the curve. */
 export const course = signal<readonly (readonly [number, number])[]>([]);
-/** Whether the design has changed since. */
-export const stale = computed(() => walked.value !== "" && walked.value !== text.value);
+/** Whether the design has changed since the run. */
+export const stale = computed(() => scenarioOfRun.value !== "" && scenarioOfRun.value !== text.value);
 
-/** The relative error to run to; null: that of the scenario. */
+/** The relative error at which the run ends; null: that of the scenario. */
 export const aim = signal<number | null>(null);
 
 export async function run(): Promise<void> {
-  if (!(await ready("walked"))) return;
-  walked.value = text.value;
+  if (!(await ready("run"))) return;
+  scenarioOfRun.value = text.value;
   progress.value = null;
   course.value = [];
   const edits: Edit[] = aim.value === null ? [] : [{ op: "set", path: "solver.relative_error", value: aim.value }];

@@ -1,4 +1,4 @@
-// Long work that reports as it goes and ends at once when it is cancelled: walks and sweeps.
+// Long computations that report their progress and can be cancelled: Monte Carlo runs and sweeps.
 
 import { signal, type Signal } from "@preact/signals";
 
@@ -10,7 +10,7 @@ export type Phase = "idle" | "running" | "done" | "cancelled" | "failed";
 export interface Long {
   readonly phase: Signal<Phase>;
   readonly problems: Signal<readonly Problem[]>;
-  /** Work on a scenario after some edits, which are not made to the one on the bench. */
+  /** Starts a computation of a scenario after edits, which are not applied to the current design. */
   start(path: string, work: Work, edits: readonly Edit[], on: (event: string, data: unknown) => void): Promise<void>;
   cancel(): void;
 }

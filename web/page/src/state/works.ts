@@ -1,30 +1,30 @@
-// The designs that this browser keeps, so that none is lost: each tab has a record of its own, and a copy of it
-// lies where other tabs, and a later visit, find it.
+// The designs that are stored in the browser, so that none is lost. Each tab has its own record, with a copy for other
+// tabs and later visits.
 //
-// A tab's own record is in its sessionStorage, which survives a reload and a crash of the tab and is copied when
-// the tab is duplicated; the copy is in localStorage. Every load of the page takes a new id. When it first
-// changes something it writes a record under it and takes away the one that it began from, unless another tab has
-// written that one since: two tabs then hold two designs, and a reload leaves no second one behind.
+// The record of a tab is in its sessionStorage, which survives a reload and a crash of the tab, and is copied if the tab
+// is duplicated. The copy is in localStorage. Every load of the page creates a new id. At the first change, it writes a
+// record under this id and removes the record from which it started, unless another tab has written that record in the
+// meantime. Thus two tabs have two designs, and a reload leaves no second record.
 
 import { chained, unchained } from "../model/delta.ts";
 import type { Edit } from "../api/types.ts";
 
-/** Everything of a design that is not a step of undo. */
+/** The data of a design without its undo steps. */
 export interface Now {
-  /** The text that the server took last. */
+  /** The last text that the server has accepted. */
   readonly text: string;
-  /** A whole text that waits to take its place, the file that it is of, and whether it is typed. */
+  /** The draft, which will replace the text, its file name, and whether it is being typed. */
   readonly draft: string | null;
   readonly draftName: string;
   readonly typed: boolean;
-  /** Edits that wait, those that are being typed among them. */
+  /** Pending edits, including those that are being typed. */
   readonly pending: readonly Edit[];
-  /** Where undo and redo stand, if not at the text. */
+  /** The text at the current position of undo and redo, if it is not `text`. */
   readonly present: string | null;
   readonly pinned: string | null;
-  /** The scenario that `papilio serve` was started with. */
+  /** The scenario with which `papilio serve` was started. */
   readonly started: string;
-  /** Ids of the dropped files by their names. */
+  /** Ids of the uploaded files by their names. */
   readonly files: Readonly<Record<string, string>>;
   readonly title: string;
 }
@@ -40,43 +40,44 @@ export interface Work extends Now, Steps {}
 export interface Earlier {
   readonly id: string;
   readonly title: string;
-  /** When it was written last, ms. */
+  /** Time of the last write, ms. */
   readonly at: number;
 }
 
 interface Stamp {
   readonly id: string;
   readonly at: number;
-  /** How many times it has been written. */
+  /** Number of writes. */
   readonly count: number;
 }
 
-type Kept = Now & Stamp;
+type StoredDesign = Now & Stamp;
 
-/** What is used of the browser's storage. */
+/** The functions of the browser's storage that are used. */
 export type Place = Pick<Storage, "getItem" | "setItem" | "removeItem" | "key" | "length">;
 
 const OWN = "papilio.tab";
 const OWN_STEPS = "papilio.tab.steps";
 export const WORK = "papilio.work.";
 export const STEPS = "papilio.steps.";
-/** Where all tabs had one record together. */
+/** The key of a former version, whose tabs shared one record. */
 const FORMER = "papilio.design";
 
-/** So many designs are kept; with one more the oldest goes. */
+/** Maximum number of designs; a further one replaces the oldest. */
 export const MOST = 24;
 
 export interface Keeper {
-  /** What this tab had open; or, in a new tab, what was changed last in this browser. */
+  /** Returns the design of this tab, or, in a new tab, the design that was changed last in this browser. */
   load(): { readonly work: Work; readonly own: boolean } | null;
-  /** Keeps a design at once; `changed` says whether there is anything to lose. */
+  /** Stores a design immediately; `changed` tells whether the user has changed it. */
   keep(now: Now, steps: Steps, changed: boolean): void;
-  /** Whatever is open from here on stands beside what was loaded, and not in its place. */
+  /** From now on, the design of this tab does not replace the design that was loaded. */
   part(): void;
+  /** Returns the other designs, newest first. */
   earlier(): Earlier[];
-  /** Ids of all files that a design here names. */
+  /** Returns the ids of all files that a stored design uses. */
   files(): Set<string>;
-  /** Goes on with another design; the one that was open stays where it was. */
+  /** Opens another design; the design that was open stays stored. */
   take(id: string): Work | null;
 }
 
@@ -115,10 +116,10 @@ function keys(place: Place, prefix: string): string[] {
   return all.filter((key) => key.startsWith(prefix));
 }
 
-function record(found: unknown): Kept | null {
-  const kept = found as Partial<Kept> | null;
+function record(found: unknown): StoredDesign | null {
+  const kept = found as Partial<StoredDesign> | null;
   if (typeof kept !== "object" || kept === null || typeof kept.text !== "string" || !kept.id) return null;
-  return { ...EMPTY, at: 0, count: 0, ...kept } as Kept;
+  return { ...EMPTY, at: 0, count: 0, ...kept } as StoredDesign;
 }
 
 const stepsOf = (found: unknown): Steps => {
@@ -128,30 +129,30 @@ const stepsOf = (found: unknown): Steps => {
 
 const written = ({ past, future }: Steps) => ({ past: chained(past), future: chained(future) });
 
-/** The half of the steps of undo that is newer. */
+/** Returns the newer half of the undo steps. */
 const newer = ({ past, future }: Steps): Steps => ({
   past: past.slice(Math.ceil(past.length / 2)),
   future: past.length > 0 ? future : future.slice(0, Math.floor(future.length / 2)),
 });
 
-/** Keeps designs in a tab's storage and in the one of all tabs; either may be missing or full, and `say` tells it. */
+/** Stores designs in the storage of a tab and in that of all tabs. Either may be missing or full, which `say` reports. */
 export function keeper(tab: Place | null, all: Place | null, say: (words: string) => void, clock = Date.now): Keeper {
   const fresh = (): string => `${clock().toString(36)}-${Math.random().toString(36).slice(2, 10)}`;
   let id = fresh();
   let count = 0;
   let steps: Steps | null = null;
   let shared: Steps | null = null;
-  /** The record that this tab began from, as it was then. */
+  /** The record from which this tab started, as it was then. */
   let origin: { readonly stamp: Stamp; readonly raw: string } | null = null;
-  const told = new Set<string>();
-  const tell = (words: string): void => {
-    if (!told.has(words)) say(words);
-    told.add(words);
+  const reported = new Set<string>();
+  const report = (words: string): void => {
+    if (!reported.has(words)) say(words);
+    reported.add(words);
   };
 
-  const heads = (): Kept[] =>
+  const heads = (): StoredDesign[] =>
     (all === null ? [] : keys(all, WORK).map((key) => record(read(all, key))))
-      .filter((kept): kept is Kept => kept !== null)
+      .filter((kept): kept is StoredDesign => kept !== null)
       .sort((a, b) => b.at - a.at);
 
   const rawOf = (of: string): string => all?.getItem(WORK + of) ?? "";
@@ -160,8 +161,8 @@ export function keeper(tab: Place | null, all: Place | null, say: (words: string
     all?.removeItem(STEPS + of);
   };
 
-  /** Goes on with a record: what is written from here on takes its place, in the name of a new id. */
-  const begin = (kept: Kept, of: Steps): Work => {
+  /** Continues a record: later writes replace it, under a new id. */
+  const begin = (kept: StoredDesign, of: Steps): Work => {
     origin = { stamp: { id: kept.id, at: kept.at, count: kept.count }, raw: rawOf(kept.id) };
     id = fresh();
     count = kept.count;
@@ -169,7 +170,7 @@ export function keeper(tab: Place | null, all: Place | null, say: (words: string
     return { ...kept, ...of };
   };
 
-  /** A copy in localStorage may be newer: a browser that was killed has written one or the other. */
+  /** Returns the design of this tab, or its copy if that is newer: a browser that was killed may have written only one. */
   const own = (): Work | null => {
     const mine = record(read(tab, OWN));
     if (mine === null) return null;
@@ -187,7 +188,7 @@ export function keeper(tab: Place | null, all: Place | null, say: (words: string
     return { ...EMPTY, text: old.text, pinned, started: String(read(all, "papilio.started") ?? ""), past, future: [] };
   };
 
-  /** Room for what is new: the oldest steps of designs that are not open here go first. */
+  /** Frees storage: removes the undo steps, or with `whole` all data, of the oldest design that is not open here. */
   const room = (whole: boolean): boolean => {
     const last =
       all === null
@@ -196,24 +197,24 @@ export function keeper(tab: Place | null, all: Place | null, say: (words: string
     if (!last) return false;
     if (whole) drop(last.id);
     else all!.removeItem(STEPS + last.id);
-    tell(
+    report(
       whole
-        ? `This browser has no more room: the design “${last.title}”, the oldest, is no longer kept.`
-        : "This browser has no more room: steps of undo of earlier designs are no longer kept.",
+        ? `The browser's storage is full: the oldest design, “${last.title}”, was removed.`
+        : "The browser's storage is full: the undo steps of earlier designs were removed.",
     );
     return true;
   };
 
-  /** Writes both parts, the steps first: where a crash parts them, a step stands twice and none is missing. */
+  /** Writes both parts, the steps first: after a crash between them, a step exists twice, but none is missing. */
   const put = (
     place: Place,
     [head, tail]: readonly [string, string],
-    now: Kept,
+    now: StoredDesign,
     of: Steps,
     before: Steps | null,
   ): void => {
     let left = of;
-    // Another tab may have taken the steps away with a record that it went on from.
+    // Another tab may have removed the steps, together with a record that it has continued.
     let same = before?.past === of.past && before.future === of.future && place.getItem(tail) !== null;
     for (;;) {
       if ((same || write(place, tail, written(left))) && write(place, head, now)) return;
@@ -221,24 +222,24 @@ export function keeper(tab: Place | null, all: Place | null, say: (words: string
       if (place === all && room(false)) continue;
       if (left.past.length + left.future.length > 0) {
         left = newer(left);
-        tell("This browser has no more room: the oldest steps of undo will not survive a reload.");
+        report("The browser's storage is full: the oldest undo steps will not survive a reload.");
         continue;
       }
       if (place === all && room(true)) continue;
-      return tell("This browser keeps nothing (it is full, or private): save what you want to keep.");
+      return report("The browser stores nothing (its storage is full, or the window is private). Save your designs.");
     }
   };
 
   const keep: Keeper["keep"] = (now, of, changed) => {
     count += 1;
-    const kept: Kept = { ...now, id, at: clock(), count };
-    // As long as nothing was changed, the tab's record is that of the design that was loaded.
+    const kept: StoredDesign = { ...now, id, at: clock(), count };
+    // Until the first change, the record of the tab is that of the loaded design.
     const own = changed || origin === null ? kept : { ...kept, ...origin.stamp };
     if (tab !== null) put(tab, [OWN, OWN_STEPS], own, of, steps);
     steps = of;
     if (all === null || !changed) {
       if (tab === null && all === null)
-        tell("This browser keeps nothing: a reload begins anew. Save what you want to keep.");
+        report("The browser stores nothing: a reload will lose all changes. Save your designs.");
       return;
     }
     put(all, [WORK + id, STEPS + id], kept, of, shared);
@@ -246,14 +247,14 @@ export function keeper(tab: Place | null, all: Place | null, say: (words: string
     shared = of;
   };
 
-  /** After the first change: the record that this one began from, and what is too old. */
+  /** After the first change: removes the record from which this tab started, and the oldest records. */
   const tidy = (): void => {
     if (origin !== null && rawOf(origin.stamp.id) === origin.raw) drop(origin.stamp.id);
     origin = null;
     all?.removeItem(FORMER);
     for (const old of heads().slice(MOST)) {
       drop(old.id);
-      tell(`${MOST} designs are kept: “${old.title}”, the oldest, is no longer among them.`);
+      report(`At most ${MOST} designs are stored: the oldest one, “${old.title}”, was removed.`);
     }
   };
 

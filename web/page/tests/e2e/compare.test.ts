@@ -1,4 +1,4 @@
-// Pin one design, change the other, see the differences; swap them.
+// Comparison: pin a design, change the current one, check the differences, and swap the two.
 
 import assert from "node:assert/strict";
 import { after, before, test } from "node:test";
@@ -9,7 +9,7 @@ let on: Stage;
 before(async () => (on = await stage()));
 after(() => on.close());
 
-test("pin and compare", async () => {
+test("pinned design is compared, swapped and restored after a reload", async () => {
   const page = await on.visit();
   const first = await figure(page, "Contrast : 1");
   await page.getByRole("button", { name: "Pin", exact: true }).click();
@@ -23,7 +23,7 @@ test("pin and compare", async () => {
   assert.equal((await row.first().innerText()).split(/\s+/)[0], "display.diffuser.haze");
   await page.getByRole("button", { name: "Swap" }).click();
   assert.equal(await changed(page, "Contrast : 1", second), first);
-  // A pinned design is still pinned after a reload.
+  // The design is still pinned after a reload.
   await page.waitForTimeout(200);
   await page.reload();
   await page.locator('[data-figure="Contrast : 1"] .difference').filter({ hasText: second }).waitFor();

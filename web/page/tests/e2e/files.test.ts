@@ -1,4 +1,4 @@
-// Files dropped on the page: a measured diffuser, a broken file, a huge one; and a server that forgot them.
+// Uploaded files: a measured diffuser, a broken file, a very large file, and a server that has lost the files.
 
 import assert from "node:assert/strict";
 import { readFileSync } from "node:fs";
@@ -27,7 +27,7 @@ async function drop(page: Page, name: string, bytes: Buffer): Promise<void> {
 
 const data = (name: string): Buffer => readFileSync(join(ROOT, "scenarios/data", name));
 
-test("a measured diffuser: audit in words and pictures, and it is put to use", async () => {
+test("measured diffuser is audited, drawn, used and restored after a restart of the server", async () => {
   const page = await on.visit();
   const before = await figure(page, "Gamut % sRGB");
   await drop(page, "H65.bsdf", data("H65.bsdf"));
@@ -40,7 +40,7 @@ test("a measured diffuser: audit in words and pictures, and it is put to use", a
   assert.match(await page.locator('[data-part="display.diffuser"]').innerHTML(), /H65\.bsdf/);
   const used = await figure(page, "Gamut % sRGB");
 
-  // kill -9 and restart: the next picture needs the file, which the page still has.
+  // kill -9 and restart: the next result needs the file, which the page still has.
   await on.restart();
   await page.locator('[data-part="display.glass"]').click();
   await type(page, "display.glass.index", "1.52");
@@ -50,7 +50,7 @@ test("a measured diffuser: audit in words and pictures, and it is put to use", a
   assert.match(await page.locator('[data-part="display.diffuser"]').innerHTML(), /H65\.bsdf/);
 });
 
-test("a broken file is refused in words, and the page goes on", async () => {
+test("broken file is refused with a message, and the page continues to work", async () => {
   const page = await on.visit();
   await drop(page, "broken.bsdf", Buffer.from([0, 255, 1, 254, 10, 13, 0, 0, 7]));
   await page.locator(".file .error").waitFor();
@@ -61,7 +61,7 @@ test("a broken file is refused in words, and the page goes on", async () => {
   await changed(page, "Gamut % sRGB", "28.11");
 });
 
-test("a huge file is refused before it is sent", async () => {
+test("file above the size limit is refused before it is sent", async () => {
   const page = await on.visit();
   await page.evaluate(() => {
     const transfer = new DataTransfer();
@@ -71,14 +71,14 @@ test("a huge file is refused before it is sent", async () => {
   await page.locator(".file .error", { hasText: "too large" }).waitFor();
 });
 
-test("two tabs have different files of one name, and keep them", async () => {
+test("two tabs keep different files with the same name", async () => {
   const one = await on.visit();
   const two = await one.context().newPage();
   await two.goto(on.url);
   await two.locator(".bench").waitFor();
   const dropped: [Page, string, string][] = [
     [one, "rgb-led.csv", "spectrum"],
-    [two, "synthetic-pixel.csv", "table of a pixel"],
+    [two, "synthetic-pixel.csv", "pixel table"],
   ];
   for (const [page, file, kind] of dropped) {
     await drop(page, "mine.csv", data(file));
@@ -94,13 +94,13 @@ test("two tabs have different files of one name, and keep them", async () => {
   }
 });
 
-test("other files are told by their content", async () => {
+test("kind of a file is detected from its content", async () => {
   const page = await on.visit();
   const kinds = [
     ["rgb-led.csv", "spectrum"],
     ["fused-silica.yml", "n and k"],
-    ["synthetic-pixel.csv", "table of a pixel"],
-    ["synthetic-office.hdr", "map of light"],
+    ["synthetic-pixel.csv", "pixel table"],
+    ["synthetic-office.hdr", "light map"],
     ["synthetic-panel.ies", "luminaire"],
   ] as const;
   for (const [name, kind] of kinds) {

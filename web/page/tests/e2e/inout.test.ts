@@ -1,4 +1,4 @@
-// In and out: save and open, link, undo, reload, exports.
+// Save and open, links, undo, reloads, exports.
 
 import assert from "node:assert/strict";
 import { after, before, test } from "node:test";
@@ -27,7 +27,7 @@ after(() => on.close());
 
 const GAMUT = "Gamut % sRGB";
 
-test("what is saved and opened again is the same, to the byte", async () => {
+test("saved and reopened scenario is equal to the byte", async () => {
   const page = await on.visit();
   const first = await figure(page, GAMUT);
   await type(page, "display.diffuser.haze", "0.61");
@@ -44,7 +44,7 @@ test("what is saved and opened again is the same, to the byte", async () => {
   assert.equal(await saved(other), scenario);
 });
 
-test("a link holds the whole scenario", async () => {
+test("link contains the whole scenario", async () => {
   const page = await on.visit(CLIPBOARD);
   await type(page, "display.diffuser.haze", "0.44");
   const then = await changed(page, GAMUT, await figure(page, GAMUT));
@@ -52,26 +52,26 @@ test("a link holds the whole scenario", async () => {
   await settled(other);
   assert.equal(await figure(other, GAMUT), then);
   assert.equal(await saved(other), await saved(page));
-  assert.equal(new URL(page.url()).hash, "", "the address stays as it is where the clipboard has the link");
+  assert.equal(new URL(page.url()).hash, "", "the address does not change if the link is in the clipboard");
 });
 
 const CLIPBOARD = { permissions: ["clipboard-read", "clipboard-write"] };
 
-/** The link that Link copies. */
+/** Clicks Link and returns the link from the clipboard. */
 async function copied(page: Page): Promise<string> {
   await page.getByRole("button", { name: "Link" }).click();
   await page.getByText("The link is copied").waitFor();
   return page.evaluate(() => navigator.clipboard.readText());
 }
 
-test("a change after a link survives a reload, and undo leads back over the link", async () => {
+test("change after a link survives a reload, and undo restores the design before the link", async () => {
   const page = await on.visit();
   await type(page, "display.diffuser.haze", "0.7");
   await page.evaluate('Object.defineProperty(navigator, "clipboard", { value: undefined })');
   await page.getByRole("button", { name: "Link" }).click();
   await page.waitForFunction(() => location.hash.startsWith("#s="));
   const { hash } = new URL(page.url());
-  // The link itself survives a reload without a step.
+  // A reload keeps the link and adds no undo step.
   await page.reload();
   await page.locator(".bench").waitFor();
   assert.equal(new URL(page.url()).hash, hash);
@@ -83,18 +83,18 @@ test("a change after a link survives a reload, and undo leads back over the link
   await page.getByRole("button", { name: "Undo" }).click();
   assert.match(await saved(page), /haze = 0\.7\b/);
 
-  // The same link, opened over other work.
+  // The same link is opened over another design.
   await type(page, "display.diffuser.haze", "0.6");
   await settled(page);
   await page.goto("about:blank");
   await page.goto(on.url + hash);
-  await page.getByText("Undo brings back").waitFor();
+  await page.getByText("Undo restores").waitFor();
   assert.match(await saved(page), /haze = 0\.7\b/);
   await page.getByRole("button", { name: "Undo" }).click();
   assert.match(await saved(page), /haze = 0\.6\b/);
 });
 
-/** Holds answers back for so long. */
+/** Delays live results. */
 async function slow(page: Page, ms: number): Promise<void> {
   await page.route("**/api/v1/live", async (route) => {
     await new Promise((resolve) => setTimeout(resolve, ms));
@@ -102,7 +102,7 @@ async function slow(page: Page, ms: number): Promise<void> {
   });
 }
 
-test("Save, Link, Export, Pin and Run take the change that is on its way", async () => {
+test("Save, Link, Export, Pin and Run include a pending change", async () => {
   const page = await on.visit(CLIPBOARD);
   await slow(page, 700);
   const haze = (value: string) => type(page, "display.diffuser.haze", value);
@@ -128,7 +128,7 @@ test("Save, Link, Export, Pin and Run take the change that is on its way", async
   await page.getByRole("button", { name: "Cancel" }).click();
 });
 
-test("after a refused value Save, Link, Export, Pin and Run say so, and take nothing", async () => {
+test("Save, Link, Export, Pin and Run after a refused value show a message and do nothing", async () => {
   const page = await on.visit(CLIPBOARD);
   await type(page, "display.diffuser.haze", "7");
   await page.locator(".field .error").waitFor();
@@ -139,7 +139,7 @@ test("after a refused value Save, Link, Export, Pin and Run say so, and take not
     ["Save", "saved"],
     ["Link", "linked"],
     ["Pin", "pinned"],
-    ["Run", "walked"],
+    ["Run", "run"],
   ] as const) {
     await page.getByRole("button", { name: button, exact: true }).click();
     await page.locator(".said", { hasText: `Not ${done}` }).waitFor();
@@ -149,10 +149,10 @@ test("after a refused value Save, Link, Export, Pin and Run say so, and take not
   await said.waitFor();
   assert.match(
     await said.innerText(),
-    /haze = 7 was refused[\s\S]*out of range[\s\S]*holds display\.diffuser\.haze = 0\.78/,
+    /haze = 7 was refused[\s\S]*out of range[\s\S]*has display\.diffuser\.haze = 0\.78/,
   );
   assert.equal(taken, 0);
-  await page.getByRole("button", { name: "Put it back" }).click();
+  await page.getByRole("button", { name: "Discard" }).click();
   assert.match(await saved(page), /haze = 0\.78/);
   const refusals = on.complaints.splice(0);
   assert.ok(
@@ -161,7 +161,7 @@ test("after a refused value Save, Link, Export, Pin and Run say so, and take not
   );
 });
 
-test("a change on its way is in the text that is typed; a typed text that was put back comes again", async () => {
+test("typed text includes a pending change, and is restored by redo after it was discarded", async () => {
   const page = await on.visit();
   await slow(page, 700);
   await type(page, "display.diffuser.haze", "0.66");
@@ -173,7 +173,7 @@ test("a change on its way is in the text that is typed; a typed text that was pu
   await source.fill("broken =");
   await page.locator("#source-errors .error").first().waitFor();
   await page.getByRole("button", { name: "Drawing" }).click();
-  await page.getByRole("button", { name: "Put it back" }).click();
+  await page.getByRole("button", { name: "Discard" }).click();
   assert.match(await saved(page), /^# mine\n/);
   await page.getByRole("button", { name: "Redo" }).click();
   await page.getByRole("button", { name: "TOML" }).click();
@@ -205,7 +205,7 @@ test("undo and redo survive a reload", async () => {
   assert.ok(await page.getByRole("button", { name: "Redo" }).isDisabled());
 });
 
-test("two tabs keep two designs, and what was closed is found under Earlier", async () => {
+test("two tabs keep two designs, and the design of a closed tab is under Earlier", async () => {
   const one = await on.visit();
   const two = await one.context().newPage();
   await two.goto(on.url);
@@ -226,14 +226,14 @@ test("two tabs keep two designs, and what was closed is found under Earlier", as
   await one.getByRole("button", { name: "Undo" }).click();
   await settled(one);
   assert.doesNotMatch(await saved(one), /haze = 0\.82/);
-  // Undo made it a design of its own; the first one is an earlier one now.
+  // Undo made this a separate design; the other one is an earlier design now.
   await one.reload();
   await one.locator(".bench").waitFor();
   assert.equal((await itemsOf(one, "Earlier")).length, 1);
   assert.deepEqual(on.complaints, []);
 });
 
-test("undo and redo: a drag is one step", async () => {
+test("drag is one step of undo and redo", async () => {
   const page = await on.visit();
   const first = await figure(page, GAMUT);
   const before = await saved(page);
@@ -255,7 +255,7 @@ test("undo and redo: a drag is one step", async () => {
   assert.notEqual(dragged, first);
 });
 
-test("what was on screen survives a reload, and a server that was killed", async () => {
+test("design survives a reload and a kill of the server", async () => {
   const page = await on.visit();
   await type(page, "display.diffuser.haze", "0.33");
   const then = await changed(page, GAMUT, await figure(page, GAMUT));
@@ -268,7 +268,7 @@ test("what was on screen survives a reload, and a server that was killed", async
   assert.equal(await saved(page), scenario);
 });
 
-test("exports are the command line's", async () => {
+test("exports equal those of the command line", async () => {
   const page = await on.visit();
   const scenario = await saved(page);
   const take = (what: string) => downloaded(page, () => choose(page, "Export", what));
@@ -280,10 +280,10 @@ test("exports are the command line's", async () => {
   assert.equal((await take("overview.png")).bytes.subarray(1, 4).toString(), "PNG");
   const report = (await take("report.html")).text;
   assert.match(report, /<html/);
-  assert.doesNotMatch(report, /(src|href)="https?:/, "a report needs no other host");
+  assert.doesNotMatch(report, /(src|href)="https?:/, "the report refers to no other host");
 });
 
-test("layers are added, moved and taken away, and the text follows", async () => {
+test("adding, moving and removing layers changes the text", async () => {
   const page = await on.visit();
   await page.locator('[data-part="display.front.0"]').click();
   await choose(page, "Add layer", "component");

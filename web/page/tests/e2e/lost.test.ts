@@ -1,4 +1,4 @@
-// Nothing that was changed is lost, whatever happens to tab, server and browser.
+// Failures of tab, server and browser must not lose changes.
 
 import assert from "node:assert/strict";
 import { spawn, type ChildProcess } from "node:child_process";
@@ -17,15 +17,15 @@ let on: Stage;
 before(async () => (on = await stage()));
 after(() => on.close());
 
-/** Another seed is another sequence; this one is the same every day. */
+/** The seed of the sequence of failures. */
 const SEED = Number(process.env["PAPILIO_MISHAPS"] ?? 19);
 
-test("fifty mishaps", { timeout: 900_000 }, () => play(on, SEED, 50));
+test("fifty random failures lose no change", { timeout: 900_000 }, () => play(on, SEED, 50));
 
-/** A browser of its own with a profile that stays, and a page in it. */
+/** Starts a separate browser with a permanent profile, and opens a page in it. */
 async function launched(profile: string): Promise<{ page: Page; kill(): Promise<void> }> {
   const options = ["--headless=new", "--no-sandbox", "--disable-gpu", "--no-first-run", "--remote-debugging-port=0"];
-  // A group of processes, so that all of the browser is killed at once.
+  // A process group, so that all processes of the browser are killed together.
   const child: ChildProcess = spawn(CHROMIUM, [...options, `--user-data-dir=${profile}`, "about:blank"], {
     stdio: ["ignore", "ignore", "pipe"],
     detached: true,
@@ -48,7 +48,7 @@ async function launched(profile: string): Promise<{ page: Page; kill(): Promise<
   };
 }
 
-test("a browser that is killed has lost nothing that it had a moment to write", { timeout: 120_000 }, async () => {
+test("killed browser loses no change that it had time to write", { timeout: 120_000 }, async () => {
   const profile = mkdtempSync(join(tmpdir(), "papilio-browser-"));
   const open: { kill(): Promise<void> }[] = [];
   try {

@@ -1,6 +1,6 @@
-// A play of mishaps: the server is killed, the tab crashes, is reloaded, closed, duplicated, links are opened. Before
-// each one an edit is accepted and another one typed, which no answer has come to; after it both must be there.
-// The sequence is drawn from a seed.
+// Simulates failures: the server is killed, the tab crashes, is reloaded, closed or duplicated, links are opened. Before
+// each failure, an edit is accepted and another is typed that gets no response; afterwards both must be there. The
+// sequence is drawn from a seed.
 
 import assert from "node:assert/strict";
 
@@ -10,7 +10,7 @@ import { unchained } from "../../src/model/delta.ts";
 import { packed } from "../../src/state/link.ts";
 import { saved, type, type Stage } from "./stage.ts";
 
-/** Numbers from 0 to 1, the same for a seed (mulberry32). */
+/** Random numbers from 0 to 1, determined by a seed (mulberry32). */
 function numbers(seed: number): () => number {
   let state = seed >>> 0;
   return () => {
@@ -24,7 +24,7 @@ function numbers(seed: number): () => number {
 const FIRST = "display.pixel.film.1";
 const SECOND = "display.pixel.film.2";
 
-/** What a tab keeps, as it stands in its sessionStorage. */
+/** The record of a tab in its sessionStorage. */
 interface Record {
   readonly text: string;
   readonly draft: string | null;
@@ -34,7 +34,7 @@ interface Record {
 const recordOf = (page: Page): Promise<Record> =>
   page.evaluate(() => JSON.parse(sessionStorage.getItem("papilio.tab") ?? "null") as Record);
 
-/** Waits until the server has taken everything. */
+/** Waits until the server has accepted all changes. */
 async function taken(page: Page): Promise<void> {
   await page.waitForFunction(() => {
     const { draft, pending } = JSON.parse(sessionStorage.getItem("papilio.tab") ?? "{}") as Partial<Record>;
@@ -48,9 +48,9 @@ class Play {
   private count = 0;
   private page!: Page;
   private context!: BrowserContext;
-  /** Everything that was typed and computes, and by what it is found in a text. */
+  /** All edits that were typed and are valid, as parts of a text. */
   private readonly typed: string[] = [];
-  /** Of the tab that is played with: the last edit that was accepted, and the last one that was typed. */
+  /** The last accepted edit of the current tab, and the last typed one. */
   private accepted = "";
   private last = "";
 
@@ -64,7 +64,7 @@ class Play {
     this.context = this.page.context();
   }
 
-  /** A value that no other edit has. */
+  /** Returns a value that no other edit has. */
   private value(from: number): string {
     this.count += 1;
     return String(Number((from + this.count / 100).toFixed(2)));
@@ -84,7 +84,7 @@ class Play {
     this.accepted = this.note(`thickness_nm = ${value}`);
   }
 
-  /** An edit that no answer comes to: at a number, in the text, or in a box that is not left. */
+  /** Types an edit that gets no response: in a number, in the text, or in a box that keeps the focus. */
   private async half(page = this.page): Promise<void> {
     this.on.halt(true);
     const value = this.value(30);
@@ -125,7 +125,7 @@ class Play {
     return copy;
   }
 
-  private readonly mishaps = {
+  private readonly failures = {
     reload: async () => {
       await this.half();
       this.on.halt(false);
@@ -141,7 +141,7 @@ class Play {
       await this.check(this.page, "a kill of the server");
     },
 
-    "a kill of the server, and going on": async () => {
+    "a kill of the server during work": async () => {
       await this.on.kill();
       await this.page.locator(`[data-part="${SECOND}"]`).click();
       const value = this.value(30);
@@ -149,8 +149,8 @@ class Play {
       this.last = this.note(`thickness_nm = ${value}`);
       await this.page.locator(".field .error, .refusal").first().waitFor();
       await this.on.revive();
-      // Save asks again, and waits.
-      await this.holds(this.page, "a kill of the server, and going on");
+      // Save repeats the request and waits.
+      await this.holds(this.page, "a kill of the server during work");
     },
 
     "a crash of the tab": async () => {
@@ -161,7 +161,7 @@ class Play {
       await crashed;
       this.on.halt(false);
       await session.send("Page.reload");
-      // The driver gives a crashed page up: a duplicate of the tab takes its place.
+      // The driver cannot use a crashed page again: a duplicate of the tab replaces it.
       const [copy] = await Promise.all([this.context.waitForEvent("page"), this.reopen(session)]);
       session.send("Page.close").catch(() => undefined);
       this.page = copy;
@@ -226,7 +226,7 @@ class Play {
       this.last = this.note(`# linked ${value}`);
       await this.page.reload();
       await this.check(this.page, "a change after a link");
-      // Back over the change and the link.
+      // Undo the change and the link.
       await this.page.getByRole("button", { name: "Undo" }).click();
       await this.page.getByRole("button", { name: "Undo" }).click();
       await taken(this.page);
@@ -238,7 +238,7 @@ class Play {
     },
   };
 
-  /** Opens the tab's address anew from within, once it is there again. */
+  /** Opens the address of the tab in a new one, from within the page, as soon as it is loaded again. */
   private async reopen(session: CDPSession): Promise<void> {
     for (;;) {
       const { result } = await session.send("Runtime.evaluate", {
@@ -251,10 +251,10 @@ class Play {
     }
   }
 
-  /** One of each kind in a random order, and again. */
-  deck(count: number): (keyof Play["mishaps"])[] {
-    const kinds = Object.keys(this.mishaps) as (keyof Play["mishaps"])[];
-    const deck: (keyof Play["mishaps"])[] = [];
+  /** Returns a sequence of failures: each kind once in a random order, repeatedly. */
+  deck(count: number): (keyof Play["failures"])[] {
+    const kinds = Object.keys(this.failures) as (keyof Play["failures"])[];
+    const deck: (keyof Play["failures"])[] = [];
     while (deck.length < count) {
       const left = [...kinds];
       while (left.length > 0) deck.push(...left.splice(Math.floor(left.length * this.random()), 1));
@@ -262,12 +262,12 @@ class Play {
     return deck.slice(0, count);
   }
 
-  async run(kind: keyof Play["mishaps"]): Promise<void> {
+  async run(kind: keyof Play["failures"]): Promise<void> {
     await this.accept();
-    await this.mishaps[kind]();
+    await this.failures[kind]();
   }
 
-  /** Everything that was ever typed is in a design that is kept, now or some steps back. */
+  /** Checks that everything that was ever typed is in a stored design or in its undo steps. */
   async end(): Promise<void> {
     const kept = await this.page.evaluate(() => Object.entries(localStorage));
     const texts = kept.flatMap(([key, value]) => {
@@ -279,11 +279,11 @@ class Play {
         : [record.text ?? ""];
     });
     const lost = this.typed.filter((edit) => !texts.some((text) => text.includes(edit)));
-    assert.deepEqual(lost, [], "edits that are in no design and in no step of undo");
+    assert.deepEqual(lost, [], "edits that are in no design and in no undo step");
   }
 }
 
-/** Plays so many mishaps. */
+/** Simulates `count` failures. */
 export async function play(on: Stage, seed: number, count: number): Promise<void> {
   const all = new Play(on, numbers(seed));
   await all.begin();
@@ -291,7 +291,7 @@ export async function play(on: Stage, seed: number, count: number): Promise<void
     try {
       await all.run(kind);
     } catch (why) {
-      throw new Error(`seed ${seed}, mishap ${i + 1}, ${kind}: ${String(why)}`, { cause: why });
+      throw new Error(`seed ${seed}, failure ${i + 1}, ${kind}: ${String(why)}`, { cause: why });
     }
   }
   await all.end();

@@ -1,4 +1,4 @@
-// Manners: the keyboard alone, errors at their fields, accessibility by axe, light and dark, laptop and tablet.
+// Usability: keyboard, error messages at their fields, accessibility (axe), light and dark theme, screen sizes.
 
 import assert from "node:assert/strict";
 import { readFileSync } from "node:fs";
@@ -28,7 +28,7 @@ async function violations(page: Page): Promise<string[]> {
 const TABS = ["states", "angles", "cone", "energy", "reading", "walk", "sweep", "compare", "files"];
 
 for (const colorScheme of ["light", "dark"] as const) {
-  test(`axe finds nothing, ${colorScheme}`, async () => {
+  test(`page has no axe violations, ${colorScheme}`, async () => {
     const page = await on.visit({ colorScheme });
     assert.deepEqual(await violations(page), []);
     for (const tab of TABS) {
@@ -36,7 +36,7 @@ for (const colorScheme of ["light", "dark"] as const) {
       await settled(page);
       assert.deepEqual(await violations(page), [], tab);
     }
-    for (const part of ["Pixel", "Drive states", "Room light", "Viewer", "Computing"]) {
+    for (const part of ["Pixel", "Drive states", "Ambient light", "Viewer", "Computation"]) {
       await page.getByRole("navigation").getByRole("button", { name: part }).click();
       assert.deepEqual(await violations(page), [], part);
     }
@@ -47,7 +47,7 @@ for (const colorScheme of ["light", "dark"] as const) {
   });
 }
 
-/** Presses Tab until the focus is where it should be. */
+/** Presses Tab until the focus is on an element. */
 async function tabTo(page: Page, selector: string): Promise<void> {
   for (let i = 0; i < 250; i++) {
     if (await page.evaluate((selector) => document.activeElement?.matches(selector) ?? false, selector)) return;
@@ -56,7 +56,7 @@ async function tabTo(page: Page, selector: string): Promise<void> {
   assert.fail(`the keyboard does not reach ${selector}`);
 }
 
-test("the keyboard alone: light, layer, field, tab", async () => {
+test("keyboard alone changes a source and a field and selects a layer and a tab", async () => {
   const page = await on.visit();
   let gamut = await figure(page, "Gamut % sRGB");
   await tabTo(page, '[data-handle="lighting.directed.0.theta_deg"]');
@@ -78,13 +78,13 @@ test("the keyboard alone: light, layer, field, tab", async () => {
   assert.deepEqual(on.complaints, []);
 });
 
-test("menus: nothing is done by moving through them, and the focus comes back", async () => {
+test("moving through a menu selects nothing, and the focus returns to its button", async () => {
   const page = await on.visit();
   const scenario = await saved(page);
   const focused = () => page.evaluate(() => (document.activeElement as HTMLElement).dataset["item"] ?? "");
   let downloads = 0;
   page.on("download", () => (downloads += 1));
-  for (const name of ["Examples", "Export", "Room or standard", "Add layer", "Add light"]) {
+  for (const name of ["Examples", "Export", "Lighting preset", "Add layer", "Add source"]) {
     const button = page.getByRole("button", { name });
     const items = await itemsOf(page, name);
     await button.focus();
@@ -104,7 +104,7 @@ test("menus: nothing is done by moving through them, and the focus comes back", 
     await page.keyboard.press("Escape");
     assert.equal(await page.getByRole("menu").count(), 0);
     assert.ok(await button.evaluate((e) => e === document.activeElement), name);
-    // Letters and arrows on the button itself choose nothing either.
+    // Letters and arrows on the button itself select nothing either.
     await page.keyboard.press("s");
     await page.keyboard.press("ArrowUp");
     assert.equal(await focused(), items.at(-1));
@@ -114,25 +114,25 @@ test("menus: nothing is done by moving through them, and the focus comes back", 
   assert.equal(downloads, 0);
   assert.equal(await saved(page), scenario);
 
-  // Enter and Space act.
-  await page.getByRole("button", { name: "Room or standard" }).focus();
+  // Enter and Space select.
+  await page.getByRole("button", { name: "Lighting preset" }).focus();
   await page.keyboard.press("Enter");
   await page.keyboard.press("s");
   const room = await focused();
   assert.match(room, /^s/);
   await page.keyboard.press("Space");
-  const chosen = page.getByRole("button", { name: `Room preset: ${room}` });
+  const chosen = page.getByRole("button", { name: `Lighting preset: ${room}` });
   await chosen.waitFor();
-  assert.ok(await chosen.evaluate((e) => e === document.activeElement), "the focus is at the menu's button again");
+  assert.ok(await chosen.evaluate((e) => e === document.activeElement), "the focus returns to the button of the menu");
   assert.match(await saved(page), new RegExp(`preset = "${room}"`));
   await chosen.focus();
   await page.keyboard.press("ArrowDown");
-  assert.equal(await focused(), room, "the one that is in use has the focus");
+  assert.equal(await focused(), room, "the current item has the focus");
   await page.mouse.click(700, 500);
-  assert.equal(await page.getByRole("menu").count(), 0, "a click elsewhere closes it");
+  assert.equal(await page.getByRole("menu").count(), 0, "a click outside closes the menu");
 });
 
-test("an error stands at its field, with the hint, and is put back", async () => {
+test("error is shown at its field with a hint, and the change can be discarded", async () => {
   const page = await on.visit();
   const first = await figure(page, "Gamut % sRGB");
   await page.locator('[data-part="display.pixel.film.1"]').click();
@@ -142,7 +142,7 @@ test("an error stands at its field, with the hint, and is put back", async () =>
   assert.match(await field.locator(".error").innerText(), /out of range[\s\S]*0 to 1e6/);
   assert.equal(await page.locator('[id="f-display.pixel.film.1.thickness_nm"]').getAttribute("aria-invalid"), "true");
   assert.equal(await figure(page, "Gamut % sRGB"), first);
-  await page.getByRole("button", { name: "Put it back" }).click();
+  await page.getByRole("button", { name: "Discard" }).click();
   await field.locator(".error").waitFor({ state: "detached" });
   await page.getByRole("button", { name: "TOML" }).click();
   await page
@@ -158,9 +158,9 @@ for (const [width, height] of [
   [1024, 768],
   [768, 1024],
 ] as const) {
-  test(`nothing is cut off at ${width} x ${height}`, async () => {
+  test(`page of ${width} x ${height} cuts off no control`, async () => {
     const page = await on.visit({ viewport: { width, height } });
-    // The head is fullest with a design of another tab.
+    // The header is widest if there is a design of another tab.
     await page.evaluate(() => {
       localStorage.setItem("papilio.work.x", JSON.stringify({ id: "x", text: "", title: "Another one" }));
       dispatchEvent(new StorageEvent("storage"));
@@ -180,7 +180,7 @@ for (const [width, height] of [
   });
 }
 
-test("all examples open, each with a picture or with words", async () => {
+test("every example opens with a result or a message", async () => {
   const page = await on.visit();
   const names = await itemsOf(page, "Examples");
   assert.ok(names.length > 20);

@@ -1,4 +1,4 @@
-// Everything that the page offers to add or to choose computes: layers, lights, models, rooms, states.
+// All parts that can be added or selected on the page can be computed: layers, sources, models, presets, states.
 
 import assert from "node:assert/strict";
 import { after, before, test } from "node:test";
@@ -11,7 +11,7 @@ let on: Stage;
 before(async () => (on = await stage()));
 after(() => on.close());
 
-/** Waits for the answer to what was just done, and fails in the words of a refusal. */
+/** Waits for the result of the last action, and fails with the message of a refusal. */
 async function computes(page: Page, what: string): Promise<void> {
   await page.waitForTimeout(150);
   await page.locator('.picture[aria-busy="false"]').waitFor({ timeout: 30_000 });
@@ -20,7 +20,7 @@ async function computes(page: Page, what: string): Promise<void> {
   assert.equal(await refusal.count(), 0, `${what}: ${(await refusal.allInnerTexts()).join()}`);
 }
 
-async function anew(page: Page): Promise<void> {
+async function openIndoor(page: Page): Promise<void> {
   await choose(page, "Examples", "indoor");
   await computes(page, "indoor");
   await page.locator('[data-part="display.diffuser"]').click();
@@ -32,11 +32,11 @@ const options = (page: Page, name: string): Promise<string[]> =>
     .locator("option")
     .evaluateAll((all) => all.map((one) => (one as HTMLOptionElement).value).filter(Boolean));
 
-test("every layer and every light that can be added", { timeout: 120_000 }, async () => {
+test("every layer and every source that can be added computes", { timeout: 120_000 }, async () => {
   const page = await on.visit();
-  for (const menu of ["Add layer", "Add light"]) {
+  for (const menu of ["Add layer", "Add source"]) {
     for (const what of await itemsOf(page, menu)) {
-      await anew(page);
+      await openIndoor(page);
       await choose(page, menu, what);
       await computes(page, what);
     }
@@ -44,16 +44,16 @@ test("every layer and every light that can be added", { timeout: 120_000 }, asyn
   assert.deepEqual(on.complaints, []);
 });
 
-test("a source that is taken away leaves its share to the others", async () => {
+test("removed source leaves its fraction to the others", async () => {
   const page = await on.visit();
-  await choose(page, "Add light", "ring");
+  await choose(page, "Add source", "ring");
   await computes(page, "ring");
   await page.getByRole("button", { name: "Remove", exact: true }).click();
   await computes(page, "removed");
   assert.match(await saved(page), /diffuse = 0\.5\b/);
 });
 
-test("every model of diffuser and pixel, every room", { timeout: 120_000 }, async () => {
+test("every model of diffuser and pixel and every preset computes", { timeout: 120_000 }, async () => {
   const page = await on.visit();
   for (const model of await options(page, "Model")) {
     await page.locator('[id="f-display.diffuser-model"]').selectOption(model);
@@ -64,19 +64,19 @@ test("every model of diffuser and pixel, every room", { timeout: 120_000 }, asyn
     await page.locator('[id="f-display.pixel-model"]').selectOption(model);
     await computes(page, model);
   }
-  for (const room of await itemsOf(page, /^Room (or|preset)/)) {
-    await choose(page, /^Room (or|preset)/, room);
-    await computes(page, room);
+  for (const preset of await itemsOf(page, /^Lighting preset/)) {
+    await choose(page, /^Lighting preset/, preset);
+    await computes(page, preset);
   }
-  // A light that only the room's preset gives is moved like any other.
+  // A source of the preset can be moved like any other.
   await page.locator('[data-handle^="lighting.directed.0"]').focus();
   await page.keyboard.press("ArrowLeft");
-  await computes(page, "a preset's light");
+  await computes(page, "a source of the preset");
   assert.match(await saved(page), /theta_deg = 29/);
   assert.deepEqual(on.complaints, []);
 });
 
-/** Where something of the drawing is, from the middle of its foot. */
+/** Returns the position of an element of the drawing, relative to the centre of the half circle. */
 async function placeOf(page: Page, selector: string): Promise<[number, number]> {
   return page
     .locator(selector)
@@ -91,12 +91,12 @@ async function placeOf(page: Page, selector: string): Promise<[number, number]> 
     });
 }
 
-test("a lamp is drawn where it is, whichever way its direction is named", async () => {
+test("source is drawn at the same position for equivalent directions", async () => {
   const page = await on.visit();
-  const lamp = '[data-handle="lighting.directed.0.theta_deg"]';
+  const handle = '[data-handle="lighting.directed.0.theta_deg"]';
   const close = (a: [number, number], b: [number, number]) =>
     assert.ok(Math.hypot(a[0] - b[0], a[1] - b[1]) < 0.1, `${a.join()} and ${b.join()}`);
-  const named = async (theta: number, phi: number) => {
+  const positionsAt = async (theta: number, phi: number) => {
     await page.getByRole("button", { name: "TOML" }).click();
     const text = await page.locator("#source").inputValue();
     const table = /(\[\[lighting\.directed\]\]\n)(?:(?:theta|phi)_deg.*\n)+/;
@@ -104,30 +104,30 @@ test("a lamp is drawn where it is, whichever way its direction is named", async 
     await computes(page, `${theta}, ${phi}`);
     assert.match(await saved(page), new RegExp(`theta_deg = ${theta}\nphi_deg = ${phi}\n`));
     await page.getByRole("button", { name: "Drawing" }).click();
-    return { lamp: await placeOf(page, lamp), mirror: await placeOf(page, "circle.mirror") };
+    return { source: await placeOf(page, handle), mirror: await placeOf(page, "circle.mirror") };
   };
   const [sine, cosine] = [140 * Math.sin((40 * Math.PI) / 180), 140 * Math.cos((40 * Math.PI) / 180)];
-  const left = await named(-40, 0);
-  close(left.lamp, [-sine, cosine]);
+  const left = await positionsAt(-40, 0);
+  close(left.source, [-sine, cosine]);
   close(left.mirror, [sine, cosine]);
-  const turned = await named(40, 180);
-  close(turned.lamp, left.lamp);
+  const turned = await positionsAt(40, 180);
+  close(turned.source, left.source);
   close(turned.mirror, left.mirror);
-  // An arrow to the right moves it to the right.
-  await page.locator(lamp).focus();
+  // The right arrow key moves it to the right.
+  await page.locator(handle).focus();
   await page.keyboard.press("ArrowRight");
   await computes(page, "moved");
   assert.match(await saved(page), /theta_deg = 39\nphi_deg = 180/);
-  // Outside the plane of drawing it is seen within the half circle, before or behind its mirror image.
-  const across = await named(40, 90);
-  close(across.lamp, [0, cosine]);
+  // Outside the plane of the drawing, it is inside the half circle, in front of or behind its mirror image.
+  const across = await positionsAt(40, 90);
+  close(across.source, [0, cosine]);
   close(across.mirror, [0, cosine]);
-  const slanted = await named(40, 120);
-  close(slanted.lamp, [-sine / 2, cosine]);
+  const slanted = await positionsAt(40, 120);
+  close(slanted.source, [-sine / 2, cosine]);
   close(slanted.mirror, [sine / 2, cosine]);
 });
 
-test("a state of one's own, with an analogue gap", async () => {
+test("new state with an analogue gap is written to the scenario", async () => {
   const page = await on.visit();
   await page.getByRole("navigation").getByRole("button", { name: "Drive states" }).click();
   await page.locator("#f-new-state").fill("orange");
@@ -139,13 +139,13 @@ test("a state of one's own, with an analogue gap", async () => {
   assert.match(await saved(page), /gap_nm = 210/);
 });
 
-test("one refused value does not hold up the change after it", async () => {
+test("refused value does not block the next change", async () => {
   const page = await on.visit();
   await type(page, "display.diffuser.haze", "7");
   await page.locator(".field .error").waitFor();
   await page.locator('[data-handle="viewer.theta_deg"]').focus();
   await page.keyboard.press("ArrowRight");
-  await page.getByText("was put back").waitFor();
+  await page.getByText("was discarded").waitFor();
   await computes(page, "the viewer");
   const scenario = await saved(page);
   assert.match(scenario, /haze = 0\.78/);

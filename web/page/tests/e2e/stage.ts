@@ -1,6 +1,7 @@
-// The stage of the end-to-end tests: `papilio serve` on a port of its own, and the system's Chromium.
+// The environment of the end-to-end tests: `papilio serve` on a free port, and the Chromium of the system.
 //
-// PAPILIO names the program (default: target/release/papilio, then target/debug/papilio), CHROMIUM the browser.
+// PAPILIO is the path of the program (default: target/release/papilio, then target/debug/papilio), CHROMIUM that of the
+// browser.
 
 import { execFileSync, spawn, type ChildProcess } from "node:child_process";
 import { existsSync, mkdtempSync, readFileSync, writeFileSync } from "node:fs";
@@ -15,7 +16,7 @@ export const ROOT = fileURLToPath(new URL("../../../../", import.meta.url));
 
 const found = (candidates: (string | undefined)[], what: string): string => {
   const one = candidates.find((path) => path && existsSync(path));
-  if (!one) throw new Error(`there is no ${what}: ${candidates.filter(Boolean).join(", ")}`);
+  if (!one) throw new Error(`${what} not found: ${candidates.filter(Boolean).join(", ")}`);
   return one;
 };
 
@@ -30,16 +31,16 @@ export const CHROMIUM = found(
 
 export interface Stage {
   readonly url: string;
-  /** A fresh visit; what the browser complains about is gathered in `complaints`. */
+  /** Opens the page in a new context; errors and warnings of the browser are collected in `complaints`. */
   visit(options?: BrowserContextOptions, fragment?: string): Promise<Page>;
   readonly complaints: string[];
-  /** Ends the server at once and starts it again at the same port. */
+  /** Kills the server and starts it again on the same port. */
   restart(): Promise<void>;
-  /** Ends the server at once. */
+  /** Kills the server. */
   kill(): Promise<void>;
-  /** Starts it again at the same port. */
+  /** Starts the server again on the same port. */
   revive(): Promise<void>;
-  /** Has it answer nothing, or go on. */
+  /** Suspends the server, or continues it. */
   halt(isHalted: boolean): void;
   close(): Promise<void>;
 }
@@ -50,7 +51,7 @@ async function serve(port: number): Promise<{ url: string; child: ChildProcess }
     const url = /http:\S+/.exec(line)?.[0];
     if (url) return { url: url.endsWith("/") ? url : `${url}/`, child };
   }
-  throw new Error("papilio serve ended before it said where it is");
+  throw new Error("papilio serve ended before it printed its address");
 }
 
 export async function stage(): Promise<Stage> {
@@ -84,7 +85,7 @@ export async function stage(): Promise<Stage> {
         (request) =>
           !request.url().startsWith(url) &&
           !/^(blob|data):/.test(request.url()) &&
-          complaints.push(`a call elsewhere: ${request.url()}`),
+          complaints.push(`request to another host: ${request.url()}`),
       );
       await page.goto(url + fragment);
       await page.locator(".bench").waitFor();
@@ -104,11 +105,11 @@ export async function stage(): Promise<Stage> {
   };
 }
 
-/** The text of a number of the summary, as it is shown. */
+/** Returns a number of the summary as it is shown. */
 export const figure = (page: Page, name: string): Promise<string> =>
   page.locator(`[data-figure="${name}"] b`).innerText();
 
-/** Waits until a number of the summary is another one, and gives it. */
+/** Waits until a number of the summary has changed, and returns it. */
 export async function changed(page: Page, name: string, from: string): Promise<string> {
   await page.waitForFunction(
     ([name, from]) => document.querySelector(`[data-figure="${name}"] b`)?.textContent !== from,
@@ -117,13 +118,13 @@ export async function changed(page: Page, name: string, from: string): Promise<s
   return figure(page, name);
 }
 
-/** Waits until nothing is on its way: two pictures in a row are the same. */
+/** Waits until no request is in progress. */
 export async function settled(page: Page): Promise<void> {
   await page.waitForLoadState("networkidle");
   await page.waitForTimeout(150);
 }
 
-/** What a click downloads, as text. */
+/** Returns the file that an action downloads. */
 export async function downloaded(
   page: Page,
   act: () => Promise<unknown>,
@@ -135,11 +136,11 @@ export async function downloaded(
   return { name: download.suggestedFilename(), text: bytes.toString("utf8"), bytes };
 }
 
-/** The scenario that Save gives. */
+/** Clicks Save and returns the scenario. */
 export const saved = async (page: Page): Promise<string> =>
   (await downloaded(page, () => page.getByRole("button", { name: "Save" }).click())).text;
 
-/** What `papilio run` says of a scenario. */
+/** Returns the result of `papilio run` for a scenario. */
 export function commandLine(scenario: string): {
   views: { gamut_percent_srgb: number; contrast_ratio: number; states: Record<string, { Y: number }> }[];
 } {
@@ -154,7 +155,7 @@ export function commandLine(scenario: string): {
   ) as never;
 }
 
-/** Drags a handle of the half circle by so many px. */
+/** Drags a handle of the drawing; distances in px. */
 export async function drag(page: Page, handle: string, dx: number, dy: number): Promise<void> {
   const box = (await page.locator(`[data-handle="${handle}"] .target`).boundingBox())!;
   const [x, y] = [box.x + box.width / 2, box.y + box.height / 2];
@@ -164,13 +165,13 @@ export async function drag(page: Page, handle: string, dx: number, dy: number): 
   await page.mouse.up();
 }
 
-/** Does what an item of a menu says. */
+/** Opens a menu and selects an item. */
 export async function choose(page: Page, menu: string | RegExp, item: string): Promise<void> {
   await page.getByRole("button", { name: menu }).click();
   await page.locator(`.menu [data-item="${item}"]`).click();
 }
 
-/** All items of a menu. */
+/** Returns all items of a menu. */
 export async function itemsOf(page: Page, menu: string | RegExp): Promise<string[]> {
   await page.getByRole("button", { name: menu }).click();
   const items = await page

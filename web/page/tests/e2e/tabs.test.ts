@@ -1,4 +1,4 @@
-// Angles, all directions, energy, sweeps: each holds the numbers that it should.
+// The tabs and diagrams show the correct numbers: angles, all directions, energy balance, spectra, sweeps.
 
 import assert from "node:assert/strict";
 import { after, before, test } from "node:test";
@@ -9,7 +9,7 @@ let on: Stage;
 before(async () => (on = await stage()));
 after(() => on.close());
 
-test("metric against viewing angle: under the pointer at the view stands the number above", async () => {
+test("metric against viewing angle equals the summary at the shown view", async () => {
   const page = await on.visit();
   await page.locator("#tab-angles").click();
   await settled(page);
@@ -24,7 +24,7 @@ test("metric against viewing angle: under the pointer at the view stands the num
   assert.deepEqual(on.complaints, []);
 });
 
-test("all directions: the program's own maps", async () => {
+test("maps over all directions are shown", async () => {
   const page = await on.visit();
   await page.locator("#tab-cone").click();
   const map = page.locator("#tab-panel img.drawn");
@@ -33,16 +33,16 @@ test("all directions: the program's own maps", async () => {
   assert.deepEqual(on.complaints, []);
 });
 
-test("energy: the shares of every state sum to 100 %", async () => {
+test("fractions of every energy balance sum to 100 %", async () => {
   const page = await on.visit();
   await page.locator("#tab-energy").click();
   for (const row of await page.locator(".ledger tbody tr").all()) {
-    const shares = (await row.locator("td:not(.bar-cell)").allInnerTexts()).map(Number);
-    assert.ok(Math.abs(shares.reduce((sum, share) => sum + share, 0) - 100) < 0.03, shares.join());
+    const fractions = (await row.locator("td:not(.bar-cell)").allInnerTexts()).map(Number);
+    assert.ok(Math.abs(fractions.reduce((sum, fraction) => sum + fraction, 0) - 100) < 0.03, fractions.join());
   }
 });
 
-test("spectra: values under the pointer", async () => {
+test("values of the spectra are shown at the pointer", async () => {
   const page = await on.visit();
   await settled(page);
   await page.locator(".spectra .u-over").hover();
@@ -51,7 +51,7 @@ test("spectra: values under the pointer", async () => {
   assert.ok(values.length === 8 && values.every((value) => value > 0 && value < 1.5), values.join());
 });
 
-test("a sweep over one key ends at the live number; over two keys it is a map", async () => {
+test("sweep over one key ends at the live result, and over two keys is drawn as a map", async () => {
   const page = await on.visit();
   await page.locator("#tab-sweep").click();
   await page.getByLabel("Key of axis 1").selectOption("display.diffuser.haze");
@@ -62,7 +62,7 @@ test("a sweep over one key ends at the live number; over two keys it is a map", 
   await axis.getByLabel("count").press("Enter");
   await page.getByRole("button", { name: "Sweep 4 points" }).click();
   await page.locator('[data-phase="done"]').waitFor();
-  const last = /the last: (\d+\.\d+)/.exec(await page.locator("#tab-panel").innerText())![1]!;
+  const last = /value at the last point: (\d+\.\d+)/.exec(await page.locator("#tab-panel").innerText())![1]!;
   assert.equal(Number(last).toFixed(2), await figure(page, "Gamut % sRGB"));
 
   await page.getByRole("button", { name: "Add a second key" }).click();

@@ -1,4 +1,4 @@
-// The walk: it runs, its error bars shrink and hold the live answer, and it is cancelled at once.
+// Monte Carlo runs: their errors decrease, they agree with adding, and they can be cancelled immediately.
 
 import assert from "node:assert/strict";
 import { after, before, test } from "node:test";
@@ -9,14 +9,14 @@ let on: Stage;
 before(async () => (on = await stage()));
 after(() => on.close());
 
-test("run, watch, cancel", async () => {
+test("Monte Carlo run reports decreasing errors and is cancelled immediately", async () => {
   const page = await on.visit();
-  await page.getByRole("button", { name: "Computing" }).click();
+  await page.getByRole("button", { name: "Computation" }).click();
   await page.locator('[id="f-solver.sampler"]').selectOption("random");
   await settled(page);
   await page.locator("#tab-walk").click();
   await page.locator("#walk-aim").selectOption("0.000001");
-  await page.getByRole("button", { name: "Run the walk" }).click();
+  await page.getByRole("button", { name: "Run Monte Carlo" }).click();
   await page.locator(".walk tbody tr").first().waitFor();
   const early = Number(/error ([\d.]+) %/.exec(await page.locator("[data-phase]").innerText())![1]);
   await page.waitForFunction(
@@ -26,11 +26,11 @@ test("run, watch, cancel", async () => {
   const started = Date.now();
   await page.getByRole("button", { name: "Cancel" }).click();
   await page.locator('[data-phase="cancelled"]').waitFor();
-  assert.ok(Date.now() - started < 500, "cancelled at once");
+  assert.ok(Date.now() - started < 500, "cancelled immediately");
   assert.deepEqual(on.complaints, []);
 });
 
-test("a finished walk agrees with the live answer, and says when the design has changed", async () => {
+test("finished Monte Carlo run agrees with adding, and reports a change of the design", async () => {
   const page = await on.visit();
   await page.getByRole("button", { name: "Run", exact: true }).click();
   await page.locator('[data-phase="done"]').waitFor({ timeout: 60_000 });

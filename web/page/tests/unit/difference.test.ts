@@ -1,4 +1,4 @@
-// CIEDE2000 against the published pairs of Sharma, Wu and Dalal 2005, table 1.
+// CIEDE2000 compared with the published pairs of Sharma, Wu and Dalal 2005, table 1.
 
 import assert from "node:assert/strict";
 import { test } from "node:test";
@@ -16,7 +16,7 @@ const PAIRS: [Lab, Lab, number][] = [
   [[2.0776, 0.0795, -1.135], [0.9033, -0.0636, -0.5514], 0.9082],
 ];
 
-test("the published pairs, both ways", () => {
+test("difference of the published pairs is correct and symmetric", () => {
   for (const [one, other, expected] of PAIRS) {
     assert.ok(Math.abs(deltaE2000(one, other) - expected) < 5e-5, `${one}: ${deltaE2000(one, other)}`);
     assert.ok(Math.abs(deltaE2000(other, one) - expected) < 5e-5);

@@ -1,5 +1,4 @@
-// Edits while they wait: a slider's newest value takes the place of its older ones, and nothing changes order
-// across an insertion.
+// Pending edits: the newest value of a slider replaces older ones, and the order across an insertion is preserved.
 
 import assert from "node:assert/strict";
 import { test } from "node:test";
@@ -9,18 +8,18 @@ import { edited, merged } from "../../src/state/edits.ts";
 
 const set = (path: string, value: unknown): Edit => ({ op: "set", path, value });
 
-test("a key that is set again takes the newer value alone", () => {
+test("key that is set again keeps only the newer value", () => {
   assert.deepEqual(merged([set("a", 1), set("b", 1)], [set("a", 2)]), [set("b", 1), set("a", 2)]);
 });
 
-test("what was set before an insertion stays before it", () => {
+test("edit before an insertion stays before it", () => {
   const insert: Edit = { op: "insert", path: "display.front", index: 0, value: {} };
   const before = set("display.front.0.reflectance", 0.1);
   const after = set("display.front.0.reflectance", 0.2);
   assert.deepEqual(merged([before, insert], [after]), [before, insert, after]);
 });
 
-test("fields show an edit at once, and the answer they came from does not change", () => {
+test("edits are applied to a copy of the fields", () => {
   const fields = { display: { pixel: { film: [{ thickness_nm: 1 }, { thickness_nm: 2 }] } } };
   const now = edited(fields, [
     set("display.pixel.film.1.thickness_nm", 9),
@@ -36,7 +35,7 @@ test("fields show an edit at once, and the answer they came from does not change
   assert.equal(fields.display.pixel.film[1]!.thickness_nm, 2);
 });
 
-test("an insertion makes the list that is not there", () => {
+test("insertion creates a missing list", () => {
   assert.deepEqual(edited({ display: {} }, [{ op: "insert", path: "display.front", index: 0, value: 1 }]), {
     display: { front: [1] },
   });

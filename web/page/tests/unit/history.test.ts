@@ -1,11 +1,11 @@
-// Undo and redo over whole texts.
+// Undo and redo of whole texts.
 
 import assert from "node:assert/strict";
 import { test } from "node:test";
 
 import { begin, record, redo, undo } from "../../src/state/history.ts";
 
-test("undo goes back step by step, redo forward, and a change ends redo", () => {
+test("undo and redo move by one step, and a change removes the redo steps", () => {
   let history = record(record(begin("a"), "b", "", 0), "c", "", 0);
   history = undo(history);
   assert.equal(history.present, "b");
@@ -19,23 +19,23 @@ test("undo goes back step by step, redo forward, and a change ends redo", () => 
   assert.equal(undo(history).present, "b");
 });
 
-test("a drag is one step, a second drag after a pause another", () => {
+test("drag is one step, and a drag after a pause is another step", () => {
   let history = begin("0");
   for (let i = 1; i <= 50; i++) history = record(history, String(i), "haze", 10 * i);
   history = record(history, "51", "haze", 10_000);
   assert.deepEqual(history.past, ["0", "50"]);
-  // Steps that did not change are the same lists: they are not written anew with each movement of a drag.
+  // Unchanged steps are the same lists, so that they are not stored again with each movement of a drag.
   const next = record(history, "52", "haze", 10_010);
   assert.ok(next.past === history.past && next.future === history.future);
 });
 
-test("after an undo the same slider starts a step of its own", () => {
+test("change of the same slider after an undo is a new step", () => {
   let history = record(begin("a"), "b", "haze", 0);
   history = record(undo(history), "c", "haze", 1);
   assert.equal(undo(history).present, "a");
 });
 
-test("what is kept is bounded", () => {
+test("number of steps is limited", () => {
   let history = begin("0");
   for (let i = 1; i < 1000; i++) history = record(history, String(i), "", i);
   assert.equal(history.past.length, 200);

@@ -1,4 +1,4 @@
-// A link holds a whole scenario, and nothing that is not one is unpacked.
+// Links contain whole scenarios; other contents are refused.
 
 import assert from "node:assert/strict";
 import { readdirSync, readFileSync } from "node:fs";
@@ -8,7 +8,7 @@ import { packed, unpacked } from "../../src/state/link.ts";
 
 const SCENARIOS = new URL("../../../../scenarios/", import.meta.url);
 
-test("every example goes through a link unchanged", async () => {
+test("every example is restored from its link unchanged", async () => {
   for (const name of readdirSync(SCENARIOS).filter((file) => file.endsWith(".toml"))) {
     const text = readFileSync(new URL(name, SCENARIOS), "utf8");
     const fragment = await packed(text);
@@ -18,19 +18,19 @@ test("every example goes through a link unchanged", async () => {
   }
 });
 
-test("letters beyond ASCII survive", async () => {
+test("non-ASCII characters are restored", async () => {
   assert.equal(await unpacked(await packed('title = "λ/4 → 55°"')), 'title = "λ/4 → 55°"');
 });
 
-test("other fragments hold nothing", async () => {
+test("fragment without a scenario gives null", async () => {
   assert.equal(await unpacked(""), null);
   assert.equal(await unpacked("#part"), null);
 });
 
-test("a small link that unpacks to very much is refused", async () => {
+test("small link that expands to a very large text is refused", async () => {
   await assert.rejects(unpacked(await packed("a".repeat(5_000_000))), /more than a scenario/);
 });
 
-test("a broken link is refused", async () => {
+test("broken link is refused", async () => {
   await assert.rejects(unpacked("#s=AAAA"));
 });

@@ -1,4 +1,4 @@
-// Forms are made from the schema: what a path leads to, in the real grammar.
+// Forms are generated from the schema: the node at a path, keys, labels and sliders.
 
 import assert from "node:assert/strict";
 import { test } from "node:test";
@@ -34,7 +34,7 @@ const GRAMMAR = new Schema({
   },
 });
 
-test("alternatives are chosen by the value, references followed", () => {
+test("value selects the alternative, and references are resolved", () => {
   const values = { diffuser: { model: "k-correlation", haze: 0.5 } };
   const found = GRAMMAR.find("diffuser.haze", values);
   assert.deepEqual(limits(found!.node), { min: 0, max: 1 });
@@ -44,7 +44,7 @@ test("alternatives are chosen by the value, references followed", () => {
   assert.equal(GRAMMAR.find("films.3.t", {})!.node.type, "number");
 });
 
-test("keys that were given come before those with defaults, the rest is to be added", () => {
+test("set keys without default come before those with a default, and the others can be added", () => {
   const found = GRAMMAR.find("diffuser", {})!;
   assert.deepEqual(GRAMMAR.keys(found.node, { model: "k-correlation", s: 0, haze: 0.5 }), {
     shown: ["haze", "s"],
@@ -54,14 +54,14 @@ test("keys that were given come before those with defaults, the rest is to be ad
   assert.deepEqual(GRAMMAR.discriminator(found.node, {})!.values, ["ward", "k-correlation"]);
 });
 
-test("labels and units come from the keys", () => {
+test("label and unit are derived from the key", () => {
   assert.equal(label("thickness_nm"), "Thickness");
   assert.equal(unit("thickness_nm"), "nm");
   assert.equal(unit("illuminance_lx"), "lx");
   assert.equal(unit("index"), "");
 });
 
-test("a slider's ends give its ends back, linear or not", () => {
+test("ends of a slider correspond to the ends of its range, linear or logarithmic", () => {
   for (const [key, range, value] of [
     ["thickness_nm", { min: 0, max: 1e6 }, 55.9],
     ["illuminance_lx", { min: 1e-6, max: 1e9 }, 500],
@@ -75,7 +75,7 @@ test("a slider's ends give its ends back, linear or not", () => {
   assert.ok(span("thickness_nm", { min: 0, max: 1e6 }, 900).max >= 900);
 });
 
-test("alternatives within alternatives: a kind of layer that has several models", () => {
+test("nested alternatives are found: a kind of layer with several models", () => {
   const fixed = (kind: string, model?: string) => ({
     type: "object",
     properties: { kind: { const: kind }, ...(model ? { model: { const: model }, [model]: { type: "number" } } : {}) },

@@ -1,4 +1,4 @@
-// Shares that sum to 1 stay so, whichever is moved.
+// Fractions with the sum 1 keep this sum if one of them is changed.
 
 import assert from "node:assert/strict";
 import { test } from "node:test";
@@ -19,7 +19,7 @@ const ROOM = {
 };
 const sum = (fields: Json) => [...lightShares(fields).values()].reduce((total, share) => total + share, 0);
 
-test("the others give way in proportion", () => {
+test("change of a fraction scales the others in proportion", () => {
   const now = edited(ROOM, balanced(lightShares(ROOM), "lighting.directed.0.share", 0.65));
   const shares = lightShares(now);
   assert.equal(shares.get("lighting.diffuse"), 0.25);
@@ -27,7 +27,7 @@ test("the others give way in proportion", () => {
   assert.ok(Math.abs(sum(now) - 1) < 1e-9);
 });
 
-test("the sum is 1 for any value, and a light can have all of it and give it back", () => {
+test("sum is 1 for any value, also after a source has had all the light", () => {
   let now: Json = ROOM;
   for (const value of [1 / 3, 0.123457, 1, 0, 0.7]) {
     now = edited(now, balanced(lightShares(now), "lighting.directed.1.share", value));
@@ -36,12 +36,12 @@ test("the sum is 1 for any value, and a light can have all of it and give it bac
   }
 });
 
-test("a source that is taken away leaves its share to the others", () => {
+test("removed source leaves its fraction to the others", () => {
   const now = edited(ROOM, without(ROOM, "lighting.directed.0"));
   assert.equal(lightShares(now).size, 2);
   assert.ok(Math.abs(sum(now) - 1) < 1e-9);
 });
 
-test("a missing diffuse share is what the others leave", () => {
+test("missing diffuse fraction is the remainder", () => {
   assert.equal(lightShares({ lighting: { directed: [{ share: 0.25 }] } }).get("lighting.diffuse"), 0.75);
 });

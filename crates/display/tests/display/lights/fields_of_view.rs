@@ -1,4 +1,4 @@
-//! Fields of view, rotations and the front light, by the formulas of the third road.
+//! Tests of fields of view, rotations and the front light, by the quadrature of `third_road`.
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use std::path::Path;
@@ -7,9 +7,9 @@ use super::formulas::*;
 use super::run_in;
 use super::third_road::{INDEX, PIXEL, display, entering, folder, text, text_seen, truth};
 
-/// Mirror images over a field of view: the mean of the formula, with a sun or an edge in the middle of it.
+/// A mirror image over a field of view is the mean of the formula, with a sun or an edge in the field.
 #[test]
-fn images_are_means_over_the_field_of_view() {
+fn mirror_image_is_the_mean_over_the_field_of_view() {
     let folder = folder();
     let mut lights = vec![
         sky("a sun in view", 13, (69.0, 186.0), 0.0, 0.0),
@@ -19,7 +19,7 @@ fn images_are_means_over_the_field_of_view() {
     for light in lights {
         let whole = light.mean(|_| 0.0).1;
         let half = 2.0_f64;
-        // About the sun, or about the view itself.
+        // Coordinates about the sun, or about the view itself.
         let seen = match light.name {
             "an edge in view" => {
                 let turns = |angle: f64| {
@@ -37,7 +37,7 @@ fn images_are_means_over_the_field_of_view() {
                     / (1.0 - half.to_radians().cos())
             }
             "a horizon in view" => {
-                // Turns at which the horizon is met, by the upward direction in the frame of the image.
+                // Azimuths of the horizon, from the upward direction in the frame of the image.
                 let (frame, up) = (about(image()), tilted([0.0, 0.0, 1.0], 86.0));
                 let [x, y, z] = frame.map(|axis| dot(axis, up));
                 let mut sum = 0.0;
@@ -93,9 +93,9 @@ fn images_are_means_over_the_field_of_view() {
     }
 }
 
-/// Of paper under glass in layers a field of view next to the horizon is more than its middle.
+/// For paper under glass, the mean over a field of view near the horizon differs from the value at its centre.
 #[test]
-fn a_field_of_view_next_to_the_horizon() {
+fn field_of_view_near_the_horizon_is_the_mean_over_its_directions() {
     let out: f64 = rule(0.0, FRAC_PI_2).iter().map(|(x, w)| w * (2.0 * x).sin() * entering(x.cos())).sum();
     let below = PIXEL / (1.0 - PIXEL * (1.0 - out / (INDEX * INDEX))) * out / (INDEX * INDEX);
     for (theta, field) in [(60.0, 10.0), (89.5, 0.9), (89.9, 0.19)] {
@@ -117,9 +117,9 @@ fn a_field_of_view_next_to_the_horizon() {
     }
 }
 
-/// A sky, its sun, the display's view and what it mirrors turn together.
+/// The result does not change if the sky, its sun and the view rotate together.
 #[test]
-fn light_and_view_turn_together() {
+fn common_rotation_of_light_and_view_has_no_effect() {
     let display = "[[display.front]]\nreflectance = 0.02\nabsorptance = 0.01\n[display.diffuser]\nmodel = \"k-correlation\"\nwidth = 0.08\n\
         transmittance = 0.9\nregular_fraction = 0.2\n[display.glass]\nindex = 1.5\n[display.pixel]\nmodel = \"uniform\"\n\
         kind = \"mirror\"\nreflectance = { white = 0.6, black = 0.05 }\n";
@@ -140,16 +140,16 @@ fn light_and_view_turn_together() {
     }
 }
 
-/// The guide's light alone, by a profile and by a luminaire's table, over a lobe: linear between angles, intensity over the cosine.
+/// Front light alone over a lobe, by a profile (linear between angles) and by a luminaire's table (intensity over the cosine).
 #[test]
-fn the_front_light_is_its_distribution() {
+fn front_light_equals_the_quadrature_of_its_distribution() {
     let folder = folder();
     let lamp = "IESNA:LM-63-2002\nTILT=NONE\n1 -1 1 3 3 1 2 0.6 0.6 0\n1 1 36\n0 30 90\n0 90 180\n\
         100 150 0\n100 40 0\n100 80 0\n";
     std::fs::write(folder.path().join("guide.ies"), lamp).unwrap();
     let table = [[100.0, 150.0, 0.0], [100.0, 40.0, 0.0], [100.0, 80.0, 0.0]];
     let intensity = move |towards: Direction| {
-        // Light goes towards the opposite azimuth.
+        // Light travels towards the opposite azimuth.
         let turn = (-towards[1]).atan2(-towards[0]).to_degrees().abs() / 90.0;
         let theta = inclination(towards);
         let up = if theta < 30.0 { theta / 30.0 } else { 1.0 + (theta - 30.0) / 60.0 };

@@ -1,29 +1,29 @@
-//! Every kind of light by its formula, written here anew, and all of its directions.
+//! Formulas of all kinds of light, implemented independently, with quadratures over their directions.
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 /// Inclination and azimuth of the view.
 pub(super) const VIEW: [f64; 2] = [20.0, 10.0];
 
-/// What a mirror shows to it.
+/// Returns the direction that a mirror shows in this view.
 pub(super) fn image() -> Direction {
     direction(-VIEW[0], VIEW[1])
 }
 
-/// Directions are unit vectors away from the display, z its normal.
+/// Unit vector away from the display, with z along the normal.
 pub(super) type Direction = [f64; 3];
 
 pub(super) fn dot(a: Direction, b: Direction) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
-/// By inclination and azimuth, degrees.
+/// Returns the direction of an inclination and azimuth, degrees.
 pub(super) fn direction(theta: f64, phi: f64) -> Direction {
     let ((s, c), (sp, cp)) = (theta.to_radians().sin_cos(), phi.to_radians().sin_cos());
     [s * cp, s * sp, c]
 }
 
-/// The double-exponential rule on an interval: it does not mind what happens at the ends.
+/// Double-exponential rule on an interval, which tolerates singularities at the ends.
 pub(super) fn rule(from: f64, to: f64) -> Vec<(f64, f64)> {
     let (middle, half) = (0.5 * (from + to), 0.5 * (to - from));
     let step = 1.0 / 14.0;
@@ -37,20 +37,20 @@ pub(super) fn rule(from: f64, to: f64) -> Vec<(f64, f64)> {
         .collect()
 }
 
-/// A kind of light.
+/// Kind of light.
 pub(super) struct Light {
     pub(super) name: &'static str,
-    /// As in a scenario.
+    /// Keys of the scenario.
     pub(super) keys: String,
     pub(super) radiance: Box<dyn Fn(Direction) -> f64>,
-    /// All directions that are lit, and the solid angles that they stand for.
+    /// Lit directions, with their solid angles.
     pub(super) points: Vec<(Direction, f64)>,
-    /// False for beams, which a mirror shows as nothing.
+    /// False for beams, whose mirror image has no luminance.
     pub(super) has_image: bool,
 }
 
 impl Light {
-    /// The mean, by what falls on the display, of what is seen of directions; and what falls on it.
+    /// Returns the mean of a function of direction, weighted by irradiance on the display, and the irradiance.
     pub(super) fn mean(&self, seen: impl Fn(Direction) -> f64) -> (f64, f64) {
         let (mut sum, mut whole) = (0.0, 0.0);
         for (towards, solid) in &self.points {
@@ -64,8 +64,8 @@ impl Light {
     }
 }
 
-/// Directions above the display in a box of angles from an axis and turns about it, degrees; boxes end where the mirror image of the
-/// view is, too, where lobes have their peak.
+/// Directions above the display in a box of angles from an axis and azimuths about it, degrees; boxes also end at the mirror image
+/// of the view, where lobes have their peak.
 pub(super) fn boxes(frame: [Direction; 3], angles: &[f64], turns: &[f64]) -> Vec<(Direction, f64)> {
     let [x, y, z] = frame.map(|axis| dot(axis, image()));
     let cut = |ends: &[f64], at: f64| {
@@ -100,10 +100,10 @@ pub(super) fn place(frame: [Direction; 3], angle: f64, turn: f64) -> Direction {
 
 pub(super) const ABOUT_NORMAL: [Direction; 3] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
 
-/// About the x axis: azimuth 0 lies in the display along y, the normal at 90 deg.
+/// Frame about the x axis: azimuth 0 is in the display along y, and the normal is at 90 deg.
 pub(super) const ABOUT_X: [Direction; 3] = [[0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [1.0, 0.0, 0.0]];
 
-/// About this direction.
+/// Returns a frame about this direction.
 pub(super) fn about(axis: Direction) -> [Direction; 3] {
     let flat = axis[0].hypot(axis[1]);
     let side = [-axis[1] / flat, axis[0] / flat, 0.0];
@@ -111,7 +111,7 @@ pub(super) fn about(axis: Direction) -> [Direction; 3] {
     [out, side, axis]
 }
 
-/// CIE's general sky by its groups of gradation and indicatrix (ISO 15469, table 1), over a horizon.
+/// CIE general sky by its groups of gradation and indicatrix (ISO 15469, table 1), above the horizon.
 pub(super) fn cie_sky(number: usize, chi: f64, up: f64) -> f64 {
     if number == 16 {
         return (1.0 + 2.0 * up) / 3.0;
@@ -154,7 +154,7 @@ pub(super) fn apart(a: Direction, b: Direction) -> f64 {
     2.0 * (0.5 * chord).min(1.0).asin()
 }
 
-/// The display's view of the world's up and of a sun, when it is tilted about the x axis.
+/// Converts a direction of the world, such as that of a sun, to the frame of a display that is tilted about the x axis.
 pub(super) fn tilted(world: Direction, tilt: f64) -> Direction {
     let (s, c) = tilt.to_radians().sin_cos();
     [world[0], c * world[1] + s * world[2], c * world[2] - s * world[1]]
@@ -181,7 +181,7 @@ pub(super) fn sky(
         let height = dot(towards, up);
         if height > 0.0 { cie_sky(number, apart(towards, sun), height) } else { below }
     };
-    // A plane through the x axis is an azimuth about it: display, sun and horizon.
+    // Planes through the x axis are azimuths about it: display, sun and horizon.
     let mut turns = vec![0.0, sun[2].atan2(sun[1]).to_degrees(), 180.0 - tilt, 180.0];
     turns.sort_by(f64::total_cmp);
     turns.dedup_by(|a, b| (*a - *b).abs() < 1e-9);
@@ -206,7 +206,7 @@ pub(super) fn environment(keys: &str) -> String {
     format!("[[lighting.environment]]\nshare = 1\n{keys}")
 }
 
-/// Even light between two angles from an axis, down to the horizon.
+/// Uniform light between two angles from an axis, down to the horizon.
 pub(super) fn cap(name: &'static str, (theta, phi): (f64, f64), [from, to]: [f64; 2]) -> Light {
     let keys = environment(&format!(
         "model = \"cap\"\ntheta_deg = {theta}\nphi_deg = {phi}\nfrom_deg = {from}\nto_deg = {to}\n"
@@ -214,7 +214,7 @@ pub(super) fn cap(name: &'static str, (theta, phi): (f64, f64), [from, to]: [f64
     let axis = direction(theta, phi);
     let mut points = Vec::new();
     if to == 180.0 {
-        // The whole hemisphere less what is dark.
+        // The whole hemisphere minus the dark part.
         points = boxes(ABOUT_NORMAL, &[0.0, 90.0], &[-180.0, 180.0]);
         let dark = boxes(about(axis), &[0.0, from], &[0.0, 360.0]);
         points.extend(dark.into_iter().map(|(towards, solid)| (towards, -solid)));
@@ -226,7 +226,7 @@ pub(super) fn cap(name: &'static str, (theta, phi): (f64, f64), [from, to]: [f64
         let points = boxes(about(axis), &[from, to], &[0.0, 360.0]);
         return Light { name, keys, radiance: Box::new(radiance), points, has_image: true };
     }
-    // Azimuth 0 about the axis is away from the normal; the display's plane cuts arcs off on that side.
+    // Azimuth 0 about the axis is away from the normal; the display's plane removes arcs on that side.
     let horizon = 90.0 - theta;
     let mut angles = vec![from, to];
     if (from..to).contains(&horizon) {
@@ -262,7 +262,7 @@ pub(super) fn inclination(towards: Direction) -> f64 {
     towards[0].hypot(towards[1]).atan2(towards[2]).to_degrees()
 }
 
-/// A picture, 16 pixels by 8, by pixel.
+/// Value of a pixel of the map, 16 by 8 pixels.
 pub(super) fn pixel(row: usize, column: usize) -> u8 {
     [12, 200, 40, 90, 3, 131, 77][(row * row + 3 * column + row * column) % 7]
 }
@@ -340,7 +340,7 @@ pub(super) fn lights() -> Vec<Light> {
     lights
 }
 
-/// An opening of .6 m by .6 m, seen by the cosine at 3 m from 25 deg off its nadir, as a disc.
+/// Luminaire of 0.6 m by 0.6 m, viewed from 3 m at 25 deg from its nadir: a disc of the same solid angle.
 pub(super) fn luminaire() -> Light {
     let axis = direction(25.0, 170.0);
     let radius = (0.36 * 25.0_f64.to_radians().cos() / PI).sqrt().atan2(3.0).to_degrees();

@@ -1,10 +1,11 @@
-//! A third road to every kind of light: quadrature of its formula, written here anew, against both solvers.
+//! A third method for all kinds of light: quadrature of their formulas, implemented independently, against both solvers.
 //!
-//! Nothing of the engine's is used: radiances are the formulas of their standards, directions are summed by the double-exponential rule
-//! in spherical coordinates about a *horizontal* axis (so that display and horizon are bounded by azimuths alone), cut at the sun.
+//! No code of the library is used: radiances are the formulas of the standards, and directions are summed by the
+//! double-exponential rule in spherical coordinates about a *horizontal* axis (so that the limits of display and horizon are
+//! azimuths), divided at the sun.
 //!
-//! Three displays: a mirror, which shows the radiance itself; Lambertian paper under Fresnel's glass, which weighs
-//! directions by his formulas; a mirror under a k-correlation diffuser, whose two passes are one of twice the width.
+//! Three displays: a mirror, which shows the radiance itself; Lambertian paper under glass, which weights
+//! directions by Fresnel's formulas; and a mirror under a k-correlation diffuser, whose two passes equal one of twice the width.
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
@@ -39,7 +40,7 @@ pub(super) fn display(name: &str) -> String {
     }
 }
 
-/// Fresnel's transmittance into the glass by the cosine of incidence.
+/// Computes the Fresnel transmittance into the glass at a cosine of incidence.
 pub(super) fn entering(cosine: f64) -> f64 {
     let inside = (1.0 - (1.0 - cosine * cosine) / (INDEX * INDEX)).sqrt();
     let s = (cosine - INDEX * inside) / (cosine + INDEX * inside);
@@ -47,7 +48,7 @@ pub(super) fn entering(cosine: f64) -> f64 {
     1.0 - 0.5 * (s * s + p * p)
 }
 
-/// The reflectance factor of a display under a light.
+/// Computes the reflectance factor of a display under a light.
 pub(super) fn truth(name: &str, light: &Light) -> f64 {
     let in_mirror = || {
         let whole = light.mean(|_| 0.0).1;
@@ -57,7 +58,7 @@ pub(super) fn truth(name: &str, light: &Light) -> f64 {
     match name {
         "mirror" => PIXEL * in_mirror(),
         "glass" | "layers" => {
-            // What leaves of light that a Lambertian surface sends up, by reciprocity.
+            // The transmitted fraction of the light of a Lambertian surface, by reciprocity.
             let out: f64 =
                 rule(0.0, FRAC_PI_2).iter().map(|(x, w)| w * (2.0 * x).sin() * entering(x.cos())).sum();
             let back = 1.0 - out / (INDEX * INDEX);
@@ -65,7 +66,7 @@ pub(super) fn truth(name: &str, light: &Light) -> f64 {
             by_base * light.mean(|towards| entering(towards[2])).0 + (1.0 - entering(cosine)) * in_mirror()
         }
         _ => {
-            // Two passes of the lobe are one of twice the width, less what is beyond the directions in the glass.
+            // Two passes of the lobe equal one of twice the width, minus the light outside the disc of the glass.
             let peak = image();
             let beyond = |towards: Direction| {
                 let sum = (towards[0] + peak[0]).powi(2) + (towards[1] + peak[1]).powi(2);
@@ -82,14 +83,14 @@ pub(super) fn truth(name: &str, light: &Light) -> f64 {
     }
 }
 
-/// The files that lights name.
+/// Writes the files of the lights to a temporary folder.
 pub(super) fn folder() -> tempfile::TempDir {
     let folder = tempfile::tempdir().unwrap();
     let rows: String = ROWS.iter().map(|(theta, radiance)| format!("{theta},{radiance}\n")).collect();
     std::fs::write(folder.path().join("profile.csv"), format!("theta_deg,radiance\n{rows}")).unwrap();
     let mut picture = b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 8 +X 16\n".to_vec();
     for row in 0..8 {
-        // Grey, mantissas and an exponent; runs of one.
+        // Grey pixels: three mantissas and an exponent, in runs of one.
         picture.extend([2, 2, 0, 16]);
         for _ in 0..3 {
             picture.push(16);
@@ -116,10 +117,10 @@ pub(super) fn text_seen(display: &str, light: &str, solver: &str, (view, field):
     )
 }
 
-/// Every kind of light over every display, by both solvers. The test's own error is that of its lobe: 1e-7 at the peak, 1e-6 at grazing
-/// angles.
+/// All kinds of light over all displays, by both solvers. The error of the reference is that of its lobe: 1e-7 at the peak, 1e-6
+/// at grazing angles.
 #[test]
-fn lights_are_their_formulas() {
+fn reflectance_under_every_light_equals_the_quadrature_of_its_formula() {
     let folder = folder();
     let mut wrong = Vec::new();
     for light in lights() {
@@ -144,7 +145,7 @@ fn lights_are_their_formulas() {
             let white = walk.views[0].states.get("white").unwrap();
             let (seen, error) = (white.value.Y, white.standard_error.Y);
             if (seen - truth).abs() > 4.5 * error + own || error > 0.05 * truth {
-                wrong.push(format!("{} +- {error:.2e}", what("walk", seen)));
+                wrong.push(format!("{} +- {error:.2e}", what("Monte Carlo", seen)));
             }
         }
     }

@@ -1,5 +1,6 @@
-//! Heitz's walk over microfacets, walker by walker, in unit vectors: written for itself, with other
-//! forms of everything (slopes drawn one after the other, Fresnel by angles, Lambda by angles).
+//! Heitz's random walk over microfacets, walker by walker, in unit vectors: an independent implementation,
+//! in which all formulas have other forms (slopes drawn one after the other, Fresnel by angles, Lambda by
+//! angles).
 //!
 //! E. Heitz, J. Hanika, E. d'Eon, C. Dachsbacher, "Multiple-Scattering Microfacet BSDFs with the Smith Model", ACM
 //! Trans. Graph. 35 (4), 58 (2016): heights, algorithm 1; refraction turns the face over.
@@ -9,16 +10,16 @@ use std::f64::consts::{PI, TAU};
 use papilio_optics::rough::{Distribution, Side};
 use papilio_sampling::{Numbers, Sampler};
 
-/// What a face does to light: means over walkers, and standard errors.
+/// Fractions of light after an interface: means over walkers, and standard errors.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Shares {
-    /// Left after one facet, to either side.
+    /// Left after one microfacet, to either side.
     pub(super) one: [f64; 2],
     /// Returned after more than one.
     pub(super) several_back: [f64; 2],
 }
 
-/// A face; the walker's medium has index `n[0]` above, `n[1]` below.
+/// An interface; the medium has index `n[0]` above, `n[1]` below.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Face {
     pub(super) distribution: Distribution,
@@ -26,7 +27,7 @@ pub(super) struct Face {
     pub(super) n: [f64; 2],
 }
 
-/// Random numbers without end.
+/// A sequence of random numbers.
 struct Draws {
     numbers: Numbers,
     path: u64,
@@ -48,7 +49,8 @@ impl Draws {
     }
 }
 
-/// A walker that has just left a facet: propagation with z away from its side of the face, height from the other side.
+/// A walker that has just left a microfacet: propagation with z away from its side of the interface, height
+/// from the other side.
 #[derive(Clone, Copy)]
 struct Walker {
     side: usize,
@@ -57,7 +59,7 @@ struct Walker {
 }
 
 impl Face {
-    /// Light from this side at this angle in its medium.
+    /// Follows light from this side at this angle in its medium.
     pub(super) fn walk(&self, from: Side, theta_deg: f64, walkers: u64, seed: u64) -> Shares {
         let numbers = Numbers::new(Sampler::Random, seed, 0);
         let (mut sums, mut squares) = ([0.0; 2], [0.0; 2]);
@@ -76,10 +78,11 @@ impl Face {
         Shares { one: mean(0), several_back: mean(1) }
     }
 
-    /// What leaves after one facet, what comes back after several: expected values wherever light may leave.
+    /// Returns the light that leaves after one microfacet and the light that returns after several: expected
+    /// values wherever light may leave.
     fn walker(&self, from: usize, theta: f64, draws: &mut Draws) -> [f64; 2] {
         let direction = [theta.sin(), 0.0, -theta.cos()];
-        // It comes from above all heights, and meets a facet for sure.
+        // It comes from above all heights, and certainly meets a microfacet.
         let height = draws.draw().powf(1.0 / (1.0 + self.lambda(theta.cos())));
         let mut walker = Walker { side: from, direction, height };
         let (mut weight, mut found) = (1.0, [0.0; 2]);
@@ -100,7 +103,7 @@ impl Face {
                 }
                 weight = 0.2;
             }
-            // On to the next height, in the one way or the other, given that it does not leave.
+            // Next height, up or down, given that it does not leave.
             walker.height = if cos > 0.0 {
                 let survives = leaves + draws.draw() * (1.0 - leaves);
                 (walker.height / survives.powf(1.0 / self.lambda(cos))).min(1.0)
@@ -111,19 +114,19 @@ impl Face {
         found
     }
 
-    /// Smith's Lambda at an angle of this cosine, above 0.
+    /// Returns Smith's Lambda at an angle of this cosine, above 0.
     fn lambda(&self, cos: f64) -> f64 {
         let tan = (1.0 / (cos * cos) - 1.0).max(0.0).sqrt();
         let a = 1.0 / (self.alpha * tan);
         match self.distribution {
             Distribution::Ggx => 0.5 * ((1.0 + 1.0 / (a * a)).sqrt() - 1.0),
-            // Zero slopes hide nothing; from here on it is below 1e-12.
+            // Zero slopes have no shadowing; from here on it is below 1e-12.
             Distribution::Beckmann if a > 5.0 => 0.0,
             Distribution::Beckmann => 0.5 * ((-a * a).exp() / (a * PI.sqrt()) - erfc(a)),
         }
     }
 
-    /// After a facet that the walker sees.
+    /// Returns the walker after a microfacet that is visible to it.
     fn facet(&self, walker: Walker, draws: &mut Draws) -> Walker {
         let Walker { side, direction, height } = walker;
         let m = self.normal(direction, draws);
@@ -139,11 +142,11 @@ impl Face {
             return Walker { side, direction, height };
         }
         let [x, y, z] = [0, 1, 2].map(|k| eta * direction[k] + (eta * cos_i - cos_t) * m[k]);
-        // Seen from the other side, what was high is low.
+        // Seen from the other side, heights are inverted.
         Walker { side: 1 - side, direction: [x, y, -z], height: 1.0 - height }
     }
 
-    /// A normal among those that face the walker, by projected area.
+    /// Samples a normal among those that face the walker, by projected area.
     fn normal(&self, direction: [f64; 3], draws: &mut Draws) -> [f64; 3] {
         let (x, y, z) = (-self.alpha * direction[0], -self.alpha * direction[1], -direction[2]);
         let length = (x * x + y * y + z * z).sqrt();
@@ -155,7 +158,8 @@ impl Face {
                 let theta = sin.atan2(cos);
                 let angle = theta + (draws.draw() * (1.0 + cos) - 1.0).asin();
                 let t = angle.tan();
-                // Given it, the other is Student's with three degrees of freedom, over its root.
+                // Given it, the other is distributed as Student's t with three degrees of freedom, over its
+                // root.
                 let squares: f64 = (0..3).map(|_| draws.gauss().powi(2)).sum();
                 (t, (1.0 + t * t).sqrt() * draws.gauss() / squares.sqrt())
             }
@@ -173,7 +177,7 @@ impl Face {
     }
 }
 
-/// The complementary error function by its continued fraction, or by its series.
+/// Returns the complementary error function by its continued fraction, or by its series.
 fn erfc(x: f64) -> f64 {
     if x > 2.0 {
         let fraction = (1..60).rev().fold(x, |rest, k| x + 0.5 * f64::from(k) / rest);

@@ -1,4 +1,4 @@
-//! Light of one facet and of several, against Heitz's walk.
+//! Light of one microfacet and of several, compared with Heitz's random walk.
 
 use std::f64::consts::FRAC_PI_2;
 
@@ -7,7 +7,8 @@ use papilio_optics::rough::{Distribution, Rough, Side};
 use super::heitz::Face;
 use super::{SIDES, beta, integral};
 
-/// What a face sends back of light at this angle in its medium, and what leaves after one facet.
+/// Fractions of light at this angle in its medium that an interface returns in total, and that leave after
+/// one microfacet.
 fn shares(face: &Rough, from: Side, theta_deg: f64) -> [f64; 2] {
     let a = beta(face, from, theta_deg);
     let [back, across] = face.several(from, a.length());
@@ -15,17 +16,18 @@ fn shares(face: &Rough, from: Side, theta_deg: f64) -> [f64; 2] {
         let once = |b| face.single(from, a, from, b);
         2.0 * integral(face.index(from), angles, [0.0, 0.5], [60, 80], once)
     };
-    // Cut at the mirror's direction, about which the peak is.
+    // Divided at the mirror direction, about which the peak is.
     let mirrored = f64::to_radians(theta_deg);
     let once = half([0.0, mirrored]) + half([mirrored, FRAC_PI_2]);
     [once + back, 1.0 - back - across]
 }
 
-/// Numbers of two independent codes of Heitz's algorithm, n = 1.5: light returned after any number of facets, light that left
-/// after one, from air at 0 and 60 deg, from glass at 0 and 60 deg. The first table has errors of one sigma of about 0.0008; the
-/// second was walked by 10 million walkers for each incidence, to 0.00015 or better.
+/// Values of two independent codes of Heitz's algorithm, n = 1.5: light returned after any number of
+/// microfacets, light that left after one, from air at 0 and 60 deg, from glass at 0 and 60 deg. The first
+/// table has standard errors of about 0.0008; the second was computed with 10 million walkers for each
+/// incidence, to 0.00015 or better.
 #[test]
-fn returned_light_is_that_of_the_walk_over_microfacets() {
+fn returned_light_equals_random_walk_over_microfacets() {
     use Distribution::{Beckmann, Ggx};
     for (distribution, alpha, published, walked) in [
         (
@@ -66,21 +68,23 @@ fn returned_light_is_that_of_the_walk_over_microfacets() {
             let what = format!("{distribution:?} {alpha} {from:?} {theta_deg}: {found:?}");
             for way in 0..2 {
                 assert!((found[way] - published[way]).abs() < 2e-3, "{what} {published:?}");
-                // The grid on which the walk's balance is solved is off by .0009 at most, at alpha 1 from glass.
+                // The grid on which the balance is solved has an error of 0.0009 at most, at alpha 1 from
+                // glass.
                 assert!((found[way] - walked[way]).abs() < 1e-3, "{what} {walked:?}");
             }
             let [returned] = face.returned(from, &[beta(&face, from, theta_deg).length()], 16)[..] else {
                 panic!("one for each")
             };
-            // The quadrature that adding takes, against the density's own integral by the test's rule.
+            // The quadrature used by adding, compared with the integral of the density by the rule of this
+            // test.
             assert!((returned - found[0]).abs() < 1e-3, "{what} {returned}");
         }
     }
 }
 
-/// Both distributions, rough and fine, at angles and indices of which no number is printed anywhere.
+/// Both distributions, rough and fine, at angles and indices for which no published values exist.
 #[test]
-fn light_of_several_facets_goes_where_walkers_go() {
+fn light_of_several_microfacets_equals_random_walk() {
     use Distribution::{Beckmann, Ggx};
     for (distribution, alpha, n) in
         [(Ggx, 0.3, [1.0, 1.5]), (Ggx, 0.8, [1.0, 2.2]), (Ggx, 0.6, [1.7, 1.4]), (Beckmann, 0.7, [1.0, 1.5])]
@@ -104,12 +108,12 @@ fn light_of_several_facets_goes_where_walkers_go() {
     }
 }
 
-/// Of diffuse light a face without loss sends n^2 times as much down as up.
+/// Of diffuse light a lossless interface transmits n^2 times as much down as up.
 #[test]
-fn diffuse_light_crosses_as_thermodynamics_has_it() {
+fn diffuse_light_crosses_in_ratio_of_squared_indices() {
     for (distribution, alpha) in [(Distribution::Ggx, 0.5), (Distribution::Beckmann, 0.3)] {
         let face = Rough::with(distribution, alpha, 1.0, 1.5);
-        // The midpoint rule over cosines squared; what comes back of each, taken from one.
+        // Midpoint rule over squared cosines; the returned light of each, subtracted from one.
         let crosses = SIDES.map(|side| {
             let steps = 12;
             let at = |step: i32| {

@@ -1,4 +1,4 @@
-//! The blur of the instrument, taken out of a measurement.
+//! Removal of the instrument's blur from a measurement.
 
 use papilio_diagnostics::Diagnostic;
 use papilio_goniometry::{self as goniometry, GoniometryError, Unblur, Unblurred, deblurred};
@@ -7,20 +7,20 @@ use super::file::Source;
 use crate::describe::numbers::Blur;
 use crate::resolve::Resolver;
 
-/// A lobe that, blurred again, differs more than this from the file's is not what the instrument saw.
+/// Largest difference between the file and the sharp lobe after blurring it again that gives no warning.
 const MISFIT: f64 = 0.03;
-/// And beyond this it is nothing like it.
+/// Difference beyond which the blur cannot be removed.
 const FAR_MISFIT: f64 = 0.3;
 
-/// Why a blur cannot be taken out of a measurement.
+/// Error: the blur cannot be removed from the measurement.
 fn unblurred(error: &GoniometryError) -> Diagnostic {
     let of_width = matches!(error, GoniometryError::Blur { .. });
-    let hint = "the width is that of the image of a straight beam, measured without a sample";
+    let hint = "the width is that of the image of a collimated beam, measured without a sample";
     Diagnostic::new(error.to_string()).hint_if(of_width.then_some(hint))
 }
 
 impl Resolver<'_> {
-    /// The part's luminous channel without the instrument's blur; `Some(None)` if that stays.
+    /// Returns the part's luminous channel without the instrument's blur; `Some(None)` if there is no blur to remove.
     pub(super) fn without_blur(
         &mut self,
         source: &Source<'_>,

@@ -1,4 +1,4 @@
-//! A file of measured scattering, and the kernels that a display takes from it.
+//! Files of measured scattering, and the kernels of a display from them.
 
 use papilio_diagnostics::Diagnostic;
 use papilio_display::scene::ScatterKernel;
@@ -14,31 +14,33 @@ use crate::describe::display::ShareSpectrum;
 use crate::describe::measure::Channels;
 use crate::describe::numbers::Blur;
 use crate::origin::Origin;
-use crate::read::At;
+use crate::read::Spanned;
 use crate::resolve::Resolver;
 
-/// A file of measured scattering in a scenario, and what is to be done to it.
+/// A file of measured scattering in a scenario, and the keys for its preparation.
 pub(super) struct Source<'a> {
-    /// The key that remarks are about.
+    /// Key for notes and warnings.
     pub(super) path: &'a str,
     pub(super) name: &'a str,
     pub(super) file: Origin,
-    pub(super) normalise: &'a At<Normalise>,
+    pub(super) normalise: &'a Spanned<Normalise>,
     pub(super) extrapolate_tails: bool,
-    /// `None`: not written.
-    pub(super) extrapolate: &'a At<Option<Extrapolate>>,
+    /// `None` if the scenario does not specify it.
+    pub(super) extrapolate: &'a Spanned<Option<Extrapolate>>,
     pub(super) spectral_mean: SpectralMean,
-    pub(super) blur: Option<&'a At<Blur>>,
+    pub(super) blur: Option<&'a Spanned<Blur>>,
 }
 
 impl Resolver<'_> {
-    /// A spectrum whose shape colours a measurement.
+    /// Resolves a spectrum that gives the spectral shape of a measurement.
     pub(super) fn colour(&mut self, share: &ShareSpectrum, origin: Origin) -> Option<Spectrum> {
         let spectrum = self.share(share, origin)?;
         if spectrum.max() <= 0.0 {
-            let wrong =
-                Diagnostic::new("this spectrum is 0 at all wavelengths, and cannot colour the measurement");
-            self.errors.push(origin, wrong.hint("its shape is what counts: somewhere it must be above 0"));
+            let wrong = Diagnostic::new("this spectrum is 0 at all wavelengths, and gives no spectral shape");
+            self.errors.push(
+                origin,
+                wrong.hint("only the shape of this spectrum is used: it must be above 0 at some wavelength"),
+            );
             return None;
         }
         Some(spectrum)
@@ -55,7 +57,7 @@ impl Resolver<'_> {
             let found = measurement.parts.iter().map(|part| part.way.name()).collect::<Vec<_>>().join(", ");
             let flip = way == Way::FrontTransmission && found.contains(Way::BackTransmission.name());
             let wrong = Diagnostic::new(format!("this file has no {}", way.name()))
-                .expected(format!("it among what the file has: {found}"))
+                .expected(format!("it among the parts of the file: {found}"))
                 .hint_if(
                     flip.then_some("`flipped = true` takes the light from the other side of the sample"),
                 );
@@ -64,7 +66,7 @@ impl Resolver<'_> {
         part
     }
 
-    /// A file of measured scattering.
+    /// Reads a file of measured scattering.
     pub(super) fn measurement(&mut self, source: &Source<'_>) -> Option<Measurement> {
         let kept = self.open_within(source.name, source.file, LARGEST_BSDF_FILE)?;
         match read_bsdf(kept.file()) {
@@ -80,7 +82,7 @@ impl Resolver<'_> {
         }
     }
 
-    /// The kernel of a part, coloured by the shape of a spectrum, and a report of what became of it.
+    /// Returns the kernel of a part with the spectral shape of a spectrum, and reports all changes.
     pub(super) fn scattered(
         &mut self,
         source: &Source<'_>,
@@ -99,15 +101,15 @@ impl Resolver<'_> {
         Some(ScatterKernel { scatter, factor })
     }
 
-    /// The mean of a spectrum as the eye weights it in D65.
+    /// Returns the mean of a spectrum weighted with D65 and V(lambda).
     fn luminous_mean(&mut self, spectrum: &Spectrum, at: Origin) -> Option<f64> {
         let d65 = illuminant("D65", &self.grid);
         let d65 = self.sampled("D65", at, d65)?;
         self.factors(spectrum, &d65, Channels::Monochrome)?.first().copied()
     }
 
-    /// The kernel of a part, and a report of what became of it; `level`: the mean of the spectrum that it will be multiplied
-    /// with, and the spectrum's maximum over its mean.
+    /// Returns the kernel of a part, and reports all changes; `level` is the mean of the spectrum that multiplies it, `largest`
+    /// the maximum of the spectrum over this mean.
     fn kernel(
         &mut self,
         source: &Source<'_>,
@@ -126,7 +128,7 @@ impl Resolver<'_> {
         let part = sharp.as_ref().unwrap_or(part);
         match kernel(part, part.luminous(), &preparation, &[level]) {
             Ok((scatter, changes)) => {
-                self.tell(source, part.way, &changes, largest)?;
+                self.report(source, part.way, &changes, largest)?;
                 Some(scatter)
             }
             Err(error) => {
@@ -143,7 +145,7 @@ impl Resolver<'_> {
     }
 }
 
-/// How far in `|beta|` lobes continue, if they do.
+/// Largest `|beta|` of extrapolated lobes; `None` without extrapolation.
 fn reach(extrapolate: Extrapolate, backing: Backing) -> Option<f64> {
     match extrapolate {
         Extrapolate::None => None,

@@ -1,17 +1,18 @@
-//! Operators on the nodes of a grid: what they pass unscattered, and what they scatter.
+//! Operators on the nodes of a grid: regular and scattered light.
 //!
-//! An operator of one azimuthal order maps radiance over the nodes to radiance over the nodes:
-//! a factor for each node (light that keeps its direction) and a kernel (light that changes it).
-//! Keeping the two apart lets a collimated beam through a stack exactly.
+//! An operator of one azimuthal order maps radiance over the nodes to radiance over the nodes: a factor for
+//! each node (light that keeps its direction) and a kernel (light that changes it). Because the two are
+//! separate, a collimated beam through a stack is exact.
 //!
-//! Kernels are scaled by the square root of the quadrature weight on either side, so that
-//! products need no weights and reciprocal operators are symmetric. The first `regular` nodes
-//! carry weight; the rest are *extra*, directions of views and beams: they have rows and columns
-//! and no part in sums over directions.
+//! Kernels are scaled by the square root of the quadrature weight on either side, so that products need no
+//! weights and reciprocal operators are symmetric. The first `regular` nodes carry weight. The rest are
+//! *extra* nodes, the directions of views and beams: they have rows and columns, but do not contribute to
+//! sums over directions.
 
 use super::matrix::{Factors, Matrix};
 
-/// A factor below this is rounding of a difference that is zero: light that nothing lets in.
+/// Smallest significant factor: smaller ones are rounding errors of a difference that is zero, where no
+/// light enters.
 const CLOSED: f64 = 1e-14;
 
 /// An operator of one azimuthal order.
@@ -19,24 +20,24 @@ const CLOSED: f64 = 1e-14;
 pub(super) struct Operator {
     /// The number of nodes with weight.
     pub(super) regular: usize,
-    /// Unscattered: a factor for each node.
+    /// Regular part: a factor for each node.
     pub(super) straight: Vec<f64>,
-    /// Scattered: `[out, in]`, scaled.
+    /// Scattered part: `[out, in]`, scaled.
     pub(super) kernel: Option<Matrix>,
 }
 
 impl Operator {
-    /// Nothing but factors.
+    /// Returns an operator that consists of factors only.
     pub(super) fn diagonal(regular: usize, straight: Vec<f64>) -> Self {
         Self { regular, straight, kernel: None }
     }
 
-    /// The number of nodes.
+    /// Returns the number of nodes.
     pub(super) fn len(&self) -> usize {
         self.straight.len()
     }
 
-    /// The kernel's element, scaled.
+    /// Returns an element of the kernel, scaled.
     pub(super) fn at(&self, out: usize, from: usize) -> f64 {
         self.kernel.as_ref().map_or(0.0, |kernel| kernel[(out, from)])
     }
@@ -53,31 +54,31 @@ impl Operator {
         Self { regular: self.regular, straight, kernel }
     }
 
-    /// `factor * self`.
+    /// Returns `factor * self`.
     pub(super) fn scaled(mut self, factor: f64) -> Self {
         self.straight.iter_mut().for_each(|x| *x *= factor);
         Self { kernel: self.kernel.map(|kernel| kernel.scaled(factor)), ..self }
     }
 
-    /// `1 + factor * self`.
+    /// Returns `1 + factor * self`.
     pub(super) fn one_plus(&self, factor: f64) -> Self {
         let straight = self.straight.iter().map(|x| 1.0 + factor * x).collect();
         let kernel = self.kernel.as_ref().map(|kernel| kernel.clone().scaled(factor));
         Self { regular: self.regular, straight, kernel }
     }
 
-    /// The sum of two.
+    /// Returns the sum of two operators.
     pub(super) fn plus(&self, other: &Self) -> Self {
         self.combine(1.0, other, 1.0)
     }
 
-    /// Light the other way (reciprocity).
+    /// Returns the operator for light in the opposite direction (reciprocity).
     pub(super) fn transposed(&self) -> Self {
         let kernel = self.kernel.as_ref().map(Matrix::transposed);
         Self { regular: self.regular, straight: self.straight.clone(), kernel }
     }
 
-    /// `self` after `first`.
+    /// Returns `self` after `first`.
     pub(super) fn after(&self, first: &Self) -> Self {
         if self.is_dark() || first.is_dark() {
             return Self::diagonal(self.regular, vec![0.0; self.len()]);
@@ -106,12 +107,12 @@ impl Operator {
         Self { regular: self.regular, straight, kernel }
     }
 
-    /// The operator that this one makes `right` of: `self^-1 right`.
+    /// Solves for the operator from which this one makes `right`: `self^-1 right`.
     pub(super) fn solve(&self, right: &Self) -> Self {
         self.solve_with(right, self.kernel.as_ref().map(|_| self.weighted_block().factors()), false)
     }
 
-    /// `self^-1 right` and `(self^-1)^T other`, self symmetric in its factors.
+    /// Returns `self^-1 right` and `(self^-1)^T other`, self symmetric in its factors.
     pub(super) fn solve_both(&self, right: &Self, other: &Self) -> [Self; 2] {
         if self.kernel.is_none() {
             return [self.solve(right), self.solve(other)];
@@ -149,24 +150,24 @@ impl Operator {
         Self { regular: n, straight, kernel }
     }
 
-    /// One over the factors; 0 for light that nothing lets in.
+    /// Returns one over the factors; 0 where no light enters.
     pub(super) fn inverse_straight(&self) -> Vec<f64> {
         (0..self.len()).map(|i| self.inverse_straight_at(i)).collect()
     }
 
-    /// The same for one node.
+    /// Returns the same for one node.
     pub(super) fn inverse_straight_at(&self, i: usize) -> f64 {
         let factor = self.straight[i];
         if factor.abs() < CLOSED { 0.0 } else { 1.0 / factor }
     }
 
-    /// True if it takes everything.
+    /// Returns whether it absorbs everything.
     fn is_dark(&self) -> bool {
         self.kernel.is_none() && self.straight.iter().all(|factor| *factor == 0.0)
     }
 
-    /// The part that acts among the nodes with weight, as one matrix. A direction that light
-    /// can neither enter nor leave is made to hold none.
+    /// Returns the part that acts among the nodes with weight, as one matrix. A direction that light can
+    /// neither enter nor leave is defined to contain none.
     pub(super) fn weighted_block(&self) -> Matrix {
         let n = self.regular;
         let mut block = Matrix::from_fn(n, n, |i, j| self.at(i, j));
@@ -179,8 +180,8 @@ impl Operator {
         block
     }
 
-    /// What a functional of the outgoing light is, of the incoming: `share` is its value for
-    /// a unit of light at each node, `scale` the kernel's scaling.
+    /// Returns a functional of the outgoing light as a functional of the incoming: `share` is its value for
+    /// a unit of light at each node, `scale` the scaling of the kernel.
     pub(super) fn pull_back(&self, share: &[f64], scale: &[f64]) -> Vec<f64> {
         let weights: Vec<f64> = share.iter().zip(scale).take(self.regular).map(|(s, c)| s * c).collect();
         let mut pulled: Vec<f64> = share.iter().zip(&self.straight).map(|(s, d)| s * d).collect();

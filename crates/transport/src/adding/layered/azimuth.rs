@@ -1,23 +1,23 @@
-//! Fourier orders of kernels over the azimuth that have no closed series.
+//! Fourier orders over the azimuth of kernels without a closed series.
 //!
 //! `K_m = 1/pi integral of K(phi) cos(m phi)` over 0 to pi. Where the kernel is wide, the trapezoid rule
-//! converges exponentially. Where both directions are near the horizon, facets about the normal join directions
-//! that are ever closer in azimuth: there, panels are graded about 0.
+//! converges exponentially. Where both directions are near the horizon, microfacets about the normal connect
+//! directions that are ever closer in azimuth: there, panels are graded about 0.
 
 use std::f64::consts::PI;
 
 use crate::adding::quadrature::gauss;
 
-/// Intervals of the trapezoid rule from 0 to pi, at most; finer kernels take graded panels.
+/// Largest number of intervals of the trapezoid rule from 0 to pi; finer kernels take graded panels.
 pub(super) const MOST_INTERVALS: usize = 1024;
 
-/// Points of a graded panel: enough for its poles, and for so many radians of the highest order.
+/// Points of a graded panel: enough for its poles, and for this many radians of the highest order.
 const POINTS: usize = 14;
 const RADIANS: f64 = 16.0;
-/// No panel is longer, for what kernels by numbers do off their peaks.
+/// Longest panel, so that the values of tabulated kernels off their peaks are resolved.
 const LONGEST: f64 = 0.5;
 
-/// The orders of an even function that changes over this width of azimuth about 0, into `out`.
+/// Computes the orders of an even function that changes over this width of azimuth about 0 into `out`.
 pub(super) fn graded(width: f64, out: &mut [f64], value: impl Fn(f64) -> f64) {
     let longest = (RADIANS / out.len().max(1) as f64).min(LONGEST);
     let mut points = Vec::new();
@@ -30,7 +30,8 @@ pub(super) fn graded(width: f64, out: &mut [f64], value: impl Fn(f64) -> f64) {
     sum(&points, out);
 }
 
-/// The same by the trapezoid rule of so many intervals; orders that it does not tell apart from lower ones are none.
+/// Computes the same by the trapezoid rule of `half` intervals; orders that it aliases with lower ones are
+/// set to zero.
 pub(super) fn trapezoid(half: usize, out: &mut [f64], value: impl Fn(f64) -> f64) {
     let point = |k: usize| {
         let phi = PI * k as f64 / half as f64;
@@ -42,10 +43,10 @@ pub(super) fn trapezoid(half: usize, out: &mut [f64], value: impl Fn(f64) -> f64
     sum(&(0..=half).map(point).collect::<Vec<_>>(), &mut out[..told]);
 }
 
-/// Azimuths that are worked on side by side.
+/// Number of azimuths that are computed together.
 const LANES: usize = 8;
 
-/// The sums of `value cos(m phi)` over azimuths and values, for each order m, by the cosine's recurrence.
+/// Sums `value cos(m phi)` over azimuths and values, for each order m, by the recurrence of the cosine.
 fn sum(points: &[(f64, f64)], out: &mut [f64]) {
     out.fill(0.0);
     for points in points.chunks(LANES) {
@@ -70,7 +71,8 @@ fn sum(points: &[(f64, f64)], out: &mut [f64]) {
 mod tests {
     use super::*;
 
-    /// Of a periodic Gaussian: orders are Gaussians; of a periodic Lorentzian: they fall geometrically.
+    /// The orders of a periodic Gaussian are Gaussians; those of a periodic Lorentzian decrease
+    /// geometrically.
     #[test]
     fn narrow_functions_have_the_orders_of_their_closed_series() {
         for width in [0.3_f64, 0.01, 1e-4] {
@@ -83,7 +85,7 @@ mod tests {
             graded(width, &mut out, |phi| width.sinh() / (width.cosh() - phi.cos()));
             for (m, found) in out.iter().enumerate() {
                 let closed = (-(m as f64) * width).exp();
-                // So good are 14 points at their distance from the poles.
+                // Accuracy of 14 points at their distance from the poles.
                 assert!((found - closed).abs() < 1e-8, "{width} {m}: {found} {closed}");
             }
         }

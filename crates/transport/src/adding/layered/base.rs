@@ -1,10 +1,10 @@
-//! The stack closed by its base: what a view sees via the pixel.
+//! The stack with its base: light that a view sees via the pixel.
 //!
-//! The light that falls from the last scatterer on what lies below it, flat layers and base, obeys
-//! `x = t + G B x`: t what came through, B what is reflected below, G what the layers above send
-//! back down. B differs by state and wavelength and is a factor for each direction: all columns
-//! are iterated at once, one matrix product for each order of reflection; where light is nearly
-//! trapped, a direct solution is cheaper.
+//! The light that falls from the last scatterer on the flat layers and the base below it obeys
+//! `x = t + G B x`: t is transmitted light, B the reflectance below, G the light that the layers above send
+//! back down. B differs by state and wavelength and is a factor for each direction. All columns are iterated
+//! at once, with one matrix product for each order of reflection. Where light is nearly trapped, a direct
+//! solution is cheaper.
 
 use std::ops::Range;
 
@@ -13,60 +13,61 @@ use super::beams::Beams;
 use super::matrix::Matrix;
 use super::part::Part;
 
-/// The layers down to the last scatterer in one azimuthal order, as far as views and sources ask
-/// for it. Of the nodes with weight it holds those that the medium below carries. Extra nodes
-/// count from the first of them, lights from the first light.
+/// The layers down to the last scatterer in one azimuthal order, as far as views and sources require it. Of
+/// the nodes with weight it contains those that the medium below carries. Extra nodes are counted from the
+/// first of them, lights from the first light.
 #[derive(Debug, Clone)]
 pub(super) struct Above {
     carried: usize,
-    /// Light from above that is sent back, `[extra, light]`.
+    /// Light from above that is reflected, `[extra, light]`.
     front: Matrix,
-    /// Light that passes unscattered, by node.
+    /// Regular transmission from above, by node.
     down_straight: Vec<f64>,
-    /// From extra nodes to the nodes with weight.
+    /// Transmission from extra nodes to the nodes with weight.
     down: Matrix,
-    /// Between extra nodes and lights: down from an extra node to a light's, `[extra, light]`, ...
+    /// Transmission between extra nodes and lights: down from an extra node to a light's, `[extra, light]`,
+    /// ...
     to_light: Matrix,
     /// ... and down from a light's to an extra one.
     from_light: Matrix,
-    /// Light from below that is sent back unscattered, by node.
+    /// Regular reflection of light from below, by node.
     below_straight: Vec<f64>,
-    /// From all nodes to the nodes with weight.
+    /// Reflection of light from below, from all nodes to the nodes with weight.
     below: Matrix,
-    /// Between extra nodes and lights, `[extra, light]`.
+    /// The same between extra nodes and lights, `[extra, light]`.
     below_light: Matrix,
-    /// The most that light between an extra node and a light can be if everything below is
-    /// white, `[extra, light]`: at all, and via other directions.
+    /// Upper bound of the light between an extra node and a light, if everything below is white,
+    /// `[extra, light]`: in total, and via other directions.
     most: [Matrix; 2],
 }
 
-/// Light on its way up from the base, for a unit beam that entered at an extra node: densities
-/// over the nodes with weight, scaled, by column (state and wavelength), and the rest.
+/// Light propagating up from the base, for a unit beam that entered at an extra node: densities over the
+/// nodes with weight, scaled, by column (state and wavelength), and the rest.
 #[derive(Debug)]
 pub(super) struct Rising {
     /// Scattered light, `[node, column]`.
     scattered: Matrix,
     /// The beam itself, by column.
     beam: Vec<f64>,
-    /// The beam's extra node.
+    /// Extra node of the beam.
     extra: usize,
 }
 
-/// The light that falls on what is below, as [`Rising`] tells what rises.
+/// Light that falls on the layers below, in the same form as [`Rising`].
 pub(super) type Falling = Rising;
 
-/// Light that is sent back this often, or less, is followed by iteration.
+/// Number of reflections up to which light is followed by iteration.
 const ITERATIONS: usize = 40;
 
 impl Above {
-    /// Of the layers down to the last scatterer and of that, on the nodes that the medium below it
-    /// carries: the first `carried` of those with weight, and the extra ones.
+    /// Composes the layers down to the last scatterer and that scatterer, on the nodes that the medium below
+    /// it carries: the first `carried` of those with weight, and the extra ones.
     pub(super) fn new(upper: &Part, last: &Part, lights: &[usize], carried: usize) -> Self {
         let (n, len) = (last.down.regular, last.down.len());
         let (kept, extras) = ((0..carried).chain(n..len).collect::<Vec<_>>(), len - n);
         let gap = upper.below.after(&last.above).one_plus(-1.0);
         let factors = gap.kernel.as_ref().map(|_| gap.weighted_block().factors());
-        // Beams from above, as far as what scatters last, and back.
+        // Beams from above, down to the last scatterer, and back.
         let falls = gap.unsend(upper.down.send(&Beams::units((n..len).collect())), factors.as_ref(), false);
         let down = last.down.send(&falls);
         let back = upper.down.transposed().send(&last.above.send(&falls));
@@ -129,29 +130,31 @@ impl Above {
         [at_all, often]
     }
 
-    /// The most that light between an extra node and a light can be in this order if everything
-    /// below is white, and that part of it which takes other directions between.
+    /// Returns the upper bound of the light between an extra node and a light in this order, if everything
+    /// below is white, and the part of it that takes other directions in between.
     pub(super) fn at_most(&self, extra: usize, light: usize) -> [f64; 2] {
         self.most.each_ref().map(|most| most[(extra, light)])
     }
 
-    /// Bytes that it takes, about.
+    /// Returns its approximate size in bytes.
     pub(super) fn bytes(&self) -> usize {
         let columns = self.down.columns() + self.below.columns() + self.front.columns() * 6;
         8 * self.carried * columns + 48 * self.front.columns() * self.down.columns()
     }
 
-    /// How many nodes with weight it holds.
+    /// Returns the number of nodes with weight that it contains.
     pub(super) fn carried(&self) -> usize {
         self.carried
     }
 
-    /// The kernel between an extra node and a light of what is sent back from above.
+    /// Returns the kernel between an extra node and a light of the light that is reflected from above.
     pub(super) fn front(&self, extra: usize, light: usize) -> f64 {
         self.front[(extra, light)]
     }
 
-    /// Light that rises from what is below, its reflectance `[node, column]`, to this error relative to the largest density or to `floor`, by column; `floor` is raised to what is found.
+    /// Returns the light that rises from the base, given its reflectance `[node, column]`, to this error
+    /// relative to the largest density or to `floor`, by column; `floor` is raised to the largest density
+    /// found.
     pub(super) fn rise(&self, extra: usize, base: &Matrix, tolerance: f64, floor: &mut [f64]) -> Rising {
         let (n, columns) = (self.carried, base.columns());
         let node = n + extra;
@@ -177,7 +180,7 @@ impl Above {
         Rising { scattered, beam, extra }
     }
 
-    /// The light that falls, of which this rises from a reflectance `[node, column]`.
+    /// Returns the light that falls, given the light that rises by a reflectance `[node, column]`.
     pub(super) fn falls(&self, rising: &Rising, base: &Matrix) -> Falling {
         let (n, node) = (self.carried, self.carried + rising.extra);
         let mut scattered = Matrix::zeros(n, base.columns());
@@ -195,7 +198,8 @@ impl Above {
         Falling { scattered, beam, extra: rising.extra }
     }
 
-    /// Follows light between base and layers; says which columns are not done after many orders.
+    /// Iterates light between base and layers; returns the columns that have not converged after many
+    /// orders.
     fn iterate(
         &self,
         arrives: &Matrix,
@@ -216,7 +220,7 @@ impl Above {
             for (c, old) in rising.columns_mut() {
                 let (change, size) = reflect(old, next.column(c), gain.column(c));
                 let size = size.max(floor[c]);
-                // Changes fall geometrically: what is left is their sum.
+                // Changes decrease geometrically: the remainder is their sum.
                 let ratio = (change / before[c]).min(1.0);
                 if change > tolerance * size * (1.0 - ratio) {
                     open.push(c);
@@ -234,7 +238,7 @@ impl Above {
 
     fn solve(&self, column: usize, base: &Matrix, arrives: &Matrix, rising: &mut Matrix) {
         let n = self.carried;
-        // 1 - B G acts on what rises.
+        // 1 - B G acts on the light that rises.
         let b: Vec<f64> = (0..n).map(|i| base[(i, column)]).collect();
         let kernel = Matrix::from_fn(n, n, |i, j| -b[i] * self.below[(i, j)]);
         let straight = (0..n).map(|i| 1.0 - b[i] * self.below_straight[i]).collect();
@@ -244,8 +248,8 @@ impl Above {
         rising.column_mut(column).copy_from_slice(right.column(0));
     }
 
-    /// The kernel of the whole display between a view's extra node and a light, by column: the
-    /// beam entered at one of them and leaves at `to`, the other.
+    /// Returns the kernel of the whole display between a view's extra node and a light, by column: the beam
+    /// entered at one of them and leaves at `to`, the other.
     pub(super) fn leaves(&self, rising: &Rising, pair: (usize, usize), to: usize, base: &Matrix) -> Vec<f64> {
         let n = self.carried;
         let (mut there, mut back) = (self.from_light[pair], self.to_light[pair]);
@@ -270,16 +274,16 @@ impl Above {
     }
 }
 
-/// Unscattered light that rises after all its round trips between a base and layers that
-/// mirror it, for one that arrives. None, if they let nothing in.
+/// Returns the regular light that rises after all its round trips between a base and layers that reflect it,
+/// per unit that arrives; zero if no light enters the layers.
 fn round_trips(base: f64, layers: f64) -> f64 {
     let open = 1.0 - base * layers;
     if open > 0.0 { base / open } else { 0.0 }
 }
 
-/// Sets `rising` to `next` times `gain`; the largest change and the largest value.
+/// Sets `rising` to `next` times `gain`; returns the largest change and the largest value.
 fn reflect(rising: &mut [f64], next: &[f64], gain: &[f64]) -> (f64, f64) {
-    // Chunks of fixed size, so that they become vectors.
+    // Chunks of fixed size, so that they are vectorised.
     let (rising, rising_rest) = rising.as_chunks_mut::<8>();
     let (next, next_rest) = next.as_chunks::<8>();
     let (gain, gain_rest) = gain.as_chunks::<8>();
@@ -301,20 +305,20 @@ fn reflect(rising: &mut [f64], next: &[f64], gain: &[f64]) -> (f64, f64) {
     [change, size].map(|lanes| lanes.into_iter().fold(0.0, larger)).into()
 }
 
-/// The larger one; a comparison that vectors can do.
+/// Returns the larger number, by a comparison that can be vectorised.
 #[inline]
 fn larger(a: f64, b: f64) -> f64 {
     if a > b { a } else { b }
 }
 
 impl Rising {
-    /// The beam's extra node.
+    /// Returns the extra node of the beam.
     pub(super) fn extra(&self) -> usize {
         self.extra
     }
 
-    /// The sum of a functional, by column: `share` is its value for unit light at each node that
-    /// is held, and for each column; `scale` the scaling of densities.
+    /// Returns the total of a functional, by column: `share` is its value for unit light at each node that
+    /// is stored, and for each column; `scale` the scaling of densities.
     pub(super) fn total(&self, scale: &[f64], share: impl Fn(usize, usize) -> f64) -> Vec<f64> {
         let one = |c: usize| {
             let column = self.scattered.column(c);

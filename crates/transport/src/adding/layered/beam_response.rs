@@ -1,9 +1,9 @@
-//! What the views see over one base, gathered order by order of the azimuth, so that operators need
-//! not outlive their order.
+//! Light that the views see over one base, accumulated azimuthal order by order, so that operators need not
+//! be stored beyond their order.
 //!
-//! All kernels are reciprocal: the beam that enters against a view's direction tells what the view sees of
-//! a beam of light (the kernel towards it). So does the beam that enters from the light: beams are
-//! followed from whichever side has fewer directions.
+//! All kernels are reciprocal: the beam that enters against a view's direction gives the light that the view
+//! sees of a beam from a source (the kernel towards it). So does the beam that enters from the source. Beams
+//! are followed from whichever side has fewer directions.
 
 use std::f64::consts::PI;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -13,20 +13,20 @@ use super::columns::{BaseColumns, Columns};
 use super::diffuse_response::DiffuseResponse;
 use super::directions::{Directions, Ray, extras};
 use super::matrix::Matrix;
-use super::once::{Once, Way};
+use super::once::{Once, ScatterMode};
 use super::prepare::Group;
 use crate::{Base, Estimate, Layered, Ledger, ReflectanceFactor};
 
-/// What the views see over one base.
+/// Light that the views see over one base.
 #[derive(Debug)]
 pub(super) struct BeamResponse {
     pub(super) base: Base,
-    /// Of beams, by view and source.
+    /// Reflectance factors of beams, by view and source.
     beams: Vec<Vec<ReflectanceFactor>>,
     families: Vec<Followed>,
 }
 
-/// What is known of a family of groups of wavelengths.
+/// Data of a family of groups of wavelengths.
 #[derive(Debug)]
 pub(super) struct Followed {
     bins: Vec<Vec<usize>>,
@@ -34,22 +34,22 @@ pub(super) struct Followed {
     /// Extra nodes of the views, ascending, and of the lights.
     views: Vec<usize>,
     lights: Vec<usize>,
-    /// Where beams of diffuse light end, `[group][view]`.
+    /// Response to diffuse light and ledger, `[group][view]`.
     seen: Vec<Vec<DiffuseResponse>>,
-    /// The largest densities met so far, `[group][beam][column]`.
+    /// Largest densities found so far, `[group][beam][column]`.
     floors: Vec<Vec<Vec<f64>>>,
 }
 
-/// One order's kernels between views and lights.
+/// Kernels of one order between views and lights.
 struct Kernels {
-    /// By way of the base, `[column of all groups, pair]`.
+    /// Via the base, `[column of all groups, pair]`.
     base: Matrix,
-    /// Of light that has not met the base, `[bin of all groups, pair]`.
+    /// Of light that has not reached the base, `[bin of all groups, pair]`.
     front: Matrix,
 }
 
 impl BeamResponse {
-    /// Nothing seen yet.
+    /// Returns an empty response.
     pub(super) fn new(stack: &Layered, directions: &Directions) -> Self {
         let (states, bins) = (stack.base.states(), stack.base.bins());
         let zeros = || ReflectanceFactor { via_pixel: vec![0.0; states * bins], front: vec![0.0; bins] };
@@ -58,7 +58,7 @@ impl BeamResponse {
     }
 
     /// Adds an order of the family added last, or the first of a new one.
-    #[allow(clippy::too_many_arguments, reason = "what an order is, and when to give up")]
+    #[allow(clippy::too_many_arguments, reason = "the data of an order, and when to stop")]
     pub(super) fn add(
         &mut self,
         stack: &Layered,
@@ -80,7 +80,7 @@ impl BeamResponse {
         }
     }
 
-    /// Adds the light that a way of one scatterer sends but once, of the family added last.
+    /// Adds the light that one scatterer scatters only once, of the family added last.
     pub(super) fn add_once(
         &mut self,
         directions: &Directions,
@@ -91,13 +91,13 @@ impl BeamResponse {
     ) {
         if let Some(family) = self.families.last_mut() {
             let above: Vec<Option<&Above>> = once.above.iter().map(Option::as_ref).collect();
-            // Any order but the first: that tells of diffuse light, too.
+            // Any order but the first, which also computes diffuse light.
             let kernels = family.follow(1, groups, &above, tolerance, stop);
             family.gather_once(&kernels, &once.way, directions, &mut self.beams, stop);
         }
     }
 
-    /// From a view.
+    /// Returns the estimate of a view.
     pub(super) fn estimate(&self, directions: &Directions, view: usize) -> Estimate {
         let places = self.base.states() * self.base.bins();
         let mut estimate = Estimate { rho: self.beams[view].clone(), ledger: Ledger::zeros(places) };
@@ -136,12 +136,12 @@ impl Followed {
         }
     }
 
-    /// The number of a view's extra node.
+    /// Returns the index of a view's extra node.
     fn view(&self, extra: usize) -> usize {
         self.views.binary_search(&extra).unwrap_or_default()
     }
 
-    /// The number of a view's and a light's extra nodes together.
+    /// Returns the index of the pair of a view's and a light's extra nodes.
     fn pair(&self, view: usize, light: usize) -> usize {
         view * self.lights.len() + light
     }
@@ -171,7 +171,7 @@ impl Followed {
         kernels
     }
 
-    #[allow(clippy::too_many_arguments, reason = "what a group is, and where its numbers go")]
+    #[allow(clippy::too_many_arguments, reason = "the data of a group, and where its results go")]
     fn follow_group(
         &mut self,
         order: usize,
@@ -182,7 +182,7 @@ impl Followed {
         kernels: &mut Kernels,
         stop: &AtomicBool,
     ) {
-        // Order 0 tells where light from the views ends, too.
+        // Order 0 also gives the distribution of the light from the views.
         let from_views = order == 0 || self.views.len() <= self.lights.len();
         let (beams, others) =
             if from_views { (&self.views, &self.lights) } else { (&self.lights, &self.views) };
@@ -224,11 +224,11 @@ impl Followed {
         }
     }
 
-    /// Adds what a way of a scatterer sends once: `kernels` hold what that is multiplied by, of all pairs of directions.
+    /// Adds light scattered once by a scatterer: `kernels` contain the factors for all pairs of directions.
     fn gather_once(
         &self,
         kernels: &Kernels,
-        way: &Way,
+        way: &ScatterMode,
         directions: &Directions,
         beams: &mut [Vec<ReflectanceFactor>],
         stop: &AtomicBool,
@@ -260,7 +260,7 @@ impl Followed {
         }
     }
 
-    /// Adds an order's kernels to what the views see.
+    /// Adds the kernels of an order to the light that the views see.
     fn gather(
         &self,
         order: usize,
@@ -275,7 +275,7 @@ impl Followed {
         for (rays, beams) in directions.views.iter().zip(beams) {
             for (source, rho) in directions.sources.iter().zip(beams) {
                 for ray in rays {
-                    // Rays of one extra node follow each other.
+                    // Rays of one extra node are consecutive.
                     for lights in source.chunk_by(|one, next| one.extra == next.extra) {
                         let number = self.lights.binary_search(&lights[0].extra).unwrap_or_default();
                         let pair = self.pair(self.view(ray.extra), number);
@@ -300,7 +300,7 @@ impl Followed {
     }
 }
 
-/// Adds values times a factor to sums at these places.
+/// Adds values times a factor to sums at these indices.
 fn add(sums: &mut [f64], places: &[usize], values: &[f64], factor: f64) {
     for (at, value) in places.iter().zip(values) {
         sums[*at] += factor * value;

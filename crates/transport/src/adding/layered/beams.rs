@@ -1,40 +1,40 @@
-//! Light that beams at a few nodes become, where a whole operator would be too much.
+//! The effect of operators on beams at a few nodes, where a whole operator would be too large.
 
 use std::ops::Range;
 
 use super::algebra::Operator;
 use super::matrix::{Factors, Matrix};
 
-/// What unit beams have become, each entered at a node of its own.
+/// Light of unit beams, each of which entered at a node of its own.
 #[derive(Debug)]
 pub(super) struct Beams {
     /// The node of each beam.
     nodes: Vec<usize>,
-    /// What is left of each beam itself.
+    /// Remaining regular light of each beam.
     straight: Vec<f64>,
-    /// Scattered, `[node, beam]`, scaled; none yet.
+    /// Scattered light, `[node, beam]`, scaled; `None` before any scattering.
     scattered: Option<Matrix>,
 }
 
 impl Beams {
-    /// Beams at these nodes that nothing has happened to.
+    /// Returns unit beams at these nodes.
     pub(super) fn units(nodes: Vec<usize>) -> Self {
         Self { straight: vec![1.0; nodes.len()], nodes, scattered: None }
     }
 
-    /// What an operator's reverse (its transpose) makes of unit beams at these nodes.
+    /// Applies the transpose of an operator (its reverse) to unit beams at these nodes.
     pub(super) fn sent_back_by(operator: &Operator, nodes: Vec<usize>) -> Self {
         let straight = nodes.iter().map(|&node| operator.straight[node]).collect();
         let scattered = operator.kernel.as_ref().map(|kernel| kernel.transposed_rows(&nodes));
         Self { nodes, straight, scattered }
     }
 
-    /// The node of each beam.
+    /// Returns the node of each beam.
     pub(super) fn nodes(&self) -> &[usize] {
         &self.nodes
     }
 
-    /// Some of them, by their numbers.
+    /// Selects beams by number.
     pub(super) fn some(&self, numbers: impl Iterator<Item = usize>) -> Self {
         let numbers: Vec<usize> = numbers.collect();
         Self {
@@ -44,14 +44,14 @@ impl Beams {
         }
     }
 
-    /// Scattered light at a node.
+    /// Returns scattered light at a node.
     pub(super) fn at(&self, node: usize, beam: usize) -> f64 {
         self.scattered.as_ref().map_or(0.0, |scattered| scattered[(node, beam)])
     }
 }
 
 impl Operator {
-    /// What it makes of beams.
+    /// Applies the operator to beams.
     pub(super) fn send(&self, beams: &Beams) -> Beams {
         let straight = beams.nodes.iter().zip(&beams.straight).map(|(&node, x)| self.straight[node] * x);
         Beams {
@@ -61,7 +61,7 @@ impl Operator {
         }
     }
 
-    /// The scattered light at some nodes that it makes of beams; `None` if there is none.
+    /// Returns the scattered light that it makes of beams at some nodes; `None` if there is none.
     pub(super) fn send_to(&self, beams: &Beams, rows: Range<usize>) -> Option<Matrix> {
         if self.kernel.is_none() && beams.scattered.is_none() {
             return None;
@@ -83,7 +83,7 @@ impl Operator {
         Some(sent)
     }
 
-    /// The beams of which it makes these; with the factors of its
+    /// Solves for the beams from which the operator makes these, with the factors of its
     /// [`weighted_block`](Operator::weighted_block) if it has a kernel, or of its transpose.
     pub(super) fn unsend(&self, mut beams: Beams, factors: Option<&Factors>, of_transpose: bool) -> Beams {
         let inverse = self.inverse_straight();

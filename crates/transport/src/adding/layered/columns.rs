@@ -1,18 +1,18 @@
-//! The base, by state and wavelength, as what lies above its medium meets it.
+//! The base by state and wavelength, as seen from the layers above its medium.
 
 use super::matrix::Matrix;
 use super::prepare::Group;
 use crate::front::Flat;
 use crate::{Layered, Reflector};
 
-/// The base at a group's wavelengths: a column is a state and a wavelength.
+/// The base at a group's wavelengths: each column is a state and a wavelength.
 #[derive(Debug)]
 pub(super) struct Columns {
-    /// Where each column stands in `[state][wavelength]`.
+    /// Index of each column in `[state][wavelength]`.
     pub(super) place: Vec<usize>,
     pub(super) base: BaseColumns,
-    /// Reflectance of all that is below the last scatterer, `[node, column]`: over the base (if
-    /// that is specular), then, as the last column, over black.
+    /// Reflectance of everything below the last scatterer, `[node, column]`: over the base (if it is
+    /// specular), then, as the last column, over black.
     pub(super) below: Matrix,
     pub(super) inactive: Vec<f64>,
 }
@@ -27,7 +27,7 @@ pub(super) enum BaseColumns {
 }
 
 impl Columns {
-    /// Of groups of one family.
+    /// Computes the columns of the groups of one family.
     pub(super) fn new(stack: &Layered, groups: &[&Group]) -> Vec<Self> {
         let known = match (&stack.base.reflector, groups.first()) {
             (Reflector::Specular(_), Some(group)) => Some(specular(stack, group)),
@@ -67,7 +67,7 @@ impl Columns {
         Self { place, base, below, inactive }
     }
 
-    /// How many there are.
+    /// Returns the number of columns.
     pub(super) fn len(&self) -> usize {
         self.place.len()
     }
@@ -80,7 +80,7 @@ impl Columns {
     }
 }
 
-/// The base's reflectance at every node that its medium carries: `[place, node]`.
+/// Returns the reflectance of the base at every node that its medium carries: `[place, node]`.
 fn specular(stack: &Layered, group: &Group) -> Matrix {
     let mut all = Matrix::zeros(stack.base.states() * stack.base.bins(), group.beta.len());
     let air = crate::Medium::new(vec![1.0; stack.base.bins()].into());
@@ -93,13 +93,13 @@ fn specular(stack: &Layered, group: &Group) -> Matrix {
     all
 }
 
-/// Flat layers over a base: light that arrives at it, for a unit that falls on the layers.
+/// Returns the light that arrives at the base below flat layers, per unit that falls on the layers.
 pub(super) fn arrives(flat: Flat, base: f64) -> f64 {
     let open = 1.0 - base * flat.below;
     if open > 0.0 { flat.t / open } else { 0.0 }
 }
 
-/// The reflectance of flat layers and base.
+/// Returns the reflectance of flat layers and base.
 fn over_base(flat: Flat, base: f64) -> f64 {
     flat.above + flat.t * base * arrives(flat, base)
 }

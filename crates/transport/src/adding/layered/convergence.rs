@@ -1,34 +1,34 @@
-//! Whether the azimuthal orders so far suffice.
+//! Convergence of the series of azimuthal orders.
 
 use std::cmp::Ordering;
 
 use super::base::Above;
 
-/// How far the orders of azimuth have come.
+/// Stage of the series of azimuthal orders.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Stage {
-    /// Light takes all ways.
+    /// All light is computed.
     All,
-    /// What is scattered more than once has died down; light is scattered once from a source
-    /// towards a view.
+    /// Light scattered more than once has converged; only light scattered once from a source towards a view
+    /// is computed.
     Once,
     /// The rest is below the tolerance.
     Done,
 }
 
-/// Whether the orders of azimuth so far suffice between any view and any source.
+/// Tests whether the azimuthal orders so far suffice between all views and sources.
 pub(super) struct Convergence {
     views: Vec<usize>,
-    /// Numbers of lights that have more orders than the first.
+    /// Indices of lights that have more orders than the first.
     lights: Vec<usize>,
-    /// Sums of what each order can hold, by view and light.
+    /// Sums of the upper bounds of each order, by view and light.
     sums: Vec<f64>,
-    /// Orders in a row that added next to nothing, at all and by more than one scattering.
+    /// Number of successive orders with negligible contributions, in total and by multiple scattering.
     quiet: [usize; 2],
     order: usize,
 }
 
-/// So many orders in a row must be small: one may vanish by chance.
+/// Number of successive orders that must be negligible: one may vanish by chance.
 const QUIET_ORDERS: usize = 3;
 
 impl Convergence {
@@ -38,8 +38,8 @@ impl Convergence {
 
     /// Adds an order.
     pub(super) fn add(&mut self, above: &Above, tolerance: f64) -> Stage {
-        // Orders fall geometrically, some e^14 from the first to the last: this is what is
-        // left after this one, in units of it.
+        // Orders decrease geometrically, by about e^14 from the first to the last: this is the remainder
+        // after this one, in units of it.
         let rest = 1.0 + self.order as f64 / 14.0;
         let mut quiet = [true; 2];
         let lights = &self.lights;
@@ -47,7 +47,7 @@ impl Convergence {
         for ((v, l), sum) in pairs.zip(&mut self.sums) {
             let [all, often] = above.at_most(v, l);
             *sum += all;
-            // What is no number compares as small: it ends the orders, too.
+            // NaN compares as small: it ends the series, too.
             let small = |part: f64| (part * rest).partial_cmp(&(tolerance * *sum)) != Some(Ordering::Greater);
             quiet[0] &= small(all);
             quiet[1] &= small(often);

@@ -1,26 +1,26 @@
-//! Where a unit beam into the display ends: what a view sees of diffuse light (by reciprocity, the
-//! share of the beam that leaves), and the ledger. Order 0 of the azimuth alone tells.
+//! Distribution of a unit beam that enters the display: diffuse light seen by a view (by reciprocity, the
+//! fraction of the beam that leaves), and the ledger. Only azimuthal order 0 contributes.
 
 use super::base::{Above, Falling, Rising};
 use super::columns::{BaseColumns, Columns, arrives};
 use super::matrix::Matrix;
 use super::prepare::Group;
 
-/// What a unit beam from one extra node becomes, by column.
+/// Distribution of a unit beam from one extra node, by column.
 #[derive(Debug, Default)]
 pub(super) struct DiffuseResponse {
-    /// The fraction that leaves, via the base.
+    /// Fraction that leaves, via the base.
     pub(super) diffuse: Vec<f64>,
-    /// The fraction that leaves without having met it.
+    /// Fraction that leaves without having reached it.
     pub(super) diffuse_front: f64,
-    /// Returned, then absorbed in front, diffuser, glass, pixel, inactive.
+    /// Returned, then absorbed in front, diffuser, glass, pixel, inactive area.
     pub(super) ledger: Vec<Vec<f64>>,
     /// Over a Lambertian base, the kernel via it towards a direction whose light all arrives.
     towards: Vec<f64>,
 }
 
 impl DiffuseResponse {
-    /// Of light that rises for a beam that entered from a view, in order 0.
+    /// Computes the response from the light that rises for a beam that entered from a view, in order 0.
     pub(super) fn new(group: &Group, columns: &Columns, above: &Above, rising: &Rising) -> Self {
         let node = group.share(rising.extra());
         let mut seen = Self { diffuse_front: group.shares.leaving_front[node], ..Self::default() };
@@ -34,13 +34,13 @@ impl DiffuseResponse {
         seen
     }
 
-    /// Over a Lambertian base, the kernel via it towards an extra node.
+    /// Returns, over a Lambertian base, the kernel via it towards an extra node.
     pub(super) fn by_way_of_base(&self, group: &Group, to: usize) -> impl Iterator<Item = f64> {
         let arriving = group.shares.arriving[group.share(to)];
         self.towards.iter().map(move |kernel| kernel * arriving)
     }
 
-    /// Diffuse light and ledger of a specular base.
+    /// Adds diffuse light and ledger of a specular base.
     fn specular(
         &mut self,
         group: &Group,
@@ -68,14 +68,15 @@ impl DiffuseResponse {
             let first = shares.absorbed[0][place][node];
             (0..columns.len()).map(|c| first + upper[c] + lower[c]).collect()
         });
-        // What falls and does not rise ends below: no light is lost in what iteration left over.
+        // Light that falls and does not rise is absorbed below: the remainder of the iteration is not lost.
         let [falls, rises] = [falling, rising].map(|light| light.total(&shares.scale, |_, _| 1.0));
         let arriving = falling.total(&shares.scale, arrival);
         let below: Vec<f64> = (0..columns.len()).map(|c| falls[c] - rises[c] - in_flats[c]).collect();
-        self.book(columns, layers, &arriving, &below);
+        self.record(columns, layers, &arriving, &below);
     }
 
-    /// A Lambertian base makes all light alike: rank one, in closed form.
+    /// Adds the same of a Lambertian base, whose light has one angular distribution: rank one, in closed
+    /// form.
     fn lambertian(&mut self, group: &Group, columns: &Columns, node: usize, reflectance: &[f64]) {
         let shares = &group.shares;
         let regular = group.share(0);
@@ -95,11 +96,11 @@ impl DiffuseResponse {
         });
         let arrives: Vec<f64> = rises.iter().map(|x| shares.arriving[node] + returns * x).collect();
         let below: Vec<f64> = arrives.iter().zip(&rises).map(|(arrives, rises)| arrives - rises).collect();
-        self.book(columns, layers, &arrives, &below);
+        self.record(columns, layers, &arrives, &below);
     }
 
-    /// `arrives` at the base; `below` is absorbed by pixel and inactive share.
-    fn book(&mut self, columns: &Columns, layers: [Vec<f64>; 4], arrives: &[f64], below: &[f64]) {
+    /// Adds to the ledger: `arrives` at the base; `below` is absorbed by pixel and inactive area.
+    fn record(&mut self, columns: &Columns, layers: [Vec<f64>; 4], arrives: &[f64], below: &[f64]) {
         let returned = self.diffuse.iter().map(|share| share + self.diffuse_front).collect();
         let inactive: Vec<f64> = arrives.iter().zip(&columns.inactive).map(|(a, i)| a * i).collect();
         let [front, diffuser, glass, in_pixel] = layers;

@@ -9,31 +9,31 @@ use crate::adding::quadrature::{Nodes, Point, cone_points_of, disc_points, smoot
 use crate::layers::LayerKind;
 use crate::{Cone, Layered, Source};
 
-/// A direction of a view or a source: the number of its extra node, its azimuth, its weight.
+/// Direction of a view or a source: the number of its extra node, its azimuth, its weight.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Ray {
     pub(super) extra: usize,
     pub(super) turn: f64,
     pub(super) weight: f64,
-    /// A whole ring, the same at all azimuths.
+    /// Whether it is a whole ring, the same at all azimuths.
     pub(super) is_ring: bool,
 }
 
-/// The directions of all views and sources: they share extra nodes where they have `|beta|` in
-/// common.
+/// Directions of all views and sources: they share an extra node if they have the same `|beta|`.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Directions {
     pub(super) beta: Vec<f64>,
     /// For each view, its rays; the weights sum to one.
     pub(super) views: Vec<Vec<Ray>>,
-    /// For each view, what it takes more for the base's fringes.
+    /// For each view, the additional nodes for the fringes of the base.
     more: Vec<usize>,
     /// For each source, its rays: none for diffuse light.
     pub(super) sources: Vec<Vec<Ray>>,
 }
 
 impl Directions {
-    /// Whether these are the directions of the views over this base, too: as many of its fringes lie across them.
+    /// Returns whether these are also the directions of the views over this base: as many of its fringes lie
+    /// across them.
     pub(super) fn serve(&self, stack: &Layered, views: &[Cone]) -> bool {
         let now = views.iter().map(|view| nodes_of(stack, view, 0.0).more());
         now.eq(self.more.iter().copied())
@@ -41,11 +41,12 @@ impl Directions {
 
     pub(super) fn new(stack: &Layered, views: &[Cone], sources: &[Source], precision: &Precision) -> Self {
         let (scale, digits) = (smoothness(stack), precision.digits);
-        // What else a rough face does is so close from the first levels on that a single direction would be the largest error.
+        // Other effects of a rough interface converge so early that a single direction would be the largest
+        // error.
         let rough = |kind: &dyn LayerKind| matches!(kind.narrowness(), Some(Narrowness::Rough { .. }));
         let is_rough = stack.elements().any(|(kind, _)| rough(kind));
         let of_cones = digits + MORE_DIGITS_OF_CONES[usize::from(scale < SMOOTH && !is_rough)];
-        // Layers that scatter, and flat ones.
+        // For scattering layers, and for flat ones.
         let at = |cone: &Cone| scale.min(smooth_at(cone, SMOOTH));
         let mut directions = Self::default();
         for view in views {
@@ -93,7 +94,7 @@ impl Directions {
     }
 
     fn extra(&mut self, beta: Beta) -> usize {
-        // Grazing light has no use for the last digits; it must stay within the air.
+        // Light at grazing incidence does not need the last digits; it must stay within the disc of air.
         let length = beta.length().min(1.0 - 1e-12);
         self.beta.iter().position(|known| (known - length).abs() < 1e-13).unwrap_or_else(|| {
             self.beta.push(length);
@@ -102,8 +103,9 @@ impl Directions {
     }
 }
 
-/// What a field of view takes because the base's fringes are seen in it, by light that passes all layers straight. Each direction costs
-/// time, most where something scatters: beyond these numbers the difference of two levels says what is left.
+/// Returns the nodes that a field of view needs because it sees the fringes of the base by regular light.
+/// Each direction takes time, most where layers scatter: beyond these numbers the difference of two levels
+/// gives the remaining error.
 fn nodes_of(stack: &Layered, view: &Cone, digits: f64) -> Nodes {
     const MOST: f64 = 256.0;
     const MOST_WHERE_LIGHT_SCATTERS: f64 = 32.0;
@@ -118,28 +120,29 @@ fn nodes_of(stack: &Layered, view: &Cone, digits: f64) -> Nodes {
     Nodes { rings: (digits / DIGITS_OF_A_RING) as usize, across: across.min(MOST) }
 }
 
-/// Rings of a field have so many digits each, so that two levels differ.
+/// Digits of the rings of a field, so that two levels differ.
 const DIGITS_OF_A_RING: f64 = 2.5;
 
-/// Films and faces change over angles of this size, whatever scatters.
+/// Angle over which films and interfaces change, whatever scatters.
 const SMOOTH: f64 = 0.3;
 
-/// Natural digits that cones have more than lobes: small ones are a single direction at one level and not at the next, or nobody knows what
-/// that costs. First where nothing narrow scatters and directions cost little, then of all else.
+/// Natural digits that cones have more than lobes: otherwise a small cone is a single direction at one level
+/// and not at the next, and its error is unknown. First where nothing narrow scatters and directions cost
+/// little, then for all other stacks.
 const MORE_DIGITS_OF_CONES: [f64; 2] = [6.0, 2.0];
 
-/// The distance in direction cosines over which what is seen changes.
+/// Returns the distance in direction cosines over which the reflected light changes.
 fn smoothness(stack: &Layered) -> f64 {
     let widths = stack.elements().filter_map(|(kind, _)| kind.narrowness()).map(|one| one.smoothness());
     widths.fold(SMOOTH, f64::min)
 }
 
-/// The extra nodes of rays, ascending.
+/// Returns the extra nodes of rays, ascending.
 pub(super) fn extras(rays: &[Vec<Ray>]) -> Vec<usize> {
     some_extras(rays, |_| true)
 }
 
-/// Those of rays that have an azimuth.
+/// Returns the extra nodes of rays that have an azimuth.
 pub(super) fn turned_extras(rays: &[Vec<Ray>]) -> Vec<usize> {
     some_extras(rays, |ray| !ray.is_ring)
 }

@@ -1,4 +1,4 @@
-//! The stack's layers at one wavelength, as parts.
+//! The layers of the stack at one wavelength, as parts.
 
 use std::sync::atomic::AtomicBool;
 
@@ -51,26 +51,26 @@ pub(crate) struct Preparation<'p, 'a> {
 }
 
 impl<'a> Preparation<'_, 'a> {
-    /// The number of a lobe that transmits everything.
+    /// Returns the number of a lobe that transmits everything.
     pub(crate) fn lobe(&mut self, lobe: Lobe) -> usize {
         self.scatterers.lobe(lobe, self.indices, self.grid)
     }
 
-    /// The number of a rough face.
+    /// Returns the number of a rough interface.
     pub(crate) fn rough(&mut self, face: &'a Rough) -> usize {
         let Self { grid, precision, beyond_first, stop, .. } = self;
         let orders = || RoughOrders::new(face, grid, precision.digits, beyond_first.is_some(), stop);
         self.scatterers.rough(face, orders)
     }
 
-    /// The number of a kernel in a disc of this radius.
+    /// Returns the number of a kernel in a disc of this radius.
     pub(crate) fn kernel(&mut self, scatter: &'a Scatter, disc: f64) -> usize {
         let Self { grid, precision, beyond_first, stop, .. } = self;
         let orders = || ScatterOrders::new(scatter, disc, grid, precision.digits, *beyond_first, stop);
         self.scatterers.scatter(scatter, disc, orders)
     }
 
-    /// The number of a medium that scatters in its bulk, of this extinction along the normal.
+    /// Returns the number of a medium that scatters in its volume, of this extinction along the normal.
     pub(crate) fn slab(&mut self, thickness: f64, albedo: f64, anisotropy: f64) -> usize {
         let model = Model { thickness, albedo, anisotropy, index: self.indices[1] };
         self.scatterers.slab(model, self.precision.kept_terms(anisotropy), self.grid)
@@ -88,9 +88,9 @@ pub(super) struct Element<'a> {
     below: f64,
 }
 
-/// The layers above the base at wavelength number `bin`. What scatters is added to `scatterers`,
-/// for azimuthal orders beyond the first only where there are lights with an azimuth, given the largest `|beta|` of views
-/// and of those. Not finished if `stop` is set before.
+/// Returns the layers above the base at wavelength number `bin`. Scatterers are added to `scatterers`;
+/// azimuthal orders beyond the first only if there are lights with an azimuth, given the largest `|beta|` of
+/// views and of those. Incomplete if `stop` is set during the computation.
 pub(super) fn elements<'a>(
     stack: &'a Layered,
     bin: usize,
@@ -112,8 +112,8 @@ pub(super) fn elements<'a>(
     stack.elements().filter_map(&mut element).collect()
 }
 
-/// The layers at one wavelength: those above the last scatterer, that, and those below it,
-/// which are flat. Without a scatterer all of them are below.
+/// The layers at one wavelength: those above the last scatterer, the last scatterer, and the flat ones below
+/// it. Without a scatterer all of them are below.
 #[derive(Debug)]
 pub(super) struct Elements<'a> {
     upper: Vec<Element<'a>>,
@@ -129,30 +129,30 @@ impl<'a> Elements<'a> {
         Self { upper: all, last: rest.pop(), lower }
     }
 
-    /// Index of the medium below the last scatterer: air, without one.
+    /// Returns the index of the medium below the last scatterer: that of air if there is none.
     pub(super) fn index(&self) -> f64 {
         self.last.as_ref().map_or(1.0, |last| last.below)
     }
 
-    /// True if nothing scatters above the last scatterer.
+    /// Returns whether nothing scatters above the last scatterer.
     pub(super) fn flat_above(&self) -> bool {
         self.upper.iter().all(Element::is_flat)
     }
 
-    /// The layers above the last scatterer, as one part of this order.
+    /// Returns the layers above the last scatterer, as one part of this order.
     pub(super) fn upper(&self, scattered: &[Scattered], order: usize, grid: &Grid) -> Part {
         let air = |beta: f64| Flat { t: if beta < 1.0 { 1.0 } else { 0.0 }, above: 0.0, below: 0.0 };
         compose(Part::flat(grid, air), &self.upper, scattered, order, grid)
     }
 
-    /// The last scatterer in this order.
+    /// Returns the last scatterer in this order.
     pub(super) fn last(&self, scattered: &[Scattered], order: usize, grid: &Grid) -> Part {
         let nothing =
             || compose(Part::flat(grid, |_| Flat { t: 1.0, above: 0.0, below: 0.0 }), &[], &[], order, grid);
         self.last.as_ref().map_or_else(nothing, |last| last.in_order(scattered, order, grid))
     }
 
-    /// The flat layers below it, with their absorption.
+    /// Returns the flat layers below it, with their absorption.
     pub(super) fn lower(&self, grid: &Grid) -> Part {
         let carried = |beta: f64| if beta < self.index() { 1.0 } else { 0.0 };
         let medium = Part::flat(grid, |beta| Flat { t: carried(beta), above: 0.0, below: 0.0 });
@@ -160,7 +160,7 @@ impl<'a> Elements<'a> {
     }
 }
 
-/// Layers below one another as one part of this order, with what the scatterers do in it.
+/// Composes successive layers into one part of this order, with the operators of the scatterers in it.
 fn compose(
     first: Part,
     elements: &[Element<'_>],
@@ -185,7 +185,7 @@ impl Element<'_> {
 
     fn in_order(&self, scattered: &[Scattered], order: usize, grid: &Grid) -> Part {
         let part = self.part(scattered, grid);
-        if order == 0 { self.booked(part, grid) } else { part }
+        if order == 0 { self.with_absorption(part, grid) } else { part }
     }
 
     fn part(&self, scattered: &[Scattered], grid: &Grid) -> Part {
@@ -211,8 +211,8 @@ impl Element<'_> {
         }
     }
 
-    /// The regular part for light with this `|beta|`. On a side that does not carry such light there is nothing to
-    /// reflect.
+    /// Returns the regular part for light with this `|beta|`. On a side that does not carry such light there
+    /// is nothing to reflect.
     fn regular(&self, beta: f64) -> Flat {
         let at =
             Incidence { bin: self.bin, indices: [self.above, self.below], beta, beta_squared: beta * beta };
@@ -226,13 +226,13 @@ impl Element<'_> {
     }
 
     /// Adds the absorption of the part to its account.
-    fn booked(&self, part: Part, grid: &Grid) -> Part {
+    fn with_absorption(&self, part: Part, grid: &Grid) -> Part {
         let slab = match self.action {
             Action::Slab { absorbing_share, .. } => Some(absorbing_share),
             _ => None,
         };
         let account = if slab.is_some() { Account::Diffuser } else { self.kind.account() };
-        let mut part = part.booked(grid, account, [self.above, self.below]);
+        let mut part = part.with_absorption(grid, account, [self.above, self.below]);
         if let (Some(absorbing_share), Some(books)) = (slab, &mut part.absorbed) {
             for book in books {
                 let all = std::mem::take(&mut book[Account::Diffuser as usize]);
@@ -244,7 +244,7 @@ impl Element<'_> {
     }
 }
 
-/// A kernel times its factor; 0 if there is none.
+/// Returns a kernel times its factor; 0 if there is none.
 fn scatters(kernel: Option<(usize, f64)>, scattered: &[Scattered], grid: &Grid) -> Operator {
     match kernel.map(|(number, factor)| (&scattered[number], factor)) {
         Some((Scattered::Kernel(operator), factor)) => operator.clone().scaled(factor),

@@ -1,10 +1,10 @@
-//! Lobes of diffusers as azimuthal orders on a grid.
+//! Azimuthal orders of diffusers' lobes on a grid.
 //!
-//! Of the k-correlation lobe `b/(2 pi) (b^2 + |beta_o - beta_i|^2)^(-3/2)` order m is
+//! Order m of the k-correlation lobe `b/(2 pi) (b^2 + |beta_o - beta_i|^2)^(-3/2)` is
 //! `b/(2 pi) (2 beta_i beta_o)^(-3/2) g_m(chi)`, with g_m the Fourier coefficients of
 //! `(chi - cos phi)^(-3/2)` and `chi = (b^2 + beta_i^2 + beta_o^2)/(2 beta_i beta_o)`. They obey
-//! `(k + 1/2) g_{k-1} - 2 chi k g_k + (k - 1/2) g_{k+1} = 0`, which is stable downwards (Miller):
-//! it gives the ratios, and g_0 is a complete elliptic integral.
+//! `(k + 1/2) g_{k-1} - 2 chi k g_k + (k - 1/2) g_{k+1} = 0`, which is stable downwards (Miller): it gives
+//! the ratios, and g_0 is a complete elliptic integral.
 
 use std::f64::consts::PI;
 
@@ -13,15 +13,15 @@ use papilio_optics::lobe::Lobe;
 use super::grid::Grid;
 use super::matrix::Matrix;
 
-/// Orders that are computed together.
+/// Number of orders that are computed together.
 const BATCH: usize = 16;
 
-/// The orders of a lobe's kernel on a grid, scaled, for any two nodes; orders are asked for
-/// ascending.
+/// Orders of a lobe's kernel on a grid, scaled, for any two nodes; orders are requested in ascending
+/// sequence.
 #[derive(Debug, Clone)]
 pub(super) struct LobeOrders {
     lobe: Lobe,
-    /// The first order at hand.
+    /// First of the computed orders.
     first: usize,
     batch: Vec<Matrix>,
 }
@@ -31,7 +31,7 @@ impl LobeOrders {
         Self { lobe, first: 0, batch: Vec::new() }
     }
 
-    /// The kernel of this order.
+    /// Returns the kernel of this order.
     pub(super) fn order(&mut self, order: usize, grid: &Grid) -> Option<&Matrix> {
         if matches!(self.lobe, Lobe::Lambertian) && order > 0 {
             return None;
@@ -68,9 +68,9 @@ impl LobeOrders {
     }
 }
 
-/// Orders from `first` on of the k-correlation lobe between two directions.
+/// Computes orders from `first` on of the k-correlation lobe between two directions.
 fn k_correlation(width: f64, beta_i: f64, beta_o: f64, first: usize, out: &mut [f64]) {
-    // chi - 1, free of cancellation, and the ratio of successive orders far out.
+    // chi - 1, free of cancellation, and the limit of the ratio of successive orders.
     let near = width * width + (beta_i - beta_o) * (beta_i - beta_o);
     let both = 2.0 * beta_i * beta_o;
     out.fill(0.0);
@@ -84,7 +84,7 @@ fn k_correlation(width: f64, beta_i: f64, beta_o: f64, first: usize, out: &mut [
     let chi = 1.0 + excess;
     let far_ratio = 1.0 / (chi + (excess * (excess + 2.0)).sqrt());
     let last = first + out.len();
-    // An error in the first ratio shrinks as far_ratio^2 with each step.
+    // An error in the first ratio decreases by far_ratio^2 with each step.
     let start = last + (20.0 / -far_ratio.ln()).ceil().min(4e5) as usize;
     let mut ratio = far_ratio;
     let mut product = zeroth(width, near, both);
@@ -106,15 +106,15 @@ fn k_correlation(width: f64, beta_i: f64, beta_o: f64, first: usize, out: &mut [
     }
 }
 
-/// Order 0: `b/(2 pi) 4 E(k) / (2 pi (A - C) sqrt(A + C))`, `k^2 = 2 C/(A + C)`, with `near` = A - C
+/// Returns order 0: `b/(2 pi) 4 E(k) / (2 pi (A - C) sqrt(A + C))`, `k^2 = 2 C/(A + C)`, with `near` = A - C
 /// and `both` = C.
 fn zeroth(width: f64, near: f64, both: f64) -> f64 {
     let far = near + 2.0 * both;
     width / (PI * PI) * elliptic_e((near / far).sqrt()) / (near * far.sqrt())
 }
 
-/// The complete elliptic integral of the second kind by the arithmetic-geometric mean, from
-/// the complementary modulus k'.
+/// Returns the complete elliptic integral of the second kind by the arithmetic-geometric mean, from the
+/// complementary modulus k'.
 fn elliptic_e(k_prime: f64) -> f64 {
     let (mut a, mut b, mut power) = (1.0_f64, k_prime, 0.5);
     let mut sum = 0.5 * (1.0 - k_prime * k_prime);
@@ -135,9 +135,9 @@ mod tests {
     use super::*;
     use papilio_optics::{Beta, Scatterer};
 
-    /// Against the trapezoid rule, which converges exponentially for periodic functions.
+    /// Compared with the trapezoid rule, which converges exponentially for periodic functions.
     #[test]
-    fn orders_are_fourier_coefficients() {
+    fn orders_equal_fourier_coefficients_of_lobe() {
         for (width, a, b) in [(0.06, 0.3, 0.35), (0.5, 0.9, 0.1), (0.02, 1e-9, 0.02), (0.1, 0.0, 0.3)] {
             let lobe = Lobe::KCorrelation { width };
             let steps = 4000;

@@ -1,4 +1,4 @@
-//! Dense matrices, column after column: products and factorisations are `faer`'s, on one thread.
+//! Dense matrices, column by column. Products and factorisations are computed by `faer`, on one thread.
 
 use std::ops::{Index, IndexMut};
 
@@ -22,7 +22,7 @@ impl Matrix {
         Self { rows, columns, values: vec![0.0; rows * columns] }
     }
 
-    /// From its elements by row and column.
+    /// Builds a matrix from its elements by row and column.
     pub(super) fn from_fn(rows: usize, columns: usize, element: impl Fn(usize, usize) -> f64) -> Self {
         let mut values = Vec::with_capacity(rows * columns);
         for j in 0..columns {
@@ -35,34 +35,34 @@ impl Matrix {
         self.columns
     }
 
-    /// Column number `j`.
+    /// Returns column number `j`.
     pub(super) fn column(&self, j: usize) -> &[f64] {
         &self.values[j * self.rows..][..self.rows]
     }
 
-    /// Column number `j`.
+    /// Returns column number `j`.
     pub(super) fn column_mut(&mut self, j: usize) -> &mut [f64] {
         &mut self.values[j * self.rows..][..self.rows]
     }
 
-    /// The columns in turn, each with its number.
+    /// Returns the columns in turn, each with its number.
     pub(super) fn columns_mut(&mut self) -> impl Iterator<Item = (usize, &mut [f64])> {
-        // No rows: no columns to speak of.
+        // Without rows there are no columns.
         self.values.chunks_exact_mut(self.rows.max(1)).enumerate()
     }
 
-    /// Rows from `first` on.
+    /// Returns the rows from `first` on.
     pub(super) fn rows_from(&self, first: usize) -> Self {
         Self::from_fn(self.rows - first, self.columns, |i, j| self[(first + i, j)])
     }
 
-    /// These columns.
+    /// Returns these columns.
     pub(super) fn some_columns(&self, columns: &[usize]) -> Self {
         let values = columns.iter().flat_map(|&j| self.column(j)).copied().collect();
         Self { rows: self.rows, columns: columns.len(), values }
     }
 
-    /// These rows as columns.
+    /// Returns these rows as columns.
     pub(super) fn transposed_rows(&self, rows: &[usize]) -> Self {
         Self::from_fn(self.columns, rows.len(), |i, j| self[(rows[j], i)])
     }
@@ -71,13 +71,13 @@ impl Matrix {
         Self::from_fn(self.columns, self.rows, |i, j| self[(j, i)])
     }
 
-    /// `factor` times all elements.
+    /// Returns `factor` times all elements.
     pub(super) fn scaled(mut self, factor: f64) -> Self {
         self.values.iter_mut().for_each(|value| *value *= factor);
         self
     }
 
-    /// `a * self + b * other`.
+    /// Returns `a * self + b * other`.
     pub(super) fn combine(&self, a: f64, other: &Self, b: f64) -> Self {
         let values = self.values.iter().zip(&other.values).map(|(x, y)| a * x + b * y).collect();
         Self { values, ..*self }
@@ -88,7 +88,7 @@ impl Matrix {
         self.values.copy_from_slice(&other.values);
     }
 
-    /// Adds `left right`: of `left` the first `inner` columns, of `right` the first `inner` rows.
+    /// Adds `left right`: the first `inner` columns of `left`, and the first `inner` rows of `right`.
     pub(super) fn add_product(&mut self, left: &Self, right: &Self, inner: usize) {
         if inner > 0 && !self.values.is_empty() {
             let (left, right) = (left.view().subcols(0, inner), right.view().subrows(0, inner));
@@ -96,8 +96,8 @@ impl Matrix {
         }
     }
 
-    /// Adds `left right`, of `left` as many rows as this one has from `first` on, and its
-    /// first `inner` columns; of `right` the first `inner` rows.
+    /// Adds `left right`: as many rows of `left` as this matrix has, from `first` on, and its first `inner`
+    /// columns; the first `inner` rows of `right`.
     pub(super) fn add_product_of_rows(&mut self, left: &Self, first: usize, right: &Self, inner: usize) {
         if inner > 0 && !self.values.is_empty() {
             let left = left.view().submatrix(first, 0, self.rows, inner);
@@ -105,7 +105,7 @@ impl Matrix {
         }
     }
 
-    /// Takes from the rows after the first `first` what `left` makes of those.
+    /// Subtracts from the rows after the first `first` the product of `left` and these first rows.
     pub(super) fn eliminate(&mut self, left: &Self, first: usize) {
         if first > 0 && first < self.rows {
             let left = left.view().submatrix(first, 0, self.rows - first, first);
@@ -114,7 +114,7 @@ impl Matrix {
         }
     }
 
-    /// Gauss's elimination with partial pivoting.
+    /// Factorises by Gaussian elimination with partial pivoting.
     pub(super) fn factors(&self) -> Factors {
         Factors(PartialPivLu::new(self.view()))
     }
@@ -143,7 +143,7 @@ impl Factors {
         }
     }
 
-    /// The same, or for the transposed matrix.
+    /// Solves the same, or for the transposed matrix.
     pub(super) fn solve_either(&self, right: &mut Matrix, transposed: bool) {
         if transposed { self.solve_transposed(right) } else { self.solve(right) }
     }

@@ -1,32 +1,33 @@
-//! Any layers: operators on nodes of |beta|, one set for each azimuthal order.
+//! Adding for layers in any order: operators on nodes of |beta|, one set for each azimuthal order.
 //!
 //! # Method
-//! Every layer is an operator on direction cosines (van de Hulst 1963; Grant & Hunt 1969): what it
-//! sends back, from above and from below, and what it lets through. Two parts make one by
-//! solving for the light between them, all orders of inter-reflection at once. Stacks have no
-//! preferred azimuth: Fourier orders of the azimuth do not mix.
+//! Every layer is an operator on direction cosines (van de Hulst 1963; Grant & Hunt 1969): reflection from
+//! above and from below, and transmission. Two parts are combined by solving for the light between them,
+//! which sums all orders of inter-reflection at once. Stacks have no preferred azimuth: Fourier orders over
+//! the azimuth do not mix.
 //!
-//! - [`precision`]: what a level is; [`directions`]: views and sources; [`grid`]: the nodes;
+//! - [`precision`]: the accuracy of a level; [`directions`]: views and sources; [`grid`]: the nodes;
 //!   [`convergence`]: the azimuthal orders;
-//! - [`algebra`]: operators with light that keeps its direction apart; [`beams`]: what they make of
-//!   a few beams; [`matrix`]: what they are made of;
-//! - [`slab`], [`lobes`], [`rough`]: what scatters; [`elements`]: layers as [`part`]s; [`part`]: two
-//!   parts as one;
-//! - [`azimuth`]: Fourier orders of what has no closed series; [`once`]: light that such a kernel sends but once, which needs
-//!   none;
+//! - [`algebra`]: operators in which light that keeps its direction is separate; [`beams`]: their effect on
+//!   a few beams; [`matrix`]: their elements;
+//! - [`slab`], [`lobes`], [`rough`]: scatterers; [`elements`]: layers as [`part`]s; [`part`]: combination of
+//!   two parts;
+//! - [`azimuth`]: Fourier orders of kernels without a closed series; [`once`]: light that such a kernel
+//!   scatters only once, which needs none;
 //! - [`prepare`]: the layers down to the last scatterer, order by order; [`base`]: the stack closed below
-//!   that by flat layers and pixel, in [`columns`] by state and wavelength; [`beam_response`]: what the views
-//!   see of beams then; [`diffuse_response`]: of diffuse light, and the ledger.
+//!   it by flat layers and pixel, in [`columns`] by state and wavelength; [`beam_response`]: the light of
+//!   beams that the views then see; [`diffuse_response`]: diffuse light, and the ledger.
 //!
-//! # What the level decides
-//! Nodes, Legendre terms, azimuthal orders, and points of fields of view and round sources: the
-//! error falls by a factor of five to ten from level to level. Wide rough faces do worse where their light meets more
-//! than a Lambertian base, two or three: light that facets refract along the face jumps to zero there.
+//! # Discretisation
+//! A level determines the nodes, Legendre terms, azimuthal orders, and points of fields of view and round
+//! sources. The error decreases by a factor of five to ten from level to level. For wide rough interfaces
+//! above anything but a Lambertian base the factor is only two or three: light that microfacets refract
+//! along the interface jumps to zero there.
 //!
 //! # Cost
-//! Wavelengths at which the layers above the base are the same share their operators; where indices
-//! are the same, the nodes and what scatters. Work grows with the square to the cube of the nodes, and with
-//! azimuthal orders: both as 1/width of the narrowest lobe. Diffuse light takes order 0 alone.
+//! Wavelengths at which the layers above the base are equal share their operators; those with equal indices
+//! share nodes and scatterers. Work grows with the square to the cube of the number of nodes, and with the
+//! number of azimuthal orders: both as 1/width of the narrowest lobe. Diffuse light takes only order 0.
 
 mod algebra;
 mod azimuth;
@@ -66,14 +67,14 @@ use precision::Precision;
 use prepare::Prepared;
 pub(crate) use rough::width as rough_width;
 
-/// Radial nodes, besides the directions of views and sources, that a level takes.
+/// Returns the number of radial nodes that a level takes, besides the directions of views and sources.
 pub(super) fn nodes_needed(stack: &Layered, level: u32) -> usize {
     let needed = |stack: &Layered| prepare::nodes_needed(stack, &Precision::new(level));
     pixels::each_as_layers(stack)
         .map_or_else(|| needed(stack), |all| all.iter().map(needed).max().unwrap_or(0))
 }
 
-/// What takes most of them.
+/// Returns the scatterer that needs most of them.
 pub(super) fn narrowest(stack: &Layered) -> Option<Narrowest> {
     let precision = Precision::new(0);
     let narrowest = |stack: &Layered| precision::narrowest(stack, &prepare::splits(stack, 0), &precision);
@@ -85,7 +86,7 @@ pub(super) fn narrowest(stack: &Layered) -> Option<Narrowest> {
     }
 }
 
-/// Prepared for a stack, its views and its sources.
+/// Kernel prepared for a stack, its views and its sources.
 #[derive(Debug)]
 pub(super) struct Kernel {
     precision: Precision,
@@ -93,9 +94,9 @@ pub(super) struct Kernel {
     /// For each view, the mirror images in it.
     images: Vec<Vec<ImagePoints>>,
     prepared: Prepared,
-    /// What was seen over the last base.
+    /// Response over the last base.
     last: Mutex<Option<Arc<BeamResponse>>>,
-    /// Of a base that scatters by kernels.
+    /// Kernels of a base that scatters by kernels.
     pixels: Mutex<Option<Arc<Pixels>>>,
     level: u32,
     asked: (Vec<Cone>, Vec<Source>),
@@ -130,10 +131,10 @@ impl Kernel {
         }
     }
 
-    /// Not finished if `stop` is set before.
+    /// Prepares views and sources; incomplete if `stop` is set during the computation.
     pub(super) fn prepare(&mut self, stack: &Layered, views: &[Cone], sources: &[Source], stop: &AtomicBool) {
         let digits = self.precision.digits;
-        // What is there may be large: it goes first.
+        // The previous data may be large: they are freed first.
         self.prepared = Prepared::default();
         self.last = Mutex::default();
         self.pixels = Mutex::default();
@@ -143,7 +144,7 @@ impl Kernel {
             return;
         }
         self.directions = Directions::new(stack, views, sources, &self.precision);
-        // They serve any base: none's fringes are known.
+        // They are valid for any base, whose fringes are not known here.
         self.images =
             views.iter().map(|view| super::images::image_points(view, sources, digits, 0.0)).collect();
         let (prepared, over) = Prepared::new(stack, &self.directions, &self.precision, stop);
@@ -151,7 +152,7 @@ impl Kernel {
         self.last = Mutex::new(Some(Arc::new(over)));
     }
 
-    /// Whether its directions are right over this base, too.
+    /// Returns whether its directions are also right over this base.
     pub(super) fn serves(&self, stack: &Layered) -> bool {
         !stack.base.is_specular() || self.directions.serve(stack, &self.asked.0)
     }
@@ -162,7 +163,7 @@ impl Kernel {
         self.prepared.families.iter().flatten().map(|group| group.nodes).max().unwrap_or(of_pixels)
     }
 
-    /// Of no use if `stop` was set before it was found.
+    /// Returns the estimate of a view; invalid if `stop` was set during the computation.
     pub(super) fn estimate(&self, stack: &Layered, view: usize, stop: &AtomicBool) -> Estimate {
         if let Reflector::Scattering(_) = stack.base.reflector {
             return self.pixels(stack, stop).estimate(view, stop);
@@ -176,7 +177,7 @@ impl Kernel {
         estimate
     }
 
-    /// Kernels over this base, which scatters by its own.
+    /// Returns the kernels over this base, which scatters by kernels of its own.
     fn pixels(&self, stack: &Layered, stop: &AtomicBool) -> Arc<Pixels> {
         let mut last = self.pixels.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(known) = last.as_ref().filter(|known| known.serves(&stack.base)) {
@@ -187,7 +188,7 @@ impl Kernel {
         pixels
     }
 
-    /// What is seen over this base.
+    /// Returns the response over this base.
     fn over(&self, stack: &Layered, stop: &AtomicBool) -> Arc<BeamResponse> {
         let mut last = self.last();
         if let Some(known) = last.as_ref().filter(|known| known.base == stack.base) {

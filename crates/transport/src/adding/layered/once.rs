@@ -1,10 +1,11 @@
-//! Light that a rough face or a kernel sends once, between a view and a light.
+//! Light that a rough interface or a kernel scatters once, between a view and a source.
 //!
 //! Near the horizon such a kernel is as narrow in azimuth as its distance from the horizon: thousands of
-//! Fourier orders. But between two given directions its value is known, and what else happens to light on this way, in
-//! flat layers and straight through others, does not depend on the azimuth (for bulks, Nakajima & Tanaka, J. Quant. Spectrosc.
-//! Radiat. Transfer 40, 51 (1988)). So azimuthal orders hold what is sent more than once, which is smoother; this holds
-//! the rest, exactly.
+//! Fourier orders. But between two given directions its value is known, and the other factors on this path,
+//! flat layers and the regular transmittance of other scatterers, do not depend on the azimuth (for
+//! scattering media, Nakajima & Tanaka, J. Quant. Spectrosc. Radiat. Transfer 40, 51 (1988)). So azimuthal
+//! orders contain the light that is scattered more than once, which is smoother; this module computes the
+//! rest, exactly.
 
 use papilio_optics::rough::{Rough, Side};
 use papilio_optics::scatter::Scatter;
@@ -14,40 +15,41 @@ use super::azimuth;
 use super::base::Above;
 use super::rough::azimuth_width;
 
-/// A way of one scatterer, and for each group what light that it sends once is multiplied by.
+/// One mode of scattering of one scatterer, and for each group the factors of light that it scatters once.
 #[derive(Debug, Clone)]
 pub(super) struct Once {
-    pub(super) way: Way,
+    pub(super) way: ScatterMode,
     pub(super) above: Vec<Option<Above>>,
 }
 
-/// How one scatterer sends light between two extra nodes.
+/// Scattering of one scatterer between two extra nodes.
 #[derive(Debug, Clone)]
-pub(super) struct Way {
+pub(super) struct ScatterMode {
     pub(super) kernel: Kernel,
     pub(super) pairs: Pairs,
 }
 
-/// What sends.
+/// Kernel of the scattering.
 #[derive(Debug, Clone)]
 pub(super) enum Kernel {
-    /// A face, from one side to another, by one microfacet.
+    /// A rough interface, from one side to another, by one microfacet.
     Rough { face: Box<Rough>, from: Side, to: Side },
     /// A kernel in a disc of this radius.
     Scatter { scatter: Scatter, disc: f64 },
 }
 
-/// Which pairs of extra nodes a pass is about: where light takes another way back, two passes tell them apart.
+/// Pairs of extra nodes to which a pass applies: if light returns by another path, two passes distinguish
+/// them.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Pairs {
     All,
-    /// From a node to itself or one that stands later, or the other way.
+    /// From a node to itself or a later one, or the reverse.
     Ascending,
     Descending,
 }
 
 impl Pairs {
-    /// Whether light from one node to another counts.
+    /// Returns whether light from one node to another is included.
     pub(super) fn hold(self, from: usize, to: usize) -> bool {
         match self {
             Self::All => true,
@@ -57,8 +59,9 @@ impl Pairs {
     }
 }
 
-impl Way {
-    /// The kernel between two extra nodes, by number and `|beta|`, so far apart in azimuth, or its mean over azimuth.
+impl ScatterMode {
+    /// Returns the kernel between two extra nodes, given by number and `|beta|`, at this difference in
+    /// azimuth, or its mean over azimuth.
     pub(super) fn density(&self, one: (usize, f64), other: (usize, f64), turn: Option<f64>) -> f64 {
         let [from, to] = if self.pairs.hold(one.0, other.0) { [one.1, other.1] } else { [other.1, one.1] };
         match turn {
@@ -69,7 +72,7 @@ impl Way {
 }
 
 impl Kernel {
-    /// Ways with which light that comes back takes those same.
+    /// Returns the pairs of the passes: one if light that returns takes the same path.
     pub(super) fn pairs(&self) -> &'static [Pairs] {
         let same = match self {
             Self::Rough { from, to, .. } => from == to,
@@ -90,7 +93,7 @@ impl Kernel {
         }
     }
 
-    /// Over all azimuths.
+    /// Returns the mean over all azimuths.
     fn mean(&self, from: f64, to: f64) -> f64 {
         let width = match self {
             Self::Rough { face, from: side, to: other } => azimuth_width(face, [(*side, from), (*other, to)]),

@@ -1,4 +1,4 @@
-//! A part of the stack as operators of one azimuthal order, and two parts as one.
+//! A part of the stack as operators of one azimuthal order, and the combination of two parts.
 
 use super::algebra::Operator;
 use super::grid::Grid;
@@ -8,20 +8,20 @@ use crate::front::Flat;
 /// For light that arrives at each node, the fraction that is absorbed in each [`Account`].
 pub(super) type Absorbed = [Vec<f64>; 4];
 
-/// What a part does to light.
+/// Reflection, transmission and absorption of a part.
 #[derive(Debug, Clone)]
 pub(super) struct Part {
-    /// Light from above, sent back.
+    /// Reflection of light from above.
     pub(super) above: Operator,
-    /// Light from below, sent back.
+    /// Reflection of light from below.
     pub(super) below: Operator,
-    /// Light from above, let through; light from below takes the transposed way.
+    /// Transmission of light from above; light from below takes the transpose.
     pub(super) down: Operator,
-    /// Fractions of light from above and from below that are absorbed: of order 0 alone.
+    /// Fractions of light from above and from below that are absorbed: of order 0 only.
     pub(super) absorbed: Option<[Absorbed; 2]>,
 }
 
-/// No absorption.
+/// Returns zero absorption.
 pub(super) fn nothing(nodes: usize) -> Absorbed {
     std::array::from_fn(|_| vec![0.0; nodes])
 }
@@ -36,7 +36,7 @@ fn sum(mut a: Absorbed, others: [Absorbed; 2]) -> Absorbed {
 }
 
 impl Part {
-    /// A flat part: at each node what `flat` says.
+    /// Returns a flat part, given by `flat` at each node.
     pub(super) fn flat(grid: &Grid, flat: impl Fn(f64) -> Flat) -> Self {
         let flats: Vec<Flat> = grid.beta.iter().map(|&beta| flat(beta)).collect();
         let diagonal = |f: fn(&Flat) -> f64| Operator::diagonal(grid.regular, flats.iter().map(f).collect());
@@ -48,14 +48,14 @@ impl Part {
         }
     }
 
-    /// A part that takes everything.
+    /// Returns a part that absorbs everything.
     pub(super) fn dark(grid: &Grid) -> Self {
         Self::flat(grid, |_| Flat { t: 0.0, above: 0.0, below: 0.0 })
     }
 
-    /// Books what is neither sent back nor let through, of light that media of these indices,
-    /// above and below, carry.
-    pub(super) fn booked(mut self, grid: &Grid, account: Account, [above, below]: [f64; 2]) -> Self {
+    /// Adds light that is neither reflected nor transmitted to an account, for light that the media of these
+    /// indices, above and below, carry.
+    pub(super) fn with_absorption(mut self, grid: &Grid, account: Account, [above, below]: [f64; 2]) -> Self {
         let ones = vec![1.0; grid.len()];
         let lost = |back: &Operator, through: &Operator, index: f64| -> Vec<f64> {
             let back = back.pull_back(&ones, &grid.scale);
@@ -71,10 +71,10 @@ impl Part {
         self
     }
 
-    /// This part above `lower`: light goes to and fro between them until none is left.
+    /// Combines this part with `lower` below it, all inter-reflections included.
     pub(super) fn over(&self, lower: &Self, grid: &Grid) -> Self {
         let up = self.down.transposed();
-        // Light in the gap between the two for light from above: going down, then going up.
+        // Light in the gap between the two for light from above: propagating down, then up.
         let falls = self.below.after(&lower.above).one_plus(-1.0).solve(&self.down);
         let rises = lower.above.after(&falls);
         // The same for light from below.

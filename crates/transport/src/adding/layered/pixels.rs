@@ -1,5 +1,5 @@
-//! A base that scatters by a kernel for each state: each state's kernel is a layer of its own,
-//! over black.
+//! A base that scatters by a kernel for each state: the kernel of each state is a layer of its own, over
+//! black.
 
 use std::sync::atomic::AtomicBool;
 
@@ -12,14 +12,14 @@ use crate::{
 /// Prepared kernels of all states.
 #[derive(Debug)]
 pub(super) struct Pixels {
-    /// What they were prepared for.
+    /// Base for which they were prepared.
     base: Base,
-    /// The layers alone over black, then with each state's pixel below.
+    /// The layers alone over black, then with the pixel of each state below.
     stacks: Vec<(Layered, Kernel)>,
 }
 
 impl Pixels {
-    /// Not finished if `stop` is set before.
+    /// Prepares the kernels; incomplete if `stop` is set during the computation.
     pub(super) fn new(
         stack: &Layered,
         level: u32,
@@ -40,7 +40,7 @@ impl Pixels {
         Self { base: stack.base.clone(), stacks: prepared.collect() }
     }
 
-    /// Whether it was prepared for this base.
+    /// Returns whether they were prepared for this base.
     pub(super) fn serves(&self, base: &Base) -> bool {
         self.base == *base
     }
@@ -49,7 +49,7 @@ impl Pixels {
         self.stacks.iter().map(|(_, kernel)| kernel.nodes()).max().unwrap_or(0)
     }
 
-    /// Of no use if `stop` was set before it was found.
+    /// Returns the estimate of a view; invalid if `stop` was set during the computation.
     pub(super) fn estimate(&self, view: usize, stop: &AtomicBool) -> Estimate {
         let mut all = self.stacks.iter().map(|(stack, kernel)| kernel.estimate(stack, view, stop));
         let alone = all.next().unwrap_or_default();
@@ -74,14 +74,14 @@ impl Pixels {
     }
 }
 
-/// The layers with each state's pixel as the last of them, over black; `None` if the base does not
-/// scatter by kernels.
+/// Returns the layers with the pixel of each state as the last of them, over black; `None` if the base does
+/// not scatter by kernels.
 pub(super) fn each_as_layers(stack: &Layered) -> Option<Vec<Layered>> {
     let Reflector::Scattering(states) = &stack.base.reflector else { return None };
     Some(states.iter().map(|pixel| over_black(stack, Some(pixel))).collect())
 }
 
-/// The layers, and a state's pixel as the last of them, over black.
+/// Returns the layers, and the pixel of a state as the last of them, over black.
 fn over_black(stack: &Layered, pixel: Option<&ScatterKernel>) -> Layered {
     let bins = stack.base.bins();
     let table = AngularTable {

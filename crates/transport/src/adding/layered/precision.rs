@@ -1,4 +1,4 @@
-//! What a level of discretisation asks for.
+//! Accuracy of a level of discretisation.
 
 use std::f64::consts::PI;
 
@@ -7,21 +7,21 @@ use crate::adding::{Narrowest, Narrowness};
 use crate::layers::LayerKind;
 use crate::{Layered, Medium};
 
-/// What a level stands for.
+/// Accuracy of a level.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Precision {
     /// Natural digits of lobes, fields of view and round sources.
     pub(super) digits: f64,
-    /// Nodes between two indices, besides those that scattering asks for.
+    /// Nodes between two indices, besides those that scattering requires.
     nodes: usize,
-    /// Natural digits of the forward peak beyond the Legendre terms that are kept.
+    /// Natural digits of the forward peak beyond the retained Legendre terms.
     terms: f64,
-    /// Of orders of azimuth.
+    /// Tolerance of the series of azimuthal orders.
     pub(super) tolerance: f64,
-    /// Of light that goes to and fro between layers and base.
+    /// Tolerance of the iteration between layers and base.
     pub(super) iteration: f64,
-    /// Spacing of nodes at a rough face, at most. What facets refract along the face jumps to
-    /// zero there: it is resolved with the number of nodes alone.
+    /// Largest spacing of nodes at a rough interface. Light that microfacets refract along the interface
+    /// jumps to zero there: it is resolved only in proportion to the number of nodes.
     jump: f64,
 }
 
@@ -38,19 +38,19 @@ impl Precision {
         }
     }
 
-    /// Legendre terms of a phase function of this anisotropy that nodes are made to resolve.
+    /// Returns the number of Legendre terms of a phase function of this anisotropy that the nodes resolve.
     fn legendre_terms(&self, anisotropy: f64) -> usize {
         let g = anisotropy.abs();
         if g < 1e-9 {
             return 1;
         }
-        // Wide phase functions cost little: they are kept whole.
+        // Wide phase functions cost little: all terms are retained.
         let few = 2 * self.nodes;
         ((self.terms / -g.ln()).ceil() as usize).max(few.min((-25.0 / g.ln()).ceil() as usize)).max(2)
     }
 
-    /// Legendre terms that are kept of it: at the same nodes, twice those that they were made for leave a
-    /// hundredth of the error, as Gauss's rule integrates products of two.
+    /// Returns the number of retained Legendre terms: at the same nodes, twice as many as those for which
+    /// they were made leave a hundredth of the error, as the Gauss rule integrates products of two.
     pub(super) fn kept_terms(&self, anisotropy: f64) -> usize {
         let g = anisotropy.abs();
         let whole = if g < 1e-9 { 1 } else { (-30.0 / g.ln()).ceil() as usize };
@@ -59,7 +59,7 @@ impl Precision {
     }
 }
 
-/// How densely the nodes of a stack must lie at a wavelength.
+/// Returns the required density of the nodes of a stack at a wavelength.
 pub(super) fn density(stack: &Layered, bin: usize, precision: &Precision) -> Density {
     let mut density = precision.least();
     for (scatterer, medium) in scatterers(stack) {
@@ -68,20 +68,20 @@ pub(super) fn density(stack: &Layered, bin: usize, precision: &Precision) -> Den
     density
 }
 
-/// What scatters, and the medium there or below.
+/// Returns the scatterers, each with its medium or the medium below it.
 fn scatterers(stack: &Layered) -> impl Iterator<Item = (Narrowness, &Medium)> {
     let narrow = |(kind, [_, below]): (&dyn LayerKind, [Option<_>; 2])| kind.narrowness().zip(below);
     stack.elements().filter_map(narrow)
 }
 
-/// What asks for the most nodes at the first wavelength, whose indices lie at `splits`.
+/// Returns the scatterer that requires the most nodes at the first wavelength, whose indices are `splits`.
 pub(super) fn narrowest(stack: &Layered, splits: &[f64], precision: &Precision) -> Option<Narrowest> {
     let nodes = |(number, (scatterer, medium)): (usize, (Narrowness, &Medium))| {
         let mut density = precision.least();
         precision.resolve(scatterer, medium.index()[0], &mut density);
         (density.total(splits), Narrowest { number: number + 1, scatterer })
     };
-    // Of several alike the first one.
+    // The first of several equal ones.
     scatterers(stack)
         .enumerate()
         .map(nodes)
@@ -90,12 +90,12 @@ pub(super) fn narrowest(stack: &Layered, splits: &[f64], precision: &Precision) 
 }
 
 impl Precision {
-    /// What is asked for where nothing scatters.
+    /// Returns the density where nothing scatters.
     fn least(&self) -> Density {
         Density { least: self.nodes, spacing: f64::INFINITY, angle: None }
     }
 
-    /// Nodes that resolve this, too, in a medium of this index.
+    /// Increases the density of nodes to resolve this scatterer in a medium of this index.
     fn resolve(&self, scatterer: Narrowness, index: f64, density: &mut Density) {
         // The trapezoid rule's error for a pole at distance w is exp(-2 pi w/spacing).
         let by_width = |width: f64| 2.0 * PI * width / self.digits;

@@ -1,4 +1,4 @@
-//! What is prepared of a stack before its base is known.
+//! Data of a stack that do not depend on its base.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -8,31 +8,31 @@ use super::convergence::{Convergence, Stage};
 use super::directions::{Directions, extras, turned_extras};
 use super::elements::{Elements, elements};
 use super::grid::Grid;
-use super::once::{Once, Way};
+use super::once::{Once, ScatterMode};
 use super::part::{Absorbed, Part};
 use super::precision::{Precision, density};
 use super::scatterers::{Scattered, Scatterers};
 use crate::front::Flat;
 use crate::{Layered, Reflector};
 
-/// Wavelengths at which the layers above the base are the same, and what these do.
+/// Wavelengths at which the layers above the base are equal, and the operators of these layers.
 #[derive(Debug, Clone)]
 pub(super) struct Group {
     pub(super) bins: Vec<usize>,
-    /// How many nodes there are, with weight and extra ones; the latter alone.
+    /// Number of nodes, with weight and extra ones; of the latter alone.
     pub(super) nodes: usize,
     pub(super) extras: usize,
     /// Index of the medium above the base.
     pub(super) index: f64,
     /// `|beta|` of the nodes that the medium below the last scatterer carries.
     pub(super) beta: Vec<f64>,
-    /// By azimuthal order: the layers down to the last scatterer; none if they were not kept.
+    /// By azimuthal order: the layers down to the last scatterer; empty if they were not stored.
     pub(super) orders: Vec<Above>,
-    /// The flat layers below it, at the same nodes.
+    /// Flat layers below it, at the same nodes.
     pub(super) lower: Lower,
     /// Extra nodes of the sources' rays, ascending.
     pub(super) lights: Vec<usize>,
-    /// What becomes of the light that falls on the display, and of what rises: down to the last
+    /// Distribution of the light that falls on the display, and of the light that rises: down to the last
     /// scatterer and from below it; over a Lambertian base, to and from the base.
     pub(super) shares: Shares,
 }
@@ -41,30 +41,30 @@ pub(super) struct Group {
 #[derive(Debug, Clone, Default)]
 pub(super) struct Lower {
     pub(super) flats: Vec<Flat>,
-    /// Absorbed shares of light from above and of light from the base.
+    /// Absorbed fractions of light from above and of light from the base.
     pub(super) absorbed: [Absorbed; 2],
 }
 
-/// Fractions of light by where it ends, by node: those with weight that the medium below carries,
-/// then the extra ones.
+/// Fractions of light by where it ends, by node: those with weight that the medium below carries, then the
+/// extra ones.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Shares {
-    /// Root of each node's weight.
+    /// Square root of the weight of each node.
     pub(super) scale: Vec<f64>,
-    /// Of light from above, the fraction that comes through.
+    /// Fraction of light from above that is transmitted.
     pub(super) arriving: Vec<f64>,
-    /// Of light that rises, the fraction that returns.
+    /// Fraction of rising light that returns.
     pub(super) returning: Vec<f64>,
-    /// Of light that rises, the fraction that leaves.
+    /// Fraction of rising light that leaves.
     pub(super) leaving: Vec<f64>,
-    /// Of light from above, the fraction that leaves without having come through.
+    /// Fraction of light from above that leaves without having been transmitted.
     pub(super) leaving_front: Vec<f64>,
-    /// Absorbed shares of light from above and of light that rises.
+    /// Absorbed fractions of light from above and of rising light.
     pub(super) absorbed: [Absorbed; 2],
 }
 
 impl Shares {
-    /// Of a part of order 0 above a medium of this index.
+    /// Computes the fractions of a part of order 0 above a medium of this index.
     fn new(part: &Part, index: f64, grid: &Grid) -> Self {
         let (air, medium) = (grid.below(1.0), grid.below(index));
         let kept = grid.kept(index);
@@ -82,7 +82,7 @@ impl Shares {
 }
 
 impl Lower {
-    /// Of a flat part, at these nodes.
+    /// Selects the values of a flat part at these nodes.
     fn new(part: &Part, kept: &[usize]) -> Self {
         let flat = |i: &usize| Flat {
             t: part.down.straight[*i],
@@ -96,33 +96,33 @@ impl Lower {
 }
 
 impl Group {
-    /// Where an extra node stands among its nodes.
+    /// Returns the index of an extra node among its nodes.
     pub(super) fn node(&self, extra: usize) -> usize {
         self.beta.len() - self.extras + extra
     }
 
-    /// Where its shares of light stand.
+    /// Returns the index of its fractions of light.
     pub(super) fn share(&self, extra: usize) -> usize {
         self.shares.scale.len() - self.extras + extra
     }
 }
 
-/// What was prepared of a stack, and what its views see over its base.
+/// Data prepared of a stack, and the response that its views see over its base.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Prepared {
-    /// Groups of the same indices: they share their nodes, and what scatters.
+    /// Groups of equal indices: they share nodes and scatterers.
     pub(super) families: Vec<Vec<Group>>,
-    /// Of each family.
+    /// Light scattered once, of each family.
     once: Vec<Vec<Once>>,
-    /// Whether the groups hold their operators.
+    /// Whether the groups store their operators.
     kept: bool,
 }
 
-/// Operators that take more bytes than this are not kept.
+/// Size in bytes above which operators are not stored.
 const MOST_KEPT: usize = 128 << 20;
 
 impl Prepared {
-    /// Not finished if `stop` is set before.
+    /// Prepares a stack; incomplete if `stop` is set during the computation.
     pub(super) fn new(
         stack: &Layered,
         directions: &Directions,
@@ -164,8 +164,8 @@ impl Prepared {
         (prepared, over)
     }
 
-    /// What the views see over another base.
-    /// Not finished if `stop` is set before.
+    /// Returns the response that the views see over another base; incomplete if `stop` is set during the
+    /// computation.
     pub(super) fn over(
         &self,
         stack: &Layered,
@@ -191,7 +191,7 @@ impl Prepared {
     }
 }
 
-/// Wavelengths by family and group.
+/// Groups the wavelengths by family and group.
 fn families(stack: &Layered) -> Vec<Vec<Vec<usize>>> {
     let mut kinds: Vec<(Vec<u64>, Vec<usize>)> = Vec::new();
     for bin in 0..stack.base.bins() {
@@ -212,19 +212,19 @@ fn families(stack: &Layered) -> Vec<Vec<Vec<usize>>> {
     families.into_iter().map(|(_, family)| family).collect()
 }
 
-/// Indices of all media at a wavelength, air first.
+/// Returns the indices of all media at a wavelength, air first.
 fn indices(stack: &Layered, bin: usize) -> Vec<f64> {
     std::iter::once(1.0).chain(stack.layers.iter().map(|layer| layer.medium.index()[bin])).collect()
 }
 
-/// Everything that the layers above the base depend on at a wavelength.
+/// Returns all data on which the layers above the base depend at a wavelength.
 fn optics(stack: &Layered, bin: usize) -> Vec<u64> {
     let mut key = Vec::new();
     stack.elements().for_each(|(kind, _)| kind.spectral_key(bin, &mut key));
     key
 }
 
-/// Where the nodes of a wavelength are split, ascending.
+/// Returns the indices at which the nodes of a wavelength are split, ascending.
 pub(super) fn splits(stack: &Layered, bin: usize) -> Vec<f64> {
     let mut splits = indices(stack, bin);
     splits.extend(stack.elements().flat_map(|(kind, _)| kind.edges(bin)));
@@ -233,16 +233,17 @@ pub(super) fn splits(stack: &Layered, bin: usize) -> Vec<f64> {
     splits
 }
 
-/// Nodes with weight that the stack takes at most, over its wavelengths.
+/// Returns the largest number of nodes with weight that the stack takes, over its wavelengths.
 pub(super) fn nodes_needed(stack: &Layered, precision: &Precision) -> usize {
     let at = |bin| density(stack, bin, precision).total(&splits(stack, bin));
     (0..stack.base.bins()).map(at).max().unwrap_or(0)
 }
 
-/// Takes the operators of an order, for each group that has it.
+/// Receives the operators of an order, for each group that has it.
 type AddOrder<'f> = dyn FnMut(usize, &mut [Growing<'_>], Vec<Option<Above>>) + 'f;
 
-/// Groups of wavelengths at which all indices are the same; `add` takes the operators of each order in turn.
+/// Prepares groups of wavelengths at which all indices are equal; `add` receives the operators of each order
+/// in turn.
 fn prepare(
     stack: &Layered,
     family: Vec<Vec<usize>>,
@@ -255,7 +256,7 @@ fn prepare(
     let index = stack.layers.last().map_or(1.0, |layer| layer.medium.index()[first]);
     let mut grid = Grid::new(&splits(stack, first), density(stack, first, precision), &directions.beta);
     let lights = extras(&directions.sources);
-    // Of lights that are the same at all azimuths order 0 is all.
+    // Sources that are the same at all azimuths need only order 0.
     let turned = turned_extras(&directions.sources);
     let turned: Vec<usize> = turned.iter().filter_map(|extra| lights.binary_search(extra).ok()).collect();
     let farthest = |extras: &[usize]| extras.iter().map(|extra| directions.beta[*extra]).fold(0.0, f64::max);
@@ -310,14 +311,14 @@ fn prepare(
     (growing.into_iter().map(|one| one.group).collect(), once)
 }
 
-/// What scatterers without a closed series send once.
+/// Returns the light that scatterers without a closed series scatter once.
 fn sent_once(mut scatterers: Scatterers<'_>, mut grid: Grid, growing: &[Growing<'_>]) -> Vec<Once> {
     if grid.regular > 0 {
         scatterers = scatterers.extras(&grid);
         grid = grid.extras();
     }
     let ways = scatterers.ways();
-    let once = |(number, way): (usize, Way)| {
+    let once = |(number, way): (usize, ScatterMode)| {
         let scattered = scatterers.once((number, &way), &grid);
         let above = |one: &Growing<'_>| Some(one.above(&scattered, &grid));
         Once { above: growing.iter().map(above).collect(), way }
@@ -325,26 +326,26 @@ fn sent_once(mut scatterers: Scatterers<'_>, mut grid: Grid, growing: &[Growing<
     ways.into_iter().map(once).collect()
 }
 
-/// A group on its way.
+/// A group in preparation.
 struct Growing<'a> {
     group: Group,
     elements: Elements<'a>,
     convergence: Convergence,
     stage: Stage,
     lambertian: bool,
-    /// The layers above the last scatterer, where they are flat: the same in all orders.
+    /// The layers above the last scatterer, if they are flat: the same in all orders.
     flat: Option<Part>,
 }
 
 impl Growing<'_> {
-    /// The operators of extra nodes alone, for this much scattered.
+    /// Returns the operators of extra nodes alone, for this set of scatterers.
     fn above(&self, scattered: &[Scattered], grid: &Grid) -> Above {
-        // Order 0 alone keeps books.
+        // Only order 0 computes absorption.
         let (upper, last) = (self.elements.upper(scattered, 1, grid), self.elements.last(scattered, 1, grid));
         Above::new(&upper, &last, &self.group.lights, 0)
     }
 
-    /// The operators of an order.
+    /// Returns the operators of an order.
     fn grow(&mut self, scattered: &[Scattered], order: usize, grid: &Grid, tolerance: f64) -> Above {
         let known = self.flat.take().filter(|part| part.down.len() == grid.len());
         let upper = known.unwrap_or_else(|| self.elements.upper(scattered, order, grid));

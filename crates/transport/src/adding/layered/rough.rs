@@ -1,12 +1,13 @@
-//! A rough face as azimuthal orders on a grid.
+//! A rough interface as azimuthal orders on a grid.
 //!
-//! The kernel of [`Rough`] has no closed Fourier series: it is sampled over the azimuth,
-//! by the trapezoid rule, which converges exponentially.
+//! The kernel of [`Rough`] has no closed Fourier series: it is sampled over the azimuth, by the trapezoid
+//! rule, which converges exponentially.
 //!
-//! How much light returns to each side and how much crosses is known apart from all nodes, by the optics' own quadrature.
-//! Over the nodes refracted light converges slowly, as it jumps to zero where facets stand upright: its kernel is multiplied by a factor for
-//! each direction on either side that makes what crosses right from both, and stays reciprocal. What reflected light
-//! lacks then is mirrored, so that none is lost.
+//! The fractions of light that return to each side and that cross are known independently of the nodes, from
+//! the quadrature of the optics. Over the nodes refracted light converges slowly, as it jumps to zero where
+//! microfacets are vertical. Its kernel is multiplied by a factor for each direction on either side, which
+//! makes the light that crosses correct from both sides and keeps the kernel reciprocal. The light that
+//! reflection then lacks is reflected regularly, so that none is lost.
 
 use std::f64::consts::PI;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -20,17 +21,17 @@ use super::grid::Grid;
 use super::matrix::Matrix;
 use super::part::Part;
 
-/// Azimuthal orders, at most.
+/// Largest number of azimuthal orders.
 const MOST_ORDERS: usize = 400;
 
-/// The orders of a rough face's kernel: from above to above, from above to below, from below to
-/// below; single precision serves all but order 0, which holds the energy.
+/// Orders of a rough interface's kernel: from above to above, from above to below, from below to below;
+/// single precision is enough for all but order 0, which contains the energy.
 #[derive(Debug, Clone)]
 pub(super) struct RoughOrders {
     zeroth: [Matrix; 3],
-    /// `[order - 1][kernel]`, each by [`place`].
+    /// `[order - 1][kernel]`, each indexed by [`place`].
     later: Vec<[Vec<f32>; 3]>,
-    /// What the quadrature finds missing of each node's light, from above and from below.
+    /// Light of each node that the quadrature misses, from above and from below.
     missing: [Vec<f64>; 2],
 }
 
@@ -38,8 +39,9 @@ const WAYS: [(Side, Side); 3] =
     [(Side::Above, Side::Above), (Side::Above, Side::Below), (Side::Below, Side::Below)];
 
 impl RoughOrders {
-    /// To so many natural digits in azimuth; orders beyond the first only where they are asked for.
-    /// What one microfacet sends from one extra node to another is left out ([`once`](super::once)). Not finished if `stop` is set before.
+    /// Computes the orders to this number of natural digits in azimuth; orders beyond the first only if they
+    /// are requested. Light that one microfacet scatters from one extra node to another is left out
+    /// ([`once`](super::once)). Incomplete if `stop` is set during the computation.
     pub(super) fn new(face: &Rough, grid: &Grid, digits: f64, beyond_first: bool, stop: &AtomicBool) -> Self {
         let count = if beyond_first { orders(face, digits) } else { 1 };
         let len = grid.len();
@@ -47,7 +49,7 @@ impl RoughOrders {
         let blank = || -> [Vec<f32>; 3] { std::array::from_fn(|way| vec![0.0; places(way, len)]) };
         let mut all = Self {
             zeroth: [zeroth(), zeroth(), zeroth()],
-            // Each by itself: copies would touch what stays zero.
+            // Allocated separately: copies would touch the memory of zeros.
             later: (1..count).map(|_| blank()).collect(),
             missing: Default::default(),
         };
@@ -75,11 +77,11 @@ impl RoughOrders {
         all
     }
 
-    /// Makes what crosses right, from both sides, by a rule of this order: finer from level to level, so that an error of it shows
-    /// in their difference.
+    /// Corrects the light that crosses, from both sides, by a rule of this order: finer from level to level,
+    /// so that its error shows in their difference.
     fn balance(&mut self, face: &Rough, grid: &Grid, order: usize) {
         let len = grid.len();
-        // What one facet should send across, of which the nodes miss something.
+        // Light that single microfacets should send across, of which the nodes miss some.
         let part = self.part(face, 0, grid);
         let ones = vec![1.0; len];
         let single = Operator { kernel: Some(self.zeroth[1].clone()), ..part.down.clone() };
@@ -116,17 +118,18 @@ impl RoughOrders {
         }
     }
 
-    /// How many orders there are.
+    /// Returns the number of orders.
     pub(super) fn orders(&self) -> usize {
         1 + self.later.len()
     }
 
-    /// What the quadrature finds missing of each node's light, from above and from below, which is mirrored.
+    /// Returns the light of each node that the quadrature misses, from above and from below, which is
+    /// reflected regularly.
     pub(super) fn missing_straight(&self) -> &[Vec<f64>; 2] {
         &self.missing
     }
 
-    /// The face's part in an order.
+    /// Returns the part of the interface in an order.
     pub(super) fn part(&self, face: &Rough, order: usize, grid: &Grid) -> Part {
         let len = grid.len();
         let operator = |way: usize| {
@@ -141,7 +144,7 @@ impl RoughOrders {
         let [above, down, below] = [operator(0), operator(1), operator(2)];
         let mut part = Part { above, below, down, absorbed: None };
         if order == 0 {
-            again(face, grid, &mut part);
+            add_multiple_scattering(face, grid, &mut part);
         }
         for (operator, missing) in [&mut part.above, &mut part.below].into_iter().zip(&self.missing) {
             operator.straight.iter_mut().zip(missing).for_each(|(straight, missing)| *straight += missing);
@@ -150,12 +153,13 @@ impl RoughOrders {
     }
 }
 
-/// By what to multiply a kernel at each node above and below, so that it sends these fractions of each node's light from above and from
-/// below (R. Sinkhorn, P. Knopp, Pacific J. Math. 21, 343 (1967)). What is left is no more than what the nodes' own sums of both differ by.
+/// Returns the factors of a kernel at each node above and below that make it send these fractions of each
+/// node's light from above and from below (R. Sinkhorn, P. Knopp, Pacific J. Math. 21, 343 (1967)). The
+/// remaining error is at most the difference of the nodes' own sums of both.
 fn factors(kernel: &Matrix, [from_above, from_below]: [Vec<f64>; 2], grid: &Grid) -> [Vec<f64>; 2] {
-    /// Sweeps: each leaves a tenth or less, but of what is alike for many nodes, and wrong by little.
+    /// Sweeps: each leaves a tenth of the error or less, except for small errors common to many nodes.
     const SWEEPS: usize = 12;
-    /// Where the nodes miss more than this, factors do not mend it.
+    /// Largest factor: where the nodes miss more than this, factors do not correct it.
     const MOST: f64 = 4.0;
     let len = grid.len();
     let back = kernel.transposed();
@@ -175,20 +179,20 @@ fn factors(kernel: &Matrix, [from_above, from_below]: [Vec<f64>; 2], grid: &Grid
     [above, below]
 }
 
-/// Numbers of a kernel between so many nodes: reflections are the same both ways.
+/// Returns the number of elements of a kernel between `len` nodes: reflections are symmetric.
 fn places(way: usize, len: usize) -> usize {
     let (from, to) = WAYS[way];
     if from == to { len * (len + 1) / 2 } else { len * len }
 }
 
-/// Where a pair of nodes stands among them.
+/// Returns the index of a pair of nodes among them.
 fn place(way: usize, out: usize, from: usize, len: usize) -> usize {
     let (side, to) = WAYS[way];
     let (less, more) = (out.min(from), out.max(from));
     if side == to { more * (more + 1) / 2 + less } else { from * len + out }
 }
 
-/// What the quadrature finds missing of each node's light, from above and from below.
+/// Returns the light of each node that the quadrature misses, from above and from below.
 fn missing(face: &Rough, part: &Part, grid: &Grid) -> [Vec<f64>; 2] {
     let ones = vec![1.0; grid.len()];
     let missing = |side: Side, back: &Operator, through: &Operator| {
@@ -202,9 +206,9 @@ fn missing(face: &Rough, part: &Part, grid: &Grid) -> [Vec<f64>; 2] {
     ]
 }
 
-/// Adds the light that meets several microfacets, the same in all azimuths: back by what each direction sends back,
-/// across by what it sends across.
-fn again(face: &Rough, grid: &Grid, part: &mut Part) {
+/// Adds the light that meets several microfacets, the same at all azimuths: back in proportion to what each
+/// direction sends back, across in proportion to what it sends across.
+fn add_multiple_scattering(face: &Rough, grid: &Grid, part: &mut Part) {
     let several = |side: Side, way: usize| -> Vec<f64> {
         let one = |i: usize| {
             if grid.beta[i] < face.index(side) { face.several(side, grid.beta[i])[way] } else { 0.0 }
@@ -218,7 +222,7 @@ fn again(face: &Rough, grid: &Grid, part: &mut Part) {
         (WAYS[2], &mut part.below, &back[1], &back[1]),
     ] {
         let total = face.several_total(from, to);
-        // A face of few and gentle slopes hides nothing.
+        // An interface of few and gentle slopes has no shadowing.
         if let Some(kernel) = operator.kernel.as_mut().filter(|_| total > 0.0) {
             let len = outward.len();
             *kernel = Matrix::from_fn(len, len, |i, j| kernel[(i, j)] + outward[i] * inward[j] / total);
@@ -226,13 +230,15 @@ fn again(face: &Rough, grid: &Grid, part: &mut Part) {
     }
 }
 
-/// Where refracted light ends: where facets stand upright, q is the same on both sides, and beyond that there is none. As the edge crosses a
-/// node's share of the directions, it is counted by the part that is lit.
+/// Border of refracted light: where microfacets are vertical, q is the same on both sides, and beyond that
+/// there is none. If the border crosses a node's range of directions, the node is weighted by the fraction
+/// that is lit.
 struct Edge {
-    /// Light crosses where `sign (|beta_below|^2 - |beta_above|^2)` is below the limit: 1 if the medium below is the denser one, -1 if not.
+    /// Light crosses where `sign (|beta_below|^2 - |beta_above|^2)` is below the limit: 1 if the medium
+    /// below is the denser one, -1 if not.
     sign: f64,
     limit: f64,
-    /// |beta|^2 where each node's share of the directions begins and ends.
+    /// Borders of each node's range of directions, in |beta|^2.
     shares: Vec<[f64; 2]>,
 }
 
@@ -255,7 +261,7 @@ impl Edge {
         }
     }
 
-    /// How much of two nodes' shares, above and below, is lit.
+    /// Returns the lit fraction of the ranges of two nodes, above and below.
     fn lit(&self, above: usize, below: usize) -> f64 {
         let (thin, dense) = if self.sign > 0.0 { (above, below) } else { (below, above) };
         let ([x0, x1], [y0, y1]) = (self.shares[thin], self.shares[dense]);
@@ -279,27 +285,27 @@ impl Edge {
         }
     }
 
-    /// `|beta|` below that is lit from this one above, this one if it is.
+    /// Returns a `|beta|` below that is lit from this one above: this one if it is.
     fn within(&self, above: f64, below: f64) -> f64 {
         let edge = (above * above + self.sign * self.limit * (1.0 - 1e-9)).max(0.0).sqrt();
         if self.sign > 0.0 { below.min(edge) } else { below.max(edge) }
     }
 }
 
-/// The distance in direction cosines over which the kernel changes most: refracted light
-/// about the normal, where a facet's slope bends it by the difference of the indices.
+/// Returns the distance in direction cosines over which the kernel changes most: refracted light about the
+/// normal, where the slope of a microfacet bends it by the difference of the indices.
 pub(crate) fn width(face: &Rough) -> f64 {
     face.alpha() * (face.index(Side::Above) - face.index(Side::Below)).abs().min(1.0)
 }
 
-/// Orders that hold this many natural digits of light, up to grazing.
+/// Returns the number of orders that contain this many natural digits of light, up to grazing.
 fn orders(face: &Rough, digits: f64) -> usize {
     ((digits / width(face)).ceil() as usize).clamp(8, MOST_ORDERS)
 }
 
-/// The first Fourier coefficients of one microfacet's kernel, by the trapezoid rule over the
-/// azimuth. Rules have half as many intervals as a power of two, so that pairs of directions
-/// share them, and their sums are matrix products.
+/// First Fourier coefficients of one microfacet's kernel, by the trapezoid rule over the azimuth. The
+/// numbers of intervals are halves of powers of two, so that pairs of directions share rules, and their sums are
+/// matrix products.
 struct Transforms {
     orders: usize,
     digits: f64,
@@ -313,7 +319,7 @@ impl Transforms {
         Self { orders, digits, edge, cosines: vec![None; MOST_INTERVALS.ilog2() as usize + 1] }
     }
 
-    /// Coefficients of the kernel from one direction to the nodes `rows` on the side `to`.
+    /// Computes coefficients of the kernel from one direction to the nodes `rows` on the side `to`.
     fn column(
         &mut self,
         face: &Rough,
@@ -355,13 +361,13 @@ impl Transforms {
         all
     }
 
-    /// Weights times cosines of a rule; 0 for orders that it does not tell apart from lower ones.
+    /// Returns weights times cosines of a rule; 0 for orders that it aliases with lower ones.
     fn cosines(&mut self, rule: usize) -> &Matrix {
         let (half, orders) = (1_usize << rule, self.orders);
         self.cosines[rule].get_or_insert_with(|| {
             let weight = |k: usize| if k == 0 || k == half { 0.5 } else { 1.0 } / half as f64;
             Matrix::from_fn(orders, half + 1, |m, k| {
-                // The angle's turns, so that no digits are lost.
+                // Reduced modulo a turn, so that no digits are lost.
                 let angle = PI * (m * k % (2 * half)) as f64 / half as f64;
                 if m > half { 0.0 } else { weight(k) * angle.cos() }
             })
@@ -369,7 +375,8 @@ impl Transforms {
     }
 }
 
-/// The kernel's width in azimuth: alpha times the change of the wave vector's component along the normal, over the radius.
+/// Returns the kernel's width in azimuth: alpha times the change of the wave vector's component along the
+/// normal, over the radius.
 pub(super) fn azimuth_width(face: &Rough, [(from, a), (to, b)]: [(Side, f64); 2]) -> f64 {
     let normal = |side: Side, beta: f64| (face.index(side).powi(2) - beta * beta).max(0.0).sqrt();
     let (q_a, q_b) = (normal(from, a), normal(to, b));
@@ -377,7 +384,8 @@ pub(super) fn azimuth_width(face: &Rough, [(from, a), (to, b)]: [(Side, f64); 2]
     (face.alpha() * turn / (a * b).sqrt().max(1e-9)).max(1e-9)
 }
 
-/// The logarithm of the number of intervals from 0 to pi that a pair of directions takes; `None` if there would be too many.
+/// Returns the logarithm of the number of intervals from 0 to pi for a pair of directions; `None` if there
+/// would be too many.
 fn rule(face: &Rough, ends: [(Side, f64); 2], digits: f64) -> Option<usize> {
     // Poles are double: three digits more.
     let half = ((digits + 3.0) / azimuth_width(face, ends).asinh()).ceil().max(12.0);

@@ -1,8 +1,7 @@
-//! Kernels given by numbers or formulas as azimuthal orders on a grid.
+//! Kernels given by tables or formulas as azimuthal orders on a grid.
 //!
-//! They have no closed Fourier series: they are sampled over the azimuth, by the trapezoid rule.
-//! What the quadrature over directions finds missing of the light that a kernel sends keeps its
-//! direction, so that none is lost.
+//! They have no closed Fourier series: they are sampled over the azimuth, by the trapezoid rule. Scattered
+//! light that the quadrature over directions misses keeps its direction, so that none is lost.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -14,30 +13,32 @@ use super::azimuth::{MOST_INTERVALS, graded, trapezoid};
 use super::grid::Grid;
 use super::matrix::Matrix;
 
-/// Azimuths between 0 and pi for a pair of nodes at least, for what lies off the peak.
+/// Smallest number of azimuths between 0 and pi for a pair of nodes, for the light off the peak.
 const LEAST_AZIMUTHS: usize = 24;
-/// Azimuthal orders, at most.
+/// Largest number of azimuthal orders.
 const MOST_ORDERS: usize = 1500;
-/// Numbers of all orders, at most.
+/// Largest number of elements of all orders.
 const MOST_NUMBERS: usize = 1 << 25;
-/// Of so many extra nodes, views first, the light that is sent is integrated; of others it is interpolated.
+/// Number of extra nodes, views first, for which scattered light is integrated; for others it is
+/// interpolated.
 const INTEGRATED: usize = 100;
 
-/// The orders of a kernel, of light from above.
+/// Orders of a kernel, of light from above.
 #[derive(Debug, Clone)]
 pub(super) struct ScatterOrders {
     zeroth: Matrix,
-    /// By order from the first on, `[in][out]`: single precision serves all but order 0, which
-    /// holds the energy.
+    /// By order from the first on, `[in][out]`: single precision is enough for all but order 0, which
+    /// contains the energy.
     later: Vec<Vec<f32>>,
-    /// What the quadrature finds missing of each node's light, on average over both ways.
+    /// Light of each node that the quadrature misses, averaged over both directions.
     missing: Vec<f64>,
 }
 
 impl ScatterOrders {
-    /// In a disc of this radius for the air's, to so many natural digits in azimuth; orders beyond the first only where there
-    /// are lights with an azimuth, given the largest `|beta|` of views and of those. What is sent from one extra node to another is
-    /// left out ([`once`](super::once)). Not finished if `stop` is set before.
+    /// Computes the orders in a disc of this radius for that of air, to this number of natural digits in
+    /// azimuth; orders beyond the first only if there are lights with an azimuth, given the largest `|beta|`
+    /// of views and of those. Light scattered from one extra node to another is left out
+    /// ([`once`](super::once)). Incomplete if `stop` is set during the computation.
     pub(super) fn new(
         scatter: &Scatter,
         disc: f64,
@@ -53,7 +54,7 @@ impl ScatterOrders {
         });
         let mut all = Self {
             zeroth: Matrix::zeros(len, len),
-            // Each by itself: copies would touch what stays zero.
+            // Allocated separately: copies would touch the memory of zeros.
             later: (1..count).map(|_| vec![0.0; len * len]).collect(),
             missing: Vec::new(),
         };
@@ -91,8 +92,8 @@ impl ScatterOrders {
         }
     }
 
-    /// What the quadrature finds missing, of light in the disc. What is sent is integrated more finely from level to level, so
-    /// that an error of it shows in their difference.
+    /// Returns the light in the disc that the quadrature misses. Scattered light is integrated more finely
+    /// from level to level, so that its error shows in their difference.
     fn missing(
         &self,
         scatter: &Scatter,
@@ -107,7 +108,7 @@ impl ScatterOrders {
         let back = there.transposed();
         let ways = [(scatter.clone(), there), (scatter.reversed(), back)];
         let found = ways.map(|(scatter, operator)| (scatter, operator.pull_back(&ones, &grid.scale)));
-        // Light that either way ends before does not go straight on there.
+        // Beyond the edge of either direction there is no regular light.
         let end = scatter.edges().fold(1.0, f64::min);
         let missing = |i: usize| {
             let beta = grid.beta[i] / disc;
@@ -128,17 +129,17 @@ impl ScatterOrders {
         (0..grid.len()).map(missing).collect()
     }
 
-    /// What is missing of each node's light, which keeps its direction.
+    /// Returns the missing light of each node, which keeps its direction.
     pub(super) fn missing_straight(&self) -> &[f64] {
         &self.missing
     }
 
-    /// How many orders there are.
+    /// Returns the number of orders.
     pub(super) fn orders(&self) -> usize {
         1 + self.later.len()
     }
 
-    /// The kernel as an operator in an order.
+    /// Returns the kernel as an operator in an order.
     pub(super) fn operator(&self, order: usize, grid: &Grid) -> Operator {
         let len = grid.len();
         let kernel = match order.checked_sub(1) {
@@ -152,21 +153,22 @@ impl ScatterOrders {
     }
 }
 
-/// Orders that light between views and lights of these largest `|beta|` has, if each is sent via other directions.
+/// Returns the number of orders of light between views and lights of these largest `|beta|`, if each is
+/// scattered via other directions.
 fn orders(scatter: &Scatter, [view, light]: [f64; 2], digits: f64) -> usize {
     if !scatter.is_gaussian() {
         return (digits / scatter.width()).ceil() as usize;
     }
-    // Of widths towards the horizon; a Gaussian of width w has orders exp(-(m w)^2/4).
+    // Widths decrease towards the horizon; a Gaussian of width w has orders exp(-(m w)^2/4).
     let [a, b] = [view, light].map(|end| scatter.azimuth_width(end.min(1.0), 1.0));
     (2.0 * digits.sqrt() / a.hypot(b)).ceil() as usize
 }
 
-/// The first Fourier coefficients of a kernel between two directions.
+/// Computes the first Fourier coefficients of a kernel between two directions.
 fn fourier(scatter: &Scatter, [a, b]: [f64; 2], digits: f64, out: &mut [f64]) {
     let width = scatter.azimuth_width(a, b).max(1e-9);
-    // Poles are double: three digits more. The last order that the rule tells apart is to be none: of a pole at w it
-    // is exp(-m w), of a Gaussian exp(-(m w)^2/4).
+    // Poles are double: three digits more. The last order that the rule resolves must be negligible: for a
+    // pole at w it is exp(-m w), for a Gaussian exp(-(m w)^2/4).
     let digits = digits + 3.0;
     let half = (if scatter.is_gaussian() { 2.0 * digits.sqrt() } else { digits } / width).ceil() as usize;
     let value = |phi: f64| {
@@ -189,7 +191,7 @@ mod tests {
 
     /// A finely tabulated k-correlation lobe has the orders of its closed series.
     #[test]
-    fn a_table_has_the_orders_of_its_lobe() {
+    fn table_has_orders_of_its_lobe() {
         let lobe = Lobe::KCorrelation { width: 0.2 };
         let radial: Vec<f64> = (0..=250).map(|k| 2.0 * (f64::from(k) / 250.0).powi(2)).collect();
         let values: Vec<f64> =
@@ -202,7 +204,7 @@ mod tests {
         for order in [0, 1, 5, 20] {
             let found = found.operator(order, &grid).kernel.unwrap();
             let closed = closed.order(order, &grid).unwrap();
-            // Orders are summed: an error counts beside order 0.
+            // Orders are summed: an error is relative to order 0.
             largest = (0..grid.len()).map(|i| closed[(i, i)]).fold(largest, f64::max);
             for i in 0..grid.len() {
                 for j in (0..grid.len()).filter(|j| i < grid.regular || *j < grid.regular) {

@@ -1,4 +1,4 @@
-//! What scatters in a stack, computed once for all wavelengths that share it.
+//! Scatterers of a stack, computed once for all wavelengths that share them.
 
 use papilio_optics::lobe::Lobe;
 use papilio_optics::rough::{Rough, Side};
@@ -8,13 +8,13 @@ use super::algebra::Operator;
 use super::grid::Grid;
 use super::lobes::LobeOrders;
 use super::matrix::Matrix;
-use super::once::{Kernel, Pairs, Way};
+use super::once::{Kernel, Pairs, ScatterMode};
 use super::part::Part;
 use super::rough::RoughOrders;
 use super::scatter::ScatterOrders;
 use super::slab::{Model, Slab};
 
-/// Something that scatters, on one grid.
+/// A scatterer on one grid.
 #[derive(Debug)]
 enum Scatterer<'a> {
     Slab(Slab),
@@ -29,46 +29,46 @@ struct LobeBetween {
     lobe: Lobe,
     indices: [f64; 2],
     orders: LobeOrders,
-    /// What the quadrature misses of each node's light, on average over both ways.
+    /// Light of each node that the quadrature misses, averaged over both directions.
     missing: Vec<f64>,
 }
 
-/// What a scatterer does in one azimuthal order.
+/// Response of a scatterer in one azimuthal order.
 #[derive(Debug)]
 #[allow(clippy::large_enum_variant, reason = "there are as many as layers, and large parts are on the heap")]
 pub(super) enum Scattered {
-    /// It reflects and transmits.
+    /// Reflection and transmission.
     Whole(Part),
-    /// It sends light one way, of light from above.
+    /// Scattering of light from above in one mode.
     Kernel(Operator),
 }
 
 impl Scattered {
-    /// A slab that reflects and transmits the same from both sides.
+    /// Returns a slab that reflects and transmits the same from both sides.
     fn slab([reflected, transmitted]: [Operator; 2]) -> Self {
         Self::Whole(Part { above: reflected.clone(), below: reflected, down: transmitted, absorbed: None })
     }
 }
 
-/// All that scatters on a grid.
+/// All scatterers on a grid.
 #[derive(Debug, Default)]
 pub(super) struct Scatterers<'a>(Vec<Scatterer<'a>>);
 
 impl<'a> Scatterers<'a> {
-    /// The number of this layer, added if it is new.
+    /// Returns the number of this layer; adds it if it is new.
     pub(super) fn slab(&mut self, model: Model, terms: usize, grid: &Grid) -> usize {
         let known = |s: &Scatterer<'_>| matches!(s, Scatterer::Slab(slab) if slab.model() == model);
         self.find(known, || Scatterer::Slab(Slab::new(model, terms, grid)))
     }
 
-    /// The number of a lobe between media of these indices, added if it is new.
+    /// Returns the number of a lobe between media of these indices; adds it if it is new.
     pub(super) fn lobe(&mut self, lobe: Lobe, indices: [f64; 2], grid: &Grid) -> usize {
         let known =
             |s: &Scatterer<'_>| matches!(s, Scatterer::Diffuser(d) if d.lobe == lobe && d.indices == indices);
         self.find(known, || Scatterer::Diffuser(LobeBetween::new(lobe, indices, grid)))
     }
 
-    /// The number of this face, added if it is new.
+    /// Returns the number of this rough interface; adds it if it is new.
     pub(super) fn rough(&mut self, face: &'a Rough, orders: impl FnOnce() -> RoughOrders) -> usize {
         let like = |other: &Rough| {
             other.alpha() == face.alpha()
@@ -79,7 +79,7 @@ impl<'a> Scatterers<'a> {
         self.find(known, || Scatterer::Rough { face, orders: Some(orders()), missing: Default::default() })
     }
 
-    /// The number of this kernel in a disc of this radius, added if it is new.
+    /// Returns the number of this kernel in a disc of this radius; adds it if it is new.
     pub(super) fn scatter(
         &mut self,
         scatter: &'a Scatter,
@@ -98,7 +98,7 @@ impl<'a> Scatterers<'a> {
         })
     }
 
-    /// How many azimuthal orders are scattered among nodes with weight.
+    /// Returns the number of azimuthal orders that are scattered among nodes with weight.
     pub(super) fn orders(&self) -> usize {
         let orders = |scatterer: &Scatterer<'_>| match scatterer {
             Scatterer::Slab(slab) => slab.orders(),
@@ -110,7 +110,7 @@ impl<'a> Scatterers<'a> {
         self.0.iter().map(orders).max().unwrap_or(0)
     }
 
-    /// The same for the extra nodes of the grid alone.
+    /// Returns the same scatterers for the extra nodes of the grid alone.
     pub(super) fn extras(self, grid: &Grid) -> Self {
         let extras = |scatterer| match scatterer {
             Scatterer::Slab(slab) => Scatterer::Slab(slab.extras(grid)),
@@ -134,8 +134,8 @@ impl<'a> Scatterers<'a> {
         Self(self.0.into_iter().map(extras).collect())
     }
 
-    /// The ways on which single scatterers without a closed series send light, by their numbers.
-    pub(super) fn ways(&self) -> Vec<(usize, Way)> {
+    /// Returns the modes in which single scatterers without a closed series scatter light, by their numbers.
+    pub(super) fn ways(&self) -> Vec<(usize, ScatterMode)> {
         const SIDES: [(Side, Side); 3] =
             [(Side::Above, Side::Above), (Side::Above, Side::Below), (Side::Below, Side::Below)];
         let mut ways = Vec::new();
@@ -150,16 +150,16 @@ impl<'a> Scatterers<'a> {
                 Scatterer::Slab(_) | Scatterer::Diffuser(_) => Vec::new(),
             };
             for kernel in kernels {
-                let way = |pairs: &Pairs| (number, Way { kernel: kernel.clone(), pairs: *pairs });
+                let way = |pairs: &Pairs| (number, ScatterMode { kernel: kernel.clone(), pairs: *pairs });
                 ways.extend(kernel.pairs().iter().map(way));
             }
         }
         ways
     }
 
-    /// What each does to light that keeps its direction, and a unit of light scattered on one way of one of them; of
-    /// [`Self::extras`] alone.
-    pub(super) fn once(&mut self, (number, way): (usize, &Way), grid: &Grid) -> Vec<Scattered> {
+    /// Returns the regular response of each scatterer, and a unit of light scattered in one mode of one of
+    /// them; only for [`Self::extras`].
+    pub(super) fn once(&mut self, (number, way): (usize, &ScatterMode), grid: &Grid) -> Vec<Scattered> {
         let len = grid.len();
         let unit = |straight: Vec<f64>| {
             let count = |out: usize, from: usize| if way.pairs.hold(from, out) { 1.0 } else { 0.0 };
@@ -193,7 +193,7 @@ impl<'a> Scatterers<'a> {
         self.0.iter_mut().enumerate().map(one).collect()
     }
 
-    /// What each does in this order.
+    /// Returns the response of each scatterer in this order.
     pub(super) fn scattered(&mut self, order: usize, grid: &Grid) -> Vec<Scattered> {
         let one = |scatterer: &mut Scatterer<'_>| match scatterer {
             Scatterer::Slab(slab) => {

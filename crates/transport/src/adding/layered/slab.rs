@@ -1,22 +1,20 @@
-//! A medium that scatters in its bulk, as operators.
+//! A medium that scatters in its volume, as operators.
 //!
-//! Radiative transfer in a plane layer (Chandrasekhar 1960), with the phase function of Henyey
-//! and Greenstein (1941). With s and d the sum and the difference of the light that goes down and
-//! the light that goes up, `s' = -A d`, `d' = -C s` over optical depth, where
-//! `A, C = 1/mu - (P+ -+ P-)` hold extinction and scattering forward and back. A layer of depth h
-//! turns what enters alike (or oppositely) from both sides into `(1 - Z)/(1 + Z)` of it, with
-//! `Z = C X^-1 tanh(X h/2)` (or `A` before it), `X^2 = A C`. A thin layer's Z is a rational
-//! function; doubling is `Z' = 2 Z (1 + Z_o Z_e)^-1`, which, unlike doubling of reflectances
-//! (van de Hulst 1963), keeps energy to rounding however often it is done.
+//! Radiative transfer in a plane layer (Chandrasekhar 1960), with the phase function of Henyey and
+//! Greenstein (1941). With s and d the sum and the difference of the light propagating down and up,
+//! `s' = -A d`, `d' = -C s` over optical depth, where `A, C = 1/mu - (P+ -+ P-)` contain extinction and
+//! scattering forward and back. If equal (or opposite) light enters a layer of depth h from both sides,
+//! `(1 - Z)/(1 + Z)` of it leaves, with `Z = C X^-1 tanh(X h/2)` (or `A` before it), `X^2 = A C`. Z of a
+//! thin layer is a rational function. Doubling is `Z' = 2 Z (1 + Z_o Z_e)^-1`, which, unlike doubling of
+//! reflectances (van de Hulst 1963), conserves energy to rounding however often it is done.
 //!
-//! The forward peak beyond the order that the nodes resolve counts as unscattered (delta-M:
-//! Wiscombe, J. Atmos. Sci. 34, 1408 (1977)); light scattered once between two extra nodes still
-//! sees the whole phase function (TMS: Nakajima & Tanaka, J. Quant. Spectrosc. Radiat. Transfer
-//! 40, 51 (1988)). What the quadrature finds missing of a node's scattered light is put
-//! on its forward direction, so that none is lost.
+//! The forward peak beyond the order that the nodes resolve counts as unscattered (delta-M: Wiscombe, J.
+//! Atmos. Sci. 34, 1408 (1977)). Light scattered once between two extra nodes still uses the whole phase
+//! function (TMS: Nakajima & Tanaka, J. Quant. Spectrosc. Radiat. Transfer 40, 51 (1988)). Scattered light
+//! of a node that the quadrature misses is added to its forward direction, so that none is lost.
 //!
-//! Valid for optical thickness above 0 (1e6 and more), albedo 0 to 1, |anisotropy| < 1; nodes
-//! grow as 1/(1 - |anisotropy|).
+//! Valid for optical thickness above 0 (1e6 and more), albedo 0 to 1, |anisotropy| < 1; the number of nodes
+//! grows as 1/(1 - |anisotropy|).
 
 use std::f64::consts::PI;
 
@@ -29,7 +27,7 @@ use super::matrix::Matrix;
 pub(super) struct Model {
     /// Extinction along the normal.
     pub(super) thickness: f64,
-    /// Scattered share of the extinction.
+    /// Scattered fraction of the extinction.
     pub(super) albedo: f64,
     /// Mean cosine of the scattering angle.
     pub(super) anisotropy: f64,
@@ -41,15 +39,15 @@ pub(super) struct Model {
 #[derive(Debug, Clone)]
 pub(super) struct Slab {
     model: Model,
-    /// The peak's share, and the number of Legendre terms that stay.
+    /// Fraction of the peak, and the number of retained Legendre terms.
     peak: f64,
     terms: usize,
-    /// The grid's nodes that the medium carries: numbers, cosines, scales.
+    /// Nodes of the grid that the medium carries: numbers, cosines, scales.
     nodes: Vec<usize>,
     cosine: Vec<f64>,
     scale: Vec<f64>,
     regular: usize,
-    /// What the quadrature finds missing of each node's scattered light.
+    /// Scattered light of each node that the quadrature misses.
     missing: Vec<f64>,
 }
 
@@ -60,7 +58,7 @@ impl Slab {
         let cosine = nodes.iter().map(|&i| ((n - grid.beta[i]) * (n + grid.beta[i])).sqrt() / n).collect();
         let scale = nodes.iter().map(|&i| grid.scale[i]).collect();
         let regular = nodes.iter().filter(|&&i| i < grid.regular).count();
-        // A peak backwards (negative anisotropy) is no unscattered light.
+        // A backward peak (negative anisotropy) is not unscattered light.
         let peak = if model.anisotropy > 0.0 { model.anisotropy.powi(terms as i32) } else { 0.0 };
         let mut slab = Self { model, peak, terms, nodes, cosine, scale, regular, missing: Vec::new() };
         let both = slab.phase(0)[0].clone();
@@ -76,7 +74,7 @@ impl Slab {
         self.model
     }
 
-    /// The same layer for the extra nodes of its grid alone.
+    /// Returns the same layer for the extra nodes of its grid alone.
     pub(super) fn extras(self, grid: &Grid) -> Self {
         let regular = self.regular;
         Self {
@@ -89,12 +87,12 @@ impl Slab {
         }
     }
 
-    /// Orders of azimuth beyond which nothing scatters among nodes with weight.
+    /// Returns the azimuthal order beyond which nothing scatters among nodes with weight.
     pub(super) fn orders(&self) -> usize {
         self.terms
     }
 
-    /// The phase function's even and odd halves `(P+ + P-)/2`, `(P+ - P-)/2` of an order, as
+    /// Returns the even and odd halves `(P+ + P-)/2`, `(P+ - P-)/2` of the phase function in an order, as
     /// kernels per optical depth at an albedo of one.
     fn phase(&self, order: usize) -> [Matrix; 2] {
         let len = self.nodes.len();
@@ -127,13 +125,13 @@ impl Slab {
         [half(0), half(1)]
     }
 
-    /// Legendre terms of the whole phase function, to rounding.
+    /// Returns the number of Legendre terms of the whole phase function, to rounding.
     fn exact_terms(&self) -> usize {
         let g = self.model.anisotropy.abs();
         if g < 1e-12 { 1 } else { ((1e-13_f64).ln() / g.ln()).ceil() as usize + 1 }.max(1)
     }
 
-    /// Reflected (from either side) and transmitted light of an azimuthal order.
+    /// Returns reflected (from either side) and transmitted light of an azimuthal order.
     pub(super) fn operators(&self, order: usize) -> [Operator; 2] {
         let Model { thickness, albedo, .. } = self.model;
         let tau = thickness * (1.0 - albedo * self.peak);
@@ -168,12 +166,12 @@ impl Slab {
         [reflected, transmitted]
     }
 
-    /// Takes rounding out of the energy that a layer without absorption returns: between
-    /// mirrors light meets it so often that it would count.
+    /// Removes rounding errors from the energy that a layer without absorption returns: between mirrors
+    /// light meets it so often that they would matter.
     fn conserve(&self, reflected: &mut Operator, transmitted: &Operator) {
         let ones = vec![1.0; self.nodes.len()];
         let through = transmitted.pull_back(&ones, &self.scale);
-        // What extra nodes lack is halved each time.
+        // The deficit of extra nodes is halved each time.
         for _ in 0..12 {
             let back = reflected.pull_back(&ones, &self.scale);
             let factor: Vec<f64> = back
@@ -189,7 +187,7 @@ impl Slab {
         }
     }
 
-    /// An operator on the whole grid; what the medium does not carry, it does not hold.
+    /// Extends an operator to the whole grid; nodes that the medium does not carry are zero.
     pub(super) fn spread(&self, operator: &Operator, grid: &Grid) -> Operator {
         let mut straight = vec![0.0; grid.len()];
         let mut kernel = Matrix::zeros(grid.len(), grid.len());
@@ -203,7 +201,7 @@ impl Slab {
     }
 }
 
-/// Z of a thin layer for light that enters alike and oppositely: with `y = (X h/2)^2`,
+/// Returns Z of a thin layer for equal and opposite light from both sides: with `y = (X h/2)^2`,
 /// `tanh(sqrt y)/sqrt y = (15 + y)/(15 + 6 y)`, error 6e-4 y^3; `half` is h/2.
 fn thin(even: &Operator, odd: &Operator, half: f64) -> [Operator; 2] {
     let y = odd.after(even).scaled(half * half / 15.0);
@@ -211,7 +209,7 @@ fn thin(even: &Operator, odd: &Operator, half: f64) -> [Operator; 2] {
     [even.after(&ratio), ratio.after(odd)]
 }
 
-/// `sqrt((l - m)!/(l + m)!) P_l^m(mu)` for l from m up to `terms - 1`.
+/// Returns `sqrt((l - m)!/(l + m)!) P_l^m(mu)` for l from m up to `terms - 1`.
 fn legendre(mu: f64, order: usize, terms: usize) -> Vec<f64> {
     let sine = ((1.0 - mu) * (1.0 + mu)).max(0.0).sqrt();
     let first = (1..=order).map(|k| (1.0 - 0.5 / k as f64).sqrt() * sine).product();

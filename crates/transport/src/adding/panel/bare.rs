@@ -1,9 +1,9 @@
-//! A bare panel: front and face are flat, only the base may scatter.
+//! A bare panel: front and surface are flat, only the base may scatter.
 //!
-//! A mirror under flat parts is a geometric series at every angle. A Lambertian base sends the
-//! same basic radiance `R/(pi n^2)` everywhere, so one number closes all orders: the fraction
-//! `r_d` of it that front and face send back (Saunderson's internal diffuse reflectance), beyond
-//! the critical angle exactly.
+//! A mirror under flat parts is a geometric series at every angle. A Lambertian base sends the same basic
+//! radiance `R/(pi n^2)` everywhere, so one number closes all orders: the fraction `r_d` of it that front
+//! and surface send back (Saunderson's internal diffuse reflectance), which is exact beyond the critical
+//! angle.
 
 use std::f64::consts::FRAC_PI_2;
 
@@ -16,7 +16,7 @@ use super::add_scaled;
 use crate::specular::{FlatTop, panel_image};
 use crate::{Base, Cone, Estimate, Ledger, Medium, Panel, ReflectanceFactor, Reflector, Source, Top};
 
-/// Reflectances of faces and pixels change over angles of this size, radians.
+/// Angle over which the reflectances of interfaces and pixels change, radians.
 const SMOOTH: f64 = 0.3;
 
 #[derive(Debug, Clone, Default)]
@@ -29,7 +29,7 @@ pub(super) struct Kernel {
 #[derive(Debug, Clone)]
 struct View {
     cone: Cone,
-    /// Nodes of the base's table across it, that its points were made for.
+    /// Number of nodes of the base's table across it for which its points were made.
     across: f64,
     points: Vec<Point>,
     images: Vec<ImagePoints>,
@@ -42,8 +42,8 @@ enum Light {
     Directed(Vec<Point>),
 }
 
-/// Light at the base and above it: shapes as in the [`Ledger`], `mirrored` and
-/// `absorbed_entering` `[wavelength]`.
+/// Light at the base and above it: shapes as in the [`Ledger`], `mirrored` and `absorbed_entering`
+/// `[wavelength]`.
 struct Fate {
     mirrored: Vec<f64>,
     absorbed_entering: Vec<f64>,
@@ -55,7 +55,7 @@ struct Fate {
 }
 
 impl Kernel {
-    /// Over this base, in this medium.
+    /// Computes the points of a view or source over this base, in this medium.
     pub(super) fn new(
         (base, medium): (&Base, &Medium),
         views: &[Cone],
@@ -76,7 +76,7 @@ impl Kernel {
             Source::Beam(beta) => Light::Directed(vec![Point { beta: *beta, weight: 1.0 }]),
             Source::Disc(cone) => Light::Directed(disc_points(cone, smooth_at(cone, SMOOTH), digits)),
             Source::Field(field) => {
-                // Over inclination all is smooth, and the same at all azimuths.
+                // Over inclination everything is smooth, and nothing depends on azimuth.
                 let rings = rings(field, Peaks { views: &[], width: SMOOTH }, digits);
                 let point =
                     |ring: &Ring| Point { beta: Beta { x: ring.radius, y: 0.0 }, weight: ring.weight() };
@@ -86,7 +86,7 @@ impl Kernel {
         Self { digits, views: views.iter().map(view).collect(), lights: sources.iter().map(light).collect() }
     }
 
-    /// Whether its points serve this base.
+    /// Returns whether its points can be used for this base.
     pub(super) fn serves(&self, stack: &Panel) -> bool {
         self.views.iter().all(|view| view.across == stack.base.nodes_across(&view.cone, &stack.medium))
     }
@@ -100,7 +100,7 @@ impl Kernel {
         let mut estimate = match &stack.base.reflector {
             Reflector::Specular(_) => self.over_mirror(stack, view),
             Reflector::Lambertian(reflectance) => self.over_lambertian(stack, view, reflectance),
-            // Any layers are over such a base, no panel.
+            // Such a base occurs only under general layers, never in a panel.
             Reflector::Scattering(_) => Estimate::default(),
         };
         for seen in &view.images {
@@ -173,7 +173,7 @@ impl Kernel {
         Estimate { rho: rho.collect(), ledger: fate.ledger(stack) }
     }
 
-    /// Of the light that a Lambertian base sends: what leaves, and what comes back to it.
+    /// Returns the fractions of a Lambertian base's light that leave, and that return to it.
     fn diffuse_shares(&self, stack: &Panel) -> (Vec<f64>, Vec<f64>) {
         let bins = stack.base.bins();
         let (mut out, mut back) = (vec![0.0; bins], vec![0.0; bins]);
@@ -181,7 +181,8 @@ impl Kernel {
             Top::Fresnel(index) => index.min(),
             Top::Coated | Top::Diffuser(_) => f64::INFINITY,
         };
-        // beta = sin x resolves the grazing end in air; that in the face's medium is a pole.
+        // beta = sin x resolves the grazing end in air; the grazing end in the medium of the interface is a
+        // pole.
         let poles = if lowest.is_finite() { vec![Pole { at: lowest, off: 0.0 }.in_arc(1.0)] } else { vec![] };
         let mut flat = FlatTop::new(bins);
         for Node { x, weight } in graded(0.0, FRAC_PI_2, &[], &poles, self.digits) {
@@ -193,14 +194,14 @@ impl Kernel {
         for (bin, index) in stack.medium.index().iter().enumerate() {
             let area = index * index;
             out[bin] /= area;
-            // Beyond the critical angle everything comes back.
+            // Beyond the critical angle all light returns.
             back[bin] = (back[bin] + area - 1.0) / area;
         }
         (out, back)
     }
 }
 
-/// All orders of a round trip that keeps this fraction of light that has entered with `t`.
+/// Sums all orders of a round trip that preserves this fraction of light that has entered with `t`.
 fn orders(stack: &Panel, t: f64, share: f64) -> f64 {
     if stack.single_pass || t == 0.0 { 1.0 } else { 1.0 / (1.0 - share) }
 }
@@ -232,8 +233,8 @@ impl Fate {
         }
     }
 
-    /// Light that arrives at the base in all orders, and its way up: `above` is the fractions of
-    /// it that leave and that come back.
+    /// Adds light that arrives at the base in all orders, and its way up: `above` holds the fractions of it
+    /// that leave and that return.
     fn meet_base(&mut self, k: usize, arriving: f64, r: f64, above: (f64, f64)) {
         let (out, back) = above;
         let reflected = arriving * r;

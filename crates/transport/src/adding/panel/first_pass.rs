@@ -1,16 +1,15 @@
-//! One pass through diffuser, specular base and diffuser, as weights on the nodes of the base's
-//! table.
+//! One pass through diffuser, specular base and diffuser, as weights on the nodes of the base's table.
 //!
-//! With `D = s delta + (1 - s) lobe` a pass between v and l is the integral of
-//! `D(v, beta) R(beta) D(beta, l)` over the glass's disc. `R` is linear in the table's values:
-//! the pass is a set of weights on its nodes. Around azimuth lobes are summed by a rule that
-//! converges exponentially (one lobe: in closed form); over the radius by panels graded around the
-//! lobes' centres and the rim of the air's disc, none of them wider than the table's (a film's
-//! resonance may be sharper than any lobe).
+//! With `D = s delta + (1 - s) lobe`, a pass between v and l is the integral of
+//! `D(v, beta) R(beta) D(beta, l)` over the disc of the glass. `R` is linear in the values of the table, so
+//! that the pass is a set of weights on its nodes. Over azimuth, products of lobes are summed by a rule that
+//! converges exponentially (one lobe: in closed form). Over the radius, panels are graded around the centres
+//! of the lobes and the rim of the disc of air; none is wider than the panels of the table (a film's
+//! resonance may be narrower than any lobe).
 
 use papilio_optics::Scatterer;
 use papilio_optics::lobe::Lobe;
-use papilio_optics::wide;
+use papilio_optics::with_widest_simd;
 
 use super::super::quadrature::{Node, Point, Pole, radial};
 use super::lobes::{self, LANES, radii_of};
@@ -18,7 +17,7 @@ use super::rings::RingOfProducts;
 use crate::angular::Stencil;
 use crate::{Diffuser, Nodes};
 
-/// Diffuser, table nodes and index: what a pass is made of.
+/// Diffuser, table nodes and index: the data that determine a pass.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Pass<'a> {
     pub(super) diffuser: &'a Diffuser,
@@ -33,7 +32,7 @@ pub(super) struct Weights(pub(super) Vec<f64>);
 
 impl Weights {
     pub(super) fn new(nodes: &Nodes) -> Self {
-        // A look-up always touches `Stencil::LEN` consecutive slots.
+        // A look-up always covers `Stencil::LEN` consecutive nodes.
         Self(vec![0.0; nodes.count() + Stencil::LEN])
     }
 
@@ -49,9 +48,10 @@ impl Weights {
     }
 }
 
-/// What a view sees of any light, and where its own light meets the base.
+/// Light that a view sees independently of directed sources, and the distribution of its own light over the
+/// base.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Alone {
+pub(super) struct SourceFreeView {
     pub(super) reflected: Weights,
     pub(super) leaving: Weights,
     pub(super) nodes: usize,
@@ -62,20 +62,20 @@ impl Pass<'_> {
         self.diffuser.straight_through
     }
 
-    /// The fraction of light at the diffuser's underside that leaves into the air.
+    /// Returns the fraction of light at the underside of the diffuser that leaves into the air.
     fn share_leaving<const N: usize>(&self, radii: [f64; N]) -> [f64; N] {
         let scattered = self.diffuser.lobe.fractions_in_disc(radii, 1.0);
         let straight = radii.map(|radius| if radius <= 1.0 { self.straight() } else { 0.0 });
         std::array::from_fn(|k| straight[k] + (1.0 - self.straight()) * scattered[k])
     }
 
-    /// The same at these nodes.
+    /// Returns the same fraction at these nodes.
     pub(super) fn shares_leaving(&self, nodes: &[Node]) -> Vec<f64> {
         let of = |nodes: &[Node]| self.share_leaving(radii_of(nodes)).into_iter().take(nodes.len());
         nodes.chunks(LANES).flat_map(of).collect()
     }
 
-    /// A rule over the glass's disc for lobes around these points.
+    /// Returns a rule over the disc of the glass for lobes around these points.
     pub(super) fn rule(&self, points: impl Iterator<Item = f64>, rim: bool, digits: f64) -> Vec<Node> {
         let mut sharp: Vec<Pole> = Vec::new();
         points.for_each(|radius| lobes::poles(self.diffuser.lobe, radius, &mut sharp));
@@ -99,7 +99,7 @@ impl Pass<'_> {
         self.table.stencil(radius * radius, self.index)
     }
 
-    pub(super) fn alone(&self, view: &[Point]) -> Alone {
+    pub(super) fn alone(&self, view: &[Point]) -> SourceFreeView {
         let (mut reflected, mut leaving) = (Weights::new(self.table), Weights::new(self.table));
         for point in view {
             let radius = point.beta.length();
@@ -113,7 +113,7 @@ impl Pass<'_> {
         let rule = self.rule(radii.iter().map(|r| r.0), true, self.digits);
         let means = lobes::means(self.diffuser.lobe, &radii, &rule);
         let shares = self.shares_leaving(&rule);
-        wide(
+        with_widest_simd(
             #[inline(always)]
             || {
                 for ((node, mean), share) in rule.iter().zip(&means).zip(&shares) {
@@ -124,14 +124,14 @@ impl Pass<'_> {
                 }
             },
         );
-        Alone {
+        SourceFreeView {
             reflected: reflected.finish(self.table),
             leaving: leaving.finish(self.table),
             nodes: rule.len(),
         }
     }
 
-    /// `pi` times the kernel between two sets of points, less what is scattered not at all.
+    /// Returns `pi` times the kernel between two sets of points, without the light that is never scattered.
     pub(super) fn between(&self, view: &[Point], source: &[Point]) -> (Weights, usize) {
         let mut sum = Weights::new(self.table);
         let (s, lobe) = (self.straight(), self.diffuser.lobe);
@@ -149,11 +149,11 @@ impl Pass<'_> {
         let radii = [merged_radii(view), merged_radii(source)].concat();
         let rule = self.rule(radii.iter().map(|r| r.0), false, self.digits);
         let rings = RingOfProducts::new(lobe, view, source, self.digits).at(&rule);
-        wide(
+        with_widest_simd(
             #[inline(always)]
             || {
                 for (node, ring) in rule.iter().zip(&rings) {
-                    // The rule's weights hold the 2 pi that the ring has already.
+                    // The weights of the rule include the 2 pi that the ring already contains.
                     let weight = (1.0 - s).powi(2) * 0.5 * node.weight * ring;
                     sum.add(&self.look_up(node.x), weight);
                 }
@@ -163,10 +163,10 @@ impl Pass<'_> {
     }
 }
 
-/// Radii closer than this are one.
+/// Difference below which two radii are equal.
 pub(super) const SAME_RADIUS: f64 = 1e-14;
 
-/// The distinct radii of a set of points and their weights.
+/// Returns the distinct radii of a set of points and their weights.
 pub(super) fn merged_radii(points: &[Point]) -> Vec<(f64, f64)> {
     let mut radii: Vec<(f64, f64)> = Vec::with_capacity(points.len());
     for point in points {

@@ -1,12 +1,12 @@
-//! Glass whose index depends on wavelength: what a panel reflects is a smooth function of the
-//! index, so it is computed at a few and interpolated between them (Chebyshev's points of the
-//! range; at every index that occurs, where those are fewer).
+//! Glass whose index depends on wavelength. The reflectance of a panel is a smooth function of the index. It
+//! is computed at a few indices and interpolated between them (Chebyshev points of the range; every index
+//! that occurs, if there are fewer).
 
 use std::f64::consts::PI;
 
 use crate::Medium;
 
-/// The indices to compute at, and how each wavelength blends them.
+/// Indices at which to compute, and the weights of each at each wavelength.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Indices {
     pub(super) nodes: Vec<f64>,
@@ -23,7 +23,7 @@ impl Indices {
         let mut nodes = index.to_vec();
         nodes.sort_by(f64::total_cmp);
         nodes.dedup();
-        // Five digits for each point, where the index varies by a fifth.
+        // Five digits per point, if the index varies by a fifth.
         let (low, high) = (index.min(), index.max());
         let each = (4.0 / ((high - low) / (low - 0.5))).max(2.0).ln();
         let count = 1 + (digits / each).ceil() as usize;
@@ -43,7 +43,7 @@ impl Indices {
         Self { nodes, blend }
     }
 
-    /// What a node counts at a wavelength.
+    /// Returns the weight of a node at a wavelength.
     pub(super) fn blend_at(&self, node: usize, bin: usize) -> f64 {
         self.blend[node * (self.blend.len() / self.nodes.len()) + bin]
     }

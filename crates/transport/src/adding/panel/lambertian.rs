@@ -1,23 +1,23 @@
-//! A Lambertian base under a diffuser: rank one.
+//! A Lambertian base under a diffuser: a kernel of rank one.
 //!
-//! Of light above the diffuser at `beta`, the fraction `a(beta)` reaches the base (straight through,
-//! or by the lobe into the glass's disc: closed forms); the base sends `R/(pi n^2)` into every
-//! direction of that disc; by reciprocity `a` is also what leaves towards `beta`. One pass is
-//! `a(v) R a(l)/(pi n^2)`, and all orders are a geometric series in
-//! `r T^2 R kappa`, `kappa` the integral of `a^2/(pi n^2)` over the air's disc.
+//! Of light above the diffuser at `beta`, the fraction `a(beta)` reaches the base (unscattered, or by the
+//! lobe into the disc of the glass: closed forms). The base sends `R/(pi n^2)` into every direction of that
+//! disc. By reciprocity, `a` is also the fraction that leaves towards `beta`. One pass is
+//! `a(v) R a(l)/(pi n^2)`, and all orders are a geometric series in `r T^2 R kappa`, with `kappa` the
+//! integral of `a^2/(pi n^2)` over the disc of air.
 
 use std::f64::consts::PI;
 
 use super::super::quadrature::{Point, Pole, radial};
 use crate::Diffuser;
 
-/// What the angles come to, for one index.
+/// Integrals over directions, for one index.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Shares {
     index: f64,
-    /// The integral of `a/(pi n^2)` over the air's disc: what leaves of the base's light.
+    /// The integral of `a/(pi n^2)` over the disc of air: the fraction of the base's light that leaves.
     pub(super) out: f64,
-    /// `kappa`: what would leave and come back, under a perfect mirror.
+    /// `kappa`: the fraction that would leave and return, under a perfect mirror.
     pub(super) back: f64,
     pub(super) nodes: usize,
 }
@@ -39,12 +39,12 @@ impl Shares {
         Self { index, out: out / area, back: back / area, nodes: rule.len() }
     }
 
-    /// `a`, over the points of a view or a source.
+    /// Returns the mean of `a` over the points of a view or a source.
     pub(super) fn arriving(&self, diffuser: &Diffuser, points: &[Point]) -> f64 {
         points.iter().map(|p| p.weight * arriving(diffuser, p.beta.length(), self.index)).sum()
     }
 
-    /// `pi` times the base's density of directions.
+    /// Returns `pi` times the density of directions of the base.
     pub(super) fn density(&self) -> f64 {
         1.0 / (self.index * self.index)
     }

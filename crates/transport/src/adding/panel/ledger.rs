@@ -1,24 +1,24 @@
-//! From what a diffuser's underside sees to reflectance factors and the ledger.
+//! Reflectance factors and ledger, computed from the light at the underside of the diffuser.
 
 use crate::{Diffuser, Estimate, Ledger, Panel, ReflectanceFactor, Source};
 
-/// Whether it is asked where light ends.
+/// Whether the ledger is requested.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Books {
-    Kept,
+pub(super) enum LedgerRequest {
+    Requested,
     /// `arriving` and `reflected` lack recycled light.
-    NotKept,
+    Omitted,
 }
 
-/// All orders of light between diffuser and base for one view, but for the factors `t^2 T^2`
-/// (see the walk's tracer); shapes `[state][wavelength]`.
+/// All orders of light between diffuser and base for one view, without the factors `t^2 T^2` (see the tracer
+/// of the Monte Carlo solver); shapes `[state][wavelength]`.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Sums {
-    /// Reaches the base.
+    /// Light that reaches the base.
     pub(super) arriving: Vec<f64>,
-    /// Reflected by the base.
+    /// Light reflected by the base.
     pub(super) reflected: Vec<f64>,
-    /// Leaves the diffuser upwards: what diffuse light sees.
+    /// Light that leaves the diffuser upwards, into directions from which diffuse light comes.
     pub(super) leaving: Vec<f64>,
     /// `pi` times the kernel towards each directed source; empty for diffuse light.
     pub(super) directed: Vec<Vec<f64>>,
@@ -82,7 +82,7 @@ impl Sums {
             for bin in 0..bins {
                 let k = first + bin;
                 let (flat, t) = (front.at(bin), diffuser.transmittance[bin]);
-                // Shares at the diffuser's upper and lower side.
+                // Fractions at the upper and lower side of the diffuser.
                 let (above, below) = (flat.t, flat.t * t);
                 let up = below * t * self.leaving[k];
                 let sent_back = up * flat.below;

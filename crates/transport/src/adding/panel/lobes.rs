@@ -1,30 +1,29 @@
-//! Lobes in azimuth: their Fourier orders.
+//! Fourier orders of lobes over azimuth.
 //!
-//! At radii a and c a k-correlation lobe is `b/(2 pi) (A - C cos phi)^(-3/2)` with
-//! `A = a^2 + b^2 + c^2`, `C = 2 a c`. Its mean over azimuth is a complete elliptic integral
-//! (Gradshteyn & Ryzhik, 2.575); higher orders follow from it by the three-term recurrence of
-//! Legendre functions of half-integer degree, run backwards (Miller; Gautschi, SIAM Rev. 9, 24
-//! (1967)).
+//! At radii a and c a k-correlation lobe is `b/(2 pi) (A - C cos phi)^(-3/2)` with `A = a^2 + b^2 + c^2`,
+//! `C = 2 a c`. Its mean over azimuth is a complete elliptic integral (Gradshteyn & Ryzhik, 2.575). Higher
+//! orders follow from it by the three-term recurrence of Legendre functions of half-integer degree, run
+//! backwards (Miller; Gautschi, SIAM Rev. 9, 24 (1967)).
 
 use std::f64::consts::PI;
 
 use papilio_optics::lobe::Lobe;
-use papilio_optics::wide;
+use papilio_optics::with_widest_simd;
 
 use super::super::quadrature::{Node, Pole};
 
-/// Radii that are worked on side by side.
+/// Number of radii that are computed together.
 pub(super) const LANES: usize = 8;
 
-/// The radii of these nodes, the last of them again and again at the end.
+/// Returns the radii of these nodes, padded with the last of them.
 #[inline(always)]
 pub(super) fn radii_of(nodes: &[Node]) -> [f64; LANES] {
     std::array::from_fn(|k| nodes[k.min(nodes.len() - 1)].x)
 }
 
-/// The first `count` Fourier orders 0, 1, ... of the lobe between radius `a` and each of the nodes: its
-/// density there is `sum over all m of orders[|m|] exp(i m phi)`. `each` gets an order, the first
-/// node's number and the orders of that and the following nodes.
+/// Computes the first `count` Fourier orders 0, 1, ... of the lobe between radius `a` and each of the nodes:
+/// its density there is `sum over all m of orders[|m|] exp(i m phi)`. `each` receives an order, the number
+/// of the first node and the orders of that and the following nodes.
 pub(super) fn orders_of_nodes(
     lobe: Lobe,
     a: f64,
@@ -33,7 +32,7 @@ pub(super) fn orders_of_nodes(
     mut each: impl FnMut(usize, usize, &[f64]),
 ) {
     let mut ratios = Vec::new();
-    wide(
+    with_widest_simd(
         #[inline(always)]
         || {
             for (number, nodes) in nodes.chunks(LANES).enumerate() {
@@ -55,9 +54,9 @@ pub(super) fn orders_of_nodes(
     );
 }
 
-/// So many orders 0, 1, ... of several radii at once: divisions overlap. The recurrence begins at
-/// the order that is given, or as late as the first orders need. `ratios` is a place to work in. Always
-/// part of its caller, for the registers that that one was compiled for.
+/// Computes orders 0, 1, ... up to `count` of several radii at once, so that divisions overlap. The
+/// recurrence begins at the given order, or as late as the first orders need. `ratios` is a workspace.
+/// Always inlined, so that it is compiled for the instruction set of its caller.
 #[inline(always)]
 pub(super) fn side_by_side(
     width: f64,
@@ -78,10 +77,10 @@ pub(super) fn side_by_side(
         return;
     }
     let chi: [f64; LANES] = std::array::from_fn(|k| 0.5 * (near[k] + far[k]) / (2.0 * a * c[k]).max(TINY));
-    // Ratios of successive orders tend to this.
+    // Limit of the ratio of successive orders.
     let decay = chi.map(|chi| 1.0 / (chi + (chi * chi - 1.0).max(0.0).sqrt()));
     let slowest = decay.into_iter().fold(0.0, f64::max);
-    // The first guess of the ratio is forgotten within some multiples of this many orders.
+    // The error of the first ratio becomes negligible within a few multiples of this number of orders.
     let most = from.unwrap_or_else(|| count + 8 + (-3.0 / slowest.ln()).min(100.0) as usize);
     let mut ratio = decay.map(|decay| decay * (1.0 + 0.5 / most as f64));
     ratios.resize(count.max(ratios.len()), [0.0; LANES]);
@@ -100,10 +99,10 @@ pub(super) fn side_by_side(
     }
 }
 
-/// Around the centre lobes are even.
+/// Around the centre lobes do not depend on azimuth.
 const TINY: f64 = 1e-100;
 
-/// The mean over azimuth of a weighted sum of lobes around these radii, at the nodes.
+/// Returns the mean over azimuth of a weighted sum of lobes around these radii, at the nodes.
 pub(super) fn means(lobe: Lobe, weighted_radii: &[(f64, f64)], nodes: &[Node]) -> Vec<f64> {
     let mut sum = vec![0.0; nodes.len()];
     for (radius, weight) in weighted_radii {
@@ -114,7 +113,7 @@ pub(super) fn means(lobe: Lobe, weighted_radii: &[(f64, f64)], nodes: &[Node]) -
     sum
 }
 
-/// The complete elliptic integrals of the second kind, from `k'^2 = 1 - k^2` above 0 (by the
+/// Returns complete elliptic integrals of the second kind, from `k'^2 = 1 - k^2` above 0 (by the
 /// arithmetic-geometric mean; Abramowitz & Stegun, 17.6).
 #[inline(always)]
 fn second_kind(k_prime_squared: [f64; LANES]) -> [f64; LANES] {
@@ -131,7 +130,7 @@ fn second_kind(k_prime_squared: [f64; LANES]) -> [f64; LANES] {
     std::array::from_fn(|k| PI / (a[k] + b[k]) * (1.0 - sum[k]))
 }
 
-/// Where a lobe around radius `centre` is singular, as a function of the other radius.
+/// Adds the singularities of a lobe around radius `centre`, as a function of the other radius.
 pub(super) fn poles(lobe: Lobe, centre: f64, poles: &mut Vec<Pole>) {
     if let Lobe::KCorrelation { width } = lobe {
         for at in [centre, -centre] {
@@ -148,9 +147,9 @@ mod tests {
     use super::*;
     use papilio_optics::{Beta, Scatterer};
 
-    /// Orders against the trapezoid rule, which converges exponentially.
+    /// Orders are compared with the trapezoid rule, which converges exponentially.
     #[test]
-    fn orders_are_the_lobes_fourier_coefficients() {
+    fn orders_equal_fourier_coefficients_of_lobe() {
         for (width, a, c) in [(0.05, 0.3, 0.35), (0.05, 0.9, 0.1), (0.4, 1.2, 1.0), (0.02, 0.5, 0.5)] {
             let lobe = Lobe::KCorrelation { width };
             let (mut found, node) = (vec![0.0; 30], [Node { x: c, weight: 1.0 }]);
@@ -163,7 +162,7 @@ mod tests {
                     lobe.density(Beta { x: a, y: 0.0 }, to) * (m as f64 * phi).cos()
                 };
                 let truth = (0..steps).map(term).sum::<f64>() / f64::from(steps);
-                // What the recurrence starts with shows in the last orders alone.
+                // The start of the recurrence affects only the last orders.
                 let within = 1e-5 * first + 1e-12;
                 assert!((found - truth).abs() < within, "{width} {a} {c} {m}: {found} {truth}");
             }

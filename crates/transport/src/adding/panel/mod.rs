@@ -1,13 +1,12 @@
-//! The ordinary panel: one diffuser or face over the base.
+//! The ordinary panel: a diffuser or a bare surface over the base.
 //!
-//! A bare panel is closed forms and one-dimensional integrals ([`bare`]). Under a diffuser the
-//! first pass is an integral over the directions in the glass ([`first_pass`]), which falls on
-//! the nodes of the pixel's table as weights; light that the front of screen sends back into the
-//! panel is followed on a grid of its own ([`recycling`]). Over a Lambertian base all of it is of
-//! rank one ([`lambertian`]).
+//! A bare panel takes closed forms and one-dimensional integrals ([`bare`]). Under a diffuser, the first
+//! pass is an integral over the directions in the glass ([`first_pass`]), expressed as weights on the nodes
+//! of the pixel's table. Light that the front of screen sends back into the panel is followed on a grid of
+//! its own ([`recycling`]). Over a Lambertian base all of this is a kernel of rank one ([`lambertian`]).
 //!
-//! What is discretised goes with one number, `digits`: every rule is made for an error of
-//! `exp(-digits)`, and a level has 3.5 more than the one before (a factor of 33).
+//! One number, `digits`, controls all discretisation: every rule is made for an error of `exp(-digits)`, and
+//! each level has 3.5 digits more than the one before (a factor of 33).
 
 mod bare;
 mod diffused;
@@ -26,13 +25,13 @@ use papilio_optics::lobe::Lobe;
 use super::TableGradient;
 use crate::{Cone, Diffuser, Estimate, Panel, ReflectanceFactor, Source, Top};
 
-/// True if recycled light may have a wider lobe than the diffuser's (see [`recycling`]).
+/// Returns whether recycled light may have a wider lobe than the diffuser's (see [`recycling`]).
 pub(super) fn narrows(panel: &Panel) -> bool {
     let Top::Diffuser(Diffuser { lobe: Lobe::KCorrelation { width }, .. }) = &panel.top else { return false };
     *width < recycling::NARROWEST && !panel.single_pass && panel.front.reflectance_below.max() > 0.0
 }
 
-/// Prepared for a stack, its views and its sources.
+/// Kernel prepared for a stack, its views and its sources.
 #[derive(Debug, Clone)]
 pub(super) struct Kernel {
     digits: f64,
@@ -50,7 +49,7 @@ impl Kernel {
         Self { digits: 11.5 + 3.5 * f64::from(level), kind: Kind::Bare(bare::Kernel::default()) }
     }
 
-    /// Not finished if `stop` is set before.
+    /// Prepares views and sources; incomplete if `stop` is set during the computation.
     pub(super) fn prepare(&mut self, stack: &Panel, views: &[Cone], sources: &[Source], stop: &AtomicBool) {
         match &stack.top {
             Top::Coated | Top::Fresnel(_) => {
@@ -70,7 +69,7 @@ impl Kernel {
         }
     }
 
-    /// Whether what was prepared for these layers serves this base.
+    /// Returns whether the data prepared for these layers can be used for this base.
     pub(super) fn serves(&self, stack: &Panel) -> bool {
         match (&self.kind, &stack.top) {
             (Kind::Bare(kernel), _) => kernel.serves(stack),
@@ -92,7 +91,7 @@ impl Kernel {
         }
     }
 
-    /// The `rho` of an estimate.
+    /// Returns the `rho` of an estimate.
     pub(super) fn seen(&self, stack: &Panel, view: usize) -> Vec<ReflectanceFactor> {
         match (&self.kind, &stack.top) {
             (Kind::Diffused(kernel), Top::Diffuser(diffuser)) => kernel.seen(stack, diffuser, view),

@@ -1,27 +1,27 @@
-//! Products of two sums of lobes, over all azimuths of a circle.
+//! Products of two sums of lobes, integrated over the azimuth of a circle.
 
 use std::f64::consts::PI;
 
 use papilio_optics::lobe::Lobe;
-use papilio_optics::wide;
+use papilio_optics::with_widest_simd;
 
 use super::super::quadrature::{MULTIPLE_POLES, Node, Point, Pole, graded};
 use super::first_pass::SAME_RADIUS;
 use super::lobes::{LANES, radii_of, side_by_side};
 
-/// Sums of more orders than these (or a quarter as many as there are points) take longer than panels around the lobes.
+/// Number of orders (or a quarter of the number of points) above which panels around the lobes are faster.
 const MOST_ORDERS: usize = 300;
 
-/// The integral over azimuth of the product of two sums of lobes, at any radius.
+/// Integral over azimuth of the product of two sums of lobes, at any radius.
 ///
-/// By Parseval's theorem it is a sum over Fourier orders, which needs but half of those that either
-/// of its factors has.
+/// By Parseval's theorem it is a sum over Fourier orders, which needs only half as many as either of its
+/// factors has.
 pub(super) struct RingOfProducts<'a> {
     lobe: Lobe,
     digits: f64,
     points: [&'a [Point]; 2],
     rings: [Rings; 2],
-    /// A place to work in.
+    /// Workspace.
     ratios: Vec<[f64; LANES]>,
 }
 
@@ -31,7 +31,7 @@ impl<'a> RingOfProducts<'a> {
         Self { lobe, digits, points, rings: points.map(Rings::new), ratios: Vec::new() }
     }
 
-    /// At each of the nodes.
+    /// Returns the integral at each of the nodes.
     pub(super) fn at(&mut self, nodes: &[Node]) -> Vec<f64> {
         let Lobe::KCorrelation { width } = self.lobe else {
             let [one, other] = self.points.map(|points| points.iter().map(|p| p.weight).sum::<f64>());
@@ -43,7 +43,7 @@ impl<'a> RingOfProducts<'a> {
         for nodes in nodes.chunks(LANES) {
             let radii = radii_of(nodes);
             let found = match self.orders(width, &radii) {
-                Some(orders) => wide(
+                Some(orders) => with_widest_simd(
                     #[inline(always)]
                     || self.by_orders(width, &radii, orders, &mut sums),
                 ),
@@ -54,18 +54,18 @@ impl<'a> RingOfProducts<'a> {
         all
     }
 
-    /// How many orders the product needs, and from which on each factor's are to be made; `None`
-    /// if they are too many.
+    /// Returns the number of orders that the product needs, and the orders from which the recurrences of the
+    /// two factors start; `None` if they are too many.
     fn orders(&self, width: f64, radii: &[f64; LANES]) -> Option<(usize, [usize; 2])> {
         let least = self.rings.each_ref().map(|rings| rings.least_excess(width, radii));
-        // A lobe's poles in azimuth lie at its own azimuth, so far off the real line: its orders
-        // fall off as `exp(-off m)`.
+        // A lobe's poles in azimuth lie at its own azimuth, at this distance from the real line: its orders
+        // decrease as `exp(-off m)`.
         let off = least.map(|excess| 2.0 * (0.5 * excess).sqrt().asinh());
-        // Of lobes that do not meet the product is so much smaller than its orders.
+        // For lobes that do not overlap, the product is smaller than its orders by this factor.
         let cancelled = 1.5 * (2.0 / least[0].max(least[1])).ln_1p();
         let digits = self.digits + MULTIPLE_POLES + cancelled;
         let count = (digits / (off[0] + off[1])).ceil() + 2.0;
-        // What a recurrence begins with is forgotten at twice that pace.
+        // The error at the start of a recurrence decreases at twice that rate.
         let from = off.map(|off| (0.5 * digits / off).ceil().max(count + 8.0));
         let most = MOST_ORDERS.max(self.points[0].len().max(self.points[1].len()) / 4);
         let fits = from[0].max(from[1]) <= most as f64;
@@ -101,15 +101,15 @@ struct Turning {
     sin: [f64; LANES],
 }
 
-/// Points by their distinct radii.
+/// Points grouped by distinct radius.
 struct Rings {
     radii: Vec<f64>,
     points: Vec<OnRing>,
-    /// For each order and radius the sum of weights times `exp(i m phi)`, as far as they are known.
+    /// For each order and radius the sum of weights times `exp(i m phi)`, as far as computed.
     turns: Vec<[f64; 2]>,
 }
 
-/// A point on a ring of this number: `exp(i phi)`, and weight times `exp(i m phi)` of the next order.
+/// A point on the ring of this number: `exp(i phi)`, and weight times `exp(i m phi)` of the next order.
 struct OnRing {
     ring: usize,
     turn: [f64; 2],
@@ -132,7 +132,7 @@ impl Rings {
         Self { radii, points, turns: Vec::new() }
     }
 
-    /// How far the cosine of the nearest pole in azimuth is above 1.
+    /// Returns how far the cosine of the nearest pole in azimuth is above 1.
     fn least_excess(&self, width: f64, radii: &[f64; LANES]) -> f64 {
         let mut least = f64::INFINITY;
         for r in &self.radii {
@@ -157,7 +157,7 @@ impl Rings {
         }
     }
 
-    /// The first `count` orders of the sum of lobes.
+    /// Computes the first `count` orders of the sum of lobes.
     #[inline(always)]
     fn sum(
         &mut self,
@@ -183,7 +183,7 @@ impl Rings {
     }
 }
 
-/// The integral at one radius by panels around the lobes.
+/// Returns the integral at one radius by panels around the lobes.
 fn by_panels(width: f64, radius: f64, points: [&[Point]; 2], digits: f64) -> f64 {
     let excess = |point: &Point| {
         let r = point.beta.length();
@@ -209,7 +209,7 @@ fn by_panels(width: f64, radius: f64, points: [&[Point]; 2], digits: f64) -> f64
     (width / (2.0 * PI)).powi(2) * graded(-PI, PI, &[], &poles, digits).iter().map(value).sum::<f64>()
 }
 
-/// The weighted sum of lobes at a point, but for the factor `b / (2 pi)`.
+/// Returns the weighted sum of lobes at a point, without the factor `b / (2 pi)`.
 #[inline]
 fn lobes(width: f64, x: f64, y: f64, points: &[Point]) -> f64 {
     let mut sum = 0.0;
@@ -225,9 +225,9 @@ mod tests {
     use super::*;
     use papilio_optics::{Beta, Scatterer};
 
-    /// Both ways of summing over azimuth agree, for lobes down to a width of 1e-4.
+    /// Both methods of summing over azimuth agree, for lobes down to a width of 1e-4.
     #[test]
-    fn products_of_narrow_lobes() {
+    fn products_of_narrow_lobes_agree_by_both_methods() {
         let point = |x, y| vec![Point { beta: Beta { x, y }, weight: 1.0 }];
         let (one, other) = (point(0.3, 0.02), point(-0.1, 0.29));
         for width in [1e-4, 3e-3, 0.05] {

@@ -1,22 +1,23 @@
-//! The fraction of light at the diffuser's underside that leaves into the air, tabulated: its closed form takes an
-//! elliptic integral, ten times what else a path's first pass does.
+//! Table of the fraction of the light below the diffuser that leaves into the air. Its closed form takes an
+//! elliptic integral, which costs ten times as much as the rest of a path's first pass.
 //!
-//! A k-correlation lobe of width b puts it into `|beta| <= 1`; the fraction falls from 1 to 0 over some b about the rim. Steps
-//! of b/32 in `|beta|^2`, b/64 there in `|beta|`, and cubic interpolation among four points err by less than 1e-8.
+//! The table holds the fraction of a k-correlation lobe of width b that falls into `|beta| <= 1`; it
+//! decreases from 1 to 0 over about b around the rim. With steps of b/32 in `|beta|^2`, b/64 there in
+//! `|beta|`, and cubic interpolation among four points, the error is below 1e-8.
 
 use papilio_optics::lobe::Lobe;
 use papilio_sampling::warp::rounded;
 
-/// Steps to a width of the lobe.
+/// Steps per width of the lobe.
 const STEPS: f64 = 32.0;
 
-/// Narrower lobes would take more workspace than a processor's first caches have.
+/// Width below which there is no table: it would exceed the first caches of a processor.
 const NARROWEST: f64 = 0.01;
 
-/// Offsets that are computed side by side.
+/// Number of offsets that are computed together.
 const SIDE_BY_SIDE: usize = 16;
 
-/// Cubic polynomials of the place about even steps of `|beta|^2`.
+/// Cubic polynomials of the position between uniform steps of `|beta|^2`.
 #[derive(Debug)]
 pub(super) struct Escape {
     lobe: Lobe,
@@ -25,7 +26,8 @@ pub(super) struct Escape {
 }
 
 impl Escape {
-    /// For `|beta|` up to `largest`. Narrow lobes have no table: their fractions are computed each time.
+    /// Tabulates the fractions for `|beta|` up to `largest`. Narrow lobes have no table: their fractions are
+    /// computed each time.
     pub(super) fn new(lobe: Lobe, largest: f64) -> Self {
         let width = match lobe {
             Lobe::KCorrelation { width } => width.min(1.0),
@@ -35,7 +37,7 @@ impl Escape {
             return Self { lobe, per_square: 0.0, steps: Vec::new() };
         }
         let per_square = STEPS / width;
-        // A point before the first step (that of the cubic through the next four), and two behind the last.
+        // One point before the first step (that of the cubic through the next four), and two after the last.
         let count = ((largest * largest * per_square).ceil() as usize + 4).next_multiple_of(SIDE_BY_SIDE);
         let mut values = vec![0.0];
         for first in (0..count).step_by(SIDE_BY_SIDE) {
@@ -50,8 +52,9 @@ impl Escape {
         Self { lobe, per_square, steps }
     }
 
-    /// The shares at these `|beta|^2`; those beyond the medium's mean nothing. Not in the widest registers: they find four
-    /// numbers in each of many places more slowly than plain loads do.
+    /// Returns the fractions at these `|beta|^2`; those beyond the disc of the medium have no meaning. The
+    /// widest registers are not used: they gather four numbers from each of many places more slowly than
+    /// scalar loads do.
     #[inline(never)]
     pub(super) fn at<const N: usize>(&self, squared: &[f64; N]) -> [f64; N] {
         let mut shares = [0.0; N];
@@ -70,7 +73,7 @@ impl Escape {
     }
 }
 
-/// The coefficients of the cubic through values at -1, 0, 1 and 2.
+/// Returns the coefficients of the cubic through values at -1, 0, 1 and 2.
 fn polynomial([before, here, next, after]: [f64; 4]) -> [f64; 4] {
     let bend = (before + next) / 2.0 - here;
     let twist = (after - before) / 6.0 - (next - here) / 2.0;
@@ -82,7 +85,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_table_is_the_closed_form() {
+    fn table_equals_closed_form() {
         for width in [0.003, 0.01, 0.0567, 0.3, 2.0] {
             let lobe = Lobe::KCorrelation { width };
             let leaving = Escape::new(lobe, 1.52);

@@ -1,9 +1,10 @@
-//! The first direction of light that the diffuser sends on from the pixel: the one that matters most.
+//! Sampling of the direction between pixel and diffuser on the first pass, on which the estimate depends
+//! most.
 //!
-//! On the first pass all that a direction below the diffuser is worth is known: the lobe's value
-//! from the viewer, the pixel's reflectance, and what comes back to it from each source by the
-//! lobe once more. Guided, the direction is sampled from a [`Guide`] to their product. Later passes
-//! carry a few parts in a hundred and are not part of it.
+//! On the first pass, the contribution of a direction below the diffuser is known: the value of the lobe
+//! from the viewer, the reflectance of the pixel, and the light that each source sends there by a second
+//! pass of the lobe. The guided strategy samples the direction from a [`Guide`] to their product. Later
+//! passes carry a few percent of the light and are not part of it.
 
 use std::f64::consts::PI;
 
@@ -18,22 +19,22 @@ use crate::{Cone, Diffuser, Panel, Reflector, Source};
 /// How the direction is sampled.
 #[derive(Debug)]
 pub(super) enum First {
-    /// Several of them from the guide.
+    /// Several directions, from the guide.
     Guided(Guided),
     /// From the lobe itself.
     Kernel(DirectionSampler),
-    /// As all others.
+    /// As all other directions.
     Plain,
 }
 
-/// Directions of a guided path's first pass, uniform over the guide: drawing them costs far less
-/// than what they tell of a pixel whose reflectance varies with angle.
+/// Number of directions of a guided path's first pass, uniform over the guide: sampling several costs little
+/// and gives much information on a pixel whose reflectance varies with angle.
 pub(super) const SPLITS: usize = 8;
 
 /// The golden section.
 const GOLDEN: f64 = 0.618_033_988_749_894_9;
 
-/// A guide and the probability with which light goes straight instead.
+/// A guide, and the probability of passing the diffuser unscattered instead.
 #[derive(Debug)]
 pub(super) struct Guided {
     pub(super) guide: Guide,
@@ -41,10 +42,10 @@ pub(super) struct Guided {
 }
 
 impl Guided {
-    /// Direction number `k` (modulo [`SPLITS`]): where to, and the weight.
+    /// Samples direction number `k` (modulo [`SPLITS`]); returns it and its weight.
     #[inline]
     pub(super) fn draw(&self, diffuser: &Diffuser, from: Beta, k: usize, u: [f64; 2]) -> (Beta, f64) {
-        // Azimuths of all directions of a path are spread, too.
+        // The azimuths of the directions of a path are also spread.
         let k = (k % SPLITS) as f64;
         let (u, v) = ((u[0] + k) / SPLITS as f64, (u[1] + k * GOLDEN).fract());
         if u < self.straight {
@@ -56,20 +57,20 @@ impl Guided {
     }
 }
 
-/// The part of the guide that goes to directions without regard to the light: it bounds the weights
-/// in the ledger.
+/// Fraction of the guide that ignores the light: it bounds the weights in the ledger.
 const WITHOUT_LIGHT: f64 = 0.03;
 
-/// The part that goes to each source alike, however little of the light it sends.
+/// Fraction of the guide that goes to each source equally, however little light it sends.
 const TO_EACH_SOURCE: f64 = 0.1;
 
-/// Fields of view wider than this part of the lobe see too different directions for one guide.
+/// Largest half angle of the field of view, as a fraction of the lobe's width, for which one guide serves
+/// all directions.
 const WIDEST_FIELD: f64 = 0.25;
 
-/// Points that stand for a field.
+/// Number of points that represent a field.
 const POINTS_OF_A_FIELD: usize = 64;
 
-/// Radii of a disc in parts of the lobe from which on it is more than a point to the guide.
+/// Radius of a disc, in widths of the lobe, above which the guide represents it by more than one point.
 const POINT: f64 = 0.3;
 
 impl First {
@@ -83,34 +84,34 @@ impl First {
             (Strategy::Kernel, _) => Self::Kernel(DirectionSampler::kernel(diffuser.lobe)),
             (Strategy::Guided, Lobe::KCorrelation { width }) if view.half_angle() <= WIDEST_FIELD * width => {
                 let light = Light::new(diffuser, width, view.axis_towards(), sources, shares);
-                Worth::new(stack, diffuser, view, light).guide().unwrap_or(Self::Plain)
+                Contribution::new(stack, diffuser, view, light).guide().unwrap_or(Self::Plain)
             }
             _ => Self::Plain,
         }
     }
 }
 
-/// A source as points of even weight; none for diffuse light.
+/// A source as points of equal weight; without points for diffuse light.
 #[derive(Debug)]
-struct Lamp {
+struct SourcePoints {
     points: Vec<Beta>,
-    /// How much a reflectance factor under it counts.
+    /// Weight of the reflectance factor under it.
     share: f64,
 }
 
-/// What light the sources send to a direction below the diffuser.
+/// Light that the sources send into a direction below the diffuser.
 #[derive(Debug)]
 struct Light {
     lobe: Lobe,
     straight: f64,
-    lamps: Vec<Lamp>,
-    /// The mean over the directions that the viewer sees.
+    lamps: Vec<SourcePoints>,
+    /// Mean over the directions that the viewer sees.
     mean: f64,
-    /// The fraction of the lobe that leaves into the air, at uniformly spaced `|beta|`.
+    /// Fraction of the lobe that leaves into the air, at uniformly spaced `|beta|`.
     leaving: Vec<f64>,
 }
 
-/// Steps of the fraction that leaves per unit of `|beta|`.
+/// Steps of this fraction per unit of `|beta|`.
 const STEPS: f64 = 64.0;
 
 impl Light {
@@ -118,15 +119,15 @@ impl Light {
     fn new(diffuser: &Diffuser, width: f64, view: Beta, sources: &[Source], shares: &[f64]) -> Self {
         let lobe = diffuser.lobe;
         let share = |i: usize| shares.get(i).copied().unwrap_or(1.0);
-        let lamps: Vec<Lamp> = sources
+        let lamps: Vec<SourcePoints> = sources
             .iter()
             .enumerate()
-            .map(|(i, source)| Lamp { points: points(source, width), share: share(i) })
+            .map(|(i, source)| SourcePoints { points: points(source, width), share: share(i) })
             .collect();
         let leaving =
             (0..=(4.0 * STEPS) as usize).map(|k| lobe.fraction_in_disc(k as f64 / STEPS, 1.0)).collect();
         let mut light = Self { lobe, straight: diffuser.straight_through, lamps, mean: 0.0, leaving };
-        // Two passes of the lobe are one of twice the width.
+        // Two passes of the lobe are about one pass of a lobe of twice the width.
         let twice = Lobe::KCorrelation { width: 2.0 * width };
         let seen: Vec<f64> = light.lamps.iter().map(|lamp| lamp.seen(twice, view).max(1e-300)).collect();
         let mean: f64 = light.lamps.iter().zip(&seen).map(|(lamp, seen)| lamp.share * seen).sum();
@@ -136,9 +137,9 @@ impl Light {
         light
     }
 
-    /// The reflectance factor of a white pixel that meets light in direction `beta` alone.
+    /// Returns the reflectance factor of a white pixel that receives light from direction `beta` alone.
     fn at(&self, beta: Beta) -> f64 {
-        let of = |lamp: &Lamp| {
+        let of = |lamp: &SourcePoints| {
             let scattered =
                 if lamp.points.is_empty() { self.leaves(beta) } else { lamp.seen(self.lobe, beta) };
             lamp.share * scattered
@@ -153,8 +154,8 @@ impl Light {
     }
 }
 
-impl Lamp {
-    /// The light that a lobe brings from it, as a reflectance factor.
+impl SourcePoints {
+    /// Returns the light that a lobe scatters from it, as a reflectance factor.
     fn seen(&self, lobe: Lobe, beta: Beta) -> f64 {
         if self.points.is_empty() {
             return lobe.fraction_in_disc(beta.length(), 1.0);
@@ -164,14 +165,14 @@ impl Lamp {
     }
 }
 
-/// Points that stand for a source.
+/// Returns points that represent a source.
 fn points(source: &Source, width: f64) -> Vec<Beta> {
     match source {
         Source::Diffuse => Vec::new(),
         Source::Beam(beta) => vec![*beta],
         Source::Disc(cone) if cone.half_angle() < POINT * width => vec![-cone.axis_towards()],
         Source::Disc(cone) => {
-            // Rings of even area, as finely as the lobe sees.
+            // Rings of equal area, as fine as the lobe resolves.
             let rings = (cone.half_angle() / width).clamp(1.0, 6.0).ceil() as usize;
             let on_ring =
                 |ring: usize| (0..3 + 4 * ring).map(move |k| (ring, k as f64 / (3 + 4 * ring) as f64));
@@ -182,7 +183,7 @@ fn points(source: &Source, width: f64) -> Vec<Beta> {
             (0..rings).flat_map(on_ring).map(point).collect()
         }
         Source::Field(field) => {
-            // Where its light comes from, roughly.
+            // A rough sample of the directions of its light.
             let side = 1.0 / POINTS_OF_A_FIELD as f64;
             let point =
                 |k: usize| field.sample([(k as f64 + 0.5) * side, ((k as f64 + 0.5) * GOLDEN).fract()]).0;
@@ -191,17 +192,17 @@ fn points(source: &Source, width: f64) -> Vec<Beta> {
     }
 }
 
-/// What a direction below the diffuser is worth to the viewer.
-struct Worth<'a> {
+/// Contribution of a direction below the diffuser to the light that reaches the viewer.
+struct Contribution<'a> {
     stack: &'a Panel,
     diffuser: &'a Diffuser,
     view: Beta,
     light: Light,
-    /// The pixel's reflectance at the nodes of its table, mean over states, each against its own.
+    /// Reflectance of the pixel at the nodes of its table: the mean over states, each relative to its own.
     pixel: Option<Vec<f64>>,
 }
 
-impl<'a> Worth<'a> {
+impl<'a> Contribution<'a> {
     fn new(stack: &'a Panel, diffuser: &'a Diffuser, view: Cone, light: Light) -> Self {
         let pixel = match &stack.base.reflector {
             Reflector::Specular(table) => Some(table.relative_reflectance()),
@@ -219,7 +220,7 @@ impl<'a> Worth<'a> {
             peaks.push(Peak { at: self.view, size });
         }
         let guide = Guide::new(self.stack.medium.largest_index(), &peaks, |beta| self.at(beta))?;
-        // What comes straight, and what is scattered, as far as closed forms know.
+        // Unscattered and scattered light, as far as closed forms give them.
         let straight = self.diffuser.straight_through;
         let by_way = straight * self.light.at(self.view);
         let scattered = (1.0 - straight) * self.light.mean;
@@ -233,7 +234,7 @@ impl<'a> Worth<'a> {
         self.diffuser.lobe.density(self.view, beta) * light * self.reflectance(pixel, beta)
     }
 
-    /// The pixel's part, never below a fifth of what it is at the normal.
+    /// Returns the factor of the pixel, at least a fifth of its value at the normal.
     fn reflectance(&self, pixel: &[f64], beta: Beta) -> f64 {
         let (Reflector::Specular(table), Some(index)) =
             (&self.stack.base.reflector, self.stack.medium.constant_index())

@@ -1,12 +1,13 @@
-//! First passes of several paths at once, as registers hold them.
+//! First passes of several paths at once, in SIMD registers.
 //!
-//! Over a mirror, with directions sampled from the lobe, diffuse light and beams, all first passes
-//! go the same way and end in weights on the nodes of the pixel's table: what leads there is arithmetic
-//! without a branch, which compilers spread over the widest registers that there are. Only where to look
-//! things up is found path by path; the look-ups themselves wait until there are enough of them in a panel of the table.
+//! Over a mirror, with directions sampled from the lobe, and under diffuse light and beams, all first passes
+//! take the same steps and end in weights on the nodes of the pixel's table. These steps are arithmetic
+//! without branches, which compilers vectorise for the widest registers available. Only the positions of
+//! look-ups are found path by path; the look-ups wait until there are enough of them in a panel of the
+//! table.
 //!
-//! Paths stand in groups whose borders do not depend on how many are asked for at a time: each
-//! group is computed whole and those wanted are added, so that sums are the same bits.
+//! The borders of the groups of paths do not depend on how many paths are requested at a time. Each group is
+//! computed completely, and the requested paths of it are added; sums are thus identical to the bit.
 
 use std::ops::Range;
 
@@ -30,9 +31,9 @@ type Lanes = [f64; LANES];
 /// First passes of a group.
 #[derive(Debug)]
 struct Group {
-    /// What the paths see below the diffuser.
+    /// Directions of the paths below the diffuser.
     below: Directions,
-    /// The fraction of light there that leaves.
+    /// Fraction of the light there that leaves.
     leaving: Lanes,
     beams: Vec<FromBeam>,
 }
@@ -43,19 +44,19 @@ struct Directions {
     /// `|beta|^2`, and the cosine.
     squared: Lanes,
     cosine: Lanes,
-    /// The part of a table in panels that the cosine lies in.
+    /// Part of a table in panels that contains the cosine.
     part: [u32; LANES],
 }
 
-/// What a beam gives, in both techniques.
+/// Contributions of a beam, by both techniques.
 #[derive(Debug)]
 struct FromBeam {
-    /// The number of the source, and its direction.
+    /// Number of the source, and its direction.
     source: usize,
     beam: Beta,
-    /// To the direction that the path has sampled.
+    /// Contribution to the direction that the path has sampled.
     connected: Lanes,
-    /// To one sampled about the beam, and that direction.
+    /// Contribution to a direction sampled about the beam, and that direction.
     weight: Lanes,
     backwards: Directions,
 }
@@ -63,7 +64,8 @@ struct FromBeam {
 impl Directions {
     const NONE: Self = Self { squared: [0.0; LANES], cosine: [0.0; LANES], part: [0; LANES] };
 
-    /// `medium`: one over the square of the index; `parts`: of the table.
+    /// Stores direction `k`. `medium`: one over the square of the index; `parts`: number of parts of the
+    /// table.
     #[inline(always)]
     fn set(&mut self, k: usize, beta: Beta, medium: f64, parts: f64) {
         let squared = beta.squared();
@@ -72,7 +74,7 @@ impl Directions {
         self.part[k] = CosinePanels::part(cosine, parts);
     }
 
-    /// Those of some paths: `|beta|^2`, cosine and part.
+    /// Returns `|beta|^2`, cosine and part of some paths.
     #[inline(always)]
     fn of(&self, wanted: &Range<usize>) -> impl Iterator<Item = (&f64, &f64, &u32)> + Clone {
         let at = || wanted.clone();
@@ -80,7 +82,7 @@ impl Directions {
     }
 }
 
-/// Computes a group from its first path on.
+/// Computation of a group from its first path on.
 struct Pass<'a, 'b> {
     walk: &'a Diffused<'b>,
     width: f64,
@@ -96,9 +98,10 @@ impl WithSimd for Pass<'_, '_> {
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) {
         let Self { walk, width, parts, numbers, first, group } = self;
-        // One step of all paths after the other: so processors have several at hand while one waits for its result.
+        // Each step is done for all paths before the next, so that the processor can overlap independent
+        // operations.
         let [mut above_x, mut above_y, mut offset_x, mut offset_y] = [[0.0; LANES]; 4];
-        // A lobe that is known to be of this kind leaves no branch.
+        // A lobe whose kind is known at compile time leaves no branch.
         let lobe = Lobe::KCorrelation { width };
         let towards_field = walk.view.sampler();
         let u: Lanes = numbers.side_by_side(first, 0, 0);
@@ -139,21 +142,22 @@ impl WithSimd for Pass<'_, '_> {
     }
 }
 
-// Closures may become functions of their own, compiled without the instruction set.
+// Functions, since closures may be compiled without the instruction set.
 
-/// The direction with these cosines.
+/// Returns the direction with these cosines.
 #[inline(always)]
 fn at(x: &Lanes, y: &Lanes, k: usize) -> Beta {
     Beta { x: x[k], y: y[k] }
 }
 
-/// How far the lobe turns light.
+/// Samples the deflection by the lobe.
 #[inline(always)]
 fn drawn(lobe: Lobe, numbers: [f64; 2]) -> Beta {
     lobe.sample_direction(Beta::default(), numbers).unwrap_or_default()
 }
 
-/// What a beam sends to a direction below the diffuser that is seen from one above, by the technique that drew it from there.
+/// Returns the light that a beam sends into a direction below the diffuser that is seen from one above, by
+/// the technique that sampled it from above.
 #[inline(always)]
 fn connection(lobe: Lobe, target: &Target, [above, below, beam]: [Beta; 3]) -> f64 {
     let value = lobe.density(below, beam);
@@ -161,8 +165,8 @@ fn connection(lobe: Lobe, target: &Target, [above, below, beam]: [Beta; 3]) -> f
 }
 
 impl Diffused<'_> {
-    /// Whether [`Self::paths`] knows the way.
-    pub(super) fn goes_together(&self) -> bool {
+    /// Returns whether [`Self::paths`] can compute first passes in groups.
+    pub(super) fn first_passes_can_be_grouped(&self) -> bool {
         let plain = self.specular && self.straight() == 0.0 && !self.discs;
         let drawn = matches!(self.first, First::Kernel(_));
         plain && drawn && self.width().is_some() && self.stack.medium.constant_index().is_some()
@@ -175,8 +179,8 @@ impl Diffused<'_> {
         }
     }
 
-    /// The first passes of these paths, if they go together.
-    pub(super) fn first_passes_together(&self, numbers: &Numbers, paths: Range<u64>, sums: &mut Sums) {
+    /// Computes the first passes of these paths in groups, if possible.
+    pub(super) fn grouped_first_passes(&self, numbers: &Numbers, paths: Range<u64>, sums: &mut Sums) {
         let Some(width) = self.width() else { return };
         let panels = match &self.stack.base.reflector {
             Reflector::Specular(AngularTable { nodes: Nodes::CosinePanels(panels), .. }) => Some(panels),
@@ -219,8 +223,8 @@ impl Diffused<'_> {
         Group { below: Directions::NONE, leaving: [0.0; LANES], beams }
     }
 
-    /// These paths of a group to the sums: one path after the other, so that look-ups stand in the same order however calls
-    /// cut groups.
+    /// Adds these paths of a group to the sums, one path after the other, so that the order of look-ups does
+    /// not depend on how calls divide groups.
     fn add_in_panels(&self, group: &Group, wanted: Range<usize>, panels: &CosinePanels, sums: &mut Sums) {
         let Sums { leaving, from_source, .. } = sums;
         let square = self.stack.medium.largest_index().powi(2);
@@ -249,7 +253,7 @@ impl Diffused<'_> {
         }
     }
 
-    /// Path `k` of a group to the sums, over a table without panels.
+    /// Adds path `k` of a group to the sums, over a table without panels.
     fn add(&self, group: &Group, k: usize, sums: &mut Sums) {
         let square = self.stack.medium.largest_index().powi(2);
         let squared = group.below.squared[k];

@@ -1,4 +1,4 @@
-//! The sums of the paths, and what they mean: reflectance factors and the ledger.
+//! Sums over paths, and the reflectance factors and the ledger that follow from them.
 
 use papilio_optics::Beta;
 
@@ -8,7 +8,7 @@ use crate::walk::accumulator::{Channel, Incident};
 use crate::walk::scale_rows;
 use crate::{Estimate, Ledger, ReflectanceFactor, specular};
 
-/// The sums of a replicate, and workspace to work in.
+/// Sums of a replicate, and a workspace.
 #[derive(Debug, Clone)]
 pub(in crate::walk) struct Accumulator {
     pub(super) sums: Sums,
@@ -17,26 +17,27 @@ pub(in crate::walk) struct Accumulator {
 
 #[derive(Debug, Clone)]
 pub(super) struct Sums {
-    /// Enters the diffuser from above.
+    /// Light that enters the diffuser from above.
     pub(super) entering: Incident,
-    /// Reaches the base.
+    /// Light that reaches the base.
     pub(super) arriving: Incident,
-    /// Reflected by the base, but for what is looked up in panels: that is what `leaving` has without weights.
+    /// Light reflected by the base, except for look-ups in panels: their sum is that of `leaving` without
+    /// weights.
     pub(super) reflected: Channel,
-    /// Leaves the diffuser upwards: what diffuse light sees.
+    /// Light that leaves the diffuser upwards, into directions from which diffuse light comes.
     pub(super) leaving: Channel,
-    /// For each source: after the base, by connection or (a disc) by chance.
+    /// For each source: contributions after the base, by connection or (for a disc) by chance.
     pub(super) from_source: Vec<Channel>,
-    /// For each beam: connections before the base, to light that came straight through.
+    /// For each beam: connections before the base, to light that passed the diffuser unscattered.
     pub(super) from_straight_beam: Vec<Incident>,
 }
 
-/// Spectra of the path at hand; shape `[state][wavelength]`.
+/// Spectra of the current path; shape `[state][wavelength]`.
 #[derive(Debug, Clone)]
 pub(super) struct Workspace {
-    /// What the path carries; meaningful from its second pass on.
+    /// Spectra that the path carries; meaningful from its second pass on.
     pub(super) carried: Vec<f64>,
-    /// `carried` times the base's reflectance.
+    /// `carried` times the reflectance of the base.
     pub(super) reflected: Vec<f64>,
     /// The same for light sampled backwards from a source.
     pub(super) backwards: Vec<f64>,
@@ -63,7 +64,8 @@ impl Diffused<'_> {
         }
     }
 
-    /// The means of several replicates, each from its sums and what makes them means.
+    /// Returns the means of several replicates, each from its sums and the factor that turns them into
+    /// means.
     pub(in crate::walk) fn estimates(&self, replicates: &[(&Accumulator, f64)]) -> Vec<Estimate> {
         let base = &self.stack.base;
         let mut channels = Vec::with_capacity(replicates.len() * (2 + self.sources.len()));
@@ -87,13 +89,13 @@ impl Diffused<'_> {
             .collect()
     }
 
-    /// Of what there is for each source, that of the directed ones.
+    /// Selects the directed sources from a list by source.
     fn directed_only<'s, T>(&'s self, of_source: &'s [T]) -> impl Iterator<Item = &'s T> {
         let directed = |(source, of): (&Source, &'s T)| (*source != Source::Diffuse).then_some(of);
         self.sources.iter().zip(of_source).filter_map(directed)
     }
 
-    /// `spectra`: reflected, leaving, and by directed source.
+    /// Returns the mean of one replicate; `spectra`: reflected, leaving, and by directed source.
     fn estimate(&self, sums: &Sums, spectra: &[f64], scale: f64) -> Estimate {
         let mut spectra = spectra.chunks_exact(self.through.len() * self.stack.base.states());
         let mut next = || spectra.next().unwrap_or_default();
@@ -118,7 +120,7 @@ impl Diffused<'_> {
         Estimate { rho, ledger }
     }
 
-    /// A beam's light reaches the diffuser also via its own specular round trips.
+    /// Returns the light of a beam, which reaches the diffuser also through its own specular round trips.
     fn beam_light(&self, beam: Beta, before: &Incident, connected: Vec<f64>, scale: f64) -> Vec<f64> {
         let mut base = connected;
         if self.straight() == 0.0 || !self.specular {
@@ -137,7 +139,7 @@ impl Diffused<'_> {
     fn ledger(&self, entering: &[f64], arriving: &[f64], reflected: &[f64], leaving: &[f64]) -> Ledger {
         let mut ledger = Ledger::zeros(entering.len());
         let (front, inactive) = (&self.stack.front, &self.stack.base.inactive_absorptance);
-        // Rows of one length each: nothing is left to be checked at every wavelength.
+        // Rows of equal length, so that no bound is checked at each wavelength.
         let bins = inactive.len();
         let [t, r_above, r_below] =
             [&front.transmittance, &front.reflectance_above, &front.reflectance_below].map(|of| &of[..bins]);
@@ -159,7 +161,7 @@ impl Diffused<'_> {
                 [returned, front, by_diffuser, pixel, by_inactive, unaccounted]
                     .map(|of| &mut of[at.clone()][..bins]);
             for k in 0..bins {
-                // Shares at the diffuser's upper and lower side.
+                // Fractions at the upper and lower side of the diffuser.
                 let (above, below) = (t[k], t[k] * diffuser[k]);
                 let up = below * diffuser[k] * leaving[k];
                 by_inactive[k] = below * arriving[k] * inactive[k];

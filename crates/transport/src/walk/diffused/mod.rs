@@ -1,18 +1,18 @@
-//! The tracer of a panel with a diffuser.
+//! Tracer of a panel with a diffuser.
 //!
-//! One pass: down through the diffuser, off the base, up through the diffuser, out
-//! through the front, which may send the path into a further pass. With T the
-//! diffuser's and t the front's transmittance, every contribution of the k-th pass holds
-//! `t^2 T^2` and, for each pass before, `T^2 r R`: r the front's reflectance from
-//! below, R the base's. The factor `t^2 T^2` is applied at the end.
+//! One pass: down through the diffuser, reflection by the base, up through the diffuser, out through the
+//! front, which may reflect the path into a further pass. Let T be the transmittance of the diffuser and t
+//! that of the front. Every contribution of the k-th pass then has the factor `t^2 T^2` and, for each
+//! earlier pass, `T^2 r R`, with r the reflectance of the front from below and R that of the base. The
+//! factor `t^2 T^2` is applied at the end.
 
+mod blocks;
 mod escape;
 mod first_pass;
 mod first_pass_simd;
 mod ledger;
 mod numbers;
 mod sources;
-mod turns;
 
 use std::ops::Range;
 
@@ -25,21 +25,22 @@ use super::{PathNumbers, Strategy, base_density, base_direction, scale_rows};
 use crate::angular::Stencil;
 use crate::{Cone, Panel, Source};
 use crate::{Diffuser, Reflector};
+use blocks::Blocks;
 use escape::Escape;
 use first_pass::{First, Guided, SPLITS};
 pub(super) use ledger::Accumulator;
 use ledger::{Sums, Workspace};
 use numbers::PassNumbers;
-use turns::Turns;
 
-/// A path never goes on with a higher probability than this.
+/// Largest probability with which a path continues.
 const MOST_SURVIVAL: f64 = 0.999;
 
-/// Nor, if there is a further pass at all, with a lower one: where lamps are seen but faintly,
-/// a few bright later passes would carry much of their light, and the error with it.
+/// Smallest probability of a further pass, if there is one: if sources are faintly visible, a few bright
+/// later passes would carry much of their light, and of the error.
 const LEAST_SURVIVAL: f64 = 0.05;
 
-/// The least probability of going straight through a diffuser that passes light straight, and of being scattered.
+/// Smallest probability of passing unscattered through a diffuser that has regular transmittance, and of
+/// being scattered.
 const LEAST_WAY: f64 = 0.05;
 
 #[derive(Debug)]
@@ -48,9 +49,10 @@ pub(super) struct Diffused<'a> {
     diffuser: &'a Diffuser,
     view: Cone,
     sources: &'a [Source],
-    /// Which paths go on after the first pass.
-    turns: Turns,
-    /// The probability with which light beyond a first pass is scattered by the lobe, and does not go straight.
+    /// Selects the paths that continue after the first pass.
+    blocks: Blocks,
+    /// Probability with which light beyond a first pass is scattered by the lobe instead of passing
+    /// unscattered.
     by_lobe: f64,
     /// Probability of a further pass after later ones.
     survival: f64,
@@ -58,35 +60,35 @@ pub(super) struct Diffused<'a> {
     between_passes: Vec<f64>,
     /// `t^2 T^2`, per wavelength.
     through: Vec<f64>,
-    /// The base is a mirror.
+    /// Whether the base is a mirror.
     specular: bool,
-    /// Light of discs goes to and fro between base and front without being scattered.
+    /// Whether light of discs can be reflected between base and front without being scattered.
     round_trips: bool,
-    /// There are beams or discs.
+    /// Whether there are beams or discs.
     directed: bool,
     discs: bool,
-    /// How the first direction of light that meets the lobe from the pixel's side is sampled.
+    /// How the first direction of light that reaches the lobe from the pixel's side is sampled.
     first: First,
-    /// How all others are.
+    /// How all other directions are sampled.
     drawing: DirectionSampler,
     leaving: Escape,
-    /// The pixel's directions are also sampled from the sources' side.
+    /// Whether the directions at the pixel are also sampled from the sources' side.
     backwards: bool,
 }
 
 /// Light between the diffuser and the base.
 #[derive(Debug, Clone, Copy)]
-struct Below {
+struct LightBelow {
     beta: Beta,
     weight: f64,
-    /// Density with which the path chose `beta`, where sources may choose it as well; else infinite.
+    /// Density with which the path sampled `beta`, where sources may sample it as well; otherwise infinite.
     rival: f64,
 }
 
-/// Light that has met the base, and what it carries now.
+/// Light reflected by the base, and how its weight is stored.
 #[derive(Debug, Clone, Copy)]
-struct Met {
-    up: Below,
+struct ReflectedLight {
+    up: LightBelow,
     look_up: Option<Stencil>,
 }
 
@@ -103,11 +105,11 @@ impl<'a> Diffused<'a> {
         let left = if goes_on { sent_back.max() * stack.base.largest_reflectance() } else { 0.0 };
         let directed = sources.iter().any(|source| *source != Source::Diffuse);
         let least = if directed && left > 0.0 { LEAST_SURVIVAL } else { left.min(MOST_SURVIVAL) };
-        // A guided path's first pass costs so much, and leaves so little noise, that later ones may cost more.
+        // A guided first pass costs so much, and leaves so little noise, that later passes may cost more.
         let wanted =
             if strategy == Strategy::Guided && left > 0.0 { (2.0 * left.sqrt()).max(0.25) } else { left };
         let survival = wanted.clamp(least, MOST_SURVIVAL);
-        let turns = Turns::new(if survival > 0.0 { (1.0 / survival) as u64 } else { 0 });
+        let blocks = Blocks::new(if survival > 0.0 { (1.0 / survival) as u64 } else { 0 });
         let by_lobe = chance_of_lobe(diffuser.straight_through, left);
         let through =
             stack.front.transmittance.zip_map(&diffuser.transmittance, |t, diffuser| (t * diffuser).powi(2));
@@ -121,7 +123,7 @@ impl<'a> Diffused<'a> {
             diffuser,
             view,
             sources,
-            turns,
+            blocks,
             by_lobe,
             survival,
             between_passes: sent_back.to_vec(),
@@ -139,13 +141,13 @@ impl<'a> Diffused<'a> {
 
     /// As [`Walk::rarest`](crate::walk::Walk::rarest).
     pub(super) fn rarest(&self) -> f64 {
-        self.turns.rarest()
+        self.blocks.rarest()
     }
 
     /// Traces these paths.
     pub(super) fn paths(&self, numbers: &Numbers, paths: Range<u64>, tally: &mut Accumulator) {
-        if self.goes_together() {
-            self.first_passes_together(numbers, paths.clone(), &mut tally.sums);
+        if self.first_passes_can_be_grouped() {
+            self.grouped_first_passes(numbers, paths.clone(), &mut tally.sums);
         } else {
             for path in paths.clone() {
                 self.first_pass(&PathNumbers::new(numbers, path), tally);
@@ -154,13 +156,14 @@ impl<'a> Diffused<'a> {
         self.later_passes(numbers, paths, tally);
     }
 
-    /// A first pass. Light that goes straight through the diffuser on its way down and light that is scattered are both
-    /// followed: no path has to find the rarer of the two.
+    /// Traces a first pass. Light that passes the diffuser unscattered on its way down and light that is
+    /// scattered are both followed: no path has to find the less probable of the two.
     fn first_pass(&self, numbers: &PathNumbers<'_>, tally: &mut Accumulator) {
         let beta = self.view.sample_towards(numbers.field());
-        // In a dispersive medium the disc of directions depends on wavelength: spectra from the start.
+        // In a dispersive medium the disc of directions depends on wavelength: paths carry spectra from the
+        // start.
         let carries = self.stack.medium.constant_index().is_none();
-        let light = Downward { beta, weight: 1.0, carries };
+        let light = LightAbove { beta, weight: 1.0, carries };
         let numbers = &PassNumbers::new(numbers, 0, self);
         let Accumulator { sums, workspace, .. } = tally;
         if carries {
@@ -171,7 +174,7 @@ impl<'a> Diffused<'a> {
             self.connect_before_base(light, numbers, sums, workspace);
             if self.backwards {
                 let chosen = |to: Beta| self.diffuser.lobe.density(beta, to);
-                let by_lobe = Downward { weight: 1.0 - self.straight(), ..light };
+                let by_lobe = LightAbove { weight: 1.0 - self.straight(), ..light };
                 self.sample_backwards(chosen, by_lobe, numbers, sums, workspace);
             }
         }
@@ -190,50 +193,50 @@ impl<'a> Diffused<'a> {
         }
     }
 
-    /// What light that has come down through the diffuser sees of the sources.
+    /// Adds the sources that are visible to light that has come down through the diffuser.
     fn meet(
         &self,
-        light: Downward,
-        down: Below,
+        light: LightAbove,
+        down: LightBelow,
         numbers: &PassNumbers<'_>,
         sums: &mut Sums,
         workspace: &mut Workspace,
     ) {
         let met = self.below(down, 1.0, (light.carries, numbers), sums, workspace);
         if let (Some(met), true) = (met, self.discs) {
-            self.run_into_discs(met, numbers.up, sums, workspace);
+            self.add_discs_met_by_chance(met, numbers.up, sums, workspace);
         }
     }
 
-    /// What comes after the first pass, for one of so many paths, with numbers of its own.
+    /// Traces the later passes of one path in each block, with random numbers of its own.
     fn later_passes(&self, numbers: &Numbers, paths: Range<u64>, tally: &mut Accumulator) {
         let numbers = &numbers.apart();
-        for (number, stands_for) in self.turns.among(numbers, paths) {
+        for (number, stands_for) in self.blocks.continuing_among(numbers, paths) {
             let numbers = PathNumbers::new(numbers, number);
             let beta = self.view.sample_towards(numbers.field());
-            let light = Downward { beta, weight: stands_for, carries: false };
+            let light = LightAbove { beta, weight: stands_for, carries: false };
             if let Some(light) = self.through_first_pass(light, &numbers, &mut tally.workspace) {
                 self.passes(light, &numbers, tally);
             }
         }
     }
 
-    /// Where a first pass leaves light that nothing is seen of.
+    /// Returns the light after a first pass, without contributions of sources.
     fn through_first_pass(
         &self,
-        light: Downward,
+        light: LightAbove,
         numbers: &PathNumbers<'_>,
         workspace: &mut Workspace,
-    ) -> Option<Downward> {
+    ) -> Option<LightAbove> {
         let n = self.stack.medium.largest_index();
         let numbers = PassNumbers::new(numbers, 0, self);
         let (beta, drawn, _) = self.through(&self.drawing, light.beta, n, self.by_lobe, numbers.down)?;
-        let down = Below { beta, weight: light.weight * drawn, rival: f64::INFINITY };
-        self.go_on(light, down, &numbers, workspace)
+        let down = LightBelow { beta, weight: light.weight * drawn, rival: f64::INFINITY };
+        self.to_next_pass(light, down, &numbers, workspace)
     }
 
-    /// All passes from the second on.
-    fn passes(&self, mut light: Downward, numbers: &PathNumbers<'_>, tally: &mut Accumulator) {
+    /// Traces all passes from the second on.
+    fn passes(&self, mut light: LightAbove, numbers: &PathNumbers<'_>, tally: &mut Accumulator) {
         let Accumulator { sums, workspace, .. } = tally;
         for pass in 1.. {
             let numbers = PassNumbers::new(numbers, pass, self);
@@ -242,14 +245,14 @@ impl<'a> Diffused<'a> {
         }
     }
 
-    /// A later pass, from `beta` above the diffuser to above it again; `None` if the path ends.
+    /// Traces a later pass, from `beta` above the diffuser to above it again; `None` if the path ends.
     fn pass(
         &self,
-        light: Downward,
+        light: LightAbove,
         numbers: &PassNumbers<'_>,
         sums: &mut Sums,
         workspace: &mut Workspace,
-    ) -> Option<Downward> {
+    ) -> Option<LightAbove> {
         sums.entering.add(light.carries.then_some(&workspace.carried), light.weight);
         if self.specular {
             self.connect_before_base(light, numbers, sums, workspace);
@@ -263,28 +266,35 @@ impl<'a> Diffused<'a> {
         }
         let mut down = down?;
         down.weight /= self.survival;
-        self.go_on(light, down, numbers, workspace)
+        self.to_next_pass(light, down, numbers, workspace)
     }
 
-    /// Discs that the last scattering leads to by chance. (Light that goes straight from here is met otherwise, or is
-    /// a mirror image.)
-    fn run_into_discs(&self, met: Met, u: [f64; 2], sums: &mut Sums, workspace: &Workspace) {
-        let Met { up, look_up } = met;
+    /// Adds discs that the last scattering reaches by chance. (Light that passes unscattered from here is
+    /// added elsewhere, or is a mirror image.)
+    fn add_discs_met_by_chance(
+        &self,
+        met: ReflectedLight,
+        u: [f64; 2],
+        sums: &mut Sums,
+        workspace: &Workspace,
+    ) {
+        let ReflectedLight { up, look_up } = met;
         let through = self.through(&self.drawing, up.beta, 1.0, self.by_lobe_upwards(), u);
         if let Some((out, _, false)) = through {
             self.meet_discs(up, out, reflected(look_up, &workspace.reflected), sums);
         }
     }
 
-    /// Off the base and out of the diffuser, into a further pass, which carries spectra. A Lambertian base sends the light on
-    /// in a direction of its own: that of what is seen may be guided.
-    fn go_on(
+    /// Follows light from the base out of the diffuser into a further pass, which carries spectra. A
+    /// Lambertian base sends this light into a direction of its own, since the direction used for the
+    /// sources may be guided.
+    fn to_next_pass(
         &self,
-        light: Downward,
-        down: Below,
+        light: LightAbove,
+        down: LightBelow,
         numbers: &PassNumbers<'_>,
         workspace: &mut Workspace,
-    ) -> Option<Downward> {
+    ) -> Option<LightAbove> {
         let n = self.stack.medium.largest_index();
         let [u, v, base @ ..] = numbers.going_on();
         let (up, weight) =
@@ -304,26 +314,26 @@ impl<'a> Diffused<'a> {
         }
         scale_rows(reflected, &self.between_passes);
         std::mem::swap(carried, reflected);
-        Some(Downward { beta, weight: weight * drawn, carries: true })
+        Some(LightAbove { beta, weight: weight * drawn, carries: true })
     }
 
-    /// Light below the diffuser meets the base, and what it then sees of the sources; counted as so much
-    /// of a sample. `None` if the medium has no such direction.
+    /// Reflects light below the diffuser at the base and adds the sources that it then sees, as this
+    /// fraction of a sample. `None` if the medium has no such direction.
     fn below(
         &self,
-        down: Below,
+        down: LightBelow,
         counts: f64,
         (carries, numbers): (bool, &PassNumbers<'_>),
         sums: &mut Sums,
         workspace: &mut Workspace,
-    ) -> Option<Met> {
+    ) -> Option<ReflectedLight> {
         if down.beta.length() >= self.stack.medium.largest_index() {
             return None;
         }
         if carries {
             self.keep_within_disc(down.beta, Spread::No, &mut workspace.carried);
         }
-        let mut up = Below { weight: counts * down.weight, ..down };
+        let mut up = LightBelow { weight: counts * down.weight, ..down };
         let weight = up.weight;
         sums.arriving.add(carries.then_some(&workspace.carried), weight);
         let look_up = self.meet_base(down.beta, carries, workspace);
@@ -340,23 +350,23 @@ impl<'a> Diffused<'a> {
         }
         let light = reflected(look_up, &workspace.reflected);
         self.connect(up, light, carries.then_some(&workspace.carried), numbers, sums);
-        // All that leaves meets diffuse light: no direction need be sampled for that.
+        // All light that leaves sees diffuse light: no direction has to be sampled.
         sums.leaving.add(light, self.leaves(weight, up));
-        Some(Met { up, look_up })
+        Some(ReflectedLight { up, look_up })
     }
 
-    /// Several directions of a first pass at once.
+    /// Samples several directions of a first pass at once.
     fn guided(
         &self,
         guided: &Guided,
-        light: Downward,
+        light: LightAbove,
         numbers: &PassNumbers<'_>,
         sums: &mut Sums,
         workspace: &mut Workspace,
     ) {
         for k in 0..SPLITS {
             let (beta, drawn) = guided.draw(self.diffuser, light.beta, k, numbers.down);
-            let down = Below { beta, weight: light.weight * drawn, rival: f64::INFINITY };
+            let down = LightBelow { beta, weight: light.weight * drawn, rival: f64::INFINITY };
             if light.carries {
                 workspace.carried.fill(1.0);
             }
@@ -366,15 +376,15 @@ impl<'a> Diffused<'a> {
             };
             if self.discs {
                 let up = [(numbers.up[0] + k as f64 * share).fract(), numbers.up[1]];
-                self.run_into_discs(met, up, sums, workspace);
+                self.add_discs_met_by_chance(met, up, sums, workspace);
             }
         }
     }
 
-    /// Light on its way down through the diffuser, by the lobe with this probability.
+    /// Transmits light down through the diffuser, scattered by the lobe with this probability.
     #[inline]
-    fn down(&self, light: Downward, by_lobe: f64, numbers: &PassNumbers<'_>) -> Option<Below> {
-        let Downward { beta, weight, .. } = light;
+    fn down(&self, light: LightAbove, by_lobe: f64, numbers: &PassNumbers<'_>) -> Option<LightBelow> {
+        let LightAbove { beta, weight, .. } = light;
         let n = self.stack.medium.largest_index();
         let (drawing, balanced) = match &self.first {
             First::Kernel(kernel) if numbers.pass == 0 && self.specular => (kernel, true),
@@ -382,25 +392,27 @@ impl<'a> Diffused<'a> {
         };
         let (to, drawn, straight) = self.through(drawing, beta, n, by_lobe, numbers.down)?;
         let rival = if balanced && !straight { self.diffuser.lobe.density(beta, to) } else { f64::INFINITY };
-        Some(Below { beta: to, weight: weight * drawn, rival })
+        Some(LightBelow { beta: to, weight: weight * drawn, rival })
     }
 
-    /// The probability with which light on its way out to a disc is scattered, if it can be.
+    /// Returns the probability with which light on its way out to a disc is scattered, if it can be.
     fn by_lobe_upwards(&self) -> f64 {
         if self.straight() < 1.0 { 1.0 } else { 0.0 }
     }
 
-    /// The light that leaves into the air, of such a weight that the base has sent up, on the path's way as `up`.
+    /// Returns the weight of the light that leaves into the air, from light of this weight that the base has
+    /// reflected along `up`.
     ///
-    /// What goes straight from a Lambertian base leaves if it has a direction in the air, as 1/n^2 of it has: that is
-    /// not left to the path's own direction, for with uniform numbers all replicates may count alike.
+    /// Unscattered light from a Lambertian base leaves if it has a direction in the air, which a fraction
+    /// 1/n^2 of it has. This fraction is used instead of the direction of the path: with low-discrepancy
+    /// numbers all replicates could count equally.
     #[inline]
-    fn leaves(&self, weight: f64, up: Below) -> f64 {
+    fn leaves(&self, weight: f64, up: LightBelow) -> f64 {
         let offset = up.beta.length();
         let scattered =
             up.weight * (1.0 - self.straight()) * self.diffuser.lobe.fraction_in_disc(offset, 1.0);
-        // In a dispersive medium the light has the wavelengths that are lost to this direction no more: a direction that
-        // all have stands for the rest.
+        // In a dispersive medium, the light no longer contains wavelengths that do not have this direction:
+        // a direction that all wavelengths have represents the rest.
         let smallest = self.stack.medium.index().iter().copied().fold(f64::INFINITY, f64::min);
         let straight = match self.stack.medium.constant_index() {
             Some(n) if !self.specular => weight / (n * n).max(1.0),
@@ -418,8 +430,9 @@ impl<'a> Diffused<'a> {
         self.diffuser.straight_through
     }
 
-    /// By the lobe with this probability, else straight through, into a disc of this radius: where to, the weight, and
-    /// whether it is straight. `None` also where no light goes that way.
+    /// Scatters by the lobe with this probability, else passes unscattered, into a disc of this radius.
+    /// Returns the direction, the weight, and whether it is unscattered; `None` also where there is no
+    /// light.
     #[inline]
     fn through(
         &self,
@@ -441,13 +454,13 @@ impl<'a> Diffused<'a> {
         Some((drawn.beta, drawn.weight * (1.0 - straight) / by_lobe, false))
     }
 
-    /// The density with which light on its way out to a disc is scattered to `to`.
+    /// Returns the density with which light on its way out to a disc is scattered to `to`.
     #[inline]
     fn density_out(&self, from: Beta, to: Beta) -> f64 {
         self.by_lobe_upwards() * self.drawing.density(from, to, 1.0)
     }
 
-    /// Reflection at the base: a look-up on a first pass, else `carried` becomes `reflected`.
+    /// Reflects light at the base: a look-up on a first pass, else `carried` becomes `reflected`.
     #[inline]
     fn meet_base(&self, base: Beta, carries: bool, workspace: &mut Workspace) -> Option<Stencil> {
         if carries {
@@ -474,21 +487,22 @@ impl<'a> Diffused<'a> {
         self.stack.base.reflectance(base.squared(), &self.stack.medium, out);
     }
 
-    /// A direction of the whole medium, as a Lambertian base sends it.
+    /// Samples a direction of the whole medium, as a Lambertian base reflects it.
     #[inline]
-    fn leave_base(&self, weight: f64, numbers: &PassNumbers<'_>) -> Below {
+    fn leave_base(&self, weight: f64, numbers: &PassNumbers<'_>) -> LightBelow {
         let n = self.stack.medium.largest_index();
         if let First::Guided(guided) = &self.first {
             let (beta, density) = guided.guide.draw(numbers.base);
             let weight = weight * warp::uniform_disc_density(n) / density;
-            return Below { beta, weight, rival: f64::INFINITY };
+            return LightBelow { beta, weight, rival: f64::INFINITY };
         }
         let (beta, weight) = self.off_base(weight, numbers.base);
         let rival = if self.backwards { base_density(n, beta) } else { f64::INFINITY };
-        Below { beta, weight, rival }
+        LightBelow { beta, weight, rival }
     }
 
-    /// A direction that a Lambertian base sends light to, and the light's weight.
+    /// Samples a direction into which a Lambertian base reflects light; returns it and the weight of the
+    /// light.
     #[inline]
     fn off_base(&self, weight: f64, u: [f64; 2]) -> (Beta, f64) {
         let n = self.stack.medium.largest_index();
@@ -496,7 +510,7 @@ impl<'a> Diffused<'a> {
         (beta, weight * warp::uniform_disc_density(n) / base_density(n, beta))
     }
 
-    /// Takes away the wavelengths whose medium has no such direction.
+    /// Removes the wavelengths for which the medium has no such direction.
     fn keep_within_disc(&self, beta: Beta, spread: Spread, spectra: &mut [f64]) {
         let medium = &self.stack.medium;
         if medium.constant_index().is_some() {
@@ -508,8 +522,9 @@ impl<'a> Diffused<'a> {
     }
 }
 
-/// The probability with which light beyond a first pass is scattered by the lobe: the fraction that is, but neither way is
-/// so rare that few paths take it. Weights grow by that from pass to pass, but by less than the light falls.
+/// Returns the probability with which light beyond a first pass is scattered by the lobe: the fraction that
+/// is scattered, but neither choice is so improbable that few paths take it. Weights grow by this from pass
+/// to pass, but by less than the light decreases.
 fn chance_of_lobe(straight: f64, left: f64) -> f64 {
     let least = LEAST_WAY.min(0.25 * (1.0 - left).max(0.0));
     if straight == 0.0 || straight == 1.0 {
@@ -521,10 +536,10 @@ fn chance_of_lobe(straight: f64, left: f64) -> f64 {
 
 /// Light above the diffuser, on its way down.
 #[derive(Debug, Clone, Copy)]
-struct Downward {
+struct LightAbove {
     beta: Beta,
     weight: f64,
-    /// It carries spectra; else all of them are one.
+    /// Whether it carries spectra; otherwise all of them are one.
     carries: bool,
 }
 
@@ -536,7 +551,7 @@ enum Spread {
 }
 
 impl Spread {
-    /// The weight of `beta` at index `n`, where it was sampled for index `largest`.
+    /// Returns the weight of `beta` at index `n`, where it was sampled for index `largest`.
     fn kept(self, beta: Beta, n: f64, largest: f64) -> f64 {
         match self {
             _ if beta.squared() >= n * n => 0.0,

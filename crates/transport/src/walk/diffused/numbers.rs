@@ -1,24 +1,24 @@
-//! Which of a path's uniform numbers decides what.
+//! Assignment of a path's uniform random numbers to its decisions.
 
 use papilio_sampling::PLANNED_BLOCKS;
 
 use super::Diffused;
 use crate::walk::PathNumbers;
 
-/// The uniform numbers of one pass, for each decision its own.
+/// Uniform random numbers of one pass, separate ones for each decision.
 #[derive(Clone, Copy)]
 pub(super) struct PassNumbers<'a> {
     pub(super) path: &'a PathNumbers<'a>,
     pub(super) pass: u32,
     pub(super) down: [f64; 2],
     pub(super) up: [f64; 2],
-    /// Where a Lambertian base sends the light.
+    /// Direction of light from a Lambertian base.
     pub(super) base: [f64; 2],
-    /// Whether the path goes on.
+    /// Whether the path continues.
     pub(super) survival: f64,
-    /// Which point of a source.
+    /// Point of a source.
     pub(super) on_source: [f64; 2],
-    /// Which direction below the diffuser, from the source's side.
+    /// Direction below the diffuser, sampled from the source's side.
     pub(super) backwards: [f64; 2],
 }
 
@@ -37,8 +37,8 @@ impl<'a> PassNumbers<'a> {
         Self { path: numbers, pass, down, up: [a, b], base, survival, on_source, backwards: [d, e] }
     }
 
-    /// Planned ones. A direction sampled from either end is two techniques, whose errors do not
-    /// depend on each other's numbers: the same, best ones serve.
+    /// Returns planned numbers. A direction sampled from either end is two techniques, whose errors do not
+    /// depend on each other's numbers: the same, best numbers serve both.
     #[inline]
     fn first(numbers: &'a PathNumbers<'a>, walk: &Diffused<'_>) -> Self {
         let down = numbers.beside_field();
@@ -50,7 +50,7 @@ impl<'a> PassNumbers<'a> {
         Self { path: numbers, pass: 0, down, up, base: of_base, survival: 1.0, on_source, backwards }
     }
 
-    /// Planned ones as well: paths begin again to come here.
+    /// Returns planned numbers as well, since the path that continues starts again.
     #[inline]
     fn second(numbers: &'a PathNumbers<'a>, walk: &Diffused<'_>) -> Self {
         let [down @ .., a, b] = numbers.block(PLANNED_BLOCKS - 2);
@@ -61,13 +61,13 @@ impl<'a> PassNumbers<'a> {
         Self { path: numbers, pass: 1, down, up, base, survival, on_source, backwards }
     }
 
-    /// The first of the blocks of a pass after the first, four for each.
+    /// Returns the first block of a pass after the first; each has four.
     #[inline]
     fn of_pass(pass: u32) -> u32 {
         PLANNED_BLOCKS + 4 * pass
     }
 
-    /// For the way on: up through the diffuser, and before that off a Lambertian base.
+    /// Returns the numbers for the way out: up through the diffuser, and before that from a Lambertian base.
     pub(super) fn going_on(&self) -> [f64; 4] {
         self.path.block(if self.pass == 0 { 1 } else { Self::of_pass(self.pass) + 3 })
     }

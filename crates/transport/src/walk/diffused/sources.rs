@@ -1,23 +1,24 @@
-//! Directed sources: met by connection, by chance, and by directions sampled from their side.
+//! Directed sources: added by connection, by chance, and by directions sampled from their side.
 //!
-//! Whatever the technique, the same balanced weight applies ([`Target::weight`]); a
-//! direction that the path had no choice about (infinite density) competes with nothing.
+//! The balanced weight is the same for all techniques ([`Target::balanced`]). A direction that the path did
+//! not choose (infinite density) has no competing technique.
 
 use papilio_optics::{Beta, Scatterer};
 use papilio_sampling::warp;
 
 use super::ledger::{Sums, Workspace};
-use super::{Below, Diffused, Downward, PassNumbers, Spread, multiply, reflected};
+use super::{Diffused, LightAbove, LightBelow, PassNumbers, Spread, multiply, reflected};
 use crate::angular::Stencil;
 use crate::walk::accumulator::{Channel, Reflected};
 use crate::walk::{Target, base_density};
 use crate::{Source, specular};
 
 impl Diffused<'_> {
-    /// Light that comes straight through the diffuser and off a specular base, met on the way down.
+    /// Connects light that passes the diffuser unscattered and is reflected by a specular base, on its way
+    /// down.
     pub(super) fn connect_before_base(
         &self,
-        light: Downward,
+        light: LightAbove,
         numbers: &PassNumbers<'_>,
         sums: &mut Sums,
         workspace: &mut Workspace,
@@ -25,7 +26,7 @@ impl Diffused<'_> {
         if self.straight() == 0.0 {
             return;
         }
-        let Downward { beta, carries, .. } = light;
+        let LightAbove { beta, carries, .. } = light;
         for (i, source) in self.sources.iter().enumerate() {
             let Some(target) = Target::sample(source, numbers.on_source) else { continue };
             let scatter = (1.0 - self.straight()) * self.diffuser.lobe.density(beta, target.beta);
@@ -35,14 +36,14 @@ impl Diffused<'_> {
                 sums.from_straight_beam[i].add(carries.then_some(&workspace.carried), weight);
             } else {
                 let sum = &mut sums.from_source[i];
-                self.add_by_way_of(target.beta, carries, weight * self.straight(), sum, workspace);
+                self.add_via_specular_base(target.beta, carries, weight * self.straight(), sum, workspace);
                 let carried = carries.then_some(&workspace.carried[..]);
                 self.add_round_trips(target.beta, target.beta, carried, weight * self.straight(), sum);
             }
         }
     }
 
-    /// Light that comes straight through the diffuser onto a Lambertian base.
+    /// Connects light that passes the diffuser unscattered onto a Lambertian base.
     pub(super) fn connect_straight_from_base(
         &self,
         (look_up, weight): (Option<Stencil>, f64),
@@ -62,10 +63,10 @@ impl Diffused<'_> {
         }
     }
 
-    /// Directed sources, from the diffuser's underside: the last scattering on the way to the light.
+    /// Connects directed sources to the underside of the diffuser: the last scattering towards the light.
     pub(super) fn connect(
         &self,
-        up: Below,
+        up: LightBelow,
         light: Reflected<'_>,
         carried: Option<&[f64]>,
         numbers: &PassNumbers<'_>,
@@ -82,10 +83,10 @@ impl Diffused<'_> {
         }
     }
 
-    /// Adds light of a point of a source (`from`) that has first gone to and fro between base and front without being
-    /// scattered, however often; from there on it is as the light that meets a specular base in direction `beta`, on
-    /// a path that carries these spectra (none: all ones). Of beams, whose round trips are the same for all paths, it is
-    /// added at the end.
+    /// Adds light of a point of a source (`from`) that has first made any number of round trips between base
+    /// and front without being scattered. From there on it behaves as light that reaches a specular base in
+    /// direction `beta`, on a path that carries these spectra (`None`: all ones). For beams, whose round
+    /// trips are the same for all paths, this is added at the end.
     fn add_round_trips(
         &self,
         beta: Beta,
@@ -112,8 +113,8 @@ impl Diffused<'_> {
         sum.add(Reflected::Spectra(&spectra), weight);
     }
 
-    /// Round sources that the path has run into by its last scattering.
-    pub(super) fn meet_discs(&self, up: Below, out: Beta, light: Reflected<'_>, sums: &mut Sums) {
+    /// Adds round sources that the path has reached by its last scattering.
+    pub(super) fn meet_discs(&self, up: LightBelow, out: Beta, light: Reflected<'_>, sums: &mut Sums) {
         for (source, sum) in self.sources.iter().zip(&mut sums.from_source) {
             if let Some(target) = Target::at(source, out) {
                 sum.add(light, up.weight * self.towards(target, up.beta, up.rival));
@@ -121,33 +122,33 @@ impl Diffused<'_> {
         }
     }
 
-    /// The balanced weight of light from `beta` below the diffuser to a source; `forward`: the density
-    /// with which the path chose `beta`, infinite if the source's side does not.
+    /// Returns the balanced weight of light from `beta` below the diffuser to a source; `forward`: the
+    /// density with which the path sampled `beta`, infinite if the source's side does not sample it.
     fn towards(&self, target: Target, beta: Beta, forward: f64) -> f64 {
         let lobe = self.diffuser.lobe.density(beta, target.beta);
         let pdf = || self.density_out(beta, target.beta);
         target.balanced((1.0 - self.straight()) * lobe, pdf, lobe / forward)
     }
 
-    /// The same for light that goes to and fro before, which the path does not run into by chance.
+    /// Returns the same for light that makes round trips before, which the path does not find by chance.
     fn towards_trips(&self, target: Target, beta: Beta, forward: f64) -> f64 {
         let lobe = self.diffuser.lobe.density(beta, target.beta);
         target.balanced((1.0 - self.straight()) * lobe, || 0.0, lobe / forward)
     }
 
-    /// Directed sources, by a direction below the diffuser that is sampled from the source's
-    /// side; `chosen` is the density with which the path itself would choose it.
+    /// Adds directed sources by a direction below the diffuser that is sampled from the source's side;
+    /// `chosen` is the density with which the path itself would sample it.
     pub(super) fn sample_backwards(
         &self,
         chosen: impl Fn(Beta) -> f64,
-        light: Downward,
+        light: LightAbove,
         numbers: &PassNumbers<'_>,
         sums: &mut Sums,
         workspace: &mut Workspace,
     ) {
         for (source, sum) in self.sources.iter().zip(&mut sums.from_source) {
             let Some((beta, weight)) = self.backwards(source, &chosen, numbers) else { continue };
-            self.add_by_way_of(beta, light.carries, light.weight * weight, sum, workspace);
+            self.add_via_specular_base(beta, light.carries, light.weight * weight, sum, workspace);
             if let (true, Some(target)) = (source.has_radiance(), Target::sample(source, numbers.on_source)) {
                 let weight = light.weight * self.towards_trips(target, beta, chosen(beta));
                 let carried = light.carries.then_some(&workspace.carried[..]);
@@ -156,8 +157,8 @@ impl Diffused<'_> {
         }
     }
 
-    /// Adds light that meets a specular base in direction `beta`.
-    fn add_by_way_of(
+    /// Adds light that reaches a specular base in direction `beta`.
+    fn add_via_specular_base(
         &self,
         beta: Beta,
         carries: bool,
@@ -174,7 +175,7 @@ impl Diffused<'_> {
         sum.add(Reflected::Spectra(backwards), weight);
     }
 
-    /// Adds light that a Lambertian base sends in direction `beta`.
+    /// Adds light that a Lambertian base reflects in direction `beta`.
     fn add_from_base(
         &self,
         beta: Beta,
@@ -191,7 +192,7 @@ impl Diffused<'_> {
         sum.add(reflected(look_up, backwards), weight);
     }
 
-    /// The same for light that a Lambertian base has scattered.
+    /// Adds directed sources in the same way for light that a Lambertian base has scattered.
     pub(super) fn sample_backwards_from_base(
         &self,
         (look_up, weight): (Option<Stencil>, f64),
@@ -208,7 +209,7 @@ impl Diffused<'_> {
         }
     }
 
-    /// A direction in the medium sampled from the lobe around a source, and its balanced weight.
+    /// Samples a direction in the medium from the lobe around a source; returns it and its balanced weight.
     fn backwards(
         &self,
         source: &Source,

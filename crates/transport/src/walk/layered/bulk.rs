@@ -19,8 +19,8 @@ use papilio_sampling::warp;
 use papilio_spectra::Spectrum;
 
 use super::ledger::{Sums, Workspace};
-use super::sources::Lamps;
-use super::{Draws, OutgoingRay};
+use super::sources::SourceLights;
+use super::{OutgoingRay, RandomNumbers};
 use crate::Medium;
 use crate::layers::Scattered;
 use crate::skeleton::{Propagation, Ray};
@@ -102,7 +102,7 @@ impl<'a> Bulk<'a> {
         &self,
         (beta, going): (Beta, Propagation),
         [first, mut angle, mut turn]: [f64; 3],
-        draws: &mut Draws<'_>,
+        draws: &mut RandomNumbers<'_>,
         sums: &mut Sums,
         workspace: &mut Workspace,
     ) -> Option<OutgoingRay> {
@@ -234,7 +234,7 @@ impl<'a> Bulk<'a> {
     }
 
     /// Adds the light of each source that this event scatters into the path; [`Self::settle`] adds it to the sums.
-    fn gather(&self, stay: &Stay, part: f64, lamps: &mut Lamps) {
+    fn gather(&self, stay: &Stay, part: f64, lamps: &mut SourceLights) {
         let (about, lamps) = lamps.split();
         for lamp in lamps {
             if lamp.beta.squared() >= self.index * self.index {

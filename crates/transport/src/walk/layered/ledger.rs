@@ -2,7 +2,7 @@
 
 use super::Layered;
 use super::light::{Light, Share};
-use super::sources::Lamps;
+use super::sources::SourceLights;
 use crate::estimate::Account;
 use crate::skeleton::{Field, Propagation, Ray, Skeleton};
 use crate::{Estimate, Ledger, ReflectanceFactor, Source};
@@ -44,7 +44,7 @@ pub(super) struct Workspace {
     /// The path's light between two scattering events.
     pub(super) field: Field,
     pub(super) share: Share,
-    pub(super) lamps: Lamps,
+    pub(super) lamps: SourceLights,
     /// For each scattering event, the largest fraction of light of any state and wavelength that takes part in it.
     pub(super) chances: Vec<f64>,
 }
@@ -64,7 +64,7 @@ impl Layered<'_> {
         let light = || Light::zeros(states, bins);
         let mut skeleton = Skeleton::new(self.stack);
         let field = skeleton.field();
-        let lamps = Lamps::new(self, &mut skeleton);
+        let lamps = SourceLights::new(self, &mut skeleton);
         Accumulator {
             sums: Sums {
                 leaving: light(),
@@ -86,7 +86,7 @@ impl Layered<'_> {
     }
 
     /// Adds the path's unscattered light to the accounts, except what leaves into the air.
-    pub(super) fn book(&self, sums: &mut Sums, workspace: &mut Workspace) {
+    pub(super) fn record(&self, sums: &mut Sums, workspace: &mut Workspace) {
         let Workspace { light, skeleton, field, share, .. } = workspace;
         for (account, sum) in sums.absorbed.accounts() {
             share.clear();

@@ -85,12 +85,12 @@ impl OutgoingRay {
 }
 
 /// Random numbers of a path in counted blocks.
-struct Draws<'a> {
+struct RandomNumbers<'a> {
     numbers: &'a PathNumbers<'a>,
     count: u32,
 }
 
-impl Draws<'_> {
+impl RandomNumbers<'_> {
     fn next(&mut self) -> [f64; 4] {
         self.count = self.count.saturating_add(1);
         // One planned block belongs to the sources.
@@ -120,12 +120,12 @@ impl<'a> Layered<'a> {
         if self.events.is_empty() {
             return 1.0;
         }
-        // Light that a thin layer traps by total internal reflection leaves after a second scattering event, so after two
-        // improbable decisions.
+        // Light that a thin layer traps by total internal reflection is scattered again with a low probability, and mostly
+        // into other trapped directions: it leaves after three improbable decisions.
         let is_thin = |medium: &Medium| {
             medium.scattering().is_some_and(|scattering| scattering.optical_thickness < bulk::THIN)
         };
-        let decisions = if self.stack.layers.iter().any(|layer| is_thin(&layer.medium)) { 2 } else { 1 };
+        let decisions = if self.stack.layers.iter().any(|layer| is_thin(&layer.medium)) { 3 } else { 1 };
         (WITHOUT_REGARD / self.events.len() as f64).min(LEAST_SURVIVAL.powi(decisions))
     }
 
@@ -138,7 +138,7 @@ impl<'a> Layered<'a> {
         let Accumulator { sums, workspace } = tally;
         workspace.lamps.draw(numbers, self, &mut workspace.skeleton);
         workspace.light.start();
-        let mut draws = Draws { numbers, count: 0 };
+        let mut draws = RandomNumbers { numbers, count: 0 };
         let beta = self.view.sample_towards(numbers.field());
         let mut sent = OutgoingRay { beta, ray: Ray::ENTERING, ..OutgoingRay::UNSCATTERED };
         while !workspace.light.is_dark() {
@@ -160,7 +160,7 @@ impl<'a> Layered<'a> {
     fn travel(&self, sent: OutgoingRay, sums: &mut Sums, workspace: &mut Workspace) {
         workspace.skeleton.set(self.stack, sent.beta.squared());
         workspace.skeleton.emit(sent.ray, &mut workspace.field);
-        self.book(sums, workspace);
+        self.record(sums, workspace);
         let Workspace { light, field, share, .. } = workspace;
         share.set(field, Ray::LEAVING, |_| 1.0);
         sums.leaving.add_share(light, share, &field.rising, 1.0);
@@ -218,7 +218,7 @@ impl<'a> Layered<'a> {
         sent: OutgoingRay,
         event: &ScatterEvent<'_>,
         u: [f64; 3],
-        draws: &mut Draws<'_>,
+        draws: &mut RandomNumbers<'_>,
         sums: &mut Sums,
         workspace: &mut Workspace,
     ) -> Option<OutgoingRay> {

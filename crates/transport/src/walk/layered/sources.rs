@@ -7,7 +7,7 @@
 //! If that first event has a narrow lobe, the path rarely finds it. So each scattering interface also relays the light
 //! of the source, once per path, in a direction sampled from its own kernel; events connect to the relayed light in the
 //! same way. A direction that both the path and the interface may sample is weighted by the balance heuristic
-//! ([`Target::weight`]).
+//! ([`SourceLight::weight`]).
 
 use papilio_optics::Beta;
 
@@ -22,8 +22,8 @@ use crate::walk::{PathNumbers, Target};
 
 /// Light of all directed sources.
 #[derive(Debug, Clone)]
-pub(super) struct Lamps {
-    sources: Vec<Lamp>,
+pub(super) struct SourceLights {
+    sources: Vec<SourceLight>,
     scattered: Vec<Relay>,
     /// Directions of beams and of the centres of discs.
     pub(super) about: Vec<Beta>,
@@ -31,7 +31,7 @@ pub(super) struct Lamps {
 
 /// Light of one direction, at every plane of the stack.
 #[derive(Debug, Clone)]
-pub(super) struct Lamp {
+pub(super) struct SourceLight {
     source: usize,
     /// The point of the source.
     target: Target,
@@ -52,15 +52,15 @@ pub(super) struct Lamp {
 /// Light that an interface relays.
 #[derive(Debug, Clone)]
 struct Relay {
-    /// Numbers of the lamp and of the event.
+    /// Numbers of the source and of the event.
     of: usize,
     event: usize,
     /// Light that arrives at the interface and is scattered.
     arrived: Light,
-    lamp: Lamp,
+    lamp: SourceLight,
 }
 
-impl Lamps {
+impl SourceLights {
     pub(super) fn new(walk: &Layered<'_>, skeleton: &mut Skeleton) -> Self {
         let about = walk.sources.iter().filter_map(|source| match source {
             Source::Beam(beta) => Some(*beta),
@@ -70,7 +70,7 @@ impl Lamps {
         let mut lamps = Self { sources: Vec::new(), scattered: Vec::new(), about: about.collect() };
         for (source, light) in walk.sources.iter().enumerate() {
             let Some(target) = Target::sample(light, [0.5; 2]) else { continue };
-            let lamp = Lamp::new(source, target, walk, skeleton);
+            let lamp = SourceLight::new(source, target, walk, skeleton);
             let of = lamps.sources.len();
             let events =
                 walk.events.iter().enumerate().filter(|(_, event)| matches!(event.kind, Kind::Interface(..)));
@@ -120,23 +120,23 @@ impl Lamps {
         }
     }
 
-    pub(super) fn iter(&self) -> impl Iterator<Item = &Lamp> {
+    pub(super) fn iter(&self) -> impl Iterator<Item = &SourceLight> {
         self.sources.iter().chain(self.scattered.iter().map(|scattered| &scattered.lamp)).filter(|l| !l.dark)
     }
 
-    pub(super) fn iter_mut(&mut self) -> impl Iterator<Item = &mut Lamp> {
+    pub(super) fn iter_mut(&mut self) -> impl Iterator<Item = &mut SourceLight> {
         self.split().1
     }
 
-    /// Directions of beams and discs, and the lamps.
-    pub(super) fn split(&mut self) -> (&[Beta], impl Iterator<Item = &mut Lamp>) {
+    /// Directions of beams and discs, and the light of all sources.
+    pub(super) fn split(&mut self) -> (&[Beta], impl Iterator<Item = &mut SourceLight>) {
         let scattered = self.scattered.iter_mut().map(|scattered| &mut scattered.lamp);
         let lamps = self.sources.iter_mut().chain(scattered).filter(|lamp| !lamp.dark);
         (&self.about, lamps)
     }
 }
 
-impl Lamp {
+impl SourceLight {
     fn new(source: usize, target: Target, walk: &Layered<'_>, skeleton: &Skeleton) -> Self {
         let base = &walk.stack.base;
         let mut before = Light::zeros(base.states(), base.bins());
@@ -186,7 +186,7 @@ impl Lamp {
 }
 
 impl Relay {
-    fn send(&mut self, source: &Lamp, u: [f64; 4], walk: &Layered<'_>, skeleton: &mut Skeleton) {
+    fn send(&mut self, source: &SourceLight, u: [f64; 4], walk: &Layered<'_>, skeleton: &mut Skeleton) {
         let lamp = &mut self.lamp;
         lamp.dark = true;
         if self.arrived.is_dark() {

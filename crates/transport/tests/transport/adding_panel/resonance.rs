@@ -1,4 +1,4 @@
-//! Pixels whose reflectance changes over directions faster than any lobe does.
+//! Pixels whose reflectance changes over directions faster than any lobe.
 
 use super::*;
 use papilio_optics::Scatterer;
@@ -25,8 +25,8 @@ fn resonant_bases() -> [(&'static str, Base); 2] {
     ]
 }
 
-/// The resonance under a diffuser: what leaves of light from the view, and `pi` times the kernel
-/// towards a beam. Trapezoid rule in azimuth, midpoint rule over the angle in the glass.
+/// The resonance under a diffuser: the light from the view that leaves, and `pi` times the kernel towards a
+/// beam. Trapezoid rule in azimuth, midpoint rule over the angle in the glass.
 fn over_the_resonance(lobe: Lobe, from: Beta, to: Beta) -> [f64; 2] {
     let (rings, spokes) = (20_000, 100);
     let rim = if lobe == Lobe::Lambertian { (1.0_f64 / 1.5).asin() } else { 0.5 * PI };
@@ -47,9 +47,9 @@ fn over_the_resonance(lobe: Lobe, from: Beta, to: Beta) -> [f64; 2] {
     sum
 }
 
-/// The reflectance of a pixel may change over directions faster than any lobe does.
+/// The reflectance of a pixel may change over directions faster than any lobe.
 #[test]
-fn wide_lobes_over_a_resonance() {
+fn wide_lobes_over_resonance_equal_quadrature() {
     let (from, to) = (Beta::towards(8.0, 0.0, 1.0), Beta::from_source(-20.0, 40.0, 1.0));
     let lights = [Source::Diffuse, beam(-20.0, 40.0)];
     let lobes = [0.1, 0.2, 1.0, 50.0].map(|width| Lobe::KCorrelation { width });
@@ -63,17 +63,17 @@ fn wide_lobes_over_a_resonance() {
                 let error = estimates.each_ref().map(|e| (rho(e, source) / truth - 1.0).abs());
                 let claimed = (rho(&estimates[0], source) - rho(&estimates[1], source)).abs() / truth;
                 assert!(error.iter().all(|error| *error < 1e-6), "{lobe:?}, {table}: {error:?}");
-                // Eight-point interpolation itself errs by 4e-7.
+                // Eight-point interpolation itself has an error of 4e-7.
                 assert!(error[0] < 2.0 * claimed + 5e-7, "{lobe:?}, {table}: {error:?} {claimed}");
             }
         }
     }
 }
 
-/// A Lambertian diffuser makes the panel Lambertian: T^2 R_p/(1 - r R_p) of light that scatters,
-/// R_p the pixel's mean over the disc of air; wide lobes converge.
+/// A Lambertian diffuser makes the panel Lambertian: T^2 R_p/(1 - r R_p) for scattered light, with R_p the
+/// mean of the pixel over the disc of air; wide lobes converge.
 #[test]
-fn recycled_light_over_a_resonance() {
+fn recycled_light_over_resonance_equals_closed_form() {
     let (wide, anywhere) = (Lobe::KCorrelation { width: 1.0 }, Beta { x: 0.1, y: 0.0 });
     let mean = over_the_resonance(Lobe::Lambertian, anywhere, anywhere)[1];
     for (table, base) in resonant_bases() {

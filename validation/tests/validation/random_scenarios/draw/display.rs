@@ -1,14 +1,14 @@
-//! What is over the pixel: the ordinary panel's keys, or layers.
+//! The display above the pixel: the keys of an ordinary panel, or layers.
 
 use papilio_testing::Dice;
 
 use super::layers::{self, NARROWEST};
 use super::{Above, Form, between, key, number};
 
-/// The files of measured scattering.
+/// Names of the files of measured scattering.
 const MEASURED: [&str; 4] = ["H65", "H78", "H78-raw", "H81"];
 
-/// A display without its pixel.
+/// Draws a display without its pixel.
 pub(super) fn above(dice: &mut Dice) -> Above {
     if dice.one_in(3) {
         return layers::layers(dice);
@@ -17,7 +17,7 @@ pub(super) fn above(dice: &mut Dice) -> Above {
     fronts(dice, &mut text);
     text += "[display.glass]\n";
     let is_constant = index(dice, &mut text);
-    // Glass that absorbs makes layers of any panel.
+    // A panel with absorbing glass is computed as general layers.
     let absorbs = absorption(dice, &mut text);
     let (lobe, narrowest) = if absorbs { (Form::Layers, NARROWEST) } else { (Form::Lobe, 0.01) };
     let kind = dice.below(9);
@@ -26,7 +26,7 @@ pub(super) fn above(dice: &mut Dice) -> Above {
     }
     let (name, form) = match kind {
         0 => {
-            let surface = dice.of(["coated", "fresnel"]);
+            let surface = dice.of(["ideal-ar", "fresnel"]);
             key(&mut text, "surface", format_args!("\"{surface}\""));
             (format!("bare {surface}"), if absorbs { Form::Layers } else { Form::Bare })
         }
@@ -52,14 +52,14 @@ fn fronts(dice: &mut Dice, text: &mut String) {
     }
 }
 
-/// A line `index`; true if it is the same at all wavelengths.
+/// Writes a line `index`, and returns whether it is the same at all wavelengths.
 pub(super) fn index(dice: &mut Dice, text: &mut String) -> bool {
     let index = dice.of(["1.3", "1.5", "1.5", "1.7", "2.0", "\"BK7\"", "\"data/fused-silica.yml\""]);
     key(text, "index", index);
     !index.starts_with('"')
 }
 
-/// Perhaps a line about absorption; true if there is one.
+/// Writes a line about absorption or none, and returns whether there is one.
 pub(super) fn absorption(dice: &mut Dice, text: &mut String) -> bool {
     match dice.below(8) {
         0 => between(dice, text, "internal_transmittance", [0.6, 1.0]),
@@ -69,7 +69,7 @@ pub(super) fn absorption(dice: &mut Dice, text: &mut String) -> bool {
     true
 }
 
-/// The keys of a diffuser that is a formula: its name. No lobe is narrower than `narrowest`.
+/// Writes the keys of a diffuser with a formula, and returns its name. No lobe is narrower than `narrowest`.
 pub(super) fn diffuser(dice: &mut Dice, text: &mut String, model: &str, narrowest: f64) -> String {
     key(text, "model", format_args!("\"{model}\""));
     let straight = if dice.one_in(3) { dice.between(0.0, 0.3) } else { 0.0 };
@@ -92,13 +92,13 @@ pub(super) fn diffuser(dice: &mut Dice, text: &mut String, model: &str, narrowes
         _ => "lambertian".to_owned(),
     };
     match dice.below(4) {
-        // A lobe that leaves in part has a total below 1: what is asked for is less than any of these leaves.
+        // The total of a lobe is below 1 if a part of it cannot leave; the requested totals are below those of all lobes.
         0 if model != "ward" => between(dice, text, "total_transmittance", [0.2, 0.4]),
         1 => key(text, "transmittance", "\"data/H65-transmission.csv\""),
         _ => between(dice, text, "transmittance", [0.3, 0.95]),
     }
     if straight > 0.0 {
-        number(text, "straight_through", straight);
+        number(text, "regular_fraction", straight);
         return format!("{name} straight");
     }
     name
@@ -111,7 +111,8 @@ fn measured(dice: &mut Dice, text: &mut String) -> String {
     format!("{file} {mounting}")
 }
 
-/// The keys of a measured diffuser, but for its mounting: its name. `"glass"` is for a panel as measured.
+/// Writes the keys of a measured diffuser, except its mounting, and returns its name. `"glass"` is only for a panel with
+/// the diffuser as measured.
 pub(super) fn measured_keys(dice: &mut Dice, text: &mut String, may_extend: bool) -> String {
     let file = dice.of(MEASURED);
     *text += "model = \"measured\"\n";
@@ -127,7 +128,7 @@ pub(super) fn measured_keys(dice: &mut Dice, text: &mut String, may_extend: bool
     file.to_owned()
 }
 
-/// The keys of a slab; its index.
+/// Writes the keys of a slab, and returns its index.
 pub(super) fn slab(dice: &mut Dice, text: &mut String) -> &'static str {
     number(text, "optical_thickness", dice.log_between(0.01, 10.0));
     let anisotropy = dice.of([0.0, 0.5, 0.8, -0.3]) + dice.between(0.0, 0.1);

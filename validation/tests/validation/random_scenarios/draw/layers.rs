@@ -1,25 +1,30 @@
-//! Layers in any order.
+//! General layers, in any order.
 
 use papilio_testing::Dice;
 
 use super::display::{absorption, diffuser, measured_keys, slab};
 use super::{Above, Form, between, key, number};
 
-/// Between general layers no lobe is narrower.
+/// Smallest width of a lobe between general layers.
 pub(super) const NARROWEST: f64 = 0.07;
 
-/// One to three media with what stands on them; at most two of all that scatters.
+/// Draws one to three media with their interfaces; at most two of them scatter.
 pub(super) fn layers(dice: &mut Dice) -> Above {
-    let mut stack =
-        Stack { text: String::new(), names: Vec::new(), above: "1.0", scatterers: 0, is_sheet_last: false };
+    let mut stack = Stack {
+        text: String::new(),
+        names: Vec::new(),
+        above: "1.0",
+        scatterers: 0,
+        is_component_last: false,
+    };
     if dice.one_in(3) {
-        stack.sheet(dice);
+        stack.component(dice);
     }
     for _ in 0..=dice.below(3) {
         stack.medium(dice);
     }
     if dice.one_in(5) {
-        stack.sheet(dice);
+        stack.component(dice);
     }
     let is_constant = !stack.above.starts_with('"');
     Above { form: Form::Layers, is_constant, name: stack.names.join("+"), text: stack.text }
@@ -29,44 +34,44 @@ pub(super) fn layers(dice: &mut Dice) -> Above {
 struct Stack {
     text: String,
     names: Vec<String>,
-    /// The index of the medium above, as it is written.
+    /// Index of the medium above, as text.
     above: &'static str,
     scatterers: usize,
-    is_sheet_last: bool,
+    is_component_last: bool,
 }
 
 impl Stack {
     fn entry(&mut self, kind: &str) {
         self.text += "[[display.layers]]\n";
         key(&mut self.text, "kind", format_args!("\"{kind}\""));
-        self.is_sheet_last = kind == "sheet";
+        self.is_component_last = kind == "component";
     }
 
-    /// A sheet has the same index on both sides: what is not a face of its own needs one below a sheet.
-    fn face_below_sheet(&mut self) {
-        if self.is_sheet_last {
+    /// A component has the same index on both sides. A medium without an interface of its own needs one below a component.
+    fn interface_below_component(&mut self) {
+        if self.is_component_last {
             self.entry("fresnel");
         }
     }
 
-    fn sheet(&mut self, dice: &mut Dice) {
-        self.entry("sheet");
+    fn component(&mut self, dice: &mut Dice) {
+        self.entry("component");
         between(dice, &mut self.text, "absorptance", [0.0, 0.1]);
         between(dice, &mut self.text, "reflectance", [0.0, 0.2]);
-        self.names.push("sheet".to_owned());
+        self.names.push("component".to_owned());
     }
 
-    /// A medium, and what stands between it and the one above.
+    /// Draws a medium, and the interface between it and the medium above.
     fn medium(&mut self, dice: &mut Dice) {
         let may_scatter = self.scatterers < 2;
         match dice.below(if may_scatter { 9 } else { 4 }) {
             0 => {
-                let face = dice.of(["fresnel", "coated"]);
-                self.entry(face);
-                self.names.push(face.to_owned());
+                let interface = dice.of(["fresnel", "ideal-ar"]);
+                self.entry(interface);
+                self.names.push(interface.to_owned());
             }
             1 | 2 => self.coating(dice),
-            3 => self.face_below_sheet(),
+            3 => self.interface_below_component(),
             4 | 5 => return self.rough(dice),
             6 | 7 => self.diffuser(dice),
             _ => return self.slab(dice),
@@ -96,7 +101,7 @@ impl Stack {
         self.names.push("coating".to_owned());
     }
 
-    /// A rough face, between two different indices.
+    /// Draws a rough interface between two different indices.
     fn rough(&mut self, dice: &mut Dice) {
         if self.above.starts_with('"') {
             return self.clear(dice, "1.5");
@@ -123,7 +128,7 @@ impl Stack {
 
     fn slab(&mut self, dice: &mut Dice) {
         self.scatterers += 1;
-        self.face_below_sheet();
+        self.interface_below_component();
         self.entry("slab");
         self.above = slab(dice, &mut self.text);
         self.names.push("slab".to_owned());

@@ -5,7 +5,8 @@ use papilio_testing::Dice;
 use super::pixel::{azimuth, spectrum};
 use super::{between, key, number};
 
-/// Some lights that make up all of it, and the viewer. Their name. `is_lobe`: over a panel's lobe a front light may have a distribution.
+/// Draws the sources and the viewer, and returns their name. `is_lobe`: over the lobe of a panel, a front light may have a
+/// distribution.
 pub(super) fn lighting(dice: &mut Dice, is_lobe: bool) -> (String, String) {
     let mut text = String::from("[lighting]\n");
     if dice.one_in(12) {
@@ -18,7 +19,7 @@ pub(super) fn lighting(dice: &mut Dice, is_lobe: bool) -> (String, String) {
     if dice.one_in(2) {
         spectrum(dice, &mut text);
     }
-    // Shares in thousandths, so that they sum to 1: diffuse light, a first light, a second.
+    // Fractions in thousandths, which sum to 1: diffuse light, a first source, a second source.
     let [diffuse, first, second] = match dice.below(5) {
         0 => [1000, 0, 0],
         1 => [0, 1000, 0],
@@ -47,7 +48,7 @@ fn share(thousandths: u32) -> String {
     format!("{:.3}", f64::from(thousandths) / 1000.0)
 }
 
-/// A light of that share, and its name.
+/// Draws a source with this fraction of the light, and returns its name.
 fn light(dice: &mut Dice, text: &mut String, thousandths: u32) -> String {
     match dice.below(12) {
         0..=2 => beam(dice, text, thousandths),
@@ -81,7 +82,7 @@ fn disc(dice: &mut Dice, text: &mut String, thousandths: u32) -> String {
     *text += "[[lighting.directed]]\n";
     key(text, "share", share(thousandths));
     let radius = dice.log_between(0.25, 15.0);
-    // Up to the horizon, which it must not dip below.
+    // At most up to the horizon, because no part of the disc may be below it.
     let most = 89.9 - radius;
     let theta = if dice.one_in(6) { most } else { dice.between(-80.0, 80.0).clamp(-most, most) };
     number(text, "theta_deg", theta);
@@ -153,13 +154,13 @@ fn sky(dice: &mut Dice, text: &mut String, thousandths: u32) -> String {
     key(text, "number", number_of);
     number(text, "sun_elevation_deg", elevation);
     azimuth(dice, text, "sun_azimuth_deg");
-    // The sun stands before the display, wherever it is turned.
+    // The sun is in front of the display for any orientation.
     if dice.one_in(3) {
         between(dice, text, "tilt_deg", [0.0, elevation - 2.0]);
         between(dice, text, "ground_reflectance", [0.0, 0.4]);
     }
     if dice.one_in(3) && thousandths > 400 {
-        // A part of what was drawn is the sun's.
+        // The sun takes a part of the fraction of the sky.
         let line = format!("share = {}\n", share(thousandths));
         if let Some(at) = text.rfind(&line) {
             text.replace_range(at..at + line.len(), &format!("share = {}\n", share(thousandths - 300)));

@@ -1,8 +1,9 @@
-//! Random scenario files: what a user may write, drawn over the whole grammar. A number names one for ever.
+//! Random scenario files, drawn from the whole grammar. A number identifies a file permanently.
 //!
-//! **Left out**: lobes narrower than 0.07 between general layers, Ward's below alpha 0.1 and rough faces below alpha
-//! 0.2, where *adding* takes minutes or refuses; `sampler`s and `scattering`s whose errors are known to be too small with
-//! few paths ([sampling](../../../../docs/sampling.md)); sweeps and searches, which are many runs of such files.
+//! **Excluded**: lobes narrower than 0.07 between general layers, Ward lobes below alpha 0.1 and rough interfaces below
+//! alpha 0.2, for which *adding* takes minutes or refuses; values of `sampler` and `scattering` whose errors are known to
+//! be too small with few paths ([sampling](../../../../docs/sampling.md)); sweeps and searches, which are many runs of such
+//! files.
 
 mod display;
 mod layers;
@@ -16,32 +17,32 @@ use papilio_testing::Dice;
 /// A scenario file.
 #[derive(Debug, Clone)]
 pub(crate) struct Drawn {
-    /// Which one it is.
+    /// Number of the scenario.
     pub(crate) number: u64,
-    /// Display and light, in words.
+    /// Description of display and light.
     pub(crate) name: String,
     /// The text of the file.
     pub(crate) text: String,
-    /// Paths that the walk takes for about a second.
+    /// Number of Monte Carlo paths, for about a second.
     pub(crate) paths: u64,
-    /// No better does adding have to be.
+    /// Smallest target of adding.
     pub(crate) least_error: f64,
     /// Whether adding takes seconds.
     pub(crate) is_slow: bool,
 }
 
-/// What is known of a display when its light and pixel are drawn.
+/// Kind of a display, as needed to draw its light and pixel.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Form {
     /// The ordinary panel without a diffuser.
     Bare,
-    /// The ordinary panel under a lobe.
+    /// The ordinary panel with a lobe.
     Lobe,
-    /// Any layers: those of `[[display.layers]]`, and kernels, slabs and glass that absorbs in a panel's keys.
+    /// General layers: those of `[[display.layers]]`, and panels with measured kernels, slabs or absorbing glass.
     Layers,
 }
 
-/// A display on the way.
+/// A display without its pixel.
 #[derive(Debug)]
 struct Above {
     form: Form,
@@ -52,16 +53,16 @@ struct Above {
 }
 
 impl Above {
-    /// Whether it is computed as the ordinary panel; over a BRDF nothing is.
+    /// Returns whether the display is computed as an ordinary panel; with the BRDF of a pixel it is not.
     fn is_panel(&self, of_pixel: &str) -> bool {
         self.form != Form::Layers && of_pixel != "paper"
     }
 }
 
-/// The family's number among the streams of random numbers.
+/// Number of the family's stream of random numbers.
 const FAMILY: u64 = 5;
 
-/// Scenario file number `number`.
+/// Returns a scenario file by its number.
 pub(crate) fn drawn(number: u64) -> Drawn {
     let mut dice = Dice::new(FAMILY, number);
     let above = display::above(&mut dice);
@@ -74,13 +75,13 @@ pub(crate) fn drawn(number: u64) -> Drawn {
     text += &pixel;
     text += &light;
     text += &solver;
-    // What light a thin slab holds by total reflection, few paths meet: of fewer the errors are too small.
+    // Few paths meet the light that a thin slab traps by total reflection: with fewer paths, the errors would be too small.
     let paths = match () {
         () if above.is_panel(of_pixel) => 1 << 15,
         () if text.contains("\"slab\"") => 1 << 14,
         () => 1 << 12,
     };
-    // Between any layers adding's levels cost a factor of ten, and those of rough faces and BRDFs gain little.
+    // Between general layers, each level of adding costs a factor of ten; for rough interfaces and BRDFs, it gains little.
     let is_slow = text.contains("\"rough\"") || of_pixel == "paper";
     let least_error = match above.form {
         _ if is_slow => 2e-3,
@@ -90,7 +91,7 @@ pub(crate) fn drawn(number: u64) -> Drawn {
     Drawn { number, name: format!("{}/{of_pixel}/{of_light}", above.name), text, paths, least_error, is_slow }
 }
 
-/// Some keys that change what is computed.
+/// Draws some keys that change the computation.
 fn solver(dice: &mut Dice, above: &Above, of_pixel: &str) -> String {
     let is_panel = above.is_panel(of_pixel);
     let mut text = String::from("[solver]\n");
@@ -107,18 +108,18 @@ fn solver(dice: &mut Dice, above: &Above, of_pixel: &str) -> String {
     text
 }
 
-/// A line `key = value`.
+/// Writes a line `key = value`.
 fn key(text: &mut String, key: &str, value: impl std::fmt::Display) {
-    // Writing to a text cannot fail.
+    // Writing to a String cannot fail.
     let _ = writeln!(text, "{key} = {value}");
 }
 
-/// A line with a number, to four places.
+/// Writes a line with a number with four decimals.
 fn number(text: &mut String, name: &str, value: f64) {
     key(text, name, format_args!("{value:.4}"));
 }
 
-/// A line with a number between two others, drawn.
+/// Writes a line with a random number between two others.
 fn between(dice: &mut Dice, text: &mut String, name: &str, [low, high]: [f64; 2]) {
     number(text, name, dice.between(low, high));
 }

@@ -4,7 +4,8 @@ use papilio_testing::Dice;
 
 use super::{between, key, number};
 
-/// A pixel, and its name. `is_constant`: the medium above has one index at all wavelengths, as a BRDF needs.
+/// Draws a pixel, and returns its name. `is_constant`: the medium above has the same index at all wavelengths, as a BRDF
+/// needs.
 pub(super) fn pixel(dice: &mut Dice, is_constant: bool) -> (&'static str, String) {
     let mut text = String::from("[display.pixel]\n");
     let name = match dice.below(9) {
@@ -34,7 +35,7 @@ fn film(dice: &mut Dice, text: &mut String) -> &'static str {
     *text += "model = \"film\"\nsubstrate = \"Al\"\ndefault_states = false\n";
     let red = dice.between(0.2, 0.5);
     let green = dice.between(0.2, 0.4);
-    // To four places, so that the three sum to 1.
+    // With four decimals, so that the three sum to 1.
     let [red, green] = [red, green].map(|area| (area * 1e4).round() / 1e4);
     let blue = 1.0 - red - green;
     key(text, "area", format_args!("{{ red = {red:.4}, green = {green:.4}, blue = {blue:.4} }}"));
@@ -72,7 +73,7 @@ fn table(text: &mut String) -> &'static str {
     "table"
 }
 
-/// A spectrum of light.
+/// Draws a spectrum of light.
 pub(super) fn spectrum(dice: &mut Dice, text: &mut String) {
     let light = dice.of([
         "\"D65\"",
@@ -85,7 +86,7 @@ pub(super) fn spectrum(dice: &mut Dice, text: &mut String) {
     key(text, "spectrum", light);
 }
 
-/// An azimuth.
+/// Draws an azimuth.
 pub(super) fn azimuth(dice: &mut Dice, text: &mut String, name: &str) {
     number(text, name, dice.between(-180.0, 360.0));
 }

@@ -1,4 +1,4 @@
-//! A panel with a diffuser: what a view sees through prepared kernels.
+//! Estimates of a panel with a diffuser from prepared kernels.
 
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
@@ -6,8 +6,8 @@ use std::sync::atomic::AtomicBool;
 use super::super::super::images::ImagePoints;
 use super::super::super::quadrature::Point;
 use super::super::add_scaled;
-use super::super::first_pass::{Alone, Weights};
-use super::super::ledger::{Books, Sums};
+use super::super::first_pass::{SourceFreeView, Weights};
+use super::super::ledger::{LedgerRequest, Sums};
 use super::super::recycling::{Direction, Forms, Recycling, Reflectances};
 use super::{Bundle, Kernel, Recycled, View, sent_back};
 use crate::specular::panel_image;
@@ -18,19 +18,19 @@ impl Kernel {
         let Some(seen) = self.views.get(view) else { return Estimate::default() };
         let sources: Vec<Source> = self.sources.iter().map(|light| light.source.clone()).collect();
         if self.recycling_serves(stack) {
-            let sums = self.sums(stack, diffuser, seen, &sources, Books::Kept);
+            let sums = self.sums(stack, diffuser, seen, &sources, LedgerRequest::Requested);
             let mut estimate = sums.estimate(stack, diffuser, &sources);
             add_images(stack, &seen.images, &mut estimate.rho);
             return estimate;
         }
-        // A front or a pixel so much brighter that recycled light has to be followed further.
+        // A front or a pixel that is much brighter, so that more orders of recycled light are needed.
         let mut other = self.clone();
         other.views = vec![seen.clone()];
         other.prepare(stack, &[seen.cone], &sources, &AtomicBool::new(false));
         other.estimate(stack, diffuser, 0)
     }
 
-    /// The `rho` of an estimate.
+    /// Returns the `rho` of an estimate.
     pub(in super::super) fn seen(
         &self,
         stack: &Panel,
@@ -40,7 +40,7 @@ impl Kernel {
         match self.views.get(view) {
             Some(seen) if self.recycling_serves(stack) => {
                 let sources: Vec<Source> = self.sources.iter().map(|light| light.source.clone()).collect();
-                let sums = self.sums(stack, diffuser, seen, &sources, Books::NotKept);
+                let sums = self.sums(stack, diffuser, seen, &sources, LedgerRequest::Omitted);
                 let mut rho = sums.rho(stack, diffuser, &sources);
                 add_images(stack, &seen.images, &mut rho);
                 rho
@@ -49,7 +49,7 @@ impl Kernel {
         }
     }
 
-    /// Whether recycled light was prepared for as much of it as this stack has.
+    /// Returns whether enough orders of recycled light were prepared for this stack.
     pub(in super::super) fn recycling_serves(&self, stack: &Panel) -> bool {
         let prepared = self.recycling.as_ref().and_then(|all| all.first()).map(|one| &one.plan);
         self.plan(stack).as_ref() == prepared
@@ -61,16 +61,16 @@ impl Kernel {
         diffuser: &Diffuser,
         view: &View,
         sources: &[Source],
-        books: Books,
+        ledger: LedgerRequest,
     ) -> Sums {
         let len = stack.base.states() * stack.base.bins();
         let sent_back = sent_back(stack, &diffuser.transmittance);
         let at = |index: usize| match &stack.base.reflector {
             Reflector::Specular(table) => {
-                self.over_mirror((stack, table), view, index, &sent_back, (sources, books))
+                self.over_mirror((stack, table), view, index, &sent_back, (sources, ledger))
             }
             Reflector::Lambertian(r) => self.over_lambertian(r, view, index, &sent_back, sources),
-            // Any layers are over such a base, no panel.
+            // Such a base occurs only under general layers, never in a panel.
             Reflector::Scattering(_) => Sums::zeros(len, sources),
         };
         if self.indices.nodes.len() == 1 {
@@ -117,7 +117,7 @@ impl Kernel {
         view: &View,
         index: usize,
         sent_back: &[f64],
-        (sources, books): (&[Source], Books),
+        (sources, ledger): (&[Source], LedgerRequest),
     ) -> Sums {
         let len = stack.base.states() * stack.base.bins();
         let medium = self.medium_at(stack, index);
@@ -135,7 +135,7 @@ impl Kernel {
                 let recycled = &at.recycled[g_number];
                 let mut orders = Sums::zeros(len, sources);
                 let seen = (recycling, recycled, &along);
-                self.recycle(seen, index, (r, &g), &of_sources, (&mut orders, books));
+                self.recycle(seen, index, (r, &g), &of_sources, (&mut orders, ledger));
                 self.narrow(&straight, group.axis, recycled, &mut orders);
                 sums.zip(&orders, |sums, orders| add_scaled(sums, orders, 1.0));
             }
@@ -144,7 +144,7 @@ impl Kernel {
         all
     }
 
-    /// What recycling needs to know of the base: as prepared, if the base is that one.
+    /// Returns the reflectances of the base that recycling needs: as prepared, if the base is the same.
     pub(super) fn reflectances(
         &self,
         stack: &Panel,
@@ -160,14 +160,15 @@ impl Kernel {
         }
     }
 
-    /// For each source and its groups: the base's reflectance, and its straight round trips.
+    /// Returns, for each source and its groups, the reflectance of the base and the unscattered round trips.
     fn source_columns(&self, straight: &Straight<'_>) -> Vec<Vec<Direction>> {
         let of = |b: &Bundle| straight.along(b.axis);
         self.sources.iter().map(|light| light.groups.iter().map(of).collect()).collect()
     }
 
-    /// Makes recycled light that of the lobe itself where the grid has a wider one. Of the reflectances on
-    /// the way half are taken at the view's direction and half at the source's, as if light turned amid its way.
+    /// Corrects recycled light where the grid has a wider lobe than the diffuser. Half of the reflectances
+    /// on the way are taken at the direction of the view and half at that of the source, as if light changed
+    /// direction half way.
     fn narrow(&self, straight: &Straight<'_>, view: Point, recycled: &Recycled, orders: &mut Sums) {
         for (i, between) in recycled.between.iter().enumerate() {
             let closed = between.iter().filter_map(|(_, closed)| *closed).reduce(|mut all, closed| {
@@ -194,7 +195,7 @@ impl Kernel {
         index: usize,
         (r, g): (&Reflectances, &[f64]),
         of_sources: &[Vec<Direction>],
-        (sums, books): (&mut Sums, Books),
+        (sums, ledger): (&mut Sums, LedgerRequest),
     ) {
         if recycling.sums_columns() {
             let sources: Vec<Vec<_>> = self
@@ -207,12 +208,12 @@ impl Kernel {
         }
         let alone = &recycled.alone;
         let between = recycled.between.iter().flatten().map(|(forms, _)| forms);
-        let of_books = (books == Books::Kept).then_some(&alone.reflected);
-        let forms: Vec<&Forms> = std::iter::once(&alone.leaving).chain(of_books).chain(between).collect();
+        let for_ledger = (ledger == LedgerRequest::Requested).then_some(&alone.reflected);
+        let forms: Vec<&Forms> = std::iter::once(&alone.leaving).chain(for_ledger).chain(between).collect();
         let values = recycling.values(&forms, false, r, g);
         let mut values = values.chunks_exact(g.len());
         add_scaled(&mut sums.leaving, values.next().unwrap_or_default(), 1.0);
-        if books == Books::Kept {
+        if ledger == LedgerRequest::Requested {
             add_scaled(&mut sums.arriving, &recycling.values(&[&alone.arriving], true, r, g), 1.0);
             add_scaled(&mut sums.reflected, values.next().unwrap_or_default(), 1.0);
         }
@@ -224,10 +225,11 @@ impl Kernel {
     }
 }
 
-/// The first pass of a group: what is straight in none of its two meetings with the diffuser.
+/// Returns the first pass of a group: light that is unscattered in at most one of its two passes through the
+/// diffuser.
 fn first_pass(
     table: &AngularTable,
-    alone: &Alone,
+    alone: &SourceFreeView,
     pairs: &[Vec<(Weights, usize)>],
     of_sources: &[Vec<Direction>],
     sources: &[Source],
@@ -250,7 +252,7 @@ fn first_pass(
     sums
 }
 
-/// Light that goes straight through the diffuser, off the base, and straight through again.
+/// Light that passes the diffuser unscattered, is reflected by the base, and passes unscattered again.
 struct Straight<'a> {
     stack: &'a Panel,
     medium: &'a Medium,
@@ -259,7 +261,7 @@ struct Straight<'a> {
 }
 
 impl Straight<'_> {
-    /// The base's reflectance of this direction, and `1/(1 - g s^2 R)`.
+    /// Returns the reflectance of the base in this direction, and `1/(1 - g s^2 R)`.
     fn along(&self, point: Point) -> Direction {
         if self.share == 0.0 {
             return Direction { reflectance: Vec::new(), round_trips: Vec::new() };
@@ -278,7 +280,7 @@ impl Straight<'_> {
     }
 }
 
-/// `sum += values * factors`; no factors are ones.
+/// `sum += values * factors`; an empty slice of factors means ones.
 fn add_times(sum: &mut [f64], values: &[f64], factors: &[f64]) {
     if factors.is_empty() {
         return add_scaled(sum, values, 1.0);

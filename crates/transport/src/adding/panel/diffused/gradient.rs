@@ -1,9 +1,10 @@
-//! What is seen through a diffuser, differentiated by the base's table.
+//! Derivatives of the reflectance factor under a diffuser with respect to the base's table.
 //!
-//! All that is seen of the table are a few sums over its nodes: those of the first pass, one for each source, and the
-//! terms of recycled light. What is seen is linear in the former and a polynomial in the latter
-//! ([`Recycling::slopes`]). The gradient goes back the same way: from what is seen to the sums of each state, from
-//! these to the sums of each basis, and from there to all nodes at once, by one product of matrices.
+//! The result depends on the table only through a few sums over its nodes: those of the first pass, one for
+//! each source, and the terms of recycled light. It is linear in the former and a polynomial in the latter
+//! ([`Recycling::slopes`]). The gradient is propagated backwards in the same way: from the result to the
+//! sums of each state, from these to the sums of each basis, and from there to all nodes at once, by one
+//! matrix product.
 
 use super::super::super::TableGradient;
 use super::super::recycling::{Forms, Recycling};
@@ -12,8 +13,8 @@ use crate::product::{add_product, add_transposed_product};
 use crate::{AngularTable, Diffuser, Panel, Reflector, Source};
 
 impl Kernel {
-    /// See [`pull_back`](super::super::super::Kernel::pull_back). `None` where light goes straight through, where
-    /// recycled light is summed column by column, and where it is that of a wider lobe.
+    /// See [`pull_back`](super::super::super::Kernel::pull_back). `None` if the diffuser has regular
+    /// transmittance, if recycled light is summed column by column, and if it is computed with a wider lobe.
     pub(in super::super) fn pull_back(
         &self,
         stack: &Panel,
@@ -44,7 +45,7 @@ impl Kernel {
         Some(gradients)
     }
 
-    /// The weights on the nodes that make each sum: one of each source, then the terms.
+    /// Returns the weights on the nodes that make each sum: one for each source, then the terms.
     fn rows(&self, at: &AtIndex, index: usize) -> Vec<Vec<f64>> {
         let leaving = |sum: &mut Vec<f64>| add(sum, at.alone.iter().map(|alone| &alone.leaving.0[..]));
         let row = |(light, number): (&super::Light, usize)| {
@@ -64,13 +65,13 @@ impl Kernel {
         first.chain(terms).collect()
     }
 
-    /// What a sum counts in what is seen, `[wavelength]`: `(t T)^2`, and the blend of indices.
+    /// Returns the weight of a sum in the result, `[wavelength]`: `(t T)^2`, and the blend of indices.
     fn weights(&self, stack: &Panel, diffuser: &Diffuser, index: usize) -> Vec<f64> {
         let through = stack.front.transmittance.iter().zip(diffuser.transmittance.iter());
         through.enumerate().map(|(bin, (t, d))| (t * d).powi(2) * self.indices.blend_at(index, bin)).collect()
     }
 
-    /// What each term changes of each source's recycled light, `[source][term][column]`.
+    /// Returns the derivative of each source's recycled light by each term, `[source][term][column]`.
     fn slopes(
         &self,
         stack: &Panel,
@@ -109,7 +110,7 @@ fn zero(table: &AngularTable) -> TableGradient {
     TableGradient { basis: zeros(&table.basis), mixture: zeros(&table.mixture), common: zeros(&table.common) }
 }
 
-/// `sum` becomes that of these rows.
+/// Replaces `sum` by the sum of these rows.
 fn add<'a>(sum: &mut Vec<f64>, rows: impl Iterator<Item = &'a [f64]>) {
     for row in rows {
         sum.resize(row.len(), 0.0);
@@ -117,7 +118,8 @@ fn add<'a>(sum: &mut Vec<f64>, rows: impl Iterator<Item = &'a [f64]>) {
     }
 }
 
-/// How a number changes with each sum, `[sum][column]`, from how it changes with what is seen of each source.
+/// Returns the derivative of a number by each sum, `[sum][column]`, from its derivative by the result of
+/// each source.
 fn by_sums(seen: &[f64], slopes: &[f64], columns: usize) -> Vec<f64> {
     let sources = seen.len() / columns.max(1);
     let terms = slopes.len() / seen.len().max(1);
@@ -140,7 +142,7 @@ struct Sums<'a> {
     count: usize,
     /// `[sum][basis][wavelength]`.
     of_basis: Vec<f64>,
-    /// Of the common part.
+    /// Sums of the common part.
     totals: Vec<f64>,
 }
 
@@ -154,7 +156,8 @@ impl<'a> Sums<'a> {
         Self { table, rows, count, of_basis, totals }
     }
 
-    /// Adds to the gradient of a number that changes so with each sum of each state, `[sum][state][wavelength]`.
+    /// Adds to the gradient of a number with this derivative by each sum of each state,
+    /// `[sum][state][wavelength]`.
     fn pull_back(&self, by_sums: &[f64], gradient: &mut TableGradient) {
         let (bins, basis) = (self.table.common.len(), self.table.basis_count());
         let mut by_basis = vec![0.0; self.count * basis * bins];

@@ -1,4 +1,4 @@
-//! A panel with a diffuser: what is kept between estimates. `estimate` adds it up.
+//! A panel with a diffuser: data that persist between estimates. `estimate` sums them.
 
 mod estimate;
 mod gradient;
@@ -12,20 +12,20 @@ use papilio_optics::lobe::Lobe;
 use super::super::field::{Peaks, Ring, rings};
 use super::super::images::{ImagePoints, image_points};
 use super::super::quadrature::{Nodes as QuadratureNodes, Point, cone_points_of, disc_points};
-use super::first_pass::{Alone, Pass, Weights};
+use super::first_pass::{Pass, SourceFreeView, Weights};
 use super::indices::Indices;
 use super::lambertian::Shares;
 use super::recycling::{Closed, Forms, Group, OwnForms, Plan, Recycling, Reflectances};
 use crate::base::largest;
 use crate::{AngularTable, Cone, Diffuser, Field, Medium, Nodes, Panel, Reflector, Source, Top};
 
-/// Everything of a panel that does not depend on its spectra.
+/// All data of a panel that do not depend on its spectra.
 #[derive(Debug, Clone)]
 pub(super) struct Kernel {
     digits: f64,
     diffuser: Diffuser,
     medium: Medium,
-    /// Of the base's table; `None` over a Lambertian base.
+    /// Nodes of the base's table; `None` over a Lambertian base.
     table: Option<Nodes>,
     indices: Indices,
     /// See [`reach`].
@@ -35,16 +35,16 @@ pub(super) struct Kernel {
     /// For each index.
     shares: Vec<Shares>,
     recycling: Option<Vec<Recycling>>,
-    seen: Option<Seen>,
+    seen: Option<BaseData>,
 }
 
-/// What was found out about the base's table.
+/// Data computed from the base's table.
 #[derive(Debug, Clone)]
-struct Seen {
+struct BaseData {
     table: AngularTable,
-    /// Of the table's basis.
+    /// Largest value of the table's basis.
     largest: f64,
-    /// For each index what recycling needs of it.
+    /// For each index the reflectances that recycling needs.
     at: Vec<Arc<Reflectances>>,
 }
 
@@ -65,21 +65,21 @@ struct View {
     at: Vec<AtIndex>,
 }
 
-/// Points that are looked at together: all of a cone, or, where light that goes straight through
-/// counts by direction, each by itself.
+/// Points that are treated together: all points of a cone, or, where the direction of unscattered light
+/// matters, a single point.
 #[derive(Debug, Clone, PartialEq)]
 struct Bundle {
     axis: Point,
     points: Vec<Point>,
-    /// Weights are opposite, not alike, at azimuths as far from the axis's on its two sides.
+    /// Whether weights at azimuths equally far from the axis on its two sides are opposite instead of equal.
     odd: bool,
 }
 
-/// One view at one index; over a Lambertian base it holds nothing. For each of its groups:
+/// One view at one index; empty over a Lambertian base. For each of its groups:
 #[derive(Debug, Clone, Default)]
 struct AtIndex {
-    alone: Vec<Alone>,
-    /// By group, source and the source's group, and the nodes they took.
+    alone: Vec<SourceFreeView>,
+    /// By group, source and the source's group, and the number of nodes used.
     pairs: Vec<Vec<Vec<(Weights, usize)>>>,
     recycled: Vec<Recycled>,
 }
@@ -88,7 +88,7 @@ struct AtIndex {
 struct Recycled {
     group: Group,
     alone: OwnForms,
-    /// By source and the source's group, with what narrow lobes make of it.
+    /// By source and the source's group, with the closed form for narrow lobes.
     between: Vec<Vec<(Forms, Option<Closed>)>>,
 }
 
@@ -109,7 +109,7 @@ impl Kernel {
         }
     }
 
-    /// Whether the layers are those that it was made for.
+    /// Returns whether the layers are those for which it was made.
     pub(super) fn serves(&self, stack: &Panel, diffuser: &Diffuser) -> bool {
         self.diffuser.lobe == diffuser.lobe
             && self.diffuser.straight_through == diffuser.straight_through
@@ -117,7 +117,7 @@ impl Kernel {
             && self.table.as_ref() == table_nodes(stack)
     }
 
-    /// Not finished if `stop` is set before.
+    /// Prepares views and sources; incomplete if `stop` is set during the computation.
     pub(super) fn prepare(&mut self, stack: &Panel, views: &[Cone], sources: &[Source], stop: &AtomicBool) {
         let old_views = std::mem::take(&mut self.views);
         let old_sources = std::mem::take(&mut self.sources);
@@ -126,7 +126,7 @@ impl Kernel {
             self.shares = self.indices.nodes.iter().map(at).collect();
         }
         self.reach = reach(views, sources);
-        self.look_at(stack);
+        self.reset_for_new_base(stack);
         let same_recycling = self.prepare_recycling(stack);
         let at = self.reflectances_at(stack);
         if let (Some(seen), Some(at)) = (&mut self.seen, at) {
@@ -158,7 +158,7 @@ impl Kernel {
         self.views = made;
     }
 
-    /// Makes the grid for recycled light; true if it is the one there was.
+    /// Builds the grid for recycled light; returns whether it equals the previous one.
     fn prepare_recycling(&mut self, stack: &Panel) -> bool {
         let plan = self.plan(stack);
         let old = self.recycling.as_ref().and_then(|all| all.first()).map(|one| one.plan.clone());
@@ -195,8 +195,8 @@ impl Kernel {
         }
     }
 
-    /// Starts again with a base that is not the one that was seen last.
-    fn look_at(&mut self, stack: &Panel) {
+    /// Resets the data of the base if the base has changed.
+    fn reset_for_new_base(&mut self, stack: &Panel) {
         let Reflector::Specular(table) = &stack.base.reflector else {
             self.seen = None;
             return;
@@ -208,10 +208,10 @@ impl Kernel {
         }
         let same_basis = before.filter(|seen| Arc::ptr_eq(&seen.table.basis, &table.basis));
         let largest = same_basis.map_or_else(|| largest(&table.basis), |seen| seen.largest);
-        self.seen = Some(Seen { table: table.clone(), largest, at: Vec::new() });
+        self.seen = Some(BaseData { table: table.clone(), largest, at: Vec::new() });
     }
 
-    /// What recycling needs to know of the base, if it is not known.
+    /// Computes the reflectances of the base that recycling needs, unless they are known.
     fn reflectances_at(&self, stack: &Panel) -> Option<Vec<Arc<Reflectances>>> {
         let seen = self.seen.as_ref().filter(|seen| seen.at.is_empty())?;
         let at = |(index, recycling): (usize, &Recycling)| {
@@ -220,7 +220,7 @@ impl Kernel {
         Some(self.recycling.iter().flatten().enumerate().map(at).collect())
     }
 
-    /// The medium above the base, as if it had this index at all wavelengths.
+    /// Returns the medium above the base, as if it had this index at all wavelengths.
     fn medium_at(&self, stack: &Panel, index: usize) -> Medium {
         match stack.medium.constant_index() {
             Some(_) => stack.medium.clone(),
@@ -234,7 +234,7 @@ impl Kernel {
         Some(Pass { diffuser: &self.diffuser, table, index, digits: self.digits })
     }
 
-    /// Points for the lobes' width, together or each by itself.
+    /// Returns points for the width of the lobe, together or one by one.
     fn bundles(&self, points: Vec<Point>, axis: Point) -> Vec<Bundle> {
         if self.diffuser.straight_through == 0.0 || self.table.is_none() {
             return vec![Bundle { axis, points, odd: false }];
@@ -266,7 +266,7 @@ impl Kernel {
         Light { source, groups, recycled }
     }
 
-    /// A field's even part and, if it has one, its odd part, together or ring by ring.
+    /// Returns the even part of a field and, if it has one, its odd part, together or ring by ring.
     fn of_field(&self, field: &Field, views: &[Cone]) -> Vec<Bundle> {
         // Light that is scattered twice has a peak of twice the width.
         let passes = if self.diffuser.straight_through == 0.0 { 2.0 } else { 1.0 };
@@ -299,7 +299,7 @@ impl Kernel {
         self.recycling.iter().flatten().zip(&self.indices.nodes).map(at).collect()
     }
 
-    /// A cone, and how many nodes of the base's table lie across it.
+    /// Returns the points of a cone, and the number of nodes of the base's table across it.
     fn view(
         &self,
         (cone, across): (&Cone, f64),
@@ -308,7 +308,7 @@ impl Kernel {
         kept: &[Option<usize>],
         same_recycling: bool,
     ) -> View {
-        // Only light that goes straight through sees the table as sharp as it is.
+        // Only unscattered light resolves the table.
         let across = if self.diffuser.straight_through > 0.0 { across } else { 0.0 };
         let groups = match old {
             Some(old) => old.groups.clone(),
@@ -371,7 +371,7 @@ impl Kernel {
             let towards = |(light, kept): (&Light, &Option<usize>)| match (old, kept) {
                 (Some(old), Some(kept)) => old.between[*kept].clone(),
                 _ => {
-                    // A field is as smooth as the wider lobes that may stand for the diffuser's.
+                    // A field is as smooth as the wider lobes that may replace the diffuser's.
                     let is_field = matches!(light.source, Source::Field(_));
                     let closed = |b: &Bundle| {
                         (!is_field)
@@ -403,27 +403,27 @@ impl Kernel {
     }
 }
 
-/// Where a source was before; a field's directions depend on the views, too.
+/// Returns the previous position of a source; the directions of a field also depend on the views.
 fn position(source: &Source, old: &[Light], same_views: bool) -> Option<usize> {
     let serves = same_views || !matches!(source, Source::Field(_));
     old.iter().position(|old| serves && old.source == *source)
 }
 
-/// Natural digits that a field's directions have less than all else: there are many, and where they err
-/// light is faint.
+/// Natural digits that the directions of a field have less than everything else: there are many directions,
+/// and where their error is large, light is faint.
 const DIGITS_LESS_OF_FIELDS: f64 = 4.0;
 
-/// Reflectances change over directions of this size, whatever the lobe.
+/// Angle over which reflectances change, whatever the lobe.
 const SMOOTH: f64 = 0.3;
 
-/// The largest `sqrt(|beta_v| |beta_l|)` of a view and a directed source, if there is one.
+/// Returns the largest `sqrt(|beta_v| |beta_l|)` of a view and a directed source, if there is one.
 fn reach(views: &[Cone], sources: &[Source]) -> Option<f64> {
     let radius = |cone: &Cone| (cone.axis_towards().length() + cone.half_angle()).min(1.0);
     let directed = sources.iter().filter_map(|source| match source {
         Source::Diffuse => None,
         Source::Beam(beta) => Some(beta.length()),
         Source::Disc(cone) => Some(radius(cone)),
-        // A ring has but order 0.
+        // A ring has only order 0.
         Source::Field(field) if field.is_ring() => None,
         Source::Field(_) => Some(1.0),
     });
@@ -438,7 +438,8 @@ fn table_nodes(stack: &Panel) -> Option<&Nodes> {
     }
 }
 
-/// `r T^2`: what comes down again of light that left the diffuser's underside, per wavelength.
+/// Returns `r T^2`: the fraction of light leaving the underside of the diffuser that returns to it, per
+/// wavelength.
 fn sent_back(stack: &Panel, transmittance: &[f64]) -> Vec<f64> {
     let one = |(t, r): (&f64, &f64)| if stack.single_pass { 0.0 } else { t * t * r };
     transmittance.iter().zip(stack.front.reflectance_below.iter()).map(one).collect()

@@ -1,14 +1,14 @@
 //! Forms: homogeneous polynomials in the terms of the reflectance.
 //!
-//! What the grid gives is a coefficient for each sequence of terms that light may meet; sequences
-//! of the same terms in another order are the same product, and share one coefficient here. The
-//! products of the terms ([`Products`]) depend on the pixel alone, the coefficients on views and
-//! lights: many values of both are one product of matrices.
+//! The grid gives a coefficient for each sequence of terms that light may meet. Sequences of the same terms
+//! in another order have the same product; here they share one coefficient. The products of the terms
+//! ([`Products`]) depend only on the pixel, the coefficients on views and sources: many values of both are
+//! one matrix product.
 
 use super::values::Values;
 use crate::product::add_product;
 
-/// Which sequences of terms make the same product.
+/// Index of the product of each sequence of terms.
 #[derive(Debug, Clone)]
 pub(super) struct Places {
     /// For each sequence of terms (the last one varies fastest) the number of its product.
@@ -17,12 +17,12 @@ pub(super) struct Places {
 }
 
 impl Places {
-    /// Of `degree` terms, out of so many.
+    /// Enumerates the products of `degree` out of this many terms.
     pub(super) fn new(terms: usize, degree: u32) -> Self {
         let sequences = terms.pow(degree);
         let mut place = vec![usize::MAX; sequences];
         let mut count = 0;
-        // In this order ascending sequences are met first, and products in the order of `Products`.
+        // In this order ascending sequences come first, and products in the order of `Products`.
         for sequence in 0..sequences {
             let sorted = ascending(sequence, terms, degree);
             if place[sorted] == usize::MAX {
@@ -34,7 +34,7 @@ impl Places {
         Self { place, count }
     }
 
-    /// A coefficient for each product, from those of each sequence.
+    /// Returns a coefficient for each product, from those of each sequence.
     pub(super) fn folded(&self, sequences: &[f64]) -> Vec<f64> {
         let mut sum = vec![0.0; self.count];
         sequences.iter().zip(&self.place).for_each(|(value, place)| sum[*place] += value);
@@ -43,14 +43,15 @@ impl Places {
 }
 
 impl Places {
-    /// The derivatives of a form of `degree` by each of its terms: forms of one degree less, whose products are those of
-    /// `less`; `[term][product]`.
+    /// Returns the derivatives of a form of `degree` by each of its terms: forms of one degree less, whose
+    /// products are those of `less`; `[term][product]`.
     pub(super) fn differentiated(&self, form: &[f64], less: &Self, terms: usize, degree: u32) -> Vec<f64> {
         let mut out = vec![0.0; terms * less.count];
         let sequences = less.place.len();
         for (sequence, product) in less.place.iter().enumerate() {
             for term in 0..terms {
-                // Each sequence of a product once: the same terms in another order have the same place and coefficient.
+                // Each sequence of a product once: the same terms in another order have the same place and
+                // coefficient.
                 let times = 1 + count(sequence, term, terms, degree - 1);
                 let coefficient = form[self.place[term * sequences + sequence]];
                 out[term * less.count + product] = coefficient * times as f64;
@@ -60,7 +61,7 @@ impl Places {
     }
 }
 
-/// How often a term occurs in a sequence of this length.
+/// Returns how often a term occurs in a sequence of this length.
 fn count(mut sequence: usize, term: usize, terms: usize, length: u32) -> usize {
     let is_it = |_| {
         let found = sequence % terms == term;
@@ -70,7 +71,7 @@ fn count(mut sequence: usize, term: usize, terms: usize, length: u32) -> usize {
     (0..length).map(is_it).sum()
 }
 
-/// The number of the sequence of the same terms in ascending order.
+/// Returns the number of the sequence of the same terms in ascending order.
 fn ascending(mut sequence: usize, terms: usize, degree: u32) -> usize {
     let mut digits: Vec<usize> = (0..degree)
         .map(|_| {
@@ -83,20 +84,20 @@ fn ascending(mut sequence: usize, terms: usize, degree: u32) -> usize {
     digits.into_iter().fold(0, |number, digit| number * terms + digit)
 }
 
-/// The products of the terms of one order of the series, all but their first factors: those of full
-/// degree are several times as many, and need not be written down.
+/// Products of the terms of one order of the series, without their first factors: those of full degree are
+/// several times as many, and need not be stored.
 #[derive(Debug, Clone)]
 pub(in super::super) struct Products {
     /// `[term][column]`.
     terms: Vec<f64>,
-    /// Of one degree less than the form's, `[product][column]`.
+    /// Products of one degree less than the form's, `[product][column]`.
     less: Vec<f64>,
-    /// For each term, from which of these on their own first factor is that term or a later one.
+    /// For each term, the first of these products whose own first factor is that term or a later one.
     from: Vec<usize>,
 }
 
 impl Products {
-    /// Of `degree` (2 or more) terms, which are given as `[term][column]`.
+    /// Multiplies `degree` (2 or more) terms, given as `[term][column]`.
     pub(super) fn new(terms: Vec<f64>, columns: usize, degree: u32) -> Self {
         let count = terms.len() / columns.max(1);
         let mut from: Vec<usize> = (0..count).collect();
@@ -115,8 +116,7 @@ impl Products {
         Self { terms, less, from }
     }
 
-    /// Adds the values of so many forms of the full degree, or of one less, to `out`
-    /// (`[form][column]`).
+    /// Adds the values of several forms of the full degree, or of one less, to `out` (`[form][column]`).
     pub(super) fn add(
         &self,
         (forms, count): (&[f64], usize),
@@ -138,7 +138,7 @@ impl Products {
 mod tests {
     use super::*;
 
-    /// Every sequence by itself.
+    /// Evaluates every sequence separately.
     fn plainly(coefficients: &[f64], terms: &[f64], degree: u32) -> f64 {
         let value = |(sequence, coefficient): (usize, &f64)| {
             let mut rest = sequence;
@@ -153,7 +153,7 @@ mod tests {
 
     /// A polynomial of degree d has exact derivatives by d + 1 differences.
     #[test]
-    fn slopes_are_those_of_the_polynomial() {
+    fn slopes_equal_derivatives_of_polynomial() {
         for (terms, degree) in [(1_usize, 2_u32), (1, 5), (4, 2), (3, 4)] {
             let coefficients: Vec<f64> = (0..terms.pow(degree)).map(|k| (k * k % 23) as f64 - 9.0).collect();
             let (places, less) = (Places::new(terms, degree), Places::new(terms, degree - 1));
@@ -176,7 +176,7 @@ mod tests {
     }
 
     #[test]
-    fn folded_forms_have_the_values_of_all_their_sequences() {
+    fn folded_forms_equal_sums_of_sequences() {
         for (terms, degree) in [(1_usize, 2_u32), (1, 5), (4, 2), (3, 4), (2, 7)] {
             // Two forms at three columns.
             let size = terms.pow(degree);

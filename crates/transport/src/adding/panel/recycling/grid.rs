@@ -1,6 +1,6 @@
-//! The grid on which recycled light is followed, and one pass through the panel on it.
+//! Grid on which recycled light is followed, and one pass through the panel on it.
 //!
-//! Directions in air and in the glass have each a rule over the radius, azimuth is in Fourier
+//! Directions in air and in the glass each have a rule over the radius; azimuth is represented by Fourier
 //! orders. With `L` the lobe between the two rules, one pass of light above the diffuser is
 //! `s^2 R + s(1-s)(R l + l R) + (1-s)^2 L^T R L`: a diagonal, single and double scattering.
 
@@ -15,37 +15,39 @@ use super::super::lobes;
 use crate::Nodes;
 use crate::product::{add_product, add_transposed_product};
 
-/// Points of one panel, at most.
+/// Largest number of points of one panel.
 const PANEL: usize = 36;
 
 #[derive(Debug, Clone)]
 pub(super) struct Grid {
     lobe: Lobe,
     pub(super) straight: f64,
-    /// Azimuthal orders 0, 1, ...: how many.
+    /// Number of azimuthal orders 0, 1, ...
     pub(super) orders: usize,
     /// Rules over the radius in air and in the glass.
     pub(super) air: Vec<Node>,
     pub(super) glass: Vec<Node>,
-    /// The lobe, `[order][air][glass]`, and between directions in air where light goes straight through.
+    /// The lobe, `[order][air][glass]`, and, if the diffuser has regular transmittance, between directions
+    /// in air.
     between: Vec<f64>,
     within: Vec<f64>,
-    /// The fraction of light at the diffuser's underside that leaves, at the glass's nodes, and of
-    /// light above it that reaches the base, at the air's; `leaving_straight` is `leaving` at the air's.
+    /// Fraction of light at the underside of the diffuser that leaves, at the nodes of the glass, and
+    /// fraction of light above it that reaches the base, at the nodes of air; `leaving_straight` is
+    /// `leaving` at the nodes of air.
     pub(super) leaving: Vec<f64>,
     pub(super) leaving_straight: Vec<f64>,
     pub(super) arriving: Vec<f64>,
 }
 
-/// A group of directions with the same fraction of straight light: their lobes, symmetric about an azimuth.
+/// Lobes of a group of directions with the same fraction of unscattered light, symmetric about an azimuth.
 #[derive(Debug, Clone)]
 pub(super) struct Meridian {
-    /// `[order][glass]`, and `[order][air]` where light goes straight through.
+    /// `[order][glass]`, and `[order][air]` if the diffuser has regular transmittance.
     glass: Vec<f64>,
     air: Vec<f64>,
 }
 
-/// The base's reflectance where the grid needs it, in any number of columns: at the nodes
+/// Reflectance of the base where the grid needs it, in any number of columns: at the nodes
 /// (`[glass][column]`, `[air][column]`).
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Columns<'a> {
@@ -54,19 +56,21 @@ pub(super) struct Columns<'a> {
     pub(super) air: &'a [f64],
 }
 
-/// Light that other light is to meet, in each azimuthal order.
+/// Light that is multiplied by other light, in each azimuthal order.
 #[derive(Debug, Clone, Default)]
 pub(super) struct End {
     width: usize,
-    /// Lifted to the glass's nodes, `[order][width][glass]`.
+    /// At the nodes of the glass, `[order][width][glass]`.
     glass: Vec<f64>,
-    /// Where light goes straight through: `[order][width][air]`, and the same after one lobe within air.
+    /// If the diffuser has regular transmittance: `[order][width][air]`, and the same after one lobe within
+    /// air.
     air: Vec<f64>,
     across: Vec<f64>,
 }
 
 impl Grid {
-    /// `terms` of the polynomials that the grid has to tell apart; none: it resolves the table itself.
+    /// Builds the grid; `terms`: number of terms of the polynomials that the grid has to distinguish;
+    /// `None`: it resolves the table itself.
     pub(super) fn new(pass: &Pass<'_>, lobe: Lobe, orders: usize, digits: f64, terms: usize) -> Self {
         let straight = pass.straight();
         let (resolved, least) = (terms == 0, if terms > 1 { terms + 3 } else { 0 });
@@ -86,7 +90,7 @@ impl Grid {
             from = to;
         }
         if rim < FRAC_PI_2 && lobe != Lobe::Lambertian {
-            // Wide lobes leave few panels here; at 3.6 digits a point, half as many points each.
+            // Wide lobes leave few panels here; at 3.6 digits per point, half as many points each.
             let enough = if width > NARROW { 1.8 * least as f64 } else { 0.0 };
             let poles = [1.0, -1.0].map(|at| Pole { at, off: width }.in_arc(pass.index));
             angles.extend(graded(rim, FRAC_PI_2, &breaks, &poles, digits.max(enough)));
@@ -110,9 +114,10 @@ impl Grid {
         Self { lobe, straight, orders, air, glass, between, within, leaving, leaving_straight, arriving }
     }
 
-    /// The lobes of a group of points that is symmetric about `azimuth`: the same on both sides, or opposite.
+    /// Returns the lobes of a group of points that is symmetric about `azimuth`: equal on both sides, or
+    /// opposite.
     pub(super) fn meridian(&self, points: &[Point], azimuth: f64, odd: bool) -> Meridian {
-        // Points of one radius have their lobes in common.
+        // Points of one radius share their lobes.
         let mut rings: Vec<(f64, Vec<f64>)> =
             merged_radii(points).iter().map(|ring| (ring.0, vec![0.0; self.orders])).collect();
         for point in points {
@@ -137,8 +142,8 @@ impl Grid {
         Meridian { glass: lobes_at(&self.glass), air }
     }
 
-    /// Light of a group after one pass in which it was scattered, at the air's nodes; `own` is the
-    /// base's reflectance of the group's direction.
+    /// Returns the light of a group after one pass in which it was scattered, at the nodes of air; `own` is
+    /// the reflectance of the base in the direction of the group.
     pub(super) fn scattered(&self, group: &Meridian, order: usize, r: Columns<'_>, own: &[f64]) -> Vec<f64> {
         let (n, s) = (r.count, self.straight);
         let glass = &group.glass[order * self.glass.len()..][..self.glass.len()];
@@ -158,8 +163,8 @@ impl Grid {
         light
     }
 
-    /// Light at the air's nodes (`[air][width]`) through one pass, for each column of the
-    /// reflectance: shape `[air][width][column]`; where `paired`, column by column.
+    /// Transmits light at the nodes of air (`[air][width]`) through one pass, for each column of the
+    /// reflectance: shape `[air][width][column]`; if `paired`, column by column.
     pub(super) fn pass(&self, order: usize, light: &[f64], r: Columns<'_>, paired: bool) -> Vec<f64> {
         let (s, width) = (self.straight, light.len() / self.air.len());
         let count = if paired { width } else { width * r.count };
@@ -187,7 +192,7 @@ impl Grid {
         out
     }
 
-    /// Light of so many orders, to be met by other light.
+    /// Prepares light of this many orders to be multiplied by other light.
     pub(super) fn end(&self, air: Vec<f64>, orders: usize) -> End {
         let width = air.len() / (orders * self.air.len()).max(1);
         let each = |one: &dyn Fn(usize, &[f64]) -> Vec<f64>| {
@@ -199,7 +204,7 @@ impl Grid {
             return End { width, glass, ..End::default() };
         }
         let count = self.air.len();
-        // The lobes within air are the same both ways.
+        // The lobes within air are the same in both directions.
         let across =
             each(&|m, light| self.met_by(light, &self.within[m * count * count..][..count * count], count));
         let air =
@@ -207,9 +212,9 @@ impl Grid {
         End { width, glass, air, across }
     }
 
-    /// What comes of a group's light that meets other light after one pass in which it was scattered,
-    /// summed over orders with these factors: shape `[other][column]`. The reflectance is the same in
-    /// all orders, so they are summed before it comes in; `own` is that of the group's direction.
+    /// Multiplies the light of a group, after one pass in which it was scattered, by other light, summed
+    /// over orders with these factors: shape `[other][column]`. The reflectance is the same in all orders,
+    /// so they are summed before it is applied; `own` is that of the direction of the group.
     pub(super) fn form_of_two(
         &self,
         group: &Meridian,
@@ -237,8 +242,8 @@ impl Grid {
         form
     }
 
-    /// What comes of two lights that meet, one of them after one pass more, summed over orders with these
-    /// factors: shape `[one][other][column]`.
+    /// Multiplies two lights, one of them after one further pass, summed over orders with these factors:
+    /// shape `[one][other][column]`.
     pub(super) fn form(&self, one: &End, other: &End, factors: &[f64], r: Columns<'_>) -> Vec<f64> {
         let pairs = one.width * other.width;
         let (s, mut form) = (self.straight, vec![0.0; r.count * pairs]);
@@ -259,8 +264,8 @@ impl Grid {
         form
     }
 
-    /// Diffuse light (`[air][column]`) after one meeting with the base: of what arrives, the fraction that
-    /// `of_scattered` (at the glass's nodes) and `of_straight` (at the air's) tell.
+    /// Returns diffuse light (`[air][column]`) after one reflection by the base: of the light that arrives,
+    /// the fractions `of_scattered` (at the nodes of the glass) and `of_straight` (at those of air).
     pub(super) fn diffuse(&self, r: Columns<'_>, of_scattered: &[f64], of_straight: &[f64]) -> Vec<f64> {
         let (n, s) = (r.count, self.straight);
         let mut below = r.glass.to_vec();
@@ -277,7 +282,7 @@ impl Grid {
         light
     }
 
-    /// Light at the air's nodes times their weights.
+    /// Returns light at the nodes of air times their weights.
     fn weighted(&self, light: &[f64]) -> Vec<f64> {
         let mut light = light.to_vec();
         let width = light.len() / self.air.len();
@@ -287,28 +292,28 @@ impl Grid {
         light
     }
 
-    /// Light that was scattered once more, at the other end of these lobes (`[air][node]`): `[width][node]`.
+    /// Returns light scattered once more, at the other end of these lobes (`[air][node]`): `[width][node]`.
     fn met_by(&self, light: &[f64], lobes: &[f64], nodes: usize) -> Vec<f64> {
         let mut out = vec![0.0; light.len() / self.air.len() * nodes];
         add_transposed_product(&self.weighted(light), lobes, self.air.len(), &mut out);
         out
     }
 
-    /// From the air's nodes to the glass's.
+    /// Scatters from the nodes of air to those of the glass.
     fn lift(&self, order: usize, light: &[f64], width: usize) -> Vec<f64> {
         let mut out = vec![0.0; self.glass.len() * width];
         add_transposed_product(self.lobes_between(order), &self.weighted(light), self.air.len(), &mut out);
         out
     }
 
-    /// From the glass's nodes (weights included) to the air's.
+    /// Scatters from the nodes of the glass (weights included) to those of air.
     fn lower(&self, order: usize, below: &[f64], width: usize) -> Vec<f64> {
         let mut out = vec![0.0; self.air.len() * width];
         add_product(self.lobes_between(order), below, self.glass.len(), &mut out);
         out
     }
 
-    /// One lobe within air.
+    /// Scatters once within air.
     fn across(&self, order: usize, light: &[f64], width: usize) -> Vec<f64> {
         let air = self.air.len();
         let mut out = vec![0.0; air * width];
@@ -344,7 +349,7 @@ impl Pairs<'_> {
 impl WithSimd for Pairs<'_> {
     type Output = ();
 
-    // Plain loops, which the compiler spreads over the registers that there are: rows of nodes are long.
+    // Plain loops, which the compiler vectorises: rows of nodes are long.
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) {
         let Self { of: [one, other], widths: [left, right], nodes, share, factors, sum } = self;
@@ -388,7 +393,7 @@ fn add_scaled(sum: &mut [f64], values: &[f64], scale: f64) {
     }
 }
 
-/// Where the base's table has kinks, as angles in the glass; too many are as good as none.
+/// Returns the kinks of the base's table, as angles in the glass; if they are too many, none.
 fn kinks(pass: &Pass<'_>) -> Vec<f64> {
     match pass.table {
         Nodes::AnglesInMedium(angles) if angles.len() <= MOST_KINKS => {
@@ -403,7 +408,7 @@ fn kinks(pass: &Pass<'_>) -> Vec<f64> {
 
 const MOST_KINKS: usize = 24;
 
-/// Between which the table is smooth, as angles in the glass.
+/// Returns the borders between which the table is smooth, as angles in the glass.
 fn table_breaks(pass: &Pass<'_>) -> Vec<f64> {
     let angle = |radius: &f64| (radius / pass.index).min(1.0).asin();
     let mut angles: Vec<f64> = pass.table.breaks(pass.index).iter().map(angle).collect();
@@ -411,12 +416,12 @@ fn table_breaks(pass: &Pass<'_>) -> Vec<f64> {
     angles
 }
 
-/// Lobes up to this width have a grid that follows the reflectance as it is.
+/// Width up to which the grid of a lobe resolves the reflectance itself.
 pub(super) const NARROW: f64 = 0.03;
-/// How far off a table's singularities are, in the distance between breaks.
+/// Distance of a table's singularities, in units of the distance between breaks.
 const SMOOTH_OFF: f64 = 1.0;
 
-/// A rule for integrands with poles this far off everywhere, of so many points at least.
+/// Returns a rule for integrands with poles at this distance everywhere, of at least `least` points.
 fn even(from: f64, to: f64, off: f64, digits: f64, least: usize) -> Vec<Node> {
     let points = |panels: usize| {
         let half = 0.5 * (to - from) / panels as f64;
@@ -431,7 +436,8 @@ fn even(from: f64, to: f64, off: f64, digits: f64, least: usize) -> Vec<Node> {
     (0..panels).flat_map(|k| gauss(from + k as f64 * step, from + (k + 1) as f64 * step, count)).collect()
 }
 
-/// From a rule in `x` of `|beta| = radius sin x` to one in the radius, weights with `2 pi |beta|`.
+/// Converts a rule in `x` of `|beta| = radius sin x` to one in the radius, with weights that include `2 pi
+/// |beta|`.
 fn disc(mut nodes: Vec<Node>, radius: f64) -> Vec<Node> {
     for node in &mut nodes {
         let (sin, cos) = node.x.sin_cos();

@@ -1,24 +1,23 @@
 //! Light that the front of screen sends back into the panel, over a specular base.
 //!
-//! One pass of light above the diffuser is `P = d + S`: `d = s^2 R` keeps the direction, `S`
-//! scatters. With `g = r T^2` (r the front's reflectance from below) and `E = 1/(1 - g d)`, all
-//! orders are
+//! One pass of light above the diffuser is `P = d + S`: `d = s^2 R` preserves the direction, `S` scatters.
+//! With `g = r T^2` (r the front's reflectance from below) and `E = 1/(1 - g d)`, all orders are
 //!
 //! `E [S + g S (1 - g P)^-1 S] E`,
 //!
-//! the first of which is [`first_pass`](super::first_pass)'s. Since g is small, the rest needs
-//! few digits, and the reflectance R in it few terms: order k of the series is a form of degree
-//! k in the terms of R (Lagrange's polynomials between a few cosines; under wide lobes fitted, so
-//! that means over directions are right even where R is sharper than a polynomial), whose
-//! coefficients ([`Forms`]) depend neither on the pixel nor on spectra. Later orders get fewer
-//! terms. Where g is too large for that, the series is summed on the grid for each state and
-//! wavelength.
+//! the first of which is computed by [`first_pass`](super::first_pass). Since g is small, the rest needs few
+//! digits, and the reflectance R in it few terms: order k of the series is a form of degree k in the terms
+//! of R (Lagrange polynomials between a few cosines; under wide lobes fitted, so that means over directions
+//! are right even where R varies faster than a polynomial). The coefficients ([`Forms`]) depend neither on
+//! the pixel nor on spectra. Later orders get fewer terms. Where g is too large for that, the series is
+//! summed on the grid for each state and wavelength.
 //!
-//! Lobes narrower than 0.01 to 0.03, by what else is asked of it, would need too large a grid: theirs is made for a wider one,
-//! the narrower the finer the level. What is recycled between two directions is then multiplied by what the true
-//! lobe has there over what the wider one has, of all orders together in closed form ([`Recycling::closed`]). What
-//! the rims and the pixel's angles do to recycled light then errs in proportion to the wider lobe's
-//! width, times g; the difference between levels shows it.
+//! Lobes narrower than 0.01 to 0.03, depending on the other requirements, would need too large a grid. Their
+//! grid is made for a wider lobe; the finer the level, the narrower this lobe. The recycled light between
+//! two directions is then multiplied by the ratio of the light that the true lobe gives there to that of the
+//! wider one, for all orders together in closed form ([`Recycling::closed`]). The remaining error, from the
+//! rims and the pixel's dependence on angle, is proportional to the width of the wider lobe, times g; the
+//! difference between levels shows it.
 
 mod forms;
 mod grid;
@@ -40,7 +39,7 @@ pub(super) use plan::{NARROWEST, Plan};
 use profile::Profile;
 pub(super) use spectra::Reflectances;
 
-/// Everything that does not depend on views and sources.
+/// All data that do not depend on views and sources.
 #[derive(Debug, Clone)]
 pub(super) struct Recycling {
     pub(super) plan: Plan,
@@ -54,26 +53,27 @@ pub(super) struct Recycling {
 pub(super) struct Group {
     azimuth: f64,
     odd: bool,
-    /// In the glass, of its axis.
+    /// Cosine of its axis in the glass.
     cosine: f64,
-    /// Shared, as the light is, by groups that are this one at another azimuth.
+    /// Shared, as the light is, by groups that differ only by a rotation in azimuth.
     meridian: Arc<Meridian>,
-    /// For each order of the series: a source's scattered light, and a view's after all passes but one;
-    /// of order 2, where there is no such pass, a view needs none.
+    /// For each order of the series: a source's scattered light, and a view's after all passes but one; of
+    /// order 2, where there is no such pass, a view needs none.
     light: Arc<Vec<End>>,
 }
 
-/// A group's direction itself, in columns `[state][wavelength]`; both empty where no light goes straight.
+/// Unscattered light of a group, in columns `[state][wavelength]`; both empty if the diffuser has no regular
+/// transmittance.
 #[derive(Debug, Clone)]
 pub(super) struct Direction {
-    /// The base's reflectance.
+    /// Reflectance of the base.
     pub(super) reflectance: Vec<f64>,
-    /// All orders of straight round trips, E.
+    /// All orders of unscattered round trips, E.
     pub(super) round_trips: Vec<f64>,
 }
 
 impl Group {
-    /// The same group at another azimuth, that of its axis there.
+    /// Returns the same group rotated to the azimuth of this axis.
     pub(super) fn turned_to(&self, axis: Point) -> Self {
         Self { azimuth: azimuth(axis), ..self.clone() }
     }
@@ -87,12 +87,12 @@ fn azimuth(axis: Point) -> f64 {
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Forms(Vec<Vec<f64>>);
 
-/// Forms of what a view sees of diffuse light, and of where its own light goes.
+/// Forms of the diffuse light that a view sees, and of the distribution of its own light.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct OwnForms {
     pub(super) leaving: Forms,
     pub(super) reflected: Forms,
-    /// One degree less.
+    /// Of one degree less.
     pub(super) arriving: Forms,
 }
 
@@ -118,8 +118,8 @@ impl Recycling {
         self.grid.air.len() + self.grid.glass.len()
     }
 
-    /// A view's or a source's group of points, symmetric about the axis's azimuth: the same on both sides, or
-    /// opposite (odd; no view is).
+    /// Returns a view's or a source's group of points, symmetric about the azimuth of the axis: equal on
+    /// both sides, or opposite (odd; never for a view).
     pub(super) fn group(
         &self,
         (points, odd): (&[Point], bool),
@@ -140,7 +140,8 @@ impl Recycling {
         Group { azimuth, odd, cosine, light, meridian: meridian.into() }
     }
 
-    /// A group's light of order `k + 2` after one pass in which it was scattered, and more.
+    /// Returns the light of a group of order `k + 2` after one pass in which it was scattered, and after
+    /// further passes.
     fn scattered(&self, meridian: &Meridian, cosine: f64, k: usize, passes: usize) -> End {
         let profile = &self.profiles[k];
         let (own, columns, orders) = (profile.at(cosine), profile.columns(), self.plan.orders_of(k));
@@ -152,7 +153,7 @@ impl Recycling {
         self.grid.end(light.concat(), orders)
     }
 
-    /// `pi` times the recycled kernel between two groups.
+    /// Returns `pi` times the recycled kernel between two groups.
     pub(super) fn between(&self, view: &Group, source: &Group) -> Forms {
         let turn = source.azimuth - view.azimuth;
         let form = |(k, profile): (usize, &Profile)| {
@@ -163,7 +164,7 @@ impl Recycling {
         Forms(self.profiles.iter().enumerate().map(form).collect())
     }
 
-    /// What of a view's light meets other light in order `k + 2` of the series.
+    /// Returns the product of a view's light with other light in order `k + 2` of the series.
     fn form(&self, (k, profile): (usize, &Profile), view: &Group, other: &End, factors: &[f64]) -> Vec<f64> {
         let columns = profile.columns();
         if k == 0 {
@@ -172,9 +173,9 @@ impl Recycling {
         self.grid.form(&view.light[k], other, factors, columns)
     }
 
-    /// Orders 2, 3, ... between two sets of points in closed form, by the true lobe and by the grid's if that is
-    /// wider, without the powers of g and of the base's reflectance: lobes that follow each other add
-    /// their widths, rims apart. `None` where the grid has the lobe itself.
+    /// Returns orders 2, 3, ... between two sets of points in closed form, by the true lobe and by the
+    /// grid's if that is wider, without the powers of g and of the base's reflectance. The widths of
+    /// successive lobes add; rims are ignored. `None` if the grid has the lobe itself.
     pub(super) fn closed(&self, lobe: Lobe, view: &[Point], source: &[Point]) -> Option<Closed> {
         let width = match lobe {
             Lobe::KCorrelation { width } if width < self.plan.width => width,
@@ -216,10 +217,10 @@ impl Recycling {
     }
 }
 
-/// Orders 2, 3, ... of the series by a narrow lobe, and by the wider one that a grid has in its place.
+/// Orders 2, 3, ... of the series by a narrow lobe, and by the wider lobe that replaces it on the grid.
 pub(super) type Closed = [[f64; 5]; 2];
 
-/// The product of two polynomials.
+/// Returns the product of two polynomials.
 fn product(a: &[f64], b: &[f64]) -> Vec<f64> {
     let mut out = vec![0.0; a.len() + b.len() - 1];
     for (i, a) in a.iter().enumerate() {
@@ -230,7 +231,7 @@ fn product(a: &[f64], b: &[f64]) -> Vec<f64> {
     out
 }
 
-/// The factor of azimuthal order `m` in the sum over both signs of it.
+/// Returns the factor of azimuthal order `m` in the sum over both signs of it.
 fn azimuth_factor(m: usize, turn: f64, odd: bool) -> f64 {
     let angle = m as f64 * turn;
     match (m, odd) {

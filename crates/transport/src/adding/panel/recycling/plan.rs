@@ -1,43 +1,44 @@
-//! How far recycled light is followed: the grid's fineness, azimuthal orders, terms of the series.
+//! Extent of the computation of recycled light: fineness of the grid, azimuthal orders, terms of the series.
 
 use papilio_optics::lobe::Lobe;
 
 use super::Pass;
 use crate::Nodes;
 
-/// Lobes of this width and wider are on the grid themselves, at every level.
+/// Width from which on the grid has the lobe itself, at every level.
 pub(in super::super) const NARROWEST: f64 = 0.035;
 
-/// How far recycled light is followed.
+/// Extent of the computation of recycled light.
 #[derive(Debug, Clone, PartialEq)]
 pub(in super::super) struct Plan {
-    /// Of the whole result, natural.
+    /// Natural digits of the whole result.
     pub(super) digits: f64,
     /// Natural digits by which a pass weakens the light, rounded down to halves.
     pub(super) weakening: f64,
-    /// Terms of the reflectance in orders 2, 3, ... of the series; none: each column by itself.
+    /// Terms of the reflectance in orders 2, 3, ... of the series; none: the series is summed for each
+    /// column.
     pub(super) terms: Vec<usize>,
     /// Azimuthal orders.
     pub(super) orders: usize,
-    /// Of recycled light, natural.
+    /// Natural digits of recycled light.
     pub(super) recycled_digits: f64,
-    /// The lobe's width on the grid.
+    /// Width of the lobe on the grid.
     pub(super) width: f64,
 }
 
-/// Terms before which a polynomial does not follow the swings of a film's reflectance over angle
-/// at all: about half its phase, 9 rad for a gap of 280 nm at 380 nm.
+/// Number of terms below which a polynomial does not follow the oscillations of a film's reflectance over
+/// angle at all: about half its phase, 9 rad for a gap of 280 nm at 380 nm.
 const TERMS_OF_SWINGS: f64 = 5.0;
-/// Natural digits that one more term of the reflectance gives from there on (films, over 0 to 90 deg).
+/// Natural digits gained by each further term of the reflectance (films, over 0 to 90 deg).
 const DIGITS_A_TERM: f64 = 1.2;
 /// The same for tables with kinks.
 const DIGITS_A_KINK: f64 = 0.5;
-/// The largest forms.
+/// Largest number of coefficients of a form.
 const MOST_COEFFICIENTS: usize = 5000;
 
 impl Plan {
-    /// For light that loses all but the fraction `strength` between passes; `reach` is the largest
-    /// `sqrt(|beta_v| |beta_l|)` of a view and a directed source. `None` where nothing is sent back.
+    /// Plans for light of which only the fraction `strength` remains from pass to pass; `reach` is the
+    /// largest `sqrt(|beta_v| |beta_l|)` of a view and a directed source. `None` if no light is sent back.
     pub(in super::super) fn new(pass: &Pass<'_>, strength: f64, reach: Option<f64>) -> Option<Self> {
         let digits = pass.digits;
         let weakening = (-2.0 * strength.min(1.0).ln()).floor() / 2.0;
@@ -55,7 +56,8 @@ impl Plan {
         Some(plan)
     }
 
-    /// Gives up digits, then widens the lobe, until the grid is small enough; a finer level has a larger one.
+    /// Reduces the digits, then widens the lobe, until the grid is small enough; a finer level has a larger
+    /// one.
     fn fit(&mut self, pass: &Pass<'_>, reach: Option<f64>) {
         let most = MOST_ELEMENTS * (self.digits / 7.0).exp();
         self.orders = self.orders_for(pass, reach);
@@ -69,8 +71,8 @@ impl Plan {
         }
     }
 
-    /// Away from a narrow lobe's peak light is fainter than there, by the cube of the distance; the
-    /// grid's error is not.
+    /// Returns the digits of the grid. Away from a narrow lobe's peak, light is fainter than at the peak, by
+    /// the cube of the distance; the error of the grid is not.
     pub(super) fn grid_digits(&self) -> f64 {
         self.recycled_digits + 3.0 * (WIDTH_WITHOUT_PEAK / self.width).ln().max(0.0)
     }
@@ -80,20 +82,21 @@ impl Plan {
         1 + reach.map_or(0, |reach| rounded_up(self.grid_digits() * reach / (lobes * self.width)))
     }
 
-    /// Elements of the lobe between the grid's nodes, roughly.
+    /// Returns the approximate number of elements of the lobe between the nodes of the grid.
     fn size(&self, pass: &Pass<'_>) -> f64 {
         let nodes = 0.4 * self.grid_digits() / self.width;
         nodes * nodes * pass.index * self.orders as f64
     }
 
-    /// The azimuthal orders that order `k + 2` of the series needs: fewer where less is left of the light.
+    /// Returns the number of azimuthal orders that order `k + 2` of the series needs: fewer where less light
+    /// remains.
     pub(super) fn orders_of(&self, k: usize) -> usize {
         let left = (self.digits - (k + 1) as f64 * self.weakening) / (self.digits - self.weakening).max(1e-9);
         let orders = ((self.orders - 1) as f64 * left).ceil().max(0.0) as usize;
         (1 + orders).min(self.orders)
     }
 
-    /// The terms of each order, if forms are not too large.
+    /// Returns the number of terms of each order, if forms are not too large.
     fn forms(&self, table: &Nodes) -> Option<Vec<usize>> {
         let mut terms = Vec::new();
         let mut size = 0_usize;
@@ -121,19 +124,20 @@ impl Plan {
     }
 }
 
-/// The coarsest level's grid holds some five times as many elements of the lobe at most ...
+/// Largest number of elements of the lobe on a grid, before a factor that grows with the digits (about five
+/// at the coarsest level) ...
 const MOST_ELEMENTS: f64 = 6e5;
-/// ... in no fewer natural digits than these, if need be with a wider lobe.
+/// ... in at least this number of natural digits, if necessary with a wider lobe.
 const FEWEST_DIGITS_ON_A_LARGE_GRID: f64 = 6.0;
-/// The recycled light of lobes from this width on is much the same in all directions.
+/// Width from which on the recycled light of a lobe is nearly the same in all directions.
 const WIDTH_WITHOUT_PEAK: f64 = 0.08;
-/// No grid is coarser than for lobes of this width.
+/// Width of the lobe for which the coarsest grid is made.
 const WIDEST: f64 = 1.0;
 
-/// Recycled light has at least these natural digits.
+/// Smallest number of natural digits of recycled light.
 const LEAST_DIGITS: f64 = 3.0;
 
-/// The next of 4, 6, 8, 12, 16, 24, ...: so that a light that moves keeps its kernels.
+/// Rounds up to the next of 4, 6, 8, 12, 16, 24, ..., so that the kernels remain valid when a source moves.
 fn rounded_up(orders: f64) -> usize {
     let mut step = 4_usize;
     while (step as f64) < orders {
@@ -147,7 +151,8 @@ mod tests {
     use super::*;
     use crate::Diffuser;
 
-    /// From [`NARROWEST`] on the grid has the lobe itself, at every level and for all directions; well below it has not.
+    /// From [`NARROWEST`] on the grid has the lobe itself, at every level and for all directions; well
+    /// below, it does not.
     #[test]
     fn only_narrow_lobes_are_widened() {
         for (level, index, straight_through) in

@@ -1,4 +1,4 @@
-//! The reflectance's terms over angle: polynomials in the cosine, what the grid sees of each.
+//! Terms of the reflectance over angle: polynomials in the cosine, and the values of each on the grid.
 
 use std::f64::consts::PI;
 
@@ -11,27 +11,27 @@ use crate::Nodes;
 use crate::adding::quadrature::{Node, gauss, graded};
 use crate::angular::Stencil;
 
-/// Polynomials in the cosine in the glass, one at one point and zero at the others.
+/// Polynomials in the cosine in the glass, each one at one point and zero at the others.
 #[derive(Debug, Clone)]
 pub(super) struct Profile {
-    /// Gauss's points, or Chebyshev's under a narrow lobe.
+    /// Gauss points, or Chebyshev points under a narrow lobe.
     pub(super) cosines: Vec<f64>,
-    /// What makes the reflectance's term at each of a table.
+    /// Weights on the nodes of a table that give the term of the reflectance at each point.
     pub(super) terms: Vec<Weights>,
     /// `[glass][term]` and `[air][term]`.
     pub(super) glass: Vec<f64>,
     pub(super) air: Vec<f64>,
-    /// What a view's light is multiplied by: diffuse light after one pass, and reflected by the base,
+    /// Light by which a view's light is multiplied: diffuse light after one pass, and reflected by the base,
     /// for each term; and the fraction that arrives there.
     pub(super) leaving: End,
     pub(super) reflected: End,
     pub(super) arriving: End,
-    /// Of forms of this order, and of one degree less.
+    /// Places of forms of this order, and of one degree less.
     pub(super) places: [Places; 2],
 }
 
 impl Profile {
-    /// For forms of this degree.
+    /// Builds the profile for forms of this degree.
     pub(super) fn new(grid: &Grid, pass: &Pass<'_>, count: usize, degree: u32) -> Self {
         let index = pass.index;
         // A Lambertian lobe sends nothing beyond the disc of air.
@@ -65,8 +65,8 @@ impl Profile {
         profile
     }
 
-    /// Least squares: the polynomials are orthogonal, each with its point's weight. One term alone is
-    /// the mean by projected area.
+    /// Fits by least squares: the polynomials are orthogonal, each with the weight of its point. A single
+    /// term is the mean by projected area.
     fn fit(&self, pass: &Pass<'_>, from: f64, points: &[Node]) -> Vec<Weights> {
         let breaks: Vec<f64> = pass.table.breaks(pass.index);
         let breaks: Vec<f64> =
@@ -82,7 +82,7 @@ impl Profile {
         terms.into_iter().map(|term| term.finish(pass.table)).collect()
     }
 
-    /// Interpolation.
+    /// Interpolates.
     fn look_ups(&self, pass: &Pass<'_>) -> Vec<Weights> {
         let term = |cosine: &f64| {
             let mut term = Weights::new(pass.table);
@@ -96,7 +96,7 @@ impl Profile {
         Columns { count: self.cosines.len(), glass: &self.glass, air: &self.air }
     }
 
-    /// The polynomials at a cosine.
+    /// Returns the polynomials at a cosine.
     pub(super) fn at(&self, cosine: f64) -> Vec<f64> {
         let factor = |node: f64, other: f64| (cosine - other) / (node - other);
         let term = |(p, node): (usize, &f64)| {
@@ -111,14 +111,14 @@ fn look_up(pass: &Pass<'_>, cosine: f64) -> Stencil {
     pass.look_up(pass.index * (1.0 - cosine * cosine).max(0.0).sqrt())
 }
 
-/// Whether means count: interpolation is better near a direction, where narrow lobes keep recycled
-/// light, and of tables over angles, which have no resonances.
+/// Returns whether terms are fitted to means. Interpolation is better near a direction, where narrow lobes
+/// concentrate recycled light, and for tables over angles, which have no resonances.
 fn is_fitted(pass: &Pass<'_>) -> bool {
     let narrow = matches!(pass.diffuser.lobe, Lobe::KCorrelation { width } if width <= NARROW);
     !narrow && matches!(pass.table, Nodes::Cosines(_) | Nodes::CosinePanels(_))
 }
 
-/// Chebyshev's points on (0, 1).
+/// Returns Chebyshev points on (0, 1).
 fn chebyshev(count: usize) -> Vec<Node> {
     let x = |p: usize| 0.5 + 0.5 * (PI * (p as f64 + 0.5) / count as f64).cos();
     (0..count).map(|p| Node { x: x(p), weight: 1.0 }).collect()

@@ -1,5 +1,5 @@
-//! Recycled light of every state and wavelength: its forms in the base's reflectances, or the
-//! series summed on the grid.
+//! Recycled light of every state and wavelength: its forms in the reflectances of the base, or the series
+//! summed on the grid.
 
 use std::f64::consts::PI;
 
@@ -9,12 +9,12 @@ use super::grid::Columns;
 use super::{Direction, Forms, Group, Profile, Recycling, azimuth_factor};
 use crate::{AngularTable, Base, Medium};
 
-/// What recycling needs to know of the base; columns are `[state][wavelength]`.
+/// Reflectances of the base that recycling needs; columns are `[state][wavelength]`.
 #[derive(Debug, Clone)]
 pub(in super::super) enum Reflectances {
     /// For each order of the series.
     Products(Vec<Products>),
-    /// At the grid's nodes, `[glass][column]` and `[air][column]`.
+    /// At the nodes of the grid, `[glass][column]` and `[air][column]`.
     Nodes { glass: Vec<f64>, air: Vec<f64> },
 }
 
@@ -48,13 +48,13 @@ impl Recycling {
         Reflectances::Products(self.profiles.iter().enumerate().map(of).collect())
     }
 
-    /// Whether the series is summed column by column.
+    /// Returns whether the series is summed column by column.
     pub(in super::super) fn sums_columns(&self) -> bool {
         self.plan.terms.is_empty()
     }
 
-    /// The values of forms, `one_less` than the orders in degree or not; `g` is `r T^2` of each
-    /// column. Shape `[form][column]`.
+    /// Returns the values of forms, of the degree of the orders or of one less (`one_less`); `g` is `r T^2`
+    /// of each column. Shape `[form][column]`.
     pub(in super::super) fn values(
         &self,
         forms: &[&Forms],
@@ -75,12 +75,12 @@ impl Recycling {
         sum
     }
 
-    /// The weights on table nodes of all terms, those of order 2 of the series first.
+    /// Returns the weights on table nodes of all terms, those of order 2 of the series first.
     pub(in super::super) fn terms(&self) -> impl Iterator<Item = &[f64]> {
         self.profiles.iter().flat_map(|profile| &profile.terms).map(|term| &term.0[..])
     }
 
-    /// What each of these terms changes of the values of sums of forms: shape `[sum][term][column]`.
+    /// Returns the derivatives of sums of forms by each of these terms: shape `[sum][term][column]`.
     pub(in super::super) fn slopes(&self, sums: &[Vec<&Forms>], r: &Reflectances, g: &[f64]) -> Vec<f64> {
         let columns = g.len();
         let all: usize = self.profiles.iter().map(|profile| profile.cosines.len()).sum();
@@ -148,7 +148,7 @@ impl Recycling {
         }
     }
 
-    /// The sum of `(g P)^j light` over all j.
+    /// Returns the sum of `(g P)^j light` over all j.
     fn series(&self, order: usize, light: Vec<f64>, r: Columns<'_>, g: &[f64]) -> Vec<f64> {
         let largest = |light: &[f64]| light.iter().fold(0.0_f64, |most, l| most.max(l.abs()));
         let least = largest(&light) * (-self.plan.digits).exp();
@@ -177,5 +177,5 @@ impl Recycling {
     }
 }
 
-/// Light that every pass returns almost whole is followed this far.
+/// Largest number of passes for light that every pass returns almost completely.
 const MOST_PASSES: usize = 4000;

@@ -1,41 +1,41 @@
-//! The values of forms: for each term a sum over the products that it is the first factor of, times
-//! that term. A few columns at a time, so that only the values themselves leave the registers.
+//! Values of forms: for each term, a sum over the products of which it is the first factor, times that term.
+//! A few columns are computed at a time, so that only the values themselves leave the registers.
 
 use pulp::{Arch, Simd, WithSimd};
 
-/// Forms of one degree and what they are to be evaluated at.
+/// Forms of one degree and the terms at which they are evaluated.
 pub(super) struct Values<'a> {
-    /// `[form][product]`, and how many products there are.
+    /// `[form][product]`, and the number of products.
     pub(super) forms: &'a [f64],
     pub(super) products: usize,
     /// `[term][column]`.
     pub(super) terms: &'a [f64],
     /// Products of one degree less, `[product][column]`.
     pub(super) less: &'a [f64],
-    /// For each term the first of these that it is the first factor of.
+    /// For each term the first of these of which it is the first factor.
     pub(super) from: &'a [usize],
     pub(super) columns: usize,
     /// `[form][column]`.
     pub(super) out: &'a mut [f64],
 }
 
-/// Registers of columns that are worked on side by side.
+/// Number of registers of columns that are computed together.
 const WIDE: usize = 4;
 
 impl Values<'_> {
-    /// Adds them to `out`.
+    /// Adds the values to `out`.
     pub(super) fn add(self) {
         if self.columns > 0 && self.products > 0 {
             Arch::new().dispatch(self);
         }
     }
 
-    /// So many forms from this one on.
+    /// Computes `FORMS` forms from this one on.
     #[inline(always)]
     fn rows<S: Simd, const FORMS: usize>(&mut self, simd: S, form: usize) {
-        let wide = WIDE * S::F64_LANES;
-        let whole = self.columns - self.columns % wide;
-        for at in (0..whole).step_by(wide) {
+        let columns_at_once = WIDE * S::F64_LANES;
+        let whole = self.columns - self.columns % columns_at_once;
+        for at in (0..whole).step_by(columns_at_once) {
             self.block::<S, FORMS, WIDE>(simd, form, at);
         }
         for at in (whole..self.columns).step_by(S::F64_LANES) {
@@ -99,7 +99,7 @@ impl WithSimd for Values<'_> {
     }
 }
 
-/// Registers of a row from `at` on; a single one may reach beyond its end.
+/// Loads registers of a row from `at` on; a single one may reach beyond its end.
 #[inline(always)]
 fn load<S: Simd, const WIDTH: usize>(simd: S, row: &[f64], at: usize) -> [S::f64s; WIDTH] {
     let (whole, rest) = S::as_simd_f64s(&row[at..row.len().min(at + WIDTH * S::F64_LANES)]);

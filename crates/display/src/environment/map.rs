@@ -1,43 +1,44 @@
-//! A picture of the whole sphere as a field over the display.
+//! Environment maps: images of the whole sphere.
 //!
 //! # Model
-//! Rows of the picture are even in inclination from the zenith, columns in azimuth, to the right as seen from
-//! inside. At `rotate_deg = 0` its middle is what an upright display faces (azimuth -90 deg, see [`Pose`]); rotation turns
-//! the world counterclockwise seen from above.
+//! Rows of the image are uniformly spaced in inclination from the zenith, and columns in azimuth, to the right as seen from
+//! inside. At `rotate_deg = 0` an upright display faces the middle of the image (azimuth -90 deg, see [`Pose`]); a rotation
+//! turns the world counterclockwise seen from above.
 //!
-//! Over a display that lies flat, pixels are cells: nothing is resampled (a rotation by a part of a pixel splits
-//! its light between two). Over a tilted one each pixel is cut into many parts, and each part's
-//! light put into the cell it falls in. A cell has the mean radiance of its parts, and all are scaled so that the
-//! illuminance is kept. Rows near the normal, where cells are slim, share their light among several of them.
+//! For a horizontal display, pixels are cells: nothing is resampled (a rotation by a fraction of a pixel divides
+//! the light of a pixel between two cells). For a tilted display, each pixel is divided into many parts, and the
+//! light of each part is added to the cell in which it falls. The radiance of a cell is the mean of its parts, and all
+//! cells are scaled to preserve the illuminance. Near the normal, where cells are narrow, the light of a row is averaged
+//! over several cells.
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 use super::pose::{Pose, by_inclination};
 
-/// A picture of the whole sphere.
+/// Image of the whole sphere in equirectangular projection.
 #[derive(Debug, Clone)]
 pub struct Panorama<'a> {
-    /// Pixels in a row: twice the rows.
+    /// Number of pixels in a row: twice the number of rows.
     pub width: usize,
-    /// Rows; even.
+    /// Number of rows, which must be even.
     pub height: usize,
-    /// For each channel the radiances, by rows.
+    /// Radiances of each channel, row by row.
     pub channels: Vec<&'a [f32]>,
 }
 
-/// Radiances by row of inclination and column of azimuth over the display.
+/// Radiances in cells over the display: rows of inclination and columns of azimuth.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Cells {
-    /// Between the rows, degrees.
+    /// Inclinations between the rows, degrees.
     pub edges_deg: Vec<f64>,
-    /// Columns of each row.
+    /// Number of columns of each row.
     pub columns: usize,
-    /// For each channel, `[row][column]`.
+    /// Radiances of each channel, `[row][column]`.
     pub channels: Vec<Vec<f64>>,
 }
 
 impl Cells {
-    /// All light of a channel: its integral over solid angle.
+    /// Integrates a channel over solid angle.
     pub fn light(&self, channel: usize) -> f64 {
         let rows = self.channels[channel].chunks_exact(self.columns).zip(self.edges_deg.windows(2));
         let of = |(cells, edges): (&[f64], &[f64])| {
@@ -47,13 +48,15 @@ impl Cells {
     }
 }
 
-/// A flat display's cells are no more than these columns; a tilted one has so many, each cut so finely.
+/// Largest number of columns for a horizontal display.
 const MOST_FLAT: usize = 1024;
+/// Number of columns for a tilted display.
 const TILTED: usize = 512;
+/// Approximate number of parts of an image pixel per cell of a tilted display, along each direction.
 const PARTS: usize = 8;
 
 impl Panorama<'_> {
-    /// All light of a channel, over the whole sphere: its integral over solid angle.
+    /// Integrates a channel over the solid angle of the whole sphere.
     pub fn light(&self, channel: usize) -> f64 {
         let rows = self.channels[channel].chunks_exact(self.width).enumerate();
         let of = |(row, pixels): (usize, &[f32])| {
@@ -62,14 +65,14 @@ impl Panorama<'_> {
         rows.map(of).sum::<f64>() * TAU / self.width as f64
     }
 
-    /// What a display of this pose has above its own plane.
+    /// Converts the light above the plane of a display of this pose to cells.
     pub fn over(&self, pose: Pose, rotate_deg: f64) -> Cells {
         if pose.tilt_deg == 0.0 { self.over_flat(rotate_deg) } else { self.over_tilted(pose, rotate_deg) }
     }
 
     fn over_flat(&self, rotate_deg: f64) -> Cells {
         let rows = self.height / 2;
-        // Halved until it is small enough; an odd size stays as it is.
+        // Halved until it is small enough, as long as the size is even.
         let mut step = 1;
         while self.width / step > MOST_FLAT
             && rows.is_multiple_of(2 * step)
@@ -78,7 +81,7 @@ impl Panorama<'_> {
             step *= 2;
         }
         let (rows, columns) = (rows / step, self.width / step);
-        // Azimuth falls from column to column; a pixel's place is split between two cells.
+        // Azimuth decreases from column to column; the light of a pixel is divided between two cells.
         let shift = (90.0 + rotate_deg) / 360.0 * columns as f64;
         let (whole, part) = (shift.floor(), shift - shift.floor());
         let channel = |pixels: &&[f32]| {
@@ -97,7 +100,7 @@ impl Panorama<'_> {
         Cells { edges_deg, columns, channels: self.channels.iter().map(channel).collect() }
     }
 
-    /// The mean of a block of pixels, by solid angle.
+    /// Computes the mean of a block of pixels, weighted by solid angle.
     fn mean(&self, pixels: &[f32], (row, column): (usize, usize), step: usize) -> f64 {
         let (mut sum, mut area) = (0.0, 0.0);
         for row in row..row + step {
@@ -109,7 +112,7 @@ impl Panorama<'_> {
         sum / area
     }
 
-    /// Solid angle of a row's part over that of a turn.
+    /// Solid angle of a part of a row, over 2 pi.
     fn band(&self, row: usize, parts: usize) -> f64 {
         let angle = |row: f64| PI * row / (self.height * parts) as f64;
         angle(row as f64).cos() - angle(row as f64 + 1.0).cos()
@@ -147,7 +150,7 @@ impl Panorama<'_> {
         }
         let edge = |row: usize| FRAC_PI_2 * row as f64 / rows as f64;
         for light in &mut light {
-            let (arrived, mut kept) = (light.iter().sum::<f64>(), 0.0);
+            let (incident, mut stored) = (light.iter().sum::<f64>(), 0.0);
             let rows = light.chunks_exact_mut(columns).zip(areas.chunks_exact(columns)).enumerate();
             for (row, (cells, areas)) in rows {
                 let area =
@@ -156,11 +159,11 @@ impl Panorama<'_> {
                 let together = ((1.0 / middle) as usize).next_power_of_two().min(columns / 4);
                 for (cells, areas) in cells.chunks_mut(together).zip(areas.chunks(together)) {
                     let mean = cells.iter().sum::<f64>() / areas.iter().sum::<f64>().max(1e-300);
-                    kept += mean * area * cells.len() as f64;
+                    stored += mean * area * cells.len() as f64;
                     cells.fill(mean);
                 }
             }
-            let scale = if kept > 0.0 { arrived / kept } else { 0.0 };
+            let scale = if stored > 0.0 { incident / stored } else { 0.0 };
             light.iter_mut().for_each(|value| *value *= scale);
         }
         Cells { edges_deg: (0..=rows).map(|row| edge(row).to_degrees()).collect(), columns, channels: light }
@@ -182,7 +185,7 @@ mod tests {
     }
 
     #[test]
-    fn an_even_map_is_even_over_every_display() {
+    fn uniform_map_is_uniform_over_a_display_of_any_tilt() {
         let radiance = vec![2.0; 64 * 32];
         let map = Panorama { width: 64, height: 32, channels: vec![&radiance] };
         let flat = map.over(Pose::default(), 17.0);
@@ -198,9 +201,9 @@ mod tests {
         }
     }
 
-    /// A bright pixel is where its azimuth and elevation say, whatever the pose, and keeps its light.
+    /// A bright pixel is at its azimuth and elevation for any pose, and its light is preserved.
     #[test]
-    fn a_bright_pixel_is_where_it_should_be() {
+    fn bright_pixel_has_its_direction_and_light_for_any_pose() {
         // Row 20 of 64: elevation 90 - 20.5/64 180 = 32.3 deg. Column 32 of 128: a quarter to the left of the middle.
         let radiance = map(128, |row, column| if (row, column) == (20, 32) { 5.0 } else { 0.0 });
         let map = Panorama { width: 128, height: 64, channels: vec![&radiance] };
@@ -219,7 +222,7 @@ mod tests {
     }
 
     #[test]
-    fn a_large_map_is_halved_and_keeps_its_light() {
+    fn large_map_is_reduced_and_its_light_is_preserved() {
         let radiance = map(4096, |row, column| ((row * 7 + column * 3) % 11) as f32);
         let cells =
             Panorama { width: 4096, height: 2048, channels: vec![&radiance] }.over(Pose::default(), 0.0);

@@ -1,6 +1,6 @@
-//! A luminous sheet over the display: what it sends down by direction.
+//! Luminous plane over the display, given by its intensity distribution.
 //!
-//! A sheet looks smaller from aslant: its radiance is its intensity over the cosine.
+//! The apparent area of the plane is proportional to the cosine of the angle: its radiance is the intensity over the cosine.
 
 use std::f64::consts::FRAC_PI_2;
 use std::fmt::Debug;
@@ -10,21 +10,21 @@ use papilio_transport::{Edge, Field, Radiance};
 
 use super::pose::by_inclination;
 
-/// Intensity by direction.
+/// Intensity distribution of a luminous plane.
 pub trait Sheet: Debug + Send + Sync + 'static {
-    /// By the angle from the normal and the azimuth *towards* which light goes, degrees.
+    /// Returns the intensity at an angle from the normal and the azimuth *towards* which the light travels, degrees.
     fn intensity(&self, theta_deg: f64, phi_deg: f64) -> f64;
 
-    /// Angles and azimuths between which it is smooth.
+    /// Returns the angles and azimuths between which the intensity is smooth, degrees.
     fn angles_deg(&self) -> [Vec<f64>; 2];
 }
 
-/// Rows and columns of the cells by which the walk draws directions.
+/// Number of rows and columns of the cells from which the Monte Carlo solver draws directions.
 const CELLS: [usize; 2] = [180, 180];
-/// Of a table with more angles, integrals are not graded at each.
+/// Largest number of angles of a table at which integrals are subdivided.
 const MOST_ANGLES: usize = 90;
 
-/// What a luminous sheet over the display sends down; `None` if it is dark.
+/// Returns the light of a luminous plane over the display; `None` if the intensity is 0 everywhere.
 pub fn luminous_sheet(sheet: impl Sheet) -> Option<Field> {
     let [rows, columns] = CELLS;
     let [thetas, phis] = sheet.angles_deg().map(thinned);
@@ -36,8 +36,8 @@ pub fn luminous_sheet(sheet: impl Sheet) -> Option<Field> {
         .flat_map(|edge| (0..columns).map(move |column| (0.5 * (edge[0] + edge[1]), turn(column))))
         .map(|(theta, phi)| down.at(by_inclination(theta.to_radians(), phi.to_radians())))
         .collect();
-    let alike = |row: &[f64]| row.iter().all(|value| (value - row[0]).abs() <= 1e-12 * row[0]);
-    if about.chunks_exact(columns).all(alike) {
+    let is_uniform = |row: &[f64]| row.iter().all(|value| (value - row[0]).abs() <= 1e-12 * row[0]);
+    if about.chunks_exact(columns).all(is_uniform) {
         down.phis.clear();
         let about = about.into_iter().step_by(columns).collect();
         return Some(Field::of(Arc::new(down), &edges, 1, about)?.0);
@@ -45,7 +45,7 @@ pub fn luminous_sheet(sheet: impl Sheet) -> Option<Field> {
     Some(Field::of(Arc::new(down), &edges, columns, about)?.0)
 }
 
-/// Some of these angles, if there are many.
+/// Selects at most [`MOST_ANGLES`] of these angles.
 fn thinned(angles: Vec<f64>) -> Vec<f64> {
     let step = angles.len().div_ceil(MOST_ANGLES).max(1);
     angles.into_iter().step_by(step).collect()
@@ -60,7 +60,7 @@ struct Down<S> {
 
 impl<S: Sheet> Radiance for Down<S> {
     fn at(&self, [x, y, z]: [f64; 3]) -> f64 {
-        // Light that goes towards an azimuth comes from the opposite one.
+        // Light that travels towards an azimuth comes from the opposite one.
         let towards = (-y).atan2(-x).to_degrees();
         self.sheet.intensity(x.hypot(y).atan2(z).to_degrees(), towards) / z.max(1e-9)
     }
@@ -68,7 +68,7 @@ impl<S: Sheet> Radiance for Down<S> {
     fn edges(&self) -> Vec<Edge> {
         let edge = |centre, radius| Edge { centre, radius, scale: f64::INFINITY };
         let rows = self.thetas.iter().map(|theta| edge([0.0, 0.0, 1.0], theta.to_radians()));
-        // Half a turn between two azimuths is a great circle about what lies across.
+        // An azimuth is a great circle about the horizontal direction perpendicular to it.
         let columns = self
             .phis
             .iter()
@@ -104,13 +104,13 @@ mod tests {
         luminous_sheet(Of(of))
     }
 
-    /// Lambert's cosine law is even radiance; light towards +x comes from -x.
+    /// An intensity by Lambert's cosine law is uniform radiance; light that travels towards +x comes from -x.
     #[test]
-    fn a_sheet_of_cosine_intensity_is_even() {
-        let even = sheet(|theta, _| theta.to_radians().cos()).unwrap();
-        assert!(even.is_ring());
+    fn plane_of_cosine_intensity_has_uniform_radiance() {
+        let uniform = sheet(|theta, _| theta.to_radians().cos()).unwrap();
+        assert!(uniform.is_ring());
         for theta in [1.0, 30.0, 60.0, 85.0] {
-            let radiance = std::f64::consts::PI * even.radiance(Beta::from_source(theta, 10.0, 1.0));
+            let radiance = std::f64::consts::PI * uniform.radiance(Beta::from_source(theta, 10.0, 1.0));
             assert!((radiance - 1.0).abs() < 1e-4, "{theta}: {radiance}");
         }
         let to_the_right = sheet(|_, phi| phi.to_radians().cos().max(0.0)).unwrap();

@@ -1,4 +1,4 @@
-//! What is asked of a design: objectives and constraints, in every condition and view that they are asked in.
+//! Objectives and constraints, in all their conditions and views.
 
 use papilio_colour::{Lab, UvPrime};
 use papilio_diagnostics::{Diagnostic, suggestion};
@@ -6,30 +6,30 @@ use papilio_display::Quantity;
 use papilio_formats::{LARGEST_FILE, read_shares};
 use papilio_spectra::{Grid, SpectraError, Spectrum, Tabulated};
 
-use super::read::{Known, Reader};
+use super::read::{ConditionScene, Reader};
 use super::{SearchAim, SearchConstraint, SearchObjective, SearchQuantity};
 use crate::describe::limits::MetricName;
 use crate::describe::numbers::Count;
-use crate::describe::optimize::{self as describe, WantedSpectrum};
+use crate::describe::optimize::{self as describe, DesiredSpectrum};
 use crate::describe::sweep::Any;
 use crate::library::Missing;
 use crate::mistake;
 use crate::origin::Origin;
-use crate::read::{At, Read};
+use crate::read::{Read, Spanned};
 
-/// What an objective and a constraint have in common.
-struct Asked<'a> {
+/// The keys that objectives and constraints have in common.
+struct QuantitySpec<'a> {
     at: Origin,
-    metric: &'a At<Option<MetricName>>,
-    state: &'a At<Option<String>>,
-    spectrum: &'a At<Option<WantedSpectrum>>,
-    lab: &'a At<Option<Vec<At<Any>>>>,
-    uv: &'a At<Option<Vec<At<Any>>>>,
-    condition: &'a At<Option<String>>,
-    view: &'a At<Option<Count<0, 4999>>>,
+    metric: &'a Spanned<Option<MetricName>>,
+    state: &'a Spanned<Option<String>>,
+    spectrum: &'a Spanned<Option<DesiredSpectrum>>,
+    lab: &'a Spanned<Option<Vec<Spanned<Any>>>>,
+    uv: &'a Spanned<Option<Vec<Spanned<Any>>>>,
+    condition: &'a Spanned<Option<String>>,
+    view: &'a Spanned<Option<Count<0, 4999>>>,
 }
 
-/// A condition that there is not.
+/// Error: there is no such condition.
 fn no_such_condition(name: &str, names: &[&str]) -> Diagnostic {
     let mut known = names.iter().copied().filter(|name| !name.is_empty()).peekable();
     let hint = match known.peek() {
@@ -42,33 +42,34 @@ fn no_such_condition(name: &str, names: &[&str]) -> Diagnostic {
 impl Reader {
     pub(super) fn objective(
         &mut self,
-        said: &At<describe::Objective>,
+        spec: &Spanned<describe::Objective>,
         names: &[&str],
         weights: &[f64],
-        scenes: &[Known],
+        scenes: &[ConditionScene],
     ) -> Option<SearchObjective> {
-        let asked = Asked {
-            at: said.origin,
-            metric: &said.metric,
-            state: &said.state,
-            spectrum: &said.spectrum,
-            lab: &said.lab,
-            uv: &said.uv,
-            condition: &said.condition,
-            view: &said.view,
+        let asked = QuantitySpec {
+            at: spec.origin,
+            metric: &spec.metric,
+            state: &spec.state,
+            spectrum: &spec.spectrum,
+            lab: &spec.lab,
+            uv: &spec.uv,
+            condition: &spec.condition,
+            view: &spec.view,
         };
-        let parts = self.asked(&asked, names, scenes)?;
-        let aim = match (said.metric.is_some(), &said.aim.value) {
-            (true, Some(describe::Aim::Way(describe::Way::Maximise))) => SearchAim::Maximise,
-            (true, Some(describe::Aim::Way(describe::Way::Minimise))) => SearchAim::Minimise,
+        let parts = self.quantities(&asked, names, scenes)?;
+        let aim = match (spec.metric.is_some(), &spec.aim.value) {
+            (true, Some(describe::Aim::Sense(describe::Sense::Maximise))) => SearchAim::Maximise,
+            (true, Some(describe::Aim::Sense(describe::Sense::Minimise))) => SearchAim::Minimise,
             (true, Some(describe::Aim::Target(target))) => SearchAim::Target(target.target.0),
             (true, None) => {
-                self.errors.push(said.origin, mistake::missing_key("aim", describe::Aim::in_words()));
+                self.errors.push(spec.origin, mistake::missing_key("aim", describe::Aim::in_words()));
                 return None;
             }
             (false, None) => SearchAim::Minimise,
             (false, Some(_)) => {
-                self.errors.push(said.aim.origin, mistake::not_with("aim", "a distance, which is minimised"));
+                self.errors
+                    .push(spec.aim.origin, mistake::not_with("aim", "a difference, which is minimised"));
                 return None;
             }
         };
@@ -83,37 +84,42 @@ impl Reader {
 
     pub(super) fn constraint(
         &mut self,
-        said: &At<describe::Constraint>,
+        spec: &Spanned<describe::Constraint>,
         names: &[&str],
-        scenes: &[Known],
+        scenes: &[ConditionScene],
     ) -> Option<Vec<SearchConstraint>> {
-        let asked = Asked {
-            at: said.origin,
-            metric: &said.metric,
-            state: &said.state,
-            spectrum: &said.spectrum,
-            lab: &said.lab,
-            uv: &said.uv,
-            condition: &said.condition,
-            view: &said.view,
+        let asked = QuantitySpec {
+            at: spec.origin,
+            metric: &spec.metric,
+            state: &spec.state,
+            spectrum: &spec.spectrum,
+            lab: &spec.lab,
+            uv: &spec.uv,
+            condition: &spec.condition,
+            view: &spec.view,
         };
         let (at_least, at_most) =
-            (said.at_least.as_ref().map(|limit| limit.0), said.at_most.as_ref().map(|limit| limit.0));
+            (spec.at_least.as_ref().map(|limit| limit.0), spec.at_most.as_ref().map(|limit| limit.0));
         if at_least.is_none() && at_most.is_none() {
             let expected = "a number under `at_least`, `at_most`, or both";
-            self.errors.push(said.origin, mistake::missing_key("at_least", expected));
+            self.errors.push(spec.origin, mistake::missing_key("at_least", expected));
             return None;
         }
         if let Some((from, to)) = at_least.zip(at_most).filter(|(least, most)| least > most) {
-            self.errors.push(said.at_most.origin, mistake::empty_range(from, to));
+            self.errors.push(spec.at_most.origin, mistake::empty_range(from, to));
             return None;
         }
-        let parts = self.asked(&asked, names, scenes)?;
+        let parts = self.quantities(&asked, names, scenes)?;
         Some(parts.into_iter().map(|quantity| SearchConstraint { quantity, at_least, at_most }).collect())
     }
 
-    /// The quantity in every condition and view that it is asked in.
-    fn asked(&mut self, asked: &Asked<'_>, names: &[&str], scenes: &[Known]) -> Option<Vec<SearchQuantity>> {
+    /// Returns the quantity in each of its conditions and views.
+    fn quantities(
+        &mut self,
+        asked: &QuantitySpec<'_>,
+        names: &[&str],
+        scenes: &[ConditionScene],
+    ) -> Option<Vec<SearchQuantity>> {
         let conditions = match &asked.condition.value {
             None => (0..names.len()).collect(),
             Some(name) => match names.iter().position(|known| known == name) {
@@ -126,7 +132,7 @@ impl Reader {
         };
         let mut found = Vec::new();
         for condition in conditions {
-            let Known { scene, states, .. } = &scenes[condition];
+            let ConditionScene { scene, states, .. } = &scenes[condition];
             let views = scene.viewer.theta_deg.len() * scene.viewer.phi_deg.len();
             let asked_views = match &asked.view.value {
                 None => (0..views).collect(),
@@ -152,7 +158,7 @@ impl Reader {
 
     fn quantity(
         &mut self,
-        asked: &Asked<'_>,
+        asked: &QuantitySpec<'_>,
         view: usize,
         grid: &Grid,
         states: &[String],
@@ -183,7 +189,7 @@ impl Reader {
         };
         self.known_state(&state, asked.state.origin, states)?;
         if let Some(wanted) = &asked.spectrum.value {
-            let (name, wanted) = self.wanted(wanted, asked.spectrum.origin, grid)?;
+            let (name, wanted) = self.desired(wanted, asked.spectrum.origin, grid)?;
             return Some((
                 format!("{state} from {name}"),
                 Quantity::SpectrumDistance { view, state, wanted },
@@ -208,7 +214,12 @@ impl Reader {
         None
     }
 
-    fn numbers<const N: usize>(&mut self, list: &[At<Any>], origin: Origin, words: &str) -> Option<[f64; N]> {
+    fn numbers<const N: usize>(
+        &mut self,
+        list: &[Spanned<Any>],
+        origin: Origin,
+        words: &str,
+    ) -> Option<[f64; N]> {
         let numbers: Vec<f64> = list.iter().map(|number| number.0).collect();
         let found = numbers.try_into().ok();
         if found.is_none() {
@@ -217,12 +228,17 @@ impl Reader {
         found
     }
 
-    fn wanted(&mut self, wanted: &WantedSpectrum, origin: Origin, grid: &Grid) -> Option<(String, Spectrum)> {
+    fn desired(
+        &mut self,
+        wanted: &DesiredSpectrum,
+        origin: Origin,
+        grid: &Grid,
+    ) -> Option<(String, Spectrum)> {
         let (name, table) = match wanted {
-            WantedSpectrum::Constant(share) => {
+            DesiredSpectrum::Constant(share) => {
                 return Some((share.0.to_string(), Spectrum::constant(grid, share.0)));
             }
-            WantedSpectrum::File(name) => {
+            DesiredSpectrum::File(name) => {
                 let kept = match self.base.library().open(name, LARGEST_FILE) {
                     Ok(kept) => kept,
                     Err(Missing::Unread(error)) => {
@@ -242,7 +258,7 @@ impl Reader {
                     }
                 }
             }
-            WantedSpectrum::List(pairs) => {
+            DesiredSpectrum::List(pairs) => {
                 let pairs: Option<Vec<[f64; 2]>> =
                     pairs.iter().map(|pair| self.numbers(&pair.value, pair.origin, "[nm, value]")).collect();
                 let (nm, values) = pairs?.into_iter().map(|[nm, value]| (nm, value)).unzip();

@@ -1,57 +1,59 @@
-//! The fast road: designs that differ in their film pixel alone go through kernels that are kept.
+//! Fast evaluation of designs that differ only in their film pixel.
+//!
+//! The kernels of everything else are reused.
 
 use std::sync::Arc;
 
 use papilio_display::scene::{FilmPixel, Pixel, Scene};
 use papilio_display::{Control, Designs, Parameter, Quantity};
 
-use crate::parameter::{is_whole, parameter, set};
+use crate::parameter::{has_unit_area, parameter, set};
 use crate::study::{Study, Values, Variable};
 use crate::{Condition, DesignError, Slopes};
 
-/// Displays that are kept, of different layers, lights or views: choices may change them.
+/// Largest number of stored displays. They differ in layers, lights or views, which choices may change.
 const MOST_DISPLAYS: usize = 8;
-/// Pixels that are kept, of different choices.
+/// Largest number of stored pixels. They differ in the choices of the design.
 const MOST_PIXELS: usize = 256;
 
-/// The film pixels of one condition. A clone shares all that is large.
+/// Film pixels of one condition. A clone shares the large data.
 #[derive(Debug, Clone)]
-pub(crate) struct Road {
-    /// What is asked under this condition.
+pub(crate) struct FilmFastPath {
+    /// Quantities that are requested under this condition.
     quantities: Vec<Quantity>,
-    pixels: Vec<Arc<Base>>,
+    pixels: Vec<Arc<BasePixel>>,
     displays: Vec<(Arc<Scene>, Designs)>,
 }
 
-/// What a combination of choices makes.
+/// Pixel and scene of a combination of choices.
 #[derive(Debug)]
-struct Base {
-    /// Of each variable that is a choice.
+struct BasePixel {
+    /// Index of the choice, for each variable that is a choice.
     choices: Vec<usize>,
     scene: Arc<Scene>,
     film: FilmPixel,
-    /// The variables that are numbers: each key of each.
-    numbers: Vec<Number>,
+    /// All keys of the variables that are numbers.
+    numbers: Vec<NumericKey>,
 }
 
-/// A key of a variable.
+/// A key of a numeric variable, and the parameter of the pixel that it sets.
 #[derive(Debug)]
-struct Number {
+struct NumericKey {
     variable: usize,
     slope: f64,
     offset: f64,
     parameter: Parameter,
 }
 
-impl Road {
+impl FilmFastPath {
     pub(crate) fn new(quantities: Vec<Quantity>) -> Self {
         Self { quantities, pixels: Vec::new(), displays: Vec::new() }
     }
 
-    /// The quantities of a design; `None` if it is not on this road.
+    /// Computes the quantities of a design; `None` if this method does not apply to it.
     ///
     /// # Errors
-    /// If its choices cannot be, or it cannot be computed.
+    /// If its choices are invalid, or it cannot be computed.
     pub(crate) fn evaluate(
         &mut self,
         study: &Study,
@@ -64,10 +66,10 @@ impl Road {
         Ok(Some(self.display(&base, control)?.evaluate(&film)?))
     }
 
-    /// Values and exact slopes of a design; `None` if it is not on this road.
+    /// Computes values and exact derivatives of a design; `None` if this method does not apply to it.
     ///
     /// # Errors
-    /// As of [`evaluate`](Self::evaluate).
+    /// Those of [`evaluate`](Self::evaluate).
     pub(crate) fn derivatives(
         &mut self,
         study: &Study,
@@ -83,22 +85,23 @@ impl Road {
             let values = display.evaluate(&film)?;
             return Ok(Some(Slopes { slopes: vec![0.0; values.len() * variables], values }));
         }
-        let found = display.derivatives(&film, &parameters)?;
-        let mut slopes = vec![0.0; found.values.len() * variables];
+        let exact = display.derivatives(&film, &parameters)?;
+        let mut slopes = vec![0.0; exact.values.len() * variables];
         for (quantity, row) in slopes.chunks_mut(variables).enumerate() {
-            for (at, number) in base.numbers.iter().enumerate() {
-                row[number.variable] += number.slope * found.gradients[quantity * parameters.len() + at];
+            for (index, key) in base.numbers.iter().enumerate() {
+                row[key.variable] += key.slope * exact.gradients[quantity * parameters.len() + index];
             }
         }
-        Ok(Some(Slopes { values: found.values, slopes }))
+        Ok(Some(Slopes { values: exact.values, slopes }))
     }
 
+    /// Pixel and scene of a design's choices; `None` if this method does not apply to the study.
     fn base(
         &mut self,
         study: &Study,
         condition: &Condition,
         design: &[f64],
-    ) -> Result<Option<Arc<Base>>, DesignError> {
+    ) -> Result<Option<Arc<BasePixel>>, DesignError> {
         let of_film = |variable: &&Variable| {
             variable.keys.iter().all(|key| key.path.trim().starts_with("display.pixel."))
         };
@@ -113,7 +116,8 @@ impl Road {
         if let Some(known) = self.pixels.iter().find(|base| base.choices == choices) {
             return Ok(Some(known.clone()));
         }
-        // Numbers as they stand, whatever design comes first: the level that serves must not depend on it.
+        // The scenario's own numbers, not those of this design: the level of adding must not depend on which
+        // design comes first.
         let mut values = study.values(design)?;
         let keys = study.variables.iter().flat_map(|variable| variable.keys.iter().map(move |_| variable));
         let numbers_of = values.iter_mut().zip(keys).filter(|(_, variable)| variable.is_number());
@@ -121,7 +125,7 @@ impl Road {
         let scene = condition.varied.scenario(&values)?.resolve()?.scene;
         let Pixel::Film(film) = scene.display.pixel.clone() else { return Ok(None) };
         let Some(numbers) = numbers(study, &film) else { return Ok(None) };
-        let base = Arc::new(Base { choices, scene: Arc::new(scene), film, numbers });
+        let base = Arc::new(BasePixel { choices, scene: Arc::new(scene), film, numbers });
         if self.pixels.len() == MOST_PIXELS {
             self.pixels.remove(0);
         }
@@ -129,10 +133,10 @@ impl Road {
         Ok(Some(base))
     }
 
-    /// The display of a pixel, the last used last.
-    fn display(&mut self, base: &Base, control: &Control<'_>) -> Result<&mut Designs, DesignError> {
-        let at = match self.displays.iter().position(|(scene, _)| alike(scene, base)) {
-            Some(at) => at,
+    /// Prepared display of a pixel. The most recently added display is the last one.
+    fn display(&mut self, base: &BasePixel, control: &Control<'_>) -> Result<&mut Designs, DesignError> {
+        let index = match self.displays.iter().position(|(scene, _)| differs_only_in_pixel(scene, base)) {
+            Some(index) => index,
             None => {
                 if self.displays.len() == MOST_DISPLAYS {
                     self.displays.remove(0);
@@ -142,38 +146,38 @@ impl Road {
                 self.displays.len() - 1
             }
         };
-        Ok(&mut self.displays[at].1)
+        Ok(&mut self.displays[index].1)
     }
 }
 
-/// The keys of all variables that are numbers, if all are numbers of the film.
-fn numbers(study: &Study, film: &FilmPixel) -> Option<Vec<Number>> {
+/// All keys of the numeric variables; `None` if one of them is not a parameter of the film.
+fn numbers(study: &Study, film: &FilmPixel) -> Option<Vec<NumericKey>> {
     let mut numbers = Vec::new();
     for (variable, one) in study.variables.iter().enumerate().filter(|(_, one)| one.values == Values::Number)
     {
         for key in &one.keys {
             let parameter = parameter(&key.path, film)?;
-            numbers.push(Number { variable, slope: key.slope, offset: key.offset, parameter });
+            numbers.push(NumericKey { variable, slope: key.slope, offset: key.offset, parameter });
         }
     }
     Some(numbers)
 }
 
-impl Base {
-    /// The pixel of a design; `None` if a scenario could not say it.
+impl BasePixel {
+    /// Pixel of a design; `None` if a scenario would reject its values.
     fn film(&self, design: &[f64]) -> Option<FilmPixel> {
         let mut film = self.film.clone();
-        for Number { variable, slope, offset, parameter } in &self.numbers {
+        for NumericKey { variable, slope, offset, parameter } in &self.numbers {
             if !set(&mut film, *parameter, slope * design[*variable] + offset) {
                 return None;
             }
         }
-        is_whole(&film).then_some(film)
+        has_unit_area(&film).then_some(film)
     }
 }
 
-/// True if nothing but the pixel differs, and its states are the same.
-fn alike(scene: &Scene, base: &Base) -> bool {
+/// Returns true if the scenes differ only in the pixel, and its states have the same names.
+fn differs_only_in_pixel(scene: &Scene, base: &BasePixel) -> bool {
     let other = &base.scene;
     let Pixel::Film(film) = &scene.display.pixel else { return false };
     let names = |film: &FilmPixel| film.states.iter().map(|state| state.name.clone()).collect::<Vec<_>>();

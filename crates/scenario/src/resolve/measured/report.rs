@@ -1,4 +1,4 @@
-//! What became of a measurement on its way into a display, in words.
+//! Report of the changes to a measurement before its use in a display.
 
 use papilio_diagnostics::Diagnostic;
 use papilio_goniometry::{Changes, Way};
@@ -6,20 +6,20 @@ use papilio_goniometry::{Changes, Way};
 use super::file::Source;
 use crate::resolve::Resolver;
 
-/// A total further above 1 than this is worth a warning.
+/// Excess of a total above 1 that gives a warning.
 const ABOVE_ONE: f64 = 1e-3;
-/// Totals that change by less than this go without saying: a table keeps them to 1e-4.
-const TOLD: f64 = 1e-3;
-/// And beyond this no display can be computed.
+/// Smallest relative change of a total that is reported; a table preserves totals to 1e-4.
+const REPORTED_CHANGE: f64 = 1e-3;
+/// Excess of a total above 1 that is an error.
 const FAR_ABOVE_ONE: f64 = 0.2;
-/// A grid that leaves more of the total open than this is too coarse for the usual error target.
+/// Uncertainty of a total due to the grid that gives a warning: more is too much for the default relative error.
 const COARSE: f64 = 0.005;
-/// A share of the light that is extrapolated is worth a warning from here on.
+/// Extrapolated fraction of the light that gives a warning.
 const MUCH_BEYOND: f64 = 0.05;
 
 impl Resolver<'_> {
-    /// What was changed, as a note; what its user should know, as warnings. `share`: the largest factor over wavelength.
-    pub(super) fn tell(
+    /// Reports changes as notes, and doubts as warnings. `share` is the largest factor over wavelength.
+    pub(super) fn report(
         &mut self,
         source: &Source<'_>,
         way: Way,
@@ -32,8 +32,8 @@ impl Resolver<'_> {
             let wrong = Diagnostic::new(format!("{way}: {largest:.3} times as much light leaves as arrives"))
                 .expected("at most 1")
                 .hint(
-                    "`papilio diffuser inspect` shows the totals at each incidence; `normalise`, `fill` and `mounting` change \
-                     them",
+                    "`papilio diffuser inspect` shows the totals at each incidence; `normalise`, `extrapolate_tails` and \
+                     `mounting` change them",
                 );
             self.errors.push(source.file, wrong);
             return None;
@@ -44,15 +44,15 @@ impl Resolver<'_> {
         let factors = || changes.totals.iter().map(|[before, after]| after / before);
         let (least, most) = factors().fold((f64::INFINITY, 0.0_f64), |(a, b), f| (a.min(f), b.max(f)));
         let why = match (changes.to_tis, changes.laminated) {
-            (true, true) => "to match the instrument's TIS, without the loss at the back face",
+            (true, true) => "to match the instrument's TIS, without the loss at the back surface",
             (true, false) => "to match the instrument's TIS",
-            (false, true) => "the loss at the back face in air is removed",
+            (false, true) => "the loss at the back surface in air is removed",
             (false, false) if !changes.tails && changes.measured_to_deg.is_some() => {
                 "the smooth lobe changes the edge of the measured cells"
             }
             (false, false) => "the smooth lobe changes dark cells at the horizon",
         };
-        if most - 1.0 > TOLD || 1.0 - least > TOLD {
+        if most - 1.0 > REPORTED_CHANGE || 1.0 - least > REPORTED_CHANGE {
             self.notes
                 .push(format!("{path}: {way}: totals are multiplied by {least:.4} to {most:.4}: {why}"));
         }
@@ -62,13 +62,13 @@ impl Resolver<'_> {
                 "{path}: {way}: {percent:.1} % of the cells were dark; tails are extrapolated through them"
             ));
         }
-        self.tell_range(path, way, changes);
-        self.tell_doubts(path, way, changes);
+        self.report_range(path, way, changes);
+        self.warn_of_uncertainty(path, way, changes);
         Some(())
     }
 
-    /// What becomes of light from and to directions that were not measured.
-    fn tell_range(&mut self, path: &str, way: &str, changes: &Changes) {
+    /// Reports the treatment of light from and to directions that were not measured.
+    fn report_range(&mut self, path: &str, way: &str, changes: &Changes) {
         if changes.lost > 0.0 {
             self.warnings.push(format!(
                 "{path}: {way}: nothing was measured beyond {} deg: light from there is lost ({:.1} % of diffuse light), and \
@@ -84,7 +84,7 @@ impl Resolver<'_> {
                 changes.last_deg
             ));
         }
-        self.tell_beyond(path, way, changes);
+        self.report_beyond(path, way, changes);
         if let Some([first, last]) = changes.held_azimuths_deg {
             self.warnings.push(format!(
                 "{path}: {way}: azimuths about the specular direction are {first:.0} to {last:.0} deg from the plane of incidence; \
@@ -93,8 +93,8 @@ impl Resolver<'_> {
         }
     }
 
-    /// How well the grid and the sample's symmetry tell the lobe.
-    fn tell_doubts(&mut self, path: &str, way: &str, changes: &Changes) {
+    /// Warns of uncertainty due to the grid and to asymmetry of the sample.
+    fn warn_of_uncertainty(&mut self, path: &str, way: &str, changes: &Changes) {
         if changes.grid_error > COARSE {
             let percent = 100.0 * changes.grid_error;
             let azimuths = match changes.azimuth_error > 0.5 * changes.grid_error {
@@ -113,14 +113,14 @@ impl Resolver<'_> {
         }
     }
 
-    /// What becomes of light beyond the last measured distance from the specular direction, and how much it is.
-    fn tell_beyond(&mut self, path: &str, way: &str, changes: &Changes) {
+    /// Reports the treatment and the amount of light beyond the last measured distance from the specular direction.
+    fn report_beyond(&mut self, path: &str, way: &str, changes: &Changes) {
         let by_share = |a: &&[f64; 2], b: &&[f64; 2]| a[1].total_cmp(&b[1]);
         let ends = changes.beyond.iter().min_by(by_share).zip(changes.beyond.iter().max_by(by_share));
         let Some((to_deg, ([at_least, least], [at_most, most]))) = changes.measured_to_deg.zip(ends) else {
             return;
         };
-        if *most < TOLD {
+        if *most < REPORTED_CHANGE {
             return;
         }
         let at = |share: f64, theta: f64| format!("{:.1} % (at {theta} deg of incidence)", 100.0 * share);
@@ -128,19 +128,19 @@ impl Resolver<'_> {
             1 => at(*most, *at_most),
             _ => format!("{} to {}", at(*least, *at_least), at(*most, *at_most)),
         };
-        let said = format!(
+        let unmeasured = format!(
             "{path}: {way}: nothing was measured farther than {to_deg} deg from the specular direction"
         );
         if !changes.tails {
             self.warnings.push(format!(
-                "{said}, and no light is sent there; extrapolated tails would have {shares} of the light: `extrapolate = \"hold\"` \
+                "{unmeasured}, and no light is scattered there; extrapolated tails would have {shares} of the light: `extrapolate = \"hold\"` \
                  or `extrapolate_tails = true` adds them"
             ));
         } else if *most < MUCH_BEYOND {
-            self.notes.push(format!("{said}; extrapolated tails there have {shares} of the light"));
+            self.notes.push(format!("{unmeasured}; extrapolated tails there have {shares} of the light"));
         } else {
             self.warnings.push(format!(
-                "{said}; extrapolated tails there have {shares} of the light: this part is not measured"
+                "{unmeasured}; extrapolated tails there have {shares} of the light: this part is not measured"
             ));
         }
     }

@@ -1,4 +1,4 @@
-//! The CIE standard general sky: how the luminance of a sky depends on direction.
+//! CIE standard general sky: relative luminance of a sky as a function of direction.
 //!
 //! # Model
 //! `L/L_zenith = f(chi) phi(Z) / (f(Z_sun) phi(0))`: the gradation `phi(Z) = 1 + a exp(b/cos Z)` from zenith to
@@ -7,11 +7,11 @@
 //! broad corona); 5 is uniform, 12 the CIE standard clear sky. Number 16 is the traditional overcast
 //! sky of Moon and Spencer, `(1 + 2 sin elevation)/3`.
 //!
-//! The sun itself is no part of it. The ground below the horizon has the luminance of a Lambertian plane
-//! under the sky, times its reflectance.
+//! The sun itself is not included. The ground below the horizon has the luminance of a Lambertian plane
+//! under the sky, of the given reflectance.
 //!
-//! Directions are looked up in the formula itself. It is not smooth at the sun, nor at the horizon, next to which the gradation
-//! levels off as `exp(b/cos Z)`: integrals are graded there.
+//! Lookups evaluate the formula itself. It is not smooth at the sun and at the horizon, near which the gradation
+//! approaches its limit as `exp(b/cos Z)`: integrals are refined there.
 //!
 //! # Source
 //! ISO 15469:2004 / CIE S 011/E:2003, *Spatial distribution of daylight: CIE standard general sky*, eqs. 1-7 and
@@ -25,7 +25,7 @@ use papilio_transport::{Edge, Field, Radiance};
 
 use super::pose::{Pose, by_elevation, by_inclination};
 
-/// a, b, c, d, e of the types 1 to 15.
+/// Parameters a, b, c, d, e of the types 1 to 15.
 const TYPES: [[f64; 5]; 15] = [
     [4.0, -0.70, 0.0, -1.0, 0.00],
     [4.0, -0.70, 2.0, -1.5, 0.15],
@@ -44,46 +44,46 @@ const TYPES: [[f64; 5]; 15] = [
     [-1.0, -0.15, 24.0, -2.8, 0.15],
 ];
 
-/// The traditional overcast sky.
+/// Number of the traditional overcast sky.
 const TRADITIONAL: u8 = 16;
 
-/// Rows and columns of the cells by which the walk draws directions.
+/// Number of rows and columns of the cells from which the Monte Carlo solver draws directions.
 const ROWS: usize = 90;
 const COLUMNS: usize = 180;
 
-/// A sky over a ground.
+/// CIE standard general sky above a ground.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sky {
-    /// CIE type, 1 to 15; 16: traditional overcast.
+    /// CIE type, 1 to 15, or 16 for the traditional overcast sky.
     pub number: u8,
-    /// Elevation of the sun above the horizon and its azimuth, degrees; types without an indicatrix need none.
+    /// Elevation of the sun above the horizon and its azimuth, degrees; not needed for types without an indicatrix.
     pub sun: Option<[f64; 2]>,
     /// Reflectance of the ground, 0 to 1.
     pub ground: f64,
 }
 
 impl Sky {
-    /// True if the sky of this number depends on where the sun is.
+    /// Returns true if the sky of this number depends on the position of the sun.
     pub fn has_sun(number: u8) -> bool {
         usize::from(number).checked_sub(1).and_then(|i| TYPES.get(i)).is_some_and(|sky| sky[2] != 0.0)
     }
 
-    /// Relative luminance of a direction, a unit vector with z up; 1 at the zenith.
+    /// Computes the relative luminance in a direction, a unit vector with z up; 1 at the zenith.
     pub fn luminance(&self, direction: [f64; 3]) -> f64 {
         Formula::new(self).luminance(direction)
     }
 
-    /// Illuminance of the horizontal ground, for a luminance of 1 at the zenith.
+    /// Computes the illuminance of the horizontal ground for a luminance of 1 at the zenith.
     pub fn horizontal_illuminance(&self) -> f64 {
         Sky { ground: 0.0, ..*self }.over(Pose::default()).map_or(0.0, |(_, illuminance)| illuminance)
     }
 
-    /// What a display sees of sky and ground; `None` if that is dark.
+    /// Returns the light of sky and ground over a display; `None` if there is none.
     pub fn field(&self, pose: Pose) -> Option<Field> {
         Some(self.over(pose)?.0)
     }
 
-    /// The same, and what it makes on the display, for a luminance of 1 at the zenith.
+    /// Returns the light and the illuminance on the display for a luminance of 1 at the zenith.
     fn over(&self, pose: Pose) -> Option<(Field, f64)> {
         let is_round = pose.tilt_deg == 0.0 && !Self::has_sun(self.number);
         let columns = if is_round { 1 } else { COLUMNS };
@@ -93,7 +93,7 @@ impl Sky {
         let mut about = Vec::with_capacity(ROWS * columns);
         for row in 0..ROWS {
             for column in 0..columns {
-                // Four points of each cell.
+                // The mean of four points of each cell.
                 let points = [(0.25, 0.25), (0.25, 0.75), (0.75, 0.25), (0.75, 0.75)];
                 let mean = points.iter().map(|(along, turn)| {
                     let theta = (row as f64 + along).to_radians();
@@ -106,7 +106,7 @@ impl Sky {
     }
 }
 
-/// A sky with what it needs of its number and its sun.
+/// Sky with the precomputed parameters of its formula.
 #[derive(Debug)]
 struct Formula {
     number: u8,
@@ -132,20 +132,20 @@ impl Formula {
         let Some([a, b, c, d, e]) = self.sky else {
             return if self.number == TRADITIONAL { (1.0 + 2.0 * sin) / 3.0 } else { 1.0 };
         };
-        // b < 0: the exponential goes to 0 at the horizon.
+        // b < 0: the exponential tends to 0 at the horizon.
         let gradation = if a == 0.0 { 1.0 } else { 1.0 + a * (b / sin).exp() };
         if c == 0.0 {
             return gradation / self.zenith;
         }
         let apart = direction.iter().zip(self.sun).map(|(x, y)| (x - y).powi(2));
-        // By half the chord: an arc cosine loses half of the digits next to the sun.
+        // Half of the chord is used because an arc cosine loses half of the digits near the sun.
         let half_chord = (0.5 * apart.sum::<f64>().sqrt()).min(1.0);
         let (chi, cosine) = (2.0 * half_chord.asin(), 1.0 - 2.0 * half_chord * half_chord);
         gradation * (1.0 + c * ((d * chi).exp() - self.across) + e * cosine * cosine) / self.zenith
     }
 }
 
-/// What a display sees of a sky, and of the ground below.
+/// Light of a sky and the ground below it over a display.
 #[derive(Debug)]
 struct Over {
     sky: Formula,
@@ -153,7 +153,7 @@ struct Over {
     ground: f64,
 }
 
-/// The gradation changes over this part of `b` next to the horizon, whose essential singularity it is.
+/// Scale over which the gradation changes near the horizon, its essential singularity, relative to `b`.
 const OF_GRADATION: f64 = 0.1;
 
 impl Radiance for Over {
@@ -180,20 +180,20 @@ mod tests {
         Sky { number, sun: Some([40.0, 30.0]), ground: 0.0 }
     }
 
-    /// Luminance and illuminance in closed form: Moon and Spencer's 7 pi/9, and 1:3 from horizon to zenith.
+    /// Closed forms: Moon and Spencer's illuminance of 7 pi/9 and a ratio of 1:3 from horizon to zenith.
     #[test]
-    fn overcast_and_uniform_skies() {
+    fn overcast_and_uniform_skies_equal_their_closed_forms() {
         let overcast = sky(16);
         assert!((overcast.horizontal_illuminance() / PI - 7.0 / 9.0).abs() < 1e-5);
         assert!((overcast.luminance([1.0, 0.0, 0.0]) - 1.0 / 3.0).abs() < 1e-12);
         assert!((sky(5).horizontal_illuminance() - PI).abs() < 1e-12);
-        // Type 1 at the horizon: 1/(1 + 4 exp(-.7)), .3349, as its own footnote's third.
+        // Type 1 at the horizon: 1/(1 + 4 exp(-0.7)) = 0.3349, about a third as in the standard's footnote.
         assert!((sky(1).luminance([1.0, 0.0, 0.0]) - 0.334_857_9).abs() < 1e-6);
     }
 
-    /// f(chi) of the clear sky, by hand: 1 + 10 (exp(-3 chi) - exp(-3 pi/2)) + .45 cos^2 chi.
+    /// f(chi) of the clear sky: 1 + 10 (exp(-3 chi) - exp(-3 pi/2)) + 0.45 cos^2 chi.
     #[test]
-    fn the_clear_sky_is_bright_around_the_sun() {
+    fn clear_sky_has_its_indicatrix_around_the_sun() {
         let clear = sky(12);
         let at_sun = clear.luminance(by_elevation(40.0, 30.0));
         let across = clear.luminance(by_elevation(40.0, 210.0));
@@ -203,7 +203,7 @@ mod tests {
     }
 
     #[test]
-    fn every_type_is_light_everywhere() {
+    fn luminance_of_every_type_is_positive_in_all_directions() {
         for number in 1..=16 {
             for elevation in [0.0, 0.1, 10.0, 45.0, 90.0] {
                 for azimuth in [30.0, 120.0, 210.0] {
@@ -214,9 +214,9 @@ mod tests {
         }
     }
 
-    /// A flat display sees the sun's side where the sun is; an upright one sees half sky and half ground.
+    /// The sky over a horizontal display is brightest at the sun; an upright display faces half sky and half ground.
     #[test]
-    fn what_a_display_sees() {
+    fn sky_over_a_display_follows_its_tilt() {
         let flat = sky(12).field(Pose::default()).unwrap();
         let at = |field: &Field, theta, phi| field.radiance(Beta::from_source(theta, phi, 1.0));
         assert!(at(&flat, 50.0, 30.0) > 5.0 * at(&flat, 50.0, 210.0));
@@ -224,7 +224,7 @@ mod tests {
         let upright = over_snow.field(Pose { tilt_deg: 90.0 }).unwrap();
         assert!((at(&upright, 40.0, 270.0) / at(&upright, 40.0, 90.0) - 0.8).abs() < 1e-9);
         assert!(over_snow.field(Pose::default()).unwrap().is_ring());
-        // Light of no angle in the air comes from nowhere, however bright the horizon.
+        // The radiance beyond the horizon of the air is zero.
         assert_eq!(upright.radiance(Beta { x: 0.8, y: 0.8 }), 0.0);
     }
 }

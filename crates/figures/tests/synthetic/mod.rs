@@ -1,11 +1,11 @@
-//! A made-up run: Gaussian reflectances under D65, seen from several angles.
+//! A synthetic run: Gaussian reflectances under D65, in several views.
 
 use papilio_colour::{D65_UV, GamutReference, Observer, gamut_percent, peak_nm};
 use papilio_display::result::*;
 use papilio_display::{ConeLight, ConeResult, ConeState, ConeView};
 use papilio_spectra::{Grid, Spectrum, illuminant};
 
-/// One sub-pixel: peak height, centre and width in nm.
+/// A sub-pixel: peak height, centre and width in nm.
 const SUB_PIXELS: [(&str, f64, f64, f64); 3] =
     [("red", 0.17, 655.0, 85.0), ("green", 0.19, 535.0, 62.0), ("blue", 0.11, 440.0, 45.0)];
 const STATES: [(&str, [bool; 3]); 8] = [
@@ -19,7 +19,7 @@ const STATES: [(&str, [bool; 3]); 8] = [
     ("yellow", [true, true, false]),
 ];
 
-/// Views at these inclinations, with standard errors of this share of the values.
+/// Returns views at these inclinations, with standard errors of this fraction of the values.
 pub(crate) fn result(thetas: &[f64], relative_error: f64) -> RunResult {
     let grid = Grid::new(380.0, 780.0, 5.0).unwrap();
     let observer = Observer::new(&grid).unwrap();
@@ -51,7 +51,7 @@ pub(crate) fn result(thetas: &[f64], relative_error: f64) -> RunResult {
     }
 }
 
-/// The same from all around, in a light from 20 degrees that a diffuser spreads.
+/// Returns the same display over all directions, in light from 20 degrees behind a diffuser.
 pub(crate) fn cone(theta_deg: &[f64], phi_deg: &[f64]) -> ConeResult {
     let run = result(theta_deg, 0.0);
     let states: Vec<String> = STATES.iter().map(|(name, _)| (*name).to_owned()).collect();
@@ -66,12 +66,12 @@ pub(crate) fn cone(theta_deg: &[f64], phi_deg: &[f64]) -> ConeResult {
             let lobe =
                 0.5 + 0.3 * 0.1 / ((x - mirror.0).powi(2) + (y - mirror.1).powi(2) + 0.01).powf(1.5) * 0.1;
             let states = states.iter().map(|name| {
-                let (seen, normal) = (view.states.get(name).unwrap(), run.views[0].states.get(name).unwrap());
-                let (seen, normal) = (&seen.value, &normal.value);
-                let (u, v) = (seen.u_prime.unwrap(), seen.v_prime.unwrap());
+                let (here, normal) = (view.states.get(name).unwrap(), run.views[0].states.get(name).unwrap());
+                let (here, normal) = (&here.value, &normal.value);
+                let (u, v) = (here.u_prime.unwrap(), here.v_prime.unwrap());
                 ConeState {
-                    reflectance_factor_y: lobe * seen.Y,
-                    luminance_cd_m2: lobe * seen.luminance_cd_m2,
+                    reflectance_factor_y: lobe * here.Y,
+                    luminance_cd_m2: lobe * here.luminance_cd_m2,
                     u_prime: Some(u),
                     v_prime: Some(v),
                     uv_shift: Some((u - normal.u_prime.unwrap()).hypot(v - normal.v_prime.unwrap())),
@@ -98,7 +98,7 @@ pub(crate) fn cone(theta_deg: &[f64], phi_deg: &[f64]) -> ConeResult {
 }
 
 fn view(grid: &Grid, observer: &Observer, white: &Spectrum, theta_deg: f64, error: f64) -> View {
-    // Interference colours move to the blue with the angle.
+    // Interference colours shift to the blue with increasing angle.
     let blue_shift = theta_deg.to_radians().cos().powf(0.5);
     let reflectance = |on: [bool; 3]| {
         Spectrum::from_fn(grid, |nm| {

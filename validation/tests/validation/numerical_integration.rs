@@ -1,13 +1,13 @@
-//! The reference pixel behind its diffuser by plain numerical integration: a second road to
-//! the walk's numbers that shares neither its sampling, its tables nor its closed forms.
+//! The reference pixel behind its diffuser by numerical integration: an independent method that has neither the sampling,
+//! the tables nor the closed forms of the Monte Carlo solver.
 use papilio_display::pixel::scan;
 use papilio_display::scene::{AngleMedium, Lobe, Scene};
-use papilio_validation::{run, state, walked};
+use papilio_validation::{monte_carlo_scenario, run, state};
 
 const INDEX: f64 = 1.5;
 const PI: f64 = std::f64::consts::PI;
 
-/// Three wavelengths; no recycling by the front, which the integral leaves out.
+/// Three wavelengths, without recycling by the front, which the integral does not include.
 const COMMON: [&str; 4] = [
     "spectrum.range_nm=[450, 650]",
     "spectrum.step_nm=100",
@@ -15,7 +15,7 @@ const COMMON: [&str; 4] = [
     "solver.relative_error=0.0003",
 ];
 
-/// Reflectance of `white` against the direction cosine in glass: 8001 angles, linear.
+/// Reflectance of `white` against the direction cosine in glass: 8001 angles, with linear interpolation.
 struct WhiteReflectance(Vec<f64>);
 
 impl WhiteReflectance {
@@ -41,21 +41,21 @@ fn lobe(width: f64, d2: f64) -> f64 {
     width / (2.0 * PI * (width * width + d2).powf(1.5))
 }
 
-/// The k-correlation diffuser of a scene: width and T.
+/// Returns width and T of the k-correlation diffuser of a scene.
 fn diffuser(scene: &Scene) -> (f64, f64) {
     let diffuser = scene.display.panel().unwrap().diffuser.as_ref().unwrap();
     let Lobe::KCorrelation { width } = diffuser.lobe else { panic!("a k-correlation diffuser") };
     (width, diffuser.transmittance[0])
 }
 
-/// Front of screen to first order: transmittance and reflectance.
+/// Returns transmittance and reflectance of the front of screen, to first order.
 fn front(scene: &Scene) -> (f64, f64) {
     let component = &scene.display.panel().unwrap().front[0];
     (1.0 - component.reflectance[0] - component.absorptance[0], component.reflectance[0])
 }
 
-/// Integral of `g` over the disc |beta| < n, in polar coordinates around `centre`, whose
-/// radius follows the lobe's own distribution (midpoint rule).
+/// Integrates `g` over the disc |beta| < n, in polar coordinates around `centre`, with
+/// radii distributed as the lobe (midpoint rule).
 fn around(centre: f64, width: f64, g: impl Fn(f64, f64) -> f64) -> f64 {
     let (rings, spokes) = (1200, 360);
     let mut sum = 0.0;
@@ -76,16 +76,16 @@ fn around(centre: f64, width: f64, g: impl Fn(f64, f64) -> f64) -> f64 {
 }
 
 #[test]
-fn directed_light() {
+fn directed_light_agrees_with_integral() {
     let overrides = ["lighting.diffuse=0.0", "lighting.directed.0.share=1.0"];
-    let scene = walked("single-pass", &[&COMMON[..], &overrides].concat()).unwrap().scene;
+    let scene = monte_carlo_scenario("single-pass", &[&COMMON[..], &overrides].concat()).unwrap().scene;
     let reflectance = WhiteReflectance::new(&scene);
     let ((width, t), (front_t, _)) = (diffuser(&scene), front(&scene));
     let (view, light) = (8.0_f64.to_radians().sin(), 20.0_f64.to_radians().sin());
     let result = run(&scene).unwrap();
     let white = state(&result, "white").unwrap();
     for bin in 0..3 {
-        // The integrand has two peaks: each is integrated around itself.
+        // The integrand has two peaks, and each is integrated in coordinates around it.
         let part = |x: f64, y: f64| {
             let from_view = lobe(width, (x - view).powi(2) + y * y);
             let from_light = lobe(width, (x - light).powi(2) + y * y);
@@ -100,7 +100,7 @@ fn directed_light() {
             white.standard_error.reflectance_factor.as_ref().unwrap()[bin],
         );
         assert!(error < 1e-3 * found);
-        // 5 sigma; the integral itself converges to 1e-5.
+        // Five standard errors; the integral itself has converged to 1e-5.
         assert!(
             (found - expected).abs() < 5.0 * error + 2e-5 * expected,
             "{bin}: {found}({error}) against {expected}"
@@ -109,15 +109,15 @@ fn directed_light() {
 }
 
 #[test]
-fn diffuse_light() {
+fn diffuse_light_agrees_with_integral() {
     let overrides = ["lighting.diffuse=1.0", "lighting.directed=[]"];
-    let scene = walked("single-pass", &[&COMMON[..], &overrides].concat()).unwrap().scene;
+    let scene = monte_carlo_scenario("single-pass", &[&COMMON[..], &overrides].concat()).unwrap().scene;
     let reflectance = WhiteReflectance::new(&scene);
     let ((width, t), (front_t, front_r)) = (diffuser(&scene), front(&scene));
     let view = 8.0_f64.to_radians().sin();
     let result = run(&scene).unwrap();
     let white = state(&result, "white").unwrap();
-    let leaving = LeavingShare::new(width);
+    let leaving = EscapeFraction::new(width);
     for bin in 0..3 {
         let integral = around(view, width, |x, y| {
             let beta = x.hypot(y);
@@ -136,10 +136,10 @@ fn diffuse_light() {
     }
 }
 
-/// What of a lobe leaves into the air: integrated over azimuth, tabulated against |beta|.
-struct LeavingShare(Vec<f64>);
+/// Fraction of a lobe that leaves into the air, integrated over azimuth and tabulated against |beta|.
+struct EscapeFraction(Vec<f64>);
 
-impl LeavingShare {
+impl EscapeFraction {
     const STEPS: usize = 3000;
 
     fn new(width: f64) -> Self {

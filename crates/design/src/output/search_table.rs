@@ -1,11 +1,11 @@
-//! What each task of a search found, as a table.
+//! Table of the results of all tasks of a search.
 
-use papilio_design::search::{Found, Search};
+use crate::search::{Search, SearchResult};
 use papilio_formats::sweep_value;
 use serde_json::Value;
 
-/// `optimize.csv`: what each task found, in order.
-pub fn search_table(search: &Search, found: &[Found]) -> String {
+/// Formats `optimize.csv`: the result of each task, in order.
+pub fn search_table(search: &Search, results: &[SearchResult]) -> String {
     let quoted = |text: &str| format!("\"{}\"", text.replace('"', "\"\""));
     let study = search.study();
     let paths = study.variables.iter().flat_map(|one| one.keys.iter().map(|key| quoted(&key.path)));
@@ -13,7 +13,7 @@ pub fn search_table(search: &Search, found: &[Found]) -> String {
     let titles =
         ["task", "evaluations", "missed"].map(str::to_owned).into_iter().chain(paths).chain(quantities);
     let mut text = titles.collect::<Vec<_>>().join(",") + "\n";
-    for one in found.iter().filter(|one| !one.design.is_empty()) {
+    for one in results.iter().filter(|one| !one.design.is_empty()) {
         let settings = study.settings(&one.design).unwrap_or_default();
         let settings = settings.iter().map(|(_, value)| match value {
             Value::Number(number) => number.to_string(),

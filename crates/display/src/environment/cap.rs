@@ -1,13 +1,14 @@
-//! An even part of the hemisphere around any direction: a partial sphere, or a sphere with a gloss trap.
+//! Uniform radiance in a part of the hemisphere around any direction: a partial sphere, or a sphere with a gloss trap.
 //!
 //! # Model
-//! Radiance is the same wherever the angle from the axis lies between two angles, and what lies below the display's horizon is
-//! cut off. At one inclination that is an interval of azimuths: the angle is less than a where
+//! The radiance is uniform where the angle from the axis is between two given angles, and zero below the display's
+//! horizon. At one inclination, the lit directions are an interval of azimuths: the angle is less than a where
 //!
 //! `cos a <= cos(theta) cos(theta_0) + sin(theta) sin(theta_0) cos(phi - phi_0)`.
 //!
-//! That is what is looked up and integrated. The walk draws directions from cells that have the part of them which is lit: exact over
-//! azimuth, and by a Gauss rule over inclination, by projected solid angle. Rows end where the region's edges are highest and lowest.
+//! This condition is evaluated for lookups and integrals. The Monte Carlo solver draws directions from cells, weighted with
+//! the lit fraction of their projected solid angle, which is exact over azimuth and computed by a Gauss rule over
+//! inclination. Rows end at the largest and smallest inclination of the region's edges.
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use std::sync::Arc;
@@ -16,10 +17,10 @@ use papilio_transport::{Edge, Field, Radiance};
 
 use super::pose::by_inclination;
 
-/// Rows are no higher than this, degrees.
+/// Largest height of a row of cells, degrees.
 const ROW_DEG: f64 = 0.25;
 const COLUMNS: usize = 720;
-/// Points and weights of a Gauss rule from 0 to 1.
+/// Points and weights of the Gauss rule from 0 to 1.
 const GAUSS: [(f64, f64); 5] = [
     (0.046_910_077_030_668, 0.118_463_442_528_095),
     (0.230_765_344_947_158, 0.239_314_335_249_683),
@@ -28,8 +29,8 @@ const GAUSS: [(f64, f64); 5] = [
     (0.953_089_922_969_332, 0.118_463_442_528_095),
 ];
 
-/// Even light from where the angle to (`theta_deg`, `phi_deg`) is `from_deg` to `to_deg`, all in degrees, 0 to 180; `None` if
-/// none of it is above the horizon.
+/// Returns uniform light from directions at an angle of `from_deg` to `to_deg` from (`theta_deg`, `phi_deg`), all in degrees,
+/// 0 to 180; `None` if none of it is above the horizon.
 pub fn cap(theta_deg: f64, phi_deg: f64, from_deg: f64, to_deg: f64) -> Option<Field> {
     if theta_deg == 0.0 {
         return Field::ring(from_deg, to_deg.min(90.0));
@@ -45,7 +46,7 @@ pub fn cap(theta_deg: f64, phi_deg: f64, from_deg: f64, to_deg: f64) -> Option<F
             let theta = (squares[0] + along * (squares[1] - squares[0])).sqrt().asin();
             let [inner, outer] = [from_deg, to_deg].map(|angle| half_width(theta, axis, angle.to_radians()));
             for (start, end) in [(turn + inner, turn + outer), (turn - outer, turn - inner)] {
-                light(row, start / column, end / column, weight);
+                add_light(row, start / column, end / column, weight);
             }
         }
     }
@@ -53,7 +54,7 @@ pub fn cap(theta_deg: f64, phi_deg: f64, from_deg: f64, to_deg: f64) -> Option<F
     Some(Field::of(Arc::new(region), &edges, COLUMNS, radiance)?.0)
 }
 
-/// Where the angle from an axis is between two.
+/// Directions whose angle from an axis is between two angles, radians.
 #[derive(Debug)]
 struct Region {
     axis: [f64; 3],
@@ -62,7 +63,7 @@ struct Region {
 
 impl Radiance for Region {
     fn at(&self, direction: [f64; 3]) -> f64 {
-        // By half the chord, which is exact for the smallest angles.
+        // Half of the chord is accurate for the smallest angles.
         let apart = direction.iter().zip(self.axis).map(|(x, y)| (x - y).powi(2));
         let square = 0.25 * apart.sum::<f64>();
         let [from, to] = self.angles.map(|angle| (0.5 * angle).sin().powi(2));
@@ -86,15 +87,15 @@ impl Radiance for Region {
     }
 }
 
-/// Points and weights over a row, from 0 to 1. Where a row ends at an edge of the region, azimuths begin as a square root: the
-/// substitution `sin^2` makes that smooth.
+/// Points and weights over a row, from 0 to 1. If a row ends at an edge of the region, the width in azimuth begins as a square
+/// root, which the substitution `sin^2` makes smooth.
 fn rule() -> [(f64, f64); 5] {
     let rule = GAUSS.map(|(t, weight)| ((FRAC_PI_2 * t).sin().powi(2), weight * (PI * t).sin()));
     let sum: f64 = rule.iter().map(|(_, weight)| weight).sum();
     rule.map(|(along, weight)| (along, weight / sum))
 }
 
-/// Half the azimuths, radians, at which the angle from the axis is less than `angle`.
+/// Half of the width in azimuth, radians, within which the angle from the axis is less than `angle`.
 fn half_width(theta: f64, axis: f64, angle: f64) -> f64 {
     let across = theta.sin() * axis.sin();
     let cosine = (angle.cos() - theta.cos() * axis.cos()) / across;
@@ -105,11 +106,11 @@ fn half_width(theta: f64, axis: f64, angle: f64) -> f64 {
     }
 }
 
-/// Adds `weight` to the columns from `start` to `end`, in columns around the circle.
-fn light(row: &mut [f64], start: f64, end: f64, weight: f64) {
+/// Adds `weight` to the columns from `start` to `end`, which are positions on the circle in units of columns.
+fn add_light(row: &mut [f64], start: f64, end: f64, weight: f64) {
     let mut at = start;
     while at < end - 1e-12 {
-        // Rounding must not leave a step of nothing.
+        // Rounding must not cause a step of zero width.
         let next = ((at + 1e-9).floor() + 1.0).min(end);
         let column = (0.5 * (at + next)).floor().rem_euclid(row.len() as f64) as usize;
         row[column.min(row.len() - 1)] += weight * (next - at);
@@ -117,7 +118,7 @@ fn light(row: &mut [f64], start: f64, end: f64, weight: f64) {
     }
 }
 
-/// Inclinations between rows, degrees: evenly, and where the region begins and ends in the plane of its axis.
+/// Inclinations between rows, degrees: uniformly spaced, and those at which the region begins and ends in the plane of its axis.
 fn edges(axis_deg: f64, angles_deg: [f64; 2]) -> Vec<f64> {
     let rows = (90.0 / ROW_DEG) as usize;
     let mut edges: Vec<f64> = (0..=rows).map(|row| 90.0 * row as f64 / rows as f64).collect();
@@ -126,7 +127,7 @@ fn edges(axis_deg: f64, angles_deg: [f64; 2]) -> Vec<f64> {
     }
     edges.sort_by(f64::total_cmp);
     edges.dedup_by(|next, last| *next - *last < 1e-6);
-    // The last row ends where the hemisphere does, whatever was merged.
+    // The last row must end at the horizon, even if edges were merged.
     if let Some(last) = edges.last_mut() {
         *last = 90.0;
     }
@@ -138,9 +139,10 @@ mod tests {
     use super::*;
     use papilio_optics::Beta;
 
-    /// A cap above the horizon has the irradiance of a disc, pi sin^2(a) cos(theta), so that its radiance over its irradiance is one over that.
+    /// A cap above the horizon has the irradiance of a disc, pi sin^2(a) cos(theta): the ratio of radiance to irradiance is
+    /// the reciprocal.
     #[test]
-    fn a_cap_above_the_horizon_is_a_disc() {
+    fn cap_above_the_horizon_equals_a_disc() {
         for (theta, phi, angle) in
             [(8.0, 0.0, 5.0), (-8.0, 0.0, 5.0), (40.0, 77.0, 20.0), (3.0, -120.0, 30.0)]
         {
@@ -154,9 +156,9 @@ mod tests {
         }
     }
 
-    /// All but a trap: what the trap lacks is missing of the hemisphere's pi.
+    /// The irradiance is that of the hemisphere, pi, less that of the trap.
     #[test]
-    fn a_trap_takes_its_own_light() {
+    fn hemisphere_with_a_trap_lacks_the_light_of_the_trap() {
         let field = cap(-8.0, 0.0, 5.0, 180.0).unwrap();
         let truth = 1.0 / (PI - PI * 5.0_f64.to_radians().sin().powi(2) * 8.0_f64.to_radians().cos());
         for (theta, phi) in [(0.0, 0.0), (8.0, 0.0), (-14.0, 0.0), (60.0, 45.0), (-89.9, 0.0), (89.9, 0.0)] {

@@ -1,15 +1,15 @@
-//! Light that is alike at all azimuths, from a table over inclination.
+//! Rotationally symmetric light, from a table over inclination.
 
 use std::sync::Arc;
 
 use papilio_transport::{Edge, Field, Radiance};
 
-/// Rows of the cells by which the walk draws directions are no higher than this, degrees.
+/// Largest height of the rows of cells from which the Monte Carlo solver draws directions, degrees.
 const ROW_DEG: f64 = 5.0;
 
-/// A field that is alike at all azimuths, its radiance linear between the points of a table: inclinations in
-/// degrees, ascending from 0 or more to 90 or less, and relative radiances. It is dark before the first and beyond
-/// the last; `None` if it is dark throughout.
+/// Returns rotationally symmetric light whose radiance is linear between the points of a table: inclinations in
+/// degrees, ascending from at least 0 to at most 90, and relative radiances. The radiance is 0 before the first and
+/// after the last point. `None` if all radiances are 0.
 pub fn profile(points: &[(f64, f64)]) -> Option<Field> {
     let table = Table { points: points.to_vec() };
     let mut edges = vec![points.first()?.0];
@@ -41,7 +41,7 @@ impl Radiance for Table {
             (Some((from, at_start)), Some((to, at_end))) => {
                 at_start + (theta - from) / (to - from) * (at_end - at_start)
             }
-            // At the last one itself, give or take rounding.
+            // At the last point, within rounding errors.
             (Some((last, at_end)), None) if theta - last < 1e-9 => at_end,
             _ => 0.0,
         }
@@ -68,11 +68,11 @@ mod tests {
     use papilio_optics::Beta;
 
     #[test]
-    fn a_profile_is_linear_between_its_points() {
+    fn profile_is_linear_between_its_points() {
         let field = profile(&[(10.0, 0.0), (20.0, 2.0), (60.0, 2.0)]).unwrap();
         let at = |theta| field.radiance(Beta::from_source(theta, 77.0, 1.0));
         assert_eq!((at(9.0), at(61.0)), (0.0, 0.0));
-        // Linear itself, not by steps.
+        // The lookup is linear, not constant within the cells.
         assert!((at(15.2) / at(40.0) - 0.52).abs() < 1e-12);
         assert!(profile(&[(10.0, 0.0), (20.0, 0.0)]).is_none() && profile(&[]).is_none());
     }

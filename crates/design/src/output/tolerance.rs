@@ -1,16 +1,17 @@
-//! What a finished tolerance analysis hands on.
+//! Tables and figures of a finished tolerance analysis.
 
 use std::io;
 
-use papilio_design::tolerance::{Estimate, MetricReport, PERCENTILES, Production, Report};
+use crate::tolerance::{Estimate, MetricReport, PERCENTILES, Production, Report};
 use papilio_figures::{Blame, Ends, good_and_bad, histogram, named_with_unit, sensitivities};
 use papilio_formats::{sweep_value, words, write_json, write_table};
 use papilio_scenario::{ScatteredKey, Tolerance};
 
-/// Names of files, and their bytes: every display, every metric, and the whole report.
+/// Returns names and contents of the files: one table of all displays, one of all metrics, and the full
+/// report as JSON.
 ///
 /// # Errors
-/// Of numbers that cannot be written; none are known.
+/// If a number cannot be written; no such number is known.
 pub fn tolerance_tables(
     tolerance: &Tolerance,
     production: &Production,
@@ -26,12 +27,12 @@ pub fn tolerance_tables(
     Ok([("tolerance.csv", displays), ("tolerance-metrics.csv", metrics), ("tolerance.json", whole)])
 }
 
-/// A number as it stands in a cell.
+/// Cell of a number; empty if it is not finite.
 fn cell(value: f64) -> String {
     if value.is_finite() { value.to_string() } else { String::new() }
 }
 
-/// Every display: its keys and its metrics, and whether it meets all limits.
+/// Columns and rows of all displays: keys, metrics, and whether the display meets all limits.
 fn samples<'a>(
     tolerance: &'a Tolerance,
     production: &'a Production,
@@ -50,7 +51,7 @@ fn samples<'a>(
     (columns.collect(), rows.iter().enumerate().map(row))
 }
 
-/// Whether a display meets all limits.
+/// Returns true if a display meets all limits.
 fn is_good(tolerance: &Tolerance, row: &[f64]) -> bool {
     tolerance.limits.iter().all(|limit| ends(limit.at_least, limit.at_most).meets(row[limit.metric]))
 }
@@ -59,7 +60,7 @@ fn ends(at_least: Option<f64>, at_most: Option<f64>) -> Ends {
     Ends { at_least, at_most }
 }
 
-/// Every metric: its spread and its sensitivities, each number beside its standard error.
+/// Columns and rows of all metrics: spread and sensitivities, each number followed by its standard error.
 fn summary(report: &Report) -> (Vec<String>, impl Iterator<Item = Vec<String>> + '_) {
     let with_error = |name: String| [name.clone(), format!("{name}_se")];
     let percentiles = PERCENTILES.iter().map(|percent| format!("p{percent}"));
@@ -94,7 +95,8 @@ fn summary_of(metric: &MetricReport) -> Vec<String> {
     cells
 }
 
-/// Names of files, without their ends, and SVG texts: histograms, sensitivities, good and bad displays.
+/// Returns file names without extension and SVG texts: histograms, sensitivities, and displays that pass or
+/// fail.
 pub fn tolerance_figures(
     title: &str,
     tolerance: &Tolerance,
@@ -108,20 +110,20 @@ pub fn tolerance_figures(
         let limit = tolerance.limits.iter().find(|limit| limit.metric == column);
         let ends = limit.map_or(Ends::default(), |limit| ends(limit.at_least, limit.at_most));
         let svg = histogram(&metric.name, &values, ends, title);
-        drawn.extend(svg.map(|svg| (format!("tolerance_{}", plain(&metric.name)), svg)));
+        drawn.extend(svg.map(|svg| (format!("tolerance_{}", file_name(&metric.name)), svg)));
     }
     let metrics: Vec<String> = report.metrics.iter().map(|metric| metric.name.clone()).collect();
     let groups: Vec<String> = report.groups.iter().map(|group| group.join(" + ")).collect();
-    let blame = |one: &papilio_design::tolerance::Indices| Blame {
+    let bar = |one: &crate::tolerance::Indices| Blame {
         first: [one.first.value, one.first.standard_error],
         total: [one.total.value, one.total.standard_error],
     };
-    let blames: Vec<Vec<Option<Blame>>> = report
+    let groups_of_bars: Vec<Vec<Option<Blame>>> = report
         .metrics
         .iter()
-        .map(|metric| metric.indices.iter().map(|one| one.as_ref().map(blame)).collect())
+        .map(|metric| metric.indices.iter().map(|one| one.as_ref().map(bar)).collect())
         .collect();
-    let bars = sensitivities(&metrics, &groups, &blames, title);
+    let bars = sensitivities(&metrics, &groups, &groups_of_bars, title);
     drawn.extend(bars.map(|svg| ("tolerance_sensitivities".to_owned(), svg)));
     if let Some([x, y]) = most_important(tolerance, production, report) {
         let number = |row: usize, key: usize| production.values(row)[key].as_f64().unwrap_or(f64::NAN);
@@ -135,7 +137,7 @@ pub fn tolerance_figures(
     drawn
 }
 
-/// What stands at the axis of a key: of several, the first one's values are drawn.
+/// Axis label of a key. If it has several paths, the values of the first one are plotted.
 fn axis(key: &ScatteredKey) -> String {
     let path = key.paths.first().map_or("", |(path, ..)| path.as_str());
     let name = match key.paths.len() {
@@ -145,12 +147,13 @@ fn axis(key: &ScatteredKey) -> String {
     named_with_unit(&name, path)
 }
 
-/// A metric's name as that of a file.
-fn plain(name: &str) -> String {
+/// File name of a metric.
+fn file_name(name: &str) -> String {
     name.replace(", ", "_").replace(' ', "-").replace(['/', '\\'], "-")
 }
 
-/// The two keys with numbers that most of the variance comes from, of the metric whose limit fails most often.
+/// Indices of the two numeric keys with the largest total indices for the metric whose limit fails most
+/// often.
 fn most_important(tolerance: &Tolerance, production: &Production, report: &Report) -> Option<[usize; 2]> {
     let failing = report.verdict.failing.iter().map(|failing| failing.share.value);
     let limit = failing.enumerate().max_by(|a, b| a.1.total_cmp(&b.1).then(b.0.cmp(&a.0)))?.0;

@@ -1,4 +1,4 @@
-//! What is made once, and taken from the memo of the library afterwards.
+//! Resolved values that are cached in the library.
 
 use std::sync::Arc;
 
@@ -9,8 +9,8 @@ use super::maps::MapLight;
 use crate::library::Library;
 use crate::memo::Entry;
 
-/// What was made, and what was said while it was made.
-struct Made<T> {
+/// A resolved value with its warnings and notes.
+struct CachedValue<T> {
     value: T,
     warnings: Vec<String>,
     notes: Vec<String>,
@@ -18,9 +18,9 @@ struct Made<T> {
 }
 
 impl Resolver<'_> {
-    /// What `make` gives and says, from the memo if there is one that has it. `key` is to name all that it depends on,
-    /// but for wavelengths and what is in files. Errors are never kept.
-    pub(super) fn once<T: Clone + Send + Sync + 'static>(
+    /// Returns the value of `make` with its warnings and notes, from the cache if it is there. `key` must contain everything
+    /// that determines the value, except the wavelengths and the contents of files. Errors are not cached.
+    pub(super) fn cached<T: Clone + Send + Sync + 'static>(
         &mut self,
         key: impl FnOnce() -> String,
         make: impl FnOnce(&mut Self) -> Option<T>,
@@ -32,7 +32,7 @@ impl Resolver<'_> {
             library.open(name, LARGEST_BSDF_FILE).is_ok_and(|kept| kept.sha256() == sha256)
         };
         if let Some(entry) = memo.find(&key, is_same)
-            && let Some(made) = entry.value.downcast_ref::<Made<T>>()
+            && let Some(made) = entry.value.downcast_ref::<CachedValue<T>>()
         {
             self.warnings.extend_from_slice(&made.warnings);
             self.notes.extend_from_slice(&made.notes);
@@ -40,19 +40,19 @@ impl Resolver<'_> {
             self.inputs.extend(entry.inputs);
             return Some(made.value.clone());
         }
-        // What `make` reads and says is told from what was read and said before.
+        // The inputs and notes of `make` are separated from the earlier ones.
         let inputs = std::mem::take(&mut self.inputs);
         let (warnings, notes, maps) = (self.warnings.len(), self.notes.len(), self.maps.len());
         let value = make(self);
         let read = std::mem::replace(&mut self.inputs, inputs);
         if let Some(value) = value.as_ref().filter(|_| self.errors.is_empty()) {
-            let made = Made {
+            let made = CachedValue {
                 value: value.clone(),
                 warnings: self.warnings[warnings..].to_vec(),
                 notes: self.notes[notes..].to_vec(),
                 maps: self.maps[maps..].to_vec(),
             };
-            memo.keep(Entry { key, value: Arc::new(made), inputs: read.clone().into_iter().collect() });
+            memo.insert(Entry { key, value: Arc::new(made), inputs: read.clone().into_iter().collect() });
         }
         self.inputs.extend(read);
         value

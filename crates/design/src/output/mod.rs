@@ -1,0 +1,32 @@
+//! Output of searches, tolerance analyses and BSDF tables as text: tables, figures, scenarios and warnings.
+//!
+//! | from | output |
+//! |---|---|
+//! | a search | [`search_table`] (`optimize.csv`), [`search_figures`], [`design_texts`] (`best.toml` or the front) |
+//! | a tolerance analysis | [`tolerance_tables`], [`tolerance_figures`] |
+//! | the BSDF table of a display | [`brdf_warnings`], and the sufficient [`finer_step`] |
+//!
+//! The program writes these texts into a folder; the Python package shows them and writes the same bytes.
+//!
+//! **Out of scope.** Writing files and printing, which the caller does. Nothing is computed here.
+//!
+//! ```
+//! use papilio_design::output::moved;
+//! use std::path::Path;
+//!
+//! // There is no such file next to the scenario, so the text does not change.
+//! let text = "material = \"SiO2\"\n";
+//! assert_eq!(moved(text, Path::new("scenarios"), Path::new("out/best")), text);
+//! ```
+
+mod brdf;
+mod designs;
+mod search_figures;
+mod search_table;
+mod tolerance;
+
+pub use brdf::{MOST_MISSED, brdf_warnings, finer_step};
+pub use designs::{design_texts, moved};
+pub use search_figures::search_figures;
+pub use search_table::search_table;
+pub use tolerance::{tolerance_figures, tolerance_tables};

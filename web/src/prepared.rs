@@ -1,0 +1,104 @@
+//! Stores the prepared displays of the last few computations, so that small changes are fast.
+
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
+use papilio_display::result::RunResult;
+use papilio_display::scene::{Layers, Scene};
+use papilio_display::{Control, DisplayError, Prepared};
+
+/// Maximum number of prepared displays: two designs that are compared, and some more.
+const MAX_DISPLAYS: usize = 6;
+
+/// Maximum number of displays with general layers, whose matrices take up to 256 MB at each of two levels.
+const MAX_LARGE: usize = 2;
+
+/// If the whole process uses more memory than this, in bytes, only the display that was used last is stored.
+/// A new server takes about 50 MB; a display with general layers may take 256 MB at each of two levels.
+const MAX_MEMORY: usize = 384 << 20;
+
+/// Scenes with more views than this are not stored, because each view has its own kernels.
+const MAX_VIEWS: usize = 200;
+
+/// Prepared displays that are not in use, in the order of their last use.
+#[derive(Debug, Default)]
+pub(crate) struct PreparedDisplays(Mutex<Vec<Entry>>);
+
+#[derive(Debug)]
+struct Entry {
+    scene: Scene,
+    prepared: Prepared,
+}
+
+impl PreparedDisplays {
+    /// Computes a scene with the prepared display that is most similar to it. The result equals that of
+    /// [`papilio_display::run`] to the last bit.
+    pub(crate) fn run(&self, scene: &Scene, control: &Control<'_>) -> Result<RunResult, DisplayError> {
+        let mut prepared = match self.take(scene) {
+            Some(entry) => entry.prepared,
+            None => Prepared::new(scene)?,
+        };
+        let result = prepared.run(scene, control);
+        // An interrupted computation leaves the prepared display usable.
+        let is_usable = matches!(result, Ok(_) | Err(DisplayError::Interrupted));
+        if is_usable && views(scene) <= MAX_VIEWS {
+            let mut entries = self.entries();
+            entries.push(Entry { scene: scene.clone(), prepared });
+            remove_oldest(&mut entries, memory_in_use());
+        }
+        result
+    }
+
+    /// Takes out the display that has most in common with a scene, if it has anything in common; of several
+    /// equal ones, the one that was used last.
+    fn take(&self, scene: &Scene) -> Option<Entry> {
+        let mut entries = self.entries();
+        let best = (0..entries.len()).max_by_key(|index| similarity(&entries[*index].scene, scene))?;
+        (similarity(&entries[best].scene, scene) > 0).then(|| entries.remove(best))
+    }
+
+    fn entries(&self) -> MutexGuard<'_, Vec<Entry>> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+/// Resident memory of this process in bytes; 0 if the system does not report it.
+fn memory_in_use() -> usize {
+    memory_stats::memory_stats().map_or(0, |stats| stats.physical_mem)
+}
+
+/// Removes the displays that were used least recently, until all limits are satisfied.
+fn remove_oldest(entries: &mut Vec<Entry>, memory_in_use: usize) {
+    if memory_in_use > MAX_MEMORY {
+        entries.drain(..entries.len().saturating_sub(1));
+    }
+    let is_large = |entry: &Entry| matches!(entry.scene.display.layers, Layers::General(_));
+    while entries.iter().filter(|entry| is_large(entry)).count() > MAX_LARGE {
+        if let Some(first) = entries.iter().position(is_large) {
+            entries.remove(first);
+        }
+    }
+    entries.drain(..entries.len().saturating_sub(MAX_DISPLAYS));
+}
+
+/// Measures how much of a prepared display can be used for a scene; 0: nothing.
+fn similarity(prepared: &Scene, wanted: &Scene) -> u32 {
+    let differs = prepared.grid != wanted.grid || prepared.metrics.observer != wanted.metrics.observer;
+    // Different numbers of views: a scan of angles must not replace the display that a single view uses.
+    if differs || views(prepared) != views(wanted) {
+        return 0;
+    }
+    // The operators of general layers take most time to compute, the reflectances of a film come next.
+    let layers = match (prepared.display.layers == wanted.display.layers, &wanted.display.layers) {
+        (true, Layers::General(_)) => 16,
+        (true, Layers::Panel(_)) => 4,
+        (false, _) => 0,
+    };
+    let pixel = if prepared.display.pixel == wanted.display.pixel { 8 } else { 0 };
+    let light = if prepared.lighting == wanted.lighting { 2 } else { 0 };
+    let viewer = if prepared.viewer == wanted.viewer { 1 } else { 0 };
+    layers + pixel + light + viewer
+}
+
+fn views(scene: &Scene) -> usize {
+    scene.viewer.theta_deg.len() * scene.viewer.phi_deg.len()
+}
