@@ -31,7 +31,7 @@ class Job(Protocol):
     #: The number of times it was submitted to a worker.
     tries: int
 
-    def computed(self, question: Question, folder: str | None, threads: int = 1) -> Any:
+    def compute(self, question: Question, folder: str | None, threads: int = 1) -> Any:
         """Computes the result, and returns it; writes it into ``folder`` and returns None if a folder is specified."""
 
 
@@ -71,7 +71,7 @@ class LocalBackend:
         """Yields every job with its result."""
         for job in jobs:
             try:
-                yield job, job.computed(question, folder, self._threads)
+                yield job, job.compute(question, folder, self._threads)
             except DesignError as error:
                 raise Failed(error, job) from None
 
@@ -189,7 +189,7 @@ def _identity(question: Question) -> Question:
 
 
 def _compute(question: Question, job: Job, folder: str | None) -> Any:
-    return job.computed(question, folder)
+    return job.compute(question, folder)
 
 
 #: Seconds per design of recent requests, so that the generations of an optimiser need one trial.

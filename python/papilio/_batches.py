@@ -69,30 +69,30 @@ class Question:
             digest.update(f"{column.dtype.kind} {len(content)} ".encode() + content)
         return digest.hexdigest()
 
-    def answered(self, columns: Columns, threads: int = 1) -> NDArray[np.float64]:
+    def evaluate(self, columns: Columns, threads: int = 1) -> NDArray[np.float64]:
         """Computes the metrics of designs, shape [design, metric]."""
-        prepared: Prepared = self.kept()
+        prepared: Prepared = self.evaluator()
         return prepared.evaluate(columns, list(self.metrics), view=self.view, threads=threads)
 
-    def skipping(self, columns: Columns, threads: int = 1) -> tuple[NDArray[np.float64], Skipped]:
-        """Computes as `answered`, with NaN for invalid designs; also returns their indices in the batch and the reasons."""
-        prepared: Prepared = self.kept()
+    def evaluate_skipping(self, columns: Columns, threads: int = 1) -> tuple[NDArray[np.float64], Skipped]:
+        """Computes as `evaluate`, with NaN for invalid designs; also returns their indices in the batch and the reasons."""
+        prepared: Prepared = self.evaluator()
         return prepared._skipping(columns, list(self.metrics), self.view, threads)
 
-    def made(self) -> tuple[Any, str]:
+    def create_evaluator(self) -> tuple[Any, str]:
         """Creates the evaluator of the request, and returns it with the hash of its scenario."""
         return Prepared._silent(self.scenario), self.scenario.hash
 
-    def kept(self) -> Any:
+    def evaluator(self) -> Any:
         """Returns the evaluator of this thread. Only the latest is cached, so that memory does not grow with the number of requests."""
         if getattr(_cache, "address", None) != self.address:
             if self.version != __version__:
                 raise ClusterError(f"a worker has papilio {__version__}, but this program has {self.version}")
-            made, scenario_hash = self.made()
+            evaluator, scenario_hash = self.create_evaluator()
             if scenario_hash != self.hash:
                 raise ClusterError("a worker reads files of the same names as this program, but with different contents")
-            _cache.made, _cache.address = made, self.address
-        return _cache.made
+            _cache.evaluator, _cache.address = evaluator, self.address
+        return _cache.evaluator
 
 
 _cache = threading.local()
@@ -147,15 +147,15 @@ class Batch:
     def __str__(self) -> str:
         return f"batch of {self.size} designs starting at design {self.start}"
 
-    def computed(
+    def compute(
         self, question: Question, folder: str | None, threads: int = 1
     ) -> tuple[NDArray[np.float64], Skipped] | None:
         """Computes the batch; writes metrics and skipped designs into ``folder``, or returns them."""
         skipped: Skipped = []
         if self.skips:
-            values, skipped = question.skipping(self.columns, threads)
+            values, skipped = question.evaluate_skipping(self.columns, threads)
         else:
-            values = question.answered(self.columns, threads)
+            values = question.evaluate(self.columns, threads)
         if folder is None:
             return values, skipped
         if not Path(folder).is_dir():
@@ -178,14 +178,14 @@ def seconds_each(question: Question, columns: Columns, skips: bool = False) -> f
     failure.
     """
     count = len(next(iter(columns.values())))
-    answered = question.skipping if skips else question.answered
+    evaluate = question.evaluate_skipping if skips else question.evaluate
     many, took = 0, 0.0
     try:
-        answered({keys: column[:1] for keys, column in columns.items()})
+        evaluate({keys: column[:1] for keys, column in columns.items()})
         while took < 0.25 and many < count:
             many = min(max(1, 2 * many), count)
             before = time.perf_counter()
-            answered({keys: column[:many] for keys, column in columns.items()})
+            evaluate({keys: column[:many] for keys, column in columns.items()})
             took = time.perf_counter() - before
     except DesignError:
         return None

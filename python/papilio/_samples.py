@@ -32,14 +32,14 @@ class SampleRequest(Question):
         """The request as a JSON object, with the number of sensitivity samples."""
         return {**super().described, "sensitivity_samples": self.sensitivity_rows}
 
-    def made(self) -> tuple[Any, str]:
+    def create_evaluator(self) -> tuple[Any, str]:
         """Creates the tolerance analysis, and returns it with its hash."""
         production = _papilio.Production(*self.scenario._state())
         return production, production.hash
 
-    def answered(self, columns: Columns, threads: int = 1) -> NDArray[np.float64]:
+    def evaluate(self, columns: Columns, threads: int = 1) -> NDArray[np.float64]:
         """Computes the numbers of samples, shape [sample, number]; NaN after those of a row without a sensitivity sample."""
-        production: _papilio.Production = self.kept()
+        production: _papilio.Production = self.evaluator()
         rows = columns[SAMPLE].astype(np.int64)
         found = np.full((rows.size, len(self.metrics)), np.nan)
         for at in np.split(np.arange(rows.size), np.flatnonzero(np.diff(rows) != 1) + 1):

@@ -160,7 +160,7 @@ class ProductionSnapshot:
     written: list[tuple[str, bytes]]
 
     @classmethod
-    def made(cls, core: _papilio.Production | ProductionSnapshot, numbers: Reals, title: str) -> ProductionSnapshot:
+    def create(cls, core: _papilio.Production | ProductionSnapshot, numbers: Reals, title: str) -> ProductionSnapshot:
         """Creates the snapshot of a tolerance analysis whose rows are all computed."""
         if isinstance(core, cls):
             return core

@@ -17,7 +17,7 @@ from .scenario import Scenario
 class SearchRequest(Question):
     """The search that a scenario's ``[optimize]`` describes, as separate work items."""
 
-    def made(self) -> tuple[Any, str]:
+    def create_evaluator(self) -> tuple[Any, str]:
         """Creates the search, and returns it with its hash."""
         search = _papilio.Search(*self.scenario._state())
         return search, search.hash
@@ -34,9 +34,9 @@ class WorkItem:
     def __str__(self) -> str:
         return f"work item {self.start} of the search"
 
-    def computed(self, question: Question, folder: str | None, threads: int = 1) -> str:
+    def compute(self, question: Question, folder: str | None, threads: int = 1) -> str:
         """Computes the work item, and returns its result as JSON."""
-        search: _papilio.Search = question.kept()
+        search: _papilio.Search = question.evaluator()
         return search.work(self.text)
 
 

@@ -100,7 +100,7 @@ class Yield:
         return [where / name for name in contents]
 
     def __reduce__(self) -> tuple[Any, ...]:
-        snapshot = _snapshots.pack(ProductionSnapshot.made(self._core, self._numbers, self.title))
+        snapshot = _snapshots.pack(ProductionSnapshot.create(self._core, self._numbers, self.title))
         return _restored, (snapshot, self._numbers, self.title, self.warnings, self.notes)
 
     def __copy__(self) -> Yield:

@@ -211,7 +211,7 @@ pub(crate) fn moved_text(text: &str, here: PathBuf, there: PathBuf) -> String {
 }
 
 fn begun(way: &mut Option<RunningSearch>) -> PyResult<&mut RunningSearch> {
-    way.as_mut().ok_or_else(|| errors::internal("a search that was not begun"))
+    way.as_mut().ok_or_else(|| errors::internal("the search has not begun"))
 }
 
 fn said_of(search: &search::Search, found: &[SearchResult], chosen: &[SelectedDesign]) -> Value {

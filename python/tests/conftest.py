@@ -1,4 +1,4 @@
-"""Where things are: the repository, and the program to compare with."""
+"""Fixtures: paths of the repository, and the program for comparisons."""
 
 import os
 from pathlib import Path
@@ -15,7 +15,7 @@ def scenarios() -> Path:
 
 @pytest.fixture
 def program() -> Path:
-    """The program `papilio`, built from the same sources; `cargo xtask python` names it."""
+    """The program `papilio`, built from the same sources; `cargo xtask python` sets its path."""
     named = os.environ.get("PAPILIO")
     if named is None:
         pytest.fail("the variable PAPILIO names no program: run `cargo xtask python`")

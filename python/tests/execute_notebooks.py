@@ -1,4 +1,4 @@
-"""Executes docs/notebooks anew, in place; run it with the environment of the package's tests.
+"""Executes docs/notebooks again, in place; run it with the environment of the package's tests.
 
 What goes to stderr is left out: warnings name files of the machine that they were raised on.
 """
@@ -13,13 +13,13 @@ FOLDER = Path(__file__).parents[2] / "docs" / "notebooks"
 
 
 def execute(path: Path) -> None:
-    """A notebook, executed and written back."""
+    """Executes a notebook and writes it back."""
     notebook = nbformat.read(path, as_version=4)
     nbclient.NotebookClient(notebook, timeout=600, resources={"metadata": {"path": str(FOLDER)}}).execute()
     for cell in notebook.cells:
         if cell.cell_type == "code":
             cell.outputs = [output for output in cell.outputs if output.get("name") != "stderr"]
-            cell.metadata.pop("execution", None)  # when it ran
+            cell.metadata.pop("execution", None)  # times of execution
     nbformat.write(notebook, path)
 
 

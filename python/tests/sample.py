@@ -1,4 +1,4 @@
-"""How the package is used: type-checked strictly by test_types.py."""
+"""Typical use of the package, for the strict type check in test_types.py."""
 
 import numpy as np
 
@@ -21,7 +21,7 @@ try:
 except papilio.ScenarioError as error:
     line: int | None = error.line
 
-# What is kept in a variable is what is written in the call.
+# A variable has the same type as the expression in the call.
 columns = {"display.pixel.gap_nm.red": np.linspace(250, 300, 11)}
 values = prepared.evaluate(columns, ["white.Y"])
 values, slopes = prepared.derivatives(columns, ["white.Y"])

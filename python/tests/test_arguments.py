@@ -1,4 +1,4 @@
-"""Whatever is given: an exception that names the argument, and never a crash of the interpreter."""
+"""Invalid arguments: an exception names the argument, and the interpreter never crashes."""
 
 import datetime
 import random
@@ -21,7 +21,7 @@ ODD = [
 @pytest.mark.parametrize(
     ("arguments", "names"),
     [
-        ({"solver": "ray-tracing"}, "solver"),
+        ({"solver": "path-tracing"}, "solver"),
         ({"seed": -1}, "seed"),
         ({"seed": 2**63}, "seed"),
         ({"seed": 1.5}, "seed"),
@@ -35,12 +35,12 @@ ODD = [
         ({"progress": "bar"}, "progress"),
     ],
 )
-def test_wrong_arguments_of_a_run_are_named(scenarios, arguments, names):
+def test_run_with_invalid_argument_names_it(scenarios, arguments, names):
     with pytest.raises(ArgumentError, match=f"^{names}"):
         papilio.run(scenarios / "indoor.toml", **arguments)
 
 
-def test_wrong_scenarios_are_said():
+def test_invalid_scenario_raises_named_error():
     for path in [None, 5, b"x", "a\0b", ["indoor.toml"]]:
         with pytest.raises(ArgumentError, match="^scenario:"):
             papilio.run(path)
@@ -63,14 +63,14 @@ def test_wrong_scenarios_are_said():
         Scenario.from_dict(endless)
 
 
-def test_a_run_of_a_display_that_cannot_be_is_said(scenarios):
+def test_run_of_invalid_display_raises_error(scenarios):
     wrong = {"solver.method": "adding", "display.diffuser.width": 1e-9}
     with pytest.raises((papilio.DisplayError, ScenarioError)):
         papilio.run(scenarios / "indoor.toml", set=wrong)
 
 
 def calls(scenario, prepared):
-    """Everything that takes arguments, with one of them odd."""
+    """Calls of all functions, each with one odd argument."""
     key = "display.pixel.film.0.thickness_nm"
     return {
         "run": lambda x: papilio.run(x),
@@ -137,7 +137,7 @@ def names():
 
 
 @pytest.mark.parametrize("name", names())
-def test_odd_values_end_well_or_in_an_exception_of_papilios(small, name):
+def test_call_with_odd_value_succeeds_or_raises_papilio_error(small, name):
     call = calls(*small)[name]
     allowed = (PapilioError, KeyError) if "item" in name else PapilioError
     for odd in ODD:
@@ -151,7 +151,7 @@ def test_odd_values_end_well_or_in_an_exception_of_papilios(small, name):
             pytest.fail(f"{name} of {odd!r}: {type(error).__name__}: {error}")
 
 
-def test_texts_with_damage_end_well_or_in_a_scenario_error(scenarios):
+def test_damaged_text_succeeds_or_raises_scenario_error(scenarios):
     good = (scenarios / "indoor.toml").read_text()
     numbers = random.Random(0)
     for _ in range(300):

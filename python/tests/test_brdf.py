@@ -1,4 +1,4 @@
-"""The display's BSDF from Python: what the program writes."""
+"""The display's BSDF from Python equals that of the program."""
 
 import subprocess
 
@@ -11,7 +11,7 @@ from papilio import ArgumentError
 COARSE = {"spectrum.step_nm": 50}
 
 
-def test_it_is_what_the_program_writes(program, scenarios, tmp_path):
+def test_brdf_equals_file_of_program(program, scenarios, tmp_path):
     command = [program, "brdf", scenarios / "indoor.toml", "--step", "30", "--set", "spectrum.step_nm=50", "--out", tmp_path]
     subprocess.run(command, check=True, capture_output=True)
     found = papilio.brdf(scenarios / "indoor.toml", step_deg=30, set=COARSE)
@@ -26,8 +26,8 @@ def test_it_is_what_the_program_writes(program, scenarios, tmp_path):
     np.testing.assert_allclose(parts["mirror"] + parts["haze"] + parts["lambertian"], parts["returned"], rtol=1e-9)
 
 
-def test_a_table_is_as_fine_as_it_says(scenarios, program, tmp_path):
-    """Without a step, 0.02 at most is missed; with one that is too coarse, the program's own words."""
+def test_table_without_step_meets_its_limit(scenarios, program, tmp_path):
+    """Without a step, the deviation is at most 0.02; a step that is too coarse causes the program's warning."""
     coarse = {"spectrum.step_nm": 200}
     found = papilio.brdf(scenarios / "indoor.toml", theta_i_deg=[0, 30, 60], set=coarse)
     assert found.missed <= 0.02 and np.diff(found.theta_o_deg)[0] < 5 and not any("sum over" in text for text in found.warnings)
@@ -37,7 +37,7 @@ def test_a_table_is_as_fine_as_it_says(scenarios, program, tmp_path):
     command = [program, "brdf", scenarios / "indoor.toml", "--set", "spectrum.step_nm=200", "--out", tmp_path]
     said = subprocess.run(command, check=True, capture_output=True, text=True).stderr
     assert all(f"warning: {text}".replace("step_deg=", "--step ") in said for text in five.warnings)
-    # What asks for no more keeps the program's step.
+    # A display that does not require a finer step keeps the program's step.
     paper = papilio.Scenario(
         '[display.pixel]\nmodel = "uniform"\nkind = "lambertian"\nreflectance = { white = 0.5, black = 0.1 }\n'
         '[lighting]\npreset = "indoor"\n[spectrum]\nstep_nm = 200\n'
@@ -45,14 +45,14 @@ def test_a_table_is_as_fine_as_it_says(scenarios, program, tmp_path):
     assert papilio.brdf(paper).theta_i_deg.size == 18
 
 
-def test_arrays_have_their_names(scenarios):
+def test_arrays_have_documented_names(scenarios):
     pytest.importorskip("xarray")
     angles = {"theta_i_deg": [0, 20], "theta_o_deg": [0, 20, 40], "dphi_deg": [0, 180]}
     found = papilio.brdf(scenarios / "indoor.toml", set=COARSE, **angles)
     arrays = found.to_xarray()
     assert dict(arrays.sizes) == {"state": 8, "theta_i_deg": 2, "theta_o_deg": 3, "dphi_deg": 2, "wavelength_nm": 9}
     assert arrays.brdf.attrs["units"] == "1/sr"
-    # Reciprocal: light and viewer may change places.
+    # Reciprocal: light and viewer can be exchanged.
     there = arrays.brdf.sel(theta_i_deg=20, theta_o_deg=0, state="white")
     back = arrays.brdf.sel(theta_i_deg=0, theta_o_deg=20, state="white")
     np.testing.assert_allclose(there, back, rtol=1e-4)
@@ -72,7 +72,7 @@ def test_arrays_have_their_names(scenarios):
         ({"threads": 0}, "threads"),
     ],
 )
-def test_wrong_directions_are_named(scenarios, arguments, says):
+def test_invalid_directions_are_named(scenarios, arguments, says):
     with pytest.raises(ArgumentError, match=f"^{says}"):
         papilio.brdf(scenarios / "indoor.toml", **arguments)
     with pytest.raises(ArgumentError, match="^theta_deg"):

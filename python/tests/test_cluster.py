@@ -1,4 +1,4 @@
-"""Designs by the thousand: the same numbers here, on a cluster, and after whatever interrupts."""
+"""Thousands of designs: the same numbers on this machine, on a cluster, and after interruptions."""
 
 import os
 import pickle
@@ -19,7 +19,7 @@ from papilio._batches import Question
 
 distributed = pytest.importorskip("distributed")
 
-#: How many designs the long test takes; `cargo xtask python` takes 100000.
+#: Number of designs in the long test; `cargo xtask python` uses 100000.
 DESIGNS = int(os.environ.get("PAPILIO_DESIGNS", "144"))
 
 MATCHING = "display.pixel.film.0.thickness_nm"
@@ -41,19 +41,19 @@ def client():
 
 
 def plane(count):
-    """So many designs, or a few more, of two thicknesses."""
+    """Designs of two thicknesses: ``count``, or a few more."""
     side = int(np.ceil(np.sqrt(count)))
     return {MATCHING: np.linspace(40, 70, side)[:, None], ABSORBER: np.linspace(8, 14, side)}
 
 
 def in_batches_of(monkeypatch, size):
-    """Leaves nothing to the clock."""
+    """Fixes the size of batches independent of computing times."""
     monkeypatch.setattr("papilio._backends._COSTS", {})
     monkeypatch.setattr("papilio._batches.batch_size", lambda *_: size)
     monkeypatch.setattr("papilio._batches.seconds_each", lambda *_: 1.0)
 
 
-def test_many_are_the_same_as_one_call(indoor, monkeypatch):
+def test_batches_equal_single_call(indoor, monkeypatch):
     in_batches_of(monkeypatch, 7)
     designs = plane(36)
     at_once = papilio.Prepared(indoor).evaluate(designs, METRICS)
@@ -64,7 +64,7 @@ def test_many_are_the_same_as_one_call(indoor, monkeypatch):
         found["red.Y"]
 
 
-def test_what_was_interrupted_goes_on(indoor, monkeypatch, tmp_path):
+def test_interrupted_evaluation_is_resumed(indoor, monkeypatch, tmp_path):
     in_batches_of(monkeypatch, 8)
     designs, whole = plane(36), papilio.Prepared(indoor).evaluate(plane(36), METRICS)
 
@@ -76,18 +76,18 @@ def test_what_was_interrupted_goes_on(indoor, monkeypatch, tmp_path):
         cluster.evaluate_many(indoor, designs, METRICS, out=tmp_path, progress=after_two)
     found = cluster.evaluate_many(indoor, designs, METRICS, out=tmp_path)
     assert found.reused == 16 and np.array_equal(found.values, whole)
-    # A part that a loss of power cut off is none.
+    # A part that a power failure truncated is computed again.
     found.parts[1].write_bytes(found.parts[1].read_bytes()[:-20])
     found = cluster.evaluate_many(indoor, designs, METRICS, out=tmp_path)
     assert found.reused == 28 and np.array_equal(found.values, whole)
     assert not list(tmp_path.rglob("*.part"))
 
 
-def test_only_what_is_new_is_computed(indoor, monkeypatch, tmp_path):
+def test_repeated_evaluation_computes_only_new_parts(indoor, monkeypatch, tmp_path):
     in_batches_of(monkeypatch, 6)
     column = np.linspace(40, 70, 18)
     first = cluster.evaluate_many(indoor, {MATCHING: column}, METRICS, out=tmp_path)
-    in_batches_of(monkeypatch, 5)  # a slower day: the parts that are there still count
+    in_batches_of(monkeypatch, 5)  # after a slower trial: existing parts are still used
     longer = cluster.evaluate_many(indoor, {MATCHING: np.append(column, [71, 72])}, METRICS, out=tmp_path)
     assert (first.reused, longer.reused) == (0, 18) and longer.parts[:3] == first.parts
     assert np.array_equal(longer.values[:18], first.values)
@@ -99,7 +99,7 @@ def test_only_what_is_new_is_computed(indoor, monkeypatch, tmp_path):
     assert longer.to_pandas().sort_values(MATCHING).equals(table.sort_values(MATCHING)[longer.to_pandas().columns].reset_index(drop=True))
 
 
-def test_words_vary_and_equal_batches_are_computed_for_each(indoor, monkeypatch):
+def test_string_variables_and_equal_batches_are_computed(indoor, monkeypatch):
     in_batches_of(monkeypatch, 2)
     words = {"display.pixel.film.2.material": np.array(["SiO2", "Al2O3", "SiO2", "Al2O3"])}
     found = cluster.evaluate_many(indoor, words, METRICS)
@@ -107,7 +107,7 @@ def test_words_vary_and_equal_batches_are_computed_for_each(indoor, monkeypatch)
     assert not np.array_equal(found.values[0], found.values[1])
 
 
-def test_a_sweep_is_a_grid(indoor, client):
+def test_sweep_equals_grid(indoor, client):
     axes = {MATCHING: [50.0, 55.9, 60.0], ("display.pixel.film.2.thickness_nm", "display.pixel.film.3.thickness_nm"): [9.0, 30.0]}
     found = cluster.sweep(indoor, axes, METRICS, client=client)
     assert found.shape == (3, 2, 2)
@@ -119,7 +119,7 @@ def test_a_sweep_is_a_grid(indoor, client):
     assert arrays["gamut_percent_srgb"].attrs["units"] == "%"
 
 
-def test_a_production_on_a_cluster_is_the_same(scenarios, client, tmp_path):
+def test_tolerance_on_cluster_equals_local_result(scenarios, client, tmp_path):
     of = {"tolerance.samples": 64, "tolerance.sensitivity_samples": 4}
     here = papilio.tolerance(scenarios / "tolerance.toml", set=of)
     told = []
@@ -164,8 +164,8 @@ def found_by(optimum):
     return optimum.designs, optimum.own, optimum.evaluations
 
 
-def test_a_search_on_a_cluster_is_the_same(sought, client, tmp_path):
-    """One thread, workers of whom one is killed in the middle: the same designs to the last bit, the same journal."""
+def test_search_on_cluster_equals_local_result(sought, client, tmp_path):
+    """One thread, and workers one of which is killed: the same designs to the last bit, the same journal."""
     here = papilio.optimize(sought, threads=1, out=tmp_path / "here")
     killed = []
 
@@ -181,8 +181,8 @@ def test_a_search_on_a_cluster_is_the_same(sought, client, tmp_path):
     assert journals[0] == journals[1]
 
 
-def test_a_search_goes_on_from_its_journal(sought, client, scenarios, program, tmp_path):
-    """Stopped on the cluster, gone on with here; and by the program, from the same file."""
+def test_search_is_resumed_from_journal(sought, client, scenarios, program, tmp_path):
+    """Stopped on the cluster, then resumed on this machine and by the program, from the same file."""
     whole = papilio.optimize(sought)
     journal = tmp_path / "optimize.jsonl"
 
@@ -198,7 +198,7 @@ def test_a_search_goes_on_from_its_journal(sought, client, scenarios, program, t
     told = []
     assert found_by(papilio.optimize(sought, client=client, out=tmp_path, progress=told.append)) == found_by(whole)
     assert not told and journal.read_bytes() == kept
-    # The program's own scenario is the file: beside its data.
+    # The program reads the scenario from the file next to its data.
     path = tmp_path / "both.toml"
     path.write_text(sought.to_toml())
     (tmp_path / "data").symlink_to(scenarios / "data")
@@ -209,7 +209,7 @@ def test_a_search_goes_on_from_its_journal(sought, client, scenarios, program, t
     assert journal.read_bytes() == kept
 
 
-def test_a_search_on_a_closed_cluster_is_said(sought, tmp_path):
+def test_search_on_closed_cluster_raises_error(sought, tmp_path):
     with distributed.LocalCluster(n_workers=1, threads_per_worker=1, dashboard_address=":0") as workers:
         client = distributed.Client(workers)
 
@@ -222,13 +222,13 @@ def test_a_search_on_a_closed_cluster_is_said(sought, tmp_path):
         for search in (papilio.optimize, papilio.tolerance):
             with pytest.raises(ArgumentError, match="client: the cluster is closed"):
                 search(sought, client=client)
-    # What was found stays, and nobody holds it.
+    # The results are kept, and the journal is not locked.
     assert (tmp_path / "optimize.jsonl").read_bytes().count(b"\n") >= 2
     papilio.optimize(sought, out=tmp_path)
 
 
-def test_a_killed_worker_loses_nothing(indoor, client, tmp_path, capsys):
-    """A worker dies in the middle; numbers are the serial run's to the last bit, and memory stays as it is."""
+def test_killed_worker_loses_no_results(indoor, client, tmp_path, capsys):
+    """A worker is killed; the numbers equal those of the serial run to the last bit, and memory does not grow."""
     designs = plane(DESIGNS)
     options = {} if DESIGNS > 10000 else {"batch_seconds": 0.1}
     started = time.perf_counter()
@@ -250,7 +250,7 @@ def test_a_killed_worker_loses_nothing(indoor, client, tmp_path, capsys):
     kept = cluster.evaluate_many(indoor, designs, METRICS, client=client, out=tmp_path, progress=watch, **options)
     after = megabytes(client)
     assert killed and np.array_equal(kept.values, serial.values)
-    # A batch is a few megabytes; a leak of them would show in the long run.
+    # A batch is a few megabytes; a leak of batches is visible in the long test.
     assert max(after) < max(before) + 50
     again = cluster.evaluate_many(indoor, designs, METRICS, out=tmp_path)
     assert again.reused == again.values[..., 0].size
@@ -264,7 +264,7 @@ def test_a_killed_worker_loses_nothing(indoor, client, tmp_path, capsys):
 
 
 def megabytes(client):
-    """What each worker process holds."""
+    """Memory of each worker process."""
 
     def resident():
         import psutil
@@ -274,8 +274,8 @@ def megabytes(client):
     return sorted(client.run(resident).values())
 
 
-def test_a_killed_program_goes_on(indoor, scenarios, tmp_path):
-    """SIGKILL, between two parts or in the middle of one."""
+def test_killed_program_is_resumed(indoor, scenarios, tmp_path):
+    """SIGKILL between two parts or while one is written."""
     script = (
         "import sys, numpy as np, papilio\n"
         f"papilio.cluster.evaluate_many(sys.argv[1], {{{MATCHING!r}: np.linspace(40, 70, 4000)}}, {METRICS!r},"
@@ -293,21 +293,21 @@ def test_a_killed_program_goes_on(indoor, scenarios, tmp_path):
     assert np.array_equal(found.values, papilio.Prepared(indoor).evaluate(designs, METRICS))
 
 
-def test_workers_unlike_the_program_are_refused(tmp_path):
+def test_worker_with_other_version_or_files_is_refused(tmp_path):
     text = '[display.pixel]\nmodel = "uniform"\nkind = "lambertian"\nreflectance = { white = "w.csv", black = 0.1 }\n'
     text += '[lighting]\npreset = "indoor"\n'
     (tmp_path / "w.csv").write_text("380,0.5\n780,0.5\n")
     here = papilio.Scenario(text, folder=tmp_path)
     question = Question(here, ("lighting.illuminance_lx",), ("white.Y",), 0, here.hash)
     designs = {"lighting.illuminance_lx": np.array([100.0, 200.0])}
-    assert question.answered(designs).shape == (2, 1)
+    assert question.evaluate(designs).shape == (2, 1)
     (tmp_path / "w.csv").write_text("380,0.4\n780,0.5\n")
     for other, says in [(question, "different contents"), (replace(question, version="0.0.1"), "0.0.1")]:
         with ThreadPoolExecutor(1) as elsewhere, pytest.raises(ClusterError, match=says):
-            elsewhere.submit(pickle.loads(pickle.dumps(other)).answered, designs).result()
+            elsewhere.submit(pickle.loads(pickle.dumps(other)).evaluate, designs).result()
 
 
-def test_a_cluster_that_is_closed_in_the_middle_is_said(indoor, tmp_path):
+def test_cluster_closed_during_evaluation_raises_error(indoor, tmp_path):
     with distributed.LocalCluster(n_workers=1, threads_per_worker=1, dashboard_address=":0") as workers:
         client = distributed.Client(workers)
 
@@ -322,7 +322,7 @@ def test_a_cluster_that_is_closed_in_the_middle_is_said(indoor, tmp_path):
 
 
 @pytest.mark.parametrize("on_cluster", [False, True])
-def test_a_design_that_cannot_be_is_named(indoor, client, on_cluster):
+def test_invalid_design_is_named(indoor, client, on_cluster):
     designs = plane(36)
     designs[MATCHING] = designs[MATCHING].copy()
     designs[MATCHING][3, 0] = -1.0
@@ -333,7 +333,7 @@ def test_a_design_that_cannot_be_is_named(indoor, client, on_cluster):
 
 @pytest.mark.parametrize("on_cluster", [False, True])
 @pytest.mark.parametrize("kept", [False, True])
-def test_designs_that_cannot_be_may_be_left_out(indoor, client, monkeypatch, tmp_path, on_cluster, kept):
+def test_invalid_designs_are_skipped_on_request(indoor, client, monkeypatch, tmp_path, on_cluster, kept):
     in_batches_of(monkeypatch, 5)
     designs = plane(36)
     whole = papilio.Prepared(indoor).evaluate(designs, METRICS)
@@ -345,7 +345,7 @@ def test_designs_that_cannot_be_may_be_left_out(indoor, client, monkeypatch, tmp
     assert np.array_equal(found.values, whole, equal_nan=True)
     assert [at for at, _ in found.errors] == [(3, i) for i in range(6)]
     assert all("-1 is out of range" in why for _, why in found.errors)
-    if kept:  # what was left out is known, and still an error where errors count
+    if kept:  # skipped designs are stored, and raise an error with on_error="raise"
         again = cluster.evaluate_many(indoor, designs, METRICS, on_error="nan", **options)
         assert again.reused == 36 and again.errors == found.errors
         with pytest.raises(DesignError, match="-1 is out of range") as error:
@@ -353,16 +353,16 @@ def test_designs_that_cannot_be_may_be_left_out(indoor, client, monkeypatch, tmp
         assert error.value.design[0] == 3
 
 
-def test_a_trial_of_designs_that_cannot_be_raises_nothing(indoor):
-    """A cluster logs whatever a task raises as a failure, and this is none."""
+def test_trial_with_invalid_designs_does_not_raise(indoor):
+    """A cluster would log an exception of a task as a failure."""
     designs = {MATCHING: np.array([50.0, -1.0, 55.0])}
     question = Question(indoor, (MATCHING,), ("white.Y",), 0, indoor.hash)
     assert _batches.seconds_each(question, designs, skips=True) > 0
     assert _batches.seconds_each(question, designs) is None
 
 
-def test_left_out_designs_are_no_failures_of_the_cluster(indoor, client):
-    """No task of it ends in an error."""
+def test_skipped_designs_are_not_logged_as_failures(indoor, client):
+    """Tasks with skipped designs do not raise exceptions."""
     designs = {MATCHING: np.array([50.0, -1.0, 55.0])}
     found = cluster.evaluate_many(indoor, designs, ["white.Y"], client=client, on_error="nan", batch_seconds=0.01)
     assert len(found.errors) == 1
@@ -371,7 +371,7 @@ def test_left_out_designs_are_no_failures_of_the_cluster(indoor, client):
 
 
 @pytest.mark.parametrize("on_error", ["raise", "nan"])
-def test_no_design_is_to_blame_for_a_wrong_key(indoor, on_error):
+def test_unknown_key_raises_scenario_error(indoor, on_error):
     with pytest.raises(papilio.ScenarioError, match="did you mean `red`") as error:
         cluster.evaluate_many(indoor, {"display.pixel.gap_nm.rde": [270.0]}, METRICS, on_error=on_error)
     assert "design" not in str(error.value)
@@ -403,13 +403,13 @@ def test_no_design_is_to_blame_for_a_wrong_key(indoor, on_error):
         ({"out": "/dev/null/x"}, "out"),
     ],
 )
-def test_a_wrong_argument_is_named(indoor, changed, says):
+def test_invalid_argument_is_named(indoor, changed, says):
     arguments = {"variables": {MATCHING: [50.0, 51.0]}, "metrics": METRICS, **changed}
     with pytest.raises(papilio.PapilioError, match=says):
         cluster.evaluate_many(indoor, **arguments)
 
 
-def test_a_folder_with_something_else_in_it_is_left_alone(indoor, tmp_path):
+def test_folder_with_other_contents_is_refused(indoor, tmp_path):
     folder = cluster.evaluate_many(indoor, {MATCHING: [50.0]}, METRICS, out=tmp_path).folder
     (folder / "_question.json").write_text("{}")
     with pytest.raises(papilio.FileError, match="_question.json"):

@@ -1,4 +1,4 @@
-"""Colours of arrays: published values, and arguments that are wrong."""
+"""Colours of arrays: published values and invalid arguments."""
 
 import re
 
@@ -10,7 +10,7 @@ from papilio import ArgumentError, PapilioWarning, colour
 NM = np.arange(380, 781, 5)
 
 
-def test_a_perfect_white_in_d65_lies_at_its_chromaticity():
+def test_perfect_white_in_d65_has_its_chromaticity():
     white = colour.xyz(np.ones((2, 3, 81)), NM)
     assert white.shape == (2, 3, 3)
     np.testing.assert_allclose(white[1, 2], [0.9504, 1.0, 1.0888], atol=1e-3)  # CIE 15:2018
@@ -19,8 +19,8 @@ def test_a_perfect_white_in_d65_lies_at_its_chromaticity():
     assert abs(colour.lab(0.1842 * white, white)[0, 0, 0] - 50) < 0.01
 
 
-def test_a_perfect_white_is_white():
-    """L*, a*, b* of it are those of white, to the last digit: whatever stands for D65 is one and the same."""
+def test_perfect_white_has_lab_of_white():
+    """L*, a*, b* are those of white to the last digit, because all functions use the same D65."""
     assert colour.lab(colour.xyz(np.ones(81), NM)).tolist() == [100.0, 0.0, 0.0]
     for step in (1, 2, 10):
         nm = np.arange(380, 781, step)
@@ -43,7 +43,7 @@ def test_a_perfect_white_is_white():
         (380, 740, "D65", None),  # omits less than 0.1 % of X, Y and Z
     ],
 )
-def test_wavelengths_that_leave_light_out_are_warned_of(first, last, light, says, recwarn):
+def test_wavelengths_that_omit_light_cause_warning(first, last, light, says, recwarn):
     nm = np.arange(first, last + 1, 5 if last - first < 50 else 10)
     found = colour.xyz(np.ones(nm.size), nm, light)
     said = [str(one.message) for one in recwarn if one.category is PapilioWarning]
@@ -54,8 +54,8 @@ def test_wavelengths_that_leave_light_out_are_warned_of(first, last, light, says
     assert np.isfinite(found).all()
 
 
-def test_what_is_interpolated_is_what_is_seen():
-    """The product of spectrum and light at the wavelengths given, linearly to 1 nm."""
+def test_xyz_interpolates_product_of_spectrum_and_light():
+    """The product of spectrum and light at the specified wavelengths is interpolated linearly to 1 nm."""
     nm, fine = np.arange(380, 781, 10), np.arange(380, 781.0)
     spectrum = 0.5 + 0.4 * np.sin(nm / 15)
     product = np.interp(fine, nm, spectrum * colour.illuminant("LED-RGB1", nm))
@@ -64,14 +64,14 @@ def test_what_is_interpolated_is_what_is_seen():
     np.testing.assert_allclose(colour.xyz(spectrum, nm, "LED-RGB1"), by_hand, rtol=1e-13)
 
 
-def test_ciede2000_of_the_papers_pairs():
+def test_ciede2000_equals_published_pairs():
     """Sharma, Wu, Dalal 2005, table 1: pairs 1, 7, 13, 25."""
     one = [[50, 2.6772, -79.7751], [50, 0, 0], [50, -0.001, 2.49], [60.2574, -34.0099, 36.2677]]
     other = [[50, 0, -82.7485], [50, -1, 2], [50, 0.0009, -2.49], [60.4626, -34.1751, 39.4387]]
     np.testing.assert_allclose(colour.delta_e_2000(one, other), [2.0425, 2.3669, 4.8045, 1.2644], atol=1e-4)
 
 
-def test_srgbs_own_primaries_are_its_gamut():
+def test_gamut_of_srgb_primaries_is_100_percent():
     xy = np.array([[0.64, 0.33], [0.30, 0.60], [0.15, 0.06]])
     uv = np.stack([4 * xy[:, 0], 9 * xy[:, 1]], -1) / (-2 * xy[:, :1] + 12 * xy[:, 1:] + 3)
     np.testing.assert_allclose(colour.gamut_percent(uv), 100.0)
@@ -79,7 +79,7 @@ def test_srgbs_own_primaries_are_its_gamut():
     assert colour.gamut_percent(uv, "ntsc") < 100
 
 
-def test_no_light_has_no_chromaticity():
+def test_chromaticity_of_black_is_nan():
     assert np.isnan(colour.uv_prime([0.0, 0.0, 0.0])).all()
 
 
@@ -105,6 +105,6 @@ def test_no_light_has_no_chromaticity():
         (lambda: colour.illuminant(65, NM), "name"),
     ],
 )
-def test_wrong_arguments_are_named(call, names):
+def test_invalid_arguments_are_named(call, names):
     with pytest.raises(ArgumentError, match=names):
         call()

@@ -1,4 +1,4 @@
-"""Results leave the process: pickled, copied, as mappings."""
+"""Results in other processes: pickles, copies, mappings."""
 
 import copy
 import multiprocessing
@@ -24,7 +24,7 @@ def results():
 
 
 def everything(found):
-    """All that a result says, as bytes."""
+    """All contents of a result, as bytes."""
     said = [repr(found), found._repr_html_(), found.title, *map(str, [found.warnings, found.notes])]
     if isinstance(found, papilio.Yield):
         return [*said, found.values.tobytes(), str(found.report), *(figure.svg for figure in found.figures().values()), *written(found)]
@@ -51,7 +51,7 @@ def written(found):
 
 
 @pytest.mark.parametrize("kind", ["result", "cone", "yield"])
-def test_pickles_and_copies_say_the_same(kind, results):
+def test_pickles_and_copies_equal_original(kind, results):
     found = results[kind]
     before = everything(found)
     once = pickle.loads(pickle.dumps(found))
@@ -59,7 +59,7 @@ def test_pickles_and_copies_say_the_same(kind, results):
         assert everything(other) == before
 
 
-def test_a_pickle_needs_no_files(tmp_path, scenarios):
+def test_pickle_does_not_need_files(tmp_path, scenarios):
     text = '[display.pixel]\nmodel = "uniform"\nkind = "lambertian"\nreflectance = { white = "w.csv", black = 0.1 }\n'
     (tmp_path / "w.csv").write_text("380,0.5\n780,0.5\n")
     result = papilio.run(Scenario(text + '[lighting]\npreset = "indoor"\n', folder=tmp_path))
@@ -68,7 +68,7 @@ def test_a_pickle_needs_no_files(tmp_path, scenarios):
     assert pickle.loads(content).to_json() == result.to_json()
 
 
-def test_processes_hand_results_back(scenarios, results):
+def test_processes_return_results(scenarios, results):
     with multiprocessing.get_context("spawn").Pool(1) as pool:
         (there,) = pool.map(run_small, [scenarios / "indoor.toml"])
     assert there.to_json() == results["result"].to_json()
@@ -78,7 +78,7 @@ def run_small(path):
     return papilio.run(path, set=SMALL)
 
 
-def test_a_scenario_is_a_mapping(scenarios):
+def test_scenario_is_mapping(scenarios):
     scenario = Scenario.load(scenarios / "indoor.toml")
     assert dict(scenario) == scenario.to_dict() and list(scenario) == list(scenario.to_dict()) and len(scenario) == len(list(scenario))
     assert "display" in scenario and "display.pixel.film.0.thickness_nm" in scenario

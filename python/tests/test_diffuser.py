@@ -1,4 +1,4 @@
-"""Files of measured scattering: what the program says of them."""
+"""Files of measured scattering: the same results as the program."""
 
 import json
 import pickle
@@ -19,26 +19,26 @@ def printed(program, *arguments):
     return subprocess.run([program, "diffuser", *arguments], capture_output=True, check=True, text=True).stdout
 
 
-def test_the_audit_is_the_programs(h78, program, scenarios):
+def test_audit_equals_program(h78, program, scenarios):
     path = scenarios / "data" / "H78.bsdf"
     assert h78.audit() == json.loads(printed(program, "inspect", path, "--json"))
     assert str(h78) == printed(program, "inspect", path)
     assert "<svg" in h78._repr_html_() and len(h78.figures()) == len(h78.parts)
 
 
-def test_a_fit_is_the_programs(h78, program, scenarios):
+def test_fit_equals_program(h78, program, scenarios):
     fits = h78.fit("k-correlation (s = 3)")
     assert fits == json.loads(printed(program, "fit", scenarios / "data" / "H78.bsdf", "--json", "--model", "k-correlation-3"))
 
 
-def test_another_format_reads_back(h78, tmp_path):
+def test_converted_file_can_be_read(h78, tmp_path):
     out = tmp_path / "h78.npz"
     assert h78.convert(out) == []
     assert Diffuser(out).parts == h78.parts
     assert pickle.loads(pickle.dumps(Diffuser(out))).parts == h78.parts
 
 
-def test_mistakes(h78, tmp_path, scenarios):
+def test_invalid_arguments_and_files_are_named(h78, tmp_path, scenarios):
     with pytest.raises(FileError):
         Diffuser(tmp_path / "absent.bsdf")
     with pytest.raises(FileError):

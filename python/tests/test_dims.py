@@ -1,4 +1,4 @@
-"""Arrays of xarray's: their dimensions count, or they are refused."""
+"""xarray arrays: dimensions are matched by name, or the arrays are refused."""
 
 import numpy as np
 import pytest
@@ -27,19 +27,19 @@ def arrays():
     return d, gap
 
 
-def test_different_dimensions_are_crossed(prepared, arrays):
+def test_different_dimensions_broadcast_by_name(prepared, arrays):
     d, gap = arrays
     found = prepared.evaluate({LAYER: d, RED: gap}, METRICS)
     assert found.dims == ("d", "gap", "metric") and found.metric.values.tolist() == METRICS and found.d.values.tolist() == [1, 2, 3]
     assert np.array_equal(found.values, prepared.evaluate({LAYER: d.values[:, None], RED: gap.values}, METRICS))
-    # A dimension in another order is the same dimension.
+    # The order of dimensions does not matter.
     both = xarray.DataArray(np.array([[40.0, 50.0, 60.0], [41.0, 51.0, 61.0]]), dims=["gap", "d"])
     other = prepared.evaluate({LAYER: both, RED: (d * 0 + 260.0)}, METRICS)
     assert other.dims == ("gap", "d", "metric")
     assert np.array_equal(other.values, prepared.evaluate({LAYER: both.values, RED: 260.0}, METRICS))
 
 
-def test_a_shared_dimension_is_walked_once(prepared, arrays):
+def test_shared_dimension_occurs_once(prepared, arrays):
     d, _ = arrays
     found = prepared.evaluate({LAYER: d, RED: 200.0 + d}, METRICS)
     assert found.dims == ("d", "metric")
@@ -49,7 +49,7 @@ def test_a_shared_dimension_is_walked_once(prepared, arrays):
     assert slopes["variable"].values.tolist() == [LAYER, RED]
 
 
-def test_what_does_not_fit_is_refused(prepared, arrays):
+def test_incompatible_dimensions_are_refused(prepared, arrays):
     d, gap = arrays
     with pytest.raises(ArgumentError, match="without names"):
         prepared.evaluate({LAYER: d, RED: np.array([260.0, 270.0, 280.0])}, METRICS)
@@ -61,7 +61,7 @@ def test_what_does_not_fit_is_refused(prepared, arrays):
         cluster.sweep(prepared.scenario, {LAYER: d, RED: d}, METRICS)
 
 
-def test_many_designs_have_their_dimensions(prepared, arrays):
+def test_batches_keep_dimensions(prepared, arrays):
     d, gap = arrays
     found = cluster.evaluate_many(prepared.scenario, {LAYER: d, RED: gap}, METRICS, batch_seconds=0.01)
     assert found.shape == (3, 2, 2)
@@ -72,7 +72,7 @@ def test_many_designs_have_their_dimensions(prepared, arrays):
     assert np.array_equal(swept.values, found.values)
 
 
-def test_elsewhere_places_and_names_have_to_agree(arrays):
+def test_broadcasting_by_position_against_dimensions_is_refused(arrays):
     d, gap = arrays
     nm = xarray.DataArray(np.arange(400.0, 701.0, 100.0), dims="nm")
     with pytest.raises(ArgumentError, match="broadcasts by position"):

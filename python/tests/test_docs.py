@@ -1,4 +1,4 @@
-"""docs/python.md, line by line; and what the README shows."""
+"""The examples of docs/python.md and of the README."""
 
 import doctest
 import re
@@ -13,11 +13,11 @@ def blocks(page):
 
 
 @pytest.mark.parametrize(("page", "least"), [("docs/python.md", 6), ("README.md", 1)])
-def test_the_pages_say_what_happens(page, least, monkeypatch):
+def test_examples_of_pages_run(page, least, monkeypatch):
     monkeypatch.chdir(ROOT)
     shown, names = blocks(page), {}
     assert len(shown) >= least
-    for block in shown:  # each goes on with the names of the one before
+    for block in shown:  # each block uses the names of the preceding ones
         test = doctest.DocTestParser().get_doctest(block, names, page, page, 0)
         said = []
         runner = doctest.DocTestRunner(optionflags=doctest.ELLIPSIS)
@@ -26,8 +26,8 @@ def test_the_pages_say_what_happens(page, least, monkeypatch):
         assert failed == 0, "".join(said)
 
 
-def test_one_version_of_python_is_promised_and_tested():
-    """The package's own, this page's and the README's are one, and the tests run with that or a newer one."""
+def test_python_version_is_consistent_and_tested():
+    """The versions in the package, the page and the README are equal, and the tests run with this version or a newer one."""
     promised = re.search(r'requires-python = ">=(3\.\d+)"', (ROOT / "python" / "pyproject.toml").read_text())[1]
     abi = re.search(r"abi3-py3(\d+)", (ROOT / "Cargo.toml").read_text())[1]
     page = re.search(r"Python (3\.\d+) or newer", (ROOT / "docs" / "python.md").read_text())[1]
@@ -37,8 +37,8 @@ def test_one_version_of_python_is_promised_and_tested():
     assert sys.version_info[:2] >= tuple(map(int, promised.split(".")))
 
 
-def test_extras_that_are_named_exist():
-    """Papilio is in no index of packages: whoever needs an extra installs this folder."""
+def test_documented_extras_exist():
+    """Papilio is not in a package index: extras are installed from this folder."""
     extras = set(re.findall(r"^(\w+) = \[\"", (ROOT / "python" / "pyproject.toml").read_text(), re.MULTILINE))
     pages = [*(ROOT / "docs").rglob("*.md"), *(ROOT / "python" / "papilio").glob("*.py"), ROOT / "README.md"]
     texts = [path.read_text(encoding="utf-8") for path in pages]

@@ -1,4 +1,4 @@
-"""Films: closed forms, a program of others, and numpy's shapes."""
+"""Films: closed forms, an independent program, and numpy's shapes."""
 
 import time
 
@@ -10,12 +10,12 @@ from papilio import ArgumentError, FileError, films
 NM = np.arange(380, 781, 5)
 
 
-def test_a_quarter_wave_leaves_nothing():
+def test_quarter_wave_layer_cancels_reflection():
     n = np.sqrt(1.5)
     assert films.reflectance([(n, 550 / (4 * n))], 550.0, substrate=1.5) < 1e-30
 
 
-def test_bare_glass_as_fresnel_has_it():
+def test_bare_glass_equals_fresnel():
     theta = np.array([0.0, 30.0, 56.30993247402021, 80.0])
     inside = np.arcsin(np.sin(np.radians(theta)) / 1.5)
     c, t = np.cos(np.radians(theta)), np.cos(inside)
@@ -37,8 +37,8 @@ def test_arrays_broadcast_over_designs_wavelengths_and_angles():
     assert (together.absorptance > -1e-12).all()
 
 
-def test_many_films_cost_little():
-    """Some hundred nanoseconds a film on a slow machine; a backend that goes film by film takes 2 us on a fast one. (docs/peers.md has more.)"""
+def test_many_films_are_fast():
+    """Some hundred nanoseconds a film on a slow machine; a method that computes film by film takes 2 us on a fast one. (docs/peers.md has more.)"""
     d, theta = np.linspace(0, 200, 40)[:, None, None], np.linspace(0, 80, 19)
     stack = [("Si3N4", 55.9), ("Cr:Johnson", 12.15), ("SiO2", d), ("air", 190.0), ("Al", 20.0)]
     films.reflectance(stack, NM[:, None], theta, threads=1)
@@ -53,7 +53,7 @@ def timed(call):
 
 
 def plain(layers, nm, theta, incidence, substrate, polarisation):
-    """Characteristic matrices (Born and Wolf, section 1.6), a film at a time: reflectance and transmittance."""
+    """Reflectance and transmittance from characteristic matrices (Born and Wolf, section 1.6), one film at a time."""
     beta = incidence * np.sin(np.radians(theta))
     found = []
     for of in "sp" if polarisation == "mean" else polarisation:
@@ -74,8 +74,8 @@ def plain(layers, nm, theta, incidence, substrate, polarisation):
 
 
 @pytest.mark.parametrize("polarisation", ["s", "p", "mean"])
-def test_any_arrays_are_films_one_by_one(polarisation):
-    """Whatever varies along whatever axis: each film as matrices give it, and as it comes alone."""
+def test_arrays_equal_single_films(polarisation):
+    """Any quantity varies along any axis: each film equals the matrix method and a separate call."""
     random = np.random.default_rng(5)
     shape = (3, 5, 4)
 
@@ -101,9 +101,9 @@ def test_any_arrays_are_films_one_by_one(polarisation):
 
 @pytest.mark.parametrize("order", [(0, 1, 2, 3), (3, 1, 0, 2), (2, 3, 1, 0)])
 @pytest.mark.parametrize("left_out", [None, 0, 1, 3])
-def test_a_grid_is_its_films(order, left_out):
-    """Designs, angles, gaps and wavelengths on axes in any order, one of them perhaps not there: the kernel of grids, which condenses
-    what they share, and the kernel of points, which also knows transmittance."""
+def test_grid_equals_single_films(order, left_out):
+    """Designs, angles, gaps and wavelengths on axes in any order, one of them possibly missing: the grid kernel, which reuses common
+    factors, equals the point kernel, which also computes transmittance."""
     lengths = [1 if axis == left_out else n for axis, n in enumerate((3, 18, 20, 7))]
 
     def along(axis, values):
@@ -120,14 +120,14 @@ def test_a_grid_is_its_films(order, left_out):
     assert films.reflectance(stack, nm, theta, incidence=1.2, substrate="SiO2", threads=3).tobytes() == whole.tobytes()
 
 
-def test_opaque_films_let_through_what_they_let_through():
-    """exp(-4 pi k d/lambda), however little that is."""
+def test_transmittance_of_opaque_film_is_exact():
+    """The transmittance is proportional to exp(-4 pi k d/lambda), even if it is very small."""
     d = np.array([200.0, 500.0, 1000.0, 2000.0])
     t = films.transmittance([(1 + 7j, d)], 550.0, substrate=1.5)
     np.testing.assert_allclose(np.diff(np.log(t)), -4 * np.pi * 7 / 550 * np.diff(d), rtol=1e-9)
 
 
-def test_threads_change_no_number():
+def test_result_does_not_depend_on_threads():
     d = np.linspace(0, 300, 40_001)
     one, three = (films.power([("SiO2", d), ("Cr", 5.0)], 550.0, threads=n) for n in (1, 3))
     assert one.reflectance.tobytes() == three.reflectance.tobytes() and one.transmittance.tobytes() == three.transmittance.tobytes()
@@ -165,13 +165,13 @@ def test_indices_as_arrays_and_materials_agree():
         ({"polarisation": "x"}, "polarisation"),
     ],
 )
-def test_wrong_arguments_are_named(arguments, names):
+def test_invalid_arguments_are_named(arguments, names):
     good = {"layers": [("SiO2", 100.0)], "wavelength_nm": NM}
     with pytest.raises(ArgumentError, match=names):
         films.power(**{**good, **arguments})
 
 
-def test_a_file_of_n_and_k(tmp_path, scenarios):
+def test_material_from_file_is_read(tmp_path, scenarios):
     path = tmp_path / "glass.csv"
     path.write_text("wavelength_nm,n,k\n300,1.5,0\n900,1.6,0\n")
     np.testing.assert_allclose(films.index(path, 600.0), 1.55)

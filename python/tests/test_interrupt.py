@@ -1,4 +1,4 @@
-"""Ctrl-C, progress and threads: the interpreter stays free while something is computed."""
+"""Ctrl-C, progress and threads: computations release the interpreter."""
 
 import signal
 import subprocess
@@ -26,7 +26,7 @@ LONG = {
 
 @pytest.mark.skipif(sys.platform == "win32", reason="there is no SIGINT to send")
 @pytest.mark.parametrize("what", LONG)
-def test_ctrl_c_ends_a_computation_within_a_second(what, scenarios):
+def test_ctrl_c_ends_computation_within_one_second(what, scenarios):
     script = f"{START}print('begun', flush=True)\n{LONG[what]}{END}"
     command = [sys.executable, "-c", script, scenarios / "indoor.toml"]
     with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as child:
@@ -40,7 +40,7 @@ def test_ctrl_c_ends_a_computation_within_a_second(what, scenarios):
     assert "KeyboardInterrupt" in error and "ended" not in out
 
 
-def test_progress_is_told_and_may_end_the_run(scenarios):
+def test_progress_is_reported_and_can_end_run(scenarios):
     told = []
     papilio.run(scenarios / "indoor.toml", solver="monte-carlo", set={"solver.relative_error": 2e-4}, progress=told.append)
     assert all(set(one) == {"views_done", "views", "relative_error", "target", "paths"} for one in told)
@@ -52,8 +52,8 @@ def test_progress_is_told_and_may_end_the_run(scenarios):
         papilio.run(scenarios / "indoor.toml", solver="monte-carlo", set={"solver.paths": 1_000_000_000}, progress=stop)
 
 
-def test_the_interpreter_runs_meanwhile(scenarios):
-    """A thread of Python's counts while a walk without end is computed."""
+def test_interpreter_runs_during_computation(scenarios):
+    """A Python thread counts during an endless Monte Carlo computation."""
 
     class Counted(Exception):
         pass
@@ -78,7 +78,7 @@ def test_the_interpreter_runs_meanwhile(scenarios):
     counter.join()
 
 
-def test_one_prepared_display_in_several_threads(scenarios):
+def test_prepared_display_works_in_several_threads(scenarios):
     prepared = papilio.Prepared(scenarios / "indoor.toml")
     alone = prepared.run({"display.pixel.film.0.thickness_nm": 50.0}).to_json()
     found = []
@@ -97,8 +97,8 @@ def test_one_prepared_display_in_several_threads(scenarios):
 
 @pytest.mark.skipif(sys.platform == "win32", reason="there is no SIGINT to send")
 @pytest.mark.parametrize("call", ["evaluate", "run"])
-def test_ctrl_c_ends_the_thread_that_is_asked_and_no_other(call, scenarios):
-    """Two threads compute with one prepared display: the main thread's call ends, the other's is done."""
+def test_ctrl_c_ends_only_main_thread(call, scenarios):
+    """Two threads compute with one prepared display: the call of the main thread is interrupted, the other call is completed."""
     script = f"""
 import papilio, sys, threading, os, signal, time, numpy as np
 prepared = papilio.Prepared(sys.argv[1])

@@ -1,4 +1,4 @@
-"""Warnings and notes: what the program prints reaches whoever uses the package, in every form of a result."""
+"""Warnings and notes of the program are available in every form of a result."""
 
 import pickle
 import subprocess
@@ -10,7 +10,7 @@ import pytest
 import papilio
 from papilio import PapilioWarning, Scenario, cluster
 
-#: Too few wavelengths for these lamps.
+#: Too few wavelengths for this spectrum.
 COARSE = {"spectrum.step_nm": 20, "lighting.spectrum": "LED-RGB1"}
 SAYS = "lighting.spectrum changes too fast for a step of 20 nm"
 
@@ -31,7 +31,7 @@ def coarse(scenarios):
 
 
 def heard(call):
-    """What a call gives, and the papilio warnings that it raises: each at the line that called it."""
+    """Returns the result of a call and its papilio warnings, each of which refers to the calling line."""
     with warnings.catch_warnings(record=True) as all_of_them:
         warnings.simplefilter("always")
         found = call()
@@ -40,7 +40,7 @@ def heard(call):
     return found, [str(one.message) for one in ours]
 
 
-def test_a_run_says_what_the_program_says(coarse, program, scenarios, tmp_path):
+def test_run_has_warnings_of_program(coarse, program, scenarios, tmp_path):
     result, said = heard(lambda: papilio.run(coarse))
     assert said == result.warnings and any(text.startswith(SAYS) for text in said)
     settings = [word for key, value in COARSE.items() for word in ("--set", f"{key}={value!r}".replace("'", '"'))]
@@ -54,14 +54,14 @@ def test_a_run_says_what_the_program_says(coarse, program, scenarios, tmp_path):
     assert result.to_xarray().attrs["warnings"] == "\n".join(said)
 
 
-def test_notes_stand_beside_warnings(scenarios):
+def test_result_has_notes(scenarios):
     result = papilio.run(scenarios / "measured-diffused.toml", set={"spectrum.step_nm": 50})
     assert result.notes and result.notes == result.data["notes"]
     assert papilio.Prepared(scenarios / "measured-diffused.toml").notes
 
 
 @pytest.mark.parametrize("kind", ["prepared", "cone", "reflection", "brdf", "evaluated", "sweep", "optimum", "yield"])
-def test_every_kind_of_result_has_them(kind, coarse):
+def test_every_result_type_has_warnings(kind, coarse):
     key, metrics = "display.pixel.film.0.thickness_nm", ["white.Y"]
     angles = {"theta_deg": [0.0, 20.0], "phi_deg": [0.0, 90.0]}
     search = "[optimize]\nstarts = 1\nevaluations = 10\n[[optimize.variables]]\n"
@@ -91,7 +91,7 @@ def with_text(scenario, text):
     return Scenario(scenario.to_toml() + text, name="more.toml", folder=scenario._folder)
 
 
-def test_a_search_that_meets_no_limit_says_so(scenarios):
+def test_search_without_feasible_design_warns(scenarios):
     search = '[optimize]\nstarts = 1\nevaluations = 10\n[[optimize.variables]]\nkey = "display.pixel.film.0.thickness_nm"\n'
     search += 'bounds = [50, 60]\n[[optimize.objectives]]\nmetric = "white.Y"\naim = "maximise"\n'
     search += '[[optimize.constraints]]\nmetric = "white.Y"\nat_least = 0.99\n'
@@ -99,12 +99,12 @@ def test_a_search_that_meets_no_limit_says_so(scenarios):
     assert any("no feasible design was found" in text for text in said) and said == found.warnings
 
 
-def test_a_clean_run_is_silent(scenarios):
+def test_run_without_problems_does_not_warn(scenarios):
     result, said = heard(lambda: papilio.run(scenarios / "indoor.toml"))
     assert said == result.warnings == [] and "warning" not in repr(result) and "warning" not in result._repr_html_()
 
 
-def test_a_result_cannot_be_spoiled(scenarios):
+def test_arrays_of_results_are_read_only(scenarios):
     result = papilio.run(scenarios / "indoor.toml", set={"spectrum.step_nm": 50})
     cone = papilio.cone(scenarios / "indoor.toml", theta_deg=[0.0], phi_deg=[0.0], set={"spectrum.step_nm": 50})
     table = papilio.brdf(scenarios / "indoor.toml", theta_i_deg=[0], theta_o_deg=[0], dphi_deg=[0], set={"spectrum.step_nm": 50})
@@ -117,10 +117,10 @@ def test_a_result_cannot_be_spoiled(scenarios):
         with pytest.raises(ValueError, match="read-only"):
             array[...] = 0
             pytest.fail(f"number {number} can be written to")
-    # And what is pickled neither.
+    # Unpickled arrays are read-only, too.
     for found, name in [(result, "Y"), (cone, "Y"), (parts, "haze"), (many, "white.Y")]:
         with pytest.raises(ValueError, match="read-only"):
             pickle.loads(pickle.dumps(found))[name][...] = 0
     pytest.importorskip("xarray")
-    result.to_xarray()["Y"][:] = 0  # that is the caller's own
+    result.to_xarray()["Y"][:] = 0  # a Dataset is a copy
     assert np.all(result["Y"] > 0)

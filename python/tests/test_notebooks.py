@@ -1,4 +1,4 @@
-"""The notebooks of docs/notebooks: they run, and print what stands in them."""
+"""The notebooks of docs/notebooks: execution reproduces their stored outputs."""
 
 import os
 
@@ -19,7 +19,7 @@ RUN = ALL if os.environ.get("PAPILIO_NOTEBOOKS") == "all" else []
 
 
 @pytest.mark.parametrize("name", RUN)
-def test_a_notebook_prints_what_stands_in_it(name):
+def test_executed_notebook_equals_stored_outputs(name):
     notebook = nbformat.read(FOLDER / name, as_version=4)
     stood = [texts(cell) for cell in notebook.cells]
     nbclient.NotebookClient(notebook, timeout=300, resources={"metadata": {"path": str(FOLDER)}}).execute()
@@ -27,7 +27,7 @@ def test_a_notebook_prints_what_stands_in_it(name):
 
 
 @pytest.mark.parametrize("name", ALL)
-def test_a_notebook_is_whole_and_small(name):
+def test_notebook_is_complete_and_small(name):
     assert (FOLDER / name).stat().st_size < LARGEST
     code = [cell for cell in nbformat.read(FOLDER / name, as_version=4).cells if cell.cell_type == "code"]
     assert [cell.execution_count for cell in code] == list(range(1, len(code) + 1))
@@ -35,20 +35,20 @@ def test_a_notebook_is_whole_and_small(name):
 
 
 @pytest.mark.parametrize("name", ALL)
-def test_a_notebook_has_one_title_and_sections_below_it(name):
+def test_notebook_has_one_title_and_sections(name):
     cells = [cell.source for cell in nbformat.read(FOLDER / name, as_version=4).cells if cell.cell_type == "markdown"]
     headings = [line for source in cells for line in source.splitlines() if line.startswith("#")]
     assert cells[0].startswith("# ") and not any(source.startswith(" ") for source in cells)
     assert all(line.startswith(("## ", "### ")) for line in headings[1:])
 
 
-def test_all_are_listed():
+def test_all_notebooks_are_listed():
     listed = (FOLDER / "README.md").read_text()
     assert ALL and all(f"({name})" in listed for name in ALL)
 
 
 def texts(cell):
-    """What is printed, and the last expression's text; warnings are not in there: they name files of the machine."""
+    """Printed text, and the text of the last expression, without warnings, which contain paths of the machine."""
     found = []
     for output in cell.get("outputs", []):
         if output.get("name") != "stderr":

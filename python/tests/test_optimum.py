@@ -1,4 +1,4 @@
-"""Searches from Python: what the program finds."""
+"""Searches from Python: the same results as the program."""
 
 import pickle
 import re
@@ -45,7 +45,7 @@ def found(scenario):
     return papilio.optimize(scenario)
 
 
-def test_the_best_design_is_better_and_meets_its_limit(scenario, found):
+def test_best_design_improves_objective_and_meets_limit(scenario, found):
     best = found.best
     assert best.meets_limits and best.metrics["white.Y"] >= 0.55 - 1e-6
     assert best.metrics["gamut_percent_srgb"] > found.own.metrics["gamut_percent_srgb"]
@@ -56,7 +56,7 @@ def test_the_best_design_is_better_and_meets_its_limit(scenario, found):
     assert "<table>" in found._repr_html_()
 
 
-def test_it_is_what_the_program_finds(scenario, found, program, tmp_path):
+def test_optimum_equals_program(scenario, found, program, tmp_path):
     path = tmp_path / "search.toml"
     path.write_text(scenario.to_toml())
     done = subprocess.run([program, "optimize", path, "--out", tmp_path / "out", "--no-check"], capture_output=True, text=True)
@@ -64,7 +64,7 @@ def test_it_is_what_the_program_finds(scenario, found, program, tmp_path):
     best = papilio.Scenario.load(tmp_path / "out" / "best.toml")
     for key, value in found.best.values.items():
         assert best[key] == value
-    # Written by either, to the byte.
+    # The files are identical.
     again = papilio.optimize(papilio.Scenario.load(path), out=tmp_path / "ours")
     names = [file.name for file in again.save(tmp_path / "ours")]
     assert names == ["optimize.csv", "best.toml", "trace.svg"] and list(again.figures()) == ["trace"]
@@ -72,7 +72,7 @@ def test_it_is_what_the_program_finds(scenario, found, program, tmp_path):
         assert (tmp_path / "ours" / file.name).read_bytes() == file.read_bytes(), file.name
 
 
-def test_a_design_that_misses_its_limits_is_no_best_one(scenario, tmp_path):
+def test_infeasible_design_is_saved_as_closest(scenario, tmp_path):
     (tmp_path / "best.toml").write_text("of an earlier search")
     with pytest.warns(papilio.PapilioWarning, match="no feasible design was found"):
         missed = papilio.optimize(scenario, set={"optimize.constraints.0.at_least": 1000})
@@ -81,7 +81,7 @@ def test_a_design_that_misses_its_limits_is_no_best_one(scenario, tmp_path):
     assert not (tmp_path / "best.toml").exists()
 
 
-def test_tables_and_pickles(found):
+def test_tables_and_pickles_equal_original(found):
     assert pickle.loads(pickle.dumps(found)).designs == found.designs
     pytest.importorskip("pandas")
     table = found.to_pandas()
@@ -90,12 +90,12 @@ def test_tables_and_pickles(found):
     assert table.loc[0, "white.Y"] == found.best.metrics["white.Y"]
 
 
-def test_threads_change_nothing(scenario, found):
+def test_result_does_not_depend_on_threads(scenario, found):
     again = papilio.optimize(scenario, threads=3)
     assert again.best == found.best and np.array_equal(again.front(), found.front())
 
 
-def test_mistakes_have_their_places(scenario, found):
+def test_errors_have_positions(scenario, found):
     with pytest.raises(ScenarioError) as error:
         papilio.optimize(scenario, set={"optimize.variables.0.bounds": [60, 20]})
     assert error.value.file == "search.toml" and error.value.line is not None
@@ -108,7 +108,7 @@ def test_mistakes_have_their_places(scenario, found):
             papilio.optimize(scenario, **wrong)
 
 
-def test_a_journal_has_one_writer(scenario, found, tmp_path, capfd):
+def test_second_writer_of_journal_is_refused(scenario, found, tmp_path, capfd):
     other = _papilio.Search(*scenario._state())
     other.begin(str(tmp_path), 1)
     with pytest.raises(FileError, match="another program is writing this journal"):

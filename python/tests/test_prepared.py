@@ -1,4 +1,4 @@
-"""Many designs in one call: the numbers of single runs, in numpy's shapes."""
+"""Many designs in one call: the results of single runs, with numpy's shapes."""
 
 import pickle
 
@@ -20,7 +20,7 @@ def prepared():
     return Prepared(ROOT / "scenarios" / "indoor.toml")
 
 
-def test_a_run_of_a_prepared_display_is_a_run(prepared, scenarios):
+def test_run_of_prepared_display_equals_run(prepared, scenarios):
     for thickness in [55.9, 40.0, 55.9]:
         kept = prepared.run({LAYER: thickness})
         assert kept.to_json() == papilio.run(scenarios / "indoor.toml", set={LAYER: thickness}).to_json()
@@ -35,13 +35,13 @@ def test_designs_broadcast_and_equal_single_runs(prepared):
         np.testing.assert_allclose(values[i, j], [single[name] for name in METRICS], rtol=1e-9)
 
 
-def test_threads_change_no_number(prepared):
+def test_result_does_not_depend_on_threads(prepared):
     d = np.linspace(40, 60, 37)
     one, three = (prepared.evaluate({LAYER: d}, METRICS, threads=n) for n in [1, 3])
     assert one.tobytes() == three.tobytes()
 
 
-def test_slopes_are_those_of_differences(prepared):
+def test_derivatives_equal_central_differences(prepared):
     d, gap, step = np.array([45.0, 55.9]), np.array([[260.0], [290.0]]), 1e-3
     values, slopes = prepared.derivatives({LAYER: d, RED: gap}, METRICS)
     assert values.shape == (2, 2, 3) and slopes.shape == (2, 2, 3, 2)
@@ -52,7 +52,7 @@ def test_slopes_are_those_of_differences(prepared):
 
 
 def differences(of, step):
-    """Central, of fourth order."""
+    """Central differences of fourth order."""
     return (8 * (of(step) - of(-step)) - (of(2 * step) - of(-2 * step))) / (12 * step)
 
 
@@ -62,7 +62,7 @@ def test_progress_counts_designs(prepared):
     assert all(set(one) == {"done", "of"} and one["of"] == 200 for one in told)
 
 
-def test_keys_that_move_alike_and_words(prepared):
+def test_common_keys_and_string_variables_are_evaluated(prepared):
     both = prepared.evaluate({(RED, "display.pixel.gap_nm.green"): [200.0]}, METRICS)
     apart = prepared.evaluate({RED: [200.0], "display.pixel.gap_nm.green": [200.0]}, METRICS)
     assert both.tobytes() == apart.tobytes()
@@ -70,13 +70,13 @@ def test_keys_that_move_alike_and_words(prepared):
     assert materials[0].tobytes() == materials[2].tobytes() != materials[1].tobytes()
 
 
-def test_no_designs_one_design_and_no_variables(prepared):
+def test_empty_single_and_constant_designs_are_evaluated(prepared):
     assert prepared.evaluate({LAYER: []}, METRICS).shape == (0, 3)
     assert prepared.evaluate({LAYER: 50.0}, METRICS).shape == (3,)
     np.testing.assert_allclose(prepared.evaluate({}, METRICS), prepared.evaluate({LAYER: 55.9}, METRICS), rtol=1e-12)
 
 
-def test_it_can_be_pickled(prepared):
+def test_prepared_display_can_be_pickled(prepared):
     again = pickle.loads(pickle.dumps(prepared))
     assert again.evaluate({LAYER: 50.0}, METRICS).tobytes() == prepared.evaluate({LAYER: 50.0}, METRICS).tobytes()
 
@@ -102,7 +102,7 @@ def test_it_can_be_pickled(prepared):
         ({LAYER: np.broadcast_to(np.float64(1), (1 << 20, 1)), RED: np.broadcast_to(np.float64(1), (1, 1 << 20))}, "variables"),
     ],
 )
-def test_wrong_variables_are_named(prepared, variables, names):
+def test_invalid_variables_are_named(prepared, variables, names):
     with pytest.raises((ArgumentError, DesignError), match=names.replace(".", r"\.")):
         prepared.evaluate(variables, METRICS)
 
@@ -114,7 +114,7 @@ def test_wrong_variables_are_named(prepared, variables, names):
         ({"display.pixel.film.2.material": ["Si02"]}, r"Si02"),
     ],
 )
-def test_a_design_that_cannot_be_is_named(prepared, variables, said):
+def test_invalid_design_is_named(prepared, variables, said):
     with pytest.raises(DesignError, match=f"(?s){said}"):
         prepared.evaluate(variables, METRICS)
 
@@ -127,7 +127,7 @@ def test_a_design_that_cannot_be_is_named(prepared, variables, said):
         ("display..fill_factor", "empty"),
     ],
 )
-def test_of_a_wrong_key_no_design_is_to_blame(prepared, key, said):
+def test_unknown_key_raises_scenario_error(prepared, key, said):
     with pytest.raises(ScenarioError, match=said):
         prepared.evaluate({key: [5.0]}, METRICS)
 
@@ -149,6 +149,6 @@ def test_of_a_wrong_key_no_design_is_to_blame(prepared, key, said):
         ({"metrics": METRICS, "progress": 3}, "progress"),
     ],
 )
-def test_wrong_arguments_are_named(prepared, arguments, names):
+def test_invalid_arguments_are_named(prepared, arguments, names):
     with pytest.raises(ArgumentError, match=f"^{names}"):
         prepared.evaluate({LAYER: [50.0]}, **arguments)

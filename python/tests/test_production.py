@@ -1,4 +1,4 @@
-"""Yield from Python: what the program finds."""
+"""Tolerance analysis from Python: the same results as the program."""
 
 import json
 import subprocess
@@ -24,11 +24,11 @@ def found(path):
     return papilio.tolerance(path, set=FEW)
 
 
-def test_it_is_what_the_program_finds(path, found, program, tmp_path):
+def test_yield_equals_program(path, found, program, tmp_path):
     few = [word for key, value in FEW.items() for word in ["--set", f"{key}={value}"]]
     done = subprocess.run([program, "tolerance", path, "--out", tmp_path, *few], capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
-    # Written by either, to the byte; the journal, too.
+    # The files, including the journal, are identical.
     ours = papilio.tolerance(path, set=FEW, out=tmp_path / "ours")
     names = [file.name for file in ours.save(tmp_path / "ours")]
     assert names[:3] == ["tolerance.csv", "tolerance-metrics.csv", "tolerance.json"]
@@ -40,7 +40,7 @@ def test_it_is_what_the_program_finds(path, found, program, tmp_path):
     assert 0 <= found.share <= 1 and "%" in repr(found) and "<table>" in found._repr_html_()
 
 
-def test_every_display_has_its_numbers(found):
+def test_every_display_has_keys_and_metrics(found):
     pytest.importorskip("pandas")
     table = found.to_pandas()
     assert list(table.columns) == [*found.keys, *found.metrics] and len(table) == 64
@@ -49,12 +49,12 @@ def test_every_display_has_its_numbers(found):
         np.testing.assert_allclose(np.nanmean(found.values[:, at]), means[name], rtol=1e-9)
 
 
-def test_threads_change_nothing(path, found):
+def test_result_does_not_depend_on_threads(path, found):
     again = papilio.tolerance(path, set=FEW, threads=3)
     assert again.values.tobytes() == found.values.tobytes() and again.report == found.report
 
 
-def test_mistakes_have_their_places(path):
+def test_errors_have_positions(path):
     with pytest.raises(ScenarioError) as error:
         papilio.tolerance(path, set={"tolerance.samples": 0})
     assert error.value.file == str(path) and error.value.line is not None
@@ -65,8 +65,8 @@ def test_mistakes_have_their_places(path):
             papilio.tolerance(path, **wrong)
 
 
-def test_a_production_grows(path, found, tmp_path):
-    """What is in the journal is not computed again."""
+def test_more_samples_resume_from_journal(path, found, tmp_path):
+    """Samples in the journal are not computed again."""
     papilio.tolerance(path, set=FEW, out=tmp_path)
     larger = {"tolerance.samples": 80, "tolerance.sensitivity_samples": 16}
     core = _papilio.Production(*Scenario.load(path).with_values(larger)._state())

@@ -18,7 +18,7 @@ def result():
     return papilio.run(ROOT / "scenarios" / "indoor.toml", set=values)
 
 
-def test_every_array_holds_the_numbers_of_result_json(result):
+def test_arrays_equal_result_json(result):
     for v, view in enumerate(result.data["views"]):
         assert number(view["contrast_ratio"]) == result["contrast_ratio"][v]
         for s, state in enumerate(result.states):
@@ -40,7 +40,7 @@ def same(one, other):
     return one == other or (np.isnan(one) and np.isnan(other))
 
 
-def test_what_there_is_not_is_a_key_error(result):
+def test_unknown_name_raises_key_error(result):
     for name in ["Q", "white.Q", "purple.Y", "", "white.", "standard_error", 5, None]:
         with pytest.raises(KeyError):
             result[name]
@@ -48,12 +48,12 @@ def test_what_there_is_not_is_a_key_error(result):
         result.metrics(3)
 
 
-def test_metrics_of_a_view_by_name(result):
+def test_metrics_of_view_have_names(result):
     metrics = result.metrics(1)
     assert metrics["white.Y"] == result["white.Y"][1] and metrics["contrast_ratio"] == result["contrast_ratio"][1]
 
 
-def test_a_dataset_has_units_and_names(result):
+def test_dataset_has_units_and_long_names(result):
     xarray = pytest.importorskip("xarray")
     dataset = result.to_xarray()
     assert isinstance(dataset, xarray.Dataset)
@@ -70,7 +70,7 @@ def test_a_dataset_has_units_and_names(result):
         assert not any(dimension.endswith("_0") for dimension in variable.dims), (name, variable.dims)
 
 
-def test_a_table_is_states_csv(result):
+def test_table_equals_states_csv(result):
     pytest.importorskip("pandas")
     table = result.to_pandas()
     rows = list(csv.DictReader(io.StringIO(result._core.states_csv().decode())))
@@ -79,7 +79,7 @@ def test_a_table_is_states_csv(result):
     assert {"Y_se", "Y_de"} <= set(table.columns)
 
 
-def test_figures_are_svg_and_show_themselves(result, tmp_path):
+def test_figures_are_svg_with_notebook_display(result, tmp_path):
     figures = result.figures()
     assert "overview_theta0_phi0" in figures or "overview" in "".join(figures)
     for figure in figures.values():
@@ -90,7 +90,7 @@ def test_figures_are_svg_and_show_themselves(result, tmp_path):
     try:
         first.save(tmp_path / "a.png")
     except papilio.ArgumentError as error:
-        # The wheel of everyday tests.
+        # The wheel of the fast tests has no PNG support.
         assert "was built without PNG pictures" in str(error)
     else:
         assert (tmp_path / "a.png").read_bytes().startswith(b"\x89PNG")
@@ -100,13 +100,13 @@ def test_figures_are_svg_and_show_themselves(result, tmp_path):
     assert "<table>" in page and "<svg" in page and "white" in page
 
 
-def test_what_is_saved_is_what_the_program_writes(result, tmp_path):
+def test_saved_files_equal_those_of_program(result, tmp_path):
     paths = result.save(tmp_path / "out")
     assert {path.name for path in paths} >= {"result.json", "states.csv", "spectra.csv"}
     assert (tmp_path / "out" / "result.json").read_text() == result.to_json()
 
 
-def test_a_cone_is_what_single_views_are(scenarios):
+def test_cone_equals_single_views(scenarios):
     values = {"solver.relative_error": 0.001}
     cone = papilio.cone(scenarios / "indoor.toml", theta_deg=[0, 20, 40], phi_deg=[0, 90, 180, 270], set=values)
     single = papilio.run(scenarios / "indoor.toml", set={**values, "viewer.theta_deg": 40, "viewer.phi_deg": 90})

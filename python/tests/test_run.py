@@ -1,4 +1,4 @@
-"""Runs: the same numbers as the command line's."""
+"""Runs: the same numbers as the command line."""
 
 import json
 import subprocess
@@ -7,12 +7,12 @@ import papilio
 
 
 def of_program(program, scenario, *arguments):
-    """What the program prints as JSON."""
+    """The JSON output of the program."""
     command = [program, "run", scenario, "--json", *arguments]
     return subprocess.run(command, capture_output=True, check=True, text=True).stdout
 
 
-def test_the_indoor_scenario_equals_the_command_lines_to_the_last_bit(program, scenarios):
+def test_indoor_scenario_equals_program_to_last_bit(program, scenarios):
     indoor = scenarios / "indoor.toml"
     result = papilio.run(indoor)
     printed = of_program(program, indoor)
@@ -20,7 +20,7 @@ def test_the_indoor_scenario_equals_the_command_lines_to_the_last_bit(program, s
     assert result.to_json() == printed
 
 
-def test_the_walk_and_what_is_set_equal_the_command_lines(program, scenarios):
+def test_monte_carlo_and_set_values_equal_program(program, scenarios):
     indoor = scenarios / "indoor.toml"
     result = papilio.run(indoor, solver="monte-carlo", seed=5, set={"solver.relative_error": 0.01, "viewer.theta_deg": [0, 30]})
     arguments = ["--solver", "monte-carlo", "--seed", "5", "--set", "solver.relative_error=0.01", "--set", "viewer.theta_deg=[0, 30]"]
@@ -29,7 +29,7 @@ def test_the_walk_and_what_is_set_equal_the_command_lines(program, scenarios):
 
 
 def same(ours, theirs):
-    """How many numbers there are; fails where two differ in a bit."""
+    """Counts the numbers; fails if two differ in any bit."""
     assert type(ours) is type(theirs)
     if isinstance(ours, dict):
         assert list(ours) == list(theirs)

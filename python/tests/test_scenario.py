@@ -1,4 +1,4 @@
-"""Scenarios as objects: values, edits, and mistakes with their places."""
+"""Scenarios as objects: values, edits, and errors with their positions."""
 
 import copy
 import pickle
@@ -17,26 +17,26 @@ def indoor(scenarios):
     return Scenario.load(scenarios / "indoor.toml")
 
 
-def test_values_are_read_with_their_defaults(indoor):
+def test_values_include_defaults(indoor):
     assert indoor["display.pixel.film.0.thickness_nm"] == 55.9
     assert indoor["solver.seed"] == 0
     assert indoor["lighting.directed.0.theta_deg"] == -20
 
 
 @pytest.mark.parametrize("path", ["display.pixels", "display.pixel.film.9", "display.pixel.film.x", "display.pixel.film.-1", "title.x", "", "..", "a" * 10000])
-def test_a_path_to_nothing_is_a_key_error_that_names_it(indoor, path):
+def test_unknown_path_raises_key_error_with_path(indoor, path):
     with pytest.raises(KeyError) as error:
         indoor[path]
     assert path in str(error.value)
 
 
-def test_a_path_in_the_place_of_a_text_is_told(scenarios):
+def test_path_instead_of_text_is_refused(scenarios):
     for path in (scenarios / "indoor.toml", str(scenarios / "indoor.toml")):
         with pytest.raises(papilio.errors.ArgumentError, match="Scenario.load"):
             Scenario(path)
 
 
-def test_a_change_keeps_the_rest_of_the_text(indoor):
+def test_edit_preserves_rest_of_text(indoor):
     before = indoor.to_toml().splitlines()
     indoor["display.pixel.film.0.thickness_nm"] = 50.25
     after = indoor.to_toml().splitlines()
@@ -45,7 +45,7 @@ def test_a_change_keeps_the_rest_of_the_text(indoor):
     assert indoor["display.pixel.film.0.thickness_nm"] == 50.25
 
 
-def test_a_wrong_change_changes_nothing_and_names_its_place(indoor):
+def test_invalid_edit_is_refused_with_position(indoor):
     before = indoor.to_toml()
     with pytest.raises(ScenarioError) as error:
         indoor["display.pixel.film.0.thickness_nm"] = -5
@@ -55,7 +55,7 @@ def test_a_wrong_change_changes_nothing_and_names_its_place(indoor):
     assert isinstance(error.value, ValueError) and isinstance(error.value, papilio.PapilioError)
 
 
-def test_a_wrong_file_says_what_the_program_says(tmp_path, program):
+def test_invalid_file_has_message_of_program(tmp_path, program):
     wrong = tmp_path / "wrong.toml"
     wrong.write_text('[display.pixel]\nmodel = "uniform"\nkind = "lambertian"\nreflectence = { white = 0.5 }\n')
     said = subprocess.run([program, "run", wrong], capture_output=True, text=True)
@@ -67,7 +67,7 @@ def test_a_wrong_file_says_what_the_program_says(tmp_path, program):
     assert pickle.loads(pickle.dumps(error.value)).mistakes == error.value.mistakes
 
 
-def test_a_scenario_from_tables():
+def test_scenario_from_tables_equals_text():
     tables = {
         "title": 'Paper, "white"',
         "display": {"pixel": {"model": "uniform", "kind": "lambertian", "reflectance": {"white": 0.45, "black": 0.03}}},
@@ -79,7 +79,7 @@ def test_a_scenario_from_tables():
     assert Scenario(paper.to_toml()).to_dict() == paper.to_dict()
 
 
-def test_every_scenario_comes_back_from_its_tables(scenarios):
+def test_scenarios_survive_conversion_to_tables(scenarios):
     """Reading with defaults, writing as TOML and reading again is the identity."""
     for path in sorted(scenarios.glob("*.toml")):
         scenario = Scenario.load(path)
@@ -93,7 +93,7 @@ def without_null(value):
     return [without_null(one) for one in value] if isinstance(value, list) else value
 
 
-def test_files_in_memory_stand_for_those_on_disk():
+def test_files_in_memory_replace_files_on_disk():
     text = '[display.pixel]\nmodel = "uniform"\nkind = "lambertian"\nreflectance = { white = "w.csv", black = 0.1 }\n'
     text += '[lighting]\npreset = "indoor"\n'
     good = Scenario(text, files={"w.csv": b"380,0.5\n780,0.5\n"})
@@ -103,14 +103,14 @@ def test_files_in_memory_stand_for_those_on_disk():
         Scenario(text, files={}).check()
 
 
-def test_copies_and_pickles_are_their_own(indoor):
+def test_copies_and_pickles_are_independent(indoor):
     for other in [indoor.copy(), copy.copy(indoor), copy.deepcopy(indoor), pickle.loads(pickle.dumps(indoor))]:
         assert other == indoor and other.hash == indoor.hash
         other["solver.seed"] = 7
         assert other != indoor and indoor["solver.seed"] == 0
 
 
-def test_old_names_are_read_and_migrated():
+def test_old_names_are_accepted_and_migrated():
     old = papilio.Scenario(
         '[solver]\nmethod = "walk"  # the reference\npaths = 64\n[display.pixel]\nmodel = "uniform"\nkind = "mirror"\n'
         "reflectance = { white = 0.5, black = 0.1 }\n"

@@ -1,4 +1,4 @@
-"""The package is typed: mypy, strictly, over it and over a script that uses it; its stub is what the module has."""
+"""Types: strict mypy checks of the package and of a script that uses it; the stub matches the extension module."""
 
 import subprocess
 import sys
@@ -8,7 +8,7 @@ HERE = Path(__file__).parent
 
 
 def cache(name):
-    """What mypy knows of the packages that we use, kept in the environment that they are installed in: the first time takes long."""
+    """Folder of mypy's cache of dependencies, in their environment; the first check takes long."""
     return ["--cache-dir", Path(sys.prefix) / "mypy" / name]
 
 
@@ -17,7 +17,7 @@ def checked(*arguments, cwd):
     assert done.returncode == 0, done.stdout + done.stderr
 
 
-def test_strictly(tmp_path):
+def test_package_passes_strict_type_check(tmp_path):
     untyped = ["--disable-error-code", "import-untyped", *cache("package")]
     checked("mypy", "--strict", *untyped, "-p", "papilio", cwd=tmp_path)
     checked("mypy", "--strict", *cache("scripts"), HERE / "sample.py", cwd=tmp_path)
@@ -34,7 +34,7 @@ WRONG = [
 ]
 
 
-def test_mistakes_are_found_before_they_run(tmp_path):
+def test_type_check_finds_wrong_calls(tmp_path):
     (tmp_path / "wrong.py").write_text("\n".join(["import papilio", *WRONG]))
     command = [sys.executable, "-m", "mypy", "--strict", *cache("scripts"), "wrong.py"]
     said = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True).stdout
@@ -42,5 +42,5 @@ def test_mistakes_are_found_before_they_run(tmp_path):
     assert lines == set(range(2, 2 + len(WRONG))), said
 
 
-def test_the_stub_is_the_extension_modules(tmp_path):
+def test_stub_matches_extension_module(tmp_path):
     checked("mypy.stubtest", "papilio._papilio", "--ignore-disjoint-bases", cwd=tmp_path)
