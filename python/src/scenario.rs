@@ -117,13 +117,12 @@ pub(crate) fn edit(py: Python<'_>, text: &str, edits: &str) -> PyResult<String> 
     papilio_scenario::edit(text, &edits).map_err(|errors| errors::scenario(py, &errors))
 }
 
+/// A name that was replaced: its line, the old name and the new one.
+type Replaced = (usize, String, String);
+
 /// Returns a text with the current names of keys and values, and the replacements: line, old name, new name.
 #[pyfunction]
-pub(crate) fn migrate(
-    py: Python<'_>,
-    text: &str,
-    name: &str,
-) -> PyResult<(String, Vec<(usize, String, String)>)> {
+pub(crate) fn migrate(py: Python<'_>, text: &str, name: &str) -> PyResult<(String, Vec<Replaced>)> {
     let migrated = papilio_scenario::migrate(text, name).map_err(|errors| errors::scenario(py, &errors))?;
     let renamed = migrated.renamed.into_iter().map(|one| (one.line, one.old, one.new)).collect();
     Ok((migrated.text, renamed))
