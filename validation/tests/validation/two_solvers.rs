@@ -168,7 +168,7 @@ fn scores(member: &Member, number: u64, sampler: Sampler, seeds: u64, paths: u64
 }
 
 /// Compares mean and mean square of z with those of Student's t.
-fn assert_student(what: &str, z: &[f64]) {
+fn compare_with_student(what: &str, z: &[f64]) {
     let n = z.len() as f64;
     let (mean, square) = (z.iter().sum::<f64>() / n, z.iter().map(|z| z * z).sum::<f64>() / n);
     println!("{what}: {n} z-scores: mean {mean:.3}, mean square {square:.3}; Student's t: 0, 1.069");
@@ -184,8 +184,8 @@ fn assert_distribution(what: &str, all: &[Scores], most: f64) {
     for (z, what) in worst.iter().take(10) {
         println!("z {z:.2}: {what}");
     }
-    assert_student(&format!("{what}, sources"), &gathered(|scores| &scores.sources));
-    assert_student(&format!("{what}, ledger"), &gathered(|scores| &scores.ledger));
+    compare_with_student(&format!("{what}, sources"), &gathered(|scores| &scores.sources));
+    compare_with_student(&format!("{what}, ledger"), &gathered(|scores| &scores.ledger));
     assert!(worst[0].0.abs() < most, "{worst:?}");
 }
 

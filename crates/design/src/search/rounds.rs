@@ -28,7 +28,7 @@ impl Search {
             (2, false) | (3, true)
                 if self.aims.objectives() == 2 && self.spec.method != SearchMethod::Global =>
             {
-                self.from_neighbours(results)
+                self.tasks_from_neighbours(results)
             }
             _ => Vec::new(),
         };
@@ -141,7 +141,7 @@ impl Search {
     }
 
     /// Tasks that optimise each point of the front again, starting from the neighbouring points.
-    fn from_neighbours(&self, results: &[SearchResult]) -> Vec<Task> {
+    fn tasks_from_neighbours(&self, results: &[SearchResult]) -> Vec<Task> {
         let front = front(&self.aims, results);
         let each = (self.spec.evaluations / self.spec.starts).max(1);
         let mut tasks = Vec::new();

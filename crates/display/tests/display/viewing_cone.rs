@@ -41,7 +41,11 @@ fn cone_outside_the_measured_directions_has_no_values() {
             assert_eq!((state.u_prime.is_some(), state.uv_shift.is_some()), (known, known));
         }
     }
-    assert!(found.warnings.iter().any(|line| line.contains("no measurements beyond 75 deg")), "{:?}", found.warnings);
+    assert!(
+        found.warnings.iter().any(|line| line.contains("no measurements beyond 75 deg")),
+        "{:?}",
+        found.warnings
+    );
     // Extrapolated lobes, lobes below another diffuser, and other forms of diffusers are known in all directions.
     let held = scenario("measured-h65", &["spectrum.step_nm=20"]).unwrap().scene;
     let everywhere = seen(&held, &[0.0, 89.0], &[0.0], 1);

@@ -164,7 +164,7 @@ impl Resolver<'_> {
             let wrong = Diagnostic::new(format!("the transmittance of the whole lobe would be {largest:.4}"))
                 .expected("at most 1")
                 .hint(format!(
-                    "a lobe this wide loses light beyond the hemisphere: total_transmittance can be at most {share:.4}"
+                    "a lobe this wide loses light beyond the hemisphere: total_transmittance can be {share:.4} at most"
                 ));
             self.errors.push(at, wrong);
             return None;
@@ -182,7 +182,7 @@ fn no_width(haze: f64, regular_fraction: f64) -> Diagnostic {
         "this haze is too small: give a larger one, or remove the diffuser".to_owned()
     } else {
         let limit = (limit * 1e4).floor() / 1e4;
-        format!("haze can be at most {limit}: a wider lobe loses its light beyond the hemisphere")
+        format!("haze can be {limit} at most: a wider lobe loses its light beyond the hemisphere")
     };
     let lobe = "no k-correlation lobe has a haze of";
     Diagnostic::new(format!("{lobe} {haze} with regular_fraction = {regular_fraction}")).hint(hint)

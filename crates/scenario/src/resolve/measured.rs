@@ -88,7 +88,12 @@ impl Resolver<'_> {
         Some(())
     }
 
-    fn foil_interface(&mut self, path: &str, diffuser: &Spanned<Measured>, backing: Backing) -> Option<ScatterFace> {
+    fn foil_interface(
+        &mut self,
+        path: &str,
+        diffuser: &Spanned<Measured>,
+        backing: Backing,
+    ) -> Option<ScatterFace> {
         let mut interface = ScatterFace::new(Spectrum::constant(&self.grid, 0.0));
         for (side, kernel) in self.foil_sides(path, diffuser, backing)? {
             interface = match side {

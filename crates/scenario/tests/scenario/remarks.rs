@@ -23,18 +23,18 @@ fn lines_narrower_than_the_grid_are_warned_of() {
     };
     let lines = |nm: f64| [436.0, 542.0, 546.0, 611.0].contains(&nm);
     fs::write(folder.path().join("lamp.csv"), lamp(1.0, lines)).unwrap();
-    // A spectrometer's .1 nm: its line is gone even from a grid of 1 nm.
+    // A line of a spectrometer with 0.1 nm is lost even on a grid of 1 nm.
     fs::write(folder.path().join("fine.csv"), lamp(0.1, |nm| (nm - 546.5).abs() < 0.11)).unwrap();
     let said = |sets: &[&str]| warnings(folder.path(), sets);
 
     let coarse = said(&["lighting.spectrum=lamp.csv"]);
     assert_eq!(coarse.len(), 1);
-    // On the grid only the continuum is left: u' = 4/19, v' = 9/19 but for the ends of the range.
-    let words = ["lighting.spectrum changes faster", "u' 0.210", "v' 0.473", "; set spectrum.step_nm = 1"];
+    // On the grid only the continuum remains: u' = 4/19, v' = 9/19 except at the ends of the range.
+    let words = ["lighting.spectrum changes too fast", "u' 0.210", "v' 0.473", "; set spectrum.step_nm = 1"];
     assert!(words.iter().all(|words| coarse[0].contains(words)), "{coarse:?}");
     assert!(said(&["lighting.spectrum=lamp.csv", "spectrum.step_nm=1"]).is_empty());
     let directed = said(&["lighting.directed.0.spectrum=lamp.csv"]);
-    assert!(directed[0].starts_with("lighting.directed.0.spectrum changes faster"), "{directed:?}");
+    assert!(directed[0].starts_with("lighting.directed.0.spectrum changes too fast"), "{directed:?}");
 
     for step in ["spectrum.step_nm=5", "spectrum.step_nm=1", "spectrum.step_nm=0.5"] {
         let fine = said(&["lighting.spectrum=fine.csv", step]);

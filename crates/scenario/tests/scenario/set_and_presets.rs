@@ -28,7 +28,10 @@ fn preset_in_a_set_table_is_expanded() {
 fn preset_without_effect_is_reported() {
     let warns = |text: &str, sets: &[&str]| {
         let resolved = resolve(text, Path::new(""), sets).unwrap_or_else(|e| panic!("{e}"));
-        resolved.warnings.iter().any(|warning| warning.contains("has no effect: the scenario sets all of its keys"))
+        resolved
+            .warnings
+            .iter()
+            .any(|warning| warning.contains("has no effect: the scenario sets all of its keys"))
     };
     let indoor = std::fs::read_to_string(shipped().join("indoor.toml")).unwrap();
     assert!(warns(&indoor, &["lighting.preset=sunny"]));
