@@ -113,7 +113,10 @@ class ClusterBackend:
     def each(
         self, question: Question, jobs: Iterator[AnyJob], folder: str | None
     ) -> Generator[tuple[AnyJob, Any], None, None]:
-        """Yields every job with its result, in any order. If ``jobs`` ends while some jobs are not complete, it is asked again later."""
+        """Yields every job with its result, in any order.
+
+        If ``jobs`` ends while some jobs are not complete, it is asked again later.
+        """
         try:
             while self._filled(jobs, folder):
                 job, future = self._waited()

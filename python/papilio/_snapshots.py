@@ -56,7 +56,7 @@ class RunSnapshot:
     shown: str | None
     names: list[str]
     directions: list[tuple[float, float]]
-    said: tuple[list[str], list[str]]
+    messages: tuple[list[str], list[str]]
 
     @classmethod
     def of(cls, core: _papilio.RunResult | RunSnapshot, title: str) -> RunSnapshot:
@@ -105,10 +105,10 @@ class RunSnapshot:
         return list(self.directions)
 
     def warnings(self) -> list[str]:
-        return list(self.said[0])
+        return list(self.messages[0])
 
     def notes(self) -> list[str]:
-        return list(self.said[1])
+        return list(self.messages[1])
 
 
 @dataclass(frozen=True)
@@ -119,7 +119,7 @@ class ConeSnapshot:
     names: list[str]
     numbers: Arrays
     svg: str | None
-    said: list[str]
+    messages: list[str]
 
     @classmethod
     def of(cls, core: _papilio.Cone | ConeSnapshot, title: str) -> ConeSnapshot:
@@ -145,7 +145,7 @@ class ConeSnapshot:
         return self.svg
 
     def warnings(self) -> list[str]:
-        return list(self.said)
+        return list(self.messages)
 
 
 @dataclass(frozen=True)
@@ -155,7 +155,7 @@ class ProductionSnapshot:
     of: tuple[list[str], list[str]]
     widths: list[int]
     own: list[str]
-    said: str
+    report_text: str
     drawn: list[tuple[str, str]]
     written: list[tuple[str, bytes]]
 
@@ -188,7 +188,7 @@ class ProductionSnapshot:
         return self.own[row]
 
     def report(self, numbers: Reals) -> str:
-        return self.said
+        return self.report_text
 
     def figures(self, title: str, numbers: Reals) -> list[tuple[str, str]]:
         return self.drawn

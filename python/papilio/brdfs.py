@@ -97,8 +97,8 @@ class Brdf:
         }
         coordinates["state"] = ("state", self.states, {"long_name": "drive state"})
         about = {key: self.about[key] for key in ("papilio", "title", "hash")}
-        told = _messages.attributes(self.warnings, self.notes)
-        return xarray.Dataset(data, coordinates, about | {"missed": self.missed} | told)
+        messages = _messages.attributes(self.warnings, self.notes)
+        return xarray.Dataset(data, coordinates, about | {"missed": self.missed} | messages)
 
     def save(self, path: str | PathLike[str]) -> None:
         """Writes ``display-bsdf.npz``, identical to the program's file byte for byte."""
@@ -161,8 +161,8 @@ class Reflection(ByName[NDArray[np.float64]]):
 
         data = {name: (("theta_deg", "state"), self[name].copy(), {"units": "1"}) for name in _SHARES}
         theta = ("theta_deg", self.theta_deg.copy(), {"units": "degree", "long_name": "inclination of the beam"})
-        told = _messages.attributes(self.warnings, self.notes)
-        return xarray.Dataset(data, {"theta_deg": theta, "state": ("state", self.states)}, told)
+        messages = _messages.attributes(self.warnings, self.notes)
+        return xarray.Dataset(data, {"theta_deg": theta, "state": ("state", self.states)}, messages)
 
     def __reduce__(self) -> tuple[Any, ...]:
         return type(self), (self._text, self.warnings, self.notes)

@@ -129,7 +129,7 @@ def _white_of_d65() -> tuple[float, ...]:
 
 @cache
 def _truncated(first_nm: float, last_nm: float, light: str | None, observer: Observer) -> list[str]:
-    """Returns a warning if wavelengths from ``first_nm`` to ``last_nm`` omit visible light; ``light`` None is the equal-energy illuminant."""
+    """Returns a warning if wavelengths from ``first_nm`` to ``last_nm`` omit visible light; None: equal-energy illuminant."""
     if first_nm <= _SEEN_NM[0] and last_nm >= _SEEN_NM[-1]:
         return []
     whole = np.ones(_SEEN_NM.size) if light is None else illuminant(light, _SEEN_NM)

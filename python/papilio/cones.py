@@ -37,7 +37,7 @@ class Cone(ByName[NDArray[np.float64]]):
         self, core: _papilio.Cone | ConeSnapshot, title: str = "", warned: Sequence[str] = (), notes: Sequence[str] = ()
     ) -> None:
         self._core = core
-        self._said = _messages.merged(warned, core.warnings()), list(notes)
+        self._warnings_and_notes = _messages.merged(warned, core.warnings()), list(notes)
         #: The scenario's title.
         self.title = title
 
@@ -59,12 +59,12 @@ class Cone(ByName[NDArray[np.float64]]):
     @property
     def warnings(self) -> list[str]:
         """Warnings; each was also raised as a `papilio.PapilioWarning` by the computation."""
-        return list(self._said[0])
+        return list(self._warnings_and_notes[0])
 
     @property
     def notes(self) -> list[str]:
         """Notes on data that were measured, assumed or scaled."""
-        return list(self._said[1])
+        return list(self._warnings_and_notes[1])
 
     @cached_property
     def _arrays(self) -> tuple[dict[str, NDArray[np.float64]], dict[str, NDArray[np.float64]]]:
@@ -96,7 +96,7 @@ class Cone(ByName[NDArray[np.float64]]):
             "phi_deg": ("phi_deg", self.phi_deg.copy(), {"units": "degree", "long_name": "azimuth of the view"}),
             "state": ("state", self.states, {"long_name": "drive state"}),
         }
-        return xarray.Dataset(data, coordinates, {"title": self.title} | _messages.attributes(*self._said))
+        return xarray.Dataset(data, coordinates, {"title": self.title} | _messages.attributes(*self._warnings_and_notes))
 
     def figure(self) -> Figure | None:
         """Returns the figure of the maps; None if the directions do not span an area."""
@@ -106,20 +106,20 @@ class Cone(ByName[NDArray[np.float64]]):
     def _repr_html_(self) -> str:
         figure = self.figure()
         shown = html.escape(repr(self)) if figure is None else figure.svg
-        return shown + _messages.as_html(*self._said)
+        return shown + _messages.as_html(*self._warnings_and_notes)
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return _restored, (_snapshots.pack(ConeSnapshot.of(self._core, self.title)), self.title, *self._said)
+        return _restored, (_snapshots.pack(ConeSnapshot.of(self._core, self.title)), self.title, *self._warnings_and_notes)
 
     def __copy__(self) -> Cone:
-        return Cone(self._core, self.title, *self._said)
+        return Cone(self._core, self.title, *self._warnings_and_notes)
 
     def __deepcopy__(self, memo: object) -> Cone:
         return self.__copy__()  # its contents are immutable
 
     def __repr__(self) -> str:
         size = f"{self.theta_deg.size} x {self.phi_deg.size} directions"
-        return f"<papilio.Cone {self.title!r}: {size}{_messages.summary(self._said[0])}>"
+        return f"<papilio.Cone {self.title!r}: {size}{_messages.summary(self._warnings_and_notes[0])}>"
 
 
 def _restored(content: bytes, title: str, warned: list[str], notes: list[str]) -> Cone:

@@ -10,7 +10,7 @@ use pyo3::exceptions::PyKeyboardInterrupt;
 use pyo3::prelude::*;
 
 use crate::errors;
-use crate::watch::{Told, Watch, watched};
+use crate::watch::{ProgressState, Watch, watched};
 
 /// Items that a thread takes at a time.
 const BLOCK: usize = 8;
@@ -105,7 +105,7 @@ fn each<T: Send>(
                 return;
             }
             let outcome = of(evaluator, at);
-            watch.tell(Told::Done(finished.fetch_add(1, Ordering::Relaxed) + 1, count));
+            watch.tell(ProgressState::Done(finished.fetch_add(1, Ordering::Relaxed) + 1, count));
             match outcome {
                 Ok(found) => drop(done.lock().map(|mut done| done[at] = Some(found))),
                 Err(error) if limit.fetch_min(at, Ordering::Relaxed) > at => {

@@ -19,7 +19,7 @@ use serde_json::{Value, json};
 
 use crate::errors;
 use crate::scenario::library;
-use crate::watch::{Told, watched};
+use crate::watch::{ProgressState, watched};
 
 /// A search, its progress and its journal. Work items and their results are JSON texts.
 #[pyclass(frozen, module = "papilio._papilio")]
@@ -79,14 +79,14 @@ impl Search {
         folder: PathBuf,
         files: Option<BTreeMap<String, Vec<u8>>>,
     ) -> PyResult<Self> {
-        let said = py.detach(|| Optimisation::from_text(text, name, library(folder, files), &[]));
-        let said = said.map_err(|errors| errors::scenario(py, &errors))?;
-        let hash = said.hash.clone();
+        let optimisation = py.detach(|| Optimisation::from_text(text, name, library(folder, files), &[]));
+        let optimisation = optimisation.map_err(|errors| errors::scenario(py, &errors))?;
+        let hash = optimisation.hash.clone();
         // Leaks one byte for each search.
         let stop: &'static AtomicBool = Box::leak(Box::new(AtomicBool::new(false)));
         let made = watched(py, stop, None, |_| {
-            let mut evaluator = Evaluator::new(Arc::new(Study::of(&said)), stop);
-            search::Search::new(said, &mut evaluator).map(|of| (of, evaluator))
+            let mut evaluator = Evaluator::new(Arc::new(Study::of(&optimisation)), stop);
+            search::Search::new(optimisation, &mut evaluator).map(|of| (of, evaluator))
         })?;
         let (of, evaluator) = made.map_err(|error| Failure::Design(error).raised(py))?;
         Ok(Self { of: Arc::new(of), hash, stop, evaluator: Mutex::new(evaluator), way: Mutex::new(None) })
@@ -100,15 +100,15 @@ impl Search {
 
     /// Begins the search, or resumes it from the journal in a folder; generations of populations are split into `cut` work items.
     fn begin(&self, py: Python<'_>, folder: Option<PathBuf>, cut: usize) -> PyResult<()> {
-        let mut kept = SearchRecords::default();
+        let mut records = SearchRecords::default();
         let opened = folder.map(|folder| {
             HeldJournal::open(folder.join(journal_name("optimize", None)), &self.head(), |line| {
-                Record::parse(line).map(|record| kept.add(record)).is_ok()
+                Record::parse(line).map(|record| records.add(record)).is_ok()
             })
         });
         let journal = opened.transpose().map_err(|error| errors::format(py, &error))?;
         let mut way =
-            RunningSearch { schedule: SearchSchedule::new(Arc::clone(&self.of), kept, cut), journal };
+            RunningSearch { schedule: SearchSchedule::new(Arc::clone(&self.of), records, cut), journal };
         way.keep().map_err(|error| errors::format(py, &error))?;
         *self.way() = Some(way);
         Ok(())
@@ -155,7 +155,7 @@ impl Search {
             let mut way = self.way();
             let Some(RunningSearch { schedule, journal }) = way.as_mut() else { return Ok(()) };
             let mut on_record = |record: &Record, (done, of): (usize, usize)| {
-                watch.tell(Told::Done(done, of));
+                watch.tell(ProgressState::Done(done, of));
                 journal.as_mut().map_or(Ok(()), |journal| journal.add(record)).map_err(Failure::Journal)
             };
             schedule.run(&evaluator, threads, &mut on_record)
@@ -180,10 +180,10 @@ impl Search {
             if let Some(journal) = journal {
                 journal.put(&self.head(), found.iter()).map_err(Failure::Journal)?;
             }
-            let mut said = said_of(&self.of, &found, &chosen);
-            said["table"] = search_table(&self.of, &found).into();
-            said["figures"] = json!(search_figures(title, &self.of, &found, &chosen));
-            Ok(said)
+            let mut result = result_json(&self.of, &found, &chosen);
+            result["table"] = search_table(&self.of, &found).into();
+            result["figures"] = json!(search_figures(title, &self.of, &found, &chosen));
+            Ok(result)
         })?;
         outcome.map(|found| found.to_string()).map_err(|failure: Failure| failure.raised(py))
     }
@@ -214,7 +214,7 @@ fn begun(way: &mut Option<RunningSearch>) -> PyResult<&mut RunningSearch> {
     way.as_mut().ok_or_else(|| errors::internal("the search has not begun"))
 }
 
-fn said_of(search: &search::Search, found: &[SearchResult], chosen: &[SelectedDesign]) -> Value {
+fn result_json(search: &search::Search, found: &[SearchResult], chosen: &[SelectedDesign]) -> Value {
     let study = search.study();
     // The value of every key: choices by their values, including keys that others replace.
     let set = |design: &[f64]| -> Value {

@@ -17,7 +17,7 @@ const POLL: Duration = Duration::from_millis(50);
 
 /// Progress of a computation, without borrows.
 #[derive(Clone, Copy)]
-pub(crate) enum Told {
+pub(crate) enum ProgressState {
     /// A run.
     Run { paths: Option<u64>, relative_error: f64, target: Option<f64>, views_done: (usize, usize) },
     /// Number of completed designs, rows or tasks, and of all of them.
@@ -28,12 +28,12 @@ pub(crate) enum Told {
 pub(crate) struct Watch<'a> {
     /// Set to stop the computation.
     pub(crate) stop: &'a AtomicBool,
-    last: Mutex<Option<Told>>,
+    last: Mutex<Option<ProgressState>>,
 }
 
 impl Watch<'_> {
     /// Reports the progress; only the latest report before a check is passed on.
-    pub(crate) fn tell(&self, now: Told) {
+    pub(crate) fn tell(&self, now: ProgressState) {
         if let Ok(mut last) = self.last.lock() {
             *last = Some(now);
         }
@@ -43,7 +43,7 @@ impl Watch<'_> {
     pub(crate) fn run<T>(&self, threads: Option<usize>, work: impl FnOnce(&Control<'_>) -> T) -> T {
         let tell = |now: Progress<'_>| {
             let Progress { paths, relative_error, target, views_done, .. } = now;
-            self.tell(Told::Run { paths, relative_error, target, views_done });
+            self.tell(ProgressState::Run { paths, relative_error, target, views_done });
         };
         work(&Control { threads, progress: &tell, stop: self.stop })
     }
@@ -71,12 +71,12 @@ pub(crate) fn watched<T: Send>(
         let outcome = loop {
             let outcome;
             (waiting, outcome) = py.detach(move || wait(waiting));
-            let told = watch.last.lock().ok().and_then(|mut last| last.take());
-            let heard = py.check_signals().and_then(|()| match (progress, told) {
-                (Some(progress), Some(told)) if raised.is_none() => call(progress, told),
+            let latest = watch.last.lock().ok().and_then(|mut last| last.take());
+            let outcome_of_check = py.check_signals().and_then(|()| match (progress, latest) {
+                (Some(progress), Some(latest)) if raised.is_none() => call(progress, latest),
                 _ => Ok(()),
             });
-            if let Err(error) = heard {
+            if let Err(error) = outcome_of_check {
                 raised.get_or_insert(error);
             }
             if raised.is_some() {
@@ -103,17 +103,17 @@ fn wait<T: Send>(from: Receiver<T>) -> (Receiver<T>, Option<Result<T, RecvTimeou
     (from, outcome)
 }
 
-fn call(progress: &Bound<'_, PyAny>, told: Told) -> PyResult<()> {
+fn call(progress: &Bound<'_, PyAny>, latest: ProgressState) -> PyResult<()> {
     let now = PyDict::new(progress.py());
-    match told {
-        Told::Run { paths, relative_error, target, views_done } => {
+    match latest {
+        ProgressState::Run { paths, relative_error, target, views_done } => {
             now.set_item("views_done", views_done.0)?;
             now.set_item("views", views_done.1)?;
             now.set_item("relative_error", relative_error)?;
             now.set_item("target", target)?;
             now.set_item("paths", paths)?;
         }
-        Told::Done(done, of) => {
+        ProgressState::Done(done, of) => {
             now.set_item("done", done)?;
             now.set_item("of", of)?;
         }
