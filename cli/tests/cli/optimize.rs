@@ -141,7 +141,7 @@ fn parts_on_many_machines_end_as_one_search() {
         let refused = papilio(&other);
         assert_eq!(refused.status.code(), Some(2));
         assert!(
-            stderr(&refused).contains("this journal belongs to another scenario"),
+            stderr(&refused).contains("this journal belongs to a different scenario"),
             "{}",
             stderr(&refused)
         );

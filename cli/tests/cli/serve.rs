@@ -118,5 +118,5 @@ fn elsewhere_there_is_a_token_and_a_warning() {
     let second = papilio(&["--port", &own.port.to_string()]).output().unwrap();
     let said = String::from_utf8_lossy(&second.stderr);
     assert_eq!(second.status.code(), Some(2));
-    assert!(said.contains("cannot be listened on") && said.contains("--port"), "{said}");
+    assert!(said.contains("cannot listen on") && said.contains("--port"), "{said}");
 }

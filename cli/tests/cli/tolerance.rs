@@ -172,7 +172,7 @@ fn parts_make_the_whole() {
     let output =
         papilio(&[&["tolerance", &file, "--out", &out, "--set", "tolerance.seed=5"][..], &merge].concat());
     assert_eq!(output.status.code(), Some(2));
-    assert!(stderr(&output).contains("this journal belongs to another scenario"), "{}", stderr(&output));
+    assert!(stderr(&output).contains("this journal belongs to a different scenario"), "{}", stderr(&output));
 }
 
 /// More samples begin with those that are known; other limits need none anew; another seed all.

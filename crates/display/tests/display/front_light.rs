@@ -187,7 +187,7 @@ fn invalid_front_lights_are_refused() {
     let guide = "illuminance_lx = 100\ndistribution = \"data/synthetic-room.csv\"";
     let dark = format!("{PIXEL}[lighting]\nilluminance_lx = 0\n");
     let dark = Scenario::from_text(&dark, "light.toml", Path::new(""), &[]).unwrap().resolve().unwrap_err();
-    assert!(dark.to_string().contains("only beside a front light"), "{dark}");
+    assert!(dark.to_string().contains("only with a front light"), "{dark}");
     for (display, lighting, wanted) in [
         ("", guide, "needs a panel with a diffuser given by a lobe"),
         (LOBE, "illuminance_lx = 0", "out of range"),
