@@ -36,7 +36,7 @@ fn live_result_equals_the_command_line() {
         let views = format!("\"views\":{}", serde_json::to_string(&wanted.views).unwrap());
         let text = String::from_utf8_lossy(&answer.body);
         assert!(text.contains(&views), "{key}");
-        assert!(seen["scenario"].as_str().unwrap().contains("# its mirror image would be seen"));
+        assert!(seen["scenario"].as_str().unwrap().contains("# its mirror image is at +20 deg"));
         assert_eq!(seen["fields"]["solver"]["method"], "adding");
     }
 }

@@ -68,7 +68,8 @@ fn quantities_beyond_the_range_of_arithmetic_are_refused() {
     for light in ["bright", "faint"] {
         let found = refused("\"D65\"", &format!("\"{light}.csv\""));
         assert!(
-            found.len() == 1 && found[0].contains("largest value") || found[0].contains("the spectral value is"),
+            found.len() == 1 && found[0].contains("largest value")
+                || found[0].contains("the spectral value is"),
             "{light}: {found:?}"
         );
     }
