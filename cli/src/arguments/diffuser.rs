@@ -174,7 +174,7 @@ pub(crate) struct Calibrate {
     /// File to write
     #[arg(value_name = "OUT")]
     pub(crate) output: PathBuf,
-    /// Reflectance factor of the white, the same in all directions
+    /// Reflectance factor of the white, relative to 1 (not per cent), the same in all directions
     #[arg(long, value_name = "R", default_value_t = 0.99)]
     pub(crate) reflectance: f64,
     /// Format of the output [default: from its extension .bsdf, .csv, .xml or .npz]

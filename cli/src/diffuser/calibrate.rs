@@ -6,7 +6,17 @@ use super::{output_format, read, refuse_overwriting, write};
 use crate::arguments::Calibrate;
 use crate::{Failure, print_message};
 
+/// A white that scatters into a lobe may exceed a perfect diffuser, but not by much.
+const MOST_REFLECTANCE: f64 = 1.5;
+
 pub(crate) fn calibrate(arguments: &Calibrate) -> Result<(), Failure> {
+    if !(0.0..=MOST_REFLECTANCE).contains(&arguments.reflectance) || arguments.reflectance == 0.0 {
+        return Err(Failure::Input(format!(
+            "--reflectance {} is out of range\n  = note: expected a number above 0, at most {MOST_REFLECTANCE}\n  = help: this is a \
+             fraction relative to 1, not per cent",
+            arguments.reflectance
+        )));
+    }
     refuse_overwriting(&[&arguments.sample, &arguments.reference], &arguments.output)?;
     let format = output_format(arguments.format, &arguments.output)?;
     let (sample, reference) = (read(&arguments.sample)?, read(&arguments.reference)?);

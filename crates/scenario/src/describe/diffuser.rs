@@ -172,11 +172,11 @@ table! {
         transmission: Option<ShareSpectrum>,
         /// The totals to which the measurement is normalised.
         normalise: Normalise = Normalise::None,
-        /// With `transmission`: weight of the spectral mean that corresponds to the level of the file.
+        /// With `transmission`: how the spectrum is averaged to the number that corresponds to the level of the file.
         spectral_mean: SpectralMean = SpectralMean::Uniform,
         /// Width b of the instrument's image of a collimated beam; this blur is removed. At 0 the values do not change.
         instrument_blur: Blur = Blur(0.0),
-        /// `true`: cells without light were not measured, and tails are extrapolated beyond the last cell with light; `false`:
+        /// `true`: cells without light are treated as not measured, and tails are extrapolated beyond the last cell with light; `false`:
         /// cells without light are dark.
         extrapolate_tails: bool = false,
         /// Treatment of light beyond the measured directions. Default: `"none"`; for a file with one incidence `"hold"`, with

@@ -38,7 +38,7 @@ table! {
         spectrum: Option<LightSpectrum>,
         /// Directions of the light that the guide emits downwards: a file with two columns, inclination in degrees (0 to 90,
         /// increasing) and relative radiance, the same at all azimuths; or an IES file (.ies, type C), whose nadir is the
-        /// display's normal and whose plane C = 0 is along x. Only over the lobe of an ordinary panel. Default: diffuse.
+        /// display's normal and whose plane C = 0 is along x. Allowed only if an ordinary panel has a diffuser given by a lobe. Default: diffuse.
         distribution: Option<String>,
         /// Fraction of all its light that the guide emits upwards, diffusely.
         upward_leak: Leak = Leak(0.0),
@@ -112,7 +112,7 @@ table! {
         spectrum: Option<LightSpectrum>,
         /// Angular radius of a disc of uniform radiance, which must be above the horizon. Default: none: collimated light.
         radius_deg: Option<AngularRadius>,
-        /// `true`: the share is measured on a plane across the beam, and cos(theta) of it falls on the display.
+        /// `true`: the share is that of a plane perpendicular to the beam; the display receives the share times cos(theta).
         normal_to_beam: bool = false,
     }
 }

@@ -32,7 +32,7 @@ use numbers::Wavelength;
 table! {
     /// A scenario: the display, the light, the viewer, and the computation.
     File later ["study"] {
-        /// Number of the grammar of the file, 1 or 2. Old names are accepted in both; `papilio migrate` replaces them.
+        /// Version of the file format, 1 or 2. Old names are accepted in both; `papilio migrate` replaces them.
         format: Format = Format(FORMAT),
         /// Title of tables and figures, one line.
         title: Option<Title>,

@@ -47,9 +47,9 @@ table! {
         film: Vec<Spanned<FilmLayer>>,
         /// Material of the opaque, semi-infinite substrate.
         substrate: MaterialSpec,
-        /// Fraction of the active area of each sub-pixel; the sum is 1 within 0.001. Any names except `dark`.
+        /// Fraction of the active area that each sub-pixel covers; the sum is 1 within 0.001. Any names except `dark`.
         area: Named<Share>,
-        /// Gap of each sub-pixel in its own colour, and `dark` if a state needs it.
+        /// Gap at which each sub-pixel shows its own colour; also `dark`, the gap of a dark sub-pixel, if a state needs it.
         gap_nm: Named<Nanometres>,
         /// Active fraction of the panel.
         fill_factor: PositiveShare = PositiveShare(1.0),
@@ -214,14 +214,14 @@ table! {
     /// A measured BRDF for each state. Its directions are used as directions in the medium above the pixel.
     MeasuredPixel {
         /// A file of measured scattering for each state: Radiant/Zemax, ASTM E1392, CSV or Papilio's own format, detected from
-        /// the content (docs/bsdf-files.md). The front reflection is used.
+        /// the content (docs/bsdf-files.md). The reflection from the front of the sample is used.
         file: Named<String>,
         /// Reflectance spectra of any of the states. They give the spectral shape of the BRDF; the level is that of the file
         /// (see `normalise`). Default: the same at all wavelengths.
         spectrum: Named<ShareSpectrum> = Named(Vec::new()),
         /// The totals to which the measurement is normalised.
         normalise: Normalise = Normalise::None,
-        /// `true`: cells without light were not measured, and tails are extrapolated beyond the last cell with light; `false`:
+        /// `true`: cells without light are treated as not measured, and tails are extrapolated beyond the last cell with light; `false`:
         /// cells without light are dark.
         extrapolate_tails: bool = false,
         /// Treatment of light beyond the measured directions. Default: `"none"`; for a file with one incidence `"hold"`, with
