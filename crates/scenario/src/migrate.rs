@@ -71,6 +71,8 @@ pub fn migrate(text: &str, name: &str) -> Result<Migrated, ScenarioErrors> {
         new.replace_range(range, &name.new);
     }
     let text = stated(&new, format.is_some());
+    // Both names of one key, where a table holds paths.
+    parse(&text, name, &[])?;
     Ok(Migrated { text, renamed })
 }
 

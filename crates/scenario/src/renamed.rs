@@ -72,8 +72,6 @@ const ANY: &str = "*";
 
 /// Values of studies that are paths of other keys.
 const PATHS: &[&str] = &[
-    "sweep.axes.*.key",
-    "sweep.axes.*.keys.*",
     "optimize.variables.*.key",
     "optimize.variables.*.keys.*",
     "optimize.variables.*.compensated_by",
@@ -81,6 +79,9 @@ const PATHS: &[&str] = &[
     "tolerance.keys.*.keys.*",
     "tolerance.correlations.*.keys.*",
 ];
+
+/// An axis of a sweep: its keys are those of the scenario, with lists of values.
+const SWEPT: &str = "sweep.axes.*";
 
 /// Table of keys of the scenario with their values, as in `--set`.
 const CHANGES: &str = "optimize.conditions.*.set";
@@ -206,8 +207,9 @@ fn of_studies(node: &Node, path: &[&str], found: &mut Vec<OldName>) {
             let path = [path, &[ANY]].concat();
             items.iter().for_each(|item| of_studies(item, &path, found));
         }
-        Value::Table(entries) if is_any_of(path, &[CHANGES]) => {
-            entries.iter().for_each(|entry| of_change(entry, found));
+        Value::Table(entries) if is_any_of(path, &[CHANGES, SWEPT]) => {
+            let is_swept = is_any_of(path, &[SWEPT]);
+            entries.iter().for_each(|entry| of_change(entry, &[], is_swept, found));
         }
         Value::Table(entries) => {
             let key = match node.get("key").map(|key| &key.value) {
@@ -223,6 +225,16 @@ fn of_studies(node: &Node, path: &[&str], found: &mut Vec<OldName>) {
                             .iter_mut()
                             .for_each(|value| rename(value, &key, found, &mut Errors::default()));
                     }
+                    // The values of a distribution.
+                    (Value::Table(_), Some(key)) if entry.key == "choices" => {
+                        let key: Vec<&str> = key.keys().collect();
+                        if let Some(Value::Array(values)) = entry.node.get("values").map(|node| &node.value) {
+                            let mut values = values.clone();
+                            values
+                                .iter_mut()
+                                .for_each(|value| rename(value, &key, found, &mut Errors::default()));
+                        }
+                    }
                     _ => of_studies(&entry.node, &[path, &[&*entry.key]].concat(), found),
                 }
             }
@@ -231,14 +243,27 @@ fn of_studies(node: &Node, path: &[&str], found: &mut Vec<OldName>) {
     }
 }
 
-/// Finds old names in a key of a condition, dotted or nested, and in its value.
-fn of_change(entry: &Entry, found: &mut Vec<OldName>) {
-    let path = KeyPath::new(&entry.key);
+/// Finds old names in a key of a condition or of an axis, dotted or nested below `above`, and in its value; an axis has a
+/// list of values.
+fn of_change(entry: &Entry, above: &[&str], is_swept: bool, found: &mut Vec<OldName>) {
+    let joined = [above, &[&*entry.key]].concat().join(".");
+    let path = KeyPath::new(&joined);
+    let keys: Vec<&str> = path.keys().collect();
     if path.old_names().next().is_some() {
-        let (old, new) = (format!("\"{}\"", entry.key), format!("\"{}\"", path.present()));
+        let written = |name: &str| if name.contains('.') { format!("\"{name}\"") } else { name.to_owned() };
+        let (old, new) = (written(&entry.key), written(&keys[above.len()..].join(".")));
         found.push(OldName { origin: entry.key_origin, old, new });
     }
-    rename(&mut entry.node.clone(), &path.keys().collect::<Vec<_>>(), found, &mut Errors::default());
+    let mut none = Errors::default();
+    match &entry.node.value {
+        Value::Table(entries) => {
+            entries.iter().for_each(|entry| of_change(entry, &keys, is_swept, found));
+        }
+        Value::Array(values) if is_swept => {
+            values.iter().for_each(|value| rename(&mut value.clone(), &keys, found, &mut none));
+        }
+        _ => rename(&mut entry.node.clone(), &keys, found, &mut none),
+    }
 }
 
 #[cfg(test)]

@@ -223,13 +223,14 @@ fn two_distributions(name: &str) -> Diagnostic {
 
 /// Checks that each key and each name occurs once.
 fn check_distinct(read: &[Spanned<Scattered>], keys: &[ScatteredKey], errors: &mut Errors) {
-    let (mut paths, mut names): (Vec<String>, Vec<&str>) = (Vec::new(), Vec::new());
+    let (mut paths, mut names): (Vec<KeyPath>, Vec<&str>) = (Vec::new(), Vec::new());
     for (one, key) in read.iter().zip(keys) {
         for (path, origin) in one.paths() {
-            if paths.contains(&path) {
+            let key = KeyPath::new(&path);
+            if paths.contains(&key) {
                 errors.push(origin, two_distributions(&path));
             }
-            paths.push(path);
+            paths.push(key);
         }
         if names.contains(&key.name.as_str()) && errors.is_empty() {
             errors.push(one.name.origin, two_distributions(&key.name));

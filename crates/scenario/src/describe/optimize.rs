@@ -239,6 +239,12 @@ impl Read for Changes {
         }
         let mut changes = Self(Vec::new());
         changes.add("", node);
+        for (i, change) in changes.0.iter().enumerate() {
+            if let Some(other) = changes.0[..i].iter().find(|other| other.path == change.path) {
+                errors.push(change.origin, mistake::both_names(other.path.text(), change.path.text()));
+                return None;
+            }
+        }
         Some(changes)
     }
 }

@@ -218,7 +218,7 @@ impl Reader {
             })
             .collect();
         for (i, (path, origin)) in all.iter().enumerate() {
-            if all[..i].iter().any(|(other, _)| other == path) {
+            if all[..i].iter().any(|(other, _)| KeyPath::new(other) == KeyPath::new(path)) {
                 self.errors.push(*origin, Diagnostic::new(format!("more than one variable sets `{path}`")));
             }
         }

@@ -160,17 +160,52 @@ fn migrated_text_has_the_new_name_and_no_note() {
 
 #[test]
 fn migrated_studies_have_the_new_names_in_their_paths_and_values() {
-    let old = "[[sweep.axes]]\nkey = \"solver.method\" # both\nvalues = [\"adding\", \"walk\"]\n[[sweep.axes]]\n\
-               keys = [\"display.diffuser.straight_through\"]\nvalues = [0, 0.1]\n[[optimize.conditions]]\nname = \"a\"\n\
-               set = { \"display.diffuser.straight_through\" = 0.1, solver.every_bin = true }\n[[tolerance.keys]]\n\
-               key = \"display.layers.0.straight_through\"\nuniform = { plus_minus = 0.1 }\n";
-    let new = "format = 2\n\n[[sweep.axes]]\nkey = \"solver.method\" # both\nvalues = [\"adding\", \"monte-carlo\"]\n\
-               [[sweep.axes]]\nkeys = [\"display.diffuser.regular_fraction\"]\nvalues = [0, 0.1]\n[[optimize.conditions]]\n\
-               name = \"a\"\nset = { \"display.diffuser.regular_fraction\" = 0.1, solver.per_wavelength = true }\n\
-               [[tolerance.keys]]\nkey = \"display.layers.0.regular_fraction\"\nuniform = { plus_minus = 0.1 }\n";
+    let old = r#"[[sweep.axes]]
+solver.method = ["adding", "walk"] # both
+[[sweep.axes]]
+"display.diffuser.straight_through" = [0, 0.1]
+"display.glass.surface" = ["coated", "fresnel"]
+[[optimize.conditions]]
+name = "a"
+set = { "display.diffuser.straight_through" = 0.1, solver.every_bin = true }
+[[tolerance.keys]]
+key = "display.layers.0.straight_through"
+uniform = { plus_minus = 0.1 }
+[[tolerance.keys]]
+key = "display.glass.surface"
+choices = { values = ["coated", "fresnel"] }
+"#;
+    let new = r#"format = 2
+
+[[sweep.axes]]
+solver.method = ["adding", "monte-carlo"] # both
+[[sweep.axes]]
+"display.diffuser.regular_fraction" = [0, 0.1]
+"display.glass.surface" = ["ideal-ar", "fresnel"]
+[[optimize.conditions]]
+name = "a"
+set = { "display.diffuser.regular_fraction" = 0.1, solver.per_wavelength = true }
+[[tolerance.keys]]
+key = "display.layers.0.regular_fraction"
+uniform = { plus_minus = 0.1 }
+[[tolerance.keys]]
+key = "display.glass.surface"
+choices = { values = ["ideal-ar", "fresnel"] }
+"#;
     let migrated = migrate(old, "test.toml").unwrap();
     assert_eq!(migrated.text, new);
-    assert_eq!(migrated.renamed.iter().map(|one| one.line).collect::<Vec<_>>(), [3, 5, 9, 9, 11]);
+    assert_eq!(migrated.renamed.iter().map(|one| one.line).collect::<Vec<_>>(), [2, 4, 5, 8, 8, 10, 14]);
+}
+
+#[test]
+fn both_names_of_a_key_in_a_study_are_refused() {
+    let condition = "[[optimize.conditions]]\nname = \"a\"\nset = { \"solver.every_bin\" = true, \"solver.per_wavelength\" = false }\n";
+    assert!(migrate(condition, "test.toml").is_err());
+    let variables = "[[optimize.variables]]\nkey = \"display.pixel.reflectance.white\"\nbounds = [0, 1]\n\
+                     [[optimize.objectives]]\nmetric = \"white.Y\"\naim = \"maximise\"\n";
+    let text = format!("{PIXEL}{variables}{condition}");
+    let errors = Scenario::from_text(&text, "test.toml", Path::new(""), &[]).unwrap_err().to_string();
+    assert!(errors.contains("two names of one key"), "{errors}");
 }
 
 #[test]
