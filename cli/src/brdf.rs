@@ -11,7 +11,7 @@ use papilio_scenario::Scenario;
 
 use crate::arguments::Brdf;
 use crate::run::with_progress;
-use crate::{Failure, folder, interrupt, output, print_message, report};
+use crate::{Failure, folder, interrupt, output, print_message, print_notes, report};
 
 const FILE: &str = "display-bsdf.npz";
 const SPLIT: &str = "reflection.csv";
@@ -45,6 +45,7 @@ pub(crate) fn brdf(arguments: &Brdf) -> Result<(), Failure> {
         Stop::RelativeError { target, .. } => Some(target),
         Stop::Paths(_) | Stop::Target(_) => None,
     };
+    print_notes(&resolved.notes);
     let table_warnings = brdf_warnings(&table, target, Some(arguments.step), "--step ");
     resolved
         .warnings

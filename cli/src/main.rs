@@ -33,7 +33,7 @@ use clap::Parser;
 
 use arguments::{Arguments, Command, Study, SweepCommand};
 use papilio_formats::words::visible;
-use terminal::print_message;
+use terminal::{print_message, print_notes};
 
 /// Every evaluation of a prepared display allocates many small vectors: with the system's allocator it takes 5 to 8 %
 /// longer.

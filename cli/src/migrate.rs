@@ -19,15 +19,16 @@ pub(crate) fn run(arguments: &Migrate) -> Result<(), Failure> {
     if is_new && !arguments.dry_run {
         write_file(target, |out| out.write_all(text.as_bytes())).map_err(Failure::Write)?;
     }
+    let mut stdout = crate::terminal::stdout();
     if arguments.json {
         let rows = renamed.iter().map(|one| json!({ "line": one.line, "old": one.old, "new": one.new }));
-        let mut stdout = crate::terminal::stdout();
         writeln!(stdout, "{}", json!({ "renamed": rows.collect::<Vec<_>>(), "text": text }))?;
-        return Ok(stdout.flush()?);
+    } else {
+        for one in &renamed {
+            writeln!(stdout, "{name}:{}: {} -> {}", one.line, one.old, one.new)?;
+        }
     }
-    for one in &renamed {
-        print_message(&format!("{name}:{}: {} -> {}", one.line, one.old, one.new));
-    }
+    stdout.flush()?;
     print_message(&match (is_new, arguments.dry_run) {
         (false, _) => format!("{name} contains no old names; nothing was changed"),
         (true, true) => format!("--dry-run: {name} would be changed: {}", count(renamed.len())),
@@ -38,7 +39,7 @@ pub(crate) fn run(arguments: &Migrate) -> Result<(), Failure> {
 
 fn count(renamed: usize) -> String {
     match renamed {
-        0 => "no name replaced, key `format` added".to_owned(),
+        0 => "no name replaced, `format` stated".to_owned(),
         1 => "1 name replaced".to_owned(),
         more => format!("{more} names replaced"),
     }

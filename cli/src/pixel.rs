@@ -11,7 +11,7 @@ use papilio_formats::{PixelTable, write_file};
 use papilio_scenario::Scenario;
 
 use crate::arguments::{Angles, Pixel};
-use crate::{Failure, folder, interrupt, output, report};
+use crate::{Failure, folder, interrupt, output, print_notes, report};
 
 /// Largest size of a scan; few programs can open a larger file.
 const MOST_NUMBERS: usize = 10_000_000;
@@ -21,6 +21,7 @@ const SHOWN_DEG: [f64; 4] = [0.0, 15.0, 30.0, 45.0];
 
 pub(crate) fn pixel(arguments: &Pixel) -> Result<(), Failure> {
     let resolved = Scenario::load(&arguments.scenario.file, &arguments.scenario.set)?.resolve()?;
+    print_notes(&resolved.notes);
     let mut scene = resolved.scene.clone();
     match arguments.angles {
         None => {}

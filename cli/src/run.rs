@@ -15,7 +15,7 @@ use papilio_scenario::{Resolved, Scenario};
 
 use crate::arguments::{Run, Solver};
 use crate::progress::in_log;
-use crate::{Failure, folder, interrupt, output, print_message, report};
+use crate::{Failure, folder, interrupt, output, print_message, print_notes, report};
 
 /// Shortest computation that is announced, in seconds of one processor.
 const LONG_SECONDS: f64 = 20.0;
@@ -113,7 +113,7 @@ fn print_messages(folder: Option<&Path>, written: Option<Vec<String>>, notes: &[
     if let (Some(folder), Some(names)) = (folder, written) {
         output::print_written(folder, &names);
     }
-    notes.iter().for_each(|note| print_message(&format!("note: {note}")));
+    print_notes(notes);
     result.warnings.iter().for_each(|warning| print_message(&format!("warning: {warning}")));
 }
 

@@ -12,7 +12,7 @@ use papilio_sampling::table_4_1::Way;
 use papilio_scenario::Scenario;
 
 use crate::arguments::StudySampling;
-use crate::{Failure, folder, interrupt, output, report, run};
+use crate::{Failure, folder, interrupt, output, print_notes, report, run};
 
 /// Smallest number of paths: 16 for each replicate.
 const FIRST: u64 = 512;
@@ -22,6 +22,7 @@ const POINTS: u64 = 256;
 
 pub(crate) fn sampling(arguments: &StudySampling) -> Result<(), Failure> {
     let resolved = Scenario::load(&arguments.scenario.file, &arguments.scenario.set)?.resolve()?;
+    print_notes(&resolved.notes);
     let folder = folder::choose(&arguments.scenario, &resolved.hash)?;
     let paths: Vec<u64> =
         std::iter::successors(Some(FIRST), |n| Some(4 * n)).take_while(|n| *n <= arguments.paths).collect();

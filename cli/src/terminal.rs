@@ -17,6 +17,11 @@ pub(crate) fn print_message(text: &dyn std::fmt::Display) {
     let _ = writeln!(anstream::stderr(), "{}", visible(&text.to_string()));
 }
 
+/// Prints notes on standard error.
+pub(crate) fn print_notes(notes: &[String]) {
+    notes.iter().for_each(|note| print_message(&format!("note: {note}")));
+}
+
 /// A writer that escapes control characters.
 struct EscapingWriter<W> {
     to: W,

@@ -4,7 +4,7 @@ use papilio_scenario::Scenario;
 
 use super::{output_format, write};
 use crate::arguments::Measure;
-use crate::{Failure, print_message};
+use crate::{Failure, print_message, print_notes};
 
 pub(crate) fn measure(arguments: &Measure) -> Result<(), Failure> {
     let format = output_format(arguments.format, &arguments.output)?;
@@ -14,7 +14,7 @@ pub(crate) fn measure(arguments: &Measure) -> Result<(), Failure> {
     let measurement = instrument.measure(sample).map_err(|error| {
         Failure::Input(format!("{error}\n  = help: specify a blur, for example --set measure.blur=0.01"))
     })?;
-    instrument.notes.iter().for_each(|note| print_message(&format!("note: {note}")));
+    print_notes(&instrument.notes);
     instrument.warnings.iter().for_each(|warning| print_message(&format!("warning: {warning}")));
     write(&arguments.scenario, &measurement, format, &arguments.output)
 }

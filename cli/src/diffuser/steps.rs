@@ -7,7 +7,7 @@ use papilio_figures::spectra_over;
 use papilio_scenario::{Resolved, Scenario};
 
 use crate::arguments::Steps;
-use crate::{Failure, folder, output, print_message, report, run};
+use crate::{Failure, folder, output, print_message, print_notes, report, run};
 
 /// A key of `[display.diffuser]`, the value that disables the step, and the name of the display without it.
 const STEPS: [(&str, &str, &str); 6] = [
@@ -43,6 +43,7 @@ pub(crate) fn steps(arguments: &Steps) -> Result<(), Failure> {
         let name = resolved.title.clone().unwrap_or_else(|| report::file_title(reference));
         variants.push(Variant { name, key: None, result: compute(&resolved)? });
     }
+    print_notes(&base.notes);
     base.warnings.iter().for_each(|warning| print_message(&format!("warning: {warning}")));
     let title = base.title.clone().unwrap_or_else(|| report::file_title(&scenario.file));
     let mut stdout = crate::terminal::stdout();

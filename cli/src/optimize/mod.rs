@@ -24,12 +24,13 @@ use papilio_scenario::{Edit, Optimisation, edit};
 use self::check::{SolverComparison, check};
 use crate::arguments::Optimize;
 use crate::progress::{self, in_log};
-use crate::{Failure, interrupt, output, print_message};
+use crate::{Failure, interrupt, output, print_message, print_notes};
 
 pub(crate) fn run(arguments: &Optimize) -> Result<(), Failure> {
     let mut overrides = arguments.scenario.set.clone();
     overrides.extend(arguments.seed.map(|seed| format!("optimize.seed={seed}")));
     let optimisation = Optimisation::load(&arguments.scenario.file, &overrides)?;
+    print_notes(&optimisation.notes);
     let folder = arguments.scenario.out.clone().unwrap_or_else(|| arguments.scenario.default_out());
     output::check(&folder)?;
     interrupt::catch_ctrl_c();

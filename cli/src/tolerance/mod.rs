@@ -19,13 +19,14 @@ use papilio_scenario::Tolerance;
 use crate::arguments::{Tolerance as Arguments, default_out};
 use crate::journal::open_rows;
 use crate::parallel::compute_parallel;
-use crate::{Failure, interrupt, output, print_message};
+use crate::{Failure, interrupt, output, print_message, print_notes};
 
 /// Names of files begin with this.
 const STEM: &str = "tolerance";
 
 pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let tolerance = Tolerance::load(&arguments.file, &arguments.set)?;
+    print_notes(&tolerance.notes);
     let production = Production::new(&tolerance);
     production.check(&tolerance)?;
     let folder = arguments.out.clone().unwrap_or_else(|| default_out(&arguments.file));

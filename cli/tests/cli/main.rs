@@ -11,6 +11,7 @@ mod common;
 mod compare;
 mod diffuser;
 mod many_points;
+mod migrate;
 mod new;
 mod optimize;
 mod serve;

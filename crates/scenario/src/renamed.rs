@@ -95,10 +95,24 @@ pub(crate) struct OldName {
     pub(crate) new: String,
 }
 
+/// Returns one note for each old name.
+pub(crate) fn notes(old: &[OldName]) -> Vec<String> {
+    let mut notes: Vec<String> = Vec::new();
+    for note in old.iter().map(OldName::note) {
+        if !notes.contains(&note) {
+            notes.push(note);
+        }
+    }
+    notes
+}
+
 impl OldName {
     /// Note for the user.
-    pub(crate) fn note(&self) -> String {
-        format!("`{}` is the old name of `{}`; it is still accepted", self.old, self.new)
+    fn note(&self) -> String {
+        format!(
+            "`{}` is the old name of `{}`; it is still accepted, and `papilio migrate` replaces it",
+            self.old, self.new
+        )
     }
 }
 
@@ -186,11 +200,18 @@ pub(crate) fn changes(text: &str, root: &Node, errors: &mut Errors) -> Vec<(Rang
     let mut found = Vec::new();
     let mut renamed = root.clone();
     rename(&mut renamed, &[], &mut found, errors);
-    of_studies(&renamed, &[], &mut found);
+    found.extend(in_studies(&renamed));
     found.sort_by_key(|name| std::cmp::Reverse(name.origin));
     found.dedup();
     let place = |name: OldName| (name.origin.start.min(text.len())..name.origin.end.min(text.len()), name);
     found.into_iter().map(place).collect()
+}
+
+/// Returns the old names in the studies of a scenario, whose other names are the present ones.
+pub(crate) fn in_studies(root: &Node) -> Vec<OldName> {
+    let mut found = Vec::new();
+    of_studies(root, &[], &mut found);
+    found
 }
 
 /// Finds old names in the paths of studies, and in their values for renamed keys.

@@ -13,7 +13,6 @@ use crate::describe::File;
 use crate::error::{Errors, ScenarioError, ScenarioErrors};
 use crate::library::{Library, sha256};
 use crate::read::Read;
-use crate::renamed::OldName;
 use crate::resolve::{self, Found, VirtualMeasurement};
 use crate::set::Change;
 use crate::source::Sources;
@@ -119,7 +118,9 @@ impl Scenario {
     /// # Errors
     /// As [`resolve`](Self::resolve), and if the display has no diffuser given by its BTDF.
     pub fn measurement(&self) -> Result<VirtualMeasurement, ScenarioErrors> {
-        resolve::measurement(&self.file, &self.library, &self.written.sources)
+        let mut found = resolve::measurement(&self.file, &self.library, &self.written.sources)?;
+        found.notes = [self.notes.clone(), found.notes].concat();
+        Ok(found)
     }
 
     /// Evaluates materials, lights and files on the wavelength grid, and checks the whole scenario.
@@ -211,13 +212,7 @@ pub(crate) fn assemble(sources: &Sources, changes: &[Change]) -> Result<Assemble
         format!("the preset \"{name}\" has no effect: the scenario sets all of its keys itself, and they take precedence")
     });
     let warnings = warnings.into_iter().collect();
-    let mut notes: Vec<String> = Vec::new();
-    for note in old.iter().map(OldName::note) {
-        if !notes.contains(&note) {
-            notes.push(note);
-        }
-    }
-    Ok(Assembled { root, warnings, notes })
+    Ok(Assembled { root, warnings, notes: renamed::notes(&old) })
 }
 
 /// Sorts the keys of all objects in a value.

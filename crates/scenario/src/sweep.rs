@@ -27,6 +27,7 @@ pub struct Sweep {
     figures: Vec<Spanned<String>>,
     metrics: Option<Vec<Spanned<MetricName>>>,
     title: Option<String>,
+    notes: Vec<String>,
 }
 
 // Mistakes in the scenario itself are reported at the points of the sweep.
@@ -56,12 +57,18 @@ impl Sweep {
         let sound = read.filter(|read| is_sound(read, &mut errors));
         let read = errors.finish(sound, &base.sources)?;
         Ok(Self {
+            notes: base.notes()?,
             base,
             axes: read.axes.value.into_iter().map(|axis| axis.value).collect(),
             figures: read.figures.value,
             metrics: read.metrics.value,
             title,
         })
+    }
+
+    /// Returns one note for each old name of a key or a value.
+    pub fn notes(&self) -> &[String] {
+        &self.notes
     }
 
     /// Returns the number of points, at least 1.

@@ -53,6 +53,8 @@ pub struct Tolerance {
     /// SHA-256 of everything that determines the results of a display, except its index: the scenario, the keys, the seed,
     /// the metrics.
     pub hash: String,
+    /// One note for each old name of a key or a value.
+    pub notes: Vec<String>,
 }
 
 /// Keys with the same deviation, and their distribution.
@@ -138,6 +140,7 @@ impl Tolerance {
             metrics,
             limits,
             hash: sha256(means.to_string().as_bytes()),
+            notes: base.notes()?,
             varied: Varied::new(base, Vec::new(), places),
         })
     }

@@ -11,6 +11,7 @@ use crate::library::Library;
 use crate::mistake::{self, Mistake, MistakeKind};
 use crate::origin::Origin;
 use crate::path::KeyPath;
+use crate::renamed;
 use crate::scenario::{Assembled, Scenario, assemble, parse};
 use crate::set::Change;
 use crate::source::Sources;
@@ -50,6 +51,14 @@ impl ParsedScenario {
     /// Builds the whole tree, including the tables of studies.
     pub(crate) fn assembled(&self) -> Result<Node, ScenarioErrors> {
         Ok(assemble(&self.sources, &[])?.root)
+    }
+
+    /// Returns one note for each old name, those in the tables of studies included.
+    pub(crate) fn notes(&self) -> Result<Vec<String>, ScenarioErrors> {
+        let Assembled { root, mut notes, .. } = assemble(&self.sources, &[])?;
+        let of_studies = renamed::notes(&renamed::in_studies(&root));
+        notes.extend(of_studies.into_iter().filter(|note| !notes.contains(note)).collect::<Vec<_>>());
+        Ok(notes)
     }
 
     /// Returns the mistake in a path that no scenario can have; `None` if the path is possible.

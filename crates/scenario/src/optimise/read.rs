@@ -113,6 +113,7 @@ impl Reader {
             constraints: both.1.concat(),
             title,
             hash,
+            notes: self.base.notes()?,
         })
     }
 

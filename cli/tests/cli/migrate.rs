@@ -1,0 +1,99 @@
+//! `papilio migrate`, and the notes on old names of commands that read a scenario.
+
+use std::fs;
+
+use crate::common::{papilio, place, stderr, stdout};
+
+const OLD: &str = r#"# Mine.
+[solver]
+method = "walk" # the reference
+paths = 64
+[display.pixel]
+model = "uniform"
+kind = "mirror"
+reflectance = { white = 0.5, black = 0.1 }
+"#;
+
+const STUDIES: &str = r#"
+[[sweep.axes]]
+"solver.every_bin" = [true, false]
+[[optimize.variables]]
+key = "display.pixel.reflectance.white"
+bounds = [0.4, 0.6]
+[[optimize.conditions]]
+name = "all"
+set = { "solver.every_bin" = true }
+[[optimize.objectives]]
+metric = "white.Y"
+aim = "maximise"
+[tolerance]
+samples = 64
+[[tolerance.keys]]
+key = "display.glass.surface"
+choices = { values = ["coated", "fresnel"] }
+"#;
+
+#[test]
+fn migrate_replaces_old_names_and_keeps_the_rest() {
+    let (_folder, file, _) = place(OLD);
+    let listed = papilio(&["migrate", &file, "--dry-run"]);
+    assert!(
+        listed.status.success() && stdout(&listed).contains(":3: \"walk\" -> \"monte-carlo\""),
+        "{listed:?}"
+    );
+    assert_eq!(fs::read_to_string(&file).unwrap(), OLD, "--dry-run writes nothing");
+    let before = papilio(&["run", &file, "--json"]);
+    let written = papilio(&["migrate", &file]);
+    assert!(stderr(&written).contains("1 name replaced"), "{written:?}");
+    let new = fs::read_to_string(&file).unwrap();
+    let expected = OLD.replace("walk", "monte-carlo").replace("# Mine.\n", "format = 2\n\n# Mine.\n");
+    assert_eq!(new, expected);
+    let after = papilio(&["run", &file, "--json"]);
+    let without_notes = |output| {
+        let mut result: serde_json::Value = serde_json::from_str(&stdout(output)).unwrap();
+        result.as_object_mut().unwrap().remove("notes");
+        result
+    };
+    assert_eq!(without_notes(&before), without_notes(&after));
+    let again = papilio(&["migrate", &file]);
+    assert!(stderr(&again).contains("nothing was changed") && stdout(&again).is_empty(), "{again:?}");
+}
+
+#[test]
+fn migrate_prints_json_and_writes_to_another_file() {
+    let (folder, file, _) = place(OLD);
+    let other = folder.path().join("new.toml");
+    let output = papilio(&["migrate", &file, "--out", other.to_str().unwrap(), "--json"]);
+    let json: serde_json::Value = serde_json::from_str(&stdout(&output)).unwrap();
+    assert_eq!(json["renamed"][0]["line"], 3);
+    assert_eq!(json["text"].as_str().unwrap(), fs::read_to_string(&other).unwrap());
+    assert_eq!(fs::read_to_string(&file).unwrap(), OLD);
+}
+
+#[test]
+fn invalid_files_are_not_migrated() {
+    for (text, message) in [
+        ("[solver]\nevery_bin = true\nper_wavelength = true\n", "two names of one key"),
+        ("format = 9\n", "format 9"),
+        ("not a scenario", "error"),
+    ] {
+        let (_folder, file, _) = place(text);
+        let output = papilio(&["migrate", &file]);
+        assert_eq!(output.status.code(), Some(2), "{text}");
+        assert!(stderr(&output).contains(message), "{output:?}");
+        assert_eq!(fs::read_to_string(&file).unwrap(), text);
+    }
+}
+
+#[test]
+fn studies_have_notes_on_old_names() {
+    let (_, display) = OLD.split_once("paths = 64\n").unwrap();
+    let (_folder, file, out) = place(&format!("{display}{STUDIES}"));
+    for (command, old) in [("sweep", "every_bin"), ("optimize", "every_bin"), ("tolerance", "coated")] {
+        let output = papilio(&[command, &file, "--out", &format!("{out}-{command}")]);
+        let text = stderr(&output);
+        assert!(output.status.success(), "{command}: {text}");
+        let notes = text.lines().filter(|line| line.starts_with("note: ") && line.contains(old)).count();
+        assert_eq!(notes, 1, "{command}: {text}");
+    }
+}
