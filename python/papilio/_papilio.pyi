@@ -23,6 +23,9 @@ __all__ = [
     "delta_e_2000",
     "edit",
     "film",
+    "film_absorptance",
+    "film_amplitudes",
+    "film_derivatives",
     "film_grid",
     "gamut",
     "illuminant_names",
@@ -39,6 +42,7 @@ __all__ = [
     "png",
     "present_path",
     "preset_names",
+    "program",
     "schema",
     "uv_prime",
     "xyz",
@@ -48,7 +52,7 @@ __version__: str
 
 @final
 class Described:
-    def __new__(cls, text: str, name: str, folder: str, files: Mapping[str, bytes] | None = None) -> Described: ...
+    def __new__(cls, text: str, name: str, folder: str | None, files: Mapping[str, bytes] | None = None) -> Described: ...
     @staticmethod
     def load(path: str) -> tuple[str, Described]: ...
     def filled(self) -> str: ...
@@ -78,7 +82,7 @@ class Prepared:
 
 @final
 class Production:
-    def __new__(cls, text: str, name: str, folder: str, files: Mapping[str, bytes] | None = None) -> Production: ...
+    def __new__(cls, text: str, name: str, folder: str | None, files: Mapping[str, bytes] | None = None) -> Production: ...
     @property
     def rows(self) -> int: ...
     @property
@@ -111,7 +115,7 @@ class Production:
 
 @final
 class Search:
-    def __new__(cls, text: str, name: str, folder: str, files: Mapping[str, bytes] | None = None) -> Search: ...
+    def __new__(cls, text: str, name: str, folder: str | None, files: Mapping[str, bytes] | None = None) -> Search: ...
     @property
     def hash(self) -> str: ...
     def begin(self, folder: str | None, cut: int) -> None: ...
@@ -145,11 +149,11 @@ class Batch:
         like: Resolved,
         text: str,
         name: str,
-        folder: str,
+        folder: str | None,
         files: Mapping[str, bytes] | None,
         variables: Sequence[tuple[Sequence[str], str | None]],
         metrics: Sequence[str],
-        view: int,
+        views: Sequence[int],
     ) -> Batch: ...
     def evaluate(
         self,
@@ -188,6 +192,9 @@ class Cone:
 @final
 class Diffuser:
     def __new__(cls, path: str) -> Diffuser: ...
+    @staticmethod
+    def from_bytes(bytes: bytes, name: str) -> Diffuser: ...
+    def npz(self) -> bytes: ...
     @property
     def warnings(self) -> list[str]: ...
     def parts(self) -> list[str]: ...
@@ -211,6 +218,35 @@ def film(
     substrate: Sequence[tuple[NDArray[np.float64], Sequence[int]]],
     polarisation: str,
     both: bool,
+    threads: int,
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]: ...
+def film_absorptance(
+    shape: Sequence[int],
+    wavelength_nm: tuple[NDArray[np.float64], Sequence[int]],
+    beta: tuple[NDArray[np.float64], Sequence[int]],
+    incidence: tuple[NDArray[np.float64], Sequence[int]],
+    layers: Sequence[Sequence[tuple[NDArray[np.float64], Sequence[int]]]],
+    substrate: Sequence[tuple[NDArray[np.float64], Sequence[int]]],
+    polarisation: str,
+    threads: int,
+) -> NDArray[np.float64]: ...
+def film_amplitudes(
+    shape: Sequence[int],
+    wavelength_nm: tuple[NDArray[np.float64], Sequence[int]],
+    beta: tuple[NDArray[np.float64], Sequence[int]],
+    incidence: tuple[NDArray[np.float64], Sequence[int]],
+    layers: Sequence[Sequence[tuple[NDArray[np.float64], Sequence[int]]]],
+    substrate: Sequence[tuple[NDArray[np.float64], Sequence[int]]],
+    threads: int,
+) -> NDArray[np.complex128]: ...
+def film_derivatives(
+    shape: Sequence[int],
+    wavelength_nm: tuple[NDArray[np.float64], Sequence[int]],
+    beta: tuple[NDArray[np.float64], Sequence[int]],
+    incidence: tuple[NDArray[np.float64], Sequence[int]],
+    layers: Sequence[Sequence[tuple[NDArray[np.float64], Sequence[int]]]],
+    substrate: Sequence[tuple[NDArray[np.float64], Sequence[int]]],
+    variables: Sequence[tuple[str, int | None]],
     threads: int,
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]: ...
 def film_grid(
@@ -256,5 +292,6 @@ def beams(
 ) -> bytes: ...
 def present_path(path: str) -> str: ...
 def preset_names() -> list[str]: ...
+def program(arguments: Sequence[str]) -> int: ...
 def schema(of_result: bool) -> str: ...
 def png(svg: str, scale: float) -> bytes: ...

@@ -241,7 +241,7 @@ class Prepared:
             text, name, folder, files = self._scenario._state()
             self._batches = {
                 question: _papilio.Batch(
-                    self._scenario._scene(), text, name, folder, files, list(zip(keys, written, strict=True)), metrics, view
+                    self._scenario._scene(), text, name, folder, files, list(zip(keys, written, strict=True)), metrics, [view]
                 )
             }
         return self._batches[question]

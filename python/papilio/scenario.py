@@ -70,7 +70,7 @@ class Scenario(ByName[Any]):
         self._put(text)
 
     def _put(self, text: str) -> None:
-        self._described = _papilio.Described(text, self._name, self._folder, self._files)
+        self._described = _papilio.Described(text, self._name, *self._sources())
         self._text, self._resolved = text, None
 
     @classmethod
@@ -236,11 +236,16 @@ class Scenario(ByName[Any]):
 
     __hash__ = None  # type: ignore[assignment]
 
-    def _state(self) -> tuple[Any, ...]:
-        return self._text, self._name, self._folder, self._files
+    def _sources(self) -> tuple[str | None, dict[str, bytes] | None]:
+        """Returns the folder for files on the disk (None: nothing is read from it), and the files in memory."""
+        return (self._folder if self._files is None else None), self._files
+
+    def _state(self) -> tuple[str, str, str | None, dict[str, bytes] | None]:
+        """Returns what the extension module needs to read the scenario."""
+        return self._text, self._name, *self._sources()
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return _restored, self._state()
+        return _restored, (self._text, self._name, self._folder, self._files)
 
 
 def _restored(text: str, name: str, folder: str, files: dict[str, bytes] | None) -> Scenario:
