@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use papilio_formats::DataFile;
-use papilio_scenario::{Edit, KeptFile, Library, Memo, Scenario};
+use papilio_scenario::{Edit, Library, MemoryFile, ResolveCache, Scenario};
 use pyo3::exceptions::{PyKeyError, PyValueError};
 use pyo3::prelude::*;
 
@@ -67,11 +67,11 @@ impl Described {
 
 /// Source of a scenario's files: a folder, files in memory (without a folder, no file is read from the disk), or both.
 pub(crate) fn library(folder: Option<PathBuf>, files: Option<BTreeMap<String, Vec<u8>>>) -> Library {
-    let kept = |(name, bytes): (String, Vec<u8>)| (name.clone(), KeptFile::new(DataFile { name, bytes }));
+    let kept = |(name, bytes): (String, Vec<u8>)| (name.clone(), MemoryFile::new(DataFile { name, bytes }));
     let files = files.map(|files| Arc::new(files.into_iter().map(kept).collect()));
     match (folder, files) {
         (Some(folder), Some(files)) => Library::Both { files, folder },
-        (None, Some(files)) => Library::Memory { files, memo: Arc::new(Memo::default()) },
+        (None, Some(files)) => Library::Memory { files, memo: Arc::new(ResolveCache::default()) },
         (folder, None) => Library::Folder(folder.unwrap_or_default()),
     }
 }

@@ -7,19 +7,19 @@
 
 use super::metrics::ViewScalars;
 use super::sample::{Sample, relative, spread};
-use super::view::Numbers;
+use super::view::SampleStream;
 use super::{Meter, ViewSamples};
 use crate::setup::{ViewPoint, base_under};
 
 impl Meter<'_> {
-    /// Returns the largest relative standard error of Y over the states and, with `every_bin`, of
+    /// Returns the largest relative standard error of Y over the states and, with `per_wavelength`, of
     /// the radiance at each wavelength, relative to the maximum of the spectrum.
-    pub(crate) fn standard_error(&self, samples: &[Sample], every_bin: bool) -> f64 {
+    pub(crate) fn standard_error(&self, samples: &[Sample], per_wavelength: bool) -> f64 {
         let mut worst = 0.0_f64;
         for state in 0..self.layout.states {
             let y = |sample: &Sample| self.luminous(state, sample);
             worst = worst.max(relative(spread(samples.iter().map(y))));
-            if every_bin {
+            if per_wavelength {
                 let at = self.layout.radiance(state);
                 let bins: Vec<(f64, f64)> = at.map(|k| spread(samples.iter().map(|s| s.0[k]))).collect();
                 let most = bins.iter().map(|(mean, _)| *mean).fold(0.0, f64::max);
@@ -51,7 +51,7 @@ impl Meter<'_> {
             (0..samples.len()).map(|k| self.scalars(&Sample::mean(samples, Some(k)), &bare)).collect();
         let (of_mean, jackknife) = (self.scalars(&mean, &bare), ViewScalars::jackknife(&left_out));
         let at_least = |error: f64, value: f64| error.max(least * value.abs());
-        let errors = Numbers {
+        let errors = SampleStream {
             linear: Sample::standard_errors(samples).combine(&mean, at_least),
             scalars: if least > 0.0 {
                 ViewScalars::combine(&jackknife, &of_mean, at_least)
@@ -59,7 +59,7 @@ impl Meter<'_> {
                 jackknife
             },
         };
-        let value = Numbers { scalars: of_mean, linear: mean };
+        let value = SampleStream { scalars: of_mean, linear: mean };
         let colours = std::iter::once(&value.scalars).chain(&left_out).map(ViewScalars::colours).collect();
         ViewSamples { view: self.view(at, value, errors, None, specular), colours, of_levels: None }
     }
