@@ -157,7 +157,7 @@ pub(crate) fn reason(error: &DesignError) -> String {
         // The text of a varied value is its key.
         let key = place.spot.as_ref().filter(|_| place.name == "key").map(|spot| spot.text.clone());
         let at = key.or_else(|| one.path.clone()).unwrap_or_else(|| place.to_string());
-        let expected = one.diagnostic.expected.iter().map(|expected| format!("; expected {expected}"));
+        let expected = one.diagnostic.expected.iter().map(|expected| format!("; {expected}"));
         let hint = one.hint().map(|hint| format!(" ({hint})"));
         [format!("{at}: {}", one.diagnostic.message)]
             .into_iter()

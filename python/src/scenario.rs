@@ -99,6 +99,20 @@ impl Resolved {
         self.of.notes.clone()
     }
 
+    /// Inclination and azimuth of every view, degrees.
+    #[getter]
+    fn views(&self) -> Vec<(f64, f64)> {
+        let viewer = &self.of.scene.viewer;
+        let all = viewer.phi_deg.iter().flat_map(|phi| viewer.theta_deg.iter().map(|theta| (*theta, *phi)));
+        all.collect()
+    }
+
+    /// The wavelengths, nm.
+    #[getter]
+    fn wavelength_nm(&self) -> Vec<f64> {
+        self.of.scene.grid.wavelengths_nm()
+    }
+
     #[getter]
     fn hash(&self) -> &str {
         &self.of.hash
