@@ -72,6 +72,7 @@ mod cone;
 mod designs;
 pub mod environment;
 mod error;
+mod label;
 mod meter;
 mod metrics;
 pub mod pixel;
@@ -90,6 +91,9 @@ pub use brdf::{BrdfGrid, BrdfState, BrdfTable};
 pub use cone::{ConeGrid, ConeLight, ConeResult, ConeState, ConeView};
 pub use designs::{Derivatives, Designs, Parameter, Quantity};
 pub use error::DisplayError;
+pub use label::{
+    Label, capitalised, label_from_name, labelled_names, metric_label, split_unit, uncapitalised,
+};
 pub use prepared::Prepared;
 pub use reflection::{Reflection, ReflectionState, reflection};
 pub use room_light::{RoomLamp, RoomLight, room_light};

@@ -35,7 +35,7 @@ table! {
     /// A homogeneous medium.
     Medium {
         /// Refractive index, with n from 1 to 10; its k absorbs only with `thickness_mm`.
-        index: MaterialSpec = MaterialSpec::Number(Index(1.5)),
+        index as "Refractive index": MaterialSpec = MaterialSpec::Number(Index(1.5)),
         /// Transmittance without the surfaces, along the normal; oblique light has a longer path. Either this or
         /// `thickness_mm`. Default: clear.
         internal_transmittance: Option<ShareSpectrum>,
@@ -76,7 +76,7 @@ table! {
     /// A rough interface between two media of different index, both independent of wavelength.
     Rough {
         /// Roughness: typical slope of the surface.
-        alpha: Roughness,
+        alpha as "Roughness alpha": Roughness,
         /// Distribution of the slopes.
         distribution: Slopes = Slopes::Ggx,
     }
