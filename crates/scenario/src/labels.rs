@@ -78,7 +78,8 @@ fn key_label(path: &str) -> Option<Label> {
     }
     let known = Table::all();
     // The longest beginning that is a table, and the key in it; what follows are names of states, sub-pixels and materials.
-    let found = (1..keys.len()).rev().find_map(|end| {
+    let is_list = |at: usize| keys.len() > at + 2 && keys[at + 1].parse::<usize>().is_ok();
+    let found = (1..keys.len()).rev().filter(|end| !is_list(*end)).find_map(|end| {
         let table = words(&keys[..end]);
         let row = known.iter().filter(|known| known.path == table).find_map(|known| known.label(keys[end]));
         Some((end, row?))
