@@ -169,6 +169,22 @@ metrics! {
         coverage_percent_ntsc = "Gamut coverage, u′v′" in "% of NTSC",
         /// The same for the DCI-P3 triangle.
         coverage_percent_dci_p3 = "Gamut coverage, u′v′" in "% of DCI-P3",
+        /// Gamut area of the red, green and blue states in CIE 1931 xy, % of sRGB.
+        gamut_percent_srgb_xy = "Gamut area, xy" in "% of sRGB",
+        /// The same, % of EBU.
+        gamut_percent_ebu_xy = "Gamut area, xy" in "% of EBU",
+        /// The same, % of NTSC: the "NTSC" of data sheets.
+        gamut_percent_ntsc_xy = "Gamut area, xy" in "% of NTSC",
+        /// The same, % of DCI-P3.
+        gamut_percent_dci_p3_xy = "Gamut area, xy" in "% of DCI-P3",
+        /// Gamut coverage in CIE 1931 xy: fraction of the sRGB triangle that the display covers, %.
+        coverage_percent_srgb_xy = "Gamut coverage, xy" in "% of sRGB",
+        /// The same for the EBU triangle.
+        coverage_percent_ebu_xy = "Gamut coverage, xy" in "% of EBU",
+        /// The same for the NTSC triangle.
+        coverage_percent_ntsc_xy = "Gamut coverage, xy" in "% of NTSC",
+        /// The same for the DCI-P3 triangle.
+        coverage_percent_dci_p3_xy = "Gamut coverage, xy" in "% of DCI-P3",
         /// Gamut volume in CIELAB, if `metrics.gamut_volume` is set.
         gamut_volume_cielab = "Gamut volume, CIELAB",
         /// Mean over red, green and blue of `peak_shift_nm` (Feng 2012, eq. 5-12).

@@ -58,10 +58,11 @@ table! {
         index as "Refractive index": MaterialSpec = MaterialSpec::Number(Index(1.5)),
         /// Surface of the glass of a panel without a diffuser. Default: `"ideal-ar"`; with a diffuser none.
         surface: Option<Surface>,
-        /// Transmittance of the glass without its surfaces, along the normal; oblique light has a longer path. Either this or
-        /// `thickness_mm`. Default: clear.
+        /// Transmittance of the glass without its surfaces, along the normal; oblique light has a longer path.
+        /// Cannot be combined with `thickness_mm`. Default: clear.
         internal_transmittance: Option<ShareSpectrum>,
-        /// Thickness: k of the index (at most 1e-3) absorbs along the path. Either this or `internal_transmittance`.
+        /// Thickness: k of the index (at most 1e-3) absorbs along the path.
+        /// Cannot be combined with `internal_transmittance`.
         thickness_mm: Option<Thickness>,
     }
 }

@@ -36,10 +36,11 @@ table! {
     Medium {
         /// Refractive index, with n from 1 to 10; its k absorbs only with `thickness_mm`.
         index as "Refractive index": MaterialSpec = MaterialSpec::Number(Index(1.5)),
-        /// Transmittance without the surfaces, along the normal; oblique light has a longer path. Either this or
-        /// `thickness_mm`. Default: clear.
+        /// Transmittance without the surfaces, along the normal; oblique light has a longer path.
+        /// Cannot be combined with `thickness_mm`. Default: clear.
         internal_transmittance: Option<ShareSpectrum>,
-        /// Thickness: k of the index (at most 1e-3) absorbs along the path. Either this or `internal_transmittance`.
+        /// Thickness: k of the index (at most 1e-3) absorbs along the path.
+        /// Cannot be combined with `internal_transmittance`.
         thickness_mm: Option<Thickness>,
     }
 }
