@@ -4,7 +4,7 @@ use std::io;
 
 use crate::tolerance::{Estimate, MetricReport, PERCENTILES, Production, Report};
 use papilio_display::{Label, capitalised, uncapitalised};
-use papilio_figures::{SensitivityBar, Ends, histogram, pass_fail_scatter, sensitivities};
+use papilio_figures::{Ends, SensitivityBar, histogram, pass_fail_scatter, sensitivities};
 use papilio_formats::{sweep_value, words, write_json, write_table};
 use papilio_scenario::{ScatteredKey, Tolerance, label};
 
