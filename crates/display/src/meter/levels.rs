@@ -9,7 +9,7 @@ use papilio_transport::adding::error_over_difference;
 
 use super::metrics::ViewScalars;
 use super::sample::{Sample, relative};
-use super::view::SampleStream;
+use super::view::Numbers;
 use super::{Meter, ViewSamples};
 use crate::run::{largest, level_error};
 use crate::setup::{ViewPoint, base_under};
@@ -94,13 +94,13 @@ impl Meter<'_> {
         let error = |a: f64, b: f64| of_levels.of(a, b);
         // Amounts of light cannot be negative: the error of a negative value is at least its magnitude.
         let of_light = |a: f64, b: f64| error(a, b).max(-a);
-        let discretisation = SampleStream {
+        let discretisation = Numbers {
             linear: finer.combine(coarser, of_light),
             scalars: ViewScalars::combine(&scalars, &of_coarser, error),
         };
-        let noise = SampleStream { linear: Sample::zeros(finer), scalars: scalars.zeros() };
+        let noise = Numbers { linear: Sample::zeros(finer), scalars: scalars.zeros() };
         let colours = [&scalars, &of_coarser].map(ViewScalars::colours).to_vec();
-        let value = SampleStream { linear: finer.clone(), scalars };
+        let value = Numbers { linear: finer.clone(), scalars };
         let view = self.view(at, value, noise, Some(discretisation), specular);
         ViewSamples { view, colours, of_levels: Some(of_levels) }
     }

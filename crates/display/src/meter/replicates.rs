@@ -7,7 +7,7 @@
 
 use super::metrics::ViewScalars;
 use super::sample::{Sample, relative, spread};
-use super::view::SampleStream;
+use super::view::Numbers;
 use super::{Meter, ViewSamples};
 use crate::setup::{ViewPoint, base_under};
 
@@ -51,7 +51,7 @@ impl Meter<'_> {
             (0..samples.len()).map(|k| self.scalars(&Sample::mean(samples, Some(k)), &bare)).collect();
         let (of_mean, jackknife) = (self.scalars(&mean, &bare), ViewScalars::jackknife(&left_out));
         let at_least = |error: f64, value: f64| error.max(least * value.abs());
-        let errors = SampleStream {
+        let errors = Numbers {
             linear: Sample::standard_errors(samples).combine(&mean, at_least),
             scalars: if least > 0.0 {
                 ViewScalars::combine(&jackknife, &of_mean, at_least)
@@ -59,7 +59,7 @@ impl Meter<'_> {
                 jackknife
             },
         };
-        let value = SampleStream { scalars: of_mean, linear: mean };
+        let value = Numbers { scalars: of_mean, linear: mean };
         let colours = std::iter::once(&value.scalars).chain(&left_out).map(ViewScalars::colours).collect();
         ViewSamples { view: self.view(at, value, errors, None, specular), colours, of_levels: None }
     }
