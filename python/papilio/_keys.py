@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+from . import _papilio
 from ._arguments import described, text
 from .errors import ArgumentError
 
@@ -16,19 +17,8 @@ Keys = str | tuple[str, ...]
 #: Names of variables in tables: ``{key: name}`` for some of them, or a name for each in their order.
 Names = Mapping[Any, str] | Sequence[str]
 
-#: Units at the end of the parts of a key.
-_UNITS = {
-    "nm": "nm",
-    "um": "um",
-    "mm": "mm",
-    "deg": "degree",
-    "lx": "lx",
-    "cd_m2": "cd m-2",
-    "percent": "%",
-    "per_mm": "mm-1",
-    "K": "K",
-    "years": "years",
-}
+#: Units of labels as in attributes of xarray.
+_UNITS = {"": "1", "deg": "degree", "µm": "um", "cd/m²": "cd m-2"}
 
 
 def joined(keys: Keys) -> str:
@@ -39,24 +29,9 @@ def joined(keys: Keys) -> str:
 def attributes(keys: Keys) -> dict[str, str]:
     """Returns the unit, the long name and the keys of a variable, as attributes of a coordinate."""
     each = (keys,) if isinstance(keys, str) else keys
-    units = {_split(part)[1] for key in each for part in key.split(".") if _split(part)[1]}
-    words = [" ".join(_words(key)) for key in each]
-    return {"units": units.pop() if len(units) == 1 else "1", "long_name": ", ".join(words), "key": joined(keys)}
-
-
-def _words(key: str) -> list[str]:
-    parts = key.split(".")
-    while len(parts) > 1 and parts[0] in ("display", "pixel"):
-        parts = parts[1:]
-    return [_split(part)[0].replace("_", " ") for part in parts]
-
-
-def _split(part: str) -> tuple[str, str]:
-    """Splits a part of a key into its name and its unit; "" if it has none."""
-    for end, unit in _UNITS.items():
-        if part.endswith(f"_{end}"):
-            return part.removesuffix(f"_{end}"), unit
-    return part, ""
+    labels = [_papilio.label(key) for key in each]
+    units = {_UNITS.get(unit, unit) for _, unit in labels}
+    return {"units": units.pop() if len(units) == 1 else "1", "long_name": ", ".join(words for words, _ in labels), "key": joined(keys)}
 
 
 def short_names(names: Names | None, variables: Sequence[Keys]) -> dict[str, str]:

@@ -87,8 +87,7 @@ def label(about: dict[str, str]) -> str:
 @cache
 def _unit_and_words(name: str) -> tuple[str, str]:
     quantity, error = parts(name)
-    last = quantity.rpartition(".")[2]
-    words = _WORDS.get(quantity) or _WORDS.get(last) or _descriptions().get(last) or quantity.replace(".", " ").replace("_", " ")
+    words = _words(quantity) or _descriptions().get(quantity.rpartition(".")[2]) or quantity.replace(".", " ").replace("_", " ")
     kinds = {"standard_error": "standard error: ", "discretisation_error": "discretisation error: "}
     return unit(quantity), kinds.get(error or "", "") + words
 
@@ -104,28 +103,18 @@ def unit(name: str) -> str:
     return "W m-2 sr-1 nm-1" if name in ("radiance", "radiance_of_white") else "1"
 
 
-#: Long names where the first sentence of the schema says something about the file, or repeats the unit.
-_WORDS = {
-    "luminance_cd_m2": "luminance",
-    "L_star": "CIELAB lightness L*",
-    "peak_nm": "wavelength of the largest reflectance factor",
-    "peak_shift_nm": "peak wavelength minus that of the pixel alone",
-    "average_peak_shift_nm": "mean peak shift over red, green and blue",
-    "hue_rgb": "hue without lightness, as linear sRGB times 255",
-    "radiance": "spectral radiance",
-    "radiance_of_white": "spectral radiance of the perfect white",
-    "text_contrast": "contrast of black text on white",
-    "text_luminance_cd_m2": "mean luminance of black text on white",
-    "specular": "image luminance ratio of each directed source",
-    "gamut_percent_ebu": "gamut area of red, green and blue in u'v', % of EBU",
-    "gamut_percent_ntsc": "gamut area of red, green and blue in u'v', % of NTSC",
-    "gamut_percent_dci_p3": "gamut area of red, green and blue in u'v', % of DCI-P3",
-    "coverage_percent_srgb": "coverage of the sRGB triangle in u'v'",
-    "coverage_percent_ebu": "coverage of the EBU triangle in u'v'",
-    "coverage_percent_ntsc": "coverage of the NTSC triangle in u'v'",
-    "coverage_percent_dci_p3": "coverage of the DCI-P3 triangle in u'v'",
-    "uv_shift": "u'v' distance from the same state at the normal",
-}
+#: Beginnings of names of parts of a result, and of the same in its tables.
+_IN_TABLES = {"terms.": "Y_", "ledger.absorbed.": "ledger_", "ledger.": "ledger_", "cam16.": "cam16_"}
+
+
+def _words(quantity: str) -> str | None:
+    """Returns the label of a quantity in tables and figures of the program; None if it has none."""
+    begin = next((begin for begin in _IN_TABLES if quantity.startswith(begin)), None)
+    name = quantity if begin is None else _IN_TABLES[begin] + quantity.removeprefix(begin)
+    words, of = _papilio.label(name)
+    if words == name:
+        return None
+    return f"{words}, {of}" if of.startswith("% of") else words
 
 
 @cache

@@ -18,22 +18,27 @@ from .errors import ArgumentError
 
 __all__ = ["Grid", "stored"]
 
+#: Deeper values are no scenario.
+_DEEPEST = 40
+
 #: First and last wavelength and step of a scenario, nm.
 Grid = tuple[float, float, float]
 
 
-def stored(value: Any, path: str, grid: Grid, files: dict[str, bytes]) -> Any:
+def stored(value: Any, path: str, grid: Grid, files: dict[str, bytes], depth: int = 0) -> Any:
     """Replaces the arrays in a value for ``path`` by names of files, whose contents are added to ``files``.
 
     Arrays are pairs ``(wavelength_nm, values)``, objects with wavelengths (DataArray, Series, SpectralDistribution), and numpy arrays
     over the scenario's own wavelengths (``grid``) where a key accepts a file. Complex values are n + 1j k.
     """
+    if depth > _DEEPEST:
+        return value  # refused with the other values
     if isinstance(value, Mapping):
-        return {key: stored(one, f"{path}.{key}" if path else str(key), grid, files) for key, one in value.items()}
+        return {key: stored(one, f"{path}.{key}" if path else str(key), grid, files, depth + 1) for key, one in value.items()}
     pair = _pair(value, path, grid)
     if pair is None:
         if isinstance(value, list):
-            return [stored(one, f"{path}.{i}", grid, files) for i, one in enumerate(value)]
+            return [stored(one, f"{path}.{i}", grid, files, depth + 1) for i, one in enumerate(value)]
         return value
     content = _file(path, *pair)
     name = f"array-{hashlib.sha256(content).hexdigest()[:12]}.csv"

@@ -36,6 +36,10 @@ if TYPE_CHECKING:
 
 __all__ = ["Evaluated", "Progress", "evaluate_many", "print_progress", "sweep"]
 
+
+def __dir__() -> list[str]:
+    return __all__
+
 #: Function that reports progress. Its argument has ``done`` and ``of`` (designs), ``reused``, ``workers``, ``seconds``.
 Progress = Callable[[dict[str, Any]], object]
 

@@ -152,8 +152,8 @@ def cone(
     """
     changed = read(scenario, with_solver(set))
     scene = changed._scene()
-    thetas = ascending("theta_deg", theta_deg, float(np.nextafter(90.0, 0.0)))
-    phis = ascending("phi_deg", phi_deg, float(np.nextafter(360.0, 0.0)))
+    thetas = ascending("theta_deg", theta_deg, below=90.0)
+    phis = ascending("phi_deg", phi_deg, below=360.0)
     core = _papilio.Cone(scene, thetas, phis, checked_threads(threads), checked_progress(progress), allow_error)
     found = Cone(core, changed.title, scene.warnings, scene.notes)
     _messages.warn(found.warnings)

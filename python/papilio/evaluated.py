@@ -129,7 +129,7 @@ class Evaluated(Lookup[NDArray[np.float64]]):
         if metric not in known:
             raise KeyError(f"{metric!r} was not requested; the metrics are {', '.join(self.metrics)}")
         axis = len(self._grid.shape) + list(self._inner).index("metric")
-        return self.values.take(self.metrics.index(known[metric]), axis=axis)
+        return self.values[(slice(None),) * axis + (self.metrics.index(known[metric]),)]
 
     def _variables(self, names: Names | None = None) -> dict[str, NDArray[Any]]:
         """Returns the columns of the variables by their names in tables."""

@@ -15,6 +15,10 @@ from .figure import Figure
 
 __all__ = ["curves", "map"]
 
+
+def __dir__() -> list[str]:
+    return __all__
+
 _KINDS = ("line", "dashed", "points")
 
 #: The largest number of cells in a map; larger figures are too large for a page.

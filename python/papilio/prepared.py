@@ -6,7 +6,7 @@ import json
 import os
 from collections.abc import Callable, Hashable, Iterable, Mapping, Sequence
 from os import PathLike
-from typing import TYPE_CHECKING, Any, Literal, NamedTuple, Protocol, TypeVar, overload
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple, Protocol, TypeVar, cast, overload
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -344,8 +344,9 @@ class Prepared:
         if isinstance(view, str):
             _arguments.one_of("view", view, ("all",))
             return list(range(count)), True
-        if isinstance(view, (list, tuple, range, np.ndarray)) and np.ndim(view) == 1:
-            found = [whole("view", one, 0, 4999) for one in view]
+        is_list = isinstance(view, (list, tuple, range)) or (isinstance(view, np.ndarray) and view.ndim == 1)
+        if is_list:
+            found = [whole("view", one, 0, 4999) for one in cast(Sequence[int], view)]
             if not found or len(set(found)) < len(found):
                 raise ArgumentError(f"view: expected different indices of views, at least one, not {described(view)}")
         else:
@@ -353,7 +354,7 @@ class Prepared:
         for one in found:
             if one >= count:
                 raise ArgumentError(f"view: expected 0 to {count - 1}, not {one}")
-        return found, np.ndim(view) == 1
+        return found, is_list
 
     def _batch(
         self, keys: list[tuple[str, ...]], choices: list[list[Any] | None], metrics: list[str], views: list[int]

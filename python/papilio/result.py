@@ -211,15 +211,18 @@ class Result(ByName[NDArray[np.float64]]):
             >>> round(float(table.xs("white", level="state").Y.iloc[0]), 3)
             0.586
         """
-        import io
+        import csv
 
         import pandas
 
-        text = io.BytesIO(self._core.states_csv())
-        table = pandas.read_csv(text, float_precision="round_trip", keep_default_na=False, na_values=[""], dtype={"state": str})
-        numbers = [name for name in table.columns if name != "state"]
-        table = table.astype(dict.fromkeys(numbers, np.float64), copy=False).set_index(["theta_deg", "phi_deg", "state"])
-        return table if short_errors else table.rename(columns=_metadata.long_error)
+        header, *rows = csv.reader(self._core.states_csv().decode().splitlines())
+        names = ["theta_deg", "phi_deg", "state"]
+        at = [header.index(name) for name in names]
+        kept = [i for i in range(len(header)) if i not in at]
+        numbers = np.array([[float(row[i]) if row[i] else np.nan for i in kept] for row in rows])
+        index = pandas.MultiIndex.from_tuples([(float(row[at[0]]), float(row[at[1]]), row[at[2]]) for row in rows], names=names)
+        columns = [header[i] if short_errors else _metadata.long_error(header[i]) for i in kept]
+        return pandas.DataFrame(numbers.reshape(-1, len(kept)), index=index, columns=columns)
 
     def figures(self) -> dict[str, Figure]:
         """Returns the figures of ``papilio run``, by name.
