@@ -15,6 +15,9 @@ const VIEWS_IN_FULL: usize = 3;
 
 /// Title of a scenario without `title`: the name of its file.
 pub(crate) fn file_title(file: &Path) -> String {
+    if crate::input::is_stdin(file) {
+        return crate::input::STDIN_NAME.to_owned();
+    }
     file.file_name().unwrap_or_default().to_string_lossy().into_owned()
 }
 

@@ -15,7 +15,8 @@ use papilio_scenario::{Resolved, Scenario};
 
 use crate::arguments::{Run, Solver};
 use crate::progress::in_log;
-use crate::{Failure, folder, interrupt, output, print_message, print_notes, report};
+use crate::terminal::is_quiet;
+use crate::{Failure, folder, input, interrupt, output, print_message, print_notes, report};
 
 /// Shortest computation that is announced, in seconds of one processor.
 const LONG_SECONDS: f64 = 20.0;
@@ -54,7 +55,7 @@ pub(crate) fn run(arguments: &Run) -> Result<(), Failure> {
     };
     let written = out.as_deref().map(|folder| interrupt::uninterrupted(|| output::write_run(folder, &files)));
     // Print the result even if the files cannot be written.
-    let mut stdout = crate::terminal::stdout();
+    let mut stdout = crate::terminal::output(arguments.json);
     if arguments.json {
         write_json(&mut stdout, &file)?;
     } else {
@@ -128,7 +129,7 @@ fn resolve(arguments: &Run) -> Result<Resolved, Failure> {
         format!("solver.method={method}")
     }));
     overrides.extend(arguments.seed.map(|seed| format!("solver.seed={seed}")));
-    Ok(Scenario::load(&arguments.scenario.file, &overrides)?.resolve()?)
+    Ok(input::scenario::<Scenario>(&arguments.scenario.file, &overrides)?.resolve()?)
 }
 
 /// Computes the result of a scenario.
@@ -170,7 +171,8 @@ pub(crate) fn with_progress<T>(
 
 /// A progress bar on standard error, visible only on a terminal.
 fn progress_bar() -> ProgressBar {
-    let bar = ProgressBar::new(1000);
+    let bar = if is_quiet() { ProgressBar::hidden() } else { ProgressBar::new(1000) };
+    bar.set_length(1000);
     if let Ok(style) = ProgressStyle::with_template("  {bar:30} {percent:>3} %  {msg}  {elapsed}") {
         bar.set_style(style);
     }

@@ -12,13 +12,13 @@ use crate::arguments::Inspect;
 use crate::{Failure, output};
 
 pub(crate) fn inspect(arguments: &Inspect) -> Result<(), Failure> {
-    let measurement = read(&arguments.file)?;
+    let measurement = read(&arguments.file, arguments.part)?;
     let spectra: Vec<Transmission> =
         arguments.transmission.iter().map(|path| spectrum(path)).collect::<Result<_, _>>()?;
     // The printed report has the luminous channel of each part; JSON has all channels.
     let audits: Vec<Option<Audit>> =
         measurement.parts.iter().map(|part| Audit::of(part, part.luminous())).collect();
-    let mut stdout = crate::terminal::stdout();
+    let mut stdout = crate::terminal::output(arguments.json);
     if arguments.json {
         let all_channels =
             |part: &Part| (0..part.channels.len()).filter_map(|k| Audit::of(part, k)).collect();

@@ -51,6 +51,7 @@ mod describe;
 mod edit;
 mod error;
 mod grammar;
+mod here;
 mod kinds;
 mod library;
 mod memo;
@@ -78,6 +79,7 @@ mod varied;
 
 pub use edit::{Edit, edit};
 pub use error::{ScenarioError, ScenarioErrors};
+pub use here::relative_path;
 pub use library::{KeptFile, Library};
 pub use memo::Memo;
 pub use migrate::{Migrated, RenamedPlace, migrate};
@@ -89,7 +91,7 @@ pub use optimise::{
 pub use page::with_key_tables;
 pub use papilio_diagnostics::{Diagnostic, nearest};
 pub use path::KeyPath;
-pub use preset::{new_scenario, preset_names};
+pub use preset::{ExampleDisplay, new_scenario, new_scenario_of, preset_names};
 pub use resolve::VirtualMeasurement;
 pub use scenario::{Resolved, Scenario};
 pub use schema::schema;
