@@ -16,6 +16,7 @@ mod migrate;
 mod new;
 mod optimize;
 mod output;
+mod page;
 mod parallel;
 mod pixel;
 mod progress;

@@ -53,6 +53,8 @@ pub(crate) fn run(arguments: &Run) -> Result<(), Failure> {
         light: light.as_ref(),
         cone: cone.as_ref(),
         png: arguments.png,
+        report: arguments.report,
+        in_glass: resolved.scene.solver.angle_medium == AngleMedium::Glass,
     };
     let written = out.as_deref().map(|folder| interrupt::uninterrupted(|| output::write_run(folder, &files)));
     // Print the result even if the files cannot be written.
@@ -60,9 +62,8 @@ pub(crate) fn run(arguments: &Run) -> Result<(), Failure> {
     if arguments.json {
         write_json(&mut stdout, &file)?;
     } else {
-        let in_glass = resolved.scene.solver.angle_medium == AngleMedium::Glass;
         let cone = cone.as_ref().map(|cone| report::cone(cone, cone_seconds)).unwrap_or_default();
-        stdout.write_all(report::run(&title, in_glass, &result, seconds).as_bytes())?;
+        stdout.write_all(report::run(&title, files.in_glass, &result, seconds).as_bytes())?;
         stdout.write_all(cone.as_bytes())?;
     }
     stdout.flush()?;
@@ -103,8 +104,8 @@ fn out_folder(arguments: &Run, hash: &str) -> Result<Option<PathBuf>, Failure> {
     if arguments.scenario.out.is_some() || !arguments.json {
         return folder::choose(&arguments.scenario, hash).map(Some);
     }
-    if arguments.cone || arguments.png {
-        let message = "--cone and --png write files, but --json writes none without --out\n  = help: specify a folder with --out DIR";
+    if arguments.cone || arguments.png || arguments.report {
+        let message = "--cone, --png and --report write files, but --json writes none without --out\n  = help: specify a folder with --out DIR";
         return Err(Failure::Input(message.to_owned()));
     }
     Ok(None)

@@ -149,6 +149,9 @@ pub(crate) struct Run {
     /// Write each figure as PNG too
     #[arg(long)]
     pub(crate) png: bool,
+    /// Write a page about the run too, report.html: figures, tables, scenario; it can be printed
+    #[arg(long)]
+    pub(crate) report: bool,
     /// Seed of the Monte Carlo solver; sets solver.seed
     #[arg(long, value_name = "N", allow_negative_numbers = true)]
     #[arg(value_parser = clap::value_parser!(u64).range(..=i64::MAX as u64))]

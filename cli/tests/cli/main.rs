@@ -10,6 +10,8 @@ mod command_line;
 mod common;
 mod compare;
 mod diffuser;
+mod first_steps;
+mod lab_files;
 mod many_points;
 mod migrate;
 mod new;

@@ -428,7 +428,9 @@ fn download_of_refractiveindex_info_is_read() {
     assert!(index.index(650.0).is_err(), "n ends at 600 nm");
     assert_eq!(read_index(&file("wl,n\n0.4,1.5\n0.6,1.5\n")).unwrap().index(500.0).unwrap().im, 0.0);
     // Wavelengths that are in fact in nm.
-    assert!((read_index(&file("wl,n\n400,1.5\n600,1.7\n")).unwrap().index(500.0).unwrap().re - 1.6).abs() < 1e-12);
+    assert!(
+        (read_index(&file("wl,n\n400,1.5\n600,1.7\n")).unwrap().index(500.0).unwrap().re - 1.6).abs() < 1e-12
+    );
     let bad = |from: &str, to: &str| place(read_index(&file(&text.replacen(from, to, 1))));
     assert!(matches!(bad("0.6,3", "0.6,-3"), (Some((3, 5)), Problem::OutOfRange { what: "n", .. })));
     assert!(matches!(bad("0.6,3", "0.4,3"), (Some((3, 1)), Problem::OutOfOrder { .. })));

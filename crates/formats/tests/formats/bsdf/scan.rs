@@ -22,8 +22,13 @@ fn scan_is_a_rotationally_symmetric_lobe_of_the_part_that_its_column_names() {
     for phi in [0.0, 77.0, 180.0] {
         assert_eq!(part.evaluate(0, normal, Direction::new(10.0, phi)), Some(2.0), "{phi}");
     }
-    for (header, way) in [("theta,brdf", Way::FrontReflection), ("\"Theta (deg)\";\"BTDF (1/sr)\"", Way::FrontTransmission)] {
-        let scan = read(format!("{header}\n0 4\n5 3\n10 2\n90 0\n").replace(' ', if header.contains(';') { ";" } else { "," }));
+    for (header, way) in
+        [("theta,brdf", Way::FrontReflection), ("\"Theta (deg)\";\"BTDF (1/sr)\"", Way::FrontTransmission)]
+    {
+        let scan = read(
+            format!("{header}\n0 4\n5 3\n10 2\n90 0\n")
+                .replace(' ', if header.contains(';') { ";" } else { "," }),
+        );
         assert_eq!(scan.parts[0].way, way, "{header}");
     }
 }
@@ -95,7 +100,8 @@ fn scan_is_written_in_the_other_formats() {
 /// A table of four angles that names its values BTDF, with inclinations up to 90 deg, is a transmission (it was read as a reflection).
 #[test]
 fn table_of_btdf_values_is_a_transmission() {
-    let table = |name: &str| format!("theta_i,phi_i,theta_o,phi_o,{name}\n0,0,0,0,3\n0,0,30,0,2\n0,0,60,0,1\n");
+    let table =
+        |name: &str| format!("theta_i,phi_i,theta_o,phi_o,{name}\n0,0,0,0,3\n0,0,30,0,2\n0,0,60,0,1\n");
     let btdf = read_part(&table("btdf"), None);
     assert_eq!((btdf.measurement.parts[0].way, btdf.notes.len()), (Way::FrontTransmission, 1));
     let unstated = read_part(&table("value"), None);
@@ -106,7 +112,9 @@ fn table_of_btdf_values_is_a_transmission() {
     let four = read_part("30,0,150,180,1\n", Some(Way::FrontReflection));
     assert_eq!(four.measurement.parts[0].way, Way::FrontTransmission);
     let refused = four.only(Way::FrontReflection, "four.csv").unwrap_err();
-    assert!(matches!(&refused.problem, Problem::Bsdf(problem) if matches!(**problem, BsdfProblem::NoPart { .. })));
+    assert!(
+        matches!(&refused.problem, Problem::Bsdf(problem) if matches!(**problem, BsdfProblem::NoPart { .. }))
+    );
     assert!(refused.to_string().contains("one of its parts: front transmission"), "{refused}");
 }
 
@@ -130,7 +138,9 @@ fn fred_list_is_a_grid_about_the_light() {
 /// In the plane of incidence, positive angles are on the specular side. The other sense of azimuths is detected from the values.
 #[test]
 fn fred_list_in_the_plane_of_incidence_and_with_the_other_azimuth_is_read() {
-    let plane = read("type bsdf_data\nformat angles=rad bsdf=value scale=1\n0\n0 5\n0.5 1\n-0.5 1\n0.5\n0 2\n0.5 9\n-0.5 1\n");
+    let plane = read(
+        "type bsdf_data\nformat angles=rad bsdf=value scale=1\n0\n0 5\n0.5 1\n-0.5 1\n0.5\n0 2\n0.5 9\n-0.5 1\n",
+    );
     let light = Direction::new(0.5_f64.to_degrees(), 180.0);
     assert_eq!(plane.parts[0].evaluate(0, light, light.specular()), Some(9.0));
     let other = FRED.replace("30 0 9", "30 180 9");
@@ -143,7 +153,10 @@ fn fred_list_in_the_plane_of_incidence_and_with_the_other_azimuth_is_read() {
 #[test]
 fn malformed_fred_list_is_an_error_with_its_place() {
     let with = |from: &str, to: &str| FRED.replacen(from, to, 1);
-    assert!(matches!(refused_bsdf(with("bsdf=value", "bsdf=log")), (Some((2, 19)), BsdfProblem::Unexpected { .. })));
+    assert!(matches!(
+        refused_bsdf(with("bsdf=value", "bsdf=log")),
+        (Some((2, 19)), BsdfProblem::Unexpected { .. })
+    ));
     assert!(matches!(refused(with("scale=2", "scale=-2")), (Some((2, 30)), Problem::OutOfRange { .. })));
     assert!(matches!(refused(with("0\t0\n", "")), (Some((3, 1)), Problem::Columns { .. })));
     assert!(matches!(refused(with("30 90 3", "30 90 -3")), (Some((6, 7)), Problem::OutOfRange { .. })));

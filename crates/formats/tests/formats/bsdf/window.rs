@@ -221,7 +221,11 @@ fn one_line_before_the_declaration_is_ignored() {
     let text = klems("Columns", &[("Visible", "Transmission Front", MATRIX)]);
     let with_line = read_bsdf(&file(format!("Made by WINDOW 7\n{text}"))).unwrap();
     assert_eq!(with_line.value, read(&text));
-    assert!(with_line.warnings.iter().any(|warning| warning.contains("`Made by WINDOW 7`")), "{:?}", with_line.warnings);
+    assert!(
+        with_line.warnings.iter().any(|warning| warning.contains("`Made by WINDOW 7`")),
+        "{:?}",
+        with_line.warnings
+    );
     assert_eq!(refused_bsdf(format!("one\ntwo\n{text}")).1, BsdfProblem::Unknown);
     let undeclared = text.split_once("?>\n").unwrap().1;
     assert_eq!(refused_bsdf(format!("one\n{undeclared}")).1, BsdfProblem::Unknown);
