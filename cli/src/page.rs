@@ -38,8 +38,10 @@ table{border-collapse:collapse;font-size:.82rem;margin:.3rem 0}th,td{padding:.12
 font-variant-numeric:tabular-nums;vertical-align:top}th{border-bottom:1px solid #888;font-weight:600}\
 th:first-child,td:first-child{text-align:left}.keys td{text-align:left}.keys td:first-child{color:#555;white-space:nowrap}\
 .wide{overflow-x:auto}ul{margin:.2rem 0;padding-left:1.1rem;font-size:.88rem}figure{margin:.6rem 0}figure svg{max-width:100%;height:auto}\
-.columns{display:grid;grid-template-columns:repeat(auto-fit,minmax(19rem,1fr));gap:0 1.5rem}\
-@media print{body{font-size:10.5px;margin:0;padding:0;max-width:none}figure,table,li{break-inside:avoid}h2,h3{break-after:avoid}}";
+.columns{columns:19rem;column-gap:1.5rem}.group{break-inside:avoid}.columns h3{break-after:avoid}.columns h3:first-child{margin-top:0}\
+@media print{body{font-size:9.5px;line-height:1.25;margin:0;padding:0;max-width:none}h2{margin:.6rem 0 .2rem}h3{margin:.4rem 0 .1rem}\
+th,td{padding-top:.03rem;padding-bottom:.03rem}.columns{columns:3}figure,table,li{break-inside:avoid}h2,h3{break-after:avoid}\
+figure{margin:.3rem 0}figure svg{max-height:85mm}}";
 
 /// Content of the page.
 pub(crate) struct Page<'a> {
@@ -82,9 +84,8 @@ impl Page<'_> {
             [("Display", "display"), ("Light", "lighting"), ("Viewer", "viewer"), ("Solver", "solver")]
         {
             if let Some(table) = file.scenario.get(key) {
-                let _ = writeln!(page, "<div>\n<h3>{heading}</h3>");
+                let _ = writeln!(page, "<h3>{heading}</h3>");
                 keys(&mut page, "", table);
-                page.push_str("</div>\n");
             }
         }
         page.push_str("</div>\n");
@@ -165,15 +166,30 @@ fn table(page: &mut String, rows: &[Vec<String>]) {
     page.push_str("</table></div>\n");
 }
 
-/// Keys and values of a table of the scenario; tables in it follow with their paths as headings.
+/// Keys of a display in the order of its layers; other keys are in the order of the alphabet, as in `result.json`.
+const ORDER: [&str; 5] = ["layers", "front", "diffuser", "glass", "pixel"];
+
+/// Keys and values of a table of the scenario; tables in it follow with their paths as headings. Empty ones are left out.
 fn keys(page: &mut String, path: &str, value: &Value) {
     let Value::Object(entries) = value else { return };
+    let is_empty = |value: &Value| match value {
+        Value::Object(entries) => entries.is_empty(),
+        Value::Array(items) => items.is_empty(),
+        value => value.is_null(),
+    };
     let is_table = |value: &Value| match value {
         Value::Object(_) => true,
         Value::Array(items) => items.iter().any(Value::is_object),
         _ => false,
     };
-    let (tables, plain): (Vec<_>, Vec<_>) = entries.iter().partition(|(_, value)| is_table(value));
+    let place = |key: &str| ORDER.iter().position(|known| *known == key).unwrap_or(ORDER.len());
+    let mut entries: Vec<(&String, &Value)> = entries.iter().filter(|(_, value)| !is_empty(value)).collect();
+    entries.sort_by_key(|(key, _)| place(key));
+    let (tables, plain): (Vec<_>, Vec<_>) = entries.into_iter().partition(|(_, value)| is_table(value));
+    page.push_str("<div class=\"group\">");
+    if !path.is_empty() && !plain.is_empty() {
+        let _ = writeln!(page, "<p class=\"small\">{}</p>", escaped(path));
+    }
     if !plain.is_empty() {
         page.push_str("<table class=\"keys\">\n");
         for (key, value) in plain {
@@ -181,23 +197,14 @@ fn keys(page: &mut String, path: &str, value: &Value) {
         }
         page.push_str("</table>\n");
     }
+    page.push_str("</div>\n");
     for (key, value) in tables {
         let path = if path.is_empty() { key.clone() } else { format!("{path}.{key}") };
-        let heading = |page: &mut String| _ = writeln!(page, "<p class=\"small\">{}</p>", escaped(&path));
         match value {
             Value::Array(items) => {
-                heading(page);
+                let _ = writeln!(page, "<div class=\"group\"><p class=\"small\">{}</p>", escaped(&path));
                 rows_of(page, items);
-            }
-            Value::Object(entries) if entries.values().all(|value| !is_table(value)) => {
-                heading(page);
-                let row = |(key, value): (&String, &Value)| vec![key.clone(), short(value)];
-                let _ = writeln!(page, "<table class=\"keys\">");
-                for row in entries.iter().map(row) {
-                    let _ =
-                        writeln!(page, "<tr><td>{}</td><td>{}</td></tr>", escaped(&row[0]), escaped(&row[1]));
-                }
-                page.push_str("</table>\n");
+                page.push_str("</div>\n");
             }
             _ => keys(page, &path, value),
         }

@@ -4,8 +4,8 @@ use std::io::Write;
 use std::path::Path;
 
 use papilio_figures::{Transmission, lobes, transmission};
-use papilio_formats::{AuditFile, DataFile, audit_text, read_shares, write_json};
 use papilio_formats::words::percent;
+use papilio_formats::{AuditFile, DataFile, audit_text, read_shares, write_json};
 use papilio_goniometry::{Audit, Geometry, Measurement, Part, SpecularGrid, Unblur, deblurred};
 
 use super::{read, report};
@@ -52,12 +52,16 @@ pub(crate) fn inspect(arguments: &Inspect) -> Result<(), Failure> {
 fn sharp_haze(measurement: &Measurement) -> String {
     let remarks = measurement.provenance.remarks.iter();
     let stated = remarks.filter(|remark| remark.contains("in direction cosines"));
-    let width = stated.filter_map(|remark| remark.strip_prefix("blur ")?.split(' ').next()?.parse::<f64>().ok()).next();
+    let width = stated
+        .filter_map(|remark| remark.strip_prefix("blur ")?.split(' ').next()?.parse::<f64>().ok())
+        .next();
     let Some(width) = width.filter(|width| *width > 0.0) else { return String::new() };
     let hazes: Vec<String> = measurement
         .parts
         .iter()
-        .filter_map(|part| Some(format!("{} of the {}", percent(haze_without(part, width)?), part.way.name())))
+        .filter_map(|part| {
+            Some(format!("{} of the {}", percent(haze_without(part, width)?), part.way.name()))
+        })
         .collect();
     match hazes.is_empty() {
         true => String::new(),

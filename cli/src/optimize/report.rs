@@ -23,7 +23,10 @@ fn best_design(search: &Search, best: &SelectedDesign) -> String {
     let mut rows = vec![["key or metric", "scenario", "result", "range or aim"].map(str::to_owned).to_vec()];
     for (index, variable) in search.spec().variables.iter().enumerate() {
         let range = match &variable.range {
-            SearchRange::Bounds(from, to) => format!("{from} to {to}"),
+            SearchRange::Bounds(from, to) => {
+                let at_end = at_end(best.design[index], *from, *to);
+                format!("{from} to {to}{}", if at_end { " (at its end)" } else { "" })
+            }
             SearchRange::Choices(choices) => format!("one of {}", choices.len()),
         };
         let own = variable.own.map_or("-".to_owned(), |_| value(search, index, own[index]));
@@ -35,6 +38,12 @@ fn best_design(search: &Search, best: &SelectedDesign) -> String {
         rows.push(vec![quantity.name.clone(), own, result, aims(search, &quantity.name, best.values[index])]);
     }
     table(&rows)
+}
+
+/// Whether a variable is at an end of its range: the best value may be beyond.
+fn at_end(x: f64, from: f64, to: f64) -> bool {
+    let near = 1e-6 * (to - from).abs();
+    (x - from).abs() <= near || (x - to).abs() <= near
 }
 
 /// Aims and constraints of a quantity in words, and whether the result violates a constraint.

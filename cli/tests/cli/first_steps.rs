@@ -30,7 +30,11 @@ fn every_display_runs_in_a_room_outdoors_and_in_a_measuring_geometry() {
             let new = papilio_in(folder.path(), &["new", "--display", display, "--light", light, &file]);
             assert!(new.status.success(), "{display} {light}: {}", stderr(&new));
             let run = papilio_in(folder.path(), &["run", &file, "--json"]);
-            assert!(run.status.success() && !stderr(&run).contains("warning"), "{display} {light}: {}", stderr(&run));
+            assert!(
+                run.status.success() && !stderr(&run).contains("warning"),
+                "{display} {light}: {}",
+                stderr(&run)
+            );
             let result: serde_json::Value = serde_json::from_slice(&run.stdout).unwrap();
             let contrast = result["views"][0]["contrast_ratio"].as_f64().unwrap();
             assert!(contrast > 2.0, "{display} {light}: {contrast}");
@@ -69,7 +73,11 @@ fn new_scenario_of_a_display_states_what_is_missing_or_in_the_way() {
 fn quiet_command_prints_warnings_errors_and_json_only() {
     let folder = tempfile::tempdir().unwrap();
     assert!(papilio_in(folder.path(), &["new", "office", "s.toml"]).status.success());
-    for command in [&["run", "s.toml", "--quiet"][..], &["-q", "pixel", "s.toml"], &["brdf", "s.toml", "-q", "--step", "45"]] {
+    for command in [
+        &["run", "s.toml", "--quiet"][..],
+        &["-q", "pixel", "s.toml"],
+        &["brdf", "s.toml", "-q", "--step", "45"],
+    ] {
         let silent = papilio_in(folder.path(), command);
         let said: String = stderr(&silent).lines().filter(|line| !line.starts_with("warning")).collect();
         assert!(silent.status.success() && silent.stdout.is_empty(), "{command:?}");
@@ -78,8 +86,24 @@ fn quiet_command_prints_warnings_errors_and_json_only() {
     assert!(folder.path().join("out/s/result.json").is_file());
     let json = papilio_in(folder.path(), &["run", "s.toml", "--quiet", "--json"]);
     assert!(stdout(&json).starts_with('{') && stderr(&json).is_empty());
-    let warned = papilio_in(folder.path(), &["run", "s.toml", "--quiet", "--json", "--set", "spectrum.step_nm=20", "--set", "lighting.spectrum=LED-RGB1"]);
-    assert!(stderr(&warned).contains("warning: ") && !stderr(&warned).contains("note: "), "{}", stderr(&warned));
+    let warned = papilio_in(
+        folder.path(),
+        &[
+            "run",
+            "s.toml",
+            "--quiet",
+            "--json",
+            "--set",
+            "spectrum.step_nm=20",
+            "--set",
+            "lighting.spectrum=LED-RGB1",
+        ],
+    );
+    assert!(
+        stderr(&warned).contains("warning: ") && !stderr(&warned).contains("note: "),
+        "{}",
+        stderr(&warned)
+    );
     let wrong = papilio_in(folder.path(), &["run", "none.toml", "--quiet"]);
     assert!(stderr(&wrong).contains("there is no such file"));
 }
@@ -135,19 +159,35 @@ fn page_of_a_run_is_complete_and_self_contained() {
     let here = folder.path();
     assert!(papilio_in(here, &["new", "--display", "table", "--light", "indoor", "s.toml"]).status.success());
     let text = fs::read_to_string(here.join("s.toml")).unwrap();
-    fs::write(here.join("s.toml"), text.replacen("title = \"table, indoor\"", "title = \"<b>Mine</b> & yours\"", 1)).unwrap();
+    fs::write(
+        here.join("s.toml"),
+        text.replacen("title = \"table, indoor\"", "title = \"<b>Mine</b> & yours\"", 1),
+    )
+    .unwrap();
     let run = papilio_in(here, &["run", "s.toml", "--report", "--set", "viewer.theta_deg=[8,20]"]);
     assert!(run.status.success() && stderr(&run).contains("report.html"), "{}", stderr(&run));
     let page = fs::read_to_string(here.join("out/s/report.html")).unwrap();
-    let result: serde_json::Value = serde_json::from_slice(&fs::read(here.join("out/s/result.json")).unwrap()).unwrap();
+    let result: serde_json::Value =
+        serde_json::from_slice(&fs::read(here.join("out/s/result.json")).unwrap()).unwrap();
     assert!(page.contains(result["hash"].as_str().unwrap()));
     assert!(page.contains("<h1>&lt;b&gt;Mine&lt;/b&gt; &amp; yours</h1>") && !page.contains("<b>Mine"));
-    for words in ["Seen from 8 deg", "Seen from 20 deg", "energy balance", "example-pixel.csv", "k-correlation", "discretisation error", "illuminance_lx", "Notes"] {
+    for words in [
+        "Seen from 8 deg",
+        "Seen from 20 deg",
+        "energy balance",
+        "example-pixel.csv",
+        "k-correlation",
+        "discretisation error",
+        "illuminance_lx",
+        "Notes",
+    ] {
         assert!(page.contains(words), "{words}");
     }
     let y = result["views"][0]["states"]["white"]["Y"].as_f64().unwrap();
     assert!(page.contains(&format!("<td>{y:.4}</td>")), "{y}");
-    assert!(page.matches("<svg").count() >= 2 && page.matches("<svg").count() == page.matches("</svg>").count());
+    assert!(
+        page.matches("<svg").count() >= 2 && page.matches("<svg").count() == page.matches("</svg>").count()
+    );
     // No address is loaded; the names of XML namespaces are not addresses.
     let loads = ["src=", "<link", "<script", "@import", "url(http"];
     assert!(loads.iter().all(|load| !page.contains(load)));
@@ -180,18 +220,21 @@ fn commands_of_the_first_pages_run_as_pasted() {
         // Files of the reader.
         fs::write(here.join("Cr.csv"), "wl,n\n0.38,2\n0.78,3\n\nwl,k\n0.38,3\n0.78,3.3\n").unwrap();
         let lobe = |deg: f64| 0.1 / (0.01 + deg.to_radians().sin().powi(2)).powf(1.5) / 7.0;
-        let rows: String = (0..=180).map(|k| 0.5 * f64::from(k)).map(|deg| format!("{deg},{:.6}\n", lobe(deg))).collect();
+        let rows: String =
+            (0..=180).map(|k| 0.5 * f64::from(k)).map(|deg| format!("{deg},{:.6}\n", lobe(deg))).collect();
         fs::write(here.join("scan.csv"), format!("theta_deg,btdf\n{rows}")).unwrap();
         let text = fs::read_to_string(repository().join(page)).unwrap();
         let blocks = text.split("```sh\n").skip(1).filter_map(|rest| rest.split("```").next());
-        let lines: Vec<&str> = blocks.flat_map(str::lines).filter(|line| line.starts_with("papilio ")).collect();
+        let lines: Vec<&str> =
+            blocks.flat_map(str::lines).filter(|line| line.starts_with("papilio ")).collect();
         assert!(lines.len() >= 12, "{page}: {lines:?}");
         for line in lines {
             let command = line.split("  #").next().unwrap().split(" | jq").next().unwrap();
             let is_long = LONG.iter().any(|word| command.split_whitespace().any(|found| found == *word));
             let command = if is_long { format!("{} --help", command.trim()) } else { command.to_owned() };
             let mut shell = Command::new("sh");
-            let shell = shell.env("NO_COLOR", "1").env("PATH", &path).current_dir(here).arg("-c").arg(&command);
+            let shell =
+                shell.env("NO_COLOR", "1").env("PATH", &path).current_dir(here).arg("-c").arg(&command);
             let output = shell.output().unwrap();
             assert!(output.status.success(), "{page}: {line}\n{}", stderr(&output));
             // Files of the repository that are named exist.

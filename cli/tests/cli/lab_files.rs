@@ -44,7 +44,8 @@ fn lobe(theta_deg: f64, width: f64) -> f64 {
 /// A folder with a scan of the lobe, every 0.5 deg.
 fn with_scan(header: &str, width: f64) -> tempfile::TempDir {
     let folder = tempfile::tempdir().unwrap();
-    let rows: String = (0..=180).map(|k| 0.5 * f64::from(k)).map(|deg| format!("{deg},{:.8}\n", lobe(deg, width))).collect();
+    let rows: String =
+        (0..=180).map(|k| 0.5 * f64::from(k)).map(|deg| format!("{deg},{:.8}\n", lobe(deg, width))).collect();
     fs::write(folder.path().join("scan.csv"), format!("{header}{rows}")).unwrap();
     folder
 }
@@ -63,7 +64,8 @@ fn scan_of_a_lobe_is_the_diffuser_of_that_lobe() {
     let folder = with_scan("theta_deg,btdf\n", 0.1);
     let here = folder.path();
     let scan = "model = \"measured\"\nfile = \"scan.csv\"\nextrapolate = \"glass\"";
-    let exact = luminance_factors(here, "model = \"k-correlation\"\nwidth = 0.1\ntransmittance = 0.9", "adding");
+    let exact =
+        luminance_factors(here, "model = \"k-correlation\"\nwidth = 0.1\ntransmittance = 0.9", "adding");
     for (solver, tolerance) in [("adding", 1e-3), ("monte-carlo", 1e-2)] {
         let found = luminance_factors(here, scan, solver);
         for (found, exact) in found.iter().zip(exact) {
@@ -71,7 +73,10 @@ fn scan_of_a_lobe_is_the_diffuser_of_that_lobe() {
         }
     }
     let (_, err) = done(here, &["run", "s.toml"]);
-    assert!(err.contains("note: scan.csv: a scan at normal incidence") && err.contains("shift-invariant"), "{err}");
+    assert!(
+        err.contains("note: scan.csv: a scan at normal incidence") && err.contains("shift-invariant"),
+        "{err}"
+    );
     assert!(!err.contains("warning"), "{err}");
 }
 
@@ -83,18 +88,36 @@ fn part_of_a_scan_is_stated_in_the_scenario_and_on_the_command_line() {
     let measured = "model = \"measured\"\nfile = \"scan.csv\"\n";
     fs::write(here.join("s.toml"), SCENE.replace("DIFFUSER", measured)).unwrap();
     let says = refused(here, &["run", "s.toml"]);
-    assert!(says.contains("no front transmission") && says.contains("part = \"front-transmission\""), "{says}");
+    assert!(
+        says.contains("no front transmission") && says.contains("part = \"front-transmission\""),
+        "{says}"
+    );
     let stated = luminance_factors(here, &format!("{measured}part = \"front-transmission\""), "adding");
     assert!(stated[0] > 0.1);
-    done(here, &["run", "s.toml", "--set", "display.diffuser={ model = \"measured\", file = \"scan.csv\", part = \"front-transmission\" }"]);
+    done(
+        here,
+        &[
+            "run",
+            "s.toml",
+            "--set",
+            "display.diffuser={ model = \"measured\", file = \"scan.csv\", part = \"front-transmission\" }",
+        ],
+    );
     let (out, err) = done(here, &["diffuser", "inspect", "scan.csv"]);
-    assert!(out.contains("Reflection from the front") && err.contains("--part front-transmission"), "{out}{err}");
-    for arguments in [&["inspect", "scan.csv"][..], &["convert", "scan.csv", "film.csv"], &["fit", "scan.csv"]] {
+    assert!(
+        out.contains("Reflection from the front") && err.contains("--part front-transmission"),
+        "{out}{err}"
+    );
+    for arguments in
+        [&["inspect", "scan.csv"][..], &["convert", "scan.csv", "film.csv"], &["fit", "scan.csv"]]
+    {
         let all = [&["diffuser"], arguments, &["--part", "front-transmission"]].concat();
         let (out, err) = done(here, &all);
         assert!(err.contains("normal incidence"), "{err}");
         match arguments[0] {
-            "inspect" => assert!(out.contains("Transmission from the front") && out.contains("haze"), "{out}"),
+            "inspect" => {
+                assert!(out.contains("Transmission from the front") && out.contains("haze"), "{out}")
+            }
             "fit" => assert!(out.contains("width = 0.100"), "{out}"),
             _ => {}
         }
@@ -126,7 +149,8 @@ fn path_in_set_is_relative_to_the_current_folder() {
     let new = papilio_in(folder.path(), &["new", "office", "designs/s.toml"]);
     assert!(new.status.success());
     let y = |arguments: &[&str]| {
-        let (out, err) = done(folder.path(), &[&["run", "designs/s.toml", "--json", "--set"], arguments].concat());
+        let (out, err) =
+            done(folder.path(), &[&["run", "designs/s.toml", "--json", "--set"], arguments].concat());
         let result: serde_json::Value = serde_json::from_str(&out).unwrap();
         (result["views"][0]["states"]["white"]["Y"].as_f64().unwrap(), err)
     };
@@ -135,7 +159,11 @@ fn path_in_set_is_relative_to_the_current_folder() {
     assert!(!err.contains("current folder"), "{err}");
     // The same numbers in a file of the scenario's folder, with a note.
     let (there, err) = y(&[&format!("{key}=Cr-there.csv")]);
-    assert!(err.contains("there is no Cr-there.csv in the current folder") && err.contains("designs/Cr-there.csv"), "{err}");
+    assert!(
+        err.contains("there is no Cr-there.csv in the current folder")
+            && err.contains("designs/Cr-there.csv"),
+        "{err}"
+    );
     assert!((here - there).abs() < 1e-12, "{here} {there}");
     let says = refused(folder.path(), &["run", "designs/s.toml", "--set", &format!("{key}=mine/none.csv")]);
     assert!(says.contains("tried mine/none.csv and designs/mine/none.csv"), "{says}");
@@ -153,14 +181,15 @@ fn file_in_set_is_found_from_the_best_design() {
     let designs = folder.path().join("designs");
     fs::create_dir(&designs).unwrap();
     fs::write(folder.path().join("front.csv"), "380,0.01\n780,0.02\n").unwrap();
-    let search = "\n[[optimize.variables]]\nkey = \"display.pixel.film.1.thickness_nm\"\nfrom = 10\nto = 14\n\
-                  [[optimize.objectives]]\nmetric = \"white.Y\"\naim = \"largest\"\n[optimize]\nstarts = 1\nevaluations = 8\n";
+    let search = "\n[optimize]\nstarts = 1\nevaluations = 12\n[[optimize.variables]]\nkey = \"display.pixel.film.1.thickness_nm\"\n\
+                  bounds = [10, 14]\n[[optimize.objectives]]\nmetric = \"white.Y\"\naim = \"maximise\"\n";
     assert!(papilio_in(folder.path(), &["new", "d8-included", "designs/s.toml"]).status.success());
     let text = fs::read_to_string(designs.join("s.toml")).unwrap();
-    let (tables, order) = search.split_once("[optimize]").map(|(a, b)| (a, format!("\n[optimize]{b}"))).unwrap();
-    fs::write(designs.join("s.toml"), format!("{text}{order}{tables}")).unwrap();
+    fs::write(designs.join("s.toml"), text + search).unwrap();
     let set = "display.front.0.reflectance=front.csv";
-    done(folder.path(), &["optimize", "designs/s.toml", "--no-check", "--out", "out/best", "--set", set]);
+    let (out, _) =
+        done(folder.path(), &["optimize", "designs/s.toml", "--no-check", "--out", "out/best", "--set", set]);
+    assert!(out.contains("10 to 14 (at its end)"), "less chromium is brighter: {out}");
     let best = fs::read_to_string(folder.path().join("out/best/best.toml")).unwrap();
     assert!(best.contains("front.csv\""), "{best}");
     done(folder.path(), &["run", "out/best/best.toml", "--json"]);

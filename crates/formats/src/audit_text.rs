@@ -152,7 +152,8 @@ fn audit_lines(audit: &Audit) -> String {
             percent(clarity)
         )),
         Some(_) => line(
-            "clarity: none, because more light is scattered by 1 to 2.5 deg than by less than 1 deg".to_owned(),
+            "clarity: none, because more light is scattered by 1 to 2.5 deg than by less than 1 deg"
+                .to_owned(),
         ),
         None => {}
     }

@@ -36,16 +36,20 @@ impl Agreement {
 
     fn add(&mut self, table: &Table) {
         let is_here = |name: &String| name.starts_with("here");
-        let pairs = table.head.iter().enumerate().filter(|(_, name)| name.ends_with("thesis")).filter_map(|(k, _)| {
-            let later = table.head.iter().enumerate().skip(k + 1);
-            let here = later.take_while(|(_, name)| !name.ends_with("thesis")).find(|(_, name)| is_here(name));
-            here.map(|(here, _)| [k, here])
-        });
+        let pairs = table.head.iter().enumerate().filter(|(_, name)| name.ends_with("thesis")).filter_map(
+            |(k, _)| {
+                let later = table.head.iter().enumerate().skip(k + 1);
+                let here =
+                    later.take_while(|(_, name)| !name.ends_with("thesis")).find(|(_, name)| is_here(name));
+                here.map(|(here, _)| [k, here])
+            },
+        );
         let pairs: Vec<[usize; 2]> = pairs.collect();
         for row in &table.rows {
             let by_difference = row.first().is_some_and(|name| DIFFERENCES.contains(&name.as_str()));
             for pair in &pairs {
-                let [Some(theirs), Some(ours)] = pair.map(|k| row.get(k).and_then(|cell| number(cell))) else {
+                let [Some(theirs), Some(ours)] = pair.map(|k| row.get(k).and_then(|cell| number(cell)))
+                else {
                     continue;
                 };
                 if by_difference {
@@ -101,7 +105,16 @@ impl Report {
 
     /// Returns the section with the agreement of each table and figure.
     pub(crate) fn summary(&self) -> Section {
-        let head = ["", "numbers", "within 2 %", "within 5 %", "within 10 %", "largest deviation", "u\u{2032}, v\u{2032}, dR", "within 0.01"];
+        let head = [
+            "",
+            "numbers",
+            "within 2 %",
+            "within 5 %",
+            "within 10 %",
+            "largest deviation",
+            "u\u{2032}, v\u{2032}, dR",
+            "within 0.01",
+        ];
         let mut table = Table::new(&head);
         for section in &self.sections {
             let one = Agreement::of_section(section);
@@ -114,12 +127,16 @@ impl Report {
             let mut row = vec![section.title.to_owned(), counted(of, of)];
             row.extend(PERCENT.map(|limit| counted(one.within(limit), of)));
             row.push(if of == 0 { String::new() } else { format!("{worst:.1} %") });
-            row.extend([counted(one.chromaticity.len(), one.chromaticity.len()), counted(one.near(), one.chromaticity.len())]);
+            row.extend([
+                counted(one.chromaticity.len(), one.chromaticity.len()),
+                counted(one.near(), one.chromaticity.len()),
+            ]);
             table.row(row);
         }
         let verdict = self.verdict();
         let mut letters = verdict.chars();
-        let verdict: String = letters.next().into_iter().flat_map(char::to_uppercase).chain(letters).collect();
+        let verdict: String =
+            letters.next().into_iter().flat_map(char::to_uppercase).chain(letters).collect();
         Section::new("agreement", "Agreement: how many printed numbers are reproduced, and within what")
             .say(format!("{verdict}."))
             .table(table)
@@ -146,7 +163,11 @@ mod tests {
         assert_eq!((found.percent.len(), found.chromaticity.len()), (3, 1));
         assert_eq!([found.within(2.0), found.within(5.0), found.within(10.0), found.near()], [1, 2, 2, 1]);
         let report = Report { title: String::new(), about: Vec::new(), sections: vec![section] };
-        assert!(report.verdict().starts_with("of 3 numbers that the thesis prints, 1 agree within 2 %, 2 within 5 %"));
+        assert!(
+            report
+                .verdict()
+                .starts_with("of 3 numbers that the thesis prints, 1 agree within 2 %, 2 within 5 %")
+        );
         assert_eq!(report.summary().parts.len(), 3);
     }
 }
