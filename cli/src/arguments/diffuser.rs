@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::{Args, Subcommand, ValueEnum};
 use papilio_formats::bsdf_formats;
-use papilio_goniometry::Way;
+use papilio_goniometry::ScatterMode;
 
 use super::{ScenarioArguments, Workers};
 
@@ -152,12 +152,12 @@ pub(crate) enum PartName {
 
 impl PartName {
     /// The part in a measurement.
-    pub(crate) fn way(self) -> Way {
+    pub(crate) fn way(self) -> ScatterMode {
         match self {
-            Self::FrontReflection => Way::FrontReflection,
-            Self::FrontTransmission => Way::FrontTransmission,
-            Self::BackTransmission => Way::BackTransmission,
-            Self::BackReflection => Way::BackReflection,
+            Self::FrontReflection => ScatterMode::FrontReflection,
+            Self::FrontTransmission => ScatterMode::FrontTransmission,
+            Self::BackTransmission => ScatterMode::BackTransmission,
+            Self::BackReflection => ScatterMode::BackReflection,
         }
     }
 }

@@ -5,8 +5,8 @@ use std::path::Path;
 
 use papilio_figures::{Transmission, lobes, transmission};
 use papilio_formats::words::percent;
-use papilio_formats::{AuditFile, DataFile, audit_text, read_shares, write_json};
-use papilio_goniometry::{Audit, Geometry, Measurement, Part, SpecularGrid, Unblur, deblurred};
+use papilio_formats::{AuditFile, DataFile, audit_text, read_fractions, write_json};
+use papilio_goniometry::{Audit, Geometry, Measurement, MeasuredPart, SpecularGrid, Unblur, deblurred};
 
 use super::{read, report};
 use crate::arguments::Inspect;
@@ -22,8 +22,8 @@ pub(crate) fn inspect(arguments: &Inspect) -> Result<(), Failure> {
     let mut stdout = crate::terminal::output(arguments.json);
     if arguments.json {
         let all_channels =
-            |part: &Part| (0..part.channels.len()).filter_map(|k| Audit::of(part, k)).collect();
-        let all: Vec<(&Part, Vec<Audit>)> =
+            |part: &MeasuredPart| (0..part.channels.len()).filter_map(|k| Audit::of(part, k)).collect();
+        let all: Vec<(&MeasuredPart, Vec<Audit>)> =
             measurement.parts.iter().map(|part| (part, all_channels(part))).collect();
         write_json(&mut stdout, &AuditFile::new(&measurement, &all))?;
     } else {
@@ -74,7 +74,7 @@ fn sharp_haze(measurement: &Measurement) -> String {
 }
 
 /// Haze of a transmission at its smallest incidence, with the blur removed.
-fn haze_without(part: &Part, width: f64) -> Option<f64> {
+fn haze_without(part: &MeasuredPart, width: f64) -> Option<f64> {
     let Geometry::Specular(grid) = &part.geometry else { return None };
     let cells = grid.azimuths_deg.len() * grid.radials_deg.len();
     let channel = part.luminous();
@@ -84,7 +84,7 @@ fn haze_without(part: &Part, width: f64) -> Option<f64> {
         incidences_deg: grid.incidences_deg.first().copied().into_iter().collect(),
         ..grid.clone()
     };
-    let mut part = Part {
+    let mut part = MeasuredPart {
         way: part.way,
         channels: vec![part.channels[channel]],
         geometry: Geometry::Specular(first),
@@ -98,7 +98,7 @@ fn haze_without(part: &Part, width: f64) -> Option<f64> {
 /// Reads a transmission spectrum from a file.
 fn spectrum(path: &Path) -> Result<Transmission, Failure> {
     let file = DataFile::open(path, &path.display().to_string()).map_err(Failure::Data)?;
-    let spectrum = read_shares(&file).map_err(Failure::Data)?;
+    let spectrum = read_fractions(&file).map_err(Failure::Data)?;
     Ok(Transmission {
         name: path.file_stem().unwrap_or_default().to_string_lossy().into_owned(),
         wavelength_nm: spectrum.wavelengths_nm().to_vec(),

@@ -202,7 +202,7 @@ pub struct Glass {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Surface {
     /// Ideal antireflection interface: transmits all light with |beta| <= 1 and totally reflects light with |beta| > 1.
-    Coated,
+    IdealAr,
     /// Bare interface: Fresnel reflectance of unpolarised light.
     Fresnel,
 }
@@ -429,7 +429,7 @@ pub enum Method {
     /// Adding: deterministic, without noise.
     Adding,
     /// Monte Carlo: unbiased, with standard errors.
-    Walk,
+    MonteCarlo,
 }
 
 /// Stopping criterion of a solver.
@@ -441,7 +441,7 @@ pub enum Stop {
         /// The relative error, for example 0.001.
         target: f64,
         /// Whether it applies to every wavelength, too, relative to the maximum of the spectrum.
-        every_bin: bool,
+        per_wavelength: bool,
     },
     /// Number of paths for each view (Monte Carlo only).
     Paths(u64),

@@ -32,7 +32,7 @@ pub use problem::BsdfProblem;
 pub use write::{BsdfFormat, WriteError, write_measurement};
 
 use papilio_diagnostics::{Place, Warned};
-use papilio_goniometry::{Channel, Measurement, Way};
+use papilio_goniometry::{Channel, Measurement, ScatterMode};
 
 use crate::error::FormatError;
 use crate::file::DataFile;
@@ -108,13 +108,13 @@ impl From<Warned<Measurement>> for BsdfFile {
 ///
 /// ```
 /// use papilio_formats::{DataFile, read_bsdf_file};
-/// use papilio_goniometry::Way;
+/// use papilio_goniometry::ScatterMode;
 /// let scan = DataFile { name: "scan.csv".into(), bytes: b"0,9.5\n2,5.1\n4,2.4\n90,0\n".to_vec() };
-/// let read = read_bsdf_file(&scan, Some(Way::FrontTransmission))?;
-/// assert_eq!(read.measurement.parts[0].way, Way::FrontTransmission);
+/// let read = read_bsdf_file(&scan, Some(ScatterMode::FrontTransmission))?;
+/// assert_eq!(read.measurement.parts[0].way, ScatterMode::FrontTransmission);
 /// # Ok::<(), papilio_formats::FormatError>(())
 /// ```
-pub fn read_bsdf_file(file: &DataFile, part: Option<Way>) -> Result<BsdfFile, FormatError> {
+pub fn read_bsdf_file(file: &DataFile, part: Option<ScatterMode>) -> Result<BsdfFile, FormatError> {
     let mut read: BsdfFile = if npz::is_npz(file) {
         read_archive(file)?.into()
     } else if rgl::is_rgl(file) {
@@ -148,7 +148,7 @@ impl BsdfFile {
     ///
     /// # Errors
     /// If the file has no such part.
-    pub fn only(mut self, part: Way, name: &str) -> Result<Self, FormatError> {
+    pub fn only(mut self, part: ScatterMode, name: &str) -> Result<Self, FormatError> {
         let parts = &mut self.measurement.parts;
         if parts.iter().any(|one| one.way == part) {
             parts.retain(|one| one.way == part);

@@ -1,7 +1,7 @@
 //! Errors of BSDF files.
 
 use papilio_diagnostics::Diagnostic;
-use papilio_goniometry::Way;
+use papilio_goniometry::ScatterMode;
 
 /// The errors of a BSDF file, in addition to those of any data file.
 #[derive(Debug, Clone, PartialEq)]
@@ -11,9 +11,9 @@ pub enum BsdfProblem {
     /// The file lacks the requested part.
     NoPart {
         /// The requested part.
-        wanted: Way,
+        wanted: ScatterMode,
         /// The parts of the file.
-        found: Vec<Way>,
+        found: Vec<ScatterMode>,
     },
     /// An unsupported version or feature of a format.
     Unsupported {

@@ -6,7 +6,7 @@
 
 use std::ops::Range;
 
-use papilio_goniometry::{Channel, Geometry, Measurement, Part, SpecularGrid, Symmetry, Way};
+use papilio_goniometry::{Channel, Geometry, Measurement, MeasuredPart, SpecularGrid, Symmetry, ScatterMode};
 
 use super::table_read::{cells, provenance, separator};
 use super::text::{Lines, Text};
@@ -37,7 +37,7 @@ struct Layout {
     separator: Option<u8>,
     has_header: bool,
     /// The part that the name of the value column states.
-    way: Option<Way>,
+    way: Option<ScatterMode>,
 }
 
 impl Layout {
@@ -55,8 +55,8 @@ impl Layout {
             return None;
         }
         let way = match without_unit(value, &["1_sr", "sr_1", "per_sr"]).as_str() {
-            "btdf" => Some(Way::FrontTransmission),
-            "brdf" => Some(Way::FrontReflection),
+            "btdf" => Some(ScatterMode::FrontTransmission),
+            "brdf" => Some(ScatterMode::FrontReflection),
             "bsdf" => None,
             _ if is_stated => None,
             _ => return None,
@@ -105,9 +105,9 @@ pub(super) fn read(file: &DataFile, is_stated: bool) -> Result<BsdfFile, FormatE
     }
     let (behind, before): (Vec<Row>, Vec<Row>) = rows.into_iter().partition(|(theta, ..)| theta.abs() > 90.0);
     let states_part = layout.way.is_some() || !behind.is_empty();
-    let way = layout.way.filter(|_| behind.is_empty()).unwrap_or(Way::FrontReflection);
+    let way = layout.way.filter(|_| behind.is_empty()).unwrap_or(ScatterMode::FrontReflection);
     let (mut parts, mut warnings) = (Vec::new(), Vec::new());
-    for (way, rows) in [(way, before), (Way::FrontTransmission, behind)] {
+    for (way, rows) in [(way, before), (ScatterMode::FrontTransmission, behind)] {
         if !rows.is_empty() {
             parts.push(part(text, way, rows, &mut warnings)?);
         }
@@ -137,7 +137,7 @@ fn row(text: Text<'_>, layout: &Layout, line: Range<usize>) -> Result<Option<Row
 }
 
 /// Returns the rows of one side of the sample as a lobe: the mean of the two sides of the normal.
-fn part(text: Text<'_>, way: Way, rows: Vec<Row>, warnings: &mut Vec<String>) -> Result<Part, FormatError> {
+fn part(text: Text<'_>, way: ScatterMode, rows: Vec<Row>, warnings: &mut Vec<String>) -> Result<MeasuredPart, FormatError> {
     let radial = |theta: f64| if theta.abs() > 90.0 { 180.0 - theta.abs() } else { theta.abs() };
     let mut rows: Vec<(f64, bool, f64, Range<usize>)> =
         rows.into_iter().map(|(theta, value, place)| (radial(theta), theta < 0.0, value, place)).collect();
@@ -174,7 +174,7 @@ fn part(text: Text<'_>, way: Way, rows: Vec<Row>, warnings: &mut Vec<String>) ->
         symmetry: Symmetry::Plane,
     };
     let values = [&values[..], &values[..]].concat();
-    Ok(Part {
+    Ok(MeasuredPart {
         way,
         channels: vec![Channel::Monochrome],
         geometry: Geometry::Specular(grid),

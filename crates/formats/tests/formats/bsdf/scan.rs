@@ -1,13 +1,13 @@
 //! Scans at normal incidence, and lists of FRED.
 
 use papilio_formats::{BsdfFormat, BsdfProblem, Problem, read_bsdf_file};
-use papilio_goniometry::{Audit, Direction, Geometry, Way};
+use papilio_goniometry::{Audit, Direction, Geometry, ScatterMode};
 
 use super::samples::{FRED, SCAN};
 use super::{file, read, refused, refused_bsdf, written};
 
 /// A scan, read as `part`.
-fn read_part(text: &str, part: Option<Way>) -> papilio_formats::BsdfFile {
+fn read_part(text: &str, part: Option<ScatterMode>) -> papilio_formats::BsdfFile {
     read_bsdf_file(&file(text), part).unwrap()
 }
 
@@ -17,13 +17,13 @@ fn scan_is_a_rotationally_symmetric_lobe_of_the_part_that_its_column_names() {
     assert!(scan.states_part && scan.warnings.is_empty(), "{:?}", scan.warnings);
     assert!(scan.notes[0].contains("shift-invariant in direction cosines"), "{:?}", scan.notes);
     let part = &scan.measurement.parts[0];
-    assert_eq!((part.way, scan.measurement.provenance.sample.as_str()), (Way::FrontTransmission, "film"));
+    assert_eq!((part.way, scan.measurement.provenance.sample.as_str()), (ScatterMode::FrontTransmission, "film"));
     let normal = Direction::new(0.0, 0.0);
     for phi in [0.0, 77.0, 180.0] {
         assert_eq!(part.evaluate(0, normal, Direction::new(10.0, phi)), Some(2.0), "{phi}");
     }
     for (header, way) in
-        [("theta,brdf", Way::FrontReflection), ("\"Theta (deg)\";\"BTDF (1/sr)\"", Way::FrontTransmission)]
+        [("theta,brdf", ScatterMode::FrontReflection), ("\"Theta (deg)\";\"BTDF (1/sr)\"", ScatterMode::FrontTransmission)]
     {
         let scan = read(
             format!("{header}\n0 4\n5 3\n10 2\n90 0\n")
@@ -40,10 +40,10 @@ fn part_of_a_scan_can_be_stated() {
     assert_eq!(refused_bsdf(bare).1, BsdfProblem::Unknown);
     let named = "theta_deg,bsdf\n0,4\n5,3\n10,2\n90,0\n";
     let unstated = read_part(named, None);
-    assert_eq!((unstated.states_part, unstated.measurement.parts[0].way), (false, Way::FrontReflection));
+    assert_eq!((unstated.states_part, unstated.measurement.parts[0].way), (false, ScatterMode::FrontReflection));
     for text in [bare, named, "angle,f\n0,4\n5,3\n10,2\n90,0\n"] {
-        let stated = read_part(text, Some(Way::BackTransmission));
-        assert_eq!((stated.states_part, stated.measurement.parts[0].way), (true, Way::BackTransmission));
+        let stated = read_part(text, Some(ScatterMode::BackTransmission));
+        assert_eq!((stated.states_part, stated.measurement.parts[0].way), (true, ScatterMode::BackTransmission));
     }
     assert_eq!(refused_bsdf("wavelength_nm,T\n400,1\n500,1\n600,1\n").1, BsdfProblem::Unknown);
     assert_eq!(refused_bsdf("theta_deg,luminance\n0,1\n45,1\n90,1\n").1, BsdfProblem::Unknown);
@@ -56,8 +56,8 @@ fn two_sides_of_a_scan_are_averaged_and_180_deg_is_straight_through() {
     assert_eq!(part.evaluate(0, Direction::new(0.0, 0.0), Direction::new(10.0, 0.0)), Some(2.0));
     assert!(scan.warnings[0].contains("differ from their mean by"), "{:?}", scan.warnings);
     let both = read("theta_deg,bsdf\n0,1\n45,1\n90,1\n100,0\n150,2\n180,8\n");
-    let ways: Vec<Way> = both.parts.iter().map(|part| part.way).collect();
-    assert_eq!(ways, [Way::FrontReflection, Way::FrontTransmission]);
+    let ways: Vec<ScatterMode> = both.parts.iter().map(|part| part.way).collect();
+    assert_eq!(ways, [ScatterMode::FrontReflection, ScatterMode::FrontTransmission]);
     assert_eq!(both.parts[1].evaluate(0, Direction::new(0.0, 0.0), Direction::new(0.0, 0.0)), Some(8.0));
 }
 
@@ -93,7 +93,7 @@ fn scan_is_written_in_the_other_formats() {
             Audit::of(&measurement.parts[0], 0).unwrap().incidences[0].integral
         };
         assert!((integral(&again) / integral(&scan) - 1.0).abs() < 1e-9, "{format:?}");
-        assert_eq!(again.parts[0].way, Way::FrontTransmission);
+        assert_eq!(again.parts[0].way, ScatterMode::FrontTransmission);
     }
 }
 
@@ -103,15 +103,15 @@ fn table_of_btdf_values_is_a_transmission() {
     let table =
         |name: &str| format!("theta_i,phi_i,theta_o,phi_o,{name}\n0,0,0,0,3\n0,0,30,0,2\n0,0,60,0,1\n");
     let btdf = read_part(&table("btdf"), None);
-    assert_eq!((btdf.measurement.parts[0].way, btdf.notes.len()), (Way::FrontTransmission, 1));
+    assert_eq!((btdf.measurement.parts[0].way, btdf.notes.len()), (ScatterMode::FrontTransmission, 1));
     let unstated = read_part(&table("value"), None);
-    assert_eq!((unstated.measurement.parts[0].way, unstated.states_part), (Way::FrontReflection, false));
-    let stated = read_part(&table("value"), Some(Way::FrontTransmission));
-    assert_eq!(stated.measurement.parts[0].way, Way::FrontTransmission);
+    assert_eq!((unstated.measurement.parts[0].way, unstated.states_part), (ScatterMode::FrontReflection, false));
+    let stated = read_part(&table("value"), Some(ScatterMode::FrontTransmission));
+    assert_eq!(stated.measurement.parts[0].way, ScatterMode::FrontTransmission);
     // A file that states its parts keeps them.
-    let four = read_part("30,0,150,180,1\n", Some(Way::FrontReflection));
-    assert_eq!(four.measurement.parts[0].way, Way::FrontTransmission);
-    let refused = four.only(Way::FrontReflection, "four.csv").unwrap_err();
+    let four = read_part("30,0,150,180,1\n", Some(ScatterMode::FrontReflection));
+    assert_eq!(four.measurement.parts[0].way, ScatterMode::FrontTransmission);
+    let refused = four.only(ScatterMode::FrontReflection, "four.csv").unwrap_err();
     assert!(
         matches!(&refused.problem, Problem::Bsdf(problem) if matches!(**problem, BsdfProblem::NoPart { .. }))
     );

@@ -3,7 +3,7 @@
 use papilio_diagnostics::Diagnostic;
 use papilio_display::scene::ScatterKernel;
 use papilio_formats::{BsdfFile, LARGEST_BSDF_FILE, read_bsdf_file};
-use papilio_goniometry::{self as goniometry, Backing, Fill, GoniometryError, Preparation, Way, kernel};
+use papilio_goniometry::{self as goniometry, Backing, Fill, GoniometryError, Preparation, ScatterMode, kernel};
 use papilio_optics::scatter::Scatter;
 use papilio_spectra::{Spectrum, illuminant};
 
@@ -22,7 +22,7 @@ pub(super) struct Source<'a> {
     pub(super) name: &'a str,
     pub(super) file: Origin,
     /// The part that the values of the file are, if the scenario states it.
-    pub(super) part: Option<Way>,
+    pub(super) part: Option<ScatterMode>,
     pub(super) normalise: &'a Spanned<Normalise>,
     pub(super) extrapolate_tails: bool,
     /// `None` if the scenario does not specify it.
@@ -51,13 +51,13 @@ impl Resolver<'_> {
         &mut self,
         source: &Source<'_>,
         file: &'a BsdfFile,
-        way: Way,
-    ) -> Option<&'a goniometry::Part> {
+        way: ScatterMode,
+    ) -> Option<&'a goniometry::MeasuredPart> {
         let parts = &file.measurement.parts;
         let part = parts.iter().find(|part| part.way == way);
         if part.is_none() {
             let found = parts.iter().map(|part| part.way.name()).collect::<Vec<_>>().join(", ");
-            let hint = if way == Way::FrontTransmission && found.contains(Way::BackTransmission.name()) {
+            let hint = if way == ScatterMode::FrontTransmission && found.contains(ScatterMode::BackTransmission.name()) {
                 Some("`flipped = true` takes the light from the other side of the sample")
             } else if way.is_transmission() && !file.states_part {
                 Some(
@@ -96,7 +96,7 @@ impl Resolver<'_> {
     pub(super) fn scattered(
         &mut self,
         source: &Source<'_>,
-        part: &goniometry::Part,
+        part: &goniometry::MeasuredPart,
         spectrum: Option<Spectrum>,
         backing: Backing,
     ) -> Option<ScatterKernel> {
@@ -123,7 +123,7 @@ impl Resolver<'_> {
     fn kernel(
         &mut self,
         source: &Source<'_>,
-        part: &goniometry::Part,
+        part: &goniometry::MeasuredPart,
         [level, largest]: [f64; 2],
         backing: Backing,
     ) -> Option<Scatter> {
