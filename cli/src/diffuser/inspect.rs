@@ -6,7 +6,7 @@ use std::path::Path;
 use papilio_figures::{Transmission, lobes, transmission};
 use papilio_formats::words::percent;
 use papilio_formats::{AuditFile, DataFile, audit_text, read_fractions, write_json};
-use papilio_goniometry::{Audit, Geometry, Measurement, MeasuredPart, SpecularGrid, Unblur, deblurred};
+use papilio_goniometry::{Audit, Geometry, MeasuredPart, Measurement, SpecularGrid, Unblur, deblurred};
 
 use super::{read, report};
 use crate::arguments::Inspect;

@@ -6,7 +6,7 @@
 
 use std::ops::Range;
 
-use papilio_goniometry::{Channel, Geometry, Measurement, MeasuredPart, SpecularGrid, Symmetry, ScatterMode};
+use papilio_goniometry::{Channel, Geometry, MeasuredPart, Measurement, ScatterMode, SpecularGrid, Symmetry};
 
 use super::table_read::{cells, provenance, separator};
 use super::text::{Lines, Text};
@@ -137,7 +137,12 @@ fn row(text: Text<'_>, layout: &Layout, line: Range<usize>) -> Result<Option<Row
 }
 
 /// Returns the rows of one side of the sample as a lobe: the mean of the two sides of the normal.
-fn part(text: Text<'_>, way: ScatterMode, rows: Vec<Row>, warnings: &mut Vec<String>) -> Result<MeasuredPart, FormatError> {
+fn part(
+    text: Text<'_>,
+    way: ScatterMode,
+    rows: Vec<Row>,
+    warnings: &mut Vec<String>,
+) -> Result<MeasuredPart, FormatError> {
     let radial = |theta: f64| if theta.abs() > 90.0 { 180.0 - theta.abs() } else { theta.abs() };
     let mut rows: Vec<(f64, bool, f64, Range<usize>)> =
         rows.into_iter().map(|(theta, value, place)| (radial(theta), theta < 0.0, value, place)).collect();

@@ -10,7 +10,7 @@ use papilio_spectra::{Dispersion, SpectraError, Spectrum, material, material_nam
 use super::Resolver;
 use crate::describe::display::{MaterialSpec, ShareSpectrum};
 use crate::here::looks_like_path;
-use crate::library::{MemoryFile, Library, Missing};
+use crate::library::{Library, MemoryFile, Missing};
 use crate::mistake;
 use crate::origin::Origin;
 use crate::read::Spanned;

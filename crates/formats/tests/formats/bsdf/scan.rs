@@ -17,14 +17,18 @@ fn scan_is_a_rotationally_symmetric_lobe_of_the_part_that_its_column_names() {
     assert!(scan.states_part && scan.warnings.is_empty(), "{:?}", scan.warnings);
     assert!(scan.notes[0].contains("shift-invariant in direction cosines"), "{:?}", scan.notes);
     let part = &scan.measurement.parts[0];
-    assert_eq!((part.way, scan.measurement.provenance.sample.as_str()), (ScatterMode::FrontTransmission, "film"));
+    assert_eq!(
+        (part.way, scan.measurement.provenance.sample.as_str()),
+        (ScatterMode::FrontTransmission, "film")
+    );
     let normal = Direction::new(0.0, 0.0);
     for phi in [0.0, 77.0, 180.0] {
         assert_eq!(part.evaluate(0, normal, Direction::new(10.0, phi)), Some(2.0), "{phi}");
     }
-    for (header, way) in
-        [("theta,brdf", ScatterMode::FrontReflection), ("\"Theta (deg)\";\"BTDF (1/sr)\"", ScatterMode::FrontTransmission)]
-    {
+    for (header, way) in [
+        ("theta,brdf", ScatterMode::FrontReflection),
+        ("\"Theta (deg)\";\"BTDF (1/sr)\"", ScatterMode::FrontTransmission),
+    ] {
         let scan = read(
             format!("{header}\n0 4\n5 3\n10 2\n90 0\n")
                 .replace(' ', if header.contains(';') { ";" } else { "," }),
@@ -40,10 +44,16 @@ fn part_of_a_scan_can_be_stated() {
     assert_eq!(refused_bsdf(bare).1, BsdfProblem::Unknown);
     let named = "theta_deg,bsdf\n0,4\n5,3\n10,2\n90,0\n";
     let unstated = read_part(named, None);
-    assert_eq!((unstated.states_part, unstated.measurement.parts[0].way), (false, ScatterMode::FrontReflection));
+    assert_eq!(
+        (unstated.states_part, unstated.measurement.parts[0].way),
+        (false, ScatterMode::FrontReflection)
+    );
     for text in [bare, named, "angle,f\n0,4\n5,3\n10,2\n90,0\n"] {
         let stated = read_part(text, Some(ScatterMode::BackTransmission));
-        assert_eq!((stated.states_part, stated.measurement.parts[0].way), (true, ScatterMode::BackTransmission));
+        assert_eq!(
+            (stated.states_part, stated.measurement.parts[0].way),
+            (true, ScatterMode::BackTransmission)
+        );
     }
     assert_eq!(refused_bsdf("wavelength_nm,T\n400,1\n500,1\n600,1\n").1, BsdfProblem::Unknown);
     assert_eq!(refused_bsdf("theta_deg,luminance\n0,1\n45,1\n90,1\n").1, BsdfProblem::Unknown);
@@ -105,7 +115,10 @@ fn table_of_btdf_values_is_a_transmission() {
     let btdf = read_part(&table("btdf"), None);
     assert_eq!((btdf.measurement.parts[0].way, btdf.notes.len()), (ScatterMode::FrontTransmission, 1));
     let unstated = read_part(&table("value"), None);
-    assert_eq!((unstated.measurement.parts[0].way, unstated.states_part), (ScatterMode::FrontReflection, false));
+    assert_eq!(
+        (unstated.measurement.parts[0].way, unstated.states_part),
+        (ScatterMode::FrontReflection, false)
+    );
     let stated = read_part(&table("value"), Some(ScatterMode::FrontTransmission));
     assert_eq!(stated.measurement.parts[0].way, ScatterMode::FrontTransmission);
     // A file that states its parts keeps them.

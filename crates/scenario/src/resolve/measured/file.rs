@@ -3,7 +3,9 @@
 use papilio_diagnostics::Diagnostic;
 use papilio_display::scene::ScatterKernel;
 use papilio_formats::{BsdfFile, LARGEST_BSDF_FILE, read_bsdf_file};
-use papilio_goniometry::{self as goniometry, Backing, Fill, GoniometryError, Preparation, ScatterMode, kernel};
+use papilio_goniometry::{
+    self as goniometry, Backing, Fill, GoniometryError, Preparation, ScatterMode, kernel,
+};
 use papilio_optics::scatter::Scatter;
 use papilio_spectra::{Spectrum, illuminant};
 
@@ -57,7 +59,9 @@ impl Resolver<'_> {
         let part = parts.iter().find(|part| part.way == way);
         if part.is_none() {
             let found = parts.iter().map(|part| part.way.name()).collect::<Vec<_>>().join(", ");
-            let hint = if way == ScatterMode::FrontTransmission && found.contains(ScatterMode::BackTransmission.name()) {
+            let hint = if way == ScatterMode::FrontTransmission
+                && found.contains(ScatterMode::BackTransmission.name())
+            {
                 Some("`flipped = true` takes the light from the other side of the sample")
             } else if way.is_transmission() && !file.states_part {
                 Some(
