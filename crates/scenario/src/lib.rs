@@ -89,7 +89,7 @@ pub use optimise::{
 pub use page::with_key_tables;
 pub use papilio_diagnostics::{Diagnostic, nearest};
 pub use path::KeyPath;
-pub use preset::{new_scenario, preset_names};
+pub use preset::{UsedPreset, new_scenario, preset_names};
 pub use resolve::VirtualMeasurement;
 pub use scenario::{Resolved, Scenario};
 pub use schema::schema;

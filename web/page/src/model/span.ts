@@ -47,10 +47,12 @@ export function span(key: string, limits: Limits, value: number): Span {
   };
   const useful =
     USEFUL[key] ?? (Number.isFinite(width) && width <= 720 ? all : { min: 0, max: 10, step: 0.01, log: false });
+  // An end that is excluded is not on the slider.
+  const inside = [0, 1].map((end) => (limits.open?.[end] && !useful.log ? useful.step : 0)) as [number, number];
   return {
     ...useful,
-    min: Math.max(limits.min, Math.min(useful.min, value)),
-    max: Math.min(limits.max, value > useful.max ? 2 * value : useful.max),
+    min: Math.max(limits.min + inside[0], Math.min(useful.min, value)),
+    max: Math.min(limits.max - inside[1], value > useful.max ? 2 * value : useful.max),
   };
 }
 
