@@ -40,7 +40,7 @@ const filmHeight = (): number => scaled(18);
 /** Height of the largest gap. */
 const GAP = 44;
 const MIRROR = 16;
-const SUBSTRATE = 22;
+const substrateHeight = (): number => scaled(22);
 /** Height of the gap's band: the gap, the mirrors, and a margin. */
 const GAPS = GAP + MIRROR + 6;
 
@@ -254,11 +254,11 @@ function PixelParts({ top }: { top: number }) {
     <>
       {rows}
       <Part path="display.pixel" y={y}>
-        <rect class="band metal substrate" x={LEFT} width={WIDTH} height={SUBSTRATE} />
+        <rect class="band metal substrate" x={LEFT} width={WIDTH} height={substrateHeight()} />
         <Words
           name={`${material(at(all, "display.pixel.substrate"))} mirror`}
           note={`fill factor ${plain(Number(at(all, "display.pixel.fill_factor") ?? 1))}`}
-          height={SUBSTRATE}
+          height={substrateHeight()}
         />
       </Part>
     </>
@@ -269,7 +269,8 @@ function pixelHeight(): number {
   if (textAt(fields.value, "display.pixel.model") !== "film") return 44;
   const rows = listAt(fields.value, "display.pixel.film");
   return (
-    rows.reduce<number>((sum, film) => sum + (at(film, "thickness_nm") === "gap" ? GAPS : filmHeight()), 0) + SUBSTRATE
+    rows.reduce<number>((sum, film) => sum + (at(film, "thickness_nm") === "gap" ? GAPS : filmHeight()), 0) +
+    substrateHeight()
   );
 }
 

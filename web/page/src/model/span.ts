@@ -14,6 +14,7 @@ export interface Span {
 const USEFUL: Record<string, Span> = {
   reflectance: { min: 0, max: 0.1, step: 0.0005, log: false },
   absorptance: { min: 0, max: 0.1, step: 0.0005, log: false },
+  haze: { min: 0.005, max: 0.99, step: 0.005, log: false },
   thickness_nm: { min: 0, max: 200, step: 0.1, log: false },
   gap_nm: { min: 0, max: 500, step: 0.1, log: false },
   illuminance_lx: { min: 1, max: 200_000, step: 0, log: true },

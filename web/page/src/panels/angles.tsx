@@ -105,9 +105,11 @@ export function AnglesPanel() {
       </div>
       <Problems of={now.problems} />
       <Aged age={now.busy ? "computing" : "current"}>
-        <p class="figure-tools">
-          <Downloads name="angles" svg={() => curvesSvg(plot)} table={() => tableOf(now.value)} />
-        </p>
+        {now.value && (
+          <p class="figure-tools">
+            <Downloads name="angles" svg={() => curvesSvg(plot)} table={() => tableOf(now.value)} />
+          </p>
+        )}
         <div class="with-key">
           {x.length === 0 ? (
             <p class="empty-plot" role="status">

@@ -75,6 +75,8 @@ export function Menu({ children, label, title, class: of = "", items, chosen, ch
   };
   useLayoutEffect(() => {
     if (!isOpen || !menu.current || !button.current) return undefined;
+    // In the top layer, no ancestor clips or moves it.
+    menu.current.showPopover();
     place(menu.current, button.current);
     const all = itemsOf(menu.current);
     const start =
@@ -136,6 +138,7 @@ export function Menu({ children, label, title, class: of = "", items, chosen, ch
         <ul
           ref={menu}
           class="menu"
+          popover="manual"
           role="menu"
           aria-label={label ?? (typeof children === "string" ? children : undefined)}
           onKeyDown={pressMenu}
