@@ -75,6 +75,7 @@ mod error;
 mod lobes;
 mod meter;
 mod metrics;
+mod notes;
 pub mod pixel;
 mod prepared;
 pub mod readability;
