@@ -119,7 +119,12 @@ impl From<&ScenarioError> for OneError {
             expected: error.diagnostic.expected.clone(),
             hint: error.hint().map(str::to_owned),
             // The value of a data file cannot be changed in the scenario.
-            accepted: error.diagnostic.accepted.as_deref().filter(|_| error.asked_for_at.is_none()).and_then(as_json),
+            accepted: error
+                .diagnostic
+                .accepted
+                .as_deref()
+                .filter(|_| error.asked_for_at.is_none())
+                .and_then(as_json),
             monte_carlo: None,
         }
     }

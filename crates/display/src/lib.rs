@@ -81,7 +81,7 @@ mod prepared;
 pub mod readability;
 mod reflection;
 pub mod result;
-mod room_light;
+mod ambient_light;
 mod rows;
 mod run;
 pub mod scene;
@@ -95,7 +95,7 @@ pub use error::DisplayError;
 pub use lobes::{TransmittedLobe, transmitted_lobes};
 pub use prepared::Prepared;
 pub use reflection::{Reflection, ReflectionState, reflection};
-pub use room_light::{RoomLamp, RoomLight, room_light};
+pub use ambient_light::{AmbientSource, AmbientLight, ambient_light};
 pub use rows::RowErrors;
 pub use run::{
     Control, Cost, Progress, StudyCurve, StudyPoint, adding_seconds, brdf, cone, cost, run, study,

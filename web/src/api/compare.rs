@@ -64,7 +64,8 @@ fn compared(site: &Site, request: CompareOf, stop: &AtomicBool) -> Result<Compar
     let bytes = written(|out| write_json(out, &answer.file()))?;
     let simulated = read_result(&DataFile { name: "result.json".to_owned(), bytes })?.simulated;
     let all = compare_with(&simulated, &measured).map_err(|error| {
-        let hint = "the names of states must equal those of the design, and angles must agree to within 1 deg";
+        let hint =
+            "the names of states must equal those of the design, and angles must agree to within 1 deg";
         Fault::too_much(error.to_string(), hint)
     })?;
     let warning = "the measured Y is about a hundred times the simulated Y; expected reflectance factors and Y as \

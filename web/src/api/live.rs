@@ -3,8 +3,8 @@
 use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
-use papilio_display::{Control, TransmittedLobe, transmitted_lobes};
 use papilio_display::result::RunResult;
+use papilio_display::{Control, TransmittedLobe, transmitted_lobes};
 use papilio_formats::ResultFile;
 use papilio_scenario::{Edit, Resolved};
 use schemars::{JsonSchema, Schema, SchemaGenerator};

@@ -62,16 +62,18 @@ fn what_adding_refuses_is_computed_by_monte_carlo() {
     assert!(done["states"][0]["Y"].as_f64().unwrap() > 0.0 && done["states"][0]["live_Y"].is_null());
     assert_eq!(done["result"]["solver"]["method"], "monte-carlo");
     // Other errors are not for Monte Carlo.
-    let wrong = server.post("/live", &json!({ "scenario": indoor(&server), "edits": set("display.diffuser.haze", &json!(3)) }));
+    let wrong = server.post(
+        "/live",
+        &json!({ "scenario": indoor(&server), "edits": set("display.diffuser.haze", &json!(3)) }),
+    );
     assert!(wrong.json()["errors"][0].get("monte_carlo").is_none());
 }
 
 #[test]
 fn live_result_has_its_preset_and_its_lobes() {
     let server = Server::start();
-    let live = |edits: &Value| {
-        server.post("/live", &json!({ "scenario": indoor(&server), "edits": edits })).json()
-    };
+    let live =
+        |edits: &Value| server.post("/live", &json!({ "scenario": indoor(&server), "edits": edits })).json();
     let seen = live(&json!([]));
     assert_eq!(seen["preset"], json!({ "name": "indoor", "changed": false }));
     assert_eq!(live(&set("lighting.directed.0.theta_deg", &json!(-36)))["preset"], Value::Null);
@@ -114,8 +116,13 @@ fn comparison_with_a_measured_panel_equals_the_command_line() {
     let measured = read_measured_panel(&DataFile { name: "p".to_owned(), bytes }).unwrap();
     let wanted = serde_json::to_value(compare(&simulated, &measured).unwrap()).unwrap();
     let compared = answer.json();
-    assert_eq!(compared["comparison"]["states"].as_array().unwrap().len(), wanted["states"].as_array().unwrap().len());
-    for (ours, theirs) in compared["comparison"]["states"].as_array().unwrap().iter().zip(wanted["states"].as_array().unwrap()) {
+    assert_eq!(
+        compared["comparison"]["states"].as_array().unwrap().len(),
+        wanted["states"].as_array().unwrap().len()
+    );
+    for (ours, theirs) in
+        compared["comparison"]["states"].as_array().unwrap().iter().zip(wanted["states"].as_array().unwrap())
+    {
         let of = |one: &Value| one["delta_E_2000"].as_f64().unwrap();
         assert!((of(ours) - of(theirs)).abs() < 1e-9 && of(ours) > 0.0, "{ours} {theirs}");
     }

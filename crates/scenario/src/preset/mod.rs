@@ -159,7 +159,8 @@ mod tests {
         let moved = "lighting.preset = \"sunny\"\nlighting.directed = [{ theta_deg = -36, share = 0.8 }]\n";
         let changed = UsedPreset { name: "sunny", is_changed: true };
         assert_eq!(used(&format!("{moved}{DISPLAY}")), Some(changed));
-        let ring = "lighting.environment = [{ model = \"ring\", theta_deg = 35, width_deg = 10, share = 0.1 }]\n";
+        let ring =
+            "lighting.environment = [{ model = \"ring\", theta_deg = 35, width_deg = 10, share = 0.1 }]\n";
         let added = format!("lighting.preset = \"sunny\"\nlighting.diffuse = 0.1\n{ring}{DISPLAY}");
         assert!(used(&added).unwrap().is_changed);
     }
