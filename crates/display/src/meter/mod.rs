@@ -21,6 +21,7 @@ use papilio_colour::{Xyz, peak_nm};
 use papilio_spectra::{Grid, sum_of_products};
 use papilio_transport::{Base, Estimate, ReflectanceFactor};
 
+use crate::readability::Reader;
 use crate::result::Illuminant;
 use crate::setup::{Light, Setup, ViewPoint};
 pub(crate) use angle::{ViewSamples, against_angle};
@@ -235,7 +236,7 @@ impl<'a> Meter<'a> {
             Some((white.xyz, white.luminance_cd_m2))
         };
         let white = if self.is_self_lit { own() } else { Some(paper) };
-        Reference { names, white, settings: &self.setup.scene.metrics }
+        Reference { names, white, settings: &self.setup.scene.metrics, reader: Reader::of(&self.setup.scene) }
     }
 
     /// Returns the numbers of states, wavelengths and sources.

@@ -47,6 +47,14 @@ pub(crate) fn result(thetas: &[f64], relative_error: f64) -> RunResult {
             u_prime: uv.u,
             v_prime: uv.v,
         },
+        reader: Reader {
+            age_years: 25.0,
+            text_height_mm: 1.6,
+            distance_mm: 500.0,
+            detail_arcmin: 2.2,
+            cycles_per_degree: 13.6,
+            is_described: false,
+        },
         warnings: vec![],
     }
 }
@@ -129,6 +137,8 @@ fn view(grid: &Grid, observer: &Observer, white: &Spectrum, theta_deg: f64, erro
         theta_deg,
         phi_deg: 0.0,
         metrics: metrics(1.0),
+        visibility_level_in_range: None,
+        contrast_margin_in_range: None,
         standard_error: metrics(2.0 * error),
         discretisation_error: None,
         ledger: Named(vec![]),
