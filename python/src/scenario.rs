@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use papilio_formats::DataFile;
-use papilio_scenario::{Edit, KeptFile, Library, Memo, Scenario};
+use papilio_scenario::{Edit, Library, MemoryFile, ResolveCache, Scenario};
 use pyo3::exceptions::{PyKeyError, PyValueError};
 use pyo3::prelude::*;
 
@@ -68,10 +68,10 @@ impl Described {
 /// Source of a scenario's files.
 pub(crate) fn library(folder: PathBuf, files: Option<BTreeMap<String, Vec<u8>>>) -> Library {
     let Some(files) = files else { return Library::Folder(folder) };
-    let kept = |(name, bytes): (String, Vec<u8>)| (name.clone(), KeptFile::new(DataFile { name, bytes }));
+    let kept = |(name, bytes): (String, Vec<u8>)| (name.clone(), MemoryFile::new(DataFile { name, bytes }));
     Library::Memory {
         files: Arc::new(files.into_iter().map(kept).collect()),
-        memo: Arc::new(Memo::default()),
+        memo: Arc::new(ResolveCache::default()),
     }
 }
 

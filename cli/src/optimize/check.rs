@@ -43,8 +43,8 @@ pub(super) fn check(
     for condition in &study.conditions {
         let resolved = condition.varied.scenario(&values)?.resolve()?;
         let mut scene = resolved.scene.clone();
-        scene.solver.method = Method::Walk;
-        scene.solver.stop = Stop::RelativeError { target: RELATIVE_ERROR, every_bin: false };
+        scene.solver.method = Method::MonteCarlo;
+        scene.solver.stop = Stop::RelativeError { target: RELATIVE_ERROR, per_wavelength: false };
         match with_progress(&resolved, threads, |control| papilio_display::run(&scene, control))? {
             Some(result) if !result.solver.interrupted => results.push(result),
             _ => return Ok(None),

@@ -1,4 +1,4 @@
-//! Light sweeps: they store only a few metrics of each point, about 80 bytes, for sweeps of 100 000 points and more.
+//! Compact sweeps: they store only a few metrics of each point, about 80 bytes, for sweeps of 100 000 points and more.
 
 use std::collections::BTreeMap;
 use std::io::Write;
@@ -74,7 +74,7 @@ pub(super) fn run(
     finish(folder, &head, &all, outputs)
 }
 
-/// Merges the journals of shards; false if the folders contain no journal of a light sweep.
+/// Merges the journals of shards; false if the folders contain no journal of a compact sweep.
 pub(super) fn merged(arguments: &SweepMerge) -> Result<bool, Failure> {
     let mut head: Option<(PathBuf, SweepHead)> = None;
     let mut rows: BTreeMap<usize, Vec<f64>> = BTreeMap::new();

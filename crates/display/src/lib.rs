@@ -79,7 +79,7 @@ mod prepared;
 pub mod readability;
 mod reflection;
 pub mod result;
-mod room_light;
+mod ambient_light;
 mod rows;
 mod run;
 pub mod scene;
@@ -92,7 +92,7 @@ pub use designs::{Derivatives, Designs, Parameter, Quantity};
 pub use error::DisplayError;
 pub use prepared::Prepared;
 pub use reflection::{Reflection, ReflectionState, reflection};
-pub use room_light::{RoomLamp, RoomLight, room_light};
+pub use ambient_light::{AmbientSource, AmbientLight, ambient_light};
 pub use rows::RowErrors;
 pub use run::{
     Control, Cost, Progress, StudyCurve, StudyPoint, adding_seconds, brdf, cone, cost, run, study,

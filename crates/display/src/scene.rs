@@ -437,7 +437,7 @@ pub enum Stop {
         /// The relative error, for example 0.001.
         target: f64,
         /// Whether it applies to every wavelength, too, relative to the maximum of the spectrum.
-        every_bin: bool,
+        per_wavelength: bool,
     },
     /// Number of paths for each view (Monte Carlo only).
     Paths(u64),

@@ -3,7 +3,7 @@
 use std::io;
 
 use crate::tolerance::{Estimate, MetricReport, PERCENTILES, Production, Report};
-use papilio_figures::{Blame, Ends, good_and_bad, histogram, named_with_unit, sensitivities};
+use papilio_figures::{Ends, SensitivityBar, histogram, named_with_unit, pass_fail_scatter, sensitivities};
 use papilio_formats::{sweep_value, words, write_json, write_table};
 use papilio_scenario::{ScatteredKey, Tolerance};
 
@@ -114,11 +114,11 @@ pub fn tolerance_figures(
     }
     let metrics: Vec<String> = report.metrics.iter().map(|metric| metric.name.clone()).collect();
     let groups: Vec<String> = report.groups.iter().map(|group| group.join(" + ")).collect();
-    let bar = |one: &crate::tolerance::Indices| Blame {
+    let bar = |one: &crate::tolerance::Indices| SensitivityBar {
         first: [one.first.value, one.first.standard_error],
         total: [one.total.value, one.total.standard_error],
     };
-    let groups_of_bars: Vec<Vec<Option<Blame>>> = report
+    let groups_of_bars: Vec<Vec<Option<SensitivityBar>>> = report
         .metrics
         .iter()
         .map(|metric| metric.indices.iter().map(|one| one.as_ref().map(bar)).collect())
@@ -132,7 +132,7 @@ pub fn tolerance_figures(
             .map(|(row, values)| ([number(row, x), number(row, y)], is_good(tolerance, values)))
             .collect();
         let [x, y] = [x, y].map(|key| axis(&tolerance.keys[key]));
-        drawn.push(("tolerance_keys".to_owned(), good_and_bad([&x, &y], &points, title)));
+        drawn.push(("tolerance_keys".to_owned(), pass_fail_scatter([&x, &y], &points, title)));
     }
     drawn
 }

@@ -127,7 +127,7 @@ pub(crate) fn run_setup(
     let meter = Meter::new(setup);
     let run = Run { scene: &setup.scene, control, setup, meter: &meter };
     match setup.scene.solver.method {
-        Method::Walk => {
+        Method::MonteCarlo => {
             let pool = Workers::wanted(workers, control.threads.unwrap_or(0))?;
             pool.install(|| walk::run(&run))
         }

@@ -139,7 +139,7 @@ impl Resolver<'_> {
                 let films = self.coating(path, coating)?;
                 Part::Interface(Interface::Coating(Coating { films, key: path.to_owned() }))
             }
-            describe::Layer::IdealAr(_) => Part::Interface(Ready::Coated.into()),
+            describe::Layer::IdealAr(_) => Part::Interface(Ready::IdealAr.into()),
             describe::Layer::Fresnel(_) => Part::Interface(Ready::Fresnel.into()),
             describe::Layer::Rough(rough) => Part::Interface(Interface::Rough {
                 alpha: rough.alpha.0,

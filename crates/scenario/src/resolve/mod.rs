@@ -203,7 +203,7 @@ impl Resolver<'_> {
     /// Notes a `scattering` without effect.
     fn note_scattering(&mut self, scene: &Scene) {
         let chosen =
-            scene.solver.method == scene::Method::Walk && scene.solver.scattering != Strategy::Kernel;
+            scene.solver.method == scene::Method::MonteCarlo && scene.solver.scattering != Strategy::Kernel;
         let lobe = scene.display.panel().is_some_and(|panel| panel.diffuser.is_some());
         if chosen && !lobe {
             self.notes.push(
@@ -268,7 +268,7 @@ impl Resolver<'_> {
         Some(scene::Solver {
             method: match solver.method.value {
                 solver::Method::Adding => scene::Method::Adding,
-                solver::Method::MonteCarlo => scene::Method::Walk,
+                solver::Method::MonteCarlo => scene::Method::MonteCarlo,
             },
             stop,
             sampler: match solver.sampler.value {
@@ -365,7 +365,7 @@ impl Resolver<'_> {
             }
             (target, None) => Some(scene::Stop::RelativeError {
                 target: target.map_or(0.001, |target| target.0),
-                every_bin: solver.per_wavelength.value,
+                per_wavelength: solver.per_wavelength.value,
             }),
         }
     }

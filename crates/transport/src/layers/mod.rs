@@ -22,7 +22,7 @@ pub use diffuser::Diffuser;
 pub use medium::{Medium, Scattering};
 pub(crate) use scatter::least_edge;
 pub use scatter::{ScatterFace, ScatterKernel};
-pub use sheet::Sheet;
+pub use sheet::Component;
 
 use std::fmt::Debug;
 
@@ -47,7 +47,7 @@ pub enum Interface {
     /// A bare interface, unpolarised Fresnel.
     Fresnel,
     /// A front-of-screen component in a medium.
-    Sheet(Sheet),
+    Component(Component),
     /// Coherent thin films.
     Coating(Coating),
     /// A diffuser given by its BTDF, including its surfaces.
@@ -65,7 +65,7 @@ impl Interface {
             Self::Open => &open::Open,
             Self::Coated => &coated::Coated,
             Self::Fresnel => &fresnel::Fresnel,
-            Self::Sheet(sheet) => sheet,
+            Self::Component(sheet) => sheet,
             Self::Coating(coating) => coating,
             Self::Diffuser(diffuser) => diffuser,
             Self::Rough(rough) => rough,
@@ -286,7 +286,7 @@ mod tests {
     use papilio_optics::film::{SpectralLayer, Thickness};
     use papilio_optics::lobe::Lobe;
     use papilio_optics::scatter::{Normalisation, Ward};
-    use papilio_sampling::{Numbers, Sampler};
+    use papilio_sampling::{SampleStream, Sampler};
 
     use super::*;
 
@@ -312,14 +312,14 @@ mod tests {
             ("open", Box::new(open::Open)),
             ("coated", Box::new(coated::Coated)),
             ("fresnel", Box::new(fresnel::Fresnel)),
-            ("sheet", Box::new(Sheet { reflectance: of(0.1, 0.2), absorptance: of(0.3, 0.0) })),
+            ("sheet", Box::new(Component { reflectance: of(0.1, 0.2), absorptance: of(0.3, 0.0) })),
             ("coating", Box::new(coating)),
             (
                 "diffuser",
                 Box::new(Diffuser {
                     lobe: Lobe::KCorrelation { width: 0.1 },
                     transmittance: of(0.9, 0.8),
-                    straight_through: 0.2,
+                    regular_fraction: 0.2,
                 }),
             ),
             ("rough", Box::new(Rough::new(0.5, 1.3, 1.5))),
@@ -358,7 +358,7 @@ mod tests {
     /// their directions.
     #[test]
     fn channels_add_up_and_samples_agree_with_densities() {
-        let ([above, below], numbers) = (media(), Numbers::new(Sampler::Random, 3, 0));
+        let ([above, below], numbers) = (media(), SampleStream::new(Sampler::Random, 3, 0));
         for (name, kind) in kinds() {
             let Some(interface) = kind.scattering_interface() else { continue };
             assert!(kind.scatters(), "{name}");
