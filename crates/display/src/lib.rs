@@ -74,6 +74,7 @@ pub mod environment;
 mod error;
 mod meter;
 mod metrics;
+mod notes;
 pub mod pixel;
 mod prepared;
 pub mod readability;

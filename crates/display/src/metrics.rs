@@ -143,6 +143,22 @@ metrics! {
         coverage_percent_ntsc,
         /// The same for the DCI-P3 triangle.
         coverage_percent_dci_p3,
+        /// Gamut area of the red, green and blue states in CIE 1931 xy, % of sRGB.
+        gamut_percent_srgb_xy,
+        /// The same, % of EBU.
+        gamut_percent_ebu_xy,
+        /// The same, % of NTSC: the "NTSC" of data sheets.
+        gamut_percent_ntsc_xy,
+        /// The same, % of DCI-P3.
+        gamut_percent_dci_p3_xy,
+        /// Gamut coverage in CIE 1931 xy: fraction of the sRGB triangle that the display covers, %.
+        coverage_percent_srgb_xy,
+        /// The same for the EBU triangle.
+        coverage_percent_ebu_xy,
+        /// The same for the NTSC triangle.
+        coverage_percent_ntsc_xy,
+        /// The same for the DCI-P3 triangle.
+        coverage_percent_dci_p3_xy,
         /// Gamut volume in CIELAB, if `metrics.gamut_volume` is set.
         gamut_volume_cielab,
         /// Mean over red, green and blue of `peak_shift_nm` (Feng 2012, eq. 5-12).

@@ -16,6 +16,7 @@ use papilio_spectra::{Grid, Spectrum};
 pub use papilio_transport::walk::Strategy;
 pub use papilio_transport::{Diffuser, Field, Interface as Ready, ScatterFace, ScatterKernel, Scattering};
 
+pub use crate::result::ReferenceWhite;
 pub use crate::target::{Metric, Target, Tolerance};
 
 /// Complete description of one computation.
@@ -40,6 +41,9 @@ pub struct Scene {
 pub struct Metrics {
     /// Standard observer for X, Y, Z; luminances always use V(lambda) of CIE 1931.
     pub observer: Standard,
+    /// White of L*, a*, b*, u*, v*, the colour differences and the gamut volume. If the front light is the only light, it is
+    /// always the display's.
+    pub white: ReferenceWhite,
     /// Name of the state with which the others are compared; without such a state there is no comparison.
     pub reference_state: String,
     /// Whether to report reflectance factors under each light alone.
@@ -69,6 +73,7 @@ impl Default for Metrics {
     fn default() -> Self {
         Self {
             observer: Standard::Cie1931,
+            white: ReferenceWhite::Perfect,
             reference_state: "white".to_owned(),
             spectra_by_light: false,
             gamut_volume: false,
@@ -225,6 +230,8 @@ pub struct FilmPixel {
     pub layers: Vec<FilmLayer>,
     /// Complex index n + ik of the opaque, semi-infinite substrate.
     pub substrate: Vec<Complex64>,
+    /// Names of the materials for reports: of each layer and, last, of the substrate. A missing name is reported as empty.
+    pub materials: Vec<String>,
     /// The sub-pixels, in the order of the scenario.
     pub sub_pixels: Vec<SubPixel>,
     /// Gap of a dark sub-pixel, nm; `None` if no state needs it.

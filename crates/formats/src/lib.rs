@@ -18,6 +18,7 @@
 //! | [`ResultFile`] with [`write_json`] | `result.json`; its schema: [`result_schema`] |
 //! | [`write_states`], [`write_spectra`], [`write_reflection`] | `states.csv`, `spectra.csv`, `reflection.csv` |
 //! | [`PixelTable::write`] | `pixel.csv` |
+//! | [`write_absorption`], [`write_sub_pixels`] | `absorption.csv`, `sub-pixels.csv` |
 //! | [`write_cone_csv`], [`write_cone_npy`] | `cone.csv`, `cone.npy`; their description: [`ConeFile`] with [`write_json`] |
 //! | [`write_comparison`], [`write_compared_spectra`] | a comparison with a measured panel |
 //! | [`AuditFile`], [`FitFile`] with [`write_json`] | audit of a measurement, fitted lobes |
@@ -41,6 +42,7 @@
 //! # Ok::<(), papilio_formats::FormatError>(())
 //! ```
 
+mod absorption;
 mod audit;
 mod audit_text;
 mod bsdf;
@@ -72,6 +74,7 @@ mod sweep_parquet;
 mod tolerance;
 pub mod words;
 
+pub use absorption::{write_absorption, write_sub_pixels};
 pub use audit::{AuditFile, FitFile};
 pub use audit_text::audit_text;
 pub use bsdf::{
@@ -79,7 +82,7 @@ pub use bsdf::{
     bsdf_formats, read_bsdf, write_bsdf, write_measurement,
 };
 pub use comparison::{write_compared_spectra, write_comparison};
-pub use cone::{CONE_QUANTITIES, ConeFile, write_cone_csv, write_cone_npy};
+pub use cone::{CONE_QUANTITIES, ConeFile, cone_quantities, write_cone_csv, write_cone_npy};
 pub use error::{FormatError, Problem};
 pub use file::{DataFile, LARGEST_FILE, write_file};
 pub use index::{read_index, read_index_within};

@@ -23,6 +23,7 @@ pub(crate) use refine::{largest, level_error};
 pub use study::{Cost, StudyCurve, StudyPoint, cost, study};
 
 use crate::meter::{Meter, ViewSamples, against_angle};
+use crate::notes::notes;
 use crate::readability::Reader;
 use crate::result::{self, RunResult, SolverReport, View};
 use crate::scene::{Method, Scene, Stop};
@@ -202,12 +203,16 @@ impl Run<'_> {
                 Some(_) => {}
             }
         }
+        let (views, reference_white) = (against_angle(views), self.meter.reference_white());
         RunResult {
+            notes: notes(&views, reference_white),
             solver,
             wavelength_nm: self.scene.grid.wavelengths_nm(),
             illuminant: self.meter.illuminant(),
-            views: against_angle(views),
-            reader: reader(&self.scene),
+            reference_white,
+            primaries: crate::pixel::primaries(&self.scene.display.pixel),
+            views,
+            reader: reader(self.scene),
             warnings,
         }
     }

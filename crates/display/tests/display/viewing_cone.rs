@@ -16,7 +16,17 @@ fn scene(name: &str, target: f64) -> Scene {
 }
 
 fn seen(scene: &Scene, theta_deg: &[f64], phi_deg: &[f64], threads: usize) -> ConeResult {
-    let grid = ConeGrid { theta_deg: theta_deg.to_vec(), phi_deg: phi_deg.to_vec() };
+    seen_against(scene, theta_deg, phi_deg, [0.0, 0.0], threads)
+}
+
+fn seen_against(
+    scene: &Scene,
+    theta_deg: &[f64],
+    phi_deg: &[f64],
+    reference_deg: [f64; 2],
+    threads: usize,
+) -> ConeResult {
+    let grid = ConeGrid { theta_deg: theta_deg.to_vec(), phi_deg: phi_deg.to_vec(), reference_deg };
     let stop = AtomicBool::new(false);
     cone(scene, grid, &Control { threads: Some(threads), progress: &|_| {}, stop: &stop }).unwrap()
 }
@@ -71,6 +81,12 @@ fn direction_of_the_cone_equals_a_run_with_that_view() {
                 close(state.luminance_cd_m2, exact.value.luminance_cd_m2);
                 close(state.u_prime.unwrap(), exact.value.u_prime.unwrap());
                 close(state.v_prime.unwrap(), exact.value.v_prime.unwrap());
+                let lab = state.lab.unwrap();
+                let exact = [exact.value.L_star, exact.value.a_star, exact.value.b_star];
+                for (here, there) in [lab.l, lab.a, lab.b].into_iter().zip(exact) {
+                    // L* varies by 116/3 of the relative error of Y, a* and b* by 500/3 and 200/3 of those of X, Y and Z.
+                    assert!((here - there.unwrap()).abs() < 1000.0 * target, "{name} {k}: {here} {there:?}");
+                }
             }
             let pairs = [
                 (in_cone.contrast_ratio, view.metrics.contrast_ratio),

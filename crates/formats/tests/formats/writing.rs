@@ -1,8 +1,8 @@
 //! Writers of results.
 
 use papilio_display::result::{
-    Absorbed, Illuminant, Ledger, LedgerError, Named, Reader, RunResult, SolverReport, State, StateMetrics,
-    StateValues, Terms, View, ViewMetrics,
+    Absorbed, Illuminant, Ledger, LedgerError, Named, Reader, ReferenceWhite, RunResult, SolverReport, State,
+    StateMetrics, StateValues, Terms, View, ViewMetrics,
 };
 use papilio_formats::{ResultFile, write_json, write_spectra, write_states};
 
@@ -97,6 +97,9 @@ fn result() -> RunResult {
             cycles_per_degree: 13.6,
             is_described: false,
         },
+        reference_white: ReferenceWhite::Perfect,
+        primaries: vec![],
+        notes: vec![],
         warnings: vec!["a \"remark\"".to_owned()],
     }
 }
