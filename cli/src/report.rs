@@ -9,6 +9,32 @@ pub(crate) use papilio_formats::words::table;
 
 use crate::readability;
 
+/// Largest width of a column heading before it continues on the next line, characters.
+const HEADING: usize = 16;
+
+/// Returns the headings of a table's columns, on as many lines as the longest one needs.
+pub(crate) fn headings(labels: &[String]) -> Vec<Vec<String>> {
+    let lines = |label: &String| {
+        let mut lines: Vec<String> = Vec::new();
+        for word in label.split(' ') {
+            match lines.last_mut() {
+                Some(line) if line.chars().count() + 1 + word.chars().count() <= HEADING => {
+                    *line = format!("{line} {word}");
+                }
+                _ => lines.push(word.to_owned()),
+            }
+        }
+        lines
+    };
+    let all: Vec<Vec<String>> = labels.iter().map(lines).collect();
+    let height = all.iter().map(Vec::len).max().unwrap_or(0);
+    // The last lines are next to the numbers.
+    let cell = |lines: &Vec<String>, row: usize| {
+        (row + lines.len()).checked_sub(height).map_or_else(String::new, |line| lines[line].clone())
+    };
+    (0..height).map(|row| all.iter().map(|lines| cell(lines, row)).collect()).collect()
+}
+
 /// Most states in the row of a view, for displays without white and black.
 const STATES_IN_A_ROW: usize = 6;
 

@@ -205,7 +205,7 @@ pub struct Glass {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Surface {
     /// Ideal antireflection interface: transmits all light with |beta| <= 1 and totally reflects light with |beta| > 1.
-    Coated,
+    IdealAr,
     /// Bare interface: Fresnel reflectance of unpolarised light.
     Fresnel,
 }
@@ -432,7 +432,7 @@ pub enum Method {
     /// Adding: deterministic, without noise.
     Adding,
     /// Monte Carlo: unbiased, with standard errors.
-    Walk,
+    MonteCarlo,
 }
 
 /// Stopping criterion of a solver.
