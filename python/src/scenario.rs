@@ -140,6 +140,13 @@ pub(crate) fn new_scenario(preset: &str) -> PyResult<String> {
     papilio_scenario::new_scenario(preset).ok_or_else(|| PyKeyError::new_err(preset.to_owned()))
 }
 
+/// Quantity in words and unit of a metric or of a key of a scenario.
+#[pyfunction]
+pub(crate) fn label(name: &str) -> (String, String) {
+    let label = papilio_scenario::label(name);
+    (label.quantity, label.unit)
+}
+
 /// Names of the presets.
 #[pyfunction]
 pub(crate) fn preset_names() -> Vec<&'static str> {

@@ -27,7 +27,12 @@ impl SolverComparison {
     /// Row of the table on the terminal.
     pub(super) fn row(&self) -> Vec<String> {
         let number = |value: Option<f64>| value.map_or("-".to_owned(), crate::report::digits);
-        vec![self.name.clone(), number(self.adding), number(self.monte_carlo), number(self.standard_error)]
+        vec![
+            papilio_scenario::label(&self.name).to_string(),
+            number(self.adding),
+            number(self.monte_carlo),
+            number(self.standard_error),
+        ]
     }
 }
 

@@ -12,7 +12,7 @@ use papilio_formats::{
     JournalRow, LightHead, RowsHead, SweepHead, light_parquet, light_points, write_file, write_light_csv,
     write_light_json,
 };
-use papilio_scenario::{LightSweep, Sweep};
+use papilio_scenario::{LightSweep, Sweep, label};
 
 use super::compute::failed_at;
 use super::{merge, table};
@@ -105,7 +105,7 @@ fn finish(folder: &Path, head: &SweepHead, rows: &[&[f64]], outputs: SweepOutput
             write_file(&folder.join("sweep.parquet"), |out| out.write_all(&bytes))?;
             names.push("sweep.parquet".to_owned());
         }
-        let svgs = of_sweep(head, &refs[..refs.len().min(drawn)]);
+        let svgs = of_sweep(head, &refs[..refs.len().min(drawn)], &label);
         names.extend(output::write_figures(folder, svgs, outputs.png)?);
         Ok(names)
     })?;

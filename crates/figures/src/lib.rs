@@ -88,5 +88,4 @@ pub use production::{Ends, SensitivityBar, histogram, pass_fail_scatter, sensiti
 pub use rings::gamut_rings;
 pub use scattering::{ScatterCurve, ScatterMap, Scattering, scattering};
 pub use spectra::spectra;
-pub use style::named_with_unit;
-pub use sweep::{SweepAxis, SweepFigure, of_sweep, short_key, sweep_curves, sweep_map};
+pub use sweep::{SweepAxis, SweepFigure, of_sweep, sweep_curves, sweep_map};

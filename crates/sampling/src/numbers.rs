@@ -224,7 +224,7 @@ mod tests {
             let numbers = SampleStream::new(sampler, 9, 2);
             for first in [0, 48, 64, 8128, (1 << 32) - 64, (1 << 32) - 5, (1 << 32) + 128] {
                 for block in [0, 3, 4] {
-                    let found = [0, 1, 2, 3].map(|number| numbers.side_by_side::<64>(first, block, number));
+                    let found = [0, 1, 2, 3].map(|number| numbers.batch::<64>(first, block, number));
                     for k in 0..64 {
                         let one = numbers.block(first + k as u64, block);
                         assert_eq!(found.map(|number| number[k]), one);

@@ -52,6 +52,7 @@ mod edit;
 mod error;
 mod grammar;
 mod kinds;
+mod labels;
 mod library;
 mod memo;
 mod migrate;
@@ -78,6 +79,7 @@ mod varied;
 
 pub use edit::{Edit, edit};
 pub use error::{ScenarioError, ScenarioErrors};
+pub use labels::label;
 pub use library::{Library, MemoryFile};
 pub use memo::ResolveCache;
 pub use migrate::{Migrated, RenamedPlace, migrate};
@@ -88,6 +90,7 @@ pub use optimise::{
 };
 pub use page::with_key_tables;
 pub use papilio_diagnostics::{Diagnostic, nearest};
+pub use papilio_display::{Label, labelled_names};
 pub use path::KeyPath;
 pub use preset::{UsedPreset, new_scenario, preset_names};
 pub use resolve::VirtualMeasurement;

@@ -264,7 +264,7 @@ impl Reader {
         found: &[ReadVariable],
         own: &Scene,
     ) -> Result<(), ScenarioErrors> {
-        if own.solver.method == Solver::Walk {
+        if own.solver.method == Solver::MonteCarlo {
             let mut errors = Errors::default();
             let wrong = Diagnostic::new(
                 "a search with method = \"monte-carlo\" would follow the noise of the Monte Carlo solver",

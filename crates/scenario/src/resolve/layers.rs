@@ -55,7 +55,7 @@ pub(super) enum Part {
 /// Converts a front-of-screen component to an interface.
 pub(super) fn component_interface(component: FrontComponent) -> Interface {
     let FrontComponent { reflectance, absorptance } = component;
-    Ready::sheet(reflectance, absorptance).into()
+    Ready::component(reflectance, absorptance).into()
 }
 
 /// Absorption of a medium: its internal transmittance, or its thickness.

@@ -8,21 +8,21 @@
 //! Light arrives as an [`Arrival`] and leaves as a [`Departure`]. Both contain directions only, since layers
 //! are uniform; a layer that displaces light would need positions (x, y) as well.
 
-mod coated;
 mod coating;
+mod component;
 mod diffuser;
 mod fresnel;
+mod ideal_ar;
 mod medium;
 mod open;
 mod rough;
 mod scatter;
-mod sheet;
 
+pub use component::Component;
 pub use diffuser::Diffuser;
 pub use medium::{Medium, Scattering};
 pub(crate) use scatter::least_edge;
 pub use scatter::{ScatterFace, ScatterKernel};
-pub use sheet::Component;
 
 use std::fmt::Debug;
 
@@ -43,7 +43,7 @@ pub enum Interface {
     Open,
     /// Ideal antireflection: light that both media can carry is transmitted completely, the rest is
     /// reflected completely.
-    Coated,
+    IdealAr,
     /// A bare interface, unpolarised Fresnel.
     Fresnel,
     /// A front-of-screen component in a medium.
@@ -63,9 +63,9 @@ impl Interface {
     pub(crate) fn kind(&self) -> &dyn LayerKind {
         match self {
             Self::Open => &open::Open,
-            Self::Coated => &coated::Coated,
+            Self::IdealAr => &ideal_ar::IdealAr,
             Self::Fresnel => &fresnel::Fresnel,
-            Self::Component(sheet) => sheet,
+            Self::Component(component) => component,
             Self::Coating(coating) => coating,
             Self::Diffuser(diffuser) => diffuser,
             Self::Rough(rough) => rough,
@@ -310,9 +310,9 @@ mod tests {
         let clear = media()[1].clone().with_transmittance(of(0.9, 0.7));
         vec![
             ("open", Box::new(open::Open)),
-            ("coated", Box::new(coated::Coated)),
+            ("ideal-ar", Box::new(ideal_ar::IdealAr)),
             ("fresnel", Box::new(fresnel::Fresnel)),
-            ("sheet", Box::new(Component { reflectance: of(0.1, 0.2), absorptance: of(0.3, 0.0) })),
+            ("component", Box::new(Component { reflectance: of(0.1, 0.2), absorptance: of(0.3, 0.0) })),
             ("coating", Box::new(coating)),
             (
                 "diffuser",

@@ -271,7 +271,6 @@ export function SweepPanel() {
             )}
           </div>
         )}
-        <AxesFields />
         <div class="controls">
           <label for="sweep-metric">Metric</label>
           <select id="sweep-metric" value={metric.value} onChange={(event) => showMetric(event.currentTarget.value)}>
@@ -305,6 +304,7 @@ export function SweepPanel() {
           )}
         </div>
         <Problems of={sweep.problems.value} />
+        <AxesFields />
       </div>
       <div class="sweep-result">
         <Result />

@@ -18,7 +18,7 @@ pub struct Component {
 
 impl Interface {
     /// A component that reflects and absorbs these fractions.
-    pub fn sheet(reflectance: Spectrum, absorptance: Spectrum) -> Self {
+    pub fn component(reflectance: Spectrum, absorptance: Spectrum) -> Self {
         Self::Component(Component { reflectance, absorptance })
     }
 }
