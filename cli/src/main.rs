@@ -20,6 +20,7 @@ mod page;
 mod parallel;
 mod pixel;
 mod progress;
+mod readability;
 mod report;
 mod run;
 mod serve;

@@ -68,11 +68,22 @@ pub fn relative_path(from: &Path, to: &Path) -> Option<PathBuf> {
     let absolute =
         |path: &Path| std::path::absolute(if path.as_os_str().is_empty() { Path::new(".") } else { path });
     let (from, to) = (absolute(from).ok()?, absolute(to).ok()?);
-    let (from, to): (Vec<Component<'_>>, Vec<Component<'_>>) =
-        (from.components().collect(), to.components().collect());
+    let (from, to) = (without_parents(&from), without_parents(&to));
     let shared = from.iter().zip(&to).take_while(|(a, b)| a == b).count();
     let up = from[shared..].iter().map(|_| Component::ParentDir);
     Some(up.chain(to[shared..].iter().copied()).collect())
+}
+
+/// Returns the components of an absolute path, without `..` and what they go back from.
+fn without_parents(path: &Path) -> Vec<Component<'_>> {
+    let mut components = Vec::new();
+    for component in path.components() {
+        match component {
+            Component::ParentDir => _ = components.pop(),
+            other => components.push(other),
+        }
+    }
+    components
 }
 
 #[cfg(test)]

@@ -94,7 +94,7 @@ pub use page::with_key_tables;
 pub use papilio_diagnostics::{Diagnostic, nearest};
 pub use papilio_display::{Label, labelled_names};
 pub use path::KeyPath;
-pub use preset::{ExampleDisplay, new_scenario, new_scenario_of, preset_names};
+pub use preset::{ExampleDisplay, UsedPreset, new_scenario, new_scenario_of, preset_names};
 pub use resolve::VirtualMeasurement;
 pub use scenario::{Resolved, Scenario};
 pub use schema::schema;

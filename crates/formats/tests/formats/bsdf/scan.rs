@@ -25,16 +25,10 @@ fn scan_is_a_rotationally_symmetric_lobe_of_the_part_that_its_column_names() {
     for phi in [0.0, 77.0, 180.0] {
         assert_eq!(part.evaluate(0, normal, Direction::new(10.0, phi)), Some(2.0), "{phi}");
     }
-    for (header, way) in [
-        ("theta,brdf", ScatterMode::FrontReflection),
-        ("\"Theta (deg)\";\"BTDF (1/sr)\"", ScatterMode::FrontTransmission),
-    ] {
-        let scan = read(
-            format!("{header}\n0 4\n5 3\n10 2\n90 0\n")
-                .replace(' ', if header.contains(';') { ";" } else { "," }),
-        );
-        assert_eq!(scan.parts[0].way, way, "{header}");
-    }
+    let rows = "0,4\n5,3\n10,2\n90,0\n";
+    let semicolons = format!("\"Theta (deg)\";\"BTDF (1/sr)\"\n{}", rows.replace(',', ";"));
+    assert_eq!(read(semicolons).parts[0].way, ScatterMode::FrontTransmission);
+    assert_eq!(read(format!("theta,brdf\n{rows}")).parts[0].way, ScatterMode::FrontReflection);
 }
 
 /// Without a name that states it, the caller does; a table of two columns of anything else is not a scan.
