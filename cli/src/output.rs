@@ -82,7 +82,7 @@ pub(crate) fn remove(folder: &Path, is_old: impl Fn(&str) -> bool) -> Result<(),
 
 /// True for names of figures from [`papilio_figures::of_run`], and of files of a cone.
 fn is_figure_or_cone(name: &str) -> bool {
-    let of_view = ["overview", "spectra", "chromaticity", "patches", "rings", "light"];
+    let of_view = ["overview", "spectra", "chromaticity", "chromaticity_xy", "patches", "rings", "light"];
     let figure = |stem: &str| {
         stem.ends_with("_against_angle")
             || of_view.iter().any(|kind| {
@@ -93,7 +93,15 @@ fn is_figure_or_cone(name: &str) -> bool {
     stem.is_some_and(figure) || CONE.contains(&name)
 }
 
-const CONE: [&str; 5] = ["cone.csv", "cone.npy", "cone.json", "cone.svg", "cone.png"];
+const CONE: [&str; 7] = [
+    "cone.csv",
+    "cone.npy",
+    "cone.json",
+    "cone.svg",
+    "cone.png",
+    "cone_differences.svg",
+    "cone_differences.png",
+];
 
 /// Content of the files that `papilio run` writes.
 pub(crate) struct Files<'a> {
@@ -127,11 +135,14 @@ pub(crate) fn write_run(folder: &Path, files: &Files<'_>) -> Result<Vec<String>,
         write("cone.npy", &|out| write_cone_npy(out, cone))?;
         write("cone.json", &|out| write_json(out, &about))?;
     }
-    let cone_figure =
-        cone.and_then(|cone| papilio_figures::cone(cone, title)).map(|svg| ("cone".to_owned(), svg));
+    let cone_figures = cone.into_iter().flat_map(|cone| {
+        let maps = papilio_figures::cone(cone, title).map(|svg| ("cone".to_owned(), svg));
+        let differences = papilio_figures::cone_differences(cone, title);
+        maps.into_iter().chain(differences.map(|svg| ("cone_differences".to_owned(), svg)))
+    });
     let light_figure = light.map(|light| ("light".to_owned(), papilio_figures::light(light, title)));
     let run_figures = papilio_figures::of_run(file.result, title);
-    for (name, svg) in run_figures.into_iter().chain(light_figure).chain(cone_figure) {
+    for (name, svg) in run_figures.into_iter().chain(light_figure).chain(cone_figures) {
         write(&format!("{name}.svg"), &|out| out.write_all(svg.as_bytes()))?;
         if HAS_PNG && (png || name == "cone") {
             let picture = papilio_figures::png(&svg, papilio_figures::PNG_SCALE)?;
