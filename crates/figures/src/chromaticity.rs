@@ -19,6 +19,8 @@ const HUES: [&str; 4] = ["#2b5fc7", "#c8321f", "#2c9a57", "#7a5bc0"];
 const DASHES: [&str; REFERENCES.len()] = ["6 4", "1.5 3", "8 3 1.5 3"];
 /// Height of a line of the legend, px.
 const LINE: f64 = 19.0;
+/// The same in a compact legend, px.
+const COMPACT_LINE: f64 = 16.0;
 /// Width of the legend, px.
 const LEGEND: f64 = 185.0;
 
@@ -56,14 +58,14 @@ pub fn gamuts(displays: &[(&str, &View)], title: &str) -> String {
         })
         .chain([(srgb, "sRGB".to_owned())])
         .collect();
-    key(&mut svg, &named, (panel.right() - 235.0, panel.bottom() - LINE * (named.len() as f64 + 0.5)));
+    key(&mut svg, &named, (panel.right() - 235.0, panel.bottom() - LINE * (named.len() as f64 + 0.5)), LINE);
     svg.finish()
 }
 
 /// Draws a legend of strokes and their names.
-fn key(svg: &mut Svg, lines: &[(Stroke, String)], (left, top): Point) {
+fn key(svg: &mut Svg, lines: &[(Stroke, String)], (left, top): Point, line: f64) {
     for (i, (stroke, text)) in lines.iter().enumerate() {
-        let y = top + LINE * (i + 1) as f64;
+        let y = top + line * (i + 1) as f64;
         svg.line((left, y - 4.0), (left + 26.0, y - 4.0), stroke);
         svg.text((left + 33.0, y), text, Text::new(SMALL, INK));
     }
@@ -100,12 +102,15 @@ pub(crate) fn draw(
     match marks.crowded() {
         Some(window) => {
             inset(svg, &panel, &marks, window, (display, empty));
-            legend(svg, other, view, diagram, display.is_some());
+            // Above the locus of u'v' there is room for few lines.
+            let compact = diagram == Diagram::Uv;
+            legend(svg, other, view, diagram, (display.is_some(), compact));
         }
         None => {
             let sides = REFERENCES.map(|(reference, _)| Some(diagram.primaries(reference)));
             marks.name(svg, &panel, &[sides[0], sides[1], sides[2], display]);
-            legend(svg, legend_place(&panel, diagram, display.is_some()), view, diagram, display.is_some());
+            let has_gamut = display.is_some();
+            legend(svg, legend_place(&panel, diagram, has_gamut), view, diagram, (has_gamut, false));
         }
     }
 }
@@ -169,7 +174,9 @@ fn inset(
     for around in [panel, &enlarged] {
         svg.outline(&corners.map(|(dx, dy)| around.at(x + dx, y + dy)), &thin);
     }
-    svg.line(panel.at(x + reach, y - reach), origin, &thin);
+    // From the inset's corner that faces the window.
+    let (corner, top) = (panel.at(x + reach, y - reach), origin.1 + side);
+    svg.line(corner, (origin.0, if corner.1 > top { top } else { origin.1 }), &thin);
     if let Some(display) = display {
         enlarged.triangle(svg, display, &display_stroke());
     }
@@ -177,8 +184,15 @@ fn inset(
     marks.name(svg, &enlarged, &[display]);
 }
 
-/// Draws the legend of the triangles, with the gamut area of the display relative to each, from `top` down.
-fn legend(svg: &mut Svg, (left, top): Point, view: &View, diagram: Diagram, has_gamut: bool) {
+/// Draws the legend of the triangles, with the gamut area of the display relative to each, from `top` down. A compact one has
+/// no line of its own for the name of the diagram.
+fn legend(
+    svg: &mut Svg,
+    (left, top): Point,
+    view: &View,
+    diagram: Diagram,
+    (has_gamut, compact): (bool, bool),
+) {
     let line = |(k, (reference, name)): (usize, (GamutReference, &str))| {
         let value = diagram.percent(&view.metrics, reference);
         let error = diagram.percent(&view.standard_error, reference);
@@ -186,12 +200,17 @@ fn legend(svg: &mut Svg, (left, top): Point, view: &View, diagram: Diagram, has_
         (reference_stroke(k), format!("{name}{percent}"))
     };
     let mut lines: Vec<(Stroke, String)> = REFERENCES.into_iter().enumerate().map(line).collect();
-    let mut top = top;
-    if has_gamut {
-        lines.insert(0, (display_stroke(), "display".to_owned()));
-        top += LINE;
-        let text = format!("Gamut area in {}", diagram.name());
-        svg.text((left, top), &text, Text::new(SMALL, INK).strong());
+    let name = format!("Gamut area in {}", diagram.name());
+    match (has_gamut, compact) {
+        (false, _) => key(svg, &lines, (left, top), LINE),
+        (true, true) => {
+            lines.insert(0, (display_stroke(), format!("display: {}", name.to_lowercase())));
+            key(svg, &lines, (left, top - 6.0), COMPACT_LINE);
+        }
+        (true, false) => {
+            lines.insert(0, (display_stroke(), "display".to_owned()));
+            svg.text((left, top + LINE), &name, Text::new(SMALL, INK).strong());
+            key(svg, &lines, (left, top + LINE), LINE);
+        }
     }
-    key(svg, &lines, (left, top));
 }

@@ -90,6 +90,6 @@ fn scale(result: &ConeResult, least: f64, value: fn(&ConeState) -> Option<f64>) 
     let at = |k: usize| all.get(k).copied().unwrap_or(0.0);
     let (most, end) = (at(last), at((MOST * last as f64) as usize).max(least));
     let is_clipped = most > 2.0 * end;
-    let axis = Axis::covering([0.0, if is_clipped { end } else { most.max(least) }], 5, "");
+    let axis = Axis::covering([0.0, if is_clipped { end } else { most.max(least) }], 8, "");
     (axis, is_clipped.then_some(most))
 }
