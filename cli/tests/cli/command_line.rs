@@ -130,6 +130,60 @@ fn a_pixel_scan_is_a_pixel_table() {
     assert_eq!(csv.lines().count(), 1 + 8 * 91 * 81);
 }
 
+/// Each row of absorption.csv is a fraction of the light on its sub-pixel; with sub-pixels.csv they sum to 1.
+#[test]
+fn absorption_of_the_layers_and_reflectance_sum_to_one() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().to_str().unwrap();
+    let scan = |name: &str, more: &[&str]| {
+        let arguments = ["--absorption", "--set", "spectrum.step_nm=50", "--out", out];
+        papilio().arg("pixel").arg(scenario(name)).args(arguments).args(more).output().unwrap()
+    };
+    let output = scan("indoor", &["--step", "45"]);
+    assert!(output.status.success(), "{}", stderr(&output));
+    let printed = String::from_utf8(output.stdout).unwrap();
+    assert!(printed.contains("red (black)") && printed.contains("1 Cr:Johnson"), "{printed}");
+    let read = |name: &str| fs::read_to_string(folder.path().join(name)).unwrap();
+    let absorbed = read("absorption.csv");
+    let header = "state,sub_pixel,layer,material,theta_deg,wavelength_nm,absorptance";
+    assert_eq!(absorbed.lines().next(), Some(header));
+    // 8 states, 3 sub-pixels, 6 layers, 3 angles, 9 wavelengths.
+    assert_eq!(absorbed.lines().count(), 1 + 8 * 3 * 6 * 3 * 9);
+    assert!(
+        absorbed.contains("white,red,1,Cr:Johnson,45,480,")
+            && absorbed.contains("black,blue,substrate,Al,90,780,")
+    );
+    let mut sums = std::collections::BTreeMap::<String, f64>::new();
+    for line in absorbed.lines().skip(1) {
+        let cells: Vec<&str> = line.split(',').collect();
+        let place = [cells[0], cells[1], cells[4], cells[5]].join(",");
+        *sums.entry(place).or_default() += cells[6].parse::<f64>().unwrap();
+    }
+    for line in read("sub-pixels.csv").lines().skip(1) {
+        let cells: Vec<&str> = line.split(',').collect();
+        let place = [cells[0], cells[1], cells[3], cells[4]].join(",");
+        let reflectance: f64 = cells[5].parse().unwrap();
+        assert!((sums[&place] + reflectance - 1.0).abs() < 1e-12, "{line}");
+    }
+    assert!(read("absorption.svg").contains("substrate: Al"));
+    let refused = scan("epaper", &[]);
+    assert_eq!(refused.status.code(), Some(2));
+    assert!(stderr(&refused).contains("no film whose layers absorb"), "{}", stderr(&refused));
+}
+
+/// The direction with which colours are compared is checked before anything is computed.
+#[test]
+fn reference_direction_of_a_cone_is_checked() {
+    for (wrong, expected) in
+        [("90", "from 0 to below 90 deg"), ("8,x", "such as 8 or 30,90"), ("-3", "from 0")]
+    {
+        let output = run("epaper", &["--cone", "--cone-reference", wrong]);
+        assert_eq!(output.status.code(), Some(2));
+        assert!(stderr(&output).contains(expected), "{}", stderr(&output));
+    }
+    assert_eq!(run("epaper", &["--cone-reference", "8"]).status.code(), Some(2));
+}
+
 /// The way in and out for other pixel tools: the scan of a film pixel, read back as a table,
 /// shows the same display. Angles in glass, so that the table reaches all light.
 #[test]

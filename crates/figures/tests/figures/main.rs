@@ -2,12 +2,13 @@
 
 #![allow(clippy::unwrap_used, clippy::expect_used, reason = "a test says what it expects by unwrapping")]
 
+use papilio_display::pixel::{PixelAbsorption, PixelLayer, SubPixelAbsorption};
 use papilio_display::result::{Named, RunResult, StateValues};
 use papilio_display::{ConeGrid, ConeResult, ConeState, RoomLamp, RoomLight};
 use papilio_figures::{
-    AngleMetric, Diagram, PixelScan, Transmission, against_angle, chromaticity, compared_gamuts,
-    compared_spectra, cone, gamut_rings, light, overview, patches, pixel_scan, png, spectra, spectra_over,
-    transmission,
+    AngleMetric, Diagram, PixelScan, Transmission, absorption, against_angle, chromaticity, compared_gamuts,
+    compared_spectra, cone, cone_differences, gamut_rings, light, overview, patches, pixel_scan, png,
+    spectra, spectra_over, transmission,
 };
 
 mod cones;
@@ -509,4 +510,34 @@ fn figure_of_light_lists_sources_and_directions() {
     assert_texts(&light(&dark, TITLE), &["Directed sources only"]);
     let none = RoomLight { theta_deg: vec![], phi_deg: vec![], luminance_cd_m2: vec![], ..dark };
     texts(&light(&none, TITLE));
+}
+
+/// Stacked absorptances of two sub-pixels, of which one is driven alike in two states and drawn once.
+#[test]
+fn absorptances_are_stacked_by_layer() {
+    let layer = |number, material: &str| PixelLayer { number, material: material.to_owned() };
+    let part = |state: &str, sub_pixel: &str, absorbed: f64| SubPixelAbsorption {
+        state: state.to_owned(),
+        sub_pixel: sub_pixel.to_owned(),
+        area: 0.5,
+        reflectance: vec![1.0 - absorbed - 0.1; 4],
+        absorptance: [vec![absorbed; 4], vec![0.0; 4], vec![0.1; 4]].concat(),
+    };
+    let mut all = PixelAbsorption {
+        theta_deg: vec![0.0, 30.0],
+        wavelength_nm: vec![400.0, 700.0],
+        layers: vec![layer(Some(0), "Cr & <b>"), layer(Some(1), "clear"), layer(None, "Al")],
+        sub_pixels: vec![part("white", "red", 0.3), part("white", "blue", 0.6), part("red", "red", 0.3)],
+    };
+    let svg = absorption(&all, "air", TITLE);
+    assert_texts(
+        &svg,
+        &[TITLE, "at 0\u{b0} in air", "0: Cr & <b>", "substrate: Al", "Absorptance", "1 - reflectance"],
+    );
+    assert_texts(&svg, &["red sub-pixel, state white", "blue sub-pixel, state white"]);
+    assert!(!texts(&svg).iter().any(|text| text.contains("clear") || text.contains("state red")));
+    all.sub_pixels[0].absorptance = vec![f64::NAN];
+    texts(&absorption(&all, "air", TITLE));
+    (all.sub_pixels, all.layers, all.theta_deg) = (vec![], vec![], vec![]);
+    texts(&absorption(&all, "air", TITLE));
 }
