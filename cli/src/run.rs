@@ -8,7 +8,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 use papilio_display::result::RunResult;
 use papilio_display::scene::{AngleMedium, Method, Scene};
 use papilio_display::{
-    ConeGrid, ConeResult, Control, DisplayError, Progress, RoomLight, adding_seconds, room_light,
+    AmbientLight, ConeGrid, ConeResult, Control, DisplayError, Progress, adding_seconds, ambient_light,
 };
 use papilio_formats::{ResultFile, write_json};
 use papilio_scenario::{Resolved, Scenario};
@@ -89,9 +89,9 @@ fn cost_note(resolved: &Resolved) -> Result<Option<String>, Failure> {
 }
 
 /// Incident light by direction, unless it has a single direction or is uniform.
-fn light_map(scene: &Scene) -> Result<Option<RoomLight>, Failure> {
+fn light_map(scene: &Scene) -> Result<Option<AmbientLight>, Failure> {
     let is_plain = scene.lighting.environment.is_empty() && scene.lighting.directed.len() < 2;
-    Ok(if is_plain { None } else { Some(room_light(scene)?) })
+    Ok(if is_plain { None } else { Some(ambient_light(scene)?) })
 }
 
 /// Folder for the files, if any are written.

@@ -3,7 +3,7 @@
 //! | reader | input |
 //! |---|---|
 //! | [`read_spectrum`] | two columns: wavelength in nm, value |
-//! | [`read_shares`], [`read_light`] | the same, with values from 0 to 1, or of a light source |
+//! | [`read_fractions`], [`read_light`] | the same, with values from 0 to 1, or of a light source |
 //! | [`read_profile`] | two columns: angle in degrees, relative radiance |
 //! | [`read_light_map`] | Radiance pictures and OpenEXR maps of the whole sphere (detected from the content) |
 //! | [`read_ies`] | luminaires, IES LM-63 type C |
@@ -87,9 +87,9 @@ pub use error::{FormatError, Problem};
 pub use file::{DataFile, LARGEST_FILE, write_file};
 pub use index::{read_index, read_index_within};
 pub use journal::{
-    HeldJournal, Journal, JournalNumber, JournalRow, JournalRows, Journals, LARGEST_JOURNAL, RowsHead,
-    foreign, journal_name, journal_paths, open_journal, read_journal, read_journals, tidy_journals,
-    trusted_lines, write_journal_line,
+    Journal, JournalNumber, JournalRow, JournalRows, Journals, LARGEST_JOURNAL, LockedJournal, RowsHead,
+    foreign_journal_error, journal_name, journal_paths, open_journal, read_journal, read_journals,
+    read_verified_lines, tidy_journals, write_journal_line,
 };
 pub use json::write_json;
 pub use light::{
@@ -100,7 +100,7 @@ pub use papilio_diagnostics::{Diagnostic, Place, Spot, Warned};
 pub use pixel_table::{PIXEL_COLUMNS, PixelTable, is_name, read_pixel_table};
 pub use result::{ResultFile, result_schema, write_reflection, write_spectra, write_states};
 pub use result_read::{ReadResult, read_result};
-pub use spectrum::{read_light, read_shares, read_spectrum};
+pub use spectrum::{read_fractions, read_light, read_spectrum};
 pub use study::write_study;
 pub use sweep::{
     LightHead, SweepHead, SweepHeadAxis, SweepJournal, SweepPoint, sweep_place, sweep_value, write_sweep_csv,

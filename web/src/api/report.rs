@@ -16,7 +16,7 @@ pub(super) fn page(answer: &Answer, scenario: &str, cone: &ConeResult) -> String
             sections.push(section.figure(svg, ""));
         }
     }
-    let mut numbers = Section::new("numbers", "Numbers");
+    let mut numbers = Section::new("numbers", "SampleStream");
     let mut ledger = Section::new("ledger", "Energy balance");
     for view in &result.views {
         let direction = format!("Seen from {} deg, azimuth {} deg.", view.theta_deg, view.phi_deg);

@@ -11,7 +11,7 @@ use papilio_optics::{Beta, Scatterer};
 fn scene(name: &str, target: f64) -> Scene {
     let mut scene = scenario(name, &["spectrum.step_nm=20"]).unwrap().scene;
     scene.solver.method = Method::Adding;
-    scene.solver.stop = Stop::RelativeError { target, every_bin: false };
+    scene.solver.stop = Stop::RelativeError { target, per_wavelength: false };
     scene
 }
 
@@ -40,7 +40,7 @@ fn cone_outside_the_measured_directions_has_no_values() {
         "display.front=[{ reflectance = 0.05 }]",
     ];
     let mut scene = scenario("measured-h65", &sets).unwrap().scene;
-    scene.solver.stop = Stop::RelativeError { target: 1e-3, every_bin: false };
+    scene.solver.stop = Stop::RelativeError { target: 1e-3, per_wavelength: false };
     let found = seen(&scene, &[0.0, 60.0, 75.0, 76.0, 89.0], &[0.0, 180.0], 1);
     for (k, view) in found.views.iter().enumerate() {
         let known = k % 5 < 3;
@@ -210,7 +210,7 @@ fn run_with_a_beam_equals_the_bsdf() {
 fn bsdf_of_a_rough_interface_at_grazing_incidence_equals_its_kernel() {
     let sets = ["spectrum.step_nm=80", "display.layers.0.alpha=0.35", "display.pixel.reflectance.white=0.7"];
     let mut scene = scenario("rough-glass", &sets).unwrap().scene;
-    scene.solver.stop = Stop::RelativeError { target: 1e-4, every_bin: false };
+    scene.solver.stop = Stop::RelativeError { target: 1e-4, per_wavelength: false };
     let grid =
         BrdfGrid { theta_i_deg: vec![85.0, 89.0], theta_o_deg: vec![85.0], dphi_deg: vec![0.0, 180.0] };
     let table = table(&scene, grid);

@@ -174,6 +174,7 @@ impl Resolver<'_> {
             spectra_by_light: asked.spectra_by_light.value,
             gamut_volume: asked.gamut_volume.value,
             reader_age_years: file.viewer.age_years.value.map(|years| years.0),
+            text_height_mm: file.viewer.text_height_mm.value.map(|height| height.0),
             appearance: asked.appearance.value.as_ref().map(appearance),
             ..scene::Metrics::default()
         };
@@ -214,7 +215,7 @@ impl Resolver<'_> {
     /// Notes a `scattering` without effect.
     fn note_scattering(&mut self, scene: &Scene) {
         let chosen =
-            scene.solver.method == scene::Method::Walk && scene.solver.scattering != Strategy::Kernel;
+            scene.solver.method == scene::Method::MonteCarlo && scene.solver.scattering != Strategy::Kernel;
         let lobe = scene.display.panel().is_some_and(|panel| panel.diffuser.is_some());
         if chosen && !lobe {
             self.notes.push(
@@ -279,7 +280,7 @@ impl Resolver<'_> {
         Some(scene::Solver {
             method: match solver.method.value {
                 solver::Method::Adding => scene::Method::Adding,
-                solver::Method::MonteCarlo => scene::Method::Walk,
+                solver::Method::MonteCarlo => scene::Method::MonteCarlo,
             },
             stop,
             sampler: match solver.sampler.value {
@@ -376,7 +377,7 @@ impl Resolver<'_> {
             }
             (target, None) => Some(scene::Stop::RelativeError {
                 target: target.map_or(0.001, |target| target.0),
-                every_bin: solver.per_wavelength.value,
+                per_wavelength: solver.per_wavelength.value,
             }),
         }
     }

@@ -22,6 +22,8 @@ const USEFUL: Record<string, Span> = {
   width: { min: 0.003, max: 3, step: 0, log: true },
   field_deg: { min: 0, max: 20, step: 0.1, log: false },
   distance_mm: { min: 100, max: 5000, step: 10, log: false },
+  age_years: { min: 20, max: 75, step: 1, log: false },
+  text_height_mm: { min: 0.5, max: 10, step: 0.1, log: false },
   distance_m: { min: 0.3, max: 30, step: 0, log: true },
   index: { min: 1, max: 3, step: 0.005, log: false },
   n: { min: 0.05, max: 5, step: 0.005, log: false },

@@ -1,0 +1,105 @@
+//! `papilio pixel`: scans as tables that `model = "table"` reads.
+
+use std::fs;
+use std::path::Path;
+
+use crate::common::{names, papilio_command as papilio, scenario, stderr};
+
+#[test]
+fn pixel_scan_is_written_as_a_pixel_table() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().to_str().unwrap();
+    let output = papilio().arg("pixel").arg(scenario("indoor")).args(["--out", out]).output().unwrap();
+    assert!(output.status.success(), "{}", stderr(&output));
+    assert_eq!(names(folder.path()), ["about.json", "pixel.csv", "pixel.svg"]);
+    let csv = fs::read_to_string(folder.path().join("pixel.csv")).unwrap();
+    assert_eq!(csv.lines().next().unwrap(), "state,theta_deg,wavelength_nm,reflectance");
+    assert_eq!(csv.lines().count(), 1 + 8 * 91 * 81);
+}
+
+/// The way in and out for other pixel tools: the scan of a film pixel, read back as a table,
+/// shows the same display. Angles in glass, so that the table reaches all light.
+#[test]
+fn pixel_scan_read_back_gives_the_same_display() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name);
+    let bare = scenario("reference-pixel");
+    let output = papilio().arg("pixel").arg(&bare).arg("--out").arg(folder.path()).output().unwrap();
+    assert!(output.status.success(), "{}", stderr(&output));
+    let film = fs::read_to_string(&bare).unwrap();
+    let (before, rest) = film.split_once("[display.pixel]").unwrap();
+    let after = &rest[rest.find("[lighting]").unwrap()..];
+    let table = "[display.pixel]\nmodel = \"table\"\nfile = \"pixel.csv\"\nangles = \"glass\"\n\n";
+    fs::write(path("table.toml"), format!("{before}{table}{after}")).unwrap();
+    let white = |file: &Path| {
+        let output = papilio()
+            .arg("run")
+            .arg(file)
+            .args(["--json", "--set", "viewer.theta_deg=8.5"])
+            .output()
+            .unwrap();
+        assert!(output.status.success(), "{}", stderr(&output));
+        let result: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+        result["views"][0]["states"]["white"]["Y"].as_f64().unwrap()
+    };
+    let (from_film, from_table) = (white(&bare), white(&path("table.toml")));
+    // Midway between the table's angles linear interpolation is at its worst.
+    assert!((from_film - from_table).abs() < 2e-4 * from_film, "{from_film} {from_table}");
+}
+
+#[test]
+fn pixel_scan_in_glass_is_accepted_below_any_front() {
+    let folder = tempfile::tempdir().unwrap();
+    let scan = |angles: &str| {
+        let arguments = ["--angles", angles, "--step", "45", "--out", folder.path().to_str().unwrap()];
+        let output = papilio().arg("pixel").arg(scenario("indoor")).args(arguments).output().unwrap();
+        assert!(output.status.success(), "{}", stderr(&output));
+        let csv = fs::read_to_string(folder.path().join("pixel.csv")).unwrap();
+        assert_eq!(csv.lines().count(), 1 + 8 * 3 * 81);
+        let white = csv.lines().find(|line| line.starts_with("white,45,550,")).unwrap();
+        white.rsplit(',').next().unwrap().parse::<f64>().unwrap()
+    };
+    // At 45 deg in glass light is reflected at the air gap, at 45 deg in air it is not.
+    assert!((scan("glass") - scan("air")).abs() > 0.05);
+}
+
+/// Each row of absorption.csv is a fraction of the light on its sub-pixel; with sub-pixels.csv they sum to 1.
+#[test]
+fn absorption_of_the_layers_and_reflectance_sum_to_one() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().to_str().unwrap();
+    let scan = |name: &str, more: &[&str]| {
+        let arguments = ["--absorption", "--set", "spectrum.step_nm=50", "--out", out];
+        papilio().arg("pixel").arg(scenario(name)).args(arguments).args(more).output().unwrap()
+    };
+    let output = scan("indoor", &["--step", "45"]);
+    assert!(output.status.success(), "{}", stderr(&output));
+    let printed = String::from_utf8(output.stdout).unwrap();
+    assert!(printed.contains("red (black)") && printed.contains("1 Cr:Johnson"), "{printed}");
+    let read = |name: &str| fs::read_to_string(folder.path().join(name)).unwrap();
+    let absorbed = read("absorption.csv");
+    let header = "state,sub_pixel,layer,material,theta_deg,wavelength_nm,absorptance";
+    assert_eq!(absorbed.lines().next(), Some(header));
+    // 8 states, 3 sub-pixels, 6 layers, 3 angles, 9 wavelengths.
+    assert_eq!(absorbed.lines().count(), 1 + 8 * 3 * 6 * 3 * 9);
+    assert!(
+        absorbed.contains("white,red,1,Cr:Johnson,45,480,")
+            && absorbed.contains("black,blue,substrate,Al,90,780,")
+    );
+    let mut sums = std::collections::BTreeMap::<String, f64>::new();
+    for line in absorbed.lines().skip(1) {
+        let cells: Vec<&str> = line.split(',').collect();
+        let place = [cells[0], cells[1], cells[4], cells[5]].join(",");
+        *sums.entry(place).or_default() += cells[6].parse::<f64>().unwrap();
+    }
+    for line in read("sub-pixels.csv").lines().skip(1) {
+        let cells: Vec<&str> = line.split(',').collect();
+        let place = [cells[0], cells[1], cells[3], cells[4]].join(",");
+        let reflectance: f64 = cells[5].parse().unwrap();
+        assert!((sums[&place] + reflectance - 1.0).abs() < 1e-12, "{line}");
+    }
+    assert!(read("absorption.svg").contains("substrate: Al"));
+    let refused = scan("epaper", &[]);
+    assert_eq!(refused.status.code(), Some(2));
+    assert!(stderr(&refused).contains("no film whose layers absorb"), "{}", stderr(&refused));
+}
