@@ -241,7 +241,7 @@ fn colours_of_the_cone_are_compared_with_the_reference_direction() {
     for white in ["perfect", "display"] {
         let mut scene =
             scenario("indoor", &["spectrum.step_nm=20", &format!("metrics.white={white}")]).unwrap().scene;
-        scene.solver.stop = Stop::RelativeError { target: 1e-3, every_bin: false };
+        scene.solver.stop = Stop::RelativeError { target: 1e-3, per_wavelength: false };
         let found = seen_against(&scene, &[0.0, 30.0, 60.0], &[0.0, 90.0], [30.0, 90.0], 1);
         assert_eq!(found.reference_deg, [30.0, 90.0]);
         let reference = found.view(1, 1).unwrap();
