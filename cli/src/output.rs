@@ -83,7 +83,7 @@ pub(crate) fn remove(folder: &Path, is_old: impl Fn(&str) -> bool) -> Result<(),
 
 /// True for names of figures from [`papilio_figures::of_run`], and of files of a cone.
 fn is_figure_or_cone(name: &str) -> bool {
-    let of_view = ["overview", "spectra", "chromaticity", "patches", "rings", "light"];
+    let of_view = ["overview", "spectra", "chromaticity", "chromaticity_xy", "patches", "rings", "light"];
     let figure = |stem: &str| {
         stem.ends_with("_against_angle")
             || of_view.iter().any(|kind| {
@@ -97,7 +97,15 @@ fn is_figure_or_cone(name: &str) -> bool {
 /// File of the page about a run.
 const REPORT: &str = "report.html";
 
-const CONE: [&str; 5] = ["cone.csv", "cone.npy", "cone.json", "cone.svg", "cone.png"];
+const CONE: [&str; 7] = [
+    "cone.csv",
+    "cone.npy",
+    "cone.json",
+    "cone.svg",
+    "cone.png",
+    "cone_differences.svg",
+    "cone_differences.png",
+];
 
 /// Content of the files that `papilio run` writes.
 pub(crate) struct Files<'a> {
@@ -135,12 +143,15 @@ pub(crate) fn write_run(folder: &Path, files: &Files<'_>) -> Result<Vec<String>,
         write("cone.npy", &|out| write_cone_npy(out, cone))?;
         write("cone.json", &|out| write_json(out, &about))?;
     }
-    let cone_figure =
-        cone.and_then(|cone| papilio_figures::cone(cone, title)).map(|svg| ("cone".to_owned(), svg));
+    let cone_figures = cone.into_iter().flat_map(|cone| {
+        let maps = papilio_figures::cone(cone, title).map(|svg| ("cone".to_owned(), svg));
+        let differences = papilio_figures::cone_differences(cone, title);
+        maps.into_iter().chain(differences.map(|svg| ("cone_differences".to_owned(), svg)))
+    });
     let light_figure = light.map(|light| ("light".to_owned(), papilio_figures::light(light, title)));
     let run_figures = papilio_figures::of_run(file.result, title);
     let figures: Vec<(String, String)> =
-        run_figures.into_iter().chain(light_figure).chain(cone_figure).collect();
+        run_figures.into_iter().chain(light_figure).chain(cone_figures).collect();
     if report {
         let cone_warnings = cone.map_or(&[][..], |cone| &cone.warnings);
         let page = Page { title, file, cone_warnings, figures: &figures, in_glass };

@@ -3,6 +3,7 @@
 use std::fmt::Write;
 use std::path::Path;
 
+use papilio_display::pixel::PixelAbsorption;
 use papilio_display::result::{ReferenceWhite, RunResult, State, StateValues, View, ViewMetrics};
 use papilio_display::{BrdfTable, ConeResult, Reflection};
 pub(crate) use papilio_formats::words::table;
@@ -197,6 +198,39 @@ pub(crate) fn pixel(title: &str, medium: &str, peaks: &Peaks) -> String {
     let title = plain(title);
     format!(
         "{title}\n\npeak wavelength (nm) / largest reflectance from 400 to 700 nm, by angle in {medium}\n{}",
+        table(&rows)
+    )
+}
+
+/// Wavelength of the absorptances on the terminal; the nearest one of the grid is used.
+const ABSORBED_NM: f64 = 550.0;
+
+/// Additional report of `papilio pixel --absorption`: the absorptances of each distinct sub-pixel at the smallest angle.
+pub(crate) fn absorption(all: &PixelAbsorption, medium: &str) -> String {
+    let bins = all.wavelength_nm.len();
+    let distance = |bin: &usize| (all.wavelength_nm[*bin] - ABSORBED_NM).abs();
+    let nearest = (0..bins).min_by(|a, b| distance(a).total_cmp(&distance(b)));
+    let (Some(bin), Some(theta)) = (nearest, all.theta_deg.first()) else { return String::new() };
+    let mut rows = vec![vec!["sub-pixel (state)".to_owned(), "reflected".to_owned()]];
+    rows[0].extend(all.layers.iter().map(|layer| match layer.number {
+        Some(number) => format!("{number} {}", layer.material),
+        None => format!("substrate {}", layer.material),
+    }));
+    let mut known: Vec<&[f64]> = Vec::new();
+    for one in &all.sub_pixels {
+        // A sub-pixel that is driven alike in several states is printed once.
+        if known.contains(&one.absorptance.as_slice()) {
+            continue;
+        }
+        known.push(&one.absorptance);
+        let layers = one.absorptance.iter().skip(bin).step_by(all.theta_deg.len() * bins);
+        let percent = |fraction: &f64| unsigned_zero(format!("{:.1}", 100.0 * fraction));
+        let cells = std::iter::once(&one.reflectance[bin]).chain(layers).map(percent);
+        rows.push(std::iter::once(format!("{} ({})", one.sub_pixel, one.state)).chain(cells).collect());
+    }
+    format!(
+        "\nreflected, and absorbed by each layer, at {} nm, {theta} deg in {medium}, % of the light on the sub-pixel\n{}",
+        all.wavelength_nm[bin],
         table(&rows)
     )
 }

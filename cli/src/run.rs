@@ -29,11 +29,8 @@ pub(crate) fn run(arguments: &Run) -> Result<(), Failure> {
     let mut result = compute(&resolved, arguments.workers.threads)?;
     let seconds = started.elapsed().as_secs_f64();
     let started = Instant::now();
-    let cone = if arguments.cone && !result.solver.interrupted {
-        compute_cone(&resolved, arguments.allow_error, arguments.workers.threads)?
-    } else {
-        None
-    };
+    let cone =
+        if arguments.cone && !result.solver.interrupted { compute_cone(&resolved, arguments)? } else { None };
     let cone_seconds = started.elapsed().as_secs_f64();
     result.warnings.splice(0..0, resolved.warnings.iter().cloned());
     result.notes.splice(0..0, resolved.notes.iter().cloned());
@@ -141,14 +138,11 @@ pub(crate) fn compute(resolved: &Resolved, threads: Option<u16>) -> Result<RunRe
 }
 
 /// Computes the conoscopic maps; `None` if interrupted.
-fn compute_cone(
-    resolved: &Resolved,
-    allow_error: Option<f64>,
-    threads: Option<u16>,
-) -> Result<Option<ConeResult>, Failure> {
-    let grid = ConeGrid::within(&resolved.scene)?;
-    with_progress(resolved, threads, |control| {
-        papilio_display::cone(&resolved.scene, grid, control)?.allowing(allow_error)
+fn compute_cone(resolved: &Resolved, arguments: &Run) -> Result<Option<ConeResult>, Failure> {
+    let mut grid = ConeGrid::within(&resolved.scene)?;
+    grid.reference_deg = arguments.cone_reference.unwrap_or(grid.reference_deg);
+    with_progress(resolved, arguments.workers.threads, |control| {
+        papilio_display::cone(&resolved.scene, grid, control)?.allowing(arguments.allow_error)
     })
 }
 

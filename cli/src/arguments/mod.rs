@@ -41,9 +41,11 @@ pub(crate) enum Command {
     #[command(after_help = "Example: papilio run scenarios/indoor.toml --set viewer.theta_deg=20")]
     Run(Run),
     /// Compute the reflectance of the pixel alone from 0 to 90 deg: pixel.csv and a figure
-    #[command(after_help = "Example: papilio pixel scenarios/indoor.toml --angles glass --out out/pixel\n\n\
+    #[command(
+        after_help = "Example: papilio pixel scenarios/indoor.toml --angles glass --absorption --out out/pixel\n\n\
                       For a table of a pixel under a diffuser, use --angles glass: the diffuser sends light to the pixel at \
-                      all angles in the glass.")]
+                      all angles in the glass."
+    )]
     Pixel(Pixel),
     /// Export the spectral BRDF of the whole display, for each state
     #[command(after_help = "Example: papilio brdf scenarios/indoor.toml --out out/brdf\n\n\
@@ -140,9 +142,12 @@ pub(crate) struct Run {
     /// Solver; sets solver.method
     #[arg(long, value_enum)]
     pub(crate) solver: Option<Solver>,
-    /// Also compute maps over all viewing directions: cone.csv, cone.npy, cone.json, cone.svg, cone.png
+    /// Also compute maps over all viewing directions: cone.csv, cone.npy, cone.json, cone.svg, cone_differences.svg
     #[arg(long)]
     pub(crate) cone: bool,
+    /// With --cone: direction with which the colours of the others are compared, in degrees [default: 0,0, the normal]
+    #[arg(long, value_name = "THETA[,PHI]", requires = "cone", allow_negative_numbers = true, value_parser = direction)]
+    pub(crate) cone_reference: Option<[f64; 2]>,
     /// With --cone: accept relative errors up to X, and write them in a column `error` [default: the scenario's target]
     #[arg(long, value_name = "X", requires = "cone", allow_negative_numbers = true, value_parser = relative_error)]
     pub(crate) allow_error: Option<f64>,
@@ -280,9 +285,23 @@ pub(crate) struct Pixel {
     /// Medium of the angles [default: solver.angle_medium]
     #[arg(long, value_enum)]
     pub(crate) angles: Option<Angles>,
-    /// Step of the angles in degrees, a divisor of 90
-    #[arg(long, value_name = "DEG", default_value_t = 1.0, allow_negative_numbers = true, value_parser = angle_step)]
-    pub(crate) step: f64,
+    /// Step of the angles in degrees, a divisor of 90 [default: 1, and 15 for --absorption]
+    #[arg(long, value_name = "DEG", allow_negative_numbers = true, value_parser = angle_step)]
+    pub(crate) step: Option<f64>,
+    /// Also compute the absorptance of each layer of the film: absorption.csv, sub-pixels.csv and a figure
+    #[arg(long)]
+    pub(crate) absorption: bool,
+}
+
+/// Parses an inclination from 0 to below 90 degrees, and optionally an azimuth.
+fn direction(text: &str) -> Result<[f64; 2], String> {
+    let expected =
+        "expected an inclination from 0 to below 90 deg, optionally with an azimuth, such as 8 or 30,90";
+    let (theta, phi) = text.split_once(',').unwrap_or((text, "0"));
+    let number = |text: &str| text.trim().parse::<f64>().map_err(|_| expected.to_owned());
+    let direction = [number(theta)?, number(phi)?];
+    let is_valid = (0.0..90.0).contains(&direction[0]) && direction[1].abs() <= 360.0;
+    if is_valid { Ok(direction) } else { Err(expected.to_owned()) }
 }
 
 /// Parses a relative error above 0.
