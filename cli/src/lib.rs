@@ -8,17 +8,21 @@
 mod arguments;
 mod brdf;
 mod compare;
+mod completions;
 mod diffuser;
 mod folder;
+mod input;
 mod interrupt;
 mod journal;
 mod migrate;
 mod new;
 mod optimize;
 mod output;
+mod page;
 mod parallel;
 mod pixel;
 mod progress;
+mod readability;
 mod report;
 mod run;
 mod serve;
@@ -172,6 +176,9 @@ pub fn main(arguments: &[OsString]) -> u8 {
         Ok(arguments) => arguments,
         Err(error) => return report_invalid_arguments(arguments, &error),
     };
+    if arguments.quiet {
+        terminal::be_quiet();
+    }
     if let Some(message) = missing_feature(&arguments.command) {
         print_message(&format!("error: {message}"));
         return 2;
@@ -181,6 +188,7 @@ pub fn main(arguments: &[OsString]) -> u8 {
         Command::Brdf(arguments) => brdf::brdf(&arguments),
         Command::Compare(arguments) => compare::run(&arguments),
         Command::Diffuser(command) => diffuser::diffuser(&command),
+        Command::Completions(arguments) => completions::run(&arguments),
         Command::New(arguments) => new::run(&arguments),
         Command::Migrate(arguments) => migrate::run(&arguments),
         Command::Optimize(arguments) => optimize::run(&arguments),

@@ -33,6 +33,7 @@ except ImportError as _error:
 from . import cluster, colour, diffuser, films, plot
 from ._papilio import __version__
 from ._sweeps import sweep
+from .absorbed import Absorption, absorption
 from .brdfs import Brdf, Reflection, brdf, reflection
 from .cones import Cone, cone
 from .errors import (
@@ -56,6 +57,7 @@ from .running import run
 from .scenario import Scenario, preset_names, schema
 
 __all__ = [
+    "Absorption",
     "ArgumentError",
     "Brdf",
     "ClusterError",
@@ -76,6 +78,7 @@ __all__ = [
     "ScenarioError",
     "Yield",
     "__version__",
+    "absorption",
     "brdf",
     "cluster",
     "colour",
