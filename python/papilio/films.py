@@ -360,7 +360,7 @@ def reflectance(
 
     Example:
         >>> round(float(films.reflectance([("SiO2", 100.0)], 550.0, substrate="Al")), 2)
-        0.89
+        0.85
     """
     return _computed(layers, wavelength_nm, theta_deg, incidence, substrate, polarisation, False, threads)[0]
 
