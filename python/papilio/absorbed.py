@@ -140,7 +140,7 @@ class Absorption(ByName[NDArray[np.float64]]):
         Raises:
             ImportError: if pandas is not installed.
         """
-        labels = {
+        labels: dict[str, Any] = {
             "state": self.states,
             "sub_pixel": self.sub_pixels,
             "layer": [number for number, _ in self.layers],

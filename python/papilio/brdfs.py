@@ -127,7 +127,7 @@ class Brdf(ByName[NDArray[Any]]):
                 order = np.argsort(theta, kind="stable")
                 x[name], y[name] = theta[order], values[order]
             title = f"{self.about['title']}: {state}, {self.wavelength_nm[nm]:g} nm"
-            words = {"x_label": "Viewing angle, mirror direction positive (deg)", "y_label": "BSDF (1/sr)", "title": title}
+            words: dict[str, Any] = {"x_label": "Viewing angle, mirror direction positive (deg)", "y_label": "BSDF (1/sr)", "title": title}
             drawn = plot.curves(x, y, logarithmic=all((one > 0).any() for one in y.values()), **words)
             figures[f"brdf_{state}"] = Figure(f"brdf_{state}", drawn.svg)
         return figures
@@ -224,7 +224,7 @@ class Reflection(ByName[NDArray[np.float64]]):
         Raises:
             ImportError: if pandas is not installed.
         """
-        labels = {"theta_deg": self.theta_deg, "state": self.states}
+        labels: dict[str, Any] = {"theta_deg": self.theta_deg, "state": self.states}
         return long_table(labels, {name: (tuple(labels), self[name]) for name in _SHARES})
 
     def figures(self) -> dict[str, Figure]:

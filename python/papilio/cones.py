@@ -108,7 +108,7 @@ class Cone(ByName[NDArray[np.float64]]):
             ImportError: if pandas is not installed.
         """
         together, alone = self._arrays
-        labels = {"phi_deg": self.phi_deg, "theta_deg": self.theta_deg, "state": self.states}
+        labels: dict[str, Any] = {"phi_deg": self.phi_deg, "theta_deg": self.theta_deg, "state": self.states}
         views, states = ("phi_deg", "theta_deg"), ("phi_deg", "theta_deg", "state")
         return long_table(labels, {**{name: (views, one) for name, one in together.items()}, **{name: (states, one) for name, one in alone.items()}})
 

@@ -71,8 +71,9 @@ class Diffuser(Lookup[NDArray[np.float64]]):
     """
 
     def __init__(self, path: str | PathLike[str]) -> None:
-        self._path = _checked_path("path", path)
-        self._core = _papilio.Diffuser(self._path)
+        self._path: str | None = _checked_path("path", path)
+        self._core: _papilio.Diffuser
+        self._core = _papilio.Diffuser(_checked_path("path", path))
         _messages.warn(self.warnings)
 
     @classmethod

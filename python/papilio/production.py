@@ -87,7 +87,7 @@ class Yield(Lookup[NDArray[Any]]):
         return float(self.report["verdict"]["yield_share"]["value"])
 
     @property
-    def keys(self) -> _Keys:  # type: ignore[override]
+    def keys(self) -> _Keys:
         """The names of all arrays, as ``keys()``; without a call the list `varied`, which has been the meaning of this name."""
         return _Keys(self.varied, self._names())
 
