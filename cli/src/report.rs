@@ -372,10 +372,14 @@ fn energy_balance(view: &View) -> String {
         .filter(|(_, fraction)| *fraction > 5e-5)
         .map(|(part, fraction)| format!("{part} {:.1} %", 100.0 * fraction))
         .collect();
+    let absorbed = if parts.is_empty() {
+        "nothing absorbed".to_owned()
+    } else {
+        format!("absorbed: {}", parts.join(", "))
+    };
     format!(
-        "  energy balance of a beam from the viewer, {name}: returned {:.1} %; absorbed: {}{unaccounted}\n",
-        100.0 * ledger.returned,
-        parts.join(", ")
+        "  energy balance of a beam from the viewer, {name}: returned {:.1} %; {absorbed}{unaccounted}\n",
+        100.0 * ledger.returned
     )
 }
 

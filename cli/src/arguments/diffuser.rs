@@ -20,18 +20,18 @@ pub(crate) enum Diffuser {
     Fit(FitArguments),
     /// Calibrate a sample with a known white that was measured on the same grid
     #[command(
-        after_help = "Example: papilio diffuser calibrate sample.bsdf white.bsdf calibrated.bsdf --reflectance 0.99"
+        after_help = "Example:\n  papilio diffuser calibrate sample.bsdf white.bsdf out.bsdf --reflectance 0.99"
     )]
     Calibrate(Calibrate),
     /// Compute a display without each processing step of its measured diffuser: level, spectrum, blur, tails
     #[command(
-        after_help = "Example: papilio diffuser steps scenarios/measured-diffused.toml --beside scenarios/measured-truth.toml\n\n\
+        after_help = "Example:\n  papilio diffuser steps scenarios/measured-diffused.toml \\\n    --beside scenarios/measured-truth.toml\n\n\
                       Each figure, for example step-normalise.svg, shows the spectra with and without a step."
     )]
     Steps(Steps),
     /// Simulate the measurement of a scenario's diffuser by an imaging sphere with blur and noise
     #[command(
-        after_help = "Example: papilio diffuser measure scenarios/virtual-instrument.toml H78.bsdf --set measure.noise=0.01"
+        after_help = "Example:\n  papilio diffuser measure scenarios/virtual-instrument.toml H78.bsdf \\\n    --set measure.noise=0.01"
     )]
     Measure(Measure),
 }

@@ -48,7 +48,7 @@ pub(crate) enum Command {
     Brdf(Brdf),
     /// Compare a simulated display with a measured panel: spectra, colours and gamut, with figures
     #[command(
-        after_help = "Example: papilio run scenarios/overcast.toml && papilio compare out/overcast scenarios/data/synthetic-panel.csv\n\n\
+        after_help = "Example:\n  papilio run scenarios/overcast.toml\n  papilio compare out/overcast scenarios/data/synthetic-panel.csv\n\n\
                       MEASURED needs the columns state, theta_deg (optionally phi_deg), and either wavelength_nm \
                       and reflectance_factor, or X, Y and Z. docs/compare.md describes them."
     )]

@@ -44,6 +44,7 @@ mod chromaticity;
 mod colour_map;
 mod comparison;
 mod cone;
+mod cone_scale;
 mod contour;
 mod labels;
 mod light;
