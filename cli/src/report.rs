@@ -7,6 +7,8 @@ use papilio_display::result::{ReferenceWhite, RunResult, State, StateValues, Vie
 use papilio_display::{BrdfTable, ConeResult, Reflection};
 pub(crate) use papilio_formats::words::table;
 
+use crate::readability;
+
 /// Largest width of a column heading before it continues on the next line, characters.
 const HEADING: usize = 16;
 
@@ -234,12 +236,13 @@ fn view_in_full(result: &RunResult, view: &View, in_glass: bool) -> String {
         text.push_str("  L*, a*, b* and colour differences: relative to the white state\n");
     }
     text.push_str(&display_metrics(view));
+    text.push_str(&readability::of_text(view, &result.reader));
     text.push_str(&by_source(view));
     text.push_str(&energy_balance(view));
     text
 }
 
-/// Metrics of the display: contrast, gamut, text.
+/// Metrics of the display: contrast, gamut.
 fn display_metrics(view: &View) -> String {
     let error = &view.standard_error;
     let contrast = view.metrics.contrast_ratio.map_or(String::new(), |contrast| {
@@ -250,10 +253,7 @@ fn display_metrics(view: &View) -> String {
         let volume = measured(Some(volume), error.gamut_volume_cielab, 0);
         format!("  gamut volume {volume} in CIELAB (sRGB: 819000)\n")
     });
-    if contrast.is_empty() && gamut.is_empty() {
-        return volume;
-    }
-    format!("{contrast}{gamut}{volume}{}", text_on_white(view))
+    format!("{contrast}{gamut}{volume}")
 }
 
 /// A percentage of a view.
@@ -295,32 +295,6 @@ fn gamut(view: &View, diagram: &str, areas: &[(&str, Percent)], coverage: Percen
     }
     let coverage = shown("sRGB", coverage).map_or(String::new(), |text| format!("; coverage {text}"));
     format!("  gamut in {diagram}: area {}{coverage}\n", areas.join(", "))
-}
-
-/// Luminance, contrast and readability of black text on white.
-fn text_on_white(view: &View) -> String {
-    let (text, error) = (&view.metrics, &view.standard_error);
-    let (Some(luminance), Some(contrast)) = (text.text_luminance_cd_m2, text.text_contrast) else {
-        return String::new();
-    };
-    let ages = [text.reading_surrogate_age_20, text.reading_surrogate_age_50, text.reading_surrogate_age_75];
-    let reading = match ages {
-        [Some(young), Some(middle), Some(old)] => {
-            let [young, middle, old] = [young, middle, old].map(|fraction| 100.0 * fraction);
-            let reader = text.reading_surrogate.map_or(String::new(), |fraction| {
-                format!(", {:.0} % at the age of the reader", 100.0 * fraction)
-            });
-            format!(
-                "reading performance {young:.0} / {middle:.0} / {old:.0} % at 20 / 50 / 75 years{reader} (calibrated surrogate)"
-            )
-        }
-        _ => "reading performance: outside the range of the surrogate".to_owned(),
-    };
-    format!(
-        "  black text on white: mean luminance {} cd/m2, contrast {}\n  {reading}\n",
-        measured(Some(luminance), error.text_luminance_cd_m2, 1),
-        measured(Some(contrast), error.text_contrast, 3)
-    )
 }
 
 /// Luminance factor of the first state in the light of each source, if there are several.
@@ -401,6 +375,10 @@ fn view_rows(result: &RunResult) -> String {
     } else {
         rows[0].extend(names.iter().take(STATES_IN_A_ROW).map(|name| format!("Y {name}")));
     }
+    let has_reader = has_white_and_black && result.reader.is_described;
+    if has_reader {
+        rows[0].extend(["visibility level", "contrast margin"].map(str::to_owned));
+    }
     for view in &result.views {
         let mut row = angles(view);
         if has_white_and_black {
@@ -419,6 +397,11 @@ fn view_rows(result: &RunResult) -> String {
         } else {
             row.extend(names.iter().take(STATES_IN_A_ROW).map(|name| y(view, name)));
         }
+        if has_reader {
+            let error = &view.standard_error;
+            row.push(measured(view.metrics.visibility_level, error.visibility_level, 2));
+            row.push(measured(view.metrics.contrast_margin, error.contrast_margin, 1));
+        }
         rows.push(row);
     }
     format!("\n{}", table(&rows))
@@ -426,7 +409,7 @@ fn view_rows(result: &RunResult) -> String {
 
 /// A value with its standard error in units of the last digit, as in `0.1523(2)` (GUM, 7.2.2). If the error is less than
 /// half of the last digit, only the value is printed.
-fn measured(value: Option<f64>, error: Option<f64>, decimals: usize) -> String {
+pub(crate) fn measured(value: Option<f64>, error: Option<f64>, decimals: usize) -> String {
     let Some(value) = value else { return "-".to_owned() };
     let error = error.unwrap_or(0.0);
     if error.is_nan() || error < 0.5 * 0.1_f64.powi(decimals as i32) {

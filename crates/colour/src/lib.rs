@@ -10,6 +10,7 @@
 //!   to sRGB, EBU, NTSC and DCI-P3.
 //! - [`Corners`]: the colour gamut of eight states as a solid in CIELAB, with its volume and rings.
 //! - [`Viewing`]: the viewing conditions of the colour appearance model CIECAM16.
+//! - [`reader`]: what a reader sees: luminance threshold of small details, contrast sensitivity of the eye, age.
 //! - [`peak_nm`]: the wavelength at which a reflectance spectrum is largest.
 //!
 //! All functions are pure and cheap, because standard errors are computed by evaluating every
@@ -49,6 +50,7 @@ mod gamut;
 mod lab;
 mod observer;
 mod peak;
+pub mod reader;
 mod solid;
 mod srgb;
 mod xyz;

@@ -92,7 +92,7 @@ pub use page::with_key_tables;
 pub use papilio_diagnostics::{Diagnostic, nearest};
 pub use papilio_display::{Label, labelled_names};
 pub use path::KeyPath;
-pub use preset::{new_scenario, preset_names};
+pub use preset::{UsedPreset, new_scenario, preset_names};
 pub use resolve::VirtualMeasurement;
 pub use scenario::{Resolved, Scenario};
 pub use schema::schema;

@@ -270,7 +270,9 @@ fn depends_on(meter: &Meter<'_>, quantity: &Quantity) -> (Vec<Option<usize>>, &'
             | Metric::reading_surrogate
             | Metric::reading_surrogate_age_20
             | Metric::reading_surrogate_age_50
-            | Metric::reading_surrogate_age_75,
+            | Metric::reading_surrogate_age_75
+            | Metric::visibility_level
+            | Metric::contrast_margin,
         ) => (vec!["white", "black"], &[Number::Luminance][..]),
         Some(metric) if metric.is_of_view() => (PRIMARIES.to_vec(), XYZ),
         _ => (vec![], XYZ),

@@ -174,6 +174,7 @@ impl Resolver<'_> {
             spectra_by_light: asked.spectra_by_light.value,
             gamut_volume: asked.gamut_volume.value,
             reader_age_years: file.viewer.age_years.value.map(|years| years.0),
+            text_height_mm: file.viewer.text_height_mm.value.map(|height| height.0),
             appearance: asked.appearance.value.as_ref().map(appearance),
             ..scene::Metrics::default()
         };

@@ -207,6 +207,7 @@ const METRICS: &[Case] = &[
     ("[viewer]", "[metrics]\nobserver = \"1960\"\n[viewer]", (38, 12), &["1931", "1964"]),
     ("[viewer]", "[metrics]\nobserver = 1931\n[viewer]", (38, 12), &["expected"]),
     ("[viewer]", "[viewer]\nage_years = 80", (38, 13), &["from 20 to 75 (years)"]),
+    ("[viewer]", "[viewer]\ntext_height_mm = 0", (38, 18), &["above 0", "(mm)"]),
     ("[viewer]", "[metrics]\ngamut_volume = 1\n[viewer]", (38, 16), &["expected"]),
     ("[viewer]", "[metrics]\nappearance = { background = 0 }\n[viewer]", (38, 29), &["from 0.01 to 1"]),
     (
