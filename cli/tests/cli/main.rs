@@ -11,6 +11,7 @@ mod common;
 mod compare;
 mod cone;
 mod diffuser;
+mod figures;
 mod many_points;
 mod migrate;
 mod new;
