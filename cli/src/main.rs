@@ -6,14 +6,17 @@
 mod arguments;
 mod brdf;
 mod compare;
+mod completions;
 mod diffuser;
 mod folder;
+mod input;
 mod interrupt;
 mod journal;
 mod migrate;
 mod new;
 mod optimize;
 mod output;
+mod page;
 mod parallel;
 mod pixel;
 mod progress;
@@ -175,6 +178,9 @@ fn main() -> ExitCode {
         Ok(arguments) => arguments,
         Err(error) => return report_invalid_arguments(&error),
     };
+    if arguments.quiet {
+        terminal::be_quiet();
+    }
     if let Some(message) = missing_feature(&arguments.command) {
         print_message(&format!("error: {message}"));
         return ExitCode::from(2);
@@ -184,6 +190,7 @@ fn main() -> ExitCode {
         Command::Brdf(arguments) => brdf::brdf(&arguments),
         Command::Compare(arguments) => compare::run(&arguments),
         Command::Diffuser(command) => diffuser::diffuser(&command),
+        Command::Completions(arguments) => completions::run(&arguments),
         Command::New(arguments) => new::run(&arguments),
         Command::Migrate(arguments) => migrate::run(&arguments),
         Command::Optimize(arguments) => optimize::run(&arguments),

@@ -19,6 +19,7 @@ program, to the last bit.
 
 from . import cluster, colour, diffuser, films, plot
 from ._papilio import __version__
+from .absorbed import Absorption, absorption
 from .brdfs import Brdf, Reflection, brdf, reflection
 from .cones import Cone, cone
 from .errors import (
@@ -42,6 +43,7 @@ from .running import run
 from .scenario import Scenario, preset_names, schema
 
 __all__ = [
+    "Absorption",
     "ArgumentError",
     "Brdf",
     "ClusterError",
@@ -62,6 +64,7 @@ __all__ = [
     "ScenarioError",
     "Yield",
     "__version__",
+    "absorption",
     "brdf",
     "cluster",
     "colour",

@@ -5,6 +5,7 @@
 //! the interpreter meanwhile. It raises the exceptions of `papilio/errors.py`, and checks all arguments again, so that no
 //! script can crash the interpreter.
 
+mod absorption;
 mod batch;
 mod brdf;
 mod colour;
@@ -32,6 +33,8 @@ static ALLOCATOR: mimalloc::MiMalloc = mimalloc::MiMalloc;
 /// Implementation of the package `papilio`; not for direct use.
 #[pymodule]
 mod _papilio {
+    #[pymodule_export]
+    use crate::absorption::Absorption;
     #[pymodule_export]
     use crate::batch::{Batch, metric_names};
     #[pymodule_export]

@@ -12,6 +12,8 @@ mod compare;
 mod cone;
 mod diffuser;
 mod figures;
+mod first_steps;
+mod lab_files;
 mod many_points;
 mod migrate;
 mod new;

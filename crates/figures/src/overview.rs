@@ -2,6 +2,7 @@
 
 use papilio_display::result::{RunResult, View};
 
+use crate::diagram::Diagram;
 use crate::paint::Paint;
 use crate::style::{INK, percent, seen_at, with_error};
 use crate::svg::{Svg, Text};
@@ -27,7 +28,8 @@ pub fn overview(result: &RunResult, view: &View, title: &str) -> String {
     svg.text((20.0, 16.0), &headline(result, view), Text::new(14.0, INK));
     patches::draw(&mut svg, result, view, (20.0, top), side);
     spectra::draw(&mut svg, result, view, (78.0, middle), (480.0, bottom - middle));
-    chromaticity::draw(&mut svg, result, view, (778.0, bottom - chromaticity::height(diagram)), diagram);
+    let uv = Diagram::Uv;
+    chromaticity::draw(&mut svg, result, view, uv, (778.0, bottom - uv.height(diagram)), diagram);
     svg.finish()
 }
 
@@ -78,7 +80,7 @@ fn headline(result: &RunResult, view: &View) -> String {
     }
     if let Some(gamut) = view.metrics.gamut_percent_srgb {
         let gamut = with_error(gamut, view.standard_error.gamut_percent_srgb, 1);
-        parts.push(format!("gamut {gamut} % of sRGB"));
+        parts.push(format!("gamut {gamut} % of sRGB in {}", Diagram::Uv.name()));
     }
     if let Some(dimmed) = Paint::of(result, view).dimmed() {
         parts.push(format!("patches {dimmed}"));

@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use papilio_colour::{CORNERS, Corners, HUES, RINGS, Xy, Xyz};
-use papilio_display::result::{RunResult, View};
+use papilio_display::result::{ReferenceWhite, RunResult, View};
 
 use crate::axis::{Axis, range};
 use crate::panel::{Panel, SMALL};
@@ -20,7 +20,15 @@ const SAME: f64 = 0.004;
 /// volume below the lightness of the ring. Returns `None` if the result has no volume.
 pub fn gamut_rings(result: &RunResult, view: &View, title: &str) -> Option<String> {
     let volume = view.metrics.gamut_volume_cielab.filter(|volume| volume.is_finite())?;
-    let white = Xy { x: result.illuminant.x, y: result.illuminant.y }.with_luminance(1.0)?;
+    let white = match result.reference_white {
+        ReferenceWhite::Perfect => {
+            Xy { x: result.illuminant.x, y: result.illuminant.y }.with_luminance(1.0)?
+        }
+        ReferenceWhite::Display => {
+            let white = &view.states.get("white")?.value;
+            Xyz { x: white.X, y: white.Y, z: white.Z }
+        }
+    };
     let mut corners = Corners { xyz: [white; 8] };
     for (corner, name) in corners.xyz.iter_mut().zip(CORNERS) {
         let value = &view.states.get(name)?.value;

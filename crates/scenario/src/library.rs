@@ -8,6 +8,7 @@ use papilio_diagnostics::{Diagnostic, Place, suggestion};
 use papilio_formats::{DataFile, FormatError};
 use sha2::{Digest, Sha256};
 
+use crate::here::relative_path;
 use crate::memo::ResolveCache;
 
 /// The files that a scenario may name.
@@ -79,6 +80,29 @@ impl Library {
                 }
             },
         }
+    }
+
+    /// Returns a hint for a file that cannot be read: the paths that were tried. `in_set`: the name is in a `--set`.
+    pub(crate) fn tried(&self, name: &str, in_set: bool) -> Option<String> {
+        let Self::Folder(folder) = self else { return None };
+        let tried = folder.join(name);
+        let here = Path::new(name);
+        Some(if in_set && tried != here {
+            format!(
+                "paths in --set are relative to the current folder, or else to the folder of the scenario: tried {} and {}",
+                here.display(),
+                tried.display()
+            )
+        } else if tried != here && here.is_file() {
+            let from_folder = relative_path(folder, Path::new("")).unwrap_or_default().join(here);
+            format!(
+                "paths in a scenario are relative to its folder: tried {}; for the file in the current folder, write {}",
+                tried.display(),
+                from_folder.display()
+            )
+        } else {
+            format!("paths in a scenario are relative to its folder: tried {}", tried.display())
+        })
     }
 
     /// True if there is a file with this name.

@@ -87,6 +87,10 @@ impl Survey<'_> {
             Stop::RelativeError { target, .. } => target,
             Stop::Paths(_) | Stop::Target(_) => DEFAULT_TARGET,
         };
+        let [theta_deg, _] = self.grid.reference_deg;
+        if !self.is_known(theta_deg) {
+            return Some(Err(DisplayError::UnknownReference { theta_deg }));
+        }
         let mut kernel = Kernel::new(0);
         let sample = self.sample(target, &mut kernel)?;
         let Rows { views: rows, errors, nodes } = self.rows(&sample, kernel, target, pool)?;
@@ -186,9 +190,12 @@ impl Survey<'_> {
     /// Returns for each inclination whether the uppermost scattering interface was measured there. Elsewhere, other light,
     /// such as the reflection of the front, does not represent the display.
     fn known(&self) -> Vec<bool> {
+        self.grid.theta_deg.iter().map(|theta| self.is_known(*theta)).collect()
+    }
+
+    fn is_known(&self, theta_deg: f64) -> bool {
         let reach = self.run.setup.stack.known_within().unwrap_or(f64::INFINITY);
-        let inside = |theta: &f64| self.angle_index * theta.to_radians().sin() <= reach * (1.0 + 1e-9);
-        self.grid.theta_deg.iter().map(inside).collect()
+        self.angle_index * theta_deg.to_radians().sin() <= reach * (1.0 + 1e-9)
     }
 
     fn blank(&self, known: &[bool]) -> Option<String> {
