@@ -60,7 +60,8 @@ fn check(folder: &Path) -> usize {
             let content = &text.content;
             assert!(!content.contains('_'), "{name}: a raw name: {content}");
             let dotted = content.char_indices().any(|(at, c)| {
-                let [before, after] = [content[..at].chars().next_back(), content[at + c.len_utf8()..].chars().next()];
+                let [before, after] =
+                    [content[..at].chars().next_back(), content[at + c.len_utf8()..].chars().next()];
                 c == '.' && [before, after].iter().all(|c| c.is_some_and(char::is_alphabetic))
             });
             assert!(!dotted, "{name}: a dotted path: {content}");
@@ -68,7 +69,9 @@ fn check(folder: &Path) -> usize {
         }
         let numbers: Vec<&Written> = texts
             .iter()
-            .filter(|text| !text.is_upright && text.content.chars().all(|c| c.is_numeric() || ".-×⁻".contains(c)))
+            .filter(|text| {
+                !text.is_upright && text.content.chars().all(|c| c.is_numeric() || ".-×⁻".contains(c))
+            })
             .collect();
         for (k, one) in numbers.iter().enumerate() {
             for other in &numbers[k + 1..] {

@@ -142,14 +142,19 @@ fn columns_of_the_table_can_be_chosen() {
     };
     let by_view = table("contrast_ratio,white.Y,white.Y_de");
     let first = by_view.lines().next().unwrap();
-    assert!(first.ends_with("lighting.directed,theta_deg,phi_deg,contrast_ratio,white.Y,white.Y_de"), "{first}");
+    assert!(
+        first.ends_with("lighting.directed,theta_deg,phi_deg,contrast_ratio,white.Y,white.Y_de"),
+        "{first}"
+    );
     assert_eq!(by_view.lines().count(), 1 + 15);
     let by_state = table("Y,L_star");
     assert!(by_state.lines().next().unwrap().ends_with("theta_deg,phi_deg,state,Y,L_star"), "{by_state}");
     assert_eq!(by_state.lines().count(), 1 + 15 * 8);
     let white = by_state.lines().nth(1).unwrap().rsplit(',').nth(1).unwrap();
     assert_eq!(by_view.lines().nth(1).unwrap().rsplit(',').nth(1), Some(white));
-    for (columns, advice) in [("Lstar", "did you mean `L_star`?"), ("withe.Y", "there is no column `withe.Y`")] {
+    for (columns, advice) in
+        [("Lstar", "did you mean `L_star`?"), ("withe.Y", "there is no column `withe.Y`")]
+    {
         let output = papilio(&["sweep", &file, "--out", &out, "--columns", columns]);
         assert_eq!(output.status.code(), Some(2), "{columns}");
         assert!(stderr(&output).contains(advice), "{}", stderr(&output));

@@ -53,7 +53,8 @@ fn grey_overview(result: &RunResult, view: &View, distance: f64, title: &str) ->
     let mut svg = Svg::new(640.0, below + height + 30.0).titled(title);
     svg.text((20.0, 16.0), &headline(result, view), Text::new(14.0, INK));
     patches::draw(&mut svg, result, view, (20.0, top), side);
-    let mut note = format!("No state differs from the light by more than {distance:.4} in u\u{2032}v\u{2032}");
+    let mut note =
+        format!("No state differs from the light by more than {distance:.4} in u\u{2032}v\u{2032}");
     if constant {
         note.push_str("; reflectance factors are the same at all wavelengths");
     } else {
