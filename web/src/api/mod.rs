@@ -1,6 +1,7 @@
 //! The endpoints. Each is a row of [`endpoints`], from which the router and the OpenAPI description are
 //! generated.
 
+mod compare;
 mod drawn;
 mod endpoint;
 mod events;
@@ -41,6 +42,11 @@ fn endpoints() -> Endpoints {
         .post("/angles", "Metrics against the viewing angle", drawn::angles)
         .post("/cone", "Metrics over all viewing directions: numbers and conoscopic maps", drawn::cone)
         .post("/figures", "The figures that papilio run draws, as SVG", drawn::figures)
+        .post(
+            "/compare",
+            "A scenario compared with a measured panel: table, figures, differences",
+            compare::compare,
+        )
         .export(
             "/export",
             "A result as a file: result.json, tables, figures, or a report on one page",

@@ -161,11 +161,16 @@ impl Resolver<'_> {
         let largest = transmittance.max();
         if largest > 1.0 + 1e-12 {
             let at = origin.or_override(causes).or_override([whole.regular_fraction.origin]);
-            let wrong = Diagnostic::new(format!("the transmittance of the whole lobe would be {largest:.4}"))
-                .expected("at most 1")
-                .hint(format!(
-                    "a lobe this wide loses light beyond the hemisphere: total_transmittance can be {share:.4} at most"
-                ));
+            // Rounded down, so that the number of the hint is accepted.
+            let most = (share * 1e4).floor() / 1e4;
+            let total = largest * share;
+            let wrong = Diagnostic::new(format!("a lobe this wide cannot transmit {total:.4} of the light into the hemisphere"))
+                .expected(format!("total_transmittance of at most {most:.4}"))
+                .hint(
+                    "a wider lobe (more haze) sends more of its light beyond the hemisphere, where it is lost: reduce the haze or width, \
+                     or total_transmittance",
+                )
+                .accepted(most);
             self.errors.push(at, wrong);
             return None;
         }
@@ -175,17 +180,17 @@ impl Resolver<'_> {
 
 /// Error: no k-correlation lobe has this haze.
 fn no_width(haze: f64, regular_fraction: f64) -> Diagnostic {
-    let limit = largest_haze(regular_fraction);
-    let hint = if limit <= 0.0 {
-        "regular transmission is not haze".to_owned()
-    } else if haze < limit {
-        "this haze is too small: give a larger one, or remove the diffuser".to_owned()
-    } else {
-        let limit = (limit * 1e4).floor() / 1e4;
-        format!("haze can be {limit} at most: a wider lobe loses its light beyond the hemisphere")
-    };
+    let limit = (largest_haze(regular_fraction) * 1e4).floor() / 1e4;
     let lobe = "no k-correlation lobe has a haze of";
-    Diagnostic::new(format!("{lobe} {haze} with regular_fraction = {regular_fraction}")).hint(hint)
+    let wrong = Diagnostic::new(format!("{lobe} {haze} with regular_fraction = {regular_fraction}"));
+    if limit <= 0.0 {
+        wrong.hint("regular transmission is not haze")
+    } else if haze < limit {
+        wrong.hint("this haze is too small: give a larger one, or remove the diffuser")
+    } else {
+        let hint = format!("haze can be {limit} at most: a wider lobe loses its light beyond the hemisphere");
+        wrong.hint(hint).accepted(limit)
+    }
 }
 
 /// Returns an interface with this transmission and regular fraction, and without reflection.
