@@ -53,7 +53,7 @@ pub(crate) fn run(arguments: &Compare) -> Result<(), Failure> {
     }
     all.left_out.iter().for_each(|reason| print_message(&format!("note: {reason}")));
     suggestion.iter().for_each(|help| print_message(&format!("  = help: {help}")));
-    if looks_like_percent(&all) {
+    if all.looks_like_percent() {
         print_message(
             &"warning: the measured Y is about a hundred times the simulated Y; expected reflectance factors and Y as fractions of 1, \
                not in per cent",
@@ -72,12 +72,6 @@ fn suggestion(simulated: &Simulated, measured: &[Measured]) -> Option<String> {
         unknown.iter().filter_map(|wrong| nearest(wrong, known.iter().copied()).map(|name| (wrong, name)));
     let close: Vec<String> = close.map(|(wrong, name)| format!("`{name}` for `{wrong}`")).collect();
     (!close.is_empty()).then(|| format!("did you mean {}?", close.join(", ")))
-}
-
-/// True if the measured Y of every state is 20 to 500 times the simulated Y, as for numbers in per cent.
-fn looks_like_percent(all: &Comparison) -> bool {
-    let ratios = all.states.iter().map(|one| one.measured.Y / one.simulated.Y);
-    !all.states.is_empty() && ratios.into_iter().all(|ratio| (20.0..500.0).contains(&ratio))
 }
 
 /// Path of the result; for a folder, of the `result.json` in it.

@@ -17,6 +17,7 @@ mod output;
 mod parallel;
 mod pixel;
 mod progress;
+mod readability;
 mod report;
 mod run;
 mod serve;

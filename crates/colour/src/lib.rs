@@ -6,10 +6,11 @@
 //!   converts spectra to [`Xyz`] and to luminance in cd/m2, and scales light to an illuminance in lx.
 //!   [`spectral_locus`] draws chromaticity diagrams.
 //! - [`Xyz`]: tristimulus values, from which [`Xy`], [`UvPrime`], [`Lab`] and sRGB colours are computed.
-//! - [`gamut_percent`], [`coverage_percent`]: area and coverage of the u'v' triangle of three primaries, relative to
-//!   sRGB, EBU, NTSC and DCI-P3.
+//! - [`gamut_percent`], [`coverage_percent`]: area and coverage of the triangle of three primaries in u'v' or xy, relative
+//!   to sRGB, EBU, NTSC and DCI-P3.
 //! - [`Corners`]: the colour gamut of eight states as a solid in CIELAB, with its volume and rings.
 //! - [`Viewing`]: the viewing conditions of the colour appearance model CIECAM16.
+//! - [`reader`]: what a reader sees: luminance threshold of small details, contrast sensitivity of the eye, age.
 //! - [`peak_nm`]: the wavelength at which a reflectance spectrum is largest.
 //!
 //! All functions are pure and cheap, because standard errors are computed by evaluating every
@@ -49,13 +50,14 @@ mod gamut;
 mod lab;
 mod observer;
 mod peak;
+pub mod reader;
 mod solid;
 mod srgb;
 mod xyz;
 
 pub use appearance::{Appearance, Surround, Viewing};
 pub use error::ColourError;
-pub use gamut::{GamutReference, coverage_percent, gamut_percent, triangle_area};
+pub use gamut::{Chromaticity, GamutReference, coverage_percent, gamut_percent, triangle_area};
 pub use lab::{Lab, Luv};
 pub use observer::{LUMENS_PER_WATT, Observer, Standard, spectral_locus};
 pub use peak::{peak_nm, peak_slopes};

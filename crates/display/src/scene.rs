@@ -19,6 +19,7 @@ pub use papilio_transport::{
     ScatterKernel, Scattering,
 };
 
+pub use crate::result::ReferenceWhite;
 pub use crate::target::{Metric, Target, Tolerance};
 
 /// Complete description of one computation.
@@ -43,14 +44,19 @@ pub struct Scene {
 pub struct Metrics {
     /// Standard observer for X, Y, Z; luminances always use V(lambda) of CIE 1931.
     pub observer: Standard,
+    /// White of L*, a*, b*, u*, v*, the colour differences and the gamut volume. If the front light is the only light, it is
+    /// always the display's.
+    pub white: ReferenceWhite,
     /// Name of the state with which the others are compared; without such a state there is no comparison.
     pub reference_state: String,
     /// Whether to report reflectance factors under each light alone.
     pub spectra_by_light: bool,
     /// Whether to report the gamut volume.
     pub gamut_volume: bool,
-    /// Age of the reader in years, 20 to 75; `None`: no reading performance at a given age.
+    /// Age of the reader in years, 20 to 75; `None`: not specified.
     pub reader_age_years: Option<f64>,
+    /// Height of the lower-case x of text, mm; `None`: not specified.
+    pub text_height_mm: Option<f64>,
     /// Viewing conditions; `None`: no colour appearance.
     pub appearance: Option<Appearance>,
 }
@@ -70,10 +76,12 @@ impl Default for Metrics {
     fn default() -> Self {
         Self {
             observer: Standard::Cie1931,
+            white: ReferenceWhite::Perfect,
             reference_state: "white".to_owned(),
             spectra_by_light: false,
             gamut_volume: false,
             reader_age_years: None,
+            text_height_mm: None,
             appearance: None,
         }
     }
@@ -200,7 +208,7 @@ pub struct Glass {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Surface {
     /// Ideal antireflection interface: transmits all light with |beta| <= 1 and totally reflects light with |beta| > 1.
-    Coated,
+    IdealAr,
     /// Bare interface: Fresnel reflectance of unpolarised light.
     Fresnel,
 }
@@ -225,6 +233,8 @@ pub struct FilmPixel {
     pub layers: Vec<FilmLayer>,
     /// Complex index n + ik of the opaque, semi-infinite substrate.
     pub substrate: Vec<Complex64>,
+    /// Names of the materials for reports: of each layer and, last, of the substrate. A missing name is reported as empty.
+    pub materials: Vec<String>,
     /// The sub-pixels, in the order of the scenario.
     pub sub_pixels: Vec<SubPixel>,
     /// Gap of a dark sub-pixel, nm; `None` if no state needs it.
@@ -396,7 +406,7 @@ pub struct Viewer {
     pub phi_deg: Vec<f64>,
     /// Full angle of the circular field of view, degrees.
     pub field_deg: f64,
-    /// Distance, mm (has an effect only if the display is not uniform).
+    /// Distance of the eye, mm; it determines the angle of text (readability).
     pub distance_mm: f64,
 }
 
@@ -425,7 +435,7 @@ pub enum Method {
     /// Adding: deterministic, without noise.
     Adding,
     /// Monte Carlo: unbiased, with standard errors.
-    Walk,
+    MonteCarlo,
 }
 
 /// Stopping criterion of a solver.
@@ -437,7 +447,7 @@ pub enum Stop {
         /// The relative error, for example 0.001.
         target: f64,
         /// Whether it applies to every wavelength, too, relative to the maximum of the spectrum.
-        every_bin: bool,
+        per_wavelength: bool,
     },
     /// Number of paths for each view (Monte Carlo only).
     Paths(u64),

@@ -113,16 +113,22 @@ pub(crate) fn unknown_choice(found: &str, choices: &[&str]) -> Diagnostic {
         _ => nearest(found, choices.iter().copied()).map(|near| format!("did you mean `{near}`?")),
     };
     let message = format!("`{found}` is not one of the choices");
-    Diagnostic::new(message).expected(quoted(choices.iter().copied())).hint_if(hint)
+    let wrong = Diagnostic::new(message).expected(quoted(choices.iter().copied())).hint_if(hint);
+    with_nearest(wrong, found, choices)
 }
 
 /// A material or light that is neither a name nor a file.
 pub(crate) fn unknown_name(kind: &str, name: &str, names: &[&str]) -> Diagnostic {
-    Diagnostic::new(format!("there is no {kind} named `{name}`, and no such file")).hint(suggestion(
-        name,
-        names.iter().copied(),
-        "names",
-    ))
+    let wrong = Diagnostic::new(format!("there is no {kind} named `{name}`, and no such file"));
+    with_nearest(wrong.hint(suggestion(name, names.iter().copied(), "names")), name, names)
+}
+
+/// Adds the known name that is nearest to a misspelled one as a value that is accepted.
+fn with_nearest(wrong: Diagnostic, found: &str, known: &[&str]) -> Diagnostic {
+    match nearest(found, known.iter().copied()) {
+        Some(near) => wrong.accepted(format_args!("\"{near}\"")),
+        None => wrong,
+    }
 }
 
 /// A state that the pixel does not have.

@@ -12,6 +12,7 @@ use serde_json::{Map, Value, json};
 use crate::describe::File;
 use crate::error::{Errors, ScenarioError, ScenarioErrors};
 use crate::library::{Library, sha256};
+use crate::preset::UsedPreset;
 use crate::read::Read;
 use crate::resolve::{self, Found, VirtualMeasurement};
 use crate::set::Change;
@@ -111,6 +112,11 @@ impl Scenario {
     pub fn filled_at(&self, key: &str) -> Value {
         let mut all = serde_json::to_value(&self.file).unwrap_or_default();
         all.get_mut(key).map(Value::take).unwrap_or_default()
+    }
+
+    /// Returns the preset of lighting and viewer that the scenario names, or else one whose light and viewer it has.
+    pub fn preset(&self) -> Option<UsedPreset> {
+        preset::used(&self.written.root, &serde_json::to_value(&self.file).unwrap_or_default())
     }
 
     /// Resolves the display's diffuser and `[measure]`, for [`papilio diffuser measure`](VirtualMeasurement).

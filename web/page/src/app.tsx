@@ -13,6 +13,7 @@ import { LedgerPanel } from "./panels/ledger.tsx";
 import { Problems } from "./panels/problems.tsx";
 import { Readability } from "./panels/readability.tsx";
 import { Source } from "./panels/source.tsx";
+import { AgeMark } from "./panels/aged.tsx";
 import { Summary } from "./panels/summary.tsx";
 import { Spoken } from "./panels/spoken.tsx";
 import { StatesTable } from "./panels/table.tsx";
@@ -25,14 +26,16 @@ import { Welcome } from "./panels/welcome.tsx";
 import { Chromaticity } from "./plots/chromaticity.tsx";
 import { Patches } from "./plots/patches.tsx";
 import { Spectra } from "./plots/spectra.tsx";
-import { answer, busy, draft, problems, startProblems, text } from "./state/design.ts";
+import { answer, busy, draft, opening, problems, startProblems, text } from "./state/design.ts";
+import { liveAge } from "./state/age.ts";
+import { compact, part, type Part } from "./state/compact.ts";
 import { discard } from "./state/live.ts";
 import { openTab } from "./state/tab.ts";
 
 function Design() {
   const source = useSignal(false);
   return (
-    <section class="design" aria-label="Design">
+    <section class="design" aria-label="Design" inert={opening.value !== ""}>
       <div class="switch" role="group" aria-label="View of the design">
         <button type="button" aria-pressed={!source.value} onClick={() => (source.value = false)}>
           Drawing
@@ -67,22 +70,61 @@ const TABS = [
   { id: "files", name: "Files", body: () => <FilesPanel /> },
 ];
 
-function ResultPanel() {
+/** The first place of the result, at its top: the summary and the states. A picture of the page comes here. */
+function First() {
   return (
-    <main class={busy.value ? "picture busy" : "picture"} aria-busy={busy.value} aria-label="Result">
+    <div class="first">
       <div class="top">
         <Summary />
-        <Views />
+        <span class="seen-from">
+          <AgeMark age={liveAge.value} />
+          <Views />
+        </span>
       </div>
       <Patches />
+    </div>
+  );
+}
+
+function ResultPanel() {
+  return (
+    <main
+      id="result"
+      tabindex={-1}
+      class={`picture${busy.value ? " busy" : ""}${opening.value ? " opening" : ""}`}
+      aria-busy={busy.value}
+      aria-label="Result"
+    >
+      <First />
       <div class="plots">
         <Chromaticity />
         <Spectra />
       </div>
-      <Tabs tabs={TABS} open={openTab} />
-      <Notes />
+      <div class="details">
+        <Tabs tabs={TABS} open={openTab} />
+        <Notes />
+      </div>
       <Spoken />
     </main>
+  );
+}
+
+const PARTS: readonly (readonly [Part, string])[] = [
+  ["design", "Design"],
+  ["plots", "Diagrams"],
+  ["details", "Tables and tools"],
+];
+
+/** The choice of the section in the compact layout. */
+function Sections() {
+  return (
+    <div class="sections" role="group" aria-label="Section of the page">
+      {PARTS.map(([id, name]) => (
+        <button type="button" key={id} aria-pressed={part.value === id} onClick={() => (part.value = id)}>
+          {name}
+        </button>
+      ))}
+    </div>
   );
 }
 
@@ -123,9 +165,10 @@ export function App() {
       <Header />
       <Welcome />
       {answer.value && (
-        <div class="bench">
+        <div class="bench" data-part={part.value}>
           <Design />
           <ResultPanel />
+          {compact.value && <Sections />}
         </div>
       )}
       {!answer.value && (problems.value.length > 0 ? <Broken /> : <Starting />)}

@@ -1,6 +1,7 @@
 //! The endpoints. Each is a row of [`endpoints`], from which the router and the OpenAPI description are
 //! generated.
 
+mod compare;
 mod drawn;
 mod endpoint;
 mod events;
@@ -27,6 +28,7 @@ fn endpoints() -> Endpoints {
         .get("/health", "The version of the server, which shows that it runs", text::health)
         .get("/start", "The scenario that the page opens", text::start)
         .get("/schema", "The JSON Schema of a scenario: keys, units, ranges, defaults, help", text::schema)
+        .post("/labels", "Labels of metrics and of keys: the quantity in words, and its unit", text::labels)
         .get("/presets", "The presets of lighting and viewer", text::presets)
         .get_named("/presets/{name}", "A new scenario with a preset", text::preset)
         .get("/examples", "The example scenarios", text::examples)
@@ -40,6 +42,11 @@ fn endpoints() -> Endpoints {
         .post("/angles", "Metrics against the viewing angle", drawn::angles)
         .post("/cone", "Metrics over all viewing directions: numbers and conoscopic maps", drawn::cone)
         .post("/figures", "The figures that papilio run draws, as SVG", drawn::figures)
+        .post(
+            "/compare",
+            "A scenario compared with a measured panel: table, figures, differences",
+            compare::compare,
+        )
         .export(
             "/export",
             "A result as a file: result.json, tables, figures, or a report on one page",

@@ -7,7 +7,7 @@ use papilio_colour::{
     CORNERS, Corners, GamutReference, Lab, UvPrime, Viewing, Xyz, coverage_percent, gamut_percent,
 };
 
-use crate::readability::Text;
+use crate::readability::{Reader, Text};
 use crate::result::{Cam16, StateMetrics, ViewMetrics};
 use crate::scene::{Appearance, Metrics, Standard};
 
@@ -41,9 +41,14 @@ pub(crate) const PRIMARIES: [&str; 3] = ["red", "green", "blue"];
 /// References of the metrics: the white, and the names of the states.
 pub(crate) struct Reference<'a> {
     pub(crate) names: &'a [String],
-    /// The white, relative like X, Y and Z, and its luminance, cd/m2; `None` if it is not defined.
+    /// White of the light, relative like X, Y and Z, and its luminance, cd/m2: that of a perfect white, or of the display's
+    /// white state if the front light is the only light; `None` if it is not defined.
     pub(crate) white: Option<(Xyz, f64)>,
+    /// White of L*, a*, b*, u*, v*, the colour differences and the gamut volume: that of the light, or the display's white
+    /// state (`metrics.white = "display"`); `None` if it is not defined.
+    pub(crate) lab_white: Option<Xyz>,
     pub(crate) settings: &'a Metrics,
+    pub(crate) reader: Reader,
 }
 
 /// Observed colour quantities of a state.
@@ -60,6 +65,8 @@ pub(crate) struct StateObservation {
 /// Colours with which the states of a view are compared.
 struct ColourReferences {
     black: Option<f64>,
+    /// The white of the light, for u'v' distances.
+    light: Option<UvPrime>,
     white: Colour,
     state: Option<Colour>,
     viewing: Option<Viewing>,
@@ -73,7 +80,7 @@ pub(crate) struct Colour {
 }
 
 impl Colour {
-    fn new(xyz: Xyz, white: Option<Xyz>) -> Self {
+    pub(crate) fn new(xyz: Xyz, white: Option<Xyz>) -> Self {
         Self { uv: xyz.uv_prime(), lab: white.and_then(|white| xyz.lab(white)) }
     }
 
@@ -95,10 +102,11 @@ impl Reference<'_> {
     /// Computes all metrics except those that compare views.
     pub(crate) fn view(&self, observations: &[StateObservation]) -> ViewScalars {
         let xyz: Vec<Xyz> = observations.iter().map(|observation| observation.xyz).collect();
-        let white = self.white.map(|(xyz, _)| xyz);
+        let white = self.lab_white;
         let colours: Vec<Colour> = xyz.iter().map(|xyz| Colour::new(*xyz, white)).collect();
         let references = ColourReferences {
             black: self.at("black").map(|black| xyz[black].y),
+            light: self.white.and_then(|(white, _)| white.uv_prime()),
             white: white.map_or(Colour { uv: None, lab: None }, |xyz| Colour::new(xyz, white)),
             state: self.at(&self.settings.reference_state).map(|state| colours[state]),
             viewing: self.viewing(),
@@ -112,20 +120,27 @@ impl Reference<'_> {
         let shift = |name| states[self.at(name)?].metrics.peak_shift_nm;
         together.average_peak_shift_nm = three(PRIMARIES.map(shift)).map(|[r, g, b]| (r + g + b) / 3.0);
         let luminance = |name| Some(observations[self.at(name)?].luminance_cd_m2);
-        let text = luminance("white").zip(luminance("black")).and_then(|(w, k)| Text::new(w, k));
-        if let Some(text) = text {
-            together.text_luminance_cd_m2 = Some(text.luminance_cd_m2);
-            together.text_contrast = Some(text.contrast);
-            together.reading_surrogate_age_20 = text.reading_surrogate(20.0);
-            together.reading_surrogate_age_50 = text.reading_surrogate(50.0);
-            together.reading_surrogate_age_75 = text.reading_surrogate(75.0);
-            together.reading_surrogate =
-                self.settings.reader_age_years.and_then(|age_years| text.reading_surrogate(age_years));
+        if let Some((white, black)) = luminance("white").zip(luminance("black")) {
+            self.readability(white, black, &mut together);
         }
         if self.settings.gamut_volume {
             together.gamut_volume_cielab = self.volume(&xyz);
         }
         ViewScalars { states, together }
+    }
+
+    /// Computes the readability of black text on white from the luminances, cd/m2.
+    fn readability(&self, white: f64, black: f64, together: &mut ViewMetrics) {
+        let Some(text) = Text::new(white, black) else { return };
+        together.text_luminance_cd_m2 = Some(text.luminance_cd_m2);
+        together.text_contrast = Some(text.contrast);
+        together.reading_surrogate_age_20 = text.reading_surrogate(20.0);
+        together.reading_surrogate_age_50 = text.reading_surrogate(50.0);
+        together.reading_surrogate_age_75 = text.reading_surrogate(75.0);
+        together.reading_surrogate =
+            self.settings.reader_age_years.and_then(|age_years| text.reading_surrogate(age_years));
+        together.visibility_level = self.reader.visibility_level(white, black);
+        together.contrast_margin = self.reader.contrast_margin(white, black);
     }
 
     /// Computes contrast and gamut, which combine the states.
@@ -134,10 +149,13 @@ impl Reference<'_> {
         let black = colour("black").map(|black| black.y);
         // The primaries of the standards are defined for the observer of 1931.
         let diagram = self.settings.observer == Standard::Cie1931;
-        let uv = |name| colour(name).filter(|_| diagram).and_then(Xyz::uv_prime);
-        let primaries = three(PRIMARIES.map(uv));
-        let gamut = |reference| primaries.map(|primaries| gamut_percent(primaries, reference));
-        let coverage = |reference| primaries.map(|primaries| coverage_percent(primaries, reference));
+        let primary = |name| colour(name).filter(|_| diagram);
+        let uv = three(PRIMARIES.map(|name| primary(name).and_then(Xyz::uv_prime)));
+        let xy = three(PRIMARIES.map(|name| primary(name).and_then(Xyz::chromaticity)));
+        let gamut = |reference| uv.map(|uv| gamut_percent(uv, reference));
+        let coverage = |reference| uv.map(|uv| coverage_percent(uv, reference));
+        let gamut_xy = |reference| xy.map(|xy| gamut_percent(xy, reference));
+        let coverage_xy = |reference| xy.map(|xy| coverage_percent(xy, reference));
         ViewMetrics {
             contrast_ratio: colour("white").and_then(|white| ratio(white.y, black)),
             gamut_percent_srgb: gamut(GamutReference::Srgb),
@@ -148,13 +166,21 @@ impl Reference<'_> {
             coverage_percent_ebu: coverage(GamutReference::Ebu),
             coverage_percent_ntsc: coverage(GamutReference::Ntsc),
             coverage_percent_dci_p3: coverage(GamutReference::DciP3),
+            gamut_percent_srgb_xy: gamut_xy(GamutReference::Srgb),
+            gamut_percent_ebu_xy: gamut_xy(GamutReference::Ebu),
+            gamut_percent_ntsc_xy: gamut_xy(GamutReference::Ntsc),
+            gamut_percent_dci_p3_xy: gamut_xy(GamutReference::DciP3),
+            coverage_percent_srgb_xy: coverage_xy(GamutReference::Srgb),
+            coverage_percent_ebu_xy: coverage_xy(GamutReference::Ebu),
+            coverage_percent_ntsc_xy: coverage_xy(GamutReference::Ntsc),
+            coverage_percent_dci_p3_xy: coverage_xy(GamutReference::DciP3),
             ..ViewMetrics::default()
         }
     }
 
     /// Computes the gamut volume; `None` unless all eight corners are states.
     fn volume(&self, xyz: &[Xyz]) -> Option<f64> {
-        let (white, _) = self.white?;
+        let white = self.lab_white?;
         let mut corners = [white; 8];
         for (corner, name) in corners.iter_mut().zip(CORNERS) {
             *corner = xyz[self.at(name)?];
@@ -183,7 +209,8 @@ impl Reference<'_> {
         let (xyz, Colour { uv, lab }) = (observation.xyz, *colour);
         let xy = xyz.chromaticity();
         let hue = xyz.hue_rgb().filter(|_| self.settings.observer == Standard::Cie1931);
-        let [from_white, delta_e] = colour.differences(&references.white);
+        let from_white = uv.zip(references.light).map(|(uv, light)| uv.distance(light));
+        let [_, delta_e] = colour.differences(&references.white);
         let luv = lab.zip(uv.zip(references.white.uv)).map(|(lab, (uv, white))| lab.luv(uv, white));
         let [from_reference, delta_e_reference] =
             references.state.map_or([None; 2], |state| colour.differences(&state));
@@ -333,7 +360,14 @@ mod tests {
         let white = Xyz { x: 0.95, y: 1.0, z: 1.09 };
         let names = ["white".to_owned(), "orange".to_owned()];
         let settings = Metrics { gamut_volume: true, ..Metrics::default() };
-        let reference = Reference { names: &names, white: Some((white, 100.0)), settings: &settings };
+        let reader = Reader { age_years: 25.0, text_height_mm: 1.6, distance_mm: 500.0 };
+        let reference = Reference {
+            names: &names,
+            white: Some((white, 100.0)),
+            lab_white: Some(white),
+            settings: &settings,
+            reader,
+        };
         let observed = |xyz: Xyz| StateObservation {
             xyz,
             luminance_cd_m2: 100.0 * xyz.y,

@@ -23,7 +23,9 @@ pub(crate) use refine::{largest, level_error};
 pub use study::{Cost, StudyCurve, StudyPoint, cost, study};
 
 use crate::meter::{Meter, ViewSamples, against_angle};
-use crate::result::{RunResult, SolverReport, View};
+use crate::notes::notes;
+use crate::readability::Reader;
+use crate::result::{self, RunResult, SolverReport, View};
 use crate::scene::{Method, Scene, Stop};
 use crate::setup::{Setup, ViewPoint};
 use crate::{DisplayError, Prepared};
@@ -126,7 +128,7 @@ pub(crate) fn run_setup(
     let meter = Meter::new(setup);
     let run = Run { scene: &setup.scene, control, setup, meter: &meter };
     match setup.scene.solver.method {
-        Method::Walk => {
+        Method::MonteCarlo => {
             let pool = Workers::wanted(workers, control.threads.unwrap_or(0))?;
             pool.install(|| walk::run(&run))
         }
@@ -201,11 +203,16 @@ impl Run<'_> {
                 Some(_) => {}
             }
         }
+        let (views, reference_white) = (against_angle(views), self.meter.reference_white());
         RunResult {
+            notes: notes(&views, reference_white),
             solver,
             wavelength_nm: self.scene.grid.wavelengths_nm(),
             illuminant: self.meter.illuminant(),
-            views: against_angle(views),
+            reference_white,
+            primaries: crate::pixel::primaries(&self.scene.display.pixel),
+            views,
+            reader: reader(self.scene),
             warnings,
         }
     }
@@ -239,4 +246,17 @@ impl Run<'_> {
 /// Returns true if the mirror image of a beam is in the field of view.
 fn looks_into(view: &ViewPoint, source: &Source) -> bool {
     matches!(source, Source::Beam(beta) if view.field.holds(*beta))
+}
+
+/// Reports the reader of a scene.
+fn reader(scene: &Scene) -> result::Reader {
+    let reader = Reader::of(scene);
+    result::Reader {
+        age_years: reader.age_years,
+        text_height_mm: reader.text_height_mm,
+        distance_mm: reader.distance_mm,
+        detail_arcmin: reader.detail_arcmin(),
+        cycles_per_degree: reader.cycles_per_degree(),
+        is_described: scene.metrics.reader_age_years.is_some() || scene.metrics.text_height_mm.is_some(),
+    }
 }

@@ -2,6 +2,7 @@
 
 use crate::common::{run, scenario};
 use papilio_colour::{CORNERS, Corners, Surround, Viewing, Xy, Xyz};
+use papilio_display::readability::Reader;
 use papilio_display::result::{RunResult, State};
 
 fn indoor(overrides: &[&str]) -> RunResult {
@@ -153,6 +154,83 @@ fn text_luminance_is_proportional_to_illuminance_at_constant_contrast() {
     let (p0, p1, p2) = (0.5 * (0.6619 + 0.2971), 0.5 * (0.1845 + 0.3141), 0.5 * (0.0481 + 0.0074));
     let expected = p0 + p1 * (c / 0.35).ln() + p2 * (4.0 * l / 1000.0).ln();
     assert!((lit.reading_surrogate.unwrap() - expected).abs() < 1e-9, "{lit:?}");
+}
+
+/// Electronic paper answers from a living room to full sun at 60 years, by both solvers, with errors, and the numbers are
+/// those of its luminances.
+#[test]
+fn electronic_paper_has_a_readability_in_every_light() {
+    let reader = Reader { age_years: 60.0, text_height_mm: 1.6, distance_mm: 400.0 };
+    for preset in ["living-room", "office", "daylight"] {
+        let light = format!("lighting.preset=\"{preset}\"");
+        for (method, error) in [("adding", 1e-4), ("monte-carlo", 1e-3)] {
+            let solver = [format!("solver.method=\"{method}\""), format!("solver.relative_error={error}")];
+            let scene = scenario("epaper-reading", &[&light, &solver[0], &solver[1]]).unwrap().scene;
+            let result = run(&scene).unwrap();
+            let view = &result.views[0];
+            let [white, black] = ["white", "black"].map(|name| state(&result, name).value.luminance_cd_m2);
+            let numbers = [
+                (view.metrics.visibility_level, reader.visibility_level(white, black)),
+                (view.metrics.contrast_margin, reader.contrast_margin(white, black)),
+            ];
+            for (found, expected) in numbers {
+                assert!((found.unwrap() / expected.unwrap() - 1.0).abs() < 1e-6, "{preset}: {found:?}");
+                assert!(found.unwrap() > 1.0, "{preset}");
+            }
+            let errors = view.discretisation_error.as_ref().unwrap_or(&view.standard_error);
+            for (error, (value, _)) in
+                [errors.visibility_level, errors.contrast_margin].into_iter().zip(numbers)
+            {
+                let relative = error.unwrap() / value.unwrap();
+                assert!(relative > 0.0 && relative < 0.01, "{preset}, {method}: {relative}");
+            }
+            assert_eq!(
+                (view.visibility_level_in_range, view.contrast_margin_in_range),
+                (Some(true), Some(true))
+            );
+            assert!(result.reader.is_described && result.reader.age_years == 60.0);
+        }
+    }
+}
+
+/// The reader that a scenario does not describe has the documented defaults. Reader and text affect only readability.
+#[test]
+fn reader_affects_only_readability() {
+    let [plain, asked] =
+        [&[][..], &["viewer.text_height_mm=3", "viewer.distance_mm=400", "viewer.age_years=70"]].map(indoor);
+    let of = |result: &RunResult| {
+        let reader = result.reader;
+        (reader.age_years, reader.text_height_mm, reader.distance_mm, reader.is_described)
+    };
+    assert_eq!((of(&plain), of(&asked)), ((25.0, 1.6, 500.0, false), (70.0, 3.0, 400.0, true)));
+    let other = indoor(&["viewer.text_height_mm=3", "viewer.distance_mm=400"]);
+    assert_eq!(of(&other), (25.0, 3.0, 400.0, true));
+    let (few, many) = (&plain.views[0], &asked.views[0]);
+    assert!(many.metrics.visibility_level > few.metrics.visibility_level);
+    assert!(other.views[0].metrics.visibility_level > many.metrics.visibility_level);
+    assert_eq!(few.states, many.states);
+    let mut same = many.metrics;
+    same.visibility_level = few.metrics.visibility_level;
+    same.contrast_margin = few.metrics.contrast_margin;
+    same.reading_surrogate = few.metrics.reading_surrogate;
+    assert_eq!(same, few.metrics);
+}
+
+#[test]
+fn readability_outside_the_range_of_the_models_is_marked() {
+    let marks = |overrides: &[&str]| {
+        let view = indoor(overrides).views.remove(0);
+        assert!(view.metrics.visibility_level.is_some() && view.metrics.contrast_margin.is_some());
+        (view.visibility_level_in_range, view.contrast_margin_in_range)
+    };
+    assert_eq!(marks(&[]), (Some(true), Some(true)));
+    assert_eq!(marks(&["lighting.illuminance_lx=0.5"]), (Some(false), Some(false)));
+    assert_eq!(marks(&["lighting.illuminance_lx=90000"]), (Some(false), Some(false)));
+    assert_eq!(marks(&["viewer.age_years=20"]), (Some(false), Some(false)));
+    assert_eq!(marks(&["viewer.text_height_mm=50"]), (Some(false), Some(true)));
+    let colours = ["display.pixel.default_states=false", "display.pixel.states={ red = { red = 1 } }"];
+    let view = indoor(&colours).views.remove(0);
+    assert_eq!((view.metrics.visibility_level, view.visibility_level_in_range), (None, None));
 }
 
 /// Optional metrics do not affect the others: they are bit-identical.

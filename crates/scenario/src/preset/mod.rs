@@ -3,6 +3,10 @@
 //! Each is a commented file in this folder, with its source. `lighting.preset` fills in its keys;
 //! [`new_scenario`] writes a scenario with it.
 
+use std::sync::LazyLock;
+
+use serde_json::Value as Json;
+
 use crate::error::Errors;
 use crate::mistake;
 use crate::set::PRESET_PATH;
@@ -78,6 +82,48 @@ pub(crate) fn named(root: &Node) -> Option<&str> {
     }
 }
 
+/// The preset of a scenario.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct UsedPreset {
+    /// Its name.
+    pub name: &'static str,
+    /// Whether the scenario changes its light or its viewer.
+    pub is_changed: bool,
+}
+
+/// Returns the preset that a scenario names, or else the first one whose light and viewer it has; `filled` is the scenario
+/// with all defaults.
+pub(crate) fn used(root: &Node, filled: &Json) -> Option<UsedPreset> {
+    static ALL: LazyLock<Vec<(&str, Json)>> = LazyLock::new(|| {
+        PRESETS.iter().map(|(name, text)| (*name, Node::parse_document(text).0.to_json())).collect()
+    });
+    let is_like = |(_, preset): &&(&'static str, Json)| {
+        let lights = |all: &Json, key: &str| all["lighting"][key].as_array().map_or(0, Vec::len);
+        agrees(preset, filled)
+            && ["directed", "environment"].iter().all(|key| lights(preset, key) == lights(filled, key))
+    };
+    let alike = |one| UsedPreset { name: one, is_changed: false };
+    match named(root) {
+        Some(wanted) => ALL
+            .iter()
+            .find(|(name, _)| *name == wanted)
+            .map(|one| UsedPreset { is_changed: !is_like(&one), ..alike(one.0) }),
+        None => ALL.iter().find(is_like).map(|one| alike(one.0)),
+    }
+}
+
+/// True if all keys of a preset have its values in a scenario.
+fn agrees(preset: &Json, filled: &Json) -> bool {
+    match (preset, filled) {
+        (Json::Object(keys), _) => keys.iter().all(|(key, value)| agrees(value, &filled[key])),
+        (Json::Array(ours), Json::Array(theirs)) => {
+            ours.len() == theirs.len() && ours.iter().zip(theirs).all(|(a, b)| agrees(a, b))
+        }
+        (Json::Number(a), Json::Number(b)) => a.as_f64() == b.as_f64(),
+        _ => preset == filled,
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use std::path::Path;
@@ -97,5 +143,25 @@ mod tests {
             assert!(written.warnings.is_empty(), "{name}: {:?}", written.warnings);
         }
         assert_eq!(new_scenario("nowhere"), None);
+    }
+
+    #[test]
+    fn preset_of_a_scenario_is_found_and_its_changes_are_noticed() {
+        let used = |text: &str| Scenario::from_text(text, "x", Path::new(""), &[]).unwrap().preset();
+        for name in preset_names() {
+            let text = format!("lighting.preset = \"{name}\"\n{DISPLAY}");
+            assert_eq!(used(&text), Some(UsedPreset { name, is_changed: false }), "{name}");
+            let written = new_scenario(name).unwrap();
+            assert!(!used(&written).unwrap().is_changed, "{name}");
+        }
+        let sunny = new_scenario("sunny").unwrap();
+        assert_eq!(used(&sunny.replace("theta_deg = -35", "theta_deg = -36")), None);
+        let moved = "lighting.preset = \"sunny\"\nlighting.directed = [{ theta_deg = -36, share = 0.8 }]\n";
+        let changed = UsedPreset { name: "sunny", is_changed: true };
+        assert_eq!(used(&format!("{moved}{DISPLAY}")), Some(changed));
+        let ring =
+            "lighting.environment = [{ model = \"ring\", theta_deg = 35, width_deg = 10, share = 0.1 }]\n";
+        let added = format!("lighting.preset = \"sunny\"\nlighting.diffuse = 0.1\n{ring}{DISPLAY}");
+        assert!(used(&added).unwrap().is_changed);
     }
 }

@@ -130,7 +130,7 @@ impl Resolver<'_> {
     ) -> Option<Diffuser> {
         let transmittance =
             self.transmittance(lobe.map(|lobe| lobe.hemispherical_fraction()), whole, causes)?;
-        Some(Diffuser { lobe: lobe?, transmittance, straight_through: whole.regular_fraction.0 })
+        Some(Diffuser { lobe: lobe?, transmittance, regular_fraction: whole.regular_fraction.0 })
     }
 
     /// Returns T of a lobe; `leaving` is the fraction of the lobe that leaves at normal incidence.
@@ -159,11 +159,14 @@ impl Resolver<'_> {
         let largest = transmittance.max();
         if largest > 1.0 + 1e-12 {
             let at = origin.or_override(causes).or_override([whole.regular_fraction.origin]);
+            // Rounded down, so that the number of the hint is accepted.
+            let most = (share * 1e4).floor() / 1e4;
             let wrong = Diagnostic::new(format!("the transmittance of the whole lobe would be {largest:.4}"))
                 .expected("at most 1")
                 .hint(format!(
-                    "a lobe this wide loses light beyond the hemisphere: total_transmittance can be {share:.4} at most"
-                ));
+                    "a lobe this wide loses light beyond the hemisphere: total_transmittance can be {most:.4} at most"
+                ))
+                .accepted(most);
             self.errors.push(at, wrong);
             return None;
         }
@@ -173,17 +176,17 @@ impl Resolver<'_> {
 
 /// Error: no k-correlation lobe has this haze with this regular fraction, whose key is given, too.
 pub(super) fn no_width(haze: f64, (key, regular_fraction): (&str, f64)) -> Diagnostic {
-    let limit = largest_haze(regular_fraction);
-    let hint = if limit <= 0.0 {
-        "regular transmission is not haze".to_owned()
-    } else if haze < limit {
-        "this haze is too small: give a larger one, or remove the diffuser".to_owned()
-    } else {
-        let limit = (limit * 1e4).floor() / 1e4;
-        format!("haze can be {limit} at most: a wider lobe loses its light beyond the hemisphere")
-    };
+    let limit = (largest_haze(regular_fraction) * 1e4).floor() / 1e4;
     let lobe = "no k-correlation lobe has a haze of";
-    Diagnostic::new(format!("{lobe} {haze} with {key} = {regular_fraction}")).hint(hint)
+    let wrong = Diagnostic::new(format!("{lobe} {haze} with {key} = {regular_fraction}"));
+    if limit <= 0.0 {
+        wrong.hint("regular transmission is not haze")
+    } else if haze < limit {
+        wrong.hint("this haze is too small: give a larger one, or remove the diffuser")
+    } else {
+        let hint = format!("haze can be {limit} at most: a wider lobe loses its light beyond the hemisphere");
+        wrong.hint(hint).accepted(limit)
+    }
 }
 
 /// Returns an interface with this transmission and regular fraction, and without reflection.

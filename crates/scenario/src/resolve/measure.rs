@@ -4,7 +4,7 @@ use papilio_colour::Observer;
 use papilio_diagnostics::Diagnostic;
 use papilio_display::scene::{self, Lobe, LobeReflection, ReflectedLobe};
 use papilio_goniometry::{
-    Channel, GoniometryError, Instrument, Measurement, Noise, SpecularGrid, Symmetry, View, Way,
+    Channel, GoniometryError, Instrument, Measurement, Noise, ScatterMode, SpecularGrid, Symmetry, View,
     tristimulus_factors,
 };
 use papilio_optics::scatter::Scatter;
@@ -45,7 +45,7 @@ pub struct VirtualMeasurement {
 /// The true scattering in one transmission or reflection.
 #[derive(Debug, Clone)]
 struct MeasuredWay {
-    way: Way,
+    way: ScatterMode,
     lobe: TrueLobe,
     /// Scattered and regular fraction.
     shares: [f64; 2],
@@ -114,10 +114,10 @@ pub(crate) fn measurement(
 
 /// A transmission or reflection of the diffuser: its lobe, scattered and regular fraction, and the spectrum of
 /// both.
-type TrueWay = (Way, TrueLobe, [f64; 2], Spectrum);
+type TrueWay = (ScatterMode, TrueLobe, [f64; 2], Spectrum);
 
 /// Returns the reflection of a sample in air.
-fn reflected_way(way: Way, side: &LobeReflection) -> TrueWay {
+fn reflected_way(way: ScatterMode, side: &LobeReflection) -> TrueWay {
     let lobe = match side.lobe() {
         ReflectedLobe::Lobe(lobe) => TrueLobe::Lobe(*lobe),
         ReflectedLobe::Kernel(scatter) => TrueLobe::Scatter(scatter.clone()),
@@ -222,10 +222,10 @@ impl Resolver<'_> {
     fn ways(&mut self, file: &File) -> Option<Vec<TrueWay>> {
         let at = &file.display.diffuser;
         let through = |truth: TrueLobe, spectrum: Spectrum, straight: f64| {
-            vec![(Way::FrontTransmission, truth, [1.0 - straight, straight], spectrum)]
+            vec![(ScatterMode::FrontTransmission, truth, [1.0 - straight, straight], spectrum)]
         };
         let of_lobe = |lobe: scene::Diffuser| {
-            through(TrueLobe::Lobe(lobe.lobe), lobe.transmittance, lobe.straight_through)
+            through(TrueLobe::Lobe(lobe.lobe), lobe.transmittance, lobe.regular_fraction)
         };
         let (transmission, reflection) = match &at.value {
             Some(Diffuser::KCorrelation(lobe)) => (self.k_correlation(lobe).map(of_lobe), &lobe.reflection),
@@ -238,7 +238,7 @@ impl Resolver<'_> {
             }
             Some(Diffuser::Measured(measured)) => {
                 let film = self.foil_in_air("display.diffuser", measured)?;
-                let whole = |(way, kernel): (Way, papilio_display::scene::ScatterKernel)| {
+                let whole = |(way, kernel): (ScatterMode, papilio_display::scene::ScatterKernel)| {
                     (way, TrueLobe::Scatter(kernel.scatter), [1.0, 0.0], kernel.factor)
                 };
                 (Some(film.into_iter().map(whole).collect()), &measured.reflection)
@@ -262,7 +262,7 @@ impl Resolver<'_> {
         };
         let (transmission, sides) = (transmission, self.reflections(reflection));
         let mut ways: Vec<TrueWay> = transmission?;
-        let reflected = [Way::FrontReflection, Way::BackReflection].into_iter().zip(sides?);
+        let reflected = [ScatterMode::FrontReflection, ScatterMode::BackReflection].into_iter().zip(sides?);
         ways.extend(reflected.filter_map(|(way, side)| side.map(|side| reflected_way(way, &side))));
         Some(ways)
     }

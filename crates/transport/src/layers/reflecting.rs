@@ -166,7 +166,7 @@ impl ReflectingDiffuser {
     pub fn new(through: Interface, sides: [Option<LobeReflection>; 2]) -> Self {
         let scattered = match &through {
             Interface::Diffuser(diffuser) => {
-                Some(diffuser.transmittance.map(|t| t * (1.0 - diffuser.straight_through)))
+                Some(diffuser.transmittance.map(|t| t * (1.0 - diffuser.regular_fraction)))
             }
             _ => None,
         };

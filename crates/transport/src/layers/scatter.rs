@@ -82,6 +82,11 @@ impl ScatterFace {
         &self.straight
     }
 
+    /// Returns the kernel of scattered transmission of light from above, if there is one.
+    pub fn transmission(&self) -> Option<&ScatterKernel> {
+        self.transmission.as_ref().map(|[down, _]| down)
+    }
+
     /// Kernel of transmission, of light going down or up.
     pub(crate) fn through(&self, going: Propagation) -> Option<&ScatterKernel> {
         self.transmission.as_ref().map(|ways| &ways[going as usize])

@@ -23,8 +23,8 @@ fn back(lobe: ReflectedLobe, reflectance: f64, mirror: f64) -> Option<LobeReflec
     Some(LobeReflection::new(lobe, &one(reflectance), mirror))
 }
 
-fn through(lobe: Lobe, transmittance: f64, straight_through: f64) -> Interface {
-    Interface::Diffuser(Diffuser { lobe, transmittance: one(transmittance), straight_through })
+fn through(lobe: Lobe, transmittance: f64, regular_fraction: f64) -> Interface {
+    Interface::Diffuser(Diffuser { lobe, transmittance: one(transmittance), regular_fraction })
 }
 
 fn reflecting(through: Interface, sides: [Option<LobeReflection>; 2]) -> Interface {
@@ -177,7 +177,7 @@ fn lambertian_lobe_fills_the_disc_of_each_wavelength() {
     let transmission = Interface::Diffuser(Diffuser {
         lobe: Lobe::Lambertian,
         transmittance: all(t),
-        straight_through: 0.0,
+        regular_fraction: 0.0,
     });
     let diffuser = reflecting(transmission, [side.clone(), side]);
     let base = Base { reflector: Reflector::Lambertian(vec![paint; 2]), inactive_absorptance: all(0.0) };

@@ -22,6 +22,9 @@ export type WalkState = Schemas["WalkState"];
 export type WalkProgress = Schemas["WalkProgress"];
 export type Upload = Schemas["Kept"];
 export type SweepPoint = Schemas["Point"];
+export type SweepDone = Schemas["SweepDone"];
+export type Compared = Schemas["Compared"];
+export type Lobe = Schemas["TransmittedLobe"];
 
 /** A number that may be undefined. */
 export type Num = number | null | undefined;

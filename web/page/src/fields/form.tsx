@@ -12,6 +12,7 @@ import { MODELS } from "../model/stack.ts";
 import { Problems } from "../panels/problems.tsx";
 import { Choice } from "./choice.tsx";
 import { Editor } from "./editor.tsx";
+import { dragged } from "./number.tsx";
 
 /** The fields of the table at a path, without the keys that are shown elsewhere. */
 export function Form({ path, except = [], only }: { path: string; except?: string[]; only?: string[] }) {
@@ -86,10 +87,13 @@ export function Field({ path, name, bare = false }: { path: string; name?: strin
           {help(found.node)}
         </p>
       )}
-      <Problems of={wrong} />
+      {!isQuiet(path) && <Problems of={wrong} />}
     </div>
   );
 }
+
+/** While a slider is being dragged, errors at other fields would move it under the hand. */
+const isQuiet = (path: string): boolean => dragged.value !== "" && dragged.value !== `f-${path}`;
 
 const isMap = ({ node }: Found): boolean => typeof node.additionalProperties === "object" && !node.properties;
 

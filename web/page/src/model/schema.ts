@@ -152,11 +152,16 @@ export function label(key: string): string {
 export interface Limits {
   readonly min: number;
   readonly max: number;
+  /** Whether the limits themselves are excluded. */
+  readonly open?: readonly [boolean, boolean];
 }
 
 export const limits = (node: Node): Limits => ({
   min: node.minimum ?? node.exclusiveMinimum ?? -Infinity,
   max: node.maximum ?? node.exclusiveMaximum ?? Infinity,
+  ...(node.exclusiveMinimum === undefined && node.exclusiveMaximum === undefined
+    ? {}
+    : { open: [node.exclusiveMinimum !== undefined, node.exclusiveMaximum !== undefined] as const }),
 });
 
 /** Returns the help of a field as plain text, without back quotes; the range is added if the text does not contain it. */
