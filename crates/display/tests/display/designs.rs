@@ -32,6 +32,13 @@ fn scenes() -> Vec<(&'static str, Scene)> {
         ("bare", scene("reference-pixel", &[])),
         ("front light", scene("front-light", &[])),
         ("any layers", scene("slab", &[])),
+        (
+            "a diffuser that reflects",
+            scene(
+                "reflecting-diffuser",
+                &["display.diffuser.reflection.mirror=0.2", "display.diffuser.width=0.1"],
+            ),
+        ),
     ]
 }
 
