@@ -2,11 +2,10 @@
 
 use std::path::PathBuf;
 
-use crate::common::NO_REFLECTION;
 use papilio_display::scene::{Drive, Lobe, Method, Pixel, Stop, Thickness};
 use papilio_scenario::Scenario;
 
-use crate::common::shipped;
+use crate::common::{NO_REFLECTION, shipped};
 
 fn files() -> Vec<PathBuf> {
     let files = std::fs::read_dir(shipped()).unwrap().map(|entry| entry.unwrap().path());

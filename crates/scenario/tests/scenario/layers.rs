@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use crate::common::{GOOD, LAYERED, changed, changed_in, resolve};
+use crate::common::{GOOD, LAYERED, NO_REFLECTION, changed, changed_in, resolve};
 use papilio_display::scene::{Distribution, Interface, Layer, Layers, Lobe, Ready, Thickness};
 use papilio_scenario::Resolved;
 
