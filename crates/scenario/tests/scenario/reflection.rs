@@ -117,7 +117,7 @@ fn one_note_says_that_reflection_is_left_out() {
 fn mistakes_are_reported_with_their_place() {
     let cases: [(&str, (usize, usize), &[&str]); 8] = [
         ("mirror = 0.1", (16, 1), &["none of `reflectance` and `total_reflectance`"]),
-        ("reflectance = 0.1\ntotal_reflectance = 0.1", (18, 21), &["more than one"]),
+        ("reflectance = 0.1\ntotal_reflectance = 0.1", (17, 15), &["more than one"]),
         ("reflectance = 8", (17, 15), &["8 is out of range"]),
         (
             "reflectance = 0.1\nwidth = 0.1",
