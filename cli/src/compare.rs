@@ -8,6 +8,7 @@ use std::path::{Path, PathBuf};
 use papilio_display::compare::{
     Colour, Comparison, Measured, Simulated, StateComparison, ViewComparison, compare,
 };
+use papilio_display::pixel::is_mixture;
 use papilio_figures::{compared_gamuts, compared_spectra};
 use papilio_formats::{
     DataFile, read_measured_panel, read_result, write_compared_spectra, write_comparison, write_file,
@@ -41,7 +42,7 @@ pub(crate) fn run(arguments: &Compare) -> Result<(), Failure> {
     let heading = heading(&title, read.hash.as_deref(), &result, &arguments.measured);
     let written =
         out.as_deref().map(|folder| interrupt::uninterrupted(|| write(folder, &all, &title))).transpose()?;
-    let mut stdout = crate::terminal::stdout();
+    let mut stdout = crate::terminal::output(arguments.json);
     if arguments.json {
         write_json(&mut stdout, &all)?;
     } else {
@@ -144,7 +145,7 @@ fn rows(all: &Comparison, view: &ViewComparison) -> Vec<Vec<String>> {
             one.state.clone(),
             pair(|colour| Some(colour.Y), 4),
             pair(|colour| colour.contrast, 2),
-            pair(|colour| colour.peak_nm, 1),
+            if is_mixture(&one.state) { "-".to_owned() } else { pair(|colour| colour.peak_nm, 1) },
             number(one.delta_E_2000, 2),
             number(one.distance_uv, 4),
             number(spectrum.map(|spectrum| spectrum.mean_difference), 4),
@@ -158,7 +159,7 @@ fn rows(all: &Comparison, view: &ViewComparison) -> Vec<Vec<String>> {
 fn display_metrics(view: &ViewComparison) -> String {
     let pairs = [
         ("contrast ratio", view.contrast_ratio, ""),
-        ("gamut", view.gamut_percent_srgb, " % of sRGB"),
+        ("gamut area in u'v'", view.gamut_percent_srgb, " % of sRGB"),
         ("", view.gamut_percent_ebu, " % of EBU"),
     ];
     let known = pairs.into_iter().filter(|(_, pair, _)| pair.iter().any(Option::is_some));
