@@ -10,9 +10,15 @@ interface Name {
 
 const NAMES: Record<string, Name> = {
   contrast_ratio: { name: "Contrast ratio", unit: "" },
-  gamut_percent_srgb: { name: "Gamut area", unit: "% of sRGB" },
-  gamut_percent_ebu: { name: "Gamut area", unit: "% of EBU" },
-  coverage_percent_srgb: { name: "Gamut coverage", unit: "% of sRGB" },
+  gamut_percent_srgb: { name: "Gamut area, u′v′", unit: "% of sRGB" },
+  gamut_percent_ebu: { name: "Gamut area, u′v′", unit: "% of EBU" },
+  gamut_percent_ntsc: { name: "Gamut area, u′v′", unit: "% of NTSC" },
+  gamut_percent_dci_p3: { name: "Gamut area, u′v′", unit: "% of DCI-P3" },
+  gamut_percent_srgb_xy: { name: "Gamut area, xy", unit: "% of sRGB" },
+  gamut_percent_ebu_xy: { name: "Gamut area, xy", unit: "% of EBU" },
+  gamut_percent_ntsc_xy: { name: "Gamut area, xy", unit: "% of NTSC" },
+  gamut_percent_dci_p3_xy: { name: "Gamut area, xy", unit: "% of DCI-P3" },
+  coverage_percent_srgb: { name: "Gamut coverage, u′v′", unit: "% of sRGB" },
   gamut_volume: { name: "Gamut volume", unit: "CIELAB units³" },
   text_contrast: { name: "Text contrast", unit: "" },
   text_luminance_cd_m2: { name: "Text luminance", unit: "cd/m²" },

@@ -51,7 +51,7 @@ test("labels have words and a unit", () => {
   assert.equal(keyLabel("display.pixel.gap_nm.red"), "Gap of red (nm)");
   assert.equal(keyLabel("lighting.directed.0.theta_deg"), "Inclination θ of source 1 (°)");
   assert.equal(keyLabel("display.diffuser.haze"), "Haze");
-  assert.equal(metricLabel("gamut_percent_srgb"), "Gamut area (% of sRGB)");
+  assert.equal(metricLabel("gamut_percent_srgb"), "Gamut area, u′v′ (% of sRGB)");
   assert.equal(metricLabel("white.L_star"), "Lightness L* of white");
 });
 
