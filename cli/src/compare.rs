@@ -42,7 +42,7 @@ pub(crate) fn run(arguments: &Compare) -> Result<(), Failure> {
     let heading = heading(&title, read.hash.as_deref(), &result, &arguments.measured);
     let written =
         out.as_deref().map(|folder| interrupt::uninterrupted(|| write(folder, &all, &title))).transpose()?;
-    let mut stdout = crate::terminal::stdout();
+    let mut stdout = crate::terminal::output(arguments.json);
     if arguments.json {
         write_json(&mut stdout, &all)?;
     } else {

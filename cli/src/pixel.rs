@@ -11,7 +11,7 @@ use papilio_formats::{PixelTable, write_absorption, write_file, write_sub_pixels
 use papilio_scenario::{Resolved, Scenario};
 
 use crate::arguments::{Angles, Pixel};
-use crate::{Failure, folder, interrupt, output, print_notes, report};
+use crate::{Failure, folder, input, interrupt, output, print_notes, report};
 
 /// Default steps of the angles, in degrees.
 const STEP_DEG: f64 = 1.0;
@@ -27,7 +27,8 @@ const MOST_NUMBERS: usize = 10_000_000;
 const SHOWN_DEG: [f64; 4] = [0.0, 15.0, 30.0, 45.0];
 
 pub(crate) fn pixel(arguments: &Pixel) -> Result<(), Failure> {
-    let resolved = Scenario::load(&arguments.scenario.file, &arguments.scenario.set)?.resolve()?;
+    let resolved =
+        input::scenario::<Scenario>(&arguments.scenario.file, &arguments.scenario.set)?.resolve()?;
     print_notes(&resolved.notes);
     let mut scene = resolved.scene.clone();
     match arguments.angles {
@@ -42,7 +43,7 @@ pub(crate) fn pixel(arguments: &Pixel) -> Result<(), Failure> {
     let scan = scan(&scene, &theta_deg).map_err(|error| Failure::from_display(&resolved, error))?;
     let medium = if scene.solver.angle_medium == AngleMedium::Air { "air" } else { "glass" };
     let title = resolved.title.clone().unwrap_or_else(|| report::file_title(&arguments.scenario.file));
-    let mut stdout = crate::terminal::stdout();
+    let mut stdout = crate::terminal::output(false);
     stdout.write_all(report::pixel(&title, medium, &peaks(&scene, &scan)).as_bytes())?;
     if let Some(absorption) = &absorption {
         stdout.write_all(report::absorption(absorption, medium).as_bytes())?;

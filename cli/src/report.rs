@@ -44,6 +44,9 @@ const VIEWS_IN_FULL: usize = 3;
 
 /// Title of a scenario without `title`: the name of its file.
 pub(crate) fn file_title(file: &Path) -> String {
+    if crate::input::is_stdin(file) {
+        return crate::input::STDIN_NAME.to_owned();
+    }
     file.file_name().unwrap_or_default().to_string_lossy().into_owned()
 }
 
@@ -58,15 +61,10 @@ pub(crate) fn run(title: &str, in_glass: bool, result: &RunResult, seconds: f64)
     if result.views.len() <= VIEWS_IN_FULL {
         result.views.iter().for_each(|view| text.push_str(&view_in_full(result, view, in_glass)));
     } else {
-        text.push_str(&view_rows(result));
+        let _ = write!(text, "\n{}", table(&rows_of_views(result)));
     }
     let solver = &result.solver;
-    let reached = percent(solver.relative_error_reached);
-    let effort = match (solver.paths, solver.nodes) {
-        (Some(paths), _) => format!("{paths} paths, relative standard error {reached}"),
-        (None, nodes) => format!("{} nodes, discretisation error {reached}", nodes.unwrap_or_default()),
-    };
-    let _ = write!(text, "\n{}: {effort}, {seconds:.2} s", solver.method);
+    let _ = write!(text, "\n{}, {seconds:.2} s", effort(result));
     if let (Some(paths), Some(target)) = (solver.paths, &solver.target) {
         let [likely, most] = target.paths_for_a_tenth.map(|more| more / paths as f64);
         let over = target
@@ -84,6 +82,17 @@ pub(crate) fn run(title: &str, in_glass: bool, result: &RunResult, seconds: f64)
     }
     text.push('\n');
     text
+}
+
+/// The solver of a result, what it did and the error that it reached.
+pub(crate) fn effort(result: &RunResult) -> String {
+    let solver = &result.solver;
+    let reached = percent(solver.relative_error_reached);
+    let effort = match (solver.paths, solver.nodes) {
+        (Some(paths), _) => format!("{paths} paths, relative standard error {reached}"),
+        (None, nodes) => format!("{} nodes, discretisation error {reached}", nodes.unwrap_or_default()),
+    };
+    format!("{}: {effort}", solver.method)
 }
 
 /// Additional report of `papilio run --cone`.
@@ -246,6 +255,19 @@ const PEAK: &str = "peak (nm)";
 
 /// Report of a view: all states, metrics, and the energy balance.
 fn view_in_full(result: &RunResult, view: &View, in_glass: bool) -> String {
+    let table = table(&rows_of_states(result, view));
+    format!("\n{}\n{table}{}", seen_from(view, in_glass), lines_of_view(result, view))
+}
+
+/// The direction of a view.
+pub(crate) fn seen_from(view: &View, in_glass: bool) -> String {
+    let medium = if in_glass { " in glass" } else { "" };
+    let azimuth = if view.phi_deg == 0.0 { String::new() } else { format!(", azimuth {} deg", view.phi_deg) };
+    format!("seen from {} deg{medium}{azimuth}", view.theta_deg)
+}
+
+/// The states of a view: a head, and a row for each state.
+pub(crate) fn rows_of_states(result: &RunResult, view: &View) -> Vec<Vec<String>> {
     let mut rows = vec![vec!["state".to_owned()]];
     rows[0].extend(COLUMNS.iter().map(|(title, ..)| (*title).to_owned()));
     for (name, State { value, standard_error, .. }) in view.states.iter() {
@@ -260,20 +282,17 @@ fn view_in_full(result: &RunResult, view: &View, in_glass: bool) -> String {
     if result.primaries.is_empty() {
         rows.iter_mut().for_each(|row| _ = row.pop());
     }
-    let mut text = format!("\nseen from {} deg{}", view.theta_deg, if in_glass { " in glass" } else { "" });
-    if view.phi_deg != 0.0 {
-        let _ = write!(text, ", azimuth {} deg", view.phi_deg);
-    }
-    text.push('\n');
-    text.push_str(&table(&rows));
-    if result.reference_white == ReferenceWhite::Display {
-        text.push_str("  L*, a*, b* and colour differences: relative to the white state\n");
-    }
-    text.push_str(&display_metrics(view));
-    text.push_str(&readability::of_text(view, &result.reader));
-    text.push_str(&by_source(view));
-    text.push_str(&energy_balance(view));
-    text
+    rows
+}
+
+/// Lines below the states of a view: metrics, and the energy balance.
+pub(crate) fn lines_of_view(result: &RunResult, view: &View) -> String {
+    let white = match result.reference_white {
+        ReferenceWhite::Display => "  L*, a*, b* and colour differences: relative to the white state\n",
+        _ => "",
+    };
+    let text = readability::of_text(view, &result.reader);
+    [white.to_owned(), display_metrics(view), text, by_source(view), energy_balance(view)].concat()
 }
 
 /// Metrics of the display: contrast, gamut.
@@ -380,16 +399,16 @@ fn energy_balance(view: &View) -> String {
         .filter(|(_, fraction)| *fraction > 5e-5)
         .map(|(part, fraction)| format!("{part} {:.1} %", 100.0 * fraction))
         .collect();
+    let parts = if parts.is_empty() { "nothing".to_owned() } else { parts.join(", ") };
     format!(
-        "  energy balance of a beam from the viewer, {name}: returned {:.1} %; absorbed: {}{unaccounted}\n",
-        100.0 * ledger.returned,
-        parts.join(", ")
+        "  energy balance of a beam from the viewer, {name}: returned {:.1} %; absorbed: {parts}{unaccounted}\n",
+        100.0 * ledger.returned
     )
 }
 
 /// A row for each view: contrast, gamut and white of a display with the states white and black, otherwise the Y of its
 /// states.
-fn view_rows(result: &RunResult) -> String {
+pub(crate) fn rows_of_views(result: &RunResult) -> Vec<Vec<String>> {
     let names: Vec<&str> = result.views[0].states.iter().map(|(name, _)| name).collect();
     let has_white_and_black = ["white", "black"].iter().all(|name| names.contains(name));
     let y = |view: &View, name: &str| {
@@ -434,7 +453,7 @@ fn view_rows(result: &RunResult) -> String {
         }
         rows.push(row);
     }
-    format!("\n{}", table(&rows))
+    rows
 }
 
 /// A value with its standard error in units of the last digit, as in `0.1523(2)` (GUM, 7.2.2). If the error is less than

@@ -12,7 +12,7 @@ use papilio_sampling::table_4_1::Estimator;
 use papilio_scenario::Scenario;
 
 use crate::arguments::StudySampling;
-use crate::{Failure, folder, interrupt, output, print_notes, report, run};
+use crate::{Failure, folder, input, interrupt, output, print_notes, report, run};
 
 /// Smallest number of paths: 16 for each replicate.
 const FIRST: u64 = 512;
@@ -21,7 +21,8 @@ const FIRST: u64 = 512;
 const POINTS: u64 = 256;
 
 pub(crate) fn sampling(arguments: &StudySampling) -> Result<(), Failure> {
-    let resolved = Scenario::load(&arguments.scenario.file, &arguments.scenario.set)?.resolve()?;
+    let resolved =
+        input::scenario::<Scenario>(&arguments.scenario.file, &arguments.scenario.set)?.resolve()?;
     print_notes(&resolved.notes);
     let folder = folder::choose(&arguments.scenario, &resolved.hash)?;
     let paths: Vec<u64> =
@@ -32,7 +33,7 @@ pub(crate) fn sampling(arguments: &StudySampling) -> Result<(), Failure> {
         run::with_progress(&resolved, None, |control| study(&resolved.scene, &paths, &clock, control))?
             .ok_or(Failure::Interrupted("the study is incomplete; no file was written"))?;
     let title = resolved.title.unwrap_or_else(|| report::file_title(&arguments.scenario.file));
-    let mut stdout = crate::terminal::stdout();
+    let mut stdout = crate::terminal::output(false);
     stdout.write_all(format!("{}{}", table_4_1(), table(&title, &curves)).as_bytes())?;
     stdout.flush()?;
     let names = interrupt::uninterrupted(|| {

@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
 pub(crate) use self::diffuser::{
-    Calibrate, Convert, Diffuser, FitArguments, Format, Inspect, LobeModel, Measure, Steps,
+    Calibrate, Convert, Diffuser, FitArguments, Format, Inspect, LobeModel, Measure, PartName, Steps,
 };
 pub(crate) use self::studies::{
     Optimize, Sweep, SweepCommand, SweepMerge, SweepOutputs, SweepRun, Tolerance,
@@ -30,6 +30,9 @@ pub(crate) use self::studies::{
 pub(crate) struct Arguments {
     #[command(subcommand)]
     pub(crate) command: Command,
+    /// Print warnings and errors only: no report, notes or progress (JSON is printed)
+    #[arg(long, short, global = true)]
+    pub(crate) quiet: bool,
 }
 
 #[derive(Debug, Subcommand)]
@@ -49,14 +52,19 @@ pub(crate) enum Command {
                       docs/brdf.md describes the file, display-bsdf.npz. NumPy can read it.")]
     Brdf(Brdf),
     /// Compare a simulated display with a measured panel: spectra, colours and gamut, with figures
-    #[command(
-        after_help = "Example: papilio run scenarios/overcast.toml && papilio compare out/overcast scenarios/data/synthetic-panel.csv\n\n\
+    #[command(after_help = "Example:\n  \
+                      papilio run scenarios/overcast.toml\n  \
+                      papilio compare out/overcast scenarios/data/synthetic-panel.csv\n\n\
                       MEASURED needs the columns state, theta_deg (optionally phi_deg), and either wavelength_nm \
-                      and reflectance_factor, or X, Y and Z. docs/compare.md describes them."
-    )]
+                      and reflectance_factor, or X, Y and Z. docs/compare.md describes them.")]
     Compare(Compare),
-    /// Write a commented scenario to start from, with the light of a preset
-    #[command(after_help = "Example: papilio new office office.toml && papilio run office.toml\n\n\
+    /// Write a commented scenario to start from: a display in the light of a preset
+    #[command(
+        override_usage = "papilio new PRESET [FILE]\n       papilio new --display KIND --light PRESET [FILE]"
+    )]
+    #[command(after_help = "Examples:\n  \
+                      papilio new office office.toml && papilio run office.toml\n  \
+                      papilio new --display epaper --light living-room reader.toml\n\n\
                       Presets are rooms, daylight, and measuring geometries of standards. docs/light.md describes them.\n\
                       The error for an unknown preset lists all names.")]
     New(New),
@@ -94,6 +102,13 @@ pub(crate) enum Command {
     #[command(after_help = "Example: papilio serve scenarios/indoor.toml --open\n\n\
                       A program built with cargo alone does not contain the page; `cargo xtask serve` builds both.")]
     Serve(Serve),
+    /// Print a completion script for a shell
+    #[command(after_help = "Examples:\n  \
+                      papilio completions bash > ~/.local/share/bash-completion/completions/papilio\n  \
+                      papilio completions zsh > \"${fpath[1]}/_papilio\"\n  \
+                      papilio completions fish > ~/.config/fish/completions/papilio.fish\n  \
+                      papilio completions powershell >> $PROFILE")]
+    Completions(Completions),
     /// Print the JSON Schema of a scenario, for editors
     Schema {
         /// Print the JSON Schema of result.json instead
@@ -139,6 +154,9 @@ pub(crate) struct Run {
     /// Write each figure as PNG too
     #[arg(long)]
     pub(crate) png: bool,
+    /// Write a page about the run too, report.html: figures, tables, scenario; it can be printed
+    #[arg(long)]
+    pub(crate) report: bool,
     /// Seed of the Monte Carlo solver; sets solver.seed
     #[arg(long, value_name = "N", allow_negative_numbers = true)]
     #[arg(value_parser = clap::value_parser!(u64).range(..=i64::MAX as u64))]
@@ -204,12 +222,44 @@ pub(crate) struct Migrate {
 
 #[derive(Debug, Args)]
 pub(crate) struct New {
-    /// Preset of the light: office, sunny, iec-directional, ...
+    /// Preset of the light: office, sunny, iec-directional, ... (with --light: FILE)
     #[arg(value_name = "PRESET")]
-    pub(crate) preset: String,
+    pub(crate) preset: Option<String>,
     /// File to write; it must not exist [default: standard output]
     #[arg(value_name = "FILE")]
     pub(crate) file: Option<PathBuf>,
+    /// Display of the scenario [default: imod]
+    #[arg(long, value_enum, value_name = "KIND")]
+    pub(crate) display: Option<NewDisplay>,
+    /// Preset of the light
+    #[arg(long, value_name = "PRESET")]
+    pub(crate) light: Option<String>,
+}
+
+#[derive(Debug, Clone, Copy, ValueEnum)]
+pub(crate) enum NewDisplay {
+    /// Interferometric pixels under a diffuser
+    Imod,
+    /// Electronic paper below a bare glass surface
+    Epaper,
+    /// A pixel tabulated by another tool, under a diffuser; also writes an example of the table
+    Table,
+}
+
+impl NewDisplay {
+    pub(crate) fn example(self) -> papilio_scenario::ExampleDisplay {
+        match self {
+            Self::Imod => papilio_scenario::ExampleDisplay::Imod,
+            Self::Epaper => papilio_scenario::ExampleDisplay::Epaper,
+            Self::Table => papilio_scenario::ExampleDisplay::Table,
+        }
+    }
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct Completions {
+    /// Shell: bash, zsh, fish, powershell or elvish
+    pub(crate) shell: clap_complete::Shell,
 }
 
 #[derive(Debug, Args)]
@@ -289,13 +339,14 @@ pub(crate) struct Workers {
 
 #[derive(Debug, Args)]
 pub(crate) struct ScenarioArguments {
-    /// Scenario file (TOML)
+    /// Scenario file (TOML); - reads standard input
     #[arg(value_name = "FILE")]
     pub(crate) file: PathBuf,
     /// Folder for the results [default: out/NAME for NAME.toml]
     #[arg(long, value_name = "DIR")]
     pub(crate) out: Option<PathBuf>,
-    /// Change a key of the scenario, for example display.pixel.film.1.thickness_nm=12; can be repeated
+    /// Change a key of the scenario, for example display.pixel.film.1.thickness_nm=12; can be repeated; paths of files are
+    /// relative to the current folder
     #[arg(long, value_name = "PATH=VALUE")]
     pub(crate) set: Vec<String>,
 }
@@ -309,6 +360,9 @@ impl ScenarioArguments {
 
 /// `out/NAME` for a scenario file `NAME.toml`.
 pub(crate) fn default_out(file: &Path) -> PathBuf {
+    if crate::input::is_stdin(file) {
+        return PathBuf::from("out").join("stdin");
+    }
     PathBuf::from("out").join(file.file_stem().unwrap_or_default())
 }
 

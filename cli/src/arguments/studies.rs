@@ -28,7 +28,7 @@ pub(crate) enum SweepCommand {
 pub(crate) struct SweepRun {
     // The options of `ScenarioArguments` and `Workers`, repeated: clap would not find them next to a subcommand if
     // they were flattened twice.
-    /// Scenario file (TOML) with a `[sweep]` table
+    /// Scenario file (TOML) with a `[sweep]` table; - reads standard input
     #[arg(value_name = "FILE")]
     pub(crate) file: PathBuf,
     /// Folder for the results [default: out/NAME for NAME.toml]
@@ -60,7 +60,7 @@ pub(crate) struct SweepMerge {
 
 #[derive(Debug, Args)]
 pub(crate) struct Tolerance {
-    /// Scenario file (TOML) with a `[tolerance]` table
+    /// Scenario file (TOML) with a `[tolerance]` table; - reads standard input
     #[arg(value_name = "FILE")]
     pub(crate) file: PathBuf,
     /// Folder for the results [default: out/NAME for NAME.toml]

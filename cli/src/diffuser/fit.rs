@@ -19,13 +19,15 @@ const SHOWN_DEG: [f64; 2] = [5.0, 20.0];
 const SHOWN_LOBES: usize = 3;
 
 pub(crate) fn fit(arguments: &FitArguments) -> Result<(), Failure> {
-    let measurement = read(&arguments.file)?;
-    let part = selected_part(&measurement, arguments)?;
+    let measurement = read(&arguments.file, arguments.part)?;
+    let Some(part) = measurement.parts.first() else {
+        return Err(Failure::Input("the file has no data".to_owned()));
+    };
     let channel = part.luminous();
     let options = FitOptions { straight_width: arguments.straight_width, ..FitOptions::default() };
     let fits = fitted(part, channel, arguments.model.map(LobeModel::kind), &options)
         .map_err(|error| Failure::Input(error.to_string()))?;
-    let mut stdout = crate::terminal::stdout();
+    let mut stdout = crate::terminal::output(arguments.json);
     if arguments.json {
         write_json(&mut stdout, &FitFile::new(part, channel, &fits))?;
     } else {
@@ -40,19 +42,6 @@ pub(crate) fn fit(arguments: &FitArguments) -> Result<(), Failure> {
     let svg = figure(&measurement, part, channel, &fits);
     output::print_written(folder, &output::write_figure(folder, "fit", &svg)?);
     Ok(())
-}
-
-/// The requested part, or the first one.
-fn selected_part<'a>(
-    measurement: &'a Measurement,
-    arguments: &FitArguments,
-) -> Result<&'a MeasuredPart, Failure> {
-    let is_requested =
-        |part: &&MeasuredPart| arguments.part.is_none_or(|kind| part.way.name() == kind.name());
-    measurement.parts.iter().find(is_requested).ok_or_else(|| {
-        let names: Vec<&str> = measurement.parts.iter().map(|part| part.way.name()).collect();
-        Failure::Input(format!("the file has no such part\n  = help: its parts are: {}", names.join(", ")))
-    })
 }
 
 /// Figure of the data and the best lobes in the plane of incidence.

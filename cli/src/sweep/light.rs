@@ -109,7 +109,7 @@ fn finish(folder: &Path, head: &SweepHead, rows: &[&[f64]], outputs: SweepOutput
         names.extend(output::write_figures(folder, svgs, outputs.png)?);
         Ok(names)
     })?;
-    let mut stdout = crate::terminal::stdout();
+    let mut stdout = crate::terminal::output(outputs.json);
     if outputs.json {
         write_light_json(&mut stdout, head, rows)?;
     } else {

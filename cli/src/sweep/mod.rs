@@ -24,7 +24,7 @@ use papilio_scenario::{Sweep, label};
 use self::compute::compute;
 use self::journal::Journal;
 use crate::arguments::{Sweep as Command, SweepCommand, SweepOutputs as Outputs, SweepRun, default_out};
-use crate::{Failure, interrupt, output, print_message, print_notes, report};
+use crate::{Failure, input, interrupt, output, print_message, print_notes, report};
 
 /// Most points whose scenario is checked before any point is computed.
 const MOST_SAMPLES: usize = 1000;
@@ -39,7 +39,7 @@ pub(crate) fn sweep(command: &Command) -> Result<(), Failure> {
 }
 
 fn run(arguments: &SweepRun, outputs: Outputs) -> Result<(), Failure> {
-    let mut sweep = Sweep::load(&arguments.file, &arguments.set)?;
+    let mut sweep = input::scenario::<Sweep>(&arguments.file, &arguments.set)?;
     print_notes(sweep.notes());
     for point in sweep.samples().into_iter().take(MOST_SAMPLES) {
         sweep.scenario(point)?.resolve()?;
@@ -96,7 +96,7 @@ fn finish(folder: &Path, head: &SweepHead, points: &[&SweepPoint], outputs: Outp
         names.extend(output::write_figures(folder, of_sweep(head, points, &label), outputs.png)?);
         Ok(names)
     })?;
-    let mut stdout = crate::terminal::stdout();
+    let mut stdout = crate::terminal::output(outputs.json);
     if outputs.json {
         write_sweep_json(&mut stdout, head, points)?;
     } else {

@@ -11,6 +11,8 @@ mod common;
 mod compare;
 mod cone;
 mod diffuser;
+mod first_steps;
+mod lab_files;
 mod many_points;
 mod migrate;
 mod new;

@@ -78,8 +78,8 @@ pub use absorption::{write_absorption, write_sub_pixels};
 pub use audit::{AuditFile, FitFile};
 pub use audit_text::audit_text;
 pub use bsdf::{
-    BsdfFormat, BsdfProblem, BsdfSource, LARGEST_BSDF_FILE, MOST_CELLS, WriteError, bsdf_format_table,
-    bsdf_formats, read_bsdf, write_bsdf, write_measurement,
+    BsdfFile, BsdfFormat, BsdfProblem, BsdfSource, LARGEST_BSDF_FILE, MOST_CELLS, WriteError,
+    bsdf_format_table, bsdf_formats, read_bsdf, read_bsdf_file, write_bsdf, write_measurement,
 };
 pub use comparison::{write_compared_spectra, write_comparison};
 pub use cone::{CONE_QUANTITIES, ConeFile, cone_quantities, write_cone_csv, write_cone_npy};

@@ -63,7 +63,8 @@ pub struct Resolved {
 }
 
 impl Scenario {
-    /// Reads a scenario file. `overrides` are texts `PATH=VALUE`, as in `--set`.
+    /// Reads a scenario file. `overrides` are texts `PATH=VALUE`, as in `--set`; paths of files in them are relative to the current
+    /// folder, or else to the folder of the scenario.
     ///
     /// # Errors
     /// All mistakes in its bytes, its TOML, its keys and their types and ranges, each with its place.
@@ -71,7 +72,10 @@ impl Scenario {
         let name = path.display().to_string();
         let file = DataFile::open(path, &name).map_err(ScenarioError::from)?;
         let text = file.text().map_err(ScenarioError::from)?;
-        Self::from_text(text, &name, path.parent().unwrap_or(Path::new("")), overrides)
+        let folder = path.parent().unwrap_or(Path::new(""));
+        let sources = parse(text, &name, overrides)?.in_folder(folder);
+        let assembled = assemble(&sources, &[])?;
+        Self::read(assembled, folder.into(), sources)
     }
 
     /// Reads a scenario from a text. Errors call it `name`. Its files are in `library`; a path is the folder of the files.

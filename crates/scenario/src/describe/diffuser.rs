@@ -158,13 +158,25 @@ choice! {
     }
 }
 
+choice! {
+    /// The part of a foil's BSDF that the values of a file are.
+    TransmissionPart {
+        /// Light from the front is transmitted.
+        FrontTransmission = "front-transmission",
+        /// Light from the back is transmitted.
+        BackTransmission = "back-transmission",
+    }
+}
+
 table! {
     /// A BSDF from a file: its transmission, and its reflection if the file contains it. Each is interpolated smoothly
     /// about its own peak.
     Measured {
-        /// A file of measured scattering: Radiant/Zemax, ASTM E1392, CSV or Papilio's own format, detected from the content
-        /// (docs/bsdf-files.md).
+        /// A file of measured scattering: Radiant/Zemax, ASTM E1392, FRED, CSV, a scan at normal incidence (`theta_deg,btdf`) or Papilio's
+        /// own format, detected from the content (docs/bsdf-files.md).
         file: String,
+        /// The part that the values of the file are, if the file does not state it. Default: the file states it.
+        part: Option<TransmissionPart>,
         /// `true`: the back of the sample faces the viewer.
         flipped: bool = false,
         /// Transmission spectrum at normal incidence, from a spectroradiometer. It gives the spectral shape of the BTDF; the

@@ -163,11 +163,13 @@ impl Resolver<'_> {
             let at = origin.or_override(causes).or_override([whole.regular_fraction.origin]);
             // Rounded down, so that the number of the hint is accepted.
             let most = (share * 1e4).floor() / 1e4;
-            let wrong = Diagnostic::new(format!("the transmittance of the whole lobe would be {largest:.4}"))
-                .expected("at most 1")
-                .hint(format!(
-                    "a lobe this wide loses light beyond the hemisphere: total_transmittance can be {most:.4} at most"
-                ))
+            let total = largest * share;
+            let wrong = Diagnostic::new(format!("a lobe this wide cannot transmit {total:.4} of the light into the hemisphere"))
+                .expected(format!("total_transmittance of at most {most:.4}"))
+                .hint(
+                    "a wider lobe (more haze) sends more of its light beyond the hemisphere, where it is lost: reduce the haze or width, \
+                     or total_transmittance",
+                )
                 .accepted(most);
             self.errors.push(at, wrong);
             return None;

@@ -13,7 +13,7 @@ use self::file::Source;
 use super::Resolver;
 use super::diffuser::scattering;
 use super::layers::Part;
-use crate::describe::diffuser::{Extrapolate, Measured, Mounting, SpectralMean};
+use crate::describe::diffuser::{Extrapolate, Measured, Mounting, SpectralMean, TransmissionPart};
 use crate::describe::display::ShareSpectrum;
 use crate::describe::pixel::MeasuredPixel;
 use crate::mistake;
@@ -141,20 +141,24 @@ impl Resolver<'_> {
             path,
             name: &diffuser.file.value,
             file: diffuser.file.origin,
+            part: diffuser.part.value.map(|part| match part {
+                TransmissionPart::FrontTransmission => ScatterMode::FrontTransmission,
+                TransmissionPart::BackTransmission => ScatterMode::BackTransmission,
+            }),
             normalise: &diffuser.normalise,
             extrapolate_tails: diffuser.extrapolate_tails.value,
             extrapolate: &diffuser.extrapolate,
             spectral_mean: diffuser.spectral_mean.value,
             blur: Some(&diffuser.instrument_blur),
         };
-        let measurement = self.measurement(&source)?;
+        let file = self.measurement(&source)?;
         let (into, back, front) = if diffuser.flipped.value {
             (ScatterMode::BackTransmission, ScatterMode::FrontReflection, ScatterMode::BackReflection)
         } else {
             (ScatterMode::FrontTransmission, ScatterMode::BackReflection, ScatterMode::FrontReflection)
         };
-        let through = self.way(&source, &measurement, into)?;
-        let part = |way: ScatterMode| measurement.parts.iter().find(|part| part.way == way);
+        let through = self.way(&source, &file, into)?;
+        let part = |way: ScatterMode| file.measurement.parts.iter().find(|part| part.way == way);
         let spectrum = match &diffuser.transmission.value {
             Some(share) => Some(self.colour(share, diffuser.transmission.origin)?),
             None => None,
@@ -199,6 +203,7 @@ impl Resolver<'_> {
                 path: &format!("display.pixel.file.{}", state.name),
                 name: &state.value.value,
                 file: state.value.origin,
+                part: None,
                 normalise: &pixel.normalise,
                 extrapolate_tails: pixel.extrapolate_tails.value,
                 extrapolate: &pixel.extrapolate,
@@ -216,8 +221,8 @@ impl Resolver<'_> {
         source: &Source<'_>,
         spectrum: Option<&Spanned<ShareSpectrum>>,
     ) -> Option<ScatterKernel> {
-        let measurement = self.measurement(source)?;
-        let reflection = self.way(source, &measurement, ScatterMode::FrontReflection)?;
+        let file = self.measurement(source)?;
+        let reflection = self.way(source, &file, ScatterMode::FrontReflection)?;
         let spectrum = match spectrum {
             Some(share) => Some(self.colour(share, share.origin)?),
             None => None,

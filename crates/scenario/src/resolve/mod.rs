@@ -70,6 +70,7 @@ struct Resolver<'a> {
     /// Place of the first and last wavelength.
     range: Origin,
     library: &'a Library,
+    sources: &'a Sources,
     errors: Errors,
     warnings: Vec<String>,
     notes: Vec<String>,
@@ -89,7 +90,7 @@ pub(crate) fn resolve(file: &File, library: &Library, sources: &Sources) -> Resu
 }
 
 impl<'a> Resolver<'a> {
-    fn new(file: &File, library: &'a Library, sources: &Sources) -> Result<Self, ScenarioErrors> {
+    fn new(file: &File, library: &'a Library, sources: &'a Sources) -> Result<Self, ScenarioErrors> {
         let mut errors = Errors::default();
         let grid = grid(file, &mut errors);
         Ok(Self {
@@ -100,6 +101,7 @@ impl<'a> Resolver<'a> {
                 .origin
                 .or_override(file.spectrum.range_nm.iter().map(|end| end.origin)),
             library,
+            sources,
             errors: Errors::default(),
             warnings: Vec::new(),
             notes: Vec::new(),

@@ -67,6 +67,9 @@ function Model({ path, found, value }: { path: string; found: Found; value: Json
   );
 }
 
+/** Returns the label of a key: that of the schema, or the words of its name. */
+const nameOf = ({ node }: Found, key: string): string => node.title ?? label(key);
+
 /** One field, by its path. */
 export function Field({ path, name, bare = false }: { path: string; name?: string; bare?: boolean }) {
   const found = schema.value?.find(path, fields.value);
@@ -74,13 +77,21 @@ export function Field({ path, name, bare = false }: { path: string; name?: strin
   const [, key] = split(path);
   const value = at(fields.value, path);
   const wrong = problemsAt(path);
-  const text = name ?? label(key);
+  const text = name ?? nameOf(found, key);
   const id = `f-${path}`;
   if (isMap(found)) return <MapOf path={path} found={found} name={text} />;
   return (
     <div class={wrong.length > 0 ? "field wrong" : "field"} data-path={path}>
       <label for={id}>{text}</label>
-      <Editor id={id} path={path} found={found} value={value} name={text} unit={unit(key)} invalid={wrong.length > 0} />
+      <Editor
+        id={id}
+        path={path}
+        found={found}
+        value={value}
+        name={text}
+        unit={unit(key) || (found.node["x-unit"] ?? "")}
+        invalid={wrong.length > 0}
+      />
       {!bare && (
         <p class="help" id={`${id}-help`}>
           {help(found.node)}

@@ -5,13 +5,13 @@ import { useSignal } from "@preact/signals";
 import { NumberField } from "../fields/number.tsx";
 import type { Rows } from "../model/csv.ts";
 import { digits, degrees } from "../model/format.ts";
-import { metricLabel } from "../model/names.ts";
 import { curvesSvg } from "../plots/curves-svg.ts";
 import { Curves, type Curve, type Plot } from "../plots/curves.tsx";
 import { lineOf, Sample } from "../plots/spectra.tsx";
 import { result, states, view } from "../state/design.ts";
 import { useFollowed } from "../state/follow.ts";
 import { hoverClass, hovered, pointsAt } from "../state/hover.ts";
+import { labelText } from "../state/labels.ts";
 import { pinned } from "../state/pin.ts";
 import type { Angles } from "../api/types.ts";
 import { dark } from "../state/theme.ts";
@@ -30,7 +30,7 @@ function curvesOf(angles: Angles | null, metric: string): Curve[] {
   if (OF_DISPLAY.includes(metric))
     return [
       {
-        name: metricLabel(metric),
+        name: labelText(metric),
         values: angles.metrics[metric] ?? [],
         colour: dark.value ? "#7da4f2" : "#2b5fc7",
         dash: [],
@@ -80,7 +80,7 @@ export function AnglesPanel() {
     x,
     curves: [...own, ...dashed],
     xName: "Viewing angle θ (°)",
-    yName: metricLabel(metric.value),
+    yName: labelText(metric.value),
   };
   return (
     <>
@@ -89,7 +89,7 @@ export function AnglesPanel() {
         <select id="angle-metric" value={metric.value} onChange={(event) => (metric.value = event.currentTarget.value)}>
           {[...OF_DISPLAY, ...OF_STATES].map((key) => (
             <option key={key} value={key}>
-              {metricLabel(key)}
+              {labelText(key)}
             </option>
           ))}
         </select>
@@ -122,7 +122,7 @@ export function AnglesPanel() {
             <Curves
               {...plot}
               height={300}
-              label={`${metricLabel(metric.value)} against viewing angle`}
+              label={`${labelText(metric.value)} against viewing angle`}
               hover={(index) => (under.value = index)}
               near={(curve) => (hovered.value = states.value.some(([name]) => name === curve) ? curve : null)}
               focus={hovered.value}
