@@ -157,8 +157,8 @@ fn missing_feature(command: &Command) -> Option<String> {
         Command::Optimize(optimize) => (optimize.png, false),
         Command::Tolerance(tolerance) => (tolerance.png, false),
         Command::Sweep(sweep) => {
-            let merge = sweep.command.as_ref().map(|SweepCommand::Merge(merge)| merge.outputs);
-            let outputs = merge.unwrap_or(sweep.outputs);
+            let merge = sweep.command.as_ref().map(|SweepCommand::Merge(merge)| &merge.outputs);
+            let outputs = merge.unwrap_or(&sweep.outputs);
             (outputs.png, outputs.parquet)
         }
         _ => (false, false),
