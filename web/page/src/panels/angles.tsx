@@ -20,7 +20,13 @@ import { Downloads } from "./downloads.tsx";
 import { Problems } from "./problems.tsx";
 
 /** Metrics of the display and of each state, by their names in result.json. */
-const OF_DISPLAY = ["contrast_ratio", "gamut_percent_srgb", "gamut_percent_ebu", "gamut_percent_ntsc_xy", "text_contrast"];
+const OF_DISPLAY = [
+  "contrast_ratio",
+  "gamut_percent_srgb",
+  "gamut_percent_ebu",
+  "gamut_percent_ntsc_xy",
+  "text_contrast",
+];
 const OF_STATES = ["Y", "luminance_cd_m2", "L_star", "u_prime", "v_prime", "shift_with_angle_uv", "peak_nm"];
 /** Time without changes after which the angles are requested, ms. */
 const REST_MS = 60;
