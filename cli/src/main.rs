@@ -5,6 +5,7 @@
 
 mod arguments;
 mod brdf;
+mod catalogue;
 mod compare;
 mod diffuser;
 mod folder;
@@ -183,6 +184,8 @@ fn main() -> ExitCode {
         Command::Brdf(arguments) => brdf::brdf(&arguments),
         Command::Compare(arguments) => compare::run(&arguments),
         Command::Diffuser(command) => diffuser::diffuser(&command),
+        Command::Illuminants(arguments) => catalogue::list_illuminants(&arguments),
+        Command::Materials(arguments) => catalogue::list_materials(&arguments),
         Command::New(arguments) => new::run(&arguments),
         Command::Migrate(arguments) => migrate::run(&arguments),
         Command::Optimize(arguments) => optimize::run(&arguments),

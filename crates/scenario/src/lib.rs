@@ -47,6 +47,7 @@
 //! # Ok::<(), papilio_scenario::ScenarioErrors>(())
 //! ```
 
+mod browse;
 mod describe;
 mod edit;
 mod error;
@@ -76,6 +77,10 @@ mod tolerance;
 mod tree;
 mod varied;
 
+pub use browse::{
+    IlluminantEntry, IlluminantSheet, MaterialEntry, MaterialSheet, illuminant_sheet, illuminants,
+    material_sheet, materials, materials_like, with_catalogue_tables,
+};
 pub use edit::{Edit, edit};
 pub use error::{ScenarioError, ScenarioErrors};
 pub use library::{KeptFile, Library};
