@@ -3,7 +3,7 @@
 use std::io::Write;
 use std::path::Path;
 
-use papilio_display::{ConeResult, RoomLight};
+use papilio_display::{AmbientLight, ConeResult};
 use papilio_figures::HAS_PNG;
 use papilio_formats::{
     ConeFile, ResultFile, write_cone_csv, write_cone_npy, write_file, write_json, write_spectra, write_states,
@@ -102,7 +102,7 @@ pub(crate) struct Files<'a> {
     /// The result.
     pub(crate) result: &'a ResultFile<'a>,
     /// Incident light by direction, if it gets a figure.
-    pub(crate) light: Option<&'a RoomLight>,
+    pub(crate) light: Option<&'a AmbientLight>,
     /// Conoscopic maps, if requested.
     pub(crate) cone: Option<&'a ConeResult>,
     /// True if figures are written as PNG too.

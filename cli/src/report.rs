@@ -3,9 +3,35 @@
 use std::fmt::Write;
 use std::path::Path;
 
-use papilio_display::result::{RunResult, State, StateValues, View};
+use papilio_display::result::{ReferenceWhite, RunResult, State, StateValues, View, ViewMetrics};
 use papilio_display::{BrdfTable, ConeResult, Reflection};
 pub(crate) use papilio_formats::words::table;
+
+/// Largest width of a column heading before it continues on the next line, characters.
+const HEADING: usize = 16;
+
+/// Returns the headings of a table's columns, on as many lines as the longest one needs.
+pub(crate) fn headings(labels: &[String]) -> Vec<Vec<String>> {
+    let lines = |label: &String| {
+        let mut lines: Vec<String> = Vec::new();
+        for word in label.split(' ') {
+            match lines.last_mut() {
+                Some(line) if line.chars().count() + 1 + word.chars().count() <= HEADING => {
+                    *line = format!("{line} {word}");
+                }
+                _ => lines.push(word.to_owned()),
+            }
+        }
+        lines
+    };
+    let all: Vec<Vec<String>> = labels.iter().map(lines).collect();
+    let height = all.iter().map(Vec::len).max().unwrap_or(0);
+    // The last lines are next to the numbers.
+    let cell = |lines: &Vec<String>, row: usize| {
+        (row + lines.len()).checked_sub(height).map_or_else(String::new, |line| lines[line].clone())
+    };
+    (0..height).map(|row| all.iter().map(|lines| cell(lines, row)).collect()).collect()
+}
 
 /// Most states in the row of a view, for displays without white and black.
 const STATES_IN_A_ROW: usize = 6;
@@ -27,7 +53,7 @@ pub(crate) fn plain(title: &str) -> String {
 pub(crate) fn run(title: &str, in_glass: bool, result: &RunResult, seconds: f64) -> String {
     let mut text = format!("{}\n", plain(title));
     if result.views.len() <= VIEWS_IN_FULL {
-        result.views.iter().for_each(|view| text.push_str(&view_in_full(view, in_glass)));
+        result.views.iter().for_each(|view| text.push_str(&view_in_full(result, view, in_glass)));
     } else {
         text.push_str(&view_rows(result));
     }
@@ -176,17 +202,27 @@ const COLUMNS: [Column; 9] = [
     ("b*", 2, |s| s.b_star),
     ("u'", 4, |s| s.u_prime),
     ("v'", 4, |s| s.v_prime),
-    ("peak (nm)", 1, |s| s.peak_nm),
+    (PEAK, 1, |s| s.peak_nm),
 ];
 
+/// Title of the last column, which has values for states that drive one sub-pixel only.
+const PEAK: &str = "peak (nm)";
+
 /// Report of a view: all states, metrics, and the energy balance.
-fn view_in_full(view: &View, in_glass: bool) -> String {
+fn view_in_full(result: &RunResult, view: &View, in_glass: bool) -> String {
     let mut rows = vec![vec!["state".to_owned()]];
     rows[0].extend(COLUMNS.iter().map(|(title, ..)| (*title).to_owned()));
     for (name, State { value, standard_error, .. }) in view.states.iter() {
-        let cells =
-            COLUMNS.iter().map(|(_, decimals, get)| measured(get(value), get(standard_error), *decimals));
+        let is_primary = result.primaries.iter().any(|primary| primary == name);
+        let cells = COLUMNS.iter().map(|(title, decimals, get)| {
+            // The peak of a mixture of sub-pixels is that of one of them.
+            let value = get(value).filter(|_| is_primary || *title != PEAK);
+            measured(value, get(standard_error), *decimals)
+        });
         rows.push(std::iter::once(name.to_owned()).chain(cells).collect());
+    }
+    if result.primaries.is_empty() {
+        rows.iter_mut().for_each(|row| _ = row.pop());
     }
     let mut text = format!("\nseen from {} deg{}", view.theta_deg, if in_glass { " in glass" } else { "" });
     if view.phi_deg != 0.0 {
@@ -194,6 +230,9 @@ fn view_in_full(view: &View, in_glass: bool) -> String {
     }
     text.push('\n');
     text.push_str(&table(&rows));
+    if result.reference_white == ReferenceWhite::Display {
+        text.push_str("  L*, a*, b* and colour differences: relative to the white state\n");
+    }
     text.push_str(&display_metrics(view));
     text.push_str(&by_source(view));
     text.push_str(&energy_balance(view));
@@ -203,24 +242,59 @@ fn view_in_full(view: &View, in_glass: bool) -> String {
 /// Metrics of the display: contrast, gamut, text.
 fn display_metrics(view: &View) -> String {
     let error = &view.standard_error;
-    let parts = [
-        ("contrast ratio ", view.metrics.contrast_ratio, error.contrast_ratio, ""),
-        ("gamut ", view.metrics.gamut_percent_srgb, error.gamut_percent_srgb, " % of sRGB"),
-        ("", view.metrics.gamut_percent_ebu, error.gamut_percent_ebu, " % of EBU"),
-        ("coverage ", view.metrics.coverage_percent_srgb, error.coverage_percent_srgb, " % of sRGB"),
-    ];
-    let known = parts.into_iter().filter(|(_, value, ..)| value.is_some());
-    let shown: Vec<String> = known
-        .map(|(before, value, error, after)| format!("{before}{}{after}", measured(value, error, 2)))
-        .collect();
+    let contrast = view.metrics.contrast_ratio.map_or(String::new(), |contrast| {
+        format!("  contrast ratio {}\n", measured(Some(contrast), error.contrast_ratio, 2))
+    });
+    let gamut = GAMUTS.map(|(diagram, areas, coverage)| gamut(view, diagram, &areas, coverage)).concat();
     let volume = view.metrics.gamut_volume_cielab.map_or(String::new(), |volume| {
         let volume = measured(Some(volume), error.gamut_volume_cielab, 0);
         format!("  gamut volume {volume} in CIELAB (sRGB: 819000)\n")
     });
-    if shown.is_empty() {
+    if contrast.is_empty() && gamut.is_empty() {
         return volume;
     }
-    format!("  {}\n{volume}{}", shown.join(", "), text_on_white(view))
+    format!("{contrast}{gamut}{volume}{}", text_on_white(view))
+}
+
+/// A percentage of a view.
+type Percent = fn(&ViewMetrics) -> Option<f64>;
+
+/// Chromaticity diagrams, each with gamut areas relative to standards, and the coverage of sRGB.
+const GAMUTS: [(&str, [(&str, Percent); 4], Percent); 2] = [
+    (
+        "u'v'",
+        [
+            ("sRGB", |m| m.gamut_percent_srgb),
+            ("EBU", |m| m.gamut_percent_ebu),
+            ("NTSC", |m| m.gamut_percent_ntsc),
+            ("DCI-P3", |m| m.gamut_percent_dci_p3),
+        ],
+        |m| m.coverage_percent_srgb,
+    ),
+    (
+        "xy",
+        [
+            ("sRGB", |m| m.gamut_percent_srgb_xy),
+            ("EBU", |m| m.gamut_percent_ebu_xy),
+            ("NTSC", |m| m.gamut_percent_ntsc_xy),
+            ("DCI-P3", |m| m.gamut_percent_dci_p3_xy),
+        ],
+        |m| m.coverage_percent_srgb_xy,
+    ),
+];
+
+/// Gamut areas in a diagram, in one line; empty if they are not defined.
+fn gamut(view: &View, diagram: &str, areas: &[(&str, Percent)], coverage: Percent) -> String {
+    let shown = |of: &str, percent: Percent| {
+        let value = Some(percent(&view.metrics)?);
+        Some(format!("{} % of {of}", measured(value, percent(&view.standard_error), 2)))
+    };
+    let areas: Vec<String> = areas.iter().filter_map(|(of, percent)| shown(of, *percent)).collect();
+    if areas.is_empty() {
+        return String::new();
+    }
+    let coverage = shown("sRGB", coverage).map_or(String::new(), |text| format!("; coverage {text}"));
+    format!("  gamut in {diagram}: area {}{coverage}\n", areas.join(", "))
 }
 
 /// Luminance, contrast and readability of black text on white.
@@ -317,7 +391,8 @@ fn view_rows(result: &RunResult) -> String {
     let angles = |view: &View| vec![view.theta_deg.to_string(), view.phi_deg.to_string()];
     let mut rows = vec![["theta (deg)", "phi (deg)"].map(str::to_owned).to_vec()];
     if has_white_and_black {
-        let titles = ["Y white", "Y black", "contrast", "sRGB (%)", "EBU (%)", "white u'", "white v'"];
+        let titles =
+            ["Y white", "Y black", "contrast", "sRGB u'v' (%)", "NTSC xy (%)", "white u'", "white v'"];
         rows[0].extend(titles.map(str::to_owned));
     } else {
         rows[0].extend(names.iter().take(STATES_IN_A_ROW).map(|name| format!("Y {name}")));
@@ -329,7 +404,7 @@ fn view_rows(result: &RunResult) -> String {
             row.extend(["white", "black"].map(|name| y(view, name)));
             row.push(measured(view.metrics.contrast_ratio, error.contrast_ratio, 2));
             row.push(measured(view.metrics.gamut_percent_srgb, error.gamut_percent_srgb, 2));
-            row.push(measured(view.metrics.gamut_percent_ebu, error.gamut_percent_ebu, 2));
+            row.push(measured(view.metrics.gamut_percent_ntsc_xy, error.gamut_percent_ntsc_xy, 2));
             let white = view.states.get("white");
             row.push(
                 white.map_or("-".to_owned(), |s| measured(s.value.u_prime, s.standard_error.u_prime, 4)),

@@ -8,7 +8,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 use papilio_display::result::RunResult;
 use papilio_display::scene::{AngleMedium, Method, Scene};
 use papilio_display::{
-    ConeGrid, ConeResult, Control, DisplayError, Progress, RoomLight, adding_seconds, room_light,
+    AmbientLight, ConeGrid, ConeResult, Control, DisplayError, Progress, adding_seconds, ambient_light,
 };
 use papilio_formats::{ResultFile, write_json};
 use papilio_scenario::{Resolved, Scenario};
@@ -35,12 +35,13 @@ pub(crate) fn run(arguments: &Run) -> Result<(), Failure> {
     };
     let cone_seconds = started.elapsed().as_secs_f64();
     result.warnings.splice(0..0, resolved.warnings.iter().cloned());
+    result.notes.splice(0..0, resolved.notes.iter().cloned());
     let file = ResultFile {
         papilio: env!("CARGO_PKG_VERSION"),
         scenario: &resolved.canonical,
         hash: &resolved.hash,
         seed: resolved.scene.solver.seed,
-        notes: &resolved.notes,
+        notes: &result.notes,
         result: &result,
     };
     let title = resolved.title.clone().unwrap_or_else(|| report::file_title(&arguments.scenario.file));
@@ -64,7 +65,7 @@ pub(crate) fn run(arguments: &Run) -> Result<(), Failure> {
         stdout.write_all(cone.as_bytes())?;
     }
     stdout.flush()?;
-    print_messages(out.as_deref(), written.transpose()?, &resolved.notes, &result);
+    print_messages(out.as_deref(), written.transpose()?, &result);
     let cone_warnings = cone.iter().flat_map(|cone| &cone.warnings).filter(|w| !result.warnings.contains(w));
     cone_warnings.for_each(|warning| print_message(&format!("warning: cone: {warning}")));
     match (result.solver.interrupted, arguments.cone && cone.is_none()) {
@@ -91,9 +92,9 @@ fn cost_note(resolved: &Resolved) -> Result<Option<String>, Failure> {
 }
 
 /// Incident light by direction, unless it has a single direction or is uniform.
-fn light_map(scene: &Scene) -> Result<Option<RoomLight>, Failure> {
+fn light_map(scene: &Scene) -> Result<Option<AmbientLight>, Failure> {
     let is_plain = scene.lighting.environment.is_empty() && scene.lighting.directed.len() < 2;
-    Ok(if is_plain { None } else { Some(room_light(scene)?) })
+    Ok(if is_plain { None } else { Some(ambient_light(scene)?) })
 }
 
 /// Folder for the files, if any are written.
@@ -109,11 +110,11 @@ fn out_folder(arguments: &Run, hash: &str) -> Result<Option<PathBuf>, Failure> {
 }
 
 /// Prints the messages of a run on standard error.
-fn print_messages(folder: Option<&Path>, written: Option<Vec<String>>, notes: &[String], result: &RunResult) {
+fn print_messages(folder: Option<&Path>, written: Option<Vec<String>>, result: &RunResult) {
     if let (Some(folder), Some(names)) = (folder, written) {
         output::print_written(folder, &names);
     }
-    print_notes(notes);
+    print_notes(&result.notes);
     result.warnings.iter().for_each(|warning| print_message(&format!("warning: {warning}")));
 }
 

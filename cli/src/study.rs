@@ -8,7 +8,7 @@ use papilio_display::scene::{Sampler, Strategy};
 use papilio_display::{StudyCurve, StudyPoint, study};
 use papilio_figures::{ErrorCurve, ErrorPanel, accuracy, point_sets};
 use papilio_formats::{write_file, write_study};
-use papilio_sampling::table_4_1::Way;
+use papilio_sampling::table_4_1::Estimator;
 use papilio_scenario::Scenario;
 
 use crate::arguments::StudySampling;
@@ -65,7 +65,7 @@ fn table_4_1() -> String {
          samples\n  {:<18} {:>12}  {:>12}  {:>24}  {:>16}\n",
         "density", "variance", "at N = 16", "in the experiment", "N for SE 0.08"
     );
-    for estimator in Way::ALL {
+    for estimator in Estimator::ALL {
         let (factor, power) = estimator.variance();
         let formula = if power == 1 { format!("{factor:.4}/N") } else { format!("{factor:.4}/N^{power}") };
         let exact = factor / (samples as f64).powi(power);

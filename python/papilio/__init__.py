@@ -33,6 +33,7 @@ from .errors import (
     ScenarioError,
 )
 from .figure import Figure
+from .labels import Label, label
 from .optimum import Optimum, optimize
 from .prepared import Prepared, metric_names
 from .production import Yield, tolerance
@@ -49,6 +50,7 @@ __all__ = [
     "DisplayError",
     "Figure",
     "FileError",
+    "Label",
     "Mistake",
     "Optimum",
     "PapilioError",
@@ -66,6 +68,7 @@ __all__ = [
     "cone",
     "diffuser",
     "films",
+    "label",
     "metric_names",
     "optimize",
     "plot",

@@ -9,7 +9,7 @@ use papilio_design::search::was_stopped;
 use papilio_design::{Condition, Key, NamedQuantity, Quantity, Study, Values, Variable};
 use papilio_display::pixel::state_names;
 use papilio_display::scene::{Metric, Scene};
-use papilio_scenario::Varied;
+use papilio_scenario::ParameterisedScenario;
 use pyo3::prelude::*;
 
 use crate::errors;
@@ -42,7 +42,7 @@ impl Batch {
         view: usize,
     ) -> PyResult<Self> {
         let paths: Vec<String> = variables.iter().flat_map(|(keys, _)| keys.clone()).collect();
-        let varied = Varied::from_text(text, name, library(folder, files), &[], &paths);
+        let varied = ParameterisedScenario::from_text(text, name, library(folder, files), &[], &paths);
         let varied = varied.map_err(|errors| errors::scenario(py, &errors))?;
         let variables = variables.into_iter().map(|(keys, choices)| {
             let choices = choices.map(|choices| serde_json::from_str(&choices)).transpose();

@@ -22,12 +22,17 @@ const OF_ALL_STATES: [Of<ConeView>; 3] = [
     ("gamut_percent_ebu", |view| view.gamut_percent_ebu.unwrap_or(f64::NAN)),
 ];
 
-const OF_EACH_STATE: [Of<ConeState>; 5] = [
+const OF_EACH_STATE: [Of<ConeState>; 10] = [
     ("Y", |state| state.reflectance_factor_y),
     ("luminance_cd_m2", |state| state.luminance_cd_m2),
     ("u_prime", |state| state.u_prime.unwrap_or(f64::NAN)),
     ("v_prime", |state| state.v_prime.unwrap_or(f64::NAN)),
     ("uv_shift", |state| state.uv_shift.unwrap_or(f64::NAN)),
+    ("L_star", |state| state.lab.map_or(f64::NAN, |lab| lab.l)),
+    ("a_star", |state| state.lab.map_or(f64::NAN, |lab| lab.a)),
+    ("b_star", |state| state.lab.map_or(f64::NAN, |lab| lab.b)),
+    ("delta_E_2000_with_angle", |state| state.delta_e_2000.unwrap_or(f64::NAN)),
+    ("delta_E_1976_with_angle", |state| state.delta_e_1976.unwrap_or(f64::NAN)),
 ];
 
 /// A conoscopic map.
@@ -56,6 +61,7 @@ impl Cone {
             let grid = ConeGrid {
                 theta_deg: theta_deg.unwrap_or(within.theta_deg),
                 phi_deg: phi_deg.unwrap_or(within.phi_deg),
+                reference_deg: within.reference_deg,
             };
             watch.run(threads.map(usize::from), |control| {
                 papilio_display::cone(scene, grid, control)?.allowing(allow_error)

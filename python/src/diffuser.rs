@@ -6,7 +6,7 @@ use papilio_formats::{
     AuditFile, BsdfFormat, DataFile, FitFile, FormatError, LARGEST_BSDF_FILE, Warned, audit_text, read_bsdf,
     write_file, write_json, write_measurement,
 };
-use papilio_goniometry::{Audit, FitOptions, Kind, Measurement, Part, fitted};
+use papilio_goniometry::{Audit, FitOptions, Kind, MeasuredPart, Measurement, fitted};
 use pyo3::prelude::*;
 
 use crate::errors;
@@ -46,8 +46,9 @@ impl Diffuser {
         py.detach(|| {
             let audits: Vec<Option<Audit>> =
                 measurement.parts.iter().map(|part| Audit::of(part, part.luminous())).collect();
-            let every = |part: &Part| (0..part.channels.len()).filter_map(|k| Audit::of(part, k)).collect();
-            let all: Vec<(&Part, Vec<Audit>)> =
+            let every =
+                |part: &MeasuredPart| (0..part.channels.len()).filter_map(|k| Audit::of(part, k)).collect();
+            let all: Vec<(&MeasuredPart, Vec<Audit>)> =
                 measurement.parts.iter().map(|part| (part, every(part))).collect();
             let text = audit_text(&self.name, measurement, &audits);
             let figures = papilio_figures::lobes(measurement, &audits);

@@ -56,7 +56,7 @@ mod _papilio {
     use crate::run::Prepared;
     #[pymodule_export]
     use crate::scenario::{
-        Described, Resolved, edit, migrate, new_scenario, present_path, preset_names, schema,
+        Described, Resolved, edit, label, migrate, new_scenario, present_path, preset_names, schema,
     };
     #[pymodule_export]
     use crate::search::{Search, moved_text};

@@ -22,6 +22,7 @@ pub(crate) struct RunResult {
 impl RunResult {
     pub(crate) fn new(mut result: display::RunResult, resolved: Arc<Resolved>) -> Self {
         result.warnings.splice(0..0, resolved.warnings.iter().cloned());
+        result.notes.splice(0..0, resolved.notes.iter().cloned());
         Self { result, resolved }
     }
 
@@ -31,7 +32,7 @@ impl RunResult {
             scenario: &self.resolved.canonical,
             hash: &self.resolved.hash,
             seed: self.resolved.scene.solver.seed,
-            notes: &self.resolved.notes,
+            notes: &self.result.notes,
             result: &self.result,
         }
     }
@@ -89,7 +90,7 @@ impl RunResult {
 
     /// Notes of the scenario.
     fn notes(&self) -> Vec<String> {
-        self.resolved.notes.clone()
+        self.result.notes.clone()
     }
 
     /// Names of the drive states.

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use papilio_formats::DataFile;
-use papilio_scenario::{Edit, KeptFile, Library, Memo, Scenario};
+use papilio_scenario::{Edit, Library, MemoryFile, ResolveCache, Scenario};
 use pyo3::exceptions::{PyKeyError, PyValueError};
 use pyo3::prelude::*;
 
@@ -68,10 +68,10 @@ impl Described {
 /// Source of a scenario's files.
 pub(crate) fn library(folder: PathBuf, files: Option<BTreeMap<String, Vec<u8>>>) -> Library {
     let Some(files) = files else { return Library::Folder(folder) };
-    let kept = |(name, bytes): (String, Vec<u8>)| (name.clone(), KeptFile::new(DataFile { name, bytes }));
+    let kept = |(name, bytes): (String, Vec<u8>)| (name.clone(), MemoryFile::new(DataFile { name, bytes }));
     Library::Memory {
         files: Arc::new(files.into_iter().map(kept).collect()),
-        memo: Arc::new(Memo::default()),
+        memo: Arc::new(ResolveCache::default()),
     }
 }
 
@@ -138,6 +138,13 @@ pub(crate) fn present_path(path: &str) -> String {
 #[pyfunction]
 pub(crate) fn new_scenario(preset: &str) -> PyResult<String> {
     papilio_scenario::new_scenario(preset).ok_or_else(|| PyKeyError::new_err(preset.to_owned()))
+}
+
+/// Quantity in words and unit of a metric or of a key of a scenario.
+#[pyfunction]
+pub(crate) fn label(name: &str) -> (String, String) {
+    let label = papilio_scenario::label(name);
+    (label.quantity, label.unit)
 }
 
 /// Names of the presets.

@@ -11,7 +11,7 @@ use papilio_design::search::{
     was_stopped,
 };
 use papilio_design::{DesignError, Evaluator, Study};
-use papilio_formats::{FormatError, HeldJournal, SearchHead, journal_name};
+use papilio_formats::{FormatError, LockedJournal, SearchHead, journal_name};
 use papilio_scenario::Optimisation;
 use pyo3::exceptions::PyKeyboardInterrupt;
 use pyo3::prelude::*;
@@ -34,7 +34,7 @@ pub(crate) struct Search {
 /// State of a search that has begun.
 struct RunningSearch {
     schedule: SearchSchedule,
-    journal: Option<HeldJournal>,
+    journal: Option<LockedJournal>,
 }
 
 /// Error that ends a search.
@@ -102,7 +102,7 @@ impl Search {
     fn begin(&self, py: Python<'_>, folder: Option<PathBuf>, cut: usize) -> PyResult<()> {
         let mut records = SearchRecords::default();
         let opened = folder.map(|folder| {
-            HeldJournal::open(folder.join(journal_name("optimize", None)), &self.head(), |line| {
+            LockedJournal::open(folder.join(journal_name("optimize", None)), &self.head(), |line| {
                 Record::parse(line).map(|record| records.add(record)).is_ok()
             })
         });

@@ -13,7 +13,11 @@ import papilio
 #: A second, and what a busy machine adds.
 LIMIT_S = 3.0
 
-START = "import papilio, sys, numpy as np; path = sys.argv[1]; "
+# A shell that starts the tests in the background ignores SIGINT, and its children inherit that.
+START = (
+    "import papilio, signal, sys, numpy as np; signal.signal(signal.SIGINT, signal.default_int_handler); "
+    "path = sys.argv[1]; "
+)
 END = "\nprint('ended')\n"
 
 LONG = {
@@ -35,7 +39,10 @@ def test_ctrl_c_ends_computation_within_one_second(what, scenarios):
         assert child.poll() is None, child.stderr.read()
         begun = time.monotonic()
         child.send_signal(signal.SIGINT)
-        out, error = child.communicate(timeout=60)
+        try:
+            out, error = child.communicate(timeout=60)
+        finally:
+            child.kill()
         assert time.monotonic() - begun < LIMIT_S
     assert "KeyboardInterrupt" in error and "ended" not in out
 

@@ -56,7 +56,7 @@ fn panel(front_reflectance: f64) -> Stack {
         top: Top::Diffuser(Diffuser {
             lobe: Lobe::KCorrelation { width: 0.05667 },
             transmittance: vec![0.953; BINS].into(),
-            straight_through: 0.0,
+            regular_fraction: 0.0,
         }),
         medium: Medium::new(vec![1.5; BINS].into()),
         base: Base {

@@ -23,7 +23,7 @@ fn main() {
 fn scene(name: &str) -> Scene {
     let mut scene = scenario(name, &[]).unwrap().scene;
     scene.solver.method = Method::Adding;
-    scene.solver.stop = Stop::RelativeError { target: 1e-4, every_bin: false };
+    scene.solver.stop = Stop::RelativeError { target: 1e-4, per_wavelength: false };
     scene
 }
 

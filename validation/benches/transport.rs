@@ -11,7 +11,7 @@ use std::hint::black_box;
 use std::sync::atomic::AtomicBool;
 
 use papilio_display::{Control, Cost, cost};
-use papilio_sampling::{Numbers, Sampler};
+use papilio_sampling::{SampleStream, Sampler};
 use papilio_validation::monte_carlo_scenario;
 use pulp::{Arch, Simd, WithSimd};
 
@@ -101,11 +101,11 @@ impl WithSimd for Draws {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) -> f64 {
-        let numbers = Numbers::new(Sampler::Sobol, 0, 0);
+        let numbers = SampleStream::new(Sampler::Sobol, 0, 0);
         let mut sums = [0.0; 64];
         for first in (0..DRAWS).step_by(64) {
             for number in 0..NUMBERS {
-                let of: [f64; 64] = numbers.side_by_side(first, 0, number);
+                let of: [f64; 64] = numbers.batch(first, 0, number);
                 sums.iter_mut().zip(of).for_each(|(sum, number)| *sum += number);
             }
         }

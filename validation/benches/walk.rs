@@ -32,7 +32,7 @@ fn paths(bencher: Bencher<'_, '_>, name: &str) {
 
 #[divan::bench(args = ["overcast", "indoor", "sunny", "table-pixel", "epaper"], consts = [false, true])]
 fn to_0_1_percent<const PER_WAVELENGTH: bool>(bencher: Bencher<'_, '_>, name: &str) {
-    let scene = scene(name, Stop::RelativeError { target: 0.001, every_bin: PER_WAVELENGTH });
+    let scene = scene(name, Stop::RelativeError { target: 0.001, per_wavelength: PER_WAVELENGTH });
     bencher.bench(|| run_on(&scene, Some(1)).unwrap());
 }
 

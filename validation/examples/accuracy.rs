@@ -20,7 +20,7 @@ use papilio_figures::{ErrorCurve, ErrorPanel, accuracy};
 use papilio_optics::Beta;
 use papilio_optics::interface::fresnel_reflectance;
 use papilio_optics::lobe::Lobe;
-use papilio_sampling::{Numbers, Sampler};
+use papilio_sampling::{SampleStream, Sampler};
 use papilio_transport::adding::{FINEST, Kernel};
 use papilio_transport::walk::Walk;
 use papilio_transport::{
@@ -70,7 +70,7 @@ impl Case {
         let mut sums = vec![(f64::INFINITY, 0.0); steps.clone().count()];
         for seed in 0..SEEDS {
             let (mut replicate, mut seconds) = (walk.replicate(), 0.0);
-            let numbers = Numbers::new(sampler, seed, 0);
+            let numbers = SampleStream::new(sampler, seed, 0);
             for (power, sum) in steps.clone().zip(&mut sums) {
                 let start = Instant::now();
                 let more = (1 << power) - replicate.paths();
@@ -122,7 +122,7 @@ fn lobe(width: f64, transmittance: f64) -> Diffuser {
     Diffuser {
         lobe: Lobe::KCorrelation { width },
         transmittance: one(transmittance).into(),
-        straight_through: 0.0,
+        regular_fraction: 0.0,
     }
 }
 

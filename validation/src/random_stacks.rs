@@ -11,8 +11,8 @@ use papilio_optics::lobe::Lobe;
 use papilio_optics::rough::Rough;
 use papilio_spectra::Spectrum;
 use papilio_transport::{
-    AngularTable, Base, Cone, Diffuser, Front, Interface, Layer, Layered, Medium, Nodes, Panel, Reflector,
-    Scattering, Sheet, Source, Stack, Top,
+    AngularTable, Base, Component, Cone, Diffuser, Front, Interface, Layer, Layered, Medium, Nodes, Panel,
+    Reflector, Scattering, Source, Stack, Top,
 };
 
 use papilio_testing::Dice;
@@ -81,7 +81,7 @@ fn rare_front(dice: &mut Dice) -> (f64, Front) {
 fn rare_bare(dice: &mut Dice) -> (String, Stack) {
     let (reflectance, front) = rare_front(dice);
     let n = [1.0001, 1.5, 4.0, 10.0][dice.below(4)];
-    let top = if dice.one_in(2) { Top::Coated } else { Top::Fresnel(constant(n)) };
+    let top = if dice.one_in(2) { Top::IdealAr } else { Top::Fresnel(constant(n)) };
     let name = format!("bare panel: front {reflectance:.1e}, {top:?}");
     let panel = Panel { front, top, medium: Medium::new(constant(n)), base: base(dice), single_pass: false };
     (name, Stack::Panel(panel))
@@ -90,12 +90,12 @@ fn rare_bare(dice: &mut Dice) -> (String, Stack) {
 fn rare_straight(dice: &mut Dice) -> (String, Stack) {
     let (reflectance, front) = rare_front(dice);
     let rest = dice.log_between(1e-4, 0.1);
-    let straight_through = if dice.one_in(4) { rest } else { 1.0 - rest };
+    let regular_fraction = if dice.one_in(4) { rest } else { 1.0 - rest };
     let width = dice.log_between(0.07, 0.4);
     let lobe = if dice.one_in(4) { Lobe::Lambertian } else { Lobe::KCorrelation { width } };
-    let diffuser = Diffuser { lobe, transmittance: spectrum(dice, 0.8, 1.0), straight_through };
+    let diffuser = Diffuser { lobe, transmittance: spectrum(dice, 0.8, 1.0), regular_fraction };
     let medium = Medium::new(constant([1.5, 1.5, 3.0][dice.below(3)]));
-    let name = format!("panel: front {reflectance:.1e}, b {width:.2}, s {straight_through:.5}");
+    let name = format!("panel: front {reflectance:.1e}, b {width:.2}, s {regular_fraction:.5}");
     let top = Top::Diffuser(diffuser);
     (name, Stack::Panel(Panel { front, top, medium, base: base(dice), single_pass: false }))
 }
@@ -167,9 +167,9 @@ fn base(dice: &mut Dice) -> Base {
 /// Returns a diffuser whose lobe is not narrower than `narrowest`: between general layers, adding takes minutes for
 /// narrow lobes that it resolves in milliseconds in a panel.
 fn diffuser(dice: &mut Dice, narrowest: f64) -> (String, Diffuser) {
-    let straight_through = if dice.one_in(2) { 0.0 } else { dice.between(0.0, 0.6) };
+    let regular_fraction = if dice.one_in(2) { 0.0 } else { dice.between(0.0, 0.6) };
     // With regular transmittance, each point of a field or disc is a separate direction: minutes, if the lobe is narrow.
-    let narrowest = if straight_through > 0.0 { narrowest.max(0.07) } else { narrowest };
+    let narrowest = if regular_fraction > 0.0 { narrowest.max(0.07) } else { narrowest };
     let lobe = if dice.one_in(5) {
         Lobe::Lambertian
     } else {
@@ -177,10 +177,10 @@ fn diffuser(dice: &mut Dice, narrowest: f64) -> (String, Diffuser) {
     };
     let transmittance = spectrum(dice, 0.7, 1.0);
     let name = match lobe {
-        Lobe::KCorrelation { width } => format!("diffuser b {width:.3} s {straight_through:.2}"),
-        Lobe::Lambertian => format!("Lambertian diffuser s {straight_through:.2}"),
+        Lobe::KCorrelation { width } => format!("diffuser b {width:.3} s {regular_fraction:.2}"),
+        Lobe::Lambertian => format!("Lambertian diffuser s {regular_fraction:.2}"),
     };
-    (name, Diffuser { lobe, transmittance, straight_through })
+    (name, Diffuser { lobe, transmittance, regular_fraction })
 }
 
 fn panel(dice: &mut Dice) -> (String, Stack) {
@@ -190,7 +190,7 @@ fn panel(dice: &mut Dice) -> (String, Stack) {
     let front = Front::exact(WAVELENGTHS_NM.len(), parts.iter().map(|(r, a)| (&**r, &**a)));
     let glass: Spectrum = if dice.one_in(3) { vec![1.53, 1.50].into() } else { constant(1.5) };
     let (name, top) = match dice.below(4) {
-        0 => ("coated".to_owned(), Top::Coated),
+        0 => ("coated".to_owned(), Top::IdealAr),
         1 => ("Fresnel".to_owned(), Top::Fresnel(glass.clone())),
         _ => {
             let (name, diffuser) = diffuser(dice, 0.004);
@@ -225,7 +225,7 @@ fn layer(dice: &mut Dice, above: f64) -> (String, Layer, f64) {
     let same = Medium::new(constant(above));
     match kind {
         0 => {
-            let interface = Interface::Sheet(Sheet {
+            let interface = Interface::Component(Component {
                 reflectance: spectrum(dice, 0.0, 0.3),
                 absorptance: spectrum(dice, 0.0, 0.2),
             });
@@ -270,7 +270,7 @@ fn slab(dice: &mut Dice, index: f64) -> (String, Medium) {
 
 fn interface(dice: &mut Dice, above: f64, below: f64) -> Interface {
     match dice.below(3) {
-        0 => Interface::Coated,
+        0 => Interface::IdealAr,
         1 => coating(dice, above, below).unwrap_or(Interface::Fresnel),
         _ if above == below => Interface::Open,
         _ => Interface::Fresnel,
@@ -293,7 +293,7 @@ fn coating(dice: &mut Dice, above: f64, below: f64) -> Option<Interface> {
 
 fn name_of(interface: &Interface) -> &'static str {
     match interface {
-        Interface::Coated => "coated",
+        Interface::IdealAr => "coated",
         Interface::Coating(_) => "films",
         Interface::Open => "open",
         _ => "Fresnel",

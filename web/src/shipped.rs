@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::sync::LazyLock;
 
 use papilio_formats::DataFile;
-use papilio_scenario::KeptFile;
+use papilio_scenario::MemoryFile;
 use rust_embed::RustEmbed;
 
 #[derive(RustEmbed)]
@@ -27,11 +27,11 @@ pub(crate) fn example(name: &str) -> Option<String> {
 }
 
 /// Data files under the names that scenarios may use: `data/H65.bsdf`, as in the examples, and `H65.bsdf`.
-pub(crate) static DATA: LazyLock<BTreeMap<String, KeptFile>> = LazyLock::new(|| {
+pub(crate) static DATA: LazyLock<BTreeMap<String, MemoryFile>> = LazyLock::new(|| {
     let named = |path: &str| {
         let name = path.strip_prefix("data/").filter(|name| !name.ends_with(".py"))?.to_owned();
         let bytes = Scenarios::get(path)?.data.into_owned();
-        let file = KeptFile::new(DataFile { name: name.clone(), bytes });
+        let file = MemoryFile::new(DataFile { name: name.clone(), bytes });
         Some([(name, file.clone()), (path.to_owned(), file)])
     };
     Scenarios::iter().filter_map(|path| named(&path)).flatten().collect()

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use papilio_formats::DataFile;
-use papilio_scenario::Memo;
+use papilio_scenario::ResolveCache;
 use tokio::net::TcpListener;
 
 use crate::guard::Guard;
@@ -55,7 +55,7 @@ struct Inner {
     start: Option<Start>,
     store: Store,
     prepared: PreparedDisplays,
-    memo: Arc<Memo>,
+    memo: Arc<ResolveCache>,
     quick: Gate,
     files: Gate,
     long: Gate,
@@ -126,7 +126,7 @@ impl Site {
         &self.0.prepared
     }
 
-    pub(crate) fn memo(&self) -> Arc<Memo> {
+    pub(crate) fn memo(&self) -> Arc<ResolveCache> {
         self.0.memo.clone()
     }
 

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use papilio_formats::DataFile;
-use papilio_scenario::KeptFile;
+use papilio_scenario::MemoryFile;
 
 /// Maximum size of all files together, in bytes.
 const MOST_BYTES: usize = 256 << 20;
@@ -22,7 +22,7 @@ struct Contents {
 
 #[derive(Debug)]
 struct Stored {
-    file: KeptFile,
+    file: MemoryFile,
     /// The use count at the last use.
     last_use: u64,
 }
@@ -30,7 +30,7 @@ struct Stored {
 impl Store {
     /// Stores a file and returns its id. The least recently used files are removed if there are too many.
     pub(crate) fn insert(&self, file: DataFile) -> String {
-        let file = KeptFile::new(file);
+        let file = MemoryFile::new(file);
         let id = file.sha256().to_owned();
         let mut contents = self.contents();
         contents.uses += 1;
@@ -41,7 +41,7 @@ impl Store {
     }
 
     /// Returns the file with an id.
-    pub(crate) fn get(&self, id: &str) -> Option<KeptFile> {
+    pub(crate) fn get(&self, id: &str) -> Option<MemoryFile> {
         let mut contents = self.contents();
         contents.uses += 1;
         let last_use = contents.uses;

@@ -108,7 +108,7 @@ fn docs() -> Outcome {
             "scenario",
             "tables_of_materials_and_illuminants_in_the_docs_are_those_of_the_program",
         ),
-        ("papilio-formats", "bsdf", "table_of_formats_in_the_docs_is_that_of_the_readers"),
+        ("papilio-formats", "formats", "table_of_formats_in_the_docs_is_that_of_the_readers"),
     ] {
         let mut written = cargo(["test", "--package", package, "--test", test, name]);
         written.env("PAPILIO_WRITE_DOCS", "1");

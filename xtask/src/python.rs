@@ -38,7 +38,7 @@ impl Environment {
         let environment = Self { folder };
         let install = ["-m", "pip", "install", "--quiet"].into_iter().chain(packages.iter().copied());
         shell::run(command(environment.python(), install))?;
-        // Written last: an installation that fails is gone on with the next time.
+        // Written last: a failed installation is repeated the next time.
         fs::write(environment.list(), packages.join("\n")).map_err(|error| format!("{name}: {error}"))?;
         Ok(environment)
     }

@@ -4,7 +4,9 @@ use std::io::Write;
 
 use papilio_figures::{ScatterCurve, Scattering, scattering};
 use papilio_formats::{FitFile, write_json};
-use papilio_goniometry::{FitOptions, Geometry, Kind, Measurement, Part, Ranked, SpecularGrid, fitted};
+use papilio_goniometry::{
+    FitOptions, Geometry, Kind, MeasuredPart, Measurement, Ranked, SpecularGrid, fitted,
+};
 use papilio_optics::Beta;
 
 use super::{read, report, tables};
@@ -41,8 +43,12 @@ pub(crate) fn fit(arguments: &FitArguments) -> Result<(), Failure> {
 }
 
 /// The requested part, or the first one.
-fn selected_part<'a>(measurement: &'a Measurement, arguments: &FitArguments) -> Result<&'a Part, Failure> {
-    let is_requested = |part: &&Part| arguments.part.is_none_or(|kind| part.way.name() == kind.name());
+fn selected_part<'a>(
+    measurement: &'a Measurement,
+    arguments: &FitArguments,
+) -> Result<&'a MeasuredPart, Failure> {
+    let is_requested =
+        |part: &&MeasuredPart| arguments.part.is_none_or(|kind| part.way.name() == kind.name());
     measurement.parts.iter().find(is_requested).ok_or_else(|| {
         let names: Vec<&str> = measurement.parts.iter().map(|part| part.way.name()).collect();
         Failure::Input(format!("the file has no such part\n  = help: its parts are: {}", names.join(", ")))
@@ -50,7 +56,7 @@ fn selected_part<'a>(measurement: &'a Measurement, arguments: &FitArguments) -> 
 }
 
 /// Figure of the data and the best lobes in the plane of incidence.
-fn figure(measurement: &Measurement, part: &Part, channel: usize, fits: &[Ranked]) -> String {
+fn figure(measurement: &Measurement, part: &MeasuredPart, channel: usize, fits: &[Ranked]) -> String {
     let quantity = if part.way.is_transmission() { "BTDF (1/sr)" } else { "BRDF (1/sr)" };
     let mut curves = Vec::new();
     for from in shown_incidences(part) {
@@ -77,7 +83,7 @@ fn figure(measurement: &Measurement, part: &Part, channel: usize, fits: &[Ranked
 }
 
 /// The incidences of the file that are nearest to those of the figure.
-fn shown_incidences(part: &Part) -> Vec<f64> {
+fn shown_incidences(part: &MeasuredPart) -> Vec<f64> {
     let Geometry::Specular(grid) = &part.geometry else { return SHOWN_DEG.to_vec() };
     let nearest = |requested: f64| {
         let distance = |theta: &&f64| (**theta - requested).abs();
@@ -89,7 +95,7 @@ fn shown_incidences(part: &Part) -> Vec<f64> {
 }
 
 /// Inclinations and values of the cells in the plane of incidence.
-fn in_plane(part: &Part, channel: usize, from: f64) -> Vec<(f64, f64)> {
+fn in_plane(part: &MeasuredPart, channel: usize, from: f64) -> Vec<(f64, f64)> {
     let Geometry::Specular(grid) = &part.geometry else { return Vec::new() };
     let Some(k) = grid.incidences_deg.iter().position(|theta| *theta == from) else { return Vec::new() };
     let (azimuths, radials) = (grid.azimuths_deg.len(), grid.radials_deg.len());

@@ -4,8 +4,8 @@ use std::io::Write;
 use std::path::Path;
 
 use papilio_figures::{Transmission, lobes, transmission};
-use papilio_formats::{AuditFile, DataFile, audit_text, read_shares, write_json};
-use papilio_goniometry::{Audit, Part};
+use papilio_formats::{AuditFile, DataFile, audit_text, read_fractions, write_json};
+use papilio_goniometry::{Audit, MeasuredPart};
 
 use super::{read, report};
 use crate::arguments::Inspect;
@@ -21,8 +21,8 @@ pub(crate) fn inspect(arguments: &Inspect) -> Result<(), Failure> {
     let mut stdout = crate::terminal::stdout();
     if arguments.json {
         let all_channels =
-            |part: &Part| (0..part.channels.len()).filter_map(|k| Audit::of(part, k)).collect();
-        let all: Vec<(&Part, Vec<Audit>)> =
+            |part: &MeasuredPart| (0..part.channels.len()).filter_map(|k| Audit::of(part, k)).collect();
+        let all: Vec<(&MeasuredPart, Vec<Audit>)> =
             measurement.parts.iter().map(|part| (part, all_channels(part))).collect();
         write_json(&mut stdout, &AuditFile::new(&measurement, &all))?;
     } else {
@@ -49,7 +49,7 @@ pub(crate) fn inspect(arguments: &Inspect) -> Result<(), Failure> {
 /// Reads a transmission spectrum from a file.
 fn spectrum(path: &Path) -> Result<Transmission, Failure> {
     let file = DataFile::open(path, &path.display().to_string()).map_err(Failure::Data)?;
-    let spectrum = read_shares(&file).map_err(Failure::Data)?;
+    let spectrum = read_fractions(&file).map_err(Failure::Data)?;
     Ok(Transmission {
         name: path.file_stem().unwrap_or_default().to_string_lossy().into_owned(),
         wavelength_nm: spectrum.wavelengths_nm().to_vec(),

@@ -4,7 +4,7 @@ use std::fmt::Write;
 
 use papilio_figures::Transmission;
 use papilio_formats::words::{channel, percent, span, table};
-use papilio_goniometry::{Parameter, Part, Ranked};
+use papilio_goniometry::{MeasuredPart, Parameter, Ranked};
 
 /// Report of transmission spectra.
 pub(super) fn spectra(spectra: &[Transmission]) -> String {
@@ -25,7 +25,7 @@ pub(super) fn spectra(spectra: &[Transmission]) -> String {
 }
 
 /// Report of `papilio diffuser fit`.
-pub(super) fn fit(name: &str, part: &Part, fits: &[Ranked]) -> String {
+pub(super) fn fit(name: &str, part: &MeasuredPart, fits: &[Ranked]) -> String {
     let cells = fits.first().map_or(0, |ranked| ranked.fit.cells);
     let channel = part.channels.get(part.luminous()).map(channel).unwrap_or_default();
     let mut text = format!("{name}: {}, {channel}, {cells} cells\n\n", part.way.name());

@@ -2,13 +2,13 @@
 
 use std::fmt::Write;
 
-use papilio_goniometry::{Fit, Model, Normalisation, Part, Ranked, Way};
+use papilio_goniometry::{Fit, MeasuredPart, Model, Normalisation, Ranked, ScatterMode};
 
 use super::report::short;
 
 /// `[display.diffuser]` for each lobe that scenarios support, in the order of the fits, and for the file itself. Empty for a
 /// measurement in reflection, because a diffuser needs the transmission.
-pub(super) fn scenario_tables(file: &str, part: &Part, fits: &[Ranked]) -> String {
+pub(super) fn scenario_tables(file: &str, part: &MeasuredPart, fits: &[Ranked]) -> String {
     if !part.way.is_transmission() {
         return String::new();
     }
@@ -30,7 +30,7 @@ pub(super) fn scenario_tables(file: &str, part: &Part, fits: &[Ranked]) -> Strin
         }
     }
     if !unsupported.is_empty() {
-        let flipped = if part.way == Way::BackTransmission { "flipped = true\n" } else { "" };
+        let flipped = if part.way == ScatterMode::BackTransmission { "flipped = true\n" } else { "" };
         let _ = write!(
             text,
             "\n# {}: not supported in scenarios; use the file itself (the path is relative to the scenario's folder)\n\

@@ -27,7 +27,12 @@ impl SolverComparison {
     /// Row of the table on the terminal.
     pub(super) fn row(&self) -> Vec<String> {
         let number = |value: Option<f64>| value.map_or("-".to_owned(), crate::report::digits);
-        vec![self.name.clone(), number(self.adding), number(self.monte_carlo), number(self.standard_error)]
+        vec![
+            papilio_scenario::label(&self.name).to_string(),
+            number(self.adding),
+            number(self.monte_carlo),
+            number(self.standard_error),
+        ]
     }
 }
 
@@ -43,8 +48,8 @@ pub(super) fn check(
     for condition in &study.conditions {
         let resolved = condition.varied.scenario(&values)?.resolve()?;
         let mut scene = resolved.scene.clone();
-        scene.solver.method = Method::Walk;
-        scene.solver.stop = Stop::RelativeError { target: RELATIVE_ERROR, every_bin: false };
+        scene.solver.method = Method::MonteCarlo;
+        scene.solver.stop = Stop::RelativeError { target: RELATIVE_ERROR, per_wavelength: false };
         match with_progress(&resolved, threads, |control| papilio_display::run(&scene, control))? {
             Some(result) if !result.solver.interrupted => results.push(result),
             _ => return Ok(None),

@@ -3,7 +3,9 @@
 use std::path::{Path, PathBuf};
 
 use papilio_design::search::{Record, SearchRecords};
-use papilio_formats::{HeldJournal, SearchHead, foreign, journal_name, journal_paths, trusted_lines};
+use papilio_formats::{
+    LockedJournal, SearchHead, foreign_journal_error, journal_name, journal_paths, read_verified_lines,
+};
 
 use crate::Failure;
 use crate::journal::{check_folder, report_moved};
@@ -20,7 +22,7 @@ pub(super) fn open(
     shard: Option<(usize, usize)>,
     head: &SearchHead,
     others: &[PathBuf],
-) -> Result<(HeldJournal, SearchRecords), Failure> {
+) -> Result<(LockedJournal, SearchRecords), Failure> {
     let mut records = SearchRecords::default();
     let own = folder.join(journal_name(STEM, shard));
     for (index, folder) in [folder].into_iter().chain(others.iter().map(PathBuf::as_path)).enumerate() {
@@ -29,16 +31,16 @@ pub(super) fn open(
         let mut matching = 0;
         for path in paths.iter().filter(|path| **path != own) {
             let mut read = SearchRecords::default();
-            matching += trusted_lines(path, head, |line| add_record(&mut read, line))?;
+            matching += read_verified_lines(path, head, |line| add_record(&mut read, line))?;
             records.join(read);
         }
         match paths.first() {
-            Some(path) if index > 0 && matching == 0 => return Err(foreign(path).into()),
+            Some(path) if index > 0 && matching == 0 => return Err(foreign_journal_error(path).into()),
             _ => {}
         }
     }
     // Last, because this moves a journal that belongs to another search.
-    let held = HeldJournal::open(own, head, |line| add_record(&mut records, line))?;
+    let held = LockedJournal::open(own, head, |line| add_record(&mut records, line))?;
     report_moved(held.set_aside());
     Ok((held, records))
 }

@@ -18,7 +18,7 @@ use papilio_design::search::{
     Record, Search, SearchRecords, SearchResult, SearchSchedule, SelectedDesign, was_stopped,
 };
 use papilio_design::{DesignError, Evaluator, Study};
-use papilio_formats::{DataFile, HeldJournal, SearchHead, write_file};
+use papilio_formats::{DataFile, LockedJournal, SearchHead, write_file};
 use papilio_scenario::{Edit, Optimisation, edit};
 
 use self::check::{SolverComparison, check};
@@ -90,7 +90,7 @@ fn run_schedule(
     schedule: &mut SearchSchedule,
     evaluator: &Evaluator<'_>,
     threads: usize,
-    journal: &mut HeldJournal,
+    journal: &mut LockedJournal,
 ) -> Result<usize, Failure> {
     let (bar, mut new) = (progress::bar(schedule.progress().1, "searches"), 0);
     let counter = evaluator.evaluated();

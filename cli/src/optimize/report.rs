@@ -2,11 +2,11 @@
 
 use papilio_design::search::{FEASIBLE, Search, SearchResult, SelectedDesign};
 use papilio_formats::sweep_value;
-use papilio_scenario::{SearchAim, SearchRange};
+use papilio_scenario::{SearchAim, SearchRange, label};
 use serde_json::{Map, Value, json};
 
 use super::check::SolverComparison;
-use crate::report::{digits, plain, table};
+use crate::report::{digits, headings, plain, table};
 
 /// Report on the terminal: the best design, or the Pareto front.
 pub(super) fn text(title: &str, search: &Search, chosen: &[SelectedDesign]) -> String {
@@ -20,21 +20,36 @@ pub(super) fn text(title: &str, search: &Search, chosen: &[SelectedDesign]) -> S
 /// The best design next to that of the scenario.
 fn best_design(search: &Search, best: &SelectedDesign) -> String {
     let (own, own_values) = search.own();
-    let mut rows = vec![["key or metric", "scenario", "result", "range or aim"].map(str::to_owned).to_vec()];
+    let mut rows =
+        vec![["variable or metric", "scenario", "result", "range or aim"].map(str::to_owned).to_vec()];
     for (index, variable) in search.spec().variables.iter().enumerate() {
         let range = match &variable.range {
-            SearchRange::Bounds(from, to) => format!("{from} to {to}"),
+            SearchRange::Bounds(from, to) => {
+                let end = if is_at_end(best.design[index], *from, *to) { " (at its end)" } else { "" };
+                format!("{from} to {to}{end}")
+            }
             SearchRange::Choices(choices) => format!("one of {}", choices.len()),
         };
         let own = variable.own.map_or("-".to_owned(), |_| value(search, index, own[index]));
-        rows.push(vec![short(&variable.name), own, value(search, index, best.design[index]), range]);
+        rows.push(vec![
+            label(&variable.name).to_string(),
+            own,
+            value(search, index, best.design[index]),
+            range,
+        ]);
     }
     for (index, quantity) in search.study().quantities.iter().enumerate() {
         let cells = [own_values[index], best.values[index]].map(|value| value.map_or("-".to_owned(), digits));
         let [own, result] = cells;
-        rows.push(vec![quantity.name.clone(), own, result, aims(search, &quantity.name, best.values[index])]);
+        let name = label(&quantity.name).to_string();
+        rows.push(vec![name, own, result, aims(search, &quantity.name, best.values[index])]);
     }
     table(&rows)
+}
+
+/// Returns whether a variable is at an end of its range, within the precision of a design.
+fn is_at_end(x: f64, from: f64, to: f64) -> bool {
+    (x - from).min(to - x) <= 1e-6 * (to - from)
 }
 
 /// Aims and constraints of a quantity in words, and whether the result violates a constraint.
@@ -65,10 +80,10 @@ fn aims(search: &Search, name: &str, found: Option<f64>) -> String {
 
 /// A row for each design of the Pareto front.
 fn front(search: &Search, chosen: &[SelectedDesign]) -> String {
-    let quantities = search.study().quantities.iter().map(|one| one.name.clone());
-    let variables = search.spec().variables.iter().map(|one| short(&one.name));
-    let mut rows: Vec<Vec<String>> =
-        vec![["design".to_owned()].into_iter().chain(quantities).chain(variables).collect()];
+    let quantities = search.study().quantities.iter().map(|one| label(&one.name).to_string());
+    let variables = search.spec().variables.iter().map(|one| label(&one.name).to_string());
+    let titles: Vec<String> = ["design".to_owned()].into_iter().chain(quantities).chain(variables).collect();
+    let mut rows = headings(&titles);
     let (own, own_values) = search.own();
     let row = |name: String, values: &[Option<f64>], design: &[f64]| {
         let values = values.iter().map(|value| value.map_or("-".to_owned(), digits));
@@ -88,11 +103,6 @@ fn value(search: &Search, index: usize, x: f64) -> String {
         SearchRange::Bounds(..) => digits(x),
         SearchRange::Choices(choices) => choices.get(x as usize).map_or_else(|| "-".to_owned(), sweep_value),
     }
-}
-
-/// A path without the prefix `display.pixel.`.
-pub(super) fn short(path: &str) -> String {
-    path.strip_prefix("display.pixel.").unwrap_or(path).to_owned()
 }
 
 /// The result as JSON.

@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
-use papilio_formats::{HeldJournal, SweepHead, SweepJournal, SweepPoint, open_journal, tidy_journals};
+use papilio_formats::{LockedJournal, SweepHead, SweepJournal, SweepPoint, open_journal, tidy_journals};
 
 use crate::Failure;
 use crate::journal;
@@ -11,7 +11,7 @@ use crate::journal;
 /// An open journal, and all known points by the hash of their scenario.
 #[derive(Debug)]
 pub(super) struct Journal {
-    journal: HeldJournal,
+    journal: LockedJournal,
     head: SweepHead,
     known: HashMap<String, SweepPoint>,
 }
@@ -32,7 +32,7 @@ impl Journal {
     /// Opens or creates the journal of a sweep in a folder. The points of other journals there, and of earlier forms of the
     /// sweep, are known too.
     pub(super) fn open(folder: &Path, name: &str, head: SweepHead) -> Result<Self, Failure> {
-        let mut journal = HeldJournal::hold(folder.join(name))?;
+        let mut journal = LockedJournal::hold(folder.join(name))?;
         tidy_journals(folder, &[name, "sweep.csv.", "sweep_"]);
         let mut known = HashMap::new();
         for (_, other) in read_all(folder)? {

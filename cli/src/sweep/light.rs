@@ -1,4 +1,4 @@
-//! Light sweeps: they store only a few metrics of each point, about 80 bytes, for sweeps of 100 000 points and more.
+//! Compact sweeps: they store only a few metrics of each point, about 80 bytes, for sweeps of 100 000 points and more.
 
 use std::collections::BTreeMap;
 use std::io::Write;
@@ -12,7 +12,7 @@ use papilio_formats::{
     JournalRow, LightHead, RowsHead, SweepHead, light_parquet, light_points, write_file, write_light_csv,
     write_light_json,
 };
-use papilio_scenario::{LightSweep, Sweep};
+use papilio_scenario::{LightSweep, Sweep, label};
 
 use super::compute::failed_at;
 use super::{merge, table};
@@ -74,7 +74,7 @@ pub(super) fn run(
     finish(folder, &head, &all, outputs)
 }
 
-/// Merges the journals of shards; false if the folders contain no journal of a light sweep.
+/// Merges the journals of shards; false if the folders contain no journal of a compact sweep.
 pub(super) fn merged(arguments: &SweepMerge) -> Result<bool, Failure> {
     let mut head: Option<(PathBuf, SweepHead)> = None;
     let mut rows: BTreeMap<usize, Vec<f64>> = BTreeMap::new();
@@ -105,7 +105,7 @@ fn finish(folder: &Path, head: &SweepHead, rows: &[&[f64]], outputs: SweepOutput
             write_file(&folder.join("sweep.parquet"), |out| out.write_all(&bytes))?;
             names.push("sweep.parquet".to_owned());
         }
-        let svgs = of_sweep(head, &refs[..refs.len().min(drawn)]);
+        let svgs = of_sweep(head, &refs[..refs.len().min(drawn)], &label);
         names.extend(output::write_figures(folder, svgs, outputs.png)?);
         Ok(names)
     })?;

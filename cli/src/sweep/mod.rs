@@ -19,7 +19,7 @@ use papilio_figures::of_sweep;
 use papilio_formats::{
     SweepHead, SweepPoint, journal_name, sweep_parquet, write_file, write_sweep_csv, write_sweep_json,
 };
-use papilio_scenario::Sweep;
+use papilio_scenario::{Sweep, label};
 
 use self::compute::compute;
 use self::journal::Journal;
@@ -93,7 +93,7 @@ fn finish(folder: &Path, head: &SweepHead, points: &[&SweepPoint], outputs: Outp
             write_file(&folder.join("sweep.parquet"), |out| out.write_all(&bytes))?;
             names.push("sweep.parquet".to_owned());
         }
-        names.extend(output::write_figures(folder, of_sweep(head, points), outputs.png)?);
+        names.extend(output::write_figures(folder, of_sweep(head, points, &label), outputs.png)?);
         Ok(names)
     })?;
     let mut stdout = crate::terminal::stdout();

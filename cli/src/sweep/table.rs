@@ -1,7 +1,7 @@
 //! Table of a sweep on the terminal.
 
-use papilio_figures::short_key;
 use papilio_formats::{SweepHead, SweepPoint, sweep_value};
+use papilio_scenario::label;
 
 use crate::report::{self, digits};
 
@@ -12,10 +12,10 @@ pub(super) const MOST_ROWS: usize = 40;
 pub(super) fn sweep_table(head: &SweepHead, points: &[&SweepPoint], total: usize) -> String {
     let views: Vec<Vec<[&str; 2]>> = points.iter().map(|point| point.views()).collect();
     let several = views.iter().any(|views| views.len() > 1);
-    let keys = head.axes.iter().flat_map(|axis| &axis.keys).map(|key| short_key(head, key));
-    let view_titles = if several { &["theta_deg", "phi_deg"][..] } else { &[] };
-    let titles = keys.chain(view_titles.iter().map(|name| (*name).to_owned()));
-    let mut rows: Vec<Vec<String>> = vec![titles.chain(head.figures.iter().cloned()).collect()];
+    let keys = head.axes.iter().flat_map(|axis| &axis.keys).map(String::as_str);
+    let of_views = if several { &["theta_deg", "phi_deg"][..] } else { &[] };
+    let names = keys.chain(of_views.iter().copied()).chain(head.figures.iter().map(String::as_str));
+    let mut rows = report::headings(&names.map(|name| label(name).to_string()).collect::<Vec<_>>());
     let lines = points.iter().zip(&views).enumerate();
     let lines =
         lines.flat_map(|(number, (point, views))| views.iter().map(move |view| (number, point, *view)));

@@ -2,6 +2,7 @@
 
 use papilio_design::tolerance::{Estimate, Indices, MetricReport, PERCENTILES, Production, Report};
 use papilio_formats::sweep_value;
+use papilio_scenario::label;
 
 use crate::report;
 
@@ -66,7 +67,7 @@ fn limits(found: &Report) -> Vec<Vec<String>> {
     let mut rows = vec![row(&["limit", "at least", "at most", "fails", "fails alone"])];
     for (limit, failing) in found.limits.iter().zip(&found.verdict.failing) {
         let end = |end: Option<f64>| end.map_or("-".to_owned(), |end| end.to_string());
-        let cells = [limit.metric.clone(), end(limit.at_least), end(limit.at_most)];
+        let cells = [label(&limit.metric).to_string(), end(limit.at_least), end(limit.at_most)];
         rows.push(cells.into_iter().chain([percent(failing.share), percent(failing.alone)]).collect());
     }
     rows
@@ -79,7 +80,7 @@ fn spreads(found: &Report) -> Vec<Vec<String>> {
     let some = found.metrics.iter().any(|metric| undefined(metric) > 0);
     rows[0].extend(some.then(|| "undefined".to_owned()));
     for metric in &found.metrics {
-        let mut cells = vec![metric.name.clone()];
+        let mut cells = vec![label(&metric.name).to_string()];
         match &metric.spread {
             Some(spread) => {
                 // Enough decimals to show a tenth of the standard deviation.
@@ -96,15 +97,17 @@ fn spreads(found: &Report) -> Vec<Vec<String>> {
 }
 
 fn sensitivities(found: &Report) -> Vec<Vec<String>> {
-    let groups = found.groups.iter().map(|group| group.join(" + "));
-    let mut rows = vec![["metric".to_owned()].into_iter().chain(groups).collect::<Vec<_>>()];
+    let quantity = |name: &String| label(name).quantity;
+    let groups = found.groups.iter().map(|group| group.iter().map(quantity).collect::<Vec<_>>().join(" + "));
+    let titles: Vec<String> = ["metric".to_owned()].into_iter().chain(groups).collect();
+    let mut rows = report::headings(&titles);
     for metric in &found.metrics {
         let of = |one: &Indices| {
             let [first, total] = rounded_indices(one);
             format!("{first} / {total}")
         };
         let cells = metric.indices.iter().map(|one| one.as_ref().map_or("-".to_owned(), of));
-        rows.push([metric.name.clone()].into_iter().chain(cells).collect());
+        rows.push([label(&metric.name).to_string()].into_iter().chain(cells).collect());
     }
     rows
 }
@@ -122,12 +125,13 @@ fn rounded_indices(one: &Indices) -> [String; 2] {
 }
 
 fn worst(production: &Production, found: &Report) -> Vec<Vec<String>> {
-    let names = production.study().variables.iter().map(|variable| variable.name.clone());
+    let names = production.study().variables.iter().map(|variable| label(&variable.name).to_string());
     let titles = ["sample", "violates", "by"].map(str::to_owned).into_iter();
-    let mut rows = vec![titles.chain(names).collect::<Vec<_>>()];
+    let mut rows = report::headings(&titles.chain(names).collect::<Vec<_>>());
     for one in found.worst.iter().take(MOST_WORST) {
         let by = one.missed_by_sigma.map_or("undefined".to_owned(), |by| format!("{by:.1}"));
-        let limit = found.limits.get(one.limit).map_or(String::new(), |limit| limit.metric.clone());
+        let limit =
+            found.limits.get(one.limit).map_or(String::new(), |limit| label(&limit.metric).to_string());
         let keys = one.keys.iter().map(|value| match value.as_f64() {
             Some(number) => format!("{number:.5}").trim_end_matches('0').trim_end_matches('.').to_owned(),
             None => sweep_value(value),

@@ -1,12 +1,41 @@
-//! What the tests of commands that write folders share.
+//! Helpers that the tests of several commands share.
+
 use std::collections::BTreeMap;
 use std::fs;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
+
+/// The program, without colours.
+pub(crate) fn papilio_command() -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_papilio"));
+    command.env("NO_COLOR", "1");
+    command
+}
+
+/// Path of a shipped scenario.
+pub(crate) fn scenario(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenarios").join(name).with_extension("toml")
+}
+
+/// A coarse spectrum, with which a cone map is fast; the files that are written do not depend on it.
+pub(crate) const COARSE: [&str; 2] = ["--set", "spectrum.step_nm=20"];
+
+/// Runs `papilio run` on a shipped scenario.
+pub(crate) fn run_scenario(name: &str, more: &[&str]) -> Output {
+    papilio_command().arg("run").arg(scenario(name)).args(more).output().unwrap()
+}
+
+/// Sorted names of the files of a folder.
+pub(crate) fn names(folder: &Path) -> Vec<String> {
+    let entries = fs::read_dir(folder).unwrap().map(Result::unwrap);
+    let mut names: Vec<String> = entries.map(|entry| entry.file_name().into_string().unwrap()).collect();
+    names.sort();
+    names
+}
 
 /// Runs the program.
 pub(crate) fn papilio(arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_papilio")).env("NO_COLOR", "1").args(arguments).output().unwrap()
+    papilio_command().args(arguments).output().unwrap()
 }
 
 pub(crate) fn stderr(output: &Output) -> String {

@@ -1,4 +1,4 @@
-//! `papilio compare` as its users meet it.
+//! `papilio compare`: measured panels next to simulated ones.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -12,7 +12,7 @@ fn shipped(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenarios").join(name)
 }
 
-/// The overcast display seen from 8 and 20 deg, run into `folder`.
+/// Runs the overcast display, viewed at 8 and 20 deg, into `folder`.
 fn run_into(folder: &Path) {
     let set = Path::new("viewer.theta_deg=[8, 20]");
     let scenario = shipped("overcast.toml");
@@ -24,10 +24,10 @@ fn compare(result: &Path, measured: &Path, more: &[&Path]) -> Output {
     papilio(&[&[Path::new("compare"), result, measured], more].concat())
 }
 
-/// The synthetic panel is what its first lines say: gaps off by a few nm, more haze, more front reflection. Its
-/// differences from the simulation have the signs and sizes that these make.
+/// The synthetic panel has the deviations that its header states: gaps off by a few nm, more haze, more front
+/// reflection. Its differences from the simulation have the signs and sizes that follow from these.
 #[test]
-fn the_synthetic_panel_differs_as_it_was_made_to() {
+fn synthetic_panel_differs_by_its_stated_deviations() {
     let folder = tempfile::tempdir().unwrap();
     let (run, out) = (folder.path().join("run"), folder.path().join("compare"));
     run_into(&run);
@@ -51,10 +51,10 @@ fn the_synthetic_panel_differs_as_it_was_made_to() {
         serde_json::from_slice(&fs::read(out.join("comparison.json")).unwrap()).unwrap();
     assert_eq!(all["states"].as_array().unwrap().len(), 10);
     let red = all["states"].as_array().unwrap().iter().find(|one| one["state"] == "red").unwrap();
-    // A gap of 271.5 instead of 275.9 nm moves a peak near 690 nm by its share of it, 11 nm, and noise by some.
+    // A gap of 271.5 instead of 275.9 nm moves a peak near 690 nm in proportion, by 11 nm; noise adds a little.
     let peaks = ["simulated", "measured"].map(|side| red[side]["peak_nm"].as_f64().unwrap());
     assert!((5.0..17.0).contains(&(peaks[0] - peaks[1])), "{peaks:?}");
-    // .003 more of front reflection in diffuse light is .003 more of everything, black above all.
+    // 0.003 more front reflection in diffuse light adds 0.003 to all states, which matters most for black.
     let black = all["states"].as_array().unwrap().iter().find(|one| one["state"] == "black").unwrap();
     let brighter = -black["difference_Y"].as_f64().unwrap();
     assert!((0.0025..0.004).contains(&brighter), "{brighter}");
@@ -62,9 +62,9 @@ fn the_synthetic_panel_differs_as_it_was_made_to() {
     assert!(contrast[0].as_f64() > contrast[1].as_f64());
 }
 
-/// A run's own tables are measurements of it: nothing differs but by rounding.
+/// The tables of a run, read as a measurement, differ from the run by rounding only.
 #[test]
-fn a_run_is_its_own_measurement() {
+fn tables_of_a_run_compare_as_equal() {
     let folder = tempfile::tempdir().unwrap();
     run_into(folder.path());
     let json = folder.path().join("result.json");
@@ -82,7 +82,7 @@ fn a_run_is_its_own_measurement() {
 }
 
 #[test]
-fn wrong_input_is_said_and_writes_nothing() {
+fn wrong_input_is_refused_and_nothing_is_written() {
     let folder = tempfile::tempdir().unwrap();
     run_into(folder.path());
     let (run, out) = (folder.path().to_owned(), folder.path().join("out"));
@@ -112,10 +112,10 @@ fn wrong_input_is_said_and_writes_nothing() {
     assert!(!out.exists());
 }
 
-/// Per cent for shares of 1 is what users mistake most, and contrast and gamut do not show it. Figures of an
-/// earlier comparison do not stay.
+/// Percentages instead of fractions are the most frequent mistake, and neither contrast nor gamut shows it. Figures of an
+/// earlier comparison are removed.
 #[test]
-fn per_cent_is_noticed_and_old_figures_go() {
+fn percentages_are_detected_and_old_figures_removed() {
     let folder = tempfile::tempdir().unwrap();
     let (run, out) = (folder.path().join("run"), folder.path().join("compare"));
     run_into(&run);

@@ -1,4 +1,4 @@
-//! The program as its users meet it.
+//! Tests of the program as a process, one module for each command.
 
 #![allow(
     clippy::panic,
@@ -6,14 +6,17 @@
     reason = "helpers of tests, too, say what they expect by unwrapping"
 )]
 
-mod command_line;
+mod bad_input;
 mod common;
 mod compare;
+mod cone;
 mod diffuser;
 mod many_points;
 mod migrate;
 mod new;
 mod optimize;
+mod pixel;
+mod run;
 mod serve;
 mod sweep;
 mod tolerance;

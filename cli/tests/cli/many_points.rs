@@ -1,7 +1,7 @@
-//! A light sweep of many points, in two parts that are killed amid their work again and again, ends in the bytes of the
-//! one that nothing disturbed.
+//! A compact sweep of many points, in two shards that are killed repeatedly, ends in the same bytes as an uninterrupted
+//! one.
 //!
-//! `PAPILIO_SWEEP_POINTS`: how many points, a multiple of 100 (1000 without; 100 000 in `cargo xtask full`).
+//! `PAPILIO_SWEEP_POINTS`: number of points, a multiple of 100 (default 1000; 100 000 in `cargo xtask full`).
 
 use std::fs;
 use std::path::Path;
@@ -10,7 +10,7 @@ use std::time::Duration;
 
 use papilio_formats::HAS_PARQUET;
 
-/// How often a part is killed before it may end.
+/// Number of times that a shard is killed before it may end.
 const KILLS: u64 = 3;
 
 fn papilio(arguments: &[&str]) -> Command {
@@ -24,7 +24,7 @@ fn length(path: &Path) -> u64 {
 }
 
 #[test]
-fn killed_parts_make_the_whole() {
+fn killed_and_merged_shards_equal_the_whole() {
     let points: usize = std::env::var("PAPILIO_SWEEP_POINTS").map_or(1000, |points| points.parse().unwrap());
     let folder = tempfile::tempdir().unwrap();
     let at = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
@@ -50,7 +50,7 @@ fn killed_parts_make_the_whole() {
         let arguments = ["sweep", &file, "--out", &out, "--shard", &shard, "--threads", "1"];
         for kill in 1..=KILLS {
             let mut child = papilio(&arguments).spawn().unwrap();
-            // How far it is decides, not a clock. (A part's journal is about half of the whole's.)
+            // Progress decides, not a clock. (The journal of a shard is about half of the whole's.)
             while length(&journal) < kill * whole / (2 * (KILLS + 1)) {
                 assert!(child.try_wait().unwrap().is_none(), "it ended before it was killed");
                 std::thread::sleep(Duration::from_millis(1));

@@ -1,4 +1,4 @@
-//! `papilio new` as its users meet it.
+//! `papilio new`: scenarios from presets.
 
 use std::fs;
 use std::path::Path;
@@ -8,9 +8,9 @@ fn papilio(arguments: &[&Path]) -> Output {
     Command::new(env!("CARGO_BIN_EXE_papilio")).env("NO_COLOR", "1").args(arguments).output().unwrap()
 }
 
-/// Every preset runs as it is written, without a warning.
+/// Every preset runs unchanged, without a warning.
 #[test]
-fn every_preset_runs_as_it_is_written() {
+fn every_preset_runs_without_warnings() {
     let folder = tempfile::tempdir().unwrap();
     let unknown = papilio(&[Path::new("new"), Path::new("nowhere")]);
     assert_eq!(unknown.status.code(), Some(2));
@@ -31,7 +31,7 @@ fn every_preset_runs_as_it_is_written() {
 }
 
 #[test]
-fn what_is_there_is_not_overwritten() {
+fn existing_file_is_not_overwritten() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("mine.toml");
     fs::write(&file, "mine").unwrap();

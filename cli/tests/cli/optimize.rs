@@ -1,4 +1,4 @@
-//! Searches as their users meet them: found, killed and gone on with, wrong.
+//! `papilio optimize`: results, interrupted and resumed searches, wrong input.
 
 use std::fs;
 use std::path::Path;
@@ -58,9 +58,9 @@ fn search(file: &str, out: &str, more: &[&str]) -> Output {
     output
 }
 
-/// The best design is better than the scenario's, meets its limit, keeps the comments, and runs as it stands.
+/// The best design is better than the scenario's, meets its limit, keeps the comments, and runs without changes.
 #[test]
-fn a_better_design_is_found_and_written() {
+fn search_finds_and_writes_a_better_design() {
     let (_folder, file, out) = place(SCENARIO);
     let output = search(&file, &out, &["--json"]);
     let found: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
@@ -80,10 +80,10 @@ fn a_better_design_is_found_and_written() {
     assert_eq!(names, ["best.toml", "optimize.csv", "optimize.jsonl", "trace.svg"]);
 }
 
-/// However a journal is cut off, by however many threads a search is gone on with, the end is the same, byte for byte; of
-/// descents, fronts and populations.
+/// Wherever a journal is cut off, and however many threads resume the search, the results of descents, fronts and
+/// populations are the same, byte for byte.
 #[test]
-fn a_search_that_was_killed_ends_as_if_it_was_not() {
+fn resumed_search_ends_as_an_uninterrupted_one() {
     for (name, more) in [("descents", ""), ("front", SECOND_AIM), ("population", "")] {
         let text = format!("{SCENARIO}{more}");
         let text = if name == "population" {
@@ -111,10 +111,10 @@ fn a_search_that_was_killed_ends_as_if_it_was_not() {
     }
 }
 
-/// In parts, in folders of their own, then merged: the same bytes as one run; descents and a front, of which parts share the
-/// first round.
+/// Shards in separate folders, then merged, give the same bytes as one run: descents, and a front whose shards have the
+/// first round in common.
 #[test]
-fn parts_on_many_machines_end_as_one_search() {
+fn merged_shards_equal_one_search() {
     for more in ["", SECOND_AIM] {
         let (folder, file, out) = place(&format!("{SCENARIO}{more}"));
         search(&file, &out, &[]);
@@ -133,10 +133,10 @@ fn parts_on_many_machines_end_as_one_search() {
             assert!(stderr(&said).contains(", 0 of them now,"), "{}", stderr(&said));
         }
         for (name, bytes) in files(Path::new(&merged)) {
-            // best.toml names the scenario's files from where it lies; here it has none.
+            // best.toml names the scenario's files relative to its own folder; here there are none.
             assert!(bytes == whole[&name], "{name}");
         }
-        // Parts of another search are not passed over, and what is there stays.
+        // Shards of another search are refused, and existing files stay.
         let other = ["optimize", &file, "--out", &merged, "--merge", one, "--set", "optimize.seed=7"];
         let refused = papilio(&other);
         assert_eq!(refused.status.code(), Some(2));
@@ -154,11 +154,11 @@ fn parts_on_many_machines_end_as_one_search() {
     assert!(!Path::new(&out).exists());
 }
 
-/// Ctrl-C: what is done is kept, nothing else is written, and the program says how to go on.
+/// Ctrl-C: completed evaluations are saved, nothing else is written, and the program says how to resume.
 #[cfg(unix)]
-/// A scenario that was changed does not cost what was done before; and changed back, it computes nothing.
+/// A changed scenario keeps the journal of the previous one; when the change is undone, nothing is computed.
 #[test]
-fn a_changed_search_sets_the_journal_aside() {
+fn changed_search_sets_the_journal_aside() {
     let (_folder, file, out) = place(SCENARIO);
     let journal = |name: &str| fs::read(Path::new(&out).join(name)).ok();
     let said = |text: &str| {
@@ -175,13 +175,13 @@ fn a_changed_search_sets_the_journal_aside() {
     let text = said(SCENARIO);
     assert!(text.contains(" 0 of them now"), "{text}");
     assert_eq!([journal("optimize.jsonl"), journal("optimize.jsonl.before")], [first.clone(), second]);
-    // A third one: the last that was done here is kept.
+    // A third scenario: the journal of the second one is kept.
     said(&SCENARIO.replace("at_least = 4", "at_least = 3"));
     assert_eq!(journal("optimize.jsonl.before"), first);
 }
 
 #[test]
-fn an_interrupted_search_is_kept() {
+fn interrupted_search_is_saved() {
     let text = SCENARIO.replace("starts = 3\nevaluations = 200", "starts = 5000\nevaluations = 1000000");
     let (_folder, file, out) = place(&text);
     let child = Command::new(env!("CARGO_BIN_EXE_papilio"))
@@ -203,9 +203,9 @@ fn an_interrupted_search_is_kept() {
     assert_eq!(files(Path::new(&out)).into_keys().collect::<Vec<_>>(), ["optimize.jsonl"]);
 }
 
-/// No design of a front is beaten by another.
+/// No design of a Pareto front dominates another.
 #[test]
-fn a_front_is_a_front() {
+fn designs_of_a_front_do_not_dominate_each_other() {
     let (_folder, file, out) = place(&format!("{SCENARIO}{SECOND_AIM}"));
     let output = search(&file, &out, &["--json"]);
     let found: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
@@ -221,7 +221,7 @@ fn a_front_is_a_front() {
 }
 
 #[test]
-fn wrong_input_is_answered_and_writes_nothing() {
+fn wrong_input_is_refused_and_nothing_is_written() {
     for (from, to, said) in [
         ("[optimize]\nstarts = 3", "[optimise]\nstarts = 3", "did you mean `optimize`?"),
         ("bounds = [3, 25]", "bounds = [25, 3]", "the first bound, 25, is above the second, 3"),
@@ -237,9 +237,9 @@ fn wrong_input_is_answered_and_writes_nothing() {
     }
 }
 
-/// Descents evaluate no more than their share; a search that they end by says so.
+/// Descents evaluate no more than their part of the budget; a search that the budget ends says so.
 #[test]
-fn a_search_that_used_up_its_evaluations_says_so() {
+fn search_that_used_its_evaluations_says_so() {
     for (evaluations, said) in [("60", "6 of 6 gradient searches stopped"), ("60000", "")] {
         let (_folder, file, out) = place(SCENARIO);
         let output =
@@ -251,9 +251,9 @@ fn a_search_that_used_up_its_evaluations_says_so() {
     }
 }
 
-/// Where there are choices alone each is tried, and no descent is cut short.
+/// If all variables are choices, each combination is tried, and no descent is ended early.
 #[test]
-fn choices_alone_are_tried() {
+fn search_over_choices_tries_each_combination() {
     let without = |text: &str, from: &str, to: &str| {
         let at = text.find(from).unwrap();
         let end = at + text[at..].find(to).unwrap();
@@ -268,13 +268,13 @@ fn choices_alone_are_tried() {
     assert!(!stderr(&output).contains("used up"), "{}", stderr(&output));
 }
 
-/// Limits that nothing meets are told.
+/// Limits that no design meets are reported.
 #[test]
-fn limits_that_nothing_meets_are_told() {
+fn limits_that_no_design_meets_are_reported() {
     let (_folder, file, out) = place(SCENARIO);
     search(&file, &out, &[]);
     assert!(Path::new(&out).join("best.toml").is_file());
-    // A script goes on after exit code 0, with the best.toml of a search before.
+    // After exit code 0 a script would continue, with the best.toml of an earlier search.
     fs::write(&file, SCENARIO.replace("at_least = 4", "at_least = 400")).unwrap();
     let output = papilio(&["optimize", &file, "--out", &out, "--no-check", "--json"]);
     assert_eq!(output.status.code(), Some(3), "{}", stderr(&output));
@@ -284,7 +284,7 @@ fn limits_that_nothing_meets_are_told() {
     let names: Vec<String> =
         files(Path::new(&out)).into_keys().filter(|name| name.ends_with(".toml")).collect();
     assert_eq!(names, ["closest.toml"]);
-    // And back.
+    // The change is undone.
     fs::write(&file, SCENARIO).unwrap();
     search(&file, &out, &[]);
     let names: Vec<String> =
@@ -292,9 +292,9 @@ fn limits_that_nothing_meets_are_told() {
     assert_eq!(names, ["best.toml"]);
 }
 
-/// A digit that was changed in a line, and a generation of a population that is missing, are found and not gone on from.
+/// A changed digit in a line and a missing generation of a population are detected; the search is not resumed.
 #[test]
-fn a_damaged_journal_is_refused() {
+fn damaged_journal_is_refused() {
     let (_folder, file, out) = place(&SCENARIO.replace("[optimize]", "[optimize]\nmethod = \"both\""));
     search(&file, &out, &[]);
     let journal = Path::new(&out).join("optimize.jsonl");

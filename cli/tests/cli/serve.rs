@@ -1,4 +1,4 @@
-//! `papilio serve` as a process: where it is, what it opens, and what a kill takes away (nothing that was saved).
+//! `papilio serve` as a process: its address, the scenario that it opens, and what a kill loses (nothing that was saved).
 
 use std::io::{BufRead, BufReader, Read, Write};
 use std::net::TcpStream;
@@ -17,7 +17,7 @@ struct Server {
 
 impl Drop for Server {
     fn drop(&mut self) {
-        // As kill -9 does.
+        // Equivalent to kill -9.
         let _ = self.child.kill();
         let _ = self.child.wait();
     }
@@ -43,7 +43,7 @@ impl Server {
         Self { child, port, url }
     }
 
-    /// Status and JSON.
+    /// Returns status and JSON of a request.
     fn ask(&self, method: &str, path: &str, kind: &str, body: &[u8]) -> (u16, Value) {
         let mut stream = TcpStream::connect(("127.0.0.1", self.port)).unwrap();
         stream.set_read_timeout(Some(Duration::from_secs(60))).unwrap();
@@ -73,9 +73,9 @@ impl Server {
     }
 }
 
-/// A scenario's files are opened with it.
+/// The files of a scenario are opened with it.
 #[test]
-fn the_page_opens_the_scenario_that_is_named() {
+fn page_opens_the_named_scenario() {
     let server = Server::start(&["measured-diffused.toml", "--port", "0"]);
     let (_, start) = server.ask("GET", "/start", "", b"");
     assert_eq!(start["name"], "measured-diffused.toml");
@@ -84,10 +84,10 @@ fn the_page_opens_the_scenario_that_is_named() {
     assert_eq!(server.post("/live", &asked).0, 200);
 }
 
-/// Everything that matters is in the browser: after kill -9 and a new start, the same request has the same answer, once
-/// the page has sent its files again.
+/// The design is stored in the browser: after kill -9 and a restart, the same request has the same answer once the page
+/// has sent its files again.
 #[test]
-fn a_kill_loses_nothing_that_was_saved() {
+fn kill_loses_nothing_that_was_saved() {
     let server = Server::start(&["--port", "0"]);
     let bytes = std::fs::read(scenarios().join("data").join("H65.bsdf")).unwrap();
     let id = server.upload("mine.bsdf", &bytes);
@@ -107,14 +107,14 @@ fn a_kill_loses_nothing_that_was_saved() {
 }
 
 #[test]
-fn elsewhere_there_is_a_token_and_a_warning() {
+fn server_for_other_machines_has_a_token_and_a_warning() {
     let server = Server::start(&["--listen", "0.0.0.0", "--port", "0"]);
     assert!(server.url.contains("/#token="), "{}", server.url);
     assert_eq!(server.ask("GET", "/health", "", b"").0, 401);
     let own = Server::start(&["--port", "0"]);
     assert!(own.url.starts_with("http://127.0.0.1:") && !own.url.contains('#'));
     assert_eq!(own.ask("GET", "/health", "", b"").0, 200);
-    // Its port is taken.
+    // The port is in use.
     let second = papilio(&["--port", &own.port.to_string()]).output().unwrap();
     let said = String::from_utf8_lossy(&second.stderr);
     assert_eq!(second.status.code(), Some(2));

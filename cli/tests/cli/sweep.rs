@@ -1,4 +1,4 @@
-//! Sweeps as their users meet them: killed and gone on with, in parts, changed, wrong.
+//! `papilio sweep`: results, interrupted and resumed sweeps, shards, changed sweeps, wrong input.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -10,7 +10,7 @@ use papilio_formats::HAS_PARQUET;
 
 use crate::common::{files, papilio, place, same, stderr, stdout};
 
-/// A bare film pixel: quick, and not so quick that a sweep of it cannot be killed.
+/// A bare film pixel: fast, but slow enough that a sweep of it can be killed.
 const SCENARIO: &str = r#"
 title = "Bare"
 [display.pixel]
@@ -38,12 +38,12 @@ viewer.theta_deg = [0, 10, 20]
 lighting.directed = [[], [], []]
 "#;
 
-/// What a sweep that nothing disturbs leaves.
+/// Files of an uninterrupted sweep.
 fn undisturbed() -> BTreeMap<String, Vec<u8>> {
-    undisturbed_with(&[])
+    uninterrupted_with(&[])
 }
 
-fn undisturbed_with(more: &[&str]) -> BTreeMap<String, Vec<u8>> {
+fn uninterrupted_with(more: &[&str]) -> BTreeMap<String, Vec<u8>> {
     let (_folder, file, out) = place(SCENARIO);
     let output = papilio(&[&["sweep", &file, "--out", &out], more].concat());
     assert!(output.status.success(), "{}", stderr(&output));
@@ -51,7 +51,7 @@ fn undisturbed_with(more: &[&str]) -> BTreeMap<String, Vec<u8>> {
 }
 
 #[test]
-fn a_sweep_writes_its_table_and_figures() {
+fn sweep_writes_its_table_and_figures() {
     let files = undisturbed();
     let names: Vec<&str> = files.keys().map(String::as_str).collect();
     let expected = [
@@ -67,14 +67,14 @@ fn a_sweep_writes_its_table_and_figures() {
     let mut lines = table.lines();
     let keys = "point,display.pixel.film.1.thickness_nm,viewer.theta_deg,lighting.directed,theta_deg";
     assert!(lines.next().unwrap().starts_with(keys), "{table}");
-    // 15 points, each with eight states.
+    // 15 points with eight states each.
     let states = lines.clone().filter(|line| line.starts_with("14,14,20,[],20,0,")).count();
     assert_eq!((states, lines.count()), (8, 15 * 8));
 }
 
-/// A point has the numbers that `papilio run` gives for it, to the last digit.
+/// The numbers of a point equal those of `papilio run`, to the last digit.
 #[test]
-fn a_point_is_a_run() {
+fn point_of_a_sweep_equals_a_run() {
     let (folder, file, out) = place(SCENARIO);
     assert!(papilio(&["sweep", &file, "--out", &out]).status.success());
     let table = fs::read_to_string(Path::new(&out).join("sweep.csv")).unwrap();
@@ -87,9 +87,9 @@ fn a_point_is_a_run() {
     assert_eq!(swept, states.lines().skip(1).collect::<Vec<_>>());
 }
 
-/// What is printed as JSON is what the table holds; figures may be asked for on the command line.
+/// The printed JSON equals the table; figures can be requested on the command line.
 #[test]
-fn json_is_the_table() {
+fn printed_json_equals_the_table() {
     let (_folder, file, out) = place(SCENARIO);
     let figures = r#"sweep.figures=["black.Y"]"#;
     let output = papilio(&["sweep", &file, "--out", &out, "--json", "--set", figures]);
@@ -104,15 +104,15 @@ fn json_is_the_table() {
     let rows = points.iter().flat_map(|point| point["rows"].as_array().unwrap());
     let printed: Vec<f64> = rows.map(|row| row["Y"].as_f64().unwrap()).collect();
     assert_eq!(printed.len(), expected.len());
-    // The test's own reader of JSON may miss the last digit.
+    // The JSON reader of the test may change the last digit.
     assert!(printed.iter().zip(&expected).all(|(one, other)| (one - other).abs() < 1e-15));
     assert_eq!(points[4]["swept"]["viewer.theta_deg"], 10);
     assert!(Path::new(&out).join("sweep_black.Y.svg").exists());
 }
 
-/// Every view is printed, and is an axis of the figures.
+/// Every view is printed, and views are an axis of the figures.
 #[test]
-fn views_are_an_axis() {
+fn views_are_an_axis_of_the_figures() {
     let swept = "viewer.theta_deg = [0, 10, 20]\nlighting.directed = [[], [], []]\n";
     let text = SCENARIO.replace(&format!("[[sweep.axes]]\n{swept}"), "[viewer]\ntheta_deg = [8, 20]\n");
     for light in
@@ -131,7 +131,7 @@ fn views_are_an_axis() {
 }
 
 #[test]
-fn what_cannot_be_merged_or_swept_is_said() {
+fn impossible_merges_and_sweeps_are_refused() {
     let (folder, file, _) = place(&SCENARIO[..SCENARIO.find("[sweep]").unwrap()]);
     let none = folder.path().join("none");
     let merged = papilio(&["sweep", "merge", none.to_str().unwrap()]);
@@ -144,22 +144,22 @@ fn what_cannot_be_merged_or_swept_is_said() {
     }
 }
 
-/// Killed at many moments and gone on with, it ends in the same bytes; and no point is computed twice.
+/// A sweep that is killed at many moments and resumed ends in the same bytes, and no point is computed twice.
 #[test]
-fn a_killed_sweep_goes_on() {
-    // Slow points: a busy machine looks rarely, and must find the sweep amid its work.
+fn killed_sweep_is_resumed() {
+    // Slow points: a busy machine polls rarely, and must still find an unfinished sweep.
     let slow = ["--set", "solver.method=monte-carlo", "--set", "solver.relative_error=0.0005"];
-    let expected = undisturbed_with(&slow);
+    let expected = uninterrupted_with(&slow);
     let mut dice = papilio_testing::Dice::new(1, 0);
     let mut patience = std::iter::repeat_with(|| dice.below(8) as u64);
     let mut amid = 0;
-    // Where the machine looked too rarely, again from the beginning.
+    // If the machine polled too rarely, the test starts again.
     for _ in 0..20 {
         let (_folder, file, out) = place(SCENARIO);
         let arguments = [&["sweep", &file, "--out", &out], &slow[..]].concat();
         amid += kills_until_done(&arguments, &Path::new(&out).join("sweep.jsonl"), &mut patience);
         same(&files(Path::new(&out)), &expected);
-        // With all of it there, nothing is computed.
+        // When all points are there, nothing is computed.
         let output = papilio(&arguments);
         assert!(stderr(&output).contains("15 points, 0 computed"), "{}", stderr(&output));
         same(&files(Path::new(&out)), &expected);
@@ -170,8 +170,8 @@ fn a_killed_sweep_goes_on() {
     panic!("it was killed amid its work {amid} times only");
 }
 
-/// Starts a sweep again and again, and kills it some milliseconds after it has got on, until it is done; how often
-/// it was killed with some points done and not all.
+/// Starts a sweep repeatedly and kills it some milliseconds after its first progress, until it is complete. Returns how
+/// often it was killed with some, but not all, points done.
 fn kills_until_done(arguments: &[&str], journal: &Path, patience: &mut impl Iterator<Item = u64>) -> usize {
     let lines = || {
         let bytes = fs::read(journal).unwrap_or_default();
@@ -186,7 +186,7 @@ fn kills_until_done(arguments: &[&str], journal: &Path, patience: &mut impl Iter
             .stderr(Stdio::piped())
             .spawn()
             .unwrap();
-        // Not a clock: how far the sweep is decides, and a little chance.
+        // The progress of the sweep decides, and some chance, not a clock.
         while lines() <= before && child.try_wait().unwrap().is_none() {
             std::thread::sleep(Duration::from_millis(1));
         }
@@ -205,9 +205,9 @@ fn kills_until_done(arguments: &[&str], journal: &Path, patience: &mut impl Iter
     panic!("it was killed a hundred times and is not done");
 }
 
-/// A line that was cut off in its middle is computed again.
+/// The point of an incomplete line is computed again.
 #[test]
-fn a_torn_line_is_no_loss() {
+fn point_of_an_incomplete_line_is_computed_again() {
     let expected = undisturbed();
     let (_folder, file, out) = place(SCENARIO);
     fs::create_dir(&out).unwrap();
@@ -218,9 +218,9 @@ fn a_torn_line_is_no_loss() {
     same(&files(Path::new(&out)), &expected);
 }
 
-/// A digit that was changed in a line that stays JSON is found, in whole sweeps and in light ones; nothing is written then.
+/// A changed digit in a line that is still JSON is detected, in full and in compact sweeps; nothing is written then.
 #[test]
-fn a_damaged_line_is_found() {
+fn damaged_line_is_detected() {
     let light = SCENARIO.replace("[sweep]\n", "[sweep]\nmetrics = [\"contrast_ratio\", \"white.L_star\"]\n");
     for (text, name, before) in
         [(SCENARIO, "sweep.jsonl", "\"rows\":[[\""), (light.as_str(), "sweep-light.jsonl", "\"values\":[")]
@@ -246,9 +246,9 @@ fn a_damaged_line_is_found() {
     }
 }
 
-/// Parts on many machines, joined, are the whole.
+/// Merged shards of many machines equal the whole sweep.
 #[test]
-fn parts_make_the_whole() {
+fn merged_shards_equal_the_whole() {
     let expected = undisturbed();
     let (folder, file, _) = place(SCENARIO);
     let parts: Vec<String> = (1..=3)
@@ -270,14 +270,14 @@ fn parts_make_the_whole() {
     let mut expected = expected;
     expected.remove("sweep.jsonl");
     same(&files(&whole), &expected);
-    // A part counts as done for the whole sweep in its folder.
+    // The points of a shard count as done for the whole sweep in the same folder.
     let output = papilio(&["sweep", &file, "--out", &parts[0]]);
     assert!(stderr(&output).contains("15 points, 10 computed"), "{}", stderr(&output));
 }
 
-/// What was computed for a sweep serves it when it is changed.
+/// Points of a sweep are reused when the sweep is changed.
 #[test]
-fn a_longer_sweep_computes_what_is_new() {
+fn extended_sweep_computes_only_new_points() {
     let (_folder, file, out) = place(SCENARIO);
     assert!(papilio(&["sweep", &file, "--out", &out]).status.success());
     fs::write(&file, SCENARIO.replace("from = 6, to = 14, count = 5", "from = 4, to = 14, count = 6"))
@@ -287,7 +287,7 @@ fn a_longer_sweep_computes_what_is_new() {
 }
 
 #[test]
-fn wrong_sweeps_say_where_and_compute_nothing() {
+fn wrong_sweeps_are_refused_with_their_place_before_anything_is_computed() {
     for (from, to, spot, words) in [
         (
             "\"display.pixel.film.1.thickness_nm\"",
@@ -318,9 +318,9 @@ fn wrong_sweeps_say_where_and_compute_nothing() {
     assert_eq!(output.status.code(), Some(2));
 }
 
-/// A scenario with a sweep is a scenario: `run` computes it as it stands, and it is the same one.
+/// `run` ignores `[sweep]`: the result and the hash are those of the scenario without it.
 #[test]
-fn a_run_does_not_sweep() {
+fn run_ignores_the_sweep() {
     let hash = |text: &str| {
         let (_folder, file, _) = place(text);
         let output = papilio(&["run", &file, "--json"]);
@@ -331,17 +331,17 @@ fn a_run_does_not_sweep() {
     assert_eq!(hash(SCENARIO), hash(SCENARIO.split("[sweep]").next().unwrap()));
 }
 
-/// The option, where the program has it.
+/// The option `--parquet`, if the program was built with it.
 fn parquet() -> &'static [&'static str] {
     if HAS_PARQUET { &["--parquet"] } else { &[] }
 }
 
 #[test]
-fn the_table_may_be_parquet() {
+fn parquet_option_writes_the_table_or_is_refused() {
     let (_folder, file, out) = place(SCENARIO);
     let output = papilio(&["sweep", &file, "--out", &out, "--parquet"]);
     if !HAS_PARQUET {
-        // What the program was built without is said before anything is computed.
+        // A missing feature is reported before anything is computed.
         assert_eq!(output.status.code(), Some(2));
         assert!(stderr(&output).contains("feature `parquet`") && !Path::new(&out).exists());
         return;
@@ -351,9 +351,9 @@ fn the_table_may_be_parquet() {
     assert!(bytes.starts_with(b"PAR1") && bytes.ends_with(b"PAR1"));
 }
 
-/// A sweep of a few metrics has the numbers of one that keeps everything, to the last digit, in parts and killed, too.
+/// A compact sweep of a few metrics has the numbers of a full one, to the last digit, also in shards and after kills.
 #[test]
-fn a_light_sweep_has_the_numbers_of_a_whole_one() {
+fn compact_sweep_has_the_numbers_of_a_full_one() {
     let text = SCENARIO.replace("[sweep]\n", "[sweep]\nmetrics = [\"contrast_ratio\", \"white.L_star\"]\n");
     let (folder, file, out) = place(&text);
     let output = papilio(&[&["sweep", &file, "--out", &out, "--json"], parquet()].concat());
@@ -375,7 +375,7 @@ fn a_light_sweep_has_the_numbers_of_a_whole_one() {
     assert!(light.contains_key("sweep_white.L_star_map.svg"));
     let printed: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
     assert_eq!(printed["points"][14]["values"].as_array().unwrap().len(), 2);
-    // Without figures asked for, all that is kept is drawn and listed.
+    // Without requested figures, all stored metrics are drawn and listed.
     let bare = text.replace("figures = [\"contrast_ratio\", \"white.L_star\"]\n", "");
     let (_folder, file, out) = place(&bare);
     let output = papilio(&["sweep", &file, "--out", &out]);
@@ -389,7 +389,7 @@ fn a_light_sweep_has_the_numbers_of_a_whole_one() {
             let shard = format!("{k}/2");
             let arguments = ["sweep", &file, "--out", &part, "--shard", &shard];
             assert!(papilio(&arguments).status.success());
-            // As a kill leaves it: one line is whole, the next is not.
+            // As after a kill: one line is complete, the next is not.
             let journal = Path::new(&part).join(format!("sweep-light.{k}-of-2.jsonl"));
             let text = fs::read_to_string(&journal).unwrap();
             let two: usize = text.lines().take(2).map(|line| line.len() + 1).sum();

@@ -1,4 +1,4 @@
-//! Tolerances as their users meet them: whole, killed and gone on with, in parts, more of them, wrong.
+//! `papilio tolerance`: results, interrupted and resumed analyses, shards, more samples, wrong input.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -10,7 +10,7 @@ use serde_json::Value;
 
 use crate::common::{files, papilio, place, same, stderr, stdout};
 
-/// A bare film pixel: quick, and not so quick that its analysis cannot be killed.
+/// A bare film pixel: fast, but slow enough that its analysis can be killed.
 const SCENARIO: &str = r#"
 title = "Bare"
 [display.pixel]
@@ -63,9 +63,9 @@ fn undisturbed() -> BTreeMap<String, Vec<u8>> {
     files(Path::new(&out))
 }
 
-/// The report agrees with the table of all displays, and a display of it with `papilio run`, to the last digit.
+/// The report agrees with the table of all displays, and a display of the table with `papilio run`, to the last digit.
 #[test]
-fn the_report_is_that_of_its_displays() {
+fn report_agrees_with_its_displays() {
     let (folder, file, out) = place(SCENARIO);
     let output = papilio(&["tolerance", &file, "--out", &out, "--json"]);
     assert!(output.status.success(), "{}", stderr(&output));
@@ -80,7 +80,7 @@ fn the_report_is_that_of_its_displays() {
     let good = rows.iter().filter(|row| row[at("good")] == "1").count();
     assert_eq!(report["verdict"]["yield_share"]["value"], serde_json::json!(good as f64 / 96.0));
     assert!((1..96).contains(&good), "limits that decide nothing show nothing: {good}");
-    // The worst display has the least contrast of all, or a white beyond its limits.
+    // The worst display has the smallest contrast of all, or a white outside its limits.
     let least = report["metrics"][0]["spread"]["range"][0].as_f64().unwrap();
     let contrasts = rows.iter().map(|row| row[at("contrast_ratio")].parse::<f64>().unwrap());
     assert_eq!(contrasts.fold(f64::INFINITY, f64::min), least);
@@ -100,12 +100,12 @@ fn the_report_is_that_of_its_displays() {
     assert!(output.status.success(), "{}", stderr(&output));
     let run: Value = serde_json::from_slice(&output.stdout).unwrap();
     let (run, row) = (run["views"][0]["contrast_ratio"].as_f64().unwrap(), row[at("contrast_ratio")]);
-    // The gap of green goes through a difference here.
+    // The gap of green is the result of a subtraction here.
     assert!((run - row.parse::<f64>().unwrap()).abs() < 1e-9 * run, "{run} {row}");
 }
 
 #[test]
-fn the_terminal_says_yield_and_reasons() {
+fn terminal_shows_yield_and_reasons() {
     let (_folder, file, out) = place(SCENARIO);
     let output = papilio(&["tolerance", &file, "--out", &out]);
     let text = stdout(&output);
@@ -122,9 +122,9 @@ fn the_terminal_says_yield_and_reasons() {
     assert_eq!(stdout(&again), text);
 }
 
-/// Killed and gone on with, on one thread or on three: the same bytes.
+/// An analysis that is killed and resumed, on one thread or on three, ends in the same bytes.
 #[test]
-fn a_kill_makes_no_difference() {
+fn resumed_analysis_equals_an_uninterrupted_one() {
     let expected = undisturbed();
     let (_folder, file, out) = place(SCENARIO);
     let journal = Path::new(&out).join("tolerance.jsonl");
@@ -142,7 +142,7 @@ fn a_kill_makes_no_difference() {
     child.wait().unwrap();
     let done = lines();
     assert!((10..97).contains(&done), "killed too early or too late: {done}");
-    // The kill met it in the middle of a line.
+    // As after a kill in the middle of a line.
     let mut text = fs::read(&journal).unwrap();
     text.extend(b"{\"row\":");
     fs::write(&journal, text).unwrap();
@@ -152,9 +152,9 @@ fn a_kill_makes_no_difference() {
     same(&files(Path::new(&out)), &expected);
 }
 
-/// Parts in folders of their own, put together by the same command.
+/// Shards in separate folders are merged by the same command.
 #[test]
-fn parts_make_the_whole() {
+fn merged_shards_equal_the_whole() {
     let expected = undisturbed();
     let (folder, file, out) = place(SCENARIO);
     let parts: Vec<String> =
@@ -168,16 +168,16 @@ fn parts_make_the_whole() {
     let output = papilio(&[&["tolerance", &file, "--out", &out][..], &merge].concat());
     assert!(stderr(&output).contains(" 0 computed"), "{}", stderr(&output));
     same(&files(Path::new(&out)), &expected);
-    // Parts of something else are not passed over.
+    // Shards of another analysis are refused.
     let output =
         papilio(&[&["tolerance", &file, "--out", &out, "--set", "tolerance.seed=5"][..], &merge].concat());
     assert_eq!(output.status.code(), Some(2));
     assert!(stderr(&output).contains("this journal belongs to a different scenario"), "{}", stderr(&output));
 }
 
-/// More samples begin with those that are known; other limits need none anew; another seed all.
+/// More samples extend the known ones; other limits need no new ones; another seed needs all.
 #[test]
-fn what_is_known_is_not_computed_again() {
+fn known_samples_are_not_computed_again() {
     let (_folder, file, out) = place(SCENARIO);
     let computed = |set: &[&str]| {
         let set: Vec<&str> = set.iter().flat_map(|set| ["--set", set]).collect();
@@ -194,10 +194,10 @@ fn what_is_known_is_not_computed_again() {
     assert_eq!(computed(&["tolerance.seed=1", "tolerance.samples=64"]), 64);
 }
 
-/// A change of the text, and what the answer must say.
-/// Another distribution does not cost what was done before; and taken back, it computes nothing.
+/// A change of the text, and words of the message that it causes.
+/// Another distribution keeps the journal of the previous one; when the change is undone, nothing is computed.
 #[test]
-fn another_distribution_sets_the_journal_aside() {
+fn changed_distribution_sets_the_journal_aside() {
     let (_folder, file, out) = place(SCENARIO);
     let said = |text: &str| {
         fs::write(&file, text).unwrap();
@@ -218,7 +218,7 @@ fn another_distribution_sets_the_journal_aside() {
 }
 
 #[test]
-fn mistakes_are_answered_with_their_place() {
+fn mistakes_are_reported_with_their_place() {
     let cases: &[(&str, &str, &[&str])] = &[
         ("normal = { sigma = 0.3 }", "normal = { sigma = -1 }", &["s.toml:25:20", "-1 is out of range"]),
         (
@@ -291,9 +291,9 @@ fn mistakes_are_answered_with_their_place() {
     assert!(stderr(&output).contains("the scenario has no `[tolerance]`"), "{}", stderr(&output));
 }
 
-/// docs/tolerance.md says what the shipped example comes to.
+/// docs/tolerance.md states the results of the shipped example.
 #[test]
-fn the_docs_say_what_is_found() {
+fn numbers_in_docs_equal_those_of_the_example() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
     let (_folder, _, out) = place("");
     let file = root.join("scenarios/tolerance.toml");
@@ -308,9 +308,9 @@ fn the_docs_say_what_is_found() {
     assert!(docs.contains(&said), "{said}");
 }
 
-/// A digit that was changed in a line that stays JSON is found; the line taken out, what was in it is computed again.
+/// A changed digit in a line that is still JSON is detected; when the line is removed, its sample is computed again.
 #[test]
-fn a_damaged_journal_is_refused() {
+fn damaged_journal_is_refused() {
     let (_folder, file, out) = place(SCENARIO);
     let arguments = ["tolerance", &file, "--out", &out];
     assert!(papilio(&arguments).status.success());
@@ -332,7 +332,7 @@ fn a_damaged_journal_is_refused() {
     let output = papilio(&arguments);
     assert!(stderr(&output).contains(" 1 computed in "), "{}", stderr(&output));
     same(&files(Path::new(&out)), &done);
-    // A journal of a version without checksums goes on, and has them at the end.
+    // A journal of a version without checksums is continued, and gets them at its end.
     let old: String =
         whole.lines().map(|line| format!("{}}}\n", &line[..line.rfind(",\"crc\"").unwrap()])).collect();
     fs::write(&journal, old).unwrap();
@@ -341,9 +341,9 @@ fn a_damaged_journal_is_refused() {
     same(&files(Path::new(&out)), &done);
 }
 
-/// No index by itself is shown above its total, each has its error, and both come from the displays that stand in the table.
+/// No first-order index exceeds its total index, each has its error, and both are computed from the displays of the table.
 #[test]
-fn sensitivities_do_not_contradict_themselves() {
+fn first_order_indices_do_not_exceed_total_indices() {
     let (_folder, file, out) = place(SCENARIO);
     let output = papilio(&["tolerance", &file, "--out", &out]);
     assert!(output.status.success(), "{}", stderr(&output));

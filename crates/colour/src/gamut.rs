@@ -1,10 +1,12 @@
-//! Colour gamut as an area of the u'v' diagram.
+//! Colour gamut as an area of a chromaticity diagram: CIE 1976 u'v', or CIE 1931 xy.
 //!
 //! **What.** *Area*: the area of the triangle of three primaries over that of a reference, in
-//! percent (Feng 2012, eq. 5-9). *Coverage*: the fraction of the reference triangle that the
-//! triangle of the primaries covers, in percent (IDMS 1.1, section 5.18; there in x, y or u', v').
+//! percent (Feng 2012, eq. 5-9, in u'v'; data sheets state "NTSC" in xy). *Coverage*: the fraction of
+//! the reference triangle that the triangle of the primaries covers, in percent (IDMS 1.1, section
+//! 5.18; there in x, y or u', v'). The type of the primaries selects the diagram ([`Chromaticity`]).
 //! **Limits.** Neither quantity describes lightness. The triangle may be displaced from the
-//! reference: an area of 100 % does not imply a coverage of 100 %.
+//! reference: an area of 100 % does not imply a coverage of 100 %. The two diagrams weight colours differently,
+//! green more in xy and blue more in u'v': percentages of the two are not comparable.
 
 use crate::{UvPrime, Xy};
 
@@ -48,28 +50,74 @@ impl GamutReference {
     }
 }
 
-/// Area of a triangle in u'v'; its orientation does not matter.
-pub fn triangle_area([a, b, c]: [UvPrime; 3]) -> f64 {
+/// Chromaticity of a diagram: [`UvPrime`] (CIE 1976 u'v') or [`Xy`] (CIE 1931 xy).
+pub trait Chromaticity: Copy {
+    /// Horizontal and vertical coordinate in the diagram.
+    fn coordinates(self) -> [f64; 2];
+
+    /// Red, green and blue of a reference in this diagram.
+    fn primaries_of(reference: GamutReference) -> [Self; 3];
+}
+
+impl Chromaticity for UvPrime {
+    fn coordinates(self) -> [f64; 2] {
+        [self.u, self.v]
+    }
+
+    fn primaries_of(reference: GamutReference) -> [Self; 3] {
+        reference.primaries_uv()
+    }
+}
+
+impl Chromaticity for Xy {
+    fn coordinates(self) -> [f64; 2] {
+        [self.x, self.y]
+    }
+
+    fn primaries_of(reference: GamutReference) -> [Self; 3] {
+        reference.primaries()
+    }
+}
+
+/// A point of a diagram.
+type Point = [f64; 2];
+
+/// Area of a triangle in its diagram; its orientation does not matter.
+pub fn triangle_area<C: Chromaticity>(corners: [C; 3]) -> f64 {
+    area(corners.map(C::coordinates))
+}
+
+fn area([a, b, c]: [Point; 3]) -> f64 {
     0.5 * turn(a, b, c).abs()
 }
 
 /// Twice the signed area of a triangle, positive if its corners are anticlockwise.
-fn turn(a: UvPrime, b: UvPrime, c: UvPrime) -> f64 {
-    (b.u - a.u) * (c.v - a.v) - (c.u - a.u) * (b.v - a.v)
+fn turn(a: Point, b: Point, c: Point) -> f64 {
+    (b[0] - a[0]) * (c[1] - a[1]) - (c[0] - a[0]) * (b[1] - a[1])
 }
 
-/// Gamut area: area of the triangle of the primaries in u'v', % of the reference's area.
-pub fn gamut_percent(primaries: [UvPrime; 3], reference: GamutReference) -> f64 {
-    100.0 * triangle_area(primaries) / reference.area()
+/// Gamut area: area of the triangle of the primaries in their diagram, % of the reference's area there.
+///
+/// ```
+/// use papilio_colour::{GamutReference, gamut_percent};
+/// // sRGB has 70.8 % of the area of NTSC in xy, as data sheets state it, and 87.2 % in u'v'.
+/// let srgb = GamutReference::Srgb;
+/// assert!((gamut_percent(srgb.primaries(), GamutReference::Ntsc) - 70.8).abs() < 0.05);
+/// assert!((gamut_percent(srgb.primaries_uv(), GamutReference::Ntsc) - 87.2).abs() < 0.05);
+/// ```
+pub fn gamut_percent<C: Chromaticity>(primaries: [C; 3], reference: GamutReference) -> f64 {
+    100.0 * triangle_area(primaries) / triangle_area(C::primaries_of(reference))
 }
 
-/// Gamut coverage: fraction of the reference triangle that the triangle of the primaries covers, %.
-pub fn coverage_percent(primaries: [UvPrime; 3], reference: GamutReference) -> f64 {
-    100.0 * common_area(primaries, reference.primaries_uv()) / reference.area()
+/// Gamut coverage: fraction of the reference triangle that the triangle of the primaries covers in their diagram, %.
+pub fn coverage_percent<C: Chromaticity>(primaries: [C; 3], reference: GamutReference) -> f64 {
+    let of_reference = C::primaries_of(reference);
+    let common = common_area(primaries.map(C::coordinates), of_reference.map(C::coordinates));
+    100.0 * common / triangle_area(of_reference)
 }
 
 /// Area of the intersection of two triangles of any orientation.
-fn common_area(one: [UvPrime; 3], other: [UvPrime; 3]) -> f64 {
+fn common_area(one: [Point; 3], other: [Point; 3]) -> f64 {
     let [a, b, c] = other;
     let other = if turn(a, b, c) < 0.0 { [a, c, b] } else { other };
     // A triangle clipped by three lines has at most six corners.
@@ -84,9 +132,9 @@ fn common_area(one: [UvPrime; 3], other: [UvPrime; 3]) -> f64 {
 }
 
 /// Clips a polygon to the left of the line `from` - `to` (Sutherland, Hodgman 1974); returns its corners and their number.
-fn cut(shape: &[UvPrime], from: UvPrime, to: UvPrime) -> ([UvPrime; 6], usize) {
+fn cut(shape: &[Point], from: Point, to: Point) -> ([Point; 6], usize) {
     let (mut kept, mut count) = ([from; 6], 0);
-    let mut keep = |corner: UvPrime| {
+    let mut keep = |corner: Point| {
         if let Some(slot) = kept.get_mut(count) {
             *slot = corner;
             count += 1;
@@ -97,7 +145,7 @@ fn cut(shape: &[UvPrime], from: UvPrime, to: UvPrime) -> ([UvPrime; 6], usize) {
         let (before, after) = (turn(from, to, start), turn(from, to, end));
         if before * after < 0.0 {
             let t = before / (before - after);
-            keep(UvPrime { u: start.u + t * (end.u - start.u), v: start.v + t * (end.v - start.v) });
+            keep([start[0] + t * (end[0] - start[0]), start[1] + t * (end[1] - start[1])]);
         }
         if after >= 0.0 {
             keep(end);
@@ -127,6 +175,22 @@ mod tests {
         }
     }
 
+    /// Areas in xy by hand; data sheets take 0.1582 for NTSC, and state sRGB as "72 % NTSC" (from its 0.1121).
+    #[test]
+    fn areas_in_xy_equal_those_of_the_standards() {
+        for (reference, area, percent_ntsc) in [
+            (GamutReference::Srgb, 0.11205, 70.83),
+            (GamutReference::Ebu, 0.114_9, 72.63),
+            (GamutReference::Ntsc, 0.158_2, 100.0),
+            (GamutReference::DciP3, 0.152_0, 96.08),
+        ] {
+            let primaries = reference.primaries();
+            assert!((triangle_area(primaries) - area).abs() < 5.1e-5, "{reference:?}");
+            assert!((gamut_percent(primaries, GamutReference::Ntsc) - percent_ntsc).abs() < 5.1e-3);
+            assert!((coverage_percent(primaries, reference) - 100.0).abs() < 1e-12);
+        }
+    }
+
     #[test]
     fn area_is_independent_of_the_order_and_zero_for_a_line() {
         let [r, g, b] = GamutReference::Srgb.primaries_uv();
@@ -136,8 +200,8 @@ mod tests {
         assert!((coverage_percent([g, r, b], GamutReference::Srgb) - 100.0).abs() < 1e-12);
     }
 
-    fn at(u: f64, v: f64) -> UvPrime {
-        UvPrime { u, v }
+    fn at(u: f64, v: f64) -> Point {
+        [u, v]
     }
 
     /// A right triangle and a copy rotated by 180 degrees and moved: the intersection is empty, a square, a hexagon.
@@ -148,8 +212,8 @@ mod tests {
         assert!(common_area(one, turned(1.0)).abs() < 1e-15);
         assert!((common_area(one, turned(0.5)) - 0.25).abs() < 1e-15);
         assert!((common_area(one, turned(2.0 / 3.0)) - 1.0 / 3.0).abs() < 1e-15);
-        assert!((common_area(one, one.map(|p| at(p.u + 0.5, p.v))) - 0.125).abs() < 1e-15);
-        assert_eq!(common_area(one, one.map(|p| at(p.u + 2.0, p.v))), 0.0);
+        assert!((common_area(one, one.map(|p| at(p[0] + 0.5, p[1]))) - 0.125).abs() < 1e-15);
+        assert_eq!(common_area(one, one.map(|p| at(p[0] + 2.0, p[1]))), 0.0);
     }
 
     /// The area of an intersection is symmetric, at most that of either triangle, and equal to that of a contained one.
@@ -162,12 +226,12 @@ mod tests {
             |&(one, other, s)| {
                 let shared = common_area(one, other);
                 assert!((shared - common_area(other, one)).abs() < 1e-12);
-                assert!(shared <= triangle_area(one).min(triangle_area(other)) + 1e-12);
+                assert!(shared <= area(one).min(area(other)) + 1e-12);
                 let [a, b, c] = one;
-                let middle = at((a.u + b.u + c.u) / 3.0, (a.v + b.v + c.v) / 3.0);
+                let middle = at((a[0] + b[0] + c[0]) / 3.0, (a[1] + b[1] + c[1]) / 3.0);
                 let within =
-                    one.map(|p| at(middle.u + s * (p.u - middle.u), middle.v + s * (p.v - middle.v)));
-                assert!((common_area(within, one) - s * s * triangle_area(one)).abs() < 1e-12);
+                    one.map(|p| at(middle[0] + s * (p[0] - middle[0]), middle[1] + s * (p[1] - middle[1])));
+                assert!((common_area(within, one) - s * s * area(one)).abs() < 1e-12);
             },
         );
     }

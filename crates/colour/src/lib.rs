@@ -6,8 +6,8 @@
 //!   converts spectra to [`Xyz`] and to luminance in cd/m2, and scales light to an illuminance in lx.
 //!   [`spectral_locus`] draws chromaticity diagrams.
 //! - [`Xyz`]: tristimulus values, from which [`Xy`], [`UvPrime`], [`Lab`] and sRGB colours are computed.
-//! - [`gamut_percent`], [`coverage_percent`]: area and coverage of the u'v' triangle of three primaries, relative to
-//!   sRGB, EBU, NTSC and DCI-P3.
+//! - [`gamut_percent`], [`coverage_percent`]: area and coverage of the triangle of three primaries in u'v' or xy, relative
+//!   to sRGB, EBU, NTSC and DCI-P3.
 //! - [`Corners`]: the colour gamut of eight states as a solid in CIELAB, with its volume and rings.
 //! - [`Viewing`]: the viewing conditions of the colour appearance model CIECAM16.
 //! - [`colour_temperature`], [`rendering_index`]: correlated colour temperature and Ra of a light.
@@ -57,7 +57,7 @@ mod xyz;
 
 pub use appearance::{Appearance, Surround, Viewing};
 pub use error::ColourError;
-pub use gamut::{GamutReference, coverage_percent, gamut_percent, triangle_area};
+pub use gamut::{Chromaticity, GamutReference, coverage_percent, gamut_percent, triangle_area};
 pub use lab::{Lab, Luv};
 pub use observer::{Between, LUMENS_PER_WATT, Observer, Standard, spectral_locus};
 pub use peak::{peak_nm, peak_slopes};

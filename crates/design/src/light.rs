@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use papilio_scenario::{AskedMetric, LightSweep};
+use papilio_scenario::{LightSweep, ReportedMetric};
 use serde_json::Value;
 
 use crate::{Condition, DesignError, Evaluator, Key, NamedQuantity, Quantity, Study, Values, Variable};
@@ -57,7 +57,7 @@ impl LightStudy {
 
 impl NamedQuantity {
     /// The quantity of a metric that a scenario requests, under the only condition.
-    pub(crate) fn of(request: &AskedMetric) -> Self {
+    pub(crate) fn of(request: &ReportedMetric) -> Self {
         let quantity =
             Quantity::Metric { view: request.view, state: request.state.clone(), metric: request.metric };
         Self { name: request.name.clone(), condition: 0, quantity }

@@ -1,7 +1,7 @@
 //! Definition of a study: variables, conditions and quantities.
 
 use papilio_display::Quantity;
-use papilio_scenario::{Optimisation, SearchQuantity, SearchRange, Varied};
+use papilio_scenario::{Optimisation, ParameterisedScenario, SearchQuantity, SearchRange};
 use serde_json::Value as Json;
 
 use crate::DesignError;
@@ -23,7 +23,7 @@ pub struct Condition {
     /// Name; empty if there is only one condition.
     pub name: String,
     /// Scenario of this condition, parameterised by the keys of all variables.
-    pub varied: Varied,
+    pub varied: ParameterisedScenario,
 }
 
 /// One dimension of the design space.

@@ -1,5 +1,8 @@
 //! Conoscopic map (viewing cone): colours and contrast from all directions, without spectra.
 
+use papilio_colour::Lab;
+
+use crate::result::ReferenceWhite;
 use crate::scene::Scene;
 use crate::setup::angle_index;
 use crate::{DisplayError, RowErrors};
@@ -7,6 +10,9 @@ use crate::{DisplayError, RowErrors};
 /// Directions of a conoscopic map: all combinations of `theta_deg` and `phi_deg`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ConeGrid {
+    /// Inclination and azimuth of the direction with which the colour of each state is compared, degrees; (0, 0) is the
+    /// normal.
+    pub reference_deg: [f64; 2],
     /// Inclinations, ascending, 0 to less than 90 degrees.
     pub theta_deg: Vec<f64>,
     /// Azimuths, ascending, 0 to less than 360 degrees.
@@ -17,6 +23,7 @@ impl Default for ConeGrid {
     /// Inclinations from 0 to 89 in steps of 1 degree, azimuths in steps of 5 degrees.
     fn default() -> Self {
         Self {
+            reference_deg: [0.0, 0.0],
             theta_deg: (0..90).map(f64::from).collect(),
             phi_deg: (0..72).map(|k| 5.0 * f64::from(k)).collect(),
         }
@@ -44,6 +51,10 @@ pub struct ConeResult {
     pub theta_deg: Vec<f64>,
     /// Azimuths, degrees.
     pub phi_deg: Vec<f64>,
+    /// Inclination and azimuth of the direction with which the colour of each state is compared, degrees.
+    pub reference_deg: [f64; 2],
+    /// White of L*, a*, b* and the colour differences.
+    pub reference_white: ReferenceWhite,
     /// Names of the drive states, in the order of the scenario.
     pub states: Vec<String>,
     /// One view for each direction, with theta varying fastest.
@@ -85,8 +96,14 @@ pub struct ConeState {
     pub u_prime: Option<f64>,
     /// CIE 1976 v'.
     pub v_prime: Option<f64>,
-    /// u'v' distance from the same state viewed along the normal.
+    /// u'v' distance from the same state viewed from the reference direction, which is the normal by default.
     pub uv_shift: Option<f64>,
+    /// CIELAB: L*, a* and b*.
+    pub lab: Option<Lab>,
+    /// CIEDE2000 difference from the same state viewed from the reference direction.
+    pub delta_e_2000: Option<f64>,
+    /// CIE 1976 difference, Delta E*ab, from the same state viewed from the reference direction.
+    pub delta_e_1976: Option<f64>,
 }
 
 /// Directed source, with its direction as specified in the scenario.
@@ -109,6 +126,9 @@ impl ConeView {
             u_prime: None,
             v_prime: None,
             uv_shift: None,
+            lab: None,
+            delta_e_2000: None,
+            delta_e_1976: None,
         };
         Self {
             contrast_ratio: None,

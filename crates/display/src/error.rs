@@ -60,6 +60,12 @@ pub enum DisplayError {
          `papilio diffuser inspect` shows its file, and `papilio brdf` computes the BRDF of the whole display"
     )]
     ScanOfScattering,
+    /// The absorption in the layers of a pixel that is not a film.
+    #[error(
+        "this pixel has no film whose layers absorb: its reflectance is given, not computed; the absorptance of each layer \
+         needs a pixel with `model = \"film\"`"
+    )]
+    AbsorptionWithoutFilm,
     /// The worker threads could not be started.
     #[error("{threads} worker threads could not be started")]
     Threads {

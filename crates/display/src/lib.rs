@@ -66,33 +66,38 @@
 //! **Limits.** The display is uniform over the field of view. **Out of scope.** Files, TOML and
 //! output.
 
+mod ambient_light;
 mod brdf;
 pub mod compare;
 mod cone;
 mod designs;
 pub mod environment;
 mod error;
+mod label;
 mod meter;
 mod metrics;
+mod notes;
 pub mod pixel;
 mod prepared;
 pub mod readability;
 mod reflection;
 pub mod result;
-mod room_light;
 mod rows;
 mod run;
 pub mod scene;
 mod setup;
 mod target;
 
+pub use ambient_light::{AmbientLight, AmbientSource, ambient_light};
 pub use brdf::{BrdfGrid, BrdfState, BrdfTable};
 pub use cone::{ConeGrid, ConeLight, ConeResult, ConeState, ConeView};
 pub use designs::{Derivatives, Designs, Parameter, Quantity};
 pub use error::DisplayError;
+pub use label::{
+    Label, capitalised, label_from_name, labelled_names, metric_label, split_unit, uncapitalised,
+};
 pub use prepared::Prepared;
 pub use reflection::{Reflection, ReflectionState, reflection};
-pub use room_light::{RoomLamp, RoomLight, room_light};
 pub use rows::RowErrors;
 pub use run::{
     Control, Cost, Progress, StudyCurve, StudyPoint, adding_seconds, brdf, cone, cost, run, study,

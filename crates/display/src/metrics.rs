@@ -1,19 +1,35 @@
 //! Metrics by name: of a state, and of a view, which combine its states. Definitions and sources: docs/metrics.md.
 //!
 //! The table at the end of this file is the only list of names. From it come the fields of the results, the enum
-//! [`Metric`] and all iterations. A new metric needs a line in the table, with its documentation, and its value in
-//! `meter/metrics.rs`.
+//! [`Metric`], all iterations and the [labels](crate::Label) of figures and tables. A new metric needs a line in the table,
+//! with its documentation and its label (`= quantity in unit`), and its value in `meter/metrics.rs`.
 
 use schemars::JsonSchema;
 use serde::Serialize;
 
+use crate::label::KnownLabel;
 use crate::result::StateValues;
+
+/// The label of a line of a table: the quantity, and its unit if it has one.
+macro_rules! label_of {
+    ($name:ident) => {
+        KnownLabel { name: stringify!($name), quantity: None, unit: "" }
+    };
+    ($name:ident $quantity:literal) => {
+        KnownLabel { name: stringify!($name), quantity: Some($quantity), unit: "" }
+    };
+    ($name:ident $quantity:literal $unit:literal) => {
+        KnownLabel { name: stringify!($name), quantity: Some($quantity), unit: $unit }
+    };
+}
 
 /// Declares a structure of metrics that may be undefined, with iterators over all of them.
 macro_rules! numbers {
     (
         $(#[doc = $doc:literal])*
-        $name:ident { $( $(#[doc = $field_doc:literal])* $field:ident ),* $(,)? }
+        $name:ident {
+            $( $(#[doc = $field_doc:literal])* $field:ident $(= $quantity:literal $(in $unit:literal)?)? ),* $(,)?
+        }
     ) => {
         $(#[doc = $doc])*
         #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, JsonSchema)]
@@ -23,6 +39,9 @@ macro_rules! numbers {
         }
 
         impl $name {
+            /// Labels of all fields.
+            pub(crate) const LABELS: &[KnownLabel] = &[$(label_of!($field $($quantity $($unit)?)?)),*];
+
             /// Returns names and values, in order.
             pub fn named(&self) -> impl Iterator<Item = (&'static str, Option<f64>)> + use<> {
                 [$((stringify!($field), self.$field)),*].into_iter()
@@ -39,10 +58,17 @@ macro_rules! numbers {
 /// Declares the enum of all metrics that can be targets: those of a view, and those of a state.
 macro_rules! names {
     (
-        view { $( $(#[doc = $view_doc:literal])* $view:ident ),* $(,)? }
-        values { $($value:ident),* $(,)? }
-        state { $( $(#[doc = $state_doc:literal])* $state:ident ),* $(,)? }
+        view {
+            $( $(#[doc = $view_doc:literal])* $view:ident $(= $view_quantity:literal $(in $view_unit:literal)?)? ),* $(,)?
+        }
+        values { $($value:ident $(= $quantity:literal $(in $unit:literal)?)?),* $(,)? }
+        state {
+            $( $(#[doc = $state_doc:literal])* $state:ident $(= $state_quantity:literal $(in $state_unit:literal)?)? ),* $(,)?
+        }
     ) => {
+        /// Labels of the fields of `StateValues` that are metrics.
+        pub(crate) const VALUE_LABELS: &[KnownLabel] = &[$(label_of!($value $($quantity $($unit)?)?)),*];
+
         /// Metric of a result, named as there.
         #[derive(Debug, Clone, Copy, PartialEq, Eq)]
         #[allow(missing_docs, non_camel_case_types, reason = "named and documented as the fields of a result")]
@@ -110,15 +136,15 @@ numbers! {
     /// Colour appearance of a state (CIECAM16, CIE 248:2022).
     Cam16 {
         /// Lightness J.
-        J,
+        J = "CIECAM16 lightness J",
         /// Chroma C.
-        C,
+        C = "CIECAM16 chroma C",
         /// Lightness J' of CAM16-UCS.
-        J_prime,
+        J_prime = "CAM16-UCS lightness J′",
         /// a' of CAM16-UCS.
-        a_prime,
+        a_prime = "CAM16-UCS a′",
         /// b' of CAM16-UCS; the hue is the angle of (a', b').
-        b_prime,
+        b_prime = "CAM16-UCS b′",
     }
 }
 
@@ -126,84 +152,100 @@ metrics! {
     /// Metrics of a view, which combine its states.
     view ViewMetrics {
         /// Y of white over Y of black.
-        contrast_ratio,
+        contrast_ratio = "Contrast ratio",
         /// Gamut area of the red, green and blue states in u'v', % of sRGB.
-        gamut_percent_srgb,
+        gamut_percent_srgb = "Gamut area, u′v′" in "% of sRGB",
         /// The same, % of EBU.
-        gamut_percent_ebu,
+        gamut_percent_ebu = "Gamut area, u′v′" in "% of EBU",
         /// The same, % of NTSC.
-        gamut_percent_ntsc,
+        gamut_percent_ntsc = "Gamut area, u′v′" in "% of NTSC",
         /// The same, % of DCI-P3.
-        gamut_percent_dci_p3,
+        gamut_percent_dci_p3 = "Gamut area, u′v′" in "% of DCI-P3",
         /// Gamut coverage: fraction of the sRGB triangle in u'v' that the display covers, %.
-        coverage_percent_srgb,
+        coverage_percent_srgb = "Gamut coverage, u′v′" in "% of sRGB",
         /// The same for the EBU triangle.
-        coverage_percent_ebu,
+        coverage_percent_ebu = "Gamut coverage, u′v′" in "% of EBU",
         /// The same for the NTSC triangle.
-        coverage_percent_ntsc,
+        coverage_percent_ntsc = "Gamut coverage, u′v′" in "% of NTSC",
         /// The same for the DCI-P3 triangle.
-        coverage_percent_dci_p3,
+        coverage_percent_dci_p3 = "Gamut coverage, u′v′" in "% of DCI-P3",
+        /// Gamut area of the red, green and blue states in CIE 1931 xy, % of sRGB.
+        gamut_percent_srgb_xy = "Gamut area, xy" in "% of sRGB",
+        /// The same, % of EBU.
+        gamut_percent_ebu_xy = "Gamut area, xy" in "% of EBU",
+        /// The same, % of NTSC: the "NTSC" of data sheets.
+        gamut_percent_ntsc_xy = "Gamut area, xy" in "% of NTSC",
+        /// The same, % of DCI-P3.
+        gamut_percent_dci_p3_xy = "Gamut area, xy" in "% of DCI-P3",
+        /// Gamut coverage in CIE 1931 xy: fraction of the sRGB triangle that the display covers, %.
+        coverage_percent_srgb_xy = "Gamut coverage, xy" in "% of sRGB",
+        /// The same for the EBU triangle.
+        coverage_percent_ebu_xy = "Gamut coverage, xy" in "% of EBU",
+        /// The same for the NTSC triangle.
+        coverage_percent_ntsc_xy = "Gamut coverage, xy" in "% of NTSC",
+        /// The same for the DCI-P3 triangle.
+        coverage_percent_dci_p3_xy = "Gamut coverage, xy" in "% of DCI-P3",
         /// Gamut volume in CIELAB, if `metrics.gamut_volume` is set.
-        gamut_volume_cielab,
+        gamut_volume_cielab = "Gamut volume, CIELAB",
         /// Mean over red, green and blue of `peak_shift_nm` (Feng 2012, eq. 5-12).
-        average_peak_shift_nm,
+        average_peak_shift_nm = "Mean peak shift" in "nm",
         /// Mean luminance of black text on white, cd/m2 (Feng 2012, eq. 5-13).
-        text_luminance_cd_m2,
+        text_luminance_cd_m2 = "Mean luminance of text" in "cd/m²",
         /// Contrast of black text on white (Feng 2012, eq. 5-14).
-        text_contrast,
+        text_contrast = "Contrast of text",
         /// Reading performance of a reader of 20 years, 0 to 1: a surrogate calibrated on Feng 2012,
         /// table 5.3; null outside its range.
-        reading_surrogate_age_20,
+        reading_surrogate_age_20 = "Reading performance at 20 years, surrogate",
         /// The same for a reader of 50 years.
-        reading_surrogate_age_50,
+        reading_surrogate_age_50 = "Reading performance at 50 years, surrogate",
         /// The same for a reader of 75 years.
-        reading_surrogate_age_75,
+        reading_surrogate_age_75 = "Reading performance at 75 years, surrogate",
         /// The same for a reader of `viewer.age_years`; null if the scenario does not specify an age.
-        reading_surrogate,
+        reading_surrogate = "Reading performance, surrogate",
     }
     // Fields of `StateValues` that are metrics, too.
     values {
-        X,
-        Y,
-        Z,
-        x,
-        y,
-        u_prime,
-        v_prime,
-        L_star,
-        a_star,
-        b_star,
-        luminance_cd_m2,
-        contrast,
-        peak_nm,
-        distance_from_white_uv,
-        distance_from_d65_uv,
-        R_hemi,
+        X = "Tristimulus value X",
+        Y = "Luminance factor Y",
+        Z = "Tristimulus value Z",
+        x = "Chromaticity x",
+        y = "Chromaticity y",
+        u_prime = "Chromaticity u′",
+        v_prime = "Chromaticity v′",
+        L_star = "Lightness L*",
+        a_star = "CIELAB a*",
+        b_star = "CIELAB b*",
+        luminance_cd_m2 = "Luminance" in "cd/m²",
+        contrast = "Contrast ratio to black",
+        peak_nm = "Peak wavelength" in "nm",
+        distance_from_white_uv = "Distance in u′v′ from the white of the light",
+        distance_from_d65_uv = "Distance in u′v′ from D65",
+        R_hemi = "Luminance factor in diffuse light",
     }
     /// Comparisons of a state's colour with other colours.
     state StateMetrics {
         /// CIELUV u*, relative to the illuminant's white.
-        u_star,
+        u_star = "CIELUV u*",
         /// CIELUV v*.
-        v_star,
+        v_star = "CIELUV v*",
         /// CIEDE2000 difference from the perfect white in the same light.
-        delta_E_2000_from_white,
+        delta_E_2000_from_white = "Colour difference CIEDE2000 from the perfect white",
         /// CIEDE2000 difference from the reference state in the same view.
-        delta_E_2000_from_reference,
+        delta_E_2000_from_reference = "Colour difference CIEDE2000 from the reference state",
         /// u'v' distance from the reference state in the same view.
-        distance_from_reference_uv,
+        distance_from_reference_uv = "Distance in u′v′ from the reference state",
     }
     // Fields of `StateMetrics` that compare views: known only after all views, so that they cannot be targets.
     between_views {
         /// CIEDE2000 difference from the same state in the view nearest to the normal.
-        delta_E_2000_with_angle,
+        delta_E_2000_with_angle = "Colour difference CIEDE2000 with angle",
         /// u'v' distance from the same state in the view nearest to the normal.
-        shift_with_angle_uv,
+        shift_with_angle_uv = "Colour shift in u′v′ with angle",
     }
     // Further fields of `StateMetrics`; the order is that of the results.
     state {
         /// `peak_nm` minus that of the pixel alone in the direction of the view (Feng 2012, eq. 5-12), nm.
-        peak_shift_nm,
+        peak_shift_nm = "Peak shift" in "nm",
     }
 }
 

@@ -93,7 +93,7 @@ fn reflection_scene(scene: &Scene, theta_deg: f64, light: &Spectrum) -> Scene {
     lit.viewer.field_deg = 0.0;
     lit.solver.method = Method::Adding;
     if !matches!(lit.solver.stop, Stop::RelativeError { .. }) {
-        lit.solver.stop = Stop::RelativeError { target: DEFAULT_TARGET, every_bin: false };
+        lit.solver.stop = Stop::RelativeError { target: DEFAULT_TARGET, per_wavelength: false };
     }
     if lit.solver.angle_medium == AngleMedium::Glass {
         lit.solver.angle_medium = AngleMedium::Air;

@@ -18,10 +18,17 @@ pub struct RunResult {
     pub wavelength_nm: Vec<f64>,
     /// Reference white.
     pub illuminant: Illuminant,
+    /// White of L*, a*, b*, u*, v*, the colour differences and the gamut volume.
+    pub reference_white: ReferenceWhite,
+    /// States that drive one sub-pixel, in the order of the states: those whose peak wavelength is printed and drawn.
+    pub primaries: Vec<String>,
     /// One entry for each view, with theta varying fastest.
     pub views: Vec<View>,
     /// Warnings for the user.
     pub warnings: Vec<String>,
+    /// Explanations of numbers that may surprise; written with the notes on the scenario.
+    #[serde(skip)]
+    pub notes: Vec<String>,
 }
 
 /// Solver of a run, and the accuracy that was reached.
@@ -55,6 +62,16 @@ pub struct TargetReport {
     /// Estimated number of paths over all views for a tenth of the error: from the decrease of the error in this run,
     /// and in the worst case, in which the error is inversely proportional to the square root of the number.
     pub paths_for_a_tenth: [f64; 2],
+}
+
+/// White to which CIELAB, CIELUV and the colour differences are relative.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub enum ReferenceWhite {
+    /// A perfect white diffuser in the same light.
+    Perfect,
+    /// The state `white` of the same view and light.
+    Display,
 }
 
 /// Perfect white under the scene's ambient light, or under the front light if that is the only light.

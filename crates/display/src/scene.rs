@@ -16,6 +16,7 @@ use papilio_spectra::{Grid, LightSpectrum, Spectrum};
 pub use papilio_transport::walk::Strategy;
 pub use papilio_transport::{Diffuser, Field, Interface as Ready, ScatterFace, ScatterKernel, Scattering};
 
+pub use crate::result::ReferenceWhite;
 pub use crate::target::{Metric, Target, Tolerance};
 
 /// Complete description of one computation.
@@ -40,6 +41,9 @@ pub struct Scene {
 pub struct Metrics {
     /// Standard observer for X, Y, Z; luminances always use V(lambda) of CIE 1931.
     pub observer: Standard,
+    /// White of L*, a*, b*, u*, v*, the colour differences and the gamut volume. If the front light is the only light, it is
+    /// always the display's.
+    pub white: ReferenceWhite,
     /// Name of the state with which the others are compared; without such a state there is no comparison.
     pub reference_state: String,
     /// Whether to report reflectance factors under each light alone.
@@ -67,6 +71,7 @@ impl Default for Metrics {
     fn default() -> Self {
         Self {
             observer: Standard::Cie1931,
+            white: ReferenceWhite::Perfect,
             reference_state: "white".to_owned(),
             spectra_by_light: false,
             gamut_volume: false,
@@ -197,7 +202,7 @@ pub struct Glass {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Surface {
     /// Ideal antireflection interface: transmits all light with |beta| <= 1 and totally reflects light with |beta| > 1.
-    Coated,
+    IdealAr,
     /// Bare interface: Fresnel reflectance of unpolarised light.
     Fresnel,
 }
@@ -222,6 +227,8 @@ pub struct FilmPixel {
     pub layers: Vec<FilmLayer>,
     /// Complex index n + ik of the opaque, semi-infinite substrate.
     pub substrate: Vec<Complex64>,
+    /// Names of the materials for reports: of each layer and, last, of the substrate. A missing name is reported as empty.
+    pub materials: Vec<String>,
     /// The sub-pixels, in the order of the scenario.
     pub sub_pixels: Vec<SubPixel>,
     /// Gap of a dark sub-pixel, nm; `None` if no state needs it.
@@ -422,7 +429,7 @@ pub enum Method {
     /// Adding: deterministic, without noise.
     Adding,
     /// Monte Carlo: unbiased, with standard errors.
-    Walk,
+    MonteCarlo,
 }
 
 /// Stopping criterion of a solver.
@@ -434,7 +441,7 @@ pub enum Stop {
         /// The relative error, for example 0.001.
         target: f64,
         /// Whether it applies to every wavelength, too, relative to the maximum of the spectrum.
-        every_bin: bool,
+        per_wavelength: bool,
     },
     /// Number of paths for each view (Monte Carlo only).
     Paths(u64),

@@ -306,7 +306,7 @@ pub(crate) fn medium(scene: &Scene) -> Medium {
 fn top(panel: &scene::Panel) -> Top {
     match (&panel.diffuser, panel.glass.surface) {
         (Some(diffuser), _) => Top::Diffuser(diffuser.clone()),
-        (None, Surface::Coated) => Top::Coated,
+        (None, Surface::IdealAr) => Top::IdealAr,
         (None, Surface::Fresnel) => Top::Fresnel(panel.glass.index.clone()),
     }
 }

@@ -35,7 +35,7 @@ fn main() -> std::io::Result<()> {
             }
         }
     }
-    let ConeGrid { theta_deg, phi_deg } = ConeGrid::default();
+    let ConeGrid { theta_deg, phi_deg, .. } = ConeGrid::default();
     if let Some(svg) = cone(&synthetic::cone(&theta_deg, &phi_deg), TITLE) {
         write("cone", svg)?;
     }

@@ -49,12 +49,9 @@ fn draw(svg: &mut Svg, panel: &ErrorPanel, left: f64) {
         range(values.into_iter()).and_then(|(low, high)| Axis::decades(low, high, title))
     };
     let across: Vec<f64> = points().map(|point| point.0).collect();
-    let x = if panel.powers {
-        logarithmic(across, &format!("{} (logarithmic)", panel.x))
-    } else {
-        Some(Axis::covering(across, 6, &panel.x))
-    };
-    let y = logarithmic(points().map(|point| point.1).collect(), "Relative error (logarithmic)");
+    let x =
+        if panel.powers { logarithmic(across, &panel.x) } else { Some(Axis::covering(across, 6, &panel.x)) };
+    let y = logarithmic(points().map(|point| point.1).collect(), "Relative error");
     let (Some(x), Some(y)) = (x, y) else { return };
     let axes = Panel { origin: (left, 24.0), size: SIZE, x, y };
     axes.draw(svg);

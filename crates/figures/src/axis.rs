@@ -3,6 +3,12 @@
 /// Smallest value on a logarithmic axis, relative to the largest.
 const LOGARITHMIC_REACH: f64 = 1e-6;
 
+/// Smallest and largest number that labels of a logarithmic axis write without an exponent.
+const SHORT: [f64; 2] = [0.01, 10_000.0];
+
+/// Smallest space between two labels, px.
+const LABEL_GAP: f64 = 4.0;
+
 /// A linear or logarithmic axis with round ticks.
 #[derive(Debug, Clone)]
 pub(crate) struct Axis {
@@ -36,15 +42,14 @@ impl Axis {
         Self::exact(low, high, ((high - low) / step).round() as usize, title)
     }
 
-    /// Returns a logarithmic axis, with "(logarithmic)" in its title, if the positive `values` span more than this
-    /// `ratio`.
+    /// Returns a logarithmic axis if the positive `values` span more than this `ratio`.
     ///
     /// Ticks are at 1, 2 and 5 times the powers of ten, or at the powers alone
     /// where there are many. The axis has at most six decades, from the largest value down.
     pub(crate) fn logarithmic_beyond(ratio: f64, values: &[f64], title: &str) -> Option<Self> {
         let positive = values.iter().copied().filter(|v| (1e-300..1e300).contains(v));
         let (min, max) = range(positive).filter(|(min, max)| max / min > ratio)?;
-        Self::decades(min.max(LOGARITHMIC_REACH * max), max, &format!("{title} (logarithmic)"))
+        Self::decades(min.max(LOGARITHMIC_REACH * max), max, title)
     }
 
     /// Returns a logarithmic axis that extends to the ticks around two positive values. Ticks are as above, or at every
@@ -57,9 +62,12 @@ impl Axis {
         let round: Vec<f64> = powers.flat_map(|d| steps.iter().map(move |s| s * 10.0_f64.powi(d))).collect();
         let low = round.iter().copied().rfind(|tick| *tick <= min * (1.0 + 1e-9))?;
         let high = round.iter().copied().find(|tick| *tick >= max * (1.0 - 1e-9))?;
-        let ticks = round.into_iter().filter(|tick| (low..=high).contains(tick));
-        let short = |tick: f64| if apart > 1 { format!("{tick:.0e}") } else { written(tick, tick) };
-        let ticks = ticks.map(|tick| (tick, short(tick))).collect();
+        let ticks: Vec<f64> = round.into_iter().filter(|tick| (low..=high).contains(tick)).collect();
+        // All labels of an axis have the same form: powers of ten, unless all numbers are short.
+        let is_short = |tick: &f64| (0.99 * SHORT[0]..=1.01 * SHORT[1]).contains(tick);
+        let plain = ticks.iter().all(is_short);
+        let named = |tick: f64| if plain { written(tick, tick) } else { power(tick, 0) };
+        let ticks = ticks.into_iter().map(|tick| (tick, named(tick))).collect();
         Some(Self { min: low, max: high, ticks, title: title.to_owned(), logarithmic: true })
     }
 
@@ -79,8 +87,7 @@ impl Axis {
         title: &str,
         logarithmic: bool,
     ) -> Self {
-        let title = if logarithmic { format!("{title} (logarithmic)") } else { title.to_owned() };
-        Self { min, max, ticks, title, logarithmic }
+        Self { min, max, ticks, title: title.to_owned(), logarithmic }
     }
 
     /// Returns an axis from the first to the last of ascending `values`.
@@ -106,6 +113,29 @@ impl Axis {
     /// Returns the tick values with their labels.
     pub(crate) fn ticks(&self) -> &[(f64, String)] {
         &self.ticks
+    }
+
+    /// Returns the ticks whose labels can be written side by side on an axis of this `length`, px; `extent` returns the extent of
+    /// a label along the axis. If there is no space for all, a logarithmic axis has those at powers of ten, and after that every
+    /// second one, every third one and so on.
+    pub(crate) fn labelled(&self, length: f64, extent: impl Fn(&str) -> f64) -> Vec<(f64, &str)> {
+        let all: Vec<(f64, &str)> = self.ticks.iter().map(|(tick, text)| (*tick, text.as_str())).collect();
+        let fits = |chosen: &[(f64, &str)]| {
+            let written = chosen.iter().filter(|(_, text)| !text.is_empty());
+            let mut spans: Vec<(f64, f64)> =
+                written.map(|(tick, text)| (length * self.fraction(*tick), 0.5 * extent(text))).collect();
+            spans.sort_by(|a, b| a.0.total_cmp(&b.0));
+            spans.windows(2).all(|pair| pair[0].0 + pair[0].1 + LABEL_GAP <= pair[1].0 - pair[1].1)
+        };
+        let is_power = |tick: f64| (tick.log10() - tick.log10().round()).abs() < 1e-6;
+        let powers: Vec<(f64, &str)> = all.iter().copied().filter(|(tick, _)| is_power(*tick)).collect();
+        let fewer = if self.logarithmic && powers.len() > 1 { &powers } else { &all };
+        if fits(&all) {
+            return all;
+        }
+        let strides =
+            (1..=fewer.len()).map(|stride| fewer.iter().copied().step_by(stride).collect::<Vec<_>>());
+        strides.into_iter().find(|chosen| fits(chosen)).unwrap_or_default()
     }
 
     /// Returns the title: quantity and unit.
@@ -135,14 +165,32 @@ pub(crate) fn range(values: impl Iterator<Item = f64>) -> Option<(f64, f64)> {
         .fold(None, |range, v| Some(range.map_or((v, v), |(min, max): (f64, f64)| (min.min(v), max.max(v)))))
 }
 
-/// Formats a tick with the decimals that a step of this size needs, or with an exponent if these are many.
+/// Formats a tick with the decimals that a step of this size needs, or as a power of ten if these are many.
 fn written(tick: f64, step: f64) -> String {
-    let decade = step.log10().floor();
+    let decade = (step.log10() + 1e-9).floor();
     if (-5.0..6.0).contains(&decade) {
         let decimals = (-decade).max(0.0) as usize;
         return format!("{tick:.decimals$}");
     }
-    format!("{tick:.0e}")
+    let own = if tick == 0.0 { decade } else { (tick.abs().log10() + 1e-9).floor() };
+    power(tick, (own - decade).max(0.0) as usize)
+}
+
+/// Formats a number as a multiple of a power of ten with a raised exponent: `10⁻⁴`, `2×10⁵`, `1.2×10⁷`.
+pub(crate) fn power(value: f64, decimals: usize) -> String {
+    const RAISED: [char; 10] = ['⁰', '¹', '²', '³', '⁴', '⁵', '⁶', '⁷', '⁸', '⁹'];
+    let text = format!("{value:.decimals$e}");
+    let Some((mantissa, exponent)) = text.split_once('e') else { return text };
+    if value == 0.0 {
+        return "0".to_owned();
+    }
+    let raised = exponent.chars().map(|c| c.to_digit(10).map_or('⁻', |digit| RAISED[digit as usize]));
+    let raised: String = raised.collect();
+    match mantissa {
+        "1" => format!("10{raised}"),
+        "-1" => format!("-10{raised}"),
+        _ => format!("{mantissa}×10{raised}"),
+    }
 }
 
 /// Returns the smallest 1, 2 or 5 times a power of ten that is at least `step`.
@@ -175,10 +223,47 @@ mod tests {
                 Axis::covering([0.0, 4.0 * scale], 5, "Y"),
                 Axis::logarithmic_beyond(30.0, &[0.1 * scale, 4.0 * scale], "Y").unwrap(),
             ] {
-                assert!(labels(&axis).iter().all(|label| label.len() <= 6), "{axis:?}");
+                assert!(labels(&axis).iter().all(|label| label.chars().count() <= 8), "{axis:?}");
             }
         }
         assert_eq!(labels(&Axis::exact(-1.0, 1.0, 2, "")), ["-1", "0", "1"]);
+    }
+
+    #[test]
+    fn powers_of_ten_have_raised_exponents() {
+        assert_eq!(
+            labels(&Axis::decades(1e-6, 1e-4, "").unwrap()),
+            ["10⁻⁶", "2×10⁻⁶", "5×10⁻⁶", "10⁻⁵", "2×10⁻⁵", "5×10⁻⁵", "10⁻⁴"]
+        );
+        assert_eq!(labels(&Axis::decades(1e-2, 1e2, "").unwrap()), ["0.01", "0.1", "1", "10", "100"]);
+        assert_eq!(
+            labels(&Axis::decades(1.0, 1e6, "").unwrap()),
+            ["10⁰", "10¹", "10²", "10³", "10⁴", "10⁵", "10⁶"]
+        );
+        // The labels of a linear axis are exact: every one is a multiple of the step.
+        assert_eq!(
+            labels(&Axis::exact(8e6, 1.6e7, 4, "")),
+            ["8×10⁶", "1.0×10⁷", "1.2×10⁷", "1.4×10⁷", "1.6×10⁷"]
+        );
+        assert_eq!(labels(&Axis::exact(-2e-7, 1e-7, 3, "")), ["-2×10⁻⁷", "-10⁻⁷", "0", "10⁻⁷"]);
+    }
+
+    /// Labels never touch: those that have no space are left out, powers of ten last.
+    #[test]
+    fn labels_never_collide() {
+        let extent = |text: &str| 6.7 * text.chars().count() as f64;
+        for (low, high) in [(7e4, 3e6), (1e-6, 1e-5), (0.3, 400.0), (1e-12, 1e12), (1.0, 2.0)] {
+            for length in [60.0, 120.0, 300.0, 500.0] {
+                let axis = Axis::decades(low, high, "").unwrap();
+                let shown = axis.labelled(length, extent);
+                let places: Vec<f64> = shown.iter().map(|(tick, _)| length * axis.fraction(*tick)).collect();
+                for (pair, texts) in places.windows(2).zip(shown.windows(2)) {
+                    let halves = 0.5 * (extent(texts[0].1) + extent(texts[1].1));
+                    assert!(pair[1] - pair[0] > halves, "{low} to {high}, {length} px: {shown:?}");
+                }
+                assert!(length < 300.0 || shown.len() > 1, "{low} to {high}, {length} px: {shown:?}");
+            }
+        }
     }
 
     #[test]
@@ -190,7 +275,6 @@ mod tests {
         assert!((axis.fraction(0.02) - 0.0).abs() < 1e-12 && (axis.fraction(5.0) - 1.0).abs() < 1e-12);
         assert!((axis.fraction(0.316_227_766) - 0.5).abs() < 1e-6, "the middle is the geometric mean");
         assert_eq!(axis.fraction(0.0), f64::NEG_INFINITY);
-        assert!(axis.title.contains("logarithmic"));
         // Noise around zero does not determine the range.
         let axis = Axis::logarithmic_beyond(30.0, &[1e-30, 1.0], "Y").unwrap();
         assert_eq!((axis.min, labels(&axis).len()), (1e-6, 7));

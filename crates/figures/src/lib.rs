@@ -22,7 +22,7 @@
 //! | [`accuracy`] | errors of the solvers against their cost |
 //! | [`of_sweep`] | all figures of `papilio sweep` |
 //! | [`sweep_curves`], [`sweep_map`] | a metric over one or two swept keys |
-//! | [`histogram`], [`sensitivities`], [`good_and_bad`] | a tolerance analysis: distribution, sensitivities, displays that pass and fail |
+//! | [`histogram`], [`sensitivities`], [`pass_fail_scatter`] | a tolerance analysis: distribution, sensitivities, displays that pass and fail |
 //! | [`point_sets`] | points in the unit square |
 //!
 //! Each function takes the title of the scenario, which is printed above the figure (empty: no title). Figures of a
@@ -84,9 +84,8 @@ pub use patches::patches;
 pub use pixel_scan::{PixelScan, pixel_scan};
 pub use png::{HAS_PNG, PNG_SCALE, PngError, png};
 pub use point_sets::point_sets;
-pub use production::{Blame, Ends, good_and_bad, histogram, sensitivities};
+pub use production::{Ends, SensitivityBar, histogram, pass_fail_scatter, sensitivities};
 pub use rings::gamut_rings;
 pub use scattering::{ScatterCurve, ScatterMap, Scattering, scattering};
 pub use spectra::spectra;
-pub use style::named_with_unit;
-pub use sweep::{SweepAxis, SweepFigure, of_sweep, short_key, sweep_curves, sweep_map};
+pub use sweep::{SweepAxis, SweepFigure, of_sweep, sweep_curves, sweep_map};

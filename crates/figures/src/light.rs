@@ -1,7 +1,7 @@
 //! The lighting: luminance over the hemisphere above the display, directed sources, and the mirror directions of the
 //! views.
 
-use papilio_display::RoomLight;
+use papilio_display::AmbientLight;
 
 use crate::axis::Axis;
 use crate::panel::SMALL;
@@ -24,7 +24,7 @@ const NUMBERS: f64 = 218.0;
 
 /// Draws the luminance of each direction in false colours, directed sources as suns, the mirror directions of the views
 /// as rings, and a list of the illuminance of each source.
-pub fn light(room: &RoomLight, title: &str) -> String {
+pub fn light(room: &AmbientLight, title: &str) -> String {
     let mut svg = Svg::new(800.0, 510.0).titled(title);
     let Some(directions) = Directions::new(&room.theta_deg, &room.phi_deg) else { return svg.finish() };
     let values = &room.luminance_cd_m2;
@@ -55,12 +55,12 @@ pub fn light(room: &RoomLight, title: &str) -> String {
     svg.finish()
 }
 
-fn mirrored(room: &RoomLight) -> &[[f64; 2]] {
+fn mirrored(room: &AmbientLight) -> &[[f64; 2]] {
     if room.views_deg.len() > MAX_VIEWS { &[] } else { &room.views_deg }
 }
 
 /// Draws the list of the sources and their illuminances.
-fn list(svg: &mut Svg, room: &RoomLight) {
+fn list(svg: &mut Svg, room: &AmbientLight) {
     let diffuse = (room.diffuse_lx > 0.0).then(|| ("diffuse".to_owned(), room.diffuse_lx));
     // These include luminaires and the suns of skies, so that their numbers differ from those in the scenario.
     let directed = room.directed.iter().map(|source| {
@@ -100,7 +100,7 @@ fn rounded(lux: f64) -> String {
     format!("{lux:.decimals$}")
 }
 
-fn legend(svg: &mut Svg, room: &RoomLight) {
+fn legend(svg: &mut Svg, room: &AmbientLight) {
     let style = Text::new(11.0, "#777777");
     let (x, mut y) = (LIST.0, CENTRE.1 + 60.0);
     let lines = [

@@ -1,6 +1,6 @@
 //! The lobes of a measurement, drawn by [`scattering`].
 
-use papilio_goniometry::{Audit, Fill, Measurement, Part, Shape};
+use papilio_goniometry::{Audit, Fill, MeasuredPart, Measurement, Shape};
 use papilio_optics::Beta;
 
 use crate::scattering::{ScatterCurve, ScatterMap, Scattering, scattering};
@@ -11,7 +11,7 @@ const MAPS_DEG: [f64; 2] = [0.0, 45.0];
 /// Returns a file name and a figure for each part of a measurement that has an audit. The figure shows the luminous
 /// channel.
 pub fn lobes(measurement: &Measurement, audits: &[Option<Audit>]) -> Vec<(String, String)> {
-    let one = |(part, audit): (&Part, &Option<Audit>)| {
+    let one = |(part, audit): (&MeasuredPart, &Option<Audit>)| {
         let shape_with = |fill: Fill| Shape::of_part(part, part.luminous(), fill);
         let last_deg = audit.as_ref()?.dark_beyond_deg;
         let shape =

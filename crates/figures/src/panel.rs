@@ -47,15 +47,21 @@ impl Panel {
     pub(crate) fn draw(&self, svg: &mut Svg) {
         let (grid, axis) = (Stroke::solid(FAINT, 1.0), Stroke::solid(SOFT, 1.0));
         let label = Text::new(SMALL, INK);
-        for (tick, text) in self.x.ticks() {
+        for (tick, _) in self.x.ticks() {
             let x = self.at(*tick, self.y.min()).0;
             svg.line((x, self.origin.1), (x, self.bottom()), &grid);
             svg.line((x, self.bottom()), (x, self.bottom() + 4.0), &axis);
+        }
+        for (tick, text) in self.x.labelled(self.size.0, |text| text_width(text, SMALL)) {
+            let x = self.at(tick, self.y.min()).0;
             svg.text((x, self.bottom() + 17.0), text, label.anchor(Anchor::Middle));
         }
-        for (tick, text) in self.y.ticks() {
+        for (tick, _) in self.y.ticks() {
             let y = self.at(self.x.min(), *tick).1;
             svg.line((self.origin.0, y), (self.right(), y), &grid);
+        }
+        for (tick, text) in self.y.labelled(self.size.1, |_| SMALL) {
+            let y = self.at(self.x.min(), tick).1;
             svg.text((self.origin.0 - 7.0, y + 4.0), text, label.anchor(Anchor::End));
         }
         svg.line((self.origin.0, self.bottom()), (self.right(), self.bottom()), &axis);

@@ -74,26 +74,6 @@ pub(crate) fn percent(value: f64, error: f64) -> (String, Option<String>) {
     (fixed(100.0 * value, decimals), error)
 }
 
-/// Returns a name with the unit that its key or metric has as a suffix, if there is one: `gaps (nm)` for `gap_nm.red`.
-pub fn named_with_unit(name: &str, key: &str) -> String {
-    const UNITS: [(&str, &str); 7] = [
-        ("nm", "nm"),
-        ("mm", "mm"),
-        ("m", "m"),
-        ("deg", "\u{b0}"),
-        ("lx", "lx"),
-        ("K", "K"),
-        ("cd_m2", "cd/m\u{b2}"),
-    ];
-    let unit_of = |word: &str| {
-        let unit =
-            UNITS.iter().find(|(end, _)| word.strip_suffix(end).is_some_and(|rest| rest.ends_with('_')));
-        unit.map(|(_, unit)| *unit).or(word.contains("_percent").then_some("%"))
-    };
-    let unit = key.split([',', ' ']).next().and_then(|key| key.rsplit('.').find_map(unit_of));
-    unit.map_or_else(|| name.to_owned(), |unit| format!("{name} ({unit})"))
-}
-
 /// Formats an angle in degrees.
 pub(crate) fn degrees(angle: f64) -> String {
     format!("{}\u{b0}", (angle * 100.0).round() / 100.0)
@@ -120,26 +100,4 @@ pub(crate) fn is_self_lit(view: &View) -> bool {
 /// Returns the caption above the figure of a view.
 pub(crate) fn caption(title: &str, view: &View) -> String {
     joined(&[title, &format!("viewed {}", seen_at(view))])
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn name_gets_unit_of_key_suffix() {
-        for (name, key, expected) in [
-            ("gaps", "display.pixel.gap_nm.red", "gaps (nm)"),
-            ("haze", "display.diffuser.haze", "haze"),
-            (
-                "white.luminance_cd_m2, view 1",
-                "white.luminance_cd_m2, view 1",
-                "white.luminance_cd_m2, view 1 (cd/m\u{b2})",
-            ),
-            ("gamut_percent_srgb", "gamut_percent_srgb", "gamut_percent_srgb (%)"),
-            ("white.Y", "white.Y", "white.Y"),
-        ] {
-            assert_eq!(named_with_unit(name, key), expected);
-        }
-    }
 }

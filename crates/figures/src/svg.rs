@@ -2,7 +2,7 @@
 //!
 //! Coordinates are in px from the top left. Marks with a coordinate that is not
 //! finite are omitted, lines are interrupted there, and text is escaped, so that the page
-//! is well-formed for any data. Text refers to generic fonts only.
+//! is well-formed for any data. Text asks for Roboto, the font of the PNG images, and otherwise for fonts of similar width.
 
 use std::fmt::Write as _;
 
@@ -125,7 +125,7 @@ impl Svg {
         let (w, h, top) = (number(self.width), number(self.height - top), number(top));
         format!(
             "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{w}\" height=\"{h}\" viewBox=\"0 {top} {w} {h}\" \
-             font-family=\"Helvetica, Arial, sans-serif\" stroke-linejoin=\"round\">\n{title}\
+             font-family=\"Roboto, Helvetica, Arial, sans-serif\" stroke-linejoin=\"round\">\n{title}\
              <rect y=\"{top}\" width=\"{w}\" height=\"{h}\" fill=\"#ffffff\"/>\n{}</svg>\n",
             self.body
         )
@@ -251,7 +251,9 @@ impl Svg {
 
 /// Estimates the width of a text, px; there is no font to measure it.
 pub(crate) fn text_width(content: &str, size: f64) -> f64 {
-    0.56 * size * content.chars().count() as f64
+    let is_raised = |c: &char| matches!(c, '\u{b2}' | '\u{b3}' | '\u{b9}' | '\u{2070}'..='\u{207f}');
+    let raised = content.chars().filter(is_raised).count() as f64;
+    size * (0.56 * (content.chars().count() as f64 - raised) + 0.38 * raised)
 }
 
 /// Shortens a text to a width of about `max_width` px.

@@ -1,6 +1,6 @@
 //! JSON output of `papilio diffuser inspect` and `papilio diffuser fit` (`--json`).
 
-use papilio_goniometry::{Audit, Measurement, Part, Ranked};
+use papilio_goniometry::{Audit, MeasuredPart, Measurement, Ranked};
 use serde::Serialize;
 
 /// A measurement and its audit: angles in degrees, values in 1/sr, fractions from 0 to 1.
@@ -74,9 +74,9 @@ struct IncidenceFile {
 
 impl<'a> AuditFile<'a> {
     /// Creates the output for a measurement, given the audits of the channels of each part.
-    pub fn new(measurement: &'a Measurement, audits: &[(&Part, Vec<Audit>)]) -> Self {
+    pub fn new(measurement: &'a Measurement, audits: &[(&MeasuredPart, Vec<Audit>)]) -> Self {
         let provenance = &measurement.provenance;
-        let part = |(part, audits): &(&Part, Vec<Audit>)| PartFile {
+        let part = |(part, audits): &(&MeasuredPart, Vec<Audit>)| PartFile {
             way: part.way.name(),
             cells: part.geometry.cells(),
             channels: part
@@ -176,7 +176,7 @@ struct OneParameter {
 
 impl FitFile {
     /// Creates the output for the fits of one channel of a part.
-    pub fn new(part: &Part, channel: usize, fits: &[Ranked]) -> Self {
+    pub fn new(part: &MeasuredPart, channel: usize, fits: &[Ranked]) -> Self {
         let one = |Ranked { fit, score }: &Ranked| OneFit {
             model: fit.model.kind().name(),
             parameters: fit

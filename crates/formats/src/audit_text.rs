@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use papilio_goniometry::{Audit, Geometry, Measurement, Symmetry, Way};
+use papilio_goniometry::{Audit, Geometry, Measurement, ScatterMode, Symmetry};
 
 use crate::words::{channel, percent, span, table};
 
@@ -55,15 +55,15 @@ pub fn audit_text(name: &str, measurement: &Measurement, audits: &[Option<Audit>
 }
 
 /// Returns the side from which the light comes.
-fn side(way: Way) -> &'static str {
+fn side(way: ScatterMode) -> &'static str {
     match way {
-        Way::FrontReflection | Way::FrontTransmission => "front",
-        Way::BackTransmission | Way::BackReflection => "back",
+        ScatterMode::FrontReflection | ScatterMode::FrontTransmission => "front",
+        ScatterMode::BackTransmission | ScatterMode::BackReflection => "back",
     }
 }
 
 /// Returns "transmission" or "reflection".
-fn kind(way: Way) -> &'static str {
+fn kind(way: ScatterMode) -> &'static str {
     if way.is_transmission() { "transmission" } else { "reflection" }
 }
 

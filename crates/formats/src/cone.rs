@@ -2,13 +2,14 @@
 
 use std::io::{self, Write};
 
+use papilio_display::result::ReferenceWhite;
 use papilio_display::{ConeResult, ConeState, ConeView};
 use serde::Serialize;
 
 use crate::npy::{Items, write_npy};
 
 /// Quantities of a direction and state, in the order of the columns and of the array's last index.
-pub const CONE_QUANTITIES: [&str; 8] = [
+pub const CONE_QUANTITIES: [&str; 13] = [
     "Y",
     "luminance_cd_m2",
     "u_prime",
@@ -17,6 +18,11 @@ pub const CONE_QUANTITIES: [&str; 8] = [
     "contrast_ratio",
     "gamut_percent_srgb",
     "gamut_percent_ebu",
+    "L_star",
+    "a_star",
+    "b_star",
+    "delta_E_2000_with_angle",
+    "delta_E_1976_with_angle",
 ];
 
 /// Content of `cone.json`: the axes of the array and its origin.
@@ -29,9 +35,18 @@ pub struct ConeFile<'a> {
     phi_deg: &'a [f64],
     states: &'a [String],
     quantities: Vec<&'a str>,
+    /// Direction with which the colour of each state is compared.
+    reference: Direction,
+    reference_white: ReferenceWhite,
     directed: Vec<Light>,
     solver: Solver<'a>,
     warnings: &'a [String],
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize)]
+struct Direction {
+    theta_deg: f64,
+    phi_deg: f64,
 }
 
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -56,6 +71,7 @@ impl<'a> ConeFile<'a> {
             phi_deg: light.phi_deg,
             radius_deg: light.radius_deg,
         });
+        let [theta_deg, phi_deg] = cone.reference_deg;
         let (nodes, discretisation_error) = (cone.nodes, cone.discretisation_error);
         Self {
             papilio,
@@ -65,6 +81,8 @@ impl<'a> ConeFile<'a> {
             phi_deg: &cone.phi_deg,
             states: &cone.states,
             quantities: columns(cone),
+            reference: Direction { theta_deg, phi_deg },
+            reference_white: cone.reference_white,
             directed: directed.collect(),
             solver: Solver { method: "adding", nodes, discretisation_error },
             warnings: &cone.warnings,
@@ -84,7 +102,7 @@ pub fn write_cone_csv(out: impl Write, cone: &ConeResult) -> io::Result<()> {
             let Some(view) = cone.view(i, j) else { continue };
             for (number, (name, state)) in cone.states.iter().zip(&view.states).enumerate() {
                 let start = [theta.to_string(), phi.to_string(), name.clone()];
-                let numbers = quantities(view, state).into_iter().chain(error(cone, [i, j, number]));
+                let numbers = cone_quantities(view, state).into_iter().chain(error(cone, [i, j, number]));
                 let numbers: Vec<String> = numbers
                     .map(|value| if value.is_finite() { value.to_string() } else { String::new() })
                     .collect();
@@ -107,8 +125,13 @@ pub fn write_cone_npy(mut out: impl Write, cone: &ConeResult) -> io::Result<()> 
         for j in 0..phis {
             let view = cone.view(i, j);
             for state in 0..cone.states.len() {
-                let numbers = view.and_then(|view| Some(quantities(view, view.states.get(state)?)));
-                values.extend(numbers.unwrap_or([f64::NAN; 8]).into_iter().chain(error(cone, [i, j, state])));
+                let numbers = view.and_then(|view| Some(cone_quantities(view, view.states.get(state)?)));
+                values.extend(
+                    numbers
+                        .unwrap_or([f64::NAN; CONE_QUANTITIES.len()])
+                        .into_iter()
+                        .chain(error(cone, [i, j, state])),
+                );
             }
         }
     }
@@ -132,8 +155,8 @@ fn error(cone: &ConeResult, [theta, phi, state]: [usize; 3]) -> Option<f64> {
     Some(error.filter(|_| is_known).unwrap_or(f64::NAN))
 }
 
-/// Returns the quantities in the order of [`CONE_QUANTITIES`].
-fn quantities(view: &ConeView, state: &ConeState) -> [f64; 8] {
+/// Returns the quantities in the order of [`CONE_QUANTITIES`]; NaN for those that are not defined.
+pub fn cone_quantities(view: &ConeView, state: &ConeState) -> [f64; CONE_QUANTITIES.len()] {
     let or_nan = |value: Option<f64>| value.unwrap_or(f64::NAN);
     [
         state.reflectance_factor_y,
@@ -144,5 +167,10 @@ fn quantities(view: &ConeView, state: &ConeState) -> [f64; 8] {
         or_nan(view.contrast_ratio),
         or_nan(view.gamut_percent_srgb),
         or_nan(view.gamut_percent_ebu),
+        or_nan(state.lab.map(|lab| lab.l)),
+        or_nan(state.lab.map(|lab| lab.a)),
+        or_nan(state.lab.map(|lab| lab.b)),
+        or_nan(state.delta_e_2000),
+        or_nan(state.delta_e_1976),
     ]
 }

@@ -3,7 +3,7 @@
 //! | reader | input |
 //! |---|---|
 //! | [`read_spectrum`] | two columns: wavelength in nm, value |
-//! | [`read_shares`], [`read_light`] | the same, with values from 0 to 1, or of a light source |
+//! | [`read_fractions`], [`read_light`] | the same, with values from 0 to 1, or of a light source |
 //! | [`read_profile`] | two columns: angle in degrees, relative radiance |
 //! | [`read_light_map`] | Radiance pictures and OpenEXR maps of the whole sphere (detected from the content) |
 //! | [`read_ies`] | luminaires, IES LM-63 type C |
@@ -18,6 +18,7 @@
 //! | [`ResultFile`] with [`write_json`] | `result.json`; its schema: [`result_schema`] |
 //! | [`write_states`], [`write_spectra`], [`write_reflection`] | `states.csv`, `spectra.csv`, `reflection.csv` |
 //! | [`PixelTable::write`] | `pixel.csv` |
+//! | [`write_absorption`], [`write_sub_pixels`] | `absorption.csv`, `sub-pixels.csv` |
 //! | [`write_cone_csv`], [`write_cone_npy`] | `cone.csv`, `cone.npy`; their description: [`ConeFile`] with [`write_json`] |
 //! | [`write_comparison`], [`write_compared_spectra`] | a comparison with a measured panel |
 //! | [`AuditFile`], [`FitFile`] with [`write_json`] | audit of a measurement, fitted lobes |
@@ -41,6 +42,7 @@
 //! # Ok::<(), papilio_formats::FormatError>(())
 //! ```
 
+mod absorption;
 mod audit;
 mod audit_text;
 mod bsdf;
@@ -72,6 +74,7 @@ mod sweep_parquet;
 mod tolerance;
 pub mod words;
 
+pub use absorption::{write_absorption, write_sub_pixels};
 pub use audit::{AuditFile, FitFile};
 pub use audit_text::audit_text;
 pub use bsdf::{
@@ -79,14 +82,14 @@ pub use bsdf::{
     bsdf_formats, read_bsdf, write_bsdf, write_measurement,
 };
 pub use comparison::{write_compared_spectra, write_comparison};
-pub use cone::{CONE_QUANTITIES, ConeFile, write_cone_csv, write_cone_npy};
+pub use cone::{CONE_QUANTITIES, ConeFile, cone_quantities, write_cone_csv, write_cone_npy};
 pub use error::{FormatError, Problem};
 pub use file::{DataFile, LARGEST_FILE, write_file};
 pub use index::{read_index, read_index_within};
 pub use journal::{
-    HeldJournal, Journal, JournalNumber, JournalRow, JournalRows, Journals, LARGEST_JOURNAL, RowsHead,
-    foreign, journal_name, journal_paths, open_journal, read_journal, read_journals, tidy_journals,
-    trusted_lines, write_journal_line,
+    Journal, JournalNumber, JournalRow, JournalRows, Journals, LARGEST_JOURNAL, LockedJournal, RowsHead,
+    foreign_journal_error, journal_name, journal_paths, open_journal, read_journal, read_journals,
+    read_verified_lines, tidy_journals, write_journal_line,
 };
 pub use json::write_json;
 pub use light::{
@@ -97,7 +100,7 @@ pub use papilio_diagnostics::{Diagnostic, Place, Spot, Warned};
 pub use pixel_table::{PIXEL_COLUMNS, PixelTable, is_name, read_pixel_table};
 pub use result::{ResultFile, result_schema, write_reflection, write_spectra, write_states};
 pub use result_read::{ReadResult, read_result};
-pub use spectrum::{read_light, read_shares, read_spectrum};
+pub use spectrum::{read_fractions, read_light, read_spectrum};
 pub use study::write_study;
 pub use sweep::{
     LightHead, SweepHead, SweepHeadAxis, SweepJournal, SweepPoint, sweep_place, sweep_value, write_sweep_csv,

@@ -35,7 +35,7 @@ pub fn read_spectrum(file: &DataFile) -> Result<Tabulated, FormatError> {
 ///
 /// # Errors
 /// As [`read_spectrum`], and for values out of range, with their line.
-pub fn read_shares(file: &DataFile) -> Result<Tabulated, FormatError> {
+pub fn read_fractions(file: &DataFile) -> Result<Tabulated, FormatError> {
     read_checked(file, |row, value| within(row, value, 0.0..=1.0, "the fraction", "a number from 0 to 1"))
 }
 

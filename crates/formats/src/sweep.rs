@@ -25,12 +25,12 @@ pub struct SweepHead {
     pub axes: Vec<SweepHeadAxis>,
     /// Metrics of the figures.
     pub figures: Vec<String>,
-    /// For a light sweep, the quantities that it saves and the hash of its inputs; `None` for an ordinary sweep, which saves all.
+    /// For a compact sweep, the quantities that it saves and the hash of its inputs; `None` for an ordinary sweep, which saves all.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub light: Option<LightHead>,
 }
 
-/// The quantities that a light sweep saves.
+/// The quantities that a compact sweep saves.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct LightHead {
     /// Metrics, in the order of the numbers of a row: those of the first view precede those of the others.
@@ -140,7 +140,7 @@ impl SweepPoint {
 
     /// Returns one of the [`metrics`](Self::metrics) at one of the [`views`](Self::views), if it is defined.
     pub fn metric(&self, view: [&str; 2], name: &str) -> Option<f64> {
-        // In a light sweep, metrics of states are columns of their own.
+        // In a compact sweep, metrics of states are columns of their own.
         let of_state = name.split_once('.').filter(|_| !self.columns.iter().any(|own| own == name));
         let (state, column) = of_state.map_or((None, name), |(state, column)| (Some(state), column));
         let is_it = |row: &&Vec<String>| {

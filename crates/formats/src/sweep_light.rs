@@ -1,4 +1,4 @@
-//! Output of light sweeps: one row of numbers per point.
+//! Output of compact sweeps: one row of numbers per point.
 
 use std::io::{self, Write};
 
@@ -10,7 +10,7 @@ use crate::sweep::{SweepHead, SweepPoint, sweep_value};
 use crate::tolerance::write_table;
 use crate::words::text_cell;
 
-/// Writes `sweep.csv` of a light sweep: for each point the swept keys, then its metrics, empty where undefined.
+/// Writes `sweep.csv` of a compact sweep: for each point the swept keys, then its metrics, empty where undefined.
 /// `rows` holds those of all points in order.
 ///
 /// # Errors
@@ -31,7 +31,7 @@ fn cell(value: f64) -> String {
     if value.is_finite() { value.to_string() } else { String::new() }
 }
 
-/// Returns the points of a light sweep as points of an ordinary one, for figures and the terminal: with one row per view, or a
+/// Returns the points of a compact sweep as points of an ordinary one, for figures and the terminal: with one row per view, or a
 /// single row for the first view if the views differ between points.
 pub fn light_points(head: &SweepHead, rows: &[&[f64]]) -> Vec<SweepPoint> {
     let Some(light) = &head.light else { return Vec::new() };
@@ -55,7 +55,7 @@ pub fn light_points(head: &SweepHead, rows: &[&[f64]]) -> Vec<SweepPoint> {
     rows.iter().enumerate().map(point).collect()
 }
 
-/// Writes a light sweep as JSON. `rows` holds those of all points in order.
+/// Writes a compact sweep as JSON. `rows` holds those of all points in order.
 ///
 /// # Errors
 /// Those of `out`.

@@ -32,7 +32,7 @@ pub fn sweep_parquet(head: &SweepHead, points: &[&SweepPoint]) -> Result<Vec<u8>
     written(&table).map_err(std::io::Error::other)
 }
 
-/// Returns the bytes of `sweep.parquet` of a light sweep. `rows` holds those of all points in order.
+/// Returns the bytes of `sweep.parquet` of a compact sweep. `rows` holds those of all points in order.
 ///
 /// # Errors
 /// As [`sweep_parquet`].

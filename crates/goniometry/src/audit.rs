@@ -10,7 +10,7 @@ mod patches;
 use papilio_optics::Beta;
 
 use crate::shape::on_specular_grid;
-use crate::{Fill, Geometry, Part, Shape, SpecularGrid};
+use crate::{Fill, Geometry, MeasuredPart, Shape, SpecularGrid};
 
 /// Smallest angle of light that counts as haze, degrees (ASTM D1003).
 const HAZE_DEG: f64 = 2.5;
@@ -111,7 +111,7 @@ impl Audit {
     /// Audits one channel, given by its index. Patches are summed directly. A part on another geometry is
     /// first resampled on a specular-centred grid, and its cells are those of that grid. `None` for listed
     /// pairs.
-    pub fn of(part: &Part, channel: usize) -> Option<Self> {
+    pub fn of(part: &MeasuredPart, channel: usize) -> Option<Self> {
         if let Geometry::Patches { incoming, outgoing } = &part.geometry {
             return Some(patches::audit([incoming, outgoing], part.channel(channel)));
         }
@@ -216,7 +216,7 @@ impl Audit {
 }
 
 /// Totals at each rotation separately; empty for a single rotation.
-fn rotations(part: &Part, channel: usize, grid: &SpecularGrid, values: &[f64]) -> Vec<Rotation> {
+fn rotations(part: &MeasuredPart, channel: usize, grid: &SpecularGrid, values: &[f64]) -> Vec<Rotation> {
     let turns = grid.rotations_deg.len();
     if turns < 2 {
         return Vec::new();

@@ -21,7 +21,9 @@
 
 use std::f64::consts::PI;
 
-use crate::{Channel, Fill, Geometry, GoniometryError, Measurement, Part, Shape, SpecularGrid, Way};
+use crate::{
+    Channel, Fill, Geometry, GoniometryError, MeasuredPart, Measurement, ScatterMode, Shape, SpecularGrid,
+};
 
 /// Relative difference of a correction factor from its neighbours' mean above which it is counted as
 /// rough.
@@ -40,7 +42,7 @@ pub struct Calibrated {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Calibration {
     /// Scatter mode of the sample's part.
-    pub way: Way,
+    pub way: ScatterMode,
     /// Channel of the sample.
     pub channel: Channel,
     /// Smallest and largest factor.
@@ -85,7 +87,7 @@ pub fn calibrated(
     Ok(calibrated)
 }
 
-fn reference_part(reference: &Measurement, way: Way) -> Result<&Part, GoniometryError> {
+fn reference_part(reference: &Measurement, way: ScatterMode) -> Result<&MeasuredPart, GoniometryError> {
     let same = reference.parts.iter().find(|part| part.way == way);
     let only = (reference.parts.len() == 1).then(|| reference.parts.first()).flatten();
     same.or(only).ok_or(GoniometryError::NoReference(way))
@@ -109,7 +111,11 @@ fn same_cells(sample: &Geometry, reference: &Geometry) -> Result<(), GoniometryE
 }
 
 /// Returns the known f over the measured f; `None` where the reference has no light.
-fn correction(white: &Part, channel: Channel, known: f64) -> Result<Vec<Option<f64>>, GoniometryError> {
+fn correction(
+    white: &MeasuredPart,
+    channel: Channel,
+    known: f64,
+) -> Result<Vec<Option<f64>>, GoniometryError> {
     let same = white.channels.iter().position(|other| *other == channel);
     let only = (white.channels.len() == 1).then_some(0);
     let number = same.or(only).ok_or(GoniometryError::NoChannel(channel))?;
@@ -117,7 +123,7 @@ fn correction(white: &Part, channel: Channel, known: f64) -> Result<Vec<Option<f
     Ok(white.channel(number).iter().map(factor).collect())
 }
 
-fn apply(part: &mut Part, channel: usize, correction: &[Option<f64>]) -> Calibration {
+fn apply(part: &mut MeasuredPart, channel: usize, correction: &[Option<f64>]) -> Calibration {
     let cells = correction.len();
     let before = part.channel(channel).to_vec();
     let mut calibration = Calibration {
@@ -208,7 +214,7 @@ mod tests {
         0.8 * (1.0 - 0.6 * to.squared() + 0.1 * to.x)
     }
 
-    fn measured(instrument: &Instrument, way: Way, f: &dyn Fn(Beta, Beta) -> f64) -> Measurement {
+    fn measured(instrument: &Instrument, way: ScatterMode, f: &dyn Fn(Beta, Beta) -> f64) -> Measurement {
         let count = instrument.channels.len();
         instrument.measure("", &[View { way, f, straight: 0.0, factors: &vec![1.0; count] }]).unwrap()
     }
@@ -222,10 +228,12 @@ mod tests {
         let instrument = instrument(0);
         let lobe = |from: Beta, to: Beta| sample(from, to - from);
         let white = |_: Beta, to: Beta| 0.99 / PI * vignetting(to);
-        let truth = measured(&instrument, Way::FrontTransmission, &lobe);
-        let seen = measured(&instrument, Way::FrontTransmission, &|from, to| lobe(from, to) * vignetting(to));
+        let truth = measured(&instrument, ScatterMode::FrontTransmission, &lobe);
+        let seen = measured(&instrument, ScatterMode::FrontTransmission, &|from, to| {
+            lobe(from, to) * vignetting(to)
+        });
         // The white is measured in reflection, the sample in transmission.
-        let reference = measured(&instrument, Way::FrontReflection, &white);
+        let reference = measured(&instrument, ScatterMode::FrontReflection, &white);
         let result = calibrated(&seen, &reference, 0.99).unwrap();
         for (ours, truth) in result.measurement.parts[0].values.iter().zip(&truth.parts[0].values) {
             assert!((ours - truth).abs() <= 1e-12 * truth, "{ours} {truth}");
@@ -244,9 +252,9 @@ mod tests {
     fn noise_and_holes_of_reference_are_reported() {
         let mut instrument = instrument(3);
         let lobe = |from: Beta, to: Beta| sample(from, to - from);
-        let seen = measured(&instrument, Way::FrontReflection, &lobe);
+        let seen = measured(&instrument, ScatterMode::FrontReflection, &lobe);
         instrument.noise = Noise { relative: 0.02, ..instrument.noise };
-        let mut reference = measured(&instrument, Way::FrontReflection, &|_, _| 0.99 / PI);
+        let mut reference = measured(&instrument, ScatterMode::FrontReflection, &|_, _| 0.99 / PI);
         reference.parts[0].values[3] = f64::NAN;
         reference.parts[0].values[91] = 0.0;
         let result = calibrated(&seen, &reference, 0.99).unwrap();
@@ -263,21 +271,24 @@ mod tests {
     #[test]
     fn reference_with_other_grid_mode_or_channel_is_refused() {
         let instrument = instrument(0);
-        let reference = measured(&instrument, Way::FrontReflection, &|_, _| 0.3);
+        let reference = measured(&instrument, ScatterMode::FrontReflection, &|_, _| 0.3);
         let refusal = |sample: &Measurement, reference: &Measurement, factor: f64| {
             calibrated(sample, reference, factor).unwrap_err()
         };
         let mut other = instrument.clone();
         other.grid.radials_deg.truncate(40);
-        let sample = measured(&other, Way::FrontReflection, &|_, _| 0.3);
+        let sample = measured(&other, ScatterMode::FrontReflection, &|_, _| 0.3);
         assert_eq!(refusal(&sample, &reference, 0.99), GoniometryError::GridsDiffer("radial distances"));
         let mut two = reference.clone();
-        two.parts.push(Part { way: Way::BackReflection, ..two.parts[0].clone() });
-        let sample = measured(&instrument, Way::FrontTransmission, &|_, _| 0.3);
-        assert_eq!(refusal(&sample, &two, 0.99), GoniometryError::NoReference(Way::FrontTransmission));
+        two.parts.push(MeasuredPart { way: ScatterMode::BackReflection, ..two.parts[0].clone() });
+        let sample = measured(&instrument, ScatterMode::FrontTransmission, &|_, _| 0.3);
+        assert_eq!(
+            refusal(&sample, &two, 0.99),
+            GoniometryError::NoReference(ScatterMode::FrontTransmission)
+        );
         let mut other = instrument.clone();
         other.channels = vec![Channel::Red, Channel::Blue];
-        let sample = measured(&other, Way::FrontReflection, &|_, _| 0.3);
+        let sample = measured(&other, ScatterMode::FrontReflection, &|_, _| 0.3);
         assert_eq!(refusal(&sample, &reference, 0.99), GoniometryError::NoChannel(Channel::Red));
         assert!(matches!(refusal(&reference, &reference, 0.0), GoniometryError::OutOfRange { .. }));
     }

@@ -36,7 +36,7 @@ pub enum GoniometryError {
     GridsDiffer(&'static str),
     /// The reference has no part for the scatter mode of a part of the sample.
     #[error("the reference has no part for the scatter mode {0:?}")]
-    NoReference(crate::Way),
+    NoReference(crate::ScatterMode),
     /// A channel of the sample is missing in the reference.
     #[error("the reference has no channel {0:?}")]
     NoChannel(crate::Channel),

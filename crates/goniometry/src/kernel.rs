@@ -9,7 +9,7 @@ use papilio_optics::interface::fresnel_reflectance;
 use papilio_optics::scatter::{Scatter, Table};
 
 use crate::shape::on_specular_grid;
-use crate::{Fill, Geometry, GoniometryError, Part, Shape, SpecularGrid, incidence_scale};
+use crate::{Fill, Geometry, GoniometryError, MeasuredPart, Shape, SpecularGrid, incidence_scale};
 
 /// Step in t of the table's distances `w sinh(t)`, with w a half-width. The error of cubic interpolation
 /// is then 1e-4.
@@ -98,7 +98,7 @@ pub struct Changes {
 /// # Errors
 /// If the part is too coarse (patches), lacks a requested TIS, or a table cannot represent it.
 pub fn kernel(
-    part: &Part,
+    part: &MeasuredPart,
     channel: usize,
     preparation: &Preparation,
     spectrum: &[f64],
@@ -251,7 +251,7 @@ mod tests {
     use std::f64::consts::PI;
 
     use super::*;
-    use crate::{Channel, SpecularGrid, Symmetry, Way};
+    use crate::{Channel, ScatterMode, SpecularGrid, Symmetry};
     use papilio_optics::lobe::Lobe;
     use papilio_optics::{Beta, Scatterer};
 
@@ -263,7 +263,7 @@ mod tests {
     }
 
     /// Part of a foil on a grid of 1 deg with the values of `f`.
-    fn part(f: impl Fn(Beta, Beta) -> f64) -> Part {
+    fn part(f: impl Fn(Beta, Beta) -> f64) -> MeasuredPart {
         let steps = |to: u32, step: u32| (0..=to / step).map(|k| f64::from(k * step)).collect::<Vec<_>>();
         let grid = SpecularGrid {
             rotations_deg: vec![0.0],
@@ -281,8 +281,8 @@ mod tests {
                 }));
             }
         }
-        Part {
-            way: Way::FrontTransmission,
+        MeasuredPart {
+            way: ScatterMode::FrontTransmission,
             channels: vec![Channel::Monochrome],
             geometry: Geometry::Specular(grid),
             values,
@@ -328,7 +328,7 @@ mod tests {
             assert!((averaged / tis - 1.0).abs() < 1e-3, "{k}: {averaged} {tis}");
             assert!((changes.totals[k][1] / tis - 1.0).abs() < 1e-3);
         }
-        let without = Part { tis: vec![0.0; 4], ..part(lobe) };
+        let without = MeasuredPart { tis: vec![0.0; 4], ..part(lobe) };
         assert_eq!(kernel(&without, 0, &preparation, &[]).unwrap_err(), GoniometryError::NoTis);
     }
 

@@ -1,6 +1,6 @@
 //! Measured scattering: the data of goniometers and imaging spheres, and their evaluation.
 //!
-//! A [`Measurement`] is a BSDF as stored in a file. It has one [`Part`] for each scatter mode
+//! A [`Measurement`] is a BSDF as stored in a file. It has one [`MeasuredPart`] for each scatter mode
 //! (reflection or transmission, from the front or from the back), with values at the cells of a
 //! [`Geometry`] in one or more [`Channel`]s. Its data are not filled, smoothed or renormalised: a
 //! cell that was not measured is NaN.
@@ -62,7 +62,7 @@ pub use instrument::{
     Deblurred, Instrument, Noise, SyntheticSample, Unblur, Unblurred, View, deblurred, tristimulus_factors,
 };
 pub use kernel::{Changes, Lamination, Preparation, kernel};
-pub use measurement::{Channel, Measurement, Part, Provenance, Way};
+pub use measurement::{Channel, MeasuredPart, Measurement, Provenance, ScatterMode};
 pub use models::{Kind, Meaning, Model, Normalisation};
 pub use shape::{Fill, Shape, on_specular_grid};
 pub use two_instruments::incidence_scale;

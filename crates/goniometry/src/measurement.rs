@@ -11,8 +11,8 @@ pub struct Measurement {
     pub provenance: Provenance,
     /// Refractive index of the medium on the front and on the back, 1 in air.
     pub media: [f64; 2],
-    /// Parts, at most one for each [`Way`].
-    pub parts: Vec<Part>,
+    /// Parts, at most one for each [`ScatterMode`].
+    pub parts: Vec<MeasuredPart>,
 }
 
 /// Origin of a measurement, as stated in the file.
@@ -30,7 +30,7 @@ pub struct Provenance {
 
 /// Scatter mode: side of incidence, and reflection or transmission.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub enum Way {
+pub enum ScatterMode {
     /// Incident on the front, reflected.
     FrontReflection,
     /// Incident on the front, transmitted to the back.
@@ -41,7 +41,7 @@ pub enum Way {
     BackReflection,
 }
 
-impl Way {
+impl ScatterMode {
     /// Returns true for transmission.
     pub fn is_transmission(self) -> bool {
         matches!(self, Self::FrontTransmission | Self::BackTransmission)
@@ -101,9 +101,9 @@ impl fmt::Display for Channel {
 
 /// Values of one scatter mode of a sample.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Part {
+pub struct MeasuredPart {
     /// Scatter mode.
-    pub way: Way,
+    pub way: ScatterMode,
     /// Channels, at least one, the same in all cells.
     pub channels: Vec<Channel>,
     /// Directions of the values.
@@ -116,7 +116,7 @@ pub struct Part {
     pub tis: Vec<f64>,
 }
 
-impl Part {
+impl MeasuredPart {
     /// Returns the values of a channel, given by its index.
     pub fn channel(&self, channel: usize) -> &[f64] {
         let cells = self.geometry.cells();

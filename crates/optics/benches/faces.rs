@@ -7,7 +7,7 @@ use papilio_optics::film::{Coating, SpectralLayer, Thickness};
 use papilio_optics::rough::{Rough, Side};
 use papilio_optics::scatter::{Normalisation, Scatter, Table, Ward};
 use papilio_optics::{Beta, Scatterer};
-use papilio_sampling::{Numbers, Sampler};
+use papilio_sampling::{SampleStream, Sampler};
 
 fn main() {
     divan::main();
@@ -46,7 +46,7 @@ fn face_density(bencher: Bencher<'_, '_>) {
 #[divan::bench(args = [0.01, 0.2, 1.0])]
 fn face_sample(bencher: Bencher<'_, '_>, alpha: f64) {
     let face = Rough::new(alpha, 1.0, 1.5);
-    let numbers = Numbers::new(Sampler::Random, 1, 0);
+    let numbers = SampleStream::new(Sampler::Random, 1, 0);
     let mut path = 0;
     bencher.bench_local(|| {
         path += 1;
@@ -85,7 +85,7 @@ fn table_pdf(bencher: Bencher<'_, '_>) {
 
 #[divan::bench]
 fn table_sample(bencher: Bencher<'_, '_>) {
-    let (table, numbers) = (table(), Numbers::new(Sampler::Random, 0, 0));
+    let (table, numbers) = (table(), SampleStream::new(Sampler::Random, 0, 0));
     let mut path = 0;
     bencher.bench_local(|| {
         path += 1;

@@ -29,12 +29,14 @@
 //! amplitude r_p is that of H: at normal incidence r_p = -r_s.
 //!
 //! **Two implementations.** [`coherent`] is the reference: one wavelength, one beta, all quantities.
-//! [`GapFilm`] is fast: reflectance of many wavelengths, betas and gaps. [`FilmRow`] is fast for arrays, in
-//! which every point may have a stack of its own. The tests compare each with the reference.
+//! [`absorbed`] is the absorptance of each layer from it. [`GapFilm`] is fast: reflectance of many wavelengths, betas
+//! and gaps. [`FilmRow`] is fast for arrays, in which every point may have a stack of its own. The tests compare each
+//! with the reference.
 //!
 //! Source: M. Born, E. Wolf, "Principles of Optics", 7th ed., section 1.6;
 //! A. Macleod, "Thin-Film Optical Filters", 4th ed., chapter 2.
 
+mod absorbed;
 mod coating;
 mod coherent;
 mod derivative;
@@ -47,6 +49,7 @@ mod lanes;
 mod media;
 mod points;
 
+pub use absorbed::{Absorbed, absorbed};
 pub use coating::{Coating, CoatingPart};
 pub use coherent::{Coherent, Field, Film, Layer, Polarisation, coherent};
 pub use derivative::Variable;

@@ -5,6 +5,7 @@
 //! - [`interface`]: Fresnel reflectances between transparent media;
 //! - [`film`]: any stack of coherent thin layers, metals and evanescent waves included:
 //!   [`film::coherent`] computes all properties at one wavelength and direction,
+//!   [`film::absorbed`] the absorptance of each layer,
 //!   [`film::GapFilm`] the reflectances of very many, in a nanosecond each;
 //! - [`scatterer`]: the interface of all scatterers;
 //! - [`lobe`]: the angular kernels of diffusers, with their densities and samplers;

@@ -90,7 +90,7 @@ impl Scatterer for HenyeyGreenstein {
 
 #[cfg(test)]
 mod tests {
-    use papilio_sampling::{Numbers, Sampler};
+    use papilio_sampling::{SampleStream, Sampler};
     use papilio_testing::ChiSquare;
 
     use super::*;
@@ -167,7 +167,7 @@ mod tests {
 
     /// Chi-square over 32 bins of equal width in the angle, and the mean cosine.
     fn chi_square(drawn: HenyeyGreenstein, claimed: HenyeyGreenstein) -> (ChiSquare, f64) {
-        let numbers = Numbers::new(Sampler::Random, 23, 0);
+        let numbers = SampleStream::new(Sampler::Random, 23, 0);
         let (samples, mut counts, mut sum) = (40_000, [0.0; 32], 0.0);
         for path in 0..samples {
             let cos = drawn.sample_cosine(numbers.block(path, 0)[0]);

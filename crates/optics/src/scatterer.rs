@@ -89,7 +89,7 @@ impl<D: Copy> Sample<D> {
 mod tests {
     use std::f64::consts::PI;
 
-    use papilio_sampling::{Numbers, Sampler};
+    use papilio_sampling::{SampleStream, Sampler};
 
     use super::*;
     use crate::Beta;
@@ -194,7 +194,7 @@ mod tests {
         cut: bool,
     ) {
         const SAMPLES: u64 = 40_000;
-        let numbers = Numbers::new(Sampler::Random, 41, 0);
+        let numbers = SampleStream::new(Sampler::Random, 41, 0);
         let mut counts = vec![0.0; domain.squares.len() * CELLS * CELLS];
         let (mut sum, mut squares) = (0.0, 0.0);
         for path in 0..SAMPLES {

@@ -24,7 +24,7 @@ pub(crate) fn phase_functions() -> Section {
     };
     let figure = Chart {
         x: "Scattering angle (deg)".to_owned(),
-        y: "Phase function (1/sr, logarithmic)".to_owned(),
+        y: "Phase function (1/sr)".to_owned(),
         logarithmic: true,
         at_least: vec![],
         curves: MEAN_COSINES.into_iter().enumerate().map(curve).collect(),

@@ -5,7 +5,7 @@ use papilio_display::scene::AngleMedium;
 use papilio_figures::{
     PixelScan, ScatterCurve, Scattering, Transmission, pixel_scan, scattering, spectra_over, transmission,
 };
-use papilio_formats::{DataFile, LARGEST_BSDF_FILE, read_bsdf, read_shares};
+use papilio_formats::{DataFile, LARGEST_BSDF_FILE, read_bsdf, read_fractions};
 use papilio_goniometry::{Fill, Measurement, Shape};
 use papilio_optics::Beta;
 
@@ -97,7 +97,7 @@ fn transmissions(bench: &Bench<'_>) -> Result<Section, ReproductionError> {
     let mut spectra = Vec::new();
     for haze in ["65", "78", "81"] {
         let name = format!("data/H{haze}-transmission.csv");
-        let spectrum = read_shares(&DataFile::open(&bench.path(&name), &name)?)?;
+        let spectrum = read_fractions(&DataFile::open(&bench.path(&name), &name)?)?;
         spectra.push(Transmission {
             name: format!("Haze {haze}"),
             wavelength_nm: spectrum.wavelengths_nm().to_vec(),

@@ -8,8 +8,8 @@ use papilio_figures::{
 };
 use papilio_goniometry::{Data, Fit, FitOptions, Kind, Normalisation};
 use papilio_optics::Beta;
-use papilio_sampling::Numbers;
-use papilio_sampling::table_4_1::Way;
+use papilio_sampling::SampleStream;
+use papilio_sampling::table_4_1::Estimator;
 
 use crate::chapter_3::{in_plane, measurement, shape};
 use crate::displays::{Bench, ReproductionError};
@@ -38,7 +38,7 @@ fn table_4_1() -> Section {
         "N for a standard error of 0.08, thesis",
         "here",
     ]);
-    for (way, (printed, samples)) in Way::ALL.into_iter().zip(TABLE_4_1) {
+    for (way, (printed, samples)) in Estimator::ALL.into_iter().zip(TABLE_4_1) {
         let (factor, power) = way.variance();
         let formula = if power == 1 { format!("{factor:.4}/N") } else { format!("{factor:.4}/N^{power}") };
         let (found, error) = way.experiment(SAMPLES, EXPERIMENTS, 0);
@@ -70,7 +70,7 @@ fn paths(bench: &Bench<'_>) -> Result<Section, ReproductionError> {
     let (glass, eye) = (1.0, 1.3);
     let down = |beta: Beta, index: f64| beta.x / (index * index - beta.squared()).max(1e-9).sqrt();
     let view_direction = Beta::from_source(8.0, 0.0, 1.0);
-    let numbers = Numbers::new(Sampler::Stratified, 0, 0);
+    let numbers = SampleStream::new(Sampler::Stratified, 0, 0);
     let path = |k: u64| {
         let [u, v, s, t] = numbers.block(16 + k, 0);
         let start = -eye * down(view_direction, 1.0);

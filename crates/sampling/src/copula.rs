@@ -91,7 +91,7 @@ impl Correlation {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Numbers, Sampler};
+    use crate::{SampleStream, Sampler};
 
     fn pair(i: usize, j: usize, value: f64) -> Coefficient {
         Coefficient { between: [i, j], value }
@@ -102,7 +102,7 @@ mod tests {
     fn correlated_numbers_have_given_coefficients_and_stay_uniform() {
         let stated = [pair(0, 1, 0.8), pair(3, 1, -0.5), pair(0, 3, -0.2)];
         let correlation = Correlation::new(4, &stated).unwrap();
-        let numbers = Numbers::new(Sampler::Sobol, 0, 0);
+        let numbers = SampleStream::new(Sampler::Sobol, 0, 0);
         let count = 1 << 14;
         let all: Vec<[f64; 4]> = (0..count)
             .map(|path| {

@@ -1,6 +1,6 @@
 //! Uniform numbers for Monte Carlo integration, and warps that convert them to directions.
 //!
-//! - [`Numbers`]: the sample stream of one replicate: independent counter-based random numbers, or points of
+//! - [`SampleStream`]: the sample stream of one replicate: independent counter-based random numbers, or points of
 //!   low-discrepancy and stratified sets ([`Sampler`]). A path requests blocks of four numbers by position.
 //!   Its numbers depend on (seed, replicate, path, block) alone, not on threads or other paths.
 //! - [`table_4_1`]: the gain from importance sampling and stratification, on an integral with known value.
@@ -34,4 +34,4 @@ pub mod warp;
 pub use copula::{Coefficient, Correlation};
 pub use distribution::Distribution;
 pub use erf::{erfc, erfc_inv};
-pub use numbers::{Numbers, PLANNED_BLOCKS, Sampler};
+pub use numbers::{PLANNED_BLOCKS, SampleStream, Sampler};

@@ -38,7 +38,7 @@ impl Sampler {
 
     /// The first two numbers of each path, for a figure of the set.
     pub fn first_pairs(self, paths: Range<u64>) -> Vec<[f64; 2]> {
-        let numbers = Numbers::new(self, 0, 0);
+        let numbers = SampleStream::new(self, 0, 0);
         let pair = |path| {
             let [u, v, ..] = numbers.block(path, 0);
             [u, v]
@@ -52,25 +52,25 @@ pub const PLANNED_BLOCKS: u32 = sobol::BLOCKS as u32;
 
 /// Sample stream of one replicate.
 #[derive(Debug, Clone, Copy)]
-pub struct Numbers {
+pub struct SampleStream {
     sampler: Sampler,
     key: u64,
 }
 
-impl Numbers {
+impl SampleStream {
     /// Returns the numbers of replicate `stream` of a computation with this seed.
     pub fn new(sampler: Sampler, seed: u64, stream: u64) -> Self {
         Self { sampler, key: mix64(mix64(seed ^ 0x5061_7069_6c69_6f00) ^ stream) }
     }
 
     /// Returns numbers for the same replicate that are independent of these.
-    pub fn apart(&self) -> Self {
+    pub fn independent(&self) -> Self {
         Self { key: mix64(self.key ^ 0x6170_6172_7400), ..*self }
     }
 
     /// Returns an integer in `0..end`, uniformly distributed over replicates and the same for all paths of
     /// one.
-    pub fn whole(&self, end: u64) -> u64 {
+    pub fn uniform_int(&self, end: u64) -> u64 {
         ((u128::from(mix64(self.key)) * u128::from(end)) >> 64) as u64
     }
 
@@ -121,7 +121,7 @@ impl Numbers {
     /// Computes one of the four numbers at a time: with all four, compilers mix paths and numbers in SIMD
     /// registers.
     #[inline(always)]
-    pub fn side_by_side<const N: usize>(&self, first: u64, block: u32, number: usize) -> [f64; N] {
+    pub fn batch<const N: usize>(&self, first: u64, block: u32, number: usize) -> [f64; N] {
         let consecutive = self.sampler == Sampler::Sobol && block < PLANNED_BLOCKS;
         if !consecutive || !first.is_multiple_of(sobol::CONSECUTIVE as u64) {
             return std::array::from_fn(|k| self.block(first + k as u64, block)[number]);
@@ -169,7 +169,7 @@ mod tests {
 
     fn all(sampler: Sampler) -> impl Iterator<Item = [f64; 4]> {
         (0..64).flat_map(move |stream| {
-            let numbers = Numbers::new(sampler, 42, stream);
+            let numbers = SampleStream::new(sampler, 42, stream);
             (0..1024).map(move |path| numbers.block(path, 1))
         })
     }
@@ -201,7 +201,7 @@ mod tests {
     fn sobol_error_is_a_tenth_of_the_random_error_for_a_smooth_function() {
         let error = |sampler| {
             let errors = (0..32).map(|stream| {
-                let numbers = Numbers::new(sampler, 1, stream);
+                let numbers = SampleStream::new(sampler, 1, stream);
                 let sum: f64 = (0..1024).map(|p| numbers.block(p, 0).iter().product::<f64>()).sum();
                 (sum / 1024.0 - 1.0 / 16.0).powi(2)
             });
@@ -212,7 +212,7 @@ mod tests {
 
     #[test]
     fn paths_beyond_one_sobol_set_use_new_scrambles() {
-        let numbers = Numbers::new(Sampler::Sobol, 3, 0);
+        let numbers = SampleStream::new(Sampler::Sobol, 3, 0);
         assert_ne!(numbers.block(5, 0), numbers.block(5 + (1 << 16), 0));
         let mean = (0..(1_u64 << 17)).map(|p| numbers.block(p, 0)[2]).sum::<f64>() / f64::from(1 << 17);
         assert!((mean - 0.5).abs() < 1e-5);
@@ -221,10 +221,10 @@ mod tests {
     #[test]
     fn side_by_side_equals_single_blocks() {
         for sampler in Sampler::ALL {
-            let numbers = Numbers::new(sampler, 9, 2);
+            let numbers = SampleStream::new(sampler, 9, 2);
             for first in [0, 48, 64, 8128, (1 << 32) - 64, (1 << 32) - 5, (1 << 32) + 128] {
                 for block in [0, 3, 4] {
-                    let found = [0, 1, 2, 3].map(|number| numbers.side_by_side::<64>(first, block, number));
+                    let found = [0, 1, 2, 3].map(|number| numbers.batch::<64>(first, block, number));
                     for k in 0..64 {
                         let one = numbers.block(first + k as u64, block);
                         assert_eq!(found.map(|number| number[k]), one);
@@ -238,27 +238,27 @@ mod tests {
     fn whole_is_uniform_and_apart_is_independent() {
         let mut cells = [0.0_f64; 16];
         for stream in 0..16_000 {
-            let numbers = Numbers::new(Sampler::Sobol, 5, stream).apart();
-            cells[numbers.whole(16) as usize] += 1.0;
-            assert_eq!(numbers.whole(1), 0);
+            let numbers = SampleStream::new(Sampler::Sobol, 5, stream).independent();
+            cells[numbers.uniform_int(16) as usize] += 1.0;
+            assert_eq!(numbers.uniform_int(1), 0);
         }
         let found = ChiSquare::uniform(&cells);
         assert!(found.is_likely(), "{found:?}");
         for sampler in Sampler::ALL {
-            let numbers = Numbers::new(sampler, 5, 0);
-            assert_ne!(numbers.block(3, 1), numbers.apart().block(3, 1));
+            let numbers = SampleStream::new(sampler, 5, 0);
+            assert_ne!(numbers.block(3, 1), numbers.independent().block(3, 1));
         }
     }
 
     #[test]
     fn numbers_differ_by_seed_stream_path_and_block() {
         for sampler in Sampler::ALL {
-            let base = Numbers::new(sampler, 0, 0).block(0, 0);
-            assert_ne!(base, Numbers::new(sampler, 1, 0).block(0, 0));
-            assert_ne!(base, Numbers::new(sampler, 0, 1).block(0, 0));
-            assert_ne!(base, Numbers::new(sampler, 0, 0).block(1, 0));
-            assert_ne!(base, Numbers::new(sampler, 0, 0).block(0, 1));
-            assert_eq!(base, Numbers::new(sampler, 0, 0).block(0, 0));
+            let base = SampleStream::new(sampler, 0, 0).block(0, 0);
+            assert_ne!(base, SampleStream::new(sampler, 1, 0).block(0, 0));
+            assert_ne!(base, SampleStream::new(sampler, 0, 1).block(0, 0));
+            assert_ne!(base, SampleStream::new(sampler, 0, 0).block(1, 0));
+            assert_ne!(base, SampleStream::new(sampler, 0, 0).block(0, 1));
+            assert_eq!(base, SampleStream::new(sampler, 0, 0).block(0, 0));
         }
     }
 }

@@ -3,11 +3,11 @@
 //! Variances of the estimate from N samples, in closed form and by experiment. The
 //! integral is 8; the table's last column is the number of samples for a standard error of 0.08.
 
-use crate::{Numbers, Sampler};
+use crate::{SampleStream, Sampler};
 
 /// Integration method: a row of the table.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Way {
+pub enum Estimator {
     /// Density (6 - x)/16: few samples where the integrand is large.
     Poor,
     /// Density 1/4.
@@ -23,7 +23,7 @@ pub enum Way {
 /// The integral of x from 0 to 4.
 pub const INTEGRAL: f64 = 8.0;
 
-impl Way {
+impl Estimator {
     /// All methods, in the order of the table.
     pub const ALL: [Self; 5] = [Self::Poor, Self::Uniform, Self::Ideal, Self::NearIdeal, Self::Stratified];
 
@@ -85,7 +85,7 @@ impl Way {
     pub fn experiment(self, samples: u64, experiments: u64, seed: u64) -> (f64, f64) {
         let squares: Vec<f64> = (0..experiments)
             .map(|stream| {
-                let numbers = Numbers::new(Sampler::Random, seed, stream);
+                let numbers = SampleStream::new(Sampler::Random, seed, stream);
                 let one = |k: u64| {
                     let u = numbers.block(k, 0)[0];
                     let stratified = self == Self::Stratified;
@@ -113,7 +113,7 @@ mod tests {
     #[test]
     fn variances_and_sample_counts_equal_table_4_1() {
         let printed = [(56.80, 1), (21.33, 1), (0.0, 1), (0.1646, 1), (21.33, 3)];
-        for (way, (factor, power)) in Way::ALL.into_iter().zip(printed) {
+        for (way, (factor, power)) in Estimator::ALL.into_iter().zip(printed) {
             let exact = way.variance();
             assert!(
                 (exact.0 - factor).abs() < 0.006_f64.min(0.0002_f64.max(2e-4 * factor)),
@@ -121,13 +121,13 @@ mod tests {
             );
             assert_eq!(exact.1, power);
         }
-        let samples: Vec<u64> = Way::ALL.iter().map(|way| way.samples_for(0.08)).collect();
+        let samples: Vec<u64> = Estimator::ALL.iter().map(|way| way.samples_for(0.08)).collect();
         assert_eq!(samples, [8876, 3334, 1, 26, 15]);
     }
 
     #[test]
     fn densities_integrate_to_one() {
-        for way in Way::ALL {
+        for way in Estimator::ALL {
             let steps = 100_000;
             let mean: f64 = (0..steps).map(|k| 1.0 / way.draw((k as f64 + 0.5) / f64::from(steps)).1).sum();
             assert!((mean / f64::from(steps) - 4.0).abs() < 0.02, "{way:?}");
@@ -137,7 +137,7 @@ mod tests {
     /// Within 4.5 standard errors, for five rows.
     #[test]
     fn experiments_agree_with_closed_form_variances() {
-        for way in Way::ALL {
+        for way in Estimator::ALL {
             let (factor, power) = way.variance();
             let (found, error) = way.experiment(16, 20_000, 1);
             let exact = factor / 16.0_f64.powi(power);

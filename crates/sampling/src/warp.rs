@@ -111,7 +111,7 @@ fn frame(axis: [f64; 3]) -> ([f64; 3], [f64; 3]) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Numbers, Sampler};
+    use crate::{SampleStream, Sampler};
     use papilio_testing::ChiSquare;
 
     const POINTS: u64 = 40_000;
@@ -119,7 +119,7 @@ mod tests {
     /// Chi-square of samples on 16 x 16 cells of equal probability. `sample` maps them back to the unit
     /// square by the cumulative distribution.
     fn chi_square(sample: impl Fn([f64; 2]) -> [f64; 2]) -> ChiSquare {
-        let numbers = Numbers::new(Sampler::Random, 11, 0);
+        let numbers = SampleStream::new(Sampler::Random, 11, 0);
         let mut cells = [0.0_f64; 256];
         for path in 0..POINTS {
             let u = numbers.block(path, 0);

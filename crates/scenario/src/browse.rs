@@ -180,7 +180,8 @@ pub fn with_catalogue_tables(page: &str) -> Option<String> {
 }
 
 fn material_table() -> String {
-    let mut text = "| name | what | n, k at 550 nm | data, nm | source | page |\n|---|---|---|---|---|---|\n".to_owned();
+    let mut text =
+        "| name | what | n, k at 550 nm | data, nm | source | page |\n|---|---|---|---|---|---|\n".to_owned();
     for entry in materials() {
         let range = entry.measured_nm.map_or("all".to_owned(), |[a, b]| format!("{a:.0} to {b:.0}"));
         let k = if entry.k_550 >= 5e-4 { format!(", {:.3}", entry.k_550) } else { String::new() };
@@ -194,7 +195,9 @@ fn material_table() -> String {
 }
 
 fn illuminant_table() -> String {
-    let mut text = "| name | light | x | y | CCT, K | Ra | table | source |\n|---|---|---|---|---|---|---|---|\n".to_owned();
+    let mut text =
+        "| name | light | x | y | CCT, K | Ra | table | source |\n|---|---|---|---|---|---|---|---|\n"
+            .to_owned();
     for entry in illuminants() {
         let step = entry.table_step_nm.map_or("constant".to_owned(), |step| format!("{step} nm"));
         let number = |value: Option<f64>| value.map_or("-".to_owned(), |value| format!("{value:.0}"));

@@ -4,13 +4,14 @@
 //! the type, its reading, its defaults, its JSON Schema and its documentation come from the same lines.
 //! The declarations themselves are in `describe`.
 
-/// Declares a table: its keys, each with its type, meaning and (after `=`) default.
+/// Declares a table: its keys, each with its type, meaning and (after `=`) default; after `as` its label, where the words of
+/// the key are not enough.
 /// Keys that a later version will have (`later`) get a message of their own.
 macro_rules! table {
     (
         $(#[doc = $doc:literal])*
         $name:ident $(later [$($later:literal),* $(,)?])? {
-            $( $(#[doc = $field_doc:literal])* $field:ident : $ty:ty $(= $default:expr)? ),* $(,)?
+            $( $(#[doc = $field_doc:literal])* $field:ident $(as $label:literal)? : $ty:ty $(= $default:expr)? ),* $(,)?
         }
     ) => {
         $(#[doc = $doc])*
@@ -33,6 +34,7 @@ macro_rules! table {
                 vec![$( $crate::schema::Row::new::<$ty>(
                     stringify!($field),
                     concat!($($field_doc, "\n"),*),
+                    $crate::grammar::table!(@label $($label)?),
                     $crate::grammar::table!(@default $($default)?),
                 ) ),*]
             }
@@ -73,6 +75,8 @@ macro_rules! table {
             }
         }
     };
+    (@label) => { None };
+    (@label $label:literal) => { Some($label) };
     (@default) => { None };
     (@default $default:expr) => { Some($default) };
 }

@@ -14,8 +14,8 @@
 //!   satisfy the same grammar, and their errors point to their own text.
 //! - A [`Sweep`] is a scenario at many points: the values of its `[sweep]` are set in the same tree.
 //! - An [`Optimisation`] is a scenario with variables, objectives and constraints.
-//! - A [`Varied`] is a scenario some of whose keys get values one set after the other.
-//! - A [`Tolerance`] is a [`Varied`] with distributions of its keys, and limits.
+//! - A [`ParameterisedScenario`] is a scenario some of whose keys get values one set after the other.
+//! - A [`Tolerance`] is a [`ParameterisedScenario`] with distributions of its keys, and limits.
 //! - The [hash](Resolved::hash) identifies the computation: the scenario with all its
 //!   defaults, and the bytes of its files.
 //!
@@ -53,6 +53,7 @@ mod edit;
 mod error;
 mod grammar;
 mod kinds;
+mod labels;
 mod library;
 mod memo;
 mod migrate;
@@ -83,8 +84,9 @@ pub use browse::{
 };
 pub use edit::{Edit, edit};
 pub use error::{ScenarioError, ScenarioErrors};
-pub use library::{KeptFile, Library};
-pub use memo::Memo;
+pub use labels::label;
+pub use library::{Library, MemoryFile};
+pub use memo::ResolveCache;
 pub use migrate::{Migrated, RenamedPlace, migrate};
 pub use mistake::MistakeKind;
 pub use optimise::{
@@ -93,11 +95,12 @@ pub use optimise::{
 };
 pub use page::with_key_tables;
 pub use papilio_diagnostics::{Diagnostic, nearest};
+pub use papilio_display::{Label, labelled_names};
 pub use path::KeyPath;
 pub use preset::{new_scenario, preset_names};
 pub use resolve::VirtualMeasurement;
 pub use scenario::{Resolved, Scenario};
 pub use schema::schema;
 pub use sweep::{LightSweep, Sweep};
-pub use tolerance::{AskedMetric, ScatteredKey, Tolerance, ToleranceLimit};
-pub use varied::Varied;
+pub use tolerance::{ReportedMetric, ScatteredKey, Tolerance, ToleranceLimit};
+pub use varied::ParameterisedScenario;

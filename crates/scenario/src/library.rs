@@ -8,7 +8,7 @@ use papilio_diagnostics::{Diagnostic, Place, suggestion};
 use papilio_formats::{DataFile, FormatError};
 use sha2::{Digest, Sha256};
 
-use crate::memo::Memo;
+use crate::memo::ResolveCache;
 
 /// The files that a scenario may name.
 #[derive(Debug, Clone)]
@@ -18,17 +18,17 @@ pub enum Library {
     /// Files in memory, by the names that scenarios use. Nothing is read from the disk, whatever a scenario contains.
     Memory {
         /// Files by their names.
-        files: Arc<BTreeMap<String, KeptFile>>,
+        files: Arc<BTreeMap<String, MemoryFile>>,
         /// Cache of values that were computed from them.
-        memo: Arc<Memo>,
+        memo: Arc<ResolveCache>,
     },
 }
 
 /// A file in memory; clones share it.
 #[derive(Debug, Clone)]
-pub struct KeptFile(Arc<(DataFile, String)>);
+pub struct MemoryFile(Arc<(DataFile, String)>);
 
-impl KeptFile {
+impl MemoryFile {
     /// Holds a file; errors in it state its name.
     pub fn new(file: DataFile) -> Self {
         let sha256 = sha256(&file.bytes);
@@ -60,10 +60,10 @@ impl From<&PathBuf> for Library {
 
 impl Library {
     /// Reads a file of at most `limit` bytes.
-    pub(crate) fn open(&self, name: &str, limit: u64) -> Result<KeptFile, Missing> {
+    pub(crate) fn open(&self, name: &str, limit: u64) -> Result<MemoryFile, Missing> {
         match self {
             Self::Folder(folder) => DataFile::open_within(&folder.join(name), name, limit)
-                .map(KeptFile::new)
+                .map(MemoryFile::new)
                 .map_err(Missing::Unread),
             Self::Memory { files, .. } => match files.get(name) {
                 Some(kept) => {

@@ -11,7 +11,7 @@ const MOST_ENTRIES: usize = 12;
 
 /// Cache of resolved values, for scenarios that are resolved many times with small changes.
 #[derive(Debug, Default)]
-pub struct Memo(Mutex<Vec<Entry>>);
+pub struct ResolveCache(Mutex<Vec<Entry>>);
 
 /// A cached value.
 #[derive(Debug, Clone)]
@@ -23,7 +23,7 @@ pub(crate) struct Entry {
     pub(crate) inputs: Vec<(String, String)>,
 }
 
-impl Memo {
+impl ResolveCache {
     /// Finds an entry and marks it as used last. `is_same` tests whether a file still has this SHA-256.
     pub(crate) fn find(&self, key: &str, is_same: impl Fn(&str, &str) -> bool) -> Option<Entry> {
         let mut entries = self.entries();

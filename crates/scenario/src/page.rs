@@ -14,7 +14,7 @@ const END: &str = "<!-- end of keys -->";
 
 /// Every table of keys, by its name in the page.
 #[rustfmt::skip]
-fn tables() -> Vec<(&'static str, Vec<Row>)> {
+pub(crate) fn tables() -> Vec<(&'static str, Vec<Row>)> {
     vec![
         ("scenario", File::rows()),
         ("spectrum", Spectrum::rows()),

@@ -67,7 +67,7 @@ impl Range {
         let (least, most) = (written(self.least), written(self.most));
         let range = match self.open {
             _ if self.least.is_infinite() => "a number".to_owned(),
-            [true, true] => format!("a number between {least} and {most}"),
+            [true, true] => format!("a number above {least} and below {most}"),
             [true, false] => format!("a number above {least}, at most {most}"),
             [false, _] => format!("a number from {least} to {most}"),
         };
@@ -120,7 +120,7 @@ mod tests {
     fn range_description_test_and_schema_agree() {
         for (range, words, inside, outside) in [
             (Range::from_to(0.0, 1e6).unit("nm"), "a number from 0 to 1e6 (nm)", [0.0, 1e6], [-1e-9, 1.1e6]),
-            (Range::between(-90.0, 90.0), "a number between -90 and 90", [-89.9, 89.9], [-90.0, 90.0]),
+            (Range::between(-90.0, 90.0), "a number above -90 and below 90", [-89.9, 89.9], [-90.0, 90.0]),
             (
                 Range::above_0_to(1e5).unit("K"),
                 "a number above 0, at most 100000 (K)",

@@ -1,5 +1,6 @@
 //! The JSON Schema of a scenario.
 
+use papilio_display::{Label, label_from_name};
 use schemars::generate::SchemaSettings;
 use schemars::{Schema, SchemaGenerator};
 use serde::Serialize;
@@ -22,6 +23,8 @@ pub(crate) struct Row {
     pub(crate) key: &'static str,
     /// Meaning, without range and default.
     pub(crate) doc: String,
+    /// Quantity in words, where the words of the key are not enough.
+    label: Option<&'static str>,
     /// Default value, or the meaning of a missing key in words.
     pub(crate) default: Default,
     /// Possible values in words.
@@ -43,7 +46,12 @@ pub(crate) enum Default {
 
 impl Row {
     /// Creates the row of a key of type `T`. Its doc comment may end with "Default: " and the meaning of a missing key.
-    pub(crate) fn new<T: Read + Serialize>(key: &'static str, doc: &str, default: Option<T>) -> Self {
+    pub(crate) fn new<T: Read + Serialize>(
+        key: &'static str,
+        doc: &str,
+        label: Option<&'static str>,
+        default: Option<T>,
+    ) -> Self {
         let doc = text(doc);
         let (doc, said) = match doc.split_once(" Default: ") {
             Some((doc, said)) => (doc.to_owned(), Some(said.trim_end_matches('.').to_owned())),
@@ -54,7 +62,14 @@ impl Row {
             None if T::absent().is_none() => Default::Required,
             None => Default::Words(said.unwrap_or_else(|| "none".to_owned())),
         };
-        Self { key, doc, default, words: T::in_words, on_page: T::on_page, schema: T::schema_of_value }
+        let words = T::in_words;
+        Self { key, doc, label, default, words, on_page: T::on_page, schema: T::schema_of_value }
+    }
+
+    /// Returns the label of the key: quantity and unit.
+    pub(crate) fn label(&self) -> Label {
+        let of_key = label_from_name(self.key);
+        self.label.map_or_else(|| of_key.clone(), |quantity| Label::new(quantity, of_key.unit.as_str()))
     }
 
     /// Returns the meaning, with the range of a number and the default.
@@ -82,6 +97,11 @@ pub(crate) fn of_table(rows: &[Row], doc: &str, generator: &mut SchemaGenerator)
     let (mut properties, mut required) = (Map::new(), Vec::new());
     for row in rows {
         let mut schema = (row.schema)(generator);
+        let label = row.label();
+        schema.insert("title".to_owned(), json!(label.quantity));
+        if !label.unit.is_empty() {
+            schema.insert("x-unit".to_owned(), json!(label.unit));
+        }
         schema.insert("description".to_owned(), json!(row.description()));
         match &row.default {
             Default::Required => required.push(row.key),

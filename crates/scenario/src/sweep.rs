@@ -15,9 +15,9 @@ use crate::path::KeyPath;
 use crate::read::{Read, Spanned};
 use crate::scenario::Scenario;
 use crate::set::Change;
-use crate::tolerance::{AskedMetric, of_all_views};
+use crate::tolerance::{ReportedMetric, of_all_views};
 use crate::tree::{Node, Value};
-use crate::varied::{ParsedScenario, Varied, VariedKey, read_of_scenarios};
+use crate::varied::{ParameterisedScenario, ParsedScenario, VariedKey, read_of_scenarios};
 
 /// A scenario at every combination of the axes of its `[sweep]`; the last axis varies fastest.
 #[derive(Debug, Clone)]
@@ -95,7 +95,7 @@ impl Sweep {
         }
     }
 
-    /// Returns the light sweep, if this is one. Without `figures` all its metrics are drawn.
+    /// Returns the compact sweep, if this is one. Without `figures` all its metrics are drawn.
     ///
     /// # Errors
     /// Mistakes in its metrics, or in the scenario at a point of [`samples`](Self::samples).
@@ -134,7 +134,7 @@ impl Sweep {
         let keys = self.axes.iter().flat_map(|axis| &axis.0);
         let places = keys.clone().map(|swept| VariedKey::at(swept.path.text(), swept.origin)).collect();
         Ok(Some(LightSweep {
-            varied: Varied::new(self.base.clone(), Vec::new(), places),
+            varied: ParameterisedScenario::new(self.base.clone(), Vec::new(), places),
             keys: keys.map(|swept| swept.values.iter().map(Node::to_json).collect()).collect(),
             axes: self.axes.iter().map(|axis| (axis.len(), axis.0.len())).collect(),
             metrics,
@@ -192,11 +192,11 @@ impl Sweep {
 #[derive(Debug, Clone)]
 pub struct LightSweep {
     /// The scenario: its paths are those of all keys, in order.
-    pub varied: Varied,
+    pub varied: ParameterisedScenario,
     /// The values of each key.
     pub keys: Vec<Vec<serde_json::Value>>,
     /// Metrics that are stored for every point: of the first view, then of the others.
-    pub metrics: Vec<AskedMetric>,
+    pub metrics: Vec<ReportedMetric>,
     /// Angles theta and phi of the views, degrees; empty if the swept keys may change them.
     pub views: Vec<[f64; 2]>,
     /// SHA-256 of everything that determines the results, except the index of the point.

@@ -16,7 +16,7 @@ use crate::path::KeyPath;
 use crate::read::{Read, Spanned};
 use crate::scattered::scattered;
 use crate::scenario::Scenario;
-use crate::varied::{ParsedScenario, Varied, VariedKey, read_of_scenarios};
+use crate::varied::{ParameterisedScenario, ParsedScenario, VariedKey, read_of_scenarios};
 
 /// Metrics that are reported if the scenario does not specify any.
 const REPORTED: [&str; 7] = [
@@ -33,7 +33,7 @@ const REPORTED: [&str; 7] = [
 #[derive(Debug, Clone)]
 pub struct Tolerance {
     /// The scenario; its paths are those of all keys, in order.
-    pub varied: Varied,
+    pub varied: ParameterisedScenario,
     /// Title of the scenario.
     pub title: Option<String>,
     /// Number of displays.
@@ -47,7 +47,7 @@ pub struct Tolerance {
     /// Correlation of the keys.
     pub correlation: Correlation,
     /// Metrics to report, those with limits first.
-    pub metrics: Vec<AskedMetric>,
+    pub metrics: Vec<ReportedMetric>,
     /// Limits of a good display.
     pub limits: Vec<ToleranceLimit>,
     /// SHA-256 of everything that determines the results of a display, except its index: the scenario, the keys, the seed,
@@ -72,7 +72,7 @@ pub struct ScatteredKey {
 
 /// A metric of a view, or of a state in a view.
 #[derive(Debug, Clone, PartialEq)]
-pub struct AskedMetric {
+pub struct ReportedMetric {
     /// Name in tables and figures: "white.Y", "white.Y, view 1".
     pub name: String,
     /// Index of the view, from 0.
@@ -141,7 +141,7 @@ impl Tolerance {
             limits,
             hash: sha256(means.to_string().as_bytes()),
             notes: base.notes()?,
-            varied: Varied::new(base, Vec::new(), places),
+            varied: ParameterisedScenario::new(base, Vec::new(), places),
         })
     }
 
@@ -152,7 +152,7 @@ impl Tolerance {
         scenario: &Scenario,
         scene: &Scene,
         errors: &mut Errors,
-    ) -> Option<(Vec<ScatteredKey>, Correlation, Vec<AskedMetric>, Vec<ToleranceLimit>)> {
+    ) -> Option<(Vec<ScatteredKey>, Correlation, Vec<ReportedMetric>, Vec<ToleranceLimit>)> {
         let filled = serde_json::to_value(scenario.filled()).unwrap_or_default();
         let keys: Vec<_> = read.keys.iter().map(|key| scattered(key, base, &filled, errors)).collect();
         if read.keys.is_empty() {
@@ -189,7 +189,7 @@ impl Tolerance {
     }
 }
 
-impl AskedMetric {
+impl ReportedMetric {
     fn of(name: &MetricName, view: usize) -> Self {
         let text = if view == 0 { name.text() } else { format!("{}, view {view}", name.text()) };
         Self { name: text, view, state: name.state.clone(), metric: name.metric }
@@ -285,11 +285,15 @@ fn correlation(
 }
 
 /// Returns the metrics with limits, then the other metrics to report; and the limits.
-fn columns(read: &Described, scene: &Scene, errors: &mut Errors) -> (Vec<AskedMetric>, Vec<ToleranceLimit>) {
+fn columns(
+    read: &Described,
+    scene: &Scene,
+    errors: &mut Errors,
+) -> (Vec<ReportedMetric>, Vec<ToleranceLimit>) {
     let states = state_names(&scene.display.pixel);
-    let mut metrics: Vec<AskedMetric> = Vec::new();
+    let mut metrics: Vec<ReportedMetric> = Vec::new();
     let mut column = |name: &MetricName, view: usize| {
-        let asked = AskedMetric::of(name, view);
+        let asked = ReportedMetric::of(name, view);
         let at = metrics.iter().position(|known| known.name == asked.name);
         at.unwrap_or_else(|| {
             metrics.push(asked);
@@ -340,10 +344,10 @@ pub(crate) fn of_all_views(
     named: &[Spanned<MetricName>],
     scene: &Scene,
     errors: &mut Errors,
-) -> Vec<AskedMetric> {
+) -> Vec<ReportedMetric> {
     let states = state_names(&scene.display.pixel);
     named.iter().for_each(|name| has_state(name, &states, errors));
-    let of_view = |view: usize| named.iter().map(move |name| AskedMetric::of(name, view));
+    let of_view = |view: usize| named.iter().map(move |name| ReportedMetric::of(name, view));
     (0..views(scene)).flat_map(of_view).collect()
 }
 

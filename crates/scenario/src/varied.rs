@@ -131,7 +131,7 @@ pub(crate) use read_of_scenarios;
 /// # Ok::<(), papilio_scenario::ScenarioErrors>(())
 /// ```
 #[derive(Debug, Clone)]
-pub struct Varied {
+pub struct ParameterisedScenario {
     base: ParsedScenario,
     /// Changes that are the same for all values.
     fixed: Vec<Change>,
@@ -148,7 +148,7 @@ pub(crate) struct VariedKey {
     pub(crate) values: Origin,
 }
 
-impl Varied {
+impl ParameterisedScenario {
     /// Reads a scenario file whose keys at `paths` (as in `--set`) will vary.
     ///
     /// # Errors

@@ -1,18 +1,18 @@
 //! A stream of random choices for generating random test cases.
 
-use papilio_sampling::{Numbers, Sampler};
+use papilio_sampling::{SampleStream, Sampler};
 
 /// The random choices of one member of a family of cases; reproducible.
 #[derive(Debug, Clone)]
 pub struct Dice {
-    numbers: Numbers,
+    numbers: SampleStream,
     drawn: u32,
 }
 
 impl Dice {
     /// Returns the choices of member `number` of family `family`.
     pub fn new(family: u64, number: u64) -> Self {
-        Self { numbers: Numbers::new(Sampler::Random, family, number), drawn: 0 }
+        Self { numbers: SampleStream::new(Sampler::Random, family, number), drawn: 0 }
     }
 
     /// Draws a uniform number in (0, 1).

@@ -243,7 +243,7 @@ fn pick(up_to: &[f64], u: f64) -> (usize, f64) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use papilio_sampling::{Numbers, Sampler};
+    use papilio_sampling::{SampleStream, Sampler};
 
     fn patches() -> Field {
         let radiance = vec![0.0, 1.0, 2.0, 0.5, 3.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 4.0, 0.1, 1.0, 0.0];
@@ -254,7 +254,7 @@ mod tests {
     #[test]
     fn sampled_directions_follow_radiance() {
         let field = patches();
-        let numbers = Numbers::new(Sampler::Random, 7, 0);
+        let numbers = SampleStream::new(Sampler::Random, 7, 0);
         let (samples, mut counts) = (40_000_u64, [0.0; 16]);
         for path in 0..samples {
             let u = numbers.block(path, 0);
@@ -275,7 +275,7 @@ mod tests {
     #[test]
     fn radiance_integrates_to_one() {
         let field = patches();
-        let numbers = Numbers::new(Sampler::Sobol, 0, 0);
+        let numbers = SampleStream::new(Sampler::Sobol, 0, 0);
         let samples = 1 << 15;
         let mean: f64 = (0..samples)
             .map(|path| {

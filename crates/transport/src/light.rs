@@ -195,7 +195,7 @@ impl Cone {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use papilio_sampling::{Numbers, Sampler};
+    use papilio_sampling::{SampleStream, Sampler};
 
     /// The projected solid angle, computed in two ways: the closed form, and the mean of 1/density over
     /// samples.
@@ -203,7 +203,7 @@ mod tests {
     fn projected_solid_angle_equals_sampled_area() {
         for (theta_deg, radius_deg) in [(0.0, 0.27), (40.0, 5.0), (-70.0, 12.0)] {
             let cone = Cone::new(theta_deg, 30.0, radius_deg, 1.0);
-            let numbers = Numbers::new(Sampler::Sobol, 0, 0);
+            let numbers = SampleStream::new(Sampler::Sobol, 0, 0);
             let samples = 4096;
             let mean: f64 = (0..samples)
                 .map(|path| {
@@ -223,7 +223,7 @@ mod tests {
     #[test]
     fn overlap_contains_common_directions() {
         let cone = |theta, half| Cone::new(theta, 20.0, half, 1.0);
-        let numbers = Numbers::new(Sampler::Sobol, 0, 0);
+        let numbers = SampleStream::new(Sampler::Sobol, 0, 0);
         for (distance, a, b) in
             [(0.5, 0.3, 5.0), (5.1, 0.3, 5.0), (5.29, 0.3, 5.0), (6.0, 4.0, 4.0), (0.0, 1.0, 1.0)]
         {

@@ -25,7 +25,7 @@ pub struct Panel {
 #[derive(Debug, Clone)]
 pub enum Top {
     /// An ideal antireflection interface: transmits |beta| <= 1 completely, reflects the rest completely.
-    Coated,
+    IdealAr,
     /// A bare surface of a solid of this index, unpolarised Fresnel.
     Fresnel(Spectrum),
     /// A diffuser, including its surfaces.

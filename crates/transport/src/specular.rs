@@ -48,13 +48,13 @@ pub(crate) fn panel_image(stack: &Panel, beta: Beta) -> Image {
     }
     let flat = |bin: usize| match &stack.top {
         Top::Diffuser(_) => stack.front.at(bin),
-        Top::Coated | Top::Fresnel(_) => flat_top.at(bin),
+        Top::IdealAr | Top::Fresnel(_) => flat_top.at(bin),
     };
     for (k, value) in r.iter_mut().enumerate() {
         let flat = flat(k % base.bins());
         let below = match &stack.top {
-            Top::Diffuser(d) => (d.straight_through * d.transmittance[k % base.bins()]).powi(2) * *value,
-            Top::Coated | Top::Fresnel(_) => *value,
+            Top::Diffuser(d) => (d.regular_fraction * d.transmittance[k % base.bins()]).powi(2) * *value,
+            Top::IdealAr | Top::Fresnel(_) => *value,
         };
         *value = flat.t * flat.t * below * round_trip(stack, flat.below * below);
     }
@@ -72,7 +72,7 @@ pub(crate) fn round_trips(stack: &Panel, diffuser: &Diffuser, r: &[f64]) -> Vec<
     let bins = diffuser.transmittance.len();
     let one = |(k, r): (usize, &f64)| {
         let bin = k % bins;
-        let there_and_back = (diffuser.straight_through * diffuser.transmittance[bin]).powi(2) * r;
+        let there_and_back = (diffuser.regular_fraction * diffuser.transmittance[bin]).powi(2) * r;
         round_trip(stack, there_and_back * stack.front.reflectance_below[bin])
     };
     r.iter().enumerate().map(one).collect()

@@ -13,7 +13,7 @@ use papilio_spectra::illuminant;
 
 use papilio_validation::scenario;
 
-use super::{GAPS_NM, INDEX, LAYERS, Numbers, grid, indices};
+use super::{GAPS_NM, INDEX, LAYERS, SampleStream, grid, indices};
 
 /// Number of designs, a multiple of the batch sizes of programs that compute in batches.
 const DESIGNS: usize = 256;
@@ -55,7 +55,7 @@ pub(super) fn given() -> impl Iterator<Item = f64> {
 }
 
 /// Returns the task that computes the gamut of each bare film.
-pub(super) fn bare() -> Result<impl FnMut() -> Numbers, Box<dyn std::error::Error>> {
+pub(super) fn bare() -> Result<impl FnMut() -> SampleStream, Box<dyn std::error::Error>> {
     let (coarse, indices) = (grid(5.0)?, indices()?);
     let (observer, light) = (Observer::new(&coarse)?, illuminant("D65", &coarse)?);
     let wavelengths = coarse.wavelengths_nm();
@@ -92,7 +92,7 @@ pub(super) fn bare() -> Result<impl FnMut() -> Numbers, Box<dyn std::error::Erro
 }
 
 /// Returns the task that computes the gamut of each design in the indoor scenario, and the colours of all eight states.
-pub(super) fn through_diffuser() -> Result<impl FnMut() -> Numbers, Box<dyn std::error::Error>> {
+pub(super) fn through_diffuser() -> Result<impl FnMut() -> SampleStream, Box<dyn std::error::Error>> {
     let scene = scenario("indoor", &[])?.scene;
     let Pixel::Film(film) = scene.display.pixel.clone() else { return Err("the pixel is not a film".into()) };
     let gamut = Quantity::Metric { view: 0, state: None, metric: Metric::gamut_percent_srgb };

@@ -19,7 +19,7 @@ use papilio_scenario::Scenario;
 use papilio_spectra::{Grid, illuminant, material};
 use papilio_validation::run_on;
 
-type Numbers = Result<Vec<f64>, Box<dyn Error>>;
+type SampleStream = Result<Vec<f64>, Box<dyn Error>>;
 
 const INDEX: f64 = 1.5;
 /// The layers of the reference pixel from the glass down; there is glass behind its metal.
@@ -49,7 +49,7 @@ fn main() -> Result<(), Box<dyn Error>> {
 }
 
 /// Repeats a task, at least once, and prints its time and numbers.
-fn timed(seconds: &str, mut task: impl FnMut() -> Numbers) -> Result<(), Box<dyn Error>> {
+fn timed(seconds: &str, mut task: impl FnMut() -> SampleStream) -> Result<(), Box<dyn Error>> {
     let seconds: f64 = seconds.parse()?;
     let numbers = task()?;
     let (start, mut count) = (cpu_time()?, 0.0);
@@ -92,7 +92,7 @@ fn indices() -> Result<Vec<Vec<Complex64>>, Box<dyn Error>> {
     LAYERS.iter().map(|(name, _)| Ok(material(name)?.on(&grid)?)).collect()
 }
 
-fn film() -> Result<impl FnMut() -> Numbers, Box<dyn Error>> {
+fn film() -> Result<impl FnMut() -> SampleStream, Box<dyn Error>> {
     let (wavelengths, indices) = (wavelengths()?, indices()?);
     let beta: Vec<f64> = angles_deg().map(|angle| INDEX * angle.to_radians().sin()).collect();
     Ok(move || {
@@ -124,7 +124,7 @@ fn spectra() -> Vec<f64> {
     (0..SPECTRA).flat_map(one).collect()
 }
 
-fn colours() -> Result<impl FnMut() -> Numbers, Box<dyn Error>> {
+fn colours() -> Result<impl FnMut() -> SampleStream, Box<dyn Error>> {
     let grid = grid(1.0)?;
     let (observer, light) = (Observer::new(&grid)?, illuminant("D65", &grid)?);
     let spectra = spectra();
@@ -155,7 +155,7 @@ fn colours() -> Result<impl FnMut() -> Numbers, Box<dyn Error>> {
 
 /// Returns the task that computes a display from its scene, on one thread: reflectance factors of the state by wavelength,
 /// and Y.
-fn displayed(scene: &Scene) -> impl FnMut() -> Numbers {
+fn displayed(scene: &Scene) -> impl FnMut() -> SampleStream {
     || {
         let result = run_on(scene, Some(1))?;
         let state = &result.views[0].states.iter().next().ok_or("no state")?.1;

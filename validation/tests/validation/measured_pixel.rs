@@ -31,7 +31,7 @@ fn both_solvers_agree_on_measured_pixel() {
 fn conoscopic_map_agrees_with_run() {
     let scene = paper();
     let run = run(&scene).unwrap();
-    let grid = ConeGrid { theta_deg: vec![0.0, 8.0, 40.0], phi_deg: vec![0.0, 180.0] };
+    let grid = ConeGrid { theta_deg: vec![0.0, 8.0, 40.0], phi_deg: vec![0.0, 180.0], ..ConeGrid::default() };
     let cone = quietly(|control| cone(&scene, grid.clone(), control)).unwrap();
     for (number, name) in ["white", "black"].into_iter().enumerate() {
         let once = state(&run, name).unwrap().value.Y;

@@ -55,8 +55,8 @@ fn search_finds_better_pixel_than_reference() {
         assert!(best.values[at].unwrap() >= reference, "{name}");
     }
     let mut scene = study.conditions[0].varied.scenario(&values).unwrap().resolve().unwrap().scene;
-    scene.solver.method = Method::Walk;
-    scene.solver.stop = Stop::RelativeError { target: 0.002, every_bin: false };
+    scene.solver.method = Method::MonteCarlo;
+    scene.solver.stop = Stop::RelativeError { target: 0.002, per_wavelength: false };
     let result = run(&scene).unwrap();
     for (asked, adding) in study.quantities.iter().zip(worth(&best)) {
         let walk = asked.quantity.of(&result).unwrap();

@@ -4,7 +4,7 @@
 use papilio_display::result::{State, StateValues, View};
 use papilio_optics::Beta;
 use papilio_optics::lobe::Lobe;
-use papilio_sampling::{Numbers, Sampler};
+use papilio_sampling::{SampleStream, Sampler};
 use papilio_testing::{assert_student, mean_and_error};
 use papilio_transport::adding::{Kernel, error_over_difference, nodes_needed};
 use papilio_transport::walk::Walk;
@@ -65,7 +65,7 @@ fn walk(member: &Member, (sampler, seed): (Sampler, u64), paths: u64) -> Vec<(f6
     let replicates: Vec<Vec<f64>> = (0..REPLICATES)
         .map(|stream| {
             let mut replicate = walk.replicate();
-            walk.trace(&mut replicate, &Numbers::new(sampler, seed, stream), paths);
+            walk.trace(&mut replicate, &SampleStream::new(sampler, seed, stream), paths);
             numbers(&walk.estimate(&replicate))
         })
         .collect();
@@ -227,17 +227,17 @@ fn light_just_above_horizon_is_included_by_all_tracers() {
     let air = || Medium::new(vec![1.0; bins].into());
     let panel =
         |top| Panel { front: Front::none(bins), top, medium: air(), base: base(), single_pass: false };
-    let coated = || Layer { interface: Interface::Coated, medium: air() };
+    let coated = || Layer { interface: Interface::IdealAr, medium: air() };
     let diffuser = Diffuser {
         lobe: Lobe::KCorrelation { width: 0.1 },
         transmittance: vec![1.0; bins].into(),
-        straight_through: 0.3,
+        regular_fraction: 0.3,
     };
     for theta in [89.999_999, 89.999_999_9, 89.999_999_999] {
         for phi in [0.0, 33.3, 90.0, 217.0] {
             let sources = vec![Source::Beam(Beta::from_source(theta, phi, 1.0))];
             let stacks = [
-                (Stack::Panel(panel(Top::Coated)), Some(0.5)),
+                (Stack::Panel(panel(Top::IdealAr)), Some(0.5)),
                 (Stack::Layered(Layered { layers: vec![coated()], base: base() }), Some(0.5)),
                 (Stack::Panel(panel(Top::Diffuser(diffuser.clone()))), None),
             ];

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::sync::atomic::AtomicBool;
 
 use papilio_display::{ConeGrid, ConeResult, Control};
-use papilio_formats::CONE_QUANTITIES;
+use papilio_formats::{CONE_QUANTITIES, cone_quantities};
 use papilio_scenario::Resolved;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -60,9 +60,9 @@ pub(super) struct ConeSeen {
     /// States, in the order of the scenario.
     states: Vec<String>,
     /// Names of the quantities in `data`.
-    quantities: [&'static str; 8],
+    quantities: [&'static str; CONE_QUANTITIES.len()],
     /// The quantities of each direction (theta varies fastest) and state.
-    data: Vec<Vec<[Option<f64>; 8]>>,
+    data: Vec<Vec<[Option<f64>; CONE_QUANTITIES.len()]>>,
     /// The largest relative discretisation error of Y.
     discretisation_error: f64,
     /// Warnings of the computation.
@@ -122,22 +122,10 @@ fn uniform_steps(from: f64, to: f64, step: f64) -> Vec<f64> {
     (0..=count).map(|k| from + step * k as f64).collect()
 }
 
-fn numbers(cone: &ConeResult) -> Vec<Vec<[Option<f64>; 8]>> {
+fn numbers(cone: &ConeResult) -> Vec<Vec<[Option<f64>; CONE_QUANTITIES.len()]>> {
     let finite = |value: f64| Some(value).filter(|value| value.is_finite());
     let of_view = |view: &papilio_display::ConeView| {
-        let of_state = |state: &papilio_display::ConeState| {
-            [
-                finite(state.reflectance_factor_y),
-                finite(state.luminance_cd_m2),
-                state.u_prime,
-                state.v_prime,
-                state.uv_shift,
-                view.contrast_ratio,
-                view.gamut_percent_srgb,
-                view.gamut_percent_ebu,
-            ]
-        };
-        view.states.iter().map(of_state).collect()
+        view.states.iter().map(|state| cone_quantities(view, state).map(finite)).collect()
     };
     cone.views.iter().map(of_view).collect()
 }

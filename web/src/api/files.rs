@@ -8,7 +8,7 @@ use papilio_formats::{
     BsdfProblem, DataFile, FormatError, MapColour, Problem, audit_text, read_bsdf, read_ies,
     read_index_within, read_light_map, read_measured_panel, read_pixel_table, read_profile, read_spectrum,
 };
-use papilio_goniometry::{Audit, Measurement, Part};
+use papilio_goniometry::{Audit, MeasuredPart, Measurement};
 use papilio_scenario::Edit;
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -126,7 +126,7 @@ fn scattering(
     warnings: &[String],
     stop: &AtomicBool,
 ) -> Result<Contents, Fault> {
-    let audit = |part: &Part| match stop.load(Ordering::Relaxed) {
+    let audit = |part: &MeasuredPart| match stop.load(Ordering::Relaxed) {
         true => Err(abandoned()),
         false => Ok(Audit::of(part, part.luminous())),
     };

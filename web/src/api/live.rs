@@ -66,7 +66,7 @@ impl Answer {
             scenario: &self.resolved.canonical,
             hash: &self.resolved.hash,
             seed: self.resolved.scene.solver.seed,
-            notes: &self.resolved.notes,
+            notes: &self.result.notes,
             result: &self.result,
         }
     }
@@ -100,6 +100,7 @@ pub(super) fn compute_scene(site: &Site, resolved: Resolved, stop: &AtomicBool) 
     let result = site.prepared().run(&resolved.scene, &control);
     let mut result = result.map_err(|error| Fault::of(&resolved, error))?;
     result.warnings.splice(0..0, resolved.warnings.iter().cloned());
+    result.notes.splice(0..0, resolved.notes.iter().cloned());
     Ok(Answer { resolved, result })
 }
 

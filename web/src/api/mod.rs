@@ -27,6 +27,7 @@ fn endpoints() -> Endpoints {
         .get("/health", "The version of the server, which shows that it runs", text::health)
         .get("/start", "The scenario that the page opens", text::start)
         .get("/schema", "The JSON Schema of a scenario: keys, units, ranges, defaults, help", text::schema)
+        .post("/labels", "Labels of metrics and of keys: the quantity in words, and its unit", text::labels)
         .get("/presets", "The presets of lighting and viewer", text::presets)
         .get_named("/presets/{name}", "A new scenario with a preset", text::preset)
         .get("/examples", "The example scenarios", text::examples)

@@ -16,7 +16,7 @@ pub(super) fn page(answer: &Answer, scenario: &str, cone: &ConeResult) -> String
             sections.push(section.figure(svg, ""));
         }
     }
-    let mut numbers = Section::new("numbers", "Numbers");
+    let mut numbers = Section::new("numbers", "SampleStream");
     let mut ledger = Section::new("ledger", "Energy balance");
     for view in &result.views {
         let direction = format!("Seen from {} deg, azimuth {} deg.", view.theta_deg, view.phi_deg);
@@ -31,7 +31,7 @@ pub(super) fn page(answer: &Answer, scenario: &str, cone: &ConeResult) -> String
     if let Some(svg) = papilio_figures::cone(cone, "") {
         sections.push(Section::new("directions", "From all directions").figure(svg, ""));
     }
-    let remarks = result.warnings.iter().chain(&answer.resolved.notes);
+    let remarks = result.warnings.iter().chain(&result.notes);
     let remarks = remarks
         .fold(Section::new("remarks", "Warnings and notes"), |section, text| section.say(text.clone()));
     sections.extend((!remarks.parts.is_empty()).then_some(remarks));

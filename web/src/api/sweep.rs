@@ -105,7 +105,7 @@ fn run(site: &Site, sweep: &Sweep, events: &EventSender) -> Result<SweepEvent, F
     warnings.sort_unstable();
     warnings.dedup();
     let csv = String::from_utf8_lossy(&csv).into_owned();
-    let figures = papilio_figures::of_sweep(&head, &all);
+    let figures = papilio_figures::of_sweep(&head, &all, &papilio_scenario::label);
     let figures = figures.into_iter().map(|(name, svg)| Figure { name, svg }).collect();
     Ok(SweepEvent::Done(SweepDone { csv, figures, warnings }))
 }

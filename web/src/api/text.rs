@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use papilio_scenario::{Edit, new_scenario, preset_names};
+use papilio_scenario::{Edit, labelled_names, new_scenario, preset_names};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
@@ -51,6 +51,35 @@ pub(super) fn start(site: &Site) -> Result<Start, Fault> {
 
 pub(super) fn schema(_: &Site) -> Result<Value, Fault> {
     Ok(papilio_scenario::schema())
+}
+
+/// Names whose labels are requested.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Names {
+    /// Names of metrics (`white.Y`) and paths of keys (`display.diffuser.haze`). Without them: all numbers of a result.
+    names: Option<Vec<String>>,
+}
+
+/// A quantity in words.
+#[derive(Debug, Serialize, JsonSchema)]
+pub(super) struct Label {
+    /// The quantity, such as `Luminance of white`.
+    quantity: String,
+    /// Its unit, empty if it has none.
+    unit: String,
+    /// Both: `Luminance of white (cd/m²)`.
+    text: String,
+}
+
+pub(super) async fn labels(_: Site, request: Names) -> Result<BTreeMap<String, Label>, Fault> {
+    let names = request.names.unwrap_or_else(|| labelled_names().collect());
+    let label = |name: String| {
+        let label = papilio_scenario::label(&name);
+        let text = label.to_string();
+        (name, Label { quantity: label.quantity, unit: label.unit, text })
+    };
+    Ok(names.into_iter().map(label).collect())
 }
 
 /// An entry of a list of presets or examples.

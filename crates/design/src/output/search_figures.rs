@@ -1,7 +1,9 @@
 //! Figures of a search: the progress of its tasks, and the Pareto front.
 
 use crate::search::{Search, SearchResult, SelectedDesign};
-use papilio_figures::{Chart, ChartCurve, Hue, chart, named_with_unit};
+use papilio_display::uncapitalised;
+use papilio_figures::{Chart, ChartCurve, Hue, chart};
+use papilio_scenario::label;
 
 /// Largest number of curves in a figure; more would hide each other.
 const MOST_CURVES: usize = 60;
@@ -42,7 +44,7 @@ fn trace(title: &str, search: &Search, results: &[SearchResult], selected: &[Sel
     };
     let all = Chart {
         x: "Designs evaluated by a task".to_owned(),
-        y: format!("Best {}", axis(search, 0)),
+        y: format!("Best {}", uncapitalised(&axis(search, 0))),
         logarithmic: false,
         at_least: search.aims().value(0, search.own().1).into_iter().collect(),
         curves: tasks[count.saturating_sub(MOST_CURVES)..].iter().map(curve).collect(),
@@ -106,6 +108,5 @@ fn titled(title: &str, lines: &str) -> String {
 
 /// Label of the axis of an objective.
 fn axis(search: &Search, objective: usize) -> String {
-    let name = &search.spec().objectives[objective].name;
-    named_with_unit(name, name.trim_start_matches("mean "))
+    label(&search.spec().objectives[objective].name).to_string()
 }

@@ -3,9 +3,10 @@
 use std::io;
 
 use crate::tolerance::{Estimate, MetricReport, PERCENTILES, Production, Report};
-use papilio_figures::{Blame, Ends, good_and_bad, histogram, named_with_unit, sensitivities};
+use papilio_display::{Label, capitalised, uncapitalised};
+use papilio_figures::{Ends, SensitivityBar, histogram, pass_fail_scatter, sensitivities};
 use papilio_formats::{sweep_value, words, write_json, write_table};
-use papilio_scenario::{ScatteredKey, Tolerance};
+use papilio_scenario::{ScatteredKey, Tolerance, label};
 
 /// Returns names and contents of the files: one table of all displays, one of all metrics, and the full
 /// report as JSON.
@@ -109,16 +110,21 @@ pub fn tolerance_figures(
         let values: Vec<f64> = rows.iter().map(|row| row[column]).collect();
         let limit = tolerance.limits.iter().find(|limit| limit.metric == column);
         let ends = limit.map_or(Ends::default(), |limit| ends(limit.at_least, limit.at_most));
-        let svg = histogram(&metric.name, &values, ends, title);
+        let svg = histogram(&label(&metric.name).to_string(), &values, ends, title);
         drawn.extend(svg.map(|svg| (format!("tolerance_{}", file_name(&metric.name)), svg)));
     }
-    let metrics: Vec<String> = report.metrics.iter().map(|metric| metric.name.clone()).collect();
-    let groups: Vec<String> = report.groups.iter().map(|group| group.join(" + ")).collect();
-    let bar = |one: &crate::tolerance::Indices| Blame {
+    let metrics: Vec<String> = report.metrics.iter().map(|metric| label(&metric.name).to_string()).collect();
+    let quantity = |name: &String| label(name).quantity;
+    let groups: Vec<String> = report
+        .groups
+        .iter()
+        .map(|group| group.iter().map(quantity).collect::<Vec<_>>().join(" + "))
+        .collect();
+    let bar = |one: &crate::tolerance::Indices| SensitivityBar {
         first: [one.first.value, one.first.standard_error],
         total: [one.total.value, one.total.standard_error],
     };
-    let groups_of_bars: Vec<Vec<Option<Blame>>> = report
+    let groups_of_bars: Vec<Vec<Option<SensitivityBar>>> = report
         .metrics
         .iter()
         .map(|metric| metric.indices.iter().map(|one| one.as_ref().map(bar)).collect())
@@ -132,7 +138,7 @@ pub fn tolerance_figures(
             .map(|(row, values)| ([number(row, x), number(row, y)], is_good(tolerance, values)))
             .collect();
         let [x, y] = [x, y].map(|key| axis(&tolerance.keys[key]));
-        drawn.push(("tolerance_keys".to_owned(), good_and_bad([&x, &y], &points, title)));
+        drawn.push(("tolerance_keys".to_owned(), pass_fail_scatter([&x, &y], &points, title)));
     }
     drawn
 }
@@ -140,11 +146,13 @@ pub fn tolerance_figures(
 /// Axis label of a key. If it has several paths, the values of the first one are plotted.
 fn axis(key: &ScatteredKey) -> String {
     let path = key.paths.first().map_or("", |(path, ..)| path.as_str());
-    let name = match key.paths.len() {
-        2.. => format!("{}: {}", key.name, path.strip_prefix("display.pixel.").unwrap_or(path)),
-        _ => key.name.clone(),
+    let own = label(path);
+    let quantity = match key.paths.len() {
+        _ if key.name == path => own.quantity,
+        2.. => format!("{}: {}", capitalised(&key.name), uncapitalised(&own.quantity)),
+        _ => capitalised(&key.name),
     };
-    named_with_unit(&name, path)
+    Label::new(quantity, own.unit).to_string()
 }
 
 /// File name of a metric.

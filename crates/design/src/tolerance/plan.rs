@@ -12,7 +12,7 @@
 //! Source: A. Saltelli et al., Comput. Phys. Commun. 181, 259 (2010): "radial" rows of A, B and A with a
 //! column of B.
 
-use papilio_sampling::{Correlation, Distribution, Numbers, Sampler};
+use papilio_sampling::{Correlation, Distribution, SampleStream, Sampler};
 
 use super::polynomials::{Coordinate, Polynomials};
 
@@ -61,7 +61,7 @@ impl Plan {
     fn uniform(&self, row: u64, draw: Draw) -> Vec<f64> {
         let count = self.distributions.len();
         let replicates = REPLICATES as u64;
-        let numbers = Numbers::new(Sampler::Sobol, self.seed, row % replicates);
+        let numbers = SampleStream::new(Sampler::Sobol, self.seed, row % replicates);
         let number = |k: usize| numbers.block(row / replicates, (k / 4) as u32)[k % 4];
         let is_from_other = |k: &usize| match draw {
             Draw::Own => false,

@@ -12,7 +12,7 @@ use papilio_design::{
 };
 use papilio_display::DisplayError;
 use papilio_display::scene::Metric;
-use papilio_scenario::{Optimisation, Varied};
+use papilio_scenario::{Optimisation, ParameterisedScenario};
 
 const DISPLAY: &str = r#"
 [spectrum]
@@ -73,7 +73,7 @@ fn metric(name: &str) -> Quantity {
 /// Study of some keys and metrics.
 fn study(keys: &[&str], metrics: &[&str]) -> Study {
     let paths: Vec<String> = keys.iter().map(|key| (*key).to_owned()).collect();
-    let varied = Varied::from_text(DISPLAY, "test.toml", Path::new(""), &[], &paths).unwrap();
+    let varied = ParameterisedScenario::from_text(DISPLAY, "test.toml", Path::new(""), &[], &paths).unwrap();
     let variable = |key: &&str| Variable {
         name: (*key).to_owned(),
         keys: vec![Key::plain(*key)],

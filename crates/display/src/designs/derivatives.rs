@@ -275,7 +275,8 @@ fn depends_on(meter: &Meter<'_>, quantity: &Quantity) -> (Vec<Option<usize>>, &'
         Some(metric) if metric.is_of_view() => (PRIMARIES.to_vec(), XYZ),
         _ => (vec![], XYZ),
     };
-    let own = if meter.is_self_lit() { Some("white") } else { None };
+    // Only metrics of all three numbers depend on the white of CIELAB.
+    let own = (numbers.len() == XYZ.len() && meter.has_own_white()).then_some("white");
     let mut states: Vec<Option<usize>> = Vec::new();
     for name in quantity.state().into_iter().chain(others).chain(own) {
         let state = meter.state_named(name);

@@ -1,9 +1,10 @@
 //! Colours of a view without its spectra, as stored in a viewing cone.
 
-use papilio_colour::{LUMENS_PER_WATT, UvPrime, Xyz};
+use papilio_colour::{LUMENS_PER_WATT, Xyz};
 use papilio_transport::Estimate;
 
-use super::Meter;
+use super::metrics::Colour;
+use super::{Meter, over};
 use crate::cone::{ConeState, ConeView};
 
 impl Meter<'_> {
@@ -24,16 +25,23 @@ impl Meter<'_> {
         colours
     }
 
-    /// Computes the entry of a viewing cone from these colours and those of the view along the normal, `normal`.
-    pub(crate) fn cone_view(&self, colours: &[Xyz], normal: &[Xyz]) -> ConeView {
-        let state = |(xyz, normal): (&Xyz, &Xyz)| {
-            let (uv, from) = (xyz.uv_prime(), normal.uv_prime());
+    /// Computes the entry of a viewing cone from these colours and those of the view from the reference direction. With the
+    /// display's white, L*, a* and b* of each direction are relative to the white state in that direction.
+    pub(crate) fn cone_view(&self, colours: &[Xyz], reference: &[Xyz]) -> ConeView {
+        let (white, white_there) = (self.lab_white(colours), self.lab_white(reference));
+        let state = |(xyz, there): (&Xyz, &Xyz)| {
+            let (here, there) = (Colour::new(*xyz, white), Colour::new(*there, white_there));
+            let [uv_shift, delta_e_2000] = here.differences(&there);
+            let Colour { uv, lab } = here;
             ConeState {
                 reflectance_factor_y: xyz.y,
                 luminance_cd_m2: xyz.y * LUMENS_PER_WATT * self.white_xyz.y,
                 u_prime: uv.map(|uv| uv.u),
                 v_prime: uv.map(|uv| uv.v),
-                uv_shift: uv.zip(from).map(|(uv, from)| UvPrime::distance(uv, from)),
+                uv_shift,
+                lab,
+                delta_e_2000,
+                delta_e_1976: lab.zip(there.lab).map(|(lab, there)| lab.delta_e_1976(there)),
             }
         };
         let together = self.reference(&[]).together(colours);
@@ -41,7 +49,13 @@ impl Meter<'_> {
             contrast_ratio: together.contrast_ratio,
             gamut_percent_srgb: together.gamut_percent_srgb,
             gamut_percent_ebu: together.gamut_percent_ebu,
-            states: colours.iter().zip(normal).map(state).collect(),
+            states: colours.iter().zip(reference).map(state).collect(),
         }
+    }
+
+    /// Returns the white of L*, a* and b* in the direction of these colours of all states.
+    fn lab_white(&self, colours: &[Xyz]) -> Option<Xyz> {
+        let perfect = over(self.white_xyz, self.white_xyz.y);
+        if self.has_own_white() { Some(colours[self.state_named("white")?]) } else { Some(perfect) }
     }
 }

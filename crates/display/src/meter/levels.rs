@@ -36,18 +36,18 @@ impl LevelError {
 }
 
 impl Meter<'_> {
-    /// Returns the largest relative error, over the states, of Y at the last of two or three levels and, with `every_bin`, of
+    /// Returns the largest relative error, over the states, of Y at the last of two or three levels and, with `per_wavelength`, of
     /// the radiance at each wavelength, relative to the maximum of the spectrum. It is at least 1 if a Y is negative, which
     /// is unphysical.
     pub(crate) fn level_error(
         &self,
         [finer, coarser]: [&Sample; 2],
         before: Option<&Sample>,
-        every_bin: bool,
+        per_wavelength: bool,
     ) -> f64 {
         let times = error_over_difference(&self.setup.stack);
-        let now = self.difference(finer, coarser, every_bin);
-        let before = before.map(|before| self.difference(coarser, before, every_bin));
+        let now = self.difference(finer, coarser, per_wavelength);
+        let before = before.map(|before| self.difference(coarser, before, per_wavelength));
         let error = level_error(times, now, before);
         if self.is_negative(finer) { largest(error, 1.0) } else { error }
     }
@@ -60,12 +60,12 @@ impl Meter<'_> {
     }
 
     /// Returns the largest relative difference between two levels.
-    fn difference(&self, finer: &Sample, coarser: &Sample, every_bin: bool) -> f64 {
+    fn difference(&self, finer: &Sample, coarser: &Sample, per_wavelength: bool) -> f64 {
         let mut worst = 0.0_f64;
         for state in 0..self.layout.states {
             let (y, before) = (self.luminous(state, finer), self.luminous(state, coarser));
             worst = largest(worst, relative((y, (y - before).abs())));
-            if every_bin {
+            if per_wavelength {
                 let at = self.layout.radiance(state);
                 let (finer, coarser) = (&finer.0[at.clone()], &coarser.0[at]);
                 let most = finer.iter().copied().fold(0.0, f64::max);

@@ -41,8 +41,12 @@ pub(crate) const PRIMARIES: [&str; 3] = ["red", "green", "blue"];
 /// References of the metrics: the white, and the names of the states.
 pub(crate) struct Reference<'a> {
     pub(crate) names: &'a [String],
-    /// The white, relative like X, Y and Z, and its luminance, cd/m2; `None` if it is not defined.
+    /// White of the light, relative like X, Y and Z, and its luminance, cd/m2: that of a perfect white, or of the display's
+    /// white state if the front light is the only light; `None` if it is not defined.
     pub(crate) white: Option<(Xyz, f64)>,
+    /// White of L*, a*, b*, u*, v*, the colour differences and the gamut volume: that of the light, or the display's white
+    /// state (`metrics.white = "display"`); `None` if it is not defined.
+    pub(crate) lab_white: Option<Xyz>,
     pub(crate) settings: &'a Metrics,
 }
 
@@ -60,6 +64,8 @@ pub(crate) struct StateObservation {
 /// Colours with which the states of a view are compared.
 struct ColourReferences {
     black: Option<f64>,
+    /// The white of the light, for u'v' distances.
+    light: Option<UvPrime>,
     white: Colour,
     state: Option<Colour>,
     viewing: Option<Viewing>,
@@ -73,7 +79,7 @@ pub(crate) struct Colour {
 }
 
 impl Colour {
-    fn new(xyz: Xyz, white: Option<Xyz>) -> Self {
+    pub(crate) fn new(xyz: Xyz, white: Option<Xyz>) -> Self {
         Self { uv: xyz.uv_prime(), lab: white.and_then(|white| xyz.lab(white)) }
     }
 
@@ -95,10 +101,11 @@ impl Reference<'_> {
     /// Computes all metrics except those that compare views.
     pub(crate) fn view(&self, observations: &[StateObservation]) -> ViewScalars {
         let xyz: Vec<Xyz> = observations.iter().map(|observation| observation.xyz).collect();
-        let white = self.white.map(|(xyz, _)| xyz);
+        let white = self.lab_white;
         let colours: Vec<Colour> = xyz.iter().map(|xyz| Colour::new(*xyz, white)).collect();
         let references = ColourReferences {
             black: self.at("black").map(|black| xyz[black].y),
+            light: self.white.and_then(|(white, _)| white.uv_prime()),
             white: white.map_or(Colour { uv: None, lab: None }, |xyz| Colour::new(xyz, white)),
             state: self.at(&self.settings.reference_state).map(|state| colours[state]),
             viewing: self.viewing(),
@@ -134,10 +141,13 @@ impl Reference<'_> {
         let black = colour("black").map(|black| black.y);
         // The primaries of the standards are defined for the observer of 1931.
         let diagram = self.settings.observer == Standard::Cie1931;
-        let uv = |name| colour(name).filter(|_| diagram).and_then(Xyz::uv_prime);
-        let primaries = three(PRIMARIES.map(uv));
-        let gamut = |reference| primaries.map(|primaries| gamut_percent(primaries, reference));
-        let coverage = |reference| primaries.map(|primaries| coverage_percent(primaries, reference));
+        let primary = |name| colour(name).filter(|_| diagram);
+        let uv = three(PRIMARIES.map(|name| primary(name).and_then(Xyz::uv_prime)));
+        let xy = three(PRIMARIES.map(|name| primary(name).and_then(Xyz::chromaticity)));
+        let gamut = |reference| uv.map(|uv| gamut_percent(uv, reference));
+        let coverage = |reference| uv.map(|uv| coverage_percent(uv, reference));
+        let gamut_xy = |reference| xy.map(|xy| gamut_percent(xy, reference));
+        let coverage_xy = |reference| xy.map(|xy| coverage_percent(xy, reference));
         ViewMetrics {
             contrast_ratio: colour("white").and_then(|white| ratio(white.y, black)),
             gamut_percent_srgb: gamut(GamutReference::Srgb),
@@ -148,13 +158,21 @@ impl Reference<'_> {
             coverage_percent_ebu: coverage(GamutReference::Ebu),
             coverage_percent_ntsc: coverage(GamutReference::Ntsc),
             coverage_percent_dci_p3: coverage(GamutReference::DciP3),
+            gamut_percent_srgb_xy: gamut_xy(GamutReference::Srgb),
+            gamut_percent_ebu_xy: gamut_xy(GamutReference::Ebu),
+            gamut_percent_ntsc_xy: gamut_xy(GamutReference::Ntsc),
+            gamut_percent_dci_p3_xy: gamut_xy(GamutReference::DciP3),
+            coverage_percent_srgb_xy: coverage_xy(GamutReference::Srgb),
+            coverage_percent_ebu_xy: coverage_xy(GamutReference::Ebu),
+            coverage_percent_ntsc_xy: coverage_xy(GamutReference::Ntsc),
+            coverage_percent_dci_p3_xy: coverage_xy(GamutReference::DciP3),
             ..ViewMetrics::default()
         }
     }
 
     /// Computes the gamut volume; `None` unless all eight corners are states.
     fn volume(&self, xyz: &[Xyz]) -> Option<f64> {
-        let (white, _) = self.white?;
+        let white = self.lab_white?;
         let mut corners = [white; 8];
         for (corner, name) in corners.iter_mut().zip(CORNERS) {
             *corner = xyz[self.at(name)?];
@@ -183,7 +201,8 @@ impl Reference<'_> {
         let (xyz, Colour { uv, lab }) = (observation.xyz, *colour);
         let xy = xyz.chromaticity();
         let hue = xyz.hue_rgb().filter(|_| self.settings.observer == Standard::Cie1931);
-        let [from_white, delta_e] = colour.differences(&references.white);
+        let from_white = uv.zip(references.light).map(|(uv, light)| uv.distance(light));
+        let [_, delta_e] = colour.differences(&references.white);
         let luv = lab.zip(uv.zip(references.white.uv)).map(|(lab, (uv, white))| lab.luv(uv, white));
         let [from_reference, delta_e_reference] =
             references.state.map_or([None; 2], |state| colour.differences(&state));
@@ -333,7 +352,12 @@ mod tests {
         let white = Xyz { x: 0.95, y: 1.0, z: 1.09 };
         let names = ["white".to_owned(), "orange".to_owned()];
         let settings = Metrics { gamut_volume: true, ..Metrics::default() };
-        let reference = Reference { names: &names, white: Some((white, 100.0)), settings: &settings };
+        let reference = Reference {
+            names: &names,
+            white: Some((white, 100.0)),
+            lab_white: Some(white),
+            settings: &settings,
+        };
         let observed = |xyz: Xyz| StateObservation {
             xyz,
             luminance_cd_m2: 100.0 * xyz.y,

@@ -23,7 +23,7 @@ use papilio_colour::{LUMENS_PER_WATT, Xyz, peak_nm};
 use papilio_spectra::{Grid, sum_of_products};
 use papilio_transport::{Base, Estimate, ReflectanceFactor};
 
-use crate::result::Illuminant;
+use crate::result::{Illuminant, ReferenceWhite};
 use crate::setup::{Light, LineWeights, Setup, ViewPoint};
 pub(crate) use angle::{ViewSamples, against_angle};
 use front_light::BelowFront;
@@ -276,7 +276,7 @@ impl<'a> Meter<'a> {
     }
 
     /// Returns the references of the states: a perfect white, or the display's white state if the front light is the only
-    /// light.
+    /// light or the scene requests it.
     fn reference(&self, observations: &[StateObservation]) -> Reference<'_> {
         self.reference_among(&self.setup.states, observations)
     }
@@ -300,7 +300,9 @@ impl<'a> Meter<'a> {
             Some((white.xyz, white.luminance_cd_m2))
         };
         let white = if self.is_self_lit { own() } else { Some(paper) };
-        Reference { names, white, settings: &self.setup.scene.metrics }
+        let lab_white = if self.has_own_white() { own() } else { white };
+        let lab_white = lab_white.map(|(xyz, _)| xyz);
+        Reference { names, white, lab_white, settings: &self.setup.scene.metrics }
     }
 
     /// Returns the numbers of states, wavelengths and sources.
@@ -313,9 +315,15 @@ impl<'a> Meter<'a> {
         &self.setup.scene.metrics.reference_state
     }
 
-    /// Returns true if colours are relative to the display's white state, because the front light is the only light.
-    pub(crate) fn is_self_lit(&self) -> bool {
-        self.is_self_lit
+    /// Returns true if L*, a* and b* are relative to the display's white state: because the scene requests it, or because
+    /// the front light is the only light.
+    pub(crate) fn has_own_white(&self) -> bool {
+        self.is_self_lit || self.setup.scene.metrics.white == ReferenceWhite::Display
+    }
+
+    /// Returns the white to which L*, a* and b* are relative.
+    pub(crate) fn reference_white(&self) -> ReferenceWhite {
+        if self.has_own_white() { ReferenceWhite::Display } else { ReferenceWhite::Perfect }
     }
 
     /// Computes the reflectance factor of a state. It applies to standard errors, too, because radiance and factor are linear

@@ -12,14 +12,14 @@ use super::{Meter, ViewSamples};
 use crate::setup::{ViewPoint, base_under};
 
 impl Meter<'_> {
-    /// Returns the largest relative standard error of Y over the states and, with `every_bin`, of
+    /// Returns the largest relative standard error of Y over the states and, with `per_wavelength`, of
     /// the radiance at each wavelength, relative to the maximum of the spectrum.
-    pub(crate) fn standard_error(&self, samples: &[Sample], every_bin: bool) -> f64 {
+    pub(crate) fn standard_error(&self, samples: &[Sample], per_wavelength: bool) -> f64 {
         let mut worst = 0.0_f64;
         for state in 0..self.layout.states {
             let y = |sample: &Sample| self.luminous(state, sample);
             worst = worst.max(relative(spread(samples.iter().map(y))));
-            if every_bin {
+            if per_wavelength {
                 let at = self.layout.radiance(state);
                 let bins: Vec<(f64, f64)> = at.map(|k| spread(samples.iter().map(|s| s.0[k]))).collect();
                 let most = bins.iter().map(|(mean, _)| *mean).fold(0.0, f64::max);

@@ -80,9 +80,11 @@ impl Meter<'_> {
         let at = |observations: &[StateObservation]| {
             value(&self.reference_among(&names, observations).view(observations))
         };
+        let own_white = self.reference_among(&names, &observations).lab_white;
+        let white = own_white.unwrap_or(self.white_xyz * (1.0 / self.white_xyz.y)).to_array();
         for (place, &state) in states.iter().enumerate() {
             for &number in numbers {
-                let Some(slope) = self.slope(&observations, place, number, at) else { return false };
+                let Some(slope) = self.slope(&observations, place, number, white, at) else { return false };
                 match number {
                     Number::Xyz(k) => slopes.xyz[state][k] += slope,
                     Number::Luminance => slopes.luminance[state] += slope,
@@ -98,6 +100,7 @@ impl Meter<'_> {
         observations: &[StateObservation],
         place: usize,
         number: Number,
+        white: [f64; 3],
         at: impl Fn(&[StateObservation]) -> Option<f64>,
     ) -> Option<f64> {
         let mut moved = observations.to_vec();
@@ -106,8 +109,7 @@ impl Meter<'_> {
         let step = match number {
             Number::Xyz(k) => {
                 let size = value.abs().max(0.01 * (x.abs() + y.abs() + z.abs()));
-                let white = self.white_xyz.to_array()[k] / self.white_xyz.y;
-                let room = 0.4 * (value - JOINT * white).abs();
+                let room = 0.4 * (value - JOINT * white[k]).abs();
                 (STEP * size).min(room.max(1e-6 * size))
             }
             Number::Luminance | Number::Peak => STEP * value.abs(),

@@ -368,6 +368,7 @@ mod tests {
                 layer(1.0.into(), Thickness::Gap),
             ],
             substrate: vec![Complex64::new(1.0, 6.5); bins],
+            materials: Vec::new(),
             sub_pixels,
             dark_gap_nm: None,
             fill_factor: 1.0,

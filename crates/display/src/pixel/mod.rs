@@ -4,17 +4,20 @@
 //! tabulated over cos(theta) in the glass. The reflectance of a film is an analytic function of it, and the table is as
 //! dense as an interpolation error of [`TABLE_ERROR`] requires.
 
+mod absorption;
 pub(crate) mod film;
 mod table;
 
 use papilio_transport::{AngularTable, Base, Medium, Nodes, Reflector};
 
+pub use absorption::{PixelAbsorption, PixelLayer, SubPixelAbsorption, absorption};
 pub(crate) use film::FilmKey;
 use film::{Beta, Film, Mixture};
 pub use table::TABLE_ERROR;
 
 use crate::scene::{
-    AngleMedium, Pixel, ScatteringPixel, Scene, TableAngles, TablePixel, UniformKind, UniformPixel,
+    AngleMedium, Drive, FilmState, Pixel, ScatteringPixel, Scene, TableAngles, TablePixel, UniformKind,
+    UniformPixel,
 };
 use crate::{DisplayError, setup};
 
@@ -37,6 +40,25 @@ pub fn state_names(pixel: &Pixel) -> Vec<String> {
         Pixel::Uniform(uniform) => uniform.states.iter().map(|(name, _)| name.clone()).collect(),
         Pixel::Scattering(pixel) => pixel.states.iter().map(|(name, _)| name.clone()).collect(),
     }
+}
+
+/// States that mix sub-pixels, by their usual names.
+const MIXTURES: [&str; 5] = ["white", "black", "cyan", "magenta", "yellow"];
+
+/// Returns the names of the states that drive one sub-pixel, in order. Only their peak wavelength describes the pixel: that of
+/// a mixture jumps between the peaks of its parts. Where the sub-pixels are not known (tables, uniform pixels), these are all
+/// states except white, black, cyan, magenta and yellow.
+pub fn primaries(pixel: &Pixel) -> Vec<String> {
+    let Pixel::Film(film) = pixel else {
+        let names = state_names(pixel).into_iter();
+        return names.filter(|name| !MIXTURES.contains(&name.as_str())).collect();
+    };
+    let is_driven = |drive: &Drive| match drive {
+        Drive::Share(share) => *share > 0.0,
+        Drive::Gap(gap) => Some(*gap) != film.dark_gap_nm,
+    };
+    let drives_one = |state: &&FilmState| state.drives.iter().filter(|drive| is_driven(drive)).count() == 1;
+    film.states.iter().filter(drives_one).map(|state| state.name.clone()).collect()
 }
 
 /// Computes the reflectance of the pixel alone, without front, surface or diffuser, at these angles (0 to 90 deg) in

@@ -139,7 +139,7 @@ struct Runner<'a> {
     run: &'a Run<'a>,
     target: f64,
     finest: usize,
-    every_bin: bool,
+    per_wavelength: bool,
     views_done: AtomicUsize,
 }
 
@@ -152,11 +152,11 @@ struct Group {
 
 impl<'a> Runner<'a> {
     fn new(run: &'a Run<'a>) -> Result<Self, DisplayError> {
-        let Stop::RelativeError { target, every_bin } = run.scene.solver.stop else {
+        let Stop::RelativeError { target, per_wavelength } = run.scene.solver.stop else {
             return Err(DisplayError::NoPaths);
         };
         let finest = finest(&run.setup.stack)?;
-        Ok(Self { run, target, finest, every_bin, views_done: AtomicUsize::new(0) })
+        Ok(Self { run, target, finest, per_wavelength, views_done: AtomicUsize::new(0) })
     }
 
     /// Computes finer levels until the target is met; `None` if stopped before two levels were computed.
@@ -197,7 +197,7 @@ impl<'a> Runner<'a> {
     fn error(&self, [finer, coarser]: [&Vec<Sample>; 2], before: Option<&Vec<Sample>>) -> f64 {
         let error = |view: usize| {
             let before = before.map(|before| &before[view]);
-            self.run.meter.level_error([&finer[view], &coarser[view]], before, self.every_bin)
+            self.run.meter.level_error([&finer[view], &coarser[view]], before, self.per_wavelength)
         };
         (0..finer.len()).map(error).fold(0.0, largest)
     }

@@ -37,7 +37,8 @@ pub fn cone(scene: &Scene, grid: ConeGrid, control: &Control<'_>) -> Result<Cone
     everywhere.viewer.theta_deg.clone_from(&grid.theta_deg);
     everywhere.viewer.phi_deg.clone_from(&grid.phi_deg);
     let setup = Setup::new(&everywhere)?;
-    let normal = setup.view(0.0, 0.0)?;
+    let [theta_deg, phi_deg] = grid.reference_deg;
+    let reference = setup.view(theta_deg, phi_deg)?;
     let meter = Meter::new(&setup);
     let mut workers = None;
     let pool = Workers::unless_one(&mut workers, control.threads)?;
@@ -45,7 +46,7 @@ pub fn cone(scene: &Scene, grid: ConeGrid, control: &Control<'_>) -> Result<Cone
     let finest = finest(&setup.stack)?;
     let equivalent = equivalent_azimuths(&grid.phi_deg, &scene.lighting);
     let angle_index = angle_index(scene)?;
-    let survey = Survey { run, equivalent, grid, normal, finest, angle_index };
+    let survey = Survey { run, equivalent, grid, reference, finest, angle_index };
     survey.run(pool).unwrap_or(Err(DisplayError::Interrupted))
 }
 
@@ -54,7 +55,8 @@ struct Survey<'a> {
     grid: ConeGrid,
     /// Index of the first equivalent azimuth, for each azimuth.
     equivalent: Vec<usize>,
-    normal: ViewPoint,
+    /// View with which the colours of the others are compared.
+    reference: ViewPoint,
     /// Finest level that can be computed for the layers.
     finest: usize,
     /// Index of the medium of the angles.
@@ -116,6 +118,8 @@ impl Survey<'_> {
             discretisation_error: worst,
             row_errors: RowErrors { relative, target, allowed: None },
             warnings,
+            reference_deg: self.grid.reference_deg,
+            reference_white: self.run.meter.reference_white(),
             theta_deg: self.grid.theta_deg,
             phi_deg: self.grid.phi_deg,
         }))
@@ -161,14 +165,14 @@ impl Survey<'_> {
             let setup = self.run.setup;
             let ready = kernel.prepare_unless(
                 &setup.stack,
-                &[self.normal.field],
+                &[self.reference.field],
                 &setup.sources,
                 self.run.control.stop,
             );
             ready.then_some(())?;
-            let normal = self.colours(&kernel, 0)?;
+            let reference = self.colours(&kernel, 0)?;
             coarser = views;
-            (views, nodes) = self.all(kernel, &normal, pool)?;
+            (views, nodes) = self.all(kernel, &reference, pool)?;
         }
     }
 
@@ -203,11 +207,11 @@ impl Survey<'_> {
         })
     }
 
-    /// Computes a sample of directions, the normal first; leaves the kernel that met the target
+    /// Computes a sample of directions, the reference direction first; leaves the kernel that met the target
     /// in `kernel`.
     fn sample(&self, target: f64, kernel: &mut Kernel) -> Option<Refined<Colours>> {
         let setup = self.run.setup;
-        let fields: Vec<Cone> = std::iter::once(self.normal.field)
+        let fields: Vec<Cone> = std::iter::once(self.reference.field)
             .chain(self.sampled().into_iter().map(|view| setup.views[view].field))
             .collect();
         let at = |level: usize| {
@@ -249,7 +253,7 @@ impl Survey<'_> {
     fn all(
         &self,
         mut kernel: Kernel,
-        normal: &[Xyz],
+        reference: &[Xyz],
         pool: Option<&ThreadPool>,
     ) -> Option<(Vec<Vec<ConeView>>, u64)> {
         let setup = self.run.setup;
@@ -284,7 +288,7 @@ impl Survey<'_> {
             let view = |k: usize| {
                 let is_running = !self.run.control.stopped();
                 let colours = if is_running { self.colours(kernel, first + k) } else { None };
-                colours.map(|colours| self.run.meter.cone_view(&colours, normal))
+                colours.map(|colours| self.run.meter.cone_view(&colours, reference))
             };
             let views = (0..computed.len()).map(view).collect::<Option<Vec<_>>>()?;
             let more = self.grid.phi_deg.len();

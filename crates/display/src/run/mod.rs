@@ -23,6 +23,7 @@ pub(crate) use refine::{largest, level_error};
 pub use study::{Cost, StudyCurve, StudyPoint, cost, study};
 
 use crate::meter::{Meter, ViewSamples, against_angle};
+use crate::notes::notes;
 use crate::result::{RunResult, SolverReport, View, XyzError};
 use crate::scene::{Method, Scene, Stop};
 use crate::setup::{Setup, ViewPoint};
@@ -130,7 +131,7 @@ pub(crate) fn run_setup(
     let meter = Meter::new(setup);
     let run = Run { scene: &setup.scene, control, setup, meter: &meter };
     match setup.scene.solver.method {
-        Method::Walk => {
+        Method::MonteCarlo => {
             let pool = Workers::wanted(workers, control.threads.unwrap_or(0))?;
             pool.install(|| walk::run(&run))
         }
@@ -205,12 +206,15 @@ impl Run<'_> {
                 Some(_) => {}
             }
         }
-        let views = against_angle(views);
+        let (views, reference_white) = (against_angle(views), self.meter.reference_white());
         warnings.extend(self.coarse_reflectances(&views));
         RunResult {
+            notes: notes(&views, reference_white),
             solver,
             wavelength_nm: self.scene.grid.wavelengths_nm(),
             illuminant: self.meter.illuminant(),
+            reference_white,
+            primaries: crate::pixel::primaries(&self.scene.display.pixel),
             views,
             warnings,
         }

@@ -1,6 +1,6 @@
 //! Convergence studies of the Monte Carlo solver: standard error against paths and time, for all samplers and strategies.
 
-use papilio_sampling::Numbers;
+use papilio_sampling::SampleStream;
 use papilio_transport::walk::Walk;
 
 use super::Control;
@@ -104,7 +104,7 @@ pub struct Cost {
 /// If the scene is invalid, or the computation was stopped.
 pub fn cost(
     scene: &Scene,
-    (target, every_bin): (f64, bool),
+    (target, per_wavelength): (f64, bool),
     seconds: &dyn Fn() -> f64,
     control: &Control<'_>,
 ) -> Result<Cost, DisplayError> {
@@ -127,7 +127,7 @@ pub fn cost(
         let started = seconds();
         let each = round_size(&scene.solver, cost.paths / REPLICATES);
         for (stream, replicate) in replicates.iter_mut().enumerate() {
-            let numbers = Numbers::new(scene.solver.sampler, scene.solver.seed, stream as u64);
+            let numbers = SampleStream::new(scene.solver.sampler, scene.solver.seed, stream as u64);
             walk.trace(replicate, &numbers, each);
         }
         let traced = seconds();
@@ -137,7 +137,7 @@ pub fn cost(
         cost.paths += each * REPLICATES;
         let samples: Vec<Sample> = estimates.iter().map(|estimate| meter.sample(estimate)).collect();
         confidence.add(meter.luminous_means(&samples));
-        if meter.standard_error(&samples, every_bin) <= target && confidence.holds(cost.paths) {
+        if meter.standard_error(&samples, per_wavelength) <= target && confidence.holds(cost.paths) {
             return Ok(cost);
         }
     }
@@ -160,7 +160,7 @@ impl Study<'_> {
         strategy: Strategy,
     ) -> Result<StudyCurve, DisplayError> {
         // Point sets that are constructed once must not be part of a measured time.
-        Numbers::new(sampler, 0, 0).block(0, 0);
+        SampleStream::new(sampler, 0, 0).block(0, 0);
         let started = (self.seconds)();
         let walk = self.setup.walk(at, strategy);
         let setup_s = (self.seconds)() - started;
@@ -174,7 +174,7 @@ impl Study<'_> {
                 if self.control.stopped() {
                     return Err(DisplayError::Interrupted);
                 }
-                let numbers = Numbers::new(sampler, self.setup.scene.solver.seed, stream as u64);
+                let numbers = SampleStream::new(sampler, self.setup.scene.solver.seed, stream as u64);
                 let left = each - replicate.paths();
                 walk.trace(replicate, &numbers, left);
             }

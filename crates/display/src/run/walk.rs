@@ -5,7 +5,7 @@
 //! depend on the assignment of work to threads. Views are computed one after another, so that the sums of
 //! only one view are in memory.
 
-use papilio_sampling::Numbers;
+use papilio_sampling::SampleStream;
 use papilio_transport::walk::{Replicate, Walk};
 use rayon::prelude::*;
 
@@ -225,7 +225,8 @@ impl<'a> Runner<'a> {
             .enumerate()
             .map(|(replicate, state)| {
                 let stream = number as u64 * REPLICATES + replicate as u64;
-                let numbers = Numbers::new(self.run.scene.solver.sampler, self.run.scene.solver.seed, stream);
+                let numbers =
+                    SampleStream::new(self.run.scene.solver.sampler, self.run.scene.solver.seed, stream);
                 self.trace(walk, state, &numbers, each)
             })
             .collect();
@@ -235,8 +236,9 @@ impl<'a> Runner<'a> {
         let estimates = walk.estimates(&work.replicates);
         let samples: Vec<Sample> =
             estimates.par_iter().map(|estimate| self.run.meter.sample(estimate)).collect();
-        let every_bin = matches!(self.run.scene.solver.stop, Stop::RelativeError { every_bin: true, .. });
-        work.relative_error = self.run.meter.standard_error(&samples, every_bin);
+        let per_wavelength =
+            matches!(self.run.scene.solver.stop, Stop::RelativeError { per_wavelength: true, .. });
+        work.relative_error = self.run.meter.standard_error(&samples, per_wavelength);
         work.confidence.add(self.run.meter.luminous_means(&samples));
         work.samples = samples;
         work.paths += each * REPLICATES;
@@ -245,7 +247,13 @@ impl<'a> Runner<'a> {
     }
 
     /// Traces paths in small batches, so that a stop takes effect at once.
-    fn trace(&self, walk: &Walk<'_>, replicate: &mut Replicate, numbers: &Numbers, count: u64) -> Option<()> {
+    fn trace(
+        &self,
+        walk: &Walk<'_>,
+        replicate: &mut Replicate,
+        numbers: &SampleStream,
+        count: u64,
+    ) -> Option<()> {
         let mut left = count;
         while left > 0 {
             if self.run.control.stopped() {

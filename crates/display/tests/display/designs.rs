@@ -6,7 +6,7 @@ use crate::common::scenario;
 use papilio_colour::{Lab, UvPrime};
 use papilio_display::scene::{Drive, FilmPixel, Method, Metric, Pixel, Scene, Stop, Thickness};
 use papilio_display::{Control, Designs, DisplayError, Parameter, Prepared, Quantity};
-use papilio_sampling::{Numbers, Sampler};
+use papilio_sampling::{SampleStream, Sampler};
 use papilio_spectra::Spectrum;
 
 /// Displays of all kinds that support designs, with few wavelengths. The target is so large that two levels suffice
@@ -16,7 +16,7 @@ fn scenes() -> Vec<(&'static str, Scene)> {
         let overrides = [&["spectrum.step_nm=20", "metrics.gamut_volume=true"], overrides].concat();
         let mut scene = scenario(name, &overrides).unwrap().scene;
         scene.solver.method = Method::Adding;
-        scene.solver.stop = Stop::RelativeError { target: 0.9, every_bin: false };
+        scene.solver.stop = Stop::RelativeError { target: 0.9, per_wavelength: false };
         scene
     };
     vec![
@@ -44,7 +44,7 @@ fn film(scene: &Scene) -> &FilmPixel {
 
 /// Random changes of layers, gaps and fractions: thicknesses by up to a third, one layer removed, gaps by up to 30 nm.
 fn moved(film: &FilmPixel, number: u64) -> FilmPixel {
-    let numbers = Numbers::new(Sampler::Random, 8, 0);
+    let numbers = SampleStream::new(Sampler::Random, 8, 0);
     let mut thrown = 0;
     let mut random = || {
         thrown += 1;
@@ -290,7 +290,7 @@ fn invalid_designs_are_refused() {
     let stateless = Quantity::Metric { view: 0, state: None, metric: Metric::Y };
     assert_eq!(refused(scene, stateless), missing("state given"));
     let mut walk = scene.clone();
-    walk.solver.method = Method::Walk;
+    walk.solver.method = Method::MonteCarlo;
     assert_eq!(refused(&walk, white(0, "white")), Some(DisplayError::NotByAdding));
     let paint = scenario("slab", &["display.pixel.model=uniform"]);
     assert!(paint.is_err());

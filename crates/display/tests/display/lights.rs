@@ -145,7 +145,7 @@ fn luminance_by_direction_integrates_to_the_illuminance() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenarios");
     for (name, light) in LIGHTS {
         let scenario = Scenario::from_text(&text(PAPER, light, ""), "light.toml", &folder, &[]).unwrap();
-        let room = papilio_display::room_light(&scenario.resolve().unwrap().scene).unwrap();
+        let room = papilio_display::ambient_light(&scenario.resolve().unwrap().scene).unwrap();
         let columns = room.phi_deg.len();
         let mut lux: f64 = room.directed.iter().map(|lamp| lamp.illuminance_lx).sum();
         for (row, theta) in room.luminance_cd_m2.chunks_exact(columns).zip(&room.theta_deg) {

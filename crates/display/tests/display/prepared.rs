@@ -13,7 +13,7 @@ fn scene(name: &str, overrides: &[&str]) -> Scene {
     let overrides: Vec<&str> = ["spectrum.step_nm=40"].iter().chain(overrides).copied().collect();
     let mut scene = scenario(name, &overrides).unwrap().scene;
     scene.solver.method = Method::Adding;
-    scene.solver.stop = Stop::RelativeError { target: 1e-3, every_bin: false };
+    scene.solver.stop = Stop::RelativeError { target: 1e-3, per_wavelength: false };
     scene
 }
 
@@ -50,10 +50,10 @@ fn changes() -> Vec<Change> {
                 panel.glass.index = panel.glass.index.map(|_| 1.6);
             }
         }),
-        ("the method", |s| (s.solver.method, s.solver.stop) = (Method::Walk, Stop::Paths(64))),
+        ("the method", |s| (s.solver.method, s.solver.stop) = (Method::MonteCarlo, Stop::Paths(64))),
         ("back to adding", |s| {
             s.solver.method = Method::Adding;
-            s.solver.stop = Stop::RelativeError { target: 1e-3, every_bin: true };
+            s.solver.stop = Stop::RelativeError { target: 1e-3, per_wavelength: true };
         }),
         ("no diffuser", |s| {
             if let Layers::Panel(panel) = &mut s.display.layers {
@@ -193,7 +193,7 @@ fn number_of_paths_is_refused_by_adding() {
 #[test]
 fn target_that_no_level_reaches_causes_a_warning() {
     let mut scene = scene("overcast", &[]);
-    scene.solver.stop = Stop::RelativeError { target: 0.0, every_bin: true };
+    scene.solver.stop = Stop::RelativeError { target: 0.0, per_wavelength: true };
     let result = run_on(&scene, Some(1)).unwrap();
     assert!(result.warnings.iter().any(|w| w.contains("finest level")), "{:?}", result.warnings);
     assert!(result.solver.relative_error_reached > 0.0, "{:?}", result.solver);

@@ -11,12 +11,22 @@ use papilio_optics::{Beta, Scatterer};
 fn scene(name: &str, target: f64) -> Scene {
     let mut scene = scenario(name, &["spectrum.step_nm=20"]).unwrap().scene;
     scene.solver.method = Method::Adding;
-    scene.solver.stop = Stop::RelativeError { target, every_bin: false };
+    scene.solver.stop = Stop::RelativeError { target, per_wavelength: false };
     scene
 }
 
 fn seen(scene: &Scene, theta_deg: &[f64], phi_deg: &[f64], threads: usize) -> ConeResult {
-    let grid = ConeGrid { theta_deg: theta_deg.to_vec(), phi_deg: phi_deg.to_vec() };
+    seen_against(scene, theta_deg, phi_deg, [0.0, 0.0], threads)
+}
+
+fn seen_against(
+    scene: &Scene,
+    theta_deg: &[f64],
+    phi_deg: &[f64],
+    reference_deg: [f64; 2],
+    threads: usize,
+) -> ConeResult {
+    let grid = ConeGrid { theta_deg: theta_deg.to_vec(), phi_deg: phi_deg.to_vec(), reference_deg };
     let stop = AtomicBool::new(false);
     cone(scene, grid, &Control { threads: Some(threads), progress: &|_| {}, stop: &stop }).unwrap()
 }
@@ -30,7 +40,7 @@ fn cone_outside_the_measured_directions_has_no_values() {
         "display.front=[{ reflectance = 0.05 }]",
     ];
     let mut scene = scenario("measured-h65", &sets).unwrap().scene;
-    scene.solver.stop = Stop::RelativeError { target: 1e-3, every_bin: false };
+    scene.solver.stop = Stop::RelativeError { target: 1e-3, per_wavelength: false };
     let found = seen(&scene, &[0.0, 60.0, 75.0, 76.0, 89.0], &[0.0, 180.0], 1);
     for (k, view) in found.views.iter().enumerate() {
         let known = k % 5 < 3;
@@ -71,6 +81,12 @@ fn direction_of_the_cone_equals_a_run_with_that_view() {
                 close(state.luminance_cd_m2, exact.value.luminance_cd_m2);
                 close(state.u_prime.unwrap(), exact.value.u_prime.unwrap());
                 close(state.v_prime.unwrap(), exact.value.v_prime.unwrap());
+                let lab = state.lab.unwrap();
+                let exact = [exact.value.L_star, exact.value.a_star, exact.value.b_star];
+                for (here, there) in [lab.l, lab.a, lab.b].into_iter().zip(exact) {
+                    // L* varies by 116/3 of the relative error of Y, a* and b* by 500/3 and 200/3 of those of X, Y and Z.
+                    assert!((here - there.unwrap()).abs() < 1000.0 * target, "{name} {k}: {here} {there:?}");
+                }
             }
             let pairs = [
                 (in_cone.contrast_ratio, view.metrics.contrast_ratio),
@@ -194,7 +210,7 @@ fn run_with_a_beam_equals_the_bsdf() {
 fn bsdf_of_a_rough_interface_at_grazing_incidence_equals_its_kernel() {
     let sets = ["spectrum.step_nm=80", "display.layers.0.alpha=0.35", "display.pixel.reflectance.white=0.7"];
     let mut scene = scenario("rough-glass", &sets).unwrap().scene;
-    scene.solver.stop = Stop::RelativeError { target: 1e-4, every_bin: false };
+    scene.solver.stop = Stop::RelativeError { target: 1e-4, per_wavelength: false };
     let grid =
         BrdfGrid { theta_i_deg: vec![85.0, 89.0], theta_o_deg: vec![85.0], dphi_deg: vec![0.0, 180.0] };
     let table = table(&scene, grid);

@@ -3,20 +3,20 @@
 use super::{BAD, Ends, GOOD, PANEL};
 use crate::axis::Axis;
 use crate::panel::Panel;
-use crate::style::{INK, named_with_unit, percent};
+use crate::style::{INK, percent};
 use crate::svg::{Anchor, Stroke, Svg, Text};
 
 /// Largest number of bins; more would be too narrow to see.
 const MAX_BINS: usize = 200;
 
-/// Draws the histogram of a metric with its limits, which are edges of bins. Returns `None` if no value is defined.
+/// Draws the histogram of a metric (its label) with its limits, which are edges of bins. Returns `None` if no value is defined.
 pub fn histogram(metric: &str, values: &[f64], ends: Ends, title: &str) -> Option<String> {
     let mut sorted: Vec<f64> = values.iter().copied().filter(|value| value.is_finite()).collect();
     sorted.sort_by(f64::total_cmp);
     let bins = Bins::of(&sorted, ends)?;
     let percentages: Vec<f64> = bins.counts.iter().map(|n| 100.0 * *n as f64 / values.len() as f64).collect();
     let outer = [bins.edge(0), bins.edge(bins.counts.len())];
-    let x = Axis::covering(outer.into_iter().chain(ends.all()), 8, &named_with_unit(metric, metric));
+    let x = Axis::covering(outer.into_iter().chain(ends.all()), 8, metric);
     let y = Axis::covering(percentages.iter().copied().chain([0.0]), 6, "Displays (%)");
     let panel = Panel { origin: PANEL.0, size: PANEL.1, x, y };
     let mut svg = Svg::new(680.0, 420.0).titled(title);

@@ -11,7 +11,7 @@ const MAX_MARKS: usize = 3000;
 
 /// Draws the displays of a tolerance analysis over two keys, in one colour if they meet all limits and in another if not.
 /// `points` holds the values of both keys, and whether the display meets all limits.
-pub fn good_and_bad(keys: [&str; 2], points: &[([f64; 2], bool)], title: &str) -> String {
+pub fn pass_fail_scatter(keys: [&str; 2], points: &[([f64; 2], bool)], title: &str) -> String {
     let along = |k: usize| points.iter().map(move |(at, _)| at[k]);
     let x = Axis::covering(along(0), 8, keys[0]);
     let y = Axis::covering(along(1), 6, keys[1]);

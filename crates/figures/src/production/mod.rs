@@ -5,8 +5,8 @@ mod keys;
 mod sensitivities;
 
 pub use histogram::histogram;
-pub use keys::good_and_bad;
-pub use sensitivities::{Blame, sensitivities};
+pub use keys::pass_fail_scatter;
+pub use sensitivities::{SensitivityBar, sensitivities};
 
 use crate::svg::Point;
 
@@ -53,12 +53,16 @@ mod tests {
             assert_well_formed(&histogram("<Y>", &values, ends, "<t>").unwrap());
         }
         assert!(histogram("Y", &[f64::NAN], ends, "t").is_none());
-        let blame = Blame { first: [-0.1, 0.3], total: [1.4, f64::NAN] };
+        let blame = SensitivityBar { first: [-0.1, 0.3], total: [1.4, f64::NAN] };
         let groups = ["a".to_owned(), "b".to_owned()];
         assert_well_formed(
             &sensitivities(&["Y".to_owned()], &groups, &[vec![Some(blame), None]], "t").unwrap(),
         );
         assert!(sensitivities(&["Y".to_owned()], &groups, &[vec![None, None]], "t").is_none());
-        assert_well_formed(&good_and_bad(["a", "b"], &[([1.0, f64::NAN], true), ([1.0, 2.0], false)], "t"));
+        assert_well_formed(&pass_fail_scatter(
+            ["a", "b"],
+            &[([1.0, f64::NAN], true), ([1.0, 2.0], false)],
+            "t",
+        ));
     }
 }

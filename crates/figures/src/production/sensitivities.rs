@@ -18,7 +18,7 @@ const GAP: f64 = 54.0;
 
 /// Sobol indices of a group of keys: fractions of the variance of a metric, each with its standard error.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Blame {
+pub struct SensitivityBar {
     /// First-order index: the fraction that the group causes alone.
     pub first: [f64; 2],
     /// Total-order index: the fraction that the group causes alone or together with others.
@@ -30,10 +30,10 @@ pub struct Blame {
 pub fn sensitivities(
     metrics: &[String],
     groups: &[String],
-    indices: &[Vec<Option<Blame>>],
+    indices: &[Vec<Option<SensitivityBar>>],
     title: &str,
 ) -> Option<String> {
-    let drawn: Vec<(&String, &Vec<Option<Blame>>)> =
+    let drawn: Vec<(&String, &Vec<Option<SensitivityBar>>)> =
         metrics.iter().zip(indices).filter(|(_, of_metric)| of_metric.iter().any(Option::is_some)).collect();
     let block = ROW * groups.len() as f64;
     if drawn.is_empty() {
@@ -62,7 +62,7 @@ pub fn sensitivities(
 }
 
 /// Draws both bars of a group, one above the other.
-fn row(svg: &mut Svg, panel: &Panel, middle: f64, group: &str, indices: Option<Blame>) {
+fn row(svg: &mut Svg, panel: &Panel, middle: f64, group: &str, indices: Option<SensitivityBar>) {
     const BAR: f64 = 8.0;
     let name = Text::new(SMALL, INK).anchor(Anchor::End);
     svg.text((NAME - 8.0, middle + 4.0), &shortened(group, NAME - 16.0, SMALL), name);

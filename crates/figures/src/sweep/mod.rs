@@ -4,7 +4,6 @@ mod axes;
 mod of_sweep;
 mod scale;
 
-pub use axes::short_key;
 pub use of_sweep::of_sweep;
 
 use self::scale::{Cells, Side};
@@ -19,7 +18,7 @@ use crate::svg::{Anchor, Point, Stroke, Svg, Text, finite, shortened};
 /// A swept axis: its name, and its values as texts.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SweepAxis {
-    /// Name of the key, or of the keys.
+    /// Quantity and unit in words.
     pub name: String,
     /// A text for each value; if all are numbers, they are drawn on a scale.
     pub values: Vec<String>,
@@ -28,7 +27,7 @@ pub struct SweepAxis {
 /// A metric at all points of two axes.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SweepFigure {
-    /// Name of the metric.
+    /// Metric and unit in words.
     pub metric: String,
     /// Horizontal axis.
     pub x: SweepAxis,

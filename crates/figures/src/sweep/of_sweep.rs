@@ -2,8 +2,8 @@
 
 use papilio_formats::{SweepHead, SweepPoint};
 
-use super::axes::{common_views, of_axis, of_views};
-use super::{SweepAxis, SweepFigure, sweep_curves, sweep_map};
+use super::axes::{LabelledAxis, Labels, common_views, of_axis, of_views};
+use super::{SweepFigure, sweep_curves, sweep_map};
 
 /// Largest number of curves in a figure; more cannot be distinguished.
 const MAX_CURVES: usize = 8;
@@ -12,11 +12,12 @@ const MAX_CURVES: usize = 8;
 const MIN_ROWS: usize = 3;
 
 /// Returns the figures of `papilio sweep`: file names without extensions, and SVG texts. With more than two axes, the
-/// others are at their first value, which the title states. Several views form an additional first axis.
-pub fn of_sweep(head: &SweepHead, points: &[&SweepPoint]) -> Vec<(String, String)> {
+/// others are at their first value, which the title states. Several views form an additional first axis. `labels` returns the
+/// label of a key or a metric.
+pub fn of_sweep(head: &SweepHead, points: &[&SweepPoint], labels: Labels<'_>) -> Vec<(String, String)> {
     let mut drawn = Vec::new();
     for metric in &head.figures {
-        let Some((figure, title)) = figure(head, points, metric) else { continue };
+        let Some((figure, title)) = figure(head, points, metric, labels) else { continue };
         let (curves, columns) = (figure.y.as_ref().map_or(1, |y| y.values.len()), figure.x.values.len());
         let few = curves <= MAX_CURVES;
         if few {
@@ -31,29 +32,39 @@ pub fn of_sweep(head: &SweepHead, points: &[&SweepPoint]) -> Vec<(String, String
 
 /// Returns a metric over the last two axes (several views are the first axis), and the title of its figure; `None` if
 /// no value is defined.
-fn figure(head: &SweepHead, points: &[&SweepPoint], metric: &str) -> Option<(SweepFigure, String)> {
+fn figure(
+    head: &SweepHead,
+    points: &[&SweepPoint],
+    metric: &str,
+    labels: Labels<'_>,
+) -> Option<(SweepFigure, String)> {
     let views = common_views(points);
-    let mut axes: Vec<SweepAxis> = of_views(&views).into_iter().collect();
+    let mut axes: Vec<LabelledAxis> = of_views(&views).into_iter().collect();
     let over_views = !axes.is_empty();
-    axes.extend(head.axes.iter().map(|axis| of_axis(head, axis)));
+    axes.extend(head.axes.iter().map(|axis| of_axis(axis, labels)));
     let (x, before) = axes.split_last()?;
     let (y, fixed) = before.split_last().map_or((None, before), |(y, fixed)| (Some(y), fixed));
-    let rows = y.map_or(1, |y| y.values.len());
+    let columns = x.axis.values.len();
+    let rows = y.map_or(1, |y| y.axis.values.len());
     let value = |(j, i): (usize, usize)| {
         // With one swept axis, the rows are the views; with more, the last axis varies fastest.
-        let (view, at) =
-            if over_views && head.axes.len() == 1 { (j, i) } else { (0, j * x.values.len() + i) };
+        let (view, at) = if over_views && head.axes.len() == 1 { (j, i) } else { (0, j * columns + i) };
         points.get(at).and_then(|point| measured(point, views.get(view).copied(), metric))
     };
-    let places = (0..rows).flat_map(|j| (0..x.values.len()).map(move |i| (j, i)));
+    let places = (0..rows).flat_map(|j| (0..columns).map(move |i| (j, i)));
     let values: Vec<(f64, f64)> = places.map(|at| value(at).unwrap_or((f64::NAN, f64::NAN))).collect();
     if values.iter().all(|(value, _)| value.is_nan()) {
         return None;
     }
-    let others = fixed.iter().map(|axis| format!("{} = {}", axis.name, axis.values[0]));
+    let others = fixed.iter().map(|axis| axis.label.with_value(&axis.axis.values[0]));
     let title = head.title.iter().cloned().chain(others).collect::<Vec<_>>().join(", ");
-    let figure =
-        SweepFigure { metric: metric.to_owned(), x: x.clone(), y: y.cloned(), colours: None, values };
+    let figure = SweepFigure {
+        metric: labels(metric).to_string(),
+        x: x.axis.clone(),
+        y: y.map(|y| y.axis.clone()),
+        colours: None,
+        values,
+    };
     Some((figure, title))
 }
 

@@ -26,7 +26,7 @@ fn cone_is_drawn_as_labelled_maps() {
             "direction of the light",
         ],
     );
-    let ConeGrid { theta_deg, phi_deg } = ConeGrid::default();
+    let ConeGrid { theta_deg, phi_deg, .. } = ConeGrid::default();
     let full = cone(&synthetic::cone(&theta_deg, &phi_deg), TITLE).unwrap();
     assert!(full.len() < 1_000_000, "{} bytes", full.len());
 }

@@ -3,7 +3,7 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, reason = "a test says what it expects by unwrapping")]
 
 use papilio_display::result::{Named, RunResult, StateValues};
-use papilio_display::{ConeGrid, ConeResult, ConeState, RoomLamp, RoomLight};
+use papilio_display::{AmbientLight, AmbientSource, ConeGrid, ConeResult, ConeState};
 use papilio_figures::{
     AngleMetric, PixelScan, Transmission, against_angle, chromaticity, compared_gamuts, compared_spectra,
     cone, gamut_rings, light, overview, patches, pixel_scan, png, spectra, spectra_over, transmission,
@@ -467,8 +467,8 @@ fn comparison_shows_simulated_and_measured() {
 
 #[test]
 fn figure_of_light_lists_sources_and_directions() {
-    let lamp = RoomLamp { theta_deg: -30.0, phi_deg: 10.0, radius_deg: 0.0, illuminance_lx: 120.0 };
-    let room = |value: f64, lamps: usize| RoomLight {
+    let lamp = AmbientSource { theta_deg: -30.0, phi_deg: 10.0, radius_deg: 0.0, illuminance_lx: 120.0 };
+    let room = |value: f64, lamps: usize| AmbientLight {
         theta_deg: (0..=9).map(|k| 10.0 * f64::from(k)).collect(),
         phi_deg: (0..36).map(|k| 10.0 * f64::from(k)).collect(),
         luminance_cd_m2: (0..360).map(|k| if k % 7 == 0 { value } else { 1.0 }).collect(),
@@ -492,8 +492,8 @@ fn figure_of_light_lists_sources_and_directions() {
     for value in [0.0, -1.0, f64::NAN, f64::INFINITY, 1e300] {
         texts(&light(&room(value, 2), TITLE));
     }
-    let dark = RoomLight { luminance_cd_m2: vec![0.0; 360], ..room(1.0, 1) };
+    let dark = AmbientLight { luminance_cd_m2: vec![0.0; 360], ..room(1.0, 1) };
     assert_texts(&light(&dark, TITLE), &["Directed sources only"]);
-    let none = RoomLight { theta_deg: vec![], phi_deg: vec![], luminance_cd_m2: vec![], ..dark };
+    let none = AmbientLight { theta_deg: vec![], phi_deg: vec![], luminance_cd_m2: vec![], ..dark };
     texts(&light(&none, TITLE));
 }

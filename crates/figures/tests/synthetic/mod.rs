@@ -47,7 +47,10 @@ pub(crate) fn result(thetas: &[f64], relative_error: f64) -> RunResult {
             u_prime: uv.u,
             v_prime: uv.v,
         },
+        reference_white: ReferenceWhite::Perfect,
+        primaries: ["red", "green", "blue"].map(str::to_owned).to_vec(),
         warnings: vec![],
+        notes: vec![],
     }
 }
 
@@ -69,7 +72,15 @@ pub(crate) fn cone(theta_deg: &[f64], phi_deg: &[f64]) -> ConeResult {
                 let (here, normal) = (view.states.get(name).unwrap(), run.views[0].states.get(name).unwrap());
                 let (here, normal) = (&here.value, &normal.value);
                 let (u, v) = (here.u_prime.unwrap(), here.v_prime.unwrap());
+                let lab = |of: &StateValues| papilio_colour::Lab {
+                    l: of.L_star.unwrap(),
+                    a: of.a_star.unwrap(),
+                    b: of.b_star.unwrap(),
+                };
                 ConeState {
+                    lab: Some(lab(here)),
+                    delta_e_2000: Some(lab(here).delta_e_2000(lab(normal))),
+                    delta_e_1976: Some(lab(here).delta_e_1976(lab(normal))),
                     reflectance_factor_y: lobe * here.Y,
                     luminance_cd_m2: lobe * here.luminance_cd_m2,
                     u_prime: Some(u),
@@ -87,6 +98,8 @@ pub(crate) fn cone(theta_deg: &[f64], phi_deg: &[f64]) -> ConeResult {
     ConeResult {
         theta_deg: theta_deg.to_vec(),
         phi_deg: phi_deg.to_vec(),
+        reference_deg: [0.0, 0.0],
+        reference_white: ReferenceWhite::Perfect,
         views: views.collect(),
         states: states.clone(),
         lights: vec![ConeLight { theta_deg: -20.0, phi_deg: 0.0, radius_deg: 0.0 }],

@@ -1,6 +1,8 @@
 //! Reader of the display's BSDF, `display-bsdf.npz` ("papilio-bsdf 1"), as a measurement of its first state.
 
-use papilio_goniometry::{Channel, Geometry, Measurement, Part, Provenance, SphericalGrid, Way};
+use papilio_goniometry::{
+    Channel, Geometry, MeasuredPart, Measurement, Provenance, ScatterMode, SphericalGrid,
+};
 use serde::Deserialize;
 
 use super::npz::{Array, Npz};
@@ -46,7 +48,7 @@ pub(super) fn read(mut arrays: Npz<'_>, about: &str) -> Result<Warned<Measuremen
 }
 
 /// Reads the first of `states` states.
-fn first_state(arrays: &mut Npz<'_>, states: usize) -> Result<Part, FormatError> {
+fn first_state(arrays: &mut Npz<'_>, states: usize) -> Result<MeasuredPart, FormatError> {
     let mut axis = |name: &str, least: f64, most: f64| {
         let values = arrays.numbers(name)?.values;
         let ascends = values.windows(2).all(|pair| pair[0] < pair[1]);
@@ -75,8 +77,8 @@ fn first_state(arrays: &mut Npz<'_>, states: usize) -> Result<Part, FormatError>
     }
     // The wavelength is the last index in the file, and the first one in a part.
     let values = (0..channels).flat_map(|c| (0..cells).map(move |cell| of_first[cell * channels + c]));
-    Ok(Part {
-        way: Way::FrontReflection,
+    Ok(MeasuredPart {
+        way: ScatterMode::FrontReflection,
         values: values.collect(),
         channels: wavelengths.into_iter().map(Channel::Wavelength).collect(),
         geometry: Geometry::Spherical(grid),

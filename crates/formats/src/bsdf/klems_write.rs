@@ -4,7 +4,7 @@ use std::collections::HashMap;
 use std::io::Write;
 
 use papilio_goniometry::{
-    Channel, Direction, Geometry, KLEMS_FULL, Measurement, Part, Ring, Symmetry, patch_count,
+    Channel, Direction, Geometry, KLEMS_FULL, MeasuredPart, Measurement, Ring, Symmetry, patch_count,
 };
 
 use super::LARGEST_VALUE;
@@ -35,7 +35,7 @@ pub(super) fn write(out: &mut dyn Write, measurement: &Measurement) -> Result<Ve
 
 /// A part as the file will hold it: `[channel][in][out]`.
 struct Averaged<'a> {
-    part: &'a Part,
+    part: &'a MeasuredPart,
     /// Channels in the file.
     channels: Vec<Channel>,
     incoming: &'a [Ring],
@@ -44,7 +44,7 @@ struct Averaged<'a> {
 }
 
 impl<'a> Averaged<'a> {
-    fn of(part: &'a Part, lost: &mut Vec<String>) -> Result<Self, WriteError> {
+    fn of(part: &'a MeasuredPart, lost: &mut Vec<String>) -> Result<Self, WriteError> {
         let (channels, numbers) = choose_channels(part, lost)?;
         if !part.tis.is_empty() {
             lost.push(format!("the TIS of the {} was not written", part.way.name()));
@@ -83,7 +83,10 @@ impl<'a> Averaged<'a> {
 const UNMEASURED: &str = "patches without any value were written as 0";
 
 /// Selects the channels that the file can hold, and their indices in the part.
-fn choose_channels(part: &Part, lost: &mut Vec<String>) -> Result<(Vec<Channel>, Vec<usize>), WriteError> {
+fn choose_channels(
+    part: &MeasuredPart,
+    lost: &mut Vec<String>,
+) -> Result<(Vec<Channel>, Vec<usize>), WriteError> {
     let fits =
         |channel: &Channel| CHANNELS.iter().any(|(_, known)| known == channel) || *channel == Channel::Y;
     let mut chosen: Vec<(Channel, usize)> =
@@ -114,7 +117,7 @@ const POINTS_IN: [usize; 2] = [2, 2];
 const POINTS_OUT: [usize; 2] = [6, 6];
 
 /// Returns the mean of f for each pair of patches, weighted with both cosines.
-fn averages(part: &Part, channel: usize, lost: &mut Vec<String>) -> Vec<f64> {
+fn averages(part: &MeasuredPart, channel: usize, lost: &mut Vec<String>) -> Vec<f64> {
     let [from, to] = [POINTS_IN, POINTS_OUT].map(|counts| patches(&KLEMS_FULL, counts));
     let mean = |light: &Patch, viewer: &Patch| {
         let lights = light.points.iter().map(|light| light.specular());

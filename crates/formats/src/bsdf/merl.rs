@@ -1,7 +1,9 @@
 //! Reader of the BRDFs of the MERL database: three numbers of cells, then planes of red, green and blue.
 
 use papilio_diagnostics::Place;
-use papilio_goniometry::{Channel, Geometry, HalfAngleGrid, Measurement, Part, Provenance, Way};
+use papilio_goniometry::{
+    Channel, Geometry, HalfAngleGrid, MeasuredPart, Measurement, Provenance, ScatterMode,
+};
 
 use super::{BsdfProblem, LARGEST_VALUE, VALUE_RANGE, Warned};
 use crate::error::{FormatError, Problem};
@@ -45,8 +47,8 @@ pub(super) fn read(file: &DataFile) -> Result<Warned<Measurement>, FormatError> 
         // In the database, negative numbers mark cells that were not measured, such as those below the horizon.
         values.push(if value < 0.0 { f64::NAN } else { value * SCALES[number / cells] });
     }
-    let part = Part {
-        way: Way::FrontReflection,
+    let part = MeasuredPart {
+        way: ScatterMode::FrontReflection,
         channels: vec![Channel::Red, Channel::Green, Channel::Blue],
         geometry: Geometry::HalfAngle(HalfAngleGrid),
         values,

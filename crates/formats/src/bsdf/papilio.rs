@@ -5,8 +5,8 @@
 use std::collections::HashSet;
 
 use papilio_goniometry::{
-    Channel, Direction, Geometry, HalfAngleGrid, Measurement, Part, Provenance, Ring, SpecularGrid,
-    SphericalGrid, Symmetry, TensorTree, TreeNode, WarpFields, WarpedGrid, Way,
+    Channel, Direction, Geometry, HalfAngleGrid, MeasuredPart, Measurement, Provenance, Ring, ScatterMode,
+    SpecularGrid, SphericalGrid, Symmetry, TensorTree, TreeNode, WarpFields, WarpedGrid,
 };
 use serde::{Deserialize, Serialize};
 
@@ -64,7 +64,7 @@ pub(super) const CONVENTIONS: &str = "f in 1/sr without the cosine, NaN where no
 away from the sample, theta from the normal of their side, phi the same on both sides, degrees; values [channel][cell ...]";
 
 /// Returns the prefix of the names of a part's arrays.
-pub(super) fn prefix(way: Way) -> String {
+pub(super) fn prefix(way: ScatterMode) -> String {
     way.name().replace(' ', "_")
 }
 
@@ -81,7 +81,7 @@ pub(super) fn read(mut arrays: Npz<'_>, about: &str) -> Result<Warned<Measuremen
         let expected = "a finite index of 1 or more";
         return Err(arrays.error(Problem::OutOfRange { what: "the index of a medium", value, expected }));
     }
-    let mut parts: Vec<Part> = Vec::new();
+    let mut parts: Vec<MeasuredPart> = Vec::new();
     for part in &about.parts {
         let read = read_part(&mut arrays, part)?;
         if parts.iter().any(|other| other.way == read.way) {
@@ -97,7 +97,7 @@ pub(super) fn read(mut arrays: Npz<'_>, about: &str) -> Result<Warned<Measuremen
     Ok(Warned { value: Measurement { provenance, media: about.media, parts }, warnings: Vec::new() })
 }
 
-fn read_part(arrays: &mut Npz<'_>, about: &AboutPart) -> Result<Part, FormatError> {
+fn read_part(arrays: &mut Npz<'_>, about: &AboutPart) -> Result<MeasuredPart, FormatError> {
     let way = way_named(&about.way).ok_or_else(|| {
         arrays.unsound("about", &format!("`{}` is not the name of a part; expected {WAYS}", about.way))
     })?;
@@ -128,7 +128,7 @@ fn read_part(arrays: &mut Npz<'_>, about: &AboutPart) -> Result<Part, FormatErro
         return Err(arrays
             .unsound(&tis_name, "expected a number of 0 or more for each channel, rotation and incidence"));
     }
-    Ok(Part { way, channels, geometry, values, tis })
+    Ok(MeasuredPart { way, channels, geometry, values, tis })
 }
 
 fn fits_tis(geometry: &Geometry, channels: usize, count: usize) -> bool {

@@ -2,7 +2,9 @@
 
 use std::io::{self, Write};
 
-use papilio_goniometry::{Geometry, Measurement, Part, Ring, SpecularGrid, Symmetry, TensorTree, TreeNode};
+use papilio_goniometry::{
+    Geometry, MeasuredPart, Measurement, Ring, SpecularGrid, Symmetry, TensorTree, TreeNode,
+};
 use zip::write::{SimpleFileOptions, StreamWriter, ZipWriter};
 
 use super::papilio::{About, AboutPart, CONVENTIONS, FORMAT, Kind, Origin, prefix};
@@ -34,7 +36,7 @@ pub(super) fn write(out: &mut dyn Write, measurement: &Measurement) -> Result<Ve
     Ok(Vec::new())
 }
 
-fn about_part(part: &Part) -> AboutPart {
+fn about_part(part: &MeasuredPart) -> AboutPart {
     let geometry = match &part.geometry {
         Geometry::Specular(grid) => Kind::Specular { plane_symmetrical: grid.symmetry == Symmetry::Plane },
         Geometry::Spherical(_) => Kind::Spherical,
@@ -65,7 +67,7 @@ impl Archive<'_> {
         })
     }
 
-    fn part(&mut self, part: &Part) -> io::Result<()> {
+    fn part(&mut self, part: &MeasuredPart) -> io::Result<()> {
         let prefix = prefix(part.way);
         let mut shape = vec![part.channels.len()];
         shape.extend(self.geometry(&prefix, &part.geometry)?);

@@ -5,7 +5,9 @@
 
 use std::ops::Range;
 
-use papilio_goniometry::{Channel, Geometry, Measurement, Part, Provenance, SpecularGrid, Symmetry, Way};
+use papilio_goniometry::{
+    Channel, Geometry, MeasuredPart, Measurement, Provenance, ScatterMode, SpecularGrid, Symmetry,
+};
 
 use super::text::{Lines, Text};
 use super::{BsdfProblem, LARGEST_VALUE, MOST_CELLS, Warned};
@@ -52,7 +54,13 @@ pub(super) fn read(file: &DataFile) -> Result<Warned<Measurement>, FormatError> 
     }
     let warnings = header.warnings(way, symmetry, &data, &grid);
     grid.symmetry = symmetry;
-    let part = Part { way, channels, geometry: Geometry::Specular(grid), values: data.values, tis: data.tis };
+    let part = MeasuredPart {
+        way,
+        channels,
+        geometry: Geometry::Specular(grid),
+        values: data.values,
+        tis: data.tis,
+    };
     let source = header.source.unwrap_or_default();
     // Papilio's writer stores the name of the sample in a remark.
     let (samples, remarks): (Vec<_>, Vec<_>) =
@@ -166,7 +174,7 @@ impl Header {
         Ok(())
     }
 
-    fn kinds(&self, lines: &Lines<'_>) -> Result<(Way, Symmetry, Vec<Channel>), FormatError> {
+    fn kinds(&self, lines: &Lines<'_>) -> Result<(ScatterMode, Symmetry, Vec<Channel>), FormatError> {
         let text = lines.text;
         let one_of = |slot: &Option<Range<usize>>, what, known: &[&str], expected| {
             let word = slot.clone().ok_or_else(|| text.whole(BsdfProblem::Missing { what }))?;
@@ -183,7 +191,7 @@ impl Header {
         let content =
             one_of(&self.content, "line `SpectralContent`", &["Monochrome", "XYZ"], "Monochrome or XYZ")?;
         Ok((
-            [Way::FrontReflection, Way::FrontTransmission][scatter],
+            [ScatterMode::FrontReflection, ScatterMode::FrontTransmission][scatter],
             if symmetry == 0 { Symmetry::Plane } else { Symmetry::None },
             if content == 0 { vec![Channel::Monochrome] } else { vec![Channel::X, Channel::Y, Channel::Z] },
         ))
@@ -208,7 +216,13 @@ impl Header {
         Ok(grid)
     }
 
-    fn warnings(&self, way: Way, symmetry: Symmetry, data: &Data, grid: &SpecularGrid) -> Vec<String> {
+    fn warnings(
+        &self,
+        way: ScatterMode,
+        symmetry: Symmetry,
+        data: &Data,
+        grid: &SpecularGrid,
+    ) -> Vec<String> {
         let mut warnings: Vec<String> = self
             .skipped
             .iter()

@@ -3,7 +3,8 @@
 use std::io::Write;
 
 use papilio_goniometry::{
-    Channel, Fill, Geometry, Measurement, Part, Shape, SpecularGrid, Symmetry, Way, on_specular_grid,
+    Channel, Fill, Geometry, MeasuredPart, Measurement, ScatterMode, Shape, SpecularGrid, Symmetry,
+    on_specular_grid,
 };
 
 use super::radiant_read::{AXES, NAME, SAMPLE, block_name};
@@ -45,7 +46,11 @@ pub(super) fn write(out: &mut dyn Write, measurement: &Measurement) -> Result<Ve
 }
 
 /// Interpolates a part onto a grid as that of imaging spheres; the TIS are the integrals of the values.
-fn resample(part: &Part, channels: &[(Channel, usize)], lost: &mut Vec<String>) -> Result<Part, WriteError> {
+fn resample(
+    part: &MeasuredPart,
+    channels: &[(Channel, usize)],
+    lost: &mut Vec<String>,
+) -> Result<MeasuredPart, WriteError> {
     let (names, numbers): (Vec<Channel>, Vec<usize>) = channels.iter().copied().unzip();
     let (grid, values) = on_specular_grid(part, &numbers)
         .ok_or(WriteError::CannotHold { format: NAME, what: "single pairs of directions, or no light" })?;
@@ -65,25 +70,33 @@ fn resample(part: &Part, channels: &[(Channel, usize)], lost: &mut Vec<String>) 
         let shape = Shape::of_grid(&grid, channel, Fill::None);
         tis.extend((0..grid.incidences_deg.len()).map(|k| shape.total(k)));
     }
-    Ok(Part { way: part.way, channels: names, geometry: Geometry::Specular(grid), values, tis })
+    Ok(MeasuredPart { way: part.way, channels: names, geometry: Geometry::Specular(grid), values, tis })
 }
 
 /// Selects the part that the file will hold.
-fn choose_part<'a>(measurement: &'a Measurement, lost: &mut Vec<String>) -> Result<&'a Part, WriteError> {
-    let order = [Way::FrontTransmission, Way::FrontReflection, Way::BackTransmission, Way::BackReflection];
+fn choose_part<'a>(
+    measurement: &'a Measurement,
+    lost: &mut Vec<String>,
+) -> Result<&'a MeasuredPart, WriteError> {
+    let order = [
+        ScatterMode::FrontTransmission,
+        ScatterMode::FrontReflection,
+        ScatterMode::BackTransmission,
+        ScatterMode::BackReflection,
+    ];
     let part = order.iter().find_map(|way| measurement.parts.iter().find(|part| part.way == *way));
     let part = part.ok_or(WriteError::CannotHold { format: NAME, what: "a measurement without values" })?;
     for other in measurement.parts.iter().filter(|other| other.way != part.way) {
         lost.push(format!("the {} was not written: the format holds a single part", other.way.name()));
     }
-    if matches!(part.way, Way::BackTransmission | Way::BackReflection) {
+    if matches!(part.way, ScatterMode::BackTransmission | ScatterMode::BackReflection) {
         lost.push(format!("the format cannot state that the values are of {}", part.way.name()));
     }
     Ok(part)
 }
 
 /// Selects the channels that the file will hold: their names in the file, and their indices in the part.
-fn choose_channels(part: &Part, lost: &mut Vec<String>) -> Result<Vec<(Channel, usize)>, WriteError> {
+fn choose_channels(part: &MeasuredPart, lost: &mut Vec<String>) -> Result<Vec<(Channel, usize)>, WriteError> {
     let at = |channel| part.channels.iter().position(|c| *c == channel).map(|k| (channel, k));
     let xyz: Option<Vec<_>> = [Channel::X, Channel::Y, Channel::Z].into_iter().map(at).collect();
     if part.channels.is_empty() {
@@ -103,7 +116,7 @@ fn choose_channels(part: &Part, lost: &mut Vec<String>) -> Result<Vec<(Channel, 
 fn header(
     out: &mut dyn Write,
     measurement: &Measurement,
-    part: &Part,
+    part: &MeasuredPart,
     grid: &SpecularGrid,
     channels: usize,
 ) -> Result<(), WriteError> {
@@ -137,7 +150,12 @@ fn header(
     Ok(())
 }
 
-fn block(out: &mut dyn Write, part: &Part, grid: &SpecularGrid, channel: usize) -> Result<(), WriteError> {
+fn block(
+    out: &mut dyn Write,
+    part: &MeasuredPart,
+    grid: &SpecularGrid,
+    channel: usize,
+) -> Result<(), WriteError> {
     let incidences = grid.rotations_deg.len() * grid.incidences_deg.len();
     let radials = grid.radials_deg.len();
     let rows = part.channel(channel).chunks(radials);

@@ -4,7 +4,9 @@
 //! the file and shape; all numbers are little-endian.
 
 use papilio_diagnostics::Place;
-use papilio_goniometry::{Channel, Geometry, Measurement, Part, Provenance, WarpFields, WarpedGrid, Way};
+use papilio_goniometry::{
+    Channel, Geometry, MeasuredPart, Measurement, Provenance, ScatterMode, WarpFields, WarpedGrid,
+};
 
 use super::{BsdfProblem, LARGEST_VALUE, MOST_CELLS, VALUE_RANGE, Warned};
 use crate::error::{FormatError, Problem};
@@ -35,8 +37,8 @@ pub(super) fn read(file: &DataFile) -> Result<Warned<Measurement>, FormatError> 
         let problem = Problem::OutOfRange { what: "a value of the BSDF", value, expected: VALUE_RANGE };
         return Err(tensors.error(problem));
     }
-    let part = Part {
-        way: Way::FrontReflection,
+    let part = MeasuredPart {
+        way: ScatterMode::FrontReflection,
         channels,
         geometry: Geometry::Warped(Box::new(grid)),
         values,

@@ -6,7 +6,9 @@
 use std::collections::HashMap;
 use std::ops::Range;
 
-use papilio_goniometry::{Channel, Direction, Geometry, Measurement, Part, Provenance, SphericalGrid, Way};
+use papilio_goniometry::{
+    Channel, Direction, Geometry, MeasuredPart, Measurement, Provenance, ScatterMode, SphericalGrid,
+};
 
 use super::text::{Lines, Text};
 use super::{BsdfProblem, MOST_CELLS, Warned};
@@ -22,7 +24,7 @@ const MOST_ROWS: usize = 10_000_000;
 /// Quantity of a column.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Column {
-    Way,
+    ScatterMode,
     /// One of the four angles of a row.
     Angle(usize),
     Channel,
@@ -37,7 +39,7 @@ impl Column {
         let name = name.trim_matches('"').trim().to_ascii_lowercase();
         let bare = name.strip_suffix("_deg").unwrap_or(&name);
         Some(match bare {
-            "way" => Self::Way,
+            "way" => Self::ScatterMode,
             "wavelength" | "wavelength_nm" | "channel" => Self::Channel,
             "value" | "bsdf" | "brdf" | "btdf" | "f" => Self::Value,
             angle => Self::Angle(ANGLES.iter().position(|known| *known == angle)?),
@@ -159,8 +161,12 @@ struct Pairs {
     entries: Vec<(u32, u32, f64, usize)>,
 }
 
-const WAYS: [Way; 4] =
-    [Way::FrontReflection, Way::FrontTransmission, Way::BackTransmission, Way::BackReflection];
+const WAYS: [ScatterMode; 4] = [
+    ScatterMode::FrontReflection,
+    ScatterMode::FrontTransmission,
+    ScatterMode::BackTransmission,
+    ScatterMode::BackReflection,
+];
 
 impl Rows {
     fn take(&mut self, text: Text<'_>, layout: &Layout, line: Range<usize>) -> Result<(), FormatError> {
@@ -173,11 +179,11 @@ impl Rows {
         }
         let mut angles = [0.0; 4];
         let (mut way, mut channel, mut value) = (None, Channel::Monochrome, f64::NAN);
-        let most = if layout.columns.contains(&Column::Way) { 90.0 } else { 180.0 };
+        let most = if layout.columns.contains(&Column::ScatterMode) { 90.0 } else { 180.0 };
         for (cell, column) in cells(text, line.clone(), layout.separator).zip(&layout.columns) {
             match *column {
                 Column::Angle(k) => angles[k] = angle(text, cell, k, most)?,
-                Column::Way => way = Some(way_of(text, cell)?),
+                Column::ScatterMode => way = Some(way_of(text, cell)?),
                 Column::Channel => channel = channel_of(text, cell)?,
                 // An empty cell was not measured.
                 Column::Value if cell.is_empty() => {}
@@ -220,7 +226,7 @@ impl Rows {
             .map_err(|_| text.error(line.clone(), BsdfProblem::TooManyCells { limit: MOST_CELLS }))
     }
 
-    pub(super) fn parts(self, text: Text<'_>) -> Result<Vec<Part>, FormatError> {
+    pub(super) fn parts(self, text: Text<'_>) -> Result<Vec<MeasuredPart>, FormatError> {
         let mut order: Vec<usize> = (0..self.channels.len()).collect();
         if self.channels.iter().all(|channel| matches!(channel, Channel::Wavelength(_))) {
             let nm = |k: usize| match self.channels[k] {
@@ -267,7 +273,7 @@ fn angle(text: Text<'_>, cell: Range<usize>, k: usize, most: f64) -> Result<f64,
 }
 
 /// Returns the part with this name.
-pub(super) fn way_named(name: &str) -> Option<Way> {
+pub(super) fn way_named(name: &str) -> Option<ScatterMode> {
     WAYS.into_iter().find(|way| way.name() == name)
 }
 
@@ -330,10 +336,10 @@ impl Pairs {
     fn part(
         self,
         text: Text<'_>,
-        way: Way,
+        way: ScatterMode,
         channels: &[Channel],
         order: &[usize],
-    ) -> Result<Part, FormatError> {
+    ) -> Result<MeasuredPart, FormatError> {
         let present: Vec<usize> = {
             let mut used = vec![false; channels.len()];
             self.entries.iter().for_each(|entry| used[entry.1 as usize] = true);
@@ -363,7 +369,7 @@ impl Pairs {
             values[cell] = value;
         }
         let channels = present.iter().map(|&k| channels[k]).collect();
-        Ok(Part { way, channels, geometry, values, tis: Vec::new() })
+        Ok(MeasuredPart { way, channels, geometry, values, tis: Vec::new() })
     }
 
     /// Returns a grid if the pairs form one, otherwise the pairs, and the cell of each pair.

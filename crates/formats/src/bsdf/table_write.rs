@@ -3,7 +3,7 @@
 use std::collections::HashSet;
 use std::io::Write;
 
-use papilio_goniometry::{Channel, Direction, Geometry, Measurement, Part, Symmetry};
+use papilio_goniometry::{Channel, Direction, Geometry, MeasuredPart, Measurement, Symmetry};
 
 use super::table_read::NAME;
 use super::write::{Number, WriteError, lost_media, one_line};
@@ -34,7 +34,7 @@ pub(super) fn write(out: &mut dyn Write, measurement: &Measurement) -> Result<Ve
 
 fn write_part(
     out: &mut dyn Write,
-    part: &Part,
+    part: &MeasuredPart,
     monochrome: bool,
     lost: &mut Vec<String>,
 ) -> Result<(), WriteError> {

@@ -6,8 +6,8 @@
 use std::ops::Range;
 
 use papilio_goniometry::{
-    Channel, Geometry, KLEMS_FULL, KLEMS_HALF, KLEMS_QUARTER, Measurement, Part, Provenance, Ring, Way,
-    patch_count,
+    Channel, Geometry, KLEMS_FULL, KLEMS_HALF, KLEMS_QUARTER, MeasuredPart, Measurement, Provenance, Ring,
+    ScatterMode, patch_count,
 };
 
 use super::text::Text;
@@ -35,11 +35,11 @@ pub(super) const BASES: [(&str, &[Ring]); 3] = [
 ];
 
 /// Names of the directions of blocks.
-pub(super) const WAYS: [(&str, Way); 4] = [
-    ("Transmission Front", Way::FrontTransmission),
-    ("Transmission Back", Way::BackTransmission),
-    ("Reflection Front", Way::FrontReflection),
-    ("Reflection Back", Way::BackReflection),
+pub(super) const WAYS: [(&str, ScatterMode); 4] = [
+    ("Transmission Front", ScatterMode::FrontTransmission),
+    ("Transmission Back", ScatterMode::BackTransmission),
+    ("Reflection Front", ScatterMode::FrontReflection),
+    ("Reflection Back", ScatterMode::BackReflection),
 ];
 
 /// Returns whether a file is XML with scattering data.
@@ -61,7 +61,7 @@ enum Structure {
 
 /// A block of values.
 struct Block {
-    way: Way,
+    way: ScatterMode,
     channel: Channel,
     place: Range<usize>,
     data: Data,
@@ -260,10 +260,14 @@ impl Reading<'_> {
     }
 
     /// Combines the blocks of each part as its channels.
-    fn parts(&mut self) -> Result<Vec<Part>, FormatError> {
+    fn parts(&mut self) -> Result<Vec<MeasuredPart>, FormatError> {
         let mut parts = Vec::new();
-        for way in [Way::FrontReflection, Way::FrontTransmission, Way::BackTransmission, Way::BackReflection]
-        {
+        for way in [
+            ScatterMode::FrontReflection,
+            ScatterMode::FrontTransmission,
+            ScatterMode::BackTransmission,
+            ScatterMode::BackReflection,
+        ] {
             let (of_way, others) = std::mem::take(&mut self.blocks).into_iter().partition(|b| b.way == way);
             self.blocks = others;
             let mut of_way: Vec<Block> = of_way;
@@ -278,7 +282,7 @@ impl Reading<'_> {
                 |channel| if tristimulus && channel == Channel::Monochrome { Channel::Y } else { channel };
             let channels = of_way.iter().map(|block| name(block.channel)).collect();
             let (geometry, values) = self.join(of_way)?;
-            parts.push(Part { way, channels, geometry, values, tis: Vec::new() });
+            parts.push(MeasuredPart { way, channels, geometry, values, tis: Vec::new() });
         }
         Ok(parts)
     }

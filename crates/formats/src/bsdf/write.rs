@@ -3,7 +3,7 @@
 use std::fmt;
 use std::io::{self, Write};
 
-use papilio_goniometry::{Measurement, Part};
+use papilio_goniometry::{MeasuredPart, Measurement};
 
 use super::{LARGEST_VALUE, klems_write, papilio_write, radiant_write, table_write};
 
@@ -51,7 +51,7 @@ const LIMITS: &str =
     "0 to 1e15; check whether a calibration reference is nearly dark there, or a value of the file is wrong";
 
 /// Fails if the readers would refuse a number of a part.
-pub(super) fn check(part: &Part) -> Result<(), WriteError> {
+pub(super) fn check(part: &MeasuredPart) -> Result<(), WriteError> {
     let fits = |value: &f64| (0.0..=LARGEST_VALUE).contains(value);
     if let Some(at) = part.values.iter().position(|value| !fits(value) && !value.is_nan()) {
         let cells = part.geometry.cells().max(1);

@@ -81,7 +81,7 @@ pub fn tidy_journals(folder: &Path, beginnings: &[&str]) {
 }
 
 /// Returns the error for a journal of a different computation.
-pub fn foreign(path: &Path) -> FormatError {
+pub fn foreign_journal_error(path: &Path) -> FormatError {
     FormatError { place: Place::whole(&path.display().to_string()), problem: Problem::ForeignJournal }
 }
 
@@ -90,7 +90,7 @@ pub fn foreign(path: &Path) -> FormatError {
 ///
 /// # Errors
 /// If the journal cannot be read, a line is damaged, or `take` returns `false`.
-pub fn trusted_lines<H: PartialEq + DeserializeOwned>(
+pub fn read_verified_lines<H: PartialEq + DeserializeOwned>(
     path: &Path,
     head: &H,
     mut take: impl FnMut(&str) -> bool,

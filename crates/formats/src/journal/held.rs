@@ -13,18 +13,18 @@ use serde::Serialize;
 use serde::de::DeserializeOwned;
 
 use super::folder::has_head;
-use super::{trusted_lines, write_journal_line};
+use super::{read_verified_lines, write_journal_line};
 use crate::error::{FormatError, Problem};
 
 /// A locked journal: no other program can write it until it is closed.
 #[derive(Debug)]
-pub struct HeldJournal {
+pub struct LockedJournal {
     path: PathBuf,
     file: File,
     set_aside: Option<PathBuf>,
 }
 
-impl HeldJournal {
+impl LockedJournal {
     /// Locks a journal; creates an empty file if there is none.
     ///
     /// # Errors
@@ -45,7 +45,7 @@ impl HeldJournal {
     ) -> Result<Self, FormatError> {
         let mut held = Self::hold(path)?;
         held.make_way(|path| has_head(path, head))?;
-        let whole = trusted_lines(&held.path, head, take)?;
+        let whole = read_verified_lines(&held.path, head, take)?;
         held.cut(whole)?;
         if whole == 0 {
             held.add(head)?;
@@ -247,7 +247,7 @@ mod tests {
                         let of = (thread + round / 2) % 2;
                         let head = Head { of };
                         let mut lines = vec![];
-                        let opened = HeldJournal::open(path.clone(), &head, |line| {
+                        let opened = LockedJournal::open(path.clone(), &head, |line| {
                             lines.push(line.trim_end().to_owned());
                             true
                         });

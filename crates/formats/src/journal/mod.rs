@@ -20,9 +20,10 @@ use crate::error::{FormatError, Problem};
 use crate::file::DataFile;
 
 pub use folder::{
-    Journals, foreign, journal_name, journal_paths, open_journal, read_journals, tidy_journals, trusted_lines,
+    Journals, foreign_journal_error, journal_name, journal_paths, open_journal, read_journals,
+    read_verified_lines, tidy_journals,
 };
-pub use held::HeldJournal;
+pub use held::LockedJournal;
 pub use rows::{JournalRows, RowsHead};
 
 use seal::Checksum;

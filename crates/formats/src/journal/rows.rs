@@ -6,8 +6,8 @@ use std::path::{Path, PathBuf};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
-use super::folder::{foreign, journal_name, open_journal, read_journals, tidy_journals};
-use super::{HeldJournal, Journal, JournalNumber, JournalRow};
+use super::folder::{foreign_journal_error, journal_name, open_journal, read_journals, tidy_journals};
+use super::{Journal, JournalNumber, JournalRow, LockedJournal};
 use crate::error::FormatError;
 use crate::sweep::SweepHead;
 use crate::tolerance::ToleranceHead;
@@ -15,7 +15,7 @@ use crate::tolerance::ToleranceHead;
 /// A light journal: rows of numbers by index, with a common head. A journal with a different head is set aside.
 #[derive(Debug)]
 pub struct JournalRows<H> {
-    journal: HeldJournal,
+    journal: LockedJournal,
     head: H,
     known: BTreeMap<usize, Vec<f64>>,
 }
@@ -53,7 +53,7 @@ impl<H: RowsHead> JournalRows<H> {
         others: &[PathBuf],
     ) -> Result<Self, FormatError> {
         let name = journal_name(stem, shard);
-        let mut journal = HeldJournal::hold(folder.join(&name))?;
+        let mut journal = LockedJournal::hold(folder.join(&name))?;
         tidy_journals(folder, &[&name, &format!("{stem}.csv."), &format!("{stem}_")]);
         journal.make_way(|path| {
             let found: Journal<H, JournalRow> = open_journal(path, |_| false)?;
@@ -66,7 +66,7 @@ impl<H: RowsHead> JournalRows<H> {
                 |journal: &Journal<H, JournalRow>| journal.head.as_ref().is_some_and(|own| head.is_of(own));
             match journals.first() {
                 Some((path, _)) if other > 0 && !journals.iter().any(|(_, journal)| is_ours(journal)) => {
-                    return Err(foreign(path));
+                    return Err(foreign_journal_error(path));
                 }
                 _ => {}
             }

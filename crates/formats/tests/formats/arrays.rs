@@ -1,5 +1,6 @@
 //! Conoscopic maps and BSDFs as arrays and tables, read by a small independent reader of the formats.
 
+use papilio_display::result::ReferenceWhite;
 use papilio_display::{
     BrdfGrid, BrdfState, BrdfTable, ConeLight, ConeResult, ConeState, ConeView, RowErrors,
 };
@@ -86,12 +87,17 @@ fn cone() -> ConeResult {
                 u_prime: Some(0.2),
                 v_prime: Some(0.3),
                 uv_shift: (s == 0).then_some(0.4),
+                lab: Some(papilio_colour::Lab { l: 50.0, a: -1.5, b: 2.5 }),
+                delta_e_2000: (s == 0).then_some(3.5),
+                delta_e_1976: None,
             })
             .collect(),
     };
     ConeResult {
         theta_deg: vec![0.0, 10.0, 20.0],
         phi_deg: vec![0.0, 90.0],
+        reference_deg: [8.0, 90.0],
+        reference_white: ReferenceWhite::Display,
         states: vec!["white, bright".to_owned(), "black".to_owned()],
         views: (0..6).map(view).collect(),
         lights: vec![ConeLight { theta_deg: -20.0, phi_deg: 0.0, radius_deg: 0.25 }],
@@ -107,11 +113,11 @@ fn cone_array_has_the_axes_theta_phi_state_and_quantity() {
     let mut bytes = Vec::new();
     write_cone_npy(&mut bytes, &cone()).unwrap();
     let array = Array::read(&bytes);
-    assert_eq!((array.descr.as_str(), array.shape.as_slice()), ("<f8", &[3, 2, 2, 8][..]));
+    assert_eq!((array.descr.as_str(), array.shape.as_slice()), ("<f8", &[3, 2, 2, 13][..]));
     let numbers = array.numbers();
     let at = |theta: usize, phi: usize, state: usize, quantity: &str| {
         let quantity = CONE_QUANTITIES.iter().position(|name| *name == quantity).unwrap();
-        numbers[((theta * 2 + phi) * 2 + state) * 8 + quantity]
+        numbers[((theta * 2 + phi) * 2 + state) * 13 + quantity]
     };
     // View 4 of the map is theta 1, phi 1: theta varies fastest there.
     assert_eq!((at(1, 1, 0, "Y"), at(1, 1, 1, "Y"), at(2, 0, 0, "Y")), (40.0, 41.0, 20.0));
@@ -119,6 +125,9 @@ fn cone_array_has_the_axes_theta_phi_state_and_quantity() {
     assert!(at(0, 0, 0, "contrast_ratio").is_nan() && at(0, 0, 1, "uv_shift").is_nan());
     assert!(at(2, 1, 0, "gamut_percent_ebu").is_nan());
     assert_eq!(at(2, 1, 0, "gamut_percent_srgb"), 1.0 / 3.0);
+    assert_eq!((at(2, 1, 0, "L_star"), at(2, 1, 1, "a_star"), at(0, 0, 1, "b_star")), (50.0, -1.5, 2.5));
+    assert!(at(0, 0, 1, "delta_E_2000_with_angle").is_nan());
+    assert_eq!(at(0, 0, 0, "delta_E_2000_with_angle"), 3.5);
 }
 
 #[test]
@@ -129,11 +138,12 @@ fn cone_table_has_a_row_for_each_direction_and_state() {
     let lines: Vec<&str> = text.lines().collect();
     assert_eq!(
         lines[0],
-        "theta_deg,phi_deg,state,Y,luminance_cd_m2,u_prime,v_prime,uv_shift,contrast_ratio,gamut_percent_srgb,gamut_percent_ebu"
+        "theta_deg,phi_deg,state,Y,luminance_cd_m2,u_prime,v_prime,uv_shift,contrast_ratio,gamut_percent_srgb,gamut_percent_ebu,\
+         L_star,a_star,b_star,delta_E_2000_with_angle,delta_E_1976_with_angle"
     );
     assert_eq!(lines.len(), 13);
-    assert_eq!(lines[1], "0,0,\"white, bright\",0,0.1,0.2,0.3,0.4,,0.3333333333333333,");
-    assert_eq!(lines[10], "10,90,black,41,0.1,0.2,0.3,,4,0.3333333333333333,");
+    assert_eq!(lines[1], "0,0,\"white, bright\",0,0.1,0.2,0.3,0.4,,0.3333333333333333,,50,-1.5,2.5,3.5,");
+    assert_eq!(lines[10], "10,90,black,41,0.1,0.2,0.3,,4,0.3333333333333333,,50,-1.5,2.5,,");
 }
 
 /// If an error is permitted, the last column holds the error of each row.
@@ -149,17 +159,17 @@ fn cone_with_a_permitted_error_has_an_error_column() {
     write_cone_csv(&mut bytes, &cone).unwrap();
     let text = String::from_utf8(bytes).unwrap();
     let lines: Vec<&str> = text.lines().collect();
-    assert!(lines[0].ends_with(",gamut_percent_ebu,error"));
-    assert_eq!(lines[10], "10,90,black,41,0.1,0.2,0.3,,4,0.3333333333333333,,0.09");
+    assert!(lines[0].ends_with(",delta_E_1976_with_angle,error"));
+    assert_eq!(lines[10], "10,90,black,41,0.1,0.2,0.3,,4,0.3333333333333333,,50,-1.5,2.5,,,0.09");
     let mut bytes = Vec::new();
     write_cone_npy(&mut bytes, &cone).unwrap();
     let array = Array::read(&bytes);
-    assert_eq!(array.shape, [3, 2, 2, 9]);
-    assert_eq!(array.numbers()[((2 + 1) * 2 + 1) * 9 + 8], 0.09);
+    assert_eq!(array.shape, [3, 2, 2, 14]);
+    assert_eq!(array.numbers()[((2 + 1) * 2 + 1) * 14 + 13], 0.09);
     let mut bytes = Vec::new();
     write_json(&mut bytes, &ConeFile::new("0.1.0", "abc", &cone)).unwrap();
     let json: serde_json::Value = serde_json::from_slice(&bytes).unwrap();
-    assert_eq!(json["quantities"][8], "error");
+    assert_eq!(json["quantities"][13], "error");
 }
 
 #[test]
@@ -172,7 +182,7 @@ fn cone_json_describes_the_axes_of_the_array() {
         .unwrap()
         .iter()
         .map(|axis| json[axis.as_str().unwrap()].as_array().unwrap().len());
-    assert_eq!(lengths.collect::<Vec<_>>(), [3, 2, 2, 8]);
+    assert_eq!(lengths.collect::<Vec<_>>(), [3, 2, 2, 13]);
     assert_eq!(json["directed"][0]["theta_deg"], -20.0);
     assert_eq!(json["solver"]["discretisation_error"], 3e-5);
 }

@@ -1,8 +1,8 @@
 //! Readers of tables and indices: accepted files, and errors with their places.
 
 use papilio_formats::{
-    DataFile, FormatError, PixelTable, Problem, is_name, read_index, read_index_within, read_light,
-    read_pixel_table, read_shares, read_spectrum,
+    DataFile, FormatError, PixelTable, Problem, is_name, read_fractions, read_index, read_index_within,
+    read_light, read_pixel_table, read_spectrum,
 };
 use papilio_spectra::{Grid, material};
 
@@ -87,7 +87,7 @@ fn wrong_number_of_columns_or_rows_has_a_hint() {
 
 #[test]
 fn value_out_of_range_is_an_error_with_its_place() {
-    let fractions = |text: &str| place(read_shares(&file(text)));
+    let fractions = |text: &str| place(read_fractions(&file(text)));
     let (at, problem) = fractions("nm,R\n380,0.1\n780,20\n");
     assert!(matches!(problem, Problem::OutOfRange { what: "the fraction", value: 20.0, .. }));
     assert_eq!(at, Some((3, 5)));

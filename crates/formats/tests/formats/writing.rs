@@ -1,8 +1,8 @@
 //! Writers of results.
 
 use papilio_display::result::{
-    Absorbed, Illuminant, Ledger, LedgerError, Named, RunResult, SolverReport, State, StateMetrics,
-    StateValues, Terms, View, ViewMetrics,
+    Absorbed, Illuminant, Ledger, LedgerError, Named, ReferenceWhite, RunResult, SolverReport, State,
+    StateMetrics, StateValues, Terms, View, ViewMetrics,
 };
 use papilio_formats::{ResultFile, write_json, write_spectra, write_states};
 
@@ -91,6 +91,9 @@ fn result() -> RunResult {
             v_prime: 0.4,
         },
         views: vec![view],
+        reference_white: ReferenceWhite::Perfect,
+        primaries: vec![],
+        notes: vec![],
         warnings: vec!["a \"remark\"".to_owned()],
     }
 }

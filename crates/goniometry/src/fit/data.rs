@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 use papilio_optics::Beta;
 
 use crate::models::{Model, Pair};
-use crate::{Geometry, Part, SpecularGrid, SphericalGrid, Symmetry};
+use crate::{Geometry, MeasuredPart, SpecularGrid, SphericalGrid, Symmetry};
 
 /// Measured values with their directions, each direction once.
 ///
@@ -34,7 +34,7 @@ impl Data {
     }
 
     /// Data of one channel of a part, given by its index.
-    pub fn of_part(part: &Part, channel: usize) -> Self {
+    pub fn of_part(part: &MeasuredPart, channel: usize) -> Self {
         let mut data = Self::default();
         let values = part.channel(channel);
         for (cell, &value) in values.iter().enumerate() {

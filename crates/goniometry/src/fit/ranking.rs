@@ -4,7 +4,7 @@ use super::{Data, Fit, FitOptions};
 use crate::double_pass::double_pass_error;
 use crate::error::GoniometryError;
 use crate::kernel::{Preparation, kernel};
-use crate::measurement::Part;
+use crate::measurement::MeasuredPart;
 use crate::models::Kind;
 use papilio_optics::Scatterer;
 
@@ -36,7 +36,7 @@ pub fn ranked(fits: Vec<Fit>, mut score: impl FnMut(&Fit) -> Option<f64>) -> Vec
 /// # Errors
 /// If the data are too few or too dark for a fit.
 pub fn fitted(
-    part: &Part,
+    part: &MeasuredPart,
     channel: usize,
     kind: Option<Kind>,
     options: &FitOptions,

@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::models::Normalisation;
-use papilio_sampling::{Numbers, Sampler};
+use papilio_sampling::{SampleStream, Sampler};
 
 /// Coarse directions of an imaging sphere: incidences to 60 deg, four azimuths, 1 to 73 deg from the
 /// specular direction.
@@ -83,7 +83,7 @@ fn confidence_intervals_contain_truth_at_nominal_rate() {
         let peak = exact.cells.iter().map(|cell| cell.value).fold(0.0, f64::max);
         let mut covered = vec![0; truth.len()];
         for draw in 0..DRAWS {
-            let numbers = Numbers::new(Sampler::Random, 4, draw);
+            let numbers = SampleStream::new(Sampler::Random, 4, draw);
             let mut noisy = exact.clone();
             for (k, cell) in noisy.cells.iter_mut().enumerate() {
                 let [u, v, ..] = numbers.block(k as u64, 0);
@@ -210,8 +210,8 @@ fn extrapolated_directions_do_not_affect_ranking() {
             }));
         }
     }
-    let mut part = crate::Part {
-        way: crate::Way::FrontTransmission,
+    let mut part = crate::MeasuredPart {
+        way: crate::ScatterMode::FrontTransmission,
         channels: vec![crate::Channel::Monochrome],
         geometry: crate::Geometry::Specular(grid),
         values,

@@ -18,7 +18,7 @@ pub use spherical::SphericalGrid;
 pub use tensor_tree::{TensorTree, TreeNode};
 pub use warped::{WarpFields, WarpedGrid};
 
-use crate::{Direction, Part};
+use crate::{Direction, MeasuredPart};
 pub(crate) use patches::patch_centre;
 
 /// Directions of the cells of a part.
@@ -121,7 +121,7 @@ impl Geometry {
     }
 }
 
-impl Part {
+impl MeasuredPart {
     /// Returns f, 1/sr, of a channel (given by its index) for light from `i` towards `o`:
     /// [`Geometry::evaluate`].
     pub fn evaluate(&self, channel: usize, i: Direction, o: Direction) -> Option<f64> {

@@ -27,12 +27,12 @@
 use std::f64::consts::PI;
 
 use papilio_optics::Beta;
-use papilio_sampling::{Numbers, Sampler};
+use papilio_sampling::{SampleStream, Sampler};
 
 use super::blur::Blurred;
 use super::quadrature::Rule;
 use super::rings::Rings;
-use crate::{Fill, Geometry, GoniometryError, Part, Shape, SpecularGrid};
+use crate::{Fill, Geometry, GoniometryError, MeasuredPart, Shape, SpecularGrid};
 
 /// Relative noise and number of draws of the trials that estimate the noise amplification.
 const TRIAL_NOISE: f64 = 1e-3;
@@ -91,7 +91,7 @@ pub struct Unblurred {
 ///
 /// # Errors
 /// If the part is not on a specular-centred grid, or the width is out of range.
-pub fn deblurred(part: &Part, channel: usize, how: &Unblur) -> Result<Deblurred, GoniometryError> {
+pub fn deblurred(part: &MeasuredPart, channel: usize, how: &Unblur) -> Result<Deblurred, GoniometryError> {
     let Geometry::Specular(grid) = &part.geometry else {
         return Err(GoniometryError::NotSpecular("deblurred"));
     };
@@ -200,7 +200,7 @@ fn amplification(
     let (mut all, mut peaks) = ([0.0; 2], [0.0; 2]);
     let radials = grid.radials_deg.len();
     for draw in 0..DRAWS {
-        let numbers = Numbers::new(Sampler::Random, 0, draw);
+        let numbers = SampleStream::new(Sampler::Random, 0, draw);
         let noisy = |(cell, value): (usize, &f64)| {
             let row = radials * grid.azimuths_deg.len();
             let pixel = if grid.radials_deg[cell % radials] == 0.0 { cell - cell % row } else { cell };
@@ -223,7 +223,7 @@ fn amplification(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Channel, Instrument, Noise, SyntheticSample, View, Way};
+    use crate::{Channel, Instrument, Noise, ScatterMode, SyntheticSample, View};
 
     /// Ratio of a result to the truth perpendicular to the plane of incidence, for incidence `k` and radial
     /// index `r`.
@@ -279,7 +279,7 @@ mod tests {
     #[test]
     fn deblurring_recovers_gaussian_core_to_12_percent() {
         let gaussian = |from: Beta, to: Beta| (-(to - from).squared() / 0.005).exp() * 0.9 / (0.005 * PI);
-        let view = View { way: Way::FrontTransmission, f: &gaussian, straight: 0.0, factors: &[1.0] };
+        let view = View { way: ScatterMode::FrontTransmission, f: &gaussian, straight: 0.0, factors: &[1.0] };
         for noise in [0.0, 0.003] {
             let instrument = instrument(noise);
             let part = instrument.measure("", &[view]).unwrap().parts.remove(0);
@@ -301,7 +301,7 @@ mod tests {
     fn flat_lobe_is_unchanged_and_bad_width_or_geometry_is_refused() {
         let instrument = instrument(0.0);
         let flat = |_: Beta, _: Beta| 0.3;
-        let view = View { way: Way::FrontReflection, f: &flat, straight: 0.0, factors: &[1.0] };
+        let view = View { way: ScatterMode::FrontReflection, f: &flat, straight: 0.0, factors: &[1.0] };
         let mut part = Instrument { blur: 0.0, ..instrument }.measure("", &[view]).unwrap().parts.remove(0);
         let error = deblurred(&part, 0, &Unblur::of_width(-1.0)).unwrap_err();
         assert!(matches!(error, GoniometryError::OutOfRange { .. }));

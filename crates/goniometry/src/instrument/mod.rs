@@ -25,9 +25,12 @@ mod synthetic;
 use std::f64::consts::PI;
 
 use papilio_optics::Beta;
-use papilio_sampling::{Numbers, Sampler};
+use papilio_sampling::{SampleStream, Sampler};
 
-use crate::{Channel, Geometry, GoniometryError, Measurement, Part, Provenance, SpecularGrid, Symmetry, Way};
+use crate::{
+    Channel, Geometry, GoniometryError, MeasuredPart, Measurement, Provenance, ScatterMode, SpecularGrid,
+    Symmetry,
+};
 use blur::Blurred;
 use quadrature::Rule;
 
@@ -66,7 +69,7 @@ pub struct Noise {
 #[derive(Clone, Copy)]
 pub struct View<'a> {
     /// Scatter mode.
-    pub way: Way,
+    pub way: ScatterMode,
     /// f, 1/sr, for direction cosines of propagation in air. Values beyond |beta| = 1 are
     /// blurred into the hemisphere; they may be 0.
     pub f: &'a dyn Fn(Beta, Beta) -> f64,
@@ -148,7 +151,7 @@ impl Instrument {
         Ok(())
     }
 
-    fn part(&self, view: &View<'_>) -> Part {
+    fn part(&self, view: &View<'_>) -> MeasuredPart {
         let (rule, geometry) = (Rule::new(), Geometry::Specular(self.grid.clone()));
         let per_incidence = self.grid.azimuths_deg.len() * self.grid.radials_deg.len();
         let mut clean = Vec::with_capacity(geometry.cells());
@@ -171,10 +174,10 @@ impl Instrument {
         }
         let noisy = |(channel, factor): (usize, &f64)| -> Vec<f64> {
             let stream = (view.way as u64) * 256 + channel as u64;
-            let numbers = Numbers::new(Sampler::Random, self.noise.seed, stream);
+            let numbers = SampleStream::new(Sampler::Random, self.noise.seed, stream);
             clean.iter().enumerate().map(|(k, f)| self.noisy(f * factor, &numbers, self.pixel(k))).collect()
         };
-        Part {
+        MeasuredPart {
             way: view.way,
             channels: self.channels.clone(),
             geometry: geometry.clone(),
@@ -191,7 +194,7 @@ impl Instrument {
         (if at_centre { cell - cell % row + cell % radials } else { cell }) as u64
     }
 
-    fn noisy(&self, f: f64, numbers: &Numbers, pixel: u64) -> f64 {
+    fn noisy(&self, f: f64, numbers: &SampleStream, pixel: u64) -> f64 {
         let Noise { relative, floor, .. } = self.noise;
         if f == 0.0 || (relative == 0.0 && floor == 0.0) {
             return f;

@@ -10,7 +10,7 @@ use papilio_optics::lobe::{Lobe, width_from_haze};
 use papilio_optics::{Beta, Scatterer};
 
 use super::{Instrument, View};
-use crate::{GoniometryError, Measurement, Way};
+use crate::{GoniometryError, Measurement, ScatterMode};
 
 /// Instrument blur that reproduces the published peaks, direction cosines.
 const BLUR: f64 = 0.0483;
@@ -68,8 +68,10 @@ impl SyntheticSample {
     /// Those of [`Instrument::measure`].
     pub fn measured(&self, instrument: &Instrument, factors: &[f64]) -> Result<Measurement, GoniometryError> {
         let f = |from: Beta, to: Beta| self.btdf(from, to);
-        let mut measurement = instrument
-            .measure(&self.name(), &[View { way: Way::FrontTransmission, f: &f, straight: 0.0, factors }])?;
+        let mut measurement = instrument.measure(
+            &self.name(),
+            &[View { way: ScatterMode::FrontTransmission, f: &f, straight: 0.0, factors }],
+        )?;
         measurement.provenance.remarks.push(format!(
             "truth: k-correlation lobe, width {:.5} in direction cosines, total transmittance {}, \
              edge at {EDGE_NM} nm",

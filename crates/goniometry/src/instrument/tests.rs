@@ -13,13 +13,13 @@ fn small() -> Instrument {
     instrument
 }
 
-fn measured(instrument: &Instrument, width: f64) -> Part {
+fn measured(instrument: &Instrument, width: f64) -> MeasuredPart {
     let f = move |from: Beta, to: Beta| 0.9 * Lobe::KCorrelation { width }.density(from, to);
-    let view = View { way: Way::FrontTransmission, f: &f, straight: 0.0, factors: &[1.0] };
+    let view = View { way: ScatterMode::FrontTransmission, f: &f, straight: 0.0, factors: &[1.0] };
     instrument.measure("test", &[view]).unwrap().parts.remove(0)
 }
 
-fn peak(part: &Part, incidence: usize) -> f64 {
+fn peak(part: &MeasuredPart, incidence: usize) -> f64 {
     part.values[incidence * 19 * 91]
 }
 
@@ -91,7 +91,7 @@ fn unscattered_light_has_the_width_of_the_blur() {
     instrument.renormalise = false;
     let [kernel, lobe, sum] = [0.05, 0.1, 0.15].map(|width| Lobe::KCorrelation { width });
     let f = move |from: Beta, to: Beta| 0.5 * lobe.density(from, to);
-    let view = View { way: Way::FrontTransmission, f: &f, straight: 0.3, factors: &[1.0] };
+    let view = View { way: ScatterMode::FrontTransmission, f: &f, straight: 0.3, factors: &[1.0] };
     let part = instrument.measure("", &[view]).unwrap().parts.remove(0);
     for (cell, value) in part.values.iter().enumerate() {
         let Some([light, viewer]) = part.geometry.directions(cell) else { continue };
@@ -162,7 +162,7 @@ fn channels_have_their_factors_and_provenance_says_synthetic() {
 fn blur_noise_factors_or_haze_out_of_range_are_refused() {
     let instrument = Instrument { blur: -0.1, ..small() };
     let f = |_: Beta, _: Beta| 1.0;
-    let view = View { way: Way::FrontReflection, f: &f, straight: 0.0, factors: &[1.0] };
+    let view = View { way: ScatterMode::FrontReflection, f: &f, straight: 0.0, factors: &[1.0] };
     assert!(matches!(instrument.measure("", &[view]), Err(GoniometryError::OutOfRange { .. })));
     let view = View { straight: 0.1, ..view };
     assert!(matches!(

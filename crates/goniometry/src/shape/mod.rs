@@ -25,7 +25,7 @@ mod spherical;
 
 use papilio_optics::Beta;
 
-use crate::{Part, SpecularGrid};
+use crate::{MeasuredPart, SpecularGrid};
 use cells::{Cells, Spread, best_width, folded, without_tail_zeros, without_unmeasured_tails};
 use incidence::Incidence;
 use line::Line;
@@ -56,7 +56,7 @@ pub struct Shape {
 impl Shape {
     /// Shape of one channel, given by its index. A part on another geometry is first resampled on a
     /// specular-centred grid; `None` for listed pairs, and if nothing was measured.
-    pub fn of_part(part: &Part, channel: usize, fill: Fill) -> Option<Self> {
+    pub fn of_part(part: &MeasuredPart, channel: usize, fill: Fill) -> Option<Self> {
         let (grid, values) = on_specular_grid(part, &[channel])?;
         Some(Self::of_grid(&grid, &values, fill))
     }

@@ -1,7 +1,7 @@
 //! Resampling of any geometry on a grid about the specular direction.
 
 use super::spherical::Smooth;
-use crate::{Direction, Geometry, Part, SpecularGrid, Symmetry};
+use crate::{Direction, Geometry, MeasuredPart, SpecularGrid, Symmetry};
 
 /// Number of incidences for geometries without incidences of their own: 0 to 85 deg in steps of 5.
 const INCIDENCES: u32 = 18;
@@ -9,11 +9,11 @@ const INCIDENCES: u32 = 18;
 /// Returns channels of a part, given by their indices, on a specular-centred grid: its own grid, or azimuths
 /// every 10 deg and radial distances every 0.5 to 2 deg, for light from its first azimuth. Grids of
 /// inclinations are interpolated smoothly at their own incidences; other geometries are read with
-/// [`Part::evaluate`]. Unknown values are NaN. Values have the shape `[channel][cell]`.
+/// [`MeasuredPart::evaluate`]. Unknown values are NaN. Values have the shape `[channel][cell]`.
 ///
 /// `None` for listed pairs that do not form such a grid (the values between them are unknown), and if there
 /// is no light.
-pub fn on_specular_grid(part: &Part, channels: &[usize]) -> Option<(SpecularGrid, Vec<f64>)> {
+pub fn on_specular_grid(part: &MeasuredPart, channels: &[usize]) -> Option<(SpecularGrid, Vec<f64>)> {
     let known = || channels.iter().map(|channel| part.channel(*channel));
     let (incidences_deg, light_deg) = match &part.geometry {
         Geometry::Specular(grid) => return Some((grid.clone(), known().flatten().copied().collect())),
@@ -46,7 +46,7 @@ pub fn on_specular_grid(part: &Part, channels: &[usize]) -> Option<(SpecularGrid
 const WARPED_LAST_DEG: f64 = 89.0;
 
 /// Values at each incidence of the grid, `[azimuth][radial]`.
-fn lobes(part: &Part, channel: usize, grid: &SpecularGrid, light_deg: f64) -> Vec<Vec<f64>> {
+fn lobes(part: &MeasuredPart, channel: usize, grid: &SpecularGrid, light_deg: f64) -> Vec<Vec<f64>> {
     let smooth = match &part.geometry {
         Geometry::Spherical(own) => Some(Smooth::new(own, part.channel(channel))),
         _ => None,
@@ -140,7 +140,7 @@ fn radials() -> Vec<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Channel, Fill, Shape, SphericalGrid, Way};
+    use crate::{Channel, Fill, ScatterMode, Shape, SphericalGrid};
 
     /// Pairs listed from rings are recognised as rings.
     #[test]
@@ -199,8 +199,8 @@ mod tests {
                 }));
             }
         }
-        let part = Part {
-            way: Way::FrontTransmission,
+        let part = MeasuredPart {
+            way: ScatterMode::FrontTransmission,
             channels: vec![Channel::Monochrome],
             geometry: Geometry::Spherical(grid),
             values,

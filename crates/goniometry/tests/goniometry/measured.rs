@@ -1,8 +1,8 @@
 //! Tests from a lobe through the virtual instrument to a fit.
 
 use papilio_goniometry::{
-    Channel, Data, Fit, FitOptions, Instrument, Kind, Model, Normalisation, Part, SyntheticSample, View, Way,
-    Weights,
+    Channel, Data, Fit, FitOptions, Instrument, Kind, MeasuredPart, Model, Normalisation, ScatterMode,
+    SyntheticSample, View, Weights,
 };
 use papilio_optics::Scatterer;
 use papilio_optics::{
@@ -17,8 +17,8 @@ fn instrument() -> Instrument {
     instrument
 }
 
-fn measured(instrument: &Instrument, f: &dyn Fn(Beta, Beta) -> f64) -> Part {
-    let view = View { way: Way::FrontTransmission, f, straight: 0.0, factors: &[1.0] };
+fn measured(instrument: &Instrument, f: &dyn Fn(Beta, Beta) -> f64) -> MeasuredPart {
+    let view = View { way: ScatterMode::FrontTransmission, f, straight: 0.0, factors: &[1.0] };
     instrument.measure("", &[view]).unwrap().parts.remove(0)
 }
 

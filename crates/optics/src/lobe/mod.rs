@@ -103,11 +103,11 @@ impl Lobe {
 
     /// Returns the haze: fraction beyond 2.5 deg of all light transmitted into the air hemisphere at normal
     /// incidence, regular light included.
-    pub fn haze(&self, straight_through: f64) -> f64 {
-        let scattered = 1.0 - straight_through;
+    pub fn haze(&self, regular_fraction: f64) -> f64 {
+        let scattered = 1.0 - regular_fraction;
         let hemisphere = self.fraction_within(1.0);
         let beyond = hemisphere - self.fraction_within(HAZE_ANGLE_DEG.to_radians().sin());
-        scattered * beyond / (scattered * hemisphere + straight_through)
+        scattered * beyond / (scattered * hemisphere + regular_fraction)
     }
 }
 
@@ -119,9 +119,9 @@ pub const HAZE_ANGLE_DEG: f64 = 2.5;
 /// With a regular fraction the haze first rises and then falls with b (a very wide lobe scatters most of its
 /// light beyond the hemisphere): the narrower of the two widths is returned. `None` if no width has that
 /// haze.
-pub fn width_from_haze(haze: f64, straight_through: f64) -> Option<f64> {
-    let haze_of = |log_width: f64| Lobe::KCorrelation { width: log_width.exp() }.haze(straight_through);
-    if !(haze > 0.0 && haze < 1.0 && (0.0..1.0).contains(&straight_through)) {
+pub fn width_from_haze(haze: f64, regular_fraction: f64) -> Option<f64> {
+    let haze_of = |log_width: f64| Lobe::KCorrelation { width: log_width.exp() }.haze(regular_fraction);
+    if !(haze > 0.0 && haze < 1.0 && (0.0..1.0).contains(&regular_fraction)) {
         return None;
     }
     let mut low = (1e-9_f64).ln();
@@ -137,8 +137,8 @@ pub fn width_from_haze(haze: f64, straight_through: f64) -> Option<f64> {
 }
 
 /// Returns the largest haze that a k-correlation lobe can have with this regular fraction.
-pub fn largest_haze(straight_through: f64) -> f64 {
-    let haze_of = |log_width: f64| Lobe::KCorrelation { width: log_width.exp() }.haze(straight_through);
+pub fn largest_haze(regular_fraction: f64) -> f64 {
+    let haze_of = |log_width: f64| Lobe::KCorrelation { width: log_width.exp() }.haze(regular_fraction);
     haze_of(log_width_of_most_haze(haze_of))
 }
 
@@ -177,7 +177,7 @@ mod tests {
     /// Chi-square of samples against a claimed distribution of the radius, on 16 x 16 cells
     /// of equal probability around the unscattered direction.
     fn chi_square(lobe: Lobe, beta_i: Beta, fraction_within: impl Fn(f64) -> f64) -> ChiSquare {
-        let numbers = papilio_sampling::Numbers::new(papilio_sampling::Sampler::Random, 17, 0);
+        let numbers = papilio_sampling::SampleStream::new(papilio_sampling::Sampler::Random, 17, 0);
         let (samples, mut cells) = (40_000, [0.0_f64; 256]);
         for path in 0..samples {
             let u = numbers.block(path, 0);
@@ -220,10 +220,10 @@ mod tests {
         assert!(width < 0.2, "the narrower of the two widths: {width}");
         assert_eq!(width_from_haze(0.8, 0.3), None, "30 % straight-through leaves at most 70 % haze");
         assert_eq!(width_from_haze(0.9999, 0.0), None);
-        for straight_through in [0.0, 0.3, 0.9] {
-            let most = largest_haze(straight_through);
-            assert!(width_from_haze(most - 1e-9, straight_through).is_some());
-            assert_eq!(width_from_haze(most + 1e-9, straight_through), None);
+        for regular_fraction in [0.0, 0.3, 0.9] {
+            let most = largest_haze(regular_fraction);
+            assert!(width_from_haze(most - 1e-9, regular_fraction).is_some());
+            assert_eq!(width_from_haze(most + 1e-9, regular_fraction), None);
         }
         // The widest lobe is uniform over the hemisphere: all but the fraction sin^2 2.5 deg is haze.
         let flat = 1.0 - 2.5_f64.to_radians().sin().powi(2);

@@ -4,7 +4,7 @@ use num_complex::Complex64;
 use papilio_optics::OpticsError;
 use papilio_optics::film::{Coating, Film, Layer, Polarisation, SpectralLayer, Thickness, coherent};
 use papilio_optics::interface::fresnel_reflectance;
-use papilio_sampling::{Numbers, Sampler};
+use papilio_sampling::{SampleStream, Sampler};
 
 const NM: f64 = 550.0;
 
@@ -37,7 +37,7 @@ fn plain(incidence: f64, layers: Vec<Layer>, substrate: f64, beta: f64) -> [f64;
 fn worst_difference(above: f64, layers: &[Layer], below: f64, stream: u64) -> f64 {
     let table = coating(above, layers, below);
     let upside_down: Vec<Layer> = layers.iter().rev().copied().collect();
-    let numbers = Numbers::new(Sampler::Random, 5, stream);
+    let numbers = SampleStream::new(Sampler::Random, 5, stream);
     let mut worst = 0.0_f64;
     for path in 0..2000 {
         // Half of them are close to grazing, where square roots begin.
@@ -100,7 +100,7 @@ fn tables_equal_reference() {
 #[test]
 fn random_coatings_equal_reference() {
     for stream in 0..40 {
-        let numbers = Numbers::new(Sampler::Random, 77, stream);
+        let numbers = SampleStream::new(Sampler::Random, 77, stream);
         let media = numbers.block(0, 0);
         let layers: Vec<Layer> = (1..=(1 + stream % 5))
             .map(|path| {

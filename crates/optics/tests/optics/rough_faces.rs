@@ -8,7 +8,7 @@ use std::f64::consts::{FRAC_PI_2, TAU};
 use papilio_optics::interface::fresnel_reflectance;
 use papilio_optics::rough::{Distribution, OnSide, Rough, Side};
 use papilio_optics::{Beta, Scatterer};
-use papilio_sampling::{Numbers, Sampler, warp};
+use papilio_sampling::{SampleStream, Sampler, warp};
 use papilio_testing::ChiSquare;
 
 const SIDES: [Side; 2] = [Side::Above, Side::Below];
@@ -57,7 +57,7 @@ fn density_is_reciprocal_for_all_directions() {
         [(Ggx, 0.02, 1.0, 1.5), (Ggx, 0.2, 1.0, 1.5), (Beckmann, 0.5, 1.7, 1.33), (Ggx, 1.0, 1.5, 1.52)]
     {
         let face = Rough::with(distribution, alpha, above, below);
-        let numbers = Numbers::new(Sampler::Random, 3, 0);
+        let numbers = SampleStream::new(Sampler::Random, 3, 0);
         for path in 0..2000 {
             let u = numbers.block(path, 0);
             for from in SIDES {
@@ -108,7 +108,7 @@ fn scattered_light_sums_to_one() {
 /// Chi-square of samples of `drawn` against the density of `claimed`, on 10 x 8 cells of each side.
 fn chi_square(drawn: &Rough, from: Side, a: Beta, claimed: impl Fn(Side, Beta) -> f64) -> ChiSquare {
     let (rings, turns, samples) = (10, 8, 40_000);
-    let numbers = Numbers::new(Sampler::Random, 29, 0);
+    let numbers = SampleStream::new(Sampler::Random, 29, 0);
     let mut counts = vec![0.0; 2 * rings * turns];
     for path in 0..samples {
         let OnSide { side, beta: b } = drawn.sample(from.at(a), numbers.block(path, 0)).unwrap().direction;
@@ -170,7 +170,7 @@ fn wrong_densities_are_refused() {
 #[test]
 fn light_of_several_microfacets_is_sampled_with_its_probability() {
     let face = Rough::new(0.2, 1.0, 1.5);
-    let numbers = Numbers::new(Sampler::Random, 31, 0);
+    let numbers = SampleStream::new(Sampler::Random, 31, 0);
     for from in SIDES {
         let a = beta(&face, from, 30.0);
         let samples = 100_000;
@@ -191,7 +191,7 @@ fn light_of_several_microfacets_is_sampled_with_its_probability() {
 #[test]
 fn fine_roughness_reflects_as_fresnel() {
     let face = Rough::new(0.01, 1.0, 1.5);
-    let numbers = Numbers::new(Sampler::Sobol, 41, 0);
+    let numbers = SampleStream::new(Sampler::Sobol, 41, 0);
     for from in SIDES {
         for theta_deg in [0.0, 20.0, 60.0] {
             let a = beta(&face, from, theta_deg);
@@ -212,7 +212,7 @@ type Meets<'a> = &'a dyn Fn(Side, Beta, [f64; 4]) -> (Side, Beta, f64);
 /// Fraction of light along the normal that a white mirror under a rough interface does not return, and its
 /// standard error.
 fn loss_over_a_white_mirror(seed: u64, meets: Meets<'_>) -> (f64, f64) {
-    let numbers = Numbers::new(Sampler::Random, seed, 0);
+    let numbers = SampleStream::new(Sampler::Random, seed, 0);
     let (mut sum, mut squares, paths) = (0.0, 0.0, 200_000);
     for path in 0..paths {
         let (mut side, mut beta, mut weight) = (Side::Above, Beta::default(), 1.0);

@@ -5,7 +5,7 @@ use std::f64::consts::{FRAC_PI_2, PI};
 use papilio_optics::lobe::Lobe;
 use papilio_optics::scatter::{Normalisation, Scatter, Table, Ward};
 use papilio_optics::{Beta, Scatterer};
-use papilio_sampling::{Numbers, Sampler};
+use papilio_sampling::{SampleStream, Sampler};
 use papilio_testing::ChiSquare;
 
 fn along_x(length: f64) -> Beta {
@@ -217,7 +217,7 @@ impl Cells {
 fn chi_square(kernel: &Scatter, from: Beta, density: impl Fn(Beta) -> f64) -> ChiSquare {
     let cells = Cells { from, reach: kernel.discs().iter().sum() };
     let samples = 60_000;
-    let numbers = Numbers::new(Sampler::Random, 23, 0);
+    let numbers = SampleStream::new(Sampler::Random, 23, 0);
     let mut found = vec![0.0; RINGS * SPOKES];
     for path in 0..samples {
         let [u, v, w, _] = numbers.block(path, 0);
@@ -286,7 +286,7 @@ fn mean_of_weights_equals_albedo() {
     for (number, kernel) in all_kernels().iter().enumerate() {
         for length in lengths(kernel) {
             let from = along_x(length);
-            let numbers = Numbers::new(Sampler::Sobol, 5, 0);
+            let numbers = SampleStream::new(Sampler::Sobol, 5, 0);
             let samples = 1 << 15;
             let (mut sum, mut squares, mut most) = (0.0, 0.0, 0.0_f64);
             for path in 0..samples {

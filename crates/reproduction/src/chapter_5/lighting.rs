@@ -93,7 +93,7 @@ pub(super) fn lobes(bench: &Bench<'_>) -> Result<Section, ReproductionError> {
     }
     let figure = Chart {
         x: "Scattering angle (deg)".to_owned(),
-        y: "BTDF (1/sr, logarithmic)".to_owned(),
+        y: "BTDF (1/sr)".to_owned(),
         logarithmic: true,
         at_least: vec![],
         curves,

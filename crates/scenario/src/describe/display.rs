@@ -55,13 +55,14 @@ table! {
     /// The glass above the pixel.
     Glass {
         /// Refractive index, with n from 1 to 10; its k absorbs only with `thickness_mm`.
-        index: MaterialSpec = MaterialSpec::Number(Index(1.5)),
+        index as "Refractive index": MaterialSpec = MaterialSpec::Number(Index(1.5)),
         /// Surface of the glass of a panel without a diffuser. Default: `"ideal-ar"`; with a diffuser none.
         surface: Option<Surface>,
-        /// Transmittance of the glass without its surfaces, along the normal; oblique light has a longer path. Either this or
-        /// `thickness_mm`. Default: clear.
+        /// Transmittance of the glass without its surfaces, along the normal; oblique light has a longer path.
+        /// Cannot be combined with `thickness_mm`. Default: clear.
         internal_transmittance: Option<ShareSpectrum>,
-        /// Thickness: k of the index (at most 1e-3) absorbs along the path. Either this or `internal_transmittance`.
+        /// Thickness: k of the index (at most 1e-3) absorbs along the path.
+        /// Cannot be combined with `internal_transmittance`.
         thickness_mm: Option<Thickness>,
     }
 }
@@ -102,8 +103,8 @@ table! {
     /// A complex refractive index, the same at all wavelengths.
     NK {
         /// Refractive index.
-        n: Index,
+        n as "Refractive index n": Index,
         /// Extinction coefficient, positive in an absorber (n + ik).
-        k: Extinction = Extinction(0.0),
+        k as "Extinction coefficient k": Extinction = Extinction(0.0),
     }
 }

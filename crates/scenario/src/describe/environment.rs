@@ -29,13 +29,13 @@ table! {
     /// A ring of uniform radiance around the normal, such as a ring light.
     Ring {
         /// Fraction of `illuminance_lx`.
-        share: Share,
+        share as "Light fraction": Share,
         /// Relative spectrum. Default: that of the lighting.
         spectrum: Option<LightSpectrum>,
         /// Inclination of the centre of the ring.
-        theta_deg: Horizon,
+        theta_deg as "Inclination": Horizon,
         /// Full width of the ring, which must be between 0 and 90 deg.
-        width_deg: Horizon,
+        width_deg as "Width": Horizon,
     }
 }
 
@@ -43,17 +43,17 @@ table! {
     /// A cap of uniform radiance around the normal or any other direction, cut off at the horizon of the display.
     Cap {
         /// Fraction of `illuminance_lx`.
-        share: Share,
+        share as "Light fraction": Share,
         /// Relative spectrum. Default: that of the lighting.
         spectrum: Option<LightSpectrum>,
         /// Inclination of the axis of the cap; 0 is the normal.
-        theta_deg: Inclination = Inclination(0.0),
+        theta_deg as "Inclination": Inclination = Inclination(0.0),
         /// Azimuth of the axis of the cap.
-        phi_deg: Azimuth = Azimuth(0.0),
+        phi_deg as "Azimuth": Azimuth = Azimuth(0.0),
         /// First angle of the cap from its axis.
-        from_deg: FieldAngle = FieldAngle(0.0),
+        from_deg as "Inner radius": FieldAngle = FieldAngle(0.0),
         /// Last angle of the cap from its axis, above `from_deg`; the cap is also cut off at the horizon.
-        to_deg: CapEnd = CapEnd(180.0),
+        to_deg as "Outer radius": CapEnd = CapEnd(180.0),
     }
 }
 
@@ -71,7 +71,7 @@ table! {
     /// Light that is the same at all azimuths. Its radiance is linear between the rows of a table, and 0 beyond them.
     Profile {
         /// Fraction of `illuminance_lx`.
-        share: Share,
+        share as "Light fraction": Share,
         /// Relative spectrum. Default: that of the lighting.
         spectrum: Option<LightSpectrum>,
         /// A file with two columns: angle in degrees (0 to 90, increasing) and relative radiance (0 or more).
@@ -85,17 +85,17 @@ table! {
     /// A CIE standard general sky (ISO 15469).
     Sky {
         /// Fraction of `illuminance_lx` from sky and ground, without the sun's disc.
-        share: Share,
+        share as "Light fraction": Share,
         /// Relative spectrum. Default: that of the lighting.
         spectrum: Option<LightSpectrum>,
         /// Type of the sky: 1 to 15 as in ISO 15469 (1 overcast, 5 uniform, 12 clear), 16 for the traditional overcast sky.
-        number: Count<1, 16>,
+        number as "CIE sky number": Count<1, 16>,
         /// Elevation of the sun above the horizon. Default: required, except for skies 1, 3, 5 and 16 without a sun.
         sun_elevation_deg: Option<Elevation>,
         /// Azimuth of the sun, counterclockwise seen from above, from the display's x axis.
         sun_azimuth_deg: Azimuth = Azimuth(0.0),
         /// Fraction of `illuminance_lx` from the sun's disc, whose radius is 0.27 deg.
-        sun_share: Share = Share(0.0),
+        sun_share as "Light fraction of the sun": Share = Share(0.0),
         /// Relative spectrum of the sun's disc. Default: that of the lighting.
         sun_spectrum: Option<LightSpectrum>,
         /// Tilt of the display: 0 is flat, facing the zenith; 90 is upright, facing azimuth -90 deg.
@@ -109,7 +109,7 @@ table! {
     /// An equirectangular map of radiance over the whole sphere.
     Map {
         /// Fraction of `illuminance_lx`.
-        share: Share,
+        share as "Light fraction": Share,
         /// Relative spectrum of the map's white; not for a spectral map. Default: that of the lighting.
         spectrum: Option<LightSpectrum>,
         /// A Radiance picture (.hdr) or an OpenEXR file (.exr), equirectangular, whose width is twice its height.
@@ -142,7 +142,7 @@ table! {
     /// A distant luminaire: a disc of the size of its opening, reported among the directed sources.
     Luminaire {
         /// Fraction of `illuminance_lx`.
-        share: Share,
+        share as "Light fraction": Share,
         /// Relative spectrum. Default: that of the lighting.
         spectrum: Option<LightSpectrum>,
         /// An IES LM-63 file (.ies), type C photometry.

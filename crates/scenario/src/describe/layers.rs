@@ -35,11 +35,12 @@ table! {
     /// A homogeneous medium.
     Medium {
         /// Refractive index, with n from 1 to 10; its k absorbs only with `thickness_mm`.
-        index: MaterialSpec = MaterialSpec::Number(Index(1.5)),
-        /// Transmittance without the surfaces, along the normal; oblique light has a longer path. Either this or
-        /// `thickness_mm`. Default: clear.
+        index as "Refractive index": MaterialSpec = MaterialSpec::Number(Index(1.5)),
+        /// Transmittance without the surfaces, along the normal; oblique light has a longer path.
+        /// Cannot be combined with `thickness_mm`. Default: clear.
         internal_transmittance: Option<ShareSpectrum>,
-        /// Thickness: k of the index (at most 1e-3) absorbs along the path. Either this or `internal_transmittance`.
+        /// Thickness: k of the index (at most 1e-3) absorbs along the path.
+        /// Cannot be combined with `internal_transmittance`.
         thickness_mm: Option<Thickness>,
     }
 }
@@ -76,7 +77,7 @@ table! {
     /// A rough interface between two media of different index, both independent of wavelength.
     Rough {
         /// Roughness: typical slope of the surface.
-        alpha: Roughness,
+        alpha as "Roughness alpha": Roughness,
         /// Distribution of the slopes.
         distribution: Slopes = Slopes::Ggx,
     }

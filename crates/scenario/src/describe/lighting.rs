@@ -12,14 +12,14 @@ table! {
     /// The light on the display; `diffuse` and all shares sum to 1.
     Lighting {
         /// A preset of lighting and viewer (docs/light.md); keys of the scenario override it.
-        preset: Option<Preset>,
+        preset as "Lighting preset": Option<Preset>,
         /// Illuminance of the display plane, to which all shares refer; 0 is allowed with a front light; `"from-map"` takes it
         /// from the absolute values of the scenario's one map. Default: `500`, or `0` if a front light is the only light.
         illuminance_lx: Option<Illuminance>,
         /// Relative spectrum of all light without a spectrum of its own.
-        spectrum: LightSpectrum = LightSpectrum::Text("D65".to_owned()),
+        spectrum as "Spectrum of the light": LightSpectrum = LightSpectrum::Text("D65".to_owned()),
         /// Fraction of `illuminance_lx` that is uniform over the hemisphere. Default: `1`, or `0` if other light is given.
-        diffuse: Option<Share>,
+        diffuse as "Diffuse fraction": Option<Share>,
         /// Directed sources. Default: none.
         directed: Vec<Spanned<Directed>> = Vec::new(),
         /// Light from many directions at once: rings, skies, maps, luminaires. Default: none.
@@ -103,15 +103,15 @@ table! {
     /// A directed source.
     Directed {
         /// Inclination; a negative value is at phi + 180.
-        theta_deg: Inclination,
+        theta_deg as "Inclination": Inclination,
         /// Azimuth.
-        phi_deg: Azimuth = Azimuth(0.0),
+        phi_deg as "Azimuth": Azimuth = Azimuth(0.0),
         /// Fraction of `illuminance_lx`.
-        share: Share,
+        share as "Light fraction": Share,
         /// Relative spectrum. Default: that of the lighting.
         spectrum: Option<LightSpectrum>,
         /// Angular radius of a disc of uniform radiance, which must be above the horizon. Default: none: collimated light.
-        radius_deg: Option<AngularRadius>,
+        radius_deg as "Angular radius": Option<AngularRadius>,
         /// `true`: the share is that of a plane perpendicular to the beam; the display receives the share times cos(theta).
         normal_to_beam: bool = false,
     }
@@ -134,13 +134,13 @@ table! {
     /// the others are 1 at 560 nm.
     LightModel {
         /// Peak wavelength of an LED.
-        led_nm: Option<Wavelength>,
+        led_nm as "Peak of the LED": Option<Wavelength>,
         /// Width of the LED; its full width at half maximum is 0.92 of this value.
-        width_nm: Option<Wavelength>,
+        width_nm as "Width of the LED": Option<Wavelength>,
         /// Correlated colour temperature of CIE daylight.
-        daylight_K: Option<DaylightKelvin>,
+        daylight_K as "Colour temperature of daylight": Option<DaylightKelvin>,
         /// Temperature of a black body.
-        planck_K: Option<Kelvin>,
+        planck_K as "Temperature of the black body": Option<Kelvin>,
         /// Weight in a list of models.
         weight: Weight = Weight(1.0),
     }

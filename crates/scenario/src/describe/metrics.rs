@@ -9,6 +9,8 @@ table! {
     Metrics {
         /// CIE standard observer for X, Y and Z.
         observer: Observer = Observer::Cie1931,
+        /// White of L*, a*, b*, u*, v*, the colour differences and the gamut volume.
+        white: White = White::Perfect,
         /// Name of the state with which the others are compared. Default: `"white"`, if there is one.
         reference_state: Option<String>,
         /// Whether to report the reflectance factors in each light separately.
@@ -17,6 +19,16 @@ table! {
         gamut_volume: bool = false,
         /// Viewing conditions for the appearance of the states (CIECAM16), which is then computed too.
         appearance: Option<Appearance>,
+    }
+}
+
+choice! {
+    /// White to which colours are relative.
+    White {
+        /// A perfect white diffuser in the same light.
+        Perfect = "perfect",
+        /// The state `white` of the display, in the same view and light.
+        Display = "display",
     }
 }
 

@@ -63,9 +63,9 @@ table! {
     /// The wavelength grid: uniformly spaced, both ends included.
     Spectrum {
         /// First and last wavelength, both included. The range must overlap 380 to 780 nm.
-        range_nm: Vec<Spanned<Wavelength>> = vec![Spanned::without_span(Wavelength(380.0)), Spanned::without_span(Wavelength(780.0))],
+        range_nm as "Wavelength range": Vec<Spanned<Wavelength>> = vec![Spanned::without_span(Wavelength(380.0)), Spanned::without_span(Wavelength(780.0))],
         /// Step of the grid. The range must be an integer number of steps.
-        step_nm: Wavelength = Wavelength(5.0),
+        step_nm as "Wavelength step": Wavelength = Wavelength(5.0),
     }
 }
 

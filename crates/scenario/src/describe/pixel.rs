@@ -44,13 +44,13 @@ table! {
     /// Thin-film sub-pixels that share one stack, in which one layer is the gap.
     FilmPixel {
         /// Layers from the glass down, `{ material, thickness_nm }` each; exactly one has `thickness_nm = "gap"`.
-        film: Vec<Spanned<FilmLayer>>,
+        film as "Film": Vec<Spanned<FilmLayer>>,
         /// Material of the opaque, semi-infinite substrate.
         substrate: MaterialSpec,
         /// Fraction of the active area that each sub-pixel covers; the sum is 1 within 0.001. Any names except `dark`.
-        area: Named<Share>,
+        area as "Area fraction": Named<Share>,
         /// Gap at which each sub-pixel shows its own colour; also `dark`, the gap of a dark sub-pixel, if a state needs it.
-        gap_nm: Named<Nanometres>,
+        gap_nm as "Gap": Named<Nanometres>,
         /// Active fraction of the panel.
         fill_factor: PositiveShare = PositiveShare(1.0),
         /// Reflectance of the inactive area.
@@ -166,7 +166,7 @@ table! {
     /// An analogue gap.
     DriveGap {
         /// The gap.
-        gap_nm: Nanometres,
+        gap_nm as "Gap": Nanometres,
     }
 }
 

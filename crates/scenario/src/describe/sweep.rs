@@ -23,11 +23,11 @@ table! {
         /// The axes: tables of keys as in `--set`, each with a list of values, `{ from, to, step }` or `{ from, to, count }`.
         /// Keys of one axis change together. Every combination of the axes is computed; the last axis varies fastest.
         axes: Vec<Spanned<Axis>>,
-        /// Metrics to draw: columns of sweep.csv, those of a state as `"white.L_star"`. Default: for a light sweep all stored
+        /// Metrics to draw: columns of sweep.csv, those of a state as `"white.L_star"`. Default: for a compact sweep all stored
         /// metrics.
         figures: Vec<Spanned<String>> =
             ["contrast_ratio", "gamut_percent_srgb"].map(|name| Spanned::without_span(name.to_owned())).to_vec(),
-        /// Makes this a light sweep, for many points: only these metrics are stored, for every view. Default: all results of
+        /// Makes this a compact sweep, for many points: only these metrics are stored, for every view. Default: all results of
         /// every point.
         metrics: Option<Vec<Spanned<MetricName>>>,
     }
@@ -40,9 +40,9 @@ table! {
         from: Any,
         /// Last value.
         to: Any,
-        /// Step, towards `to`. Either `step` or `count`.
+        /// Step, towards `to`. Specify either `step` or `count`.
         step: Option<Any>,
-        /// Number of values, both ends included. Either `step` or `count`.
+        /// Number of values, both ends included. Specify either `step` or `count`.
         count: Option<Count<2, { MOST_POINTS as u64 }>>,
     }
 }

@@ -9,15 +9,15 @@ table! {
     /// The views: all combinations of theta and phi; theta varies fastest.
     Viewer {
         /// Inclination of the view, or several.
-        theta_deg: Inclinations = Inclinations::One(Inclination(0.0)),
+        theta_deg as "Viewing angle": Inclinations = Inclinations::One(Inclination(0.0)),
         /// Azimuth of the view, or several.
-        phi_deg: Azimuths = Azimuths::One(Azimuth(0.0)),
+        phi_deg as "Azimuth of the view": Azimuths = Azimuths::One(Azimuth(0.0)),
         /// Full angle of the round field of view, which must be above the horizon.
-        field_deg: FieldAngle = FieldAngle(0.1),
+        field_deg as "Field of view": FieldAngle = FieldAngle(0.1),
         /// Viewing distance; no effect if the display is uniform.
-        distance_mm: Millimetres = Millimetres(500.0),
+        distance_mm as "Viewing distance": Millimetres = Millimetres(500.0),
         /// Age of the reader, for `reading_surrogate` (docs/metrics.md).
-        age_years: Option<Years>,
+        age_years as "Age of the reader": Option<Years>,
     }
 }
 

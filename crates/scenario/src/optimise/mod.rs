@@ -6,7 +6,7 @@ mod read;
 use papilio_display::Quantity;
 use serde_json::Value as Json;
 
-use crate::varied::{Varied, read_of_scenarios};
+use crate::varied::{ParameterisedScenario, read_of_scenarios};
 
 /// A search, read and checked: every bound and every choice gives a valid scenario.
 #[derive(Debug, Clone)]
@@ -78,7 +78,7 @@ pub struct SearchCondition {
     /// Weight in objectives without a condition.
     pub weight: f64,
     /// The scenario under this condition; its paths are those of all variables, in order.
-    pub varied: Varied,
+    pub varied: ParameterisedScenario,
 }
 
 /// A quantity under a condition.

@@ -3,7 +3,7 @@
 use papilio_colour::{Lab, UvPrime};
 use papilio_diagnostics::{Diagnostic, suggestion};
 use papilio_display::Quantity;
-use papilio_formats::{LARGEST_FILE, read_shares};
+use papilio_formats::{LARGEST_FILE, read_fractions};
 use papilio_spectra::{Grid, SpectraError, Spectrum, Tabulated};
 
 use super::read::{ConditionScene, Reader};
@@ -250,7 +250,7 @@ impl Reader {
                         return None;
                     }
                 };
-                match read_shares(kept.file()) {
+                match read_fractions(kept.file()) {
                     Ok(table) => (name.clone(), table),
                     Err(error) => {
                         self.errors.push_data(origin, error);

@@ -16,7 +16,7 @@ use crate::path::KeyPath;
 use crate::read::{Read, Spanned};
 use crate::set::Change;
 use crate::tree::Node;
-use crate::varied::{ParsedScenario, STUDY_TABLES, Varied, VariedKey};
+use crate::varied::{ParameterisedScenario, ParsedScenario, STUDY_TABLES, VariedKey};
 
 /// Reads the `[optimize]` of a scenario.
 pub(super) fn search(base: ParsedScenario) -> Result<Optimisation, ScenarioErrors> {
@@ -248,7 +248,7 @@ impl Reader {
         let condition = |name: &str, weight, fixed: &[Change]| SearchCondition {
             name: name.to_owned(),
             weight,
-            varied: Varied::new(self.base.clone(), fixed.to_vec(), keys.clone()),
+            varied: ParameterisedScenario::new(self.base.clone(), fixed.to_vec(), keys.clone()),
         };
         if spec.conditions.is_empty() {
             return vec![condition("", 1.0, &[])];
@@ -258,8 +258,13 @@ impl Reader {
     }
 
     /// Tests each bound and each choice, with all other variables at their starting points.
-    fn check_ends(&self, varied: &Varied, found: &[ReadVariable], own: &Scene) -> Result<(), ScenarioErrors> {
-        if own.solver.method == Solver::Walk {
+    fn check_ends(
+        &self,
+        varied: &ParameterisedScenario,
+        found: &[ReadVariable],
+        own: &Scene,
+    ) -> Result<(), ScenarioErrors> {
+        if own.solver.method == Solver::MonteCarlo {
             let mut errors = Errors::default();
             let wrong = Diagnostic::new(
                 "a search with method = \"monte-carlo\" would follow the noise of the Monte Carlo solver",
@@ -310,7 +315,10 @@ pub(super) struct ConditionScene {
 }
 
 /// Resolves the scenario of a condition at the starting point.
-fn condition_scene(varied: &Varied, found: &[ReadVariable]) -> Result<ConditionScene, ScenarioErrors> {
+fn condition_scene(
+    varied: &ParameterisedScenario,
+    found: &[ReadVariable],
+) -> Result<ConditionScene, ScenarioErrors> {
     let values: Vec<Json> = found
         .iter()
         .flat_map(|one| one.variable.values(one.variable.start()).into_iter().map(|(_, value)| value))

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use super::*;
-use crate::{Edit, Scenario, Varied, edit, migrate};
+use crate::{Edit, ParameterisedScenario, Scenario, edit, migrate};
 
 const PIXEL: &str =
     "[display.pixel]\nmodel = \"uniform\"\nkind = \"mirror\"\nreflectance = { white = 0.5, black = 0.1 }\n";
@@ -127,7 +127,8 @@ fn old_name_as_varied_path_is_the_new_one() {
             let value: toml::Value = format!("x = {value}").parse::<toml::Table>().unwrap()["x"].clone();
             let path = format!("{}.{key}", table.replace('*', "0"));
             let text = scenario(&table, &new);
-            let varied = Varied::from_text(&text, "test.toml", Path::new(""), &[], &[path]).unwrap();
+            let varied =
+                ParameterisedScenario::from_text(&text, "test.toml", Path::new(""), &[], &[path]).unwrap();
             filled(&varied.scenario(&[serde_json::to_value(value).unwrap()]).unwrap())
         };
         assert_eq!(varied(&old), varied(&new), "{table}");

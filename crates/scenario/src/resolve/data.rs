@@ -2,12 +2,12 @@
 
 use num_complex::Complex64;
 use papilio_diagnostics::Diagnostic;
-use papilio_formats::{DataFile, FormatError, LARGEST_FILE, read_index_within, read_shares};
+use papilio_formats::{DataFile, FormatError, LARGEST_FILE, read_fractions, read_index_within};
 use papilio_spectra::{Dispersion, SpectraError, Spectrum, material, material_info};
 
 use super::Resolver;
 use crate::describe::display::{MaterialSpec, ShareSpectrum};
-use crate::library::{KeptFile, Missing};
+use crate::library::{MemoryFile, Missing};
 use crate::mistake;
 use crate::origin::Origin;
 use crate::read::Spanned;
@@ -19,12 +19,12 @@ const SMALLEST_INDEX: f64 = 1e-3;
 
 impl Resolver<'_> {
     /// Reads a file of the scenario, and records its SHA-256.
-    pub(super) fn open(&mut self, name: &str, origin: Origin) -> Option<KeptFile> {
+    pub(super) fn open(&mut self, name: &str, origin: Origin) -> Option<MemoryFile> {
         self.open_within(name, origin, LARGEST_FILE)
     }
 
     /// As [`Resolver::open`], with a limit of its size in bytes.
-    pub(super) fn open_within(&mut self, name: &str, origin: Origin, limit: u64) -> Option<KeptFile> {
+    pub(super) fn open_within(&mut self, name: &str, origin: Origin, limit: u64) -> Option<MemoryFile> {
         match self.library.open(name, limit) {
             Ok(kept) => {
                 self.inputs.insert(name.to_owned(), kept.sha256().to_owned());
@@ -66,7 +66,7 @@ impl Resolver<'_> {
             ShareSpectrum::Constant(share) => return Some(Spectrum::constant(&self.grid, share.0)),
             ShareSpectrum::File(name) => name,
         };
-        let on_grid = self.data(name, origin, read_shares)?.on(&self.grid);
+        let on_grid = self.data(name, origin, read_fractions)?.on(&self.grid);
         self.sampled(name, origin, on_grid)
     }
 

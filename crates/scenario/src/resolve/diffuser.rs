@@ -132,7 +132,7 @@ impl Resolver<'_> {
     ) -> Option<Diffuser> {
         let transmittance =
             self.transmittance(lobe.map(|lobe| lobe.hemispherical_fraction()), whole, causes)?;
-        Some(Diffuser { lobe: lobe?, transmittance, straight_through: whole.regular_fraction.0 })
+        Some(Diffuser { lobe: lobe?, transmittance, regular_fraction: whole.regular_fraction.0 })
     }
 
     /// Returns T of a lobe; `leaving` is the fraction of the lobe that leaves at normal incidence.

@@ -6,6 +6,7 @@ use papilio_diagnostics::{Diagnostic, suggestion};
 use papilio_display::scene::{Drive, FilmLayer, FilmPixel, FilmState, SubPixel, Thickness};
 
 use super::Resolver;
+use crate::describe::display::MaterialSpec;
 use crate::describe::pixel as describe;
 use crate::describe::pixel::{DriveSpec, StateSpec};
 use crate::mistake::{self, Mistake, tidy};
@@ -36,6 +37,8 @@ impl Resolver<'_> {
         self.limit(&pixel.gap_nm, "gaps", pixel.gap_nm.0.len(), 65)?;
         self.limit(&pixel.states, "states", pixel.states.0.len(), 256)?;
         let layers = self.films(pixel);
+        let materials = pixel.film.iter().map(|layer| &layer.material).chain([&pixel.substrate]);
+        let materials = materials.map(|material| name(&material.value)).collect();
         let substrate = self.material(&pixel.substrate);
         let inactive_reflectance = self.share(&pixel.inactive_reflectance, pixel.inactive_reflectance.origin);
         let sub_pixels = self.sub_pixels(pixel)?;
@@ -43,6 +46,7 @@ impl Resolver<'_> {
         Some(FilmPixel {
             layers: layers?,
             substrate: substrate?,
+            materials,
             sub_pixels,
             dark_gap_nm: pixel.gap_nm.get(DARK).map(|gap| gap.0),
             fill_factor: pixel.fill_factor.0,
@@ -190,6 +194,15 @@ impl Resolver<'_> {
                 return self.errors.push(at, wrong);
             }
         }
+    }
+}
+
+/// Name of a material in reports: as in the scenario, or its index.
+fn name(material: &MaterialSpec) -> String {
+    match material {
+        MaterialSpec::Text(name) => name.clone(),
+        MaterialSpec::Number(n) => format!("n = {}", tidy(n.0)),
+        MaterialSpec::Complex(index) => format!("n = {} + {}i", tidy(index.n.0), tidy(index.k.0)),
     }
 }
 

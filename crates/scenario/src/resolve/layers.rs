@@ -55,7 +55,7 @@ pub(super) enum Part {
 /// Converts a front-of-screen component to an interface.
 pub(super) fn component_interface(component: FrontComponent) -> Interface {
     let FrontComponent { reflectance, absorptance } = component;
-    Ready::sheet(reflectance, absorptance).into()
+    Ready::component(reflectance, absorptance).into()
 }
 
 /// Absorption of a medium: its internal transmittance, or its thickness.
@@ -139,7 +139,7 @@ impl Resolver<'_> {
                 let films = self.coating(path, coating)?;
                 Part::Interface(Interface::Coating(Coating { films, key: path.to_owned() }))
             }
-            describe::Layer::IdealAr(_) => Part::Interface(Ready::Coated.into()),
+            describe::Layer::IdealAr(_) => Part::Interface(Ready::IdealAr.into()),
             describe::Layer::Fresnel(_) => Part::Interface(Ready::Fresnel.into()),
             describe::Layer::Rough(rough) => Part::Interface(Interface::Rough {
                 alpha: rough.alpha.0,

@@ -4,7 +4,7 @@ use papilio_colour::Observer;
 use papilio_diagnostics::Diagnostic;
 use papilio_display::scene::Lobe;
 use papilio_goniometry::{
-    Channel, GoniometryError, Instrument, Measurement, Noise, SpecularGrid, Symmetry, View, Way,
+    Channel, GoniometryError, Instrument, Measurement, Noise, ScatterMode, SpecularGrid, Symmetry, View,
     tristimulus_factors,
 };
 use papilio_optics::scatter::Scatter;
@@ -45,7 +45,7 @@ pub struct VirtualMeasurement {
 /// The true scattering in one transmission or reflection.
 #[derive(Debug, Clone)]
 struct MeasuredWay {
-    way: Way,
+    way: ScatterMode,
     lobe: TrueLobe,
     /// Scattered and regular fraction.
     shares: [f64; 2],
@@ -114,7 +114,7 @@ pub(crate) fn measurement(
 
 /// A transmission or reflection of the diffuser: its lobe, scattered and regular fraction, and the spectrum of
 /// both.
-type TrueWay = (Way, TrueLobe, [f64; 2], Spectrum);
+type TrueWay = (ScatterMode, TrueLobe, [f64; 2], Spectrum);
 
 impl Resolver<'_> {
     fn before_instrument(&mut self, file: &File) -> Option<VirtualMeasurement> {
@@ -211,7 +211,7 @@ impl Resolver<'_> {
     fn ways(&mut self, file: &File) -> Option<Vec<TrueWay>> {
         let at = &file.display.diffuser;
         let through = |truth: TrueLobe, spectrum: Spectrum, straight: f64| {
-            vec![(Way::FrontTransmission, truth, [1.0 - straight, straight], spectrum)]
+            vec![(ScatterMode::FrontTransmission, truth, [1.0 - straight, straight], spectrum)]
         };
         let lobe = match &at.value {
             Some(Diffuser::KCorrelation(lobe)) => self.k_correlation(lobe)?,
@@ -222,7 +222,7 @@ impl Resolver<'_> {
             }
             Some(Diffuser::Measured(measured)) => {
                 let film = self.foil_in_air("display.diffuser", measured)?;
-                let whole = |(way, kernel): (Way, papilio_display::scene::ScatterKernel)| {
+                let whole = |(way, kernel): (ScatterMode, papilio_display::scene::ScatterKernel)| {
                     (way, TrueLobe::Scatter(kernel.scatter), [1.0, 0.0], kernel.factor)
                 };
                 return Some(film.into_iter().map(whole).collect());
@@ -244,7 +244,7 @@ impl Resolver<'_> {
                 return None;
             }
         };
-        Some(through(TrueLobe::Lobe(lobe.lobe), lobe.transmittance, lobe.straight_through))
+        Some(through(TrueLobe::Lobe(lobe.lobe), lobe.transmittance, lobe.regular_fraction))
     }
 
     /// Computes the factor of a transmission spectrum for each channel, relative to the light.

@@ -5,7 +5,7 @@ mod file;
 mod report;
 
 use papilio_display::scene::{Medium, Ready, ScatterFace, ScatterKernel, ScatteringPixel};
-use papilio_goniometry::{Backing, Way};
+use papilio_goniometry::{Backing, ScatterMode};
 use papilio_spectra::Spectrum;
 use serde_json::json;
 
@@ -54,7 +54,7 @@ impl Resolver<'_> {
         let below = match diffuser.mounting.value {
             Mounting::AsMeasured => return Some(parts),
             // Light beyond the disc of air stays in the glass.
-            Mounting::Laminated => Ready::Coated,
+            Mounting::Laminated => Ready::IdealAr,
             Mounting::Air => Ready::Fresnel,
         };
         let ones = Spectrum::constant(&self.grid, 1.0);
@@ -111,11 +111,11 @@ impl Resolver<'_> {
         &mut self,
         path: &str,
         diffuser: &Spanned<Measured>,
-    ) -> Option<Vec<(Way, ScatterKernel)>> {
+    ) -> Option<Vec<(ScatterMode, ScatterKernel)>> {
         let way = |side: Side| match side {
-            Side::Through => Way::FrontTransmission,
-            Side::Above => Way::FrontReflection,
-            Side::Below => Way::BackReflection,
+            Side::Through => ScatterMode::FrontTransmission,
+            Side::Above => ScatterMode::FrontReflection,
+            Side::Below => ScatterMode::BackReflection,
         };
         let foil = self.foil_sides(path, diffuser, Backing::Air)?;
         Some(foil.into_iter().map(|(side, kernel)| (way(side), kernel)).collect())
@@ -149,12 +149,12 @@ impl Resolver<'_> {
         };
         let measurement = self.measurement(&source)?;
         let (into, back, front) = if diffuser.flipped.value {
-            (Way::BackTransmission, Way::FrontReflection, Way::BackReflection)
+            (ScatterMode::BackTransmission, ScatterMode::FrontReflection, ScatterMode::BackReflection)
         } else {
-            (Way::FrontTransmission, Way::BackReflection, Way::FrontReflection)
+            (ScatterMode::FrontTransmission, ScatterMode::BackReflection, ScatterMode::FrontReflection)
         };
         let through = self.way(&source, &measurement, into)?;
-        let part = |way: Way| measurement.parts.iter().find(|part| part.way == way);
+        let part = |way: ScatterMode| measurement.parts.iter().find(|part| part.way == way);
         let spectrum = match &diffuser.transmission.value {
             Some(share) => Some(self.colour(share, diffuser.transmission.origin)?),
             None => None,
@@ -217,7 +217,7 @@ impl Resolver<'_> {
         spectrum: Option<&Spanned<ShareSpectrum>>,
     ) -> Option<ScatterKernel> {
         let measurement = self.measurement(source)?;
-        let reflection = self.way(source, &measurement, Way::FrontReflection)?;
+        let reflection = self.way(source, &measurement, ScatterMode::FrontReflection)?;
         let spectrum = match spectrum {
             Some(share) => Some(self.colour(share, share.origin)?),
             None => None,

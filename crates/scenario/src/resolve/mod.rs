@@ -24,6 +24,7 @@ pub(crate) use measure::measurement;
 
 use std::collections::BTreeMap;
 
+use papilio_diagnostics::Diagnostic;
 use papilio_display::pixel::state_names;
 use papilio_display::scene::{self, Scene, Strategy};
 use papilio_spectra::Grid;
@@ -166,6 +167,10 @@ impl Resolver<'_> {
                 metrics::Observer::Cie1931 => scene::Standard::Cie1931,
                 metrics::Observer::Cie1964 => scene::Standard::Cie1964,
             },
+            white: match asked.white.value {
+                metrics::White::Perfect => scene::ReferenceWhite::Perfect,
+                metrics::White::Display => scene::ReferenceWhite::Display,
+            },
             spectra_by_light: asked.spectra_by_light.value,
             gamut_volume: asked.gamut_volume.value,
             reader_age_years: file.viewer.age_years.value.map(|years| years.0),
@@ -180,6 +185,13 @@ impl Resolver<'_> {
             );
         }
         let known = state_names(pixel);
+        if metrics.white == scene::ReferenceWhite::Display && !known.iter().any(|name| name == "white") {
+            let wrong = Diagnostic::new("metrics.white = \"display\", but this display has no state `white`");
+            let wrong = wrong.expected("a display with a state `white`, to which L*, a* and b* are relative");
+            let hint =
+                format!("its states are {}; remove `white`, or name one of them `white`", known.join(", "));
+            self.err(&asked.white, wrong.hint(hint));
+        }
         let state = &asked.reference_state;
         if let Some(name) = &state.value {
             metrics.reference_state.clone_from(name);
@@ -202,7 +214,7 @@ impl Resolver<'_> {
     /// Notes a `scattering` without effect.
     fn note_scattering(&mut self, scene: &Scene) {
         let chosen =
-            scene.solver.method == scene::Method::Walk && scene.solver.scattering != Strategy::Kernel;
+            scene.solver.method == scene::Method::MonteCarlo && scene.solver.scattering != Strategy::Kernel;
         let lobe = scene.display.panel().is_some_and(|panel| panel.diffuser.is_some());
         if chosen && !lobe {
             self.notes.push(
@@ -267,7 +279,7 @@ impl Resolver<'_> {
         Some(scene::Solver {
             method: match solver.method.value {
                 solver::Method::Adding => scene::Method::Adding,
-                solver::Method::MonteCarlo => scene::Method::Walk,
+                solver::Method::MonteCarlo => scene::Method::MonteCarlo,
             },
             stop,
             sampler: match solver.sampler.value {
@@ -364,7 +376,7 @@ impl Resolver<'_> {
             }
             (target, None) => Some(scene::Stop::RelativeError {
                 target: target.map_or(0.001, |target| target.0),
-                every_bin: solver.per_wavelength.value,
+                per_wavelength: solver.per_wavelength.value,
             }),
         }
     }

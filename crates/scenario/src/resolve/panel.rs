@@ -77,7 +77,7 @@ impl Resolver<'_> {
             }
             AboveGlass::Lobe(diffuser) => vec![Part::Interface(transmitting(diffuser))],
             AboveGlass::Nothing => vec![Part::Interface(match surface {
-                scene::Surface::Coated => Ready::Coated.into(),
+                scene::Surface::IdealAr => Ready::IdealAr.into(),
                 scene::Surface::Fresnel => Ready::Fresnel.into(),
             })],
         };
@@ -154,7 +154,7 @@ impl Resolver<'_> {
         let absorption = (&glass.internal_transmittance, &glass.thickness_mm);
         let medium = self.medium("display.glass", &glass.index, absorption)?;
         let surface = match glass.surface.value {
-            None | Some(describe::Surface::IdealAr) => scene::Surface::Coated,
+            None | Some(describe::Surface::IdealAr) => scene::Surface::IdealAr,
             Some(describe::Surface::Fresnel) => scene::Surface::Fresnel,
         };
         Some((medium, surface))
@@ -212,7 +212,7 @@ impl Resolver<'_> {
             "a panel without diffuser"
         } else if !scene.display.index_above_pixel().is_constant() {
             "a glass of the same index at all wavelengths"
-        } else if panel.is_some_and(|panel| panel.glass.surface != scene::Surface::Coated) {
+        } else if panel.is_some_and(|panel| panel.glass.surface != scene::Surface::IdealAr) {
             "surface = \"ideal-ar\""
         } else {
             return self.check_trapped(file, scene);

@@ -54,7 +54,7 @@ fn indoor_scenario_has_the_reference_display() {
     assert_eq!((scene.lighting.diffuse, scene.lighting.directed[0].theta_deg), (0.5, -20.0));
     assert_eq!(scene.viewer.theta_deg, [8.0]);
     assert_eq!(scene.solver.method, Method::Adding);
-    assert_eq!(scene.solver.stop, Stop::RelativeError { target: 0.001, every_bin: false });
+    assert_eq!(scene.solver.stop, Stop::RelativeError { target: 0.001, per_wavelength: false });
 }
 
 /// The canonical form is itself a scenario, and resolves to the same hash.

@@ -19,9 +19,9 @@ pub(crate) fn general(resolved: &Resolved) -> &[Layer] {
 pub(crate) fn outline(layers: &[Layer]) -> Vec<(&'static str, f64)> {
     let word = |interface: &Interface| match interface {
         Interface::Ready(Ready::Open) => "open",
-        Interface::Ready(Ready::Coated) => "coated",
+        Interface::Ready(Ready::IdealAr) => "coated",
         Interface::Ready(Ready::Fresnel) => "fresnel",
-        Interface::Ready(Ready::Sheet(_)) => "sheet",
+        Interface::Ready(Ready::Component(_)) => "sheet",
         Interface::Coating(_) | Interface::Ready(Ready::Coating(_)) => "coating",
         Interface::Ready(Ready::Diffuser(_)) => "diffuser",
         Interface::Rough { .. } | Interface::Ready(Ready::Rough(_)) => "rough",
@@ -50,7 +50,7 @@ fn layers_of_all_kinds_resolve() {
         ("open", 1.5), // a bare face with the same glass on both sides is none
     ];
     assert_eq!(outline(layers), expected);
-    let Interface::Ready(Ready::Sheet(sheet)) = &layers[0].interface else { panic!("not a sheet") };
+    let Interface::Ready(Ready::Component(sheet)) = &layers[0].interface else { panic!("not a sheet") };
     assert_eq!((sheet.reflectance[0], sheet.absorptance[0]), (0.005, 0.01));
     let Interface::Coating(coating) = &layers[1].interface else { panic!("not a coating") };
     assert_eq!((coating.films.len(), coating.films[0].thickness), (1, Thickness::Fixed(90.0)));

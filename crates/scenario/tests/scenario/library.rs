@@ -5,16 +5,16 @@ use std::path::Path;
 use std::sync::Arc;
 
 use papilio_formats::DataFile;
-use papilio_scenario::{KeptFile, Library, Memo, Resolved, Scenario};
+use papilio_scenario::{Library, MemoryFile, ResolveCache, Resolved, Scenario};
 
 use crate::common::shipped;
 
 /// The shipped data in memory, with the names in the examples.
-fn in_memory() -> BTreeMap<String, KeptFile> {
+fn in_memory() -> BTreeMap<String, MemoryFile> {
     let data = shipped().join("data");
     let file = |path: &Path| {
         let name = format!("data/{}", path.file_name()?.to_str()?);
-        Some((name.clone(), KeptFile::new(DataFile { name, bytes: std::fs::read(path).ok()? })))
+        Some((name.clone(), MemoryFile::new(DataFile { name, bytes: std::fs::read(path).ok()? })))
     };
     data.read_dir().unwrap().filter_map(|entry| file(&entry.unwrap().path())).collect()
 }
@@ -26,7 +26,7 @@ fn resolved(text: &str, library: Library) -> Resolved {
 /// Results from files, then from the cache, and again after other scenarios.
 #[test]
 fn files_in_memory_and_on_disk_give_the_same_results() {
-    let (files, memo) = (Arc::new(in_memory()), Arc::new(Memo::default()));
+    let (files, memo) = (Arc::new(in_memory()), Arc::new(ResolveCache::default()));
     let names = [
         "measured-diffused",
         "measured-h65",
@@ -50,11 +50,11 @@ fn files_in_memory_and_on_disk_give_the_same_results() {
 /// Neither a file with the same name and other contents, nor a changed key, is served from the cache.
 #[test]
 fn cached_value_is_not_used_for_other_files_or_keys() {
-    let memo = Arc::new(Memo::default());
+    let memo = Arc::new(ResolveCache::default());
     let mut files = in_memory();
     let text = std::fs::read_to_string(shipped().join("measured-diffused.toml")).unwrap();
     assert!(text.contains("data/H78-raw.bsdf"));
-    let look = |text: &str, files: &BTreeMap<String, KeptFile>| {
+    let look = |text: &str, files: &BTreeMap<String, MemoryFile>| {
         resolved(text, Library::Memory { files: Arc::new(files.clone()), memo: memo.clone() }).scene.display
     };
     let first = look(&text, &files);

@@ -6,7 +6,7 @@ use std::path::Path;
 
 use papilio_display::scene::{Layers, Pixel, Scene};
 use papilio_formats::{BsdfFormat, write_measurement};
-use papilio_goniometry::{Channel, Instrument, Measurement, SpecularGrid, Symmetry, View, Way};
+use papilio_goniometry::{Channel, Instrument, Measurement, ScatterMode, SpecularGrid, Symmetry, View};
 use papilio_optics::lobe::Lobe;
 use papilio_optics::{Beta, Scatterer};
 use papilio_scenario::Scenario;
@@ -23,7 +23,12 @@ fn paper([matte, gloss, width]: [f64; 3]) -> impl Fn(Beta, Beta) -> f64 {
     move |from, to| matte / PI + gloss * lobe.density(from, to)
 }
 
-fn measured(name: &str, paper: &dyn Fn(Beta, Beta) -> f64, way: Way, beyond_75_deg: &[f64]) -> Measurement {
+fn measured(
+    name: &str,
+    paper: &dyn Fn(Beta, Beta) -> f64,
+    way: ScatterMode,
+    beyond_75_deg: &[f64],
+) -> Measurement {
     let steps = |from: u32, to: u32, step: u32| (from..=to).step_by(step as usize).map(f64::from);
     let mut instrument = Instrument::imaging_sphere();
     instrument.grid = SpecularGrid {
@@ -54,7 +59,7 @@ fn shipped_papers_equal_those_of_the_virtual_instrument() {
     let mut other = Vec::new();
     for (name, parameters) in [("white", WHITE), ("black", BLACK)] {
         let sample = format!("synthetic paper, {name}");
-        let made = file(&measured(&sample, &paper(parameters), Way::FrontReflection, &[85.0]));
+        let made = file(&measured(&sample, &paper(parameters), ScatterMode::FrontReflection, &[85.0]));
         let name = format!("synthetic-paper-{name}.bsdf");
         if fs::read(shipped().join("data").join(&name)).ok().as_ref() != Some(&made) {
             let beside = Path::new(env!("CARGO_TARGET_TMPDIR")).join(&name);
@@ -93,11 +98,17 @@ const PAPER: &str = "[display.glass]\nindex = 1.5\nsurface = \"fresnel\"\n\n[dis
 fn folder() -> tempfile::TempDir {
     let folder = tempfile::tempdir().unwrap();
     let write = |name: &str, bytes: Vec<u8>| fs::write(folder.path().join(name), bytes).unwrap();
-    write("w.bsdf", file(&measured("white", &paper(WHITE), Way::FrontReflection, &[])));
-    write("b.bsdf", file(&measured("black", &paper(BLACK), Way::FrontReflection, &[])));
-    write("bright.bsdf", file(&measured("bright", &paper([1.4, 0.0, 0.1]), Way::FrontReflection, &[])));
-    write("through.bsdf", file(&measured("film", &paper(WHITE), Way::FrontTransmission, &[])));
-    write("cut.bsdf", file(&measured("white", &paper(WHITE), Way::FrontReflection, &[]))[..4000].to_vec());
+    write("w.bsdf", file(&measured("white", &paper(WHITE), ScatterMode::FrontReflection, &[])));
+    write("b.bsdf", file(&measured("black", &paper(BLACK), ScatterMode::FrontReflection, &[])));
+    write(
+        "bright.bsdf",
+        file(&measured("bright", &paper([1.4, 0.0, 0.1]), ScatterMode::FrontReflection, &[])),
+    );
+    write("through.bsdf", file(&measured("film", &paper(WHITE), ScatterMode::FrontTransmission, &[])));
+    write(
+        "cut.bsdf",
+        file(&measured("white", &paper(WHITE), ScatterMode::FrontReflection, &[]))[..4000].to_vec(),
+    );
     write("blue.csv", b"380,0.9\n780,0.1\n".to_vec());
     folder
 }

@@ -75,7 +75,7 @@ fn set_accepts_numbers_without_leading_zero() {
     let straight = |value: &str| {
         let resolved =
             set(&["display.diffuser.haze=.5", &format!("display.diffuser.regular_fraction={value}")]);
-        resolved.scene.display.panel().unwrap().diffuser.clone().unwrap().straight_through
+        resolved.scene.display.panel().unwrap().diffuser.clone().unwrap().regular_fraction
     };
     for (value, expected) in [(".25", 0.25), (" +.25", 0.25), ("2.5e-1", 0.25), ("0.", 0.0), ("00.25", 0.25)]
     {
@@ -119,7 +119,7 @@ fn defaults() {
     assert_eq!((scene.grid.start_nm(), scene.grid.stop_nm(), scene.grid.step_nm()), (380.0, 780.0, 5.0));
     assert_eq!(
         (scene.display.panel().unwrap().glass.index[0], scene.display.panel().unwrap().glass.surface),
-        (1.5, Surface::Coated)
+        (1.5, Surface::IdealAr)
     );
     assert!(
         scene.display.panel().unwrap().diffuser.is_none() && scene.display.panel().unwrap().front.is_empty()
@@ -127,7 +127,7 @@ fn defaults() {
     assert_eq!((scene.lighting.illuminance_lx, scene.lighting.diffuse), (500.0, 1.0));
     assert_eq!((&scene.viewer.theta_deg[..], &scene.viewer.phi_deg[..]), (&[0.0][..], &[0.0][..]));
     assert_eq!((scene.viewer.field_deg, scene.viewer.distance_mm), (0.1, 500.0));
-    assert_eq!(scene.solver.stop, Stop::RelativeError { target: 0.001, every_bin: false });
+    assert_eq!(scene.solver.stop, Stop::RelativeError { target: 0.001, per_wavelength: false });
     assert_eq!((scene.solver.seed, scene.solver.sampler), (0, Sampler::Sobol));
     assert_eq!(scene.solver.approximation, Approximation::None);
     assert!(resolved.warnings.is_empty(), "{:?}", resolved.warnings);

@@ -20,21 +20,21 @@ pub struct Diffuser {
     /// T, including regular transmittance, per wavelength.
     pub transmittance: Spectrum,
     /// Fraction of the transmitted light that keeps its direction.
-    pub straight_through: f64,
+    pub regular_fraction: f64,
 }
 
 impl LayerKind for Diffuser {
     fn passes_regularly(&self) -> bool {
-        self.straight_through > 0.0
+        self.regular_fraction > 0.0
     }
 
     fn regular(&self, at: &Incidence) -> Flat {
-        let straight = if at.both_carry() { self.transmittance[at.bin] * self.straight_through } else { 0.0 };
+        let straight = if at.both_carry() { self.transmittance[at.bin] * self.regular_fraction } else { 0.0 };
         Flat { t: straight, above: 0.0, below: 0.0 }
     }
 
     fn scattered(&self, at: &Incidence) -> [f64; 2] {
-        [self.transmittance[at.bin] * (1.0 - self.straight_through); 2]
+        [self.transmittance[at.bin] * (1.0 - self.regular_fraction); 2]
     }
 
     fn account(&self) -> Account {
@@ -53,7 +53,7 @@ impl LayerKind for Diffuser {
     }
 
     fn action<'a>(&'a self, prepare: &mut Preparation<'_, 'a>) -> Option<Action> {
-        let scattered = self.transmittance[prepare.bin] * (1.0 - self.straight_through);
+        let scattered = self.transmittance[prepare.bin] * (1.0 - self.regular_fraction);
         Some(Action::Kernels([Some((prepare.lobe(self.lobe), scattered)), None, None]))
     }
 

@@ -8,21 +8,21 @@
 //! Light arrives as an [`Arrival`] and leaves as a [`Departure`]. Both contain directions only, since layers
 //! are uniform; a layer that displaces light would need positions (x, y) as well.
 
-mod coated;
 mod coating;
+mod component;
 mod diffuser;
 mod fresnel;
+mod ideal_ar;
 mod medium;
 mod open;
 mod rough;
 mod scatter;
-mod sheet;
 
+pub use component::Component;
 pub use diffuser::Diffuser;
 pub use medium::{Medium, Scattering};
 pub(crate) use scatter::least_edge;
 pub use scatter::{ScatterFace, ScatterKernel};
-pub use sheet::Sheet;
 
 use std::fmt::Debug;
 
@@ -43,11 +43,11 @@ pub enum Interface {
     Open,
     /// Ideal antireflection: light that both media can carry is transmitted completely, the rest is
     /// reflected completely.
-    Coated,
+    IdealAr,
     /// A bare interface, unpolarised Fresnel.
     Fresnel,
     /// A front-of-screen component in a medium.
-    Sheet(Sheet),
+    Component(Component),
     /// Coherent thin films.
     Coating(Coating),
     /// A diffuser given by its BTDF, including its surfaces.
@@ -63,9 +63,9 @@ impl Interface {
     pub(crate) fn kind(&self) -> &dyn LayerKind {
         match self {
             Self::Open => &open::Open,
-            Self::Coated => &coated::Coated,
+            Self::IdealAr => &ideal_ar::IdealAr,
             Self::Fresnel => &fresnel::Fresnel,
-            Self::Sheet(sheet) => sheet,
+            Self::Component(component) => component,
             Self::Coating(coating) => coating,
             Self::Diffuser(diffuser) => diffuser,
             Self::Rough(rough) => rough,
@@ -286,7 +286,7 @@ mod tests {
     use papilio_optics::film::{SpectralLayer, Thickness};
     use papilio_optics::lobe::Lobe;
     use papilio_optics::scatter::{Normalisation, Ward};
-    use papilio_sampling::{Numbers, Sampler};
+    use papilio_sampling::{SampleStream, Sampler};
 
     use super::*;
 
@@ -310,16 +310,16 @@ mod tests {
         let clear = media()[1].clone().with_transmittance(of(0.9, 0.7));
         vec![
             ("open", Box::new(open::Open)),
-            ("coated", Box::new(coated::Coated)),
+            ("ideal-ar", Box::new(ideal_ar::IdealAr)),
             ("fresnel", Box::new(fresnel::Fresnel)),
-            ("sheet", Box::new(Sheet { reflectance: of(0.1, 0.2), absorptance: of(0.3, 0.0) })),
+            ("component", Box::new(Component { reflectance: of(0.1, 0.2), absorptance: of(0.3, 0.0) })),
             ("coating", Box::new(coating)),
             (
                 "diffuser",
                 Box::new(Diffuser {
                     lobe: Lobe::KCorrelation { width: 0.1 },
                     transmittance: of(0.9, 0.8),
-                    straight_through: 0.2,
+                    regular_fraction: 0.2,
                 }),
             ),
             ("rough", Box::new(Rough::new(0.5, 1.3, 1.5))),
@@ -358,7 +358,7 @@ mod tests {
     /// their directions.
     #[test]
     fn channels_add_up_and_samples_agree_with_densities() {
-        let ([above, below], numbers) = (media(), Numbers::new(Sampler::Random, 3, 0));
+        let ([above, below], numbers) = (media(), SampleStream::new(Sampler::Random, 3, 0));
         for (name, kind) in kinds() {
             let Some(interface) = kind.scattering_interface() else { continue };
             assert!(kind.scatters(), "{name}");

@@ -158,7 +158,7 @@ mod tests {
 
     use super::*;
     use papilio_optics::lobe::Lobe;
-    use papilio_sampling::{Numbers, Sampler};
+    use papilio_sampling::{SampleStream, Sampler};
 
     /// Two narrow lobes and a floor, on a disc of radius 1.5.
     fn guide() -> Guide {
@@ -173,7 +173,7 @@ mod tests {
     fn statistic(distort: f64) -> f64 {
         const SIDE: usize = 20;
         const DRAWS: u64 = 200_000;
-        let (guide, numbers) = (guide(), Numbers::new(Sampler::Random, 3, 0));
+        let (guide, numbers) = (guide(), SampleStream::new(Sampler::Random, 3, 0));
         let mut sums = vec![(0.0_f64, 0.0_f64); SIDE * SIDE];
         for path in 0..DRAWS {
             let u = numbers.block(path, 0);

@@ -5,7 +5,7 @@
 //! the smallest cone that contains the overlap (for a field: in the whole view). The reflectance of the
 //! display is known in closed form ([`specular_image`]).
 
-use papilio_sampling::{Numbers, Sampler};
+use papilio_sampling::{SampleStream, Sampler};
 
 use super::{PathNumbers, Target};
 use crate::specular::{Image, specular_image};
@@ -67,7 +67,7 @@ impl<'a> Images<'a> {
     }
 
     fn rarest_of(&self, seen: &VisibleSource<'_>) -> f64 {
-        let numbers = Numbers::new(Sampler::Sobol, 0, 0);
+        let numbers = SampleStream::new(Sampler::Sobol, 0, 0);
         let strength = |path| {
             let [u, v, ..] = numbers.block(path, 0);
             Target::at(seen.light, seen.cone.sample_towards([u, v])).map_or(0.0, |target| target.strength)
@@ -128,8 +128,8 @@ fn mirrors(stack: &Stack) -> bool {
 
 fn panel_mirrors(stack: &Panel) -> bool {
     let reaches_base = match &stack.top {
-        Top::Diffuser(diffuser) => diffuser.straight_through > 0.0,
-        Top::Coated => true,
+        Top::Diffuser(diffuser) => diffuser.regular_fraction > 0.0,
+        Top::IdealAr => true,
         Top::Fresnel(_) => return true,
     };
     let specular = matches!(stack.base.reflector, Reflector::Specular(_));

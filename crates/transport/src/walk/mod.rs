@@ -42,7 +42,7 @@ mod layered;
 mod strategy;
 
 use papilio_optics::{Beta, with_widest_simd};
-use papilio_sampling::{Numbers, PLANNED_BLOCKS, warp};
+use papilio_sampling::{PLANNED_BLOCKS, SampleStream, warp};
 
 use crate::{Cone, Estimate, Source, Stack, Top};
 use bare::Bare;
@@ -54,14 +54,14 @@ pub use strategy::Strategy;
 /// Uniform random numbers of one path. Its first blocks are planned ([`PLANNED_BLOCKS`]): those of the first
 /// block have the smallest discrepancy, and serve the decisions with the largest effect.
 struct PathNumbers<'a> {
-    numbers: &'a Numbers,
+    numbers: &'a SampleStream,
     path: u64,
     start: [f64; 4],
 }
 
 impl<'a> PathNumbers<'a> {
     #[inline]
-    fn new(numbers: &'a Numbers, path: u64) -> Self {
+    fn new(numbers: &'a SampleStream, path: u64) -> Self {
         Self { numbers, path, start: numbers.block(path, 0) }
     }
 
@@ -141,7 +141,7 @@ impl<'a> Walk<'a> {
                     let diffused = Diffused::new(panel, diffuser, view, sources, (strategy, shares));
                     Kind::Diffused(Box::new(diffused), images)
                 }
-                Top::Coated | Top::Fresnel(_) => Kind::Bare(Bare::new(panel, view, sources), images),
+                Top::IdealAr | Top::Fresnel(_) => Kind::Bare(Bare::new(panel, view, sources), images),
             },
         };
         Self { kind }
@@ -173,7 +173,7 @@ impl<'a> Walk<'a> {
 
     /// Traces `count` further paths of a replicate. The result depends only on the random numbers and the
     /// total number of paths, not on how the paths are divided among calls.
-    pub fn trace(&self, replicate: &mut Replicate, numbers: &Numbers, count: u64) {
+    pub fn trace(&self, replicate: &mut Replicate, numbers: &SampleStream, count: u64) {
         let paths = replicate.paths..replicate.paths + count;
         let of = |path| PathNumbers::new(numbers, path);
         match (&self.kind, &mut replicate.tally) {

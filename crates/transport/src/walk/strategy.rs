@@ -216,14 +216,14 @@ impl Ward {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use papilio_sampling::{Numbers, Sampler};
+    use papilio_sampling::{SampleStream, Sampler};
 
     /// Chi-square, as a standard normal variable, of samples on the cells of a square grid against the
     /// density times `distorted`.
     fn statistic(drawing: &DirectionSampler, radius: f64, distorted: impl Fn(Beta) -> f64) -> f64 {
         const SIDE: usize = 12;
         const DRAWS: u64 = 60_000;
-        let numbers = Numbers::new(Sampler::Random, 5, 0);
+        let numbers = SampleStream::new(Sampler::Random, 5, 0);
         let from = Beta { x: 0.1, y: -0.05 };
         let cell = |to: Beta| {
             let at = |v: f64| ((v / radius + 1.0) * 0.5 * SIDE as f64).clamp(0.0, SIDE as f64 - 1.0) as usize;
@@ -272,7 +272,7 @@ mod tests {
     fn sample_weights_equal_lobe_over_density() {
         let lobe = Lobe::KCorrelation { width: 0.1 };
         let lamps = [Source::Beam(Beta { x: -0.4, y: 0.3 })];
-        let numbers = Numbers::new(Sampler::Random, 6, 0);
+        let numbers = SampleStream::new(Sampler::Random, 6, 0);
         let from = Beta { x: 0.2, y: 0.1 };
         for strategy in Strategy::ALL {
             let drawing = DirectionSampler::new(strategy, lobe, 1.5, &lamps);

@@ -171,13 +171,13 @@ fn double_pass_over_mirror_equals_lobe_of_twice_the_width() {
 fn panel_as_layers_equals_panel() {
     let disc = |theta| Source::Disc(Cone::new(theta, 20.0, 3.0, 1.0));
     let sources = [Source::Diffuse, beam(-20.0, 0.0), beam(40.0, 70.0), disc(-10.0), disc(-8.0)];
-    for (lobe, straight_through, base) in [
+    for (lobe, regular_fraction, base) in [
         (Lobe::KCorrelation { width: 0.06 }, 0.0, mirror(0.6)),
         (Lobe::KCorrelation { width: 0.2 }, 0.3, mirror(0.6)),
         (Lobe::KCorrelation { width: 0.1 }, 0.0, lambertian(0.5)),
         (Lobe::Lambertian, 0.0, mirror(0.6)),
     ] {
-        let diffuser = Diffuser { lobe, transmittance: one(0.9), straight_through };
+        let diffuser = Diffuser { lobe, transmittance: one(0.9), regular_fraction };
         let front = [(0.04, 0.01), (0.02, 0.0)];
         let panel = Stack::Panel(Panel {
             front: Front::exact(

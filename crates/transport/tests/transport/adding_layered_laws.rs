@@ -40,7 +40,7 @@ fn lossless_layers_return_all_light() {
                 (Interface::Fresnel, slab(3.0, 0.8, 1.0, 1.5)),
                 (Interface::Fresnel, clear(1.0)),
                 (Interface::Rough(Rough::new(0.4, 1.0, 1.6)), clear(1.6)),
-                (Interface::Coated, slab(0.1, -0.5, 1.0, 1.3)),
+                (Interface::IdealAr, slab(0.1, -0.5, 1.0, 1.3)),
             ],
             mirror(1.0),
         ),
@@ -223,7 +223,7 @@ fn wavelengths_and_states_are_independent() {
         let lobe = Diffuser {
             lobe: Lobe::KCorrelation { width: 0.3 },
             transmittance: spectrum(bins, [0.5, 0.8, 0.8]),
-            straight_through: 0.0,
+            regular_fraction: 0.0,
         };
         let layers = vec![
             Layer { interface: Interface::Diffuser(lobe), medium: filter },
@@ -260,7 +260,7 @@ fn monte_carlo_agrees_with_adding() {
     let lambertian_lobe = Interface::Diffuser(Diffuser {
         lobe: Lobe::Lambertian,
         transmittance: one(0.8),
-        straight_through: 0.1,
+        regular_fraction: 0.1,
     });
     let gaussian = Rough::with(Distribution::Beckmann, 0.6, 1.0, 1.5);
     let stacks = [
@@ -268,7 +268,7 @@ fn monte_carlo_agrees_with_adding() {
         (
             "coating",
             stack(
-                [(antireflection(), slab(1.5, 0.7, 0.95, 1.5)), (Interface::Coated, clear(1.2))],
+                [(antireflection(), slab(1.5, 0.7, 0.95, 1.5)), (Interface::IdealAr, clear(1.2))],
                 mirror(0.8),
             ),
         ),

@@ -15,8 +15,8 @@ use papilio_transport::{
     Nodes, Panel, Reflector, Source, Stack, Top,
 };
 
-fn lambertian_diffuser(straight_through: f64) -> Top {
-    Top::Diffuser(Diffuser { lobe: Lobe::Lambertian, transmittance: one(1.0), straight_through })
+fn lambertian_diffuser(regular_fraction: f64) -> Top {
+    Top::Diffuser(Diffuser { lobe: Lobe::Lambertian, transmittance: one(1.0), regular_fraction })
 }
 
 fn solve(panel: &Panel, view: Cone, sources: &[Source], level: u32) -> Estimate {
@@ -94,7 +94,7 @@ fn double_pass_with_regular_fraction_equals_closed_form() {
 fn disc_equals_mean_of_beams() {
     let (width, t, s) = (0.05, 0.9, 0.2);
     let stack = panel(diffuser(width, t, s), mirror(0.5));
-    let passes = DoublePass { width, transmittance: t, straight_through: s, reflectance: 0.5 };
+    let passes = DoublePass { width, transmittance: t, regular_fraction: s, reflectance: 0.5 };
     for (theta_deg, radius_deg) in [(-20.0, 3.0), (-14.0, 10.0), (40.0, 0.27)] {
         let disc = Cone::new(theta_deg, 0.0, radius_deg, 1.0);
         // The mirrored view lies in the second disc.
@@ -108,7 +108,7 @@ fn disc_equals_mean_of_beams() {
 /// `pi R / Omega`.
 #[test]
 fn small_image_in_large_view_equals_its_fraction() {
-    let stack = panel(Top::Coated, mirror(0.5));
+    let stack = panel(Top::IdealAr, mirror(0.5));
     for (radius_deg, field_deg) in [(0.27, 5.0), (0.02, 20.0), (0.0001, 0.1), (3.0, 0.0)] {
         let sun = Cone::new(-8.0, 0.0, radius_deg, 1.0);
         let field = Cone::new(8.0, 0.0, 0.5 * field_deg, 1.0);
@@ -165,8 +165,8 @@ fn lossless_layers_return_all_light() {
         for (name, top, base) in [
             ("fresnel, mirror", Top::Fresnel(one(1.5)), mirror(1.0)),
             ("fresnel, Lambertian", Top::Fresnel(one(1.5)), lambertian(1.0)),
-            ("coated, mirror", Top::Coated, mirror(1.0)),
-            ("coated, Lambertian", Top::Coated, lambertian(1.0)),
+            ("coated, mirror", Top::IdealAr, mirror(1.0)),
+            ("coated, Lambertian", Top::IdealAr, lambertian(1.0)),
             ("Lambertian diffuser, mirror", lambertian_diffuser(0.0), mirror(1.0)),
             ("Lambertian diffuser and straight, mirror", lambertian_diffuser(0.3), mirror(1.0)),
         ] {
@@ -362,7 +362,7 @@ fn dispersive_glass_equals_glass_of_each_index() {
         many.top = Top::Diffuser(Diffuser {
             lobe: Lobe::KCorrelation { width: 0.08 },
             transmittance: all(0.9).into(),
-            straight_through: 0.2,
+            regular_fraction: 0.2,
         });
         many.medium = Medium::new(indices.clone().into());
         many.base.inactive_absorptance = all(0.05).into();
@@ -423,7 +423,7 @@ fn view_over_fringes_equals_quadrature() {
         common: vec![0.0],
     };
     let base = Base { reflector: Reflector::Specular(table), inactive_absorptance: one(0.0) };
-    let stack = panel(Top::Coated, base);
+    let stack = panel(Top::IdealAr, base);
     let half_angle = 5.0_f64;
     // Uniform in solid angle, for rays in air; the table is over the cosine in glass.
     let steps = 20_000;
@@ -439,7 +439,7 @@ fn view_over_fringes_equals_quadrature() {
         let found = rho(&solve(&stack, eye, &[Source::Diffuse], level), 0);
         assert!((found - mean).abs() < 1e-6, "level {level}: {found} against {mean}");
         // The same display as general layers.
-        let layers = vec![Layer { interface: Interface::Coated, medium: stack.medium.clone() }];
+        let layers = vec![Layer { interface: Interface::IdealAr, medium: stack.medium.clone() }];
         let layered = Stack::Layered(Layered { layers, base: stack.base.clone() });
         let mut kernel = Kernel::new(level);
         kernel.prepare(&layered, &[eye], &[Source::Diffuse]);

@@ -4,7 +4,7 @@ use crate::common::*;
 use crate::double_pass::*;
 use papilio_optics::lobe::Lobe;
 use papilio_optics::{Beta, Scatterer};
-use papilio_sampling::{Numbers, Sampler};
+use papilio_sampling::{SampleStream, Sampler};
 use papilio_transport::specular_image;
 use papilio_transport::walk::Walk;
 use papilio_transport::{
@@ -66,7 +66,7 @@ fn double_pass_with_regular_fraction_equals_closed_form() {
 fn disc_equals_mean_of_beams() {
     let (width, t, s) = (0.05, 0.9, 0.2);
     let stack = panel(diffuser(width, t, s), mirror(0.5));
-    let passes = DoublePass { width, transmittance: t, straight_through: s, reflectance: 0.5 };
+    let passes = DoublePass { width, transmittance: t, regular_fraction: s, reflectance: 0.5 };
     for (theta_deg, radius_deg) in [(-20.0, 3.0), (-14.0, 10.0)] {
         let disc = Cone::new(theta_deg, 0.0, radius_deg, 1.0);
         // The mirrored view lies in the second disc.
@@ -79,7 +79,7 @@ fn disc_equals_mean_of_beams() {
 /// `pi R / Omega`; random points of the field would hit it once in thousands.
 #[test]
 fn small_image_in_large_view_equals_its_fraction() {
-    let stack = panel(Top::Coated, mirror(0.5));
+    let stack = panel(Top::IdealAr, mirror(0.5));
     for (radius_deg, field_deg) in [(0.27, 5.0), (0.02, 20.0), (0.0001, 0.1), (3.0, 0.0)] {
         let sun = Cone::new(-8.0, 0.0, radius_deg, 1.0);
         let field = Cone::new(8.0, 0.0, 0.5 * field_deg, 1.0);
@@ -110,13 +110,13 @@ fn small_disc_under_partly_regular_diffuser_equals_beam() {
 
 #[test]
 fn perfect_white_has_reflectance_one_under_any_light() {
-    for (name, top) in [("coated", Top::Coated), ("fresnel", Top::Fresnel(one(1.5)))] {
+    for (name, top) in [("coated", Top::IdealAr), ("fresnel", Top::Fresnel(one(1.5)))] {
         let stack = panel(top, lambertian(1.0));
         check(&format!("white, {name}"), &stack, view(8.0), &[Source::Diffuse], 256, 1.0);
     }
     // Below an ideal antireflection surface the Lambertian radiance is uniform, and so is the light that
     // leaves.
-    let stack = panel(Top::Coated, lambertian(1.0));
+    let stack = panel(Top::IdealAr, lambertian(1.0));
     let beam = Source::Beam(Beta::from_source(40.0, 90.0, 1.0));
     let disc = Source::Disc(Cone::new(30.0, 45.0, 5.0, 1.0));
     for (name, source) in [("beam", beam), ("disc", disc)] {
@@ -171,7 +171,7 @@ fn front_of_screen_exact_and_first_order() {
     let components = [(0.04, 0.01), (0.01, 0.005), (0.02, 0.0)];
     let reversed: Vec<(f64, f64)> = components.iter().rev().copied().collect();
     let below = front(&reversed, false).reflectance_above[0];
-    let mut stack = panel(Top::Coated, mirror(0.4));
+    let mut stack = panel(Top::IdealAr, mirror(0.4));
     stack.front = front(&components, false);
     let (t, r) = (0.918_299, 0.066_572);
     let exact =
@@ -203,7 +203,7 @@ fn recycled_light_equals_closed_form() {
 
 /// A Lambertian diffuser without losses.
 fn diffuser_white() -> Top {
-    Top::Diffuser(Diffuser { lobe: Lobe::Lambertian, transmittance: one(1.0), straight_through: 0.0 })
+    Top::Diffuser(Diffuser { lobe: Lobe::Lambertian, transmittance: one(1.0), regular_fraction: 0.0 })
 }
 
 /// Lossless layers return all light, whatever they do to directions.
@@ -214,8 +214,8 @@ fn lossless_layers_return_all_light() {
         for (name, top, base) in [
             ("fresnel, mirror", Top::Fresnel(one(1.5)), mirror(1.0)),
             ("fresnel, Lambertian", Top::Fresnel(one(1.8)), lambertian(1.0)),
-            ("coated, mirror", Top::Coated, mirror(1.0)),
-            ("coated, Lambertian", Top::Coated, lambertian(1.0)),
+            ("coated, mirror", Top::IdealAr, mirror(1.0)),
+            ("coated, Lambertian", Top::IdealAr, lambertian(1.0)),
             ("Lambertian diffuser, mirror", diffuser_white(), mirror(1.0)),
         ] {
             let mut stack = panel(top, base);
@@ -234,7 +234,7 @@ fn ledger_sums_to_one() {
         ("diffuser, mirror", diffuser(0.06, 0.9, 0.1), mirror(0.5)),
         ("diffuser, Lambertian", diffuser(0.06, 0.9, 0.1), lambertian(0.5)),
         ("fresnel, Lambertian", Top::Fresnel(one(1.5)), lambertian(0.7)),
-        ("coated, mirror", Top::Coated, mirror(0.3)),
+        ("coated, mirror", Top::IdealAr, mirror(0.3)),
     ] {
         let mut stack = panel(top, base);
         stack.front = front(&[(0.2, 0.05), (0.1, 0.02)], false);
@@ -283,9 +283,9 @@ fn exchanged_view_and_source_give_the_same_value() {
 /// also compares single paths with groups of paths.
 #[test]
 fn dispersive_medium_agrees_with_constant_one() {
-    for (base, straight_through) in [(mirror(0.8), 0.1), (mirror(0.8), 0.0), (lambertian(0.8), 0.1)] {
+    for (base, regular_fraction) in [(mirror(0.8), 0.1), (mirror(0.8), 0.0), (lambertian(0.8), 0.1)] {
         let sources = [Source::Diffuse, Source::Beam(Beta::from_source(-15.0, 0.0, 1.0))];
-        let constant = panel(diffuser(0.2, 0.9, straight_through), base.clone());
+        let constant = panel(diffuser(0.2, 0.9, regular_fraction), base.clone());
         let mut two_bins = constant.clone();
         two_bins.front = Front::none(2);
         two_bins.medium = Medium::new(vec![1.5, 1.5 + 1e-9].into());
@@ -323,7 +323,7 @@ fn sums_of_split_calls_are_bit_identical() {
         let stack = Stack::Panel(stack);
         let sources = [Source::Diffuse, Source::Beam(Beta::from_source(-15.0, 0.0, 1.0))];
         let walk = Walk::new(&stack, view(8.0), &sources);
-        let numbers = Numbers::new(Sampler::Sobol, 3, 0);
+        let numbers = SampleStream::new(Sampler::Sobol, 3, 0);
         let (mut whole, mut parts) = (walk.replicate(), walk.replicate());
         walk.trace(&mut whole, &numbers, 1000);
         for count in [1, 60, 3, 136, 64, 700, 36] {

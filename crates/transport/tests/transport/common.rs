@@ -1,6 +1,6 @@
 //! Small stacks, and their results by Monte Carlo.
 
-use papilio_sampling::{Numbers, Sampler};
+use papilio_sampling::{SampleStream, Sampler};
 use papilio_spectra::Spectrum;
 pub(crate) use papilio_testing::{assert_unbiased, mean_and_error};
 use papilio_transport::walk::Walk;
@@ -69,7 +69,7 @@ pub(crate) fn replicates_of(
     (0..REPLICATES)
         .map(|stream| {
             let mut replicate = walk.replicate();
-            walk.trace(&mut replicate, &Numbers::new(sampler, seed, stream), paths);
+            walk.trace(&mut replicate, &SampleStream::new(sampler, seed, stream), paths);
             walk.estimate(&replicate)
         })
         .collect()

@@ -9,9 +9,9 @@ use papilio_transport::{Cone, Diffuser, Top};
 
 use crate::common::one;
 
-pub(crate) fn diffuser(width: f64, transmittance: f64, straight_through: f64) -> Top {
+pub(crate) fn diffuser(width: f64, transmittance: f64, regular_fraction: f64) -> Top {
     let lobe = Lobe::KCorrelation { width };
-    Top::Diffuser(Diffuser { lobe, transmittance: one(transmittance), straight_through })
+    Top::Diffuser(Diffuser { lobe, transmittance: one(transmittance), regular_fraction })
 }
 
 /// The part of a double pass that would go through |beta| > 1.5, which the glass does not carry: midpoint
@@ -35,7 +35,7 @@ pub(crate) fn beyond_the_glass(lobe: Lobe, from: Beta, to: Beta) -> f64 {
 pub(crate) struct DoublePass {
     pub(crate) width: f64,
     pub(crate) transmittance: f64,
-    pub(crate) straight_through: f64,
+    pub(crate) regular_fraction: f64,
     pub(crate) reflectance: f64,
 }
 
@@ -44,7 +44,7 @@ impl DoublePass {
     /// solid angle, weighted with the cosine), and its mirror image if `seen`. The loss beyond the glass is
     /// subtracted with its value at the disc's axis.
     pub(crate) fn of_disc(&self, from: Beta, disc: &Cone, seen: bool) -> f64 {
-        let s = self.straight_through;
+        let s = self.regular_fraction;
         let density = |width, to| Lobe::KCorrelation { width }.density(from, to);
         let (rings, spokes) = (400_usize, 100_usize);
         let (mut sum, mut weights) = (0.0, 0.0);

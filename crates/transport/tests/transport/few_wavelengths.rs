@@ -9,7 +9,7 @@ use papilio_transport::{
 };
 
 /// A mirror of two states, with the same spectrum at all wavelengths, under a diffuser and a front.
-fn panel(bins: usize, front: f64, straight_through: f64) -> Stack {
+fn panel(bins: usize, front: f64, regular_fraction: f64) -> Stack {
     let all = |value: f64| -> Spectrum { vec![value; bins].into() };
     let cosines = (0..33).map(|k| f64::from(k) / 32.0);
     let basis = cosines.flat_map(|c| all(0.5 + 0.4 * (7.0 * c).cos()).to_vec()).collect();
@@ -18,7 +18,7 @@ fn panel(bins: usize, front: f64, straight_through: f64) -> Stack {
     let lobe = Lobe::KCorrelation { width: 0.1 };
     Stack::Panel(Panel {
         front: Front::exact(bins, [(&*all(front), &*all(0.0))]),
-        top: Top::Diffuser(Diffuser { lobe, transmittance: all(0.9), straight_through }),
+        top: Top::Diffuser(Diffuser { lobe, transmittance: all(0.9), regular_fraction }),
         medium: Medium::new(all(1.5)),
         base: Base { reflector: Reflector::Specular(table), inactive_absorptance: all(0.02) },
         single_pass: false,
@@ -30,9 +30,9 @@ fn panel(bins: usize, front: f64, straight_through: f64) -> Stack {
 #[test]
 fn wavelengths_computed_together_equal_single_ones() {
     let sources = [Source::Diffuse, Source::Beam(Beta::from_source(-20.0, 30.0, 1.0))];
-    for (front, straight_through) in [(0.0, 0.0), (0.04, 0.0), (0.04, 0.2), (0.7, 0.2)] {
+    for (front, regular_fraction) in [(0.0, 0.0), (0.04, 0.0), (0.04, 0.2), (0.7, 0.2)] {
         let solve = |bins: usize| {
-            let stack = panel(bins, front, straight_through);
+            let stack = panel(bins, front, regular_fraction);
             let mut kernel = Kernel::new(0);
             kernel.prepare(&stack, &[Cone::new(8.0, 0.0, 0.0, 1.0)], &sources);
             kernel.estimate(&stack, 0)

@@ -35,9 +35,9 @@ fn even() -> [Source; 2] {
     [source(Field::ring(0.0, 90.0).unwrap()), source(sky(9, 12, almost))]
 }
 
-fn top(width: f64, straight_through: f64) -> Top {
+fn top(width: f64, regular_fraction: f64) -> Top {
     let lobe = Lobe::KCorrelation { width };
-    Top::Diffuser(Diffuser { lobe, transmittance: one(0.9), straight_through })
+    Top::Diffuser(Diffuser { lobe, transmittance: one(0.9), regular_fraction })
 }
 
 /// A panel with a front that sends light back.
@@ -90,12 +90,12 @@ fn uniform_field_equals_diffuse_light() {
 #[test]
 fn lambertian_display_has_same_reflectance_under_every_field() {
     let air = |base| {
-        let mut panel = panel(Top::Coated, base);
+        let mut panel = panel(Top::IdealAr, base);
         panel.medium = papilio_transport::Medium::new(one(1.0));
         panel
     };
     let scatters =
-        Top::Diffuser(Diffuser { lobe: Lobe::Lambertian, transmittance: one(0.8), straight_through: 0.0 });
+        Top::Diffuser(Diffuser { lobe: Lobe::Lambertian, transmittance: one(0.8), regular_fraction: 0.0 });
     let fields = [
         source(Field::ring(30.0, 40.0).unwrap()),
         source(Field::ring(0.0, 15.0).unwrap()),
@@ -227,7 +227,7 @@ fn images_of_nonuniform_light_equal_means_over_view() {
     let Source::Field(field) = &slope else { unreachable!() };
     let disc = Cone::new(-40.0, 25.0, 7.0, 1.0);
     for (speed, tolerance) in [(5.0, 1e-9), (120.0, 2e-7)] {
-        let stack = Stack::Panel(panel(Top::Coated, fringes(speed)));
+        let stack = Stack::Panel(panel(Top::IdealAr, fringes(speed)));
         for half in [0.5, 2.0, 5.0] {
             let (theta, phi) = (40.0, 25.0);
             let view = Cone::new(theta, phi, half, 1.0);

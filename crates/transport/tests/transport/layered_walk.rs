@@ -7,13 +7,13 @@ use crate::common::*;
 use papilio_optics::Beta;
 use papilio_optics::lobe::Lobe;
 use papilio_optics::rough::Rough;
-use papilio_sampling::{Numbers, Sampler};
+use papilio_sampling::{SampleStream, Sampler};
 use papilio_spectra::Spectrum;
 use papilio_transport::adding::Kernel;
 use papilio_transport::walk::Walk;
 use papilio_transport::{
-    AngularTable, Base, Cone, Diffuser, Estimate, Interface, Layer, Layered, Medium, Nodes, Panel, Reflector,
-    Scattering, Sheet, Source, Stack, Top, specular_image,
+    AngularTable, Base, Component, Cone, Diffuser, Estimate, Interface, Layer, Layered, Medium, Nodes, Panel,
+    Reflector, Scattering, Source, Stack, Top, specular_image,
 };
 
 fn layered(layers: Vec<Layer>, base: Base) -> Stack {
@@ -75,13 +75,13 @@ fn assert_same(what: &str, a: (&Runs<'_>, usize), b: (&Runs<'_>, usize), most_er
     });
 }
 
-fn diffuser(width: f64, transmittance: f64, straight_through: f64) -> Diffuser {
+fn diffuser(width: f64, transmittance: f64, regular_fraction: f64) -> Diffuser {
     let lobe = Lobe::KCorrelation { width };
-    Diffuser { lobe, transmittance: one(transmittance), straight_through }
+    Diffuser { lobe, transmittance: one(transmittance), regular_fraction }
 }
 
 fn sheet(reflectance: f64, absorptance: f64) -> Interface {
-    Interface::Sheet(Sheet { reflectance: one(reflectance), absorptance: one(absorptance) })
+    Interface::Component(Component { reflectance: one(reflectance), absorptance: one(absorptance) })
 }
 
 fn beam(theta_deg: f64) -> Source {
@@ -93,7 +93,7 @@ fn both_forms(mut panel: Panel, components: &[(f64, f64)]) -> (Stack, Stack) {
     panel.front = front(components, false);
     let mut layers: Vec<Layer> = components.iter().map(|&(r, a)| layer(sheet(r, a), clear(1.0))).collect();
     let interface = match &panel.top {
-        Top::Coated => Interface::Coated,
+        Top::IdealAr => Interface::IdealAr,
         Top::Fresnel(_) => Interface::Fresnel,
         Top::Diffuser(diffuser) => Interface::Diffuser(diffuser.clone()),
     };
@@ -106,7 +106,7 @@ fn both_forms(mut panel: Panel, components: &[(f64, f64)]) -> (Stack, Stack) {
 #[test]
 fn flat_layers_equal_closed_forms() {
     let components = [(0.1, 0.02), (0.05, 0.0)];
-    for top in [Top::Coated, Top::Fresnel(one(1.5))] {
+    for top in [Top::IdealAr, Top::Fresnel(one(1.5))] {
         let (panel, layers) = both_forms(panel(top, mirror(0.5)), &components);
         let beta = Beta::towards(50.0, 20.0, 1.0);
         let (a, b) = (specular_image(&panel, beta), specular_image(&layers, beta));
@@ -137,7 +137,7 @@ fn panel_as_layers_equals_panel() {
     let diffuser = |straight| Top::Diffuser(diffuser(0.08, 0.9, straight));
     for (name, panel) in [
         ("Fresnel, Lambertian", panel(Top::Fresnel(one(1.5)), lambertian(0.6))),
-        ("coated, Lambertian", panel(Top::Coated, lambertian(0.6))),
+        ("coated, Lambertian", panel(Top::IdealAr, lambertian(0.6))),
         ("diffuser, mirror", panel(diffuser(0.0), mirror(0.7))),
         ("diffuser with straight-through light, mirror", panel(diffuser(0.3), mirror(0.7))),
         ("diffuser, Lambertian", panel(diffuser(0.3), lambertian(0.7))),
@@ -210,14 +210,14 @@ fn half_space_under_interface_equals_giovanelli() {
 fn everything(loss: f64, base: Base) -> Stack {
     let t = |value: f64| 1.0 - loss * (1.0 - value);
     let absorbing = |medium: Medium, value| medium.with_transmittance(one(t(value)));
-    let white = Diffuser { lobe: Lobe::Lambertian, transmittance: one(1.0), straight_through: 0.3 };
+    let white = Diffuser { lobe: Lobe::Lambertian, transmittance: one(1.0), regular_fraction: 0.3 };
     let inner = if loss == 0.0 { white } else { diffuser(0.15, 0.9, 0.2) };
     layered(
         vec![
             layer(sheet(0.05, 0.02 * loss), clear(1.0)),
             layer(Interface::Rough(Rough::new(0.3, 1.0, 1.5)), absorbing(clear(1.5), 0.9)),
             layer(Interface::Fresnel, absorbing(slab(1.4, 0.7, 0.6, t(0.9)), 0.8)),
-            layer(Interface::Coated, clear(1.0)),
+            layer(Interface::IdealAr, clear(1.0)),
             layer(Interface::Diffuser(inner), clear(1.5)),
             layer(Interface::Fresnel, clear(1.0)),
         ],
@@ -307,9 +307,11 @@ fn coloured(bins: &[usize], lambertian: bool) -> Stack {
     let scattering = Scattering { optical_thickness: 0.8, anisotropy: 0.7, albedo: of([0.5, 0.9, 1.0]) };
     let milk = Medium::new(of([1.4; 3])).with_scattering(scattering).with_transmittance(of([0.7, 1.0, 0.9]));
     let lobe = Lobe::KCorrelation { width: 0.2 };
-    let diffuser = Diffuser { lobe, transmittance: of([0.9, 0.7, 0.5]), straight_through: 0.2 };
-    let sheet =
-        Interface::Sheet(Sheet { reflectance: of([0.1, 0.3, 0.0]), absorptance: of([0.0, 0.1, 0.2]) });
+    let diffuser = Diffuser { lobe, transmittance: of([0.9, 0.7, 0.5]), regular_fraction: 0.2 };
+    let sheet = Interface::Component(Component {
+        reflectance: of([0.1, 0.3, 0.0]),
+        absorptance: of([0.0, 0.1, 0.2]),
+    });
     let whole = of([0.8, 0.5, 0.3]);
     let reflector = if lambertian {
         Reflector::Lambertian(whole.iter().copied().chain(whole.iter().map(|r| 0.3 * r)).collect())
@@ -391,7 +393,7 @@ fn sums_of_split_calls_are_bit_identical() {
     let stack = everything(1.0, mirror(0.7));
     let sources = [Source::Diffuse, beam(-20.0), Source::Disc(Cone::new(-12.0, 0.0, 5.0, 1.0))];
     let walk = Walk::new(&stack, view(8.0), &sources);
-    let numbers = Numbers::new(Sampler::Sobol, 3, 0);
+    let numbers = SampleStream::new(Sampler::Sobol, 3, 0);
     let (mut whole, mut parts) = (walk.replicate(), walk.replicate());
     walk.trace(&mut whole, &numbers, 100);
     for count in [1, 60, 39] {

@@ -8,7 +8,7 @@ use papilio_optics::lobe::Lobe;
 use papilio_sampling::Sampler;
 use papilio_transport::adding::Kernel;
 use papilio_transport::{
-    Base, Cone, Diffuser, Estimate, Interface, Layer, Layered, Medium, Scattering, Sheet, Source, Stack,
+    Base, Component, Cone, Diffuser, Estimate, Interface, Layer, Layered, Medium, Scattering, Source, Stack,
 };
 
 use crate::common::{assert_unbiased, mean_and_error, one, replicates_of};
@@ -27,13 +27,13 @@ pub(crate) fn stack<const N: usize>(layers: [(Interface, Medium); N], base: Base
     Stack::Layered(Layered { layers, base })
 }
 
-pub(crate) fn diffuser(width: f64, transmittance: f64, straight_through: f64) -> Interface {
+pub(crate) fn diffuser(width: f64, transmittance: f64, regular_fraction: f64) -> Interface {
     let lobe = Lobe::KCorrelation { width };
-    Interface::Diffuser(Diffuser { lobe, transmittance: one(transmittance), straight_through })
+    Interface::Diffuser(Diffuser { lobe, transmittance: one(transmittance), regular_fraction })
 }
 
 pub(crate) fn sheet(reflectance: f64, absorptance: f64) -> Interface {
-    Interface::Sheet(Sheet { reflectance: one(reflectance), absorptance: one(absorptance) })
+    Interface::Component(Component { reflectance: one(reflectance), absorptance: one(absorptance) })
 }
 
 pub(crate) fn beam(theta_deg: f64, phi_deg: f64) -> Source {

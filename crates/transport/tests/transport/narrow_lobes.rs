@@ -5,7 +5,7 @@
 use crate::common::{self, one};
 use papilio_optics::Beta;
 use papilio_optics::lobe::Lobe;
-use papilio_sampling::{Numbers, Sampler};
+use papilio_sampling::{SampleStream, Sampler};
 use papilio_transport::adding::{Kernel, error_over_difference};
 use papilio_transport::{
     AngularTable, Base, Cone, Diffuser, Front, Medium, Nodes, Panel, Reflector, Source, Stack, Top,
@@ -24,26 +24,26 @@ struct Case {
 const FAMILY: u64 = 35;
 
 fn case(number: u64) -> Case {
-    let numbers = Numbers::new(Sampler::Random, FAMILY, number);
+    let numbers = SampleStream::new(Sampler::Random, FAMILY, number);
     let dice: Vec<f64> = (0..3).flat_map(|block| numbers.block(0, block)).collect();
     let between = |k: usize, low: f64, high: f64| low + (high - low) * dice[k];
     let log_between = |k: usize, low: f64, high: f64| between(k, low.ln(), high.ln()).exp();
     let width = log_between(0, 0.006, 0.034);
-    let straight_through = between(1, -0.6, 0.6).max(0.0);
+    let regular_fraction = between(1, -0.6, 0.6).max(0.0);
     let reflectance = log_between(2, 0.005, 0.3);
     let view_deg = between(3, 0.0, 1.0);
     let (light_deg, phi_deg) = (between(4, 0.0, 75.0), between(5, 0.0, 360.0));
     let lobe = Lobe::KCorrelation { width };
     let panel = Panel {
         front: Front::exact(1, std::iter::once((&[reflectance][..], &[0.0][..]))),
-        top: Top::Diffuser(Diffuser { lobe, transmittance: one(0.95), straight_through }),
+        top: Top::Diffuser(Diffuser { lobe, transmittance: one(0.95), regular_fraction }),
         medium: Medium::new(one(between(6, 1.3, 1.8))),
         base: mirror([between(7, 0.05, 0.5), between(8, 0.0, 0.4), between(9, 0.5, 6.0)]),
         single_pass: false,
     };
     Case {
         name: format!(
-            "{number}: b {width:.4}, s {straight_through:.2}, r {reflectance:.3}, from {light_deg:.0} deg"
+            "{number}: b {width:.4}, s {regular_fraction:.2}, r {reflectance:.3}, from {light_deg:.0} deg"
         ),
         stack: Stack::Panel(panel),
         view: Cone::new(view_deg, 0.0, 0.0, 1.0),

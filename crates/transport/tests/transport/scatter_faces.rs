@@ -112,7 +112,7 @@ fn constant_table_is_lambertian() {
     let closed = papilio_transport::Diffuser {
         lobe: Lobe::Lambertian,
         transmittance: one(0.7),
-        straight_through: 1.0 / 7.0,
+        regular_fraction: 1.0 / 7.0,
     };
     let sources = [Source::Diffuse, beam(-20.0, 0.0)];
     let [a, b] = [numbers, Interface::Diffuser(closed)]

@@ -3,7 +3,7 @@
 use crate::common::{self, REPLICATES, front, lambertian, mirror, one, panel, rho};
 use papilio_optics::lobe::Lobe;
 use papilio_optics::{Beta, Scatterer};
-use papilio_sampling::{Numbers, Sampler};
+use papilio_sampling::{SampleStream, Sampler};
 use papilio_testing::assert_student;
 use papilio_transport::adding::Kernel;
 use papilio_transport::walk::{Strategy, Walk};
@@ -25,9 +25,9 @@ fn coloured() -> Base {
     Base { reflector: Reflector::Specular(table), inactive_absorptance: one(0.05) }
 }
 
-fn display(width: f64, straight_through: f64, base: Base) -> Panel {
+fn display(width: f64, regular_fraction: f64, base: Base) -> Panel {
     let lobe = Lobe::KCorrelation { width };
-    let mut stack = panel(Top::Diffuser(Diffuser { lobe, transmittance: one(0.95), straight_through }), base);
+    let mut stack = panel(Top::Diffuser(Diffuser { lobe, transmittance: one(0.95), regular_fraction }), base);
     stack.front = front(&[(0.08, 0.01)], false);
     stack
 }
@@ -55,7 +55,7 @@ fn estimates(
     let walk = Walk::with_strategy(stack, view(), sources, strategy, &[]);
     let of = |stream| {
         let mut replicate = walk.replicate();
-        walk.trace(&mut replicate, &Numbers::new(sampler, seed, stream), paths);
+        walk.trace(&mut replicate, &SampleStream::new(sampler, seed, stream), paths);
         walk.estimate(&replicate)
     };
     (0..REPLICATES).map(of).collect()
@@ -158,7 +158,7 @@ fn narrow_lobes_with_small_sources_equal_closed_form() {
             let found =
                 estimates(&stack, &sources, strategy, (Sampler::Random, 100 + u64::from(seed)), paths);
             let at = |lamp| in_closed_form(width, straight, view().axis_towards(), lamp);
-            let numbers = Numbers::new(Sampler::Sobol, 0, 0);
+            let numbers = SampleStream::new(Sampler::Sobol, 0, 0);
             let point = |k| at(-disc.sample_towards([numbers.block(k, 0)[0], numbers.block(k, 0)[1]]));
             let truth = [at(beam), (0..1024).map(point).sum::<f64>() / 1024.0];
             for (source, truth) in truth.into_iter().enumerate() {

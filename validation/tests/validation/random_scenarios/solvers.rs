@@ -105,7 +105,7 @@ pub(crate) fn timed(scene: &Scene) -> (Result<RunResult, DisplayError>, f64) {
 pub(crate) fn monte_carlo_runs(drawn: Drawn, seeds: std::ops::Range<u64>) -> Result<MonteCarloRuns, String> {
     let about = |why: String| format!("{} ({}): {why}\n{}", drawn.number, drawn.name, drawn.text);
     let mut scene = scene(&drawn.text).map_err(about)?;
-    scene.solver.method = Method::Walk;
+    scene.solver.method = Method::MonteCarlo;
     scene.solver.stop = Stop::Paths(drawn.paths);
     let mut all = MonteCarloRuns { drawn, scene, runs: Vec::new(), seconds: 0.0 };
     for seed in seeds {
@@ -138,7 +138,7 @@ impl MonteCarloRuns {
     pub(crate) fn adding(&self, scene: &Scene) -> (Result<RunResult, String>, f64) {
         let mut scene = scene.clone();
         scene.solver.method = Method::Adding;
-        scene.solver.stop = Stop::RelativeError { target: self.target(), every_bin: false };
+        scene.solver.stop = Stop::RelativeError { target: self.target(), per_wavelength: false };
         let (run, seconds) = timed(&scene);
         (run.map_err(|error| format!("adding: {error}")), seconds)
     }

@@ -1,7 +1,7 @@
 //! ASTM E1392.
 
 use papilio_formats::{BsdfProblem, Problem};
-use papilio_goniometry::{Channel, Direction, Way};
+use papilio_goniometry::{Channel, Direction, ScatterMode};
 
 use super::samples::ASTM;
 use super::{read, refused, refused_bsdf};
@@ -16,7 +16,10 @@ fn astm_angles_are_radians_from_the_normal_of_the_front() {
         ("film 7", "goniometer")
     );
     let [reflected, transmitted] = &measurement.parts[..] else { panic!("{measurement:?}") };
-    assert_eq!((reflected.way, transmitted.way), (Way::FrontReflection, Way::FrontTransmission));
+    assert_eq!(
+        (reflected.way, transmitted.way),
+        (ScatterMode::FrontReflection, ScatterMode::FrontTransmission)
+    );
     assert_eq!(reflected.channels, [Channel::Red, Channel::Wavelength(550.0)]);
     let light = Direction::new(30.0, 180.0);
     assert_eq!(reflected.evaluate(0, light, light.specular()), Some(1.5));

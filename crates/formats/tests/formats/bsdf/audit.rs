@@ -4,8 +4,8 @@ use std::f64::consts::PI;
 
 use papilio_formats::{BsdfFormat, WriteError, audit_text, write_measurement};
 use papilio_goniometry::{
-    Audit, Channel, Geometry, KLEMS_FULL, Measurement, Part, Preparation, SpecularGrid, Way, calibrated,
-    kernel,
+    Audit, Channel, Geometry, KLEMS_FULL, MeasuredPart, Measurement, Preparation, ScatterMode, SpecularGrid,
+    calibrated, kernel,
 };
 
 use super::samples::{singles, tensors};
@@ -223,8 +223,8 @@ fn integral_of_patches_is_their_weighted_sum() {
         |i: usize, o: usize| if i == o { 0.8 / omega[o] } else { 0.01 + 0.02 * ((i * 7 + o) % 5) as f64 };
     let values: Vec<f64> = (0..145).flat_map(|i| (0..145).map(move |o| value(i, o))).collect();
     let rings = KLEMS_FULL.to_vec();
-    let part = Part {
-        way: Way::FrontTransmission,
+    let part = MeasuredPart {
+        way: ScatterMode::FrontTransmission,
         channels: vec![Channel::Monochrome],
         geometry: Geometry::Patches { incoming: rings.clone(), outgoing: rings },
         values: values.clone(),

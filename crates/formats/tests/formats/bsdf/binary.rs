@@ -1,7 +1,7 @@
 //! Binary files: MERL, RGL, and Papilio's own format.
 
 use papilio_formats::{BsdfFormat, BsdfProblem, Problem, read_bsdf};
-use papilio_goniometry::{Channel, Direction, Way};
+use papilio_goniometry::{Channel, Direction, ScatterMode};
 
 use super::samples::{self, MATRIX, TREE_3, klems, merl, papilio, rgl, singles, tensors};
 use super::{file, read, refused, refused_bsdf, written};
@@ -14,7 +14,7 @@ fn merl_cell_is_found_by_its_index() {
     let part = &measurement.parts[0];
     assert_eq!(
         (part.way, part.channels.as_slice()),
-        (Way::FrontReflection, [Channel::Red, Channel::Green, Channel::Blue].as_slice())
+        (ScatterMode::FrontReflection, [Channel::Red, Channel::Green, Channel::Blue].as_slice())
     );
     assert!(part.values[0].is_nan(), "negative: not measured");
     let light = Direction::new(30.5, 0.0);

@@ -1,7 +1,7 @@
 //! The tabular BSDF of Radiant and Zemax.
 
 use papilio_formats::{BsdfFormat, BsdfProblem, Problem, read_bsdf};
-use papilio_goniometry::{Channel, Geometry, Symmetry, Way};
+use papilio_goniometry::{Channel, Geometry, ScatterMode, Symmetry};
 
 use super::samples::RADIANT as SMALL;
 use super::{file, read, refused, refused_bsdf, written};
@@ -12,7 +12,7 @@ fn radiant_file_is_read_in_its_order() {
     let part = &measurement.parts[0];
     assert_eq!(
         (part.way, part.channels.as_slice()),
-        (Way::FrontTransmission, [Channel::Monochrome].as_slice())
+        (ScatterMode::FrontTransmission, [Channel::Monochrome].as_slice())
     );
     assert_eq!(part.values, [3.0, 1.0, 3.0, 1.5, 3.0, 2.0, 4.0, 0.1, 4.0, 0.25, 4.0, 0.0]);
     assert_eq!(part.tis, [0.5, 0.4]);

@@ -1,7 +1,7 @@
 //! CSV files: one row per pair of directions and channel.
 
 use papilio_formats::{BsdfFormat, BsdfProblem, Problem};
-use papilio_goniometry::{Channel, Geometry, Way};
+use papilio_goniometry::{Channel, Geometry, ScatterMode};
 
 use super::samples::{RADIANT, TABLE as GRID};
 use super::{read, refused, refused_bsdf, written};
@@ -23,10 +23,15 @@ fn csv_with_all_combinations_of_axes_is_a_grid() {
 fn csv_inclinations_beyond_90_deg_are_on_the_back() {
     let measurement =
         read("30,0,150,180,1\n30,0,30,180,2\n150,0,30,180,3\n150;0;150;180;4\n".replace(';', ","));
-    let ways: Vec<Way> = measurement.parts.iter().map(|part| part.way).collect();
+    let ways: Vec<ScatterMode> = measurement.parts.iter().map(|part| part.way).collect();
     assert_eq!(
         ways,
-        [Way::FrontReflection, Way::FrontTransmission, Way::BackTransmission, Way::BackReflection]
+        [
+            ScatterMode::FrontReflection,
+            ScatterMode::FrontTransmission,
+            ScatterMode::BackTransmission,
+            ScatterMode::BackReflection
+        ]
     );
     for (part, value) in measurement.parts.iter().zip([2.0, 1.0, 3.0, 4.0]) {
         let [light, viewer] = part.geometry.directions(0).unwrap();

@@ -2,7 +2,7 @@
 
 use papilio_formats::{BsdfFormat, BsdfProblem, Problem, read_bsdf};
 use papilio_goniometry::{
-    Channel, Direction, Geometry, KLEMS_FULL, SpecularGrid, Symmetry, Way, projected_solid_angle,
+    Channel, Direction, Geometry, KLEMS_FULL, ScatterMode, SpecularGrid, Symmetry, projected_solid_angle,
 };
 
 use super::samples::{MATRIX, TREE_3, klems};
@@ -22,7 +22,7 @@ fn klems_matrix_is_read_by_columns_or_rows() {
     assert_eq!(f(light.specular()), Some(9.0));
     assert_eq!(f(Direction::new(50.0, 10.0)), Some(6.0));
     assert_eq!(f(Direction::new(10.0, 10.0)), Some(3.0));
-    assert_eq!(columns.parts[0].way, Way::FrontTransmission);
+    assert_eq!(columns.parts[0].way, ScatterMode::FrontTransmission);
     assert_eq!(columns.provenance.sample, "blind");
 }
 
@@ -40,8 +40,8 @@ fn klems_spectra_become_channels_and_directions_become_parts() {
     assert_eq!(
         parts,
         [
-            (Way::BackTransmission, vec![Channel::Monochrome]),
-            (Way::BackReflection, vec![Channel::Y, Channel::Z, Channel::Solar]),
+            (ScatterMode::BackTransmission, vec![Channel::Monochrome]),
+            (ScatterMode::BackReflection, vec![Channel::Y, Channel::Z, Channel::Solar]),
         ]
     );
     assert_eq!(read.warnings.len(), 2, "BTDF for reflection; NIR: {:?}", read.warnings);

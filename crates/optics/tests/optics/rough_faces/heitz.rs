@@ -8,7 +8,7 @@
 use std::f64::consts::{PI, TAU};
 
 use papilio_optics::rough::{Distribution, Side};
-use papilio_sampling::{Numbers, Sampler};
+use papilio_sampling::{SampleStream, Sampler};
 
 /// Fractions of light after an interface: means over walkers, and standard errors.
 #[derive(Debug, Clone, Copy)]
@@ -29,7 +29,7 @@ pub(super) struct Face {
 
 /// A sequence of random numbers.
 struct Draws {
-    numbers: Numbers,
+    numbers: SampleStream,
     path: u64,
     next: u32,
     four: [f64; 4],
@@ -61,7 +61,7 @@ struct Walker {
 impl Face {
     /// Follows light from this side at this angle in its medium.
     pub(super) fn walk(&self, from: Side, theta_deg: f64, walkers: u64, seed: u64) -> Shares {
-        let numbers = Numbers::new(Sampler::Random, seed, 0);
+        let numbers = SampleStream::new(Sampler::Random, seed, 0);
         let (mut sums, mut squares) = ([0.0; 2], [0.0; 2]);
         for path in 0..walkers {
             let mut draws = Draws { numbers, path, next: 0, four: [0.0; 4] };

@@ -24,8 +24,8 @@ impl Resolver<'_> {
     pub(super) fn without_blur(
         &mut self,
         source: &Source<'_>,
-        part: &goniometry::Part,
-    ) -> Option<Option<goniometry::Part>> {
+        part: &goniometry::MeasuredPart,
+    ) -> Option<Option<goniometry::MeasuredPart>> {
         let Some(blur) = source.blur.filter(|blur| blur.value.0 > 0.0) else { return Some(None) };
         let Blur(width) = blur.value;
         let channel = part.luminous();
@@ -62,7 +62,7 @@ impl Resolver<'_> {
             _ => 0,
         };
         let tis = part.tis.chunks_exact(totals.max(1)).nth(channel).unwrap_or_default();
-        Some(Some(goniometry::Part {
+        Some(Some(goniometry::MeasuredPart {
             way: part.way,
             channels: vec![part.channels[channel]],
             geometry: part.geometry.clone(),

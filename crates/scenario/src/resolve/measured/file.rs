@@ -4,7 +4,7 @@ use papilio_diagnostics::Diagnostic;
 use papilio_display::scene::ScatterKernel;
 use papilio_formats::{LARGEST_BSDF_FILE, read_bsdf};
 use papilio_goniometry::{
-    self as goniometry, Backing, Fill, GoniometryError, Measurement, Preparation, Way, kernel,
+    self as goniometry, Backing, Fill, GoniometryError, Measurement, Preparation, ScatterMode, kernel,
 };
 use papilio_optics::scatter::Scatter;
 use papilio_spectra::{Spectrum, illuminant};
@@ -50,12 +50,13 @@ impl Resolver<'_> {
         &mut self,
         source: &Source<'_>,
         measurement: &'a Measurement,
-        way: Way,
-    ) -> Option<&'a goniometry::Part> {
+        way: ScatterMode,
+    ) -> Option<&'a goniometry::MeasuredPart> {
         let part = measurement.parts.iter().find(|part| part.way == way);
         if part.is_none() {
             let found = measurement.parts.iter().map(|part| part.way.name()).collect::<Vec<_>>().join(", ");
-            let flip = way == Way::FrontTransmission && found.contains(Way::BackTransmission.name());
+            let flip =
+                way == ScatterMode::FrontTransmission && found.contains(ScatterMode::BackTransmission.name());
             let wrong = Diagnostic::new(format!("this file has no {}", way.name()))
                 .expected(format!("it among the parts of the file: {found}"))
                 .hint_if(
@@ -86,7 +87,7 @@ impl Resolver<'_> {
     pub(super) fn scattered(
         &mut self,
         source: &Source<'_>,
-        part: &goniometry::Part,
+        part: &goniometry::MeasuredPart,
         spectrum: Option<Spectrum>,
         backing: Backing,
     ) -> Option<ScatterKernel> {
@@ -113,7 +114,7 @@ impl Resolver<'_> {
     fn kernel(
         &mut self,
         source: &Source<'_>,
-        part: &goniometry::Part,
+        part: &goniometry::MeasuredPart,
         [level, largest]: [f64; 2],
         backing: Backing,
     ) -> Option<Scatter> {

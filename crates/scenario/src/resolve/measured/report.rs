@@ -1,7 +1,7 @@
 //! Report of the changes to a measurement before its use in a display.
 
 use papilio_diagnostics::Diagnostic;
-use papilio_goniometry::{Changes, Way};
+use papilio_goniometry::{Changes, ScatterMode};
 
 use super::file::Source;
 use crate::resolve::Resolver;
@@ -22,7 +22,7 @@ impl Resolver<'_> {
     pub(super) fn report(
         &mut self,
         source: &Source<'_>,
-        way: Way,
+        way: ScatterMode,
         changes: &Changes,
         share: f64,
     ) -> Option<()> {

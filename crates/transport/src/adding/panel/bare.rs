@@ -179,7 +179,7 @@ impl Kernel {
         let (mut out, mut back) = (vec![0.0; bins], vec![0.0; bins]);
         let lowest = match &stack.top {
             Top::Fresnel(index) => index.min(),
-            Top::Coated | Top::Diffuser(_) => f64::INFINITY,
+            Top::IdealAr | Top::Diffuser(_) => f64::INFINITY,
         };
         // beta = sin x resolves the grazing end in air; the grazing end in the medium of the interface is a
         // pole.

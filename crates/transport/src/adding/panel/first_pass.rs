@@ -59,7 +59,7 @@ pub(super) struct SourceFreeView {
 
 impl Pass<'_> {
     pub(super) fn straight(&self) -> f64 {
-        self.diffuser.straight_through
+        self.diffuser.regular_fraction
     }
 
     /// Returns the fraction of light at the underside of the diffuser that leaves into the air.

@@ -51,6 +51,6 @@ impl Shares {
 }
 
 fn arriving(diffuser: &Diffuser, radius: f64, index: f64) -> f64 {
-    let straight = if radius < index { diffuser.straight_through } else { 0.0 };
-    straight + (1.0 - diffuser.straight_through) * diffuser.lobe.fraction_in_disc(radius, index)
+    let straight = if radius < index { diffuser.regular_fraction } else { 0.0 };
+    straight + (1.0 - diffuser.regular_fraction) * diffuser.lobe.fraction_in_disc(radius, index)
 }

@@ -52,7 +52,7 @@ impl Kernel {
     /// Prepares views and sources; incomplete if `stop` is set during the computation.
     pub(super) fn prepare(&mut self, stack: &Panel, views: &[Cone], sources: &[Source], stop: &AtomicBool) {
         match &stack.top {
-            Top::Coated | Top::Fresnel(_) => {
+            Top::IdealAr | Top::Fresnel(_) => {
                 self.kind =
                     Kind::Bare(bare::Kernel::new((&stack.base, &stack.medium), views, sources, self.digits));
             }

@@ -11,7 +11,7 @@
 
 use std::ops::Range;
 
-use papilio_sampling::Numbers;
+use papilio_sampling::SampleStream;
 
 /// Paths of the first block, if `every` is not smaller.
 const FIRST: u64 = 64;
@@ -58,7 +58,7 @@ impl Blocks {
     /// that each represents.
     pub(super) fn continuing_among(
         self,
-        numbers: &Numbers,
+        numbers: &SampleStream,
         paths: Range<u64>,
     ) -> impl Iterator<Item = (u64, f64)> {
         let growing = (0..self.growing).filter_map({
@@ -74,7 +74,7 @@ impl Blocks {
         });
         let Self { every, growing: before, grown } = self;
         let (first, grown_paths) =
-            (numbers.whole(every.max(1)), paths.start.max(grown)..paths.end.max(grown));
+            (numbers.uniform_int(every.max(1)), paths.start.max(grown)..paths.end.max(grown));
         // Selected paths are at `grown + first`, and every `every` paths from there.
         let among = move |path: u64| (path - grown + every - 1 - first) / every.max(1);
         let grown = if every == 0 { 0..0 } else { among(grown_paths.start)..among(grown_paths.end) };
@@ -89,7 +89,7 @@ mod tests {
     use super::*;
 
     fn continuing(every: u64, stream: u64, paths: Range<u64>) -> Vec<(u64, f64)> {
-        let numbers = Numbers::new(Sampler::Sobol, 7, stream).apart();
+        let numbers = SampleStream::new(Sampler::Sobol, 7, stream).independent();
         Blocks::new(every).continuing_among(&numbers, paths).collect()
     }
 

@@ -49,10 +49,10 @@ impl Guided {
         let k = (k % SPLITS) as f64;
         let (u, v) = ((u[0] + k) / SPLITS as f64, (u[1] + k * GOLDEN).fract());
         if u < self.straight {
-            return (from, diffuser.straight_through / self.straight);
+            return (from, diffuser.regular_fraction / self.straight);
         }
         let (to, density) = self.guide.draw([(u - self.straight) / (1.0 - self.straight), v]);
-        let lobe = (1.0 - diffuser.straight_through) * diffuser.lobe.density(from, to);
+        let lobe = (1.0 - diffuser.regular_fraction) * diffuser.lobe.density(from, to);
         (to, lobe / ((1.0 - self.straight) * density))
     }
 }
@@ -126,7 +126,7 @@ impl Light {
             .collect();
         let leaving =
             (0..=(4.0 * STEPS) as usize).map(|k| lobe.fraction_in_disc(k as f64 / STEPS, 1.0)).collect();
-        let mut light = Self { lobe, straight: diffuser.straight_through, lamps, mean: 0.0, leaving };
+        let mut light = Self { lobe, straight: diffuser.regular_fraction, lamps, mean: 0.0, leaving };
         // Two passes of the lobe are about one pass of a lobe of twice the width.
         let twice = Lobe::KCorrelation { width: 2.0 * width };
         let seen: Vec<f64> = light.lamps.iter().map(|lamp| lamp.seen(twice, view).max(1e-300)).collect();
@@ -221,7 +221,7 @@ impl<'a> Contribution<'a> {
         }
         let guide = Guide::new(self.stack.medium.largest_index(), &peaks, |beta| self.at(beta))?;
         // Unscattered and scattered light, as far as closed forms give them.
-        let straight = self.diffuser.straight_through;
+        let straight = self.diffuser.regular_fraction;
         let by_way = straight * self.light.at(self.view);
         let scattered = (1.0 - straight) * self.light.mean;
         let likely = if straight > 0.0 { (by_way / (by_way + scattered)).clamp(0.05, 0.95) } else { 0.0 };

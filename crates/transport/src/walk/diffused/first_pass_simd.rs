@@ -13,7 +13,7 @@ use std::ops::Range;
 
 use papilio_optics::lobe::Lobe;
 use papilio_optics::{Beta, Scatterer};
-use papilio_sampling::Numbers;
+use papilio_sampling::SampleStream;
 use pulp::{Arch, Simd, WithSimd};
 
 use super::Diffused;
@@ -87,7 +87,7 @@ struct Pass<'a, 'b> {
     walk: &'a Diffused<'b>,
     width: f64,
     parts: f64,
-    numbers: &'a Numbers,
+    numbers: &'a SampleStream,
     first: u64,
     group: &'a mut Group,
 }
@@ -104,10 +104,10 @@ impl WithSimd for Pass<'_, '_> {
         // A lobe whose kind is known at compile time leaves no branch.
         let lobe = Lobe::KCorrelation { width };
         let towards_field = walk.view.sampler();
-        let u: Lanes = numbers.side_by_side(first, 0, 0);
-        let v: Lanes = numbers.side_by_side(first, 0, 1);
-        let s: Lanes = numbers.side_by_side(first, 0, 2);
-        let t: Lanes = numbers.side_by_side(first, 0, 3);
+        let u: Lanes = numbers.batch(first, 0, 0);
+        let v: Lanes = numbers.batch(first, 0, 1);
+        let s: Lanes = numbers.batch(first, 0, 2);
+        let t: Lanes = numbers.batch(first, 0, 3);
         for k in 0..LANES {
             let above = towards_field([u[k], v[k]]);
             (above_x[k], above_y[k]) = (above.x, above.y);
@@ -180,7 +180,7 @@ impl Diffused<'_> {
     }
 
     /// Computes the first passes of these paths in groups, if possible.
-    pub(super) fn grouped_first_passes(&self, numbers: &Numbers, paths: Range<u64>, sums: &mut Sums) {
+    pub(super) fn grouped_first_passes(&self, numbers: &SampleStream, paths: Range<u64>, sums: &mut Sums) {
         let Some(width) = self.width() else { return };
         let panels = match &self.stack.base.reflector {
             Reflector::Specular(AngularTable { nodes: Nodes::CosinePanels(panels), .. }) => Some(panels),

@@ -17,7 +17,7 @@ mod sources;
 use std::ops::Range;
 
 use papilio_optics::{Beta, Scatterer};
-use papilio_sampling::{Numbers, warp};
+use papilio_sampling::{SampleStream, warp};
 
 use super::accumulator::Reflected;
 use super::strategy::DirectionSampler;
@@ -110,7 +110,7 @@ impl<'a> Diffused<'a> {
             if strategy == Strategy::Guided && left > 0.0 { (2.0 * left.sqrt()).max(0.25) } else { left };
         let survival = wanted.clamp(least, MOST_SURVIVAL);
         let blocks = Blocks::new(if survival > 0.0 { (1.0 / survival) as u64 } else { 0 });
-        let by_lobe = chance_of_lobe(diffuser.straight_through, left);
+        let by_lobe = chance_of_lobe(diffuser.regular_fraction, left);
         let through =
             stack.front.transmittance.zip_map(&diffuser.transmittance, |t, diffuser| (t * diffuser).powi(2));
         let specular = matches!(stack.base.reflector, Reflector::Specular(_));
@@ -129,7 +129,7 @@ impl<'a> Diffused<'a> {
             between_passes: sent_back.to_vec(),
             through: through.to_vec(),
             specular,
-            round_trips: specular && discs && left > 0.0 && diffuser.straight_through > 0.0,
+            round_trips: specular && discs && left > 0.0 && diffuser.regular_fraction > 0.0,
             directed,
             discs,
             first,
@@ -145,7 +145,7 @@ impl<'a> Diffused<'a> {
     }
 
     /// Traces these paths.
-    pub(super) fn paths(&self, numbers: &Numbers, paths: Range<u64>, tally: &mut Accumulator) {
+    pub(super) fn paths(&self, numbers: &SampleStream, paths: Range<u64>, tally: &mut Accumulator) {
         if self.first_passes_can_be_grouped() {
             self.grouped_first_passes(numbers, paths.clone(), &mut tally.sums);
         } else {
@@ -209,8 +209,8 @@ impl<'a> Diffused<'a> {
     }
 
     /// Traces the later passes of one path in each block, with random numbers of its own.
-    fn later_passes(&self, numbers: &Numbers, paths: Range<u64>, tally: &mut Accumulator) {
-        let numbers = &numbers.apart();
+    fn later_passes(&self, numbers: &SampleStream, paths: Range<u64>, tally: &mut Accumulator) {
+        let numbers = &numbers.independent();
         for (number, stands_for) in self.blocks.continuing_among(numbers, paths) {
             let numbers = PathNumbers::new(numbers, number);
             let beta = self.view.sample_towards(numbers.field());
@@ -427,7 +427,7 @@ impl<'a> Diffused<'a> {
     }
 
     fn straight(&self) -> f64 {
-        self.diffuser.straight_through
+        self.diffuser.regular_fraction
     }
 
     /// Scatters by the lobe with this probability, else passes unscattered, into a disc of this radius.

@@ -56,7 +56,7 @@ fn wide_lobes_over_resonance_equal_quadrature() {
     for lobe in lobes.into_iter().chain([Lobe::Lambertian]) {
         let truths = over_the_resonance(lobe, from, to);
         for (table, base) in resonant_bases() {
-            let top = Top::Diffuser(Diffuser { lobe, transmittance: one(1.0), straight_through: 0.0 });
+            let top = Top::Diffuser(Diffuser { lobe, transmittance: one(1.0), regular_fraction: 0.0 });
             let stack = panel(top, base);
             let estimates = [0, 1, 2].map(|level| solve(&stack, view(8.0), &lights, level));
             for (source, truth) in truths.iter().enumerate() {
@@ -80,7 +80,7 @@ fn recycled_light_over_resonance_equals_closed_form() {
         for (lobe, r) in
             [Lobe::Lambertian, wide].into_iter().flat_map(|l| [0.005, 0.05, 0.2, 0.5].map(|r| (l, r)))
         {
-            let top = Top::Diffuser(Diffuser { lobe, transmittance: one(1.0), straight_through: 0.0 });
+            let top = Top::Diffuser(Diffuser { lobe, transmittance: one(1.0), regular_fraction: 0.0 });
             let mut stack = panel(top, base.clone());
             stack.front = front(&[(r, 0.0)], false);
             let values =

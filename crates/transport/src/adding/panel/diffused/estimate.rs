@@ -121,7 +121,7 @@ impl Kernel {
     ) -> Sums {
         let len = stack.base.states() * stack.base.bins();
         let medium = self.medium_at(stack, index);
-        let straight = Straight { stack, medium: &medium, share: self.diffuser.straight_through, sent_back };
+        let straight = Straight { stack, medium: &medium, share: self.diffuser.regular_fraction, sent_back };
         let g = sent_back.repeat(stack.base.states());
         let recycling = self.recycling.as_ref().and_then(|all| all.get(index));
         let seen = recycling.map(|recycling| (recycling, self.reflectances(stack, table, &medium, index)));

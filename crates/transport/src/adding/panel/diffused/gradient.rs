@@ -26,7 +26,7 @@ impl Kernel {
         let view = self.views.get(view)?;
         let forms = view.at.iter().all(has_forms);
         let summed = self.recycling.iter().flatten().any(Recycling::sums_columns);
-        if self.diffuser.straight_through > 0.0 || summed || !forms || !self.recycling_serves(stack) {
+        if self.diffuser.regular_fraction > 0.0 || summed || !forms || !self.recycling_serves(stack) {
             return None;
         }
         let size = self.sources.len() * stack.base.states() * stack.base.bins();

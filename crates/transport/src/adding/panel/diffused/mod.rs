@@ -112,7 +112,7 @@ impl Kernel {
     /// Returns whether the layers are those for which it was made.
     pub(super) fn serves(&self, stack: &Panel, diffuser: &Diffuser) -> bool {
         self.diffuser.lobe == diffuser.lobe
-            && self.diffuser.straight_through == diffuser.straight_through
+            && self.diffuser.regular_fraction == diffuser.regular_fraction
             && self.medium == stack.medium
             && self.table.as_ref() == table_nodes(stack)
     }
@@ -236,7 +236,7 @@ impl Kernel {
 
     /// Returns points for the width of the lobe, together or one by one.
     fn bundles(&self, points: Vec<Point>, axis: Point) -> Vec<Bundle> {
-        if self.diffuser.straight_through == 0.0 || self.table.is_none() {
+        if self.diffuser.regular_fraction == 0.0 || self.table.is_none() {
             return vec![Bundle { axis, points, odd: false }];
         }
         points.into_iter().map(|point| Bundle { axis: point, points: vec![point], odd: false }).collect()
@@ -269,7 +269,7 @@ impl Kernel {
     /// Returns the even part of a field and, if it has one, its odd part, together or ring by ring.
     fn of_field(&self, field: &Field, views: &[Cone]) -> Vec<Bundle> {
         // Light that is scattered twice has a peak of twice the width.
-        let passes = if self.diffuser.straight_through == 0.0 { 2.0 } else { 1.0 };
+        let passes = if self.diffuser.regular_fraction == 0.0 { 2.0 } else { 1.0 };
         let width = (passes * self.scale()).min(SMOOTH);
         let rings = rings(field, Peaks { views, width }, self.digits - DIGITS_LESS_OF_FIELDS);
         let bundle = |rings: &[Ring], odd: bool| {
@@ -283,7 +283,7 @@ impl Kernel {
             Bundle { axis, points, odd }
         };
         let parts: &[bool] = if field.is_ring() { &[false] } else { &[false, true] };
-        let together = self.diffuser.straight_through == 0.0 || self.table.is_none();
+        let together = self.diffuser.regular_fraction == 0.0 || self.table.is_none();
         // Rings close together see the same reflectance.
         let span = if together { f64::INFINITY } else { SMOOTH / (self.digits - 3.0) };
         let place = |ring: &Ring| (ring.radius / span).floor();
@@ -309,7 +309,7 @@ impl Kernel {
         same_recycling: bool,
     ) -> View {
         // Only unscattered light resolves the table.
-        let across = if self.diffuser.straight_through > 0.0 { across } else { 0.0 };
+        let across = if self.diffuser.regular_fraction > 0.0 { across } else { 0.0 };
         let groups = match old {
             Some(old) => old.groups.clone(),
             None => {

@@ -155,18 +155,18 @@ mod tests {
     /// below, it does not.
     #[test]
     fn only_narrow_lobes_are_widened() {
-        for (level, index, straight_through) in
+        for (level, index, regular_fraction) in
             [(0.0, 1.5, 0.0), (0.0, 2.0, 0.3), (1.0, 1.5, 0.3), (3.0, 1.7, 0.0)]
         {
             let planned = |width: f64| {
                 let lobe = Lobe::KCorrelation { width };
-                let diffuser = Diffuser { lobe, transmittance: vec![1.0].into(), straight_through };
+                let diffuser = Diffuser { lobe, transmittance: vec![1.0].into(), regular_fraction };
                 let table = &Nodes::Constant;
                 let pass = Pass { diffuser: &diffuser, table, index, digits: 11.5 + 3.5 * level };
                 Plan::new(&pass, 0.9, Some(1.0)).map(|plan| plan.width)
             };
-            assert_eq!(planned(NARROWEST), Some(NARROWEST), "{level} {index} {straight_through}");
-            assert!(planned(0.004) > Some(0.01), "{level} {index} {straight_through}");
+            assert_eq!(planned(NARROWEST), Some(NARROWEST), "{level} {index} {regular_fraction}");
+            assert!(planned(0.004) > Some(0.01), "{level} {index} {regular_fraction}");
         }
     }
 }

@@ -5,9 +5,9 @@ use super::{Incidence, LayerKind};
 use crate::front::Flat;
 
 #[derive(Debug)]
-pub(super) struct Coated;
+pub(super) struct IdealAr;
 
-impl LayerKind for Coated {
+impl LayerKind for IdealAr {
     fn regular(&self, at: &Incidence) -> Flat {
         if at.both_carry() { Flat::CLEAR } else { Flat::MIRROR }
     }

@@ -9,7 +9,7 @@ use crate::front::Flat;
 
 /// A flat component that is the same from both sides and at all angles.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Sheet {
+pub struct Component {
     /// Fraction reflected, per wavelength.
     pub reflectance: Spectrum,
     /// Fraction absorbed, per wavelength.
@@ -18,12 +18,12 @@ pub struct Sheet {
 
 impl Interface {
     /// A component that reflects and absorbs these fractions.
-    pub fn sheet(reflectance: Spectrum, absorptance: Spectrum) -> Self {
-        Self::Sheet(Sheet { reflectance, absorptance })
+    pub fn component(reflectance: Spectrum, absorptance: Spectrum) -> Self {
+        Self::Component(Component { reflectance, absorptance })
     }
 }
 
-impl LayerKind for Sheet {
+impl LayerKind for Component {
     fn regular(&self, at: &Incidence) -> Flat {
         let r = self.reflectance[at.bin];
         Flat { t: 1.0 - r - self.absorptance[at.bin], above: r, below: r }

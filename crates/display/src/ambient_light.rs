@@ -10,7 +10,7 @@ use crate::setup::angle_index;
 
 /// Ambient light over the display's hemisphere; angles in air.
 #[derive(Debug, Clone, PartialEq)]
-pub struct RoomLight {
+pub struct AmbientLight {
     /// Inclinations, degrees, ascending to 90.
     pub theta_deg: Vec<f64>,
     /// Azimuths, degrees, ascending from 0.
@@ -22,14 +22,14 @@ pub struct RoomLight {
     /// Illuminance of each environment, lx.
     pub environment_lx: Vec<f64>,
     /// The directed sources.
-    pub directed: Vec<RoomLamp>,
+    pub directed: Vec<AmbientSource>,
     /// Directions of the views, degrees: inclination and azimuth.
     pub views_deg: Vec<[f64; 2]>,
 }
 
 /// Directed source of the ambient light.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct RoomLamp {
+pub struct AmbientSource {
     /// Inclination, degrees; negative: towards phi + 180.
     pub theta_deg: f64,
     /// Azimuth, degrees.
@@ -44,7 +44,7 @@ pub struct RoomLamp {
 ///
 /// # Errors
 /// If the scene's angles are in a glass whose index depends on wavelength.
-pub fn room_light(scene: &Scene) -> Result<RoomLight, DisplayError> {
+pub fn ambient_light(scene: &Scene) -> Result<AmbientLight, DisplayError> {
     let index = angle_index(scene)?;
     let in_air = |deg: f64| (index * deg.to_radians().sin()).clamp(-1.0, 1.0).asin().to_degrees();
     let lighting = &scene.lighting;
@@ -65,7 +65,7 @@ pub fn room_light(scene: &Scene) -> Result<RoomLight, DisplayError> {
     let luminance_cd_m2 = directions.map(|(theta, phi)| luminance(theta, phi)).collect();
     let lamp = |lamp: &crate::scene::DirectedLight| {
         let cosine = if lamp.normal_to_beam { lamp.theta_deg.to_radians().cos() } else { 1.0 };
-        RoomLamp {
+        AmbientSource {
             theta_deg: in_air(lamp.theta_deg),
             phi_deg: lamp.phi_deg,
             radius_deg: lamp.radius_deg.unwrap_or(0.0),
@@ -78,7 +78,7 @@ pub fn room_light(scene: &Scene) -> Result<RoomLight, DisplayError> {
     let viewer = &scene.viewer;
     let views =
         viewer.phi_deg.iter().flat_map(|phi| viewer.theta_deg.iter().map(|theta| [in_air(*theta), *phi]));
-    Ok(RoomLight {
+    Ok(AmbientLight {
         diffuse_lx: lighting.diffuse * lighting.illuminance_lx,
         environment_lx: lighting.environment.iter().map(of_environment).collect(),
         directed: lighting.directed.iter().map(lamp).collect(),

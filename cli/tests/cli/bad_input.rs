@@ -1,0 +1,207 @@
+//! Wrong input: exit codes, messages with their place, nothing written.
+
+use std::fs;
+
+use papilio_figures::HAS_PNG;
+
+use crate::common::{names, papilio_command as papilio, run_scenario as run, scenario, stderr};
+
+#[test]
+fn overflowing_numbers_are_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("out");
+    let output = run("indoor", &["--set", "display.diffuser.width=1e-150", "--out", out.to_str().unwrap()]);
+    assert_eq!(output.status.code(), Some(2), "{}", stderr(&output));
+    assert!(!out.exists());
+}
+
+#[test]
+fn wrong_input_exits_with_2_names_its_place_and_writes_nothing() {
+    let folder = tempfile::tempdir().unwrap();
+    let base = fs::read_to_string(scenario("indoor")).unwrap();
+    let wrong = folder.path().join("wrong.toml");
+    for (from, to, column, words) in [
+        ("theta_deg = 8", "theta_degg = 8", 1, "did you mean `theta_deg`?"),
+        ("thickness_nm = 38.6", "thickness_nm = -38.6", 39, "expected"),
+        ("material = \"SiO2\"", "material = \"SiO3\"", 16, "SiO2"),
+        ("red = 0.493", "red = 0.793", 8, "sum"),
+        ("index = 1.5", "index = true", 9, "expected"),
+    ] {
+        assert!(base.contains(from), "{from}");
+        let text = base.replacen(from, to, 1);
+        let line = 1 + text.lines().position(|line| line.contains(to)).unwrap();
+        fs::write(&wrong, text).unwrap();
+        let out = folder.path().join("out");
+        let output = papilio().arg("run").arg(&wrong).arg("--out").arg(&out).output().unwrap();
+        let text = stderr(&output);
+        assert_eq!(output.status.code(), Some(2), "{text}");
+        assert!(output.stdout.is_empty());
+        let place = format!("wrong.toml:{line}:{column}\n");
+        assert!(text.contains("error: ") && text.contains(&place) && text.contains(words), "{to}:\n{text}");
+        assert!(!out.exists());
+    }
+}
+
+#[test]
+fn impossible_overrides_are_refused_by_name() {
+    for set in ["display.pixel.film.9.thickness_nm=12", "viewer.theta=8", "display.glass.index.n=2", "seed"] {
+        let output = run("indoor", &["--json", "--set", "viewer.theta_deg=20", "--set", set]);
+        assert_eq!(output.status.code(), Some(2), "{set}");
+        assert!(stderr(&output).contains("--set #2:1:"), "{set}:\n{}", stderr(&output));
+    }
+}
+
+#[test]
+fn missing_scenario_exits_with_2() {
+    assert_eq!(run("indoor", &["--solver", "magic"]).status.code(), Some(2));
+    assert_eq!(papilio().args(["run", "no-such-file.toml"]).output().unwrap().status.code(), Some(2));
+    assert_eq!(papilio().arg("fly").output().unwrap().status.code(), Some(2));
+}
+
+#[test]
+fn output_folder_that_cannot_be_created_exits_with_2() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("file");
+    fs::write(&file, "in the way").unwrap();
+    let output = run("indoor", &["--out", file.join("below").to_str().unwrap()]);
+    assert_eq!(output.status.code(), Some(2));
+    assert!(stderr(&output).contains("is not a folder"), "{}", stderr(&output));
+}
+
+/// What the program was built without is said before anything is computed.
+#[test]
+fn png_option_is_refused_without_the_png_feature() {
+    if !HAS_PNG {
+        let folder = tempfile::tempdir().unwrap();
+        let output = run("indoor", &["--png", "--out", folder.path().to_str().unwrap()]);
+        assert_eq!(output.status.code(), Some(2));
+        assert!(stderr(&output).contains("feature `png`") && names(folder.path()).is_empty());
+    }
+}
+
+#[test]
+fn json_with_files_requires_out() {
+    for flag in ["--cone", "--png"].into_iter().take(if HAS_PNG { 2 } else { 1 }) {
+        let output = run("indoor", &["--json", flag]);
+        assert_eq!(output.status.code(), Some(2));
+        assert!(stderr(&output).contains("--out") && output.stdout.is_empty());
+    }
+}
+
+/// What names and cells hold is shown and not sent to the terminal, and a pipe has the whole message.
+#[test]
+fn control_characters_of_quoted_input_are_not_printed() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
+    let obeyed = |c: char| {
+        (c.is_control() && c != '\n') || matches!(c, '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}')
+    };
+    let file = scenario("indoor");
+    let indoor = fs::read_to_string(&file).unwrap();
+    fs::write(at("e5.csv"), "300,0\n400,\u{1b}[2J\u{1b}[31mX\n900,0\n").unwrap();
+    fs::write(at("e5.toml"), indoor.replacen("spectrum = \"D65\"", "spectrum = \"e5.csv\"", 1)).unwrap();
+    // An operating system command without its end: a pipe swallowed all that came after.
+    fs::write(at("e3.toml"), format!("\"\\u001b]0;x\\n\\u009bA\\u202e\" = 1\n{indoor}")).unwrap();
+    fs::write(at("e\u{1b}]0;\u{9b}\u{202e}.toml"), "nonsense").unwrap();
+    fs::write(
+        at("state.toml"),
+        indoor.replacen("[lighting]", "[display.pixel.states]\n\"a\u{202e}b\" = { red = 1 }\n[lighting]", 1),
+    )
+    .unwrap();
+    let cases = [
+        ("e5.toml", "`\\u001b[2J\\u001b[31mX` is not a number"),
+        ("e3.toml", "\\u001b]0;x\\n\\u009bA\\u202e"),
+        ("e\u{1b}]0;\u{9b}\u{202e}.toml", "e\\u001b]0;\\u009b\\u202e.toml:1"),
+        ("state.toml", "this name is not permitted"),
+        ("none\u{1b}[2J.toml", "none\\u001b[2J.toml"),
+    ];
+    for (name, said) in cases {
+        let output = papilio().args(["run", &at(name), "--json"]).output().unwrap();
+        let text = stderr(&output);
+        assert_eq!(output.status.code(), Some(2), "{name:?}: {text}");
+        assert!(text.contains(said) && text.contains("-->"), "{name:?}: {text}");
+        assert!(!text.chars().any(obeyed), "{name:?}: {text:?}");
+    }
+}
+
+/// A state that a spreadsheet would compute is refused where it is named.
+#[test]
+fn state_names_are_not_formulas_in_csv_files() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("s.toml");
+    let indoor = fs::read_to_string(scenario("indoor")).unwrap();
+    for (name, is_good) in [("=HYPERLINK(1)", false), ("@SUM(1)", false), ("-5 V", true)] {
+        let states = format!("[display.pixel.states]\n\"{name}\" = {{ red = 1 }}\n[lighting]");
+        fs::write(&file, indoor.replacen("[lighting]", &states, 1)).unwrap();
+        let output = papilio().args(["run", file.to_str().unwrap(), "--json"]).output().unwrap();
+        assert_eq!(output.status.success(), is_good, "{name}: {}", stderr(&output));
+        assert!(is_good || stderr(&output).contains("formula"), "{name}: {}", stderr(&output));
+    }
+}
+
+/// Where no folder is named, the result of another hash stays, whatever command made it; the same result goes to its own folder.
+#[test]
+fn result_of_another_hash_is_not_replaced() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = scenario("indoor").canonicalize().unwrap();
+    let quick = ["--set", "spectrum.step_nm=20", "--set", "solver.relative_error=0.05"];
+    let at = |command: &str, more: &[&str]| {
+        let output = papilio()
+            .current_dir(folder.path())
+            .arg(command)
+            .arg(&file)
+            .args(quick)
+            .args(more)
+            .output()
+            .unwrap();
+        assert!(output.status.success(), "{command}: {}", stderr(&output));
+        stderr(&output)
+    };
+    let folders = || names(&folder.path().join("out"));
+    let read = |name: &str| fs::read(folder.path().join("out").join(name)).unwrap();
+    let other = ["--set", "viewer.theta_deg=31"];
+    assert!(!at("run", &[]).contains("note: out/indoor"));
+    let first = read("indoor/result.json");
+    let said = at("run", &other);
+    assert!(said.contains("note: out/indoor contains the result of another scenario"), "{said}");
+    assert_eq!(read("indoor/result.json"), first);
+    let hash = |bytes: &[u8]| {
+        let result: serde_json::Value = serde_json::from_slice(bytes).unwrap();
+        result["hash"].as_str().unwrap()[..6].to_owned()
+    };
+    let beside = folders()[1].clone();
+    assert_eq!(beside, format!("indoor-{}", hash(&read(&format!("{beside}/result.json")))));
+    // The same again, and another command of the same scenario: the same folders.
+    at("run", &other);
+    at("pixel", &other);
+    at("pixel", &[]);
+    assert_eq!(folders(), ["indoor".to_owned(), beside.clone()]);
+    assert!(read(&format!("{beside}/about.json")) != read("indoor/about.json"));
+    // A folder that has but the table of another command.
+    fs::remove_file(folder.path().join("out/indoor/result.json")).unwrap();
+    let said = at("brdf", &["--step", "30", "--set", "viewer.theta_deg=32"]);
+    assert!(said.contains("note: out/indoor contains"), "{said}");
+    assert_eq!(folders().len(), 3);
+    // compare says what it compares.
+    let measured = "state,theta_deg,X,Y,Z\nwhite,31,1,1,1\n";
+    fs::write(folder.path().join("m.csv"), measured).unwrap();
+    let result = format!("out/{beside}");
+    let compare = papilio().current_dir(folder.path()).args(["compare", &result, "m.csv"]).output().unwrap();
+    let text = String::from_utf8(compare.stdout).unwrap();
+    assert!(text.contains(&format!("simulated: {result}/result.json (hash {}", &beside[7..])), "{text}");
+    assert!(text.contains("measured: m.csv"), "{text}");
+    // A link to itself.
+    #[cfg(unix)]
+    {
+        std::os::unix::fs::symlink("loop", folder.path().join("loop")).unwrap();
+        let looped = papilio()
+            .current_dir(folder.path())
+            .arg("run")
+            .arg(&file)
+            .args(["--out", "loop"])
+            .output()
+            .unwrap();
+        assert_eq!(looped.status.code(), Some(2));
+        assert!(stderr(&looped).contains("is a link to a path that does not exist"), "{}", stderr(&looped));
+    }
+}

@@ -1,0 +1,181 @@
+//! `papilio run`: standard output and error, files, solvers, interruption.
+
+use std::fs;
+use std::path::Path;
+use std::process::{Command, Stdio};
+use std::time::{Duration, Instant};
+
+use crate::common::{COARSE, names, papilio_command as papilio, run_scenario as run, scenario, stderr};
+
+#[test]
+fn run_writes_results_and_prints_a_table() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("new/folder");
+    let output = run("indoor", &["--out", out.to_str().unwrap()]);
+    assert!(output.status.success(), "{}", stderr(&output));
+    let files = [
+        "chromaticity.svg",
+        "overview.svg",
+        "patches.svg",
+        "result.json",
+        "spectra.csv",
+        "spectra.svg",
+        "states.csv",
+    ];
+    assert_eq!(names(&out), files);
+    let table = String::from_utf8(output.stdout).unwrap();
+    for word in ["Indoor reading", "white", "magenta", "contrast ratio", "% of sRGB", "energy balance"] {
+        assert!(table.contains(word), "{word} is not in\n{table}");
+    }
+    let result: serde_json::Value =
+        serde_json::from_slice(&fs::read(out.join("result.json")).unwrap()).unwrap();
+    let white = &result["views"][0]["states"]["white"];
+    let y = white["Y"].as_f64().unwrap();
+    assert!(white["discretisation_error"]["Y"].as_f64().unwrap() < 0.001 * y);
+    assert_eq!(result["wavelength_nm"].as_array().unwrap().len(), 81);
+    assert_eq!(result["seed"], 0);
+    assert_eq!(result["hash"].as_str().unwrap().len(), 64);
+    let rows = fs::read_to_string(out.join("states.csv")).unwrap();
+    assert_eq!(rows.lines().count(), 9);
+}
+
+/// What the README says that its first command prints.
+#[test]
+fn output_shown_in_readme_equals_printed_output() {
+    let folder = tempfile::tempdir().unwrap();
+    let printed = run("indoor", &["--out", folder.path().to_str().unwrap()]).stdout;
+    let printed = String::from_utf8(printed).unwrap();
+    let readme = fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("../README.md")).unwrap();
+    let (_, block) = readme.split_once("```\nIndoor reading\n").unwrap();
+    let (block, _) = block.split_once("```").unwrap();
+    let shown: Vec<&str> = block.lines().filter(|line| !line.is_empty() && line.trim() != "...").collect();
+    assert!(shown.len() > 4);
+    for line in shown {
+        assert!(printed.contains(line), "{line}\nis not in\n{printed}");
+    }
+}
+
+#[test]
+fn run_of_several_views_draws_figures_against_angle() {
+    let folder = tempfile::tempdir().unwrap();
+    let output = run("angle-scan", &["--out", folder.path().to_str().unwrap()]);
+    assert!(output.status.success(), "{}", stderr(&output));
+    let names = names(folder.path());
+    for name in ["contrast_against_angle.svg", "gamut_against_angle.svg", "reflectance_against_angle.svg"] {
+        assert!(names.iter().any(|n| n == name), "{name} is not among {names:?}");
+    }
+}
+
+#[test]
+fn json_option_prints_only_json_and_writes_no_file() {
+    let folder = tempfile::tempdir().unwrap();
+    let output = papilio()
+        .current_dir(folder.path())
+        .arg("run")
+        .arg(scenario("indoor"))
+        .arg("--json")
+        .output()
+        .unwrap();
+    let result: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert!(result["views"][0]["gamut_percent_srgb"].as_f64().unwrap() > 0.0);
+    assert!(names(folder.path()).is_empty());
+}
+
+#[test]
+fn results_depend_on_seed_but_not_on_threads() {
+    let json = |more: &[&str]| run("indoor", &[&["--json", "--solver", "monte-carlo"], more].concat()).stdout;
+    let one = json(&["--threads", "1"]);
+    assert!(!one.is_empty());
+    assert_eq!(one, json(&["--threads", "4"]));
+    assert_eq!(one, json(&[]));
+    assert_ne!(one, json(&["--seed", "1"]));
+}
+
+#[test]
+fn figures_of_an_earlier_run_are_removed() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().to_str().unwrap();
+    fs::write(folder.path().join("mine.svg"), "").unwrap();
+    assert!(run("indoor", &["--out", out, "--set", "viewer.theta_deg=[0,20]"]).status.success());
+    assert!(names(folder.path()).contains(&"overview_theta20_phi0.svg".to_owned()));
+    assert!(run("indoor", &["--out", out]).status.success());
+    let left = names(folder.path());
+    assert!(!left.iter().any(|name| name.contains("theta") || name.contains("against")), "{left:?}");
+    assert!(left.contains(&"mine.svg".to_owned()) && left.contains(&"overview.svg".to_owned()));
+}
+
+#[test]
+fn schema_option_prints_schemas() {
+    for more in [&[][..], &["--result"]] {
+        let output = papilio().arg("schema").args(more).output().unwrap();
+        let schema: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+        assert!(schema["properties"].is_object());
+    }
+}
+
+/// The result and the messages of a long walk of the indoor scenario that gets Ctrl-C.
+#[cfg(unix)]
+fn interrupted(set: &str) -> (serde_json::Value, String) {
+    let folder = tempfile::tempdir().unwrap();
+    let child = papilio()
+        .arg("run")
+        .arg(scenario("indoor"))
+        .args(["--solver", "monte-carlo", "--set", set, "--out"])
+        .arg(folder.path())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    std::thread::sleep(Duration::from_millis(1500));
+    let stopped = Instant::now();
+    assert!(Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap().success());
+    let output = child.wait_with_output().unwrap();
+    assert!(stopped.elapsed() < Duration::from_secs(10), "it went on for {:?}", stopped.elapsed());
+    assert_eq!(output.status.code(), Some(130), "{}", stderr(&output));
+    let result = serde_json::from_slice(&fs::read(folder.path().join("result.json")).unwrap()).unwrap();
+    (result, stderr(&output))
+}
+
+/// Ctrl-C ends a run that would take for ever, with what is there.
+#[cfg(unix)]
+#[test]
+fn interrupted_run_saves_the_paths_that_are_done() {
+    let (result, _) = interrupted("solver.paths=1000000000");
+    assert_eq!(result["solver"]["interrupted"], true);
+    assert!(result["solver"]["paths"].as_u64().unwrap() > 8192);
+}
+
+/// Of a scan, the views that are done.
+#[cfg(unix)]
+#[test]
+fn interrupted_run_of_many_views_saves_the_views_that_are_done() {
+    let (result, messages) = interrupted("viewer.theta_deg={ from = -80, to = 80, step = 0.05 }");
+    let views = result["views"].as_array().unwrap().len();
+    assert!((1..3201).contains(&views), "{views} views");
+    assert!(messages.contains(" of 3201 views"), "{messages}");
+}
+
+#[test]
+fn solver_option_selects_the_solver() {
+    let method = |solver: &str| {
+        let output = run("indoor", &[&COARSE[..], &["--json", "--solver", solver]].concat());
+        let result: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+        (result["solver"].clone(), result["scenario"]["solver"]["method"].clone())
+    };
+    let (walk, named) = method("monte-carlo");
+    assert!(walk["paths"].as_u64().unwrap() > 0 && walk["nodes"].is_null() && named == "monte-carlo");
+    let (adding, named) = method("adding");
+    assert!(adding["nodes"].as_u64().unwrap() > 0 && adding["paths"].is_null() && named == "adding");
+}
+
+/// Where light comes from many directions, a figure says from where.
+#[test]
+fn run_under_a_ring_draws_its_light() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().to_str().unwrap();
+    assert!(run("ring", &["--out", out]).status.success());
+    assert!(names(folder.path()).contains(&"light.svg".to_owned()));
+    // It goes with the other figures of an earlier run.
+    assert!(run("indoor", &["--out", out]).status.success());
+    assert!(!names(folder.path()).contains(&"light.svg".to_owned()));
+}
