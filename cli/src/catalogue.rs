@@ -9,12 +9,12 @@ use papilio_formats::write_file;
 use papilio_scenario::Diagnostic;
 use papilio_scenario::{
     IlluminantEntry, IlluminantSheet, MaterialEntry, MaterialSheet, illuminant_sheet, illuminants,
-    material_sheet, materials, materials_like,
+    material_sheet, materials, materials_called, materials_like,
 };
 use serde::Serialize;
 
 use crate::arguments::Catalogue;
-use crate::{Failure, output};
+use crate::{Failure, output, print_message};
 
 /// Wavelengths of the table on the terminal, nm.
 const SHOWN_NM: [f64; 9] = [380.0, 400.0, 450.0, 500.0, 550.0, 600.0, 650.0, 700.0, 780.0];
@@ -36,6 +36,10 @@ pub(crate) fn list_materials(arguments: &Catalogue) -> Result<(), Failure> {
                 materials().into_iter().filter(|entry| like.contains(&entry.name.as_str())).collect();
             if some.is_empty() {
                 return Err(failure(unknown));
+            }
+            if !materials_called(name).is_empty() {
+                let hint = unknown.hint.unwrap_or_default();
+                print_message(&format!("note: {}: {hint}", unknown.message));
             }
             all_of(arguments, "materials", &some, &material_rows(&some))
         }
@@ -266,13 +270,7 @@ fn illuminant_files(sheet: &IlluminantSheet) -> [String; 2] {
     let points: Vec<(f64, f64)> =
         sheet.wavelength_nm.iter().copied().zip(sheet.relative_power.iter().copied()).collect();
     let table: String = points.iter().map(|(nm, value)| format!("{nm},{value}\n")).collect();
-    let curve = ChartCurve {
-        name: sheet.entry.name.clone(),
-        hue: Hue::Group(2),
-        dashed: false,
-        marks: false,
-        points,
-    };
+    let curve = ChartCurve { name: String::new(), hue: Hue::Group(2), dashed: false, marks: false, points };
     let figure = Chart {
         x: "Wavelength (nm)".to_owned(),
         y: "Relative power per nm".to_owned(),

@@ -288,7 +288,12 @@ mod tests {
     fn sheets_are_found_by_other_spellings_and_words() {
         assert_eq!(material_sheet("tio2").unwrap().entry.name, "TiO2");
         assert_eq!(illuminant_sheet("tl84").unwrap().entry.name, "FL11");
-        assert_eq!(materials_like("oxide").len(), 14);
+        let oxides = materials_like("oxide");
+        assert!(
+            ["ITO", "TiO2", "Ta2O5", "SiO", "AlOx"].iter().all(|name| oxides.contains(name)),
+            "{oxides:?}"
+        );
+        assert!(!oxides.contains(&"MgF2"));
         assert_eq!(materials_like("Aluminum"), ["Al", "Al:BB", "Al:McPeak"]);
         assert!(materials_like("unobtainium").is_empty());
         let hint = |error: Diagnostic| error.to_string();

@@ -96,6 +96,7 @@ pub use optimise::{
 pub use page::with_key_tables;
 pub use papilio_diagnostics::{Diagnostic, nearest};
 pub use papilio_display::{Label, labelled_names};
+pub use papilio_spectra::materials_called;
 pub use path::KeyPath;
 pub use preset::{new_scenario, preset_names};
 pub use resolve::VirtualMeasurement;

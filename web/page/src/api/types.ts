@@ -23,5 +23,10 @@ export type WalkProgress = Schemas["WalkProgress"];
 export type Upload = Schemas["Kept"];
 export type SweepPoint = Schemas["Point"];
 
+export type MaterialEntry = Schemas["MaterialEntry"];
+export type MaterialSheet = Schemas["MaterialSheet"];
+export type IlluminantEntry = Schemas["IlluminantEntry"];
+export type IlluminantSheet = Schemas["IlluminantSheet"];
+
 /** A number that may be undefined. */
 export type Num = number | null | undefined;
