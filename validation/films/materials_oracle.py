@@ -116,6 +116,9 @@ def source(data):
     people = [one.strip() for one in people if one.strip()]
     who = people[0] if len(people) == 1 else " and ".join(people) if len(people) == 2 else f"{people[0]} et al."
     links = re.findall(r"<a [^>]*>(.*?)</a>", text, re.S)
+    if "private communications" in text:
+        where = f"private communication (2013); method: L. Gao et al., {plain(links[0])}"
+        return f"{who}, {where}"
     where = plain(links[0]).replace(", (", " (").replace(
         "2009 34th IEEE Photovoltaic Specialists Conference (PVSC), 2009, pp. 000394-000399",
         "34th IEEE Photovoltaic Specialists Conf., 394-399 (2009)")

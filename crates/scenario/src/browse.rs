@@ -296,7 +296,7 @@ mod tests {
         assert!(!oxides.contains(&"MgF2"));
         assert_eq!(materials_like("Aluminum"), ["Al", "Al:BB", "Al:McPeak"]);
         assert!(materials_like("unobtainium").is_empty());
-        let hint = |error: Diagnostic| error.to_string();
+        let hint = |error: Diagnostic| error.hint.unwrap_or_default();
         assert!(hint(material_sheet("Aluminium").unwrap_err()).contains("`Al`"));
         assert!(hint(illuminant_sheet("D93").unwrap_err()).contains("daylight_K = 9305"));
     }

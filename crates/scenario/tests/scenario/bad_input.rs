@@ -141,7 +141,7 @@ const ADVICE: &[Case] = &[
     ("diffuse = 0.5", "diffuse = 0.4", (35, 9), &["lighting.diffuse=0.5 would make the sum 1"]),
     ("[[display.front]]", "[display.front]", (7, 1), &["expected a list", "as in [[display.layers]]"]),
     ("[[lighting.directed]]", "[lighting.directed]", (33, 1), &["in double brackets, once for each item"]),
-    ("\"D65\"", "{ led_nm = 9000, width_nm = 10 }", (31, 12), &["set spectrum.step_nm = 1"]),
+    ("\"D65\"", "{ led_nm = 9000, width_nm = 10 }", (31, 12), &["this light is dark", "change spectrum.range_nm"]),
 ];
 
 const WRITTEN_OTHERWISE: &[Case] = &[

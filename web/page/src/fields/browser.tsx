@@ -59,7 +59,9 @@ function Facts({ entry }: { entry: Entry }) {
       {isMaterial(entry) && (
         <p>
           n {plain(entry.n_550, 5)}, k {plain(entry.k_550, 3)} at 550 nm;{" "}
-          {range ? `data from ${plain(range[0] ?? 0, 4)} to ${plain(range[1] ?? 0, 4)} nm` : "the same at all wavelengths"}
+          {range
+            ? `data from ${plain(range[0] ?? 0, 4)} to ${plain(range[1] ?? 0, 4)} nm`
+            : "the same at all wavelengths"}
         </p>
       )}
       {!isMaterial(entry) && (

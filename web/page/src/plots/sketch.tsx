@@ -18,9 +18,9 @@ const BOTTOM = 116;
 const FROM_NM = 380;
 const TO_NM = 780;
 
-/** Returns a tick distance of 1, 2 or 5 times a power of ten that divides a range into three to seven parts. */
+/** Returns a tick distance of 1, 2 or 5 times a power of ten that divides a range into two to five parts. */
 export function tick(range: number): number {
-  const rough = range / 4;
+  const rough = range / 5;
   const power = 10 ** Math.floor(Math.log10(rough));
   const best = [1, 2, 5, 10].find((factor) => factor * power >= rough) ?? 10;
   return best * power;
