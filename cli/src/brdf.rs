@@ -11,13 +11,14 @@ use papilio_scenario::Scenario;
 
 use crate::arguments::Brdf;
 use crate::run::with_progress;
-use crate::{Failure, folder, interrupt, output, print_message, print_notes, report};
+use crate::{Failure, folder, input, interrupt, output, print_message, print_notes, report};
 
 const FILE: &str = "display-bsdf.npz";
 const SPLIT: &str = "reflection.csv";
 
 pub(crate) fn brdf(arguments: &Brdf) -> Result<(), Failure> {
-    let resolved = Scenario::load(&arguments.scenario.file, &arguments.scenario.set)?.resolve()?;
+    let resolved =
+        input::scenario::<Scenario>(&arguments.scenario.file, &arguments.scenario.set)?.resolve()?;
     let grid = grid(arguments.step, &resolved.scene)?;
     let folder = folder::choose(&arguments.scenario, &resolved.hash)?;
     let table = with_progress(&resolved, arguments.workers.threads, |control| {
@@ -29,7 +30,7 @@ pub(crate) fn brdf(arguments: &Brdf) -> Result<(), Failure> {
     })?;
     let split = split.ok_or(Failure::Interrupted("no file was written"))?;
     let title = resolved.title.unwrap_or_else(|| report::file_title(&arguments.scenario.file));
-    let mut stdout = crate::terminal::stdout();
+    let mut stdout = crate::terminal::output(false);
     stdout.write_all(report::brdf(&title, &table).as_bytes())?;
     stdout.write_all(report::reflection(&split).as_bytes())?;
     stdout.flush()?;

@@ -8,6 +8,7 @@ use std::path::{Path, PathBuf};
 use papilio_display::compare::{
     Colour, Comparison, Measured, Simulated, StateComparison, ViewComparison, compare,
 };
+use papilio_display::pixel::is_mixture;
 use papilio_figures::{compared_gamuts, compared_spectra};
 use papilio_formats::{
     DataFile, read_measured_panel, read_result, write_compared_spectra, write_comparison, write_file,
@@ -41,7 +42,7 @@ pub(crate) fn run(arguments: &Compare) -> Result<(), Failure> {
     let heading = heading(&title, read.hash.as_deref(), &result, &arguments.measured);
     let written =
         out.as_deref().map(|folder| interrupt::uninterrupted(|| write(folder, &all, &title))).transpose()?;
-    let mut stdout = crate::terminal::stdout();
+    let mut stdout = crate::terminal::output(arguments.json);
     if arguments.json {
         write_json(&mut stdout, &all)?;
     } else {
@@ -53,7 +54,7 @@ pub(crate) fn run(arguments: &Compare) -> Result<(), Failure> {
     }
     all.left_out.iter().for_each(|reason| print_message(&format!("note: {reason}")));
     suggestion.iter().for_each(|help| print_message(&format!("  = help: {help}")));
-    if looks_like_percent(&all) {
+    if all.looks_like_percent() {
         print_message(
             &"warning: the measured Y is about a hundred times the simulated Y; expected reflectance factors and Y as fractions of 1, \
                not in per cent",
@@ -72,12 +73,6 @@ fn suggestion(simulated: &Simulated, measured: &[Measured]) -> Option<String> {
         unknown.iter().filter_map(|wrong| nearest(wrong, known.iter().copied()).map(|name| (wrong, name)));
     let close: Vec<String> = close.map(|(wrong, name)| format!("`{name}` for `{wrong}`")).collect();
     (!close.is_empty()).then(|| format!("did you mean {}?", close.join(", ")))
-}
-
-/// True if the measured Y of every state is 20 to 500 times the simulated Y, as for numbers in per cent.
-fn looks_like_percent(all: &Comparison) -> bool {
-    let ratios = all.states.iter().map(|one| one.measured.Y / one.simulated.Y);
-    !all.states.is_empty() && ratios.into_iter().all(|ratio| (20.0..500.0).contains(&ratio))
 }
 
 /// Path of the result; for a folder, of the `result.json` in it.
@@ -150,7 +145,7 @@ fn rows(all: &Comparison, view: &ViewComparison) -> Vec<Vec<String>> {
             one.state.clone(),
             pair(|colour| Some(colour.Y), 4),
             pair(|colour| colour.contrast, 2),
-            pair(|colour| colour.peak_nm, 1),
+            if is_mixture(&one.state) { "-".to_owned() } else { pair(|colour| colour.peak_nm, 1) },
             number(one.delta_E_2000, 2),
             number(one.distance_uv, 4),
             number(spectrum.map(|spectrum| spectrum.mean_difference), 4),
@@ -164,7 +159,7 @@ fn rows(all: &Comparison, view: &ViewComparison) -> Vec<Vec<String>> {
 fn display_metrics(view: &ViewComparison) -> String {
     let pairs = [
         ("contrast ratio", view.contrast_ratio, ""),
-        ("gamut", view.gamut_percent_srgb, " % of sRGB"),
+        ("gamut area in u'v'", view.gamut_percent_srgb, " % of sRGB"),
         ("", view.gamut_percent_ebu, " % of EBU"),
     ];
     let known = pairs.into_iter().filter(|(_, pair, _)| pair.iter().any(Option::is_some));

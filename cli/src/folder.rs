@@ -20,7 +20,8 @@ pub(crate) const ABOUT: &str = "about.json";
 const WITH_HASH: [&str; 3] = ["result.json", "cone.json", ABOUT];
 
 /// Files that do not contain the hash of their scenario.
-const WITHOUT_HASH: [&str; 4] = ["pixel.csv", "display-bsdf.npz", "reflection.csv", "study.csv"];
+const WITHOUT_HASH: [&str; 5] =
+    ["pixel.csv", "absorption.csv", "display-bsdf.npz", "reflection.csv", "study.csv"];
 
 /// Digits of the hash in a folder's name, unless more are needed.
 const DIGITS: usize = 6;

@@ -1,30 +1,71 @@
 //! `papilio new`: a commented scenario to start from.
 
 use std::io::Write;
+use std::path::{Path, PathBuf};
 
 use papilio_formats::write_file;
-use papilio_scenario::{new_scenario, preset_names};
+use papilio_scenario::{ExampleDisplay, new_scenario, new_scenario_of, preset_names};
 
 use crate::arguments::New;
-use crate::{Failure, print_message};
+use crate::{Failure, input, print_message};
 
 pub(crate) fn run(arguments: &New) -> Result<(), Failure> {
-    let name = &arguments.preset;
-    let text = new_scenario(name).ok_or_else(|| {
+    let (light, file) = light_and_file(arguments)?;
+    let text = match arguments.display {
+        Some(display) => new_scenario_of(display.example(), &light),
+        None => new_scenario(&light),
+    };
+    let text = text.ok_or_else(|| {
         let known = preset_names().collect::<Vec<_>>().join(", ");
-        Failure::Input(format!("unknown preset `{name}`\n  = help: the presets are {known}"))
+        Failure::Input(format!("unknown preset `{light}`\n  = help: the presets are {known}"))
     })?;
-    let Some(file) = &arguments.file else {
+    let example = arguments.display.map_or(ExampleDisplay::Imod, |display| display.example());
+    let Some(file) = file else {
         let mut stdout = crate::terminal::stdout();
         stdout.write_all(text.as_bytes())?;
-        return Ok(stdout.flush()?);
+        stdout.flush()?;
+        for (name, _) in example.files() {
+            print_message(&format!(
+                "note: the scenario names the file {name}, which is written only together with it: papilio new --display {} \
+                 --light {light} FILE",
+                example.name()
+            ));
+        }
+        return Ok(());
     };
-    if file.exists() {
+    let folder = input::folder(&file);
+    let texts = example.files().iter().map(|(name, content)| (folder.join(name), *content));
+    // An example file that is already there, as it was written, is used.
+    let is_same =
+        |path: &Path, content: &str| std::fs::read(path).is_ok_and(|found| found == content.as_bytes());
+    let all: Vec<(PathBuf, &str)> = texts
+        .filter(|(path, content)| !is_same(path, content))
+        .chain([(file.clone(), text.as_str())])
+        .collect();
+    if let Some((path, _)) = all.iter().find(|(path, _)| path.exists()) {
         let message =
-            format!("{} already exists\n  = help: specify another file, or move this one", file.display());
+            format!("{} already exists\n  = help: specify another file, or move this one", path.display());
         return Err(Failure::Input(message));
     }
-    write_file(file, |out| out.write_all(text.as_bytes()))?;
-    print_message(&format!("wrote {}; to compute it: papilio run {0}", file.display()));
+    for (path, content) in &all {
+        write_file(path, |out| out.write_all(content.as_bytes()))?;
+    }
+    let names: Vec<String> = all.iter().rev().map(|(path, _)| path.display().to_string()).collect();
+    print_message(&format!("wrote {}; to compute it: papilio run {}", names.join(" and "), file.display()));
     Ok(())
+}
+
+/// The preset and the file: `PRESET [FILE]`, or `[FILE]` with `--light`.
+fn light_and_file(arguments: &New) -> Result<(String, Option<PathBuf>), Failure> {
+    match (&arguments.light, &arguments.preset, &arguments.file) {
+        (None, Some(preset), file) => Ok((preset.clone(), file.clone())),
+        (Some(light), file, None) => Ok((light.clone(), file.as_ref().map(PathBuf::from))),
+        (Some(light), Some(preset), Some(_)) => Err(Failure::Input(format!(
+            "the light is specified twice: `{preset}` and --light {light}\n  = help: papilio new --display KIND --light PRESET [FILE]"
+        ))),
+        (None, None, _) | (Some(_), None, Some(_)) => Err(Failure::Input(format!(
+            "the preset of the light is missing\n  = help: the presets are {}",
+            preset_names().collect::<Vec<_>>().join(", ")
+        ))),
+    }
 }

@@ -10,6 +10,7 @@ use papilio_formats::{
 };
 
 use crate::Failure;
+use crate::page::Page;
 
 /// Prints the JSON Schema of a scenario, or of `result.json`.
 pub(crate) fn schema(of_result: bool) -> Result<(), Failure> {
@@ -82,7 +83,7 @@ pub(crate) fn remove(folder: &Path, is_old: impl Fn(&str) -> bool) -> Result<(),
 
 /// True for names of figures from [`papilio_figures::of_run`], and of files of a cone.
 fn is_figure_or_cone(name: &str) -> bool {
-    let of_view = ["overview", "spectra", "chromaticity", "patches", "rings", "light"];
+    let of_view = ["overview", "spectra", "chromaticity", "chromaticity_xy", "patches", "rings", "light"];
     let figure = |stem: &str| {
         stem.ends_with("_against_angle")
             || of_view.iter().any(|kind| {
@@ -90,10 +91,21 @@ fn is_figure_or_cone(name: &str) -> bool {
             })
     };
     let stem = name.strip_suffix(".svg").or_else(|| name.strip_suffix(".png"));
-    stem.is_some_and(figure) || CONE.contains(&name)
+    stem.is_some_and(figure) || CONE.contains(&name) || name == REPORT
 }
 
-const CONE: [&str; 5] = ["cone.csv", "cone.npy", "cone.json", "cone.svg", "cone.png"];
+/// File of the page about a run.
+const REPORT: &str = "report.html";
+
+const CONE: [&str; 7] = [
+    "cone.csv",
+    "cone.npy",
+    "cone.json",
+    "cone.svg",
+    "cone.png",
+    "cone_differences.svg",
+    "cone_differences.png",
+];
 
 /// Content of the files that `papilio run` writes.
 pub(crate) struct Files<'a> {
@@ -107,6 +119,10 @@ pub(crate) struct Files<'a> {
     pub(crate) cone: Option<&'a ConeResult>,
     /// True if figures are written as PNG too.
     pub(crate) png: bool,
+    /// True if a page about the run is written.
+    pub(crate) report: bool,
+    /// True if the angles of the scenario are in glass.
+    pub(crate) in_glass: bool,
 }
 
 /// Writes the files of `papilio run`, and returns their names.
@@ -117,7 +133,7 @@ pub(crate) fn write_run(folder: &Path, files: &Files<'_>) -> Result<Vec<String>,
         names.push(name.to_owned());
         write_file(&folder.join(name), with)
     };
-    let &Files { title, result: file, light, cone, png } = files;
+    let &Files { title, result: file, light, cone, png, report, in_glass } = files;
     write("result.json", &|out| write_json(out, file))?;
     write("states.csv", &|out| write_states(out, file.result))?;
     write("spectra.csv", &|out| write_spectra(out, file.result))?;
@@ -127,11 +143,21 @@ pub(crate) fn write_run(folder: &Path, files: &Files<'_>) -> Result<Vec<String>,
         write("cone.npy", &|out| write_cone_npy(out, cone))?;
         write("cone.json", &|out| write_json(out, &about))?;
     }
-    let cone_figure =
-        cone.and_then(|cone| papilio_figures::cone(cone, title)).map(|svg| ("cone".to_owned(), svg));
+    let cone_figures = cone.into_iter().flat_map(|cone| {
+        let maps = papilio_figures::cone(cone, title).map(|svg| ("cone".to_owned(), svg));
+        let differences = papilio_figures::cone_differences(cone, title);
+        maps.into_iter().chain(differences.map(|svg| ("cone_differences".to_owned(), svg)))
+    });
     let light_figure = light.map(|light| ("light".to_owned(), papilio_figures::light(light, title)));
     let run_figures = papilio_figures::of_run(file.result, title);
-    for (name, svg) in run_figures.into_iter().chain(light_figure).chain(cone_figure) {
+    let figures: Vec<(String, String)> =
+        run_figures.into_iter().chain(light_figure).chain(cone_figures).collect();
+    if report {
+        let cone_warnings = cone.map_or(&[][..], |cone| &cone.warnings);
+        let page = Page { title, file, cone_warnings, figures: &figures, in_glass };
+        write(REPORT, &|out| out.write_all(page.html().as_bytes()))?;
+    }
+    for (name, svg) in figures {
         write(&format!("{name}.svg"), &|out| out.write_all(svg.as_bytes()))?;
         if HAS_PNG && (png || name == "cone") {
             let picture = papilio_figures::png(&svg, papilio_figures::PNG_SCALE)?;

@@ -4,14 +4,21 @@ use std::io::Write;
 use std::path::Path;
 
 use papilio_colour::peak_nm;
-use papilio_display::pixel::{PixelScan, scan, state_names};
-use papilio_display::scene::{AngleMedium, Scene};
+use papilio_display::pixel::{PixelAbsorption, PixelScan, absorption, primaries, scan, state_names};
+use papilio_display::scene::{self, AngleMedium, Scene};
 use papilio_figures::{PixelScan as Figure, pixel_scan};
-use papilio_formats::{PixelTable, write_file};
-use papilio_scenario::Scenario;
+use papilio_formats::{PixelTable, write_absorption, write_file, write_sub_pixels};
+use papilio_scenario::{Resolved, Scenario};
 
 use crate::arguments::{Angles, Pixel};
-use crate::{Failure, folder, interrupt, output, print_notes, report};
+use crate::{Failure, folder, input, interrupt, output, print_notes, report};
+
+/// Default steps of the angles, in degrees.
+const STEP_DEG: f64 = 1.0;
+const ABSORPTION_STEP_DEG: f64 = 15.0;
+
+/// Files of the absorptance of each layer.
+const ABSORPTION: [&str; 3] = ["absorption.csv", "sub-pixels.csv", "absorption.svg"];
 
 /// Largest size of a scan; few programs can open a larger file.
 const MOST_NUMBERS: usize = 10_000_000;
@@ -20,7 +27,8 @@ const MOST_NUMBERS: usize = 10_000_000;
 const SHOWN_DEG: [f64; 4] = [0.0, 15.0, 30.0, 45.0];
 
 pub(crate) fn pixel(arguments: &Pixel) -> Result<(), Failure> {
-    let resolved = Scenario::load(&arguments.scenario.file, &arguments.scenario.set)?.resolve()?;
+    let resolved =
+        input::scenario::<Scenario>(&arguments.scenario.file, &arguments.scenario.set)?.resolve()?;
     print_notes(&resolved.notes);
     let mut scene = resolved.scene.clone();
     match arguments.angles {
@@ -28,21 +36,61 @@ pub(crate) fn pixel(arguments: &Pixel) -> Result<(), Failure> {
         Some(Angles::Air) => scene.solver.angle_medium = AngleMedium::Air,
         Some(Angles::Glass) => scene.solver.angle_medium = AngleMedium::Glass,
     }
-    let theta_deg = angles(arguments.step, &scene)?;
+    let theta_deg = angles(arguments.step.unwrap_or(STEP_DEG), &scene)?;
+    let absorption =
+        if arguments.absorption { Some(absorption_of(arguments, &resolved, &scene)?) } else { None };
     let folder = folder::choose(&arguments.scenario, &resolved.hash)?;
     let scan = scan(&scene, &theta_deg).map_err(|error| Failure::from_display(&resolved, error))?;
     let medium = if scene.solver.angle_medium == AngleMedium::Air { "air" } else { "glass" };
-    let title = resolved.title.unwrap_or_else(|| report::file_title(&arguments.scenario.file));
-    let mut stdout = crate::terminal::stdout();
+    let title = resolved.title.clone().unwrap_or_else(|| report::file_title(&arguments.scenario.file));
+    let mut stdout = crate::terminal::output(false);
     stdout.write_all(report::pixel(&title, medium, &peaks(&scene, &scan)).as_bytes())?;
+    if let Some(absorption) = &absorption {
+        stdout.write_all(report::absorption(absorption, medium).as_bytes())?;
+    }
     stdout.flush()?;
     interrupt::catch_ctrl_c();
+    let mut written = vec!["pixel.csv", "pixel.svg"];
     interrupt::uninterrupted(|| {
         write(&folder, scan, &title, medium)?;
+        if let Some(absorption) = &absorption {
+            write_absorbed(&folder, absorption, &title, medium)?;
+            written.extend(ABSORPTION);
+        }
         folder::write_about(&folder, &title, &resolved.hash)
     })?;
-    output::print_written(&folder, &["pixel.csv", "pixel.svg", folder::ABOUT].map(str::to_owned));
+    written.push(folder::ABOUT);
+    output::print_written(&folder, &written.into_iter().map(str::to_owned).collect::<Vec<_>>());
     Ok(())
+}
+
+/// Computes the absorptance of each layer; fails if it would be too large.
+fn absorption_of(arguments: &Pixel, resolved: &Resolved, scene: &Scene) -> Result<PixelAbsorption, Failure> {
+    let theta_deg = angles(arguments.step.unwrap_or(ABSORPTION_STEP_DEG), scene)?;
+    if let scene::Pixel::Film(film) = &scene.display.pixel {
+        let parts = film.states.len() * film.sub_pixels.len() * (film.layers.len() + 1);
+        let numbers = theta_deg.len() * parts * scene.grid.len();
+        if numbers > MOST_NUMBERS {
+            return Err(Failure::Input(format!(
+                "absorption.csv would have {numbers} rows (states x sub-pixels x layers x angles x wavelengths); expected at \
+                 most {MOST_NUMBERS}\n  = help: use a larger --step, a larger spectrum.step_nm or fewer states"
+            )));
+        }
+    }
+    absorption(scene, &theta_deg).map_err(|error| Failure::from_display(resolved, error))
+}
+
+fn write_absorbed(
+    folder: &Path,
+    absorption: &PixelAbsorption,
+    title: &str,
+    medium: &str,
+) -> Result<(), Failure> {
+    let [rows, sub_pixels, figure] = ABSORPTION.map(|name| folder.join(name));
+    write_file(&rows, |out| write_absorption(out, absorption))?;
+    write_file(&sub_pixels, |out| write_sub_pixels(out, absorption))?;
+    let svg = papilio_figures::absorption(absorption, medium, title);
+    Ok(write_file(&figure, |out| out.write_all(svg.as_bytes()))?)
 }
 
 /// Angles from 0 to 90 deg. Fails if the scan would be too large.
@@ -89,15 +137,13 @@ fn peaks(scene: &Scene, scan: &PixelScan) -> report::Peaks {
         let inside = scan.wavelength_nm.iter().zip(row).filter(|(nm, _)| (400.0..=700.0).contains(*nm));
         inside.map(|(_, r)| *r).fold(0.0, f64::max)
     };
-    let of_state = |values: &[f64]| {
-        shown
-            .iter()
-            .map(|at| &values[at * bins..][..bins])
-            .map(|row| (peak_nm(&scene.grid, row), largest(row)))
-            .collect()
+    let primaries = primaries(&scene.display.pixel);
+    let of_state = |name: &String, values: &[f64]| {
+        let peak = |row: &[f64]| peak_nm(&scene.grid, row).filter(|_| primaries.contains(name));
+        shown.iter().map(|at| &values[at * bins..][..bins]).map(|row| (peak(row), largest(row))).collect()
     };
     report::Peaks {
         theta_deg: shown.iter().map(|at| scan.theta_deg[*at]).collect(),
-        states: scan.states.iter().map(|(name, values)| (name.clone(), of_state(values))).collect(),
+        states: scan.states.iter().map(|(name, values)| (name.clone(), of_state(name, values))).collect(),
     }
 }

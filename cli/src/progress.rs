@@ -8,6 +8,7 @@ use std::time::{Duration, Instant};
 use indicatif::{ProgressBar, ProgressStyle};
 
 use crate::print_message;
+use crate::terminal::is_quiet;
 
 /// Time between two lines in a log.
 const BETWEEN_LINES: Duration = Duration::from_secs(20);
@@ -49,7 +50,8 @@ impl Drop for Progress {
 
 /// A progress bar on standard error, visible only on a terminal.
 pub(crate) fn bar(items: usize, unit: &str) -> ProgressBar {
-    let bar = ProgressBar::new(items as u64);
+    let bar = if is_quiet() { ProgressBar::hidden() } else { ProgressBar::new(items as u64) };
+    bar.set_length(items as u64);
     if let Ok(style) = ProgressStyle::with_template(&format!("  {{bar:30}} {{pos}} of {{len}} {unit}{{msg}}"))
     {
         bar.set_style(style);

@@ -3,9 +3,12 @@
 use std::fmt::Write;
 use std::path::Path;
 
+use papilio_display::pixel::PixelAbsorption;
 use papilio_display::result::{ReferenceWhite, RunResult, State, StateValues, View, ViewMetrics};
 use papilio_display::{BrdfTable, ConeResult, Reflection};
 pub(crate) use papilio_formats::words::table;
+
+use crate::readability;
 
 /// Largest width of a column heading before it continues on the next line, characters.
 const HEADING: usize = 16;
@@ -41,6 +44,9 @@ const VIEWS_IN_FULL: usize = 3;
 
 /// Title of a scenario without `title`: the name of its file.
 pub(crate) fn file_title(file: &Path) -> String {
+    if crate::input::is_stdin(file) {
+        return crate::input::STDIN_NAME.to_owned();
+    }
     file.file_name().unwrap_or_default().to_string_lossy().into_owned()
 }
 
@@ -55,15 +61,10 @@ pub(crate) fn run(title: &str, in_glass: bool, result: &RunResult, seconds: f64)
     if result.views.len() <= VIEWS_IN_FULL {
         result.views.iter().for_each(|view| text.push_str(&view_in_full(result, view, in_glass)));
     } else {
-        text.push_str(&view_rows(result));
+        let _ = write!(text, "\n{}", table(&rows_of_views(result)));
     }
     let solver = &result.solver;
-    let reached = percent(solver.relative_error_reached);
-    let effort = match (solver.paths, solver.nodes) {
-        (Some(paths), _) => format!("{paths} paths, relative standard error {reached}"),
-        (None, nodes) => format!("{} nodes, discretisation error {reached}", nodes.unwrap_or_default()),
-    };
-    let _ = write!(text, "\n{}: {effort}, {seconds:.2} s", solver.method);
+    let _ = write!(text, "\n{}, {seconds:.2} s", effort(result));
     if let (Some(paths), Some(target)) = (solver.paths, &solver.target) {
         let [likely, most] = target.paths_for_a_tenth.map(|more| more / paths as f64);
         let over = target
@@ -81,6 +82,17 @@ pub(crate) fn run(title: &str, in_glass: bool, result: &RunResult, seconds: f64)
     }
     text.push('\n');
     text
+}
+
+/// The solver of a result, what it did and the error that it reached.
+pub(crate) fn effort(result: &RunResult) -> String {
+    let solver = &result.solver;
+    let reached = percent(solver.relative_error_reached);
+    let effort = match (solver.paths, solver.nodes) {
+        (Some(paths), _) => format!("{paths} paths, relative standard error {reached}"),
+        (None, nodes) => format!("{} nodes, discretisation error {reached}", nodes.unwrap_or_default()),
+    };
+    format!("{}: {effort}", solver.method)
 }
 
 /// Additional report of `papilio run --cone`.
@@ -190,6 +202,39 @@ pub(crate) fn pixel(title: &str, medium: &str, peaks: &Peaks) -> String {
     )
 }
 
+/// Wavelength of the absorptances on the terminal; the nearest one of the grid is used.
+const ABSORBED_NM: f64 = 550.0;
+
+/// Additional report of `papilio pixel --absorption`: the absorptances of each distinct sub-pixel at the smallest angle.
+pub(crate) fn absorption(all: &PixelAbsorption, medium: &str) -> String {
+    let bins = all.wavelength_nm.len();
+    let distance = |bin: &usize| (all.wavelength_nm[*bin] - ABSORBED_NM).abs();
+    let nearest = (0..bins).min_by(|a, b| distance(a).total_cmp(&distance(b)));
+    let (Some(bin), Some(theta)) = (nearest, all.theta_deg.first()) else { return String::new() };
+    let mut rows = vec![vec!["sub-pixel (state)".to_owned(), "reflected".to_owned()]];
+    rows[0].extend(all.layers.iter().map(|layer| match layer.number {
+        Some(number) => format!("{number} {}", layer.material),
+        None => format!("substrate {}", layer.material),
+    }));
+    let mut known: Vec<&[f64]> = Vec::new();
+    for one in &all.sub_pixels {
+        // A sub-pixel that is driven alike in several states is printed once.
+        if known.contains(&one.absorptance.as_slice()) {
+            continue;
+        }
+        known.push(&one.absorptance);
+        let layers = one.absorptance.iter().skip(bin).step_by(all.theta_deg.len() * bins);
+        let percent = |fraction: &f64| unsigned_zero(format!("{:.1}", 100.0 * fraction));
+        let cells = std::iter::once(&one.reflectance[bin]).chain(layers).map(percent);
+        rows.push(std::iter::once(format!("{} ({})", one.sub_pixel, one.state)).chain(cells).collect());
+    }
+    format!(
+        "\nreflected, and absorbed by each layer, at {} nm, {theta} deg in {medium}, % of the light on the sub-pixel\n{}",
+        all.wavelength_nm[bin],
+        table(&rows)
+    )
+}
+
 /// A column of the table of states: its title, its decimals without an error, and its value.
 type Column = (&'static str, usize, fn(&StateValues) -> Option<f64>);
 
@@ -210,6 +255,19 @@ const PEAK: &str = "peak (nm)";
 
 /// Report of a view: all states, metrics, and the energy balance.
 fn view_in_full(result: &RunResult, view: &View, in_glass: bool) -> String {
+    let table = table(&rows_of_states(result, view));
+    format!("\n{}\n{table}{}", seen_from(view, in_glass), lines_of_view(result, view))
+}
+
+/// The direction of a view.
+pub(crate) fn seen_from(view: &View, in_glass: bool) -> String {
+    let medium = if in_glass { " in glass" } else { "" };
+    let azimuth = if view.phi_deg == 0.0 { String::new() } else { format!(", azimuth {} deg", view.phi_deg) };
+    format!("seen from {} deg{medium}{azimuth}", view.theta_deg)
+}
+
+/// The states of a view: a head, and a row for each state.
+pub(crate) fn rows_of_states(result: &RunResult, view: &View) -> Vec<Vec<String>> {
     let mut rows = vec![vec!["state".to_owned()]];
     rows[0].extend(COLUMNS.iter().map(|(title, ..)| (*title).to_owned()));
     for (name, State { value, standard_error, .. }) in view.states.iter() {
@@ -224,22 +282,20 @@ fn view_in_full(result: &RunResult, view: &View, in_glass: bool) -> String {
     if result.primaries.is_empty() {
         rows.iter_mut().for_each(|row| _ = row.pop());
     }
-    let mut text = format!("\nseen from {} deg{}", view.theta_deg, if in_glass { " in glass" } else { "" });
-    if view.phi_deg != 0.0 {
-        let _ = write!(text, ", azimuth {} deg", view.phi_deg);
-    }
-    text.push('\n');
-    text.push_str(&table(&rows));
-    if result.reference_white == ReferenceWhite::Display {
-        text.push_str("  L*, a*, b* and colour differences: relative to the white state\n");
-    }
-    text.push_str(&display_metrics(view));
-    text.push_str(&by_source(view));
-    text.push_str(&energy_balance(view));
-    text
+    rows
 }
 
-/// Metrics of the display: contrast, gamut, text.
+/// Lines below the states of a view: metrics, and the energy balance.
+pub(crate) fn lines_of_view(result: &RunResult, view: &View) -> String {
+    let white = match result.reference_white {
+        ReferenceWhite::Display => "  L*, a*, b* and colour differences: relative to the white state\n",
+        _ => "",
+    };
+    let text = readability::of_text(view, &result.reader);
+    [white.to_owned(), display_metrics(view), text, by_source(view), energy_balance(view)].concat()
+}
+
+/// Metrics of the display: contrast, gamut.
 fn display_metrics(view: &View) -> String {
     let error = &view.standard_error;
     let contrast = view.metrics.contrast_ratio.map_or(String::new(), |contrast| {
@@ -250,10 +306,7 @@ fn display_metrics(view: &View) -> String {
         let volume = measured(Some(volume), error.gamut_volume_cielab, 0);
         format!("  gamut volume {volume} in CIELAB (sRGB: 819000)\n")
     });
-    if contrast.is_empty() && gamut.is_empty() {
-        return volume;
-    }
-    format!("{contrast}{gamut}{volume}{}", text_on_white(view))
+    format!("{contrast}{gamut}{volume}")
 }
 
 /// A percentage of a view.
@@ -295,32 +348,6 @@ fn gamut(view: &View, diagram: &str, areas: &[(&str, Percent)], coverage: Percen
     }
     let coverage = shown("sRGB", coverage).map_or(String::new(), |text| format!("; coverage {text}"));
     format!("  gamut in {diagram}: area {}{coverage}\n", areas.join(", "))
-}
-
-/// Luminance, contrast and readability of black text on white.
-fn text_on_white(view: &View) -> String {
-    let (text, error) = (&view.metrics, &view.standard_error);
-    let (Some(luminance), Some(contrast)) = (text.text_luminance_cd_m2, text.text_contrast) else {
-        return String::new();
-    };
-    let ages = [text.reading_surrogate_age_20, text.reading_surrogate_age_50, text.reading_surrogate_age_75];
-    let reading = match ages {
-        [Some(young), Some(middle), Some(old)] => {
-            let [young, middle, old] = [young, middle, old].map(|fraction| 100.0 * fraction);
-            let reader = text.reading_surrogate.map_or(String::new(), |fraction| {
-                format!(", {:.0} % at the age of the reader", 100.0 * fraction)
-            });
-            format!(
-                "reading performance {young:.0} / {middle:.0} / {old:.0} % at 20 / 50 / 75 years{reader} (calibrated surrogate)"
-            )
-        }
-        _ => "reading performance: outside the range of the surrogate".to_owned(),
-    };
-    format!(
-        "  black text on white: mean luminance {} cd/m2, contrast {}\n  {reading}\n",
-        measured(Some(luminance), error.text_luminance_cd_m2, 1),
-        measured(Some(contrast), error.text_contrast, 3)
-    )
 }
 
 /// Luminance factor of the first state in the light of each source, if there are several.
@@ -372,16 +399,16 @@ fn energy_balance(view: &View) -> String {
         .filter(|(_, fraction)| *fraction > 5e-5)
         .map(|(part, fraction)| format!("{part} {:.1} %", 100.0 * fraction))
         .collect();
+    let parts = if parts.is_empty() { "nothing".to_owned() } else { parts.join(", ") };
     format!(
-        "  energy balance of a beam from the viewer, {name}: returned {:.1} %; absorbed: {}{unaccounted}\n",
-        100.0 * ledger.returned,
-        parts.join(", ")
+        "  energy balance of a beam from the viewer, {name}: returned {:.1} %; absorbed: {parts}{unaccounted}\n",
+        100.0 * ledger.returned
     )
 }
 
 /// A row for each view: contrast, gamut and white of a display with the states white and black, otherwise the Y of its
 /// states.
-fn view_rows(result: &RunResult) -> String {
+pub(crate) fn rows_of_views(result: &RunResult) -> Vec<Vec<String>> {
     let names: Vec<&str> = result.views[0].states.iter().map(|(name, _)| name).collect();
     let has_white_and_black = ["white", "black"].iter().all(|name| names.contains(name));
     let y = |view: &View, name: &str| {
@@ -396,6 +423,10 @@ fn view_rows(result: &RunResult) -> String {
         rows[0].extend(titles.map(str::to_owned));
     } else {
         rows[0].extend(names.iter().take(STATES_IN_A_ROW).map(|name| format!("Y {name}")));
+    }
+    let has_reader = has_white_and_black && result.reader.is_described;
+    if has_reader {
+        rows[0].extend(["visibility level", "contrast margin"].map(str::to_owned));
     }
     for view in &result.views {
         let mut row = angles(view);
@@ -415,14 +446,19 @@ fn view_rows(result: &RunResult) -> String {
         } else {
             row.extend(names.iter().take(STATES_IN_A_ROW).map(|name| y(view, name)));
         }
+        if has_reader {
+            let error = &view.standard_error;
+            row.push(measured(view.metrics.visibility_level, error.visibility_level, 2));
+            row.push(measured(view.metrics.contrast_margin, error.contrast_margin, 1));
+        }
         rows.push(row);
     }
-    format!("\n{}", table(&rows))
+    rows
 }
 
 /// A value with its standard error in units of the last digit, as in `0.1523(2)` (GUM, 7.2.2). If the error is less than
 /// half of the last digit, only the value is printed.
-fn measured(value: Option<f64>, error: Option<f64>, decimals: usize) -> String {
+pub(crate) fn measured(value: Option<f64>, error: Option<f64>, decimals: usize) -> String {
     let Some(value) = value else { return "-".to_owned() };
     let error = error.unwrap_or(0.0);
     if error.is_nan() || error < 0.5 * 0.1_f64.powi(decimals as i32) {

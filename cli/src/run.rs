@@ -15,7 +15,8 @@ use papilio_scenario::{Resolved, Scenario};
 
 use crate::arguments::{Run, Solver};
 use crate::progress::in_log;
-use crate::{Failure, folder, interrupt, output, print_message, print_notes, report};
+use crate::terminal::is_quiet;
+use crate::{Failure, folder, input, interrupt, output, print_message, print_notes, report};
 
 /// Shortest computation that is announced, in seconds of one processor.
 const LONG_SECONDS: f64 = 20.0;
@@ -28,11 +29,8 @@ pub(crate) fn run(arguments: &Run) -> Result<(), Failure> {
     let mut result = compute(&resolved, arguments.workers.threads)?;
     let seconds = started.elapsed().as_secs_f64();
     let started = Instant::now();
-    let cone = if arguments.cone && !result.solver.interrupted {
-        compute_cone(&resolved, arguments.allow_error, arguments.workers.threads)?
-    } else {
-        None
-    };
+    let cone =
+        if arguments.cone && !result.solver.interrupted { compute_cone(&resolved, arguments)? } else { None };
     let cone_seconds = started.elapsed().as_secs_f64();
     result.warnings.splice(0..0, resolved.warnings.iter().cloned());
     result.notes.splice(0..0, resolved.notes.iter().cloned());
@@ -52,16 +50,17 @@ pub(crate) fn run(arguments: &Run) -> Result<(), Failure> {
         light: light.as_ref(),
         cone: cone.as_ref(),
         png: arguments.png,
+        report: arguments.report,
+        in_glass: resolved.scene.solver.angle_medium == AngleMedium::Glass,
     };
     let written = out.as_deref().map(|folder| interrupt::uninterrupted(|| output::write_run(folder, &files)));
     // Print the result even if the files cannot be written.
-    let mut stdout = crate::terminal::stdout();
+    let mut stdout = crate::terminal::output(arguments.json);
     if arguments.json {
         write_json(&mut stdout, &file)?;
     } else {
-        let in_glass = resolved.scene.solver.angle_medium == AngleMedium::Glass;
         let cone = cone.as_ref().map(|cone| report::cone(cone, cone_seconds)).unwrap_or_default();
-        stdout.write_all(report::run(&title, in_glass, &result, seconds).as_bytes())?;
+        stdout.write_all(report::run(&title, files.in_glass, &result, seconds).as_bytes())?;
         stdout.write_all(cone.as_bytes())?;
     }
     stdout.flush()?;
@@ -102,8 +101,8 @@ fn out_folder(arguments: &Run, hash: &str) -> Result<Option<PathBuf>, Failure> {
     if arguments.scenario.out.is_some() || !arguments.json {
         return folder::choose(&arguments.scenario, hash).map(Some);
     }
-    if arguments.cone || arguments.png {
-        let message = "--cone and --png write files, but --json writes none without --out\n  = help: specify a folder with --out DIR";
+    if arguments.cone || arguments.png || arguments.report {
+        let message = "--cone, --png and --report write files, but --json writes none without --out\n  = help: specify a folder with --out DIR";
         return Err(Failure::Input(message.to_owned()));
     }
     Ok(None)
@@ -129,7 +128,7 @@ fn resolve(arguments: &Run) -> Result<Resolved, Failure> {
         format!("solver.method={method}")
     }));
     overrides.extend(arguments.seed.map(|seed| format!("solver.seed={seed}")));
-    Ok(Scenario::load(&arguments.scenario.file, &overrides)?.resolve()?)
+    Ok(input::scenario::<Scenario>(&arguments.scenario.file, &overrides)?.resolve()?)
 }
 
 /// Computes the result of a scenario.
@@ -139,14 +138,11 @@ pub(crate) fn compute(resolved: &Resolved, threads: Option<u16>) -> Result<RunRe
 }
 
 /// Computes the conoscopic maps; `None` if interrupted.
-fn compute_cone(
-    resolved: &Resolved,
-    allow_error: Option<f64>,
-    threads: Option<u16>,
-) -> Result<Option<ConeResult>, Failure> {
-    let grid = ConeGrid::within(&resolved.scene)?;
-    with_progress(resolved, threads, |control| {
-        papilio_display::cone(&resolved.scene, grid, control)?.allowing(allow_error)
+fn compute_cone(resolved: &Resolved, arguments: &Run) -> Result<Option<ConeResult>, Failure> {
+    let mut grid = ConeGrid::within(&resolved.scene)?;
+    grid.reference_deg = arguments.cone_reference.unwrap_or(grid.reference_deg);
+    with_progress(resolved, arguments.workers.threads, |control| {
+        papilio_display::cone(&resolved.scene, grid, control)?.allowing(arguments.allow_error)
     })
 }
 
@@ -171,7 +167,8 @@ pub(crate) fn with_progress<T>(
 
 /// A progress bar on standard error, visible only on a terminal.
 fn progress_bar() -> ProgressBar {
-    let bar = ProgressBar::new(1000);
+    let bar = if is_quiet() { ProgressBar::hidden() } else { ProgressBar::new(1000) };
+    bar.set_length(1000);
     if let Ok(style) = ProgressStyle::with_template("  {bar:30} {percent:>3} %  {msg}  {elapsed}") {
         bar.set_style(style);
     }

@@ -12,7 +12,7 @@ use papilio_sampling::table_4_1::Estimator;
 use papilio_scenario::Scenario;
 
 use crate::arguments::StudySampling;
-use crate::{Failure, folder, interrupt, output, print_notes, report, run};
+use crate::{Failure, folder, input, interrupt, output, print_notes, report, run};
 
 /// Smallest number of paths: 16 for each replicate.
 const FIRST: u64 = 512;
@@ -21,7 +21,8 @@ const FIRST: u64 = 512;
 const POINTS: u64 = 256;
 
 pub(crate) fn sampling(arguments: &StudySampling) -> Result<(), Failure> {
-    let resolved = Scenario::load(&arguments.scenario.file, &arguments.scenario.set)?.resolve()?;
+    let resolved =
+        input::scenario::<Scenario>(&arguments.scenario.file, &arguments.scenario.set)?.resolve()?;
     print_notes(&resolved.notes);
     let folder = folder::choose(&arguments.scenario, &resolved.hash)?;
     let paths: Vec<u64> =
@@ -32,7 +33,7 @@ pub(crate) fn sampling(arguments: &StudySampling) -> Result<(), Failure> {
         run::with_progress(&resolved, None, |control| study(&resolved.scene, &paths, &clock, control))?
             .ok_or(Failure::Interrupted("the study is incomplete; no file was written"))?;
     let title = resolved.title.unwrap_or_else(|| report::file_title(&arguments.scenario.file));
-    let mut stdout = crate::terminal::stdout();
+    let mut stdout = crate::terminal::output(false);
     stdout.write_all(format!("{}{}", table_4_1(), table(&title, &curves)).as_bytes())?;
     stdout.flush()?;
     let names = interrupt::uninterrupted(|| {
@@ -119,7 +120,7 @@ fn write(folder: &std::path::Path, curves: &[StudyCurve], title: &str) -> Result
         .map(|sampler| {
             let of_sampler: Vec<&StudyCurve> =
                 curves.iter().filter(|curve| curve.sampler == sampler).collect();
-            let title = format!("{title}: {} numbers", sampler.name());
+            let title = format!("{title}   \u{b7}   sampler: {}", sampler.name());
             (
                 format!("study_{}", sampler.name()),
                 accuracy(&panels(&of_sampler, |c| c.strategy.name()), &title),
@@ -127,10 +128,15 @@ fn write(folder: &std::path::Path, curves: &[StudyCurve], title: &str) -> Result
         })
         .collect();
     let guided: Vec<&StudyCurve> = curves.iter().filter(|c| c.strategy == Strategy::Kernel).collect();
-    let of_samplers =
-        accuracy(&panels(&guided, |c| c.sampler.name()), &format!("{title}: drawn from the kernel"));
+    let of_samplers = accuracy(
+        &panels(&guided, |c| c.sampler.name()),
+        &format!("{title}   \u{b7}   samplers compared; directions drawn from the diffuser's kernel"),
+    );
     figures.push(("study_samplers".to_owned(), of_samplers));
-    figures.push(("point_sets".to_owned(), point_sets(&point_set_pairs(), &format!("{POINTS} points"))));
+    figures.push((
+        "point_sets".to_owned(),
+        point_sets(&point_set_pairs(), &format!("{POINTS} points of each sampler")),
+    ));
     names.extend(output::write_figures(folder, figures, true)?);
     Ok(names)
 }
@@ -146,7 +152,10 @@ fn panels(curves: &[&StudyCurve], name: impl Fn(&StudyCurve) -> &'static str) ->
         };
         ErrorPanel { x: x.to_owned(), powers: true, curves: curves.iter().enumerate().map(curve).collect() }
     };
-    vec![panel("Paths", &|p| p.paths as f64), panel("CPU time of transport, s", &|p| p.transport_s)]
+    vec![
+        panel("Number of paths", &|p| p.paths as f64),
+        panel("CPU time of transport (s)", &|p| p.transport_s),
+    ]
 }
 
 /// Points of each sampler: the first two coordinates of samples 256 to 511.

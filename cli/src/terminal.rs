@@ -4,17 +4,45 @@
 //! that a terminal does not execute them. In JSON the escape sequence means the same character.
 
 use std::io::{self, Write};
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use papilio_formats::words::visible;
 
-/// Standard output, with control characters escaped.
-pub(crate) fn stdout() -> impl Write {
-    EscapingWriter { to: anstream::stdout().lock(), incomplete: Vec::new() }
+/// Set by `--quiet`.
+static QUIET: AtomicBool = AtomicBool::new(false);
+
+/// Beginnings of the messages that `--quiet` does not suppress.
+const IMPORTANT: [&str; 3] = ["error", "warning", "interrupted"];
+
+/// Suppresses reports, notes and progress from now on (`--quiet`).
+pub(crate) fn be_quiet() {
+    QUIET.store(true, Ordering::Relaxed);
 }
 
-/// Prints a message on standard error. Errors are ignored: standard error may be closed.
+/// Returns whether reports, notes and progress are suppressed.
+pub(crate) fn is_quiet() -> bool {
+    QUIET.load(Ordering::Relaxed)
+}
+
+/// Standard output for data that the user requested, with control characters escaped.
+pub(crate) fn stdout() -> impl Write {
+    output(true)
+}
+
+/// Standard output of a command that prints JSON (`json`), or a report, which `--quiet` suppresses.
+pub(crate) fn output(json: bool) -> impl Write {
+    let to: Box<dyn Write> =
+        if json || !is_quiet() { Box::new(anstream::stdout().lock()) } else { Box::new(io::sink()) };
+    EscapingWriter { to, incomplete: Vec::new() }
+}
+
+/// Prints a message on standard error; with `--quiet` only errors and warnings. Errors of the stream are ignored: standard error may be
+/// closed.
 pub(crate) fn print_message(text: &dyn std::fmt::Display) {
-    let _ = writeln!(anstream::stderr(), "{}", visible(&text.to_string()));
+    let text = text.to_string();
+    if !is_quiet() || IMPORTANT.iter().any(|word| text.starts_with(word)) {
+        let _ = writeln!(anstream::stderr(), "{}", visible(&text));
+    }
 }
 
 /// Prints notes on standard error.

@@ -30,9 +30,10 @@ pub(crate) fn validate(arguments: &Validate) -> Result<(), Failure> {
     write_file(&folder.join("report.html"), |out| out.write_all(report.html().as_bytes()))?;
     print_message(&format!(
         "reproduced {} tables and figures in {:.1} s",
-        report.sections.len(),
+        report.sections.len() - 1,
         started.elapsed().as_secs_f64()
     ));
+    print_message(&report.verdict());
     print_message(&format!("wrote {}: report.html, scenarios/", folder.display()));
     Ok(())
 }

@@ -12,9 +12,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _messages, _metadata, _papilio, _snapshots
-from ._arguments import ascending
+from ._arguments import ascending, reals
 from ._snapshots import ConeSnapshot, read_only
 from ._mapping import ByName
+from .errors import ArgumentError
 from .figure import Figure
 from .running import Progress, checked_progress, checked_threads, with_solver
 from .scenario import Scenario, read
@@ -135,6 +136,7 @@ def cone(
     threads: int | None = None,
     progress: Progress | None = None,
     allow_error: float | None = None,
+    reference_deg: tuple[float, float] = (0.0, 0.0),
 ) -> Cone:
     """Computes a conoscopic map: the output of ``papilio run --cone``.
 
@@ -146,15 +148,21 @@ def cone(
         threads: number of threads; None: one for each processor.
         progress: function that is called a few times a second.
         allow_error: rows with a larger relative error are refused; None: the scenario's target.
+        reference_deg: inclination and azimuth of the direction with which the colour of each state is compared
+            (``uv_shift``, ``delta_E_2000_with_angle``, ``delta_E_1976_with_angle``); by default the normal.
 
     Warns:
         PapilioWarning: each warning that the program prints; ``warnings`` of the result contains it.
     """
     changed = read(scenario, with_solver(set))
     scene = changed._scene()
-    thetas = ascending("theta_deg", theta_deg, float(np.nextafter(90.0, 0.0)))
-    phis = ascending("phi_deg", phi_deg, float(np.nextafter(360.0, 0.0)))
-    core = _papilio.Cone(scene, thetas, phis, checked_threads(threads), checked_progress(progress), allow_error)
+    thetas = ascending("theta_deg", theta_deg, below=90.0)
+    phis = ascending("phi_deg", phi_deg, below=360.0)
+    reference = reals("reference_deg", reference_deg, least=-360.0, most=360.0)
+    if reference.shape != (2,) or not 0 <= reference[0] < 90:
+        raise ArgumentError(f"reference_deg: expected an inclination from 0 to below 90 and an azimuth, not {reference_deg!r}")
+    direction = [float(angle) for angle in reference]
+    core = _papilio.Cone(scene, thetas, phis, checked_threads(threads), checked_progress(progress), allow_error, direction)
     found = Cone(core, changed.title, scene.warnings, scene.notes)
     _messages.warn(found.warnings)
     return found

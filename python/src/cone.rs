@@ -45,7 +45,8 @@ pub(crate) struct Cone {
 impl Cone {
     /// Computes the map over ascending directions, degrees; `None`: the default directions.
     #[new]
-    #[pyo3(signature = (scenario, theta_deg=None, phi_deg=None, threads=None, progress=None, allow_error=None))]
+    #[pyo3(signature = (scenario, theta_deg=None, phi_deg=None, threads=None, progress=None, allow_error=None, reference_deg=None))]
+    #[allow(clippy::too_many_arguments, reason = "the arguments of the Python function")]
     fn new(
         py: Python<'_>,
         scenario: &Resolved,
@@ -54,6 +55,7 @@ impl Cone {
         threads: Option<u16>,
         progress: Option<Bound<'_, PyAny>>,
         allow_error: Option<f64>,
+        reference_deg: Option<[f64; 2]>,
     ) -> PyResult<Self> {
         let scene = &scenario.of.scene;
         let found = watched(py, &AtomicBool::new(false), progress.as_ref(), |watch| {
@@ -61,7 +63,7 @@ impl Cone {
             let grid = ConeGrid {
                 theta_deg: theta_deg.unwrap_or(within.theta_deg),
                 phi_deg: phi_deg.unwrap_or(within.phi_deg),
-                reference_deg: within.reference_deg,
+                reference_deg: reference_deg.unwrap_or(within.reference_deg),
             };
             watch.run(threads.map(usize::from), |control| {
                 papilio_display::cone(scene, grid, control)?.allowing(allow_error)

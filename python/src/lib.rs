@@ -5,6 +5,7 @@
 //! the interpreter meanwhile. It raises the exceptions of `papilio/errors.py`, and checks all arguments again, so that no
 //! script can crash the interpreter.
 
+mod absorption;
 mod batch;
 mod brdf;
 mod colour;
@@ -17,11 +18,13 @@ mod films;
 mod plot;
 mod pool;
 mod production;
+mod program;
 mod result;
 mod run;
 mod scenario;
 mod search;
 mod watch;
+mod waves;
 
 use pyo3::prelude::*;
 
@@ -32,6 +35,8 @@ static ALLOCATOR: mimalloc::MiMalloc = mimalloc::MiMalloc;
 /// Implementation of the package `papilio`; not for direct use.
 #[pymodule]
 mod _papilio {
+    #[pymodule_export]
+    use crate::absorption::Absorption;
     #[pymodule_export]
     use crate::batch::{Batch, metric_names};
     #[pymodule_export]
@@ -51,6 +56,8 @@ mod _papilio {
     #[pymodule_export]
     use crate::production::Production;
     #[pymodule_export]
+    use crate::program::program;
+    #[pymodule_export]
     use crate::result::RunResult;
     #[pymodule_export]
     use crate::run::Prepared;
@@ -60,6 +67,8 @@ mod _papilio {
     };
     #[pymodule_export]
     use crate::search::{Search, moved_text};
+    #[pymodule_export]
+    use crate::waves::{film_absorptance, film_amplitudes, film_derivatives};
 
     #[pymodule_export]
     #[allow(non_upper_case_globals, reason = "Python's name")]

@@ -12,7 +12,8 @@ differences.csv: pairs of L*a*b* and their CIEDE2000 difference.
 appearance.csv: CIECAM16 (CIE 248:2022) J, C and CAM16-UCS J', a', b' of colours under viewing conditions.
 gamuts.csv: displays by the X, Y, Z of black, red, green, yellow, blue, magenta, cyan, white: area and coverage of
 references in u'v' (the common area by scipy, as an intersection of half-planes), the CIELAB volume of
-their 602 surface colours against D65 (the triangles' tetrahedra), and that of the colours' convex hull.
+their 602 surface colours against D65 (the triangles' tetrahedra), that of the colours' convex hull, and area and
+coverage in xy.
 primaries.csv: the reflectances of red, green and blue of Mallett and Yuksel 2019.
 """
 
@@ -167,15 +168,20 @@ def solid(corners):
 
 def gamuts():
     yield ["display", *(f"{axis}{on}" for on in range(8) for axis in "XYZ"),
-           *(f"{what}_{name}" for name in REFERENCES for what in ("area", "coverage")), "volume", "hull"]
+           *(f"{what}_{name}" for name in REFERENCES for what in ("area", "coverage")), "volume", "hull",
+           *(f"{what}_{name}_xy" for name in REFERENCES for what in ("area", "coverage"))]
     to_uv = lambda xy: np.array([colour.xy_to_Luv_uv(one) for one in xy])  # noqa: E731
     area = lambda corners: scipy.spatial.ConvexHull(corners).volume  # noqa: E731
     for name, corners in displays():
-        primaries = to_uv(colour.XYZ_to_xy(corners[[1, 2, 4]]))
-        percent = []
-        for reference in map(to_uv, REFERENCES.values()):
-            percent += [100 * area(primaries) / area(reference), 100 * common_area(primaries, reference) / area(reference)]
-        yield [name, *corners.ravel().tolist(), *(repr(float(v)) for v in (*percent, *solid(corners)))]
+        percent = {}
+        for diagram, of_xy in (("uv", to_uv), ("xy", np.array)):
+            primaries = of_xy(colour.XYZ_to_xy(corners[[1, 2, 4]]))
+            percent[diagram] = []
+            for reference in map(of_xy, REFERENCES.values()):
+                common = common_area(primaries, reference)
+                percent[diagram] += [100 * area(primaries) / area(reference), 100 * common / area(reference)]
+        numbers = (*percent["uv"], *solid(corners), *percent["xy"])
+        yield [name, *corners.ravel().tolist(), *(repr(float(v)) for v in numbers)]
 
 
 def primaries():

@@ -8,6 +8,7 @@ use papilio_formats::{Diagnostic, FormatError};
 use papilio_scenario::{Resolved, ScenarioError, ScenarioErrors};
 use schemars::JsonSchema;
 use serde::Serialize;
+use serde_json::Value;
 
 /// The error response to a request.
 #[derive(Debug, Clone)]
@@ -44,6 +45,12 @@ pub(crate) struct OneError {
     pub(crate) expected: Option<String>,
     /// What to do.
     pub(crate) hint: Option<String>,
+    /// A value of the key that is accepted, for example the nearest one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) accepted: Option<Value>,
+    /// True if only adding refuses this: the Monte Carlo solver can compute it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) monte_carlo: Option<bool>,
 }
 
 impl Fault {
@@ -111,11 +118,35 @@ impl From<&ScenarioError> for OneError {
             column,
             expected: error.diagnostic.expected.clone(),
             hint: error.hint().map(str::to_owned),
+            // The value of a data file cannot be changed in the scenario.
+            accepted: error
+                .diagnostic
+                .accepted
+                .as_deref()
+                .filter(|_| error.asked_for_at.is_none())
+                .and_then(as_json),
+            monte_carlo: None,
         }
     }
 }
 
+/// Reads an accepted value.
+fn as_json(text: &str) -> Option<Value> {
+    serde_json::from_str(text).ok()
+}
+
 impl Fault {
+    /// Marks the errors as those of adding alone.
+    pub(crate) fn for_monte_carlo(mut self) -> Self {
+        self.body.errors.iter_mut().for_each(|error| error.monte_carlo = Some(true));
+        self
+    }
+
+    /// True if the Monte Carlo solver can compute what this error refuses.
+    pub(crate) fn is_for_monte_carlo(&self) -> bool {
+        self.body.errors.iter().all(|error| error.monte_carlo == Some(true))
+    }
+
     /// Converts an error of a computation, with its location in the scenario if it has one.
     pub(crate) fn of(resolved: &Resolved, error: DisplayError) -> Self {
         resolved.located(&error).map_or_else(|| error.into(), Self::from)
@@ -126,6 +157,15 @@ impl From<DisplayError> for Fault {
     fn from(error: DisplayError) -> Self {
         match error {
             DisplayError::Interrupted => Self::too_much("the computation was stopped", ""),
+            // The message of the command line names options that the page does not have.
+            DisplayError::TooNarrow { what, number, nodes, most } => Self::too_much(
+                format!(
+                    "{what} (scatterer {number} from the top) is too narrow for adding within these layers: it would \
+                     need {nodes} directions, and more than {most} would take hours"
+                ),
+                "use a wider one, or the Monte Carlo solver",
+            )
+            .for_monte_carlo(),
             other => Self::too_much(other.to_string(), ""),
         }
     }

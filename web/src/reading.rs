@@ -96,7 +96,7 @@ impl Given {
             scenario = self.read(&library, &set)?;
         }
         let resolved = scenario.resolve()?;
-        check_work(&resolved)?;
+        check_work(&resolved, solver)?;
         Ok((scenario, resolved))
     }
 
@@ -130,7 +130,7 @@ fn set_for(scenario: &Scenario, solver: Solver) -> Vec<String> {
 
 /// Refuses scenarios whose result is too large for a page, or whose computation could not be stopped soon
 /// enough.
-pub(crate) fn check_work(resolved: &Resolved) -> Result<(), Fault> {
+pub(crate) fn check_work(resolved: &Resolved, solver: Solver) -> Result<(), Fault> {
     let scene = &resolved.scene;
     let views = scene.viewer.theta_deg.len() * scene.viewer.phi_deg.len();
     let states = state_names(&scene.display.pixel).len();
@@ -144,15 +144,19 @@ pub(crate) fn check_work(resolved: &Resolved) -> Result<(), Fault> {
             "choose fewer views or a larger spectrum.step_nm, or use `papilio run`, which has no such limit",
         ));
     }
+    if solver == Solver::MonteCarlo {
+        return Ok(());
+    }
     let seconds = adding_seconds(scene).map_err(|error| Fault::of(resolved, error))?;
     if seconds > MOST_SECONDS {
         return Err(Fault::too_much(
             format!(
                 "adding would take about {seconds:.0} s to prepare these layers; the page allows {MOST_SECONDS:.0} s"
             ),
-            "choose a wider diffuser, fewer wavelengths or constant refractive indices, or use `papilio run`, which \
-             has no such limit",
-        ));
+            "choose a wider diffuser, fewer wavelengths or constant refractive indices, or use the Monte Carlo \
+             solver, or `papilio run`, which has no such limit",
+        )
+        .for_monte_carlo());
     }
     Ok(())
 }

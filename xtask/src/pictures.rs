@@ -9,7 +9,15 @@ const PICTURES: [Picture; 9] = [
     (
         &["run"],
         "indoor.toml",
-        &["overview.svg", "spectra.svg", "chromaticity.svg", "patches.svg", "cone.svg"],
+        &[
+            "overview.svg",
+            "spectra.svg",
+            "chromaticity.svg",
+            "chromaticity_xy.svg",
+            "patches.svg",
+            "cone.svg",
+            "cone_differences.svg",
+        ],
         "",
     ),
     (
@@ -24,7 +32,7 @@ const PICTURES: [Picture; 9] = [
         ],
         "",
     ),
-    (&["pixel"], "indoor.toml", &["pixel.svg"], ""),
+    (&["pixel", "--absorption"], "indoor.toml", &["pixel.svg", "absorption.svg"], ""),
     (
         &[
             "diffuser",

@@ -4,13 +4,17 @@ use std::path::PathBuf;
 
 use clap::{Args, Subcommand, ValueEnum};
 use papilio_formats::bsdf_formats;
+use papilio_goniometry::ScatterMode;
 
 use super::{ScenarioArguments, Workers};
 
 #[derive(Debug, Subcommand)]
 pub(crate) enum Diffuser {
     /// Report the quality of a file: coverage, energy, reciprocity, holes, noise, haze
-    #[command(after_help = "Example: papilio diffuser inspect scenarios/data/H65.bsdf --out out/H65")]
+    #[command(after_help = "Examples:\n  papilio diffuser inspect scenarios/data/H65.bsdf --out out/H65\n  \
+                      papilio diffuser inspect scan.csv --part front-transmission\n\n\
+                      --part states what the values of a file are that does not state it itself: a CSV table with inclinations up to \
+                      90 deg, a scan over one angle, a list of FRED. Otherwise it selects one part of the file.")]
     Inspect(Inspect),
     /// Convert a file to another format
     #[command(after_help = "Example: papilio diffuser convert scenarios/data/H65.bsdf H65.csv")]
@@ -20,26 +24,32 @@ pub(crate) enum Diffuser {
     Fit(FitArguments),
     /// Calibrate a sample with a known white that was measured on the same grid
     #[command(
-        after_help = "Example: papilio diffuser calibrate sample.bsdf white.bsdf calibrated.bsdf --reflectance 0.99"
+        after_help = "Example:\n  papilio diffuser calibrate sample.bsdf white.bsdf out.bsdf --reflectance 0.99"
     )]
     Calibrate(Calibrate),
     /// Compute a display without each processing step of its measured diffuser: level, spectrum, blur, tails
-    #[command(
-        after_help = "Example: papilio diffuser steps scenarios/measured-diffused.toml --beside scenarios/measured-truth.toml\n\n\
-                      Each figure, for example step-normalise.svg, shows the spectra with and without a step."
-    )]
+    #[command(after_help = "Example:\n  papilio diffuser steps scenarios/measured-diffused.toml \\\n    \
+                      --beside scenarios/measured-truth.toml\n\n\
+                      Each figure, for example step-normalise.svg, shows the spectra with and without a step.")]
     Steps(Steps),
     /// Simulate the measurement of a scenario's diffuser by an imaging sphere with blur and noise
     #[command(
-        after_help = "Example: papilio diffuser measure scenarios/virtual-instrument.toml H78.bsdf --set measure.noise=0.01"
+        after_help = "Example:\n  papilio diffuser measure scenarios/virtual-instrument.toml H78.bsdf \\\n    \
+                      --set measure.noise=0.01"
     )]
     Measure(Measure),
 }
+
+/// Help of `--part`.
+const PART: &str =
+    "Part of the file, or what its values are if the file does not state it [default: all parts]";
 
 #[derive(Debug, Args)]
 pub(crate) struct Inspect {
     #[arg(value_name = "FILE", help = format!("File of measured scattering; the format is detected from the content: {}", bsdf_formats()))]
     pub(crate) file: PathBuf,
+    #[arg(long, value_enum, help = PART)]
+    pub(crate) part: Option<PartName>,
     /// Transmission spectrum of the sample (CSV), to report and plot; can be repeated
     #[arg(long, value_name = "FILE")]
     pub(crate) transmission: Vec<PathBuf>,
@@ -70,6 +80,8 @@ pub(crate) struct Convert {
     /// File to write
     #[arg(value_name = "OUT")]
     pub(crate) output: PathBuf,
+    #[arg(long, value_enum, help = PART)]
+    pub(crate) part: Option<PartName>,
     /// Format of the output [default: from its extension .bsdf, .csv, .xml or .npz]
     #[arg(long, value_enum)]
     pub(crate) format: Option<Format>,
@@ -83,8 +95,11 @@ pub(crate) struct FitArguments {
     /// Lobe to fit [default: all]
     #[arg(long, value_enum)]
     pub(crate) model: Option<LobeModel>,
-    /// Part of the measurement to fit [default: the first of the file]
-    #[arg(long, value_enum)]
+    #[arg(
+        long,
+        value_enum,
+        help = "Part of the measurement to fit, or what the values are if the file does not state it [default: the first of the file]"
+    )]
     pub(crate) part: Option<PartName>,
     /// Also fit the regular transmittance, blurred by an instrument of this width (direction cosines)
     #[arg(long, value_name = "WIDTH")]
@@ -136,20 +151,20 @@ pub(crate) enum PartName {
 }
 
 impl PartName {
-    /// Name of the part in a measurement.
-    pub(crate) fn name(self) -> &'static str {
+    /// The part in a measurement.
+    pub(crate) fn way(self) -> ScatterMode {
         match self {
-            Self::FrontReflection => "front reflection",
-            Self::FrontTransmission => "front transmission",
-            Self::BackTransmission => "back transmission",
-            Self::BackReflection => "back reflection",
+            Self::FrontReflection => ScatterMode::FrontReflection,
+            Self::FrontTransmission => ScatterMode::FrontTransmission,
+            Self::BackTransmission => ScatterMode::BackTransmission,
+            Self::BackReflection => ScatterMode::BackReflection,
         }
     }
 }
 
 #[derive(Debug, Args)]
 pub(crate) struct Measure {
-    /// Scenario file (TOML) with a `[display.diffuser]`, and the instrument in `[measure]`
+    /// Scenario file (TOML) with a `[display.diffuser]`, and the instrument in `[measure]`; - reads standard input
     #[arg(value_name = "SCENARIO")]
     pub(crate) scenario: PathBuf,
     /// File to write

@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
 pub(crate) use self::diffuser::{
-    Calibrate, Convert, Diffuser, FitArguments, Format, Inspect, LobeModel, Measure, Steps,
+    Calibrate, Convert, Diffuser, FitArguments, Format, Inspect, LobeModel, Measure, PartName, Steps,
 };
 pub(crate) use self::studies::{
     Optimize, Sweep, SweepCommand, SweepMerge, SweepOutputs, SweepRun, Tolerance,
@@ -30,6 +30,9 @@ pub(crate) use self::studies::{
 pub(crate) struct Arguments {
     #[command(subcommand)]
     pub(crate) command: Command,
+    /// Print warnings and errors only: no report, notes or progress (JSON is printed)
+    #[arg(long, short, global = true)]
+    pub(crate) quiet: bool,
 }
 
 #[derive(Debug, Subcommand)]
@@ -38,23 +41,30 @@ pub(crate) enum Command {
     #[command(after_help = "Example: papilio run scenarios/indoor.toml --set viewer.theta_deg=20")]
     Run(Run),
     /// Compute the reflectance of the pixel alone from 0 to 90 deg: pixel.csv and a figure
-    #[command(after_help = "Example: papilio pixel scenarios/indoor.toml --angles glass --out out/pixel\n\n\
+    #[command(
+        after_help = "Example: papilio pixel scenarios/indoor.toml --angles glass --absorption --out out/pixel\n\n\
                       For a table of a pixel under a diffuser, use --angles glass: the diffuser sends light to the pixel at \
-                      all angles in the glass.")]
+                      all angles in the glass."
+    )]
     Pixel(Pixel),
     /// Export the spectral BRDF of the whole display, for each state
     #[command(after_help = "Example: papilio brdf scenarios/indoor.toml --out out/brdf\n\n\
                       docs/brdf.md describes the file, display-bsdf.npz. NumPy can read it.")]
     Brdf(Brdf),
     /// Compare a simulated display with a measured panel: spectra, colours and gamut, with figures
-    #[command(
-        after_help = "Example: papilio run scenarios/overcast.toml && papilio compare out/overcast scenarios/data/synthetic-panel.csv\n\n\
+    #[command(after_help = "Example:\n  \
+                      papilio run scenarios/overcast.toml\n  \
+                      papilio compare out/overcast scenarios/data/synthetic-panel.csv\n\n\
                       MEASURED needs the columns state, theta_deg (optionally phi_deg), and either wavelength_nm \
-                      and reflectance_factor, or X, Y and Z. docs/compare.md describes them."
-    )]
+                      and reflectance_factor, or X, Y and Z. docs/compare.md describes them.")]
     Compare(Compare),
-    /// Write a commented scenario to start from, with the light of a preset
-    #[command(after_help = "Example: papilio new office office.toml && papilio run office.toml\n\n\
+    /// Write a commented scenario to start from: a display in the light of a preset
+    #[command(
+        override_usage = "papilio new PRESET [FILE]\n       papilio new --display KIND --light PRESET [FILE]"
+    )]
+    #[command(after_help = "Examples:\n  \
+                      papilio new office office.toml && papilio run office.toml\n  \
+                      papilio new --display epaper --light living-room reader.toml\n\n\
                       Presets are rooms, daylight, and measuring geometries of standards. docs/light.md describes them.\n\
                       The error for an unknown preset lists all names.")]
     New(New),
@@ -103,6 +113,13 @@ pub(crate) enum Command {
     #[command(after_help = "Example: papilio serve scenarios/indoor.toml --open\n\n\
                       A program built with cargo alone does not contain the page; `cargo xtask serve` builds both.")]
     Serve(Serve),
+    /// Print a completion script for a shell
+    #[command(after_help = "Examples:\n  \
+                      papilio completions bash > ~/.local/share/bash-completion/completions/papilio\n  \
+                      papilio completions zsh > \"${fpath[1]}/_papilio\"\n  \
+                      papilio completions fish > ~/.config/fish/completions/papilio.fish\n  \
+                      papilio completions powershell >> $PROFILE")]
+    Completions(Completions),
     /// Print the JSON Schema of a scenario, for editors
     Schema {
         /// Print the JSON Schema of result.json instead
@@ -136,15 +153,21 @@ pub(crate) struct Run {
     /// Solver; sets solver.method
     #[arg(long, value_enum)]
     pub(crate) solver: Option<Solver>,
-    /// Also compute maps over all viewing directions: cone.csv, cone.npy, cone.json, cone.svg, cone.png
+    /// Also compute maps over all viewing directions: cone.csv, cone.npy, cone.json, cone.svg, cone_differences.svg
     #[arg(long)]
     pub(crate) cone: bool,
+    /// With --cone: direction with which the colours of the others are compared, in degrees [default: 0,0, the normal]
+    #[arg(long, value_name = "THETA[,PHI]", requires = "cone", allow_negative_numbers = true, value_parser = direction)]
+    pub(crate) cone_reference: Option<[f64; 2]>,
     /// With --cone: accept relative errors up to X, and write them in a column `error` [default: the scenario's target]
     #[arg(long, value_name = "X", requires = "cone", allow_negative_numbers = true, value_parser = relative_error)]
     pub(crate) allow_error: Option<f64>,
     /// Write each figure as PNG too
     #[arg(long)]
     pub(crate) png: bool,
+    /// Write a page about the run too, report.html: figures, tables, scenario; it can be printed
+    #[arg(long)]
+    pub(crate) report: bool,
     /// Seed of the Monte Carlo solver; sets solver.seed
     #[arg(long, value_name = "N", allow_negative_numbers = true)]
     #[arg(value_parser = clap::value_parser!(u64).range(..=i64::MAX as u64))]
@@ -222,12 +245,44 @@ pub(crate) struct Migrate {
 
 #[derive(Debug, Args)]
 pub(crate) struct New {
-    /// Preset of the light: office, sunny, iec-directional, ...
+    /// Preset of the light: office, sunny, iec-directional, ... (with --light: FILE)
     #[arg(value_name = "PRESET")]
-    pub(crate) preset: String,
+    pub(crate) preset: Option<String>,
     /// File to write; it must not exist [default: standard output]
     #[arg(value_name = "FILE")]
     pub(crate) file: Option<PathBuf>,
+    /// Display of the scenario [default: imod]
+    #[arg(long, value_enum, value_name = "KIND")]
+    pub(crate) display: Option<NewDisplay>,
+    /// Preset of the light
+    #[arg(long, value_name = "PRESET")]
+    pub(crate) light: Option<String>,
+}
+
+#[derive(Debug, Clone, Copy, ValueEnum)]
+pub(crate) enum NewDisplay {
+    /// Interferometric pixels under a diffuser
+    Imod,
+    /// Electronic paper below a bare glass surface
+    Epaper,
+    /// A pixel tabulated by another tool, under a diffuser; also writes an example of the table
+    Table,
+}
+
+impl NewDisplay {
+    pub(crate) fn example(self) -> papilio_scenario::ExampleDisplay {
+        match self {
+            Self::Imod => papilio_scenario::ExampleDisplay::Imod,
+            Self::Epaper => papilio_scenario::ExampleDisplay::Epaper,
+            Self::Table => papilio_scenario::ExampleDisplay::Table,
+        }
+    }
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct Completions {
+    /// Shell: bash, zsh, fish, powershell or elvish
+    pub(crate) shell: clap_complete::Shell,
 }
 
 #[derive(Debug, Args)]
@@ -253,9 +308,23 @@ pub(crate) struct Pixel {
     /// Medium of the angles [default: solver.angle_medium]
     #[arg(long, value_enum)]
     pub(crate) angles: Option<Angles>,
-    /// Step of the angles in degrees, a divisor of 90
-    #[arg(long, value_name = "DEG", default_value_t = 1.0, allow_negative_numbers = true, value_parser = angle_step)]
-    pub(crate) step: f64,
+    /// Step of the angles in degrees, a divisor of 90 [default: 1, and 15 for --absorption]
+    #[arg(long, value_name = "DEG", allow_negative_numbers = true, value_parser = angle_step)]
+    pub(crate) step: Option<f64>,
+    /// Also compute the absorptance of each layer of the film: absorption.csv, sub-pixels.csv and a figure
+    #[arg(long)]
+    pub(crate) absorption: bool,
+}
+
+/// Parses an inclination from 0 to below 90 degrees, and optionally an azimuth.
+fn direction(text: &str) -> Result<[f64; 2], String> {
+    let expected =
+        "expected an inclination from 0 to below 90 deg, optionally with an azimuth, such as 8 or 30,90";
+    let (theta, phi) = text.split_once(',').unwrap_or((text, "0"));
+    let number = |text: &str| text.trim().parse::<f64>().map_err(|_| expected.to_owned());
+    let direction = [number(theta)?, number(phi)?];
+    let is_valid = (0.0..90.0).contains(&direction[0]) && direction[1].abs() <= 360.0;
+    if is_valid { Ok(direction) } else { Err(expected.to_owned()) }
 }
 
 /// Parses a relative error above 0.
@@ -293,13 +362,14 @@ pub(crate) struct Workers {
 
 #[derive(Debug, Args)]
 pub(crate) struct ScenarioArguments {
-    /// Scenario file (TOML)
+    /// Scenario file (TOML); - reads standard input
     #[arg(value_name = "FILE")]
     pub(crate) file: PathBuf,
     /// Folder for the results [default: out/NAME for NAME.toml]
     #[arg(long, value_name = "DIR")]
     pub(crate) out: Option<PathBuf>,
-    /// Change a key of the scenario, for example display.pixel.film.1.thickness_nm=12; can be repeated
+    /// Change a key of the scenario, for example display.pixel.film.1.thickness_nm=12; can be repeated; paths of files are
+    /// relative to the current folder
     #[arg(long, value_name = "PATH=VALUE")]
     pub(crate) set: Vec<String>,
 }
@@ -313,6 +383,9 @@ impl ScenarioArguments {
 
 /// `out/NAME` for a scenario file `NAME.toml`.
 pub(crate) fn default_out(file: &Path) -> PathBuf {
+    if crate::input::is_stdin(file) {
+        return PathBuf::from("out").join("stdin");
+    }
     PathBuf::from("out").join(file.file_stem().unwrap_or_default())
 }
 

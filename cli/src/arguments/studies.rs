@@ -28,7 +28,7 @@ pub(crate) enum SweepCommand {
 pub(crate) struct SweepRun {
     // The options of `ScenarioArguments` and `Workers`, repeated: clap would not find them next to a subcommand if
     // they were flattened twice.
-    /// Scenario file (TOML) with a `[sweep]` table
+    /// Scenario file (TOML) with a `[sweep]` table; - reads standard input
     #[arg(value_name = "FILE")]
     pub(crate) file: PathBuf,
     /// Folder for the results [default: out/NAME for NAME.toml]
@@ -60,7 +60,7 @@ pub(crate) struct SweepMerge {
 
 #[derive(Debug, Args)]
 pub(crate) struct Tolerance {
-    /// Scenario file (TOML) with a `[tolerance]` table
+    /// Scenario file (TOML) with a `[tolerance]` table; - reads standard input
     #[arg(value_name = "FILE")]
     pub(crate) file: PathBuf,
     /// Folder for the results [default: out/NAME for NAME.toml]
@@ -86,8 +86,12 @@ pub(crate) struct Tolerance {
 }
 
 /// Outputs of a finished sweep in addition to `sweep.csv` and its figures as SVG.
-#[derive(Debug, Clone, Copy, Args)]
+#[derive(Debug, Clone, Args)]
 pub(crate) struct SweepOutputs {
+    /// Write only these columns of sweep.csv: those of states.csv (`Y,L_star,Y_se`), or metrics of a view and of one state
+    /// (`contrast_ratio,white.Y`) [default: all]
+    #[arg(long, value_name = "NAME,...", value_delimiter = ',')]
+    pub(crate) columns: Vec<String>,
     /// Print all points as JSON on standard output, and write the files as usual
     #[arg(long)]
     pub(crate) json: bool,

@@ -19,7 +19,7 @@ pub(crate) fn calibrate(arguments: &Calibrate) -> Result<(), Failure> {
     }
     refuse_overwriting(&[&arguments.sample, &arguments.reference], &arguments.output)?;
     let format = output_format(arguments.format, &arguments.output)?;
-    let (sample, reference) = (read(&arguments.sample)?, read(&arguments.reference)?);
+    let (sample, reference) = (read(&arguments.sample, None)?, read(&arguments.reference, None)?);
     let calibrated = calibrated(&sample, &reference, arguments.reflectance)
         .map_err(|error| Failure::Input(error.to_string()))?;
     for calibration in &calibrated.calibrations {

@@ -7,5 +7,5 @@ use crate::arguments::Convert;
 pub(crate) fn convert(arguments: &Convert) -> Result<(), Failure> {
     refuse_overwriting(&[&arguments.input], &arguments.output)?;
     let format = output_format(arguments.format, &arguments.output)?;
-    write(&arguments.input, &read(&arguments.input)?, format, &arguments.output)
+    write(&arguments.input, &read(&arguments.input, arguments.part)?, format, &arguments.output)
 }

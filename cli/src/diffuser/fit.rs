@@ -19,13 +19,15 @@ const SHOWN_DEG: [f64; 2] = [5.0, 20.0];
 const SHOWN_LOBES: usize = 3;
 
 pub(crate) fn fit(arguments: &FitArguments) -> Result<(), Failure> {
-    let measurement = read(&arguments.file)?;
-    let part = selected_part(&measurement, arguments)?;
+    let measurement = read(&arguments.file, arguments.part)?;
+    let Some(part) = measurement.parts.first() else {
+        return Err(Failure::Input("the file has no data".to_owned()));
+    };
     let channel = part.luminous();
     let options = FitOptions { straight_width: arguments.straight_width, ..FitOptions::default() };
     let fits = fitted(part, channel, arguments.model.map(LobeModel::kind), &options)
         .map_err(|error| Failure::Input(error.to_string()))?;
-    let mut stdout = crate::terminal::stdout();
+    let mut stdout = crate::terminal::output(arguments.json);
     if arguments.json {
         write_json(&mut stdout, &FitFile::new(part, channel, &fits))?;
     } else {
@@ -42,26 +44,13 @@ pub(crate) fn fit(arguments: &FitArguments) -> Result<(), Failure> {
     Ok(())
 }
 
-/// The requested part, or the first one.
-fn selected_part<'a>(
-    measurement: &'a Measurement,
-    arguments: &FitArguments,
-) -> Result<&'a MeasuredPart, Failure> {
-    let is_requested =
-        |part: &&MeasuredPart| arguments.part.is_none_or(|kind| part.way.name() == kind.name());
-    measurement.parts.iter().find(is_requested).ok_or_else(|| {
-        let names: Vec<&str> = measurement.parts.iter().map(|part| part.way.name()).collect();
-        Failure::Input(format!("the file has no such part\n  = help: its parts are: {}", names.join(", ")))
-    })
-}
-
 /// Figure of the data and the best lobes in the plane of incidence.
 fn figure(measurement: &Measurement, part: &MeasuredPart, channel: usize, fits: &[Ranked]) -> String {
     let quantity = if part.way.is_transmission() { "BTDF (1/sr)" } else { "BRDF (1/sr)" };
     let mut curves = Vec::new();
     for from in shown_incidences(part) {
         curves.push(ScatterCurve {
-            name: Some(format!("{from} deg, data")),
+            name: Some("data".to_owned()),
             incidence_deg: from,
             points: true,
             values: in_plane(part, channel, from),
@@ -71,7 +60,7 @@ fn figure(measurement: &Measurement, part: &MeasuredPart, channel: usize, fits: 
             let values =
                 (-178..=178).map(|k| 0.5 * f64::from(k)).map(|to| (to, ranked.fit.value(ray(from), ray(to))));
             curves.push(ScatterCurve {
-                name: Some(format!("{from} deg, {}", ranked.fit.model.kind().name())),
+                name: Some(ranked.fit.model.kind().name().to_owned()),
                 incidence_deg: from,
                 points: false,
                 values: values.collect(),
@@ -79,7 +68,11 @@ fn figure(measurement: &Measurement, part: &MeasuredPart, channel: usize, fits: 
         }
     }
     let figure = Scattering { quantity: quantity.to_owned(), curves, maps: Vec::new() };
-    scattering(&figure, &measurement.provenance.sample)
+    let sample = match measurement.provenance.sample.as_str() {
+        "" => "Measured lobe",
+        sample => sample,
+    };
+    scattering(&figure, &format!("{sample}   \u{b7}   data and fitted lobes"))
 }
 
 /// The incidences of the file that are nearest to those of the figure.

@@ -4,11 +4,11 @@ use papilio_scenario::Scenario;
 
 use super::{output_format, write};
 use crate::arguments::Measure;
-use crate::{Failure, print_message, print_notes};
+use crate::{Failure, input, print_message, print_notes};
 
 pub(crate) fn measure(arguments: &Measure) -> Result<(), Failure> {
     let format = output_format(arguments.format, &arguments.output)?;
-    let instrument = Scenario::load(&arguments.scenario, &arguments.set)?.measurement()?;
+    let instrument = input::scenario::<Scenario>(&arguments.scenario, &arguments.set)?.measurement()?;
     let file_stem = arguments.output.file_stem().unwrap_or_default().to_string_lossy();
     let sample = instrument.sample.as_deref().unwrap_or(&file_stem);
     let measurement = instrument.measure(sample).map_err(|error| {

@@ -12,11 +12,11 @@ mod tables;
 use std::path::Path;
 
 use papilio_formats::{
-    BsdfFormat, DataFile, LARGEST_BSDF_FILE, WriteError, read_bsdf, write_file, write_measurement,
+    BsdfFormat, DataFile, LARGEST_BSDF_FILE, WriteError, read_bsdf_file, write_file, write_measurement,
 };
 use papilio_goniometry::Measurement;
 
-use crate::arguments::{Diffuser, Format};
+use crate::arguments::{Diffuser, Format, PartName};
 use crate::{Failure, print_message};
 
 pub(crate) fn diffuser(command: &Diffuser) -> Result<(), Failure> {
@@ -30,13 +30,25 @@ pub(crate) fn diffuser(command: &Diffuser) -> Result<(), Failure> {
     }
 }
 
-/// Reads a file in any format, and prints its warnings.
-fn read(path: &Path) -> Result<Measurement, Failure> {
+/// Reads a file in any format, or one part of it, and prints its notes and warnings.
+fn read(path: &Path, part: Option<PartName>) -> Result<Measurement, Failure> {
     let name = path.display().to_string();
     let file = DataFile::open_within(path, &name, LARGEST_BSDF_FILE).map_err(Failure::Data)?;
-    let read = read_bsdf(&file).map_err(Failure::Data)?;
+    let way = part.map(PartName::way);
+    let mut read = read_bsdf_file(&file, way).map_err(Failure::Data)?;
+    if !read.states_part {
+        read.notes.push(
+            "the file does not state whether its values are a reflection or a transmission; they are read as front reflection\n  \
+             = help: if they are a BTDF: --part front-transmission"
+                .to_owned(),
+        );
+    }
+    if let Some(way) = way {
+        read = read.only(way, &name).map_err(Failure::Data)?;
+    }
+    read.notes.iter().for_each(|note| print_message(&format!("note: {name}: {note}")));
     read.warnings.iter().for_each(|warning| print_message(&format!("warning: {name}: {warning}")));
-    Ok(read.value)
+    Ok(read.measurement)
 }
 
 /// Fails if the output would replace an input: a measurement cannot be recovered.

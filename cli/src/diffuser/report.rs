@@ -43,9 +43,15 @@ pub(super) fn fit(name: &str, part: &MeasuredPart, fits: &[Ranked]) -> String {
         let _ = writeln!(parameters, "  {name}: {}", each.join(", "));
     }
     text.push_str(&table(&rows));
-    text.push_str(
+    let is_known = fits.iter().any(|ranked| ranked.score.is_some());
+    text.push_str(if is_known {
         "  display: largest deviation of the luminance of a mirror under the lobe from that under the data (best first),\n           \
-         for light from and to measured directions\n  \
+         for light from and to measured directions\n"
+    } else {
+        "  display: deviation of the luminance of a mirror under the lobe; it needs several incidences, and the residual decides\n"
+    });
+    text.push_str(
+        "  \
          residual: relative rms of (data - lobe) cos(theta)\n  \
          total: relative deviation of the sum over all cells\n\nparameters, with 95 % confidence intervals\n",
     );

@@ -7,7 +7,7 @@ use papilio_figures::spectra_over;
 use papilio_scenario::{Resolved, Scenario};
 
 use crate::arguments::Steps;
-use crate::{Failure, folder, output, print_message, print_notes, report, run};
+use crate::{Failure, folder, input, output, print_message, print_notes, report, run};
 
 /// A key of `[display.diffuser]`, the value that disables the step, and the name of the display without it.
 const STEPS: [(&str, &str, &str); 6] = [
@@ -29,24 +29,24 @@ struct Variant {
 
 pub(crate) fn steps(arguments: &Steps) -> Result<(), Failure> {
     let scenario = &arguments.scenario;
-    let base = Scenario::load(&scenario.file, &scenario.set)?.resolve()?;
+    let base = input::scenario::<Scenario>(&scenario.file, &scenario.set)?.resolve()?;
     let out = folder::choose(scenario, &base.hash)?;
     let compute = |resolved: &Resolved| run::compute(resolved, arguments.workers.threads);
     let mut variants = vec![Variant { name: "as specified".to_owned(), key: None, result: compute(&base)? }];
     for (key, off, name) in active_steps(&base)? {
         let set = [scenario.set.clone(), vec![format!("display.diffuser.{key}={off}")]].concat();
-        let result = compute(&Scenario::load(&scenario.file, &set)?.resolve()?)?;
+        let result = compute(&input::scenario::<Scenario>(&scenario.file, &set)?.resolve()?)?;
         variants.push(Variant { name: name.to_owned(), key: Some(key), result });
     }
     if let Some(reference) = &arguments.beside {
-        let resolved = Scenario::load(reference, &[])?.resolve()?;
+        let resolved = input::scenario::<Scenario>(reference, &[])?.resolve()?;
         let name = resolved.title.clone().unwrap_or_else(|| report::file_title(reference));
         variants.push(Variant { name, key: None, result: compute(&resolved)? });
     }
     print_notes(&base.notes);
     base.warnings.iter().for_each(|warning| print_message(&format!("warning: {warning}")));
     let title = base.title.clone().unwrap_or_else(|| report::file_title(&scenario.file));
-    let mut stdout = crate::terminal::stdout();
+    let mut stdout = crate::terminal::output(false);
     stdout.write_all(report_text(&title, &variants).as_bytes())?;
     stdout.flush()?;
     output::make_folder(&out)?;

@@ -18,18 +18,18 @@ use papilio_design::search::{
     Record, Search, SearchRecords, SearchResult, SearchSchedule, SelectedDesign, was_stopped,
 };
 use papilio_design::{DesignError, Evaluator, Study};
-use papilio_formats::{DataFile, LockedJournal, SearchHead, write_file};
+use papilio_formats::{LockedJournal, SearchHead, write_file};
 use papilio_scenario::{Edit, Optimisation, edit};
 
 use self::check::{SolverComparison, check};
 use crate::arguments::Optimize;
 use crate::progress::{self, in_log};
-use crate::{Failure, interrupt, output, print_message, print_notes};
+use crate::{Failure, input, interrupt, output, print_message, print_notes};
 
 pub(crate) fn run(arguments: &Optimize) -> Result<(), Failure> {
     let mut overrides = arguments.scenario.set.clone();
     overrides.extend(arguments.seed.map(|seed| format!("optimize.seed={seed}")));
-    let optimisation = Optimisation::load(&arguments.scenario.file, &overrides)?;
+    let optimisation = input::scenario::<Optimisation>(&arguments.scenario.file, &overrides)?;
     print_notes(&optimisation.notes);
     let folder = arguments.scenario.out.clone().unwrap_or_else(|| arguments.scenario.default_out());
     output::check(&folder)?;
@@ -149,7 +149,7 @@ fn finish(
     let title =
         search.spec().title.clone().unwrap_or_else(|| crate::report::file_title(&arguments.scenario.file));
     let names = interrupt::uninterrupted(|| write(arguments, folder, &title, search, found, chosen))?;
-    let mut stdout = crate::terminal::stdout();
+    let mut stdout = crate::terminal::output(arguments.json);
     if arguments.json {
         let all = report::json(&title, search, chosen, found, comparison);
         serde_json::to_writer_pretty(&mut stdout, &all).map_err(std::io::Error::from)?;
@@ -207,9 +207,11 @@ fn designs(
     chosen: &[SelectedDesign],
 ) -> Result<Vec<(String, String)>, Failure> {
     let path = &arguments.scenario.file;
-    let file = DataFile::open(path, &path.display().to_string()).map_err(Failure::Data)?;
-    let set: Vec<Edit> = arguments.scenario.set.iter().filter_map(|text| Edit::of_set(text)).collect();
+    let file = input::file(path)?;
+    let from = path.parent().unwrap_or(Path::new(""));
+    let set: Vec<Edit> =
+        arguments.scenario.set.iter().filter_map(|text| Edit::of_set_in(text, from)).collect();
     let text = edit(file.text().map_err(Failure::Data)?, &set)?;
-    let folders = [path.parent().unwrap_or(Path::new("")), folder];
+    let folders = [from, folder];
     Ok(design_texts(&text, folders, search, chosen)?)
 }

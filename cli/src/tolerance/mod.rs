@@ -19,13 +19,13 @@ use papilio_scenario::Tolerance;
 use crate::arguments::{Tolerance as Arguments, default_out};
 use crate::journal::open_rows;
 use crate::parallel::compute_parallel;
-use crate::{Failure, interrupt, output, print_message, print_notes};
+use crate::{Failure, input, interrupt, output, print_message, print_notes};
 
 /// Names of files begin with this.
 const STEM: &str = "tolerance";
 
 pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
-    let tolerance = Tolerance::load(&arguments.file, &arguments.set)?;
+    let tolerance = input::scenario::<Tolerance>(&arguments.file, &arguments.set)?;
     print_notes(&tolerance.notes);
     let production = Production::new(&tolerance);
     production.check(&tolerance)?;
@@ -74,7 +74,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
         names.extend(output::write_figures(&folder, drawn, arguments.png)?);
         Ok::<_, Failure>(names)
     })?;
-    let mut stdout = crate::terminal::stdout();
+    let mut stdout = crate::terminal::output(arguments.json);
     if arguments.json {
         write_json(&mut stdout, &found)?;
     } else {

@@ -71,3 +71,16 @@ fn brdf_writes_a_bsdf_file_that_can_be_inspected() {
         assert!(stderr(&output).contains(why), "{}", stderr(&output));
     }
 }
+
+/// The direction with which colours are compared is checked before anything is computed.
+#[test]
+fn reference_direction_of_a_cone_is_checked() {
+    for (wrong, expected) in
+        [("90", "from 0 to below 90 deg"), ("8,x", "such as 8 or 30,90"), ("-3", "from 0")]
+    {
+        let output = run("epaper", &["--cone", "--cone-reference", wrong]);
+        assert_eq!(output.status.code(), Some(2));
+        assert!(stderr(&output).contains(expected), "{}", stderr(&output));
+    }
+    assert_eq!(run("epaper", &["--cone-reference", "8"]).status.code(), Some(2));
+}

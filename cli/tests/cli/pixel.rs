@@ -62,3 +62,44 @@ fn pixel_scan_in_glass_is_accepted_below_any_front() {
     // At 45 deg in glass light is reflected at the air gap, at 45 deg in air it is not.
     assert!((scan("glass") - scan("air")).abs() > 0.05);
 }
+
+/// Each row of absorption.csv is a fraction of the light on its sub-pixel; with sub-pixels.csv they sum to 1.
+#[test]
+fn absorption_of_the_layers_and_reflectance_sum_to_one() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().to_str().unwrap();
+    let scan = |name: &str, more: &[&str]| {
+        let arguments = ["--absorption", "--set", "spectrum.step_nm=50", "--out", out];
+        papilio().arg("pixel").arg(scenario(name)).args(arguments).args(more).output().unwrap()
+    };
+    let output = scan("indoor", &["--step", "45"]);
+    assert!(output.status.success(), "{}", stderr(&output));
+    let printed = String::from_utf8(output.stdout).unwrap();
+    assert!(printed.contains("red (black)") && printed.contains("1 Cr:Johnson"), "{printed}");
+    let read = |name: &str| fs::read_to_string(folder.path().join(name)).unwrap();
+    let absorbed = read("absorption.csv");
+    let header = "state,sub_pixel,layer,material,theta_deg,wavelength_nm,absorptance";
+    assert_eq!(absorbed.lines().next(), Some(header));
+    // 8 states, 3 sub-pixels, 6 layers, 3 angles, 9 wavelengths.
+    assert_eq!(absorbed.lines().count(), 1 + 8 * 3 * 6 * 3 * 9);
+    assert!(
+        absorbed.contains("white,red,1,Cr:Johnson,45,480,")
+            && absorbed.contains("black,blue,substrate,Al,90,780,")
+    );
+    let mut sums = std::collections::BTreeMap::<String, f64>::new();
+    for line in absorbed.lines().skip(1) {
+        let cells: Vec<&str> = line.split(',').collect();
+        let place = [cells[0], cells[1], cells[4], cells[5]].join(",");
+        *sums.entry(place).or_default() += cells[6].parse::<f64>().unwrap();
+    }
+    for line in read("sub-pixels.csv").lines().skip(1) {
+        let cells: Vec<&str> = line.split(',').collect();
+        let place = [cells[0], cells[1], cells[3], cells[4]].join(",");
+        let reflectance: f64 = cells[5].parse().unwrap();
+        assert!((sums[&place] + reflectance - 1.0).abs() < 1e-12, "{line}");
+    }
+    assert!(read("absorption.svg").contains("substrate: Al"));
+    let refused = scan("epaper", &[]);
+    assert_eq!(refused.status.code(), Some(2));
+    assert!(stderr(&refused).contains("no film whose layers absorb"), "{}", stderr(&refused));
+}

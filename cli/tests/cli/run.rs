@@ -55,6 +55,32 @@ fn output_shown_in_readme_equals_printed_output() {
     }
 }
 
+/// Readability is printed for a reader whom the scenario describes, with the bound that is not met; docs/readability.md shows
+/// this output.
+#[test]
+fn readability_is_printed_for_a_described_reader() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("out");
+    let printed = |name: &str, more: &[&str]| {
+        let output = run(name, &[&["--out", out.to_str().unwrap()], more].concat());
+        assert!(output.status.success(), "{}", stderr(&output));
+        String::from_utf8(output.stdout).unwrap()
+    };
+    assert!(!printed("indoor", &[]).contains("black text"));
+    let page = include_str!("../../../docs/readability.md");
+    let shown = page.split("```\n").find(|block| block.contains("Reading electronic paper")).unwrap();
+    let room = printed("epaper-reading", &[]);
+    // Every line up to the time that the run took.
+    for line in shown.lines().filter(|line| !line.starts_with("  ...") && !line.starts_with("adding")) {
+        assert!(room.lines().any(|other| other == line), "{line} is not in\n{room}");
+    }
+    assert!(room.contains("mean luminance 6.67 cd/m2 is below its range, 1000 to 5200 cd/m2"), "{room}");
+    let dark = printed("epaper-reading", &["--set", "lighting.illuminance_lx=0.5"]);
+    assert!(dark.contains("is below its range, 0.1 to 10000 cd/m2"), "{dark}");
+    let views = printed("epaper-reading", &["--set", "viewer.theta_deg=[0, 10, 20, 30]"]);
+    assert!(views.contains("visibility level") && !views.contains("reader of"), "{views}");
+}
+
 #[test]
 fn run_of_several_views_draws_figures_against_angle() {
     let folder = tempfile::tempdir().unwrap();

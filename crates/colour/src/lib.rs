@@ -11,6 +11,7 @@
 //! - [`Corners`]: the colour gamut of eight states as a solid in CIELAB, with its volume and rings.
 //! - [`Viewing`]: the viewing conditions of the colour appearance model CIECAM16.
 //! - [`colour_temperature`], [`rendering_index`]: correlated colour temperature and Ra of a light.
+//! - [`reader`]: what a reader sees: luminance threshold of small details, contrast sensitivity of the eye, age.
 //! - [`peak_nm`]: the wavelength at which a reflectance spectrum is largest.
 //!
 //! All functions are pure and cheap, because standard errors are computed by evaluating every
@@ -50,6 +51,7 @@ mod gamut;
 mod lab;
 mod observer;
 mod peak;
+pub mod reader;
 mod rendering;
 mod solid;
 mod srgb;

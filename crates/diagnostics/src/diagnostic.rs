@@ -27,12 +27,14 @@ pub struct Diagnostic {
     pub note: Option<String>,
     /// What the user can do.
     pub hint: Option<String>,
+    /// A value that is accepted at this place, as JSON: a program can offer it as a button.
+    pub accepted: Option<String>,
 }
 
 impl Diagnostic {
     /// Creates a diagnostic with a message alone.
     pub fn new(message: impl Into<String>) -> Self {
-        Self { message: message.into(), expected: None, note: None, hint: None }
+        Self { message: message.into(), expected: None, note: None, hint: None, accepted: None }
     }
 
     /// Adds what was expected: `a number from 0 to 1`.
@@ -53,6 +55,13 @@ impl Diagnostic {
     #[must_use]
     pub fn hint_if(mut self, hint: Option<impl Into<String>>) -> Self {
         self.hint = hint.map(Into::into);
+        self
+    }
+
+    /// Adds a value that is accepted at this place, as JSON.
+    #[must_use]
+    pub fn accepted(mut self, json: impl fmt::Display) -> Self {
+        self.accepted = Some(json.to_string());
         self
     }
 
@@ -89,7 +98,7 @@ pub struct Placed<'a> {
 
 impl fmt::Display for Placed<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { diagnostic: Diagnostic { message, expected, note, hint }, place } = self;
+        let Self { diagnostic: Diagnostic { message, expected, note, hint, accepted: _ }, place } = self;
         // Quoted text may hold any character.
         write!(f, "error: {}", in_one_line(message))?;
         let margin = place.spot.as_ref().map_or(1, |spot| spot.line.to_string().len());

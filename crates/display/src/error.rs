@@ -66,6 +66,15 @@ pub enum DisplayError {
          needs a pixel with `model = \"film\"`"
     )]
     AbsorptionWithoutFilm,
+    /// A reference direction beyond the measured ones.
+    #[error(
+        "the reference direction, {theta_deg} deg, is beyond the directions in which the diffuser was measured: the colour there \
+         is not known"
+    )]
+    UnknownReference {
+        /// Inclination, degrees.
+        theta_deg: f64,
+    },
     /// The worker threads could not be started.
     #[error("{threads} worker threads could not be started")]
     Threads {

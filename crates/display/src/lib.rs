@@ -39,7 +39,7 @@
 //!     metrics: Metrics::default(),
 //!     solver: Solver {
 //!         method: Method::Walk,
-//!         stop: Stop::RelativeError { target: 0.001, every_bin: false },
+//!         stop: Stop::RelativeError { target: 0.001, per_wavelength: false },
 //!         sampler: Sampler::Sobol,
 //!         scattering: Strategy::Kernel,
 //!         approximation: Approximation::None,
@@ -74,6 +74,7 @@ mod designs;
 pub mod environment;
 mod error;
 mod label;
+mod lobes;
 mod meter;
 mod metrics;
 mod notes;
@@ -96,6 +97,7 @@ pub use error::DisplayError;
 pub use label::{
     Label, capitalised, label_from_name, labelled_names, metric_label, split_unit, uncapitalised,
 };
+pub use lobes::{TransmittedLobe, transmitted_lobes};
 pub use prepared::Prepared;
 pub use reflection::{Reflection, ReflectionState, reflection};
 pub use rows::RowErrors;

@@ -202,6 +202,12 @@ metrics! {
         reading_surrogate_age_75 = "Reading performance at 75 years, surrogate",
         /// The same for a reader of `viewer.age_years`; null if the scenario does not specify an age.
         reading_surrogate = "Reading performance, surrogate",
+        /// Visibility level of black text on white for the result's reader: the luminance difference over the one that is
+        /// just visible (Adrian 1989).
+        visibility_level = "Visibility level",
+        /// Contrast of black text on white times the eye's contrast sensitivity (Barten 1999), for the result's reader; 1: just
+        /// visible.
+        contrast_margin = "Contrast margin",
     }
     // Fields of `StateValues` that are metrics, too.
     values {

@@ -24,11 +24,30 @@ pub struct RunResult {
     pub primaries: Vec<String>,
     /// One entry for each view, with theta varying fastest.
     pub views: Vec<View>,
+    /// Reader of black text, for `visibility_level` and `contrast_margin`.
+    pub reader: Reader,
     /// Warnings for the user.
     pub warnings: Vec<String>,
     /// Explanations of numbers that may surprise; written with the notes on the scenario.
     #[serde(skip)]
     pub notes: Vec<String>,
+}
+
+/// Reader of black text, and the size of the text; keys that the scenario leaves out have their defaults.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, JsonSchema)]
+pub struct Reader {
+    /// Age, years.
+    pub age_years: f64,
+    /// Height of the lower-case x, mm.
+    pub text_height_mm: f64,
+    /// Distance of the eye, mm.
+    pub distance_mm: f64,
+    /// Size of a detail, a fifth of the height, minutes of arc.
+    pub detail_arcmin: f64,
+    /// Spatial frequency of the strokes, 2.5 cycles per height, cycles per degree.
+    pub cycles_per_degree: f64,
+    /// Whether the scenario specifies the reader's age or the size of the text.
+    pub is_described: bool,
 }
 
 /// Solver of a run, and the accuracy that was reached.
@@ -101,6 +120,12 @@ pub struct View {
     /// Metrics that combine the states.
     #[serde(flatten)]
     pub metrics: ViewMetrics,
+    /// Whether text and reader are within the range of the model of `visibility_level` (0.1 to 1e4 cd/m2, details of 0.3 to
+    /// 60 minutes of arc, 23 to 75 years); null without white and black.
+    pub visibility_level_in_range: Option<bool>,
+    /// Whether text and reader are within the range of the model of `contrast_margin` (0.1 to 1e4 cd/m2, 23 to 75 years);
+    /// null without white and black.
+    pub contrast_margin_in_range: Option<bool>,
     /// Standard error of each metric (0 without noise).
     pub standard_error: ViewMetrics,
     /// Discretisation error of each metric (adding).

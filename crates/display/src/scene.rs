@@ -14,7 +14,10 @@ pub use papilio_optics::rough::Distribution;
 pub use papilio_sampling::Sampler;
 use papilio_spectra::{Grid, LightSpectrum, Spectrum};
 pub use papilio_transport::walk::Strategy;
-pub use papilio_transport::{Diffuser, Field, Interface as Ready, ScatterFace, ScatterKernel, Scattering};
+pub use papilio_transport::{
+    Diffuser, Field, Interface as Ready, LobeReflection, ReflectedLobe, ReflectingDiffuser, ScatterFace,
+    ScatterKernel, Scattering,
+};
 
 pub use crate::result::ReferenceWhite;
 pub use crate::target::{Metric, Target, Tolerance};
@@ -50,8 +53,10 @@ pub struct Metrics {
     pub spectra_by_light: bool,
     /// Whether to report the gamut volume.
     pub gamut_volume: bool,
-    /// Age of the reader in years, 20 to 75; `None`: no reading performance at a given age.
+    /// Age of the reader in years, 20 to 75; `None`: not specified.
     pub reader_age_years: Option<f64>,
+    /// Height of the lower-case x of text, mm; `None`: not specified.
+    pub text_height_mm: Option<f64>,
     /// Viewing conditions; `None`: no colour appearance.
     pub appearance: Option<Appearance>,
 }
@@ -76,6 +81,7 @@ impl Default for Metrics {
             spectra_by_light: false,
             gamut_volume: false,
             reader_age_years: None,
+            text_height_mm: None,
             appearance: None,
         }
     }
@@ -400,7 +406,7 @@ pub struct Viewer {
     pub phi_deg: Vec<f64>,
     /// Full angle of the circular field of view, degrees.
     pub field_deg: f64,
-    /// Distance, mm (has an effect only if the display is not uniform).
+    /// Distance of the eye, mm; it determines the angle of text (readability).
     pub distance_mm: f64,
 }
 

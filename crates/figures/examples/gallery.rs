@@ -5,7 +5,8 @@ use std::path::PathBuf;
 
 use papilio_display::ConeGrid;
 use papilio_figures::{
-    AngleMetric, PixelScan, against_angle, chromaticity, cone, overview, patches, pixel_scan, png, spectra,
+    AngleMetric, Diagram, PixelScan, against_angle, chromaticity, cone, overview, patches, pixel_scan, png,
+    spectra,
 };
 
 #[path = "../tests/synthetic/mod.rs"]
@@ -25,7 +26,7 @@ fn main() -> std::io::Result<()> {
         let run = synthetic::result(&[8.0, 0.0, 15.0, 30.0, 45.0, 60.0], error);
         for view in run.views.iter().take(1) {
             write(&format!("spectra{suffix}"), spectra(&run, view, TITLE))?;
-            write(&format!("chromaticity{suffix}"), chromaticity(&run, view, TITLE))?;
+            write(&format!("chromaticity{suffix}"), chromaticity(&run, view, Diagram::Uv, TITLE))?;
             write(&format!("patches{suffix}"), patches(&run, view, TITLE))?;
             write(&format!("overview{suffix}"), overview(&run, view, TITLE))?;
         }

@@ -15,11 +15,11 @@ pub enum AngleMetric {
     Reflectance,
     /// Contrast ratio: Y of white over Y of black.
     Contrast,
-    /// Gamut area, % of sRGB and of EBU.
+    /// Gamut area: % of sRGB and of EBU in u'v', and of NTSC in xy.
     Gamut,
     /// u'v' distance of every state from its colour at the smallest |theta|.
     ColourShift,
-    /// Peak wavelength of every state that has one.
+    /// Peak wavelength of the states that drive one sub-pixel.
     Peak,
 }
 
@@ -43,7 +43,7 @@ impl AngleMetric {
         match self {
             Self::Reflectance => "Luminous reflectance factor Y",
             Self::Contrast => "Contrast ratio",
-            Self::Gamut => "Gamut area in u\u{2032}v\u{2032} (%)",
+            Self::Gamut => "Gamut area (% of)",
             Self::ColourShift => "Colour shift \u{394}u\u{2032}v\u{2032}",
             Self::Peak => "Peak wavelength (nm)",
         }
@@ -88,7 +88,7 @@ pub fn against_angle(result: &RunResult, metric: AngleMetric, title: &str) -> Op
     let azimuth = result.views.first()?.phi_deg;
     let mut views: Vec<&View> = result.views.iter().filter(|view| view.phi_deg == azimuth).collect();
     views.sort_by(|a, b| a.theta_deg.total_cmp(&b.theta_deg));
-    let mut series = series(&views, metric);
+    let mut series = series(&views, metric, &result.primaries);
     series.retain(|one| one.points.iter().any(|[_, value, _]| value.is_finite()));
     if series.is_empty() {
         return None;
@@ -179,7 +179,7 @@ fn end_of(points: &[Point], pieces: &[&[Point]]) -> (Point, bool) {
     (end, points.last().is_some_and(|last| last.0 == end.0))
 }
 
-fn series(views: &[&View], metric: AngleMetric) -> Vec<Series> {
+fn series(views: &[&View], metric: AngleMetric, primaries: &[String]) -> Vec<Series> {
     let of_view = |name: &str, stroke, value: fn(&View) -> ValueAndError| Series {
         name: name.to_owned(),
         stroke,
@@ -193,15 +193,23 @@ fn series(views: &[&View], metric: AngleMetric) -> Vec<Series> {
             })]
         }
         AngleMetric::Gamut => vec![
-            of_view("of sRGB", ink(), |v| {
+            of_view("sRGB, u\u{2032}v\u{2032}", ink(), |v| {
                 (v.metrics.gamut_percent_srgb, v.standard_error.gamut_percent_srgb)
             }),
-            of_view("of EBU", ink().dashed("1.5 3"), |v| {
+            of_view("EBU, u\u{2032}v\u{2032}", ink().dashed("1.5 3"), |v| {
                 (v.metrics.gamut_percent_ebu, v.standard_error.gamut_percent_ebu)
+            }),
+            of_view("NTSC, xy", ink().dashed("6 3"), |v| {
+                (v.metrics.gamut_percent_ntsc_xy, v.standard_error.gamut_percent_ntsc_xy)
             }),
         ],
         AngleMetric::Reflectance => by_state(views, |state, _| value_and_error(state, |v| Some(v.Y))),
-        AngleMetric::Peak => by_state(views, |state, _| value_and_error(state, |v| v.peak_nm)),
+        AngleMetric::Peak => {
+            let mut all = by_state(views, |state, _| value_and_error(state, |v| v.peak_nm));
+            // The peak of a mixture of sub-pixels jumps between those of its parts.
+            all.retain(|one| primaries.contains(&one.name));
+            all
+        }
         AngleMetric::ColourShift => by_state(views, shift),
     }
 }

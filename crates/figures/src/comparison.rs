@@ -1,14 +1,14 @@
 //! Comparison of a simulated and a measured display: spectra as in Feng 2012, fig. 5.6, gamuts as in fig. 5.7.
 
-use papilio_colour::UvPrime;
 use papilio_display::compare::{Colour, Comparison, SIDES, StateComparison, ViewComparison};
 
 use crate::axis::Axis;
 use crate::chromaticity;
+use crate::diagram::Diagram;
 use crate::labels::{EndLabel, end_labels};
-use crate::locus;
 use crate::overlay::legend;
 use crate::panel::{Panel, SMALL};
+use crate::place::Places;
 use crate::style::{INK, degrees, joined, state_stroke};
 use crate::svg::{Point, Stroke, Svg, Text};
 
@@ -68,20 +68,25 @@ pub fn compared_spectra(all: &Comparison, view: &ViewComparison, title: &str) ->
 /// Draws the simulated and measured colours and gamuts of a viewing direction in the u'v' diagram.
 pub fn compared_gamuts(all: &Comparison, view: &ViewComparison, title: &str) -> String {
     let states = states_of(all, view);
-    let size = (WIDTH, chromaticity::height(WIDTH));
-    let mut svg = Svg::new(WIDTH + 90.0, size.1 + 112.0).titled(&caption(title, view));
-    let panel = chromaticity::panel(DIAGRAM, size);
-    panel.draw(&mut svg);
-    locus::draw(&mut svg, &panel);
+    let height = Diagram::Uv.height(WIDTH);
+    let mut svg = Svg::new(WIDTH + 90.0, height + 112.0).titled(&caption(title, view));
+    let panel = chromaticity::with_locus(&mut svg, Diagram::Uv, DIAGRAM, WIDTH);
+    let uv = |colour: &Colour| Some((colour.u_prime?, colour.v_prime?));
+    let mut triangles = Vec::new();
     for (side, dash) in SIDES.into_iter().zip(["", MEASURED]) {
         let at = |name: &str| uv(side(states.iter().find(|one| one.state == name)?));
         if let [Some(r), Some(g), Some(b)] = ["red", "green", "blue"].map(at) {
             panel.triangle(&mut svg, [r, g, b], &Stroke::solid(INK, 1.6).dashed(dash));
+            triangles.push([r, g, b].map(|(u, v)| panel.at(u, v)));
         }
     }
+    let points = |one: &StateComparison| SIDES.map(|side| uv(side(one)).map(|(u, v)| panel.at(u, v)));
+    let marks = states.iter().flat_map(|one| points(one)).flatten();
+    let mut places = Places::around(panel.origin, panel.size, marks);
+    triangles.iter().for_each(|[a, b, c]| places.avoid(&[*a, *b, *c, *a]));
     for (i, one) in states.iter().enumerate() {
         let colour = state_stroke(&one.state, i).colour;
-        let [simulated, measured] = SIDES.map(|side| uv(side(one)).map(|uv| panel.at(uv.u, uv.v)));
+        let [simulated, measured] = points(one);
         if let Some(at) = simulated {
             svg.circle(at, 4.0, &colour, &Stroke::solid("#ffffff", 1.0));
         }
@@ -91,18 +96,20 @@ pub fn compared_gamuts(all: &Comparison, view: &ViewComparison, title: &str) -> 
         if let Some((from, to)) = simulated.zip(measured) {
             svg.line(from, to, &Stroke::solid(&colour, 1.0));
         }
+        if let Some(mark) = simulated.or(measured) {
+            places.find(mark, &one.state, SMALL).write(&mut svg, &one.state, Text::new(SMALL, INK));
+        }
     }
     legend(&mut svg, legend_entries());
     let percent = |value: Option<f64>| value.map_or("-".to_owned(), |value| format!("{value:.1}"));
-    let [ours, theirs] = view.gamut_percent_ebu.map(percent);
-    let note =
-        format!("gamut {ours} % of EBU simulated, {theirs} % measured; discs: simulated, rings: measured");
-    svg.text((panel.origin.0, panel.bottom() + 58.0), &note, Text::new(SMALL, INK));
+    let [srgb, ebu] = [view.gamut_percent_srgb, view.gamut_percent_ebu].map(|sides| sides.map(percent));
+    let note = format!(
+        "gamut area in u\u{2032}v\u{2032}: {} % of sRGB, {} % of EBU simulated, {} % and {} % measured; discs: simulated, rings: \
+         measured",
+        srgb[0], ebu[0], srgb[1], ebu[1]
+    );
+    svg.text((panel.origin.0 - 40.0, panel.bottom() + 58.0), &note, Text::new(SMALL, INK));
     svg.finish()
-}
-
-fn uv(colour: &Colour) -> Option<UvPrime> {
-    Some(UvPrime { u: colour.u_prime?, v: colour.v_prime? })
 }
 
 fn legend_entries() -> impl Iterator<Item = (&'static str, Stroke)> {

@@ -5,13 +5,15 @@
 //! | [`of_run`] | all figures of `papilio run` |
 //! | [`overview`] | one page for a view: patches, spectra, u'v' diagram |
 //! | [`spectra`] | reflectance factor of each state against wavelength |
-//! | [`chromaticity`] | states and gamut in the u'v' diagram |
+//! | [`chromaticity`] | states and gamut in the u'v' or xy diagram |
 //! | [`gamuts`] | gamuts of several displays in the u'v' diagram |
 //! | [`gamut_rings`] | gamut rings of the CIELAB volume |
 //! | [`patches`] | colours of the states as the reader would see them |
 //! | [`against_angle`] | a metric against the viewing angle |
 //! | [`pixel_scan`] | pixel reflectance at several angles |
 //! | [`cone`] | polar maps over all viewing directions |
+//! | [`cone_differences`] | polar maps of colour differences from a reference direction |
+//! | [`absorption`] | absorptance of each layer of a film pixel |
 //! | [`spectra_over`] | spectra of variants of a display in one panel |
 //! | [`compared_spectra`], [`compared_gamuts`] | a simulated and a measured display |
 //! | [`light`] | the lighting: luminance over the hemisphere, directed sources |
@@ -36,6 +38,7 @@
 //!
 //! **Out of scope.** Writing files; the functions only propose file names.
 
+mod absorption;
 mod accuracy;
 mod angle;
 mod axis;
@@ -44,7 +47,10 @@ mod chromaticity;
 mod colour_map;
 mod comparison;
 mod cone;
+mod cone_differences;
+mod cone_scale;
 mod contour;
+mod diagram;
 mod labels;
 mod light;
 mod lobes;
@@ -69,12 +75,15 @@ mod style;
 mod svg;
 mod sweep;
 
+pub use absorption::absorption;
 pub use accuracy::{ErrorCurve, ErrorPanel, accuracy};
 pub use angle::{AngleMetric, against_angle};
 pub use chart::{Chart, ChartCurve, Hue, chart};
 pub use chromaticity::{chromaticity, gamuts};
 pub use comparison::{compared_gamuts, compared_spectra};
 pub use cone::cone;
+pub use cone_differences::cone_differences;
+pub use diagram::Diagram;
 pub use light::light;
 pub use lobes::lobes;
 pub use of_run::of_run;

@@ -2,7 +2,7 @@
 
 use papilio_display::result::{RunResult, View};
 
-use crate::{AngleMetric, against_angle, chromaticity, gamut_rings, overview, patches, spectra};
+use crate::{AngleMetric, Diagram, against_angle, chromaticity, gamut_rings, overview, patches, spectra};
 
 /// Largest number of views that all have figures. With more views, only the view closest to the normal has them, and
 /// metrics are drawn against the angle.
@@ -17,7 +17,8 @@ pub fn of_run(result: &RunResult, title: &str) -> Vec<(String, String)> {
         let at = if result.views.len() == 1 { String::new() } else { suffix(view) };
         figures.push((format!("overview{at}"), overview(result, view, title)));
         figures.push((format!("spectra{at}"), spectra(result, view, title)));
-        figures.push((format!("chromaticity{at}"), chromaticity(result, view, title)));
+        figures.push((format!("chromaticity{at}"), chromaticity(result, view, Diagram::Uv, title)));
+        figures.push((format!("chromaticity_xy{at}"), chromaticity(result, view, Diagram::Xy, title)));
         let rings = gamut_rings(result, view, title);
         figures.extend(rings.map(|svg| (format!("rings{at}"), svg)));
         figures.push((format!("patches{at}"), patches(result, view, title)));

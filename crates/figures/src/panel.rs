@@ -1,7 +1,5 @@
 //! The panel with its two axes.
 
-use papilio_colour::UvPrime;
-
 use crate::axis::Axis;
 use crate::style::{FAINT, INK, SOFT};
 use crate::svg::{Anchor, Point, Stroke, Svg, Text, text_width};
@@ -117,9 +115,9 @@ impl Panel {
         }
     }
 
-    /// Draws a triangle in a u'v' diagram.
-    pub(crate) fn triangle(&self, svg: &mut Svg, corners: [UvPrime; 3], stroke: &Stroke) {
-        svg.outline(&corners.map(|uv| self.at(uv.u, uv.v)), stroke);
+    /// Draws a triangle.
+    pub(crate) fn triangle(&self, svg: &mut Svg, corners: [(f64, f64); 3], stroke: &Stroke) {
+        svg.outline(&corners.map(|(x, y)| self.at(x, y)), stroke);
     }
 
     /// Draws a band of one standard error. Returns false, and draws nothing, if it is not wider than a line anywhere.

@@ -144,9 +144,18 @@ fn audit_lines(audit: &Audit) -> String {
         } else {
             ""
         };
-        let clarity =
-            audit.clarity.map_or(String::new(), |clarity| format!(", clarity {}", percent(clarity)));
-        line(format!("haze {}{clarity}{scope}", percent(haze)));
+        line(format!("haze {} of the values as they are, instrument blur included{scope}", percent(haze)));
+    }
+    match audit.clarity {
+        Some(clarity) if clarity >= 0.0 => line(format!(
+            "clarity {}: (C - R)/(C + R), with C the light within 1 deg of the direct beam and R that from 1 to 2.5 deg",
+            percent(clarity)
+        )),
+        Some(_) => line(
+            "clarity: none, because more light is scattered by 1 to 2.5 deg than by less than 1 deg"
+                .to_owned(),
+        ),
+        None => {}
     }
     if let Some([rms, worst]) = audit.reciprocity {
         line(format!(

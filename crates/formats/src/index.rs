@@ -15,6 +15,7 @@ use crate::spectrum::{Columns, data_rows};
 ///   row and `#` comments are permitted.
 /// - A refractiveindex.info page (YAML with a `DATA` list): tables and formulas 1
 ///   to 9, wavelengths in um; non-linear entries (n2) are ignored.
+/// - The CSV that refractiveindex.info offers for download: blocks `wl,n` and `wl,k`, wavelengths in um.
 ///
 /// # Errors
 /// With line and column: malformed tables, negative n or k, and invalid
@@ -45,6 +46,10 @@ fn read(file: &DataFile, wanted_nm: Option<(f64, f64)>) -> Result<Warned<Dispers
     let table = Table::new(file)?;
     if refractiveindex::is_page(table.text) {
         return refractiveindex::read(table, wanted_nm);
+    }
+    if refractiveindex::is_download(table) {
+        let value = refractiveindex::read_download(table)?;
+        return Ok(Warned { value, warnings: Vec::new() });
     }
     let mut rows = data_rows(table).peekable();
     let has_k = rows.peek().is_some_and(|row| row.cells.len() > 2);

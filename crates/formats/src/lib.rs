@@ -64,6 +64,7 @@ mod rows;
 mod spectrum;
 mod study;
 mod sweep;
+mod sweep_columns;
 mod sweep_json;
 mod sweep_light;
 #[cfg(feature = "parquet")]
@@ -78,8 +79,8 @@ pub use absorption::{write_absorption, write_sub_pixels};
 pub use audit::{AuditFile, FitFile};
 pub use audit_text::audit_text;
 pub use bsdf::{
-    BsdfFormat, BsdfProblem, BsdfSource, LARGEST_BSDF_FILE, MOST_CELLS, WriteError, bsdf_format_table,
-    bsdf_formats, read_bsdf, write_bsdf, write_measurement,
+    BsdfFile, BsdfFormat, BsdfProblem, BsdfSource, LARGEST_BSDF_FILE, MOST_CELLS, WriteError,
+    bsdf_format_table, bsdf_formats, read_bsdf, read_bsdf_file, write_bsdf, write_measurement,
 };
 pub use comparison::{write_compared_spectra, write_comparison};
 pub use cone::{CONE_QUANTITIES, ConeFile, cone_quantities, write_cone_csv, write_cone_npy};
@@ -105,6 +106,7 @@ pub use study::write_study;
 pub use sweep::{
     LightHead, SweepHead, SweepHeadAxis, SweepJournal, SweepPoint, sweep_place, sweep_value, write_sweep_csv,
 };
+pub use sweep_columns::{light_columns, sweep_columns};
 pub use sweep_json::write_sweep_json;
 pub use sweep_light::{light_points, write_light_csv, write_light_json};
 pub use sweep_parquet::{light_parquet, sweep_parquet};

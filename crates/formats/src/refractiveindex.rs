@@ -13,8 +13,10 @@ use std::ops::Range;
 use papilio_diagnostics::Place;
 use papilio_spectra::{Dispersion, Tabulated};
 
+mod download;
 mod page;
 
+pub(crate) use self::download::{is_download, read_download};
 use self::page::{Entry, Value, fault};
 use crate::error::{FormatError, Problem};
 use crate::rows::Table;

@@ -20,6 +20,7 @@ mod displays;
 mod report;
 pub mod table_5_1;
 pub mod table_5_3;
+mod verdict;
 
 use std::path::Path;
 
@@ -38,7 +39,7 @@ pub fn reproduce(folder: &Path, control: &Control<'_>) -> Result<Report, Reprodu
     sections.extend(chapter_3::sections(&bench)?);
     sections.extend(chapter_4::sections(&bench)?);
     sections.extend(chapter_5::sections(&bench)?);
-    Ok(Report {
+    let mut report = Report {
         title: "Feng 2012, reproduced".to_owned(),
         about: [
             "Z. Feng, Light Transport Simulation in Reflective Displays, PhD thesis, Texas Tech University, 2012: its \
@@ -47,11 +48,13 @@ pub fn reproduce(folder: &Path, control: &Control<'_>) -> Result<Report, Reprodu
             "The thesis's display and its files are not public. Here they are replaced by the reference pixel, an \
              interferometric film stack fitted to the peaks and colours of the thesis's bare panel, behind diffusers of the \
              same haze (76 to 81 %), and by synthetic measurements of these. Bare panels should therefore agree in numbers, \
-             and diffused panels qualitatively; nothing was adjusted to improve the agreement.",
+             and diffused panels qualitatively. Apart from that fit of the pixel, nothing was adjusted to improve the agreement.",
             "The scenarios are in the folder scenarios next to this page: papilio run scenarios/overcast.toml.",
         ]
         .map(str::to_owned)
         .to_vec(),
         sections,
-    })
+    };
+    report.sections.insert(0, report.summary());
+    Ok(report)
 }

@@ -5,6 +5,8 @@
 
 mod layout;
 
+use std::path::Path;
+
 use papilio_diagnostics::Diagnostic;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -12,6 +14,7 @@ use toml_edit::{DocumentMut, Item, Table, Value};
 
 use self::layout::{forget_positions, item, like_neighbour, number_positions};
 use crate::error::{ScenarioError, ScenarioErrors};
+use crate::here::relocate_json;
 use crate::mistake;
 use crate::path::{Grow, KeyPath, Position, Shape, Step, Tree, index, step};
 use crate::preset;
@@ -62,6 +65,16 @@ impl Edit {
         let (path, value) = text.split_once('=')?;
         let value = Node::parse_value(value.trim_start(), 0, 0).0.to_json();
         Some(Self::Set { path: path.trim().to_owned(), value })
+    }
+
+    /// As [`of_set`](Self::of_set), for a scenario file in `folder`: paths of files in the current folder are replaced by those from
+    /// `folder`.
+    pub fn of_set_in(text: &str, folder: &Path) -> Option<Self> {
+        let mut edit = Self::of_set(text)?;
+        if let Self::Set { path, value } = &mut edit {
+            relocate_json(value, path.rsplit('.').next().unwrap_or_default(), folder);
+        }
+        Some(edit)
     }
 
     fn path(&self) -> &str {

@@ -94,7 +94,9 @@ impl ScenarioError {
     /// Returns a hint, if there is one.
     pub fn hint(&self) -> Option<&str> {
         match (&self.kind, &self.asked_for_at, &self.note) {
-            (MistakeKind::Unreadable, Some(_), _) => Some("paths in a scenario are relative to its folder"),
+            (MistakeKind::Unreadable, Some(_), _) => Some(
+                self.diagnostic.hint.as_deref().unwrap_or("paths in a scenario are relative to its folder"),
+            ),
             (MistakeKind::Unreadable, None, _) => {
                 Some("give the path of a scenario, for example scenarios/indoor.toml")
             }
@@ -164,6 +166,15 @@ impl Errors {
     /// Adds an error inside a file that the scenario names at `origin`.
     pub(crate) fn push_data(&mut self, origin: Origin, error: FormatError) {
         self.add(origin, error.problem.into(), Some(error.place));
+    }
+
+    /// Adds an error of a file that cannot be opened or read; `tried` is a hint with the paths that were tried.
+    pub(crate) fn push_unread(&mut self, origin: Origin, error: FormatError, tried: Option<String>) {
+        let mut mistake: Mistake = error.problem.into();
+        if mistake.kind == MistakeKind::Unreadable {
+            mistake.diagnostic = mistake.diagnostic.hint_if(tried);
+        }
+        self.add(origin, mistake, Some(error.place));
     }
 
     fn add(&mut self, origin: Origin, mistake: Mistake, file: Option<Place>) {

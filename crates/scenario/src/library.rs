@@ -8,6 +8,7 @@ use papilio_diagnostics::{Diagnostic, Place, suggestion};
 use papilio_formats::{DataFile, FormatError};
 use sha2::{Digest, Sha256};
 
+use crate::here::relative_path;
 use crate::memo::ResolveCache;
 
 /// The files that a scenario may name.
@@ -21,6 +22,13 @@ pub enum Library {
         files: Arc<BTreeMap<String, MemoryFile>>,
         /// Cache of values that were computed from them.
         memo: Arc<ResolveCache>,
+    },
+    /// Files in memory, by the names that scenarios use, and files on disk for all other names.
+    Both {
+        /// Files by their names.
+        files: Arc<BTreeMap<String, MemoryFile>>,
+        /// Folder of all other files.
+        folder: PathBuf,
     },
 }
 
@@ -62,16 +70,14 @@ impl Library {
     /// Reads a file of at most `limit` bytes.
     pub(crate) fn open(&self, name: &str, limit: u64) -> Result<MemoryFile, Missing> {
         match self {
-            Self::Folder(folder) => DataFile::open_within(&folder.join(name), name, limit)
-                .map(MemoryFile::new)
-                .map_err(Missing::Unread),
+            Self::Both { files, .. } if files.contains_key(name) => kept_within(&files[name], name, limit),
+            Self::Folder(folder) | Self::Both { folder, .. } => {
+                DataFile::open_within(&folder.join(name), name, limit)
+                    .map(MemoryFile::new)
+                    .map_err(Missing::Unread)
+            }
             Self::Memory { files, .. } => match files.get(name) {
-                Some(kept) => {
-                    let bytes = kept.file().bytes.len() as u64;
-                    let too_large = papilio_formats::Problem::TooLarge { bytes, limit };
-                    let error = || FormatError { place: Place::whole(name), problem: too_large };
-                    if bytes <= limit { Ok(kept.clone()) } else { Err(Missing::Unread(error())) }
-                }
+                Some(kept) => kept_within(kept, name, limit),
                 None => {
                     let hint = suggestion(name, files.keys().map(String::as_str), "files");
                     let wrong = Diagnostic::new(format!("there is no file `{name}` here"));
@@ -81,13 +87,45 @@ impl Library {
         }
     }
 
+    /// Returns a hint for a file that cannot be read: the paths that were tried. `in_set`: the name is in a `--set`.
+    pub(crate) fn tried(&self, name: &str, in_set: bool) -> Option<String> {
+        let Self::Folder(folder) = self else { return None };
+        let tried = folder.join(name);
+        let here = Path::new(name);
+        Some(if in_set && tried != here {
+            format!(
+                "paths in --set are relative to the current folder, or else to the folder of the scenario: tried {} and {}",
+                here.display(),
+                tried.display()
+            )
+        } else if tried != here && here.is_file() {
+            let from_folder = relative_path(folder, Path::new("")).unwrap_or_default().join(here);
+            format!(
+                "paths in a scenario are relative to its folder: tried {}; for the file in the current folder, write {}",
+                tried.display(),
+                from_folder.display()
+            )
+        } else {
+            format!("paths in a scenario are relative to its folder: tried {}", tried.display())
+        })
+    }
+
     /// True if there is a file with this name.
     pub(crate) fn has(&self, name: &str) -> bool {
         match self {
             Self::Folder(folder) => folder.join(name).is_file(),
             Self::Memory { files, .. } => files.contains_key(name),
+            Self::Both { files, folder } => files.contains_key(name) || folder.join(name).is_file(),
         }
     }
+}
+
+/// Returns a file in memory, unless it has more than `limit` bytes.
+fn kept_within(kept: &MemoryFile, name: &str, limit: u64) -> Result<MemoryFile, Missing> {
+    let bytes = kept.file().bytes.len() as u64;
+    let too_large = papilio_formats::Problem::TooLarge { bytes, limit };
+    let error = || FormatError { place: Place::whole(name), problem: too_large };
+    if bytes <= limit { Ok(kept.clone()) } else { Err(Missing::Unread(error())) }
 }
 
 /// Why a file is not available.

@@ -115,13 +115,17 @@ pub(crate) fn unknown_choice(found: &str, choices: &[&str]) -> Diagnostic {
         _ => nearest(found, choices.iter().copied()).map(|near| format!("did you mean `{near}`?")),
     };
     let message = format!("`{found}` is not one of the choices");
-    Diagnostic::new(message).expected(quoted(choices.iter().copied())).hint_if(hint)
+    let wrong = Diagnostic::new(message).expected(quoted(choices.iter().copied())).hint_if(hint);
+    with_nearest(wrong, found, choices)
 }
 
 /// A material that is neither a name nor a file.
 pub(crate) fn unknown_material(name: &str) -> Diagnostic {
-    Diagnostic::new(format!("there is no material named `{name}`, and no such file"))
-        .hint(material_hint(name))
+    let wrong = Diagnostic::new(format!("there is no material named `{name}`, and no such file"));
+    match &materials_called(name)[..] {
+        [] => with_nearest(wrong.hint(material_hint(name)), name, material_names()),
+        [first, ..] => wrong.hint(material_hint(name)).accepted(format_args!("\"{first}\"")),
+    }
 }
 
 /// A name that is no material.
@@ -149,7 +153,8 @@ fn material_hint(name: &str) -> String {
 
 /// A light that is neither a name nor a file.
 pub(crate) fn unknown_light(name: &str) -> Diagnostic {
-    Diagnostic::new(format!("there is no light named `{name}`, and no such file")).hint(light_hint(name))
+    let wrong = Diagnostic::new(format!("there is no light named `{name}`, and no such file"));
+    with_nearest(wrong.hint(light_hint(name)), name, illuminant_names())
 }
 
 /// A name that is no illuminant.
@@ -190,6 +195,14 @@ fn either(names: &[&str]) -> String {
         Some((last, [])) => last.clone(),
         Some((last, others)) => format!("{} or {last}", others.join(", ")),
         None => String::new(),
+    }
+}
+
+/// Adds the known name that is nearest to a misspelled one as a value that is accepted.
+fn with_nearest(wrong: Diagnostic, found: &str, known: &[&str]) -> Diagnostic {
+    match nearest(found, known.iter().copied()) {
+        Some(near) => wrong.accepted(format_args!("\"{near}\"")),
+        None => wrong,
     }
 }
 

@@ -62,6 +62,12 @@ impl Range {
         value.is_finite() && ((is_above && is_below) || (self.zero.is_some() && value == 0.0))
     }
 
+    /// Returns the end of the range that is nearest to a number outside it, if that end is a part of the range.
+    fn nearest_end(&self, value: f64) -> Option<f64> {
+        let end = if value < self.least { self.least } else { self.most };
+        (value.is_finite() && self.contains(end)).then_some(end)
+    }
+
     /// Describes the range: "a number from 0 to 1e6 (nm)".
     pub(crate) fn in_words(&self) -> String {
         let (least, most) = (written(self.least), written(self.most));
@@ -86,7 +92,10 @@ impl Range {
         let percent = (self.least == 0.0 && self.most == 1.0 && value > 1.0)
             .then_some("this is a fraction relative to 1, not per cent");
         let hint = percent.or(self.below.filter(|_| value < self.least));
-        let Mistake { kind, diagnostic } = out_of_range(value, self.in_words());
+        let Mistake { kind, mut diagnostic } = out_of_range(value, self.in_words());
+        if let Some(nearest) = self.nearest_end(value) {
+            diagnostic = diagnostic.accepted(nearest);
+        }
         errors.push(node.origin, Mistake { kind, diagnostic: Diagnostic::hint_if(diagnostic, hint) });
         None
     }

@@ -12,6 +12,7 @@ use serde_json::{Map, Value, json};
 use crate::describe::File;
 use crate::error::{Errors, ScenarioError, ScenarioErrors};
 use crate::library::{Library, sha256};
+use crate::preset::UsedPreset;
 use crate::read::Read;
 use crate::resolve::{self, Found, VirtualMeasurement};
 use crate::set::Change;
@@ -62,7 +63,8 @@ pub struct Resolved {
 }
 
 impl Scenario {
-    /// Reads a scenario file. `overrides` are texts `PATH=VALUE`, as in `--set`.
+    /// Reads a scenario file. `overrides` are texts `PATH=VALUE`, as in `--set`; paths of files in them are relative to the current
+    /// folder, or else to the folder of the scenario.
     ///
     /// # Errors
     /// All mistakes in its bytes, its TOML, its keys and their types and ranges, each with its place.
@@ -70,7 +72,10 @@ impl Scenario {
         let name = path.display().to_string();
         let file = DataFile::open(path, &name).map_err(ScenarioError::from)?;
         let text = file.text().map_err(ScenarioError::from)?;
-        Self::from_text(text, &name, path.parent().unwrap_or(Path::new("")), overrides)
+        let folder = path.parent().unwrap_or(Path::new(""));
+        let sources = parse(text, &name, overrides)?.in_folder(folder);
+        let assembled = assemble(&sources, &[])?;
+        Self::read(assembled, folder.into(), sources)
     }
 
     /// Reads a scenario from a text. Errors call it `name`. Its files are in `library`; a path is the folder of the files.
@@ -111,6 +116,11 @@ impl Scenario {
     pub fn filled_at(&self, key: &str) -> Value {
         let mut all = serde_json::to_value(&self.file).unwrap_or_default();
         all.get_mut(key).map(Value::take).unwrap_or_default()
+    }
+
+    /// Returns the preset of lighting and viewer that the scenario names, or else one whose light and viewer it has.
+    pub fn preset(&self) -> Option<UsedPreset> {
+        preset::used(&self.written.root, &serde_json::to_value(&self.file).unwrap_or_default())
     }
 
     /// Resolves the display's diffuser and `[measure]`, for [`papilio diffuser measure`](VirtualMeasurement).

@@ -7,6 +7,7 @@
 use papilio_diagnostics::Diagnostic;
 
 use crate::error::Errors;
+use crate::here::relocate;
 use crate::mistake;
 use crate::origin::Origin;
 use crate::path::{Grow, KeyPath, Position, Step};
@@ -52,8 +53,11 @@ pub(crate) fn apply(
         let path = KeyPath::new(path);
         if (path == preset) == presets {
             let blanks = value.len() - value.trim_start().len();
-            let (value, wrong) = Node::parse_value(text, path.text().len() + 1 + blanks, source);
+            let (mut value, wrong) = Node::parse_value(text, path.text().len() + 1 + blanks, source);
             wrong.into_iter().for_each(|(origin, wrong)| errors.push(origin, wrong));
+            if let Some(folder) = sources.folder() {
+                relocate(&mut value, path.keys().last().unwrap_or_default(), folder);
+            }
             let all = Origin { source, start: 0, end: path.text().len() };
             let differs = |other: &&KeyPath| **other == path && !other.written_keys().eq(path.written_keys());
             if let Some(other) = set.iter().find(differs) {
@@ -143,10 +147,11 @@ impl Grow for NodeBuilder {
 }
 
 /// Pairs of keys that exclude each other: setting one replaces the other.
-pub(crate) const EXCLUSIVE_KEYS: [[&str; 2]; 4] = [
+pub(crate) const EXCLUSIVE_KEYS: [[&str; 2]; 5] = [
     ["relative_error", "paths"],
     ["haze", "width"],
     ["transmittance", "total_transmittance"],
+    ["reflectance", "total_reflectance"],
     ["internal_transmittance", "thickness_mm"],
 ];
 

@@ -1,5 +1,6 @@
 //! Texts of a scenario, and places in them.
 
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use papilio_diagnostics::Place;
@@ -15,6 +16,8 @@ pub(crate) struct Sources {
     document: Arc<Node>,
     /// Number of `--set`.
     overrides: usize,
+    /// Folder of the scenario file, if paths in `--set` are relative to the current folder.
+    folder: Option<PathBuf>,
 }
 
 impl Sources {
@@ -23,7 +26,17 @@ impl Sources {
         let mut texts = vec![(file_name.to_owned(), file_text.to_owned())];
         let sets = overrides.iter().enumerate();
         texts.extend(sets.map(|(i, text)| (format!("--set #{}", i + 1), text.clone())));
-        Self { texts, document: Arc::new(document), overrides: overrides.len() }
+        Self { texts, document: Arc::new(document), overrides: overrides.len(), folder: None }
+    }
+
+    /// Makes the paths in `--set` relative to the current folder; the scenario is in `folder`.
+    pub(crate) fn in_folder(self, folder: &Path) -> Self {
+        Self { folder: Some(folder.to_owned()), ..self }
+    }
+
+    /// Folder of the scenario file, if paths in `--set` are relative to the current folder.
+    pub(crate) fn folder(&self) -> Option<&Path> {
+        self.folder.as_deref()
     }
 
     /// Adds a text, which errors call `name`, and returns the place of the whole text.

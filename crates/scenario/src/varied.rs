@@ -32,7 +32,9 @@ impl ParsedScenario {
         let name = path.display().to_string();
         let file = DataFile::open(path, &name).map_err(ScenarioError::from)?;
         let text = file.text().map_err(ScenarioError::from)?;
-        Self::from_text(text, &name, path.parent().unwrap_or(Path::new("")), overrides)
+        let folder = path.parent().unwrap_or(Path::new(""));
+        let parsed = Self::from_text(text, &name, folder, overrides)?;
+        Ok(Self { sources: parsed.sources.in_folder(folder), ..parsed })
     }
 
     pub(crate) fn from_text(

@@ -120,6 +120,13 @@ fn gamut_areas_coverages_and_volumes_agree_with_oracle() {
                 assert!((ours - theirs).abs() < 1e-7, "{} {reference:?}: {ours} {theirs}", row[0]);
             }
         }
+        let primaries = [1, 2, 4].map(|on| corner(on).chromaticity().unwrap());
+        for (reference, theirs) in references.into_iter().zip(v[34..42].chunks(2)) {
+            let ours = [gamut_percent(primaries, reference), coverage_percent(primaries, reference)];
+            for (ours, theirs) in ours.iter().zip(theirs) {
+                assert!((ours - theirs).abs() < 1e-7, "{} {reference:?} in xy: {ours} {theirs}", row[0]);
+            }
+        }
         let [volume, hull] = [v[32], v[33]];
         let ours = corners.solid(D65_WHITE).unwrap().volume();
         assert!((ours / volume - 1.0).abs() < 1e-6, "{}: {ours} {volume}", row[0]);

@@ -5,7 +5,9 @@ import { useSignal } from "@preact/signals";
 import { Section } from "./drawing/section.tsx";
 import { AnglesPanel } from "./panels/angles.tsx";
 import { ComparePanel } from "./panels/compare.tsx";
+import { rowsOf } from "./model/csv.ts";
 import { ConePanel } from "./panels/cone.tsx";
+import { Downloads } from "./panels/downloads.tsx";
 import { FieldsPanel, Room, Toolbar } from "./panels/editor.tsx";
 import { FilesPanel } from "./panels/files.tsx";
 import { Header } from "./panels/header.tsx";
@@ -13,6 +15,7 @@ import { LedgerPanel } from "./panels/ledger.tsx";
 import { Problems } from "./panels/problems.tsx";
 import { Readability } from "./panels/readability.tsx";
 import { Source } from "./panels/source.tsx";
+import { AgeMark } from "./panels/aged.tsx";
 import { Summary } from "./panels/summary.tsx";
 import { Spoken } from "./panels/spoken.tsx";
 import { StatesTable } from "./panels/table.tsx";
@@ -25,14 +28,16 @@ import { Welcome } from "./panels/welcome.tsx";
 import { Chromaticity } from "./plots/chromaticity.tsx";
 import { Patches } from "./plots/patches.tsx";
 import { Spectra } from "./plots/spectra.tsx";
-import { answer, busy, draft, problems, startProblems, text } from "./state/design.ts";
+import { answer, busy, draft, opening, problems, startProblems, text } from "./state/design.ts";
+import { liveAge } from "./state/age.ts";
+import { compact, part, type Part } from "./state/compact.ts";
 import { discard } from "./state/live.ts";
 import { openTab } from "./state/tab.ts";
 
 function Design() {
   const source = useSignal(false);
   return (
-    <section class="design" aria-label="Design">
+    <section class="design" aria-label="Design" inert={opening.value !== ""}>
       <div class="switch" role="group" aria-label="View of the design">
         <button type="button" aria-pressed={!source.value} onClick={() => (source.value = false)}>
           Drawing
@@ -55,34 +60,86 @@ function Design() {
   );
 }
 
+/** The readability, which can be saved as it is shown. */
+function Reading() {
+  const shown = () => rowsOf(document.querySelector("#tab-panel table"));
+  return (
+    <>
+      <Readability />
+      <p class="figure-tools">
+        <Downloads name="readability" table={shown} />
+      </p>
+    </>
+  );
+}
+
 const TABS = [
   { id: "states", name: "States", body: () => <StatesTable /> },
   { id: "angles", name: "Angles", body: () => <AnglesPanel /> },
   { id: "cone", name: "All directions", body: () => <ConePanel /> },
   { id: "energy", name: "Energy balance", body: () => <LedgerPanel /> },
-  { id: "reading", name: "Readability", body: () => <Readability /> },
+  { id: "reading", name: "Readability", body: () => <Reading /> },
   { id: "walk", name: "Monte Carlo", body: () => <WalkPanel /> },
   { id: "sweep", name: "Sweep", body: () => <SweepPanel /> },
   { id: "compare", name: "Compare", body: () => <ComparePanel /> },
   { id: "files", name: "Files", body: () => <FilesPanel /> },
 ];
 
-function ResultPanel() {
+/** The first place of the result, at its top: the summary and the states. A picture of the page comes here. */
+function First() {
   return (
-    <main class={busy.value ? "picture busy" : "picture"} aria-busy={busy.value} aria-label="Result">
+    <div class="first">
       <div class="top">
         <Summary />
-        <Views />
+        <span class="seen-from">
+          <AgeMark age={liveAge.value} />
+          <Views />
+        </span>
       </div>
       <Patches />
+    </div>
+  );
+}
+
+function ResultPanel() {
+  return (
+    <main
+      id="result"
+      tabindex={-1}
+      class={`picture${busy.value ? " busy" : ""}${opening.value ? " opening" : ""}`}
+      aria-busy={busy.value}
+      aria-label="Result"
+    >
+      <First />
       <div class="plots">
         <Chromaticity />
         <Spectra />
       </div>
-      <Tabs tabs={TABS} open={openTab} />
-      <Notes />
+      <div class="details">
+        <Tabs tabs={TABS} open={openTab} />
+        <Notes />
+      </div>
       <Spoken />
     </main>
+  );
+}
+
+const PARTS: readonly (readonly [Part, string])[] = [
+  ["design", "Design"],
+  ["plots", "Diagrams"],
+  ["details", "Tables and tools"],
+];
+
+/** The choice of the section in the compact layout. */
+function Sections() {
+  return (
+    <div class="sections" role="group" aria-label="Section of the page">
+      {PARTS.map(([id, name]) => (
+        <button type="button" key={id} aria-pressed={part.value === id} onClick={() => (part.value = id)}>
+          {name}
+        </button>
+      ))}
+    </div>
   );
 }
 
@@ -123,9 +180,10 @@ export function App() {
       <Header />
       <Welcome />
       {answer.value && (
-        <div class="bench">
+        <div class="bench" data-part={part.value}>
           <Design />
           <ResultPanel />
+          {compact.value && <Sections />}
         </div>
       )}
       {!answer.value && (problems.value.length > 0 ? <Broken /> : <Starting />)}

@@ -30,7 +30,8 @@ function takeToken(): void {
 function keys(event: KeyboardEvent): void {
   const typing =
     event.target instanceof HTMLTextAreaElement ||
-    (event.target instanceof HTMLInputElement && event.target.type === "text");
+    // In the box of a number, undo is that of the design, too: every number that is typed is applied at once.
+    (event.target instanceof HTMLInputElement && event.target.type === "text" && event.target.inputMode !== "decimal");
   if (!(event.ctrlKey || event.metaKey) || event.altKey || typing) return;
   const key = event.key.toLowerCase();
   if (key === "z" && !event.shiftKey) void undo();

@@ -3,8 +3,8 @@
 use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
-use papilio_display::Control;
 use papilio_display::result::RunResult;
+use papilio_display::{Control, TransmittedLobe, transmitted_lobes};
 use papilio_formats::ResultFile;
 use papilio_scenario::{Edit, Resolved};
 use schemars::{JsonSchema, Schema, SchemaGenerator};
@@ -40,10 +40,23 @@ pub(super) struct Seen {
     fields: Box<serde_json::value::RawValue>,
     /// The contents of result.json, as `papilio run --solver adding` writes it.
     result: Answer,
+    /// The preset of lighting and viewer.
+    preset: Option<PresetSeen>,
+    /// The lobes of the diffusers for the first directed source (without one, along the normal), for the drawing.
+    lobes: Vec<TransmittedLobe>,
     /// Warnings about the scenario.
     warnings: Vec<String>,
     /// Time for reading and computing, ms.
     cost_ms: f64,
+}
+
+/// The preset of a scenario.
+#[derive(Debug, Serialize, JsonSchema)]
+struct PresetSeen {
+    /// Its name.
+    name: &'static str,
+    /// Whether the scenario changes its light or its viewer.
+    changed: bool,
 }
 
 /// The contents of `result.json`.
@@ -117,8 +130,10 @@ fn compute(site: &Site, live: Live, stop: &AtomicBool) -> Result<Seen, Fault> {
     let (read, resolved) = given.resolve(site, Solver::Adding).map_err(about)?;
     let fields = serde_json::value::to_raw_value(&read.filled());
     let fields = fields.map_err(|_| Fault::internal("the scenario cannot be serialised"))?;
+    let preset = read.preset().map(|one| PresetSeen { name: one.name, changed: one.is_changed });
+    let lobes = transmitted_lobes(&resolved.scene);
     let result = compute_scene(site, resolved, stop).map_err(about)?;
     let warnings = result.result.warnings.clone();
     let cost_ms = 1e3 * started.elapsed().as_secs_f64();
-    Ok(Seen { scenario: given.scenario, fields, result, warnings, cost_ms })
+    Ok(Seen { scenario: given.scenario, fields, result, preset, lobes, warnings, cost_ms })
 }

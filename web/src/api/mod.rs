@@ -2,6 +2,7 @@
 //! generated.
 
 mod catalogue;
+mod compare;
 mod drawn;
 mod endpoint;
 mod events;
@@ -50,6 +51,11 @@ fn endpoints() -> Endpoints {
         .post("/angles", "Metrics against the viewing angle", drawn::angles)
         .post("/cone", "Metrics over all viewing directions: numbers and conoscopic maps", drawn::cone)
         .post("/figures", "The figures that papilio run draws, as SVG", drawn::figures)
+        .post(
+            "/compare",
+            "A scenario compared with a measured panel: table, figures, differences",
+            compare::compare,
+        )
         .export(
             "/export",
             "A result as a file: result.json, tables, figures, or a report on one page",

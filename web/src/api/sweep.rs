@@ -77,7 +77,7 @@ fn read_sweep(site: &Site, given: &Given) -> Result<Sweep, Fault> {
         return Err(Fault::too_much(message, "choose fewer values on an axis, or use `papilio sweep`"));
     }
     for point in sweep.samples().into_iter().take(MOST_SAMPLES) {
-        check_work(&sweep.scenario(point)?.resolve()?)?;
+        check_work(&sweep.scenario(point)?.resolve()?, Solver::Adding)?;
     }
     Ok(sweep)
 }

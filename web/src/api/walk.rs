@@ -1,6 +1,7 @@
 //! The endpoint `/walk`: a run of the Monte Carlo solver, compared with the result of adding, as a stream of
 //! events.
 
+use std::collections::BTreeMap;
 use std::num::NonZero;
 use std::sync::Mutex;
 use std::thread::available_parallelism;
@@ -11,6 +12,8 @@ use papilio_display::{Control, Progress};
 use papilio_scenario::Resolved;
 use schemars::JsonSchema;
 use serde::Serialize;
+use serde_json::Value;
+use serde_json::value::RawValue;
 
 use super::events::{self, EventSender, Events};
 use super::live::{Answer, compute_scenario};
@@ -63,6 +66,9 @@ pub(super) struct WalkDone {
     states: Vec<WalkState>,
     /// The contents of result.json, as `papilio run --solver monte-carlo` writes it.
     result: Answer,
+    /// The scenario as it was read, with all defaults.
+    #[schemars(with = "BTreeMap<String, Value>")]
+    fields: Box<RawValue>,
 }
 
 /// A state by Monte Carlo and by adding (the live result).
@@ -85,8 +91,8 @@ pub(super) struct WalkState {
     Z: f64,
     /// Standard error of Z.
     Z_se: f64,
-    /// Y by adding.
-    live_Y: f64,
+    /// Y by adding; null if adding refuses the scenario.
+    live_Y: Option<f64>,
     /// Difference of the two values of Y over the combined error; null if both are exact.
     z: Option<f64>,
     /// The same for X, Y and Z.
@@ -96,17 +102,31 @@ pub(super) struct WalkState {
 pub(super) async fn walk(site: Site, given: Given) -> Result<Events, Fault> {
     let server = site.clone();
     // Errors of the scenario are reported before the stream starts.
-    let (resolved, live) = site
+    let (started, live) = site
         .quick()
         .work(move |stop| {
-            let (_, resolved) = given.resolve(&server, Solver::MonteCarlo)?;
-            Ok((resolved, compute_scenario(&server, &given, stop)?))
+            let (read, resolved) = given.resolve(&server, Solver::MonteCarlo)?;
+            let fields = serde_json::value::to_raw_value(&read.filled());
+            let fields = fields.map_err(|_| Fault::internal("the scenario cannot be serialised"))?;
+            let live = match compute_scenario(&server, &given, stop) {
+                Ok(live) => Some(live),
+                Err(fault) if fault.is_for_monte_carlo() => None,
+                Err(fault) => return Err(fault),
+            };
+            Ok((Started { resolved, fields }, live))
         })
         .await?;
-    events::start(site.streamed(), move |events| run(resolved, &live, events)).await
+    events::start(site.streamed(), move |events| run(started, live.as_ref(), events)).await
 }
 
-fn run(resolved: Resolved, live: &Answer, events: &EventSender) -> WalkEvent {
+/// A scenario whose run has started.
+struct Started {
+    resolved: Resolved,
+    fields: Box<RawValue>,
+}
+
+fn run(started: Started, live: Option<&Answer>, events: &EventSender) -> WalkEvent {
+    let Started { resolved, fields } = started;
     let reported = Mutex::new(Reported { time: None, states: Vec::new() });
     let report = |progress: Progress<'_>| {
         events.stop_if_late();
@@ -128,6 +148,7 @@ fn run(resolved: Resolved, live: &Answer, events: &EventSender) -> WalkEvent {
                 relative_error: result.solver.relative_error_reached,
                 states,
                 result: Answer { resolved, result },
+                fields,
             }))
         }
         Err(error) => WalkEvent::Failed(Fault::of(&resolved, error).body),
@@ -141,7 +162,7 @@ struct Reported {
 }
 
 impl Reported {
-    fn report(&mut self, progress: Progress<'_>, live: &Answer, events: &EventSender) {
+    fn report(&mut self, progress: Progress<'_>, live: Option<&Answer>, events: &EventSender) {
         let (done, views) = progress.views_done;
         let is_due = self.time.is_none_or(|time| time.elapsed() >= MIN_INTERVAL);
         let Some(so_far) = progress.so_far.filter(|_| is_due) else { return };
@@ -160,19 +181,20 @@ impl Reported {
     }
 }
 
-/// Compares the states of a view with those of the live result.
-fn states(number: usize, view: &View, live: &Answer) -> Vec<WalkState> {
-    let Some(live_view) = live.result.views.get(number) else { return Vec::new() };
+/// Compares the states of a view with those of the live result, if there is one.
+fn states(number: usize, view: &View, live: Option<&Answer>) -> Vec<WalkState> {
+    let live_view = live.and_then(|live| live.result.views.get(number));
     let compare = |(name, estimate): (&str, &papilio_display::result::State)| {
-        let live = live_view.states.get(name)?;
+        let live = live_view.and_then(|view| view.states.get(name));
         let xyz = |values: &StateValues| [values.X, values.Y, values.Z];
         let (value, se) = (xyz(&estimate.value), xyz(&estimate.standard_error));
-        let (exact, de) = (xyz(&live.value), live.discretisation_error.as_ref().map_or([0.0; 3], xyz));
+        let exact = live.map(|live| xyz(&live.value));
+        let de = live.and_then(|live| live.discretisation_error.as_ref()).map_or([0.0; 3], xyz);
         let z = |k: usize| {
             let error = se[k].hypot(de[k]);
-            (error > 0.0).then(|| (value[k] - exact[k]) / error)
+            exact.filter(|_| error > 0.0).map(|exact| (value[k] - exact[k]) / error)
         };
-        Some(WalkState {
+        WalkState {
             name: name.to_owned(),
             view: number,
             X: value[0],
@@ -181,10 +203,10 @@ fn states(number: usize, view: &View, live: &Answer) -> Vec<WalkState> {
             Y_se: se[1],
             Z: value[2],
             Z_se: se[2],
-            live_Y: exact[1],
+            live_Y: exact.map(|exact| exact[1]),
             z: z(1),
             z_of_xyz: [z(0), z(1), z(2)],
-        })
+        }
     };
-    view.states.iter().filter_map(compare).collect()
+    view.states.iter().map(compare).collect()
 }

@@ -182,7 +182,7 @@ fn report_is_self_contained() {
 }
 
 /// Returns the number of events before the last one, and the name and data of the last one.
-fn events(body: &[u8]) -> (usize, String, Value) {
+pub(crate) fn events(body: &[u8]) -> (usize, String, Value) {
     let text = String::from_utf8_lossy(body);
     let all: Vec<(String, Value)> = text
         .split("\n\n")

@@ -12,3 +12,4 @@ mod client;
 mod description;
 mod hostile;
 mod load;
+mod offers;

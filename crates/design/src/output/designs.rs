@@ -2,11 +2,11 @@
 //!
 //! A file is the text of the optimised scenario with the values of a design. Comments and order are preserved.
 
-use std::path::{Component, Path, PathBuf};
+use std::path::Path;
 
 use crate::DesignError;
 use crate::search::{Search, SelectedDesign};
-use papilio_scenario::{Edit, edit};
+use papilio_scenario::{Edit, edit, relative_path};
 
 /// Returns file names and texts of the optimised scenario, one for each selected design: `best.toml` for a
 /// single design, or `closest.toml` if it does not meet the constraints; `front-01.toml` and so on for
@@ -49,18 +49,6 @@ pub fn moved(text: &str, from: &Path, to: &Path) -> String {
         line.split('"').enumerate().map(segment).collect::<Vec<_>>().join("\"")
     };
     text.split('\n').map(line).collect::<Vec<_>>().join("\n")
-}
-
-/// Relative path from one folder to another.
-fn relative_path(from: &Path, to: &Path) -> Option<PathBuf> {
-    let absolute =
-        |path: &Path| std::path::absolute(if path.as_os_str().is_empty() { Path::new(".") } else { path });
-    let (from, to) = (absolute(from).ok()?, absolute(to).ok()?);
-    let (from, to): (Vec<Component<'_>>, Vec<Component<'_>>) =
-        (from.components().collect(), to.components().collect());
-    let shared = from.iter().zip(&to).take_while(|(a, b)| a == b).count();
-    let up = from[shared..].iter().map(|_| Component::ParentDir);
-    Some(up.chain(to[shared..].iter().copied()).collect())
 }
 
 #[cfg(test)]

@@ -12,6 +12,7 @@ mod views;
 
 use papilio_colour::{Standard, Xyz};
 use papilio_spectra::{Grid, Tabulated};
+use schemars::JsonSchema;
 use serde::Serialize;
 
 use left_out::{LeftOut, gathered};
@@ -79,7 +80,7 @@ pub enum CompareError {
 }
 
 /// Result of a comparison.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct Comparison {
     /// One for each measured state that has a counterpart, in the order of the measurement.
     pub states: Vec<StateComparison>,
@@ -90,7 +91,7 @@ pub struct Comparison {
 }
 
 /// Comparison of a simulated and a measured state.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 #[allow(non_snake_case, reason = "named as in result.json")]
 pub struct StateComparison {
     /// Name of the state.
@@ -115,7 +116,7 @@ pub struct StateComparison {
 }
 
 /// Colour relative to a perfect white in the simulation's light.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, JsonSchema)]
 #[allow(non_snake_case, reason = "named as in result.json")]
 pub struct Colour {
     /// Relative tristimulus value.
@@ -147,7 +148,7 @@ pub type Side = fn(&StateComparison) -> &Colour;
 pub const SIDES: [Side; 2] = [|one| &one.simulated, |one| &one.measured];
 
 /// Reflectance factors, simulated and measured, over the wavelengths that both have.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct SpectrumComparison {
     /// Wavelengths, nm.
     pub wavelength_nm: Vec<f64>,
@@ -166,7 +167,7 @@ pub struct SpectrumComparison {
 }
 
 /// Comparison of metrics that combine the states of a view; the first value of each pair is simulated, the second measured.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct ViewComparison {
     /// Inclination of the simulated view, degrees.
     pub theta_deg: f64,
@@ -182,6 +183,14 @@ pub struct ViewComparison {
     pub coverage_percent_srgb: [Option<f64>; 2],
     /// Mean over red, green and blue of the simulated minus the measured peak wavelength, nm.
     pub average_peak_difference_nm: Option<f64>,
+}
+
+impl Comparison {
+    /// True if the measured Y of every state is 20 to 500 times the simulated Y, as for numbers in per cent.
+    pub fn looks_like_percent(&self) -> bool {
+        let ratios = self.states.iter().map(|one| one.measured.Y / one.simulated.Y);
+        !self.states.is_empty() && ratios.into_iter().all(|ratio| (20.0..500.0).contains(&ratio))
+    }
 }
 
 /// Compares measured states with a simulated display.

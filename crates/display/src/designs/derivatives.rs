@@ -226,6 +226,11 @@ impl DesignObservation {
                 meter.under_diffuse(state, &self.sample)?;
                 slopes.diffuse[state] = 1.0;
             }
+            Quantity::ReflectanceFactor { state, bin, .. } => {
+                let state = meter.state_named(state)?;
+                self.value(meter, quantity)?;
+                *slopes.factor.get_mut(state * bins + bin)? = 1.0;
+            }
             Quantity::SpectrumDistance { state, wanted, .. } => {
                 let state = meter.state_named(state)?;
                 let factor = meter.reflectance_factor(state, &self.sample.0)?;
@@ -270,7 +275,9 @@ fn depends_on(meter: &Meter<'_>, quantity: &Quantity) -> (Vec<Option<usize>>, &'
             | Metric::reading_surrogate
             | Metric::reading_surrogate_age_20
             | Metric::reading_surrogate_age_50
-            | Metric::reading_surrogate_age_75,
+            | Metric::reading_surrogate_age_75
+            | Metric::visibility_level
+            | Metric::contrast_margin,
         ) => (vec!["white", "black"], &[Number::Luminance][..]),
         Some(metric) if metric.is_of_view() => (PRIMARIES.to_vec(), XYZ),
         _ => (vec![], XYZ),

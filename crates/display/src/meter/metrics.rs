@@ -7,7 +7,7 @@ use papilio_colour::{
     CORNERS, Corners, GamutReference, Lab, UvPrime, Viewing, Xyz, coverage_percent, gamut_percent,
 };
 
-use crate::readability::Text;
+use crate::readability::{Reader, Text};
 use crate::result::{Cam16, StateMetrics, ViewMetrics};
 use crate::scene::{Appearance, Metrics, Standard};
 
@@ -48,6 +48,7 @@ pub(crate) struct Reference<'a> {
     /// state (`metrics.white = "display"`); `None` if it is not defined.
     pub(crate) lab_white: Option<Xyz>,
     pub(crate) settings: &'a Metrics,
+    pub(crate) reader: Reader,
 }
 
 /// Observed colour quantities of a state.
@@ -119,20 +120,27 @@ impl Reference<'_> {
         let shift = |name| states[self.at(name)?].metrics.peak_shift_nm;
         together.average_peak_shift_nm = three(PRIMARIES.map(shift)).map(|[r, g, b]| (r + g + b) / 3.0);
         let luminance = |name| Some(observations[self.at(name)?].luminance_cd_m2);
-        let text = luminance("white").zip(luminance("black")).and_then(|(w, k)| Text::new(w, k));
-        if let Some(text) = text {
-            together.text_luminance_cd_m2 = Some(text.luminance_cd_m2);
-            together.text_contrast = Some(text.contrast);
-            together.reading_surrogate_age_20 = text.reading_surrogate(20.0);
-            together.reading_surrogate_age_50 = text.reading_surrogate(50.0);
-            together.reading_surrogate_age_75 = text.reading_surrogate(75.0);
-            together.reading_surrogate =
-                self.settings.reader_age_years.and_then(|age_years| text.reading_surrogate(age_years));
+        if let Some((white, black)) = luminance("white").zip(luminance("black")) {
+            self.readability(white, black, &mut together);
         }
         if self.settings.gamut_volume {
             together.gamut_volume_cielab = self.volume(&xyz);
         }
         ViewScalars { states, together }
+    }
+
+    /// Computes the readability of black text on white from the luminances, cd/m2.
+    fn readability(&self, white: f64, black: f64, together: &mut ViewMetrics) {
+        let Some(text) = Text::new(white, black) else { return };
+        together.text_luminance_cd_m2 = Some(text.luminance_cd_m2);
+        together.text_contrast = Some(text.contrast);
+        together.reading_surrogate_age_20 = text.reading_surrogate(20.0);
+        together.reading_surrogate_age_50 = text.reading_surrogate(50.0);
+        together.reading_surrogate_age_75 = text.reading_surrogate(75.0);
+        together.reading_surrogate =
+            self.settings.reader_age_years.and_then(|age_years| text.reading_surrogate(age_years));
+        together.visibility_level = self.reader.visibility_level(white, black);
+        together.contrast_margin = self.reader.contrast_margin(white, black);
     }
 
     /// Computes contrast and gamut, which combine the states.
@@ -352,11 +360,13 @@ mod tests {
         let white = Xyz { x: 0.95, y: 1.0, z: 1.09 };
         let names = ["white".to_owned(), "orange".to_owned()];
         let settings = Metrics { gamut_volume: true, ..Metrics::default() };
+        let reader = Reader { age_years: 25.0, text_height_mm: 1.6, distance_mm: 500.0 };
         let reference = Reference {
             names: &names,
             white: Some((white, 100.0)),
             lab_white: Some(white),
             settings: &settings,
+            reader,
         };
         let observed = |xyz: Xyz| StateObservation {
             xyz,

@@ -23,6 +23,7 @@ use papilio_colour::{LUMENS_PER_WATT, Xyz, peak_nm};
 use papilio_spectra::{Grid, sum_of_products};
 use papilio_transport::{Base, Estimate, ReflectanceFactor};
 
+use crate::readability::Reader;
 use crate::result::{Illuminant, ReferenceWhite};
 use crate::setup::{Light, LineWeights, Setup, ViewPoint};
 pub(crate) use angle::{ViewSamples, against_angle};
@@ -302,7 +303,8 @@ impl<'a> Meter<'a> {
         let white = if self.is_self_lit { own() } else { Some(paper) };
         let lab_white = if self.has_own_white() { own() } else { white };
         let lab_white = lab_white.map(|(xyz, _)| xyz);
-        Reference { names, white, lab_white, settings: &self.setup.scene.metrics }
+        let reader = Reader::of(&self.setup.scene);
+        Reference { names, white, lab_white, settings: &self.setup.scene.metrics, reader }
     }
 
     /// Returns the numbers of states, wavelengths and sources.

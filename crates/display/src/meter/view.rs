@@ -3,6 +3,7 @@
 use super::Meter;
 use super::metrics::{PRIMARIES, Scalars, ViewScalars, three};
 use super::sample::Sample;
+use crate::readability::Reader;
 use crate::result::{
     Absorbed, Ledger, LedgerError, Named, SpectraByLight, State, StateValues, Terms, View, XyzError,
 };
@@ -41,11 +42,15 @@ impl Meter<'_> {
                         .map(|[X, Y, Z]| XyzError { X, Y, Z }),
                 }
             };
+        let reader = Reader::of(&self.setup.scene);
+        let text = value.scalars.together.text_luminance_cd_m2;
         View {
             theta_deg: at.theta_deg,
             phi_deg: at.phi_deg,
             states: self.by_name(state),
             metrics: value.scalars.together,
+            visibility_level_in_range: text.map(|luminance| reader.is_visibility_in_range(luminance)),
+            contrast_margin_in_range: text.map(|luminance| reader.is_margin_in_range(luminance)),
             standard_error: standard.scalars.together,
             discretisation_error: discretisation.as_ref().map(|errors| errors.scalars.together),
             ledger: self.by_name(|s| self.ledger(s, &value, &standard, discretisation.as_ref())),

@@ -45,13 +45,18 @@ pub fn state_names(pixel: &Pixel) -> Vec<String> {
 /// States that mix sub-pixels, by their usual names.
 const MIXTURES: [&str; 5] = ["white", "black", "cyan", "magenta", "yellow"];
 
+/// Returns true for the usual names of states that mix sub-pixels: white, black, cyan, magenta and yellow.
+pub fn is_mixture(state: &str) -> bool {
+    MIXTURES.contains(&state)
+}
+
 /// Returns the names of the states that drive one sub-pixel, in order. Only their peak wavelength describes the pixel: that of
 /// a mixture jumps between the peaks of its parts. Where the sub-pixels are not known (tables, uniform pixels), these are all
 /// states except white, black, cyan, magenta and yellow.
 pub fn primaries(pixel: &Pixel) -> Vec<String> {
     let Pixel::Film(film) = pixel else {
         let names = state_names(pixel).into_iter();
-        return names.filter(|name| !MIXTURES.contains(&name.as_str())).collect();
+        return names.filter(|name| !is_mixture(name)).collect();
     };
     let is_driven = |drive: &Drive| match drive {
         Drive::Share(share) => *share > 0.0,

@@ -74,6 +74,12 @@ struct Rows {
 /// Tristimulus values of each direction and state.
 type Colours = Vec<Vec<Xyz>>;
 
+/// Returns the directions of the scenario's views.
+fn views_deg(scene: &Scene) -> Vec<[f64; 2]> {
+    let of_phi = |phi: &f64| scene.viewer.theta_deg.iter().map(|theta| [*theta, *phi]).collect::<Vec<_>>();
+    scene.viewer.phi_deg.iter().flat_map(of_phi).collect()
+}
+
 impl Survey<'_> {
     /// `None` if it was stopped.
     fn run(self, pool: Option<&ThreadPool>) -> Option<Result<ConeResult, DisplayError>> {
@@ -81,6 +87,10 @@ impl Survey<'_> {
             Stop::RelativeError { target, .. } => target,
             Stop::Paths(_) | Stop::Target(_) => DEFAULT_TARGET,
         };
+        let [theta_deg, _] = self.grid.reference_deg;
+        if !self.is_known(theta_deg) {
+            return Some(Err(DisplayError::UnknownReference { theta_deg }));
+        }
         let mut kernel = Kernel::new(0);
         let sample = self.sample(target, &mut kernel)?;
         let Rows { views: rows, errors, nodes } = self.rows(&sample, kernel, target, pool)?;
@@ -114,6 +124,7 @@ impl Survey<'_> {
             states: self.run.setup.states.clone(),
             views,
             lights: self.run.scene.lighting.directed.iter().map(light).collect(),
+            views_deg: views_deg(self.run.scene),
             nodes,
             discretisation_error: worst,
             row_errors: RowErrors { relative, target, allowed: None },
@@ -179,9 +190,12 @@ impl Survey<'_> {
     /// Returns for each inclination whether the uppermost scattering interface was measured there. Elsewhere, other light,
     /// such as the reflection of the front, does not represent the display.
     fn known(&self) -> Vec<bool> {
+        self.grid.theta_deg.iter().map(|theta| self.is_known(*theta)).collect()
+    }
+
+    fn is_known(&self, theta_deg: f64) -> bool {
         let reach = self.run.setup.stack.known_within().unwrap_or(f64::INFINITY);
-        let inside = |theta: &f64| self.angle_index * theta.to_radians().sin() <= reach * (1.0 + 1e-9);
-        self.grid.theta_deg.iter().map(inside).collect()
+        self.angle_index * theta_deg.to_radians().sin() <= reach * (1.0 + 1e-9)
     }
 
     fn blank(&self, known: &[bool]) -> Option<String> {

@@ -24,7 +24,8 @@ pub use study::{Cost, StudyCurve, StudyPoint, cost, study};
 
 use crate::meter::{Meter, ViewSamples, against_angle};
 use crate::notes::notes;
-use crate::result::{RunResult, SolverReport, View, XyzError};
+use crate::readability::Reader;
+use crate::result::{self, RunResult, SolverReport, View, XyzError};
 use crate::scene::{Method, Scene, Stop};
 use crate::setup::{Setup, ViewPoint};
 use crate::{DisplayError, Prepared};
@@ -216,6 +217,7 @@ impl Run<'_> {
             reference_white,
             primaries: crate::pixel::primaries(&self.scene.display.pixel),
             views,
+            reader: reader(self.scene),
             warnings,
         }
     }
@@ -268,4 +270,17 @@ impl Run<'_> {
 /// Returns true if the mirror image of a beam is in the field of view.
 fn looks_into(view: &ViewPoint, source: &Source) -> bool {
     matches!(source, Source::Beam(beta) if view.field.holds(*beta))
+}
+
+/// Reports the reader of a scene.
+fn reader(scene: &Scene) -> result::Reader {
+    let reader = Reader::of(scene);
+    result::Reader {
+        age_years: reader.age_years,
+        text_height_mm: reader.text_height_mm,
+        distance_mm: reader.distance_mm,
+        detail_arcmin: reader.detail_arcmin(),
+        cycles_per_degree: reader.cycles_per_degree(),
+        is_described: scene.metrics.reader_age_years.is_some() || scene.metrics.text_height_mm.is_some(),
+    }
 }

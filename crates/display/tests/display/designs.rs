@@ -31,7 +31,15 @@ fn scenes() -> Vec<(&'static str, Scene)> {
         ("two views", scene("indoor", &["viewer.theta_deg=[8, 40]"])),
         ("bare", scene("reference-pixel", &[])),
         ("front light", scene("front-light", &[])),
+        ("the display's white", scene("indoor", &["metrics.white=display"])),
         ("any layers", scene("slab", &[])),
+        (
+            "a diffuser that reflects",
+            scene(
+                "reflecting-diffuser",
+                &["display.diffuser.reflection.mirror=0.2", "display.diffuser.width=0.1"],
+            ),
+        ),
     ]
 }
 

@@ -6,6 +6,7 @@
     reason = "helpers of tests express expectations by unwrapping, too"
 )]
 
+mod absorption;
 mod asked_metrics;
 mod by_light_and_angle;
 mod common;

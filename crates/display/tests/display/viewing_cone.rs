@@ -234,3 +234,40 @@ fn bsdf_of_a_rough_interface_at_grazing_incidence_equals_its_kernel() {
     assert!(refused.contains("rows of the BRDF") && refused.contains("--allow-error"), "{refused}");
     assert!(table.allowing(Some(0.1)).is_ok());
 }
+
+/// The colour of each state is compared with its own in the reference direction, by formulas of the reported L*, a*, b*.
+#[test]
+fn colours_of_the_cone_are_compared_with_the_reference_direction() {
+    for white in ["perfect", "display"] {
+        let mut scene =
+            scenario("indoor", &["spectrum.step_nm=20", &format!("metrics.white={white}")]).unwrap().scene;
+        scene.solver.stop = Stop::RelativeError { target: 1e-3, per_wavelength: false };
+        let found = seen_against(&scene, &[0.0, 30.0, 60.0], &[0.0, 90.0], [30.0, 90.0], 1);
+        assert_eq!(found.reference_deg, [30.0, 90.0]);
+        let reference = found.view(1, 1).unwrap();
+        for view in &found.views {
+            for (state, there) in view.states.iter().zip(&reference.states) {
+                let (here, there_lab) = (state.lab.unwrap(), there.lab.unwrap());
+                let e76 = (here.l - there_lab.l).hypot(here.a - there_lab.a).hypot(here.b - there_lab.b);
+                // Each inclination of a panel has nodes of its own, as the reference direction has.
+                assert!((state.delta_e_1976.unwrap() - e76).abs() < 0.2, "{e76} {state:?}");
+                assert!((state.delta_e_2000.unwrap() - here.delta_e_2000(there_lab)).abs() < 0.2);
+            }
+            let own = view.states[0].lab.unwrap();
+            assert_eq!(white == "display", (own.l - 100.0).abs() < 1e-9, "{own:?}");
+        }
+        let same = reference.states.iter().map(|state| state.delta_e_2000.unwrap());
+        assert!(same.fold(0.0, f64::max) < 0.2);
+    }
+}
+
+/// A reference direction in which the diffuser was not measured has no colour.
+#[test]
+fn reference_direction_must_be_known() {
+    let sets = ["spectrum.step_nm=20", "display.diffuser.extrapolate=none"];
+    let scene = scenario("measured-h65", &sets).unwrap().scene;
+    let stop = AtomicBool::new(false);
+    let grid = ConeGrid { theta_deg: vec![0.0], phi_deg: vec![0.0], reference_deg: [80.0, 0.0] };
+    let refused = cone(&scene, grid, &Control { threads: Some(1), progress: &|_| {}, stop: &stop });
+    assert!(matches!(refused, Err(DisplayError::UnknownReference { .. })), "{refused:?}");
+}

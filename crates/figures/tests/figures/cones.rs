@@ -71,7 +71,26 @@ fn cone_with_invalid_values_is_well_formed() {
         cone_with(|state| (state.reflectance_factor_y, state.uv_shift) = (-1e-9, Some(-1.0))),
     ] {
         texts(&cone(&broken, TITLE).unwrap());
+        cone_differences(&broken, TITLE).iter().for_each(|svg| _ = texts(svg));
     }
+}
+
+#[test]
+fn colour_differences_are_drawn_with_their_reference() {
+    let svg = cone_differences(&small_cone(), TITLE).unwrap();
+    assert_texts(&svg, &STATES);
+    let titles =
+        ["CIEDE2000 colour difference", "\u{394}E*ab", "\u{394}u\u{2032}v\u{2032}", "along the normal"];
+    assert_texts(&svg, &titles);
+    let mut aside = small_cone();
+    aside.reference_deg = [30.0, 90.0];
+    // One direction is far above all others.
+    aside.views[40].states[0].delta_e_2000 = Some(900.0);
+    let svg = cone_differences(&aside, TITLE).unwrap();
+    assert_texts(&svg, &["at 30\u{b0}, azimuth 90\u{b0}", "(up to 900.000)"]);
+    let undefined =
+        cone_with(|state| (state.uv_shift, state.delta_e_2000, state.delta_e_1976) = (None, None, None));
+    assert_eq!(cone_differences(&undefined, TITLE), None);
 }
 
 /// Directions on a line give no map; half a circle, a few spokes or a ring do.

@@ -2,11 +2,13 @@
 
 #![allow(clippy::unwrap_used, clippy::expect_used, reason = "a test says what it expects by unwrapping")]
 
+use papilio_display::pixel::{PixelAbsorption, PixelLayer, SubPixelAbsorption};
 use papilio_display::result::{Named, RunResult, StateValues};
 use papilio_display::{AmbientLight, AmbientSource, ConeGrid, ConeResult, ConeState};
 use papilio_figures::{
-    AngleMetric, PixelScan, Transmission, against_angle, chromaticity, compared_gamuts, compared_spectra,
-    cone, gamut_rings, light, overview, patches, pixel_scan, png, spectra, spectra_over, transmission,
+    AngleMetric, Diagram, PixelScan, Transmission, absorption, against_angle, chromaticity, compared_gamuts,
+    compared_spectra, cone, cone_differences, gamut_rings, light, overview, patches, pixel_scan, png,
+    spectra, spectra_over, transmission,
 };
 
 mod cones;
@@ -26,7 +28,8 @@ fn all_figures(run: &RunResult) -> Vec<String> {
     for view in &run.views {
         figures.extend([
             spectra(run, view, TITLE),
-            chromaticity(run, view, TITLE),
+            chromaticity(run, view, Diagram::Uv, TITLE),
+            chromaticity(run, view, Diagram::Xy, TITLE),
             patches(run, view, TITLE),
             overview(run, view, TITLE),
         ]);
@@ -81,7 +84,8 @@ fn every_figure_names_its_states_and_axes() {
     let view = &run.views[0];
     for svg in [
         spectra(&run, view, TITLE),
-        chromaticity(&run, view, TITLE),
+        chromaticity(&run, view, Diagram::Uv, TITLE),
+        chromaticity(&run, view, Diagram::Xy, TITLE),
         patches(&run, view, TITLE),
         overview(&run, view, TITLE),
     ] {
@@ -92,8 +96,21 @@ fn every_figure_names_its_states_and_axes() {
         &["Wavelength (nm)", "Reflectance factor", "one standard error"],
     );
     assert_texts(
-        &chromaticity(&run, view, TITLE),
-        &["u\u{2032}", "v\u{2032}", "% of sRGB", "% of EBU", "light", "520", "display"],
+        &chromaticity(&run, view, Diagram::Uv, TITLE),
+        &[
+            "u\u{2032}",
+            "v\u{2032}",
+            "Gamut area in u\u{2032}v\u{2032}",
+            "sRGB (display: ",
+            "DCI-P3",
+            "light",
+            "520",
+            "display",
+        ],
+    );
+    assert_texts(
+        &chromaticity(&run, view, Diagram::Xy, TITLE),
+        &["x", "y", "Gamut area in xy", "NTSC", "light", "520", "display"],
     );
     assert_texts(&overview(&run, view, TITLE), &["Viewed at 8\u{b0}", "contrast", "gamut"]);
     for metric in AngleMetric::ALL {
@@ -269,8 +286,8 @@ fn wide_range_of_y_has_logarithmic_axis() {
     for (_, state) in &mut run.views[1].states.0 {
         state.value.Y *= 30.0;
     }
-    assert_texts(&metric_of(&run, AngleMetric::Reflectance), &["logarithmic", "0.05", "0.1"]);
-    assert!(!metric_of(&run, AngleMetric::Contrast).contains("logarithmic"));
+    assert_texts(&metric_of(&run, AngleMetric::Reflectance), &["0.05", "0.1"]);
+    assert!(!metric_of(&run, AngleMetric::Reflectance).contains("logarithmic"), "the labels show it");
 }
 
 /// No line connects the peaks of two orders of interference.
@@ -304,7 +321,7 @@ fn crowded_states_have_enlarged_inset() {
         (state.value.u_prime, state.value.v_prime) = (Some(light.0 + off), Some(light.1));
     }
     let discs = |run: &RunResult| {
-        let svg = chromaticity(run, &run.views[0], TITLE);
+        let svg = chromaticity(run, &run.views[0], Diagram::Uv, TITLE);
         assert_texts(&svg, &STATES);
         assert_texts(&svg, &["light"]);
         svg.matches("<circle").count()
@@ -457,10 +474,7 @@ fn comparison_shows_simulated_and_measured() {
         &compared_spectra(&all, &view, TITLE).unwrap(),
         &[TITLE, "simulated", "measured", "odd <name>"],
     );
-    assert_texts(
-        &compared_gamuts(&all, &view, TITLE),
-        &[TITLE, "measured", "20.0 % of EBU simulated, - % measured"],
-    );
+    assert_texts(&compared_gamuts(&all, &view, TITLE), &[TITLE, "measured", "20.0 % of EBU simulated, "]);
     all.states.iter_mut().for_each(|one| one.spectrum = None);
     assert_eq!(compared_spectra(&all, &view, TITLE), None);
 }
@@ -496,4 +510,34 @@ fn figure_of_light_lists_sources_and_directions() {
     assert_texts(&light(&dark, TITLE), &["Directed sources only"]);
     let none = AmbientLight { theta_deg: vec![], phi_deg: vec![], luminance_cd_m2: vec![], ..dark };
     texts(&light(&none, TITLE));
+}
+
+/// Stacked absorptances of two sub-pixels, of which one is driven alike in two states and drawn once.
+#[test]
+fn absorptances_are_stacked_by_layer() {
+    let layer = |number, material: &str| PixelLayer { number, material: material.to_owned() };
+    let part = |state: &str, sub_pixel: &str, absorbed: f64| SubPixelAbsorption {
+        state: state.to_owned(),
+        sub_pixel: sub_pixel.to_owned(),
+        area: 0.5,
+        reflectance: vec![1.0 - absorbed - 0.1; 4],
+        absorptance: [vec![absorbed; 4], vec![0.0; 4], vec![0.1; 4]].concat(),
+    };
+    let mut all = PixelAbsorption {
+        theta_deg: vec![0.0, 30.0],
+        wavelength_nm: vec![400.0, 700.0],
+        layers: vec![layer(Some(0), "Cr & <b>"), layer(Some(1), "clear"), layer(None, "Al")],
+        sub_pixels: vec![part("white", "red", 0.3), part("white", "blue", 0.6), part("red", "red", 0.3)],
+    };
+    let svg = absorption(&all, "air", TITLE);
+    assert_texts(
+        &svg,
+        &[TITLE, "at 0\u{b0} in air", "0: Cr & <b>", "substrate: Al", "Absorptance", "1 - reflectance"],
+    );
+    assert_texts(&svg, &["red sub-pixel, state white", "blue sub-pixel, state white"]);
+    assert!(!texts(&svg).iter().any(|text| text.contains("clear") || text.contains("state red")));
+    all.sub_pixels[0].absorptance = vec![f64::NAN];
+    texts(&absorption(&all, "air", TITLE));
+    (all.sub_pixels, all.layers, all.theta_deg) = (vec![], vec![], vec![]);
+    texts(&absorption(&all, "air", TITLE));
 }

@@ -6,9 +6,9 @@ use std::ops::Range;
 
 use papilio_goniometry::{Channel, Measurement, Provenance};
 
-use super::table_read::{Rows, unfold};
+use super::table_read::{Rows, is_front_reflection, unfold};
 use super::text::{Lines, Text};
-use super::{BsdfProblem, Warned};
+use super::{BsdfFile, BsdfProblem};
 use crate::error::{FormatError, Problem};
 use crate::file::DataFile;
 
@@ -42,7 +42,7 @@ pub(super) fn is_astm(file: &DataFile) -> bool {
     false
 }
 
-pub(super) fn read(file: &DataFile) -> Result<Warned<Measurement>, FormatError> {
+pub(super) fn read(file: &DataFile) -> Result<BsdfFile, FormatError> {
     let text = Text::new(file);
     let mut lines = Lines::new(text);
     let mut provenance = Provenance { format: NAME.to_owned(), ..Provenance::default() };
@@ -85,8 +85,9 @@ pub(super) fn read(file: &DataFile) -> Result<Warned<Measurement>, FormatError> 
         _ => {
             provenance.remarks.append(&mut lines.comments);
             let parts = rows.parts(text)?;
-            let value = Measurement { provenance, media: [1.0, 1.0], parts };
-            Ok(Warned { value, warnings: Vec::new() })
+            let states_part = !is_front_reflection(&parts);
+            let measurement = Measurement { provenance, media: [1.0, 1.0], parts };
+            Ok(BsdfFile { measurement, warnings: Vec::new(), notes: Vec::new(), states_part })
         }
     }
 }

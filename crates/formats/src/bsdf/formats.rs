@@ -15,12 +15,14 @@ struct Format {
 
 /// All formats.
 #[rustfmt::skip]
-const FORMATS: [Format; 9] = [
+const FORMATS: [Format; 11] = [
     Format { short: "Radiant/Zemax", name: "Radiant/Zemax tabular BSDF", read: "yes", written: "yes", ways: "one: BRDF or BTDF from the front", channels: "monochrome or XYZ", geometry: "about the specular direction" },
     Format { short: "CSV", name: "CSV", read: "yes", written: "yes", ways: "all four", channels: "any", geometry: "grid, or pairs of directions" },
+    Format { short: "scan", name: "Scan at normal incidence, two columns", read: "yes", written: "", ways: "one", channels: "monochrome", geometry: "rotationally symmetric lobe" },
     Format { short: "Klems XML", name: "Klems matrix XML (WINDOW, Radiance)", read: "yes", written: "yes", ways: "all four", channels: "visible, CIE-X, CIE-Z, solar", geometry: "patches" },
     Format { short: "tensor-tree XML", name: "tensor-tree XML (Radiance)", read: "yes", written: "", ways: "all four", channels: "the same", geometry: "tree of squares" },
     Format { short: "ASTM E1392", name: "ASTM E1392, E2387", read: "yes", written: "", ways: "all four", channels: "R, G, B, X, Y, Z, wavelengths", geometry: "grid, or pairs of directions" },
+    Format { short: "FRED", name: "FRED scatter data (`type bsdf_data`)", read: "yes", written: "", ways: "front, one or both", channels: "monochrome", geometry: "grid, or pairs of directions" },
     Format { short: "RGL", name: "RGL / Mitsuba tensor file", read: "yes", written: "", ways: "front reflection", channels: "wavelengths, or RGB", geometry: "warped grid" },
     Format { short: "MERL", name: "MERL", read: "yes", written: "", ways: "front reflection", channels: "R, G, B", geometry: "half angles" },
     Format { short: "Papilio", name: "Papilio's own, `papilio-measurement`", read: "yes", written: "yes", ways: "all four", channels: "any", geometry: "all of these" },

@@ -7,6 +7,7 @@ mod astm;
 mod display;
 mod display_read;
 mod formats;
+mod fred;
 mod klems_write;
 mod merl;
 mod npz;
@@ -16,6 +17,7 @@ mod problem;
 mod radiant_read;
 mod radiant_write;
 mod rgl;
+mod scan;
 mod table_read;
 mod table_write;
 mod text;
@@ -30,7 +32,7 @@ pub use problem::BsdfProblem;
 pub use write::{BsdfFormat, WriteError, write_measurement};
 
 use papilio_diagnostics::{Place, Warned};
-use papilio_goniometry::{Channel, Measurement};
+use papilio_goniometry::{Channel, Measurement, ScatterMode};
 
 use crate::error::FormatError;
 use crate::file::DataFile;
@@ -73,22 +75,88 @@ const LONGEST_LINE: usize = 1 << 20;
 /// # Ok::<(), papilio_formats::FormatError>(())
 /// ```
 pub fn read_bsdf(file: &DataFile) -> Result<Warned<Measurement>, FormatError> {
-    if npz::is_npz(file) {
-        read_archive(file)
+    let BsdfFile { measurement, warnings, .. } = read_bsdf_file(file, None)?;
+    Ok(Warned { value: measurement, warnings })
+}
+
+/// A measurement as read from a file.
+#[derive(Debug, Clone, PartialEq)]
+pub struct BsdfFile {
+    /// The measurement.
+    pub measurement: Measurement,
+    /// What may be wrong with the file.
+    pub warnings: Vec<String>,
+    /// How the file was interpreted.
+    pub notes: Vec<String>,
+    /// Whether the file states which part (reflection or transmission, from the front or from the back) its values are. If not, it is
+    /// read as front reflection.
+    pub states_part: bool,
+}
+
+impl From<Warned<Measurement>> for BsdfFile {
+    /// A file in a format that states the part.
+    fn from(read: Warned<Measurement>) -> Self {
+        Self { measurement: read.value, warnings: read.warnings, notes: Vec::new(), states_part: true }
+    }
+}
+
+/// Reads a BSDF file as [`read_bsdf`]. If the file does not state which part its values are, it is `part`, or else front reflection.
+/// With a part, a table of two columns without names is accepted as a scan at normal incidence.
+///
+/// # Errors
+/// As [`read_bsdf`].
+///
+/// ```
+/// use papilio_formats::{DataFile, read_bsdf_file};
+/// use papilio_goniometry::ScatterMode;
+/// let scan = DataFile { name: "scan.csv".into(), bytes: b"0,9.5\n2,5.1\n4,2.4\n90,0\n".to_vec() };
+/// let read = read_bsdf_file(&scan, Some(ScatterMode::FrontTransmission))?;
+/// assert_eq!(read.measurement.parts[0].way, ScatterMode::FrontTransmission);
+/// # Ok::<(), papilio_formats::FormatError>(())
+/// ```
+pub fn read_bsdf_file(file: &DataFile, part: Option<ScatterMode>) -> Result<BsdfFile, FormatError> {
+    let mut read: BsdfFile = if npz::is_npz(file) {
+        read_archive(file)?.into()
     } else if rgl::is_rgl(file) {
-        rgl::read(file)
+        rgl::read(file)?.into()
     } else if merl::is_merl(file) {
-        merl::read(file)
+        merl::read(file)?.into()
     } else if window::is_window(file) {
-        window::read(file)
+        window::read(file)?.into()
     } else if radiant_read::is_radiant(file) {
-        radiant_read::read(file)
+        radiant_read::read(file)?.into()
+    } else if fred::is_fred(file) {
+        fred::read(file)?
     } else if astm::is_astm(file) {
-        astm::read(file)
+        astm::read(file)?
     } else if table_read::is_table(file) {
-        table_read::read(file)
+        table_read::read(file)?
+    } else if scan::is_scan(file, part.is_some()) {
+        scan::read(file, part.is_some())?
     } else {
-        Err(FormatError { place: Place::whole(&file.name), problem: BsdfProblem::Unknown.into() })
+        return Err(FormatError { place: Place::whole(&file.name), problem: BsdfProblem::Unknown.into() });
+    };
+    if let (Some(way), [only], false) = (part, &mut read.measurement.parts[..], read.states_part) {
+        only.way = way;
+        read.states_part = true;
+    }
+    Ok(read)
+}
+
+impl BsdfFile {
+    /// Returns the file with one part only; `name` is the name of the file.
+    ///
+    /// # Errors
+    /// If the file has no such part.
+    pub fn only(mut self, part: ScatterMode, name: &str) -> Result<Self, FormatError> {
+        let parts = &mut self.measurement.parts;
+        if parts.iter().any(|one| one.way == part) {
+            parts.retain(|one| one.way == part);
+            return Ok(self);
+        }
+        let found = parts.iter().map(|one| one.way).collect();
+        let problem = BsdfProblem::NoPart { wanted: part, found };
+        Err(FormatError { place: Place::whole(name), problem: problem.into() })
     }
 }
 

@@ -1,12 +1,20 @@
 //! Errors of BSDF files.
 
 use papilio_diagnostics::Diagnostic;
+use papilio_goniometry::ScatterMode;
 
 /// The errors of a BSDF file, in addition to those of any data file.
 #[derive(Debug, Clone, PartialEq)]
 pub enum BsdfProblem {
     /// The content has none of the supported formats.
     Unknown,
+    /// The file lacks the requested part.
+    NoPart {
+        /// The requested part.
+        wanted: ScatterMode,
+        /// The parts of the file.
+        found: Vec<ScatterMode>,
+    },
     /// An unsupported version or feature of a format.
     Unsupported {
         /// The version or feature.
@@ -83,9 +91,16 @@ impl BsdfProblem {
     pub fn diagnostic(&self) -> Diagnostic {
         match self {
             Self::Unknown => Diagnostic::new("this is not a BSDF file in a supported format").hint(format!(
-                "the supported formats are {}; CSV has the columns theta_i,phi_i,theta_o,phi_o[,wavelength],value",
+                "the supported formats are {}; CSV has the columns theta_i,phi_i,theta_o,phi_o[,wavelength],value, a scan at normal \
+                 incidence theta_deg,btdf (or brdf; with other names, state the part: `part = \"front-transmission\"`, on the command line \
+                 --part front-transmission)",
                 super::bsdf_formats()
             )),
+            Self::NoPart { wanted, found } => {
+                let found: Vec<&str> = found.iter().map(|way| way.name()).collect();
+                Diagnostic::new(format!("this file has no {}", wanted.name()))
+                    .expected(format!("one of its parts: {}", found.join(", ")))
+            }
             Self::Unsupported { what, expected } => {
                 Diagnostic::new(format!("{what} is not supported")).expected(expected)
             }

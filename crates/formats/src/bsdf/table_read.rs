@@ -11,7 +11,7 @@ use papilio_goniometry::{
 };
 
 use super::text::{Lines, Text};
-use super::{BsdfProblem, MOST_CELLS, Warned};
+use super::{BsdfFile, BsdfProblem, MOST_CELLS};
 use crate::error::{FormatError, Problem};
 use crate::file::DataFile;
 
@@ -52,6 +52,8 @@ struct Layout {
     separator: Option<u8>,
     columns: Vec<Column>,
     has_header: bool,
+    /// The part that the name of the value column states.
+    way: Option<ScatterMode>,
 }
 
 pub(super) fn is_table(file: &DataFile) -> bool {
@@ -63,8 +65,7 @@ impl Layout {
     /// Detects the layout from the first line; `None` if the line cannot begin such a table.
     fn of(text: Text<'_>, line: Range<usize>) -> Option<Self> {
         use Column::{Angle, Channel, Value};
-        let bytes = &text.bytes[line.clone()];
-        let separator = [b';', b',', b'\t'].into_iter().find(|s| bytes.contains(s));
+        let separator = separator(text, line.clone());
         let cells = cells(text, line, separator).take(20);
         let words: Vec<String> = cells.map(|cell| text.quote(cell)).collect();
         if words.iter().all(|word| word.parse::<f64>().is_ok()) {
@@ -73,7 +74,7 @@ impl Layout {
                 6 => vec![Angle(0), Angle(1), Angle(2), Angle(3), Channel, Value],
                 _ => return None,
             };
-            return Some(Self { separator, columns, has_header: false });
+            return Some(Self { separator, columns, has_header: false, way: None });
         }
         let columns: Option<Vec<Column>> = words.iter().map(|word| Column::of_name(word)).collect();
         let columns = columns.filter(|columns| {
@@ -81,12 +82,28 @@ impl Layout {
             let twice = (1..columns.len()).any(|k| columns[..k].contains(&columns[k]));
             !twice && needed.iter().all(|column| columns.contains(column))
         })?;
-        Some(Self { separator, columns, has_header: true })
+        let value = columns.iter().position(|column| *column == Value).map(|k| words[k].to_ascii_lowercase());
+        let way = value.and_then(|name| match name.trim_matches('"') {
+            "btdf" => Some(ScatterMode::FrontTransmission),
+            "brdf" => Some(ScatterMode::FrontReflection),
+            _ => None,
+        });
+        Some(Self { separator, columns, has_header: true, way })
     }
 }
 
+/// Returns the separator of the cells of a line; `None` means blanks.
+pub(super) fn separator(text: Text<'_>, line: Range<usize>) -> Option<u8> {
+    let bytes = &text.bytes[line];
+    [b';', b',', b'\t'].into_iter().find(|s| bytes.contains(s))
+}
+
 /// Returns the cells of a line, without blanks around them.
-fn cells(text: Text<'_>, line: Range<usize>, separator: Option<u8>) -> impl Iterator<Item = Range<usize>> {
+pub(super) fn cells(
+    text: Text<'_>,
+    line: Range<usize>,
+    separator: Option<u8>,
+) -> impl Iterator<Item = Range<usize>> {
     let bytes = text.bytes;
     let blanks = move |range: Range<usize>| {
         let cell = &bytes[range.clone()];
@@ -107,7 +124,7 @@ fn cells(text: Text<'_>, line: Range<usize>, separator: Option<u8>) -> impl Iter
     })
 }
 
-pub(super) fn read(file: &DataFile) -> Result<Warned<Measurement>, FormatError> {
+pub(super) fn read(file: &DataFile) -> Result<BsdfFile, FormatError> {
     let text = Text::new(file);
     let mut lines = Lines::new(text);
     let first = lines.expect("the first row of data")?;
@@ -122,12 +139,28 @@ pub(super) fn read(file: &DataFile) -> Result<Warned<Measurement>, FormatError> 
     if rows.count == 0 {
         return Err(text.ends("the first row of data"));
     }
-    let parts = rows.parts(text)?;
-    let provenance = provenance(lines.comments);
-    Ok(Warned { value: Measurement { provenance, media: [1.0, 1.0], parts }, warnings: Vec::new() })
+    let mut parts = rows.parts(text)?;
+    // Inclinations up to 90 deg only: a file that names its values `btdf` has them from the normal of their own side.
+    let has_ways = layout.columns.contains(&Column::ScatterMode);
+    let (mut notes, one_side) = (Vec::new(), !has_ways && is_front_reflection(&parts));
+    if let ([part], true, Some(ScatterMode::FrontTransmission)) = (&mut parts[..], one_side, layout.way) {
+        part.way = ScatterMode::FrontTransmission;
+        notes.push(
+            "the values are named `btdf`, and no inclination is above 90 deg: they are read as front transmission, with inclinations \
+             from the normal of the far side"
+                .to_owned(),
+        );
+    }
+    let measurement = Measurement { provenance: provenance(lines.comments), media: [1.0, 1.0], parts };
+    Ok(BsdfFile { measurement, warnings: Vec::new(), notes, states_part: !one_side || layout.way.is_some() })
 }
 
-fn provenance(comments: Vec<String>) -> Provenance {
+/// Returns whether all inclinations were up to 90 deg.
+pub(super) fn is_front_reflection(parts: &[MeasuredPart]) -> bool {
+    matches!(parts, [part] if part.way == ScatterMode::FrontReflection)
+}
+
+pub(super) fn provenance(comments: Vec<String>) -> Provenance {
     let mut provenance = Provenance { format: NAME.to_owned(), ..Provenance::default() };
     for comment in comments {
         match comment.split_once(": ") {

@@ -11,7 +11,7 @@ use papilio_goniometry::{
 };
 
 use super::text::Text;
-use super::xml::{Document, Node, is_xml};
+use super::xml::{Document, Node, is_xml, line_before};
 use super::{BsdfProblem, MOST_CELLS, Warned, tree};
 use crate::error::{FormatError, Problem};
 use crate::file::DataFile;
@@ -81,6 +81,13 @@ pub(super) fn read(file: &DataFile) -> Result<Warned<Measurement>, FormatError> 
         layer.all("AngleBasis").filter(|node| node.first("AngleBasisName").is_some()).take(MOST_BASES);
     let bases: Vec<(String, Vec<Ring>)> = bases.map(|node| basis(text, node)).collect::<Result<_, _>>()?;
     let mut reading = Reading { text, structure, bases, blocks: Vec::new(), cells: 0, warnings: Vec::new() };
+    let stray = line_before(text);
+    if !stray.is_empty() {
+        let line = text.quote(stray);
+        reading
+            .warnings
+            .push(format!("the first line, `{line}`, is before the beginning of the XML; it was ignored"));
+    }
     for data in layer.all("WavelengthData") {
         reading.spectrum(data)?;
     }

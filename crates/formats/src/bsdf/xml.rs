@@ -31,9 +31,21 @@ pub(super) struct Node<'a> {
     number: usize,
 }
 
-/// Returns whether a file begins as XML.
+/// Longest line before the declaration, bytes.
+const LONGEST_LINE: usize = 1000;
+
+/// Returns the place of one line of other text before the declaration `<?xml`, which some programs write; empty if there is none.
+pub(super) fn line_before(text: Text<'_>) -> Range<usize> {
+    let start = text.bytes.len() - text.bytes.trim_ascii_start().len();
+    let rest = &text.bytes[start..];
+    let end = rest.iter().take(LONGEST_LINE).position(|&b| b == b'\n');
+    let declared = end.filter(|&end| rest[0] != b'<' && rest[end..].trim_ascii_start().starts_with(b"<?xml"));
+    declared.map_or(0..0, |end| start..start + end)
+}
+
+/// Returns whether a file begins as XML, perhaps after one line of other text.
 pub(super) fn is_xml(text: Text<'_>) -> bool {
-    let bytes = text.bytes.trim_ascii_start();
+    let bytes = text.bytes[line_before(text).end..].trim_ascii_start();
     bytes.first() == Some(&b'<') && bytes.get(1).is_some_and(|b| b.is_ascii_alphabetic() || b"?!".contains(b))
 }
 
@@ -41,7 +53,7 @@ impl<'a> Document<'a> {
     pub(super) fn new(text: Text<'a>) -> Result<Self, FormatError> {
         let mut document = Document { text, elements: Vec::new() };
         let mut open: Vec<usize> = Vec::new();
-        let mut at = 0;
+        let mut at = line_before(text).end;
         while at < text.bytes.len() {
             let tag = find(text.bytes, at, b"<").unwrap_or(text.bytes.len());
             match open.last() {

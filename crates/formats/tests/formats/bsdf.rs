@@ -6,6 +6,7 @@ mod binary;
 mod mutations;
 mod radiant;
 mod samples;
+mod scan;
 mod table;
 mod window;
 

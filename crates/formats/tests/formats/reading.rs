@@ -417,3 +417,25 @@ fn table_with_a_changed_byte_never_panics() {
         }
     }
 }
+
+/// The CSV that refractiveindex.info offers: two blocks, wavelengths in um, which may differ.
+#[test]
+fn download_of_refractiveindex_info_is_read() {
+    let text = "wl,n\n0.4,2\n0.6,3\n\nwl,k\n0.4,1\n0.5,2\n0.7,4\n";
+    let index = read_index(&file(text)).unwrap();
+    let at = index.index(500.0).unwrap();
+    assert!((at.re - 2.5).abs() < 1e-12 && (at.im - 2.0).abs() < 1e-12, "{at}");
+    assert!(index.index(650.0).is_err(), "n ends at 600 nm");
+    assert_eq!(read_index(&file("wl,n\n0.4,1.5\n0.6,1.5\n")).unwrap().index(500.0).unwrap().im, 0.0);
+    // Wavelengths that are in fact in nm.
+    assert!(
+        (read_index(&file("wl,n\n400,1.5\n600,1.7\n")).unwrap().index(500.0).unwrap().re - 1.6).abs() < 1e-12
+    );
+    let bad = |from: &str, to: &str| place(read_index(&file(&text.replacen(from, to, 1))));
+    assert!(matches!(bad("0.6,3", "0.6,-3"), (Some((3, 5)), Problem::OutOfRange { what: "n", .. })));
+    assert!(matches!(bad("0.6,3", "0.4,3"), (Some((3, 1)), Problem::OutOfOrder { .. })));
+    assert!(matches!(bad("0.6,3", "0.6,3,1"), (Some((3, 1)), Problem::Columns { found: 3, .. })));
+    assert!(matches!(bad("wl,k", "wl,n"), (Some((5, 1)), Problem::Yaml { .. })));
+    assert!(matches!(bad("wl,n\n0.4,2\n0.6,3\n\n", ""), (None, Problem::Yaml { .. })));
+    assert!(matches!(bad("0.4,2\n", ""), (Some((1, 1)), Problem::TooFew { rows: 1 })));
+}

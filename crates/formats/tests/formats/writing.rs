@@ -1,7 +1,7 @@
 //! Writers of results.
 
 use papilio_display::result::{
-    Absorbed, Illuminant, Ledger, LedgerError, Named, ReferenceWhite, RunResult, SolverReport, State,
+    Absorbed, Illuminant, Ledger, LedgerError, Named, Reader, ReferenceWhite, RunResult, SolverReport, State,
     StateMetrics, StateValues, Terms, View, ViewMetrics,
 };
 use papilio_formats::{ResultFile, write_json, write_spectra, write_states};
@@ -68,6 +68,8 @@ fn result() -> RunResult {
             ("black".to_owned(), state(0.01)),
         ]),
         metrics: ViewMetrics { contrast_ratio: Some(1.0 / 3.0), ..ViewMetrics::default() },
+        visibility_level_in_range: None,
+        contrast_margin_in_range: None,
         standard_error: ViewMetrics { contrast_ratio: Some(0.1), ..ViewMetrics::default() },
         discretisation_error: None,
         ledger: Named(vec![("white, bright".to_owned(), ledger.clone()), ("black".to_owned(), ledger)]),
@@ -91,6 +93,14 @@ fn result() -> RunResult {
             v_prime: 0.4,
         },
         views: vec![view],
+        reader: Reader {
+            age_years: 25.0,
+            text_height_mm: 1.6,
+            distance_mm: 500.0,
+            detail_arcmin: 2.2,
+            cycles_per_degree: 13.6,
+            is_described: false,
+        },
         reference_white: ReferenceWhite::Perfect,
         primaries: vec![],
         notes: vec![],

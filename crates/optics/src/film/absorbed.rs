@@ -1,6 +1,6 @@
 //! Absorptance of each layer of a film for unpolarised light.
 
-use super::{Film, Polarisation, coherent};
+use super::{Film, Layer, Polarisation, coherent};
 use crate::OpticsError;
 
 /// Where unpolarised light goes in a film: fractions of the incident power, which sum to 1.
@@ -37,9 +37,14 @@ pub fn absorbed(film: &Film, wavelength_nm: f64, beta: f64) -> Result<Absorbed, 
     let [s, p] = [Polarisation::S, Polarisation::P].map(|one| coherent(film, wavelength_nm, beta, one));
     let (s, p) = (s?, p?);
     let mean = |s: f64, p: f64| 0.5 * (s + p);
+    let of_both = s.absorptance.iter().zip(&p.absorptance).zip(&film.layers);
+    // A clear layer absorbs nothing; its difference is a rounding error.
+    let of_layer = |((s, p), layer): ((&f64, &f64), &Layer)| {
+        if layer.index.im == 0.0 { 0.0 } else { mean(*s, *p) }
+    };
     Ok(Absorbed {
         reflectance: mean(s.reflectance, p.reflectance),
-        layers: s.absorptance.iter().zip(&p.absorptance).map(|(s, p)| mean(*s, *p)).collect(),
+        layers: of_both.map(of_layer).collect(),
         substrate: mean(s.transmittance, p.transmittance),
     })
 }

@@ -3,7 +3,7 @@
 
 use num_complex::Complex64;
 use papilio_optics::film::{
-    Coherent, Film, GapFilm, Layer, Polarisation, SimdLevel, SpectralLayer, Thickness, coherent,
+    Coherent, Film, GapFilm, Layer, Polarisation, SimdLevel, SpectralLayer, Thickness, absorbed, coherent,
 };
 
 const TABLE: &str = include_str!("../../../../validation/films/tmm.csv");
@@ -83,6 +83,20 @@ fn amplitudes_and_powers_equal_tmm() {
         films += 1;
     }
     assert_eq!(films, 500);
+}
+
+/// `absorp_in_each_layer` of tmm, mean of s and p; the substrate has what is transmitted into it.
+#[test]
+fn absorptance_of_each_layer_equals_tmm() {
+    for (i, row) in rows().enumerate() {
+        let found = absorbed(&row.film, row.wavelength_nm, row.beta).unwrap();
+        let [s, p] = &row.expected;
+        let layers = s.absorptance.iter().zip(&p.absorptance).map(|(s, p)| 0.5 * (s + p));
+        let theirs = layers.chain([0.5 * (s.transmittance + p.transmittance)]);
+        for (ours, theirs) in found.layers.iter().chain([&found.substrate]).zip(theirs) {
+            assert!((ours - theirs).abs() < TOLERANCE, "row {}: {ours} {theirs}", i + 2);
+        }
+    }
 }
 
 #[test]

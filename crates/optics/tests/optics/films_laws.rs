@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 use std::ops::RangeInclusive;
 
 use num_complex::Complex64;
-use papilio_optics::film::{Coherent, Film, Layer, Polarisation, coherent};
+use papilio_optics::film::{Coherent, Film, Layer, Polarisation, absorbed, coherent};
 use papilio_testing::{Dice, laws};
 
 const NM: f64 = 550.0;
@@ -90,6 +90,28 @@ fn reflected_transmitted_and_absorbed_sum_to_one() {
             }
             assert!(found.reflectance <= 1.0 + 1e-12 && found.transmittance >= 0.0);
             assert!((found.r.norm_sqr() - found.reflectance).abs() < 1e-15);
+        },
+    );
+}
+
+/// The sums are exact, with absorbing substrates, metals and evanescent fields; the reflectance is |r|^2.
+#[test]
+fn absorptances_of_layers_and_substrate_sum_to_one_minus_reflectance() {
+    laws(
+        300,
+        |dice| case(dice, 0..=6, 300.0),
+        |Case { film, beta, polarisation }| {
+            let found = solve(film, *beta, *polarisation);
+            let sum = found.absorptance.iter().sum::<f64>() + found.transmittance;
+            assert!((sum + found.reflectance - 1.0).abs() < 1e-12, "{sum} {}", found.reflectance);
+            let both = absorbed(film, NM, *beta).unwrap();
+            let sum = both.layers.iter().sum::<f64>() + both.substrate;
+            assert!((sum + both.reflectance - 1.0).abs() < 1e-12, "{sum} {}", both.reflectance);
+            let [s, p] = [Polarisation::S, Polarisation::P].map(|one| solve(film, *beta, one));
+            for (layer, absorptance) in both.layers.iter().enumerate() {
+                let mean = 0.5 * (s.absorptance[layer] + p.absorptance[layer]);
+                assert!((absorptance - mean).abs() < 1e-12 && *absorptance >= -1e-14);
+            }
         },
     );
 }

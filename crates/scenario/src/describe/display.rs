@@ -88,7 +88,7 @@ forms! {
 }
 
 forms! {
-    /// A refractive index: a number, `{ n, k }`, the name of a material, or a file (n-k CSV in nm, or refractiveindex.info YAML).
+    /// A refractive index: a number, `{ n, k }`, the name of a material, or a file (n-k CSV in nm, or refractiveindex.info YAML or CSV).
     MaterialSpec, "a refractive index, { n, k }, a material or a file"; {
         /// A real index.
         Number(Index) if Value::Integer(_) | Value::Float(_),

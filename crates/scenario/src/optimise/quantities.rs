@@ -242,7 +242,8 @@ impl Reader {
                 let kept = match self.base.library().open(name, LARGEST_FILE) {
                     Ok(kept) => kept,
                     Err(Missing::Unread(error)) => {
-                        self.errors.push_data(origin, error);
+                        let tried = self.base.library().tried(name, origin.source > 0);
+                        self.errors.push_unread(origin, error, tried);
                         return None;
                     }
                     Err(Missing::Unknown(wrong)) => {

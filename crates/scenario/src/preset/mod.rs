@@ -3,6 +3,10 @@
 //! Each is a commented file in this folder, with its source. `lighting.preset` fills in its keys;
 //! [`new_scenario`] writes a scenario with it.
 
+use std::sync::LazyLock;
+
+use serde_json::Value as Json;
+
 use crate::error::Errors;
 use crate::mistake;
 use crate::set::PRESET_PATH;
@@ -34,19 +38,74 @@ presets!(
     "30-0",
 );
 
-/// The display of new scenarios.
-const DISPLAY: &str = include_str!("display.toml");
+/// A display of new scenarios, to start from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum ExampleDisplay {
+    /// An interferometric panel under a diffuser.
+    Imod,
+    /// Electronic paper below a bare glass surface.
+    Epaper,
+    /// A pixel tabulated by another tool, under a diffuser.
+    Table,
+}
+
+impl ExampleDisplay {
+    /// All displays.
+    pub const ALL: [Self; 3] = [Self::Imod, Self::Epaper, Self::Table];
+
+    /// Name on the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Imod => "imod",
+            Self::Epaper => "epaper",
+            Self::Table => "table",
+        }
+    }
+
+    /// Returns the keys of the display as TOML, with comments.
+    fn text(self) -> &'static str {
+        match self {
+            Self::Imod => include_str!("imod.toml"),
+            Self::Epaper => include_str!("epaper.toml"),
+            Self::Table => include_str!("table.toml"),
+        }
+    }
+
+    /// Returns names and contents of the files that the scenario names; they belong into its folder.
+    pub fn files(self) -> &'static [(&'static str, &'static str)] {
+        match self {
+            Self::Imod | Self::Epaper => &[],
+            Self::Table => &[("example-pixel.csv", include_str!("example-pixel.csv"))],
+        }
+    }
+}
 
 /// Returns the names of the presets.
 pub fn preset_names() -> impl Iterator<Item = &'static str> {
     PRESETS.iter().map(|(name, _)| *name)
 }
 
-/// Returns a complete, commented scenario with the light and viewer of a preset; `None` if there is no such preset.
+/// Returns a complete, commented scenario of an interferometric display with the light and viewer of a preset; `None` if there is no
+/// such preset.
 pub fn new_scenario(name: &str) -> Option<String> {
     let light = text(name)?;
     let (about, keys) = light.split_once("\n\n")?;
-    Some(format!("{about}\n\ntitle = \"{name}\"\n\n{keys}\n{DISPLAY}"))
+    Some(format!("{about}\n\ntitle = \"{name}\"\n\n{keys}\n{}", ExampleDisplay::Imod.text()))
+}
+
+/// Returns a complete, commented scenario of a display with the light and viewer of a preset; `None` if there is no such preset. The
+/// scenario may name [files](ExampleDisplay::files).
+///
+/// ```
+/// use papilio_scenario::{ExampleDisplay, new_scenario_of};
+/// assert!(new_scenario_of(ExampleDisplay::Epaper, "office").unwrap().contains("lambertian"));
+/// ```
+pub fn new_scenario_of(display: ExampleDisplay, light: &str) -> Option<String> {
+    if display == ExampleDisplay::Imod {
+        return new_scenario(light);
+    }
+    let (about, keys) = text(light)?.split_once("\n\n")?;
+    Some(format!("{about}\n\ntitle = \"{}, {light}\"\n\n{keys}\n{}", display.name(), display.text()))
 }
 
 /// Returns the keys of a preset as TOML.
@@ -78,6 +137,48 @@ pub(crate) fn named(root: &Node) -> Option<&str> {
     }
 }
 
+/// The preset of a scenario.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct UsedPreset {
+    /// Its name.
+    pub name: &'static str,
+    /// Whether the scenario changes its light or its viewer.
+    pub is_changed: bool,
+}
+
+/// Returns the preset that a scenario names, or else the first one whose light and viewer it has; `filled` is the scenario
+/// with all defaults.
+pub(crate) fn used(root: &Node, filled: &Json) -> Option<UsedPreset> {
+    static ALL: LazyLock<Vec<(&str, Json)>> = LazyLock::new(|| {
+        PRESETS.iter().map(|(name, text)| (*name, Node::parse_document(text).0.to_json())).collect()
+    });
+    let is_like = |(_, preset): &&(&'static str, Json)| {
+        let lights = |all: &Json, key: &str| all["lighting"][key].as_array().map_or(0, Vec::len);
+        agrees(preset, filled)
+            && ["directed", "environment"].iter().all(|key| lights(preset, key) == lights(filled, key))
+    };
+    let alike = |one| UsedPreset { name: one, is_changed: false };
+    match named(root) {
+        Some(wanted) => ALL
+            .iter()
+            .find(|(name, _)| *name == wanted)
+            .map(|one| UsedPreset { is_changed: !is_like(&one), ..alike(one.0) }),
+        None => ALL.iter().find(is_like).map(|one| alike(one.0)),
+    }
+}
+
+/// True if all keys of a preset have its values in a scenario.
+fn agrees(preset: &Json, filled: &Json) -> bool {
+    match (preset, filled) {
+        (Json::Object(keys), _) => keys.iter().all(|(key, value)| agrees(value, &filled[key])),
+        (Json::Array(ours), Json::Array(theirs)) => {
+            ours.len() == theirs.len() && ours.iter().zip(theirs).all(|(a, b)| agrees(a, b))
+        }
+        (Json::Number(a), Json::Number(b)) => a.as_f64() == b.as_f64(),
+        _ => preset == filled,
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use std::path::Path;
@@ -89,7 +190,8 @@ mod tests {
     fn new_scenario_equals_the_same_display_with_the_preset() {
         for name in preset_names() {
             let written = new_scenario(name).unwrap();
-            let preset = format!("title = \"{name}\"\nlighting.preset = \"{name}\"\n{DISPLAY}");
+            let display = ExampleDisplay::Imod.text();
+            let preset = format!("title = \"{name}\"\nlighting.preset = \"{name}\"\n{display}");
             let [written, preset] = [written, preset]
                 .map(|text| Scenario::from_text(&text, name, Path::new(""), &[]).unwrap().resolve().unwrap());
             assert_eq!(written.canonical, preset.canonical, "{name}");
@@ -97,5 +199,44 @@ mod tests {
             assert!(written.warnings.is_empty(), "{name}: {:?}", written.warnings);
         }
         assert_eq!(new_scenario("nowhere"), None);
+    }
+
+    /// Each display in each light resolves with the files that belong to it, without a warning.
+    #[test]
+    fn every_pair_of_display_and_light_is_a_scenario() {
+        for display in ExampleDisplay::ALL {
+            let folder = tempfile::tempdir().unwrap();
+            for (name, content) in display.files() {
+                std::fs::write(folder.path().join(name), content).unwrap();
+            }
+            for light in preset_names() {
+                let text = new_scenario_of(display, light).unwrap();
+                let scenario = Scenario::from_text(&text, light, folder.path(), &[]).unwrap();
+                let resolved = scenario.resolve().unwrap_or_else(|e| panic!("{display:?} {light}: {e}"));
+                assert!(resolved.warnings.is_empty(), "{display:?} {light}: {:?}", resolved.warnings);
+            }
+            assert_eq!(new_scenario_of(display, "nowhere"), None);
+        }
+    }
+
+    #[test]
+    fn preset_of_a_scenario_is_found_and_its_changes_are_noticed() {
+        let display = ExampleDisplay::Imod.text();
+        let used = |text: &str| Scenario::from_text(text, "x", Path::new(""), &[]).unwrap().preset();
+        for name in preset_names() {
+            let text = format!("lighting.preset = \"{name}\"\n{display}");
+            assert_eq!(used(&text), Some(UsedPreset { name, is_changed: false }), "{name}");
+            let written = new_scenario(name).unwrap();
+            assert!(!used(&written).unwrap().is_changed, "{name}");
+        }
+        let sunny = new_scenario("sunny").unwrap();
+        assert_eq!(used(&sunny.replace("theta_deg = -35", "theta_deg = -36")), None);
+        let moved = "lighting.preset = \"sunny\"\nlighting.directed = [{ theta_deg = -36, share = 0.8 }]\n";
+        let changed = UsedPreset { name: "sunny", is_changed: true };
+        assert_eq!(used(&format!("{moved}{display}")), Some(changed));
+        let ring =
+            "lighting.environment = [{ model = \"ring\", theta_deg = 35, width_deg = 10, share = 0.1 }]\n";
+        let added = format!("lighting.preset = \"sunny\"\nlighting.diffuse = 0.1\n{ring}{display}");
+        assert!(used(&added).unwrap().is_changed);
     }
 }

@@ -1,5 +1,7 @@
 //! Data files, spectra of fractions, and materials.
 
+use std::path::Path;
+
 use num_complex::Complex64;
 use papilio_diagnostics::Diagnostic;
 use papilio_formats::{DataFile, FormatError, LARGEST_FILE, read_fractions, read_index_within};
@@ -7,7 +9,8 @@ use papilio_spectra::{Dispersion, SpectraError, Spectrum, material, material_inf
 
 use super::Resolver;
 use crate::describe::display::{MaterialSpec, ShareSpectrum};
-use crate::library::{MemoryFile, Missing};
+use crate::here::looks_like_path;
+use crate::library::{Library, MemoryFile, Missing};
 use crate::mistake;
 use crate::origin::Origin;
 use crate::read::Spanned;
@@ -28,19 +31,43 @@ impl Resolver<'_> {
         match self.library.open(name, limit) {
             Ok(kept) => {
                 self.inputs.insert(name.to_owned(), kept.sha256().to_owned());
+                self.note_folder(name, origin);
                 return Some(kept);
             }
-            Err(Missing::Unread(error)) => self.errors.push_data(origin, error),
+            Err(Missing::Unread(error)) => {
+                let tried = self.library.tried(name, self.is_set(origin));
+                self.errors.push_unread(origin, error, tried);
+            }
             Err(Missing::Unknown(wrong)) => self.errors.push(origin, wrong),
         }
         None
     }
 
+    /// True if a place is in a `--set` whose paths are relative to the current folder.
+    fn is_set(&self, origin: Origin) -> bool {
+        self.sources.folder().is_some() && (1..=self.sources.overrides()).contains(&origin.source)
+    }
+
+    /// Adds a note if a path in a `--set` leads to a file in the folder of the scenario, and not in the current folder.
+    fn note_folder(&mut self, name: &str, origin: Origin) {
+        let Library::Folder(folder) = self.library else { return };
+        let used = folder.join(name);
+        // A path from the current folder was replaced by one that is not in the text.
+        let is_replaced = !self.sources.text(origin.source).contains(name);
+        if self.is_set(origin) && !is_replaced && used != Path::new(name) {
+            let used = used.display();
+            let note = format!(
+                "there is no {name} in the current folder, so --set uses that in the folder of the scenario, {used}"
+            );
+            if !self.notes.contains(&note) {
+                self.notes.push(note);
+            }
+        }
+    }
+
     /// True if `text` is the path of a file rather than a name.
     pub(super) fn is_file(&self, text: &str) -> bool {
-        let looks_so =
-            text.contains(['/', '\\']) || text.rsplit_once('.').is_some_and(|(_, end)| !end.is_empty());
-        looks_so || self.library.has(text)
+        looks_like_path(text) || self.library.has(text)
     }
 
     /// Reads the file `name` with `read`.

@@ -4,6 +4,7 @@ mod blur;
 mod file;
 mod report;
 
+use papilio_diagnostics::Diagnostic;
 use papilio_display::scene::{Medium, Ready, ScatterFace, ScatterKernel, ScatteringPixel};
 use papilio_goniometry::{Backing, ScatterMode};
 use papilio_spectra::Spectrum;
@@ -13,7 +14,7 @@ use self::file::Source;
 use super::Resolver;
 use super::diffuser::scattering;
 use super::layers::Part;
-use crate::describe::diffuser::{Extrapolate, Measured, Mounting, SpectralMean};
+use crate::describe::diffuser::{Extrapolate, Measured, Mounting, SpectralMean, TransmissionPart};
 use crate::describe::display::ShareSpectrum;
 use crate::describe::pixel::MeasuredPixel;
 use crate::mistake;
@@ -50,7 +51,8 @@ impl Resolver<'_> {
             self.refuse_glass_tails(&diffuser.extrapolate, "this mounting")?;
         }
         let interface = self.foil_interface(path, diffuser, backing)?;
-        let mut parts = vec![Part::Interface(scattering(interface))];
+        let interface = self.with_reflection(scattering(interface), &diffuser.reflection)?;
+        let mut parts = vec![Part::Interface(interface)];
         let below = match diffuser.mounting.value {
             Mounting::AsMeasured => return Some(parts),
             // Light beyond the disc of air stays in the glass.
@@ -95,7 +97,14 @@ impl Resolver<'_> {
         backing: Backing,
     ) -> Option<ScatterFace> {
         let mut interface = ScatterFace::new(Spectrum::constant(&self.grid, 0.0));
-        for (side, kernel) in self.foil_sides(path, diffuser, backing)? {
+        let sides = self.foil_sides(path, diffuser, backing)?;
+        if diffuser.reflection.is_some() && sides.iter().any(|(side, _)| *side != Side::Through) {
+            let wrong = "the file contains the reflection of the foil";
+            let wrong = Diagnostic::new(wrong).hint("remove `reflection`: that of the file is used");
+            self.err(&diffuser.reflection, wrong);
+            return None;
+        }
+        for (side, kernel) in sides {
             interface = match side {
                 Side::Through => interface.with_transmission(kernel),
                 Side::Above => interface.with_reflection_above(kernel),
@@ -141,20 +150,24 @@ impl Resolver<'_> {
             path,
             name: &diffuser.file.value,
             file: diffuser.file.origin,
+            part: diffuser.part.value.map(|part| match part {
+                TransmissionPart::FrontTransmission => ScatterMode::FrontTransmission,
+                TransmissionPart::BackTransmission => ScatterMode::BackTransmission,
+            }),
             normalise: &diffuser.normalise,
             extrapolate_tails: diffuser.extrapolate_tails.value,
             extrapolate: &diffuser.extrapolate,
             spectral_mean: diffuser.spectral_mean.value,
             blur: Some(&diffuser.instrument_blur),
         };
-        let measurement = self.measurement(&source)?;
+        let file = self.measurement(&source)?;
         let (into, back, front) = if diffuser.flipped.value {
             (ScatterMode::BackTransmission, ScatterMode::FrontReflection, ScatterMode::BackReflection)
         } else {
             (ScatterMode::FrontTransmission, ScatterMode::BackReflection, ScatterMode::FrontReflection)
         };
-        let through = self.way(&source, &measurement, into)?;
-        let part = |way: ScatterMode| measurement.parts.iter().find(|part| part.way == way);
+        let through = self.way(&source, &file, into)?;
+        let part = |way: ScatterMode| file.measurement.parts.iter().find(|part| part.way == way);
         let spectrum = match &diffuser.transmission.value {
             Some(share) => Some(self.colour(share, diffuser.transmission.origin)?),
             None => None,
@@ -199,6 +212,7 @@ impl Resolver<'_> {
                 path: &format!("display.pixel.file.{}", state.name),
                 name: &state.value.value,
                 file: state.value.origin,
+                part: None,
                 normalise: &pixel.normalise,
                 extrapolate_tails: pixel.extrapolate_tails.value,
                 extrapolate: &pixel.extrapolate,
@@ -216,8 +230,8 @@ impl Resolver<'_> {
         source: &Source<'_>,
         spectrum: Option<&Spanned<ShareSpectrum>>,
     ) -> Option<ScatterKernel> {
-        let measurement = self.measurement(source)?;
-        let reflection = self.way(source, &measurement, ScatterMode::FrontReflection)?;
+        let file = self.measurement(source)?;
+        let reflection = self.way(source, &file, ScatterMode::FrontReflection)?;
         let spectrum = match spectrum {
             Some(share) => Some(self.colour(share, share.origin)?),
             None => None,

@@ -14,6 +14,7 @@ mod measure;
 mod measured;
 mod panel;
 mod pixel;
+mod reflection;
 mod sampling;
 mod stack;
 mod unbounded;
@@ -70,6 +71,7 @@ struct Resolver<'a> {
     /// Place of the first and last wavelength.
     range: Origin,
     library: &'a Library,
+    sources: &'a Sources,
     errors: Errors,
     warnings: Vec<String>,
     notes: Vec<String>,
@@ -78,6 +80,8 @@ struct Resolver<'a> {
     maps: Vec<maps::MapLight>,
     /// Lobes that may scatter more light than they receive.
     unbounded: Vec<unbounded::Unbounded>,
+    /// Whether a diffuser that loses light has no described reflection.
+    reflects_nothing: bool,
 }
 
 /// Resolves a described scenario whose files are in `library`.
@@ -89,7 +93,7 @@ pub(crate) fn resolve(file: &File, library: &Library, sources: &Sources) -> Resu
 }
 
 impl<'a> Resolver<'a> {
-    fn new(file: &File, library: &'a Library, sources: &Sources) -> Result<Self, ScenarioErrors> {
+    fn new(file: &File, library: &'a Library, sources: &'a Sources) -> Result<Self, ScenarioErrors> {
         let mut errors = Errors::default();
         let grid = grid(file, &mut errors);
         Ok(Self {
@@ -100,12 +104,14 @@ impl<'a> Resolver<'a> {
                 .origin
                 .or_override(file.spectrum.range_nm.iter().map(|end| end.origin)),
             library,
+            sources,
             errors: Errors::default(),
             warnings: Vec::new(),
             notes: Vec::new(),
             inputs: BTreeMap::new(),
             maps: Vec::new(),
             unbounded: Vec::new(),
+            reflects_nothing: false,
         })
     }
 }
@@ -152,6 +158,7 @@ impl Resolver<'_> {
         self.check_reach(file, &scene);
         self.check_medium(file, &scene);
         self.check_size(file, &scene);
+        self.note_no_reflection();
         self.note_scattering(&scene);
         self.warn_of_fringes(&scene);
         self.warn_of_unbounded(&scene);
@@ -174,6 +181,7 @@ impl Resolver<'_> {
             spectra_by_light: asked.spectra_by_light.value,
             gamut_volume: asked.gamut_volume.value,
             reader_age_years: file.viewer.age_years.value.map(|years| years.0),
+            text_height_mm: file.viewer.text_height_mm.value.map(|height| height.0),
             appearance: asked.appearance.value.as_ref().map(appearance),
             ..scene::Metrics::default()
         };

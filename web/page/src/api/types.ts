@@ -22,6 +22,10 @@ export type WalkState = Schemas["WalkState"];
 export type WalkProgress = Schemas["WalkProgress"];
 export type Upload = Schemas["Kept"];
 export type SweepPoint = Schemas["Point"];
+export type SweepDone = Schemas["SweepDone"];
+export type Compared = Schemas["Compared"];
+export type Label = Schemas["Label"];
+export type Lobe = Schemas["TransmittedLobe"];
 
 export type MaterialEntry = Schemas["MaterialEntry"];
 export type MaterialSheet = Schemas["MaterialSheet"];

@@ -11,8 +11,10 @@ import { edit } from "../state/live.ts";
 import { CENTRE } from "./dome.tsx";
 import { Eye, Sun } from "./glyphs.tsx";
 
-const RADIUS = 68;
-const MIDDLE = { x: CENTRE.x, y: 90 } as const;
+const RADIUS = 98;
+const MIDDLE = { x: CENTRE.x, y: 124 } as const;
+/** Height of the view from above, px of the drawing. */
+export const ABOVE_HEIGHT = 250;
 const STEEPEST = 89;
 /** Directions closer than this to the plane of the drawing, azimuth 0, are moved into it, degrees. */
 const IN_PLANE_DEG = 3;
@@ -72,6 +74,10 @@ function Handle({
       ArrowLeft: { theta, phi: phi + 5 * size },
       ArrowRight: { theta, phi: phi - 5 * size },
     };
+    if (event.key === "Enter" || event.key === " ") {
+      selected.value = path;
+      event.preventDefault();
+    }
     const to = steps[event.key];
     if (!to) return;
     move({ theta: Math.max(-STEEPEST, Math.min(STEEPEST, to.theta)), phi: to.phi });
@@ -93,7 +99,6 @@ function Handle({
       onPointerDown={grab}
       onPointerMove={drag}
       onKeyDown={press}
-      onFocus={() => (selected.value = path)}
     >
       <circle class="target" r="17" />
       {children}
@@ -120,11 +125,14 @@ function Rings() {
           </g>
         );
       })}
-      {[30, 60].map((theta) => (
-        <text key={theta} class="scale" x={MIDDLE.x + 4} y={MIDDLE.y + (RADIUS * theta) / 90 - 3}>
-          {degrees(theta)}
-        </text>
-      ))}
+      {[30, 60].map((theta) => {
+        const [x, y] = point({ theta, phi: 225 });
+        return (
+          <text key={theta} class="scale" x={x - 3} y={y + 11} text-anchor="end">
+            {degrees(theta)}
+          </text>
+        );
+      })}
     </g>
   );
 }
@@ -156,7 +164,7 @@ export function Above() {
           <Eye />
         </Handle>
       ) : (
-        <text class="scale" x={MIDDLE.x} y={CENTRE.y + 4} text-anchor="middle">
+        <text class="scale" x={MIDDLE.x} y={ABOVE_HEIGHT - 2} text-anchor="middle">
           several views: move them in the side view or with their fields
         </text>
       )}

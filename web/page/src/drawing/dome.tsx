@@ -105,7 +105,6 @@ function Handle({
       onPointerDown={grab}
       onPointerMove={drag}
       onKeyDown={press}
-      onFocus={() => (selected.value = select)}
     >
       <circle class="target" r="17" />
       {children}

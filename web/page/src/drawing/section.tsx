@@ -13,12 +13,18 @@ import { coloursOf } from "../plots/patches.tsx";
 import { fields, result, selected, shownState, view } from "../state/design.ts";
 import { isLight } from "../model/colour.ts";
 import { moveSelected, removeSelected } from "./actions.ts";
-import { Above } from "./above.tsx";
+import { Downloads } from "../panels/downloads.tsx";
+import { svgOf } from "../plots/picture.ts";
+import type { Medium } from "../model/rays.ts";
+import { compact } from "../state/compact.ts";
+import { Above, ABOVE_HEIGHT } from "./above.tsx";
 import { CENTRE, Dome } from "./dome.tsx";
+import { Rays } from "./rays.tsx";
 
 const LEFT = 14;
 const WIDTH = 432;
-const HEIGHTS: Record<Look, number> = {
+/** Heights of the bands; in the compact layout they are larger, for fingers. */
+const USUAL: Record<Look, number> = {
   component: 19,
   guide: 19,
   diffuser: 26,
@@ -28,10 +34,15 @@ const HEIGHTS: Record<Look, number> = {
   coating: 19,
   rough: 20,
 };
-const FILM = 18;
+const scaled = (height: number): number => (compact.value ? Math.max(31, height) : height);
+const heightOf = (look: Look): number => scaled(USUAL[look]);
+const filmHeight = (): number => scaled(18);
 /** Height of the largest gap. */
 const GAP = 44;
 const MIRROR = 16;
+const substrateHeight = (): number => scaled(22);
+/** Height of the gap's band: the gap, the mirrors, and a margin. */
+const GAPS = GAP + MIRROR + 6;
 
 /** A part of the drawing that is selected with a click, Enter or Space. */
 function Part({ path, children, y }: { path: string; children: preact.ComponentChildren; y: number }) {
@@ -91,7 +102,7 @@ function Words({ name, note, height }: { name: string; note: string; height: num
 }
 
 function Band({ layer, y }: { layer: Layer; y: number }) {
-  const height = HEIGHTS[layer.look];
+  const height = heightOf(layer.look);
   const air = layer.name === "Air gap";
   return (
     <Part path={layer.path} y={y}>
@@ -116,65 +127,95 @@ function FilmBand({ film, y }: { film: Film; y: number }) {
   const metal = METALS.test(film.material) || film.material.includes(" k ");
   return (
     <Part path={film.path} y={y}>
-      <rect class={metal ? "band film metal" : "band film"} x={LEFT} width={WIDTH} height={FILM} />
-      <Words name={film.material} note={`${plain(film.thickness ?? 0, 5)} nm`} height={FILM} />
+      <rect class={metal ? "band film metal" : "band film"} x={LEFT} width={WIDTH} height={filmHeight()} />
+      <Words name={film.material} note={`${plain(film.thickness ?? 0, 5)} nm`} height={filmHeight()} />
     </Part>
   );
 }
 
+/** A part of a sub-pixel in the drawing: its place and its gap. */
+interface Cavity {
+  readonly name: string;
+  readonly gap: number;
+  readonly x: number;
+  readonly width: number;
+  readonly depth: number;
+}
+
 /**
- * The gap and the mirrors below it. The width of each sub-pixel is proportional to its area, the depth to its gap in
- * the selected state.
+ * The cavities in the selected state, and the inactive part. The width of each sub-pixel is proportional to its area, the
+ * depth to its gap.
  */
-function Gaps({ y, film }: { y: number; film: Film }) {
+function cavities(): { parts: Cavity[]; inactive: number } {
   const all = fields.value;
-  const state = shownState.value;
-  const drive = drives(all, state);
+  const drive = drives(all, shownState.value);
   const names = subPixels(all);
   const area = (name: string) => Number(at(all, join("display.pixel.area", name)) ?? 0);
   const sum = names.reduce((total, name) => total + area(name), 0) || 1;
+  const fill = Math.min(1, Math.max(0, Number(at(all, "display.pixel.fill_factor") ?? 1)));
   const parts = names.flatMap((name) => gaps(all, name, drive.get(name) ?? 0).map((part) => ({ name, ...part })));
   const deepest = Math.max(
     1,
     ...names.flatMap((name) => [Number(at(all, join("display.pixel.gap_nm", name)) ?? 0)]),
     ...parts.map(({ gap }) => gap),
   );
-  const dark = Number(at(all, "display.pixel.gap_nm.dark")) || 0;
-  const driven = (part: { gap: number } | undefined) => part !== undefined && part.gap > dark;
   let x = LEFT;
+  const placed = parts.map(({ name, part, gap }) => {
+    const width = (WIDTH * fill * area(name) * part) / sum;
+    x += width;
+    return { name, gap, x: x - width, width, depth: (GAP * gap) / deepest };
+  });
+  return { parts: placed, inactive: 1 - fill };
+}
+
+/** The gap and the mirrors below it, and the inactive part of the area. */
+function Gaps({ y, film }: { y: number; film: Film }) {
+  const { parts, inactive } = cavities();
+  const dark = Number(at(fields.value, "display.pixel.gap_nm.dark")) || 0;
+  const driven = (part: { gap: number } | undefined) => part !== undefined && part.gap > dark;
+  const named = parts.filter(({ width }) => width > 46);
+  const start = parts.reduce((end, { x, width }) => Math.max(end, x + width), LEFT);
   return (
     <Part path={film.path} y={y}>
-      <rect class="band gap" x={LEFT} width={WIDTH} height={GAP + MIRROR + 6} />
-      {parts.map(({ name, part, gap }, i) => {
-        const width = (WIDTH * area(name) * part) / sum;
-        const from = x;
-        x += width;
-        const depth = (GAP * gap) / deepest;
-        return (
-          <g key={i} transform={`translate(${from.toFixed(2)} 0)`}>
-            <rect
-              class="cavity"
-              width={Math.max(0, width - 2)}
-              x="1"
-              height={depth}
-              fill={driven({ gap }) ? stateColour(name) : DARK}
-            />
-            <rect class="mirror-block" width={Math.max(0, width - 2)} x="1" y={depth} height={MIRROR} />
-            {width > 46 && (
-              <text class="gap-name" x={width / 2} y={depth + MIRROR / 2 + 4} text-anchor="middle">
-                {width > 84 ? `${name} ${plain(gap, 4)}` : plain(gap, 4)}
-              </text>
-            )}
-          </g>
-        );
-      })}
-      <text
-        class={isLight(driven(parts[0]) ? stateColour(parts[0]!.name) : DARK) ? "gap-word on-light" : "gap-word"}
-        x={LEFT + 9}
-        y={14}
-      >
-        {film.material === "air" ? "air gap" : `gap of ${film.material}`}
-      </text>
+      <rect class="band gap" x={LEFT} width={WIDTH} height={GAPS} />
+      {parts.map(({ name, gap, x, width, depth }, i) => (
+        <g key={i} transform={`translate(${x.toFixed(2)} 0)`}>
+          <rect
+            class="cavity"
+            width={Math.max(0, width - 2)}
+            x="1"
+            height={depth}
+            fill={driven({ gap }) ? stateColour(name) : DARK}
+          />
+          <rect class="mirror-block" width={Math.max(0, width - 2)} x="1" y={depth} height={MIRROR} />
+          {width > 46 && (
+            <text class="gap-name" x={width / 2} y={depth + MIRROR / 2 + 4} text-anchor="middle">
+              {width > 108 ? `${name} ${plain(gap, 4)} nm` : width > 60 ? `${plain(gap, 4)} nm` : plain(gap, 4)}
+            </text>
+          )}
+        </g>
+      ))}
+      {inactive > 1e-9 && (
+        <g class="inactive-part">
+          <rect x={start} width={LEFT + WIDTH - start} height={GAPS} fill="url(#inactive)" />
+          {inactive * WIDTH > 44 && (
+            <text class="gap-name" x={(start + LEFT + WIDTH) / 2} y={14} text-anchor="middle">
+              inactive
+            </text>
+          )}
+          <title>{`Inactive part of the area: ${plain(100 * inactive, 4)} %`}</title>
+        </g>
+      )}
+      {(named[0] ? [named[0]] : []).map((part) => (
+        <text
+          key={part.x}
+          class={isLight(driven(part) ? stateColour(part.name) : DARK) ? "gap-word on-light" : "gap-word"}
+          x={part.x + 9}
+          y={14}
+        >
+          {film.material === "air" ? "air gap" : `gap of ${film.material}`}
+        </text>
+      ))}
     </Part>
   );
 }
@@ -202,7 +243,7 @@ function PixelParts({ top }: { top: number }) {
   let y = top;
   const rows = films(all).map((film) => {
     const here = y;
-    y += film.thickness === null ? GAP + MIRROR + 6 : FILM;
+    y += film.thickness === null ? GAPS : filmHeight();
     return film.thickness === null ? (
       <Gaps key={film.path} film={film} y={here} />
     ) : (
@@ -213,11 +254,11 @@ function PixelParts({ top }: { top: number }) {
     <>
       {rows}
       <Part path="display.pixel" y={y}>
-        <rect class="band metal substrate" x={LEFT} width={WIDTH} height={22} />
+        <rect class="band metal substrate" x={LEFT} width={WIDTH} height={substrateHeight()} />
         <Words
           name={`${material(at(all, "display.pixel.substrate"))} mirror`}
           note={`fill factor ${plain(Number(at(all, "display.pixel.fill_factor") ?? 1))}`}
-          height={22}
+          height={substrateHeight()}
         />
       </Part>
     </>
@@ -228,7 +269,8 @@ function pixelHeight(): number {
   if (textAt(fields.value, "display.pixel.model") !== "film") return 44;
   const rows = listAt(fields.value, "display.pixel.film");
   return (
-    rows.reduce<number>((sum, film) => sum + (at(film, "thickness_nm") === "gap" ? GAP + MIRROR + 6 : FILM), 0) + 22
+    rows.reduce<number>((sum, film) => sum + (at(film, "thickness_nm") === "gap" ? GAPS : filmHeight()), 0) +
+    substrateHeight()
   );
 }
 
@@ -245,7 +287,26 @@ function Patterns() {
         <circle cx="16" cy="9" r="1.6" />
         <circle cx="8" cy="14" r="1.4" />
       </pattern>
+      <pattern id="inactive" width="6" height="6" patternUnits="userSpaceOnUse" patternTransform="rotate(45)">
+        <rect width="6" height="6" class="inactive-ground" />
+        <path d="M0 0V6" class="inactive-line" />
+      </pattern>
     </defs>
+  );
+}
+
+/** Returns the bands of the pixel that a ray crosses at a place: the films, and the gap down to the mirror there. */
+function pixelMedia(x: number): Medium[] {
+  if (textAt(fields.value, "display.pixel.model") !== "film") return [];
+  const { parts } = cavities();
+  const here = parts.find((part) => x >= part.x && x < part.x + part.width);
+  const all = films(fields.value);
+  const gap = all.findIndex((film) => film.thickness === null);
+  return all.slice(0, gap < 0 ? all.length : gap + 1).map((film) =>
+    film.thickness === null
+      ? { height: here?.depth ?? GAP / 2, index: film.material === "air" ? 1 : 1.5 }
+      : // Films are much thinner than drawn: the ray passes them almost vertically.
+        { height: filmHeight(), index: 4 },
   );
 }
 
@@ -269,9 +330,10 @@ function Viewpoint() {
 export function Section() {
   const stack = layers(fields.value);
   const svg = useRef<SVGSVGElement>(null);
-  const top = CENTRE.y + 10;
-  const tops = stack.map((_, i) => top + stack.slice(0, i).reduce((sum, layer) => sum + HEIGHTS[layer.look] + 1, 0));
-  const bottom = top + stack.reduce((sum, layer) => sum + HEIGHTS[layer.look] + 1, 0);
+  const top = (fromAbove.value ? ABOVE_HEIGHT : CENTRE.y) + 10;
+  const heights = stack.map(({ look }) => heightOf(look) + 1);
+  const tops = heights.map((_, i) => top + heights.slice(0, i).reduce((sum, height) => sum + height, 0));
+  const bottom = top + heights.reduce((sum, height) => sum + height, 0);
   const height = bottom + pixelHeight() + 6;
   useEffect(() => {
     if (/^lighting\.\w+/.test(selected.value) && at(fields.value, selected.value) === undefined)
@@ -296,7 +358,23 @@ export function Section() {
           <Band key={layer.path} layer={layer} y={tops[i]!} />
         ))}
         <PixelParts top={bottom} />
+        {!fromAbove.value && (
+          <Rays
+            stack={stack}
+            heights={heights}
+            from={[CENTRE.x, top]}
+            pixel={pixelMedia(CENTRE.x)}
+            left={LEFT}
+            right={LEFT + WIDTH}
+          />
+        )}
+        <text class="scale" x={LEFT + WIDTH} y={top - 5} text-anchor="end">
+          thicknesses not to scale
+        </text>
       </svg>
+      <span class="drawing-tools">
+        <Downloads name="drawing" svg={() => svgOf(svg.current!)} />
+      </span>
     </div>
   );
 }

@@ -1,12 +1,24 @@
 // A number with its unit: a slider over the useful range, and an input box that accepts all allowed values.
 // The box keeps the typed text while it has the focus; a refused value stays, with the error message.
 
-import { useSignal } from "@preact/signals";
+import { signal, useSignal } from "@preact/signals";
 import { useRef } from "preact/hooks";
 
 import { plain } from "../model/format.ts";
 import type { Limits } from "../model/schema.ts";
 import { position, span, valueAt, type Span } from "../model/span.ts";
+
+/** The id of the field whose slider is being dragged, or "". */
+export const dragged = signal("");
+for (const end of ["pointerup", "pointercancel"]) addEventListener(end, () => (dragged.value = ""));
+
+const NUMBER = /^[+-]?(\d+[.,]?\d*|[.,]\d+)([eE][+-]?\d+)?$/;
+
+/** Returns the number that is typed; null for anything else, such as 0x1F. */
+const typedNumber = (text: string): number | null => {
+  const plainly = text.trim().replace("−", "-");
+  return NUMBER.test(plainly) ? Number(plainly.replace(",", ".")) : null;
+};
 
 interface Props {
   id: string;
@@ -41,22 +53,29 @@ export function NumberField(props: Props) {
   if (before.current !== value) {
     // A value that was changed elsewhere replaces the typed text.
     before.current = value;
-    if (typed.value !== null && Number(typed.value.replace(",", ".")) !== value) typed.value = null;
+    if (typed.value !== null && typedNumber(typed.value) !== value) typed.value = null;
   }
-  const bad =
-    typed.value !== null && typed.value.trim() !== "" && !Number.isFinite(Number(typed.value.replace(",", ".")));
+  const isEmpty = typed.value !== null && typed.value.trim() === "" && value !== undefined;
+  const bad = isEmpty || (typed.value !== null && typed.value.trim() !== "" && typedNumber(typed.value) === null);
   const scale = useSpan(of, limits, value ?? Math.max(0, limits.min));
   const shown = typed.value ?? (value === undefined ? "" : plain(value, 10).replace("−", "-"));
   const take = (text: string) => {
     typed.value = text;
-    const number = Number(text.replace(",", "."));
-    if (text.trim() !== "" && Number.isFinite(number)) change(number);
+    const number = typedNumber(text);
+    if (number !== null && Number.isFinite(number)) change(number);
   };
   const slide = (at: number) => {
     const moved = valueAt(scale, at / STEPS);
     change(props.integer ? Math.round(moved) : moved);
   };
   const nudge = (event: KeyboardEvent) => {
+    if ((event.ctrlKey || event.metaKey) && event.key.toLowerCase() === "z" && bad) {
+      // What is typed here was never applied: only the box goes back.
+      typed.value = null;
+      event.preventDefault();
+      event.stopPropagation();
+      return;
+    }
     const sign = event.key === "ArrowUp" ? 1 : event.key === "ArrowDown" ? -1 : 0;
     if (sign === 0 || value === undefined) return;
     event.preventDefault();
@@ -76,6 +95,7 @@ export function NumberField(props: Props) {
         value={Math.round(position(scale, value ?? scale.min) * STEPS)}
         aria-label={`${name}, slider`}
         aria-valuetext={`${plain(value ?? scale.min)} ${unit}`}
+        onPointerDown={() => (dragged.value = id)}
         onInput={(event) => slide(Number(event.currentTarget.value))}
         ref={(input) => input?.style.setProperty("--part", `${100 * position(scale, value ?? scale.min)}%`)}
       />
@@ -97,7 +117,8 @@ export function NumberField(props: Props) {
       </span>
       {bad && (
         <p class="error" role="alert">
-          {typed.value} is not a number. Expected a number
+          {isEmpty ? `Empty: the value stays ${plain(value ?? 0, 10)}.` : `${typed.value} is not a number.`} Expected a
+          number
           {Number.isFinite(limits.max - limits.min) && ` from ${plain(limits.min)} to ${plain(limits.max)}`}
           {unit && ` (${unit})`} without unit
         </p>

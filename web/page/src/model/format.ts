@@ -54,3 +54,9 @@ export function count(value: number): string {
 
 /** Formats an angle in degrees. */
 export const degrees = (angle: number): string => `${plain(Math.round(angle * 100) / 100)}°`;
+
+/** Puts thin spaces between the thousands of the number that a text begins with: 21 770.4. */
+export function thousands(text: string): string {
+  const whole = /^−?\d+/.exec(text)?.[0] ?? "";
+  return whole.length < 5 ? text : whole.replace(/\B(?=(\d{3})+$)/g, " ") + text.slice(whole.length);
+}

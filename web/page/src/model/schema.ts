@@ -9,6 +9,9 @@ export interface Node {
   readonly type?: string;
   readonly const?: Json;
   readonly enum?: Json[];
+  /** The label of the key, and its unit. */
+  readonly title?: string;
+  readonly "x-unit"?: string;
   readonly description?: string;
   readonly default?: Json;
   readonly minimum?: number;
@@ -152,11 +155,16 @@ export function label(key: string): string {
 export interface Limits {
   readonly min: number;
   readonly max: number;
+  /** Whether the limits themselves are excluded. */
+  readonly open?: readonly [boolean, boolean];
 }
 
 export const limits = (node: Node): Limits => ({
   min: node.minimum ?? node.exclusiveMinimum ?? -Infinity,
   max: node.maximum ?? node.exclusiveMaximum ?? Infinity,
+  ...(node.exclusiveMinimum === undefined && node.exclusiveMaximum === undefined
+    ? {}
+    : { open: [node.exclusiveMinimum !== undefined, node.exclusiveMaximum !== undefined] as const }),
 });
 
 /** Returns the help of a field as plain text, without back quotes; the range is added if the text does not contain it. */

@@ -14,6 +14,7 @@ export interface Span {
 const USEFUL: Record<string, Span> = {
   reflectance: { min: 0, max: 0.1, step: 0.0005, log: false },
   absorptance: { min: 0, max: 0.1, step: 0.0005, log: false },
+  haze: { min: 0.005, max: 0.99, step: 0.005, log: false },
   thickness_nm: { min: 0, max: 200, step: 0.1, log: false },
   gap_nm: { min: 0, max: 500, step: 0.1, log: false },
   illuminance_lx: { min: 1, max: 200_000, step: 0, log: true },
@@ -22,6 +23,8 @@ const USEFUL: Record<string, Span> = {
   width: { min: 0.003, max: 3, step: 0, log: true },
   field_deg: { min: 0, max: 20, step: 0.1, log: false },
   distance_mm: { min: 100, max: 5000, step: 10, log: false },
+  age_years: { min: 20, max: 75, step: 1, log: false },
+  text_height_mm: { min: 0.5, max: 10, step: 0.1, log: false },
   distance_m: { min: 0.3, max: 30, step: 0, log: true },
   index: { min: 1, max: 3, step: 0.005, log: false },
   n: { min: 0.05, max: 5, step: 0.005, log: false },
@@ -47,10 +50,12 @@ export function span(key: string, limits: Limits, value: number): Span {
   };
   const useful =
     USEFUL[key] ?? (Number.isFinite(width) && width <= 720 ? all : { min: 0, max: 10, step: 0.01, log: false });
+  // An end that is excluded is not on the slider.
+  const inside = [0, 1].map((end) => (limits.open?.[end] && !useful.log ? useful.step : 0)) as [number, number];
   return {
     ...useful,
-    min: Math.max(limits.min, Math.min(useful.min, value)),
-    max: Math.min(limits.max, value > useful.max ? 2 * value : useful.max),
+    min: Math.max(limits.min + inside[0], Math.min(useful.min, value)),
+    max: Math.min(limits.max - inside[1], value > useful.max ? 2 * value : useful.max),
   };
 }
 

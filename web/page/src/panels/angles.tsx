@@ -3,55 +3,70 @@
 import { useSignal } from "@preact/signals";
 
 import { NumberField } from "../fields/number.tsx";
+import type { Rows } from "../model/csv.ts";
 import { digits, degrees } from "../model/format.ts";
-import { Curves, type Curve } from "../plots/curves.tsx";
+import { curvesSvg } from "../plots/curves-svg.ts";
+import { Curves, type Curve, type Plot } from "../plots/curves.tsx";
 import { lineOf, Sample } from "../plots/spectra.tsx";
-import { view } from "../state/design.ts";
+import { result, states, view } from "../state/design.ts";
 import { useFollowed } from "../state/follow.ts";
+import { hoverClass, hovered, pointsAt } from "../state/hover.ts";
+import { labelText } from "../state/labels.ts";
 import { pinned } from "../state/pin.ts";
 import type { Angles } from "../api/types.ts";
 import { dark } from "../state/theme.ts";
+import { Aged } from "./aged.tsx";
+import { Downloads } from "./downloads.tsx";
 import { Problems } from "./problems.tsx";
 
 /** Metrics of the display and of each state, by their names in result.json. */
-const OF_DISPLAY: Record<string, string> = {
-  contrast_ratio: "Contrast ratio",
-  gamut_percent_srgb: "Gamut (% of sRGB)",
-  gamut_percent_ebu: "Gamut (% of EBU)",
-  text_contrast: "Text contrast",
-};
-const OF_STATES: Record<string, string> = {
-  Y: "Luminance factor Y",
-  luminance_cd_m2: "Luminance (cd/m²)",
-  L_star: "Lightness L*",
-  u_prime: "u′",
-  v_prime: "v′",
-  shift_with_angle_uv: "Colour shift Δu′v′",
-  peak_nm: "Peak wavelength (nm)",
-};
-const NAMES: Record<string, string> = { ...OF_DISPLAY, ...OF_STATES };
-const nameOf = (metric: string): string => NAMES[metric] ?? metric;
+const OF_DISPLAY = [
+  "contrast_ratio",
+  "gamut_percent_srgb",
+  "gamut_percent_ebu",
+  "gamut_percent_ntsc_xy",
+  "text_contrast",
+];
+const OF_STATES = ["Y", "luminance_cd_m2", "L_star", "u_prime", "v_prime", "shift_with_angle_uv", "peak_nm"];
 /** Time without changes after which the angles are requested, ms. */
 const REST_MS = 60;
 
 function curvesOf(angles: Angles | null, metric: string): Curve[] {
   if (!angles) return [];
-  if (metric in OF_DISPLAY)
+  if (OF_DISPLAY.includes(metric))
     return [
       {
-        name: nameOf(metric),
+        name: labelText(metric),
         values: angles.metrics[metric] ?? [],
         colour: dark.value ? "#7da4f2" : "#2b5fc7",
         dash: [],
         width: 2,
       },
     ];
-  return Object.entries(angles.states).map(([name, values], i) => ({
+  const curves = Object.entries(angles.states).map(([name, values], i) => ({
     name,
     values: values[metric] ?? [],
     ...lineOf(name, i),
     width: 1.8,
   }));
+  // The peak of a mixture of sub-pixels jumps between those of its parts.
+  const primaries = result.value?.primaries ?? [];
+  return metric === "peak_nm" ? curves.filter(({ name }) => primaries.includes(name)) : curves;
+}
+
+/** All metrics: a row for each inclination. */
+function tableOf(angles: Angles | null): Rows {
+  if (!angles) return [];
+  const columns = [
+    ...Object.entries(angles.metrics),
+    ...Object.entries(angles.states).flatMap(([state, all]) =>
+      Object.entries(all).map(([name, values]) => [`${state}.${name}`, values] as const),
+    ),
+  ];
+  return [
+    ["theta_deg", "phi_deg", ...columns.map(([name]) => name)],
+    ...angles.theta_deg.map((theta, i) => [theta, angles.phi_deg, ...columns.map(([, values]) => values[i])]),
+  ];
 }
 
 export function AnglesPanel() {
@@ -67,14 +82,20 @@ export function AnglesPanel() {
   const dashed = kept.map((curve) => ({ ...curve, name: `${curve.name}, pinned`, width: 1, dash: [12, 3, 3, 3] }));
   const at = under.value;
   const theta = at === null ? undefined : x[at];
+  const plot: Plot = {
+    x,
+    curves: [...own, ...dashed],
+    xName: "Viewing angle θ (°)",
+    yName: labelText(metric.value),
+  };
   return (
     <>
       <div class="controls">
         <label for="angle-metric">Show</label>
         <select id="angle-metric" value={metric.value} onChange={(event) => (metric.value = event.currentTarget.value)}>
-          {Object.entries(NAMES).map(([key, name]) => (
+          {[...OF_DISPLAY, ...OF_STATES].map((key) => (
             <option key={key} value={key}>
-              {name}
+              {labelText(key)}
             </option>
           ))}
         </select>
@@ -92,31 +113,43 @@ export function AnglesPanel() {
         />
       </div>
       <Problems of={now.problems} />
-      <div class={now.busy ? "with-key waiting" : "with-key"}>
-        <Curves
-          x={x}
-          curves={[...own, ...dashed]}
-          xName="Viewing angle θ (°)"
-          yName={nameOf(metric.value)}
-          height={300}
-          label={`${nameOf(metric.value)} against viewing angle`}
-          hover={(index) => (under.value = index)}
-          marked={view.value?.theta_deg}
-        />
-        <ul class="curve-key read">
-          <li>
-            <b>{theta === undefined ? "" : degrees(theta)}</b>
-          </li>
-          {own.map((curve, i) => (
-            <li key={curve.name}>
-              {metric.value in OF_STATES ? <Sample name={curve.name} index={i} /> : null}
-              <span>{metric.value in OF_STATES ? curve.name : ""}</span>
-              <output>{at === null ? "" : digits(curve.values[at], 4)}</output>
-              {kept[i] && at !== null && <small>pinned {digits(kept[i].values[at], 4)}</small>}
+      <Aged age={now.busy ? "computing" : "current"}>
+        {now.value && (
+          <p class="figure-tools">
+            <Downloads name="angles" svg={() => curvesSvg(plot)} table={() => tableOf(now.value)} />
+          </p>
+        )}
+        <div class="with-key">
+          {x.length === 0 ? (
+            <p class="empty-plot" role="status">
+              {now.problems.length > 0 ? "no result" : "computing…"}
+            </p>
+          ) : (
+            <Curves
+              {...plot}
+              height={300}
+              label={`${labelText(metric.value)} against viewing angle`}
+              hover={(index) => (under.value = index)}
+              near={(curve) => (hovered.value = states.value.some(([name]) => name === curve) ? curve : null)}
+              focus={hovered.value}
+              marked={view.value?.theta_deg}
+            />
+          )}
+          <ul class="curve-key read">
+            <li>
+              <b>{theta === undefined ? "" : degrees(theta)}</b>
             </li>
-          ))}
-        </ul>
-      </div>
+            {own.map((curve, i) => (
+              <li key={curve.name} class={hoverClass(curve.name)} {...pointsAt(curve.name)}>
+                {OF_STATES.includes(metric.value) ? <Sample name={curve.name} index={i} /> : null}
+                <span>{OF_STATES.includes(metric.value) ? curve.name : ""}</span>
+                <output>{at === null ? "" : digits(curve.values[at], 4)}</output>
+                {kept[i] && at !== null && <small>pinned {digits(kept[i].values[at], 4)}</small>}
+              </li>
+            ))}
+          </ul>
+        </div>
+      </Aged>
       <p class="remark" id="angle-remark">
         The dotted line marks the view that is shown above. The mirror image of a source is visible only if the source
         has an angular radius.

@@ -4,8 +4,8 @@ import { useRef } from "preact/hooks";
 
 import { take } from "./drop.tsx";
 
-/** A button that opens the file dialog of the browser. */
-export function FileButton({ label, title }: { label: string; title?: string }) {
+/** A button that opens the file dialog of the browser. With `stays`, the open tab stays open. */
+export function FileButton({ label, title, stays }: { label: string; title?: string; stays?: boolean }) {
   const chooser = useRef<HTMLInputElement>(null);
   return (
     <>
@@ -19,7 +19,7 @@ export function FileButton({ label, title }: { label: string; title?: string }) 
         multiple
         tabindex={-1}
         aria-hidden="true"
-        onChange={(event) => void take([...(event.currentTarget.files ?? [])])}
+        onChange={(event) => void take([...(event.currentTarget.files ?? [])], stays)}
       />
     </>
   );

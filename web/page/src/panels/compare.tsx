@@ -10,7 +10,11 @@ import { isTable, type Json } from "../model/json.ts";
 import { coloursOf } from "../plots/patches.tsx";
 import { result, selected, states, text, title, view } from "../state/design.ts";
 import { open } from "../state/open.ts";
+import type { Rows } from "../model/csv.ts";
+import { hoverClass, pointsAt } from "../state/hover.ts";
 import { pin, pinned, pinnedView, unpin } from "../state/pin.ts";
+import { Downloads } from "./downloads.tsx";
+import { MeasuredPanel } from "./measured.tsx";
 
 const shown = (value: Json | undefined): string =>
   value === undefined ? NONE : typeof value === "number" ? digits(value, 5) : isTable(value) ? "…" : String(value);
@@ -60,7 +64,9 @@ function Colours() {
         const was = pinnedView.value?.states[name];
         return (
           <Fragment key={name}>
-            <span>{name}</span>
+            <span class={hoverClass(name)} {...pointsAt(name)}>
+              {name}
+            </span>
             <span
               class="swatch half"
               ref={(e) => e?.style.setProperty("background-color", before.get(name) ?? "")}
@@ -87,6 +93,32 @@ async function swap(): Promise<void> {
 }
 
 export function ComparePanel() {
+  return (
+    <>
+      <PinnedPanel />
+      <MeasuredPanel />
+    </>
+  );
+}
+
+/** The keys that differ, as a table for a file. */
+const keysTable = (): Rows => [
+  ["key", "pinned", "current"],
+  ...differences(pinned.value!.result.scenario as Json, (result.value?.scenario ?? null) as Json).map(
+    ({ path, before, now }) => [path, JSON.stringify(before) ?? "", JSON.stringify(now) ?? ""],
+  ),
+];
+
+/** The colours of both designs, as a table for a file. */
+const coloursTable = (): Rows => [
+  ["state", "Y_pinned", "Y", "L_star_pinned", "L_star", "delta_E_2000"],
+  ...states.value.map(([name, state]) => {
+    const was = pinnedView.value?.states[name];
+    return [name, was?.Y, state.Y, was?.L_star, state.L_star, was ? distance(state, was) : null];
+  }),
+];
+
+function PinnedPanel() {
   const before = pinned.value;
   if (!before) {
     return (
@@ -118,6 +150,8 @@ export function ComparePanel() {
         <button type="button" onClick={unpin}>
           Unpin
         </button>
+        <Downloads name="keys" table={keysTable} />
+        <Downloads name="colours" table={coloursTable} />
       </div>
       <div class="compare">
         <div class="scroll" tabindex={0} role="region" aria-label="Keys that differ">

@@ -3,13 +3,27 @@
 import { useSignal } from "@preact/signals";
 
 import type { Cone } from "../api/types.ts";
+import type { Rows } from "../model/csv.ts";
 import { Drawn } from "../plots/figure.tsx";
 import { useFollowed } from "../state/follow.ts";
 import { pinned } from "../state/pin.ts";
+import { Aged } from "./aged.tsx";
 import { Problems } from "./problems.tsx";
 
 /** Time without changes after which the maps are requested, ms; they take longer than the live result. */
 const REST_MS = 300;
+
+/** The quantities of all directions and states; theta varies fastest. */
+function tableOf(cone: Cone | null): Rows {
+  if (!cone) return [];
+  const { theta_deg: theta, phi_deg: phi, states, data, quantities } = cone;
+  return [
+    ["theta_deg", "phi_deg", "state", ...quantities],
+    ...data.flatMap((of, i) =>
+      of.map((values, k) => [theta[i % theta.length], phi[Math.floor(i / theta.length)], states[k], ...values]),
+    ),
+  ];
+}
 
 export function ConePanel() {
   const step = useSignal("3");
@@ -25,14 +39,19 @@ export function ConePanel() {
           <option value="2">2°</option>
           <option value="1">1°</option>
         </select>
-        <span role="status">{now.busy ? "computing…" : ""}</span>
       </div>
       <Problems of={now.problems} />
-      <div class={now.busy ? "waiting" : ""}>
+      <Aged age={now.busy ? "computing" : "current"}>
         {now.value?.figures.map(({ name, svg }) => (
-          <Drawn key={name} svg={svg} label={`${name}: maps over all viewing directions`} />
+          <Drawn
+            key={name}
+            name={name}
+            svg={svg}
+            label={`${name}: maps over all viewing directions`}
+            table={() => tableOf(now.value)}
+          />
         ))}
-      </div>
+      </Aged>
       {before.value && pinned.value && (
         <>
           <h3>Pinned: {pinned.value.title}</h3>

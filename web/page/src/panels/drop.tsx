@@ -2,17 +2,16 @@
 
 import { add } from "../state/files.ts";
 import { open } from "../state/open.ts";
-import { openTab } from "../state/tab.ts";
+import { showTab } from "../state/tab.ts";
 
 /** Maximum length of a scenario, bytes; longer files are treated as data. */
 const LONGEST = 256 * 1024;
 
-export async function take(given: readonly File[]): Promise<void> {
+export async function take(given: readonly File[], stays = false): Promise<void> {
   for (const file of given) {
     if (file.name.endsWith(".toml") && file.size <= LONGEST) await open(await file.text(), file.name);
     else {
-      openTab.value = "files";
-      requestAnimationFrame(() => document.getElementById("tab-files")?.scrollIntoView({ block: "start" }));
+      if (!stays) showTab("files");
       await add(file.name, file);
     }
   }

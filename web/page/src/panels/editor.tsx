@@ -4,10 +4,12 @@ import { addFilm, addLayer, addLight, canMove, canRemove, moveSelected, removeSe
 import { Elsewhere, Field, Form } from "../fields/form.tsx";
 import { KINDS } from "../model/kinds.ts";
 import { films, layers } from "../model/stack.ts";
-import { draft, draftName, fields, pending, problems, selected, text } from "../state/design.ts";
+import { answer, draft, draftName, fields, pending, problems, selected } from "../state/design.ts";
 import { discard, edit } from "../state/live.ts";
+import { wanted } from "../state/ready.ts";
 import { at, listAt, textAt } from "../model/json.ts";
 import { Menu } from "./menu.tsx";
+import { Mends } from "./problems.tsx";
 import { StatesEditor } from "./states.tsx";
 import { said } from "../state/said.ts";
 import { PRESETS } from "../state/shelf.ts";
@@ -70,16 +72,17 @@ function applyPreset(preset: string): void {
 
 /** The menu of the presets of lighting and viewer (rooms, geometries of standards), with the current one. */
 export function Room() {
-  const now = /^\s*preset\s*=\s*"([^"]+)"/m.exec(text.value)?.[1] ?? "";
+  const now = answer.value?.preset;
+  const words = now ? `${now.name}${now.changed ? ", changed" : ""}` : "";
   return (
     <Menu
       class="room"
-      label={now ? `Lighting preset: ${now}` : undefined}
+      label={words ? `Lighting preset: ${words}` : undefined}
       items={PRESETS.value}
-      chosen={now}
+      chosen={now && !now.changed ? now.name : ""}
       choose={applyPreset}
     >
-      {now || "Lighting preset"}
+      {words || "Lighting preset"}
     </Menu>
   );
 }
@@ -134,6 +137,7 @@ export function Toolbar() {
 function Refusal() {
   if (problems.value.length === 0) return null;
   const waiting = pending.value.length + (draft.value === null ? 0 : 1);
+  const changes = pending.value.slice(-2).map(wanted).join(", ");
   return (
     <div class="refusal">
       <p>
@@ -141,17 +145,20 @@ function Refusal() {
           {draft.value !== null && draftName.value
             ? `${draftName.value} cannot be computed.`
             : waiting > 0
-              ? "The change is not applied."
+              ? `${changes || "The change"} is not applied.`
               : "The design cannot be computed."}
         </b>{" "}
         The result is that of the last valid design.
       </p>
       <Elsewhere />
-      {waiting > 0 && (
-        <button type="button" onClick={discard}>
-          Discard
-        </button>
-      )}
+      <div class="mend">
+        <Mends of={problems.value} />
+        {waiting > 0 && (
+          <button type="button" onClick={discard}>
+            Discard
+          </button>
+        )}
+      </div>
     </div>
   );
 }
@@ -225,8 +232,8 @@ export function FieldsPanel() {
         <h2>{nameOf(path)}</h2>
         <code>{path === "computing" ? "solver, spectrum, metrics" : path}</code>
       </header>
-      <Refusal />
       <Fields path={path} />
+      <Refusal />
     </section>
   );
 }

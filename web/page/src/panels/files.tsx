@@ -6,6 +6,7 @@ import { Drawn } from "../plots/figure.tsx";
 import { fields, selected } from "../state/design.ts";
 import { files, forget, type Dropped } from "../state/files.ts";
 import { edit } from "../state/live.ts";
+import { compareWith } from "./measured.tsx";
 import { FileButton } from "./choose.tsx";
 import { Problems } from "./problems.tsx";
 
@@ -61,24 +62,24 @@ function File({ file }: { file: Dropped }) {
       {audit && (
         <>
           <p class="uses">
-            {[...asFilm(file), ...audit.edits].map(({ label, edits }) => (
-              <button
-                type="button"
-                key={label}
-                class="run"
-                disabled={idle(edits) !== ""}
-                title={idle(edits)}
-                onClick={() => edit(edits)}
-              >
-                {label}
-                {idle(edits) && `: ${idle(edits)}`}
+            {audit.kind === "panel" && (
+              <button type="button" class="run" onClick={() => compareWith(file.name)}>
+                Compare with the design
               </button>
+            )}
+            {[...asFilm(file), ...audit.edits].map(({ label, edits }) => (
+              <span key={label}>
+                <button type="button" class="run" disabled={idle(edits) !== ""} onClick={() => edit(edits)}>
+                  {label}
+                </button>
+                {idle(edits) && <small> {idle(edits)}</small>}
+              </span>
             ))}
           </p>
           <div class="audit">
             <div class="figures">
               {audit.figures.map(({ name, svg }) => (
-                <Drawn key={name} svg={svg} label={`${file.name}: ${name}`} />
+                <Drawn key={name} name={`${file.name}-${name}`} svg={svg} label={`${file.name}: ${name}`} />
               ))}
             </div>
             <pre class="words" tabindex={0} aria-label={`Audit of ${file.name}`}>
@@ -98,7 +99,7 @@ export function FilesPanel() {
         <FileButton label="Choose files" />
         <span class="remark">
           or drop files anywhere on the page: BSDFs (Zemax, ASTM E1392, CSV), n-k tables, spectra, pixel tables, light
-          maps, IES luminaires. The files stay on this machine.
+          maps, IES luminaires, measured panels. The files stay on this machine.
         </span>
       </div>
       {files.value.map((file) => (

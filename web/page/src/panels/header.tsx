@@ -2,31 +2,26 @@
 
 import { named, postForBlob, Refused } from "../api/client.ts";
 import { addressOf, show } from "../state/address.ts";
-import { fields, held, text, title } from "../state/design.ts";
+import { fields, held, opening, text, title } from "../state/design.ts";
 import { fileIds } from "../state/files.ts";
 import { edit } from "../state/live.ts";
 import { isNew, open, redo, undo } from "../state/open.ts";
 import { pin, pinned, unpin } from "../state/pin.ts";
 import { ready } from "../state/ready.ts";
 import { said } from "../state/said.ts";
+import { gone } from "../state/server.ts";
 import { EXAMPLES } from "../state/shelf.ts";
 import { earlier, lookForEarlier, takeUp } from "../state/start.ts";
-import { openTab } from "../state/tab.ts";
+import { showTab } from "../state/tab.ts";
 import { theme, type Theme } from "../state/theme.ts";
 import { run, walk } from "../state/walk.ts";
 import { canRedo, canUndo } from "../state/undo.ts";
 import type { Edit } from "../api/types.ts";
 import { at } from "../model/json.ts";
 import { FileButton } from "./choose.tsx";
+import { fileName } from "./file-name.ts";
 import { Menu } from "./menu.tsx";
 import { save } from "./save.ts";
-
-/** Returns a file name for the design. */
-export const fileName = (): string =>
-  title.value
-    .toLowerCase()
-    .replace(/[^a-z0-9]+/g, "-")
-    .replace(/^-|-$/g, "") || "scenario";
 
 /** Returns the uploaded files that the scenario uses and that are not part of its text, as an end of a sentence. */
 function withoutFiles(): string {
@@ -41,7 +36,7 @@ async function saveText(): Promise<void> {
 }
 
 function runWalk(): void {
-  openTab.value = "walk";
+  showTab("walk");
   if (walk.phase.value !== "running") void run();
 }
 
@@ -59,9 +54,12 @@ async function copyLink(): Promise<void> {
 }
 
 async function openExample(name: string): Promise<void> {
+  opening.value = `Opening ${name}…`;
   try {
-    await open((await named("examples", name)).scenario);
+    const { scenario } = await named("examples", name);
+    if (!(await open(scenario, "", `Opening ${name}…`))) opening.value = "";
   } catch (why) {
+    opening.value = "";
     said.value = why instanceof Refused ? why.message : String(why);
   }
 }
@@ -118,9 +116,18 @@ const titled = (name: string): Edit =>
     ? { op: "remove", path: "title" }
     : { op: "set", path: "title", value: name };
 
+/** Moves the focus to the result; the address keeps its fragment, which may be a scenario. */
+function skip(event: Event): void {
+  event.preventDefault();
+  document.getElementById("result")?.focus();
+}
+
 export function Header() {
   return (
     <header class="head">
+      <a class="skip" href="#result" onClick={skip}>
+        Skip to the result
+      </a>
       <h1>
         <Mark />
         Papilio
@@ -128,6 +135,7 @@ export function Header() {
       <input
         class="title"
         aria-label="Title of the design"
+        readOnly={opening.value !== ""}
         value={title.value}
         onInput={(event) => (held.value = titled(event.currentTarget.value))}
         onChange={(event) => edit([titled(event.currentTarget.value)], "title")}
@@ -171,13 +179,15 @@ export function Header() {
         </button>
         <button
           type="button"
+          class="pin"
           aria-pressed={pinned.value !== null}
+          title="Keep this design to compare later ones with"
           onClick={() => (pinned.value ? unpin() : void pin())}
         >
           {pinned.value ? "Unpin" : "Pin"}
         </button>
-        <button type="button" class="run" onClick={runWalk}>
-          Run
+        <button type="button" onClick={runWalk} title="Run the Monte Carlo solver and compare it with the live result">
+          Verify
         </button>
         <select
           aria-label="Colour theme"
@@ -191,6 +201,11 @@ export function Header() {
           ))}
         </select>
       </div>
+      {gone.value && (
+        <p class="offline" role="alert">
+          Papilio does not respond. Your changes are stored in the browser; the page continues when it is back.
+        </p>
+      )}
       <p class="said" role="status">
         {said.value}
       </p>

@@ -3,6 +3,8 @@
 import type { Ledger } from "../api/types.ts";
 import { fixed, withError } from "../model/format.ts";
 import { view } from "../state/design.ts";
+import { hoverClass, pointsAt } from "../state/hover.ts";
+import { Downloads } from "./downloads.tsx";
 
 const PARTS = ["returned", "front", "diffuser", "glass", "pixel", "inactive", "unaccounted"] as const;
 type Part = (typeof PARTS)[number];
@@ -54,7 +56,7 @@ export function LedgerPanel() {
           </thead>
           <tbody>
             {all.map(([name, ledger]) => (
-              <tr key={name}>
+              <tr key={name} class={hoverClass(name)} {...pointsAt(name)}>
                 <th scope="row">{name}</th>
                 <td class="bar-cell">
                   <Bar name={name} ledger={ledger} />
@@ -71,7 +73,18 @@ export function LedgerPanel() {
       </div>
       <p class="remark">
         Fractions of a unit beam that enters from the viewing direction with the spectrum of the light, weighted by
-        luminance. Light that is not returned is absorbed by the named parts.
+        luminance. Light that is not returned is absorbed by the named parts.{" "}
+        <Downloads
+          name="energy-balance"
+          table={() => [
+            ["state", ...PARTS, ...PARTS.map((part) => `${part}_error`)],
+            ...all.map(([name, ledger]) => [
+              name,
+              ...PARTS.map((part) => share(ledger, part)),
+              ...PARTS.map((part) => share(ledger.standard_error, part)),
+            ]),
+          ]}
+        />
       </p>
     </>
   );

@@ -29,6 +29,8 @@ interface Props {
 
 /** Distance between the menu and the edge of the window, px. */
 const MARGIN = 8;
+/** Distance that the button may move before its menu closes, px. */
+const MOVED = 2;
 
 /** Places a menu below its button, or above it if there is more room, inside the window. */
 function place(menu: HTMLElement, button: HTMLElement): void {
@@ -75,6 +77,8 @@ export function Menu({ children, label, title, class: of = "", items, chosen, ch
   };
   useLayoutEffect(() => {
     if (!isOpen || !menu.current || !button.current) return undefined;
+    // In the top layer, no ancestor clips or moves it.
+    menu.current.showPopover();
     place(menu.current, button.current);
     const all = itemsOf(menu.current);
     const start =
@@ -85,12 +89,18 @@ export function Menu({ children, label, title, class: of = "", items, chosen, ch
       if (!menu.current?.contains(to) && !button.current?.contains(to)) close(false);
     };
     const lost = () => close(false);
+    // A scroll that ended before the menu was opened may be reported after it.
+    const { top, left } = button.current.getBoundingClientRect();
+    const scrolled = () => {
+      const now = button.current?.getBoundingClientRect();
+      if (now && Math.hypot(now.top - top, now.left - left) > MOVED) close(false);
+    };
     addEventListener("pointerdown", away);
-    addEventListener("scroll", away, true);
+    addEventListener("scroll", scrolled, true);
     addEventListener("resize", lost);
     return () => {
       removeEventListener("pointerdown", away);
-      removeEventListener("scroll", away, true);
+      removeEventListener("scroll", scrolled, true);
       removeEventListener("resize", lost);
     };
   }, [isOpen]);
@@ -136,6 +146,7 @@ export function Menu({ children, label, title, class: of = "", items, chosen, ch
         <ul
           ref={menu}
           class="menu"
+          popover="manual"
           role="menu"
           aria-label={label ?? (typeof children === "string" ? children : undefined)}
           onKeyDown={pressMenu}

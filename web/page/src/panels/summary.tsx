@@ -1,11 +1,13 @@
 // The six main numbers of the result, each with its difference from the pinned design.
 
 import type { Num, View } from "../api/types.ts";
-import { fixed, signed, withError } from "../model/format.ts";
+import { fixed, signed, thousands, withError } from "../model/format.ts";
 import { view } from "../state/design.ts";
 import { pinnedView } from "../state/pin.ts";
 
 interface Figure {
+  /** A fixed name, with the unit, for tests. */
+  readonly id: string;
   readonly name: string;
   readonly unit: string;
   readonly decimals: number;
@@ -15,13 +17,15 @@ interface Figure {
 
 const FIGURES: readonly Figure[] = [
   {
-    name: "White",
-    unit: "% Y",
+    id: "White % Y",
+    name: "White reflectance",
+    unit: "%",
     decimals: 1,
     help: "Luminance factor of the white state: 100 % for a perfect white diffuser in the same light",
     of: (v) => [percent(v.states["white"]?.Y), percent(v.states["white"]?.standard_error.Y)],
   },
   {
+    id: "Contrast : 1",
     name: "Contrast",
     unit: ": 1",
     decimals: 2,
@@ -29,27 +33,31 @@ const FIGURES: readonly Figure[] = [
     of: (v) => [v.contrast_ratio, v.standard_error.contrast_ratio],
   },
   {
-    name: "Gamut",
-    unit: "% sRGB",
+    id: "Gamut % sRGB",
+    name: "Gamut vs sRGB, u′v′",
+    unit: "%",
     decimals: 2,
     help: "Area of the triangle of red, green and blue in u′v′ divided by that of sRGB",
     of: (v) => [v.gamut_percent_srgb, v.standard_error.gamut_percent_srgb],
   },
   {
-    name: "Gamut",
-    unit: "% EBU",
+    id: "Gamut % EBU",
+    name: "Gamut vs EBU, u′v′",
+    unit: "%",
     decimals: 2,
     help: "Area of the triangle of red, green and blue in u′v′ divided by that of EBU",
     of: (v) => [v.gamut_percent_ebu, v.standard_error.gamut_percent_ebu],
   },
   {
-    name: "White",
+    id: "White cd/m²",
+    name: "White luminance",
     unit: "cd/m²",
     decimals: 1,
     help: "Luminance of the white state",
     of: (v) => [v.states["white"]?.luminance_cd_m2, v.states["white"]?.standard_error.luminance_cd_m2],
   },
   {
+    id: "Text contrast",
     name: "Text contrast",
     unit: "",
     decimals: 3,
@@ -66,16 +74,16 @@ export function Summary() {
   if (!now) return null;
   return (
     <dl class="summary">
-      {FIGURES.map(({ name, unit, decimals, of, help }) => {
+      {FIGURES.map(({ id, name, unit, decimals, of, help }) => {
         const [value, se] = of(now);
         const was = before ? of(before)[0] : null;
         const difference =
           was === null || was === undefined || value === null || value === undefined ? null : value - was;
         return (
-          <div key={name + unit} title={help} data-figure={`${name} ${unit}`.trim()}>
+          <div key={id} title={help} data-figure={id}>
             <dt>{name}</dt>
             <dd>
-              <b>{withError(value, se, decimals)}</b> <small>{unit}</small>
+              <b>{thousands(withError(value, se, decimals))}</b> <small>{unit}</small>
               {before && (
                 <span class="difference">
                   {difference === null ? "" : `${signed(difference, decimals)} from ${fixed(was, decimals)}`}

@@ -1,208 +1,316 @@
-// A sweep, as by `papilio sweep`: a metric over one key as a curve, over two keys as a map.
+// A sweep, as by `papilio sweep`: that of the scenario, or one that is set up here. A metric over one key is drawn as a
+// curve, over two keys as a map; further axes are chosen by their values. A point is selected with a click and applied to
+// the design with a button.
+
+import { useSignal } from "@preact/signals";
+import { useEffect, useRef } from "preact/hooks";
 
 import type { SweepPoint } from "../api/types.ts";
-import { useSignal } from "@preact/signals";
-
+import { lengthOf, placeOf, pointAt, pointsOf, shown, type Axis } from "../model/axes.ts";
+import type { Rows } from "../model/csv.ts";
 import { digits } from "../model/format.ts";
-import { label, unit } from "../model/schema.ts";
-import { split } from "../model/json.ts";
-import { Curves } from "../plots/curves.tsx";
-import { Map } from "../plots/map.tsx";
-import { edit } from "../state/live.ts";
+import { curvesSvg } from "../plots/curves-svg.ts";
+import { Curves, type Plot } from "../plots/curves.tsx";
+import { Drawn } from "../plots/figure.tsx";
+import { Map as Field } from "../plots/map.tsx";
+import { svgOf } from "../plots/picture.ts";
+import { states } from "../state/design.ts";
 import {
-  asEdits,
+  apply,
   axes,
-  axisFor,
-  keys,
+  done,
+  isOfFile,
+  isStale,
+  keep,
   metric,
+  ofFile,
+  own,
   points,
   run,
+  selectedPoint,
+  showMetric,
   sweep,
   swept,
-  valuesOf,
-  type Axis,
 } from "../state/sweep.ts";
+import { labelOf, labelText } from "../state/labels.ts";
 import { dark } from "../state/theme.ts";
+import { Aged } from "./aged.tsx";
+import { addAxis, AxesFields } from "./axes.tsx";
+import { Downloads } from "./downloads.tsx";
 import { Problems } from "./problems.tsx";
-import { selected, states } from "../state/design.ts";
 
 const METRICS = ["gamut_percent_srgb", "contrast_ratio", "gamut_percent_ebu", "text_contrast", "text_luminance_cd_m2"];
 const OF_STATES = ["Y", "L_star", "u_prime", "v_prime", "peak_nm"];
-const FINE = 21;
-const COARSE = 11;
 
-/** Returns the label of a key with its unit. */
-export function nameOf(path: string): string {
-  const [parent, key] = split(path);
-  const u = unit(/^\w+$/.test(key) && unit(key) ? key : split(parent)[1]);
-  return `${label(key)}${u ? ` (${u})` : ""}`;
+/** Returns the metrics to choose from: all that the points have, or the usual ones before there are points. */
+function metricsNow(): string[] {
+  const known = points.value[0]?.metrics;
+  const usual = [...METRICS, ...states.value.flatMap(([name]) => OF_STATES.map((of) => `${name}.${of}`))];
+  const all = known
+    ? Object.keys(known).filter(
+        (name) =>
+          !/_(de|se)$/.test(name) && (name.includes(".") || METRICS.includes(name) || !OF_STATES.includes(name)),
+      )
+    : usual;
+  return [...new Set([...usual.filter((name) => all.includes(name)), ...all, metric.value])];
 }
 
-function put(index: number, axis: Axis): void {
-  axes.value = axes.value.map((one, i) => (i === index ? axis : one));
+const valueOf = (point: SweepPoint | undefined): number | null => point?.metrics[metric.value] ?? null;
+
+/** Returns the point with the highest or the lowest value of the metric. */
+function extreme(isLow: boolean): SweepPoint | null {
+  return points.value.reduce<SweepPoint | null>((best, point) => {
+    const [value, most] = [valueOf(point), best && valueOf(best)];
+    if (value === null) return best;
+    return most === null || (isLow ? value < most : value > most) ? point : best;
+  }, null);
 }
 
-/** Maximum number of points on an axis of the page; `papilio sweep` allows more. */
-const MOST = 101;
+/** Returns the values of a point in words. */
+const inWords = (point: SweepPoint): string =>
+  Object.entries(point.values)
+    .map(
+      ([path, value]) => `${labelText(path)} ${typeof value === "number" ? digits(value, 5) : shown(value as never)}`,
+    )
+    .join(", ");
 
-function AxisFields({ axis, index }: { axis: Axis; index: number }) {
-  const wrong = useSignal("");
-  const take = (key: "from" | "to" | "count", typed: string) => {
-    const value = Number(typed.replace(",", "."));
-    const counts = key !== "count" || (Number.isInteger(value) && value >= 2 && value <= MOST);
-    const right = typed.trim() !== "" && Number.isFinite(value) && counts;
-    wrong.value = right
-      ? ""
-      : `“${typed}”: ${key} must be ${key === "count" ? `an integer from 2 to ${MOST}` : "a number"}`;
-    if (right) put(index, { ...axis, [key]: value });
-  };
-  const number = (key: "from" | "to" | "count") => (
-    <label>
-      {key} <input inputMode="decimal" value={axis[key]} onChange={(event) => take(key, event.currentTarget.value)} />
-    </label>
-  );
+/** A point with its value, and a button that applies it to the design. */
+function Chosen({ name, point }: { name: string; point: SweepPoint }) {
   return (
-    <div class="controls axis">
-      <select
-        aria-label={`Key of axis ${index + 1}`}
-        value={axis.path}
-        onChange={(event) => put(index, axisFor(event.currentTarget.value, axis.count))}
-      >
-        {keys.value.map((path) => (
-          <option key={path} value={path}>
-            {path}
-          </option>
-        ))}
-      </select>
-      {number("from")}
-      {number("to")}
-      {number("count")}
-      <button
-        type="button"
-        onClick={() => (axes.value = axes.value.filter((_, i) => i !== index))}
-        aria-label={`Remove axis ${index + 1}`}
-      >
-        Remove
+    <p class="chosen-point">
+      <b>
+        {name}: {labelOf(metric.value).quantity} {digits(valueOf(point), 5)} {labelOf(metric.value).unit}
+      </b>{" "}
+      at {inWords(point)}{" "}
+      <button type="button" onClick={() => apply(point)}>
+        Apply to the design
       </button>
-      {wrong.value && (
-        <p class="error" role="alert">
-          {wrong.value}
-        </p>
-      )}
+    </p>
+  );
+}
+
+/** All computed points: the keys, and the metric. */
+const table = (): Rows => [
+  ["point", ...swept.value.flat().map(({ path }) => path), metric.value],
+  ...points.value.map((point) => [
+    point.index,
+    ...swept.value.flat().map(({ path }) => shown(point.values[path] as never)),
+    valueOf(point),
+  ]),
+];
+
+/** The values of the axes that are not drawn. */
+function Slices({ at, put }: { at: readonly number[]; put: (axis: number, value: number) => void }) {
+  return (
+    <div class="controls">
+      {swept.value.slice(0, -2).map((axis, i) => (
+        <label key={i}>
+          {labelText(axis[0]!.path)}{" "}
+          <select value={String(at[i] ?? 0)} onChange={(event) => put(i, Number(event.currentTarget.value))}>
+            {axis[0]!.values.map((value, k) => (
+              <option key={k} value={String(k)}>
+                {shown(value)}
+              </option>
+            ))}
+          </select>
+        </label>
+      ))}
     </div>
   );
 }
 
-/** Adds an axis: a key of the part that is selected in the drawing, if it has one. */
-function addAxis(): void {
-  const taken = axes.value.map(({ path }) => path);
-  const free = keys.value.filter((path) => !taken.includes(path));
-  const near = free.find((path) => path.startsWith(selected.value) && !/straight|phi|fill/.test(path)) ?? free[0];
-  const count = axes.value.length === 0 ? FINE : COARSE;
-  if (near)
-    axes.value = [
-      ...axes.value.map((axis) => ({ ...axis, count: Math.min(axis.count, axes.value.length ? COARSE : FINE) })),
-      axisFor(near, count),
-    ];
+/** The name of an axis: its first key, and the number of keys that change with it. */
+const axisName = (axis: Axis): string =>
+  labelText(axis[0]!.path) + (axis.length > 1 ? ` and ${axis.length - 1} more` : "");
+
+/** The words on an axis: the values of its first key. */
+const words = (axis: Axis): string[] =>
+  axis[0]!.values.map((value) =>
+    typeof value === "number"
+      ? digits(value, 4)
+          .replace(/(\.\d*?)0+$/, "$1")
+          .replace(/\.$/, "")
+      : shown(value),
+  );
+
+function Line({ axis, best }: { axis: Axis; best: SweepPoint | null }) {
+  const by = new Map(points.value.map((point) => [point.index, point]));
+  const first = axis[0]!;
+  const isNumeric = first.values.every((value) => typeof value === "number");
+  const curve = {
+    name: labelText(metric.value),
+    values: first.values.map((_, i) => valueOf(by.get(i))),
+    colour: dark.value ? "#7da4f2" : "#2b5fc7",
+    dash: [],
+    width: 2,
+  };
+  const plot: Plot = {
+    x: isNumeric ? (first.values as number[]) : first.values.map((_, i) => i),
+    curves: [curve],
+    xName: axisName(axis),
+    yName: labelText(metric.value),
+    xLog: first.spacing === "log",
+    ...(isNumeric ? {} : { xWords: words(axis) }),
+  };
+  const chosen = selectedPoint.value;
+  return (
+    <>
+      <p class="figure-tools">
+        <Downloads name="sweep" svg={() => curvesSvg(plot)} table={() => done.value?.csv ?? table()} />
+      </p>
+      <Curves
+        {...plot}
+        height={280}
+        label={`${labelText(metric.value)} against ${first.path}`}
+        pick={(index) => (selectedPoint.value = index)}
+        dots={[...(chosen === null ? [] : [chosen]), ...(best ? [best.index] : [])]}
+      />
+    </>
+  );
 }
 
-function Plot() {
-  const [first, second] = swept.value;
-  if (!first || points.value.length === 0) return null;
-  const by = new globalThis.Map(points.value.map((point) => [point.index, point.metrics[metric.value] ?? null]));
-  const name = metric.value;
-  if (!second) {
-    const x = valuesOf(first);
-    const curve = {
-      name,
-      values: x.map((_, i) => by.get(i) ?? null),
-      colour: dark.value ? "#7da4f2" : "#2b5fc7",
-      dash: [],
-      width: 2,
-    };
-    return (
-      <Curves
-        x={x}
-        curves={[curve]}
-        xName={nameOf(first.path)}
-        yName={name}
-        height={300}
-        label={`${name} against ${first.path}`}
-      />
-    );
-  }
-  const [ys, xs] = [valuesOf(first), valuesOf(second)];
+function Plane({ best }: { best: SweepPoint | null }) {
+  const drawing = useRef<SVGSVGElement>(null);
+  const slice = useSignal<readonly number[]>([]);
+  const all = swept.value;
+  const lengths = all.map(lengthOf);
+  const [first, second] = [all.at(-2)!, all.at(-1)!];
+  const others = all.slice(0, -2).map((_, i) => Math.min(slice.value[i] ?? 0, lengths[i]! - 1));
+  const by = new Map(points.value.map((point) => [point.index, point]));
+  const at = (column: number, row: number) => pointAt(lengths, [...others, row, column]);
+  const place = (index: number | null): readonly [number, number] | null => {
+    if (index === null) return null;
+    const [column, row, ...rest] = placeOf(lengths, index).reverse() as [number, number, ...number[]];
+    return rest.reverse().every((value, i) => value === others[i]) ? [column, row] : null;
+  };
+  const put = (axis: number, value: number) => (slice.value = others.map((old, i) => (i === axis ? value : old)));
   return (
-    <Map
-      xs={xs}
-      ys={ys}
-      xName={nameOf(second.path)}
-      yName={nameOf(first.path)}
-      name={name}
-      values={ys.map((_, j) => xs.map((__, i) => by.get(j * xs.length + i) ?? null))}
-    />
+    <>
+      {others.length > 0 && <Slices at={others} put={put} />}
+      <p class="figure-tools">
+        <Downloads name="sweep" svg={() => svgOf(drawing.current!)} table={() => done.value?.csv ?? table()} />
+      </p>
+      <Field
+        drawing={drawing}
+        xs={words(second)}
+        ys={words(first)}
+        xName={axisName(second)}
+        yName={axisName(first)}
+        name={labelText(metric.value)}
+        values={first[0]!.values.map((_, j) => second[0]!.values.map((__, i) => valueOf(by.get(at(i, j)))))}
+        selected={place(selectedPoint.value)}
+        best={place(best?.index ?? null)}
+        pick={(column, row) => (selectedPoint.value = at(column, row))}
+      />
+    </>
+  );
+}
+
+function Result() {
+  const isLow = useSignal(false);
+  const axis = swept.value[0];
+  if (!axis || points.value.length === 0) return null;
+  const best = extreme(isLow.value);
+  const chosen = points.value.find((point) => point.index === selectedPoint.value);
+  const last = points.value.reduce((end, point) => (point.index > end.index ? point : end));
+  return (
+    <Aged age={isStale.value ? "earlier" : "current"}>
+      {swept.value.length === 1 ? <Line axis={axis} best={best} /> : <Plane best={best} />}
+      <div class="controls">
+        <label for="sweep-best">Best point</label>
+        <select
+          id="sweep-best"
+          value={isLow.value ? "lowest" : "highest"}
+          onChange={(event) => (isLow.value = event.currentTarget.value === "lowest")}
+        >
+          <option value="highest">highest</option>
+          <option value="lowest">lowest</option>
+        </select>
+        <span class="remark">a ring in the plot; a click on the plot selects another point</span>
+      </div>
+      {best && <Chosen name={isLow.value ? "Lowest" : "Highest"} point={best} />}
+      {chosen && chosen !== best && <Chosen name="Selected" point={chosen} />}
+      <p class="remark">
+        {points.value.length} points; value at the last point: {digits(valueOf(last), 4)} {labelOf(metric.value).unit}.
+      </p>
+      {done.value?.warnings.map((warning) => (
+        <p class="remark warning" key={warning}>
+          Warning: {warning}
+        </p>
+      ))}
+      {(done.value?.figures.length ?? 0) > 0 && (
+        <details>
+          <summary>Figures as on the command line</summary>
+          {done.value!.figures.map(({ name, svg }) => (
+            <Drawn key={name} name={name} svg={svg} label={name.replaceAll("_", " ")} />
+          ))}
+        </details>
+      )}
+    </Aged>
   );
 }
 
 export function SweepPanel() {
-  if (axes.value.length === 0) addAxis();
-  const end = points.value.reduce<SweepPoint | null>(
-    (last, point) => (last && last.index > point.index ? last : point),
-    null,
-  );
+  useEffect(() => {
+    if (axes.value.length === 0) addAxis();
+  }, []);
   const running = sweep.phase.value === "running";
-  const total = axes.value.reduce((product, { count }) => product * count, 1);
+  const total = pointsOf(axes.value);
   return (
-    <>
-      {axes.value.map((axis, i) => (
-        <AxisFields key={i} axis={axis} index={i} />
-      ))}
-      <div class="controls">
-        {axes.value.length < 2 && (
-          <button type="button" onClick={addAxis}>
-            Add a second key
-          </button>
+    <div class="sweep">
+      <div class="sweep-setup">
+        {ofFile.value !== null && (
+          <div class="controls">
+            <span role="status">
+              {isOfFile.value
+                ? "The sweep of the scenario, [sweep]."
+                : "A changed sweep; the scenario has its own, [sweep]."}
+            </span>
+            {!isOfFile.value && (
+              <button type="button" onClick={() => (own.value = null)}>
+                Back to the scenario's sweep
+              </button>
+            )}
+          </div>
         )}
-        <label for="sweep-metric">Metric</label>
-        <select id="sweep-metric" value={metric.value} onChange={(event) => (metric.value = event.currentTarget.value)}>
-          {[...METRICS, ...states.value.flatMap(([name]) => OF_STATES.map((of) => `${name}.${of}`))].map((one) => (
-            <option key={one} value={one}>
-              {one}
-            </option>
-          ))}
-        </select>
-        {running ? (
-          <button type="button" onClick={sweep.cancel}>
-            Cancel
-          </button>
-        ) : (
-          <button type="button" class="run" onClick={() => void run()}>
-            Sweep {total} points
-          </button>
-        )}
-        <progress max={total} value={points.value.length} aria-label="Progress of the sweep" />
-        <span role="status" data-phase={sweep.phase.value}>
-          {running
-            ? `${points.value.length} of ${total}`
-            : sweep.phase.value === "done"
-              ? `${points.value.length} points, done`
-              : ""}
-        </span>
-        <button
-          type="button"
-          onClick={() => edit(asEdits())}
-          title="Write this sweep to the scenario, for `papilio sweep FILE`"
-        >
-          Add to the scenario
-        </button>
+        <div class="controls">
+          <label for="sweep-metric">Metric</label>
+          <select id="sweep-metric" value={metric.value} onChange={(event) => showMetric(event.currentTarget.value)}>
+            {metricsNow().map((one) => (
+              <option key={one} value={one}>
+                {labelText(one)}
+              </option>
+            ))}
+          </select>
+          {running ? (
+            <button type="button" onClick={sweep.cancel}>
+              Cancel
+            </button>
+          ) : (
+            <button type="button" class="run" disabled={axes.value.length === 0} onClick={() => void run()}>
+              Sweep {total} points
+            </button>
+          )}
+          <progress max={Math.max(1, total)} value={points.value.length} aria-label="Progress of the sweep" />
+          <span role="status" data-phase={sweep.phase.value}>
+            {running
+              ? `${points.value.length} of ${pointsOf(swept.value)}`
+              : sweep.phase.value === "done"
+                ? `${points.value.length} points, done`
+                : ""}
+          </span>
+          {!isOfFile.value && (
+            <button type="button" onClick={keep} title="Write this sweep to the scenario, for `papilio sweep FILE`">
+              {ofFile.value === null ? "Add to the scenario" : "Replace the scenario's sweep"}
+            </button>
+          )}
+        </div>
+        <Problems of={sweep.problems.value} />
+        <AxesFields />
       </div>
-      <Problems of={sweep.problems.value} />
-      <Plot />
-      {end && (
-        <p class="remark">
-          {points.value.length} points; value at the last point: {digits(end.metrics[metric.value], 4)}.
-        </p>
-      )}
-    </>
+      <div class="sweep-result">
+        <Result />
+      </div>
+    </div>
   );
 }

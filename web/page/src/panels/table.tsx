@@ -4,11 +4,15 @@
 import { useSignal } from "@preact/signals";
 
 import type { StateResult, Values } from "../api/types.ts";
-import { error, fixed, signed } from "../model/format.ts";
-import { result, shownState, states } from "../state/design.ts";
+import { fixed, signed } from "../model/format.ts";
+import { fileIds } from "../state/files.ts";
+import { postForBlob } from "../api/client.ts";
+import { result, shownState, showState, states, text } from "../state/design.ts";
+import { hoverClass, pointsAt } from "../state/hover.ts";
 import { pinnedView } from "../state/pin.ts";
 import { Choice } from "../fields/choice.tsx";
 import { useColours } from "../plots/patches.tsx";
+import { Downloads } from "./downloads.tsx";
 
 interface Column {
   readonly head: string;
@@ -28,7 +32,12 @@ const Y = column("Y", 4, "Luminance factor", (v) => v.Y);
 const LUMINANCE = column("cd/m²", 2, "Luminance", (v) => v.luminance_cd_m2);
 const CONTRAST = column("contrast", 2, "Y divided by Y of black (Feng 2012: CR)", (v) => v.contrast);
 const LAB = [
-  column("L*", 2, "CIELAB, relative to the white of the light", (v) => v.L_star),
+  column(
+    "L*",
+    2,
+    "CIELAB, relative to a perfect white in the same light, or to the white state (metrics.white)",
+    (v) => v.L_star,
+  ),
   column("a*", 2, "CIELAB", (v) => v.a_star),
   column("b*", 2, "CIELAB", (v) => v.b_star),
 ];
@@ -36,9 +45,12 @@ const UV = [
   column("u′", 4, "CIE 1976 chromaticity", (v) => v.u_prime),
   column("v′", 4, "CIE 1976 chromaticity", (v) => v.v_prime),
 ];
-const DR = column("dR", 4, "u′v′ distance from D65", (v) => v.distance_from_d65_uv);
+const DR = column("Δu′v′ D65", 4, "u′v′ distance from D65 (Feng 2012: dR)", (v) => v.distance_from_d65_uv);
 const hue = (name: string, i: number) =>
   column(name, 0, "Hue without lightness: linear sRGB of x, y, z", (v) => v.hue_rgb?.[i]);
+
+/** The column that has values for states that drive one sub-pixel only: the peak of a mixture is that of one of its parts. */
+const PEAK = "peak (nm)";
 
 /** Sets of columns; the second one has all columns of the table in the dissertation. */
 const SETS: Record<string, readonly Column[]> = {
@@ -49,8 +61,13 @@ const SETS: Record<string, readonly Column[]> = {
     ...LAB,
     ...UV,
     DR,
-    column("peak nm", 1, "Wavelength of the largest reflectance factor, 400 to 700 nm", (v) => v.peak_nm),
-    column("R hemi", 4, "Luminance factor in the diffuse light only (Feng 2012, eq. 3-1)", (v) => v.R_hemi),
+    column(
+      PEAK,
+      1,
+      "Wavelength of the largest reflectance factor, 400 to 700 nm, of states that drive one sub-pixel",
+      (v) => v.peak_nm,
+    ),
+    column("Y diffuse", 4, "Luminance factor in the diffuse light only (Feng 2012, eq. 3-1: R hemi)", (v) => v.R_hemi),
   ],
   "Feng 2012, table 5.1": [
     DR,
@@ -100,20 +117,43 @@ const SETS: Record<string, readonly Column[]> = {
 
 const FIRST = "Overview";
 
+/** A column without values. */
+const UNDEFINED = column(PEAK, 1, "", () => null);
+
 /** Returns the columns of R in each directed source and in each environment only. */
 function byLight(state: StateResult | undefined): Column[] {
   const named = (name: string, i: number, count: number) => (count > 1 ? `${name} ${i + 1}` : name);
   const dir = (state?.R_dir ?? []).map((_, i, all) =>
-    column(named("R dir", i, all.length), 4, "Luminance factor in this directed source only", (v) => v.R_dir[i]),
+    column(
+      named("Y source", i, all.length),
+      4,
+      "Luminance factor in this directed source only (R dir)",
+      (v) => v.R_dir[i],
+    ),
   );
   const around = (state?.R_environment ?? []).map((_, i, all) =>
-    column(named("R env", i, all.length), 4, "Luminance factor in this environment only", (v) => v.R_environment[i]),
+    column(
+      named("Y environment", i, all.length),
+      4,
+      "Luminance factor in this environment only",
+      (v) => v.R_environment[i],
+    ),
   );
   return [...dir, ...around];
 }
 
 /** The errors of a state: discretisation errors of adding, or standard errors of Monte Carlo. */
 const errorOf = (state: StateResult): Values => state.discretisation_error ?? state.standard_error;
+
+/**
+ * Formats a value with its error in units of its last decimal, 0.9767(1), so that a row has the same height with and
+ * without errors.
+ */
+function compact(value: number | null | undefined, se: number | null | undefined, decimals: number): string {
+  const shown = fixed(value, decimals);
+  if (typeof value !== "number" || typeof se !== "number" || !(se >= 0.5 * 10 ** -decimals)) return shown;
+  return `${shown}(${se >= 10 ** (1 - decimals) && decimals > 0 ? se.toPrecision(2) : Math.round(se * 10 ** decimals)})`;
+}
 
 /** Formats an error with two digits, even if it is smaller than the last digit of the value. */
 function small(value: number | null | undefined): string {
@@ -134,11 +174,11 @@ function Cell({
 }) {
   const value = column.of(state);
   const se = column.of(errorOf(state));
-  const seen = errors ? small(se) : error(se, column.decimals);
+  const seen = errors ? small(se) : "";
   const was = before && column.of(before);
   return (
     <td>
-      {fixed(value, column.decimals)}
+      {errors ? fixed(value, column.decimals) : compact(value, se, column.decimals)}
       {seen && <small>{seen}</small>}
       {before && typeof was === "number" && typeof value === "number" && (
         <small class="difference">{signed(value - was, column.decimals)}</small>
@@ -147,12 +187,17 @@ function Cell({
   );
 }
 
+/** Requests states.csv, as `papilio run` writes it. */
+const statesCsv = async (): Promise<string> =>
+  (await postForBlob("export", { scenario: text.value, files: fileIds.value, what: "states.csv" })).text();
+
 export function StatesTable() {
   const errors = useSignal(false);
   const set = useSignal(Object.keys(SETS)[0]!);
   const columns = [...SETS[set.value]!, ...(set.value === FIRST ? byLight(states.value[0]?.[1]) : [])];
   const colours = useColours().value.colours;
   const solver = result.value?.solver;
+  const primaries = result.value?.primaries ?? [];
   if (!solver) return null;
   const adding = solver.method === "adding";
   return (
@@ -171,7 +216,13 @@ export function StatesTable() {
           </thead>
           <tbody>
             {states.value.map(([name, state]) => (
-              <tr key={name} class={name === shownState.value ? "chosen" : ""}>
+              <tr
+                key={name}
+                class={(name === shownState.value ? "chosen" : "") + hoverClass(name)}
+                data-state={name}
+                onClick={() => showState(name)}
+                {...pointsAt(name)}
+              >
                 <th scope="row">
                   <span class="chip" ref={(e) => e?.style.setProperty("background-color", colours.get(name) ?? "")} />
                   {name}
@@ -179,7 +230,7 @@ export function StatesTable() {
                 {columns.map((column) => (
                   <Cell
                     key={column.head}
-                    column={column}
+                    column={column.head === PEAK && !primaries.includes(name) ? UNDEFINED : column}
                     state={state}
                     before={pinnedView.value?.states[name]}
                     errors={errors.value}
@@ -197,8 +248,9 @@ export function StatesTable() {
           : `Monte Carlo: standard errors (one standard deviation), ${solver.degrees_of_freedom} degrees of freedom. `}
         <label class="toggle inline">
           <input type="checkbox" checked={errors.value} onChange={(e) => (errors.value = e.currentTarget.checked)} />{" "}
-          show small errors too
-        </label>
+          show all errors
+        </label>{" "}
+        <Downloads name="states" table={statesCsv} />
       </p>
     </>
   );

@@ -2,12 +2,16 @@
 // common, so that their agreement within the error bars checks both.
 
 import type { WalkState } from "../api/types.ts";
+import type { Rows as Cells } from "../model/csv.ts";
 import { count, digits, fixed, plain, signed } from "../model/format.ts";
 import { numberAt } from "../model/json.ts";
 import { fields, viewIndex } from "../state/design.ts";
 import { aim, course, progress, run, stale, walk } from "../state/walk.ts";
-import { Curves } from "../plots/curves.tsx";
+import { curvesSvg } from "../plots/curves-svg.ts";
+import { Curves, type Plot } from "../plots/curves.tsx";
 import { dark } from "../state/theme.ts";
+import { Aged } from "./aged.tsx";
+import { Downloads } from "./downloads.tsx";
 import { Problems } from "./problems.tsx";
 
 /** Relative errors to choose from. */
@@ -17,11 +21,11 @@ const WIDTH = 260;
 const LIMIT = 4;
 
 /** The relative difference of Y between Monte Carlo and adding, with bars of one and two standard errors. */
-function Bars({ state, target }: { state: WalkState; target: number }) {
+function Bars({ state, live, target }: { state: WalkState; live: number; target: number }) {
   const x = (relative: number) =>
     WIDTH / 2 + (Math.max(-LIMIT, Math.min(LIMIT, relative / target)) * WIDTH) / (2 * LIMIT);
-  const off = (state.Y - state.live_Y) / state.live_Y;
-  const se = state.Y_se / state.live_Y;
+  const off = (state.Y - live) / live;
+  const se = state.Y_se / live;
   return (
     <svg
       class="bars"
@@ -42,8 +46,25 @@ const decimals = ({ Y_se: se }: WalkState): number =>
   se > 0 ? Math.min(9, Math.max(4, 1 - Math.floor(Math.log10(se)))) : 5;
 
 /** Rates the agreement by the difference in standard errors. */
-const verdict = (z: number): string =>
-  Math.abs(z) < 2 ? "agrees" : Math.abs(z) < 3 ? "agrees (2 to 3 standard errors)" : "differs (over 3 standard errors)";
+function Verdict({ z }: { z: number | null | undefined }) {
+  if (typeof z !== "number") return <>no result of adding</>;
+  if (Math.abs(z) >= 3) return <b class="disagrees">✗ differs (over 3 standard errors)</b>;
+  return <span class="agrees">✓ agrees{Math.abs(z) >= 2 ? " (2 to 3 standard errors)" : ""}</span>;
+}
+
+/** Rates all states together. Their differences have one cause, because they are computed from the same paths. */
+function verdictOfAll(states: readonly WalkState[]): string {
+  const known = states.map(({ z }) => z).filter((z) => typeof z === "number");
+  if (known.length === 0) return "Adding refuses this design, so that there is nothing to compare with.";
+  const largest = Math.max(...known.map(Math.abs));
+  const all = largest < 3 ? `All ${known.length} states agree` : "Not all states agree";
+  return `${all}: the largest |z| is ${largest.toFixed(1)}. All states are computed from the same paths, so that their z are similar, and often all of one sign.`;
+}
+
+const tableOf = (states: readonly WalkState[]): Cells => [
+  ["view", "state", "X", "X_se", "Y", "Y_se", "Z", "Z_se", "Y_adding", "z"],
+  ...states.map((one) => [one.view, one.name, one.X, one.X_se, one.Y, one.Y_se, one.Z, one.Z_se, one.live_Y, one.z]),
+];
 
 function Rows({ states, target }: { states: readonly WalkState[]; target: number }) {
   return (
@@ -71,10 +92,12 @@ function Rows({ states, target }: { states: readonly WalkState[]; target: number
               {fixed(state.Y, decimals(state))} ± {fixed(state.Y_se, decimals(state))}
             </td>
             <td class="bar-cell">
-              <Bars state={state} target={target} />
+              {typeof state.live_Y === "number" && <Bars state={state} live={state.live_Y} target={target} />}
             </td>
             <td>{signed(state.z, 1)}</td>
-            <td class="words">{verdict(state.z ?? 0)}</td>
+            <td class="words">
+              <Verdict z={state.z} />
+            </td>
           </tr>
         ))}
       </tbody>
@@ -88,6 +111,21 @@ export function WalkPanel() {
   const running = walk.phase.value === "running";
   const reached = now ? Math.min(1, (target / Math.max(now.relative_error, 1e-12)) ** 2) : 0;
   const states = now?.states.filter((state) => state.view === viewIndex.value) ?? [];
+  const plot: Plot = {
+    x: course.value.map(([paths]) => paths),
+    xName: "Paths",
+    yName: "Relative error of Y (%)",
+    log: true,
+    curves: [
+      {
+        name: "error",
+        values: course.value.map(([, error]) => 100 * error),
+        colour: dark.value ? "#7da4f2" : "#2b5fc7",
+        dash: [],
+        width: 2,
+      },
+    ],
+  };
   return (
     <>
       <div class="controls">
@@ -127,40 +165,30 @@ export function WalkPanel() {
         </span>
       </div>
       <Problems of={walk.problems.value} />
-      {stale.value && (
-        <p class="remark warning">
-          The design has changed since this run. The results are those of the earlier design.
-        </p>
-      )}
-      {states.length > 0 && (
-        <div
-          class={stale.value ? "scroll stale" : "scroll"}
-          tabindex={0}
-          role="region"
-          aria-label="Monte Carlo and adding"
-        >
-          <Rows states={states} target={target} />
-        </div>
-      )}
-      {course.value.length > 1 && (
-        <Curves
-          x={course.value.map(([paths]) => paths)}
-          xName="Paths"
-          yName="Relative error of Y (%)"
-          height={170}
-          log
-          label="Relative error against paths"
-          curves={[
-            {
-              name: "error",
-              values: course.value.map(([, error]) => 100 * error),
-              colour: dark.value ? "#7da4f2" : "#2b5fc7",
-              dash: [],
-              width: 2,
-            },
-          ]}
-        />
-      )}
+      <Aged age={stale.value ? "earlier" : "current"}>
+        {states.length > 0 && (
+          <>
+            <div class="scroll" tabindex={0} role="region" aria-label="Monte Carlo and adding">
+              <Rows states={states} target={target} />
+            </div>
+            <p class="remark">
+              {verdictOfAll(states)} <Downloads name="monte-carlo" table={() => tableOf(now?.states ?? [])} />
+            </p>
+          </>
+        )}
+        {course.value.length > 1 && (
+          <>
+            <p class="figure-tools">
+              <Downloads
+                name="monte-carlo-error"
+                svg={() => curvesSvg(plot)}
+                table={() => [["paths", "relative_error"], ...course.value]}
+              />
+            </p>
+            <Curves {...plot} height={170} label="Relative error against paths" />
+          </>
+        )}
+      </Aged>
       <p class="remark">
         Monte Carlo traces random paths and has no integration in common with adding, which computes the live result.
         Its standard errors (one standard deviation) are computed from independent replicates; z is the difference in

@@ -8,10 +8,13 @@ import type { View } from "../api/types.ts";
 import { hex, linearSrgb, type Triple } from "../model/colour.ts";
 import { fixed, withError } from "../model/format.ts";
 import { EBU, LOCUS, NAMED_NM, SRGB } from "../model/locus.ts";
-import { result, shownState, states, view } from "../state/design.ts";
+import { Downloads } from "../panels/downloads.tsx";
+import { result, showState, states, view } from "../state/design.ts";
+import { highlighted, hovered, pointsAt } from "../state/hover.ts";
 import { pinned, pinnedView } from "../state/pin.ts";
 import { dark } from "../state/theme.ts";
 import { useColours } from "./patches.tsx";
+import { svgOf } from "./picture.ts";
 import { placed } from "./place.ts";
 
 /** Scale in px per unit of u' and v', and position of the origin. */
@@ -149,7 +152,7 @@ function Marks({ size }: { size: number }) {
     <g>
       {light && <path class="light-mark" d={`M${x(light.u_prime) - 6} ${y(light.v_prime)}h12m-6 -6v12`} />}
       {shown.map(({ name, u, v, se }) => (
-        <g key={name}>
+        <g key={name} class="state-mark" data-state={name} onClick={() => showState(name)} {...pointsAt(name)}>
           {SCALE * ((se.u_prime ?? 0) + (se.v_prime ?? 0)) > 2 && (
             <path
               class="se"
@@ -157,10 +160,10 @@ function Marks({ size }: { size: number }) {
             />
           )}
           <circle
-            class={name === shownState.value ? "mark chosen" : "mark"}
+            class={name === highlighted.value ? "mark chosen" : "mark"}
             cx={x(u)}
             cy={y(v)}
-            r={name === shownState.value ? 7 : 6}
+            r={name === hovered.value ? 9 : name === highlighted.value ? 7 : 6}
             fill={colours.get(name) ?? "#888888"}
           >
             <title>{`${name}: u′ ${fixed(u, 4)}, v′ ${fixed(v, 4)}`}</title>
@@ -168,7 +171,7 @@ function Marks({ size }: { size: number }) {
         </g>
       ))}
       {names.map(({ name, x: nx, y: ny, anchor, from }) => (
-        <g key={name} class="mark-name">
+        <g key={name} class={name === hovered.value ? "mark-name hovered" : "mark-name"}>
           {from && <path class="leader" d={`M${from[0]} ${from[1]}L${from[2]} ${from[3]}`} />}
           <text x={nx} y={ny} text-anchor={anchor}>
             {name}
@@ -205,11 +208,14 @@ export function Chromaticity() {
   const own = useComputed(() => gamut(view.value));
   const before = useComputed(() => (pinned.value ? gamut(pinnedView.value) : null));
   const holder = useRef<HTMLDivElement>(null);
+  const drawing = useRef<SVGSVGElement>(null);
   const size = useSignal(1);
   useEffect(() => {
     // The text stays readable if the diagram is small.
     const fit = () => {
-      size.value = Math.min(1.3, Math.max(1, WIDTH / (holder.current?.clientWidth || WIDTH)));
+      const { clientWidth, clientHeight } = holder.current ?? { clientWidth: WIDTH, clientHeight: HEIGHT };
+      const scale = Math.min((clientWidth || WIDTH) / WIDTH, (clientHeight || HEIGHT) / HEIGHT);
+      size.value = Math.min(1.6, Math.max(1, 1 / scale));
       holder.current?.style.setProperty("--size", size.value.toFixed(3));
     };
     const watch = new ResizeObserver(fit);
@@ -219,11 +225,22 @@ export function Chromaticity() {
   return (
     <figure class="chromaticity">
       <figcaption>
-        Chromaticity <small>u′v′, CIE 1976</small>
+        <span>
+          Chromaticity <small>u′v′, CIE 1976</small>
+        </span>
+        <Downloads
+          name="chromaticity"
+          svg={() => svgOf(drawing.current!, holder.current!.querySelector("canvas"))}
+          table={() => [
+            ["state", "u_prime", "v_prime"],
+            ...states.value.map(([name, state]) => [name, state.u_prime, state.v_prime]),
+          ]}
+        />
       </figcaption>
       <div class="canvas" ref={holder}>
         <Tint />
         <svg
+          ref={drawing}
           viewBox={`0 0 ${WIDTH} ${HEIGHT}`}
           role="img"
           aria-label="u prime v prime diagram with the display's gamut; the numbers are in the table"

@@ -6,6 +6,7 @@ import "uplot/dist/uPlot.min.css";
 
 import { plain } from "../model/format.ts";
 import { dark } from "../state/theme.ts";
+import { logTicks, nice, power } from "./axis.ts";
 
 export interface Curve {
   readonly name: string;
@@ -15,55 +16,91 @@ export interface Curve {
   readonly width: number;
 }
 
-interface Props {
+/** The content of a plot, on the page and as a file. */
+export interface Plot {
   x: readonly number[];
   curves: readonly Curve[];
   xName: string;
   yName: string;
-  /** Height in px; without it, the plot fills its box. */
-  height?: number;
   /** The range that the ordinate always includes. */
   range?: readonly [number, number];
-  label: string;
   /** Whether both axes are logarithmic. */
   log?: boolean;
-  /** Called with the index at the pointer, or null. */
-  hover?: (index: number | null) => void;
-  /** A vertical line at this abscissa. */
-  marked?: number | undefined;
+  /** Whether the abscissa alone is logarithmic. */
+  xLog?: boolean;
+  /** Names of the abscissas 0, 1, 2, … instead of numbers. */
+  xWords?: readonly string[] | undefined;
 }
 
-const FONT = "11px Roboto, Helvetica, Arial, sans-serif";
+interface Props extends Plot {
+  /** Height in px; without it, the plot fills its box. */
+  height?: number;
+  label: string;
+  /** Called with the index at the pointer, or null. */
+  hover?: (index: number | null) => void;
+  /** Called with the name of the curve at the pointer, or null. */
+  near?: (curve: string | null) => void;
+  /** Called with the index that is clicked. */
+  pick?: (index: number) => void;
+  /** The name of the curve that is highlighted; the others are faded. */
+  focus?: string | null;
+  /** A vertical line at this abscissa. */
+  marked?: number | undefined;
+  /** Indices of points of the first curve that are drawn as discs. */
+  dots?: readonly number[];
+}
+
+type Own = uPlot & { marked?: number; dots?: readonly number[] };
+
+const FONT = "12px Roboto, Helvetica, Arial, sans-serif";
 const ink = () => (dark.value ? "#b4b9c1" : "#555555");
 const faint = () => (dark.value ? "#2b2f36" : "#ececec");
+const accent = () => (dark.value ? "#7da4f2" : "#2b5fc7");
+
+/** Distance from a curve within which it is at the pointer, px. */
+const NEAR = 24;
 
 /** Returns the size of the plot in its box. */
 const sizeIn = (box: HTMLElement, height: number | undefined) => ({
   width: box.clientWidth || 400,
-  height: height ?? Math.max(200, box.clientHeight),
+  height: height ?? Math.max(120, box.clientHeight),
 });
 
-function options(props: Props, size: { width: number; height: number }): uPlot.Options {
-  const axis = (label: string): uPlot.Axis => ({
+function axis(label: string, isLog: boolean, words?: readonly string[]): uPlot.Axis {
+  const shown = (split: number | null): string =>
+    split === null ? "" : words ? (words[split] ?? "") : isLog ? power(split) : plain(split, 4);
+  return {
     stroke: ink,
     grid: { stroke: faint, width: 1 },
     ticks: { stroke: faint, width: 1, size: 5 },
     font: FONT,
     labelFont: FONT,
     label,
-    values: (_, splits) => splits.map((split) => (split === null ? "" : plain(split, 4))),
+    values: (_, splits) => splits.map(shown),
     labelSize: 18,
     labelGap: 2,
-  });
+    ...(isLog ? { splits: (_, __, low, high) => logTicks(low, high), filter: (_, splits) => splits } : {}),
+    ...(words ? { splits: () => words.map((_, i) => i) } : {}),
+  };
+}
+
+function options(props: Props, size: { width: number; height: number }): uPlot.Options {
+  const logarithmic = { distr: 3 as const };
   return {
     ...size,
     padding: [10, props.log ? 30 : 12, 0, 0],
     legend: { show: false },
-    cursor: { y: false, points: { size: 7 }, drag: { x: false, y: false } },
+    focus: { alpha: 0.22 },
+    cursor: {
+      y: false,
+      points: { size: 7 },
+      drag: { x: false, y: false },
+      ...(props.near ? { focus: { prox: NEAR } } : {}),
+    },
     scales: {
-      x: { time: false, ...(props.log ? { distr: 3 as const } : {}) },
+      x: { time: false, ...(props.log || props.xLog ? logarithmic : {}) },
       y: props.log
-        ? { distr: 3 }
+        ? logarithmic
         : {
             range: (_, low, high) =>
               nice(
@@ -73,8 +110,8 @@ function options(props: Props, size: { width: number; height: number }): uPlot.O
           },
     },
     axes: [
-      { ...axis(props.xName), size: 30, space: 44 },
-      { ...axis(props.yName), size: 56, space: 34 },
+      { ...axis(props.xName, Boolean(props.log || props.xLog), props.xWords), size: 30, space: 44 },
+      { ...axis(props.yName, Boolean(props.log)), size: 56, space: 30 },
     ],
     series: [
       {},
@@ -89,14 +126,15 @@ function options(props: Props, size: { width: number; height: number }): uPlot.O
     ],
     hooks: {
       setCursor: [(plot) => props.hover?.(plot.cursor.idx ?? null)],
-      draw: [(plot) => mark(plot)],
+      setSeries: [(plot, index) => props.near?.(index === null ? null : String(plot.series[index]?.label ?? ""))],
+      draw: [(plot) => mark(plot), (plot) => drawDots(plot)],
     },
   };
 }
 
 /** Draws a thin vertical line at the marked abscissa. */
-function mark(plot: uPlot): void {
-  const at = (plot as uPlot & { marked?: number }).marked;
+function mark(plot: Own): void {
+  const at = plot.marked;
   if (at === undefined) return;
   const x = plot.valToPos(at, "x", true);
   const { ctx, bbox } = plot;
@@ -111,22 +149,34 @@ function mark(plot: uPlot): void {
   ctx.restore();
 }
 
-/** Returns a range with round ends that includes both values. */
-function nice(low: number, high: number): [number, number] {
-  const width = high - low || Math.abs(high) || 1;
-  const unit = 10 ** Math.floor(Math.log10(width / 4));
-  const step = [1, 2, 5, 10].map((k) => k * unit).find((s) => width / s <= 6) ?? 10 * unit;
-  return [Math.floor(low / step + 1e-9) * step, Math.ceil(high / step - 1e-9) * step];
+/** Draws discs at points of the first curve; the first disc is filled. */
+function drawDots(plot: Own): void {
+  const { ctx } = plot;
+  (plot.dots ?? []).forEach((index, i) => {
+    const [x, y] = [plot.data[0][index], plot.data[1]?.[index]];
+    if (typeof x !== "number" || typeof y !== "number") return;
+    ctx.save();
+    ctx.fillStyle = i === 0 ? accent() : "transparent";
+    ctx.strokeStyle = accent();
+    ctx.lineWidth = 2 * devicePixelRatio;
+    ctx.beginPath();
+    ctx.arc(plot.valToPos(x, "x", true), plot.valToPos(y, "y", true), 5 * devicePixelRatio, 0, 2 * Math.PI);
+    ctx.fill();
+    ctx.stroke();
+    ctx.restore();
+  });
 }
 
 export function Curves(props: Props) {
   const holder = useRef<HTMLDivElement>(null);
-  const plot = useRef<(uPlot & { marked?: number }) | null>(null);
+  const plot = useRef<Own | null>(null);
   const latest = useRef(props);
   latest.current = props;
   const look = JSON.stringify([
     dark.value,
     props.log,
+    props.xLog,
+    props.xWords,
     props.xName,
     props.yName,
     props.height,
@@ -135,9 +185,15 @@ export function Curves(props: Props) {
   useEffect(() => {
     const box = holder.current;
     if (!box) return;
-    const forward = { ...latest.current, hover: (index: number | null) => latest.current.hover?.(index) };
-    const made = new uPlot(options(forward, sizeIn(box, props.height)), data(latest.current), box);
+    const now = latest.current;
+    const forward: Props = { ...now, hover: (index) => latest.current.hover?.(index) };
+    if (now.near) forward.near = (curve) => latest.current.near?.(curve);
+    const made: Own = new uPlot(options(forward, sizeIn(box, props.height)), data(now), box);
+    made.over.addEventListener("click", () => {
+      if (typeof made.cursor.idx === "number") latest.current.pick?.(made.cursor.idx);
+    });
     plot.current = made;
+    mirror(made, now);
     const watch = new ResizeObserver(() => box.clientWidth > 0 && made.setSize(sizeIn(box, latest.current.height)));
     watch.observe(box);
     return () => {
@@ -148,10 +204,15 @@ export function Curves(props: Props) {
   }, [look]);
   useEffect(() => {
     if (!plot.current) return;
-    if (props.marked === undefined) delete plot.current.marked;
-    else plot.current.marked = props.marked;
+    mirror(plot.current, props);
     plot.current.setData(data(props));
-  }, [props.x, props.curves, props.marked]);
+  }, [props.x, props.curves, props.marked, props.dots]);
+  useEffect(() => {
+    const made = plot.current;
+    if (!made || props.focus === undefined) return;
+    const index = props.curves.findIndex((curve) => curve.name === props.focus);
+    made.setSeries(index < 0 ? null : index + 1, { focus: true }, false);
+  }, [props.focus, look]);
   return (
     <div
       class={props.height === undefined ? "curves fill" : "curves"}
@@ -160,6 +221,13 @@ export function Curves(props: Props) {
       ref={holder}
     />
   );
+}
+
+/** Copies what the plot draws itself. */
+function mirror(made: Own, props: Props): void {
+  if (props.marked === undefined) delete made.marked;
+  else made.marked = props.marked;
+  made.dots = props.dots ?? [];
 }
 
 const data = (props: Props): uPlot.AlignedData =>

@@ -1,9 +1,20 @@
-// A figure that was drawn by the server, as an image.
+// A figure that was drawn by the server, as an image that can be saved.
 
 import { useEffect } from "preact/hooks";
 import { useSignal } from "@preact/signals";
 
-export function Drawn({ svg, label }: { svg: string; label: string }) {
+import { Downloads } from "../panels/downloads.tsx";
+import type { Rows } from "../model/csv.ts";
+
+interface Props {
+  svg: string;
+  label: string;
+  /** The name of its file; without it, the figure is not offered for saving. */
+  name?: string;
+  table?: () => Rows | string;
+}
+
+export function Drawn({ svg, label, name, table }: Props) {
   const address = useSignal("");
   useEffect(() => {
     const url = URL.createObjectURL(new Blob([svg], { type: "image/svg+xml" }));
@@ -11,8 +22,15 @@ export function Drawn({ svg, label }: { svg: string; label: string }) {
     return () => URL.revokeObjectURL(url);
   }, [svg]);
   return address.value ? (
-    <div class="drawn-box" tabindex={0} role="region" aria-label={label}>
-      <img class="drawn" src={address.value} alt={label} />
-    </div>
+    <>
+      {name && (
+        <p class="figure-tools">
+          <Downloads name={name} svg={() => svg} {...(table ? { table } : {})} />
+        </p>
+      )}
+      <div class="drawn-box" tabindex={0} role="region" aria-label={label}>
+        <img class="drawn" src={address.value} alt={label} />
+      </div>
+    </>
   ) : null;
 }

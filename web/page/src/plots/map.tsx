@@ -1,8 +1,11 @@
-// A metric over two keys as a map: dark cells are low, bright cells are high; the value at the pointer is shown.
+// A metric over two keys as a map: dark cells are low, bright cells are high. The value at the pointer is shown; a click
+// selects a point.
 
 import { useSignal } from "@preact/signals";
+import type { Ref } from "preact";
 
 import { digits } from "../model/format.ts";
+import { ticks } from "./axis.ts";
 
 const STOPS = [
   [68, 1, 84],
@@ -20,31 +23,74 @@ function ramp(t: number): string {
 }
 
 interface Props {
-  xs: readonly number[];
-  ys: readonly number[];
+  /** The values on both axes as text. */
+  xs: readonly string[];
+  ys: readonly string[];
   xName: string;
   yName: string;
+  /** The name of the metric, with its unit. */
   name: string;
   /** Values by row (y), then column (x). */
   values: readonly (readonly (number | null)[])[];
+  /** The selected and the best point: column and row. */
+  selected: readonly [number, number] | null;
+  best: readonly [number, number] | null;
+  pick: (column: number, row: number) => void;
+  drawing?: Ref<SVGSVGElement>;
 }
 
 const WIDTH = 560;
 const HEIGHT = 300;
-const LEFT = 64;
-const TOP = 8;
+const LEFT = 74;
+const TOP = 26;
+const BAR = LEFT + WIDTH + 18;
 
-export function Map({ xs, ys, xName, yName, name, values }: Props) {
+function ColourBar({ low, high, name }: { low: number; high: number; name: string }) {
+  const at = (value: number) => TOP + HEIGHT * (1 - (high > low ? (value - low) / (high - low) : 0.5));
+  return (
+    <g>
+      <text x={BAR + 96} y={TOP - 11} text-anchor="end">
+        {name}
+      </text>
+      {Array.from({ length: 32 }, (_, i) => (
+        <rect
+          key={i}
+          x={BAR}
+          y={TOP + HEIGHT - ((i + 1) * HEIGHT) / 32}
+          width="14"
+          height={HEIGHT / 32 + 0.3}
+          fill={ramp((i + 0.5) / 32)}
+        />
+      ))}
+      {(high > low ? ticks(low, high, 6) : [low]).map((value) => (
+        <g key={value}>
+          <path class="axis" d={`M${BAR + 14} ${at(value)}h5`} />
+          <text x={BAR + 23} y={at(value) + 4}>
+            {digits(value, 4)
+              .replace(/(\.\d*?)0+$/, "$1")
+              .replace(/\.$/, "")}
+          </text>
+        </g>
+      ))}
+    </g>
+  );
+}
+
+export function Map({ xs, ys, xName, yName, name, values, selected, best, pick, drawing }: Props) {
   const under = useSignal<readonly [number, number] | null>(null);
   const all = values.flat().filter((value) => value !== null);
   const [low, high] = [Math.min(...all), Math.max(...all)];
   const [w, h] = [WIDTH / xs.length, HEIGHT / ys.length];
   const at = under.value;
   const every = (count: number) => Math.ceil(count / 7);
+  const cell = (place: readonly [number, number], kind: string) => (
+    <rect class={kind} x={LEFT + place[0] * w} y={TOP + HEIGHT - (place[1] + 1) * h} width={w} height={h} />
+  );
   return (
     <div class="map-plot">
       <svg
-        viewBox={`0 0 ${LEFT + WIDTH + 90} ${TOP + HEIGHT + 44}`}
+        ref={drawing}
+        viewBox={`0 0 ${BAR + 100} ${TOP + HEIGHT + 44}`}
         role="img"
         aria-label={`${name} over ${xName} and ${yName}, from ${digits(low, 3)} to ${digits(high, 3)}`}
         onPointerLeave={() => (under.value = null)}
@@ -59,17 +105,21 @@ export function Map({ xs, ys, xName, yName, name, values }: Props) {
                 width={w + 0.3}
                 height={h + 0.3}
                 fill={ramp(high > low ? (value - low) / (high - low) : 0.5)}
+                data-cell={`${i} ${j}`}
                 onPointerEnter={() => (under.value = [i, j])}
+                onClick={() => pick(i, j)}
               />
             ),
           ),
         )}
-        {at && <rect class="cell" x={LEFT + at[0] * w} y={TOP + HEIGHT - (at[1] + 1) * h} width={w} height={h} />}
+        {best && cell(best, "cell best")}
+        {selected && cell(selected, "cell selected")}
+        {at && cell(at, "cell")}
         {xs.map(
           (x, i) =>
             i % every(xs.length) === 0 && (
               <text key={i} x={LEFT + (i + 0.5) * w} y={TOP + HEIGHT + 16} text-anchor="middle">
-                {digits(x, 3)}
+                {x}
               </text>
             ),
         )}
@@ -77,7 +127,7 @@ export function Map({ xs, ys, xName, yName, name, values }: Props) {
           (y, j) =>
             j % every(ys.length) === 0 && (
               <text key={j} x={LEFT - 7} y={TOP + HEIGHT - (j + 0.5) * h + 4} text-anchor="end">
-                {digits(y, 3)}
+                {y}
               </text>
             ),
         )}
@@ -87,26 +137,12 @@ export function Map({ xs, ys, xName, yName, name, values }: Props) {
         <text transform={`translate(12 ${TOP + HEIGHT / 2}) rotate(-90)`} text-anchor="middle">
           {yName}
         </text>
-        {Array.from({ length: 20 }, (_, i) => (
-          <rect
-            key={i}
-            x={LEFT + WIDTH + 18}
-            y={TOP + HEIGHT - ((i + 1) * HEIGHT) / 20}
-            width="14"
-            height={HEIGHT / 20 + 0.3}
-            fill={ramp((i + 0.5) / 20)}
-          />
-        ))}
-        {[0, 0.5, 1].map((t) => (
-          <text key={t} x={LEFT + WIDTH + 38} y={TOP + HEIGHT * (1 - t) + (t === 1 ? 10 : t === 0 ? 0 : 4)}>
-            {digits(low + t * (high - low), 3)}
-          </text>
-        ))}
+        <ColourBar low={low} high={high} name={name} />
       </svg>
       <output>
         {at
-          ? `${xName} ${digits(xs[at[0]], 4)}, ${yName} ${digits(ys[at[1]], 4)}: ${digits(values[at[1]]?.[at[0]], 5)}`
-          : name}
+          ? `${xName} ${xs[at[0]]}, ${yName} ${ys[at[1]]}: ${digits(values[at[1]]?.[at[0]], 5)}`
+          : "move the pointer over the map to read values; click to select a point"}
       </output>
     </div>
   );

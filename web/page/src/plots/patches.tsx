@@ -7,6 +7,7 @@ import type { StateResult, View, Result } from "../api/types.ts";
 import { isLight, painted } from "../model/colour.ts";
 import { fixed, withError } from "../model/format.ts";
 import { result, selected, showState, shownState, states, view } from "../state/design.ts";
+import { hoverClass, pointsAt } from "../state/hover.ts";
 import { pinned, pinnedView } from "../state/pin.ts";
 
 /** Returns the colours of a view's states by name, and the factor by which they were dimmed. */
@@ -50,7 +51,14 @@ function Patch({
     if (chosen) selected.value = "display.pixel.states";
   };
   return (
-    <button type="button" class={chosen ? "patch chosen" : "patch"} aria-pressed={chosen} onClick={choose}>
+    <button
+      type="button"
+      class={(chosen ? "patch chosen" : "patch") + hoverClass(name)}
+      aria-pressed={chosen}
+      onClick={choose}
+      data-state={name}
+      {...pointsAt(name)}
+    >
       <span
         class={isLight(colour) ? "swatch light" : "swatch"}
         ref={(e) => e?.style.setProperty("background-color", colour)}
@@ -58,8 +66,11 @@ function Patch({
         {before && <span class="before" ref={(e) => e?.style.setProperty("background-color", before)} />}
       </span>
       <b>{name}</b>
-      <span>L* {fixed(state.L_star, 1)}</span>
-      <span>Y {withError(100 * state.Y, 100 * state.standard_error.Y, 1)} %</span>
+      <span class="patch-numbers">
+        <span>L* {fixed(state.L_star, 1)}</span>
+        <span class="dot">, </span>
+        <span>Y {withError(100 * state.Y, 100 * state.standard_error.Y, 1)} %</span>
+      </span>
     </button>
   );
 }

@@ -5,10 +5,13 @@ import { useComputed, useSignal } from "@preact/signals";
 import type { View } from "../api/types.ts";
 import { fixed } from "../model/format.ts";
 import { stroke } from "../model/states.ts";
-import { result, shownState, states, view } from "../state/design.ts";
-import { pinnedView } from "../state/pin.ts";
+import { Downloads } from "../panels/downloads.tsx";
+import { result, shownState, states, title, view } from "../state/design.ts";
+import { hoverClass, hovered, pointsAt } from "../state/hover.ts";
+import { pinned, pinnedView } from "../state/pin.ts";
 import { dark } from "../state/theme.ts";
-import { Curves, type Curve } from "./curves.tsx";
+import { curvesSvg } from "./curves-svg.ts";
+import { Curves, type Curve, type Plot } from "./curves.tsx";
 
 /** Returns the colour and the dashes of a state's line in the current theme. */
 export function lineOf(name: string, index: number): { colour: string; dash: readonly number[] } {
@@ -29,6 +32,10 @@ export function Sample({ name, index }: { name: string; index: number }) {
 const spectrum = (of: View | null, name: string): readonly (number | null)[] =>
   of?.states[name]?.reflectance_factor ?? of?.states[name]?.radiance ?? [];
 
+/** The curve of the pinned design: long dashes in a colour that no state has. */
+const PINNED = "pinned";
+const pinnedLine = () => ({ colour: dark.value ? "#ffb4f1" : "#8a1f7a", dash: [14, 4] });
+
 export function Spectra() {
   const under = useSignal<number | null>(null);
   const hidden = useSignal<ReadonlySet<string>>(new Set());
@@ -44,15 +51,7 @@ export function Spectra() {
     const kept = pinnedView.value;
     const before =
       kept && spectrum(kept, shownState.value).length === wavelengths.value.length
-        ? [
-            {
-              name: "pinned",
-              values: spectrum(kept, shownState.value),
-              colour: dark.value ? "#ffffff" : "#000000",
-              dash: [12, 3, 3, 3],
-              width: 1.4,
-            },
-          ]
+        ? [{ name: PINNED, values: spectrum(kept, shownState.value), ...pinnedLine(), width: 1.8 }]
         : [];
     return [...own, ...before];
   });
@@ -65,29 +64,42 @@ export function Spectra() {
   const nm = at === null ? null : wavelengths.value[at];
   const radiance = view.value !== null && !view.value.states[shownState.value]?.reflectance_factor;
   const name = radiance ? "Radiance (W/(m² sr nm))" : "Reflectance factor";
+  const hasPinned = curves.value.some((curve) => curve.name === PINNED);
+  const plot: Plot = {
+    x: wavelengths.value,
+    curves: curves.value,
+    xName: "Wavelength (nm)",
+    yName: name,
+    range: radiance ? [0, 0] : [0, 0.1],
+  };
+  const table = () => [
+    ["wavelength_nm", ...curves.value.map((curve) => curve.name)],
+    ...wavelengths.value.map((nm, i) => [nm, ...curves.value.map((curve) => curve.values[i])]),
+  ];
   return (
     <figure class="spectra">
       <figcaption>
-        Spectra{" "}
-        <small>
-          {nm === null || nm === undefined
-            ? "move the pointer over the curves to read values"
-            : `at ${fixed(nm, 0)} nm`}
-        </small>
+        <span>
+          Spectra{" "}
+          <small>
+            {nm === null || nm === undefined
+              ? "move the pointer over the curves to read values"
+              : `at ${fixed(nm, 0)} nm`}
+          </small>
+        </span>
+        <Downloads name="spectra" table={table} svg={() => curvesSvg(plot)} />
       </figcaption>
       <div class="with-key">
         <Curves
-          x={wavelengths.value}
-          curves={curves.value}
-          xName="Wavelength (nm)"
-          yName={name}
-          range={radiance ? [0, 0] : [0, 0.1]}
+          {...plot}
           label={`${name} of each state against wavelength; the numbers are in spectra.csv`}
           hover={(index) => (under.value = index)}
+          near={(curve) => (hovered.value = curve === PINNED ? null : curve)}
+          focus={hovered.value}
         />
         <ul class="curve-key">
           {states.value.map(([state], i) => (
-            <li key={state}>
+            <li key={state} class={hoverClass(state)} {...pointsAt(state)}>
               <button type="button" aria-pressed={!hidden.value.has(state)} onClick={() => toggle(state)}>
                 <Sample name={state} index={i} />
                 <span>{state}</span>
@@ -95,6 +107,18 @@ export function Spectra() {
               </button>
             </li>
           ))}
+          {hasPinned && (
+            <li class="pinned-key" title={pinned.value?.title}>
+              <svg class="sample" viewBox="0 0 22 8" aria-hidden="true">
+                <path d="M0 4H22" stroke={pinnedLine().colour} stroke-width="2" stroke-dasharray="14 4" />
+              </svg>
+              <span>
+                {shownState.value}, pinned
+                {pinned.value && pinned.value.title !== title.value && <small> {pinned.value.title}</small>}
+              </span>
+              <output>{at === null ? "" : fixed(spectrum(pinnedView.value, shownState.value)[at], 4)}</output>
+            </li>
+          )}
         </ul>
       </div>
     </figure>

@@ -17,6 +17,8 @@ export const text = signal("");
 export const draft = signal<string | null>(null);
 /** The name of the draft's file, or "". */
 export const draftName = signal("");
+/** The name of an example or a file that is being opened, or "". */
+export const opening = signal("");
 /** Edits that are not in the text yet. */
 export const pending = signal<readonly Edit[]>([]);
 /** The edit of a text box that still has the focus. It becomes pending when the focus or the page is lost. */
@@ -34,7 +36,7 @@ export const schema = signal<Schema | null>(null);
 /** The fields of the scenario, with all defaults and with the pending edits. */
 export const fields = computed<Json>(() => edited((answer.value?.fields ?? {}) as Json, pending.value));
 export const result = computed<Result | null>(() => answer.value?.result ?? null);
-export const title = computed(() => textAt(fields.value, "title") ?? "Untitled");
+export const title = computed(() => opening.value || (textAt(fields.value, "title") ?? "Untitled"));
 
 /** The path of the part that is selected in the drawing, including "viewer" and "lighting". */
 export const selected = signal("display.diffuser");

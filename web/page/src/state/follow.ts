@@ -8,6 +8,10 @@ import { post, Refused, type Work } from "../api/client.ts";
 import type { Problem } from "../api/types.ts";
 import { fileIds } from "./files.ts";
 import { text } from "./design.ts";
+import { BUSY } from "./live.ts";
+
+/** Time after which a request to a busy server is repeated, ms. */
+const AGAIN_MS = 1000;
 
 export interface Followed<T> {
   readonly value: T | null;
@@ -32,13 +36,18 @@ export function useFollowed<T>(
     }
     const abort = new AbortController();
     state.value = { ...state.value, busy: true };
-    const rest = setTimeout(async () => {
+    let rest = setTimeout(async function request() {
       try {
         const work: Work = { scenario, files };
         const value = await post<T>(path, { ...work, ...more }, abort.signal);
         state.value = { value, problems: [], busy: false };
       } catch (why) {
         if (abort.signal.aborted) return;
+        if (why instanceof Refused && why.status === BUSY) {
+          // All places of the server are in use, for example by the same request for the pinned design.
+          rest = setTimeout(request, AGAIN_MS);
+          return;
+        }
         state.value = {
           value: state.value.value,
           problems: why instanceof Refused ? why.problems : [{ message: String(why) }],

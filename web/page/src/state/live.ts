@@ -4,11 +4,12 @@
 import { batch } from "@preact/signals";
 
 import * as api from "../api/client.ts";
-import type { Edit } from "../api/types.ts";
-import { answer, busy, draft, draftName, held, pending, problems, text } from "./design.ts";
+import type { Edit, Live } from "../api/types.ts";
+import { answer, busy, draft, draftName, held, opening, pending, problems, text } from "./design.ts";
 import { merged } from "./edits.ts";
 import { fileIds, sendAgain } from "./files.ts";
 import { said } from "./said.ts";
+import { awaitServer, gone } from "./server.ts";
 import { accepted, undone } from "./undo.ts";
 import type { Work as Kept } from "./works.ts";
 
@@ -28,9 +29,7 @@ let running: Promise<void> | null = null;
 let dirty = false;
 let gesture = "";
 let lastTook = 0;
-/** Whether there was no response to the last request. */
-let isGone = false;
-export const isUnanswered = (): boolean => isGone;
+export const isUnanswered = (): boolean => gone.value;
 /** The edits of the last refused request. */
 let refused: readonly Edit[] = [];
 let flight: { abort: AbortController; since: number } | null = null;
@@ -142,6 +141,21 @@ async function run(): Promise<void> {
   }
 }
 
+/** Takes over a result, whose text contains the edits that were sent. */
+export function adopt(live: Live, sent: readonly Edit[], name: string): void {
+  batch(() => {
+    text.value = live.scenario;
+    draft.value = null;
+    answer.value = live;
+    pending.value = pending.value.filter((edit) => !sent.includes(edit));
+    problems.value = [];
+    refused = [];
+    accepted(live.scenario, name);
+  });
+}
+
+awaitServer(() => kick());
+
 async function once(): Promise<void> {
   const sent = pending.value;
   const base = draft.value;
@@ -154,21 +168,12 @@ async function once(): Promise<void> {
   try {
     const live = await api.live({ scenario: base ?? text.value, files: fileIds.value }, sent, abort.signal);
     lastTook = performance.now() - since;
-    isGone = false;
-    if (draft.value !== base) return;
-    batch(() => {
-      text.value = live.scenario;
-      draft.value = null;
-      answer.value = live;
-      pending.value = pending.value.filter((edit) => !sent.includes(edit));
-      problems.value = [];
-      refused = [];
-      accepted(live.scenario, name);
-    });
+    gone.value = false;
+    if (draft.value === base) adopt(live, sent, name);
   } catch (why) {
     if (abort.signal.aborted) return;
     const refusal = why instanceof api.Refused ? why : new api.Refused(0, [{ message: String(why) }]);
-    isGone = refusal.status === 0;
+    gone.value = refusal.status === 0;
     if (refusal.status === BUSY) dirty = await pause();
     else if ((await sendAgain(refusal)) || dropRefused(sent)) dirty = true;
     else problems.value = refusal.problems;
@@ -178,5 +183,6 @@ async function once(): Promise<void> {
     clearTimeout(impatient);
     flight = null;
     if (!dirty) busy.value = false;
+    if (!dirty || draft.value === null) opening.value = "";
   }
 }

@@ -3,7 +3,7 @@
 import { batch, computed } from "@preact/signals";
 
 import * as api from "../api/client.ts";
-import { draft, held, pending, text } from "./design.ts";
+import { draft, held, opening, pending, text } from "./design.ts";
 import { BUSY, discard, edit, isRefused, isTyped, kick, replace } from "./live.ts";
 import { said } from "./said.ts";
 import { accepted, history, redone, undone } from "./undo.ts";
@@ -44,9 +44,13 @@ async function leave(): Promise<boolean> {
   return true;
 }
 
-/** Opens a whole text. The current design, with all pending changes, becomes an undo step. */
-export async function open(whole: string, file = ""): Promise<boolean> {
+/**
+ * Opens a whole text. The current design, with all pending changes, becomes an undo step. `name` is shown until there is
+ * a result.
+ */
+export async function open(whole: string, file = "", name = file): Promise<boolean> {
   if (!(await leave())) return false;
+  opening.value = name;
   replace(whole, "", file);
   return true;
 }

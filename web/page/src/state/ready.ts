@@ -19,7 +19,7 @@ const short = (value: unknown): string => {
 };
 
 /** Returns an edit as text. */
-const wanted = (edit: Edit): string =>
+export const wanted = (edit: Edit): string =>
   edit.op === "set" ? `${edit.path} = ${short(edit.value)}` : `a change of ${edit.path}`;
 
 /** Returns the current value of an edit's key as text. */

@@ -1,59 +1,104 @@
-// A sweep over one or two keys: its axes, and the points that are computed so far.
+// A sweep: that of the scenario's `[sweep]`, or axes that are chosen on the page; and the points that are computed so far.
 
 import { computed, signal } from "@preact/signals";
 
-import type { Edit, SweepPoint } from "../api/types.ts";
-import { numbers } from "../model/keys.ts";
-import { fields, text } from "./design.ts";
+import type { Edit, SweepDone, SweepPoint } from "../api/types.ts";
+import { axesOf, spaced, written, type Axis, type Line } from "../model/axes.ts";
+import { listAt, type Json } from "../model/json.ts";
+import { leaves, numbers } from "../model/keys.ts";
+import { fields, selected, text } from "./design.ts";
 import { fileIds } from "./files.ts";
+import { edit } from "./live.ts";
 import { ready } from "./ready.ts";
 import { long } from "./work.ts";
 
-export interface Axis {
-  readonly path: string;
-  readonly from: number;
-  readonly to: number;
-  readonly count: number;
-}
-
 export const sweep = long();
-export const axes = signal<readonly Axis[]>([]);
-export const metric = signal("gamut_percent_srgb");
+
+/** Axes that are chosen on the page; null: those of the scenario. */
+export const own = signal<readonly Axis[] | null>(null);
+/** The axes of the scenario's `[sweep]`, or null. */
+export const ofFile = computed(() => axesOf(fields.value));
+/** The axes that the next run uses. */
+export const axes = computed((): readonly Axis[] => own.value ?? ofFile.value ?? []);
+/** Whether the sweep of the scenario is used unchanged. */
+export const isOfFile = computed(() => own.value === null && ofFile.value !== null);
+
+const chosenMetric = signal<string | null>(null);
+export const showMetric = (name: string): void => void (chosenMetric.value = name);
+/** The metrics that the scenario draws. */
+const figures = computed(() => listAt(fields.value, "sweep.figures").filter((name) => typeof name === "string"));
+export const metric = computed(() => chosenMetric.value ?? figures.value[0] ?? "gamut_percent_srgb");
+
 export const points = signal<readonly SweepPoint[]>([]);
-/** The axes to which the points belong. */
+export const done = signal<SweepDone | null>(null);
+/** The axes and the scenario to which the points belong. */
 export const swept = signal<readonly Axis[]>([]);
-export const keys = computed(() => numbers(fields.value).map(([path]) => path));
+const sweptText = signal<string | null>(null);
+export const isStale = computed(() => sweptText.value !== null && sweptText.value !== text.value);
+/** The index of the point that is selected in the plot. */
+export const selectedPoint = signal<number | null>(null);
 
-/** Returns the uniformly spaced values on an axis. */
-export const valuesOf = ({ from, to, count }: Axis): number[] =>
-  Array.from({ length: count }, (_, i) => Number((from + ((to - from) * i) / Math.max(1, count - 1)).toPrecision(8)));
+/** Keys that can be swept: those with a number first, then the others. */
+export const keys = computed(() => {
+  const all = leaves(fields.value).filter(([, value]) => value !== null && typeof value !== "object");
+  const isNumber = (value: Json) => typeof value === "number";
+  return [...all.filter(([, value]) => isNumber(value)), ...all.filter(([, value]) => !isNumber(value))].map(
+    ([path]) => path,
+  );
+});
 
-/** Returns the initial axis for a key, around its current value. */
-export function axisFor(path: string, count: number): Axis {
-  const value = numbers(fields.value).find(([key]) => key === path)?.[1] ?? 1;
+/** Returns the initial values of a key, around its current value. */
+export function lineFor(path: string, count: number): Line {
+  const found = leaves(fields.value).find(([key]) => key === path)?.[1] ?? 1;
+  if (typeof found !== "number") return { path, spacing: "list", values: [found] };
   const isFraction = /haze|share|transmittance|reflectance|absorptance|albedo|fill_factor|diffuse$/.test(path);
   // The transmittance of a wide lobe cannot be increased much.
   const most = path.endsWith("ransmittance")
-    ? value
+    ? found
     : isFraction
-      ? Math.min(1.5 * value, (1 + value) / 2)
-      : 1.5 * value;
-  const around = value === 0 ? [0, isFraction ? 0.1 : 1] : [0.5 * value, most];
+      ? Math.min(1.5 * found, (1 + found) / 2)
+      : 1.5 * found;
+  const around = found === 0 ? [0, isFraction ? 0.1 : 1] : [0.5 * found, most];
   const [from, to] = (path.endsWith("theta_deg") ? [-60, 60] : around) as [number, number];
-  return { path, from: Number(from.toPrecision(4)), to: Number(to.toPrecision(4)), count };
+  const values = spaced(Number(from.toPrecision(4)), Number(to.toPrecision(4)), count, false);
+  return { path, spacing: "range", values };
 }
 
-/** Returns the edits that write the sweep to a scenario, for `papilio sweep`. */
-export function asEdits(): Edit[] {
-  const entries = axes.value.map((axis) => ({ [axis.path]: valuesOf(axis) }));
-  return [{ op: "set", path: "sweep", value: { figures: [metric.value], axes: entries } }];
+/** Returns the key of the selected part that is most likely to be swept. */
+export function nearKey(): string | undefined {
+  const taken = axes.value.flat().map(({ path }) => path);
+  const free = numbers(fields.value)
+    .map(([path]) => path)
+    .filter((path) => !taken.includes(path));
+  return free.find((path) => path.startsWith(selected.value) && !/regular|phi|fill/.test(path)) ?? free[0];
+}
+
+/** Returns the edits that write the axes to a scenario, for `papilio sweep`. */
+const asEdits = (): Edit[] => [
+  { op: "set", path: "sweep", value: { figures: [metric.value], axes: written(axes.value) } },
+];
+
+/** Writes the sweep to the scenario. */
+export function keep(): void {
+  edit(asEdits());
+  own.value = null;
 }
 
 export async function run(): Promise<void> {
   if (!(await ready("swept"))) return;
   swept.value = axes.value;
+  sweptText.value = text.value;
   points.value = [];
-  await sweep.start("sweep", { scenario: text.value, files: fileIds.value }, asEdits(), (event, data) => {
+  done.value = null;
+  selectedPoint.value = null;
+  const edits = isOfFile.value ? [] : asEdits();
+  await sweep.start("sweep", { scenario: text.value, files: fileIds.value }, edits, (event, data) => {
     if (event === "point") points.value = [...points.value, data as SweepPoint];
+    if (event === "done") done.value = data as SweepDone;
   });
+}
+
+/** Applies the values of a point to the design. */
+export function apply(point: SweepPoint): void {
+  edit(Object.entries(point.values).map(([path, value]): Edit => ({ op: "set", path, value })));
 }

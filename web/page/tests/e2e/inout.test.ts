@@ -102,7 +102,7 @@ async function slow(page: Page, ms: number): Promise<void> {
   });
 }
 
-test("Save, Link, Export, Pin and Run include a pending change", async () => {
+test("Save, Link, Export, Pin and Verify include a pending change", async () => {
   const page = await on.visit(CLIPBOARD);
   await slow(page, 700);
   const haze = (value: string) => type(page, "display.diffuser.haze", value);
@@ -123,12 +123,12 @@ test("Save, Link, Export, Pin and Run include a pending change", async () => {
   assert.match(kept.pinned, /haze = 0\.54\b/);
   await haze("0.55");
   const asked = page.waitForRequest("**/api/v1/walk");
-  await page.getByRole("button", { name: "Run", exact: true }).click();
+  await page.getByRole("button", { name: "Verify" }).click();
   assert.match((await asked).postData() ?? "", /haze = 0\.55\b/);
   await page.getByRole("button", { name: "Cancel" }).click();
 });
 
-test("Save, Link, Export, Pin and Run after a refused value show a message and do nothing", async () => {
+test("Save, Link, Export, Pin and Verify after a refused value show a message and do nothing", async () => {
   const page = await on.visit(CLIPBOARD);
   await type(page, "display.diffuser.haze", "7");
   await page.locator(".field .error").waitFor();
@@ -139,7 +139,7 @@ test("Save, Link, Export, Pin and Run after a refused value show a message and d
     ["Save", "saved"],
     ["Link", "linked"],
     ["Pin", "pinned"],
-    ["Run", "run"],
+    ["Verify", "run"],
   ] as const) {
     await page.getByRole("button", { name: button, exact: true }).click();
     await page.locator(".said", { hasText: `Not ${done}` }).waitFor();

@@ -157,6 +157,8 @@ for (const [width, height] of [
   [1280, 720],
   [1024, 768],
   [768, 1024],
+  [390, 844],
+  [844, 390],
 ] as const) {
   test(`page of ${width} x ${height} cuts off no control`, async () => {
     const page = await on.visit({ viewport: { width, height } });
@@ -172,7 +174,9 @@ for (const [width, height] of [
       [...document.querySelectorAll("button, select, .box input")]
         .filter((e) => {
           const box = e.getBoundingClientRect();
-          return box.width > 0 && (box.left < 0 || box.right > innerWidth + 1) && !e.closest(".scroll");
+          return (
+            box.width > 0 && (box.left < 0 || box.right > innerWidth + 1) && !e.closest('.scroll, [role="tablist"]')
+          );
         })
         .map((e) => e.outerHTML.slice(0, 100)),
     );

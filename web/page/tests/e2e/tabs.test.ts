@@ -65,7 +65,7 @@ test("sweep over one key ends at the live result, and over two keys is drawn as 
   const last = /value at the last point: (\d+\.\d+)/.exec(await page.locator("#tab-panel").innerText())![1]!;
   assert.equal(Number(last).toFixed(2), await figure(page, "Gamut % sRGB"));
 
-  await page.getByRole("button", { name: "Add a second key" }).click();
+  await page.getByRole("button", { name: "Add axis 2" }).click();
   await page.getByRole("button", { name: /Sweep \d+ points/ }).click();
   await page.locator('[data-phase="running"]').waitFor();
   await page.locator('[data-phase="done"]').waitFor({ timeout: 60_000 });

@@ -32,7 +32,7 @@ test("Monte Carlo run reports decreasing errors and is cancelled immediately", a
 
 test("finished Monte Carlo run agrees with adding, and reports a change of the design", async () => {
   const page = await on.visit();
-  await page.getByRole("button", { name: "Run", exact: true }).click();
+  await page.getByRole("button", { name: "Verify" }).click();
   await page.locator('[data-phase="done"]').waitFor({ timeout: 60_000 });
   const verdicts = await page.locator(".walk tbody .words").allInnerTexts();
   assert.equal(verdicts.length, 8);

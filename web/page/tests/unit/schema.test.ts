@@ -37,7 +37,7 @@ const GRAMMAR = new Schema({
 test("value selects the alternative, and references are resolved", () => {
   const values = { diffuser: { model: "k-correlation", haze: 0.5 } };
   const found = GRAMMAR.find("diffuser.haze", values);
-  assert.deepEqual(limits(found!.node), { min: 0, max: 1 });
+  assert.deepEqual(limits(found!.node), { min: 0, max: 1, open: [true, true] });
   assert.equal(GRAMMAR.find("diffuser.alpha", values), null);
   assert.equal(GRAMMAR.find("diffuser", values)!.node.description, "Beside the reference.");
   assert.equal(GRAMMAR.find("diffuser", values)!.def, "Diffuser");
@@ -65,7 +65,7 @@ test("ends of a slider correspond to the ends of its range, linear or logarithmi
   for (const [key, range, value] of [
     ["thickness_nm", { min: 0, max: 1e6 }, 55.9],
     ["illuminance_lx", { min: 1e-6, max: 1e9 }, 500],
-    ["haze", { min: 0, max: 1 }, 0.78],
+    ["haze", { min: 0, max: 1, open: [true, true] }, 0.78],
   ] as const) {
     const scale = span(key, range, value);
     assert.equal(valueAt(scale, 0), scale.min);

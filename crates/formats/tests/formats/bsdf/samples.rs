@@ -27,6 +27,24 @@ VARS theta_i,phi_i,theta_s,phi_s,R,550nm
 0,0,0,0,7,8
 ";
 
+/// A scan at normal incidence.
+pub(super) const SCAN: &str = "# sample: film\ntheta_deg,btdf\n0,4\n5,3\n10,2\n45,0.5\n90,0\n";
+
+/// A list of FRED: light along the normal, and from 30 deg, without the direction back to the light.
+pub(super) const FRED: &str = "\
+type bsdf_data
+format angles=deg bsdf=value scale=2
+0\t0
+0\t0\t5
+30 0 3
+30 90 3
+30 180 3
+30 0
+0 0 2
+30 0 9
+30 90 1
+";
+
 /// An XML file with three patches: one about the normal, two beyond 45 deg, centred on azimuths 0 and 180.
 pub(super) fn klems(structure: &str, blocks: &[(&str, &str, &str)]) -> String {
     let mut text = format!(

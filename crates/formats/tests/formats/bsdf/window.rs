@@ -214,3 +214,19 @@ fn malformed_xml_file_is_an_error_with_its_place() {
     let huge = matrix(MATRIX).replace("<nPhis>2<", "<nPhis>1e9<");
     assert!(matches!(refused(huge).1, Problem::OutOfRange { what: "nPhis", .. }));
 }
+
+/// Some programs write a line of their own before the declaration: it is ignored, with a warning. Other text is an error as before.
+#[test]
+fn one_line_before_the_declaration_is_ignored() {
+    let text = klems("Columns", &[("Visible", "Transmission Front", MATRIX)]);
+    let with_line = read_bsdf(&file(format!("Made by WINDOW 7\n{text}"))).unwrap();
+    assert_eq!(with_line.value, read(&text));
+    assert!(
+        with_line.warnings.iter().any(|warning| warning.contains("`Made by WINDOW 7`")),
+        "{:?}",
+        with_line.warnings
+    );
+    assert_eq!(refused_bsdf(format!("one\ntwo\n{text}")).1, BsdfProblem::Unknown);
+    let undeclared = text.split_once("?>\n").unwrap().1;
+    assert_eq!(refused_bsdf(format!("one\n{undeclared}")).1, BsdfProblem::Unknown);
+}

@@ -2,9 +2,9 @@
 
 use papilio_diagnostics::Diagnostic;
 use papilio_display::scene::ScatterKernel;
-use papilio_formats::{LARGEST_BSDF_FILE, read_bsdf};
+use papilio_formats::{BsdfFile, LARGEST_BSDF_FILE, read_bsdf_file};
 use papilio_goniometry::{
-    self as goniometry, Backing, Fill, GoniometryError, Measurement, Preparation, ScatterMode, kernel,
+    self as goniometry, Backing, Fill, GoniometryError, Preparation, ScatterMode, kernel,
 };
 use papilio_optics::scatter::Scatter;
 use papilio_spectra::{Spectrum, illuminant};
@@ -23,6 +23,8 @@ pub(super) struct Source<'a> {
     pub(super) path: &'a str,
     pub(super) name: &'a str,
     pub(super) file: Origin,
+    /// The part that the values of the file are, if the scenario states it.
+    pub(super) part: Option<ScatterMode>,
     pub(super) normalise: &'a Spanned<Normalise>,
     pub(super) extrapolate_tails: bool,
     /// `None` if the scenario does not specify it.
@@ -46,35 +48,46 @@ impl Resolver<'_> {
         Some(spectrum)
     }
 
+    /// Returns the part of a file for this direction of the light.
     pub(super) fn way<'a>(
         &mut self,
         source: &Source<'_>,
-        measurement: &'a Measurement,
+        file: &'a BsdfFile,
         way: ScatterMode,
     ) -> Option<&'a goniometry::MeasuredPart> {
-        let part = measurement.parts.iter().find(|part| part.way == way);
+        let parts = &file.measurement.parts;
+        let part = parts.iter().find(|part| part.way == way);
         if part.is_none() {
-            let found = measurement.parts.iter().map(|part| part.way.name()).collect::<Vec<_>>().join(", ");
-            let flip =
-                way == ScatterMode::FrontTransmission && found.contains(ScatterMode::BackTransmission.name());
+            let found = parts.iter().map(|part| part.way.name()).collect::<Vec<_>>().join(", ");
+            let hint = if way == ScatterMode::FrontTransmission
+                && found.contains(ScatterMode::BackTransmission.name())
+            {
+                Some("`flipped = true` takes the light from the other side of the sample")
+            } else if way.is_transmission() && !file.states_part {
+                Some(
+                    "the file does not state whether its values are a reflection or a transmission: if they are a BTDF, add \
+                     part = \"front-transmission\" to this table",
+                )
+            } else {
+                None
+            };
             let wrong = Diagnostic::new(format!("this file has no {}", way.name()))
                 .expected(format!("it among the parts of the file: {found}"))
-                .hint_if(
-                    flip.then_some("`flipped = true` takes the light from the other side of the sample"),
-                );
+                .hint_if(hint);
             self.errors.push(source.file, wrong);
         }
         part
     }
 
     /// Reads a file of measured scattering.
-    pub(super) fn measurement(&mut self, source: &Source<'_>) -> Option<Measurement> {
+    pub(super) fn measurement(&mut self, source: &Source<'_>) -> Option<BsdfFile> {
         let kept = self.open_within(source.name, source.file, LARGEST_BSDF_FILE)?;
-        match read_bsdf(kept.file()) {
+        match read_bsdf_file(kept.file(), source.part) {
             Ok(read) => {
                 let name = source.name;
                 self.warnings.extend(read.warnings.iter().map(|warning| format!("{name}: {warning}")));
-                Some(read.value)
+                self.notes.extend(read.notes.iter().map(|note| format!("{name}: {note}")));
+                Some(read)
             }
             Err(error) => {
                 self.errors.push_data(source.file, error);

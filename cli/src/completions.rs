@@ -1,0 +1,17 @@
+//! `papilio completions`: completion scripts for shells.
+
+use std::io::Write;
+
+use clap::CommandFactory;
+use clap_complete::generate;
+
+use crate::Failure;
+use crate::arguments::{Arguments, Completions};
+
+pub(crate) fn run(arguments: &Completions) -> Result<(), Failure> {
+    let mut script = Vec::new();
+    generate(arguments.shell, &mut Arguments::command(), "papilio", &mut script);
+    let mut stdout = std::io::stdout().lock();
+    stdout.write_all(&script)?;
+    Ok(stdout.flush()?)
+}

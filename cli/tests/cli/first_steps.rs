@@ -1,0 +1,245 @@
+//! The first day: README's commands, new scenarios, quiet runs, a scenario from standard input, completions, the page of a run.
+
+use std::fs;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output, Stdio};
+
+use crate::common::{stderr, stdout};
+
+fn papilio_in(folder: &Path, arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_papilio"))
+        .env("NO_COLOR", "1")
+        .current_dir(folder)
+        .args(arguments)
+        .output()
+        .unwrap()
+}
+
+fn repository() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("..").canonicalize().unwrap()
+}
+
+/// Every display in every light is written as a scenario that runs without a warning.
+#[test]
+fn every_display_runs_in_a_room_outdoors_and_in_a_measuring_geometry() {
+    let folder = tempfile::tempdir().unwrap();
+    for display in ["imod", "epaper", "table"] {
+        for light in ["living-room", "daylight", "iec-directional", "d8-included"] {
+            let file = format!("{display}-{light}.toml");
+            let new = papilio_in(folder.path(), &["new", "--display", display, "--light", light, &file]);
+            assert!(new.status.success(), "{display} {light}: {}", stderr(&new));
+            let run = papilio_in(folder.path(), &["run", &file, "--json"]);
+            assert!(
+                run.status.success() && !stderr(&run).contains("warning"),
+                "{display} {light}: {}",
+                stderr(&run)
+            );
+            let result: serde_json::Value = serde_json::from_slice(&run.stdout).unwrap();
+            let contrast = result["views"][0]["contrast_ratio"].as_f64().unwrap();
+            assert!(contrast > 2.0, "{display} {light}: {contrast}");
+        }
+    }
+    assert!(folder.path().join("example-pixel.csv").is_file(), "the example of a table");
+}
+
+#[test]
+fn new_scenario_of_a_display_states_what_is_missing_or_in_the_way() {
+    let folder = tempfile::tempdir().unwrap();
+    let new = |arguments: &[&str]| papilio_in(folder.path(), &[&["new"], arguments].concat());
+    let without_file = new(&["--display", "table", "--light", "office"]);
+    assert!(stdout(&without_file).contains("example-pixel.csv"));
+    assert!(stderr(&without_file).contains("note: the scenario names the file example-pixel.csv"));
+    let positional = new(&["office", "--display", "epaper"]);
+    assert_eq!(stdout(&positional), stdout(&new(&["--display", "epaper", "--light", "office"])));
+    for (arguments, says) in [
+        (&["--display", "epaper"][..], "the preset of the light is missing"),
+        (&["--light", "nowhere"], "unknown preset `nowhere`"),
+        (&["office", "a.toml", "--light", "office"], "the light is specified twice"),
+        (&["--display", "lcd", "--light", "office"], "possible values: imod, epaper, table"),
+    ] {
+        let wrong = new(arguments);
+        assert_eq!(wrong.status.code(), Some(2), "{arguments:?}");
+        assert!(stderr(&wrong).contains(says), "{arguments:?}: {}", stderr(&wrong));
+    }
+    fs::write(folder.path().join("example-pixel.csv"), "mine").unwrap();
+    let wrong = new(&["--display", "table", "--light", "office", "t.toml"]);
+    assert!(stderr(&wrong).contains("example-pixel.csv already exists"), "{}", stderr(&wrong));
+    assert!(!folder.path().join("t.toml").exists());
+}
+
+/// With `--quiet`, only warnings and errors are printed, and JSON.
+#[test]
+fn quiet_command_prints_warnings_errors_and_json_only() {
+    let folder = tempfile::tempdir().unwrap();
+    assert!(papilio_in(folder.path(), &["new", "office", "s.toml"]).status.success());
+    for command in [
+        &["run", "s.toml", "--quiet"][..],
+        &["-q", "pixel", "s.toml"],
+        &["brdf", "s.toml", "-q", "--step", "45"],
+    ] {
+        let silent = papilio_in(folder.path(), command);
+        let said: String = stderr(&silent).lines().filter(|line| !line.starts_with("warning")).collect();
+        assert!(silent.status.success() && silent.stdout.is_empty(), "{command:?}");
+        assert!(command[0] == "brdf" || said.is_empty(), "{command:?}: {said}");
+    }
+    assert!(folder.path().join("out/s/result.json").is_file());
+    let json = papilio_in(folder.path(), &["run", "s.toml", "--quiet", "--json"]);
+    assert!(stdout(&json).starts_with('{') && stderr(&json).is_empty());
+    let warned = papilio_in(
+        folder.path(),
+        &[
+            "run",
+            "s.toml",
+            "--quiet",
+            "--json",
+            "--set",
+            "spectrum.step_nm=20",
+            "--set",
+            "lighting.spectrum=LED-RGB1",
+        ],
+    );
+    assert!(
+        stderr(&warned).contains("warning: ") && !stderr(&warned).contains("note: "),
+        "{}",
+        stderr(&warned)
+    );
+    let wrong = papilio_in(folder.path(), &["run", "none.toml", "--quiet"]);
+    assert!(stderr(&wrong).contains("there is no such file"));
+}
+
+/// A scenario from standard input gives the bytes of the same file; its files are in the current folder.
+#[test]
+fn scenario_from_standard_input_equals_that_from_the_file() {
+    let folder = tempfile::tempdir().unwrap();
+    let here = folder.path();
+    assert!(papilio_in(here, &["new", "--display", "table", "--light", "office", "s.toml"]).status.success());
+    let text = fs::read(here.join("s.toml")).unwrap();
+    let piped = |arguments: &[&str]| {
+        let mut child = Command::new(env!("CARGO_BIN_EXE_papilio"))
+            .env("NO_COLOR", "1")
+            .current_dir(here)
+            .args(arguments)
+            .stdin(Stdio::piped())
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped())
+            .spawn()
+            .unwrap();
+        child.stdin.take().unwrap().write_all(&text).unwrap();
+        child.wait_with_output().unwrap()
+    };
+    let set = ["--set", "viewer.theta_deg=10"];
+    let one = piped(&[&["run", "-", "--json"], &set[..]].concat());
+    let other = papilio_in(here, &[&["run", "s.toml", "--json"], &set[..]].concat());
+    assert!(one.status.success() && one.stdout == other.stdout, "{}", stderr(&one));
+    let pixel = piped(&["pixel", "-"]);
+    assert!(pixel.status.success() && here.join("out/stdin/pixel.csv").is_file(), "{}", stderr(&pixel));
+    let wrong = piped(&["run", "-", "--set", "viewer.theta=1"]);
+    assert_eq!(wrong.status.code(), Some(2));
+    let sweep = piped(&["sweep", "-"]);
+    assert!(stderr(&sweep).contains("standard input"), "{}", stderr(&sweep));
+}
+
+#[test]
+fn completions_name_the_commands_for_every_shell() {
+    for shell in ["bash", "zsh", "fish", "powershell", "elvish"] {
+        let script = stdout(&papilio_in(Path::new("."), &["completions", shell]));
+        for word in ["papilio", "optimize", "inspect", "relative"] {
+            assert!(word == "relative" || script.contains(word), "{shell}: {word}");
+        }
+    }
+    let wrong = papilio_in(Path::new("."), &["completions", "tcsh"]);
+    assert_eq!(wrong.status.code(), Some(2));
+}
+
+/// The page has the figures and tables in itself, and loads nothing.
+#[test]
+fn page_of_a_run_is_complete_and_self_contained() {
+    let folder = tempfile::tempdir().unwrap();
+    let here = folder.path();
+    assert!(papilio_in(here, &["new", "--display", "table", "--light", "indoor", "s.toml"]).status.success());
+    let text = fs::read_to_string(here.join("s.toml")).unwrap();
+    fs::write(
+        here.join("s.toml"),
+        text.replacen("title = \"table, indoor\"", "title = \"<b>Mine</b> & yours\"", 1),
+    )
+    .unwrap();
+    let run = papilio_in(here, &["run", "s.toml", "--report", "--set", "viewer.theta_deg=[8,20]"]);
+    assert!(run.status.success() && stderr(&run).contains("report.html"), "{}", stderr(&run));
+    let page = fs::read_to_string(here.join("out/s/report.html")).unwrap();
+    let result: serde_json::Value =
+        serde_json::from_slice(&fs::read(here.join("out/s/result.json")).unwrap()).unwrap();
+    assert!(page.contains(result["hash"].as_str().unwrap()));
+    assert!(page.contains("<h1>&lt;b&gt;Mine&lt;/b&gt; &amp; yours</h1>") && !page.contains("<b>Mine"));
+    for words in [
+        "Seen from 8 deg",
+        "Seen from 20 deg",
+        "energy balance",
+        "example-pixel.csv",
+        "k-correlation",
+        "discretisation error",
+        "illuminance_lx",
+        "Notes",
+    ] {
+        assert!(page.contains(words), "{words}");
+    }
+    let y = result["views"][0]["states"]["white"]["Y"].as_f64().unwrap();
+    assert!(page.contains(&format!("<td>{y:.4}</td>")), "{y}");
+    assert!(
+        page.matches("<svg").count() >= 2 && page.matches("<svg").count() == page.matches("</svg>").count()
+    );
+    // No address is loaded; the names of XML namespaces are not addresses.
+    let loads = ["src=", "<link", "<script", "@import", "url(http"];
+    assert!(loads.iter().all(|load| !page.contains(load)));
+    let without_names = page.replace("http://www.w3.org/2000/svg", "");
+    assert!(!without_names.contains("http"), "an address");
+    // Identifiers of the figures differ.
+    let ids: Vec<&str> = page.split("id=\"").skip(1).filter_map(|rest| rest.split('"').next()).collect();
+    let mut unique = ids.clone();
+    unique.sort_unstable();
+    unique.dedup();
+    assert_eq!(unique.len(), ids.len());
+    let refused = papilio_in(here, &["run", "s.toml", "--report", "--json"]);
+    assert_eq!(refused.status.code(), Some(2));
+}
+
+/// Commands of the pages that take long, or do not end: only their options are checked.
+const LONG: [&str; 9] =
+    ["--cone", "sweep", "optimize", "tolerance", "validate", "study", "serve", "brdf", "monte-carlo"];
+
+/// The commands of README and of docs/first-steps.md run as they are pasted, in the order of the pages.
+#[cfg(unix)]
+#[test]
+fn commands_of_the_first_pages_run_as_pasted() {
+    let program = Path::new(env!("CARGO_BIN_EXE_papilio")).parent().unwrap();
+    let path = format!("{}:{}", program.display(), std::env::var("PATH").unwrap());
+    for page in ["README.md", "docs/first-steps.md"] {
+        let folder = tempfile::tempdir().unwrap();
+        let here = folder.path();
+        std::os::unix::fs::symlink(repository().join("scenarios"), here.join("scenarios")).unwrap();
+        // Files of the reader.
+        fs::write(here.join("Cr.csv"), "wl,n\n0.38,2\n0.78,3\n\nwl,k\n0.38,3\n0.78,3.3\n").unwrap();
+        let lobe = |deg: f64| 0.1 / (0.01 + deg.to_radians().sin().powi(2)).powf(1.5) / 7.0;
+        let rows: String =
+            (0..=180).map(|k| 0.5 * f64::from(k)).map(|deg| format!("{deg},{:.6}\n", lobe(deg))).collect();
+        fs::write(here.join("scan.csv"), format!("theta_deg,btdf\n{rows}")).unwrap();
+        let text = fs::read_to_string(repository().join(page)).unwrap();
+        let blocks = text.split("```sh\n").skip(1).filter_map(|rest| rest.split("```").next());
+        let lines: Vec<&str> =
+            blocks.flat_map(str::lines).filter(|line| line.starts_with("papilio ")).collect();
+        assert!(lines.len() >= 12, "{page}: {lines:?}");
+        for line in lines {
+            let command = line.split("  #").next().unwrap().split(" | jq").next().unwrap();
+            let is_long = LONG.iter().any(|word| command.split_whitespace().any(|found| found == *word));
+            let command = if is_long { format!("{} --help", command.trim()) } else { command.to_owned() };
+            let mut shell = Command::new("sh");
+            let shell =
+                shell.env("NO_COLOR", "1").env("PATH", &path).current_dir(here).arg("-c").arg(&command);
+            let output = shell.output().unwrap();
+            assert!(output.status.success(), "{page}: {line}\n{}", stderr(&output));
+            // Files of the repository that are named exist.
+            let files = command.split_whitespace().filter(|word| word.starts_with("scenarios/"));
+            files.for_each(|file| assert!(repository().join(file).exists(), "{page}: {line}"));
+        }
+    }
+}

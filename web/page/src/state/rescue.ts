@@ -1,0 +1,35 @@
+// The result of a design that adding refuses, by Monte Carlo: computed on request and shown like a live result.
+
+import { signal } from "@preact/signals";
+
+import { post } from "../api/client.ts";
+import type { Edit, Live, WalkProgress } from "../api/types.ts";
+import { numberAt } from "../model/json.ts";
+import { draft, fields, pending, text } from "./design.ts";
+import { fileIds } from "./files.ts";
+import { adopt } from "./live.ts";
+import { long } from "./work.ts";
+
+/** The relative error of Y at which the run ends; the scenario's own one, if that is larger. */
+const COARSE = 0.01;
+
+export const rescue = long();
+export const progress = signal<WalkProgress | null>(null);
+
+export async function computeByMonteCarlo(): Promise<void> {
+  const [base, sent] = [draft.value, pending.value];
+  const whole = base ?? text.value;
+  const files = fileIds.value;
+  progress.value = null;
+  const scenario =
+    sent.length > 0 ? (await post<{ scenario: string }>("edit", { scenario: whole, edits: sent })).scenario : whole;
+  const target = Math.max(COARSE, numberAt(fields.value, "solver.relative_error") ?? 0);
+  const edits: Edit[] = [{ op: "set", path: "solver.relative_error", value: target }];
+  await rescue.start("walk", { scenario, files }, edits, (event, data) => {
+    if (event === "progress") progress.value = data as WalkProgress;
+    if (event !== "done" || draft.value !== base || pending.value !== sent) return;
+    const { result, fields, seconds } = data as Pick<Live, "result" | "fields"> & { seconds: number };
+    const warnings = result.warnings;
+    adopt({ scenario, fields, result, warnings, preset: null, lobes: [], cost_ms: 1e3 * seconds }, sent, "");
+  });
+}

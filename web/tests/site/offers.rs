@@ -1,0 +1,138 @@
+//! What the page offers: values that are accepted, the Monte Carlo solver for what adding refuses, presets, lobes and the
+//! comparison with a measured panel.
+
+use std::sync::atomic::AtomicBool;
+
+use papilio_display::Control;
+use papilio_display::compare::compare;
+use papilio_formats::{DataFile, read_measured_panel, read_result, write_json};
+use papilio_scenario::Scenario;
+use serde_json::{Value, json};
+
+use crate::answers::{events, indoor};
+use crate::client::Server;
+
+fn set(path: &str, value: &Value) -> Value {
+    json!([{ "op": "set", "path": path, "value": value }])
+}
+
+/// The value that an error offers is accepted, and it is the nearest one: a slightly larger one is refused.
+#[test]
+fn value_that_an_error_offers_is_accepted() {
+    let server = Server::start();
+    let scenario = indoor(&server);
+    let live = |edits: &Value| server.post("/live", &json!({ "scenario": scenario, "edits": edits }));
+    for (path, wrong, offered_at) in [
+        ("display.diffuser.haze", json!(0.95), "display.diffuser.total_transmittance"),
+        ("display.diffuser.haze", json!(0.93), "display.diffuser.total_transmittance"),
+        ("display.diffuser.total_transmittance", json!(0.99), "display.diffuser.total_transmittance"),
+        ("display.pixel.film.1.thickness_nm", json!(-5), "display.pixel.film.1.thickness_nm"),
+        ("lighting.preset", json!("sunni"), "lighting.preset"),
+        ("display.pixel.film.2.material", json!("SiO3"), "display.pixel.film.2.material"),
+    ] {
+        let answer = live(&set(path, &wrong));
+        assert_eq!(answer.status, 422, "{path}");
+        let error = &answer.json()["errors"][0];
+        assert_eq!(error["path"], offered_at, "{error}");
+        let offered = error["accepted"].clone();
+        let mut edits = vec![json!({ "op": "set", "path": path, "value": wrong })];
+        edits.push(json!({ "op": "set", "path": offered_at, "value": offered }));
+        assert_eq!(live(&json!(edits)).status, 200, "{path}: {error}");
+        if let Some(number) = offered.as_f64().filter(|number| *number > 0.0) {
+            edits[1]["value"] = json!(number + 1e-4);
+            assert_eq!(live(&json!(edits)).status, 422, "{path}: {error}");
+        }
+    }
+}
+
+/// Adding refuses a nearly smooth interface; the Monte Carlo solver computes it, without a comparison.
+#[test]
+fn what_adding_refuses_is_computed_by_monte_carlo() {
+    let server = Server::start();
+    let rough = server.get("/api/v1/examples/rough-glass").json()["scenario"].as_str().unwrap().to_owned();
+    let coarse = [("display.layers.0.alpha", json!(0.02)), ("solver.relative_error", json!(0.05))];
+    let edits: Vec<Value> = coarse.iter().map(|(path, value)| set(path, value)[0].clone()).collect();
+    let refused = server.post("/live", &json!({ "scenario": rough, "edits": edits }));
+    assert_eq!(refused.status, 422);
+    assert_eq!(refused.json()["errors"][0]["monte_carlo"], true);
+    let scenario = refused.json()["scenario"].clone();
+    let (_, name, done) = events(&server.post("/walk", &json!({ "scenario": scenario })).body);
+    assert_eq!(name, "done", "{done}");
+    assert_eq!(done["fields"]["display"]["layers"][0]["alpha"], 0.02);
+    assert!(done["states"][0]["Y"].as_f64().unwrap() > 0.0 && done["states"][0]["live_Y"].is_null());
+    assert_eq!(done["result"]["solver"]["method"], "monte-carlo");
+    // Other errors are not for Monte Carlo.
+    let wrong = server.post(
+        "/live",
+        &json!({ "scenario": indoor(&server), "edits": set("display.diffuser.haze", &json!(3)) }),
+    );
+    assert!(wrong.json()["errors"][0].get("monte_carlo").is_none());
+}
+
+#[test]
+fn live_result_has_its_preset_and_its_lobes() {
+    let server = Server::start();
+    let live =
+        |edits: &Value| server.post("/live", &json!({ "scenario": indoor(&server), "edits": edits })).json();
+    let seen = live(&json!([]));
+    assert_eq!(seen["preset"], json!({ "name": "indoor", "changed": false }));
+    assert_eq!(live(&set("lighting.directed.0.theta_deg", &json!(-36)))["preset"], Value::Null);
+    // The peak of the lobe is in the regular direction: light from -20 deg goes to the right.
+    let lobe = &seen["lobes"][0];
+    let numbers = |key: &str| -> Vec<f64> {
+        lobe[key].as_array().unwrap().iter().map(|value| value.as_f64().unwrap()).collect()
+    };
+    let (theta, relative) = (numbers("theta_deg"), numbers("relative"));
+    let peak = relative.iter().position(|value| *value == 1.0).unwrap();
+    let index = lobe["index_below"].as_f64().unwrap();
+    assert!((theta[peak].to_radians().sin() * index - 20f64.to_radians().sin()).abs() < 1e-9);
+}
+
+/// The comparison equals that of `papilio compare` with the result of `papilio run`.
+#[test]
+fn comparison_with_a_measured_panel_equals_the_command_line() {
+    let server = Server::start();
+    let root = concat!(env!("CARGO_MANIFEST_DIR"), "/../scenarios/");
+    let bytes = std::fs::read(format!("{root}data/synthetic-panel.csv")).unwrap();
+    let kept = server.send("/api/v1/files?name=panel.csv", "application/octet-stream", &bytes).json();
+    let scenario = server.get("/api/v1/examples/overcast").json()["scenario"].clone();
+    let answer = server.post("/compare", &json!({ "scenario": scenario, "panel": kept["id"] }));
+    assert_eq!(answer.status, 200, "{}", String::from_utf8_lossy(&answer.body));
+    let set = ["solver.method=adding".to_owned()];
+    let resolved = Scenario::load(format!("{root}overcast.toml").as_ref(), &set).unwrap().resolve().unwrap();
+    let control = Control { threads: None, progress: &|_| {}, stop: &AtomicBool::new(false) };
+    let result = papilio_display::run(&resolved.scene, &control).unwrap();
+    let file = papilio_formats::ResultFile {
+        papilio: "",
+        scenario: &resolved.canonical,
+        hash: &resolved.hash,
+        seed: 0,
+        notes: &[],
+        result: &result,
+    };
+    let mut json_bytes = Vec::new();
+    write_json(&mut json_bytes, &file).unwrap();
+    let simulated = read_result(&DataFile { name: "r".to_owned(), bytes: json_bytes }).unwrap().simulated;
+    let measured = read_measured_panel(&DataFile { name: "p".to_owned(), bytes }).unwrap();
+    let wanted = serde_json::to_value(compare(&simulated, &measured).unwrap()).unwrap();
+    let compared = answer.json();
+    assert_eq!(
+        compared["comparison"]["states"].as_array().unwrap().len(),
+        wanted["states"].as_array().unwrap().len()
+    );
+    for (ours, theirs) in
+        compared["comparison"]["states"].as_array().unwrap().iter().zip(wanted["states"].as_array().unwrap())
+    {
+        let of = |one: &Value| one["delta_E_2000"].as_f64().unwrap();
+        assert!((of(ours) - of(theirs)).abs() < 1e-9 && of(ours) > 0.0, "{ours} {theirs}");
+    }
+    assert!(compared["csv"].as_str().unwrap().starts_with("theta_deg,phi_deg,state,X_simulated"));
+    assert!(compared["figures"].as_array().unwrap().len() >= 2);
+    // A measurement that is not stored, and one of other directions.
+    let gone = server.post("/compare", &json!({ "scenario": scenario, "panel": "00" }));
+    assert_eq!((gone.status, &gone.json()["missing"]), (410, &json!(["00"])));
+    let other = b"state,theta_deg,wavelength_nm,reflectance_factor\nwhite,60,400,0.1\nwhite,60,700,0.1\n";
+    let kept = server.send("/api/v1/files?name=other.csv", "application/octet-stream", other).json();
+    let (message, _) = server.post("/compare", &json!({ "scenario": scenario, "panel": kept["id"] })).error();
+    assert!(message.contains("no measured state has a counterpart"), "{message}");
+}
