@@ -11,6 +11,7 @@ mod common;
 mod compare;
 mod cone;
 mod diffuser;
+mod figures;
 mod first_steps;
 mod lab_files;
 mod many_points;

@@ -74,6 +74,12 @@ struct Rows {
 /// Tristimulus values of each direction and state.
 type Colours = Vec<Vec<Xyz>>;
 
+/// Returns the directions of the scenario's views.
+fn views_deg(scene: &Scene) -> Vec<[f64; 2]> {
+    let of_phi = |phi: &f64| scene.viewer.theta_deg.iter().map(|theta| [*theta, *phi]).collect::<Vec<_>>();
+    scene.viewer.phi_deg.iter().flat_map(of_phi).collect()
+}
+
 impl Survey<'_> {
     /// `None` if it was stopped.
     fn run(self, pool: Option<&ThreadPool>) -> Option<Result<ConeResult, DisplayError>> {
@@ -118,6 +124,7 @@ impl Survey<'_> {
             states: self.run.setup.states.clone(),
             views,
             lights: self.run.scene.lighting.directed.iter().map(light).collect(),
+            views_deg: views_deg(self.run.scene),
             nodes,
             discretisation_error: worst,
             row_errors: RowErrors { relative, target, allowed: None },

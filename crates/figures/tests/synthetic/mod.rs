@@ -110,6 +110,7 @@ pub(crate) fn cone(theta_deg: &[f64], phi_deg: &[f64]) -> ConeResult {
         reference_white: ReferenceWhite::Perfect,
         views: views.collect(),
         states: states.clone(),
+        views_deg: vec![[8.0, 0.0]],
         lights: vec![ConeLight { theta_deg: -20.0, phi_deg: 0.0, radius_deg: 0.0 }],
         nodes: 0,
         discretisation_error: 0.0,
