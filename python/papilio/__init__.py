@@ -7,7 +7,8 @@ Computes spectra, colours and metrics, with their errors, from a scenario::
     result = papilio.run("scenarios/indoor.toml")
     result["gamut_percent_srgb"]
 
-- `run` computes a scenario, `cone` a conoscopic map, `brdf` the BSDF of the display, `Prepared` thousands of designs.
+- `run` computes a scenario, `cone` a conoscopic map, `brdf` the BSDF of the display.
+- `sweep` computes thousands of designs with labelled axes, `Prepared` any designs, with derivatives.
 - `optimize` searches for better designs; `tolerance` analyses the tolerances of a design.
 - `Scenario` reads, builds and edits scenarios.
 - `cluster` computes millions of designs, on many machines.
@@ -17,8 +18,21 @@ Units, limits and sources of the models are in the documentation of the program 
 program, to the last bit.
 """
 
+from pathlib import Path as _Path
+
+try:
+    from . import _papilio
+except ImportError as _error:
+    if any(_Path(__file__).parent.glob("_papilio*.*[od]")):
+        raise
+    raise ImportError(
+        f"papilio: {_Path(__file__).parent} has the sources of the package without its compiled part; install it with "
+        "'pip install ./python' at the top of the repository, and start Python in another folder than 'python'"
+    ) from None
+
 from . import cluster, colour, diffuser, films, plot
 from ._papilio import __version__
+from ._sweeps import sweep
 from .absorbed import Absorption, absorption
 from .brdfs import Brdf, Reflection, brdf, reflection
 from .cones import Cone, cone
@@ -79,5 +93,10 @@ __all__ = [
     "reflection",
     "run",
     "schema",
+    "sweep",
     "tolerance",
 ]
+
+
+def __dir__() -> list[str]:
+    return __all__

@@ -16,8 +16,10 @@ from .errors import ArgumentError
 MOST_NUMBERS = 2**31
 
 
-def reals(name: str, values: ArrayLike, *, least: float = -np.inf, most: float = np.inf, missing: bool = False) -> NDArray[np.float64]:
-    """Returns an array of finite numbers from ``least`` to ``most``; with ``missing``, NaN is allowed."""
+def reals(
+    name: str, values: ArrayLike, *, least: float = -np.inf, most: float = np.inf, below: float | None = None, missing: bool = False
+) -> NDArray[np.float64]:
+    """Returns an array of finite numbers from ``least`` to ``most``, or to less than ``below``; with ``missing``, NaN is allowed."""
     array = _array(name, values)
     if array.dtype.kind not in "fiu":
         raise ArgumentError(f"{name}: expected numbers, not {described(values)}")
@@ -27,15 +29,18 @@ def reals(name: str, values: ArrayLike, *, least: float = -np.inf, most: float =
         raise ArgumentError(f"{name}: expected finite numbers, not {_first(numbers, ~np.isfinite(numbers))}")
     if fine.size and not (fine.min() >= least and fine.max() <= most):
         wrong = _first(numbers, (numbers < least) | (numbers > most))
-        raise ArgumentError(f"{name}: {wrong} is out of range; expected {_range(least, most)}")
+        raise ArgumentError(f"{name}: {wrong:g} is out of range; expected {_range(least, most)}")
+    if below is not None and fine.size and not (fine.min() >= least and fine.max() < below):
+        wrong = _first(numbers, (numbers < least) | (numbers >= below))
+        raise ArgumentError(f"{name}: {wrong:g} is out of range; expected {least:g} to less than {below:g}")
     return numbers
 
 
-def ascending(name: str, values: ArrayLike | None, most: float) -> list[float] | None:
-    """Returns ascending angles from 0 to ``most`` degrees, at least one; None for None."""
+def ascending(name: str, values: ArrayLike | None, *, most: float = np.inf, below: float | None = None) -> list[float] | None:
+    """Returns ascending angles from 0 to ``most`` degrees, or to less than ``below``, at least one; None for None."""
     if values is None:
         return None
-    numbers = reals(name, values, least=0.0, most=most)
+    numbers = reals(name, values, least=0.0, most=most, below=below)
     if numbers.ndim != 1 or numbers.size == 0 or not (np.diff(numbers) > 0).all():
         raise ArgumentError(f"{name}: expected a list of ascending angles, not {described(values)}")
     return [float(number) for number in numbers]

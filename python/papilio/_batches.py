@@ -20,7 +20,8 @@ from . import _parts
 from ._dims import Dims
 from ._papilio import __version__
 from .errors import ClusterError, DesignError
-from .prepared import Keys, Prepared, Skipped
+from ._keys import Keys, joined
+from .prepared import Prepared, Skipped
 from .scenario import Scenario
 
 #: The values (numbers or strings) of each variable, one for each design.
@@ -207,4 +208,4 @@ def placed(error: DesignError, batch: Batch, grid: Grid) -> DesignError:
 
 def as_names(columns: Mapping[Keys, Any]) -> dict[str, Any]:
     """Returns columns by their names in tables: keys with a common value are joined by commas."""
-    return {keys if isinstance(keys, str) else ", ".join(keys): column for keys, column in columns.items()}
+    return {joined(keys): column for keys, column in columns.items()}

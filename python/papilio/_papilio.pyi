@@ -23,6 +23,9 @@ __all__ = [
     "delta_e_2000",
     "edit",
     "film",
+    "film_absorptance",
+    "film_amplitudes",
+    "film_derivatives",
     "film_grid",
     "gamut",
     "illuminant_names",
@@ -40,6 +43,7 @@ __all__ = [
     "png",
     "present_path",
     "preset_names",
+    "program",
     "schema",
     "uv_prime",
     "xyz",
@@ -49,7 +53,7 @@ __version__: str
 
 @final
 class Described:
-    def __new__(cls, text: str, name: str, folder: str, files: Mapping[str, bytes] | None = None) -> Described: ...
+    def __new__(cls, text: str, name: str, folder: str | None, files: Mapping[str, bytes] | None = None) -> Described: ...
     @staticmethod
     def load(path: str) -> tuple[str, Described]: ...
     def filled(self) -> str: ...
@@ -65,6 +69,10 @@ class Resolved:
     def notes(self) -> list[str]: ...
     @property
     def hash(self) -> str: ...
+    @property
+    def views(self) -> list[tuple[float, float]]: ...
+    @property
+    def wavelength_nm(self) -> list[float]: ...
     def canonical(self) -> str: ...
 
 @final
@@ -79,7 +87,7 @@ class Prepared:
 
 @final
 class Production:
-    def __new__(cls, text: str, name: str, folder: str, files: Mapping[str, bytes] | None = None) -> Production: ...
+    def __new__(cls, text: str, name: str, folder: str | None, files: Mapping[str, bytes] | None = None) -> Production: ...
     @property
     def rows(self) -> int: ...
     @property
@@ -112,7 +120,7 @@ class Production:
 
 @final
 class Search:
-    def __new__(cls, text: str, name: str, folder: str, files: Mapping[str, bytes] | None = None) -> Search: ...
+    def __new__(cls, text: str, name: str, folder: str | None, files: Mapping[str, bytes] | None = None) -> Search: ...
     @property
     def hash(self) -> str: ...
     def begin(self, folder: str | None, cut: int) -> None: ...
@@ -127,6 +135,7 @@ class Search:
 @final
 class RunResult:
     def json(self) -> bytes: ...
+    def about(self) -> tuple[str, str, int]: ...
     def states_csv(self) -> bytes: ...
     def spectra_csv(self) -> bytes: ...
     def arrays(self) -> tuple[dict[str, NDArray[np.float64]], dict[str, NDArray[np.float64]]]: ...
@@ -146,11 +155,11 @@ class Batch:
         like: Resolved,
         text: str,
         name: str,
-        folder: str,
+        folder: str | None,
         files: Mapping[str, bytes] | None,
         variables: Sequence[tuple[Sequence[str], str | None]],
         metrics: Sequence[str],
-        view: int,
+        views: Sequence[int],
     ) -> Batch: ...
     def evaluate(
         self,
@@ -199,6 +208,9 @@ class Absorption:
 @final
 class Diffuser:
     def __new__(cls, path: str) -> Diffuser: ...
+    @staticmethod
+    def from_bytes(bytes: bytes, name: str) -> Diffuser: ...
+    def npz(self) -> bytes: ...
     @property
     def warnings(self) -> list[str]: ...
     def parts(self) -> list[str]: ...
@@ -222,6 +234,35 @@ def film(
     substrate: Sequence[tuple[NDArray[np.float64], Sequence[int]]],
     polarisation: str,
     both: bool,
+    threads: int,
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]: ...
+def film_absorptance(
+    shape: Sequence[int],
+    wavelength_nm: tuple[NDArray[np.float64], Sequence[int]],
+    beta: tuple[NDArray[np.float64], Sequence[int]],
+    incidence: tuple[NDArray[np.float64], Sequence[int]],
+    layers: Sequence[Sequence[tuple[NDArray[np.float64], Sequence[int]]]],
+    substrate: Sequence[tuple[NDArray[np.float64], Sequence[int]]],
+    polarisation: str,
+    threads: int,
+) -> NDArray[np.float64]: ...
+def film_amplitudes(
+    shape: Sequence[int],
+    wavelength_nm: tuple[NDArray[np.float64], Sequence[int]],
+    beta: tuple[NDArray[np.float64], Sequence[int]],
+    incidence: tuple[NDArray[np.float64], Sequence[int]],
+    layers: Sequence[Sequence[tuple[NDArray[np.float64], Sequence[int]]]],
+    substrate: Sequence[tuple[NDArray[np.float64], Sequence[int]]],
+    threads: int,
+) -> NDArray[np.complex128]: ...
+def film_derivatives(
+    shape: Sequence[int],
+    wavelength_nm: tuple[NDArray[np.float64], Sequence[int]],
+    beta: tuple[NDArray[np.float64], Sequence[int]],
+    incidence: tuple[NDArray[np.float64], Sequence[int]],
+    layers: Sequence[Sequence[tuple[NDArray[np.float64], Sequence[int]]]],
+    substrate: Sequence[tuple[NDArray[np.float64], Sequence[int]]],
+    variables: Sequence[tuple[str, int | None]],
     threads: int,
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]: ...
 def film_grid(
@@ -268,5 +309,6 @@ def beams(
 def present_path(path: str) -> str: ...
 def label(name: str) -> tuple[str, str]: ...
 def preset_names() -> list[str]: ...
+def program(arguments: Sequence[str]) -> int: ...
 def schema(of_result: bool) -> str: ...
 def png(svg: str, scale: float) -> bytes: ...

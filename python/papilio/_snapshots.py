@@ -6,6 +6,7 @@ computation. A snapshot replaces the object of `_papilio` and has its methods.
 
 from __future__ import annotations
 
+import json
 import pickle
 import zlib
 from collections.abc import Mapping
@@ -76,6 +77,10 @@ class RunSnapshot:
 
     def json(self) -> bytes:
         return self.texts[0]
+
+    def about(self) -> tuple[str, str, int]:
+        content = json.loads(self.texts[0])
+        return content["papilio"], content["hash"], content["seed"]
 
     def states_csv(self) -> bytes:
         return self.texts[1]

@@ -214,12 +214,11 @@ def brdf(
         PapilioWarning: each warning that the program prints; ``warnings`` of the result contains it.
     """
     changed = read(scenario, with_solver(set))
-    below = float(np.nextafter(90.0, 0.0))
     request = _TableRequest(
         changed,
-        ascending("theta_i_deg", theta_i_deg, below),
-        ascending("theta_o_deg", theta_o_deg, below),
-        ascending("dphi_deg", dphi_deg, 180.0),
+        ascending("theta_i_deg", theta_i_deg, below=90.0),
+        ascending("theta_o_deg", theta_o_deg, below=90.0),
+        ascending("dphi_deg", dphi_deg, most=180.0),
         checked_threads(threads),
         checked_progress(progress),
         allow_error,
@@ -295,7 +294,7 @@ def reflection(
         ScenarioError, DisplayError, KeyboardInterrupt: as for `papilio.run`.
     """
     scene = read(scenario, with_solver(set))._scene()
-    thetas = ascending("theta_deg", theta_deg, float(np.nextafter(87.0, 0.0))) or []
+    thetas = ascending("theta_deg", theta_deg, below=87.0) or []
     text = _papilio.beams(scene, thetas, checked_threads(threads), checked_progress(progress))
     _messages.warn(scene.warnings)
     return Reflection(text.decode(), scene.warnings, scene.notes)

@@ -14,7 +14,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import closing
 from os import PathLike
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -25,8 +25,9 @@ from ._batches import Batch, Grid, Question
 from ._backends import INSTALL, ClusterBackend, Failed, LocalBackend, check_client, seconds_each
 from .errors import ArgumentError, DesignError
 from .evaluated import Evaluated
-from ._dims import is_labelled
-from .prepared import AnyKeys, Keys, Skipped, checked_metrics, columns, named
+from ._keys import Keys, Names, short_names
+from ._sweeps import crossed_axes
+from .prepared import SPECTRUM, AnyKeys, OnError, Skipped, Table, checked_metrics, columns, named
 from .running import checked_threads
 from .scenario import Scenario, read
 
@@ -35,8 +36,9 @@ if TYPE_CHECKING:
 
 __all__ = ["Evaluated", "Progress", "evaluate_many", "print_progress", "sweep"]
 
-#: Treatment of invalid designs.
-OnError = Literal["raise", "nan"]
+
+def __dir__() -> list[str]:
+    return __all__
 
 #: Function that reports progress. Its argument has ``done`` and ``of`` (designs), ``reused``, ``workers``, ``seconds``.
 Progress = Callable[[dict[str, Any]], object]
@@ -44,7 +46,7 @@ Progress = Callable[[dict[str, Any]], object]
 
 def evaluate_many(
     scenario: Scenario | str | PathLike[str],
-    variables: Mapping[AnyKeys, ArrayLike],
+    variables: Mapping[AnyKeys, ArrayLike] | Table,
     metrics: Sequence[str],
     *,
     view: int = 0,
@@ -55,6 +57,7 @@ def evaluate_many(
     threads: int | None = None,
     retries: int = 3,
     on_error: OnError = "raise",
+    names: Names | None = None,
     progress: Progress | bool | None = None,
 ) -> Evaluated:
     """Computes metrics of very many designs, shape [designs..., metric]: the same numbers as `Prepared.evaluate`.
@@ -78,7 +81,11 @@ def evaluate_many(
         retries: how often a batch is submitted again after its worker was lost.
         on_error: "raise": an invalid design ends the call; "nan": its metrics are NaN, and ``errors`` of the result has its index
             and the reason.
+        names: short names of the variables in tables, ``{key: name}`` or a list; by default the keys.
         progress: function that is called after every batch, or True for a line on the terminal.
+
+    Returns:
+        The metrics: ``found["white.Y"]``, ``to_xarray()``, ``to_pandas()``; with ``out``, they are read from there when needed.
 
     Raises:
         ArgumentError: if an argument is invalid; the message names it (closed client, shapes, NaN, ...).
@@ -88,8 +95,14 @@ def evaluate_many(
 
     Warns:
         PapilioWarning: each warning about the scenario; ``warnings`` of the result contains it.
+
+    Example:
+        >>> rng = np.random.default_rng(0)
+        >>> designs = {"display.pixel.film.0.thickness_nm": rng.uniform(50, 60, 100), "display.pixel.gap_nm.red": rng.uniform(270, 280, 100)}
+        >>> papilio.cluster.evaluate_many("scenarios/indoor.toml", designs, ["white.Y"])["white.Y"].shape
+        (100,)
     """
-    found = _found(scenario, variables, metrics, view, set, out, client, batch_seconds, threads, retries, on_error, progress)
+    found = _found(scenario, variables, metrics, view, set, out, client, batch_seconds, threads, retries, on_error, names, progress)
     _messages.warn(found.warnings)
     return found
 
@@ -107,29 +120,27 @@ def sweep(
     threads: int | None = None,
     retries: int = 3,
     on_error: OnError = "raise",
+    names: Names | None = None,
     progress: Progress | bool | None = None,
 ) -> Evaluated:
-    """Computes metrics at every combination of values, shape [axes..., metric].
+    """Computes metrics at every combination of values, in batches that can be interrupted and resumed.
 
-    ``axes`` has keys, or tuples of keys with a common value, with one-dimensional values. The options, errors and warnings are
-    those of `evaluate_many`.
+    `papilio.sweep` is the same in one call on this machine, also for several views and for spectra.
+
+    Args:
+        axes: keys, or tuples of keys with a common value, with one-dimensional values.
+
+    The other arguments, the errors and the warnings are those of `evaluate_many`.
+
+    Returns:
+        The metrics, shape [axes..., metric], with a coordinate for each axis in ``to_xarray()``.
+
+    Example:
+        >>> axes = {"display.pixel.gap_nm.red": [265.0, 275.9], "display.pixel.film.2.material": ["SiO2", "MgF2"]}
+        >>> papilio.cluster.sweep("scenarios/indoor.toml", axes, ["red.Y"])["red.Y"].shape
+        (2, 2)
     """
-    if not isinstance(axes, Mapping):
-        raise ArgumentError(f"axes: expected a dict of keys and values, not {described(axes)}")
-    given: dict[Keys, Any] = {keys: one for keys, one in axes.items()}
-    dims = [one.dims for one in given.values() if is_labelled(one)]
-    if len({name for own in dims for name in own}) < sum(map(len, dims)):
-        raise ArgumentError(
-            f"axes: two axes have the same dimension ({', '.join(map(str, dims))}); expected separate dimensions, because a sweep "
-            "combines every value with every other. For values that vary together, use papilio.cluster.evaluate_many"
-        )
-    plain = {keys: np.asarray(one) if is_labelled(one) else one for keys, one in given.items()}
-    open_grid: dict[Keys, ArrayLike] = {}
-    for at, (keys, line) in enumerate(columns(plain)[0].items()):
-        if line.ndim != 1:
-            raise ArgumentError(f"axes: expected the values of {keys!r} in one dimension, not shape {line.shape}")
-        open_grid[keys] = line.reshape([-1 if i == at else 1 for i in range(len(axes))])
-    found = _found(scenario, open_grid, metrics, view, set, out, client, batch_seconds, threads, retries, on_error, progress)
+    found = _found(scenario, crossed_axes(axes), metrics, view, set, out, client, batch_seconds, threads, retries, on_error, names, progress)
     _messages.warn(found.warnings)
     return found
 
@@ -148,7 +159,7 @@ def print_progress(state: Mapping[str, Any]) -> None:
 
 def _found(
     scenario: Scenario | str | PathLike[str],
-    variables: Mapping[AnyKeys, ArrayLike],
+    variables: Mapping[AnyKeys, ArrayLike] | Table,
     metrics: Sequence[str],
     view: int,
     set: Mapping[str, Any] | None,
@@ -158,13 +169,14 @@ def _found(
     threads: int | None,
     retries: int,
     on_error: OnError,
+    names: Names | None,
     progress: Progress | bool | None,
 ) -> Evaluated:
     """Evaluates designs without raising warnings."""
     grid = _grid(variables)
     question = _question(read(scenario, set), tuple(grid.columns), metrics, view)
     skips = one_of("on_error", on_error, ("raise", "nan")) == "nan"
-    return _evaluated(question, grid, out, client, batch_seconds, threads, retries, skips, progress)
+    return _evaluated(question, grid, out, client, batch_seconds, threads, retries, skips, names, progress)
 
 
 def _evaluated(
@@ -176,9 +188,11 @@ def _evaluated(
     threads: int | None,
     retries: int,
     skips: bool,
+    names: Names | None,
     progress: Progress | bool | None,
 ) -> Evaluated:
     """Evaluates all designs of a grid."""
+    short_names(names, list(grid.columns))
     seconds = float(reals("batch_seconds", batch_seconds, least=1e-3, most=86400.0))
     whole("retries", retries, 0, 1000)
     if client is not None:
@@ -210,10 +224,10 @@ def _evaluated(
         raise _batches.placed(failed.error, failed.batch, grid) from None
     finally:
         report.end()
-    return Evaluated(grid, question, order, found, folder, size, report.reused)
+    return Evaluated(grid, question, order, found, folder, size, report.reused, names=names)
 
 
-def _grid(variables: Mapping[AnyKeys, ArrayLike]) -> Grid:
+def _grid(variables: Mapping[AnyKeys, ArrayLike] | Table) -> Grid:
     arrays, dims = columns(variables)
     if not arrays:
         raise ArgumentError("variables: expected at least one key")
@@ -222,6 +236,9 @@ def _grid(variables: Mapping[AnyKeys, ArrayLike]) -> Grid:
 
 def _question(scenario: Scenario, variables: tuple[Keys, ...], metrics: Sequence[str], view: int) -> Question:
     asked = tuple(checked_metrics(metrics))
+    spectra = [name for name in asked if name.endswith(SPECTRUM)]
+    if spectra:
+        raise ArgumentError(f"metrics: {spectra[0]} is a spectrum; papilio.sweep and Prepared.evaluate compute spectra")
     if len(dict.fromkeys(asked)) < len(asked):
         raise ArgumentError(f"metrics: expected each name once; given {', '.join(asked)}")
     return Question(scenario, variables, asked, whole("view", view, 0, 4999), scenario.hash)

@@ -19,6 +19,10 @@ from .errors import ArgumentError
 
 __all__ = ["Gamut", "Observer", "coverage_percent", "delta_e_2000", "gamut_percent", "illuminant", "illuminant_names", "lab", "uv_prime", "xyz"]
 
+
+def __dir__() -> list[str]:
+    return __all__
+
 #: The CIE standard observer of 2 or 10 degrees.
 Observer = Literal["1931", "1964"]
 

@@ -156,8 +156,8 @@ def cone(
     """
     changed = read(scenario, with_solver(set))
     scene = changed._scene()
-    thetas = ascending("theta_deg", theta_deg, float(np.nextafter(90.0, 0.0)))
-    phis = ascending("phi_deg", phi_deg, float(np.nextafter(360.0, 0.0)))
+    thetas = ascending("theta_deg", theta_deg, below=90.0)
+    phis = ascending("phi_deg", phi_deg, below=360.0)
     reference = reals("reference_deg", reference_deg, least=-360.0, most=360.0)
     if reference.shape != (2,) or not 0 <= reference[0] < 90:
         raise ArgumentError(f"reference_deg: expected an inclination from 0 to below 90 and an azimuth, not {reference_deg!r}")

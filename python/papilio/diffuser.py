@@ -16,6 +16,10 @@ from .scenario import _checked_path
 
 __all__ = ["Diffuser", "lobe_names"]
 
+
+def __dir__() -> list[str]:
+    return __all__
+
 _FORMATS = ("bsdf", "csv", "xml", "npz")
 
 

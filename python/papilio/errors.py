@@ -8,6 +8,10 @@ from typing import Any, NamedTuple
 __all__ = ["ArgumentError", "ClusterError", "DesignError", "DisplayError", "FileError", "Mistake", "PapilioError", "PapilioWarning", "ScenarioError"]
 
 
+def __dir__() -> list[str]:
+    return __all__
+
+
 class Mistake(NamedTuple):
     """One error in a text."""
 

@@ -11,12 +11,14 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from . import _messages, _metadata, _parts
+from . import _messages, _metadata, _parts, plot
 from ._batches import Grid, Question, as_names
-from ._dims import Dims
+from ._keys import Names, attributes, short_names
 from ._snapshots import read_only
 from ._mapping import Lookup
-from .prepared import Skipped
+from .errors import ArgumentError
+from .figure import Figure
+from .prepared import SPECTRUM, Skipped
 
 if TYPE_CHECKING:
     import pandas
@@ -26,7 +28,11 @@ __all__ = ["Evaluated"]
 
 
 class Evaluated(Lookup[NDArray[np.float64]]):
-    """Metrics of designs, from `papilio.cluster`. Its arrays are read-only; ``found["white.Y"].copy()`` is writable."""
+    """Metrics of many designs, from `papilio.sweep` and `papilio.cluster`.
+
+    ``found["white.Y"]`` has the shape of the designs; after it, the views if several were requested, and the wavelengths of a spectrum.
+    Arrays are read-only; ``found["white.Y"].copy()`` is writable. Names are those of the request, or those of ``to_xarray()``.
+    """
 
     def __init__(
         self,
@@ -37,8 +43,13 @@ class Evaluated(Lookup[NDArray[np.float64]]):
         folder: Path | None,
         batch: int,
         reused: int,
+        *,
+        names: Names | None = None,
+        views: list[int] | None = None,
     ) -> None:
         self._grid, self._question, self._order, self._found = grid, question, order, found
+        self._short = short_names(names, list(grid.columns))
+        self._views = views
         #: Folder of the Parquet parts (`pandas.read_parquet(folder)`); None: the values are in memory.
         self.folder = folder
         #: Number of designs in a part.
@@ -53,8 +64,17 @@ class Evaluated(Lookup[NDArray[np.float64]]):
 
     @property
     def shape(self) -> tuple[int, ...]:
-        """The shape of ``values``: designs..., metric."""
-        return (*self._grid.shape, len(self.metrics))
+        """The shape of ``values``: designs..., view if several were requested, metric, wavelength of spectra."""
+        return (*self._grid.shape, *map(len, self._inner.values()))
+
+    @cached_property
+    def _inner(self) -> dict[str, Any]:
+        """Names and labels of the axes after those of the designs."""
+        inner: dict[str, Any] = {} if self._views is None else {"view": self._views}
+        inner["metric"] = self.metrics
+        if self.metrics[0].endswith(SPECTRUM):
+            inner["wavelength_nm"] = self._question.scenario._scene().wavelength_nm
+        return inner
 
     @property
     def metrics(self) -> list[str]:
@@ -68,8 +88,8 @@ class Evaluated(Lookup[NDArray[np.float64]]):
 
     @cached_property
     def values(self) -> NDArray[np.float64]:
-        """The metrics, shape [designs..., metric]; NaN where one is not defined."""
-        flat = np.empty((self._grid.size, len(self.metrics)))
+        """The metrics, of shape ``shape``; NaN where one is not defined."""
+        flat = np.empty((self._grid.size, *map(len, self._inner.values())))
         start = 0
         for address in self._order:
             known, _ = self._found.get(address, (None, []))
@@ -100,70 +120,140 @@ class Evaluated(Lookup[NDArray[np.float64]]):
         return errors
 
     def __getitem__(self, metric: str) -> NDArray[np.float64]:
-        """Returns one metric, shape [designs...].
+        """Returns one metric, shape [designs...], with axes for several views and for the wavelengths of a spectrum.
 
         Raises:
             KeyError: if it was not requested.
         """
-        if metric not in self.metrics:
+        known = {_metadata.flat(name): name for name in self.metrics} | {name: name for name in self.metrics}
+        if metric not in known:
             raise KeyError(f"{metric!r} was not requested; the metrics are {', '.join(self.metrics)}")
-        return self.values[..., self.metrics.index(metric)]
+        axis = len(self._grid.shape) + list(self._inner).index("metric")
+        return self.values[(slice(None),) * axis + (self.metrics.index(known[metric]),)]
 
-    def _variables(self) -> dict[str, NDArray[Any]]:
-        return as_names(self._grid.columns)
+    def _variables(self, names: Names | None = None) -> dict[str, NDArray[Any]]:
+        """Returns the columns of the variables by their names in tables."""
+        short = self._short if names is None else short_names(names, list(self._grid.columns))
+        return {short[name]: column for name, column in as_names(self._grid.columns).items()}
 
-    def to_pandas(self) -> pandas.DataFrame:
-        """Returns a table with a row for each design: its variables and metrics."""
+    def _attributes(self, names: Names | None = None) -> dict[str, dict[str, str]]:
+        """Returns the attributes of the variables by their names in tables."""
+        return dict(zip(self._variables(names), map(attributes, self._grid.columns), strict=True))
+
+    def to_pandas(self, names: Names | None = None) -> pandas.DataFrame:
+        """Returns a table with a row for each design: its variables and metrics.
+
+        Args:
+            names: short names of the variables, ``{key: name}`` or a list; by default those of the call that made the result.
+
+        Returns:
+            The table. With several views, it has a row for each view of a design; with spectra, for each wavelength.
+
+        Raises:
+            ImportError: if pandas is not installed.
+        """
         import pandas
 
-        shape = self._grid.shape
-        table = {name: np.broadcast_to(column, shape).reshape(-1) for name, column in self._variables().items()}
-        flat = self.values.reshape(-1, len(self.metrics))
-        return pandas.DataFrame({**table, **{name: flat[:, at] for at, name in enumerate(self.metrics)}})
+        shape = (*self._grid.shape, *(len(labels) for axis, labels in self._inner.items() if axis != "metric"))
+        others = [axis for axis in self._inner if axis != "metric"]
+        table = {
+            name: np.broadcast_to(column.reshape(column.shape + (1,) * len(others)), shape).reshape(-1)
+            for name, column in self._variables(names).items()
+        }
+        for at, axis in enumerate(others):
+            labels = np.asarray(self._inner[axis]).reshape((-1,) + (1,) * (len(others) - at - 1))
+            table[axis] = np.broadcast_to(labels, shape).reshape(-1)
+        return pandas.DataFrame({**table, **{name: self[name].reshape(-1) for name in self.metrics}})
 
-    def to_xarray(self) -> xarray.Dataset:
-        """Returns the metrics over the variables.
+    def to_xarray(self, names: Names | None = None, *, by_state: bool = True) -> xarray.Dataset:
+        """Returns the metrics over the variables, with units and long names.
 
-        An axis has the name of a variable if only this one varies along it, otherwise ``design``. Axes of xarray arrays keep their
-        names.
+        An axis has the name of a variable if only this one varies along it, otherwise ``design``. Axes of xarray arrays keep their names.
+        The attribute ``key`` of a coordinate is the key of the scenario. Variables and dimensions are those of `Result.to_xarray`
+        (``Y`` over ``state``), so that the two can be joined.
+
+        Args:
+            names: short names of the variables, ``{key: name}`` or a list; by default those of the call that made the result.
+            by_state: whether metrics of states are arrays over ``state``; False: an array for each metric and state, ``white_Y``.
+
+        Returns:
+            A Dataset; metrics that were not requested for a state are NaN.
+
+        Raises:
+            ImportError: if xarray is not installed.
         """
         import xarray
 
+        dimensions, coordinates = self._axes(names)
+        scene = self._question.scenario._scene()
+        inner = [axis for axis in self._inner if axis != "metric"]
+        if "view" in inner:
+            angles = np.array([scene.views[view] for view in self._inner["view"]]).T
+            coordinates |= {name: ("view", values, _metadata.angle(name)) for name, values in zip(("theta_deg", "phi_deg"), angles, strict=True)}
+        if "wavelength_nm" in inner:
+            coordinates["wavelength_nm"] = ("wavelength_nm", np.array(self._inner["wavelength_nm"]), _metadata.WAVELENGTH)
+        data: dict[str, Any] = {}
+        of_states: dict[str, dict[str, NDArray[np.float64]]] = {}
+        for name in self.metrics:
+            state, _, metric = name.rpartition(".")
+            if by_state and state:
+                of_states.setdefault(metric, {})[state] = self[name]
+            else:
+                data[_metadata.flat(name)] = ((*dimensions, *inner), self[name].copy(), _metadata.attributes(name))
+        if of_states:
+            states = list(dict.fromkeys(state for each in of_states.values() for state in each))
+            coordinates["state"] = ("state", states, _metadata.STATE)
+            at = len(dimensions) + ("view" in inner)
+            for metric, each in of_states.items():
+                missing = np.full_like(next(iter(each.values())), np.nan)
+                stacked = np.stack([each.get(state, missing) for state in states], axis=at)
+                over = [axis for axis in ("view", "state", "wavelength_nm") if axis == "state" or axis in inner]
+                data[_metadata.flat(metric)] = ((*dimensions, *over), stacked, _metadata.attributes(metric))
+        clash = [str(name) for name in {*dimensions, *coordinates} & data.keys()]
+        if clash:
+            raise ArgumentError(f"names: {clash[0]!r} is the name of a metric; expected other names of variables")
+        return xarray.Dataset(data, coordinates, self._about())
+
+    def _axes(self, names: Names | None) -> tuple[list[Any], dict[Any, Any]]:
+        """Returns the dimensions of the designs, and the coordinates of the variables."""
+        variables, about = self._variables(names), self._attributes(names)
+        shape = self._grid.shape
+        padded = {name: column.reshape((1,) * (len(shape) - column.ndim) + column.shape) for name, column in variables.items()}
+        along = {name: [at for at, length in enumerate(column.shape) if length > 1 or shape[at] == 1] for name, column in padded.items()}
         if self._grid.dims is not None:
-            return self._labelled(self._grid.dims)
+            dimensions: list[Any] = list(self._grid.dims.names)
+            coordinates: dict[Any, Any] = dict(self._grid.dims.coordinates)
+        else:
+            dimensions, coordinates = [f"design_{at}" for at in range(len(shape))] if len(shape) != 1 else ["design"], {}
+            for name, axes in along.items():
+                alone = [at for at in axes if sum(at in others for others in along.values()) == 1]
+                if len(axes) == 1 and alone:
+                    dimensions[axes[0]] = name
+        for name, column in padded.items():
+            values = column.reshape([column.shape[at] for at in along[name]])
+            coordinates[name] = ([dimensions[at] for at in along[name]], values, about[name])
+        return dimensions, coordinates
 
-        dimensions = [f"design_{at}" for at in range(len(self._grid.shape))]
-        if len(dimensions) == 1:
-            dimensions = ["design"]
-        padded = {
-            name: column.reshape((1,) * (len(dimensions) - column.ndim) + column.shape)
-            for name, column in self._variables().items()
-        }
-        along = {
-            name: [at for at, length in enumerate(column.shape) if length > 1 or self._grid.shape[at] == 1]
-            for name, column in padded.items()
-        }
-        for name, axes in along.items():
-            alone = [at for at in axes if sum(at in others for others in along.values()) == 1]
-            if len(axes) == 1 and alone:
-                dimensions[axes[0]] = name
-        coordinates = {
-            name: ([dimensions[at] for at in along[name]], np.squeeze(column, axis=tuple(at for at in range(column.ndim) if at not in along[name])))
-            for name, column in padded.items()
-        }
-        data = {_metadata.flat(name): (dimensions, self[name].copy(), _metadata.attributes(name)) for name in self.metrics}
-        return xarray.Dataset(data, coordinates, self._about())
-
-    def _labelled(self, dims: Dims) -> xarray.Dataset:
-        """Returns the metrics over the dimensions of variables that are xarray arrays."""
-        import xarray
-
-        names, coordinates = dims.names, dict(dims.coordinates)
-        for name, column in self._variables().items():
-            at = [axis for axis in range(column.ndim) if column.shape[axis] > 1 or self._grid.shape[axis] == 1]
-            coordinates[name] = ([names[axis] for axis in at], column.reshape([column.shape[axis] for axis in at]))
-        data = {_metadata.flat(name): (names, self[name].copy(), _metadata.attributes(name)) for name in self.metrics}
-        return xarray.Dataset(data, coordinates, self._about())
+    def figures(self) -> dict[str, Figure]:
+        """Returns a figure of each metric, by its name: a curve over one axis, or a map over two; none for other shapes and spectra."""
+        dimensions, coordinates = self._axes(None)
+        axes = [coordinates.get(name) for name in dimensions]
+        is_map = len(axes) == 2 and self._grid.size <= plot.MOST_CELLS
+        if list(self._inner) != ["metric"] or not (len(axes) == 1 or is_map) or not all(isinstance(axis, tuple) for axis in axes):
+            return {}
+        figures = {}
+        for name in self.metrics:
+            labels = [_metadata.label(axis[2]) for axis in axes if axis is not None]
+            lines = [axis[1] for axis in axes if axis is not None]
+            what = _metadata.label(_metadata.attributes(name))
+            if not np.isfinite(self[name]).any() or (len(lines) == 1 and lines[0].dtype.kind == "U"):
+                continue
+            if len(lines) == 1:
+                svg = plot.curves(lines[0], {name: self[name]}, x_label=labels[0], y_label=what).svg
+            else:
+                svg = plot.map(lines[1], lines[0], self[name], x_label=labels[1], y_label=labels[0], name=what).svg
+            figures[name] = Figure(_metadata.flat(name), svg)
+        return figures
 
     def _about(self) -> dict[str, Any]:
         about = {"papilio": self._question.version, "hash": self._question.hash, "view": self._question.view}

@@ -15,10 +15,14 @@ from .figure import Figure
 
 __all__ = ["curves", "map"]
 
+
+def __dir__() -> list[str]:
+    return __all__
+
 _KINDS = ("line", "dashed", "points")
 
 #: The largest number of cells in a map; larger figures are too large for a page.
-_MOST_CELLS = 10_000
+MOST_CELLS = 10_000
 
 
 def curves(
@@ -64,8 +68,8 @@ def map(  # noqa: A001 (the field's word)
     across, up = _texts("x", x), _texts("y", y)
     if cells.shape != (len(up), len(across)):
         raise ArgumentError(f"values: expected shape {(len(up), len(across))}, one number for each y and x, not {cells.shape}")
-    if cells.size > _MOST_CELLS:
-        raise ArgumentError(f"values: expected at most {_MOST_CELLS} cells, not {cells.size}")
+    if cells.size > MOST_CELLS:
+        raise ArgumentError(f"values: expected at most {MOST_CELLS} cells, not {cells.size}")
     flat: list[float] = cells.reshape(-1).tolist()
     labels = {"x_label": x_label, "y_label": y_label, "title": title, "name": name}
     words = {of: text(of, label, "text") for of, label in labels.items()}

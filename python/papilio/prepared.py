@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Hashable, Iterable, Mapping, Sequence
 from os import PathLike
-from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar, overload
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple, Protocol, TypeVar, cast, overload
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -14,31 +14,57 @@ from numpy.typing import ArrayLike, NDArray
 from . import _arguments, _messages, _papilio
 from ._arguments import described, text, whole
 from ._dims import Dims, crossed
+from ._keys import Keys, Names, joined
 from ._toml import plain
 from .errors import ArgumentError, DesignError
 from .result import Result
-from .running import Progress, checked_progress, checked_threads, with_solver
+from .running import Progress, checked_threads, reporting, with_solver
 from .scenario import Scenario, read
 
 if TYPE_CHECKING:
     import xarray
 
-__all__ = ["AnyKeys", "Keys", "Prepared", "metric_names"]
+    from .evaluated import Evaluated
+
+__all__ = ["AnyKeys", "Keys", "OnError", "Prepared", "Table", "View", "metric_names"]
 
 _Answer = TypeVar("_Answer")
 
-#: One key of a scenario, or several keys with a common value.
-Keys = str | tuple[str, ...]
-
 #: The key type of a mapping. A type variable is necessary because mappings are invariant in their keys.
 AnyKeys = TypeVar("AnyKeys", bound=Keys)
+
+#: Index of a view, several of them, or all.
+View = int | Sequence[int] | Literal["all"]
+
+#: Treatment of invalid designs.
+OnError = Literal["raise", "nan"]
+
+#: End of the names of spectra.
+SPECTRUM = ".reflectance_factor"
 
 #: Invalid designs: the index of each, and the reason.
 Skipped = list[tuple[int, str]]
 
 
+class Table(Protocol):
+    """A pandas DataFrame."""
+
+    @property
+    def columns(self) -> Any: ...
+    def items(self) -> Iterable[tuple[Hashable, Any]]: ...
+
+
 def metric_names() -> list[str]:
-    """Returns the names of the metrics of designs; metrics of states are listed for the state ``white``."""
+    """Returns the names of the metrics of designs.
+
+    Returns:
+        Names of metrics of a view (``"contrast_ratio"``), and of metrics of states, which are listed for the state ``white``
+        (``"white.Y"``). `Prepared.evaluate` also accepts the spectra ``"white.reflectance_factor"``.
+
+    Example:
+        >>> "white.Y" in papilio.metric_names()
+        True
+    """
     return _papilio.metric_names()
 
 
@@ -95,11 +121,26 @@ class Prepared:
         values: Mapping[str, Any] | None = None,
         *,
         threads: int | None = None,
-        progress: Progress | None = None,
+        progress: Progress | bool | None = None,
     ) -> Result:
-        """Computes the full result of one design: the scenario with ``{path: value}`` set; see `papilio.run`."""
+        """Computes the full result of one design.
+
+        Args:
+            values: values to set in the scenario, ``{path: value}``; None: the scenario as it is.
+            threads: number of threads; None: one for each processor. The results do not depend on it.
+            progress: function that is called a few times a second, or True for a line on the terminal.
+
+        Returns:
+            The result of `papilio.run`, to the last bit.
+
+        Example:
+            >>> prepared = papilio.Prepared("scenarios/indoor.toml")
+            >>> bool(prepared.run({"display.diffuser.haze": 0.6})["white.Y"][0] > 0.5)
+            True
+        """
         changed = self._scenario.with_values(with_solver(values)) if values else self._scenario
-        core = self._core.run(changed._scene(), checked_threads(threads), checked_progress(progress))
+        with reporting(progress, "views") as tell:
+            core = self._core.run(changed._scene(), checked_threads(threads), tell)
         _messages.warn(core.warnings())
         return Result(core, changed.title)
 
@@ -109,58 +150,108 @@ class Prepared:
         variables: Mapping[AnyKeys, xarray.DataArray],
         metrics: Sequence[str],
         *,
-        view: int = 0,
+        view: View = 0,
         threads: int | None = None,
-        progress: Progress | None = None,
+        progress: Progress | bool | None = None,
     ) -> xarray.DataArray: ...
     @overload
     def evaluate(
         self,
-        variables: Mapping[AnyKeys, ArrayLike],
+        variables: Mapping[AnyKeys, ArrayLike] | Table,
         metrics: Sequence[str],
         *,
-        view: int = 0,
+        view: View = 0,
         threads: int | None = None,
-        progress: Progress | None = None,
+        progress: Progress | bool | None = None,
     ) -> NDArray[np.float64]: ...
     def evaluate(
         self,
-        variables: Mapping[AnyKeys, ArrayLike],
+        variables: Mapping[AnyKeys, ArrayLike] | Table,
         metrics: Sequence[str],
         *,
-        view: int = 0,
+        view: View = 0,
         threads: int | None = None,
-        progress: Progress | None = None,
+        progress: Progress | bool | None = None,
     ) -> Any:
-        """Computes metrics of many designs in one call, shape [designs..., metric]; NaN where undefined.
-
-        xarray arrays broadcast by their dimensions, and the result is a DataArray over these and ``metric``.
+        """Computes metrics of many designs in one call; `sweep` returns them with labelled axes.
 
         Args:
-            variables: keys (``display.pixel.gap_nm.red``), or tuples of keys with a common value, with arrays of
-                values that broadcast to ``designs...`` by numpy's rules. Values are numbers in the key's own unit, or
-                strings (the names of materials).
-            metrics: names of `metric_names`: "gamut_percent_srgb", "white.Y".
-            view: index of one of the scenario's views, from 0.
+            variables: keys (``display.pixel.gap_nm.red``), or tuples of keys with a common value, with arrays of values that broadcast
+                to ``designs...`` by numpy's rules; or a DataFrame with keys as columns. Values are numbers in the key's own unit, or
+                strings (the names of materials). xarray arrays broadcast by their dimensions.
+            metrics: names of `metric_names`: "gamut_percent_srgb", "white.Y". Spectra instead of numbers: "white.reflectance_factor".
+            view: index of one of the scenario's views, from 0; a list of indices, or "all".
             threads: number of threads; None: one for each processor. The results do not depend on it.
-            progress: function that is called a few times a second.
+            progress: function that is called a few times a second, or True for a line on the terminal.
+
+        Returns:
+            Shape [designs..., metric]; with a list of views or "all" [designs..., view, metric]; spectra have the wavelengths of the
+            scenario as a further, last axis. NaN where undefined. A DataArray if the variables are xarray arrays.
 
         Raises:
             ArgumentError: if an argument is invalid; the message names it.
             DesignError: for the first invalid design, with the reason.
             KeyboardInterrupt: on Ctrl-C, within about a second.
+
+        Example:
+            >>> prepared = papilio.Prepared("scenarios/indoor.toml", set={"viewer.theta_deg": [0, 30]})
+            >>> gaps = {"display.pixel.gap_nm.red": [265.0, 275.9, 285.0]}
+            >>> prepared.evaluate(gaps, ["red.Y", "gamut_percent_srgb"], view="all").shape
+            (3, 2, 2)
+            >>> prepared.evaluate(gaps, ["red.reflectance_factor"]).shape
+            (3, 1, 81)
         """
-        call = self._call(variables, metrics, view, threads, progress)
-        found = call.array(call.answer(call.batch.evaluate)[0])
-        return found if call.dims is None else call.dims.labelled(found, metric=list(metrics))
+        call = self._call(variables, metrics, view, threads)
+        with reporting(progress, "designs") as tell:
+            found = call.array(call.answer(call.batch.evaluate, tell)[0])
+        return found if call.dims is None else call.dims.labelled(found, **call.labels)
 
     def _skipping(
-        self, variables: Mapping[AnyKeys, ArrayLike], metrics: Sequence[str], view: int, threads: int | None
+        self, variables: Mapping[AnyKeys, ArrayLike], metrics: Sequence[str], view: View, threads: int | None, tell: Progress | None = None
     ) -> tuple[NDArray[np.float64], Skipped]:
         """Computes as `evaluate`, with NaN for invalid designs; also returns their indices and the reasons."""
-        call = self._call(variables, metrics, view, threads, None)
-        values, skipped = call.batch.evaluate(call.designs, call.many, call.threads, None, skip=True)
+        call = self._call(variables, metrics, view, threads)
+        values, skipped = call.batch.evaluate(call.designs, call.many, call.threads, tell, skip=True)
         return call.array(values), skipped
+
+    def sweep(
+        self,
+        axes: Mapping[AnyKeys, ArrayLike],
+        metrics: Sequence[str],
+        *,
+        view: View = 0,
+        names: Names | None = None,
+        threads: int | None = None,
+        on_error: OnError = "raise",
+        progress: Progress | bool | None = None,
+    ) -> Evaluated:
+        """Computes metrics at every combination of values, with labelled axes.
+
+        Args:
+            axes: keys, or tuples of keys with a common value, with one-dimensional values: numbers or strings.
+            metrics: names of `metric_names`: "gamut_percent_srgb", "white.Y". Spectra instead of numbers: "white.reflectance_factor".
+            view: index of one of the scenario's views, from 0; a list of indices, or "all".
+            names: short names of the axes in tables, ``{key: name}`` or a list; by default the keys.
+            threads: number of threads; None: one for each processor. The results do not depend on it.
+            on_error: "raise": an invalid design ends the call; "nan": its metrics are NaN, and ``errors`` of the result has its index
+                and the reason.
+            progress: function that is called a few times a second, or True for a line on the terminal.
+
+        Returns:
+            The metrics: ``found["white.Y"]``, ``to_xarray()`` with units and long names, ``to_pandas()``, ``figures()``.
+
+        Raises:
+            ArgumentError, DesignError, KeyboardInterrupt: as for `evaluate`.
+
+        Example:
+            >>> prepared = papilio.Prepared("scenarios/indoor.toml")
+            >>> found = prepared.sweep({"display.pixel.gap_nm.red": [265.0, 275.9]}, ["red.Y"], names=["red_gap"])
+            >>> found.to_xarray().Y.sel(state="red").dims
+            ('red_gap',)
+        """
+        from ._sweeps import swept
+
+        return swept(self, axes, metrics, view, names, threads, on_error, progress)
 
     @overload
     def derivatives(
@@ -168,80 +259,113 @@ class Prepared:
         variables: Mapping[AnyKeys, xarray.DataArray],
         metrics: Sequence[str],
         *,
-        view: int = 0,
+        view: View = 0,
         threads: int | None = None,
-        progress: Progress | None = None,
+        progress: Progress | bool | None = None,
     ) -> tuple[xarray.DataArray, xarray.DataArray]: ...
     @overload
     def derivatives(
         self,
-        variables: Mapping[AnyKeys, ArrayLike],
+        variables: Mapping[AnyKeys, ArrayLike] | Table,
         metrics: Sequence[str],
         *,
-        view: int = 0,
+        view: View = 0,
         threads: int | None = None,
-        progress: Progress | None = None,
+        progress: Progress | bool | None = None,
     ) -> tuple[NDArray[np.float64], NDArray[np.float64]]: ...
     def derivatives(
         self,
-        variables: Mapping[AnyKeys, ArrayLike],
+        variables: Mapping[AnyKeys, ArrayLike] | Table,
         metrics: Sequence[str],
         *,
-        view: int = 0,
+        view: View = 0,
         threads: int | None = None,
-        progress: Progress | None = None,
+        progress: Progress | bool | None = None,
     ) -> Any:
-        """Computes metrics of many designs and their derivatives: shapes [designs..., metric] and [designs..., metric, variable].
+        """Computes metrics of many designs and their derivatives with respect to the variables.
 
-        The derivative is that of the metric with respect to the variable (for several keys: their common value), per unit of the
-        variable; NaN where undefined, 0 for variables with strings. Derivatives with respect to numbers of a film pixel are exact;
-        the others are central differences.
+        Derivatives with respect to numbers of a film pixel are exact; the others are central differences.
 
-        Arguments and errors are those of `evaluate`.
+        Args:
+            variables: keys, or tuples of keys with a common value, with arrays of values, as for `evaluate`.
+            metrics: names of metrics, or of spectra, as for `evaluate`.
+            view: index of a view; a list of indices, or "all".
+            threads: number of threads; None: one for each processor. The results do not depend on it.
+            progress: function that is called a few times a second, or True for a line on the terminal.
+
+        Returns:
+            The metrics, as `evaluate` returns them, and their derivatives per unit of each variable, which are along one more, last
+            axis; NaN where undefined, 0 for variables with strings. DataArrays if the variables are xarray arrays.
+
+        Raises:
+            ArgumentError, DesignError, KeyboardInterrupt: as for `evaluate`.
+
+        Example:
+            >>> prepared = papilio.Prepared("scenarios/indoor.toml")
+            >>> values, slopes = prepared.derivatives({"display.pixel.gap_nm.red": [265.0, 275.9]}, ["red.Y"])
+            >>> values.shape, slopes.shape
+            ((2, 1), (2, 1, 1))
         """
-        call = self._call(variables, metrics, view, threads, progress)
-        values, slopes = call.answer(call.batch.derivatives)
-        found, steep = call.array(values), call.array(slopes, len(variables))
+        call = self._call(variables, metrics, view, threads)
+        with reporting(progress, "designs") as tell:
+            values, slopes = call.answer(call.batch.derivatives, tell)
+        found, steep = call.array(values), call.array(slopes, len(call.variables))
         if call.dims is None:
             return found, steep
-        names = [", ".join(_keys(keys)) for keys in variables]
-        return call.dims.labelled(found, metric=list(metrics)), call.dims.labelled(steep, metric=list(metrics), variable=names)
+        return call.dims.labelled(found, **call.labels), call.dims.labelled(steep, **call.labels, variable=call.variables)
 
     def _call(
-        self,
-        variables: Mapping[AnyKeys, ArrayLike],
-        metrics: Sequence[str],
-        view: int,
-        threads: int | None,
-        progress: Progress | None,
+        self, variables: Mapping[AnyKeys, ArrayLike] | Table, metrics: Sequence[str], view: View, threads: int | None
     ) -> _Call:
         """Checks the arguments of a call."""
         asked = checked_metrics(metrics)
-        arrays, choices, dims = _split(variables)
+        arrays, choices, keys, dims = _split(variables)
         shape = _arguments.common_shape(arrays) if arrays else ()
-        at = whole("view", view, 0, 4999)
+        views, is_list = self._views(view)
+        scene = self._scenario._scene()
+        inner: dict[str, Any] = {"view": views} if is_list else {}
+        inner["metric"] = asked
+        if _are_spectra(asked):
+            inner["wavelength_nm"] = scene.wavelength_nm
         designs = np.stack([np.broadcast_to(array, shape) for array in arrays.values()], axis=-1) if arrays else np.zeros((1, 0))
         return _Call(
-            self._batch([_keys(keys) for keys in variables], choices, asked, at),
+            self._batch([_parts(one) for one in keys], choices, asked, views),
             np.ascontiguousarray(designs).reshape(-1),
             shape,
-            len(asked),
+            inner,
+            [joined(one) for one in keys],
             checked_threads(threads) or os.cpu_count() or 1,
-            checked_progress(progress),
             dims,
         )
 
+    def _views(self, view: View) -> tuple[list[int], bool]:
+        """Returns the indices of views, and whether they are an axis of the result."""
+        count = len(self._scenario._scene().views)
+        if isinstance(view, str):
+            _arguments.one_of("view", view, ("all",))
+            return list(range(count)), True
+        is_list = isinstance(view, (list, tuple, range)) or (isinstance(view, np.ndarray) and view.ndim == 1)
+        if is_list:
+            found = [whole("view", one, 0, 4999) for one in cast(Sequence[int], view)]
+            if not found or len(set(found)) < len(found):
+                raise ArgumentError(f"view: expected different indices of views, at least one, not {described(view)}")
+        else:
+            found = [whole("view", view, 0, 4999)]
+        for one in found:
+            if one >= count:
+                raise ArgumentError(f"view: expected 0 to {count - 1}, not {one}")
+        return found, is_list
+
     def _batch(
-        self, keys: list[tuple[str, ...]], choices: list[list[Any] | None], metrics: list[str], view: int
+        self, keys: list[tuple[str, ...]], choices: list[list[Any] | None], metrics: list[str], views: list[int]
     ) -> _papilio.Batch:
         """Returns the batch evaluator for this request; it reuses its kernels in later calls."""
         written = [None if some is None else json.dumps(some) for some in choices]
-        question = (tuple(keys), tuple(written), tuple(metrics), view)
+        question = (tuple(keys), tuple(written), tuple(metrics), tuple(views))
         if question not in self._batches:
-            text, name, folder, files = self._scenario._state()
             self._batches = {
                 question: _papilio.Batch(
-                    self._scenario._scene(), text, name, folder, files, list(zip(keys, written, strict=True)), metrics, view
+                    self._scenario._scene(), *self._scenario._state(), list(zip(keys, written, strict=True)), metrics, views
                 )
             }
         return self._batches[question]
@@ -263,9 +387,11 @@ class _Call(NamedTuple):
     batch: _papilio.Batch
     designs: NDArray[np.float64]
     shape: tuple[int, ...]
-    metrics: int
+    #: Names and labels of the axes after those of the designs.
+    labels: dict[str, Any]
+    #: Names of the variables.
+    variables: list[str]
     threads: int
-    progress: Progress | None
     #: The dimensions, if the variables are xarray arrays.
     dims: Dims | None
 
@@ -274,18 +400,18 @@ class _Call(NamedTuple):
         """The number of designs."""
         return int(np.prod(self.shape, dtype=np.int64))
 
-    def answer(self, of: Callable[[NDArray[np.float64], int, int, Progress | None], _Answer]) -> _Answer:
+    def answer(self, of: Callable[[NDArray[np.float64], int, int, Progress | None], _Answer], tell: Progress | None) -> _Answer:
         """Calls the batch; a `DesignError` gets the index of the design in the arrays."""
         try:
-            return of(self.designs, self.many, self.threads, self.progress)
+            return of(self.designs, self.many, self.threads, tell)
         except DesignError as error:
             flat = error.design if isinstance(error.design, int) else 0
             at = tuple(int(i) for i in np.unravel_index(flat, self.shape)) if self.shape else ()
             raise DesignError(error.args[0], at) from None
 
     def array(self, flat: NDArray[np.float64], *inner: int) -> NDArray[np.float64]:
-        """Returns flat numbers with the axes of designs and metrics."""
-        return flat.reshape(*self.shape, self.metrics, *inner)
+        """Returns flat numbers with the axes of designs, views, metrics and wavelengths."""
+        return flat.reshape(*self.shape, *map(len, self.labels.values()), *inner)
 
 
 def checked_metrics(metrics: Sequence[str]) -> list[str]:
@@ -300,19 +426,34 @@ def checked_metrics(metrics: Sequence[str]) -> list[str]:
     return [text("metrics", name, "names such as gamut_percent_srgb or white.Y") for name in names]
 
 
-def _keys(keys: Keys) -> tuple[str, ...]:
+def _are_spectra(metrics: Sequence[str]) -> bool:
+    """Returns whether metrics are spectra.
+
+    Raises:
+        ArgumentError: if only some of them are.
+    """
+    spectra = [name for name in metrics if name.endswith(SPECTRUM)]
+    numbers = [name for name in metrics if not name.endswith(SPECTRUM)]
+    if spectra and numbers:
+        raise ArgumentError(f"metrics: {spectra[0]} is a spectrum, {numbers[0]} a number; expected either spectra or numbers in one call")
+    return bool(spectra)
+
+
+def _parts(keys: Keys) -> tuple[str, ...]:
     return (keys,) if isinstance(keys, str) else tuple(keys)
 
 
-def columns(variables: Mapping[AnyKeys, ArrayLike]) -> tuple[dict[Keys, NDArray[Any]], Dims | None]:
+def columns(variables: Mapping[AnyKeys, ArrayLike] | Table) -> tuple[dict[Keys, NDArray[Any]], Dims | None]:
     """Returns the numbers or strings of each variable so that they broadcast, and the dimensions of xarray arrays."""
+    if not isinstance(variables, Mapping) and hasattr(variables, "columns") and hasattr(variables, "items"):
+        variables = {str(name): column.to_numpy() for name, column in variables.items()}  # a DataFrame
     if not isinstance(variables, Mapping):
-        raise ArgumentError(f"variables: expected a dict of keys and arrays, not {described(variables)}")
+        raise ArgumentError(f"variables: expected a dict of keys and arrays, or a DataFrame with keys as columns, not {described(variables)}")
     varied: set[str] = set()
     for keys in variables:
         if not isinstance(keys, (str, tuple)) or not keys:
             raise ArgumentError(f"variables: expected a key such as display.pixel.gap_nm.red, or a tuple of keys, not {described(keys)}")
-        for path in _keys(keys):
+        for path in _parts(keys):
             text("variables", path, "a key such as display.pixel.gap_nm.red")
             if path in varied:
                 raise ArgumentError(f"variables: expected each key once; {path} is given twice")
@@ -328,11 +469,13 @@ def columns(variables: Mapping[AnyKeys, ArrayLike]) -> tuple[dict[Keys, NDArray[
 
 def named(keys: Keys) -> str:
     """Returns the name of a variable for errors."""
-    return f"variables[{', '.join(_keys(keys))!r}]"
+    return f"variables[{joined(keys)!r}]"
 
 
-def _split(variables: Mapping[AnyKeys, ArrayLike]) -> tuple[dict[str, NDArray[np.float64]], list[list[Any] | None], Dims | None]:
-    """Returns the numbers of each variable, its choices if its values are strings, and the dimensions of xarray arrays."""
+def _split(
+    variables: Mapping[AnyKeys, ArrayLike] | Table,
+) -> tuple[dict[str, NDArray[np.float64]], list[list[Any] | None], list[Keys], Dims | None]:
+    """Returns the numbers of each variable, its choices if its values are strings, its keys, and the dimensions of xarray arrays."""
     arrays: dict[str, NDArray[np.float64]] = {}
     choices: list[list[Any] | None] = []
     found, dims = columns(variables)
@@ -344,7 +487,7 @@ def _split(variables: Mapping[AnyKeys, ArrayLike]) -> tuple[dict[str, NDArray[np
         else:
             choices.append(None)
             arrays[named(keys)] = values
-    return arrays, choices, dims
+    return arrays, choices, list(found), dims
 
 
 def _strings(values: ArrayLike) -> NDArray[np.str_] | None:
@@ -355,4 +498,6 @@ def _strings(values: ArrayLike) -> NDArray[np.str_] | None:
         words = np.asarray(values)
     except ValueError:
         return None
+    if words.dtype.kind == "O" and words.size and all(isinstance(word, str) for word in words.flat):  # a DataFrame's column
+        words = words.astype(np.str_)
     return words if words.dtype.kind == "U" else None

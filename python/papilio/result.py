@@ -43,10 +43,11 @@ class Result(ByName[NDArray[np.float64]]):
         result["reflectance_factor"]        # shape [view, state, wavelength]
         result["standard_error.Y"]          # one sigma; "discretisation_error.Y" of adding
 
-    Undefined values are NaN. Arrays are read-only; ``result[name].copy()`` is writable. ``keys()``, iteration and ``dict(result)``
-    cover the arrays of all states; ``in`` and ``get`` also accept those of one state (``"white.Y"``). A result can be copied and
-    pickled, and then needs neither its scenario nor its files. A notebook shows a table, warnings and notes, and the overview
-    figure of the first view.
+    Undefined values are NaN. Arrays are read-only; ``result[name].copy()`` is writable. ``keys()``, iteration and ``dict(result)`` have
+    the names of ``to_xarray()`` and ``to_pandas()``: ``Y_standard_error``, with underscores for dots and the kind of error last. ``[]``,
+    ``in`` and ``get`` accept these, the names of ``result.json``, and the arrays of one state (``"white.Y"``). A result can be copied
+    and pickled, and then needs neither its scenario nor its files. A notebook shows a table, warnings and notes, and the overview figure
+    of the first view.
     """
 
     def __init__(self, core: _papilio.RunResult | RunSnapshot, title: str = "") -> None:
@@ -83,9 +84,19 @@ class Result(ByName[NDArray[np.float64]]):
     def _arrays(self) -> tuple[_Arrays, _Arrays]:
         return _snapshots.read_only_arrays(self._core.arrays())
 
+    @cached_property
+    def _canonical(self) -> dict[str, str]:
+        """Names in ``result.json``, by themselves and by the names in tables."""
+        names = [*self._arrays[0], *self._arrays[1]]
+        return {_metadata.flat(name): name for name in names} | {name: name for name in names}
+
     def _names(self) -> Iterable[str]:
         together, alone = self._arrays
-        return [*together, *alone]
+        return [_metadata.flat(name) for name in (*together, *alone)]
+
+    def _known(self, name: str) -> str | None:
+        """Returns the name in ``result.json`` of a quantity; None if there is none."""
+        return self._canonical.get(name) or self._canonical.get(_metadata.long_error(name))
 
     def __getitem__(self, name: str) -> NDArray[np.float64]:
         """Returns a quantity by its name; see the class.
@@ -94,18 +105,30 @@ class Result(ByName[NDArray[np.float64]]):
             KeyError: if there is no such quantity.
         """
         together, alone = self._arrays
-        if name in together:
-            return together[name]
-        if name in alone:
-            return alone[name]
-        state, _, rest = name.partition(".") if isinstance(name, str) else ("", "", "")
-        if state in self.states and rest in alone:
-            return alone[rest][:, self.states.index(state)]
-        known = [*together, *alone]
-        raise KeyError(f"{name!r}: there is no such metric; states are {', '.join(self.states)}, metrics {', '.join(known)}")
+        known = self._known(name) if isinstance(name, str) else None
+        if known is not None:
+            return together[known] if known in together else alone[known]
+        for at, state in enumerate(self.states if isinstance(name, str) else ()):
+            rest = self._known(name[len(state) + 1 :]) if name.startswith((f"{state}.", f"{state}_")) else None
+            if rest in alone:
+                return alone[rest][:, at]
+        known_names = list(self._names())
+        raise KeyError(f"{name!r}: there is no such metric; states are {', '.join(self.states)}, metrics {', '.join(known_names)}")
 
     def metrics(self, view: int = 0) -> dict[str, float]:
-        """Returns every scalar metric of a view by its name: ``{"contrast_ratio": ..., "white.Y": ...}``, without errors."""
+        """Returns every scalar metric of a view by its name, without errors.
+
+        Args:
+            view: index of the view, from 0.
+
+        Returns:
+            ``{"contrast_ratio": ..., "white.Y": ...}``; NaN where undefined.
+
+        Example:
+            >>> result = papilio.run("scenarios/indoor.toml")
+            >>> round(result.metrics()["white.Y"], 3)
+            0.586
+        """
         if not -len(self.views) <= view < len(self.views):
             raise ArgumentError(f"view: expected 0 to {len(self.views) - 1}, not {view!r}")
         together, alone = self._arrays
@@ -125,56 +148,99 @@ class Result(ByName[NDArray[np.float64]]):
         """The contents of ``result.json``; None where a number is undefined."""
         return dict(json.loads(self._core.json()))
 
-    def to_xarray(self) -> xarray.Dataset:
+    def to_xarray(self, *, directions: bool = False) -> xarray.Dataset:
         """Returns all quantities as a Dataset over ``view``, ``state`` and ``wavelength_nm``, with units and long names.
 
-        ``theta_deg`` and ``phi_deg`` are coordinates of ``view``; ``Y_standard_error`` is the error of ``Y``. The attributes
-        ``warnings`` and ``notes`` have one line for each.
+        Errors that the solver does not estimate are left out: standard errors of adding, discretisation errors of Monte Carlo. The
+        attributes ``warnings`` and ``notes`` have one line for each.
+
+        Args:
+            directions: whether the axes ``phi_deg`` and ``theta_deg`` replace ``view``, of which they are coordinates otherwise.
+
+        Returns:
+            The Dataset; ``Y_standard_error`` is the error of ``Y``.
 
         Raises:
             ImportError: if xarray is not installed.
+
+        Example:
+            >>> views = {"viewer.theta_deg": [0, 20, 40], "viewer.phi_deg": [0, 90]}
+            >>> arrays = papilio.run("scenarios/indoor.toml", set=views).to_xarray(directions=True)
+            >>> arrays.Y.sel(state="white", phi_deg=90).shape
+            (3,)
         """
         import xarray
 
         together, alone = self._arrays
+        angles = np.array(self.views).reshape(-1, 2).T
+        thetas, phis = (np.array(list(dict.fromkeys(one.tolist()))) for one in angles)
+        views, shape = (("phi_deg", "theta_deg"), (phis.size, thetas.size)) if directions else (("view",), (angles.shape[1],))
         data: dict[str, Any] = {}
-        for before, arrays in [(("view",), together), (("view", "state"), alone)]:
+        for before, arrays in [(views, together), ((*views, "state"), alone)]:
             for name, values in arrays.items():
-                inner = _metadata.inner_dimensions(name, values.ndim - len(before))
-                data[_metadata.flat(name)] = ((*before, *inner), values.copy(), _metadata.attributes(name))
+                if _metadata.parts(name)[1] is not None and np.isnan(values).all():
+                    continue
+                rest = values.shape[1:]
+                inner = _metadata.inner_dimensions(name, len(rest) + len(views) - len(before))
+                data[_metadata.flat(name)] = ((*before, *inner), values.copy().reshape(*shape, *rest), _metadata.attributes(name))
         white = self._core.radiance_of_white()
         data["radiance_of_white"] = (("wavelength_nm",), white.copy(), _metadata.attributes("radiance_of_white"))
-        angles = np.array(self.views).reshape(-1, 2).T
-        degrees = {"units": "degree"}
         coordinates: dict[str, Any] = {
-            "state": ("state", self.states, {"long_name": "drive state"}),
-            "wavelength_nm": ("wavelength_nm", self.wavelength_nm.copy(), {"units": "nm", "long_name": "wavelength in vacuum"}),
-            "theta_deg": ("view", angles[0], degrees | {"long_name": "inclination of the view"}),
-            "phi_deg": ("view", angles[1], degrees | {"long_name": "azimuth of the view"}),
+            "state": ("state", self.states, _metadata.STATE),
+            "wavelength_nm": ("wavelength_nm", self.wavelength_nm.copy(), _metadata.WAVELENGTH),
+            "theta_deg": ("theta_deg" if directions else "view", thetas if directions else angles[0], _metadata.angle("theta_deg")),
+            "phi_deg": ("phi_deg" if directions else "view", phis if directions else angles[1], _metadata.angle("phi_deg")),
         }
-        about = {key: self.data[key] for key in ("papilio", "hash", "seed")} | {"title": self.title}
+        about = dict(zip(("papilio", "hash", "seed"), self._core.about(), strict=True)) | {"title": self.title}
         return xarray.Dataset(data, coordinates, about | _messages.attributes(self.warnings, self.notes))
 
-    def to_pandas(self) -> pandas.DataFrame:
-        """Returns the table of ``states.csv``: a row for each view and state; ``Y_se`` and ``Y_de`` are the errors of ``Y``.
+    def to_pandas(self, *, short_errors: bool = False) -> pandas.DataFrame:
+        """Returns the table of ``states.csv``: a row for each view and state.
+
+        Args:
+            short_errors: whether columns of errors have the names of the file, ``Y_se`` and ``Y_de``.
+
+        Returns:
+            The table, with the index theta_deg, phi_deg, state. ``Y_standard_error`` and ``Y_discretisation_error`` are errors of ``Y``.
 
         Raises:
             ImportError: if pandas is not installed.
+
+        Example:
+            >>> table = papilio.run("scenarios/indoor.toml").to_pandas()
+            >>> round(float(table.xs("white", level="state").Y.iloc[0]), 3)
+            0.586
         """
         import csv
 
         import pandas
 
         header, *rows = csv.reader(self._core.states_csv().decode().splitlines())
-        table = pandas.DataFrame({name: _column(name, cells) for name, cells in zip(header, zip(*rows, strict=True), strict=True)})
-        return table.set_index(["theta_deg", "phi_deg", "state"])
+        names = ["theta_deg", "phi_deg", "state"]
+        at = [header.index(name) for name in names]
+        kept = [i for i in range(len(header)) if i not in at]
+        numbers = np.array([[float(row[i]) if row[i] else np.nan for i in kept] for row in rows])
+        index = pandas.MultiIndex.from_tuples([(float(row[at[0]]), float(row[at[1]]), row[at[2]]) for row in rows], names=names)
+        columns = [header[i] if short_errors else _metadata.long_error(header[i]) for i in kept]
+        return pandas.DataFrame(numbers.reshape(-1, len(kept)), index=index, columns=columns)
 
     def figures(self) -> dict[str, Figure]:
-        """Returns the figures of ``papilio run``, by name."""
+        """Returns the figures of ``papilio run``, by name.
+
+        Returns:
+            Figures with ``svg``, ``png()`` and ``save(path)``; a notebook shows them.
+        """
         return {name: Figure(name, svg) for name, svg in self._core.figures(self.title)}
 
     def save(self, folder: str | PathLike[str]) -> list[Path]:
-        """Writes ``result.json``, ``states.csv``, ``spectra.csv`` and the figures into a folder, which is created."""
+        """Writes ``result.json``, ``states.csv``, ``spectra.csv`` and the figures into a folder.
+
+        Args:
+            folder: the folder; it is created.
+
+        Returns:
+            The paths of the files.
+        """
         where = Path(folder)
         where.mkdir(parents=True, exist_ok=True)
         texts = {
@@ -207,8 +273,11 @@ class Result(ByName[NDArray[np.float64]]):
         shown = [name for name in _SHOWN if name in alone]
         head = "".join(f"<th>{html.escape(name)}</th>" for name in ("state", *shown))
         rows = ""
+        primaries = self.data["primaries"]
         for s, state in enumerate(self.states):
-            cells = "".join(f"<td>{_digits(alone[name][0, s])}</td>" for name in shown)
+            # The peak of a mixture of sub-pixels is that of one of its parts.
+            values = [np.nan if name == "peak_nm" and state not in primaries else float(alone[name][0, s]) for name in shown]
+            cells = "".join(f"<td>{_digits(value)}</td>" for value in values)
             rows += f"<tr><th>{html.escape(state)}</th>{cells}</tr>"
         together = [(name, values[0]) for name, values in self._arrays[0].items() if "." not in name]
         scalars = ", ".join(f"{name} {_digits(value)}" for name, value in together if np.isfinite(value))
@@ -219,10 +288,6 @@ class Result(ByName[NDArray[np.float64]]):
 
 def _restored(content: bytes, title: str) -> Result:
     return Result(_snapshots.unpack(content), title)
-
-
-def _column(name: str, cells: tuple[str, ...]) -> list[str] | list[float]:
-    return list(cells) if name == "state" else [float(cell) if cell else float("nan") for cell in cells]
 
 
 def _digits(value: float) -> str:

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
 from os import PathLike
 from typing import Any, Literal
 
@@ -33,7 +34,7 @@ def run(
     seed: int | None = None,
     threads: int | None = None,
     set: Mapping[str, Any] | None = None,
-    progress: Progress | None = None,
+    progress: Progress | bool | None = None,
 ) -> Result:
     """Computes the display that a scenario, or a scenario file, describes, as ``papilio run`` does.
 
@@ -42,8 +43,12 @@ def run(
         solver: ``"adding"`` or ``"monte-carlo"``; None: that of the scenario.
         seed: integer that selects the random numbers of the Monte Carlo solver; None: that of the scenario.
         threads: number of threads; None: one for each processor. The results do not depend on it.
-        set: values to set in the scenario first, ``{path: value}``; the `Scenario` itself is not changed.
-        progress: function that is called a few times a second with the progress of the run.
+        set: values to set in the scenario first, ``{path: value}``; the `Scenario` itself is not changed. Spectra and materials may
+            be arrays, as in `Scenario`.
+        progress: function that is called a few times a second with the progress of the run, or True for a line on the terminal.
+
+    Returns:
+        The result: arrays over views, states and wavelengths, by name.
 
     Raises:
         ScenarioError: if the scenario is invalid; with the position of the error.
@@ -52,10 +57,16 @@ def run(
 
     Warns:
         PapilioWarning: each warning that the program prints; ``warnings`` of the result contains it.
+
+    Example:
+        >>> result = papilio.run("scenarios/indoor.toml", set={"viewer.theta_deg": 20})
+        >>> round(float(result["contrast_ratio"][0]), 1)
+        6.7
     """
     changed = read(scenario, with_solver(set, solver, seed))
     scene = changed._scene()
-    core = _papilio.Prepared(scene).run(scene, checked_threads(threads), checked_progress(progress))
+    with reporting(progress, "views") as tell:
+        core = _papilio.Prepared(scene).run(scene, checked_threads(threads), tell)
     _messages.warn(core.warnings())
     return Result(core, changed.title)
 
@@ -90,9 +101,13 @@ class Line:
         self._noun, self._is_open = noun, False
 
     def __call__(self, state: Mapping[str, Any]) -> None:
-        workers = state.get("workers")
-        of_workers = "" if workers is None else f" on {workers} workers"
-        line = f"{state['done']:,} of {state['of']:,} {self._noun}{of_workers}"
+        if "done" in state:
+            workers = state.get("workers")
+            of_workers = "" if workers is None else f" on {workers} workers"
+            line = f"{state['done']:,} of {state['of']:,} {self._noun}{of_workers}"
+        else:
+            target = "" if state["target"] is None else f", target {state['target']:.2g}"
+            line = f"{state['views_done']:,} of {state['views']:,} {self._noun}, relative error {state['relative_error']:.2g}{target}"
         sys.stderr.write(f"\r{line:<79}")
         sys.stderr.flush()
         self._is_open = True
@@ -101,6 +116,7 @@ class Line:
         """Ends the line."""
         if self._is_open:
             sys.stderr.write("\n")
+            self._is_open = False
 
 
 def reporter(progress: Progress | bool | None, noun: str) -> Progress | None:
@@ -110,6 +126,17 @@ def reporter(progress: Progress | bool | None, noun: str) -> Progress | None:
     return checked_progress(progress)
 
 
+@contextmanager
+def reporting(progress: Progress | bool | None, noun: str) -> Iterator[Progress | None]:
+    """Provides the function of `reporter`, and ends its line on the terminal."""
+    tell = reporter(progress, noun)
+    try:
+        yield tell
+    finally:
+        if isinstance(tell, Line):
+            tell.end()
+
+
 def checked_progress(progress: Progress | None) -> Progress | None:
     """Returns a function that reports progress, or None.
 
@@ -117,6 +144,6 @@ def checked_progress(progress: Progress | None) -> Progress | None:
         ArgumentError: if it is not callable.
     """
     if progress is not None and not callable(progress):
-        raise ArgumentError(f"progress: expected a function, not {described(progress)}")
+        raise ArgumentError(f"progress: expected a function or a bool, not {described(progress)}")
     return progress
 

@@ -13,7 +13,7 @@ use papilio_scenario::ParameterisedScenario;
 use pyo3::prelude::*;
 
 use crate::errors;
-use crate::pool::{Pool, is_of_a_path};
+use crate::pool::{Pool, is_of_a_path, reason};
 use crate::scenario::{Resolved, library};
 
 /// A display, its varying keys, and the metrics that are requested of each design.
@@ -26,20 +26,22 @@ pub(crate) struct Batch {
 
 #[pymethods]
 impl Batch {
-    /// `variables`: the keys of each variable, and its choices as JSON if it has any; `metrics`: names such as "white.Y".
+    /// `variables`: the keys of each variable, and its choices as JSON if it has any; `metrics`: names such as "white.Y", or
+    /// "white.reflectance_factor" for a number at each wavelength. Every metric is computed in each of the `views`, the metrics of a
+    /// view together.
     #[new]
-    #[pyo3(signature = (like, text, name, folder, files, variables, metrics, view))]
+    #[pyo3(signature = (like, text, name, folder, files, variables, metrics, views))]
     #[allow(clippy::too_many_arguments, reason = "all parts of a display and a request")]
     fn new(
         py: Python<'_>,
         like: &Resolved,
         text: &str,
         name: &str,
-        folder: PathBuf,
+        folder: Option<PathBuf>,
         files: Option<BTreeMap<String, Vec<u8>>>,
         variables: Vec<(Vec<String>, Option<String>)>,
         metrics: Vec<String>,
-        view: usize,
+        views: Vec<usize>,
     ) -> PyResult<Self> {
         let paths: Vec<String> = variables.iter().flat_map(|(keys, _)| keys.clone()).collect();
         let varied = ParameterisedScenario::from_text(text, name, library(folder, files), &[], &paths);
@@ -53,15 +55,17 @@ impl Batch {
                 values: choices.map_or(Values::Number, Values::Choices),
             })
         });
-        let quantities = metrics.into_iter().map(|name| {
-            let quantity = quantity(&name, view, &like.of.scene);
-            let quantity = quantity.map_err(|why| errors::argument(py, &why))?;
-            Ok(NamedQuantity { name, condition: 0, quantity })
-        });
+        let of_views = views.iter().flat_map(|view| metrics.iter().map(|name| (*view, name)));
+        let mut quantities = Vec::new();
+        for (view, name) in of_views {
+            let found = requested(name, view, &like.of.scene).map_err(|why| errors::argument(py, &why))?;
+            let named = |quantity| NamedQuantity { name: name.clone(), condition: 0, quantity };
+            quantities.extend(found.into_iter().map(named));
+        }
         let study = Study {
             conditions: vec![Condition { name: String::new(), varied }],
             variables: variables.collect::<PyResult<_>>()?,
-            quantities: quantities.collect::<PyResult<_>>()?,
+            quantities,
         };
         let (variables, metrics) = (study.variables.len(), study.quantities.len());
         Ok(Self { variables, metrics, pool: Pool::new(Arc::new(study)) })
@@ -84,7 +88,7 @@ impl Batch {
         let found = self.pool.each(py, count, threads, progress.as_ref(), |evaluator, at| match evaluator
             .evaluate(rows.row(at))
         {
-            Err(error) if skip && !was_stopped(&error) && !is_of_a_path(&error) => Ok(Err(error.to_string())),
+            Err(error) if skip && !was_stopped(&error) && !is_of_a_path(&error) => Ok(Err(reason(&error))),
             other => other.map(Ok),
         })?;
         let mut skipped = Vec::new();
@@ -143,6 +147,17 @@ impl<'a> Rows<'a> {
 
 fn numbers(rows: Vec<Vec<Option<f64>>>) -> impl Iterator<Item = f64> {
     rows.into_iter().flatten().map(|value| value.unwrap_or(f64::NAN))
+}
+
+/// Finds the quantities of a name: those of a spectrum, or a single one.
+fn requested(name: &str, view: usize, like: &Scene) -> Result<Vec<Quantity>, String> {
+    let Some(state) = name.strip_suffix(".reflectance_factor") else {
+        return quantity(name, view, like).map(|one| vec![one]);
+    };
+    // The state and the view are checked as those of any metric.
+    quantity(&format!("{state}.Y"), view, like)?;
+    let at = |bin| Quantity::ReflectanceFactor { view, state: state.to_owned(), bin };
+    Ok((0..like.grid.len()).map(at).collect())
 }
 
 /// Finds a metric by its name, with the state before it for a metric of a state: "white.Y". The error states why the display has

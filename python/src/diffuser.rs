@@ -8,6 +8,7 @@ use papilio_formats::{
 };
 use papilio_goniometry::{Audit, FitOptions, Kind, MeasuredPart, Measurement, fitted};
 use pyo3::prelude::*;
+use pyo3::types::PyBytes;
 
 use crate::errors;
 
@@ -28,6 +29,22 @@ impl Diffuser {
         let name = path.display().to_string();
         let read = py.detach(|| read(&path, &name)).map_err(|error| errors::format(py, &error))?;
         Ok(Self { name, read })
+    }
+
+    /// Reads a file from its bytes; errors call it `name`.
+    #[staticmethod]
+    fn from_bytes(py: Python<'_>, bytes: Vec<u8>, name: String) -> PyResult<Self> {
+        let file = DataFile { name: name.clone(), bytes };
+        let read = py.detach(|| read_bsdf(&file)).map_err(|error| errors::format(py, &error))?;
+        Ok(Self { name, read })
+    }
+
+    /// The bytes of papilio's own format, which holds everything.
+    fn npz<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
+        let mut bytes = Vec::new();
+        py.detach(|| write_measurement(&mut bytes, BsdfFormat::Papilio, &self.read.value))
+            .map_err(|error| errors::internal(&error.to_string()))?;
+        Ok(PyBytes::new(py, &bytes))
     }
 
     #[getter]

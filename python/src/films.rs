@@ -21,19 +21,19 @@ use crate::watch::watched;
 /// Approximate number of points that a thread takes at a time: some hundred microseconds.
 const BLOCK: usize = 4096;
 
-type Reals<'py> = PyReadonlyArray1<'py, f64>;
-type Answer<'py> = Bound<'py, PyArray1<f64>>;
+pub(crate) type Reals<'py> = PyReadonlyArray1<'py, f64>;
+pub(crate) type Answer<'py> = Bound<'py, PyArray1<f64>>;
 
 /// An array over the axes of a call. Axes along which it is constant have stride 0; the last axis has stride 0 or 1.
 #[derive(Clone, Copy)]
-struct Spread<'a> {
+pub(crate) struct Spread<'a> {
     values: &'a [f64],
     strides: &'a [usize],
 }
 
 impl<'a> Spread<'a> {
     /// Number at indices.
-    fn at(&self, place: &[usize]) -> f64 {
+    pub(crate) fn at(&self, place: &[usize]) -> f64 {
         self.values[place.iter().zip(self.strides).map(|(index, stride)| index * stride).sum::<usize>()]
     }
 
@@ -45,6 +45,11 @@ impl<'a> Spread<'a> {
             Some(1) => Along::Each(&self.values[at + start..][..count]),
             _ => Along::Same(self.values[at]),
         }
+    }
+
+    /// Whether the number changes along the last axis.
+    pub(crate) fn varies(&self) -> bool {
+        self.strides.last() == Some(&1)
     }
 
     /// Whether every index of the shape is within the values.
@@ -61,21 +66,21 @@ impl<'a> Spread<'a> {
 }
 
 /// The arrays of a call.
-struct Films<'a> {
-    shape: &'a [usize],
-    wavelength_nm: Spread<'a>,
-    beta: Spread<'a>,
-    incidence: Spread<'a>,
+pub(crate) struct Films<'a> {
+    pub(crate) shape: &'a [usize],
+    pub(crate) wavelength_nm: Spread<'a>,
+    pub(crate) beta: Spread<'a>,
+    pub(crate) incidence: Spread<'a>,
     /// n, k and thickness of each layer, from the side of the light to the substrate.
-    layers: Vec<[Spread<'a>; 3]>,
+    pub(crate) layers: Vec<[Spread<'a>; 3]>,
     /// n and k.
-    substrate: [Spread<'a>; 2],
-    polarisation: Option<Polarisation>,
+    pub(crate) substrate: [Spread<'a>; 2],
+    pub(crate) polarisation: Option<Polarisation>,
 }
 
 impl Films<'_> {
     /// Checks the ranges of all numbers, each only once.
-    fn check(&self) -> Result<(), OpticsError> {
+    pub(crate) fn check(&self) -> Result<(), OpticsError> {
         self.row(|spread| Along::Each(spread.values), |row| row.check())
     }
 
@@ -113,7 +118,7 @@ impl Films<'_> {
     }
 
     /// Indices of the point with flat index `start`, in C order.
-    fn place(&self, start: usize) -> Vec<usize> {
+    pub(crate) fn place(&self, start: usize) -> Vec<usize> {
         let mut place = vec![0; self.shape.len()];
         let mut left = start;
         for (index, length) in place.iter_mut().zip(self.shape).rev() {
@@ -143,7 +148,33 @@ impl Films<'_> {
 }
 
 /// Numbers, and their strides.
-type Given<'py> = (Reals<'py>, Vec<usize>);
+pub(crate) type Given<'py> = (Reals<'py>, Vec<usize>);
+
+/// Returns the arrays of a call, after checking that they fit its shape. The three arrays are wavelengths, beta and the index of the medium of incidence.
+pub(crate) fn given<'a>(
+    shape: &'a [usize],
+    [wavelength_nm, beta, incidence]: [&'a Given<'_>; 3],
+    layers: &'a [[Given<'_>; 3]],
+    substrate: &'a [Given<'_>; 2],
+    polarisation: &str,
+) -> PyResult<Films<'a>> {
+    Ok(Films {
+        shape,
+        wavelength_nm: spread(wavelength_nm, shape)?,
+        beta: spread(beta, shape)?,
+        incidence: spread(incidence, shape)?,
+        layers: layers
+            .iter()
+            .map(|layer| all(layer.each_ref().map(|given| spread(given, shape))))
+            .collect::<PyResult<_>>()?,
+        substrate: all(substrate.each_ref().map(|given| spread(given, shape)))?,
+        polarisation: match polarisation {
+            "s" => Some(Polarisation::S),
+            "p" => Some(Polarisation::P),
+            _ => None,
+        },
+    })
+}
 
 /// Computes reflectance and, if `both`, transmittance at every point. `beta` is n0 sin(theta); `layers` have n, k and thickness,
 /// from the side of the light; `substrate` has n and k. The results are flat, in C order.
@@ -162,22 +193,7 @@ pub(crate) fn film<'py>(
     both: bool,
     threads: usize,
 ) -> PyResult<(Answer<'py>, Answer<'py>)> {
-    let films = Films {
-        shape: &shape,
-        wavelength_nm: spread(&wavelength_nm, &shape)?,
-        beta: spread(&beta, &shape)?,
-        incidence: spread(&incidence, &shape)?,
-        layers: layers
-            .iter()
-            .map(|layer| all(layer.each_ref().map(|given| spread(given, &shape))))
-            .collect::<PyResult<_>>()?,
-        substrate: all(substrate.each_ref().map(|given| spread(given, &shape)))?,
-        polarisation: match polarisation {
-            "s" => Some(Polarisation::S),
-            "p" => Some(Polarisation::P),
-            _ => None,
-        },
-    };
+    let films = given(&shape, [&wavelength_nm, &beta, &incidence], &layers, &substrate, polarisation)?;
     films.check().map_err(|error| errors::argument(py, &error.to_string()))?;
     let size: usize = shape.iter().product();
     let mut found = (vec![0.0; size], vec![0.0; if both { size } else { 0 }]);
@@ -207,18 +223,7 @@ pub(crate) fn film_grid<'py>(
     gap: Option<usize>,
     threads: usize,
 ) -> PyResult<Answer<'py>> {
-    let films = Films {
-        shape: &shape,
-        wavelength_nm: spread(&wavelength_nm, &shape)?,
-        beta: spread(&beta, &shape)?,
-        incidence: spread(&incidence, &shape)?,
-        layers: layers
-            .iter()
-            .map(|layer| all(layer.each_ref().map(|given| spread(given, &shape))))
-            .collect::<PyResult<_>>()?,
-        substrate: all(substrate.each_ref().map(|given| spread(given, &shape)))?,
-        polarisation: None,
-    };
+    let films = given(&shape, [&wavelength_nm, &beta, &incidence], &layers, &substrate, "mean")?;
     let [.., directions, gaps, wavelengths] = shape[..] else {
         return Err(errors::internal("a grid of films requires at least three axes"));
     };
@@ -324,7 +329,7 @@ impl FilmGrid<'_> {
 }
 
 /// Computes parts on threads, each completely; returns false if stopped.
-fn on_threads<T: Send>(
+pub(crate) fn on_threads<T: Send>(
     parts: impl Iterator<Item = T> + Send,
     threads: usize,
     stop: &AtomicBool,

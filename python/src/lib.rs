@@ -18,11 +18,13 @@ mod films;
 mod plot;
 mod pool;
 mod production;
+mod program;
 mod result;
 mod run;
 mod scenario;
 mod search;
 mod watch;
+mod waves;
 
 use pyo3::prelude::*;
 
@@ -54,6 +56,8 @@ mod _papilio {
     #[pymodule_export]
     use crate::production::Production;
     #[pymodule_export]
+    use crate::program::program;
+    #[pymodule_export]
     use crate::result::RunResult;
     #[pymodule_export]
     use crate::run::Prepared;
@@ -63,6 +67,8 @@ mod _papilio {
     };
     #[pymodule_export]
     use crate::search::{Search, moved_text};
+    #[pymodule_export]
+    use crate::waves::{film_absorptance, film_amplitudes, film_derivatives};
 
     #[pymodule_export]
     #[allow(non_upper_case_globals, reason = "Python's name")]

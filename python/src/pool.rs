@@ -145,6 +145,25 @@ fn failed(py: Python<'_>, design: usize, error: &DesignError) -> PyErr {
         DesignError::Display(DisplayError::Interrupted) => PyKeyboardInterrupt::new_err(()),
         // A key that does not exist is not an error of a design.
         DesignError::Scenario(errors) if is_of_a_path(error) => errors::scenario(py, errors),
-        error => errors::design(py, design, &error.to_string()),
+        error => errors::design(py, design, &reason(error)),
     }
+}
+
+/// Reason of a design's error, one line for each mistake: the key, what is wrong, what was expected.
+pub(crate) fn reason(error: &DesignError) -> String {
+    let DesignError::Scenario(errors) = error else { return error.to_string() };
+    let lines = errors.iter().map(|one| {
+        let place = &one.place;
+        // The text of a varied value is its key.
+        let key = place.spot.as_ref().filter(|_| place.name == "key").map(|spot| spot.text.clone());
+        let at = key.or_else(|| one.path.clone()).unwrap_or_else(|| place.to_string());
+        let expected = one.diagnostic.expected.iter().map(|expected| format!("; {expected}"));
+        let hint = one.hint().map(|hint| format!(" ({hint})"));
+        [format!("{at}: {}", one.diagnostic.message)]
+            .into_iter()
+            .chain(expected)
+            .chain(hint)
+            .collect::<String>()
+    });
+    lines.collect::<Vec<_>>().join("\n")
 }

@@ -56,7 +56,7 @@ impl Production {
         py: Python<'_>,
         text: &str,
         name: &str,
-        folder: PathBuf,
+        folder: Option<PathBuf>,
         files: Option<BTreeMap<String, Vec<u8>>>,
     ) -> PyResult<Self> {
         let made = py.detach(|| {

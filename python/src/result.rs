@@ -45,6 +45,11 @@ impl RunResult {
         written(py, |out| write_json(out, &self.file()))
     }
 
+    /// Version of the program, hash of the scenario, seed.
+    fn about(&self) -> (&'static str, &str, u64) {
+        (env!("CARGO_PKG_VERSION"), &self.resolved.hash, self.resolved.scene.solver.seed)
+    }
+
     /// The bytes of `states.csv`.
     fn states_csv<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
         written(py, |out| write_states(out, &self.result))

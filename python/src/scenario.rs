@@ -35,7 +35,7 @@ impl Described {
             )
         })?;
         let folder = path.parent().map(PathBuf::from).unwrap_or_default();
-        let described = Self::new(py, &text, &name, folder, None)?;
+        let described = Self::new(py, &text, &name, Some(folder), None)?;
         Ok((text, described))
     }
 
@@ -46,7 +46,7 @@ impl Described {
         py: Python<'_>,
         text: &str,
         name: &str,
-        folder: PathBuf,
+        folder: Option<PathBuf>,
         files: Option<BTreeMap<String, Vec<u8>>>,
     ) -> PyResult<Self> {
         let read = py.detach(|| Scenario::from_text(text, name, library(folder, files), &[]));
@@ -65,13 +65,14 @@ impl Described {
     }
 }
 
-/// Source of a scenario's files.
-pub(crate) fn library(folder: PathBuf, files: Option<BTreeMap<String, Vec<u8>>>) -> Library {
-    let Some(files) = files else { return Library::Folder(folder) };
+/// Source of a scenario's files: a folder, files in memory (without a folder, no file is read from the disk), or both.
+pub(crate) fn library(folder: Option<PathBuf>, files: Option<BTreeMap<String, Vec<u8>>>) -> Library {
     let kept = |(name, bytes): (String, Vec<u8>)| (name.clone(), MemoryFile::new(DataFile { name, bytes }));
-    Library::Memory {
-        files: Arc::new(files.into_iter().map(kept).collect()),
-        memo: Arc::new(ResolveCache::default()),
+    let files = files.map(|files| Arc::new(files.into_iter().map(kept).collect()));
+    match (folder, files) {
+        (Some(folder), Some(files)) => Library::Both { files, folder },
+        (None, Some(files)) => Library::Memory { files, memo: Arc::new(ResolveCache::default()) },
+        (folder, None) => Library::Folder(folder.unwrap_or_default()),
     }
 }
 
@@ -96,6 +97,20 @@ impl Resolved {
     #[getter]
     fn notes(&self) -> Vec<String> {
         self.of.notes.clone()
+    }
+
+    /// Inclination and azimuth of every view, degrees.
+    #[getter]
+    fn views(&self) -> Vec<(f64, f64)> {
+        let viewer = &self.of.scene.viewer;
+        let all = viewer.phi_deg.iter().flat_map(|phi| viewer.theta_deg.iter().map(|theta| (*theta, *phi)));
+        all.collect()
+    }
+
+    /// The wavelengths, nm.
+    #[getter]
+    fn wavelength_nm(&self) -> Vec<f64> {
+        self.of.scene.grid.wavelengths_nm()
     }
 
     #[getter]

@@ -76,7 +76,7 @@ impl Search {
         py: Python<'_>,
         text: &str,
         name: &str,
-        folder: PathBuf,
+        folder: Option<PathBuf>,
         files: Option<BTreeMap<String, Vec<u8>>>,
     ) -> PyResult<Self> {
         let optimisation = py.detach(|| Optimisation::from_text(text, name, library(folder, files), &[]));

@@ -66,7 +66,7 @@ def test_batches_keep_dimensions(prepared, arrays):
     found = cluster.evaluate_many(prepared.scenario, {LAYER: d, RED: gap}, METRICS, batch_seconds=0.01)
     assert found.shape == (3, 2, 2)
     table = found.to_xarray()
-    assert table["white_Y"].dims == ("d", "gap") and table[LAYER].dims == ("d",) and table.d.values.tolist() == [1, 2, 3]
+    assert table.Y.sel(state="white").dims == ("d", "gap") and table[LAYER].dims == ("d",) and table.d.values.tolist() == [1, 2, 3]
     assert np.array_equal(found.values, prepared.evaluate({LAYER: d, RED: gap}, METRICS).values)
     swept = cluster.sweep(prepared.scenario, {LAYER: d, RED: gap}, METRICS, batch_seconds=0.01)
     assert np.array_equal(swept.values, found.values)

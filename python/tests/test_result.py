@@ -62,7 +62,7 @@ def test_dataset_has_units_and_long_names(result):
     assert dataset.reflectance_factor.dims == ("view", "state", "wavelength_nm")
     assert dataset.wavelength_nm.attrs["units"] == "nm" and dataset.theta_deg.attrs["units"] == "degree"
     assert dataset.luminance_cd_m2.attrs["units"] == "cd m-2"
-    assert dataset.radiance.attrs == {"units": "W m-2 sr-1 nm-1", "long_name": "Spectral radiance, W/(m2 sr nm)"}
+    assert dataset.radiance.attrs == {"units": "W m-2 sr-1 nm-1", "long_name": "Spectral radiance"}
     assert dataset.Y_discretisation_error.attrs["long_name"].startswith("discretisation error: ")
     for name, variable in dataset.variables.items():
         assert "long_name" in variable.attrs, name
@@ -76,7 +76,7 @@ def test_table_equals_states_csv(result):
     rows = list(csv.DictReader(io.StringIO(result._core.states_csv().decode())))
     assert len(table) == len(rows) == 24
     assert table.loc[(20.0, 0.0, "red"), "Y"] == result["red.Y"][1]
-    assert {"Y_se", "Y_de"} <= set(table.columns)
+    assert {"Y_standard_error", "Y_discretisation_error"} <= set(table.columns)
 
 
 def test_figures_are_svg_with_notebook_display(result, tmp_path):

@@ -23,6 +23,13 @@ pub enum Library {
         /// Cache of values that were computed from them.
         memo: Arc<ResolveCache>,
     },
+    /// Files in memory, by the names that scenarios use, and files on disk for all other names.
+    Both {
+        /// Files by their names.
+        files: Arc<BTreeMap<String, MemoryFile>>,
+        /// Folder of all other files.
+        folder: PathBuf,
+    },
 }
 
 /// A file in memory; clones share it.
@@ -63,16 +70,14 @@ impl Library {
     /// Reads a file of at most `limit` bytes.
     pub(crate) fn open(&self, name: &str, limit: u64) -> Result<MemoryFile, Missing> {
         match self {
-            Self::Folder(folder) => DataFile::open_within(&folder.join(name), name, limit)
-                .map(MemoryFile::new)
-                .map_err(Missing::Unread),
+            Self::Both { files, .. } if files.contains_key(name) => kept_within(&files[name], name, limit),
+            Self::Folder(folder) | Self::Both { folder, .. } => {
+                DataFile::open_within(&folder.join(name), name, limit)
+                    .map(MemoryFile::new)
+                    .map_err(Missing::Unread)
+            }
             Self::Memory { files, .. } => match files.get(name) {
-                Some(kept) => {
-                    let bytes = kept.file().bytes.len() as u64;
-                    let too_large = papilio_formats::Problem::TooLarge { bytes, limit };
-                    let error = || FormatError { place: Place::whole(name), problem: too_large };
-                    if bytes <= limit { Ok(kept.clone()) } else { Err(Missing::Unread(error())) }
-                }
+                Some(kept) => kept_within(kept, name, limit),
                 None => {
                     let hint = suggestion(name, files.keys().map(String::as_str), "files");
                     let wrong = Diagnostic::new(format!("there is no file `{name}` here"));
@@ -110,8 +115,17 @@ impl Library {
         match self {
             Self::Folder(folder) => folder.join(name).is_file(),
             Self::Memory { files, .. } => files.contains_key(name),
+            Self::Both { files, folder } => files.contains_key(name) || folder.join(name).is_file(),
         }
     }
+}
+
+/// Returns a file in memory, unless it has more than `limit` bytes.
+fn kept_within(kept: &MemoryFile, name: &str, limit: u64) -> Result<MemoryFile, Missing> {
+    let bytes = kept.file().bytes.len() as u64;
+    let too_large = papilio_formats::Problem::TooLarge { bytes, limit };
+    let error = || FormatError { place: Place::whole(name), problem: too_large };
+    if bytes <= limit { Ok(kept.clone()) } else { Err(Missing::Unread(error())) }
 }
 
 /// Why a file is not available.

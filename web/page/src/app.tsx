@@ -5,7 +5,9 @@ import { useSignal } from "@preact/signals";
 import { Section } from "./drawing/section.tsx";
 import { AnglesPanel } from "./panels/angles.tsx";
 import { ComparePanel } from "./panels/compare.tsx";
+import { rowsOf } from "./model/csv.ts";
 import { ConePanel } from "./panels/cone.tsx";
+import { Downloads } from "./panels/downloads.tsx";
 import { FieldsPanel, Room, Toolbar } from "./panels/editor.tsx";
 import { FilesPanel } from "./panels/files.tsx";
 import { Header } from "./panels/header.tsx";
@@ -58,12 +60,25 @@ function Design() {
   );
 }
 
+/** The readability, which can be saved as it is shown. */
+function Reading() {
+  const shown = () => rowsOf(document.querySelector("#tab-panel table"));
+  return (
+    <>
+      <Readability />
+      <p class="figure-tools">
+        <Downloads name="readability" table={shown} />
+      </p>
+    </>
+  );
+}
+
 const TABS = [
   { id: "states", name: "States", body: () => <StatesTable /> },
   { id: "angles", name: "Angles", body: () => <AnglesPanel /> },
   { id: "cone", name: "All directions", body: () => <ConePanel /> },
   { id: "energy", name: "Energy balance", body: () => <LedgerPanel /> },
-  { id: "reading", name: "Readability", body: () => <Readability /> },
+  { id: "reading", name: "Readability", body: () => <Reading /> },
   { id: "walk", name: "Monte Carlo", body: () => <WalkPanel /> },
   { id: "sweep", name: "Sweep", body: () => <SweepPanel /> },
   { id: "compare", name: "Compare", body: () => <ComparePanel /> },

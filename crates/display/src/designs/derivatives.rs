@@ -226,6 +226,11 @@ impl DesignObservation {
                 meter.under_diffuse(state, &self.sample)?;
                 slopes.diffuse[state] = 1.0;
             }
+            Quantity::ReflectanceFactor { state, bin, .. } => {
+                let state = meter.state_named(state)?;
+                self.value(meter, quantity)?;
+                *slopes.factor.get_mut(state * bins + bin)? = 1.0;
+            }
             Quantity::SpectrumDistance { state, wanted, .. } => {
                 let state = meter.state_named(state)?;
                 let factor = meter.reflectance_factor(state, &self.sample.0)?;

@@ -18,6 +18,7 @@ mod differences;
 mod parameter;
 mod quantity;
 
+use std::cell::OnceCell;
 use std::collections::VecDeque;
 use std::ops::Range;
 use std::sync::Arc;
@@ -143,7 +144,8 @@ impl Designs {
             vec![None; setup.states.len()]
         };
         let scalars = meter.scalars(&sample, &bare);
-        Ok(DesignObservation { sample, scalars })
+        let spectra = vec![OnceCell::new(); setup.states.len()];
+        Ok(DesignObservation { sample, scalars, spectra })
     }
 }
 
@@ -170,6 +172,8 @@ impl ViewGroup {
 struct DesignObservation {
     sample: Sample,
     scalars: ViewScalars,
+    /// Reflectance factor of each state, computed when first requested; `None` without ambient light.
+    spectra: Vec<OnceCell<Option<Vec<f64>>>>,
 }
 
 impl DesignObservation {
@@ -179,10 +183,15 @@ impl DesignObservation {
             return quantity.metric()?.of_view(&self.scalars.together);
         };
         let state = meter.state_named(name)?;
+        let factor =
+            || self.spectra[state].get_or_init(|| meter.reflectance_factor(state, &self.sample.0)).as_ref();
+        if let Quantity::ReflectanceFactor { bin, .. } = quantity {
+            return factor()?.get(*bin).copied();
+        }
         let mut values = StateValues::of_scalars(&self.scalars.states[state]);
         match quantity {
             Quantity::SpectrumDistance { .. } => {
-                values.reflectance_factor = meter.reflectance_factor(state, &self.sample.0);
+                values.reflectance_factor = factor().cloned();
             }
             Quantity::Metric { metric: Metric::R_hemi, .. } => {
                 values.R_hemi = meter.under_diffuse(state, &self.sample);

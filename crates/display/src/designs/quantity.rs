@@ -19,6 +19,15 @@ pub enum Quantity {
         /// The metric.
         metric: Metric,
     },
+    /// Reflectance factor of a state at one wavelength.
+    ReflectanceFactor {
+        /// Number of the view, from 0.
+        view: usize,
+        /// The state.
+        state: String,
+        /// Number of the wavelength in the grid, from 0.
+        bin: usize,
+    },
     /// Root mean square difference between a state's reflectance factor and a target spectrum, over the grid.
     SpectrumDistance {
         /// Number of the view, from 0.
@@ -71,6 +80,7 @@ impl Quantity {
     pub fn view(&self) -> usize {
         match self {
             Self::Metric { view, .. }
+            | Self::ReflectanceFactor { view, .. }
             | Self::SpectrumDistance { view, .. }
             | Self::ColourDistance { view, .. }
             | Self::ChromaticityDistance { view, .. } => *view,
@@ -81,7 +91,8 @@ impl Quantity {
     pub fn state(&self) -> Option<&str> {
         match self {
             Self::Metric { state, .. } => state.as_deref(),
-            Self::SpectrumDistance { state, .. }
+            Self::ReflectanceFactor { state, .. }
+            | Self::SpectrumDistance { state, .. }
             | Self::ColourDistance { state, .. }
             | Self::ChromaticityDistance { state, .. } => Some(state),
         }
@@ -97,6 +108,7 @@ impl Quantity {
     fn name(&self) -> &'static str {
         match self {
             Self::Metric { metric, .. } => metric.name(),
+            Self::ReflectanceFactor { .. } => "reflectance factor",
             Self::SpectrumDistance { .. } => "distance from a spectrum",
             Self::ColourDistance { .. } => "distance from a colour",
             Self::ChromaticityDistance { .. } => "distance from a chromaticity",
@@ -107,6 +119,7 @@ impl Quantity {
     pub(super) fn of_state(&self, values: &StateValues) -> Option<f64> {
         match self {
             Self::Metric { metric, .. } => metric.of_state(values),
+            Self::ReflectanceFactor { bin, .. } => values.reflectance_factor.as_ref()?.get(*bin).copied(),
             Self::SpectrumDistance { wanted, .. } => {
                 let factor = values.reflectance_factor.as_ref()?;
                 let squares =

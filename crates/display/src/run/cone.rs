@@ -74,6 +74,12 @@ struct Rows {
 /// Tristimulus values of each direction and state.
 type Colours = Vec<Vec<Xyz>>;
 
+/// Returns the directions of the scenario's views.
+fn views_deg(scene: &Scene) -> Vec<[f64; 2]> {
+    let of_phi = |phi: &f64| scene.viewer.theta_deg.iter().map(|theta| [*theta, *phi]).collect::<Vec<_>>();
+    scene.viewer.phi_deg.iter().flat_map(of_phi).collect()
+}
+
 impl Survey<'_> {
     /// `None` if it was stopped.
     fn run(self, pool: Option<&ThreadPool>) -> Option<Result<ConeResult, DisplayError>> {
@@ -118,6 +124,7 @@ impl Survey<'_> {
             states: self.run.setup.states.clone(),
             views,
             lights: self.run.scene.lighting.directed.iter().map(light).collect(),
+            views_deg: views_deg(self.run.scene),
             nodes,
             discretisation_error: worst,
             row_errors: RowErrors { relative, target, allowed: None },
@@ -392,14 +399,14 @@ mod tests {
     use papilio_spectra::Spectrum;
 
     fn from(theta_deg: f64, phi_deg: f64) -> DirectedLight {
-        let spectrum = Spectrum::from_values(vec![]);
+        let spectrum = Spectrum::from_values(vec![]).into();
         DirectedLight { theta_deg, phi_deg, share: 0.1, spectrum, radius_deg: None, normal_to_beam: false }
     }
 
     #[test]
     fn equivalent_azimuths_are_mirror_images_in_the_plane_of_the_lights() {
         let looks = |directed: &[DirectedLight]| {
-            let (diffuse_spectrum, environment) = (Spectrum::from_values(vec![]), vec![]);
+            let (diffuse_spectrum, environment) = (Spectrum::from_values(vec![]).into(), vec![]);
             let directed = directed.to_vec();
             let light = Lighting {
                 illuminance_lx: 1.0,

@@ -11,3 +11,7 @@ const cell = (value: Cell): string => {
 
 /** Returns a table as CSV; undefined values are empty cells. */
 export const csv = (rows: Rows): string => rows.map((row) => `${row.map(cell).join(",")}\r\n`).join("");
+
+/** Returns the texts of a table of the page. */
+export const rowsOf = (table: HTMLTableElement | null): Rows =>
+  [...(table?.rows ?? [])].map((row) => [...row.cells].map((one) => (one.textContent ?? "").trim()));

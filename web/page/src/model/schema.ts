@@ -9,6 +9,9 @@ export interface Node {
   readonly type?: string;
   readonly const?: Json;
   readonly enum?: Json[];
+  /** The label of the key, and its unit. */
+  readonly title?: string;
+  readonly "x-unit"?: string;
   readonly description?: string;
   readonly default?: Json;
   readonly minimum?: number;

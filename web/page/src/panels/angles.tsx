@@ -5,13 +5,13 @@ import { useSignal } from "@preact/signals";
 import { NumberField } from "../fields/number.tsx";
 import type { Rows } from "../model/csv.ts";
 import { digits, degrees } from "../model/format.ts";
-import { metricLabel } from "../model/names.ts";
 import { curvesSvg } from "../plots/curves-svg.ts";
 import { Curves, type Curve, type Plot } from "../plots/curves.tsx";
 import { lineOf, Sample } from "../plots/spectra.tsx";
-import { states, view } from "../state/design.ts";
+import { result, states, view } from "../state/design.ts";
 import { useFollowed } from "../state/follow.ts";
 import { hoverClass, hovered, pointsAt } from "../state/hover.ts";
+import { labelText } from "../state/labels.ts";
 import { pinned } from "../state/pin.ts";
 import type { Angles } from "../api/types.ts";
 import { dark } from "../state/theme.ts";
@@ -20,7 +20,13 @@ import { Downloads } from "./downloads.tsx";
 import { Problems } from "./problems.tsx";
 
 /** Metrics of the display and of each state, by their names in result.json. */
-const OF_DISPLAY = ["contrast_ratio", "gamut_percent_srgb", "gamut_percent_ebu", "text_contrast"];
+const OF_DISPLAY = [
+  "contrast_ratio",
+  "gamut_percent_srgb",
+  "gamut_percent_ebu",
+  "gamut_percent_ntsc_xy",
+  "text_contrast",
+];
 const OF_STATES = ["Y", "luminance_cd_m2", "L_star", "u_prime", "v_prime", "shift_with_angle_uv", "peak_nm"];
 /** Time without changes after which the angles are requested, ms. */
 const REST_MS = 60;
@@ -30,19 +36,22 @@ function curvesOf(angles: Angles | null, metric: string): Curve[] {
   if (OF_DISPLAY.includes(metric))
     return [
       {
-        name: metricLabel(metric),
+        name: labelText(metric),
         values: angles.metrics[metric] ?? [],
         colour: dark.value ? "#7da4f2" : "#2b5fc7",
         dash: [],
         width: 2,
       },
     ];
-  return Object.entries(angles.states).map(([name, values], i) => ({
+  const curves = Object.entries(angles.states).map(([name, values], i) => ({
     name,
     values: values[metric] ?? [],
     ...lineOf(name, i),
     width: 1.8,
   }));
+  // The peak of a mixture of sub-pixels jumps between those of its parts.
+  const primaries = result.value?.primaries ?? [];
+  return metric === "peak_nm" ? curves.filter(({ name }) => primaries.includes(name)) : curves;
 }
 
 /** All metrics: a row for each inclination. */
@@ -77,7 +86,7 @@ export function AnglesPanel() {
     x,
     curves: [...own, ...dashed],
     xName: "Viewing angle θ (°)",
-    yName: metricLabel(metric.value),
+    yName: labelText(metric.value),
   };
   return (
     <>
@@ -86,7 +95,7 @@ export function AnglesPanel() {
         <select id="angle-metric" value={metric.value} onChange={(event) => (metric.value = event.currentTarget.value)}>
           {[...OF_DISPLAY, ...OF_STATES].map((key) => (
             <option key={key} value={key}>
-              {metricLabel(key)}
+              {labelText(key)}
             </option>
           ))}
         </select>
@@ -104,7 +113,7 @@ export function AnglesPanel() {
         />
       </div>
       <Problems of={now.problems} />
-      <Aged age={now.busy ? "computing" : "current"}>
+      <Aged age={now.busy && now.value ? "computing" : "current"}>
         {now.value && (
           <p class="figure-tools">
             <Downloads name="angles" svg={() => curvesSvg(plot)} table={() => tableOf(now.value)} />
@@ -119,7 +128,7 @@ export function AnglesPanel() {
             <Curves
               {...plot}
               height={300}
-              label={`${metricLabel(metric.value)} against viewing angle`}
+              label={`${labelText(metric.value)} against viewing angle`}
               hover={(index) => (under.value = index)}
               near={(curve) => (hovered.value = states.value.some(([name]) => name === curve) ? curve : null)}
               focus={hovered.value}

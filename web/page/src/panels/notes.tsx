@@ -1,6 +1,39 @@
 // The warnings and notes of the scenario.
 
-import { answer, result } from "../state/design.ts";
+import { at } from "../model/json.ts";
+import { answer, fields, result } from "../state/design.ts";
+import { openTab, showTab } from "../state/tab.ts";
+
+/** The tables of a scenario that are not part of its result, and what uses them. */
+const STUDIES = {
+  optimize: "`papilio optimize` searches for the best design; the page shows the design that is written here.",
+  tolerance: "`papilio tolerance` varies keys as in production; the page shows the nominal design.",
+  measure: "`papilio diffuser measure` simulates the measurement; the page shows the display.",
+} as const;
+
+/** Says where the studies of the scenario are computed. */
+function Studies() {
+  const has = (key: string) => at(fields.value, key) !== undefined;
+  return (
+    <>
+      {has("sweep") && openTab.value !== "sweep" && (
+        <p>
+          <b>Note:</b> this scenario has a sweep.{" "}
+          <button type="button" class="key-link" onClick={() => showTab("sweep")}>
+            Show it
+          </button>
+        </p>
+      )}
+      {Object.entries(STUDIES)
+        .filter(([key]) => has(key))
+        .map(([key, words]) => (
+          <p key={key}>
+            <b>Note:</b> this scenario has [{key}]: {words.replaceAll("`", "")}
+          </p>
+        ))}
+    </>
+  );
+}
 
 export function Notes() {
   const now = result.value;
@@ -13,6 +46,7 @@ export function Notes() {
           <b>Warning:</b> {words}
         </p>
       ))}
+      <Studies />
       {now.notes.map((words) => (
         <p key={words}>
           <b>Note:</b> {words}

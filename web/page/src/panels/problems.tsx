@@ -3,17 +3,16 @@
 
 import type { Problem } from "../api/types.ts";
 import { plain } from "../model/format.ts";
-import { split } from "../model/json.ts";
-import { label, unit } from "../model/schema.ts";
 import { words } from "../model/words.ts";
+import { labelOf } from "../state/labels.ts";
 import { set } from "../state/live.ts";
 import { computeByMonteCarlo, progress, rescue } from "../state/rescue.ts";
 
 /** Returns the label of the button that sets a key to a value. */
 function offer(path: string, value: unknown): string {
-  const [, key] = split(path);
+  const { quantity, unit } = labelOf(path);
   const shown = typeof value === "number" ? plain(value, 8) : String(value);
-  return `Set ${label(key).toLowerCase()} to ${shown}${unit(key) ? ` ${unit(key)}` : ""}`;
+  return `Set ${quantity.charAt(0).toLowerCase()}${quantity.slice(1)} to ${shown}${unit ? ` ${unit}` : ""}`;
 }
 
 /** The run of the Monte Carlo solver in place of adding, with its progress. */

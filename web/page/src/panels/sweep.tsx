@@ -9,7 +9,6 @@ import type { SweepPoint } from "../api/types.ts";
 import { lengthOf, placeOf, pointAt, pointsOf, shown, type Axis } from "../model/axes.ts";
 import type { Rows } from "../model/csv.ts";
 import { digits } from "../model/format.ts";
-import { keyLabel, metricLabel, metricName, metricUnit } from "../model/names.ts";
 import { curvesSvg } from "../plots/curves-svg.ts";
 import { Curves, type Plot } from "../plots/curves.tsx";
 import { Drawn } from "../plots/figure.tsx";
@@ -33,6 +32,7 @@ import {
   sweep,
   swept,
 } from "../state/sweep.ts";
+import { labelOf, labelText } from "../state/labels.ts";
 import { dark } from "../state/theme.ts";
 import { Aged } from "./aged.tsx";
 import { addAxis, AxesFields } from "./axes.tsx";
@@ -69,7 +69,9 @@ function extreme(isLow: boolean): SweepPoint | null {
 /** Returns the values of a point in words. */
 const inWords = (point: SweepPoint): string =>
   Object.entries(point.values)
-    .map(([path, value]) => `${keyLabel(path)} ${typeof value === "number" ? digits(value, 5) : shown(value as never)}`)
+    .map(
+      ([path, value]) => `${labelText(path)} ${typeof value === "number" ? digits(value, 5) : shown(value as never)}`,
+    )
     .join(", ");
 
 /** A point with its value, and a button that applies it to the design. */
@@ -77,7 +79,7 @@ function Chosen({ name, point }: { name: string; point: SweepPoint }) {
   return (
     <p class="chosen-point">
       <b>
-        {name}: {metricName(metric.value)} {digits(valueOf(point), 5)} {metricUnit(metric.value)}
+        {name}: {labelOf(metric.value).quantity} {digits(valueOf(point), 5)} {labelOf(metric.value).unit}
       </b>{" "}
       at {inWords(point)}{" "}
       <button type="button" onClick={() => apply(point)}>
@@ -103,7 +105,7 @@ function Slices({ at, put }: { at: readonly number[]; put: (axis: number, value:
     <div class="controls">
       {swept.value.slice(0, -2).map((axis, i) => (
         <label key={i}>
-          {keyLabel(axis[0]!.path)}{" "}
+          {labelText(axis[0]!.path)}{" "}
           <select value={String(at[i] ?? 0)} onChange={(event) => put(i, Number(event.currentTarget.value))}>
             {axis[0]!.values.map((value, k) => (
               <option key={k} value={String(k)}>
@@ -119,7 +121,7 @@ function Slices({ at, put }: { at: readonly number[]; put: (axis: number, value:
 
 /** The name of an axis: its first key, and the number of keys that change with it. */
 const axisName = (axis: Axis): string =>
-  keyLabel(axis[0]!.path) + (axis.length > 1 ? ` and ${axis.length - 1} more` : "");
+  labelText(axis[0]!.path) + (axis.length > 1 ? ` and ${axis.length - 1} more` : "");
 
 /** The words on an axis: the values of its first key. */
 const words = (axis: Axis): string[] =>
@@ -136,7 +138,7 @@ function Line({ axis, best }: { axis: Axis; best: SweepPoint | null }) {
   const first = axis[0]!;
   const isNumeric = first.values.every((value) => typeof value === "number");
   const curve = {
-    name: metricLabel(metric.value),
+    name: labelText(metric.value),
     values: first.values.map((_, i) => valueOf(by.get(i))),
     colour: dark.value ? "#7da4f2" : "#2b5fc7",
     dash: [],
@@ -146,7 +148,7 @@ function Line({ axis, best }: { axis: Axis; best: SweepPoint | null }) {
     x: isNumeric ? (first.values as number[]) : first.values.map((_, i) => i),
     curves: [curve],
     xName: axisName(axis),
-    yName: metricLabel(metric.value),
+    yName: labelText(metric.value),
     xLog: first.spacing === "log",
     ...(isNumeric ? {} : { xWords: words(axis) }),
   };
@@ -159,7 +161,7 @@ function Line({ axis, best }: { axis: Axis; best: SweepPoint | null }) {
       <Curves
         {...plot}
         height={280}
-        label={`${metricLabel(metric.value)} against ${first.path}`}
+        label={`${labelText(metric.value)} against ${first.path}`}
         pick={(index) => (selectedPoint.value = index)}
         dots={[...(chosen === null ? [] : [chosen]), ...(best ? [best.index] : [])]}
       />
@@ -194,7 +196,7 @@ function Plane({ best }: { best: SweepPoint | null }) {
         ys={words(first)}
         xName={axisName(second)}
         yName={axisName(first)}
-        name={metricLabel(metric.value)}
+        name={labelText(metric.value)}
         values={first[0]!.values.map((_, j) => second[0]!.values.map((__, i) => valueOf(by.get(at(i, j)))))}
         selected={place(selectedPoint.value)}
         best={place(best?.index ?? null)}
@@ -229,7 +231,7 @@ function Result() {
       {best && <Chosen name={isLow.value ? "Lowest" : "Highest"} point={best} />}
       {chosen && chosen !== best && <Chosen name="Selected" point={chosen} />}
       <p class="remark">
-        {points.value.length} points; value at the last point: {digits(valueOf(last), 4)} {metricUnit(metric.value)}.
+        {points.value.length} points; value at the last point: {digits(valueOf(last), 4)} {labelOf(metric.value).unit}.
       </p>
       {done.value?.warnings.map((warning) => (
         <p class="remark warning" key={warning}>
@@ -276,7 +278,7 @@ export function SweepPanel() {
           <select id="sweep-metric" value={metric.value} onChange={(event) => showMetric(event.currentTarget.value)}>
             {metricsNow().map((one) => (
               <option key={one} value={one}>
-                {metricLabel(one)}
+                {labelText(one)}
               </option>
             ))}
           </select>

@@ -213,7 +213,9 @@ export function Chromaticity() {
   useEffect(() => {
     // The text stays readable if the diagram is small.
     const fit = () => {
-      size.value = Math.min(1.6, Math.max(1, WIDTH / (holder.current?.clientWidth || WIDTH)));
+      const { clientWidth, clientHeight } = holder.current ?? { clientWidth: WIDTH, clientHeight: HEIGHT };
+      const scale = Math.min((clientWidth || WIDTH) / WIDTH, (clientHeight || HEIGHT) / HEIGHT);
+      size.value = Math.min(1.6, Math.max(1, 1 / scale));
       holder.current?.style.setProperty("--size", size.value.toFixed(3));
     };
     const watch = new ResizeObserver(fit);

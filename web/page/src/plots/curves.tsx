@@ -79,7 +79,7 @@ function axis(label: string, isLog: boolean, words?: readonly string[]): uPlot.A
     values: (_, splits) => splits.map(shown),
     labelSize: 18,
     labelGap: 2,
-    ...(isLog ? { splits: (_, __, low, high) => logTicks(low, high) } : {}),
+    ...(isLog ? { splits: (_, __, low, high) => logTicks(low, high), filter: (_, splits) => splits } : {}),
     ...(words ? { splits: () => words.map((_, i) => i) } : {}),
   };
 }

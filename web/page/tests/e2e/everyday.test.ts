@@ -41,3 +41,18 @@ test("pending change is saved, and one failure of each kind loses no change", { 
   await page.close();
   await play(on, 1, 8);
 });
+
+test("refused change offers the accepted value, and a phone shows the numbers beside the fields", async () => {
+  const page = await on.visit({ viewport: { width: 390, height: 844 }, hasTouch: true, isMobile: true });
+  const first = await figure(page, "Gamut % sRGB");
+  await type(page, "display.diffuser.haze", "0.95");
+  await page.getByRole("button", { name: /Set total transmittance.* to 0\.8573/ }).tap();
+  await changed(page, "Gamut % sRGB", first);
+  const box = (await page.locator('[data-figure="Gamut % sRGB"]').boundingBox())!;
+  assert.ok(box.y >= 0 && box.y + box.height <= 844 && box.x + box.width <= 390, JSON.stringify(box));
+  assert.match(await saved(page), /haze = 0\.95[\s\S]*total_transmittance = 0\.8573/);
+  assert.deepEqual(
+    on.complaints.splice(0).filter((words) => !/status of 422/.test(words)),
+    [],
+  );
+});

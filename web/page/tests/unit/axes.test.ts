@@ -4,7 +4,6 @@ import { test } from "node:test";
 import { axesOf, listFrom, placeOf, pointAt, pointsOf, spaced, spacingOf, written } from "../../src/model/axes.ts";
 import { logTicks, power, ticks } from "../../src/plots/axis.ts";
 import { csv } from "../../src/model/csv.ts";
-import { keyLabel, metricLabel } from "../../src/model/names.ts";
 import { coloured } from "../../src/model/toml.ts";
 import type { Json } from "../../src/model/json.ts";
 import { lobePath, ray } from "../../src/model/rays.ts";
@@ -44,15 +43,6 @@ test("typed list has numbers, words and truth values", () => {
   assert.deepEqual(listFrom("0.5, .7; 1e-3"), [0.5, 0.7, 0.001]);
   assert.deepEqual(listFrom('SiO2, "Cr:Johnson", true'), ["SiO2", "Cr:Johnson", true]);
   assert.equal(listFrom(" , "), null);
-});
-
-test("labels have words and a unit", () => {
-  assert.equal(keyLabel("display.pixel.film.1.thickness_nm"), "Thickness of film 2 (nm)");
-  assert.equal(keyLabel("display.pixel.gap_nm.red"), "Gap of red (nm)");
-  assert.equal(keyLabel("lighting.directed.0.theta_deg"), "Inclination θ of source 1 (°)");
-  assert.equal(keyLabel("display.diffuser.haze"), "Haze");
-  assert.equal(metricLabel("gamut_percent_srgb"), "Gamut area (% of sRGB)");
-  assert.equal(metricLabel("white.L_star"), "Lightness L* of white");
 });
 
 test("cells of a CSV file are quoted if necessary, and undefined ones are empty", () => {

@@ -1,10 +1,13 @@
 //! The program `papilio`: a thin layer over `scenario`, `display`, `formats` and `figures`.
 //!
+//! `bin/papilio.rs` starts it, and so does the command `papilio` of the Python package.
+//!
 //! Exit codes: 0 success; 1 internal error; 2 invalid input; 3 a search without a feasible design; 130 interrupted, with
 //! finished work saved. Results are printed on standard output, all messages on standard error.
 
 mod arguments;
 mod brdf;
+mod catalogue;
 mod compare;
 mod completions;
 mod diffuser;
@@ -31,18 +34,13 @@ mod tolerance;
 mod validate;
 
 use std::borrow::Cow;
-use std::process::ExitCode;
+use std::ffi::OsString;
 
 use clap::Parser;
 
 use arguments::{Arguments, Command, Study, SweepCommand};
 use papilio_formats::words::visible;
 use terminal::{print_message, print_notes};
-
-/// Every evaluation of a prepared display allocates many small vectors: with the system's allocator it takes 5 to 8 %
-/// longer.
-#[global_allocator]
-static ALLOCATOR: mimalloc::MiMalloc = mimalloc::MiMalloc;
 
 /// Why a command failed.
 #[derive(Debug, thiserror::Error)]
@@ -138,8 +136,8 @@ impl From<papilio_formats::FormatError> for Failure {
 ///
 /// Clap quotes arguments unchanged. An argument with control characters, which a terminal would execute, is therefore
 /// reported as the error itself.
-fn report_invalid_arguments(error: &clap::Error) -> ExitCode {
-    let mut arguments = std::env::args_os().map(|argument| argument.to_string_lossy().into_owned());
+fn report_invalid_arguments(arguments: &[OsString], error: &clap::Error) -> u8 {
+    let mut arguments = arguments.iter().map(|argument| argument.to_string_lossy().into_owned());
     let unsafe_argument = arguments.find(|argument| matches!(visible(argument), Cow::Owned(_)));
     match unsafe_argument.filter(|_| error.use_stderr()) {
         Some(argument) => {
@@ -147,7 +145,7 @@ fn report_invalid_arguments(error: &clap::Error) -> ExitCode {
                 "error: the arguments are invalid: `{argument}` contains control characters\n  = help: papilio --help lists \
                  the commands and their options"
             ));
-            ExitCode::from(2)
+            2
         }
         None => error.exit(),
     }
@@ -160,8 +158,8 @@ fn missing_feature(command: &Command) -> Option<String> {
         Command::Optimize(optimize) => (optimize.png, false),
         Command::Tolerance(tolerance) => (tolerance.png, false),
         Command::Sweep(sweep) => {
-            let merge = sweep.command.as_ref().map(|SweepCommand::Merge(merge)| merge.outputs);
-            let outputs = merge.unwrap_or(sweep.outputs);
+            let merge = sweep.command.as_ref().map(|SweepCommand::Merge(merge)| &merge.outputs);
+            let outputs = merge.unwrap_or(&sweep.outputs);
             (outputs.png, outputs.parquet)
         }
         _ => (false, false),
@@ -173,23 +171,26 @@ fn missing_feature(command: &Command) -> Option<String> {
     }
 }
 
-fn main() -> ExitCode {
-    let arguments = match Arguments::try_parse() {
+/// Runs the program with its arguments, the first of which is its own name; returns the exit code.
+pub fn main(arguments: &[OsString]) -> u8 {
+    let arguments = match Arguments::try_parse_from(arguments) {
         Ok(arguments) => arguments,
-        Err(error) => return report_invalid_arguments(&error),
+        Err(error) => return report_invalid_arguments(arguments, &error),
     };
     if arguments.quiet {
         terminal::be_quiet();
     }
     if let Some(message) = missing_feature(&arguments.command) {
         print_message(&format!("error: {message}"));
-        return ExitCode::from(2);
+        return 2;
     }
     let result = match arguments.command {
         Command::Run(arguments) => run::run(&arguments),
         Command::Brdf(arguments) => brdf::brdf(&arguments),
         Command::Compare(arguments) => compare::run(&arguments),
         Command::Diffuser(command) => diffuser::diffuser(&command),
+        Command::Illuminants(arguments) => catalogue::list_illuminants(&arguments),
+        Command::Materials(arguments) => catalogue::list_materials(&arguments),
         Command::Completions(arguments) => completions::run(&arguments),
         Command::New(arguments) => new::run(&arguments),
         Command::Migrate(arguments) => migrate::run(&arguments),
@@ -203,12 +204,12 @@ fn main() -> ExitCode {
         Command::Schema { result } => output::schema(result),
     };
     match result {
-        Ok(()) => ExitCode::SUCCESS,
+        Ok(()) => 0,
         // The reader closed the pipe (`papilio run ... | head`): this is not an error.
-        Err(Failure::Io(error)) if error.kind() == std::io::ErrorKind::BrokenPipe => ExitCode::SUCCESS,
+        Err(Failure::Io(error)) if error.kind() == std::io::ErrorKind::BrokenPipe => 0,
         Err(failure) => {
             print_message(&failure);
-            ExitCode::from(failure.exit_code())
+            failure.exit_code()
         }
     }
 }
