@@ -413,7 +413,7 @@ fn gamut_rings_need_requested_volume() {
     assert_eq!(gamut_rings(&run, &run.views[0], TITLE), None);
     run.views[0].metrics.gamut_volume_cielab = Some(51_234.0);
     let svg = gamut_rings(&run, &run.views[0], TITLE);
-    assert_texts(&svg.unwrap(), &[TITLE, "L* 100", "volume 51234"]);
+    assert_texts(&svg.unwrap(), &[TITLE, "L* 10", " to 100", "volume 51234"]);
     // Without one of the eight corners there is no volume.
     run.views[0].states.0.retain(|(name, _)| name != "cyan");
     assert_eq!(gamut_rings(&run, &run.views[0], TITLE), None);
