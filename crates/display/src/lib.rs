@@ -39,7 +39,7 @@
 //!     metrics: Metrics::default(),
 //!     solver: Solver {
 //!         method: Method::Walk,
-//!         stop: Stop::RelativeError { target: 0.001, every_bin: false },
+//!         stop: Stop::RelativeError { target: 0.001, per_wavelength: false },
 //!         sampler: Sampler::Sobol,
 //!         scattering: Strategy::Kernel,
 //!         approximation: Approximation::None,
