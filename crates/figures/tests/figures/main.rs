@@ -497,7 +497,7 @@ fn figure_of_light_lists_sources_and_directions() {
             "Light from each direction",
             "250 lx",
             "33.3 lx",
-            "directed, from -30\u{b0}, azimuth 10\u{b0}",
+            "directed, -30\u{b0}, azimuth 10\u{b0}",
             "403 lx",
             "mirror direction of a view",
         ],
