@@ -14,7 +14,10 @@ pub use papilio_optics::rough::Distribution;
 pub use papilio_sampling::Sampler;
 use papilio_spectra::{Grid, Spectrum};
 pub use papilio_transport::walk::Strategy;
-pub use papilio_transport::{Diffuser, Field, Interface as Ready, ScatterFace, ScatterKernel, Scattering};
+pub use papilio_transport::{
+    Diffuser, Field, Interface as Ready, LobeReflection, ReflectedLobe, ReflectingDiffuser, ScatterFace,
+    ScatterKernel, Scattering,
+};
 
 pub use crate::result::ReferenceWhite;
 pub use crate::target::{Metric, Target, Tolerance};

@@ -114,11 +114,11 @@ fn prepared_display_equals_a_single_run_after_every_change() {
 #[test]
 fn alternating_scenes_do_not_affect_each_other() {
     with_stop(1, |control| {
-        let scenes =
-            ["indoor", "epaper", "two-diffusers", "table-pixel", "sunny"].map(|name| scene(name, &[]));
+        let scenes = ["indoor", "epaper", "two-diffusers", "table-pixel", "sunny", "reflecting-diffuser"]
+            .map(|name| scene(name, &[]));
         let plain = scenes.each_ref().map(|scene| text(&papilio_display::run(scene, control).unwrap()));
         let mut prepared = Prepared::new(&scenes[0]).unwrap();
-        for k in [0, 1, 0, 2, 3, 2, 4, 0, 3, 1, 4, 4] {
+        for k in [0, 1, 0, 2, 5, 3, 2, 4, 0, 5, 3, 1, 4, 4] {
             assert!(text(&prepared.run(&scenes[k], control).unwrap()) == plain[k], "{k}");
         }
     });
