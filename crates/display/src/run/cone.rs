@@ -402,14 +402,14 @@ mod tests {
     use papilio_spectra::Spectrum;
 
     fn from(theta_deg: f64, phi_deg: f64) -> DirectedLight {
-        let spectrum = Spectrum::from_values(vec![]);
+        let spectrum = Spectrum::from_values(vec![]).into();
         DirectedLight { theta_deg, phi_deg, share: 0.1, spectrum, radius_deg: None, normal_to_beam: false }
     }
 
     #[test]
     fn equivalent_azimuths_are_mirror_images_in_the_plane_of_the_lights() {
         let looks = |directed: &[DirectedLight]| {
-            let (diffuse_spectrum, environment) = (Spectrum::from_values(vec![]), vec![]);
+            let (diffuse_spectrum, environment) = (Spectrum::from_values(vec![]).into(), vec![]);
             let directed = directed.to_vec();
             let light = Lighting {
                 illuminance_lx: 1.0,
