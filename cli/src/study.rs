@@ -120,7 +120,7 @@ fn write(folder: &std::path::Path, curves: &[StudyCurve], title: &str) -> Result
         .map(|sampler| {
             let of_sampler: Vec<&StudyCurve> =
                 curves.iter().filter(|curve| curve.sampler == sampler).collect();
-            let title = format!("{title}: {} numbers", sampler.name());
+            let title = format!("{title}   \u{b7}   sampler: {}", sampler.name());
             (
                 format!("study_{}", sampler.name()),
                 accuracy(&panels(&of_sampler, |c| c.strategy.name()), &title),
@@ -128,10 +128,15 @@ fn write(folder: &std::path::Path, curves: &[StudyCurve], title: &str) -> Result
         })
         .collect();
     let guided: Vec<&StudyCurve> = curves.iter().filter(|c| c.strategy == Strategy::Kernel).collect();
-    let of_samplers =
-        accuracy(&panels(&guided, |c| c.sampler.name()), &format!("{title}: drawn from the kernel"));
+    let of_samplers = accuracy(
+        &panels(&guided, |c| c.sampler.name()),
+        &format!("{title}   \u{b7}   samplers compared; directions drawn from the diffuser's kernel"),
+    );
     figures.push(("study_samplers".to_owned(), of_samplers));
-    figures.push(("point_sets".to_owned(), point_sets(&point_set_pairs(), &format!("{POINTS} points"))));
+    figures.push((
+        "point_sets".to_owned(),
+        point_sets(&point_set_pairs(), &format!("{POINTS} points of each sampler")),
+    ));
     names.extend(output::write_figures(folder, figures, true)?);
     Ok(names)
 }
@@ -147,7 +152,10 @@ fn panels(curves: &[&StudyCurve], name: impl Fn(&StudyCurve) -> &'static str) ->
         };
         ErrorPanel { x: x.to_owned(), powers: true, curves: curves.iter().enumerate().map(curve).collect() }
     };
-    vec![panel("Paths", &|p| p.paths as f64), panel("CPU time of transport, s", &|p| p.transport_s)]
+    vec![
+        panel("Number of paths", &|p| p.paths as f64),
+        panel("CPU time of transport (s)", &|p| p.transport_s),
+    ]
 }
 
 /// Points of each sampler: the first two coordinates of samples 256 to 511.

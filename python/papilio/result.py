@@ -273,8 +273,11 @@ class Result(ByName[NDArray[np.float64]]):
         shown = [name for name in _SHOWN if name in alone]
         head = "".join(f"<th>{html.escape(name)}</th>" for name in ("state", *shown))
         rows = ""
+        primaries = self.data["primaries"]
         for s, state in enumerate(self.states):
-            cells = "".join(f"<td>{_digits(alone[name][0, s])}</td>" for name in shown)
+            # The peak of a mixture of sub-pixels is that of one of its parts.
+            values = [np.nan if name == "peak_nm" and state not in primaries else float(alone[name][0, s]) for name in shown]
+            cells = "".join(f"<td>{_digits(value)}</td>" for value in values)
             rows += f"<tr><th>{html.escape(state)}</th>{cells}</tr>"
         together = [(name, values[0]) for name, values in self._arrays[0].items() if "." not in name]
         scalars = ", ".join(f"{name} {_digits(value)}" for name, value in together if np.isfinite(value))

@@ -273,3 +273,13 @@ def test_medium_of_incidence_is_a_material():
 def test_wrong_arguments_of_waves_are_named(call, says):
     with pytest.raises(papilio.ArgumentError, match=f"^{says}"):
         call()
+
+
+def test_material_is_described_with_its_source():
+    described = films.material_info("tio2")
+    assert (described["name"], described["page"]) == ("TiO2", "main/TiO2/Siefke")
+    at = described["wavelength_nm"] == 550.0
+    np.testing.assert_allclose(films.index("TiO2", 550.0), described["n"][at][0] + 1j * described["k"][at][0])
+    with pytest.raises(ArgumentError, match="did you mean `Al`"):
+        films.index("Aluminium", 550.0)
+    assert {"Nb2O5", "PMMA", "Mo"} <= set(films.material_names())

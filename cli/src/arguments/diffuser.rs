@@ -24,7 +24,7 @@ pub(crate) enum Diffuser {
     Fit(FitArguments),
     /// Calibrate a sample with a known white that was measured on the same grid
     #[command(
-        after_help = "Example: papilio diffuser calibrate sample.bsdf white.bsdf calibrated.bsdf --reflectance 0.99"
+        after_help = "Example:\n  papilio diffuser calibrate sample.bsdf white.bsdf out.bsdf --reflectance 0.99"
     )]
     Calibrate(Calibrate),
     /// Compute a display without each processing step of its measured diffuser: level, spectrum, blur, tails

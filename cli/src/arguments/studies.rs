@@ -86,8 +86,12 @@ pub(crate) struct Tolerance {
 }
 
 /// Outputs of a finished sweep in addition to `sweep.csv` and its figures as SVG.
-#[derive(Debug, Clone, Copy, Args)]
+#[derive(Debug, Clone, Args)]
 pub(crate) struct SweepOutputs {
+    /// Write only these columns of sweep.csv: those of states.csv (`Y,L_star,Y_se`), or metrics of a view and of one state
+    /// (`contrast_ratio,white.Y`) [default: all]
+    #[arg(long, value_name = "NAME,...", value_delimiter = ',')]
+    pub(crate) columns: Vec<String>,
     /// Print all points as JSON on standard output, and write the files as usual
     #[arg(long)]
     pub(crate) json: bool,

@@ -50,7 +50,7 @@ fn figure(measurement: &Measurement, part: &MeasuredPart, channel: usize, fits: 
     let mut curves = Vec::new();
     for from in shown_incidences(part) {
         curves.push(ScatterCurve {
-            name: Some(format!("{from} deg, data")),
+            name: Some("data".to_owned()),
             incidence_deg: from,
             points: true,
             values: in_plane(part, channel, from),
@@ -60,7 +60,7 @@ fn figure(measurement: &Measurement, part: &MeasuredPart, channel: usize, fits: 
             let values =
                 (-178..=178).map(|k| 0.5 * f64::from(k)).map(|to| (to, ranked.fit.value(ray(from), ray(to))));
             curves.push(ScatterCurve {
-                name: Some(format!("{from} deg, {}", ranked.fit.model.kind().name())),
+                name: Some(ranked.fit.model.kind().name().to_owned()),
                 incidence_deg: from,
                 points: false,
                 values: values.collect(),
@@ -68,7 +68,11 @@ fn figure(measurement: &Measurement, part: &MeasuredPart, channel: usize, fits: 
         }
     }
     let figure = Scattering { quantity: quantity.to_owned(), curves, maps: Vec::new() };
-    scattering(&figure, &measurement.provenance.sample)
+    let sample = match measurement.provenance.sample.as_str() {
+        "" => "Measured lobe",
+        sample => sample,
+    };
+    scattering(&figure, &format!("{sample}   \u{b7}   data and fitted lobes"))
 }
 
 /// The incidences of the file that are nearest to those of the figure.

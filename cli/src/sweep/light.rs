@@ -9,13 +9,13 @@ use papilio_design::{DesignError, Evaluator, LightStudy};
 use papilio_display::DisplayError;
 use papilio_figures::of_sweep;
 use papilio_formats::{
-    JournalRow, LightHead, RowsHead, SweepHead, light_parquet, light_points, write_file, write_light_csv,
-    write_light_json,
+    JournalRow, LightHead, RowsHead, SweepHead, light_columns, light_parquet, light_points, write_file,
+    write_light_csv, write_light_json,
 };
 use papilio_scenario::{LightSweep, Sweep, label};
 
 use super::compute::failed_at;
-use super::{merge, table};
+use super::{merge, no_column, table};
 use crate::arguments::{SweepMerge, SweepOutputs, SweepRun};
 use crate::journal;
 use crate::parallel::compute_parallel;
@@ -27,7 +27,7 @@ pub(super) const STEM: &str = "sweep-light";
 /// Computes the missing points, and writes the table and figures of all points.
 pub(super) fn run(
     arguments: &SweepRun,
-    outputs: SweepOutputs,
+    outputs: &SweepOutputs,
     sweep: &Sweep,
     light: LightSweep,
     folder: &Path,
@@ -88,20 +88,28 @@ pub(super) fn merged(arguments: &SweepMerge) -> Result<bool, Failure> {
     merge::complete(head.points(), |point| rows.contains_key(&point))?;
     let all: Vec<&[f64]> = rows.values().map(Vec::as_slice).collect();
     let out = merge::folder(arguments)?;
-    finish(out, &head, &all, arguments.outputs).map(|()| true)
+    finish(out, &head, &all, &arguments.outputs).map(|()| true)
 }
 
 /// Writes the table and figures, and prints the report.
-fn finish(folder: &Path, head: &SweepHead, rows: &[&[f64]], outputs: SweepOutputs) -> Result<(), Failure> {
+fn finish(folder: &Path, head: &SweepHead, rows: &[&[f64]], outputs: &SweepOutputs) -> Result<(), Failure> {
+    let chosen = match outputs.columns.as_slice() {
+        [] => None,
+        columns => Some(light_columns(head, rows, columns).map_err(|wrong| no_column(&wrong))?),
+    };
+    let (table_head, table_rows) = match &chosen {
+        None => (head, rows.to_vec()),
+        Some((head, rows)) => (head, rows.iter().map(Vec::as_slice).collect()),
+    };
     // Figures show the last two axes, with the first values of the other axes.
     let drawn: usize = head.axes.iter().rev().take(2).map(|axis| axis.values.len()).product();
     let first = light_points(head, &rows[..rows.len().min(drawn.max(table::MOST_ROWS))]);
     let refs: Vec<_> = first.iter().collect();
     let names = interrupt::uninterrupted(|| -> Result<Vec<String>, Failure> {
-        write_file(&folder.join("sweep.csv"), |out| write_light_csv(out, head, rows))?;
+        write_file(&folder.join("sweep.csv"), |out| write_light_csv(out, table_head, &table_rows))?;
         let mut names = vec!["sweep.csv".to_owned()];
         if outputs.parquet {
-            let bytes = light_parquet(head, rows)?;
+            let bytes = light_parquet(table_head, &table_rows)?;
             write_file(&folder.join("sweep.parquet"), |out| out.write_all(&bytes))?;
             names.push("sweep.parquet".to_owned());
         }

@@ -5,12 +5,13 @@ use std::path::{Path, PathBuf};
 
 use papilio_formats::{SweepHead, SweepPoint};
 
-use super::{finish, journal, light};
+use super::{check_columns, finish, journal, light};
 use crate::arguments::SweepMerge;
 use crate::{Failure, output};
 
 /// Merges the journals of shards, and writes the table and figures of the sweep.
 pub(super) fn merge(arguments: &SweepMerge) -> Result<(), Failure> {
+    check_columns(&arguments.outputs.columns)?;
     let mut head: Option<(PathBuf, SweepHead)> = None;
     let mut points: BTreeMap<usize, SweepPoint> = BTreeMap::new();
     for folder in &arguments.folders {
@@ -32,7 +33,7 @@ pub(super) fn merge(arguments: &SweepMerge) -> Result<(), Failure> {
     complete(head.points(), |point| points.contains_key(&point))?;
     let out = folder(arguments)?;
     let points: Vec<&SweepPoint> = (0..head.points()).filter_map(|point| points.get(&point)).collect();
-    finish(out, &head, &points, arguments.outputs)
+    finish(out, &head, &points, &arguments.outputs)
 }
 
 /// Stores the head of the first journal; fails if the head of another one differs.

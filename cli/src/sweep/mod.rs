@@ -15,11 +15,13 @@ use std::io::Write;
 use std::path::Path;
 use std::time::Instant;
 
+use papilio_display::metric_label;
 use papilio_figures::of_sweep;
 use papilio_formats::{
-    SweepHead, SweepPoint, journal_name, sweep_parquet, write_file, write_sweep_csv, write_sweep_json,
+    SweepHead, SweepPoint, journal_name, sweep_columns, sweep_parquet, write_file, write_sweep_csv,
+    write_sweep_json,
 };
-use papilio_scenario::{Sweep, label};
+use papilio_scenario::{Sweep, label, labelled_names, nearest};
 
 use self::compute::compute;
 use self::journal::Journal;
@@ -32,13 +34,14 @@ const MOST_SAMPLES: usize = 1000;
 pub(crate) fn sweep(command: &Command) -> Result<(), Failure> {
     match (&command.command, &command.run) {
         (Some(SweepCommand::Merge(merge)), _) => merge::merge(merge),
-        (None, Some(run)) => self::run(run, command.outputs),
+        (None, Some(run)) => self::run(run, &command.outputs),
         // Not reached: clap requires the scenario.
         (None, None) => Err(Failure::Input("a scenario file is required".to_owned())),
     }
 }
 
-fn run(arguments: &SweepRun, outputs: Outputs) -> Result<(), Failure> {
+fn run(arguments: &SweepRun, outputs: &Outputs) -> Result<(), Failure> {
+    check_columns(&outputs.columns)?;
     let mut sweep = input::scenario::<Sweep>(&arguments.file, &arguments.set)?;
     print_notes(sweep.notes());
     for point in sweep.samples().into_iter().take(MOST_SAMPLES) {
@@ -83,13 +86,39 @@ fn run(arguments: &SweepRun, outputs: Outputs) -> Result<(), Failure> {
     finish(&folder, &head, &refs, outputs)
 }
 
+/// Fails for columns that no sweep has, before any point is computed.
+fn check_columns(columns: &[String]) -> Result<(), Failure> {
+    let known = |name: &&String| metric_label(name).is_none() && !matches!(name.as_str(), "state");
+    let Some(wrong) = columns.iter().find(known) else { return Ok(()) };
+    let names: Vec<String> = labelled_names().collect();
+    let number = wrong.rsplit_once('.').map_or(wrong.as_str(), |(_, number)| number);
+    let advice = nearest(number, names.iter().map(String::as_str)).map_or(
+        "the columns are those of states.csv, and metrics of a state such as `white.Y`".to_owned(),
+        |near| format!("did you mean `{}{near}`?", &wrong[..wrong.len() - number.len()]),
+    );
+    Err(Failure::Input(format!("--columns: there is no column `{wrong}`\n  = help: {advice}")))
+}
+
+/// Error: the finished sweep has no such column.
+fn no_column(wrong: &str) -> Failure {
+    Failure::Input(format!(
+        "--columns: {wrong}\n  = help: all points are saved; run the same command with other columns to write the table"
+    ))
+}
+
 /// Writes the table and figures, and prints the report.
-fn finish(folder: &Path, head: &SweepHead, points: &[&SweepPoint], outputs: Outputs) -> Result<(), Failure> {
+fn finish(folder: &Path, head: &SweepHead, points: &[&SweepPoint], outputs: &Outputs) -> Result<(), Failure> {
+    let chosen = match outputs.columns.as_slice() {
+        [] => None,
+        columns => Some(sweep_columns(points, columns).map_err(|wrong| no_column(&wrong))?),
+    };
+    let table: Vec<&SweepPoint> =
+        chosen.as_ref().map_or_else(|| points.to_vec(), |chosen| chosen.iter().collect());
     let names = interrupt::uninterrupted(|| -> Result<Vec<String>, Failure> {
-        write_file(&folder.join("sweep.csv"), |out| write_sweep_csv(out, head, points))?;
+        write_file(&folder.join("sweep.csv"), |out| write_sweep_csv(out, head, &table))?;
         let mut names = vec!["sweep.csv".to_owned()];
         if outputs.parquet {
-            let bytes = sweep_parquet(head, points)?;
+            let bytes = sweep_parquet(head, &table)?;
             write_file(&folder.join("sweep.parquet"), |out| out.write_all(&bytes))?;
             names.push("sweep.parquet".to_owned());
         }

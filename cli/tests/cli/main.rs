@@ -7,10 +7,12 @@
 )]
 
 mod bad_input;
+mod catalogue;
 mod common;
 mod compare;
 mod cone;
 mod diffuser;
+mod figures;
 mod first_steps;
 mod lab_files;
 mod many_points;

@@ -7,7 +7,7 @@ use std::time::Duration;
 
 use crate::common::{files, papilio, place, stderr};
 
-const SCENARIO: &str = r#"
+pub(crate) const SCENARIO: &str = r#"
 title = "Bare"
 [spectrum]
 step_nm = 20
@@ -50,7 +50,7 @@ metric = "contrast_ratio"
 at_least = 4
 "#;
 
-const SECOND_AIM: &str = "[[optimize.objectives]]\nmetric = \"white.Y\"\naim = \"maximise\"\n";
+pub(crate) const SECOND_AIM: &str = "[[optimize.objectives]]\nmetric = \"white.Y\"\naim = \"maximise\"\n";
 
 fn search(file: &str, out: &str, more: &[&str]) -> Output {
     let output = papilio(&[&["optimize", file, "--out", out, "--no-check"], more].concat());

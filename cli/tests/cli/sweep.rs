@@ -11,7 +11,7 @@ use papilio_formats::HAS_PARQUET;
 use crate::common::{files, papilio, place, same, stderr, stdout};
 
 /// A bare film pixel: fast, but slow enough that a sweep of it can be killed.
-const SCENARIO: &str = r#"
+pub(crate) const SCENARIO: &str = r#"
 title = "Bare"
 [display.pixel]
 model = "film"
@@ -122,12 +122,46 @@ fn views_are_an_axis_of_the_figures() {
         let output = papilio(&["sweep", &file, "--out", &out, "--set", light]);
         assert!(output.status.success(), "{}", stderr(&output));
         let printed = stdout(&output);
-        assert_eq!(printed.lines().count(), 1 + 5 * 2, "{printed}");
+        // The headings have three lines: quantities with their units.
+        assert_eq!(printed.lines().count(), 3 + 5 * 2, "{printed}");
         let map = String::from_utf8(files(Path::new(&out))["sweep_contrast_ratio.svg"].clone()).unwrap();
-        for words in ["theta_deg", ">8<", ">20<"] {
+        for words in ["Viewing angle", ">8<", ">20<"] {
             assert!(map.contains(words) && printed.contains(words.trim_matches(['>', '<'])), "{words}");
         }
     }
+}
+
+/// `--columns` chooses the columns of the table, and rows of views where no column is of a state. The journal has all results.
+#[test]
+fn columns_of_the_table_can_be_chosen() {
+    let (_folder, file, out) = place(SCENARIO);
+    let table = |columns: &str| {
+        let output = papilio(&["sweep", &file, "--out", &out, "--columns", columns]);
+        assert!(output.status.success(), "{}", stderr(&output));
+        fs::read_to_string(Path::new(&out).join("sweep.csv")).unwrap()
+    };
+    let by_view = table("contrast_ratio,white.Y,white.Y_de");
+    let first = by_view.lines().next().unwrap();
+    assert!(
+        first.ends_with("lighting.directed,theta_deg,phi_deg,contrast_ratio,white.Y,white.Y_de"),
+        "{first}"
+    );
+    assert_eq!(by_view.lines().count(), 1 + 15);
+    let by_state = table("Y,L_star");
+    assert!(by_state.lines().next().unwrap().ends_with("theta_deg,phi_deg,state,Y,L_star"), "{by_state}");
+    assert_eq!(by_state.lines().count(), 1 + 15 * 8);
+    let white = by_state.lines().nth(1).unwrap().rsplit(',').nth(1).unwrap();
+    assert_eq!(by_view.lines().nth(1).unwrap().rsplit(',').nth(1), Some(white));
+    for (columns, advice) in
+        [("Lstar", "did you mean `L_star`?"), ("withe.Y", "there is no column `withe.Y`")]
+    {
+        let output = papilio(&["sweep", &file, "--out", &out, "--columns", columns]);
+        assert_eq!(output.status.code(), Some(2), "{columns}");
+        assert!(stderr(&output).contains(advice), "{}", stderr(&output));
+    }
+    // Without the option, the table is complete again.
+    assert!(papilio(&["sweep", &file, "--out", &out]).status.success());
+    assert_eq!(files(Path::new(&out))["sweep.csv"], undisturbed()["sweep.csv"]);
 }
 
 #[test]

@@ -11,7 +11,7 @@ use serde_json::Value;
 use crate::common::{files, papilio, place, same, stderr, stdout};
 
 /// A bare film pixel: fast, but slow enough that its analysis can be killed.
-const SCENARIO: &str = r#"
+pub(crate) const SCENARIO: &str = r#"
 title = "Bare"
 [display.pixel]
 model = "film"

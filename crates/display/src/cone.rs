@@ -61,6 +61,8 @@ pub struct ConeResult {
     pub views: Vec<ConeView>,
     /// Directed sources.
     pub lights: Vec<ConeLight>,
+    /// Inclination and azimuth of the scenario's own views, degrees; an inclination may be negative.
+    pub views_deg: Vec<[f64; 2]>,
     /// Number of nodes of the quadrature.
     pub nodes: u64,
     /// Largest relative discretisation error of Y over states and directions.

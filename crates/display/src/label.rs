@@ -84,6 +84,8 @@ const OTHERS: &[(&str, &str, &str)] = &[
     ("reflectance", "Reflectance", ""),
     ("absorptance", "Absorptance", ""),
     ("z", "Chromaticity z", ""),
+    ("uv_shift", "Chromaticity difference Δu′v′ from the reference direction", ""),
+    ("delta_E_1976_with_angle", "Colour difference ΔE*ab from the reference direction", ""),
     ("hue_r", "Red of the hue", ""),
     ("hue_g", "Green of the hue", ""),
     ("hue_b", "Blue of the hue", ""),

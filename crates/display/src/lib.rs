@@ -30,7 +30,7 @@
 //!     lighting: Lighting {
 //!         illuminance_lx: 500.0,
 //!         diffuse: 1.0,
-//!         diffuse_spectrum: illuminant("D65", &grid)?,
+//!         diffuse_spectrum: illuminant("D65", &grid)?.into(),
 //!         directed: vec![],
 //!         environment: vec![],
 //!         front_light: None,
@@ -39,7 +39,7 @@
 //!     metrics: Metrics::default(),
 //!     solver: Solver {
 //!         method: Method::Walk,
-//!         stop: Stop::RelativeError { target: 0.001, every_bin: false },
+//!         stop: Stop::RelativeError { target: 0.001, per_wavelength: false },
 //!         sampler: Sampler::Sobol,
 //!         scattering: Strategy::Kernel,
 //!         approximation: Approximation::None,

@@ -48,6 +48,7 @@ mod colour_map;
 mod comparison;
 mod cone;
 mod cone_differences;
+mod cone_scale;
 mod contour;
 mod diagram;
 mod labels;

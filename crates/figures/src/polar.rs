@@ -99,6 +99,12 @@ impl<'a> Directions<'a> {
         (map.centre.0 + r * cos, map.centre.1 - r * sin)
     }
 
+    /// Returns the position of a direction that may have a negative inclination, if it is on the map.
+    pub(crate) fn inside(&self, map: &Map<'_>, theta_deg: f64, phi_deg: f64) -> Option<Point> {
+        let at = self.at(map, theta_deg, phi_deg);
+        (theta_deg.abs() <= self.rim_deg && finite(at)).then_some(at)
+    }
+
     /// Draws a map of `value`, with the directions of the light.
     pub(crate) fn draw(
         &self,
@@ -126,9 +132,7 @@ impl<'a> Directions<'a> {
             let colour = if fraction < 0.6 { "#ffffff" } else { "#222222" };
             let lines: Vec<_> = contour.lines.iter().map(|line| thinned(line, REACH)).collect();
             svg.lines(&lines, &Stroke::solid(colour, if map.labelled { 0.9 } else { 0.6 }), 0.7);
-            if map.labelled {
-                label(svg, map, &contour, text, &mut places);
-            }
+            label(svg, map, &contour, text, &mut places);
         }
         if map.labelled {
             self.ring_names(svg, map);
@@ -220,15 +224,15 @@ fn bands(scale: &Axis, fine: bool) -> Vec<(f64, String)> {
 
 /// Labels a contour, once on each long line, near the upper right.
 fn label(svg: &mut Svg, map: &Map<'_>, contour: &Contour, text: &str, places: &mut Places) {
-    const SIZE: f64 = 10.0;
+    let size = if map.labelled { 10.0 } else { 8.0 };
     for line in contour.lines.iter().filter(|line| length(line) > 40.0) {
         let mut points: Vec<Point> = line.clone();
         let right = |p: &Point| (map.centre.1 - p.1) + 0.5 * (p.0 - map.centre.0);
         points.sort_by(|a, b| right(b).total_cmp(&right(a)));
-        let at = points.iter().map(|(x, y)| (*x, y + 0.35 * SIZE));
-        let free = |at: &Point| places.take_in_disc(*at, text, SIZE, (map.centre, map.radius - 2.0));
+        let at = points.iter().map(|(x, y)| (*x, y + 0.35 * size));
+        let free = |at: &Point| places.take_in_disc(*at, text, size, (map.centre, map.radius - 2.0));
         if let Some(at) = at.into_iter().find(free) {
-            svg.text(at, text, Text::new(SIZE, INK).anchor(Anchor::Middle).halo());
+            svg.text(at, text, Text::new(size, INK).anchor(Anchor::Middle).halo());
         }
     }
 }
@@ -248,9 +252,12 @@ pub(crate) fn colour_bar(svg: &mut Svg, scale: &Axis, (left, top): Point, height
         // A little higher than it is, so that no seam shows.
         svg.rect((left, to), (WIDTH, (from - to + 0.5).min(bottom - to)), 0.0, colour, "");
     }
-    for (tick, text) in scale.ticks() {
+    for (tick, _) in scale.ticks() {
         let y = bottom - height * scale.fraction(*tick);
         svg.line((left + WIDTH, y), (left + WIDTH + 3.0, y), &Stroke::solid(INK, 0.8));
+    }
+    for (tick, text) in scale.labelled(height, |_| SMALL - 1.0) {
+        let y = bottom - height * scale.fraction(tick);
         svg.text((left + WIDTH + 6.0, y + 4.0), text, Text::new(SMALL - 1.0, INK));
     }
 }

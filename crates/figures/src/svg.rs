@@ -55,8 +55,9 @@ pub(crate) struct Svg {
     clips: usize,
 }
 
-/// Height of the title above a page, px.
+/// Height of the title above a page, and of a second line of it, px.
 const TITLE: f64 = 28.0;
+const SUBTITLE: f64 = 18.0;
 
 impl Stroke {
     /// Returns a solid line style.
@@ -117,10 +118,15 @@ impl Svg {
     pub(crate) fn finish(mut self) -> String {
         let (mut top, mut title) = (0.0, String::new());
         if !self.title.is_empty() {
-            let line = shortened(&self.title, self.width - 40.0, 14.0);
-            self.text((20.0, 22.0 - TITLE), &line, Text::new(14.0, "#222222").strong());
             // The title is above the origin of the page, so that no coordinate depends on it.
-            (top, title) = (-TITLE, format!("<title>{}</title>\n", escaped(&self.title)));
+            let lines = title_lines(&self.title, self.width - 40.0);
+            top = -TITLE - SUBTITLE * (lines.len() - 1) as f64;
+            for (k, line) in lines.iter().enumerate() {
+                let style =
+                    if k == 0 { Text::new(14.0, "#222222").strong() } else { Text::new(12.0, "#555555") };
+                self.text((20.0, top + 22.0 + SUBTITLE * k as f64), line, style);
+            }
+            title = format!("<title>{}</title>\n", escaped(&self.title));
         }
         let (w, h, top) = (number(self.width), number(self.height - top), number(top));
         format!(
@@ -254,6 +260,17 @@ pub(crate) fn text_width(content: &str, size: f64) -> f64 {
     let is_raised = |c: &char| matches!(c, '\u{b2}' | '\u{b3}' | '\u{b9}' | '\u{2070}'..='\u{207f}');
     let raised = content.chars().filter(is_raised).count() as f64;
     size * (0.56 * (content.chars().count() as f64 - raised) + 0.38 * raised)
+}
+
+/// Divides a title of several parts (separated by middle dots) into two lines if it is too long for one.
+fn title_lines(title: &str, width: f64) -> Vec<String> {
+    const SIZE: f64 = 14.0;
+    match title.split_once(" \u{b7} ") {
+        Some((first, rest)) if text_width(title, SIZE) > width => {
+            vec![shortened(first.trim(), width, SIZE), shortened(rest.trim(), width, 12.0)]
+        }
+        _ => vec![shortened(title, width, SIZE)],
+    }
 }
 
 /// Shortens a text to a width of about `max_width` px.

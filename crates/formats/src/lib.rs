@@ -64,6 +64,7 @@ mod rows;
 mod spectrum;
 mod study;
 mod sweep;
+mod sweep_columns;
 mod sweep_json;
 mod sweep_light;
 #[cfg(feature = "parquet")]
@@ -105,6 +106,7 @@ pub use study::write_study;
 pub use sweep::{
     LightHead, SweepHead, SweepHeadAxis, SweepJournal, SweepPoint, sweep_place, sweep_value, write_sweep_csv,
 };
+pub use sweep_columns::{light_columns, sweep_columns};
 pub use sweep_json::write_sweep_json;
 pub use sweep_light::{light_points, write_light_csv, write_light_json};
 pub use sweep_parquet::{light_parquet, sweep_parquet};

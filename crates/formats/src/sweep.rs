@@ -149,6 +149,21 @@ impl SweepPoint {
         self.cell(self.rows.iter().find(is_it)?, column)?.parse().ok()
     }
 
+    /// Returns whether the point has rows of this state.
+    pub(crate) fn has_state(&self, state: &str) -> bool {
+        self.rows.iter().any(|row| self.cell(row, "state") == Some(state))
+    }
+
+    /// Returns the cell of one of the [`metrics`](Self::metrics) at one of the [`views`](Self::views).
+    pub(crate) fn cell_of(&self, view: [&str; 2], name: &str) -> Option<&str> {
+        let of_state = name.rsplit_once('.').filter(|(state, _)| self.has_state(state));
+        let (state, column) = of_state.map_or((None, name), |(state, column)| (Some(state), column));
+        let is_it = |row: &&Vec<String>| {
+            self.view(row) == view && state.is_none_or(|state| self.cell(row, "state") == Some(state))
+        };
+        self.cell(self.rows.iter().find(is_it)?, column)
+    }
+
     fn view<'a>(&self, row: &'a [String]) -> [&'a str; 2] {
         ["theta_deg", "phi_deg"].map(|name| self.cell(row, name).unwrap_or_default())
     }

@@ -240,7 +240,7 @@ fn ward(bench: &Bench<'_>) -> Result<Section, ReproductionError> {
             number(fit_peak / measured, 3),
         ]);
         for (name, points, values) in [("data", true, values), ("Ward", false, fitted)] {
-            let name = Some(format!("{from} deg, {name}"));
+            let name = Some(name.to_owned());
             curves.push(ScatterCurve { name, incidence_deg: from, points, values });
         }
     }

@@ -130,13 +130,14 @@ pub(crate) fn off(theirs: f64, ours: f64) -> String {
     format!("{} %", self::difference(100.0 * difference / theirs.abs(), 1))
 }
 
-const STYLE: &str = "body{font:16px/1.5 system-ui,sans-serif;color:#222;max-width:60rem;margin:2rem auto;padding:0 1rem}\
+const STYLE: &str = "body{font:16px/1.5 system-ui,sans-serif;color:#222;max-width:74rem;margin:2rem auto;padding:0 1rem}p,ul{max-width:46rem}\
 h1{font-size:1.7rem}h2{font-size:1.25rem;margin-top:2.5rem;border-top:1px solid #ddd;padding-top:1.2rem}\
 table{border-collapse:collapse;margin:1rem 0;font-size:.9rem;display:block;overflow-x:auto}\
 th,td{padding:.25rem .7rem;border-bottom:1px solid #e4e4e4;text-align:right;font-variant-numeric:tabular-nums;vertical-align:top}\
 th:first-child,td:first-child{text-align:left}th{border-bottom:1px solid #888;font-weight:600}.words{text-align:left;max-width:26rem}\
-pre{overflow-x:auto;font-size:.85rem}figure{margin:1.2rem 0}figure img{max-width:100%;height:auto}figcaption{font-size:.9rem;color:#555}\
-nav{columns:16rem;font-size:.9rem}nav a{display:block;color:#1f4e9c;text-decoration:none}nav a:hover{text-decoration:underline}";
+pre{overflow-x:auto;font-size:.85rem}figure{margin:1.2rem 0}figure img{max-width:100%;min-width:min(100%,52rem);height:auto}figcaption{font-size:.9rem;color:#555}\
+nav{columns:16rem;font-size:.9rem}nav a{display:block;color:#1f4e9c;text-decoration:none}nav a:hover{text-decoration:underline}section{scroll-margin-top:1rem}\
+@media(min-width:94rem){body{margin-left:19rem}nav{position:fixed;left:1rem;top:1rem;bottom:1rem;width:16rem;overflow:auto;columns:auto}}";
 
 impl Report {
     /// Returns an HTML page that contains the figures.

@@ -25,6 +25,8 @@ pub(crate) fn tables() -> Vec<(&'static str, Vec<Row>)> {
         ("display.diffuser ward", diffuser::Ward::rows()),
         ("display.diffuser measured", diffuser::Measured::rows()),
         ("display.diffuser slab", diffuser::Slab::rows()),
+        ("display.diffuser.reflection", diffuser::Reflection::rows()),
+        ("display.diffuser.reflection.below", diffuser::ReflectionBelow::rows()),
         ("display.glass", display::Glass::rows()),
         ("display.layers medium", layers::Medium::rows()),
         ("display.layers coating", layers::Coating::rows()),

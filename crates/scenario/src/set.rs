@@ -147,10 +147,11 @@ impl Grow for NodeBuilder {
 }
 
 /// Pairs of keys that exclude each other: setting one replaces the other.
-pub(crate) const EXCLUSIVE_KEYS: [[&str; 2]; 4] = [
+pub(crate) const EXCLUSIVE_KEYS: [[&str; 2]; 5] = [
     ["relative_error", "paths"],
     ["haze", "width"],
     ["transmittance", "total_transmittance"],
+    ["reflectance", "total_reflectance"],
     ["internal_transmittance", "thickness_mm"],
 ];
 

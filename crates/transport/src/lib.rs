@@ -39,7 +39,7 @@
 //! ```
 //!
 //! **Limits.** Layers are parallel and uniform; light is unpolarised between them; a
-//! diffuser given by its BTDF reflects nothing.
+//! diffuser given by its BTDF reflects nothing, unless its reflection is described too ([`ReflectingDiffuser`]).
 //!
 //! **Out of scope.** Threads, files, spectra of light, colours.
 

@@ -12,7 +12,9 @@ use papilio_transport::{
     Base, Cone, Diffuser, Estimate, Front, Interface, Layer, Layered, Medium, Panel, Reflector, Source,
     Stack, Top,
 };
-use papilio_validation::random_stacks::{Member, STATES, WAVELENGTHS_NM, member, rare_member};
+use papilio_validation::random_stacks::{
+    Member, STATES, WAVELENGTHS_NM, member, rare_member, reflecting_member,
+};
 use papilio_validation::{run, scenario};
 use rayon::prelude::*;
 
@@ -202,6 +204,15 @@ fn random_stacks_have_student_distributed_deviations() {
     };
     let all: Vec<Scores> = (0..count).into_par_iter().map(one).collect();
     assert_distribution("random stacks", &all, 6.5);
+}
+
+/// The same for diffusers that reflect light by lobes of their own and mirror a part of it.
+#[test]
+fn reflecting_diffusers_have_student_distributed_deviations() {
+    let (count, seeds) = count(24);
+    let one = |number| scores(&reflecting_member(number), number, Sampler::Random, seeds, 1 << 10);
+    let all: Vec<Scores> = (0..count).into_par_iter().map(one).collect();
+    assert_distribution("reflecting diffusers", &all, 6.5);
 }
 
 /// The spread of replicates includes improbable events, with the sampler and about the smallest number of

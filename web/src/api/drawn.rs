@@ -81,10 +81,15 @@ pub(super) async fn cone(site: Site, request: ConeOf) -> Result<ConeSeen, Fault>
             let (_, resolved) = given.resolve(&server, Solver::Adding)?;
             let cone = compute_cone(&resolved, request.step_deg, stop)?;
             let title = resolved.title.unwrap_or_default();
-            let figures =
-                papilio_figures::cone(&cone, &title).map(|svg| Figure { name: "cone".to_owned(), svg });
+            let drawn = [
+                ("cone", papilio_figures::cone(&cone, &title)),
+                ("cone_differences", papilio_figures::cone_differences(&cone, &title)),
+            ];
+            let figure =
+                |(name, svg): (&str, Option<String>)| Some(Figure { name: name.to_owned(), svg: svg? });
+            let figures = drawn.into_iter().filter_map(figure);
             Ok(ConeSeen {
-                figures: figures.into_iter().collect(),
+                figures: figures.collect(),
                 data: numbers(&cone),
                 quantities: CONE_QUANTITIES,
                 theta_deg: cone.theta_deg,

@@ -20,7 +20,7 @@ pub(super) fn page(answer: &Answer, scenario: &str, cone: &ConeResult) -> String
     let mut ledger = Section::new("ledger", "Energy balance");
     for view in &result.views {
         let direction = format!("Seen from {} deg, azimuth {} deg.", view.theta_deg, view.phi_deg);
-        numbers = numbers.say(direction.clone()).table(colours(view)).table(metrics(view));
+        numbers = numbers.say(direction.clone()).table(colours(view, &result.primaries)).table(metrics(view));
         ledger = ledger
             .say(format!(
                 "{direction} Fractions of a beam that enters from this direction, weighted by luminance."
@@ -47,8 +47,8 @@ pub(super) fn page(answer: &Answer, scenario: &str, cone: &ConeResult) -> String
     Report { title: title.to_owned(), about: vec![about], sections }.html()
 }
 
-/// The table of the states.
-fn colours(view: &View) -> Table {
+/// The table of the states; peaks are those of states that drive one sub-pixel, `primaries`.
+fn colours(view: &View, primaries: &[String]) -> Table {
     let mut table = Table::new(&["state", "Y", "L*", "u'", "v'", "contrast", "peak nm", "cd/m2"]);
     for (name, state) in view.states.iter() {
         let of = |get: fn(&papilio_display::result::StateValues) -> Option<f64>, decimals: usize| {
@@ -61,7 +61,11 @@ fn colours(view: &View) -> Table {
             of(|values| values.u_prime, 4),
             of(|values| values.v_prime, 4),
             of(|values| values.contrast, 2),
-            of(|values| values.peak_nm, 1),
+            if primaries.iter().any(|primary| primary == name) {
+                of(|values| values.peak_nm, 1)
+            } else {
+                "-".to_owned()
+            },
             of(|values| Some(values.luminance_cd_m2), 2),
         ]);
     }

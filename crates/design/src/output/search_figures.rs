@@ -5,6 +5,9 @@ use papilio_display::uncapitalised;
 use papilio_figures::{Chart, ChartCurve, Hue, chart};
 use papilio_scenario::label;
 
+/// Relative difference below which two results are called equal: less than an axis shows.
+const EQUAL: f64 = 1e-3;
+
 /// Largest number of curves in a figure; more would hide each other.
 const MOST_CURVES: usize = 60;
 
@@ -32,6 +35,9 @@ fn trace(title: &str, search: &Search, results: &[SearchResult], selected: &[Sel
     let best = selected.first().map(|one| one.task);
     // The best task is drawn last, on top of the others.
     tasks.sort_by_key(|one| Some(one.task) == best);
+    let last = |result: &SearchResult| result.trace.last().copied().unwrap_or(f64::NAN);
+    let highest = tasks.last().map_or(f64::NAN, |result| last(result));
+    let equal = tasks.iter().filter(|one| (last(one) - highest).abs() <= EQUAL * highest.abs()).count();
     let curve = |result: &&SearchResult| {
         let is_best = Some(result.task) == best;
         ChartCurve {
@@ -42,19 +48,36 @@ fn trace(title: &str, search: &Search, results: &[SearchResult], selected: &[Sel
             points: steps(result),
         }
     };
+    // The ends of the lines are marked, so that a task with a single result is visible; the axis begins at 0.
+    let end = |result: &&SearchResult| steps(result).last().copied();
+    let ends = |hue, points: Vec<(f64, f64)>| ChartCurve {
+        name: String::new(),
+        hue,
+        dashed: false,
+        marks: true,
+        points,
+    };
+    let drawn = &tasks[count.saturating_sub(MOST_CURVES)..];
+    let origin = ChartCurve { points: vec![(0.0, highest)], marks: false, ..ends(Hue::Grey, Vec::new()) };
+    let (others, last_task) = drawn.split_at(drawn.len().saturating_sub(1));
     let all = Chart {
         x: "Designs evaluated by a task".to_owned(),
         y: format!("Best {}", uncapitalised(&axis(search, 0))),
         logarithmic: false,
         at_least: search.aims().value(0, search.own().1).into_iter().collect(),
-        curves: tasks[count.saturating_sub(MOST_CURVES)..].iter().map(curve).collect(),
+        curves: std::iter::once(origin)
+            .chain([ends(Hue::Grey, others.iter().filter_map(end).collect())])
+            .chain(drawn.iter().map(curve))
+            .chain([ends(Hue::Group(0), last_task.iter().filter_map(end).collect())])
+            .collect(),
     };
     let lines = match count {
         0 => "no task met the constraints".to_owned(),
         1 => "the task that met the constraints".to_owned(),
-        2..=MOST_CURVES => format!("one line for each of the {count} tasks that met the constraints"),
+        2..=MOST_CURVES => format!("{count} tasks that met the constraints"),
         _ => format!("{MOST_CURVES} of the {count} tasks that met the constraints"),
     };
+    let lines = if equal > 1 { format!("{lines}; {equal} reach the best value") } else { lines };
     chart(&all, &titled(title, &lines))
 }
 

@@ -95,6 +95,6 @@ fn primaries_are_the_states_that_drive_one_sub_pixel() {
                   set = { green = { gap_nm = 300 } }, off = { green = { gap_nm = 20 } } }";
     assert_eq!(of("indoor", &[states]), ["red", "green", "blue", "half", "set"]);
     assert_eq!(of("epaper", &[]), Vec::<String>::new());
-    assert_eq!(of("table-pixel", &[]), ["red", "green", "blue"]);
+    assert_eq!(of("table-pixel", &[]), ["red"]);
     assert!(pixel::is_mixture("cyan") && !pixel::is_mixture("red"));
 }

@@ -318,6 +318,7 @@ fn display_white_changes_cielab_and_colour_differences_only() {
         (perfect.reference_white, own.reference_white),
         (ReferenceWhite::Perfect, ReferenceWhite::Display)
     );
+    let least = own.solver.relative_error_reached;
     for (perfect, own) in perfect.views.iter().zip(&own.views) {
         let white = own.states.get("white").unwrap();
         for ((name, state), (_, before)) in own.states.iter().zip(perfect.states.iter()) {
@@ -343,7 +344,8 @@ fn display_white_changes_cielab_and_colour_differences_only() {
         }
         let error = white.discretisation_error.as_ref().unwrap();
         assert!((white.value.L_star.unwrap() - 100.0).abs() < 1e-9, "{:?}", white.value.L_star);
-        assert!(error.L_star.unwrap() < 1e-3 && error.Y > 0.0);
+        // The two levels agree exactly; what is left is the smallest relative error that is reported, that of Y.
+        assert!(error.L_star.unwrap() <= 100.1 * least && error.Y > 0.0, "{:?} {least}", error.L_star);
         let corners = Corners { xyz: CORNERS.map(|name| xyz(own.states.get(name).unwrap())) };
         let volume = corners.solid(xyz(white)).unwrap().volume();
         assert!((own.metrics.gamut_volume_cielab.unwrap() / volume - 1.0).abs() < 1e-9);

@@ -33,6 +33,13 @@ fn scenes() -> Vec<(&'static str, Scene)> {
         ("front light", scene("front-light", &[])),
         ("the display's white", scene("indoor", &["metrics.white=display"])),
         ("any layers", scene("slab", &[])),
+        (
+            "a diffuser that reflects",
+            scene(
+                "reflecting-diffuser",
+                &["display.diffuser.reflection.mirror=0.2", "display.diffuser.width=0.1"],
+            ),
+        ),
     ]
 }
 

@@ -38,7 +38,7 @@ fn changes() -> Vec<Change> {
         ("a state less", |s| drop(film(s).states.pop())),
         ("shares of light", |s| s.lighting.diffuse = 0.9),
         ("a light's spectrum", |s| {
-            s.lighting.directed[0].spectrum = s.lighting.directed[0].spectrum.map(|e| e * e);
+            s.lighting.directed[0].spectrum = s.lighting.directed[0].spectrum.map(|e| e * e).into();
         }),
         ("a lamp with a size", |s| s.lighting.directed[0].radius_deg = Some(3.0)),
         ("the field of view", |s| s.viewer.field_deg = 2.0),
@@ -114,11 +114,11 @@ fn prepared_display_equals_a_single_run_after_every_change() {
 #[test]
 fn alternating_scenes_do_not_affect_each_other() {
     with_stop(1, |control| {
-        let scenes =
-            ["indoor", "epaper", "two-diffusers", "table-pixel", "sunny"].map(|name| scene(name, &[]));
+        let scenes = ["indoor", "epaper", "two-diffusers", "table-pixel", "sunny", "reflecting-diffuser"]
+            .map(|name| scene(name, &[]));
         let plain = scenes.each_ref().map(|scene| text(&papilio_display::run(scene, control).unwrap()));
         let mut prepared = Prepared::new(&scenes[0]).unwrap();
-        for k in [0, 1, 0, 2, 3, 2, 4, 0, 3, 1, 4, 4] {
+        for k in [0, 1, 0, 2, 5, 3, 2, 4, 0, 5, 3, 1, 4, 4] {
             assert!(text(&prepared.run(&scenes[k], control).unwrap()) == plain[k], "{k}");
         }
     });

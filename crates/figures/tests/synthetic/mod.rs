@@ -110,6 +110,7 @@ pub(crate) fn cone(theta_deg: &[f64], phi_deg: &[f64]) -> ConeResult {
         reference_white: ReferenceWhite::Perfect,
         views: views.collect(),
         states: states.clone(),
+        views_deg: vec![[8.0, 0.0]],
         lights: vec![ConeLight { theta_deg: -20.0, phi_deg: 0.0, radius_deg: 0.0 }],
         nodes: 0,
         discretisation_error: 0.0,
@@ -212,5 +213,5 @@ fn state(grid: &Grid, observer: &Observer, white: &Spectrum, reflectance: &Spect
         peak_nm: value.peak_nm.map(|_| 40.0 * share),
         ..value.clone()
     };
-    State { standard_error: scaled(error), discretisation_error: None, value }
+    State { standard_error: scaled(error), discretisation_error: None, interpolation_error: None, value }
 }

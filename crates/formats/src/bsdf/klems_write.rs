@@ -9,7 +9,7 @@ use papilio_goniometry::{
 
 use super::LARGEST_VALUE;
 use super::window::{BASES, CHANNELS, KLEMS, WAYS};
-use super::write::{Number, WriteError, lost_media, one_line};
+use super::write::{Number, WriteError, lost_media, not_written, one_line};
 
 pub(super) fn write(out: &mut dyn Write, measurement: &Measurement) -> Result<Vec<String>, WriteError> {
     let mut lost = Vec::new();
@@ -103,11 +103,9 @@ fn choose_channels(
         lost.push(format!("the channel {} was written as the visible spectrum", part.channels[only]));
         chosen.push((Channel::Monochrome, only));
     }
-    for (k, channel) in part.channels.iter().enumerate() {
-        if !chosen.iter().any(|(_, number)| *number == k) {
-            lost.push(format!("the channel {channel} was not written"));
-        }
-    }
+    let is_chosen = |k: usize| chosen.iter().any(|(_, number)| *number == k);
+    let others = part.channels.iter().enumerate().filter(|(k, _)| !is_chosen(*k));
+    lost.extend(not_written(&others.map(|(_, channel)| *channel).collect::<Vec<_>>()));
     Ok(chosen.into_iter().unzip())
 }
 

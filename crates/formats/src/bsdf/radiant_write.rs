@@ -8,7 +8,7 @@ use papilio_goniometry::{
 };
 
 use super::radiant_read::{AXES, NAME, SAMPLE, block_name};
-use super::write::{Number, WriteError, check, lost_media, one_line};
+use super::write::{Number, WriteError, check, lost_media, not_written, one_line};
 
 pub(super) fn write(out: &mut dyn Write, measurement: &Measurement) -> Result<Vec<String>, WriteError> {
     let mut lost = Vec::new();
@@ -103,12 +103,14 @@ fn choose_channels(part: &MeasuredPart, lost: &mut Vec<String>) -> Result<Vec<(C
         return Err(WriteError::CannotHold { format: NAME, what: "a part without channels" });
     }
     let chosen = xyz.unwrap_or_else(|| vec![(Channel::Monochrome, part.luminous())]);
-    for (k, channel) in part.channels.iter().enumerate() {
-        if !chosen.iter().any(|(_, number)| *number == k) {
-            lost.push(format!("the channel {channel} was not written"));
-        } else if chosen.len() == 1 && *channel != Channel::Monochrome {
-            lost.push(format!("the format cannot state that the values are of the channel {channel}"));
-        }
+    let is_chosen = |k: usize| chosen.iter().any(|(_, number)| *number == k);
+    let others = part.channels.iter().enumerate().filter(|(k, _)| !is_chosen(*k));
+    lost.extend(not_written(&others.map(|(_, channel)| *channel).collect::<Vec<_>>()));
+    if let [(_, only)] = chosen[..]
+        && part.channels[only] != Channel::Monochrome
+    {
+        let channel = &part.channels[only];
+        lost.push(format!("the format cannot state that the values are of the channel {channel}"));
     }
     Ok(chosen)
 }

@@ -3,7 +3,7 @@
 use std::fmt;
 use std::io::{self, Write};
 
-use papilio_goniometry::{MeasuredPart, Measurement};
+use papilio_goniometry::{Channel, MeasuredPart, Measurement};
 
 use super::{LARGEST_VALUE, klems_write, papilio_write, radiant_write, table_write};
 
@@ -49,6 +49,15 @@ pub enum WriteError {
 /// Numbers that the readers accept.
 const LIMITS: &str =
     "0 to 1e15; check whether a calibration reference is nearly dark there, or a value of the file is wrong";
+
+/// Returns a note on channels that a format does not hold.
+pub(super) fn not_written(channels: &[Channel]) -> Option<String> {
+    match channels {
+        [] => None,
+        [one] => Some(format!("the channel {one} was not written")),
+        [first, .., last] => Some(format!("{} channels were not written: {first} to {last}", channels.len())),
+    }
+}
 
 /// Fails if the readers would refuse a number of a part.
 pub(super) fn check(part: &MeasuredPart) -> Result<(), WriteError> {

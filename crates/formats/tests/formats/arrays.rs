@@ -100,6 +100,7 @@ fn cone() -> ConeResult {
         reference_white: ReferenceWhite::Display,
         states: vec!["white, bright".to_owned(), "black".to_owned()],
         views: (0..6).map(view).collect(),
+        views_deg: vec![[8.0, 0.0]],
         lights: vec![ConeLight { theta_deg: -20.0, phi_deg: 0.0, radius_deg: 0.25 }],
         nodes: 64,
         discretisation_error: 3e-5,

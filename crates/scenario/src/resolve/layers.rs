@@ -58,6 +58,16 @@ pub(super) fn component_interface(component: FrontComponent) -> Interface {
     Ready::component(reflectance, absorptance).into()
 }
 
+/// Place of an interface: that of its reflection, if it is described.
+fn place_of(layer: &Spanned<describe::Layer>) -> Origin {
+    match &layer.value {
+        describe::Layer::Diffuser(diffuser) if diffuser.reflection().is_some() => {
+            diffuser.reflection().origin
+        }
+        _ => layer.origin,
+    }
+}
+
 /// Absorption of a medium: its internal transmittance, or its thickness.
 type Absorption<'a> = (&'a Spanned<Option<ShareSpectrum>>, &'a Spanned<Option<numbers::Thickness>>);
 
@@ -97,7 +107,7 @@ impl Resolver<'_> {
         for (part, layer) in parts.into_iter().zip(layers) {
             match part {
                 Part::Medium(medium, index_at) => stack.fill(medium, index_at),
-                Part::Interface(interface) => stack.put(interface, layer.origin),
+                Part::Interface(interface) => stack.put(interface, place_of(layer)),
             }
         }
         self.note_coatings(layers);

@@ -2,7 +2,7 @@
 
 use papilio_colour::Observer;
 use papilio_diagnostics::Diagnostic;
-use papilio_display::scene::Lobe;
+use papilio_display::scene::{self, Lobe, LobeReflection, ReflectedLobe};
 use papilio_goniometry::{
     Channel, GoniometryError, Instrument, Measurement, Noise, ScatterMode, SpecularGrid, Symmetry, View,
     tristimulus_factors,
@@ -116,6 +116,17 @@ pub(crate) fn measurement(
 /// both.
 type TrueWay = (ScatterMode, TrueLobe, [f64; 2], Spectrum);
 
+/// Returns the reflection of a sample in air.
+fn reflected_way(way: ScatterMode, side: &LobeReflection) -> TrueWay {
+    let lobe = match side.lobe() {
+        ReflectedLobe::Lobe(lobe) => TrueLobe::Lobe(*lobe),
+        ReflectedLobe::Kernel(scatter) => TrueLobe::Scatter(scatter.clone()),
+    };
+    let [scattered, mirror] = side.shares();
+    let reflectance = side.scattered().zip_map(side.mirrored(), |scattered, mirrored| scattered + mirrored);
+    (way, lobe, [scattered, mirror], reflectance)
+}
+
 impl Resolver<'_> {
     fn before_instrument(&mut self, file: &File) -> Option<VirtualMeasurement> {
         let default = Measure::absent().map(Spanned::without_span);
@@ -213,19 +224,24 @@ impl Resolver<'_> {
         let through = |truth: TrueLobe, spectrum: Spectrum, straight: f64| {
             vec![(ScatterMode::FrontTransmission, truth, [1.0 - straight, straight], spectrum)]
         };
-        let lobe = match &at.value {
-            Some(Diffuser::KCorrelation(lobe)) => self.k_correlation(lobe)?,
-            Some(Diffuser::Lambertian(lobe)) => self.lambertian(lobe)?,
+        let of_lobe = |lobe: scene::Diffuser| {
+            through(TrueLobe::Lobe(lobe.lobe), lobe.transmittance, lobe.regular_fraction)
+        };
+        let (transmission, reflection) = match &at.value {
+            Some(Diffuser::KCorrelation(lobe)) => (self.k_correlation(lobe).map(of_lobe), &lobe.reflection),
+            Some(Diffuser::Lambertian(lobe)) => (self.lambertian(lobe).map(of_lobe), &lobe.reflection),
             Some(Diffuser::Ward(ward)) => {
-                let (scatter, transmittance) = self.ward_lobe(ward)?;
-                return Some(through(TrueLobe::Scatter(scatter), transmittance, ward.regular_fraction.0));
+                let lobe = self.ward_lobe(ward).map(|(scatter, transmittance)| {
+                    through(TrueLobe::Scatter(scatter), transmittance, ward.regular_fraction.0)
+                });
+                (lobe, &ward.reflection)
             }
             Some(Diffuser::Measured(measured)) => {
                 let film = self.foil_in_air("display.diffuser", measured)?;
                 let whole = |(way, kernel): (ScatterMode, papilio_display::scene::ScatterKernel)| {
                     (way, TrueLobe::Scatter(kernel.scatter), [1.0, 0.0], kernel.factor)
                 };
-                return Some(film.into_iter().map(whole).collect());
+                (Some(film.into_iter().map(whole).collect()), &measured.reflection)
             }
             Some(Diffuser::Slab(slab)) => {
                 let wrong = Diagnostic::new(
@@ -244,7 +260,11 @@ impl Resolver<'_> {
                 return None;
             }
         };
-        Some(through(TrueLobe::Lobe(lobe.lobe), lobe.transmittance, lobe.regular_fraction))
+        let (transmission, sides) = (transmission, self.reflections(reflection));
+        let mut ways: Vec<TrueWay> = transmission?;
+        let reflected = [ScatterMode::FrontReflection, ScatterMode::BackReflection].into_iter().zip(sides?);
+        ways.extend(reflected.filter_map(|(way, side)| side.map(|side| reflected_way(way, &side))));
+        Some(ways)
     }
 
     /// Computes the factor of a transmission spectrum for each channel, relative to the light.

@@ -4,6 +4,7 @@ mod blur;
 mod file;
 mod report;
 
+use papilio_diagnostics::Diagnostic;
 use papilio_display::scene::{Medium, Ready, ScatterFace, ScatterKernel, ScatteringPixel};
 use papilio_goniometry::{Backing, ScatterMode};
 use papilio_spectra::Spectrum;
@@ -50,7 +51,8 @@ impl Resolver<'_> {
             self.refuse_glass_tails(&diffuser.extrapolate, "this mounting")?;
         }
         let interface = self.foil_interface(path, diffuser, backing)?;
-        let mut parts = vec![Part::Interface(scattering(interface))];
+        let interface = self.with_reflection(scattering(interface), &diffuser.reflection)?;
+        let mut parts = vec![Part::Interface(interface)];
         let below = match diffuser.mounting.value {
             Mounting::AsMeasured => return Some(parts),
             // Light beyond the disc of air stays in the glass.
@@ -95,7 +97,14 @@ impl Resolver<'_> {
         backing: Backing,
     ) -> Option<ScatterFace> {
         let mut interface = ScatterFace::new(Spectrum::constant(&self.grid, 0.0));
-        for (side, kernel) in self.foil_sides(path, diffuser, backing)? {
+        let sides = self.foil_sides(path, diffuser, backing)?;
+        if diffuser.reflection.is_some() && sides.iter().any(|(side, _)| *side != Side::Through) {
+            let wrong = "the file contains the reflection of the foil";
+            let wrong = Diagnostic::new(wrong).hint("remove `reflection`: that of the file is used");
+            self.err(&diffuser.reflection, wrong);
+            return None;
+        }
+        for (side, kernel) in sides {
             interface = match side {
                 Side::Through => interface.with_transmission(kernel),
                 Side::Above => interface.with_reflection_above(kernel),

@@ -14,6 +14,7 @@ mod measure;
 mod measured;
 mod panel;
 mod pixel;
+mod reflection;
 mod sampling;
 mod stack;
 mod unbounded;
@@ -79,6 +80,8 @@ struct Resolver<'a> {
     maps: Vec<maps::MapLight>,
     /// Lobes that may scatter more light than they receive.
     unbounded: Vec<unbounded::Unbounded>,
+    /// Whether a diffuser that loses light has no described reflection.
+    reflects_nothing: bool,
 }
 
 /// Resolves a described scenario whose files are in `library`.
@@ -108,6 +111,7 @@ impl<'a> Resolver<'a> {
             inputs: BTreeMap::new(),
             maps: Vec::new(),
             unbounded: Vec::new(),
+            reflects_nothing: false,
         })
     }
 }
@@ -154,6 +158,7 @@ impl Resolver<'_> {
         self.check_reach(file, &scene);
         self.check_medium(file, &scene);
         self.check_size(file, &scene);
+        self.note_no_reflection();
         self.note_scattering(&scene);
         self.warn_of_fringes(&scene);
         self.warn_of_unbounded(&scene);

@@ -7,7 +7,7 @@ use papilio_display::scene::{
 use papilio_spectra::Spectrum;
 
 use super::Resolver;
-use super::diffuser::{scattering, transmitting};
+use super::diffuser::scattering;
 use super::layers::{Part, component_interface};
 use super::stack::Stack;
 use crate::describe::File;
@@ -21,7 +21,8 @@ use crate::origin::Origin;
 fn needs_panel(what: &str, instead: &str) -> Diagnostic {
     Diagnostic::new(format!("{what} is for the ordinary panel only"))
         .expected(
-            "front components, a surface or a lobe given by a formula, clear glass, and a pixel that is not measured",
+            "front components, a surface or a lobe given by a formula (without `reflection`), clear glass, and a pixel that is \
+             not measured",
         )
         .hint(format!("use {instead}"))
 }
@@ -75,7 +76,7 @@ impl Resolver<'_> {
                 let glass = Glass { index: medium.index, surface };
                 return Some(Layers::Panel(Panel { front, diffuser: None, glass }));
             }
-            AboveGlass::Lobe(diffuser) => vec![Part::Interface(transmitting(diffuser))],
+            AboveGlass::Lobe(diffuser) => vec![Part::Interface(Ready::Diffuser(diffuser).into())],
             AboveGlass::Nothing => vec![Part::Interface(match surface {
                 scene::Surface::IdealAr => Ready::IdealAr.into(),
                 scene::Surface::Fresnel => Ready::Fresnel.into(),
@@ -83,10 +84,17 @@ impl Resolver<'_> {
         };
         let front = front.into_iter().map(|component| Part::Interface(component_interface(component)));
         let mut stack = Stack::new(&self.grid);
+        let reflection = display.diffuser.as_ref().and_then(Diffuser::reflection);
         for part in front.chain(parts).chain([Part::Medium(medium, Origin::FILE)]) {
-            match part {
-                Part::Medium(medium, index_at) => stack.fill(medium, index_at),
-                Part::Interface(interface) => stack.put(interface, Origin::FILE),
+            match (part, reflection) {
+                (Part::Medium(medium, index_at), _) => stack.fill(medium, index_at),
+                (
+                    Part::Interface(interface @ scene::Interface::Ready(Ready::Reflecting(_))),
+                    Some(reflection),
+                ) => {
+                    stack.put(interface, reflection.origin);
+                }
+                (Part::Interface(interface), _) => stack.put(interface, Origin::FILE),
             }
         }
         Some(Layers::General(stack.finish(&mut self.errors)))
@@ -94,25 +102,33 @@ impl Resolver<'_> {
 
     /// Resolves the layers above glass of this index (`None` if that is unknown).
     fn top(&mut self, display: &describe::Display, glass: Option<&Spectrum>) -> Option<AboveGlass> {
-        match &display.diffuser.value {
-            Some(Diffuser::KCorrelation(lobe)) => self.k_correlation(lobe).map(AboveGlass::Lobe),
-            Some(Diffuser::Lambertian(lobe)) => self.lambertian(lobe).map(AboveGlass::Lobe),
+        let path = "display.diffuser";
+        let lobe = match &display.diffuser.value {
+            Some(Diffuser::KCorrelation(lobe)) => (self.k_correlation(lobe), &lobe.reflection),
+            Some(Diffuser::Lambertian(lobe)) => (self.lambertian(lobe), &lobe.reflection),
             Some(Diffuser::Ward(ward)) => {
-                let face = self.ward("display.diffuser", ward)?;
-                Some(AboveGlass::Parts(vec![Part::Interface(scattering(face))]))
+                let face = scattering(self.ward(path, ward)?);
+                let interface = self.with_reflection(face, &ward.reflection)?;
+                return Some(AboveGlass::Parts(vec![Part::Interface(interface)]));
             }
             Some(Diffuser::Measured(diffuser)) => {
-                self.measured_over("display.diffuser", diffuser, glass?).map(AboveGlass::Parts)
+                return self.measured_over(path, diffuser, glass?).map(AboveGlass::Parts);
             }
             Some(Diffuser::Slab(slab)) => {
-                let slab = self.slab("display.diffuser", slab)?;
-                Some(AboveGlass::Parts(vec![
+                let slab = self.slab(path, slab)?;
+                return Some(AboveGlass::Parts(vec![
                     Part::Interface(Ready::Fresnel.into()),
                     Part::Medium(slab, Origin::FILE),
-                ]))
+                ]));
             }
-            None => Some(AboveGlass::Nothing),
-        }
+            None => return Some(AboveGlass::Nothing),
+        };
+        // A diffuser that reflects is no part of an ordinary panel.
+        let (diffuser, reflection) = (lobe.0?, lobe.1);
+        Some(match self.with_reflection(Ready::Diffuser(diffuser), reflection)? {
+            scene::Interface::Ready(Ready::Diffuser(diffuser)) => AboveGlass::Lobe(diffuser),
+            interface => AboveGlass::Parts(vec![Part::Interface(interface)]),
+        })
     }
 
     pub(super) fn component(
@@ -167,7 +183,7 @@ impl Resolver<'_> {
         let over_lobe = scene.display.panel().is_some_and(|panel| panel.diffuser.is_some());
         if guide.distribution.value.is_some() && !over_lobe {
             let wrong = Diagnostic::new(
-                "`distribution` of a front light needs a panel with a diffuser given by a lobe",
+                "`distribution` of a front light needs a panel with a diffuser given by a lobe, without `reflection`",
             )
             .hint("remove `distribution`: a diffuse front light can be above any layers");
             self.errors.push(guide.distribution.origin, wrong);
@@ -184,6 +200,8 @@ impl Resolver<'_> {
         let mut causes = vec![display.layers.origin, display.diffuser.origin, display.glass.origin];
         causes.push(display.pixel.model());
         causes.extend(display.diffuser.as_ref().map(Diffuser::model));
+        let reflection = display.diffuser.as_ref().and_then(Diffuser::reflection);
+        causes.extend(reflection.map(|reflection| reflection.origin));
         causes.extend(display.glass.as_ref().map(|glass| glass.internal_transmittance.origin));
         causes.extend(display.glass.as_ref().map(|glass| glass.thickness_mm.origin));
         let what = match scene.solver.angle_medium {

@@ -2,8 +2,8 @@
 
 use papilio_diagnostics::Diagnostic;
 use papilio_display::scene::{
-    self, AngleMedium, Lobe, Pixel, Ready, Scene, TableAngles, TablePixel, TableState, UniformKind,
-    UniformPixel,
+    self, AngleMedium, Lobe, Pixel, Ready, ReflectingDiffuser, Scene, TableAngles, TablePixel, TableState,
+    UniformKind, UniformPixel,
 };
 use papilio_formats::read_pixel_table;
 use papilio_spectra::Spectrum;
@@ -131,6 +131,16 @@ fn critical_deg(index: &Spectrum) -> f64 {
     (1.0 / index.min()).asin().to_degrees()
 }
 
+/// True if a diffuser that reflects scatters light beyond |beta| = 1.
+fn fills(diffuser: &ReflectingDiffuser, wide: impl Fn(&scene::Diffuser) -> bool) -> bool {
+    let through = match diffuser.transmission() {
+        Ready::Diffuser(diffuser) => wide(diffuser),
+        _ => false,
+    };
+    let [_, below] = diffuser.reflections();
+    through || below.as_ref().is_some_and(|below| below.scattered().max() > 0.0)
+}
+
 /// True if a layer scatters light beyond |beta| = 1.
 fn fills_glass(layers: &scene::Layers) -> bool {
     let wide = |diffuser: &scene::Diffuser| matches!(diffuser.lobe, Lobe::KCorrelation { .. });
@@ -138,6 +148,7 @@ fn fills_glass(layers: &scene::Layers) -> bool {
         layer.medium.scattering.is_some()
             || match &layer.interface {
                 scene::Interface::Ready(Ready::Diffuser(diffuser)) => wide(diffuser),
+                scene::Interface::Ready(Ready::Reflecting(diffuser)) => fills(diffuser, wide),
                 scene::Interface::Rough { .. } => true,
                 _ => false,
             }

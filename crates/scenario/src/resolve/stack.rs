@@ -5,6 +5,7 @@ use papilio_display::scene::{Interface, Layer, Medium, Ready};
 use papilio_spectra::{Grid, Spectrum};
 
 use super::pixel::dispersive;
+use super::reflection::wrong_total;
 use crate::error::Errors;
 use crate::origin::Origin;
 
@@ -42,6 +43,7 @@ impl Stack {
                 Some(index) => Some(dispersive("a medium next to this interface", index)),
                 None => same.then(no_interface),
             },
+            Interface::Ready(Ready::Reflecting(diffuser)) => wrong_total(diffuser, above, below),
             _ => None,
         };
         let at = origin.or_override([self.above.1, index_at]);

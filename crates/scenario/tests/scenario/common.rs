@@ -68,6 +68,11 @@ kind = "mirror"
 reflectance = { white = 0.6, black = 0.05 }
 "#;
 
+/// The note on diffusers without a described reflection.
+pub(crate) const NO_REFLECTION: &str = "the diffuser's own reflection is not described: it reflects nothing, and the light that it loses is counted as \
+     absorbed by the diffuser; describe it by the table `reflection` of the diffuser, for example \
+     reflection = { total_reflectance = 0.08 }";
+
 /// `GOOD` with each `from` replaced by its `to`.
 pub(crate) fn changed(changes: &[(&str, &str)]) -> String {
     changed_in(GOOD, changes)

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use papilio_display::scene::{Drive, Lobe, Method, Pixel, Stop, Thickness};
 use papilio_scenario::Scenario;
 
-use crate::common::shipped;
+use crate::common::{NO_REFLECTION, shipped};
 
 fn files() -> Vec<PathBuf> {
     let files = std::fs::read_dir(shipped()).unwrap().map(|entry| entry.unwrap().path());
@@ -36,7 +36,7 @@ fn indoor_scenario_has_the_reference_display() {
     assert_eq!((scene.grid.len(), scene.grid.stop_nm()), (81, 780.0));
     let note = "haze 0.78 means a lobe of width 0.05667 (b, direction cosines); above 30 % haze is outside \
                 ASTM D1003's scope, see ASTM E2387";
-    assert_eq!(resolved.notes, [note]);
+    assert_eq!(resolved.notes, [note, NO_REFLECTION]);
     assert_eq!(scene.display.panel().unwrap().front.len(), 1);
     let diffuser = scene.display.panel().unwrap().diffuser.as_ref().unwrap();
     let Lobe::KCorrelation { width } = diffuser.lobe else { panic!("not a k-correlation lobe") };

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use crate::common::{GOOD, LAYERED, changed, changed_in, resolve};
+use crate::common::{GOOD, LAYERED, NO_REFLECTION, changed, changed_in, resolve};
 use papilio_display::scene::{Distribution, Interface, Layer, Layers, Lobe, Ready, Thickness};
 use papilio_scenario::Resolved;
 
@@ -26,6 +26,7 @@ pub(crate) fn outline(layers: &[Layer]) -> Vec<(&'static str, f64)> {
         Interface::Ready(Ready::Diffuser(_)) => "diffuser",
         Interface::Rough { .. } | Interface::Ready(Ready::Rough(_)) => "rough",
         Interface::Ready(Ready::Scatter(_)) => "scatter",
+        Interface::Ready(Ready::Reflecting(_)) => "reflecting",
     };
     layers.iter().map(|layer| (word(&layer.interface), layer.medium.index[0])).collect()
 }
@@ -67,7 +68,7 @@ fn layers_of_all_kinds_resolve() {
     assert!(layers.iter().filter(|layer| layer.medium.scattering.is_some()).count() == 1);
     let note = "display.layers.7: an optical thickness of 2 with anisotropy 0.8 scatters light back about as much \
                 as one of 0.4 with anisotropy 0 (similarity)";
-    assert_eq!(resolved.notes, [note]);
+    assert_eq!(resolved.notes, [note, NO_REFLECTION]);
 }
 
 /// A Ward diffuser, in a panel and as a layer: T is the total transmittance over the total of the kernel at normal incidence.

@@ -13,6 +13,7 @@ mod library;
 mod measured;
 mod optimize;
 mod pixels;
+mod reflection;
 mod remarks;
 mod schema;
 mod set_and_presets;

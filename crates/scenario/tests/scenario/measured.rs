@@ -5,7 +5,7 @@ use std::path::Path;
 use papilio_formats::{BsdfFormat, DataFile, LARGEST_BSDF_FILE, read_bsdf, write_measurement};
 use papilio_scenario::Scenario;
 
-use crate::common::{changed, resolve, shipped};
+use crate::common::{NO_REFLECTION, changed, resolve, shipped};
 use crate::layers::{general, outline};
 
 const LOBE: &str = "model = \"k-correlation\"\nhaze = 0.78\ntotal_transmittance = 0.9";
@@ -125,7 +125,7 @@ fn changes_of_the_data_are_noted() {
         assert!(resolved.warnings.is_empty(), "{:?}", resolved.warnings);
         resolved.notes.join("\n")
     };
-    assert_eq!(told(""), "");
+    assert_eq!(told(""), NO_REFLECTION, "the file has no reflection");
     assert!(told("normalise = \"tis\"").contains("totals are multiplied by 1.05"), "{}", told(""));
     let sharp = told("instrument_blur = 0.0483");
     assert!(sharp.contains("instead of 13.8 per sr") && sharp.contains("relative noise"), "{sharp}");
@@ -154,7 +154,7 @@ fn told(film: &str, extrapolate: &str) -> [String; 2] {
     let text = measured("film.csv", "").replace("extrapolate = \"hold\"", extrapolate);
     let resolved = resolve(&text, folder.path(), &[]).unwrap();
     let of_film = |lines: &[String]| {
-        lines.iter().filter(|line| line.contains("diffuser")).cloned().collect::<Vec<_>>().join("\n")
+        lines.iter().filter(|line| line.contains("display.diffuser")).cloned().collect::<Vec<_>>().join("\n")
     };
     [of_film(&resolved.notes), of_film(&resolved.warnings)]
 }

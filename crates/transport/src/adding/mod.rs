@@ -77,7 +77,7 @@ pub enum Narrowness {
 
 impl Narrowness {
     /// Returns the distance in direction cosines over which its scattered light changes.
-    fn smoothness(self) -> f64 {
+    pub(crate) fn smoothness(self) -> f64 {
         match self {
             Self::Lobe { width } | Self::Face { width } | Self::Rough { width, .. } => width,
             // The pole of the phase function lies at this imaginary angle.

@@ -15,12 +15,14 @@ mod fresnel;
 mod ideal_ar;
 mod medium;
 mod open;
+mod reflecting;
 mod rough;
 mod scatter;
 
 pub use component::Component;
 pub use diffuser::Diffuser;
 pub use medium::{Medium, Scattering};
+pub use reflecting::{LobeReflection, ReflectedLobe, ReflectingDiffuser};
 pub(crate) use scatter::least_edge;
 pub use scatter::{ScatterFace, ScatterKernel};
 
@@ -52,6 +54,8 @@ pub enum Interface {
     Coating(Coating),
     /// A diffuser given by its BTDF, including its surfaces.
     Diffuser(Diffuser),
+    /// A diffuser with a described reflection.
+    Reflecting(Box<ReflectingDiffuser>),
     /// A rough interface between two media of constant index.
     Rough(Rough),
     /// An interface given by its BSDF.
@@ -68,6 +72,7 @@ impl Interface {
             Self::Component(component) => component,
             Self::Coating(coating) => coating,
             Self::Diffuser(diffuser) => diffuser,
+            Self::Reflecting(diffuser) => &**diffuser,
             Self::Rough(rough) => rough,
             Self::Scatter(face) => &**face,
         }
@@ -177,8 +182,14 @@ pub(crate) trait ScatteringInterface: Debug + Sync {
 
     /// The fraction of light of this `|beta|` that takes the channel, as a number and a factor per
     /// wavelength; `None` if there is one channel, which takes all [`scattered`](LayerKind::scattered)
-    /// light.
-    fn fraction(&self, _channel: Channel, _going: Propagation, _length: f64) -> Option<(f64, &Spectrum)> {
+    /// light. `disc` is that of an [`Arrival`].
+    fn fraction(
+        &self,
+        _channel: Channel,
+        _going: Propagation,
+        _length: f64,
+        _disc: f64,
+    ) -> Option<(f64, &Spectrum)> {
         None
     }
 
@@ -192,6 +203,13 @@ pub(crate) trait ScatteringInterface: Debug + Sync {
 
     /// A sampled direction; `None` if the light is absorbed.
     fn sample(&self, from: Arrival, u: [f64; 4]) -> Option<(Departure, Scattered)>;
+
+    /// The density at a wavelength at which the medium of departure has this index, over that of
+    /// [`scatter`](Self::scatter), in directions that the medium has; given the largest index of that medium, and this
+    /// one. The mean over samples is 1.
+    fn spread(&self, _channel: Channel, _going: Propagation, [_largest, _index]: [f64; 2]) -> f64 {
+        1.0
+    }
 
     /// True if it may scatter light to directions that the medium there does not have. It absorbs such light.
     fn scatters_beyond_media(&self) -> bool {
@@ -254,6 +272,8 @@ pub(crate) struct Arrival {
     pub(crate) going: Propagation,
     /// The channel that it takes.
     pub(crate) channel: Channel,
+    /// Radius of the disc of direction cosines of the medium that it comes from: its largest index.
+    pub(crate) disc: f64,
 }
 
 /// Light that an interface has scattered.
@@ -307,6 +327,18 @@ mod tests {
         };
         let face = ScatterFace::new(of(0.1, 0.2)).with_transmission(ward(of(0.5, 0.4)));
         let slab = Scattering { optical_thickness: 0.7, anisotropy: 0.5, albedo: of(0.9, 0.8) };
+        let lobe = Diffuser {
+            lobe: Lobe::KCorrelation { width: 0.1 },
+            transmittance: of(0.9, 0.8),
+            regular_fraction: 0.2,
+        };
+        let through = Interface::Scatter(Box::new(face.clone()));
+        let reflecting = |through: Interface, reflectance: Spectrum| {
+            let above = ReflectedLobe::Kernel(Ward::new(0.3, Normalisation::Ward).unwrap().into());
+            let below = ReflectedLobe::Lobe(Lobe::Lambertian);
+            let sides = [above, below].map(|lobe| Some(LobeReflection::new(lobe, &reflectance, 0.3)));
+            ReflectingDiffuser::new(through, sides)
+        };
         let clear = media()[1].clone().with_transmittance(of(0.9, 0.7));
         vec![
             ("open", Box::new(open::Open)),
@@ -314,14 +346,9 @@ mod tests {
             ("fresnel", Box::new(fresnel::Fresnel)),
             ("component", Box::new(Component { reflectance: of(0.1, 0.2), absorptance: of(0.3, 0.0) })),
             ("coating", Box::new(coating)),
-            (
-                "diffuser",
-                Box::new(Diffuser {
-                    lobe: Lobe::KCorrelation { width: 0.1 },
-                    transmittance: of(0.9, 0.8),
-                    regular_fraction: 0.2,
-                }),
-            ),
+            ("reflecting", Box::new(reflecting(Interface::Diffuser(lobe.clone()), of(0.1, 0.1)))),
+            ("reflecting face", Box::new(reflecting(through, of(0.3, 0.2)))),
+            ("diffuser", Box::new(lobe)),
             ("rough", Box::new(Rough::new(0.5, 1.3, 1.5))),
             ("scatter", Box::new(face.with_reflection_above(ward(of(0.2, 0.1))))),
             ("slab", Box::new(clear.clone().with_scattering(slab))),
@@ -363,9 +390,11 @@ mod tests {
             let Some(interface) = kind.scattering_interface() else { continue };
             assert!(kind.scatters(), "{name}");
             let at = Incidence::between([&above, &below], 1, 0.09);
+            let disc = |going: Propagation| at.indices[going as usize];
             for going in [Propagation::Down, Propagation::Up] {
                 let channels = interface.channels(going);
-                let fractions = channels.iter().filter_map(|one| interface.fraction(*one, going, at.beta));
+                let fractions =
+                    channels.iter().filter_map(|one| interface.fraction(*one, going, at.beta, disc(going)));
                 let sum: f64 = fractions.map(|(total, factor)| total * factor[1]).sum();
                 let scattered = kind.scattered(&at)[going as usize];
                 assert!(
@@ -373,7 +402,7 @@ mod tests {
                     "{name}: {sum}"
                 );
                 for channel in channels {
-                    let from = Arrival { beta: Beta { x: 0.3, y: 0.0 }, going, channel };
+                    let from = Arrival { beta: Beta { x: 0.3, y: 0.0 }, going, channel, disc: disc(going) };
                     for path in 0..50 {
                         let Some((to, sampled)) = interface.sample(from, numbers.block(path, 0)) else {
                             continue;

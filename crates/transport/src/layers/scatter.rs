@@ -72,6 +72,11 @@ impl ScatterFace {
         self.disc.as_ref().map(|disc| disc[bin])
     }
 
+    /// Returns true if it reflects light.
+    pub fn reflects(&self) -> bool {
+        self.reflection.iter().any(Option::is_some)
+    }
+
     /// Regular transmittance, per wavelength.
     pub fn straight(&self) -> &Spectrum {
         &self.straight
@@ -214,7 +219,13 @@ impl ScatteringInterface for ScatterFace {
         both.into_iter().filter(|channel| self.channel(*channel, going).is_some()).collect()
     }
 
-    fn fraction(&self, channel: Channel, going: Propagation, length: f64) -> Option<(f64, &Spectrum)> {
+    fn fraction(
+        &self,
+        channel: Channel,
+        going: Propagation,
+        length: f64,
+        _: f64,
+    ) -> Option<(f64, &Spectrum)> {
         let [kernel, _] = self.channel(channel, going)?;
         Some((kernel.total(length), &kernel.factor))
     }

@@ -17,5 +17,6 @@ mod fields;
 mod layered_walk;
 mod layers;
 mod narrow_lobes;
+mod reflecting;
 mod scatter_faces;
 mod strategies;

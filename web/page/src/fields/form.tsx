@@ -6,7 +6,7 @@ import { useSignal } from "@preact/signals";
 import { partOf } from "../model/keys.ts";
 import { fields, problems, problemsAt, schema, selected } from "../state/design.ts";
 import { edit, set } from "../state/live.ts";
-import { at, isTable, join, split, tableAt, type Json } from "../model/json.ts";
+import { at, isTable, join, split, tableAt, type Json, type Table } from "../model/json.ts";
 import { help, label, unit, type Found } from "../model/schema.ts";
 import { MODELS } from "../model/stack.ts";
 import { Problems } from "../panels/problems.tsx";
@@ -80,6 +80,7 @@ export function Field({ path, name, bare = false }: { path: string; name?: strin
   const text = name ?? nameOf(found, key);
   const id = `f-${path}`;
   if (isMap(found)) return <MapOf path={path} found={found} name={text} />;
+  if (isGroup(found) && isTable(value)) return <Group path={path} found={found} name={text} value={value} />;
   return (
     <div class={wrong.length > 0 ? "field wrong" : "field"} data-path={path}>
       <label for={id}>{text}</label>
@@ -131,6 +132,39 @@ function MapOf({ path, found, name }: { path: string; found: Found; name: string
   );
 }
 
+/** Returns true for the reflection of a diffuser, whose fields are a group in those of the diffuser. */
+const isGroup = ({ def }: Found): boolean => def === "Reflection" || def === "ReflectionBelow";
+
+/** The keys that the lobes of a reflection need, each with a valid value, and all keys of lobes. */
+const LOBES: Record<string, Table> = { lambertian: {}, "k-correlation": { width: 0.2 }, ward: { alpha: 0.1 } };
+const LOBE_KEYS = ["model", "width", "haze", "alpha", "normalisation"];
+
+/** The reflection of a diffuser: a table of its own that can be removed. */
+function Group({ path, found, name, value }: { path: string; found: Found; name: string; value: Table }) {
+  const model = String(value["model"] ?? "lambertian");
+  const choose = (to: string) => {
+    const rest = Object.entries(value).filter(([key]) => !LOBE_KEYS.includes(key));
+    set(path, { ...Object.fromEntries(rest), model: to, ...LOBES[to] }, "");
+  };
+  const wrong = problemsAt(path);
+  return (
+    <fieldset class="map group" data-path={path}>
+      <legend>{name}</legend>
+      <p class="help">{help(found.node)}</p>
+      <div class="field" data-path={join(path, "model")}>
+        <label for={`f-${path}-model`}>Lobe</label>
+        <Choice id={`f-${path}-model`} value={model} options={Object.keys(LOBES)} change={choose} />
+        <Problems of={problemsAt(join(path, "model"))} />
+      </div>
+      <Form path={path} except={["model"]} />
+      <button type="button" class="quiet" onClick={() => edit([{ op: "remove", path }])}>
+        Remove {name.toLowerCase()}
+      </button>
+      <Problems of={wrong} />
+    </fieldset>
+  );
+}
+
 /** Keys that are not set; each is added with its default or a valid value. */
 function More({ path, keys }: { path: string; keys: string[] }) {
   const open = useSignal(false);
@@ -162,6 +196,9 @@ function start(path: string): Json {
   if (node.enum) return node.enum[0] ?? "";
   if (node.type === "boolean") return true;
   if (found?.def === "MaterialSpec") return 1.5;
+  if (found?.def === "Reflection") return { total_reflectance: 0.08 };
+  if (found?.def === "ReflectionBelow") return { reflectance: 0.08 };
+  if (found?.def === "ShareSpectrum" && path.includes(".reflection.")) return 0.08;
   if (found?.def === "ShareSpectrum") return path.endsWith("ransmittance") ? 0.9 : 0;
   if (found?.def === "LightSpectrum") return "D65";
   if (found?.def === "FrontLight") return { illuminance_lx: 100 };

@@ -48,7 +48,14 @@ function diffuser(table: Table): string {
   if (model === "slab") return slab(table);
   if (model === "measured") return material(table["file"]);
   if (!model) return medium(table);
-  const entries = [...entryText(table, "haze"), ...entryText(table, "width", "b"), ...entryText(table, "alpha", "α")];
+  const reflection = isTable(table["reflection"]) ? table["reflection"] : {};
+  const entries = [
+    ...entryText(table, "haze"),
+    ...entryText(table, "width", "b"),
+    ...entryText(table, "alpha", "α"),
+    ...entryText(reflection, "total_reflectance", "R"),
+    ...entryText(reflection, "reflectance", "R"),
+  ];
   return entries.join(", ") || model;
 }
 

@@ -8,7 +8,7 @@ import { digits, degrees } from "../model/format.ts";
 import { curvesSvg } from "../plots/curves-svg.ts";
 import { Curves, type Curve, type Plot } from "../plots/curves.tsx";
 import { lineOf, Sample } from "../plots/spectra.tsx";
-import { states, view } from "../state/design.ts";
+import { result, states, view } from "../state/design.ts";
 import { useFollowed } from "../state/follow.ts";
 import { hoverClass, hovered, pointsAt } from "../state/hover.ts";
 import { labelText } from "../state/labels.ts";
@@ -20,7 +20,13 @@ import { Downloads } from "./downloads.tsx";
 import { Problems } from "./problems.tsx";
 
 /** Metrics of the display and of each state, by their names in result.json. */
-const OF_DISPLAY = ["contrast_ratio", "gamut_percent_srgb", "gamut_percent_ebu", "text_contrast"];
+const OF_DISPLAY = [
+  "contrast_ratio",
+  "gamut_percent_srgb",
+  "gamut_percent_ebu",
+  "gamut_percent_ntsc_xy",
+  "text_contrast",
+];
 const OF_STATES = ["Y", "luminance_cd_m2", "L_star", "u_prime", "v_prime", "shift_with_angle_uv", "peak_nm"];
 /** Time without changes after which the angles are requested, ms. */
 const REST_MS = 60;
@@ -37,12 +43,15 @@ function curvesOf(angles: Angles | null, metric: string): Curve[] {
         width: 2,
       },
     ];
-  return Object.entries(angles.states).map(([name, values], i) => ({
+  const curves = Object.entries(angles.states).map(([name, values], i) => ({
     name,
     values: values[metric] ?? [],
     ...lineOf(name, i),
     width: 1.8,
   }));
+  // The peak of a mixture of sub-pixels jumps between those of its parts.
+  const primaries = result.value?.primaries ?? [];
+  return metric === "peak_nm" ? curves.filter(({ name }) => primaries.includes(name)) : curves;
 }
 
 /** All metrics: a row for each inclination. */
@@ -104,7 +113,7 @@ export function AnglesPanel() {
         />
       </div>
       <Problems of={now.problems} />
-      <Aged age={now.busy ? "computing" : "current"}>
+      <Aged age={now.busy && now.value ? "computing" : "current"}>
         {now.value && (
           <p class="figure-tools">
             <Downloads name="angles" svg={() => curvesSvg(plot)} table={() => tableOf(now.value)} />

@@ -34,7 +34,7 @@ const FIGURES: readonly Figure[] = [
   },
   {
     id: "Gamut % sRGB",
-    name: "Gamut vs sRGB",
+    name: "Gamut vs sRGB, u′v′",
     unit: "%",
     decimals: 2,
     help: "Area of the triangle of red, green and blue in u′v′ divided by that of sRGB",
@@ -42,7 +42,7 @@ const FIGURES: readonly Figure[] = [
   },
   {
     id: "Gamut % EBU",
-    name: "Gamut vs EBU",
+    name: "Gamut vs EBU, u′v′",
     unit: "%",
     decimals: 2,
     help: "Area of the triangle of red, green and blue in u′v′ divided by that of EBU",

@@ -32,7 +32,12 @@ const Y = column("Y", 4, "Luminance factor", (v) => v.Y);
 const LUMINANCE = column("cd/m²", 2, "Luminance", (v) => v.luminance_cd_m2);
 const CONTRAST = column("contrast", 2, "Y divided by Y of black (Feng 2012: CR)", (v) => v.contrast);
 const LAB = [
-  column("L*", 2, "CIELAB, relative to the white of the light", (v) => v.L_star),
+  column(
+    "L*",
+    2,
+    "CIELAB, relative to a perfect white in the same light, or to the white state (metrics.white)",
+    (v) => v.L_star,
+  ),
   column("a*", 2, "CIELAB", (v) => v.a_star),
   column("b*", 2, "CIELAB", (v) => v.b_star),
 ];
@@ -44,6 +49,9 @@ const DR = column("Δu′v′ D65", 4, "u′v′ distance from D65 (Feng 2012: d
 const hue = (name: string, i: number) =>
   column(name, 0, "Hue without lightness: linear sRGB of x, y, z", (v) => v.hue_rgb?.[i]);
 
+/** The column that has values for states that drive one sub-pixel only: the peak of a mixture is that of one of its parts. */
+const PEAK = "peak (nm)";
+
 /** Sets of columns; the second one has all columns of the table in the dissertation. */
 const SETS: Record<string, readonly Column[]> = {
   Overview: [
@@ -53,7 +61,12 @@ const SETS: Record<string, readonly Column[]> = {
     ...LAB,
     ...UV,
     DR,
-    column("peak (nm)", 1, "Wavelength of the largest reflectance factor, 400 to 700 nm", (v) => v.peak_nm),
+    column(
+      PEAK,
+      1,
+      "Wavelength of the largest reflectance factor, 400 to 700 nm, of states that drive one sub-pixel",
+      (v) => v.peak_nm,
+    ),
     column("Y diffuse", 4, "Luminance factor in the diffuse light only (Feng 2012, eq. 3-1: R hemi)", (v) => v.R_hemi),
   ],
   "Feng 2012, table 5.1": [
@@ -103,6 +116,9 @@ const SETS: Record<string, readonly Column[]> = {
 };
 
 const FIRST = "Overview";
+
+/** A column without values. */
+const UNDEFINED = column(PEAK, 1, "", () => null);
 
 /** Returns the columns of R in each directed source and in each environment only. */
 function byLight(state: StateResult | undefined): Column[] {
@@ -181,6 +197,7 @@ export function StatesTable() {
   const columns = [...SETS[set.value]!, ...(set.value === FIRST ? byLight(states.value[0]?.[1]) : [])];
   const colours = useColours().value.colours;
   const solver = result.value?.solver;
+  const primaries = result.value?.primaries ?? [];
   if (!solver) return null;
   const adding = solver.method === "adding";
   return (
@@ -213,7 +230,7 @@ export function StatesTable() {
                 {columns.map((column) => (
                   <Cell
                     key={column.head}
-                    column={column}
+                    column={column.head === PEAK && !primaries.includes(name) ? UNDEFINED : column}
                     state={state}
                     before={pinnedView.value?.states[name]}
                     errors={errors.value}

@@ -53,7 +53,19 @@ pub(crate) struct Preparation<'p, 'a> {
 impl<'a> Preparation<'_, 'a> {
     /// Returns the number of a lobe that transmits everything.
     pub(crate) fn lobe(&mut self, lobe: Lobe) -> usize {
-        self.scatterers.lobe(lobe, self.indices, self.grid)
+        self.scatterers.lobe(lobe, 1.0, self.indices, self.grid)
+    }
+
+    /// Returns the number of a lobe that reflects everything, of light from above (0) or from below (1): within the
+    /// disc of the medium there.
+    pub(crate) fn reflected_lobe(&mut self, lobe: Lobe, side: usize) -> usize {
+        let index = self.indices[side];
+        self.scatterers.lobe(lobe, index, [index; 2], self.grid)
+    }
+
+    /// Returns the index of the medium above (0) or below (1).
+    pub(crate) fn index(&self, side: usize) -> f64 {
+        self.indices[side]
     }
 
     /// Returns the number of a rough interface.
@@ -202,9 +214,13 @@ impl Element<'_> {
                 Scattered::Kernel(_) => Part::dark(grid),
             },
             Action::Kernels(kernels) => {
-                let [mut down, above, below] = kernels.map(|kernel| scatters(kernel, scattered, grid));
-                for (sum, beta) in down.straight.iter_mut().zip(&grid.beta) {
-                    *sum += self.regular(*beta).t;
+                let [mut down, mut above, mut below] =
+                    kernels.map(|kernel| scatters(kernel, scattered, grid));
+                for (i, beta) in grid.beta.iter().enumerate() {
+                    let regular = self.regular(*beta);
+                    down.straight[i] += regular.t;
+                    above.straight[i] += regular.above;
+                    below.straight[i] += regular.below;
                 }
                 Part { above, below, down, absorbed: None }
             }

@@ -21,14 +21,17 @@ const BATCH: usize = 16;
 #[derive(Debug, Clone)]
 pub(super) struct LobeOrders {
     lobe: Lobe,
+    /// Radius of the disc of a Lambertian lobe.
+    disc: f64,
     /// First of the computed orders.
     first: usize,
     batch: Vec<Matrix>,
 }
 
 impl LobeOrders {
-    pub(super) fn new(lobe: Lobe) -> Self {
-        Self { lobe, first: 0, batch: Vec::new() }
+    /// Begins the orders of a lobe; `disc` is the radius of the disc of a Lambertian one, 1 for that of air.
+    pub(super) fn new(lobe: Lobe, disc: f64) -> Self {
+        Self { lobe, disc, first: 0, batch: Vec::new() }
     }
 
     /// Returns the kernel of this order.
@@ -47,8 +50,9 @@ impl LobeOrders {
         self.first = first;
         match self.lobe {
             Lobe::Lambertian => {
-                let inside = |i: usize| if grid.beta[i] <= 1.0 { grid.scale[i] } else { 0.0 };
-                self.batch = vec![Matrix::from_fn(len, len, |i, j| inside(i) * inside(j) / PI)];
+                let area = PI * self.disc * self.disc;
+                let inside = |i: usize| if grid.beta[i] <= self.disc { grid.scale[i] } else { 0.0 };
+                self.batch = vec![Matrix::from_fn(len, len, |i, j| inside(i) * inside(j) / area)];
             }
             Lobe::KCorrelation { width } => {
                 self.batch = vec![Matrix::zeros(len, len); BATCH];

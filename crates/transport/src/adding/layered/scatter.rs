@@ -199,7 +199,7 @@ mod tests {
         let scatter: Scatter = Table::new(&[0.0], &radial, &[0.0], &values).unwrap().into();
         let grid = Grid::new(&[1.0], Density { least: 8, spacing: 0.14, angle: None }, &[0.3]);
         let found = ScatterOrders::new(&scatter, 1.0, &grid, 9.0, Some([1.0; 2]), &AtomicBool::new(false));
-        let mut closed = LobeOrders::new(lobe);
+        let mut closed = LobeOrders::new(lobe, 1.0);
         let mut largest = 0.0_f64;
         for order in [0, 1, 5, 20] {
             let found = found.operator(order, &grid).kernel.unwrap();

@@ -27,6 +27,8 @@ enum Scatterer<'a> {
 #[derive(Debug)]
 struct LobeBetween {
     lobe: Lobe,
+    /// Radius of the disc of a Lambertian lobe; 1 for other lobes.
+    disc: f64,
     indices: [f64; 2],
     orders: LobeOrders,
     /// Light of each node that the quadrature misses, averaged over both directions.
@@ -61,11 +63,12 @@ impl<'a> Scatterers<'a> {
         self.find(known, || Scatterer::Slab(Slab::new(model, terms, grid)))
     }
 
-    /// Returns the number of a lobe between media of these indices; adds it if it is new.
-    pub(super) fn lobe(&mut self, lobe: Lobe, indices: [f64; 2], grid: &Grid) -> usize {
-        let known =
-            |s: &Scatterer<'_>| matches!(s, Scatterer::Diffuser(d) if d.lobe == lobe && d.indices == indices);
-        self.find(known, || Scatterer::Diffuser(LobeBetween::new(lobe, indices, grid)))
+    /// Returns the number of a lobe between media of these indices; adds it if it is new. `disc` is the radius of the
+    /// Lambertian lobe.
+    pub(super) fn lobe(&mut self, lobe: Lobe, disc: f64, indices: [f64; 2], grid: &Grid) -> usize {
+        let disc = if lobe == Lobe::Lambertian { disc } else { 1.0 };
+        let known = |s: &Scatterer<'_>| matches!(s, Scatterer::Diffuser(d) if d.lobe == lobe && d.disc == disc && d.indices == indices);
+        self.find(known, || Scatterer::Diffuser(LobeBetween::new(lobe, disc, indices, grid)))
     }
 
     /// Returns the number of this rough interface; adds it if it is new.
@@ -115,7 +118,7 @@ impl<'a> Scatterers<'a> {
         let extras = |scatterer| match scatterer {
             Scatterer::Slab(slab) => Scatterer::Slab(slab.extras(grid)),
             Scatterer::Diffuser(lobe) => Scatterer::Diffuser(LobeBetween {
-                orders: LobeOrders::new(lobe.lobe),
+                orders: LobeOrders::new(lobe.lobe, lobe.disc),
                 missing: lobe.missing[grid.regular..].to_vec(),
                 ..lobe
             }),
@@ -214,17 +217,19 @@ impl<'a> Scatterers<'a> {
 }
 
 impl LobeBetween {
-    fn new(lobe: Lobe, indices: [f64; 2], grid: &Grid) -> Self {
-        let mut orders = LobeOrders::new(lobe);
+    fn new(lobe: Lobe, disc: f64, indices: [f64; 2], grid: &Grid) -> Self {
+        let mut orders = LobeOrders::new(lobe, disc);
         let missing = orders.order(0, grid).map(|kernel| {
             let found = |j: usize, index: f64| -> f64 {
                 let column = (0..grid.regular).filter(|&i| grid.beta[i] < index);
                 column.map(|i| grid.scale[i] * kernel[(i, j)]).sum::<f64>() / grid.scale[j]
             };
-            let misses = |j: usize, index| lobe.fraction_in_disc(grid.beta[j], index) - found(j, index);
+            // Only the Lambertian lobe has a disc of its own: it is that of air, scaled.
+            let whole = |beta: f64, index: f64| lobe.fraction_in_disc(beta / disc, index / disc);
+            let misses = |j: usize, index| whole(grid.beta[j], index) - found(j, index);
             (0..grid.len()).map(|j| 0.5 * (misses(j, indices[0]) + misses(j, indices[1]))).collect()
         });
-        Self { lobe, indices, orders, missing: missing.unwrap_or_default() }
+        Self { lobe, disc, indices, orders, missing: missing.unwrap_or_default() }
     }
 
     fn straight(&self, grid: &Grid) -> Vec<f64> {

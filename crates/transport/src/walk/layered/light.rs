@@ -61,12 +61,15 @@ impl Light {
         }
     }
 
-    /// Sets the other wavelengths to 0.
-    pub(super) fn keep_where(&mut self, kept: impl Fn(usize) -> bool) {
+    /// Multiplies by a factor per wavelength.
+    pub(super) fn multiply(&mut self, factor: impl Fn(usize) -> f64) {
         let bins = self.fresh.len();
-        for bin in (0..bins).filter(|bin| !kept(*bin)) {
-            self.fresh[bin] = 0.0;
-            self.met.iter_mut().skip(bin).step_by(bins).for_each(|value| *value = 0.0);
+        for bin in 0..bins {
+            let factor = factor(bin);
+            if factor != 1.0 {
+                self.fresh[bin] *= factor;
+                self.met.iter_mut().skip(bin).step_by(bins).for_each(|value| *value *= factor);
+            }
         }
     }
 

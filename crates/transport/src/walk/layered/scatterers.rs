@@ -39,7 +39,8 @@ impl ScatterEvent<'_> {
         match self.kind {
             Kind::Base(..) | Kind::Pixel(..) => return share.set(field, ray, |_| 1.0),
             Kind::Interface(interface, channel, _) => {
-                if let Some((total, factor)) = interface.fraction(channel, self.going, skeleton.length()) {
+                let fraction = interface.fraction(channel, self.going, skeleton.length(), self.disc());
+                if let Some((total, factor)) = fraction {
                     return share.set(field, ray, |bin| total * factor[bin]);
                 }
             }
@@ -52,7 +53,7 @@ impl ScatterEvent<'_> {
     /// Samples the light that an interface scatters, without connections to sources; `None` if it is absorbed.
     pub(super) fn send(&self, beta: Beta, u: [f64; 4]) -> Option<OutgoingRay> {
         let Kind::Interface(interface, channel, _) = self.kind else { return None };
-        let (to, scattered) = interface.sample(Arrival { beta, going: self.going, channel }, u)?;
+        let (to, scattered) = interface.sample(self.arrival(beta, channel), u)?;
         let Scattered { value, density, reverse } = scattered;
         let ray = Ray::from_element(self.element, to.going);
         Some(OutgoingRay {
@@ -62,14 +63,33 @@ impl ScatterEvent<'_> {
         })
     }
 
-    /// True if the medium that the light is scattered into has such a direction.
-    pub(super) fn carries(&self, sent: OutgoingRay, bin: usize) -> bool {
+    /// Largest index of the medium that its light comes from.
+    fn disc(&self) -> f64 {
+        let Kind::Interface(_, _, media) = self.kind else { return 1.0 };
+        media[self.going as usize].map_or(1.0, Medium::largest_index)
+    }
+
+    fn arrival(&self, beta: Beta, channel: Channel) -> Arrival {
+        Arrival { beta, going: self.going, channel, disc: self.disc() }
+    }
+
+    /// The [spread](ScatteringInterface::spread) of light that leaves in this sense.
+    fn spread_over(&self, going: Propagation, bin: usize) -> f64 {
+        let Kind::Interface(interface, channel, media) = self.kind else { return 1.0 };
+        let to = if going == Propagation::Up { media[0] } else { media[1] };
+        let largest = to.map_or(1.0, Medium::largest_index);
+        interface.spread(channel, self.going, [largest, index(to, bin)])
+    }
+
+    /// Factor on sampled light at a wavelength: 0 if the medium that the light is scattered into has no such direction.
+    pub(super) fn carried(&self, sent: OutgoingRay, bin: usize) -> f64 {
         match self.kind {
             Kind::Interface(interface, _, media) if interface.scatters_beyond_media() => {
                 let to = if sent.ray.going == Propagation::Up { media[0] } else { media[1] };
-                sent.beta.squared() < index(to, bin).powi(2)
+                let carried = sent.beta.squared() < index(to, bin).powi(2);
+                if carried { self.spread_over(sent.ray.going, bin) } else { 0.0 }
             }
-            _ => true,
+            _ => 1.0,
         }
     }
 
@@ -84,14 +104,16 @@ impl ScatterEvent<'_> {
         let Kind::Interface(interface, channel, _) = self.kind else { return None };
         let ways = channel.leaves(self.going);
         let rays = ways.iter().map(|going| Ray::from_element(self.element, *going));
-        let from = Arrival { beta: sent.beta, going: self.going, channel };
+        let from = self.arrival(sent.beta, channel);
         let scattered = |way: usize, beta| interface.scatter(from, Departure { beta, going: ways[way] });
-        sources::connect(rays, sent.density, scattered, |_, _| 1.0, sums, workspace);
+        // Light of a source that arrives has a direction that the medium there carries.
+        let spread = |_, bin| self.spread_over(ways[0], bin);
+        sources::connect(rays, sent.density, scattered, spread, sums, workspace);
         let Some(next) = self.send(sent.beta, u) else {
             workspace.light.keep(|_| 0.0, &mut sums.absorbed.diffuser);
             return None;
         };
-        let kept = |bin| if self.carries(next, bin) { next.weight } else { 0.0 };
+        let kept = |bin| next.weight * self.carried(next, bin);
         workspace.light.keep(kept, &mut sums.absorbed.diffuser);
         Some(OutgoingRay { rival: sent.density, ..next })
     }

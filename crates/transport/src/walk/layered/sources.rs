@@ -195,7 +195,7 @@ impl Relay {
         let event = &walk.events[self.event];
         let Some(sent) = event.send(source.beta, u) else { return };
         lamp.before.clone_from(&self.arrived);
-        lamp.before.keep_where(|bin| event.carries(sent, bin));
+        lamp.before.multiply(|bin| event.carried(sent, bin));
         lamp.before.scale(sent.weight);
         if lamp.before.is_dark() {
             return;

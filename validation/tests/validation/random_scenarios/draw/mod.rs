@@ -9,6 +9,7 @@ mod display;
 mod layers;
 mod light;
 mod pixel;
+mod reflection;
 
 use std::fmt::Write as _;
 
@@ -69,15 +70,19 @@ pub(crate) fn drawn(number: u64) -> Drawn {
     let (of_pixel, pixel) = pixel::pixel(&mut dice, above.is_constant);
     let (of_light, light) = light::lighting(&mut dice, above.form == Form::Lobe && of_pixel != "paper");
     let solver = solver(&mut dice, &above, of_pixel);
+    let is_panel = above.is_panel(of_pixel);
     let mut text =
         format!("title = \"random scenario {number}\"\n[spectrum]\nrange_nm = [400, 700]\nstep_nm = 50\n");
-    text += &above.text;
+    text += &match above.form {
+        Form::Layers => reflection::with_reflection(number, &above.text),
+        Form::Bare | Form::Lobe => above.text,
+    };
     text += &pixel;
     text += &light;
     text += &solver;
     // Few paths meet the light that a thin slab traps by total reflection: with fewer paths, the errors would be too small.
     let paths = match () {
-        () if above.is_panel(of_pixel) => 1 << 15,
+        () if is_panel => 1 << 15,
         () if text.contains("\"slab\"") => 1 << 14,
         () => 1 << 12,
     };
