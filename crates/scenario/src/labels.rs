@@ -15,12 +15,14 @@ use crate::read::Table as _;
 use crate::schema::Row;
 
 /// What the items of lists, and tables whose keys need it, are called.
-const PARTS: [(&str, &str); 18] = [
+const PARTS: [(&str, &str); 20] = [
     ("display.pixel.film", "film layer"),
     ("display.pixel.substrate", "the substrate"),
     ("display.pixel.states", ""),
     ("display.pixel", ""),
     ("display.front", "front component"),
+    ("display.diffuser.reflection.below", "the diffuser's reflection from below"),
+    ("display.diffuser.reflection", "the diffuser's reflection"),
     ("display.diffuser", ""),
     ("display.glass.surface", "the glass surface"),
     ("display.glass", "the glass"),
