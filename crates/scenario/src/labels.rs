@@ -15,14 +15,12 @@ use crate::read::Table as _;
 use crate::schema::Row;
 
 /// What the items of lists, and tables whose keys need it, are called.
-const PARTS: [(&str, &str); 20] = [
+const PARTS: [(&str, &str); 18] = [
     ("display.pixel.film", "film layer"),
     ("display.pixel.substrate", "the substrate"),
     ("display.pixel.states", ""),
     ("display.pixel", ""),
     ("display.front", "front component"),
-    ("display.diffuser.reflection.below", "the diffuser's reflection from below"),
-    ("display.diffuser.reflection", "the diffuser's reflection"),
     ("display.diffuser", ""),
     ("display.glass.surface", "the glass surface"),
     ("display.glass", "the glass"),

@@ -135,17 +135,17 @@ table! {
     /// propagation: its peak is in the mirror direction. Light that it sends beyond the horizon is absorbed by the diffuser.
     Reflection {
         /// Reflectance of light from above in total: into the hemisphere of the air, along the normal, the mirror image
-        /// included. Specify either this or `reflectance`.
+        /// included. Either this or `reflectance`.
         total_reflectance: Option<ShareSpectrum>,
-        /// Reflectance R of light from above for the whole lobe, including the mirror image. Specify either this
-        /// or `total_reflectance`.
+        /// Reflectance R of light from above for the whole lobe, including the mirror image. Either this or
+        /// `total_reflectance`.
         reflectance: Option<ShareSpectrum>,
         /// The lobe.
         model: ReflectionModel = ReflectionModel::Lambertian,
-        /// Width b of a k-correlation lobe in direction cosines. Specify either `width` or `haze`.
+        /// Width b of a k-correlation lobe in direction cosines. Either `width` or `haze`.
         width: Option<Width>,
         /// Fraction of the light reflected at normal incidence (the mirror image included) at more than 2.5 deg from the
-        /// mirror direction, of a k-correlation lobe. Specify either `haze` or `width`.
+        /// mirror direction, of a k-correlation lobe. Either `haze` or `width`.
         haze: Option<InnerShare>,
         /// Root mean square slope of Ward's lobe.
         alpha: Option<Slope>,
