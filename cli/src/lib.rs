@@ -7,6 +7,7 @@
 
 mod arguments;
 mod brdf;
+mod catalogue;
 mod compare;
 mod completions;
 mod diffuser;
@@ -188,6 +189,8 @@ pub fn main(arguments: &[OsString]) -> u8 {
         Command::Brdf(arguments) => brdf::brdf(&arguments),
         Command::Compare(arguments) => compare::run(&arguments),
         Command::Diffuser(command) => diffuser::diffuser(&command),
+        Command::Illuminants(arguments) => catalogue::list_illuminants(&arguments),
+        Command::Materials(arguments) => catalogue::list_materials(&arguments),
         Command::Completions(arguments) => completions::run(&arguments),
         Command::New(arguments) => new::run(&arguments),
         Command::Migrate(arguments) => migrate::run(&arguments),

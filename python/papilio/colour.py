@@ -7,8 +7,9 @@ as the chromaticity of black) are NaN. Sources: CIE 15:2018; CIEDE2000 as in Sha
 
 from __future__ import annotations
 
+import json
 from functools import cache
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -17,7 +18,7 @@ from . import _arguments, _messages, _papilio
 from ._dims import check_places, is_labelled
 from .errors import ArgumentError
 
-__all__ = ["Gamut", "Observer", "coverage_percent", "delta_e_2000", "gamut_percent", "illuminant", "illuminant_names", "lab", "uv_prime", "xyz"]
+__all__ = ["Gamut", "Observer", "coverage_percent", "delta_e_2000", "gamut_percent", "illuminant", "illuminant_info", "illuminant_names", "lab", "uv_prime", "xyz"]
 
 
 def __dir__() -> list[str]:
@@ -41,6 +42,24 @@ _LEFT_OUT = 1e-3
 def illuminant_names() -> list[str]:
     """Returns the names of illuminants."""
     return _papilio.illuminant_names()
+
+
+def illuminant_info(name: str) -> dict[str, Any]:
+    """Describes a CIE illuminant.
+
+    Args:
+        name: a name of `illuminant_names`, in any spelling, or a usual one ("F11", "TL84").
+
+    Returns:
+        `name`, `what`, `source`, `table_step_nm` (None for E), `x`, `y`, `u_prime`, `v_prime`, `cct_K`, `duv`, `Ra`, `lm_per_W`, and the
+        arrays `wavelength_nm` and `relative_power` of its table.
+
+    Example:
+        >>> round(papilio.colour.illuminant_info("TL84")["cct_K"])
+        4001
+    """
+    sheet: dict[str, Any] = json.loads(_papilio.illuminant_sheet(_arguments.text("name", name, "the name of an illuminant")))
+    return sheet | {key: np.array(sheet[key]) for key in ("wavelength_nm", "relative_power")}
 
 
 def illuminant(name: str, wavelength_nm: ArrayLike) -> NDArray[np.float64]:

@@ -181,3 +181,13 @@ def test_material_from_file_is_read(tmp_path, scenarios):
     assert error.value.line == 2
     with pytest.raises(FileError):
         films.index(tmp_path / "absent.csv", 600.0)
+
+
+def test_material_is_described_with_its_source():
+    described = films.material_info("tio2")
+    assert (described["name"], described["page"]) == ("TiO2", "main/TiO2/Siefke")
+    at = described["wavelength_nm"] == 550.0
+    np.testing.assert_allclose(films.index("TiO2", 550.0), described["n"][at][0] + 1j * described["k"][at][0])
+    with pytest.raises(ArgumentError, match="did you mean `Al`"):
+        films.index("Aluminium", 550.0)
+    assert {"Nb2O5", "PMMA", "Mo"} <= set(films.material_names())

@@ -103,6 +103,11 @@ fn full() -> Outcome {
 fn docs() -> Outcome {
     for (package, test, name) in [
         ("papilio-scenario", "scenario", "tables_of_keys_in_the_docs_are_those_of_the_grammar"),
+        (
+            "papilio-scenario",
+            "scenario",
+            "tables_of_materials_and_illuminants_in_the_docs_are_those_of_the_program",
+        ),
         ("papilio-formats", "formats", "table_of_formats_in_the_docs_is_that_of_the_readers"),
     ] {
         let mut written = cargo(["test", "--package", package, "--test", test, name]);

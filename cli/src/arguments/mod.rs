@@ -68,6 +68,17 @@ pub(crate) enum Command {
                       Presets are rooms, daylight, and measuring geometries of standards. docs/light.md describes them.\n\
                       The error for an unknown preset lists all names.")]
     New(New),
+    /// List the named materials, or show one: source, n and k, a figure
+    #[command(
+        after_help = "Examples: papilio materials\n          papilio materials TiO2\n          papilio materials oxide\n\n\
+                      Any other n and k can be given as a number, { n, k } or a file. docs/films.md describes them."
+    )]
+    Materials(Catalogue),
+    /// List the CIE illuminants, or show one: colour, colour temperature, Ra, spectrum, a figure
+    #[command(after_help = "Examples: papilio illuminants\n          papilio illuminants FL11\n\n\
+                      Daylight and black bodies of any temperature, LEDs and files are spectra, too. docs/light.md describes \
+                      them.")]
+    Illuminants(Catalogue),
     /// Replace old names of keys and values in a scenario file
     #[command(after_help = "Example: papilio migrate old.toml\n\n\
                       Every command accepts old names; this command replaces them in the file. Comments, order and layout \
@@ -203,6 +214,18 @@ pub(crate) struct Brdf {
     pub(crate) allow_error: Option<f64>,
     #[command(flatten)]
     pub(crate) workers: Workers,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct Catalogue {
+    /// Name of one; for materials, a word of the description lists those that have it [default: list all]
+    pub(crate) name: Option<String>,
+    /// Print JSON on standard output; write files only if --out is given
+    #[arg(long)]
+    pub(crate) json: bool,
+    /// Folder for the table (CSV) and the figure (SVG) [default: out/materials or out/illuminants, with NAME alone]
+    #[arg(long, value_name = "DIR")]
+    pub(crate) out: Option<PathBuf>,
 }
 
 #[derive(Debug, Args)]

@@ -10,6 +10,7 @@
 //!   to sRGB, EBU, NTSC and DCI-P3.
 //! - [`Corners`]: the colour gamut of eight states as a solid in CIELAB, with its volume and rings.
 //! - [`Viewing`]: the viewing conditions of the colour appearance model CIECAM16.
+//! - [`colour_temperature`], [`rendering_index`]: correlated colour temperature and Ra of a light.
 //! - [`reader`]: what a reader sees: luminance threshold of small details, contrast sensitivity of the eye, age.
 //! - [`peak_nm`]: the wavelength at which a reflectance spectrum is largest.
 //!
@@ -51,6 +52,7 @@ mod lab;
 mod observer;
 mod peak;
 pub mod reader;
+mod rendering;
 mod solid;
 mod srgb;
 mod xyz;
@@ -59,7 +61,8 @@ pub use appearance::{Appearance, Surround, Viewing};
 pub use error::ColourError;
 pub use gamut::{Chromaticity, GamutReference, coverage_percent, gamut_percent, triangle_area};
 pub use lab::{Lab, Luv};
-pub use observer::{LUMENS_PER_WATT, Observer, Standard, spectral_locus};
+pub use observer::{Between, LUMENS_PER_WATT, Observer, Standard, spectral_locus};
 pub use peak::{peak_nm, peak_slopes};
+pub use rendering::{ColourTemperature, colour_temperature, rendering_index};
 pub use solid::{CORNERS, Corners, GamutSolid, HUES, RINGS};
 pub use xyz::{D65_UV, D65_WHITE, UvPrime, Xy, Xyz};

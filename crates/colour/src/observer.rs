@@ -14,7 +14,7 @@
 
 use std::sync::LazyLock;
 
-use papilio_spectra::{Grid, Spectrum, sum_of_products};
+use papilio_spectra::{Grid, LightSpectrum, LineSpectrum, Spectrum, sum_of_products};
 
 use crate::{ColourError, D65_UV, UvPrime, Xyz};
 
@@ -109,6 +109,12 @@ impl Observer {
         LUMENS_PER_WATT * sum_of_products(&self.weight[1], spectrum)
     }
 
+    /// Computes the luminance or illuminance of a light, from its means over 1 nm if it has lines.
+    pub fn luminance_of_light(&self, light: &LightSpectrum) -> f64 {
+        let of_lines = |lines: &LineSpectrum| Some(Self::new(&lines.grid).ok()?.luminance(&lines.means));
+        light.lines().map_or_else(|| self.luminance(light), |lines| of_lines(lines).unwrap_or(0.0))
+    }
+
     /// Scales a relative spectrum to a spectral irradiance, W/(m2 nm), of illuminance `lux`.
     ///
     /// # Errors
@@ -122,9 +128,50 @@ impl Observer {
         }
     }
 
+    /// Computes the weights with which reflectances at the wavelengths of `grid` contribute to X, Y and Z of the light that
+    /// they reflect. This observer is that of `lines.grid`. The unit is that of the light times nm.
+    pub fn of_light(&self, lines: &LineSpectrum, grid: &Grid, between: Between) -> [Vec<f64>; 3] {
+        debug_assert_eq!(self.weight[0].len(), lines.means.len());
+        let mut weights = [(); 3].map(|()| vec![0.0; grid.len()]);
+        for (l, nm) in lines.grid.wavelengths_nm().into_iter().enumerate() {
+            for (i, share) in between.shares(grid, nm) {
+                for (weights, bar) in weights.iter_mut().zip(&self.weight) {
+                    weights[i] += share * bar[l] * lines.means[l];
+                }
+            }
+        }
+        weights
+    }
+
     /// Returns the weights of X, Y and Z, one for each grid wavelength, nm.
     pub fn weights(&self) -> [&[f64]; 3] {
         [&self.weight[0], &self.weight[1], &self.weight[2]]
+    }
+}
+
+/// Interpolation of reflectances between the wavelengths of a grid.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Between {
+    /// Linear, between two neighbours.
+    Linear,
+    /// Cubic, through four neighbours (Lagrange). The difference from linear interpolation estimates the error of the latter.
+    Cubic,
+}
+
+impl Between {
+    /// Wavelengths of the grid by index, and their weights in the value at `nm`.
+    fn shares(self, grid: &Grid, nm: f64) -> Vec<(usize, f64)> {
+        let linear: Vec<(usize, f64)> = grid.between(nm).collect();
+        let Some(&(left, _)) = linear.first().filter(|_| self == Self::Cubic && grid.len() >= 4) else {
+            return linear;
+        };
+        let first = left.saturating_sub(1).min(grid.len() - 4);
+        let at = (nm - grid.start_nm()) / grid.step_nm();
+        let share = |i: usize| {
+            let others = (first..first + 4).filter(|j| *j != i);
+            others.map(|j| (at - j as f64) / (i as f64 - j as f64)).product::<f64>()
+        };
+        (first..first + 4).map(|i| (i, share(i))).collect()
     }
 }
 
@@ -234,6 +281,30 @@ mod tests {
             let observer = Observer::of(standard, &grid).unwrap();
             let d65 = observer.xyz(&illuminant("D65", &grid).unwrap()).uv_prime().unwrap();
             assert!(d65.distance(standard.d65_uv()) < 1e-4, "{d65:?}");
+        }
+    }
+
+    /// Under a light of a few lines, X, Y and Z of a reflectance that is linear (cubic) over the grid are exactly those of the
+    /// sum over 1 nm.
+    #[test]
+    fn weights_of_a_light_with_lines_equal_summation_at_1_nm() {
+        let (coarse, fine) = (grid(380.0, 780.0, 5.0), grid(380.0, 780.0, 1.0));
+        let lines = |nm: f64| if [405.0, 436.0, 546.0, 578.0, 611.0].contains(&nm) { 50.0 } else { 0.3 };
+        let own = LineSpectrum { grid: fine, means: Spectrum::from_fn(&fine, lines) };
+        let observer = Observer::new(&fine).unwrap();
+        let cases: [(Between, fn(f64) -> f64); 2] = [
+            (Between::Linear, |x| 0.4 + 0.3 * x),
+            (Between::Cubic, |x| 0.4 + 0.3 * x - 0.6 * x * x + 0.2 * x * x * x),
+        ];
+        for (between, reflectance) in cases {
+            let reflectance = |nm: f64| reflectance((nm - 580.0) / 200.0);
+            let weights = observer.of_light(&own, &coarse, between);
+            let at_nodes = Spectrum::from_fn(&coarse, reflectance);
+            let plain = observer.xyz(&Spectrum::from_fn(&fine, |nm| lines(nm) * reflectance(nm)));
+            for (weights, plain) in weights.iter().zip(plain.to_array()) {
+                let ours = sum_of_products(weights, &at_nodes);
+                assert!((ours / plain - 1.0).abs() < 1e-12, "{between:?}: {ours} {plain}");
+            }
         }
     }
 

@@ -30,7 +30,7 @@
 //!     lighting: Lighting {
 //!         illuminance_lx: 500.0,
 //!         diffuse: 1.0,
-//!         diffuse_spectrum: illuminant("D65", &grid)?,
+//!         diffuse_spectrum: illuminant("D65", &grid)?.into(),
 //!         directed: vec![],
 //!         environment: vec![],
 //!         front_light: None,

@@ -102,7 +102,7 @@ fn reflection_scene(scene: &Scene, theta_deg: f64, light: &Spectrum) -> Scene {
         theta_deg,
         phi_deg,
         share: 0.0,
-        spectrum: light.clone(),
+        spectrum: light.clone().into(),
         radius_deg,
         normal_to_beam: false,
     };
@@ -114,7 +114,7 @@ fn reflection_scene(scene: &Scene, theta_deg: f64, light: &Spectrum) -> Scene {
     sources.iter_mut().for_each(|source| source.share = share);
     lit.lighting.illuminance_lx = 1.0;
     lit.lighting.diffuse = share;
-    lit.lighting.diffuse_spectrum = light.clone();
+    lit.lighting.diffuse_spectrum = light.clone().into();
     lit.lighting.directed = sources;
     lit.lighting.environment.clear();
     lit.lighting.front_light = None;

@@ -146,6 +146,22 @@ pub struct State {
     /// Discretisation error of each value, from the difference to the next coarser level (adding).
     #[serde(skip_serializing_if = "Option::is_none")]
     pub discretisation_error: Option<StateValues>,
+    /// Estimated errors of X, Y and Z because reflectances are known only at the wavelengths of the grid; only in light with
+    /// lines narrower than the step.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub interpolation_error: Option<XyzError>,
+}
+
+/// Errors of X, Y and Z.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, JsonSchema)]
+#[allow(non_snake_case, reason = "the field's own letters, as result.json spells them")]
+pub struct XyzError {
+    /// Of X.
+    pub X: f64,
+    /// Of Y.
+    pub Y: f64,
+    /// Of Z.
+    pub Z: f64,
 }
 
 /// Values of a drive state, or their errors.

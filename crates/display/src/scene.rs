@@ -12,7 +12,7 @@ pub use papilio_optics::film::{SpectralLayer as FilmLayer, Thickness};
 pub use papilio_optics::lobe::Lobe;
 pub use papilio_optics::rough::Distribution;
 pub use papilio_sampling::Sampler;
-use papilio_spectra::{Grid, Spectrum};
+use papilio_spectra::{Grid, LightSpectrum, Spectrum};
 pub use papilio_transport::walk::Strategy;
 pub use papilio_transport::{
     Diffuser, Field, Interface as Ready, LobeReflection, ReflectedLobe, ReflectingDiffuser, ScatterFace,
@@ -339,7 +339,7 @@ pub struct Lighting {
     /// Fraction that is uniform over the hemisphere.
     pub diffuse: f64,
     /// Relative spectrum of the diffuse part.
-    pub diffuse_spectrum: Spectrum,
+    pub diffuse_spectrum: LightSpectrum,
     /// The directed sources.
     pub directed: Vec<DirectedLight>,
     /// Environments: light from all directions.
@@ -354,7 +354,7 @@ pub struct FrontLight {
     /// Downward illuminance on the layer below the front of screen, lx, in addition to the ambient illuminance.
     pub illuminance_lx: f64,
     /// Relative spectrum.
-    pub spectrum: Spectrum,
+    pub spectrum: LightSpectrum,
     /// Angular distribution of the downward light, as that of a sky; `None`: diffuse. Any other distribution needs an
     /// ordinary panel with a diffuser.
     pub field: Option<Arc<Field>>,
@@ -377,7 +377,7 @@ pub struct EnvironmentPart {
     /// Fraction of the illuminance in the display plane.
     pub share: f64,
     /// Relative spectrum.
-    pub spectrum: Spectrum,
+    pub spectrum: LightSpectrum,
 }
 
 /// Directed source.
@@ -390,7 +390,7 @@ pub struct DirectedLight {
     /// Fraction of the illuminance.
     pub share: f64,
     /// Relative spectrum.
-    pub spectrum: Spectrum,
+    pub spectrum: LightSpectrum,
     /// Angular radius of a circular source of uniform radiance, degrees; `None`: collimated.
     pub radius_deg: Option<f64>,
     /// True: the fraction is that across the beam, and cos(theta) times it falls on the display.

@@ -10,11 +10,11 @@
 //!
 //! Spectra and illuminances of the light have no counter: estimates do not depend on them.
 
-use papilio_colour::{Observer, Standard};
+use papilio_colour::{Between, Observer, Standard};
 use papilio_optics::Beta;
 use papilio_optics::film::Coating;
 use papilio_optics::rough::Rough;
-use papilio_spectra::Spectrum;
+use papilio_spectra::{LightSpectrum, LineSpectrum, Spectrum};
 use papilio_transport::{
     Base, Cone, Front, Interface, Layer, Layered, Medium, Panel, Reflector, Source, Stack, Top,
 };
@@ -56,6 +56,49 @@ pub(crate) struct Light {
     pub(crate) illuminance_lx: f64,
     /// Number, from 0, of the contribution in the results to which this light belongs.
     pub(crate) term: usize,
+    /// Weights of reflectances if it has lines narrower than the step of the grid.
+    pub(crate) lines: Option<LineWeights>,
+}
+
+/// Weights with which reflectances at the wavelengths of the grid contribute to what is seen of a light with narrow lines,
+/// in the unit of its irradiance times nm.
+#[derive(Debug)]
+pub(crate) struct LineWeights {
+    /// X, Y and Z of the reported colours, for reflectances that are linear between the wavelengths.
+    pub(crate) xyz: [Vec<f64>; 3],
+    /// The same for cubic interpolation: the difference estimates the error of the linear one.
+    pub(crate) cubic: [Vec<f64>; 3],
+    /// Y of CIE 1931, for luminances.
+    pub(crate) y_1931: Vec<f64>,
+}
+
+impl Light {
+    /// Light of this illuminance, lx.
+    fn new(
+        spectrum: &LightSpectrum,
+        illuminance_lx: f64,
+        term: usize,
+        scene: &Scene,
+        observer: &Observer,
+    ) -> Result<Self, DisplayError> {
+        let Some(own) = spectrum.lines() else {
+            let irradiance = observer.scale_to_illuminance(spectrum, illuminance_lx)?;
+            return Ok(Self { irradiance, illuminance_lx, term, lines: None });
+        };
+        let means = Observer::new(&own.grid)?.scale_to_illuminance(&own.means, illuminance_lx)?;
+        let scale = means.max() / own.means.max();
+        let lines = LineSpectrum { grid: own.grid, means };
+        let observer = Observer::of(scene.metrics.observer, &own.grid)?;
+        let weights = LineWeights {
+            xyz: observer.of_light(&lines, &scene.grid, Between::Linear),
+            cubic: observer.of_light(&lines, &scene.grid, Between::Cubic),
+            y_1931: {
+                let [_, y, _] = Observer::new(&own.grid)?.of_light(&lines, &scene.grid, Between::Linear);
+                y
+            },
+        };
+        Ok(Self { irradiance: spectrum.map(|e| e * scale), illuminance_lx, term, lines: Some(weights) })
+    }
 }
 
 /// Direction and field of view of one view.
@@ -270,10 +313,8 @@ fn top(panel: &scene::Panel) -> Top {
 
 fn lights(scene: &Scene, observer: &Observer) -> Result<Vec<Light>, DisplayError> {
     let lighting = &scene.lighting;
-    let light = |term: usize, fraction: f64, spectrum: &Spectrum| -> Result<Light, DisplayError> {
-        let illuminance_lx = fraction * lighting.illuminance_lx;
-        let irradiance = observer.scale_to_illuminance(spectrum, illuminance_lx)?;
-        Ok(Light { irradiance, illuminance_lx, term })
+    let light = |term: usize, fraction: f64, spectrum: &LightSpectrum| {
+        Light::new(spectrum, fraction * lighting.illuminance_lx, term, scene, observer)
     };
     let mut lights = vec![light(0, lighting.diffuse, &lighting.diffuse_spectrum)?];
     for (i, directed) in lighting.directed.iter().enumerate() {
@@ -286,9 +327,8 @@ fn lights(scene: &Scene, observer: &Observer) -> Result<Vec<Light>, DisplayError
         }
     }
     if let Some(guide) = &lighting.front_light {
-        let irradiance = observer.scale_to_illuminance(&guide.spectrum, guide.illuminance_lx)?;
         let term = 1 + lighting.directed.len() + lighting.environment.len();
-        lights.push(Light { irradiance, illuminance_lx: guide.illuminance_lx, term });
+        lights.push(Light::new(&guide.spectrum, guide.illuminance_lx, term, scene, observer)?);
     }
     Ok(lights)
 }

@@ -47,6 +47,7 @@
 //! # Ok::<(), papilio_scenario::ScenarioErrors>(())
 //! ```
 
+mod browse;
 mod describe;
 mod edit;
 mod error;
@@ -78,6 +79,10 @@ mod tolerance;
 mod tree;
 mod varied;
 
+pub use browse::{
+    IlluminantEntry, IlluminantSheet, MaterialEntry, MaterialSheet, illuminant_sheet, illuminants,
+    material_sheet, materials, materials_like, with_catalogue_tables,
+};
 pub use edit::{Edit, edit};
 pub use error::{ScenarioError, ScenarioErrors};
 pub use here::relative_path;
@@ -93,6 +98,7 @@ pub use optimise::{
 pub use page::with_key_tables;
 pub use papilio_diagnostics::{Diagnostic, nearest};
 pub use papilio_display::{Label, labelled_names};
+pub use papilio_spectra::materials_called;
 pub use path::KeyPath;
 pub use preset::{ExampleDisplay, UsedPreset, new_scenario, new_scenario_of, preset_names};
 pub use resolve::VirtualMeasurement;

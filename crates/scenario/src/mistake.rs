@@ -2,10 +2,12 @@
 //!
 //! A mistake is a [`Diagnostic`]. Messages that are used once are written where the mistake is found.
 
-use papilio_diagnostics::{Diagnostic, nearest, quoted, suggestion};
+use papilio_diagnostics::{Diagnostic, did_you_mean, nearest, quoted, suggestion};
 use papilio_formats::FormatError;
 use papilio_goniometry::GoniometryError;
-use papilio_spectra::SpectraError;
+use papilio_spectra::{
+    SpectraError, illuminant_names, illuminants_called, material_names, materials_called, named_daylight_k,
+};
 
 /// Kind of a mistake, for programs.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -117,10 +119,83 @@ pub(crate) fn unknown_choice(found: &str, choices: &[&str]) -> Diagnostic {
     with_nearest(wrong, found, choices)
 }
 
-/// A material or light that is neither a name nor a file.
-pub(crate) fn unknown_name(kind: &str, name: &str, names: &[&str]) -> Diagnostic {
-    let wrong = Diagnostic::new(format!("there is no {kind} named `{name}`, and no such file"));
-    with_nearest(wrong.hint(suggestion(name, names.iter().copied(), "names")), name, names)
+/// A material that is neither a name nor a file.
+pub(crate) fn unknown_material(name: &str) -> Diagnostic {
+    let wrong = Diagnostic::new(format!("there is no material named `{name}`, and no such file"));
+    match &materials_called(name)[..] {
+        [] => with_nearest(wrong.hint(material_hint(name)), name, material_names()),
+        [first, ..] => wrong.hint(material_hint(name)).accepted(format_args!("\"{first}\"")),
+    }
+}
+
+/// A name that is no material.
+pub(crate) fn unknown_material_name(name: &str) -> Diagnostic {
+    Diagnostic::new(format!("there is no material named `{name}`")).hint(material_hint(name))
+}
+
+fn material_hint(name: &str) -> String {
+    let names = || material_names().iter().copied();
+    let list = || {
+        let names = material_names();
+        format!("the {} names are listed by `papilio materials`: {}, ...", names.len(), names[..9].join(", "))
+    };
+    match &materials_called(name)[..] {
+        [] => did_you_mean(name, names()).unwrap_or_else(list),
+        called if name.to_lowercase().replace([' ', '-'], "") == "mocr" => {
+            format!(
+                "no table of this alloy is published; the nearest materials are {}; or give a file with n and k",
+                either(called)
+            )
+        }
+        called => format!("did you mean {}?", either(called)),
+    }
+}
+
+/// A light that is neither a name nor a file.
+pub(crate) fn unknown_light(name: &str) -> Diagnostic {
+    let wrong = Diagnostic::new(format!("there is no light named `{name}`, and no such file"));
+    with_nearest(wrong.hint(light_hint(name)), name, illuminant_names())
+}
+
+/// A name that is no illuminant.
+pub(crate) fn unknown_light_name(name: &str) -> Diagnostic {
+    Diagnostic::new(format!("there is no illuminant named `{name}`")).hint(light_hint(name))
+}
+
+fn light_hint(name: &str) -> String {
+    let names = || illuminant_names().iter().copied();
+    let kelvin = name.trim().trim_end_matches(['K', 'k']).trim_end().trim_start_matches(['D', 'd']);
+    let daylight = |kelvin: f64| format!("{{ daylight_K = {kelvin:.0} }}");
+    let near = || did_you_mean(name, names());
+    match (&illuminants_called(name)[..], kelvin.parse::<u32>(), named_daylight_k(name)) {
+        (_, Ok(kelvin), _) if (4000..=25_000).contains(&kelvin) => {
+            format!("did you mean {} or {{ planck_K = {kelvin} }}?", daylight(kelvin.into()))
+        }
+        (_, Ok(kelvin), _) if (500..=100_000).contains(&kelvin) => {
+            format!("did you mean {{ planck_K = {kelvin} }}?")
+        }
+        (_, _, Some(cct_k)) => match near() {
+            Some(near) => format!("{near} Daylight of this name is {}", daylight(cct_k)),
+            None => format!("did you mean {}?", daylight(cct_k)),
+        },
+        ([], ..) => near().unwrap_or_else(|| {
+            format!(
+                "the {} names are listed by `papilio illuminants`: A, D65, FL2, FL11, LED-B3, ...",
+                names().len()
+            )
+        }),
+        (called, ..) => format!("did you mean {}?", either(called)),
+    }
+}
+
+/// Names in backticks, joined with "or".
+fn either(names: &[&str]) -> String {
+    let names: Vec<String> = names.iter().map(|name| format!("`{name}`")).collect();
+    match names.split_last() {
+        Some((last, [])) => last.clone(),
+        Some((last, others)) => format!("{} or {last}", others.join(", ")),
+        None => String::new(),
+    }
 }
 
 /// Adds the known name that is nearest to a misspelled one as a value that is accepted.

@@ -32,6 +32,8 @@ pub(crate) use oscillators::Oscillator;
 pub struct Dispersion {
     model: Model,
     range_nm: (f64, f64),
+    /// Range of the data, nm: that of `range_nm`, unless it is continued.
+    data_nm: (f64, f64),
 }
 
 #[derive(Debug, Clone, PartialEq)]
@@ -44,13 +46,24 @@ enum Model {
 }
 
 impl Dispersion {
+    fn of(model: Model, range_nm: (f64, f64)) -> Self {
+        Self { model, range_nm, data_nm: range_nm }
+    }
+
+    /// Dispersion that may be used in all of `to_nm`, too: beyond the data, a formula is continued, and tables keep their
+    /// first or last value.
+    pub(crate) fn continued(mut self, to_nm: (f64, f64)) -> Self {
+        self.range_nm = (self.range_nm.0.min(to_nm.0), self.range_nm.1.max(to_nm.1));
+        self
+    }
+
     /// Constant n + ik at every wavelength.
     ///
     /// # Errors
     /// Unless n and k are finite, not negative and not both zero.
     pub fn constant(n: f64, k: f64) -> Result<Self, SpectraError> {
         let index = checked(Complex64::new(n, k))?;
-        Ok(Self { model: Model::Constant(index), range_nm: (0.0, f64::INFINITY) })
+        Ok(Self::of(Model::Constant(index), (0.0, f64::INFINITY)))
     }
 
     /// Tables of n and k against wavelength (nm), each linear between its points; without `k`, k = 0.
@@ -61,7 +74,7 @@ impl Dispersion {
     /// If a value is negative, n and k vanish together, or the ranges do not overlap.
     pub fn tabulated(n: Tabulated, k: Option<Tabulated>) -> Result<Self, SpectraError> {
         let range_nm = shared_range(n.range_nm(), k.as_ref())?;
-        let dispersion = Self { model: Model::Tabulated { n, k }, range_nm };
+        let dispersion = Self::of(Model::Tabulated { n, k }, range_nm);
         // Both tables are linear between points, so checking the points is sufficient.
         for nm in dispersion.table_points() {
             dispersion.index(nm)?;
@@ -93,7 +106,7 @@ impl Dispersion {
         if let Some(&k) = k.as_ref().and_then(|k| k.values().iter().find(|&&k| k < 0.0)) {
             return Err(SpectraError::NoIndex { n: 1.0, k });
         }
-        Ok(Self { model: Model::Formula { n, k }, range_nm })
+        Ok(Self::of(Model::Formula { n, k }, range_nm))
     }
 
     pub(crate) fn lorentz_drude(
@@ -103,7 +116,7 @@ impl Dispersion {
         range_nm: (f64, f64),
     ) -> Self {
         let model = LorentzDrude { plasma_ev, drude, oscillators: oscillators.to_vec() };
-        Self { model: Model::LorentzDrude(model), range_nm }
+        Self::of(Model::LorentzDrude(model), range_nm)
     }
 
     pub(crate) fn brendel_bormann(
@@ -113,7 +126,7 @@ impl Dispersion {
         range_nm: (f64, f64),
     ) -> Self {
         let model = BrendelBormann { plasma_ev, drude, oscillators: oscillators.to_vec() };
-        Self { model: Model::BrendelBormann(model), range_nm }
+        Self::of(Model::BrendelBormann(model), range_nm)
     }
 
     /// First and last wavelength of the range of validity, nm; (0, infinity) for a constant.
@@ -130,12 +143,13 @@ impl Dispersion {
         if !(first..=last).contains(&nm) {
             return Err(SpectraError::OutsideTable { nm, first, last });
         }
+        let in_data = nm.clamp(self.data_nm.0, self.data_nm.1);
         let index = match &self.model {
             Model::Constant(index) => *index,
             Model::LorentzDrude(model) => model.index(nm),
             Model::BrendelBormann(model) => model.index(nm),
-            Model::Tabulated { n, k } => Complex64::new(n.at(nm)?, at_or_zero(k.as_ref(), nm)?),
-            Model::Formula { n, k } => Complex64::new(n.index(nm)?, at_or_zero(k.as_ref(), nm)?),
+            Model::Tabulated { n, k } => Complex64::new(n.at(in_data)?, at_or_zero(k.as_ref(), in_data)?),
+            Model::Formula { n, k } => Complex64::new(n.index(nm)?, at_or_zero(k.as_ref(), in_data)?),
         };
         checked(index)
     }

@@ -23,6 +23,7 @@
 //! defined. `daylight(6500.0, ..)` is therefore close to D65, but not equal.
 
 use std::f64::consts::PI;
+use std::sync::LazyLock;
 
 use crate::{Grid, SpectraError, Spectrum, Tabulated, table};
 
@@ -38,34 +39,171 @@ const C: f64 = 299_792_458.0;
 const H: f64 = 6.626_070_040_818_1e-34;
 const K: f64 = 1.380_648_527_9e-23;
 
-/// Names of the illuminants in CIE 15:2018.
+const CIE_2018: &str = "CIE 015:2018";
+const CIE_2004: &str = "CIE 015:2004";
+
+/// Illuminants of the CIE: name, what it is, step of its table in nm (0: a constant), source.
 #[rustfmt::skip]
-const NAMES: [&str; 49] = [
-    "A", "C", "D50", "D55", "D60", "D65", "D75", "E",
-    "FL1", "FL2", "FL3", "FL4", "FL5", "FL6", "FL7", "FL8", "FL9", "FL10", "FL11", "FL12",
-    "FL3.1", "FL3.2", "FL3.3", "FL3.4", "FL3.5", "FL3.6", "FL3.7", "FL3.8", "FL3.9", "FL3.10",
-    "FL3.11", "FL3.12", "FL3.13", "FL3.14", "FL3.15",
-    "HP1", "HP2", "HP3", "HP4", "HP5",
-    "LED-B1", "LED-B2", "LED-B3", "LED-B4", "LED-B5", "LED-BH1", "LED-RGB1", "LED-V1", "LED-V2",
+const ILLUMINANTS: [(&str, &str, u32, &str); 49] = [
+    ("A", "incandescent lamp, 2856 K", 1, "CIE 015:2018; ISO/CIE 11664-2"),
+    ("C", "daylight of 6774 K, from A with filters; obsolete", 5, CIE_2004),
+    ("D50", "daylight, horizon; graphic arts", 1, CIE_2018),
+    ("D55", "daylight, mid-morning", 5, CIE_2018),
+    ("D60", "daylight", 5, "CIE 015:2018, formula of the D series"),
+    ("D65", "daylight, noon", 1, CIE_2018),
+    ("D75", "daylight, north sky", 5, CIE_2018),
+    ("E", "equal energy", 0, CIE_2018),
+    ("FL1", "fluorescent, standard: daylight", 5, CIE_2004),
+    ("FL2", "fluorescent, standard: cool white (CWF)", 5, CIE_2004),
+    ("FL3", "fluorescent, standard: white", 5, CIE_2004),
+    ("FL4", "fluorescent, standard: warm white (WWF)", 5, CIE_2004),
+    ("FL5", "fluorescent, standard: daylight", 5, CIE_2004),
+    ("FL6", "fluorescent, standard: light white", 5, CIE_2004),
+    ("FL7", "fluorescent, broad-band: simulates D65 (DLF)", 5, CIE_2004),
+    ("FL8", "fluorescent, broad-band: simulates D50", 5, CIE_2004),
+    ("FL9", "fluorescent, broad-band: cool white de luxe", 5, CIE_2004),
+    ("FL10", "fluorescent, three narrow bands (as TL85)", 5, CIE_2004),
+    ("FL11", "fluorescent, three narrow bands (as TL84)", 5, CIE_2004),
+    ("FL12", "fluorescent, three narrow bands (as TL83)", 5, CIE_2004),
+    ("FL3.1", "fluorescent, halophosphate", 5, CIE_2004),
+    ("FL3.2", "fluorescent, halophosphate", 5, CIE_2004),
+    ("FL3.3", "fluorescent, halophosphate", 5, CIE_2004),
+    ("FL3.4", "fluorescent, de luxe", 5, CIE_2004),
+    ("FL3.5", "fluorescent, de luxe", 5, CIE_2004),
+    ("FL3.6", "fluorescent, de luxe", 5, CIE_2004),
+    ("FL3.7", "fluorescent, three bands", 5, CIE_2004),
+    ("FL3.8", "fluorescent, three bands", 5, CIE_2004),
+    ("FL3.9", "fluorescent, three bands", 5, CIE_2004),
+    ("FL3.10", "fluorescent, three bands", 5, CIE_2004),
+    ("FL3.11", "fluorescent, three bands", 5, CIE_2004),
+    ("FL3.12", "fluorescent, multi-band", 5, CIE_2004),
+    ("FL3.13", "fluorescent, multi-band", 5, CIE_2004),
+    ("FL3.14", "fluorescent, multi-band", 5, CIE_2004),
+    ("FL3.15", "fluorescent, simulates D65", 5, CIE_2004),
+    ("HP1", "high-pressure sodium lamp", 5, CIE_2004),
+    ("HP2", "high-pressure sodium lamp, colour-enhanced", 5, CIE_2004),
+    ("HP3", "high-pressure metal halide lamp", 5, CIE_2004),
+    ("HP4", "high-pressure metal halide lamp", 5, CIE_2004),
+    ("HP5", "high-pressure metal halide lamp", 5, CIE_2004),
+    ("LED-B1", "blue LED with phosphor, 2733 K", 1, CIE_2018),
+    ("LED-B2", "blue LED with phosphor, 2998 K", 1, CIE_2018),
+    ("LED-B3", "blue LED with phosphor, 4103 K", 1, CIE_2018),
+    ("LED-B4", "blue LED with phosphor, 5109 K", 1, CIE_2018),
+    ("LED-B5", "blue LED with phosphor, 6598 K", 1, CIE_2018),
+    ("LED-BH1", "blue LED with phosphor, and a red LED", 1, CIE_2018),
+    ("LED-RGB1", "red, green and blue LEDs", 1, CIE_2018),
+    ("LED-V1", "violet LED with phosphors", 1, CIE_2018),
+    ("LED-V2", "violet LED with phosphors", 1, CIE_2018),
 ];
 
-/// Names accepted by [`illuminant`], in the spelling of the CIE.
+/// Other names that people write, upper case without separators. TL84 and its kin are lamps of one manufacturer, of the type that
+/// the CIE's illuminant averages.
+const ALIASES: [(&str, &str); 13] = [
+    ("CWF", "FL2"),
+    ("CWF2", "FL2"),
+    ("DLF", "FL7"),
+    ("DLF7", "FL7"),
+    ("HPS", "HP1"),
+    ("TL83", "FL12"),
+    ("TL84", "FL11"),
+    ("TL85", "FL10"),
+    ("U30", "FL12"),
+    ("ULTRALUME30", "FL12"),
+    ("ULTRALUME40", "FL11"),
+    ("ULTRALUME50", "FL10"),
+    ("WWF", "FL4"),
+];
+
+/// Words that are no name of one illuminant, but suggest some.
+const WORDS: [(&str, &[&str]); 10] = [
+    ("BULB", &["A"]),
+    ("COOLWHITE", &["FL2", "FL9"]),
+    ("DAYLIGHT", &["D65", "D50"]),
+    ("FLUORESCENT", &["FL2", "FL7", "FL11"]),
+    ("HALOGEN", &["A"]),
+    ("INCANDESCENT", &["A"]),
+    ("LED", &["LED-B1", "LED-B3", "LED-B5"]),
+    ("SODIUM", &["HP1"]),
+    ("TUNGSTEN", &["A"]),
+    ("WARMWHITE", &["FL4", "LED-B1"]),
+];
+
+static NAMES: LazyLock<Vec<&'static str>> = LazyLock::new(|| ILLUMINANTS.iter().map(|one| one.0).collect());
+
+/// A CIE illuminant, without its numbers.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct IlluminantInfo {
+    /// Name in the spelling of the CIE.
+    pub name: &'static str,
+    /// The lamp or light.
+    pub what: &'static str,
+    /// Step of its table, nm; 0 if it is constant.
+    pub step_nm: u32,
+    /// Publication.
+    pub source: &'static str,
+}
+
+/// Names of the CIE's illuminants, in the spelling of the CIE.
 pub fn illuminant_names() -> &'static [&'static str] {
     &NAMES
+}
+
+/// Describes the illuminant of this name or alias; `None` if it is not tabulated.
+pub fn illuminant_info(name: &str) -> Option<IlluminantInfo> {
+    let known = illuminant_name(name)?;
+    let &(name, what, step_nm, source) = ILLUMINANTS.iter().find(|one| one.0 == known)?;
+    Some(IlluminantInfo { name, what, step_nm, source })
+}
+
+/// Returns the name in the spelling of the CIE for any name that [`illuminant`] accepts: `F11`, `fl 11` and `TL84` are FL11.
+/// `None` for other names.
+///
+/// ```
+/// use papilio_spectra::illuminant_name;
+/// assert_eq!(illuminant_name("TL84"), Some("FL11"));
+/// assert_eq!(illuminant_name("f3.4"), Some("FL3.4"));
+/// assert_eq!(illuminant_name("D66"), None);
+/// ```
+pub fn illuminant_name(name: &str) -> Option<&'static str> {
+    let wanted = normalised(name);
+    let wanted = ALIASES.iter().find(|(alias, _)| *alias == wanted).map_or(&*wanted, |(_, name)| name);
+    // The older tables of the CIE call them F1 to F12.
+    let with_l = wanted.strip_prefix('F').map(|number| format!("FL{number}"));
+    let is = |known: &&str| normalised(known) == wanted || Some(normalised(known)) == with_l;
+    ILLUMINANTS.iter().map(|one| one.0).find(is)
+}
+
+/// Returns the correlated colour temperature, K, of daylight that is named after it: `D93` has 9300 K times 1.4388/1.4380, by
+/// the second radiation constant of the D series. `None` for other names, and outside 4000 to 25 000 K.
+///
+/// ```
+/// assert_eq!(papilio_spectra::named_daylight_k("D93").map(f64::round), Some(9305.0));
+/// ```
+pub fn named_daylight_k(name: &str) -> Option<f64> {
+    let name = normalised(name);
+    let number = name.strip_prefix('D').filter(|number| (2..=3).contains(&number.len()))?;
+    let nominal_k = 100.0 * f64::from(number.parse::<u16>().ok()?);
+    let cct_k = nominal_k * 1.4388 / 1.4380;
+    (DAYLIGHT_K.0..=DAYLIGHT_K.1).contains(&cct_k).then_some(cct_k)
+}
+
+/// Returns the names of illuminants that a word suggests: `incandescent` is A; empty for an unknown word.
+pub fn illuminants_called(word: &str) -> &'static [&'static str] {
+    let wanted = normalised(word);
+    WORDS.iter().find(|(known, _)| *known == wanted).map_or(&[], |(_, names)| names)
 }
 
 /// Returns the CIE illuminant of that name on `grid`, relative.
 ///
 /// Case is ignored, and so are `-`, `_` and spaces
-/// (`led_b5`, `LED-B5`).
+/// (`led_b5`, `LED-B5`). `F11` and `TL84` are FL11; see [`illuminant_name`].
 ///
 /// # Errors
-/// For a name that is not in [`illuminant_names`], and for a grid that
+/// For a name that [`illuminant_name`] does not know, and for a grid that
 /// extends beyond 380 to 780 nm.
 pub fn illuminant(name: &str, grid: &Grid) -> Result<Spectrum, SpectraError> {
-    let wanted = normalised(name);
     let unknown = || SpectraError::UnknownName { kind: "illuminant", name: name.to_owned() };
-    let known = NAMES.into_iter().find(|known| normalised(known) == wanted).ok_or_else(unknown)?;
+    let known = illuminant_name(name).ok_or_else(unknown)?;
     let (first, last) = TABLES_NM;
     let equal_energy = || Tabulated::new(vec![f64::from(first), f64::from(last)], vec![1.0; 2]);
     table::illuminant(known).unwrap_or_else(equal_energy)?.on(grid)
@@ -184,6 +322,38 @@ mod tests {
     }
 
     #[test]
+    fn names_that_people_write_are_found() {
+        for (name, expected) in [
+            ("F11", "FL11"),
+            ("f 2", "FL2"),
+            ("F3.15", "FL3.15"),
+            ("TL84", "FL11"),
+            ("tl-85", "FL10"),
+            ("CWF", "FL2"),
+            ("hps", "HP1"),
+            ("d65", "D65"),
+        ] {
+            assert_eq!(illuminant_name(name), Some(expected), "{name}");
+            let grid = visible(5.0);
+            assert_eq!(illuminant(name, &grid), illuminant(expected, &grid), "{name}");
+        }
+        assert!(ALIASES.iter().all(|(_, name)| NAMES.contains(name)));
+        assert!(WORDS.iter().flat_map(|(_, names)| *names).all(|name| NAMES.contains(name)));
+        assert_eq!(illuminants_called("Incandescent"), ["A"]);
+        // The tables of D55 and D75 are those of the series at nominal temperatures.
+        let grid = visible(5.0);
+        for (name, nominal) in [("D55", 55.0), ("D75", 75.0), ("D60", 60.0)] {
+            let (table, series) = (
+                illuminant(name, &grid).unwrap(),
+                daylight(100.0 * nominal * 1.4388 / 1.4380, &grid).unwrap(),
+            );
+            for i in 0..grid.len() {
+                assert!((table[i] / table[36] - series[i] / series[36]).abs() < 2e-4, "{name} {i}");
+            }
+        }
+    }
+
+    #[test]
     fn table_is_linear_between_integer_wavelengths() {
         let quarter = illuminant("LED-RGB1", &visible(0.25)).unwrap();
         let whole = illuminant("LED-RGB1", &visible(1.0)).unwrap();
@@ -232,7 +402,10 @@ mod tests {
         assert!(matches!(illuminant("D65", &wide), Err(SpectraError::OutsideTable { .. })));
         assert!(matches!(daylight(5000.0, &wide), Err(SpectraError::OutsideTable { .. })));
         assert!(matches!(illuminant("D66", &grid), Err(SpectraError::UnknownName { .. })));
-        for name in ["", "-", "\u{df}", "LED", "FL", "FL13", "FL3.16", "HP6"] {
+        for name in [
+            "", "-", "\u{df}", "LED", "FL", "FL13", "FL3.16", "HP6", "F13", "F", "D", "D6", "D651", "D-",
+            "D6504",
+        ] {
             assert!(illuminant(name, &grid).is_err(), "{name}");
         }
         for t in [3999.0, 25_001.0, f64::NAN] {

@@ -3,7 +3,7 @@
 //! - [`Grid`]: the wavelengths of one computation; [`Spectrum`]: a value at each;
 //! - [`Tabulated`]: a table from which spectra are interpolated, never extrapolated;
 //! - [`Dispersion`]: the complex refractive index of a medium; [`material`]: named materials;
-//! - [`illuminant`], [`daylight`], [`planck`], [`ohno_led`]: spectra of light.
+//! - [`illuminant`], [`daylight`], [`planck`], [`ohno_led`]: spectra of light; [`LightSpectrum`]: a light with narrow lines.
 //!
 //! ```
 //! use papilio_spectra::{material, Grid};
@@ -20,19 +20,26 @@
 //!
 //! **Out of scope.** File formats (`formats`), observers and colours (`colour`).
 
+mod catalogue;
 mod dispersion;
 mod error;
 mod grid;
 mod illuminant;
+mod light;
 mod material;
 mod primaries;
 mod spectrum;
 mod table;
 
+pub use catalogue::MaterialInfo;
 pub use dispersion::Dispersion;
 pub use error::SpectraError;
 pub use grid::Grid;
-pub use illuminant::{daylight, illuminant, illuminant_names, ohno_led, planck};
-pub use material::{material, material_names};
+pub use illuminant::{
+    IlluminantInfo, daylight, illuminant, illuminant_info, illuminant_name, illuminant_names,
+    illuminants_called, named_daylight_k, ohno_led, planck,
+};
+pub use light::{LightSpectrum, LineSpectrum};
+pub use material::{material, material_info, material_names, materials_called};
 pub use primaries::srgb_primaries;
 pub use spectrum::{Spectrum, Tabulated, sum_of_products};

@@ -1,53 +1,124 @@
-//! The named materials with their models, constants and sources.
+//! The named materials with their models, constants and sources. Those of the refractiveindex.info database are in
+//! `catalogue`.
+
+use std::sync::LazyLock;
 
 use crate::dispersion::Oscillator;
-use crate::{Dispersion, SpectraError, Tabulated};
+use crate::{Dispersion, MaterialInfo, SpectraError, Tabulated, catalogue};
 
-/// Names accepted by [`material`].
-const NAMES: [&str; 19] = [
-    "air",
-    "SiO2",
-    "MgF2",
-    "Al2O3",
-    "AlOx",
-    "Si3N4",
-    "BK7",
-    "ITO",
-    "Al",
-    "Cr",
-    "W",
-    "Ni",
-    "Ti",
-    "Au",
-    "Ag",
-    "Al:BB",
-    "Cr:BB",
-    "W:BB",
-    "Cr:Johnson",
+/// Materials that are defined here: name, what it is, source.
+#[rustfmt::skip]
+const BUILT_IN: [(&str, &str, &str); 20] = [
+    ("air", "air, n = 1", "by definition; 3e-4 below the real index"),
+    ("SiO2", "fused silica", "I. H. Malitson, J. Opt. Soc. Am. 55, 1205-1208 (1965)"),
+    ("MgF2", "magnesium fluoride, crystal, ordinary ray; similar to dense films", "M. J. Dodge, Appl. Opt. 23, 1980-1985 (1984)"),
+    ("Al2O3", "sapphire, ordinary ray", "I. H. Malitson, M. J. Dodge, J. Opt. Soc. Am. 62, 1405A (1972)"),
+    ("AlOx", "aluminium oxide, deposited film, n = 1.64", "typical of the visible"),
+    ("Si3N4", "silicon nitride", "H. R. Philipp, J. Electrochem. Soc. 120, 295-300 (1973)"),
+    ("BK7", "borosilicate crown glass N-BK7", "Schott, data sheet"),
+    ("ITO", "indium tin oxide, film of 72 nm on glass", "T. A. F. Koenig et al., ACS Nano 8, 6182-6192 (2014)"),
+    ("OCA", "optically clear adhesive, acrylic, n = 1.47", "typical; manufacturers state 1.4 to 1.5 for optically clear adhesives"),
+    ("Al", "aluminium, Lorentz-Drude model", RAKIC),
+    ("Cr", "chromium, Lorentz-Drude model", RAKIC),
+    ("W", "tungsten, Lorentz-Drude model", RAKIC),
+    ("Ni", "nickel, Lorentz-Drude model", RAKIC),
+    ("Ti", "titanium, Lorentz-Drude model", RAKIC),
+    ("Au", "gold, Lorentz-Drude model", RAKIC),
+    ("Ag", "silver, Lorentz-Drude model", RAKIC),
+    ("Al:BB", "aluminium, Brendel-Bormann model", RAKIC),
+    ("Cr:BB", "chromium, Brendel-Bormann model", RAKIC),
+    ("W:BB", "tungsten, Brendel-Bormann model", RAKIC),
+    ("Cr:Johnson", "chromium, evaporated films", "P. B. Johnson, R. W. Christy, Phys. Rev. B 9, 5056-5070 (1974)"),
 ];
 
-/// Names accepted by [`material`], dielectrics first.
+const RAKIC: &str = "A. D. Rakic et al., Appl. Opt. 37, 5271-5283 (1998)";
+
+/// Other words for materials of which the description does not begin with them.
+const WORDS: [(&str, &str); 30] = [
+    ("alumina", "Al2O3:Franta"),
+    ("alumina", "AlOx"),
+    ("acrylic", "PMMA"),
+    ("acrylicglass", "PMMA"),
+    ("plexiglas", "PMMA"),
+    ("plexiglass", "PMMA"),
+    ("adhesive", "OCA"),
+    ("glue", "OCA"),
+    ("chrome", "Cr:Johnson"),
+    ("chrome", "Cr"),
+    ("chrome", "Cr:Sytchkova"),
+    ("glass", "BK7"),
+    ("glass", "soda-lime"),
+    ("windowglass", "soda-lime"),
+    ("floatglass", "soda-lime"),
+    ("hafnia", "HfO2"),
+    ("kapton", "PI"),
+    ("mylar", "PET"),
+    ("polyester", "PET"),
+    ("niobia", "Nb2O5"),
+    ("quartz", "SiO2"),
+    ("silica", "SiO2"),
+    ("silicondioxide", "SiO2"),
+    ("tantala", "Ta2O5"),
+    ("titania", "TiO2"),
+    ("titaniumoxide", "TiO2"),
+    ("zirconia", "ZrO2"),
+    ("molybdenumchromium", "Mo"),
+    ("mocr", "Mo"),
+    ("mocr", "Cr:Sytchkova"),
+];
+
+static NAMES: LazyLock<Vec<&'static str>> =
+    LazyLock::new(|| BUILT_IN.iter().map(|built_in| built_in.0).chain(catalogue::names()).collect());
+
+/// Names accepted by [`material`].
 pub fn material_names() -> &'static [&'static str] {
     &NAMES
 }
 
+/// Describes a named material: substance, source, range.
+///
+/// # Errors
+/// If the name is not in [`material_names`].
+pub fn material_info(name: &str) -> Result<MaterialInfo, SpectraError> {
+    if let Some(info) = catalogue::info(name) {
+        return Ok(info);
+    }
+    let range_nm = material(name)?.range_nm();
+    let built_in = BUILT_IN.iter().find(|built_in| built_in.0 == name);
+    let &(name, what, source) = built_in.ok_or_else(|| unknown(name))?;
+    Ok(MaterialInfo { name, what, source, page: None, measured_nm: range_nm, range_nm })
+}
+
+/// Returns the names of materials for a word: `aluminium` (or Aluminum) is Al, Al:BB and Al:McPeak; empty for an unknown word.
+///
+/// ```
+/// assert_eq!(papilio_spectra::materials_called("Titanium Dioxide"), ["TiO2", "TiO2:Franta"]);
+/// ```
+pub fn materials_called(word: &str) -> Vec<&'static str> {
+    let plain = |text: &str| {
+        let text: String = text.to_lowercase().chars().filter(|c| c.is_alphanumeric()).collect();
+        text.replace("aluminum", "aluminium").replace("sulphide", "sulfide")
+    };
+    let wanted = plain(word);
+    let is_called = |name: &&&str| {
+        let what = material_info(name).map_or("", |info| info.what);
+        // "fused silica", but not "magnesium fluoride" for "magnesium".
+        plain(what.split([',', ';']).next().unwrap_or_default()) == wanted
+    };
+    let mut names: Vec<&str> = NAMES.iter().filter(is_called).copied().collect();
+    names.extend(WORDS.iter().filter(|(known, _)| *known == wanted).map(|(_, name)| name));
+    names
+}
+
+fn unknown(name: &str) -> SpectraError {
+    SpectraError::UnknownName { kind: "material", name: name.to_owned() }
+}
+
 /// Returns the dispersion of the named material.
 ///
-/// | name | model | source | range, nm |
-/// |---|---|---|---|
-/// | `air` | n = 1 | by definition (3e-4 below the truth) | all |
-/// | `SiO2` | Sellmeier | I. H. Malitson, J. Opt. Soc. Am. 55, 1205 (1965), fused silica | 210-3710 |
-/// | `MgF2` | Sellmeier | M. J. Dodge, Appl. Opt. 23, 1980 (1984), crystal, ordinary ray | 200-7000 |
-/// | `Al2O3` | Sellmeier | I. H. Malitson, M. J. Dodge, J. Opt. Soc. Am. 62, 1405A (1972), sapphire, ordinary ray | 200-5000 |
-/// | `AlOx` | n = 1.64 | a deposited alumina film, typical in the visible | all |
-/// | `Si3N4` | Sellmeier | H. R. Philipp, J. Electrochem. Soc. 120, 295 (1973) | 207-1240 |
-/// | `BK7` | Sellmeier | Schott, N-BK7 data sheet | 300-2500 |
-/// | `ITO` | table | T. A. F. Koenig et al., ACS Nano 8, 6182 (2014) | 359.8-830.7 |
-/// | `Al Cr W Ni Ti Au Ag` | Lorentz-Drude | A. D. Rakic et al., Appl. Opt. 37, 5271 (1998) | see below |
-/// | `Al:BB Cr:BB W:BB` | Brendel-Bormann | the same | see below |
-/// | `Cr:Johnson` | table | P. B. Johnson, R. W. Christy, Phys. Rev. B 9, 5056 (1974) | 354-892 |
+/// `docs/films.md` lists all with their sources and ranges ([`material_info`]).
 ///
-/// The two data sets of chromium differ by 0.5 in n across the visible; evaporated
+/// The data sets of chromium differ by 0.5 in n across the visible; evaporated
 /// films vary as much. Sapphire (`Al2O3`, n = 1.77) is not a deposited film (`AlOx`).
 ///
 /// The models of metals are valid over the energies of their fits: 5 meV to 20 eV
@@ -63,11 +134,15 @@ pub fn material(name: &str) -> Result<Dispersion, SpectraError> {
         "MgF2" => sellmeier(&MGF2, (200.0, 7000.0)),
         "Al2O3" => sellmeier(&AL2O3, (200.0, 5000.0)),
         "AlOx" => Dispersion::constant(1.64, 0.0),
+        "OCA" => Dispersion::constant(1.47, 0.0),
         "Si3N4" => sellmeier(&SI3N4, (207.0, 1240.0)),
         "BK7" => Dispersion::formula(2, &BK7, (300.0, 2500.0), None),
         "ITO" => table(&ITO),
         "Cr:Johnson" => table(&CR_JOHNSON),
-        _ => metal(name).ok_or_else(|| SpectraError::UnknownName { kind: "material", name: name.to_owned() }),
+        _ => match metal(name) {
+            Some(metal) => Ok(metal),
+            None => catalogue::material(name).unwrap_or_else(|| Err(unknown(name))),
+        },
     }
 }
 
@@ -278,6 +353,28 @@ mod tests {
             let index = material(name).and_then(|m| m.on(&grid)).unwrap();
             assert!(index.iter().all(|n| n.re > 0.0 && n.im >= 0.0), "{name}");
         }
+    }
+
+    #[test]
+    fn every_name_is_described_and_spelled_out_names_are_found() {
+        for name in material_names() {
+            let info = material_info(name).unwrap();
+            assert_eq!((info.name, info.range_nm), (*name, material(name).unwrap().range_nm()));
+        }
+        for (word, names) in [
+            ("Aluminium", &["Al", "Al:BB", "Al:McPeak"][..]),
+            ("aluminum", &["Al", "Al:BB", "Al:McPeak"]),
+            ("Titanium dioxide", &["TiO2", "TiO2:Franta"]),
+            ("fused silica", &["SiO2"]),
+            ("silica", &["SiO2"]),
+            ("MoCr", &["Mo", "Cr:Sytchkova"]),
+            ("indium-tin-oxide", &["ITO", "ITO:Minenkov", "ITO:Minenkov-top", "ITO:Minenkov-bottom"]),
+            ("unobtainium", &[]),
+            ("", &[]),
+        ] {
+            assert_eq!(materials_called(word), names, "{word}");
+        }
+        assert!(WORDS.iter().all(|(_, name)| material(name).is_ok()));
     }
 
     #[test]

@@ -11,6 +11,8 @@
 mod chapter_5;
 mod colour_oracle;
 mod colour_table_5_1;
+mod lamps;
+mod materials;
 mod measured;
 mod measured_pixel;
 mod numerical_integration;

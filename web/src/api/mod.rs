@@ -1,6 +1,7 @@
 //! The endpoints. Each is a row of [`endpoints`], from which the router and the OpenAPI description are
 //! generated.
 
+mod catalogue;
 mod compare;
 mod drawn;
 mod endpoint;
@@ -33,6 +34,14 @@ fn endpoints() -> Endpoints {
         .get_named("/presets/{name}", "A new scenario with a preset", text::preset)
         .get("/examples", "The example scenarios", text::examples)
         .get_named("/examples/{name}", "An example scenario", text::example)
+        .get(
+            "/materials",
+            "The named materials: substance, source, range, n and k at 550 nm",
+            catalogue::materials,
+        )
+        .get_named("/materials/{name}", "A named material with its n and k", catalogue::material)
+        .get("/illuminants", "The CIE illuminants: colour, colour temperature, Ra", catalogue::illuminants)
+        .get_named("/illuminants/{name}", "A CIE illuminant with its spectrum", catalogue::illuminant)
         .post(
             "/edit",
             "Applies edits to the text of a scenario; comments and order are preserved",

@@ -8,6 +8,7 @@ mod angle;
 mod colours;
 mod front_light;
 mod levels;
+mod lines;
 mod metrics;
 mod replicates;
 mod sample;
@@ -16,16 +17,18 @@ mod view;
 
 use std::borrow::Cow;
 use std::f64::consts::PI;
+use std::ops::Range;
 
-use papilio_colour::{Xyz, peak_nm};
+use papilio_colour::{LUMENS_PER_WATT, Xyz, peak_nm};
 use papilio_spectra::{Grid, sum_of_products};
 use papilio_transport::{Base, Estimate, ReflectanceFactor};
 
 use crate::readability::Reader;
 use crate::result::{Illuminant, ReferenceWhite};
-use crate::setup::{Light, Setup, ViewPoint};
+use crate::setup::{Light, LineWeights, Setup, ViewPoint};
 pub(crate) use angle::{ViewSamples, against_angle};
 use front_light::BelowFront;
+use lines::Corrections;
 pub(crate) use metrics::{PRIMARIES, ViewScalars};
 use metrics::{Reference, StateObservation};
 use sample::Layout;
@@ -41,6 +44,8 @@ pub(crate) struct Meter<'a> {
     /// front light if there is no ambient light.
     white: Vec<f64>,
     white_xyz: Xyz,
+    /// The lights of the perfect white, by number.
+    white_lights: Range<usize>,
     /// Weights of each light.
     lights: Vec<Weights>,
     /// The front light, which is the last light, if there is one.
@@ -63,6 +68,8 @@ struct Weights {
     term: usize,
     /// Fraction of the light of that contribution, `[wavelength]`; empty unless spectra by light are reported.
     within: Vec<f64>,
+    /// Corrections of X, Y, Z and luminance if the light has narrow lines.
+    corrections: Option<Corrections>,
 }
 
 impl<'a> Meter<'a> {
@@ -74,26 +81,49 @@ impl<'a> Meter<'a> {
         let (room, guide) = setup.lights.split_at(setup.lights.len() - usize::from(below_front.is_some()));
         let is_self_lit = !guide.is_empty() && room.iter().all(|light| light.illuminance_lx == 0.0);
         let reference = if is_self_lit { guide } else { room };
+        let white_lights = if is_self_lit { room.len()..setup.lights.len() } else { 0..room.len() };
         for light in reference {
             white.iter_mut().zip(light.irradiance.iter()).for_each(|(l, e)| *l += e / PI);
         }
         let terms = setup.lights.last().map_or(0, |light| light.term + 1);
         let by_light = setup.scene.metrics.spectra_by_light;
-        let layout = Layout { states: setup.states.len(), bins: grid.len(), terms, by_light };
-        let white_xyz = setup.seen_by().xyz(&white);
+        let has_lines = setup.lights.iter().any(|light| light.lines.is_some());
+        let corrections = if has_lines { lines::QUANTITIES } else { 0 };
+        let layout = Layout { states: setup.states.len(), bins: grid.len(), terms, by_light, corrections };
+        let mut white_xyz = setup.seen_by().xyz(&white);
+        for corrections in reference.iter().filter_map(|light| Corrections::new(setup, light)) {
+            let [x, y, z, ..] = corrections.of(std::iter::repeat_n(1.0, grid.len()));
+            white_xyz = white_xyz + Xyz { x, y, z };
+        }
         let total: f64 = reference.iter().map(|light| light.illuminance_lx).sum();
         let weights = |light: &Light| {
             let radiance: Vec<f64> = light.irradiance.iter().map(|e| e / PI).collect();
             let over_white =
                 |bar: &[f64]| radiance.iter().zip(bar).map(|(l, bar)| l * bar / white_xyz.y).collect();
-            let xyz: [Vec<f64>; 3] = setup.seen_by().weights().map(over_white);
+            let of_lines = |own: &Vec<f64>| own.iter().map(|own| own / PI / white_xyz.y).collect();
+            let xyz: [Vec<f64>; 3] = match &light.lines {
+                Some(lines) => lines.xyz.each_ref().map(of_lines),
+                None => setup.seen_by().weights().map(over_white),
+            };
             let within = if by_light { within(setup, light) } else { Vec::new() };
-            Weights { xyz, radiance, share: light.illuminance_lx / total, term: light.term, within }
+            let (share, corrections) = (light.illuminance_lx / total, Corrections::new(setup, light));
+            Weights { xyz, radiance, share, term: light.term, within, corrections }
         };
         let lights: Vec<Weights> = setup.lights.iter().map(weights).collect();
         let mut luminous = vec![0.0; terms];
         lights.iter().for_each(|light| luminous[light.term] += light.xyz[1].iter().sum::<f64>());
-        Self { setup, grid, layout, white, white_xyz, lights, below_front, is_self_lit, luminous }
+        Self {
+            setup,
+            grid,
+            layout,
+            white,
+            white_xyz,
+            white_lights,
+            lights,
+            below_front,
+            is_self_lit,
+            luminous,
+        }
     }
 
     /// Returns the weights of ybar at each wavelength, nm.
@@ -103,7 +133,20 @@ impl<'a> Meter<'a> {
 
     /// Computes Y of a state of a sample, W/(m2 sr).
     fn luminous(&self, state: usize, sample: &Sample) -> f64 {
-        sum_of_products(&sample.0[self.layout.radiance(state)], self.y_bar())
+        let on_grid = sum_of_products(&sample.0[self.layout.radiance(state)], self.y_bar());
+        self.corrections(state, sample).map_or(on_grid, |[_, y, ..]| on_grid + y)
+    }
+
+    /// Returns the corrections of a state for lights with narrow lines; `None` without such lights.
+    fn corrections(&self, state: usize, sample: &Sample) -> Option<[f64; lines::QUANTITIES]> {
+        <[f64; lines::QUANTITIES]>::try_from(&sample.0[self.layout.corrections(state)]).ok()
+    }
+
+    /// Estimates the errors of X, Y and Z of a state that are caused by linear interpolation of reflectances between the
+    /// wavelengths of the grid under lights with narrow lines; `None` without such lights.
+    fn interpolation_error(&self, state: usize, sample: &Sample) -> Option<[f64; 3]> {
+        let [.., x, y, z] = self.corrections(state, sample)?;
+        Some([x, y, z].map(|error| error.abs() / self.white_xyz.y))
     }
 
     fn is_front_light(&self, light: &Weights) -> bool {
@@ -150,6 +193,11 @@ impl<'a> Meter<'a> {
                 let alone = sample[layout.spectrum_alone(state, light.term)].iter_mut().zip(&light.within);
                 let both = base.iter().zip(&rho.front).map(|(base, front)| base + front);
                 alone.zip(both).for_each(|((sum, within), rho)| *sum += within * rho);
+                if let Some(corrections) = &light.corrections {
+                    let both = base.iter().zip(&rho.front).map(|(base, front)| base + front);
+                    let slots = sample[layout.corrections(state)].iter_mut();
+                    slots.zip(corrections.of(both)).for_each(|(slot, value)| *slot += value);
+                }
                 let luminous = self.luminous[light.term];
                 if luminous > 0.0 {
                     sample[layout.alone(state).start + light.term] += (from_pixel + from_front) / luminous;
@@ -160,8 +208,12 @@ impl<'a> Meter<'a> {
     }
 
     fn add_ledger(&self, ledger: &papilio_transport::Ledger, sample: &mut [f64]) {
-        let y = self.white.iter().zip(self.y_bar());
-        let luminous: Vec<f64> = y.map(|(l, y)| l * y / self.white_xyz.y).collect();
+        let luminous: Vec<f64> = if self.layout.corrections == 0 {
+            self.white.iter().zip(self.y_bar()).map(|(l, y)| l * y / self.white_xyz.y).collect()
+        } else {
+            let lights = &self.lights[self.white_lights.clone()];
+            (0..self.grid.len()).map(|bin| lights.iter().map(|light| light.xyz[1][bin]).sum()).collect()
+        };
         let parts: [&[f64]; Layout::LEDGER] = [
             &ledger.returned,
             &ledger.front,
@@ -201,9 +253,15 @@ impl<'a> Meter<'a> {
     fn observation(&self, state: usize, mean: &Sample, bare_peak_nm: Option<f64>) -> StateObservation {
         let radiance = &mean.0[self.layout.radiance(state)];
         let factor = self.reflectance_factor(state, &mean.0);
+        let mut xyz = self.setup.seen_by().xyz(radiance);
+        let mut luminance_cd_m2 = self.setup.observer.luminance(radiance);
+        if let Some([x, y, z, y_1931, ..]) = self.corrections(state, mean) {
+            xyz = xyz + Xyz { x, y, z };
+            luminance_cd_m2 += LUMENS_PER_WATT * y_1931;
+        }
         StateObservation {
-            xyz: over(self.setup.seen_by().xyz(radiance), self.white_xyz.y),
-            luminance_cd_m2: self.setup.observer.luminance(radiance),
+            xyz: over(xyz, self.white_xyz.y),
+            luminance_cd_m2,
             peak_nm: factor.and_then(|factor| peak_nm(&self.grid, &factor)),
             bare_peak_nm,
         }
@@ -230,7 +288,14 @@ impl<'a> Meter<'a> {
         names: &'b [String],
         observations: &[StateObservation],
     ) -> Reference<'b> {
-        let paper = (over(self.white_xyz, self.white_xyz.y), self.setup.observer.luminance(&self.white));
+        let mut luminance = self.setup.observer.luminance(&self.white);
+        for light in
+            self.lights[self.white_lights.clone()].iter().filter_map(|light| light.corrections.as_ref())
+        {
+            let [_, _, _, y_1931, ..] = light.of(std::iter::repeat_n(1.0, self.grid.len()));
+            luminance += LUMENS_PER_WATT * y_1931;
+        }
+        let paper = (over(self.white_xyz, self.white_xyz.y), luminance);
         let own = || {
             let white = observations.get(names.iter().position(|name| name == "white")?)?;
             Some((white.xyz, white.luminance_cd_m2))
@@ -288,6 +353,10 @@ impl<'a> Meter<'a> {
         let lights = &self.setup.lights[1..];
         let one = |state: usize, (light, image): (&Light, &Vec<f64>)| {
             let row = &image[state * self.layout.bins..][..self.layout.bins];
+            if let Some(LineWeights { y_1931, .. }) = &light.lines {
+                let source: f64 = y_1931.iter().sum();
+                return if source > 0.0 { sum_of_products(row, y_1931) / source } else { 0.0 };
+            }
             let seen: Vec<f64> = row.iter().zip(light.irradiance.iter()).map(|(r, e)| r * e).collect();
             let source = self.setup.observer.luminance(&light.irradiance);
             if source > 0.0 { self.setup.observer.luminance(&seen) / source } else { 0.0 }

@@ -62,6 +62,8 @@ pub(crate) struct Layout {
     pub(crate) terms: usize,
     /// Whether the spectrum under each light alone is stored.
     pub(crate) by_light: bool,
+    /// Number of corrections for lights with narrow lines: 0 without such lights.
+    pub(crate) corrections: usize,
 }
 
 impl Layout {
@@ -70,7 +72,7 @@ impl Layout {
 
     fn per_state(&self) -> usize {
         let alone = if self.by_light { self.terms * self.bins } else { 0 };
-        2 * self.bins + 2 * self.terms + 1 + Self::LEDGER + alone
+        2 * self.bins + 2 * self.terms + 1 + Self::LEDGER + alone + self.corrections
     }
 
     pub(crate) fn len(&self) -> usize {
@@ -118,6 +120,12 @@ impl Layout {
         let start = self.ledger(state).end + term * bins;
         start..start + bins
     }
+
+    /// Corrections for lights with narrow lines (`lines::Corrections`).
+    pub(crate) fn corrections(&self, state: usize) -> Range<usize> {
+        let end = (state + 1) * self.per_state();
+        end - self.corrections..end
+    }
 }
 
 #[cfg(test)]
@@ -126,13 +134,18 @@ mod tests {
 
     #[test]
     fn layout_has_no_overlaps_and_no_gaps() {
-        for by_light in [false, true] {
-            let layout = Layout { states: 3, bins: 5, terms: 2, by_light };
+        for (by_light, corrections) in [(false, 0), (true, 0), (true, 7), (false, 7)] {
+            let layout = Layout { states: 3, bins: 5, terms: 2, by_light, corrections };
             let mut used = vec![0; layout.len()];
             for state in 0..3 {
                 let spectra = [layout.radiance(state), layout.factor(state)];
                 let alone = [0, 1].map(|term| layout.spectrum_alone(state, term));
-                let numbers = [layout.terms(state), layout.alone(state), layout.ledger(state)];
+                let numbers = [
+                    layout.terms(state),
+                    layout.alone(state),
+                    layout.ledger(state),
+                    layout.corrections(state),
+                ];
                 let all = spectra.into_iter().chain(alone).chain(numbers).flatten();
                 all.chain([layout.front_term(state)]).for_each(|k| used[k] += 1);
             }

@@ -146,9 +146,14 @@ impl Meter<'_> {
                     0.0
                 };
                 let factor = &slopes.factor[state * bins..][..bins];
+                let of_xyz = slopes.xyz[state].map(|slope| slope / self.white_xyz.y);
+                let of_y_1931 = LUMENS_PER_WATT * slopes.luminance[state];
                 for (bin, out) in out[state * bins..][..bins].iter_mut().enumerate() {
                     let by_share = if self.white[bin] > 0.0 { 0.0 } else { light.share * factor[bin] };
                     *out += light.radiance[bin] * radiance[bin] + by_share + light.xyz[1][bin] * diffuse;
+                    if let Some(corrections) = &light.corrections {
+                        *out += corrections.slope(bin, of_xyz, of_y_1931);
+                    }
                 }
             }
         }

@@ -4,7 +4,9 @@ use super::Meter;
 use super::metrics::{PRIMARIES, Scalars, ViewScalars, three};
 use super::sample::Sample;
 use crate::readability::Reader;
-use crate::result::{Absorbed, Ledger, LedgerError, Named, SpectraByLight, State, StateValues, Terms, View};
+use crate::result::{
+    Absorbed, Ledger, LedgerError, Named, SpectraByLight, State, StateValues, Terms, View, XyzError,
+};
 use crate::setup::ViewPoint;
 
 /// A spectrum is flat if its range is below this multiple of its largest error.
@@ -16,6 +18,7 @@ pub(super) struct Numbers {
     pub(super) scalars: ViewScalars,
 }
 
+#[allow(non_snake_case, reason = "the field's own letters")]
 impl Meter<'_> {
     /// Assembles the result of a view; without noise, `standard` is 0 and `discretisation` is given.
     pub(super) fn view(
@@ -27,14 +30,18 @@ impl Meter<'_> {
         specular: &[Vec<f64>],
     ) -> View {
         self.remove_flat_peaks(&mut value, &mut standard, discretisation.as_mut());
-        let state = |s: usize| {
-            let error = |errors: &Numbers| self.state(s, errors, vec![0.0; specular[s].len()]);
-            State {
-                value: self.state(s, &value, specular[s].clone()),
-                standard_error: error(&standard),
-                discretisation_error: discretisation.as_ref().map(error),
-            }
-        };
+        let state =
+            |s: usize| {
+                let error = |errors: &Numbers| self.state(s, errors, vec![0.0; specular[s].len()]);
+                State {
+                    value: self.state(s, &value, specular[s].clone()),
+                    standard_error: error(&standard),
+                    discretisation_error: discretisation.as_ref().map(error),
+                    interpolation_error: self
+                        .interpolation_error(s, &value.linear)
+                        .map(|[X, Y, Z]| XyzError { X, Y, Z }),
+                }
+            };
         let reader = Reader::of(&self.setup.scene);
         let text = value.scalars.together.text_luminance_cd_m2;
         View {

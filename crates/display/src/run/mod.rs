@@ -25,13 +25,17 @@ pub use study::{Cost, StudyCurve, StudyPoint, cost, study};
 use crate::meter::{Meter, ViewSamples, against_angle};
 use crate::notes::notes;
 use crate::readability::Reader;
-use crate::result::{self, RunResult, SolverReport, View};
+use crate::result::{self, RunResult, SolverReport, View, XyzError};
 use crate::scene::{Method, Scene, Stop};
 use crate::setup::{Setup, ViewPoint};
 use crate::{DisplayError, Prepared};
 
 /// Explanation of why adding did not reach a target.
 const FINEST_REACHED: &str = "adding's finest level is reached; the Monte Carlo solver (method = \"monte-carlo\") may reach a smaller error";
+
+/// Largest estimated error of X, Y and Z by interpolation between wavelengths, relative to a perfect white, that gives no
+/// warning.
+const NEGLIGIBLE_ERROR: f64 = 1e-3;
 
 /// Progress of a run.
 #[derive(Clone, Copy)]
@@ -204,6 +208,7 @@ impl Run<'_> {
             }
         }
         let (views, reference_white) = (against_angle(views), self.meter.reference_white());
+        warnings.extend(self.coarse_reflectances(&views));
         RunResult {
             notes: notes(&views, reference_white),
             solver,
@@ -215,6 +220,25 @@ impl Run<'_> {
             reader: reader(self.scene),
             warnings,
         }
+    }
+
+    /// Returns a warning if the grid is too coarse for reflectances under light with narrow lines.
+    fn coarse_reflectances(&self, views: &[View]) -> Option<String> {
+        let errors = views.iter().flat_map(|view| {
+            let states = view.states.0.iter();
+            states.filter_map(|(name, state)| {
+                let XyzError { X, Y, Z } = state.interpolation_error?;
+                Some((X.max(Y).max(Z), name, view.theta_deg))
+            })
+        });
+        let (error, name, theta) = errors.max_by(|a, b| a.0.total_cmp(&b.0))?;
+        (error > NEGLIGIBLE_ERROR && self.scene.grid.step_nm() > 1.0).then(|| {
+            format!(
+                "under light with narrow lines, X, Y or Z of `{name}` at theta {theta} deg has an error of about {error:.4} relative \
+                 to a perfect white, because reflectances are linear between wavelengths {} nm apart; set spectrum.step_nm = 1",
+                self.scene.grid.step_nm()
+            )
+        })
     }
 
     /// Returns warnings for views that look into the mirror image of a beam.

@@ -38,7 +38,7 @@ fn changes() -> Vec<Change> {
         ("a state less", |s| drop(film(s).states.pop())),
         ("shares of light", |s| s.lighting.diffuse = 0.9),
         ("a light's spectrum", |s| {
-            s.lighting.directed[0].spectrum = s.lighting.directed[0].spectrum.map(|e| e * e);
+            s.lighting.directed[0].spectrum = s.lighting.directed[0].spectrum.map(|e| e * e).into();
         }),
         ("a lamp with a size", |s| s.lighting.directed[0].radius_deg = Some(3.0)),
         ("the field of view", |s| s.viewer.field_deg = 2.0),

@@ -213,5 +213,5 @@ fn state(grid: &Grid, observer: &Observer, white: &Spectrum, reflectance: &Spect
         peak_nm: value.peak_nm.map(|_| 40.0 * share),
         ..value.clone()
     };
-    State { standard_error: scaled(error), discretisation_error: None, value }
+    State { standard_error: scaled(error), discretisation_error: None, interpolation_error: None, value }
 }

@@ -54,8 +54,12 @@ fn result() -> RunResult {
         standard_error,
         discretisation_error: None,
     };
-    let state =
-        |start| State { value: values(start), standard_error: values(0.001), discretisation_error: None };
+    let state = |start| State {
+        value: values(start),
+        standard_error: values(0.001),
+        discretisation_error: None,
+        interpolation_error: None,
+    };
     let view = View {
         theta_deg: -8.5,
         phi_deg: 0.0,

@@ -5,7 +5,7 @@ use std::path::Path;
 use num_complex::Complex64;
 use papilio_diagnostics::Diagnostic;
 use papilio_formats::{DataFile, FormatError, LARGEST_FILE, read_fractions, read_index_within};
-use papilio_spectra::{Dispersion, SpectraError, Spectrum, material, material_names};
+use papilio_spectra::{Dispersion, SpectraError, Spectrum, material, material_info};
 
 use super::Resolver;
 use crate::describe::display::{MaterialSpec, ShareSpectrum};
@@ -136,6 +136,23 @@ impl Resolver<'_> {
         }
     }
 
+    /// Notes that a named material has no data in a part of the grid's range.
+    fn note_beyond_data(&mut self, name: &str) {
+        let range = (self.grid.start_nm(), self.grid.stop_nm());
+        let Some((info, beyond)) =
+            material_info(name).ok().and_then(|info| info.beyond_data(range).map(|beyond| (info, beyond)))
+        else {
+            return;
+        };
+        let note = format!(
+            "{name}: the data are from {} to {} nm; {beyond} the formula is continued, or the last value is used",
+            info.measured_nm.0, info.measured_nm.1
+        );
+        if !self.notes.contains(&note) {
+            self.notes.push(note);
+        }
+    }
+
     /// Resolves n + ik on the grid.
     pub(super) fn material(&mut self, spec: &Spanned<MaterialSpec>) -> Option<Vec<Complex64>> {
         let (name, dispersion) = match &spec.value {
@@ -147,14 +164,15 @@ impl Resolver<'_> {
             Err(SpectraError::UnknownName { .. }) if self.is_file(name) => {
                 self.index_file(name, spec.origin)?
             }
-            Err(SpectraError::UnknownName { kind, .. }) => {
-                self.err(spec, mistake::unknown_name(kind, name, material_names()));
+            Err(SpectraError::UnknownName { .. }) => {
+                self.err(spec, mistake::unknown_material(name));
                 return None;
             }
             other => self.sampled(name, spec.origin, other)?,
         };
         let on_grid = dispersion.on(&self.grid);
         let index = self.sampled(name, spec.origin, on_grid)?;
+        self.note_beyond_data(name);
         let is_film =
             |index: &Complex64| index.re.max(index.im) <= LARGEST_INDEX && index.norm() >= SMALLEST_INDEX;
         if let Some(i) = index.iter().position(|index| !is_film(index)) {

@@ -7,11 +7,11 @@ use papilio_diagnostics::Diagnostic;
 use papilio_display::environment::{Pose, Sky, cap as cap_field, profile};
 use papilio_display::scene::{DirectedLight, Environment, EnvironmentPart, Field};
 use papilio_formats::{read_ies, read_profile};
-use papilio_spectra::Spectrum;
+use papilio_spectra::LightSpectrum;
 
 use super::Resolver;
 use crate::describe::environment::{self as describe, ProfileAngles};
-use crate::describe::lighting::LightSpectrum;
+use crate::describe::lighting::LightSpectrum as Described;
 use crate::describe::numbers::{Elevation, Share};
 use crate::mistake;
 use crate::origin::Origin;
@@ -36,7 +36,7 @@ impl describe::Environment {
         }
     }
 
-    fn spectrum(&self) -> &Spanned<Option<LightSpectrum>> {
+    fn spectrum(&self) -> &Spanned<Option<Described>> {
         match self {
             Self::Ring(ring) => &ring.spectrum,
             Self::Cap(cap) => &cap.spectrum,
@@ -54,7 +54,7 @@ impl Resolver<'_> {
         &mut self,
         i: usize,
         environment: &describe::Environment,
-        general: Option<&Spectrum>,
+        general: Option<&LightSpectrum>,
         directed: &mut Vec<DirectedLight>,
     ) -> Option<Environment> {
         let key = format!("lighting.environment.{i}");
@@ -147,7 +147,7 @@ impl Resolver<'_> {
         &mut self,
         key: &str,
         luminaire: &Spanned<describe::Luminaire>,
-        spectrum: Option<Spectrum>,
+        spectrum: Option<LightSpectrum>,
     ) -> Option<DirectedLight> {
         let light = self.data(&luminaire.file.value, luminaire.file.origin, read_ies)?;
         let pose = Pose { tilt_deg: luminaire.tilt_deg.0 };
@@ -199,7 +199,11 @@ impl Resolver<'_> {
     }
 
     /// Resolves the sun's disc.
-    fn sun(&mut self, sky: &Spanned<describe::Sky>, spectrum: Option<Spectrum>) -> Option<DirectedLight> {
+    fn sun(
+        &mut self,
+        sky: &Spanned<describe::Sky>,
+        spectrum: Option<LightSpectrum>,
+    ) -> Option<DirectedLight> {
         let Some(elevation) = sky.sun_elevation_deg.value else {
             let wrong = mistake::missing_key("sun_elevation_deg", Elevation::in_words());
             self.errors.push(sky.sun_share.origin, wrong);
@@ -233,9 +237,9 @@ impl Resolver<'_> {
     pub(super) fn own_light(
         &mut self,
         key: &str,
-        own: &Spanned<Option<LightSpectrum>>,
-        general: Option<&Spectrum>,
-    ) -> Option<Spectrum> {
+        own: &Spanned<Option<Described>>,
+        general: Option<&LightSpectrum>,
+    ) -> Option<LightSpectrum> {
         match &own.value {
             Some(light) => self.light(key, &Spanned { value: light.clone(), origin: own.origin }),
             None => general.cloned(),

@@ -3,11 +3,13 @@
 use papilio_diagnostics::Diagnostic;
 use papilio_formats::read_light;
 use papilio_spectra::{
-    Grid, SpectraError, Spectrum, Tabulated, daylight, illuminant, illuminant_names, ohno_led, planck,
+    Grid, LightSpectrum, SpectraError, Spectrum, Tabulated, daylight, illuminant, illuminant_info, ohno_led,
+    planck,
 };
 
-use super::{Resolver, sampling};
-use crate::describe::lighting::{LightModel, LightSpectrum};
+use super::Resolver;
+use super::sampling::{self, ColourAndEfficacy, Loss};
+use crate::describe::lighting::{LightModel, LightSpectrum as Described};
 use crate::describe::numbers::Wavelength;
 use crate::mistake;
 use crate::origin::Origin;
@@ -18,6 +20,9 @@ const UNIT_NM: f64 = 560.0;
 
 /// Smallest maximum of a light: the squares of smaller values underflow.
 const DARKEST: f64 = 1e-30;
+
+/// Samples per nanometre of an LED model, whose width is at least 0.1 nm.
+const LED_PER_NM: usize = 40;
 
 /// One of the terms of a light.
 struct Part {
@@ -47,15 +52,32 @@ impl Part {
         };
         Ok(spectrum?.map(|v| v * self.weight))
     }
+
+    /// Means over 1 nm; the values at integer wavelengths if these represent the light.
+    fn means(&self, own: &Grid, is_fine_at_1_nm: bool) -> Result<Spectrum, SpectraError> {
+        match &self.source {
+            Source::Table(table) if !is_fine_at_1_nm => Ok(table.means(own)?.map(|v| v * self.weight)),
+            Source::Led { .. } if !is_fine_at_1_nm => {
+                let finer = Grid::new(own.start_nm(), own.stop_nm(), 1.0 / LED_PER_NM as f64)?;
+                Ok(sampling::means(&self.on(&finer)?, LED_PER_NM).into())
+            }
+            _ => self.on(own),
+        }
+    }
+}
+
+fn all_on(parts: &[Part], grid: &Grid) -> Result<Spectrum, SpectraError> {
+    let parts: Result<_, _> = parts.iter().map(|part| part.on(grid)).collect();
+    parts.map(|parts| sum(grid, parts))
 }
 
 impl Resolver<'_> {
     /// Resolves the relative spectrum at `key` on the grid, which has no negative values and some positive ones.
-    pub(super) fn light(&mut self, key: &str, light: &Spanned<LightSpectrum>) -> Option<Spectrum> {
+    pub(super) fn light(&mut self, key: &str, light: &Spanned<Described>) -> Option<LightSpectrum> {
         let parts = match &light.value {
-            LightSpectrum::Text(name) => vec![self.named_light(name, light)?],
-            LightSpectrum::One(model) => vec![self.model(model, light.origin)?],
-            LightSpectrum::Sum(models) => {
+            Described::Text(name) => vec![self.named_light(name, light)?],
+            Described::One(model) => vec![self.model(model, light.origin)?],
+            Described::Sum(models) => {
                 self.limit(light, "models", models.len(), 256)?;
                 if models.is_empty() {
                     self.err(light, mistake::empty_list());
@@ -70,26 +92,54 @@ impl Resolver<'_> {
             self.sampled(&part.name, part.origin, on_grid)
         };
         let sampled: Vec<_> = parts.iter().map(sampled).collect();
-        let spectrum = sum(&self.grid, sampled.into_iter().collect::<Option<Vec<_>>>()?);
+        let on_grid = sum(&self.grid, sampled.into_iter().collect::<Option<Vec<_>>>()?);
+        let spectrum = match sampling::loss(|grid| all_on(&parts, grid), &self.grid) {
+            Some(loss) => self.with_lines(key, &parts, &loss).unwrap_or_else(|| on_grid.into()),
+            None => on_grid.into(),
+        };
         if spectrum.max() < DARKEST {
             let (start, stop) = (self.grid.start_nm(), self.grid.stop_nm());
-            let wrong = Diagnostic::new(format!("this light is dark between {start} and {stop} nm")).hint(
-                "lines narrower than the grid's step are lost: set spectrum.step_nm = 1; or change range_nm",
-            );
+            let wrong = Diagnostic::new(format!("this light is dark between {start} and {stop} nm"));
+            let wrong =
+                wrong.hint("change spectrum.range_nm; lines narrower than a step below 1 nm are lost");
             self.errors.push(light.origin.or_override([self.range]), wrong);
             return None;
-        }
-        let all_on = |grid: &Grid| {
-            let parts: Result<_, _> = parts.iter().map(|part| part.on(grid)).collect();
-            parts.map(|parts| sum(grid, parts))
-        };
-        if let Some(loss) = sampling::loss(all_on, &self.grid) {
-            self.warnings.push(format!("{key} {loss}"));
         }
         Some(spectrum)
     }
 
-    fn named_light(&mut self, name: &str, light: &Spanned<LightSpectrum>) -> Option<Part> {
+    /// Represents a light whose lines are too narrow for the grid by its means over 1 nm, with a note. On a grid of less than
+    /// 1 nm there is a warning instead.
+    fn with_lines(&mut self, key: &str, parts: &[Part], loss: &Loss) -> Option<LightSpectrum> {
+        let step = self.grid.step_nm();
+        let means = |own: &Grid| {
+            let parts: Result<_, _> =
+                parts.iter().map(|part| part.means(own, loss.is_fine_at_1_nm)).collect();
+            parts.map(|parts| sum(own, parts))
+        };
+        let light = self.grid.integers().and_then(|own| LightSpectrum::with_lines(&self.grid, means(&own)?));
+        let in_words =
+            |it: Option<ColourAndEfficacy>| it.map_or("no visible light".to_owned(), |it| it.to_string());
+        let (here, itself) = (in_words(loss.on_grid), in_words(loss.itself));
+        match light {
+            Ok(light) => {
+                self.notes.push(format!(
+                    "{key} changes too fast for a step of {step} nm (on the grid it would have {here} instead of {itself}): it is represented by its means \
+                     over 1 nm, from which X, Y and Z are computed (docs/light.md)"
+                ));
+                Some(light)
+            }
+            Err(_) => {
+                self.warnings.push(format!(
+                    "{key} changes too fast for a step of {step} nm: it has {here} on the grid, {itself} without it; set \
+                     spectrum.step_nm to 1 or more: a light is then represented by its means over 1 nm"
+                ));
+                None
+            }
+        }
+    }
+
+    fn named_light(&mut self, name: &str, light: &Spanned<Described>) -> Option<Part> {
         let part = |source| Part { name: name.to_owned(), origin: light.origin, weight: 1.0, source };
         match illuminant(name, &self.grid) {
             Err(SpectraError::UnknownName { .. }) if self.is_file(name) => {
@@ -97,10 +147,26 @@ impl Resolver<'_> {
                 Some(part(Source::Table(table)))
             }
             Err(SpectraError::UnknownName { .. }) => {
-                self.err(light, mistake::unknown_name("light", name, illuminant_names()));
+                self.err(light, mistake::unknown_light(name));
                 None
             }
-            _ => Some(part(Source::Illuminant(name.to_owned()))),
+            _ => {
+                self.note_alias(name);
+                Some(part(Source::Illuminant(name.to_owned())))
+            }
+        }
+    }
+
+    /// Notes that the name of a lamp is taken as the CIE's illuminant of its type.
+    fn note_alias(&mut self, name: &str) {
+        let spelled = |name: &str| name.to_uppercase().replace(['-', '_', ' '], "");
+        let Some(info) = illuminant_info(name) else { return };
+        let (given, known) = (spelled(name), spelled(info.name));
+        if given != known && given.replacen('F', "FL", 1) != known {
+            let note = format!("the light `{name}` is the CIE's {}: {}", info.name, info.what);
+            if !self.notes.contains(&note) {
+                self.notes.push(note);
+            }
         }
     }
 

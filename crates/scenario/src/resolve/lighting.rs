@@ -6,7 +6,7 @@ use papilio_diagnostics::Diagnostic;
 use papilio_display::environment::{Sheet, luminous_sheet, profile};
 use papilio_display::scene::{DirectedLight, Environment, Field, FrontLight, Lighting};
 use papilio_formats::{Luminaire, read_ies, read_profile};
-use papilio_spectra::Spectrum;
+use papilio_spectra::LightSpectrum;
 
 use super::Resolver;
 use super::maps::MapLight;
@@ -86,7 +86,7 @@ impl Resolver<'_> {
     fn front_light(
         &mut self,
         guide: &describe::FrontLight,
-        general: Option<&Spectrum>,
+        general: Option<&LightSpectrum>,
     ) -> Option<FrontLight> {
         let spectrum = self.own_light("lighting.front_light.spectrum", &guide.spectrum, general);
         let field = match &guide.distribution.value {
@@ -139,7 +139,7 @@ impl Resolver<'_> {
         &mut self,
         i: usize,
         source: &describe::Directed,
-        general: Option<&Spectrum>,
+        general: Option<&LightSpectrum>,
     ) -> Option<DirectedLight> {
         let radius_deg = source.radius_deg.map(|radius| radius.0);
         let reach = source.theta_deg.0.abs() + radius_deg.unwrap_or(0.0);

@@ -6,7 +6,7 @@ use papilio_colour::Observer;
 use papilio_display::environment::{Panorama, Pose};
 use papilio_display::scene::{Environment, EnvironmentPart, Field};
 use papilio_formats::{LightMap, MapChannel, MapColour, read_light_map};
-use papilio_spectra::{Grid, SpectraError, Spectrum, Tabulated, srgb_primaries};
+use papilio_spectra::{Grid, LightSpectrum, SpectraError, Spectrum, Tabulated, srgb_primaries};
 use serde_json::json;
 
 use super::Resolver;
@@ -33,7 +33,7 @@ impl Resolver<'_> {
         &mut self,
         key: &str,
         map: &Spanned<describe::Map>,
-        white: Option<Spectrum>,
+        white: Option<LightSpectrum>,
     ) -> Option<Environment> {
         let named = || format!("{key} {} {white:?}", json!(map));
         self.cached(named, |this| this.map_uncached(key, map, white.clone()))
@@ -43,7 +43,7 @@ impl Resolver<'_> {
         &mut self,
         key: &str,
         map: &Spanned<describe::Map>,
-        white: Option<Spectrum>,
+        white: Option<LightSpectrum>,
     ) -> Option<Environment> {
         let mut picture = self.data(&map.file.value, map.file.origin, read_light_map)?;
         let spectral = matches!(picture.channels.first()?.colour, MapColour::Wavelength(_));
@@ -57,9 +57,9 @@ impl Resolver<'_> {
         let lifted = lifted(&picture, &white, &self.grid);
         let mut spectra = self.sampled(&map.file.value, map.file.origin, lifted)?;
         let observer = Observer::new(&self.grid).ok()?;
-        let in_white = PICTURE_LM_PER_W / observer.luminance(&white);
-        let lm_per_w =
-            |spectrum: &Spectrum| observer.luminance(spectrum) * if spectral { 1.0 } else { in_white };
+        let luminance = |spectrum: &LightSpectrum| observer.luminance_of_light(spectrum);
+        let in_white = PICTURE_LM_PER_W / luminance(&white);
+        let lm_per_w = |spectrum: &LightSpectrum| luminance(spectrum) * if spectral { 1.0 } else { in_white };
         let mut lm_per_w: Vec<f64> = spectra.iter().map(lm_per_w).collect();
         let colours = lm_per_w.len();
         for (i, region) in map.regions.iter().enumerate() {
@@ -146,7 +146,7 @@ impl Resolver<'_> {
 /// A region of a picture with a spectrum of its own.
 struct Region {
     pixels: Vec<usize>,
-    spectrum: Spectrum,
+    spectrum: LightSpectrum,
 }
 
 impl Region {
@@ -169,7 +169,11 @@ fn in_lux(lux: f64) -> String {
 }
 
 /// Returns the spectrum of each channel.
-fn lifted(picture: &LightMap, white: &Spectrum, grid: &Grid) -> Result<Vec<Spectrum>, SpectraError> {
+fn lifted(
+    picture: &LightMap,
+    white: &LightSpectrum,
+    grid: &Grid,
+) -> Result<Vec<LightSpectrum>, SpectraError> {
     let wavelengths: Vec<f64> = picture
         .channels
         .iter()
@@ -178,19 +182,20 @@ fn lifted(picture: &LightMap, white: &Spectrum, grid: &Grid) -> Result<Vec<Spect
             _ => None,
         })
         .collect();
-    let primaries =
-        if wavelengths.is_empty() { srgb_primaries(grid)?.map(Some) } else { [const { None }; 3] };
     let of = |number: usize, colour: MapColour| {
         let primary = |k: usize| {
-            let part: &Option<Spectrum> = &primaries[k];
-            Ok(part.as_ref().map_or_else(|| white.clone(), |part| part.zip_map(white, |a, b| a * b)))
+            if wavelengths.is_empty() {
+                white.filtered(grid, |grid| Ok(srgb_primaries(grid)?[k].clone()))
+            } else {
+                Ok(white.clone())
+            }
         };
         match colour {
             MapColour::Red => primary(0),
             MapColour::Green => primary(1),
             MapColour::Blue => primary(2),
             MapColour::Grey => Ok(white.clone()),
-            MapColour::Wavelength(_) => hat(&wavelengths, number, grid),
+            MapColour::Wavelength(_) => hat(&wavelengths, number, grid).map(LightSpectrum::from),
         }
     };
     picture.channels.iter().enumerate().map(|(number, channel)| of(number, channel.colour)).collect()

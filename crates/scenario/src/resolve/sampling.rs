@@ -5,6 +5,8 @@
 //! and luminous efficacy (lm/W), which do not depend on the level of the light, with those
 //! of the light itself: its means over 1 nm, weighted according to the linear interpolation
 //! of the observer, from samples 0.1 nm apart.
+//!
+//! A light that fails the test is represented by its means over 1 nm ([`LightSpectrum`]).
 
 use papilio_colour::{LUMENS_PER_WATT, Observer, UvPrime};
 use papilio_spectra::{Grid, SpectraError, Spectrum, Tabulated};
@@ -19,7 +21,7 @@ const PER_NM: usize = 10;
 
 /// Colour and luminous efficacy of a light, which do not depend on its level.
 #[derive(Clone, Copy)]
-struct ColourAndEfficacy {
+pub(super) struct ColourAndEfficacy {
     colour: UvPrime,
     lm_per_w: f64,
 }
@@ -45,8 +47,18 @@ impl std::fmt::Display for ColourAndEfficacy {
     }
 }
 
-/// Describes the error of `light` on `grid` in words; `None` if it is negligible.
-pub(super) fn loss(light: impl Fn(&Grid) -> Result<Spectrum, SpectraError>, grid: &Grid) -> Option<String> {
+/// A light that the grid does not represent.
+pub(super) struct Loss {
+    /// The light on the grid; `None` if it is dark there.
+    pub(super) on_grid: Option<ColourAndEfficacy>,
+    /// The light itself; `None` if its lines are too narrow for samples 0.1 nm apart.
+    pub(super) itself: Option<ColourAndEfficacy>,
+    /// Whether values at integer wavelengths represent it.
+    pub(super) is_fine_at_1_nm: bool,
+}
+
+/// Returns the loss of `light` on `grid`; `None` if it is negligible.
+pub(super) fn loss(light: impl Fn(&Grid) -> Result<Spectrum, SpectraError>, grid: &Grid) -> Option<Loss> {
     let (first, last) = (grid.start_nm().max(380.0).ceil(), grid.stop_nm().min(780.0).floor());
     let every_nm = Grid::new(first, last, 1.0).ok()?;
     let finer = light(&Grid::new(first, last, 1.0 / PER_NM as f64).ok()?).ok()?;
@@ -54,25 +66,18 @@ pub(super) fn loss(light: impl Fn(&Grid) -> Result<Spectrum, SpectraError>, grid
     let observer = Observer::new(&every_nm).ok()?;
     let seen = |spectrum: &[f64]| ColourAndEfficacy::of(spectrum, &observer);
 
-    let (here, itself) = (seen(&sampled.on(&every_nm).ok()?)?, seen(&means(&finer))?);
-    if here.is_near(itself) {
+    let (on_grid, itself) = (seen(&sampled.on(&every_nm).ok()?), seen(&means(&finer, PER_NM)));
+    let is_near = |one: Option<ColourAndEfficacy>| one.zip(itself).is_some_and(|(a, b)| a.is_near(b));
+    if is_near(on_grid) {
         return None;
     }
     let at_1_nm: Vec<f64> = finer.iter().step_by(PER_NM).copied().collect();
-    let advice = if seen(&at_1_nm)?.is_near(itself) {
-        "set spectrum.step_nm = 1"
-    } else {
-        "its lines are narrower than 1 nm: give its means over 1 nm, and set spectrum.step_nm = 1"
-    };
-    Some(format!(
-        "changes too fast for a step of {} nm: it has {here} on the grid, {itself} without it; {advice}",
-        grid.step_nm()
-    ))
+    Some(Loss { on_grid, itself, is_fine_at_1_nm: is_near(seen(&at_1_nm)) })
 }
 
-/// Computes means over 1 nm with triangular weights, from `PER_NM` samples per nm.
-fn means(finer: &[f64]) -> Vec<f64> {
-    let reach = PER_NM as i64;
+/// Computes means over 1 nm with triangular weights, from `per_nm` samples per nm.
+pub(super) fn means(finer: &[f64], per_nm: usize) -> Vec<f64> {
+    let reach = per_nm as i64;
     let mean = |centre: usize| {
         let (mut sum, mut weights) = (0.0, 0.0);
         for offset in 1 - reach..reach {
@@ -85,5 +90,5 @@ fn means(finer: &[f64]) -> Vec<f64> {
         }
         sum / weights
     };
-    (0..finer.len()).step_by(PER_NM).map(mean).collect()
+    (0..finer.len()).step_by(per_nm).map(mean).collect()
 }

@@ -91,9 +91,9 @@ const NAMES_AND_CHOICES: &[Case] = &[
         (25, 16),
         &["no material named `Cr:jonson`", "did you mean `Cr:Johnson`?"],
     ),
-    ("\"Al\"", "\"Unobtainium\"", (21, 13), &["the names are air, SiO2"]),
+    ("\"Al\"", "\"Unobtainium\"", (21, 13), &["names are listed by `papilio materials`: air, SiO2"]),
     ("\"D65\"", "\"D66\"", (31, 12), &["no light named `D66`", "did you mean `D60` or `D65`?"]),
-    ("\"D65\"", "\"F11\"", (31, 12), &["no light named `F11`", "did you mean `FL1` or `FL11`?"]),
+    ("\"D65\"", "\"D93\"", (31, 12), &["no light named `D93`", "{ daylight_K = 9305 }"]),
     ("range_nm = [400, 700]", "range_nm = [340, 700]\n#", (26, 16), &["from 354 to 892 nm", "[354, 700]"]),
     ("green = 0.3", "lime = 0.3", (22, 21), &["no sub-pixel `lime` in `gap_nm`"]),
     ("dark = 20", "drak = 20", (23, 10), &["no dark gap"]),
@@ -146,7 +146,12 @@ const ADVICE: &[Case] = &[
     ("diffuse = 0.5", "diffuse = 0.4", (35, 9), &["lighting.diffuse=0.5 would make the sum 1"]),
     ("[[display.front]]", "[display.front]", (7, 1), &["expected a list", "as in [[display.layers]]"]),
     ("[[lighting.directed]]", "[lighting.directed]", (33, 1), &["in double brackets, once for each item"]),
-    ("\"D65\"", "{ led_nm = 9000, width_nm = 10 }", (31, 12), &["set spectrum.step_nm = 1"]),
+    (
+        "\"D65\"",
+        "{ led_nm = 9000, width_nm = 10 }",
+        (31, 12),
+        &["this light is dark", "change spectrum.range_nm"],
+    ),
 ];
 
 const WRITTEN_OTHERWISE: &[Case] = &[
@@ -173,7 +178,7 @@ const WRITTEN_OTHERWISE: &[Case] = &[
         (22, 8),
         &["has no sub-pixels", "a fraction of the area for each"],
     ),
-    ("\"D65\"", "\"\"", (31, 12), &["no light named ``", "the names are"]),
+    ("\"D65\"", "\"\"", (31, 12), &["no light named ``", "names are listed by `papilio illuminants`"]),
     (
         "[lighting]",
         "[display.pixel.states]\nx = { gap_nm = 100 }\n[lighting]",

@@ -12,10 +12,18 @@ fn warnings(folder: &Path, sets: &[&str]) -> Vec<String> {
     resolve(GOOD, folder, &all).unwrap_or_else(|e| panic!("{e}")).warnings
 }
 
+/// Returns the notes of `GOOD` about lights that change too fast for the grid, with these keys, on the default range.
+fn notes_of_lines(folder: &Path, sets: &[&str]) -> Vec<String> {
+    let all = [&["spectrum.range_nm=[380, 780]", "spectrum.step_nm=5"][..], sets].concat();
+    let resolved = resolve(GOOD, folder, &all).unwrap_or_else(|e| panic!("{e}"));
+    assert_eq!(resolved.warnings, Vec::<String>::new());
+    resolved.notes.into_iter().filter(|note| note.contains("changes too fast")).collect()
+}
+
 /// A light of four lines, each 1 nm wide, on a weak continuum: three are between the wavelengths
 /// of a 5 nm grid, none between those of a 1 nm grid.
 #[test]
-fn lines_narrower_than_the_grid_are_warned_of() {
+fn lines_narrower_than_the_grid_are_represented_by_means_over_1_nm() {
     let folder = tempfile::tempdir().unwrap();
     let lamp = |step: f64, is_line: fn(f64) -> bool| {
         let points = (0..=(400.0 / step) as u32).map(|i| 380.0 + step * f64::from(i));
@@ -25,30 +33,55 @@ fn lines_narrower_than_the_grid_are_warned_of() {
     fs::write(folder.path().join("lamp.csv"), lamp(1.0, lines)).unwrap();
     // A line of a spectrometer with 0.1 nm is lost even on a grid of 1 nm.
     fs::write(folder.path().join("fine.csv"), lamp(0.1, |nm| (nm - 546.5).abs() < 0.11)).unwrap();
-    let said = |sets: &[&str]| warnings(folder.path(), sets);
+    let said = |sets: &[&str]| notes_of_lines(folder.path(), sets);
 
     let coarse = said(&["lighting.spectrum=lamp.csv"]);
     assert_eq!(coarse.len(), 1);
     // On the grid only the continuum remains: u' = 4/19, v' = 9/19 except at the ends of the range.
-    let words = ["lighting.spectrum changes too fast", "u' 0.210", "v' 0.473", "; set spectrum.step_nm = 1"];
+    let words = ["lighting.spectrum changes too fast", "u' 0.210", "v' 0.473", "by its means over 1 nm"];
     assert!(words.iter().all(|words| coarse[0].contains(words)), "{coarse:?}");
     assert!(said(&["lighting.spectrum=lamp.csv", "spectrum.step_nm=1"]).is_empty());
     let directed = said(&["lighting.directed.0.spectrum=lamp.csv"]);
     assert!(directed[0].starts_with("lighting.directed.0.spectrum changes too fast"), "{directed:?}");
 
-    for step in ["spectrum.step_nm=5", "spectrum.step_nm=1", "spectrum.step_nm=0.5"] {
-        let fine = said(&["lighting.spectrum=fine.csv", step]);
-        assert!(fine[0].contains("give its means over 1 nm"), "{step}: {fine:?}");
+    for step in ["spectrum.step_nm=5", "spectrum.step_nm=1"] {
+        assert_eq!(said(&["lighting.spectrum=fine.csv", step]).len(), 1, "{step}");
+    }
+    let finer = warnings(folder.path(), &["lighting.spectrum=fine.csv", "spectrum.step_nm=0.5"]);
+    assert!(finer[0].contains("set spectrum.step_nm to 1 or more"), "{finer:?}");
+}
+
+/// The means have the power of the lines, wherever the lines are between the wavelengths.
+#[test]
+fn means_over_1_nm_have_the_power_of_the_lines() {
+    let folder = tempfile::tempdir().unwrap();
+    let power = |points: &str| {
+        fs::write(folder.path().join("lamp.csv"), points).unwrap();
+        let resolved = resolve(GOOD, folder.path(), &["lighting.spectrum=lamp.csv", "spectrum.step_nm=5"]);
+        let light = resolved.unwrap_or_else(|e| panic!("{e}")).scene.lighting.diffuse_spectrum;
+        let lines = light.lines().unwrap_or_else(|| panic!("{points}")).means.iter().sum::<f64>();
+        (lines, 5.0 * light.iter().sum::<f64>())
+    };
+    for points in [
+        // Triangles of 0.2 nm at 546.07 and 611.3 nm: 0.1 and 0.2 nm of area.
+        "380,0\n545.97,0\n546.07,1\n546.17,0\n611.2,0\n611.3,2\n611.4,0\n780,0\n",
+        // Lines of a table at 1 nm.
+        "380,0\n545,0\n546,0.1\n547,0\n610,0\n611,0.2\n612,0\n780,0\n",
+    ] {
+        let (lines, bands) = power(points);
+        assert!((lines - 0.3).abs() < 0.002 && (bands - lines).abs() < 1e-9, "{points}: {lines} {bands}");
     }
 }
 
 #[test]
-fn only_narrow_leds_are_warned_of() {
-    let said = |sets: &[&str]| warnings(Path::new(""), sets);
+fn only_narrow_leds_are_represented_by_means_over_1_nm() {
+    let said = |sets: &[&str]| notes_of_lines(Path::new(""), sets);
     let narrow = "lighting.spectrum={ led_nm = 552, width_nm = 2 }";
     assert_eq!(said(&[narrow]).len(), 1);
     assert!(said(&[narrow, "spectrum.step_nm=1"]).is_empty());
     assert!(said(&["lighting.spectrum={ led_nm = 552, width_nm = 15 }"]).is_empty());
+    // A laser between two wavelengths of the grid.
+    assert_eq!(said(&["lighting.spectrum={ led_nm = 532.2, width_nm = 0.2 }"]).len(), 1);
     // Of a mixture, what matters is the whole.
     let mixed = |weight: f64| {
         format!(
@@ -59,7 +92,50 @@ fn only_narrow_leds_are_warned_of() {
     assert!(said(&[&mixed(0.01)]).is_empty());
 }
 
-/// All named lights are smooth enough for 5 nm.
+/// C14 of the first users' list: names that people write are taken or answered.
+#[test]
+fn names_of_lights_and_materials_are_understood_or_answered() {
+    let good = |set: &str| resolve(GOOD, Path::new(""), &[set, "spectrum.range_nm=[380, 780]"]);
+    for name in ["D75", "D55", "C", "F11", "FL3.15", "f2", "HP3"] {
+        let resolved = good(&format!("lighting.spectrum={name}")).unwrap_or_else(|e| panic!("{e}"));
+        assert!(
+            resolved.notes.iter().all(|note| !note.contains("is the CIE's")),
+            "{name}: {:?}",
+            resolved.notes
+        );
+    }
+    let notes = good("lighting.spectrum=TL84").unwrap().notes;
+    assert!(
+        notes.iter().any(|note| note.contains("`TL84` is the CIE's FL11: fluorescent, three narrow bands")),
+        "{notes:?}"
+    );
+    let notes = good("display.pixel.film.0.material=PMMA").unwrap().notes;
+    assert!(
+        notes.iter().any(|n| n.contains("PMMA: the data are from 436.8 to 1052 nm; below 436.8 nm")),
+        "{notes:?}"
+    );
+    for (set, hint) in [
+        ("lighting.spectrum=5000K", "did you mean { daylight_K = 5000 } or { planck_K = 5000 }?"),
+        ("lighting.spectrum=D93", "{ daylight_K = 9305 }"),
+        ("lighting.spectrum=D2856", "did you mean { planck_K = 2856 }?"),
+        ("lighting.spectrum=incandescent", "did you mean `A`?"),
+        ("lighting.spectrum=FL13", "`FL10`, `FL11` or `FL12`?"),
+        ("lighting.spectrum=candle", "listed by `papilio illuminants`"),
+        ("display.pixel.substrate=Aluminium", "did you mean `Al`, `Al:BB` or `Al:McPeak`?"),
+        ("display.pixel.substrate=aluminum", "did you mean `Al`, `Al:BB` or `Al:McPeak`?"),
+        (
+            "display.pixel.substrate=MoCr",
+            "no table of this alloy is published; the nearest materials are `Mo` or `Cr:Sytchkova`",
+        ),
+        ("display.pixel.substrate=sio2", "did you mean `SiO2`?"),
+        ("display.pixel.substrate=kryptonite", "listed by `papilio materials`"),
+    ] {
+        let error = good(set).err().unwrap_or_else(|| panic!("{set}")).to_string();
+        assert!(error.contains(hint), "{set}: {error}");
+    }
+}
+
+/// All named lights are smooth enough for 5 nm, or represented by their means over 1 nm.
 #[test]
 fn named_lights_give_no_warning() {
     for name in illuminant_names() {

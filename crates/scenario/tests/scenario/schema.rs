@@ -119,3 +119,20 @@ fn tables_of_keys_in_the_docs_are_those_of_the_grammar() {
     let differs = made.lines().zip(page.lines()).find(|(made, page)| made != page);
     assert!(made == page, "docs/scenario.md is out of date, run `cargo xtask docs`: {differs:?}");
 }
+
+/// The lists of materials and illuminants in the docs. `cargo xtask docs` writes them.
+#[test]
+fn tables_of_materials_and_illuminants_in_the_docs_are_those_of_the_program() {
+    for (name, marker) in [("films.md", "<!-- materials -->"), ("light.md", "<!-- illuminants -->")] {
+        let path = shipped().join("../docs").join(name);
+        let page = std::fs::read_to_string(&path).unwrap();
+        assert!(page.contains(marker), "{name}");
+        let made = papilio_scenario::with_catalogue_tables(&page).unwrap();
+        if std::env::var_os("PAPILIO_WRITE_DOCS").is_some() {
+            std::fs::write(&path, &made).unwrap();
+            continue;
+        }
+        let differs = made.lines().zip(page.lines()).find(|(made, page)| made != page);
+        assert!(made == page, "docs/{name} is out of date, run `cargo xtask docs`: {differs:?}");
+    }
+}

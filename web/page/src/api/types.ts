@@ -27,5 +27,10 @@ export type Compared = Schemas["Compared"];
 export type Label = Schemas["Label"];
 export type Lobe = Schemas["TransmittedLobe"];
 
+export type MaterialEntry = Schemas["MaterialEntry"];
+export type MaterialSheet = Schemas["MaterialSheet"];
+export type IlluminantEntry = Schemas["IlluminantEntry"];
+export type IlluminantSheet = Schemas["IlluminantSheet"];
+
 /** A number that may be undefined. */
 export type Num = number | null | undefined;

@@ -373,7 +373,7 @@ export function Section() {
         </text>
       </svg>
       <span class="drawing-tools">
-        <Downloads name="drawing" svg={() => svgOf(svg.current!)} />
+        <Downloads name="cross-section" svg={() => svgOf(svg.current!)} />
       </span>
     </div>
   );

@@ -3,21 +3,20 @@
 
 import { isTable, type Json, type Table } from "../model/json.ts";
 import { set } from "../state/live.ts";
+import { Browser, names, type Kind } from "./browser.tsx";
 import { Choice } from "./choice.tsx";
 import { NumberField } from "./number.tsx";
 import { List, Text, type Props } from "./text.tsx";
 
-/** Suggested names of materials; the program refuses unknown names with a message. */
-const MATERIALS = "air SiO2 MgF2 Al2O3 AlOx Si3N4 BK7 ITO Al Cr W Ni Ti Au Ag Al:BB Cr:BB W:BB Cr:Johnson".split(" ");
-const numbered = (name: string, count: number) => Array.from({ length: count }, (_, i) => `${name}${i + 1}`);
-const LIGHTS = [
-  ..."D65 D50 A C D55 D60 D75 E".split(" "),
-  ...numbered("LED-B", 5),
-  ..."LED-BH1 LED-RGB1 LED-V1 LED-V2".split(" "),
-  ...numbered("FL", 12),
-  ...numbered("FL3.", 15),
-  ...numbered("HP", 5),
-];
+/** A name or a file, with a browser of the named ones. */
+function NameOrFile({ kind, ...props }: Props & { kind: Kind }) {
+  return (
+    <>
+      <Text {...props} options={names(kind)} />
+      <Browser kind={kind} value={String(props.value ?? "")} choose={(name) => set(props.path, name)} />
+    </>
+  );
+}
 
 /** A refractive index: a name or a file, or a number, or n and k. */
 export function Material(props: Props) {
@@ -52,7 +51,7 @@ export function Material(props: Props) {
           {number("k", Number((value as Table)["k"] ?? 0))}
         </div>
       )}
-      {form === "name or file" && <Text {...props} options={MATERIALS} />}
+      {form === "name or file" && <NameOrFile {...props} kind="materials" />}
     </div>
   );
 }
@@ -79,7 +78,7 @@ export function Light(props: Props) {
         options={Object.keys(starts)}
         change={(as) => set(path, starts[as], "")}
       />
-      {!model && <Text {...props} options={LIGHTS} />}
+      {!model && <NameOrFile {...props} kind="illuminants" />}
       {isTable(value) && (
         <div>
           {Object.entries(value).map(([key, of]) => (

@@ -113,7 +113,7 @@ export function AnglesPanel() {
         />
       </div>
       <Problems of={now.problems} />
-      <Aged age={now.busy ? "computing" : "current"}>
+      <Aged age={now.busy && now.value ? "computing" : "current"}>
         {now.value && (
           <p class="figure-tools">
             <Downloads name="angles" svg={() => curvesSvg(plot)} table={() => tableOf(now.value)} />

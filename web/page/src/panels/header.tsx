@@ -21,6 +21,7 @@ import { at } from "../model/json.ts";
 import { FileButton } from "./choose.tsx";
 import { fileName } from "./file-name.ts";
 import { Menu } from "./menu.tsx";
+import { pngOf } from "../plots/picture.ts";
 import { save } from "./save.ts";
 
 /** Returns the uploaded files that the scenario uses and that are not part of its text, as an end of a sentence. */
@@ -88,11 +89,25 @@ const EXPORTS = [
   "cone.svg",
 ];
 
+/** The status of a program that was built without PNG. */
+const NOT_BUILT = 501;
+
+/** Requests a file. A program without PNG sends the figure as SVG, which the browser converts. */
+async function exported(what: string): Promise<Blob> {
+  const request = (what: string) => postForBlob("export", { scenario: text.value, files: fileIds.value, what });
+  try {
+    return await request(what);
+  } catch (why) {
+    if (!(why instanceof Refused && why.status === NOT_BUILT)) throw why;
+    return pngOf(await (await request(what.replace(/png$/, "svg"))).text());
+  }
+}
+
 async function exportAs(what: string): Promise<void> {
   if (!(await ready("exported"))) return;
   said.value = `Exporting ${what}…`;
   try {
-    save(`${fileName()}-${what}`, await postForBlob("export", { scenario: text.value, files: fileIds.value, what }));
+    save(`${fileName()}-${what}`, await exported(what));
     said.value = `${what} is saved.`;
   } catch (why) {
     said.value = why instanceof Refused ? why.message : String(why);

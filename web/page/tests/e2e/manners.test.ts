@@ -107,7 +107,8 @@ test("moving through a menu selects nothing, and the focus returns to its button
     // Letters and arrows on the button itself select nothing either.
     await page.keyboard.press("s");
     await page.keyboard.press("ArrowUp");
-    assert.equal(await focused(), items.at(-1));
+    // A menu with a current item opens at it: the design has the light of this preset.
+    assert.equal(await focused(), name === "Lighting preset" ? "indoor" : items.at(-1));
     await page.keyboard.press("Tab");
     assert.equal(await page.getByRole("menu").count(), 0);
   }

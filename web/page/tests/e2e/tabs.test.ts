@@ -33,6 +33,27 @@ test("maps over all directions are shown", async () => {
   assert.deepEqual(on.complaints, []);
 });
 
+test("readability is that of the described reader in any light", async () => {
+  const page = await on.visit();
+  await page.locator("#tab-reading").click();
+  const panel = page.locator("#tab-panel");
+  const level = async (): Promise<number> =>
+    Number(
+      (await panel.locator("tr", { hasText: "Visibility level" }).locator("td").first().innerText()).split(" ")[0],
+    );
+  assert.match(await panel.innerText(), /A reader of 25 years/);
+  const young = await level();
+  assert.ok(young > 1, String(young));
+  await panel.getByRole("button", { name: "Set age of the reader" }).click();
+  await page.locator("#f-viewer\\.age_years").fill("70");
+  await settled(page);
+  assert.match(await panel.innerText(), /A reader of 70 years/);
+  const old = await level();
+  // The age factors of Adrian (1989): 1.0067 at 25 years, 2.9739 at 70.
+  assert.ok(Math.abs(young / old / (2.9739 / 1.0067) - 1) < 0.01, `${young} ${old}`);
+  assert.deepEqual(on.complaints, []);
+});
+
 test("fractions of every energy balance sum to 100 %", async () => {
   const page = await on.visit();
   await page.locator("#tab-energy").click();

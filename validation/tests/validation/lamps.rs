@@ -1,0 +1,76 @@
+//! Lights with lines narrower than the step of the grid: the default step of 5 nm against 1 nm, on the same display.
+
+use papilio_display::result::{RunResult, State};
+use papilio_validation::{run, scenario};
+
+fn with(light: &str, more: &[&str]) -> RunResult {
+    let light = format!("lighting.spectrum={light}");
+    run(&scenario("lamps", &[&[&*light], more].concat()).unwrap().scene).unwrap()
+}
+
+fn states(result: &RunResult) -> impl Iterator<Item = (&str, &State)> {
+    result.views[0].states.iter()
+}
+
+/// X, Y and Z at 5 nm are those at 1 nm within the errors that the result states. The white of the light itself is the
+/// same to rounding, because it needs no interpolation.
+#[test]
+fn lines_at_5_nm_have_the_colours_of_a_grid_of_1_nm() {
+    let lights =
+        ["data/synthetic-lines.csv", "{ led_nm = 532, width_nm = 2 }", "{ led_nm = 633.3, width_nm = 1 }"];
+    for light in lights {
+        let (coarse, fine) = (with(light, &[]), with(light, &["spectrum.step_nm=1"]));
+        let uv = |result: &RunResult| (result.illuminant.u_prime, result.illuminant.v_prime);
+        let ((u, v), (u_fine, v_fine)) = (uv(&coarse), uv(&fine));
+        // A line of 1 nm between two integer wavelengths is 1 nm wide on the fine grid, too, but sampled.
+        assert!((u - u_fine).hypot(v - v_fine) < 1e-4, "{light}: {u} {v}, {u_fine} {v_fine}");
+        for ((name, a), (_, b)) in states(&coarse).zip(states(&fine)) {
+            let stated = a.interpolation_error.unwrap();
+            let pairs = [
+                (a.value.X, b.value.X, stated.X),
+                (a.value.Y, b.value.Y, stated.Y),
+                (a.value.Z, b.value.Z, stated.Z),
+            ];
+            for (coarse, fine, stated) in pairs {
+                // Twice the estimate, and the error target of the solver.
+                let allowed = 2.0 * stated + 1e-3 * fine.max(0.01);
+                assert!((coarse - fine).abs() < allowed, "{light} {name}: {coarse} {fine} {stated:.1e}");
+            }
+            let luminance = a.value.luminance_cd_m2 / b.value.luminance_cd_m2 - 1.0;
+            assert!(luminance.abs() < 0.02, "{light} {name}: {luminance}");
+        }
+    }
+}
+
+/// Without its own spectrum, the lamp would lose three of its lines: the display would have another colour.
+#[test]
+fn lines_between_wavelengths_of_the_grid_are_not_lost() {
+    let file = with("data/synthetic-lines.csv", &[]);
+    let (u, v) = (file.illuminant.u_prime, file.illuminant.v_prime);
+    // u', v' of the file: sums over 1 nm with the observer of 1931, as spectrum.step_nm = 1 computes them.
+    let fine = with("data/synthetic-lines.csv", &["spectrum.step_nm=1"]).illuminant;
+    assert!((u - fine.u_prime).hypot(v - fine.v_prime) < 1e-12);
+    // The wavelengths of the grid alone.
+    let grid = papilio_spectra::Grid::new(380.0, 780.0, 5.0).unwrap();
+    let text = std::fs::read_to_string("../scenarios/data/synthetic-lines.csv").unwrap();
+    let rows = text.lines().skip(2).map(|row| row.split_once(',').unwrap());
+    let values: Vec<f64> = rows.map(|(_, value)| value.parse().unwrap()).step_by(5).collect();
+    let sampled = papilio_colour::Observer::new(&grid).unwrap().xyz(&values).uv_prime().unwrap();
+    assert!((u - sampled.u).hypot(v - sampled.v) > 0.01, "{sampled:?}, {u} {v}");
+}
+
+/// FL11 against an LED on the same display: u'v' of white and the gamut, at 5 nm and 1 nm. These tables need no
+/// representation by means at 5 nm; the differences are those of reflectances between wavelengths.
+#[test]
+fn fluorescent_lamp_and_led_have_the_same_colours_at_5_and_1_nm() {
+    for light in ["FL11", "TL84", "FL2", "LED-B3"] {
+        let (coarse, fine) = (with(light, &[]), with(light, &["spectrum.step_nm=1"]));
+        for ((name, a), (_, b)) in states(&coarse).zip(states(&fine)) {
+            assert_eq!(a.interpolation_error, None);
+            let (a, b) = (&a.value, &b.value);
+            let apart =
+                (a.u_prime.unwrap() - b.u_prime.unwrap()).hypot(a.v_prime.unwrap() - b.v_prime.unwrap());
+            assert!(apart < 5e-4 && (a.Y - b.Y).abs() < 5e-4, "{light} {name}: {apart:.1e} {} {}", a.Y, b.Y);
+        }
+    }
+}
