@@ -30,7 +30,7 @@ const LEDGER: [Part; 7] = [
     ("unaccounted", |l| l.unaccounted),
 ];
 
-const STYLE: &str = "@page{size:A4;margin:14mm}\
+const STYLE: &str = "@page{size:A4;margin:12mm}\
 body{font:14px/1.4 system-ui,sans-serif;color:#222;max-width:48rem;margin:1.5rem auto;padding:0 1rem}\
 h1{font-size:1.5rem;margin:0 0 .2rem}h2{font-size:1.05rem;margin:1.3rem 0 .3rem;border-bottom:1px solid #bbb}\
 h3{font-size:.95rem;margin:.9rem 0 .2rem}p{margin:.3rem 0}.small{color:#555;font-size:.82rem;overflow-wrap:anywhere}\
@@ -39,9 +39,9 @@ font-variant-numeric:tabular-nums;vertical-align:top}th{border-bottom:1px solid 
 th:first-child,td:first-child{text-align:left}.keys td{text-align:left}.keys td:first-child{color:#555;white-space:nowrap}\
 .wide{overflow-x:auto}ul{margin:.2rem 0;padding-left:1.1rem;font-size:.88rem}figure{margin:.6rem 0}figure svg{max-width:100%;height:auto}\
 .columns{columns:19rem;column-gap:1.5rem}.group{break-inside:avoid}.columns h3{break-after:avoid}.columns h3:first-child{margin-top:0}\
-@media print{body{font-size:9.5px;line-height:1.25;margin:0;padding:0;max-width:none}h2{margin:.6rem 0 .2rem}h3{margin:.4rem 0 .1rem}\
-th,td{padding-top:.03rem;padding-bottom:.03rem}.columns{columns:3}figure,table,li{break-inside:avoid}h2,h3{break-after:avoid}\
-figure{margin:.3rem 0}figure svg{max-height:85mm}}";
+@media print{html{font-size:11px}body{font-size:.95rem;line-height:1.2;margin:0;padding:0;max-width:none}h2{margin:.6rem 0 .2rem}h3{margin:.4rem 0 .1rem}\
+th,td{padding-top:.03rem;padding-bottom:.03rem}.columns{columns:4;column-gap:1rem}figure,table,li{break-inside:avoid}h2,h3{break-after:avoid}\
+figure{margin:.3rem 0}figure svg{max-height:70mm}}";
 
 /// Content of the page.
 pub(crate) struct Page<'a> {

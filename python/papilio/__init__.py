@@ -33,9 +33,11 @@ except ImportError as _error:
 from . import cluster, colour, diffuser, films, plot
 from ._papilio import __version__
 from ._sweeps import sweep
+from ._tables import AnyResult
 from .absorbed import Absorption, absorption
 from .brdfs import Brdf, Reflection, brdf, reflection
 from .cones import Cone, cone
+from .evaluated import Evaluated
 from .errors import (
     ArgumentError,
     ClusterError,
@@ -57,6 +59,7 @@ from .running import run
 from .scenario import Scenario, preset_names, schema
 
 __all__ = [
+    "AnyResult",
     "Absorption",
     "ArgumentError",
     "Brdf",
@@ -64,6 +67,7 @@ __all__ = [
     "Cone",
     "DesignError",
     "DisplayError",
+    "Evaluated",
     "Figure",
     "FileError",
     "Label",

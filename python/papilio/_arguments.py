@@ -36,7 +36,7 @@ def reals(
     return numbers
 
 
-def ascending(name: str, values: ArrayLike | None, *, most: float = np.inf, below: float | None = None) -> list[float] | None:
+def ascending(name: str, values: ArrayLike | None, most: float = np.inf, below: float | None = None) -> list[float] | None:
     """Returns ascending angles from 0 to ``most`` degrees, or to less than ``below``, at least one; None for None."""
     if values is None:
         return None

@@ -35,6 +35,11 @@ def stored(value: Any, path: str, grid: Grid, files: dict[str, bytes], depth: in
         return value  # refused with the other values
     if isinstance(value, Mapping):
         return {key: stored(one, f"{path}.{key}" if path else str(key), grid, files, depth + 1) for key, one in value.items()}
+    if hasattr(value, "to_bytes") and hasattr(value, "parts"):  # a Diffuser
+        content = value.to_bytes()
+        name = f"array-{hashlib.sha256(content).hexdigest()[:12]}.npz"
+        files[name] = content
+        return name
     pair = _pair(value, path, grid)
     if pair is None:
         if isinstance(value, list):

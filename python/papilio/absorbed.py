@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from functools import cached_property
 from os import PathLike
 from typing import TYPE_CHECKING, Any
@@ -10,32 +10,56 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from . import _papilio
+from . import _messages, _papilio
 from ._arguments import ascending
+from ._mapping import ByName
 from ._snapshots import read_only
+from ._tables import long_table
 from .figure import Figure
 from .scenario import Scenario, read
 
 if TYPE_CHECKING:
+    import pandas
     import xarray
 
 __all__ = ["Absorption", "absorption"]
+
+_ARRAYS = ("absorptance", "reflectance", "area")
 
 #: Default angles, degrees: those of ``papilio pixel --absorption``.
 _THETA_DEG = tuple(15.0 * k for k in range(7))
 
 
-class Absorption:
+class Absorption(ByName[NDArray[np.float64]]):
     """Absorptance of each layer of the film pixel of a display: the output of ``papilio pixel --absorption``.
 
     All fractions are of the light on one sub-pixel: over ``layer``, ``absorptance`` sums to 1 - ``reflectance``. Arrays are
     read-only.
     """
 
-    def __init__(self, core: _papilio.Absorption, title: str = "") -> None:
+    def __init__(
+        self, core: _papilio.Absorption, title: str = "", warned: Sequence[str] = (), notes: Sequence[str] = ()
+    ) -> None:
         self._core = core
+        #: Warnings; each was also raised as a `papilio.PapilioWarning` by the computation.
+        self.warnings = list(warned)
+        #: Notes on data that were measured, assumed or scaled.
+        self.notes = list(notes)
         #: The scenario's title.
         self.title = title
+
+    def _names(self) -> Iterable[str]:
+        return _ARRAYS
+
+    def __getitem__(self, name: str) -> NDArray[np.float64]:
+        """Returns ``absorptance``, ``reflectance`` or ``area``; the properties of these names have their shapes.
+
+        Raises:
+            KeyError: if there is no such array.
+        """
+        if name not in _ARRAYS:
+            raise KeyError(f"{name!r}: there is no such array; expected {', '.join(_ARRAYS)}")
+        return self._arrays[name]
 
     @cached_property
     def _arrays(self) -> dict[str, NDArray[np.float64]]:
@@ -108,7 +132,28 @@ class Absorption:
             "theta_deg": ("theta_deg", self.theta_deg.copy(), {"units": "degree", "long_name": f"angle in {self._core.medium()}"}),
             "wavelength_nm": ("wavelength_nm", self.wavelength_nm.copy(), {"units": "nm", "long_name": "wavelength in vacuum"}),
         }
-        return xarray.Dataset(data, coordinates, {"title": self.title})
+        return xarray.Dataset(data, coordinates, {"title": self.title} | _messages.attributes(self.warnings, self.notes))
+
+    def to_pandas(self) -> pandas.DataFrame:
+        """Returns a table with a row for each state, sub-pixel, layer, angle and wavelength.
+
+        Raises:
+            ImportError: if pandas is not installed.
+        """
+        labels: dict[str, Any] = {
+            "state": self.states,
+            "sub_pixel": self.sub_pixels,
+            "layer": [number for number, _ in self.layers],
+            "theta_deg": self.theta_deg,
+            "wavelength_nm": self.wavelength_nm,
+        }
+        place, points = ("state", "sub_pixel"), ("theta_deg", "wavelength_nm")
+        dimensions = {"absorptance": (*place, "layer", *points), "reflectance": (*place, *points), "area": place}
+        return long_table(labels, {name: (dimensions[name], self[name]) for name in _ARRAYS})
+
+    def figures(self) -> dict[str, Figure]:
+        """Returns the figure as ``absorption``."""
+        return {"absorption": self.figure()}
 
     def figure(self) -> Figure:
         """Returns the figure: absorptances at the smallest angle as stacked areas."""
@@ -140,12 +185,17 @@ def absorption(
     Raises:
         DisplayError: if the pixel is not a film.
 
-    Example::
+    Warns:
+        PapilioWarning: each warning about the scenario; ``warnings`` of the result contains it.
 
-        absorbed = papilio.absorption("scenarios/indoor.toml")
-        absorbed.to_xarray().absorptance.sel(state="white", sub_pixel="green", layer="1", theta_deg=0)
+    Example:
+        >>> absorbed = papilio.absorption("scenarios/indoor.toml")
+        >>> absorbed.to_xarray().absorptance.sel(state="white", sub_pixel="green", layer="1", theta_deg=0).dims
+        ('wavelength_nm',)
     """
     changed = read(scenario, set)
     angles = ascending("theta_deg", _THETA_DEG if theta_deg is None else theta_deg, 90.0)
-    core = _papilio.Absorption(changed._scene(), angles or [])
-    return Absorption(core, changed.title)
+    scene = changed._scene()
+    core = _papilio.Absorption(scene, angles or [])
+    _messages.warn(scene.warnings)
+    return Absorption(core, changed.title, scene.warnings, scene.notes)

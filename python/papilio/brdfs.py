@@ -13,15 +13,18 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from . import _messages, _papilio
+from . import _messages, _papilio, plot
 from ._arguments import ascending, reals
 from ._snapshots import read_only
 from ._mapping import ByName
+from ._tables import long_table
 from .errors import ArgumentError
-from .running import Progress, checked_progress, checked_threads, with_solver
+from .figure import Figure
+from .running import Progress, checked_threads, reporting, with_solver
 from .scenario import Scenario, read
 
 if TYPE_CHECKING:
+    import pandas
     import xarray
 
 __all__ = ["Brdf", "Reflection", "brdf", "reflection"]
@@ -38,10 +41,17 @@ _AXES = {
     "dphi_deg": ("degree", "azimuth of the viewer minus that of the light; symmetric about 0"),
     "wavelength_nm": ("nm", "wavelength in air"),
 }
-_SHARES = ("returned", "mirror", "haze", "lambertian", "beyond_2_5_deg")
+_WORDS = {
+    "returned": "fraction of the beam that leaves",
+    "mirror": "mirror part of the reflection, fraction of the beam",
+    "haze": "haze part of the reflection, fraction of the beam",
+    "lambertian": "Lambertian part of the reflection, fraction of the beam",
+    "beyond_2_5_deg": "fraction of the leaving light beyond 2.5 deg from the mirror direction",
+}
+_SHARES = tuple(_WORDS)
 
 
-class Brdf:
+class Brdf(ByName[NDArray[Any]]):
     """Spectral BSDF of a display in each of its states: the contents of ``display-bsdf.npz`` of ``papilio brdf``.
 
     ``about`` has the conventions. The page on BRDFs in the documentation of the program describes every array. Arrays are
@@ -77,6 +87,50 @@ class Brdf:
         self.warnings = list(warned)
         #: Notes on data that were measured, assumed or scaled.
         self.notes = list(notes)
+
+    def _names(self) -> Iterable[str]:
+        return _ARRAYS
+
+    def __getitem__(self, name: str) -> NDArray[Any]:
+        """Returns ``brdf``, ``specular`` or ``directional_hemispherical``; the attributes of these names have their shapes.
+
+        Raises:
+            KeyError: if there is no such array.
+        """
+        if name not in _ARRAYS:
+            raise KeyError(f"{name!r}: there is no such array; expected {', '.join(_ARRAYS)}")
+        return np.asarray(getattr(self, name))
+
+    def to_pandas(self) -> pandas.DataFrame:
+        """Returns a table with a row for each state, pair of directions and wavelength; numbers of a beam are repeated.
+
+        Raises:
+            ImportError: if pandas is not installed.
+        """
+        labels: dict[str, Any] = {"state": self.states} | {name: getattr(self, name) for name in _AXES}
+        beam = ("state", "theta_i_deg", "wavelength_nm")
+        return long_table(labels, {name: (tuple(labels) if name == "brdf" else beam, self[name]) for name in _ARRAYS})
+
+    def figures(self) -> dict[str, Figure]:
+        """Returns the BSDF of each state in the plane of incidence, at the wavelength nearest to 555 nm, for up to four beams."""
+        nm = int(np.abs(self.wavelength_nm - 555.0).argmin())
+        sides = [(at, sign) for at, dphi in enumerate(self.dphi_deg) for wanted, sign in ((0.0, -1.0), (180.0, 1.0)) if dphi == wanted]
+        beams = np.unique(np.linspace(0, self.theta_i_deg.size - 1, 4).astype(int))
+        figures = {}
+        for s, state in enumerate(self.states if sides else ()):
+            x: dict[str, Any] = {}
+            y: dict[str, Any] = {}
+            for beam in beams:
+                name = f"light from {self.theta_i_deg[beam]:g} deg"
+                theta = np.concatenate([sign * self.theta_o_deg for _, sign in sides])
+                values = np.concatenate([self.brdf[s, beam, :, at, nm] for at, _ in sides])
+                order = np.argsort(theta, kind="stable")
+                x[name], y[name] = theta[order], values[order]
+            title = f"{self.about['title']}: {state}, {self.wavelength_nm[nm]:g} nm"
+            words: dict[str, Any] = {"x_label": "Viewing angle, mirror direction positive (deg)", "y_label": "BSDF (1/sr)", "title": title}
+            drawn = plot.curves(x, y, logarithmic=all((one > 0).any() for one in y.values()), **words)
+            figures[f"brdf_{state}"] = Figure(f"brdf_{state}", drawn.svg)
+        return figures
 
     def to_xarray(self) -> xarray.Dataset:
         """Returns all arrays as a Dataset over ``state``, ``theta_i_deg``, ``theta_o_deg``, ``dphi_deg`` and ``wavelength_nm``.
@@ -159,10 +213,28 @@ class Reflection(ByName[NDArray[np.float64]]):
         """
         import xarray
 
-        data = {name: (("theta_deg", "state"), self[name].copy(), {"units": "1"}) for name in _SHARES}
+        data = {name: (("theta_deg", "state"), self[name].copy(), {"units": "1", "long_name": words}) for name, words in _WORDS.items()}
         theta = ("theta_deg", self.theta_deg.copy(), {"units": "degree", "long_name": "inclination of the beam"})
         messages = _messages.attributes(self.warnings, self.notes)
-        return xarray.Dataset(data, {"theta_deg": theta, "state": ("state", self.states)}, messages)
+        return xarray.Dataset(data, {"theta_deg": theta, "state": ("state", self.states, {"long_name": "drive state"})}, messages)
+
+    def to_pandas(self) -> pandas.DataFrame:
+        """Returns a table with a row for each inclination and state.
+
+        Raises:
+            ImportError: if pandas is not installed.
+        """
+        labels: dict[str, Any] = {"theta_deg": self.theta_deg, "state": self.states}
+        return long_table(labels, {name: (tuple(labels), self[name]) for name in _SHARES})
+
+    def figures(self) -> dict[str, Figure]:
+        """Returns the parts of each state over the inclination of the beam, by name; none for a single inclination."""
+        figures = {}
+        for s, state in enumerate(self.states if self.theta_deg.size > 1 else ()):
+            curves = {name: self[name][:, s] for name in ("returned", "mirror", "haze", "lambertian")}
+            drawn = plot.curves(self.theta_deg, curves, x_label="Inclination of the beam (deg)", y_label="Fraction of the beam", title=state)
+            figures[f"reflection_{state}"] = Figure(f"reflection_{state}", drawn.svg)
+        return figures
 
     def __reduce__(self) -> tuple[Any, ...]:
         return type(self), (self._text, self.warnings, self.notes)
@@ -185,7 +257,7 @@ def brdf(
     dphi_deg: ArrayLike | None = None,
     set: Mapping[str, Any] | None = None,
     threads: int | None = None,
-    progress: Progress | None = None,
+    progress: Progress | bool | None = None,
     allow_error: float | None = None,
 ) -> Brdf:
     """Computes the spectral BSDF of the display, without its environment, by adding: as ``papilio brdf`` does.
@@ -203,8 +275,11 @@ def brdf(
         dphi_deg: azimuths of the viewer minus those of the light, ascending, 0 to 180 degrees.
         set: values to set in the scenario first, ``{path: value}``.
         threads: number of threads; None: one for each processor.
-        progress: function that is called a few times a second.
+        progress: function that is called a few times a second, or True for a line on the terminal.
         allow_error: rows with a larger relative error are refused; None: the scenario's target.
+
+    Returns:
+        The BSDF of each state: arrays over state, directions and wavelengths, by name.
 
     Raises:
         ArgumentError: if an argument is invalid; the message names it; or if the table would have more than 1e8 numbers.
@@ -212,6 +287,11 @@ def brdf(
 
     Warns:
         PapilioWarning: each warning that the program prints; ``warnings`` of the result contains it.
+
+    Example:
+        >>> found = papilio.brdf("scenarios/indoor.toml", step_deg=30, set={"spectrum.step_nm": 50})
+        >>> found["brdf"].shape
+        (8, 3, 3, 7, 9)
     """
     changed = read(scenario, with_solver(set))
     request = _TableRequest(
@@ -220,12 +300,12 @@ def brdf(
         ascending("theta_o_deg", theta_o_deg, below=90.0),
         ascending("dphi_deg", dphi_deg, most=180.0),
         checked_threads(threads),
-        checked_progress(progress),
         allow_error,
     )
-    found, finer = request.table(_FIRST_STEP_DEG if step_deg is None else _checked_step(step_deg))
-    while step_deg is None and finer is not None:
-        found, finer = request.table(finer)
+    with reporting(progress, "views") as tell:
+        found, finer = request.table(_FIRST_STEP_DEG if step_deg is None else _checked_step(step_deg), tell)
+        while step_deg is None and finer is not None:
+            found, finer = request.table(finer, tell)
     _messages.warn(found.warnings)
     return found
 
@@ -249,10 +329,9 @@ class _TableRequest(NamedTuple):
     theta_o_deg: list[float] | None
     dphi_deg: list[float] | None
     threads: int | None
-    progress: Progress | None
     allow_error: float | None
 
-    def table(self, step: float) -> tuple[Brdf, float | None]:
+    def table(self, step: float, tell: Progress | None) -> tuple[Brdf, float | None]:
         """Computes the table with all other directions in steps; also returns a finer step if it is required and possible."""
         steps = round(90.0 / step)
         scene = self.scenario._scene()
@@ -266,7 +345,7 @@ class _TableRequest(NamedTuple):
             self.dphi_deg or [step * i for i in range(2 * steps + 1)],
             step if is_uniform else None,
             self.threads,
-            self.progress,
+            tell,
             self.allow_error,
         )
         return Brdf(content, missed, _messages.merged(scene.warnings, warned), scene.notes), finer
@@ -278,7 +357,7 @@ def reflection(
     theta_deg: ArrayLike = (0.0, 8.0, 30.0, 45.0),
     set: Mapping[str, Any] | None = None,
     threads: int | None = None,
-    progress: Progress | None = None,
+    progress: Progress | bool | None = None,
 ) -> Reflection:
     """Computes the mirror, haze and Lambertian parts (Kelley 1998) of reflected beams of the scene's light, as ``papilio brdf`` does.
 
@@ -287,14 +366,22 @@ def reflection(
         theta_deg: inclinations of the beams, ascending, 0 to less than 87 degrees.
         set: values to set in the scenario first, ``{path: value}``.
         threads: number of threads; None: one for each processor.
-        progress: function that is called a few times a second.
+        progress: function that is called a few times a second, or True for a line on the terminal.
+
+    Returns:
+        Fractions of each beam over inclination and state, by name.
 
     Raises:
         ArgumentError: if an argument is invalid; the message names it.
         ScenarioError, DisplayError, KeyboardInterrupt: as for `papilio.run`.
+
+    Example:
+        >>> papilio.reflection("scenarios/indoor.toml", theta_deg=[8, 30])["haze"].shape
+        (2, 8)
     """
     scene = read(scenario, with_solver(set))._scene()
     thetas = ascending("theta_deg", theta_deg, below=87.0) or []
-    text = _papilio.beams(scene, thetas, checked_threads(threads), checked_progress(progress))
+    with reporting(progress, "beams") as tell:
+        text = _papilio.beams(scene, thetas, checked_threads(threads), tell)
     _messages.warn(scene.warnings)
     return Reflection(text.decode(), scene.warnings, scene.notes)

@@ -146,7 +146,11 @@ def sweep(
 
 
 def print_progress(state: Mapping[str, Any]) -> None:
-    """Prints the progress in one line on the terminal (stderr)."""
+    """Prints the progress in one line on the terminal (stderr).
+
+    Args:
+        state: what a ``progress`` function is called with.
+    """
     new = state["done"] - state["reused"]
     rate = new / state["seconds"] if state["seconds"] > 0 else 0.0
     left = f", {(state['of'] - state['done']) / rate:.0f} s to go" if rate > 0 else ""

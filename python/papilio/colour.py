@@ -7,8 +7,9 @@ as the chromaticity of black) are NaN. Sources: CIE 15:2018; CIEDE2000 as in Sha
 
 from __future__ import annotations
 
+import json
 from functools import cache
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -17,7 +18,7 @@ from . import _arguments, _messages, _papilio
 from ._dims import check_places, is_labelled
 from .errors import ArgumentError
 
-__all__ = ["Gamut", "Observer", "coverage_percent", "delta_e_2000", "gamut_percent", "illuminant", "illuminant_names", "lab", "uv_prime", "xyz"]
+__all__ = ["Gamut", "Observer", "coverage_percent", "delta_e_2000", "gamut_percent", "illuminant", "illuminant_info", "illuminant_names", "lab", "uv_prime", "xyz"]
 
 
 def __dir__() -> list[str]:
@@ -39,12 +40,50 @@ _LEFT_OUT = 1e-3
 
 
 def illuminant_names() -> list[str]:
-    """Returns the names of illuminants."""
+    """Returns the names of illuminants.
+
+    Returns:
+        Names for the lights of this module and of scenarios.
+
+    Example:
+        >>> "D65" in papilio.colour.illuminant_names()
+        True
+    """
     return _papilio.illuminant_names()
 
 
+def illuminant_info(name: str) -> dict[str, Any]:
+    """Describes a CIE illuminant.
+
+    Args:
+        name: a name of `illuminant_names`, in any spelling, or a usual one ("F11", "TL84").
+
+    Returns:
+        `name`, `what`, `source`, `table_step_nm` (None for E), `x`, `y`, `u_prime`, `v_prime`, `cct_K`, `duv`, `Ra`, `lm_per_W`, and the
+        arrays `wavelength_nm` and `relative_power` of its table.
+
+    Example:
+        >>> round(papilio.colour.illuminant_info("TL84")["cct_K"])
+        4001
+    """
+    sheet: dict[str, Any] = json.loads(_papilio.illuminant_sheet(_arguments.text("name", name, "the name of an illuminant")))
+    return sheet | {key: np.array(sheet[key]) for key in ("wavelength_nm", "relative_power")}
+
+
 def illuminant(name: str, wavelength_nm: ArrayLike) -> NDArray[np.float64]:
-    """Returns the relative spectrum of an illuminant ("D65", "A", ...) at uniformly spaced wavelengths, nm."""
+    """Returns the relative spectrum of an illuminant.
+
+    Args:
+        name: one of `illuminant_names`: "D65", "A".
+        wavelength_nm: uniformly spaced, nm.
+
+    Returns:
+        Spectral power, 100 at 560 nm for the illuminants of the CIE; one number for each wavelength.
+
+    Example:
+        >>> float(papilio.colour.illuminant("D65", [555, 560, 565])[1])
+        100.0
+    """
     named = _arguments.text("name", name, "the name of an illuminant")
     return _papilio.illuminant_spectrum(named, _arguments.grid("wavelength_nm", wavelength_nm))
 
@@ -64,8 +103,16 @@ def xyz(
     Steps of 1 to 10 nm agree within a colour difference (CIEDE2000) of about 0.15, also with narrow-band lights; steps of 20 nm
     deviate by up to 1. Light outside the specified wavelengths is ignored.
 
+    Returns:
+        X, Y and Z along the last axis.
+
     Warns:
         PapilioWarning: if the wavelengths omit more than 0.1 % of X, Y or Z of the light.
+
+    Example:
+        >>> nm = np.arange(380, 781, 5)
+        >>> papilio.colour.xyz(np.full(81, 0.5), nm, "D65").round(4).tolist()
+        [0.4752, 0.5, 0.5443]
     """
     _arguments.one_of("observer", observer, ("1931", "1964"))
     given = {"spectra": spectra, "wavelength_nm": wavelength_nm, "light": light}
@@ -95,33 +142,89 @@ def lab(colours: ArrayLike, white: ArrayLike | None = None) -> NDArray[np.float6
     that of `xyz` under "D65" at 380 to 780 nm in steps of 5 nm, (0.95042, 1, 1.08861): its L*, a*, b* are exactly 100, 0, 0 (within
     5e-5 in steps of 1 to 10 nm). For other lights, observers and wavelengths, specify their white:
     ``white=xyz(np.ones(nm.size), nm, light)``.
+
+    Args:
+        colours: X, Y, Z along the last axis.
+        white: X, Y, Z of the white; None: that of D65. Both broadcast.
+
+    Returns:
+        L*, a*, b* along the last axis.
+
+    Example:
+        >>> bool(np.allclose(papilio.colour.lab([0.95042, 1.0, 1.08861]), [100, 0, 0], atol=0.01))
+        True
     """
     pairs, shape = _together(3, colours=colours, white=_white_of_d65() if white is None else white)
     return _rows(_papilio.lab(pairs), shape, 3)
 
 
 def uv_prime(colours: ArrayLike) -> NDArray[np.float64]:
-    """Computes CIE 1976 u', v' of X, Y, Z, shape [..., 3] to [..., 2]."""
+    """Computes CIE 1976 u', v'.
+
+    Args:
+        colours: X, Y, Z along the last axis; NaN is allowed.
+
+    Returns:
+        u' and v' along the last axis; NaN for black.
+
+    Example:
+        >>> papilio.colour.uv_prime([0.95042, 1.0, 1.08861]).round(4).tolist()
+        [0.1978, 0.4683]
+    """
     numbers = _arguments.reals("colours", colours, missing=True)
     _arguments.last_axis("colours", numbers, 3, "X, Y and Z")
     return _rows(_papilio.uv_prime(_flat(numbers)), numbers.shape[:-1], 2)
 
 
 def gamut_percent(primaries: ArrayLike, reference: Gamut = "srgb") -> NDArray[np.float64]:
-    """Computes the area of the triangle of red, green and blue in u'v', in % of the area of a reference; shape [..., 3, 2] to [...].
+    """Computes the area of the triangle of red, green and blue in u'v', in % of the area of a reference.
 
-    ``reference``: "srgb", "ebu", "ntsc" or "dci-p3".
+    Args:
+        primaries: u', v' of red, green and blue, shape [..., 3, 2].
+        reference: "srgb", "ebu", "ntsc" or "dci-p3".
+
+    Returns:
+        The area in %, shape [...]; NaN where a chromaticity is NaN.
+
+    Example:
+        >>> srgb = [[0.4507, 0.5229], [0.1250, 0.5625], [0.1754, 0.1579]]
+        >>> round(float(papilio.colour.gamut_percent(srgb)))
+        100
     """
     return _gamut(primaries, reference, False)
 
 
 def coverage_percent(primaries: ArrayLike, reference: Gamut = "srgb") -> NDArray[np.float64]:
-    """Computes the part of a reference triangle in u'v' that red, green and blue cover, in %; shape [..., 3, 2] to [...]."""
+    """Computes the part of a reference triangle in u'v' that red, green and blue cover.
+
+    Args:
+        primaries: u', v' of red, green and blue, shape [..., 3, 2].
+        reference: "srgb", "ebu", "ntsc" or "dci-p3".
+
+    Returns:
+        The covered part in %, 0 to 100, shape [...]; NaN where a chromaticity is NaN.
+
+    Example:
+        >>> srgb = [[0.4507, 0.5229], [0.1250, 0.5625], [0.1754, 0.1579]]
+        >>> round(float(papilio.colour.coverage_percent(srgb)))
+        100
+    """
     return _gamut(primaries, reference, True)
 
 
 def delta_e_2000(one: ArrayLike, other: ArrayLike) -> NDArray[np.float64]:
-    """Computes the CIEDE2000 difference of L*, a*, b*, all weights 1; shapes [..., 3] to [...]."""
+    """Computes the CIEDE2000 colour difference, all weights 1.
+
+    Args:
+        one, other: L*, a*, b* along the last axis; they broadcast.
+
+    Returns:
+        The difference, shape [...].
+
+    Example:
+        >>> round(float(papilio.colour.delta_e_2000([50, 2.6772, -79.7751], [50, 0, -82.7485])), 4)    # Sharma 2005, pair 1
+        2.0425
+    """
     pairs, shape = _together(3, one=one, other=other)
     return _papilio.delta_e_2000(pairs).reshape(shape)
 

@@ -15,12 +15,14 @@ from . import _messages, _metadata, _papilio, _snapshots
 from ._arguments import ascending, reals
 from ._snapshots import ConeSnapshot, read_only
 from ._mapping import ByName
+from ._tables import long_table
 from .errors import ArgumentError
 from .figure import Figure
-from .running import Progress, checked_progress, checked_threads, with_solver
+from .running import Progress, checked_threads, reporting, with_solver
 from .scenario import Scenario, read
 
 if TYPE_CHECKING:
+    import pandas
     import xarray
 
 __all__ = ["Cone", "cone"]
@@ -99,6 +101,22 @@ class Cone(ByName[NDArray[np.float64]]):
         }
         return xarray.Dataset(data, coordinates, {"title": self.title} | _messages.attributes(*self._warnings_and_notes))
 
+    def to_pandas(self) -> pandas.DataFrame:
+        """Returns a table with a row for each direction and state; quantities of all states together are repeated.
+
+        Raises:
+            ImportError: if pandas is not installed.
+        """
+        together, alone = self._arrays
+        labels: dict[str, Any] = {"phi_deg": self.phi_deg, "theta_deg": self.theta_deg, "state": self.states}
+        views, states = ("phi_deg", "theta_deg"), ("phi_deg", "theta_deg", "state")
+        return long_table(labels, {**{name: (views, one) for name, one in together.items()}, **{name: (states, one) for name, one in alone.items()}})
+
+    def figures(self) -> dict[str, Figure]:
+        """Returns the figure of the maps as ``cone``; nothing if the directions do not span an area."""
+        figure = self.figure()
+        return {} if figure is None else {figure.name: figure}
+
     def figure(self) -> Figure | None:
         """Returns the figure of the maps; None if the directions do not span an area."""
         svg = self._core.figure(self.title)
@@ -134,7 +152,7 @@ def cone(
     phi_deg: ArrayLike | None = None,
     set: Mapping[str, Any] | None = None,
     threads: int | None = None,
-    progress: Progress | None = None,
+    progress: Progress | bool | None = None,
     allow_error: float | None = None,
     reference_deg: tuple[float, float] = (0.0, 0.0),
 ) -> Cone:
@@ -146,13 +164,21 @@ def cone(
         phi_deg: azimuths, ascending, 0 to less than 360 degrees; by default every 5 degrees.
         set: values to set in the scenario first, ``{path: value}``.
         threads: number of threads; None: one for each processor.
-        progress: function that is called a few times a second.
+        progress: function that is called a few times a second, or True for a line on the terminal.
         allow_error: rows with a larger relative error are refused; None: the scenario's target.
         reference_deg: inclination and azimuth of the direction with which the colour of each state is compared
             (``uv_shift``, ``delta_E_2000_with_angle``, ``delta_E_1976_with_angle``); by default the normal.
 
+    Returns:
+        The quantities over azimuth, inclination and state, by name.
+
     Warns:
         PapilioWarning: each warning that the program prints; ``warnings`` of the result contains it.
+
+    Example:
+        >>> cone = papilio.cone("scenarios/indoor.toml", theta_deg=[0, 20, 40], phi_deg=[0, 90, 180, 270])
+        >>> cone["contrast_ratio"].shape, cone["Y"].shape
+        ((4, 3), (4, 3, 8))
     """
     changed = read(scenario, with_solver(set))
     scene = changed._scene()
@@ -162,7 +188,8 @@ def cone(
     if reference.shape != (2,) or not 0 <= reference[0] < 90:
         raise ArgumentError(f"reference_deg: expected an inclination from 0 to below 90 and an azimuth, not {reference_deg!r}")
     direction = [float(angle) for angle in reference]
-    core = _papilio.Cone(scene, thetas, phis, checked_threads(threads), checked_progress(progress), allow_error, direction)
+    with reporting(progress, "views") as tell:
+        core = _papilio.Cone(scene, thetas, phis, checked_threads(threads), tell, allow_error, direction)
     found = Cone(core, changed.title, scene.warnings, scene.notes)
     _messages.warn(found.warnings)
     return found

@@ -13,6 +13,7 @@ True
 
 from __future__ import annotations
 
+import json
 import os
 from collections.abc import Sequence
 from os import PathLike, fspath
@@ -37,6 +38,7 @@ __all__ = [
     "amplitudes",
     "derivatives",
     "index",
+    "material_info",
     "material_names",
     "power",
     "reflectance",
@@ -81,6 +83,25 @@ def material_names() -> list[str]:
         True
     """
     return _papilio.material_names()
+
+
+def material_info(name: str) -> dict[str, Any]:
+    """Describes a named material.
+
+    Args:
+        name: a name of `material_names`, in any case.
+
+    Returns:
+        `name`, `what`, `source`, `page` and `licence` (None unless it is from refractiveindex.info), `measured_nm` and `range_nm`
+        (None for a constant), `n_550`, `k_550`, and the arrays `wavelength_nm`, `n` and `k`.
+
+    Example:
+        >>> papilio.films.material_info("TiO2")["source"]
+        'T. Siefke et al., Adv. Opt. Mater. 4, 1780-1786 (2016)'
+    """
+    sheet: dict[str, Any] = json.loads(_papilio.material_sheet(_arguments.text("name", name, "the name of a material")))
+    arrays = {key: np.array(sheet[key]) for key in ("wavelength_nm", "n", "k")}
+    return sheet | arrays
 
 
 def index(material: Material, wavelength_nm: ArrayLike, *, name: str = "material") -> NDArray[np.complex128]:
@@ -360,7 +381,7 @@ def reflectance(
 
     Example:
         >>> round(float(films.reflectance([("SiO2", 100.0)], 550.0, substrate="Al")), 2)
-        0.89
+        0.85
     """
     return _computed(layers, wavelength_nm, theta_deg, incidence, substrate, polarisation, False, threads)[0]
 

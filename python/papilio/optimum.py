@@ -5,7 +5,7 @@ from __future__ import annotations
 import html
 import json
 import os
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -13,9 +13,11 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from . import _messages, _papilio, _work_items
+from . import _messages, _metadata, _papilio, _work_items
 from ._arguments import checked_folder, whole
 from ._backends import ClusterBackend, check_client
+from ._keys import attributes
+from ._mapping import Lookup
 from .errors import ArgumentError
 from .figure import Figure
 from .running import Line, Progress, checked_threads, reporter, with_solver
@@ -23,6 +25,7 @@ from .scenario import Scenario, read
 
 if TYPE_CHECKING:
     import pandas
+    import xarray
     from distributed import Client
 
 __all__ = ["Design", "Optimum", "optimize"]
@@ -39,8 +42,11 @@ class Design(NamedTuple):
     meets_limits: bool = True
 
 
-class Optimum:
-    """Result of a search: the best design, or the Pareto front of several objectives. A notebook shows a table."""
+class Optimum(Lookup[NDArray[np.float64]]):
+    """Result of a search: the best design, or the Pareto front of several objectives. A notebook shows a table.
+
+    ``found["white.Y"]`` has a requested quantity, or a key, of each of the `designs`.
+    """
 
     def __init__(self, scenario: Scenario, content: Mapping[str, Any]) -> None:
         self._scenario = scenario
@@ -92,6 +98,38 @@ class Optimum:
         """Returns the requested quantities of all `designs`, shape [design, quantity]; ``best.metrics`` has their names."""
         rows = [list(design.metrics.values()) for design in self.designs]
         return np.array(rows, dtype=np.float64).reshape(len(rows), len(self._quantities))
+
+    def _names(self) -> Iterable[str]:
+        return [*self.own.values, *self._quantities]
+
+    def __getitem__(self, name: str) -> NDArray[Any]:
+        """Returns a quantity or a key of each of the `designs`.
+
+        Raises:
+            KeyError: if the search has neither.
+        """
+        if name not in (*self.own.values, *self._quantities):
+            raise KeyError(f"{name!r}: there is no such quantity or key; expected {', '.join(self._names())}")
+        column = np.array([{**one.values, **one.metrics}[name] for one in self.designs])
+        column.flags.writeable = False
+        return column
+
+    def to_xarray(self) -> xarray.Dataset:
+        """Returns keys and requested quantities of the `designs` as a Dataset over ``design``, with units and long names.
+
+        Keys are coordinates with the names of `to_pandas`; ``meets_limits`` tells whether a design meets all limits.
+
+        Raises:
+            ImportError: if xarray is not installed.
+        """
+        import xarray
+
+        coordinates: dict[Any, Any] = {key: ("design", self[key].copy(), attributes(key)) for key in self.own.values}
+        coordinates["design"] = np.arange(len(self.designs))
+        data: dict[Any, Any] = {name: ("design", self[name].copy(), _metadata.attributes(name)) for name in self._quantities}
+        data["meets_limits"] = ("design", np.array([one.meets_limits for one in self.designs]), {"long_name": "whether all limits are met"})
+        about = {"evaluations": self.evaluations} | _messages.attributes(self.warnings, self.notes)
+        return xarray.Dataset(data, coordinates, about)
 
     def to_pandas(self) -> pandas.DataFrame:
         """Returns a table of the scenario's own design and the `designs`: keys, requested quantities, ``meets_limits``.
@@ -176,6 +214,9 @@ def optimize(
         progress: function that is called with ``done`` and ``of``, the numbers of completed and of all searches of a round; or True for
             a line on the terminal.
 
+    Returns:
+        The best design, or the designs of a Pareto front.
+
     Raises:
         ScenarioError: if the scenario is invalid; with the position of the error.
         ArgumentError: if an argument is invalid; the message names it (closed client, folder that cannot be created, ...).
@@ -185,6 +226,12 @@ def optimize(
 
     Warns:
         PapilioWarning: each warning that the program prints; ``warnings`` of the result contains it.
+
+    Example:
+        >>> few = {"optimize.evaluations": 20, "optimize.starts": 1}
+        >>> found = papilio.optimize("scenarios/optimize.toml", set=few)
+        >>> len(found.designs) >= 1
+        True
     """
     changed = read(scenario, with_solver(set))
     workers = checked_threads(threads) or os.cpu_count() or 1

@@ -35,12 +35,23 @@ def curves(
     logarithmic: bool = False,
     kinds: Mapping[str, str] | None = None,
 ) -> Figure:
-    """Draws curves ``{name: y}`` over a common axis, with the name at the end of each curve; NaN interrupts a curve.
+    """Draws curves over a common axis, with the name at the end of each curve.
 
     Args:
         x: one-dimensional; or ``{name: x}`` with an array for each curve.
+        ys: ``{name: y}``; NaN interrupts a curve.
+        x_label: label of the axis, with the unit.
+        y_label: label of the axis of values, with the unit.
+        title: title of the figure.
         logarithmic: whether the axis of values is logarithmic.
         kinds: "line", "dashed" or "points" for some of the names.
+
+    Returns:
+        The figure, which a notebook shows.
+
+    Example:
+        >>> papilio.plot.curves([400, 550, 700], {"white": [0.4, 0.6, 0.5]}, x_label="Wavelength (nm)")
+        <papilio.Figure 'curves'>
     """
     if not isinstance(ys, Mapping):
         raise ArgumentError(f"ys: expected a dict of names and numbers, not {described(ys)}")
@@ -63,7 +74,22 @@ def curves(
 def map(  # noqa: A001 (the field's word)
     x: ArrayLike, y: ArrayLike, values: ArrayLike, *, x_label: str = "", y_label: str = "", title: str = "", name: str = "value"
 ) -> Figure:
-    """Draws numbers over two axes as colours, shape [y, x]; NaN cells are empty."""
+    """Draws numbers over two axes as colours.
+
+    Args:
+        x, y: values of the axes, numbers or strings.
+        values: shape [y, x], at most 10,000 cells; NaN cells are empty.
+        x_label, y_label: labels of the axes, with the units.
+        title: title of the figure.
+        name: name of the metric, for the scale.
+
+    Returns:
+        The figure, which a notebook shows.
+
+    Example:
+        >>> papilio.plot.map([1, 2, 3], [10, 20], [[0.1, 0.2, 0.3], [0.2, 0.3, 0.4]], name="contrast")
+        <papilio.Figure 'map'>
+    """
     cells = reals("values", values, missing=True)
     across, up = _texts("x", x), _texts("y", y)
     if cells.shape != (len(up), len(across)):

@@ -5,7 +5,8 @@ from __future__ import annotations
 import html
 import json
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, KeysView, Mapping, Sequence
+from functools import cached_property
 from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -13,8 +14,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from . import _messages, _papilio, _samples, _snapshots
+from . import _messages, _metadata, _papilio, _samples, _snapshots
 from ._arguments import checked_folder, reals, whole
+from ._keys import attributes
+from ._mapping import Lookup
 from ._snapshots import ProductionSnapshot, read_only
 from ._backends import ClusterBackend, check_client
 from .errors import DesignError
@@ -24,6 +27,7 @@ from .scenario import Scenario, read
 
 if TYPE_CHECKING:
     import pandas
+    import xarray
     from distributed import Client
 
 __all__ = ["Yield", "tolerance"]
@@ -32,10 +36,22 @@ __all__ = ["Yield", "tolerance"]
 _PERCENTILES = (1, 5, 25, 50, 75, 95, 99)
 
 
-class Yield:
+class _Keys(list[str]):
+    """The keys that vary; called, the names of all arrays."""
+
+    def __init__(self, varied: Iterable[str], names: Iterable[str]) -> None:
+        super().__init__(varied)
+        self._names = list(names)
+
+    def __call__(self) -> KeysView[str]:
+        return dict.fromkeys(self._names).keys()
+
+
+class Yield(Lookup[NDArray[Any]]):
     """Result of a tolerance analysis: distributions of the metrics, yield and sensitivities.
 
-    `report` is the contents of ``tolerance.json`` of ``papilio tolerance``. A notebook shows a table. The result can be copied and
+    ``found["white.Y"]`` has a metric, or a key, of every display. `report` is the contents of ``tolerance.json`` of ``papilio
+    tolerance``, `sensitivities` its Sobol indices as a table. A notebook shows a table. The result can be copied and
     pickled, and then needs neither its scenario nor its files.
     """
 
@@ -52,7 +68,7 @@ class Yield:
         self.title = title
         keys, metrics = core.names()
         #: The names of the keys that vary.
-        self.keys: list[str] = keys
+        self.varied: list[str] = keys
         #: The names of the reported metrics.
         self.metrics: list[str] = metrics
         #: Yield, percentiles, sensitivities and the worst displays, each number with its standard error.
@@ -70,6 +86,66 @@ class Yield:
         """The yield: fraction of the displays that meet all limits, 0 to 1; `report` has its standard error."""
         return float(self.report["verdict"]["yield_share"]["value"])
 
+    @property
+    def keys(self) -> _Keys:
+        """The names of all arrays, as ``keys()``; without a call the list `varied`, which has been the meaning of this name."""
+        return _Keys(self.varied, self._names())
+
+    @cached_property
+    def _columns(self) -> dict[str, NDArray[Any]]:
+        """The keys and metrics of every display."""
+        rows = [json.loads(self._core.keys(row)) for row in range(self._core.rows)]
+        keys = {key: read_only(np.array([row[at] for row in rows])) for at, key in enumerate(self.varied)}
+        return keys | {name: self.values[:, at] for at, name in enumerate(self.metrics)}
+
+    def _names(self) -> Iterable[str]:
+        return [*self.varied, *self.metrics]
+
+    def __getitem__(self, name: str) -> NDArray[Any]:
+        """Returns a metric or a key of every display.
+
+        Raises:
+            KeyError: if the analysis has neither.
+        """
+        if name not in self._columns:
+            raise KeyError(f"{name!r}: there is no such metric or key; expected {', '.join(self._columns)}")
+        return self._columns[name]
+
+    def sensitivities(self) -> pandas.DataFrame:
+        """Returns the Sobol indices: a row for each metric and group of keys, with their standard errors.
+
+        Returns:
+            The columns ``first`` and ``total`` (fractions of the variance) and ``first_standard_error``, ``total_standard_error``; the index
+            is metric, group. Empty without a sensitivity sample.
+
+        Raises:
+            ImportError: if pandas is not installed.
+        """
+        import pandas
+
+        rows = []
+        for metric in self.report["metrics"]:
+            for group, index in zip(self.report.get("groups") or [], metric.get("indices") or [], strict=False):
+                row = {"metric": metric["name"], "group": " + ".join(group) if isinstance(group, list) else group}
+                for which in ("first", "total"):
+                    row |= {which: index[which]["value"], f"{which}_standard_error": index[which]["standard_error"]}
+                rows.append(row)
+        columns = ["metric", "group", "first", "first_standard_error", "total", "total_standard_error"]
+        return pandas.DataFrame(rows, columns=columns).set_index(["metric", "group"])
+
+    def to_xarray(self) -> xarray.Dataset:
+        """Returns keys and metrics of every display as a Dataset over ``display``, with units and long names; keys are coordinates.
+
+        Raises:
+            ImportError: if xarray is not installed.
+        """
+        import xarray
+
+        coordinates: dict[Any, Any] = {key: ("display", self[key].copy(), attributes(key)) for key in self.varied}
+        data: dict[Any, Any] = {name: ("display", self[name].copy(), _metadata.attributes(name)) for name in self.metrics}
+        about = {"title": self.title, "yield": self.share} | _messages.attributes(self.warnings, self.notes)
+        return xarray.Dataset(data, coordinates, about)
+
     def to_pandas(self) -> pandas.DataFrame:
         """Returns a table with a row for each display: its keys and its metrics.
 
@@ -79,7 +155,7 @@ class Yield:
         import pandas
 
         rows = [json.loads(self._core.keys(row)) for row in range(self._core.rows)]
-        keys = pandas.DataFrame(rows, columns=self.keys)
+        keys = pandas.DataFrame(rows, columns=self.varied)
         return pandas.concat([keys, pandas.DataFrame(self.values, columns=self.metrics)], axis=1)
 
     def figures(self) -> dict[str, Figure]:
@@ -158,6 +234,9 @@ def tolerance(
         progress: function that is called with ``done`` and ``of``, the numbers of completed and of all samples; or True for a line on
             the terminal.
 
+    Returns:
+        The displays, the yield, and the report of ``papilio tolerance``.
+
     Raises:
         ScenarioError: if the scenario is invalid; with the position of the error.
         DesignError: if one of the displays is invalid; ``design`` is the index of its sample.
@@ -168,6 +247,11 @@ def tolerance(
 
     Warns:
         PapilioWarning: each warning that the program prints; ``warnings`` of the result contains it.
+
+    Example:
+        >>> found = papilio.tolerance("scenarios/tolerance.toml", set={"tolerance.samples": 64, "tolerance.sensitivity_samples": 4})
+        >>> 0 <= found.share <= 1
+        True
     """
     changed = read(scenario, with_solver(set))
     workers = checked_threads(threads) or os.cpu_count() or 1

@@ -110,7 +110,7 @@ class Result(ByName[NDArray[np.float64]]):
             return together[known] if known in together else alone[known]
         for at, state in enumerate(self.states if isinstance(name, str) else ()):
             rest = self._known(name[len(state) + 1 :]) if name.startswith((f"{state}.", f"{state}_")) else None
-            if rest in alone:
+            if rest is not None and rest in alone:
                 return alone[rest][:, at]
         known_names = list(self._names())
         raise KeyError(f"{name!r}: there is no such metric; states are {', '.join(self.states)}, metrics {', '.join(known_names)}")

@@ -61,7 +61,7 @@ def run(
     Example:
         >>> result = papilio.run("scenarios/indoor.toml", set={"viewer.theta_deg": 20})
         >>> round(float(result["contrast_ratio"][0]), 1)
-        6.7
+        24.5
     """
     changed = read(scenario, with_solver(set, solver, seed))
     scene = changed._scene()

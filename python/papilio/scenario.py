@@ -181,8 +181,8 @@ class Scenario(ByName[Any]):
             The scenario, as ``papilio new`` writes it.
 
         Example:
-            >>> papilio.Scenario.new("office")["lighting.preset"]
-            'office'
+            >>> papilio.Scenario.new("office")["lighting.illuminance_lx"] > 100
+            True
         """
         known = one_of("preset", preset, preset_names())
         return cls(_papilio.new_scenario(known), name=known)

@@ -42,6 +42,14 @@ pub(crate) fn illuminant_spectrum<'py>(py: Python<'py>, name: &str, grid: (f64, 
     Ok(PyArray1::from_slice(py, &light))
 }
 
+/// An illuminant with its colour and spectrum, as JSON.
+#[pyfunction]
+pub(crate) fn illuminant_sheet(py: Python<'_>, name: &str) -> PyResult<String> {
+    let sheet = papilio_scenario::illuminant_sheet(name);
+    let sheet = sheet.map_err(|wrong| errors::argument(py, &crate::films::with_hint(&wrong)))?;
+    serde_json::to_string(&sheet).map_err(|error| errors::internal(&error.to_string()))
+}
+
 /// Names of illuminants.
 #[pyfunction]
 pub(crate) fn illuminant_names() -> Vec<&'static str> {

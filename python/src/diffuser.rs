@@ -2,11 +2,12 @@
 
 use std::path::{Path, PathBuf};
 
+use numpy::{PyArray1, PyReadonlyArray1};
 use papilio_formats::{
     AuditFile, BsdfFormat, DataFile, FitFile, FormatError, LARGEST_BSDF_FILE, Warned, audit_text, read_bsdf,
     write_file, write_json, write_measurement,
 };
-use papilio_goniometry::{Audit, FitOptions, Kind, MeasuredPart, Measurement, fitted};
+use papilio_goniometry::{Audit, Direction, FitOptions, Kind, MeasuredPart, Measurement, fitted};
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 
@@ -37,6 +38,28 @@ impl Diffuser {
         let file = DataFile { name: name.clone(), bytes };
         let read = py.detach(|| read_bsdf(&file)).map_err(|error| errors::format(py, &error))?;
         Ok(Self { name, read })
+    }
+
+    /// f, 1/sr, of a channel of a part at directions of light and viewer, in rows of theta_i, phi_i, theta_o, phi_o (degrees); NaN where
+    /// nothing was measured.
+    fn evaluate<'py>(
+        &self,
+        py: Python<'py>,
+        part: usize,
+        channel: usize,
+        directions: PyReadonlyArray1<'py, f64>,
+    ) -> PyResult<Bound<'py, PyArray1<f64>>> {
+        let part = self.read.value.parts.get(part).filter(|part| channel < part.channels.len());
+        let part = part.ok_or_else(|| errors::internal("unknown part or channel"))?;
+        let rows = directions.as_slice().map_err(|error| errors::internal(&error.to_string()))?;
+        let found = py.detach(|| {
+            let each = rows.chunks_exact(4).map(|row| {
+                let (light, viewer) = (Direction::new(row[0], row[1]), Direction::new(row[2], row[3]));
+                part.evaluate(channel, light, viewer).unwrap_or(f64::NAN)
+            });
+            each.collect::<Vec<f64>>()
+        });
+        Ok(PyArray1::from_vec(py, found))
     }
 
     /// The bytes of papilio's own format, which holds everything.

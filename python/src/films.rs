@@ -397,7 +397,10 @@ pub(crate) fn material_index<'py>(
 ) -> PyResult<Bound<'py, PyArray1<Complex64>>> {
     let unknown = |error: SpectraError| errors::argument(py, &error.to_string());
     let dispersion = match (name, file) {
-        (Some(name), _) => material(name).map_err(unknown)?,
+        (Some(name), _) => material(name).map_err(|error| match papilio_scenario::material_sheet(name) {
+            Err(wrong) => errors::argument(py, &with_hint(&wrong)),
+            Ok(sheet) => errors::argument(py, &format!("{error}; did you mean `{}`?", sheet.entry.name)),
+        })?,
         (None, path) => {
             let path = path.unwrap_or_default();
             let file = DataFile::open(&path, &path.display().to_string());
@@ -417,6 +420,20 @@ pub(crate) fn material_index<'py>(
     let index = wavelength_nm.as_array().into_iter().map(|nm| dispersion.index(*nm));
     let index: Vec<Complex64> = index.collect::<Result<_, _>>().map_err(unknown)?;
     Ok(PyArray1::from_vec(py, index))
+}
+
+/// A material with its source, n and k, as JSON.
+#[pyfunction]
+pub(crate) fn material_sheet(py: Python<'_>, name: &str) -> PyResult<String> {
+    let sheet = papilio_scenario::material_sheet(name);
+    let sheet = sheet.map_err(|wrong| errors::argument(py, &with_hint(&wrong)))?;
+    serde_json::to_string(&sheet).map_err(|error| errors::internal(&error.to_string()))
+}
+
+/// The message of a diagnostic, with its hint.
+pub(crate) fn with_hint(wrong: &papilio_scenario::Diagnostic) -> String {
+    let hint = wrong.hint.as_ref().map_or_else(String::new, |hint| format!("; {hint}"));
+    format!("{}{hint}", wrong.message)
 }
 
 /// Names of materials.

@@ -42,7 +42,9 @@ mod _papilio {
     #[pymodule_export]
     use crate::brdf::{beams, bsdf};
     #[pymodule_export]
-    use crate::colour::{delta_e_2000, gamut, illuminant_names, illuminant_spectrum, lab, uv_prime, xyz};
+    use crate::colour::{
+        delta_e_2000, gamut, illuminant_names, illuminant_sheet, illuminant_spectrum, lab, uv_prime, xyz,
+    };
     #[pymodule_export]
     use crate::cone::Cone;
     #[pymodule_export]
@@ -50,7 +52,7 @@ mod _papilio {
     #[pymodule_export]
     use crate::figures::png;
     #[pymodule_export]
-    use crate::films::{film, film_grid, material_index, material_names};
+    use crate::films::{film, film_grid, material_index, material_names, material_sheet};
     #[pymodule_export]
     use crate::plot::{curves, map};
     #[pymodule_export]

@@ -38,3 +38,17 @@ said: list[str] = [*result.warnings, *result.notes, *found.warnings, *papilio.co
 names: list[str] = list(result.keys()) if "white.Y" in result else []
 share = films.power([("SiO2", 100.0)], nm, polarisation="p", threads=2).transmittance
 lab = colour.lab(colour.xyz(share, nm, observer="1964"), white=colour.xyz(np.ones(nm.size), nm, observer="1964"))
+
+# Sweeps, results and arrays.
+swept = papilio.sweep(scenario, columns, ["white.Y"], names=["gap"], view="all")
+spectra = prepared.evaluate(columns, ["white.reflectance_factor"], view=[0])
+wave = films.amplitudes([("SiO2", 100.0)], nm)
+delta: float = float(wave.delta_deg[0])
+slopes_of_film = films.derivatives([("SiO2", 100.0)], nm, by=[("thickness", 0), ("n", "substrate")]).derivatives
+layers = films.absorptance([("SiO2", 100.0)], nm)
+foil = papilio.diffuser.Diffuser("scenarios/data/H78.bsdf")
+everything: list[papilio.AnyResult] = [
+    result, swept, foil, papilio.cone(scenario), papilio.brdf(scenario), papilio.reflection(scenario), papilio.absorption(scenario),
+    papilio.optimize(scenario), papilio.tolerance(scenario),
+]  # fmt: skip
+drawn: list[str] = [figure.svg for one in everything for figure in one.figures().values()]

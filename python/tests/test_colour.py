@@ -108,3 +108,9 @@ def test_chromaticity_of_black_is_nan():
 def test_invalid_arguments_are_named(call, names):
     with pytest.raises(ArgumentError, match=names):
         call()
+
+
+def test_illuminant_is_described_under_any_usual_name():
+    described = colour.illuminant_info("TL84")
+    assert (described["name"], round(described["cct_K"]), round(described["Ra"])) == ("FL11", 4001, 83)
+    np.testing.assert_array_equal(colour.illuminant("F11", np.arange(380.0, 781.0, 5.0)), described["relative_power"])

@@ -5,6 +5,7 @@ import time
 import numpy as np
 import pytest
 
+import papilio
 from papilio import ArgumentError, FileError, films
 
 NM = np.arange(380, 781, 5)
@@ -181,3 +182,104 @@ def test_material_from_file_is_read(tmp_path, scenarios):
     assert error.value.line == 2
     with pytest.raises(FileError):
         films.index(tmp_path / "absent.csv", 600.0)
+
+
+GAP_STACK = [("Si3N4", 55.9), ("Cr:Johnson", 12.15), ("SiO2", np.linspace(20, 60, 5)[:, None, None]), ("air", 190.0)]
+LIGHT_NM, LIGHT_THETA = np.arange(400, 701, 20.0)[:, None], np.array([0.0, 30.0, 60.0])
+
+
+@pytest.mark.parametrize("polarisation", ["s", "p", "mean"])
+def test_layers_absorb_what_power_leaves(polarisation):
+    layers = films.absorptance(GAP_STACK, LIGHT_NM, LIGHT_THETA, polarisation=polarisation)
+    assert layers.shape == (5, 16, 3, 4)
+    np.testing.assert_allclose(layers.sum(axis=-1), films.power(GAP_STACK, LIGHT_NM, LIGHT_THETA, polarisation=polarisation).absorptance, atol=1e-12)
+    assert (layers[..., 3] == 0).all() or np.abs(layers[..., 3]).max() < 1e-12  # air
+
+
+def test_amplitudes_give_the_powers():
+    found, substrate = films.amplitudes(GAP_STACK, LIGHT_NM, LIGHT_THETA), films.index("Al", LIGHT_NM)
+    cosine = np.cos(np.radians(LIGHT_THETA))
+    root = np.sqrt(substrate**2 - np.sin(np.radians(LIGHT_THETA)) ** 2)
+    for pol, r, t in (("s", found.r_s, found.t_s), ("p", found.r_p, found.t_p)):
+        power = films.power(GAP_STACK, LIGHT_NM, LIGHT_THETA, polarisation=pol)
+        np.testing.assert_allclose(np.abs(r) ** 2, power.reflectance, atol=1e-12)
+        # Poynting flux into an absorbing substrate (Macleod, section 2.9).
+        flux = root.real if pol == "s" else (substrate * np.conj(root / substrate)).real
+        np.testing.assert_allclose(np.abs(t) ** 2 * flux / cosine, power.transmittance, rtol=1e-9, atol=1e-14)
+
+
+def test_ellipsometric_angles_equal_fresnel_formulas():
+    """Bare silicon at 632.8 nm, and with oxide, by the textbook formulas in the convention n - ik (Azzam and Bashara)."""
+    n_si, n_ox, nm, d = 3.87 - 0.0146j, 1.457, 632.8, 100.0
+    sine = np.sin(np.radians(70.0))
+    cos_air, cos_ox, cos_si = (np.sqrt(1 - (sine / n) ** 2 + 0j) for n in (1.0, n_ox, n_si))
+
+    def fresnel(n_1, c_1, n_2, c_2):
+        return (n_2 * c_1 - n_1 * c_2) / (n_2 * c_1 + n_1 * c_2), (n_1 * c_1 - n_2 * c_2) / (n_1 * c_1 + n_2 * c_2)
+
+    top, bottom = fresnel(1.0, cos_air, n_ox, cos_ox), fresnel(n_ox, cos_ox, n_si, cos_si)
+    turn = np.exp(-4j * np.pi * d / nm * n_ox * cos_ox)
+    p, s = ((a + b * turn) / (1 + a * b * turn) for a, b in zip(top, bottom, strict=True))
+    found = films.amplitudes([(n_ox, d)], nm, 70.0, substrate=np.conj(n_si))
+    assert found.psi_deg == pytest.approx(np.degrees(np.arctan(abs(p / s))), abs=1e-9)
+    assert found.delta_deg == pytest.approx(np.degrees(np.angle(p / s)) % 360, abs=1e-9)
+    # A native oxide of 2 nm lowers Delta of silicon by about 6 degrees.
+    bare, thin = (films.amplitudes(layers, nm, 70.0, substrate=np.conj(n_si)).delta_deg for layers in ([], [(n_ox, 2.0)]))
+    assert 170 < thin < bare - 4 < 180
+
+
+def test_derivatives_equal_differences():
+    variables = [("thickness", 2), ("n", 0), ("k", 1), ("n", "substrate"), ("k", "substrate")]
+    si, cr, al = films.index("Si3N4", LIGHT_NM), films.index("Cr:Johnson", LIGHT_NM), films.index("Al", LIGHT_NM)
+
+    def stack(d=0.0, n=0.0, k=0.0):
+        return [(si + n, 55.9), (cr + 1j * k, 12.15), ("SiO2", GAP_STACK[2][1] + d), ("air", 190.0)]
+
+    found = films.derivatives(stack(), LIGHT_NM, LIGHT_THETA, by=variables)
+    assert found.derivatives.shape == (5, 16, 3, 5) and found.variables == variables
+    np.testing.assert_allclose(found.reflectance, films.reflectance(stack(), LIGHT_NM, LIGHT_THETA), atol=1e-12)
+    steps = [({"d": 1e-4}, 0, 0), ({"n": 1e-6}, 0, 0), ({"k": 1e-6}, 0, 0), ({}, 1e-6, 0), ({}, 0, 1e-6)]
+    for at, (change, dn, dk) in enumerate(steps):
+        step = max([*change.values(), dn, dk])
+        above = films.reflectance(stack(**change), LIGHT_NM, LIGHT_THETA, substrate=al + dn + 1j * dk)
+        below = films.reflectance(stack(**{name: -one for name, one in change.items()}), LIGHT_NM, LIGHT_THETA, substrate=al - dn - 1j * dk)
+        np.testing.assert_allclose(found.derivatives[..., at], (above - below) / (2 * step), atol=1e-8)
+    # Points in any arrangement: the thickness along the longest axis, and single points.
+    thick = np.linspace(0, 100, 7)
+    line = films.derivatives([("SiO2", thick)], 550.0, 20.0)
+    for i, d in enumerate(thick):
+        assert line.derivatives[i, 0] == pytest.approx(films.derivatives([("SiO2", d)], 550.0, 20.0).derivatives[0], abs=1e-12)
+    assert np.array_equal(found.derivatives, films.derivatives(stack(), LIGHT_NM, LIGHT_THETA, by=variables, threads=1).derivatives)
+
+
+def test_medium_of_incidence_is_a_material():
+    glass = films.index("SiO2", LIGHT_NM).real
+    np.testing.assert_array_equal(
+        films.reflectance(GAP_STACK, LIGHT_NM, LIGHT_THETA, incidence="SiO2"), films.reflectance(GAP_STACK, LIGHT_NM, LIGHT_THETA, incidence=glass)
+    )
+
+
+@pytest.mark.parametrize(
+    ("call", "says"),
+    [
+        (lambda: films.power([("SiO2", 1.0), (1.5 - 0.1j, 10.0)], 550.0), r"layers\[1\]: n = 1.5, k = -0.1; expected n and k of 0 or more"),
+        (lambda: films.power([], 550.0, 90.0), "theta_deg: 90 is out of range; expected 0 to less than 90"),
+        (lambda: films.power([], 550.0, incidence="Al"), "incidence: k = .*; expected a transparent medium"),
+        (lambda: films.derivatives([("SiO2", 1.0)], 550.0, by=[("n", 1)]), r"by\[0\]: expected 0 to 0"),
+        (lambda: films.derivatives([], 550.0, by=[("thickness", "substrate")]), r"by\[0\]: the substrate has no thickness"),
+        (lambda: films.derivatives([], 550.0, by=["n"]), r"by\[0\]: expected a variable"),
+    ],
+)
+def test_wrong_arguments_of_waves_are_named(call, says):
+    with pytest.raises(papilio.ArgumentError, match=f"^{says}"):
+        call()
+
+
+def test_material_is_described_with_its_source():
+    described = films.material_info("tio2")
+    assert (described["name"], described["page"]) == ("TiO2", "main/TiO2/Siefke")
+    at = described["wavelength_nm"] == 550.0
+    np.testing.assert_allclose(films.index("TiO2", 550.0), described["n"][at][0] + 1j * described["k"][at][0])
+    with pytest.raises(ArgumentError, match="did you mean `Al`"):
+        films.index("Aluminium", 550.0)
+    assert {"Nb2O5", "PMMA", "Mo"} <= set(films.material_names())

@@ -1,14 +1,18 @@
 //! The best design computed by the Monte Carlo solver too, which shares no integration with adding.
 
 use papilio_design::search::{Search, SelectedDesign};
+use papilio_display::result::RunResult;
 use papilio_display::scene::{Method, Stop};
 use serde_json::{Value, json};
 
-use crate::Failure;
 use crate::run::with_progress;
+use crate::{Failure, print_message};
 
 /// Relative standard error of Y by the Monte Carlo solver.
 const RELATIVE_ERROR: f64 = 0.001;
+
+/// Contrast to black below which a note mentions a state.
+const LEAST_CONTRAST: f64 = 1.5;
 
 /// A quantity computed by both solvers.
 pub(super) struct SolverComparison {
@@ -36,6 +40,30 @@ impl SolverComparison {
     }
 }
 
+/// Prints a note on the states that are hardly brighter than black, under any condition and in any view.
+fn note_dark_states(results: &[RunResult]) {
+    let mut dark: Vec<(&str, f64)> = Vec::new();
+    for view in results.iter().flat_map(|result| &result.views) {
+        for (name, state) in view.states.iter().filter(|(name, _)| *name != "black") {
+            let Some(contrast) = state.value.contrast.filter(|contrast| *contrast < LEAST_CONTRAST) else {
+                continue;
+            };
+            match dark.iter_mut().find(|(known, _)| *known == name) {
+                Some((_, least)) => *least = least.min(contrast),
+                None => dark.push((name, contrast)),
+            }
+        }
+    }
+    if let Some((first, _)) = dark.first() {
+        let all: Vec<String> = dark.iter().map(|(name, contrast)| format!("{name} {contrast:.2}")).collect();
+        print_message(&format!(
+            "note: states of the best design that are hardly brighter than black, with their contrast to it: {}\n  = help: a constraint \
+             prevents this: metric = \"{first}.contrast\", at_least = 2",
+            all.join(", ")
+        ));
+    }
+}
+
 /// Computes a design by the Monte Carlo solver under every condition; `None` if interrupted.
 pub(super) fn check(
     search: &Search,
@@ -55,6 +83,7 @@ pub(super) fn check(
             _ => return Ok(None),
         }
     }
+    note_dark_states(&results);
     let checked = study.quantities.iter().zip(&best.values).map(|(quantity, adding)| SolverComparison {
         name: quantity.name.clone(),
         adding: *adding,

@@ -3,7 +3,8 @@
 /// Smallest value on a logarithmic axis, relative to the largest.
 const LOGARITHMIC_REACH: f64 = 1e-6;
 
-/// Smallest and largest number that labels of a logarithmic axis write without an exponent.
+/// Smallest and largest number that labels of a logarithmic axis write without an exponent; a tenth of the smallest where there
+/// are labels between the powers of ten.
 const SHORT: [f64; 2] = [0.01, 10_000.0];
 
 /// Smallest space between two labels, px.
@@ -64,7 +65,8 @@ impl Axis {
         let high = round.iter().copied().find(|tick| *tick >= max * (1.0 - 1e-9))?;
         let ticks: Vec<f64> = round.into_iter().filter(|tick| (low..=high).contains(tick)).collect();
         // All labels of an axis have the same form: powers of ten, unless all numbers are short.
-        let is_short = |tick: &f64| (0.99 * SHORT[0]..=1.01 * SHORT[1]).contains(tick);
+        let least = if steps.len() > 1 { 0.1 * SHORT[0] } else { SHORT[0] };
+        let is_short = |tick: &f64| (0.99 * least..=1.01 * SHORT[1]).contains(tick);
         let plain = ticks.iter().all(is_short);
         let named = |tick: f64| if plain { written(tick, tick) } else { power(tick, 0) };
         let ticks = ticks.into_iter().map(|tick| (tick, named(tick))).collect();

@@ -69,7 +69,7 @@ pub fn compared_spectra(all: &Comparison, view: &ViewComparison, title: &str) ->
 pub fn compared_gamuts(all: &Comparison, view: &ViewComparison, title: &str) -> String {
     let states = states_of(all, view);
     let height = Diagram::Uv.height(WIDTH);
-    let mut svg = Svg::new(WIDTH + 90.0, height + 112.0).titled(&caption(title, view));
+    let mut svg = Svg::new(WIDTH + 90.0, height + 130.0).titled(&caption(title, view));
     let panel = chromaticity::with_locus(&mut svg, Diagram::Uv, DIAGRAM, WIDTH);
     let uv = |colour: &Colour| Some((colour.u_prime?, colour.v_prime?));
     let mut triangles = Vec::new();
@@ -104,11 +104,12 @@ pub fn compared_gamuts(all: &Comparison, view: &ViewComparison, title: &str) -> 
     let percent = |value: Option<f64>| value.map_or("-".to_owned(), |value| format!("{value:.1}"));
     let [srgb, ebu] = [view.gamut_percent_srgb, view.gamut_percent_ebu].map(|sides| sides.map(percent));
     let note = format!(
-        "gamut area in u\u{2032}v\u{2032}: {} % of sRGB, {} % of EBU simulated, {} % and {} % measured; discs: simulated, rings: \
-         measured",
+        "gamut area in u\u{2032}v\u{2032}: {} % of sRGB, {} % of EBU simulated, {} % and {} % measured",
         srgb[0], ebu[0], srgb[1], ebu[1]
     );
-    svg.text((panel.origin.0 - 40.0, panel.bottom() + 58.0), &note, Text::new(SMALL, INK));
+    svg.text((panel.origin.0, panel.bottom() + 58.0), &note, Text::new(SMALL, INK));
+    let marks = "discs: simulated, rings: measured";
+    svg.text((panel.origin.0, panel.bottom() + 76.0), marks, Text::new(SMALL, INK));
     svg.finish()
 }
 

@@ -69,7 +69,7 @@ fn list(svg: &mut Svg, room: &AmbientLight) {
         } else {
             format!(", azimuth {}", degrees(source.phi_deg))
         };
-        (format!("directed, from {}{azimuth}", degrees(source.theta_deg)), source.illuminance_lx)
+        (format!("directed, {}{azimuth}", degrees(source.theta_deg)), source.illuminance_lx)
     });
     let of = room.environment_lx.len();
     let name =

@@ -49,12 +49,15 @@ fn grey_overview(result: &RunResult, view: &View, distance: f64, title: &str) ->
     let constant = view.states.iter().all(|(_, state)| {
         state.value.reflectance_factor.as_ref().is_some_and(|spectrum| is_constant(spectrum))
     });
-    let height = if constant { 12.0 } else { 360.0 };
+    let height = if constant { -16.0 } else { 360.0 };
     let mut svg = Svg::new(640.0, below + height + 30.0).titled(title);
     svg.text((20.0, 16.0), &headline(result, view), Text::new(14.0, INK));
     patches::draw(&mut svg, result, view, (20.0, top), side);
-    let mut note =
-        format!("No state differs from the light by more than {distance:.4} in u\u{2032}v\u{2032}");
+    let mut note = if distance < 5e-4 {
+        "All states have the colour of the light".to_owned()
+    } else {
+        format!("No state differs from the light by more than {distance:.3} in u\u{2032}v\u{2032}")
+    };
     if constant {
         note.push_str("; reflectance factors are the same at all wavelengths");
     } else {

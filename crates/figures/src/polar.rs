@@ -252,9 +252,12 @@ pub(crate) fn colour_bar(svg: &mut Svg, scale: &Axis, (left, top): Point, height
         // A little higher than it is, so that no seam shows.
         svg.rect((left, to), (WIDTH, (from - to + 0.5).min(bottom - to)), 0.0, colour, "");
     }
-    for (tick, text) in scale.ticks() {
+    for (tick, _) in scale.ticks() {
         let y = bottom - height * scale.fraction(*tick);
         svg.line((left + WIDTH, y), (left + WIDTH + 3.0, y), &Stroke::solid(INK, 0.8));
+    }
+    for (tick, text) in scale.labelled(height, |_| SMALL - 1.0) {
+        let y = bottom - height * scale.fraction(tick);
         svg.text((left + WIDTH + 6.0, y + 4.0), text, Text::new(SMALL - 1.0, INK));
     }
 }

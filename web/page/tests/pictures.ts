@@ -5,7 +5,7 @@ import { join } from "node:path";
 import { ROOT, settled, stage } from "./e2e/stage.ts";
 
 const on = await stage();
-const SIZE = { viewport: { width: 1280, height: 860 } };
+const SIZE = { viewport: { width: 1440, height: 900 } };
 const to = (name: string) => join(ROOT, `docs/pictures/web-${name}.png`);
 
 const page = await on.visit(SIZE);
@@ -32,7 +32,7 @@ await settled(page);
 await page.locator(".tabs").screenshot({ path: to("walk") });
 
 // An uploaded measured diffuser.
-await page.setViewportSize({ width: 1280, height: 1300 });
+await page.setViewportSize({ width: 1440, height: 1900 });
 await page.locator("input[type=file]").first().setInputFiles(join(ROOT, "scenarios/data/H65.bsdf"));
 await page.locator(".file .words").waitFor({ timeout: 60_000 });
 await settled(page);

@@ -38,14 +38,10 @@ fn trace(title: &str, search: &Search, results: &[SearchResult], selected: &[Sel
     let last = |result: &SearchResult| result.trace.last().copied().unwrap_or(f64::NAN);
     let highest = tasks.last().map_or(f64::NAN, |result| last(result));
     let equal = tasks.iter().filter(|one| (last(one) - highest).abs() <= EQUAL * highest.abs()).count();
-    let name = |task: usize| match equal.saturating_sub(1) {
-        0 => format!("best: task {task}"),
-        others => format!("best: {task} (+ {others} equal)"),
-    };
     let curve = |result: &&SearchResult| {
         let is_best = Some(result.task) == best;
         ChartCurve {
-            name: if is_best { name(result.task) } else { String::new() },
+            name: if is_best { format!("best: task {}", result.task) } else { String::new() },
             hue: if is_best { Hue::Group(0) } else { Hue::Grey },
             dashed: false,
             marks: false,
@@ -81,6 +77,7 @@ fn trace(title: &str, search: &Search, results: &[SearchResult], selected: &[Sel
         2..=MOST_CURVES => format!("{count} tasks that met the constraints"),
         _ => format!("{MOST_CURVES} of the {count} tasks that met the constraints"),
     };
+    let lines = if equal > 1 { format!("{lines}; {equal} reach the best value") } else { lines };
     chart(&all, &titled(title, &lines))
 }
 

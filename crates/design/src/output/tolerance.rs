@@ -114,7 +114,7 @@ pub fn tolerance_figures(
         drawn.extend(svg.map(|svg| (format!("tolerance_{}", file_name(&metric.name)), svg)));
     }
     let metrics: Vec<String> = report.metrics.iter().map(|metric| label(&metric.name).to_string()).collect();
-    let quantity = |name: &String| label(name).quantity;
+    let quantity = |name: &String| capitalised(&label(name).quantity);
     let groups: Vec<String> = report
         .groups
         .iter()

@@ -46,7 +46,8 @@ pub fn cone(scene: &Scene, grid: ConeGrid, control: &Control<'_>) -> Result<Cone
     let finest = finest(&setup.stack)?;
     let equivalent = equivalent_azimuths(&grid.phi_deg, &scene.lighting);
     let angle_index = angle_index(scene)?;
-    let survey = Survey { run, equivalent, grid, reference, finest, angle_index };
+    let views_deg = views_deg(scene);
+    let survey = Survey { run, equivalent, grid, reference, views_deg, finest, angle_index };
     survey.run(pool).unwrap_or(Err(DisplayError::Interrupted))
 }
 
@@ -57,6 +58,8 @@ struct Survey<'a> {
     equivalent: Vec<usize>,
     /// View with which the colours of the others are compared.
     reference: ViewPoint,
+    /// Directions of the scene's own views.
+    views_deg: Vec<[f64; 2]>,
     /// Finest level that can be computed for the layers.
     finest: usize,
     /// Index of the medium of the angles.
@@ -124,7 +127,7 @@ impl Survey<'_> {
             states: self.run.setup.states.clone(),
             views,
             lights: self.run.scene.lighting.directed.iter().map(light).collect(),
-            views_deg: views_deg(self.run.scene),
+            views_deg: self.views_deg,
             nodes,
             discretisation_error: worst,
             row_errors: RowErrors { relative, target, allowed: None },

@@ -37,7 +37,11 @@ fn scenes() -> Vec<(&'static str, Scene)> {
             "a diffuser that reflects",
             scene(
                 "reflecting-diffuser",
-                &["display.diffuser.reflection.mirror=0.2", "display.diffuser.width=0.1"],
+                &[
+                    "display.diffuser.reflection.total_reflectance=0.05",
+                    "display.diffuser.reflection.mirror=0.2",
+                    "display.diffuser.width=0.1",
+                ],
             ),
         ),
     ]

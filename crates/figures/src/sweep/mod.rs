@@ -6,6 +6,8 @@ mod scale;
 
 pub use of_sweep::of_sweep;
 
+use papilio_display::uncapitalised;
+
 use self::scale::{Cells, Side};
 use crate::axis::{Axis, range};
 use crate::colour_map::viridis;
@@ -41,6 +43,8 @@ pub struct SweepFigure {
 
 /// Ratio of the largest to the smallest value above which the axis is logarithmic.
 const WIDE: f64 = 30.0;
+/// Largest width of the heading of the curves, px.
+const HEADING: f64 = 600.0;
 /// The panel, px.
 const PANEL: (Point, Point) = ((96.0, 24.0), (470.0, 330.0));
 
@@ -84,15 +88,14 @@ pub fn sweep_curves(figure: &SweepFigure, title: &str) -> String {
         }
     }
     if let Some(y) = &figure.y {
-        let heading = Text::new(SMALL - 1.0, "#777777");
-        svg.text(
-            (panel.right() + 16.0, panel.origin.1 - 12.0),
-            &shortened(&y.name, 136.0, SMALL - 1.0),
-            heading,
-        );
+        let heading = Text::new(SMALL - 1.0, "#777777").anchor(Anchor::End);
+        let name = format!("Curves: {}", uncapitalised(&y.name));
+        svg.text((704.0, panel.origin.1 - 12.0), &shortened(&name, HEADING, SMALL - 1.0), heading);
     }
     if barred {
-        panel.note(&mut svg, "bars: \u{b1} one standard error");
+        // On the left: the heading of the curves is on the right.
+        let style = Text::new(SMALL - 1.0, "#777777").halo();
+        svg.text((panel.origin.0 + 4.0, panel.origin.1 + 10.0), "bars: \u{b1} one standard error", style);
     }
     end_labels(&mut svg, &panel, outside);
     let borrowed: Vec<&[Point]> = lines.iter().map(Vec::as_slice).collect();

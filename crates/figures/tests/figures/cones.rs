@@ -93,6 +93,24 @@ fn colour_differences_are_drawn_with_their_reference() {
     assert_eq!(cone_differences(&undefined, TITLE), None);
 }
 
+/// The image of the sun in one direction does not determine the scale; its value and its place are stated.
+#[test]
+fn narrow_mirror_image_does_not_determine_the_scale() {
+    let ConeGrid { theta_deg, phi_deg, .. } = ConeGrid::default();
+    let mut sun = synthetic::cone(&theta_deg, &phi_deg);
+    assert!(!cone(&sun, TITLE).unwrap().contains("up to"));
+    for state in &mut sun.views[45].states {
+        (state.luminance_cd_m2, state.reflectance_factor_y) = (4.2e7, 5e3);
+    }
+    let svg = cone(&sun, TITLE).unwrap();
+    assert_texts(
+        &svg,
+        &["up to 4.2×10⁷", "up to 5000", "at 45\u{b0}, azimuth 0\u{b0}", "direction of the view"],
+    );
+    let texts = texts(&svg);
+    assert!(!texts.iter().any(|text| text == "10⁷"), "{texts:?}");
+}
+
 /// Directions on a line give no map; half a circle, a few spokes or a ring do.
 #[test]
 fn directions_without_area_give_no_map() {

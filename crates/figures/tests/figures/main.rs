@@ -413,7 +413,7 @@ fn gamut_rings_need_requested_volume() {
     assert_eq!(gamut_rings(&run, &run.views[0], TITLE), None);
     run.views[0].metrics.gamut_volume_cielab = Some(51_234.0);
     let svg = gamut_rings(&run, &run.views[0], TITLE);
-    assert_texts(&svg.unwrap(), &[TITLE, "L* 100", "volume 51234"]);
+    assert_texts(&svg.unwrap(), &[TITLE, "L* 10", " to 100", "volume 51234"]);
     // Without one of the eight corners there is no volume.
     run.views[0].states.0.retain(|(name, _)| name != "cyan");
     assert_eq!(gamut_rings(&run, &run.views[0], TITLE), None);
@@ -497,7 +497,7 @@ fn figure_of_light_lists_sources_and_directions() {
             "Light from each direction",
             "250 lx",
             "33.3 lx",
-            "directed, from -30\u{b0}, azimuth 10\u{b0}",
+            "directed, -30\u{b0}, azimuth 10\u{b0}",
             "403 lx",
             "mirror direction of a view",
         ],

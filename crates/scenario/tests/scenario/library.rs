@@ -33,6 +33,7 @@ fn files_in_memory_and_on_disk_give_the_same_results() {
         "map-regions",
         "epaper-measured",
         "own-material",
+        "own-files",
         "table-pixel",
     ];
     for name in names.into_iter().chain(names) {

@@ -192,9 +192,9 @@ impl ReflectingDiffuser {
         for bin in 0..above.len() {
             let indices = [above[bin], below[bin]];
             for (side, index) in indices.into_iter().enumerate() {
-                for step in 0..=STEPS {
-                    // Uniform in angle, up to just above the horizon.
-                    let beta = index * (0.5 * PI * step as f64 / STEPS as f64).sin().min(1.0 - 1e-9);
+                for step in 0..STEPS {
+                    // Uniform in angle, to 89 deg: at the horizon itself, formulas such as that of Ward (1992) diverge.
+                    let beta = index * (0.5 * PI * step as f64 / STEPS as f64).sin();
                     let total = self.total(bin, indices, side, beta);
                     if total > largest.0 {
                         largest = (total, beta, side == 1);

@@ -155,8 +155,13 @@ test("Ctrl+Z in the box of a number is the undo of the design", async () => {
   await type(page, TRANSMITTANCE, "0.8");
   await settled(page);
   await page.keyboard.press("Control+z");
+  const shows = (path: string, value: string) =>
+    page.waitForFunction(([id, value]) => (document.getElementById(id) as HTMLInputElement | null)?.value === value, [
+      `f-${path}`,
+      value,
+    ] as const);
+  await shows(TRANSMITTANCE, "0.9");
   await settled(page);
-  assert.equal(await page.locator(`[id="f-${TRANSMITTANCE}"]`).inputValue(), "0.9");
   await page.keyboard.press("Control+z");
   await page.waitForFunction(
     (first) => document.querySelector('[data-figure="Gamut % sRGB"] b')?.textContent === first,
@@ -251,6 +256,7 @@ test("every figure and every table can be saved", { timeout: 240_000 }, async ()
     }
     if (tab === "cone") await page.locator("#tab-panel img.drawn").first().waitFor({ timeout: 60_000 });
     await settled(page);
+    await page.locator("#tab-panel .download").first().waitFor({ timeout: 60_000 });
     await page.waitForFunction(() => !document.querySelector('#tab-panel [data-age="computing"]'));
     const menus = await page.locator(tab === "states" ? ".download" : "#tab-panel .download").all();
     assert.ok(menus.length > 0, tab);

@@ -1,0 +1,54 @@
+"""The common protocol of results, and tables of arrays over labelled axes."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, KeysView, Mapping, Sequence
+from typing import TYPE_CHECKING, Any, Protocol, runtime_checkable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .figure import Figure
+
+if TYPE_CHECKING:
+    import pandas
+    import xarray
+
+__all__ = ["AnyResult", "long_table"]
+
+
+@runtime_checkable
+class AnyResult(Protocol):
+    """What every result has: `Result`, `Cone`, `Reflection`, `Brdf`, `Evaluated`, `Absorption`, `Optimum`, `Yield`, `Diffuser`.
+
+    Arrays by name (``found["Y"]``, ``in``, iteration, ``keys()``, ``get``), the same as tables, figures, and what the program has to say.
+    """
+
+    @property
+    def warnings(self) -> list[str]:
+        """Warnings; each was also raised as a `papilio.PapilioWarning`."""
+
+    @property
+    def notes(self) -> list[str]:
+        """Notes on data that were measured, assumed or scaled."""
+
+    def __getitem__(self, name: str, /) -> NDArray[Any]: ...
+    def __contains__(self, name: object, /) -> bool: ...
+    def __iter__(self) -> Iterator[str]: ...
+    def keys(self) -> KeysView[str]: ...
+    def to_xarray(self) -> xarray.Dataset: ...
+    def to_pandas(self) -> pandas.DataFrame: ...
+    def figures(self) -> dict[str, Figure]: ...
+
+
+def long_table(labels: Mapping[str, Sequence[Any] | NDArray[Any]], arrays: Mapping[str, tuple[tuple[str, ...], NDArray[Any]]]) -> pandas.DataFrame:
+    """Returns a table with a row for each combination of labels, and a column for each array; arrays over some of the axes are repeated."""
+    import pandas
+
+    index = pandas.MultiIndex.from_product([list(one) for one in labels.values()], names=list(labels))
+    shape = [len(one) for one in labels.values()]
+    columns = {}
+    for name, (dims, values) in arrays.items():
+        spread = values.reshape([length if axis in dims else 1 for axis, length in zip(labels, shape, strict=True)])
+        columns[name] = np.broadcast_to(spread, shape).reshape(-1)
+    return pandas.DataFrame(columns, index=index)

@@ -1,0 +1,103 @@
+"""All results have the same methods and names."""
+
+import warnings
+
+import numpy as np
+import pytest
+
+import papilio
+
+xarray = pytest.importorskip("xarray")
+pytest.importorskip("pandas")
+
+COARSE = {"spectrum.step_nm": 50}
+
+
+@pytest.fixture(scope="module")
+def results():
+    from conftest import ROOT
+
+    indoor = ROOT / "scenarios" / "indoor.toml"
+    few = {"tolerance.samples": 64, "tolerance.sensitivity_samples": 4}
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        return {
+            "Result": papilio.run(indoor, set=COARSE),
+            "Cone": papilio.cone(indoor, theta_deg=[0, 20, 40], phi_deg=[0, 90, 180, 270], set=COARSE),
+            "Reflection": papilio.reflection(indoor, set=COARSE),
+            "Brdf": papilio.brdf(indoor, step_deg=30, set=COARSE),
+            "Absorption": papilio.absorption(indoor, set=COARSE),
+            "Evaluated": papilio.sweep(indoor, {"display.pixel.gap_nm.red": [265.0, 275.9]}, ["red.Y"]),
+            "Yield": papilio.tolerance(ROOT / "scenarios" / "tolerance.toml", set=few),
+            "Optimum": papilio.optimize(ROOT / "scenarios" / "optimize.toml", set={"optimize.evaluations": 20, "optimize.starts": 1}),
+            "Diffuser": papilio.diffuser.Diffuser(ROOT / "scenarios" / "data" / "H78.bsdf"),
+        }
+
+
+NAMES = ["Result", "Cone", "Reflection", "Brdf", "Absorption", "Evaluated", "Yield", "Optimum", "Diffuser"]
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_result_follows_protocol(results, name):
+    found = results[name]
+    assert type(found).__name__ == name and isinstance(found, papilio.AnyResult)
+    names = list(found)
+    assert names and names == list(found.keys()) and len(names) == len(found)
+    assert all(one in found and isinstance(found[one], np.ndarray) for one in names)
+    assert "nothing" not in found and found.get("nothing") is None and 5 not in found
+    with pytest.raises(KeyError, match="nothing"):
+        found["nothing"]
+    assert not found[names[-1]].flags.writeable
+    assert all(isinstance(text, str) for text in (*found.warnings, *found.notes))
+    figures = found.figures()
+    assert all(isinstance(figure, papilio.Figure) and figure.svg.startswith("<svg") for figure in figures.values())
+    assert figures
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_tables_have_units_and_names(results, name):
+    found = results[name]
+    arrays, table = found.to_xarray(), found.to_pandas()
+    for one, variable in arrays.variables.items():
+        if one not in ("design", "display"):
+            assert "long_name" in variable.attrs, one
+    assert len(table) > 0
+    quantities = [one for one in table.columns if one in arrays.data_vars]
+    assert quantities or name == "Evaluated"
+    assert {"warnings", "notes"} <= set(arrays.attrs)
+
+
+def test_number_has_one_name(results):
+    """The names of keys, Datasets and tables agree; names of files are accepted."""
+    result = results["Result"]
+    arrays, table = result.to_xarray(), result.to_pandas()
+    assert set(arrays.data_vars) - {"radiance_of_white"} <= set(result.keys())
+    for name in ("Y_discretisation_error", "contrast", "u_prime"):
+        np.testing.assert_array_equal(arrays[name].values.reshape(-1), table[name])
+        np.testing.assert_array_equal(arrays[name].values, result[name])
+    for other in ("discretisation_error.Y", "Y_de"):
+        assert other in result and np.array_equal(result[other], result["Y_discretisation_error"])
+    np.testing.assert_array_equal(result["white.Y_de"], result["white.discretisation_error.Y"])
+    assert "Y_de" in result.to_pandas(short_errors=True)
+
+
+def test_views_as_product_of_angles(scenarios):
+    views = {"viewer.theta_deg": [0, 20, 40], "viewer.phi_deg": [0, 90], **COARSE}
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        result = papilio.run(scenarios / "indoor.toml", set=views)
+    flat, product = result.to_xarray(), result.to_xarray(directions=True)
+    assert product.Y.dims == ("phi_deg", "theta_deg", "state")
+    for at in range(6):
+        one = flat.isel(view=at)
+        np.testing.assert_array_equal(one.Y, product.Y.sel(theta_deg=one.theta_deg.item(), phi_deg=one.phi_deg.item()))
+
+
+def test_sensitivities_and_fits_are_tables(results):
+    table = results["Yield"].sensitivities()
+    assert list(table.index.names) == ["metric", "group"] and len(table) > 1 and table["first"].notna().any()
+    report = results["Yield"].report
+    assert table["total"].iloc[0] == report["metrics"][0]["indices"][0]["total"]["value"]
+    assert results["Yield"].keys == results["Yield"].varied  # the old meaning of the name
+    fits = results["Diffuser"].fits("k-correlation (s = 3)")
+    assert set(fits["name"]) == {"transmittance", "width"} and {"value", "unit"} <= set(fits.columns)
