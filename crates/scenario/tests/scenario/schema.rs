@@ -40,7 +40,7 @@ fn valid(schema: &Value, root: &Value, value: &Value) -> bool {
                 object.iter().filter(|(key, _)| known.is_none_or(|known| known.get(key).is_none()));
             others.all(|(_, value)| valid(with, root, value))
         }),
-        "$schema" | "$defs" | "title" | "description" | "default" | "examples" | "format" => true,
+        "$schema" | "$defs" | "title" | "description" | "default" | "examples" | "format" | "x-unit" => true,
         other => panic!("an unknown rule: {other}"),
     })
 }
