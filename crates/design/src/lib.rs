@@ -7,13 +7,13 @@
 //! ```
 //! use papilio_design::{Condition, Evaluator, Key, NamedQuantity, Quantity, Study, Values, Variable};
 //! use papilio_display::scene::Metric;
-//! use papilio_scenario::{Varied, new_scenario};
+//! use papilio_scenario::{ParameterisedScenario, new_scenario};
 //! use std::path::Path;
 //! use std::sync::{Arc, atomic::AtomicBool};
 //!
 //! let text = new_scenario("indoor").unwrap();
 //! let gap = "display.pixel.gap_nm.red".to_owned();
-//! let varied = Varied::from_text(&text, "indoor.toml", Path::new(""), &[], &[gap.clone()])?;
+//! let varied = ParameterisedScenario::from_text(&text, "indoor.toml", Path::new(""), &[], &[gap.clone()])?;
 //! let gamut = Quantity::Metric { view: 0, state: None, metric: Metric::gamut_percent_srgb };
 //! let study = Study {
 //!     conditions: vec![Condition { name: String::new(), varied }],

@@ -38,7 +38,7 @@
 //!     viewer: Viewer { theta_deg: vec![0.0], phi_deg: vec![0.0], field_deg: 0.1, distance_mm: 500.0 },
 //!     metrics: Metrics::default(),
 //!     solver: Solver {
-//!         method: Method::Walk,
+//!         method: Method::MonteCarlo,
 //!         stop: Stop::RelativeError { target: 0.001, per_wavelength: false },
 //!         sampler: Sampler::Sobol,
 //!         scattering: Strategy::Kernel,

@@ -14,9 +14,9 @@
 //! order (padding). A set of best candidates has at most 4096 points; further paths use further sets.
 //!
 //! ```
-//! use papilio_sampling::{Numbers, Sampler};
+//! use papilio_sampling::{SampleStream, Sampler};
 //!
-//! let numbers = Numbers::new(Sampler::Sobol, 0, 7);
+//! let numbers = SampleStream::new(Sampler::Sobol, 0, 7);
 //! let mean = (0..4096).map(|path| numbers.block(path, 0)[0]).sum::<f64>() / 4096.0;
 //! assert!((mean - 0.5).abs() < 1e-4);
 //! ```

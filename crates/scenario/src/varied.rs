@@ -122,12 +122,12 @@ pub(crate) use read_of_scenarios;
 /// A scenario some of whose keys vary, for searches, tolerance analyses and batches of designs.
 ///
 /// ```
-/// use papilio_scenario::{Varied, new_scenario};
+/// use papilio_scenario::{ParameterisedScenario, new_scenario};
 /// use std::path::Path;
 ///
 /// let text = new_scenario("indoor").unwrap();
 /// let keys = ["display.pixel.film.1.thickness_nm".to_owned(), "viewer.theta_deg".to_owned()];
-/// let varied = Varied::from_text(&text, "indoor.toml", Path::new(""), &[], &keys)?;
+/// let varied = ParameterisedScenario::from_text(&text, "indoor.toml", Path::new(""), &[], &keys)?;
 /// let scene = varied.scenario(&[14.0.into(), 20.0.into()])?.resolve()?.scene;
 /// assert_eq!(scene.viewer.theta_deg, [20.0]);
 /// # Ok::<(), papilio_scenario::ScenarioErrors>(())

@@ -13,7 +13,7 @@
 //! order `[state][wavelength]`.
 //!
 //! ```
-//! use papilio_sampling::{Numbers, Sampler};
+//! use papilio_sampling::{SampleStream, Sampler};
 //! use papilio_transport::walk::Walk;
 //! use papilio_transport::{
 //!     AngularTable, Base, Cone, Front, Medium, Nodes, Panel, Reflector, Source, Stack, Top,
@@ -32,7 +32,7 @@
 //! let normal = Cone::new(0.0, 0.0, 0.0, 1.0);
 //! let walk = Walk::new(&stack, normal, &[Source::Diffuse]);
 //! let mut replicate = walk.replicate();
-//! walk.trace(&mut replicate, &Numbers::new(Sampler::Sobol, 0, 0), 1 << 14);
+//! walk.trace(&mut replicate, &SampleStream::new(Sampler::Sobol, 0, 0), 1 << 14);
 //! let rho = &walk.estimate(&replicate).rho[0];
 //! // r + (1 - r)^2 0.5 / (1 - 0.5 r) with r = 0.04.
 //! assert!((rho.via_pixel[0] + rho.front[0] - 0.510204).abs() < 1e-3);
