@@ -27,9 +27,12 @@ fn metric_advice(wrong: &str, known: &[String]) -> String {
         (false, true) => format!("the metrics are {}", own.join(", ")),
         (false, false) => format!("the metrics are {}; for a state {}", own.join(", "), others.join(", ")),
     };
+    let proposed = || format!("did you mean {}?", begin_so.join(" or "));
     match begin_so.len() {
         0 => near(&own).or_else(|| near(&others)).unwrap_or_else(list),
-        _ => format!("did you mean {}?", begin_so.join(" or ")),
+        1 => proposed(),
+        // Several longer names: the one that differs least, if it differs little.
+        _ => near(&own).unwrap_or_else(proposed),
     }
 }
 
@@ -47,6 +50,7 @@ mod tests {
         let known = [
             "contrast_ratio",
             "gamut_percent_srgb",
+            "gamut_percent_srgb_xy",
             "gamut_percent_ebu",
             "white.X",
             "white.Y",
@@ -55,7 +59,8 @@ mod tests {
         let known = known.map(str::to_owned);
         for (wrong, advice) in [
             ("contrast_ration", "did you mean `contrast_ratio`?"),
-            ("gamut", "did you mean `gamut_percent_srgb` or `gamut_percent_ebu`?"),
+            ("gamut", "did you mean `gamut_percent_srgb` or `gamut_percent_srgb_xy` or `gamut_percent_ebu`?"),
+            ("gamut_percent_srg", "did you mean `gamut_percent_srgb`?"),
             ("withe.l_star", "did you mean `white.L_star`?"),
             ("white.L", "did you mean `white.L_star`?"),
             ("white.contrast_ratio", "did you mean `contrast_ratio`?"),
