@@ -68,7 +68,7 @@ mod tests {
             ("white.chroma", "the metrics are white.X, white.Y, white.L_star"),
             (
                 "hue",
-                "the metrics are contrast_ratio, gamut_percent_srgb, gamut_percent_ebu; for a state white.X, white.Y, white.L_star",
+                "the metrics are contrast_ratio, gamut_percent_srgb, gamut_percent_srgb_xy, gamut_percent_ebu; for a state white.X, white.Y, white.L_star",
             ),
         ] {
             assert_eq!(metric_advice(wrong, &known), advice, "{wrong}");
