@@ -113,7 +113,7 @@ impl Units {
                 Some(("scale", _)) => {
                     let at = word.end - option.len() + "scale=".len();
                     self.scale = text.number(at..word.end)?;
-                    if !(self.scale > 0.0) {
+                    if self.scale.is_nan() || self.scale <= 0.0 {
                         let expected = "a number above 0";
                         let problem = Problem::OutOfRange { what: "the scale", value: self.scale, expected };
                         return Err(text.error(word, problem));
