@@ -301,7 +301,7 @@ fn display_metrics(view: &View) -> String {
     let contrast = view.metrics.contrast_ratio.map_or(String::new(), |contrast| {
         format!("  contrast ratio {}\n", measured(Some(contrast), error.contrast_ratio, 2))
     });
-    let gamut = GAMUTS.map(|(diagram, areas, coverage)| gamut(view, diagram, &areas, coverage)).concat();
+    let gamut: String = GAMUTS.iter().map(|diagram| gamut(view, diagram)).collect();
     let volume = view.metrics.gamut_volume_cielab.map_or(String::new(), |volume| {
         let volume = measured(Some(volume), error.gamut_volume_cielab, 0);
         format!("  gamut volume {volume} in CIELAB (sRGB: 819000)\n")
@@ -312,32 +312,38 @@ fn display_metrics(view: &View) -> String {
 /// A percentage of a view.
 type Percent = fn(&ViewMetrics) -> Option<f64>;
 
-/// Chromaticity diagrams, each with gamut areas relative to standards, and the coverage of sRGB.
-const GAMUTS: [(&str, [(&str, Percent); 4], Percent); 2] = [
-    (
-        "u'v'",
-        [
+/// Gamuts in a chromaticity diagram: areas relative to standards, and the coverage of sRGB.
+struct Gamuts {
+    diagram: &'static str,
+    areas: [(&'static str, Percent); 4],
+    coverage: Percent,
+}
+
+const GAMUTS: [Gamuts; 2] = [
+    Gamuts {
+        diagram: "u'v'",
+        areas: [
             ("sRGB", |m| m.gamut_percent_srgb),
             ("EBU", |m| m.gamut_percent_ebu),
             ("NTSC", |m| m.gamut_percent_ntsc),
             ("DCI-P3", |m| m.gamut_percent_dci_p3),
         ],
-        |m| m.coverage_percent_srgb,
-    ),
-    (
-        "xy",
-        [
+        coverage: |m| m.coverage_percent_srgb,
+    },
+    Gamuts {
+        diagram: "xy",
+        areas: [
             ("sRGB", |m| m.gamut_percent_srgb_xy),
             ("EBU", |m| m.gamut_percent_ebu_xy),
             ("NTSC", |m| m.gamut_percent_ntsc_xy),
             ("DCI-P3", |m| m.gamut_percent_dci_p3_xy),
         ],
-        |m| m.coverage_percent_srgb_xy,
-    ),
+        coverage: |m| m.coverage_percent_srgb_xy,
+    },
 ];
 
 /// Gamut areas in a diagram, in one line; empty if they are not defined.
-fn gamut(view: &View, diagram: &str, areas: &[(&str, Percent)], coverage: Percent) -> String {
+fn gamut(view: &View, Gamuts { diagram, areas, coverage }: &Gamuts) -> String {
     let shown = |of: &str, percent: Percent| {
         let value = Some(percent(&view.metrics)?);
         Some(format!("{} % of {of}", measured(value, percent(&view.standard_error), 2)))
@@ -346,7 +352,7 @@ fn gamut(view: &View, diagram: &str, areas: &[(&str, Percent)], coverage: Percen
     if areas.is_empty() {
         return String::new();
     }
-    let coverage = shown("sRGB", coverage).map_or(String::new(), |text| format!("; coverage {text}"));
+    let coverage = shown("sRGB", *coverage).map_or(String::new(), |text| format!("; coverage {text}"));
     format!("  gamut in {diagram}: area {}{coverage}\n", areas.join(", "))
 }
 

@@ -292,7 +292,8 @@ mod tests {
         let lines = |nm: f64| if [405.0, 436.0, 546.0, 578.0, 611.0].contains(&nm) { 50.0 } else { 0.3 };
         let own = LineSpectrum { grid: fine, means: Spectrum::from_fn(&fine, lines) };
         let observer = Observer::new(&fine).unwrap();
-        let cases: [(Between, fn(f64) -> f64); 2] = [
+        type Reflectance = fn(f64) -> f64;
+        let cases: [(Between, Reflectance); 2] = [
             (Between::Linear, |x| 0.4 + 0.3 * x),
             (Between::Cubic, |x| 0.4 + 0.3 * x - 0.6 * x * x + 0.2 * x * x * x),
         ];

@@ -167,7 +167,7 @@ fn light_hint(name: &str) -> String {
     let kelvin = name.trim().trim_end_matches(['K', 'k']).trim_end().trim_start_matches(['D', 'd']);
     let daylight = |kelvin: f64| format!("{{ daylight_K = {kelvin:.0} }}");
     let near = || did_you_mean(name, names());
-    match (&illuminants_called(name)[..], kelvin.parse::<u32>(), named_daylight_k(name)) {
+    match (illuminants_called(name), kelvin.parse::<u32>(), named_daylight_k(name)) {
         (_, Ok(kelvin), _) if (4000..=25_000).contains(&kelvin) => {
             format!("did you mean {} or {{ planck_K = {kelvin} }}?", daylight(kelvin.into()))
         }
