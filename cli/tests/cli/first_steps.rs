@@ -88,16 +88,7 @@ fn quiet_command_prints_warnings_errors_and_json_only() {
     assert!(stdout(&json).starts_with('{') && stderr(&json).is_empty());
     let warned = papilio_in(
         folder.path(),
-        &[
-            "run",
-            "s.toml",
-            "--quiet",
-            "--json",
-            "--set",
-            "spectrum.step_nm=20",
-            "--set",
-            "lighting.spectrum=LED-RGB1",
-        ],
+        &["run", "s.toml", "--quiet", "--json", "--set", "display.pixel.film.1.thickness_nm=0.3"],
     );
     assert!(
         stderr(&warned).contains("warning: ") && !stderr(&warned).contains("note: "),

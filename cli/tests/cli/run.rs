@@ -15,6 +15,7 @@ fn run_writes_results_and_prints_a_table() {
     assert!(output.status.success(), "{}", stderr(&output));
     let files = [
         "chromaticity.svg",
+        "chromaticity_xy.svg",
         "overview.svg",
         "patches.svg",
         "result.json",
