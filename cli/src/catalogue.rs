@@ -52,7 +52,24 @@ pub(crate) fn list_illuminants(arguments: &Catalogue) -> Result<(), Failure> {
         let all = illuminants();
         return all_of(arguments, "illuminants", &all, &illuminant_rows(&all));
     };
-    let sheet = illuminant_sheet(name).map_err(failure)?;
+    let sheet = match illuminant_sheet(name) {
+        Ok(sheet) => sheet,
+        Err(unknown) => {
+            let word = name.to_lowercase();
+            let like: Vec<IlluminantEntry> = illuminants()
+                .into_iter()
+                .filter(|entry| word.chars().count() > 2 && entry.what.to_lowercase().contains(&word))
+                .collect();
+            if like.is_empty() {
+                return Err(failure(unknown));
+            }
+            return all_of(arguments, "illuminants", &like, &illuminant_rows(&like));
+        }
+    };
+    let plain = |name: &str| name.to_lowercase().replace(['-', '_', ' '], "");
+    if plain(name) != plain(&sheet.entry.name) {
+        print_message(&format!("note: {name} is taken as {}", sheet.entry.name));
+    }
     let files = illuminant_files(&sheet);
     one_of(arguments, "illuminants", &sheet, &sheet.entry.name, &illuminant_text(&sheet), &files)
 }

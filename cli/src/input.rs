@@ -39,6 +39,9 @@ pub(crate) fn file(path: &Path) -> Result<DataFile, Failure> {
         taken.map(|_| bytes).map_err(|error| error.to_string())
     };
     match TEXT.get_or_init(read) {
+        Ok(bytes) if bytes.trim_ascii().is_empty() => {
+            Err(Failure::Input("standard input is empty\n  = help: expected a scenario (TOML)".to_owned()))
+        }
         Ok(bytes) => Ok(DataFile { name: STDIN_NAME.to_owned(), bytes: bytes.clone() }),
         Err(error) => Err(Failure::Input(format!("standard input cannot be read: {error}"))),
     }

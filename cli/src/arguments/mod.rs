@@ -218,12 +218,12 @@ pub(crate) struct Brdf {
 
 #[derive(Debug, Args)]
 pub(crate) struct Catalogue {
-    /// Name of one; for materials, a word of the description lists those that have it [default: list all]
+    /// One name, with its numbers and a figure; or a word, to list all whose descriptions contain it [default: list all]
     pub(crate) name: Option<String>,
     /// Print JSON on standard output; write files only if --out is given
     #[arg(long)]
     pub(crate) json: bool,
-    /// Folder for the table (CSV) and the figure (SVG) [default: out/materials or out/illuminants, with NAME alone]
+    /// Folder for the table (CSV) and the figure (SVG) [default: in out/, for one NAME; none for lists]
     #[arg(long, value_name = "DIR")]
     pub(crate) out: Option<PathBuf>,
 }

@@ -89,7 +89,7 @@ pub(crate) struct Tolerance {
 #[derive(Debug, Clone, Args)]
 pub(crate) struct SweepOutputs {
     /// Write only these columns of sweep.csv: those of states.csv (`Y,L_star,Y_se`), or metrics of a view and of one state
-    /// (`contrast_ratio,white.Y`) [default: all]
+    /// (`contrast_ratio,white.Y`); the terminal and the figures follow `sweep.figures` [default: all]
     #[arg(long, value_name = "NAME,...", value_delimiter = ',')]
     pub(crate) columns: Vec<String>,
     /// Print all points as JSON on standard output, and write the files as usual

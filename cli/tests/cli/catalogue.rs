@@ -65,6 +65,9 @@ fn words_list_materials_and_unknown_names_are_answered() {
     };
     let text = stdout(&papilio(&["materials", "MoCr"]));
     assert!(text.contains("Mo ") && text.contains("Cr:Sytchkova"), "{text}");
+    let text = stdout(&papilio(&["illuminants", "fluorescent"]));
+    assert!(text.contains("FL3.15") && !text.contains("LED-B1"), "{text}");
+    assert!(stderr(&papilio(&["illuminants", "TL84", "--json"])).contains("TL84 is taken as FL11"));
     wrong(&["materials", "kryptonite"], "names are listed by `papilio materials`");
     wrong(&["illuminants", "D93"], "{ daylight_K = 9305 }");
     wrong(&["illuminants", "FL13"], "did you mean");

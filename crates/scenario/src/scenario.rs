@@ -219,7 +219,10 @@ pub(crate) fn assemble(sources: &Sources, changes: &[Change]) -> Result<Assemble
     errors.check(sources)?;
     let idle = preset::named(&root).filter(|_| !at_first && !at_last);
     let warnings = idle.map(|name| {
-        format!("the preset \"{name}\" has no effect: the scenario sets all of its keys itself, and they take precedence")
+        format!(
+            "the preset \"{name}\" has no effect: the scenario sets all of its keys itself, and they take precedence; \
+             --set 'lighting={{ preset = \"{name}\" }}' replaces all of them"
+        )
     });
     let warnings = warnings.into_iter().collect();
     Ok(Assembled { root, warnings, notes: renamed::notes(&old) })
