@@ -169,7 +169,7 @@ def uv_prime(colours: ArrayLike) -> NDArray[np.float64]:
 
     Example:
         >>> papilio.colour.uv_prime([0.95042, 1.0, 1.08861]).round(4).tolist()
-        [0.1978, 0.4683]
+        [0.1978, 0.4684]
     """
     numbers = _arguments.reals("colours", colours, missing=True)
     _arguments.last_axis("colours", numbers, 3, "X, Y and Z")

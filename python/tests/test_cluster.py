@@ -115,7 +115,7 @@ def test_sweep_equals_grid(indoor, client):
     assert found["white.Y"][2, 0] == pytest.approx(one["white.Y"][0], rel=2e-3)  # the scenario's error
     pytest.importorskip("xarray")
     arrays = found.to_xarray()
-    assert dict(arrays.sizes) == {MATCHING: 3, "display.pixel.film.2.thickness_nm, display.pixel.film.3.thickness_nm": 2}
+    assert dict(arrays.sizes) == {MATCHING: 3, "display.pixel.film.2.thickness_nm, display.pixel.film.3.thickness_nm": 2, "state": 1}
     assert arrays["gamut_percent_srgb"].attrs["units"] == "%"
 
 

@@ -108,6 +108,7 @@ def test_ctrl_c_ends_only_main_thread(call, scenarios):
     """Two threads compute with one prepared display: the call of the main thread is interrupted, the other call is completed."""
     script = f"""
 import papilio, sys, threading, os, signal, time, numpy as np
+signal.signal(signal.SIGINT, signal.default_int_handler)
 prepared = papilio.Prepared(sys.argv[1])
 key, found = "display.pixel.film.0.thickness_nm", []
 calls = {{

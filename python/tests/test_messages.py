@@ -10,9 +10,9 @@ import pytest
 import papilio
 from papilio import PapilioWarning, Scenario, cluster
 
-#: Too few wavelengths for this spectrum.
-COARSE = {"spectrum.step_nm": 20, "lighting.spectrum": "LED-RGB1"}
-SAYS = "lighting.spectrum changes too fast for a step of 20 nm"
+#: A thickness that looks like micrometres.
+UNLIKELY = {"spectrum.step_nm": 20, "display.pixel.film.1.thickness_nm": 0.3}
+SAYS = "display.pixel.film.1.thickness_nm is 0.3 nm, which looks like micrometres"
 
 PRODUCTION = """
 [tolerance]
@@ -26,8 +26,8 @@ normal = { sigma = 1 }
 
 
 @pytest.fixture
-def coarse(scenarios):
-    return Scenario.load(scenarios / "indoor.toml").with_values(COARSE)
+def unlikely(scenarios):
+    return Scenario.load(scenarios / "indoor.toml").with_values(UNLIKELY)
 
 
 def heard(call):
@@ -40,10 +40,10 @@ def heard(call):
     return found, [str(one.message) for one in ours]
 
 
-def test_run_has_warnings_of_program(coarse, program, scenarios, tmp_path):
-    result, said = heard(lambda: papilio.run(coarse))
+def test_run_has_warnings_of_program(unlikely, program, scenarios, tmp_path):
+    result, said = heard(lambda: papilio.run(unlikely))
     assert said == result.warnings and any(text.startswith(SAYS) for text in said)
-    settings = [word for key, value in COARSE.items() for word in ("--set", f"{key}={value!r}".replace("'", '"'))]
+    settings = [word for key, value in UNLIKELY.items() for word in ("--set", f"{key}={value!r}".replace("'", '"'))]
     printed = subprocess.run(
         [program, "run", scenarios / "indoor.toml", *settings, "--out", tmp_path], capture_output=True, text=True, check=True
     ).stderr
@@ -61,20 +61,20 @@ def test_result_has_notes(scenarios):
 
 
 @pytest.mark.parametrize("kind", ["prepared", "cone", "reflection", "brdf", "evaluated", "sweep", "optimum", "yield"])
-def test_every_result_type_has_warnings(kind, coarse):
+def test_every_result_type_has_warnings(kind, unlikely):
     key, metrics = "display.pixel.film.0.thickness_nm", ["white.Y"]
     angles = {"theta_deg": [0.0, 20.0], "phi_deg": [0.0, 90.0]}
     search = "[optimize]\nstarts = 1\nevaluations = 10\n[[optimize.variables]]\n"
     search += f'key = "{key}"\nbounds = [50, 60]\n[[optimize.objectives]]\nmetric = "white.Y"\naim = "maximise"\n'
     asked = {
-        "prepared": lambda: papilio.Prepared(coarse),
-        "cone": lambda: papilio.cone(coarse, **angles),
-        "reflection": lambda: papilio.reflection(coarse, theta_deg=[8]),
-        "brdf": lambda: papilio.brdf(coarse, theta_i_deg=[0], theta_o_deg=[0], dphi_deg=[0]),
-        "evaluated": lambda: cluster.evaluate_many(coarse, {key: [50.0]}, metrics, batch_seconds=0.01),
-        "sweep": lambda: cluster.sweep(coarse, {key: [50.0]}, metrics, batch_seconds=0.01),
-        "optimum": lambda: papilio.optimize(with_text(coarse, search)),
-        "yield": lambda: papilio.tolerance(with_text(coarse, PRODUCTION)),
+        "prepared": lambda: papilio.Prepared(unlikely),
+        "cone": lambda: papilio.cone(unlikely, **angles),
+        "reflection": lambda: papilio.reflection(unlikely, theta_deg=[8]),
+        "brdf": lambda: papilio.brdf(unlikely, theta_i_deg=[0], theta_o_deg=[0], dphi_deg=[0]),
+        "evaluated": lambda: cluster.evaluate_many(unlikely, {key: [50.0]}, metrics, batch_seconds=0.01),
+        "sweep": lambda: cluster.sweep(unlikely, {key: [50.0]}, metrics, batch_seconds=0.01),
+        "optimum": lambda: papilio.optimize(with_text(unlikely, search)),
+        "yield": lambda: papilio.tolerance(with_text(unlikely, PRODUCTION)),
     }
     found, said = heard(asked[kind])
     assert said == found.warnings and any(text.startswith(SAYS) for text in said)
