@@ -273,5 +273,10 @@ pub(super) fn wrong_total(
         "this diffuser would transmit and reflect {total:.4} of the light from {from} at {deg:.0} deg"
     );
     let wrong = Diagnostic::new(wrong).expected("at most 1 at every incidence");
-    Some(wrong.hint("reduce the reflectance or the transmittance"))
+    Some(wrong.hint(if from_below {
+        "reduce the reflectance or the transmittance"
+    } else {
+        "reduce the reflectance or the transmittance; in the glass, light is also scattered to angles that do not exist in air, \
+         and `total_transmittance` does not count it"
+    }))
 }
