@@ -95,8 +95,9 @@ def xyz(
 
     Args:
         spectra: reflectance factors; with ``light=None``, spectra of light.
-        wavelength_nm: uniformly spaced, nm.
-        light: name or spectrum of the illuminant; Y is 1 for a perfect white diffuser. None: X, Y, Z in the spectra's unit times nm.
+        wavelength_nm: uniformly spaced, ascending, nm.
+        light: name of the illuminant (``illuminant_names()``), or its spectrum with one number for each wavelength; Y is 1 (not 100)
+            for a perfect white diffuser. None: X, Y, Z in the spectra's unit times nm.
         observer: "1931" (2 degrees) or "1964" (10 degrees).
 
     The product of spectrum and light at the specified wavelengths is interpolated linearly to 1 nm and summed from 380 to 780 nm.
@@ -106,8 +107,11 @@ def xyz(
     Returns:
         X, Y and Z along the last axis.
 
+    Raises:
+        ArgumentError: if an argument is invalid; the message names it.
+
     Warns:
-        PapilioWarning: if the wavelengths omit more than 0.1 % of X, Y or Z of the light.
+        PapilioWarning: if more than 0.1 % of X, Y or Z of the light lies outside the wavelengths.
 
     Example:
         >>> nm = np.arange(380, 781, 5)

@@ -162,15 +162,22 @@ def cone(
         scenario: a `Scenario`, or the path of a scenario file.
         theta_deg: inclinations, ascending, 0 to less than 90 degrees; by default every degree.
         phi_deg: azimuths, ascending, 0 to less than 360 degrees; by default every 5 degrees.
-        set: values to set in the scenario first, ``{path: value}``.
+        set: values to set in the scenario first, ``{key: value}`` with keys such as "viewer.field_deg".
         threads: number of threads; None: one for each processor.
         progress: function that is called a few times a second, or True for a line on the terminal.
-        allow_error: rows with a larger relative error are refused; None: the scenario's target.
+        allow_error: the largest accepted relative error of the radiance in a direction; None: the scenario's
+            ``solver.relative_error``.
         reference_deg: inclination and azimuth of the direction with which the colour of each state is compared
             (``uv_shift``, ``delta_E_2000_with_angle``, ``delta_E_1976_with_angle``); by default the normal.
 
     Returns:
-        The quantities over azimuth, inclination and state, by name.
+        The quantities by name, of shape [azimuth, inclination], or [azimuth, inclination, state] where they are of a state.
+
+    Raises:
+        ScenarioError: for mistakes in the scenario, with their places.
+        ArgumentError: if an argument is invalid; the message names it.
+        DisplayError: if a direction has a larger error than ``allow_error``, or the display cannot be computed.
+        KeyboardInterrupt: on Ctrl-C.
 
     Warns:
         PapilioWarning: each warning that the program prints; ``warnings`` of the result contains it.

@@ -90,10 +90,10 @@ class Diffuser(Lookup[NDArray[np.float64]]):
         """Creates a measurement from arrays.
 
         Args:
-            values: BSDF, 1/sr, without a cosine, 0 or more; NaN where nothing was measured. Shape [axes...], or [channel, axes...].
-            axes: ascending angles, degrees, in this order. Angles of light and viewer: ``theta_i_deg``, ``phi_i_deg`` (if left out, one
-                azimuth, 0), ``theta_o_deg``, ``phi_o_deg``; both thetas are measured from the normal of their side. Or angles about the
-                specular direction: ``rotation_deg`` (if left out, one, 0), ``incidence_deg``, ``azimuth_deg``, ``radial_deg``.
+            values: BSDF, 1/sr (radiance over irradiance, not multiplied by a cosine), 0 or more; NaN where nothing was measured. Shape [axes...], or [channel, axes...].
+            axes: ascending angles, degrees, in this order. Angles of light and viewer: ``theta_i_deg``, ``phi_i_deg`` (may be omitted:
+                a single azimuth of 0), ``theta_o_deg``, ``phi_o_deg``; each theta is 0 along the normal of the side on which its ray
+                lies, in transmission too. Or angles about the specular direction: ``rotation_deg`` (may be omitted: 0), ``incidence_deg``, ``azimuth_deg``, ``radial_deg``.
             part: side of incidence, and reflection or transmission.
             channels: name of each channel ("monochrome", "X", "Y", "Z", "red", "green", "blue") or its wavelength, nm; None: one channel.
             media: refractive indices on the front and on the back.

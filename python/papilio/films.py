@@ -160,7 +160,8 @@ def power(
     different dimensions are refused.
 
     Args:
-        layers: (material, thickness in nm), from the side of the light to the substrate.
+        layers: (material, thickness in nm), the layer nearest the light first. A material is a name (``material_names()``), a complex
+            index n + 1j k (k >= 0 absorbs), or an array of indices. Light is coherent in all layers, thick ones included.
         wavelength_nm: in vacuum, nm.
         theta_deg: inclination in the medium of incidence, 0 to less than 90 degrees.
         incidence: refractive index of the medium of incidence, which is transparent: a number, an array or a material.
@@ -371,13 +372,13 @@ def reflectance(
     """Computes the reflected fraction of the power; faster than `power` for the mean of both polarisations.
 
     Args:
-        layers, wavelength_nm, theta_deg, incidence, substrate, polarisation, threads: as of `power`.
+        layers, wavelength_nm, theta_deg, incidence, substrate, polarisation, threads: as for `power`.
 
     Returns:
         The reflectance, 0 to 1, in the common shape of all arguments.
 
     Raises:
-        ArgumentError, KeyboardInterrupt: as of `power`.
+        ArgumentError, KeyboardInterrupt: as for `power`.
 
     Example:
         >>> round(float(films.reflectance([("SiO2", 100.0)], 550.0, substrate="Al")), 2)
@@ -399,13 +400,13 @@ def transmittance(
     """Computes the fraction of the power that enters the substrate.
 
     Args:
-        layers, wavelength_nm, theta_deg, incidence, substrate, polarisation, threads: as of `power`.
+        layers, wavelength_nm, theta_deg, incidence, substrate, polarisation, threads: as for `power`.
 
     Returns:
         The transmittance, 0 to 1, in the common shape of all arguments; 0 if the wave in the substrate is evanescent.
 
     Raises:
-        ArgumentError, KeyboardInterrupt: as of `power`.
+        ArgumentError, KeyboardInterrupt: as for `power`.
 
     Example:
         >>> round(float(films.transmittance([], 550.0, substrate=1.5)), 2)
@@ -451,13 +452,13 @@ def amplitudes(
     """Computes complex amplitudes of reflection and transmission, for phases and ellipsometry.
 
     Args:
-        layers, wavelength_nm, theta_deg, incidence, substrate, threads: as of `power`.
+        layers, wavelength_nm, theta_deg, incidence, substrate, threads: as for `power`.
 
     Returns:
         ``r_s``, ``r_p``, ``t_s``, ``t_p`` in the common shape of all arguments, and from these ``psi_deg`` and ``delta_deg``.
 
     Raises:
-        ArgumentError, KeyboardInterrupt: as of `power`.
+        ArgumentError, KeyboardInterrupt: as for `power`.
 
     Example:
         >>> bare = films.amplitudes([], 550.0, 56.31, substrate=1.5)       # Brewster's angle: p is not reflected
@@ -485,14 +486,14 @@ def absorptance(
     """Computes the fraction of the power that each layer absorbs.
 
     Args:
-        layers, wavelength_nm, theta_deg, incidence, substrate, polarisation, threads: as of `power`.
+        layers, wavelength_nm, theta_deg, incidence, substrate, polarisation, threads: as for `power`.
 
     Returns:
         Shape [..., layer]: the common shape of all arguments, and the layers in their order. The sum over the layers is
         ``power(...).absorptance``; the substrate absorbs what enters it, ``transmittance``.
 
     Raises:
-        ArgumentError, KeyboardInterrupt: as of `power`.
+        ArgumentError, KeyboardInterrupt: as for `power`.
 
     Example:
         >>> films.absorptance([("Cr:Johnson", 10.0), ("SiO2", 100.0)], [500.0, 600.0]).shape
@@ -530,17 +531,19 @@ def derivatives(
     substrate: Material = "Al",
     threads: int | None = None,
 ) -> Derivatives:
-    """Computes the mean reflectance of both polarisations and its exact derivatives, all in one pass.
+    """Computes the reflectance for unpolarised light (the mean of s and p) and its exact derivatives, all in one pass.
 
     Args:
-        layers, wavelength_nm, theta_deg, incidence, substrate, threads: as of `power`.
-        by: variables: ("thickness", 0), ("n", 2), ("k", "substrate"); None: the thicknesses of all layers.
+        layers, wavelength_nm, theta_deg, incidence, substrate, threads: as for `power`.
+        by: pairs of a quantity, "thickness", "n" or "k", and the index of a layer from 0, or "substrate": ("thickness", 0),
+            ("k", "substrate"). None: the thicknesses of all layers.
 
     Returns:
-        ``reflectance`` in the common shape of all arguments; ``derivatives`` with the variables as one more, last axis.
+        ``reflectance`` in the common shape of all arguments; ``derivatives`` with the variables as one more, last axis, per nm for
+        thicknesses and per unit of n or k; ``variables``, in the order of that axis.
 
     Raises:
-        ArgumentError, KeyboardInterrupt: as of `power`.
+        ArgumentError, KeyboardInterrupt: as for `power`.
 
     Example:
         >>> found = films.derivatives([("SiO2", 100.0), ("Cr:Johnson", 10.0)], np.arange(400, 701, 10), [[0], [30]])
