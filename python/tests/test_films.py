@@ -1,7 +1,5 @@
 """Films: closed forms, an independent program, and numpy's shapes."""
 
-import time
-
 import numpy as np
 import pytest
 
@@ -36,21 +34,6 @@ def test_arrays_broadcast_over_designs_wavelengths_and_angles():
         assert together.reflectance[i, j, k] == alone.reflectance
         assert together.transmittance[i, j, k] == alone.transmittance
     assert (together.absorptance > -1e-12).all()
-
-
-def test_many_films_are_fast():
-    """Some hundred nanoseconds a film on a slow machine; a method that computes film by film takes 2 us on a fast one. (docs/peers.md has more.)"""
-    d, theta = np.linspace(0, 200, 40)[:, None, None], np.linspace(0, 80, 19)
-    stack = [("Si3N4", 55.9), ("Cr:Johnson", 12.15), ("SiO2", d), ("air", 190.0), ("Al", 20.0)]
-    films.reflectance(stack, NM[:, None], theta, threads=1)
-    best = min(timed(lambda: films.reflectance(stack, NM[:, None], theta, threads=1)) for _ in range(5))
-    assert best / (40 * 81 * 19) < 5e-7
-
-
-def timed(call):
-    before = time.perf_counter()
-    call()
-    return time.perf_counter() - before
 
 
 def plain(layers, nm, theta, incidence, substrate, polarisation):
