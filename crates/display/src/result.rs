@@ -69,6 +69,8 @@ pub struct SolverReport {
     /// Report on the target of one metric, if there is one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub target: Option<TargetReport>,
+    /// False for the first answer of a prepared display: its error is as stated, but may exceed the target.
+    pub is_final: bool,
     /// True if the run was stopped before it met its target.
     pub interrupted: bool,
 }

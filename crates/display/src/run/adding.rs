@@ -5,18 +5,21 @@
 //! layers share the operators of the layers, which dominate the cost: all of them are computed at the level that the
 //! worst view needs.
 //!
+//! **First answers.** A prepared display can first compute two coarser levels ([`Accuracy::First`]), whose difference is its
+//! error in the same way. They do not change what the exact answer is: its levels begin at 0.
+//!
 //! **Caches.** A [`Level`] keeps its kernel and its estimates between runs. The counters of
 //! [`Setup`](crate::setup::Setup) (`version`, `base_version`) tell whether they are still valid.
 
 use std::ops::Range;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use papilio_transport::adding::Kernel;
+use papilio_transport::adding::{FIRST_LEVELS, Kernel};
 use papilio_transport::{Cone, Estimate, Stack};
 use rayon::ThreadPool;
 
 use super::refine::{Refined, finest, largest, refine};
-use super::{Control, Progress, Run, each};
+use super::{Accuracy, Control, Progress, Run, each};
 use crate::DisplayError;
 use crate::meter::Sample;
 use crate::result::{RunResult, SolverReport};
@@ -26,7 +29,10 @@ use crate::setup::{Setup, ViewPoint};
 /// Cached levels of each group of views that share kernels.
 pub(crate) type Kernels = Vec<Levels>;
 
-/// Cached levels of a group of views, starting with the coarsest.
+/// Largest relative error of Y with which a first answer stops before its last level.
+const FIRST_ERROR: f64 = 0.02;
+
+/// Cached levels of a group of views, starting with the coarsest: those of a first answer, then level 0.
 type Levels = Vec<Level>;
 
 /// One level of discretisation: its kernel and the estimates computed with it.
@@ -40,8 +46,14 @@ pub(crate) struct Level {
 }
 
 impl Level {
-    fn new(level: u32) -> Self {
-        Self { kernel: Kernel::new(level), prepared_for: None, estimates: None }
+    /// An empty level; `index` is that in [`Levels`].
+    fn new(index: usize) -> Self {
+        let index = index as u32;
+        let kernel = match index.checked_sub(FIRST_LEVELS) {
+            Some(level) => Kernel::new(level),
+            None => Kernel::first(index),
+        };
+        Self { kernel, prepared_for: None, estimates: None }
     }
 
     /// Returns the estimates of these views, from the cache if neither version of the setup has changed; `None` if the
@@ -128,7 +140,7 @@ pub(super) fn view_group_kernels(run: &Run<'_>) -> Result<Vec<ViewGroupKernel>, 
     let group_kernel = |(number, views): (usize, &[ViewPoint])| {
         let mut levels = Levels::new();
         let group = runner.refine(&mut levels, views, None).filter(|group| group.samples.finished);
-        let level = group.ok_or(DisplayError::Interrupted)?.samples.level;
+        let level = runner.begin + group.ok_or(DisplayError::Interrupted)?.samples.level;
         let first = number * each;
         Ok(ViewGroupKernel { kernel: levels.swap_remove(level).kernel, views: first..first + views.len() })
     };
@@ -138,6 +150,9 @@ pub(super) fn view_group_kernels(run: &Run<'_>) -> Result<Vec<ViewGroupKernel>, 
 struct Runner<'a> {
     run: &'a Run<'a>,
     target: f64,
+    /// Index in [`Levels`] of the coarsest level of this run.
+    begin: usize,
+    /// Number of the finest level, counted from that.
     finest: usize,
     per_wavelength: bool,
     views_done: AtomicUsize,
@@ -156,7 +171,13 @@ impl<'a> Runner<'a> {
             return Err(DisplayError::NoPaths);
         };
         let finest = finest(&run.setup.stack)?;
-        Ok(Self { run, target, finest, per_wavelength, views_done: AtomicUsize::new(0) })
+        let first = FIRST_LEVELS as usize;
+        let (begin, finest, target) = match run.accuracy {
+            Accuracy::Exact => (first, finest, target),
+            // Its last level is level 0.
+            Accuracy::First => (0, first, target.max(FIRST_ERROR)),
+        };
+        Ok(Self { run, target, begin, finest, per_wavelength, views_done: AtomicUsize::new(0) })
     }
 
     /// Computes finer levels until the target is met; `None` if stopped before two levels were computed.
@@ -171,7 +192,7 @@ impl<'a> Runner<'a> {
                 self.report(error, if done { views.len() } else { 0 });
             },
         )?;
-        Some(Group { nodes: levels[samples.level].kernel.nodes(), samples })
+        Some(Group { nodes: levels[self.begin + samples.level].kernel.nodes(), samples })
     }
 
     /// Computes the samples of these views at a level; `None` if the run was stopped.
@@ -185,8 +206,9 @@ impl<'a> Runner<'a> {
         if self.run.control.stopped() {
             return None;
         }
+        let level = self.begin + level;
         for missing in levels.len()..=level {
-            levels.push(Level::new(missing as u32));
+            levels.push(Level::new(missing));
         }
         let setup = self.run.setup;
         let estimates = levels[level].estimates(setup, views, pool, self.run.control)?;
@@ -244,6 +266,7 @@ impl<'a> Runner<'a> {
             nodes: Some(computed().map(|group| group.nodes as u64).sum()),
             degrees_of_freedom: 0,
             target: None,
+            is_final: self.run.accuracy == Accuracy::Exact,
             relative_error_reached: computed().map(|group| group.samples.error).fold(0.0, largest),
             interrupted: groups
                 .iter()

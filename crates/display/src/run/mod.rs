@@ -54,6 +54,15 @@ pub struct Progress<'a> {
     pub so_far: Option<&'a dyn Fn() -> (usize, View)>,
 }
 
+/// Accuracy of an answer of a prepared display.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Accuracy {
+    /// The target of the scene.
+    Exact,
+    /// Coarse, as soon as possible.
+    First,
+}
+
 /// Control of a run by its caller.
 pub struct Control<'a> {
     /// Worker threads; `None`: one for each processor.
@@ -125,12 +134,13 @@ pub(crate) fn each<T: Send, R: Send>(
 /// Runs the scene of a setup.
 pub(crate) fn run_setup(
     setup: &Setup,
+    accuracy: Accuracy,
     control: &Control<'_>,
     kernels: &mut Kernels,
     workers: &mut Option<Workers>,
 ) -> Result<RunResult, DisplayError> {
     let meter = Meter::new(setup);
-    let run = Run { scene: &setup.scene, control, setup, meter: &meter };
+    let run = Run { scene: &setup.scene, accuracy, control, setup, meter: &meter };
     match setup.scene.solver.method {
         Method::MonteCarlo => {
             let pool = Workers::wanted(workers, control.threads.unwrap_or(0))?;
@@ -148,12 +158,14 @@ pub(crate) fn prepared_kernels(
     control: &Control<'_>,
 ) -> Result<Vec<ViewGroupKernel>, DisplayError> {
     let meter = Meter::new(setup);
-    adding::view_group_kernels(&Run { scene: &setup.scene, control, setup, meter: &meter })
+    let accuracy = Accuracy::Exact;
+    adding::view_group_kernels(&Run { scene: &setup.scene, accuracy, control, setup, meter: &meter })
 }
 
 /// Input of a solver.
 pub(crate) struct Run<'a> {
     pub(crate) scene: &'a Scene,
+    pub(crate) accuracy: Accuracy,
     pub(crate) control: &'a Control<'a>,
     pub(crate) setup: &'a Setup,
     pub(crate) meter: &'a Meter<'a>,
@@ -196,6 +208,7 @@ impl Run<'_> {
             ));
         } else if let Stop::RelativeError { target, .. } = self.scene.solver.stop
             && reached > target
+            && solver.is_final
         {
             warnings.push(format!("relative error {reached:.2e} instead of {target:.2e}: {unreached}"));
         } else if let Some(target) = &solver.target {

@@ -310,6 +310,7 @@ impl<'a> Runner<'a> {
                 error_over_tolerance: Some(done.missed).filter(|missed| missed.is_finite()),
                 paths_for_a_tenth: done.paths_for_a_tenth,
             }),
+            is_final: true,
             interrupted,
         };
         let unreached = format!("that would take more than {MOST_PATHS} paths");

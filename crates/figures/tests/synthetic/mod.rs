@@ -36,6 +36,7 @@ pub(crate) fn result(thetas: &[f64], relative_error: f64) -> RunResult {
             degrees_of_freedom: 15,
             target: None,
             relative_error_reached: relative_error,
+            is_final: true,
             interrupted: false,
         },
         wavelength_nm: grid.wavelengths_nm(),

@@ -82,6 +82,7 @@ fn result() -> RunResult {
             degrees_of_freedom: 15,
             target: None,
             relative_error_reached: 1e-3,
+            is_final: true,
             interrupted: false,
         },
         wavelength_nm: vec![400.0, 400.0 + 1.0 / 3.0],

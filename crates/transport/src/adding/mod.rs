@@ -111,10 +111,17 @@ pub fn error_over_difference(stack: &Stack) -> f64 {
     }
 }
 
+/// Number of levels of a first answer ([`Kernel::first`]).
+pub const FIRST_LEVELS: u32 = 2;
+
+/// Levels by which a level of a first answer is coarser than the next one.
+const FIRST_STEP: f64 = 0.7;
+
 /// Prepared angular kernels of one level.
 #[derive(Debug, Clone)]
 pub struct Kernel {
-    level: u32,
+    /// The level; negative for a first answer.
+    level: f64,
     kind: Kind,
 }
 
@@ -128,12 +135,19 @@ enum Kind {
 impl Kernel {
     /// Returns an empty kernel of this level, 0 (coarsest) to [`FINEST`].
     pub fn new(level: u32) -> Self {
-        Self { level, kind: Kind::Empty }
+        Self { level: f64::from(level), kind: Kind::Empty }
+    }
+
+    /// Returns an empty kernel of a first answer: number 0 is coarser than number 1, and both are coarser than
+    /// level 0. They take a fraction of the work of levels 0 and 1, for an error of some per cent.
+    pub fn first(number: u32) -> Self {
+        let coarser = f64::from(FIRST_LEVELS.saturating_sub(number));
+        Self { level: -FIRST_STEP * coarser, kind: Kind::Empty }
     }
 
     /// Returns an empty kernel of the same level.
     pub fn unprepared(&self) -> Self {
-        Self::new(self.level)
+        Self { level: self.level, kind: Kind::Empty }
     }
 
     /// Prepares the kernel for these layers, views (cones of directions in air) and sources. Data prepared
