@@ -44,7 +44,8 @@ impl Prepared {
             let Some(mut display) = free(&self.display, watch.stop)? else {
                 return Some(Err(DisplayError::Interrupted));
             };
-            let answer = if first { papilio_display::Prepared::first } else { papilio_display::Prepared::run };
+            let answer =
+                if first { papilio_display::Prepared::first } else { papilio_display::Prepared::run };
             Some(watch.run(threads.map(usize::from), |control| answer(&mut display, &of.scene, control)))
         })?;
         match outcome {

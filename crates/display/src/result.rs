@@ -55,6 +55,9 @@ pub struct Reader {
 pub struct SolverReport {
     /// `adding` or `monte-carlo`.
     pub method: String,
+    /// Why `method = "auto"` has chosen this solver.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub chosen_because: Option<String>,
     /// Number of paths over all views (Monte Carlo).
     #[serde(skip_serializing_if = "Option::is_none")]
     pub paths: Option<u64>,

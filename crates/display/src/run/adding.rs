@@ -262,6 +262,7 @@ impl<'a> Runner<'a> {
         let computed = || groups.iter().flatten();
         let solver = SolverReport {
             method: "adding".to_owned(),
+            chosen_because: None,
             paths: None,
             nodes: Some(computed().map(|group| group.nodes as u64).sum()),
             degrees_of_freedom: 0,

@@ -11,7 +11,7 @@ use papilio_transport::{Cone, Stack};
 use rayon::ThreadPool;
 
 use super::refine::{Refined, finest, largest, largest_of_states, of_levels, refine, row_errors, slowness};
-use super::{Accuracy, Control, Progress, Run, Workers, each};
+use super::{Control, Progress, Run, Workers, each};
 use crate::cone::{ConeGrid, ConeLight, ConeResult, ConeView};
 use crate::meter::Meter;
 use crate::scene::{DirectedLight, Lighting, Scene, Standard, Stop};
@@ -42,7 +42,7 @@ pub fn cone(scene: &Scene, grid: ConeGrid, control: &Control<'_>) -> Result<Cone
     let meter = Meter::new(&setup);
     let mut workers = None;
     let pool = Workers::unless_one(&mut workers, control.threads)?;
-    let run = Run { scene: &everywhere, accuracy: Accuracy::Exact, control, setup: &setup, meter: &meter };
+    let run = Run { scene: &everywhere, ..Run::new(&setup, control, &meter) };
     let finest = finest(&setup.stack)?;
     let equivalent = equivalent_azimuths(&grid.phi_deg, &scene.lighting);
     let angle_index = angle_index(scene)?;

@@ -30,6 +30,7 @@ pub(crate) fn result(thetas: &[f64], relative_error: f64) -> RunResult {
     let view = |theta: &f64| view(&grid, &observer, &white, *theta, relative_error);
     RunResult {
         solver: SolverReport {
+            chosen_because: None,
             method: "monte-carlo".to_owned(),
             paths: Some(65_536),
             nodes: None,

@@ -76,6 +76,7 @@ fn result() -> RunResult {
     };
     RunResult {
         solver: SolverReport {
+            chosen_because: None,
             method: "monte-carlo".to_owned(),
             paths: Some(1024),
             nodes: None,
