@@ -62,8 +62,7 @@ impl Common {
         if common.prepared_for != Some(versions) {
             let views: Vec<Cone> = setup.views.iter().map(|view| view.field).collect();
             common.prepared_for = None;
-            let ready =
-                common.kernel.prepare_common(&setup.stack, &views, &setup.sources, control.stop);
+            let ready = common.kernel.prepare_common(&setup.stack, &views, &setup.sources, control.stop);
             ready.then_some(())?;
             common.prepared_for = Some(versions);
         }

@@ -12,9 +12,9 @@ use papilio_optics::lobe::Lobe;
 use super::super::field::{Peaks, Ring, rings};
 use super::super::images::{ImagePoints, image_points};
 use super::super::quadrature::{Nodes as QuadratureNodes, Point, cone_points_of, disc_points};
+use super::Views;
 use super::first_pass::{Pass, SourceFreeView, Weights};
 use super::indices::Indices;
-use super::Views;
 use super::lambertian::Shares;
 use super::recycling::{Closed, Forms, Group, OwnForms, Plan, Recycling, Reflectances};
 use crate::base::largest;
@@ -119,13 +119,7 @@ impl Kernel {
     }
 
     /// Prepares views and sources; incomplete if `stop` is set during the computation.
-    pub(super) fn prepare(
-        &mut self,
-        stack: &Panel,
-        views: Views<'_>,
-        sources: &[Source],
-        stop: &AtomicBool,
-    ) {
+    pub(super) fn prepare(&mut self, stack: &Panel, views: Views<'_>, sources: &[Source], stop: &AtomicBool) {
         let common = views.diffused();
         let Views { own: views, together, .. } = views;
         let old_views = std::mem::take(&mut self.views);
@@ -153,10 +147,12 @@ impl Kernel {
         let light = |(source, kept): (&Source, &Option<usize>)| match kept {
             Some(kept) if same_recycling => old_sources[*kept].clone(),
             // The directions of a field depend on the views.
-            _ => match common.and_then(|common| common.sources.iter().find(|light| light.source == *source)) {
-                Some(light) if !matches!(source, Source::Field(_)) => light.clone(),
-                _ => self.light(source.clone(), views),
-            },
+            _ => {
+                match common.and_then(|common| common.sources.iter().find(|light| light.source == *source)) {
+                    Some(light) if !matches!(source, Source::Field(_)) => light.clone(),
+                    _ => self.light(source.clone(), views),
+                }
+            }
         };
         self.sources = sources.iter().zip(&kept).map(light).collect();
         let old_view = |k: usize, cone: &Cone| {
