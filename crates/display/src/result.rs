@@ -286,6 +286,17 @@ pub struct Ledger {
     pub discretisation_error: Option<LedgerError>,
 }
 
+impl Ledger {
+    /// Returns the fractions without their errors.
+    pub fn values(&self) -> LedgerError {
+        LedgerError {
+            returned: self.returned,
+            absorbed: self.absorbed.clone(),
+            unaccounted: self.unaccounted,
+        }
+    }
+}
+
 /// Errors of an energy balance.
 #[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct LedgerError {
@@ -295,6 +306,21 @@ pub struct LedgerError {
     pub absorbed: Absorbed,
     /// Error of `unaccounted`.
     pub unaccounted: f64,
+}
+
+impl LedgerError {
+    /// Returns the name and the value of each fraction.
+    pub fn named(&self) -> [(&'static str, f64); 7] {
+        [
+            ("returned", self.returned),
+            ("front", self.absorbed.front),
+            ("diffuser", self.absorbed.diffuser),
+            ("glass", self.absorbed.glass),
+            ("pixel", self.absorbed.pixel),
+            ("inactive", self.absorbed.inactive),
+            ("unaccounted", self.unaccounted),
+        ]
+    }
 }
 
 /// Fractions that are absorbed by each part of the display.
