@@ -8,7 +8,13 @@ import { MARKS, type Age } from "../state/age.ts";
 export function AgeMark({ age, more = "" }: { age: Age; more?: string }) {
   const mark = age === "current" ? null : MARKS[age];
   return (
-    <span class="age-mark" role="status" aria-live={age === "first" ? "off" : "polite"} data-age={age} title={mark?.help}>
+    <span
+      class="age-mark"
+      role="status"
+      aria-live={age === "first" ? "off" : "polite"}
+      data-age={age}
+      title={mark?.help}
+    >
       {mark ? mark.words + more : ""}
     </span>
   );
