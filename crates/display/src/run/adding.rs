@@ -1,17 +1,18 @@
 //! Runs by adding: finer levels of discretisation until two successive levels agree.
 //!
 //! The result is that of the finer level, and the difference between the two levels is its reported error. Views of an
-//! ordinary panel are independent: each has its own kernels and stops at its own level. Views through general
-//! layers share the operators of the layers, which dominate the cost: all of them are computed at the level that the
-//! worst view needs.
+//! ordinary panel stop each at its own level; what does not depend on the view is prepared once for each level. Views
+//! through general layers share the operators of the layers, which dominate the cost: all of them are computed at the
+//! level that the worst view needs.
 //!
 //! **Caches.** A [`Level`] keeps its kernel and its estimates between runs. The counters of
 //! [`Setup`](crate::setup::Setup) (`version`, `base_version`) tell whether they are still valid.
 
 use std::ops::Range;
 use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Mutex, PoisonError};
 
-use papilio_transport::adding::Kernel;
+use papilio_transport::adding::{FINEST, Kernel};
 use papilio_transport::{Cone, Estimate, Stack};
 use rayon::ThreadPool;
 
@@ -23,8 +24,58 @@ use crate::result::{RunResult, SolverReport};
 use crate::scene::Stop;
 use crate::setup::{Setup, ViewPoint};
 
-/// Cached levels of each group of views that share kernels.
-pub(crate) type Kernels = Vec<Levels>;
+/// Cached kernels of a display.
+#[derive(Debug, Default)]
+pub(crate) struct Kernels {
+    /// Levels of each group of views that share kernels.
+    groups: Vec<Levels>,
+    /// For each level the data that all views of a panel share.
+    common: Common,
+}
+
+/// Data that all views of a panel share, by level. Views are computed in parallel: the first one that needs a level
+/// prepares its data, and the others wait for it.
+#[derive(Debug)]
+struct Common(Vec<Mutex<CommonLevel>>);
+
+#[derive(Debug)]
+struct CommonLevel {
+    kernel: Kernel,
+    /// `(version, base_version)` of the setup for which it was prepared.
+    prepared_for: Option<(u64, u64)>,
+}
+
+impl Default for Common {
+    fn default() -> Self {
+        let level = |level| Mutex::new(CommonLevel { kernel: Kernel::new(level), prepared_for: None });
+        Self((0..=FINEST).map(level).collect())
+    }
+}
+
+impl Common {
+    /// Returns the data of a level, prepared for a setup; `None` if the run was stopped.
+    fn at(&self, level: u32, setup: &Setup, control: &Control<'_>) -> Option<Kernel> {
+        let common = self.0.get(level as usize)?;
+        // A panic in another thread leaves a kernel that is not marked as prepared.
+        let mut common = common.lock().unwrap_or_else(PoisonError::into_inner);
+        let versions = (setup.version, setup.base_version);
+        if common.prepared_for != Some(versions) {
+            let views: Vec<Cone> = setup.views.iter().map(|view| view.field).collect();
+            common.prepared_for = None;
+            let ready = common.kernel.prepare_common(&setup.stack, &views, &setup.sources, control.stop);
+            ready.then_some(())?;
+            common.prepared_for = Some(versions);
+        }
+        Some(common.kernel.clone())
+    }
+}
+
+impl Kernels {
+    /// Removes everything.
+    pub(crate) fn clear(&mut self) {
+        *self = Self::default();
+    }
+}
 
 /// Cached levels of a group of views, starting with the coarsest.
 type Levels = Vec<Level>;
@@ -32,6 +83,7 @@ type Levels = Vec<Level>;
 /// One level of discretisation: its kernel and the estimates computed with it.
 #[derive(Debug)]
 pub(crate) struct Level {
+    level: u32,
     kernel: Kernel,
     /// `Setup::version` for which the kernel was prepared; `None` before the first, or after an interrupted, preparation.
     prepared_for: Option<u64>,
@@ -41,14 +93,14 @@ pub(crate) struct Level {
 
 impl Level {
     fn new(level: u32) -> Self {
-        Self { kernel: Kernel::new(level), prepared_for: None, estimates: None }
+        Self { level, kernel: Kernel::new(level), prepared_for: None, estimates: None }
     }
 
     /// Returns the estimates of these views, from the cache if neither version of the setup has changed; `None` if the
     /// run was stopped. A change of spectra and illuminances alone does not invalidate them.
     fn estimates(
         &mut self,
-        setup: &Setup,
+        (setup, common): (&Setup, &Common),
         views: &[ViewPoint],
         pool: Option<&ThreadPool>,
         control: &Control<'_>,
@@ -57,7 +109,7 @@ impl Level {
         if self.estimates.as_ref().is_none_or(|(of, _)| *of != versions) {
             // Releases the memory before the new estimates are computed.
             self.estimates = None;
-            let kernel = self.kernel_for(setup, views, control)?;
+            let kernel = self.kernel_for((setup, common), views, control)?;
             let mut estimates = vec![None; views.len()];
             each(pool, &mut estimates, |(view, estimate)| {
                 if !control.stopped() {
@@ -70,19 +122,30 @@ impl Level {
     }
 
     /// Returns the kernel, prepared for these views of the setup; `None` if the run was stopped.
-    fn kernel_for(&mut self, setup: &Setup, views: &[ViewPoint], control: &Control<'_>) -> Option<&Kernel> {
-        // Operators of general layers hardly depend on the base. The kernel of a panel depends on it, and
-        // decides itself during the preparation what can be reused.
-        let is_valid = matches!(setup.stack, Stack::Layered(_))
-            && self.prepared_for == Some(setup.version)
-            && self.kernel.serves(&setup.stack);
-        if !is_valid {
-            let fields: Vec<Cone> = views.iter().map(|view| view.field).collect();
-            self.prepared_for = None;
-            if !self.kernel.prepare_unless(&setup.stack, &fields, &setup.sources, control.stop) {
-                return None;
+    fn kernel_for(
+        &mut self,
+        (setup, common): (&Setup, &Common),
+        views: &[ViewPoint],
+        control: &Control<'_>,
+    ) -> Option<&Kernel> {
+        let fields = || views.iter().map(|view| view.field).collect::<Vec<Cone>>();
+        let (stack, sources) = (&setup.stack, &setup.sources);
+        match stack {
+            // The kernel depends on the base, and decides itself during the preparation what can be reused.
+            Stack::Panel(_) => {
+                let common = common.at(self.level, setup, control)?;
+                let ready = self.kernel.prepare_part(&common, stack, &fields(), sources, control.stop);
+                ready.then_some(())?;
             }
-            self.prepared_for = Some(setup.version);
+            // Operators hardly depend on the base.
+            Stack::Layered(_) => {
+                if self.prepared_for != Some(setup.version) || !self.kernel.serves(stack) {
+                    self.prepared_for = None;
+                    let ready = self.kernel.prepare_unless(stack, &fields(), sources, control.stop);
+                    ready.then_some(())?;
+                    self.prepared_for = Some(setup.version);
+                }
+            }
         }
         Some(&self.kernel)
     }
@@ -95,16 +158,17 @@ pub(super) fn run(
     pool: Option<&ThreadPool>,
 ) -> Result<RunResult, DisplayError> {
     let views = &run.setup.views;
-    let runner = Runner::new(run)?;
+    let Kernels { groups, common } = kernels;
+    let runner = Runner::new(run, common)?;
     let groups: Vec<Option<Group>> = match run.setup.stack {
         Stack::Panel(_) => {
-            kernels.resize_with(views.len(), Vec::new);
+            groups.resize_with(views.len(), Vec::new);
             let one = |(view, levels): (usize, &mut Levels)| runner.refine(levels, &views[view..=view], None);
-            each(pool, kernels, one)
+            each(pool, groups, one)
         }
         Stack::Layered(_) => {
-            kernels.resize_with(1, Vec::new);
-            kernels.iter_mut().map(|levels| runner.refine(levels, views, pool)).collect()
+            groups.resize_with(1, Vec::new);
+            groups.iter_mut().map(|levels| runner.refine(levels, views, pool)).collect()
         }
     };
     runner.result(&groups)
@@ -119,7 +183,8 @@ pub(crate) struct ViewGroupKernel {
 
 /// Returns, for each group of views that share a kernel, the kernel at the level that meets the scene's target.
 pub(super) fn view_group_kernels(run: &Run<'_>) -> Result<Vec<ViewGroupKernel>, DisplayError> {
-    let runner = Runner::new(run)?;
+    let common = Common::default();
+    let runner = Runner::new(run, &common)?;
     let views = &run.setup.views;
     let each = match run.setup.stack {
         Stack::Panel(_) => 1,
@@ -137,6 +202,7 @@ pub(super) fn view_group_kernels(run: &Run<'_>) -> Result<Vec<ViewGroupKernel>, 
 
 struct Runner<'a> {
     run: &'a Run<'a>,
+    common: &'a Common,
     target: f64,
     finest: usize,
     per_wavelength: bool,
@@ -151,12 +217,12 @@ struct Group {
 }
 
 impl<'a> Runner<'a> {
-    fn new(run: &'a Run<'a>) -> Result<Self, DisplayError> {
+    fn new(run: &'a Run<'a>, common: &'a Common) -> Result<Self, DisplayError> {
         let Stop::RelativeError { target, per_wavelength } = run.scene.solver.stop else {
             return Err(DisplayError::NoPaths);
         };
         let finest = finest(&run.setup.stack)?;
-        Ok(Self { run, target, finest, per_wavelength, views_done: AtomicUsize::new(0) })
+        Ok(Self { run, common, target, finest, per_wavelength, views_done: AtomicUsize::new(0) })
     }
 
     /// Computes finer levels until the target is met; `None` if stopped before two levels were computed.
@@ -189,7 +255,7 @@ impl<'a> Runner<'a> {
             levels.push(Level::new(missing as u32));
         }
         let setup = self.run.setup;
-        let estimates = levels[level].estimates(setup, views, pool, self.run.control)?;
+        let estimates = levels[level].estimates((setup, self.common), views, pool, self.run.control)?;
         Some(estimates.iter().map(|estimate| self.run.meter.sample(estimate)).collect())
     }
 

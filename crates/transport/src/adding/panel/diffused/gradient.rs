@@ -25,7 +25,7 @@ impl Kernel {
         let Reflector::Specular(table) = &stack.base.reflector else { return None };
         let view = self.views.get(view)?;
         let forms = view.at.iter().all(has_forms);
-        let summed = self.recycling.iter().flatten().any(Recycling::sums_columns);
+        let summed = self.grids().any(Recycling::sums_columns);
         if self.diffuser.regular_fraction > 0.0 || summed || !forms || !self.recycling_serves(stack) {
             return None;
         }

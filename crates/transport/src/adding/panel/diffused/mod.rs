@@ -12,6 +12,7 @@ use papilio_optics::lobe::Lobe;
 use super::super::field::{Peaks, Ring, rings};
 use super::super::images::{ImagePoints, image_points};
 use super::super::quadrature::{Nodes as QuadratureNodes, Point, cone_points_of, disc_points};
+use super::Views;
 use super::first_pass::{Pass, SourceFreeView, Weights};
 use super::indices::Indices;
 use super::lambertian::Shares;
@@ -34,7 +35,7 @@ pub(super) struct Kernel {
     views: Vec<View>,
     /// For each index.
     shares: Vec<Shares>,
-    recycling: Option<Vec<Recycling>>,
+    recycling: Option<Arc<[Recycling]>>,
     seen: Option<BaseData>,
 }
 
@@ -118,16 +119,24 @@ impl Kernel {
     }
 
     /// Prepares views and sources; incomplete if `stop` is set during the computation.
-    pub(super) fn prepare(&mut self, stack: &Panel, views: &[Cone], sources: &[Source], stop: &AtomicBool) {
+    pub(super) fn prepare(&mut self, stack: &Panel, views: Views<'_>, sources: &[Source], stop: &AtomicBool) {
+        let common = views.diffused();
+        let Views { own: views, together, .. } = views;
         let old_views = std::mem::take(&mut self.views);
         let old_sources = std::mem::take(&mut self.sources);
         if self.table.is_none() && self.shares.is_empty() {
             let at = |index: &f64| Shares::new(&self.diffuser, *index, self.digits);
-            self.shares = self.indices.nodes.iter().map(at).collect();
+            self.shares = match common {
+                Some(common) => common.shares.clone(),
+                None => self.indices.nodes.iter().map(at).collect(),
+            };
         }
-        self.reach = reach(views, sources);
-        self.reset_for_new_base(stack);
-        let same_recycling = self.prepare_recycling(stack);
+        self.reach = reach(if together.is_empty() { views } else { together }, sources);
+        match common.and_then(|common| common.seen.as_ref()) {
+            Some(seen) => self.seen = Some(seen.clone()),
+            None => self.reset_for_new_base(stack),
+        }
+        let same_recycling = self.prepare_recycling(stack, common);
         let at = self.reflectances_at(stack);
         if let (Some(seen), Some(at)) = (&mut self.seen, at) {
             seen.at = at;
@@ -137,7 +146,13 @@ impl Kernel {
             sources.iter().map(|source| position(source, &old_sources, same_views)).collect();
         let light = |(source, kept): (&Source, &Option<usize>)| match kept {
             Some(kept) if same_recycling => old_sources[*kept].clone(),
-            _ => self.light(source.clone(), views),
+            // The directions of a field depend on the views.
+            _ => {
+                match common.and_then(|common| common.sources.iter().find(|light| light.source == *source)) {
+                    Some(light) if !matches!(source, Source::Field(_)) => light.clone(),
+                    _ => self.light(source.clone(), views),
+                }
+            }
         };
         self.sources = sources.iter().zip(&kept).map(light).collect();
         let old_view = |k: usize, cone: &Cone| {
@@ -158,12 +173,17 @@ impl Kernel {
         self.views = made;
     }
 
-    /// Builds the grid for recycled light; returns whether it equals the previous one.
-    fn prepare_recycling(&mut self, stack: &Panel) -> bool {
+    /// Builds the grid for recycled light, or takes the common one; returns whether it equals the previous
+    /// one.
+    fn prepare_recycling(&mut self, stack: &Panel, common: Option<&Self>) -> bool {
         let plan = self.plan(stack);
-        let old = self.recycling.as_ref().and_then(|all| all.first()).map(|one| one.plan.clone());
-        if plan == old {
+        let old = self.recycling.as_ref().and_then(|all| all.first()).map(|one| &one.plan);
+        if plan.as_ref() == old {
             return true;
+        }
+        if let Some(common) = common {
+            self.recycling.clone_from(&common.recycling);
+            return false;
         }
         if let Some(seen) = &mut self.seen {
             seen.at.clear();
@@ -217,7 +237,12 @@ impl Kernel {
         let at = |(index, recycling): (usize, &Recycling)| {
             Arc::new(recycling.reflectances(&stack.base, &seen.table, &self.medium_at(stack, index)))
         };
-        Some(self.recycling.iter().flatten().enumerate().map(at).collect())
+        Some(self.grids().enumerate().map(at).collect())
+    }
+
+    /// Returns the grid of each index; none without recycled light.
+    fn grids(&self) -> impl Iterator<Item = &Recycling> {
+        self.recycling.iter().flat_map(|all| all.iter())
     }
 
     /// Returns the medium above the base, as if it had this index at all wavelengths.
@@ -260,6 +285,8 @@ impl Kernel {
                 let axis = Point { beta: cone.mirrored().axis_towards(), weight: 1.0 };
                 self.bundles(disc_points(cone, self.scale(), self.digits), axis)
             }
+            // The common data of views have no directions of their own.
+            Source::Field(_) if views.is_empty() => Vec::new(),
             Source::Field(field) => self.of_field(field, views),
         };
         let recycled = self.groups(&groups, false);
@@ -296,7 +323,7 @@ impl Kernel {
             let group = |b: &Bundle| recycling.group((&b.points, b.odd), b.axis, *index, is_view);
             bundles.iter().map(group).collect()
         };
-        self.recycling.iter().flatten().zip(&self.indices.nodes).map(at).collect()
+        self.grids().zip(&self.indices.nodes).map(at).collect()
     }
 
     /// Returns the points of a cone, and the number of nodes of the base's table across it.
@@ -399,7 +426,7 @@ impl Kernel {
             .map(|at| at.alone.iter().map(|alone| alone.nodes).sum::<usize>() + pair(&at.pairs))
             .sum();
         let shares: usize = self.shares.iter().map(|shares| shares.nodes).sum();
-        views + shares + self.recycling.iter().flatten().map(Recycling::nodes).sum::<usize>()
+        views + shares + self.grids().map(Recycling::nodes).sum::<usize>()
     }
 }
 
