@@ -15,6 +15,7 @@ mod indices;
 mod lambertian;
 mod ledger;
 mod lobes;
+mod projected;
 mod recycling;
 mod rings;
 

@@ -6,6 +6,8 @@
 //! sums of each state, from these to the sums of each basis, and from there to all nodes at once, by one
 //! matrix product.
 
+use std::sync::Arc;
+
 use super::super::super::TableGradient;
 use super::super::recycling::{Forms, Recycling};
 use super::{AtIndex, Kernel, sent_back};
@@ -48,7 +50,7 @@ impl Kernel {
     /// Returns the weights on the nodes that make each sum: one for each source, then the terms.
     fn rows(&self, at: &AtIndex, index: usize) -> Vec<Vec<f64>> {
         let leaving = |sum: &mut Vec<f64>| add(sum, at.alone.iter().map(|alone| &alone.leaving.0[..]));
-        let row = |(light, number): (&super::Light, usize)| {
+        let row = |(light, number): (&Arc<super::Light>, usize)| {
             let mut sum = Vec::new();
             if light.source == Source::Diffuse {
                 leaving(&mut sum);
@@ -85,7 +87,7 @@ impl Kernel {
         let medium = self.medium_at(stack, index);
         let r = self.reflectances(stack, table, &medium, index);
         let g = sent_back(stack, &diffuser.transmittance).repeat(stack.base.states());
-        let of = |(light, number): (&super::Light, usize)| -> Vec<&Forms> {
+        let of = |(light, number): (&Arc<super::Light>, usize)| -> Vec<&Forms> {
             let each = at.recycled.iter();
             if light.source == Source::Diffuse {
                 each.map(|recycled| &recycled.alone.leaving).collect()
