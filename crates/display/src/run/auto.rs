@@ -14,14 +14,14 @@
 
 use std::fmt::Write;
 
-use papilio_transport::adding::{error_over_difference, nodes_needed};
+use papilio_transport::adding::{Narrowness, error_over_difference, narrowest, nodes_needed};
 use papilio_transport::{Source, Stack};
 
 use super::walk::{self, FIRST_PATHS};
 use super::{Control, Run, adding_seconds};
 use crate::DisplayError;
 use crate::meter::Meter;
-use crate::scene::{Layers, Method, Sampler, Scene, Stop, Strategy};
+use crate::scene::{Layers, Method, Pixel, Sampler, Scene, Stop, Strategy};
 use crate::setup::Setup;
 
 /// Largest optical thickness of a slab for the Monte Carlo solver: the number of scattering events of a path increases with
@@ -129,8 +129,17 @@ fn adding(setup: &Setup, target: f64) -> Result<f64, DisplayError> {
     let more = (nodes(level) / nodes(1)).powi(3);
     Ok(match &setup.stack {
         Stack::Panel(_) => panel_seconds(setup),
-        Stack::Layered(_) => adding_seconds(&setup.scene)? * more,
+        Stack::Layered(_) => adding_seconds(&setup.scene)? * more + kernel_seconds(setup),
     })
+}
+
+/// Estimates the work of adding, in seconds, for the light that tables and rough interfaces scatter once to the views.
+fn kernel_seconds(setup: &Setup) -> f64 {
+    const VIEW: f64 = 3e-2;
+    let is_kernel = narrowest(&setup.stack).is_some_and(|narrowest| {
+        matches!(narrowest.scatterer, Narrowness::Face { .. } | Narrowness::Rough { .. })
+    });
+    if is_kernel { VIEW * setup.views.len() as f64 } else { 0.0 }
 }
 
 /// Estimates the work of adding for an ordinary panel, in seconds: for each view that of the light that passes once, and more
@@ -172,14 +181,18 @@ fn paths_needed(run: &Run<'_>, target: f64) -> Result<f64, DisplayError> {
     Ok(paths * views as f64 / of_pilot as f64)
 }
 
-/// Estimates the work of a path, in seconds: that of each scattering event, whose weights have all states and wavelengths in
-/// general layers, and only directions on the first pass through a panel.
+/// Estimates the work of a path, in seconds: that of each scattering event. In general layers its weights have all states and
+/// wavelengths, or a few reflectances under a pixel of no angle; on the first pass through a panel, only directions.
 fn path_seconds(setup: &Setup) -> f64 {
     /// Work of an event with directions alone.
     const EVENT: f64 = 5e-7;
     /// Work of an event for each state and wavelength.
     const NUMBER: f64 = 5e-9;
-    let numbers = (setup.states.len() * setup.scene.grid.len()) as f64;
+    const FEW: f64 = 8.0;
+    let numbers = match &setup.scene.display.pixel {
+        Pixel::Uniform(_) => FEW,
+        _ => (setup.states.len() * setup.scene.grid.len()) as f64,
+    };
     match (&setup.stack, setup.scene.solver.scattering) {
         (Stack::Panel(_), Strategy::Guided) => 10.0 * EVENT,
         (Stack::Panel(_), _) => 3.0 * EVENT,
