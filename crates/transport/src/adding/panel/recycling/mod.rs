@@ -37,6 +37,7 @@ use super::first_pass::{Pass, Weights};
 use grid::{End, Grid, Meridian};
 pub(super) use plan::{NARROWEST, Plan};
 use profile::Profile;
+pub(super) use profile::is_fitted;
 pub(super) use spectra::Reflectances;
 
 /// All data that do not depend on views and sources.
