@@ -2,7 +2,7 @@
 
 use crate::DisplayError;
 use crate::result::RunResult;
-use crate::run::{Control, Kernels, Workers, run_setup};
+use crate::run::{Accuracy, Control, Kernels, Workers, run_setup};
 use crate::scene::Scene;
 use crate::setup::Setup;
 
@@ -34,6 +34,26 @@ impl Prepared {
     /// # Errors
     /// If the scene is invalid, or the run was stopped before its first estimate.
     pub fn run(&mut self, scene: &Scene, control: &Control<'_>) -> Result<RunResult, DisplayError> {
+        self.answer(scene, Accuracy::Exact, control)
+    }
+
+    /// Computes a first answer by adding: from two or three coarse levels of discretisation, with the difference of the last two as
+    /// its error, whatever the target of the scene (`is_final` of its solver is false). A following [`run`](Self::run) of
+    /// the same scene has the same result as without it. A scene that is not solved by adding to a relative error has no
+    /// first answer: it is run.
+    ///
+    /// # Errors
+    /// As for [`run`](Self::run).
+    pub fn first(&mut self, scene: &Scene, control: &Control<'_>) -> Result<RunResult, DisplayError> {
+        self.answer(scene, Accuracy::First, control)
+    }
+
+    fn answer(
+        &mut self,
+        scene: &Scene,
+        accuracy: Accuracy,
+        control: &Control<'_>,
+    ) -> Result<RunResult, DisplayError> {
         let setup = match self.setup.take() {
             Some(setup) => setup.renewed(scene)?,
             None => {
@@ -42,6 +62,6 @@ impl Prepared {
             }
         };
         let setup = self.setup.insert(setup);
-        run_setup(setup, control, &mut self.kernels, &mut self.workers)
+        run_setup(setup, accuracy, control, &mut self.kernels, &mut self.workers)
     }
 }

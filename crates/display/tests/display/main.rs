@@ -11,6 +11,7 @@ mod asked_metrics;
 mod by_light_and_angle;
 mod common;
 mod designs;
+mod first_answers;
 mod front_light;
 mod honest_errors;
 mod lights;

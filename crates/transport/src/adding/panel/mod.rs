@@ -15,6 +15,7 @@ mod indices;
 mod lambertian;
 mod ledger;
 mod lobes;
+mod projected;
 mod recycling;
 mod rings;
 
@@ -31,6 +32,16 @@ pub(super) fn narrows(panel: &Panel) -> bool {
     *width < recycling::NARROWEST && !panel.single_pass && panel.front.reflectance_below.max() > 0.0
 }
 
+/// Views of a kernel.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Views<'a> {
+    pub(super) own: &'a [Cone],
+    /// All views that share data; if there are none, its own alone.
+    pub(super) together: &'a [Cone],
+    /// Kernel with the data that they share.
+    pub(super) common: Option<&'a Kernel>,
+}
+
 /// Kernel prepared for a stack, its views and its sources.
 #[derive(Debug, Clone)]
 pub(super) struct Kernel {
@@ -44,17 +55,27 @@ enum Kind {
     Diffused(Box<diffused::Kernel>),
 }
 
+impl Views<'_> {
+    /// Returns the common data of panels with a diffuser.
+    fn diffused(&self) -> Option<&diffused::Kernel> {
+        match &self.common?.kind {
+            Kind::Diffused(kernel) => Some(kernel),
+            Kind::Bare(_) => None,
+        }
+    }
+}
+
 impl Kernel {
-    pub(super) fn new(level: u32) -> Self {
-        Self { digits: 11.5 + 3.5 * f64::from(level), kind: Kind::Bare(bare::Kernel::default()) }
+    pub(super) fn new(level: f64) -> Self {
+        Self { digits: 11.5 + 3.5 * level, kind: Kind::Bare(bare::Kernel::default()) }
     }
 
     /// Prepares views and sources; incomplete if `stop` is set during the computation.
-    pub(super) fn prepare(&mut self, stack: &Panel, views: &[Cone], sources: &[Source], stop: &AtomicBool) {
+    pub(super) fn prepare(&mut self, stack: &Panel, views: Views<'_>, sources: &[Source], stop: &AtomicBool) {
         match &stack.top {
             Top::IdealAr | Top::Fresnel(_) => {
-                self.kind =
-                    Kind::Bare(bare::Kernel::new((&stack.base, &stack.medium), views, sources, self.digits));
+                let over = (&stack.base, &stack.medium);
+                self.kind = Kind::Bare(bare::Kernel::new(over, views.own, sources, self.digits));
             }
             Top::Diffuser(diffuser) => {
                 if let Kind::Diffused(kernel) = &mut self.kind

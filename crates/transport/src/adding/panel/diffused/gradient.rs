@@ -6,6 +6,8 @@
 //! sums of each state, from these to the sums of each basis, and from there to all nodes at once, by one
 //! matrix product.
 
+use std::sync::Arc;
+
 use super::super::super::{FirstPass, TableGradient};
 use super::super::recycling::{Forms, Recycling, is_fitted};
 use super::{AtIndex, Kernel, View, sent_back};
@@ -62,7 +64,7 @@ impl Kernel {
     fn view_of_sums(&self, stack: &Panel, view: usize) -> Option<&View> {
         let view = self.views.get(view)?;
         let forms = view.at.iter().all(has_forms);
-        let summed = self.recycling.iter().flatten().any(Recycling::sums_columns);
+        let summed = self.grids().any(Recycling::sums_columns);
         let is_mirror = matches!(stack.base.reflector, Reflector::Specular(_));
         let serves =
             self.diffuser.regular_fraction == 0.0 && !summed && forms && self.recycling_serves(stack);
@@ -72,7 +74,7 @@ impl Kernel {
     /// Returns the weights on the nodes of the first pass of each source.
     fn first_rows(&self, at: &AtIndex) -> Vec<Vec<f64>> {
         let leaving = |sum: &mut Vec<f64>| add(sum, at.alone.iter().map(|alone| &alone.leaving.0[..]));
-        let row = |(light, number): (&super::Light, usize)| {
+        let row = |(light, number): (&Arc<super::Light>, usize)| {
             let mut sum = Vec::new();
             if light.source == Source::Diffuse {
                 leaving(&mut sum);
@@ -107,7 +109,7 @@ impl Kernel {
         let medium = self.medium_at(stack, index);
         let r = self.reflectances(stack, table, &medium, index);
         let g = sent_back(stack, &diffuser.transmittance).repeat(stack.base.states());
-        let of = |(light, number): (&super::Light, usize)| -> Vec<&Forms> {
+        let of = |(light, number): (&Arc<super::Light>, usize)| -> Vec<&Forms> {
             let each = at.recycled.iter();
             if light.source == Source::Diffuse {
                 each.map(|recycled| &recycled.alone.leaving).collect()
