@@ -2,7 +2,7 @@
 
 use std::io::Write;
 use std::path::{Path, PathBuf};
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressStyle};
 use papilio_display::result::RunResult;
@@ -15,9 +15,12 @@ use papilio_formats::{ResultFile, write_json};
 use papilio_scenario::{Resolved, Scenario};
 
 use crate::arguments::{Run, Solver};
-use crate::progress::in_log;
+use crate::progress::{Heartbeat, in_log};
 use crate::terminal::is_quiet;
 use crate::{Failure, folder, input, interrupt, output, print_message, print_notes, report};
+
+/// Time between two frames of the bar: it appears after the first, and its time goes on while a level is computed.
+const BETWEEN_FRAMES: Duration = Duration::from_secs(1);
 
 /// Shortest computation that is announced, in seconds of one processor.
 const LONG_SECONDS: f64 = 1.0;
@@ -183,6 +186,8 @@ pub(crate) fn with_progress<T>(
     interrupt::catch_ctrl_c();
     let bar = progress_bar();
     let _log = in_log(&bar, |bar| format!("{} % done, {}", bar.position() / 10, bar.message()));
+    let waiting = bar.clone();
+    let _shown = Heartbeat::every(BETWEEN_FRAMES, move || waiting.tick());
     let show = |progress: Progress<'_>| show(&bar, progress);
     let control = Control { threads: threads.map(usize::from), progress: &show, stop: &interrupt::STOP };
     let result = compute(&control);

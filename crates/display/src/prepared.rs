@@ -2,7 +2,7 @@
 
 use crate::DisplayError;
 use crate::result::RunResult;
-use crate::run::{Accuracy, Control, Kernels, Workers, run_setup};
+use crate::run::{Accuracy, Control, Kernels, Workers, is_quick, run_setup};
 use crate::scene::Scene;
 use crate::setup::Setup;
 
@@ -39,8 +39,10 @@ impl Prepared {
 
     /// Computes a first answer by adding: from two or three coarse levels of discretisation, with the difference of the last two as
     /// its error, whatever the target of the scene (`is_final` of its solver is false). A following [`run`](Self::run) of
-    /// the same scene has the same result as without it. A scene that is not solved by adding to a relative error has no
-    /// first answer: it is run.
+    /// the same scene has the same result as without it.
+    ///
+    /// Where the exact answer takes little work (estimated from counts), and for scenes that are not solved by adding to a
+    /// relative error, it is the exact one.
     ///
     /// # Errors
     /// As for [`run`](Self::run).
@@ -62,6 +64,8 @@ impl Prepared {
             }
         };
         let setup = self.setup.insert(setup);
+        let accuracy =
+            if accuracy == Accuracy::First && is_quick(setup) { Accuracy::Exact } else { accuracy };
         run_setup(setup, accuracy, control, &mut self.kernels, &mut self.workers)
     }
 }

@@ -3,8 +3,8 @@
 //! The work of both is estimated **from counts, never from measured time**, so that a scenario is solved by the same solver on
 //! every machine:
 //!
-//! - *adding*: the number of nodes, of sets of refractive indices and of views ([`adding_seconds`]), at the level that the target is
-//!   expected to need.
+//! - *adding*: the number of nodes and of sets of refractive indices ([`adding_seconds`]), at the level that the target is
+//!   expected to need; for an ordinary panel the number of views and of environments, and whether its lobe is narrow.
 //! - *Monte Carlo*: the number of paths that the target needs, from the standard errors after one round of paths of a few views
 //!   (a pilot run with the seed of the scene), and the work of a path, from the number of scattering layers and of spectra.
 //!
@@ -14,8 +14,8 @@
 
 use std::fmt::Write;
 
-use papilio_transport::Stack;
 use papilio_transport::adding::{error_over_difference, nodes_needed};
+use papilio_transport::{Source, Stack};
 
 use super::walk::{self, FIRST_PATHS};
 use super::{Control, Run, adding_seconds};
@@ -33,6 +33,9 @@ const PREFERENCE: f64 = 2.0;
 
 /// Work above which no pilot run is made for an estimate alone, s.
 const LONGEST_PILOT_S: f64 = 1.0;
+
+/// Work of an exact answer of adding that needs no first answer, s.
+const QUICK_S: f64 = 0.02;
 
 /// Views of which a pilot run traces paths.
 const PILOT_VIEWS: usize = 3;
@@ -58,6 +61,12 @@ pub fn forecast(scene: &Scene, control: &Control<'_>) -> Result<Forecast, Displa
     let setup = Setup::new(scene)?;
     let meter = Meter::new(&setup);
     estimated(&Run::new(&setup, control, &meter), |_| LONGEST_PILOT_S)
+}
+
+/// Returns whether adding takes so little work that its exact answer needs no first answer.
+pub(crate) fn is_quick(setup: &Setup) -> bool {
+    let Stop::RelativeError { target, .. } = setup.scene.solver.stop else { return false };
+    adding(setup, target).is_ok_and(|seconds| seconds <= QUICK_S)
 }
 
 /// Chooses the solver of a run; there is no pilot run if adding takes less work.
@@ -118,7 +127,21 @@ fn adding(setup: &Setup, target: f64) -> Result<f64, DisplayError> {
     let nodes = |level: u32| nodes_needed(&setup.stack, level).max(1) as f64;
     let level = level_needed(target, error_over_difference(&setup.stack));
     let more = (nodes(level) / nodes(1)).powi(3);
-    Ok(adding_seconds(&setup.scene)? * more)
+    Ok(match &setup.stack {
+        Stack::Panel(_) => panel_seconds(setup),
+        Stack::Layered(_) => adding_seconds(&setup.scene)? * more,
+    })
+}
+
+/// Estimates the work of adding for an ordinary panel, in seconds: for each view that of the light that passes once, and more
+/// for environments and for light that a front sends back through a narrow lobe.
+fn panel_seconds(setup: &Setup) -> f64 {
+    const VIEW: f64 = 2e-3;
+    const FIELD: f64 = 1e-2;
+    const NARROW: f64 = 5e-2;
+    let fields = setup.sources.iter().filter(|source| matches!(source, Source::Field(_))).count();
+    let narrow = if error_over_difference(&setup.stack) > 1.0 { NARROW } else { 0.0 };
+    setup.views.len() as f64 * (VIEW + FIELD * fields as f64) + narrow
 }
 
 /// Returns the level of adding at which two levels are expected to agree within the target.

@@ -17,6 +17,7 @@ use rayon::ThreadPool;
 use rayon::prelude::*;
 
 pub(crate) use adding::{Kernels, ViewGroupKernel};
+pub(crate) use auto::is_quick;
 pub use auto::{Forecast, THICKEST_FOR_MONTE_CARLO, forecast};
 pub use brdf::brdf;
 pub use cone::cone;

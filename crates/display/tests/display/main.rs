@@ -8,6 +8,7 @@
 
 mod absorption;
 mod asked_metrics;
+mod auto;
 mod by_light_and_angle;
 mod common;
 mod designs;
