@@ -70,10 +70,10 @@ fn main() -> ExitCode {
     if name.as_deref() == Some(SERVE.0) {
         return exit_code(serve::serve(&rest));
     }
-    let extra = rest.into_iter().next();
     if name.as_deref() == Some(PAIRS.0) {
         return exit_code(pairs::pairs(&rest));
     }
+    let extra = rest.into_iter().next();
     let task = TASKS.iter().find(|(known, ..)| Some(*known) == name.as_deref());
     match (task, name, extra) {
         (Some((.., run)), _, None) => exit_code(run()),
