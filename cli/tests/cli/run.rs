@@ -205,6 +205,10 @@ fn solver_option_selects_the_solver() {
     assert!(walk["paths"].as_u64().unwrap() > 0 && walk["nodes"].is_null() && named == "monte-carlo");
     let (adding, named) = method("adding");
     assert!(adding["nodes"].as_u64().unwrap() > 0 && adding["paths"].is_null() && named == "adding");
+    let (chosen, named) = method("auto");
+    assert!(chosen["method"] == "adding" && named == "auto", "{chosen}");
+    assert!(chosen["chosen_because"].as_str().unwrap().contains("adding takes about"), "{chosen}");
+    assert!(adding["chosen_because"].is_null());
 }
 
 /// Where light comes from many directions, a figure says from where.

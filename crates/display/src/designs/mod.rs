@@ -69,7 +69,9 @@ impl Designs {
     /// quantity does not exist; if the preparation was stopped.
     pub fn new(scene: &Scene, quantities: &[Quantity], control: &Control<'_>) -> Result<Self, DisplayError> {
         let Pixel::Film(_) = &scene.display.pixel else { return Err(DisplayError::NotAFilm) };
-        if scene.solver.method != Method::Adding || !matches!(scene.solver.stop, Stop::RelativeError { .. }) {
+        if scene.solver.method == Method::MonteCarlo
+            || !matches!(scene.solver.stop, Stop::RelativeError { .. })
+        {
             return Err(DisplayError::NotByAdding);
         }
         let setup = Setup::new(scene)?;

@@ -66,8 +66,8 @@ impl Views<'_> {
 }
 
 impl Kernel {
-    pub(super) fn new(level: u32) -> Self {
-        Self { digits: 11.5 + 3.5 * f64::from(level), kind: Kind::Bare(bare::Kernel::default()) }
+    pub(super) fn new(level: f64) -> Self {
+        Self { digits: 11.5 + 3.5 * level, kind: Kind::Bare(bare::Kernel::default()) }
     }
 
     /// Prepares views and sources; incomplete if `stop` is set during the computation.
