@@ -250,8 +250,13 @@ impl Survey<'_> {
 
     /// Computes the colours of a view; `None` if it was stopped.
     fn colours(&self, kernel: &Kernel, view: usize) -> Option<Vec<Xyz>> {
-        let estimate = kernel.estimate_unless(&self.run.setup.stack, view, self.run.control.stop)?;
-        Some(self.run.meter.colours(&estimate))
+        let (stack, stop) = (&self.run.setup.stack, self.run.control.stop);
+        let rho = match stack {
+            // Without a ledger.
+            Stack::Panel(_) => kernel.seen(stack, view),
+            Stack::Layered(_) => kernel.estimate_unless(stack, view, stop)?.rho,
+        };
+        Some(self.run.meter.colours(&rho))
     }
 
     fn report(&self, relative_error: f64, target: f64, done: usize) {

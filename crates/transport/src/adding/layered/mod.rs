@@ -56,7 +56,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use super::Narrowest;
-use super::images::ImagePoints;
+use super::images::{ImagePoints, Mirror, image_points};
 use crate::specular::layered_image;
 use crate::{Cone, Estimate, Layered, Reflector, Source};
 use beam_response::BeamResponse;
@@ -146,7 +146,7 @@ impl Kernel {
         self.directions = Directions::new(stack, views, sources, &self.precision);
         // They are valid for any base, whose fringes are not known here.
         self.images =
-            views.iter().map(|view| super::images::image_points(view, sources, digits, 0.0)).collect();
+            views.iter().map(|view| image_points(view, sources, digits, Mirror::Across(0.0))).collect();
         let (prepared, over) = Prepared::new(stack, &self.directions, &self.precision, stop);
         self.prepared = prepared;
         self.last = Mutex::new(Some(Arc::new(over)));

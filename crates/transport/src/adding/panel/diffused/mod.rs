@@ -11,7 +11,7 @@ use papilio_optics::Beta;
 use papilio_optics::lobe::Lobe;
 
 use super::super::field::{Peaks, Ring, radii, rings};
-use super::super::images::{ImagePoints, image_points};
+use super::super::images::{ImagePoints, Mirror, image_points};
 use super::super::quadrature::{Nodes as QuadratureNodes, Point, cone_points_of, disc_points};
 use super::Views;
 use super::first_pass::{Pass, SourceFreeView, Weights};
@@ -355,8 +355,11 @@ impl Kernel {
         let mut views: Vec<f64> = self.directions.iter().flat_map(|view| radii(view, width)).collect();
         views.sort_by(f64::total_cmp);
         views.dedup();
-        let project =
-            |pass: Pass<'_>| groups.iter().map(|b| pass.project(b.circles.clone(), &views)).collect();
+        let one = |pass: &Pass<'_>, b: &Bundle| {
+            let lit: Vec<f64> = b.circles.iter().map(|circle| circle.radius).collect();
+            pass.project(&lit, &views, |_| b.circles.clone())
+        };
+        let project = |pass: Pass<'_>| groups.iter().map(|b| one(&pass, b)).collect();
         (0..self.indices.nodes.len()).filter_map(|index| self.pass(index)).map(project).collect()
     }
 
@@ -385,6 +388,9 @@ impl Kernel {
     ) -> View {
         // Only unscattered light resolves the table.
         let across = if self.diffuser.regular_fraction > 0.0 { across } else { 0.0 };
+        // Without it there is only the image in the front, which reflects the same at all angles.
+        let mirror =
+            if self.diffuser.regular_fraction > 0.0 { Mirror::Across(across) } else { Mirror::Uniform };
         let groups = match old {
             Some(old) => old.groups.clone(),
             None => {
@@ -393,20 +399,24 @@ impl Kernel {
                 self.bundles(cone_points_of(cone, self.scale(), self.digits, nodes), axis)
             }
         };
-        let images = image_points(cone, sources, self.digits, across);
+        let images = image_points(cone, sources, self.digits, mirror);
+        let at_this_inclination =
+            self.directions.iter().filter(|other| other.is_turned(cone)).take(MANY_VIEWS);
+        let many = at_this_inclination.count() == MANY_VIEWS;
         let at = (0..self.indices.nodes.len())
             .map(|j| {
                 let old = old.and_then(|old| old.at.get(j));
                 let turned = turned.and_then(|turned| turned.at.get(j));
-                self.view_at(j, &groups, (old, turned), kept, same_recycling)
+                self.view_at((j, many), &groups, (old, turned), kept, same_recycling)
             })
             .collect();
         View { cone: *cone, groups, images, at }
     }
 
+    /// Computes a view at an index; `many`: there are many more at its inclination.
     fn view_at(
         &self,
-        index: usize,
+        (index, many): (usize, bool),
         groups: &[Bundle],
         (old, turned): (Option<&AtIndex>, Option<&AtIndex>),
         kept: &[Option<usize>],
@@ -452,7 +462,7 @@ impl Kernel {
                     let recycled = recycling.zip(recycled.as_ref().map(|(group, _)| group));
                     self.sources
                         .iter()
-                        .map(|light| by_order::of((&pass, index), bundle, recycled, light))
+                        .map(|light| by_order::of((&pass, index), bundle, recycled, light, many))
                         .collect()
                 };
                 groups.iter().zip(&recycled).map(of_group).collect()
@@ -506,6 +516,10 @@ impl Kernel {
         views + shares + self.grids().map(Recycling::nodes).sum::<usize>()
     }
 }
+
+/// Number of views at one inclination from which on their light is computed by azimuthal orders, whatever the
+/// source.
+const MANY_VIEWS: usize = 16;
 
 /// Returns the previous position of a source; the directions of a field also depend on the views.
 fn position(source: &Source, old: &[Arc<Light>], same_views: bool) -> Option<usize> {

@@ -38,6 +38,7 @@ use super::projected::Circle;
 use grid::{End, Grid, Meridian};
 pub(super) use plan::{NARROWEST, Plan};
 use profile::Profile;
+pub(super) use profile::is_fitted;
 pub(super) use spectra::Reflectances;
 
 /// All data that do not depend on views and sources.
