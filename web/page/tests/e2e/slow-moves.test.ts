@@ -93,6 +93,17 @@ const move = (page: Page, key: string, value: number): Promise<{ first: Seen; ex
     [key, value, LOST_MS] as const,
   );
 
+/** Selects a part, so that its field is shown; an answer may redraw the part between the focus and the key. */
+async function select(page: Page, part: string, key: string): Promise<void> {
+  const field = page.locator(`[id="f-${key}"]`);
+  for (let attempt = 0; attempt < 10 && !(await field.isVisible()); attempt++) {
+    await page.locator(part).first().focus();
+    await page.keyboard.press("Enter");
+    await field.waitFor({ timeout: 2000 }).catch(() => undefined);
+  }
+  await field.waitFor();
+}
+
 /** Numbers from 0 to 1 that are the same in every run. */
 const spread = (i: number): number => (0.5 + i * 0.6180339887498949) % 1;
 
@@ -107,9 +118,7 @@ for (const { name, example, keys } of CASES) {
     const seen: { first: Seen; exact: Seen }[] = [];
     for (let i = 0; i < MOVES; i++) {
       const [part, key, least, most] = keys[i % keys.length]!;
-      await page.locator(part).first().focus();
-      await page.keyboard.press("Enter");
-      await page.locator(`[id="f-${key}"]`).waitFor();
+      await select(page, part, key);
       const one = await move(page, key, Number((least + (most - least) * spread(i)).toPrecision(4)));
       assert.ok(one, `move ${i} of ${key} has no result within ${LOST_MS} ms`);
       seen.push(one);
