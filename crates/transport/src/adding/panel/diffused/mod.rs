@@ -200,8 +200,9 @@ impl Kernel {
             }
             let turned = made.iter().rev().find(|view| view.cone.is_turned(cone));
             let across = stack.base.nodes_across(cone, &stack.medium);
+            let many = views.iter().filter(|other| other.is_turned(cone)).count() >= MANY_VIEWS;
             let old = (old_view(k, cone), turned);
-            let view = self.view((cone, across), sources, old, &kept, same_recycling);
+            let view = self.view((cone, across, many), sources, old, &kept, same_recycling);
             made.push(view);
         }
         self.views = made;
@@ -377,10 +378,11 @@ impl Kernel {
         self.grids().zip(&self.indices.nodes).map(at).collect()
     }
 
-    /// Returns the points of a cone, and the number of nodes of the base's table across it.
+    /// Computes the view of a cone, across which lie this many nodes of the base's table; `many` others are at
+    /// its inclination.
     fn view(
         &self,
-        (cone, across): (&Cone, f64),
+        (cone, across, many): (&Cone, f64, bool),
         sources: &[Source],
         (old, turned): (Option<&View>, Option<&View>),
         kept: &[Option<usize>],
@@ -400,9 +402,6 @@ impl Kernel {
             }
         };
         let images = image_points(cone, sources, self.digits, mirror);
-        let at_this_inclination =
-            self.directions.iter().filter(|other| other.is_turned(cone)).take(MANY_VIEWS);
-        let many = at_this_inclination.count() == MANY_VIEWS;
         let at = (0..self.indices.nodes.len())
             .map(|j| {
                 let old = old.and_then(|old| old.at.get(j));
@@ -413,7 +412,7 @@ impl Kernel {
         View { cone: *cone, groups, images, at }
     }
 
-    /// Computes a view at an index; `many`: there are many more at its inclination.
+    /// Computes a view at an index; `many` others are at its inclination.
     fn view_at(
         &self,
         (index, many): (usize, bool),
