@@ -16,7 +16,7 @@ use super::Views;
 use super::first_pass::{Pass, SourceFreeView, Weights};
 use super::indices::Indices;
 use super::lambertian::Shares;
-use super::recycling::{Closed, Forms, Group, OwnForms, Plan, Recycling, Reflectances};
+use super::recycling::{Forms, Group, OwnForms, Pair, Plan, Recycling, Reflectances, Seen, Towards};
 use crate::base::largest;
 use crate::{AngularTable, Cone, Diffuser, Field, Medium, Nodes, Panel, Reflector, Source, Top};
 
@@ -31,6 +31,8 @@ pub(super) struct Kernel {
     indices: Indices,
     /// See [`reach`].
     reach: Option<f64>,
+    /// Whether there is a source that is not diffuse.
+    has_directed: bool,
     sources: Vec<Light>,
     views: Vec<View>,
     /// For each index.
@@ -88,9 +90,11 @@ struct AtIndex {
 #[derive(Debug, Clone)]
 struct Recycled {
     group: Group,
-    alone: OwnForms,
-    /// By source and the source's group, with the closed form for narrow lobes.
-    between: Vec<Vec<(Forms, Option<Closed>)>>,
+    /// `None` under a narrow lobe, which has a basis of its own.
+    alone: Option<OwnForms>,
+    seen: Option<Pair<Seen>>,
+    /// By source and the source's group, on the grid and under a narrow lobe.
+    between: Vec<Vec<(Forms, Option<Pair<Towards>>)>>,
 }
 
 impl Kernel {
@@ -102,6 +106,7 @@ impl Kernel {
             table: table_nodes(stack).cloned(),
             indices: Indices::new(&stack.medium, digits),
             reach: None,
+            has_directed: false,
             sources: Vec::new(),
             views: Vec::new(),
             shares: Vec::new(),
@@ -132,6 +137,7 @@ impl Kernel {
             };
         }
         self.reach = reach(if together.is_empty() { views } else { together }, sources);
+        self.has_directed = sources.iter().any(|source| *source != Source::Diffuse);
         match common.and_then(|common| common.seen.as_ref()) {
             Some(seen) => self.seen = Some(seen.clone()),
             None => self.reset_for_new_base(stack),
@@ -201,7 +207,7 @@ impl Kernel {
         let Top::Diffuser(diffuser) = &stack.top else { return None };
         let g = sent_back(stack, &diffuser.transmittance).into_iter().fold(0.0, f64::max);
         let strength = if g > 0.0 { g * self.largest_reflectance(stack) } else { 0.0 };
-        Plan::new(&pass, strength, self.reach)
+        Plan::new(&pass, strength, (self.reach, self.has_directed))
     }
 
     fn largest_reflectance(&self, stack: &Panel) -> f64 {
@@ -391,26 +397,21 @@ impl Kernel {
                 (None, Some(turned)) => (turned.group.turned_to(bundle.axis), turned.alone.clone()),
                 (None, None) => {
                     let group = recycling.group((&bundle.points, false), bundle.axis, pass.index, true);
-                    let alone = recycling.alone(&group);
+                    let alone = (!recycling.is_narrow()).then(|| recycling.alone(&group));
                     (group, alone)
                 }
             };
             let towards = |(light, kept): (&Light, &Option<usize>)| match (old, kept) {
                 (Some(old), Some(kept)) => old.between[*kept].clone(),
                 _ => {
-                    // A field is as smooth as the wider lobes that may replace the diffuser's.
-                    let is_field = matches!(light.source, Source::Field(_));
-                    let closed = |b: &Bundle| {
-                        (!is_field)
-                            .then(|| recycling.closed(self.diffuser.lobe, &bundle.points, &b.points))
-                            .flatten()
+                    let both = |(other, b): (&Group, &Bundle)| {
+                        (recycling.between(&group, other), recycling.towards(&bundle.points, &b.points))
                     };
-                    let both = |(other, b): (&Group, &Bundle)| (recycling.between(&group, other), closed(b));
                     light.recycled[index].iter().zip(&light.groups).map(both).collect()
                 }
             };
             let between = self.sources.iter().zip(kept).map(towards).collect();
-            Recycled { group, alone, between }
+            Recycled { seen: recycling.seen(&bundle.points), group, alone, between }
         });
         AtIndex { alone, pairs, recycled: recycled.collect() }
     }

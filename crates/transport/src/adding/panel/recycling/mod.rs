@@ -12,15 +12,12 @@
 //! the pixel nor on spectra. Later orders get fewer terms. Where g is too large for that, the series is
 //! summed on the grid for each state and wavelength.
 //!
-//! Lobes narrower than 0.01 to 0.03, depending on the other requirements, would need too large a grid. Their
-//! grid is made for a wider lobe; the finer the level, the narrower this lobe. The recycled light between
-//! two directions is then multiplied by the ratio of the light that the true lobe gives there to that of the
-//! wider one, for all orders together in closed form ([`Recycling::closed`]). The remaining error, from the
-//! rims and the pixel's dependence on angle, is proportional to the width of the wider lobe, times g; the
-//! difference between levels shows it.
+//! Narrow lobes would need too large a grid. Their light has a basis of its own ([`narrow`]), and a grid for
+//! a wider lobe only corrects it; the finer the level, the narrower this lobe.
 
 mod forms;
 mod grid;
+mod narrow;
 mod plan;
 mod profile;
 mod spectra;
@@ -30,11 +27,12 @@ use std::f64::consts::PI;
 use std::sync::Arc;
 
 use papilio_optics::lobe::Lobe;
-use papilio_optics::{Beta, Scatterer};
 
 use super::super::quadrature::Point;
 use super::first_pass::{Pass, Weights};
 use grid::{End, Grid, Meridian};
+use narrow::Narrow;
+pub(super) use narrow::{Seen, Towards};
 pub(super) use plan::{NARROWEST, Plan};
 use profile::Profile;
 pub(super) use spectra::Reflectances;
@@ -46,6 +44,16 @@ pub(super) struct Recycling {
     grid: Grid,
     /// One for each order.
     profiles: Vec<Profile>,
+    /// The true lobe if it is narrow, and that of the grid if it is wider.
+    narrow: Option<Narrow>,
+    wider: Option<Narrow>,
+}
+
+/// A view and a source under a narrow lobe, and under the wider lobe of the grid if there is one.
+#[derive(Debug, Clone)]
+pub(super) struct Pair<T> {
+    pub(super) narrow: T,
+    pub(super) wider: Option<T>,
 }
 
 /// A group of directions on the grid.
@@ -99,8 +107,18 @@ pub(super) struct OwnForms {
 impl Recycling {
     pub(super) fn new(pass: &Pass<'_>, plan: Plan) -> Self {
         let lobe = match pass.diffuser.lobe {
-            Lobe::KCorrelation { width } => Lobe::KCorrelation { width: width.max(plan.width) },
+            Lobe::KCorrelation { .. } => Lobe::KCorrelation { width: plan.width },
             Lobe::Lambertian => Lobe::Lambertian,
+        };
+        let (narrow, wider) = match (plan.narrow, pass.diffuser.lobe) {
+            (Some(narrow), Lobe::KCorrelation { width }) => {
+                let of = |width, orders| Narrow::new(pass, width, orders, narrow.digits);
+                // The same orders as on the grid.
+                let orders = if plan.terms.is_empty() { narrow.orders } else { plan.terms.len() };
+                let is_wider = plan.has_grid() && plan.width > width;
+                (Some(of(width, narrow.orders)), is_wider.then(|| of(plan.width, orders)))
+            }
+            _ => (None, None),
         };
         let grid = Grid::new(
             pass,
@@ -111,11 +129,13 @@ impl Recycling {
         );
         let profile = |(k, count): (usize, &usize)| Profile::new(&grid, pass, *count, k as u32 + 2);
         let profiles = plan.terms.iter().enumerate().map(profile).collect();
-        Self { plan, grid, profiles }
+        Self { plan, grid, profiles, narrow, wider }
     }
 
     pub(super) fn nodes(&self) -> usize {
-        self.grid.air.len() + self.grid.glass.len()
+        let narrow: usize = self.narrow.iter().chain(&self.wider).map(Narrow::nodes).sum();
+        let grid = if self.plan.has_grid() { self.grid.air.len() + self.grid.glass.len() } else { 0 };
+        narrow + grid
     }
 
     /// Returns a view's or a source's group of points, symmetric about the azimuth of the axis: equal on
@@ -173,34 +193,32 @@ impl Recycling {
         self.grid.form(&view.light[k], other, factors, columns)
     }
 
-    /// Returns orders 2, 3, ... between two sets of points in closed form, by the true lobe and by the
-    /// grid's if that is wider, without the powers of g and of the base's reflectance. The widths of
-    /// successive lobes add; rims are ignored. `None` if the grid has the lobe itself.
-    pub(super) fn closed(&self, lobe: Lobe, view: &[Point], source: &[Point]) -> Option<Closed> {
-        let width = match lobe {
-            Lobe::KCorrelation { width } if width < self.plan.width => width,
-            _ => return None,
-        };
-        // By the number of lobes on the way: of S, and of a pass P in the middle (see above).
-        let (s, t) = (self.grid.straight, 1.0 - self.grid.straight);
-        let scattered = [0.0, 2.0 * s * t, t * t];
-        let pass = [s * s, 2.0 * s * t, t * t];
-        let mut shares = product(&scattered, &scattered);
-        let mut closed = Closed::default();
-        for order in 0..closed[0].len() {
-            for (orders, width) in closed.iter_mut().zip([width, self.plan.width]) {
-                let seen = |distance: Beta| -> f64 {
-                    let lobes = shares.iter().enumerate().skip(1).filter(|(_, share)| **share > 0.0);
-                    let density =
-                        |n: f64| Lobe::KCorrelation { width: n * width }.density(Beta::default(), distance);
-                    lobes.map(|(n, share)| share * density(n as f64)).sum()
-                };
-                let of = |v: &Point, l: &Point| v.weight * l.weight * seen(l.beta - v.beta);
-                orders[order] = view.iter().flat_map(|v| source.iter().map(move |l| of(v, l))).sum();
-            }
-            shares = product(&shares, &pass);
+    /// Returns a view's weights under a narrow lobe; `None` under others.
+    pub(super) fn seen(&self, view: &[Point]) -> Option<Pair<Seen>> {
+        let of = |narrow: &Narrow| narrow.seen(view);
+        Some(Pair { narrow: of(self.narrow.as_ref()?), wider: self.wider.as_ref().map(of) })
+    }
+
+    /// Returns a source as seen by a view under a narrow lobe. `None` under others, and if the grid has the
+    /// lobe itself.
+    pub(super) fn towards(&self, view: &[Point], source: &[Point]) -> Option<Pair<Towards>> {
+        let narrow = self.narrow.as_ref().filter(|_| self.wider.is_some() || !self.plan.has_grid())?;
+        let of = |narrow: &Narrow| narrow.towards(view, source);
+        Some(Pair { narrow: of(narrow), wider: self.wider.as_ref().map(of) })
+    }
+
+    /// Returns whether diffuse light has the basis of narrow lobes, not the grid.
+    pub(super) fn is_narrow(&self) -> bool {
+        self.narrow.is_some()
+    }
+
+    /// Returns the fraction of the grid's correction that applies to a narrow lobe: the ratio of its width to
+    /// that of the grid's.
+    pub(super) fn correction(&self) -> f64 {
+        match (&self.narrow, &self.wider) {
+            (Some(narrow), Some(wider)) => narrow.width() / wider.width(),
+            _ => 1.0,
         }
-        Some(closed)
     }
 
     pub(super) fn alone(&self, view: &Group) -> OwnForms {
@@ -216,9 +234,6 @@ impl Recycling {
         }
     }
 }
-
-/// Orders 2, 3, ... of the series by a narrow lobe, and by the wider lobe that replaces it on the grid.
-pub(super) type Closed = [[f64; 5]; 2];
 
 /// Returns the product of two polynomials.
 fn product(a: &[f64], b: &[f64]) -> Vec<f64> {

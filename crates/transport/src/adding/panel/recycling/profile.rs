@@ -72,7 +72,9 @@ impl Profile {
         let breaks: Vec<f64> =
             breaks.iter().map(|b| (1.0 - (b / pass.index).powi(2)).max(0.0).sqrt()).collect();
         let mut terms = vec![Weights::new(pass.table); points.len()];
-        for node in graded(from, 1.0, &breaks, &[], pass.digits) {
+        // At 3.6 digits per point, as many points as terms between breaks: fewer cannot tell terms apart.
+        let digits = pass.digits.max(3.6 * points.len() as f64);
+        for node in graded(from, 1.0, &breaks, &[], digits) {
             let stencil = look_up(pass, node.x);
             for ((term, value), point) in terms.iter_mut().zip(self.at(node.x)).zip(points) {
                 let area = if points.len() == 1 { node.x / point.x } else { 1.0 };

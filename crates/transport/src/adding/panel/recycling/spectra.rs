@@ -6,16 +6,31 @@ use std::f64::consts::PI;
 use super::super::ledger::Sums;
 use super::forms::Products;
 use super::grid::Columns;
-use super::{Direction, Forms, Group, Profile, Recycling, azimuth_factor};
+use super::narrow::{Light, Narrow, Own};
+use super::{Direction, Forms, Group, Pair, Profile, Recycling, Seen, Towards, azimuth_factor};
 use crate::{AngularTable, Base, Medium};
 
-/// Reflectances of the base that recycling needs; columns are `[state][wavelength]`.
+/// The base's part of recycled light; columns are `[state][wavelength]`.
+#[derive(Debug, Clone, Default)]
+pub(in super::super) struct Reflectances {
+    grid: OnGrid,
+    /// Under a narrow lobe.
+    narrow: Option<Pair<Light>>,
+}
+
+/// Reflectances of the base that the grid needs.
 #[derive(Debug, Clone)]
-pub(in super::super) enum Reflectances {
+enum OnGrid {
     /// For each order of the series.
     Products(Vec<Products>),
     /// At the nodes of the grid, `[glass][column]` and `[air][column]`.
     Nodes { glass: Vec<f64>, air: Vec<f64> },
+}
+
+impl Default for OnGrid {
+    fn default() -> Self {
+        Self::Products(Vec::new())
+    }
 }
 
 impl Recycling {
@@ -35,17 +50,26 @@ impl Recycling {
             }
             all
         };
+        let light = |narrow: &Narrow, with_own| {
+            let [glass, air] = narrow.radii().map(|radii| look_up(&mut radii.iter().map(|r| r * r)));
+            narrow.light(Columns { count: columns, glass: &glass, air: &air }, with_own)
+        };
+        let narrow = self.narrow.as_ref().map(|narrow| Pair {
+            narrow: light(narrow, true),
+            wider: self.wider.as_ref().map(|wider| light(wider, false)),
+        });
         if self.sums_columns() {
             let glass = look_up(&mut self.grid.glass.iter().map(|n| n.x * n.x));
             let straight = self.grid.straight > 0.0;
             let air = self.grid.air.iter().filter(|_| straight);
-            return Reflectances::Nodes { glass, air: look_up(&mut air.map(|n| n.x * n.x)) };
+            let grid = OnGrid::Nodes { glass, air: look_up(&mut air.map(|n| n.x * n.x)) };
+            return Reflectances { grid, narrow };
         }
         let of = |(k, profile): (usize, &Profile)| {
             let terms: Vec<&[f64]> = profile.terms.iter().map(|term| &term.0[..]).collect();
             Products::new(table.weighted_sums(&terms), columns, k as u32 + 2)
         };
-        Reflectances::Products(self.profiles.iter().enumerate().map(of).collect())
+        Reflectances { grid: OnGrid::Products(self.profiles.iter().enumerate().map(of).collect()), narrow }
     }
 
     /// Returns whether the series is summed column by column.
@@ -63,7 +87,7 @@ impl Recycling {
         g: &[f64],
     ) -> Vec<f64> {
         let mut sum = vec![0.0; forms.len() * g.len()];
-        let Reflectances::Products(products) = r else { return sum };
+        let OnGrid::Products(products) = &r.grid else { return sum };
         // Horner's rule in g.
         for (k, products) in products.iter().enumerate().rev() {
             let coefficients: Vec<&[f64]> = forms.iter().map(|forms| &forms.0[k][..]).collect();
@@ -85,7 +109,7 @@ impl Recycling {
         let columns = g.len();
         let all: usize = self.profiles.iter().map(|profile| profile.cosines.len()).sum();
         let mut slopes = vec![0.0; sums.len() * all * columns];
-        let Reflectances::Products(products) = r else { return slopes };
+        let OnGrid::Products(products) = &r.grid else { return slopes };
         let (mut first, mut power) = (0, g.to_vec());
         for (k, (products, profile)) in products.iter().zip(&self.profiles).enumerate() {
             let terms = profile.cosines.len();
@@ -111,6 +135,52 @@ impl Recycling {
         slopes
     }
 
+    /// Adds the recycled light of a view's group under a narrow lobe. `sources`: for each source its groups as
+    /// seen by the view, and their round trips. Light towards directed sources contains the grid's, with its
+    /// wider lobe; it is replaced.
+    pub(in super::super) fn add_narrow(
+        &self,
+        view: &Pair<Seen>,
+        sources: &[Vec<(&Option<Pair<Towards>>, &Direction)>],
+        r: &Reflectances,
+        g: &[f64],
+        sums: &mut Sums,
+    ) {
+        let Some(light) = &r.narrow else { return };
+        let own: Own<Vec<f64>> = light.narrow.own(&view.narrow, g);
+        sums.leaving = own.leaving;
+        sums.reflected = own.reflected;
+        sums.arriving = own.arriving;
+        let at_view = light.narrow.at_view(&view.narrow);
+        let wider = light.wider.as_ref().zip(view.wider.as_ref());
+        let wider = wider.map(|(light, view)| (light, light.at_view(view)));
+        for (groups, sum) in sources.iter().zip(&mut sums.directed) {
+            let towards = || groups.iter().filter_map(|(towards, own)| Some((towards.as_ref()?, own)));
+            let mut narrow = vec![0.0; sum.len()];
+            for (towards, own) in towards() {
+                let values = light.narrow.between(&at_view, &towards.narrow, g, false);
+                add_times(&mut narrow, &values, &own.round_trips, 1.0);
+            }
+            if towards().next().is_none() {
+                continue;
+            }
+            if let Some((light, at_view)) = &wider {
+                let lobe = |of: fn(&Pair<Towards>) -> Option<&Towards>| -> f64 {
+                    towards().filter_map(|(towards, _)| of(towards)).map(Towards::lobe).sum()
+                };
+                let lobes = [lobe(|towards| Some(&towards.narrow)), lobe(|towards| towards.wider.as_ref())];
+                for (towards, own) in towards() {
+                    let Some(towards) = &towards.wider else { continue };
+                    let values = light.between(at_view, towards, g, !self.sums_columns());
+                    add_times(sum, &values, &own.round_trips, -1.0);
+                }
+                let scale = if lobes[1] > 0.0 { lobes[0] / lobes[1] } else { 1.0 };
+                narrow.iter_mut().zip(&*sum).for_each(|(n, error)| *n += self.correction() * scale * error);
+            }
+            *sum = narrow;
+        }
+    }
+
     /// Adds the recycled light of a view's group by summing the series on the grid.
     pub(in super::super) fn add_by_columns(
         &self,
@@ -120,13 +190,13 @@ impl Recycling {
         g: &[f64],
         sums: &mut Sums,
     ) {
-        let Reflectances::Nodes { glass, air } = r else { return };
+        let OnGrid::Nodes { glass, air } = &r.grid else { return };
         let columns = Columns { count: g.len(), glass, air };
         let grid = &self.grid;
         for m in 0..self.plan.orders {
             let light =
                 self.series(m, grid.scattered(&view.0.meridian, m, columns, &view.1.reflectance), columns, g);
-            if m == 0 {
+            if m == 0 && !self.is_narrow() {
                 let ones = |n: usize| vec![1.0; n];
                 let leaving = grid.diffuse(columns, &grid.leaving, &grid.leaving_straight);
                 let reflected = grid.diffuse(columns, &ones(grid.glass.len()), &ones(grid.air.len()));
@@ -174,6 +244,13 @@ impl Recycling {
                 *s += scale * node.weight * g * l * o;
             }
         }
+    }
+}
+
+/// `sum += scale values * factors`; an empty slice of factors means ones.
+fn add_times(sum: &mut [f64], values: &[f64], factors: &[f64], scale: f64) {
+    for (k, (sum, value)) in sum.iter_mut().zip(values).enumerate() {
+        *sum += scale * value * factors.get(k).copied().unwrap_or(1.0);
     }
 }
 
