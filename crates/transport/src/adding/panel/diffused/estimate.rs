@@ -142,7 +142,7 @@ impl Kernel {
                         .between
                         .iter()
                         .zip(&of_sources)
-                        .map(|(all, of)| all.iter().map(|(_, towards)| towards).zip(of).collect())
+                        .map(|(all, of)| all.iter().map(|(_, towards)| towards.as_ref()).zip(of).collect())
                         .collect();
                     recycling.add_narrow(seen, &towards, r, &g, &mut orders);
                 }
@@ -194,9 +194,9 @@ impl Kernel {
         }
         let ledger = ledger == LedgerRequest::Requested;
         let alone = recycled.alone.as_ref();
-        let own = alone.into_iter().flat_map(|alone| {
-            std::iter::once(&alone.leaving).chain(ledger.then_some(&alone.reflected))
-        });
+        let own = alone
+            .into_iter()
+            .flat_map(|alone| std::iter::once(&alone.leaving).chain(ledger.then_some(&alone.reflected)));
         let between = recycled.between.iter().flatten().map(|(forms, _)| forms);
         let forms: Vec<&Forms> = own.chain(between).collect();
         let values = recycling.values(&forms, false, r, g);

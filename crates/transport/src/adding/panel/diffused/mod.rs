@@ -16,7 +16,7 @@ use super::Views;
 use super::first_pass::{Pass, SourceFreeView, Weights};
 use super::indices::Indices;
 use super::lambertian::Shares;
-use super::recycling::{Forms, Group, OwnForms, Pair, Plan, Recycling, Reflectances, Seen, Towards};
+use super::recycling::{Forms, Group, OwnForms, Plan, Recycling, Reflectances, Seen, Towards};
 use crate::base::largest;
 use crate::{AngularTable, Cone, Diffuser, Field, Medium, Nodes, Panel, Reflector, Source, Top};
 
@@ -92,9 +92,9 @@ struct Recycled {
     group: Group,
     /// `None` under a narrow lobe, which has a basis of its own.
     alone: Option<OwnForms>,
-    seen: Option<Pair<Seen>>,
+    seen: Option<Seen>,
     /// By source and the source's group, on the grid and under a narrow lobe.
-    between: Vec<Vec<(Forms, Option<Pair<Towards>>)>>,
+    between: Vec<Vec<(Forms, Option<Towards>)>>,
 }
 
 impl Kernel {

@@ -44,16 +44,8 @@ pub(super) struct Recycling {
     grid: Grid,
     /// One for each order.
     profiles: Vec<Profile>,
-    /// The true lobe if it is narrow, and that of the grid if it is wider.
+    /// The lobe if it is narrow.
     narrow: Option<Narrow>,
-    wider: Option<Narrow>,
-}
-
-/// A view and a source under a narrow lobe, and under the wider lobe of the grid if there is one.
-#[derive(Debug, Clone)]
-pub(super) struct Pair<T> {
-    pub(super) narrow: T,
-    pub(super) wider: Option<T>,
 }
 
 /// A group of directions on the grid.
@@ -110,15 +102,11 @@ impl Recycling {
             Lobe::KCorrelation { .. } => Lobe::KCorrelation { width: plan.width },
             Lobe::Lambertian => Lobe::Lambertian,
         };
-        let (narrow, wider) = match (plan.narrow, pass.diffuser.lobe) {
+        let narrow = match (plan.narrow, pass.diffuser.lobe) {
             (Some(narrow), Lobe::KCorrelation { width }) => {
-                let of = |width, orders| Narrow::new(pass, width, orders, narrow.digits);
-                // The same orders as on the grid.
-                let orders = if plan.terms.is_empty() { narrow.orders } else { plan.terms.len() };
-                let is_wider = plan.has_grid() && plan.width > width;
-                (Some(of(width, narrow.orders)), is_wider.then(|| of(plan.width, orders)))
+                Some(Narrow::new(pass, width, narrow.orders, narrow.digits))
             }
-            _ => (None, None),
+            _ => None,
         };
         let grid = Grid::new(
             pass,
@@ -129,11 +117,11 @@ impl Recycling {
         );
         let profile = |(k, count): (usize, &usize)| Profile::new(&grid, pass, *count, k as u32 + 2);
         let profiles = plan.terms.iter().enumerate().map(profile).collect();
-        Self { plan, grid, profiles, narrow, wider }
+        Self { plan, grid, profiles, narrow }
     }
 
     pub(super) fn nodes(&self) -> usize {
-        let narrow: usize = self.narrow.iter().chain(&self.wider).map(Narrow::nodes).sum();
+        let narrow = self.narrow.as_ref().map_or(0, Narrow::nodes);
         let grid = if self.plan.has_grid() { self.grid.air.len() + self.grid.glass.len() } else { 0 };
         narrow + grid
     }
@@ -194,31 +182,25 @@ impl Recycling {
     }
 
     /// Returns a view's weights under a narrow lobe; `None` under others.
-    pub(super) fn seen(&self, view: &[Point]) -> Option<Pair<Seen>> {
-        let of = |narrow: &Narrow| narrow.seen(view);
-        Some(Pair { narrow: of(self.narrow.as_ref()?), wider: self.wider.as_ref().map(of) })
+    pub(super) fn seen(&self, view: &[Point]) -> Option<Seen> {
+        Some(self.narrow.as_ref()?.seen(view))
     }
 
     /// Returns a source as seen by a view under a narrow lobe. `None` under others, and if the grid has the
     /// lobe itself.
-    pub(super) fn towards(&self, view: &[Point], source: &[Point]) -> Option<Pair<Towards>> {
-        let narrow = self.narrow.as_ref().filter(|_| self.wider.is_some() || !self.plan.has_grid())?;
-        let of = |narrow: &Narrow| narrow.towards(view, source);
-        Some(Pair { narrow: of(narrow), wider: self.wider.as_ref().map(of) })
+    pub(super) fn towards(&self, view: &[Point], source: &[Point]) -> Option<Towards> {
+        let narrow = self.narrow.as_ref()?;
+        if !self.plan.has_grid() {
+            return Some(narrow.towards(view, source, None));
+        }
+        let orders = if self.sums_columns() { narrow.orders() } else { self.plan.terms.len() };
+        let is_wider = self.plan.width > narrow.width();
+        is_wider.then(|| narrow.towards(view, source, Some((self.plan.width, orders))))
     }
 
     /// Returns whether diffuse light has the basis of narrow lobes, not the grid.
     pub(super) fn is_narrow(&self) -> bool {
         self.narrow.is_some()
-    }
-
-    /// Returns the fraction of the grid's correction that applies to a narrow lobe: the ratio of its width to
-    /// that of the grid's.
-    pub(super) fn correction(&self) -> f64 {
-        match (&self.narrow, &self.wider) {
-            (Some(narrow), Some(wider)) => narrow.width() / wider.width(),
-            _ => 1.0,
-        }
     }
 
     pub(super) fn alone(&self, view: &Group) -> OwnForms {

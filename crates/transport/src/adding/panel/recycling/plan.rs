@@ -74,7 +74,7 @@ impl Plan {
                     plan.terms = vec![1];
                     return Some(plan);
                 }
-                plan.recycled_digits = (needed - DIGITS_LESS_OF_CORRECTION).max(LEAST_DIGITS);
+                plan.recycled_digits = (needed - plan.digits_less()).max(LEAST_DIGITS);
                 plan.width = width;
                 plan.fit(pass, reach);
             }
@@ -98,6 +98,12 @@ impl Plan {
         }
     }
 
+    /// Returns the natural digits that the grid may have less than the whole result.
+    fn digits_less(&self) -> f64 {
+        let finer = 0.5 * (self.digits - DIGITS_OF_SECOND_LEVEL).max(0.0);
+        if self.narrow.is_some() { DIGITS_LESS_OF_CORRECTION + finer } else { 0.0 }
+    }
+
     /// Returns whether there is a grid.
     pub(super) fn has_grid(&self) -> bool {
         self.narrow.is_none_or(|narrow| narrow.has_grid)
@@ -108,7 +114,9 @@ impl Plan {
     fn fit(&mut self, pass: &Pass<'_>, reach: Option<f64>) {
         let mut most = MOST_ELEMENTS * (self.digits / 7.0).exp();
         if self.narrow.is_some() {
-            most = most.min(MOST_ELEMENTS_OF_CORRECTION * ((self.digits - 15.0) / 1.8).exp());
+            let finer = (self.digits - DIGITS_OF_SECOND_LEVEL) / 1.8;
+            let stronger = (WEAK - self.weakening).max(0.0);
+            most = most.min(MOST_ELEMENTS_OF_CORRECTION * (finer + stronger).exp());
         }
         self.orders = self.orders_for(pass, reach);
         while self.size(pass) > most && self.width < WIDEST {
@@ -148,11 +156,14 @@ impl Plan {
 
     /// Returns the number of terms of each order, if forms are not too large.
     fn forms(&self, table: &Nodes) -> Option<Vec<usize>> {
+        // Under a narrow lobe, every kink of the table counts where the light passes.
+        if self.narrow.is_some() && matches!(table, Nodes::AnglesInMedium(_) | Nodes::AnglesInAir(_)) {
+            return None;
+        }
         let mut terms = Vec::new();
         let mut size = 0_usize;
         for k in 2_i32.. {
-            let less = if self.narrow.is_some() { DIGITS_LESS_OF_CORRECTION } else { 0.0 };
-            let mut left = self.digits - less - f64::from(k - 1) * self.weakening;
+            let mut left = self.digits - self.digits_less() - f64::from(k - 1) * self.weakening;
             if self.narrow.is_some() && terms.is_empty() {
                 left = left.max(1.0);
             }
@@ -189,11 +200,15 @@ const WIDTH_WITHOUT_PEAK: f64 = 0.08;
 const WIDEST: f64 = 1.0;
 
 /// Largest number of elements on a grid that corrects the light of a narrow lobe, at the second level; seven
-/// times as many at each further one.
+/// times as many at each further one, and in proportion more if a pass weakens the light less than this.
 const MOST_ELEMENTS_OF_CORRECTION: f64 = 3e5;
+const WEAK: f64 = 4.0;
 /// Natural digits of the coarsest level, at which there is no such grid.
 const DIGITS_WITHOUT_GRID: f64 = 12.0;
-/// Natural digits that the correction needs less than the light that it corrects.
+/// Natural digits of the second level.
+const DIGITS_OF_SECOND_LEVEL: f64 = 15.0;
+/// Natural digits that the correction needs less than the light that it corrects, at the second level; half of
+/// the digits of each further one are added.
 const DIGITS_LESS_OF_CORRECTION: f64 = 4.0;
 /// Largest number of orders under a narrow lobe; the rest is a geometric series.
 const MOST_ORDERS: f64 = 24.0;

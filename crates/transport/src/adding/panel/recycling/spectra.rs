@@ -6,8 +6,8 @@ use std::f64::consts::PI;
 use super::super::ledger::Sums;
 use super::forms::Products;
 use super::grid::Columns;
-use super::narrow::{Light, Narrow, Own};
-use super::{Direction, Forms, Group, Pair, Profile, Recycling, Seen, Towards, azimuth_factor};
+use super::narrow::{Light, Narrow};
+use super::{Direction, Forms, Group, Profile, Recycling, Seen, Towards, azimuth_factor};
 use crate::{AngularTable, Base, Medium};
 
 /// The base's part of recycled light; columns are `[state][wavelength]`.
@@ -15,7 +15,7 @@ use crate::{AngularTable, Base, Medium};
 pub(in super::super) struct Reflectances {
     grid: OnGrid,
     /// Under a narrow lobe.
-    narrow: Option<Pair<Light>>,
+    narrow: Option<Light>,
 }
 
 /// Reflectances of the base that the grid needs.
@@ -50,14 +50,11 @@ impl Recycling {
             }
             all
         };
-        let light = |narrow: &Narrow, with_own| {
+        let light = |narrow: &Narrow| {
             let [glass, air] = narrow.radii().map(|radii| look_up(&mut radii.iter().map(|r| r * r)));
-            narrow.light(Columns { count: columns, glass: &glass, air: &air }, with_own)
+            narrow.light(Columns { count: columns, glass: &glass, air: &air })
         };
-        let narrow = self.narrow.as_ref().map(|narrow| Pair {
-            narrow: light(narrow, true),
-            wider: self.wider.as_ref().map(|wider| light(wider, false)),
-        });
+        let narrow = self.narrow.as_ref().map(light);
         if self.sums_columns() {
             let glass = look_up(&mut self.grid.glass.iter().map(|n| n.x * n.x));
             let straight = self.grid.straight > 0.0;
@@ -136,48 +133,40 @@ impl Recycling {
     }
 
     /// Adds the recycled light of a view's group under a narrow lobe. `sources`: for each source its groups as
-    /// seen by the view, and their round trips. Light towards directed sources contains the grid's, with its
-    /// wider lobe; it is replaced.
+    /// seen by the view, and their round trips; light towards them is that of the grid, and is replaced.
     pub(in super::super) fn add_narrow(
         &self,
-        view: &Pair<Seen>,
-        sources: &[Vec<(&Option<Pair<Towards>>, &Direction)>],
+        view: &Seen,
+        sources: &[Vec<(Option<&Towards>, &Direction)>],
         r: &Reflectances,
         g: &[f64],
         sums: &mut Sums,
     ) {
         let Some(light) = &r.narrow else { return };
-        let own: Own<Vec<f64>> = light.narrow.own(&view.narrow, g);
+        let own = light.own(view, g);
         sums.leaving = own.leaving;
         sums.reflected = own.reflected;
         sums.arriving = own.arriving;
-        let at_view = light.narrow.at_view(&view.narrow);
-        let wider = light.wider.as_ref().zip(view.wider.as_ref());
-        let wider = wider.map(|(light, view)| (light, light.at_view(view)));
         for (groups, sum) in sources.iter().zip(&mut sums.directed) {
-            let towards = || groups.iter().filter_map(|(towards, own)| Some((towards.as_ref()?, own)));
-            let mut narrow = vec![0.0; sum.len()];
-            for (towards, own) in towards() {
-                let values = light.narrow.between(&at_view, &towards.narrow, g, false);
-                add_times(&mut narrow, &values, &own.round_trips, 1.0);
-            }
-            if towards().next().is_none() {
+            let towards: Vec<_> = groups
+                .iter()
+                .filter_map(|(towards, own)| Some(((*towards)?, &own.round_trips[..])))
+                .collect();
+            if towards.is_empty() {
                 continue;
             }
-            if let Some((light, at_view)) = &wider {
-                let lobe = |of: fn(&Pair<Towards>) -> Option<&Towards>| -> f64 {
-                    towards().filter_map(|(towards, _)| of(towards)).map(Towards::lobe).sum()
-                };
-                let lobes = [lobe(|towards| Some(&towards.narrow)), lobe(|towards| towards.wider.as_ref())];
-                for (towards, own) in towards() {
-                    let Some(towards) = &towards.wider else { continue };
-                    let values = light.between(at_view, towards, g, !self.sums_columns());
-                    add_times(sum, &values, &own.round_trips, -1.0);
+            let mut closed = vec![0.0; sum.len()];
+            // What is left of the grid's light is the error of the closed form under the wider lobe.
+            for (source, round_trips) in &towards {
+                add_times(&mut closed, &light.between(view, source, g), round_trips, 1.0);
+                if let Some(wider) = light.under_wider(view, source, g, !self.sums_columns()) {
+                    add_times(sum, &wider, round_trips, -1.0);
                 }
-                let scale = if lobes[1] > 0.0 { lobes[0] / lobes[1] } else { 1.0 };
-                narrow.iter_mut().zip(&*sum).for_each(|(n, error)| *n += self.correction() * scale * error);
             }
-            *sum = narrow;
+            let all: Vec<&Towards> = towards.iter().map(|(source, _)| *source).collect();
+            let correction = Towards::correction(&all);
+            closed.iter_mut().zip(&*sum).for_each(|(closed, error)| *closed += correction * error);
+            *sum = closed;
         }
     }
 

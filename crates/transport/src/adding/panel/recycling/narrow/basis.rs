@@ -12,6 +12,7 @@ use papilio_optics::lobe::Lobe;
 
 use super::super::super::first_pass::Pass;
 use super::super::super::lobes;
+use crate::Nodes;
 use crate::adding::quadrature::{Node, Pole, graded, legendre};
 
 /// Nodes of a polynomial over a disc.
@@ -146,14 +147,22 @@ impl Basis {
 /// Number of nodes in addition to those that the rim requires.
 const LEAST: usize = 4;
 
-/// Returns the number of nodes for the table of the base, of which every other one is followed.
+/// Returns the number of nodes for the table of the base: one for two of a table without kinks, and many where
+/// a polynomial converges slowly.
 pub(super) fn for_table(pass: &Pass<'_>, disc: Disc) -> usize {
+    let kinks = match pass.table {
+        Nodes::AnglesInMedium(_) | Nodes::AnglesInAir(_) => FOR_KINKS,
+        Nodes::Constant | Nodes::Cosines(_) | Nodes::CosinePanels(_) => 0.0,
+    };
     let radius = disc.radius(disc.end());
-    (0.5 * pass.table.between([0.0, radius], pass.index)).min(MOST_FOR_TABLE) as usize
+    (kinks + 0.5 * pass.table.between([0.0, radius], pass.index)).min(MOST_FOR_TABLE) as usize
 }
 
+/// Number of nodes for kinks; the error decreases with its square.
+const FOR_KINKS: f64 = 40.0;
+
 /// Largest number of nodes for the table.
-const MOST_FOR_TABLE: f64 = 60.0;
+const MOST_FOR_TABLE: f64 = 80.0;
 
 #[cfg(test)]
 mod tests {

@@ -10,17 +10,15 @@
 //! few nodes represent it, with the true lobe ([`basis`]).
 //!
 //! **Between a view v and a source l**, order j of the series has 2j lobes. If lobe number i deflects the
-//! light from v to l, light has met the base and the disc of air i - 1 lobes long around v and then around
-//! l. With `s_a = (A R D)^a 1` and `r_a = (A R D)^a A R 1` (A: average over the disc of the glass, D: over
-//! that of air, R: reflectance of the base), on which diffuse light depends too, and P the lobe of 2j times
-//! the width,
+//! light from v to l, light meets the base around v before it, and around l after it. With R the reflectance
+//! of the base in these directions, and P the lobe of 2j times the width, order j is therefore
 //!
-//! `P(v - l) / (2j) times the sum over a < j of s_a(v) r_(j-1-a)(l) + r_a(v) s_(j-1-a)(l)`.
+//! `P(v - l) (R_v^j + 2 R_v^(j-1) R_l + ... + 2 R_v R_l^(j-1) + R_l^j) / (2j)`,
 //!
-//! This is exact for b = 0 and, of a uniform base without rims, for any b. Its error is of the order of b.
-//! From the second level on, a grid for a wider lobe W shows this error there, and b/W of it is added (both
-//! are analytic in the width): an error of the order of b (W - b) remains. The finer the level, the narrower
-//! W, down to b.
+//! exactly for b = 0 and, over a uniform base without rims, for any b. Its error is of the order of b. From
+//! the second level on, a grid for a wider lobe W shows the error there. The error at b is estimated from it
+//! ([`relative_error`]) and added, so that the rest is of the order of b (W - b). The finer the level,
+//! the narrower W, down to b.
 
 mod basis;
 
@@ -58,11 +56,10 @@ pub(in super::super) struct Narrow {
 /// Light at the nodes of air over a base, `[node][column]`; columns are `[state][wavelength]`.
 #[derive(Debug, Clone)]
 pub(in super::super) struct Light {
-    /// `s_a` and `r_a`, a = 0, 1, ... (see above).
-    sent: Vec<Vec<f64>>,
-    back: Vec<Vec<f64>>,
+    /// Powers 0, 1, ... of the reflectance of the base.
+    powers: Vec<Vec<f64>>,
     /// For each power of g, 1, 2, ...: diffuse light that a direction sees, and the distribution of its own
-    /// light. Empty for the wider lobe.
+    /// light.
     own: Vec<Own<Vec<f64>>>,
 }
 
@@ -78,15 +75,35 @@ pub(in super::super) struct Own<T> {
 #[derive(Debug, Clone)]
 pub(in super::super) struct Seen(Vec<f64>);
 
-/// A source as seen by a view: for each order 2, 3, ... weights on the nodes of air that contain the lobe.
+/// A source as seen by a view.
 #[derive(Debug, Clone)]
-pub(in super::super) struct Towards(Vec<Vec<f64>>);
+pub(in super::super) struct Towards {
+    /// For each order 2, 3, ... weights on the nodes of air that contain the lobe between view and source.
+    lobe: Weights,
+    /// The same of the wider lobe of the grid, if there is one, for the orders of the grid.
+    wider: Option<Weights>,
+    /// Lobe of order 2, times the ratio of its relative error to that of the wider lobe, and the wider lobe.
+    correction: [f64; 2],
+}
+
+/// By order, `[node]`.
+type Weights = Vec<Vec<f64>>;
 
 impl Towards {
-    /// Returns the lobe of order 2 between view and source.
-    pub(in super::super) fn lobe(&self) -> f64 {
-        self.0.first().map_or(0.0, |weights| weights.iter().sum())
+    /// Returns the ratio of the error of the closed form to that of the wider lobe for all groups of a
+    /// source.
+    pub(super) fn correction(groups: &[&Self]) -> f64 {
+        let sum = |k: usize| groups.iter().map(|one| one.correction[k]).sum::<f64>();
+        if sum(1) > 0.0 { sum(0) / sum(1) } else { 0.0 }
     }
+}
+
+/// Returns the relative error of the closed form at this distance between view and source, up to a factor.
+/// Far from the peak, one lobe of several deflects the light, and the others are averages over the tails of
+/// the lobe: the error is proportional to their width. Around the peak all lobes together deflect it by no
+/// more than this distance or the width of all, and the error is proportional to that, too.
+fn relative_error(distance: f64, width: f64) -> f64 {
+    width * distance.hypot(4.0 * width)
 }
 
 impl Narrow {
@@ -121,49 +138,46 @@ impl Narrow {
         self.width
     }
 
+    pub(super) fn orders(&self) -> usize {
+        self.shares.len()
+    }
+
     pub(super) fn nodes(&self) -> usize {
         self.air.len() + self.glass.len()
     }
 
     /// Returns the radii at which the reflectance of the base is needed: in the glass, and in air.
     pub(super) fn radii(&self) -> [&[f64]; 2] {
-        let in_air: &[f64] = if self.straight > 0.0 { &self.air.radii } else { &[] };
-        [&self.glass.radii, in_air]
+        [&self.glass.radii, &self.air.radii]
     }
 
-    /// Computes the light over a base, and that of diffuse light if requested.
-    pub(super) fn light(&self, r: Columns<'_>, with_own: bool) -> Light {
-        let (n, s, nodes) = (r.count, self.straight, self.air.len());
-        let ones = vec![1.0; nodes * n];
-        let back = self.reflected(r, &vec![1.0; self.glass.len()], &vec![1.0; nodes]);
-        let mut blocks = vec![ones, back];
-        if with_own {
-            blocks.push(self.reflected(r, &self.leaving, &self.leaving_straight));
-            let reaching = |row: &[f64]| s + (1.0 - s) * row.iter().sum::<f64>();
-            let arriving = self.up.chunks_exact(self.glass.len()).map(reaching);
-            blocks.push(arriving.flat_map(|share| std::iter::repeat_n(share, n)).collect());
-        }
-        let mut light = Light { sent: Vec::new(), back: Vec::new(), own: Vec::new() };
+    /// Computes the light over a base.
+    pub(super) fn light(&self, r: Columns<'_>) -> Light {
+        let (n, s) = (r.count, self.straight);
+        let ones = vec![1.0; self.air.len() * n];
+        let times_r = |light: &Vec<f64>| Some(light.iter().zip(r.air).map(|(l, r)| l * r).collect());
+        let powers = std::iter::successors(Some(ones), times_r).take(self.shares.len() + 2).collect();
+        let reaching = |row: &[f64]| s + (1.0 - s) * row.iter().sum::<f64>();
+        let arriving = self.up.chunks_exact(self.glass.len()).map(reaching);
+        let mut now = Own {
+            leaving: self.reflected(r, &self.leaving, &self.leaving_straight),
+            reflected: self.reflected(r, &vec![1.0; self.glass.len()], &vec![1.0; self.air.len()]),
+            arriving: arriving.flat_map(|share| std::iter::repeat_n(share, n)).collect(),
+        };
+        let mut own = Vec::with_capacity(self.shares.len());
         for _ in &self.shares {
-            let scattered: Vec<Vec<f64>> = blocks.iter().map(|block| self.scattered(block, r)).collect();
-            if let [_, reflected, leaving, arriving] = &scattered[..] {
-                let [leaving, reflected, arriving] = [leaving, reflected, arriving].map(Clone::clone);
-                light.own.push(Own { leaving, reflected, arriving });
-            }
-            let last = std::mem::replace(&mut blocks, scattered);
+            let scattered = now.each(|light| self.scattered(light, r));
             if s > 0.0 {
-                for (block, last) in blocks.iter_mut().zip(&last) {
-                    block.iter_mut().zip(last).zip(r.air).for_each(|((b, l), r)| *b += s * s * r * l);
-                }
+                now = now.with(&scattered, |light, scattered| {
+                    let unscattered = light.iter().zip(r.air).map(|(light, r)| s * s * r * light);
+                    unscattered.zip(scattered).map(|(a, b)| a + b).collect()
+                });
+            } else {
+                now.clone_from(&scattered);
             }
-            let mut last = last.into_iter();
-            light.sent.extend(last.next());
-            light.back.extend(last.next());
+            own.push(scattered);
         }
-        let mut last = blocks.into_iter();
-        light.sent.extend(last.next());
-        light.back.extend(last.next());
-        light
+        Light { powers, own }
     }
 
     /// Returns light above the diffuser after one reflection by the base, of which these fractions are seen.
@@ -209,27 +223,68 @@ impl Narrow {
         Seen(sum)
     }
 
-    /// Returns a source as seen by a view.
-    pub(in super::super) fn towards(&self, view: &[Point], source: &[Point]) -> Towards {
-        let mut all = vec![vec![0.0; self.air.len()]; self.shares.len()];
+    /// Returns a source as seen by a view; `wider`: width of the grid's lobe and the number of its orders.
+    pub(in super::super) fn towards(
+        &self,
+        view: &[Point],
+        source: &[Point],
+        wider: Option<(f64, usize)>,
+    ) -> Towards {
+        let (lobe, _) = self.weights(view, source, self.width, self.shares.len(), &|_| 1.0);
+        let Some((width, orders)) = wider else { return Towards { lobe, wider: None, correction: [0.0; 2] } };
+        let ratio = |distance: f64| relative_error(distance, self.width) / relative_error(distance, width);
+        let (_, times_ratio) = self.weights(view, source, self.width, 1, &ratio);
+        let (wider, of_wider) = self.weights(view, source, width, orders, &|_| 1.0);
+        Towards { lobe, wider: Some(wider), correction: [times_ratio, of_wider] }
+    }
+
+    /// Returns the lobe of each order between view and source, times a factor of the distance, and the sum of
+    /// the first order.
+    fn weights(
+        &self,
+        view: &[Point],
+        source: &[Point],
+        width: f64,
+        orders: usize,
+        factor: &dyn Fn(f64) -> f64,
+    ) -> (Weights, f64) {
+        let mut all = vec![vec![0.0; self.air.len()]; orders];
+        let mut first = 0.0;
         // Points of a ring follow each other.
         let same = |a: &Point, b: &Point| (a.beta.length() - b.beta.length()).abs() < SAME_RING;
         for ring in source.chunk_by(same) {
-            for (shares, sum) in self.shares.iter().zip(&mut all) {
+            for (order, (shares, sum)) in self.shares.iter().zip(&mut all).enumerate() {
                 let lobe = |away: Beta| -> f64 {
                     let met = shares.iter().enumerate().skip(1).filter(|(_, share)| **share > 0.0);
                     let one = |(n, share): (usize, &f64)| {
-                        let lobe = Lobe::KCorrelation { width: n as f64 * self.width };
+                        let lobe = Lobe::KCorrelation { width: n as f64 * width };
                         share * lobe.density(Beta::default(), away)
                     };
-                    met.map(one).sum()
+                    met.map(one).sum::<f64>() * factor(away.length())
                 };
                 let of = |v: &Point, l: &Point| v.weight * l.weight * lobe(l.beta - v.beta);
                 let weight: f64 = view.iter().flat_map(|v| ring.iter().map(move |l| of(v, l))).sum();
+                if order == 0 {
+                    first += weight;
+                }
                 self.air.add_values(ring[0].beta.length(), PI * weight, sum);
             }
         }
-        Towards(all)
+        (all, first)
+    }
+}
+
+impl<T> Own<T> {
+    fn each(&self, f: impl Fn(&T) -> T) -> Self {
+        Self { leaving: f(&self.leaving), reflected: f(&self.reflected), arriving: f(&self.arriving) }
+    }
+
+    fn with(&self, other: &Self, f: impl Fn(&T, &T) -> T) -> Self {
+        Self {
+            leaving: f(&self.leaving, &other.leaving),
+            reflected: f(&self.reflected, &other.reflected),
+            arriving: f(&self.arriving, &other.arriving),
+        }
     }
 }
 
@@ -250,23 +305,12 @@ fn shares(straight: f64, orders: usize) -> Vec<Vec<f64>> {
         .collect()
 }
 
-/// Values of a light's functions in a view, `[order][column]`.
-pub(in super::super) struct AtView {
-    sent: Vec<Vec<f64>>,
-    back: Vec<Vec<f64>>,
-}
-
 impl Light {
     /// Returns the values at these weights of a function at the nodes.
     fn at(function: &[f64], weights: &[f64]) -> Vec<f64> {
         let mut sum = vec![0.0; function.len() / weights.len().max(1)];
         add_product(weights, function, weights.len(), &mut sum);
         sum
-    }
-
-    pub(in super::super) fn at_view(&self, view: &Seen) -> AtView {
-        let all = |functions: &[Vec<f64>]| functions.iter().map(|f| Self::at(f, &view.0)).collect();
-        AtView { sent: all(&self.sent), back: all(&self.back) }
     }
 
     /// Returns the recycled light of a view that does not depend on directed sources.
@@ -281,30 +325,41 @@ impl Light {
         }
     }
 
-    /// Returns `pi` times the recycled kernel between a view and a source; without orders that were not
-    /// prepared if `truncated`.
-    pub(in super::super) fn between(
+    /// Returns `pi` times the recycled kernel between a view and a source in closed form.
+    pub(in super::super) fn between(&self, view: &Seen, source: &Towards, g: &[f64]) -> Vec<f64> {
+        series(self.orders(view, &source.lobe), g, false)
+    }
+
+    /// Returns the same under the wider lobe; without orders that the grid does not have if `truncated`.
+    pub(in super::super) fn under_wider(
         &self,
-        view: &AtView,
+        view: &Seen,
         source: &Towards,
         g: &[f64],
         truncated: bool,
-    ) -> Vec<f64> {
+    ) -> Option<Vec<f64>> {
+        Some(series(self.orders(view, source.wider.as_ref()?), g, truncated))
+    }
+
+    /// Returns orders 2, 3, ... of the series, without the powers of g.
+    fn orders(&self, view: &Seen, weights: &Weights) -> Vec<Vec<f64>> {
+        let of_view: Vec<Vec<f64>> =
+            self.powers.iter().take(weights.len() + 2).map(|power| Self::at(power, &view.0)).collect();
         let order = |(k, weights): (usize, &Vec<f64>)| {
-            let last = k + 1;
-            let mut sum = vec![0.0; g.len()];
-            for a in 0..=last {
-                let [back, sent] = [&self.back, &self.sent].map(|all| Self::at(&all[last - a], weights));
-                let (of_sent, of_back) = (&view.sent[a], &view.back[a]);
-                for (k, sum) in sum.iter_mut().enumerate() {
-                    *sum += of_sent[k] * back[k] + of_back[k] * sent[k];
+            let passes = k + 2;
+            let mut sum = vec![0.0; of_view[0].len()];
+            for (met, of_view) in of_view.iter().enumerate().take(passes + 1) {
+                // The first and the last lobe deflect from or to the end of the path.
+                let times = if met == 0 || met == passes { 1.0 } else { 2.0 };
+                let scale = times / (2 * passes) as f64;
+                let of_source = Self::at(&self.powers[passes - met], weights);
+                for ((sum, v), l) in sum.iter_mut().zip(of_view).zip(of_source) {
+                    *sum += scale * v * l;
                 }
             }
-            let scale = 1.0 / (2 * (last + 1)) as f64;
-            sum.iter_mut().for_each(|value| *value *= scale);
             sum
         };
-        series(source.0.iter().enumerate().map(order).collect(), g, truncated)
+        weights.iter().enumerate().map(order).collect()
     }
 }
 
