@@ -55,6 +55,9 @@ pub struct Reader {
 pub struct SolverReport {
     /// `adding` or `monte-carlo`.
     pub method: String,
+    /// Why `method = "auto"` has chosen this solver.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub chosen_because: Option<String>,
     /// Number of paths over all views (Monte Carlo).
     #[serde(skip_serializing_if = "Option::is_none")]
     pub paths: Option<u64>,
@@ -69,6 +72,8 @@ pub struct SolverReport {
     /// Report on the target of one metric, if there is one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub target: Option<TargetReport>,
+    /// False for the first answer of a prepared display: its error is as stated, but may exceed the target.
+    pub is_final: bool,
     /// True if the run was stopped before it met its target.
     pub interrupted: bool,
 }

@@ -5,6 +5,9 @@
 //! through general layers share the operators of the layers, which dominate the cost: all of them are computed at the
 //! level that the worst view needs.
 //!
+//! **First answers.** A prepared display can first compute two coarser levels ([`Accuracy::First`]), whose difference is its
+//! error in the same way. They do not change what the exact answer is: its levels begin at 0.
+//!
 //! **Caches.** A [`Level`] keeps its kernel and its estimates between runs. The counters of
 //! [`Setup`](crate::setup::Setup) (`version`, `base_version`) tell whether they are still valid.
 
@@ -12,12 +15,12 @@ use std::ops::Range;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
 
-use papilio_transport::adding::{FINEST, Kernel};
+use papilio_transport::adding::{FINEST, FIRST_LEVELS, Kernel};
 use papilio_transport::{Cone, Estimate, Stack};
 use rayon::ThreadPool;
 
 use super::refine::{Refined, finest, largest, refine};
-use super::{Control, Progress, Run, each};
+use super::{Accuracy, Control, Progress, Run, each};
 use crate::DisplayError;
 use crate::meter::Sample;
 use crate::result::{RunResult, SolverReport};
@@ -47,15 +50,15 @@ struct CommonLevel {
 
 impl Default for Common {
     fn default() -> Self {
-        let level = |level| Mutex::new(CommonLevel { kernel: Kernel::new(level), prepared_for: None });
-        Self((0..=FINEST).map(level).collect())
+        let level = |index| Mutex::new(CommonLevel { kernel: empty_kernel(index), prepared_for: None });
+        Self((0..=(FIRST_LEVELS + FINEST) as usize).map(level).collect())
     }
 }
 
 impl Common {
-    /// Returns the data of a level, prepared for a setup; `None` if the run was stopped.
-    fn at(&self, level: u32, setup: &Setup, control: &Control<'_>) -> Option<Kernel> {
-        let common = self.0.get(level as usize)?;
+    /// Returns the data of a level by its index in [`Levels`], prepared for a setup; `None` if the run was stopped.
+    fn at(&self, index: usize, setup: &Setup, control: &Control<'_>) -> Option<Kernel> {
+        let common = self.0.get(index)?;
         // A panic in another thread leaves a kernel that is not marked as prepared.
         let mut common = common.lock().unwrap_or_else(PoisonError::into_inner);
         let versions = (setup.version, setup.base_version);
@@ -77,13 +80,26 @@ impl Kernels {
     }
 }
 
-/// Cached levels of a group of views, starting with the coarsest.
+/// Largest relative error of Y with which a first answer stops before its last level.
+const FIRST_ERROR: f64 = 0.02;
+
+/// Cached levels of a group of views, starting with the coarsest: those of a first answer, then level 0.
 type Levels = Vec<Level>;
+
+/// Returns an empty kernel of the level with this index in [`Levels`].
+fn empty_kernel(index: usize) -> Kernel {
+    let index = index as u32;
+    match index.checked_sub(FIRST_LEVELS) {
+        Some(level) => Kernel::new(level),
+        None => Kernel::first(index),
+    }
+}
 
 /// One level of discretisation: its kernel and the estimates computed with it.
 #[derive(Debug)]
 pub(crate) struct Level {
-    level: u32,
+    /// Its index in [`Levels`].
+    index: usize,
     kernel: Kernel,
     /// `Setup::version` for which the kernel was prepared; `None` before the first, or after an interrupted, preparation.
     prepared_for: Option<u64>,
@@ -92,8 +108,9 @@ pub(crate) struct Level {
 }
 
 impl Level {
-    fn new(level: u32) -> Self {
-        Self { level, kernel: Kernel::new(level), prepared_for: None, estimates: None }
+    /// An empty level; `index` is that in [`Levels`].
+    fn new(index: usize) -> Self {
+        Self { index, kernel: empty_kernel(index), prepared_for: None, estimates: None }
     }
 
     /// Returns the estimates of these views, from the cache if neither version of the setup has changed; `None` if the
@@ -133,7 +150,7 @@ impl Level {
         match stack {
             // The kernel depends on the base, and decides itself during the preparation what can be reused.
             Stack::Panel(_) => {
-                let common = common.at(self.level, setup, control)?;
+                let common = common.at(self.index, setup, control)?;
                 let ready = self.kernel.prepare_part(&common, stack, &fields(), sources, control.stop);
                 ready.then_some(())?;
             }
@@ -193,7 +210,7 @@ pub(super) fn view_group_kernels(run: &Run<'_>) -> Result<Vec<ViewGroupKernel>, 
     let group_kernel = |(number, views): (usize, &[ViewPoint])| {
         let mut levels = Levels::new();
         let group = runner.refine(&mut levels, views, None).filter(|group| group.samples.finished);
-        let level = group.ok_or(DisplayError::Interrupted)?.samples.level;
+        let level = runner.begin + group.ok_or(DisplayError::Interrupted)?.samples.level;
         let first = number * each;
         Ok(ViewGroupKernel { kernel: levels.swap_remove(level).kernel, views: first..first + views.len() })
     };
@@ -204,6 +221,9 @@ struct Runner<'a> {
     run: &'a Run<'a>,
     common: &'a Common,
     target: f64,
+    /// Index in [`Levels`] of the coarsest level of this run.
+    begin: usize,
+    /// Number of the finest level, counted from that.
     finest: usize,
     per_wavelength: bool,
     views_done: AtomicUsize,
@@ -222,7 +242,13 @@ impl<'a> Runner<'a> {
             return Err(DisplayError::NoPaths);
         };
         let finest = finest(&run.setup.stack)?;
-        Ok(Self { run, common, target, finest, per_wavelength, views_done: AtomicUsize::new(0) })
+        let first = FIRST_LEVELS as usize;
+        let (begin, finest, target) = match run.accuracy {
+            Accuracy::Exact => (first, finest, target),
+            // Its last level is level 0.
+            Accuracy::First => (0, first, target.max(FIRST_ERROR)),
+        };
+        Ok(Self { run, common, target, begin, finest, per_wavelength, views_done: AtomicUsize::new(0) })
     }
 
     /// Computes finer levels until the target is met; `None` if stopped before two levels were computed.
@@ -237,7 +263,7 @@ impl<'a> Runner<'a> {
                 self.report(error, if done { views.len() } else { 0 });
             },
         )?;
-        Some(Group { nodes: levels[samples.level].kernel.nodes(), samples })
+        Some(Group { nodes: levels[self.begin + samples.level].kernel.nodes(), samples })
     }
 
     /// Computes the samples of these views at a level; `None` if the run was stopped.
@@ -251,8 +277,9 @@ impl<'a> Runner<'a> {
         if self.run.control.stopped() {
             return None;
         }
+        let level = self.begin + level;
         for missing in levels.len()..=level {
-            levels.push(Level::new(missing as u32));
+            levels.push(Level::new(missing));
         }
         let setup = self.run.setup;
         let estimates = levels[level].estimates((setup, self.common), views, pool, self.run.control)?;
@@ -306,10 +333,12 @@ impl<'a> Runner<'a> {
         let computed = || groups.iter().flatten();
         let solver = SolverReport {
             method: "adding".to_owned(),
+            chosen_because: None,
             paths: None,
             nodes: Some(computed().map(|group| group.nodes as u64).sum()),
             degrees_of_freedom: 0,
             target: None,
+            is_final: self.run.accuracy == Accuracy::Exact,
             relative_error_reached: computed().map(|group| group.samples.error).fold(0.0, largest),
             interrupted: groups
                 .iter()

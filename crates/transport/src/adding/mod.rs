@@ -18,7 +18,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use crate::{Cone, Estimate, ReflectanceFactor, Source, Stack};
-pub use gradient::TableGradient;
+pub use gradient::{FirstPass, TableGradient};
 pub(crate) use layered::{Action, Preparation, rough_width};
 
 /// The finest level.
@@ -112,10 +112,17 @@ pub fn error_over_difference(stack: &Stack) -> f64 {
     }
 }
 
+/// Number of levels of a first answer ([`Kernel::first`]).
+pub const FIRST_LEVELS: u32 = 2;
+
+/// Levels by which a level of a first answer is coarser than the next one.
+const FIRST_STEP: f64 = 0.7;
+
 /// Prepared angular kernels of one level.
 #[derive(Debug, Clone)]
 pub struct Kernel {
-    level: u32,
+    /// The level; negative for a first answer.
+    level: f64,
     kind: Kind,
     /// Views with which its own share data; if there are none, its own alone.
     together: Arc<[Cone]>,
@@ -131,12 +138,19 @@ enum Kind {
 impl Kernel {
     /// Returns an empty kernel of this level, 0 (coarsest) to [`FINEST`].
     pub fn new(level: u32) -> Self {
-        Self { level, kind: Kind::Empty, together: Arc::default() }
+        Self { level: f64::from(level), kind: Kind::Empty, together: Arc::default() }
+    }
+
+    /// Returns an empty kernel of a first answer: number 0 is coarser than number 1, and both are coarser than
+    /// level 0. They take a fraction of the work of levels 0 and 1, for an error of some per cent.
+    pub fn first(number: u32) -> Self {
+        let coarser = f64::from(FIRST_LEVELS.saturating_sub(number));
+        Self { level: -FIRST_STEP * coarser, ..Self::new(0) }
     }
 
     /// Returns an empty kernel that computes the same as this one once it is prepared.
     pub fn unprepared(&self) -> Self {
-        Self { together: Arc::clone(&self.together), ..Self::new(self.level) }
+        Self { level: self.level, kind: Kind::Empty, together: Arc::clone(&self.together) }
     }
 
     /// Prepares the kernel for these layers, views (cones of directions in air) and sources. Data prepared
@@ -270,6 +284,16 @@ impl Kernel {
     pub fn pull_back(&self, stack: &Stack, view: usize, seen: &[f64]) -> Option<Vec<TableGradient>> {
         match (stack, &self.kind) {
             (Stack::Panel(panel), Kind::Panel(kernel)) => kernel.pull_back(panel, view, seen),
+            _ => None,
+        }
+    }
+
+    /// Returns the light that a view sees after one reflection by the base, for each index of a dispersive medium, and an
+    /// upper bound of the fraction of light that the front of screen sends back to the base. `None` where
+    /// [`pull_back`](Self::pull_back) returns none.
+    pub fn first_pass(&self, stack: &Stack, view: usize) -> Option<(Vec<FirstPass>, f64)> {
+        match (stack, &self.kind) {
+            (Stack::Panel(panel), Kind::Panel(kernel)) => kernel.first_pass(panel, view),
             _ => None,
         }
     }

@@ -15,6 +15,7 @@ mod indices;
 mod lambertian;
 mod ledger;
 mod lobes;
+mod projected;
 mod recycling;
 mod rings;
 
@@ -22,7 +23,7 @@ use std::sync::atomic::AtomicBool;
 
 use papilio_optics::lobe::Lobe;
 
-use super::TableGradient;
+use super::{FirstPass, TableGradient};
 use crate::{Cone, Diffuser, Estimate, Panel, ReflectanceFactor, Source, Top};
 
 /// Returns whether recycled light may have a wider lobe than the diffuser's (see [`recycling`]).
@@ -65,8 +66,8 @@ impl Views<'_> {
 }
 
 impl Kernel {
-    pub(super) fn new(level: u32) -> Self {
-        Self { digits: 11.5 + 3.5 * f64::from(level), kind: Kind::Bare(bare::Kernel::default()) }
+    pub(super) fn new(level: f64) -> Self {
+        Self { digits: 11.5 + 3.5 * level, kind: Kind::Bare(bare::Kernel::default()) }
     }
 
     /// Prepares views and sources; incomplete if `stop` is set during the computation.
@@ -124,6 +125,13 @@ impl Kernel {
             (Kind::Diffused(kernel), Top::Diffuser(diffuser)) => {
                 kernel.pull_back(stack, diffuser, view, seen)
             }
+            _ => None,
+        }
+    }
+
+    pub(super) fn first_pass(&self, stack: &Panel, view: usize) -> Option<(Vec<FirstPass>, f64)> {
+        match (&self.kind, &stack.top) {
+            (Kind::Diffused(kernel), Top::Diffuser(diffuser)) => kernel.first_pass(stack, diffuser, view),
             _ => None,
         }
     }
