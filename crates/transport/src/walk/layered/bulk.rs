@@ -18,6 +18,7 @@ use papilio_optics::phase::HenyeyGreenstein;
 use papilio_sampling::warp;
 use papilio_spectra::Spectrum;
 
+use super::controls;
 use super::ledger::{Sums, Workspace};
 use super::sources::SourceLights;
 use super::{OutgoingRay, RandomNumbers};
@@ -136,14 +137,14 @@ impl<'a> Bulk<'a> {
             let cos = cosine_between(before, stay.direction);
             let drawn = self.drawn(cos, stay.direction, part, &workspace.lamps.about);
             let ratio = if part > 0.0 { self.phase.at_cosine(cos) / drawn } else { 1.0 };
-            if !self.grey {
+            if !self.grey && workspace.controls.is_some() {
                 brightness = workspace.light.brightness();
             }
             let light = brightness.map(|light| light * stay.scale);
             (angle, turn) = (next_angle, next_turn);
             let edge = self.way_out(&stay);
             let (length, weight) = self.fly(edge, flight);
-            if let Some(controls) = &mut workspace.controls {
+            if let Some(controls) = workspace.controls.as_mut().filter(|_| draws.count < controls::EVENTS) {
                 let depth = 2.0 * stay.depth / self.optical_thickness - 1.0;
                 controls.deflection(
                     light,

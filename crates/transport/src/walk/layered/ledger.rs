@@ -159,8 +159,11 @@ impl Layered<'_> {
 
     /// Estimates of replicates, given with the factors that turn their sums into means.
     pub(in crate::walk) fn estimates(&self, tallies: &[(&Accumulator, f64)]) -> Vec<Estimate> {
-        let controls: Vec<&Controls> =
-            tallies.iter().filter_map(|(tally, _)| tally.workspace.controls.as_ref()).collect();
+        let controls = tallies.iter().filter_map(|(tally, _)| {
+            let Accumulator { sums, workspace } = *tally;
+            workspace.controls.as_ref().map(|controls| (controls, sums))
+        });
+        let controls: Vec<_> = controls.collect();
         let corrections = Controls::corrections(&controls);
         let estimate = |(k, (tally, scale)): (usize, &(&Accumulator, f64))| match corrections.get(k) {
             Some(correction) => {
