@@ -50,6 +50,7 @@ mod prepare;
 mod rough;
 mod scatter;
 mod scatterers;
+mod single;
 mod slab;
 
 use std::sync::atomic::{AtomicBool, Ordering};

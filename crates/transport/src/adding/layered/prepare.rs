@@ -6,7 +6,7 @@ use super::base::Above;
 use super::beam_response::BeamResponse;
 use super::convergence::{Convergence, Stage};
 use super::directions::{Directions, extras, turned_extras};
-use super::elements::{Elements, elements};
+use super::elements::{Elements, elements, scatters_again};
 use super::grid::Grid;
 use super::once::{Once, ScatterMode};
 use super::part::{Absorbed, Part};
@@ -137,7 +137,8 @@ impl Prepared {
                 let groups: Vec<&Group> = growing.iter().map(|one| &one.group).collect();
                 let each: Vec<Option<&Above>> = above.iter().map(Option::as_ref).collect();
                 over.add(stack, directions, order, &groups, &each, precision.iteration, stop);
-                bytes += above.iter().flatten().map(Above::bytes).sum::<usize>();
+                let sizes = || above.iter().flatten().map(Above::bytes);
+                bytes += sizes().map(|[own, _]| own).sum::<usize>() + sizes().map(|[_, shared]| shared).max().unwrap_or(0);
                 for (one, above) in growing.iter_mut().zip(above) {
                     one.group.orders.extend(above);
                     if bytes > MOST_KEPT {
@@ -261,9 +262,11 @@ fn prepare(
     let turned: Vec<usize> = turned.iter().filter_map(|extra| lights.binary_search(extra).ok()).collect();
     let farthest = |extras: &[usize]| extras.iter().map(|extra| directions.beta[*extra]).fold(0.0, f64::max);
     let turned_extras: Vec<usize> = turned.iter().map(|light| lights[*light]).collect();
-    let beyond_first =
-        (!turned.is_empty()).then(|| [farthest(&extras(&directions.views)), farthest(&turned_extras)]);
     let lambertian = matches!(stack.base.reflector, Reflector::Lambertian(_));
+    // Light that a Lambertian base returns has no azimuth.
+    let again = || !lambertian || family.iter().any(|bins| scatters_again(stack, bins[0], &grid));
+    let beyond_first = (!turned.is_empty() && again())
+        .then(|| [farthest(&extras(&directions.views)), farthest(&turned_extras)]);
     let mut scatterers = Scatterers::default();
     let mut growing: Vec<Growing<'_>> = family
         .into_iter()
@@ -341,29 +344,55 @@ impl Growing<'_> {
     /// Returns the operators of extra nodes alone, for this set of scatterers.
     fn above(&self, scattered: &[Scattered], grid: &Grid) -> Above {
         // Only order 0 computes absorption.
-        let (upper, last) = (self.elements.upper(scattered, 1, grid), self.elements.last(scattered, 1, grid));
-        Above::new(&upper, &last, &self.group.lights, 0)
+        let upper = self.elements.upper(scattered, 1, grid);
+        self.layers(&upper, scattered, 1, grid, 0)
+    }
+
+    /// Returns the operators of the layers down to the last scatterer, below `upper`.
+    fn layers(
+        &self,
+        upper: &Part,
+        scattered: &[Scattered],
+        order: usize,
+        grid: &Grid,
+        carried: usize,
+    ) -> Above {
+        match self.elements.single(upper, scattered, grid) {
+            Some(single) => Above::of_single(&single, &self.group.lights, carried, grid),
+            None => {
+                let last = self.elements.last(scattered, order, grid);
+                Above::new(upper, &last, &self.group.lights, carried)
+            }
+        }
     }
 
     /// Returns the operators of an order.
     fn grow(&mut self, scattered: &[Scattered], order: usize, grid: &Grid, tolerance: f64) -> Above {
         let known = self.flat.take().filter(|part| part.down.len() == grid.len());
         let upper = known.unwrap_or_else(|| self.elements.upper(scattered, order, grid));
-        let last = self.elements.last(scattered, order, grid);
-        let group = &mut self.group;
         let index = self.elements.index();
         if order == 0 {
-            let part = upper.over(&last, grid);
-            group.shares = if self.lambertian {
-                Shares::new(&part.over(&self.elements.lower(grid), grid), group.index, grid)
-            } else {
-                Shares::new(&part, index, grid)
-            };
+            self.group.shares = self.shares(&upper, scattered, grid);
         }
         let carried = grid.kept(index).len() - (grid.len() - grid.regular);
-        let above = Above::new(&upper, &last, &group.lights, carried);
+        let above = self.layers(&upper, scattered, order, grid, carried);
         self.stage = self.convergence.add(&above, tolerance);
         self.flat = self.elements.flat_above().then_some(upper);
         above
+    }
+
+    /// Returns the distribution of light, given the layers above the last scatterer in order 0.
+    fn shares(&self, upper: &Part, scattered: &[Scattered], grid: &Grid) -> Shares {
+        let index = if self.lambertian { self.group.index } else { self.elements.index() };
+        let lower = self.lambertian.then(|| self.elements.lower(grid));
+        let returns = |lower: &Part| lower.above.straight.iter().any(|r| *r != 0.0);
+        if !lower.as_ref().is_some_and(returns)
+            && let Some(single) = self.elements.single(upper, scattered, grid)
+        {
+            let books = self.elements.absorbed_by_last(single.lost(grid, self.elements.indices()));
+            return single.shares(&books, lower.as_ref(), index, grid);
+        }
+        let part = upper.over(&self.elements.last(scattered, 0, grid), grid);
+        Shares::new(&lower.map_or_else(|| part.clone(), |lower| part.over(&lower, grid)), index, grid)
     }
 }

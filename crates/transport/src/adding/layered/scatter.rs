@@ -3,6 +3,7 @@
 //! They have no closed Fourier series: they are sampled over the azimuth, by the trapezoid rule. Scattered
 //! light that the quadrature over directions misses keeps its direction, so that none is lost.
 
+use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use papilio_optics::scatter::Scatter;
@@ -103,7 +104,7 @@ impl ScatterOrders {
         stop: &AtomicBool,
     ) -> Vec<f64> {
         let ones = vec![1.0; grid.len()];
-        let kernel = Some(self.zeroth.clone());
+        let kernel = Some(self.zeroth.clone().into());
         let there = Operator { regular: grid.regular, straight: vec![0.0; grid.len()], kernel };
         let back = there.transposed();
         let ways = [(scatter.clone(), there), (scatter.reversed(), back)];
@@ -149,7 +150,7 @@ impl ScatterOrders {
                 .get(later)
                 .map(|values| Matrix::from_fn(len, len, |i, j| f64::from(values[j * len + i]))),
         };
-        Operator { regular: grid.regular, straight: self.missing.clone(), kernel }
+        Operator { regular: grid.regular, straight: self.missing.clone(), kernel: kernel.map(Arc::new) }
     }
 }
 

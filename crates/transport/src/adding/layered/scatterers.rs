@@ -166,7 +166,7 @@ impl<'a> Scatterers<'a> {
         let len = grid.len();
         let unit = |straight: Vec<f64>| {
             let count = |out: usize, from: usize| if way.pairs.hold(from, out) { 1.0 } else { 0.0 };
-            Operator { regular: 0, straight, kernel: Some(Matrix::from_fn(len, len, count)) }
+            Operator { regular: 0, straight, kernel: Some(Matrix::from_fn(len, len, count).into()) }
         };
         let flat = |straight: Vec<f64>| Operator { regular: 0, straight, kernel: None };
         let one = |(k, scatterer): (usize, &mut Scatterer<'_>)| match scatterer {
@@ -247,6 +247,6 @@ impl LobeBetween {
                 if carried { kernel[(out, from)] } else { 0.0 }
             })
         });
-        Operator { regular: grid.regular, straight, kernel }
+        Operator { regular: grid.regular, straight, kernel: kernel.map(Into::into) }
     }
 }
