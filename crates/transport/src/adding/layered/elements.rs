@@ -8,6 +8,7 @@ use papilio_optics::scatter::Scatter;
 
 use super::algebra::Operator;
 use super::grid::Grid;
+use super::known::Known;
 use super::part::{Absorbed, Part, nothing};
 use super::precision::Precision;
 use super::rough::RoughOrders;
@@ -49,6 +50,8 @@ pub(crate) struct Preparation<'p, 'a> {
     beyond_first: Option<[f64; 2]>,
     /// Whether no other layer scatters.
     alone: bool,
+    /// Kernels of the preparation before.
+    known: &'p Known,
     scatterers: &'p mut Scatterers<'a>,
     stop: &'p AtomicBool,
 }
@@ -73,18 +76,21 @@ impl<'a> Preparation<'_, 'a> {
 
     /// Returns the number of a rough interface.
     pub(crate) fn rough(&mut self, face: &'a Rough) -> usize {
-        let Self { grid, precision, beyond_first, alone, stop, .. } = self;
+        let Self { grid, precision, beyond_first, alone, known, stop, .. } = self;
+        let known = known.rough(face, &grid.beta[..grid.regular]);
         // Light scattered more than once is scattered both from the view's circle and from the light's; among
         // several scatterers it may be only one of them.
         let circles = |[a, b]: [f64; 2]| if *alone { a * b / (a + b).max(1e-9) } else { a.max(b) };
-        let orders = || RoughOrders::new(face, grid, precision.digits, beyond_first.map(circles), stop);
+        let orders =
+            || RoughOrders::new(face, grid, precision.digits, beyond_first.map(circles), known, stop);
         self.scatterers.rough(face, orders)
     }
 
     /// Returns the number of a kernel in a disc of this radius.
     pub(crate) fn kernel(&mut self, scatter: &'a Scatter, disc: f64) -> usize {
-        let Self { grid, precision, beyond_first, stop, .. } = self;
-        let orders = || ScatterOrders::new(scatter, disc, grid, precision.digits, *beyond_first, stop);
+        let Self { grid, precision, beyond_first, known, stop, .. } = self;
+        let known = known.scatter(scatter, disc, &grid.beta[..grid.regular]);
+        let orders = || ScatterOrders::new(scatter, disc, grid, precision.digits, *beyond_first, known, stop);
         self.scatterers.scatter(scatter, disc, orders)
     }
 
@@ -115,6 +121,7 @@ pub(super) fn elements<'a>(
     grid: &Grid,
     precision: &Precision,
     beyond_first: Option<[f64; 2]>,
+    known: &Known,
     scatterers: &mut Scatterers<'a>,
     stop: &AtomicBool,
 ) -> Vec<Element<'a>> {
@@ -126,7 +133,7 @@ pub(super) fn elements<'a>(
         let indices @ [above, below] = indices(media);
         let scatterers = &mut *scatterers;
         let mut prepare =
-            Preparation { bin, indices, grid, precision, beyond_first, alone, scatterers, stop };
+            Preparation { bin, indices, grid, precision, beyond_first, alone, known, scatterers, stop };
         kind.action(&mut prepare).map(|action| Element { kind, action, bin, above, below })
     };
     stack.elements().filter_map(&mut element).collect()
@@ -299,10 +306,11 @@ impl Element<'_> {
                 Scattered::Kernel(_) => None,
             },
             Action::Kernels(kernels) => {
-                let mut faces = kernels.map(|kernel| match kernel.map(|(n, factor)| (&scattered[n], factor)) {
-                    Some((Scattered::Kernel(operator), factor)) => Face::of(operator, factor),
-                    _ => Face { straight: vec![0.0; grid.len()], kernel: None },
-                });
+                let mut faces =
+                    kernels.map(|kernel| match kernel.map(|(n, factor)| (&scattered[n], factor)) {
+                        Some((Scattered::Kernel(operator), factor)) => Face::of(operator, factor),
+                        _ => Face { straight: vec![0.0; grid.len()], kernel: None },
+                    });
                 for (i, beta) in grid.beta.iter().enumerate() {
                     let regular = self.regular(*beta);
                     for (face, more) in faces.iter_mut().zip([regular.t, regular.above, regular.below]) {

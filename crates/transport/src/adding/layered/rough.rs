@@ -30,8 +30,14 @@ pub(super) struct RoughOrders {
     zeroth: [Matrix; 3],
     /// `[order - 1][kernel]`, each indexed by [`place`].
     later: Vec<[Vec<f32>; 3]>,
+    /// Factors of the light that crosses, by node above and below.
+    factors: [Vec<f64>; 2],
+    /// Light of each node that returns to its side, from above and from below.
+    returned: [Vec<f64>; 2],
     /// Light of each node that the quadrature misses, from above and from below.
     missing: [Vec<f64>; 2],
+    /// The nodes with weight.
+    nodes: Vec<f64>,
 }
 
 const WAYS: [(Side, Side); 3] =
@@ -40,25 +46,33 @@ const WAYS: [(Side, Side); 3] =
 impl RoughOrders {
     /// Computes the orders to this number of natural digits in azimuth; orders beyond the first only if they are
     /// requested, for light scattered on circles of this `|beta|`. Light that one microfacet scatters from one
-    /// extra node to another is left out ([`once`](super::once)). Incomplete if `stop` is set during the
-    /// computation.
+    /// extra node to another is left out ([`once`](super::once)). What `known`, the orders for other extra
+    /// nodes, contains is not computed again. Incomplete if `stop` is set during the computation.
     pub(super) fn new(
         face: &Rough,
         grid: &Grid,
         digits: f64,
         beyond_first: Option<f64>,
+        known: Option<&Self>,
         stop: &AtomicBool,
     ) -> Self {
         let count = beyond_first.map_or(1, |radius| orders(face, radius, digits));
-        let len = grid.len();
+        let known = known.filter(|known| known.orders() == count);
+        let (len, regular) = (grid.len(), grid.regular);
         let zeroth = || Matrix::zeros(len, len);
         let blank = || -> [Vec<f32>; 3] { std::array::from_fn(|way| vec![0.0; places(way, len)]) };
         let mut all = Self {
             zeroth: [zeroth(), zeroth(), zeroth()],
             // Allocated separately: copies would touch the memory of zeros.
             later: (1..count).map(|_| blank()).collect(),
+            factors: [vec![1.0; len], vec![1.0; len]],
+            returned: Default::default(),
             missing: Default::default(),
+            nodes: grid.beta[..regular].to_vec(),
         };
+        if let Some(known) = known {
+            all.copy(known);
+        }
         let mut transforms = Transforms::new(count, digits, Edge::new(face, grid));
         for (way, (from, to)) in WAYS.into_iter().enumerate() {
             for j in (0..len).filter(|&j| grid.beta[j] < face.index(from)) {
@@ -66,34 +80,67 @@ impl RoughOrders {
                     return all;
                 }
                 let first = if from == to { j } else { 0 };
-                let end = if j < grid.regular { len } else { grid.regular };
-                let rows = (first.min(end)..end).filter(|&i| grid.beta[i] < face.index(to));
-                for (i, values) in transforms.column(face, (from, j), to, rows, grid) {
-                    let lit = if from == to { 1.0 } else { transforms.edge.lit(j, i) };
-                    let scale = grid.scale[i] * grid.scale[j] * lit;
-                    all.set(way, i, j, len, &values, scale);
-                    if from == to {
-                        all.set(way, j, i, len, &values, scale);
+                let among = if known.is_some() && j < regular { 0..0 } else { first.min(regular)..regular };
+                let extras = if j < regular { regular..len } else { 0..0 };
+                // Apart, so that their sums do not depend on the number of extra nodes.
+                for rows in [among, extras] {
+                    let rows = rows.filter(|&i| grid.beta[i] < face.index(to));
+                    for (i, values) in transforms.column(face, (from, j), to, rows, grid) {
+                        let lit = if from == to { 1.0 } else { transforms.edge.lit(j, i) };
+                        let scale = grid.scale[i] * grid.scale[j] * lit;
+                        all.set(way, i, j, len, &values, scale);
+                        if from == to {
+                            all.set(way, j, i, len, &values, scale);
+                        }
                     }
                 }
             }
         }
-        all.balance(face, grid, digits as usize + 7);
+        all.balance(face, grid, digits as usize + 7, known);
         all.missing = missing(face, &all.part(face, 0, grid), grid);
         all
     }
 
-    /// Corrects the light that crosses, from both sides, by a rule of this order: finer from level to level,
+    /// Copies the kernels between nodes with weight.
+    fn copy(&mut self, known: &Self) {
+        let (len, before, regular) = (self.zeroth[0].columns(), known.zeroth[0].columns(), self.nodes.len());
+        for (zeroth, known) in self.zeroth.iter_mut().zip(&known.zeroth) {
+            for j in 0..regular {
+                zeroth.column_mut(j)[..regular].copy_from_slice(&known.column(j)[..regular]);
+            }
+        }
+        for (order, known) in self.later.iter_mut().zip(&known.later) {
+            for (way, (kernel, known)) in order.iter_mut().zip(known).enumerate() {
+                if WAYS[way].0 == WAYS[way].1 {
+                    let places = places(way, regular);
+                    kernel[..places].copy_from_slice(&known[..places]);
+                } else {
+                    for j in 0..regular {
+                        kernel[j * len..][..regular].copy_from_slice(&known[j * before..][..regular]);
+                    }
+                }
+            }
+        }
+    }
+
+    /// Determines the light that crosses, from both sides, by a rule of this order: finer from level to level,
     /// so that its error shows in their difference.
-    fn balance(&mut self, face: &Rough, grid: &Grid, order: usize) {
-        let len = grid.len();
+    fn balance(&mut self, face: &Rough, grid: &Grid, order: usize, known: Option<&Self>) {
+        let (len, regular) = (grid.len(), grid.regular);
         // Light that single microfacets should send across, of which the nodes miss some.
         let part = self.part(face, 0, grid);
         let ones = vec![1.0; len];
         let single = Operator { kernel: Some(Arc::new(self.zeroth[1].clone())), ..part.down.clone() };
+        self.returned = [Side::Above, Side::Below].map(|side| match known {
+            Some(known) => {
+                let extras = face.returned(side, &grid.beta[regular..], order);
+                [&known.returned[side as usize][..regular], &extras].concat()
+            }
+            None => face.returned(side, &grid.beta, order),
+        });
         let goal = |side: Side, whole: &Operator, single: &Operator| -> Vec<f64> {
             let [whole, single] = [whole, single].map(|operator| operator.pull_back(&ones, &grid.scale));
-            let returned = face.returned(side, &grid.beta, order);
+            let returned = &self.returned[side as usize];
             let one = |i: usize| {
                 single[i] + if grid.beta[i] < face.index(side) { 1.0 - returned[i] - whole[i] } else { 0.0 }
             };
@@ -103,18 +150,7 @@ impl RoughOrders {
             goal(Side::Above, &part.down, &single),
             goal(Side::Below, &part.down.transposed(), &single.transposed()),
         ];
-        let [above, below] = factors(&self.zeroth[1], goals, grid);
-        for (from, column) in self.zeroth[1].columns_mut() {
-            column.iter_mut().zip(&below).for_each(|(value, below)| *value *= above[from] * below);
-        }
-        for order in &mut self.later {
-            for (from, column) in order[1].chunks_exact_mut(len).enumerate() {
-                column
-                    .iter_mut()
-                    .zip(&below)
-                    .for_each(|(value, below)| *value *= (above[from] * below) as f32);
-            }
-        }
+        self.factors = factors(&self.zeroth[1], goals, grid);
     }
 
     fn set(&mut self, way: usize, out: usize, from: usize, len: usize, values: &[f64], scale: f64) {
@@ -123,6 +159,16 @@ impl RoughOrders {
         for (order, value) in self.later.iter_mut().zip(&values[1..]) {
             order[way][place(way, out, from, len)] = (value * scale) as f32;
         }
+    }
+
+    /// Returns the nodes with weight.
+    pub(super) fn nodes(&self) -> &[f64] {
+        &self.nodes
+    }
+
+    /// Returns the size in bytes.
+    pub(super) fn bytes(&self) -> usize {
+        8 * (3 + self.later.len()) * self.zeroth[0].columns().pow(2)
     }
 
     /// Returns the number of orders.
@@ -140,12 +186,18 @@ impl RoughOrders {
     pub(super) fn part(&self, face: &Rough, order: usize, grid: &Grid) -> Part {
         let len = grid.len();
         let operator = |way: usize| {
-            let kernel = match order.checked_sub(1) {
+            let mut kernel = match order.checked_sub(1) {
                 None => Some(self.zeroth[way].clone()),
                 Some(later) => self.later.get(later).map(|kernels| {
                     Matrix::from_fn(len, len, |i, j| f64::from(kernels[way][place(way, i, j, len)]))
                 }),
             };
+            if let Some(kernel) = kernel.as_mut().filter(|_| WAYS[way].0 != WAYS[way].1) {
+                let [above, below] = &self.factors;
+                for (from, column) in kernel.columns_mut() {
+                    column.iter_mut().zip(below).for_each(|(value, below)| *value *= above[from] * below);
+                }
+            }
             Operator { regular: grid.regular, straight: vec![0.0; len], kernel: kernel.map(Arc::new) }
         };
         let [above, down, below] = [operator(0), operator(1), operator(2)];

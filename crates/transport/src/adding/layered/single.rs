@@ -103,10 +103,7 @@ impl<'a> Single<'a> {
     /// Returns the fractions of light that the scatterer absorbs, from above and from below, between media of
     /// these indices.
     pub(super) fn lost(&self, grid: &Grid, [above, below]: [f64; 2]) -> [Vec<f64>; 2] {
-        [
-            self.down.lost(&self.above, false, grid, above),
-            self.down.lost(&self.below, true, grid, below),
-        ]
+        [self.down.lost(&self.above, false, grid, above), self.down.lost(&self.below, true, grid, below)]
     }
 
     /// Computes the fractions of light above a medium of this index, below flat layers `lower` that return no light
@@ -120,7 +117,8 @@ impl<'a> Single<'a> {
     ) -> Shares {
         let len = grid.len();
         let (air, medium) = (grid.below(1.0), grid.below(index));
-        let times = |a: &dyn Fn(usize) -> f64, b: &[f64]| -> Vec<f64> { (0..len).map(|i| a(i) * b[i]).collect() };
+        let times =
+            |a: &dyn Fn(usize) -> f64, b: &[f64]| -> Vec<f64> { (0..len).map(|i| a(i) * b[i]).collect() };
         let arrives = |share: &[f64]| times(&|i| self.arrives(i), share);
         // Functionals of light: that arrives from above, that arrives from below; of what then falls, of what rises.
         let through = |share: &[f64]| self.down.pull_back(share, grid, false);
@@ -137,9 +135,8 @@ impl<'a> Single<'a> {
         let sum = |parts: [Vec<f64>; 3]| -> Vec<f64> {
             (0..len).map(|i| parts.iter().map(|part| part[i]).sum()).collect()
         };
-        let absorbed_above = |place: usize| {
-            sum([upper[0][place].clone(), arrives(&books[0][place]), above(&upper[1][place])])
-        };
+        let absorbed_above =
+            |place: usize| sum([upper[0][place].clone(), arrives(&books[0][place]), above(&upper[1][place])]);
         let absorbed_below = |place: usize| {
             let trips = times(&|i| self.trips[i], &upper[1][place]);
             let falls = times(&|i| self.returns(i), &books[0][place]);

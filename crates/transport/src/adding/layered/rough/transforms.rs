@@ -12,20 +12,24 @@ use std::f64::consts::PI;
 
 use papilio_optics::rough::{Distribution, Rough, Side};
 
-use super::super::azimuth::graded;
+use super::super::azimuth::{graded, rounded_up};
 use super::super::grid::Grid;
 use super::super::matrix::Matrix;
 use super::{Edge, width};
 
 /// Largest number of azimuthal orders.
 const MOST_ORDERS: usize = 400;
-/// Numbers of rules: those of [`intervals`] 512.
+/// Number of rules: up to 512 intervals.
 const RULES: usize = 13;
-/// Natural digits of orders and azimuths beyond those of the nodes: poles are double, and in the mirror direction
-/// of a beam all orders contribute with the same sign.
+/// Natural digits of azimuths beyond those of the nodes: poles are double, so that digits are lost.
 const MORE_DIGITS: f64 = 5.0;
+/// The same of orders, which contribute with equal or alternating signs in the mirror directions of a beam.
+const MORE_DIGITS_OF_ORDERS: f64 = 10.0;
 /// Smallest number of natural digits of a pair, however small its values are.
 const LEAST_DIGITS: f64 = 4.0;
+
+/// Smallest number of intervals, per natural digit.
+const LEAST_INTERVALS: f64 = 3.0;
 
 /// Returns the number of intervals of a rule from 0 to pi, 8, 12, 16, 24, 32, ...: few rules, so that pairs of
 /// directions share them, and their sums are matrix products.
@@ -36,7 +40,7 @@ fn intervals(rule: usize) -> usize {
 /// Returns the number of orders that contain this many natural digits of the light scattered on circles of this
 /// `|beta|`.
 pub(super) fn orders(face: &Rough, radius: f64, digits: f64) -> usize {
-    (((digits + MORE_DIGITS) * radius / width(face)).ceil() as usize).clamp(8, MOST_ORDERS)
+    rounded_up(((digits + MORE_DIGITS_OF_ORDERS) * radius / width(face)).ceil() as usize).min(MOST_ORDERS)
 }
 
 /// First Fourier coefficients of one microfacet's kernel.
@@ -123,6 +127,7 @@ pub(in super::super) fn azimuth_width(face: &Rough, ends @ [(_, a), (_, b)]: [(S
 
 /// Returns the rule for a pair of directions; `None` if there would be too many intervals.
 fn rule(face: &Rough, ends @ [(from, a), (to, b)]: [(Side, f64); 2], digits: f64) -> Option<usize> {
+    let least = LEAST_INTERVALS * digits;
     let digits = digits + MORE_DIGITS;
     let own = face.alpha() * normal_change(face, ends);
     // The largest values near these directions, a = b.
@@ -140,5 +145,55 @@ fn rule(face: &Rough, ends @ [(from, a), (to, b)]: [(Side, f64); 2], digits: f64
             2.0 * digits.max(LEAST_DIGITS).sqrt() * radius / own.max(1e-9)
         }
     };
-    (1..RULES).find(|rule| intervals(*rule) as f64 >= half)
+    // Where light is refracted along the interface, and at the critical angle, the kernel is not analytic.
+    (0..RULES).find(|rule| intervals(*rule) as f64 >= half.max(least))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::super::azimuth::trapezoid;
+    use super::super::super::grid::Density;
+    use super::*;
+
+    /// Compared with a rule of many intervals, relative to the largest value of order 0.
+    #[test]
+    fn few_azimuths_give_the_coefficients_of_many() {
+        let digits = 7.0;
+        for distribution in [Distribution::Ggx, Distribution::Beckmann] {
+            for alpha in [0.1, 0.4] {
+                let face = Rough::with(distribution, alpha, 1.0, 1.5);
+                let density = Density { least: 6, spacing: 0.3, angle: None };
+                let grid = Grid::new(&[1.0, 1.5], density, &[0.3]);
+                let mut transforms = Transforms::new(24, digits, Edge::new(&face, &grid));
+                for (from, to) in
+                    [(Side::Above, Side::Above), (Side::Above, Side::Below), (Side::Below, Side::Below)]
+                {
+                    let (mut most, mut worst) = (0.0_f64, 0.0_f64);
+                    for j in (0..grid.len()).filter(|&j| grid.beta[j] < face.index(from)) {
+                        let rows = (0..grid.len()).filter(|&i| grid.beta[i] < face.index(to));
+                        for (i, values) in transforms.column(&face, (from, j), to, rows, &grid) {
+                            let b = if from == to {
+                                grid.beta[i]
+                            } else {
+                                transforms.edge.within(grid.beta[j], grid.beta[i])
+                            };
+                            let kernel = face.single_by_azimuth((from, grid.beta[j]), (to, b));
+                            let mut fine = [0.0; 24];
+                            trapezoid(4096, &mut fine, |turn| kernel(turn.cos()));
+                            most = most.max(fine[0]);
+                            let errors = fine
+                                .iter()
+                                .enumerate()
+                                .map(|(m, fine)| (fine - values.get(m).unwrap_or(&0.0)).abs());
+                            worst = errors.fold(worst, f64::max);
+                        }
+                    }
+                    assert!(
+                        worst < 2e-4 * most,
+                        "{distribution:?} {alpha} {from:?} {to:?}: {worst:e} {most:e}"
+                    );
+                }
+            }
+        }
+    }
 }
