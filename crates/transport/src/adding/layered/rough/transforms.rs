@@ -155,7 +155,8 @@ mod tests {
     use super::super::super::grid::Density;
     use super::*;
 
-    /// Compared with a rule of many intervals, relative to the largest value of order 0.
+    /// Compared with a rule of many intervals, relative to the largest value of order 0. Reflection from the denser
+    /// medium has a square root at the critical angle: there, errors decrease slowly, and have either sign.
     #[test]
     fn few_azimuths_give_the_coefficients_of_many() {
         let digits = 7.0;
@@ -188,8 +189,9 @@ mod tests {
                             worst = errors.fold(worst, f64::max);
                         }
                     }
+                    let tolerance = if from == Side::Below { 2e-2 } else { 1e-4 };
                     assert!(
-                        worst < 2e-4 * most,
+                        worst < tolerance * most,
                         "{distribution:?} {alpha} {from:?} {to:?}: {worst:e} {most:e}"
                     );
                 }
