@@ -330,15 +330,14 @@ fn prepare(
             break;
         }
     }
+    if stop.load(Ordering::Relaxed) {
+        return (growing.into_iter().map(|one| one.group).collect(), Vec::new());
+    }
     if grid.regular > 0 {
         scatterers = scatterers.extras(&grid, kept);
         grid = grid.extras();
     }
-    let once = if lights.is_empty() || stop.load(Ordering::Relaxed) {
-        Vec::new()
-    } else {
-        sent_once(scatterers, &grid, &growing)
-    };
+    let once = if lights.is_empty() { Vec::new() } else { sent_once(scatterers, &grid, &growing) };
     (growing.into_iter().map(|one| one.group).collect(), once)
 }
 
