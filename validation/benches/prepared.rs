@@ -109,7 +109,7 @@ fn everywhere(threads: Option<usize>, scene: &Scene) {
     cone(scene, ConeGrid::default(), &control).unwrap();
 }
 
-#[divan::bench(args = ["indoor", "overcast", "slab"], consts = [1, 2], sample_count = 3, sample_size = 1)]
+#[divan::bench(args = ["indoor", "overcast", "sky", "map", "slab"], consts = [1, 2], sample_count = 3, sample_size = 1)]
 fn viewing_cone<const THREADS: usize>(bencher: Bencher<'_, '_>, name: &str) {
     let scene = scene(name);
     bencher.bench(|| everywhere(Some(THREADS), &scene));
