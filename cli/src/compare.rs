@@ -17,7 +17,7 @@ use papilio_formats::{
 use papilio_scenario::nearest;
 
 use crate::arguments::Compare;
-use crate::{Failure, interrupt, output, print_message, report};
+use crate::{Failure, interrupt, numbers, output, print_message, report};
 
 pub(crate) fn run(arguments: &Compare) -> Result<(), Failure> {
     let result = result_file(&arguments.result);
@@ -167,7 +167,7 @@ fn display_metrics(view: &ViewComparison) -> String {
         .map(|(name, pair, unit)| format!("{name} {}{unit}", pair_text(pair, 2)).trim_start().to_owned())
         .collect();
     if let Some(peaks) = view.average_peak_difference_nm {
-        parts.push(format!("mean difference of the peaks {} nm", report::signed(peaks, 1)));
+        parts.push(format!("mean difference of the peaks {} nm", numbers::signed(peaks, 1)));
     }
     if parts.is_empty() { String::new() } else { format!("  {}\n", parts.join(", ")) }
 }
@@ -180,5 +180,5 @@ fn pair_text(pair: [Option<f64>; 2], decimals: usize) -> String {
 }
 
 fn number(value: Option<f64>, decimals: usize) -> String {
-    value.map_or("-".to_owned(), |value| report::unsigned_zero(format!("{value:.decimals$}")))
+    value.map_or("-".to_owned(), |value| numbers::unsigned_zero(format!("{value:.decimals$}")))
 }

@@ -17,6 +17,7 @@ mod interrupt;
 mod journal;
 mod migrate;
 mod new;
+mod numbers;
 mod optimize;
 mod output;
 mod page;

@@ -5,30 +5,17 @@
 
 use std::fmt::Write;
 
-use papilio_display::result::{Ledger, View};
+use papilio_display::result::View;
 use papilio_formats::ResultFile;
 use serde_json::Value;
 
-use crate::report;
+use crate::{numbers, report};
 
 /// Most views with a table of their own; more views have one row each.
 const VIEWS_IN_FULL: usize = 3;
 
 /// Beginnings of the names of figures that the page shows, in this order: the others repeat parts of these.
 const FIGURES: [&str; 3] = ["overview", "light", "cone"];
-
-/// Parts of an energy balance: heading and fraction.
-type Part = (&'static str, fn(&Ledger) -> f64);
-
-const LEDGER: [Part; 7] = [
-    ("returned", |l| l.returned),
-    ("front", |l| l.absorbed.front),
-    ("diffuser", |l| l.absorbed.diffuser),
-    ("glass", |l| l.absorbed.glass),
-    ("pixel", |l| l.absorbed.pixel),
-    ("inactive", |l| l.absorbed.inactive),
-    ("unaccounted", |l| l.unaccounted),
-];
 
 const STYLE: &str = "@page{size:A4;margin:12mm}\
 body{font:14px/1.4 system-ui,sans-serif;color:#222;max-width:48rem;margin:1.5rem auto;padding:0 1rem}\
@@ -136,14 +123,15 @@ fn own_ids(svg: &str, number: usize) -> String {
 
 /// Energy balances of the states.
 fn energy_balance(page: &mut String, view: &View) {
+    let all: Vec<_> = view.ledger.iter().map(|(name, ledger)| (name, ledger.values().named())).collect();
+    let used: Vec<usize> =
+        (0..7).filter(|k| *k == 0 || all.iter().any(|(_, parts)| parts[*k].1.abs() > 5e-4)).collect();
     let mut rows = vec![vec!["energy balance, %".to_owned()]];
-    let is_used =
-        |part: &&Part| part.0 == "returned" || view.ledger.iter().any(|(_, one)| part.1(one).abs() > 5e-4);
-    let parts: Vec<&Part> = LEDGER.iter().filter(is_used).collect();
-    rows[0].extend(parts.iter().map(|(heading, _)| (*heading).to_owned()));
-    for (name, ledger) in view.ledger.iter() {
-        let cells = parts.iter().map(|(_, of)| report::unsigned_zero(format!("{:.1}", 100.0 * of(ledger))));
-        rows.push(std::iter::once(name.to_owned()).chain(cells).collect());
+    for (name, parts) in &all {
+        rows[0].truncate(1);
+        rows[0].extend(used.iter().map(|k| parts[*k].0.to_owned()));
+        let cells = used.iter().map(|k| numbers::unsigned_zero(format!("{:.1}", 100.0 * parts[*k].1)));
+        rows.push(std::iter::once((*name).to_owned()).chain(cells).collect());
     }
     table(page, &rows);
     paragraph(

@@ -4,7 +4,7 @@ use papilio_colour::reader::{AGES_YEARS, DIAMETERS_ARCMIN, LUMINANCES_CD_M2};
 use papilio_display::readability::{CONTRAST_RANGE, LUMINANCE_RANGE_CD_M2};
 use papilio_display::result::{Reader, View};
 
-use crate::report::measured;
+use crate::numbers::measured;
 
 /// Luminance, contrast and readability of black text on white; nothing without white, black or a described reader.
 pub(crate) fn of_text(view: &View, reader: &Reader) -> String {

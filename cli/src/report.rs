@@ -8,6 +8,7 @@ use papilio_display::result::{ReferenceWhite, RunResult, State, StateValues, Vie
 use papilio_display::{BrdfTable, ConeResult, Reflection};
 pub(crate) use papilio_formats::words::table;
 
+use crate::numbers::{measured, percent, unsigned_zero};
 use crate::readability;
 
 /// Largest width of a column heading before it continues on the next line, characters.
@@ -166,13 +167,6 @@ pub(crate) fn reflection(all: &[Reflection]) -> String {
     text
 }
 
-/// A fraction in %, with two decimals, or as many as its first digit needs.
-fn percent(fraction: f64) -> String {
-    let percent = 100.0 * fraction;
-    let decimals = if percent > 0.0 { (-percent.log10().floor()).clamp(2.0, 12.0) as usize } else { 2 };
-    format!("{percent:.decimals$} %")
-}
-
 /// A peak wavelength, nm, and the largest reflectance.
 pub(crate) type Peak = (Option<f64>, f64);
 
@@ -218,7 +212,7 @@ pub(crate) fn absorption(all: &PixelAbsorption, medium: &str) -> String {
     }));
     let mut known: Vec<&[f64]> = Vec::new();
     for one in &all.sub_pixels {
-        // A sub-pixel that is driven alike in several states is printed once.
+        // A sub-pixel that is driven in the same way in several states is printed once.
         if known.contains(&one.absorptance.as_slice()) {
             continue;
         }
@@ -460,75 +454,4 @@ pub(crate) fn rows_of_views(result: &RunResult) -> Vec<Vec<String>> {
         rows.push(row);
     }
     rows
-}
-
-/// A value with its standard error in units of the last digit, as in `0.1523(2)` (GUM, 7.2.2). If the error is less than
-/// half of the last digit, only the value is printed.
-pub(crate) fn measured(value: Option<f64>, error: Option<f64>, decimals: usize) -> String {
-    let Some(value) = value else { return "-".to_owned() };
-    let error = error.unwrap_or(0.0);
-    if error.is_nan() || error < 0.5 * 0.1_f64.powi(decimals as i32) {
-        return unsigned_zero(format!("{value:.decimals$}"));
-    }
-    // The first digit of the error decides the number of decimals. Round the error to one digit first, so that 0.96
-    // counts as 1.
-    let magnitude = format!("{error:.0e}");
-    let exponent: i32 = magnitude.split_once('e').and_then(|(_, e)| e.parse().ok()).unwrap_or(0);
-    let decimals = decimals.min((-exponent).max(0) as usize);
-    let last = (error * 10.0_f64.powi(decimals as i32)).round();
-    unsigned_zero(format!("{value:.decimals$}({last})"))
-}
-
-/// A number with its sign, unless its rounded value is zero.
-pub(crate) fn signed(value: f64, decimals: usize) -> String {
-    unsigned_zero(format!("{value:+.decimals$}"))
-}
-
-/// A number with five digits, and all digits before the decimal point; numbers below 1 have five decimals.
-pub(crate) fn digits(value: f64) -> String {
-    let before = if value.abs() < 1.0 { 0 } else { value.abs().log10().floor() as usize + 1 };
-    unsigned_zero(format!("{value:.*}", 5_usize.saturating_sub(before)))
-}
-
-/// Removes the sign of a number whose digits are all zero.
-pub(crate) fn unsigned_zero(number: String) -> String {
-    match number.strip_prefix(['-', '+']) {
-        Some(rest) if rest.chars().take_while(|c| *c != '(').all(|c| matches!(c, '0' | '.')) => {
-            rest.to_owned()
-        }
-        _ => number,
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::{digits, measured, percent, signed};
-
-    #[test]
-    fn number_is_printed_with_five_digits() {
-        let texts = [0.19785, 27.41288, 14922.68596, -1e-9, -0.5, 0.0].map(digits);
-        assert_eq!(texts, ["0.19785", "27.413", "14923", "0.00000", "-0.50000", "0.00000"]);
-    }
-
-    #[test]
-    fn percentage_of_small_error_shows_its_first_digit() {
-        assert_eq!(percent(0.1234), "12.34 %");
-        assert_eq!(percent(3.2e-5), "0.003 %");
-        assert_eq!(percent(0.96e-5), "0.0010 %");
-        assert_eq!((percent(0.0).as_str(), percent(1e-30).as_str()), ("0.00 %", "0.000000000000 %"));
-    }
-
-    #[test]
-    fn error_is_printed_in_units_of_the_last_digit() {
-        assert_eq!(measured(Some(0.15234), Some(0.00021), 4), "0.1523(2)");
-        assert_eq!(measured(Some(0.15234), Some(0.0021), 4), "0.152(2)");
-        assert_eq!(measured(Some(0.15234), Some(1e-9), 4), "0.1523");
-        assert_eq!(measured(Some(612.34), Some(23.0), 1), "612(23)");
-        assert_eq!(measured(Some(9.123), None, 2), "9.12");
-        assert_eq!(measured(Some(11343.2), Some(0.96), 1), "11343(1)");
-        assert_eq!(measured(Some(-0.001), Some(0.0001), 2), "0.00");
-        assert_eq!([-0.04, 0.04, 0.06, -0.06].map(|v| signed(v, 1)), ["0.0", "0.0", "+0.1", "-0.1"]);
-        assert_eq!(measured(Some(-0.1), Some(0.0001), 2), "-0.10");
-        assert_eq!(measured(None, None, 2), "-");
-    }
 }

@@ -2,24 +2,28 @@
 
 use std::io::Write;
 use std::path::{Path, PathBuf};
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressStyle};
 use papilio_display::result::RunResult;
 use papilio_display::scene::{AngleMedium, Method, Scene};
 use papilio_display::{
     AmbientLight, ConeGrid, ConeResult, Control, DisplayError, Progress, adding_seconds, ambient_light,
+    forecast,
 };
 use papilio_formats::{ResultFile, write_json};
 use papilio_scenario::{Resolved, Scenario};
 
 use crate::arguments::{Run, Solver};
-use crate::progress::in_log;
+use crate::progress::{Heartbeat, in_log};
 use crate::terminal::is_quiet;
 use crate::{Failure, folder, input, interrupt, output, print_message, print_notes, report};
 
+/// Time between two frames of the bar: it appears after the first, and its time goes on while a level is computed.
+const BETWEEN_FRAMES: Duration = Duration::from_secs(1);
+
 /// Shortest computation that is announced, in seconds of one processor.
-const LONG_SECONDS: f64 = 20.0;
+const LONG_SECONDS: f64 = 1.0;
 
 pub(crate) fn run(arguments: &Run) -> Result<(), Failure> {
     let resolved = resolve(arguments)?;
@@ -76,18 +80,44 @@ pub(crate) fn run(arguments: &Run) -> Result<(), Failure> {
     }
 }
 
-/// A note if adding will take long, before it begins.
+/// A note if the solver will take long, before it begins, and whether the other one would take less time.
 fn cost_note(resolved: &Resolved) -> Result<Option<String>, Failure> {
-    if resolved.scene.solver.method != Method::Adding {
-        return Ok(None);
-    }
-    let seconds = adding_seconds(&resolved.scene).map_err(|error| Failure::from_display(resolved, error))?;
-    Ok((seconds >= LONG_SECONDS).then(|| {
+    let scene = &resolved.scene;
+    let failure = |error| Failure::from_display(resolved, error);
+    let is_adding = match scene.solver.method {
+        Method::Adding if adding_seconds(scene).map_err(failure)? < LONG_SECONDS => return Ok(None),
+        Method::Adding => true,
+        Method::MonteCarlo => false,
+        // Says itself what it has chosen.
+        Method::Auto => return Ok(None),
+    };
+    let control = Control { threads: None, progress: &|_| {}, stop: &interrupt::STOP };
+    let forecast = forecast(scene, &control).map_err(failure)?;
+    let (adding, monte_carlo) =
+        (("adding", forecast.adding_s), ("the Monte Carlo solver", forecast.monte_carlo_s));
+    let ((solver, seconds), (other, of_other)) =
+        if is_adding { (adding, monte_carlo) } else { (monte_carlo, adding) };
+    let Some(seconds) = seconds.filter(|seconds| *seconds >= LONG_SECONDS) else { return Ok(None) };
+    let faster = of_other.filter(|of_other| *of_other < 0.5 * seconds).map_or(String::new(), |of_other| {
         format!(
-            "note: adding will take about {seconds:.0} s of one processor for these layers (estimated to within a factor of \
-             ten)\n  = help: --solver monte-carlo does not need this preparation"
+            "\n  = help: {other} would take about {}; --solver auto takes the faster one",
+            duration(of_other)
         )
-    }))
+    });
+    let expected = duration(seconds);
+    Ok(Some(format!(
+        "note: {solver} will take about {expected} of one processor (estimated to within a factor of ten){faster}"
+    )))
+}
+
+/// An estimated duration in words.
+fn duration(seconds: f64) -> String {
+    match seconds {
+        s if s < 1.0 => format!("{s:.1e} s"),
+        s if s < 120.0 => format!("{s:.0} s"),
+        s if s < 7200.0 => format!("{:.0} min", s / 60.0),
+        s => format!("{:.0} h", s / 3600.0),
+    }
 }
 
 /// Incident light by direction, unless it has a single direction or is uniform.
@@ -123,6 +153,7 @@ fn resolve(arguments: &Run) -> Result<Resolved, Failure> {
         let method = match solver {
             Solver::Adding => "adding",
             Solver::MonteCarlo => "monte-carlo",
+            Solver::Auto => "auto",
             Solver::Walk => "walk",
         };
         format!("solver.method={method}")
@@ -155,6 +186,8 @@ pub(crate) fn with_progress<T>(
     interrupt::catch_ctrl_c();
     let bar = progress_bar();
     let _log = in_log(&bar, |bar| format!("{} % done, {}", bar.position() / 10, bar.message()));
+    let waiting = bar.clone();
+    let _shown = Heartbeat::every(BETWEEN_FRAMES, move || waiting.tick());
     let show = |progress: Progress<'_>| show(&bar, progress);
     let control = Control { threads: threads.map(usize::from), progress: &show, stop: &interrupt::STOP };
     let result = compute(&control);

@@ -12,7 +12,7 @@ use papilio_sampling::table_4_1::Estimator;
 use papilio_scenario::Scenario;
 
 use crate::arguments::StudySampling;
-use crate::{Failure, folder, input, interrupt, output, print_notes, report, run};
+use crate::{Failure, folder, input, interrupt, numbers, output, print_notes, report, run};
 
 /// Smallest number of paths: 16 for each replicate.
 const FIRST: u64 = 512;
@@ -102,7 +102,7 @@ fn table(title: &str, curves: &[StudyCurve]) -> String {
             let _ = write!(text, "{:>10}", format!("{:.4} %", 100.0 * point.relative_error));
         }
         let slope = curve.slope().map_or("-".to_owned(), |(p, error)| {
-            format!("{} +- {error:.2}", report::unsigned_zero(format!("{:.2}", -p)))
+            format!("{} +- {error:.2}", numbers::unsigned_zero(format!("{:.2}", -p)))
         });
         let each = curve.points.last().map_or(0.0, |p| 1e6 * p.transport_s / p.paths as f64);
         let to = curve.seconds_to(1e-3).map_or("-".to_owned(), |s| format!("{:.2}", 1e3 * s));

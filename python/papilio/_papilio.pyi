@@ -86,6 +86,7 @@ class Prepared:
         scenario: Resolved,
         threads: int | None = None,
         progress: Callable[[dict[str, Any]], object] | None = None,
+        first: bool = False,
     ) -> RunResult: ...
 
 @final

@@ -17,13 +17,14 @@ import json
 import os
 from collections.abc import Sequence
 from os import PathLike, fspath
-from typing import Any, Literal, NamedTuple, TypeVar
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _arguments, _papilio
 from ._dims import check_places
+from ._film_layouts import LayerArrays, Layout, Spread, by_wavelength, grid, in_rows
 from .errors import ArgumentError
 from .running import checked_threads
 
@@ -52,8 +53,6 @@ def __dir__() -> list[str]:
 
 #: A name ("SiO2"), a number or array n + 1j k, or the path of an n-k file.
 Material = str | PathLike[str] | complex | ArrayLike
-
-_Number = TypeVar("_Number", bound=np.generic)
 
 #: One of the two polarisations, or their mean.
 Polarisation = Literal["s", "p", "mean"]
@@ -197,7 +196,7 @@ class _Stack(NamedTuple):
     thicknesses: list[NDArray[np.float64]]
     workers: int
 
-    def passed(self, laid: _Laid) -> tuple[list[int], _Spread, _Spread, _Spread, list[_Layer], tuple[_Spread, _Spread]]:
+    def passed(self, laid: Layout) -> tuple[list[int], Spread, Spread, Spread, list[LayerArrays], tuple[Spread, Spread]]:
         """Returns the arrays as the extension module takes them."""
         index_0 = self.arrays["incidence"]
         beta, index_0 = np.broadcast_arrays(index_0 * np.sin(np.radians(self.arrays["theta_deg"])), index_0)
@@ -267,96 +266,13 @@ def _computed(
     given = _given(layers, wavelength_nm, theta_deg, incidence, substrate, threads)
     if 0 in given.shape:
         return np.zeros(given.shape), np.zeros(given.shape)
-    grid = None if both or polarisation != "mean" else _grid(given.shape, given.arrays, given.media, given.thicknesses)
-    if grid is not None:
-        laid, gap = grid
+    spanned = None if both or polarisation != "mean" else grid(given.shape, given.arrays, given.media, given.thicknesses)
+    if spanned is not None:
+        laid, gap = spanned
         return laid.back(_papilio.film_grid(*given.passed(laid), gap, given.workers), given.shape), np.zeros(0)
-    laid = _in_rows(given.shape)
+    laid = in_rows(given.shape)
     flat, other = _papilio.film(*given.passed(laid), polarisation, both, given.workers)
     return laid.back(flat, given.shape), laid.back(other, given.shape) if both else other
-
-
-#: Numbers, and their stride along each axis of a call.
-_Spread = tuple[NDArray[np.float64], list[int]]
-
-#: n, k and thickness of a layer.
-_Layer = tuple[_Spread, _Spread, _Spread]
-
-#: Smallest numbers of wavelengths (one register) and of directions times gaps for which the grid method is faster.
-_FEW_WAVELENGTHS, _FEW_PAIRS = 4, 16
-
-
-class _Laid(NamedTuple):
-    """Layout of arrays for the extension module: their common shape, and the order of its axes."""
-
-    shape: tuple[int, ...]
-    order: list[int]
-
-    def spread(self, array: NDArray[np.float64]) -> _Spread:
-        """Returns the distinct numbers of an array that broadcasts to the shape, with their strides."""
-        last = np.asarray(_once(array, len(self.shape)).transpose(self.order), order="C")
-        steps = [0 if length == 1 else stride // last.itemsize for length, stride in zip(last.shape, last.strides, strict=True)]
-        return last.reshape(-1), steps
-
-    def parts(self, array: NDArray[np.complex128]) -> tuple[_Spread, _Spread]:
-        """Returns the real and the imaginary part, each with its strides."""
-        return self.spread(array.real), self.spread(array.imag)
-
-    def back(self, flat: NDArray[_Number], shape: tuple[int, ...], inner: tuple[int, ...] = ()) -> NDArray[_Number]:
-        """Returns numbers in this order of axes as an array, without the axes of length 1 that precede those of ``shape``.
-
-        Each point has numbers of shape ``inner``, which are the last axes.
-        """
-        last = len(self.order)
-        found = flat.reshape([*(self.shape[axis] for axis in self.order), *inner])
-        found = found.transpose([*np.argsort(self.order), *range(last, last + len(inner))])
-        return np.asarray(found.reshape((*shape, *inner)), order="C")
-
-
-def _once(array: NDArray[Any], axes: int) -> NDArray[Any]:
-    """Returns an array with ``axes`` axes; those along which it is constant have length 1."""
-    padded = array.reshape((1,) * (axes - array.ndim) + array.shape)
-    return padded[tuple(slice(0, 1) if stride == 0 else slice(None) for stride in padded.strides)]
-
-
-def _in_rows(shape: tuple[int, ...]) -> _Laid:
-    """Returns the layout in which the points of the longest axis are contiguous."""
-    longest = max(range(len(shape)), key=lambda axis: (shape[axis], axis), default=None)
-    return _Laid(shape, [axis for axis in range(len(shape)) if axis != longest] + ([] if longest is None else [longest]))
-
-
-def _grid(
-    shape: tuple[int, ...], arrays: dict[str, NDArray[np.float64]], media: list[NDArray[np.complex128]], nm: list[NDArray[np.float64]]
-) -> tuple[_Laid, int | None] | None:
-    """Returns the layout of the grid of directions, gaps and wavelengths that the arrays span; None if there is none.
-
-    The grid has an axis along which only wavelengths and indices change, one along which only the angle changes, and one along
-    which only the thickness of a single layer changes (its index is returned). Two axes of length 1 replace missing ones. The other
-    axes precede them; along these, all arrays may change.
-    """
-
-    def along(some: Sequence[NDArray[Any]]) -> list[set[int]]:
-        return [{axis for axis, length in enumerate(_once(one, len(shape)).shape) if length > 1} for one in some]
-
-    spectral = set().union(*along([arrays["wavelength_nm"], *media]))
-    tilted, immersed = along([arrays["theta_deg"], arrays["incidence"]])
-    thick = along(nm)
-    thicknesses = set().union(*thick)
-    colours = spectral - tilted - immersed - thicknesses
-    directions = tilted - spectral - immersed - thicknesses
-    alone = {axis: [i for i, axes in enumerate(thick) if axis in axes] for axis in thicknesses - spectral - tilted - immersed}
-    gaps = {axis: layers[0] for axis, layers in alone.items() if len(layers) == 1}
-
-    def longest(axes: Sequence[int]) -> int | None:
-        return max(axes, key=lambda axis: (shape[axis], axis), default=None)
-
-    colour, direction, gap = longest([*colours]), longest([*directions]), longest([*gaps])
-    many = (1 if direction is None else shape[direction]) * (1 if gap is None else shape[gap])
-    if colour is None or shape[colour] < _FEW_WAVELENGTHS or many < _FEW_PAIRS:
-        return None
-    chosen = [0 if direction is None else direction + 2, 1 if gap is None else gap + 2, colour + 2]
-    others = [axis for axis in range(len(shape) + 2) if axis not in chosen]
-    return _Laid((1, 1, *shape), [*others, *chosen]), None if gap is None else gaps[gap]
 
 
 def reflectance(
@@ -468,7 +384,7 @@ def amplitudes(
     given = _given(layers, wavelength_nm, theta_deg, incidence, substrate, threads)
     if 0 in given.shape:
         return Amplitudes(*(np.zeros(given.shape, np.complex128) for _ in range(4)))
-    laid = _in_rows(given.shape)
+    laid = in_rows(given.shape)
     found = laid.back(_papilio.film_amplitudes(*given.passed(laid), given.workers), given.shape, (4,))
     return Amplitudes(*(found[..., i] for i in range(4)))
 
@@ -504,7 +420,7 @@ def absorptance(
     count = len(given.thicknesses)
     if 0 in given.shape or not count:
         return np.zeros((*given.shape, count))
-    laid = _in_rows(given.shape)
+    laid = in_rows(given.shape)
     return laid.back(_papilio.film_absorptance(*given.passed(laid), polarisation, given.workers), given.shape, (count,))
 
 
@@ -556,7 +472,7 @@ def derivatives(
     variables: list[Variable] = wanted  # type: ignore[assignment]
     if 0 in given.shape:
         return Derivatives(np.zeros(given.shape), np.zeros((*given.shape, len(variables))), variables)
-    laid = _by_wavelength(given)
+    laid = by_wavelength(given.shape, [given.arrays["theta_deg"], given.arrays["incidence"], *given.thicknesses])
     named = [(of, None if layer == "substrate" else layer) for of, layer in variables]
     values, slopes = _papilio.film_derivatives(*given.passed(laid), named, given.workers)
     return Derivatives(laid.back(values, given.shape), laid.back(slopes, given.shape, (len(variables),)), variables)
@@ -574,16 +490,6 @@ def _variable(at: int, one: object, count: int) -> tuple[str, int | str]:
             raise ArgumentError(f"{name}: the substrate has no thickness")
         return of, "substrate"
     return of, _arguments.whole(name, one[1], 0, count - 1)
-
-
-def _by_wavelength(given: _Stack) -> _Laid:
-    """Returns the layout with the longest axis along which neither angle nor thickness changes as the last one."""
-    fixed = [given.arrays["theta_deg"], given.arrays["incidence"], *given.thicknesses]
-    axes = len(given.shape)
-    moving = {axis for one in fixed for axis, length in enumerate(_once(one, axes).shape) if length > 1}
-    free = [axis for axis in range(axes) if axis not in moving]
-    last = max(free, key=lambda axis: (given.shape[axis], axis), default=None)
-    return _Laid(given.shape, [axis for axis in range(axes) if axis != last] + ([] if last is None else [last]))
 
 
 def _listed(layers: Sequence[tuple[Material, ArrayLike]]) -> list[tuple[Material, ArrayLike]]:

@@ -39,6 +39,9 @@ View = int | Sequence[int] | Literal["all"]
 #: Treatment of invalid designs.
 OnError = Literal["raise", "nan"]
 
+#: Accuracy of an answer.
+Accuracy = Literal["exact", "first"]
+
 #: End of the names of spectra.
 SPECTRUM = ".reflectance_factor"
 
@@ -122,6 +125,7 @@ class Prepared:
         *,
         threads: int | None = None,
         progress: Progress | bool | None = None,
+        accuracy: Accuracy = "exact",
     ) -> Result:
         """Computes the full result of one design.
 
@@ -129,18 +133,24 @@ class Prepared:
             values: values to set in the scenario, ``{path: value}``; None: the scenario as it is.
             threads: number of threads; None: one for each processor. The results do not depend on it.
             progress: function that is called a few times a second, or True for a line on the terminal.
+            accuracy: "exact": to the target of the scenario; "first": a coarse answer of adding as soon as possible, whose
+                ``discretisation_error`` states its error (``data["solver"]["is_final"]`` is False).
 
         Returns:
-            The result of `papilio.run`, to the last bit.
+            The result of `papilio.run`, to the last bit, unless it is a first answer.
+
+        Raises:
+            ArgumentError: if an argument is invalid; the message names it.
 
         Example:
             >>> prepared = papilio.Prepared("scenarios/indoor.toml")
             >>> bool(prepared.run({"display.diffuser.haze": 0.6})["white.Y"][0] > 0.3)
             True
         """
+        _arguments.one_of("accuracy", accuracy, ("exact", "first"))
         changed = self._scenario.with_values(with_solver(values)) if values else self._scenario
         with reporting(progress, "views") as tell:
-            core = self._core.run(changed._scene(), checked_threads(threads), tell)
+            core = self._core.run(changed._scene(), checked_threads(threads), tell, accuracy == "first")
         _messages.warn(core.warnings())
         return Result(core, changed.title)
 

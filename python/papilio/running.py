@@ -17,7 +17,7 @@ from .scenario import Scenario, read
 __all__ = ["Progress", "Solver", "run"]
 
 #: The solver; ``"walk"`` is the old name of ``"monte-carlo"``.
-Solver = Literal["adding", "monte-carlo", "walk"]
+Solver = Literal["adding", "monte-carlo", "auto", "walk"]
 
 #: Function that reports progress. Its argument has views_done, views, relative_error, target and paths for a run; done and of
 #: for designs and searches.
@@ -40,7 +40,7 @@ def run(
 
     Args:
         scenario: a `Scenario`, or the path of a scenario file.
-        solver: ``"adding"`` or ``"monte-carlo"``; None: that of the scenario.
+        solver: ``"adding"``, ``"monte-carlo"`` or ``"auto"`` (the one with less work); None: that of the scenario.
         seed: integer that selects the random numbers of the Monte Carlo solver; None: that of the scenario.
         threads: number of threads; None: one for each processor. The results do not depend on it.
         set: values to set in the scenario first, ``{path: value}``; the `Scenario` itself is not changed. Spectra and materials may
@@ -79,7 +79,7 @@ def with_solver(
         raise ArgumentError(f"set: expected a dict of paths and values, not {described(values)}")
     all_values = dict(values or {})
     if solver is not None:
-        all_values["solver.method"] = one_of("solver", solver, ("adding", "monte-carlo", "walk"))
+        all_values["solver.method"] = one_of("solver", solver, ("adding", "monte-carlo", "auto", "walk"))
     if seed is not None:
         all_values["solver.seed"] = whole("seed", seed, 0, _LARGEST_SEED)
     return all_values

@@ -30,20 +30,23 @@ impl Prepared {
         Ok(Self { display: Mutex::new(prepared.map_err(|error| errors::display_of(py, &like.of, &error))?) })
     }
 
-    #[pyo3(signature = (scenario, threads=None, progress=None))]
+    #[pyo3(signature = (scenario, threads=None, progress=None, first=false))]
     fn run(
         &self,
         py: Python<'_>,
         scenario: &Resolved,
         threads: Option<u16>,
         progress: Option<Bound<'_, PyAny>>,
+        first: bool,
     ) -> PyResult<RunResult> {
         let of = &scenario.of;
         let outcome = watched(py, &AtomicBool::new(false), progress.as_ref(), |watch| {
             let Some(mut display) = free(&self.display, watch.stop)? else {
                 return Some(Err(DisplayError::Interrupted));
             };
-            Some(watch.run(threads.map(usize::from), |control| display.run(&of.scene, control)))
+            let answer =
+                if first { papilio_display::Prepared::first } else { papilio_display::Prepared::run };
+            Some(watch.run(threads.map(usize::from), |control| answer(&mut display, &of.scene, control)))
         })?;
         match outcome {
             Some(Ok(result)) => Ok(RunResult::new(result, Arc::clone(of))),

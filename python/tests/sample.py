@@ -25,8 +25,8 @@ except papilio.ScenarioError as error:
 columns = {"display.pixel.gap_nm.red": np.linspace(250, 300, 11)}
 values = prepared.evaluate(columns, ["white.Y"])
 values, slopes = prepared.derivatives(columns, ["white.Y"])
-alike = {("display.pixel.gap_nm.red", "display.pixel.gap_nm.green"): np.linspace(250, 300, 11)}
-values = prepared.evaluate(alike, ["white.Y"])
+equal_gaps = {("display.pixel.gap_nm.red", "display.pixel.gap_nm.green"): np.linspace(250, 300, 11)}
+values = prepared.evaluate(equal_gaps, ["white.Y"])
 both = {"display.pixel.gap_nm.red": [250.0], ("display.pixel.gap_nm.green", "display.pixel.gap_nm.blue"): [200.0]}
 found = papilio.cluster.sweep(scenario, columns, ["white.Y"], on_error="nan", batch_seconds=1.0)
 found = papilio.cluster.evaluate_many(scenario, columns, ["white.Y"], progress=True)

@@ -26,6 +26,15 @@ def test_run_of_prepared_display_equals_run(prepared, scenarios):
         assert kept.to_json() == papilio.run(scenarios / "indoor.toml", set={LAYER: thickness}).to_json()
 
 
+def test_first_answer_is_within_its_error_of_the_exact_one(prepared):
+    first, exact = (prepared.run({"display.diffuser.haze": 0.2}, accuracy=accuracy) for accuracy in ["first", "exact"])
+    away = abs(first["white.Y"] - exact["white.Y"])
+    assert (away <= first["white.discretisation_error.Y"] + exact["white.discretisation_error.Y"]).all()
+    assert [one.data["solver"]["is_final"] for one in (first, exact)] == [False, True]
+    with pytest.raises(ArgumentError, match="accuracy"):
+        prepared.run(accuracy="coarse")
+
+
 def test_designs_broadcast_and_equal_single_runs(prepared):
     d, gap = np.array([45.0, 55.9]), np.array([[260.0], [275.9], [290.0]])
     values = prepared.evaluate({LAYER: d, RED: gap}, METRICS)

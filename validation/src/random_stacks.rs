@@ -41,15 +41,7 @@ pub struct Member {
 pub fn member(number: u64) -> Member {
     let mut dice = Dice::new(FAMILY, number);
     let (name, stack) = if dice.one_in(3) { panel(&mut dice) } else { layered(&mut dice) };
-    let direction = |dice: &mut Dice, most_deg: f64| (dice.between(0.0, most_deg), dice.between(0.0, 360.0));
-    let (theta, phi) = direction(&mut dice, 75.0);
-    let half_field = if dice.one_in(2) { 0.05 } else { dice.between(0.0, 5.0) };
-    let view = Cone::new(theta, phi, half_field, 1.0);
-    let (theta, phi) = direction(&mut dice, 80.0);
-    let beam = Source::Beam(Beta::from_source(theta, phi, 1.0));
-    let (theta, phi) = direction(&mut dice, 70.0);
-    let disc = Source::Disc(Cone::new(theta, phi, dice.log_between(0.25, 15.0), 1.0));
-    Member { name, stack, view, sources: vec![Source::Diffuse, beam, disc] }
+    lit(dice, name, stack, |dice| if dice.one_in(2) { 0.05 } else { dice.between(0.0, 5.0) }, [75.0, 70.0])
 }
 
 /// Returns a member of a second family by its number. In this family, some of the light depends on events that are
@@ -63,14 +55,7 @@ pub fn rare_member(number: u64) -> Member {
         3 => rare_slab(&mut dice, false),
         _ => rare_slab(&mut dice, true),
     };
-    let direction = |dice: &mut Dice, most_deg: f64| (dice.between(0.0, most_deg), dice.between(0.0, 360.0));
-    let (theta, phi) = direction(&mut dice, 70.0);
-    let view = Cone::new(theta, phi, 0.05, 1.0);
-    let (theta, phi) = direction(&mut dice, 80.0);
-    let beam = Source::Beam(Beta::from_source(theta, phi, 1.0));
-    let (theta, phi) = direction(&mut dice, 60.0);
-    let disc = Source::Disc(Cone::new(theta, phi, dice.log_between(0.25, 15.0), 1.0));
-    Member { name, stack, view, sources: vec![Source::Diffuse, beam, disc] }
+    lit(dice, name, stack, |_| 0.05, [70.0, 60.0])
 }
 
 /// Returns a member of a third family by its number: diffusers that reflect, in any layers, under components and over
@@ -78,13 +63,23 @@ pub fn rare_member(number: u64) -> Member {
 pub fn reflecting_member(number: u64) -> Member {
     let mut dice = Dice::new(REFLECTING_FAMILY, number);
     let (name, stack) = reflecting(&mut dice);
+    lit(dice, name, stack, |dice| if dice.one_in(2) { 0.05 } else { dice.between(0.0, 5.0) }, [75.0, 70.0])
+}
+
+/// Draws a view up to `most_deg[0]` of inclination and a source of each kind, the disc up to `most_deg[1]`.
+fn lit(
+    mut dice: Dice,
+    name: String,
+    stack: Stack,
+    half_field: impl Fn(&mut Dice) -> f64,
+    most_deg: [f64; 2],
+) -> Member {
     let direction = |dice: &mut Dice, most_deg: f64| (dice.between(0.0, most_deg), dice.between(0.0, 360.0));
-    let (theta, phi) = direction(&mut dice, 75.0);
-    let half_field = if dice.one_in(2) { 0.05 } else { dice.between(0.0, 5.0) };
-    let view = Cone::new(theta, phi, half_field, 1.0);
+    let (theta, phi) = direction(&mut dice, most_deg[0]);
+    let view = Cone::new(theta, phi, half_field(&mut dice), 1.0);
     let (theta, phi) = direction(&mut dice, 80.0);
     let beam = Source::Beam(Beta::from_source(theta, phi, 1.0));
-    let (theta, phi) = direction(&mut dice, 70.0);
+    let (theta, phi) = direction(&mut dice, most_deg[1]);
     let disc = Source::Disc(Cone::new(theta, phi, dice.log_between(0.25, 15.0), 1.0));
     Member { name, stack, view, sources: vec![Source::Diffuse, beam, disc] }
 }

@@ -5,6 +5,8 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 use papilio_display::result::RunResult;
 use papilio_display::scene::{Layers, Scene};
 use papilio_display::{Control, DisplayError, Prepared};
+use schemars::JsonSchema;
+use serde::Deserialize;
 
 /// Maximum number of prepared displays: two designs that are compared, and some more.
 const MAX_DISPLAYS: usize = 6;
@@ -18,6 +20,17 @@ const MAX_MEMORY: usize = 384 << 20;
 
 /// Scenes with more views than this are not stored, because each view has its own kernels.
 const MAX_VIEWS: usize = 200;
+
+/// Accuracy of an answer.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub(crate) enum Accuracy {
+    /// The target of the scenario.
+    #[default]
+    Exact,
+    /// As soon as possible, with its error.
+    First,
+}
 
 /// Prepared displays that are not in use, in the order of their last use.
 #[derive(Debug, Default)]
@@ -33,11 +46,24 @@ impl PreparedDisplays {
     /// Computes a scene with the prepared display that is most similar to it. The result equals that of
     /// [`papilio_display::run`] to the last bit.
     pub(crate) fn run(&self, scene: &Scene, control: &Control<'_>) -> Result<RunResult, DisplayError> {
+        self.answer(scene, Accuracy::Exact, control)
+    }
+
+    /// Computes an answer of this accuracy in the same way.
+    pub(crate) fn answer(
+        &self,
+        scene: &Scene,
+        accuracy: Accuracy,
+        control: &Control<'_>,
+    ) -> Result<RunResult, DisplayError> {
         let mut prepared = match self.take(scene) {
             Some(entry) => entry.prepared,
             None => Prepared::new(scene)?,
         };
-        let result = prepared.run(scene, control);
+        let result = match accuracy {
+            Accuracy::Exact => prepared.run(scene, control),
+            Accuracy::First => prepared.first(scene, control),
+        };
         // An interrupted computation leaves the prepared display usable.
         let is_usable = matches!(result, Ok(_) | Err(DisplayError::Interrupted));
         if is_usable && views(scene) <= MAX_VIEWS {

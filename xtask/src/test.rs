@@ -53,6 +53,10 @@ const LOAD_SECONDS: &str = "60";
 /// compute all example scenarios in-process, with both solvers.
 const EXAMPLES: [&str; 3] = ["map", "table-pixel", "two-diffusers"];
 
+/// The integration tests that take longest. In `cargo xtask test` they run at the same time as the others, so that no core
+/// waits for the last test of a program.
+const LONGEST: [&str; 2] = ["cli", "transport"];
+
 /// Runs `cargo xtask test`.
 pub(crate) fn test() -> Outcome {
     let tests = || {
@@ -111,7 +115,15 @@ fn all_checks(tests: impl Fn() -> Command, of_page: &str) -> Outcome {
     }
     others.extend(environment.map(|environment| ("  Python", package::tests(&environment, Profile::Dev))));
     if of_page == page::EVERYDAY {
-        count.step("tests", |count| count.together(tests(), others));
+        let [mut longest, mut rest, mut examples] = [tests(), tests(), tests()];
+        rest.args(["--lib", "--bins"]);
+        examples.arg("--doc");
+        for name in integration_tests()? {
+            let tests = if LONGEST.contains(&name.as_str()) { &mut longest } else { &mut rest };
+            tests.args(["--test", &name]);
+        }
+        let longest = vec![("  cargo, longest", longest), ("  cargo, examples", examples)];
+        count.step("tests", |count| count.together(rest, [others, longest]));
     } else {
         // The long tests measure times and must not run in parallel with others.
         count.step("tests", |count| count.tests(tests()));
@@ -130,6 +142,21 @@ fn all_checks(tests: impl Fn() -> Command, of_page: &str) -> Outcome {
     count
         .step("scenarios", |count| scenarios.iter().for_each(|scenario| count.check(run_scenario(scenario))));
     count.conclude()
+}
+
+/// Returns the names of the integration tests of all crates, in order.
+fn integration_tests() -> Result<Vec<String>, String> {
+    let output = cargo(["metadata", "--no-deps", "--format-version", "1"]).output();
+    let output = output.map_err(|error| format!("cargo metadata: {error}"))?;
+    let text = String::from_utf8_lossy(&output.stdout);
+    // `"kind":["test"],"crate_types":["bin"],"name":"optics","src_path":...`
+    let mut found: Vec<String> = text
+        .split("\"kind\":[\"test\"]")
+        .skip(1)
+        .filter_map(|target| Some(target.split_once("\"name\":\"")?.1.split_once('"')?.0.to_owned()))
+        .collect();
+    found.sort();
+    if found.is_empty() { Err("cargo metadata lists no integration tests".to_owned()) } else { Ok(found) }
 }
 
 /// Returns the paths of the example scenarios, in order.
@@ -183,27 +210,37 @@ impl Count {
         self.reasons.push(why);
     }
 
-    /// Runs cargo's tests, and in parallel the others, one after the other. The others mostly wait for browsers and
-    /// clocks.
-    fn together(&mut self, tests: Command, others: Vec<(&'static str, Command)>) {
-        let others = std::thread::spawn(move || -> Vec<(&'static str, Apart, Duration)> {
-            let timed = |(name, other)| {
-                let begun = Instant::now();
-                (name, shell::run_apart(other), begun.elapsed())
-            };
-            others.into_iter().map(timed).collect()
+    /// Runs cargo's tests, and in parallel the others: the commands of each list one after the other.
+    fn together<const LISTS: usize>(
+        &mut self,
+        tests: Command,
+        others: [Vec<(&'static str, Command)>; LISTS],
+    ) {
+        let others = others.map(|list| {
+            std::thread::spawn(move || -> Vec<(&'static str, Apart, Duration)> {
+                let timed = |(name, other)| {
+                    let begun = Instant::now();
+                    (name, shell::run_apart(other), begun.elapsed())
+                };
+                list.into_iter().map(timed).collect()
+            })
         });
         self.step("  cargo", |count| count.tests(tests));
-        let Ok(others) = others.join() else { return self.fail(1, "the other tests: panicked".to_owned()) };
-        for (name, other, took) in others {
-            self.steps.push((name, took));
-            other.show();
-            let counted = other.texts[0].lines().filter_map(counts);
-            let (passed, failed) = counted.fold((0, 0), |sum, (p, f)| (sum.0 + p, sum.1 + f));
-            self.passed += passed;
-            if let Err(why) = other.outcome {
-                self.fail(failed.max(1), why);
-            }
+        for list in others {
+            let Ok(list) = list.join() else { return self.fail(1, "the other tests: panicked".to_owned()) };
+            list.into_iter().for_each(|(name, other, took)| self.counted(name, &other, took));
+        }
+    }
+
+    /// Shows and counts tests that ran in parallel with others.
+    fn counted(&mut self, name: &'static str, other: &Apart, took: Duration) {
+        self.steps.push((name, took));
+        other.show();
+        let counted = other.texts[0].lines().filter_map(counts);
+        let (passed, failed) = counted.fold((0, 0), |sum, (p, f)| (sum.0 + p, sum.1 + f));
+        self.passed += passed;
+        if let Err(why) = &other.outcome {
+            self.fail(failed.max(1), why.clone());
         }
     }
 

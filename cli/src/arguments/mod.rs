@@ -395,6 +395,8 @@ pub(crate) enum Solver {
     Adding,
     /// Stochastic (path tracing), unbiased, with standard errors
     MonteCarlo,
+    /// The one of the two that meets the target with less work
+    Auto,
     /// The old name of `monte-carlo`
     #[value(hide = true)]
     Walk,

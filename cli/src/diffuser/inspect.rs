@@ -4,9 +4,8 @@ use std::io::Write;
 use std::path::Path;
 
 use papilio_figures::{Transmission, lobes, transmission};
-use papilio_formats::words::percent;
 use papilio_formats::{AuditFile, DataFile, audit_text, read_fractions, write_json};
-use papilio_goniometry::{Audit, Geometry, MeasuredPart, Measurement, SpecularGrid, Unblur, deblurred};
+use papilio_goniometry::{Audit, MeasuredPart};
 
 use super::{read, report};
 use crate::arguments::Inspect;
@@ -29,7 +28,6 @@ pub(crate) fn inspect(arguments: &Inspect) -> Result<(), Failure> {
     } else {
         let name = arguments.file.display().to_string();
         stdout.write_all(audit_text(&name, &measurement, &audits).as_bytes())?;
-        stdout.write_all(sharp_haze(&measurement).as_bytes())?;
         stdout.write_all(report::spectra(&spectra).as_bytes())?;
     }
     stdout.flush()?;
@@ -46,53 +44,6 @@ pub(crate) fn inspect(arguments: &Inspect) -> Result<(), Failure> {
     }
     output::print_written(folder, &names);
     Ok(())
-}
-
-/// Haze of the transmissions without the instrument blur that the file states; empty if it states none.
-fn sharp_haze(measurement: &Measurement) -> String {
-    let remarks = measurement.provenance.remarks.iter();
-    let stated = remarks.filter(|remark| remark.contains("in direction cosines"));
-    let width = stated
-        .filter_map(|remark| remark.strip_prefix("blur ")?.split(' ').next()?.parse::<f64>().ok())
-        .next();
-    let Some(width) = width.filter(|width| *width > 0.0) else { return String::new() };
-    let hazes: Vec<String> = measurement
-        .parts
-        .iter()
-        .filter_map(|part| {
-            Some(format!("{} of the {}", percent(haze_without(part, width)?), part.way.name()))
-        })
-        .collect();
-    match hazes.is_empty() {
-        true => String::new(),
-        false => format!(
-            "\nhaze without the instrument blur of {width} (direction cosines) that the file states: {}\n  `instrument_blur = {width}` \
-             removes it in a display\n",
-            hazes.join(", ")
-        ),
-    }
-}
-
-/// Haze of a transmission at its smallest incidence, with the blur removed.
-fn haze_without(part: &MeasuredPart, width: f64) -> Option<f64> {
-    let Geometry::Specular(grid) = &part.geometry else { return None };
-    let cells = grid.azimuths_deg.len() * grid.radials_deg.len();
-    let channel = part.luminous();
-    // One rotation and incidence is enough.
-    let first = SpecularGrid {
-        rotations_deg: grid.rotations_deg.first().copied().into_iter().collect(),
-        incidences_deg: grid.incidences_deg.first().copied().into_iter().collect(),
-        ..grid.clone()
-    };
-    let mut part = MeasuredPart {
-        way: part.way,
-        channels: vec![part.channels[channel]],
-        geometry: Geometry::Specular(first),
-        values: part.channel(channel).get(..cells)?.to_vec(),
-        tis: Vec::new(),
-    };
-    part.values = deblurred(&part, 0, &Unblur::of_width(width)).ok()?.values;
-    Audit::of(&part, 0)?.haze
 }
 
 /// Reads a transmission spectrum from a file.

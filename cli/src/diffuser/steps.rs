@@ -7,7 +7,7 @@ use papilio_figures::spectra_over;
 use papilio_scenario::{Resolved, Scenario};
 
 use crate::arguments::Steps;
-use crate::{Failure, folder, input, output, print_message, print_notes, report, run};
+use crate::{Failure, folder, input, numbers, output, print_message, print_notes, report, run};
 
 /// A key of `[display.diffuser]`, the value that disables the step, and the name of the display without it.
 const STEPS: [(&str, &str, &str); 6] = [
@@ -109,7 +109,7 @@ fn report_text(title: &str, variants: &[Variant]) -> String {
         rows.push(vec![
             variant.name.clone(),
             format!("{y:.4}"),
-            format!("{} %", report::signed(100.0 * (y / first - 1.0), 1)),
+            format!("{} %", numbers::signed(100.0 * (y / first - 1.0), 1)),
             number(view.metrics.contrast_ratio, 2),
             number(view.metrics.gamut_percent_srgb, 2),
         ]);

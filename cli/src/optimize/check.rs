@@ -30,7 +30,7 @@ impl SolverComparison {
 
     /// Row of the table on the terminal.
     pub(super) fn row(&self) -> Vec<String> {
-        let number = |value: Option<f64>| value.map_or("-".to_owned(), crate::report::digits);
+        let number = |value: Option<f64>| value.map_or("-".to_owned(), crate::numbers::digits);
         vec![
             papilio_scenario::label(&self.name).to_string(),
             number(self.adding),

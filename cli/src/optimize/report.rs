@@ -6,7 +6,8 @@ use papilio_scenario::{SearchAim, SearchRange, label};
 use serde_json::{Map, Value, json};
 
 use super::check::SolverComparison;
-use crate::report::{digits, headings, plain, table};
+use crate::numbers::digits;
+use crate::report::{headings, plain, table};
 
 /// Report on the terminal: the best design, or the Pareto front.
 pub(super) fn text(title: &str, search: &Search, chosen: &[SelectedDesign]) -> String {

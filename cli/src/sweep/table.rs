@@ -3,7 +3,8 @@
 use papilio_formats::{SweepHead, SweepPoint, sweep_value};
 use papilio_scenario::label;
 
-use crate::report::{self, digits};
+use crate::numbers::digits;
+use crate::report;
 
 /// Most rows that are printed.
 pub(super) const MOST_ROWS: usize = 40;

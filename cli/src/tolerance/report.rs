@@ -5,7 +5,7 @@ use papilio_display::capitalised;
 use papilio_formats::sweep_value;
 use papilio_scenario::label;
 
-use crate::report;
+use crate::{numbers, report};
 
 /// Most rows of the table of the worst displays.
 const MOST_WORST: usize = 5;
@@ -87,7 +87,7 @@ fn spreads(found: &Report) -> Vec<Vec<String>> {
                 // Enough decimals to show a tenth of the standard deviation.
                 let decimals = (1.0 - spread.deviation.value.log10().floor()).clamp(0.0, 8.0) as usize;
                 let all = [spread.mean, spread.deviation].into_iter().chain(spread.percentiles);
-                cells.extend(all.map(|one| report::unsigned_zero(format!("{:.decimals$}", one.value))));
+                cells.extend(all.map(|one| numbers::unsigned_zero(format!("{:.decimals$}", one.value))));
             }
             None => cells.extend(vec!["-".to_owned(); 2 + PERCENTILES.len()]),
         }
@@ -121,7 +121,7 @@ fn rounded_indices(one: &Indices) -> [String; 2] {
     [one.first, one.total].map(|one| {
         let units = 10_f64.powi(decimals as i32);
         let last = (100.0 * one.standard_error * units).ceil();
-        report::unsigned_zero(format!("{:.decimals$}({last})", 100.0 * one.value))
+        numbers::unsigned_zero(format!("{:.decimals$}({last})", 100.0 * one.value))
     })
 }
 

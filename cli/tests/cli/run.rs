@@ -140,6 +140,18 @@ fn schema_option_prints_schemas() {
     }
 }
 
+/// Computing time of a process so far, s: on a busy machine more time passes. `None` where the system does not list processes.
+#[cfg(unix)]
+fn cpu_seconds(process: u32) -> Option<f64> {
+    let Ok(status) = fs::read_to_string(format!("/proc/{process}/stat")) else {
+        std::thread::sleep(Duration::from_millis(1500));
+        return None;
+    };
+    // proc(5): fields 14 and 15, in hundredths of a second, counted from the end of the name in brackets.
+    let fields = status.rsplit_once(") ")?.1.split(' ').skip(11).take(2);
+    Some(fields.filter_map(|ticks| ticks.parse::<f64>().ok()).sum::<f64>() / 100.0)
+}
+
 /// The result and the messages of a long walk of the indoor scenario that gets Ctrl-C.
 #[cfg(unix)]
 fn interrupted(set: &str) -> (serde_json::Value, String) {
@@ -153,7 +165,9 @@ fn interrupted(set: &str) -> (serde_json::Value, String) {
         .stderr(Stdio::piped())
         .spawn()
         .unwrap();
-    std::thread::sleep(Duration::from_millis(1500));
+    while cpu_seconds(child.id()).is_some_and(|seconds| seconds < 1.0) {
+        std::thread::sleep(Duration::from_millis(50));
+    }
     assert!(Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap().success());
     let output = child.wait_with_output().unwrap();
     assert_eq!(output.status.code(), Some(130), "{}", stderr(&output));
@@ -191,6 +205,10 @@ fn solver_option_selects_the_solver() {
     assert!(walk["paths"].as_u64().unwrap() > 0 && walk["nodes"].is_null() && named == "monte-carlo");
     let (adding, named) = method("adding");
     assert!(adding["nodes"].as_u64().unwrap() > 0 && adding["paths"].is_null() && named == "adding");
+    let (chosen, named) = method("auto");
+    assert!(chosen["method"] == "adding" && named == "auto", "{chosen}");
+    assert!(chosen["chosen_because"].as_str().unwrap().contains("adding takes about"), "{chosen}");
+    assert!(adding["chosen_because"].is_null());
 }
 
 /// Where light comes from many directions, a figure says from where.

@@ -102,5 +102,6 @@ pub use prepared::Prepared;
 pub use reflection::{Reflection, ReflectionState, reflection};
 pub use rows::RowErrors;
 pub use run::{
-    Control, Cost, Progress, StudyCurve, StudyPoint, adding_seconds, brdf, cone, cost, run, study,
+    Control, Cost, Forecast, Progress, StudyCurve, StudyPoint, THICKEST_FOR_MONTE_CARLO, adding_seconds,
+    brdf, cone, cost, forecast, run, study,
 };

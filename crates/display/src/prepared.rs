@@ -2,7 +2,7 @@
 
 use crate::DisplayError;
 use crate::result::RunResult;
-use crate::run::{Control, Kernels, Workers, run_setup};
+use crate::run::{Accuracy, Control, Kernels, Workers, is_quick, run_setup};
 use crate::scene::Scene;
 use crate::setup::Setup;
 
@@ -34,6 +34,28 @@ impl Prepared {
     /// # Errors
     /// If the scene is invalid, or the run was stopped before its first estimate.
     pub fn run(&mut self, scene: &Scene, control: &Control<'_>) -> Result<RunResult, DisplayError> {
+        self.answer(scene, Accuracy::Exact, control)
+    }
+
+    /// Computes a first answer by adding: from two or three coarse levels of discretisation, with the difference of the last two as
+    /// its error, whatever the target of the scene (`is_final` of its solver is false). A following [`run`](Self::run) of
+    /// the same scene has the same result as without it.
+    ///
+    /// Where the exact answer takes little work (estimated from counts), and for scenes that are not solved by adding to a
+    /// relative error, it is the exact one.
+    ///
+    /// # Errors
+    /// As for [`run`](Self::run).
+    pub fn first(&mut self, scene: &Scene, control: &Control<'_>) -> Result<RunResult, DisplayError> {
+        self.answer(scene, Accuracy::First, control)
+    }
+
+    fn answer(
+        &mut self,
+        scene: &Scene,
+        accuracy: Accuracy,
+        control: &Control<'_>,
+    ) -> Result<RunResult, DisplayError> {
         let setup = match self.setup.take() {
             Some(setup) => setup.renewed(scene)?,
             None => {
@@ -42,6 +64,8 @@ impl Prepared {
             }
         };
         let setup = self.setup.insert(setup);
-        run_setup(setup, control, &mut self.kernels, &mut self.workers)
+        let accuracy =
+            if accuracy == Accuracy::First && is_quick(setup) { Accuracy::Exact } else { accuracy };
+        run_setup(setup, accuracy, control, &mut self.kernels, &mut self.workers)
     }
 }

@@ -55,6 +55,9 @@ pub struct Reader {
 pub struct SolverReport {
     /// `adding` or `monte-carlo`.
     pub method: String,
+    /// Why `method = "auto"` has chosen this solver.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub chosen_because: Option<String>,
     /// Number of paths over all views (Monte Carlo).
     #[serde(skip_serializing_if = "Option::is_none")]
     pub paths: Option<u64>,
@@ -69,6 +72,8 @@ pub struct SolverReport {
     /// Report on the target of one metric, if there is one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub target: Option<TargetReport>,
+    /// False for the first answer of a prepared display: its error is as stated, but may exceed the target.
+    pub is_final: bool,
     /// True if the run was stopped before it met its target.
     pub interrupted: bool,
 }
@@ -281,6 +286,17 @@ pub struct Ledger {
     pub discretisation_error: Option<LedgerError>,
 }
 
+impl Ledger {
+    /// Returns the fractions without their errors.
+    pub fn values(&self) -> LedgerError {
+        LedgerError {
+            returned: self.returned,
+            absorbed: self.absorbed.clone(),
+            unaccounted: self.unaccounted,
+        }
+    }
+}
+
 /// Errors of an energy balance.
 #[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct LedgerError {
@@ -290,6 +306,21 @@ pub struct LedgerError {
     pub absorbed: Absorbed,
     /// Error of `unaccounted`.
     pub unaccounted: f64,
+}
+
+impl LedgerError {
+    /// Returns the name and the value of each fraction.
+    pub fn named(&self) -> [(&'static str, f64); 7] {
+        [
+            ("returned", self.returned),
+            ("front", self.absorbed.front),
+            ("diffuser", self.absorbed.diffuser),
+            ("glass", self.absorbed.glass),
+            ("pixel", self.absorbed.pixel),
+            ("inactive", self.absorbed.inactive),
+            ("unaccounted", self.unaccounted),
+        ]
+    }
 }
 
 /// Fractions that are absorbed by each part of the display.

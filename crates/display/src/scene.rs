@@ -436,6 +436,8 @@ pub enum Method {
     Adding,
     /// Monte Carlo: unbiased, with standard errors.
     MonteCarlo,
+    /// The one that meets the target with less work, estimated from counts.
+    Auto,
 }
 
 /// Stopping criterion of a solver.

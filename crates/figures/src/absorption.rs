@@ -50,7 +50,7 @@ pub fn absorption(all: &PixelAbsorption, medium: &str, title: &str) -> String {
     svg.finish()
 }
 
-/// Returns sub-pixels and states with different absorptances: a sub-pixel that is driven alike in several states is drawn once.
+/// Returns sub-pixels and states with different absorptances: a sub-pixel that is driven in the same way in several states is drawn once.
 fn distinct(all: &PixelAbsorption) -> Vec<&SubPixelAbsorption> {
     let mut parts: Vec<&SubPixelAbsorption> = Vec::new();
     for one in &all.sub_pixels {

@@ -2,7 +2,9 @@
 
 use std::fmt::Write;
 
-use papilio_goniometry::{Audit, Geometry, Measurement, ScatterMode, Symmetry};
+use papilio_goniometry::{
+    Audit, Geometry, MeasuredPart, Measurement, ScatterMode, SpecularGrid, Symmetry, Unblur, deblurred,
+};
 
 use crate::words::{channel, percent, span, table};
 
@@ -51,7 +53,54 @@ pub fn audit_text(name: &str, measurement: &Measurement, audits: &[Option<Audit>
             );
         }
     }
-    text
+    text + &sharp_haze(measurement)
+}
+
+/// Haze of the transmissions without the instrument blur that the file states; empty if it states none.
+fn sharp_haze(measurement: &Measurement) -> String {
+    let remarks = measurement.provenance.remarks.iter();
+    let stated = remarks.filter(|remark| remark.contains("in direction cosines"));
+    let width = stated
+        .filter_map(|remark| remark.strip_prefix("blur ")?.split(' ').next()?.parse::<f64>().ok())
+        .next();
+    let Some(width) = width.filter(|width| *width > 0.0) else { return String::new() };
+    let hazes: Vec<String> = measurement
+        .parts
+        .iter()
+        .filter_map(|part| {
+            Some(format!("{} of the {}", percent(haze_without(part, width)?), part.way.name()))
+        })
+        .collect();
+    match hazes.is_empty() {
+        true => String::new(),
+        false => format!(
+            "\nhaze without the instrument blur of {width} (direction cosines) that the file states: {}\n  `instrument_blur = {width}` \
+             removes it in a display\n",
+            hazes.join(", ")
+        ),
+    }
+}
+
+/// Haze of a transmission at its smallest incidence, with the blur removed.
+fn haze_without(part: &MeasuredPart, width: f64) -> Option<f64> {
+    let Geometry::Specular(grid) = &part.geometry else { return None };
+    let cells = grid.azimuths_deg.len() * grid.radials_deg.len();
+    let channel = part.luminous();
+    // One rotation and incidence is enough.
+    let first = SpecularGrid {
+        rotations_deg: grid.rotations_deg.first().copied().into_iter().collect(),
+        incidences_deg: grid.incidences_deg.first().copied().into_iter().collect(),
+        ..grid.clone()
+    };
+    let mut part = MeasuredPart {
+        way: part.way,
+        channels: vec![part.channels[channel]],
+        geometry: Geometry::Specular(first),
+        values: part.channel(channel).get(..cells)?.to_vec(),
+        tis: Vec::new(),
+    };
+    part.values = deblurred(&part, 0, &Unblur::of_width(width)).ok()?.values;
+    Audit::of(&part, 0)?.haze
 }
 
 /// Returns the side from which the light comes.
@@ -131,7 +180,7 @@ fn audit_lines(audit: &Audit) -> String {
     let mut text = table(&rows);
     text.push_str(
         "  integral: over the measured directions; beyond: fraction of the light in tails beyond the last measured angle, not included \
-         in the integral; half-widths: towards the normal, across, away from the normal; grid error: uncertainty of the integral due \
+         in the integral; tails filled: integral with those tails and with the dark cells filled; half-widths: towards the normal, across, away from the normal; grid error: uncertainty of the integral due \
          to the grid\n",
     );
     text.push_str(&rotations(audit));
@@ -170,7 +219,7 @@ fn audit_lines(audit: &Audit) -> String {
         audit.dark_beyond_deg, audit.holes
     ));
     line(format!(
-        "values {:.3e} to {:.3e} 1/sr, noise {:.1e} 1/sr of the smallest values",
+        "values {:.3e} to {:.3e} 1/sr; noise of the fainter half of the values {:.1e} 1/sr",
         audit.range[0], audit.range[1], audit.noise
     ));
     if audit.asymmetry > 1e-9 {

@@ -170,25 +170,14 @@ fn view_metrics(view: &View) -> impl Iterator<Item = (String, [Option<f64>; 3])>
     all.map(|((title, value), ((_, standard), (_, coarse)))| (title.to_owned(), [value, standard, coarse]))
 }
 
-/// A fraction of the energy balance: its name and its accessor.
-type Fraction = (&'static str, fn(&LedgerError) -> f64);
-
 /// Returns the fractions of an energy balance and their errors.
 fn ledger_fractions(ledger: &Ledger) -> [(String, [Option<f64>; 3]); 7] {
-    let Ledger { returned, absorbed, unaccounted, standard_error, discretisation_error } = ledger;
-    let value = LedgerError { returned: *returned, absorbed: absorbed.clone(), unaccounted: *unaccounted };
-    let fractions: [Fraction; 7] = [
-        ("returned", |l| l.returned),
-        ("front", |l| l.absorbed.front),
-        ("diffuser", |l| l.absorbed.diffuser),
-        ("glass", |l| l.absorbed.glass),
-        ("pixel", |l| l.absorbed.pixel),
-        ("inactive", |l| l.absorbed.inactive),
-        ("unaccounted", |l| l.unaccounted),
-    ];
-    fractions.map(|(title, of)| {
-        let all = [Some(&value), Some(standard_error), discretisation_error.as_ref()];
-        (format!("ledger_{title}"), all.map(|one| one.map(of)))
+    let [values, standard] = [&ledger.values(), &ledger.standard_error].map(LedgerError::named);
+    let discretisation = ledger.discretisation_error.as_ref().map(LedgerError::named);
+    std::array::from_fn(|k| {
+        let (title, value) = values[k];
+        let coarse = discretisation.as_ref().map(|all| all[k].1);
+        (format!("ledger_{title}"), [Some(value), Some(standard[k].1), coarse])
     })
 }
 

@@ -51,6 +51,8 @@ mod on_side;
 mod several;
 mod shadowing;
 
+use std::sync::{Arc, OnceLock};
+
 use deficit::Rule;
 use microfacets::Microfacets;
 use multiple_scattering::{Deficits, ORDER};
@@ -89,26 +91,36 @@ impl Side {
 /// let back = face.evaluate(Side::Below.at(up), Side::Above.at(down));
 /// assert!(there > 0.0 && (there / back - 1.0).abs() < 1e-12);
 /// ```
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone)]
 pub struct Rough {
     facets: Microfacets,
-    deficits: Box<Deficits>,
+    /// Tabulated when they are first needed, once for all clones; they follow from the microfacets.
+    deficits: Arc<OnceLock<Deficits>>,
+}
+
+impl PartialEq for Rough {
+    fn eq(&self, other: &Self) -> bool {
+        self.facets == other.facets
+    }
 }
 
 impl Rough {
     /// Returns an interface with GGX slopes and this roughness, 0.01 to 1, between media of these indices,
     /// above 0 and different.
     ///
-    /// Takes a few tenths of a second: it tabulates the light that one microfacet alone would lose, and its
-    /// distribution.
+    /// The first use takes a few tenths of a second: it tabulates the light that one microfacet alone would
+    /// lose, and its distribution.
     pub fn new(alpha: f64, above: f64, below: f64) -> Self {
         Self::with(Distribution::Ggx, alpha, above, below)
     }
 
     /// Returns an interface with this distribution of slopes.
     pub fn with(distribution: Distribution, alpha: f64, above: f64, below: f64) -> Self {
-        let facets = Microfacets { distribution, alpha, above, below };
-        Self { facets, deficits: Box::new(Deficits::new(&facets)) }
+        Self { facets: Microfacets { distribution, alpha, above, below }, deficits: Arc::default() }
+    }
+
+    fn deficits(&self) -> &Deficits {
+        self.deficits.get_or_init(|| Deficits::new(&self.facets))
     }
 
     /// Returns the distribution of its slopes.
@@ -155,13 +167,13 @@ impl Rough {
     /// of the two directions.
     pub fn several(&self, side: Side, beta_length: f64) -> [f64; 2] {
         let beta = Beta { x: beta_length, y: 0.0 };
-        self.cosine(side, beta).map_or([0.0; 2], |cosine| self.deficits.at(side, cosine))
+        self.cosine(side, beta).map_or([0.0; 2], |cosine| self.deficits().at(side, cosine))
     }
 
     /// Returns the divisor of the products of [`Self::several`]: the integral of the returned, or of the
     /// transmitted, light over the directions of a side.
     pub fn several_total(&self, from: Side, to: Side) -> f64 {
-        self.deficits.total(from, to)
+        self.deficits().total(from, to)
     }
 
     /// Returns the fractions of light that return to their side, after any number of microfacets; the rest
@@ -174,7 +186,7 @@ impl Rough {
             let cosine = self.cosine(side, Beta { x: *length, y: 0.0 });
             cosine.map_or(0.0, |cosine| {
                 self.facets.returned(&rule, side, cosine)
-                    + self.deficits.at(side, cosine)[multiple_scattering::BACK]
+                    + self.deficits().at(side, cosine)[multiple_scattering::BACK]
             })
         };
         beta_lengths.iter().map(one).collect()

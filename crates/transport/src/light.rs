@@ -112,6 +112,19 @@ impl Cone {
         (out.hypot(side).atan2(dot(self.axis, other.axis)), side.atan2(out))
     }
 
+    /// Returns the angle from its axis, and the rotation (as in [`Self::around`]), of light that leaves with
+    /// these direction cosines.
+    pub(crate) fn bearing_of(&self, towards: Beta) -> (f64, f64) {
+        let (x, y) = (towards.x / self.index, towards.y / self.index);
+        let axis = [x, y, (1.0 - x * x - y * y).max(0.0).sqrt()];
+        self.bearing(&Self { axis, ..*self })
+    }
+
+    /// Returns the index of the medium of its angles.
+    pub(crate) fn index(&self) -> f64 {
+        self.index
+    }
+
     /// Returns true if the other is this one rotated about the normal.
     pub(crate) fn is_turned(&self, other: &Self) -> bool {
         (self.axis[2], self.half_angle, self.index) == (other.axis[2], other.half_angle, other.index)

@@ -98,10 +98,10 @@ impl FlatTop {
 
     /// Sets the values for the stack's front and surface at this angle.
     pub(crate) fn set(&mut self, stack: &Panel, beta_squared: f64) {
-        let alike = !matches!(&stack.top, Top::Fresnel(index) if !index.is_constant());
+        let is_constant = !matches!(&stack.top, Top::Fresnel(index) if !index.is_constant());
         let first = face(stack, beta_squared, 0);
         for bin in 0..self.t.len() {
-            let face = if alike { first } else { face(stack, beta_squared, bin) };
+            let face = if is_constant { first } else { face(stack, beta_squared, bin) };
             let front = stack.front.at(bin);
             let both = if stack.single_pass { front.once_over(face) } else { front.over(face) };
             (self.t[bin], self.above[bin], self.below[bin]) = (both.t, both.above, both.below);

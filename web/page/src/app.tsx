@@ -29,7 +29,7 @@ import { Chromaticity } from "./plots/chromaticity.tsx";
 import { Patches } from "./plots/patches.tsx";
 import { Spectra } from "./plots/spectra.tsx";
 import { answer, busy, draft, opening, problems, startProblems, text } from "./state/design.ts";
-import { liveAge } from "./state/age.ts";
+import { firstError, liveAge } from "./state/age.ts";
 import { compact, part, type Part } from "./state/compact.ts";
 import { discard } from "./state/live.ts";
 import { openTab } from "./state/tab.ts";
@@ -92,7 +92,7 @@ function First() {
       <div class="top">
         <Summary />
         <span class="seen-from">
-          <AgeMark age={liveAge.value} />
+          <AgeMark age={liveAge.value} more={firstError.value} />
           <Views />
         </span>
       </div>

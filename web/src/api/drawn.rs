@@ -12,6 +12,7 @@ use serde_json::{Map, Value};
 
 use super::live::{Answer, compute_scenario, compute_scene};
 use crate::fault::Fault;
+use crate::prepared::Accuracy;
 use crate::reading::{Given, Solver};
 use crate::site::Site;
 
@@ -186,7 +187,7 @@ pub(super) async fn angles(site: Site, request: AnglesOf) -> Result<AnglesSeen, 
             let (_, mut resolved) = given.resolve(&server, Solver::Adding)?;
             resolved.scene.viewer.theta_deg = uniform_steps(from_deg, to_deg, step_deg);
             resolved.scene.viewer.phi_deg = vec![phi_deg];
-            Ok(by_angle(&compute_scene(&server, resolved, stop)?, phi_deg))
+            Ok(by_angle(&compute_scene(&server, resolved, Accuracy::Exact, stop)?, phi_deg))
         })
         .await
 }

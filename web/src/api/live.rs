@@ -13,6 +13,7 @@ use serde_json::Value;
 use std::collections::BTreeMap;
 
 use crate::fault::Fault;
+use crate::prepared::Accuracy;
 use crate::reading::{Given, Solver, edited};
 use crate::site::Site;
 
@@ -28,6 +29,9 @@ pub(super) struct Live {
     /// Edits of the scenario.
     #[serde(default)]
     edits: Vec<Edit>,
+    /// `exact` answers meet the target of the scenario; `first` answers are coarse and fast, with their error.
+    #[serde(default)]
+    accuracy: Accuracy,
 }
 
 /// The result of a scenario.
@@ -38,8 +42,12 @@ pub(super) struct Seen {
     /// The scenario as it was read, with all defaults.
     #[schemars(with = "BTreeMap<String, Value>")]
     fields: Box<serde_json::value::RawValue>,
-    /// The contents of result.json, as `papilio run --solver adding` writes it.
+    /// The contents of result.json; if `is_final`, as `papilio run --solver adding` writes it.
     result: Answer,
+    /// Whether this is the exact answer.
+    is_final: bool,
+    /// The largest relative error of Y over states and views.
+    relative_error: f64,
     /// The preset of lighting and viewer.
     preset: Option<PresetSeen>,
     /// The lobes of the diffusers for the first directed source (without one, along the normal), for the drawing.
@@ -104,13 +112,18 @@ impl JsonSchema for Answer {
 /// Computes the result of a scenario by adding, like `papilio run`.
 pub(super) fn compute_scenario(site: &Site, given: &Given, stop: &AtomicBool) -> Result<Answer, Fault> {
     let (_, resolved) = given.resolve(site, Solver::Adding)?;
-    compute_scene(site, resolved, stop)
+    compute_scene(site, resolved, Accuracy::Exact, stop)
 }
 
 /// Computes the result of a resolved scenario by adding.
-pub(super) fn compute_scene(site: &Site, resolved: Resolved, stop: &AtomicBool) -> Result<Answer, Fault> {
+pub(super) fn compute_scene(
+    site: &Site,
+    resolved: Resolved,
+    accuracy: Accuracy,
+    stop: &AtomicBool,
+) -> Result<Answer, Fault> {
     let control = Control { threads: None, progress: &|_| {}, stop };
-    let result = site.prepared().run(&resolved.scene, &control);
+    let result = site.prepared().answer(&resolved.scene, accuracy, &control);
     let mut result = result.map_err(|error| Fault::of(&resolved, error))?;
     result.warnings.splice(0..0, resolved.warnings.iter().cloned());
     result.notes.splice(0..0, resolved.notes.iter().cloned());
@@ -132,8 +145,11 @@ fn compute(site: &Site, live: Live, stop: &AtomicBool) -> Result<Seen, Fault> {
     let fields = fields.map_err(|_| Fault::internal("the scenario cannot be serialised"))?;
     let preset = read.preset().map(|one| PresetSeen { name: one.name, changed: one.is_changed });
     let lobes = transmitted_lobes(&resolved.scene);
-    let result = compute_scene(site, resolved, stop).map_err(about)?;
+    let result = compute_scene(site, resolved, live.accuracy, stop).map_err(about)?;
     let warnings = result.result.warnings.clone();
     let cost_ms = 1e3 * started.elapsed().as_secs_f64();
-    Ok(Seen { scenario: given.scenario, fields, result, preset, lobes, warnings, cost_ms })
+    let solver = &result.result.solver;
+    let (is_final, relative_error) = (solver.is_final, solver.relative_error_reached);
+    let scenario = given.scenario;
+    Ok(Seen { scenario, fields, result, is_final, relative_error, preset, lobes, warnings, cost_ms })
 }

@@ -40,6 +40,31 @@ fn live_result_equals_the_command_line() {
     }
 }
 
+/// A first answer states its error, and the exact answer is the same with and without it.
+#[test]
+fn first_answer_is_within_its_error_of_the_exact_one() {
+    let server = Server::start();
+    let scenario = indoor(&server);
+    let edits = json!([{ "op": "set", "path": "display.diffuser.haze", "value": 0.2 }]);
+    let live = |accuracy: &str| {
+        let answer =
+            server.post("/live", &json!({ "scenario": scenario, "edits": edits, "accuracy": accuracy }));
+        assert_eq!(answer.status, 200, "{answer:?}");
+        answer.json()
+    };
+    let [before, first, exact] = ["exact", "first", "exact"].map(live);
+    assert_eq!(before["result"], exact["result"]);
+    assert_eq!((&first["is_final"], &exact["is_final"]), (&json!(false), &json!(true)));
+    assert_eq!(first["result"]["hash"], exact["result"]["hash"]);
+    let y = |seen: &Value| seen["result"]["views"][0]["states"]["white"]["Y"].as_f64().unwrap();
+    let error = |seen: &Value| seen["relative_error"].as_f64().unwrap();
+    assert!(error(&first) < 0.05 && error(&exact) <= 1e-3, "{} {}", error(&first), error(&exact));
+    let away = (y(&first) / y(&exact) - 1.0).abs();
+    assert!(away > 0.0 && away <= error(&first) + error(&exact), "{away}");
+    let (message, _) = server.post("/live", &json!({ "scenario": scenario, "accuracy": "coarse" })).error();
+    assert!(message.contains("exact"), "{message}");
+}
+
 /// Every example and every preset has a live result.
 #[test]
 fn every_example_and_preset_computes() {

@@ -18,23 +18,23 @@ pub(super) fn gathered(all: &[LeftOut]) -> Vec<String> {
         }
     }
     let note = |why: &str| {
-        let alike: Vec<&LeftOut> = all.iter().filter(|one| one.why == why).collect();
-        format!("{why}: {}", places(&alike))
+        let similar: Vec<&LeftOut> = all.iter().filter(|one| one.why == why).collect();
+        format!("{why}: {}", places(&similar))
     };
     reasons.into_iter().map(note).collect()
 }
 
 /// Lists the states with their directions; states with the same directions are combined.
-fn places(alike: &[&LeftOut]) -> String {
+fn places(similar: &[&LeftOut]) -> String {
     let mut groups: Vec<(Vec<[f64; 2]>, Vec<&str>)> = Vec::new();
     let mut seen: Vec<&str> = Vec::new();
-    for one in alike {
+    for one in similar {
         if seen.contains(&one.state.as_str()) {
             continue;
         }
         seen.push(&one.state);
         let directions: Vec<[f64; 2]> =
-            alike.iter().filter(|other| other.state == one.state).map(|other| other.direction).collect();
+            similar.iter().filter(|other| other.state == one.state).map(|other| other.direction).collect();
         match groups.iter_mut().find(|(known, _)| *known == directions) {
             Some((_, states)) => states.push(&one.state),
             None => groups.push((directions, vec![&one.state])),

@@ -1,17 +1,17 @@
 //! Colours of a view without its spectra, as stored in a viewing cone.
 
 use papilio_colour::{LUMENS_PER_WATT, Xyz};
-use papilio_transport::Estimate;
+use papilio_transport::ReflectanceFactor;
 
 use super::metrics::Colour;
 use super::{Meter, over};
 use crate::cone::{ConeState, ConeView};
 
 impl Meter<'_> {
-    /// Computes the relative X, Y and Z of each state.
-    pub(crate) fn colours(&self, estimate: &Estimate) -> Vec<Xyz> {
+    /// Computes the relative X, Y and Z of each state from the reflectance factors of an estimate.
+    pub(crate) fn colours(&self, rho: &[ReflectanceFactor]) -> Vec<Xyz> {
         let mut colours = vec![Xyz { x: 0.0, y: 0.0, z: 0.0 }; self.layout.states];
-        for (light, rho) in self.lights.iter().zip(self.seen_of(&estimate.rho)) {
+        for (light, rho) in self.lights.iter().zip(self.seen_of(rho)) {
             let sum = |rho: &[f64], bar: &[f64]| rho.iter().zip(bar).map(|(r, w)| r * w).sum::<f64>();
             let seen = |rho: &[f64]| {
                 let [x, y, z] = light.xyz.each_ref().map(|bar| sum(rho, bar));

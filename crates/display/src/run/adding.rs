@@ -1,37 +1,105 @@
 //! Runs by adding: finer levels of discretisation until two successive levels agree.
 //!
 //! The result is that of the finer level, and the difference between the two levels is its reported error. Views of an
-//! ordinary panel are independent: each has its own kernels and stops at its own level. Views through general
-//! layers share the operators of the layers, which dominate the cost: all of them are computed at the level that the
-//! worst view needs.
+//! ordinary panel stop each at its own level; what does not depend on the view is prepared once for each level. Views
+//! through general layers share the operators of the layers, which dominate the cost: all of them are computed at the
+//! level that the worst view needs.
+//!
+//! **First answers.** A prepared display can first compute two coarser levels ([`Accuracy::First`]), whose difference is its
+//! error in the same way. They do not change what the exact answer is: its levels begin at 0.
 //!
 //! **Caches.** A [`Level`] keeps its kernel and its estimates between runs. The counters of
 //! [`Setup`](crate::setup::Setup) (`version`, `base_version`) tell whether they are still valid.
 
 use std::ops::Range;
 use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Mutex, PoisonError};
 
-use papilio_transport::adding::Kernel;
+use papilio_transport::adding::{FINEST, FIRST_LEVELS, Kernel};
 use papilio_transport::{Cone, Estimate, Stack};
 use rayon::ThreadPool;
 
 use super::refine::{Refined, finest, largest, refine};
-use super::{Control, Progress, Run, each};
+use super::{Accuracy, Control, Progress, Run, each};
 use crate::DisplayError;
 use crate::meter::Sample;
 use crate::result::{RunResult, SolverReport};
 use crate::scene::Stop;
 use crate::setup::{Setup, ViewPoint};
 
-/// Cached levels of each group of views that share kernels.
-pub(crate) type Kernels = Vec<Levels>;
+/// Cached kernels of a display.
+#[derive(Debug, Default)]
+pub(crate) struct Kernels {
+    /// Levels of each group of views that share kernels.
+    groups: Vec<Levels>,
+    /// For each level the data that all views of a panel share.
+    common: Common,
+}
 
-/// Cached levels of a group of views, starting with the coarsest.
+/// Data that all views of a panel share, by level. Views are computed in parallel: the first one that needs a level
+/// prepares its data, and the others wait for it.
+#[derive(Debug)]
+struct Common(Vec<Mutex<CommonLevel>>);
+
+#[derive(Debug)]
+struct CommonLevel {
+    kernel: Kernel,
+    /// `(version, base_version)` of the setup for which it was prepared.
+    prepared_for: Option<(u64, u64)>,
+}
+
+impl Default for Common {
+    fn default() -> Self {
+        let level = |index| Mutex::new(CommonLevel { kernel: empty_kernel(index), prepared_for: None });
+        Self((0..=(FIRST_LEVELS + FINEST) as usize).map(level).collect())
+    }
+}
+
+impl Common {
+    /// Returns the data of a level by its index in [`Levels`], prepared for a setup; `None` if the run was stopped.
+    fn at(&self, index: usize, setup: &Setup, control: &Control<'_>) -> Option<Kernel> {
+        let common = self.0.get(index)?;
+        // A panic in another thread leaves a kernel that is not marked as prepared.
+        let mut common = common.lock().unwrap_or_else(PoisonError::into_inner);
+        let versions = (setup.version, setup.base_version);
+        if common.prepared_for != Some(versions) {
+            let views: Vec<Cone> = setup.views.iter().map(|view| view.field).collect();
+            common.prepared_for = None;
+            let ready = common.kernel.prepare_common(&setup.stack, &views, &setup.sources, control.stop);
+            ready.then_some(())?;
+            common.prepared_for = Some(versions);
+        }
+        Some(common.kernel.clone())
+    }
+}
+
+impl Kernels {
+    /// Removes everything.
+    pub(crate) fn clear(&mut self) {
+        *self = Self::default();
+    }
+}
+
+/// Largest relative error of Y with which a first answer stops before its last level.
+const FIRST_ERROR: f64 = 0.02;
+
+/// Cached levels of a group of views, starting with the coarsest: those of a first answer, then level 0.
 type Levels = Vec<Level>;
+
+/// Returns an empty kernel of the level with this index in [`Levels`].
+fn empty_kernel(index: usize) -> Kernel {
+    let index = index as u32;
+    match index.checked_sub(FIRST_LEVELS) {
+        Some(level) => Kernel::new(level),
+        None => Kernel::first(index),
+    }
+}
 
 /// One level of discretisation: its kernel and the estimates computed with it.
 #[derive(Debug)]
 pub(crate) struct Level {
+    /// Its index in [`Levels`].
+    index: usize,
     kernel: Kernel,
     /// `Setup::version` for which the kernel was prepared; `None` before the first, or after an interrupted, preparation.
     prepared_for: Option<u64>,
@@ -40,15 +108,16 @@ pub(crate) struct Level {
 }
 
 impl Level {
-    fn new(level: u32) -> Self {
-        Self { kernel: Kernel::new(level), prepared_for: None, estimates: None }
+    /// An empty level; `index` is that in [`Levels`].
+    fn new(index: usize) -> Self {
+        Self { index, kernel: empty_kernel(index), prepared_for: None, estimates: None }
     }
 
     /// Returns the estimates of these views, from the cache if neither version of the setup has changed; `None` if the
     /// run was stopped. A change of spectra and illuminances alone does not invalidate them.
     fn estimates(
         &mut self,
-        setup: &Setup,
+        (setup, common): (&Setup, &Common),
         views: &[ViewPoint],
         pool: Option<&ThreadPool>,
         control: &Control<'_>,
@@ -57,7 +126,7 @@ impl Level {
         if self.estimates.as_ref().is_none_or(|(of, _)| *of != versions) {
             // Releases the memory before the new estimates are computed.
             self.estimates = None;
-            let kernel = self.kernel_for(setup, views, control)?;
+            let kernel = self.kernel_for((setup, common), views, control)?;
             let mut estimates = vec![None; views.len()];
             each(pool, &mut estimates, |(view, estimate)| {
                 if !control.stopped() {
@@ -70,19 +139,30 @@ impl Level {
     }
 
     /// Returns the kernel, prepared for these views of the setup; `None` if the run was stopped.
-    fn kernel_for(&mut self, setup: &Setup, views: &[ViewPoint], control: &Control<'_>) -> Option<&Kernel> {
-        // Operators of general layers hardly depend on the base. The kernel of a panel depends on it, and
-        // decides itself during the preparation what can be reused.
-        let is_valid = matches!(setup.stack, Stack::Layered(_))
-            && self.prepared_for == Some(setup.version)
-            && self.kernel.serves(&setup.stack);
-        if !is_valid {
-            let fields: Vec<Cone> = views.iter().map(|view| view.field).collect();
-            self.prepared_for = None;
-            if !self.kernel.prepare_unless(&setup.stack, &fields, &setup.sources, control.stop) {
-                return None;
+    fn kernel_for(
+        &mut self,
+        (setup, common): (&Setup, &Common),
+        views: &[ViewPoint],
+        control: &Control<'_>,
+    ) -> Option<&Kernel> {
+        let fields = || views.iter().map(|view| view.field).collect::<Vec<Cone>>();
+        let (stack, sources) = (&setup.stack, &setup.sources);
+        match stack {
+            // The kernel depends on the base, and decides itself during the preparation what can be reused.
+            Stack::Panel(_) => {
+                let common = common.at(self.index, setup, control)?;
+                let ready = self.kernel.prepare_part(&common, stack, &fields(), sources, control.stop);
+                ready.then_some(())?;
             }
-            self.prepared_for = Some(setup.version);
+            // Operators hardly depend on the base.
+            Stack::Layered(_) => {
+                if self.prepared_for != Some(setup.version) || !self.kernel.serves(stack) {
+                    self.prepared_for = None;
+                    let ready = self.kernel.prepare_unless(stack, &fields(), sources, control.stop);
+                    ready.then_some(())?;
+                    self.prepared_for = Some(setup.version);
+                }
+            }
         }
         Some(&self.kernel)
     }
@@ -95,16 +175,17 @@ pub(super) fn run(
     pool: Option<&ThreadPool>,
 ) -> Result<RunResult, DisplayError> {
     let views = &run.setup.views;
-    let runner = Runner::new(run)?;
+    let Kernels { groups, common } = kernels;
+    let runner = Runner::new(run, common)?;
     let groups: Vec<Option<Group>> = match run.setup.stack {
         Stack::Panel(_) => {
-            kernels.resize_with(views.len(), Vec::new);
+            groups.resize_with(views.len(), Vec::new);
             let one = |(view, levels): (usize, &mut Levels)| runner.refine(levels, &views[view..=view], None);
-            each(pool, kernels, one)
+            each(pool, groups, one)
         }
         Stack::Layered(_) => {
-            kernels.resize_with(1, Vec::new);
-            kernels.iter_mut().map(|levels| runner.refine(levels, views, pool)).collect()
+            groups.resize_with(1, Vec::new);
+            groups.iter_mut().map(|levels| runner.refine(levels, views, pool)).collect()
         }
     };
     runner.result(&groups)
@@ -119,7 +200,8 @@ pub(crate) struct ViewGroupKernel {
 
 /// Returns, for each group of views that share a kernel, the kernel at the level that meets the scene's target.
 pub(super) fn view_group_kernels(run: &Run<'_>) -> Result<Vec<ViewGroupKernel>, DisplayError> {
-    let runner = Runner::new(run)?;
+    let common = Common::default();
+    let runner = Runner::new(run, &common)?;
     let views = &run.setup.views;
     let each = match run.setup.stack {
         Stack::Panel(_) => 1,
@@ -128,7 +210,7 @@ pub(super) fn view_group_kernels(run: &Run<'_>) -> Result<Vec<ViewGroupKernel>, 
     let group_kernel = |(number, views): (usize, &[ViewPoint])| {
         let mut levels = Levels::new();
         let group = runner.refine(&mut levels, views, None).filter(|group| group.samples.finished);
-        let level = group.ok_or(DisplayError::Interrupted)?.samples.level;
+        let level = runner.begin + group.ok_or(DisplayError::Interrupted)?.samples.level;
         let first = number * each;
         Ok(ViewGroupKernel { kernel: levels.swap_remove(level).kernel, views: first..first + views.len() })
     };
@@ -137,7 +219,11 @@ pub(super) fn view_group_kernels(run: &Run<'_>) -> Result<Vec<ViewGroupKernel>, 
 
 struct Runner<'a> {
     run: &'a Run<'a>,
+    common: &'a Common,
     target: f64,
+    /// Index in [`Levels`] of the coarsest level of this run.
+    begin: usize,
+    /// Number of the finest level, counted from that.
     finest: usize,
     per_wavelength: bool,
     views_done: AtomicUsize,
@@ -151,12 +237,18 @@ struct Group {
 }
 
 impl<'a> Runner<'a> {
-    fn new(run: &'a Run<'a>) -> Result<Self, DisplayError> {
+    fn new(run: &'a Run<'a>, common: &'a Common) -> Result<Self, DisplayError> {
         let Stop::RelativeError { target, per_wavelength } = run.scene.solver.stop else {
             return Err(DisplayError::NoPaths);
         };
         let finest = finest(&run.setup.stack)?;
-        Ok(Self { run, target, finest, per_wavelength, views_done: AtomicUsize::new(0) })
+        let first = FIRST_LEVELS as usize;
+        let (begin, finest, target) = match run.accuracy {
+            Accuracy::Exact => (first, finest, target),
+            // Its last level is level 0.
+            Accuracy::First => (0, first, target.max(FIRST_ERROR)),
+        };
+        Ok(Self { run, common, target, begin, finest, per_wavelength, views_done: AtomicUsize::new(0) })
     }
 
     /// Computes finer levels until the target is met; `None` if stopped before two levels were computed.
@@ -171,7 +263,7 @@ impl<'a> Runner<'a> {
                 self.report(error, if done { views.len() } else { 0 });
             },
         )?;
-        Some(Group { nodes: levels[samples.level].kernel.nodes(), samples })
+        Some(Group { nodes: levels[self.begin + samples.level].kernel.nodes(), samples })
     }
 
     /// Computes the samples of these views at a level; `None` if the run was stopped.
@@ -185,11 +277,12 @@ impl<'a> Runner<'a> {
         if self.run.control.stopped() {
             return None;
         }
+        let level = self.begin + level;
         for missing in levels.len()..=level {
-            levels.push(Level::new(missing as u32));
+            levels.push(Level::new(missing));
         }
         let setup = self.run.setup;
-        let estimates = levels[level].estimates(setup, views, pool, self.run.control)?;
+        let estimates = levels[level].estimates((setup, self.common), views, pool, self.run.control)?;
         Some(estimates.iter().map(|estimate| self.run.meter.sample(estimate)).collect())
     }
 
@@ -240,10 +333,12 @@ impl<'a> Runner<'a> {
         let computed = || groups.iter().flatten();
         let solver = SolverReport {
             method: "adding".to_owned(),
+            chosen_because: None,
             paths: None,
             nodes: Some(computed().map(|group| group.nodes as u64).sum()),
             degrees_of_freedom: 0,
             target: None,
+            is_final: self.run.accuracy == Accuracy::Exact,
             relative_error_reached: computed().map(|group| group.samples.error).fold(0.0, largest),
             interrupted: groups
                 .iter()

@@ -42,7 +42,7 @@ pub fn cone(scene: &Scene, grid: ConeGrid, control: &Control<'_>) -> Result<Cone
     let meter = Meter::new(&setup);
     let mut workers = None;
     let pool = Workers::unless_one(&mut workers, control.threads)?;
-    let run = Run { scene: &everywhere, control, setup: &setup, meter: &meter };
+    let run = Run { scene: &everywhere, ..Run::new(&setup, control, &meter) };
     let finest = finest(&setup.stack)?;
     let equivalent = equivalent_azimuths(&grid.phi_deg, &scene.lighting);
     let angle_index = angle_index(scene)?;
@@ -250,8 +250,13 @@ impl Survey<'_> {
 
     /// Computes the colours of a view; `None` if it was stopped.
     fn colours(&self, kernel: &Kernel, view: usize) -> Option<Vec<Xyz>> {
-        let estimate = kernel.estimate_unless(&self.run.setup.stack, view, self.run.control.stop)?;
-        Some(self.run.meter.colours(&estimate))
+        let (stack, stop) = (&self.run.setup.stack, self.run.control.stop);
+        let rho = match stack {
+            // Without a ledger.
+            Stack::Panel(_) => kernel.seen(stack, view),
+            Stack::Layered(_) => kernel.estimate_unless(stack, view, stop)?.rho,
+        };
+        Some(self.run.meter.colours(&rho))
     }
 
     fn report(&self, relative_error: f64, target: f64, done: usize) {
@@ -277,15 +282,17 @@ impl Survey<'_> {
         let computed = self.computed();
         let thetas = self.grid.theta_deg.len();
         let fields = |theta: usize| computed.iter().map(move |phi| setup.views[phi * thetas + theta].field);
-        // The operators of general layers are shared because they are expensive. The kernels of a panel are cheap:
-        // each inclination has its own.
+        // The operators of general layers are shared because they are expensive, and so is what all views of a panel have
+        // in common. The rest of a panel's kernel is cheap: each inclination has its own.
         let shared = matches!(setup.stack, Stack::Layered(_));
-        if shared {
-            let fields: Vec<Cone> = (0..thetas).flat_map(fields).collect();
-            kernel
-                .prepare_unless(&setup.stack, &fields, &setup.sources, self.run.control.stop)
-                .then_some(())?;
-        }
+        let every: Vec<Cone> = (0..thetas).flat_map(fields).collect();
+        let stop = self.run.control.stop;
+        let ready = if shared {
+            kernel.prepare_unless(&setup.stack, &every, &setup.sources, stop)
+        } else {
+            kernel.prepare_common(&setup.stack, &every, &setup.sources, stop)
+        };
+        ready.then_some(())?;
         let done = AtomicUsize::new(0);
         let row = |theta: usize| {
             if self.run.control.stopped() {
@@ -295,12 +302,10 @@ impl Survey<'_> {
             let (kernel, first) = if shared {
                 (&kernel, theta * computed.len())
             } else {
-                let kernel = own.insert(kernel.clone());
+                let own = own.insert(kernel.unprepared());
                 let fields: Vec<Cone> = fields(theta).collect();
-                let ready =
-                    kernel.prepare_unless(&setup.stack, &fields, &setup.sources, self.run.control.stop);
-                ready.then_some(())?;
-                (&*kernel, 0)
+                own.prepare_part(&kernel, &setup.stack, &fields, &setup.sources, stop).then_some(())?;
+                (&*own, 0)
             };
             let view = |k: usize| {
                 let is_running = !self.run.control.stopped();

@@ -2,6 +2,7 @@
 //! refines its level, until the target is met.
 
 mod adding;
+mod auto;
 mod brdf;
 mod cone;
 mod refine;
@@ -16,6 +17,8 @@ use rayon::ThreadPool;
 use rayon::prelude::*;
 
 pub(crate) use adding::{Kernels, ViewGroupKernel};
+pub(crate) use auto::is_quick;
+pub use auto::{Forecast, THICKEST_FOR_MONTE_CARLO, forecast};
 pub use brdf::brdf;
 pub use cone::cone;
 pub use refine::adding_seconds;
@@ -52,6 +55,15 @@ pub struct Progress<'a> {
     pub views_done: (usize, usize),
     /// Computes the number of the current view, from 0, and its result so far (Monte Carlo).
     pub so_far: Option<&'a dyn Fn() -> (usize, View)>,
+}
+
+/// Accuracy of an answer of a prepared display.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Accuracy {
+    /// The target of the scene.
+    Exact,
+    /// Coarse, as soon as possible.
+    First,
 }
 
 /// Control of a run by its caller.
@@ -125,21 +137,31 @@ pub(crate) fn each<T: Send, R: Send>(
 /// Runs the scene of a setup.
 pub(crate) fn run_setup(
     setup: &Setup,
+    accuracy: Accuracy,
     control: &Control<'_>,
     kernels: &mut Kernels,
     workers: &mut Option<Workers>,
 ) -> Result<RunResult, DisplayError> {
     let meter = Meter::new(setup);
-    let run = Run { scene: &setup.scene, control, setup, meter: &meter };
-    match setup.scene.solver.method {
+    let run = Run { accuracy, ..Run::new(setup, control, &meter) };
+    let forecast = (setup.scene.solver.method == Method::Auto).then(|| auto::choose(&run)).transpose()?;
+    let method = forecast.as_ref().map_or(setup.scene.solver.method, |forecast| forecast.cheaper);
+    let mut result = match method {
         Method::MonteCarlo => {
             let pool = Workers::wanted(workers, control.threads.unwrap_or(0))?;
             pool.install(|| walk::run(&run))
         }
         // Starting threads would cost more than computing a single view.
-        Method::Adding if setup.views.len() == 1 => adding::run(&run, kernels, None),
-        Method::Adding => adding::run(&run, kernels, Workers::unless_one(workers, control.threads)?),
+        Method::Adding | Method::Auto if setup.views.len() == 1 => adding::run(&run, kernels, None),
+        Method::Adding | Method::Auto => {
+            adding::run(&run, kernels, Workers::unless_one(workers, control.threads)?)
+        }
+    }?;
+    if let Some(forecast) = forecast {
+        result.notes.push(format!("`auto` has chosen {}: {}", result.solver.method, forecast.reason));
+        result.solver.chosen_because = Some(forecast.reason);
     }
+    Ok(result)
 }
 
 /// Prepares kernels at the level that meets the scene's target, one for each group of views that share it.
@@ -148,15 +170,23 @@ pub(crate) fn prepared_kernels(
     control: &Control<'_>,
 ) -> Result<Vec<ViewGroupKernel>, DisplayError> {
     let meter = Meter::new(setup);
-    adding::view_group_kernels(&Run { scene: &setup.scene, control, setup, meter: &meter })
+    adding::view_group_kernels(&Run::new(setup, control, &meter))
 }
 
 /// Input of a solver.
 pub(crate) struct Run<'a> {
     pub(crate) scene: &'a Scene,
+    pub(crate) accuracy: Accuracy,
     pub(crate) control: &'a Control<'a>,
     pub(crate) setup: &'a Setup,
     pub(crate) meter: &'a Meter<'a>,
+}
+
+impl<'a> Run<'a> {
+    /// Input for an exact answer.
+    pub(crate) fn new(setup: &'a Setup, control: &'a Control<'a>, meter: &'a Meter<'a>) -> Self {
+        Self { scene: &setup.scene, accuracy: Accuracy::Exact, control, setup, meter }
+    }
 }
 
 impl Run<'_> {
@@ -196,6 +226,7 @@ impl Run<'_> {
             ));
         } else if let Stop::RelativeError { target, .. } = self.scene.solver.stop
             && reached > target
+            && solver.is_final
         {
             warnings.push(format!("relative error {reached:.2e} instead of {target:.2e}: {unreached}"));
         } else if let Some(target) = &solver.target {

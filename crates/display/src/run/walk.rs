@@ -33,6 +33,28 @@ const UNEXPECTED: f64 = 4.0;
 /// Largest number of paths of a view; a target that is not reached with them is missed.
 const MOST_PATHS: u64 = 1 << 31;
 
+/// Number of paths of a view after the first round.
+pub(super) const FIRST_PATHS: u64 = FIRST_ROUND * REPLICATES;
+
+/// Standard error of a view after its first round.
+pub(super) struct Pilot {
+    pub(super) paths: u64,
+    /// Largest relative standard error of Y, and of wavelengths if the target applies to them.
+    pub(super) relative_error: f64,
+    /// Smallest number of paths of a reliable standard error.
+    pub(super) least: u64,
+}
+
+/// Traces the first round of a view.
+pub(super) fn pilot(run: &Run<'_>, view: usize) -> Result<Pilot, DisplayError> {
+    let runner = Runner { run };
+    let mut work = runner.start(view, run.setup.views.get(view).ok_or(DisplayError::Interrupted)?);
+    if !runner.round(&mut work) {
+        return Err(DisplayError::Interrupted);
+    }
+    Ok(Pilot { paths: work.paths, relative_error: work.relative_error, least: work.confidence.least })
+}
+
 /// Runs a scene on the threads of the current pool.
 pub(super) fn run(run: &Run<'_>) -> Result<RunResult, DisplayError> {
     Runner { run }.run()
@@ -302,6 +324,7 @@ impl<'a> Runner<'a> {
     fn result(&self, done: Done, specular: &[Vec<f64>], interrupted: bool) -> RunResult {
         let solver = SolverReport {
             method: "monte-carlo".to_owned(),
+            chosen_because: None,
             paths: Some(done.paths),
             nodes: None,
             degrees_of_freedom: REPLICATES - 1,
@@ -310,6 +333,7 @@ impl<'a> Runner<'a> {
                 error_over_tolerance: Some(done.missed).filter(|missed| missed.is_finite()),
                 paths_for_a_tenth: done.paths_for_a_tenth,
             }),
+            is_final: true,
             interrupted,
         };
         let unreached = format!("that would take more than {MOST_PATHS} paths");

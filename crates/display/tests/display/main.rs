@@ -8,9 +8,11 @@
 
 mod absorption;
 mod asked_metrics;
+mod auto;
 mod by_light_and_angle;
 mod common;
 mod designs;
+mod first_answers;
 mod front_light;
 mod honest_errors;
 mod lights;

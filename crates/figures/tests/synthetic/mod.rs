@@ -30,12 +30,14 @@ pub(crate) fn result(thetas: &[f64], relative_error: f64) -> RunResult {
     let view = |theta: &f64| view(&grid, &observer, &white, *theta, relative_error);
     RunResult {
         solver: SolverReport {
+            chosen_because: None,
             method: "monte-carlo".to_owned(),
             paths: Some(65_536),
             nodes: None,
             degrees_of_freedom: 15,
             target: None,
             relative_error_reached: relative_error,
+            is_final: true,
             interrupted: false,
         },
         wavelength_nm: grid.wavelengths_nm(),

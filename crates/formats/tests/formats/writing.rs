@@ -76,12 +76,14 @@ fn result() -> RunResult {
     };
     RunResult {
         solver: SolverReport {
+            chosen_because: None,
             method: "monte-carlo".to_owned(),
             paths: Some(1024),
             nodes: None,
             degrees_of_freedom: 15,
             target: None,
             relative_error_reached: 1e-3,
+            is_final: true,
             interrupted: false,
         },
         wavelength_nm: vec![400.0, 400.0 + 1.0 / 3.0],

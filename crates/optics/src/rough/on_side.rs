@@ -31,7 +31,7 @@ impl Scatterer for Rough {
             return 0.0;
         };
         self.facets.single(from.side, from.beta, to.side, to.beta)
-            + self.deficits.density((from.side, i), (to.side, o))
+            + self.deficits().density((from.side, i), (to.side, o))
     }
 
     /// Samples in proportion to `evaluate`, within 1e-5 of the whole.
@@ -98,7 +98,7 @@ impl Rough {
         // Both choices leave a uniform number among those that led to them.
         let turn = if reflected { u[2] / reflectance } else { (u[2] - reflectance) / (1.0 - reflectance) };
         let cosine = self.cosine(from, beta_i).unwrap_or(0.0);
-        let (side, beta) = self.deficits.sample(&self.facets, (from, cosine), [again, turn]);
+        let (side, beta) = self.deficits().sample(&self.facets, (from, cosine), [again, turn]);
         side.at(beta)
     }
 }

@@ -107,6 +107,8 @@ choice! {
         Adding = "adding",
         /// Unbiased path tracing with standard errors, the reference.
         MonteCarlo = "monte-carlo",
+        /// The one of the two that meets the target with less work, estimated from counts (docs/adding.md).
+        Auto = "auto",
     }
 }
 

@@ -157,13 +157,13 @@ pub(crate) fn used(root: &Node, filled: &Json) -> Option<UsedPreset> {
         agrees(preset, filled)
             && ["directed", "environment"].iter().all(|key| lights(preset, key) == lights(filled, key))
     };
-    let alike = |one| UsedPreset { name: one, is_changed: false };
+    let unchanged = |one| UsedPreset { name: one, is_changed: false };
     match named(root) {
         Some(wanted) => ALL
             .iter()
             .find(|(name, _)| *name == wanted)
-            .map(|one| UsedPreset { is_changed: !is_like(&one), ..alike(one.0) }),
-        None => ALL.iter().find(is_like).map(|one| alike(one.0)),
+            .map(|one| UsedPreset { is_changed: !is_like(&one), ..unchanged(one.0) }),
+        None => ALL.iter().find(is_like).map(|one| unchanged(one.0)),
     }
 }
 

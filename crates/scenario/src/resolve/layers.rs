@@ -4,6 +4,7 @@ use std::f64::consts::PI;
 
 use num_complex::Complex64;
 use papilio_diagnostics::Diagnostic;
+use papilio_display::THICKEST_FOR_MONTE_CARLO;
 use papilio_display::scene::{
     Coating, Distribution, FilmLayer, FrontComponent, Interface, Layer, Medium, Ready, Scattering, Thickness,
 };
@@ -29,9 +30,6 @@ const ABSORBING_K: f64 = 1e-3;
 const MOST_LAYERS: usize = 64;
 /// Nanometres in a millimetre.
 const NM_PER_MM: f64 = 1e6;
-/// Largest optical thickness for the Monte Carlo solver: the number of scattering events of a path increases with it, and
-/// beyond this value a run takes hours.
-const THICKEST_FOR_MONTE_CARLO: f64 = 200.0;
 
 /// Error: the index is not that of a transparent medium.
 fn not_transparent(index: Complex64, nm: f64, largest_k: f64) -> Diagnostic {

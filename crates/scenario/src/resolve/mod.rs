@@ -222,7 +222,7 @@ impl Resolver<'_> {
     /// Notes a `scattering` without effect.
     fn note_scattering(&mut self, scene: &Scene) {
         let chosen =
-            scene.solver.method == scene::Method::MonteCarlo && scene.solver.scattering != Strategy::Kernel;
+            scene.solver.method != scene::Method::Adding && scene.solver.scattering != Strategy::Kernel;
         let lobe = scene.display.panel().is_some_and(|panel| panel.diffuser.is_some());
         if chosen && !lobe {
             self.notes.push(
@@ -288,6 +288,7 @@ impl Resolver<'_> {
             method: match solver.method.value {
                 solver::Method::Adding => scene::Method::Adding,
                 solver::Method::MonteCarlo => scene::Method::MonteCarlo,
+                solver::Method::Auto => scene::Method::Auto,
             },
             stop,
             sampler: match solver.sampler.value {
@@ -348,7 +349,7 @@ impl Resolver<'_> {
 
     fn stop(&mut self, solver: &Solver) -> Option<scene::Stop> {
         if let Some(target) = &solver.target.value {
-            if solver.method.value == solver::Method::MonteCarlo {
+            if solver.method.value != solver::Method::Adding {
                 return self.target(solver, target);
             }
             self.notes.push(

@@ -495,7 +495,7 @@ fn angles_in_glass_beyond_the_critical_angle_are_refused() {
     let trapped = |theta: &str| format!("light at {theta} deg in this glass never leaves it");
     assert_eq!(message(&[glass, "viewer.theta_deg=41.8"]), trapped("41.849999999999994"));
     assert_eq!(message(&[glass, "lighting.directed.0.theta_deg=-60"]), trapped("60"));
-    // asin(1/1.5) = 41.81 deg; half of the field of .1 deg counts, and so does a lamp's radius.
+    // asin(1/1.5) = 41.81 deg; half of the field of 0.1 deg counts, and so does a lamp's radius.
     let lamp = ["lighting.directed.0.theta_deg=-40", "lighting.directed.0.radius_deg=2"];
     assert_eq!(message(&[glass, lamp[0], lamp[1]]), trapped("42"));
     let dispersive = message(&[glass, "display.glass.index=BK7"]);

@@ -191,7 +191,7 @@ fn luminaire_becomes_a_disc_and_notes_its_illuminance() {
     let lux = 804.6 * 40.0_f64.to_radians().cos() / 4.0;
     let said = format!("804.6 cd towards the display, which are {lux:.2} lx there");
     assert!(resolved.notes.iter().any(|note| note.contains(&said)), "{:?}", resolved.notes);
-    // A panel of .6 m, 2 m away: nearer than five times its side.
+    // A panel of 0.6 m, 2 m away: nearer than five times its side.
     let near = |resolved: &papilio_scenario::Resolved| {
         resolved.warnings.iter().any(|warning| warning.contains("less than five times its opening of 0.60 m"))
     };

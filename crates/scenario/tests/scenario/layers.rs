@@ -59,7 +59,7 @@ fn layers_of_all_kinds_resolve() {
     assert_eq!((alpha, distribution), (0.3, Distribution::Ggx));
     let Interface::Ready(Ready::Diffuser(diffuser)) = &layers[3].interface else { panic!("not a diffuser") };
     assert_eq!((diffuser.lobe, diffuser.transmittance[0]), (Lobe::KCorrelation { width: 0.06 }, 0.95));
-    // exp(-4 pi k d / lambda) of .7 mm at 380 nm.
+    // exp(-4 pi k d / lambda) of 0.7 mm at 380 nm.
     let expected = (-4.0 * std::f64::consts::PI * 1e-7 * 0.7e6 / 380.0_f64).exp();
     assert!((layers[1].medium.transmittance[0] - expected).abs() < 1e-12);
     assert_eq!(layers[3].medium.transmittance[40], 0.9);
@@ -80,7 +80,7 @@ fn ward_diffuser_in_panel_and_layer_has_its_transmittance() {
     let layers = general(&panel);
     assert_eq!(outline(layers), [("sheet", 1.0), ("scatter", 1.5)]);
     let Interface::Ready(Ready::Scatter(face)) = &layers[1].interface else { panic!("no face") };
-    // Of rho = 1 the lobe sends .895 along the normal, and a tenth passes straight.
+    // Of rho = 1 the lobe sends 0.895 along the normal, and a tenth passes straight.
     let expected = 0.1 * 0.9 / (0.9 * 0.895 + 0.1);
     assert!((face.straight()[3] - expected).abs() < 1e-4, "{} {expected}", face.straight()[3]);
     let layer =

@@ -203,7 +203,7 @@ fn instrument_has_its_grid_and_channels() {
     let found = measurement(&good, small).unwrap();
     let part = found.measure("film").unwrap().parts.remove(0);
     assert_eq!((part.values.len(), part.tis.len()), (2 * 19 * 37, 2));
-    // The peak of a lobe of haze .78 and total transmittance .90, and its total.
+    // The peak of a lobe of haze 0.78 and total transmittance 0.90, and its total.
     assert!((part.values[0] / 47.3 - 1.0).abs() < 2e-3 && (part.tis[0] - 0.9).abs() < 1e-4);
     // Five digits.
     assert!(part.values.iter().all(|value| format!("{value:.4e}").parse::<f64>() == Ok(*value)));

@@ -286,6 +286,6 @@ fn paths_of_files_are_relative_to_the_scenario() {
     let resolved = papilio_scenario::Scenario::load(&path, &[]).unwrap().resolve().unwrap();
     let Pixel::Table(table) = &resolved.scene.display.pixel else { panic!("not a table") };
     assert_eq!((table.theta_deg.len(), table.states.len()), (10, 3));
-    // Red at normal and 780 nm: .02 + .4/(1 + exp(-(780 - 590)/12)).
+    // Red at normal and 780 nm: 0.02 + 0.4/(1 + exp(-(780 - 590)/12)).
     assert!((table.states[2].reflectance[0][80] - 0.42).abs() < 1e-5);
 }

@@ -26,35 +26,42 @@ pub(super) struct Peaks<'a> {
     pub(super) width: f64,
 }
 
-/// Directions of a field at one inclination, uniformly spaced in azimuth from 0; the weights of all rings
-/// sum to 1.
+/// Light of a field that is represented at one inclination; the weights of all rings sum to 1.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Ring {
     /// `|beta|`.
     pub(super) radius: f64,
-    pub(super) weights: Vec<f64>,
+    /// Integrals of the light times `exp(-i m phi)`, real and imaginary parts, for m = 0 and on; phi is the
+    /// azimuth from which light comes. Light of more azimuthal orders is not needed, or there is none.
+    harmonics: Vec<[f64; 2]>,
+    /// Largest azimuthal order of functions of which the ring gives the integral.
+    orders: usize,
 }
 
 impl Ring {
-    /// Returns light that propagates from these directions.
+    /// Returns light that propagates from directions uniformly spaced in azimuth from 0.
     pub(super) fn points(&self) -> impl Iterator<Item = Point> {
-        let step = TAU / self.weights.len() as f64;
-        self.weights.iter().enumerate().map(move |(k, weight)| {
+        let weights = around(&self.harmonics, self.orders);
+        let step = TAU / weights.len() as f64;
+        weights.into_iter().enumerate().map(move |(k, weight)| {
             let (sin, cos) = (k as f64 * step).sin_cos();
-            Point { beta: Beta { x: -self.radius * cos, y: -self.radius * sin }, weight: *weight }
+            Point { beta: Beta { x: -self.radius * cos, y: -self.radius * sin }, weight }
         })
     }
 
     /// Returns its total weight.
     pub(super) fn weight(&self) -> f64 {
-        self.weights.iter().sum()
+        self.harmonics[0][0]
     }
 
-    /// Returns the part of the ring that is the same (1) or opposite (-1) at azimuths of opposite sign.
-    pub(super) fn part(&self, sign: f64) -> Self {
-        let (count, weights) = (self.weights.len(), &self.weights);
-        let weights = (0..count).map(|k| 0.5 * (weights[k] + sign * weights[(count - k) % count]));
-        Self { radius: self.radius, weights: weights.collect() }
+    /// Returns the integrals of the light times `cos m psi` (or `sin m psi` if `odd`), with psi the azimuth
+    /// in which it propagates: of the part that is the same (or opposite) at azimuths of opposite sign.
+    pub(super) fn part(&self, odd: bool) -> Vec<f64> {
+        let order = |(m, [re, im]): (usize, &[f64; 2])| {
+            let sign = if m % 2 == 0 { 1.0 } else { -1.0 };
+            sign * if odd { -im } else { *re }
+        };
+        self.harmonics.iter().enumerate().map(order).collect()
     }
 }
 
@@ -85,8 +92,9 @@ pub(super) fn rings(field: &Field, peaks: Peaks<'_>, digits: f64) -> Vec<Ring> {
             }
             Light::Formula(formula, scale) => panel.harmonics(formula, *scale, &orders, digits),
         };
-        for ((radius, harmonics), orders) in radii().zip(harmonics).zip(orders) {
-            rings.push(Ring { radius, weights: around(&harmonics, orders) });
+        for ((radius, mut harmonics), orders) in radii().zip(harmonics).zip(orders) {
+            harmonics.truncate(orders + 1);
+            rings.push(Ring { radius, harmonics, orders });
         }
     });
     rings
@@ -98,7 +106,7 @@ const MORE_NODES: usize = 2;
 
 /// Returns values of `|beta|` in a field of view, from its inner to its outer rim, as dense as peaks are
 /// wide.
-fn radii(view: &Cone, width: f64) -> impl Iterator<Item = f64> {
+pub(super) fn radii(view: &Cone, width: f64) -> impl Iterator<Item = f64> {
     let (axis, half) = (view.axis_towards().length().min(1.0).asin(), view.half_angle());
     let steps = (2.0 * half / width).ceil().min(64.0);
     (0..=steps as usize).map(move |k| {
@@ -299,12 +307,14 @@ mod tests {
     }
 
     #[test]
-    fn ring_equals_sum_of_its_parts() {
-        let ring = Ring { radius: 0.5, weights: vec![1.0, 2.0, 3.0, 4.0, 5.0] };
-        let (even, odd) = (ring.part(1.0), ring.part(-1.0));
-        let sum: Vec<f64> = even.weights.iter().zip(&odd.weights).map(|(a, b)| a + b).collect();
-        assert_eq!(sum, ring.weights);
-        assert_eq!((even.weights[1], odd.weights[1]), (even.weights[4], -odd.weights[4]));
-        assert_eq!(odd.weights[0], 0.0);
+    fn parts_of_a_ring_are_the_orders_of_its_points() {
+        let ring = Ring { radius: 0.5, harmonics: vec![[5.0, 0.0], [1.0, -2.0], [0.3, 0.7]], orders: 2 };
+        for (m, (even, odd)) in ring.part(false).into_iter().zip(ring.part(true)).enumerate() {
+            let sum = |f: fn(f64) -> f64| -> f64 {
+                ring.points().map(|p| p.weight * f(m as f64 * p.beta.y.atan2(p.beta.x))).sum()
+            };
+            assert!((sum(f64::cos) - even).abs() < 1e-14, "{m}: {even}");
+            assert!((sum(f64::sin) - odd).abs() < 1e-14, "{m}: {odd}");
+        }
     }
 }

@@ -9,7 +9,7 @@ use std::f64::consts::{FRAC_PI_2, PI, SQRT_2, TAU};
 
 use papilio_optics::Beta;
 
-use super::quadrature::{Nodes, Point, cone_points, cone_points_of, gauss, smooth_at};
+use super::quadrature::{Node, Nodes, Point, cone_points, cone_points_of, gauss, smooth_at};
 use crate::field::Light;
 use crate::formula::{Formula, Polar};
 use crate::{Cone, Field, Source};
@@ -22,24 +22,49 @@ pub(super) struct ImagePoints {
     pub(super) points: Vec<Point>,
 }
 
-/// Returns the images of all sources in this field of view, `across` which lie this many nodes of the base's
-/// table: the fringes of a film have a few each.
-pub(super) fn image_points(view: &Cone, sources: &[Source], digits: f64, across: f64) -> Vec<ImagePoints> {
+/// What the mirror of a view shows: how its reflectance varies across the view.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Mirror {
+    /// It is the same everywhere.
+    Uniform,
+    /// It changes slowly, and with the base's table, of which this many nodes lie across the view: the
+    /// fringes of a film have a few each.
+    Across(f64),
+}
+
+/// Returns the images of all sources in this field of view.
+pub(super) fn image_points(view: &Cone, sources: &[Source], digits: f64, mirror: Mirror) -> Vec<ImagePoints> {
+    let across = match mirror {
+        Mirror::Uniform => 0.0,
+        Mirror::Across(nodes) => nodes,
+    };
+    let fine = Fine { digits, across, moments: mirror != Mirror::Uniform };
     let seen = |(source, light): (usize, &Source)| {
         let points = match light {
             Source::Diffuse | Source::Beam(_) => return None,
-            Source::Disc(disc) => {
-                overlap(view, &disc.mirrored(), PI / disc.projected_solid_angle(), (digits, across))
-            }
-            Source::Field(field) => in_view(view, field, (digits, across)),
+            Source::Disc(disc) => overlap(view, &disc.mirrored(), PI / disc.projected_solid_angle(), fine),
+            Source::Field(field) => in_view(view, field, fine),
         };
+        let points = if fine.moments { points } else { all_in_one(view, &points) };
         (!points.is_empty()).then_some(ImagePoints { source, points })
     };
     sources.iter().enumerate().filter_map(seen).collect()
 }
 
-/// Digits, and nodes of the base's table across the view.
-type Fine = (f64, f64);
+/// Returns one point with the light of all points.
+fn all_in_one(view: &Cone, points: &[Point]) -> Vec<Point> {
+    let weight: f64 = points.iter().map(|point| point.weight).sum();
+    if weight > 0.0 { vec![Point { beta: view.axis_towards(), weight }] } else { Vec::new() }
+}
+
+#[derive(Debug, Clone, Copy)]
+struct Fine {
+    digits: f64,
+    /// Number of nodes of the base's table across the view.
+    across: f64,
+    /// Whether directions matter, and not only the sum of the light.
+    moments: bool,
+}
 
 /// Returns points for the mean of a field's radiance over the view: light that is uniform within the view
 /// needs few points. Other light is summed at many points, by parts of the view so small that the
@@ -56,13 +81,14 @@ fn in_view(view: &Cone, field: &Field, fine: Fine) -> Vec<Point> {
             let formula = formula.about(Polar::mirrored(view));
             of_formula(view, &formula, PI * scale / view.solid_angle(), fine)
         }
-        _ => of_cells(view, field, fine),
+        Light::Cells(rows) if !view.is_point() => of_cells(view, &Rows { rows }, fine),
+        _ => by_spiral(view, field, fine),
     }
 }
 
 /// Returns points of a rule that takes into account where the formula is not smooth.
 fn of_formula(view: &Cone, formula: &Formula, scale: f64, fine: Fine) -> Vec<Point> {
-    let (digits, across) = fine;
+    let Fine { digits, across, .. } = fine;
     let degree = digits + across;
     let mut points = Vec::new();
     for ring in formula.over_angle(0.0, view.half_angle(), digits, degree) {
@@ -72,7 +98,7 @@ fn of_formula(view: &Cone, formula: &Formula, scale: f64, fine: Fine) -> Vec<Poi
         }
     }
     let mut parts = Parts::new(view, fine);
-    if points.len() <= parts.sums.len() {
+    if points.len() <= parts.sums.len() || !fine.moments {
         let point = |(angle, turn, weight)| Point { beta: view.around(angle, turn), weight };
         return points.into_iter().map(point).filter(|point| point.weight > 0.0).collect();
     }
@@ -95,7 +121,7 @@ struct Parts {
 }
 
 impl Parts {
-    fn new(view: &Cone, (digits, across): Fine) -> Self {
+    fn new(view: &Cone, Fine { digits, across, .. }: Fine) -> Self {
         let size = view.half_angle() / smooth_at(view, SMOOTH);
         // Two points represent each part: one for each node of a fringe, more at finer levels.
         let rings = (1.0 + (2.0 * digits * size).ceil()).max((0.05 * digits * across).ceil()).min(MOST_RINGS);
@@ -136,9 +162,146 @@ fn of_moments(light: f64, [x, y, xx, xy, yy]: [f64; 5], axis: Beta) -> [Point; 4
     around.map(|beta| Point { beta: if is_above { beta } else { Beta { x, y } }, weight: 0.25 * light })
 }
 
-/// Returns points of cells, whose edges may lie anywhere, by spiral sampling.
-fn of_cells(view: &Cone, field: &Field, fine: Fine) -> Vec<Point> {
-    let (digits, across) = fine;
+/// Cells of a field: the inclinations between which the lit rows lie, radians, and their radiances.
+struct Rows<'a> {
+    rows: Vec<([f64; 2], &'a [f64])>,
+}
+
+/// Returns points of cells: circles about the normal cross the view and the cells in arcs that are known in
+/// closed form.
+fn of_cells(view: &Cone, rows: &Rows<'_>, fine: Fine) -> Vec<Point> {
+    let circles = CirclesInView::new(view);
+    let scale = PI / view.solid_angle();
+    let points = (2.0 + 0.4 * fine.digits).ceil() as usize;
+    let (mut light, mut sum) = (Vec::new(), 0.0);
+    for (edges, row) in &rows.rows {
+        let step = TAU / row.len() as f64;
+        for node in circles.nodes(edges.map(|edge| circles.inclination(edge)), step, points) {
+            let half = circles.half_arc(node.x);
+            let scale = scale * node.weight * node.x.sin();
+            let (from, to) = ((circles.azimuth - half) / step, (circles.azimuth + half) / step);
+            let mut at = from;
+            while at < to {
+                let end = (at.floor() + 1.0).min(to);
+                let radiance = row[(at.floor() as i64).rem_euclid(row.len() as i64) as usize];
+                if !fine.moments {
+                    sum += scale * radiance * (end - at) * step;
+                } else if radiance > 0.0 {
+                    let turns = gauss(at * step, end * step, POINTS_OF_AN_ARC);
+                    light.extend(turns.map(|turn| (node.x, turn.x, scale * radiance * turn.weight)));
+                }
+                at = end;
+            }
+        }
+    }
+    if !fine.moments {
+        return all_in_one(view, &[Point { beta: view.axis_towards(), weight: sum }]);
+    }
+    let mut parts = Parts::new(view, fine);
+    let is_few = light.len() <= parts.sums.len();
+    let mut all = Vec::new();
+    for (inclination, turn, light) in light {
+        let beta = -circles.from(inclination, turn);
+        let (angle, turn) = view.bearing_of(beta);
+        if is_few {
+            all.push(Point { beta, weight: light });
+        } else {
+            parts.add(angle / view.half_angle(), turn, beta, light);
+        }
+    }
+    if is_few { all } else { parts.points() }
+}
+
+/// Number of points of the arc of a circle in a cell: cells are small.
+const POINTS_OF_AN_ARC: usize = 3;
+
+/// Circles about the normal, as far as they lie in the directions that a mirror shows in a view. Angles are
+/// those in the medium of the view.
+struct CirclesInView {
+    half_angle: f64,
+    /// Inclination and azimuth of the middle.
+    middle: f64,
+    azimuth: f64,
+    index: f64,
+}
+
+impl CirclesInView {
+    fn new(view: &Cone) -> Self {
+        let axis = -view.axis_towards();
+        let index = view.index();
+        let middle = (axis.length() / index).min(1.0).asin();
+        Self { half_angle: view.half_angle(), middle, azimuth: axis.y.atan2(axis.x), index }
+    }
+
+    /// Converts an inclination in the air.
+    fn inclination(&self, in_air: f64) -> f64 {
+        (in_air.sin() / self.index).min(1.0).asin()
+    }
+
+    /// Returns the direction cosines towards a place on a circle.
+    fn from(&self, inclination: f64, azimuth: f64) -> Beta {
+        let (radius, (sin, cos)) = (self.index * inclination.sin(), azimuth.sin_cos());
+        Beta { x: radius * cos, y: radius * sin }
+    }
+
+    /// Returns half of the arc of a circle that lies in the view.
+    fn half_arc(&self, inclination: f64) -> f64 {
+        if inclination <= self.half_angle - self.middle {
+            return PI;
+        }
+        half_arc(inclination, self.half_angle, self.middle)
+    }
+
+    /// Returns a rule over the inclinations of a row of cells, for columns of this width: arcs end smoothly
+    /// between the inclinations at which the rim of the view crosses an edge of a cell.
+    fn nodes(&self, [from, to]: [f64; 2], step: f64, points: usize) -> Vec<Node> {
+        let first = (self.middle - self.half_angle).abs();
+        let last = (self.middle + self.half_angle).min(FRAC_PI_2);
+        let mut nodes = Vec::new();
+        // Whole circles around the normal.
+        if self.half_angle > self.middle && from < first {
+            nodes.extend(gauss(from, to.min(first), points));
+        }
+        let (from, to) = (from.max(first), to.min(last));
+        if from >= to {
+            return nodes;
+        }
+        let whole = self.middle + self.half_angle;
+        let (centre, half) = (0.5 * (first + whole), 0.5 * (whole - first));
+        let place = |inclination: f64| ((inclination - centre) / half).clamp(-1.0, 1.0).asin();
+        let mut breaks: Vec<f64> = self.crossings(step, [from, to]).into_iter().map(place).collect();
+        breaks.extend([place(from), place(to)]);
+        breaks.sort_by(f64::total_cmp);
+        for pair in breaks.windows(2).filter(|pair| pair[1] > pair[0]) {
+            // Square roots end the range on both sides.
+            nodes.extend(gauss(pair[0], pair[1], points).map(|node| {
+                let (sin, cos) = node.x.sin_cos();
+                Node { x: centre + half * sin, weight: node.weight * half * cos }
+            }));
+        }
+        nodes
+    }
+
+    /// Returns the inclinations in this range at which the rim of the view crosses the border of two columns.
+    fn crossings(&self, step: f64, [from, to]: [f64; 2]) -> Vec<f64> {
+        let (sin, cos) = self.middle.sin_cos();
+        // The widest arc of the view; all azimuths if it contains the normal.
+        let widest =
+            if self.half_angle < self.middle { (self.half_angle.sin() / sin).min(1.0).asin() } else { PI };
+        let [first, last] = [-widest, widest].map(|off| ((self.azimuth + off) / step).round() as i64);
+        let crossing = |border: i64| {
+            let along = (border as f64 * step - self.azimuth).cos() * sin;
+            let (middle, length) = (along.atan2(cos), along.hypot(cos));
+            let half = (self.half_angle.cos() / length).min(1.0).acos();
+            [middle - half, middle + half]
+        };
+        (first - 1..=last + 1).flat_map(crossing).filter(|at| (from..to).contains(at)).collect()
+    }
+}
+
+/// Returns points of light by spiral sampling, wherever its edges lie.
+fn by_spiral(view: &Cone, field: &Field, fine: Fine) -> Vec<Point> {
+    let Fine { digits, across, .. } = fine;
     let seen = |p: Point| Point { weight: PI * p.weight * field.radiance(p.beta), ..p };
     let half = view.half_angle();
     let few = cone_points_of(view, SMOOTH, digits, Nodes { rings: 0, across });
@@ -185,7 +348,8 @@ const GOLDEN: f64 = 0.618_033_988_749_894_9;
 const SMOOTH: f64 = 0.3;
 
 /// Returns points for the mean over the view of the indicator of the mirrored source, times `scale`.
-fn overlap(view: &Cone, mirrored: &Cone, scale: f64, (digits, across): Fine) -> Vec<Point> {
+fn overlap(view: &Cone, mirrored: &Cone, scale: f64, fine: Fine) -> Vec<Point> {
+    let Fine { digits, across, .. } = fine;
     if view.is_point() {
         let beta = view.axis_towards();
         let seen = mirrored.holds(beta);
@@ -238,6 +402,49 @@ fn arc(cone: &Cone, angle: f64, turn: f64, half: f64, count: usize, weight: f64,
 mod tests {
     use super::*;
 
+    /// The light of cells, its centre and its extent equal those of many directions of a spiral, in air and in a
+    /// medium; the view may contain the normal, the horizon, or lie within a cell.
+    #[test]
+    fn cells_in_view_have_the_moments_of_a_spiral() {
+        let radiance: Vec<f64> = (0..18 * 24).map(|k| ((k * k * 7919 + k) % 101) as f64).collect();
+        let edges: Vec<f64> = (0..=18).map(|row| 5.0 * f64::from(row)).collect();
+        let (field, _) = Field::new(&edges, 24, radiance).unwrap();
+        for (theta, phi, half, index) in [
+            (33.0, 20.0, 4.0, 1.0),
+            (2.0, -70.0, 9.0, 1.0),
+            (0.0, 0.0, 12.0, 1.0),
+            (9.0, 100.0, 9.0, 1.0),
+            (80.0, 200.0, 9.9, 1.0),
+            (52.4, 7.4, 0.05, 1.0),
+            (20.0, 33.0, 6.0, 1.5),
+        ] {
+            let view = Cone::new(theta, phi, half, index);
+            let (axis, half, count) = (view.axis_towards(), view.half_angle(), 400_000);
+            let mut truth = [0.0; 6];
+            let moments = |sums: &mut [f64; 6], beta: Beta, light: f64| {
+                let (x, y) = ((beta.x - axis.x) / half, (beta.y - axis.y) / half);
+                sums.iter_mut().zip([1.0, x, y, x * x, x * y, y * y]).for_each(|(s, m)| *s += light * m);
+            };
+            for k in 0..count {
+                let (along, turn) =
+                    ((f64::from(k) + 0.5) / f64::from(count), TAU * (f64::from(k) * GOLDEN).fract());
+                let angle = 2.0 * (along.sqrt() * (0.5 * half).sin()).asin();
+                let beta = view.around(angle, turn);
+                moments(&mut truth, beta, PI * field.radiance(beta) / f64::from(count));
+            }
+            for across in [0.0, 40.0] {
+                let fine = Fine { digits: 15.0, across, moments: true };
+                let mut found = [0.0; 6];
+                in_view(&view, &field, fine).iter().for_each(|p| moments(&mut found, p.beta, p.weight));
+                let sum = in_view(&view, &field, Fine { moments: false, ..fine })[0].weight;
+                assert!((sum / found[0] - 1.0).abs() < 1e-12, "{theta}: {sum} {found:?}");
+                for (found, moment) in found.iter().zip(truth) {
+                    assert!((found - moment).abs() < 2e-4 * truth[0], "{theta} {across}: {found} {moment}");
+                }
+            }
+        }
+    }
+
     /// The fraction of two overlapping small circles equals the planar lens formula.
     #[test]
     fn overlap_equals_area_of_lens() {
@@ -250,7 +457,8 @@ mod tests {
         {
             let view = Cone::new(20.0, 10.0, a, 1.0);
             let mirrored = Cone::new(20.0 + d, 10.0, b, 1.0);
-            let share: f64 = overlap(&view, &mirrored, 1.0, (18.0, 0.0)).iter().map(|p| p.weight).sum();
+            let fine = Fine { digits: 18.0, across: 0.0, moments: true };
+            let share: f64 = overlap(&view, &mirrored, 1.0, fine).iter().map(|p| p.weight).sum();
             let truth = lens(a, b, d) / (PI * a * a);
             assert!((share - truth).abs() < 1e-6 * truth.max(1e-2), "{a} {b} {d}: {share} against {truth}");
         }

@@ -14,10 +14,11 @@ mod layered;
 mod panel;
 pub(crate) mod quadrature;
 
+use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use crate::{Cone, Estimate, ReflectanceFactor, Source, Stack};
-pub use gradient::TableGradient;
+pub use gradient::{FirstPass, TableGradient};
 pub(crate) use layered::{Action, Preparation, rough_width};
 
 /// The finest level.
@@ -111,11 +112,20 @@ pub fn error_over_difference(stack: &Stack) -> f64 {
     }
 }
 
+/// Number of levels of a first answer ([`Kernel::first`]).
+pub const FIRST_LEVELS: u32 = 2;
+
+/// Levels by which a level of a first answer is coarser than the next one.
+const FIRST_STEP: f64 = 0.7;
+
 /// Prepared angular kernels of one level.
 #[derive(Debug, Clone)]
 pub struct Kernel {
-    level: u32,
+    /// The level; negative for a first answer.
+    level: f64,
     kind: Kind,
+    /// Views with which its own share data; if there are none, its own alone.
+    together: Arc<[Cone]>,
 }
 
 #[derive(Debug, Clone)]
@@ -128,18 +138,25 @@ enum Kind {
 impl Kernel {
     /// Returns an empty kernel of this level, 0 (coarsest) to [`FINEST`].
     pub fn new(level: u32) -> Self {
-        Self { level, kind: Kind::Empty }
+        Self { level: f64::from(level), kind: Kind::Empty, together: Arc::default() }
     }
 
-    /// Returns an empty kernel of the same level.
+    /// Returns an empty kernel of a first answer: number 0 is coarser than number 1, and both are coarser than
+    /// level 0. They take a fraction of the work of levels 0 and 1, for an error of some per cent.
+    pub fn first(number: u32) -> Self {
+        let coarser = f64::from(FIRST_LEVELS.saturating_sub(number));
+        Self { level: -FIRST_STEP * coarser, ..Self::new(0) }
+    }
+
+    /// Returns an empty kernel that computes the same as this one once it is prepared.
     pub fn unprepared(&self) -> Self {
-        Self::new(self.level)
+        Self { level: self.level, kind: Kind::Empty, together: Arc::clone(&self.together) }
     }
 
     /// Prepares the kernel for these layers, views (cones of directions in air) and sources. Data prepared
     /// before are reused if they are still valid.
     pub fn prepare(&mut self, stack: &Stack, views: &[Cone], sources: &[Source]) {
-        self.prepare_until(stack, views, sources, &AtomicBool::new(false));
+        let _done = self.prepare_until(stack, (views, None), sources, &AtomicBool::new(false));
     }
 
     /// Prepares the kernel in the same way, unless `stop` is set, which is tested many times a second: then
@@ -152,18 +169,55 @@ impl Kernel {
         sources: &[Source],
         stop: &AtomicBool,
     ) -> bool {
-        self.prepare_until(stack, views, sources, stop);
-        let done = !stop.load(Ordering::Relaxed);
-        if !done {
-            self.kind = Kind::Empty;
-        }
-        done
+        self.prepare_until(stack, (views, None), sources, stop)
     }
 
-    fn prepare_until(&mut self, stack: &Stack, views: &[Cone], sources: &[Source], stop: &AtomicBool) {
+    /// Prepares the data that kernels of these views share: in a panel the grid of recycled light, the
+    /// reflectances there, and the sources. A kernel of some of the views is then prepared from it
+    /// ([`prepare_part`](Self::prepare_part)). False if `stop` was set: then the kernel is empty.
+    #[must_use]
+    pub fn prepare_common(
+        &mut self,
+        stack: &Stack,
+        views: &[Cone],
+        sources: &[Source],
+        stop: &AtomicBool,
+    ) -> bool {
+        self.together = views.into();
+        self.prepare_until(stack, (&[], None), sources, stop)
+    }
+
+    /// Prepares the kernel for some of the views of `common`, a kernel of the same level with the data that
+    /// all of them share, for the same stack and sources. What a view shows does not depend on the others of
+    /// this part. False if `stop` was set: then the kernel is empty.
+    #[must_use]
+    pub fn prepare_part(
+        &mut self,
+        common: &Self,
+        stack: &Stack,
+        views: &[Cone],
+        sources: &[Source],
+        stop: &AtomicBool,
+    ) -> bool {
+        self.together = Arc::clone(&common.together);
+        self.prepare_until(stack, (views, Some(common)), sources, stop)
+    }
+
+    fn prepare_until(
+        &mut self,
+        stack: &Stack,
+        (own, common): (&[Cone], Option<&Self>),
+        sources: &[Source],
+        stop: &AtomicBool,
+    ) -> bool {
+        let common = match common.map(|common| &common.kind) {
+            Some(Kind::Panel(common)) => Some(common),
+            _ => None,
+        };
+        let views = panel::Views { own, together: &self.together, common };
         match (stack, &mut self.kind) {
             (Stack::Panel(panel), Kind::Panel(kernel)) => kernel.prepare(panel, views, sources, stop),
-            (Stack::Layered(layered), Kind::Layered(kernel)) => kernel.prepare(layered, views, sources, stop),
+            (Stack::Layered(layered), Kind::Layered(kernel)) => kernel.prepare(layered, own, sources, stop),
             (Stack::Panel(panel), kind) => {
                 let mut kernel = panel::Kernel::new(self.level);
                 kernel.prepare(panel, views, sources, stop);
@@ -171,10 +225,15 @@ impl Kernel {
             }
             (Stack::Layered(layered), kind) => {
                 let mut kernel = layered::Kernel::new(self.level);
-                kernel.prepare(layered, views, sources, stop);
+                kernel.prepare(layered, own, sources, stop);
                 *kind = Kind::Layered(Box::new(kernel));
             }
         }
+        let done = !stop.load(Ordering::Relaxed);
+        if !done {
+            self.kind = Kind::Empty;
+        }
+        done
     }
 
     /// Returns whether an estimate of this stack, for whose layers it was prepared, needs no further
@@ -225,6 +284,16 @@ impl Kernel {
     pub fn pull_back(&self, stack: &Stack, view: usize, seen: &[f64]) -> Option<Vec<TableGradient>> {
         match (stack, &self.kind) {
             (Stack::Panel(panel), Kind::Panel(kernel)) => kernel.pull_back(panel, view, seen),
+            _ => None,
+        }
+    }
+
+    /// Returns the light that a view sees after one reflection by the base, for each index of a dispersive medium, and an
+    /// upper bound of the fraction of light that the front of screen sends back to the base. `None` where
+    /// [`pull_back`](Self::pull_back) returns none.
+    pub fn first_pass(&self, stack: &Stack, view: usize) -> Option<(Vec<FirstPass>, f64)> {
+        match (stack, &self.kind) {
+            (Stack::Panel(panel), Kind::Panel(kernel)) => kernel.first_pass(panel, view),
             _ => None,
         }
     }

@@ -2,12 +2,14 @@
 use std::cell::RefCell;
 use std::collections::HashMap;
 use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
 
 use crate::common::*;
 use crate::layers::{assert_close, beam, clear, diffuser, estimate, sheet, slab, stack, views};
 use papilio_optics::Beta;
 use papilio_optics::lobe::Lobe;
 use papilio_sampling::Sampler;
+use papilio_transport::adding::Kernel;
 use papilio_transport::{
     AngularTable, Cone, Diffuser, Edge, Field, Interface, Nodes, Panel, Radiance, Reflector, Source, Stack,
     Top, specular_image,
@@ -66,6 +68,51 @@ fn stacks() -> Vec<(&'static str, Stack, f64)> {
             2e-3,
         ),
     ]
+}
+
+/// Many views that share the light below the diffuser show what each of them shows alone, at a finer level and
+/// with rules of its own.
+#[test]
+fn views_prepared_together_equal_views_alone() {
+    let stacks = [
+        (Stack::Panel(with_front(top(0.06, 0.0), mirror(0.5))), 2e-5),
+        (Stack::Panel(panel(top(0.02, 0.0), mirror(0.5))), 2e-5),
+        (Stack::Panel(with_front(top(0.1, 0.2), mirror(0.5))), 1e-4),
+        (Stack::Panel(with_front(top(0.1, 0.2), lambertian(0.5))), 1e-5),
+    ];
+    let sources = [
+        Source::Diffuse,
+        beam(-20.0, 10.0),
+        Source::Disc(Cone::new(-35.0, 30.0, 2.0, 1.0)),
+        source(patches()),
+        source(Field::ring(10.0, 30.0).unwrap()),
+    ];
+    let stop = AtomicBool::new(false);
+    for (stack, most) in stacks {
+        // As many azimuths as share their orders.
+        let row = |theta: f64| (0..18).map(move |k| Cone::new(theta, 20.0 * f64::from(k), 0.5, 1.0));
+        let all: Vec<Cone> = [0.0, 20.0, 70.0].into_iter().flat_map(row).collect();
+        let mut common = Kernel::new(1);
+        assert!(common.prepare_common(&stack, &all, &sources, &stop));
+        for (number, views) in all.chunks(18).enumerate() {
+            let mut part = common.unprepared();
+            assert!(part.prepare_part(&common, &stack, views, &sources, &stop));
+            for view in [0, 5, 13] {
+                let together = part.estimate(&stack, view).rho;
+                assert_eq!(part.seen(&stack, view), together);
+                let mut own = Kernel::new(2);
+                own.prepare(&stack, &views[view..=view], &sources);
+                for (source, alone) in own.estimate(&stack, 0).rho.iter().enumerate() {
+                    let [found, truth] =
+                        [&together[source], alone].map(|rho| rho.front[0] + rho.via_pixel[0]);
+                    assert!(
+                        (found / truth - 1.0).abs() < most,
+                        "row {number}, view {view}, source {source}: {found} {truth}"
+                    );
+                }
+            }
+        }
+    }
 }
 
 /// A uniform field is diffuse light, however it is represented.

@@ -73,8 +73,11 @@ export interface Work {
   files: Record<string, string>;
 }
 
-export const live = (work: Work, edits: readonly Edit[], signal: AbortSignal): Promise<Live> =>
-  post("live", { ...work, edits }, signal);
+/** First answers are coarse and fast. */
+export type Accuracy = "first" | "exact";
+
+export const live = (work: Work, edits: readonly Edit[], accuracy: Accuracy, signal: AbortSignal): Promise<Live> =>
+  post("live", { ...work, edits, accuracy }, signal);
 
 export const schema = (): Promise<unknown> => get("schema");
 export const list = (what: "presets" | "examples"): Promise<Named[]> => get(what);

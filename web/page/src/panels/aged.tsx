@@ -4,11 +4,18 @@ import type { ComponentChildren } from "preact";
 
 import { MARKS, type Age } from "../state/age.ts";
 
-export function AgeMark({ age }: { age: Age }) {
+/** `more` follows the words of the mark. First answers come and go too fast to be read out. */
+export function AgeMark({ age, more = "" }: { age: Age; more?: string }) {
   const mark = age === "current" ? null : MARKS[age];
   return (
-    <span class="age-mark" role="status" data-age={age} title={mark?.help}>
-      {mark?.words ?? ""}
+    <span
+      class="age-mark"
+      role="status"
+      aria-live={age === "first" ? "off" : "polite"}
+      data-age={age}
+      title={mark?.help}
+    >
+      {mark ? mark.words + more : ""}
     </span>
   );
 }

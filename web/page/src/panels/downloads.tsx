@@ -2,6 +2,7 @@
 
 import { pngOf } from "../plots/picture.ts";
 import { csv, type Rows } from "../model/csv.ts";
+import { exact } from "../state/live.ts";
 import { said } from "../state/said.ts";
 import { fileName } from "./file-name.ts";
 import { Menu } from "./menu.tsx";
@@ -37,6 +38,8 @@ export function Downloads({ name, table, svg }: Props) {
   };
   const choose = async (as: string) => {
     try {
+      // What is saved is exact, if there is an exact answer.
+      await exact();
       save(`${fileName()}-${name}.${as}`, await bytes(as));
       said.value = `${name}.${as} is saved.`;
     } catch (why) {

@@ -13,6 +13,7 @@ import { hoverClass, pointsAt } from "../state/hover.ts";
 import { showTab } from "../state/tab.ts";
 import { Aged } from "./aged.tsx";
 import { FileButton } from "./choose.tsx";
+import { ColumnHeads, type Head } from "./column-heads.tsx";
 import { Downloads } from "./downloads.tsx";
 import { Problems } from "./problems.tsx";
 
@@ -33,9 +34,7 @@ const panels = (): string[] => files.value.filter(({ audit }) => audit?.kind ===
 type State = Compared["comparison"]["states"][number];
 type View = Compared["comparison"]["views"][number];
 
-interface Column {
-  readonly head: string;
-  readonly help: string;
+interface Column extends Head {
   readonly of: (state: State) => string;
 }
 
@@ -75,16 +74,7 @@ function States({ states }: { states: readonly State[] }) {
   return (
     <div class="scroll" tabindex={0} role="region" aria-label="States, simulated and measured">
       <table class="numbers">
-        <thead>
-          <tr>
-            <th scope="col">state</th>
-            {COLUMNS.map(({ head, help }) => (
-              <th scope="col" key={head} title={help}>
-                {head}
-              </th>
-            ))}
-          </tr>
-        </thead>
+        <ColumnHeads columns={COLUMNS} />
         <tbody>
           {states.map((one) => (
             <tr

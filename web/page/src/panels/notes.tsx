@@ -1,5 +1,6 @@
 // The warnings and notes of the scenario.
 
+import { digits } from "../model/format.ts";
 import { at } from "../model/json.ts";
 import { answer, fields, result } from "../state/design.ts";
 import { openTab, showTab } from "../state/tab.ts";
@@ -39,6 +40,7 @@ export function Notes() {
   const now = result.value;
   if (!now) return null;
   const took = answer.value?.cost_ms;
+  const error = `\u00b1${digits(100 * now.solver.relative_error_reached, 2)} %`;
   return (
     <footer class="notes">
       {now.warnings.map((words) => (
@@ -53,7 +55,7 @@ export function Notes() {
         </p>
       ))}
       <p class="trace">
-        Papilio {now.papilio}, {now.solver.method}
+        Papilio {now.papilio}, {now.solver.method}, {now.solver.is_final ? "exact to" : "first answer"} {error}
         {took === undefined ? "" : `, ${took.toFixed(1)} ms`}; scenario{" "}
         <code title={`SHA-256 of the scenario and its files: ${now.hash}`}>{now.hash.slice(0, 12)}</code>
       </p>

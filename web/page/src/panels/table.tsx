@@ -12,11 +12,10 @@ import { hoverClass, pointsAt } from "../state/hover.ts";
 import { pinnedView } from "../state/pin.ts";
 import { Choice } from "../fields/choice.tsx";
 import { useColours } from "../plots/patches.tsx";
+import { ColumnHeads, type Head } from "./column-heads.tsx";
 import { Downloads } from "./downloads.tsx";
 
-interface Column {
-  readonly head: string;
-  readonly help: string;
+interface Column extends Head {
   readonly decimals: number;
   readonly of: (values: Values) => number | null | undefined;
 }
@@ -204,16 +203,7 @@ export function StatesTable() {
     <>
       <div class="scroll" tabindex={0} role="region" aria-label="Table of the states">
         <table class="numbers">
-          <thead>
-            <tr>
-              <th scope="col">state</th>
-              {columns.map(({ head, help }) => (
-                <th scope="col" key={head} title={help}>
-                  {head}
-                </th>
-              ))}
-            </tr>
-          </thead>
+          <ColumnHeads columns={columns} />
           <tbody>
             {states.value.map(([name, state]) => (
               <tr

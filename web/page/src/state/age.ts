@@ -3,10 +3,11 @@
 
 import { computed } from "@preact/signals";
 
-import { busy, draft, opening, pending, problems } from "./design.ts";
+import { digits } from "../model/format.ts";
+import { answer, busy, draft, opening, pending, problems } from "./design.ts";
 
-/** The age of a content; "current" has no mark. */
-export type Age = "current" | "computing" | "earlier" | "refused";
+/** The age of a content; "current" has no mark. "first": a first answer of the current design. */
+export type Age = "current" | "first" | "computing" | "earlier" | "refused";
 
 export interface Mark {
   /** The words of the mark. */
@@ -17,6 +18,11 @@ export interface Mark {
 }
 
 export const MARKS: Record<Exclude<Age, "current">, Mark> = {
+  first: {
+    words: "first answer",
+    help: "A first answer with coarse discretisation; the exact one follows. The error is the largest of Y over states and views.",
+    faded: false,
+  },
   computing: { words: "computing…", help: "The result of the current design is being computed.", faded: true },
   earlier: {
     words: "of an earlier design",
@@ -34,5 +40,11 @@ export const MARKS: Record<Exclude<Age, "current">, Mark> = {
 export const liveAge = computed((): Age => {
   if (opening.value !== "") return "computing";
   if (problems.value.length > 0 && (pending.value.length > 0 || draft.value !== null)) return "refused";
-  return busy.value ? "computing" : "current";
+  if (busy.value && answer.value?.is_final !== false) return "computing";
+  return answer.value?.is_final === false ? "first" : "current";
 });
+
+/** The error of a first answer as text. */
+export const firstError = computed((): string =>
+  liveAge.value === "first" ? ` \u00b1${digits(100 * answer.value!.relative_error, 2)} %` : "",
+);

@@ -1,5 +1,9 @@
 // The live result of the current design. One request is in progress at a time, and only the newest values wait for it. A
 // slow request is cancelled as soon as newer values wait; the server then stops its computation.
+//
+// A change is answered twice: with a first answer, which is coarse and has its error, and with the exact one as soon as
+// nothing has changed for a moment. A new change cancels the exact one. The server answers exactly at once if that
+// takes little work.
 
 import { batch } from "@preact/signals";
 
@@ -17,6 +21,8 @@ import type { Work as Kept } from "./works.ts";
 const PATIENCE_MS = 250;
 /** Time of waiting after which it is shown, ms. */
 const SHOWN_MS = 300;
+/** Time without changes after which the exact answer is requested, ms. */
+const REST_MS = 100;
 
 /** The status of a server whose places are all in use. */
 export const BUSY = 503;
@@ -32,7 +38,9 @@ let lastTook = 0;
 export const isUnanswered = (): boolean => gone.value;
 /** The edits of the last refused request. */
 let refused: readonly Edit[] = [];
-let flight: { abort: AbortController; since: number } | null = null;
+let flight: { abort: AbortController; since: number; accuracy: api.Accuracy } | null = null;
+/** The timer of the request for the exact answer. */
+let rest: ReturnType<typeof setTimeout> | undefined;
 
 /** Changes keys; `name` is the gesture, which is one undo step. */
 export function edit(edits: readonly Edit[], name = ""): void {
@@ -124,21 +132,45 @@ export function resume(work: Kept): void {
 /** Requests the result again, for example after a file was sent again. */
 export function kick(): void {
   dirty = true;
-  if (!running) running = run();
-  else if (flight && performance.now() - flight.since > patience()) flight.abort.abort();
+  clearTimeout(rest);
+  if (!running) running = run("first");
+  else if (flight && isLate(flight)) flight.abort.abort();
 }
 
 const patience = (): number => Math.max(PATIENCE_MS, 2 * lastTook);
 
-async function run(): Promise<void> {
+/** Whether a request is cancelled for newer values: an exact answer of older values is of no use. */
+const isLate = ({ since, accuracy }: { since: number; accuracy: api.Accuracy }): boolean =>
+  accuracy === "exact" || performance.now() - since > patience();
+
+async function run(accuracy: api.Accuracy): Promise<void> {
   try {
-    while (dirty) {
+    do {
       dirty = false;
-      await once();
-    }
+      await once(accuracy);
+      accuracy = "first";
+    } while (dirty);
   } finally {
     running = null;
+    if (isCoarse()) rest = setTimeout(refine, REST_MS);
   }
+}
+
+/** Whether the shown result is a first answer of the current design. */
+const isCoarse = (): boolean => answer.value?.is_final === false && !isWaiting();
+
+/** Requests the exact answer of the design that is shown. */
+function refine(): void {
+  clearTimeout(rest);
+  if (!running && isCoarse()) running = run("exact");
+}
+
+/** Waits until the result is exact, before it is saved or pinned; returns false if it cannot be computed. */
+export async function exact(): Promise<boolean> {
+  if (!(await settled())) return false;
+  refine();
+  while (running) await running;
+  return !isCoarse();
 }
 
 /** Takes over a result, whose text contains the edits that were sent. */
@@ -156,18 +188,19 @@ export function adopt(live: Live, sent: readonly Edit[], name: string): void {
 
 awaitServer(() => kick());
 
-async function once(): Promise<void> {
+async function once(accuracy: api.Accuracy): Promise<void> {
   const sent = pending.value;
   const base = draft.value;
   const name = gesture;
   const abort = new AbortController();
   const since = performance.now();
-  flight = { abort, since };
+  flight = { abort, since, accuracy };
   const slow = setTimeout(() => (busy.value = true), SHOWN_MS);
   const impatient = setTimeout(() => dirty && abort.abort(), patience());
   try {
-    const live = await api.live({ scenario: base ?? text.value, files: fileIds.value }, sent, abort.signal);
-    lastTook = performance.now() - since;
+    const work = { scenario: base ?? text.value, files: fileIds.value };
+    const live = await api.live(work, sent, accuracy, abort.signal);
+    if (accuracy === "first") lastTook = performance.now() - since;
     gone.value = false;
     if (draft.value === base) adopt(live, sent, name);
   } catch (why) {

@@ -7,6 +7,7 @@ import type { Result, View } from "../api/types.ts";
 import { textAt, type Json } from "../model/json.ts";
 import { answer, text, title, viewIndex } from "./design.ts";
 import { fileIds } from "./files.ts";
+import { exact } from "./live.ts";
 import { ready } from "./ready.ts";
 
 export interface Pinned {
@@ -22,7 +23,7 @@ export const pinnedView = computed<View | null>(
 
 /** Pins the current design after all changes are applied. */
 export async function pin(): Promise<boolean> {
-  const result = (await ready("pinned")) && answer.value?.result;
+  const result = (await ready("pinned")) && (await exact()) && answer.value?.result;
   if (!result) return false;
   pinned.value = { title: title.value, text: text.value, result };
   return true;
@@ -31,7 +32,8 @@ export async function pin(): Promise<boolean> {
 /** Computes and pins the pinned design of an earlier visit. */
 export async function repin(scenario: string): Promise<void> {
   try {
-    const { fields, result } = await live({ scenario, files: fileIds.value }, [], new AbortController().signal);
+    const work = { scenario, files: fileIds.value };
+    const { fields, result } = await live(work, [], "exact", new AbortController().signal);
     pinned.value = { title: textAt(fields as Json, "title") ?? "Untitled", text: scenario, result };
   } catch {
     // A design that can no longer be computed is not pinned.

@@ -29,7 +29,9 @@ export async function computeByMonteCarlo(): Promise<void> {
     if (event === "progress") progress.value = data as WalkProgress;
     if (event !== "done" || draft.value !== base || pending.value !== sent) return;
     const { result, fields, seconds } = data as Pick<Live, "result" | "fields"> & { seconds: number };
-    const warnings = result.warnings;
-    adopt({ scenario, fields, result, warnings, preset: null, lobes: [], cost_ms: 1e3 * seconds }, sent, "");
+    const { warnings, solver } = result;
+    const accuracy = { is_final: true, relative_error: solver.relative_error_reached };
+    const unknown = { preset: null, lobes: [] };
+    adopt({ scenario, fields, result, warnings, ...accuracy, ...unknown, cost_ms: 1e3 * seconds }, sent, "");
   });
 }

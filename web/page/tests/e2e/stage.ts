@@ -89,6 +89,7 @@ export async function stage(): Promise<Stage> {
       );
       await page.goto(url + fragment);
       await page.locator(".bench").waitFor();
+      await exact(page);
       return page;
     },
     kill,
@@ -109,10 +110,16 @@ export async function stage(): Promise<Stage> {
 export const figure = (page: Page, name: string): Promise<string> =>
   page.locator(`[data-figure="${name}"] b`).innerText();
 
-/** Waits until a number of the summary has changed, and returns it. */
+/** Waits until the shown result is not a first answer. */
+export const exact = (page: Page): Promise<void> =>
+  page.locator('.age-mark[data-age="first"]').waitFor({ state: "detached" });
+
+/** Waits until a number of the summary has changed and is exact, and returns it. */
 export async function changed(page: Page, name: string, from: string): Promise<string> {
   await page.waitForFunction(
-    ([name, from]) => document.querySelector(`[data-figure="${name}"] b`)?.textContent !== from,
+    ([name, from]) =>
+      document.querySelector(`[data-figure="${name}"] b`)?.textContent !== from &&
+      document.querySelector('.age-mark[data-age="first"]') === null,
     [name, from] as const,
   );
   return figure(page, name);

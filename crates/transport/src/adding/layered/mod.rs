@@ -40,6 +40,7 @@ mod diffuse_response;
 mod directions;
 mod elements;
 mod grid;
+mod known;
 mod lobes;
 mod matrix;
 mod once;
@@ -50,13 +51,14 @@ mod prepare;
 mod rough;
 mod scatter;
 mod scatterers;
+mod single;
 mod slab;
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use super::Narrowest;
-use super::images::ImagePoints;
+use super::images::{ImagePoints, Mirror, image_points};
 use crate::specular::layered_image;
 use crate::{Cone, Estimate, Layered, Reflector, Source};
 use beam_response::BeamResponse;
@@ -69,14 +71,14 @@ pub(crate) use rough::width as rough_width;
 
 /// Returns the number of radial nodes that a level takes, besides the directions of views and sources.
 pub(super) fn nodes_needed(stack: &Layered, level: u32) -> usize {
-    let needed = |stack: &Layered| prepare::nodes_needed(stack, &Precision::new(level));
+    let needed = |stack: &Layered| prepare::nodes_needed(stack, &Precision::new(f64::from(level)));
     pixels::each_as_layers(stack)
         .map_or_else(|| needed(stack), |all| all.iter().map(needed).max().unwrap_or(0))
 }
 
 /// Returns the scatterer that needs most of them.
 pub(super) fn narrowest(stack: &Layered) -> Option<Narrowest> {
-    let precision = Precision::new(0);
+    let precision = Precision::new(0.0);
     let narrowest = |stack: &Layered| precision::narrowest(stack, &prepare::splits(stack, 0), &precision);
     let worst =
         |all: Vec<Layered>| all.into_iter().max_by_key(|stack| prepare::nodes_needed(stack, &precision));
@@ -98,7 +100,7 @@ pub(super) struct Kernel {
     last: Mutex<Option<Arc<BeamResponse>>>,
     /// Kernels of a base that scatters by kernels.
     pixels: Mutex<Option<Arc<Pixels>>>,
-    level: u32,
+    level: f64,
     asked: (Vec<Cone>, Vec<Source>),
 }
 
@@ -118,7 +120,7 @@ impl Clone for Kernel {
 }
 
 impl Kernel {
-    pub(super) fn new(level: u32) -> Self {
+    pub(super) fn new(level: f64) -> Self {
         Self {
             precision: Precision::new(level),
             directions: Directions::default(),
@@ -134,8 +136,8 @@ impl Kernel {
     /// Prepares views and sources; incomplete if `stop` is set during the computation.
     pub(super) fn prepare(&mut self, stack: &Layered, views: &[Cone], sources: &[Source], stop: &AtomicBool) {
         let digits = self.precision.digits;
-        // The previous data may be large: they are freed first.
-        self.prepared = Prepared::default();
+        // The previous data may be large: they are freed first, but for kernels that other directions share.
+        let known = std::mem::take(&mut self.prepared).into_known();
         self.last = Mutex::default();
         self.pixels = Mutex::default();
         self.asked = (views.to_vec(), sources.to_vec());
@@ -146,8 +148,8 @@ impl Kernel {
         self.directions = Directions::new(stack, views, sources, &self.precision);
         // They are valid for any base, whose fringes are not known here.
         self.images =
-            views.iter().map(|view| super::images::image_points(view, sources, digits, 0.0)).collect();
-        let (prepared, over) = Prepared::new(stack, &self.directions, &self.precision, stop);
+            views.iter().map(|view| image_points(view, sources, digits, Mirror::Across(0.0))).collect();
+        let (prepared, over) = Prepared::new(stack, &self.directions, &self.precision, &known, stop);
         self.prepared = prepared;
         self.last = Mutex::new(Some(Arc::new(over)));
     }

@@ -22,7 +22,7 @@ impl Pixels {
     /// Prepares the kernels; incomplete if `stop` is set during the computation.
     pub(super) fn new(
         stack: &Layered,
-        level: u32,
+        level: f64,
         views: &[Cone],
         sources: &[Source],
         stop: &AtomicBool,

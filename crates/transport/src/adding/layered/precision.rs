@@ -7,7 +7,7 @@ use crate::adding::{Narrowest, Narrowness};
 use crate::layers::LayerKind;
 use crate::{Layered, Medium};
 
-/// Accuracy of a level.
+/// Accuracy of a level; the levels of a first answer are negative.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Precision {
     /// Natural digits of lobes, fields of view and round sources.
@@ -26,11 +26,10 @@ pub(super) struct Precision {
 }
 
 impl Precision {
-    pub(super) fn new(level: u32) -> Self {
-        let level = f64::from(level);
+    pub(super) fn new(level: f64) -> Self {
         Self {
             digits: 5.0 + 2.0 * level,
-            nodes: 8 + (4.0 * level) as usize,
+            nodes: (8.0 + 4.0 * level).max(4.0) as usize,
             terms: 3.0 + 1.5 * level,
             tolerance: 1e-5 * (-2.0 * level).exp(),
             iteration: 1e-7 * (-2.0 * level).exp(),

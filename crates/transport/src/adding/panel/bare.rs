@@ -10,7 +10,7 @@ use std::f64::consts::FRAC_PI_2;
 use papilio_optics::Beta;
 
 use super::super::field::{Peaks, Ring, rings};
-use super::super::images::{ImagePoints, image_points};
+use super::super::images::{ImagePoints, Mirror, image_points};
 use super::super::quadrature::{Node, Nodes, Point, Pole, cone_points_of, disc_points, graded, smooth_at};
 use super::add_scaled;
 use crate::specular::{FlatTop, panel_image};
@@ -68,7 +68,7 @@ impl Kernel {
                 cone: *cone,
                 across,
                 points: cone_points_of(cone, smooth_at(cone, SMOOTH), digits, Nodes { rings, across }),
-                images: image_points(cone, sources, digits, across),
+                images: image_points(cone, sources, digits, Mirror::Across(across)),
             }
         };
         let light = |source: &Source| match source {

@@ -15,6 +15,7 @@ mod indices;
 mod lambertian;
 mod ledger;
 mod lobes;
+mod projected;
 mod recycling;
 mod rings;
 
@@ -22,13 +23,23 @@ use std::sync::atomic::AtomicBool;
 
 use papilio_optics::lobe::Lobe;
 
-use super::TableGradient;
+use super::{FirstPass, TableGradient};
 use crate::{Cone, Diffuser, Estimate, Panel, ReflectanceFactor, Source, Top};
 
 /// Returns whether recycled light may have a wider lobe than the diffuser's (see [`recycling`]).
 pub(super) fn narrows(panel: &Panel) -> bool {
     let Top::Diffuser(Diffuser { lobe: Lobe::KCorrelation { width }, .. }) = &panel.top else { return false };
     *width < recycling::NARROWEST && !panel.single_pass && panel.front.reflectance_below.max() > 0.0
+}
+
+/// Views of a kernel.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Views<'a> {
+    pub(super) own: &'a [Cone],
+    /// All views that share data; if there are none, its own alone.
+    pub(super) together: &'a [Cone],
+    /// Kernel with the data that they share.
+    pub(super) common: Option<&'a Kernel>,
 }
 
 /// Kernel prepared for a stack, its views and its sources.
@@ -44,17 +55,27 @@ enum Kind {
     Diffused(Box<diffused::Kernel>),
 }
 
+impl Views<'_> {
+    /// Returns the common data of panels with a diffuser.
+    fn diffused(&self) -> Option<&diffused::Kernel> {
+        match &self.common?.kind {
+            Kind::Diffused(kernel) => Some(kernel),
+            Kind::Bare(_) => None,
+        }
+    }
+}
+
 impl Kernel {
-    pub(super) fn new(level: u32) -> Self {
-        Self { digits: 11.5 + 3.5 * f64::from(level), kind: Kind::Bare(bare::Kernel::default()) }
+    pub(super) fn new(level: f64) -> Self {
+        Self { digits: 11.5 + 3.5 * level, kind: Kind::Bare(bare::Kernel::default()) }
     }
 
     /// Prepares views and sources; incomplete if `stop` is set during the computation.
-    pub(super) fn prepare(&mut self, stack: &Panel, views: &[Cone], sources: &[Source], stop: &AtomicBool) {
+    pub(super) fn prepare(&mut self, stack: &Panel, views: Views<'_>, sources: &[Source], stop: &AtomicBool) {
         match &stack.top {
             Top::IdealAr | Top::Fresnel(_) => {
-                self.kind =
-                    Kind::Bare(bare::Kernel::new((&stack.base, &stack.medium), views, sources, self.digits));
+                let over = (&stack.base, &stack.medium);
+                self.kind = Kind::Bare(bare::Kernel::new(over, views.own, sources, self.digits));
             }
             Top::Diffuser(diffuser) => {
                 if let Kind::Diffused(kernel) = &mut self.kind
@@ -104,6 +125,13 @@ impl Kernel {
             (Kind::Diffused(kernel), Top::Diffuser(diffuser)) => {
                 kernel.pull_back(stack, diffuser, view, seen)
             }
+            _ => None,
+        }
+    }
+
+    pub(super) fn first_pass(&self, stack: &Panel, view: usize) -> Option<(Vec<FirstPass>, f64)> {
+        match (&self.kind, &stack.top) {
+            (Kind::Diffused(kernel), Top::Diffuser(diffuser)) => kernel.first_pass(stack, diffuser, view),
             _ => None,
         }
     }

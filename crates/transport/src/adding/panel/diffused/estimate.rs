@@ -5,10 +5,10 @@ use std::sync::atomic::AtomicBool;
 
 use super::super::super::images::ImagePoints;
 use super::super::super::quadrature::Point;
-use super::super::add_scaled;
 use super::super::first_pass::{SourceFreeView, Weights};
 use super::super::ledger::{LedgerRequest, Sums};
 use super::super::recycling::{Direction, Forms, Recycling, Reflectances};
+use super::super::{Views, add_scaled};
 use super::{Bundle, Kernel, Recycled, View, sent_back};
 use crate::specular::panel_image;
 use crate::{AngularTable, Diffuser, Estimate, Medium, Panel, ReflectanceFactor, Reflector, Source};
@@ -26,7 +26,8 @@ impl Kernel {
         // A front or a pixel that is much brighter, so that more orders of recycled light are needed.
         let mut other = self.clone();
         other.views = vec![seen.clone()];
-        other.prepare(stack, &[seen.cone], &sources, &AtomicBool::new(false));
+        let views = Views { own: &[seen.cone], together: &[], common: None };
+        other.prepare(stack, views, &sources, &AtomicBool::new(false));
         other.estimate(stack, diffuser, 0)
     }
 

@@ -1,5 +1,6 @@
 //! A panel with a diffuser: data that persist between estimates. `estimate` sums them.
 
+mod by_order;
 mod estimate;
 mod gradient;
 
@@ -9,15 +10,18 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use papilio_optics::Beta;
 use papilio_optics::lobe::Lobe;
 
-use super::super::field::{Peaks, Ring, rings};
-use super::super::images::{ImagePoints, image_points};
+use super::super::field::{Peaks, Ring, radii, rings};
+use super::super::images::{ImagePoints, Mirror, image_points};
 use super::super::quadrature::{Nodes as QuadratureNodes, Point, cone_points_of, disc_points};
+use super::Views;
 use super::first_pass::{Pass, SourceFreeView, Weights};
 use super::indices::Indices;
 use super::lambertian::Shares;
+use super::projected::{Circle, Projected};
 use super::recycling::{Closed, Forms, Group, OwnForms, Plan, Recycling, Reflectances};
 use crate::base::largest;
 use crate::{AngularTable, Cone, Diffuser, Field, Medium, Nodes, Panel, Reflector, Source, Top};
+use by_order::ByOrder;
 
 /// All data of a panel that do not depend on its spectra.
 #[derive(Debug, Clone)]
@@ -30,11 +34,13 @@ pub(super) struct Kernel {
     indices: Indices,
     /// See [`reach`].
     reach: Option<f64>,
-    sources: Vec<Light>,
+    sources: Vec<Arc<Light>>,
+    /// Views for which the directions of fields are chosen.
+    directions: Vec<Cone>,
     views: Vec<View>,
     /// For each index.
     shares: Vec<Shares>,
-    recycling: Option<Vec<Recycling>>,
+    recycling: Option<Arc<[Recycling]>>,
     seen: Option<BaseData>,
 }
 
@@ -54,6 +60,8 @@ struct Light {
     groups: Vec<Bundle>,
     /// For each index and group.
     recycled: Vec<Vec<Group>>,
+    /// Of a field: for each index and group its light below the diffuser.
+    projected: Vec<Vec<Projected>>,
 }
 
 #[derive(Debug, Clone)]
@@ -71,8 +79,29 @@ struct View {
 struct Bundle {
     axis: Point,
     points: Vec<Point>,
+    /// Light of a field instead: `points` are then its means over azimuth.
+    circles: Vec<Circle>,
     /// Whether weights at azimuths equally far from the axis on its two sides are opposite instead of equal.
     odd: bool,
+}
+
+impl Bundle {
+    fn new(axis: Point, points: Vec<Point>) -> Self {
+        Self { axis, points, circles: Vec::new(), odd: false }
+    }
+
+    /// Returns one part of a field, or of some of its rings.
+    fn of_rings(rings: &[Ring], odd: bool) -> Self {
+        let at = |radius: f64, weight: f64| Point { beta: Beta { x: radius, y: 0.0 }, weight };
+        let axis = at(rings.get(rings.len() / 2).map_or(0.0, |ring| ring.radius), 1.0);
+        let circles: Vec<Circle> = rings.iter().map(|ring| Circle::part(ring, odd)).collect();
+        let points = circles.iter().map(|circle| at(circle.radius, circle.orders[0])).collect();
+        Self { axis, points, circles, odd }
+    }
+
+    fn azimuth(&self) -> f64 {
+        self.axis.beta.y.atan2(self.axis.beta.x)
+    }
 }
 
 /// One view at one index; empty over a Lambertian base. For each of its groups:
@@ -81,6 +110,8 @@ struct AtIndex {
     alone: Vec<SourceFreeView>,
     /// By group, source and the source's group, and the number of nodes used.
     pairs: Vec<Vec<Vec<(Weights, usize)>>>,
+    /// The same of fields, shared by views at the same inclination; of other sources none.
+    fields: Vec<Vec<Vec<Arc<ByOrder>>>>,
     recycled: Vec<Recycled>,
 }
 
@@ -102,6 +133,7 @@ impl Kernel {
             indices: Indices::new(&stack.medium, digits),
             reach: None,
             sources: Vec::new(),
+            directions: Vec::new(),
             views: Vec::new(),
             shares: Vec::new(),
             recycling: None,
@@ -118,26 +150,43 @@ impl Kernel {
     }
 
     /// Prepares views and sources; incomplete if `stop` is set during the computation.
-    pub(super) fn prepare(&mut self, stack: &Panel, views: &[Cone], sources: &[Source], stop: &AtomicBool) {
+    pub(super) fn prepare(&mut self, stack: &Panel, views: Views<'_>, sources: &[Source], stop: &AtomicBool) {
+        let common = views.diffused();
+        let Views { own: views, together, .. } = views;
         let old_views = std::mem::take(&mut self.views);
         let old_sources = std::mem::take(&mut self.sources);
         if self.table.is_none() && self.shares.is_empty() {
             let at = |index: &f64| Shares::new(&self.diffuser, *index, self.digits);
-            self.shares = self.indices.nodes.iter().map(at).collect();
+            self.shares = match common {
+                Some(common) => common.shares.clone(),
+                None => self.indices.nodes.iter().map(at).collect(),
+            };
         }
-        self.reach = reach(views, sources);
-        self.reset_for_new_base(stack);
-        let same_recycling = self.prepare_recycling(stack);
+        let directions = if together.is_empty() { views } else { together };
+        self.reach = reach(directions, sources);
+        match common.and_then(|common| common.seen.as_ref()) {
+            Some(seen) => self.seen = Some(seen.clone()),
+            None => self.reset_for_new_base(stack),
+        }
+        let same_recycling = self.prepare_recycling(stack, common);
         let at = self.reflectances_at(stack);
         if let (Some(seen), Some(at)) = (&mut self.seen, at) {
             seen.at = at;
         }
-        let same_views = old_views.iter().map(|view| &view.cone).eq(views);
+        let same_views = self.directions == directions;
+        if !same_views {
+            self.directions = directions.to_vec();
+        }
         let kept: Vec<Option<usize>> =
             sources.iter().map(|source| position(source, &old_sources, same_views)).collect();
         let light = |(source, kept): (&Source, &Option<usize>)| match kept {
             Some(kept) if same_recycling => old_sources[*kept].clone(),
-            _ => self.light(source.clone(), views),
+            _ => {
+                match common.and_then(|common| common.sources.iter().find(|light| light.source == *source)) {
+                    Some(light) => light.clone(),
+                    _ => self.light(source.clone()).into(),
+                }
+            }
         };
         self.sources = sources.iter().zip(&kept).map(light).collect();
         let old_view = |k: usize, cone: &Cone| {
@@ -158,12 +207,17 @@ impl Kernel {
         self.views = made;
     }
 
-    /// Builds the grid for recycled light; returns whether it equals the previous one.
-    fn prepare_recycling(&mut self, stack: &Panel) -> bool {
+    /// Builds the grid for recycled light, or takes the common one; returns whether it equals the previous
+    /// one.
+    fn prepare_recycling(&mut self, stack: &Panel, common: Option<&Self>) -> bool {
         let plan = self.plan(stack);
-        let old = self.recycling.as_ref().and_then(|all| all.first()).map(|one| one.plan.clone());
-        if plan == old {
+        let old = self.recycling.as_ref().and_then(|all| all.first()).map(|one| &one.plan);
+        if plan.as_ref() == old {
             return true;
+        }
+        if let Some(common) = common {
+            self.recycling.clone_from(&common.recycling);
+            return false;
         }
         if let Some(seen) = &mut self.seen {
             seen.at.clear();
@@ -217,7 +271,12 @@ impl Kernel {
         let at = |(index, recycling): (usize, &Recycling)| {
             Arc::new(recycling.reflectances(&stack.base, &seen.table, &self.medium_at(stack, index)))
         };
-        Some(self.recycling.iter().flatten().enumerate().map(at).collect())
+        Some(self.grids().enumerate().map(at).collect())
+    }
+
+    /// Returns the grid of each index; none without recycled light.
+    fn grids(&self) -> impl Iterator<Item = &Recycling> {
+        self.recycling.iter().flat_map(|all| all.iter())
     }
 
     /// Returns the medium above the base, as if it had this index at all wavelengths.
@@ -237,9 +296,9 @@ impl Kernel {
     /// Returns points for the width of the lobe, together or one by one.
     fn bundles(&self, points: Vec<Point>, axis: Point) -> Vec<Bundle> {
         if self.diffuser.regular_fraction == 0.0 || self.table.is_none() {
-            return vec![Bundle { axis, points, odd: false }];
+            return vec![Bundle::new(axis, points)];
         }
-        points.into_iter().map(|point| Bundle { axis: point, points: vec![point], odd: false }).collect()
+        points.into_iter().map(|point| Bundle::new(point, vec![point])).collect()
     }
 
     fn scale(&self) -> f64 {
@@ -249,54 +308,73 @@ impl Kernel {
         }
     }
 
-    fn light(&self, source: Source, views: &[Cone]) -> Light {
+    fn light(&self, source: Source) -> Light {
         let groups = match &source {
             Source::Diffuse => Vec::new(),
             Source::Beam(beta) => {
                 let point = Point { beta: *beta, weight: 1.0 };
-                vec![Bundle { axis: point, points: vec![point], odd: false }]
+                vec![Bundle::new(point, vec![point])]
             }
             Source::Disc(cone) => {
                 let axis = Point { beta: cone.mirrored().axis_towards(), weight: 1.0 };
                 self.bundles(disc_points(cone, self.scale(), self.digits), axis)
             }
-            Source::Field(field) => self.of_field(field, views),
+            Source::Field(field) => self.of_field(field),
         };
-        let recycled = self.groups(&groups, false);
-        Light { source, groups, recycled }
+        let recycled = self.groups(&groups);
+        let projected = if matches!(source, Source::Field(_)) { self.projected(&groups) } else { Vec::new() };
+        Light { source, groups, recycled, projected }
     }
 
     /// Returns the even part of a field and, if it has one, its odd part, together or ring by ring.
-    fn of_field(&self, field: &Field, views: &[Cone]) -> Vec<Bundle> {
-        // Light that is scattered twice has a peak of twice the width.
-        let passes = if self.diffuser.regular_fraction == 0.0 { 2.0 } else { 1.0 };
-        let width = (passes * self.scale()).min(SMOOTH);
-        let rings = rings(field, Peaks { views, width }, self.digits - DIGITS_LESS_OF_FIELDS);
-        let bundle = |rings: &[Ring], odd: bool| {
-            let sign = if odd { -1.0 } else { 1.0 };
-            let points: Vec<Point> =
-                rings.iter().flat_map(|ring| ring.part(sign).points().collect::<Vec<_>>()).collect();
-            let axis = Point {
-                beta: Beta { x: rings.get(rings.len() / 2).map_or(0.0, |ring| ring.radius), y: 0.0 },
-                weight: 1.0,
-            };
-            Bundle { axis, points, odd }
-        };
+    fn of_field(&self, field: &Field) -> Vec<Bundle> {
+        let rings = rings(
+            field,
+            Peaks { views: &self.directions, width: self.width_of_peaks() },
+            self.digits - DIGITS_LESS_OF_FIELDS,
+        );
         let parts: &[bool] = if field.is_ring() { &[false] } else { &[false, true] };
         let together = self.diffuser.regular_fraction == 0.0 || self.table.is_none();
         // Rings close together see the same reflectance.
         let span = if together { f64::INFINITY } else { SMOOTH / (self.digits - 3.0) };
         let place = |ring: &Ring| (ring.radius / span).floor();
         let close = rings.chunk_by(|one, next| place(one) == place(next));
-        close.flat_map(|rings| parts.iter().map(move |odd| bundle(rings, *odd))).collect()
+        close.flat_map(|rings| parts.iter().map(move |odd| Bundle::of_rings(rings, *odd))).collect()
     }
 
-    fn groups(&self, bundles: &[Bundle], is_view: bool) -> Vec<Vec<Group>> {
+    /// Returns the width of the peaks of a view's response to a field.
+    fn width_of_peaks(&self) -> f64 {
+        // Light that is scattered twice has a peak of twice the width.
+        let passes = if self.diffuser.regular_fraction == 0.0 { 2.0 } else { 1.0 };
+        (passes * self.scale()).min(SMOOTH)
+    }
+
+    /// Projects the groups of a field for each index.
+    fn projected(&self, groups: &[Bundle]) -> Vec<Vec<Projected>> {
+        let width = self.width_of_peaks();
+        let mut views: Vec<f64> = self.directions.iter().flat_map(|view| radii(view, width)).collect();
+        views.sort_by(f64::total_cmp);
+        views.dedup();
+        let one = |pass: &Pass<'_>, b: &Bundle| {
+            let lit: Vec<f64> = b.circles.iter().map(|circle| circle.radius).collect();
+            pass.project(&lit, &views, |_| b.circles.clone())
+        };
+        let project = |pass: Pass<'_>| groups.iter().map(|b| one(&pass, b)).collect();
+        (0..self.indices.nodes.len()).filter_map(|index| self.pass(index)).map(project).collect()
+    }
+
+    /// Returns the groups of a source on the grid.
+    fn groups(&self, bundles: &[Bundle]) -> Vec<Vec<Group>> {
         let at = |(recycling, index): (&Recycling, &f64)| {
-            let group = |b: &Bundle| recycling.group((&b.points, b.odd), b.axis, *index, is_view);
+            let group = |b: &Bundle| {
+                if b.circles.is_empty() {
+                    return recycling.group(&b.points, b.axis, *index, false);
+                }
+                recycling.group_of_circles(&b.circles, b.odd, b.axis, *index)
+            };
             bundles.iter().map(group).collect()
         };
-        self.recycling.iter().flatten().zip(&self.indices.nodes).map(at).collect()
+        self.grids().zip(&self.indices.nodes).map(at).collect()
     }
 
     /// Returns the points of a cone, and the number of nodes of the base's table across it.
@@ -310,6 +388,9 @@ impl Kernel {
     ) -> View {
         // Only unscattered light resolves the table.
         let across = if self.diffuser.regular_fraction > 0.0 { across } else { 0.0 };
+        // Without it there is only the image in the front, which reflects the same at all angles.
+        let mirror =
+            if self.diffuser.regular_fraction > 0.0 { Mirror::Across(across) } else { Mirror::Uniform };
         let groups = match old {
             Some(old) => old.groups.clone(),
             None => {
@@ -318,20 +399,24 @@ impl Kernel {
                 self.bundles(cone_points_of(cone, self.scale(), self.digits, nodes), axis)
             }
         };
-        let images = image_points(cone, sources, self.digits, across);
+        let images = image_points(cone, sources, self.digits, mirror);
+        let at_this_inclination =
+            self.directions.iter().filter(|other| other.is_turned(cone)).take(MANY_VIEWS);
+        let many = at_this_inclination.count() == MANY_VIEWS;
         let at = (0..self.indices.nodes.len())
             .map(|j| {
                 let old = old.and_then(|old| old.at.get(j));
                 let turned = turned.and_then(|turned| turned.at.get(j));
-                self.view_at(j, &groups, (old, turned), kept, same_recycling)
+                self.view_at((j, many), &groups, (old, turned), kept, same_recycling)
             })
             .collect();
         View { cone: *cone, groups, images, at }
     }
 
+    /// Computes a view at an index; `many`: there are many more at its inclination.
     fn view_at(
         &self,
-        index: usize,
+        (index, many): (usize, bool),
         groups: &[Bundle],
         (old, turned): (Option<&AtIndex>, Option<&AtIndex>),
         kept: &[Option<usize>],
@@ -345,47 +430,76 @@ impl Kernel {
                 None => groups.iter().map(|group| pass.alone(&group.points)).collect(),
             },
         };
+        let recycling = self.recycling.as_ref().and_then(|all| all.get(index));
+        let recycled: Vec<Option<(Group, OwnForms)>> = groups
+            .iter()
+            .enumerate()
+            .map(|(g, bundle)| {
+                let recycling = recycling?;
+                let old = old.filter(|_| same_recycling).and_then(|old| old.recycled.get(g));
+                let turned = turned.and_then(|turned| turned.recycled.get(g));
+                Some(match (old, turned) {
+                    (Some(old), _) => (old.group.clone(), old.alone.clone()),
+                    (None, Some(turned)) => (turned.group.turned_to(bundle.axis), turned.alone.clone()),
+                    (None, None) => {
+                        let group = recycling.group(&bundle.points, bundle.axis, pass.index, true);
+                        let alone = recycling.alone(&group);
+                        (group, alone)
+                    }
+                })
+            })
+            .collect();
+        let fields: Vec<Vec<Vec<Arc<ByOrder>>>> = match (turned, old) {
+            (Some(turned), _) => turned.fields.clone(),
+            (None, Some(old)) if same_recycling && kept.iter().all(Option::is_some) => {
+                let of = |of_group: &Vec<Vec<Arc<ByOrder>>>| {
+                    kept.iter().flatten().map(|kept| of_group[*kept].clone()).collect()
+                };
+                old.fields.iter().map(of).collect()
+            }
+            _ => {
+                let of_group = |(bundle, recycled): (&Bundle, &Option<(Group, OwnForms)>)| {
+                    let recycled = recycling.zip(recycled.as_ref().map(|(group, _)| group));
+                    self.sources
+                        .iter()
+                        .map(|light| by_order::of((&pass, index), bundle, recycled, light, many))
+                        .collect()
+                };
+                groups.iter().zip(&recycled).map(of_group).collect()
+            }
+        };
         let pairs = groups.iter().enumerate().map(|(g, group)| {
-            let towards = |(light, kept): (&Light, &Option<usize>)| match (old, kept) {
+            let towards = |(i, kept): (usize, &Option<usize>)| match (old, kept) {
                 (Some(old), Some(kept)) => old.pairs[g][*kept].clone(),
-                _ => light.groups.iter().map(|b| pass.between(&group.points, &b.points)).collect(),
+                _ if !fields[g][i].is_empty() => {
+                    fields[g][i].iter().map(|field| field.weights_at(group.azimuth(), &pass)).collect()
+                }
+                _ => self.sources[i].groups.iter().map(|b| pass.between(&group.points, &b.points)).collect(),
             };
-            self.sources.iter().zip(kept).map(towards).collect()
+            kept.iter().enumerate().map(towards).collect()
         });
         let pairs = pairs.collect();
-        let Some(recycling) = self.recycling.as_ref().and_then(|all| all.get(index)) else {
-            return AtIndex { alone, pairs, recycled: Vec::new() };
-        };
-        let recycled = groups.iter().enumerate().map(|(g, bundle)| {
+        let recycled = recycled.into_iter().zip(groups).enumerate().filter_map(|(g, (own, bundle))| {
+            let (recycling, (group, alone)) = recycling.zip(own)?;
             let old = old.filter(|_| same_recycling).and_then(|old| old.recycled.get(g));
-            let turned = turned.and_then(|turned| turned.recycled.get(g));
-            let (group, alone) = match (old, turned) {
-                (Some(old), _) => (old.group.clone(), old.alone.clone()),
-                (None, Some(turned)) => (turned.group.turned_to(bundle.axis), turned.alone.clone()),
-                (None, None) => {
-                    let group = recycling.group((&bundle.points, false), bundle.axis, pass.index, true);
-                    let alone = recycling.alone(&group);
-                    (group, alone)
-                }
-            };
-            let towards = |(light, kept): (&Light, &Option<usize>)| match (old, kept) {
+            let towards = |(i, kept): (usize, &Option<usize>)| match (old, kept) {
                 (Some(old), Some(kept)) => old.between[*kept].clone(),
+                // A field is as smooth as the wider lobes that may replace the diffuser's.
+                _ if !fields[g][i].is_empty() => {
+                    fields[g][i].iter().map(|field| (field.forms_at(bundle.azimuth()), None)).collect()
+                }
                 _ => {
-                    // A field is as smooth as the wider lobes that may replace the diffuser's.
-                    let is_field = matches!(light.source, Source::Field(_));
-                    let closed = |b: &Bundle| {
-                        (!is_field)
-                            .then(|| recycling.closed(self.diffuser.lobe, &bundle.points, &b.points))
-                            .flatten()
-                    };
+                    let light = &self.sources[i];
+                    let closed = |b: &Bundle| recycling.closed(self.diffuser.lobe, &bundle.points, &b.points);
                     let both = |(other, b): (&Group, &Bundle)| (recycling.between(&group, other), closed(b));
                     light.recycled[index].iter().zip(&light.groups).map(both).collect()
                 }
             };
-            let between = self.sources.iter().zip(kept).map(towards).collect();
-            Recycled { group, alone, between }
+            let between = kept.iter().enumerate().map(towards).collect();
+            Some(Recycled { group, alone, between })
         });
-        AtIndex { alone, pairs, recycled: recycled.collect() }
+        let recycled = recycled.collect();
+        AtIndex { alone, pairs, fields, recycled }
     }
 
     pub(super) fn nodes(&self) -> usize {
@@ -399,12 +513,16 @@ impl Kernel {
             .map(|at| at.alone.iter().map(|alone| alone.nodes).sum::<usize>() + pair(&at.pairs))
             .sum();
         let shares: usize = self.shares.iter().map(|shares| shares.nodes).sum();
-        views + shares + self.recycling.iter().flatten().map(Recycling::nodes).sum::<usize>()
+        views + shares + self.grids().map(Recycling::nodes).sum::<usize>()
     }
 }
 
+/// Number of views at one inclination from which on their light is computed by azimuthal orders, whatever the
+/// source.
+const MANY_VIEWS: usize = 16;
+
 /// Returns the previous position of a source; the directions of a field also depend on the views.
-fn position(source: &Source, old: &[Light], same_views: bool) -> Option<usize> {
+fn position(source: &Source, old: &[Arc<Light>], same_views: bool) -> Option<usize> {
     let serves = same_views || !matches!(source, Source::Field(_));
     old.iter().position(|old| serves && old.source == *source)
 }

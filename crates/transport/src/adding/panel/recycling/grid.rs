@@ -10,8 +10,9 @@ use papilio_optics::lobe::Lobe;
 use pulp::{Arch, Simd, WithSimd};
 
 use super::super::super::quadrature::{Node, Point, Pole, gauss, graded};
-use super::super::first_pass::{Pass, SAME_RADIUS, merged_radii};
+use super::super::first_pass::Pass;
 use super::super::lobes;
+use super::super::projected::Circle;
 use crate::Nodes;
 use crate::product::{add_product, add_transposed_product};
 
@@ -114,26 +115,20 @@ impl Grid {
         Self { lobe, straight, orders, air, glass, between, within, leaving, leaving_straight, arriving }
     }
 
-    /// Returns the lobes of a group of points that is symmetric about `azimuth`: equal on both sides, or
-    /// opposite.
-    pub(super) fn meridian(&self, points: &[Point], azimuth: f64, odd: bool) -> Meridian {
-        // Points of one radius share their lobes.
-        let mut rings: Vec<(f64, Vec<f64>)> =
-            merged_radii(points).iter().map(|ring| (ring.0, vec![0.0; self.orders])).collect();
-        for point in points {
-            let off = point.beta.y.atan2(point.beta.x) - azimuth;
-            let radius = point.beta.length();
-            if let Some(ring) = rings.iter_mut().find(|ring| (ring.0 - radius).abs() <= SAME_RADIUS) {
-                let turns = (0..self.orders)
-                    .map(|m| if odd { (m as f64 * off).sin() } else { (m as f64 * off).cos() });
-                ring.1.iter_mut().zip(turns).for_each(|(sum, turn)| *sum += point.weight * turn);
-            }
-        }
+    /// Returns the lobes of a group of points that is symmetric about `azimuth`.
+    pub(super) fn meridian(&self, points: &[Point], azimuth: f64) -> Meridian {
+        self.meridian_of_circles(&Circle::of_points(points, azimuth, self.orders))
+    }
+
+    /// Returns the lobes of light on circles about the normal, symmetric about azimuth 0: of equal light on
+    /// both sides by its integrals times `cos m phi`, of opposite light by those times `sin m phi`.
+    pub(super) fn meridian_of_circles(&self, circles: &[Circle]) -> Meridian {
         let lobes_at = |nodes: &[Node]| {
             let mut sum = vec![0.0; self.orders * nodes.len()];
-            for (radius, weights) in &rings {
-                lobes::orders_of_nodes(self.lobe, *radius, nodes, self.orders, |m, first, values| {
-                    add_scaled(&mut sum[m * nodes.len() + first..], values, weights[m]);
+            for circle in circles {
+                let count = self.orders.min(circle.orders.len());
+                lobes::orders_of_nodes(self.lobe, circle.radius, nodes, count, |m, first, values| {
+                    add_scaled(&mut sum[m * nodes.len() + first..], values, circle.orders[m]);
                 });
             }
             sum
@@ -355,7 +350,7 @@ impl WithSimd for Pairs<'_> {
         let Self { of: [one, other], widths: [left, right], nodes, share, factors, sum } = self;
         let count = nodes.len();
         let mut weighted = vec![0.0; count];
-        for (m, factor) in factors.iter().enumerate() {
+        for (m, factor) in factors.iter().enumerate().filter(|(_, factor)| **factor != 0.0) {
             let ones = one[m * left * count..][..left * count].chunks_exact(count);
             let others = &other[m * right * count..][..right * count];
             for (one, sums) in ones.zip(sum.chunks_exact_mut(right * count)) {

@@ -34,9 +34,11 @@ use papilio_optics::{Beta, Scatterer};
 
 use super::super::quadrature::Point;
 use super::first_pass::{Pass, Weights};
+use super::projected::Circle;
 use grid::{End, Grid, Meridian};
 pub(super) use plan::{NARROWEST, Plan};
 use profile::Profile;
+pub(super) use profile::is_fitted;
 pub(super) use spectra::Reflectances;
 
 /// All data that do not depend on views and sources.
@@ -118,19 +120,19 @@ impl Recycling {
         self.grid.air.len() + self.grid.glass.len()
     }
 
-    /// Returns a view's or a source's group of points, symmetric about the azimuth of the axis: equal on
-    /// both sides, or opposite (odd; never for a view).
-    pub(super) fn group(
-        &self,
-        (points, odd): (&[Point], bool),
-        axis: Point,
-        index: f64,
-        is_view: bool,
-    ) -> Group {
+    /// Returns a view's or a source's group of points, symmetric about the azimuth of the axis.
+    pub(super) fn group(&self, points: &[Point], axis: Point, index: f64, is_view: bool) -> Group {
+        self.group_of(self.grid.meridian(points, azimuth(axis)), false, axis, index, is_view)
+    }
+
+    /// Returns the group of a part of a field, symmetric about azimuth 0; `axis` is a direction of azimuth 0.
+    pub(super) fn group_of_circles(&self, circles: &[Circle], odd: bool, axis: Point, index: f64) -> Group {
+        self.group_of(self.grid.meridian_of_circles(circles), odd, axis, index, false)
+    }
+
+    fn group_of(&self, meridian: Meridian, odd: bool, axis: Point, index: f64, is_view: bool) -> Group {
         let azimuth = azimuth(axis);
-        let radius = axis.beta.length();
-        let meridian = self.grid.meridian(points, azimuth, odd);
-        let cosine = (1.0 - (radius / index).powi(2)).max(0.0).sqrt();
+        let cosine = (1.0 - (axis.beta.length() / index).powi(2)).max(0.0).sqrt();
         let light = |k: usize| match (is_view, k) {
             (true, 0) => End::default(),
             (true, _) => self.scattered(&meridian, cosine, k, k - 1),
@@ -162,6 +164,22 @@ impl Recycling {
             profile.places[0].folded(&self.form((k, profile), view, &source.light[k], &factors))
         };
         Forms(self.profiles.iter().enumerate().map(form).collect())
+    }
+
+    /// Returns the kernel for each azimuthal order alone, without its [`azimuth_factor`].
+    pub(super) fn between_by_order(&self, view: &Group, source: &Group) -> Vec<Forms> {
+        let order = |m: usize| {
+            let form = |(k, profile): (usize, &Profile)| {
+                if m >= self.plan.orders_of(k) {
+                    return Vec::new();
+                }
+                let mut factors = vec![0.0; m + 1];
+                factors[m] = PI;
+                profile.places[0].folded(&self.form((k, profile), view, &source.light[k], &factors))
+            };
+            Forms(self.profiles.iter().enumerate().map(form).collect())
+        };
+        (0..self.plan.orders).map(order).collect()
     }
 
     /// Returns the product of a view's light with other light in order `k + 2` of the series.
@@ -231,8 +249,24 @@ fn product(a: &[f64], b: &[f64]) -> Vec<f64> {
     out
 }
 
+impl Forms {
+    /// Returns the sum of forms by azimuthal order, each times its factor.
+    pub(super) fn sum(by_order: &[Self], factor: impl Fn(usize) -> f64) -> Self {
+        let Some((first, others)) = by_order.split_first() else { return Self(Vec::new()) };
+        let mut sum = first.clone();
+        sum.0.iter_mut().flatten().for_each(|value| *value *= factor(0));
+        for (m, order) in others.iter().enumerate() {
+            let factor = factor(m + 1);
+            for (sum, order) in sum.0.iter_mut().zip(&order.0) {
+                sum.iter_mut().zip(order).for_each(|(sum, value)| *sum += factor * value);
+            }
+        }
+        sum
+    }
+}
+
 /// Returns the factor of azimuthal order `m` in the sum over both signs of it.
-fn azimuth_factor(m: usize, turn: f64, odd: bool) -> f64 {
+pub(super) fn azimuth_factor(m: usize, turn: f64, odd: bool) -> f64 {
     let angle = m as f64 * turn;
     match (m, odd) {
         (_, true) => -2.0 * angle.sin(),

@@ -34,7 +34,7 @@ const DIGITS_A_TERM: f64 = 1.2;
 /// The same for tables with kinks.
 const DIGITS_A_KINK: f64 = 0.5;
 /// Largest number of coefficients of a form.
-const MOST_COEFFICIENTS: usize = 5000;
+const MOST_COEFFICIENTS: usize = 12_000;
 
 impl Plan {
     /// Plans for light of which only the fraction `strength` remains from pass to pass; `reach` is the

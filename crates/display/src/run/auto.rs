@@ -1,0 +1,218 @@
+//! Choice between the two solvers (`method = "auto"`), and estimates of their work.
+//!
+//! The work of both is estimated **from counts, never from measured time**, so that a scenario is solved by the same solver on
+//! every machine:
+//!
+//! - *adding*: the number of nodes and of sets of refractive indices ([`adding_seconds`]), at the level that the target is
+//!   expected to need; for an ordinary panel the number of views and of environments, and whether its lobe is narrow.
+//! - *Monte Carlo*: the number of paths that the target needs, from the standard errors after one round of paths of a few views
+//!   (a pilot run with the seed of the scene), and the work of a path, from the number of scattering layers and of spectra.
+//!
+//! The counts are converted to seconds of one processor (EPYC with AVX-512, one core), correct to within a factor of ten. If adding takes
+//! less work than the pilot run, it is taken without a pilot run. Of two solvers that take about the same, adding is
+//! preferred, because its result has no noise.
+
+use std::fmt::Write;
+
+use papilio_transport::adding::{error_over_difference, nodes_needed};
+use papilio_transport::{Source, Stack};
+
+use super::walk::{self, FIRST_PATHS};
+use super::{Control, Run, adding_seconds};
+use crate::DisplayError;
+use crate::meter::Meter;
+use crate::scene::{Layers, Method, Sampler, Scene, Stop, Strategy};
+use crate::setup::Setup;
+
+/// Largest optical thickness of a slab for the Monte Carlo solver: the number of scattering events of a path increases with
+/// it, and beyond this value a run takes hours.
+pub const THICKEST_FOR_MONTE_CARLO: f64 = 200.0;
+
+/// Factor by which Monte Carlo must take less work than adding to be chosen.
+const PREFERENCE: f64 = 2.0;
+
+/// Work above which no pilot run is made for an estimate alone, s.
+const LONGEST_PILOT_S: f64 = 1.0;
+
+/// Work of an exact answer of adding that needs no first answer, s.
+const QUICK_S: f64 = 0.02;
+
+/// Views of which a pilot run traces paths.
+const PILOT_VIEWS: usize = 3;
+
+/// Work that both solvers need for a scene, in seconds of one processor, estimated from counts to within a factor of ten.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Forecast {
+    /// Adding; `None` if it refuses the scene.
+    pub adding_s: Option<f64>,
+    /// Monte Carlo; `None` if it refuses the scene, or if a pilot run would take too long.
+    pub monte_carlo_s: Option<f64>,
+    /// The solver that takes less work.
+    pub cheaper: Method,
+    /// Why it is the cheaper one.
+    pub reason: String,
+}
+
+/// Estimates the work of both solvers for a scene and its target; traces a few thousand paths unless these alone take a second.
+///
+/// # Errors
+/// If the scene is invalid, or the pilot run was stopped.
+pub fn forecast(scene: &Scene, control: &Control<'_>) -> Result<Forecast, DisplayError> {
+    let setup = Setup::new(scene)?;
+    let meter = Meter::new(&setup);
+    estimated(&Run::new(&setup, control, &meter), |_| LONGEST_PILOT_S)
+}
+
+/// Returns whether adding takes so little work that its exact answer needs no first answer.
+pub(crate) fn is_quick(setup: &Setup) -> bool {
+    let Stop::RelativeError { target, .. } = setup.scene.solver.stop else { return false };
+    adding(setup, target).is_ok_and(|seconds| seconds <= QUICK_S)
+}
+
+/// Chooses the solver of a run; there is no pilot run if adding takes less work.
+pub(super) fn choose(run: &Run<'_>) -> Result<Forecast, DisplayError> {
+    estimated(run, |adding_s| adding_s.map_or(f64::INFINITY, |seconds| seconds / PREFERENCE))
+}
+
+/// Estimates the work of both solvers; `longest_pilot` returns the work below which a pilot run is made, from that of adding.
+fn estimated(run: &Run<'_>, longest_pilot: impl Fn(Option<f64>) -> f64) -> Result<Forecast, DisplayError> {
+    let scene = run.scene;
+    let Stop::RelativeError { target, .. } = scene.solver.stop else {
+        let paths = if let Stop::Paths(paths) = scene.solver.stop { Some(paths) } else { None };
+        let views = run.setup.views.len() as f64;
+        return Ok(Forecast {
+            adding_s: None,
+            monte_carlo_s: paths.map(|paths| views * paths as f64 * path_seconds(run.setup)),
+            cheaper: Method::MonteCarlo,
+            reason: "only the Monte Carlo solver stops at a number of paths or at the error of a metric"
+                .to_owned(),
+        });
+    };
+    let adding_s = match adding(run.setup, target) {
+        Ok(seconds) => Some(seconds),
+        Err(DisplayError::TooNarrow { .. }) => None,
+        Err(error) => return Err(error),
+    };
+    if is_too_thick(scene) {
+        let reason =
+            format!("slabs of optical thickness above {THICKEST_FOR_MONTE_CARLO} are for adding alone");
+        return Ok(Forecast { adding_s, monte_carlo_s: None, cheaper: Method::Adding, reason });
+    }
+    let views = run.setup.views.len();
+    let pilot_s = FIRST_PATHS as f64 * views.min(PILOT_VIEWS) as f64 * path_seconds(run.setup);
+    let mut reason = String::new();
+    // Writing to a string cannot fail.
+    let _ = match adding_s {
+        Some(seconds) => write!(reason, "adding takes about {seconds:.1e} s of one processor"),
+        None => write!(reason, "adding refuses this display"),
+    };
+    if pilot_s >= longest_pilot(adding_s) {
+        let _ = write!(reason, ", Monte Carlo more than {pilot_s:.1e} s");
+        let cheaper = if adding_s.is_some() { Method::Adding } else { Method::MonteCarlo };
+        return Ok(Forecast { adding_s, monte_carlo_s: None, cheaper, reason });
+    }
+    let paths = paths_needed(run, target)?;
+    let seconds = paths * path_seconds(run.setup);
+    let _ = write!(reason, ", Monte Carlo {seconds:.1e} s ({paths:.1e} paths)");
+    let cheaper = match adding_s {
+        Some(adding) if adding <= PREFERENCE * seconds => Method::Adding,
+        _ => Method::MonteCarlo,
+    };
+    Ok(Forecast { adding_s, monte_carlo_s: Some(seconds), cheaper, reason })
+}
+
+/// Estimates the work of adding, in seconds, at the level that the target is expected to need.
+fn adding(setup: &Setup, target: f64) -> Result<f64, DisplayError> {
+    super::refine::finest(&setup.stack)?;
+    let nodes = |level: u32| nodes_needed(&setup.stack, level).max(1) as f64;
+    let level = level_needed(target, error_over_difference(&setup.stack));
+    let more = (nodes(level) / nodes(1)).powi(3);
+    Ok(match &setup.stack {
+        Stack::Panel(_) => panel_seconds(setup),
+        Stack::Layered(_) => adding_seconds(&setup.scene)? * more,
+    })
+}
+
+/// Estimates the work of adding for an ordinary panel, in seconds: for each view that of the light that passes once, and more
+/// for environments and for light that a front sends back through a narrow lobe.
+fn panel_seconds(setup: &Setup) -> f64 {
+    const VIEW: f64 = 2e-3;
+    const FIELD: f64 = 1e-2;
+    const NARROW: f64 = 5e-2;
+    let fields = setup.sources.iter().filter(|source| matches!(source, Source::Field(_))).count();
+    let narrow = if error_over_difference(&setup.stack) > 1.0 { NARROW } else { 0.0 };
+    setup.views.len() as f64 * (VIEW + FIELD * fields as f64) + narrow
+}
+
+/// Returns the level of adding at which two levels are expected to agree within the target.
+fn level_needed(target: f64, error_over_difference: f64) -> u32 {
+    /// Usual difference between levels 0 and 1, and the decrease of differences from level to level.
+    const DIFFERENCE: f64 = 3e-4;
+    const DECREASE: f64 = 7.0;
+    let levels = (error_over_difference * DIFFERENCE / target).ln() / DECREASE.ln();
+    (1 + levels.ceil().max(0.0) as u32).min(papilio_transport::adding::FINEST)
+}
+
+/// Estimates the number of paths of all views that Monte Carlo needs for a relative error, from a pilot run of a few of them.
+fn paths_needed(run: &Run<'_>, target: f64) -> Result<f64, DisplayError> {
+    let views = run.setup.views.len();
+    let of_pilot = views.min(PILOT_VIEWS);
+    // The exponents p of errors that are proportional to paths^-p.
+    let exponent = match run.scene.solver.sampler {
+        Sampler::Random => 0.5,
+        Sampler::Sobol | Sampler::Stratified | Sampler::BestCandidate => 0.67,
+    };
+    let mut paths = 0.0;
+    for k in 0..of_pilot {
+        let pilot = walk::pilot(run, k * (views - 1) / (of_pilot - 1).max(1))?;
+        let more = (pilot.relative_error / target).max(1.0).powf(1.0 / exponent);
+        // A second round confirms the first.
+        paths += (pilot.paths as f64 * more.max(2.0)).max(pilot.least as f64);
+    }
+    Ok(paths * views as f64 / of_pilot as f64)
+}
+
+/// Estimates the work of a path, in seconds: that of each scattering event, whose weights have all states and wavelengths in
+/// general layers, and only directions on the first pass through a panel.
+fn path_seconds(setup: &Setup) -> f64 {
+    /// Work of an event with directions alone.
+    const EVENT: f64 = 5e-7;
+    /// Work of an event for each state and wavelength.
+    const NUMBER: f64 = 5e-9;
+    let numbers = (setup.states.len() * setup.scene.grid.len()) as f64;
+    match (&setup.stack, setup.scene.solver.scattering) {
+        (Stack::Panel(_), Strategy::Guided) => 10.0 * EVENT,
+        (Stack::Panel(_), _) => 3.0 * EVENT,
+        (Stack::Layered(_), _) => events(&setup.scene) * (EVENT + NUMBER * numbers),
+    }
+}
+
+/// Estimates the number of scattering events of a path through general layers.
+fn events(scene: &Scene) -> f64 {
+    /// Passes through the layers, on average.
+    const PASSES: f64 = 4.0;
+    let Layers::General(layers) = &scene.display.layers else { return PASSES };
+    let thickness: f64 = layers
+        .iter()
+        .filter_map(|layer| layer.medium.scattering.as_ref())
+        .map(|slab| slab.optical_thickness)
+        .sum();
+    PASSES * (2.0 + thickness)
+}
+
+fn is_too_thick(scene: &Scene) -> bool {
+    let Layers::General(layers) = &scene.display.layers else { return false };
+    let slabs = layers.iter().filter_map(|layer| layer.medium.scattering.as_ref());
+    slabs.into_iter().any(|slab| slab.optical_thickness > THICKEST_FOR_MONTE_CARLO)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn level_needed_grows_with_the_logarithm_of_the_target() {
+        assert_eq!([1e-2, 1e-3, 1e-4, 1e-5, 1e-9].map(|target| level_needed(target, 1.0)), [1, 1, 2, 3, 6]);
+        assert_eq!(level_needed(1e-3, 10.0), 2);
+    }
+}
