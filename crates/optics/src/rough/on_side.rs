@@ -57,7 +57,7 @@ impl Rough {
     pub fn sample_sides(&self, from: OnSide, u: [f64; 4]) -> [(Option<Sample<OnSide>>, f64); 2] {
         let event = self.facets.meet(from.side, from.beta, [u[0], u[1]]);
         let cosine = self.cosine(from.side, from.beta).unwrap_or(0.0);
-        let back = self.deficits.share_back(from.side, cosine);
+        let back = self.deficits().share_back(from.side, cosine);
         let single =
             [(true, event.reflectance), (false, 1.0 - event.reflectance)].map(|(reflected, part)| {
                 let light = self.facets.leave(&event, reflected);
@@ -74,7 +74,7 @@ impl Rough {
                 _ if several * share > 0.0 => {
                     let number = begin + (place - of_one).max(0.0) / several;
                     let (side, beta) =
-                        self.deficits.sample(&self.facets, (from.side, cosine), [number, u[3]]);
+                        self.deficits().sample(&self.facets, (from.side, cosine), [number, u[3]]);
                     side.at(beta)
                 }
                 _ => return (None, probability),
