@@ -80,4 +80,16 @@ def with_pyelli(film):
     return np.array([[reflectance(angle, gap) for gap in film["gaps"]] for angle in film["angles"]])
 
 
+def from_python(film):
+    """Papilio's own package, on one thread."""
+    import papilio.films
+
+    front, *inner, back = film["indices"]
+    gap = film["gaps"][:, None]
+    layers = [(n, gap if np.isnan(nm) else nm) for n, nm in zip(inner, film["thicknesses"])]
+    angles = np.degrees(film["angles"])[:, None, None]
+    options = {"incidence": front.real, "substrate": back, "threads": 1}
+    return papilio.films.reflectance(layers, film["wavelengths"], angles, **options)
+
+
 PEERS = {"tmm": with_tmm, "tmm_fast": with_tmm_fast, "PyMoosh": with_pymoosh, "pyElli": with_pyelli}

@@ -102,6 +102,11 @@ def rows(program, given):
         (ours, a), (theirs, b) = in_turn(Papilio(program, "films"), timed(work, problem))
         yield row("films", peer, ours, theirs, largest_difference(a, b))
 
+    own = timed(films.from_python, problem)
+    for peer in ("tmm", "tmm_fast"):
+        (ours, a), (theirs, b) = in_turn(own, timed(films.PEERS[peer], problem))
+        yield row("films from Python", peer, ours, theirs, largest_difference(a, b))
+
     work = colours.PEERS["colour-science"]
     (ours, a), (theirs, b) = in_turn(Papilio(program, "colours"), timed(work, colours.problem(given)))
     yield row("colours", "colour-science", ours, theirs, largest_difference(a, b))

@@ -8,6 +8,7 @@
 mod oracle;
 mod package;
 mod page;
+mod pairs;
 mod peers;
 mod pictures;
 mod python;
@@ -52,11 +53,15 @@ const TASKS: [Task; 11] = [
     ("accuracy", "measure accuracy against time of both solvers, for docs/pictures", pictures::accuracy),
 ];
 
-/// The task with arguments, which are those of `papilio serve`.
+/// The task whose arguments are those of `papilio serve`.
 const SERVE: (&str, &str) = (
     "serve",
     "build the page of the web app and the program, and start it: cargo xtask serve [FILE] [--open]",
 );
+
+/// The task with the paths of two programs.
+const PAIRS: (&str, &str) =
+    ("bench-pairs", "compare the processor time of two programs, in turn: cargo xtask bench-pairs OLD NEW");
 
 fn main() -> ExitCode {
     let mut arguments = std::env::args().skip(1);
@@ -65,12 +70,15 @@ fn main() -> ExitCode {
     if name.as_deref() == Some(SERVE.0) {
         return exit_code(serve::serve(&rest));
     }
+    if name.as_deref() == Some(PAIRS.0) {
+        return exit_code(pairs::pairs(&rest));
+    }
     let extra = rest.into_iter().next();
     let task = TASKS.iter().find(|(known, ..)| Some(*known) == name.as_deref());
     match (task, name, extra) {
         (Some((.., run)), _, None) => exit_code(run()),
         (None, None, _) => {
-            let all = TASKS.iter().map(|(name, description, _)| (*name, *description)).chain([SERVE]);
+            let all = TASKS.iter().map(|(name, description, _)| (*name, *description)).chain([SERVE, PAIRS]);
             all.for_each(|(name, description)| println!("cargo xtask {name:<8} {description}"));
             ExitCode::SUCCESS
         }

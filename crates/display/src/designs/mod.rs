@@ -5,14 +5,20 @@
 //! complete computation, as exact as a run; only the second level of a run, from which its error is estimated, is missing.
 //!
 //! **Level.** The level at which a run of the scene's own pixel meets its `relative_error`: the finer of the two levels
-//! that a run compares. The values are identical to those of [`run`](crate::run()) if that reaches the same level. The
-//! error is that of the level, about that of the first pixel. An optimisation ends with a run of its result.
+//! that a run compares. The error is that of the level, about that of the first pixel. An optimisation ends with a run of its
+//! result.
+//!
+//! **Nodes over angle.** If all quantities are colours, the film is tabulated on as many nodes as X, Y and Z need
+//! (`angles`, `pixel::weighted`), with an error of at most 1e-5 of Y. Otherwise the table is that of a run
+//! ([`TABLE_ERROR`](crate::pixel::TABLE_ERROR)), and the values are identical to those of [`run`](crate::run()) if that reaches
+//! the same level.
 //!
 //! **Reproducibility.** Each design is computed on the nodes that its own film needs, independently of earlier designs:
 //! the order of designs does not affect the values. Where a film needs other nodes, the values change by at most the
-//! table's error ([`TABLE_ERROR`](crate::pixel::TABLE_ERROR)). The peak of a flat spectrum is reported, too: only a
-//! second level shows whether a spectrum is flat within its errors.
+//! error of the table. The peak of a flat spectrum is reported, too: only a second level shows whether a spectrum is flat
+//! within its errors.
 
+mod angles;
 mod derivatives;
 mod differences;
 mod parameter;
@@ -32,7 +38,8 @@ pub use quantity::Quantity;
 
 use crate::DisplayError;
 use crate::meter::{Meter, Sample, ViewScalars};
-use crate::pixel::film::{Mixture, tabulated};
+use crate::pixel::WeightedNodes;
+use crate::pixel::film::{Mixture, tabulated, tabulated_for};
 use crate::result::StateValues;
 use crate::run::{Control, ViewGroupKernel, prepared_kernels};
 use crate::scene::{FilmPixel, Method, Metric, Pixel, Scene, Stop};
@@ -49,6 +56,8 @@ pub struct Designs {
     stack: Stack,
     /// Groups of views that share kernels.
     groups: Vec<ViewGroup>,
+    /// Nodes over angle for the light that the quantities need; `None` if they need the nodes of all light.
+    nodes: Option<WeightedNodes>,
 }
 
 /// Kernels of a group of views at one level, one for each set of table nodes, the most recently used first.
@@ -78,9 +87,10 @@ impl Designs {
         quantities.iter().try_for_each(|one| one.check(setup.views.len(), &setup.states))?;
         let group =
             |ViewGroupKernel { kernel, views }| ViewGroup { views, kernels: [Arc::new(kernel)].into() };
-        let groups = prepared_kernels(&setup, control)?.into_iter().map(group).collect();
+        let groups: Vec<ViewGroup> = prepared_kernels(&setup, control)?.into_iter().map(group).collect();
         let stack = setup.stack.clone();
-        Ok(Self { setup: Arc::new(setup), quantities: quantities.into(), stack, groups })
+        let nodes = angles::weighted_nodes(&setup, &groups, quantities)?;
+        Ok(Self { setup: Arc::new(setup), quantities: quantities.into(), stack, groups, nodes })
     }
 
     /// Computes the quantities of another pixel with the same states, in their order; `None` if one is not defined.
@@ -123,7 +133,14 @@ impl Designs {
             _ => None,
         };
         let index = scene.display.index_above_pixel();
-        let (nodes, values) = tabulated(film, &scene.grid, index, &mixture.gaps_nm, known)?;
+        let weighted = match &mut self.nodes {
+            Some(nodes) => tabulated_for(nodes, film, &scene.grid, index, &mixture)?,
+            None => None,
+        };
+        let (nodes, values) = match weighted {
+            Some(table) => table,
+            None => tabulated(film, &scene.grid, index, &mixture.gaps_nm, known)?,
+        };
         base.reflector = Reflector::Specular(mixture.table(nodes, values, film));
         Ok(mixture)
     }

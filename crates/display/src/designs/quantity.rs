@@ -105,6 +105,18 @@ impl Quantity {
         }
     }
 
+    /// Returns true if the quantity follows from X, Y, Z and the luminance of the states, under all lights together.
+    pub(super) fn is_of_colours(&self) -> bool {
+        match self {
+            Self::Metric { metric, .. } => !matches!(
+                metric,
+                Metric::R_hemi | Metric::peak_nm | Metric::peak_shift_nm | Metric::average_peak_shift_nm
+            ),
+            Self::ColourDistance { .. } | Self::ChromaticityDistance { .. } => true,
+            Self::ReflectanceFactor { .. } | Self::SpectrumDistance { .. } => false,
+        }
+    }
+
     fn name(&self) -> &'static str {
         match self {
             Self::Metric { metric, .. } => metric.name(),

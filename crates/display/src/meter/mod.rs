@@ -19,7 +19,7 @@ use std::borrow::Cow;
 use std::f64::consts::PI;
 use std::ops::Range;
 
-use papilio_colour::{LUMENS_PER_WATT, Xyz, peak_nm};
+use papilio_colour::{LUMENS_PER_WATT, Standard, Xyz, peak_nm};
 use papilio_spectra::{Grid, sum_of_products};
 use papilio_transport::{Base, Estimate, ReflectanceFactor};
 
@@ -147,6 +147,24 @@ impl<'a> Meter<'a> {
     fn interpolation_error(&self, state: usize, sample: &Sample) -> Option<[f64; 3]> {
         let [.., x, y, z] = self.corrections(state, sample)?;
         Some([x, y, z].map(|error| error.abs() / self.white_xyz.y))
+    }
+
+    /// Returns the weights over wavelength of a reflectance factor under each light in X, Y and Z, and in the luminance if
+    /// another observer sees the colours: `[light][quantity][wavelength]`. `None` if there is more to it: narrow lines or a
+    /// front light.
+    pub(crate) fn colour_weights(&self) -> Option<Vec<Vec<Vec<f64>>>> {
+        if self.layout.corrections > 0 || self.below_front.is_some() {
+            return None;
+        }
+        let luminance = |light: &Weights| -> Vec<f64> {
+            let y_bar = self.setup.observer.weights()[1];
+            light.radiance.iter().zip(y_bar).map(|(l, y)| l * y / self.white_xyz.y).collect()
+        };
+        let is_other = self.setup.scene.metrics.observer != Standard::Cie1931;
+        let weights = |light: &Weights| -> Vec<Vec<f64>> {
+            light.xyz.iter().cloned().chain(is_other.then(|| luminance(light))).collect()
+        };
+        Some(self.lights.iter().map(weights).collect())
     }
 
     fn is_front_light(&self, light: &Weights) -> bool {

@@ -5,9 +5,9 @@ use std::sync::Arc;
 use num_complex::Complex64;
 use papilio_optics::film::{GapFilm, LayerFringes, Thickness, Variable, most_fringes};
 use papilio_spectra::{Grid, Spectrum};
-use papilio_transport::{AngularTable, Base, Nodes, Reflector};
+use papilio_transport::{AngularTable, Base, CosinePanels, Nodes, Reflector};
 
-use super::table;
+use super::{WeightedNodes, table};
 use crate::DisplayError;
 use crate::scene::{Drive, FilmLayer, FilmPixel};
 
@@ -91,6 +91,32 @@ pub(crate) fn tabulated(
         table::panels(known, |cosines| sample.at_cosines(cosines), |cosines| whole.at_cosines(cosines))?;
     let (panels, values) = panels.ok_or_else(|| too_many_fringes(film, grid, gaps_nm))?;
     Ok((Nodes::CosinePanels(panels), values))
+}
+
+/// Tabulates the reflectances on the nodes that known light needs; `None` if those of all light are needed.
+pub(crate) fn tabulated_for(
+    light: &mut WeightedNodes,
+    film: &FilmPixel,
+    grid: &Grid,
+    index: &Spectrum,
+    mixture: &Mixture,
+) -> Result<Option<(Nodes, Arc<[f64]>)>, DisplayError> {
+    let gaps = mixture.gaps_nm.len();
+    let whole = Film::new(film, grid, index, &mixture.gaps_nm, Beta::InGlass)?;
+    let table = light.table((&mixture.fractions, gaps), |cosines| whole.at_cosines(cosines))?;
+    Ok(table.map(|(panels, values)| (Nodes::CosinePanels(panels), values)))
+}
+
+/// Computes the reflectances on given nodes, `[node][gap][wavelength]`.
+pub(crate) fn on_nodes(
+    panels: &CosinePanels,
+    film: &FilmPixel,
+    grid: &Grid,
+    index: &Spectrum,
+    gaps_nm: &[f64],
+) -> Result<Arc<[f64]>, DisplayError> {
+    let cosines: Vec<f64> = panels.nodes().collect();
+    Ok(Film::new(film, grid, index, gaps_nm, Beta::InGlass)?.at_cosines(&cosines)?.into())
 }
 
 /// Approximate largest thickness of a film whose fringes can be tabulated, mm.
@@ -301,7 +327,12 @@ impl<'a> Film<'a> {
                 one.iter().enumerate().for_each(|(k, value)| reflectance[k * bins + bin] = *value);
             }
         }
-        for (row, sine) in reflectance.chunks_exact_mut(gaps * bins).zip(sines) {
+        /// Sine of directions that may graze, in spite of rounding.
+        const GRAZING: f64 = 1.0 - 1e-12;
+        let may_graze = |sine: &f64| self.kind == Beta::Air || *sine > GRAZING;
+        for (row, sine) in
+            reflectance.chunks_exact_mut(gaps * bins).zip(sines).filter(|(_, sine)| may_graze(sine))
+        {
             let grazing = (0..bins).filter(|bin| scale(*bin) * sine >= self.index[*bin]);
             grazing.for_each(|bin| row.iter_mut().skip(bin).step_by(bins).for_each(|value| *value = 1.0));
         }

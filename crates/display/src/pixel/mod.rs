@@ -7,6 +7,7 @@
 mod absorption;
 pub(crate) mod film;
 mod table;
+mod weighted;
 
 use papilio_transport::{AngularTable, Base, Medium, Nodes, Reflector};
 
@@ -14,6 +15,7 @@ pub use absorption::{PixelAbsorption, PixelLayer, SubPixelAbsorption, absorption
 pub(crate) use film::FilmKey;
 use film::{Beta, Film, Mixture};
 pub use table::TABLE_ERROR;
+pub(crate) use weighted::{SeenLight, WeightedNodes};
 
 use crate::scene::{
     AngleMedium, Drive, FilmState, Pixel, ScatteringPixel, Scene, TableAngles, TablePixel, UniformKind,

@@ -30,7 +30,7 @@ const NARROW_ERROR: f64 = 1e-3;
 const MOST_PANELS: usize = 1024;
 
 /// Panels, with the values of the functions at their nodes.
-type Table = (CosinePanels, Arc<[f64]>);
+pub(super) type Table = (CosinePanels, Arc<[f64]>);
 
 /// Returns panels that are fine enough for functions of the cosine, with the values of the functions at the nodes,
 /// `[node][function]`. `whole` computes all functions at these cosines, `sample` some of them: if their error is too
@@ -61,35 +61,34 @@ pub(super) fn panels<E>(
         }
         open.extend([1, 0].map(|half| Panel::new(2 * panel.number + half, panel.halvings + 1)));
     }
+    Ok(Some(joined(&done)))
+}
+
+/// Returns the table of panels in ascending order.
+pub(super) fn joined(done: &[Panel]) -> Table {
     let panels = CosinePanels::new(&done.iter().map(|panel| panel.halvings).collect::<Vec<u32>>());
-    let count = done.iter().map(|panel| panel.values.len()).sum();
-    let mut all: Arc<[f64]> = std::iter::repeat_n(0.0, count).collect();
-    let mut rest = Arc::make_mut(&mut all);
-    for panel in &done {
-        let (here, beyond) = rest.split_at_mut(panel.values.len());
-        here.copy_from_slice(&panel.values);
-        rest = beyond;
-    }
-    Ok(Some((panels, all)))
+    let values: Vec<&[f64]> = done.iter().map(|panel| &panel.values[..]).collect();
+    (panels, values.concat().into())
 }
 
 /// Candidate panel: the one of this number among those of its width.
-struct Panel {
-    number: u32,
-    halvings: u32,
-    values: Vec<f64>,
+pub(super) struct Panel {
+    pub(super) number: u32,
+    pub(super) halvings: u32,
+    /// Values of the functions at the nodes, `[node][function]`.
+    pub(super) values: Vec<f64>,
 }
 
 impl Panel {
-    fn new(number: u32, halvings: u32) -> Self {
+    pub(super) fn new(number: u32, halvings: u32) -> Self {
         Self { number, halvings, values: Vec::new() }
     }
 
-    fn start(&self) -> f64 {
+    pub(super) fn start(&self) -> f64 {
         f64::from(self.number) * self.width()
     }
 
-    fn width(&self) -> f64 {
+    pub(super) fn width(&self) -> f64 {
         0.5_f64.powi(self.halvings as i32)
     }
 
@@ -103,7 +102,7 @@ impl Panel {
         (TABLE_ERROR * 4.0_f64.powi(self.halvings.saturating_sub(NARROW) as i32)).min(NARROW_ERROR)
     }
 
-    fn nodes(&self) -> impl Iterator<Item = f64> + use<> {
+    pub(super) fn nodes(&self) -> impl Iterator<Item = f64> + use<> {
         CosinePanels::nodes_between(self.start(), self.start() + self.width())
     }
 }

@@ -18,7 +18,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use crate::{Cone, Estimate, ReflectanceFactor, Source, Stack};
-pub use gradient::TableGradient;
+pub use gradient::{FirstPass, TableGradient};
 pub(crate) use layered::{Action, Preparation, rough_width};
 
 /// The finest level.
@@ -285,6 +285,16 @@ impl Kernel {
     pub fn pull_back(&self, stack: &Stack, view: usize, seen: &[f64]) -> Option<Vec<TableGradient>> {
         match (stack, &self.kind) {
             (Stack::Panel(panel), Kind::Panel(kernel)) => kernel.pull_back(panel, view, seen),
+            _ => None,
+        }
+    }
+
+    /// Returns the light that a view sees after one reflection by the base, for each index of a dispersive medium, and an
+    /// upper bound of the fraction of light that the front of screen sends back to the base. `None` where
+    /// [`pull_back`](Self::pull_back) returns none.
+    pub fn first_pass(&self, stack: &Stack, view: usize) -> Option<(Vec<FirstPass>, f64)> {
+        match (stack, &self.kind) {
+            (Stack::Panel(panel), Kind::Panel(kernel)) => kernel.first_pass(panel, view),
             _ => None,
         }
     }

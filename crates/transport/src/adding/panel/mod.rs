@@ -23,7 +23,7 @@ use std::sync::atomic::AtomicBool;
 
 use papilio_optics::lobe::Lobe;
 
-use super::TableGradient;
+use super::{FirstPass, TableGradient};
 use crate::{Cone, Diffuser, Estimate, Panel, ReflectanceFactor, Source, Top};
 
 /// Returns whether recycled light may have a wider lobe than the diffuser's (see [`recycling`]).
@@ -125,6 +125,13 @@ impl Kernel {
             (Kind::Diffused(kernel), Top::Diffuser(diffuser)) => {
                 kernel.pull_back(stack, diffuser, view, seen)
             }
+            _ => None,
+        }
+    }
+
+    pub(super) fn first_pass(&self, stack: &Panel, view: usize) -> Option<(Vec<FirstPass>, f64)> {
+        match (&self.kind, &stack.top) {
+            (Kind::Diffused(kernel), Top::Diffuser(diffuser)) => kernel.first_pass(stack, diffuser, view),
             _ => None,
         }
     }

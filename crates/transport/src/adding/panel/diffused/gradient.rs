@@ -8,9 +8,9 @@
 
 use std::sync::Arc;
 
-use super::super::super::TableGradient;
-use super::super::recycling::{Forms, Recycling};
-use super::{AtIndex, Kernel, sent_back};
+use super::super::super::{FirstPass, TableGradient};
+use super::super::recycling::{Forms, Recycling, is_fitted};
+use super::{AtIndex, Kernel, View, sent_back};
 use crate::product::{add_product, add_transposed_product};
 use crate::{AngularTable, Diffuser, Panel, Reflector, Source};
 
@@ -25,16 +25,12 @@ impl Kernel {
         seen: &[f64],
     ) -> Option<Vec<TableGradient>> {
         let Reflector::Specular(table) = &stack.base.reflector else { return None };
-        let view = self.views.get(view)?;
-        let forms = view.at.iter().all(has_forms);
-        let summed = self.grids().any(Recycling::sums_columns);
-        if self.diffuser.regular_fraction > 0.0 || summed || !forms || !self.recycling_serves(stack) {
-            return None;
-        }
+        let view = self.view_of_sums(stack, view)?;
         let size = self.sources.len() * stack.base.states() * stack.base.bins();
         let mut gradients = vec![zero(table); seen.len() / size.max(1)];
         for (index, at) in view.at.iter().enumerate() {
-            let rows = self.rows(at, index);
+            let terms = self.recycling.iter().flat_map(|all| all[index].terms()).map(<[f64]>::to_vec);
+            let rows: Vec<Vec<f64>> = self.first_rows(at).into_iter().chain(terms).collect();
             let weights = self.weights(stack, diffuser, index);
             let slopes = self.slopes(stack, diffuser, table, (at, index));
             let sums = Sums::new(table, &rows);
@@ -47,8 +43,36 @@ impl Kernel {
         Some(gradients)
     }
 
-    /// Returns the weights on the nodes that make each sum: one for each source, then the terms.
-    fn rows(&self, at: &AtIndex, index: usize) -> Vec<Vec<f64>> {
+    /// See [`first_pass`](super::super::super::Kernel::first_pass).
+    pub(in super::super) fn first_pass(
+        &self,
+        stack: &Panel,
+        diffuser: &Diffuser,
+        view: usize,
+    ) -> Option<(Vec<FirstPass>, f64)> {
+        let view =
+            self.view_of_sums(stack, view).filter(|_| self.pass(0).is_some_and(|pass| is_fitted(&pass)))?;
+        let at = |(index, at): (usize, &AtIndex)| FirstPass {
+            rows: self.first_rows(at),
+            through: self.weights(stack, diffuser, index),
+        };
+        let largest = sent_back(stack, &diffuser.transmittance).into_iter().fold(0.0, f64::max);
+        Some((view.at.iter().enumerate().map(at).collect(), largest))
+    }
+
+    /// Returns a view if what it sees depends on the table only through a few sums over its nodes.
+    fn view_of_sums(&self, stack: &Panel, view: usize) -> Option<&View> {
+        let view = self.views.get(view)?;
+        let forms = view.at.iter().all(has_forms);
+        let summed = self.grids().any(Recycling::sums_columns);
+        let is_mirror = matches!(stack.base.reflector, Reflector::Specular(_));
+        let serves =
+            self.diffuser.regular_fraction == 0.0 && !summed && forms && self.recycling_serves(stack);
+        (is_mirror && serves).then_some(view)
+    }
+
+    /// Returns the weights on the nodes of the first pass of each source.
+    fn first_rows(&self, at: &AtIndex) -> Vec<Vec<f64>> {
         let leaving = |sum: &mut Vec<f64>| add(sum, at.alone.iter().map(|alone| &alone.leaving.0[..]));
         let row = |(light, number): (&Arc<super::Light>, usize)| {
             let mut sum = Vec::new();
@@ -62,9 +86,7 @@ impl Kernel {
             }
             sum
         };
-        let first = self.sources.iter().zip(0..).map(row);
-        let terms = self.recycling.iter().flat_map(|all| all[index].terms()).map(<[f64]>::to_vec);
-        first.chain(terms).collect()
+        self.sources.iter().zip(0..).map(row).collect()
     }
 
     /// Returns the weight of a sum in the result, `[wavelength]`: `(t T)^2`, and the blend of indices.
@@ -90,7 +112,7 @@ impl Kernel {
         let of = |(light, number): (&Arc<super::Light>, usize)| -> Vec<&Forms> {
             let each = at.recycled.iter();
             if light.source == Source::Diffuse {
-                each.map(|recycled| &recycled.alone.leaving).collect()
+                each.filter_map(|recycled| Some(&recycled.alone.as_ref()?.leaving)).collect()
             } else {
                 each.flat_map(|recycled| &recycled.between[number]).map(|(forms, _)| forms).collect()
             }
@@ -101,10 +123,7 @@ impl Kernel {
 }
 
 fn has_forms(at: &AtIndex) -> bool {
-    at.recycled
-        .iter()
-        .flat_map(|recycled| recycled.between.iter().flatten())
-        .all(|(_, closed)| closed.is_none())
+    at.recycled.iter().all(|recycled| recycled.alone.is_some())
 }
 
 fn zero(table: &AngularTable) -> TableGradient {

@@ -72,7 +72,7 @@ impl Profile {
         let breaks: Vec<f64> =
             breaks.iter().map(|b| (1.0 - (b / pass.index).powi(2)).max(0.0).sqrt()).collect();
         let mut terms = vec![Weights::new(pass.table); points.len()];
-        for node in graded(from, 1.0, &breaks, &[], pass.digits) {
+        for node in graded(from, 1.0, &breaks, &[], pass.digits.max(DIGITS_OF_FITS)) {
             let stencil = look_up(pass, node.x);
             for ((term, value), point) in terms.iter_mut().zip(self.at(node.x)).zip(points) {
                 let area = if points.len() == 1 { node.x / point.x } else { 1.0 };
@@ -107,13 +107,16 @@ impl Profile {
     }
 }
 
+/// Natural digits of the rule for fits: it integrates the table's polynomials exactly, however fast they change.
+const DIGITS_OF_FITS: f64 = 43.0;
+
 fn look_up(pass: &Pass<'_>, cosine: f64) -> Stencil {
     pass.look_up(pass.index * (1.0 - cosine * cosine).max(0.0).sqrt())
 }
 
 /// Returns whether terms are fitted to means. Interpolation is better near a direction, where narrow lobes
 /// concentrate recycled light, and for tables over angles, which have no resonances.
-fn is_fitted(pass: &Pass<'_>) -> bool {
+pub(in super::super) fn is_fitted(pass: &Pass<'_>) -> bool {
     let narrow = matches!(pass.diffuser.lobe, Lobe::KCorrelation { width } if width <= NARROW);
     !narrow && matches!(pass.table, Nodes::Cosines(_) | Nodes::CosinePanels(_))
 }
