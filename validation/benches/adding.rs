@@ -1,7 +1,8 @@
 //! The deterministic solver of a panel on one core: `cargo bench -p papilio-validation --bench adding`.
 //!
 //! The indoor panel (78 % haze, front 0.5 %) over a pixel with 33 cosines, 4 gaps, 81 wavelengths and
-//! 8 states, at the levels that a target of 1e-4 needs. `from_scratch`: kernels and estimates; `diffuse`,
+//! 8 states, at the levels that a target of 1e-4 needs. `from_scratch`: kernels and estimates;
+//! `narrow_from_scratch`: the same of narrow lobes under a front of 2 %; `diffuse`,
 //! `beam`: the kernel of one source; `recycling`: the additional time for the front; `new_light`: a beam
 //! moves with a prepared kernel; `new_pixel`: an estimate with a prepared kernel.
 //!
@@ -50,11 +51,15 @@ fn pixel() -> AngularTable {
 }
 
 fn panel(front_reflectance: f64) -> Stack {
+    panel_with_lobe(0.05667, front_reflectance)
+}
+
+fn panel_with_lobe(width: f64, front_reflectance: f64) -> Stack {
     let (r, a) = (vec![front_reflectance; BINS], vec![0.01; BINS]);
     Stack::Panel(Panel {
         front: Front::exact(BINS, [(&r[..], &a[..])]),
         top: Top::Diffuser(Diffuser {
-            lobe: Lobe::KCorrelation { width: 0.05667 },
+            lobe: Lobe::KCorrelation { width },
             transmittance: vec![0.953; BINS].into(),
             regular_fraction: 0.0,
         }),
@@ -84,6 +89,13 @@ fn kernel(level: u32, stack: &Stack, sources: &[Source]) -> Kernel {
 #[divan::bench]
 fn from_scratch(bencher: Bencher<'_, '_>) {
     let (stack, sources) = (panel(0.005), [Source::Diffuse, beam(-20.0)]);
+    bencher.bench(|| [0, 1].map(|level| kernel(level, &stack, &sources).estimate(&stack, 0)));
+}
+
+/// By haze: 0.05, 0.2 and 0.4, under a front of 2 %.
+#[divan::bench(args = [0.002184, 0.008904, 0.019037])]
+fn narrow_from_scratch(bencher: Bencher<'_, '_>, width: f64) {
+    let (stack, sources) = (panel_with_lobe(width, 0.02), [Source::Diffuse, beam(-20.0)]);
     bencher.bench(|| [0, 1].map(|level| kernel(level, &stack, &sources).estimate(&stack, 0)));
 }
 

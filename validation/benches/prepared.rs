@@ -44,7 +44,7 @@ fn changed(bencher: Bencher<'_, '_>, name: &str, change: impl Fn(&mut Scene, f64
     bencher.with_inputs(next).bench_local_refs(|scene| prepared.run(scene, &control).unwrap());
 }
 
-#[divan::bench(args = ["indoor", "overcast", "sunny", "table-pixel", "epaper", "reference-pixel", "slab"])]
+#[divan::bench(args = ["indoor", "overcast", "sunny", "table-pixel", "epaper", "reference-pixel", "slab", "rough-glass", "cover-glass"])]
 fn from_scratch(bencher: Bencher<'_, '_>, name: &str) {
     let scene = scene(name);
     bencher.bench(|| run_on(&scene, Some(1)).unwrap());
@@ -55,7 +55,7 @@ fn nothing_new(bencher: Bencher<'_, '_>, name: &str) {
     changed(bencher, name, |_, _| {});
 }
 
-#[divan::bench(args = ["indoor", "slab"])]
+#[divan::bench(args = ["indoor", "slab", "cover-glass", "measured-h65"])]
 fn new_light(bencher: Bencher<'_, '_>, name: &str) {
     changed(bencher, name, |scene, times| scene.lighting.directed[0].theta_deg -= 1e-3 * times);
 }
@@ -65,7 +65,7 @@ fn new_view(bencher: Bencher<'_, '_>, name: &str) {
     changed(bencher, name, |scene, times| scene.viewer.theta_deg[0] += 1e-3 * times);
 }
 
-#[divan::bench(args = ["indoor", "slab"])]
+#[divan::bench(args = ["indoor", "slab", "cover-glass", "measured-h65"])]
 fn new_film(bencher: Bencher<'_, '_>, name: &str) {
     changed(bencher, name, |scene, times| {
         if let Pixel::Film(film) = &mut scene.display.pixel {

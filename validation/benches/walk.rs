@@ -2,13 +2,16 @@
 //!
 //! `paths` counts paths (items) per second, including all spectra; `to_0_1_percent` is the
 //! CPU time from a resolved scenario to a complete result with 0.1 % in Y of every state, and
-//! in every wavelength bin of every state; `resolve` is the time from the file to the scene.
+//! in every wavelength bin of every state; `layers_to_0_1_percent` is the same for general layers in diffuse light: white
+//! paint under rough glass (one state), and a conservative slab over two mirrors; `resolve` is the time from the file to the
+//! scene.
 
 #![allow(clippy::unwrap_used, missing_docs, reason = "a benchmark")]
 
 use divan::Bencher;
 use divan::counter::ItemsCount;
 use papilio_display::scene::{Scene, Stop};
+use papilio_scenario::Scenario;
 use papilio_validation::{monte_carlo_scenario, run_on};
 
 fn main() {
@@ -33,6 +36,34 @@ fn paths(bencher: Bencher<'_, '_>, name: &str) {
 #[divan::bench(args = ["overcast", "indoor", "sunny", "table-pixel", "epaper"], consts = [false, true])]
 fn to_0_1_percent<const PER_WAVELENGTH: bool>(bencher: Bencher<'_, '_>, name: &str) {
     let scene = scene(name, Stop::RelativeError { target: 0.001, per_wavelength: PER_WAVELENGTH });
+    bencher.bench(|| run_on(&scene, Some(1)).unwrap());
+}
+
+/// Layers and pixel, by name.
+const LAYERS: [(&str, &str); 2] = [
+    (
+        "rough glass",
+        "[[display.layers]]\nkind = \"rough\"\nalpha = 0.1\n[[display.layers]]\nkind = \"medium\"\nindex = 1.5\n\
+         [display.pixel]\nmodel = \"uniform\"\nkind = \"lambertian\"\nreflectance = { white = 0.5 }\n",
+    ),
+    (
+        "slab",
+        "[[display.layers]]\nkind = \"fresnel\"\n[[display.layers]]\nkind = \"slab\"\noptical_thickness = 2.0\n\
+         anisotropy = 0.9\nalbedo = 1.0\nindex = 1.5\n[display.pixel]\nmodel = \"uniform\"\nkind = \"mirror\"\n\
+         reflectance = { white = 0.8, black = 0.1 }\n[spectrum]\nstep_nm = 20\n",
+    ),
+];
+
+#[divan::bench(args = ["rough glass", "slab"], consts = [false, true])]
+fn layers_to_0_1_percent<const PER_WAVELENGTH: bool>(bencher: Bencher<'_, '_>, name: &str) {
+    let (_, layers) = LAYERS.iter().find(|(of, _)| *of == name).unwrap();
+    let text = format!(
+        "{layers}[lighting]\nspectrum = \"D65\"\nilluminance_lx = 500\ndiffuse = 1.0\n[viewer]\ntheta_deg = 8\n\
+         [solver]\nmethod = \"monte-carlo\"\n"
+    );
+    let folder = std::env::temp_dir();
+    let mut scene = Scenario::from_text(&text, "layers.toml", &folder, &[]).unwrap().resolve().unwrap().scene;
+    scene.solver.stop = Stop::RelativeError { target: 0.001, per_wavelength: PER_WAVELENGTH };
     bencher.bench(|| run_on(&scene, Some(1)).unwrap());
 }
 

@@ -27,6 +27,17 @@ impl Layered {
             [(interface.kind(), [above, Some(medium)]), (medium_itself, [Some(medium); 2])]
         })
     }
+
+    /// True if all layers are the same at every wavelength; the pixel may have colour.
+    pub(crate) fn is_grey(&self) -> bool {
+        let key = |bin: usize| {
+            let mut key = Vec::new();
+            self.elements().for_each(|(kind, _)| kind.spectral_key(bin, &mut key));
+            key
+        };
+        let first = key(0);
+        (1..self.base.bins()).all(|bin| key(bin) == first)
+    }
 }
 
 /// An interface and the medium below it.

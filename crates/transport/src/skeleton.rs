@@ -5,14 +5,19 @@
 //! Lambertian base by nothing. The result is a row of parts with reflectances and one transmittance each. All their
 //! inter-reflections are summed in closed form, for every wavelength and, where the base is a mirror, for every state.
 //!
+//! Layers that are the same at every wavelength are computed once: the arrays of one *band*. Otherwise each wavelength is a
+//! band of its own.
+//!
 //! *Elements* are counted from the top: interface, medium, interface, medium ... *Planes* are between them: plane 0 in
 //! the air above all elements, plane e above element e, the last one on the base. A [`Field`] contains the light at every
 //! plane, in both directions, that one unit of basic radiance causes. All parts are reciprocal: the light going down at
 //! a plane, per unit that enters from the air, is also the fraction of light emitted upwards there that leaves.
 
+use papilio_optics::with_widest_simd;
+
 use crate::front::Flat;
 use crate::layers::LayerKind;
-use crate::{Layered, Medium, Reflector};
+use crate::{Base, Layered, Medium, Reflector};
 
 /// Whether light propagates down or up.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -72,16 +77,20 @@ impl Ray {
 pub(crate) struct Skeleton {
     air: Medium,
     bins: usize,
+    /// Number of bands: 1 if the layers are the same at every wavelength, else the number of wavelengths.
+    bands: usize,
     /// `|beta|` of the light.
     length: f64,
-    /// The elements; shape `[element][wavelength]`.
+    /// The elements; shape `[element][band]`.
     parts: Vec<Part>,
-    /// Reflectance of everything above a plane, seen from it; shape `[plane][wavelength]`.
+    /// Reflectance of everything above a plane, seen from it; shape `[plane][band]`.
     above: Vec<f64>,
     /// The same of everything below, over a black base.
     below: Vec<f64>,
-    /// The base's reflectance; shape `[state][wavelength]`, 0 where it is Lambertian.
+    /// The base's reflectance; shape `[state][wavelength]`, 0 where it scatters.
     base: Vec<f64>,
+    /// True if the base is a mirror.
+    mirror: bool,
 }
 
 /// An element at one direction and wavelength.
@@ -109,29 +118,33 @@ impl Part {
 }
 
 impl Skeleton {
-    pub(crate) fn new(stack: &Layered) -> Self {
-        let bins = stack.base.bins();
+    /// An empty skeleton of these layers over a base, which may have fewer wavelengths if the layers are grey.
+    pub(crate) fn new(stack: &Layered, base: &Base) -> Self {
+        let bins = base.bins();
+        let bands = if stack.is_grey() { 1 } else { bins };
         let elements = 2 * stack.layers.len();
         Self {
             air: Medium::new(vec![1.0; bins].into()),
             bins,
+            bands,
             length: 0.0,
-            parts: vec![Part::flat(Flat::CLEAR); elements * bins],
-            above: vec![0.0; (elements + 1) * bins],
-            below: vec![0.0; (elements + 1) * bins],
-            base: vec![0.0; stack.base.states() * bins],
+            parts: vec![Part::flat(Flat::CLEAR); elements * bands],
+            above: vec![0.0; (elements + 1) * bands],
+            below: vec![0.0; (elements + 1) * bands],
+            base: vec![0.0; base.states() * bins],
+            mirror: base.is_specular(),
         }
     }
 
     /// An empty field of this skeleton.
     pub(crate) fn field(&self) -> Field {
         let currents = || Currents { down: vec![0.0; self.above.len()], up: vec![0.0; self.above.len()] };
-        Field { bins: self.bins, direct: currents(), risen: currents(), rising: self.base.clone() }
+        Field { bands: self.bands, direct: currents(), risen: currents(), rising: self.base.clone() }
     }
 
     /// The number of elements.
     pub(crate) fn elements(&self) -> usize {
-        self.parts.len() / self.bins
+        self.parts.len() / self.bands
     }
 
     /// `|beta|` of the light that it is prepared for.
@@ -139,23 +152,23 @@ impl Skeleton {
         self.length
     }
 
-    /// An element at every wavelength.
+    /// An element, by band.
     pub(crate) fn element(&self, element: usize) -> &[Part] {
-        &self.parts[element * self.bins..][..self.bins]
+        &self.parts[element * self.bands..][..self.bands]
     }
 
     /// Prepares it for light with this `|beta|^2`.
-    pub(crate) fn set(&mut self, stack: &Layered, beta_squared: f64) {
+    pub(crate) fn set(&mut self, stack: &Layered, base: &Base, beta_squared: f64) {
         self.length = beta_squared.sqrt();
         let mut upper = &self.air;
-        for (layer, parts) in stack.layers.iter().zip(self.parts.chunks_exact_mut(2 * self.bins)) {
-            let (interface, medium) = parts.split_at_mut(self.bins);
+        for (layer, parts) in stack.layers.iter().zip(self.parts.chunks_exact_mut(2 * self.bands)) {
+            let (interface, medium) = parts.split_at_mut(self.bands);
             layer.interface.kind().parts([upper, &layer.medium], beta_squared, interface);
             layer.medium.parts([&layer.medium; 2], beta_squared, medium);
             upper = &layer.medium;
         }
-        match &stack.base.reflector {
-            Reflector::Specular(_) => stack.base.reflectance(beta_squared, upper, &mut self.base),
+        match &base.reflector {
+            Reflector::Specular(_) => base.reflectance(beta_squared, upper, &mut self.base),
             Reflector::Lambertian(_) | Reflector::Scattering(_) => {}
         }
         self.combine();
@@ -163,14 +176,14 @@ impl Skeleton {
 
     /// What lies above and below each plane.
     fn combine(&mut self) {
-        let bins = self.bins;
+        let bands = self.bands;
         for (k, part) in self.parts.iter().enumerate() {
             let upper = Flat { t: 0.0, above: 0.0, below: self.above[k] };
-            self.above[k + bins] = upper.over(part.flat).below;
+            self.above[k + bands] = upper.over(part.flat).below;
         }
         for (k, part) in self.parts.iter().enumerate().rev() {
             let Flat { t, above, below } = part.flat;
-            self.below[k] = above + t * passing(t, below * self.below[k + bins]) * self.below[k + bins];
+            self.below[k] = above + t * passing(t, below * self.below[k + bands]) * self.below[k + bands];
         }
     }
 
@@ -178,24 +191,44 @@ impl Skeleton {
     pub(crate) fn emit(&self, ray: Ray, field: &mut Field) {
         let last = self.elements();
         field.direct.clear();
-        field.risen.clear();
-        for bin in 0..self.bins {
-            self.spread(ray, bin, &mut field.direct);
+        if self.mirror {
+            field.risen.clear();
+        }
+        for band in 0..self.bands {
+            self.spread(ray, band, &mut field.direct);
+        }
+        if !self.mirror {
+            return;
+        }
+        for band in 0..self.bands {
             // Over a black base: returns to the base are in `rising`.
-            self.spread(Ray { plane: last, going: Propagation::Up }, bin, &mut field.risen);
+            self.spread(Ray { plane: last, going: Propagation::Up }, band, &mut field.risen);
         }
-        let arriving = &field.direct.down[last * self.bins..];
-        let above = &self.above[last * self.bins..];
-        for (rising, r) in field.rising.chunks_exact_mut(self.bins).zip(self.base.chunks_exact(self.bins)) {
-            for bin in 0..self.bins {
-                rising[bin] = r[bin] * passing(arriving[bin], r[bin] * above[bin]);
-            }
-        }
+        let arriving = &field.direct.down[last * self.bands..];
+        let above = &self.above[last * self.bands..];
+        with_widest_simd(
+            #[inline(always)]
+            || match (arriving, above) {
+                ([arriving], [above]) => {
+                    let pairs = field.rising.iter_mut().zip(&self.base);
+                    pairs.for_each(|(rising, r)| *rising = r * passing(*arriving, r * above));
+                }
+                _ => {
+                    let rows =
+                        field.rising.chunks_exact_mut(self.bins).zip(self.base.chunks_exact(self.bins));
+                    for (rising, r) in rows {
+                        for bin in 0..self.bins {
+                            rising[bin] = r[bin] * passing(arriving[bin], r[bin] * above[bin]);
+                        }
+                    }
+                }
+            },
+        );
     }
 
-    /// Light at all planes for one unit over a black base, at one wavelength.
-    fn spread(&self, ray: Ray, bin: usize, to: &mut Currents) {
-        let at = |plane: usize| plane * self.bins + bin;
+    /// Light at all planes for one unit over a black base, in one band.
+    fn spread(&self, ray: Ray, band: usize, to: &mut Currents) {
+        let at = |plane: usize| plane * self.bands + band;
         let start = at(ray.plane);
         let sent = passing(1.0, self.above[start] * self.below[start]);
         (to.down[start], to.up[start]) = match ray.going {
@@ -230,7 +263,7 @@ fn passing(t: f64, returned: f64) -> f64 {
 /// state and wavelength.
 #[derive(Debug, Clone)]
 pub(crate) struct Field {
-    bins: usize,
+    bands: usize,
     /// Light that has not met the base.
     pub(crate) direct: Currents,
     /// Light that has met the base, per unit that rises from it.
@@ -240,15 +273,15 @@ pub(crate) struct Field {
 }
 
 impl Field {
-    /// Light that travels as `ray`, per wavelength: light that has not met the base, and per unit that rises from it.
+    /// Light that travels as `ray`, per band: light that has not met the base, and per unit that rises from it.
     #[inline]
     pub(crate) fn at(&self, ray: Ray) -> (&[f64], &[f64]) {
-        let at = ray.plane * self.bins;
-        (&self.direct.going(ray.going)[at..][..self.bins], &self.risen.going(ray.going)[at..][..self.bins])
+        let at = ray.plane * self.bands;
+        (&self.direct.going(ray.going)[at..][..self.bands], &self.risen.going(ray.going)[at..][..self.bands])
     }
 }
 
-/// Light going down and up; shape `[plane][wavelength]`.
+/// Light going down and up; shape `[plane][band]`.
 #[derive(Debug, Clone)]
 pub(crate) struct Currents {
     down: Vec<f64>,

@@ -27,13 +27,13 @@ pub fn specular_image(stack: &Stack, beta: Beta) -> Image {
 
 /// [`specular_image`] of general layers: the reflection of their specular skeleton.
 pub(crate) fn layered_image(stack: &Layered, beta: Beta) -> Image {
-    let mut skeleton = Skeleton::new(stack);
-    skeleton.set(stack, beta.squared());
+    let mut skeleton = Skeleton::new(stack, &stack.base);
+    skeleton.set(stack, &stack.base, beta.squared());
     let mut field = skeleton.field();
     skeleton.emit(Ray::ENTERING, &mut field);
     let (front, risen) = field.at(Ray::LEAVING);
     let base = field.rising.iter().enumerate().map(|(k, rising)| rising * risen[k % risen.len()]);
-    Image { front: front.to_vec(), base: base.collect() }
+    Image { front: front.iter().copied().cycle().take(stack.base.bins()).collect(), base: base.collect() }
 }
 
 /// [`specular_image`] of a panel.

@@ -111,6 +111,33 @@ fn prepared_display_equals_a_single_run_after_every_change() {
     });
 }
 
+/// Kernels between nodes are kept when only views and lights change.
+#[test]
+fn kernels_kept_for_other_directions_equal_new_ones() {
+    let rough = scene("rough-glass", &["display.layers.0.alpha=0.3"]);
+    let mut rough_film = rough.clone();
+    rough_film.display.pixel = scene("two-diffusers", &[]).display.pixel;
+    let measured = scene("measured-h65", &["viewer.theta_deg=0"]);
+    with_stop(1, |control| {
+        for (number, first) in [rough, rough_film, measured].into_iter().enumerate() {
+            let mut prepared = Prepared::new(&first).unwrap();
+            let changes: [fn(&mut Scene); 4] = [
+                |_| {},
+                |s| s.lighting.directed[0].theta_deg = -31.0,
+                |s| s.viewer.theta_deg = vec![12.0, 15.0],
+                |s| s.viewer.theta_deg = vec![5.0],
+            ];
+            let mut scene = first;
+            for (step, change) in changes.into_iter().enumerate() {
+                change(&mut scene);
+                let kept = prepared.run(&scene, control).unwrap();
+                let plain = papilio_display::run(&scene, control).unwrap();
+                assert!(text(&kept) == text(&plain), "scene {number}, step {step}");
+            }
+        }
+    });
+}
+
 #[test]
 fn alternating_scenes_do_not_affect_each_other() {
     with_stop(1, |control| {

@@ -114,8 +114,7 @@ impl Deficits {
     /// Samples a side and a direction for light from this side at this cosine, with the density above, from
     /// two numbers.
     pub(super) fn sample(&self, facets: &Microfacets, from: (Side, f64), u: [f64; 2]) -> (Side, Beta) {
-        let [back, across] = self.at(from.0, from.1);
-        let share = if back + across > 0.0 { back / (back + across) } else { 0.5 };
+        let share = self.share_back(from.0, from.1);
         let (to, way, u0) = if u[0] < share {
             (from.0, BACK, u[0] / share)
         } else {
@@ -126,6 +125,12 @@ impl Deficits {
         let cosine = self.of(to).cosine(n, way, u0).max(1e-7);
         let (x, y) = warp::polar(n * ((1.0 - cosine) * (1.0 + cosine)).sqrt(), u[1]);
         (to, Beta { x, y })
+    }
+
+    /// Returns the fraction of light that has met several microfacets which returns to its side.
+    pub(super) fn share_back(&self, side: Side, cosine: f64) -> f64 {
+        let [back, across] = self.at(side, cosine);
+        if back + across > 0.0 { back / (back + across) } else { 0.5 }
     }
 
     fn of(&self, side: Side) -> &OneSide {

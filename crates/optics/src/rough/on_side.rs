@@ -51,6 +51,39 @@ impl Scatterer for Rough {
 }
 
 impl Rough {
+    /// Samples a direction on each side from the same microfacet: on the side of incidence, and across. With each comes the
+    /// probability that [`sample`](Scatterer::sample), which meets this microfacet, leaves to that side; it depends on the
+    /// first two numbers alone. A direction without light is `None`.
+    pub fn sample_sides(&self, from: OnSide, u: [f64; 4]) -> [(Option<Sample<OnSide>>, f64); 2] {
+        let event = self.facets.meet(from.side, from.beta, [u[0], u[1]]);
+        let cosine = self.cosine(from.side, from.beta).unwrap_or(0.0);
+        let back = self.deficits().share_back(from.side, cosine);
+        let single =
+            [(true, event.reflectance), (false, 1.0 - event.reflectance)].map(|(reflected, part)| {
+                let light = self.facets.leave(&event, reflected);
+                (light, part * light.map_or(0.0, |light| light.unshadowed))
+            });
+        let several = (1.0 - single[0].1 - single[1].1).max(0.0);
+        let ranges = [(0.0, back), (back, 1.0 - back)];
+        std::array::from_fn(|side| {
+            let ((light, of_one), (begin, share)) = (single[side], ranges[side]);
+            let probability = of_one + several * share;
+            let place = u[2] * probability;
+            let to = match light {
+                Some(light) if place < of_one => light.side.at(light.beta),
+                _ if several * share > 0.0 => {
+                    let number = begin + (place - of_one).max(0.0) / several;
+                    let (side, beta) =
+                        self.deficits().sample(&self.facets, (from.side, cosine), [number, u[3]]);
+                    side.at(beta)
+                }
+                _ => return (None, probability),
+            };
+            let density = self.evaluate(from, to);
+            ((density > 0.0).then(|| Sample::exact(to, density)), probability)
+        })
+    }
+
     fn sample_direction(&self, OnSide { side: from, beta: beta_i }: OnSide, u: [f64; 4]) -> OnSide {
         let event = self.facets.meet(from, beta_i, [u[0], u[1]]);
         let reflectance = event.reflectance;

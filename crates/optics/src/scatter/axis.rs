@@ -1,7 +1,7 @@
 //! Nodes along one coordinate, and interpolation between four of them.
 
 /// Ascending nodes, at least two, with one more beyond either end.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub(super) struct Axis {
     nodes: Vec<f64>,
     cells: Vec<Cell>,
@@ -11,7 +11,7 @@ pub(super) struct Axis {
 }
 
 /// Interval between two nodes, with four nodes: the one before, its ends, the one after.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 struct Cell {
     start: f64,
     width: f64,
@@ -23,7 +23,7 @@ struct Cell {
 }
 
 /// Position in a cell.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Place {
     pub(super) cell: usize,
     /// From 0 to 1.

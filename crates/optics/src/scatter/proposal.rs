@@ -15,7 +15,7 @@ use crate::Beta;
 const EVEN: f64 = 1.0 / 64.0;
 
 /// Density of directions for each incidence.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub(super) struct Proposal {
     incidence: Axis,
     radial: Axis,

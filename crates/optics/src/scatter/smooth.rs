@@ -10,7 +10,7 @@ use std::f64::consts::PI;
 use super::axis::{Axis, STEEPEST};
 
 /// The interpolant.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub(super) struct Smooth {
     pub(super) incidence: Axis,
     pub(super) radial: Axis,

@@ -187,6 +187,44 @@ fn light_of_several_microfacets_is_sampled_with_its_probability() {
     }
 }
 
+/// Samples on both sides, with their probabilities, have the mean of samples on one: of the side, of the direction, and of
+/// light that has met several microfacets.
+#[test]
+fn samples_of_both_sides_have_the_mean_of_single_samples() {
+    let face = Rough::new(0.5, 1.0, 1.5);
+    let numbers = SampleStream::new(Sampler::Random, 37, 0);
+    for (from, theta_deg) in [(Side::Above, 30.0), (Side::Below, 30.0), (Side::Below, 60.0)] {
+        let a = beta(&face, from, theta_deg);
+        let functions = |to: OnSide| {
+            let b = to.beta;
+            let several = 1.0 - face.single(from, a, to.side, b) / face.evaluate(from.at(a), to);
+            let back = f64::from(u8::from(to.side == from));
+            [back, back * b.x, (1.0 - back) * b.x, b.squared(), several, back * several]
+        };
+        let samples = 50_000;
+        let mut sums = [[0.0; 2]; 6];
+        for path in 0..samples {
+            let one = functions(face.sample(from.at(a), numbers.block(path, 1)).unwrap().direction);
+            let sides = face.sample_sides(from.at(a), numbers.block(path, 2));
+            assert!((sides[0].1 + sides[1].1 - 1.0).abs() < 1e-12);
+            let mut both = [0.0; 6];
+            for (sample, probability) in sides {
+                let Some(sample) = sample else { continue };
+                let values = functions(sample.direction);
+                both.iter_mut().zip(values).for_each(|(sum, value)| *sum += probability * value);
+            }
+            for ((sum, one), both) in sums.iter_mut().zip(one).zip(both) {
+                let difference = one - both;
+                *sum = [sum[0] + difference, sum[1] + difference * difference];
+            }
+        }
+        for (number, [sum, square]) in sums.into_iter().enumerate() {
+            let z = sum / f64::sqrt(square);
+            assert!(z.abs() < 4.0, "{from:?} {theta_deg}, function {number}: {z}");
+        }
+    }
+}
+
 /// Away from the critical angle; the remaining difference is of the order of alpha squared.
 #[test]
 fn fine_roughness_reflects_as_fresnel() {

@@ -188,8 +188,9 @@ impl Kernel {
     }
 
     /// Prepares the kernel for some of the views of `common`, a kernel of the same level with the data that
-    /// all of them share, for the same stack and sources. What a view shows does not depend on the others of
-    /// this part. False if `stop` was set: then the kernel is empty.
+    /// all of them share, for the same stack and sources. What a view shows depends on the others of
+    /// this part only within the error of the level: where many are at one inclination, they share what they
+    /// see of each azimuthal order. False if `stop` was set: then the kernel is empty.
     #[must_use]
     pub fn prepare_part(
         &mut self,

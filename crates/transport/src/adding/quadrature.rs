@@ -83,6 +83,12 @@ impl Pole {
         Self { at: difference.clamp(-1.0, 1.0).asin(), off: sum.max(1.0).acosh() }
     }
 
+    /// Returns the size of the ellipse around the interval on which this pole lies.
+    pub(super) fn ellipse(self, from: f64, to: f64) -> f64 {
+        let axis = self.half_axis(from, to);
+        axis + (axis * axis - 1.0).sqrt()
+    }
+
     /// Returns the larger half-axis of the ellipse around the interval (scaled to -1 to 1) on which this
     /// pole lies.
     fn half_axis(self, from: f64, to: f64) -> f64 {

@@ -67,10 +67,6 @@ impl ScatteringInterface for Diffuser {
         vec![Channel::Through]
     }
 
-    fn numbers(&self, [_, u, v]: [f64; 3], _: &mut dyn FnMut() -> [f64; 4]) -> [f64; 4] {
-        [u, v, 0.5, 0.5]
-    }
-
     fn scatter(&self, from: Arrival, to: Departure) -> Scattered {
         Scattered::exactly(self.lobe.density(from.beta, to.beta))
     }

@@ -193,16 +193,18 @@ pub(crate) trait ScatteringInterface: Debug + Sync {
         None
     }
 
-    /// The uniform random numbers for a sample: the three given ones, or four new ones.
-    fn numbers(&self, [u, v, w]: [f64; 3], _next: &mut dyn FnMut() -> [f64; 4]) -> [f64; 4] {
-        [u, v, w, 0.5]
-    }
-
     /// Density of light scattered from one direction to another.
     fn scatter(&self, from: Arrival, to: Departure) -> Scattered;
 
     /// A sampled direction; `None` if the light is absorbed.
     fn sample(&self, from: Arrival, u: [f64; 4]) -> Option<(Departure, Scattered)>;
+
+    /// A sampled direction on each of two sides, `None` if the light is absorbed, with the probability that
+    /// [`sample`](Self::sample) leaves to that side. It is the probability under the condition that some of the numbers are
+    /// these. `None` if light leaves to one side only.
+    fn sample_sides(&self, _: Arrival, _: [f64; 4]) -> Option<Sides> {
+        None
+    }
 
     /// The density at a wavelength at which the medium of departure has this index, over that of
     /// [`scatter`](Self::scatter), in directions that the medium has; given the largest index of that medium, and this
@@ -282,6 +284,9 @@ pub(crate) struct Departure {
     pub(crate) beta: Beta,
     pub(crate) going: Propagation,
 }
+
+/// Light that leaves to either side, and its probability.
+pub(crate) type Sides = [(Option<(Departure, Scattered)>, f64); 2];
 
 /// Densities of scattering from one direction to another, over direction cosines.
 #[derive(Debug, Clone, Copy)]

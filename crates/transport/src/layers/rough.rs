@@ -1,9 +1,9 @@
 //! A rough interface between two media of constant index.
 
-use papilio_optics::Scatterer;
 use papilio_optics::rough::{OnSide, Rough, Side};
+use papilio_optics::{Sample, Scatterer};
 
-use super::{Arrival, Channel, Departure, Incidence, LayerKind, Scattered, ScatteringInterface};
+use super::{Arrival, Channel, Departure, Incidence, LayerKind, Scattered, ScatteringInterface, Sides};
 use crate::adding::{Action, Narrowness, Preparation, rough_width};
 use crate::estimate::Account;
 use crate::front::Flat;
@@ -53,21 +53,25 @@ impl ScatteringInterface for Rough {
         vec![Channel::Both]
     }
 
-    fn numbers(&self, _: [f64; 3], next: &mut dyn FnMut() -> [f64; 4]) -> [f64; 4] {
-        next()
-    }
-
     fn scatter(&self, from: Arrival, to: Departure) -> Scattered {
         let to = OnSide { side: side_after(to.going), beta: to.beta };
         Scattered::exactly(self.evaluate(arriving(from), to))
     }
 
     fn sample(&self, from: Arrival, u: [f64; 4]) -> Option<(Departure, Scattered)> {
-        let sample = Scatterer::sample(self, arriving(from), u)?;
-        let OnSide { side, beta } = sample.direction;
-        let going = if side == Side::Above { Propagation::Up } else { Propagation::Down };
-        Some((Departure { beta, going }, Scattered::exactly(sample.density)))
+        Scatterer::sample(self, arriving(from), u).map(departure)
     }
+
+    fn sample_sides(&self, from: Arrival, u: [f64; 4]) -> Option<Sides> {
+        let sides = Rough::sample_sides(self, arriving(from), u);
+        Some(sides.map(|(sample, probability)| (sample.map(departure), probability)))
+    }
+}
+
+fn departure(sample: Sample<OnSide>) -> (Departure, Scattered) {
+    let OnSide { side, beta } = sample.direction;
+    let going = if side == Side::Above { Propagation::Up } else { Propagation::Down };
+    (Departure { beta, going }, Scattered::exactly(sample.density))
 }
 
 fn arriving(Arrival { beta, going, .. }: Arrival) -> OnSide {

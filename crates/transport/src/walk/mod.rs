@@ -205,7 +205,14 @@ impl<'a> Walk<'a> {
     pub fn estimates(&self, replicates: &[Replicate]) -> Vec<Estimate> {
         let mut means = match &self.kind {
             Kind::Diffused(diffused, _) => diffused.estimates(&Self::diffused_sums(replicates)),
-            Kind::Bare(..) | Kind::Layered(..) => replicates.iter().map(|one| self.mean(one)).collect(),
+            Kind::Layered(layered, _) => {
+                let tallies = replicates.iter().filter_map(|replicate| match &replicate.tally {
+                    Accumulator::Layered(tally, _) => Some((&**tally, replicate.scale())),
+                    _ => None,
+                });
+                layered.estimates(&tallies.collect::<Vec<_>>())
+            }
+            Kind::Bare(..) => replicates.iter().map(|one| self.mean(one)).collect(),
         };
         let (Kind::Bare(_, images) | Kind::Diffused(_, images) | Kind::Layered(_, images)) = &self.kind;
         for (mean, replicate) in means.iter_mut().zip(replicates) {
@@ -230,9 +237,6 @@ impl<'a> Walk<'a> {
     fn mean(&self, replicate: &Replicate) -> Estimate {
         match (&self.kind, &replicate.tally) {
             (Kind::Bare(bare, _), Accumulator::Bare(tally, _)) => bare.estimate(tally, replicate.scale()),
-            (Kind::Layered(layered, _), Accumulator::Layered(tally, _)) => {
-                layered.estimate(tally, replicate.scale())
-            }
             _ => Estimate::default(),
         }
     }

@@ -144,6 +144,52 @@ fn rough_interface_errors_decrease_with_level() {
     }
 }
 
+/// In the mirror direction of a beam all azimuthal orders contribute: a number of orders that is too small at both
+/// levels would not show in their difference. The stated error is four times that.
+#[test]
+fn rough_interface_in_mirror_direction_has_the_error_of_two_levels() {
+    for (alpha, distribution) in
+        [(0.4, Distribution::Ggx), (0.2, Distribution::Ggx), (0.2, Distribution::Beckmann)]
+    {
+        let face = Rough::with(distribution, alpha, 1.0, 1.5);
+        let stack = stack([(Interface::Rough(face), clear(1.5))], mirror(0.8));
+        let [a, b, truth] =
+            [0, 1, 4].map(|level| rho(&estimate(level, &stack, view(20.0), &[beam(-20.0, 0.0)]), 0));
+        let error = 4.0 * (b - a).abs() + 2e-5 * truth;
+        assert!((b - truth).abs() < error, "{distribution:?} {alpha}: {a} {b} {truth}");
+    }
+}
+
+/// One scatterer below flat layers is followed kernel by kernel. A slab that hardly scatters turns it into one of
+/// two, whose operators are composed.
+#[test]
+fn single_scatterer_equals_composed_operators() {
+    let faces = [(diffuser(0.15, 0.9, 0.1), 1.5), (Interface::Rough(Rough::new(0.3, 1.0, 1.5)), 1.0)];
+    let bases = [mirror(0.7), lambertian(0.6)];
+    let sources = [Source::Diffuse, beam(-25.0, 0.0), beam(40.0, 70.0)];
+    for ((face, index), base, gap) in faces.iter().flat_map(|face| {
+        bases.iter().flat_map(move |base| [false, true].map(|gap| (face.clone(), base.clone(), gap)))
+    }) {
+        let of = |above: Medium| {
+            let surface = if index == 1.0 { Interface::Open } else { Interface::Fresnel };
+            let upper = [(surface, above), (face.clone(), clear(1.5))];
+            let lower = [(Interface::Fresnel, clear(1.0)), (Interface::Fresnel, clear(1.5))];
+            let layers = upper.into_iter().chain(lower.into_iter().filter(|_| gap));
+            let layers = layers.map(|(interface, medium)| Layer { interface, medium }).collect();
+            estimate(0, &Stack::Layered(Layered { layers, base: base.clone() }), view(15.0), &sources)
+        };
+        let (alone, two) = (of(clear(index)), of(slab(1e-9, 0.0, 1.0, index)));
+        for source in 0..sources.len() {
+            assert_close("radiance", rho(&alone, source), rho(&two, source), 1e-6);
+        }
+        let books =
+            |e: &Estimate| [e.ledger.front[0], e.ledger.diffuser[0], e.ledger.glass[0], e.ledger.pixel[0]];
+        for (one, other) in books(&alone).into_iter().zip(books(&two)) {
+            assert_close("ledger", one, other, 1e-7);
+        }
+    }
+}
+
 #[test]
 fn ledger_sums_to_one() {
     for base in [mirror(0.6), lambertian(0.4)] {

@@ -9,7 +9,7 @@ use crate::double_pass::*;
 use papilio_optics::lobe::Lobe;
 use papilio_optics::{Beta, Scatterer};
 use papilio_sampling::Sampler;
-use papilio_transport::adding::Kernel;
+use papilio_transport::adding::{Kernel, error_over_difference};
 use papilio_transport::{
     AngularTable, Base, Cone, CosinePanels, Diffuser, Estimate, Front, Interface, Layer, Layered, Medium,
     Nodes, Panel, Reflector, Source, Stack, Top,
@@ -237,7 +237,8 @@ fn level_differences_estimate_errors_and_decrease() {
             for (level, most) in [(0, 1e-3), (1, 1e-4), (2, if angles { 3e-5 } else { 1e-5 })] {
                 assert!(error(level) < most, "{name}, source {source}: {values:?}");
             }
-            let claimed = (values[0] - values[1]).abs() / values[3].abs().max(1e-12);
+            let times = error_over_difference(&Stack::Panel(stack.clone()));
+            let claimed = times * (values[0] - values[1]).abs() / values[3].abs().max(1e-12);
             assert!(error(1) < 0.3 * claimed + 3e-6, "{name}, source {source}: {values:?}");
         }
     }

@@ -66,13 +66,13 @@ pub(crate) fn replicates_of(
     sampler: Sampler,
 ) -> Vec<Estimate> {
     let walk = Walk::new(stack, view, sources);
-    (0..REPLICATES)
-        .map(|stream| {
-            let mut replicate = walk.replicate();
-            walk.trace(&mut replicate, &SampleStream::new(sampler, seed, stream), paths);
-            walk.estimate(&replicate)
-        })
-        .collect()
+    let traced = (0..REPLICATES).map(|stream| {
+        let mut replicate = walk.replicate();
+        walk.trace(&mut replicate, &SampleStream::new(sampler, seed, stream), paths);
+        replicate
+    });
+    // Together, as in a run: replicates correct each other's noise.
+    walk.estimates(&traced.collect::<Vec<_>>())
 }
 
 /// Total reflectance factor of the first wavelength and state under source `i`.

@@ -9,6 +9,8 @@
 //! *extra* nodes, the directions of views and beams: they have rows and columns, but do not contribute to
 //! sums over directions.
 
+use std::sync::Arc;
+
 use super::matrix::{Factors, Matrix};
 
 /// Smallest significant factor: smaller ones are rounding errors of a difference that is zero, where no
@@ -23,7 +25,7 @@ pub(super) struct Operator {
     /// Regular part: a factor for each node.
     pub(super) straight: Vec<f64>,
     /// Scattered part: `[out, in]`, scaled.
-    pub(super) kernel: Option<Matrix>,
+    pub(super) kernel: Option<Arc<Matrix>>,
 }
 
 impl Operator {
@@ -47,23 +49,24 @@ impl Operator {
         let straight = self.straight.iter().zip(&other.straight).map(|(x, y)| a * x + b * y).collect();
         let kernel = match (&self.kernel, &other.kernel) {
             (None, None) => None,
-            (Some(x), None) => Some(x.clone().scaled(a)),
-            (None, Some(y)) => Some(y.clone().scaled(b)),
+            (Some(x), None) => Some(Matrix::clone(x).scaled(a)),
+            (None, Some(y)) => Some(Matrix::clone(y).scaled(b)),
             (Some(x), Some(y)) => Some(x.combine(a, y, b)),
         };
-        Self { regular: self.regular, straight, kernel }
+        Self { regular: self.regular, straight, kernel: kernel.map(Arc::new) }
     }
 
     /// Returns `factor * self`.
     pub(super) fn scaled(mut self, factor: f64) -> Self {
         self.straight.iter_mut().for_each(|x| *x *= factor);
-        Self { kernel: self.kernel.map(|kernel| kernel.scaled(factor)), ..self }
+        let kernel = self.kernel.map(|kernel| Arc::new(Arc::unwrap_or_clone(kernel).scaled(factor)));
+        Self { kernel, ..self }
     }
 
     /// Returns `1 + factor * self`.
     pub(super) fn one_plus(&self, factor: f64) -> Self {
         let straight = self.straight.iter().map(|x| 1.0 + factor * x).collect();
-        let kernel = self.kernel.as_ref().map(|kernel| kernel.clone().scaled(factor));
+        let kernel = self.kernel.as_ref().map(|kernel| Arc::new(Matrix::clone(kernel).scaled(factor)));
         Self { regular: self.regular, straight, kernel }
     }
 
@@ -74,7 +77,7 @@ impl Operator {
 
     /// Returns the operator for light in the opposite direction (reciprocity).
     pub(super) fn transposed(&self) -> Self {
-        let kernel = self.kernel.as_ref().map(Matrix::transposed);
+        let kernel = self.kernel.as_ref().map(|kernel| Arc::new(kernel.transposed()));
         Self { regular: self.regular, straight: self.straight.clone(), kernel }
     }
 
@@ -87,7 +90,7 @@ impl Operator {
         let mut kernel = match (&self.kernel, &first.kernel) {
             (None, None) => None,
             (Some(kernel), _) => {
-                let mut kernel = kernel.clone();
+                let mut kernel = Matrix::clone(kernel);
                 for (j, column) in kernel.columns_mut() {
                     column.iter_mut().for_each(|x| *x *= first.straight[j]);
                 }
@@ -104,7 +107,7 @@ impl Operator {
                 kernel.add_product(left, right, self.regular);
             }
         }
-        Self { regular: self.regular, straight, kernel }
+        Self { regular: self.regular, straight, kernel: kernel.map(Arc::new) }
     }
 
     /// Solves for the operator from which this one makes `right`: `self^-1 right`.
@@ -129,7 +132,7 @@ impl Operator {
         let zeros = || Matrix::zeros(self.len(), self.len());
         let kernel = match (&self.kernel, factors) {
             (Some(left), Some(factors)) => {
-                let mut x = right.kernel.clone().unwrap_or_else(zeros);
+                let mut x = right.kernel.as_deref().cloned().unwrap_or_else(zeros);
                 for (j, column) in x.columns_mut() {
                     column.iter_mut().zip(left.column(j)).for_each(|(x, a)| *x -= a * straight[j]);
                 }
@@ -140,14 +143,14 @@ impl Operator {
                 }
                 Some(x)
             }
-            _ => right.kernel.clone().map(|mut x| {
+            _ => right.kernel.as_deref().cloned().map(|mut x| {
                 for (_, column) in x.columns_mut() {
                     column.iter_mut().zip(&inverse).for_each(|(x, inverse)| *x *= inverse);
                 }
                 x
             }),
         };
-        Self { regular: n, straight, kernel }
+        Self { regular: n, straight, kernel: kernel.map(Arc::new) }
     }
 
     /// Returns one over the factors; 0 where no light enters.

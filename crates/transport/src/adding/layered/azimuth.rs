@@ -17,6 +17,13 @@ const RADIANS: f64 = 16.0;
 /// Longest panel, so that the values of tabulated kernels off their peaks are resolved.
 const LONGEST: f64 = 0.5;
 
+/// Returns a number of orders of at least this, 8, 12, 16, 24, 32, ...: few numbers, so that similar directions
+/// need equally many.
+pub(super) fn rounded_up(orders: usize) -> usize {
+    let power = orders.max(8).next_power_of_two();
+    if orders <= power / 4 * 3 { power / 4 * 3 } else { power }
+}
+
 /// Computes the orders of an even function that changes over this width of azimuth about 0 into `out`.
 pub(super) fn graded(width: f64, out: &mut [f64], value: impl Fn(f64) -> f64) {
     let longest = (RADIANS / out.len().max(1) as f64).min(LONGEST);

@@ -10,8 +10,10 @@ use std::ops::Range;
 
 use super::algebra::Operator;
 use super::beams::Beams;
+use super::grid::Grid;
 use super::matrix::Matrix;
 use super::part::Part;
+use super::single::{Chain, Single};
 
 /// The layers down to the last scatterer in one azimuthal order, as far as views and sources require it. Of
 /// the nodes with weight it contains those that the medium below carries. Extra nodes are counted from the
@@ -32,13 +34,41 @@ pub(super) struct Above {
     from_light: Matrix,
     /// Regular reflection of light from below, by node.
     below_straight: Vec<f64>,
-    /// Reflection of light from below, from all nodes to the nodes with weight.
-    below: Matrix,
+    /// Reflection of light from below among the nodes with weight.
+    below: Back,
+    /// The same from extra nodes to the nodes with weight.
+    below_extras: Matrix,
     /// The same between extra nodes and lights, `[extra, light]`.
     below_light: Matrix,
     /// Upper bound of the light between an extra node and a light, if everything below is white,
     /// `[extra, light]`: in total, and via other directions.
     most: [Matrix; 2],
+}
+
+/// Reflection of light from below by kernels, among the nodes with weight.
+#[derive(Debug, Clone)]
+enum Back {
+    /// As one kernel.
+    Formed(Matrix),
+    /// Kernel by kernel.
+    Chain(Chain),
+}
+
+impl Back {
+    /// Adds the reflection of light, `[node, column]`.
+    fn add(&self, rising: &Matrix, sum: &mut Matrix) {
+        match self {
+            Self::Formed(kernel) => sum.add_scaled_product(kernel, rising, 1.0),
+            Self::Chain(chain) => chain.add(rising, sum),
+        }
+    }
+
+    /// Returns it as one kernel among this many nodes.
+    fn formed(&self, nodes: usize) -> Matrix {
+        let mut kernel = Matrix::zeros(nodes, nodes);
+        self.add(&Matrix::from_fn(nodes, nodes, |i, j| if i == j { 1.0 } else { 0.0 }), &mut kernel);
+        kernel
+    }
 }
 
 /// Light propagating up from the base, for a unit beam that entered at an extra node: densities over the
@@ -105,12 +135,46 @@ impl Above {
                 let (t, trips) = (last.down.straight[i], gap.inverse_straight_at(i));
                 last.below.straight[i] + t * t * trips * upper.below.straight[i]
             }),
-            below: below(0..carried, &again),
+            below: Back::Formed(below(0..carried, &again.some(0..carried))),
+            below_extras: below(0..carried, &again.some(carried..kept.len())),
             below_light: below(n..len, &of_lights),
             most: [Matrix::zeros(0, 0), Matrix::zeros(0, 0)],
         };
         let scattered =
             Matrix::from_fn(n, extras, |i, extra| down.at(i, extra).abs() + above(i, extra).abs());
+        all.most = all.most(&scattered, lights);
+        all
+    }
+
+    /// Composes the same of a single scatterer, whose kernels are shared.
+    pub(super) fn of_single(single: &Single<'_>, lights: &[usize], carried: usize, grid: &Grid) -> Self {
+        let (n, len) = (grid.regular, grid.len());
+        let (kept, extras) = ((0..carried).chain(n..len).collect::<Vec<_>>(), len - n);
+        let on_kept = |straight: &dyn Fn(usize) -> f64| kept.iter().map(|&node| straight(node)).collect();
+        let pairs = |at: &dyn Fn(usize, usize) -> f64| {
+            Matrix::from_fn(extras, lights.len(), |extra, light| at(n + extra, n + lights[light]))
+        };
+        let down = |out: usize, from: usize| single.down.at(out, from) * single.arrives(from);
+        let chain = Chain::new(single, carried, n);
+        let [below_extras, below_light] = chain.extras(lights);
+        let mut all = Self {
+            carried,
+            front: pairs(&|extra, light| single.front(extra, light)),
+            down_straight: on_kept(&|i| single.arrives(i) * single.down.straight[i]),
+            down: Matrix::from_fn(carried, extras, |i, extra| down(i, n + extra)),
+            to_light: pairs(&|extra, light| down(light, extra)),
+            from_light: pairs(&|extra, light| down(extra, light)),
+            below_straight: on_kept(&|i| {
+                single.below.straight[i] + single.down.straight[i].powi(2) * single.returns(i)
+            }),
+            below: Back::Chain(chain),
+            below_extras,
+            below_light,
+            most: [Matrix::zeros(0, 0), Matrix::zeros(0, 0)],
+        };
+        let scattered = Matrix::from_fn(n, extras, |i, extra| {
+            down(i, n + extra).abs() + single.front(i, n + extra).abs()
+        });
         all.most = all.most(&scattered, lights);
         all
     }
@@ -136,10 +200,14 @@ impl Above {
         self.most.each_ref().map(|most| most[(extra, light)])
     }
 
-    /// Returns its approximate size in bytes.
-    pub(super) fn bytes(&self) -> usize {
-        let columns = self.down.columns() + self.below.columns() + self.front.columns() * 6;
-        8 * self.carried * columns + 48 * self.front.columns() * self.down.columns()
+    /// Returns its approximate size in bytes, and that of what it shares with other wavelengths.
+    pub(super) fn bytes(&self) -> [usize; 2] {
+        let [below, shared] = match &self.below {
+            Back::Formed(kernel) => [8 * self.carried * kernel.columns(), 0],
+            Back::Chain(chain) => [chain.bytes(), chain.shared_bytes()],
+        };
+        let columns = 2 * self.down.columns() + self.front.columns() * 6;
+        [below + 8 * self.carried * columns + 48 * self.front.columns() * self.down.columns(), shared]
     }
 
     /// Returns the number of nodes with weight that it contains.
@@ -167,15 +235,18 @@ impl Above {
             if n == 0 {
                 continue;
             }
-            let scattered = self.down.column(extra).iter().zip(self.below.column(node));
+            let scattered = self.down.column(extra).iter().zip(self.below_extras.column(extra));
             arrives.column_mut(c).iter_mut().zip(scattered).for_each(|(x, (d, g))| *x = d + g * *beam);
             let straight = base.iter().zip(&self.below_straight);
             gain.column_mut(c).iter_mut().zip(straight).for_each(|(x, (b, g))| *x = round_trips(*b, *g));
         }
         let mut scattered = Matrix::zeros(n, columns);
         let open = self.iterate(&arrives, &gain, &mut scattered, tolerance, floor);
-        for column in open {
-            self.solve(column, base, &arrives, &mut scattered);
+        if !open.is_empty() {
+            let below = self.below.formed(n);
+            for column in open {
+                self.solve(&below, column, base, &arrives, &mut scattered);
+            }
         }
         Rising { scattered, beam, extra }
     }
@@ -188,13 +259,13 @@ impl Above {
         for (c, beam) in beam.iter_mut().enumerate() {
             let rises = rising.beam[c];
             *beam = self.down_straight[node] + self.below_straight[node] * rises;
-            let came = self.down.column(rising.extra).iter().zip(self.below.column(node));
+            let came = self.down.column(rising.extra).iter().zip(self.below_extras.column(rising.extra));
             let again = self.below_straight.iter().zip(rising.scattered.column(c));
             for ((x, (d, g)), (straight, up)) in scattered.column_mut(c).iter_mut().zip(came).zip(again) {
                 *x = d + g * rises + straight * up;
             }
         }
-        scattered.add_product(&self.below, &rising.scattered, n);
+        self.below.add(&rising.scattered, &mut scattered);
         Falling { scattered, beam, extra: rising.extra }
     }
 
@@ -231,18 +302,18 @@ impl Above {
                 break;
             }
             next.copy_from(arrives);
-            next.add_product(&self.below, rising, n);
+            self.below.add(rising, &mut next);
         }
         open
     }
 
-    fn solve(&self, column: usize, base: &Matrix, arrives: &Matrix, rising: &mut Matrix) {
+    fn solve(&self, below: &Matrix, column: usize, base: &Matrix, arrives: &Matrix, rising: &mut Matrix) {
         let n = self.carried;
         // 1 - B G acts on the light that rises.
         let b: Vec<f64> = (0..n).map(|i| base[(i, column)]).collect();
-        let kernel = Matrix::from_fn(n, n, |i, j| -b[i] * self.below[(i, j)]);
+        let kernel = Matrix::from_fn(n, n, |i, j| -b[i] * below[(i, j)]);
         let straight = (0..n).map(|i| 1.0 - b[i] * self.below_straight[i]).collect();
-        let closed = Operator { regular: n, straight, kernel: Some(kernel) };
+        let closed = Operator { regular: n, straight, kernel: Some(kernel.into()) };
         let mut right = Matrix::from_fn(n, 1, |i, _| b[i] * arrives[(i, column)]);
         closed.weighted_block().factors().solve(&mut right);
         rising.column_mut(column).copy_from_slice(right.column(0));
@@ -261,7 +332,7 @@ impl Above {
             let mut out = there * beam;
             let mut back = back + self.below_light[pair] * beam;
             if n > 0 {
-                let ways = self.down.column(to).iter().zip(self.below.column(n + to));
+                let ways = self.down.column(to).iter().zip(self.below_extras.column(to));
                 for (rising, (down, below)) in rising.scattered.column(c).iter().zip(ways) {
                     out += down * rising;
                     back += below * rising;

@@ -8,11 +8,13 @@ use papilio_optics::scatter::Scatter;
 
 use super::algebra::Operator;
 use super::grid::Grid;
-use super::part::{Part, nothing};
+use super::known::Known;
+use super::part::{Absorbed, Part, nothing};
 use super::precision::Precision;
 use super::rough::RoughOrders;
 use super::scatter::ScatterOrders;
 use super::scatterers::{Scattered, Scatterers};
+use super::single::{Face, Single};
 use super::slab::Model;
 use crate::Layered;
 use crate::estimate::Account;
@@ -46,6 +48,10 @@ pub(crate) struct Preparation<'p, 'a> {
     /// Azimuthal orders beyond the first are needed only where there are lights with an azimuth: the largest `|beta|`
     /// of views and of those.
     beyond_first: Option<[f64; 2]>,
+    /// Whether no other layer scatters.
+    alone: bool,
+    /// Kernels of the preparation before.
+    known: &'p Known,
     scatterers: &'p mut Scatterers<'a>,
     stop: &'p AtomicBool,
 }
@@ -70,15 +76,21 @@ impl<'a> Preparation<'_, 'a> {
 
     /// Returns the number of a rough interface.
     pub(crate) fn rough(&mut self, face: &'a Rough) -> usize {
-        let Self { grid, precision, beyond_first, stop, .. } = self;
-        let orders = || RoughOrders::new(face, grid, precision.digits, beyond_first.is_some(), stop);
+        let Self { grid, precision, beyond_first, alone, known, stop, .. } = self;
+        let known = known.rough(face, &grid.beta[..grid.regular]);
+        // Light scattered more than once is scattered both from the view's circle and from the light's; among
+        // several scatterers it may be only one of them.
+        let circles = |[a, b]: [f64; 2]| if *alone { a * b / (a + b).max(1e-9) } else { a.max(b) };
+        let orders =
+            || RoughOrders::new(face, grid, precision.digits, beyond_first.map(circles), known, stop);
         self.scatterers.rough(face, orders)
     }
 
     /// Returns the number of a kernel in a disc of this radius.
     pub(crate) fn kernel(&mut self, scatter: &'a Scatter, disc: f64) -> usize {
-        let Self { grid, precision, beyond_first, stop, .. } = self;
-        let orders = || ScatterOrders::new(scatter, disc, grid, precision.digits, *beyond_first, stop);
+        let Self { grid, precision, beyond_first, known, stop, .. } = self;
+        let known = known.scatter(scatter, disc, &grid.beta[..grid.regular]);
+        let orders = || ScatterOrders::new(scatter, disc, grid, precision.digits, *beyond_first, known, stop);
         self.scatterers.scatter(scatter, disc, orders)
     }
 
@@ -109,19 +121,38 @@ pub(super) fn elements<'a>(
     grid: &Grid,
     precision: &Precision,
     beyond_first: Option<[f64; 2]>,
+    known: &Known,
     scatterers: &mut Scatterers<'a>,
     stop: &AtomicBool,
 ) -> Vec<Element<'a>> {
     let indices = |media: [Option<&crate::Medium>; 2]| {
         media.map(|medium| medium.map_or(1.0, |medium| medium.index()[bin]))
     };
+    let alone = stack.elements().filter(|(kind, _)| kind.scatters()).count() == 1;
     let mut element = |(kind, media): (&'a dyn LayerKind, _)| {
         let indices @ [above, below] = indices(media);
+        let scatterers = &mut *scatterers;
         let mut prepare =
-            Preparation { bin, indices, grid, precision, beyond_first, scatterers: &mut *scatterers, stop };
+            Preparation { bin, indices, grid, precision, beyond_first, alone, known, scatterers, stop };
         kind.action(&mut prepare).map(|action| Element { kind, action, bin, above, below })
     };
     stack.elements().filter_map(&mut element).collect()
+}
+
+/// Returns whether light can meet the scatterers of the stack more than once at wavelength number `bin`: there are
+/// several of them, one scatters in its volume, or flat layers reflect.
+pub(super) fn scatters_again(stack: &Layered, bin: usize, grid: &Grid) -> bool {
+    let mut faces = 0;
+    let mut again = |(kind, media): (&dyn LayerKind, [Option<&crate::Medium>; 2])| {
+        if kind.scatters() {
+            faces += 1;
+            return faces > 1 || kind.scattering_interface().is_none();
+        }
+        let [above, below] = media.map(|medium| medium.map_or(1.0, |medium| medium.index()[bin]));
+        let layer = Element { kind, action: Action::Regular, bin, above, below };
+        grid.beta.iter().map(|beta| layer.regular(*beta)).any(|flat| flat.above != 0.0 || flat.below != 0.0)
+    };
+    stack.elements().any(&mut again)
 }
 
 /// The layers at one wavelength: those above the last scatterer, the last scatterer, and the flat ones below
@@ -162,6 +193,29 @@ impl<'a> Elements<'a> {
         let nothing =
             || compose(Part::flat(grid, |_| Flat { t: 1.0, above: 0.0, below: 0.0 }), &[], &[], order, grid);
         self.last.as_ref().map_or_else(nothing, |last| last.in_order(scattered, order, grid))
+    }
+
+    /// Returns the layers down to the last scatterer below the flat part `upper`, if their round trips keep the
+    /// direction of light.
+    pub(super) fn single<'u>(
+        &self,
+        upper: &'u Part,
+        scattered: &[Scattered],
+        grid: &Grid,
+    ) -> Option<Single<'u>> {
+        let last = self.last.as_ref().filter(|_| self.flat_above())?;
+        Single::new(upper, last.faces(scattered, grid)?)
+    }
+
+    /// Returns the fractions that the last scatterer absorbs, given the light that it loses.
+    pub(super) fn absorbed_by_last(&self, lost: [Vec<f64>; 2]) -> [Absorbed; 2] {
+        let nodes = lost[0].len();
+        self.last.as_ref().map_or_else(|| [nothing(nodes), nothing(nodes)], |last| last.absorbed(lost))
+    }
+
+    /// Returns the indices of the media above and below the last scatterer.
+    pub(super) fn indices(&self) -> [f64; 2] {
+        self.last.as_ref().map_or([1.0; 2], |last| [last.above, last.below])
     }
 
     /// Returns the flat layers below it, with their absorption.
@@ -241,22 +295,57 @@ impl Element<'_> {
         }
     }
 
+    /// Returns transmission from above, reflection from above and reflection from below; `None` of a flat layer.
+    fn faces(&self, scattered: &[Scattered], grid: &Grid) -> Option<[Face; 3]> {
+        match &self.action {
+            Action::Regular | Action::Clear { .. } => None,
+            Action::Whole { number } | Action::Slab { number, .. } => match &scattered[*number] {
+                Scattered::Whole(part) => {
+                    Some([&part.down, &part.above, &part.below].map(|operator| Face::of(operator, 1.0)))
+                }
+                Scattered::Kernel(_) => None,
+            },
+            Action::Kernels(kernels) => {
+                let mut faces =
+                    kernels.map(|kernel| match kernel.map(|(n, factor)| (&scattered[n], factor)) {
+                        Some((Scattered::Kernel(operator), factor)) => Face::of(operator, factor),
+                        _ => Face { straight: vec![0.0; grid.len()], kernel: None },
+                    });
+                for (i, beta) in grid.beta.iter().enumerate() {
+                    let regular = self.regular(*beta);
+                    for (face, more) in faces.iter_mut().zip([regular.t, regular.above, regular.below]) {
+                        face.straight[i] += more;
+                    }
+                }
+                Some(faces)
+            }
+        }
+    }
+
     /// Adds the absorption of the part to its account.
     fn with_absorption(&self, part: Part, grid: &Grid) -> Part {
-        let slab = match self.action {
+        let lost = part.lost(grid, [self.above, self.below]);
+        Part { absorbed: Some(self.absorbed(lost)), ..part }
+    }
+
+    /// Returns the absorbed fractions by account, given the light that is neither reflected nor transmitted.
+    fn absorbed(&self, lost: [Vec<f64>; 2]) -> [Absorbed; 2] {
+        let absorbing_share = match self.action {
             Action::Slab { absorbing_share, .. } => Some(absorbing_share),
             _ => None,
         };
-        let account = if slab.is_some() { Account::Diffuser } else { self.kind.account() };
-        let mut part = part.with_absorption(grid, account, [self.above, self.below]);
-        if let (Some(absorbing_share), Some(books)) = (slab, &mut part.absorbed) {
-            for book in books {
-                let all = std::mem::take(&mut book[Account::Diffuser as usize]);
-                book[Account::Glass as usize] = all.iter().map(|a| a * absorbing_share).collect();
-                book[Account::Diffuser as usize] = all.iter().map(|a| a * (1.0 - absorbing_share)).collect();
+        let book = |lost: Vec<f64>| {
+            let mut book = nothing(lost.len());
+            match absorbing_share {
+                Some(share) => {
+                    book[Account::Glass as usize] = lost.iter().map(|a| a * share).collect();
+                    book[Account::Diffuser as usize] = lost.iter().map(|a| a * (1.0 - share)).collect();
+                }
+                None => book[self.kind.account() as usize] = lost,
             }
-        }
-        part
+            book
+        };
+        lost.map(book)
     }
 }
 

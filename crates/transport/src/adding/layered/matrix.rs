@@ -105,6 +105,39 @@ impl Matrix {
         }
     }
 
+    /// Adds `factor left right`: as many rows of `left` as this matrix has, and as many of its columns as `right`
+    /// has rows.
+    pub(super) fn add_scaled_product(&mut self, left: &Self, right: &Self, factor: f64) {
+        if right.rows > 0 && !self.values.is_empty() {
+            let left = left.view().submatrix(0, 0, self.rows, right.rows);
+            matmul(self.view_mut(), Accum::Add, left, right.view(), factor, Par::Seq);
+        }
+    }
+
+    /// Adds `factor left' right`, with the transpose of `left`: as many of its columns as this matrix has rows, and
+    /// as many of its rows as `right` has.
+    pub(super) fn add_transposed_product(&mut self, left: &Self, right: &Self, factor: f64) {
+        if right.rows > 0 && !self.values.is_empty() {
+            let left = left.view().submatrix(0, 0, right.rows, self.rows).transpose();
+            matmul(self.view_mut(), Accum::Add, left, right.view(), factor, Par::Seq);
+        }
+    }
+
+    /// Returns the sum of the first columns, weighted.
+    pub(super) fn times(&self, weights: &[f64]) -> Vec<f64> {
+        let mut sum = vec![0.0; self.rows];
+        for (j, weight) in weights.iter().enumerate() {
+            sum.iter_mut().zip(self.column(j)).for_each(|(sum, x)| *sum += weight * x);
+        }
+        sum
+    }
+
+    /// Returns the sum of the first rows, weighted.
+    pub(super) fn transposed_times(&self, weights: &[f64]) -> Vec<f64> {
+        let sum = |j: usize| weights.iter().zip(self.column(j)).map(|(w, x)| w * x).sum();
+        (0..self.columns).map(sum).collect()
+    }
+
     /// Subtracts from the rows after the first `first` the product of `left` and these first rows.
     pub(super) fn eliminate(&mut self, left: &Self, first: usize) {
         if first > 0 && first < self.rows {

@@ -40,6 +40,7 @@ mod diffuse_response;
 mod directions;
 mod elements;
 mod grid;
+mod known;
 mod lobes;
 mod matrix;
 mod once;
@@ -50,6 +51,7 @@ mod prepare;
 mod rough;
 mod scatter;
 mod scatterers;
+mod single;
 mod slab;
 
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -134,8 +136,8 @@ impl Kernel {
     /// Prepares views and sources; incomplete if `stop` is set during the computation.
     pub(super) fn prepare(&mut self, stack: &Layered, views: &[Cone], sources: &[Source], stop: &AtomicBool) {
         let digits = self.precision.digits;
-        // The previous data may be large: they are freed first.
-        self.prepared = Prepared::default();
+        // The previous data may be large: they are freed first, but for kernels that other directions share.
+        let known = std::mem::take(&mut self.prepared).into_known();
         self.last = Mutex::default();
         self.pixels = Mutex::default();
         self.asked = (views.to_vec(), sources.to_vec());
@@ -147,7 +149,7 @@ impl Kernel {
         // They are valid for any base, whose fringes are not known here.
         self.images =
             views.iter().map(|view| image_points(view, sources, digits, Mirror::Across(0.0))).collect();
-        let (prepared, over) = Prepared::new(stack, &self.directions, &self.precision, stop);
+        let (prepared, over) = Prepared::new(stack, &self.directions, &self.precision, &known, stop);
         self.prepared = prepared;
         self.last = Mutex::new(Some(Arc::new(over)));
     }

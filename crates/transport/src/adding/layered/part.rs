@@ -2,7 +2,6 @@
 
 use super::algebra::Operator;
 use super::grid::Grid;
-use crate::estimate::Account;
 use crate::front::Flat;
 
 /// For light that arrives at each node, the fraction that is absorbed in each [`Account`].
@@ -53,9 +52,9 @@ impl Part {
         Self::flat(grid, |_| Flat { t: 0.0, above: 0.0, below: 0.0 })
     }
 
-    /// Adds light that is neither reflected nor transmitted to an account, for light that the media of these
-    /// indices, above and below, carry.
-    pub(super) fn with_absorption(mut self, grid: &Grid, account: Account, [above, below]: [f64; 2]) -> Self {
+    /// Returns the light that is neither reflected nor transmitted, from above and from below, of light that the
+    /// media of these indices carry.
+    pub(super) fn lost(&self, grid: &Grid, [above, below]: [f64; 2]) -> [Vec<f64>; 2] {
         let ones = vec![1.0; grid.len()];
         let lost = |back: &Operator, through: &Operator, index: f64| -> Vec<f64> {
             let back = back.pull_back(&ones, &grid.scale);
@@ -64,11 +63,7 @@ impl Part {
                 .map(|i| if grid.beta[i] < index { 1.0 - back[i] - through[i] } else { 0.0 })
                 .collect()
         };
-        let mut books = [nothing(grid.len()), nothing(grid.len())];
-        books[0][account as usize] = lost(&self.above, &self.down, above);
-        books[1][account as usize] = lost(&self.below, &self.down.transposed(), below);
-        self.absorbed = Some(books);
-        self
+        [lost(&self.above, &self.down, above), lost(&self.below, &self.down.transposed(), below)]
     }
 
     /// Combines this part with `lower` below it, all inter-reflections included.

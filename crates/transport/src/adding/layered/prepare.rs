@@ -6,8 +6,9 @@ use super::base::Above;
 use super::beam_response::BeamResponse;
 use super::convergence::{Convergence, Stage};
 use super::directions::{Directions, extras, turned_extras};
-use super::elements::{Elements, elements};
+use super::elements::{Elements, elements, scatters_again};
 use super::grid::Grid;
+use super::known::Known;
 use super::once::{Once, ScatterMode};
 use super::part::{Absorbed, Part};
 use super::precision::{Precision, density};
@@ -116,28 +117,40 @@ pub(super) struct Prepared {
     once: Vec<Vec<Once>>,
     /// Whether the groups store their operators.
     kept: bool,
+    /// Kernels for the next preparation.
+    known: Known,
 }
 
 /// Size in bytes above which operators are not stored.
 const MOST_KEPT: usize = 128 << 20;
 
 impl Prepared {
-    /// Prepares a stack; incomplete if `stop` is set during the computation.
+    /// Returns the kernels that the next preparation may use.
+    pub(super) fn into_known(self) -> Known {
+        self.known
+    }
+
+    /// Prepares a stack, with the kernels of the preparation before; incomplete if `stop` is set during the
+    /// computation.
     pub(super) fn new(
         stack: &Layered,
         directions: &Directions,
         precision: &Precision,
+        known: &Known,
         stop: &AtomicBool,
     ) -> (Self, BeamResponse) {
         let mut over = BeamResponse::new(stack, directions);
-        let mut prepared = Self { families: Vec::new(), once: Vec::new(), kept: true };
+        let mut prepared =
+            Self { families: Vec::new(), once: Vec::new(), kept: true, known: Known::default() };
         let mut bytes = 0;
         for bins in families(stack) {
             let mut add = |order: usize, growing: &mut [Growing<'_>], above: Vec<Option<Above>>| {
                 let groups: Vec<&Group> = growing.iter().map(|one| &one.group).collect();
                 let each: Vec<Option<&Above>> = above.iter().map(Option::as_ref).collect();
                 over.add(stack, directions, order, &groups, &each, precision.iteration, stop);
-                bytes += above.iter().flatten().map(Above::bytes).sum::<usize>();
+                let sizes = || above.iter().flatten().map(Above::bytes);
+                bytes += sizes().map(|[own, _]| own).sum::<usize>()
+                    + sizes().map(|[_, shared]| shared).max().unwrap_or(0);
                 for (one, above) in growing.iter_mut().zip(above) {
                     one.group.orders.extend(above);
                     if bytes > MOST_KEPT {
@@ -145,7 +158,8 @@ impl Prepared {
                     }
                 }
             };
-            let (family, once) = prepare(stack, bins, directions, precision, &mut add, stop);
+            let context = Context { stack, directions, precision, known, stop };
+            let (family, once) = prepare(&context, bins, &mut prepared.known, &mut add);
             let groups: Vec<&Group> = family.iter().collect();
             for once in &once {
                 over.add_once(directions, &groups, once, precision.iteration, stop);
@@ -153,6 +167,8 @@ impl Prepared {
             prepared.families.push(family);
             prepared.once.push(once);
             if stop.load(Ordering::Relaxed) {
+                // They may be incomplete.
+                prepared.known = Known::default();
                 return (prepared, over);
             }
         }
@@ -174,7 +190,7 @@ impl Prepared {
         stop: &AtomicBool,
     ) -> BeamResponse {
         if !self.kept {
-            return Self::new(stack, directions, precision, stop).1;
+            return Self::new(stack, directions, precision, &self.known, stop).1;
         }
         let mut over = BeamResponse::new(stack, directions);
         for (family, once) in self.families.iter().zip(&self.once) {
@@ -242,16 +258,25 @@ pub(super) fn nodes_needed(stack: &Layered, precision: &Precision) -> usize {
 /// Receives the operators of an order, for each group that has it.
 type AddOrder<'f> = dyn FnMut(usize, &mut [Growing<'_>], Vec<Option<Above>>) + 'f;
 
+/// A stack in preparation.
+struct Context<'a> {
+    stack: &'a Layered,
+    directions: &'a Directions,
+    precision: &'a Precision,
+    /// Kernels of the preparation before.
+    known: &'a Known,
+    stop: &'a AtomicBool,
+}
+
 /// Prepares groups of wavelengths at which all indices are equal; `add` receives the operators of each order
-/// in turn.
+/// in turn, `kept` the kernels for the next preparation.
 fn prepare(
-    stack: &Layered,
+    context: &Context<'_>,
     family: Vec<Vec<usize>>,
-    directions: &Directions,
-    precision: &Precision,
+    kept: &mut Known,
     add: &mut AddOrder<'_>,
-    stop: &AtomicBool,
 ) -> (Vec<Group>, Vec<Once>) {
+    let Context { stack, directions, precision, known, stop } = *context;
     let first = family[0][0];
     let index = stack.layers.last().map_or(1.0, |layer| layer.medium.index()[first]);
     let mut grid = Grid::new(&splits(stack, first), density(stack, first, precision), &directions.beta);
@@ -261,14 +286,16 @@ fn prepare(
     let turned: Vec<usize> = turned.iter().filter_map(|extra| lights.binary_search(extra).ok()).collect();
     let farthest = |extras: &[usize]| extras.iter().map(|extra| directions.beta[*extra]).fold(0.0, f64::max);
     let turned_extras: Vec<usize> = turned.iter().map(|light| lights[*light]).collect();
-    let beyond_first =
-        (!turned.is_empty()).then(|| [farthest(&extras(&directions.views)), farthest(&turned_extras)]);
     let lambertian = matches!(stack.base.reflector, Reflector::Lambertian(_));
+    // Light that a Lambertian base returns has no azimuth.
+    let again = || !lambertian || family.iter().any(|bins| scatters_again(stack, bins[0], &grid));
+    let beyond_first = (!turned.is_empty() && again())
+        .then(|| [farthest(&extras(&directions.views)), farthest(&turned_extras)]);
     let mut scatterers = Scatterers::default();
     let mut growing: Vec<Growing<'_>> = family
         .into_iter()
         .map(|bins| {
-            let all = elements(stack, bins[0], &grid, precision, beyond_first, &mut scatterers, stop);
+            let all = elements(stack, bins[0], &grid, precision, beyond_first, known, &mut scatterers, stop);
             let elements = Elements::new(all);
             let kept = grid.kept(elements.index());
             let group = Group {
@@ -289,7 +316,7 @@ fn prepare(
     for order in 0.. {
         let beyond = order >= scatterers.orders().max(1);
         if grid.regular > 0 && (beyond || growing.iter().all(|one| one.stage != Stage::All)) {
-            scatterers = scatterers.extras(&grid);
+            scatterers = scatterers.extras(&grid, kept);
             grid = grid.extras();
         }
         let scattered = scatterers.scattered(order, &grid);
@@ -303,24 +330,23 @@ fn prepare(
             break;
         }
     }
-    let once = if lights.is_empty() || stop.load(Ordering::Relaxed) {
-        Vec::new()
-    } else {
-        sent_once(scatterers, grid, &growing)
-    };
+    if stop.load(Ordering::Relaxed) {
+        return (growing.into_iter().map(|one| one.group).collect(), Vec::new());
+    }
+    if grid.regular > 0 {
+        scatterers = scatterers.extras(&grid, kept);
+        grid = grid.extras();
+    }
+    let once = if lights.is_empty() { Vec::new() } else { sent_once(scatterers, &grid, &growing) };
     (growing.into_iter().map(|one| one.group).collect(), once)
 }
 
 /// Returns the light that scatterers without a closed series scatter once.
-fn sent_once(mut scatterers: Scatterers<'_>, mut grid: Grid, growing: &[Growing<'_>]) -> Vec<Once> {
-    if grid.regular > 0 {
-        scatterers = scatterers.extras(&grid);
-        grid = grid.extras();
-    }
+fn sent_once(mut scatterers: Scatterers<'_>, grid: &Grid, growing: &[Growing<'_>]) -> Vec<Once> {
     let ways = scatterers.ways();
     let once = |(number, way): (usize, ScatterMode)| {
-        let scattered = scatterers.once((number, &way), &grid);
-        let above = |one: &Growing<'_>| Some(one.above(&scattered, &grid));
+        let scattered = scatterers.once((number, &way), grid);
+        let above = |one: &Growing<'_>| Some(one.above(&scattered, grid));
         Once { above: growing.iter().map(above).collect(), way }
     };
     ways.into_iter().map(once).collect()
@@ -341,29 +367,55 @@ impl Growing<'_> {
     /// Returns the operators of extra nodes alone, for this set of scatterers.
     fn above(&self, scattered: &[Scattered], grid: &Grid) -> Above {
         // Only order 0 computes absorption.
-        let (upper, last) = (self.elements.upper(scattered, 1, grid), self.elements.last(scattered, 1, grid));
-        Above::new(&upper, &last, &self.group.lights, 0)
+        let upper = self.elements.upper(scattered, 1, grid);
+        self.layers(&upper, scattered, 1, grid, 0)
+    }
+
+    /// Returns the operators of the layers down to the last scatterer, below `upper`.
+    fn layers(
+        &self,
+        upper: &Part,
+        scattered: &[Scattered],
+        order: usize,
+        grid: &Grid,
+        carried: usize,
+    ) -> Above {
+        match self.elements.single(upper, scattered, grid) {
+            Some(single) => Above::of_single(&single, &self.group.lights, carried, grid),
+            None => {
+                let last = self.elements.last(scattered, order, grid);
+                Above::new(upper, &last, &self.group.lights, carried)
+            }
+        }
     }
 
     /// Returns the operators of an order.
     fn grow(&mut self, scattered: &[Scattered], order: usize, grid: &Grid, tolerance: f64) -> Above {
         let known = self.flat.take().filter(|part| part.down.len() == grid.len());
         let upper = known.unwrap_or_else(|| self.elements.upper(scattered, order, grid));
-        let last = self.elements.last(scattered, order, grid);
-        let group = &mut self.group;
         let index = self.elements.index();
         if order == 0 {
-            let part = upper.over(&last, grid);
-            group.shares = if self.lambertian {
-                Shares::new(&part.over(&self.elements.lower(grid), grid), group.index, grid)
-            } else {
-                Shares::new(&part, index, grid)
-            };
+            self.group.shares = self.shares(&upper, scattered, grid);
         }
         let carried = grid.kept(index).len() - (grid.len() - grid.regular);
-        let above = Above::new(&upper, &last, &group.lights, carried);
+        let above = self.layers(&upper, scattered, order, grid, carried);
         self.stage = self.convergence.add(&above, tolerance);
         self.flat = self.elements.flat_above().then_some(upper);
         above
+    }
+
+    /// Returns the distribution of light, given the layers above the last scatterer in order 0.
+    fn shares(&self, upper: &Part, scattered: &[Scattered], grid: &Grid) -> Shares {
+        let index = if self.lambertian { self.group.index } else { self.elements.index() };
+        let lower = self.lambertian.then(|| self.elements.lower(grid));
+        let returns = |lower: &Part| lower.above.straight.iter().any(|r| *r != 0.0);
+        if !lower.as_ref().is_some_and(returns)
+            && let Some(single) = self.elements.single(upper, scattered, grid)
+        {
+            let books = self.elements.absorbed_by_last(single.lost(grid, self.elements.indices()));
+            return single.shares(&books, lower.as_ref(), index, grid);
+        }
+        let part = upper.over(&self.elements.last(scattered, 0, grid), grid);
+        Shares::new(&lower.map_or_else(|| part.clone(), |lower| part.over(&lower, grid)), index, grid)
     }
 }

@@ -1,7 +1,6 @@
 //! A rough interface as azimuthal orders on a grid.
 //!
-//! The kernel of [`Rough`] has no closed Fourier series: it is sampled over the azimuth, by the trapezoid
-//! rule, which converges exponentially.
+//! The kernel of [`Rough`] has no closed Fourier series: it is sampled over the azimuth ([`transforms`]).
 //!
 //! The fractions of light that return to each side and that cross are known independently of the nodes, from
 //! the quadrature of the optics. Over the nodes refracted light converges slowly, as it jumps to zero where
@@ -9,20 +8,20 @@
 //! makes the light that crosses correct from both sides and keeps the kernel reciprocal. The light that
 //! reflection then lacks is reflected regularly, so that none is lost.
 
+mod transforms;
+
 use std::f64::consts::PI;
+use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use papilio_optics::Beta;
 use papilio_optics::rough::{Rough, Side};
 
 use super::algebra::Operator;
-use super::azimuth::{MOST_INTERVALS, graded};
 use super::grid::Grid;
 use super::matrix::Matrix;
 use super::part::Part;
-
-/// Largest number of azimuthal orders.
-const MOST_ORDERS: usize = 400;
+pub(super) use transforms::azimuth_width;
+use transforms::{Transforms, orders};
 
 /// Orders of a rough interface's kernel: from above to above, from above to below, from below to below;
 /// single precision is enough for all but order 0, which contains the energy.
@@ -31,28 +30,49 @@ pub(super) struct RoughOrders {
     zeroth: [Matrix; 3],
     /// `[order - 1][kernel]`, each indexed by [`place`].
     later: Vec<[Vec<f32>; 3]>,
+    /// Factors of the light that crosses, by node above and below.
+    factors: [Vec<f64>; 2],
+    /// Light of each node that returns to its side, from above and from below.
+    returned: [Vec<f64>; 2],
     /// Light of each node that the quadrature misses, from above and from below.
     missing: [Vec<f64>; 2],
+    /// The nodes with weight.
+    nodes: Vec<f64>,
 }
 
 const WAYS: [(Side, Side); 3] =
     [(Side::Above, Side::Above), (Side::Above, Side::Below), (Side::Below, Side::Below)];
 
 impl RoughOrders {
-    /// Computes the orders to this number of natural digits in azimuth; orders beyond the first only if they
-    /// are requested. Light that one microfacet scatters from one extra node to another is left out
-    /// ([`once`](super::once)). Incomplete if `stop` is set during the computation.
-    pub(super) fn new(face: &Rough, grid: &Grid, digits: f64, beyond_first: bool, stop: &AtomicBool) -> Self {
-        let count = if beyond_first { orders(face, digits) } else { 1 };
-        let len = grid.len();
+    /// Computes the orders to this number of natural digits in azimuth; orders beyond the first only if they are
+    /// requested, for light scattered on circles of this `|beta|`. Light that one microfacet scatters from one
+    /// extra node to another is left out ([`once`](super::once)). What `known`, the orders for other extra
+    /// nodes, contains is not computed again. Incomplete if `stop` is set during the computation.
+    pub(super) fn new(
+        face: &Rough,
+        grid: &Grid,
+        digits: f64,
+        beyond_first: Option<f64>,
+        known: Option<&Self>,
+        stop: &AtomicBool,
+    ) -> Self {
+        let count = beyond_first.map_or(1, |radius| orders(face, radius, digits));
+        let known = known.filter(|known| known.orders() == count);
+        let (len, regular) = (grid.len(), grid.regular);
         let zeroth = || Matrix::zeros(len, len);
         let blank = || -> [Vec<f32>; 3] { std::array::from_fn(|way| vec![0.0; places(way, len)]) };
         let mut all = Self {
             zeroth: [zeroth(), zeroth(), zeroth()],
             // Allocated separately: copies would touch the memory of zeros.
             later: (1..count).map(|_| blank()).collect(),
+            factors: [vec![1.0; len], vec![1.0; len]],
+            returned: Default::default(),
             missing: Default::default(),
+            nodes: grid.beta[..regular].to_vec(),
         };
+        if let Some(known) = known {
+            all.copy(known);
+        }
         let mut transforms = Transforms::new(count, digits, Edge::new(face, grid));
         for (way, (from, to)) in WAYS.into_iter().enumerate() {
             for j in (0..len).filter(|&j| grid.beta[j] < face.index(from)) {
@@ -60,34 +80,67 @@ impl RoughOrders {
                     return all;
                 }
                 let first = if from == to { j } else { 0 };
-                let end = if j < grid.regular { len } else { grid.regular };
-                let rows = (first.min(end)..end).filter(|&i| grid.beta[i] < face.index(to));
-                for (i, values) in transforms.column(face, (from, j), to, rows, grid) {
-                    let lit = if from == to { 1.0 } else { transforms.edge.lit(j, i) };
-                    let scale = grid.scale[i] * grid.scale[j] * lit;
-                    all.set(way, i, j, len, &values, scale);
-                    if from == to {
-                        all.set(way, j, i, len, &values, scale);
+                let among = if known.is_some() && j < regular { 0..0 } else { first.min(regular)..regular };
+                let extras = if j < regular { regular..len } else { 0..0 };
+                // Apart, so that their sums do not depend on the number of extra nodes.
+                for rows in [among, extras] {
+                    let rows = rows.filter(|&i| grid.beta[i] < face.index(to));
+                    for (i, values) in transforms.column(face, (from, j), to, rows, grid) {
+                        let lit = if from == to { 1.0 } else { transforms.edge.lit(j, i) };
+                        let scale = grid.scale[i] * grid.scale[j] * lit;
+                        all.set(way, i, j, len, &values, scale);
+                        if from == to {
+                            all.set(way, j, i, len, &values, scale);
+                        }
                     }
                 }
             }
         }
-        all.balance(face, grid, digits as usize + 7);
+        all.balance(face, grid, digits as usize + 7, known);
         all.missing = missing(face, &all.part(face, 0, grid), grid);
         all
     }
 
-    /// Corrects the light that crosses, from both sides, by a rule of this order: finer from level to level,
+    /// Copies the kernels between nodes with weight.
+    fn copy(&mut self, known: &Self) {
+        let (len, before, regular) = (self.zeroth[0].columns(), known.zeroth[0].columns(), self.nodes.len());
+        for (zeroth, known) in self.zeroth.iter_mut().zip(&known.zeroth) {
+            for j in 0..regular {
+                zeroth.column_mut(j)[..regular].copy_from_slice(&known.column(j)[..regular]);
+            }
+        }
+        for (order, known) in self.later.iter_mut().zip(&known.later) {
+            for (way, (kernel, known)) in order.iter_mut().zip(known).enumerate() {
+                if WAYS[way].0 == WAYS[way].1 {
+                    let places = places(way, regular);
+                    kernel[..places].copy_from_slice(&known[..places]);
+                } else {
+                    for j in 0..regular {
+                        kernel[j * len..][..regular].copy_from_slice(&known[j * before..][..regular]);
+                    }
+                }
+            }
+        }
+    }
+
+    /// Determines the light that crosses, from both sides, by a rule of this order: finer from level to level,
     /// so that its error shows in their difference.
-    fn balance(&mut self, face: &Rough, grid: &Grid, order: usize) {
-        let len = grid.len();
+    fn balance(&mut self, face: &Rough, grid: &Grid, order: usize, known: Option<&Self>) {
+        let (len, regular) = (grid.len(), grid.regular);
         // Light that single microfacets should send across, of which the nodes miss some.
         let part = self.part(face, 0, grid);
         let ones = vec![1.0; len];
-        let single = Operator { kernel: Some(self.zeroth[1].clone()), ..part.down.clone() };
+        let single = Operator { kernel: Some(Arc::new(self.zeroth[1].clone())), ..part.down.clone() };
+        self.returned = [Side::Above, Side::Below].map(|side| match known {
+            Some(known) => {
+                let extras = face.returned(side, &grid.beta[regular..], order);
+                [&known.returned[side as usize][..regular], &extras].concat()
+            }
+            None => face.returned(side, &grid.beta, order),
+        });
         let goal = |side: Side, whole: &Operator, single: &Operator| -> Vec<f64> {
             let [whole, single] = [whole, single].map(|operator| operator.pull_back(&ones, &grid.scale));
-            let returned = face.returned(side, &grid.beta, order);
+            let returned = &self.returned[side as usize];
             let one = |i: usize| {
                 single[i] + if grid.beta[i] < face.index(side) { 1.0 - returned[i] - whole[i] } else { 0.0 }
             };
@@ -97,25 +150,25 @@ impl RoughOrders {
             goal(Side::Above, &part.down, &single),
             goal(Side::Below, &part.down.transposed(), &single.transposed()),
         ];
-        let [above, below] = factors(&self.zeroth[1], goals, grid);
-        for (from, column) in self.zeroth[1].columns_mut() {
-            column.iter_mut().zip(&below).for_each(|(value, below)| *value *= above[from] * below);
-        }
-        for order in &mut self.later {
-            for (from, column) in order[1].chunks_exact_mut(len).enumerate() {
-                column
-                    .iter_mut()
-                    .zip(&below)
-                    .for_each(|(value, below)| *value *= (above[from] * below) as f32);
-            }
-        }
+        self.factors = factors(&self.zeroth[1], goals, grid);
     }
 
     fn set(&mut self, way: usize, out: usize, from: usize, len: usize, values: &[f64], scale: f64) {
         self.zeroth[way][(out, from)] = values[0] * scale;
+        // As many as the rule resolves; the others are zero.
         for (order, value) in self.later.iter_mut().zip(&values[1..]) {
             order[way][place(way, out, from, len)] = (value * scale) as f32;
         }
+    }
+
+    /// Returns the nodes with weight.
+    pub(super) fn nodes(&self) -> &[f64] {
+        &self.nodes
+    }
+
+    /// Returns the size in bytes.
+    pub(super) fn bytes(&self) -> usize {
+        8 * (3 + self.later.len()) * self.zeroth[0].columns().pow(2)
     }
 
     /// Returns the number of orders.
@@ -133,13 +186,19 @@ impl RoughOrders {
     pub(super) fn part(&self, face: &Rough, order: usize, grid: &Grid) -> Part {
         let len = grid.len();
         let operator = |way: usize| {
-            let kernel = match order.checked_sub(1) {
+            let mut kernel = match order.checked_sub(1) {
                 None => Some(self.zeroth[way].clone()),
                 Some(later) => self.later.get(later).map(|kernels| {
                     Matrix::from_fn(len, len, |i, j| f64::from(kernels[way][place(way, i, j, len)]))
                 }),
             };
-            Operator { regular: grid.regular, straight: vec![0.0; len], kernel }
+            if let Some(kernel) = kernel.as_mut().filter(|_| WAYS[way].0 != WAYS[way].1) {
+                let [above, below] = &self.factors;
+                for (from, column) in kernel.columns_mut() {
+                    column.iter_mut().zip(below).for_each(|(value, below)| *value *= above[from] * below);
+                }
+            }
+            Operator { regular: grid.regular, straight: vec![0.0; len], kernel: kernel.map(Arc::new) }
         };
         let [above, down, below] = [operator(0), operator(1), operator(2)];
         let mut part = Part { above, below, down, absorbed: None };
@@ -225,7 +284,8 @@ fn add_multiple_scattering(face: &Rough, grid: &Grid, part: &mut Part) {
         // An interface of few and gentle slopes has no shadowing.
         if let Some(kernel) = operator.kernel.as_mut().filter(|_| total > 0.0) {
             let len = outward.len();
-            *kernel = Matrix::from_fn(len, len, |i, j| kernel[(i, j)] + outward[i] * inward[j] / total);
+            *kernel =
+                Matrix::from_fn(len, len, |i, j| kernel[(i, j)] + outward[i] * inward[j] / total).into();
         }
     }
 }
@@ -296,98 +356,4 @@ impl Edge {
 /// normal, where the slope of a microfacet bends it by the difference of the indices.
 pub(crate) fn width(face: &Rough) -> f64 {
     face.alpha() * (face.index(Side::Above) - face.index(Side::Below)).abs().min(1.0)
-}
-
-/// Returns the number of orders that contain this many natural digits of light, up to grazing.
-fn orders(face: &Rough, digits: f64) -> usize {
-    ((digits / width(face)).ceil() as usize).clamp(8, MOST_ORDERS)
-}
-
-/// First Fourier coefficients of one microfacet's kernel, by the trapezoid rule over the azimuth. The
-/// numbers of intervals are halves of powers of two, so that pairs of directions share rules, and their sums are
-/// matrix products.
-struct Transforms {
-    orders: usize,
-    digits: f64,
-    edge: Edge,
-    /// By the logarithm of the number of intervals from 0 to pi: `[order, azimuth]`.
-    cosines: Vec<Option<Matrix>>,
-}
-
-impl Transforms {
-    fn new(orders: usize, digits: f64, edge: Edge) -> Self {
-        Self { orders, digits, edge, cosines: vec![None; MOST_INTERVALS.ilog2() as usize + 1] }
-    }
-
-    /// Computes coefficients of the kernel from one direction to the nodes `rows` on the side `to`.
-    fn column(
-        &mut self,
-        face: &Rough,
-        (from, j): (Side, usize),
-        to: Side,
-        rows: impl Iterator<Item = usize>,
-        grid: &Grid,
-    ) -> Vec<(usize, Vec<f64>)> {
-        let mut of_rule = vec![Vec::new(); self.cosines.len()];
-        let mut all = Vec::new();
-        let a = grid.beta[j];
-        for i in rows {
-            if from != to && self.edge.lit(j, i) == 0.0 {
-                continue;
-            }
-            let b = if from == to { grid.beta[i] } else { self.edge.within(a, grid.beta[i]) };
-            let ends = [(from, a), (to, b)];
-            if let Some(rule) = rule(face, ends, self.digits) {
-                of_rule[rule].push((i, b));
-                continue;
-            }
-            let mut values = vec![0.0; self.orders];
-            graded(azimuth_width(face, ends), &mut values, |turn| {
-                let (sin, cos) = turn.sin_cos();
-                face.single(from, Beta { x: a, y: 0.0 }, to, Beta { x: b * cos, y: b * sin })
-            });
-            all.push((i, values));
-        }
-        for (rule, rows) in of_rule.into_iter().enumerate().filter(|(_, rows)| !rows.is_empty()) {
-            let half = 1_usize << rule;
-            let turns: Vec<f64> = (0..=half).map(|k| (PI * k as f64 / half as f64).cos()).collect();
-            let pairs: Vec<_> =
-                rows.iter().map(|&(_, b)| face.single_by_azimuth((from, a), (to, b))).collect();
-            let values = Matrix::from_fn(half + 1, rows.len(), |k, row| pairs[row](turns[k]));
-            let mut sums = Matrix::zeros(self.orders, rows.len());
-            sums.add_product(self.cosines(rule), &values, half + 1);
-            all.extend(rows.iter().enumerate().map(|(row, &(i, _))| (i, sums.column(row).to_vec())));
-        }
-        all
-    }
-
-    /// Returns weights times cosines of a rule; 0 for orders that it aliases with lower ones.
-    fn cosines(&mut self, rule: usize) -> &Matrix {
-        let (half, orders) = (1_usize << rule, self.orders);
-        self.cosines[rule].get_or_insert_with(|| {
-            let weight = |k: usize| if k == 0 || k == half { 0.5 } else { 1.0 } / half as f64;
-            Matrix::from_fn(orders, half + 1, |m, k| {
-                // Reduced modulo a turn, so that no digits are lost.
-                let angle = PI * (m * k % (2 * half)) as f64 / half as f64;
-                if m > half { 0.0 } else { weight(k) * angle.cos() }
-            })
-        })
-    }
-}
-
-/// Returns the kernel's width in azimuth: alpha times the change of the wave vector's component along the
-/// normal, over the radius.
-pub(super) fn azimuth_width(face: &Rough, [(from, a), (to, b)]: [(Side, f64); 2]) -> f64 {
-    let normal = |side: Side, beta: f64| (face.index(side).powi(2) - beta * beta).max(0.0).sqrt();
-    let (q_a, q_b) = (normal(from, a), normal(to, b));
-    let turn = if from == to { q_a + q_b } else { (q_a - q_b).abs() };
-    (face.alpha() * turn / (a * b).sqrt().max(1e-9)).max(1e-9)
-}
-
-/// Returns the logarithm of the number of intervals from 0 to pi for a pair of directions; `None` if there
-/// would be too many.
-fn rule(face: &Rough, ends: [(Side, f64); 2], digits: f64) -> Option<usize> {
-    // Poles are double: three digits more.
-    let half = ((digits + 3.0) / azimuth_width(face, ends).asinh()).ceil().max(12.0);
-    (half <= MOST_INTERVALS as f64 / 2.0).then(|| (half as usize).next_power_of_two().ilog2() as usize)
 }

@@ -3,13 +3,14 @@
 //! They have no closed Fourier series: they are sampled over the azimuth, by the trapezoid rule. Scattered
 //! light that the quadrature over directions misses keeps its direction, so that none is lost.
 
+use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use papilio_optics::scatter::Scatter;
 use papilio_optics::{Beta, Scatterer};
 
 use super::algebra::Operator;
-use super::azimuth::{MOST_INTERVALS, graded, trapezoid};
+use super::azimuth::{MOST_INTERVALS, graded, rounded_up, trapezoid};
 use super::grid::Grid;
 use super::matrix::Matrix;
 
@@ -32,32 +33,41 @@ pub(super) struct ScatterOrders {
     later: Vec<Vec<f32>>,
     /// Light of each node that the quadrature misses, averaged over both directions.
     missing: Vec<f64>,
+    /// The nodes with weight.
+    nodes: Vec<f64>,
 }
 
 impl ScatterOrders {
     /// Computes the orders in a disc of this radius for that of air, to this number of natural digits in
     /// azimuth; orders beyond the first only if there are lights with an azimuth, given the largest `|beta|`
     /// of views and of those. Light scattered from one extra node to another is left out
-    /// ([`once`](super::once)). Incomplete if `stop` is set during the computation.
+    /// ([`once`](super::once)). What `known`, the orders for other extra nodes, contains is not computed again.
+    /// Incomplete if `stop` is set during the computation.
     pub(super) fn new(
         scatter: &Scatter,
         disc: f64,
         grid: &Grid,
         digits: f64,
         beyond_first: Option<[f64; 2]>,
+        known: Option<&Self>,
         stop: &AtomicBool,
     ) -> Self {
-        let len = grid.len();
+        let (len, regular) = (grid.len(), grid.regular);
         let count = beyond_first.map_or(1, |ends| {
             let most = (MOST_NUMBERS / (len * len).max(1)).clamp(8, MOST_ORDERS);
-            orders(scatter, ends.map(|end| end / disc), digits).clamp(8, most)
+            rounded_up(orders(scatter, ends.map(|end| end / disc), digits)).clamp(8, most)
         });
+        let known = known.filter(|known| known.orders() == count);
         let mut all = Self {
             zeroth: Matrix::zeros(len, len),
             // Allocated separately: copies would touch the memory of zeros.
             later: (1..count).map(|_| vec![0.0; len * len]).collect(),
             missing: Vec::new(),
+            nodes: grid.beta[..regular].to_vec(),
         };
+        if let Some(known) = known {
+            all.copy(known);
+        }
         let mut values = vec![0.0; count];
         let [from, to] = scatter.discs().map(|radius| radius * disc);
         let within = |radius: f64| (0..len).filter(|&i| grid.beta[i] < radius).collect::<Vec<_>>();
@@ -68,7 +78,7 @@ impl ScatterOrders {
                 if stop.load(Ordering::Relaxed) {
                     return all;
                 }
-                if i >= grid.regular && j >= grid.regular {
+                if (i >= regular && j >= regular) || (known.is_some() && i < regular && j < regular) {
                     continue;
                 }
                 fourier(scatter, [grid.beta[j], grid.beta[i]].map(|b| b / disc), digits, &mut values);
@@ -79,8 +89,21 @@ impl ScatterOrders {
                 }
             }
         }
-        all.missing = all.missing(scatter, disc, grid, (digits / 2.0) as usize, stop);
+        all.missing = all.missing(scatter, disc, grid, (digits / 2.0) as usize, known, stop);
         all
+    }
+
+    /// Copies the kernels between nodes with weight.
+    fn copy(&mut self, known: &Self) {
+        let (len, before, regular) = (self.zeroth.columns(), known.zeroth.columns(), self.nodes.len());
+        for j in 0..regular {
+            self.zeroth.column_mut(j)[..regular].copy_from_slice(&known.zeroth.column(j)[..regular]);
+        }
+        for (order, known) in self.later.iter_mut().zip(&known.later) {
+            for j in 0..regular {
+                order[j * len..][..regular].copy_from_slice(&known[j * before..][..regular]);
+            }
+        }
     }
 
     fn set(&mut self, out: usize, from: usize, values: &[f64], scale: f64) {
@@ -100,14 +123,17 @@ impl ScatterOrders {
         disc: f64,
         grid: &Grid,
         fineness: usize,
+        known: Option<&Self>,
         stop: &AtomicBool,
     ) -> Vec<f64> {
         let ones = vec![1.0; grid.len()];
-        let kernel = Some(self.zeroth.clone());
+        let kernel = Some(self.zeroth.clone().into());
         let there = Operator { regular: grid.regular, straight: vec![0.0; grid.len()], kernel };
         let back = there.transposed();
         let ways = [(scatter.clone(), there), (scatter.reversed(), back)];
         let found = ways.map(|(scatter, operator)| (scatter, operator.pull_back(&ones, &grid.scale)));
+        // A reciprocal kernel is its own reverse.
+        let found = if scatter.is_reciprocal() { &found[..1] } else { &found };
         // Beyond the edge of either direction there is no regular light.
         let end = scatter.edges().fold(1.0, f64::min);
         let missing = |i: usize| {
@@ -120,8 +146,10 @@ impl ScatterOrders {
                 }
             };
             let of = |(scatter, found): &(Scatter, Vec<f64>)| total(scatter) - found[i];
-            if beta < end && !stop.load(Ordering::Relaxed) {
-                0.5 * found.iter().map(of).sum::<f64>()
+            if let Some(known) = known.filter(|_| i < grid.regular) {
+                known.missing[i]
+            } else if beta < end && !stop.load(Ordering::Relaxed) {
+                found.iter().map(of).sum::<f64>() / found.len() as f64
             } else {
                 0.0
             }
@@ -132,6 +160,16 @@ impl ScatterOrders {
     /// Returns the missing light of each node, which keeps its direction.
     pub(super) fn missing_straight(&self) -> &[f64] {
         &self.missing
+    }
+
+    /// Returns the nodes with weight.
+    pub(super) fn nodes(&self) -> &[f64] {
+        &self.nodes
+    }
+
+    /// Returns the size in bytes.
+    pub(super) fn bytes(&self) -> usize {
+        4 * (2 + self.later.len()) * self.zeroth.columns().pow(2)
     }
 
     /// Returns the number of orders.
@@ -149,7 +187,7 @@ impl ScatterOrders {
                 .get(later)
                 .map(|values| Matrix::from_fn(len, len, |i, j| f64::from(values[j * len + i]))),
         };
-        Operator { regular: grid.regular, straight: self.missing.clone(), kernel }
+        Operator { regular: grid.regular, straight: self.missing.clone(), kernel: kernel.map(Arc::new) }
     }
 }
 
@@ -198,7 +236,8 @@ mod tests {
             radial.iter().map(|r| lobe.density(Beta::default(), Beta { x: *r, y: 0.0 })).collect();
         let scatter: Scatter = Table::new(&[0.0], &radial, &[0.0], &values).unwrap().into();
         let grid = Grid::new(&[1.0], Density { least: 8, spacing: 0.14, angle: None }, &[0.3]);
-        let found = ScatterOrders::new(&scatter, 1.0, &grid, 9.0, Some([1.0; 2]), &AtomicBool::new(false));
+        let found =
+            ScatterOrders::new(&scatter, 1.0, &grid, 9.0, Some([1.0; 2]), None, &AtomicBool::new(false));
         let mut closed = LobeOrders::new(lobe, 1.0);
         let mut largest = 0.0_f64;
         for order in [0, 1, 5, 20] {

@@ -6,6 +6,7 @@ use papilio_optics::scatter::Scatter;
 
 use super::algebra::Operator;
 use super::grid::Grid;
+use super::known::Known;
 use super::lobes::LobeOrders;
 use super::matrix::Matrix;
 use super::once::{Kernel, Pairs, ScatterMode};
@@ -113,9 +114,9 @@ impl<'a> Scatterers<'a> {
         self.0.iter().map(orders).max().unwrap_or(0)
     }
 
-    /// Returns the same scatterers for the extra nodes of the grid alone.
-    pub(super) fn extras(self, grid: &Grid) -> Self {
-        let extras = |scatterer| match scatterer {
+    /// Returns the same scatterers for the extra nodes of the grid alone; `known` keeps the kernels between others.
+    pub(super) fn extras(self, grid: &Grid, known: &mut Known) -> Self {
+        let mut extras = |scatterer| match scatterer {
             Scatterer::Slab(slab) => Scatterer::Slab(slab.extras(grid)),
             Scatterer::Diffuser(lobe) => Scatterer::Diffuser(LobeBetween {
                 orders: LobeOrders::new(lobe.lobe, lobe.disc),
@@ -124,17 +125,22 @@ impl<'a> Scatterers<'a> {
             }),
             Scatterer::Rough { face, orders, missing } => {
                 let kept = orders.map_or(missing, |orders| {
-                    orders.missing_straight().each_ref().map(|missing| missing[grid.regular..].to_vec())
+                    let extras = orders.missing_straight().each_ref().map(|all| all[grid.regular..].to_vec());
+                    known.add_rough(face, orders);
+                    extras
                 });
                 Scatterer::Rough { face, orders: None, missing: kept }
             }
             Scatterer::Scatter { scatter, disc, orders, missing } => {
-                let kept =
-                    orders.map_or(missing, |orders| orders.missing_straight()[grid.regular..].to_vec());
+                let kept = orders.map_or(missing, |orders| {
+                    let extras = orders.missing_straight()[grid.regular..].to_vec();
+                    known.add_scatter(scatter, disc, orders);
+                    extras
+                });
                 Scatterer::Scatter { scatter, disc, orders: None, missing: kept }
             }
         };
-        Self(self.0.into_iter().map(extras).collect())
+        Self(self.0.into_iter().map(&mut extras).collect())
     }
 
     /// Returns the modes in which single scatterers without a closed series scatter light, by their numbers.
@@ -166,7 +172,7 @@ impl<'a> Scatterers<'a> {
         let len = grid.len();
         let unit = |straight: Vec<f64>| {
             let count = |out: usize, from: usize| if way.pairs.hold(from, out) { 1.0 } else { 0.0 };
-            Operator { regular: 0, straight, kernel: Some(Matrix::from_fn(len, len, count)) }
+            Operator { regular: 0, straight, kernel: Some(Matrix::from_fn(len, len, count).into()) }
         };
         let flat = |straight: Vec<f64>| Operator { regular: 0, straight, kernel: None };
         let one = |(k, scatterer): (usize, &mut Scatterer<'_>)| match scatterer {
@@ -247,6 +253,6 @@ impl LobeBetween {
                 if carried { kernel[(out, from)] } else { 0.0 }
             })
         });
-        Operator { regular: grid.regular, straight, kernel }
+        Operator { regular: grid.regular, straight, kernel: kernel.map(Into::into) }
     }
 }

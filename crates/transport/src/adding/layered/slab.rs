@@ -145,7 +145,7 @@ impl Slab {
         let [even, odd] = self.phase(order).map(|half| Operator {
             regular: self.regular,
             straight: straight.clone(),
-            kernel: Some(half.scaled(-2.0 * albedo)),
+            kernel: Some(half.scaled(-2.0 * albedo).into()),
         });
         let steepest = straight.iter().copied().fold(0.0, f64::max);
         let doublings = (2.0 * tau * steepest).log2().ceil().max(0.0) as i32;
@@ -182,7 +182,8 @@ impl Slab {
             if let Some(kernel) = &mut reflected.kernel {
                 *kernel = Matrix::from_fn(ones.len(), ones.len(), |i, j| {
                     kernel[(i, j)] * (1.0 + factor[i] + factor[j])
-                });
+                })
+                .into();
             }
         }
     }
@@ -197,7 +198,7 @@ impl Slab {
                 kernel[(i, j)] = operator.at(a, b);
             }
         }
-        Operator { regular: grid.regular, straight, kernel: Some(kernel) }
+        Operator { regular: grid.regular, straight, kernel: Some(kernel.into()) }
     }
 }
 

@@ -18,6 +18,7 @@ use papilio_optics::phase::HenyeyGreenstein;
 use papilio_sampling::warp;
 use papilio_spectra::Spectrum;
 
+use super::controls;
 use super::ledger::{Sums, Workspace};
 use super::sources::SourceLights;
 use super::{OutgoingRay, RandomNumbers};
@@ -108,6 +109,7 @@ impl<'a> Bulk<'a> {
     ) -> Option<OutgoingRay> {
         let direction = self.direction(beta, going);
         let depth = self.first_depth(direction[2], first);
+        let mut brightness = workspace.light.brightness();
         let mut stay = Stay { depth, direction, scale: 1.0, absorbed: 0.0, dropped: 0.0 };
         let flown = if going == Propagation::Down { depth } else { self.optical_thickness - depth };
         self.absorb(flown / direction[2].abs(), sums, workspace);
@@ -134,10 +136,26 @@ impl<'a> Bulk<'a> {
             stay.direction = self.deflected(before, part, [angle, turn], &workspace.lamps.about);
             let cos = cosine_between(before, stay.direction);
             let drawn = self.drawn(cos, stay.direction, part, &workspace.lamps.about);
+            let ratio = if part > 0.0 { self.phase.at_cosine(cos) / drawn } else { 1.0 };
+            if !self.grey && workspace.controls.is_some() {
+                brightness = workspace.light.brightness();
+            }
+            let light = brightness.map(|light| light * stay.scale);
             (angle, turn) = (next_angle, next_turn);
             let edge = self.way_out(&stay);
             let (length, weight) = self.fly(edge, flight);
-            let weight = if part > 0.0 { weight * self.phase.at_cosine(cos) / drawn } else { weight };
+            if let Some(controls) = workspace.controls.as_mut().filter(|_| draws.count < controls::EVENTS) {
+                let depth = 2.0 * stay.depth / self.optical_thickness - 1.0;
+                controls.deflection(
+                    light,
+                    [before[2], stay.direction[2]],
+                    (self.phase.anisotropy, ratio),
+                    depth,
+                );
+                let left = if length >= edge { weight } else { 0.0 };
+                controls.flight(light.map(|light| light * ratio), stay.direction[2], left - (-edge).exp());
+            }
+            let weight = weight * ratio;
             if weight != 1.0 {
                 stay.weigh(weight);
                 self.settle(&mut stay, sums, workspace);

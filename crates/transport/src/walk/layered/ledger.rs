@@ -1,8 +1,10 @@
 //! Sums over paths, and the reflectance factors and ledger that follow from them.
 
-use super::Layered;
+use super::controls::Controls;
 use super::light::{Light, Share};
+use super::scatterers::ScatterEvent;
 use super::sources::SourceLights;
+use super::{Branch, Layered, OutgoingRay};
 use crate::estimate::Account;
 use crate::skeleton::{Field, Propagation, Ray, Skeleton};
 use crate::{Estimate, Ledger, ReflectanceFactor, Source};
@@ -38,10 +40,16 @@ pub(super) struct Absorbed {
 
 #[derive(Debug, Clone)]
 pub(super) struct Workspace {
-    /// The path's light.
+    /// The light that takes part in an event.
     pub(super) light: Light,
+    /// Branches of the path that are still to be followed.
+    pub(super) pending: Vec<Branch>,
+    /// Memory for further branches.
+    pub(super) spare: Vec<Light>,
+    /// Control variates, if there are events that they describe.
+    pub(super) controls: Option<Controls>,
     pub(super) skeleton: Skeleton,
-    /// The path's light between two scattering events.
+    /// The light of one branch between two scattering events.
     pub(super) field: Field,
     pub(super) share: Share,
     pub(super) lamps: SourceLights,
@@ -57,25 +65,66 @@ impl Absorbed {
     }
 }
 
+impl Sums {
+    /// Subtracts the corrections of [`Controls`]; the energy balance remains complete.
+    fn correct(&mut self, correction: &[f64]) {
+        let lights = std::iter::once(&mut self.leaving).chain(&mut self.from_source);
+        let values = lights.flat_map(|light| light.fresh.iter_mut().chain(&mut light.met));
+        values.zip(correction).for_each(|(value, correction)| *value -= correction);
+        let unaccounted = self.unaccounted.fresh.iter_mut().chain(&mut self.unaccounted.met);
+        unaccounted.zip(correction).for_each(|(value, correction)| *value += correction);
+    }
+}
+
+impl Workspace {
+    /// Adds a branch with this light.
+    pub(super) fn branch(&mut self, sent: OutgoingRay) {
+        let mut light = self.spare.pop().unwrap_or_else(|| self.light.clone());
+        light.clone_from(&self.light);
+        self.pending.push(Branch { sent, light });
+    }
+
+    /// Adds a branch with a part of this light, by wavelength; returns its light.
+    pub(super) fn branch_part(&mut self, sent: OutgoingRay, part: impl Fn(usize) -> f64) -> &Light {
+        self.branch(sent);
+        let last = self.pending.len() - 1;
+        let light = &mut self.pending[last].light;
+        light.multiply(part);
+        light
+    }
+
+    /// Sets the light to what takes part in an event, of a branch with this light, times a factor.
+    pub(super) fn carry(&mut self, light: &Light, event: &ScatterEvent<'_>, scale: f64) {
+        event.share(&self.skeleton, &self.field, &mut self.share);
+        self.light.clone_from(light);
+        self.light.carry(&self.share, &self.field.rising, scale);
+    }
+}
+
 impl Layered<'_> {
     pub(in crate::walk) fn tally(&self) -> Accumulator {
-        let base = &self.stack.base;
+        let base = self.base();
         let (states, bins) = (base.states(), base.bins());
         let light = || Light::zeros(states, bins);
-        let mut skeleton = Skeleton::new(self.stack);
+        let mut skeleton = Skeleton::new(self.stack, base);
         let field = skeleton.field();
         let lamps = SourceLights::new(self, &mut skeleton);
+        let sums = Sums {
+            leaving: light(),
+            from_source: self.sources.iter().map(|_| light()).collect(),
+            absorbed: Absorbed { front: light(), diffuser: light(), glass: light() },
+            arriving: light(),
+            reflected: light(),
+            unaccounted: light(),
+        };
+        let controls = if self.has_controls() { Controls::new(&sums) } else { None };
         Accumulator {
-            sums: Sums {
-                leaving: light(),
-                from_source: self.sources.iter().map(|_| light()).collect(),
-                absorbed: Absorbed { front: light(), diffuser: light(), glass: light() },
-                arriving: light(),
-                reflected: light(),
-                unaccounted: light(),
-            },
+            sums,
             workspace: Workspace {
                 light: light(),
+                pending: Vec::new(),
+                spare: Vec::new(),
+                controls,
                 skeleton,
                 field,
                 share: Share::zeros(bins),
@@ -85,9 +134,9 @@ impl Layered<'_> {
         }
     }
 
-    /// Adds the path's unscattered light to the accounts, except what leaves into the air.
-    pub(super) fn record(&self, sums: &mut Sums, workspace: &mut Workspace) {
-        let Workspace { light, skeleton, field, share, .. } = workspace;
+    /// Adds a branch's unscattered light to the accounts, except what leaves into the air.
+    pub(super) fn record(&self, light: &Light, sums: &mut Sums, workspace: &mut Workspace) {
+        let Workspace { skeleton, field, share, .. } = workspace;
         for (account, sum) in sums.absorbed.accounts() {
             share.clear();
             for (element, _) in self.accounts.iter().enumerate().filter(|(_, of)| **of == account) {
@@ -108,21 +157,47 @@ impl Layered<'_> {
         sums.reflected.add_share(light, share, &field.rising, 1.0);
     }
 
-    pub(in crate::walk) fn estimate(&self, tally: &Accumulator, scale: f64) -> Estimate {
-        let sums = &tally.sums;
-        let mean = |sum: &[f64]| sum.iter().map(|s| s * scale).collect::<Vec<f64>>();
+    /// Estimates of replicates, given with the factors that turn their sums into means.
+    pub(in crate::walk) fn estimates(&self, tallies: &[(&Accumulator, f64)]) -> Vec<Estimate> {
+        let controls = tallies.iter().filter_map(|(tally, _)| {
+            let Accumulator { sums, workspace } = *tally;
+            workspace.controls.as_ref().map(|controls| (controls, sums))
+        });
+        let controls: Vec<_> = controls.collect();
+        let corrections = Controls::corrections(&controls);
+        let estimate = |(k, (tally, scale)): (usize, &(&Accumulator, f64))| match corrections.get(k) {
+            Some(correction) => {
+                let mut sums = tally.sums.clone();
+                sums.correct(correction);
+                self.estimate(&sums, *scale)
+            }
+            None => self.estimate(&tally.sums, *scale),
+        };
+        tallies.iter().enumerate().map(estimate).collect()
+    }
+
+    fn estimate(&self, sums: &Sums, scale: f64) -> Estimate {
         let rho = self.sources.iter().zip(&sums.from_source).map(|(source, from_source)| {
             let light = if *source == Source::Diffuse { &sums.leaving } else { from_source };
-            ReflectanceFactor { via_pixel: mean(&light.met), front: mean(&light.fresh) }
+            let Light { fresh, met } = self.mean(light, scale);
+            ReflectanceFactor { via_pixel: met, front: fresh }
         });
         Estimate { rho: rho.collect(), ledger: self.ledger(sums, scale) }
+    }
+
+    /// The mean of all states and wavelengths.
+    fn mean(&self, sum: &Light, scale: f64) -> Light {
+        let mut light = self.columns.as_ref().map_or_else(|| sum.clone(), |columns| columns.expand(sum));
+        light.scale(scale);
+        light
     }
 
     fn ledger(&self, sums: &Sums, scale: f64) -> Ledger {
         let inactive = &self.stack.base.inactive_absorptance;
         let bins = inactive.len();
         let all = |light: &Light| -> Vec<f64> {
-            light.met.iter().enumerate().map(|(k, met)| scale * (met + light.fresh[k % bins])).collect()
+            let Light { fresh, met } = self.mean(light, scale);
+            met.iter().enumerate().map(|(k, met)| met + fresh[k % bins]).collect()
         };
         let (arriving, reflected) = (all(&sums.arriving), all(&sums.reflected));
         let of_inactive: Vec<f64> =

@@ -7,7 +7,7 @@ use papilio_sampling::warp;
 use super::bulk::Bulk;
 use super::ledger::{Sums, Workspace};
 use super::light::Share;
-use super::{OutgoingRay, sources};
+use super::{BRIGHT_SIDE, OutgoingRay, sources};
 use crate::layers::{Arrival, Channel, Departure, Scattered, ScatteringInterface};
 use crate::skeleton::{Field, Propagation, Ray, Skeleton};
 use crate::walk::{base_density, base_direction};
@@ -26,8 +26,8 @@ pub(super) enum Kind<'a> {
     /// A channel of an interface between these media; air, if there is none above.
     Interface(&'a dyn ScatteringInterface, Channel, [Option<&'a Medium>; 2]),
     Bulk(Bulk<'a>),
-    /// A Lambertian base of this reflectance, under this medium.
-    Base(&'a [f64], Option<&'a Medium>),
+    /// A Lambertian base, under this medium.
+    Base(Option<&'a Medium>),
     /// A base with a kernel for each state, under this medium.
     Pixel(&'a [ScatterKernel], Option<&'a Medium>),
 }
@@ -54,13 +54,18 @@ impl ScatterEvent<'_> {
     pub(super) fn send(&self, beta: Beta, u: [f64; 4]) -> Option<OutgoingRay> {
         let Kind::Interface(interface, channel, _) = self.kind else { return None };
         let (to, scattered) = interface.sample(self.arrival(beta, channel), u)?;
+        Some(self.outgoing(to, scattered, 1.0))
+    }
+
+    /// Light that leaves in a sampled direction, with this probability of the side that it leaves to.
+    fn outgoing(&self, to: Departure, scattered: Scattered, probability: f64) -> OutgoingRay {
         let Scattered { value, density, reverse } = scattered;
         let ray = Ray::from_element(self.element, to.going);
-        Some(OutgoingRay {
+        OutgoingRay {
             back: reverse,
-            weight: value / density,
+            weight: probability * value / density,
             ..OutgoingRay::exactly(to.beta, ray, density)
-        })
+        }
     }
 
     /// Largest index of the medium that its light comes from.
@@ -93,15 +98,15 @@ impl ScatterEvent<'_> {
         }
     }
 
-    /// Scattering at an interface: connections to sources, and a new direction.
+    /// Scattering at an interface: connections to sources, and new branches.
     pub(super) fn pass_interface(
         &self,
         sent: OutgoingRay,
         u: [f64; 4],
         sums: &mut Sums,
         workspace: &mut Workspace,
-    ) -> Option<OutgoingRay> {
-        let Kind::Interface(interface, channel, _) = self.kind else { return None };
+    ) {
+        let Kind::Interface(interface, channel, _) = self.kind else { return };
         let ways = channel.leaves(self.going);
         let rays = ways.iter().map(|going| Ray::from_element(self.element, *going));
         let from = self.arrival(sent.beta, channel);
@@ -109,13 +114,27 @@ impl ScatterEvent<'_> {
         // Light of a source that arrives has a direction that the medium there carries.
         let spread = |_, bin| self.spread_over(ways[0], bin);
         sources::connect(rays, sent.density, scattered, spread, sums, workspace);
+        if let Some(sides) = interface.sample_sides(from, u) {
+            let brightest = workspace.light.brightest();
+            if sides.iter().all(|(_, probability)| probability * brightest >= BRIGHT_SIDE) {
+                for (side, probability) in sides {
+                    let Some((to, scattered)) = side else {
+                        sums.absorbed.diffuser.add(&workspace.light, probability);
+                        continue;
+                    };
+                    let next = self.outgoing(to, scattered, probability);
+                    workspace.branch_part(OutgoingRay { rival: sent.density, ..next }, |_| next.weight);
+                }
+                return;
+            }
+        }
         let Some(next) = self.send(sent.beta, u) else {
             workspace.light.keep(|_| 0.0, &mut sums.absorbed.diffuser);
-            return None;
+            return;
         };
         let kept = |bin| next.weight * self.carried(next, bin);
         workspace.light.keep(kept, &mut sums.absorbed.diffuser);
-        Some(OutgoingRay { rival: sent.density, ..next })
+        workspace.branch(OutgoingRay { rival: sent.density, ..next });
     }
 }
 
@@ -145,7 +164,7 @@ pub(super) fn events(stack: &Layered) -> Vec<ScatterEvent<'_>> {
     let upper = stack.layers.last().map(|layer| &layer.medium);
     let base = match &stack.base.reflector {
         Reflector::Specular(_) => None,
-        Reflector::Lambertian(reflectance) => Some(Kind::Base(reflectance, upper)),
+        Reflector::Lambertian(_) => Some(Kind::Base(upper)),
         Reflector::Scattering(kernels) => Some(Kind::Pixel(kernels, upper)),
     };
     let element = 2 * stack.layers.len();
@@ -158,15 +177,16 @@ fn index(medium: Option<&Medium>, bin: usize) -> f64 {
     medium.map_or(1.0, |medium| medium.index()[bin])
 }
 
-/// Reflection by a Lambertian base: the same basic radiance in every direction of the medium.
+/// Reflection by a Lambertian base, under this medium: the same basic radiance in every direction of the medium.
+///
+/// Bright light is followed in two directions: one that a flat interface lets out into the air, and one beyond.
 pub(super) fn at_lambertian_base(
-    reflectance: &[f64],
-    medium: Option<&Medium>,
+    (reflectance, medium): (&[f64], Option<&Medium>),
     element: usize,
-    u: [f64; 2],
+    u: [f64; 4],
     sums: &mut Sums,
     workspace: &mut Workspace,
-) -> OutgoingRay {
+) {
     let light = &mut workspace.light;
     sums.arriving.add(light, 1.0);
     let rows = light.met.chunks_exact_mut(light.fresh.len());
@@ -189,8 +209,25 @@ pub(super) fn at_lambertian_base(
     let scattered =
         |_, to: Beta| Scattered { value: density, density: base_density(largest, to), reverse: density };
     sources::connect([ray].into_iter(), f64::INFINITY, scattered, spread, sums, workspace);
-    let out = base_direction(largest, u);
+
+    let (within, brightest) = (largest.powi(-2), workspace.light.brightest());
+    let in_two = brightest * within.min(1.0 - within) >= BRIGHT_SIDE;
+    if let Some(controls) = &mut workspace.controls {
+        controls.emission(brightest, u[0], in_two);
+    }
+    if in_two {
+        sums.unaccounted.add(&workspace.light, 1.0);
+        let (x, y) = warp::uniform_disc(1.0, [u[0], u[1]]);
+        let (far_x, far_y) = warp::polar((1.0 + u[0] * (largest * largest - 1.0)).sqrt(), u[1]);
+        for (beta, part) in [(Beta { x: far_x, y: far_y }, 1.0 - within), (Beta { x, y }, within)] {
+            let next = OutgoingRay::exactly(beta, ray, base_density(largest, beta));
+            let light = workspace.branch_part(next, |bin| part * spread(beta, bin));
+            sums.unaccounted.add(light, -1.0);
+        }
+        return;
+    }
+    let out = base_direction(largest, [u[0], u[1]]);
     let drawn = base_density(largest, out);
     workspace.light.keep(|bin| spread(out, bin) * density / drawn, &mut sums.unaccounted);
-    OutgoingRay::exactly(out, ray, drawn)
+    workspace.branch(OutgoingRay::exactly(out, ray, drawn));
 }

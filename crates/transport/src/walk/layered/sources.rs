@@ -110,7 +110,7 @@ impl SourceLights {
     fn aim(&mut self, of: usize, target: Target, walk: &Layered<'_>, skeleton: &mut Skeleton) {
         let lamp = &mut self.sources[of];
         (lamp.target, lamp.beta) = (target, target.beta);
-        skeleton.set(walk.stack, target.beta.squared());
+        skeleton.set(walk.stack, walk.base(), target.beta.squared());
         skeleton.emit(Ray::ENTERING, &mut lamp.field);
         let mut share = Share::zeros(lamp.before.fresh.len());
         for scattered in self.scattered.iter_mut().filter(|scattered| scattered.of == of) {
@@ -118,6 +118,11 @@ impl SourceLights {
             scattered.arrived.start();
             scattered.arrived.carry(&share, &lamp.field.rising, 1.0);
         }
+    }
+
+    /// True if interfaces relay light of sources.
+    pub(super) fn has_relays(&self) -> bool {
+        !self.scattered.is_empty()
     }
 
     pub(super) fn iter(&self) -> impl Iterator<Item = &SourceLight> {
@@ -138,7 +143,7 @@ impl SourceLights {
 
 impl SourceLight {
     fn new(source: usize, target: Target, walk: &Layered<'_>, skeleton: &Skeleton) -> Self {
-        let base = &walk.stack.base;
+        let base = walk.base();
         let mut before = Light::zeros(base.states(), base.bins());
         before.start();
         let field = skeleton.field();
@@ -200,7 +205,7 @@ impl Relay {
         if lamp.before.is_dark() {
             return;
         }
-        skeleton.set(walk.stack, sent.beta.squared());
+        skeleton.set(walk.stack, walk.base(), sent.beta.squared());
         skeleton.emit(sent.ray, &mut lamp.field);
         lamp.before.multiply_rows(&mut lamp.field.rising);
         (lamp.target, lamp.beta, lamp.drawn) = (source.target, sent.beta, Some([sent.density, sent.back]));

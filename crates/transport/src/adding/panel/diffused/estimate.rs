@@ -137,7 +137,15 @@ impl Kernel {
                 let mut orders = Sums::zeros(len, sources);
                 let seen = (recycling, recycled, &along);
                 self.recycle(seen, index, (r, &g), &of_sources, (&mut orders, ledger));
-                self.narrow(&straight, group.axis, recycled, &mut orders);
+                if let Some(seen) = &recycled.seen {
+                    let towards: Vec<Vec<_>> = recycled
+                        .between
+                        .iter()
+                        .zip(&of_sources)
+                        .map(|(all, of)| all.iter().map(|(_, towards)| towards.as_ref()).zip(of).collect())
+                        .collect();
+                    recycling.add_narrow(seen, &towards, r, &g, &mut orders);
+                }
                 sums.zip(&orders, |sums, orders| add_scaled(sums, orders, 1.0));
             }
             all.zip(&sums, |all, sums| add_times(all, sums, &along.round_trips));
@@ -157,7 +165,7 @@ impl Kernel {
         match (prepared.and_then(|seen| seen.at.get(index)), &self.recycling) {
             (Some(at), _) => Arc::clone(at),
             (None, Some(all)) => Arc::new(all[index].reflectances(&stack.base, table, medium)),
-            (None, None) => Arc::new(Reflectances::Products(Vec::new())),
+            (None, None) => Arc::new(Reflectances::default()),
         }
     }
 
@@ -165,29 +173,6 @@ impl Kernel {
     fn source_columns(&self, straight: &Straight<'_>) -> Vec<Vec<Direction>> {
         let of = |b: &Bundle| straight.along(b.axis);
         self.sources.iter().map(|light| light.groups.iter().map(of).collect()).collect()
-    }
-
-    /// Corrects recycled light where the grid has a wider lobe than the diffuser. Half of the reflectances
-    /// on the way are taken at the direction of the view and half at that of the source, as if light changed
-    /// direction half way.
-    fn narrow(&self, straight: &Straight<'_>, view: Point, recycled: &Recycled, orders: &mut Sums) {
-        for (i, between) in recycled.between.iter().enumerate() {
-            let closed = between.iter().filter_map(|(_, closed)| *closed).reduce(|mut all, closed| {
-                all.iter_mut().flatten().zip(closed.iter().flatten()).for_each(|(all, one)| *all += one);
-                all
-            });
-            let (Some([lobe, wider]), Some(group)) = (closed, self.sources[i].groups.first()) else {
-                continue;
-            };
-            let [of_view, of_source] = [view, group.axis].map(|point| straight.reflectance_at(point));
-            for (k, value) in orders.directed[i].iter_mut().enumerate() {
-                let g = straight.sent_back[k % straight.sent_back.len()];
-                let sent_back = g * (of_view[k] * of_source[k]).sqrt();
-                let series =
-                    |orders: &[f64]| orders.iter().rev().fold(0.0, |sum, order| sum * sent_back + order);
-                *value *= series(&lobe) / series(&wider);
-            }
-        }
     }
 
     fn recycle(
@@ -207,16 +192,21 @@ impl Kernel {
                 .collect();
             return recycling.add_by_columns((&recycled.group, own), &sources, r, g, sums);
         }
-        let alone = &recycled.alone;
+        let ledger = ledger == LedgerRequest::Requested;
+        let alone = recycled.alone.as_ref();
+        let own = alone
+            .into_iter()
+            .flat_map(|alone| std::iter::once(&alone.leaving).chain(ledger.then_some(&alone.reflected)));
         let between = recycled.between.iter().flatten().map(|(forms, _)| forms);
-        let for_ledger = (ledger == LedgerRequest::Requested).then_some(&alone.reflected);
-        let forms: Vec<&Forms> = std::iter::once(&alone.leaving).chain(for_ledger).chain(between).collect();
+        let forms: Vec<&Forms> = own.chain(between).collect();
         let values = recycling.values(&forms, false, r, g);
         let mut values = values.chunks_exact(g.len());
-        add_scaled(&mut sums.leaving, values.next().unwrap_or_default(), 1.0);
-        if ledger == LedgerRequest::Requested {
-            add_scaled(&mut sums.arriving, &recycling.values(&[&alone.arriving], true, r, g), 1.0);
-            add_scaled(&mut sums.reflected, values.next().unwrap_or_default(), 1.0);
+        if let Some(alone) = alone {
+            add_scaled(&mut sums.leaving, values.next().unwrap_or_default(), 1.0);
+            if ledger {
+                add_scaled(&mut sums.arriving, &recycling.values(&[&alone.arriving], true, r, g), 1.0);
+                add_scaled(&mut sums.reflected, values.next().unwrap_or_default(), 1.0);
+            }
         }
         for (sum, of_source) in sums.directed.iter_mut().zip(of_sources) {
             for (along, values) in of_source.iter().zip(&mut values) {

@@ -112,7 +112,7 @@ impl Kernel {
         let of = |(light, number): (&Arc<super::Light>, usize)| -> Vec<&Forms> {
             let each = at.recycled.iter();
             if light.source == Source::Diffuse {
-                each.map(|recycled| &recycled.alone.leaving).collect()
+                each.filter_map(|recycled| Some(&recycled.alone.as_ref()?.leaving)).collect()
             } else {
                 each.flat_map(|recycled| &recycled.between[number]).map(|(forms, _)| forms).collect()
             }
@@ -123,10 +123,7 @@ impl Kernel {
 }
 
 fn has_forms(at: &AtIndex) -> bool {
-    at.recycled
-        .iter()
-        .flat_map(|recycled| recycled.between.iter().flatten())
-        .all(|(_, closed)| closed.is_none())
+    at.recycled.iter().all(|recycled| recycled.alone.is_some())
 }
 
 fn zero(table: &AngularTable) -> TableGradient {

@@ -18,7 +18,7 @@ use super::first_pass::{Pass, SourceFreeView, Weights};
 use super::indices::Indices;
 use super::lambertian::Shares;
 use super::projected::{Circle, Projected};
-use super::recycling::{Closed, Forms, Group, OwnForms, Plan, Recycling, Reflectances};
+use super::recycling::{Forms, Group, OwnForms, Plan, Recycling, Reflectances, Seen, Towards};
 use crate::base::largest;
 use crate::{AngularTable, Cone, Diffuser, Field, Medium, Nodes, Panel, Reflector, Source, Top};
 use by_order::ByOrder;
@@ -34,6 +34,8 @@ pub(super) struct Kernel {
     indices: Indices,
     /// See [`reach`].
     reach: Option<f64>,
+    /// Whether there is a source that is not diffuse.
+    has_directed: bool,
     sources: Vec<Arc<Light>>,
     /// Views for which the directions of fields are chosen.
     directions: Vec<Cone>,
@@ -118,9 +120,11 @@ struct AtIndex {
 #[derive(Debug, Clone)]
 struct Recycled {
     group: Group,
-    alone: OwnForms,
-    /// By source and the source's group, with the closed form for narrow lobes.
-    between: Vec<Vec<(Forms, Option<Closed>)>>,
+    /// `None` under a narrow lobe, which has a basis of its own.
+    alone: Option<OwnForms>,
+    seen: Option<Seen>,
+    /// By source and the source's group, on the grid and under a narrow lobe.
+    between: Vec<Vec<(Forms, Option<Towards>)>>,
 }
 
 impl Kernel {
@@ -132,6 +136,7 @@ impl Kernel {
             table: table_nodes(stack).cloned(),
             indices: Indices::new(&stack.medium, digits),
             reach: None,
+            has_directed: false,
             sources: Vec::new(),
             directions: Vec::new(),
             views: Vec::new(),
@@ -164,6 +169,7 @@ impl Kernel {
         }
         let directions = if together.is_empty() { views } else { together };
         self.reach = reach(directions, sources);
+        self.has_directed = sources.iter().any(|source| *source != Source::Diffuse);
         match common.and_then(|common| common.seen.as_ref()) {
             Some(seen) => self.seen = Some(seen.clone()),
             None => self.reset_for_new_base(stack),
@@ -200,8 +206,9 @@ impl Kernel {
             }
             let turned = made.iter().rev().find(|view| view.cone.is_turned(cone));
             let across = stack.base.nodes_across(cone, &stack.medium);
+            let many = views.iter().filter(|other| other.is_turned(cone)).count() >= MANY_VIEWS;
             let old = (old_view(k, cone), turned);
-            let view = self.view((cone, across), sources, old, &kept, same_recycling);
+            let view = self.view((cone, across, many), sources, old, &kept, same_recycling);
             made.push(view);
         }
         self.views = made;
@@ -235,7 +242,7 @@ impl Kernel {
         let Top::Diffuser(diffuser) = &stack.top else { return None };
         let g = sent_back(stack, &diffuser.transmittance).into_iter().fold(0.0, f64::max);
         let strength = if g > 0.0 { g * self.largest_reflectance(stack) } else { 0.0 };
-        Plan::new(&pass, strength, self.reach)
+        Plan::new(&pass, strength, (self.reach, self.has_directed))
     }
 
     fn largest_reflectance(&self, stack: &Panel) -> f64 {
@@ -377,10 +384,11 @@ impl Kernel {
         self.grids().zip(&self.indices.nodes).map(at).collect()
     }
 
-    /// Returns the points of a cone, and the number of nodes of the base's table across it.
+    /// Computes the view of a cone, across which lie this many nodes of the base's table; `many` others are at
+    /// its inclination.
     fn view(
         &self,
-        (cone, across): (&Cone, f64),
+        (cone, across, many): (&Cone, f64, bool),
         sources: &[Source],
         (old, turned): (Option<&View>, Option<&View>),
         kept: &[Option<usize>],
@@ -400,9 +408,6 @@ impl Kernel {
             }
         };
         let images = image_points(cone, sources, self.digits, mirror);
-        let at_this_inclination =
-            self.directions.iter().filter(|other| other.is_turned(cone)).take(MANY_VIEWS);
-        let many = at_this_inclination.count() == MANY_VIEWS;
         let at = (0..self.indices.nodes.len())
             .map(|j| {
                 let old = old.and_then(|old| old.at.get(j));
@@ -413,7 +418,7 @@ impl Kernel {
         View { cone: *cone, groups, images, at }
     }
 
-    /// Computes a view at an index; `many`: there are many more at its inclination.
+    /// Computes a view at an index; `many` others are at its inclination.
     fn view_at(
         &self,
         (index, many): (usize, bool),
@@ -431,7 +436,7 @@ impl Kernel {
             },
         };
         let recycling = self.recycling.as_ref().and_then(|all| all.get(index));
-        let recycled: Vec<Option<(Group, OwnForms)>> = groups
+        let recycled: Vec<Option<(Group, Option<OwnForms>)>> = groups
             .iter()
             .enumerate()
             .map(|(g, bundle)| {
@@ -443,7 +448,7 @@ impl Kernel {
                     (None, Some(turned)) => (turned.group.turned_to(bundle.axis), turned.alone.clone()),
                     (None, None) => {
                         let group = recycling.group(&bundle.points, bundle.axis, pass.index, true);
-                        let alone = recycling.alone(&group);
+                        let alone = (!recycling.is_narrow()).then(|| recycling.alone(&group));
                         (group, alone)
                     }
                 })
@@ -458,7 +463,7 @@ impl Kernel {
                 old.fields.iter().map(of).collect()
             }
             _ => {
-                let of_group = |(bundle, recycled): (&Bundle, &Option<(Group, OwnForms)>)| {
+                let of_group = |(bundle, recycled): (&Bundle, &Option<(Group, Option<OwnForms>)>)| {
                     let recycled = recycling.zip(recycled.as_ref().map(|(group, _)| group));
                     self.sources
                         .iter()
@@ -484,19 +489,23 @@ impl Kernel {
             let old = old.filter(|_| same_recycling).and_then(|old| old.recycled.get(g));
             let towards = |(i, kept): (usize, &Option<usize>)| match (old, kept) {
                 (Some(old), Some(kept)) => old.between[*kept].clone(),
-                // A field is as smooth as the wider lobes that may replace the diffuser's.
                 _ if !fields[g][i].is_empty() => {
-                    fields[g][i].iter().map(|field| (field.forms_at(bundle.azimuth()), None)).collect()
+                    let both = |(field, b): (&Arc<ByOrder>, &Bundle)| {
+                        let towards = recycling.towards(&bundle.points, &b.points);
+                        (field.forms_at(bundle.azimuth()), towards)
+                    };
+                    fields[g][i].iter().zip(&self.sources[i].groups).map(both).collect()
                 }
                 _ => {
                     let light = &self.sources[i];
-                    let closed = |b: &Bundle| recycling.closed(self.diffuser.lobe, &bundle.points, &b.points);
-                    let both = |(other, b): (&Group, &Bundle)| (recycling.between(&group, other), closed(b));
+                    let both = |(other, b): (&Group, &Bundle)| {
+                        (recycling.between(&group, other), recycling.towards(&bundle.points, &b.points))
+                    };
                     light.recycled[index].iter().zip(&light.groups).map(both).collect()
                 }
             };
             let between = kept.iter().enumerate().map(towards).collect();
-            Some(Recycled { group, alone, between })
+            Some(Recycled { seen: recycling.seen(&bundle.points), group, alone, between })
         });
         let recycled = recycled.collect();
         AtIndex { alone, pairs, fields, recycled }

@@ -12,15 +12,12 @@
 //! the pixel nor on spectra. Later orders get fewer terms. Where g is too large for that, the series is
 //! summed on the grid for each state and wavelength.
 //!
-//! Lobes narrower than 0.01 to 0.03, depending on the other requirements, would need too large a grid. Their
-//! grid is made for a wider lobe; the finer the level, the narrower this lobe. The recycled light between
-//! two directions is then multiplied by the ratio of the light that the true lobe gives there to that of the
-//! wider one, for all orders together in closed form ([`Recycling::closed`]). The remaining error, from the
-//! rims and the pixel's dependence on angle, is proportional to the width of the wider lobe, times g; the
-//! difference between levels shows it.
+//! Narrow lobes would need too large a grid. Their light has a basis of its own ([`narrow`]), and a grid for
+//! a wider lobe only corrects it; the finer the level, the narrower this lobe.
 
 mod forms;
 mod grid;
+mod narrow;
 mod plan;
 mod profile;
 mod spectra;
@@ -30,12 +27,13 @@ use std::f64::consts::PI;
 use std::sync::Arc;
 
 use papilio_optics::lobe::Lobe;
-use papilio_optics::{Beta, Scatterer};
 
 use super::super::quadrature::Point;
 use super::first_pass::{Pass, Weights};
 use super::projected::Circle;
 use grid::{End, Grid, Meridian};
+use narrow::Narrow;
+pub(super) use narrow::{Seen, Towards};
 pub(super) use plan::{NARROWEST, Plan};
 use profile::Profile;
 pub(super) use profile::is_fitted;
@@ -48,6 +46,8 @@ pub(super) struct Recycling {
     grid: Grid,
     /// One for each order.
     profiles: Vec<Profile>,
+    /// The lobe if it is narrow.
+    narrow: Option<Narrow>,
 }
 
 /// A group of directions on the grid.
@@ -101,8 +101,14 @@ pub(super) struct OwnForms {
 impl Recycling {
     pub(super) fn new(pass: &Pass<'_>, plan: Plan) -> Self {
         let lobe = match pass.diffuser.lobe {
-            Lobe::KCorrelation { width } => Lobe::KCorrelation { width: width.max(plan.width) },
+            Lobe::KCorrelation { .. } => Lobe::KCorrelation { width: plan.width },
             Lobe::Lambertian => Lobe::Lambertian,
+        };
+        let narrow = match (plan.narrow, pass.diffuser.lobe) {
+            (Some(narrow), Lobe::KCorrelation { width }) => {
+                Some(Narrow::new(pass, width, narrow.orders, narrow.digits))
+            }
+            _ => None,
         };
         let grid = Grid::new(
             pass,
@@ -113,11 +119,13 @@ impl Recycling {
         );
         let profile = |(k, count): (usize, &usize)| Profile::new(&grid, pass, *count, k as u32 + 2);
         let profiles = plan.terms.iter().enumerate().map(profile).collect();
-        Self { plan, grid, profiles }
+        Self { plan, grid, profiles, narrow }
     }
 
     pub(super) fn nodes(&self) -> usize {
-        self.grid.air.len() + self.grid.glass.len()
+        let narrow = self.narrow.as_ref().map_or(0, Narrow::nodes);
+        let grid = if self.plan.has_grid() { self.grid.air.len() + self.grid.glass.len() } else { 0 };
+        narrow + grid
     }
 
     /// Returns a view's or a source's group of points, symmetric about the azimuth of the axis.
@@ -191,34 +199,26 @@ impl Recycling {
         self.grid.form(&view.light[k], other, factors, columns)
     }
 
-    /// Returns orders 2, 3, ... between two sets of points in closed form, by the true lobe and by the
-    /// grid's if that is wider, without the powers of g and of the base's reflectance. The widths of
-    /// successive lobes add; rims are ignored. `None` if the grid has the lobe itself.
-    pub(super) fn closed(&self, lobe: Lobe, view: &[Point], source: &[Point]) -> Option<Closed> {
-        let width = match lobe {
-            Lobe::KCorrelation { width } if width < self.plan.width => width,
-            _ => return None,
-        };
-        // By the number of lobes on the way: of S, and of a pass P in the middle (see above).
-        let (s, t) = (self.grid.straight, 1.0 - self.grid.straight);
-        let scattered = [0.0, 2.0 * s * t, t * t];
-        let pass = [s * s, 2.0 * s * t, t * t];
-        let mut shares = product(&scattered, &scattered);
-        let mut closed = Closed::default();
-        for order in 0..closed[0].len() {
-            for (orders, width) in closed.iter_mut().zip([width, self.plan.width]) {
-                let seen = |distance: Beta| -> f64 {
-                    let lobes = shares.iter().enumerate().skip(1).filter(|(_, share)| **share > 0.0);
-                    let density =
-                        |n: f64| Lobe::KCorrelation { width: n * width }.density(Beta::default(), distance);
-                    lobes.map(|(n, share)| share * density(n as f64)).sum()
-                };
-                let of = |v: &Point, l: &Point| v.weight * l.weight * seen(l.beta - v.beta);
-                orders[order] = view.iter().flat_map(|v| source.iter().map(move |l| of(v, l))).sum();
-            }
-            shares = product(&shares, &pass);
+    /// Returns a view's weights under a narrow lobe; `None` under others.
+    pub(super) fn seen(&self, view: &[Point]) -> Option<Seen> {
+        Some(self.narrow.as_ref()?.seen(view))
+    }
+
+    /// Returns a source as seen by a view under a narrow lobe. `None` under others, and if the grid has the
+    /// lobe itself.
+    pub(super) fn towards(&self, view: &[Point], source: &[Point]) -> Option<Towards> {
+        let narrow = self.narrow.as_ref()?;
+        if !self.plan.has_grid() {
+            return Some(narrow.towards(view, source, None));
         }
-        Some(closed)
+        let orders = if self.sums_columns() { narrow.orders() } else { self.plan.terms.len() };
+        let is_wider = self.plan.width > narrow.width();
+        is_wider.then(|| narrow.towards(view, source, Some((self.plan.width, orders))))
+    }
+
+    /// Returns whether diffuse light has the basis of narrow lobes, not the grid.
+    pub(super) fn is_narrow(&self) -> bool {
+        self.narrow.is_some()
     }
 
     pub(super) fn alone(&self, view: &Group) -> OwnForms {
@@ -234,9 +234,6 @@ impl Recycling {
         }
     }
 }
-
-/// Orders 2, 3, ... of the series by a narrow lobe, and by the wider lobe that replaces it on the grid.
-pub(super) type Closed = [[f64; 5]; 2];
 
 /// Returns the product of two polynomials.
 fn product(a: &[f64], b: &[f64]) -> Vec<f64> {

@@ -24,6 +24,19 @@ pub(in super::super) struct Plan {
     pub(super) recycled_digits: f64,
     /// Width of the lobe on the grid.
     pub(super) width: f64,
+    /// Under a lobe narrower than [`NARROWEST`] (see [`narrow`](super::narrow)).
+    pub(super) narrow: Option<NarrowPlan>,
+}
+
+/// Extent of the computation under a narrow lobe.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct NarrowPlan {
+    /// Number of orders 2, 3, ... of the series.
+    pub(super) orders: usize,
+    /// Natural digits of its nodes.
+    pub(super) digits: f64,
+    /// Whether there is a grid, from which light between a view and a source is corrected.
+    pub(super) has_grid: bool,
 }
 
 /// Number of terms below which a polynomial does not follow the oscillations of a film's reflectance over
@@ -38,28 +51,73 @@ const MOST_COEFFICIENTS: usize = 12_000;
 
 impl Plan {
     /// Plans for light of which only the fraction `strength` remains from pass to pass; `reach` is the
-    /// largest `sqrt(|beta_v| |beta_l|)` of a view and a directed source. `None` if no light is sent back.
-    pub(in super::super) fn new(pass: &Pass<'_>, strength: f64, reach: Option<f64>) -> Option<Self> {
+    /// largest `sqrt(|beta_v| |beta_l|)` of a view and a directed source, and `has_directed` whether there
+    /// is any source that is not diffuse. `None` if no light is sent back.
+    pub(in super::super) fn new(
+        pass: &Pass<'_>,
+        strength: f64,
+        (reach, has_directed): (Option<f64>, bool),
+    ) -> Option<Self> {
         let digits = pass.digits;
         let weakening = (-2.0 * strength.min(1.0).ln()).floor() / 2.0;
         if strength <= 0.0 || weakening > digits {
             return None;
         }
         let needed = (digits - weakening).max(LEAST_DIGITS);
+        let (terms, recycled_digits) = (Vec::new(), needed);
         let mut plan =
-            Self { digits, weakening, terms: Vec::new(), orders: 1, recycled_digits: needed, width: WIDEST };
-        if let Lobe::KCorrelation { width } = pass.diffuser.lobe {
-            plan.width = width.min(WIDEST);
-            plan.fit(pass, reach);
+            Self { digits, weakening, terms, orders: 1, recycled_digits, width: WIDEST, narrow: None };
+        match pass.diffuser.lobe {
+            Lobe::KCorrelation { width } if width < NARROWEST => {
+                plan.narrow = Some(plan.narrow(has_directed));
+                if !plan.has_grid() {
+                    plan.terms = vec![1];
+                    return Some(plan);
+                }
+                plan.recycled_digits = (needed - plan.digits_less()).max(LEAST_DIGITS);
+                plan.width = width;
+                plan.fit(pass, reach);
+            }
+            Lobe::KCorrelation { width } => {
+                plan.width = width.min(WIDEST);
+                plan.fit(pass, reach);
+            }
+            Lobe::Lambertian => {}
         }
         plan.terms = plan.forms(pass.table).unwrap_or_default();
         Some(plan)
     }
 
+    /// Plans for a narrow lobe.
+    fn narrow(&self, has_directed: bool) -> NarrowPlan {
+        let orders = (self.digits / self.weakening.max(0.5) - 1.0).ceil().clamp(1.0, MOST_ORDERS);
+        NarrowPlan {
+            orders: orders as usize,
+            digits: 0.75 * (self.digits - self.weakening) + 1.0,
+            has_grid: has_directed && self.digits > DIGITS_WITHOUT_GRID,
+        }
+    }
+
+    /// Returns the natural digits that the grid may have less than the whole result.
+    fn digits_less(&self) -> f64 {
+        let finer = 0.5 * (self.digits - DIGITS_OF_SECOND_LEVEL).max(0.0);
+        if self.narrow.is_some() { DIGITS_LESS_OF_CORRECTION + finer } else { 0.0 }
+    }
+
+    /// Returns whether there is a grid.
+    pub(super) fn has_grid(&self) -> bool {
+        self.narrow.is_none_or(|narrow| narrow.has_grid)
+    }
+
     /// Reduces the digits, then widens the lobe, until the grid is small enough; a finer level has a larger
     /// one.
     fn fit(&mut self, pass: &Pass<'_>, reach: Option<f64>) {
-        let most = MOST_ELEMENTS * (self.digits / 7.0).exp();
+        let mut most = MOST_ELEMENTS * (self.digits / 7.0).exp();
+        if self.narrow.is_some() {
+            let finer = (self.digits - DIGITS_OF_SECOND_LEVEL) / 1.8;
+            let stronger = (WEAK - self.weakening).max(0.0);
+            most = most.min(MOST_ELEMENTS_OF_CORRECTION * (finer + stronger).exp());
+        }
         self.orders = self.orders_for(pass, reach);
         while self.size(pass) > most && self.width < WIDEST {
             if self.recycled_digits > FEWEST_DIGITS_ON_A_LARGE_GRID {
@@ -98,10 +156,17 @@ impl Plan {
 
     /// Returns the number of terms of each order, if forms are not too large.
     fn forms(&self, table: &Nodes) -> Option<Vec<usize>> {
+        // Under a narrow lobe, every kink of the table counts where the light passes.
+        if self.narrow.is_some() && matches!(table, Nodes::AnglesInMedium(_) | Nodes::AnglesInAir(_)) {
+            return None;
+        }
         let mut terms = Vec::new();
         let mut size = 0_usize;
         for k in 2_i32.. {
-            let left = self.digits - f64::from(k - 1) * self.weakening;
+            let mut left = self.digits - self.digits_less() - f64::from(k - 1) * self.weakening;
+            if self.narrow.is_some() && terms.is_empty() {
+                left = left.max(1.0);
+            }
             if left < 0.0 {
                 return Some(terms);
             }
@@ -134,6 +199,20 @@ const WIDTH_WITHOUT_PEAK: f64 = 0.08;
 /// Width of the lobe for which the coarsest grid is made.
 const WIDEST: f64 = 1.0;
 
+/// Largest number of elements on a grid that corrects the light of a narrow lobe, at the second level; seven
+/// times as many at each further one, and in proportion more if a pass weakens the light less than this.
+const MOST_ELEMENTS_OF_CORRECTION: f64 = 3e5;
+const WEAK: f64 = 4.0;
+/// Natural digits of the coarsest level, at which there is no such grid.
+const DIGITS_WITHOUT_GRID: f64 = 12.0;
+/// Natural digits of the second level.
+const DIGITS_OF_SECOND_LEVEL: f64 = 15.0;
+/// Natural digits that the correction needs less than the light that it corrects, at the second level; half of
+/// the digits of each further one are added.
+const DIGITS_LESS_OF_CORRECTION: f64 = 4.0;
+/// Largest number of orders under a narrow lobe; the rest is a geometric series.
+const MOST_ORDERS: f64 = 24.0;
+
 /// Smallest number of natural digits of recycled light.
 const LEAST_DIGITS: f64 = 3.0;
 
@@ -163,7 +242,7 @@ mod tests {
                 let diffuser = Diffuser { lobe, transmittance: vec![1.0].into(), regular_fraction };
                 let table = &Nodes::Constant;
                 let pass = Pass { diffuser: &diffuser, table, index, digits: 11.5 + 3.5 * level };
-                Plan::new(&pass, 0.9, Some(1.0)).map(|plan| plan.width)
+                Plan::new(&pass, 0.9, (Some(1.0), true)).map(|plan| plan.width)
             };
             assert_eq!(planned(NARROWEST), Some(NARROWEST), "{level} {index} {regular_fraction}");
             assert!(planned(0.004) > Some(0.01), "{level} {index} {regular_fraction}");

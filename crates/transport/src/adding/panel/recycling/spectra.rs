@@ -6,16 +6,31 @@ use std::f64::consts::PI;
 use super::super::ledger::Sums;
 use super::forms::Products;
 use super::grid::Columns;
-use super::{Direction, Forms, Group, Profile, Recycling, azimuth_factor};
+use super::narrow::{Light, Narrow};
+use super::{Direction, Forms, Group, Profile, Recycling, Seen, Towards, azimuth_factor};
 use crate::{AngularTable, Base, Medium};
 
-/// Reflectances of the base that recycling needs; columns are `[state][wavelength]`.
+/// The base's part of recycled light; columns are `[state][wavelength]`.
+#[derive(Debug, Clone, Default)]
+pub(in super::super) struct Reflectances {
+    grid: OnGrid,
+    /// Under a narrow lobe.
+    narrow: Option<Light>,
+}
+
+/// Reflectances of the base that the grid needs.
 #[derive(Debug, Clone)]
-pub(in super::super) enum Reflectances {
+enum OnGrid {
     /// For each order of the series.
     Products(Vec<Products>),
     /// At the nodes of the grid, `[glass][column]` and `[air][column]`.
     Nodes { glass: Vec<f64>, air: Vec<f64> },
+}
+
+impl Default for OnGrid {
+    fn default() -> Self {
+        Self::Products(Vec::new())
+    }
 }
 
 impl Recycling {
@@ -35,17 +50,23 @@ impl Recycling {
             }
             all
         };
+        let light = |narrow: &Narrow| {
+            let [glass, air] = narrow.radii().map(|radii| look_up(&mut radii.iter().map(|r| r * r)));
+            narrow.light(Columns { count: columns, glass: &glass, air: &air })
+        };
+        let narrow = self.narrow.as_ref().map(light);
         if self.sums_columns() {
             let glass = look_up(&mut self.grid.glass.iter().map(|n| n.x * n.x));
             let straight = self.grid.straight > 0.0;
             let air = self.grid.air.iter().filter(|_| straight);
-            return Reflectances::Nodes { glass, air: look_up(&mut air.map(|n| n.x * n.x)) };
+            let grid = OnGrid::Nodes { glass, air: look_up(&mut air.map(|n| n.x * n.x)) };
+            return Reflectances { grid, narrow };
         }
         let of = |(k, profile): (usize, &Profile)| {
             let terms: Vec<&[f64]> = profile.terms.iter().map(|term| &term.0[..]).collect();
             Products::new(table.weighted_sums(&terms), columns, k as u32 + 2)
         };
-        Reflectances::Products(self.profiles.iter().enumerate().map(of).collect())
+        Reflectances { grid: OnGrid::Products(self.profiles.iter().enumerate().map(of).collect()), narrow }
     }
 
     /// Returns whether the series is summed column by column.
@@ -63,7 +84,7 @@ impl Recycling {
         g: &[f64],
     ) -> Vec<f64> {
         let mut sum = vec![0.0; forms.len() * g.len()];
-        let Reflectances::Products(products) = r else { return sum };
+        let OnGrid::Products(products) = &r.grid else { return sum };
         // Horner's rule in g.
         for (k, products) in products.iter().enumerate().rev() {
             let coefficients: Vec<&[f64]> = forms.iter().map(|forms| &forms.0[k][..]).collect();
@@ -85,7 +106,7 @@ impl Recycling {
         let columns = g.len();
         let all: usize = self.profiles.iter().map(|profile| profile.cosines.len()).sum();
         let mut slopes = vec![0.0; sums.len() * all * columns];
-        let Reflectances::Products(products) = r else { return slopes };
+        let OnGrid::Products(products) = &r.grid else { return slopes };
         let (mut first, mut power) = (0, g.to_vec());
         for (k, (products, profile)) in products.iter().zip(&self.profiles).enumerate() {
             let terms = profile.cosines.len();
@@ -111,6 +132,44 @@ impl Recycling {
         slopes
     }
 
+    /// Adds the recycled light of a view's group under a narrow lobe. `sources`: for each source its groups as
+    /// seen by the view, and their round trips; light towards them is that of the grid, and is replaced.
+    pub(in super::super) fn add_narrow(
+        &self,
+        view: &Seen,
+        sources: &[Vec<(Option<&Towards>, &Direction)>],
+        r: &Reflectances,
+        g: &[f64],
+        sums: &mut Sums,
+    ) {
+        let Some(light) = &r.narrow else { return };
+        let own = light.own(view, g);
+        sums.leaving = own.leaving;
+        sums.reflected = own.reflected;
+        sums.arriving = own.arriving;
+        for (groups, sum) in sources.iter().zip(&mut sums.directed) {
+            let towards: Vec<_> = groups
+                .iter()
+                .filter_map(|(towards, own)| Some(((*towards)?, &own.round_trips[..])))
+                .collect();
+            if towards.is_empty() {
+                continue;
+            }
+            let mut closed = vec![0.0; sum.len()];
+            // What is left of the grid's light is the error of the closed form under the wider lobe.
+            for (source, round_trips) in &towards {
+                add_times(&mut closed, &light.between(view, source, g), round_trips, 1.0);
+                if let Some(wider) = light.under_wider(view, source, g, !self.sums_columns()) {
+                    add_times(sum, &wider, round_trips, -1.0);
+                }
+            }
+            let all: Vec<&Towards> = towards.iter().map(|(source, _)| *source).collect();
+            let correction = Towards::correction(&all);
+            closed.iter_mut().zip(&*sum).for_each(|(closed, error)| *closed += correction * error);
+            *sum = closed;
+        }
+    }
+
     /// Adds the recycled light of a view's group by summing the series on the grid.
     pub(in super::super) fn add_by_columns(
         &self,
@@ -120,13 +179,13 @@ impl Recycling {
         g: &[f64],
         sums: &mut Sums,
     ) {
-        let Reflectances::Nodes { glass, air } = r else { return };
+        let OnGrid::Nodes { glass, air } = &r.grid else { return };
         let columns = Columns { count: g.len(), glass, air };
         let grid = &self.grid;
         for m in 0..self.plan.orders {
             let light =
                 self.series(m, grid.scattered(&view.0.meridian, m, columns, &view.1.reflectance), columns, g);
-            if m == 0 {
+            if m == 0 && !self.is_narrow() {
                 let ones = |n: usize| vec![1.0; n];
                 let leaving = grid.diffuse(columns, &grid.leaving, &grid.leaving_straight);
                 let reflected = grid.diffuse(columns, &ones(grid.glass.len()), &ones(grid.air.len()));
@@ -174,6 +233,13 @@ impl Recycling {
                 *s += scale * node.weight * g * l * o;
             }
         }
+    }
+}
+
+/// `sum += scale values * factors`; an empty slice of factors means ones.
+fn add_times(sum: &mut [f64], values: &[f64], factors: &[f64], scale: f64) {
+    for (k, (sum, value)) in sum.iter_mut().zip(values).enumerate() {
+        *sum += scale * value * factors.get(k).copied().unwrap_or(1.0);
     }
 }
 

@@ -1,0 +1,273 @@
+//! One scatterer below flat layers: wavelengths share its kernels.
+//!
+//! Where nothing scatters above the last scatterer, light between the two meets flat layers that keep its
+//! direction. If the scatterer, too, returns light from above only in its own direction, or the flat layers
+//! return none, then everything that differs by wavelength is a factor for each node: `g = 1/(1 - u a)` sums
+//! the round trips between the reflectance u of the flat layers and a of the scatterer. The light that rises
+//! is returned by `B + D diag(g u) D'`, with B the reflection of the scatterer and D its transmission. No
+//! product of two kernels is formed: it is applied to the light, kernel by kernel.
+
+use std::sync::Arc;
+
+use super::algebra::Operator;
+use super::grid::Grid;
+use super::matrix::Matrix;
+use super::part::{Absorbed, Part, nothing};
+use super::prepare::Shares;
+
+/// One way of scattering: a regular factor for each node, and a shared kernel with its factor.
+#[derive(Debug, Clone)]
+pub(super) struct Face {
+    pub(super) straight: Vec<f64>,
+    pub(super) kernel: Option<(Arc<Matrix>, f64)>,
+}
+
+impl Face {
+    /// Shares the kernel of an operator.
+    pub(super) fn of(operator: &Operator, factor: f64) -> Self {
+        let straight = operator.straight.iter().map(|x| x * factor).collect();
+        Self { straight, kernel: operator.kernel.as_ref().map(|kernel| (Arc::clone(kernel), factor)) }
+    }
+
+    /// Returns an element of the kernel, scaled.
+    pub(super) fn at(&self, out: usize, from: usize) -> f64 {
+        self.kernel.as_ref().map_or(0.0, |(kernel, factor)| factor * kernel[(out, from)])
+    }
+
+    /// Returns a functional of the outgoing light as a functional of the incoming
+    /// ([`Operator::pull_back`]); of light in the opposite direction if `reversed`.
+    fn pull_back(&self, share: &[f64], grid: &Grid, reversed: bool) -> Vec<f64> {
+        let mut pulled: Vec<f64> = share.iter().zip(&self.straight).map(|(s, d)| s * d).collect();
+        if let Some((kernel, factor)) = &self.kernel {
+            let weights: Vec<f64> =
+                share.iter().zip(&grid.scale).take(grid.regular).map(|(s, c)| s * c * factor).collect();
+            let sums = if reversed { kernel.times(&weights) } else { kernel.transposed_times(&weights) };
+            for ((value, sum), scale) in pulled.iter_mut().zip(&sums).zip(&grid.scale) {
+                *value += sum / scale;
+            }
+        }
+        pulled
+    }
+
+    /// Returns the share of light that is neither returned by `back` nor transmitted, on the side of a medium of
+    /// this index.
+    fn lost(&self, back: &Self, reversed: bool, grid: &Grid, index: f64) -> Vec<f64> {
+        let ones = vec![1.0; grid.len()];
+        let (back, through) = (back.pull_back(&ones, grid, false), self.pull_back(&ones, grid, reversed));
+        let one = |i: usize| if grid.beta[i] < index { 1.0 - back[i] - through[i] } else { 0.0 };
+        (0..grid.len()).map(one).collect()
+    }
+}
+
+/// The layers down to the only scatterer, at one wavelength.
+#[derive(Debug)]
+pub(super) struct Single<'a> {
+    /// Flat layers above it.
+    upper: &'a Part,
+    /// Transmission of the scatterer from above.
+    pub(super) down: Face,
+    /// Its reflection of light from above and from below.
+    pub(super) above: Face,
+    pub(super) below: Face,
+    /// Round trips between the two, by node.
+    trips: Vec<f64>,
+}
+
+impl<'a> Single<'a> {
+    /// Returns the layers, if round trips keep the direction of light.
+    pub(super) fn new(upper: &'a Part, [down, above, below]: [Face; 3]) -> Option<Self> {
+        let reflects = upper.below.straight.iter().any(|r| *r != 0.0);
+        if upper.down.kernel.is_some() || (reflects && above.kernel.is_some()) {
+            return None;
+        }
+        let open = upper.below.straight.iter().zip(&above.straight).map(|(u, a)| 1.0 - u * a);
+        let gap = Operator::diagonal(upper.down.regular, open.collect());
+        Some(Self { upper, down, above, below, trips: gap.inverse_straight() })
+    }
+
+    /// Returns the light that arrives at the scatterer in direction number `i`, per unit from above.
+    pub(super) fn arrives(&self, i: usize) -> f64 {
+        self.upper.down.straight[i] * self.trips[i]
+    }
+
+    /// Returns the light that returns to the scatterer in direction number `i`, per unit that leaves it upwards.
+    pub(super) fn returns(&self, i: usize) -> f64 {
+        self.upper.below.straight[i] * self.trips[i]
+    }
+
+    /// Returns the kernel of light from above that leaves upwards, between two nodes.
+    pub(super) fn front(&self, out: usize, from: usize) -> f64 {
+        self.upper.down.straight[out] * self.above.at(out, from) * self.arrives(from)
+    }
+
+    /// Returns the fractions of light that the scatterer absorbs, from above and from below, between media of
+    /// these indices.
+    pub(super) fn lost(&self, grid: &Grid, [above, below]: [f64; 2]) -> [Vec<f64>; 2] {
+        [self.down.lost(&self.above, false, grid, above), self.down.lost(&self.below, true, grid, below)]
+    }
+
+    /// Computes the fractions of light above a medium of this index, below flat layers `lower` that return no light
+    /// to the scatterer; `books` are the absorbed fractions of the scatterer itself.
+    pub(super) fn shares(
+        &self,
+        books: &[Absorbed; 2],
+        lower: Option<&Part>,
+        index: f64,
+        grid: &Grid,
+    ) -> Shares {
+        let len = grid.len();
+        let (air, medium) = (grid.below(1.0), grid.below(index));
+        let times =
+            |a: &dyn Fn(usize) -> f64, b: &[f64]| -> Vec<f64> { (0..len).map(|i| a(i) * b[i]).collect() };
+        let arrives = |share: &[f64]| times(&|i| self.arrives(i), share);
+        // Functionals of light: that arrives from above, that arrives from below; of what then falls, of what rises.
+        let through = |share: &[f64]| self.down.pull_back(share, grid, false);
+        let up = |share: &[f64]| self.down.pull_back(share, grid, true);
+        let below = |falls: &[f64]| {
+            let again = up(&times(&|i| self.returns(i), &through(falls)));
+            let once = self.below.pull_back(falls, grid, false);
+            once.iter().zip(again).map(|(a, b)| a + b).collect::<Vec<_>>()
+        };
+        let above = |leaves: &[f64]| arrives(&self.above.pull_back(leaves, grid, false));
+        let u_t = |share: &[f64]| times(&|i| self.upper.down.straight[i], share);
+        let none = [nothing(len), nothing(len)];
+        let upper = self.upper.absorbed.as_ref().unwrap_or(&none);
+        let sum = |parts: [Vec<f64>; 3]| -> Vec<f64> {
+            (0..len).map(|i| parts.iter().map(|part| part[i]).sum()).collect()
+        };
+        let absorbed_above =
+            |place: usize| sum([upper[0][place].clone(), arrives(&books[0][place]), above(&upper[1][place])]);
+        let absorbed_below = |place: usize| {
+            let trips = times(&|i| self.trips[i], &upper[1][place]);
+            let falls = times(&|i| self.returns(i), &books[0][place]);
+            sum([books[1][place].clone(), up(&trips), up(&falls)])
+        };
+        let mut absorbed: [Absorbed; 2] =
+            [std::array::from_fn(absorbed_above), std::array::from_fn(absorbed_below)];
+        let passes = |share: &[f64]| match lower {
+            Some(lower) => times(&|i| lower.down.straight[i], share),
+            None => share.to_vec(),
+        };
+        if let Some(lower) = lower {
+            let more = lower.absorbed.as_ref().unwrap_or(&none);
+            for place in 0..absorbed[0].len() {
+                let first = arrives(&through(&more[0][place]));
+                absorbed[0][place].iter_mut().zip(first).for_each(|(sum, x)| *sum += x);
+                let rises = sum([
+                    passes(&absorbed[1][place]),
+                    passes(&below(&more[0][place])),
+                    more[1][place].clone(),
+                ]);
+                absorbed[1][place] = rises;
+            }
+        }
+        let direct = |share: &[f64]| match lower {
+            Some(lower) => times(&|i| lower.below.straight[i], share),
+            None => vec![0.0; len],
+        };
+        let kept = grid.kept(index);
+        let on_kept = |all: Vec<f64>| -> Vec<f64> { kept.iter().map(|&i| all[i]).collect() };
+        let leaving_front =
+            sum([times(&|i| self.upper.above.straight[i], &air), above(&u_t(&air)), vec![0.0; len]]);
+        Shares {
+            scale: on_kept(grid.scale.clone()),
+            arriving: on_kept(arrives(&through(&passes(&medium)))),
+            returning: on_kept(sum([passes(&below(&passes(&medium))), direct(&medium), vec![0.0; len]])),
+            leaving: on_kept(passes(&up(&arrives(&air)))),
+            leaving_front: on_kept(leaving_front),
+            absorbed: absorbed.map(|places| places.map(on_kept)),
+        }
+    }
+}
+
+/// Reflection of the light that rises, kernel by kernel.
+#[derive(Debug, Clone)]
+pub(super) struct Chain {
+    /// Transmission of the scatterer, and light that returns to it, by node; none if no light does.
+    again: Option<(Face, Vec<f64>)>,
+    /// Its own reflection.
+    below: Option<(Arc<Matrix>, f64)>,
+    /// Number of nodes with weight that the medium below carries, of all of them, of extra nodes.
+    carried: usize,
+    regular: usize,
+    extras: usize,
+}
+
+impl Chain {
+    pub(super) fn new(single: &Single<'_>, carried: usize, regular: usize) -> Self {
+        let returns: Vec<f64> = (0..single.trips.len()).map(|i| single.returns(i)).collect();
+        let any = returns.iter().any(|r| *r != 0.0);
+        Self {
+            again: any.then(|| (single.down.clone(), returns)),
+            below: single.below.kernel.clone(),
+            carried,
+            regular,
+            extras: single.trips.len() - regular,
+        }
+    }
+
+    /// Returns the size in bytes of what it does not share.
+    pub(super) fn bytes(&self) -> usize {
+        8 * self.again.as_ref().map_or(0, |(down, returns)| down.straight.len() + returns.len())
+    }
+
+    /// Returns the size in bytes of the kernels.
+    pub(super) fn shared_bytes(&self) -> usize {
+        let down = self.again.as_ref().and_then(|(down, _)| down.kernel.as_ref());
+        let sizes = [down, self.below.as_ref()].into_iter().flatten();
+        8 * sizes.map(|(kernel, _)| kernel.columns() * kernel.columns()).sum::<usize>()
+    }
+
+    /// Adds the reflection of light by kernels to light on the nodes with weight: what keeps its direction is left
+    /// out.
+    pub(super) fn add(&self, rising: &Matrix, sum: &mut Matrix) {
+        if let Some((kernel, factor)) = &self.below {
+            sum.add_scaled_product(kernel, rising, *factor);
+        }
+        let Some((Face { straight, kernel: Some((kernel, factor)) }, returns)) = &self.again else { return };
+        let mut leaves = Matrix::zeros(self.regular, rising.columns());
+        leaves.add_transposed_product(kernel, rising, *factor);
+        let mut back = leaves.clone();
+        for ((c, column), (_, leaves)) in back.columns_mut().zip(leaves.columns_mut()) {
+            for (i, (back, leaves)) in column.iter_mut().zip(leaves.iter_mut()).enumerate() {
+                let regular = if i < self.carried { straight[i] * rising[(i, c)] } else { 0.0 };
+                *back = returns[i] * (*leaves + regular);
+                *leaves = returns[i] * straight[i] * *leaves;
+            }
+        }
+        sum.add_scaled_product(kernel, &back, *factor);
+        for (c, column) in sum.columns_mut() {
+            column.iter_mut().zip(leaves.column(c)).for_each(|(sum, regular)| *sum += regular);
+        }
+    }
+
+    /// Returns the reflection of light from the extra nodes to the nodes with weight, and from extra nodes of
+    /// `lights` to all extra ones.
+    pub(super) fn extras(&self, lights: &[usize]) -> [Matrix; 2] {
+        let (n, extras) = (self.regular, self.extras);
+        let direct = |out: usize, from: usize| {
+            self.below.as_ref().map_or(0.0, |(kernel, factor)| factor * kernel[(out, from)])
+        };
+        let mut columns = Matrix::from_fn(self.carried, extras, |i, e| direct(i, n + e));
+        let mut pairs = Matrix::from_fn(extras, lights.len(), |e, l| direct(n + e, n + lights[l]));
+        if let Some((Face { straight, kernel: Some((kernel, factor)) }, returns)) = &self.again {
+            let leaves = Matrix::from_fn(n, extras, |k, e| factor * kernel[(n + e, k)]);
+            let back = Matrix::from_fn(n, extras, |k, e| returns[k] * leaves[(k, e)]);
+            columns.add_scaled_product(kernel, &back, *factor);
+            let own = |e: usize| returns[n + e] * straight[n + e] * factor;
+            for (e, column) in columns.columns_mut() {
+                for (i, sum) in column.iter_mut().enumerate() {
+                    *sum += straight[i] * back[(i, e)] + own(e) * kernel[(i, n + e)];
+                }
+            }
+            pairs.add_transposed_product(&leaves, &back.some_columns(lights), 1.0);
+            for (l, column) in pairs.columns_mut() {
+                let l = lights[l];
+                for (e, sum) in column.iter_mut().enumerate() {
+                    *sum += own(e) * kernel[(n + l, n + e)] + own(l) * kernel[(n + e, n + l)];
+                }
+            }
+        }
+        [columns, pairs]
+    }
+}

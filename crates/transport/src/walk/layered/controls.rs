@@ -1,0 +1,287 @@
+//! Control variates: quantities of a path whose mean is zero, and which explain a large part of its noise.
+//!
+//! Where a path draws a direction, the mean of some functions of it is known. A phase function of Henyey and Greenstein
+//! multiplies the Legendre polynomial `P_l` of the cosine to the normal by `g^l`, so that `P_l(after) - g^l P_l(before)` has
+//! mean zero. So have the indicator of a flight that leaves the medium less its probability, and the Legendre polynomials
+//! of a uniform random number that selects the inclination of light from a Lambertian base. Each is multiplied by the
+//! light of the path before the decision and summed over the path.
+//!
+//! The results of a replicate are reduced by the linear combination of its controls that explains most of the noise. The
+//! coefficients of one half of the replicates come from **the other half**. They do not depend on a replicate's own random
+//! numbers: its mean stays unbiased, and the spread of the half remains that of independent estimates (cross-fitting; P.
+//! W. Glynn, R. Szechtman, *Some New Perspectives on the Method of Control Variates*, MCQMC 2000). A combination is used as
+//! far as it would have reduced the spread of the half that it comes from, with each replicate left out in turn: with few
+//! paths, or rare bright ones, that is hardly at all.
+//!
+//! In a slab of optical thickness 2 and g = 0.9 over a mirror, the controls remove 80 to 97 % of the variance.
+
+use super::ledger::Sums;
+
+/// Number of Legendre polynomials of a deflection, and of powers of the depth that multiply them.
+const ORDERS: usize = 8;
+const POWERS: usize = 2;
+/// Controls of a flight: by its sense, with two powers of the cosine.
+const FLIGHTS: usize = 4;
+/// Controls of a medium, for light that has met the base and for light that has not.
+const OF_MEDIUM: usize = ORDERS * POWERS + FLIGHTS;
+/// Controls of light from a Lambertian base in one direction, or in two.
+const EMISSIONS: usize = 4;
+const COUNT: usize = 2 * OF_MEDIUM + 2 * EMISSIONS;
+
+/// One path in this many contributes to the regression.
+const EVERY: u64 = 2;
+/// Deflections and flights before this event of a path have controls: later ones explain little.
+pub(super) const EVENTS: u32 = 48;
+/// Largest number of results: regression of more takes longer than the paths.
+const MOST_RESULTS: usize = 64;
+
+/// Light of a path that has not met the base, and that has: the largest of any state and wavelength.
+pub(super) type Brightness = [f64; 2];
+
+/// Controls of a replicate.
+#[derive(Debug, Clone)]
+pub(super) struct Controls {
+    /// Of the current path.
+    now: Vec<f64>,
+    /// Sums over all paths.
+    sums: Vec<f64>,
+    /// Results before the current path.
+    before: Vec<f64>,
+    moments: Moments,
+}
+
+/// Sums over the paths of the regression.
+#[derive(Debug, Clone)]
+struct Moments {
+    paths: f64,
+    /// Results.
+    results: Vec<f64>,
+    /// Controls, and their products; shape `[control][control]`.
+    controls: Vec<f64>,
+    squares: Vec<f64>,
+    /// Products of controls and results; shape `[control][result]`.
+    products: Vec<f64>,
+}
+
+impl Controls {
+    /// Builds empty controls of a walk with these sums; `None` if it has too many results.
+    pub(super) fn new(sums: &Sums) -> Option<Self> {
+        let count = results(sums).count();
+        (count <= MOST_RESULTS).then(|| Self {
+            now: vec![0.0; COUNT],
+            sums: vec![0.0; COUNT],
+            before: vec![0.0; count],
+            moments: Moments::new(count),
+        })
+    }
+
+    /// Adds a deflection from one cosine to the normal to another, at a depth from -1 to 1, by a phase function of this
+    /// anisotropy; `ratio` is its value over the density with which the direction was sampled.
+    pub(super) fn deflection(
+        &mut self,
+        light: Brightness,
+        [from, to]: [f64; 2],
+        (anisotropy, ratio): (f64, f64),
+        depth: f64,
+    ) {
+        let ([mut before, mut after], [mut from_l, mut to_l]) = ([1.0; 2], [from, to]);
+        let mut power = 1.0;
+        for l in 1..=ORDERS {
+            power *= anisotropy;
+            let control = ratio * to_l - power * from_l;
+            let mut of_depth = 1.0;
+            for k in 0..POWERS {
+                let at = (l - 1) * POWERS + k;
+                self.now[at] += light[0] * control * of_depth;
+                self.now[OF_MEDIUM + at] += light[1] * control * of_depth;
+                of_depth *= depth;
+            }
+            let l = l as f64;
+            (before, from_l) = (from_l, ((2.0 * l + 1.0) * from * from_l - l * before) / (l + 1.0));
+            (after, to_l) = (to_l, ((2.0 * l + 1.0) * to * to_l - l * after) / (l + 1.0));
+        }
+    }
+
+    /// Adds a flight at this cosine: its weight if it leaves the medium, 0 otherwise, less the mean of that.
+    pub(super) fn flight(&mut self, light: Brightness, cosine: f64, left: f64) {
+        let at = ORDERS * POWERS + if cosine > 0.0 { 0 } else { FLIGHTS / 2 };
+        for (start, light) in [0, OF_MEDIUM].into_iter().zip(light) {
+            self.now[start + at] += light * left;
+            self.now[start + at + 1] += light * left * cosine;
+        }
+    }
+
+    /// Adds light from a Lambertian base, whose inclination was selected by the uniform number `u`; followed in one
+    /// direction or in two.
+    pub(super) fn emission(&mut self, light: f64, u: f64, in_two: bool) {
+        let start = 2 * OF_MEDIUM + if in_two { EMISSIONS } else { 0 };
+        let x = 2.0 * u - 1.0;
+        let (mut before, mut now) = (1.0, x);
+        for (l, control) in self.now[start..][..EMISSIONS].iter_mut().enumerate() {
+            *control += light * now;
+            let l = (l + 1) as f64;
+            (before, now) = (now, ((2.0 * l + 1.0) * x * now - l * before) / (l + 1.0));
+        }
+    }
+
+    /// Begins a path.
+    pub(super) fn begin(&mut self, path: u64, sums: &Sums) {
+        if path.is_multiple_of(EVERY) {
+            self.before.iter_mut().zip(results(sums)).for_each(|(before, value)| *before = value);
+        }
+    }
+
+    /// Ends the path.
+    pub(super) fn end(&mut self, path: u64, sums: &Sums) {
+        if path.is_multiple_of(EVERY) {
+            self.before.iter_mut().zip(results(sums)).for_each(|(before, value)| *before = value - *before);
+            self.moments.add(&self.now, &self.before);
+        }
+        self.sums.iter_mut().zip(&self.now).for_each(|(sum, now)| *sum += now);
+        self.now.fill(0.0);
+    }
+
+    /// Returns what is to be subtracted from the results of each replicate, in the order of [`results`].
+    pub(super) fn corrections(replicates: &[(&Self, &Sums)]) -> Vec<Vec<f64>> {
+        let halves = [0, 1].map(|parity| {
+            let half: Vec<_> = replicates.iter().skip(parity).step_by(2).copied().collect();
+            coefficients(&half)
+        });
+        let others = |k: usize| halves[1 - k % 2].as_ref();
+        replicates.iter().enumerate().map(|(k, (one, _))| one.correction(others(k))).collect()
+    }
+
+    fn correction(&self, coefficients: Option<&Vec<f64>>) -> Vec<f64> {
+        let mut correction = vec![0.0; self.before.len()];
+        if let Some(coefficients) = coefficients {
+            for (sum, row) in self.sums.iter().zip(coefficients.chunks_exact(correction.len())) {
+                add_scaled(&mut correction, row, *sum);
+            }
+        }
+        correction
+    }
+}
+
+/// Returns the coefficients that some replicates suggest to others, shape `[control][result]`; `None` from too few.
+fn coefficients(replicates: &[(&Controls, &Sums)]) -> Option<Vec<f64>> {
+    let count = replicates.first()?.0.before.len();
+    let mut all = Moments::new(count);
+    replicates.iter().for_each(|(one, _)| all.combine(&one.moments, 1.0));
+    if replicates.len() < LEAST_REPLICATES || all.paths < LEAST_PATHS {
+        return None;
+    }
+    let corrections = replicates.iter().map(|(one, _)| {
+        let mut others = all.clone();
+        others.combine(&one.moments, -1.0);
+        one.correction(Some(&others.regression()))
+    });
+    let corrections: Vec<Vec<f64>> = corrections.collect();
+    let values: Vec<Vec<f64>> = replicates.iter().map(|(_, sums)| results(sums).collect()).collect();
+    // The factor of each result's correction with which the spread would have been smallest.
+    let usefulness = |result: usize| {
+        let mean = values.iter().map(|values| values[result]).sum::<f64>() / values.len() as f64;
+        let pairs = values.iter().zip(&corrections);
+        let (product, square) = pairs.fold((0.0, 0.0), |(product, square), (values, corrections)| {
+            let correction = corrections[result];
+            (product + (values[result] - mean) * correction, square + correction * correction)
+        });
+        if square > 0.0 { (product / square).clamp(0.0, 1.0) } else { 0.0 }
+    };
+    let usefulness: Vec<f64> = (0..count).map(usefulness).collect();
+    let mut coefficients = all.regression();
+    for row in coefficients.chunks_exact_mut(count) {
+        row.iter_mut().zip(&usefulness).for_each(|(value, factor)| *value *= factor);
+    }
+    Some(coefficients)
+}
+
+impl Moments {
+    fn new(results: usize) -> Self {
+        Self {
+            paths: 0.0,
+            results: vec![0.0; results],
+            controls: vec![0.0; COUNT],
+            squares: vec![0.0; COUNT * COUNT],
+            products: vec![0.0; COUNT * results],
+        }
+    }
+
+    fn add(&mut self, controls: &[f64], results: &[f64]) {
+        self.paths += 1.0;
+        add_scaled(&mut self.results, results, 1.0);
+        add_scaled(&mut self.controls, controls, 1.0);
+        let rows = self.squares.chunks_exact_mut(COUNT).zip(self.products.chunks_exact_mut(results.len()));
+        for (control, (squares, products)) in
+            controls.iter().zip(rows).filter(|(control, _)| **control != 0.0)
+        {
+            add_scaled(squares, controls, *control);
+            add_scaled(products, results, *control);
+        }
+    }
+
+    fn combine(&mut self, other: &Self, sign: f64) {
+        self.paths += sign * other.paths;
+        add_scaled(&mut self.results, &other.results, sign);
+        add_scaled(&mut self.controls, &other.controls, sign);
+        add_scaled(&mut self.squares, &other.squares, sign);
+        add_scaled(&mut self.products, &other.products, sign);
+    }
+
+    /// Returns the coefficients of the regression, shape `[control][result]`: the solution of the normal equations by
+    /// Cholesky's method. Controls that are combinations of others have none.
+    fn regression(mut self) -> Vec<f64> {
+        let count = self.results.len();
+        let mut solution = vec![0.0; COUNT * count];
+        for (control, products) in self.controls.iter().zip(self.products.chunks_exact_mut(count)) {
+            // The mean of the controls is zero; that of the results is not.
+            add_scaled(products, &self.results, -control / self.paths);
+        }
+        let factor = &mut self.squares;
+        let mut used = [false; COUNT];
+        for i in 0..COUNT {
+            let whole = factor[i * COUNT + i];
+            for j in 0..=i {
+                let dot: f64 = (0..j).map(|k| factor[i * COUNT + k] * factor[j * COUNT + k]).sum();
+                let rest = factor[i * COUNT + j] - dot;
+                factor[i * COUNT + j] = match i == j {
+                    true => {
+                        used[i] = rest > DEPENDENT * whole;
+                        if used[i] { rest.sqrt() } else { 0.0 }
+                    }
+                    false if used[j] => rest / factor[j * COUNT + j],
+                    false => 0.0,
+                };
+            }
+        }
+        for result in 0..count {
+            let mut x = [0.0; COUNT];
+            for i in (0..COUNT).filter(|i| used[*i]) {
+                let dot: f64 = (0..i).map(|k| factor[i * COUNT + k] * x[k]).sum();
+                x[i] = (self.products[i * count + result] - dot) / factor[i * COUNT + i];
+            }
+            for i in (0..COUNT).rev().filter(|i| used[*i]) {
+                let dot: f64 = (i + 1..COUNT).map(|k| factor[k * COUNT + i] * x[k]).sum();
+                x[i] = (x[i] - dot) / factor[i * COUNT + i];
+                solution[i * count + result] = x[i];
+            }
+        }
+        solution
+    }
+}
+
+/// Smallest numbers of replicates and of paths of a regression.
+const LEAST_REPLICATES: usize = 8;
+const LEAST_PATHS: f64 = 4.0 * COUNT as f64;
+
+/// Fraction of its square that a control must have besides all controls before it.
+const DEPENDENT: f64 = 1e-6;
+
+/// The results that controls correct: light that leaves, and light of each source that reaches the path.
+fn results(sums: &Sums) -> impl Iterator<Item = f64> {
+    let lights = std::iter::once(&sums.leaving).chain(&sums.from_source);
+    lights.flat_map(|light| light.fresh.iter().chain(&light.met).copied())
+}
+
+fn add_scaled(sum: &mut [f64], values: &[f64], scale: f64) {
+    sum.iter_mut().zip(values).for_each(|(sum, value)| *sum += scale * value);
+}
