@@ -71,6 +71,9 @@ impl FilmKey {
 /// this number fills a wide register.
 const BINS_OF_SAMPLE: usize = 8;
 
+/// Nodes of a table, and its reflectances, `[node][gap][wavelength]`.
+type Tabulated = (Nodes, Arc<[f64]>);
+
 /// Tabulates the reflectances at the gaps, `[node][gap][wavelength]`. The nodes of the previous table, `last`,
 /// save time if its film was similar.
 pub(crate) fn tabulated(
@@ -79,7 +82,7 @@ pub(crate) fn tabulated(
     index: &Spectrum,
     gaps_nm: &[f64],
     last: Option<&Nodes>,
-) -> Result<(Nodes, Arc<[f64]>), DisplayError> {
+) -> Result<Tabulated, DisplayError> {
     let known = match last {
         Some(Nodes::CosinePanels(panels)) => Some(panels),
         _ => None,
@@ -100,7 +103,7 @@ pub(crate) fn tabulated_for(
     grid: &Grid,
     index: &Spectrum,
     mixture: &Mixture,
-) -> Result<Option<(Nodes, Arc<[f64]>)>, DisplayError> {
+) -> Result<Option<Tabulated>, DisplayError> {
     let gaps = mixture.gaps_nm.len();
     let whole = Film::new(film, grid, index, &mixture.gaps_nm, Beta::InGlass)?;
     let table = light.table((&mixture.fractions, gaps), |cosines| whole.at_cosines(cosines))?;

@@ -113,7 +113,7 @@ pub struct Walk<'a> {
 enum Kind<'a> {
     Bare(Bare<'a>, Images<'a>),
     Diffused(Box<Diffused<'a>>, Images<'a>),
-    Layered(Layered<'a>, Images<'a>),
+    Layered(Box<Layered<'a>>, Images<'a>),
 }
 
 impl<'a> Walk<'a> {
@@ -135,7 +135,7 @@ impl<'a> Walk<'a> {
     ) -> Self {
         let images = Images::new(stack, view, sources);
         let kind = match stack {
-            Stack::Layered(layered) => Kind::Layered(Layered::new(layered, view, sources), images),
+            Stack::Layered(layered) => Kind::Layered(Box::new(Layered::new(layered, view, sources)), images),
             Stack::Panel(panel) => match &panel.top {
                 Top::Diffuser(diffuser) => {
                     let diffused = Diffused::new(panel, diffuser, view, sources, (strategy, shares));

@@ -118,8 +118,7 @@ pub(super) struct Element<'a> {
 pub(super) fn elements<'a>(
     stack: &'a Layered,
     bin: usize,
-    grid: &Grid,
-    precision: &Precision,
+    (grid, precision): (&Grid, &Precision),
     beyond_first: Option<[f64; 2]>,
     known: &Known,
     scatterers: &mut Scatterers<'a>,

@@ -295,7 +295,8 @@ fn prepare(
     let mut growing: Vec<Growing<'_>> = family
         .into_iter()
         .map(|bins| {
-            let all = elements(stack, bins[0], &grid, precision, beyond_first, known, &mut scatterers, stop);
+            let all =
+                elements(stack, bins[0], (&grid, precision), beyond_first, known, &mut scatterers, stop);
             let elements = Elements::new(all);
             let kept = grid.kept(elements.index());
             let group = Group {

@@ -20,7 +20,7 @@ use super::slab::{Model, Slab};
 enum Scatterer<'a> {
     Slab(Slab),
     Diffuser(LobeBetween),
-    Rough { face: &'a Rough, orders: Option<RoughOrders>, missing: [Vec<f64>; 2] },
+    Rough { face: &'a Rough, orders: Option<Box<RoughOrders>>, missing: [Vec<f64>; 2] },
     Scatter { scatter: &'a Scatter, disc: f64, orders: Option<ScatterOrders>, missing: Vec<f64> },
 }
 
@@ -80,7 +80,11 @@ impl<'a> Scatterers<'a> {
                 && [Side::Above, Side::Below].into_iter().all(|side| other.index(side) == face.index(side))
         };
         let known = |s: &Scatterer<'_>| matches!(s, Scatterer::Rough { face, .. } if like(face));
-        self.find(known, || Scatterer::Rough { face, orders: Some(orders()), missing: Default::default() })
+        self.find(known, || Scatterer::Rough {
+            face,
+            orders: Some(Box::new(orders())),
+            missing: Default::default(),
+        })
     }
 
     /// Returns the number of this kernel in a disc of this radius; adds it if it is new.
@@ -108,7 +112,7 @@ impl<'a> Scatterers<'a> {
             Scatterer::Slab(slab) => slab.orders(),
             Scatterer::Diffuser(LobeBetween { lobe: Lobe::Lambertian, .. }) => 1,
             Scatterer::Diffuser(_) => usize::MAX,
-            Scatterer::Rough { orders, .. } => orders.as_ref().map_or(0, RoughOrders::orders),
+            Scatterer::Rough { orders, .. } => orders.as_ref().map_or(0, |orders| orders.orders()),
             Scatterer::Scatter { orders, .. } => orders.as_ref().map_or(0, ScatterOrders::orders),
         };
         self.0.iter().map(orders).max().unwrap_or(0)
@@ -126,7 +130,7 @@ impl<'a> Scatterers<'a> {
             Scatterer::Rough { face, orders, missing } => {
                 let kept = orders.map_or(missing, |orders| {
                     let extras = orders.missing_straight().each_ref().map(|all| all[grid.regular..].to_vec());
-                    known.add_rough(face, orders);
+                    known.add_rough(face, *orders);
                     extras
                 });
                 Scatterer::Rough { face, orders: None, missing: kept }

@@ -232,7 +232,7 @@ impl Chain {
             for (i, (back, leaves)) in column.iter_mut().zip(leaves.iter_mut()).enumerate() {
                 let regular = if i < self.carried { straight[i] * rising[(i, c)] } else { 0.0 };
                 *back = returns[i] * (*leaves + regular);
-                *leaves = returns[i] * straight[i] * *leaves;
+                *leaves *= returns[i] * straight[i];
             }
         }
         sum.add_scaled_product(kernel, &back, *factor);
