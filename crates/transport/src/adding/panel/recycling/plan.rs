@@ -7,10 +7,6 @@ use crate::Nodes;
 
 /// Width from which on the grid has the lobe itself, at every level.
 pub(in super::super) const NARROWEST: f64 = 0.035;
-/// Width below which a lobe has the formulation of narrow lobes (see [`narrow`](super::narrow)): there a grid of the lobe
-/// itself is larger than what the formulation needs at the levels that an error of 0.1 % takes (under a front of
-/// 2 %, 0.15 s against 0.7 s at a width of 0.011, but 3.8 s against 0.7 s at 0.014).
-const NARROW: f64 = 0.0115;
 
 /// Extent of the computation of recycled light.
 #[derive(Debug, Clone, PartialEq)]
@@ -28,7 +24,7 @@ pub(in super::super) struct Plan {
     pub(super) recycled_digits: f64,
     /// Width of the lobe on the grid.
     pub(super) width: f64,
-    /// Under a lobe narrower than [`NARROW`].
+    /// Under a lobe narrower than [`NARROWEST`] (see [`narrow`](super::narrow)).
     pub(super) narrow: Option<NarrowPlan>,
 }
 
@@ -72,7 +68,7 @@ impl Plan {
         let mut plan =
             Self { digits, weakening, terms, orders: 1, recycled_digits, width: WIDEST, narrow: None };
         match pass.diffuser.lobe {
-            Lobe::KCorrelation { width } if width < NARROW => {
+            Lobe::KCorrelation { width } if width < NARROWEST => {
                 plan.narrow = Some(plan.narrow(has_directed));
                 if !plan.has_grid() {
                     plan.terms = vec![1];
