@@ -82,6 +82,8 @@ impl Extrapolation {
 /// Number of terms below which a polynomial does not follow the oscillations of a film's reflectance over
 /// angle at all: about half its phase, 9 rad for a gap of 280 nm at 380 nm.
 const TERMS_OF_SWINGS: f64 = 5.0;
+/// Natural digits of rules for two passes over a table with kinks, relative to those over a smooth table.
+const RULES_FOR_KINKS: f64 = 1.8;
 /// Largest number of terms for a table with kinks, at no digits.
 const MOST_TERMS_OF_KINKS: usize = 20;
 /// Natural digits gained by each further term of the reflectance (films, over 0 to 90 deg).
@@ -132,7 +134,10 @@ impl Plan {
 
     /// Plans for a narrow lobe.
     fn narrow(&self, table: &Nodes, has_points: bool, has_fields: bool) -> NarrowPlan {
-        let digits_of_two = (self.digits - self.weakening - DIGITS_LESS_OF_CORRECTION).max(LEAST_DIGITS);
+        let smooth = (self.digits - self.weakening - DIGITS_LESS_OF_CORRECTION).max(LEAST_DIGITS);
+        let has_kinks = matches!(table, Nodes::AnglesInMedium(_) | Nodes::AnglesInAir(_));
+        // Rules converge slowly where there are kinks.
+        let digits_of_two = if has_kinks { RULES_FOR_KINKS * smooth } else { smooth };
         let terms = match table {
             Nodes::Constant => 1,
             Nodes::Cosines(_) | Nodes::CosinePanels(_) => {
