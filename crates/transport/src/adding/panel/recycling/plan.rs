@@ -36,12 +36,12 @@ pub(super) struct NarrowPlan {
     /// Natural digits of its nodes.
     pub(super) digits: f64,
     /// Natural digits of two passes between points of light, and terms of the reflectance there; none if there
-    /// are no points.
+    /// are no points, or the table has kinks.
     pub(super) digits_of_two: f64,
     pub(super) terms: usize,
     /// How the error of the closed form is extrapolated from order 2.
     pub(super) extrapolation: Extrapolation,
-    /// Whether there is a grid, from which light between a view and a field is corrected.
+    /// Whether there is a grid, from which light between a view and a field, or over a table with kinks, is corrected.
     pub(super) has_grid: bool,
 }
 
@@ -82,10 +82,6 @@ impl Extrapolation {
 /// Number of terms below which a polynomial does not follow the oscillations of a film's reflectance over
 /// angle at all: about half its phase, 9 rad for a gap of 280 nm at 380 nm.
 const TERMS_OF_SWINGS: f64 = 5.0;
-/// Natural digits of rules for two passes over a table with kinks, relative to those over a smooth table.
-const RULES_FOR_KINKS: f64 = 1.8;
-/// Largest number of terms for a table with kinks, at no digits.
-const MOST_TERMS_OF_KINKS: usize = 20;
 /// Natural digits gained by each further term of the reflectance (films, over 0 to 90 deg).
 const DIGITS_A_TERM: f64 = 1.2;
 /// The same for tables with kinks.
@@ -134,19 +130,15 @@ impl Plan {
 
     /// Plans for a narrow lobe.
     fn narrow(&self, table: &Nodes, has_points: bool, has_fields: bool) -> NarrowPlan {
-        let smooth = (self.digits - self.weakening - DIGITS_LESS_OF_CORRECTION).max(LEAST_DIGITS);
-        let has_kinks = matches!(table, Nodes::AnglesInMedium(_) | Nodes::AnglesInAir(_));
-        // Rules converge slowly where there are kinks.
-        let digits_of_two = if has_kinks { RULES_FOR_KINKS * smooth } else { smooth };
+        let digits_of_two = (self.digits - self.weakening - DIGITS_LESS_OF_CORRECTION).max(LEAST_DIGITS);
+        // Tables with kinks are not smooth enough for the interpolation of two passes.
         let terms = match table {
+            _ if !has_points => 0,
             Nodes::Constant => 1,
             Nodes::Cosines(_) | Nodes::CosinePanels(_) => {
                 1 + (digits_of_two / DIGITS_A_TERM + TERMS_OF_SWINGS).ceil() as usize
             }
-            // Those of the table itself, if they are not too many.
-            Nodes::AnglesInMedium(_) | Nodes::AnglesInAir(_) => {
-                table.count().min(MOST_TERMS_OF_KINKS + digits_of_two as usize)
-            }
+            Nodes::AnglesInMedium(_) | Nodes::AnglesInAir(_) => 0,
         };
         let orders = (self.digits / self.weakening.max(0.5) - 1.0).ceil().clamp(1.0, MOST_ORDERS);
         NarrowPlan {
@@ -154,8 +146,8 @@ impl Plan {
             digits: 0.75 * (self.digits - self.weakening) + 1.0,
             digits_of_two,
             extrapolation: Extrapolation::at(self.digits),
-            terms: if has_points { terms } else { 0 },
-            has_grid: has_fields && self.digits > DIGITS_WITHOUT_GRID,
+            terms,
+            has_grid: (has_fields || (has_points && terms == 0)) && self.digits > DIGITS_WITHOUT_GRID,
         }
     }
 

@@ -19,7 +19,6 @@ use papilio_optics::{Beta, with_widest_simd};
 
 use super::super::forms::Places;
 use super::super::profile::chebyshev;
-use crate::Nodes;
 use crate::adding::panel::first_pass::Pass;
 use crate::adding::quadrature::{Node, Point, gauss};
 
@@ -30,7 +29,8 @@ pub(super) struct TwoPasses {
     straight: f64,
     index: f64,
     digits: f64,
-    terms: Terms,
+    /// Polynomials in the cosine in the glass.
+    terms: Polynomials,
     /// |beta| and cosines of the azimuth between v and l, between which rho is interpolated.
     radii: Polynomials,
     turns: Polynomials,
@@ -66,7 +66,7 @@ impl TwoPasses {
             straight: pass.straight(),
             index: pass.index,
             digits,
-            terms: Terms::new(pass, terms),
+            terms: Polynomials::new(chebyshev(terms).iter().map(|node| node.x).collect()),
             radii: Polynomials::new(gauss(0.0, 1.0, count).map(|node| node.x).collect()),
             turns: Polynomials::new(chebyshev(count - 1).iter().map(|node| 2.0 * node.x - 1.0).collect()),
             differences: Vec::new(),
@@ -78,13 +78,13 @@ impl TwoPasses {
 
     /// Returns |beta|² of the directions at which the terms are the reflectance.
     pub(super) fn squares(&self) -> Vec<f64> {
-        self.terms.squares(self.index)
+        self.terms.nodes.iter().map(|cosine| self.index * self.index * (1.0 - cosine * cosine)).collect()
     }
 
     /// Computes the terms at a direction.
     #[inline(always)]
     fn terms_at(&self, at: Beta, out: &mut [f64]) {
-        self.terms.at(at.squared(), self.index, out);
+        self.terms.at((1.0 - at.squared() / (self.index * self.index)).max(0.0).sqrt(), out);
     }
 
     fn all_differences(&self) -> Vec<f64> {
@@ -237,67 +237,6 @@ impl TwoPasses {
             }
         }
         all
-    }
-}
-
-/// Terms of the reflectance: functions of the direction in the glass, each one at one of its nodes.
-#[derive(Debug, Clone)]
-enum Terms {
-    /// Polynomials in the cosine.
-    Cosines(Polynomials),
-    /// Those between the nodes of a table with kinks.
-    Table(Nodes),
-}
-
-impl Terms {
-    fn new(pass: &Pass<'_>, count: usize) -> Self {
-        if pass.table.count() == count
-            && matches!(pass.table, Nodes::AnglesInMedium(_) | Nodes::AnglesInAir(_))
-        {
-            return Self::Table(pass.table.clone());
-        }
-        Self::Cosines(Polynomials::new(chebyshev(count).iter().map(|node| node.x).collect()))
-    }
-
-    fn len(&self) -> usize {
-        match self {
-            Self::Cosines(polynomials) => polynomials.len(),
-            Self::Table(nodes) => nodes.count(),
-        }
-    }
-
-    /// Returns |beta|² of the nodes.
-    fn squares(&self, index: f64) -> Vec<f64> {
-        match self {
-            Self::Cosines(polynomials) => {
-                polynomials.nodes.iter().map(|cosine| index * index * (1.0 - cosine * cosine)).collect()
-            }
-            Self::Table(Nodes::AnglesInMedium(angles)) => {
-                angles.iter().map(|angle| (index * angle.sin()).powi(2)).collect()
-            }
-            Self::Table(Nodes::AnglesInAir(angles)) => {
-                angles.iter().map(|angle| angle.sin().powi(2)).collect()
-            }
-            Self::Table(_) => Vec::new(),
-        }
-    }
-
-    /// Computes all terms in a direction of this |beta|².
-    #[inline(always)]
-    fn at(&self, square: f64, index: f64, out: &mut [f64]) {
-        match self {
-            Self::Cosines(polynomials) => {
-                polynomials.at((1.0 - square / (index * index)).max(0.0).sqrt(), out);
-            }
-            Self::Table(nodes) => {
-                out.fill(0.0);
-                let stencil = nodes.stencil(square, index);
-                out.iter_mut()
-                    .skip(stencil.first)
-                    .zip(stencil.weights)
-                    .for_each(|(out, weight)| *out += weight);
-            }
-        }
     }
 }
 
