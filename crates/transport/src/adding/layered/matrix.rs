@@ -71,6 +71,15 @@ impl Matrix {
         Self::from_fn(self.columns, self.rows, |i, j| self[(j, i)])
     }
 
+    /// Copies the elements above the diagonal to their places below it.
+    pub(super) fn mirror_upper(&mut self) {
+        for j in 0..self.columns {
+            for i in 0..j {
+                self[(j, i)] = self[(i, j)];
+            }
+        }
+    }
+
     /// Returns `factor` times all elements.
     pub(super) fn scaled(mut self, factor: f64) -> Self {
         self.values.iter_mut().for_each(|value| *value *= factor);

@@ -60,7 +60,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use super::Narrowest;
 use super::images::{ImagePoints, Mirror, image_points};
 use crate::specular::layered_image;
-use crate::{Cone, Estimate, Layered, Reflector, Source};
+use crate::{Cone, Estimate, Layer, Layered, Reflector, Source};
 use beam_response::BeamResponse;
 use directions::Directions;
 pub(crate) use elements::{Action, Preparation};
@@ -101,6 +101,8 @@ pub(super) struct Kernel {
     /// Kernels of a base that scatters by kernels.
     pixels: Mutex<Option<Arc<Pixels>>>,
     level: f64,
+    /// Layers for which it is prepared.
+    layers: Vec<Layer>,
     asked: (Vec<Cone>, Vec<Source>),
 }
 
@@ -114,6 +116,7 @@ impl Clone for Kernel {
             last: Mutex::new(self.last().clone()),
             pixels: Mutex::default(),
             level: self.level,
+            layers: self.layers.clone(),
             asked: self.asked.clone(),
         }
     }
@@ -129,6 +132,7 @@ impl Kernel {
             last: Mutex::default(),
             pixels: Mutex::default(),
             level,
+            layers: Vec::new(),
             asked: (Vec::new(), Vec::new()),
         }
     }
@@ -138,7 +142,9 @@ impl Kernel {
         let digits = self.precision.digits;
         // The previous data may be large: they are freed first, but for kernels that other directions share.
         let known = std::mem::take(&mut self.prepared).into_known();
-        self.last = Mutex::default();
+        let before = std::mem::take(&mut self.last).into_inner().unwrap_or_else(PoisonError::into_inner);
+        let before = before.filter(|_| self.layers == stack.layers);
+        self.layers.clone_from(&stack.layers);
         self.pixels = Mutex::default();
         self.asked = (views.to_vec(), sources.to_vec());
         if let Reflector::Scattering(_) = stack.base.reflector {
@@ -149,7 +155,8 @@ impl Kernel {
         // They are valid for any base, whose fringes are not known here.
         self.images =
             views.iter().map(|view| image_points(view, sources, digits, Mirror::Across(0.0))).collect();
-        let (prepared, over) = Prepared::new(stack, &self.directions, &self.precision, &known, stop);
+        let before = before.as_deref();
+        let (prepared, over) = Prepared::new(stack, &self.directions, &self.precision, &known, before, stop);
         self.prepared = prepared;
         self.last = Mutex::new(Some(Arc::new(over)));
     }
