@@ -176,8 +176,9 @@ fn albedos_by_successive_fineness_converge_at_all_incidences() {
             let difference = |l: f64| (kernel.albedo_by(l, one) - kernel.albedo_by(l, other)).abs();
             lengths.map(difference).fold(0.0, f64::max)
         };
+        // Slopes that are limited between incidences leave some 1e-6.
         let [coarse, fine] = [largest(2, 3), largest(3, 4)];
-        assert!(coarse < 3e-4 && fine < 2e-5 && fine < 0.5 * coarse, "{coarse:e} {fine:e}");
+        assert!(coarse < 1e-4 && fine < 1e-5 && fine < coarse, "{coarse:e} {fine:e}");
     }
 }
 
