@@ -287,7 +287,8 @@ fn disconnected_client_stops_its_monte_carlo_run() {
 #[test]
 fn request_of_disconnected_client_is_dropped() {
     let server = Server::start();
-    let example = server.get("/api/v1/examples/two-diffusers").json()["scenario"].as_str().unwrap().to_owned();
+    let example =
+        server.get("/api/v1/examples/two-diffusers").json()["scenario"].as_str().unwrap().to_owned();
     for k in 0..200 {
         let width = format!("width = {}", 0.025 + f64::from(k) * 1e-6);
         let slow = example.replace("width = 0.04", &width).replace("width = 0.03", &width);
