@@ -307,15 +307,17 @@ fn disconnected_client_stops_its_monte_carlo_run() {
     drop(begin());
 }
 
-/// Requests of disconnected clients are dropped: a computation that takes a second is started and left a
-/// hundred times, and the next request is processed before the client's limit of a minute.
+/// Requests of disconnected clients are dropped: two hundred computations of a second each, all different, are
+/// started and left, and the next request is processed before the client's limit of a minute.
 #[test]
 fn request_of_disconnected_client_is_dropped() {
     let server = Server::start();
-    let slow = server.get("/api/v1/examples/cover-glass").json()["scenario"].as_str().unwrap().to_owned();
-    for k in 0..100 {
-        let edits = json!([{ "op": "set", "path": "title", "value": format!("{k}") }]);
-        let body = json!({ "scenario": slow, "edits": edits }).to_string();
+    let example =
+        server.get("/api/v1/examples/two-diffusers").json()["scenario"].as_str().unwrap().to_owned();
+    for k in 0..200 {
+        let width = format!("width = {}", 0.025 + f64::from(k) * 1e-6);
+        let slow = example.replace("width = 0.04", &width).replace("width = 0.03", &width);
+        let body = json!({ "scenario": slow }).to_string();
         let mut stream = server.connect();
         stream.write_all(&server.request("/api/v1/live", "application/json", body.as_bytes())).unwrap();
     }
