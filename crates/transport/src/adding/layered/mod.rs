@@ -160,7 +160,9 @@ impl Kernel {
 
     /// Returns whether its directions are also right over this base.
     pub(super) fn serves(&self, stack: &Layered) -> bool {
-        !stack.base.is_specular() || self.directions.serve(stack, &self.asked.0)
+        !stack.base.is_specular()
+            || (self.directions.serve(stack, &self.asked.0)
+                && self.prepared.wavelengths == wavelengths::computed(stack, self.precision.wavelengths))
     }
 
     pub(super) fn nodes(&self) -> usize {
@@ -179,7 +181,7 @@ impl Kernel {
             return Estimate::default();
         }
         let mut estimate = over.estimate(&self.directions, view);
-        wavelengths::interpolate(stack, self.precision.wavelengths, &mut estimate);
+        wavelengths::interpolate(stack, &self.prepared.wavelengths, &mut estimate);
         self.add_images(stack, view, &mut estimate);
         estimate
     }

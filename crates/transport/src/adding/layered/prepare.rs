@@ -120,6 +120,8 @@ pub(super) struct Prepared {
     kept: bool,
     /// Kernels for the next preparation.
     known: Known,
+    /// The wavelengths that are computed.
+    pub(super) wavelengths: Vec<usize>,
 }
 
 /// Size in bytes above which operators are not stored.
@@ -143,9 +145,9 @@ impl Prepared {
         let mut over = BeamResponse::new(stack, directions);
         let wavelengths = wavelengths::computed(stack, precision.wavelengths);
         let mut prepared =
-            Self { families: Vec::new(), once: Vec::new(), kept: true, known: Known::default() };
+            Self { families: Vec::new(), once: Vec::new(), kept: true, known: Known::default(), wavelengths };
         let mut bytes = 0;
-        for bins in families(stack, &wavelengths) {
+        for bins in families(stack, &prepared.wavelengths) {
             let mut add = |order: usize, growing: &mut [Growing<'_>], above: Vec<Option<Above>>| {
                 let groups: Vec<&Group> = growing.iter().map(|one| &one.group).collect();
                 let each: Vec<Option<&Above>> = above.iter().map(Option::as_ref).collect();

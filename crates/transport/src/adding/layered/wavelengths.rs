@@ -5,12 +5,17 @@
 //! them, what is interpolated (a cubic through the four nearest) is not the light itself, but what remains of it
 //! without a multiple of the light that the film and the media alone return along the normal, which is known at all
 //! wavelengths: so the narrow features of both are in the result. The multiple is that which leaves the smallest
-//! remainder. The coarser level of a first answer has half as many wavelengths: the difference contains this error.
+//! remainder. Where the film alone could not be interpolated, because of narrow fringes, all wavelengths are computed. The
+//! coarser level of a first answer has half as many wavelengths: the difference contains this error.
 
 use super::prepare::optics;
 use crate::{Estimate, Layered, Reflector};
 
-/// Returns the wavelengths to compute, ascending: at most `most`, unless fewer would save nothing.
+/// Largest error of the film alone, relative to its mean, with which wavelengths are left out.
+const FRINGES: f64 = 0.05;
+
+/// Returns the wavelengths to compute, ascending: at most `most`, unless fewer would save nothing or would miss fringes of the
+/// film.
 pub(super) fn computed(stack: &Layered, most: usize) -> Vec<usize> {
     let bins = stack.base.bins();
     let all = || (0..bins).collect();
@@ -23,18 +28,30 @@ pub(super) fn computed(stack: &Layered, most: usize) -> Vec<usize> {
             return all();
         }
     }
-    (0..most).map(|k| (k * (bins - 1) + (most - 1) / 2) / (most - 1)).collect()
+    let known: Vec<usize> = (0..most).map(|k| (k * (bins - 1) + (most - 1) / 2) / (most - 1)).collect();
+    if misses(&alone(stack), bins, &known) > FRINGES { all() } else { known }
 }
 
-/// Interpolates an estimate to the wavelengths that were not computed.
-pub(super) fn interpolate(stack: &Layered, most: usize, estimate: &mut Estimate) {
-    let known = computed(stack, most);
+/// Returns the largest mean error of interpolated rows, relative to the mean of the row.
+fn misses(rows: &[f64], bins: usize, known: &[usize]) -> f64 {
+    let between = Between { known, bins };
+    let error = |row: &[f64]| {
+        let mut interpolated = row.to_vec();
+        between.fill(&mut interpolated, &vec![0.0; bins]);
+        let missed: f64 = interpolated.iter().zip(row).map(|(a, b)| (a - b).abs()).sum();
+        missed / row.iter().sum::<f64>().max(f64::MIN_POSITIVE)
+    };
+    rows.chunks(bins).map(error).fold(0.0, f64::max)
+}
+
+/// Interpolates an estimate to the wavelengths that are not among `known`.
+pub(super) fn interpolate(stack: &Layered, known: &[usize], estimate: &mut Estimate) {
     let bins = stack.base.bins();
     if known.len() == bins {
         return;
     }
     let alike = alone(stack);
-    let between = Between::new(&known, bins);
+    let between = Between { known, bins };
     let states = |values: &mut [f64]| {
         for (values, alike) in values.chunks_mut(bins).zip(alike.chunks(bins)) {
             between.fill(values, alike);
@@ -79,11 +96,7 @@ struct Between<'a> {
     bins: usize,
 }
 
-impl<'a> Between<'a> {
-    fn new(known: &'a [usize], bins: usize) -> Self {
-        Self { known, bins }
-    }
-
+impl Between<'_> {
     /// Fills the gaps of `values` with the help of similar values, which are known everywhere.
     fn fill(&self, values: &mut [f64], alike: &[f64]) {
         let products = |a: &[f64], b: &[f64]| self.known.iter().map(|&bin| a[bin] * b[bin]).sum::<f64>();
@@ -131,7 +144,7 @@ mod tests {
         let wanted: Vec<f64> = alike.iter().map(|x| 0.3 * x).collect();
         let mut values = vec![0.0; bins];
         known.iter().for_each(|&bin| values[bin] = wanted[bin]);
-        let between = Between::new(&known, bins);
+        let between = Between { known: &known, bins };
         between.fill(&mut values, &alike);
         assert!(values.iter().zip(&wanted).all(|(a, b)| (a - b).abs() < 1e-12), "{values:?}");
         let cubic = |bin: usize| 1.0 + (bin as f64 / 80.0 - 0.3).powi(3);
@@ -139,5 +152,7 @@ mod tests {
         known.iter().for_each(|&bin| values[bin] = cubic(bin));
         between.fill(&mut values, &vec![0.0; bins]);
         assert!((0..bins).all(|bin| (values[bin] - cubic(bin)).abs() < 1e-12), "{values:?}");
+        let fringes: Vec<f64> = (0..bins).map(|bin| 0.5 + 0.4 * (1.7 * bin as f64).sin()).collect();
+        assert!(misses(&wanted, bins, &known) < FRINGES && misses(&fringes, bins, &known) > FRINGES);
     }
 }
