@@ -32,6 +32,8 @@ pub(super) struct BeamResponse {
 /// Responses of the views to diffuse light, and their ledgers, in a family.
 #[derive(Debug, Clone, Default)]
 struct Seen {
+    /// Wavelengths of each group.
+    bins: Vec<Vec<usize>>,
     /// `|beta|` of the views' extra nodes.
     beta: Vec<f64>,
     /// `[group][view]`.
@@ -152,13 +154,15 @@ impl Followed {
     fn new(stack: &Layered, directions: &Directions, groups: &[&Group], known: Seen) -> Self {
         let views = extras(&directions.views);
         let beta = views.iter().map(|extra| directions.beta[*extra]).collect();
+        let bins: Vec<Vec<usize>> = groups.iter().map(|group| group.bins.clone()).collect();
+        let known = if known.bins == bins { known } else { Seen::default() };
         Self {
-            bins: groups.iter().map(|group| group.bins.clone()).collect(),
             columns: Columns::new(stack, groups),
             views,
             lights: extras(&directions.sources),
-            seen: Seen { beta, groups: vec![Vec::new(); groups.len()] },
+            seen: Seen { bins: bins.clone(), beta, groups: vec![Vec::new(); groups.len()] },
             known,
+            bins,
             floors: vec![Vec::new(); groups.len()],
         }
     }
