@@ -104,6 +104,8 @@ pub(super) struct Kernel {
     /// Kernels of a base that scatters by kernels.
     pixels: Mutex<Option<Arc<Pixels>>>,
     level: f64,
+    /// Layers for which it is prepared.
+    layers: Vec<Layer>,
     asked: (Vec<Cone>, Vec<Source>),
 }
 
@@ -117,6 +119,7 @@ impl Clone for Kernel {
             last: Mutex::new(self.last().clone()),
             pixels: Mutex::default(),
             level: self.level,
+            layers: self.layers.clone(),
             asked: self.asked.clone(),
         }
     }
@@ -132,6 +135,7 @@ impl Kernel {
             last: Mutex::default(),
             pixels: Mutex::default(),
             level,
+            layers: Vec::new(),
             asked: (Vec::new(), Vec::new()),
         }
     }
@@ -141,7 +145,9 @@ impl Kernel {
         let digits = self.precision.digits;
         // The previous data may be large: they are freed first, but for kernels that other directions share.
         let known = std::mem::take(&mut self.prepared).into_known();
-        self.last = Mutex::default();
+        let before = std::mem::take(&mut self.last).into_inner().unwrap_or_else(PoisonError::into_inner);
+        let before = before.filter(|_| self.layers == stack.layers);
+        self.layers.clone_from(&stack.layers);
         self.pixels = Mutex::default();
         self.asked = (views.to_vec(), sources.to_vec());
         if let Reflector::Scattering(_) = stack.base.reflector {
@@ -153,7 +159,8 @@ impl Kernel {
         self.images =
             views.iter().map(|view| image_points(view, sources, digits, Mirror::Across(0.0))).collect();
         let stack = self.coarser(stack);
-        let (prepared, over) = Prepared::new(&stack, &self.directions, &self.precision, &known, stop);
+        let before = before.as_deref();
+        let (prepared, over) = Prepared::new(&stack, &self.directions, &self.precision, &known, before, stop);
         self.prepared = prepared;
         self.last = Mutex::new(Some(Arc::new(over)));
     }

@@ -133,16 +133,20 @@ impl Prepared {
         self.known
     }
 
-    /// Prepares a stack, with the kernels of the preparation before; incomplete if `stop` is set during the
-    /// computation.
+    /// Prepares a stack, with the kernels of the preparation before, and the response `before` if it is that of the
+    /// same layers; incomplete if `stop` is set during the computation.
     pub(super) fn new(
         stack: &Layered,
         directions: &Directions,
         precision: &Precision,
         known: &Known,
+        before: Option<&BeamResponse>,
         stop: &AtomicBool,
     ) -> (Self, BeamResponse) {
         let mut over = BeamResponse::new(stack, directions);
+        if let Some(before) = before {
+            over = over.knowing(before);
+        }
         let wavelengths = wavelengths::computed(stack, precision.wavelengths);
         let mut prepared =
             Self { families: Vec::new(), once: Vec::new(), kept: true, known: Known::default(), wavelengths };
@@ -194,7 +198,7 @@ impl Prepared {
         stop: &AtomicBool,
     ) -> BeamResponse {
         if !self.kept {
-            return Self::new(stack, directions, precision, &self.known, stop).1;
+            return Self::new(stack, directions, precision, &self.known, None, stop).1;
         }
         let mut over = BeamResponse::new(stack, directions);
         for (family, once) in self.families.iter().zip(&self.once) {
