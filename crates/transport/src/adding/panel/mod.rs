@@ -14,7 +14,7 @@ mod first_pass;
 mod indices;
 mod lambertian;
 mod ledger;
-mod lobes;
+pub(super) mod lobes;
 mod projected;
 mod recycling;
 mod rings;
