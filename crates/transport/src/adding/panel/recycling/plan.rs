@@ -36,12 +36,12 @@ pub(super) struct NarrowPlan {
     /// Natural digits of its nodes.
     pub(super) digits: f64,
     /// Natural digits of two passes between points of light, and terms of the reflectance there; none if there
-    /// are no points, or the table has kinks.
+    /// are no points, the table has kinks, or the later orders matter too much to be extrapolated.
     pub(super) digits_of_two: f64,
     pub(super) terms: usize,
     /// How the error of the closed form is extrapolated from order 2.
     pub(super) extrapolation: Extrapolation,
-    /// Whether there is a grid, from which light between a view and a field, or over a table with kinks, is corrected.
+    /// Whether there is a grid, from which light between a view and a field, or points without terms, is corrected.
     pub(super) has_grid: bool,
 }
 
@@ -133,7 +133,7 @@ impl Plan {
         let digits_of_two = (self.digits - self.weakening - DIGITS_LESS_OF_CORRECTION).max(LEAST_DIGITS);
         // Tables with kinks are not smooth enough for the interpolation of two passes.
         let terms = match table {
-            _ if !has_points => 0,
+            _ if !has_points || self.digits > DIGITS_OF_EXTRAPOLATION + 2.0 * self.weakening => 0,
             Nodes::Constant => 1,
             Nodes::Cosines(_) | Nodes::CosinePanels(_) => {
                 1 + (digits_of_two / DIGITS_A_TERM + TERMS_OF_SWINGS).ceil() as usize
@@ -265,6 +265,9 @@ const DIGITS_A_LEVEL: f64 = 3.5;
 /// Natural digits that the correction needs less than the light that it corrects, at the second level; half of
 /// the digits of each further one are added.
 const DIGITS_LESS_OF_CORRECTION: f64 = 4.0;
+/// Natural digits up to which order 3 of the series is extrapolated from order 2, if passes did not weaken it. Beyond, all
+/// orders are those of the grid.
+const DIGITS_OF_EXTRAPOLATION: f64 = 11.5;
 /// Largest number of orders under a narrow lobe; the rest is a geometric series.
 const MOST_ORDERS: f64 = 24.0;
 
