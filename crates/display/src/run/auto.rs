@@ -125,7 +125,7 @@ fn estimated(run: &Run<'_>, longest_pilot: impl Fn(Option<f64>) -> f64) -> Resul
 fn adding(setup: &Setup, target: f64) -> Result<f64, DisplayError> {
     super::refine::finest(&setup.stack)?;
     let nodes = |level: u32| nodes_needed(&setup.stack, level).max(1) as f64;
-    let level = level_needed(target, error_over_difference(&setup.stack));
+    let level = level_needed(target, error_over_difference(&setup.stack, &setup.sources));
     let more = (nodes(level) / nodes(1)).powi(3);
     Ok(match &setup.stack {
         Stack::Panel(_) => panel_seconds(setup),
@@ -149,7 +149,7 @@ fn panel_seconds(setup: &Setup) -> f64 {
     const FIELD: f64 = 1e-2;
     const NARROW: f64 = 5e-2;
     let fields = setup.sources.iter().filter(|source| matches!(source, Source::Field(_))).count();
-    let narrow = if error_over_difference(&setup.stack) > 1.0 { NARROW } else { 0.0 };
+    let narrow = if error_over_difference(&setup.stack, &setup.sources) > 1.0 { NARROW } else { 0.0 };
     setup.views.len() as f64 * (VIEW + FIELD * fields as f64) + narrow
 }
 

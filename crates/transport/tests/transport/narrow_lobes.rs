@@ -1,6 +1,7 @@
 //! Light that a front sends back through lobes too narrow for a grid: the error estimated from two levels is
-//! at least that of the finer one. The reference is a far finer level, whose grid has the lobe itself or
-//! nearly: views are near the normal, where few azimuthal orders are needed.
+//! at least that of the finer one. The reference is a far finer level: a grid that has the lobe itself
+//! or nearly (views are near the normal, where few azimuthal orders are needed), or, under weak fronts, the same
+//! formulation with more terms.
 
 use crate::common::{self, one};
 use papilio_optics::Beta;
@@ -78,13 +79,14 @@ impl Case {
 fn errors_do_not_exceed_claimed_errors() {
     for number in 0..24 {
         let case = case(number);
-        let times = error_over_difference(&case.stack);
+        let times = error_over_difference(&case.stack, &[Source::Diffuse, case.beam.clone()]);
         assert!(times > 1.0, "{}", case.name);
         let [coarse, fine, truth] = [0, 1, 3].map(|level| case.seen(level));
         let claimed = times * (coarse / fine - 1.0).abs();
         let error = (fine / truth - 1.0).abs();
-        // Two levels whose errors are the same by chance, at the accuracy of a film's table.
-        let claimed = claimed + 2e-7;
+        // The reference's own error: under strong fronts it is a grid, whose last levels differ by 1e-6; and two levels whose
+        // errors are the same by chance.
+        let claimed = claimed + 2e-6;
         assert!(error < claimed, "{}: {error:.2e} instead of {claimed:.2e}", case.name);
     }
 }
@@ -112,7 +114,7 @@ fn oblique_views_equal_monte_carlo_within_claimed_errors() {
         for source in 0..2 {
             let [coarse, fine] = [&coarse, &fine].map(|estimate| common::rho(estimate, source));
             let (mean, error) = common::mean_and_error(walked.iter().map(|one| common::rho(one, source)));
-            let claimed = error_over_difference(&stack) * (fine - coarse).abs() + 1e-6 * fine;
+            let claimed = error_over_difference(&stack, &sources) * (fine - coarse).abs() + 1e-6 * fine;
             let what = format!("view {view_deg}, source {source}: {fine} instead of {mean} +- {error}");
             assert!(error < 2e-3 * mean, "{what}");
             assert!((fine - mean).abs() < 4.0 * error + claimed, "{what}, claimed {claimed:.1e}");

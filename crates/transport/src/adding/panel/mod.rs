@@ -24,12 +24,26 @@ use std::sync::atomic::AtomicBool;
 use papilio_optics::lobe::Lobe;
 
 use super::{FirstPass, TableGradient};
-use crate::{Cone, Diffuser, Estimate, Panel, ReflectanceFactor, Source, Top};
+use crate::{Cone, Diffuser, Estimate, Nodes, Panel, ReflectanceFactor, Reflector, Source, Top};
 
 /// Returns whether recycled light may have a wider lobe than the diffuser's (see [`recycling`]).
 pub(super) fn narrows(panel: &Panel) -> bool {
     let Top::Diffuser(Diffuser { lobe: Lobe::KCorrelation { width }, .. }) = &panel.top else { return false };
     *width < recycling::NARROWEST && !panel.single_pass && panel.front.reflectance_below.max() > 0.0
+}
+
+/// Returns whether recycled light under a narrow lobe has a closed form from its third pass on only: it comes from
+/// points, over a smooth table, and the front is weak.
+pub(super) fn extrapolates_late_passes_only(panel: &Panel, sources: &[Source]) -> bool {
+    const WEAK: f64 = 0.1;
+    let is_smooth = match &panel.base.reflector {
+        Reflector::Specular(table) => {
+            !matches!(table.nodes, Nodes::AnglesInMedium(_) | Nodes::AnglesInAir(_))
+        }
+        Reflector::Lambertian(_) | Reflector::Scattering(_) => true,
+    };
+    let has_fields = sources.iter().any(|source| matches!(source, Source::Field(_)));
+    is_smooth && !has_fields && panel.front.reflectance_below.max() < WEAK
 }
 
 /// Views of a kernel.

@@ -267,7 +267,7 @@ const DIGITS_A_LEVEL: f64 = 3.5;
 const DIGITS_LESS_OF_CORRECTION: f64 = 4.0;
 /// Natural digits up to which order 3 of the series is extrapolated from order 2, if passes did not weaken it. Beyond, all
 /// orders are those of the grid.
-const DIGITS_OF_EXTRAPOLATION: f64 = 11.5;
+const DIGITS_OF_EXTRAPOLATION: f64 = 10.5;
 /// Largest number of orders under a narrow lobe; the rest is a geometric series.
 const MOST_ORDERS: f64 = 24.0;
 

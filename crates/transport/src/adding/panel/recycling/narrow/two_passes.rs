@@ -31,6 +31,8 @@ pub(super) struct TwoPasses {
     digits: f64,
     /// Polynomials in the cosine in the glass.
     terms: Polynomials,
+    /// The smallest of these cosines; beyond, the reflectance is that at it.
+    least: f64,
     /// |beta| and cosines of the azimuth between v and l, between which rho is interpolated.
     radii: Polynomials,
     turns: Polynomials,
@@ -57,20 +59,34 @@ pub(super) struct Cluster {
     members: Vec<(usize, usize)>,
 }
 
+/// Range of the polynomials beyond the disc of air, in widths of the lobe: light in the glass that passes between two
+/// directions in air hardly leaves that disc, and over all of the glass a film needs many more terms.
+const WIDTHS_BEYOND_RIM: f64 = 3.0;
+
+/// Cosine in the glass.
+#[inline(always)]
+fn cosine(squared: f64, index: f64) -> f64 {
+    (1.0 - squared / (index * index)).max(0.0).sqrt()
+}
+
 impl TwoPasses {
     /// Prepares errors of `exp(-digits)`.
     pub(super) fn new(pass: &Pass<'_>, width: f64, digits: f64, terms: usize) -> Self {
         let count = (digits / DIGITS_A_RADIUS).ceil() as usize + 3;
+        let count_of_terms = terms;
+        let least = cosine((1.0 + WIDTHS_BEYOND_RIM * width).powi(2), pass.index);
+        let terms = chebyshev(terms).iter().map(|node| least + (1.0 - least) * node.x).collect();
         let mut all = Self {
             width,
             straight: pass.straight(),
             index: pass.index,
             digits,
-            terms: Polynomials::new(chebyshev(terms).iter().map(|node| node.x).collect()),
+            terms: Polynomials::new(terms),
+            least,
             radii: Polynomials::new(gauss(0.0, 1.0, count).map(|node| node.x).collect()),
             turns: Polynomials::new(chebyshev(count - 1).iter().map(|node| 2.0 * node.x - 1.0).collect()),
             differences: Vec::new(),
-            places: Places::new(terms, 2),
+            places: Places::new(count_of_terms, 2),
         };
         all.differences = all.all_differences();
         all
@@ -84,7 +100,7 @@ impl TwoPasses {
     /// Computes the terms at a direction.
     #[inline(always)]
     fn terms_at(&self, at: Beta, out: &mut [f64]) {
-        self.terms.at((1.0 - at.squared() / (self.index * self.index)).max(0.0).sqrt(), out);
+        self.terms.at(cosine(at.squared(), self.index).max(self.least), out);
     }
 
     fn all_differences(&self) -> Vec<f64> {
