@@ -325,11 +325,14 @@ mod tests {
         nodes.chunks_exact(NODES).map(end).collect()
     }
 
+    /// Reflectance by cosine.
+    type Film = Box<dyn Fn(f64) -> f64>;
+
     #[test]
     fn error_of_smooth_films_and_of_structure_is_below_the_tolerance() {
         let resonance = |at: f64, width: f64| move |c: f64| 0.2 + 0.5 / (1.0 + ((c - at) / width).powi(2));
         for tolerance in [1e-4, 1e-5, 1e-6] {
-            let films: [(&str, Box<dyn Fn(f64) -> f64>); 6] = [
+            let films: [(&str, Film); 6] = [
                 ("constant", Box::new(|_| 0.3)),
                 ("fringes", Box::new(|c| 0.5 + 0.4 * (20.0 * c).cos())),
                 ("resonance in faint light", Box::new(resonance(0.76, 0.02))),

@@ -90,7 +90,7 @@ impl Totals {
 /// Returns Chebyshev node number `k` on [-1, 1], and its barycentric weight.
 fn chebyshev(k: usize, points: usize) -> (f64, f64) {
     let (sin, cos) = (PI * (k as f64 + 0.5) / points as f64).sin_cos();
-    (cos, if k % 2 == 0 { sin } else { -sin })
+    (cos, if k.is_multiple_of(2) { sin } else { -sin })
 }
 
 /// Returns the ends of intervals from 0 to `last` on which the total of a lobe of this width is smooth: they contain
