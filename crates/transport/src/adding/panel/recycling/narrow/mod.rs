@@ -26,6 +26,7 @@
 //! the level, the narrower W, down to b.
 
 mod basis;
+mod between;
 mod two_passes;
 
 #[cfg(test)]
@@ -46,7 +47,8 @@ use crate::adding::panel::projected::Circle;
 use crate::adding::quadrature::{Node, Point};
 use crate::product::add_product;
 use basis::{Basis, Disc, for_table};
-use two_passes::{TwoPasses, density};
+use between::density;
+use two_passes::TwoPasses;
 
 /// One width of the lobe: averages between the nodes in air and in the glass.
 #[derive(Debug, Clone)]
