@@ -315,7 +315,7 @@ fn request_of_disconnected_client_is_dropped() {
     let example =
         server.get("/api/v1/examples/two-diffusers").json()["scenario"].as_str().unwrap().to_owned();
     for k in 0..200 {
-        let width = format!("width = {}", 0.025 + f64::from(k) * 1e-6);
+        let width = format!("width = {}", 0.02 + f64::from(k) * 1e-6);
         let slow = example.replace("width = 0.04", &width).replace("width = 0.03", &width);
         let body = json!({ "scenario": slow }).to_string();
         let mut stream = server.connect();
