@@ -1,7 +1,6 @@
 //! Light that a front sends back through lobes too narrow for a grid: the error estimated from two levels is
-//! at least that of the finer one. The reference is a far finer level: a grid that has the lobe itself
-//! or nearly (views are near the normal, where few azimuthal orders are needed), or, under weak fronts, the same
-//! formulation with more terms.
+//! at least that of the finer one. The reference is a far finer level, whose grid has the lobe itself or
+//! nearly: views are near the normal, where few azimuthal orders are needed.
 
 use crate::common::{self, one};
 use papilio_optics::Beta;
@@ -84,9 +83,8 @@ fn errors_do_not_exceed_claimed_errors() {
         let [coarse, fine, truth] = [0, 1, 3].map(|level| case.seen(level));
         let claimed = times * (coarse / fine - 1.0).abs();
         let error = (fine / truth - 1.0).abs();
-        // The reference's own error: under strong fronts it is a grid, whose last levels differ by 1e-6; and two levels whose
-        // errors are the same by chance.
-        let claimed = claimed + 2e-6;
+        // Two levels whose errors are the same by chance, at the accuracy of a film's table.
+        let claimed = claimed + 2e-7;
         assert!(error < claimed, "{}: {error:.2e} instead of {claimed:.2e}", case.name);
     }
 }

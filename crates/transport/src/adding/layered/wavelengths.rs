@@ -29,7 +29,7 @@ pub(super) fn computed(stack: &Layered, most: usize) -> Vec<usize> {
         }
     }
     let known: Vec<usize> = (0..most).map(|k| (k * (bins - 1) + (most - 1) / 2) / (most - 1)).collect();
-    if misses(&alone(stack), bins, &known) > FRINGES { all() } else { known }
+    if misses(&film_alone(stack), bins, &known) > FRINGES { all() } else { known }
 }
 
 /// Returns the largest mean error of interpolated rows, relative to the mean of the row.
@@ -50,11 +50,11 @@ pub(super) fn interpolate(stack: &Layered, known: &[usize], estimate: &mut Estim
     if known.len() == bins {
         return;
     }
-    let alike = alone(stack);
+    let control = film_alone(stack);
     let between = Between { known, bins };
     let states = |values: &mut [f64]| {
-        for (values, alike) in values.chunks_mut(bins).zip(alike.chunks(bins)) {
-            between.fill(values, alike);
+        for (values, control) in values.chunks_mut(bins).zip(control.chunks(bins)) {
+            between.fill(values, control);
         }
     };
     for rho in &mut estimate.rho {
@@ -75,7 +75,7 @@ pub(super) fn interpolate(stack: &Layered, known: &[usize], estimate: &mut Estim
 }
 
 /// Returns the light that the base returns along the normal through absorbing media alone, `[state][wavelength]`.
-fn alone(stack: &Layered) -> Vec<f64> {
+fn film_alone(stack: &Layered) -> Vec<f64> {
     let bins = stack.base.bins();
     let mut all = vec![0.0; stack.base.states() * bins];
     if let Some(last) = stack.layers.last() {
@@ -97,12 +97,12 @@ struct Between<'a> {
 }
 
 impl Between<'_> {
-    /// Fills the gaps of `values` with the help of similar values, which are known everywhere.
-    fn fill(&self, values: &mut [f64], alike: &[f64]) {
+    /// Fills the gaps of `values` with a control variate: similar values that are known at all wavelengths.
+    fn fill(&self, values: &mut [f64], control: &[f64]) {
         let products = |a: &[f64], b: &[f64]| self.known.iter().map(|&bin| a[bin] * b[bin]).sum::<f64>();
-        let (square, product) = (products(alike, alike), products(alike, values));
+        let (square, product) = (products(control, control), products(control, values));
         let multiple = if square > 0.0 { product / square } else { 0.0 };
-        let rest: Vec<f64> = self.known.iter().map(|&bin| values[bin] - multiple * alike[bin]).collect();
+        let rest: Vec<f64> = self.known.iter().map(|&bin| values[bin] - multiple * control[bin]).collect();
         let mut first = 0;
         for bin in 0..self.bins {
             // The known wavelength at or below this one.
@@ -110,7 +110,7 @@ impl Between<'_> {
                 first += 1;
             }
             if self.known[first] != bin {
-                values[bin] = multiple * alike[bin] + self.cubic(&rest, first, bin);
+                values[bin] = multiple * control[bin] + self.cubic(&rest, first, bin);
             }
         }
     }
@@ -135,17 +135,17 @@ mod tests {
     use super::*;
 
     #[test]
-    fn gaps_are_filled_exactly_where_cubics_and_the_similar_values_are() {
+    fn multiples_of_the_control_variate_and_cubics_are_filled_exactly() {
         let bins = 81;
         let known: Vec<usize> = (0..28).map(|k| (k * 80 + 13) / 27).collect();
         assert_eq!((known[0], known[27]), (0, 80));
         let notch = |bin: usize| if bin == 31 { 0.1 } else { 0.9 };
-        let alike: Vec<f64> = (0..bins).map(notch).collect();
-        let wanted: Vec<f64> = alike.iter().map(|x| 0.3 * x).collect();
+        let control: Vec<f64> = (0..bins).map(notch).collect();
+        let wanted: Vec<f64> = control.iter().map(|x| 0.3 * x).collect();
         let mut values = vec![0.0; bins];
         known.iter().for_each(|&bin| values[bin] = wanted[bin]);
         let between = Between { known: &known, bins };
-        between.fill(&mut values, &alike);
+        between.fill(&mut values, &control);
         assert!(values.iter().zip(&wanted).all(|(a, b)| (a - b).abs() < 1e-12), "{values:?}");
         let cubic = |bin: usize| 1.0 + (bin as f64 / 80.0 - 0.3).powi(3);
         let mut values = vec![0.0; bins];
