@@ -133,13 +133,16 @@ fn adding(setup: &Setup, target: f64) -> Result<f64, DisplayError> {
     })
 }
 
-/// Estimates the work of adding, in seconds, for the light that tables and rough interfaces scatter once to the views.
+/// Estimates the work of adding, in seconds, for the light that tables and rough interfaces scatter once to the views, and for
+/// the totals of a measured pixel.
 fn kernel_seconds(setup: &Setup) -> f64 {
     const VIEW: f64 = 3e-2;
+    const TOTALS: f64 = 0.3;
     let is_kernel = narrowest(&setup.stack).is_some_and(|narrowest| {
         matches!(narrowest.scatterer, Narrowness::Face { .. } | Narrowness::Rough { .. })
     });
-    if is_kernel { VIEW * setup.views.len() as f64 } else { 0.0 }
+    let totals = if matches!(setup.scene.display.pixel, Pixel::Scattering(_)) { TOTALS } else { 0.0 };
+    totals + if is_kernel { VIEW * setup.views.len() as f64 } else { 0.0 }
 }
 
 /// Estimates the work of adding for an ordinary panel, in seconds: for each view that of the light that passes once, and more
