@@ -10,7 +10,7 @@ use super::first_pass::SAME_RADIUS;
 use super::lobes::{LANES, radii_of, side_by_side};
 
 /// Number of orders (or a quarter of the number of points) above which panels around the lobes are faster.
-const MOST_ORDERS: usize = 1500;
+const MOST_ORDERS: usize = 300;
 
 /// Integral over azimuth of the product of two sums of lobes, at any radius.
 ///
@@ -67,7 +67,7 @@ impl<'a> RingOfProducts<'a> {
         let count = (digits / (off[0] + off[1])).ceil() + 2.0;
         // The error at the start of a recurrence decreases at twice that rate.
         let from = off.map(|off| (0.5 * digits / off).ceil().max(count + 8.0));
-        let most = std::env::var("NW_O").ok().and_then(|x| x.parse().ok()).unwrap_or(MOST_ORDERS).max(self.points[0].len().max(self.points[1].len()) / 4);
+        let most = MOST_ORDERS.max(self.points[0].len().max(self.points[1].len()) / 4);
         let fits = from[0].max(from[1]) <= most as f64;
         fits.then(|| (count as usize, from.map(|from| from as usize)))
     }

@@ -53,7 +53,7 @@ impl Recycling {
         let light = |narrow: &Narrow| {
             let of_radii = |radii: &[f64]| look_up(&radii.iter().map(|r| r * r).collect::<Vec<f64>>());
             let [glass, air] = narrow.radii().map(of_radii);
-            let terms = look_up(&narrow.squares());
+            let terms = narrow.squares().map(|squares| look_up(&squares)).collect();
             narrow.light(Columns { count: columns, glass: &glass, air: &air }, terms)
         };
         let narrow = self.narrow.as_ref().map(light);
@@ -156,10 +156,9 @@ impl Recycling {
             if towards.is_empty() {
                 continue;
             }
-            let mut closed = vec![0.0; sum.len()];
+            let mut closed = light.between(view, &towards, g);
             // What is left of the grid's light is the error of the closed form under the wider lobe.
             for (source, round_trips) in &towards {
-                add_times(&mut closed, &light.between(view, source, g), round_trips, 1.0);
                 if let Some(wider) = light.under_wider(view, source, g, !self.sums_columns()) {
                     add_times(sum, &wider, round_trips, -1.0);
                 }
@@ -238,7 +237,7 @@ impl Recycling {
 }
 
 /// `sum += scale values * factors`; an empty slice of factors means ones.
-fn add_times(sum: &mut [f64], values: &[f64], factors: &[f64], scale: f64) {
+pub(super) fn add_times(sum: &mut [f64], values: &[f64], factors: &[f64], scale: f64) {
     for (k, (sum, value)) in sum.iter_mut().zip(values).enumerate() {
         *sum += scale * value * factors.get(k).copied().unwrap_or(1.0);
     }

@@ -4,6 +4,7 @@
 use super::super::forms::Products;
 use super::super::grid::Columns;
 use super::super::plan::Extrapolation;
+use super::super::spectra::add_times;
 use super::weights::{Towards, Weights};
 use super::{Narrow, Seen};
 use crate::product::add_product;
@@ -16,8 +17,8 @@ pub(in super::super::super) struct Light {
     /// For each power of g, 1, 2, ...: diffuse light that a direction sees, and the distribution of its own
     /// light.
     own: Vec<Own<Vec<f64>>>,
-    /// Products of two terms of the reflectance.
-    products: Option<Products>,
+    /// Products of terms of the reflectance, for each order that is exact.
+    products: Vec<Products>,
     extrapolation: Extrapolation,
 }
 
@@ -31,7 +32,7 @@ pub(in super::super::super) struct Own<T> {
 
 impl Narrow {
     /// Computes the light over a base; `terms` are its reflectances at [`Self::squares`].
-    pub(in super::super) fn light(&self, r: Columns<'_>, terms: Vec<f64>) -> Light {
+    pub(in super::super) fn light(&self, r: Columns<'_>, terms: Vec<Vec<f64>>) -> Light {
         let (n, s) = (r.count, self.straight);
         let ones = vec![1.0; self.air.len() * n];
         let times_r = |light: &Vec<f64>| Some(light.iter().zip(r.air).map(|(l, r)| l * r).collect());
@@ -59,7 +60,11 @@ impl Narrow {
         Light {
             powers,
             own,
-            products: (!terms.is_empty()).then(|| Products::new(terms, n, 2)),
+            products: terms
+                .into_iter()
+                .zip(2..)
+                .map(|(terms, order)| Products::new(terms, n, order))
+                .collect(),
             extrapolation: self.extrapolation,
         }
     }
@@ -133,23 +138,47 @@ impl Light {
         }
     }
 
-    /// Returns `pi` times the recycled kernel between a view and a source.
-    pub(in super::super::super) fn between(&self, view: &Seen, source: &Towards, g: &[f64]) -> Vec<f64> {
-        let mut orders = self.orders(view, &source.lobe);
-        if let (Some(form), Some(products)) = (&source.two_passes, &self.products) {
-            let mut two = vec![0.0; g.len()];
-            products.add((form, 1), false, g.len(), &mut two);
-            let closed = std::mem::replace(&mut orders[0], two);
-            let ratio = |(two, closed): (&f64, &f64)| {
-                if *closed > 0.0 { (two / closed).clamp(0.0, LARGEST_CORRECTION) } else { 1.0 }
-            };
-            let ratios: Vec<f64> = orders[0].iter().zip(&closed).map(ratio).collect();
-            for (k, order) in orders.iter_mut().enumerate().skip(1) {
-                let exponent = self.extrapolation.exponent(k + 2);
-                order.iter_mut().zip(&ratios).for_each(|(order, ratio)| *order *= ratio.powf(exponent));
+    /// Returns `pi` times the recycled kernel between a view and the groups of a source, each with its round trips.
+    pub(in super::super) fn between(
+        &self,
+        view: &Seen,
+        source: &[(&Towards, &[f64])],
+        g: &[f64],
+    ) -> Vec<f64> {
+        let mut orders = vec![vec![0.0; g.len()]; self.own.len()];
+        for (group, round_trips) in source {
+            for (sum, order) in orders.iter_mut().zip(self.orders(view, &group.lobe)) {
+                add_times(sum, &order, round_trips, 1.0);
             }
         }
+        self.correct(source, &mut orders);
         series(orders, g, false)
+    }
+
+    /// Replaces the closed form of the orders that are exact, and multiplies the later ones by a power of the
+    /// ratio. It is that of all groups together: parts of a field may be close to zero, or negative.
+    fn correct(&self, source: &[(&Towards, &[f64])], orders: &mut [Vec<f64>]) {
+        let Some(last) = self.products.len().checked_sub(1) else { return };
+        debug_assert!(source.iter().all(|(group, _)| group.exact.len() == self.products.len()));
+        let closed = orders[last].clone();
+        for (k, (products, order)) in self.products.iter().zip(&mut *orders).enumerate() {
+            let forms: Vec<&[f64]> = source.iter().map(|(group, _)| &group.exact[k][..]).collect();
+            let mut values = vec![0.0; forms.len() * order.len()];
+            products.add((&forms.concat(), forms.len()), false, order.len(), &mut values);
+            let columns = order.len();
+            order.fill(0.0);
+            for (values, (_, round_trips)) in values.chunks_exact(columns).zip(source) {
+                add_times(order, values, round_trips, 1.0);
+            }
+        }
+        let ratio = |(exact, closed): (&f64, &f64)| {
+            if *closed > 0.0 { (exact / closed).clamp(0.0, LARGEST_CORRECTION) } else { 1.0 }
+        };
+        let ratios: Vec<f64> = orders[last].iter().zip(&closed).map(ratio).collect();
+        for (k, order) in orders.iter_mut().enumerate().skip(last + 1) {
+            let exponent = self.extrapolation.exponent(k + 2, last + 2);
+            order.iter_mut().zip(&ratios).for_each(|(order, ratio)| *order *= ratio.powf(exponent));
+        }
     }
 
     /// Returns the same under the wider lobe; without orders that the grid does not have if `truncated`.
@@ -205,7 +234,7 @@ fn series(terms: Vec<Vec<f64>>, g: &[f64], truncated: bool) -> Vec<f64> {
     sum
 }
 
-/// Largest ratio of two passes to their closed form that is extrapolated to more.
+/// Largest ratio of exact passes to their closed form that is extrapolated to more.
 const LARGEST_CORRECTION: f64 = 1.5;
 
 /// Largest ratio of terms that is taken for that of a geometric series.

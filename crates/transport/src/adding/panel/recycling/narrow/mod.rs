@@ -17,24 +17,26 @@
 //!
 //! exactly for b = 0 and, over a uniform base without rims, for any b. Its error is of the order of b.
 //!
-//! For points of light (beams and discs), order 2 is computed without this approximation ([`two_passes`]). The
-//! ratio to its closed form corrects the later orders ([`Extrapolation`]), which are weaker by a factor of
+//! Order 2, and under strong fronts order 3, are computed without this approximation ([`passes`], [`field`]). The
+//! ratio to their closed form corrects the later orders ([`Extrapolation`]), which are weaker by a factor of
 //! about g R each.
 //!
-//! For fields, from the second level on a grid for a wider lobe W shows the error there. The error at b is
-//! estimated from it ([`relative_error`]) and added, so that the rest is of the order of b (W - b). The finer
-//! the level, the narrower W, down to b.
+//! Over a table with kinks, from the second level on a grid for a wider lobe W shows the error of the closed form
+//! instead. The error at b is estimated from it ([`weights`]) and added, so that the rest is of the order of
+//! b (W - b). The finer the level, the narrower W, down to b.
 
 mod basis;
 mod between;
+mod field;
 mod light;
-mod two_passes;
+mod one_pass;
+mod passes;
+mod polynomials;
 mod weights;
 
 #[cfg(test)]
 mod tests;
 
-use papilio_optics::Beta;
 use papilio_optics::lobe::Lobe;
 
 use super::plan::{Extrapolation, NarrowPlan};
@@ -42,9 +44,9 @@ use super::product;
 use crate::adding::panel::first_pass::Pass;
 use crate::adding::quadrature::Point;
 use basis::{Basis, Disc, for_table};
-use between::density;
+use field::OfFields;
 pub(in super::super) use light::Light;
-use two_passes::TwoPasses;
+use passes::Passes;
 pub(in super::super) use weights::{Lit, Towards};
 
 /// One width of the lobe: averages between the nodes in air and in the glass.
@@ -64,10 +66,14 @@ pub(in super::super) struct Narrow {
     leaving_straight: Vec<f64>,
     /// For each order 2, 3, ... the fractions of light that meets 0, 1, ... lobes.
     shares: Vec<Vec<f64>>,
-    /// If there are points of light.
-    two_passes: Option<TwoPasses>,
+    /// For each order 2, 3, ... that is exact; and of fields.
+    passes: Vec<Passes>,
+    of_fields: Vec<OfFields>,
     extrapolation: Extrapolation,
 }
+
+/// For each order 2, 3, ... that is exact, a coefficient for each product of terms.
+pub(in super::super) type Exact = Vec<Vec<f64>>;
 
 /// A view's weights on the nodes of air.
 #[derive(Debug, Clone)]
@@ -88,6 +94,8 @@ impl Narrow {
             };
             basis.radii.iter().map(of).collect()
         };
+        let exact = plan.exact.iter().flatten().zip(2..);
+        let passes: Vec<Passes> = exact.map(|(plan, order)| Passes::new(pass, width, order, *plan)).collect();
         Self {
             width,
             straight,
@@ -97,7 +105,8 @@ impl Narrow {
             leaving: leaving(&glass),
             leaving_straight: leaving(&air),
             shares: shares(straight, orders),
-            two_passes: (plan.terms > 0).then(|| TwoPasses::new(pass, width, plan.digits_of_two, plan.terms)),
+            of_fields: passes.iter().filter(|_| plan.has_fields).map(OfFields::new).collect(),
+            passes,
             extrapolation: plan.extrapolation,
             air,
             glass,
@@ -121,20 +130,21 @@ impl Narrow {
         [&self.glass.radii, &self.air.radii]
     }
 
-    /// Returns |beta|² of the directions of the terms of [`Self::two_passes`].
-    pub(super) fn squares(&self) -> Vec<f64> {
-        self.two_passes.as_ref().map(TwoPasses::squares).unwrap_or_default()
+    /// Returns |beta|² of the directions of the terms of each exact order.
+    pub(super) fn squares(&self) -> impl Iterator<Item = Vec<f64>> {
+        self.passes.iter().map(|passes| passes.once.squares())
     }
 
-    /// Returns `pi` times two passes between groups of points of a view and of a source, by group of the view
-    /// and of the source; `None` if they are not needed.
-    pub(super) fn two_passes(&self, views: &[&[Point]], sources: &[&[Point]]) -> Option<Vec<Vec<Vec<f64>>>> {
-        let shares = &self.shares[0];
-        let lobe = |away: Beta| {
-            let one = |(n, share): (usize, &f64)| share * density(n as f64 * self.width, away);
-            shares.iter().enumerate().skip(1).map(one).sum()
-        };
-        Some(self.two_passes.as_ref()?.between(views, sources, lobe))
+    /// Returns `pi` times the exact orders between groups of points of a view and of a source, by group of the
+    /// view and of the source.
+    pub(super) fn between(&self, views: &[&[Point]], sources: &[&[Point]]) -> Vec<Vec<Exact>> {
+        let mut all = vec![vec![Vec::new(); sources.len()]; views.len()];
+        for passes in &self.passes {
+            for (all, of_view) in all.iter_mut().zip(passes.between(views, sources)) {
+                all.iter_mut().zip(of_view).for_each(|(all, form)| all.push(form));
+            }
+        }
+        all
     }
 
     /// Returns a view's weights.

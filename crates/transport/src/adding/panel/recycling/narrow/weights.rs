@@ -6,8 +6,8 @@ use papilio_optics::Beta;
 use papilio_optics::lobe::Lobe;
 
 use super::super::azimuth_factor;
-use super::Narrow;
 use super::between::density;
+use super::{Exact, Narrow};
 use crate::adding::panel::lobes;
 use crate::adding::panel::projected::Circle;
 use crate::adding::quadrature::{Node, Point};
@@ -15,8 +15,8 @@ use crate::adding::quadrature::{Node, Point};
 /// Light of a source, for a closed form.
 #[derive(Debug, Clone)]
 pub(in super::super::super) enum Lit<'a> {
-    /// Points, and their two passes to the view, a coefficient for each product of terms.
-    Points(&'a [Point], Option<Vec<f64>>),
+    /// Points, and their exact passes to the view.
+    Points(&'a [Point], Exact),
     /// A part of a field and whether it is odd in azimuth.
     Circles(&'a [Circle], bool),
 }
@@ -24,8 +24,7 @@ pub(in super::super::super) enum Lit<'a> {
 /// A source as seen by a view.
 #[derive(Debug, Clone)]
 pub(in super::super::super) struct Towards {
-    /// Two passes between points, a coefficient for each product of terms; `None` towards a field.
-    pub(super) two_passes: Option<Vec<f64>>,
+    pub(super) exact: Exact,
     /// For each order 2, 3, ... weights on the nodes of air that contain the lobe between view and source.
     pub(super) lobe: Weights,
     /// The same of the wider lobe of the grid, if there is one, for the orders of the grid.
@@ -63,14 +62,20 @@ impl Narrow {
         wider: Option<(f64, usize)>,
     ) -> Towards {
         let (lobe, _) = self.weights(view, &source, self.width, self.shares.len(), &|_| 1.0);
-        let two_passes = if let Lit::Points(_, two_passes) = &source { two_passes.clone() } else { None };
+        let exact = match &source {
+            Lit::Points(_, exact) => exact.clone(),
+            Lit::Circles(circles, odd) => {
+                let all = self.passes.iter().zip(&self.of_fields);
+                all.map(|(passes, of_fields)| of_fields.between(passes, view, (*circles, *odd))).collect()
+            }
+        };
         let Some((width, orders)) = wider else {
-            return Towards { two_passes, lobe, wider: None, correction: [0.0; 2] };
+            return Towards { exact, lobe, wider: None, correction: [0.0; 2] };
         };
         let ratio = |distance: f64| relative_error(distance, self.width) / relative_error(distance, width);
         let (_, times_ratio) = self.weights(view, &source, self.width, 1, &ratio);
         let (wider, of_wider) = self.weights(view, &source, width, orders, &|_| 1.0);
-        Towards { two_passes, lobe, wider: Some(wider), correction: [times_ratio, of_wider] }
+        Towards { exact, lobe, wider: Some(wider), correction: [times_ratio, of_wider] }
     }
 
     /// Returns the lobe of each order between view and source, times a factor of the distance, and the sum of
