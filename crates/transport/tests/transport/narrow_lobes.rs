@@ -85,9 +85,7 @@ fn errors_do_not_exceed_claimed_errors() {
         let error = (fine / truth - 1.0).abs();
         // Two levels whose errors are the same by chance, at the accuracy of a film's table.
         let claimed = claimed + 2e-7;
-        println!("{}: error {error:.1e}, difference {:.1e}, ratio {:.2}", case.name, (coarse / fine - 1.0).abs(), error / (coarse / fine - 1.0).abs());
-        if error > claimed { println!("FAIL"); }
-        assert!(error < 4.0 * claimed, "{}: {error:.2e} instead of {claimed:.2e}", case.name);
+        assert!(error < claimed, "{}: {error:.2e} instead of {claimed:.2e}", case.name);
     }
 }
 

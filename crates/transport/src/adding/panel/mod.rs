@@ -35,6 +35,7 @@ pub(super) fn narrows(panel: &Panel) -> bool {
 /// Returns the largest ratio of the error of a level to its difference from the level before, under a narrow lobe
 /// ([`narrows`]); the ratios seen in `tests/transport/narrow_lobes.rs` are in brackets.
 pub(super) fn error_over_difference_of_narrow(panel: &Panel, sources: &[Source]) -> f64 {
+    const STRONG: f64 = 0.1;
     match &panel.base.reflector {
         // All passes have a closed form, corrected by a grid (6.3).
         Reflector::Specular(table)
@@ -42,9 +43,11 @@ pub(super) fn error_over_difference_of_narrow(panel: &Panel, sources: &[Source])
         {
             10.0
         }
-        // Passes of fields are interpolated between directions.
+        // So it is for fields.
         _ if sources.iter().any(|source| matches!(source, Source::Field(_))) => 10.0,
-        // Two or three passes are exact, and the others weak.
+        // The second level computes the third pass, too; late ones matter (4.6).
+        _ if panel.front.reflectance_below.max() >= STRONG => 6.0,
+        // Two passes are exact, and the others weak (3.5).
         Reflector::Specular(_) | Reflector::Lambertian(_) | Reflector::Scattering(_) => 4.0,
     }
 }

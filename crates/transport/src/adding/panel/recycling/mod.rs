@@ -206,7 +206,7 @@ impl Recycling {
     /// lobe itself.
     pub(super) fn towards(&self, view: &[Point], source: Lit<'_>) -> Option<Towards> {
         let narrow = self.narrow.as_ref()?;
-        if !self.plan.has_grid() {
+        if !self.plan.has_grid() || matches!(&source, Lit::Points(_, exact) if !exact.is_empty()) {
             return Some(narrow.towards(view, source, None));
         }
         let orders = if self.sums_columns() { narrow.orders() } else { self.plan.terms.len() };

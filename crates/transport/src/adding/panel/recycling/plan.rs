@@ -35,14 +35,12 @@ pub(super) struct NarrowPlan {
     pub(super) orders: usize,
     /// Natural digits of its nodes.
     pub(super) digits: f64,
-    /// Exact passes between a view and directed light: order 2 of the series, and order 3 if it matters. None if
-    /// there is no such light, the table has kinks, or the later orders matter too much to be extrapolated.
+    /// Exact passes between points of light: order 2 of the series, and order 3 if it matters. None if there are none, the table has kinks, or the later orders matter too much to be extrapolated.
     pub(super) exact: [Option<ExactPlan>; 2],
     /// How the error of the closed form is extrapolated from the exact orders.
     pub(super) extrapolation: Extrapolation,
-    /// Whether there are fields.
-    pub(super) has_fields: bool,
-    /// Whether there is a grid, from which directed light without exact passes is corrected.
+    /// Whether there is a grid, from which light between a view and a field, or points without exact passes, is
+    /// corrected.
     pub(super) has_grid: bool,
 }
 
@@ -148,7 +146,6 @@ impl Plan {
 
     /// Plans for a narrow lobe.
     fn narrow(&self, table: &Nodes, has_points: bool, has_fields: bool) -> NarrowPlan {
-        let is_directed = has_points || has_fields;
         let is_late = self.digits > DIGITS_WITHOUT_THREE;
         let has_three = |digits: f64| digits > DIGITS_OF_TWO + 2.0 * self.weakening;
         let count = if is_late && has_three(self.digits) { 3 } else { 2 };
@@ -168,7 +165,7 @@ impl Plan {
                 // Kinks are not smooth enough for interpolation.
                 Nodes::AnglesInMedium(_) | Nodes::AnglesInAir(_) => return None,
             };
-            (is_directed && is_extrapolated && order <= count).then_some(ExactPlan { digits, terms })
+            (has_points && is_extrapolated && order <= count).then_some(ExactPlan { digits, terms })
         };
         let exact = [exact(2), exact(3)];
         let orders = (self.digits / self.weakening.max(0.5) - 1.0).ceil().clamp(1.0, MOST_ORDERS);
@@ -177,8 +174,7 @@ impl Plan {
             digits: 0.75 * (self.digits - self.weakening) + 1.0,
             extrapolation: Extrapolation::at(self.digits, has_three(DIGITS_OF_SECOND_LEVEL)),
             exact,
-            has_fields,
-            has_grid: is_directed && exact[0].is_none() && self.digits > DIGITS_WITHOUT_GRID,
+            has_grid: (has_fields || (has_points && exact[0].is_none())) && self.digits > DIGITS_WITHOUT_GRID,
         }
     }
 

@@ -156,10 +156,12 @@ impl Light {
     }
 
     /// Replaces the closed form of the orders that are exact, and multiplies the later ones by a power of the
-    /// ratio. It is that of all groups together: parts of a field may be close to zero, or negative.
+    /// ratio. It is that of all groups together.
     fn correct(&self, source: &[(&Towards, &[f64])], orders: &mut [Vec<f64>]) {
         let Some(last) = self.products.len().checked_sub(1) else { return };
-        debug_assert!(source.iter().all(|(group, _)| group.exact.len() == self.products.len()));
+        if source.iter().any(|(group, _)| group.exact.is_empty()) {
+            return;
+        }
         let closed = orders[last].clone();
         for (k, (products, order)) in self.products.iter().zip(&mut *orders).enumerate() {
             let forms: Vec<&[f64]> = source.iter().map(|(group, _)| &group.exact[k][..]).collect();

@@ -17,17 +17,16 @@
 //!
 //! exactly for b = 0 and, over a uniform base without rims, for any b. Its error is of the order of b.
 //!
-//! Order 2, and under strong fronts order 3, are computed without this approximation ([`passes`], [`field`]). The
-//! ratio to their closed form corrects the later orders ([`Extrapolation`]), which are weaker by a factor of
-//! about g R each.
+//! For points of light (beams and discs), order 2, and under strong fronts order 3, are computed without this
+//! approximation ([`passes`]). The ratio to their closed form corrects the later orders ([`Extrapolation`]), which
+//! are weaker by a factor of about g R each.
 //!
-//! Over a table with kinks, from the second level on a grid for a wider lobe W shows the error of the closed form
-//! instead. The error at b is estimated from it ([`weights`]) and added, so that the rest is of the order of
-//! b (W - b). The finer the level, the narrower W, down to b.
+//! For fields, and over a table with kinks, from the second level on a grid for a wider lobe W shows the error of
+//! the closed form instead. The error at b is estimated from it ([`weights`]) and added, so that the rest is of the
+//! order of b (W - b). The finer the level, the narrower W, down to b.
 
 mod basis;
 mod between;
-mod field;
 mod light;
 mod one_pass;
 mod passes;
@@ -44,7 +43,6 @@ use super::product;
 use crate::adding::panel::first_pass::Pass;
 use crate::adding::quadrature::Point;
 use basis::{Basis, Disc, for_table};
-use field::OfFields;
 pub(in super::super) use light::Light;
 use passes::Passes;
 pub(in super::super) use weights::{Lit, Towards};
@@ -66,9 +64,8 @@ pub(in super::super) struct Narrow {
     leaving_straight: Vec<f64>,
     /// For each order 2, 3, ... the fractions of light that meets 0, 1, ... lobes.
     shares: Vec<Vec<f64>>,
-    /// For each order 2, 3, ... that is exact; and of fields.
+    /// For each order 2, 3, ... that is exact between points.
     passes: Vec<Passes>,
-    of_fields: Vec<OfFields>,
     extrapolation: Extrapolation,
 }
 
@@ -105,7 +102,6 @@ impl Narrow {
             leaving: leaving(&glass),
             leaving_straight: leaving(&air),
             shares: shares(straight, orders),
-            of_fields: passes.iter().filter(|_| plan.has_fields).map(OfFields::new).collect(),
             passes,
             extrapolation: plan.extrapolation,
             air,

@@ -108,16 +108,6 @@ impl Passes {
         Around { end: end.clone(), differences }
     }
 
-    /// Returns differences of all passes from the closed form, between an end at azimuth 0 and all directions:
-    /// `[|a|][azimuth][sequence of terms]`.
-    pub(super) fn differences(&self, end: &End) -> Vec<f64> {
-        let around = self.around(end);
-        if self.count == 2 {
-            return around.differences;
-        }
-        self.between_rings(3, |one| self.form(one, &Far::Twice(&around)), end)
-    }
-
     /// Returns the difference from the closed form of passes between `end` and a direction, at all rings and
     /// azimuths.
     fn between_rings(&self, count: usize, passes: impl Fn(&End) -> Vec<f64>, end: &End) -> Vec<f64> {

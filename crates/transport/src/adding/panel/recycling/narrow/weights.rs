@@ -64,10 +64,7 @@ impl Narrow {
         let (lobe, _) = self.weights(view, &source, self.width, self.shares.len(), &|_| 1.0);
         let exact = match &source {
             Lit::Points(_, exact) => exact.clone(),
-            Lit::Circles(circles, odd) => {
-                let all = self.passes.iter().zip(&self.of_fields);
-                all.map(|(passes, of_fields)| of_fields.between(passes, view, (*circles, *odd))).collect()
-            }
+            Lit::Circles(..) => Vec::new(),
         };
         let Some((width, orders)) = wider else {
             return Towards { exact, lobe, wider: None, correction: [0.0; 2] };
