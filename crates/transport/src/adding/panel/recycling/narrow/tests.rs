@@ -112,12 +112,13 @@ fn closed_form_of_circles_equals_sum_over_points() {
 #[test]
 fn light_equals_series_on_grid() {
     let width = 0.03;
+    // Under a strong front, the first level has the closed form of the third pass, the second the pass itself.
     for (regular_fraction, g, digits, most) in [
         (0.0, 0.02, 15.0, 8e-3),
-        (0.0, 0.3, 11.5, 3e-2),
-        (0.0, 0.3, 15.0, 1e-2),
-        (0.3, 0.3, 11.5, 3e-2),
-        (0.3, 0.3, 15.0, 1e-2),
+        (0.0, 0.3, 11.5, 5e-2),
+        (0.0, 0.3, 15.0, 4e-3),
+        (0.3, 0.3, 11.5, 5e-2),
+        (0.3, 0.3, 15.0, 4e-3),
     ] {
         let lobe = Lobe::KCorrelation { width };
         let diffuser = Diffuser { lobe, transmittance: vec![1.0].into(), regular_fraction };
