@@ -9,7 +9,7 @@ use std::f64::consts::PI;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use super::base::{Above, Rising};
+use super::base::{Above, Ends, Rising};
 use super::columns::{BaseColumns, Columns};
 use super::diffuse_response::DiffuseResponse;
 use super::directions::{Directions, Ray, extras};
@@ -48,6 +48,8 @@ pub(super) struct Followed {
     /// Extra nodes of the views, ascending, and of the lights.
     views: Vec<usize>,
     lights: Vec<usize>,
+    /// Whether the views have ledgers.
+    ledger: bool,
     seen: Seen,
     /// The same of the layers and the base before.
     known: Seen,
@@ -160,6 +162,7 @@ impl Followed {
             columns: Columns::new(stack, groups),
             views,
             lights: extras(&directions.sources),
+            ledger: directions.ledger,
             seen: Seen { bins: bins.clone(), beta, groups: vec![Vec::new(); groups.len()] },
             known,
             bins,
@@ -213,11 +216,16 @@ impl Followed {
         kernels: &mut Kernels,
         stop: &AtomicBool,
     ) {
-        let from_views = self.views.len() <= self.lights.len();
+        let ends = Ends { views: &self.views, lights: &self.lights };
+        let (from_views, beams) = (ends.from_views(), ends.beams().to_vec());
         // Later orders have no nodes with weight.
         let extras_alone =
             (above.carried() == 0).then(|| self.columns[number].below.rows_from(group.node(0)));
-        if order == 0 && !from_views {
+        if order == 0 && !from_views && !self.ledger {
+            let columns = &self.columns[number];
+            let seen = DiffuseResponse::of_views(group, columns, above, &self.views, tolerance);
+            self.seen.groups[number] = seen.into_iter().map(Arc::new).collect();
+        } else if order == 0 && !from_views {
             for view in 0..self.views.len() {
                 if stop.load(Ordering::Relaxed) {
                     return;
@@ -225,7 +233,6 @@ impl Followed {
                 self.see(view, (number, group), above, tolerance, None);
             }
         }
-        let beams = if from_views { self.views.clone() } else { self.lights.clone() };
         let mut floors = std::mem::take(&mut self.floors[number]);
         for (beam, extra) in beams.iter().enumerate() {
             if stop.load(Ordering::Relaxed) {
@@ -280,7 +287,7 @@ impl Followed {
     ) {
         let columns = &self.columns[number];
         let others = if from_views { &self.lights } else { &self.views };
-        let scattered = above.scattered_to(rising, others);
+        let scattered = above.scattered_to(rising.scattered(), others);
         for (other, to) in others.iter().enumerate() {
             let (view, light) = if from_views { (beam, other) } else { (other, beam) };
             let pair = (self.views[view], light);

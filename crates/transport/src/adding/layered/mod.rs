@@ -104,6 +104,8 @@ pub(super) struct Kernel {
     /// Kernels of a base that scatters by kernels.
     pixels: Mutex<Option<Arc<Pixels>>>,
     level: f64,
+    /// Whether its estimates have a ledger.
+    ledger: bool,
     /// Layers for which it is prepared.
     layers: Vec<Layer>,
     asked: (Vec<Cone>, Vec<Source>),
@@ -119,6 +121,7 @@ impl Clone for Kernel {
             last: Mutex::new(self.last().clone()),
             pixels: Mutex::default(),
             level: self.level,
+            ledger: self.ledger,
             layers: self.layers.clone(),
             asked: self.asked.clone(),
         }
@@ -126,7 +129,7 @@ impl Clone for Kernel {
 }
 
 impl Kernel {
-    pub(super) fn new(level: f64) -> Self {
+    pub(super) fn new(level: f64, ledger: bool) -> Self {
         Self {
             precision: Precision::new(level),
             directions: Directions::default(),
@@ -135,6 +138,7 @@ impl Kernel {
             last: Mutex::default(),
             pixels: Mutex::default(),
             level,
+            ledger,
             layers: Vec::new(),
             asked: (Vec::new(), Vec::new()),
         }
@@ -151,10 +155,17 @@ impl Kernel {
         self.pixels = Mutex::default();
         self.asked = (views.to_vec(), sources.to_vec());
         if let Reflector::Scattering(_) = stack.base.reflector {
-            self.pixels = Mutex::new(Some(Arc::new(Pixels::new(stack, self.level, views, sources, stop))));
+            self.pixels = Mutex::new(Some(Arc::new(Pixels::new(
+                stack,
+                (self.level, self.ledger),
+                views,
+                sources,
+                stop,
+            ))));
             return;
         }
         self.directions = Directions::new(stack, views, sources, &self.precision);
+        self.directions.ledger = self.ledger;
         // They are valid for any base, whose fringes are not known here.
         self.images =
             views.iter().map(|view| image_points(view, sources, digits, Mirror::Across(0.0))).collect();
@@ -199,7 +210,8 @@ impl Kernel {
         if let Some(known) = last.as_ref().filter(|known| known.serves(&stack.base)) {
             return Arc::clone(known);
         }
-        let pixels = Arc::new(Pixels::new(stack, self.level, &self.asked.0, &self.asked.1, stop));
+        let pixels =
+            Arc::new(Pixels::new(stack, (self.level, self.ledger), &self.asked.0, &self.asked.1, stop));
         *last = (!stop.load(Ordering::Relaxed)).then(|| Arc::clone(&pixels));
         pixels
     }
