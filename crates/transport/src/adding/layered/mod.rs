@@ -17,7 +17,7 @@
 //!   scatters only once, which needs none;
 //! - [`prepare`]: the layers down to the last scatterer, order by order; [`base`]: the stack closed below
 //!   it by flat layers and pixel, in [`columns`] by state and wavelength; [`beam_response`]: the light of
-//!   beams that the views then see; [`diffuse_response`]: diffuse light, and the ledger.
+//!   beams that the views then see, summed over azimuths in [`gather`]; [`diffuse_response`]: diffuse light, and the ledger.
 //!
 //! # Discretisation
 //! A level determines the nodes, Legendre terms, azimuthal orders, and points of fields of view and round
@@ -40,6 +40,7 @@ mod convergence;
 mod diffuse_response;
 mod directions;
 mod elements;
+mod gather;
 mod grid;
 mod known;
 mod lobes;
@@ -63,7 +64,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use super::Narrowest;
 use super::images::{ImagePoints, Mirror, image_points};
 use crate::specular::layered_image;
-use crate::{Cone, Estimate, Interface, Layer, Layered, Reflector, Source};
+use crate::{Base, Cone, Estimate, Interface, Layer, Layered, Reflector, Source};
 use beam_response::BeamResponse;
 use directions::Directions;
 pub(crate) use elements::{Action, Preparation};
@@ -219,7 +220,7 @@ impl Kernel {
     /// Returns the response over this base.
     fn over(&self, stack: &Layered, stop: &AtomicBool) -> Arc<BeamResponse> {
         let mut last = self.last();
-        if let Some(known) = last.as_ref().filter(|known| known.base == stack.base) {
+        if let Some(known) = last.as_ref().filter(|known| is_same(&known.base, &stack.base)) {
             return Arc::clone(known);
         }
         let stack = self.coarser(stack);
@@ -257,5 +258,16 @@ impl Kernel {
                 rho.front.iter_mut().zip(&seen.front).for_each(|(sum, x)| *sum += point.weight * x);
             }
         }
+    }
+}
+
+/// Returns whether two bases are equal; tables that are shared are not compared.
+fn is_same(one: &Base, other: &Base) -> bool {
+    match (&one.reflector, &other.reflector) {
+        (Reflector::Specular(a), Reflector::Specular(b)) if Arc::ptr_eq(&a.basis, &b.basis) => {
+            let rest = a.nodes == b.nodes && a.mixture == b.mixture && a.common == b.common;
+            rest && one.inactive_absorptance == other.inactive_absorptance
+        }
+        _ => one == other,
     }
 }
