@@ -21,6 +21,8 @@ use super::single::{Chain, Single};
 #[derive(Debug, Clone)]
 pub(super) struct Above {
     carried: usize,
+    /// Whether light that the base reflects once is left out ([`first_bounce`](super::first_bounce)).
+    pub(super) first_apart: bool,
     /// Light from above that is reflected, `[extra, light]`.
     front: Matrix,
     /// Regular transmission from above, by node.
@@ -124,6 +126,7 @@ impl Above {
         let above = |i: usize, extra: usize| back.at(i, extra) + upper.above.at(i, n + extra);
         let mut all = Self {
             carried,
+            first_apart: false,
             front: pairs(&|extra, light| above(n + extra, light)),
             down_straight: on_kept(&|i| {
                 upper.down.straight[i] * gap.inverse_straight_at(i) * last.down.straight[i]
@@ -159,6 +162,7 @@ impl Above {
         let [below_extras, below_light] = chain.extras(lights);
         let mut all = Self {
             carried,
+            first_apart: false,
             front: pairs(&|extra, light| single.front(extra, light)),
             down_straight: on_kept(&|i| single.arrives(i) * single.down.straight[i]),
             down: Matrix::from_fn(carried, extras, |i, extra| down(i, n + extra)),
@@ -333,8 +337,10 @@ impl Above {
             let mut back = back + self.below_light[pair] * beam;
             if n > 0 {
                 let ways = self.down.column(to).iter().zip(self.below_extras.column(to));
-                for (rising, (down, below)) in rising.scattered.column(c).iter().zip(ways) {
-                    out += down * rising;
+                let first = self.down.column(rising.extra);
+                for (i, (rising, (down, below))) in rising.scattered.column(c).iter().zip(ways).enumerate() {
+                    let apart = if self.first_apart { base[(i, c)] * first[i] } else { 0.0 };
+                    out += down * (rising - apart);
                     back += below * rising;
                 }
             }

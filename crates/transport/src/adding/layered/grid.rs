@@ -6,7 +6,7 @@
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
-use crate::adding::quadrature::legendre;
+use crate::adding::quadrature::{Node, legendre};
 
 /// Nodes in `|beta|`: those with weight ascend; then extra ones, the directions of views and beams.
 #[derive(Debug, Clone, PartialEq)]
@@ -17,6 +17,8 @@ pub(super) struct Grid {
     pub(super) scale: Vec<f64>,
     /// Number of nodes with weight.
     pub(super) regular: usize,
+    /// Ranges of `|beta|` between two indices, and their numbers of nodes.
+    ranges: Vec<([f64; 2], usize)>,
 }
 
 /// Required density of the nodes.
@@ -54,10 +56,12 @@ impl Density {
 impl Grid {
     /// Builds a grid split at these indices (ascending), with these extra nodes.
     pub(super) fn new(indices: &[f64], density: Density, extra: &[f64]) -> Self {
-        let (mut beta, mut scale) = (Vec::new(), Vec::new());
+        let (mut beta, mut scale, mut ranges) = (Vec::new(), Vec::new(), Vec::new());
         let mut a = 0.0;
         for &b in indices {
-            for node in legendre(density.count(a, b)) {
+            let count = density.count(a, b);
+            ranges.push(([a, b], count));
+            for node in legendre(count) {
                 // The nodes of the rule are in (-1, 1); t is in (0, 1).
                 let turn = PI * 0.25 * (node.x + 1.0);
                 beta.push((a * a + (b * b - a * a) * turn.sin().powi(2)).sqrt());
@@ -70,13 +74,30 @@ impl Grid {
         let regular = beta.len();
         beta.extend_from_slice(extra);
         scale.resize(beta.len(), 1.0);
-        Self { beta, scale, regular }
+        Self { beta, scale, regular, ranges }
     }
 
     /// Returns the extra nodes alone.
     pub(super) fn extras(&self) -> Self {
         let beta = self.beta[self.regular..].to_vec();
-        Self { scale: vec![1.0; beta.len()], beta, regular: 0 }
+        Self { scale: vec![1.0; beta.len()], beta, regular: 0, ranges: Vec::new() }
+    }
+
+    /// Returns the interpolation between its nodes with weight.
+    pub(super) fn interpolation(&self) -> Interpolation {
+        let mut ranges = Vec::new();
+        let mut first = 0;
+        for &([from, to], count) in &self.ranges {
+            let nodes = legendre(count);
+            // Legendre nodes have these barycentric weights (Wang & Xiang, Math. Comp. 81, 861 (2012)).
+            let factor = |(k, node): (usize, &Node)| {
+                let sign = if k % 2 == 0 { 1.0 } else { -1.0 };
+                (node.x, sign * ((1.0 - node.x * node.x) * node.weight).sqrt())
+            };
+            ranges.push(Range { from, to, first, nodes: nodes.iter().enumerate().map(factor).collect() });
+            first += count;
+        }
+        Interpolation(ranges)
     }
 
     /// Returns the number of nodes.
@@ -99,5 +120,61 @@ impl Grid {
     /// functional for [`Operator::pull_back`](super::algebra::Operator::pull_back).
     pub(super) fn below(&self, limit: f64) -> Vec<f64> {
         self.beta.iter().map(|beta| f64::from(u8::from(*beta < limit))).collect()
+    }
+}
+
+/// Interpolation of a function of `|beta|` from its values at the nodes with weight, by the polynomial of each range
+/// between two indices in the variable of its rule.
+#[derive(Debug)]
+pub(super) struct Interpolation(Vec<Range>);
+
+#[derive(Debug)]
+struct Range {
+    from: f64,
+    to: f64,
+    /// Number of the first node.
+    first: usize,
+    /// Variable of each node, -1 to 1, and its barycentric weight.
+    nodes: Vec<(f64, f64)>,
+}
+
+impl Interpolation {
+    /// Adds `weight` times the factor of each node's value at this `|beta|` to `sum`.
+    pub(super) fn add(&self, beta: f64, weight: f64, sum: &mut [f64]) {
+        let Some(range) = self.0.iter().find(|range| beta < range.to) else { return };
+        let [low, high] = [range.from, range.to].map(|end| end * end);
+        let share = ((beta * beta - low) / (high - low)).clamp(0.0, 1.0);
+        let x = share.sqrt().asin() * 4.0 / PI - 1.0;
+        let sum = &mut sum[range.first..][..range.nodes.len()];
+        if let Some(k) = range.nodes.iter().position(|node| node.0 == x) {
+            sum[k] += weight;
+            return;
+        }
+        let total: f64 = range.nodes.iter().map(|(node, factor)| factor / (x - node)).sum();
+        let weight = weight / total;
+        sum.iter_mut()
+            .zip(&range.nodes)
+            .for_each(|(sum, (node, factor))| *sum += weight * factor / (x - node));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A function with a square root at each index is a polynomial in the variables of the ranges, nearly.
+    #[test]
+    fn interpolation_contains_square_roots_at_indices() {
+        let density = Density { least: 24, spacing: f64::INFINITY, angle: None };
+        let grid = Grid::new(&[1.0, 1.5], density, &[0.3]);
+        let function = |beta: f64| (2.25 - beta * beta).sqrt() + (1.0 - beta * beta).abs().sqrt();
+        let interpolation = grid.interpolation();
+        for beta in [0.0, 0.01, 0.5, 0.99, 1.0, 1.01, 1.3, 1.499, grid.beta[3]] {
+            let mut factors = vec![0.0; grid.regular];
+            interpolation.add(beta, 1.0, &mut factors);
+            let found: f64 =
+                factors.iter().zip(&grid.beta).map(|(factor, node)| factor * function(*node)).sum();
+            assert!((found - function(beta)).abs() < 1e-9, "{beta}: {found} {}", function(beta));
+        }
     }
 }
