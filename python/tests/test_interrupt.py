@@ -19,17 +19,26 @@ END = "\nprint('ended')\n"
 
 LONG = {
     "a walk": 'papilio.run(path, solver="monte-carlo", set={"solver.paths": 1_000_000_000})',
-    "a cone": "papilio.cone(path, theta_deg=np.linspace(0, 80, 4000), phi_deg=np.linspace(0, 350, 100))",
+    "a cone": "papilio.cone(path, theta_deg=np.linspace(0, 80, 4000), phi_deg=np.linspace(0, 350, 1000))",
     "a batch": 'papilio.Prepared(path).evaluate({"display.pixel.film.0.thickness_nm": np.linspace(1, 100, 1000000)}, ["white.Y"])',
-    "films": 'papilio.films.reflectance([("SiO2", np.linspace(0, 1000, 10000000)), *[("Cr", 1.0)] * 100], 550.0, threads=1)',
+    "films": 'papilio.films.reflectance([("SiO2", np.linspace(0, 1000, 10000000)), *[("Cr", 1.0)] * 2000], 550.0, threads=1)',
 }
+
+# The processor time of each is more than ten times this.
+MOST_CPU_SECONDS = 30
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="there is no SIGINT to send")
 @pytest.mark.parametrize("what", LONG)
 def test_ctrl_c_ends_computation_of_many_minutes(what, scenarios):
+    import resource  # not on Windows
+
+    def cpu_seconds():
+        return resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime
+
     script = f"{START}print('begun', flush=True)\n{LONG[what]}{END}"
     command = [sys.executable, "-c", script, scenarios / "indoor.toml"]
+    before = cpu_seconds()
     with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as child:
         assert child.stdout.readline() == "begun\n"
         time.sleep(0.7)
@@ -40,6 +49,7 @@ def test_ctrl_c_ends_computation_of_many_minutes(what, scenarios):
         finally:
             child.kill()
     assert "KeyboardInterrupt" in error and "ended" not in out
+    assert cpu_seconds() - before < MOST_CPU_SECONDS
 
 
 def test_progress_is_reported_and_can_end_run(scenarios):

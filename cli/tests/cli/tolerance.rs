@@ -101,8 +101,8 @@ fn report_agrees_with_its_displays() {
     assert!(output.status.success(), "{}", stderr(&output));
     let run: Value = serde_json::from_slice(&output.stdout).unwrap();
     let (run, row) = (run["views"][0]["contrast_ratio"].as_f64().unwrap(), row[at("contrast_ratio")]);
-    // Designs of colours take as many angles of the film as an error of 1e-5 of Y needs (docs/designs.md).
-    assert!((run - row.parse::<f64>().unwrap()).abs() < 1e-5 * run, "{run} {row}");
+    // Designs of colours take as many angles of the film as an error of 1e-5 of Y needs (docs/designs.md); here, 6e-8.
+    assert!((run - row.parse::<f64>().unwrap()).abs() < 1e-6 * run, "{run} {row}");
 }
 
 #[test]

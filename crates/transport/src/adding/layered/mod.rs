@@ -12,6 +12,7 @@
 //!   a few beams; [`matrix`]: their elements;
 //! - [`slab`], [`lobes`], [`rough`]: scatterers; [`elements`]: layers as [`part`]s; [`part`]: combination of
 //!   two parts;
+//! - [`wavelengths`]: those at which a first answer is computed;
 //! - [`azimuth`]: Fourier orders of kernels without a closed series; [`once`]: light that such a kernel
 //!   scatters only once, which needs none;
 //! - [`first_bounce`]: light between two narrow lobes of a rough surface;
@@ -55,14 +56,16 @@ mod scatter;
 mod scatterers;
 mod single;
 mod slab;
+mod wavelengths;
 
+use std::borrow::Cow;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use super::Narrowest;
 use super::images::{ImagePoints, Mirror, image_points};
 use crate::specular::layered_image;
-use crate::{Cone, Estimate, Layered, Reflector, Source};
+use crate::{Cone, Estimate, Interface, Layer, Layered, Reflector, Source};
 use beam_response::BeamResponse;
 use directions::Directions;
 pub(crate) use elements::{Action, Preparation};
@@ -151,14 +154,17 @@ impl Kernel {
         // They are valid for any base, whose fringes are not known here.
         self.images =
             views.iter().map(|view| image_points(view, sources, digits, Mirror::Across(0.0))).collect();
-        let (prepared, over) = Prepared::new(stack, &self.directions, &self.precision, &known, stop);
+        let stack = self.coarser(stack);
+        let (prepared, over) = Prepared::new(&stack, &self.directions, &self.precision, &known, stop);
         self.prepared = prepared;
         self.last = Mutex::new(Some(Arc::new(over)));
     }
 
     /// Returns whether its directions are also right over this base.
     pub(super) fn serves(&self, stack: &Layered) -> bool {
-        !stack.base.is_specular() || self.directions.serve(stack, &self.asked.0)
+        !stack.base.is_specular()
+            || (self.directions.serve(stack, &self.asked.0)
+                && self.prepared.wavelengths == wavelengths::computed(stack, self.precision.wavelengths))
     }
 
     pub(super) fn nodes(&self) -> usize {
@@ -177,6 +183,7 @@ impl Kernel {
             return Estimate::default();
         }
         let mut estimate = over.estimate(&self.directions, view);
+        wavelengths::interpolate(stack, &self.prepared.wavelengths, &mut estimate);
         self.add_images(stack, view, &mut estimate);
         estimate
     }
@@ -198,9 +205,26 @@ impl Kernel {
         if let Some(known) = last.as_ref().filter(|known| known.base == stack.base) {
             return Arc::clone(known);
         }
-        let over = Arc::new(self.prepared.over(stack, &self.directions, &self.precision, stop));
+        let stack = self.coarser(stack);
+        let over = Arc::new(self.prepared.over(&stack, &self.directions, &self.precision, stop));
         *last = (!stop.load(Ordering::Relaxed)).then(|| Arc::clone(&over));
         over
+    }
+
+    /// Returns the stack with tables of rough interfaces that are as coarse as the level.
+    fn coarser<'a>(&self, stack: &'a Layered) -> Cow<'a, Layered> {
+        let coarseness = self.precision.coarseness;
+        let is_rough = |layer: &Layer| matches!(layer.interface, Interface::Rough(_));
+        if coarseness == 0 || !stack.layers.iter().any(is_rough) {
+            return Cow::Borrowed(stack);
+        }
+        let mut stack = stack.clone();
+        for layer in &mut stack.layers {
+            if let Interface::Rough(face) = &mut layer.interface {
+                *face = face.coarser(coarseness);
+            }
+        }
+        Cow::Owned(stack)
     }
 
     fn last(&self) -> MutexGuard<'_, Option<Arc<BeamResponse>>> {

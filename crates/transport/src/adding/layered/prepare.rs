@@ -14,6 +14,7 @@ use super::once::{Once, ScatterMode};
 use super::part::{Absorbed, Part};
 use super::precision::{Precision, density, rough_surface};
 use super::scatterers::{Scattered, Scatterers};
+use super::wavelengths;
 use crate::front::Flat;
 use crate::{Layered, Reflector};
 
@@ -122,6 +123,8 @@ pub(super) struct Prepared {
     kept: bool,
     /// Kernels for the next preparation.
     known: Known,
+    /// The wavelengths that are computed.
+    pub(super) wavelengths: Vec<usize>,
 }
 
 /// Size in bytes above which operators are not stored.
@@ -143,9 +146,10 @@ impl Prepared {
         stop: &AtomicBool,
     ) -> (Self, BeamResponse) {
         let mut over = BeamResponse::new(stack, directions);
-        let mut prepared = Self { kept: true, ..Self::default() };
+        let wavelengths = wavelengths::computed(stack, precision.wavelengths);
+        let mut prepared = Self { kept: true, wavelengths, ..Self::default() };
         let mut bytes = 0;
-        for bins in families(stack) {
+        for bins in families(stack, &prepared.wavelengths) {
             let mut add = |order: usize, growing: &mut [Growing<'_>], above: Vec<Option<Above>>| {
                 let groups: Vec<&Group> = growing.iter().map(|one| &one.group).collect();
                 let each: Vec<Option<&Above>> = above.iter().map(Option::as_ref).collect();
@@ -218,10 +222,10 @@ impl Prepared {
     }
 }
 
-/// Groups the wavelengths by family and group.
-fn families(stack: &Layered) -> Vec<Vec<Vec<usize>>> {
+/// Groups some wavelengths by family and group.
+fn families(stack: &Layered, wavelengths: &[usize]) -> Vec<Vec<Vec<usize>>> {
     let mut kinds: Vec<(Vec<u64>, Vec<usize>)> = Vec::new();
-    for bin in 0..stack.base.bins() {
+    for &bin in wavelengths {
         let key = optics(stack, bin);
         match kinds.iter_mut().find(|(known, _)| *known == key) {
             Some((_, bins)) => bins.push(bin),
@@ -245,7 +249,7 @@ fn indices(stack: &Layered, bin: usize) -> Vec<f64> {
 }
 
 /// Returns all data on which the layers above the base depend at a wavelength.
-fn optics(stack: &Layered, bin: usize) -> Vec<u64> {
+pub(super) fn optics(stack: &Layered, bin: usize) -> Vec<u64> {
     let mut key = Vec::new();
     stack.elements().for_each(|(kind, _)| kind.spectral_key(bin, &mut key));
     key
