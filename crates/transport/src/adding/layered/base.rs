@@ -21,6 +21,8 @@ use super::single::{Chain, Single};
 #[derive(Debug, Clone)]
 pub(super) struct Above {
     carried: usize,
+    /// Whether light that the base reflects once is left out ([`first_bounce`](super::first_bounce)).
+    pub(super) first_apart: bool,
     /// Light from above that is reflected, `[extra, light]`.
     front: Matrix,
     /// Regular transmission from above, by node.
@@ -124,6 +126,7 @@ impl Above {
         let above = |i: usize, extra: usize| back.at(i, extra) + upper.above.at(i, n + extra);
         let mut all = Self {
             carried,
+            first_apart: false,
             front: pairs(&|extra, light| above(n + extra, light)),
             down_straight: on_kept(&|i| {
                 upper.down.straight[i] * gap.inverse_straight_at(i) * last.down.straight[i]
@@ -159,6 +162,7 @@ impl Above {
         let [below_extras, below_light] = chain.extras(lights);
         let mut all = Self {
             carried,
+            first_apart: false,
             front: pairs(&|extra, light| single.front(extra, light)),
             down_straight: on_kept(&|i| single.arrives(i) * single.down.straight[i]),
             down: Matrix::from_fn(carried, extras, |i, extra| down(i, n + extra)),
@@ -320,13 +324,21 @@ impl Above {
     }
 
     /// Returns the scattered light that rises, times the kernels towards each of these extra nodes, `[column, node]`:
-    /// of light that leaves, and of light that is reflected once more.
-    pub(super) fn scattered_to(&self, rising: &Rising, extras: &[usize]) -> [Matrix; 2] {
-        [&self.down, &self.below_extras].map(|kernel| {
+    /// of light that leaves, and of light that is reflected once more. What the base, of reflectance
+    /// `[node, column]`, has reflected only once does not leave if it is apart.
+    pub(super) fn scattered_to(&self, rising: &Rising, extras: &[usize], base: &Matrix) -> [Matrix; 2] {
+        let [mut leaving, again] = [&self.down, &self.below_extras].map(|kernel| {
             let mut sums = Matrix::zeros(rising.beam.len(), extras.len());
             sums.add_transposed_product(&rising.scattered, &kernel.some_columns(extras), 1.0);
             sums
-        })
+        });
+        if self.first_apart {
+            let first = self.down.column(rising.extra);
+            let once =
+                Matrix::from_fn(self.carried, extras.len(), |i, to| first[i] * self.down[(i, extras[to])]);
+            leaving.add_transposed_product(base, &once, -1.0);
+        }
+        [leaving, again]
     }
 
     /// Returns the kernel of the whole display between a view's extra node and a light, by column: the beam

@@ -15,6 +15,7 @@
 //! - [`wavelengths`]: those at which a first answer is computed;
 //! - [`azimuth`]: Fourier orders of kernels without a closed series; [`once`]: light that such a kernel
 //!   scatters only once, which needs none;
+//! - [`first_bounce`]: light between two narrow lobes of a rough surface;
 //! - [`prepare`]: the layers down to the last scatterer, order by order; [`base`]: the stack closed below
 //!   it by flat layers and pixel, in [`columns`] by state and wavelength; [`beam_response`]: the light of
 //!   beams that the views then see; [`diffuse_response`]: diffuse light, and the ledger.
@@ -40,6 +41,7 @@ mod convergence;
 mod diffuse_response;
 mod directions;
 mod elements;
+mod first_bounce;
 mod grid;
 mod known;
 mod lobes;
