@@ -28,7 +28,9 @@ fn sources() -> [Source; 3] {
     [Source::Diffuse, beam(-20.0, 0.0), Source::Disc(Cone::new(45.0, 90.0, 3.0, 1.0))]
 }
 
-/// Two roads: product integration on a coarse grid, and a fine grid that resolves both lobes.
+/// Two roads: product integration on a coarse grid, and a fine grid that resolves both lobes. That grid converges slowly
+/// for light refracted along the interface, which matters where a view sees faint light: four times the difference of its
+/// levels is its error.
 #[test]
 fn surface_equals_a_grid_that_resolves_its_lobes() {
     let cases = [(Distribution::Ggx, 0.1), (Distribution::Ggx, 0.4), (Distribution::Beckmann, 0.15)];
@@ -37,11 +39,14 @@ fn surface_equals_a_grid_that_resolves_its_lobes() {
             let coarse = surface(distribution, alpha, base);
             let cones = VIEWS_DEG.map(view);
             let found = views(2, &coarse, &cones, &sources());
-            let truths = views(2, &below_air(&coarse), &cones, &sources());
-            for ((found, truth), theta) in found.iter().zip(&truths).zip(VIEWS_DEG) {
+            let [before, truths] = [1, 2].map(|level| views(level, &below_air(&coarse), &cones, &sources()));
+            for (((found, truth), before), theta) in found.iter().zip(&truths).zip(&before).zip(VIEWS_DEG) {
                 for source in 0..3 {
                     let what = format!("{distribution:?} {alpha}, {theta} deg, source {source}");
-                    assert_close(&what, rho(found, source) / rho(truth, source), 1.0, 3e-4);
+                    let [found, before] = [found, before].map(|one| rho(one, source) / rho(truth, source));
+                    let error = 4.0 * (before - 1.0).abs();
+                    assert!(error < 3e-3, "{what}: error {error} of the reference");
+                    assert_close(&what, found, 1.0, 1e-4 + error);
                 }
                 let books = [&found.ledger, &truth.ledger].map(|l| [l.returned[0], l.pixel[0]]);
                 assert_close("returned", books[0][0], books[1][0], 3e-5);
@@ -81,7 +86,7 @@ fn narrow_surface_equals_monte_carlo() {
             assert_unbiased(&format!("{theta} deg, source {source}"), rho(&truth, source), 0.5, |seed| {
                 let mut runs = runs.borrow_mut();
                 let estimates = runs.entry(seed).or_insert_with(|| {
-                    replicates_of(&stack, view(theta), &sources, seed, 64, Sampler::Sobol)
+                    replicates_of(&stack, view(theta), &sources, seed, 256, Sampler::Sobol)
                 });
                 mean_and_error(estimates.iter().map(|estimate| rho(estimate, source)))
             });

@@ -13,8 +13,8 @@
 use std::f64::consts::{FRAC_PI_2, TAU};
 use std::sync::atomic::{AtomicBool, Ordering};
 
+use papilio_optics::Beta;
 use papilio_optics::rough::{Rough, Side};
-use papilio_optics::{Beta, Scatterer};
 
 use super::azimuth;
 use super::directions::{Directions, Ray};
@@ -108,9 +108,32 @@ struct Lobes<'a> {
     interpolation: &'a Interpolation,
 }
 
+/// Light that the surface refracts between a direction above and any below.
+struct Refracted<'a> {
+    face: &'a Rough,
+    above: Beta,
+    /// Light of several microfacets, over its fraction of light from below.
+    several: f64,
+}
+
+impl<'a> Refracted<'a> {
+    fn new(face: &'a Rough, above: Beta) -> Self {
+        let total = face.several_total(Side::Above, Side::Below);
+        let several = if total > 0.0 { face.several(Side::Above, above.length())[1] / total } else { 0.0 };
+        Self { face, above, several }
+    }
+
+    /// Returns the kernel towards a direction below; `several` is the fraction of its light that crosses after several
+    /// microfacets.
+    fn towards(&self, below: Beta, several: f64) -> f64 {
+        self.face.single(Side::Above, self.above, Side::Below, below) + self.several * several
+    }
+}
+
 impl Lobes<'_> {
-    fn refracts(&self, above: Beta, below: Beta) -> f64 {
-        self.face.evaluate(Side::Above.at(above), Side::Below.at(below))
+    /// Returns the fraction of light from this `|beta|` below that crosses after several microfacets.
+    fn several(&self, below: f64) -> f64 {
+        self.face.several(Side::Below, below)[1]
     }
 
     /// Adds the integral for two directions above to the factors of the nodes.
@@ -120,6 +143,7 @@ impl Lobes<'_> {
         let edge = |end: Beta| (end.squared() + inside * inside - 1.0).sqrt();
         let radius = edge(ends[0]).min(edge(ends[1])).min(inside);
         let widths = ends.map(|end| refraction_width(self.face, end.length()));
+        let lobes = ends.map(|end| Refracted::new(self.face, end));
         let spokes = (self.digits / DIGITS_OF_AN_AZIMUTH).ceil() as usize;
         let apart = (ends[1] - ends[0]).length();
         for (near, far) in [(0, 1), (1, 0)] {
@@ -144,8 +168,10 @@ impl Lobes<'_> {
                     let size = |k: usize| ((b - ends[k]).squared() + widths[k] * widths[k]).powi(2);
                     let part = size(far) / (size(near) + size(far));
                     let area = r * width * node.x.cosh() * node.weight * TAU / spokes as f64;
-                    let value = self.refracts(ends[0], b) * self.refracts(ends[1], b);
-                    self.interpolation.add(b.length(), area * part * value, factors);
+                    let length = b.length();
+                    let several = self.several(length);
+                    let value = lobes[0].towards(b, several) * lobes[1].towards(b, several);
+                    self.interpolation.add(length, area * part * value, factors);
                 }
             }
         }
@@ -158,12 +184,14 @@ impl Lobes<'_> {
         let poles = ends.map(|end| Pole { at: end, off: refraction_width(self.face, end) });
         let radius = edges[0].min(edges[1]).min(inside);
         for node in radial(radius, &[1.0], &poles, self.digits) {
+            let several = self.several(node.x);
             let mean = |end: f64| {
                 let width = refraction_width(self.face, end) / (end * node.x).sqrt().max(1e-9);
                 let mut mean = [0.0];
+                let lobe = Refracted::new(self.face, Beta { x: end, y: 0.0 });
                 azimuth::graded(width.clamp(1e-9, 0.4), &mut mean, |turn| {
                     let (sin, cos) = turn.sin_cos();
-                    self.refracts(Beta { x: end, y: 0.0 }, Beta { x: node.x * cos, y: node.x * sin })
+                    lobe.towards(Beta { x: node.x * cos, y: node.x * sin }, several)
                 });
                 mean[0]
             };

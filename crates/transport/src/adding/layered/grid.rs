@@ -149,16 +149,19 @@ impl Interpolation {
         let x = share.sqrt().asin() * 4.0 / PI - 1.0;
         let begin = range.window(x);
         let window = &range.windows[begin];
-        let nodes = range.nodes[begin..].iter().zip(window);
         let some = range.first + begin..range.first + begin + window.len();
         let sum = &mut sum[some.clone()];
-        if let Some(k) = nodes.clone().position(|(node, _)| *node == x) {
+        let nodes = &range.nodes[begin..][..window.len()];
+        if let Some(k) = nodes.iter().position(|node| *node == x) {
             sum[k] += weight;
             return some;
         }
-        let total: f64 = nodes.clone().map(|(node, factor)| factor / (x - node)).sum();
-        let weight = weight / total;
-        sum.iter_mut().zip(nodes).for_each(|(sum, (node, factor))| *sum += weight * factor / (x - node));
+        let mut terms = [0.0; NEAREST];
+        for ((term, node), factor) in terms.iter_mut().zip(nodes).zip(window) {
+            *term = factor / (x - node);
+        }
+        let weight = weight / terms.iter().sum::<f64>();
+        sum.iter_mut().zip(terms).for_each(|(sum, term)| *sum += weight * term);
         some
     }
 }
