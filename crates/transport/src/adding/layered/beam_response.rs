@@ -248,7 +248,8 @@ impl Followed {
             }
             let below = extras_alone.as_ref().unwrap_or(&self.columns[number].below);
             floors.resize_with(beams.len(), || vec![0.0; below.columns()]);
-            let rising = above.rise(*extra, below, tolerance, &mut floors[beam]);
+            let pivots = self.columns[number].pivots.as_ref();
+            let rising = above.rise(*extra, below, pivots, tolerance, &mut floors[beam]);
             if order == 0 && from_views {
                 self.see(beam, (number, group), above, tolerance, Some(&rising));
             }
@@ -275,7 +276,8 @@ impl Followed {
             let new = |rising: &Rising| Arc::new(DiffuseResponse::new(group, columns, above, rising));
             rising.map(new).unwrap_or_else(|| {
                 let mut floor = vec![0.0; columns.below.columns()];
-                new(&above.rise(self.views[view], &columns.below, tolerance, &mut floor))
+                let pivots = columns.pivots.as_ref();
+                new(&above.rise(self.views[view], &columns.below, pivots, tolerance, &mut floor))
             })
         });
         self.seen.groups[number].push(response);

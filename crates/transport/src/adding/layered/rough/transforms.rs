@@ -119,10 +119,8 @@ impl Transforms {
         let (half, orders) = (intervals(rule), self.orders);
         self.cosines[rule].get_or_insert_with(|| {
             let weight = |k: usize| if k == 0 || k == half { 0.5 } else { 1.0 } / half as f64;
-            Matrix::from_fn(orders.min(half + 1), half + 1, |m, k| {
-                // Reduced modulo a turn, so that no digits are lost.
-                weight(k) * (PI * (m * k % (2 * half)) as f64 / half as f64).cos()
-            })
+            let turn: Vec<f64> = (0..2 * half).map(|k| (PI * k as f64 / half as f64).cos()).collect();
+            Matrix::from_fn(orders.min(half + 1), half + 1, |m, k| weight(k) * turn[m * k % (2 * half)])
         })
     }
 }
