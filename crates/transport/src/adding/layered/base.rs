@@ -13,6 +13,7 @@ use super::beams::Beams;
 use super::grid::Grid;
 use super::matrix::Matrix;
 use super::part::Part;
+use super::pivots::Pivots;
 use super::single::{Chain, Single};
 
 /// The layers down to the last scatterer in one azimuthal order, as far as views and sources require it. Of
@@ -21,6 +22,8 @@ use super::single::{Chain, Single};
 #[derive(Debug, Clone)]
 pub(super) struct Above {
     carried: usize,
+    /// Whether light that the base reflects once is left out ([`first_bounce`](super::first_bounce)).
+    pub(super) first_apart: bool,
     /// Light from above that is reflected, `[extra, light]`.
     front: Matrix,
     /// Regular transmission from above, by node.
@@ -114,6 +117,9 @@ pub(super) type Falling = Rising;
 
 /// Number of reflections up to which light is followed by iteration.
 const ITERATIONS: usize = 40;
+/// Change of interpolated light by one more reflection, over the tolerance of the iteration, up to which it is not followed
+/// further: it is several times the remaining error.
+const CHANGE_OF_INTERPOLATED: f64 = 100.0;
 
 impl Above {
     /// Composes the layers down to the last scatterer and that scatterer, on the nodes that the medium below
@@ -151,6 +157,7 @@ impl Above {
         let above = |i: usize, extra: usize| back.at(i, extra) + upper.above.at(i, n + extra);
         let mut all = Self {
             carried,
+            first_apart: false,
             front: pairs(&|extra, light| above(n + extra, light)),
             down_straight: on_kept(&|i| {
                 upper.down.straight[i] * gap.inverse_straight_at(i) * last.down.straight[i]
@@ -203,6 +210,7 @@ impl Above {
         };
         let mut all = Self {
             carried,
+            first_apart: false,
             front: pairs(&|extra, light| single.front(extra, light)),
             down_straight: on_kept(&|i| single.arrives(i) * single.down.straight[i]),
             down: Matrix::from_fn(carried, entering.len(), |i, b| down(i, n + entering[b])),
@@ -263,10 +271,17 @@ impl Above {
         self.front[(extra, light)]
     }
 
-    /// Returns the light that rises from the base, given its reflectance `[node, column]`, to this error
-    /// relative to the largest density or to `floor`, by column; `floor` is raised to the largest density
+    /// Returns the light that rises from the base, given its reflectance `[node, column]` and its pivots, to this
+    /// error relative to the largest density or to `floor`, by column; `floor` is raised to the largest density
     /// found.
-    pub(super) fn rise(&self, extra: usize, base: &Matrix, tolerance: f64, floor: &mut [f64]) -> Rising {
+    pub(super) fn rise(
+        &self,
+        extra: usize,
+        base: &Matrix,
+        pivots: Option<&Pivots>,
+        tolerance: f64,
+        floor: &mut [f64],
+    ) -> Rising {
         let (n, columns) = (self.carried, base.columns());
         let (node, entering) = (n + extra, self.entering(extra));
         let beam: Vec<f64> = (0..columns).map(|c| self.regular_rise(node, base[(node, c)])).collect();
@@ -275,15 +290,22 @@ impl Above {
             let scattered = self.down.column(entering).iter().zip(self.below_extras.column(entering));
             column.iter_mut().zip(scattered).for_each(|(x, (d, g))| *x = d + g * beam[c]);
         }
-        Rising { scattered: self.scattered_rise(&arrives, base, tolerance, floor, false), beam, extra }
+        let scattered = self.scattered_rise(&arrives, (base, pivots), tolerance, floor, false);
+        Rising { scattered, beam, extra }
     }
 
     /// Returns the solution of the transposed problem: light on the nodes whose product with the light that arrives at
     /// the base, scattered, is the total of a functional of the light that rises; `functional` is its value at each
     /// node with weight, scaled.
-    pub(super) fn functional_of_arriving(&self, functional: &[f64], base: &Matrix, tolerance: f64) -> Matrix {
+    pub(super) fn functional_of_arriving(
+        &self,
+        functional: &[f64],
+        base: &Matrix,
+        pivots: Option<&Pivots>,
+        tolerance: f64,
+    ) -> Matrix {
         let values = Matrix::from_fn(self.carried, base.columns(), |i, _| functional[i]);
-        self.scattered_rise(&values, base, tolerance, &mut vec![0.0; base.columns()], true)
+        self.scattered_rise(&values, (base, pivots), tolerance, &mut vec![0.0; base.columns()], true)
     }
 
     /// Returns the scattered light that rises from the base, given the scattered light that arrives, `[node, column]`;
@@ -291,7 +313,7 @@ impl Above {
     fn scattered_rise(
         &self,
         arrives: &Matrix,
-        base: &Matrix,
+        (base, pivots): (&Matrix, Option<&Pivots>),
         tolerance: f64,
         floor: &mut [f64],
         reversed: bool,
@@ -303,7 +325,12 @@ impl Above {
             column.iter_mut().zip(straight).for_each(|(x, (b, g))| *x = round_trips(*b, *g));
         }
         let mut scattered = Matrix::zeros(n, columns);
-        let open = self.iterate(arrives, &gain, &mut scattered, tolerance, floor, reversed);
+        let open = match pivots.filter(|_| n > 0) {
+            Some(pivots) => {
+                self.interpolate(pivots, [arrives, &gain], &mut scattered, tolerance, floor, reversed)
+            }
+            None => self.iterate([arrives, &gain], &mut scattered, tolerance, floor, reversed),
+        };
         if !open.is_empty() {
             let below = self.below.formed(n, reversed);
             for column in open {
@@ -342,12 +369,67 @@ impl Above {
         Falling { scattered, beam, extra: rising.extra }
     }
 
+    /// Iterates the light of the pivots, and interpolates that of all columns. One more reflection then makes what the base
+    /// has reflected once exact, and shows the error of the rest: columns in which it is large are iterated themselves.
+    /// Returns those that have not converged.
+    fn interpolate(
+        &self,
+        pivots: &Pivots,
+        [arrives, gain]: [&Matrix; 2],
+        rising: &mut Matrix,
+        tolerance: f64,
+        floor: &mut [f64],
+        reversed: bool,
+    ) -> Vec<usize> {
+        let mut of_pivots = Matrix::zeros(self.carried, pivots.columns().len());
+        let mut again = of_pivots.clone();
+        let mut next = arrives.clone();
+        let mut open =
+            self.iterate_some(pivots.columns(), [arrives, gain], &mut of_pivots, tolerance, floor, reversed);
+        if open.is_empty() {
+            self.below.add(&of_pivots, &mut again, reversed);
+            pivots.add_interpolated(&again, &mut next);
+            pivots.add_interpolated(&of_pivots, rising);
+            for (c, old) in rising.columns_mut() {
+                let (change, size) = reflect(old, next.column(c), gain.column(c));
+                floor[c] = size.max(floor[c]);
+                if change > CHANGE_OF_INTERPOLATED * tolerance * floor[c] {
+                    open.push(c);
+                }
+            }
+        } else {
+            open = (0..arrives.columns()).collect();
+        }
+        let mut exact = Matrix::zeros(self.carried, open.len());
+        let left = self.iterate_some(&open, [arrives, gain], &mut exact, tolerance, floor, reversed);
+        for ((_, exact), c) in exact.columns_mut().zip(&open) {
+            rising.column_mut(*c).copy_from_slice(exact);
+        }
+        left
+    }
+
+    /// Iterates the light of some columns; returns those that have not converged after many orders.
+    fn iterate_some(
+        &self,
+        columns: &[usize],
+        [arrives, gain]: [&Matrix; 2],
+        rising: &mut Matrix,
+        tolerance: f64,
+        floor: &mut [f64],
+        reversed: bool,
+    ) -> Vec<usize> {
+        let [arrives, gain] = [arrives, gain].map(|all| all.some_columns(columns));
+        let mut floors: Vec<f64> = columns.iter().map(|c| floor[*c]).collect();
+        let open = self.iterate([&arrives, &gain], rising, tolerance, &mut floors, reversed);
+        columns.iter().zip(floors).for_each(|(c, size)| floor[*c] = size);
+        open.into_iter().map(|number| columns[number]).collect()
+    }
+
     /// Iterates light between base and layers; returns the columns that have not converged after many
     /// orders.
     fn iterate(
         &self,
-        arrives: &Matrix,
-        gain: &Matrix,
+        [arrives, gain]: [&Matrix; 2],
         rising: &mut Matrix,
         tolerance: f64,
         floor: &mut [f64],
@@ -406,6 +488,20 @@ impl Above {
                 sums
             }),
         }
+    }
+
+    /// Returns the same of the light of a beam. What the base, of reflectance `[node, column]`, has reflected only once
+    /// does not leave if it is apart.
+    pub(super) fn rising_to(&self, rising: &Rising, extras: &[usize], base: &Matrix) -> [Matrix; 2] {
+        let [mut leaving, again] = self.scattered_to(&rising.scattered, extras);
+        if self.first_apart {
+            let first = self.down.column(self.entering(rising.extra));
+            let towards: Vec<usize> = extras.iter().map(|extra| self.entering(*extra)).collect();
+            let once =
+                Matrix::from_fn(self.carried, extras.len(), |i, to| first[i] * self.down[(i, towards[to])]);
+            leaving.add_transposed_product(base, &once, -1.0);
+        }
+        [leaving, again]
     }
 
     /// Returns the kernel of the whole display between a view's extra node and a light, by column: the beam

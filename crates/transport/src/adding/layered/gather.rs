@@ -9,6 +9,7 @@ use std::f64::consts::{PI, TAU};
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use super::directions::{Directions, Ray};
+use super::first_bounce::FirstBounce;
 use super::matrix::Matrix;
 use super::once::ScatterMode;
 use crate::ReflectanceFactor;
@@ -103,6 +104,22 @@ impl Gathering<'_> {
                             None => circle.direct(ray.turn, density),
                         };
                         self.add(*number, source, seen, PI * ray.weight * sent);
+                    }
+                }
+            }
+        }
+    }
+
+    /// Adds the light that the layers below a rough surface reflect once: `kernels` by pair of directions.
+    pub(super) fn add_first(&mut self, kernels: &Kernels, first: &FirstBounce, stop: &AtomicBool) {
+        let directions = self.directions;
+        for (view, rays) in directions.views.iter().enumerate() {
+            for (source, lights) in directions.sources.iter().enumerate() {
+                for ray in rays.iter().take_while(|_| !stop.load(Ordering::Relaxed)) {
+                    for light in lights {
+                        let pair = first.number(ray, light);
+                        let seen = [kernels.base.column(pair), kernels.front.column(pair)];
+                        self.add(view, source, seen, PI * ray.weight * light.weight);
                     }
                 }
             }

@@ -15,9 +15,11 @@
 //! - [`wavelengths`]: those at which a first answer is computed;
 //! - [`azimuth`]: Fourier orders of kernels without a closed series; [`once`]: light that such a kernel
 //!   scatters only once, which needs none;
+//! - [`first_bounce`]: light between two narrow lobes of a rough surface;
 //! - [`prepare`]: the layers down to the last scatterer, order by order; [`base`]: the stack closed below
-//!   it by flat layers and pixel, in [`columns`] by state and wavelength; [`beam_response`]: the light of
-//!   beams that the views then see, summed over azimuths in [`gather`]; [`diffuse_response`]: diffuse light, and the ledger.
+//!   it by flat layers and pixel, in [`columns`] by state and wavelength, most of them interpolated from a few
+//!   [`pivots`]; [`beam_response`]: the light of beams that the views then see, summed over azimuths in [`gather`];
+//!   [`diffuse_response`]: diffuse light, and the ledger.
 //!
 //! # Discretisation
 //! A level determines the nodes, Legendre terms, azimuthal orders, and points of fields of view and round
@@ -40,6 +42,7 @@ mod convergence;
 mod diffuse_response;
 mod directions;
 mod elements;
+mod first_bounce;
 mod gather;
 mod grid;
 mod known;
@@ -47,6 +50,7 @@ mod lobes;
 mod matrix;
 mod once;
 mod part;
+mod pivots;
 mod pixels;
 mod precision;
 mod prepare;
