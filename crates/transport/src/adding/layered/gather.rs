@@ -50,9 +50,8 @@ impl Gathering<'_> {
     pub(super) fn add_order(&mut self, order: usize, kernels: &Kernels) {
         let by_inclination = self.views_by_inclination();
         let both_ways = if order == 0 { 1.0 } else { 2.0 };
-        for source in 0..self.directions.sources.len() {
-            let lit: Vec<(usize, [f64; 2])> = self
-                .circles(source)
+        for (source, rays) in self.directions.sources.iter().enumerate() {
+            let lit: Vec<(usize, [f64; 2])> = circles(rays, self.lights)
                 .map(|circle| (circle.light, circle.harmonic(order)))
                 .filter(|(_, harmonic)| *harmonic != [0.0; 2])
                 .collect();
@@ -79,22 +78,21 @@ impl Gathering<'_> {
     /// Adds the light that one scatterer scatters once: `kernels` contain the factors for all pairs of directions.
     pub(super) fn add_once(&mut self, kernels: &Kernels, way: &ScatterMode, stop: &AtomicBool) {
         let by_inclination = self.views_by_inclination();
-        let directions = self.directions;
+        let (directions, lights) = (self.directions, self.lights);
         let beta = |extra: usize| (extra, directions.beta[extra]);
-        for source in 0..directions.sources.len() {
-            let circles: Vec<Circle<'_>> = self.circles(source).collect();
-            for circle in circles {
+        for (source, rays) in directions.sources.iter().enumerate() {
+            for circle in circles(rays, lights) {
                 let (is_uniform, orders) = (circle.is_uniform(), circle.harmonics());
                 for (view, rays) in by_inclination.iter().enumerate() {
                     if stop.load(Ordering::Relaxed) {
                         return;
                     }
-                    let pair = view * self.lights.len() + circle.light;
+                    let pair = view * lights.len() + circle.light;
                     let seen = [kernels.base.column(pair), kernels.front.column(pair)];
                     if seen.iter().all(|factors| factors.iter().all(|factor| *factor == 0.0)) {
                         continue;
                     }
-                    let [from, to] = [beta(self.views[view]), beta(self.lights[circle.light])];
+                    let [from, to] = [beta(self.views[view]), beta(lights[circle.light])];
                     let density = |turn: Option<f64>| way.density(from, to, turn);
                     let by_orders = rays.len() >= FEW_VIEWS && is_uniform;
                     let response = by_orders.then(|| cosines(circle.rays.len(), |turn| density(Some(turn))));
@@ -137,13 +135,6 @@ impl Gathering<'_> {
         all
     }
 
-    /// Returns the rays of a source, inclination by inclination: rays of one extra node are consecutive.
-    fn circles(&self, source: usize) -> impl Iterator<Item = Circle<'_>> {
-        self.directions.sources[source]
-            .chunk_by(|one, next| one.extra == next.extra)
-            .map(|rays| Circle { light: self.lights.binary_search(&rays[0].extra).unwrap_or_default(), rays })
-    }
-
     /// Returns the kernels between a view's extra node and some lights, weighted: `[base, front]`; `None` without light.
     fn sums(
         &self,
@@ -172,6 +163,13 @@ impl Gathering<'_> {
         add(&mut rho.via_pixel, &self.places, base);
         add(&mut rho.front, &self.bins, front);
     }
+}
+
+/// Returns the rays of a source, inclination by inclination: rays of one extra node are consecutive.
+fn circles<'a>(source: &'a [Ray], lights: &'a [usize]) -> impl Iterator<Item = Circle<'a>> {
+    source
+        .chunk_by(|one, next| one.extra == next.extra)
+        .map(|rays| Circle { light: lights.binary_search(&rays[0].extra).unwrap_or_default(), rays })
 }
 
 impl Circle<'_> {
