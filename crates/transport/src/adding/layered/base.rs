@@ -578,11 +578,6 @@ impl Rising {
         self.beam.len()
     }
 
-    /// Returns its scattered light, `[node, column]`.
-    pub(super) fn scattered(&self) -> &Matrix {
-        &self.scattered
-    }
-
     /// Returns the total of a functional, by column: `share` is its value for unit light at each node that
     /// is stored, and for each column; `scale` the scaling of densities.
     pub(super) fn total(&self, scale: &[f64], share: impl Fn(usize, usize) -> f64) -> Vec<f64> {

@@ -82,7 +82,8 @@ impl Gathering<'_> {
         let beta = |extra: usize| (extra, directions.beta[extra]);
         for (source, rays) in directions.sources.iter().enumerate() {
             for circle in circles(rays, lights) {
-                let (is_uniform, orders) = (circle.is_uniform(), circle.harmonics());
+                let by_orders = |views: &Vec<(usize, Ray)>| views.len() >= FEW_VIEWS && circle.is_uniform();
+                let orders = by_inclination.iter().any(by_orders).then(|| circle.harmonics());
                 for (view, rays) in by_inclination.iter().enumerate() {
                     if stop.load(Ordering::Relaxed) {
                         return;
@@ -94,11 +95,12 @@ impl Gathering<'_> {
                     }
                     let [from, to] = [beta(self.views[view]), beta(lights[circle.light])];
                     let density = |turn: Option<f64>| way.density(from, to, turn);
-                    let by_orders = rays.len() >= FEW_VIEWS && is_uniform;
-                    let response = by_orders.then(|| cosines(circle.rays.len(), |turn| density(Some(turn))));
+                    let orders = orders.as_ref().filter(|_| rays.len() >= FEW_VIEWS);
+                    let by_orders =
+                        orders.map(|orders| (orders, cosines(circle.rays.len(), |turn| density(Some(turn)))));
                     for (number, ray) in rays {
-                        let sent = match &response {
-                            Some(response) => at_azimuth(response, &orders, ray.turn),
+                        let sent = match &by_orders {
+                            Some((orders, response)) => at_azimuth(response, orders, ray.turn),
                             None => circle.direct(ray.turn, density),
                         };
                         self.add(*number, source, seen, PI * ray.weight * sent);
