@@ -96,6 +96,9 @@ impl Base {
 
 /// Returns the largest of these values; negative ones count as 0.
 pub(crate) fn largest(values: &[f64]) -> f64 {
+    if values.len() <= 4 {
+        return values.iter().copied().fold(0.0, f64::max);
+    }
     // Several at a time, as registers hold them: tables are large.
     let mut most = [0.0_f64; 16];
     for values in values.chunks(most.len()) {

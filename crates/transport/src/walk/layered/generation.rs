@@ -80,7 +80,9 @@ impl Generation {
 
     /// Keeps the memory of light that has been followed.
     pub(super) fn recycle(&mut self, light: Light) {
-        self.spare.push(light);
+        if !light.fresh.is_empty() {
+            self.spare.push(light);
+        }
     }
 
     /// Frees memory.

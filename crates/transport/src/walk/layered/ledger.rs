@@ -124,13 +124,12 @@ impl Workspace {
         self.next.depart(self.lamps.path, sent, &self.light);
     }
 
-    /// Lets a branch with this light stay in its medium.
-    pub(super) fn stay(&mut self, branch: &Arrived) {
+    /// Lets a branch with this light stay in its medium. The workspace takes over the memory of the branch's light.
+    pub(super) fn stay(&mut self, branch: &mut Arrived) {
+        std::mem::swap(&mut self.light, &mut branch.light);
+        let light = std::mem::take(&mut branch.light);
         let gathered = std::mem::take(&mut self.gathered);
-        self.next.arrive(branch.path, branch.event, branch.sent, &self.light);
-        if let Some(last) = self.next.arrived.last_mut() {
-            (last.stay, last.gathered) = (branch.stay, gathered);
-        }
+        self.next.arrived.push(Arrived { light, gathered, ..*branch });
     }
 
     /// Adds a branch with a part of this light, by wavelength; returns its light.

@@ -15,7 +15,7 @@ use crate::walk::{add_rows_times, add_scaled};
 const TOGETHER: usize = 64;
 
 /// Light of a path, or a sum of it. Light that has not met the base is the same in all states.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub(super) struct Light {
     /// Light that has not met the base; shape `[wavelength]`.
     pub(super) fresh: Vec<f64>,
