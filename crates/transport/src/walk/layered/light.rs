@@ -74,11 +74,34 @@ impl Light {
         [largest(&self.fresh), largest(&self.met), least]
     }
 
+    /// Reflection by a base with these reflectances, shape `[state][wavelength]`: all of it has met the base then.
+    pub(super) fn meet(&mut self, reflectance: &[f64]) {
+        let bins = self.fresh.len();
+        for (row, reflectance) in self.met.chunks_exact_mut(bins).zip(reflectance.chunks_exact(bins)) {
+            for ((met, fresh), r) in row.iter_mut().zip(&self.fresh).zip(reflectance) {
+                *met = (*met + fresh) * r;
+            }
+        }
+        self.fresh.fill(0.0);
+    }
+
+    /// Resets to no light.
+    pub(super) fn clear(&mut self) {
+        self.fresh.fill(0.0);
+        self.met.fill(0.0);
+    }
+
     pub(super) fn scale(&mut self, factor: f64) {
+        if factor == 1.0 {
+            return;
+        }
         self.fresh.iter_mut().chain(&mut self.met).for_each(|value| *value *= factor);
     }
 
     pub(super) fn add(&mut self, other: &Self, scale: f64) {
+        if scale == 0.0 {
+            return;
+        }
         if let ([fresh], [of]) = (&mut self.fresh[..], &other.fresh[..]) {
             *fresh += scale * of;
             self.met.iter_mut().zip(&other.met).for_each(|(sum, value)| *sum += scale * value);
