@@ -67,7 +67,8 @@ const PARTICLES: &str = "particles over a film, lamp";
 fn layers_to_0_1_percent<const PER_WAVELENGTH: bool>(bencher: Bencher<'_, '_>, name: &str) {
     let stop = Stop::RelativeError { target: 0.001, per_wavelength: PER_WAVELENGTH };
     if name == PARTICLES {
-        let mut scene = monte_carlo_scenario("slab", &["display.diffuser.optical_thickness=2"]).unwrap().scene;
+        let mut scene =
+            monte_carlo_scenario("slab", &["display.diffuser.optical_thickness=2"]).unwrap().scene;
         scene.solver.stop = stop;
         return bencher.bench(|| run_on(&scene, Some(1)).unwrap());
     }

@@ -57,7 +57,9 @@ pub(super) fn pass_flat(
     let part = |bin: usize| faces[bin.min(faces.len() - 1)];
     let whole = workspace.light.clone();
 
-    workspace.light.multiply(|bin| part(bin).absorbed(event.going));
+    // The light that arrives here does not include what is scattered.
+    let rest = |bin: usize| 1.0 / (1.0 - part(bin).scattered[event.going as usize]);
+    workspace.light.multiply(|bin| rest(bin) * part(bin).absorbed(event.going));
     let account = walk.accounts[event.element];
     for (_, sum) in sums.absorbed.accounts().into_iter().filter(|(of, _)| *of == account) {
         sum.add(&workspace.light, 1.0);
@@ -69,7 +71,7 @@ pub(super) fn pass_flat(
             (false, Propagation::Up) => part(bin).flat.below,
         };
         workspace.light.clone_from(&whole);
-        workspace.light.multiply(fraction);
+        workspace.light.multiply(|bin| rest(bin) * fraction(bin));
         let brightest = workspace.light.brightest();
         if brightest == 0.0 {
             continue;

@@ -30,7 +30,7 @@ pub(super) enum Kind<'a> {
     Base(Option<&'a Medium>),
     /// A base with a kernel for each state, under this medium.
     Pixel(&'a [ScatterKernel], Option<&'a Medium>),
-    /// The flat part of an interface, where light is followed [crossing by crossing](super::crossings).
+    /// What an interface does not scatter, where light is followed [crossing by crossing](super::crossings).
     Flat,
     /// A specular base, where light is followed crossing by crossing.
     Mirror,
@@ -41,7 +41,7 @@ impl ScatterEvent<'_> {
     pub(super) fn share(&self, skeleton: &Skeleton, field: &Field, share: &mut Share) {
         let ray = Ray::arriving_at(self.element, self.going);
         match self.kind {
-            Kind::Base(..) | Kind::Pixel(..) | Kind::Flat | Kind::Mirror => {
+            Kind::Base(..) | Kind::Pixel(..) | Kind::Mirror => {
                 return share.set(field, ray, |_| 1.0);
             }
             Kind::Interface(interface, channel, _) => {
@@ -49,6 +49,10 @@ impl ScatterEvent<'_> {
                 if let Some((total, factor)) = fraction {
                     return share.set(field, ray, |bin| total * factor[bin]);
                 }
+            }
+            Kind::Flat => {
+                let parts = skeleton.element(self.element);
+                return share.set(field, ray, |bin| 1.0 - parts[bin].scattered[self.going as usize]);
             }
             Kind::Bulk(_) => {}
         }
