@@ -13,6 +13,7 @@ use super::beams::Beams;
 use super::grid::Grid;
 use super::matrix::Matrix;
 use super::part::Part;
+use super::pivots::Pivots;
 use super::single::{Chain, Single};
 
 /// The layers down to the last scatterer in one azimuthal order, as far as views and sources require it. Of
@@ -21,6 +22,8 @@ use super::single::{Chain, Single};
 #[derive(Debug, Clone)]
 pub(super) struct Above {
     carried: usize,
+    /// Whether light that the base reflects once is left out ([`first_bounce`](super::first_bounce)).
+    pub(super) first_apart: bool,
     /// Light from above that is reflected, `[extra, light]`.
     front: Matrix,
     /// Regular transmission from above, by node.
@@ -88,6 +91,9 @@ pub(super) type Falling = Rising;
 
 /// Number of reflections up to which light is followed by iteration.
 const ITERATIONS: usize = 40;
+/// Change of interpolated light by one more reflection, over the tolerance of the iteration, up to which it is not followed
+/// further: it is several times the remaining error.
+const CHANGE_OF_INTERPOLATED: f64 = 100.0;
 
 impl Above {
     /// Composes the layers down to the last scatterer and that scatterer, on the nodes that the medium below
@@ -124,6 +130,7 @@ impl Above {
         let above = |i: usize, extra: usize| back.at(i, extra) + upper.above.at(i, n + extra);
         let mut all = Self {
             carried,
+            first_apart: false,
             front: pairs(&|extra, light| above(n + extra, light)),
             down_straight: on_kept(&|i| {
                 upper.down.straight[i] * gap.inverse_straight_at(i) * last.down.straight[i]
@@ -159,6 +166,7 @@ impl Above {
         let [below_extras, below_light] = chain.extras(lights);
         let mut all = Self {
             carried,
+            first_apart: false,
             front: pairs(&|extra, light| single.front(extra, light)),
             down_straight: on_kept(&|i| single.arrives(i) * single.down.straight[i]),
             down: Matrix::from_fn(carried, extras, |i, extra| down(i, n + extra)),
@@ -220,10 +228,17 @@ impl Above {
         self.front[(extra, light)]
     }
 
-    /// Returns the light that rises from the base, given its reflectance `[node, column]`, to this error
-    /// relative to the largest density or to `floor`, by column; `floor` is raised to the largest density
+    /// Returns the light that rises from the base, given its reflectance `[node, column]` and its pivots, to this
+    /// error relative to the largest density or to `floor`, by column; `floor` is raised to the largest density
     /// found.
-    pub(super) fn rise(&self, extra: usize, base: &Matrix, tolerance: f64, floor: &mut [f64]) -> Rising {
+    pub(super) fn rise(
+        &self,
+        extra: usize,
+        base: &Matrix,
+        pivots: Option<&Pivots>,
+        tolerance: f64,
+        floor: &mut [f64],
+    ) -> Rising {
         let (n, columns) = (self.carried, base.columns());
         let node = n + extra;
         let mut beam = vec![0.0; columns];
@@ -241,7 +256,10 @@ impl Above {
             gain.column_mut(c).iter_mut().zip(straight).for_each(|(x, (b, g))| *x = round_trips(*b, *g));
         }
         let mut scattered = Matrix::zeros(n, columns);
-        let open = self.iterate(&arrives, &gain, &mut scattered, tolerance, floor);
+        let open = match pivots.filter(|_| n > 0) {
+            Some(pivots) => self.interpolate(pivots, &arrives, &gain, &mut scattered, tolerance, floor),
+            None => self.iterate(&arrives, &gain, &mut scattered, tolerance, floor),
+        };
         if !open.is_empty() {
             let below = self.below.formed(n);
             for column in open {
@@ -267,6 +285,61 @@ impl Above {
         }
         self.below.add(&rising.scattered, &mut scattered);
         Falling { scattered, beam, extra: rising.extra }
+    }
+
+    /// Iterates the light of the pivots, and interpolates that of all columns. One more reflection then makes what the base
+    /// has reflected once exact, and shows the error of the rest: columns in which it is large are iterated themselves.
+    /// Returns those that have not converged.
+    fn interpolate(
+        &self,
+        pivots: &Pivots,
+        arrives: &Matrix,
+        gain: &Matrix,
+        rising: &mut Matrix,
+        tolerance: f64,
+        floor: &mut [f64],
+    ) -> Vec<usize> {
+        let mut of_pivots = Matrix::zeros(self.carried, pivots.columns().len());
+        let mut again = of_pivots.clone();
+        let mut next = arrives.clone();
+        let mut open = self.iterate_some(pivots.columns(), arrives, gain, &mut of_pivots, tolerance, floor);
+        if open.is_empty() {
+            self.below.add(&of_pivots, &mut again);
+            pivots.add_interpolated(&again, &mut next);
+            pivots.add_interpolated(&of_pivots, rising);
+            for (c, old) in rising.columns_mut() {
+                let (change, size) = reflect(old, next.column(c), gain.column(c));
+                floor[c] = size.max(floor[c]);
+                if change > CHANGE_OF_INTERPOLATED * tolerance * floor[c] {
+                    open.push(c);
+                }
+            }
+        } else {
+            open = (0..arrives.columns()).collect();
+        }
+        let mut exact = Matrix::zeros(self.carried, open.len());
+        let left = self.iterate_some(&open, arrives, gain, &mut exact, tolerance, floor);
+        for ((_, exact), c) in exact.columns_mut().zip(&open) {
+            rising.column_mut(*c).copy_from_slice(exact);
+        }
+        left
+    }
+
+    /// Iterates the light of some columns; returns those that have not converged after many orders.
+    fn iterate_some(
+        &self,
+        columns: &[usize],
+        arrives: &Matrix,
+        gain: &Matrix,
+        rising: &mut Matrix,
+        tolerance: f64,
+        floor: &mut [f64],
+    ) -> Vec<usize> {
+        let [arrives, gain] = [arrives, gain].map(|all| all.some_columns(columns));
+        let mut floors: Vec<f64> = columns.iter().map(|c| floor[*c]).collect();
+        let open = self.iterate(&arrives, &gain, rising, tolerance, &mut floors);
+        columns.iter().zip(floors).for_each(|(c, size)| floor[*c] = size);
+        open.into_iter().map(|number| columns[number]).collect()
     }
 
     /// Iterates light between base and layers; returns the columns that have not converged after many
@@ -320,13 +393,21 @@ impl Above {
     }
 
     /// Returns the scattered light that rises, times the kernels towards each of these extra nodes, `[column, node]`:
-    /// of light that leaves, and of light that is reflected once more.
-    pub(super) fn scattered_to(&self, rising: &Rising, extras: &[usize]) -> [Matrix; 2] {
-        [&self.down, &self.below_extras].map(|kernel| {
+    /// of light that leaves, and of light that is reflected once more. What the base, of reflectance
+    /// `[node, column]`, has reflected only once does not leave if it is apart.
+    pub(super) fn scattered_to(&self, rising: &Rising, extras: &[usize], base: &Matrix) -> [Matrix; 2] {
+        let [mut leaving, again] = [&self.down, &self.below_extras].map(|kernel| {
             let mut sums = Matrix::zeros(rising.beam.len(), extras.len());
             sums.add_transposed_product(&rising.scattered, &kernel.some_columns(extras), 1.0);
             sums
-        })
+        });
+        if self.first_apart {
+            let first = self.down.column(rising.extra);
+            let once =
+                Matrix::from_fn(self.carried, extras.len(), |i, to| first[i] * self.down[(i, extras[to])]);
+            leaving.add_transposed_product(base, &once, -1.0);
+        }
+        [leaving, again]
     }
 
     /// Returns the kernel of the whole display between a view's extra node and a light, by column: the beam

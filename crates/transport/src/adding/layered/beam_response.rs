@@ -13,6 +13,7 @@ use super::base::{Above, Rising};
 use super::columns::{BaseColumns, Columns};
 use super::diffuse_response::DiffuseResponse;
 use super::directions::{Directions, Ray, extras};
+use super::first_bounce::FirstBounce;
 use super::matrix::Matrix;
 use super::once::{Once, ScatterMode};
 use super::prepare::Group;
@@ -119,6 +120,20 @@ impl BeamResponse {
             // Any order but the first, which also computes diffuse light.
             let kernels = family.follow(1, groups, &above, tolerance, stop);
             family.gather_once(&kernels, &once.way, directions, &mut self.beams, stop);
+        }
+    }
+
+    /// Adds the light that the layers below a rough surface reflect once, of the family added last.
+    pub(super) fn add_first(
+        &mut self,
+        directions: &Directions,
+        groups: &[&Group],
+        first: &FirstBounce,
+        stop: &AtomicBool,
+    ) {
+        if let Some(family) = self.families.last_mut() {
+            let kernels = family.reflect_once(groups, first);
+            family.gather_first(&kernels, first, directions, &mut self.beams, stop);
         }
     }
 
@@ -233,7 +248,8 @@ impl Followed {
             }
             let below = extras_alone.as_ref().unwrap_or(&self.columns[number].below);
             floors.resize_with(beams.len(), || vec![0.0; below.columns()]);
-            let rising = above.rise(*extra, below, tolerance, &mut floors[beam]);
+            let pivots = self.columns[number].pivots.as_ref();
+            let rising = above.rise(*extra, below, pivots, tolerance, &mut floors[beam]);
             if order == 0 && from_views {
                 self.see(beam, (number, group), above, tolerance, Some(&rising));
             }
@@ -260,7 +276,8 @@ impl Followed {
             let new = |rising: &Rising| Arc::new(DiffuseResponse::new(group, columns, above, rising));
             rising.map(new).unwrap_or_else(|| {
                 let mut floor = vec![0.0; columns.below.columns()];
-                new(&above.rise(self.views[view], &columns.below, tolerance, &mut floor))
+                let pivots = columns.pivots.as_ref();
+                new(&above.rise(self.views[view], &columns.below, pivots, tolerance, &mut floor))
             })
         });
         self.seen.groups[number].push(response);
@@ -280,7 +297,7 @@ impl Followed {
     ) {
         let columns = &self.columns[number];
         let others = if from_views { &self.lights } else { &self.views };
-        let scattered = above.scattered_to(rising, others);
+        let scattered = above.scattered_to(rising, others, below);
         for (other, to) in others.iter().enumerate() {
             let (view, light) = if from_views { (beam, other) } else { (other, beam) };
             let pair = (self.views[view], light);
@@ -301,6 +318,58 @@ impl Followed {
                     column.iter_mut().zip(by_base).for_each(|(x, value)| *x = value);
                 }
                 BaseColumns::Lambertian(_) => {}
+            }
+        }
+    }
+
+    /// Returns the light that the layers below a rough surface reflect once, by pair of directions.
+    fn reflect_once(&self, groups: &[&Group], first: &FirstBounce) -> Kernels {
+        let factors = first.factors();
+        let columns = self.columns.iter().map(Columns::len).sum();
+        let mut kernels = Kernels {
+            base: Matrix::zeros(columns, factors.columns()),
+            front: Matrix::zeros(self.bins.iter().map(Vec::len).sum(), factors.columns()),
+        };
+        let mut begin = (0, 0);
+        for (columns, group) in self.columns.iter().zip(groups) {
+            let carried = group.beta.len() - group.extras;
+            let below = Matrix::from_fn(carried, columns.below.columns(), |i, c| columns.below[(i, c)]);
+            let factors = factors.first_rows(carried);
+            let mut seen = Matrix::zeros(below.columns(), factors.columns());
+            seen.add_transposed_product(&below, &factors, 1.0);
+            for (pair, seen) in seen.columns_mut() {
+                let Some((dark, seen)) = seen.split_last() else { continue };
+                kernels.front.column_mut(pair)[begin.1..][..group.bins.len()].fill(*dark);
+                let base = &mut kernels.base.column_mut(pair)[begin.0..];
+                base.iter_mut().zip(seen).for_each(|(base, seen)| *base = seen - dark);
+            }
+            begin = (begin.0 + columns.len(), begin.1 + group.bins.len());
+        }
+        kernels
+    }
+
+    /// Adds the light that the layers below a rough surface reflect once to the light that the views see.
+    fn gather_first(
+        &self,
+        kernels: &Kernels,
+        first: &FirstBounce,
+        directions: &Directions,
+        beams: &mut [Vec<ReflectanceFactor>],
+        stop: &AtomicBool,
+    ) {
+        let places: Vec<usize> =
+            self.columns.iter().flat_map(|columns| columns.place.iter().copied()).collect();
+        let bins: Vec<usize> = self.bins.iter().flatten().copied().collect();
+        for (rays, beams) in directions.views.iter().zip(beams) {
+            for (source, rho) in directions.sources.iter().zip(beams) {
+                for ray in rays.iter().take_while(|_| !stop.load(Ordering::Relaxed)) {
+                    for light in source {
+                        let pair = first.number(ray, light);
+                        let factor = PI * ray.weight * light.weight;
+                        add(&mut rho.via_pixel, &places, kernels.base.column(pair), factor);
+                        add(&mut rho.front, &bins, kernels.front.column(pair), factor);
+                    }
+                }
             }
         }
     }

@@ -1,6 +1,7 @@
 //! The base by state and wavelength, as seen from the layers above its medium.
 
 use super::matrix::Matrix;
+use super::pivots::Pivots;
 use super::prepare::Group;
 use crate::front::Flat;
 use crate::{Layered, Reflector};
@@ -14,6 +15,8 @@ pub(super) struct Columns {
     /// Reflectance of everything below the last scatterer, `[node, column]`: over the base (if it is
     /// specular), then, as the last column, over black.
     pub(super) below: Matrix,
+    /// Columns from which the light of all others is interpolated, if there are many.
+    pub(super) pivots: Option<Pivots>,
     pub(super) inactive: Vec<f64>,
 }
 
@@ -64,7 +67,8 @@ impl Columns {
                 (BaseColumns::Lambertian(base), Matrix::from_fn(group.beta.len(), 1, |i, _| black(i)))
             }
         };
-        Self { place, base, below, inactive }
+        let pivots = Pivots::new(&below, group.node(0));
+        Self { place, base, below, pivots, inactive }
     }
 
     /// Returns the number of columns.

@@ -36,6 +36,11 @@ impl Matrix {
         self.columns
     }
 
+    /// Returns the first rows.
+    pub(super) fn first_rows(&self, rows: usize) -> Self {
+        Self::from_fn(rows, self.columns, |i, j| self[(i, j)])
+    }
+
     /// Returns column number `j`.
     pub(super) fn column(&self, j: usize) -> &[f64] {
         &self.values[j * self.rows..][..self.rows]

@@ -15,8 +15,10 @@
 //! - [`wavelengths`]: those at which a first answer is computed;
 //! - [`azimuth`]: Fourier orders of kernels without a closed series; [`once`]: light that such a kernel
 //!   scatters only once, which needs none;
+//! - [`first_bounce`]: light between two narrow lobes of a rough surface;
 //! - [`prepare`]: the layers down to the last scatterer, order by order; [`base`]: the stack closed below
-//!   it by flat layers and pixel, in [`columns`] by state and wavelength; [`beam_response`]: the light of
+//!   it by flat layers and pixel, in [`columns`] by state and wavelength, most of them interpolated from a few
+//!   [`pivots`]; [`beam_response`]: the light of
 //!   beams that the views then see; [`diffuse_response`]: diffuse light, and the ledger.
 //!
 //! # Discretisation
@@ -40,12 +42,14 @@ mod convergence;
 mod diffuse_response;
 mod directions;
 mod elements;
+mod first_bounce;
 mod grid;
 mod known;
 mod lobes;
 mod matrix;
 mod once;
 mod part;
+mod pivots;
 mod pixels;
 mod precision;
 mod prepare;
