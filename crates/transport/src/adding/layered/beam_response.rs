@@ -5,17 +5,17 @@
 //! sees of a beam from a source (the kernel towards it). So does the beam that enters from the source. Beams
 //! are followed from whichever side has fewer directions.
 
-use std::f64::consts::PI;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use super::base::{Above, Rising};
+use super::base::{Above, Ends, Rising};
 use super::columns::{BaseColumns, Columns};
 use super::diffuse_response::DiffuseResponse;
-use super::directions::{Directions, Ray, extras};
+use super::directions::{Directions, extras};
 use super::first_bounce::FirstBounce;
+use super::gather::{Gathering, Kernels};
 use super::matrix::Matrix;
-use super::once::{Once, ScatterMode};
+use super::once::Once;
 use super::prepare::Group;
 use crate::{Base, Estimate, Layered, Ledger, ReflectanceFactor};
 
@@ -49,19 +49,13 @@ pub(super) struct Followed {
     /// Extra nodes of the views, ascending, and of the lights.
     views: Vec<usize>,
     lights: Vec<usize>,
+    /// Whether the views have ledgers.
+    ledger: bool,
     seen: Seen,
     /// The same of the layers and the base before.
     known: Seen,
     /// Largest densities found so far, `[group][beam][column]`.
     floors: Vec<Vec<Vec<f64>>>,
-}
-
-/// Kernels of one order between views and lights.
-struct Kernels {
-    /// Via the base, `[column of all groups, pair]`.
-    base: Matrix,
-    /// Of light that has not reached the base, `[bin of all groups, pair]`.
-    front: Matrix,
 }
 
 impl BeamResponse {
@@ -101,7 +95,7 @@ impl BeamResponse {
         if let Some(family) = self.families.last_mut() {
             let kernels = family.follow(order, groups, above, tolerance, stop);
             if !stop.load(Ordering::Relaxed) {
-                family.gather(order, &kernels, directions, &mut self.beams);
+                family.gathering(directions, &mut self.beams).add_order(order, &kernels);
             }
         }
     }
@@ -119,7 +113,7 @@ impl BeamResponse {
             let above: Vec<Option<&Above>> = once.above.iter().map(Option::as_ref).collect();
             // Any order but the first, which also computes diffuse light.
             let kernels = family.follow(1, groups, &above, tolerance, stop);
-            family.gather_once(&kernels, &once.way, directions, &mut self.beams, stop);
+            family.gathering(directions, &mut self.beams).add_once(&kernels, &once.way, stop);
         }
     }
 
@@ -133,7 +127,7 @@ impl BeamResponse {
     ) {
         if let Some(family) = self.families.last_mut() {
             let kernels = family.reflect_once(groups, first);
-            family.gather_first(&kernels, first, directions, &mut self.beams, stop);
+            family.gathering(directions, &mut self.beams).add_first(&kernels, first, stop);
         }
     }
 
@@ -175,6 +169,7 @@ impl Followed {
             columns: Columns::new(stack, groups, tolerance),
             views,
             lights: extras(&directions.sources),
+            ledger: directions.ledger,
             seen: Seen { bins: bins.clone(), beta, groups: vec![Vec::new(); groups.len()] },
             known,
             bins,
@@ -228,11 +223,16 @@ impl Followed {
         kernels: &mut Kernels,
         stop: &AtomicBool,
     ) {
-        let from_views = self.views.len() <= self.lights.len();
+        let ends = Ends { views: &self.views, lights: &self.lights };
+        let (from_views, beams) = (ends.from_views(), ends.beams().to_vec());
         // Later orders have no nodes with weight.
         let extras_alone =
             (above.carried() == 0).then(|| self.columns[number].below.rows_from(group.node(0)));
-        if order == 0 && !from_views {
+        if order == 0 && !from_views && !self.ledger {
+            let columns = &self.columns[number];
+            let seen = DiffuseResponse::of_views(group, columns, above, &self.views, tolerance);
+            self.seen.groups[number] = seen.into_iter().map(Arc::new).collect();
+        } else if order == 0 && !from_views {
             for view in 0..self.views.len() {
                 if stop.load(Ordering::Relaxed) {
                     return;
@@ -240,7 +240,6 @@ impl Followed {
                 self.see(view, (number, group), above, tolerance, None);
             }
         }
-        let beams = if from_views { self.views.clone() } else { self.lights.clone() };
         let mut floors = std::mem::take(&mut self.floors[number]);
         for (beam, extra) in beams.iter().enumerate() {
             if stop.load(Ordering::Relaxed) {
@@ -297,7 +296,7 @@ impl Followed {
     ) {
         let columns = &self.columns[number];
         let others = if from_views { &self.lights } else { &self.views };
-        let scattered = above.scattered_to(rising, others, below);
+        let scattered = above.rising_to(rising, others, below);
         for (other, to) in others.iter().enumerate() {
             let (view, light) = if from_views { (beam, other) } else { (other, beam) };
             let pair = (self.views[view], light);
@@ -348,111 +347,19 @@ impl Followed {
         kernels
     }
 
-    /// Adds the light that the layers below a rough surface reflect once to the light that the views see.
-    fn gather_first(
-        &self,
-        kernels: &Kernels,
-        first: &FirstBounce,
-        directions: &Directions,
-        beams: &mut [Vec<ReflectanceFactor>],
-        stop: &AtomicBool,
-    ) {
-        let places: Vec<usize> =
-            self.columns.iter().flat_map(|columns| columns.place.iter().copied()).collect();
-        let bins: Vec<usize> = self.bins.iter().flatten().copied().collect();
-        for (rays, beams) in directions.views.iter().zip(beams) {
-            for (source, rho) in directions.sources.iter().zip(beams) {
-                for ray in rays.iter().take_while(|_| !stop.load(Ordering::Relaxed)) {
-                    for light in source {
-                        let pair = first.number(ray, light);
-                        let factor = PI * ray.weight * light.weight;
-                        add(&mut rho.via_pixel, &places, kernels.base.column(pair), factor);
-                        add(&mut rho.front, &bins, kernels.front.column(pair), factor);
-                    }
-                }
-            }
+    /// Returns where the kernels of its pairs are added.
+    fn gathering<'a>(
+        &'a self,
+        directions: &'a Directions,
+        beams: &'a mut [Vec<ReflectanceFactor>],
+    ) -> Gathering<'a> {
+        Gathering {
+            directions,
+            views: &self.views,
+            lights: &self.lights,
+            places: self.columns.iter().flat_map(|columns| columns.place.iter().copied()).collect(),
+            bins: self.bins.iter().flatten().copied().collect(),
+            beams,
         }
-    }
-
-    /// Adds light scattered once by a scatterer: `kernels` contain the factors for all pairs of directions.
-    fn gather_once(
-        &self,
-        kernels: &Kernels,
-        way: &ScatterMode,
-        directions: &Directions,
-        beams: &mut [Vec<ReflectanceFactor>],
-        stop: &AtomicBool,
-    ) {
-        let places: Vec<usize> =
-            self.columns.iter().flat_map(|columns| columns.place.iter().copied()).collect();
-        let bins: Vec<usize> = self.bins.iter().flatten().copied().collect();
-        let beta = |ray: &Ray| (ray.extra, directions.beta[ray.extra]);
-        for (rays, beams) in directions.views.iter().zip(beams) {
-            for (source, rho) in directions.sources.iter().zip(beams) {
-                for ray in rays.iter().take_while(|_| !stop.load(Ordering::Relaxed)) {
-                    for lights in source.chunk_by(|one, next| one.extra == next.extra) {
-                        let number = self.lights.binary_search(&lights[0].extra).unwrap_or_default();
-                        let pair = self.pair(self.view(ray.extra), number);
-                        let (base, front) = (kernels.base.column(pair), kernels.front.column(pair));
-                        if base.iter().chain(front).all(|factor| *factor == 0.0) {
-                            continue;
-                        }
-                        let sent = |light: &Ray| {
-                            let turn = (!light.is_ring).then_some(ray.turn - light.turn);
-                            light.weight * way.density(beta(ray), beta(light), turn)
-                        };
-                        let factor = PI * ray.weight * lights.iter().map(sent).sum::<f64>();
-                        add(&mut rho.via_pixel, &places, base, factor);
-                        add(&mut rho.front, &bins, front, factor);
-                    }
-                }
-            }
-        }
-    }
-
-    /// Adds the kernels of an order to the light that the views see.
-    fn gather(
-        &self,
-        order: usize,
-        kernels: &Kernels,
-        directions: &Directions,
-        beams: &mut [Vec<ReflectanceFactor>],
-    ) {
-        let places: Vec<usize> =
-            self.columns.iter().flat_map(|columns| columns.place.iter().copied()).collect();
-        let bins: Vec<usize> = self.bins.iter().flatten().copied().collect();
-        let both_ways = if order == 0 { 1.0 } else { 2.0 };
-        for (rays, beams) in directions.views.iter().zip(beams) {
-            for (source, rho) in directions.sources.iter().zip(beams) {
-                for ray in rays {
-                    // Rays of one extra node are consecutive.
-                    for lights in source.chunk_by(|one, next| one.extra == next.extra) {
-                        let number = self.lights.binary_search(&lights[0].extra).unwrap_or_default();
-                        let pair = self.pair(self.view(ray.extra), number);
-                        let turned = |light: &Ray| match light.is_ring {
-                            true => {
-                                if order == 0 {
-                                    light.weight
-                                } else {
-                                    0.0
-                                }
-                            }
-                            false => light.weight * (order as f64 * (ray.turn - light.turn)).cos(),
-                        };
-                        let light: f64 = lights.iter().map(turned).sum();
-                        let factor = PI * ray.weight * light * both_ways;
-                        add(&mut rho.via_pixel, &places, kernels.base.column(pair), factor);
-                        add(&mut rho.front, &bins, kernels.front.column(pair), factor);
-                    }
-                }
-            }
-        }
-    }
-}
-
-/// Adds values times a factor to sums at these indices.
-fn add(sums: &mut [f64], places: &[usize], values: &[f64], factor: f64) {
-    for (at, value) in places.iter().zip(values) {
-        sums[*at] += factor * value;
     }
 }

@@ -32,6 +32,10 @@ impl Matrix {
         Self { rows, columns, values }
     }
 
+    pub(super) fn rows(&self) -> usize {
+        self.rows
+    }
+
     pub(super) fn columns(&self) -> usize {
         self.columns
     }
@@ -134,6 +138,21 @@ impl Matrix {
     pub(super) fn add_transposed_product(&mut self, left: &Self, right: &Self, factor: f64) {
         if right.rows > 0 && !self.values.is_empty() {
             let left = left.view().submatrix(0, 0, right.rows, self.rows).transpose();
+            add(self.view_mut(), left, right.view(), factor);
+        }
+    }
+
+    /// Adds `factor left' right`, with the transpose of some columns of `left`: as many as this matrix has rows, from
+    /// `first` on, and as many of its rows as `right` has.
+    pub(super) fn add_transposed_product_of_columns(
+        &mut self,
+        left: &Self,
+        first: usize,
+        right: &Self,
+        factor: f64,
+    ) {
+        if right.rows > 0 && !self.values.is_empty() {
+            let left = left.view().submatrix(0, first, right.rows, self.rows).transpose();
             add(self.view_mut(), left, right.view(), factor);
         }
     }

@@ -2,7 +2,7 @@
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use super::base::Above;
+use super::base::{Above, Ends};
 use super::beam_response::BeamResponse;
 use super::convergence::{Convergence, Stage};
 use super::directions::{Directions, extras, turned_extras};
@@ -33,7 +33,8 @@ pub(super) struct Group {
     pub(super) orders: Vec<Above>,
     /// Flat layers below it, at the same nodes.
     pub(super) lower: Lower,
-    /// Extra nodes of the sources' rays, ascending.
+    /// Extra nodes of the views' and of the sources' rays, ascending.
+    pub(super) views: Vec<usize>,
     pub(super) lights: Vec<usize>,
     /// Distribution of the light that falls on the display, and of the light that rises: down to the last
     /// scatterer and from below it; over a Lambertian base, to and from the base.
@@ -102,6 +103,11 @@ impl Group {
     /// Returns the index of an extra node among its nodes.
     pub(super) fn node(&self, extra: usize) -> usize {
         self.beta.len() - self.extras + extra
+    }
+
+    /// Returns the extra nodes between which light is computed.
+    pub(super) fn ends(&self) -> Ends<'_> {
+        Ends { views: &self.views, lights: &self.lights }
     }
 
     /// Returns the index of its fractions of light.
@@ -316,7 +322,7 @@ fn prepare(
     let Context { stack, directions, precision, known, stop } = *context;
     let first = family[0][0];
     let index = stack.layers.last().map_or(1.0, |layer| layer.medium.index()[first]);
-    let lights = extras(&directions.sources);
+    let (views, lights) = (extras(&directions.views), extras(&directions.sources));
     // Sources that are the same at all azimuths need only order 0.
     let turned = turned_extras(&directions.sources);
     let turned: Vec<usize> = turned.iter().filter_map(|extra| lights.binary_search(extra).ok()).collect();
@@ -326,8 +332,7 @@ fn prepare(
     let first_apart = rough_surface(stack).is_some();
     // Light that a Lambertian base returns has no azimuth.
     let again = || !lambertian || family.iter().any(|bins| scatters_again(stack, bins[0], &grid));
-    let beyond_first = (!turned.is_empty() && again())
-        .then(|| [farthest(&extras(&directions.views)), farthest(&turned_extras)]);
+    let beyond_first = (!turned.is_empty() && again()).then(|| [farthest(&views), farthest(&turned_extras)]);
     let mut scatterers = Scatterers::default();
     let mut growing: Vec<Growing<'_>> = family
         .into_iter()
@@ -344,11 +349,21 @@ fn prepare(
                 beta: kept.iter().map(|&i| grid.beta[i]).collect(),
                 orders: Vec::new(),
                 lower: Lower::new(&elements.lower(&grid), &kept),
+                views: views.clone(),
                 lights: lights.clone(),
                 shares: Shares::default(),
             };
-            let convergence = Convergence::new(extras(&directions.views), turned.clone());
-            Growing { group, elements, convergence, stage: Stage::All, lambertian, first_apart, flat: None }
+            let convergence = Convergence::new(views.clone(), turned.clone());
+            Growing {
+                group,
+                elements,
+                convergence,
+                stage: Stage::All,
+                lambertian,
+                first_apart,
+                ledger: directions.ledger,
+                flat: None,
+            }
         })
         .collect();
     for order in 0.. {
@@ -397,6 +412,8 @@ struct Growing<'a> {
     convergence: Convergence,
     stage: Stage,
     lambertian: bool,
+    /// Whether the views have ledgers.
+    ledger: bool,
     first_apart: bool,
     /// The layers above the last scatterer, if they are flat: the same in all orders.
     flat: Option<Part>,
@@ -419,11 +436,23 @@ impl Growing<'_> {
         grid: &Grid,
         carried: usize,
     ) -> Above {
+        let ends = self.group.ends();
         match self.elements.single(upper, scattered, grid) {
-            Some(single) => Above::of_single(&single, &self.group.lights, carried, grid),
+            Some(single) => {
+                // The ledger of a view is that of the beam that enters there, which has only order 0.
+                let mut entering = ends.beams().to_vec();
+                if self.first_apart {
+                    entering = (0..self.group.extras).collect();
+                } else if order == 0 && self.ledger {
+                    entering.extend_from_slice(ends.views);
+                    entering.sort_unstable();
+                    entering.dedup();
+                }
+                Above::of_single(&single, ends, entering, carried, grid)
+            }
             None => {
                 let last = self.elements.last(scattered, order, grid);
-                Above::new(upper, &last, &self.group.lights, carried)
+                Above::new(upper, &last, ends, carried)
             }
         }
     }
