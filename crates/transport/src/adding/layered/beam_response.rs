@@ -90,7 +90,7 @@ impl BeamResponse {
     ) {
         if order == 0 {
             let known = self.known.get_mut(self.families.len()).map(std::mem::take).unwrap_or_default();
-            self.families.push(Followed::new(stack, directions, groups, known));
+            self.families.push(Followed::new(stack, directions, groups, known, tolerance));
         }
         if let Some(family) = self.families.last_mut() {
             let kernels = family.follow(order, groups, above, tolerance, stop);
@@ -160,13 +160,13 @@ impl BeamResponse {
 }
 
 impl Followed {
-    fn new(stack: &Layered, directions: &Directions, groups: &[&Group], known: Seen) -> Self {
+    fn new(stack: &Layered, directions: &Directions, groups: &[&Group], known: Seen, tolerance: f64) -> Self {
         let views = extras(&directions.views);
         let beta = views.iter().map(|extra| directions.beta[*extra]).collect();
         let bins: Vec<Vec<usize>> = groups.iter().map(|group| group.bins.clone()).collect();
         let known = if known.bins == bins { known } else { Seen::default() };
         Self {
-            columns: Columns::new(stack, groups),
+            columns: Columns::new(stack, groups, tolerance),
             views,
             lights: extras(&directions.sources),
             ledger: directions.ledger,

@@ -65,8 +65,7 @@ impl FirstBounce {
         }
         pairs.sort_unstable();
         pairs.dedup();
-        let interpolation = grid.interpolation();
-        let lobes = Lobes { face, digits, interpolation: &interpolation };
+        let lobes = Lobes::new(face, digits, grid);
         let mut factors = Matrix::zeros(grid.regular, pairs.len());
         for ((_, column), &(view, light, turn)) in factors.columns_mut().zip(&pairs) {
             if stop.load(Ordering::Relaxed) {
@@ -105,7 +104,9 @@ fn pair(view: &Ray, light: &Ray) -> Pair {
 struct Lobes<'a> {
     face: &'a Rough,
     digits: f64,
-    interpolation: &'a Interpolation,
+    interpolation: Interpolation,
+    /// `|beta|` of each node with weight, and the fraction of its light from below that crosses after several microfacets.
+    nodes: Vec<(f64, f64)>,
 }
 
 /// Light that the surface refracts between a direction above and any below.
@@ -130,20 +131,24 @@ impl<'a> Refracted<'a> {
     }
 }
 
-impl Lobes<'_> {
-    /// Returns the fraction of light from this `|beta|` below that crosses after several microfacets.
-    fn several(&self, below: f64) -> f64 {
-        self.face.several(Side::Below, below)[1]
+impl<'a> Lobes<'a> {
+    fn new(face: &'a Rough, digits: f64, grid: &Grid) -> Self {
+        let node = |beta: &f64| (*beta, face.several(Side::Below, *beta)[1]);
+        let nodes = grid.beta[..grid.regular].iter().map(node).collect();
+        Self { face, digits, interpolation: grid.interpolation(), nodes }
     }
 
-    /// Adds the integral for two directions above to the factors of the nodes.
+    /// Adds the integral for two directions above to the factors of the nodes. What depends on |b| alone, shadowing and
+    /// the light of several microfacets, is taken at the nodes, as the reflectance is: of each lobe `k g + c t`, only the
+    /// light k of one microfacet is evaluated in all directions.
     fn between(&self, ends: [Beta; 2], factors: &mut [f64]) {
         let inside = self.face.index(Side::Below);
         // Beyond this, microfacets would have to be steeper than vertical.
         let edge = |end: Beta| (end.squared() + inside * inside - 1.0).sqrt();
         let radius = edge(ends[0]).min(edge(ends[1])).min(inside);
         let widths = ends.map(|end| refraction_width(self.face, end.length()));
-        let lobes = ends.map(|end| Refracted::new(self.face, end));
+        // Of the products of the light of one microfacet in both lobes, of the second, of the first, of ones.
+        let mut sums: [Vec<f64>; 4] = std::array::from_fn(|_| vec![0.0; self.nodes.len()]);
         let spokes = (self.digits / DIGITS_OF_AN_AZIMUTH).ceil() as usize;
         let apart = (ends[1] - ends[0]).length();
         for (near, far) in [(0, 1), (1, 0)] {
@@ -168,12 +173,21 @@ impl Lobes<'_> {
                     let size = |k: usize| ((b - ends[k]).squared() + widths[k] * widths[k]).powi(2);
                     let part = size(far) / (size(near) + size(far));
                     let area = r * width * node.x.cosh() * node.weight * TAU / spokes as f64;
-                    let length = b.length();
-                    let several = self.several(length);
-                    let value = lobes[0].towards(b, several) * lobes[1].towards(b, several);
-                    self.interpolation.add(length, area * part * value, factors);
+                    let [one, other] = ends.map(|end| self.face.refracted(end, b));
+                    let (some, weights) = self.interpolation.factors(b.length());
+                    for (sum, value) in sums.iter_mut().zip([one * other, other, one, 1.0]) {
+                        let value = area * part * value;
+                        sum[some.clone()].iter_mut().zip(weights).for_each(|(sum, w)| *sum += value * w);
+                    }
                 }
             }
+        }
+        let several = ends.map(|end| Refracted::new(self.face, end).several);
+        for (i, (factor, (beta, t))) in factors.iter_mut().zip(&self.nodes).enumerate() {
+            let [g, h] = ends.map(|end| self.face.visible_across(end.length(), *beta));
+            let [c, d] = several.map(|several| several * t);
+            let [both, second, first, ones] = sums.each_ref().map(|sum| sum[i]);
+            *factor += g * h * both + c * h * second + d * g * first + c * d * ones;
         }
     }
 
@@ -184,7 +198,7 @@ impl Lobes<'_> {
         let poles = ends.map(|end| Pole { at: end, off: refraction_width(self.face, end) });
         let radius = edges[0].min(edges[1]).min(inside);
         for node in radial(radius, &[1.0], &poles, self.digits) {
-            let several = self.several(node.x);
+            let several = self.face.several(Side::Below, node.x)[1];
             let mean = |end: f64| {
                 let width = refraction_width(self.face, end) / (end * node.x).sqrt().max(1e-9);
                 let mut mean = [0.0];

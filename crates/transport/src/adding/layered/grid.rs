@@ -141,27 +141,32 @@ struct Range {
 }
 
 impl Interpolation {
-    /// Adds `weight` times the factor of each node's value at this `|beta|` to `sum`; returns the nodes that have one.
-    pub(super) fn add(&self, beta: f64, weight: f64, sum: &mut [f64]) -> std::ops::Range<usize> {
-        let Some(range) = self.0.iter().find(|range| beta < range.to) else { return 0..0 };
+    /// Returns the nodes between which a value at this `|beta|` is interpolated, and the factor of each.
+    pub(super) fn factors(&self, beta: f64) -> (std::ops::Range<usize>, [f64; NEAREST]) {
+        let mut factors = [0.0; NEAREST];
+        let Some(range) = self.0.iter().find(|range| beta < range.to) else { return (0..0, factors) };
         let [low, high] = [range.from, range.to].map(|end| end * end);
         let share = ((beta * beta - low) / (high - low)).clamp(0.0, 1.0);
         let x = share.sqrt().asin() * 4.0 / PI - 1.0;
         let begin = range.window(x);
         let window = &range.windows[begin];
         let some = range.first + begin..range.first + begin + window.len();
-        let sum = &mut sum[some.clone()];
         let nodes = &range.nodes[begin..][..window.len()];
         if let Some(k) = nodes.iter().position(|node| *node == x) {
-            sum[k] += weight;
-            return some;
+            factors[k] = 1.0;
+            return (some, factors);
         }
-        let mut terms = [0.0; NEAREST];
-        for ((term, node), factor) in terms.iter_mut().zip(nodes).zip(window) {
-            *term = factor / (x - node);
+        for ((factor, node), weight) in factors.iter_mut().zip(nodes).zip(window) {
+            *factor = weight / (x - node);
         }
-        let weight = weight / terms.iter().sum::<f64>();
-        sum.iter_mut().zip(terms).for_each(|(sum, term)| *sum += weight * term);
+        let sum: f64 = factors.iter().sum();
+        (some, factors.map(|factor| factor / sum))
+    }
+
+    /// Adds `weight` times the factor of each node's value at this `|beta|` to `sum`; returns the nodes that have one.
+    pub(super) fn add(&self, beta: f64, weight: f64, sum: &mut [f64]) -> std::ops::Range<usize> {
+        let (some, factors) = self.factors(beta);
+        sum[some.clone()].iter_mut().zip(factors).for_each(|(sum, factor)| *sum += weight * factor);
         some
     }
 }
