@@ -4,7 +4,7 @@ use super::matrix::Matrix;
 use super::pivots::Pivots;
 use super::prepare::Group;
 use crate::front::Flat;
-use crate::{Layered, Reflector};
+use crate::{Interface, Layered, Reflector};
 
 /// Remainder of columns that are not pivots, over the tolerance of the light: it decreases from level to level, so that the
 /// difference of two levels shows its effect.
@@ -71,7 +71,9 @@ impl Columns {
                 (BaseColumns::Lambertian(base), Matrix::from_fn(group.beta.len(), 1, |i, _| black(i)))
             }
         };
-        let pivots = Pivots::new(&below, group.node(0), REMAINDER * tolerance);
+        // Light of other scatterers costs little more in all columns, and derivatives of designs would show the interpolation.
+        let is_rough = stack.layers.iter().any(|layer| matches!(layer.interface, Interface::Rough(_)));
+        let pivots = if is_rough { Pivots::new(&below, group.node(0), REMAINDER * tolerance) } else { None };
         Self { place, base, below, pivots, inactive }
     }
 

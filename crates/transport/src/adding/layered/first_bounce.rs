@@ -183,6 +183,9 @@ impl<'a> Lobes<'a> {
             }
         }
         let several = ends.map(|end| Refracted::new(self.face, end).several);
+        if several.iter().any(|several| *several > 0.0) {
+            self.beyond(radius, ends.map(|end| (end.length(), edge(end))), &mut sums);
+        }
         for (i, (factor, (beta, t))) in factors.iter_mut().zip(&self.nodes).enumerate() {
             let [g, h] = ends.map(|end| self.face.visible_across(end.length(), *beta));
             let [c, d] = several.map(|several| several * t);
@@ -191,19 +194,50 @@ impl<'a> Lobes<'a> {
         }
     }
 
+    /// Adds the light beyond the radius that one microfacet reaches from both ends: that of several microfacets is there,
+    /// and that of one from the end with the larger edge. Neither has a peak there: its azimuths are averaged.
+    fn beyond(&self, radius: f64, ends: [(f64, f64); 2], sums: &mut [Vec<f64>; 4]) {
+        let inside = self.face.index(Side::Below);
+        let poles = ends.map(|(end, _)| Pole { at: end, off: refraction_width(self.face, end) });
+        let breaks = [1.0, ends[0].1, ends[1].1];
+        for node in radial(inside, &breaks, &poles, self.digits).into_iter().filter(|node| node.x > radius) {
+            let mean =
+                |(end, edge): (f64, f64)| if node.x < edge { self.mean_refracted(end, node.x) } else { 0.0 };
+            let [one, other] = ends.map(mean);
+            let (some, weights) = self.interpolation.factors(node.x);
+            for (sum, value) in sums.iter_mut().zip([0.0, other, one, 1.0]) {
+                let value = node.weight * value;
+                sum[some.clone()].iter_mut().zip(weights).for_each(|(sum, w)| *sum += value * w);
+            }
+        }
+    }
+
+    /// Returns the mean over azimuth of the light of one microfacet, between these |beta| above and below.
+    fn mean_refracted(&self, above: f64, below: f64) -> f64 {
+        let mut mean = [0.0];
+        azimuth::graded(self.width_over_azimuth(above, below), &mut mean, |turn| {
+            let (sin, cos) = turn.sin_cos();
+            self.face.refracted(Beta { x: above, y: 0.0 }, Beta { x: below * cos, y: below * sin })
+        });
+        mean[0]
+    }
+
+    /// Returns the width over azimuth of the lobe around a direction above, on a circle below, radians.
+    fn width_over_azimuth(&self, above: f64, below: f64) -> f64 {
+        (refraction_width(self.face, above) / (above * below).sqrt().max(1e-9)).clamp(1e-9, 0.4)
+    }
+
     /// Adds the mean of the integral over all azimuths between them: the integral of the product of both means.
     fn mean(&self, ends: [f64; 2], factors: &mut [f64]) {
         let inside = self.face.index(Side::Below);
         let edges = ends.map(|end| (end * end + inside * inside - 1.0).sqrt());
         let poles = ends.map(|end| Pole { at: end, off: refraction_width(self.face, end) });
-        let radius = edges[0].min(edges[1]).min(inside);
-        for node in radial(radius, &[1.0], &poles, self.digits) {
+        for node in radial(inside, &[1.0, edges[0], edges[1]], &poles, self.digits) {
             let several = self.face.several(Side::Below, node.x)[1];
             let mean = |end: f64| {
-                let width = refraction_width(self.face, end) / (end * node.x).sqrt().max(1e-9);
                 let mut mean = [0.0];
                 let lobe = Refracted::new(self.face, Beta { x: end, y: 0.0 });
-                azimuth::graded(width.clamp(1e-9, 0.4), &mut mean, |turn| {
+                azimuth::graded(self.width_over_azimuth(end, node.x), &mut mean, |turn| {
                     let (sin, cos) = turn.sin_cos();
                     lobe.towards(Beta { x: node.x * cos, y: node.x * sin }, several)
                 });

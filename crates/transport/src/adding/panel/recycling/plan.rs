@@ -74,6 +74,9 @@ impl Extrapolation {
     /// next one has one exact order more.
     fn at(digits: f64, is_next_exact: bool) -> Self {
         match ((digits - DIGITS_OF_SECOND_LEVEL) / DIGITS_A_LEVEL).round() as i32 {
+            // The two levels of a first answer.
+            ..0 if digits < DIGITS_OF_FIRST_ANSWERS[0] => Self::None,
+            ..0 if digits < DIGITS_OF_FIRST_ANSWERS[1] => Self::Constant,
             ..0 if is_next_exact => Self::None,
             ..0 => Self::Constant,
             level if level % 2 == 0 => Self::Geometric,
@@ -155,7 +158,9 @@ impl Plan {
             let weaker = f64::from(order - 2) * self.weakening;
             let digits =
                 (self.digits - self.weakening - DIGITS_LESS_OF_CORRECTION).min(0.7 * self.digits - 3.5);
-            let digits = (digits - weaker).max(LEAST_DIGITS);
+            // The two levels of a first answer differ here, too: otherwise they agree on the same error.
+            let least = (SHARE_OF_EXACT * self.digits).min(MOST_OF_LEAST);
+            let digits = (digits.max(least) - weaker).max(LEAST_DIGITS);
             let terms = match table {
                 Nodes::Constant => 1,
                 Nodes::Cosines(_) | Nodes::CosinePanels(_) => {
@@ -287,6 +292,8 @@ const WEAK: f64 = 4.0;
 const DIGITS_WITHOUT_GRID: f64 = 12.0;
 /// Natural digits of the second level.
 const DIGITS_OF_SECOND_LEVEL: f64 = 15.0;
+/// Natural digits below which levels are the first, or the second, of a first answer.
+const DIGITS_OF_FIRST_ANSWERS: [f64; 2] = [7.8, 10.25];
 /// Natural digits of each further level.
 const DIGITS_A_LEVEL: f64 = 3.5;
 /// Natural digits that the correction needs less than the light that it corrects, at the second level; half of
@@ -302,6 +309,10 @@ const DIGITS_OF_TWO: f64 = 8.0;
 const DIGITS_WITHOUT_THREE: f64 = 13.0;
 /// Largest number of orders under a narrow lobe; the rest is a geometric series.
 const MOST_ORDERS: f64 = 24.0;
+
+/// Natural digits of the exact passes, as a fraction of all, at the levels of a first answer; finer levels have more.
+const SHARE_OF_EXACT: f64 = 0.5;
+const MOST_OF_LEAST: f64 = 4.5;
 
 /// Smallest number of natural digits of recycled light.
 const LEAST_DIGITS: f64 = 3.0;
