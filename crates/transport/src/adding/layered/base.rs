@@ -59,13 +59,13 @@ pub(super) struct Ends<'a> {
 
 impl<'a> Ends<'a> {
     /// Returns whether beams are followed from the views: from whichever side has fewer directions.
-    pub(super) fn from_views(self) -> bool {
+    pub(super) fn is_from_views(self) -> bool {
         self.views.len() <= self.lights.len()
     }
 
     /// Returns the extra nodes from which beams are followed.
     pub(super) fn beams(self) -> &'a [usize] {
-        if self.from_views() { self.views } else { self.lights }
+        if self.is_from_views() { self.views } else { self.lights }
     }
 }
 
@@ -206,7 +206,7 @@ impl Above {
         let [below_extras, enters] = chain.entering(&entering);
         let place = |extra: usize| entering.binary_search(&extra).unwrap_or_default();
         // Its reflection of light from below is reciprocal.
-        let below_light = |extra: usize, light: usize| match ends.from_views() {
+        let below_light = |extra: usize, light: usize| match ends.is_from_views() {
             true => ends.views.binary_search(&extra).map_or(0.0, |_| enters[(lights[light], place(extra))]),
             false => enters[(extra, place(lights[light]))],
         };

@@ -224,15 +224,15 @@ impl Followed {
         stop: &AtomicBool,
     ) {
         let ends = Ends { views: &self.views, lights: &self.lights };
-        let (from_views, beams) = (ends.from_views(), ends.beams().to_vec());
+        let (is_from_views, beams) = (ends.is_from_views(), ends.beams().to_vec());
         // Later orders have no nodes with weight.
         let extras_alone =
             (above.carried() == 0).then(|| self.columns[number].below.rows_from(group.node(0)));
-        if order == 0 && !from_views && !self.ledger {
+        if order == 0 && !is_from_views && !self.ledger {
             let columns = &self.columns[number];
             let seen = DiffuseResponse::of_views(group, columns, above, &self.views, tolerance);
             self.seen.groups[number] = seen.into_iter().map(Arc::new).collect();
-        } else if order == 0 && !from_views {
+        } else if order == 0 && !is_from_views {
             for view in 0..self.views.len() {
                 if stop.load(Ordering::Relaxed) {
                     return;
@@ -249,11 +249,19 @@ impl Followed {
             floors.resize_with(beams.len(), || vec![0.0; below.columns()]);
             let pivots = self.columns[number].pivots.as_ref();
             let rising = above.rise(*extra, below, pivots, tolerance, &mut floors[beam]);
-            if order == 0 && from_views {
+            if order == 0 && is_from_views {
                 self.see(beam, (number, group), above, tolerance, Some(&rising));
             }
             let below = extras_alone.as_ref().unwrap_or(&self.columns[number].below);
-            self.pass_on(order, (number, group), (above, below), (from_views, beam), &rising, first, kernels);
+            self.pass_on(
+                order,
+                (number, group),
+                (above, below),
+                (is_from_views, beam),
+                &rising,
+                first,
+                kernels,
+            );
         }
         self.floors[number] = floors;
     }
@@ -289,16 +297,16 @@ impl Followed {
         order: usize,
         (number, group): (usize, &Group),
         (above, below): (&Above, &Matrix),
-        (from_views, beam): (bool, usize),
+        (is_from_views, beam): (bool, usize),
         rising: &Rising,
         first: (usize, usize),
         kernels: &mut Kernels,
     ) {
         let columns = &self.columns[number];
-        let others = if from_views { &self.lights } else { &self.views };
+        let others = if is_from_views { &self.lights } else { &self.views };
         let scattered = above.rising_to(rising, others, below);
         for (other, to) in others.iter().enumerate() {
-            let (view, light) = if from_views { (beam, other) } else { (other, beam) };
+            let (view, light) = if is_from_views { (beam, other) } else { (other, beam) };
             let pair = (self.views[view], light);
             let sums = scattered.each_ref().map(|sums| sums.column(other));
             let mut kernel = above.leaves(rising, sums, pair, *to, below);
