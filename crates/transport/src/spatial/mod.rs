@@ -6,6 +6,7 @@
 //! mm, replaces D by the phase `exp(-2 pi i f.D)`.
 //!
 //! - [`FaceReturn`]: light that a flat face returns to a Lambertian plane below it.
+//! - [`Spread`]: what a lobe over a mirror-like pixel shows of its places, to first order.
 //! - [`Recycling`]: a pattern of reflectances in this light, through all orders.
 //! - [`closed`]: closed forms of lobes and plates, the second road to both.
 //!
@@ -15,9 +16,11 @@ mod bessel;
 pub mod closed;
 mod face;
 mod recycling;
+mod spread;
 
 pub use face::FaceReturn;
 pub use recycling::{Cells, Recycling};
+pub use spread::{Accuracy, Gap, Light, Sample, Spread};
 
 use papilio_optics::Beta;
 
