@@ -11,8 +11,9 @@ use serde::Deserialize;
 /// Maximum number of prepared displays: two designs that are compared, and some more.
 const MAX_DISPLAYS: usize = 6;
 
-/// Maximum number of displays with general layers, whose matrices take up to 256 MB at each of two levels.
-const MAX_LARGE: usize = 2;
+/// Maximum number of displays with general layers, whose matrices take up to 256 MB at each of two levels: two designs, with
+/// one view and with all.
+const MAX_LARGE: usize = 4;
 
 /// If the whole process uses more memory than this, in bytes, only the display that was used last is stored.
 /// A new server takes about 50 MB; a display with general layers may take 256 MB at each of two levels.

@@ -410,6 +410,22 @@ pub struct Viewer {
     pub distance_mm: f64,
 }
 
+impl Viewer {
+    /// Returns inclination and azimuth of each view, degrees, in the order of the views of a result.
+    pub fn directions(&self) -> impl Iterator<Item = (f64, f64)> {
+        self.phi_deg.iter().flat_map(|phi| self.theta_deg.iter().map(move |theta| (*theta, *phi)))
+    }
+
+    /// Returns the same viewer with a single view; with the last one if there are not so many.
+    pub fn with_view(&self, number: usize) -> Self {
+        let (theta_deg, phi_deg) = match self.directions().nth(number).or_else(|| self.directions().last()) {
+            Some((theta, phi)) => (vec![theta], vec![phi]),
+            None => Default::default(),
+        };
+        Self { theta_deg, phi_deg, ..*self }
+    }
+}
+
 /// Solver and accuracy.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Solver {

@@ -352,9 +352,7 @@ fn sources(scene: &Scene, index: f64) -> Result<Vec<Source>, DisplayError> {
 }
 
 fn views(scene: &Scene, index: f64) -> Result<Vec<ViewPoint>, DisplayError> {
-    let viewer = &scene.viewer;
-    let angles = viewer.phi_deg.iter().flat_map(|phi| viewer.theta_deg.iter().map(|theta| (*theta, *phi)));
-    angles.map(|(theta_deg, phi_deg)| view(scene, index, theta_deg, phi_deg)).collect()
+    scene.viewer.directions().map(|(theta_deg, phi_deg)| view(scene, index, theta_deg, phi_deg)).collect()
 }
 
 fn view(scene: &Scene, index: f64, theta_deg: f64, phi_deg: f64) -> Result<ViewPoint, DisplayError> {

@@ -50,4 +50,4 @@ mod simd;
 pub use direction::{Beta, sine_of_inclination};
 pub use error::OpticsError;
 pub use scatterer::{Sample, Scatterer};
-pub use simd::with_widest_simd;
+pub use simd::{clear_wide_registers, with_widest_simd};

@@ -55,7 +55,7 @@ use std::sync::{Arc, OnceLock};
 
 use deficit::Rule;
 use microfacets::Microfacets;
-use multiple_scattering::{Deficits, ORDER};
+use multiple_scattering::{Deficits, FINENESS};
 pub use on_side::OnSide;
 pub use shadowing::Distribution;
 
@@ -94,13 +94,15 @@ impl Side {
 #[derive(Debug, Clone)]
 pub struct Rough {
     facets: Microfacets,
-    /// Tabulated when they are first needed, once for all clones; they follow from the microfacets.
-    deficits: Arc<OnceLock<Deficits>>,
+    /// How coarse the tables of this clone are: a place in [`FINENESS`].
+    coarseness: usize,
+    /// Tabulated when they are first needed, once for all clones of each coarseness; they follow from the microfacets.
+    deficits: Arc<[OnceLock<Deficits>; FINENESS.len()]>,
 }
 
 impl PartialEq for Rough {
     fn eq(&self, other: &Self) -> bool {
-        self.facets == other.facets
+        self.facets == other.facets && self.coarseness == other.coarseness
     }
 }
 
@@ -116,11 +118,20 @@ impl Rough {
 
     /// Returns an interface with this distribution of slopes.
     pub fn with(distribution: Distribution, alpha: f64, above: f64, below: f64) -> Self {
-        Self { facets: Microfacets { distribution, alpha, above, below }, deficits: Arc::default() }
+        let facets = Microfacets { distribution, alpha, above, below };
+        Self { facets, coarseness: 0, deficits: Arc::default() }
+    }
+
+    /// Returns the same interface with coarser tables of the light that meets several microfacets, for first answers: in
+    /// error by up to 0.002 of the incident light with coarseness 1, 0.005 with coarseness 2. They take about a tenth of the
+    /// time.
+    #[must_use]
+    pub fn coarser(&self, coarseness: usize) -> Self {
+        Self { coarseness: coarseness.min(FINENESS.len() - 1), ..self.clone() }
     }
 
     fn deficits(&self) -> &Deficits {
-        self.deficits.get_or_init(|| Deficits::new(&self.facets))
+        self.deficits[self.coarseness].get_or_init(|| Deficits::new(&self.facets, &FINENESS[self.coarseness]))
     }
 
     /// Returns the distribution of its slopes.
@@ -179,9 +190,11 @@ impl Rough {
     /// Returns the fractions of light that return to their side, after any number of microfacets; the rest
     /// crosses the interface. One fraction for each |beta|; 0 where this is not below the index of the side.
     ///
-    /// By the Gauss rule of this order, 12 or more: with 12 the error is about 1e-5.
+    /// By the Gauss rule of this order, 12 or more: with 12 the error is about 1e-5. [Coarser](Self::coarser) interfaces
+    /// have an order of their own.
     pub fn returned(&self, side: Side, beta_lengths: &[f64], order: usize) -> Vec<f64> {
-        let rule = Rule::new(order.max(ORDER));
+        let least = FINENESS[self.coarseness].order;
+        let rule = Rule::new(if self.coarseness == 0 { order.max(least) } else { least });
         let one = |length: &f64| {
             let cosine = self.cosine(side, Beta { x: *length, y: 0.0 });
             cosine.map_or(0.0, |cosine| {

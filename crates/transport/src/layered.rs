@@ -41,7 +41,7 @@ impl Layered {
 }
 
 /// An interface and the medium below it.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Layer {
     /// Between the medium above (air over the first layer) and `medium`.
     pub interface: Interface,

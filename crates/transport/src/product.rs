@@ -3,6 +3,7 @@
 
 use faer::linalg::matmul::matmul;
 use faer::{Accum, MatMut, MatRef, Par};
+use papilio_optics::clear_wide_registers;
 
 /// `out += left right`; shapes `[row][inner]`, `[inner][column]`, `[row][column]`.
 pub(crate) fn add_product(left: &[f64], right: &[f64], inner: usize, out: &mut [f64]) {
@@ -26,6 +27,7 @@ fn multiply(left: MatRef<'_, f64>, right: &[f64], out: &mut [f64]) {
     let right = MatRef::from_row_major_slice(right, inner, columns);
     let out = MatMut::from_row_major_slice_mut(out, rows, columns);
     matmul(out, Accum::Add, left, right, 1.0, Par::Seq);
+    clear_wide_registers();
 }
 
 #[cfg(test)]

@@ -85,7 +85,7 @@ const MAX_NODES: usize = 150;
 fn adding(member: &Member, walk: &[(f64, f64)]) -> Vec<(f64, f64)> {
     let mut before: Option<Vec<f64>> = None;
     let mut found = Vec::new();
-    let bound = error_over_difference(&member.stack);
+    let bound = error_over_difference(&member.stack, &member.sources);
     for level in 0..=FINEST {
         if level > 1 && nodes_needed(&member.stack, level) > MAX_NODES {
             break;

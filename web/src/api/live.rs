@@ -32,6 +32,10 @@ pub(super) struct Live {
     /// `exact` answers meet the target of the scenario; `first` answers are coarse and fast, with their error.
     #[serde(default)]
     accuracy: Accuracy,
+    /// Number of the only view that is computed, from 0 (the last one if there are not so many); null: all views. A
+    /// single view takes a fraction of the time of many.
+    #[serde(default)]
+    view: Option<usize>,
 }
 
 /// The result of a scenario.
@@ -42,8 +46,13 @@ pub(super) struct Seen {
     /// The scenario as it was read, with all defaults.
     #[schemars(with = "BTreeMap<String, Value>")]
     fields: Box<serde_json::value::RawValue>,
-    /// The contents of result.json; if `is_final`, as `papilio run --solver adding` writes it.
+    /// The contents of result.json; if `is_final` and if all views are computed, as `papilio run --solver adding`
+    /// writes it.
     result: Answer,
+    /// The directions of all views of the scenario.
+    views: Vec<Direction>,
+    /// The number of the view that `result` contains; null: all of them.
+    view: Option<usize>,
     /// Whether this is the exact answer.
     is_final: bool,
     /// The largest relative error of Y over states and views.
@@ -56,6 +65,15 @@ pub(super) struct Seen {
     warnings: Vec<String>,
     /// Time for reading and computing, ms.
     cost_ms: f64,
+}
+
+/// The direction of a view.
+#[derive(Debug, Serialize, JsonSchema)]
+struct Direction {
+    /// Inclination, degrees.
+    theta_deg: f64,
+    /// Azimuth, degrees.
+    phi_deg: f64,
 }
 
 /// The preset of a scenario.
@@ -140,7 +158,14 @@ fn compute(site: &Site, live: Live, stop: &AtomicBool) -> Result<Seen, Fault> {
     let scenario = edited(live.scenario, &live.edits)?;
     let given = Given { scenario, files: live.files };
     let about = |fault: Fault| fault.about(&given.scenario);
-    let (read, resolved) = given.resolve(site, Solver::Adding).map_err(about)?;
+    let (read, mut resolved) = given.resolve(site, Solver::Adding).map_err(about)?;
+    let viewer = &resolved.scene.viewer;
+    let views: Vec<Direction> =
+        viewer.directions().map(|(theta_deg, phi_deg)| Direction { theta_deg, phi_deg }).collect();
+    let view = live.view.filter(|_| views.len() > 1).map(|number| number.min(views.len() - 1));
+    if let Some(number) = view {
+        resolved.scene.viewer = viewer.with_view(number);
+    }
     let fields = serde_json::value::to_raw_value(&read.filled());
     let fields = fields.map_err(|_| Fault::internal("the scenario cannot be serialised"))?;
     let preset = read.preset().map(|one| PresetSeen { name: one.name, changed: one.is_changed });
@@ -151,5 +176,17 @@ fn compute(site: &Site, live: Live, stop: &AtomicBool) -> Result<Seen, Fault> {
     let solver = &result.result.solver;
     let (is_final, relative_error) = (solver.is_final, solver.relative_error_reached);
     let scenario = given.scenario;
-    Ok(Seen { scenario, fields, result, is_final, relative_error, preset, lobes, warnings, cost_ms })
+    Ok(Seen {
+        scenario,
+        fields,
+        result,
+        views,
+        view,
+        is_final,
+        relative_error,
+        preset,
+        lobes,
+        warnings,
+        cost_ms,
+    })
 }

@@ -65,6 +65,31 @@ fn first_answer_is_within_its_error_of_the_exact_one() {
     assert!(message.contains("exact"), "{message}");
 }
 
+/// One view alone has the same result as among all views, and the directions of all of them are listed.
+#[test]
+fn answer_of_one_view_is_that_among_all_views() {
+    let server = Server::start();
+    let scenario = indoor(&server);
+    let edits = json!([{ "op": "set", "path": "viewer.theta_deg", "value": [0, 8, 30] }]);
+    let live = |view: Value| {
+        let given = json!({ "scenario": scenario, "edits": edits, "accuracy": "exact", "view": view });
+        let answer = server.post("/live", &given);
+        assert_eq!(answer.status, 200, "{answer:?}");
+        answer.json()
+    };
+    let [all, second, last] = [Value::Null, json!(1), json!(99)].map(live);
+    let views = |seen: &Value| seen["result"]["views"].as_array().unwrap().clone();
+    assert_eq!((views(&all).len(), views(&second).len(), &all["view"]), (3, 1, &Value::Null));
+    assert_eq!((&second["view"], &last["view"], &second["views"]), (&json!(1), &json!(2), &all["views"]));
+    assert_eq!(second["views"][2], json!({ "theta_deg": 30.0, "phi_deg": 0.0 }));
+    assert_eq!((&second["result"]["hash"], &second["fields"]), (&all["result"]["hash"], &all["fields"]));
+    for (alone, number) in [(&second, 1), (&last, 2)] {
+        let y = |view: &Value| view["states"]["white"]["Y"].as_f64().unwrap();
+        let away = y(&views(alone)[0]) / y(&views(&all)[number]) - 1.0;
+        assert!(away.abs() <= alone["relative_error"].as_f64().unwrap(), "{away}");
+    }
+}
+
 /// Every example and every preset has a live result.
 #[test]
 fn every_example_and_preset_computes() {
@@ -290,7 +315,7 @@ fn request_of_disconnected_client_is_dropped() {
     let example =
         server.get("/api/v1/examples/two-diffusers").json()["scenario"].as_str().unwrap().to_owned();
     for k in 0..200 {
-        let width = format!("width = {}", 0.025 + f64::from(k) * 1e-6);
+        let width = format!("width = {}", 0.02 + f64::from(k) * 1e-6);
         let slow = example.replace("width = 0.04", &width).replace("width = 0.03", &width);
         let body = json!({ "scenario": slow }).to_string();
         let mut stream = server.connect();

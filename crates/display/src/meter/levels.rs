@@ -45,7 +45,7 @@ impl Meter<'_> {
         before: Option<&Sample>,
         per_wavelength: bool,
     ) -> f64 {
-        let times = error_over_difference(&self.setup.stack);
+        let times = error_over_difference(&self.setup.stack, &self.setup.sources);
         let now = self.difference(finer, coarser, per_wavelength);
         let before = before.map(|before| self.difference(coarser, before, per_wavelength));
         let error = level_error(times, now, before);
@@ -88,7 +88,7 @@ impl Meter<'_> {
         let (scalars, of_coarser) = (self.scalars(finer, &bare), self.scalars(coarser, &bare));
         let least = Some(self.level_error([finer, coarser], before, false)).filter(|least| least.is_finite());
         let of_levels = LevelError {
-            times: error_over_difference(&self.setup.stack),
+            times: error_over_difference(&self.setup.stack, &self.setup.sources),
             least: least.unwrap_or(0.0).max(LEAST_CLAIMED),
         };
         let error = |a: f64, b: f64| of_levels.of(a, b);

@@ -279,3 +279,84 @@ fn ratio(colour: &[Vec<f64>], other: &[Vec<f64>]) -> Option<f64> {
     let is_multiple = |(a, b): (&f64, &f64)| (a - factor * b).abs() <= ROUNDING * a.abs().max(b.abs());
     (factor.is_finite() && pairs.all(is_multiple)).then_some(factor)
 }
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used, reason = "tests express expectations by unwrapping")]
+mod tests {
+    use super::*;
+
+    /// Light around the cosine 0.97, with a tail to all others.
+    fn light() -> Vec<f64> {
+        let each = 1.0 / WeightedNodes::light_nodes().count() as f64;
+        WeightedNodes::light_nodes()
+            .nodes()
+            .map(|c| each * (1.0 + ((c - 0.97) / 0.01).powi(2)).powf(-1.5))
+            .collect()
+    }
+
+    /// Returns the number of nodes, and the error of the light that a film of one wavelength reflects; `None` if it takes the
+    /// full table.
+    fn error(tolerance: f64, film: impl Fn(f64) -> f64) -> Option<(usize, f64)> {
+        let seen = SeenLight { view: 0, colour: vec![vec![1.0]; 3], weights: light() };
+        let mut nodes = WeightedNodes::new(vec![seen], 0.0, tolerance);
+        let at = |cosines: &[f64]| Ok::<_, ()>(cosines.iter().map(|c| film(*c)).collect());
+        let (panels, values) = nodes.table((&[1.0], 1), at).unwrap()?;
+        let mut sum = 0.0;
+        for ([start, end], values) in borders(&panels).into_iter().zip(values.chunks_exact(NODES)) {
+            let halvings = (1.0 / (end - start)).log2().round() as u32;
+            let panel = Panel::new((start / (end - start)).round() as u32, halvings);
+            let light = nodes.lights_on(&panel);
+            sum += light[0].weights.iter().zip(values).map(|(w, v)| w * v).sum::<f64>();
+        }
+        let fine = WeightedNodes::light_nodes();
+        let truth: f64 = fine.nodes().zip(light()).map(|(c, weight)| weight * film(c)).sum();
+        Some((panels.count(), (sum - truth).abs() / truth.max(FAINT)))
+    }
+
+    /// Ends of the panels, from the nodes, which are symmetric within each.
+    fn borders(panels: &CosinePanels) -> Vec<[f64; 2]> {
+        let nodes: Vec<f64> = panels.nodes().collect();
+        let mut start = 0.0;
+        let end = |panel: &[f64]| {
+            let from = start;
+            start = panel[0] + panel[NODES - 1] - from;
+            [from, start]
+        };
+        nodes.chunks_exact(NODES).map(end).collect()
+    }
+
+    /// Reflectance by cosine.
+    type Film = Box<dyn Fn(f64) -> f64>;
+
+    #[test]
+    fn error_of_smooth_films_and_of_structure_is_below_the_tolerance() {
+        let resonance = |at: f64, width: f64| move |c: f64| 0.2 + 0.5 / (1.0 + ((c - at) / width).powi(2));
+        for tolerance in [1e-4, 1e-5, 1e-6] {
+            let films: [(&str, Film); 6] = [
+                ("constant", Box::new(|_| 0.3)),
+                ("fringes", Box::new(|c| 0.5 + 0.4 * (20.0 * c).cos())),
+                ("resonance in faint light", Box::new(resonance(0.76, 0.02))),
+                ("resonance in the lobe", Box::new(resonance(0.965, 0.02))),
+                ("narrow resonance in the lobe", Box::new(resonance(0.972, 0.003))),
+                ("dark", Box::new(|c| 1e-4 * (1.0 + (9.0 * c).sin()))),
+            ];
+            for (name, film) in films {
+                // The full table is always accurate.
+                let Some((count, error)) = error(tolerance, film) else { continue };
+                assert!(error < tolerance, "{name}: {error:e} for {tolerance:e} with {count} nodes");
+            }
+        }
+        assert_eq!(error(1e-5, |c| 0.3 + 0.1 * c).unwrap().0, 64);
+        assert!(error(1e-5, resonance(0.972, 0.003)).is_none_or(|(count, _)| count > 64));
+        assert!(error(1e-5, |c| 0.5 + 0.5 * (3000.0 * c).cos()).is_none());
+    }
+
+    /// The same structure needs fewer nodes where there is little light.
+    #[test]
+    fn nodes_are_where_the_light_is() {
+        let structure = |at: f64| move |c: f64| 0.2 + 0.3 / (1.0 + ((c - at) / 0.02).powi(2));
+        let [faint, bright] =
+            [0.7, 0.965].map(|at| error(1e-5, structure(at)).map_or(usize::MAX, |found| found.0));
+        assert!(faint < bright, "{faint} {bright}");
+    }
+}

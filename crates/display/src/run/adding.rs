@@ -81,7 +81,7 @@ impl Kernels {
 }
 
 /// Largest relative error of Y with which a first answer stops before its last level.
-const FIRST_ERROR: f64 = 0.02;
+const FIRST_ERROR: f64 = 0.05;
 
 /// Cached levels of a group of views, starting with the coarsest: those of a first answer, then level 0.
 type Levels = Vec<Level>;

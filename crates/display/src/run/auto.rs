@@ -103,17 +103,17 @@ fn estimated(run: &Run<'_>, longest_pilot: impl Fn(Option<f64>) -> f64) -> Resul
     let mut reason = String::new();
     // Writing to a string cannot fail.
     let _ = match adding_s {
-        Some(seconds) => write!(reason, "adding takes about {seconds:.1e} s of one processor"),
+        Some(seconds) => write!(reason, "adding takes about {} s of one processor", plain(seconds)),
         None => write!(reason, "adding refuses this display"),
     };
     if pilot_s >= longest_pilot(adding_s) {
-        let _ = write!(reason, ", Monte Carlo more than {pilot_s:.1e} s");
+        let _ = write!(reason, ", Monte Carlo more than {} s", plain(pilot_s));
         let cheaper = if adding_s.is_some() { Method::Adding } else { Method::MonteCarlo };
         return Ok(Forecast { adding_s, monte_carlo_s: None, cheaper, reason });
     }
     let paths = paths_needed(run, target)?;
     let seconds = paths * path_seconds(run.setup);
-    let _ = write!(reason, ", Monte Carlo {seconds:.1e} s ({paths:.1e} paths)");
+    let _ = write!(reason, ", Monte Carlo {} s ({} paths)", plain(seconds), plain(paths));
     let cheaper = match adding_s {
         Some(adding) if adding <= PREFERENCE * seconds => Method::Adding,
         _ => Method::MonteCarlo,
@@ -125,7 +125,7 @@ fn estimated(run: &Run<'_>, longest_pilot: impl Fn(Option<f64>) -> f64) -> Resul
 fn adding(setup: &Setup, target: f64) -> Result<f64, DisplayError> {
     super::refine::finest(&setup.stack)?;
     let nodes = |level: u32| nodes_needed(&setup.stack, level).max(1) as f64;
-    let level = level_needed(target, error_over_difference(&setup.stack));
+    let level = level_needed(target, error_over_difference(&setup.stack, &setup.sources));
     let more = (nodes(level) / nodes(1)).powi(3);
     Ok(match &setup.stack {
         Stack::Panel(_) => panel_seconds(setup),
@@ -133,13 +133,16 @@ fn adding(setup: &Setup, target: f64) -> Result<f64, DisplayError> {
     })
 }
 
-/// Estimates the work of adding, in seconds, for the light that tables and rough interfaces scatter once to the views.
+/// Estimates the work of adding, in seconds, for the light that tables and rough interfaces scatter once to the views, and for
+/// the totals of a measured pixel.
 fn kernel_seconds(setup: &Setup) -> f64 {
     const VIEW: f64 = 3e-2;
+    const TOTALS: f64 = 0.3;
     let is_kernel = narrowest(&setup.stack).is_some_and(|narrowest| {
         matches!(narrowest.scatterer, Narrowness::Face { .. } | Narrowness::Rough { .. })
     });
-    if is_kernel { VIEW * setup.views.len() as f64 } else { 0.0 }
+    let totals = if matches!(setup.scene.display.pixel, Pixel::Scattering(_)) { TOTALS } else { 0.0 };
+    totals + if is_kernel { VIEW * setup.views.len() as f64 } else { 0.0 }
 }
 
 /// Estimates the work of adding for an ordinary panel, in seconds: for each view that of the light that passes once, and more
@@ -149,7 +152,7 @@ fn panel_seconds(setup: &Setup) -> f64 {
     const FIELD: f64 = 1e-2;
     const NARROW: f64 = 5e-2;
     let fields = setup.sources.iter().filter(|source| matches!(source, Source::Field(_))).count();
-    let narrow = if error_over_difference(&setup.stack) > 1.0 { NARROW } else { 0.0 };
+    let narrow = if error_over_difference(&setup.stack, &setup.sources) > 1.0 { NARROW } else { 0.0 };
     setup.views.len() as f64 * (VIEW + FIELD * fields as f64) + narrow
 }
 
@@ -213,6 +216,25 @@ fn events(scene: &Scene) -> f64 {
     PASSES * (2.0 + thickness)
 }
 
+/// Writes a positive number with two digits, without exponent: 0.056, 1.2, 17 000.
+fn plain(value: f64) -> String {
+    if value.is_nan() || value <= 0.0 {
+        return "0".to_owned();
+    }
+    let magnitude = value.log10().floor() as i32;
+    let step = 10.0_f64.powi(magnitude - 1);
+    let decimals = usize::try_from(1 - magnitude).unwrap_or(0);
+    let rounded = if decimals > 0 { value } else { (value / step).round() * step };
+    let digits = format!("{rounded:.decimals$}");
+    if decimals > 0 {
+        return digits;
+    }
+    let first = digits.len() % 3;
+    let groups = digits.as_bytes()[first..].chunks(3).map(|group| String::from_utf8_lossy(group));
+    let all = std::iter::once(digits[..first].into()).chain(groups).filter(|group| !group.is_empty());
+    all.collect::<Vec<_>>().join(" ")
+}
+
 fn is_too_thick(scene: &Scene) -> bool {
     let Layers::General(layers) = &scene.display.layers else { return false };
     let slabs = layers.iter().filter_map(|layer| layer.medium.scattering.as_ref());
@@ -227,5 +249,11 @@ mod tests {
     fn level_needed_grows_with_the_logarithm_of_the_target() {
         assert_eq!([1e-2, 1e-3, 1e-4, 1e-5, 1e-9].map(|target| level_needed(target, 1.0)), [1, 1, 2, 3, 6]);
         assert_eq!(level_needed(1e-3, 10.0), 2);
+    }
+
+    #[test]
+    fn numbers_of_the_reason_have_two_digits_and_no_exponent() {
+        let written = [0.0561, 1.23, 12.3, 123.0, 1234.0, 17_049.0, 1.26e6, 3.2e-4].map(plain);
+        assert_eq!(written, ["0.056", "1.2", "12", "120", "1 200", "17 000", "1 300 000", "0.00032"]);
     }
 }

@@ -114,7 +114,7 @@ impl Survey<'_> {
             }
             Some(all)
         };
-        let bound = error_over_difference(&self.setup.stack);
+        let bound = error_over_difference(&self.setup.stack, &self.beams);
         let error = |levels: [&Luminous; 2], before: Option<&Luminous>| {
             of_levels(bound, levels.map(Clone::clone), before.map(Vec::as_slice))
         };
@@ -150,7 +150,7 @@ impl Survey<'_> {
             let errors = vec![sample.error; self.setup.states.len() * self.grid.pairs()];
             return Some(((spectra, nodes), errors));
         };
-        let times = error_over_difference(&self.setup.stack).max(slowness(sample, &Vec::clone));
+        let times = error_over_difference(&self.setup.stack, &self.beams).max(slowness(sample, &Vec::clone));
         let mut level = sample.level;
         let (_, mut coarser, _) = self.scattered(&Kernel::new(level as u32 - 1), pool)?;
         loop {

@@ -156,7 +156,8 @@ impl Survey<'_> {
             let errors = views.iter().map(|row| vec![vec![sample.error; states]; row.len()]).collect();
             return Some(Rows { views, errors, nodes });
         };
-        let times = error_over_difference(&self.run.setup.stack).max(slowness(sample, &luminous));
+        let times = error_over_difference(&self.run.setup.stack, &self.run.setup.sources)
+            .max(slowness(sample, &luminous));
         let mut level = sample.level;
         let (mut coarser, _) = self.all(Kernel::new(level as u32 - 1), &sample.coarser[0], pool)?;
         loop {
@@ -241,7 +242,7 @@ impl Survey<'_> {
                 .then_some(())?;
             (0..fields.len()).map(|view| self.colours(kernel, view)).collect()
         };
-        let bound = error_over_difference(&setup.stack);
+        let bound = error_over_difference(&setup.stack, &setup.sources);
         let error = |levels: [&Colours; 2], before: Option<&Colours>| {
             of_levels(bound, levels.map(luminous), before.map(luminous).as_deref())
         };

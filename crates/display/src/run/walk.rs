@@ -27,6 +27,9 @@ const FIRST_GUIDED_ROUND: u64 = 16;
 /// Largest number of paths that a round adds to a replicate, which limits the time between progress reports.
 const LARGEST_ROUND: u64 = 1 << 14;
 
+/// Number of paths after the last round over that for which the error is expected to meet the target.
+const LAST_ROUND: f64 = 1.15;
+
 /// A change of Y by more than this many standard errors in a round contradicts the standard error.
 const UNEXPECTED: f64 = 4.0;
 
@@ -239,7 +242,7 @@ impl<'a> Runner<'a> {
 
     /// Adds a round; returns false if it was stopped, in which case the round is discarded.
     fn round(&self, work: &mut Work<'_>) -> bool {
-        let each = round_size(&self.run.scene.solver, work.paths / REPLICATES);
+        let each = self.next_round(work);
         let (walk, number) = (&work.walk, work.number);
         let traced: Option<()> = work
             .replicates
@@ -268,7 +271,25 @@ impl<'a> Runner<'a> {
         true
     }
 
-    /// Traces paths in small batches, so that a stop takes effect at once.
+    /// Returns the number of paths that the next round adds to each replicate.
+    fn next_round(&self, work: &Work<'_>) -> u64 {
+        let so_far = work.paths / REPLICATES;
+        let double = round_size(&self.run.scene.solver, so_far);
+        if work.walk.prefers_powers_of_two() || so_far < 4 * FIRST_ROUND {
+            return double;
+        }
+        let ratio = match &self.run.scene.solver.stop {
+            Stop::Paths(_) => return double,
+            Stop::RelativeError { target, .. } => work.relative_error / target,
+            Stop::Target(_) => work.missed_by(),
+        };
+        // The error falls with the root of the number of paths. A larger step than needed costs less than another round.
+        let more = so_far as f64 * (LAST_ROUND * ratio * ratio - 1.0);
+        let quarter = so_far / 4;
+        if more.is_finite() { double.min((more as u64 / quarter + 1) * quarter) } else { double }
+    }
+
+    /// Traces paths in small pieces, so that a stop takes effect at once.
     fn trace(
         &self,
         walk: &Walk<'_>,
@@ -281,7 +302,7 @@ impl<'a> Runner<'a> {
             if self.run.control.stopped() {
                 return None;
             }
-            let piece = left.min(1024);
+            let piece = left.min(walk.batch().max(1024));
             walk.trace(replicate, numbers, piece);
             left -= piece;
         }

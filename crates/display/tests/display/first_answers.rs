@@ -12,12 +12,19 @@ static NEVER: AtomicBool = AtomicBool::new(false);
 const CONTROL: Control<'static> = Control { threads: Some(1), progress: &|_| {}, stop: &NEVER };
 
 /// Displays of every kind, narrow and wide, with the overrides that are moved on the page.
-const DISPLAYS: [(&str, &[&str]); 14] = [
+const DISPLAYS: [(&str, &[&str]); 16] = [
     ("indoor", &[]),
     ("indoor", &["display.diffuser.haze=0.05"]),
     ("indoor", &["display.diffuser.haze=0.2", "display.front.0.reflectance=0.02"]),
     ("indoor", &["display.diffuser.haze=0.4", "display.front.0.reflectance=0.04"]),
     ("cover-glass", &[]),
+    // Wavelengths between which first answers are interpolated, and films whose fringes are narrower than their steps: the
+    // coarser of the two levels resolves them even less, or all are computed.
+    ("cover-glass", &["spectrum.step_nm=5"]),
+    (
+        "measured-h65",
+        &["spectrum.step_nm=5", "viewer.theta_deg=30", "display.pixel.film.2.thickness_nm=2000"],
+    ),
     ("rough-glass", &[]),
     ("rough-glass", &["display.layers.0.alpha=0.4", "viewer.theta_deg=60"]),
     ("measured-h65", &["viewer.theta_deg=8"]),

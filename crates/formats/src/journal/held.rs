@@ -235,15 +235,22 @@ mod tests {
     #[test]
     fn journal_used_by_several_threads_has_one_holder_and_loses_no_line() {
         const THREADS: usize = 4;
-        const ROUNDS: usize = 150;
+        const FEWEST_ROUNDS: usize = 150;
+        const MOST_ROUNDS: usize = 100_000;
+        const FEWEST_LINES: usize = 10;
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("sweep.jsonl");
         let (held, counts) = (AtomicBool::new(false), [const { AtomicUsize::new(0) }; 2]);
+        // On a busy machine, threads rarely find the journal free in a small number of rounds.
+        let is_enough = || counts.iter().all(|count| count.load(Ordering::SeqCst) > FEWEST_LINES);
         std::thread::scope(|scope| {
             for thread in 0..THREADS {
-                let (path, held, counts) = (&path, &held, &counts);
+                let (path, held, counts, is_enough) = (&path, &held, &counts, &is_enough);
                 scope.spawn(move || {
-                    for round in 0..ROUNDS {
+                    for round in 0..MOST_ROUNDS {
+                        if round >= FEWEST_ROUNDS && is_enough() {
+                            break;
+                        }
                         let of = (thread + round / 2) % 2;
                         let head = Head { of };
                         let mut lines = vec![];
@@ -268,7 +275,7 @@ mod tests {
                 });
             }
         });
-        assert!(counts.iter().all(|count| count.load(Ordering::SeqCst) > 10), "{counts:?}");
+        assert!(is_enough(), "{counts:?}");
         let names: Vec<_> =
             fs::read_dir(folder.path()).unwrap().map(|one| one.unwrap().file_name()).collect();
         assert_eq!(names.len(), 2, "{names:?}");

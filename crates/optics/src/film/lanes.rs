@@ -8,6 +8,8 @@ use std::ops::{Add, Mul, Neg, Sub};
 
 use pulp::{Arch, Simd, WithSimd};
 
+use crate::clear_wide_registers;
+
 /// An instruction set of this machine.
 #[derive(Clone, Copy)]
 pub struct SimdLevel {
@@ -48,7 +50,9 @@ impl SimdLevel {
     }
 
     pub(super) fn dispatch<W: WithSimd>(self, work: W) -> W::Output {
-        self.arch.dispatch(work)
+        let result = self.arch.dispatch(work);
+        clear_wide_registers();
+        result
     }
 }
 

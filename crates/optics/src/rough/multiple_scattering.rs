@@ -15,18 +15,31 @@ use super::{Side, invert};
 use crate::Beta;
 use crate::chebyshev::Piecewise;
 
-/// Order of the rule for the deficits: error below 1e-5.
-pub(super) const ORDER: usize = 12;
+/// Fineness of the tables.
+#[derive(Debug)]
+pub(super) struct Fineness {
+    /// Order of the rule for the deficits.
+    pub(super) order: usize,
+    /// Largest error of the table between its nodes.
+    tolerance: f64,
+    /// Width below which pieces of the table are not divided.
+    narrowest: f64,
+    /// Directions of microfacets in the random walk: azimuths over half a turn, tilts in each of three parts.
+    pub(super) azimuths: usize,
+    pub(super) tilts: usize,
+}
 
-/// Largest error of the table between its nodes.
-const TOLERANCE: f64 = 2e-6;
+/// First that of all results, with an error of the deficits below 1e-5; then those of the finer and of the coarser level of a
+/// first answer, below 0.002 and 0.005.
+pub(super) const FINENESS: [Fineness; 3] = [
+    // Beyond 89.99 deg the curvature of the deficit diverges, and there is no light.
+    Fineness { order: 12, tolerance: 2e-6, narrowest: 0.01, azimuths: 24, tilts: 16 },
+    Fineness { order: 7, tolerance: 3e-4, narrowest: 0.6, azimuths: 12, tilts: 8 },
+    Fineness { order: 5, tolerance: 2e-3, narrowest: 1.1, azimuths: 8, tilts: 5 },
+];
 
 /// Largest shift of log odds in the search; the result is below 0.05.
 const SHIFT: f64 = 2.0;
-
-/// Width below which pieces are not divided: beyond 89.99 deg the curvature of the deficit diverges, and
-/// there is no light.
-const NARROWEST: f64 = 0.01;
 
 /// Largest number of pieces; a table of roughness 0.01 has about a tenth of it.
 const MOST_PIECES: usize = 100;
@@ -63,10 +76,10 @@ struct Piece {
 }
 
 impl Deficits {
-    pub(super) fn new(facets: &Microfacets) -> Self {
-        let rule = Rule::new(ORDER);
-        let lost = [Side::Above, Side::Below].map(|side| table(facets, &rule, side));
-        let split = Split::new(facets);
+    pub(super) fn new(facets: &Microfacets, fineness: &Fineness) -> Self {
+        let rule = Rule::new(fineness.order);
+        let lost = [Side::Above, Side::Below].map(|side| table(facets, &rule, side, fineness));
+        let split = Split::new(facets, fineness);
         let both = |shift: f64| {
             let split = split.balanced(shift);
             let [above, below] = [Side::Above, Side::Below].map(|side| {
@@ -169,11 +182,11 @@ fn area(n: f64) -> f64 {
     2.0 * TAU * n * n
 }
 
-fn table(facets: &Microfacets, rule: &Rule, side: Side) -> Piecewise<1> {
-    let mut tolerance = TOLERANCE;
+fn table(facets: &Microfacets, rule: &Rule, side: Side, fineness: &Fineness) -> Piecewise<1> {
+    let mut tolerance = fineness.tolerance;
     loop {
         let deficit = |root: f64| Ok::<_, Infallible>([facets.deficit(rule, side, root * root)]);
-        let Ok(table) = Piecewise::no_narrower(NARROWEST, tolerance, MOST_PIECES, deficit);
+        let Ok(table) = Piecewise::no_narrower(fineness.narrowest, tolerance, MOST_PIECES, deficit);
         if let Some(table) = table {
             return table;
         }
@@ -189,7 +202,7 @@ mod tests {
 
     fn deficits(distribution: Distribution, alpha: f64) -> (Microfacets, Deficits) {
         let facets = Microfacets { distribution, alpha, above: 1.0, below: 1.5 };
-        (facets, Deficits::new(&facets))
+        (facets, Deficits::new(&facets, &FINENESS[0]))
     }
 
     /// Compared with the midpoint rule over the cumulative integral up to each sampled direction.
@@ -221,7 +234,7 @@ mod tests {
         for (distribution, alpha) in [(Distribution::Ggx, 0.3), (Distribution::Beckmann, 0.6)] {
             let (facets, balanced) = deficits(distribution, alpha);
             assert!(balanced.excess().abs() < 1e-9);
-            let split = Split::new(&facets);
+            let split = Split::new(&facets, &FINENESS[0]);
             let crosses = [Side::Above, Side::Below].map(|side| {
                 let steps = 2000;
                 let at = |step: i32| {
@@ -232,5 +245,30 @@ mod tests {
             });
             assert!((crosses[0] / crosses[1] - 1.0).abs() < 0.01, "{distribution:?} {alpha}: {crosses:?}");
         }
+    }
+
+    /// The coarser tables are as close as they claim, and differ from each other: the two levels of a first answer do not
+    /// agree on their error.
+    #[test]
+    fn coarser_tables_are_within_their_errors() {
+        let mut largest = [0.0_f64; 2];
+        for (distribution, alpha) in
+            [(Distribution::Ggx, 0.05), (Distribution::Ggx, 0.4), (Distribution::Beckmann, 0.2)]
+        {
+            let (facets, exact) = deficits(distribution, alpha);
+            for (fineness, largest) in FINENESS[1..].iter().zip(&mut largest) {
+                let coarse = Deficits::new(&facets, fineness);
+                for (side, step) in
+                    [Side::Above, Side::Below].into_iter().flat_map(|s| (1..=50).map(move |k| (s, k)))
+                {
+                    let cosine = f64::from(step) / 50.0;
+                    let [a, b] = [&coarse, &exact].map(|table| table.at(side, cosine));
+                    let error = (a[0] - b[0]).abs().max((a[1] - b[1]).abs());
+                    // What arrives at this cosine is proportional to it.
+                    *largest = largest.max(error * cosine);
+                }
+            }
+        }
+        assert!(largest[0] < 0.002 && largest[1] < 0.005 && largest[1] > 1.5 * largest[0], "{largest:?}");
     }
 }

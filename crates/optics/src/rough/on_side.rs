@@ -50,37 +50,55 @@ impl Scatterer for Rough {
     }
 }
 
+/// Number of microfacets of [`Rough::sample_sides`], and the step of their lattice (Fibonacci).
+const LATTICE: usize = 8;
+const STEP: f64 = 5.0 / 8.0;
+
 impl Rough {
-    /// Samples a direction on each side from the same microfacet: on the side of incidence, and across. With each comes the
-    /// probability that [`sample`](Scatterer::sample), which meets this microfacet, leaves to that side; it depends on the
-    /// first two numbers alone. A direction without light is `None`.
-    pub fn sample_sides(&self, from: OnSide, u: [f64; 4]) -> [(Option<Sample<OnSide>>, f64); 2] {
-        let event = self.facets.meet(from.side, from.beta, [u[0], u[1]]);
+    /// Samples a direction on each side of the interface: that of incidence first. With each comes a probability, whose mean
+    /// is the probability that [`sample`](Scatterer::sample) leaves to that side; it depends on the first two numbers alone.
+    /// Directions that carry no light are `None`.
+    ///
+    /// The probability is that of eight microfacets, at the points of a lattice that the first two numbers shift. It varies
+    /// far less than that of one, above all near the critical angle. The direction on each side is that of one of them,
+    /// chosen in proportion.
+    pub fn sample_sides(&self, from: OnSide, u: [f64; 4]) -> [(Option<OnSide>, f64); 2] {
         let cosine = self.cosine(from.side, from.beta).unwrap_or(0.0);
         let back = self.deficits().share_back(from.side, cosine);
-        let single =
+        let of_several = [(0.0, back), (back, 1.0 - back)];
+        let facets: [_; LATTICE] = std::array::from_fn(|k| {
+            let u = [u[0] + k as f64 / LATTICE as f64, u[1] + k as f64 * STEP].map(f64::fract);
+            let event = self.facets.meet(from.side, from.beta, u);
             [(true, event.reflectance), (false, 1.0 - event.reflectance)].map(|(reflected, part)| {
                 let light = self.facets.leave(&event, reflected);
                 (light, part * light.map_or(0.0, |light| light.unshadowed))
-            });
-        let several = (1.0 - single[0].1 - single[1].1).max(0.0);
-        let ranges = [(0.0, back), (back, 1.0 - back)];
+            })
+        });
         std::array::from_fn(|side| {
-            let ((light, of_one), (begin, share)) = (single[side], ranges[side]);
-            let probability = of_one + several * share;
-            let place = u[2] * probability;
-            let to = match light {
-                Some(light) if place < of_one => light.side.at(light.beta),
-                _ if several * share > 0.0 => {
-                    let number = begin + (place - of_one).max(0.0) / several;
-                    let (side, beta) =
-                        self.deficits().sample(&self.facets, (from.side, cosine), [number, u[3]]);
-                    side.at(beta)
+            let (begin, share) = of_several[side];
+            let parts = facets.map(|one| {
+                let several = (1.0 - one[0].1 - one[1].1).max(0.0);
+                (one[side].0, one[side].1, several * share)
+            });
+            let sum: f64 = parts.iter().map(|(_, one, several)| one + several).sum();
+            let mut place = u[2] * sum;
+            let chosen = parts.iter().find_map(|(light, one, several)| {
+                if place < one + several {
+                    return Some(match light {
+                        Some(light) if place < *one => light.side.at(light.beta),
+                        _ => {
+                            let number = begin + share * ((place - one) / several).clamp(0.0, 1.0);
+                            let of_side = (from.side, cosine);
+                            let (side, beta) = self.deficits().sample(&self.facets, of_side, [number, u[3]]);
+                            side.at(beta)
+                        }
+                    });
                 }
-                _ => return (None, probability),
-            };
-            let density = self.evaluate(from, to);
-            ((density > 0.0).then(|| Sample::exact(to, density)), probability)
+                place -= one + several;
+                None
+            });
+            let carries_light = |to: &OnSide| self.cosine(to.side, to.beta).is_some();
+            (chosen.filter(carries_light), sum / LATTICE as f64)
         })
     }
 

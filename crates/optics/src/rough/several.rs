@@ -20,15 +20,12 @@ use std::f64::consts::{FRAC_PI_2, PI};
 use super::Side;
 use super::deficit::Rule;
 use super::microfacets::{Microfacets, beyond, transmittance};
+use super::multiple_scattering::Fineness;
 
 /// Cosines of each sense on each side.
 const ANGLES: usize = 48;
 /// Heights.
 const HEIGHTS: usize = 25;
-/// Azimuths of microfacets, over half a turn.
-const AZIMUTHS: usize = 24;
-/// Tilts of microfacets in each of three parts.
-const TILTS: usize = 16;
 /// Largest number of microfacets that are followed: far more than any significant light meets.
 const MOST_FACETS: usize = 1000;
 
@@ -44,9 +41,10 @@ pub(super) struct Split {
 }
 
 impl Split {
-    pub(super) fn new(facets: &Microfacets) -> Self {
+    pub(super) fn new(facets: &Microfacets, fineness: &Fineness) -> Self {
         let (senses, angles) = (rays(facets), cosines());
-        let scattering: Vec<Vec<f64>> = senses.iter().map(|ray| after_a_facet(facets, ray)).collect();
+        let scattering: Vec<Vec<f64>> =
+            senses.iter().map(|ray| after_a_facet(facets, ray, fineness)).collect();
         let flights: Vec<Flight> = senses.iter().map(Flight::new).collect();
         let leaves_above = chance_above(&scattering, &flights);
         let mut split = Self { back: [[0.5; ANGLES]; 2] };
@@ -142,8 +140,8 @@ fn rays(facets: &Microfacets) -> Vec<Ray> {
 }
 
 /// Returns the distribution of rays after a microfacet: the probability of each, by [`number`].
-fn after_a_facet(facets: &Microfacets, ray: &Ray) -> Vec<f64> {
-    let rule = Rule::new(TILTS);
+fn after_a_facet(facets: &Microfacets, ray: &Ray, fineness: &Fineness) -> Vec<f64> {
+    let rule = Rule::new(fineness.tilts);
     let mut next = vec![0.0; 4 * ANGLES];
     let [n1, n2] = if ray.side == 0 { [facets.above, facets.below] } else { [facets.below, facets.above] };
     let w_of = |tilt: f64| (tilt.tan() / facets.alpha).atan();
@@ -153,8 +151,8 @@ fn after_a_facet(facets: &Microfacets, ray: &Ray) -> Vec<f64> {
         let length = cos.hypot(facets.alpha * sin);
         let (h_z, h_t) = (cos / length, facets.alpha * sin / length);
         let weight = weight * facets.distribution.slopes(w) / h_z;
-        for azimuth in 0..AZIMUTHS {
-            let phi = PI * (azimuth as f64 + 0.5) / AZIMUTHS as f64;
+        for azimuth in 0..fineness.azimuths {
+            let phi = PI * (azimuth as f64 + 0.5) / fineness.azimuths as f64;
             let c1 = -(ray.beta * h_t * phi.cos() + ray.z * h_z);
             if c1 <= 0.0 {
                 continue;

@@ -46,6 +46,78 @@ impl Albedos {
     }
 }
 
+/// Integrals interpolated on intervals of `|beta|`, by polynomials through Chebyshev nodes: with one more node in each
+/// interval the error decreases by about a factor of five.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Totals {
+    /// Ends of the intervals, ascending from 0.
+    ends: Vec<f64>,
+    points: usize,
+    values: Vec<f64>,
+}
+
+impl Totals {
+    /// Tabulates a function of `|beta|` from 0 to the last of `ends`, by this many nodes between two of them.
+    pub(super) fn new(ends: Vec<f64>, points: usize, integral: impl Fn(f64) -> f64) -> Self {
+        let values = ends.windows(2).flat_map(|pair| {
+            let (middle, half) = (0.5 * (pair[0] + pair[1]), 0.5 * (pair[1] - pair[0]));
+            (0..points).map(move |k| middle + half * chebyshev(k, points).0)
+        });
+        Self { values: values.map(integral).collect(), points, ends }
+    }
+
+    /// Returns the integral at `|beta|`; beyond the last end that of the end.
+    pub(super) fn at(&self, length: f64) -> f64 {
+        let count = self.ends.len() - 1;
+        let interval = (self.ends.partition_point(|end| *end <= length).max(1) - 1).min(count - 1);
+        let [from, to] = [self.ends[interval], self.ends[interval + 1]];
+        let x = ((2.0 * length - from - to) / (to - from)).clamp(-1.0, 1.0);
+        let values = &self.values[interval * self.points..][..self.points];
+        // Barycentric interpolation.
+        let (mut above, mut below) = (0.0, 0.0);
+        for (k, value) in values.iter().enumerate() {
+            let (node, weight) = chebyshev(k, self.points);
+            if x == node {
+                return *value;
+            }
+            above += weight / (x - node) * value;
+            below += weight / (x - node);
+        }
+        above / below
+    }
+}
+
+/// Returns Chebyshev node number `k` on [-1, 1], and its barycentric weight.
+fn chebyshev(k: usize, points: usize) -> (f64, f64) {
+    let (sin, cos) = (PI * (k as f64 + 0.5) / points as f64).sin_cos();
+    (cos, if k.is_multiple_of(2) { sin } else { -sin })
+}
+
+/// Returns the ends of intervals from 0 to `last` on which the total of a lobe of this width is smooth: they contain
+/// `nodes`, are no longer than `longest`, and are graded towards the `edges`, where the lobe leaves its disc.
+pub(super) fn intervals(last: f64, edges: &[f64], width: f64, nodes: &[f64], longest: f64) -> Vec<f64> {
+    let mut ends = vec![0.0, last];
+    ends.extend_from_slice(nodes);
+    for edge in edges {
+        ends.push(*edge);
+        let mut distance = longest;
+        while distance > 0.25 * width {
+            ends.extend([edge - distance, edge + distance]);
+            distance *= 0.5;
+        }
+    }
+    ends.retain(|end| (0.0..=last).contains(end));
+    ends.sort_by(f64::total_cmp);
+    ends.dedup_by(|next, end| *next - *end < 1e-9);
+    let parts = |pair: &[f64]| ((pair[1] - pair[0]) / longest - 1e-9).ceil().max(1.0) as usize;
+    let divided = ends.windows(2).flat_map(|pair| {
+        let (from, count) = (pair[0], parts(pair));
+        let step = (pair[1] - from) / count as f64;
+        (0..count).map(move |part| from + step * part as f64)
+    });
+    divided.chain(ends.last().copied()).collect()
+}
+
 /// Lagrange interpolation of four points among values at uniform positions from 0 to 1.
 #[inline]
 fn interpolated(values: &[f64], place: f64) -> f64 {

@@ -22,7 +22,7 @@
 use std::f64::consts::PI;
 use std::sync::OnceLock;
 
-use super::albedos::{Albedos, integral, turned};
+use super::albedos::{Albedos, Totals, integral, intervals, turned};
 use super::axis::Axis;
 use super::proposal::Proposal;
 use super::smooth::Smooth;
@@ -35,6 +35,8 @@ pub struct Table {
     /// Sampling tables, forward and for light in the opposite direction; computed on first use.
     proposals: [OnceLock<Proposal>; 2],
     albedos: [OnceLock<Albedos>; 2],
+    /// The same by fineness, more accurately.
+    totals: [[OnceLock<Totals>; FINEST]; 2],
     /// Cells for integrals.
     cells: OnceLock<[Axis; 2]>,
     width: f64,
@@ -61,6 +63,11 @@ const WORKING_AZIMUTH: f64 = PI / 18.0;
 const FARTHEST: f64 = 4.0;
 /// Number of cells of the working table up to which distances are halved.
 const WORKING_CELLS: usize = 60_000;
+/// Finest accuracy of totals.
+const FINEST: usize = 8;
+/// Nodes of totals in an interval, besides one for each step of fineness, and their longest interval.
+const TOTAL_NODES: usize = 4;
+const TOTAL_INTERVAL: f64 = 0.125;
 /// Number of cells about the peak that integrals need.
 const SMOOTH_CELLS: usize = 1000;
 
@@ -99,6 +106,7 @@ impl Table {
             smooth,
             proposals: Default::default(),
             albedos: Default::default(),
+            totals: Default::default(),
             cells: OnceLock::new(),
             last: incidence[incidence.len() - 1],
             end: 1.0,
@@ -109,14 +117,19 @@ impl Table {
     /// Returns the same kernel without scattering of light from beyond its last incidence.
     pub fn dark_beyond(self) -> Self {
         let end = self.last.min(1.0);
-        Self { proposals: Default::default(), albedos: Default::default(), end, ..self }
+        Self { end, ..self }.without_integrals()
     }
 
     /// Returns the same kernel as a transmission that scatters light of air into a medium of this index, 1
     /// to 4, also beyond the disc of air; light of the medium returns along the same paths.
     pub fn reaching(self, reach: f64) -> Self {
         let reach = reach.clamp(1.0, FARTHEST);
-        Self { proposals: Default::default(), albedos: Default::default(), reach, ..self }
+        Self { reach, ..self }.without_integrals()
+    }
+
+    fn without_integrals(self) -> Self {
+        let (albedos, totals) = (Default::default(), Default::default());
+        Self { proposals: Default::default(), albedos, totals, ..self }
     }
 
     /// Returns the `|beta|` at which the kernel ends: of incident light, and of scattered light.
@@ -181,15 +194,39 @@ impl Table {
     fn integral(&self, [distances, angles]: &[Axis; 2], length: f64, reversed: bool, points: usize) -> f64 {
         let to = if reversed { self.end } else { self.reach };
         integral(distances, angles, (length, to), points, |distance, angle| {
+            if !reversed {
+                return self.smooth.value(length, distance, angle);
+            }
             let [from, to] = turned(length, distance, angle);
-            self.held(from, to, reversed)
+            self.held(from, to, true)
         })
     }
 
-    /// Returns [`Self::albedo`] without interpolation, by this many points in each cell.
-    pub(super) fn albedo_by(&self, length: f64, reversed: bool, points: usize) -> f64 {
-        let end = if reversed { self.reach } else { self.end };
-        if length > end { 0.0 } else { self.integral(self.cells(), length, reversed, points) }
+    /// Returns [`Self::albedo`] more accurately, the more so with every step of `fineness`: by more points in each
+    /// cell, and by interpolation between more nodes. All incidences together take as long as some hundred integrals,
+    /// once for each fineness.
+    pub(super) fn albedo_by(&self, length: f64, reversed: bool, fineness: usize) -> f64 {
+        let [end, to] = if reversed { [self.reach, self.end] } else { [self.end, self.reach] };
+        if length > end {
+            return 0.0;
+        }
+        let fineness = fineness.clamp(1, FINEST);
+        if end == 0.0 {
+            return self.integral(self.cells(), length, reversed, fineness);
+        }
+        let totals = self.totals[usize::from(reversed)][fineness - 1].get_or_init(|| {
+            // The kernel is smooth between its incidences. Its integral over them is smooth but for the normal, where
+            // it may be a cone.
+            let (nodes, normal): (&[f64], _) =
+                if reversed { (&[], Some(0.0)) } else { (self.smooth.incidence.nodes(), None) };
+            let edges: Vec<f64> = [end, to].into_iter().chain(normal).collect();
+            let ends = intervals(end, &edges, self.width, nodes, TOTAL_INTERVAL);
+            let cells = self.cells();
+            Totals::new(ends, fineness + TOTAL_NODES, |length| {
+                self.integral(cells, length, reversed, fineness)
+            })
+        });
+        totals.at(length)
     }
 
     #[inline]

@@ -209,8 +209,8 @@ fn samples_of_both_sides_have_the_mean_of_single_samples() {
             assert!((sides[0].1 + sides[1].1 - 1.0).abs() < 1e-12);
             let mut both = [0.0; 6];
             for (sample, probability) in sides {
-                let Some(sample) = sample else { continue };
-                let values = functions(sample.direction);
+                let Some(direction) = sample else { continue };
+                let values = functions(direction);
                 both.iter_mut().zip(values).for_each(|(sum, value)| *sum += probability * value);
             }
             for ((sum, one), both) in sums.iter_mut().zip(one).zip(both) {

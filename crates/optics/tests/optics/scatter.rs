@@ -164,6 +164,24 @@ fn albedos_equal_quadrature() {
     }
 }
 
+/// Between the incidences of the quadrature above, too: each step of fineness has other points and other nodes, so that
+/// the difference of two shows the error of the coarser one.
+#[test]
+fn albedos_by_successive_fineness_converge_at_all_incidences() {
+    let ends_early: Scatter =
+        table(0.1, 6, |a, r, _| (0.8 - 0.5 * a) * (-10.0 * r * r).exp()).dark_beyond().into();
+    for kernel in [lopsided(), lopsided().reversed(), ends_early.reversed()] {
+        let largest = |one: usize, other: usize| {
+            let lengths = (0..=300).map(|k| f64::from(k) / 300.0);
+            let difference = |l: f64| (kernel.albedo_by(l, one) - kernel.albedo_by(l, other)).abs();
+            lengths.map(difference).fold(0.0, f64::max)
+        };
+        // Slopes that are limited between incidences leave some 1e-6.
+        let [coarse, fine] = [largest(2, 3), largest(3, 4)];
+        assert!(coarse < 1e-4 && fine < 1e-5 && fine < coarse, "{coarse:e} {fine:e}");
+    }
+}
+
 #[test]
 fn ward_is_reciprocal_and_its_albedo_bounded() {
     for kernel in wards() {

@@ -99,15 +99,16 @@ pub fn narrowest(stack: &Stack) -> Option<Narrowest> {
 /// Returns the factor by which the difference between two levels must be multiplied to bound the error of
 /// the finer one. Refracted light of a rough interface ends abruptly in direction, and its error decreases
 /// by as little as a factor of 1.3 per level (the sum of the remaining differences is then up to 4 times the
-/// last). Light that a front sends back through a lobe too narrow for a grid gains 1.2 on average,
-/// irregularly (the rest was up to 6.3 times the last in `tests/transport/narrow_lobes.rs`). All others gain
-/// 2 or far more.
-pub fn error_over_difference(stack: &Stack) -> f64 {
+/// last). So does, irregularly, light that a front sends back through a lobe too narrow for a grid. All others
+/// gain 2 or far more.
+pub fn error_over_difference(stack: &Stack, sources: &[Source]) -> f64 {
     match stack {
         Stack::Layered(layered) => {
             layered.elements().map(|(kind, _)| kind.error_over_difference()).fold(1.0, f64::max)
         }
-        Stack::Panel(panel) if panel::narrows(panel) => 10.0,
+        Stack::Panel(panel) if panel::narrows(panel) => {
+            panel::error_over_difference_of_narrow(panel, sources)
+        }
         _ => 1.0,
     }
 }

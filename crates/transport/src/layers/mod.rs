@@ -199,9 +199,8 @@ pub(crate) trait ScatteringInterface: Debug + Sync {
     /// A sampled direction; `None` if the light is absorbed.
     fn sample(&self, from: Arrival, u: [f64; 4]) -> Option<(Departure, Scattered)>;
 
-    /// A sampled direction on each of two sides, `None` if the light is absorbed, with the probability that
-    /// [`sample`](Self::sample) leaves to that side. It is the probability under the condition that some of the numbers are
-    /// these. `None` if light leaves to one side only.
+    /// A sampled direction on each of two sides, `None` if the light is absorbed, with a probability. Its mean over the random
+    /// numbers is the probability that [`sample`](Self::sample) leaves to that side. `None` if light leaves to one side only.
     fn sample_sides(&self, _: Arrival, _: [f64; 4]) -> Option<Sides> {
         None
     }
@@ -286,7 +285,7 @@ pub(crate) struct Departure {
 }
 
 /// Light that leaves to either side, and its probability.
-pub(crate) type Sides = [(Option<(Departure, Scattered)>, f64); 2];
+pub(crate) type Sides = [(Option<Departure>, f64); 2];
 
 /// Densities of scattering from one direction to another, over direction cosines.
 #[derive(Debug, Clone, Copy)]

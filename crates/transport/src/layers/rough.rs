@@ -1,7 +1,7 @@
 //! A rough interface between two media of constant index.
 
+use papilio_optics::Scatterer;
 use papilio_optics::rough::{OnSide, Rough, Side};
-use papilio_optics::{Sample, Scatterer};
 
 use super::{Arrival, Channel, Departure, Incidence, LayerKind, Scattered, ScatteringInterface, Sides};
 use crate::adding::{Action, Narrowness, Preparation, rough_width};
@@ -59,7 +59,8 @@ impl ScatteringInterface for Rough {
     }
 
     fn sample(&self, from: Arrival, u: [f64; 4]) -> Option<(Departure, Scattered)> {
-        Scatterer::sample(self, arriving(from), u).map(departure)
+        Scatterer::sample(self, arriving(from), u)
+            .map(|sample| (departure(sample.direction), Scattered::exactly(sample.density)))
     }
 
     fn sample_sides(&self, from: Arrival, u: [f64; 4]) -> Option<Sides> {
@@ -68,10 +69,9 @@ impl ScatteringInterface for Rough {
     }
 }
 
-fn departure(sample: Sample<OnSide>) -> (Departure, Scattered) {
-    let OnSide { side, beta } = sample.direction;
+fn departure(OnSide { side, beta }: OnSide) -> Departure {
     let going = if side == Side::Above { Propagation::Up } else { Propagation::Down };
-    (Departure { beta, going }, Scattered::exactly(sample.density))
+    Departure { beta, going }
 }
 
 fn arriving(Arrival { beta, going, .. }: Arrival) -> OnSide {

@@ -159,6 +159,12 @@ impl<'a> Walk<'a> {
         of_paths.min(images.rarest())
     }
 
+    /// Returns true if the error is smallest for numbers of paths that are powers of two, so that runs should double them: the
+    /// tracers of panels take all their decisions from one low-discrepancy set.
+    pub fn prefers_powers_of_two(&self) -> bool {
+        !matches!(self.kind, Kind::Layered(..))
+    }
+
     /// Returns an empty replicate, to be filled by [`Self::trace`].
     pub fn replicate(&self) -> Replicate {
         let tally = match &self.kind {
@@ -171,8 +177,18 @@ impl<'a> Walk<'a> {
         Replicate { paths: 0, tally }
     }
 
+    /// Returns the number of paths that are traced together, a power of two: calls of [`Self::trace`] with fewer have more
+    /// noise.
+    pub fn batch(&self) -> u64 {
+        match &self.kind {
+            Kind::Layered(layered, _) => layered.batch_size(),
+            Kind::Bare(..) | Kind::Diffused(..) => 1,
+        }
+    }
+
     /// Traces `count` further paths of a replicate. The result depends only on the random numbers and the
-    /// total number of paths, not on how the paths are divided among calls.
+    /// total number of paths; for layers in any order, whose paths are traced in batches, also on how the paths are divided
+    /// among calls, unless each call ends at a multiple of [`Self::batch`].
     pub fn trace(&self, replicate: &mut Replicate, numbers: &SampleStream, count: u64) {
         let paths = replicate.paths..replicate.paths + count;
         let of = |path| PathNumbers::new(numbers, path);
@@ -187,7 +203,7 @@ impl<'a> Walk<'a> {
             }
             (Kind::Layered(layered, images), Accumulator::Layered(tally, sums)) => {
                 images.paths(paths.clone().map(of), sums);
-                paths.map(of).for_each(|path| layered.path(&path, tally));
+                layered.paths(numbers, paths, tally);
             }
             // A replicate of another solver: its sums have no meaning here.
             _ => debug_assert!(false, "a replicate belongs to the walk that made it"),

@@ -237,7 +237,7 @@ fn level_differences_estimate_errors_and_decrease() {
             for (level, most) in [(0, 1e-3), (1, 1e-4), (2, if angles { 3e-5 } else { 1e-5 })] {
                 assert!(error(level) < most, "{name}, source {source}: {values:?}");
             }
-            let times = error_over_difference(&Stack::Panel(stack.clone()));
+            let times = error_over_difference(&Stack::Panel(stack.clone()), &lights());
             let claimed = times * (values[0] - values[1]).abs() / values[3].abs().max(1e-12);
             assert!(error(1) < 0.3 * claimed + 3e-6, "{name}, source {source}: {values:?}");
         }

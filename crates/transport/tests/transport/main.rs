@@ -19,4 +19,5 @@ mod layers;
 mod narrow_lobes;
 mod reflecting;
 mod scatter_faces;
+
 mod strategies;

@@ -104,6 +104,39 @@ fn tabulated_lobe_equals_formula() {
     }
 }
 
+/// A kernel that was used for other lamps, views and bases gives the same results as a new one, to the bit.
+#[test]
+fn reused_kernel_is_bit_identical_to_new_one() {
+    let all = [view(8.0), view(20.0), view(35.0)];
+    let lamps = |theta: &[f64]| -> Vec<Source> {
+        theta.iter().map(|theta| beam(*theta, 0.0)).chain([Source::Diffuse]).collect()
+    };
+    for (name, whole) in displays() {
+        let Stack::Layered(mut other) = whole.clone() else { continue };
+        other.base = mirror(0.2);
+        let other = Stack::Layered(other);
+        let mut kept = Kernel::new(0);
+        kept.prepare(&whole, &all, &lamps(&[50.0]));
+        // More views than lamps, fewer, another base.
+        let next = [
+            (&whole, &all[..], lamps(&[41.0])),
+            (&whole, &all[1..], lamps(&[41.0])),
+            (&whole, &all[..], lamps(&[41.0, 30.0, -20.0, 62.0])),
+            (&other, &all[..], lamps(&[41.0, 30.0, -20.0, 5.0])),
+            (&whole, &all[..], lamps(&[-33.0])),
+        ];
+        for (number, (stack, views, sources)) in next.into_iter().enumerate() {
+            kept.prepare(stack, views, &sources);
+            let mut fresh = Kernel::new(0);
+            fresh.prepare(stack, views, &sources);
+            for view in 0..views.len() {
+                let [kept, fresh] = [&kept, &fresh].map(|kernel| kernel.estimate(stack, view));
+                assert_eq!(kept, fresh, "{name} {number}");
+            }
+        }
+    }
+}
+
 /// A constant table transmits light like a Lambertian diffuser.
 #[test]
 fn constant_table_is_lambertian() {

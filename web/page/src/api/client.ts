@@ -76,8 +76,14 @@ export interface Work {
 /** First answers are coarse and fast. */
 export type Accuracy = "first" | "exact";
 
-export const live = (work: Work, edits: readonly Edit[], accuracy: Accuracy, signal: AbortSignal): Promise<Live> =>
-  post("live", { ...work, edits, accuracy }, signal);
+/** Requests a result; of one view alone if `view` is its number. */
+export const live = (
+  work: Work,
+  edits: readonly Edit[],
+  accuracy: Accuracy,
+  view: number | null,
+  signal: AbortSignal,
+): Promise<Live> => post("live", { ...work, edits, accuracy, view }, signal);
 
 export const schema = (): Promise<unknown> => get("schema");
 export const list = (what: "presets" | "examples"): Promise<Named[]> => get(what);

@@ -1,10 +1,16 @@
 // The choice of the view, if the viewer has several.
 
 import { degrees } from "../model/format.ts";
-import { result, showView, view, viewIndex } from "../state/design.ts";
+import { answer, isViewKnown, showView, view, viewIndex } from "../state/design.ts";
+import { kick } from "../state/live.ts";
+
+function choose(index: number): void {
+  showView(index);
+  if (!isViewKnown()) kick();
+}
 
 export function Views() {
-  const all = result.value?.views ?? [];
+  const all = answer.value?.views ?? [];
   const now = view.value;
   if (!now) return null;
   const name = (theta: number, phi: number) => `${degrees(theta)}${phi === 0 ? "" : `, azimuth ${degrees(phi)}`}`;
@@ -12,11 +18,7 @@ export function Views() {
   return (
     <p class="views">
       <label for="view">seen from</label>{" "}
-      <select
-        id="view"
-        value={String(viewIndex.value)}
-        onChange={(event) => showView(Number(event.currentTarget.value))}
-      >
+      <select id="view" value={String(viewIndex.value)} onChange={(event) => choose(Number(event.currentTarget.value))}>
         {all.map((one, i) => (
           <option key={i} value={String(i)}>
             {name(one.theta_deg, one.phi_deg)}

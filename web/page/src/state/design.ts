@@ -42,9 +42,11 @@ export const title = computed(() => opening.value || (textAt(fields.value, "titl
 export const selected = signal("display.diffuser");
 /** The index of the view that is shown. */
 const wantedView = signal(0);
-export const viewIndex = computed(() => Math.min(wantedView.value, (result.value?.views.length ?? 1) - 1));
+export const viewIndex = computed(() => Math.min(wantedView.value, (answer.value?.views.length ?? 1) - 1));
 export const showView = (index: number): void => void (wantedView.value = index);
-export const view = computed(() => result.value?.views[viewIndex.value] ?? null);
+/** Whether the result contains the selected view: one of a single view may be that of another. */
+export const isViewKnown = (): boolean => answer.value?.view == null || answer.value.view === viewIndex.value;
+export const view = computed(() => result.value?.views[answer.value?.view == null ? viewIndex.value : 0] ?? null);
 
 /** The states of the shown view, in the order of the result. */
 export const states = computed(() => Object.entries(view.value?.states ?? {}));

@@ -1,15 +1,15 @@
 // The live result of the current design. One request is in progress at a time, and only the newest values wait for it. A
 // slow request is cancelled as soon as newer values wait; the server then stops its computation.
 //
-// A change is answered twice: with a first answer, which is coarse and has its error, and with the exact one as soon as
-// nothing has changed for a moment. A new change cancels the exact one. The server answers exactly at once if that
-// takes little work.
+// A change is answered in steps: with a first answer of the view that is shown, which is coarse and has its error; with the
+// exact one of this view as soon as nothing has changed for a moment; and then with all views. A new change cancels the
+// later ones. The server answers exactly at once if that takes little work.
 
 import { batch } from "@preact/signals";
 
 import * as api from "../api/client.ts";
 import type { Edit, Live } from "../api/types.ts";
-import { answer, busy, draft, draftName, held, opening, pending, problems, text } from "./design.ts";
+import { answer, busy, draft, draftName, held, opening, pending, problems, text, viewIndex } from "./design.ts";
 import { merged } from "./edits.ts";
 import { fileIds, sendAgain } from "./files.ts";
 import { said } from "./said.ts";
@@ -38,8 +38,10 @@ let lastTook = 0;
 export const isUnanswered = (): boolean => gone.value;
 /** The edits of the last refused request. */
 let refused: readonly Edit[] = [];
-let flight: { abort: AbortController; since: number; accuracy: api.Accuracy } | null = null;
-/** The timer of the request for the exact answer. */
+/** The answers to a change, in turn: the view that is shown, coarsely and exactly; all views, exactly. */
+type Step = "first" | "exact" | "all";
+let flight: { abort: AbortController; since: number; step: Step } | null = null;
+/** The timer of the request for the next answer. */
 let rest: ReturnType<typeof setTimeout> | undefined;
 
 /** Changes keys; `name` is the gesture, which is one undo step. */
@@ -140,37 +142,41 @@ export function kick(): void {
 const patience = (): number => Math.max(PATIENCE_MS, 2 * lastTook);
 
 /** Whether a request is cancelled for newer values: an exact answer of older values is of no use. */
-const isLate = ({ since, accuracy }: { since: number; accuracy: api.Accuracy }): boolean =>
-  accuracy === "exact" || performance.now() - since > patience();
+const isLate = ({ since, step }: { since: number; step: Step }): boolean =>
+  step !== "first" || performance.now() - since > patience();
 
-async function run(accuracy: api.Accuracy): Promise<void> {
+async function run(step: Step): Promise<void> {
   try {
     do {
       dirty = false;
-      await once(accuracy);
-      accuracy = "first";
+      await once(step);
+      step = "first";
     } while (dirty);
   } finally {
     running = null;
-    if (isCoarse()) rest = setTimeout(refine, REST_MS);
+    if (next() && problems.value.length === 0) rest = setTimeout(refine, REST_MS);
   }
 }
 
-/** Whether the shown result is a first answer of the current design. */
-const isCoarse = (): boolean => answer.value?.is_final === false && !isWaiting();
-
-/** Requests the exact answer of the design that is shown. */
-function refine(): void {
-  clearTimeout(rest);
-  if (!running && isCoarse()) running = run("exact");
+/** Returns the next answer of the design that is shown; null if all is known. */
+function next(): Step | null {
+  if (!answer.value || isWaiting()) return null;
+  if (!answer.value.is_final) return "exact";
+  return answer.value.view === null ? null : "all";
 }
 
-/** Waits until the result is exact, before it is saved or pinned; returns false if it cannot be computed. */
+/** Requests the next answer. */
+function refine(step = next()): void {
+  clearTimeout(rest);
+  if (!running && step) running = run(step);
+}
+
+/** Waits until all is exact, before it is saved or pinned; returns false if it cannot be computed. */
 export async function exact(): Promise<boolean> {
   if (!(await settled())) return false;
-  refine();
+  if (next()) refine("all");
   while (running) await running;
-  return !isCoarse();
+  return next() === null;
 }
 
 /** Takes over a result, whose text contains the edits that were sent. */
@@ -188,19 +194,21 @@ export function adopt(live: Live, sent: readonly Edit[], name: string): void {
 
 awaitServer(() => kick());
 
-async function once(accuracy: api.Accuracy): Promise<void> {
+async function once(step: Step): Promise<void> {
   const sent = pending.value;
   const base = draft.value;
   const name = gesture;
   const abort = new AbortController();
   const since = performance.now();
-  flight = { abort, since, accuracy };
-  const slow = setTimeout(() => (busy.value = true), SHOWN_MS);
+  flight = { abort, since, step };
+  // The view that is shown does not wait for the others.
+  const slow = setTimeout(() => (busy.value = step !== "all"), SHOWN_MS);
   const impatient = setTimeout(() => dirty && abort.abort(), patience());
   try {
     const work = { scenario: base ?? text.value, files: fileIds.value };
-    const live = await api.live(work, sent, accuracy, abort.signal);
-    if (accuracy === "first") lastTook = performance.now() - since;
+    const [accuracy, view] = [step === "first" ? step : "exact", step === "all" ? null : viewIndex.value] as const;
+    const live = await api.live(work, sent, accuracy, view, abort.signal);
+    if (step === "first") lastTook = performance.now() - since;
     gone.value = false;
     if (draft.value === base) adopt(live, sent, name);
   } catch (why) {

@@ -33,7 +33,7 @@ export async function pin(): Promise<boolean> {
 export async function repin(scenario: string): Promise<void> {
   try {
     const work = { scenario, files: fileIds.value };
-    const { fields, result } = await live(work, [], "exact", new AbortController().signal);
+    const { fields, result } = await live(work, [], "exact", null, new AbortController().signal);
     pinned.value = { title: textAt(fields as Json, "title") ?? "Untitled", text: scenario, result };
   } catch {
     // A design that can no longer be computed is not pinned.

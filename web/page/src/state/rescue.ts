@@ -31,7 +31,8 @@ export async function computeByMonteCarlo(): Promise<void> {
     const { result, fields, seconds } = data as Pick<Live, "result" | "fields"> & { seconds: number };
     const { warnings, solver } = result;
     const accuracy = { is_final: true, relative_error: solver.relative_error_reached };
+    const all = { views: result.views.map(({ theta_deg, phi_deg }) => ({ theta_deg, phi_deg })), view: null };
     const unknown = { preset: null, lobes: [] };
-    adopt({ scenario, fields, result, warnings, ...accuracy, ...unknown, cost_ms: 1e3 * seconds }, sent, "");
+    adopt({ scenario, fields, result, warnings, ...all, ...accuracy, ...unknown, cost_ms: 1e3 * seconds }, sent, "");
   });
 }

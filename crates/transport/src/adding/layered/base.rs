@@ -319,9 +319,26 @@ impl Above {
         rising.column_mut(column).copy_from_slice(right.column(0));
     }
 
+    /// Returns the scattered light that rises, times the kernels towards each of these extra nodes, `[column, node]`:
+    /// of light that leaves, and of light that is reflected once more.
+    pub(super) fn scattered_to(&self, rising: &Rising, extras: &[usize]) -> [Matrix; 2] {
+        [&self.down, &self.below_extras].map(|kernel| {
+            let mut sums = Matrix::zeros(rising.beam.len(), extras.len());
+            sums.add_transposed_product(&rising.scattered, &kernel.some_columns(extras), 1.0);
+            sums
+        })
+    }
+
     /// Returns the kernel of the whole display between a view's extra node and a light, by column: the beam
-    /// entered at one of them and leaves at `to`, the other.
-    pub(super) fn leaves(&self, rising: &Rising, pair: (usize, usize), to: usize, base: &Matrix) -> Vec<f64> {
+    /// entered at one of them and leaves at `to`, the other; `sums` are those of [`Self::scattered_to`].
+    pub(super) fn leaves(
+        &self,
+        rising: &Rising,
+        [down, below]: [&[f64]; 2],
+        pair: (usize, usize),
+        to: usize,
+        base: &Matrix,
+    ) -> Vec<f64> {
         let n = self.carried;
         let (mut there, mut back) = (self.from_light[pair], self.to_light[pair]);
         if to == pair.0 && to != rising.extra {
@@ -329,15 +346,8 @@ impl Above {
         }
         let one = |c: usize| {
             let beam = rising.beam[c];
-            let mut out = there * beam;
-            let mut back = back + self.below_light[pair] * beam;
-            if n > 0 {
-                let ways = self.down.column(to).iter().zip(self.below_extras.column(to));
-                for (rising, (down, below)) in rising.scattered.column(c).iter().zip(ways) {
-                    out += down * rising;
-                    back += below * rising;
-                }
-            }
+            let out = there * beam + down[c];
+            let back = back + self.below_light[pair] * beam + below[c];
             let trips = round_trips(base[(n + to, c)], self.below_straight[n + to]);
             out + self.down_straight[n + to] * trips * back
         };
@@ -386,6 +396,11 @@ impl Rising {
     /// Returns the extra node of the beam.
     pub(super) fn extra(&self) -> usize {
         self.extra
+    }
+
+    /// Returns the number of columns.
+    pub(super) fn columns(&self) -> usize {
+        self.beam.len()
     }
 
     /// Returns the total of a functional, by column: `share` is its value for unit light at each node that

@@ -6,9 +6,10 @@
 //! are followed from whichever side has fewer directions.
 
 use std::f64::consts::PI;
+use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use super::base::Above;
+use super::base::{Above, Rising};
 use super::columns::{BaseColumns, Columns};
 use super::diffuse_response::DiffuseResponse;
 use super::directions::{Directions, Ray, extras};
@@ -24,6 +25,19 @@ pub(super) struct BeamResponse {
     /// Reflectance factors of beams, by view and source.
     beams: Vec<Vec<ReflectanceFactor>>,
     families: Vec<Followed>,
+    /// Responses to diffuse light of the same layers over the same base, for views before.
+    known: Vec<Seen>,
+}
+
+/// Responses of the views to diffuse light, and their ledgers, in a family.
+#[derive(Debug, Clone, Default)]
+struct Seen {
+    /// Wavelengths of each group.
+    bins: Vec<Vec<usize>>,
+    /// `|beta|` of the views' extra nodes.
+    beta: Vec<f64>,
+    /// `[group][view]`.
+    groups: Vec<Vec<Arc<DiffuseResponse>>>,
 }
 
 /// Data of a family of groups of wavelengths.
@@ -34,8 +48,9 @@ pub(super) struct Followed {
     /// Extra nodes of the views, ascending, and of the lights.
     views: Vec<usize>,
     lights: Vec<usize>,
-    /// Response to diffuse light and ledger, `[group][view]`.
-    seen: Vec<Vec<DiffuseResponse>>,
+    seen: Seen,
+    /// The same of the layers and the base before.
+    known: Seen,
     /// Largest densities found so far, `[group][beam][column]`.
     floors: Vec<Vec<Vec<f64>>>,
 }
@@ -54,7 +69,16 @@ impl BeamResponse {
         let (states, bins) = (stack.base.states(), stack.base.bins());
         let zeros = || ReflectanceFactor { via_pixel: vec![0.0; states * bins], front: vec![0.0; bins] };
         let beams = directions.views.iter().map(|_| directions.sources.iter().map(|_| zeros()).collect());
-        Self { base: stack.base.clone(), beams: beams.collect(), families: Vec::new() }
+        Self { base: stack.base.clone(), beams: beams.collect(), families: Vec::new(), known: Vec::new() }
+    }
+
+    /// Takes over what `before`, a response of the same layers, knows of this base: diffuse light and ledgers depend on
+    /// no source.
+    pub(super) fn knowing(mut self, before: &Self) -> Self {
+        if before.base == self.base {
+            self.known = before.families.iter().map(|family| family.seen.clone()).collect();
+        }
+        self
     }
 
     /// Adds an order of the family added last, or the first of a new one.
@@ -70,7 +94,8 @@ impl BeamResponse {
         stop: &AtomicBool,
     ) {
         if order == 0 {
-            self.families.push(Followed::new(stack, directions, groups));
+            let known = self.known.get_mut(self.families.len()).map(std::mem::take).unwrap_or_default();
+            self.families.push(Followed::new(stack, directions, groups, known));
         }
         if let Some(family) = self.families.last_mut() {
             let kernels = family.follow(order, groups, above, tolerance, stop);
@@ -104,7 +129,8 @@ impl BeamResponse {
         for family in &self.families {
             for ray in &directions.views[view] {
                 let number = family.view(ray.extra);
-                for ((columns, bins), seen) in family.columns.iter().zip(&family.bins).zip(&family.seen) {
+                let groups = family.columns.iter().zip(&family.bins).zip(&family.seen.groups);
+                for ((columns, bins), seen) in groups {
                     let Some(seen) = seen.get(number) else { continue };
                     let diffuse = directions.sources.iter().zip(&mut estimate.rho);
                     for (_, rho) in diffuse.filter(|(source, _)| source.is_empty()) {
@@ -125,13 +151,18 @@ impl BeamResponse {
 }
 
 impl Followed {
-    fn new(stack: &Layered, directions: &Directions, groups: &[&Group]) -> Self {
+    fn new(stack: &Layered, directions: &Directions, groups: &[&Group], known: Seen) -> Self {
+        let views = extras(&directions.views);
+        let beta = views.iter().map(|extra| directions.beta[*extra]).collect();
+        let bins: Vec<Vec<usize>> = groups.iter().map(|group| group.bins.clone()).collect();
+        let known = if known.bins == bins { known } else { Seen::default() };
         Self {
-            bins: groups.iter().map(|group| group.bins.clone()).collect(),
             columns: Columns::new(stack, groups),
-            views: extras(&directions.views),
+            views,
             lights: extras(&directions.sources),
-            seen: groups.iter().map(|_| Vec::new()).collect(),
+            seen: Seen { bins: bins.clone(), beta, groups: vec![Vec::new(); groups.len()] },
+            known,
+            bins,
             floors: vec![Vec::new(); groups.len()],
         }
     }
@@ -182,44 +213,94 @@ impl Followed {
         kernels: &mut Kernels,
         stop: &AtomicBool,
     ) {
-        // Order 0 also gives the distribution of the light from the views.
-        let from_views = order == 0 || self.views.len() <= self.lights.len();
-        let (beams, others) =
-            if from_views { (&self.views, &self.lights) } else { (&self.lights, &self.views) };
-        let columns = &self.columns[number];
+        let from_views = self.views.len() <= self.lights.len();
         // Later orders have no nodes with weight.
-        let extras_alone = (above.carried() == 0).then(|| columns.below.rows_from(group.node(0)));
-        let below = extras_alone.as_ref().unwrap_or(&columns.below);
-        if self.floors[number].len() != beams.len() {
-            self.floors[number] = vec![vec![0.0; below.columns()]; beams.len()];
+        let extras_alone =
+            (above.carried() == 0).then(|| self.columns[number].below.rows_from(group.node(0)));
+        if order == 0 && !from_views {
+            for view in 0..self.views.len() {
+                if stop.load(Ordering::Relaxed) {
+                    return;
+                }
+                self.see(view, (number, group), above, tolerance, None);
+            }
         }
-        for (beam, (extra, floor)) in beams.iter().zip(&mut self.floors[number]).enumerate() {
+        let beams = if from_views { self.views.clone() } else { self.lights.clone() };
+        let mut floors = std::mem::take(&mut self.floors[number]);
+        for (beam, extra) in beams.iter().enumerate() {
             if stop.load(Ordering::Relaxed) {
                 return;
             }
-            let rising = above.rise(*extra, below, tolerance, floor);
-            if order == 0 {
-                self.seen[number].push(DiffuseResponse::new(group, columns, above, &rising));
+            let below = extras_alone.as_ref().unwrap_or(&self.columns[number].below);
+            floors.resize_with(beams.len(), || vec![0.0; below.columns()]);
+            let rising = above.rise(*extra, below, tolerance, &mut floors[beam]);
+            if order == 0 && from_views {
+                self.see(beam, (number, group), above, tolerance, Some(&rising));
             }
-            for (other, to) in others.iter().enumerate() {
-                let (view, light) = if from_views { (beam, other) } else { (other, beam) };
-                let mut kernel = above.leaves(&rising, (self.views[view], light), *to, below);
-                let dark = kernel.pop().unwrap_or(0.0);
-                let pair = view * self.lights.len() + light;
-                let front = above.front(self.views[view], light) + dark;
-                kernels.front.column_mut(pair)[first.1..][..group.bins.len()].fill(front);
-                let column = &mut kernels.base.column_mut(pair)[first.0..][..columns.len()];
-                match &columns.base {
-                    BaseColumns::Specular(_) => {
-                        column.iter_mut().zip(&kernel).for_each(|(x, value)| *x = value - dark);
-                    }
-                    BaseColumns::Lambertian(_) if order == 0 => {
-                        let seen = &self.seen[number][view];
-                        let by_base = seen.by_way_of_base(group, self.lights[light]);
-                        column.iter_mut().zip(by_base).for_each(|(x, value)| *x = value);
-                    }
-                    BaseColumns::Lambertian(_) => {}
+            let below = extras_alone.as_ref().unwrap_or(&self.columns[number].below);
+            self.pass_on(order, (number, group), (above, below), (from_views, beam), &rising, first, kernels);
+        }
+        self.floors[number] = floors;
+    }
+
+    /// Adds the response of a view to diffuse light, unless it is known; `rising` is the light of its beam, if that
+    /// has been followed.
+    fn see(
+        &mut self,
+        view: usize,
+        (number, group): (usize, &Group),
+        above: &Above,
+        tolerance: f64,
+        rising: Option<&Rising>,
+    ) {
+        let known = self.known.beta.iter().position(|beta| *beta == self.seen.beta[view]);
+        let known = known.and_then(|view| self.known.groups.get(number)?.get(view));
+        let response = known.map(Arc::clone).unwrap_or_else(|| {
+            let columns = &self.columns[number];
+            let new = |rising: &Rising| Arc::new(DiffuseResponse::new(group, columns, above, rising));
+            rising.map(new).unwrap_or_else(|| {
+                let mut floor = vec![0.0; columns.below.columns()];
+                new(&above.rise(self.views[view], &columns.below, tolerance, &mut floor))
+            })
+        });
+        self.seen.groups[number].push(response);
+    }
+
+    /// Adds the light of a beam that leaves the display to the kernels.
+    #[allow(clippy::too_many_arguments, reason = "a beam, and where its light goes")]
+    fn pass_on(
+        &self,
+        order: usize,
+        (number, group): (usize, &Group),
+        (above, below): (&Above, &Matrix),
+        (from_views, beam): (bool, usize),
+        rising: &Rising,
+        first: (usize, usize),
+        kernels: &mut Kernels,
+    ) {
+        let columns = &self.columns[number];
+        let others = if from_views { &self.lights } else { &self.views };
+        let scattered = above.scattered_to(rising, others);
+        for (other, to) in others.iter().enumerate() {
+            let (view, light) = if from_views { (beam, other) } else { (other, beam) };
+            let pair = (self.views[view], light);
+            let sums = scattered.each_ref().map(|sums| sums.column(other));
+            let mut kernel = above.leaves(rising, sums, pair, *to, below);
+            let dark = kernel.pop().unwrap_or(0.0);
+            let front = above.front(self.views[view], light) + dark;
+            let pair = self.pair(view, light);
+            kernels.front.column_mut(pair)[first.1..][..group.bins.len()].fill(front);
+            let column = &mut kernels.base.column_mut(pair)[first.0..][..columns.len()];
+            match &columns.base {
+                BaseColumns::Specular(_) => {
+                    column.iter_mut().zip(&kernel).for_each(|(x, value)| *x = value - dark);
                 }
+                BaseColumns::Lambertian(_) if order == 0 => {
+                    let seen = &self.seen.groups[number][view];
+                    let by_base = seen.by_way_of_base(group, self.lights[light]);
+                    column.iter_mut().zip(by_base).for_each(|(x, value)| *x = value);
+                }
+                BaseColumns::Lambertian(_) => {}
             }
         }
     }

@@ -58,12 +58,21 @@ impl DiffuseResponse {
         let reflectance = |i: usize, c: usize| if c < columns.len() { base[(i, c)] } else { 0.0 };
         let arrival = |i: usize, c: usize| arrives(lower.flats[i], reflectance(i, c));
         let mut in_flats = vec![0.0; columns.len()];
+        let absorbs = |share: &[f64]| share.iter().any(|share| *share != 0.0);
+        let none = || vec![0.0; rising.columns()];
         let layers = std::array::from_fn(|place| {
             let [from_above, from_below] = lower.absorbed.each_ref().map(|places| &places[place]);
-            let upper = rising.total(&shares.scale, |i, _| shares.absorbed[1][place][i]);
-            let lower = falling.total(&shares.scale, |i, c| {
-                from_above[i] + arrival(i, c) * reflectance(i, c) * from_below[i]
-            });
+            let in_upper = &shares.absorbed[1][place];
+            let upper = match absorbs(in_upper) {
+                true => rising.total(&shares.scale, |i, _| in_upper[i]),
+                false => none(),
+            };
+            let lower = match absorbs(from_above) || absorbs(from_below) {
+                true => falling.total(&shares.scale, |i, c| {
+                    from_above[i] + arrival(i, c) * reflectance(i, c) * from_below[i]
+                }),
+                false => none(),
+            };
             in_flats.iter_mut().zip(&lower).for_each(|(sum, lower)| *sum += lower);
             let first = shares.absorbed[0][place][node];
             (0..columns.len()).map(|c| first + upper[c] + lower[c]).collect()

@@ -1,20 +1,25 @@
 //! Azimuthal orders of diffusers' lobes on a grid.
 //!
-//! Order m of the k-correlation lobe `b/(2 pi) (b^2 + |beta_o - beta_i|^2)^(-3/2)` is
-//! `b/(2 pi) (2 beta_i beta_o)^(-3/2) g_m(chi)`, with g_m the Fourier coefficients of
-//! `(chi - cos phi)^(-3/2)` and `chi = (b^2 + beta_i^2 + beta_o^2)/(2 beta_i beta_o)`. They obey
-//! `(k + 1/2) g_{k-1} - 2 chi k g_k + (k - 1/2) g_{k+1} = 0`, which is stable downwards (Miller): it gives
-//! the ratios, and g_0 is a complete elliptic integral.
+//! Those of the k-correlation lobe follow from order 0, a complete elliptic integral, by a recurrence that is run
+//! backwards, for several nodes at once ([`side_by_side`]). It begins beyond the orders that are wanted, and all orders
+//! below come with them: batches of orders grow with their number, so that all of them take little more than the last.
 
 use std::f64::consts::PI;
 
 use papilio_optics::lobe::Lobe;
 
+use papilio_optics::with_widest_simd;
+
 use super::grid::Grid;
 use super::matrix::Matrix;
+use crate::adding::panel::lobes::{LANES, side_by_side};
 
-/// Number of orders that are computed together.
-const BATCH: usize = 16;
+/// Least number of orders that are computed together.
+const LEAST_BATCH: usize = 16;
+/// Size in bytes above which no more are.
+const MOST_BYTES: usize = 32 << 20;
+/// Natural digits by which the error at the start of the recurrence decreases before the last order.
+const DIGITS: f64 = 20.0;
 
 /// Orders of a lobe's kernel on a grid, scaled, for any two nodes; orders are requested in ascending
 /// sequence.
@@ -54,84 +59,49 @@ impl LobeOrders {
                 let inside = |i: usize| if grid.beta[i] <= self.disc { grid.scale[i] } else { 0.0 };
                 self.batch = vec![Matrix::from_fn(len, len, |i, j| inside(i) * inside(j) / area)];
             }
-            Lobe::KCorrelation { width } => {
-                self.batch = vec![Matrix::zeros(len, len); BATCH];
-                let mut orders = [0.0; BATCH];
-                for j in 0..len {
-                    for i in 0..=j {
-                        k_correlation(width, grid.beta[i], grid.beta[j], first, &mut orders);
-                        let scale = grid.scale[i] * grid.scale[j];
-                        for (kernel, value) in self.batch.iter_mut().zip(orders) {
-                            kernel[(i, j)] = scale * value;
-                            kernel[(j, i)] = scale * value;
+            Lobe::KCorrelation { width } => self.batch = k_correlation(width, first, grid),
+        }
+    }
+}
+
+/// Computes some orders of the k-correlation lobe, from number `first` on.
+fn k_correlation(width: f64, first: usize, grid: &Grid) -> Vec<Matrix> {
+    let len = grid.len();
+    // Those before are computed again.
+    let fits = MOST_BYTES / (8 * len * len).max(1);
+    let count = first + first.clamp(LEAST_BATCH, fits.max(LEAST_BATCH));
+    let farthest = grid.beta.iter().copied().fold(0.0, f64::max);
+    // Successive orders decrease by this in the logarithm, or more.
+    let decay = 2.0 * (0.5 * width / farthest.max(width)).asinh();
+    // The same for all nodes, so that values do not depend on the other nodes.
+    let from = count + (0.5 * DIGITS / decay).ceil() as usize;
+    let mut batch = vec![Matrix::zeros(len, len); count - first];
+    let mut ratios = Vec::new();
+    with_widest_simd(
+        #[inline(always)]
+        || {
+            for j in 0..len {
+                for start in (0..=j).step_by(LANES) {
+                    let nodes = start..(start + LANES).min(j + 1);
+                    let radii = std::array::from_fn(|k| grid.beta[(start + k).min(j)]);
+                    let begins = (count, Some(from));
+                    side_by_side(width, grid.beta[j], radii, begins, &mut ratios, |m, values| {
+                        if m < first {
+                            return;
                         }
-                    }
+                        let column = &mut batch[m - first].column_mut(j)[nodes.clone()];
+                        for ((out, value), scale) in
+                            column.iter_mut().zip(values).zip(&grid.scale[nodes.clone()])
+                        {
+                            *out = grid.scale[j] * scale * value;
+                        }
+                    });
                 }
             }
-        }
-    }
-}
-
-/// Computes orders from `first` on of the k-correlation lobe between two directions.
-fn k_correlation(width: f64, beta_i: f64, beta_o: f64, first: usize, out: &mut [f64]) {
-    // chi - 1, free of cancellation, and the limit of the ratio of successive orders.
-    let near = width * width + (beta_i - beta_o) * (beta_i - beta_o);
-    let both = 2.0 * beta_i * beta_o;
-    out.fill(0.0);
-    if both < 1e-12 * near {
-        if first == 0 {
-            out[0] = width / (2.0 * PI * near * near.sqrt());
-        }
-        return;
-    }
-    let excess = near / both;
-    let chi = 1.0 + excess;
-    let far_ratio = 1.0 / (chi + (excess * (excess + 2.0)).sqrt());
-    let last = first + out.len();
-    // An error in the first ratio decreases by far_ratio^2 with each step.
-    let start = last + (20.0 / -far_ratio.ln()).ceil().min(4e5) as usize;
-    let mut ratio = far_ratio;
-    let mut product = zeroth(width, near, both);
-    let mut log_scale = 0.0;
-    for k in (1..=start).rev() {
-        let k_float = k as f64;
-        ratio = (k_float + 0.5) / (2.0 * chi * k_float - (k_float - 0.5) * ratio);
-        if (first + 1..last).contains(&k) {
-            out[k - first] = ratio;
-        } else if k <= first {
-            log_scale += ratio.ln();
-        }
-    }
-    product *= log_scale.exp();
-    out[0] = 1.0;
-    for value in out.iter_mut() {
-        product *= *value;
-        *value = product;
-    }
-}
-
-/// Returns order 0: `b/(2 pi) 4 E(k) / (2 pi (A - C) sqrt(A + C))`, `k^2 = 2 C/(A + C)`, with `near` = A - C
-/// and `both` = C.
-fn zeroth(width: f64, near: f64, both: f64) -> f64 {
-    let far = near + 2.0 * both;
-    width / (PI * PI) * elliptic_e((near / far).sqrt()) / (near * far.sqrt())
-}
-
-/// Returns the complete elliptic integral of the second kind by the arithmetic-geometric mean, from the
-/// complementary modulus k'.
-fn elliptic_e(k_prime: f64) -> f64 {
-    let (mut a, mut b, mut power) = (1.0_f64, k_prime, 0.5);
-    let mut sum = 0.5 * (1.0 - k_prime * k_prime);
-    for _ in 0..12 {
-        let c = 0.5 * (a - b);
-        (a, b) = (0.5 * (a + b), (a * b).sqrt());
-        power *= 2.0;
-        sum += power * c * c;
-        if c < 1e-9 {
-            break;
-        }
-    }
-    PI / (2.0 * a) * (1.0 - sum)
+        },
+    );
+    batch.iter_mut().for_each(Matrix::mirror_upper);
+    batch
 }
 
 #[cfg(test)]
@@ -155,13 +125,13 @@ mod tests {
                     .sum::<f64>()
                     / f64::from(steps)
             };
+            let grid = Grid { beta: vec![a, 1.3, b], scale: vec![1.0; 3], regular: 0 };
+            let mut orders = LobeOrders::new(lobe, 1.0);
             let scale = mean(0);
-            for first in [0, 7] {
-                let mut orders = [0.0; BATCH];
-                k_correlation(width, a, b, first, &mut orders);
-                for (k, order) in orders.iter().enumerate() {
-                    let expected = mean(first + k);
-                    assert!((order - expected).abs() < 1e-11 * scale, "{width} {a} {b} {}", first + k);
+            for order in 0..40 {
+                let (found, expected) = (orders.order(order, &grid).unwrap(), mean(order));
+                for found in [found[(0, 2)], found[(2, 0)]] {
+                    assert!((found - expected).abs() < 1e-11 * scale, "{width} {a} {b} {order}: {found}");
                 }
             }
         }

@@ -5,6 +5,7 @@ use std::ops::{Index, IndexMut};
 use faer::linalg::matmul::matmul;
 use faer::linalg::solvers::{PartialPivLu, Solve};
 use faer::{Accum, MatMut, MatRef, Par};
+use papilio_optics::clear_wide_registers;
 
 /// A dense matrix.
 #[derive(Debug, Clone, PartialEq)]
@@ -71,6 +72,15 @@ impl Matrix {
         Self::from_fn(self.columns, self.rows, |i, j| self[(j, i)])
     }
 
+    /// Copies the elements above the diagonal to their places below it.
+    pub(super) fn mirror_upper(&mut self) {
+        for j in 0..self.columns {
+            for i in 0..j {
+                self[(j, i)] = self[(i, j)];
+            }
+        }
+    }
+
     /// Returns `factor` times all elements.
     pub(super) fn scaled(mut self, factor: f64) -> Self {
         self.values.iter_mut().for_each(|value| *value *= factor);
@@ -92,7 +102,7 @@ impl Matrix {
     pub(super) fn add_product(&mut self, left: &Self, right: &Self, inner: usize) {
         if inner > 0 && !self.values.is_empty() {
             let (left, right) = (left.view().subcols(0, inner), right.view().subrows(0, inner));
-            matmul(self.view_mut(), Accum::Add, left, right, 1.0, Par::Seq);
+            add(self.view_mut(), left, right, 1.0);
         }
     }
 
@@ -101,7 +111,7 @@ impl Matrix {
     pub(super) fn add_product_of_rows(&mut self, left: &Self, first: usize, right: &Self, inner: usize) {
         if inner > 0 && !self.values.is_empty() {
             let left = left.view().submatrix(first, 0, self.rows, inner);
-            matmul(self.view_mut(), Accum::Add, left, right.view().subrows(0, inner), 1.0, Par::Seq);
+            add(self.view_mut(), left, right.view().subrows(0, inner), 1.0);
         }
     }
 
@@ -110,7 +120,7 @@ impl Matrix {
     pub(super) fn add_scaled_product(&mut self, left: &Self, right: &Self, factor: f64) {
         if right.rows > 0 && !self.values.is_empty() {
             let left = left.view().submatrix(0, 0, self.rows, right.rows);
-            matmul(self.view_mut(), Accum::Add, left, right.view(), factor, Par::Seq);
+            add(self.view_mut(), left, right.view(), factor);
         }
     }
 
@@ -119,7 +129,7 @@ impl Matrix {
     pub(super) fn add_transposed_product(&mut self, left: &Self, right: &Self, factor: f64) {
         if right.rows > 0 && !self.values.is_empty() {
             let left = left.view().submatrix(0, 0, right.rows, self.rows).transpose();
-            matmul(self.view_mut(), Accum::Add, left, right.view(), factor, Par::Seq);
+            add(self.view_mut(), left, right.view(), factor);
         }
     }
 
@@ -143,13 +153,15 @@ impl Matrix {
         if first > 0 && first < self.rows {
             let left = left.view().submatrix(first, 0, self.rows - first, first);
             let (top, bottom) = self.view_mut().split_at_row_mut(first);
-            matmul(bottom, Accum::Add, left, top.as_ref(), -1.0, Par::Seq);
+            add(bottom, left, top.as_ref(), -1.0);
         }
     }
 
     /// Factorises by Gaussian elimination with partial pivoting.
     pub(super) fn factors(&self) -> Factors {
-        Factors(PartialPivLu::new(self.view()))
+        let factors = PartialPivLu::new(self.view());
+        clear_wide_registers();
+        Factors(factors)
     }
 
     fn view(&self) -> MatRef<'_, f64> {
@@ -159,6 +171,12 @@ impl Matrix {
     fn view_mut(&mut self) -> MatMut<'_, f64> {
         MatMut::from_column_major_slice_mut(&mut self.values, self.rows, self.columns)
     }
+}
+
+/// Adds `factor left right`.
+fn add(out: MatMut<'_, f64>, left: MatRef<'_, f64>, right: MatRef<'_, f64>, factor: f64) {
+    matmul(out, Accum::Add, left, right, factor, Par::Seq);
+    clear_wide_registers();
 }
 
 impl AsRef<Factors> for Factors {
@@ -173,6 +191,7 @@ impl Factors {
         let rows = self.0.U().nrows();
         if rows > 0 && right.columns > 0 {
             self.0.solve_in_place(right.view_mut().subrows_mut(0, rows));
+            clear_wide_registers();
         }
     }
 
@@ -185,6 +204,7 @@ impl Factors {
         let rows = self.0.U().nrows();
         if rows > 0 && right.columns > 0 {
             self.0.solve_transpose_in_place(right.view_mut().subrows_mut(0, rows));
+            clear_wide_registers();
         }
     }
 }

@@ -12,6 +12,7 @@
 //!   a few beams; [`matrix`]: their elements;
 //! - [`slab`], [`lobes`], [`rough`]: scatterers; [`elements`]: layers as [`part`]s; [`part`]: combination of
 //!   two parts;
+//! - [`wavelengths`]: those at which a first answer is computed;
 //! - [`azimuth`]: Fourier orders of kernels without a closed series; [`once`]: light that such a kernel
 //!   scatters only once, which needs none;
 //! - [`prepare`]: the layers down to the last scatterer, order by order; [`base`]: the stack closed below
@@ -53,14 +54,16 @@ mod scatter;
 mod scatterers;
 mod single;
 mod slab;
+mod wavelengths;
 
+use std::borrow::Cow;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use super::Narrowest;
 use super::images::{ImagePoints, Mirror, image_points};
 use crate::specular::layered_image;
-use crate::{Cone, Estimate, Layered, Reflector, Source};
+use crate::{Cone, Estimate, Interface, Layer, Layered, Reflector, Source};
 use beam_response::BeamResponse;
 use directions::Directions;
 pub(crate) use elements::{Action, Preparation};
@@ -101,6 +104,8 @@ pub(super) struct Kernel {
     /// Kernels of a base that scatters by kernels.
     pixels: Mutex<Option<Arc<Pixels>>>,
     level: f64,
+    /// Layers for which it is prepared.
+    layers: Vec<Layer>,
     asked: (Vec<Cone>, Vec<Source>),
 }
 
@@ -114,6 +119,7 @@ impl Clone for Kernel {
             last: Mutex::new(self.last().clone()),
             pixels: Mutex::default(),
             level: self.level,
+            layers: self.layers.clone(),
             asked: self.asked.clone(),
         }
     }
@@ -129,6 +135,7 @@ impl Kernel {
             last: Mutex::default(),
             pixels: Mutex::default(),
             level,
+            layers: Vec::new(),
             asked: (Vec::new(), Vec::new()),
         }
     }
@@ -138,7 +145,9 @@ impl Kernel {
         let digits = self.precision.digits;
         // The previous data may be large: they are freed first, but for kernels that other directions share.
         let known = std::mem::take(&mut self.prepared).into_known();
-        self.last = Mutex::default();
+        let before = std::mem::take(&mut self.last).into_inner().unwrap_or_else(PoisonError::into_inner);
+        let before = before.filter(|_| self.layers == stack.layers);
+        self.layers.clone_from(&stack.layers);
         self.pixels = Mutex::default();
         self.asked = (views.to_vec(), sources.to_vec());
         if let Reflector::Scattering(_) = stack.base.reflector {
@@ -149,14 +158,18 @@ impl Kernel {
         // They are valid for any base, whose fringes are not known here.
         self.images =
             views.iter().map(|view| image_points(view, sources, digits, Mirror::Across(0.0))).collect();
-        let (prepared, over) = Prepared::new(stack, &self.directions, &self.precision, &known, stop);
+        let stack = self.coarser(stack);
+        let before = before.as_deref();
+        let (prepared, over) = Prepared::new(&stack, &self.directions, &self.precision, &known, before, stop);
         self.prepared = prepared;
         self.last = Mutex::new(Some(Arc::new(over)));
     }
 
     /// Returns whether its directions are also right over this base.
     pub(super) fn serves(&self, stack: &Layered) -> bool {
-        !stack.base.is_specular() || self.directions.serve(stack, &self.asked.0)
+        !stack.base.is_specular()
+            || (self.directions.serve(stack, &self.asked.0)
+                && self.prepared.wavelengths == wavelengths::computed(stack, self.precision.wavelengths))
     }
 
     pub(super) fn nodes(&self) -> usize {
@@ -175,6 +188,7 @@ impl Kernel {
             return Estimate::default();
         }
         let mut estimate = over.estimate(&self.directions, view);
+        wavelengths::interpolate(stack, &self.prepared.wavelengths, &mut estimate);
         self.add_images(stack, view, &mut estimate);
         estimate
     }
@@ -196,9 +210,26 @@ impl Kernel {
         if let Some(known) = last.as_ref().filter(|known| known.base == stack.base) {
             return Arc::clone(known);
         }
-        let over = Arc::new(self.prepared.over(stack, &self.directions, &self.precision, stop));
+        let stack = self.coarser(stack);
+        let over = Arc::new(self.prepared.over(&stack, &self.directions, &self.precision, stop));
         *last = (!stop.load(Ordering::Relaxed)).then(|| Arc::clone(&over));
         over
+    }
+
+    /// Returns the stack with tables of rough interfaces that are as coarse as the level.
+    fn coarser<'a>(&self, stack: &'a Layered) -> Cow<'a, Layered> {
+        let coarseness = self.precision.coarseness;
+        let is_rough = |layer: &Layer| matches!(layer.interface, Interface::Rough(_));
+        if coarseness == 0 || !stack.layers.iter().any(is_rough) {
+            return Cow::Borrowed(stack);
+        }
+        let mut stack = stack.clone();
+        for layer in &mut stack.layers {
+            if let Interface::Rough(face) = &mut layer.interface {
+                *face = face.coarser(coarseness);
+            }
+        }
+        Cow::Owned(stack)
     }
 
     fn last(&self) -> MutexGuard<'_, Option<Arc<BeamResponse>>> {

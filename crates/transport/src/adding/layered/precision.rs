@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 
 use super::grid::Density;
-use crate::adding::{Narrowest, Narrowness};
+use crate::adding::{FIRST_STEP, Narrowest, Narrowness};
 use crate::layers::LayerKind;
 use crate::{Layered, Medium};
 
@@ -23,10 +23,19 @@ pub(super) struct Precision {
     /// Largest spacing of nodes at a rough interface. Light that microfacets refract along the interface
     /// jumps to zero there: it is resolved only in proportion to the number of nodes.
     jump: f64,
+    /// Largest number of wavelengths over a film, and of different operators; at others, light is interpolated.
+    pub(super) wavelengths: usize,
+    /// Coarseness of tables of rough interfaces.
+    pub(super) coarseness: usize,
 }
+
+/// Wavelengths of the finer level of a first answer; the coarser one has half of them.
+const FIRST_WAVELENGTHS: f64 = 28.0;
 
 impl Precision {
     pub(super) fn new(level: f64) -> Self {
+        // Number of the level of a first answer, counted from level 0.
+        let coarser = (-level / FIRST_STEP).round().max(0.0) as usize;
         Self {
             digits: 5.0 + 2.0 * level,
             nodes: (8.0 + 4.0 * level).max(4.0) as usize,
@@ -34,6 +43,12 @@ impl Precision {
             tolerance: 1e-5 * (-2.0 * level).exp(),
             iteration: 1e-7 * (-2.0 * level).exp(),
             jump: 0.06 * 1.5_f64.powf(-level),
+            wavelengths: if coarser == 0 {
+                usize::MAX
+            } else {
+                (FIRST_WAVELENGTHS * 0.5_f64.powi(coarser as i32 - 1)) as usize
+            },
+            coarseness: coarser,
         }
     }
 

@@ -13,6 +13,7 @@ use super::once::{Once, ScatterMode};
 use super::part::{Absorbed, Part};
 use super::precision::{Precision, density};
 use super::scatterers::{Scattered, Scatterers};
+use super::wavelengths;
 use crate::front::Flat;
 use crate::{Layered, Reflector};
 
@@ -119,6 +120,8 @@ pub(super) struct Prepared {
     kept: bool,
     /// Kernels for the next preparation.
     known: Known,
+    /// The wavelengths that are computed.
+    pub(super) wavelengths: Vec<usize>,
 }
 
 /// Size in bytes above which operators are not stored.
@@ -130,20 +133,25 @@ impl Prepared {
         self.known
     }
 
-    /// Prepares a stack, with the kernels of the preparation before; incomplete if `stop` is set during the
-    /// computation.
+    /// Prepares a stack, with the kernels of the preparation before, and the response `before` if it is that of the
+    /// same layers; incomplete if `stop` is set during the computation.
     pub(super) fn new(
         stack: &Layered,
         directions: &Directions,
         precision: &Precision,
         known: &Known,
+        before: Option<&BeamResponse>,
         stop: &AtomicBool,
     ) -> (Self, BeamResponse) {
         let mut over = BeamResponse::new(stack, directions);
+        if let Some(before) = before {
+            over = over.knowing(before);
+        }
+        let wavelengths = wavelengths::computed(stack, precision.wavelengths);
         let mut prepared =
-            Self { families: Vec::new(), once: Vec::new(), kept: true, known: Known::default() };
+            Self { families: Vec::new(), once: Vec::new(), kept: true, known: Known::default(), wavelengths };
         let mut bytes = 0;
-        for bins in families(stack) {
+        for bins in families(stack, &prepared.wavelengths) {
             let mut add = |order: usize, growing: &mut [Growing<'_>], above: Vec<Option<Above>>| {
                 let groups: Vec<&Group> = growing.iter().map(|one| &one.group).collect();
                 let each: Vec<Option<&Above>> = above.iter().map(Option::as_ref).collect();
@@ -190,7 +198,7 @@ impl Prepared {
         stop: &AtomicBool,
     ) -> BeamResponse {
         if !self.kept {
-            return Self::new(stack, directions, precision, &self.known, stop).1;
+            return Self::new(stack, directions, precision, &self.known, None, stop).1;
         }
         let mut over = BeamResponse::new(stack, directions);
         for (family, once) in self.families.iter().zip(&self.once) {
@@ -207,10 +215,10 @@ impl Prepared {
     }
 }
 
-/// Groups the wavelengths by family and group.
-fn families(stack: &Layered) -> Vec<Vec<Vec<usize>>> {
+/// Groups some wavelengths by family and group.
+fn families(stack: &Layered, wavelengths: &[usize]) -> Vec<Vec<Vec<usize>>> {
     let mut kinds: Vec<(Vec<u64>, Vec<usize>)> = Vec::new();
-    for bin in 0..stack.base.bins() {
+    for &bin in wavelengths {
         let key = optics(stack, bin);
         match kinds.iter_mut().find(|(known, _)| *known == key) {
             Some((_, bins)) => bins.push(bin),
@@ -234,7 +242,7 @@ fn indices(stack: &Layered, bin: usize) -> Vec<f64> {
 }
 
 /// Returns all data on which the layers above the base depend at a wavelength.
-fn optics(stack: &Layered, bin: usize) -> Vec<u64> {
+pub(super) fn optics(stack: &Layered, bin: usize) -> Vec<u64> {
     let mut key = Vec::new();
     stack.elements().for_each(|(kind, _)| kind.spectral_key(bin, &mut key));
     key

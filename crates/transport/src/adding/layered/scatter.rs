@@ -33,8 +33,9 @@ pub(super) struct ScatterOrders {
     later: Vec<Vec<f32>>,
     /// Light of each node that the quadrature misses, averaged over both directions.
     missing: Vec<f64>,
-    /// The nodes with weight.
-    nodes: Vec<f64>,
+    /// All nodes, and the number of those with weight.
+    beta: Vec<f64>,
+    regular: usize,
 }
 
 impl ScatterOrders {
@@ -63,11 +64,10 @@ impl ScatterOrders {
             // Allocated separately: copies would touch the memory of zeros.
             later: (1..count).map(|_| vec![0.0; len * len]).collect(),
             missing: Vec::new(),
-            nodes: grid.beta[..regular].to_vec(),
+            beta: grid.beta.clone(),
+            regular,
         };
-        if let Some(known) = known {
-            all.copy(known);
-        }
+        let was = all.copied(known);
         let mut values = vec![0.0; count];
         let [from, to] = scatter.discs().map(|radius| radius * disc);
         let within = |radius: f64| (0..len).filter(|&i| grid.beta[i] < radius).collect::<Vec<_>>();
@@ -78,7 +78,7 @@ impl ScatterOrders {
                 if stop.load(Ordering::Relaxed) {
                     return all;
                 }
-                if (i >= regular && j >= regular) || (known.is_some() && i < regular && j < regular) {
+                if (i >= regular && j >= regular) || (was[i].is_some() && was[j].is_some()) {
                     continue;
                 }
                 fourier(scatter, [grid.beta[j], grid.beta[i]].map(|b| b / disc), digits, &mut values);
@@ -93,17 +93,28 @@ impl ScatterOrders {
         all
     }
 
-    /// Copies the kernels between nodes with weight.
-    fn copy(&mut self, known: &Self) {
-        let (len, before, regular) = (self.zeroth.columns(), known.zeroth.columns(), self.nodes.len());
-        for j in 0..regular {
-            self.zeroth.column_mut(j)[..regular].copy_from_slice(&known.zeroth.column(j)[..regular]);
-        }
-        for (order, known) in self.later.iter_mut().zip(&known.later) {
-            for j in 0..regular {
-                order[j * len..][..regular].copy_from_slice(&known[j * before..][..regular]);
+    /// Copies what `known` contains between nodes with weight, and between them and the same extra ones; returns for
+    /// each node its number there.
+    fn copied(&mut self, known: Option<&Self>) -> Vec<Option<usize>> {
+        let Some(known) = known else { return vec![None; self.beta.len()] };
+        let (len, before, regular) = (self.beta.len(), known.beta.len(), self.regular);
+        let number = |(i, beta): (usize, &f64)| match i < regular {
+            true => Some(i),
+            false => known.beta[regular..].iter().position(|other| other == beta).map(|k| regular + k),
+        };
+        let was: Vec<Option<usize>> = self.beta.iter().enumerate().map(number).collect();
+        for (j, was_j) in was.iter().enumerate() {
+            let Some(was_j) = *was_j else { continue };
+            // Between extra nodes there is nothing.
+            let to = was[..if j < regular { len } else { regular }].iter().enumerate();
+            for (i, was_i) in to.filter_map(|(i, was)| was.map(|was| (i, was))) {
+                self.zeroth[(i, j)] = known.zeroth[(was_i, was_j)];
+                for (order, known) in self.later.iter_mut().zip(&known.later) {
+                    order[j * len + i] = known[was_j * before + was_i];
+                }
             }
         }
+        was
     }
 
     fn set(&mut self, out: usize, from: usize, values: &[f64], scale: f64) {
@@ -164,7 +175,7 @@ impl ScatterOrders {
 
     /// Returns the nodes with weight.
     pub(super) fn nodes(&self) -> &[f64] {
-        &self.nodes
+        &self.beta[..self.regular]
     }
 
     /// Returns the size in bytes.

@@ -13,7 +13,7 @@ use papilio_optics::with_widest_simd;
 use super::super::quadrature::{Node, Pole};
 
 /// Number of radii that are computed together.
-pub(super) const LANES: usize = 8;
+pub(in crate::adding) const LANES: usize = 8;
 
 /// Returns the radii of these nodes, padded with the last of them.
 #[inline(always)]
@@ -58,7 +58,7 @@ pub(super) fn orders_of_nodes(
 /// recurrence begins at the given order, or as late as the first orders need. `ratios` is a workspace.
 /// Always inlined, so that it is compiled for the instruction set of its caller.
 #[inline(always)]
-pub(super) fn side_by_side(
+pub(in crate::adding) fn side_by_side(
     width: f64,
     a: f64,
     c: [f64; LANES],

@@ -14,7 +14,7 @@ mod first_pass;
 mod indices;
 mod lambertian;
 mod ledger;
-mod lobes;
+pub(super) mod lobes;
 mod projected;
 mod recycling;
 mod rings;
@@ -24,12 +24,32 @@ use std::sync::atomic::AtomicBool;
 use papilio_optics::lobe::Lobe;
 
 use super::{FirstPass, TableGradient};
-use crate::{Cone, Diffuser, Estimate, Panel, ReflectanceFactor, Source, Top};
+use crate::{Cone, Diffuser, Estimate, Nodes, Panel, ReflectanceFactor, Reflector, Source, Top};
 
 /// Returns whether recycled light may have a wider lobe than the diffuser's (see [`recycling`]).
 pub(super) fn narrows(panel: &Panel) -> bool {
     let Top::Diffuser(Diffuser { lobe: Lobe::KCorrelation { width }, .. }) = &panel.top else { return false };
     *width < recycling::NARROWEST && !panel.single_pass && panel.front.reflectance_below.max() > 0.0
+}
+
+/// Returns the largest ratio of the error of a level to its difference from the level before, under a narrow lobe
+/// ([`narrows`]); the ratios seen in `tests/transport/narrow_lobes.rs` are in brackets.
+pub(super) fn error_over_difference_of_narrow(panel: &Panel, sources: &[Source]) -> f64 {
+    const STRONG: f64 = 0.1;
+    let has_kinks = match &panel.base.reflector {
+        Reflector::Specular(table) => matches!(table.nodes, Nodes::AnglesInMedium(_) | Nodes::AnglesInAir(_)),
+        Reflector::Lambertian(_) | Reflector::Scattering(_) => false,
+    };
+    if panel.front.reflectance_below.max() >= STRONG {
+        // The second level extrapolates late passes, which matter here (12.6).
+        15.0
+    } else if has_kinks || sources.iter().any(|source| matches!(source, Source::Field(_))) {
+        // All passes have a closed form, corrected by a grid (6.3).
+        10.0
+    } else {
+        // Two passes are exact, and the others weak.
+        4.0
+    }
 }
 
 /// Views of a kernel.

@@ -18,10 +18,9 @@ use papilio_optics::phase::HenyeyGreenstein;
 use papilio_sampling::warp;
 use papilio_spectra::Spectrum;
 
-use super::controls;
+use super::controls::{self, Flight};
 use super::ledger::{Sums, Workspace};
-use super::sources::SourceLights;
-use super::{OutgoingRay, RandomNumbers};
+use super::{OutgoingRay, most_survival};
 use crate::Medium;
 use crate::layers::Scattered;
 use crate::skeleton::{Propagation, Ray};
@@ -37,6 +36,9 @@ const FIRST_EVENTS: u32 = 4;
 /// thicker ones spread the light of sources by many events.
 const CLEAR: f64 = 2.0;
 const NARROW: f64 = 0.5;
+
+/// Optical length below which the mean depth of a flight that stays has lost digits; it needs no control.
+const LEAST_EDGE: f64 = 1e-3;
 
 /// Optical thickness below which a medium is thin: most flights from within it end outside.
 pub(super) const THIN: f64 = 0.1;
@@ -55,16 +57,27 @@ pub(super) struct Bulk<'a> {
     grey: bool,
 }
 
-/// Position of a path in the medium, and its weights since its spectra were last updated.
+/// Position of a branch in the medium, and its weights since its spectra were last updated.
 #[derive(Debug, Clone, Copy)]
-struct Stay {
-    depth: f64,
+pub(super) struct Stay {
+    pub(super) depth: f64,
     /// A unit vector; the third component is positive downwards.
-    direction: [f64; 3],
+    pub(super) direction: [f64; 3],
     /// Weight of the light.
     scale: f64,
     absorbed: f64,
     dropped: f64,
+}
+
+/// What follows a deflection.
+#[derive(Debug)]
+pub(super) enum Outcome {
+    /// Nothing.
+    Ended,
+    /// Another deflection.
+    Within,
+    /// Light that leaves the medium.
+    Left(OutgoingRay),
 }
 
 impl Stay {
@@ -97,77 +110,103 @@ impl<'a> Bulk<'a> {
         })
     }
 
-    /// Follows light that entered with these cosines from its first scattering event until it leaves.
-    /// The numbers are for the first flight and the first deflection.
-    pub(super) fn stay(
+    /// Follows light that enters with these cosines to its first scattering event.
+    pub(super) fn enter(
         &self,
         (beta, going): (Beta, Propagation),
-        [first, mut angle, mut turn]: [f64; 3],
-        draws: &mut RandomNumbers<'_>,
+        flight: f64,
         sums: &mut Sums,
         workspace: &mut Workspace,
-    ) -> Option<OutgoingRay> {
+    ) -> Stay {
         let direction = self.direction(beta, going);
-        let depth = self.first_depth(direction[2], first);
-        let mut brightness = workspace.light.brightness();
-        let mut stay = Stay { depth, direction, scale: 1.0, absorbed: 0.0, dropped: 0.0 };
+        let depth = self.first_depth(direction[2], flight);
         let flown = if going == Propagation::Down { depth } else { self.optical_thickness - depth };
         self.absorb(flown / direction[2].abs(), sums, workspace);
-        loop {
-            if self.grey {
-                stay.absorbed += stay.scale * (1.0 - self.largest_albedo);
-                stay.scale *= self.largest_albedo;
-            } else {
-                workspace.light.keep(|bin| self.albedo[bin], &mut sums.absorbed.diffuser);
-            }
-            let early = draws.count < FIRST_EVENTS;
-            let part = if early { self.part_to_lamps(&workspace.lamps.about) } else { 0.0 };
-            self.gather(&stay, part, &mut workspace.lamps);
-            let [survive, flight, next_angle, next_turn] = draws.next();
-            let least = if early && self.largest_albedo > 0.0 { LEAST_SURVIVAL } else { 0.0 };
-            let survives = stay.survives(survive, (self.largest_albedo * draws.most_survival()).max(least));
-            if !self.grey || !survives {
-                self.settle(&mut stay, sums, workspace);
-            }
-            if !survives {
-                return None;
-            }
-            let before = stay.direction;
-            stay.direction = self.deflected(before, part, [angle, turn], &workspace.lamps.about);
-            let cos = cosine_between(before, stay.direction);
-            let drawn = self.drawn(cos, stay.direction, part, &workspace.lamps.about);
-            let ratio = if part > 0.0 { self.phase.at_cosine(cos) / drawn } else { 1.0 };
-            if !self.grey && workspace.controls.is_some() {
-                brightness = workspace.light.brightness();
-            }
-            let light = brightness.map(|light| light * stay.scale);
-            (angle, turn) = (next_angle, next_turn);
-            let edge = self.way_out(&stay);
-            let (length, weight) = self.fly(edge, flight);
-            if let Some(controls) = workspace.controls.as_mut().filter(|_| draws.count < controls::EVENTS) {
-                let depth = 2.0 * stay.depth / self.optical_thickness - 1.0;
-                controls.deflection(
-                    light,
-                    [before[2], stay.direction[2]],
-                    (self.phase.anisotropy, ratio),
-                    depth,
-                );
-                let left = if length >= edge { weight } else { 0.0 };
-                controls.flight(light.map(|light| light * ratio), stay.direction[2], left - (-edge).exp());
-            }
-            let weight = weight * ratio;
-            if weight != 1.0 {
-                stay.weigh(weight);
-                self.settle(&mut stay, sums, workspace);
-            }
-            if length >= edge {
-                self.settle(&mut stay, sums, workspace);
-                self.absorb(edge, sums, workspace);
-                return Some(self.leave(&stay, drawn));
-            }
-            self.absorb(length, sums, workspace);
-            stay.depth = (stay.depth + length * stay.direction[2]).clamp(0.0, self.optical_thickness);
+        workspace.gathered.clear();
+        let light = workspace.light.brightness();
+        let (slope, cosine) = (2.0 * direction[2] / self.optical_thickness, direction[2]);
+        let from = if going == Propagation::Down { -1.0 } else { 1.0 };
+        let edge = self.optical_thickness / cosine.abs();
+        if let Some(controls) = workspace.controls.as_mut().filter(|_| edge > LEAST_EDGE) {
+            let reached = Some(from + slope * flown / cosine.abs());
+            let trapped = self.is_trapped(cosine);
+            let flight = Flight { cosine, trapped, from, slope, edge, reached, weight: 1.0, stays: true };
+            controls.flight(light, &flight);
         }
+        Stay { depth, direction, scale: 1.0, absorbed: 0.0, dropped: 0.0 }
+    }
+
+    /// A deflection, and the flight after it.
+    pub(super) fn deflect(
+        &self,
+        stay: &mut Stay,
+        [survive, angle, turn, flight]: [f64; 4],
+        generation: u32,
+        sums: &mut Sums,
+        workspace: &mut Workspace,
+    ) -> Outcome {
+        if self.grey {
+            stay.absorbed += stay.scale * (1.0 - self.largest_albedo);
+            stay.scale *= self.largest_albedo;
+        } else {
+            workspace.light.keep(|bin| self.albedo[bin], &mut sums.absorbed.diffuser);
+        }
+        let early = generation <= FIRST_EVENTS;
+        let part = if early { self.part_to_lamps(&workspace.lamps.now().about) } else { 0.0 };
+        self.gather(stay, part, workspace);
+        let least = if early && self.largest_albedo > 0.0 { LEAST_SURVIVAL } else { 0.0 };
+        let survives = stay.survives(survive, (self.largest_albedo * most_survival(generation)).max(least));
+        if !self.grey || !survives {
+            self.settle(stay, sums, workspace);
+        }
+        if !survives {
+            return Outcome::Ended;
+        }
+        let about = &workspace.lamps.now().about;
+        let before = stay.direction;
+        stay.direction = self.deflected(before, part, [angle, turn], about);
+        let cos = cosine_between(before, stay.direction);
+        let drawn = self.drawn(cos, stay.direction, part, about);
+        let ratio = if part > 0.0 { self.phase.at_cosine(cos) / drawn } else { 1.0 };
+        let edge = self.way_out(stay);
+        let (length, weight) = self.fly(edge, flight);
+        if let Some(controls) = workspace.controls.as_mut().filter(|_| generation < controls::GENERATIONS) {
+            let light = workspace.light.brightness().map(|light| light * stay.scale);
+            let depth = 2.0 * stay.depth / self.optical_thickness - 1.0;
+            controls.deflection(light, [before[2], stay.direction[2]], (self.phase.anisotropy, ratio), depth);
+            let slope = 2.0 * stay.direction[2] / self.optical_thickness;
+            let flight = Flight {
+                cosine: stay.direction[2],
+                trapped: self.is_trapped(stay.direction[2]),
+                from: depth,
+                slope,
+                edge,
+                reached: (length < edge).then_some(depth + slope * length),
+                weight,
+                stays: false,
+            };
+            controls.flight(light.map(|light| light * ratio), &flight);
+        }
+        let weight = weight * ratio;
+        if weight != 1.0 {
+            stay.weigh(weight);
+            self.settle(stay, sums, workspace);
+        }
+        if length >= edge {
+            self.settle(stay, sums, workspace);
+            self.absorb(edge, sums, workspace);
+            return Outcome::Left(self.leave(stay, drawn));
+        }
+        self.absorb(length, sums, workspace);
+        stay.depth = (stay.depth + length * stay.direction[2]).clamp(0.0, self.optical_thickness);
+        Outcome::Within
+    }
+
+    /// Place in the medium as numbers from 0 to 1, close to each other for close places: depth, and the components of
+    /// the direction.
+    pub(super) fn place(&self, stay: &Stay) -> [f64; 4] {
+        let [x, y, z] = stay.direction.map(|component| 0.5 * (1.0 + component));
+        [stay.depth / self.optical_thickness, z, x, y]
     }
 
     /// Fraction of directions that are sampled around sources in the first events of a path.
@@ -225,6 +264,11 @@ impl<'a> Bulk<'a> {
         if cosine > 0.0 { reach } else { self.optical_thickness - reach }
     }
 
+    /// True if a flat interface would not let light of this cosine out into the air.
+    fn is_trapped(&self, cosine: f64) -> bool {
+        self.index * self.index * (1.0 - cosine * cosine) >= 1.0
+    }
+
     /// Optical length to the boundary of the medium.
     fn way_out(&self, stay: &Stay) -> f64 {
         let z = stay.direction[2];
@@ -251,12 +295,16 @@ impl<'a> Bulk<'a> {
         density / (self.index * self.index * cosine.abs().max(f64::MIN_POSITIVE))
     }
 
-    /// Adds the light of each source that this event scatters into the path; [`Self::settle`] adds it to the sums.
-    fn gather(&self, stay: &Stay, part: f64, lamps: &mut SourceLights) {
-        let (about, lamps) = lamps.split();
-        for lamp in lamps {
+    /// Adds the light of each source that this event scatters into the branch; [`Self::settle`] adds it to the sums.
+    fn gather(&self, stay: &Stay, part: f64, workspace: &mut Workspace) {
+        let Workspace { lamps, gathered, .. } = workspace;
+        let lamps = lamps.now();
+        for (k, lamp) in lamps.iter().enumerate() {
             if lamp.beta.squared() >= self.index * self.index {
                 continue;
+            }
+            if gathered.len() <= k {
+                gathered.resize(k + 1, [0.0; 2]);
             }
             for (way, going) in WAYS.into_iter().enumerate() {
                 let towards = self.direction(lamp.beta, going);
@@ -266,20 +314,19 @@ impl<'a> Bulk<'a> {
                     Propagation::Up => stay.depth,
                 };
                 let value = self.over_cosines(self.phase.at_cosine(cos), towards[2]);
-                let density = self.over_cosines(self.drawn(cos, towards, part, about), towards[2]);
+                let density = self.over_cosines(self.drawn(cos, towards, part, &lamps.about), towards[2]);
                 let weight = lamp.weight(Scattered { value, density, reverse: value }, f64::INFINITY);
-                lamp.gathered[way] += stay.scale * weight * (-rest / towards[2].abs()).exp();
+                gathered[k][way] += stay.scale * weight * (-rest / towards[2].abs()).exp();
             }
         }
     }
 
-    /// Brings the path's spectra and the sums up to date.
+    /// Brings the branch's spectra and the sums up to date.
     fn settle(&self, stay: &mut Stay, sums: &mut Sums, workspace: &mut Workspace) {
-        let Workspace { light, lamps, share, .. } = workspace;
-        for lamp in lamps.iter_mut() {
+        let Workspace { light, lamps, share, gathered, .. } = workspace;
+        for (lamp, weights) in lamps.now().iter().zip(gathered) {
             share.clear();
-            for (way, going) in WAYS.into_iter().enumerate() {
-                let weight = std::mem::take(&mut lamp.gathered[way]);
+            for (weight, going) in std::mem::take(weights).into_iter().zip(WAYS) {
                 let z = self.direction(lamp.beta, going)[2];
                 let rest = if z > 0.0 { self.optical_thickness - stay.depth } else { stay.depth };
                 let clear = |bin| self.clear(rest / z.abs(), bin);

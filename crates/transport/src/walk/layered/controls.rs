@@ -2,7 +2,8 @@
 //!
 //! Where a path draws a direction, the mean of some functions of it is known. A phase function of Henyey and Greenstein
 //! multiplies the Legendre polynomial `P_l` of the cosine to the normal by `g^l`, so that `P_l(after) - g^l P_l(before)` has
-//! mean zero. So have the indicator of a flight that leaves the medium less its probability, and the Legendre polynomials
+//! mean zero. So have the indicator of a flight that leaves the medium less its probability, powers of the depth that a flight
+//! reaches less their means, and the Legendre polynomials
 //! of a uniform random number that selects the inclination of light from a Lambertian base. Each is multiplied by the
 //! light of the path before the decision and summed over the path.
 //!
@@ -15,38 +16,47 @@
 //!
 //! In a slab of optical thickness 2 and g = 0.9 over a mirror, the controls remove 80 to 97 % of the variance.
 
-use super::ledger::Sums;
+use super::ledger::Received;
 
 /// Number of Legendre polynomials of a deflection, and of powers of the depth that multiply them.
 const ORDERS: usize = 8;
-const POWERS: usize = 2;
-/// Controls of a flight: by its sense, with two powers of the cosine.
-const FLIGHTS: usize = 4;
-/// Controls of a medium, for light that has met the base and for light that has not.
+const POWERS: usize = 3;
+/// Controls of a flight that leaves, for each sense, and of the depth of one that does not: products of Legendre
+/// polynomials of the cosine and powers of the depth.
+const LEAVING: usize = 3;
+const FLIGHT_ORDERS: usize = 3;
+const FLIGHT_POWERS: usize = 2;
+const FLIGHTS: usize = 2 * LEAVING + FLIGHT_ORDERS * FLIGHT_POWERS;
+/// Lights that multiply the controls of a medium: light that has not met the base, and that which has, of the brightest and of
+/// the faintest column. The results of columns between them are close to combinations of both.
+const LIGHTS: usize = 3;
+/// Controls of a medium, for each of the lights.
 const OF_MEDIUM: usize = ORDERS * POWERS + FLIGHTS;
 /// Controls of light from a Lambertian base in one direction, or in two.
 const EMISSIONS: usize = 4;
-const COUNT: usize = 2 * OF_MEDIUM + 2 * EMISSIONS;
+const COUNT: usize = LIGHTS * OF_MEDIUM + 2 * EMISSIONS;
 
 /// One path in this many contributes to the regression.
-const EVERY: u64 = 2;
-/// Deflections and flights before this event of a path have controls: later ones explain little.
-pub(super) const EVENTS: u32 = 48;
+const EVERY: u64 = 4;
+/// Deflections and flights before this generation of branches have controls: later ones explain little.
+pub(super) const GENERATIONS: u32 = 64;
 /// Largest number of results: regression of more takes longer than the paths.
 const MOST_RESULTS: usize = 64;
 
-/// Light of a path that has not met the base, and that has: the largest of any state and wavelength.
-pub(super) type Brightness = [f64; 2];
+/// The lights of a branch that multiply controls.
+pub(super) type Brightness = [f64; LIGHTS];
 
 /// Controls of a replicate.
 #[derive(Debug, Clone)]
 pub(super) struct Controls {
-    /// Of the current path.
-    now: Vec<f64>,
+    /// Controls of each path of the batch; shape `[path][control]`.
+    of_paths: Vec<f64>,
+    /// Results of each path of the batch.
+    results: Vec<Received>,
+    /// The current path, from 0 in the batch.
+    path: usize,
     /// Sums over all paths.
     sums: Vec<f64>,
-    /// Results before the current path.
-    before: Vec<f64>,
     moments: Moments,
 }
 
@@ -63,16 +73,96 @@ struct Moments {
     products: Vec<f64>,
 }
 
+/// A flight in a medium. Depths are from -1 to 1.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Flight {
+    /// Cosine to the normal, positive downwards.
+    pub(super) cosine: f64,
+    /// True if a flat interface would not let this direction out into the air.
+    pub(super) trapped: bool,
+    /// Depth at the start, and its change over a mean free path.
+    pub(super) from: f64,
+    pub(super) slope: f64,
+    /// Optical length to the boundary.
+    pub(super) edge: f64,
+    /// Depth at the end, unless it left the medium.
+    pub(super) reached: Option<f64>,
+    /// Weight of the flight.
+    pub(super) weight: f64,
+    /// True if it was sampled under the condition that it ends in the medium.
+    pub(super) stays: bool,
+}
+
+impl Flight {
+    /// Returns the probability that it ends in the medium, and the means of the first two powers of the depth at its end, 0
+    /// if it leaves.
+    fn moments(&self) -> [f64; 3] {
+        let Self { from, slope, edge, .. } = *self;
+        // Integrals of s^k exp(-s) up to the boundary.
+        let left = (-edge).exp();
+        let zeroth = -(-edge).exp_m1();
+        let first = zeroth - edge * left;
+        let second = 2.0 * first - edge * edge * left;
+        let moments = [
+            zeroth,
+            from * zeroth + slope * first,
+            from * from * zeroth + 2.0 * from * slope * first + slope * slope * second,
+        ];
+        if self.stays { moments.map(|moment| moment / zeroth) } else { moments }
+    }
+}
+
 impl Controls {
     /// Builds empty controls of a walk with these sums; `None` if it has too many results.
-    pub(super) fn new(sums: &Sums) -> Option<Self> {
-        let count = results(sums).count();
+    pub(super) fn new(sums: &Received) -> Option<Self> {
+        let count = sums.values().count();
         (count <= MOST_RESULTS).then(|| Self {
-            now: vec![0.0; COUNT],
+            of_paths: Vec::new(),
+            results: Vec::new(),
+            path: 0,
             sums: vec![0.0; COUNT],
-            before: vec![0.0; count],
             moments: Moments::new(count),
         })
+    }
+
+    /// Begins a batch of paths.
+    pub(super) fn begin(&mut self, paths: usize, sums: &Received) {
+        self.of_paths.clear();
+        self.of_paths.resize(paths * COUNT, 0.0);
+        let mut empty = sums.clone();
+        empty.clear();
+        self.results.resize(paths, empty);
+    }
+
+    /// Exchanges the results of a path of the batch with the current ones.
+    pub(super) fn exchange(&mut self, path: usize, results: &mut Received) {
+        self.path = path;
+        std::mem::swap(&mut self.results[path], results);
+    }
+
+    /// Ends the batch, which began with this path: adds its results to the sums.
+    pub(super) fn end(&mut self, first: u64, sums: &mut Received) {
+        let mut values = Vec::new();
+        for ((path, results), controls) in (first..).zip(&mut self.results).zip(self.of_paths.chunks(COUNT)) {
+            if path.is_multiple_of(EVERY) {
+                values.clear();
+                values.extend(results.values());
+                self.moments.add(controls, &values);
+            }
+            self.sums.iter_mut().zip(controls).for_each(|(sum, control)| *sum += control);
+            sums.add(results);
+            results.clear();
+        }
+    }
+
+    /// Frees memory.
+    pub(super) fn shrink(&mut self) {
+        (self.of_paths, self.results) = (Vec::new(), Vec::new());
+    }
+
+    /// Controls of the current path.
+    fn now(&mut self) -> &mut [f64] {
+        &mut self.of_paths[self.path * COUNT..][..COUNT]
     }
 
     /// Adds a deflection from one cosine to the normal to another, at a depth from -1 to 1, by a phase function of this
@@ -86,14 +176,16 @@ impl Controls {
     ) {
         let ([mut before, mut after], [mut from_l, mut to_l]) = ([1.0; 2], [from, to]);
         let mut power = 1.0;
+        let now = self.now();
         for l in 1..=ORDERS {
             power *= anisotropy;
             let control = ratio * to_l - power * from_l;
             let mut of_depth = 1.0;
             for k in 0..POWERS {
                 let at = (l - 1) * POWERS + k;
-                self.now[at] += light[0] * control * of_depth;
-                self.now[OF_MEDIUM + at] += light[1] * control * of_depth;
+                for (light, controls) in light.iter().zip(now.chunks_exact_mut(OF_MEDIUM)) {
+                    controls[at] += light * control * of_depth;
+                }
                 of_depth *= depth;
             }
             let l = l as f64;
@@ -102,47 +194,47 @@ impl Controls {
         }
     }
 
-    /// Adds a flight at this cosine: its weight if it leaves the medium, 0 otherwise, less the mean of that.
-    pub(super) fn flight(&mut self, light: Brightness, cosine: f64, left: f64) {
-        let at = ORDERS * POWERS + if cosine > 0.0 { 0 } else { FLIGHTS / 2 };
-        for (start, light) in [0, OF_MEDIUM].into_iter().zip(light) {
-            self.now[start + at] += light * left;
-            self.now[start + at + 1] += light * left * cosine;
+    /// Adds a flight.
+    pub(super) fn flight(&mut self, light: Brightness, flight: &Flight) {
+        let Flight { cosine, trapped, weight, .. } = *flight;
+        let [stays, nearer, nearest] = flight.moments();
+        let leaves = if flight.reached.is_none() { weight } else { 0.0 } - (1.0 - stays);
+        let [mut first, mut second] = [nearer, nearest].map(|moment| -moment);
+        if let Some(depth) = flight.reached {
+            first += weight * depth;
+            second += weight * depth * depth;
+        }
+        let legendre = [1.0, cosine, 1.5 * cosine * cosine - 0.5];
+        let now = self.now();
+        for (light, controls) in light.into_iter().zip(now.chunks_exact_mut(OF_MEDIUM)) {
+            let controls = &mut controls[ORDERS * POWERS..];
+            let (leaving, depths) = controls.split_at_mut(2 * LEAVING);
+            let of_sense = &mut leaving[if cosine > 0.0 { 0 } else { LEAVING }..][..LEAVING];
+            for (control, factor) in of_sense.iter_mut().zip([1.0, cosine, f64::from(u8::from(trapped))]) {
+                *control += light * leaves * factor;
+            }
+            for (controls, factor) in depths.chunks_exact_mut(FLIGHT_POWERS).zip(legendre) {
+                controls[0] += light * factor * first;
+                controls[1] += light * factor * second;
+            }
         }
     }
 
     /// Adds light from a Lambertian base, whose inclination was selected by the uniform number `u`; followed in one
     /// direction or in two.
     pub(super) fn emission(&mut self, light: f64, u: f64, in_two: bool) {
-        let start = 2 * OF_MEDIUM + if in_two { EMISSIONS } else { 0 };
+        let start = LIGHTS * OF_MEDIUM + if in_two { EMISSIONS } else { 0 };
         let x = 2.0 * u - 1.0;
         let (mut before, mut now) = (1.0, x);
-        for (l, control) in self.now[start..][..EMISSIONS].iter_mut().enumerate() {
+        for (l, control) in self.now()[start..][..EMISSIONS].iter_mut().enumerate() {
             *control += light * now;
             let l = (l + 1) as f64;
             (before, now) = (now, ((2.0 * l + 1.0) * x * now - l * before) / (l + 1.0));
         }
     }
 
-    /// Begins a path.
-    pub(super) fn begin(&mut self, path: u64, sums: &Sums) {
-        if path.is_multiple_of(EVERY) {
-            self.before.iter_mut().zip(results(sums)).for_each(|(before, value)| *before = value);
-        }
-    }
-
-    /// Ends the path.
-    pub(super) fn end(&mut self, path: u64, sums: &Sums) {
-        if path.is_multiple_of(EVERY) {
-            self.before.iter_mut().zip(results(sums)).for_each(|(before, value)| *before = value - *before);
-            self.moments.add(&self.now, &self.before);
-        }
-        self.sums.iter_mut().zip(&self.now).for_each(|(sum, now)| *sum += now);
-        self.now.fill(0.0);
-    }
-
-    /// Returns what is to be subtracted from the results of each replicate, in the order of [`results`].
-    pub(super) fn corrections(replicates: &[(&Self, &Sums)]) -> Vec<Vec<f64>> {
+    /// Returns what is to be subtracted from the results of each replicate, in the order of [`Received::values`].
+    pub(super) fn corrections(replicates: &[(&Self, &Received)]) -> Vec<Vec<f64>> {
         let halves = [0, 1].map(|parity| {
             let half: Vec<_> = replicates.iter().skip(parity).step_by(2).copied().collect();
             coefficients(&half)
@@ -152,7 +244,7 @@ impl Controls {
     }
 
     fn correction(&self, coefficients: Option<&Vec<f64>>) -> Vec<f64> {
-        let mut correction = vec![0.0; self.before.len()];
+        let mut correction = vec![0.0; self.moments.results.len()];
         if let Some(coefficients) = coefficients {
             for (sum, row) in self.sums.iter().zip(coefficients.chunks_exact(correction.len())) {
                 add_scaled(&mut correction, row, *sum);
@@ -163,8 +255,8 @@ impl Controls {
 }
 
 /// Returns the coefficients that some replicates suggest to others, shape `[control][result]`; `None` from too few.
-fn coefficients(replicates: &[(&Controls, &Sums)]) -> Option<Vec<f64>> {
-    let count = replicates.first()?.0.before.len();
+fn coefficients(replicates: &[(&Controls, &Received)]) -> Option<Vec<f64>> {
+    let count = replicates.first()?.0.moments.results.len();
     let mut all = Moments::new(count);
     replicates.iter().for_each(|(one, _)| all.combine(&one.moments, 1.0));
     if replicates.len() < LEAST_REPLICATES || all.paths < LEAST_PATHS {
@@ -176,7 +268,7 @@ fn coefficients(replicates: &[(&Controls, &Sums)]) -> Option<Vec<f64>> {
         one.correction(Some(&others.regression()))
     });
     let corrections: Vec<Vec<f64>> = corrections.collect();
-    let values: Vec<Vec<f64>> = replicates.iter().map(|(_, sums)| results(sums).collect()).collect();
+    let values: Vec<Vec<f64>> = replicates.iter().map(|(_, sums)| sums.values().collect()).collect();
     // The factor of each result's correction with which the spread would have been smallest.
     let usefulness = |result: usize| {
         let mean = values.iter().map(|values| values[result]).sum::<f64>() / values.len() as f64;
@@ -275,12 +367,6 @@ const LEAST_PATHS: f64 = 4.0 * COUNT as f64;
 
 /// Fraction of its square that a control must have besides all controls before it.
 const DEPENDENT: f64 = 1e-6;
-
-/// The results that controls correct: light that leaves, and light of each source that reaches the path.
-fn results(sums: &Sums) -> impl Iterator<Item = f64> {
-    let lights = std::iter::once(&sums.leaving).chain(&sums.from_source);
-    lights.flat_map(|light| light.fresh.iter().chain(&light.met).copied())
-}
 
 fn add_scaled(sum: &mut [f64], values: &[f64], scale: f64) {
     sum.iter_mut().zip(values).for_each(|(sum, value)| *sum += scale * value);

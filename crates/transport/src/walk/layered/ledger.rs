@@ -1,10 +1,11 @@
 //! Sums over paths, and the reflectance factors and ledger that follow from them.
 
 use super::controls::Controls;
+use super::generation::{Arrived, Generation, Roulette};
 use super::light::{Light, Share};
 use super::scatterers::ScatterEvent;
-use super::sources::SourceLights;
-use super::{Branch, Layered, OutgoingRay};
+use super::sources::SourcesOfPaths;
+use super::{Gathered, Layered, OutgoingRay};
 use crate::estimate::Account;
 use crate::skeleton::{Field, Propagation, Ray, Skeleton};
 use crate::{Estimate, Ledger, ReflectanceFactor, Source};
@@ -18,10 +19,8 @@ pub(in crate::walk) struct Accumulator {
 
 #[derive(Debug, Clone)]
 pub(super) struct Sums {
-    /// Light that leaves into the air, where it meets diffuse light.
-    pub(super) leaving: Light,
-    /// Light of each directed source that reaches the path.
-    pub(super) from_source: Vec<Light>,
+    /// Light that reaches sources.
+    pub(super) received: Received,
     /// Absorbed light by account.
     pub(super) absorbed: Absorbed,
     /// Light that reaches the base, and light that it reflects.
@@ -29,6 +28,38 @@ pub(super) struct Sums {
     pub(super) reflected: Light,
     /// Light dropped by the choice of the next scatterer, less light added by it.
     pub(super) unaccounted: Light,
+}
+
+/// Light that reaches sources: the results of a path, or of many.
+#[derive(Debug, Clone)]
+pub(super) struct Received {
+    /// Light that leaves into the air, where it meets diffuse light.
+    pub(super) leaving: Light,
+    /// Light of each directed source that reaches the path.
+    pub(super) from_source: Vec<Light>,
+}
+
+impl Received {
+    fn lights(&self) -> impl Iterator<Item = &Light> {
+        std::iter::once(&self.leaving).chain(&self.from_source)
+    }
+
+    fn lights_mut(&mut self) -> impl Iterator<Item = &mut Light> {
+        std::iter::once(&mut self.leaving).chain(&mut self.from_source)
+    }
+
+    /// All numbers.
+    pub(super) fn values(&self) -> impl Iterator<Item = f64> {
+        self.lights().flat_map(|light| light.fresh.iter().chain(&light.met).copied())
+    }
+
+    pub(super) fn add(&mut self, other: &Self) {
+        self.lights_mut().zip(other.lights()).for_each(|(sum, light)| sum.add(light, 1.0));
+    }
+
+    pub(super) fn clear(&mut self) {
+        self.lights_mut().for_each(|light| light.scale(0.0));
+    }
 }
 
 #[derive(Debug, Clone)]
@@ -42,19 +73,22 @@ pub(super) struct Absorbed {
 pub(super) struct Workspace {
     /// The light that takes part in an event.
     pub(super) light: Light,
-    /// Branches of the path that are still to be followed.
-    pub(super) pending: Vec<Branch>,
-    /// Memory for further branches.
-    pub(super) spare: Vec<Light>,
+    /// The light of each source that the event scatters into the path, upwards and downwards, and that is not in the sums
+    /// yet.
+    pub(super) gathered: Gathered,
+    /// The branches that are still to be followed.
+    pub(super) next: Generation,
     /// Control variates, if there are events that they describe.
     pub(super) controls: Option<Controls>,
     pub(super) skeleton: Skeleton,
     /// The light of one branch between two scattering events.
     pub(super) field: Field,
     pub(super) share: Share,
-    pub(super) lamps: SourceLights,
+    pub(super) lamps: SourcesOfPaths,
     /// For each scattering event, the largest fraction of light of any state and wavelength that takes part in it.
     pub(super) chances: Vec<f64>,
+    /// Roulettes of this generation for the two sides of each event.
+    pub(super) side_roulettes: Vec<Roulette>,
 }
 
 impl Absorbed {
@@ -68,8 +102,8 @@ impl Absorbed {
 impl Sums {
     /// Subtracts the corrections of [`Controls`]; the energy balance remains complete.
     fn correct(&mut self, correction: &[f64]) {
-        let lights = std::iter::once(&mut self.leaving).chain(&mut self.from_source);
-        let values = lights.flat_map(|light| light.fresh.iter_mut().chain(&mut light.met));
+        let values =
+            self.received.lights_mut().flat_map(|light| light.fresh.iter_mut().chain(&mut light.met));
         values.zip(correction).for_each(|(value, correction)| *value -= correction);
         let unaccounted = self.unaccounted.fresh.iter_mut().chain(&mut self.unaccounted.met);
         unaccounted.zip(correction).for_each(|(value, correction)| *value += correction);
@@ -77,18 +111,31 @@ impl Sums {
 }
 
 impl Workspace {
+    /// Changes between the sums of all paths and those of one.
+    pub(super) fn exchange(&mut self, path: usize, sums: &mut Sums) {
+        self.lamps.path = path;
+        if let Some(controls) = &mut self.controls {
+            controls.exchange(path, &mut sums.received);
+        }
+    }
+
     /// Adds a branch with this light.
     pub(super) fn branch(&mut self, sent: OutgoingRay) {
-        let mut light = self.spare.pop().unwrap_or_else(|| self.light.clone());
-        light.clone_from(&self.light);
-        self.pending.push(Branch { sent, light });
+        self.next.depart(self.lamps.path, sent, &self.light);
+    }
+
+    /// Lets a branch with this light stay in its medium.
+    pub(super) fn stay(&mut self, branch: &Arrived) {
+        let gathered = std::mem::take(&mut self.gathered);
+        self.next.arrive(branch.path, branch.event, branch.sent, &self.light);
+        if let Some(last) = self.next.arrived.last_mut() {
+            (last.stay, last.gathered) = (branch.stay, gathered);
+        }
     }
 
     /// Adds a branch with a part of this light, by wavelength; returns its light.
     pub(super) fn branch_part(&mut self, sent: OutgoingRay, part: impl Fn(usize) -> f64) -> &Light {
-        self.branch(sent);
-        let last = self.pending.len() - 1;
-        let light = &mut self.pending[last].light;
+        let light = self.next.depart(self.lamps.path, sent, &self.light);
         light.multiply(part);
         light
     }
@@ -108,28 +155,31 @@ impl Layered<'_> {
         let light = || Light::zeros(states, bins);
         let mut skeleton = Skeleton::new(self.stack, base);
         let field = skeleton.field();
-        let lamps = SourceLights::new(self, &mut skeleton);
+        let lamps = SourcesOfPaths::new(self, &mut skeleton);
         let sums = Sums {
-            leaving: light(),
-            from_source: self.sources.iter().map(|_| light()).collect(),
+            received: Received {
+                leaving: light(),
+                from_source: self.sources.iter().map(|_| light()).collect(),
+            },
             absorbed: Absorbed { front: light(), diffuser: light(), glass: light() },
             arriving: light(),
             reflected: light(),
             unaccounted: light(),
         };
-        let controls = if self.has_controls() { Controls::new(&sums) } else { None };
+        let controls = if self.has_controls() { Controls::new(&sums.received) } else { None };
         Accumulator {
             sums,
             workspace: Workspace {
                 light: light(),
-                pending: Vec::new(),
-                spare: Vec::new(),
+                gathered: Vec::new(),
                 controls,
+                next: Generation::default(),
                 skeleton,
                 field,
                 share: Share::zeros(bins),
                 lamps,
                 chances: vec![0.0; self.events.len()],
+                side_roulettes: Vec::new(),
             },
         }
     }
@@ -161,7 +211,7 @@ impl Layered<'_> {
     pub(in crate::walk) fn estimates(&self, tallies: &[(&Accumulator, f64)]) -> Vec<Estimate> {
         let controls = tallies.iter().filter_map(|(tally, _)| {
             let Accumulator { sums, workspace } = *tally;
-            workspace.controls.as_ref().map(|controls| (controls, sums))
+            workspace.controls.as_ref().map(|controls| (controls, &sums.received))
         });
         let controls: Vec<_> = controls.collect();
         let corrections = Controls::corrections(&controls);
@@ -177,8 +227,8 @@ impl Layered<'_> {
     }
 
     fn estimate(&self, sums: &Sums, scale: f64) -> Estimate {
-        let rho = self.sources.iter().zip(&sums.from_source).map(|(source, from_source)| {
-            let light = if *source == Source::Diffuse { &sums.leaving } else { from_source };
+        let rho = self.sources.iter().zip(&sums.received.from_source).map(|(source, from_source)| {
+            let light = if *source == Source::Diffuse { &sums.received.leaving } else { from_source };
             let Light { fresh, met } = self.mean(light, scale);
             ReflectanceFactor { via_pixel: met, front: fresh }
         });
@@ -204,7 +254,7 @@ impl Layered<'_> {
             arriving.iter().enumerate().map(|(k, a)| a * inactive[k % bins]).collect();
         let pixel = (0..arriving.len()).map(|k| arriving[k] - reflected[k] - of_inactive[k]).collect();
         Ledger {
-            returned: all(&sums.leaving),
+            returned: all(&sums.received.leaving),
             front: all(&sums.absorbed.front),
             diffuser: all(&sums.absorbed.diffuser),
             glass: all(&sums.absorbed.glass),

@@ -65,12 +65,13 @@ impl Light {
 
     /// The largest light of any state and wavelength, at most.
     pub(super) fn brightest(&self) -> f64 {
-        self.brightness().into_iter().sum()
+        largest(&self.fresh) + largest(&self.met)
     }
 
-    /// The largest light that has not met the base, and that has.
+    /// The largest light that has not met the base, and the largest and smallest that has.
     pub(super) fn brightness(&self) -> Brightness {
-        [largest(&self.fresh), largest(&self.met)]
+        let least = self.met.iter().copied().fold(f64::INFINITY, f64::min);
+        [largest(&self.fresh), largest(&self.met), least]
     }
 
     pub(super) fn scale(&mut self, factor: f64) {

@@ -6,32 +6,46 @@
 //! added to the sums directly. Random are only the directions of scattered light, the flights in a scattering medium, and
 //! the choice of the next scatterer where the light is faint.
 //!
-//! A path is a tree of [`Branch`]es. A choice between bright alternatives is not drawn: light that a scatterer reflects
+//! A path is a tree of branches. A choice between bright alternatives is not drawn: light that a scatterer reflects
 //! and light that it transmits, light that can leave and light that is trapped, are all followed with their weights
-//! ([`BRIGHT`]). Results then depend smoothly on the random numbers, and low-discrepancy points integrate them well. Faint
-//! branches are chosen by Russian roulette, so that the expected number of branches is bounded.
+//! ([`BRIGHT`]). Results then depend smoothly on the random numbers. Faint branches are chosen by Russian roulette, so
+//! that the expected number of branches is bounded.
+//!
+//! Many paths are followed side by side, so that their decisions complement each other ([`generation`]).
 //!
 //! Directions do not depend on state or wavelength; a branch carries a factor for each ([`Light`](light::Light)). What the
 //! layers do is computed once where they are the same at every wavelength. Light that has met the base and light that has
 //! not are separate.
+//!
+//! # A pixel that is the same everywhere
+//! Two things rely on a pixel that is the same at all points of its plane: [`columns`], and the closed form of all
+//! reflections by a specular base (`mirror` in [`Skeleton`](crate::skeleton::Skeleton)). A pixel with a pattern must have
+//! neither: paths with full spectra ([`Layered::columns`] is `None`), and a base that is an event of its own.
 
 mod bulk;
 mod columns;
 mod controls;
+mod generation;
 mod ledger;
 mod light;
 mod pixel;
 mod scatterers;
 mod sources;
+#[cfg(test)]
+mod tests;
+
+use std::ops::Range;
 
 use papilio_optics::Beta;
-use papilio_sampling::PLANNED_BLOCKS;
+use papilio_sampling::SampleStream;
 
 use super::PathNumbers;
 use crate::estimate::Account;
 use crate::skeleton::Ray;
 use crate::{Base, Cone, Medium, Reflector, Source};
+use bulk::Outcome;
 use columns::Columns;
+use generation::{Arrived, GenerationNumbers, Roulette, Travelling, key, order};
 pub(super) use ledger::Accumulator;
 use ledger::{Sums, Workspace};
 use light::Light;
@@ -69,6 +83,12 @@ pub(super) struct Layered<'a> {
     /// Account of the absorption of each element.
     accounts: Vec<Account>,
     discs: bool,
+    /// True if there are sources with directions.
+    directed: bool,
+    /// Largest index of all media.
+    largest_index: f64,
+    /// The number of paths that are followed side by side.
+    batch: u64,
 }
 
 /// Light that starts its way through the flat skeleton.
@@ -104,44 +124,54 @@ impl OutgoingRay {
     }
 }
 
-/// Light that waits to be followed: a branch of a path.
-#[derive(Debug, Clone)]
-struct Branch {
-    sent: OutgoingRay,
-    light: Light,
-}
+/// Light of each source that a branch has gathered in a scattering medium, upwards and downwards.
+type Gathered = Vec<[f64; 2]>;
 
-/// Random numbers of a path in counted blocks.
-struct RandomNumbers<'a> {
-    numbers: &'a PathNumbers<'a>,
-    count: u32,
-    /// True if one planned block belongs to the sources.
-    reserved: bool,
-}
+/// Largest number of paths that are followed side by side, and of the numbers that their sampled sources occupy.
+const LARGEST_BATCH: usize = 1 << 10;
+const MOST_NUMBERS: usize = 1 << 20;
 
-impl RandomNumbers<'_> {
-    fn next(&mut self) -> [f64; 4] {
-        self.count = self.count.saturating_add(1);
-        let free = if self.reserved { PLANNED_BLOCKS - 1 } else { PLANNED_BLOCKS };
-        let skipped = u32::from(self.reserved && self.count >= free);
-        self.numbers.block(self.count.saturating_add(skipped))
-    }
-
-    /// Largest probability with which the path may continue.
-    ///
-    /// The number of events in thick layers that absorb nothing has a long tail, n^(-1/2). Roulette
-    /// that ends paths like n^(-0.45) from there on bounds their mean cost and leaves the
-    /// variance finite; any fixed probability would not.
-    fn most_survival(&self) -> f64 {
-        if self.count < FREE_EVENTS { 1.0 } else { 1.0 - 0.45 / f64::from(self.count) }
-    }
+/// Largest probability with which a branch may continue.
+///
+/// The number of events in thick layers that absorb nothing has a long tail, n^(-1/2). Roulette that ends paths like
+/// n^(-0.45) from there on bounds their mean cost and leaves the variance finite; any fixed probability would not.
+fn most_survival(generation: u32) -> f64 {
+    if generation < FREE_EVENTS { 1.0 } else { 1.0 - 0.45 / f64::from(generation) }
 }
 
 impl<'a> Layered<'a> {
     pub(super) fn new(stack: &'a crate::Layered, view: Cone, sources: &'a [Source]) -> Self {
         let discs = sources.iter().any(Source::has_radiance);
         let accounts = stack.elements().map(|(kind, _)| kind.account()).collect();
-        Self { stack, columns: Columns::new(stack), view, sources, events: events(stack), accounts, discs }
+        let largest_index = stack.layers.iter().map(|layer| layer.medium.largest_index()).fold(1.0, f64::max);
+        let columns = Columns::new(stack);
+        let events = events(stack);
+        let base = columns.as_ref().map_or(&stack.base, |columns| &columns.base);
+        // Light of two branches, and light and fields of what each source sends on.
+        let interfaces = events.iter().filter(|event| matches!(event.kind, Kind::Interface(..))).count();
+        let directed = sources.iter().filter(|source| **source != Source::Diffuse).count();
+        let lights = 2 + 4 * directed * (1 + 2 * interfaces);
+        let size = MOST_NUMBERS / (lights * (base.states() + 1) * base.bins());
+        let batch = 1 << size.clamp(16, LARGEST_BATCH).ilog2();
+        Self {
+            stack,
+            columns,
+            view,
+            sources,
+            events,
+            accounts,
+            discs,
+            directed: directed > 0,
+            largest_index,
+            batch,
+        }
+    }
+
+    /// Lets paths carry a factor for each state and wavelength, whatever the pixel.
+    #[cfg(test)]
+    fn with_full_spectra(mut self) -> Self {
+        self.columns = None;
+        self
     }
 
     /// As [`Walk::rarest`](super::Walk::rarest).
@@ -173,123 +203,204 @@ impl<'a> Layered<'a> {
         self.events.iter().any(|event| matches!(event.kind, Kind::Bulk(_) | Kind::Base(_)))
     }
 
-    pub(super) fn path(&self, numbers: &PathNumbers<'_>, tally: &mut Accumulator) {
+    /// Traces paths, in batches.
+    pub(super) fn paths(&self, numbers: &SampleStream, paths: Range<u64>, tally: &mut Accumulator) {
+        let size = self.batch;
+        let mut start = paths.start;
+        while start < paths.end {
+            let end = (start / size + 1).saturating_mul(size).min(paths.end);
+            self.batch(numbers, start..end, tally);
+            start = end;
+        }
+        tally.workspace.next.shrink();
+        tally.workspace.lamps.shrink();
+        if let Some(controls) = &mut tally.workspace.controls {
+            controls.shrink();
+        }
+    }
+
+    /// Returns the number of paths that are followed side by side.
+    pub(super) fn batch_size(&self) -> u64 {
+        self.batch
+    }
+
+    /// Traces the paths of a batch, all together.
+    fn batch(&self, numbers: &SampleStream, paths: Range<u64>, tally: &mut Accumulator) {
         let Accumulator { sums, workspace } = tally;
+        let count = (paths.end - paths.start) as usize;
+        let of = |k: usize| PathNumbers::new(numbers, paths.start + k as u64);
+        workspace.lamps.draw((0..count).map(of), self, &mut workspace.skeleton);
         if let Some(controls) = &mut workspace.controls {
-            controls.begin(numbers.path, sums);
+            controls.begin(count, &sums.received);
         }
-        workspace.lamps.draw(numbers, self, &mut workspace.skeleton);
-        let mut draws = RandomNumbers { numbers, count: 0, reserved: workspace.lamps.has_relays() };
-        let beta = self.view.sample_towards(numbers.field());
         workspace.light.start();
-        workspace.branch(OutgoingRay { beta, ray: Ray::ENTERING, ..OutgoingRay::UNSCATTERED });
-        while let Some(Branch { sent, light }) = workspace.pending.pop() {
-            self.travel(sent, &light, sums, workspace);
-            self.continue_path(sent, &light, &mut draws, sums, workspace);
-            workspace.spare.push(light);
+        for path in 0..count {
+            workspace.lamps.path = path;
+            let beta = self.view.sample_towards(of(path).field());
+            workspace.branch(OutgoingRay { beta, ..OutgoingRay::UNSCATTERED });
+        }
+        let mut generation = 0;
+        while !workspace.next.is_empty() {
+            let numbers = GenerationNumbers::new(numbers, generation, (paths.start, count as u64));
+            self.travel(generation, &numbers, sums, workspace);
+            self.scatter(generation, &numbers, sums, workspace);
+            generation = generation.saturating_add(1);
         }
         if let Some(controls) = &mut workspace.controls {
-            controls.end(numbers.path, sums);
+            controls.end(paths.start, &mut sums.received);
+        }
+    }
+
+    /// Follows all branches that travel to their next events.
+    fn travel(
+        &self,
+        generation: u32,
+        numbers: &GenerationNumbers,
+        sums: &mut Sums,
+        workspace: &mut Workspace,
+    ) {
+        let mut travelling = std::mem::take(&mut workspace.next.travelling);
+        let mut roulettes = numbers.roulettes(self.events.len());
+        let order = order(&travelling, |branch| self.key_of_ray(branch));
+        for k in order {
+            let Travelling { path, sent, light } = &travelling[k];
+            workspace.exchange(*path, sums);
+            self.leave(*sent, light, sums, workspace);
+            self.arrive((*sent, light), generation, &mut roulettes, sums, workspace);
+            workspace.exchange(*path, sums);
+        }
+        for branch in travelling.drain(..) {
+            workspace.next.recycle(branch.light);
+        }
+    }
+
+    /// Performs the events of all branches that have arrived.
+    fn scatter(
+        &self,
+        generation: u32,
+        numbers: &GenerationNumbers,
+        sums: &mut Sums,
+        workspace: &mut Workspace,
+    ) {
+        let mut arrived = std::mem::take(&mut workspace.next.arrived);
+        let order = order(&arrived, |branch| self.key_of_event(branch));
+        workspace.side_roulettes = numbers.roulettes(2 * self.events.len());
+        for (rank, k) in order.into_iter().enumerate() {
+            let branch = &mut arrived[k];
+            let path = branch.path;
+            workspace.exchange(path, sums);
+            std::mem::swap(&mut workspace.light, &mut branch.light);
+            std::mem::swap(&mut workspace.gathered, &mut branch.gathered);
+            self.perform(branch, (generation, numbers.of(rank)), sums, workspace);
+            workspace.exchange(path, sums);
+        }
+        for branch in arrived.drain(..) {
+            workspace.next.recycle(branch.light);
+        }
+    }
+
+    /// Position of a branch among others between two events.
+    fn key_of_ray(&self, branch: &Travelling) -> u64 {
+        let Travelling { sent, light, .. } = branch;
+        let class = 2 * sent.ray.plane + sent.ray.going as usize;
+        key(class, [sent.beta.squared() / self.largest_index.powi(2), light.brightest()])
+    }
+
+    /// Position of a branch among others at an event: those at the same event are neighbours if they are at similar places.
+    fn key_of_event(&self, branch: &Arrived) -> u64 {
+        let Arrived { event, sent, stay, light, .. } = branch;
+        let kind = &self.events[*event].kind;
+        let class = 2 * event + usize::from(stay.is_some());
+        let beta = |beta: f64| 0.5 + 0.5 * beta / self.largest_index;
+        match (kind, stay) {
+            (Kind::Base(_), _) => key(class, [light.brightest()]),
+            (Kind::Bulk(bulk), Some(stay)) => {
+                let [depth, z, x, y] = bulk.place(stay);
+                if self.directed { key(class, [depth, z, x, y]) } else { key(class, [depth, z]) }
+            }
+            _ if self.directed => key(class, [beta(sent.beta.x), beta(sent.beta.y)]),
+            _ => key(class, [sent.beta.squared() / self.largest_index.powi(2)]),
         }
     }
 
     /// Adds all that happens to a branch's light without scattering.
-    fn travel(&self, sent: OutgoingRay, light: &Light, sums: &mut Sums, workspace: &mut Workspace) {
+    fn leave(&self, sent: OutgoingRay, light: &Light, sums: &mut Sums, workspace: &mut Workspace) {
         workspace.skeleton.set(self.stack, self.base(), sent.beta.squared());
         workspace.skeleton.emit(sent.ray, &mut workspace.field);
         self.record(light, sums, workspace);
         let Workspace { field, share, .. } = workspace;
         share.set(field, Ray::LEAVING, |_| 1.0);
-        sums.leaving.add_share(light, share, &field.rising, 1.0);
+        sums.received.leaving.add_share(light, share, &field.rising, 1.0);
         if sent.density.is_finite() {
             sources::meet_discs(self.sources, sent, (light, share, &field.rising), sums);
         }
     }
 
-    /// Performs the events that a branch's light takes part in: each of the bright ones, and at most one of the others.
-    fn continue_path(
+    /// Lets a branch's light arrive at the events that it takes part in: at each of the bright ones, and at others by
+    /// roulette.
+    ///
+    /// The probability of a faint event is proportional to the largest fraction of any state's and wavelength's light that
+    /// takes part in it. In the first events it has a lower limit, so that weights grow by a tenth at most.
+    fn arrive(
         &self,
-        sent: OutgoingRay,
-        light: &Light,
-        draws: &mut RandomNumbers<'_>,
+        (sent, light): (OutgoingRay, &Light),
+        generation: u32,
+        roulettes: &mut [Roulette],
         sums: &mut Sums,
         workspace: &mut Workspace,
     ) {
-        let most = draws.most_survival();
-        let mut faint = 0.0;
+        let most = most_survival(generation);
+        let (mut faint, mut count) = (0.0, 0.0);
         for (i, event) in self.events.iter().enumerate() {
             event.share(&workspace.skeleton, &workspace.field, &mut workspace.share);
             let chance = light.largest(&workspace.share, &workspace.field.rising);
             workspace.chances[i] = chance;
-            if chance < BRIGHT || most < 1.0 {
+            if chance > 0.0 && (chance < BRIGHT || most < 1.0) {
                 sums.unaccounted.add_share(light, &workspace.share, &workspace.field.rising, 1.0);
-                faint += chance;
+                (faint, count) = (faint + chance, count + 1.0);
             }
         }
-        // The field belongs to this branch: others wait until all events are done.
-        if most == 1.0 {
-            for (i, event) in self.events.iter().enumerate() {
-                if workspace.chances[i] >= BRIGHT {
-                    workspace.chances[i] = 0.0;
-                    workspace.carry(light, event, 1.0);
-                    self.scatter(sent, event, draws, sums, workspace);
+        let least = if sent.density.is_finite() { LEAST_SURVIVAL } else { 1.0 };
+        let survival = (faint / BRIGHT).min(1.0).max(least).min(most);
+        let each = if generation < FIRST_EVENTS { WITHOUT_REGARD * faint / count } else { 0.0 };
+        let all = faint + count * each;
+        for (i, event) in self.events.iter().enumerate() {
+            let chance = workspace.chances[i];
+            let is_faint = chance < BRIGHT || most < 1.0;
+            let probability = if is_faint { survival * (chance + each) / all } else { 1.0 };
+            if chance > 0.0 && (!is_faint || roulettes[i].survives(probability)) {
+                workspace.carry(light, event, 1.0 / probability);
+                if is_faint {
+                    sums.unaccounted.add(&workspace.light, -1.0);
                 }
-            }
-        }
-        if faint > 0.0 {
-            let least = if sent.density.is_finite() { LEAST_SURVIVAL } else { 1.0 };
-            let survival = (faint / BRIGHT).min(1.0).max(least).min(most);
-            if let Some((event, scale)) = self.choose(survival, draws, workspace) {
-                workspace.carry(light, event, scale);
-                sums.unaccounted.add(&workspace.light, -1.0);
-                self.scatter(sent, event, draws, sums, workspace);
+                workspace.next.arrive(workspace.lamps.path, i, sent, &workspace.light);
             }
         }
     }
 
-    /// Chooses one of the faint events, and the factor of its light; `None` if the branch ends.
-    ///
-    /// The probability of an event is proportional to the largest fraction of any state's and wavelength's light that
-    /// takes part in it. In the first events it has a lower limit, so that weights grow by a tenth at most.
-    fn choose(
+    /// Performs an event on the light of the workspace: connections to sources, and new branches.
+    fn perform(
         &self,
-        survival: f64,
-        draws: &mut RandomNumbers<'_>,
-        workspace: &mut Workspace,
-    ) -> Option<(&ScatterEvent<'a>, f64)> {
-        let [u, ..] = draws.next();
-        if u >= survival {
-            return None;
-        }
-        let faint = workspace.chances.iter().sum::<f64>();
-        let first = draws.count <= FIRST_EVENTS;
-        let each = if first { WITHOUT_REGARD * faint / self.events.len() as f64 } else { 0.0 };
-        let mut chances = 0.0;
-        for chance in workspace.chances.iter_mut().filter(|chance| **chance > 0.0) {
-            *chance += each;
-            chances += *chance;
-        }
-        let mut below = u / survival * chances;
-        let chosen = workspace.chances.iter().position(|chance| {
-            below -= chance;
-            below < 0.0
-        })?;
-        Some((&self.events[chosen], chances / (survival * workspace.chances[chosen])))
-    }
-
-    /// Performs the event on the light of the workspace: connections to sources, and new branches.
-    fn scatter(
-        &self,
-        sent: OutgoingRay,
-        event: &ScatterEvent<'_>,
-        draws: &mut RandomNumbers<'_>,
+        branch: &mut Arrived,
+        (generation, u): (u32, [f64; 4]),
         sums: &mut Sums,
         workspace: &mut Workspace,
     ) {
-        let u = draws.next();
+        let (event, sent) = (&self.events[branch.event], branch.sent);
         let next = match event.kind {
             Kind::Bulk(bulk) => {
-                bulk.stay((sent.beta, event.going), [u[0], u[1], u[2]], draws, sums, workspace)
+                let outcome = match &mut branch.stay {
+                    Some(stay) => bulk.deflect(stay, u, generation, sums, workspace),
+                    entering => {
+                        *entering = Some(bulk.enter((sent.beta, event.going), u[0], sums, workspace));
+                        Outcome::Within
+                    }
+                };
+                match outcome {
+                    Outcome::Ended => return,
+                    Outcome::Within => return workspace.stay(branch),
+                    Outcome::Left(next) => Some(next),
+                }
             }
             Kind::Base(medium) => {
                 let Reflector::Lambertian(reflectance) = &self.base().reflector else { return };
@@ -299,7 +410,7 @@ impl<'a> Layered<'a> {
                 let pixel = Pixel { kernels, medium, element: event.element };
                 pixel.reflect(sent.beta, [u[0], u[1], u[2]], sums, workspace)
             }
-            Kind::Interface(..) => return event.pass_interface(sent, u, sums, workspace),
+            Kind::Interface(..) => return event.pass_interface((branch.event, sent), u, sums, workspace),
         };
         if let Some(next) = next {
             workspace.branch(next);

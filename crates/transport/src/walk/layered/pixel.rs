@@ -34,7 +34,7 @@ impl Pixel<'_> {
         self.tint(&mut workspace.light);
         let mut turned = workspace.light.clone();
         let Workspace { light, share, lamps, .. } = &mut *workspace;
-        for lamp in lamps.iter() {
+        for lamp in lamps.now().iter() {
             turned.clone_from(light);
             let density = self.density(from, lamp.beta);
             self.weigh(&mut turned, |kernel| {

@@ -54,18 +54,14 @@ impl ScatterEvent<'_> {
     pub(super) fn send(&self, beta: Beta, u: [f64; 4]) -> Option<OutgoingRay> {
         let Kind::Interface(interface, channel, _) = self.kind else { return None };
         let (to, scattered) = interface.sample(self.arrival(beta, channel), u)?;
-        Some(self.outgoing(to, scattered, 1.0))
+        Some(self.outgoing(to, scattered))
     }
 
-    /// Light that leaves in a sampled direction, with this probability of the side that it leaves to.
-    fn outgoing(&self, to: Departure, scattered: Scattered, probability: f64) -> OutgoingRay {
+    /// Light that leaves in a sampled direction.
+    fn outgoing(&self, to: Departure, scattered: Scattered) -> OutgoingRay {
         let Scattered { value, density, reverse } = scattered;
         let ray = Ray::from_element(self.element, to.going);
-        OutgoingRay {
-            back: reverse,
-            weight: probability * value / density,
-            ..OutgoingRay::exactly(to.beta, ray, density)
-        }
+        OutgoingRay { back: reverse, weight: value / density, ..OutgoingRay::exactly(to.beta, ray, density) }
     }
 
     /// Largest index of the medium that its light comes from.
@@ -99,9 +95,11 @@ impl ScatterEvent<'_> {
     }
 
     /// Scattering at an interface: connections to sources, and new branches.
+    ///
+    /// A side to which little light leaves is followed by roulette.
     pub(super) fn pass_interface(
         &self,
-        sent: OutgoingRay,
+        (number, sent): (usize, OutgoingRay),
         u: [f64; 4],
         sums: &mut Sums,
         workspace: &mut Workspace,
@@ -115,18 +113,27 @@ impl ScatterEvent<'_> {
         let spread = |_, bin| self.spread_over(ways[0], bin);
         sources::connect(rays, sent.density, scattered, spread, sums, workspace);
         if let Some(sides) = interface.sample_sides(from, u) {
-            let brightest = workspace.light.brightest();
-            if sides.iter().all(|(_, probability)| probability * brightest >= BRIGHT_SIDE) {
-                for (side, probability) in sides {
-                    let Some((to, scattered)) = side else {
-                        sums.absorbed.diffuser.add(&workspace.light, probability);
-                        continue;
-                    };
-                    let next = self.outgoing(to, scattered, probability);
-                    workspace.branch_part(OutgoingRay { rival: sent.density, ..next }, |_| next.weight);
+            let (brightest, directed) = (workspace.light.brightest(), workspace.lamps.directed);
+            for (k, (side, probability)) in sides.into_iter().enumerate().filter(|(_, side)| side.1 > 0.0) {
+                let survival = (probability * brightest / BRIGHT_SIDE).min(1.0);
+                let survives = workspace.side_roulettes[2 * number + k].survives(survival);
+                sums.unaccounted.add(&workspace.light, probability);
+                if !survives {
+                    continue;
                 }
-                return;
+                let probability = probability / survival;
+                sums.unaccounted.add(&workspace.light, -probability);
+                let Some(to) = side else {
+                    sums.absorbed.diffuser.add(&workspace.light, probability);
+                    continue;
+                };
+                // Sampled in proportion to the kernel, whose value matters only if there are directed sources.
+                let scattered = if directed { interface.scatter(from, to) } else { Scattered::exactly(1.0) };
+                let next =
+                    OutgoingRay { rival: sent.density, weight: probability, ..self.outgoing(to, scattered) };
+                workspace.branch_part(next, |_| probability);
             }
+            return;
         }
         let Some(next) = self.send(sent.beta, u) else {
             workspace.light.keep(|_| 0.0, &mut sums.absorbed.diffuser);

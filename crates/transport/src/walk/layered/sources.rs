@@ -29,6 +29,17 @@ pub(super) struct SourceLights {
     pub(super) about: Vec<Beta>,
 }
 
+/// Light of the sources for each path of a batch: one entry for all paths if nothing of it is sampled.
+#[derive(Debug, Clone)]
+pub(super) struct SourcesOfPaths {
+    of_paths: Vec<SourceLights>,
+    sampled: bool,
+    /// True if there are sources with directions.
+    pub(super) directed: bool,
+    /// The current path, from 0 in the batch.
+    pub(super) path: usize,
+}
+
 /// Light of one direction, at every plane of the stack.
 #[derive(Debug, Clone)]
 pub(super) struct SourceLight {
@@ -45,8 +56,6 @@ pub(super) struct SourceLight {
     /// field's `rising`.
     before: Light,
     dark: bool,
-    /// In a scattering medium: light scattered into the path upwards and downwards that is not in the sums yet.
-    pub(super) gathered: [f64; 2],
 }
 
 /// Light that an interface relays.
@@ -120,24 +129,44 @@ impl SourceLights {
         }
     }
 
-    /// True if interfaces relay light of sources.
-    pub(super) fn has_relays(&self) -> bool {
-        !self.scattered.is_empty()
-    }
-
     pub(super) fn iter(&self) -> impl Iterator<Item = &SourceLight> {
         self.sources.iter().chain(self.scattered.iter().map(|scattered| &scattered.lamp)).filter(|l| !l.dark)
     }
+}
 
-    pub(super) fn iter_mut(&mut self) -> impl Iterator<Item = &mut SourceLight> {
-        self.split().1
+impl SourcesOfPaths {
+    pub(super) fn new(walk: &Layered<'_>, skeleton: &mut Skeleton) -> Self {
+        let one = SourceLights::new(walk, skeleton);
+        Self {
+            sampled: walk.discs || !one.scattered.is_empty(),
+            directed: walk.directed,
+            of_paths: vec![one],
+            path: 0,
+        }
     }
 
-    /// Directions of beams and discs, and the light of all sources.
-    pub(super) fn split(&mut self) -> (&[Beta], impl Iterator<Item = &mut SourceLight>) {
-        let scattered = self.scattered.iter_mut().map(|scattered| &mut scattered.lamp);
-        let lamps = self.sources.iter_mut().chain(scattered).filter(|lamp| !lamp.dark);
-        (&self.about, lamps)
+    /// Samples everything for the paths of a batch.
+    pub(super) fn draw<'n>(
+        &mut self,
+        paths: impl ExactSizeIterator<Item = PathNumbers<'n>>,
+        walk: &Layered<'_>,
+        skeleton: &mut Skeleton,
+    ) {
+        if self.sampled {
+            self.of_paths.resize(paths.len(), self.of_paths[0].clone());
+            paths.zip(&mut self.of_paths).for_each(|(numbers, lights)| lights.draw(&numbers, walk, skeleton));
+        }
+    }
+
+    /// Frees memory.
+    pub(super) fn shrink(&mut self) {
+        self.of_paths.truncate(1);
+        self.of_paths.shrink_to_fit();
+    }
+
+    /// The light of the sources for the current path.
+    pub(super) fn now(&self) -> &SourceLights {
+        &self.of_paths[if self.sampled { self.path } else { 0 }]
     }
 }
 
@@ -147,16 +176,7 @@ impl SourceLight {
         let mut before = Light::zeros(base.states(), base.bins());
         before.start();
         let field = skeleton.field();
-        Self {
-            source,
-            target,
-            beta: target.beta,
-            drawn: None,
-            field,
-            before,
-            dark: false,
-            gathered: [0.0; 2],
-        }
+        Self { source, target, beta: target.beta, drawn: None, field, before, dark: false }
     }
 
     /// Weight of a connection, by the balance heuristic. `rival` is the density with which the path chose its
@@ -181,7 +201,7 @@ impl SourceLight {
 
     /// Adds the path's light that reaches the source.
     pub(super) fn add(&self, light: &Light, share: &Share, sums: &mut Sums) {
-        let sum = &mut sums.from_source[self.source];
+        let sum = &mut sums.received.from_source[self.source];
         if self.drawn.is_none() {
             sum.add_share(light, share, &self.field.rising, 1.0);
         } else {
@@ -226,7 +246,7 @@ pub(super) fn connect(
     workspace: &mut Workspace,
 ) {
     let Workspace { light, share, lamps, .. } = workspace;
-    for lamp in lamps.iter() {
+    for lamp in lamps.now().iter() {
         share.clear();
         for (way, ray) in ways.clone().enumerate() {
             let weight = lamp.weight(scattered(way, lamp.beta), rival);
@@ -243,7 +263,7 @@ pub(super) fn meet_discs(
     (light, share, rising): (&Light, &Share, &[f64]),
     sums: &mut Sums,
 ) {
-    for (source, sum) in sources.iter().zip(&mut sums.from_source) {
+    for (source, sum) in sources.iter().zip(&mut sums.received.from_source) {
         if let Some(target) = Target::at(source, sent.beta) {
             let back = if sent.rival.is_finite() { sent.back } else { 0.0 };
             let weight = target.balanced(sent.density, || sent.density, back / sent.rival);

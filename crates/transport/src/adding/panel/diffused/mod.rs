@@ -3,25 +3,22 @@
 mod by_order;
 mod estimate;
 mod gradient;
+mod lights;
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use papilio_optics::Beta;
-use papilio_optics::lobe::Lobe;
-
-use super::super::field::{Peaks, Ring, radii, rings};
 use super::super::images::{ImagePoints, Mirror, image_points};
-use super::super::quadrature::{Nodes as QuadratureNodes, Point, cone_points_of, disc_points};
+use super::super::quadrature::{Nodes as QuadratureNodes, Point, cone_points_of};
 use super::Views;
 use super::first_pass::{Pass, SourceFreeView, Weights};
 use super::indices::Indices;
 use super::lambertian::Shares;
-use super::projected::{Circle, Projected};
 use super::recycling::{Forms, Group, OwnForms, Plan, Recycling, Reflectances, Seen, Towards};
 use crate::base::largest;
-use crate::{AngularTable, Cone, Diffuser, Field, Medium, Nodes, Panel, Reflector, Source, Top};
+use crate::{AngularTable, Cone, Diffuser, Medium, Nodes, Panel, Reflector, Source, Top};
 use by_order::ByOrder;
+use lights::{Bundle, Light};
 
 /// All data of a panel that do not depend on its spectra.
 #[derive(Debug, Clone)]
@@ -34,8 +31,9 @@ pub(super) struct Kernel {
     indices: Indices,
     /// See [`reach`].
     reach: Option<f64>,
-    /// Whether there is a source that is not diffuse.
-    has_directed: bool,
+    /// Whether there are beams or discs, and fields.
+    has_points: bool,
+    has_fields: bool,
     sources: Vec<Arc<Light>>,
     /// Views for which the directions of fields are chosen.
     directions: Vec<Cone>,
@@ -57,53 +55,12 @@ struct BaseData {
 }
 
 #[derive(Debug, Clone)]
-struct Light {
-    source: Source,
-    groups: Vec<Bundle>,
-    /// For each index and group.
-    recycled: Vec<Vec<Group>>,
-    /// Of a field: for each index and group its light below the diffuser.
-    projected: Vec<Vec<Projected>>,
-}
-
-#[derive(Debug, Clone)]
 struct View {
     cone: Cone,
     groups: Vec<Bundle>,
     images: Vec<ImagePoints>,
     /// For each index.
     at: Vec<AtIndex>,
-}
-
-/// Points that are treated together: all points of a cone, or, where the direction of unscattered light
-/// matters, a single point.
-#[derive(Debug, Clone, PartialEq)]
-struct Bundle {
-    axis: Point,
-    points: Vec<Point>,
-    /// Light of a field instead: `points` are then its means over azimuth.
-    circles: Vec<Circle>,
-    /// Whether weights at azimuths equally far from the axis on its two sides are opposite instead of equal.
-    odd: bool,
-}
-
-impl Bundle {
-    fn new(axis: Point, points: Vec<Point>) -> Self {
-        Self { axis, points, circles: Vec::new(), odd: false }
-    }
-
-    /// Returns one part of a field, or of some of its rings.
-    fn of_rings(rings: &[Ring], odd: bool) -> Self {
-        let at = |radius: f64, weight: f64| Point { beta: Beta { x: radius, y: 0.0 }, weight };
-        let axis = at(rings.get(rings.len() / 2).map_or(0.0, |ring| ring.radius), 1.0);
-        let circles: Vec<Circle> = rings.iter().map(|ring| Circle::part(ring, odd)).collect();
-        let points = circles.iter().map(|circle| at(circle.radius, circle.orders[0])).collect();
-        Self { axis, points, circles, odd }
-    }
-
-    fn azimuth(&self) -> f64 {
-        self.axis.beta.y.atan2(self.axis.beta.x)
-    }
 }
 
 /// One view at one index; empty over a Lambertian base. For each of its groups:
@@ -136,7 +93,8 @@ impl Kernel {
             table: table_nodes(stack).cloned(),
             indices: Indices::new(&stack.medium, digits),
             reach: None,
-            has_directed: false,
+            has_points: false,
+            has_fields: false,
             sources: Vec::new(),
             directions: Vec::new(),
             views: Vec::new(),
@@ -169,7 +127,8 @@ impl Kernel {
         }
         let directions = if together.is_empty() { views } else { together };
         self.reach = reach(directions, sources);
-        self.has_directed = sources.iter().any(|source| *source != Source::Diffuse);
+        self.has_points = sources.iter().any(|source| matches!(source, Source::Beam(_) | Source::Disc(_)));
+        self.has_fields = sources.iter().any(|source| matches!(source, Source::Field(_)));
         match common.and_then(|common| common.seen.as_ref()) {
             Some(seen) => self.seen = Some(seen.clone()),
             None => self.reset_for_new_base(stack),
@@ -242,7 +201,7 @@ impl Kernel {
         let Top::Diffuser(diffuser) = &stack.top else { return None };
         let g = sent_back(stack, &diffuser.transmittance).into_iter().fold(0.0, f64::max);
         let strength = if g > 0.0 { g * self.largest_reflectance(stack) } else { 0.0 };
-        Plan::new(&pass, strength, (self.reach, self.has_directed))
+        Plan::new(&pass, strength, (self.reach, self.has_points, self.has_fields))
     }
 
     fn largest_reflectance(&self, stack: &Panel) -> f64 {
@@ -298,90 +257,6 @@ impl Kernel {
         let index = *self.indices.nodes.get(index)?;
         let table = self.table.as_ref()?;
         Some(Pass { diffuser: &self.diffuser, table, index, digits: self.digits })
-    }
-
-    /// Returns points for the width of the lobe, together or one by one.
-    fn bundles(&self, points: Vec<Point>, axis: Point) -> Vec<Bundle> {
-        if self.diffuser.regular_fraction == 0.0 || self.table.is_none() {
-            return vec![Bundle::new(axis, points)];
-        }
-        points.into_iter().map(|point| Bundle::new(point, vec![point])).collect()
-    }
-
-    fn scale(&self) -> f64 {
-        match self.diffuser.lobe {
-            Lobe::KCorrelation { width } => width.min(SMOOTH),
-            Lobe::Lambertian => SMOOTH,
-        }
-    }
-
-    fn light(&self, source: Source) -> Light {
-        let groups = match &source {
-            Source::Diffuse => Vec::new(),
-            Source::Beam(beta) => {
-                let point = Point { beta: *beta, weight: 1.0 };
-                vec![Bundle::new(point, vec![point])]
-            }
-            Source::Disc(cone) => {
-                let axis = Point { beta: cone.mirrored().axis_towards(), weight: 1.0 };
-                self.bundles(disc_points(cone, self.scale(), self.digits), axis)
-            }
-            Source::Field(field) => self.of_field(field),
-        };
-        let recycled = self.groups(&groups);
-        let projected = if matches!(source, Source::Field(_)) { self.projected(&groups) } else { Vec::new() };
-        Light { source, groups, recycled, projected }
-    }
-
-    /// Returns the even part of a field and, if it has one, its odd part, together or ring by ring.
-    fn of_field(&self, field: &Field) -> Vec<Bundle> {
-        let rings = rings(
-            field,
-            Peaks { views: &self.directions, width: self.width_of_peaks() },
-            self.digits - DIGITS_LESS_OF_FIELDS,
-        );
-        let parts: &[bool] = if field.is_ring() { &[false] } else { &[false, true] };
-        let together = self.diffuser.regular_fraction == 0.0 || self.table.is_none();
-        // Rings close together see the same reflectance.
-        let span = if together { f64::INFINITY } else { SMOOTH / (self.digits - 3.0) };
-        let place = |ring: &Ring| (ring.radius / span).floor();
-        let close = rings.chunk_by(|one, next| place(one) == place(next));
-        close.flat_map(|rings| parts.iter().map(move |odd| Bundle::of_rings(rings, *odd))).collect()
-    }
-
-    /// Returns the width of the peaks of a view's response to a field.
-    fn width_of_peaks(&self) -> f64 {
-        // Light that is scattered twice has a peak of twice the width.
-        let passes = if self.diffuser.regular_fraction == 0.0 { 2.0 } else { 1.0 };
-        (passes * self.scale()).min(SMOOTH)
-    }
-
-    /// Projects the groups of a field for each index.
-    fn projected(&self, groups: &[Bundle]) -> Vec<Vec<Projected>> {
-        let width = self.width_of_peaks();
-        let mut views: Vec<f64> = self.directions.iter().flat_map(|view| radii(view, width)).collect();
-        views.sort_by(f64::total_cmp);
-        views.dedup();
-        let one = |pass: &Pass<'_>, b: &Bundle| {
-            let lit: Vec<f64> = b.circles.iter().map(|circle| circle.radius).collect();
-            pass.project(&lit, &views, |_| b.circles.clone())
-        };
-        let project = |pass: Pass<'_>| groups.iter().map(|b| one(&pass, b)).collect();
-        (0..self.indices.nodes.len()).filter_map(|index| self.pass(index)).map(project).collect()
-    }
-
-    /// Returns the groups of a source on the grid.
-    fn groups(&self, bundles: &[Bundle]) -> Vec<Vec<Group>> {
-        let at = |(recycling, index): (&Recycling, &f64)| {
-            let group = |b: &Bundle| {
-                if b.circles.is_empty() {
-                    return recycling.group(&b.points, b.axis, *index, false);
-                }
-                recycling.group_of_circles(&b.circles, b.odd, b.axis, *index)
-            };
-            bundles.iter().map(group).collect()
-        };
-        self.grids().zip(&self.indices.nodes).map(at).collect()
     }
 
     /// Computes the view of a cone, across which lie this many nodes of the base's table; `many` others are at
@@ -484,24 +359,24 @@ impl Kernel {
             kept.iter().enumerate().map(towards).collect()
         });
         let pairs = pairs.collect();
+        let two_passes =
+            self.two_passes(recycling, groups, |i| same_recycling && old.is_some() && kept[i].is_some());
         let recycled = recycled.into_iter().zip(groups).enumerate().filter_map(|(g, (own, bundle))| {
             let (recycling, (group, alone)) = recycling.zip(own)?;
             let old = old.filter(|_| same_recycling).and_then(|old| old.recycled.get(g));
             let towards = |(i, kept): (usize, &Option<usize>)| match (old, kept) {
                 (Some(old), Some(kept)) => old.between[*kept].clone(),
-                _ if !fields[g][i].is_empty() => {
-                    let both = |(field, b): (&Arc<ByOrder>, &Bundle)| {
-                        let towards = recycling.towards(&bundle.points, &b.points);
-                        (field.forms_at(bundle.azimuth()), towards)
-                    };
-                    fields[g][i].iter().zip(&self.sources[i].groups).map(both).collect()
-                }
                 _ => {
                     let light = &self.sources[i];
-                    let both = |(other, b): (&Group, &Bundle)| {
-                        (recycling.between(&group, other), recycling.towards(&bundle.points, &b.points))
+                    let both = |(k, b): (usize, &Bundle)| {
+                        let forms = match fields[g][i].get(k) {
+                            Some(field) => field.forms_at(bundle.azimuth()),
+                            None => recycling.between(&group, &light.recycled[index][k]),
+                        };
+                        let two_passes = two_passes[i].as_ref().map(|forms| forms[g][k].clone());
+                        (forms, recycling.towards(&bundle.points, b.lit(two_passes)))
                     };
-                    light.recycled[index].iter().zip(&light.groups).map(both).collect()
+                    light.groups.iter().enumerate().map(both).collect()
                 }
             };
             let between = kept.iter().enumerate().map(towards).collect();
@@ -509,6 +384,24 @@ impl Kernel {
         });
         let recycled = recycled.collect();
         AtIndex { alone, pairs, fields, recycled }
+    }
+
+    /// Returns two passes between the groups of a view and of each source of points under a narrow lobe, by
+    /// source, group of the view and of the source; `None` for others, and for sources that are known.
+    fn two_passes(
+        &self,
+        recycling: Option<&Recycling>,
+        views: &[Bundle],
+        is_known: impl Fn(usize) -> bool,
+    ) -> Vec<Option<Vec<Vec<Vec<f64>>>>> {
+        let of = |(i, light): (usize, &Arc<Light>)| {
+            let has_points = matches!(light.source, Source::Beam(_) | Source::Disc(_));
+            let is_needed = has_points && !is_known(i);
+            recycling
+                .filter(|_| is_needed)?
+                .two_passes(&lights::points(views), &lights::points(&light.groups))
+        };
+        self.sources.iter().enumerate().map(of).collect()
     }
 
     pub(super) fn nodes(&self) -> usize {
@@ -535,13 +428,6 @@ fn position(source: &Source, old: &[Arc<Light>], same_views: bool) -> Option<usi
     let serves = same_views || !matches!(source, Source::Field(_));
     old.iter().position(|old| serves && old.source == *source)
 }
-
-/// Natural digits that the directions of a field have less than everything else: there are many directions,
-/// and where their error is large, light is faint.
-const DIGITS_LESS_OF_FIELDS: f64 = 4.0;
-
-/// Angle over which reflectances change, whatever the lobe.
-const SMOOTH: f64 = 0.3;
 
 /// Returns the largest `sqrt(|beta_v| |beta_l|)` of a view and a directed source, if there is one.
 fn reach(views: &[Cone], sources: &[Source]) -> Option<f64> {

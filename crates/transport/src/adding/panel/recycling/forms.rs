@@ -34,6 +34,11 @@ impl Places {
         Self { place, count }
     }
 
+    /// Returns the number of products.
+    pub(super) fn count(&self) -> usize {
+        self.count
+    }
+
     /// Returns a coefficient for each product, from those of each sequence.
     pub(super) fn folded(&self, sequences: &[f64]) -> Vec<f64> {
         let mut sum = vec![0.0; self.count];

@@ -33,7 +33,7 @@ use super::first_pass::{Pass, Weights};
 use super::projected::Circle;
 use grid::{End, Grid, Meridian};
 use narrow::Narrow;
-pub(super) use narrow::{Seen, Towards};
+pub(super) use narrow::{Lit, Seen, Towards};
 pub(super) use plan::{NARROWEST, Plan};
 use profile::Profile;
 pub(super) use profile::is_fitted;
@@ -105,9 +105,7 @@ impl Recycling {
             Lobe::Lambertian => Lobe::Lambertian,
         };
         let narrow = match (plan.narrow, pass.diffuser.lobe) {
-            (Some(narrow), Lobe::KCorrelation { width }) => {
-                Some(Narrow::new(pass, width, narrow.orders, narrow.digits))
-            }
+            (Some(narrow), Lobe::KCorrelation { width }) => Some(Narrow::new(pass, width, &narrow)),
             _ => None,
         };
         let grid = Grid::new(
@@ -206,14 +204,19 @@ impl Recycling {
 
     /// Returns a source as seen by a view under a narrow lobe. `None` under others, and if the grid has the
     /// lobe itself.
-    pub(super) fn towards(&self, view: &[Point], source: &[Point]) -> Option<Towards> {
+    pub(super) fn towards(&self, view: &[Point], source: Lit<'_>) -> Option<Towards> {
         let narrow = self.narrow.as_ref()?;
-        if !self.plan.has_grid() {
+        if !self.plan.has_grid() || matches!(source, Lit::Points(_, Some(_))) {
             return Some(narrow.towards(view, source, None));
         }
         let orders = if self.sums_columns() { narrow.orders() } else { self.plan.terms.len() };
         let is_wider = self.plan.width > narrow.width();
         is_wider.then(|| narrow.towards(view, source, Some((self.plan.width, orders))))
+    }
+
+    /// See [`Narrow::two_passes`].
+    pub(super) fn two_passes(&self, views: &[&[Point]], sources: &[&[Point]]) -> Option<Vec<Vec<Vec<f64>>>> {
+        self.narrow.as_ref()?.two_passes(views, sources)
     }
 
     /// Returns whether diffuse light has the basis of narrow lobes, not the grid.

@@ -35,8 +35,48 @@ pub(super) struct NarrowPlan {
     pub(super) orders: usize,
     /// Natural digits of its nodes.
     pub(super) digits: f64,
-    /// Whether there is a grid, from which light between a view and a source is corrected.
+    /// Natural digits of two passes between points of light, and terms of the reflectance there; none if there
+    /// are no points, the table has kinks, or the later orders matter too much to be extrapolated.
+    pub(super) digits_of_two: f64,
+    pub(super) terms: usize,
+    /// How the error of the closed form is extrapolated from order 2.
+    pub(super) extrapolation: Extrapolation,
+    /// Whether there is a grid, from which light between a view and a field, or points without terms, is corrected.
     pub(super) has_grid: bool,
+}
+
+/// Ratio of order j of the series to its closed form, from that of order 2, by its exponent: rules that differ
+/// from level to level, so that the differences of levels show their error.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Extrapolation {
+    /// 1: the same ratio.
+    Constant,
+    /// j - 1: each further pass has the same effect.
+    Geometric,
+    /// (2 j² + 1)/9: proportional to the variance of the direction in which light meets the base, for paths
+    /// that spread steadily from the view to the source.
+    Spread,
+}
+
+impl Extrapolation {
+    /// Returns the rule for the level with this number of digits.
+    fn at(digits: f64) -> Self {
+        match ((digits - DIGITS_OF_SECOND_LEVEL) / DIGITS_A_LEVEL).round() as i32 {
+            ..0 => Self::Constant,
+            level if level % 2 == 0 => Self::Geometric,
+            _ => Self::Spread,
+        }
+    }
+
+    /// Returns the exponent for order `j`, from 2 on.
+    pub(super) fn exponent(self, j: usize) -> f64 {
+        let j = j as f64;
+        match self {
+            Self::Constant => 1.0,
+            Self::Geometric => j - 1.0,
+            Self::Spread => ((2.0 * j * j + 1.0) / 9.0).min(2.0 * (j - 1.0)),
+        }
+    }
 }
 
 /// Number of terms below which a polynomial does not follow the oscillations of a film's reflectance over
@@ -51,12 +91,12 @@ const MOST_COEFFICIENTS: usize = 12_000;
 
 impl Plan {
     /// Plans for light of which only the fraction `strength` remains from pass to pass; `reach` is the
-    /// largest `sqrt(|beta_v| |beta_l|)` of a view and a directed source, and `has_directed` whether there
-    /// is any source that is not diffuse. `None` if no light is sent back.
+    /// largest `sqrt(|beta_v| |beta_l|)` of a view and a directed source; the others say whether there are
+    /// points of light, and fields. `None` if no light is sent back.
     pub(in super::super) fn new(
         pass: &Pass<'_>,
         strength: f64,
-        (reach, has_directed): (Option<f64>, bool),
+        (reach, has_points, has_fields): (Option<f64>, bool, bool),
     ) -> Option<Self> {
         let digits = pass.digits;
         let weakening = (-2.0 * strength.min(1.0).ln()).floor() / 2.0;
@@ -69,7 +109,7 @@ impl Plan {
             Self { digits, weakening, terms, orders: 1, recycled_digits, width: WIDEST, narrow: None };
         match pass.diffuser.lobe {
             Lobe::KCorrelation { width } if width < NARROWEST => {
-                plan.narrow = Some(plan.narrow(has_directed));
+                plan.narrow = Some(plan.narrow(pass.table, has_points, has_fields));
                 if !plan.has_grid() {
                     plan.terms = vec![1];
                     return Some(plan);
@@ -89,12 +129,25 @@ impl Plan {
     }
 
     /// Plans for a narrow lobe.
-    fn narrow(&self, has_directed: bool) -> NarrowPlan {
+    fn narrow(&self, table: &Nodes, has_points: bool, has_fields: bool) -> NarrowPlan {
+        let digits_of_two = (self.digits - self.weakening - DIGITS_LESS_OF_CORRECTION).max(LEAST_DIGITS);
+        // Tables with kinks are not smooth enough for the interpolation of two passes.
+        let terms = match table {
+            _ if !has_points || self.digits > DIGITS_OF_EXTRAPOLATION + 2.0 * self.weakening => 0,
+            Nodes::Constant => 1,
+            Nodes::Cosines(_) | Nodes::CosinePanels(_) => {
+                1 + (digits_of_two / DIGITS_A_TERM + TERMS_OF_SWINGS).ceil() as usize
+            }
+            Nodes::AnglesInMedium(_) | Nodes::AnglesInAir(_) => 0,
+        };
         let orders = (self.digits / self.weakening.max(0.5) - 1.0).ceil().clamp(1.0, MOST_ORDERS);
         NarrowPlan {
             orders: orders as usize,
             digits: 0.75 * (self.digits - self.weakening) + 1.0,
-            has_grid: has_directed && self.digits > DIGITS_WITHOUT_GRID,
+            digits_of_two,
+            extrapolation: Extrapolation::at(self.digits),
+            terms,
+            has_grid: (has_fields || (has_points && terms == 0)) && self.digits > DIGITS_WITHOUT_GRID,
         }
     }
 
@@ -207,9 +260,14 @@ const WEAK: f64 = 4.0;
 const DIGITS_WITHOUT_GRID: f64 = 12.0;
 /// Natural digits of the second level.
 const DIGITS_OF_SECOND_LEVEL: f64 = 15.0;
+/// Natural digits of each further level.
+const DIGITS_A_LEVEL: f64 = 3.5;
 /// Natural digits that the correction needs less than the light that it corrects, at the second level; half of
 /// the digits of each further one are added.
 const DIGITS_LESS_OF_CORRECTION: f64 = 4.0;
+/// Natural digits up to which order 3 of the series is extrapolated from order 2, if passes did not weaken it. Beyond, all
+/// orders are those of the grid.
+const DIGITS_OF_EXTRAPOLATION: f64 = 10.5;
 /// Largest number of orders under a narrow lobe; the rest is a geometric series.
 const MOST_ORDERS: f64 = 24.0;
 
@@ -242,7 +300,7 @@ mod tests {
                 let diffuser = Diffuser { lobe, transmittance: vec![1.0].into(), regular_fraction };
                 let table = &Nodes::Constant;
                 let pass = Pass { diffuser: &diffuser, table, index, digits: 11.5 + 3.5 * level };
-                Plan::new(&pass, 0.9, (Some(1.0), true)).map(|plan| plan.width)
+                Plan::new(&pass, 0.9, (Some(1.0), false, true)).map(|plan| plan.width)
             };
             assert_eq!(planned(NARROWEST), Some(NARROWEST), "{level} {index} {regular_fraction}");
             assert!(planned(0.004) > Some(0.01), "{level} {index} {regular_fraction}");

@@ -122,7 +122,7 @@ pub(in super::super) fn is_fitted(pass: &Pass<'_>) -> bool {
 }
 
 /// Returns Chebyshev points on (0, 1).
-fn chebyshev(count: usize) -> Vec<Node> {
+pub(super) fn chebyshev(count: usize) -> Vec<Node> {
     let x = |p: usize| 0.5 + 0.5 * (PI * (p as f64 + 0.5) / count as f64).cos();
     (0..count).map(|p| Node { x: x(p), weight: 1.0 }).collect()
 }

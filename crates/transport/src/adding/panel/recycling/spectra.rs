@@ -52,7 +52,8 @@ impl Recycling {
         };
         let light = |narrow: &Narrow| {
             let [glass, air] = narrow.radii().map(|radii| look_up(&mut radii.iter().map(|r| r * r)));
-            narrow.light(Columns { count: columns, glass: &glass, air: &air })
+            let terms = look_up(&mut narrow.squares().into_iter());
+            narrow.light(Columns { count: columns, glass: &glass, air: &air }, terms)
         };
         let narrow = self.narrow.as_ref().map(light);
         if self.sums_columns() {

@@ -15,24 +15,40 @@
 //!
 //! `P(v - l) (R_v^j + 2 R_v^(j-1) R_l + ... + 2 R_v R_l^(j-1) + R_l^j) / (2j)`,
 //!
-//! exactly for b = 0 and, over a uniform base without rims, for any b. Its error is of the order of b. From
-//! the second level on, a grid for a wider lobe W shows the error there. The error at b is estimated from it
-//! ([`relative_error`]) and added, so that the rest is of the order of b (W - b). The finer the level,
-//! the narrower W, down to b.
+//! exactly for b = 0 and, over a uniform base without rims, for any b. Its error is of the order of b.
+//!
+//! For points of light (beams and discs), order 2 is computed without this approximation ([`two_passes`]). The
+//! ratio to its closed form corrects the later orders ([`Extrapolation`]), which are weaker by a factor of
+//! about g R each.
+//!
+//! For fields, from the second level on a grid for a wider lobe W shows the error there. The error at b is
+//! estimated from it ([`relative_error`]) and added, so that the rest is of the order of b (W - b). The finer
+//! the level, the narrower W, down to b.
 
 mod basis;
+mod between;
+mod two_passes;
+
+#[cfg(test)]
+mod tests;
 
 use std::f64::consts::PI;
 
+use papilio_optics::Beta;
 use papilio_optics::lobe::Lobe;
-use papilio_optics::{Beta, Scatterer};
 
+use super::forms::Products;
 use super::grid::Columns;
-use super::product;
+use super::plan::{Extrapolation, NarrowPlan};
+use super::{azimuth_factor, product};
 use crate::adding::panel::first_pass::Pass;
-use crate::adding::quadrature::Point;
+use crate::adding::panel::lobes;
+use crate::adding::panel::projected::Circle;
+use crate::adding::quadrature::{Node, Point};
 use crate::product::add_product;
 use basis::{Basis, Disc, for_table};
+use between::density;
+use two_passes::TwoPasses;
 
 /// One width of the lobe: averages between the nodes in air and in the glass.
 #[derive(Debug, Clone)]
@@ -51,6 +67,9 @@ pub(in super::super) struct Narrow {
     leaving_straight: Vec<f64>,
     /// For each order 2, 3, ... the fractions of light that meets 0, 1, ... lobes.
     shares: Vec<Vec<f64>>,
+    /// If there are points of light.
+    two_passes: Option<TwoPasses>,
+    extrapolation: Extrapolation,
 }
 
 /// Light at the nodes of air over a base, `[node][column]`; columns are `[state][wavelength]`.
@@ -61,6 +80,9 @@ pub(in super::super) struct Light {
     /// For each power of g, 1, 2, ...: diffuse light that a direction sees, and the distribution of its own
     /// light.
     own: Vec<Own<Vec<f64>>>,
+    /// Products of two terms of the reflectance.
+    products: Option<Products>,
+    extrapolation: Extrapolation,
 }
 
 /// Diffuse light that leaves, is reflected by the base, and arrives there.
@@ -75,9 +97,20 @@ pub(in super::super) struct Own<T> {
 #[derive(Debug, Clone)]
 pub(in super::super) struct Seen(Vec<f64>);
 
+/// Light of a source, for a closed form.
+#[derive(Debug, Clone)]
+pub(in super::super) enum Lit<'a> {
+    /// Points, and their two passes to the view, a coefficient for each product of terms.
+    Points(&'a [Point], Option<Vec<f64>>),
+    /// A part of a field and whether it is odd in azimuth.
+    Circles(&'a [Circle], bool),
+}
+
 /// A source as seen by a view.
 #[derive(Debug, Clone)]
 pub(in super::super) struct Towards {
+    /// Two passes between points, a coefficient for each product of terms; `None` towards a field.
+    two_passes: Option<Vec<f64>>,
     /// For each order 2, 3, ... weights on the nodes of air that contain the lobe between view and source.
     lobe: Weights,
     /// The same of the wider lobe of the grid, if there is one, for the orders of the grid.
@@ -108,7 +141,8 @@ fn relative_error(distance: f64, width: f64) -> f64 {
 
 impl Narrow {
     /// Prepares this width for `orders` orders of the series, with errors of `exp(-digits)`.
-    pub(super) fn new(pass: &Pass<'_>, width: f64, orders: usize, digits: f64) -> Self {
+    pub(super) fn new(pass: &Pass<'_>, width: f64, plan: &NarrowPlan) -> Self {
+        let NarrowPlan { orders, digits, .. } = *plan;
         let (lobe, straight) = (Lobe::KCorrelation { width }, pass.straight());
         let basis = |disc| Basis::new(disc, width, digits, for_table(pass, disc));
         let (air, glass) = (basis(Disc::Air), basis(Disc::Glass(pass.index)));
@@ -129,6 +163,8 @@ impl Narrow {
             leaving: leaving(&glass),
             leaving_straight: leaving(&air),
             shares: shares(straight, orders),
+            two_passes: (plan.terms > 0).then(|| TwoPasses::new(pass, width, plan.digits_of_two, plan.terms)),
+            extrapolation: plan.extrapolation,
             air,
             glass,
         }
@@ -151,8 +187,24 @@ impl Narrow {
         [&self.glass.radii, &self.air.radii]
     }
 
-    /// Computes the light over a base.
-    pub(super) fn light(&self, r: Columns<'_>) -> Light {
+    /// Returns |beta|² of the directions of the terms of [`Self::two_passes`].
+    pub(super) fn squares(&self) -> Vec<f64> {
+        self.two_passes.as_ref().map(TwoPasses::squares).unwrap_or_default()
+    }
+
+    /// Returns `pi` times two passes between groups of points of a view and of a source, by group of the view
+    /// and of the source; `None` if they are not needed.
+    pub(super) fn two_passes(&self, views: &[&[Point]], sources: &[&[Point]]) -> Option<Vec<Vec<Vec<f64>>>> {
+        let shares = &self.shares[0];
+        let lobe = |away: Beta| {
+            let one = |(n, share): (usize, &f64)| share * density(n as f64 * self.width, away);
+            shares.iter().enumerate().skip(1).map(one).sum()
+        };
+        Some(self.two_passes.as_ref()?.between(views, sources, lobe))
+    }
+
+    /// Computes the light over a base; `terms` are its reflectances at [`Self::squares`].
+    pub(super) fn light(&self, r: Columns<'_>, terms: Vec<f64>) -> Light {
         let (n, s) = (r.count, self.straight);
         let ones = vec![1.0; self.air.len() * n];
         let times_r = |light: &Vec<f64>| Some(light.iter().zip(r.air).map(|(l, r)| l * r).collect());
@@ -177,7 +229,12 @@ impl Narrow {
             }
             own.push(scattered);
         }
-        Light { powers, own }
+        Light {
+            powers,
+            own,
+            products: (!terms.is_empty()).then(|| Products::new(terms, n, 2)),
+            extrapolation: self.extrapolation,
+        }
     }
 
     /// Returns light above the diffuser after one reflection by the base, of which these fractions are seen.
@@ -227,15 +284,18 @@ impl Narrow {
     pub(in super::super) fn towards(
         &self,
         view: &[Point],
-        source: &[Point],
+        source: Lit<'_>,
         wider: Option<(f64, usize)>,
     ) -> Towards {
-        let (lobe, _) = self.weights(view, source, self.width, self.shares.len(), &|_| 1.0);
-        let Some((width, orders)) = wider else { return Towards { lobe, wider: None, correction: [0.0; 2] } };
+        let (lobe, _) = self.weights(view, &source, self.width, self.shares.len(), &|_| 1.0);
+        let two_passes = if let Lit::Points(_, two_passes) = &source { two_passes.clone() } else { None };
+        let Some((width, orders)) = wider else {
+            return Towards { two_passes, lobe, wider: None, correction: [0.0; 2] };
+        };
         let ratio = |distance: f64| relative_error(distance, self.width) / relative_error(distance, width);
-        let (_, times_ratio) = self.weights(view, source, self.width, 1, &ratio);
-        let (wider, of_wider) = self.weights(view, source, width, orders, &|_| 1.0);
-        Towards { lobe, wider: Some(wider), correction: [times_ratio, of_wider] }
+        let (_, times_ratio) = self.weights(view, &source, self.width, 1, &ratio);
+        let (wider, of_wider) = self.weights(view, &source, width, orders, &|_| 1.0);
+        Towards { two_passes, lobe, wider: Some(wider), correction: [times_ratio, of_wider] }
     }
 
     /// Returns the lobe of each order between view and source, times a factor of the distance, and the sum of
@@ -243,34 +303,69 @@ impl Narrow {
     fn weights(
         &self,
         view: &[Point],
-        source: &[Point],
+        source: &Lit<'_>,
         width: f64,
         orders: usize,
         factor: &dyn Fn(f64) -> f64,
     ) -> (Weights, f64) {
         let mut all = vec![vec![0.0; self.air.len()]; orders];
         let mut first = 0.0;
-        // Points of a ring follow each other.
-        let same = |a: &Point, b: &Point| (a.beta.length() - b.beta.length()).abs() < SAME_RING;
-        for ring in source.chunk_by(same) {
-            for (order, (shares, sum)) in self.shares.iter().zip(&mut all).enumerate() {
-                let lobe = |away: Beta| -> f64 {
-                    let met = shares.iter().enumerate().skip(1).filter(|(_, share)| **share > 0.0);
-                    let one = |(n, share): (usize, &f64)| {
-                        let lobe = Lobe::KCorrelation { width: n as f64 * width };
-                        share * lobe.density(Beta::default(), away)
-                    };
-                    met.map(one).sum::<f64>() * factor(away.length())
-                };
-                let of = |v: &Point, l: &Point| v.weight * l.weight * lobe(l.beta - v.beta);
-                let weight: f64 = view.iter().flat_map(|v| ring.iter().map(move |l| of(v, l))).sum();
+        for (order, (shares, sum)) in self.shares.iter().zip(&mut all).enumerate() {
+            let met = || shares.iter().enumerate().skip(1).filter(|(_, share)| **share > 0.0);
+            let mut add = |radius: f64, weight: f64| {
                 if order == 0 {
                     first += weight;
                 }
-                self.air.add_values(ring[0].beta.length(), PI * weight, sum);
+                self.air.add_values(radius, PI * weight, sum);
+            };
+            match source {
+                Lit::Points(points, _) => {
+                    let lobe = |away: Beta| {
+                        let one = |(n, share): (usize, &f64)| share * density(n as f64 * width, away);
+                        met().map(one).sum::<f64>() * factor(away.length())
+                    };
+                    // Points of a ring follow each other.
+                    let same = |a: &Point, b: &Point| (a.beta.length() - b.beta.length()).abs() < SAME_RING;
+                    for ring in points.chunk_by(same) {
+                        let of = |v: &Point, l: &Point| v.weight * l.weight * lobe(l.beta - v.beta);
+                        let both = view.iter().flat_map(|v| ring.iter().map(move |l| of(v, l)));
+                        add(ring[0].beta.length(), both.sum());
+                    }
+                }
+                Lit::Circles(circles, odd) => {
+                    let mut weights = vec![0.0; circles.len()];
+                    for (n, share) in met() {
+                        add_circles(view, (circles, *odd), n as f64 * width, |k, away, value| {
+                            weights[k] += share * factor(away) * value;
+                        });
+                    }
+                    circles.iter().zip(weights).for_each(|(circle, weight)| add(circle.radius, weight));
+                }
             }
         }
         (all, first)
+    }
+}
+
+/// Calls `each` with the number of each circle of light, its distance from a point of the view, and the sum
+/// of a lobe of this width between them.
+fn add_circles(
+    view: &[Point],
+    (circles, odd): (&[Circle], bool),
+    width: f64,
+    mut each: impl FnMut(usize, f64, f64),
+) {
+    let nodes: Vec<Node> = circles.iter().map(|circle| Node { x: circle.radius, weight: 1.0 }).collect();
+    let count = circles.iter().map(|circle| circle.orders.len()).max().unwrap_or(0);
+    for v in view {
+        let (radius, turn) = (v.beta.length(), -v.beta.y.atan2(v.beta.x));
+        lobes::orders_of_nodes(Lobe::KCorrelation { width }, radius, &nodes, count, |m, first, values| {
+            let factor = v.weight * azimuth_factor(m, turn, odd);
+            for (k, (circle, value)) in (first..).zip(circles[first..].iter().zip(values)) {
+                let light = circle.orders.get(m).copied().unwrap_or(0.0);
+                each(k, (circle.radius - radius).abs(), factor * value * light);
+            }
+        });
     }
 }
 
@@ -325,9 +420,23 @@ impl Light {
         }
     }
 
-    /// Returns `pi` times the recycled kernel between a view and a source in closed form.
+    /// Returns `pi` times the recycled kernel between a view and a source.
     pub(in super::super) fn between(&self, view: &Seen, source: &Towards, g: &[f64]) -> Vec<f64> {
-        series(self.orders(view, &source.lobe), g, false)
+        let mut orders = self.orders(view, &source.lobe);
+        if let (Some(form), Some(products)) = (&source.two_passes, &self.products) {
+            let mut two = vec![0.0; g.len()];
+            products.add((form, 1), false, g.len(), &mut two);
+            let closed = std::mem::replace(&mut orders[0], two);
+            let ratio = |(two, closed): (&f64, &f64)| {
+                if *closed > 0.0 { (two / closed).clamp(0.0, LARGEST_CORRECTION) } else { 1.0 }
+            };
+            let ratios: Vec<f64> = orders[0].iter().zip(&closed).map(ratio).collect();
+            for (k, order) in orders.iter_mut().enumerate().skip(1) {
+                let exponent = self.extrapolation.exponent(k + 2);
+                order.iter_mut().zip(&ratios).for_each(|(order, ratio)| *order *= ratio.powf(exponent));
+            }
+        }
+        series(orders, g, false)
     }
 
     /// Returns the same under the wider lobe; without orders that the grid does not have if `truncated`.
@@ -382,6 +491,9 @@ fn series(terms: Vec<Vec<f64>>, g: &[f64], truncated: bool) -> Vec<f64> {
     }
     sum
 }
+
+/// Largest ratio of two passes to their closed form that is extrapolated to more.
+const LARGEST_CORRECTION: f64 = 1.5;
 
 /// Largest ratio of terms that is taken for that of a geometric series.
 const LARGEST_RATIO: f64 = 0.95;
