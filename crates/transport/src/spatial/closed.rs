@@ -28,6 +28,34 @@ pub fn lobe_from_rectangle([x0, x1]: [f64; 2], [y0, y1]: [f64; 2], width_mm: f64
     corner(x1, y1) - corner(x0, y1) - corner(x1, y0) + corner(x0, y0)
 }
 
+/// Integral over a rectangle `[x, y]` (mm) of the fraction of the light seen at its points, in diffuse light through a k-correlation
+/// lobe, that comes from another rectangle, mm^2. Exchanging the two changes nothing.
+pub fn lobe_between_rectangles(seen: [[f64; 2]; 2], source: [[f64; 2]; 2], width_mm: f64) -> f64 {
+    let c = width_mm;
+    // Derived twice by x and by y, it is the lobe's spread.
+    let corner = |x: f64, y: f64| {
+        let slant = (c * c + x * x + y * y).sqrt();
+        let angle = x * y * (x * y / (c * slant)).atan();
+        let sides = y * (y / c.hypot(x)).asinh() + x * (x / c.hypot(y)).asinh() - slant;
+        (angle + c * sides) / (2.0 * PI)
+    };
+    // Differences of edges along an axis, with their signs.
+    let edges = |axis: usize| {
+        let ([a, b], [from, to]) = (seen[axis], source[axis]);
+        [(to - a, 1.0), (to - b, -1.0), (from - a, -1.0), (from - b, 1.0)]
+    };
+    let pairs = edges(0).into_iter().flat_map(|x| edges(1).map(|y| (x, y)));
+    pairs.map(|((x, sign), (y, other))| sign * other * corner(x, y)).sum()
+}
+
+/// Fraction of the light that reaches a stripe from the hemisphere of the air, through an ideal antireflection face, that
+/// entered above the stripe itself: through the stripe of the same width at this height. The height is at most
+/// `sqrt(index^2 - 1)` widths, so that no light comes from beyond the next stripe.
+pub fn entrance_own_stripe(stripe_mm: f64, height_mm: f64, index: f64) -> f64 {
+    let mean_shift = 2.0 / PI * (index * index * (1.0 / index).asin() - (index * index - 1.0).sqrt());
+    1.0 - mean_shift * height_mm / stripe_mm
+}
+
 /// Mean over a stripe of this width of the fraction of light that comes from the stripe itself, in diffuse light through
 /// a k-correlation lobe.
 pub fn lobe_own_stripe(stripe_mm: f64, width_mm: f64) -> f64 {
@@ -96,6 +124,30 @@ mod tests {
         let at = |k: usize| pixel * (k as f64 + 0.5) / f64::from(steps as u32);
         let mean = (0..steps).map(|k| lobe_from_rectangle([-at(k), pixel - at(k)], far, c)).sum::<f64>();
         close(mean / f64::from(steps as u32), lobe_own_stripe(pixel, c));
+    }
+
+    /// Between rectangles: the mean over the points of one, by the midpoint rule.
+    #[test]
+    fn lobe_between_rectangles_is_the_mean_over_points() {
+        let c = 0.3;
+        let (seen, source) = ([[0.1, 0.5], [-0.2, 0.3]], [[0.4, 1.4], [0.0, 0.7]]);
+        let steps = 200;
+        let at = |side: [f64; 2], k: usize| side[0] + (side[1] - side[0]) * (k as f64 + 0.5) / f64::from(steps);
+        let mut sum = 0.0;
+        for column in 0..steps as usize {
+            for row in 0..steps as usize {
+                let (x, y) = (at(seen[0], column), at(seen[1], row));
+                sum += lobe_from_rectangle(source[0].map(|edge| edge - x), source[1].map(|edge| edge - y), c);
+            }
+        }
+        let expected = sum * 0.4 * 0.5 / f64::from(steps * steps);
+        assert!((lobe_between_rectangles(seen, source, c) - expected).abs() < 1e-6);
+        close(lobe_between_rectangles(seen, source, c), lobe_between_rectangles(source, seen, c));
+        // Long stripes: the closed form of a single stripe.
+        let (pixel, long) = (25.4 / 900.0, [-50.0, 50.0]);
+        let stripe = [[0.0, pixel], [-0.5, 0.5]];
+        let own = lobe_between_rectangles(stripe, [[0.0, pixel], long], 0.018_89) / pixel;
+        assert!((own - lobe_own_stripe(pixel, 0.018_89)).abs() < 1e-6);
     }
 
     #[test]
