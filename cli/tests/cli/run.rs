@@ -5,7 +5,9 @@ use std::path::Path;
 use std::process::{Command, Stdio};
 use std::time::Duration;
 
-use crate::common::{COARSE, names, papilio_command as papilio, place, run_scenario as run, scenario, stderr};
+use crate::common::{
+    COARSE, names, papilio_command as papilio, place, run_scenario as run, scenario, stderr,
+};
 
 #[test]
 fn run_writes_results_and_prints_a_table() {
@@ -231,7 +233,15 @@ fn matrix_changes_nothing_but_scenario_and_hash() {
     let plain = text.replace("[display.matrix]\n", "").replace(keys, "#").replace("thickness_mm = 0.5", "#");
     let results = |text: &str, solver: &str| {
         let (_folder, file, _) = place(text);
-        let more = ["--json", "--solver", solver, "--set", "spectrum.step_nm=20", "--set", "solver.relative_error=0.02"];
+        let more = [
+            "--json",
+            "--solver",
+            solver,
+            "--set",
+            "spectrum.step_nm=20",
+            "--set",
+            "solver.relative_error=0.02",
+        ];
         let output = papilio().args(["run", &file]).args(more).output().unwrap();
         assert!(output.status.success(), "{}", stderr(&output));
         let mut result: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
@@ -254,7 +264,8 @@ fn matrix_changes_nothing_but_scenario_and_hash() {
 fn filter_above_the_pixels_is_refused() {
     let folder = tempfile::tempdir().unwrap();
     let out = folder.path().join("out");
-    let filter = "display.matrix.filter={ height_um = 30, transmittance = { red = 0.9, green = 0.9, blue = 0.9 } }";
+    let filter =
+        "display.matrix.filter={ height_um = 30, transmittance = { red = 0.9, green = 0.9, blue = 0.9 } }";
     let output = run("matrix", &["--out", out.to_str().unwrap(), "--set", filter]);
     assert_eq!(output.status.code(), Some(2));
     let message = stderr(&output);

@@ -53,7 +53,8 @@ fn rectangle(row: &Row<'_>) -> Result<NamedRectangle, FormatError> {
 
 /// Returns whether a row is a comment: it begins with `#` and is not a rectangle of a sub-pixel such as `#1`.
 fn is_comment(row: &Row<'_>) -> bool {
-    row.begins_with_hash() && !(row.cells.len() == COLUMNS.len() && row.cells[1..].iter().any(Cell::is_number))
+    row.begins_with_hash()
+        && !(row.cells.len() == COLUMNS.len() && row.cells[1..].iter().any(Cell::is_number))
 }
 
 #[cfg(test)]

@@ -154,7 +154,10 @@ impl Resolver<'_> {
         let spectra = names.iter().map(|name| match transmittance.get(name) {
             Some(spectrum) => self.share(spectrum, spectrum.origin),
             None => {
-                self.err(transmittance, mistake::missing_key(name, "a number from 0 to 1, or a spectrum file"));
+                self.err(
+                    transmittance,
+                    mistake::missing_key(name, "a number from 0 to 1, or a spectrum file"),
+                );
                 None
             }
         });
@@ -199,7 +202,8 @@ impl Resolver<'_> {
         }
         let below = names.iter().map(|name| {
             let Some(wanted) = state.value.get(name) else {
-                let wrong = mistake::missing_key(name, "the state of the pixel below this part of the filter");
+                let wrong =
+                    mistake::missing_key(name, "the state of the pixel below this part of the filter");
                 self.err(&state.value, wrong);
                 return None;
             };
@@ -220,7 +224,8 @@ impl Resolver<'_> {
             return Some(());
         }
         let wrong = Diagnostic::new("these states are for a display with a colour filter, but there is none");
-        let hint = "add [display.matrix.filter], or describe the states of the sub-pixels in [display.pixel.states]";
+        let hint =
+            "add [display.matrix.filter], or describe the states of the sub-pixels in [display.pixel.states]";
         self.err(&matrix.states, wrong.hint(hint));
         None
     }
@@ -237,8 +242,8 @@ impl Resolver<'_> {
             let (height, glass) = (&described.height_um, &file.display.glass);
             let causes = [file.display.layers.origin, glass.origin];
             let thickness_at = glass.as_ref().map(|glass| glass.thickness_mm.origin);
-            let wrong = Diagnostic::new(format!("the filter is {} um above the pixels", height.0))
-                .expected(format!(
+            let wrong =
+                Diagnostic::new(format!("the filter is {} um above the pixels", height.0)).expected(format!(
                     "a height within the medium above them, which is {} um thick",
                     mistake::tidy(*thickness / MM_PER_UM)
                 ));

@@ -73,7 +73,8 @@ impl Resolver<'_> {
             (Mounting::Air, None) => Some(Length::Missing { key: format!("{path}.gap_mm") }),
             (_, None) => Some(Length::Mm(0.0)),
             (_, Some(_)) => {
-                let wrong = "`gap_mm` is the air between the foil and the glass, but the foil is on the glass";
+                let wrong =
+                    "`gap_mm` is the air between the foil and the glass, but the foil is on the glass";
                 let wrong = Diagnostic::new(wrong).hint("add mounting = \"air\", or remove `gap_mm`");
                 self.errors.push(diffuser.gap_mm.origin.or_override([diffuser.mounting.origin]), wrong);
                 None

@@ -142,7 +142,11 @@ impl Resolver<'_> {
         needs: &str,
     ) -> Option<T> {
         let wrong = Diagnostic::new(format!("this layout needs {needs}"))
-            .note(format!("the sub-pixels are {}: those of {}", sub_pixels.names.join(", "), sub_pixels.table))
+            .note(format!(
+                "the sub-pixels are {}: those of {}",
+                sub_pixels.names.join(", "),
+                sub_pixels.table
+            ))
             .hint("choose another layout, or give the rectangles of each sub-pixel as `subpixel`");
         self.errors.push(layout.origin.or_override(sub_pixels.causes.iter().copied()), wrong);
         None

@@ -156,7 +156,9 @@ fn absorbing_glass_resolves_to_general_layers() {
     // A glass without k stays clear, whatever its thickness; a note says so.
     let thick = resolved(GOOD, &["display.glass.thickness_mm=2"]);
     assert!(thick.scene.display.panel().is_some());
-    assert!(thick.notes.iter().any(|note| note.contains("display.glass.thickness_mm has no effect on colours")));
+    assert!(
+        thick.notes.iter().any(|note| note.contains("display.glass.thickness_mm has no effect on colours"))
+    );
     // With a transmittance, the thickness is geometry: k is not used, in whichever order the two are given.
     let absorbs = "index = { n = 1.5, k = 1e-4 }";
     for (file, set) in [

@@ -23,7 +23,9 @@ fn matrix(keys: &str, sets: &[&str]) -> Matrix {
 
 /// The errors of a matrix, and the place of the first.
 fn refused(keys: &str, sets: &[&str]) -> (Option<(usize, usize)>, String) {
-    let Err(errors) = resolve(&with_matrix(keys), Path::new(""), sets) else { panic!("no error: {keys} {sets:?}") };
+    let Err(errors) = resolve(&with_matrix(keys), Path::new(""), sets) else {
+        panic!("no error: {keys} {sets:?}")
+    };
     let first = errors.iter().next().unwrap();
     (first.place.line_column(), errors.to_string())
 }
@@ -85,8 +87,10 @@ fn layouts_have_the_areas_of_the_pixel() {
         }
     }
     let one = "area = { red = 0.5, green = 0.3, blue = 0.2 }\ngap_nm = { red = 275.9, green = 192.3, blue = 137.8, dark = 20 }";
-    let single = with_matrix("ppi = 300\nlayout = \"single\"")
-        .replace(one, "area = { red = 1 }\ngap_nm = { red = 275.9, dark = 20 }\nstates = { white = { red = 1 } }");
+    let single = with_matrix("ppi = 300\nlayout = \"single\"").replace(
+        one,
+        "area = { red = 1 }\ngap_nm = { red = 275.9, dark = 20 }\nstates = { white = { red = 1 } }",
+    );
     let sub_pixels = resolved(&single, &[]).scene.display.matrix.unwrap().sub_pixels;
     assert_eq!(sub_pixels[0].window.rectangles, [Rectangle::WHOLE]);
 }
@@ -163,7 +167,10 @@ fn wrong_filters_are_refused() {
         ("display.matrix.filter.transmittance.red=40", "not per cent"),
         ("display.matrix.filter.transmittance={ }", "no parts"),
         ("display.matrix.states.x={ red = \"white\" }", "the key `green` is missing"),
-        ("display.matrix.states.x={ red = \"white\", green = \"whit\", blue = \"black\" }", "did you mean `white`?"),
+        (
+            "display.matrix.states.x={ red = \"white\", green = \"whit\", blue = \"black\" }",
+            "did you mean `white`?",
+        ),
         (
             "display.matrix.states.x={ red = \"white\", green = \"white\", blue = \"black\", lime = \"black\" }",
             "no sub-pixel `lime`",
@@ -178,7 +185,8 @@ fn wrong_filters_are_refused() {
     let (_, errors) = refused("ppi = 300\nstates = { red = { red = \"white\" } }", &[]);
     assert!(errors.contains("there is none") && errors.contains("[display.pixel.states]"), "{errors}");
     // The parts of a filter over a film are the film's sub-pixels.
-    let film = "ppi = 300\nfilter = { height_um = 5, transmittance = { red = 0.5, green = 0.5, bleu = 0.5 } }";
+    let film =
+        "ppi = 300\nfilter = { height_um = 5, transmittance = { red = 0.5, green = 0.5, bleu = 0.5 } }";
     let (_, errors) = refused(film, &[]);
     assert!(errors.contains("did you mean `blue`?") && errors.contains("`blue` is missing"), "{errors}");
 }
@@ -194,7 +202,11 @@ const WRONG: &[(&str, (usize, usize), &[&str])] = &[
     ("ppi = 300\npitch_um = 84", (19, 1), &["more than one of `pitch_um` and `ppi`"]),
     ("layout = \"stripe\"", (19, 1), &["none of `pitch_um` and `ppi`"]),
     ("ppi = 300\nlayout = \"strip\"", (21, 10), &["did you mean `stripe`?"]),
-    ("ppi = 300\nlayout = \"rgbw\"", (21, 10), &["needs the sub-pixels red, green, blue and white", "red, green, blue: those of"]),
+    (
+        "ppi = 300\nlayout = \"rgbw\"",
+        (21, 10),
+        &["needs the sub-pixels red, green, blue and white", "red, green, blue: those of"],
+    ),
     ("ppi = 300\nlayout = \"single\"", (21, 10), &["needs a single sub-pixel"]),
     ("ppi = 300\npixels = [600]", (21, 10), &["[columns, rows]"]),
     ("ppi = 300\npixels = [600, 0]", (21, 16), &["0 is out of range"]),
@@ -205,16 +217,15 @@ const WRONG: &[(&str, (usize, usize), &[&str])] = &[
         (21, 10),
         &["more than one of `layout`, `subpixel` and `subpixel_file`"],
     ),
-    ("ppi = 300\nsubpixel_file = \"missing.csv\"", (21, 17), &["missing.csv"]),
-    (
-        "ppi = 300\nsubpixel = { red = [[0, 0, 0.5]] }",
-        (21, 21),
-        &["[x0, y0, x1, y1]"],
-    ),
+    ("ppi = 300\nsubpixel = { red = [[0, 0, 0.5]] }", (21, 21), &["[x0, y0, x1, y1]"]),
     ("ppi = 300\nsubpixel = { red = [[0.5, 0, 0, 1]] }", (21, 21), &["no area", "x0 below x1"]),
     ("ppi = 300\nsubpixel = { red = [[0, 0, 1.5, 1]] }", (21, 28), &["1.5 is out of range", "from 0 to 1"]),
     ("ppi = 300\nsubpixel = { red = [[-0.1, 0, 0.5, 1]] }", (21, 22), &["-0.1 is out of range"]),
-    ("ppi = 300\nsubpixel = { rde = [[0, 0, 0.5, 1]] }", (21, 14), &["no sub-pixel `rde`", "did you mean `red`?"]),
+    (
+        "ppi = 300\nsubpixel = { rde = [[0, 0, 0.5, 1]] }",
+        (21, 14),
+        &["no sub-pixel `rde`", "did you mean `red`?"],
+    ),
     (
         "ppi = 300\nsubpixel = { red = [[0, 0, 0.5, 1]], green = [[0.4, 0, 0.7, 1]], blue = [[0.7, 0, 0.9, 1]] }",
         (21, 47),
@@ -242,10 +253,16 @@ fn wrong_matrices_are_refused_at_their_places() {
         }
     }
     assert!(wrong.is_empty(), "{}", wrong.join("\n\n"));
+    let (_, missing) = refused("ppi = 300\nsubpixel_file = \"missing.csv\"", &[]);
+    assert!(missing.contains("requested at test.toml:21:17"), "{missing}");
     // The file alone is valid.
     for (keys, set, says) in [
         ("ppi = 300\nlayout = \"pentile\"", "display.pixel.gap_nm.blue=1", ""),
-        ("ppi = 300\nlayout = \"stripe\"", "display.matrix.subpixel={ red = [[0, 0, 1, 1]] }", "cover 1 of the pixel"),
+        (
+            "ppi = 300\nlayout = \"stripe\"",
+            "display.matrix.subpixel={ red = [[0, 0, 1, 1]] }",
+            "cover 1 of the pixel",
+        ),
         (
             "ppi = 300\nsubpixel = { red = [[0, 0, 0.5, 1]], green = [[0.5, 0, 0.8, 1]], blue = [[0.8, 0, 1, 1]] }",
             "display.pixel.fill_factor=0.9",
@@ -299,7 +316,10 @@ fn lengths_of_a_panel_are_its_gaps_and_its_glass() {
     )]);
     let sets = [glass, "display.front=[]"];
     assert_eq!(lengths(&slab, &sets), Err("display.diffuser.thickness_mm".to_owned()));
-    assert_eq!(lengths(&slab, &[&sets[..], &["display.diffuser.thickness_mm=0.1"]].concat()), Ok(vec![0.1, 0.5]));
+    assert_eq!(
+        lengths(&slab, &[&sets[..], &["display.diffuser.thickness_mm=0.1"]].concat()),
+        Ok(vec![0.1, 0.5])
+    );
 }
 
 /// The lowest missing length is reported first; interfaces without a medium between them are at the same place.

@@ -132,7 +132,8 @@ mod tests {
         let c = 0.3;
         let (seen, source) = ([[0.1, 0.5], [-0.2, 0.3]], [[0.4, 1.4], [0.0, 0.7]]);
         let steps = 200;
-        let at = |side: [f64; 2], k: usize| side[0] + (side[1] - side[0]) * (k as f64 + 0.5) / f64::from(steps);
+        let at =
+            |side: [f64; 2], k: usize| side[0] + (side[1] - side[0]) * (k as f64 + 0.5) / f64::from(steps);
         let mut sum = 0.0;
         for column in 0..steps as usize {
             for row in 0..steps as usize {

@@ -9,7 +9,8 @@
 //! - [`Spread`]: what a lobe over a mirror-like pixel shows of its places, to first order.
 //! - [`Recycling`]: a pattern of reflectances in this light, through all orders.
 //! - [`Window`]: sub-pixels in the period of a pixel, with exact areas; [`stripes`] and [`rows`] arrange them. What is seen
-//!   of one through another: [`shares_by_shifts`], [`shares_by_transfer`].
+//!   of one through another: [`shares_by_shifts`], [`shares_by_transfer`],
+//!   [`crosstalk`].
 //! - [`closed`]: closed forms of lobes and plates, a second method for all of these.
 //!
 //! Lengths are in mm, spatial frequencies in cycles per mm, both in the plane of the panel.
@@ -26,7 +27,7 @@ pub use face::FaceReturn;
 pub use layout::{rows, stripes};
 pub use recycling::{Cells, Recycling};
 pub use spread::{Accuracy, Gap, Light, Sample, Spread};
-pub use window::{Rectangle, Window, shares_by_shifts, shares_by_transfer};
+pub use window::{Rectangle, Window, crosstalk, shares_by_shifts, shares_by_transfer};
 
 use papilio_optics::Beta;
 
