@@ -346,8 +346,9 @@ mod tests {
     fn crosstalk_of_stripes_under_a_lobe_is_known() {
         const OWN: f64 = 0.452_588_7;
         let (width, pitch) = (0.05667 * 0.5 / 1.5, 25.4 / 300.0);
-        let transfer =
-            |wave: [f64; 2]| closed::lobe_in_diffuse_light(wave[0].hypot(wave[1]) / pitch, width).into();
+        let transfer = |wave: [f64; 2]| {
+            Complex64::from(closed::lobe_in_diffuse_light(wave[0].hypot(wave[1]) / pitch, width))
+        };
         let shares = shares_by_transfer(&thirds(), 30, transfer);
         for row in crosstalk(&shares, &[1.0; 3]) {
             close(row.iter().sum(), 1.0, 1e-12);
