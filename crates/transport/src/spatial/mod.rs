@@ -8,6 +8,7 @@
 //! - [`FaceReturn`]: light that a flat face returns to a Lambertian plane below it.
 //! - [`Spread`]: what a lobe over a mirror-like pixel shows of its places, to first order.
 //! - [`Recycling`]: a pattern of reflectances in this light, through all orders.
+//! - [`sparkle`]: random brightness of pixels below a rough face.
 //! - [`closed`]: closed forms of lobes and plates, the second road to both.
 //!
 //! Lengths are in mm, spatial frequencies in cycles per mm, both in the plane of the panel.
@@ -15,7 +16,9 @@
 mod bessel;
 pub mod closed;
 mod face;
+mod fourier;
 mod recycling;
+pub mod sparkle;
 mod spread;
 
 pub use face::FaceReturn;
