@@ -73,7 +73,7 @@ impl Areas {
         }
     }
 
-    /// Adds a straight edge; edges beyond the sides are those at the sides, and rows beyond are left out.
+    /// Adds a straight edge; what is beyond the array is left out.
     pub(super) fn line_to(&mut self, to: [f64; 2]) {
         let from = std::mem::replace(&mut self.at, to);
         let (sign, [lower, upper]) = if from[1] <= to[1] { (1.0, [from, to]) } else { (-1.0, [to, from]) };
@@ -94,21 +94,28 @@ impl Areas {
     }
 
     /// Adds an edge within a row, of this height, between two places along x.
-    fn span(&mut self, row: usize, height: f64, ends: [f64; 2]) {
-        let columns = self.count[0] as f64;
-        let [left, right] = ends.map(|x| x.clamp(0.0, columns));
-        let steps = &mut self.steps[row * (self.count[0] + 1)..][..=self.count[0]];
-        let first = (left.floor() as usize).min(self.count[0] - 1);
-        let last = (right.ceil() as usize).clamp(first + 1, self.count[0]);
-        // Area to the right of the edge in each pixel: whole for the part of the edge on its left (`begun`), a trapezium for the
-        // part within it.
+    fn span(&mut self, row: usize, height: f64, [left, right]: [f64; 2]) {
+        let columns = self.count[0];
+        let steps = &mut self.steps[row * (columns + 1)..][..=columns];
+        let first = (left.max(0.0) as usize).min(columns);
+        let last = (right.max(0.0).ceil() as usize).max(first + 1).min(columns);
+        let length = right - left;
         let mut before = 0.0;
-        for column in first..last {
-            let [from, to] = [left.max(column as f64), right.min(column as f64 + 1.0)];
-            let part = if right > left { (to - from).max(0.0) / (right - left) } else { 1.0 };
-            let begun = if right > left { ((from - left) / (right - left)).clamp(0.0, 1.0) } else { 0.0 };
-            let covered = height * (begun + part - part * (0.5 * (from + to) - column as f64));
-            steps[column] += covered - before;
+        for (column, step) in steps[..last].iter_mut().enumerate().skip(first) {
+            // Area to the right of the edge: whole for the part of the edge on the left of the pixel, a trapezium for the part
+            // within.
+            let [start, end] = [column as f64, column as f64 + 1.0];
+            let part = |x: f64| {
+                if length > 0.0 {
+                    ((x - left) / length).clamp(0.0, 1.0)
+                } else {
+                    f64::from(u8::from(x > left))
+                }
+            };
+            let [begun, ended] = [part(start), part(end)];
+            let middle = 0.5 * (left.clamp(start, end) + right.clamp(start, end));
+            let covered = height * (begun + (ended - begun) * (end - middle));
+            *step += covered - before;
             before = covered;
         }
         steps[last] += height - before;

@@ -27,12 +27,12 @@ pub fn mean_transfer(face: RandomFace, per_slope_mm: [f64; 3], frequency_per_mm:
 }
 
 /// Largest deflection over the correlation length, and correlation length over the smaller side of the window, at which [`of_one_window`] is within 5 % of [`pixel_power_deviation`].
-const SMALL: [f64; 2] = [0.16, 0.6];
+const SMALL: [f64; 2] = [0.16, 0.5];
 
 /// Pixel power deviation of one dark-bordered window of each pixel, for small deflections along the normal:
 /// `K σ sqrt(2 sqrt(π) ξ (w_x + w_y))/(w_x w_y)`.
 ///
-/// `None` where this is in error by more than 5 %: for `Kσ > 0.16 ξ`, for `ξ` above 0.6 of the smaller side, and for
+/// `None` where this is in error by more than 5 %: for `Kσ > 0.16 ξ`, for `ξ` above half of the smaller side, and for
 /// windows that are nearer to the border of the pixel than `1.5 Kσ`.
 pub fn of_one_window(
     face: RandomFace,

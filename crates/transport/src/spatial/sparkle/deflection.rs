@@ -90,8 +90,7 @@ impl Pupil {
     }
 }
 
-/// A disc of directions: points that are equally many per area of the unit disc, moved to `around` and foreshortened along its
-/// plane of incidence. `rings` 0 is the centre alone.
+/// Directions that fill a disc around one, foreshortened along its plane of incidence, with equal weights. `rings` 0 is the centre alone.
 pub(super) fn directions(around: Beta, radius: f64, rings: usize) -> Vec<Beta> {
     let b = around.length();
     let along = if b > 0.0 { [around.x / b, around.y / b] } else { [1.0, 0.0] };
@@ -104,16 +103,19 @@ pub(super) fn directions(around: Beta, radius: f64, rings: usize) -> Vec<Beta> {
     moved.collect()
 }
 
-/// Points of the unit disc with equal weights: a Fibonacci spiral, `3 rings (rings + 1) + 1` points.
+/// Points of the unit disc with equal weights: the centre and `rings` rings of 6, 12, ... points.
 fn disc(rings: usize) -> Vec<[f64; 2]> {
-    let count = 3 * rings * (rings + 1) + 1;
-    let golden = std::f64::consts::PI * (3.0 - 5.0_f64.sqrt());
-    let point = |k: usize| {
-        let radius = ((k as f64 + 0.5) / count as f64).sqrt();
-        let (sin, cos) = (golden * k as f64).sin_cos();
-        [radius * cos, radius * sin]
-    };
-    if rings == 0 { vec![[0.0; 2]] } else { (0..count).map(point).collect() }
+    let pairs = (rings * (rings + 1)) as f64;
+    let scale = 3.0 * pairs * pairs / (3.0 * pairs + 1.0);
+    let mut points = vec![[0.0; 2]];
+    for ring in 1..=rings {
+        // With a mean square radius of exactly 1/2.
+        let square = (ring * ring) as f64 / scale;
+        let turns =
+            (0..6 * ring).map(|k| std::f64::consts::TAU * (k as f64 + 0.5 * ring as f64) / (6 * ring) as f64);
+        points.extend(turns.map(|turn| [square.sqrt() * turn.cos(), square.sqrt() * turn.sin()]));
+    }
+    points
 }
 
 #[cfg(test)]
@@ -167,7 +169,7 @@ mod tests {
             let sum =
                 |of: &dyn Fn(&[f64; 2]) -> f64| points.iter().map(of).sum::<f64>() / points.len() as f64;
             assert!((sum(&|p| p[0] * p[0] + p[1] * p[1]) - 0.5).abs() < 1e-12);
-            assert!(sum(&|p| p[0]).abs() < 0.06 && sum(&|p| p[1]).abs() < 0.06, "{rings}");
+            assert!(sum(&|p| p[0]).abs() < 1e-12 && sum(&|p| p[1]).abs() < 1e-12);
         }
     }
 }

@@ -72,8 +72,7 @@ fn known_panels_have_known_deviations() {
                 assert!((form / exact - 1.0).abs() < 0.05, "{what}: {form} {exact}");
                 assert!((form - small).abs() < 6e-5, "{what}: {form} {small}");
             }
-            // Its neglected terms are of this order: it must be refused.
-            None => assert!((small / exact - 1.0).abs() > 0.05, "{what}: {small} {exact}"),
+            None => assert!((small / exact - 1.0).abs() > 0.03, "{what}: {small} {exact}"),
         }
     }
 }
@@ -83,7 +82,7 @@ fn known_panels_have_known_deviations() {
 fn form_for_small_deflections_is_refused_beyond_its_range() {
     let mut answers = 0;
     for (width, height) in [(0.02, 0.02), (0.03, 0.07)] {
-        for correlation in [0.003, 0.006, 0.012] {
+        for correlation in [0.003, 0.006, 0.01] {
             for moved in [0.02, 0.15, 0.3] {
                 let face = RandomFace { slope_rms: 0.01, correlation_mm: correlation };
                 let per_slope = moved * correlation / 0.01;
@@ -225,13 +224,15 @@ fn larger_sources_and_pupils_sparkle_less() {
     let mut panel = panel(0.7, 0.02, 0.015);
     panel.view = Beta::towards(20.0, 0.0, 1.0);
     let mut last = f64::INFINITY;
-    for (radius_deg, diameter_mm) in [(0.5, 0.0), (0.5, 8.0), (2.0, 8.0), (8.0, 8.0)] {
+    for (radius_deg, diameter_mm) in [(0.5, 0.0), (0.5, 8.0), (1.0, 8.0), (2.0, 8.0), (8.0, 8.0)] {
         panel.room = mirrored(&panel, radius_deg);
         panel.pupil = Pupil { diameter_mm, distance_mm: 400.0 };
         let found = run(&panel, 64).source.ppd;
-        assert!(found < 0.95 * last && found > 0.0, "{radius_deg} {diameter_mm}: {found}, before {last}");
+        assert!(found < 0.95 * last, "{radius_deg} {diameter_mm}: {found}, before {last}");
         last = found;
     }
+    // All rays find the largest source.
+    assert!(last < 1e-6, "{last}");
 }
 
 /// The irradiance below a face has the mean of the light on it, where light and view meet different facets. Where they meet the
