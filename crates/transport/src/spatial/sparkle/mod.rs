@@ -28,6 +28,7 @@
 pub mod closed;
 mod deflection;
 mod faces;
+mod grid;
 mod matrix;
 mod plan;
 mod replicate;

@@ -3,7 +3,8 @@
 use papilio_sampling::{SampleStream, Sampler};
 
 use super::deflection::applied;
-use super::room::{Grid, Light};
+use super::grid::Grid;
+use super::room::Light;
 use super::{Moments, Plan};
 
 impl Plan {

@@ -1,6 +1,6 @@
 //! Moments over pixels, and the deviation that follows from them.
 
-use std::f64::consts::{PI, SQRT_2};
+use std::f64::consts::PI;
 
 /// Sums over the pixels of one replicate.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -101,12 +101,14 @@ pub fn band_contrast(ppd: f64, pitch_mm: [f64; 2], frequency_per_mm: f64) -> f64
             sum += (sinc(radius * cos * pitch_mm[0]) * sinc(radius * sin * pitch_mm[1])).powi(2);
         }
     }
-    let area = 0.75 * SQRT_2 * SQRT_2 * PI * frequency_per_mm * frequency_per_mm;
+    let area = 1.5 * PI * frequency_per_mm * frequency_per_mm;
     ppd * (pitch_mm[0] * pitch_mm[1] * area * sum / (STEPS * STEPS) as f64).sqrt()
 }
 
 #[cfg(test)]
 mod tests {
+    use std::f64::consts::SQRT_2;
+
     use super::*;
 
     #[test]
