@@ -105,19 +105,20 @@ impl Image {
     }
 
     /// Fraction of a cell whose rays find the source, for a view that differs by this place in its disc.
+    ///
+    /// The rim is a ramp as wide as the cell, whose integral over all places is the area of the disc: the mean is correct for
+    /// sources that are smaller than the change over a cell, too.
     fn coverage(&self, cell: usize, view: Complex64) -> f64 {
         let [place, x, y] = self.places[cell];
         let place = place + view;
-        let radius = place.norm();
-        // The rim as a straight line across the cell.
-        let half = 0.5 * [x, y].map(|step| (place.conj() * step).re.abs()).iter().sum::<f64>();
-        if radius * (1.0 - radius) >= half {
-            1.0
-        } else if radius * (radius - 1.0) >= half {
-            0.0
-        } else {
-            0.5 + 0.5 * radius * (1.0 - radius) / half
+        let radius = place.norm().max(1e-12);
+        // Half of the change of the radius over the cell.
+        let half = 0.5 * [x, y].map(|step| (place.conj() * step).re.abs()).iter().sum::<f64>() / radius;
+        if radius - 1.0 >= half {
+            return 0.0;
         }
+        let ramp = if 1.0 - radius >= half { 1.0 } else { 0.5 + 0.5 * (1.0 - radius) / half };
+        ramp / if half <= 1.0 { 1.0 + half * half / 3.0 } else { (1.0 + half).powi(3) / (6.0 * half) }
     }
 }
 

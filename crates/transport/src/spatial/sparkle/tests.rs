@@ -193,30 +193,35 @@ fn image_of_source_along_normal_has_known_mean() {
 fn image_of_source_at_20_deg_has_known_mean() {
     let mut panel = panel(0.7, 0.02, 0.015);
     panel.view = Beta::towards(20.0, 0.0, 1.0);
-    panel.room = mirrored(&panel, 0.8);
     panel.pupil = Pupil { diameter_mm: 4.0, distance_mm: 400.0 };
-    let found = run(&panel, 160).source;
     let view = Deflection::new(&panel.media, panel.view);
-    let (radius, cosine) = (0.8_f64.to_radians().sin(), 20.0_f64.to_radians().cos());
-    let spread = 2.0_f64.sqrt() * view.bend * 0.02;
-    // The density of directions over the foreshortened disc, without the pupil, which hardly changes it.
-    let points = 2000;
-    let density = |k: usize| {
-        let r = (k as f64 + 0.5) / points as f64;
-        let around = (0..64).map(|turn| {
-            let (sin, cos) = (std::f64::consts::TAU * (f64::from(turn) + 0.5) / 64.0).sin_cos();
-            let square = (radius * r).powi(2) * ((cosine * cos).powi(2) + sin * sin);
-            (-0.5 * square / (spread * spread)).exp()
-        });
-        2.0 * r * around.sum::<f64>() / 64.0
-    };
-    let mean = (0..points).map(density).sum::<f64>() / points as f64;
-    // Area of the disc in direction cosines times the density, over radius^2 cosine.
-    let expected = mean / (2.0 * spread * spread);
-    assert!(
-        (found.mean - expected).abs() < SIGMA * found.mean_error + 0.02 * expected,
-        "{found:?} {expected}"
-    );
+    let cosine = 20.0_f64.to_radians().cos();
+    // The pupil adds the mean square of its own directions.
+    let spread = (2.0_f64.sqrt() * view.bend * 0.02).hypot(0.5 * panel.pupil.radius());
+    // The sun is smaller than the change of the direction over a cell.
+    for radius_deg in [0.265_f64, 0.8] {
+        panel.room = mirrored(&panel, radius_deg);
+        let found = run(&panel, 160).source;
+        let radius = radius_deg.to_radians().sin();
+        // The density of directions over the foreshortened disc.
+        let points = 2000;
+        let density = |k: usize| {
+            let r = (k as f64 + 0.5) / points as f64;
+            let around = (0..64).map(|turn| {
+                let (sin, cos) = (std::f64::consts::TAU * (f64::from(turn) + 0.5) / 64.0).sin_cos();
+                let square = (radius * r).powi(2) * ((cosine * cos).powi(2) + sin * sin);
+                (-0.5 * square / (spread * spread)).exp()
+            });
+            2.0 * r * around.sum::<f64>() / 64.0
+        };
+        let mean = (0..points).map(density).sum::<f64>() / points as f64;
+        // Area of the disc in direction cosines times the density, over radius^2 cosine.
+        let expected = mean / (2.0 * spread * spread);
+        assert!(
+            (found.mean - expected).abs() < SIGMA * found.mean_error + 0.02 * expected,
+            "{found:?} {expected}"
+        );
+    }
 }
 
 #[test]
