@@ -106,19 +106,19 @@ impl Image {
 
     /// Fraction of a cell whose rays find the source, for a view that differs by this place in its disc.
     ///
-    /// The rim is a ramp as wide as the cell, whose integral over all places is the area of the disc: the mean is correct for
-    /// sources that are smaller than the change over a cell, too.
+    /// The rim is a ramp as wide as the cell, at a radius that keeps the area of the disc; a source that is smaller than the cell
+    /// becomes a cone of the same integral. The mean is correct in either case.
     fn coverage(&self, cell: usize, view: Complex64) -> f64 {
         let [place, x, y] = self.places[cell];
         let place = place + view;
         let radius = place.norm().max(1e-12);
         // Half of the change of the radius over the cell.
         let half = 0.5 * [x, y].map(|step| (place.conj() * step).re.abs()).iter().sum::<f64>() / radius;
-        if radius - 1.0 >= half {
-            return 0.0;
-        }
-        let ramp = if 1.0 - radius >= half { 1.0 } else { 0.5 + 0.5 * (1.0 - radius) / half };
-        ramp / if half <= 1.0 { 1.0 + half * half / 3.0 } else { (1.0 + half).powi(3) / (6.0 * half) }
+        let half = half.max(1e-12);
+        let square = half * half;
+        let (rim, height) =
+            if square <= 0.75 { ((1.0 - square / 3.0).sqrt(), 1.0) } else { (half, 0.75 / square) };
+        height * (0.5 + 0.5 * (rim - radius) / half).clamp(0.0, 1.0)
     }
 }
 
