@@ -9,8 +9,8 @@
 //! - [`Spread`]: what a lobe over a mirror-like pixel shows of its places, to first order.
 //! - [`Recycling`]: a pattern of reflectances in this light, through all orders.
 //! - [`Window`]: sub-pixels in the period of a pixel, with exact areas; [`stripes`] and [`rows`] arrange them. What is seen
-//!   of one through another: [`shares_by_shifts`], [`shares_by_transfer`],
-//!   [`crosstalk`].
+//!   of one through another: [`shares_by_shifts`], [`shares_by_transfer`], [`crosstalk`].
+//! - [`sparkle`]: random brightness of pixels below a rough face.
 //! - [`closed`]: closed forms of lobes and plates, a second method for all of these.
 //!
 //! Lengths are in mm, spatial frequencies in cycles per mm, both in the plane of the panel.
@@ -18,8 +18,10 @@
 mod bessel;
 pub mod closed;
 mod face;
+mod fourier;
 mod layout;
 mod recycling;
+pub mod sparkle;
 mod spread;
 mod window;
 

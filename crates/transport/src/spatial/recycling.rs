@@ -7,12 +7,10 @@
 //! **Limits.** Features much larger than the thickness: `rho/(1 - A(0) rho)` for each point. Much smaller: the mean reflectance
 //! in the place of rho in the denominator (Clapper and Yule).
 
-use std::sync::Arc;
-
 use rustfft::num_complex::Complex64;
-use rustfft::{Fft, FftPlanner};
 
 use super::FaceReturn;
+use super::fourier::Plane;
 
 /// Cells of a period of a pattern: rows from the bottom, columns from the left.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -40,7 +38,7 @@ impl Cells {
         x.hypot(y)
     }
 
-    /// Frequency along an axis of a bin of the discrete Fourier transform.
+    /// Frequency along an axis (0: x) of a bin of the discrete Fourier transform.
     fn frequency(&self, axis: usize, bin: usize) -> f64 {
         let count = self.count[axis];
         let wave = if 2 * bin <= count { bin as f64 } else { bin as f64 - count as f64 };
@@ -53,7 +51,7 @@ pub struct Recycling {
     cells: Cells,
     /// Return at each bin, over the number of cells; columns vary slowest (transposed).
     transfer: Vec<f64>,
-    along: [[Arc<dyn Fft<f64>>; 2]; 2],
+    plane: Plane,
 }
 
 impl Recycling {
@@ -73,10 +71,7 @@ impl Recycling {
                 transfer[column * rows + (rows - row) % rows] = transfer[at];
             }
         }
-        let mut planner = FftPlanner::new();
-        let along =
-            cells.count.map(|count| [planner.plan_fft_forward(count), planner.plan_fft_inverse(count)]);
-        Self { cells, transfer, along }
+        Self { cells, transfer, plane: Plane::new(cells.count) }
     }
 
     /// Irradiance of each cell relative to that of the light from outside, for the mean reflectance of each cell. Ends when
@@ -102,24 +97,11 @@ impl Recycling {
 
     /// Light that the face returns of what leaves each cell.
     pub fn returned(&self, radiosity: &[f64]) -> Vec<f64> {
-        let [columns, rows] = self.cells.count;
-        let [[x, x_back], [y, y_back]] = &self.along;
-        let mut spectrum: Vec<Complex64> =
-            radiosity.iter().map(|value| Complex64::new(*value, 0.0)).collect();
-        x.process(&mut spectrum);
-        let mut spectrum = transposed(&spectrum, columns);
-        y.process(&mut spectrum);
+        let cells = radiosity.iter().map(|value| Complex64::new(*value, 0.0)).collect();
+        let mut spectrum = self.plane.forward(cells);
         spectrum.iter_mut().zip(&self.transfer).for_each(|(value, transfer)| *value *= transfer);
-        y_back.process(&mut spectrum);
-        let mut plane = transposed(&spectrum, rows);
-        x_back.process(&mut plane);
-        plane.into_iter().map(|value| value.re).collect()
+        self.plane.inverse(spectrum).into_iter().map(|value| value.re).collect()
     }
-}
-
-fn transposed(values: &[Complex64], columns: usize) -> Vec<Complex64> {
-    let rows = values.len() / columns;
-    (0..columns).flat_map(|column| (0..rows).map(move |row| values[row * columns + column])).collect()
 }
 
 #[cfg(test)]

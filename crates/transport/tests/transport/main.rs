@@ -19,5 +19,6 @@ mod layers;
 mod narrow_lobes;
 mod reflecting;
 mod scatter_faces;
+mod sparkle_waves;
 
 mod strategies;
