@@ -154,7 +154,7 @@ fn cut(from: f64, to: f64, poles: &[Pole], least: f64, each: &mut impl FnMut(f64
 }
 
 /// Additional natural digits for multiple poles: products of lobes have threefold ones.
-pub(super) const MULTIPLE_POLES: f64 = 3.0;
+pub(crate) const MULTIPLE_POLES: f64 = 3.0;
 
 /// Largest ellipse assumed for a panel: besides the poles there are functions that are tabulated over
 /// direction.
