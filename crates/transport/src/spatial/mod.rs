@@ -7,6 +7,7 @@
 //!
 //! - [`FaceReturn`]: light that a flat face returns to a Lambertian plane below it.
 //! - [`Spread`]: what a lobe over a mirror-like pixel shows of its places, to first order.
+//! - [`PointSpread`]: the same by place: strips, rings and cells.
 //! - [`Recycling`]: a pattern of reflectances in this light, through all orders.
 //! - [`Window`]: sub-pixels in the period of a pixel, with exact areas; [`stripes`] and [`rows`] arrange them. What is seen
 //!   of one through another: [`shares_by_shifts`], [`shares_by_transfer`], [`crosstalk`].
@@ -20,6 +21,7 @@ pub mod closed;
 mod face;
 mod fourier;
 mod layout;
+mod places;
 mod recycling;
 pub mod sparkle;
 mod spread;
@@ -27,6 +29,7 @@ mod window;
 
 pub use face::FaceReturn;
 pub use layout::{rows, stripes};
+pub use places::{Binned, Image, Peak, PointSpread};
 pub use recycling::{Cells, Recycling};
 pub use spread::{Accuracy, Gap, Light, Sample, Spread};
 pub use window::{Rectangle, Window, crosstalk, shares_by_shifts, shares_by_transfer};
