@@ -241,6 +241,7 @@ pub(crate) fn angle_index(scene: &Scene) -> Result<f64, DisplayError> {
 fn check(scene: &Scene) -> Result<(), DisplayError> {
     match (&scene.display.layers, &scene.display.pixel) {
         (Layers::Panel(_), Pixel::Scattering(_)) => Err(DisplayError::ScatteringUnderPanel),
+        _ if scene.display.filter().is_some() => Err(DisplayError::FilterWithoutPlace),
         _ => Ok(()),
     }
 }

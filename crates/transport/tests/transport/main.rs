@@ -20,5 +20,6 @@ mod narrow_lobes;
 mod reflecting;
 mod rough_surface;
 mod scatter_faces;
+mod sparkle_waves;
 
 mod strategies;
