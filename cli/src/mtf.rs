@@ -97,7 +97,14 @@ fn number(value: Option<f64>, decimals: usize) -> String {
 }
 
 fn rows(view: &MtfView) -> Vec<Vec<String>> {
-    let head = ["state", "f50 x, y (1/mm)", "MTF at Nyquist x, y", "edge 10-90 x, y (um)", "r50, r90 (um)", "SQRI x, y (JND)"];
+    let head = [
+        "state",
+        "f50 x, y (1/mm)",
+        "MTF at Nyquist x, y",
+        "edge 10-90 x, y (um)",
+        "r50, r90 (um)",
+        "SQRI x, y (JND)",
+    ];
     let mut rows = vec![head.map(str::to_owned).to_vec()];
     for (name, state) in view.states.iter() {
         let s = &state.scalars;

@@ -41,7 +41,8 @@ pub fn of_mtf(result: &MtfResult, title: &str) -> Vec<(String, String)> {
 }
 
 fn caption(title: &str, view: &MtfView) -> String {
-    let azimuth = if view.phi_deg == 0.0 { String::new() } else { format!(", azimuth {}", degrees(view.phi_deg)) };
+    let azimuth =
+        if view.phi_deg == 0.0 { String::new() } else { format!(", azimuth {}", degrees(view.phi_deg)) };
     joined(&[title, &format!("viewed at {}{azimuth}", degrees(view.theta_deg))])
 }
 
@@ -116,11 +117,13 @@ fn edges(result: &MtfResult, view: &MtfView, title: &str) -> String {
         }
         let mut labels = Vec::new();
         for (number, (name, state)) in view.states.iter().enumerate() {
-            let Some(table) = state.spread.iter().find(|table| table.light == "all" && table.axis == axis) else {
+            let Some(table) = state.spread.iter().find(|table| table.light == "all" && table.axis == axis)
+            else {
                 continue;
             };
             let places = table.position_um.iter().zip(&table.edge_spread);
-            let inside: Vec<(f64, f64)> = places.map(|(x, y)| (*x, *y)).filter(|(x, _)| x.abs() <= half).collect();
+            let inside: Vec<(f64, f64)> =
+                places.map(|(x, y)| (*x, *y)).filter(|(x, _)| x.abs() <= half).collect();
             let mut points: Vec<Point> = inside.iter().map(|(x, y)| panel.at(*x, *y)).collect();
             if let (Some(first), Some(last)) = (inside.first(), inside.last()) {
                 points.insert(0, panel.at(-half, first.1));
@@ -138,7 +141,8 @@ fn edges(result: &MtfResult, view: &MtfView, title: &str) -> String {
 /// Kernel of a state on a logarithmic scale of colours, with bars of a round length and of a pixel.
 fn kernel(result: &MtfResult, name: &str, state: &MtfState, title: &str) -> String {
     let kernel = &state.kernel;
-    let mut svg = Svg::new(PICTURE + 190.0, PICTURE + 70.0).titled(&joined(&[title, &format!("kernel of {name}")]));
+    let mut svg =
+        Svg::new(PICTURE + 190.0, PICTURE + 70.0).titled(&joined(&[title, &format!("kernel of {name}")]));
     let origin = (20.0, 16.0);
     let most = kernel.fractions.iter().copied().fold(0.0, f64::max);
     let side = PICTURE / kernel.cells.max(1) as f64;

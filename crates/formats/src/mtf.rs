@@ -37,8 +37,16 @@ const AXES: [&str; 2] = ["x", "y"];
 pub fn write_mtf_csv(out: impl Write, result: &MtfResult) -> io::Result<()> {
     let mut csv = csv::Writer::from_writer(out);
     csv.write_record([
-        "theta_deg", "phi_deg", "light", "state", "axis", "frequency_per_mm", "cycles_per_degree", "mtf",
-        "phase_rad", "error",
+        "theta_deg",
+        "phi_deg",
+        "light",
+        "state",
+        "axis",
+        "frequency_per_mm",
+        "cycles_per_degree",
+        "mtf",
+        "phase_rad",
+        "error",
     ])?;
     for view in &result.views {
         for (name, state) in view.states.iter() {
@@ -73,7 +81,14 @@ pub fn write_mtf_csv(out: impl Write, result: &MtfResult) -> io::Result<()> {
 pub fn write_spread_csv(out: impl Write, result: &MtfResult) -> io::Result<()> {
     let mut csv = csv::Writer::from_writer(out);
     csv.write_record([
-        "theta_deg", "phi_deg", "light", "state", "axis", "position_um", "line_spread_per_mm", "edge_spread",
+        "theta_deg",
+        "phi_deg",
+        "light",
+        "state",
+        "axis",
+        "position_um",
+        "line_spread_per_mm",
+        "edge_spread",
         "error",
     ])?;
     for view in &result.views {

@@ -21,5 +21,5 @@ mod response;
 mod result;
 
 pub use mtf::mtf;
-pub use result::{Curves, Kernel, LineContrast, MtfResult, MtfState, MtfView, SpatialScalars, SpreadTable};
 use response::{Level, Response, Seen};
+pub use result::{Curves, Kernel, LineContrast, MtfResult, MtfState, MtfView, SpatialScalars, SpreadTable};

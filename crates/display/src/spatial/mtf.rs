@@ -26,8 +26,9 @@ const LOWEST_PER_MM: f64 = 0.01;
 
 /// Preferred numbers of a decade (ISO 3, R 40).
 const PREFERRED: [f64; 40] = [
-    1.0, 1.06, 1.12, 1.18, 1.25, 1.32, 1.4, 1.5, 1.6, 1.7, 1.8, 1.9, 2.0, 2.12, 2.24, 2.36, 2.5, 2.65, 2.8, 3.0,
-    3.15, 3.35, 3.55, 3.75, 4.0, 4.25, 4.5, 4.75, 5.0, 5.3, 5.6, 6.0, 6.3, 6.7, 7.1, 7.5, 8.0, 8.5, 9.0, 9.5,
+    1.0, 1.06, 1.12, 1.18, 1.25, 1.32, 1.4, 1.5, 1.6, 1.7, 1.8, 1.9, 2.0, 2.12, 2.24, 2.36, 2.5, 2.65, 2.8,
+    3.0, 3.15, 3.35, 3.55, 3.75, 4.0, 4.25, 4.5, 4.75, 5.0, 5.3, 5.6, 6.0, 6.3, 6.7, 7.1, 7.5, 8.0, 8.5, 9.0,
+    9.5,
 ];
 
 /// Without a matrix, frequencies end here, cycles per degree.
@@ -59,7 +60,8 @@ pub fn mtf(scene: &Scene, control: &Control<'_>) -> Result<MtfResult, DisplayErr
     let setup = Setup::new(scene)?;
     let frame = Frame::new(&setup)?;
     let mut workers = None;
-    let pool = if setup.views.len() == 1 { None } else { Workers::unless_one(&mut workers, control.threads)? };
+    let pool =
+        if setup.views.len() == 1 { None } else { Workers::unless_one(&mut workers, control.threads)? };
     let done = AtomicUsize::new(0);
     let mut numbers: Vec<usize> = (0..setup.views.len()).collect();
     let views = each(pool, &mut numbers, |(_, number)| {
@@ -71,9 +73,10 @@ pub fn mtf(scene: &Scene, control: &Control<'_>) -> Result<MtfResult, DisplayErr
         Ok(view)
     });
     let views = views.into_iter().collect::<Result<Vec<MtfView>, _>>()?;
-    let errors = views.iter().flat_map(|view| view.states.iter()).flat_map(|(_, state)| {
-        state.otf.error_x.iter().chain(&state.otf.error_y).copied()
-    });
+    let errors = views
+        .iter()
+        .flat_map(|view| view.states.iter())
+        .flat_map(|(_, state)| state.otf.error_x.iter().chain(&state.otf.error_y).copied());
     let error_reached = errors.fold(0.0, f64::max);
     if !error_reached.is_finite() {
         return Err(DisplayError::NotFinite);
@@ -206,7 +209,8 @@ impl<'a> Frame<'a> {
         let borders = |axis: usize| {
             let halves = self.lines(axis).flat_map(|width| [-0.5 * width, 0.5 * width]);
             // A table resolves a sharp image by places close to it.
-            let sharp = images.iter().flat_map(|at| [-SHARP, SHARP].map(|side| at[axis] + side * self.thickness_mm));
+            let sharp =
+                images.iter().flat_map(|at| [-SHARP, SHARP].map(|side| at[axis] + side * self.thickness_mm));
             places(&peaks, axis, extent, &halves.chain(sharp).collect::<Vec<_>>())
         };
         let places = [borders(0), borders(1)];
@@ -278,7 +282,9 @@ impl<'a> Frame<'a> {
         let pairs = error.all_mut().zip(self.scalars(state, coarse).named());
         pairs.for_each(|(fine, (_, coarse))| *fine = difference(*fine, coarse));
         let all = fine.names.len() - 1;
-        let curves = |light: usize| self.curves([coarse, fine].map(|level| &level.lights[state][light]), fine.y(state));
+        let curves = |light: usize| {
+            self.curves([coarse, fine].map(|level| &level.lights[state][light]), fine.y(state))
+        };
         let by_light = (0..all).map(|light| (fine.names[light].clone(), curves(light))).collect();
         let tables = (0..=all).flat_map(|light| [0, 1].map(|axis| fine.table(coarse, state, light, axis)));
         MtfState {
@@ -296,7 +302,10 @@ impl<'a> Frame<'a> {
         let count = self.frequencies.len();
         let relative = |light: &Light, axis: usize| -> Vec<Complex64> {
             let zero = light.transfer[axis][0].re;
-            light.transfer[axis][..count].iter().map(|value| if zero > 0.0 { value / zero } else { Complex64::ZERO }).collect()
+            light.transfer[axis][..count]
+                .iter()
+                .map(|value| if zero > 0.0 { value / zero } else { Complex64::ZERO })
+                .collect()
         };
         let error = |axis: usize| {
             let pairs = relative(coarse, axis).into_iter().zip(relative(fine, axis));
@@ -324,7 +333,8 @@ impl<'a> Frame<'a> {
             crossing(&measured.frequencies, &lost, 0.5)
         };
         let nyquist = |axis: usize| {
-            self.nyquist_per_mm.map(|nyquist| interpolated(&measured.frequencies, &modulus[axis], nyquist[axis]))
+            self.nyquist_per_mm
+                .map(|nyquist| interpolated(&measured.frequencies, &modulus[axis], nyquist[axis]))
         };
         let edge = |axis: usize| {
             let edge = cumulative(&all.strips[axis]);
@@ -403,7 +413,7 @@ impl Measured {
             let Some(all) = self.lights[state].last() else { return 0.0 };
             let places = &self.places[axis];
             let bin = |at: f64| places.partition_point(|place| *place <= at);
-            all.strips[axis][bin(-0.5 * width_mm)..bin(0.5 * width_mm - 1e-12)+1].iter().sum()
+            all.strips[axis][bin(-0.5 * width_mm)..bin(0.5 * width_mm - 1e-12) + 1].iter().sum()
         };
         [far - inside(surround) + inside(line), far]
     }
@@ -427,11 +437,8 @@ impl Measured {
 fn sum(lights: &[Light]) -> Option<Light> {
     let first = lights.first()?;
     let add = |sum: &mut [f64], more: &[f64]| sum.iter_mut().zip(more).for_each(|(sum, more)| *sum += more);
-    let mut all = Light {
-        transfer: first.transfer.clone(),
-        strips: first.strips.clone(),
-        rings: first.rings.clone(),
-    };
+    let mut all =
+        Light { transfer: first.transfer.clone(), strips: first.strips.clone(), rings: first.rings.clone() };
     for light in &lights[1..] {
         for axis in [0, 1] {
             let transfer = all.transfer[axis].iter_mut().zip(&light.transfer[axis]);

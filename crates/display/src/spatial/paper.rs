@@ -84,8 +84,7 @@ pub(super) fn response(
     };
     paper.sharp = paper.sum(0.0, |rho, zero, _| 1.0 - rho * zero);
     let count = (HIGHEST / thickness_mm / frequencies_per_mm) as usize;
-    let series: Vec<Vec<f64>> =
-        (0..count).map(|k| paper.at(k as f64 * frequencies_per_mm)).collect();
+    let series: Vec<Vec<f64>> = (0..count).map(|k| paper.at(k as f64 * frequencies_per_mm)).collect();
     let rest = |state: usize| series.iter().map(|one| one[state] - paper.sharp[state]).collect();
     paper.rest = (0..states).map(rest).collect();
     Box::new(paper)
@@ -138,13 +137,19 @@ impl Paper {
         let rest = &self.rest[state];
         let step = self.frequencies_per_mm;
         let turn = 2.0 * PI * radius_mm * step;
-        let sum: f64 = rest.iter().enumerate().skip(1).map(|(k, rest)| rest * libm::j1(turn * k as f64)).sum();
+        let sum: f64 =
+            rest.iter().enumerate().skip(1).map(|(k, rest)| rest * libm::j1(turn * k as f64)).sum();
         // The trapezoidal rule, with the slope of the integrand at 0.
         let slope = rest[0] * PI * radius_mm;
         self.sharp[state] + 2.0 * PI * radius_mm * (sum * step + step * step / 12.0 * slope)
     }
 
-    fn bins(&self, total: impl Fn(usize) -> f64, below: impl Fn(usize, f64) -> f64, edges: &[f64]) -> Vec<Vec<f64>> {
+    fn bins(
+        &self,
+        total: impl Fn(usize) -> f64,
+        below: impl Fn(usize, f64) -> f64,
+        edges: &[f64],
+    ) -> Vec<Vec<f64>> {
         let of_state = |state: usize| {
             let mut last = 0.0;
             let mut bins: Vec<f64> = Vec::with_capacity(edges.len() + 1);
@@ -190,7 +195,8 @@ impl Response for Paper {
                     let cell = &mut cells[row * columns + column];
                     let [width, height] = [x, y].map(|ends| ends[1] - ends[0]);
                     for (i, j) in (0..9).map(|k| (k % 3, k / 3)) {
-                        let at = [x[0] + width * (i as f64 + 0.5) / 3.0, y[0] + height * (j as f64 + 0.5) / 3.0];
+                        let at =
+                            [x[0] + width * (i as f64 + 0.5) / 3.0, y[0] + height * (j as f64 + 0.5) / 3.0];
                         let ring = ((at[0].hypot(at[1]) / step) as usize).min(RINGS - 1);
                         let sharp = if ring == 0 { self.sharp[state] } else { 0.0 };
                         let area = PI * step * step * (2 * ring + 1) as f64;

@@ -31,8 +31,12 @@ pub(super) fn places(peaks: &[Peak], axis: usize, extent_mm: f64, fixed: &[f64])
         match (is_fixed(at), is_fixed(last.0)) {
             (true, true) if at > last.0 => kept.push((at, distance)),
             (true, true) => {}
-            (true, false) if at - last.0 < distance.max(last.1) => *kept.last_mut().unwrap_or(&mut (at, 0.0)) = (at, 0.0),
-            _ if at - last.0 >= distance.min(if last.1 > 0.0 { last.1 } else { distance }) => kept.push((at, distance)),
+            (true, false) if at - last.0 < distance.max(last.1) => {
+                *kept.last_mut().unwrap_or(&mut (at, 0.0)) = (at, 0.0)
+            }
+            _ if at - last.0 >= distance.min(if last.1 > 0.0 { last.1 } else { distance }) => {
+                kept.push((at, distance))
+            }
             _ => {}
         }
     }
@@ -85,7 +89,9 @@ impl Piece {
         };
         // A step within the interval, as of a sharp image, has no parabola: no slope beyond three times the mean.
         let mean = chord(from);
-        let limited = |slope: f64| if slope * mean > 0.0 { mean.signum() * slope.abs().min(3.0 * mean.abs()) } else { 0.0 };
+        let limited = |slope: f64| {
+            if slope * mean > 0.0 { mean.signum() * slope.abs().min(3.0 * mean.abs()) } else { 0.0 }
+        };
         Self {
             width: places[from + 1] - places[from],
             values: [values[from], values[from + 1]],
@@ -138,8 +144,7 @@ mod tests {
         let places = places(&[peak], 0, 10.0, &[0.05]);
         assert!(places.contains(&0.05) && places.contains(&0.0));
         assert!(places.windows(2).all(|pair| pair[0] < pair[1]));
-        let share: Vec<f64> =
-            places.iter().map(|x| 0.5 + (x / 0.02).atan() / std::f64::consts::PI).collect();
+        let share: Vec<f64> = places.iter().map(|x| 0.5 + (x / 0.02).atan() / std::f64::consts::PI).collect();
         for (value, expected) in [(0.25, -0.02), (0.5, 0.0), (0.75, 0.02), (0.9, 0.02 * 3.077_683_5)] {
             let found = crossing(&places, &share, value).unwrap();
             assert!((found - expected).abs() < 1e-4 * 0.02, "{value}: {found} {expected}");

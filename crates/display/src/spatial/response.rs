@@ -85,7 +85,8 @@ pub(crate) fn responses(
         let light = name(setup, number);
         let response: Box<dyn Response> = match (&panel.top, panel.base.is_specular()) {
             (Top::Diffuser(diffuser), true) => {
-                let light = lobe::light(source).ok_or_else(|| not_yet(&format!("light of `{light}`"), "lighting"))?;
+                let light =
+                    lobe::light(source).ok_or_else(|| not_yet(&format!("light of `{light}`"), "lighting"))?;
                 lobe::response(panel, diffuser, thickness_mm, (view, light), weights, level)?
             }
             (Top::Diffuser(_), false) => {

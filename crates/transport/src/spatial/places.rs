@@ -160,7 +160,8 @@ impl PointSpread<'_> {
             }
         }
         for image in &self.images {
-            let inside = |edges: &[f64], at: f64| edges.windows(2).position(|ends| (ends[0]..ends[1]).contains(&at));
+            let inside =
+                |edges: &[f64], at: f64| edges.windows(2).position(|ends| (ends[0]..ends[1]).contains(&at));
             if let (Some(column), Some(row)) = (inside(x_mm, image.at_mm[0]), inside(y_mm, image.at_mm[1])) {
                 let bin = (row * columns + column) as u32;
                 parts.push(Part { bin, beta_squared: image.beta_squared, weight: image.weight });
@@ -199,7 +200,11 @@ impl PointSpread<'_> {
         let per_mm = index / slant.sqrt();
         let beta = Beta { x: x * per_mm, y: y * per_mm };
         let jacobian = (index * d / slant).powi(2);
-        Part { bin: bin as u32, beta_squared: beta.squared(), weight: weight * jacobian * (self.density)(beta) }
+        Part {
+            bin: bin as u32,
+            beta_squared: beta.squared(),
+            weight: weight * jacobian * (self.density)(beta),
+        }
     }
 
     fn add_image(&self, parts: &mut Vec<Part>, edges: &[f64], image: &Image, at: f64) {
