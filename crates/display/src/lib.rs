@@ -26,6 +26,8 @@
 //!             glass: Glass { index: constant(1.5), surface: Surface::Fresnel },
 //!         }),
 //!         pixel: Pixel::Uniform(paint),
+//!         lengths: vec![Length::Mm(0.5)],
+//!         matrix: None,
 //!     },
 //!     lighting: Lighting {
 //!         illuminance_lx: 500.0,

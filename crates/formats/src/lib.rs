@@ -9,6 +9,7 @@
 //! | [`read_ies`] | luminaires, IES LM-63 type C |
 //! | [`read_index`] | n-k in nm, or a refractiveindex.info page (detected from the content) |
 //! | [`read_pixel_table`] | `pixel.csv`: state, angle, wavelength, reflectance |
+//! | [`read_windows`] | rectangles of sub-pixels: name, x0, y0, x1, y1 |
 //! | [`read_measured_panel`] | spectra or X, Y, Z of the states of a panel |
 //! | [`read_result`] | `result.json` |
 //! | [`read_bsdf`] | measured scattering in several formats (detected from the content) |
@@ -73,6 +74,7 @@ mod sweep_parquet;
 #[path = "no_parquet.rs"]
 mod sweep_parquet;
 mod tolerance;
+mod windows;
 pub mod words;
 
 pub use absorption::{write_absorption, write_sub_pixels};
@@ -111,6 +113,7 @@ pub use sweep_json::write_sweep_json;
 pub use sweep_light::{light_points, write_light_csv, write_light_json};
 pub use sweep_parquet::{light_parquet, sweep_parquet};
 pub use tolerance::{SearchHead, ToleranceHead, write_table};
+pub use windows::{NamedRectangle, read_windows};
 
 /// Whether this build can write tables as Parquet: the feature `parquet`, which is on by default in builds of the program.
 pub const HAS_PARQUET: bool = cfg!(feature = "parquet");

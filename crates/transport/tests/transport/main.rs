@@ -21,5 +21,6 @@ mod narrow_lobes;
 mod reflecting;
 mod rough_surface;
 mod scatter_faces;
+mod sparkle_waves;
 
 mod strategies;
