@@ -1,7 +1,7 @@
 //! The tables of keys in `docs/scenario.md`, generated from the grammar.
 
 use crate::describe::{
-    File, Spectrum, diffuser, display, environment, layers, lighting, limits, matrix, measure, metrics,
+    File, Spectrum, diffuser, display, environment, layers, lighting, limits, matrix, measure, metrics, pattern,
     optimize, pixel, solver, sweep, tolerance, viewer,
 };
 use crate::read::Table;
@@ -56,6 +56,7 @@ pub(crate) fn tables() -> Vec<(&'static str, Vec<Row>)> {
         ("solver", solver::Solver::rows()),
         ("solver.target", solver::Target::rows()),
         ("measure", measure::Measure::rows()),
+        ("pattern", pattern::Pattern::rows()),
         ("sweep", sweep::Sweep::rows()),
         ("optimize", optimize::Optimize::rows()),
         ("optimize.variables", optimize::Variable::rows()),

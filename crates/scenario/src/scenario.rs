@@ -6,6 +6,7 @@ use std::sync::Arc;
 use papilio_diagnostics::Diagnostic;
 use papilio_display::DisplayError;
 use papilio_display::scene::Scene;
+use papilio_display::spatial::Patterns;
 use papilio_formats::DataFile;
 use serde_json::{Map, Value, json};
 
@@ -49,6 +50,8 @@ struct Written {
 pub struct Resolved {
     /// The scene: all numbers of the computation.
     pub scene: Scene,
+    /// Patterns and text of `[pattern]`, for `papilio mtf`.
+    pub patterns: Patterns,
     /// Title of the scenario.
     pub title: Option<String>,
     /// Warnings: what may be wrong with the scenario.
@@ -139,7 +142,7 @@ impl Scenario {
     /// # Errors
     /// All keys that do not fit together, each with its place, and mistakes in data files, with line and column of the file.
     pub fn resolve(&self) -> Result<Resolved, ScenarioErrors> {
-        let Found { scene, warnings, notes, inputs } =
+        let Found { scene, patterns, warnings, notes, inputs } =
             resolve::resolve(&self.file, &self.library, &self.written.sources)?;
         let mut canonical = serde_json::to_value(&self.file).unwrap_or_default();
         if let Value::Object(keys) = &mut canonical {
@@ -150,6 +153,7 @@ impl Scenario {
         let hash = sha256(canonical.to_string().as_bytes());
         Ok(Resolved {
             scene,
+            patterns,
             title: self.file.title.as_ref().map(|title| title.0.clone()),
             warnings: [self.warnings.clone(), warnings].concat(),
             notes: [self.notes.clone(), notes].concat(),

@@ -16,10 +16,12 @@ mod ghosts;
 mod lobe;
 mod mtf;
 mod paper;
+mod patterns;
 mod profile;
 mod response;
 mod result;
 
 pub use mtf::mtf;
 use response::{Level, Response, Seen};
+pub use patterns::{PatternKind, PatternMean, Patterns};
 pub use result::{Curves, Kernel, LineContrast, MtfResult, MtfState, MtfView, SpatialScalars, SpreadTable};

@@ -7,9 +7,12 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use num_complex::Complex64;
 use papilio_colour::reader::{contrast_sensitivity, square_root_integral};
 
+use super::patterns::{self, Pattern};
 use super::profile::{crossing, cumulative, density, interpolated, places};
 use super::response::responses;
-use super::{Curves, Kernel, Level, MtfResult, MtfState, MtfView, Seen, SpatialScalars, SpreadTable};
+use super::{
+    Curves, Kernel, Level, MtfResult, MtfState, MtfView, PatternKind, PatternMean, Patterns, Seen, SpatialScalars, SpreadTable,
+};
 use crate::DisplayError;
 use crate::meter::Meter;
 use crate::metrics::LineContrast;
@@ -56,9 +59,9 @@ const LINES: [f64; 3] = [1.0, 2.0, 4.0];
 ///
 /// # Errors
 /// If the scene is invalid, a length is missing, its kind of display or light is not covered, or the computation was stopped.
-pub fn mtf(scene: &Scene, control: &Control<'_>) -> Result<MtfResult, DisplayError> {
+pub fn mtf(scene: &Scene, patterns: &Patterns, control: &Control<'_>) -> Result<MtfResult, DisplayError> {
     let setup = Setup::new(scene)?;
-    let frame = Frame::new(&setup)?;
+    let frame = Frame::new(&setup, patterns)?;
     let mut workers = None;
     let pool =
         if setup.views.len() == 1 { None } else { Workers::unless_one(&mut workers, control.threads)? };
@@ -88,6 +91,7 @@ pub fn mtf(scene: &Scene, control: &Control<'_>) -> Result<MtfResult, DisplayErr
         nyquist_per_mm: frame.nyquist_per_mm,
         eye_limit_per_mm: frame.eye_limit_per_mm,
         error_reached,
+        patterns: views.iter().flat_map(|view| view.patterns.iter().copied()).collect(),
         views,
         warnings: Vec::new(),
     })
@@ -107,6 +111,7 @@ fn report(control: &Control<'_>, done: usize, all: usize) {
 /// What all views have in common.
 struct Frame<'a> {
     setup: &'a Setup,
+    patterns: &'a Patterns,
     thickness_mm: f64,
     pitch_mm: Option<[f64; 2]>,
     nyquist_per_mm: Option<[f64; 2]>,
@@ -135,11 +140,16 @@ struct Measured {
     /// `[state][light]`, the last light being all.
     lights: Vec<Vec<Light>>,
     line_contrast: [LineContrast; 2],
+    /// Smallest and median contrast of text.
+    text_contrast: [Option<[f64; 2]>; 2],
+    /// Mean of each pattern by way of the pixel.
+    patterns: Vec<f64>,
+    from_faces: f64,
     seen: Vec<Seen>,
 }
 
 impl<'a> Frame<'a> {
-    fn new(setup: &'a Setup) -> Result<Self, DisplayError> {
+    fn new(setup: &'a Setup, patterns: &'a Patterns) -> Result<Self, DisplayError> {
         let scene = &setup.scene;
         let lengths = scene.display.lengths_mm()?;
         let pitch_mm = scene.display.matrix.as_ref().map(|matrix| matrix.pitch_mm);
@@ -157,6 +167,7 @@ impl<'a> Frame<'a> {
         frequencies.dedup_by(|a, b| (*a - *b).abs() <= 1e-9 * *b);
         Ok(Self {
             setup,
+            patterns,
             thickness_mm: lengths.last().copied().unwrap_or_default(),
             pitch_mm,
             nyquist_per_mm,
@@ -193,6 +204,15 @@ impl<'a> Frame<'a> {
             line_contrast: fine.line_contrast[0],
             line_contrast_via_pixel: fine.line_contrast[1],
             line_contrast_error: error,
+            text_contrast_min: fine.text_contrast[0].map(|[least, _]| least),
+            text_contrast_median: fine.text_contrast[0].map(|[_, median]| median),
+            text_contrast_min_via_pixel: fine.text_contrast[1].map(|[least, _]| least),
+            text_contrast_median_via_pixel: fine.text_contrast[1].map(|[_, median]| median),
+            text_contrast_error: fine.text_contrast[0]
+                .zip(coarse.text_contrast[0])
+                .map(|(fine, coarse)| [0, 1].map(|k| (fine[k] - coarse[k]).abs())),
+            yule_nielsen_n: self.yule_nielsen(&fine, Level { digits: DIGITS[1], most_per_mm }),
+            patterns: self.pattern_means(view, &coarse, &fine),
         })
     }
 
@@ -246,9 +266,15 @@ impl<'a> Frame<'a> {
             radii,
             lights,
             line_contrast: [LineContrast::default(); 2],
+            text_contrast: [None; 2],
+            patterns: Vec::new(),
+            from_faces,
             seen,
         };
         measured.line_contrast = [from_faces, 0.0].map(|faces| self.line_contrast(&measured, level, faces));
+        measured.text_contrast = self.text_contrast(&measured, level);
+        measured.patterns =
+            self.patterns().iter().map(|pattern| patterns::mean(&measured.seen, *pattern, level)).collect();
         Ok(measured)
     }
 
@@ -258,10 +284,69 @@ impl<'a> Frame<'a> {
         pitch.into_iter().flat_map(|pitch| LINES.map(|pixels| pixels * pitch))
     }
 
+    fn number(&self, state: &str) -> Option<usize> {
+        self.setup.states.iter().position(|name| name == state)
+    }
+
+    /// The patterns of the scene; none if it has not their states.
+    fn patterns(&self) -> Vec<Pattern> {
+        let states = [&self.patterns.on, &self.patterns.off].map(|state| self.number(state));
+        let [Some(on), Some(off)] = states else { return Vec::new() };
+        let all = self.patterns.kinds.iter().flat_map(|kind| {
+            self.patterns.period_mm.iter().map(move |period| Pattern {
+                kind: *kind,
+                period_mm: *period,
+                states: [on, off],
+            })
+        });
+        all.collect()
+    }
+
+    /// Smallest and median contrast of the strokes of text, with the images of the room in flat faces and without.
+    fn text_contrast(&self, measured: &Measured, level: Level) -> [Option<[f64; 2]>; 2] {
+        let (Some(pitch), Some(white), Some(black)) =
+            (self.pitch_mm, self.number("white"), self.number("black"))
+        else {
+            return [None; 2];
+        };
+        let text = &self.patterns.text;
+        let bitmap = patterns::bitmap(&self.setup.scene, text, pitch, self.thickness_mm);
+        let Some(bitmap) = bitmap else { return [None; 2] };
+        let strokes = patterns::strokes(&measured.seen, &bitmap, pitch, [black, white], level);
+        [measured.from_faces, 0.0].map(|faces| {
+            let page = measured.y(white) + faces;
+            let contrast = |stroke: &f64| (page - stroke - faces) / (page + stroke + faces);
+            let mut all: Vec<f64> = strokes.iter().map(contrast).collect();
+            all.sort_by(f64::total_cmp);
+            Some([*all.first()?, all[all.len() / 2]])
+        })
+    }
+
+    fn pattern_means(&self, view: &ViewPoint, coarse: &Measured, fine: &Measured) -> Vec<PatternMean> {
+        let pairs = fine.patterns.iter().zip(&coarse.patterns);
+        let all = self.patterns().into_iter().zip(pairs);
+        let one = |(pattern, (fine_mean, coarse_mean)): (Pattern, (&f64, &f64))| PatternMean {
+            theta_deg: view.theta_deg,
+            phi_deg: view.phi_deg,
+            kind: pattern.kind,
+            period_mm: pattern.period_mm,
+            mean_Y: fine_mean + fine.from_faces,
+            mean_Y_via_pixel: *fine_mean,
+            error: (fine_mean - coarse_mean).abs(),
+        };
+        all.map(one).collect()
+    }
+
+    /// Equivalent exponent of the limit of fine patterns.
+    fn yule_nielsen(&self, fine: &Measured, level: Level) -> Option<f64> {
+        let states = [self.number("white")?, self.number("black")?];
+        let pattern = Pattern { kind: PatternKind::Stripes, period_mm: 0.0, states };
+        patterns::yule_nielsen(states.map(|state| fine.y(state)), patterns::mean(&fine.seen, pattern, level))
+    }
+
     fn line_contrast(&self, measured: &Measured, level: Level, from_faces: f64) -> LineContrast {
         let mut contrast = LineContrast::default();
-        let state = |name: &str| self.setup.states.iter().position(|state| state == name);
-        let (Some(white), Some(black)) = (state("white"), state("black")) else { return contrast };
+        let (Some(white), Some(black)) = (self.number("white"), self.number("black")) else { return contrast };
         let mut found = Vec::new();
         for axis in [0, 1] {
             for (line, surround) in [(white, black), (black, white)] {
@@ -373,7 +458,7 @@ impl<'a> Frame<'a> {
     fn with_kernels(&self, mut states: Vec<(String, MtfState)>, fine: &Measured) -> Vec<(String, MtfState)> {
         let pixels = self.pitch_mm.map_or(0.0, |pitch| 2.0 * pitch[0].max(pitch[1]));
         let r90 = states.iter().filter_map(|(_, state)| state.scalars.r90_um);
-        let mut half = r90.map(|radius| 1e-3 * radius).fold(pixels, f64::max);
+        let mut half = r90.map(|radius| 1.2e-3 * radius).fold(pixels, f64::max);
         if half <= 0.0 {
             half = self.thickness_mm;
         }

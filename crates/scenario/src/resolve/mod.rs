@@ -14,6 +14,7 @@ mod matrix;
 mod measure;
 mod measured;
 mod panel;
+mod pattern;
 mod pixel;
 mod reflection;
 mod sampling;
@@ -30,6 +31,7 @@ use std::collections::BTreeMap;
 use papilio_diagnostics::Diagnostic;
 use papilio_display::pixel::state_names;
 use papilio_display::scene::{self, Scene, Strategy};
+use papilio_display::spatial::Patterns;
 use papilio_spectra::Grid;
 
 use crate::describe::solver::{self, Solver};
@@ -61,6 +63,7 @@ const FEWEST_PATHS: u64 = 32;
 /// A scene, with its warnings, notes and input files.
 pub(crate) struct Found {
     pub(crate) scene: Scene,
+    pub(crate) patterns: Patterns,
     pub(crate) warnings: Vec<String>,
     pub(crate) notes: Vec<String>,
     /// SHA-256 of each file that was read, by its name.
@@ -92,8 +95,9 @@ struct Resolver<'a> {
 pub(crate) fn resolve(file: &File, library: &Library, sources: &Sources) -> Result<Found, ScenarioErrors> {
     let mut resolver = Resolver::new(file, library, sources)?;
     let scene = resolver.scene(file);
+    let patterns = scene.as_ref().map(|scene| resolver.patterns(file, scene)).unwrap_or_default();
     let Resolver { errors, warnings, notes, inputs, .. } = resolver;
-    Ok(Found { scene: errors.finish(scene, sources)?, warnings, notes, inputs })
+    Ok(Found { scene: errors.finish(scene, sources)?, patterns, warnings, notes, inputs })
 }
 
 impl<'a> Resolver<'a> {
