@@ -38,7 +38,7 @@ const PREFERRED: [f64; 40] = [
 const EYE_CYCLES_PER_DEGREE: f64 = 60.0;
 
 /// `f50` is searched up to this multiple of the highest frequency.
-const SEARCHED: f64 = 16.0;
+const SEARCHED: f64 = 8.0;
 
 /// Extent of tables of places, in thicknesses.
 const EXTENT: f64 = 20.0;
@@ -188,7 +188,10 @@ impl<'a> Frame<'a> {
         let (seen, _) = responses(self.setup, view, draft)?;
         let widths = seen.iter().flat_map(|seen| seen.response.peaks()).map(|peak| peak.width_mm);
         let sharpest = widths.fold(f64::INFINITY, f64::min);
-        let most_per_mm = (0.45 / sharpest).clamp(self.highest(), SEARCHED * self.highest());
+        // Half of the modulation is lost between 0.11 (diffuse light) and 0.4 cycles (the mirror image of a beam) in a width.
+        let [first, last] = [0.1, 0.45].map(|cycles| cycles / sharpest);
+        let searched = SEARCHED * self.highest();
+        let most_per_mm = if first > searched { self.highest() } else { last.clamp(self.highest(), searched) };
         let at = |digits: f64| self.measure(view, Level { digits, most_per_mm });
         let (coarse, fine) = (at(DIGITS[0])?, at(DIGITS[1])?);
         let states = self.setup.states.iter().enumerate();
