@@ -27,11 +27,10 @@ const DIGITS: [f64; 2] = [8.0, 11.0];
 /// Lowest frequency, cycles per mm.
 const LOWEST_PER_MM: f64 = 0.01;
 
-/// Preferred numbers of a decade (ISO 3, R 40).
-const PREFERRED: [f64; 40] = [
-    1.0, 1.06, 1.12, 1.18, 1.25, 1.32, 1.4, 1.5, 1.6, 1.7, 1.8, 1.9, 2.0, 2.12, 2.24, 2.36, 2.5, 2.65, 2.8,
-    3.0, 3.15, 3.35, 3.55, 3.75, 4.0, 4.25, 4.5, 4.75, 5.0, 5.3, 5.6, 6.0, 6.3, 6.7, 7.1, 7.5, 8.0, 8.5, 9.0,
-    9.5,
+/// Preferred numbers of a decade (ISO 3, R 20), and whole numbers.
+const PREFERRED: [f64; 23] = [
+    1.0, 1.12, 1.25, 1.4, 1.6, 1.8, 2.0, 2.24, 2.5, 2.8, 3.0, 3.15, 3.55, 4.0, 4.5, 5.0, 5.6, 6.0, 6.3, 7.0, 7.1,
+    8.0, 9.0,
 ];
 
 /// Without a matrix, frequencies end here, cycles per degree.
@@ -223,7 +222,7 @@ impl<'a> Frame<'a> {
         let (seen, from_faces) = responses(self.setup, view, level)?;
         let mut frequencies = self.frequencies.clone();
         while let Some(last) = frequencies.last().filter(|last| **last < level.most_per_mm) {
-            frequencies.push(last * 1.06);
+            frequencies.push(last * 1.12);
         }
         frequencies.truncate(frequencies.partition_point(|f| *f <= level.most_per_mm));
         let extent = EXTENT * self.thickness_mm;
