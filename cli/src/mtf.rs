@@ -132,7 +132,8 @@ fn text_and_patterns(view: &MtfView) -> String {
         text += &format!("  equivalent Yule-Nielsen n of fine patterns: {n:.3}\n");
     }
     if !view.patterns.is_empty() {
-        let mut rows = vec![["pattern", "period (mm)", "mean Y", "mean Y via pixel"].map(str::to_owned).to_vec()];
+        let mut rows =
+            vec![["pattern", "period (mm)", "mean Y", "mean Y via pixel"].map(str::to_owned).to_vec()];
         for pattern in &view.patterns {
             let kind = match pattern.kind {
                 PatternKind::Stripes => "stripes",

@@ -38,7 +38,10 @@ fn mtf_writes_its_files() {
     let result: serde_json::Value = serde_json::from_str(&read("mtf.json")).unwrap();
     let view = &result["views"][0];
     assert!(view["states"]["white"]["by_light"]["directed.0"]["otf_x"][0][0].as_f64() == Some(1.0), "{view}");
-    assert!(view["line_contrast"]["white_1_x"].as_f64().unwrap() < view["line_contrast"]["black_1_x"].as_f64().unwrap());
+    assert!(
+        view["line_contrast"]["white_1_x"].as_f64().unwrap()
+            < view["line_contrast"]["black_1_x"].as_f64().unwrap()
+    );
     assert!(view["text_contrast_min"].is_f64() && view["yule_nielsen_n"].is_f64());
 }
 
@@ -47,7 +50,11 @@ fn missing_thickness_is_reported_at_its_table() {
     let folder = tempfile::tempdir().unwrap();
     let text = fs::read_to_string(scenario("laminated-text")).unwrap();
     let file = folder.path().join("s.toml");
-    let without: String = text.lines().filter(|line| !line.starts_with("thickness_mm")).map(|line| format!("{line}\n")).collect();
+    let without: String = text
+        .lines()
+        .filter(|line| !line.starts_with("thickness_mm"))
+        .map(|line| format!("{line}\n"))
+        .collect();
     fs::write(&file, without).unwrap();
     let output = papilio().arg("mtf").arg(&file).arg("--json").output().unwrap();
     let said = stderr(&output);

@@ -22,6 +22,6 @@ mod response;
 mod result;
 
 pub use mtf::mtf;
-use response::{Level, Response, Seen};
 pub use patterns::{PatternKind, PatternMean, Patterns};
+use response::{Level, Response, Seen};
 pub use result::{Curves, Kernel, LineContrast, MtfResult, MtfState, MtfView, SpatialScalars, SpreadTable};

@@ -11,7 +11,8 @@ use super::patterns::{self, Pattern};
 use super::profile::{crossing, cumulative, density, interpolated, places};
 use super::response::responses;
 use super::{
-    Curves, Kernel, Level, MtfResult, MtfState, MtfView, PatternKind, PatternMean, Patterns, Seen, SpatialScalars, SpreadTable,
+    Curves, Kernel, Level, MtfResult, MtfState, MtfView, PatternKind, PatternMean, Patterns, Seen,
+    SpatialScalars, SpreadTable,
 };
 use crate::DisplayError;
 use crate::meter::Meter;
@@ -29,8 +30,8 @@ const LOWEST_PER_MM: f64 = 0.01;
 
 /// Preferred numbers of a decade (ISO 3, R 20), and whole numbers.
 const PREFERRED: [f64; 23] = [
-    1.0, 1.12, 1.25, 1.4, 1.6, 1.8, 2.0, 2.24, 2.5, 2.8, 3.0, 3.15, 3.55, 4.0, 4.5, 5.0, 5.6, 6.0, 6.3, 7.0, 7.1,
-    8.0, 9.0,
+    1.0, 1.12, 1.25, 1.4, 1.6, 1.8, 2.0, 2.24, 2.5, 2.8, 3.0, 3.15, 3.55, 4.0, 4.5, 5.0, 5.6, 6.0, 6.3, 7.0,
+    7.1, 8.0, 9.0,
 ];
 
 /// Without a matrix, frequencies end here, cycles per degree.
@@ -190,7 +191,8 @@ impl<'a> Frame<'a> {
         // Half of the modulation is lost between 0.11 (diffuse light) and 0.4 cycles (the mirror image of a beam) in a width.
         let [first, last] = [0.1, 0.45].map(|cycles| cycles / sharpest);
         let searched = SEARCHED * self.highest();
-        let most_per_mm = if first > searched { self.highest() } else { last.clamp(self.highest(), searched) };
+        let most_per_mm =
+            if first > searched { self.highest() } else { last.clamp(self.highest(), searched) };
         let at = |digits: f64| self.measure(view, Level { digits, most_per_mm });
         let (coarse, fine) = (at(DIGITS[0])?, at(DIGITS[1])?);
         let states = self.setup.states.iter().enumerate();
@@ -348,7 +350,9 @@ impl<'a> Frame<'a> {
 
     fn line_contrast(&self, measured: &Measured, level: Level, from_faces: f64) -> LineContrast {
         let mut contrast = LineContrast::default();
-        let (Some(white), Some(black)) = (self.number("white"), self.number("black")) else { return contrast };
+        let (Some(white), Some(black)) = (self.number("white"), self.number("black")) else {
+            return contrast;
+        };
         let mut found = Vec::new();
         for axis in [0, 1] {
             for (line, surround) in [(white, black), (black, white)] {

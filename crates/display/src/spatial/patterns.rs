@@ -114,7 +114,8 @@ pub(super) fn yule_nielsen(states: [f64; 2], mean: f64) -> Option<f64> {
 pub(super) fn bitmap(scene: &Scene, text: &str, pitch_mm: [f64; 2], thickness_mm: f64) -> Option<Bitmap> {
     let size_mm = Reader::of(scene).text_height_mm / X_HEIGHT;
     let margin = (MARGIN * thickness_mm / pitch_mm[0].min(pitch_mm[1])).ceil().clamp(4.0, 200.0) as usize;
-    let setting = Setting { size_pt: size_mm * 72.0 / 25.4, per_inch: pitch_mm.map(|pitch| 25.4 / pitch), margin };
+    let setting =
+        Setting { size_pt: size_mm * 72.0 / 25.4, per_inch: pitch_mm.map(|pitch| 25.4 / pitch), margin };
     Font::bundled().bitmap(text, setting).ok()
 }
 

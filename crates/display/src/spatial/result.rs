@@ -3,8 +3,8 @@
 use schemars::JsonSchema;
 use serde::Serialize;
 
-pub use crate::metrics::{LineContrast, SpatialScalars};
 use super::PatternMean;
+pub use crate::metrics::{LineContrast, SpatialScalars};
 use crate::result::Named;
 
 /// How sharp a display is; it does not contain the scenario.

@@ -54,9 +54,7 @@ fn lobe_has_known_modulation_transfer() {
     let view = "[viewer]\ntheta_deg = 0\nfield_deg = 0\n";
     let result = computed(&[LOBE, &glass("coated", 0.5), MATRIX, MIRROR, DIFFUSE, view]).unwrap();
     let state = white(&result);
-    for (f, expected) in
-        [(1.0, 0.939_069), (2.0, 0.834_399), (5.0, 0.586_457), (10.0, 0.324_349)]
-    {
+    for (f, expected) in [(1.0, 0.939_069), (2.0, 0.834_399), (5.0, 0.586_457), (10.0, 0.324_349)] {
         for found in at(&result, state, f) {
             near("MTF", found, expected, 2e-5);
         }
@@ -174,7 +172,8 @@ fn lines_and_text_have_the_contrast_of_their_surround() {
     let via = view.line_contrast_via_pixel;
     // Far from all else white has 0.7316 of its page, black 1.0 of its own page, which returns nearly nothing.
     let page = |rho: f64| rho / (1.0 - rho * 0.596_346);
-    let line = (0.45 / (1.0 - 0.03 * 0.596_346) - page(0.03)) / (0.45 / (1.0 - 0.03 * 0.596_346) + page(0.03));
+    let line =
+        (0.45 / (1.0 - 0.03 * 0.596_346) - page(0.03)) / (0.45 / (1.0 - 0.03 * 0.596_346) + page(0.03));
     near("white line", via.white_1_x.unwrap(), line, 2e-3);
     let dark = 0.03 / (1.0 - 0.45 * 0.596_346);
     near("black line", via.black_1_x.unwrap(), (page(0.45) - dark) / (page(0.45) + dark), 2e-3);
@@ -186,7 +185,8 @@ fn lines_and_text_have_the_contrast_of_their_surround() {
 /// The light of a kernel is that of colours: with a lobe and a film, in diffuse light and a beam.
 #[test]
 fn light_of_a_kernel_is_that_of_colours() {
-    let resolved = common::scenario("matrix", &["spectrum.step_nm=20", "solver.relative_error=1e-6"]).unwrap();
+    let resolved =
+        common::scenario("matrix", &["spectrum.step_nm=20", "solver.relative_error=1e-6"]).unwrap();
     let control = Control { threads: Some(1), progress: &|_| {}, stop: &AtomicBool::new(false) };
     let result = mtf(&resolved.scene, &resolved.patterns, &control).unwrap();
     let colours = common::run(&resolved.scene).unwrap();
