@@ -95,7 +95,7 @@ fn narrow_lobe_has_closed_forms() {
     near("edge", scalars.edge_10_90_x_um.unwrap() / (2.0 * 3.077_683_5 * c * 1e3), 1.0, 8.0 * b);
     // The middle of a dark line of a pixel has the light of an edge on both sides.
     let line = 2.0 / std::f64::consts::PI * (25.4 / 300.0 / (2.0 * c)).atan();
-    near("line", result.views[0].line_contrast.black_1_x.unwrap(), line / (2.0 - line), b);
+    near("line", result.views[0].line_contrast.black_1_x.unwrap(), line / (2.0 - line), 2.0 * b);
 }
 
 /// A lobe much narrower than a pixel: sharp, and no frequency of half the modulation.
