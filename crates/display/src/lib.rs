@@ -81,6 +81,7 @@ mod meter;
 mod metrics;
 mod notes;
 pub mod pixel;
+pub mod placed;
 mod prepared;
 pub mod readability;
 mod reflection;
