@@ -114,8 +114,9 @@ pub fn transfer(
     let panel = Placed::new(&setup)?;
     let mut frequencies = vec![[0.0; 2]];
     frequencies.extend(frequencies_per_mm);
-    let channels: Vec<_> =
-        (0..panel.setup.sources.len()).map(|source| vec![panel.meter.luminous_weights(source).to_vec()]).collect();
+    let channels: Vec<_> = (0..panel.setup.sources.len())
+        .map(|source| vec![panel.meter.luminous_weights(source).to_vec()])
+        .collect();
     let of_view = |view: &ViewPoint| {
         let tally = || KernelTally {
             frequencies_per_mm: frequencies.clone(),
@@ -170,10 +171,16 @@ impl<'a> Placed<'a> {
     fn new(setup: &'a Setup) -> Result<Self, DisplayError> {
         let scene = &setup.scene;
         if scene.solver.approximation != Approximation::None {
-            return Err(DisplayError::NoPlaces { what: "a single pass of the panel", key: "solver.approximation" });
+            return Err(DisplayError::NoPlaces {
+                what: "a single pass of the panel",
+                key: "solver.approximation",
+            });
         }
         if scene.solver.angle_medium == AngleMedium::Unrefracted {
-            return Err(DisplayError::NoPlaces { what: "angles without refraction", key: "solver.angle_medium" });
+            return Err(DisplayError::NoPlaces {
+                what: "angles without refraction",
+                key: "solver.angle_medium",
+            });
         }
         if scene.lighting.front_light.is_some() {
             return Err(DisplayError::NoPlaces { what: "a front light", key: "lighting.front_light" });
@@ -197,8 +204,7 @@ impl<'a> Placed<'a> {
         /// Paths between looks at whether to stop.
         const AT_ONCE: u64 = 1 << 12;
         let Scene { solver, .. } = &self.setup.scene;
-        let walk =
-            PlacedWalk::new(&self.stack, &self.lengths_mm, view.field, &self.setup.sources, what());
+        let walk = PlacedWalk::new(&self.stack, &self.lengths_mm, view.field, &self.setup.sources, what());
         let walk = walk.map_err(DisplayError::Places)?;
         let (each_paths, mut workers) = (paths.div_ceil(REPLICATES).max(1), None);
         let pool = Workers::unless_one(&mut workers, control.threads)?;
@@ -210,7 +216,8 @@ impl<'a> Placed<'a> {
                 if control.stopped() {
                     return Err(DisplayError::Interrupted);
                 }
-                walk.trace(&mut replicate, &numbers, AT_ONCE.min(each_paths - replicate.paths()));
+                let left = each_paths - replicate.paths();
+                walk.trace(&mut replicate, &numbers, left.min(AT_ONCE));
             }
             Ok(walk.estimate(&replicate))
         });

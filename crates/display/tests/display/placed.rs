@@ -59,5 +59,8 @@ fn what_has_no_place_is_refused() {
         pattern(&resolved.scene, &Uniform { states: 8 }, 32, &control(&stop)).unwrap_err()
     };
     let single_pass = error(&["solver.approximation=single-pass"]);
-    assert!(matches!(single_pass, DisplayError::NoPlaces { key: "solver.approximation", .. }), "{single_pass}");
+    assert!(
+        matches!(single_pass, DisplayError::NoPlaces { key: "solver.approximation", .. }),
+        "{single_pass}"
+    );
 }

@@ -39,8 +39,8 @@ use crate::{Cone, Layered, ReflectanceFactor, Source};
 use papilio_optics::Beta;
 use path::Path;
 pub use pattern::{Matrix, Pattern, SeenFrom, Shape, TwoStates, Uniform};
-use tally::{Record, Sums};
 pub use tally::{CellGrid, Kernel, KernelTally, Spreads};
+use tally::{Record, Sums};
 use tracer::{Tracer, Workspace};
 
 /// What a walk with places estimates.
@@ -186,12 +186,7 @@ impl<'a> PlacedWalk<'a> {
     ///
     /// All layers are reciprocal: light that reaches the viewer at this place comes from the same places. The sum over the exits
     /// above, over the number of paths, is what returns.
-    pub fn exits(
-        &self,
-        numbers: &SampleStream,
-        paths: std::ops::Range<u64>,
-        exit: impl FnMut(Exit<'_>),
-    ) {
+    pub fn exits(&self, numbers: &SampleStream, paths: std::ops::Range<u64>, exit: impl FnMut(Exit<'_>)) {
         let (mut work, mut exits) = (self.tracer.workspace(), Exits { exit });
         paths.for_each(|path| self.tracer.trace(&PathNumbers::new(numbers, path), &mut work, &mut exits));
     }

@@ -131,10 +131,8 @@ impl<'t> Sums<'t> {
             via_pixel: sum.via_pixel.iter().map(|value| value * scale).collect(),
             front: sum.front.iter().map(|value| value * scale).collect(),
         };
-        let spread = |sum: &Spreads| Spreads {
-            once: sum.once.scaled(scale),
-            response: sum.response.scaled(scale),
-        };
+        let spread =
+            |sum: &Spreads| Spreads { once: sum.once.scaled(scale), response: sum.response.scaled(scale) };
         super::Estimate {
             rho: self.received.iter().map(mean).collect(),
             spreads: self.spreads.iter().map(spread).collect(),
@@ -192,7 +190,10 @@ impl KernelTally {
     fn add(&self, sum: &mut Kernel, row: usize, path: &Path, place: usize, light: f64) {
         let count = self.frequencies_per_mm.len();
         let phases = path.trace.phases[place * count..][..count].iter();
-        sum.transfer[row * count..][..count].iter_mut().zip(phases).for_each(|(sum, phase)| *sum += light * phase);
+        sum.transfer[row * count..][..count]
+            .iter_mut()
+            .zip(phases)
+            .for_each(|(sum, phase)| *sum += light * phase);
         if let Some(cells) = self.cells {
             let sums = &mut sum.cells[row * (cells.len() + 1)..][..=cells.len()];
             let met = path.trace.cells.iter().skip(place).step_by(path.place_mm.len());

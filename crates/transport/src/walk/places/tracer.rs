@@ -1,16 +1,16 @@
 //! The tracer: one path at a time, with its place.
 
-use papilio_optics::phase::HenyeyGreenstein;
 use papilio_optics::Beta;
-use papilio_sampling::warp;
+use papilio_optics::phase::HenyeyGreenstein;
+use papilio_sampling::{PLANNED_BLOCKS, warp};
 
 use super::faces::Face;
 use super::path::Path;
 use super::pattern::Pattern;
 use super::tally::Record;
+use crate::front::Flat;
 use crate::layers::{Departure, Scattered};
 use crate::skeleton::{Part, Propagation};
-use crate::front::Flat;
 use crate::walk::{PathNumbers, Target, add_scaled, base_density, base_direction};
 use crate::{Cone, Layered, Medium, Reflector, Source};
 
@@ -82,9 +82,9 @@ struct Dice<'n> {
 }
 
 impl Dice<'_> {
-    /// Numbers of the next event.
+    /// Numbers of the next event; those of points of the sources are left out.
     fn next(&mut self) -> [f64; 4] {
-        self.event += 1;
+        self.event += if self.event + 2 == PLANNED_BLOCKS { 2 } else { 1 };
         self.numbers.block(self.event)
     }
 
@@ -150,7 +150,8 @@ impl<'a> Tracer<'a> {
     /// Traces a path.
     pub(super) fn trace(&self, numbers: &PathNumbers<'_>, work: &mut Workspace, record: &mut impl Record) {
         for (target, source) in work.targets.iter_mut().zip(self.sources) {
-            *target = Target::sample(source, numbers.of_sources(0).first_chunk().copied().unwrap_or([0.5; 2]));
+            *target =
+                Target::sample(source, numbers.of_sources(0).first_chunk().copied().unwrap_or([0.5; 2]));
         }
         let path = &mut work.path;
         path.start(self.view.sample_towards(numbers.field()));
@@ -287,7 +288,8 @@ impl<'a> Tracer<'a> {
             self.connect_from_face((number, face, first && face.passes()), 2 + k, dice, work, record);
         }
         let alternatives = 2 + faces.len();
-        let Some(chosen) = self.choose(alternatives, || dice.next()[0], &mut work.path, &mut work.flat) else {
+        let Some(chosen) = self.choose(alternatives, || dice.next()[0], &mut work.path, &mut work.flat)
+        else {
             return false;
         };
         let path = &mut work.path;
@@ -296,7 +298,8 @@ impl<'a> Tracer<'a> {
             1 => path.advance(),
             _ => {
                 let face = &faces[chosen - 2];
-                let Some((to, density, weight)) = self.sample(face, first && face.passes(), path.beta, dice.next())
+                let Some((to, density, weight)) =
+                    self.sample(face, first && face.passes(), path.beta, dice.next())
                 else {
                     return false;
                 };
@@ -375,7 +378,13 @@ impl<'a> Tracer<'a> {
     }
 
     /// Samples a direction; returns it with its density, and the value of the kernel over that density.
-    fn sample(&self, face: &Face<'_>, guided: bool, from: Beta, u: [f64; 4]) -> Option<(Departure, f64, f64)> {
+    fn sample(
+        &self,
+        face: &Face<'_>,
+        guided: bool,
+        from: Beta,
+        u: [f64; 4],
+    ) -> Option<(Departure, f64, f64)> {
         if !guided {
             let (to, Scattered { value, density, .. }) = face.sample(from, u)?;
             return Some((to, density, value / density));
@@ -440,13 +449,7 @@ impl<'a> Tracer<'a> {
     }
 
     /// Follows light towards a source through all flat layers, by one route; adds what arrives.
-    fn reach(
-        &self,
-        source: usize,
-        work: &mut Last<'_>,
-        dice: &mut Dice<'_>,
-        record: &mut impl Record,
-    ) {
+    fn reach(&self, source: usize, work: &mut Last<'_>, dice: &mut Dice<'_>, record: &mut impl Record) {
         let Last { last: path, parts: flat } = work;
         loop {
             match path.going {
@@ -588,7 +591,13 @@ impl<'a> Tracer<'a> {
     }
 
     /// Flights and deflections in a scattering medium, until the light leaves it.
-    fn pass_slab(&self, layer: usize, dice: &mut Dice<'_>, work: &mut Workspace, record: &mut impl Record) -> bool {
+    fn pass_slab(
+        &self,
+        layer: usize,
+        dice: &mut Dice<'_>,
+        work: &mut Workspace,
+        record: &mut impl Record,
+    ) -> bool {
         let medium = &self.stack.layers[layer].medium;
         let Some(scattering) = medium.scattering() else { return true };
         let (index, thickness) = (medium.largest_index(), scattering.optical_thickness);
@@ -620,7 +629,9 @@ impl<'a> Tracer<'a> {
             path.multiply(if self.bands == 1 { &scattering.albedo[..1] } else { &scattering.albedo });
             let Workspace { path, last, targets, flat } = work;
             for (source, target) in targets.iter().enumerate() {
-                let Some(target) = target.filter(|target| target.beta.squared() < index * index) else { continue };
+                let Some(target) = target.filter(|target| target.beta.squared() < index * index) else {
+                    continue;
+                };
                 for going in [Propagation::Up, Propagation::Down] {
                     let towards = direction(target.beta, going);
                     let density = over_cosines(phase.at_cosine(dot(now, towards)), towards[2]);
