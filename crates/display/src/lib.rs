@@ -81,7 +81,6 @@ mod meter;
 mod metrics;
 mod notes;
 pub mod pixel;
-pub mod placed;
 mod prepared;
 pub mod readability;
 mod reflection;
@@ -90,6 +89,7 @@ mod rows;
 mod run;
 pub mod scene;
 mod setup;
+pub mod spatial;
 mod target;
 
 pub use ambient_light::{AmbientLight, AmbientSource, ambient_light};

@@ -2,7 +2,7 @@
 
 use std::sync::atomic::AtomicBool;
 
-use papilio_display::placed::{pattern, transfer};
+use papilio_display::spatial::walk::{pattern, transfer};
 use papilio_display::{Control, DisplayError};
 use papilio_transport::walk::places::Uniform;
 

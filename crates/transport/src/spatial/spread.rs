@@ -19,7 +19,8 @@ use papilio_optics::lobe::Lobe;
 use papilio_optics::{Beta, Scatterer};
 use rustfft::num_complex::Complex64;
 
-use super::displacement;
+use super::places::{Image, Peak};
+use super::{PointSpread, displacement};
 use crate::Diffuser;
 use crate::adding::quadrature::{MOST_POINTS, MULTIPLE_POLES, Node, Pole, gauss, panels, points_for};
 
@@ -62,8 +63,9 @@ pub struct Accuracy {
 }
 
 /// First-order spread between a view and a light.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone)]
 pub struct Spread {
+    pair: Pair,
     samples: Vec<Sample>,
     /// Shift of the view's own ray, mm.
     own_mm: [f64; 2],
@@ -72,10 +74,45 @@ pub struct Spread {
 impl Spread {
     /// Prepares the spread for light that leaves with direction cosines `view`, `|view| < 1`.
     pub fn new(diffuser: &Diffuser, gap: Gap, view: Beta, light: Light, accuracy: Accuracy) -> Self {
-        let pair = Pair { diffuser, gap, view, light, accuracy };
+        let lobe = diffuser.lobe;
+        let pair = Pair { lobe, straight: diffuser.regular_fraction, gap, view, light, accuracy };
         Self {
             samples: pair.sharp().chain(pair.scattered()).collect(),
             own_mm: displacement(view, gap.thickness_mm, gap.index),
+            pair,
+        }
+    }
+
+    /// Shift of the view's own ray, mm.
+    pub fn own_mm(&self) -> [f64; 2] {
+        self.own_mm
+    }
+
+    /// The same light as a density over places.
+    pub fn point_spread(&self) -> PointSpread<'_> {
+        let pair = &self.pair;
+        let own = self.own_mm;
+        let relative = |shift: [f64; 2]| [0, 1].map(|k| shift[k] - own[k]);
+        let peak = |beta: &Beta| {
+            let index = pair.gap.index;
+            // The smaller derivative of the displacement, across beta.
+            let per_beta = pair.gap.thickness_mm / (index * index - beta.squared()).sqrt();
+            let at = displacement(*beta, pair.gap.thickness_mm, index);
+            Peak { at_mm: relative(at), width_mm: pair.width() * per_beta }
+        };
+        let image = |sample: Sample| Image {
+            at_mm: relative(sample.shift_mm),
+            beta_squared: sample.beta.squared(),
+            weight: sample.weight,
+        };
+        PointSpread {
+            density: Box::new(|beta| pair.density(beta)),
+            gap: pair.gap,
+            own_mm: own,
+            peaks: pair.peaks().iter().map(peak).collect(),
+            images: pair.sharp().map(image).collect(),
+            rim: (pair.light == Light::Diffuse).then(|| pair.width()),
+            digits: pair.accuracy.digits,
         }
     }
 
@@ -97,8 +134,11 @@ impl Spread {
 }
 
 /// What determines a spread.
-struct Pair<'a> {
-    diffuser: &'a Diffuser,
+#[derive(Debug, Clone)]
+struct Pair {
+    lobe: Lobe,
+    /// Fraction of the transmitted light that is not scattered.
+    straight: f64,
     gap: Gap,
     view: Beta,
     light: Light,
@@ -112,15 +152,7 @@ struct Ray {
     poles: Vec<Pole>,
 }
 
-impl Pair<'_> {
-    fn straight(&self) -> f64 {
-        self.diffuser.regular_fraction
-    }
-
-    fn lobe(&self) -> Lobe {
-        self.diffuser.lobe
-    }
-
+impl Pair {
     fn sample(&self, beta: Beta, weight: f64) -> Sample {
         Sample { beta, shift_mm: displacement(beta, self.gap.thickness_mm, self.gap.index), weight }
     }
@@ -128,19 +160,19 @@ impl Pair<'_> {
     /// Fraction of the light around beta that the diffuser exchanges with the air.
     fn share_of_air(&self, beta: Beta) -> f64 {
         let radius = beta.length();
-        let straight = if radius <= 1.0 { self.straight() } else { 0.0 };
-        straight + (1.0 - self.straight()) * self.lobe().fraction_in_disc(radius, 1.0)
+        let straight = if radius <= 1.0 { self.straight } else { 0.0 };
+        straight + (1.0 - self.straight) * self.lobe.fraction_in_disc(radius, 1.0)
     }
 
     /// Images of light that passes the diffuser at least once without being scattered. (Light that is never scattered is an
     /// image of the source, not part of the spread.)
     fn sharp(&self) -> impl Iterator<Item = Sample> {
-        let s = self.straight();
+        let s = self.straight;
         let sharp: Vec<Sample> = match self.light {
             _ if s == 0.0 => Vec::new(),
             Light::Diffuse => vec![self.sample(self.view, s * self.share_of_air(self.view))],
             Light::Beam(beam) => {
-                let once = PI * s * (1.0 - s) * self.lobe().density(self.view, beam);
+                let once = PI * s * (1.0 - s) * self.lobe.density(self.view, beam);
                 vec![self.sample(self.view, once), self.sample(beam, once)]
             }
         };
@@ -149,10 +181,10 @@ impl Pair<'_> {
 
     /// Density of the scattered light over beta.
     fn density(&self, beta: Beta) -> f64 {
-        let scattered = (1.0 - self.straight()) * self.lobe().density(self.view, beta);
+        let scattered = (1.0 - self.straight) * self.lobe.density(self.view, beta);
         match self.light {
             Light::Diffuse => scattered * self.share_of_air(beta),
-            Light::Beam(beam) => PI * scattered * (1.0 - self.straight()) * self.lobe().density(beta, beam),
+            Light::Beam(beam) => PI * scattered * (1.0 - self.straight) * self.lobe.density(beta, beam),
         }
     }
 
@@ -166,7 +198,7 @@ impl Pair<'_> {
     }
 
     fn width(&self) -> f64 {
-        match self.lobe() {
+        match self.lobe {
             Lobe::KCorrelation { width } => width,
             Lobe::Lambertian => 1.0,
         }

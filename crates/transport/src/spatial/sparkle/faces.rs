@@ -138,7 +138,8 @@ mod tests {
                 (0..slopes.len()).map(pair).sum::<f64>() / slopes.len() as f64 / FACE.slope_rms.powi(2)
             }))
         };
-        let cases: [(fn(Complex64, Complex64) -> f64, f64); 6] = [
+        type Product = fn(Complex64, Complex64) -> f64;
+        let cases: [(Product, f64); 6] = [
             (|a, _| a.re * a.re, 1.0),
             (|a, _| a.im * a.im, 1.0),
             (|a, _| a.re * a.im, 0.0),
