@@ -23,14 +23,13 @@ mod fourier;
 mod layout;
 mod panel_spread;
 mod recycling;
-mod returned;
 pub mod sparkle;
 mod spread;
 mod window;
 
 pub use face::FaceReturn;
 pub use layout::{rows, stripes};
-pub use panel_spread::{PanelSpread, Part, SpreadError};
+pub use panel_spread::{Axis, Grid, Kernel, PanelSpread, Part, Profile, SpreadError};
 pub use recycling::{Cells, Recycling};
 pub use spread::{Accuracy, Gap, Light, Sample, Spread};
 pub use window::{Rectangle, Window, crosstalk, shares_by_shifts, shares_by_transfer};

@@ -17,6 +17,7 @@ mod fields;
 mod layered_walk;
 mod layers;
 mod narrow_lobes;
+mod panel_spread;
 mod reflecting;
 mod rough_surface;
 mod scatter_faces;
