@@ -21,7 +21,7 @@ use papilio_optics::lobe::{KCorrelation, Lobe};
 use papilio_optics::{Beta, Scatterer, with_widest_simd};
 use rustfft::num_complex::Complex64;
 
-use super::displacement;
+use super::{Image, PointSpread, displacement, places};
 use crate::Diffuser;
 use crate::adding::quadrature::{MOST_POINTS, MULTIPLE_POLES, Node, Point, Pole, gauss, panels, points_for};
 
@@ -94,6 +94,7 @@ pub(super) enum Incoming {
 /// First-order spread between a view and a light.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Spread {
+    pair: Pair,
     samples: Vec<Sample>,
     /// Number of samples of unscattered light, the first ones.
     sharp: usize,
@@ -108,22 +109,27 @@ impl Spread {
             Light::Diffuse => Incoming::Diffuse,
             Light::Beam(beam) => Incoming::Peak(Bundle::point(beam)),
         };
-        Self::between(diffuser, gap, &Bundle::point(view), &light, accuracy)
+        Self::of(Pair::new(diffuser, gap, Bundle::point(view), light, accuracy))
     }
 
     /// Prepares the spread between a bundle of views and a light.
-    pub(super) fn between(
-        diffuser: &Diffuser,
-        gap: Gap,
-        view: &Bundle,
-        light: &Incoming,
-        accuracy: Accuracy,
-    ) -> Self {
-        let pair = Pair { diffuser, gap, view, light, accuracy };
+    pub(super) fn of(pair: Pair) -> Self {
         let mut samples = pair.sharp();
         let sharp = samples.len();
         pair.add_scattered(&mut samples);
-        Self { samples, sharp, own_mm: displacement(view.centre, gap.thickness_mm, gap.index) }
+        let own_mm = displacement(pair.view.centre, pair.gap.thickness_mm, pair.gap.index);
+        Self { pair, samples, sharp, own_mm }
+    }
+
+    /// Shift of the view's own ray, mm.
+    pub fn own_mm(&self) -> [f64; 2] {
+        self.own_mm
+    }
+
+    /// The same light as a density over places.
+    pub fn point_spread(&self) -> PointSpread<'_> {
+        let images = self.samples[..self.sharp].iter().map(|sample| Image::of(sample, self.own_mm)).collect();
+        PointSpread { images, ..self.pair.point_spread(self.own_mm) }
     }
 
     /// The directions that are seen; those of unscattered light first.
@@ -131,9 +137,9 @@ impl Spread {
         &self.samples
     }
 
-    /// Returns the samples of scattered light.
-    pub(super) fn into_scattered(mut self) -> Vec<Sample> {
-        self.samples.split_off(self.sharp)
+    /// Returns the samples of scattered light, and what determines them.
+    pub(super) fn into_scattered(mut self) -> (Vec<Sample>, Pair) {
+        (self.samples.split_off(self.sharp), self.pair)
     }
 
     /// Integral of the spread, weighted by the pixel's reflectance as a function of `|beta|^2`, times `exp(-2 pi i f.r)`; the
@@ -149,12 +155,14 @@ impl Spread {
 }
 
 /// What determines a spread.
-#[derive(Clone, Copy)]
-pub(super) struct Pair<'a> {
-    pub(super) diffuser: &'a Diffuser,
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Pair {
+    pub(super) lobe: Lobe,
+    /// Fraction of the transmitted light that is not scattered.
+    pub(super) straight: f64,
     pub(super) gap: Gap,
-    pub(super) view: &'a Bundle,
-    pub(super) light: &'a Incoming,
+    pub(super) view: Bundle,
+    pub(super) light: Incoming,
     pub(super) accuracy: Accuracy,
 }
 
@@ -172,13 +180,48 @@ struct Peak {
     radius: f64,
 }
 
-impl Pair<'_> {
-    fn straight(&self) -> f64 {
-        self.diffuser.regular_fraction
+impl Pair {
+    pub(super) fn new(
+        diffuser: &Diffuser,
+        gap: Gap,
+        view: Bundle,
+        light: Incoming,
+        accuracy: Accuracy,
+    ) -> Self {
+        Self { lobe: diffuser.lobe, straight: diffuser.regular_fraction, gap, view, light, accuracy }
     }
 
-    fn lobe(&self) -> Lobe {
-        self.diffuser.lobe
+    /// The scattered light as a density over places, relative to this one.
+    pub(super) fn point_spread(&self, own_mm: [f64; 2]) -> PointSpread<'_> {
+        let Gap { index, thickness_mm } = self.gap;
+        let peak = |beta: Beta| {
+            // The smaller derivative of the displacement, across beta.
+            let per_beta = thickness_mm / (index * index - beta.squared()).sqrt();
+            let at = displacement(beta, thickness_mm, index);
+            places::Peak { at_mm: [0, 1].map(|k| at[k] - own_mm[k]), width_mm: self.width() * per_beta }
+        };
+        let rim = match self.lobe {
+            Lobe::KCorrelation { width } => (self.light == Incoming::Diffuse).then_some(width),
+            Lobe::Lambertian => Some(1e-3),
+        };
+        PointSpread {
+            density: Box::new(|beta| self.density(beta)),
+            gap: self.gap,
+            own_mm,
+            peaks: self.peaks().iter().flat_map(|peak| self.over(*peak)).map(peak).collect(),
+            images: Vec::new(),
+            rim,
+            digits: self.accuracy.digits,
+        }
+    }
+
+    /// Points of a wide peak, at most about a width from each other.
+    fn over(&self, peak: Peak) -> Vec<Beta> {
+        let steps = (peak.radius / self.width()).ceil().min(4.0) as i32;
+        let grid = (-steps..=steps).flat_map(|x| (-steps..=steps).map(move |y| [x, y]));
+        let inside = grid.filter(|[x, y]| x * x + y * y <= steps * steps);
+        let step = peak.radius / f64::from(steps.max(1));
+        inside.map(|[x, y]| peak.centre + Beta { x: f64::from(x) * step, y: f64::from(y) * step }).collect()
     }
 
     pub(super) fn sample(&self, beta: Beta, weight: f64) -> Sample {
@@ -188,20 +231,20 @@ impl Pair<'_> {
     /// Fraction of the light around beta that the diffuser exchanges with the air.
     fn share_of_air(&self, beta: Beta) -> f64 {
         let radius = beta.length();
-        let straight = if radius <= 1.0 { self.straight() } else { 0.0 };
-        straight + (1.0 - self.straight()) * self.lobe().fraction_in_disc(radius, 1.0)
+        let straight = if radius <= 1.0 { self.straight } else { 0.0 };
+        straight + (1.0 - self.straight) * self.lobe.fraction_in_disc(radius, 1.0)
     }
 
     /// Images of light that passes the diffuser at least once without being scattered. (Light of a beam, a disc or a field that
     /// is never scattered is an image of the source, not part of the spread.)
     pub(super) fn sharp(&self) -> Vec<Sample> {
-        let s = self.straight();
+        let s = self.straight;
         if s == 0.0 {
             return Vec::new();
         }
         let seen = |point: &Point, arriving: f64| self.sample(point.beta, point.weight * s * arriving);
         let views = self.view.points.iter();
-        match self.light {
+        match &self.light {
             Incoming::Diffuse => views.map(|point| seen(point, self.share_of_air(point.beta))).collect(),
             Incoming::Pixel => views.map(|point| seen(point, 1.0)).collect(),
             Incoming::Peak(light) | Incoming::Field(light) => {
@@ -209,7 +252,7 @@ impl Pair<'_> {
                     seen(point, PI * (1.0 - s) * self.lobes_around(other, point.beta))
                 };
                 let exits = views.map(|point| once(point, light));
-                exits.chain(light.points.iter().map(|point| once(point, self.view))).collect()
+                exits.chain(light.points.iter().map(|point| once(point, &self.view))).collect()
             }
         }
     }
@@ -217,13 +260,13 @@ impl Pair<'_> {
     /// Sum of the lobes around the directions of a bundle.
     fn lobes_around(&self, bundle: &Bundle, beta: Beta) -> f64 {
         if let [only] = &bundle.points[..] {
-            return only.weight * self.lobe().density(only.beta, beta);
+            return only.weight * self.lobe.density(only.beta, beta);
         }
-        let Lobe::KCorrelation { width } = self.lobe() else {
+        let Lobe::KCorrelation { width } = self.lobe else {
             return bundle
                 .points
                 .iter()
-                .map(|point| point.weight * self.lobe().density(point.beta, beta))
+                .map(|point| point.weight * self.lobe.density(point.beta, beta))
                 .sum();
         };
         let lobe = KCorrelation { width };
@@ -246,13 +289,13 @@ impl Pair<'_> {
     }
 
     /// Density of the scattered light over beta.
-    pub(super) fn density(&self, beta: Beta) -> f64 {
-        let scattered = (1.0 - self.straight()) * self.lobes_around(self.view, beta);
-        match self.light {
+    fn density(&self, beta: Beta) -> f64 {
+        let scattered = (1.0 - self.straight) * self.lobes_around(&self.view, beta);
+        match &self.light {
             Incoming::Pixel => scattered,
             Incoming::Diffuse => scattered * self.share_of_air(beta),
             Incoming::Peak(light) | Incoming::Field(light) => {
-                PI * scattered * (1.0 - self.straight()) * self.lobes_around(light, beta)
+                PI * scattered * (1.0 - self.straight) * self.lobes_around(light, beta)
             }
         }
     }
@@ -260,34 +303,24 @@ impl Pair<'_> {
     /// Peaks of the integrand.
     fn peaks(&self) -> Vec<Peak> {
         let peak = |bundle: &Bundle| Peak { centre: bundle.centre, radius: bundle.radius };
-        match (self.lobe(), self.light) {
+        match (self.lobe, &self.light) {
             // The same in all directions of the air.
             (Lobe::Lambertian, _) => vec![Peak { centre: Beta { x: 0.0, y: 0.0 }, radius: 0.0 }],
             // A distance much smaller than the width of the lobe makes one peak.
             (_, Incoming::Peak(light))
                 if (light.centre - self.view.centre).length() > 1e-3 * self.width() =>
             {
-                vec![peak(self.view), peak(light)]
+                vec![peak(&self.view), peak(light)]
             }
             (_, Incoming::Peak(light)) => {
                 vec![Peak { centre: self.view.centre, radius: self.view.radius.max(light.radius) }]
             }
-            _ => vec![peak(self.view)],
+            _ => vec![peak(&self.view)],
         }
     }
 
-    /// Middle and radius of each peak of the density.
-    pub(super) fn centres(&self) -> Vec<(Beta, f64)> {
-        self.peaks().into_iter().map(|peak| (peak.centre, peak.radius)).collect()
-    }
-
-    /// Returns whether the density changes at the rim of the disc of air.
-    pub(super) fn has_rim(&self) -> bool {
-        *self.light == Incoming::Diffuse || self.lobe() == Lobe::Lambertian
-    }
-
     fn width(&self) -> f64 {
-        match self.lobe() {
+        match self.lobe {
             Lobe::KCorrelation { width } => width,
             Lobe::Lambertian => 1.0,
         }
@@ -295,7 +328,7 @@ impl Pair<'_> {
 
     /// Radius of the disc in which there is scattered light.
     fn rim(&self) -> f64 {
-        match self.lobe() {
+        match self.lobe {
             Lobe::KCorrelation { .. } => self.gap.index,
             Lobe::Lambertian => 1.0,
         }
@@ -327,7 +360,7 @@ impl Pair<'_> {
     fn details(&self, peak: Peak) -> f64 {
         let width = self.width();
         let of_peak = peak.radius / width;
-        match self.light {
+        match &self.light {
             // Where light is rough, far from the view, there is little of it.
             Incoming::Field(_) => of_peak + FIELD_DETAIL / width.sqrt(),
             // The rim of the disc of air is near the view.
@@ -392,7 +425,7 @@ impl Pair<'_> {
         let edge = reaches(self.rim());
         // Shifts grow without limit towards grazing light.
         let mut ray = Ray { end: edge, breaks: Vec::new(), poles: vec![Pole { at: edge, off: 0.02 * edge }] };
-        if self.lobe() == Lobe::Lambertian {
+        if self.lobe == Lobe::Lambertian {
             return ray;
         }
         for other in others.iter().chain([&peak]) {
@@ -404,7 +437,7 @@ impl Pair<'_> {
                 ray.end = ray.end.min(0.5 * apart.squared() / at);
             }
         }
-        match self.light {
+        match &self.light {
             Incoming::Diffuse => {
                 let rim = reaches(1.0);
                 // Change of |beta| along the ray.

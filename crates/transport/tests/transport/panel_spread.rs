@@ -7,7 +7,7 @@ use super::common::{mirror, panel as one_bin, view};
 use papilio_optics::Beta;
 use papilio_optics::lobe::Lobe;
 use papilio_transport::adding::Kernel;
-use papilio_transport::spatial::{Accuracy, Axis, Grid, PanelSpread, closed};
+use papilio_transport::spatial::{Accuracy, Grid, PanelSpread, closed};
 use papilio_transport::{
     AngularTable, Base, Cone, Diffuser, Field, Front, Medium, Nodes, Panel, Reflector, Source, Stack, Top,
 };
@@ -52,11 +52,20 @@ fn sources() -> Vec<Source> {
     ]
 }
 
+/// Largest relative error of each source.
 fn worst(panel: &Panel, view: Cone, lengths: &[f64], accuracy: Accuracy) -> Vec<f64> {
-    let sources = sources();
+    worst_of(panel, (view, &sources()), lengths, accuracy)
+}
+
+fn worst_of(
+    panel: &Panel,
+    (view, sources): (Cone, &[Source]),
+    lengths: &[f64],
+    accuracy: Accuracy,
+) -> Vec<f64> {
     let stack = Stack::Panel(panel.clone());
-    let mut kernel = Kernel::new(4);
-    kernel.prepare(&stack, &[view], &sources);
+    let mut kernel = Kernel::new(3);
+    kernel.prepare(&stack, &[view], sources);
     let rho = kernel.seen(&stack, 0);
     let error = |(source, rho): (&Source, &papilio_transport::ReflectanceFactor)| {
         let spread = PanelSpread::new(panel, lengths, &view, source, accuracy).unwrap();
@@ -89,7 +98,6 @@ fn mean_of_bare_panels_is_todays_reflectance_in_all_orders() {
                         single_pass: false,
                     };
                     let errors = worst(&panel, view, &[0.3, 0.7], ACCURACY);
-                    println!("{}", shown(&errors));
                     assert!(errors.iter().all(|error| *error < 1e-6), "{errors:?}");
                 }
             }
@@ -99,10 +107,11 @@ fn mean_of_bare_panels_is_todays_reflectance_in_all_orders() {
 
 #[test]
 fn mean_under_a_diffuser_is_todays_first_order() {
-    let lobes = [0.2, 0.05667, 0.01].map(|width| Lobe::KCorrelation { width });
+    let lobes = [0.2, 0.05667].map(|width| Lobe::KCorrelation { width });
     for lobe in lobes.into_iter().chain([Lobe::Lambertian]) {
         for (regular, glass) in [(0.0, vec![1.5; 3]), (0.2, vec![1.52, 1.5, 1.49])] {
             for base in [film(), paper()] {
+                let is_slow = regular > 0.0 && base.is_specular();
                 for view in [Cone::new(0.0, 0.0, 0.0, 1.0), Cone::new(30.0, 20.0, 1.5, 1.0)] {
                     let panel = Panel {
                         front: Front::none(BINS),
@@ -111,19 +120,32 @@ fn mean_under_a_diffuser_is_todays_first_order() {
                         base: base.clone(),
                         single_pass: false,
                     };
-                    let begin = std::time::Instant::now();
-                    let errors = worst(&panel, view, &[0.7], ACCURACY);
-                    println!(
-                        "{lobe:?} {regular} {:?} {} {:?}",
-                        base.is_specular(),
-                        shown(&errors),
-                        begin.elapsed()
+                    // Fields with unscattered light take *adding* seconds under a narrow lobe.
+                    let sources = if is_slow && lobe != lobes[0] { &sources()[..3] } else { &sources()[..] };
+                    let errors = worst_of(&panel, (view, sources), &[0.7], ACCURACY);
+                    assert!(
+                        errors.iter().all(|error| *error < 3e-7),
+                        "{lobe:?} {regular}: {}",
+                        shown(&errors)
                     );
-                    // assert!(errors.iter().all(|error| *error < 1e-6), "{errors:?}");
                 }
             }
         }
     }
+}
+
+/// A lobe that is much narrower than the pixels are wide.
+#[test]
+fn mean_under_a_narrow_lobe_is_todays_first_order() {
+    let panel = Panel {
+        front: Front::none(BINS),
+        top: diffuser(Lobe::KCorrelation { width: 1e-3 }, 0.0),
+        medium: Medium::new(vec![1.5; BINS].into()),
+        base: film(),
+        single_pass: false,
+    };
+    let errors = worst_of(&panel, (Cone::new(30.0, 20.0, 0.1, 1.0), &sources()[..3]), &[0.7], ACCURACY);
+    assert!(errors.iter().all(|error| *error < 1e-6), "{}", shown(&errors));
 }
 
 /// All orders: a Lambertian pixel under a diffuser and a front, and mirror-like ones where the front reflects nothing.
@@ -138,7 +160,6 @@ fn mean_of_paper_under_a_diffuser_and_a_front_is_todays_reflectance_in_all_order
             single_pass: false,
         };
         let errors = worst(&panel, Cone::new(20.0, 0.0, 0.0, 1.0), &[0.3, 0.7], ACCURACY);
-        println!("{}", shown(&errors));
         assert!(errors.iter().all(|error| *error < 2e-6), "{errors:?}");
     }
 }
@@ -250,9 +271,9 @@ fn ghosts_of_a_mirror_have_a_closed_form() {
     }
 }
 
-/// A narrow lobe has the closed forms of small angles; cells and stripes are parts of the whole.
+/// A narrow lobe has the closed forms of small angles; cells are parts of the whole.
 #[test]
-fn cells_and_stripes_of_a_narrow_lobe_have_closed_forms() {
+fn cells_of_a_narrow_lobe_have_closed_forms() {
     let b = 2e-3;
     let panel = one_bin(h78(b), mirror(1.0));
     let spread = spread(&panel, view(0.0), &Source::Diffuse, 0.5, 14.0);
@@ -270,21 +291,11 @@ fn cells_and_stripes_of_a_narrow_lobe_have_closed_forms() {
             assert!((value / total - expected).abs() < 2.0 * b * expected + 3e-6, "{k}: {value} {expected}");
         }
     }
-    for axis in [Axis::X, Axis::Y] {
-        let edges: Vec<f64> = [-20.0, -3.0, 0.0, 0.5, 10.0].map(|x| x * c).to_vec();
-        let profile = spread.profile(&panel, axis, &edges);
-        assert!((profile.all[0] - total).abs() < 1e-7, "{} {total}", profile.all[0]);
-        for (edge, below) in edges.iter().zip(&profile.below) {
-            let expected = 0.5 + (edge / c).atan() / std::f64::consts::PI;
-            assert!((below / total - expected).abs() < 2.0 * b, "{edge}: {below} {expected}");
-        }
-    }
 }
 
-/// The light of a square does not depend on how many cells it has, nor on the accuracy; stripes are sums of cells, and
-/// their transform is the transfer function.
+/// The light of a square does not depend on how many cells it has, nor on the accuracy.
 #[test]
-fn cells_stripes_and_transfer_agree() {
+fn squares_do_not_depend_on_their_cells() {
     let beam = Source::Beam(Beta { x: 0.2, y: -0.1 });
     for (source, theta) in [(Source::Diffuse, 0.0), (Source::Diffuse, 50.0), (beam, 15.0)] {
         let panel = Panel { base: one_state_film(), ..one_bin(h78(0.05667), mirror(1.0)) };
@@ -293,27 +304,7 @@ fn cells_stripes_and_transfer_agree() {
         let single = fine.kernel(&panel, Grid { count: [1, 1], cell_mm: 0.32 });
         let sum: f64 = cells.cells.iter().sum();
         let total = found(&fine, &panel, 0.0).re;
-        println!("{theta}: {sum} {} of {total}", single.cells[0]);
-        assert!((sum - single.cells[0]).abs() < 1e-4 * total);
-        // Stripes: dense around both peaks.
-        let edges: Vec<f64> = (-4000..=4000).map(|k| 1e-6 * f64::from(k * k.abs())).collect();
-        for (axis, direction) in [(Axis::X, [1.0, 0.0]), (Axis::Y, [0.0, 1.0])] {
-            let edges: Vec<f64> = edges.iter().copied().step_by(8).collect();
-            let profile = fine.profile(&panel, axis, &edges);
-            assert!((profile.all[0] / total - 1.0).abs() < 1e-5, "{} {total}", profile.all[0]);
-            let f = 1.0;
-            let transfer = fine.transfer(&panel, &[direction.map(|k| k * f)])[0];
-            let wave = |x: f64| rustfft::num_complex::Complex64::cis(-2.0 * std::f64::consts::PI * f * x);
-            // Within a stripe the light is taken as uniform.
-            let mean = |a: f64, b: f64| {
-                (wave(b) - wave(a))
-                    / rustfft::num_complex::Complex64::new(0.0, -2.0 * std::f64::consts::PI * f * (b - a))
-            };
-            let pairs = edges.windows(2).zip(profile.below.windows(2));
-            let sum: rustfft::num_complex::Complex64 =
-                pairs.map(|(x, light)| mean(x[0], x[1]) * (light[1] - light[0])).sum();
-            assert!((sum - transfer).norm() < 1e-4 * total, "{theta} {axis:?}: {sum} {transfer}");
-        }
+        assert!((sum - single.cells[0]).abs() < 1e-5 * total, "{theta}: {sum} {}", single.cells[0]);
     }
 }
 

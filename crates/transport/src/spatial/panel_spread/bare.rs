@@ -54,9 +54,9 @@ pub(super) fn parts(
                 parts.push(Part {
                     samples: vec![Sample { beta: point.beta, shift_mm, weight: point.weight }],
                     through: (0..bins).map(through).collect(),
-                    is_scattered: false,
                     index,
                     ghosts: ghosts.clone(),
+                    pair: None,
                 });
             }
         }

@@ -7,7 +7,7 @@ use papilio_optics::lobe::Lobe;
 
 use super::super::spread::{Bundle, Incoming, Pair};
 use super::super::{Accuracy, Gap, Sample, Spread};
-use super::{Heights, Part, SMOOTH, Scattered, by_index};
+use super::{Heights, Part, SMOOTH, by_index};
 use crate::adding::quadrature::{Nodes, Point, cone_points_of, disc_points};
 use crate::adding::{Indices, Mirror, Peaks, Ring, Shares, image_points, rings};
 use crate::{Cone, Diffuser, Panel, Source};
@@ -19,7 +19,7 @@ pub(super) fn parts(
     view: &Cone,
     source: &Source,
     accuracy: Accuracy,
-) -> (Vec<Part>, Option<Scattered>) {
+) -> Vec<Part> {
     let over = Diffused { panel, diffuser, heights, accuracy };
     let indices = Indices::new(&panel.medium, accuracy.digits);
     let (seen, light) = (over.seen(view), over.arriving(view, source));
@@ -32,13 +32,10 @@ pub(super) fn parts(
     for (number, (index, factor)) in indices.nodes.iter().zip(&factors).enumerate() {
         let gap = Gap { index: *index, thickness_mm: heights.glass_mm };
         let through = |bin: usize| factor * over.through(bin) * indices.blend_at(number, bin);
-        parts.push(Part {
-            samples: Spread::between(diffuser, gap, &seen, &light, accuracy).into_scattered(),
-            through: (0..bins).map(through).collect(),
-            is_scattered: true,
-            index: *index,
-            ghosts: None,
-        });
+        let pair = Pair::new(diffuser, gap, seen.clone(), light.clone(), accuracy);
+        let (samples, pair) = Spread::of(pair).into_scattered();
+        let through = (0..bins).map(through).collect();
+        parts.push(Part { samples, through, index: *index, ghosts: None, pair: Some(pair) });
     }
     // Sharp images are not interpolated between indices: each wavelength has its place.
     let received = |bin: usize| {
@@ -49,15 +46,15 @@ pub(super) fn parts(
     for (index, group) in by_index(panel) {
         let gap = Gap { index, thickness_mm: heights.glass_mm };
         let through = |bin: usize| if group.contains(&bin) { received(bin) * over.through(bin) } else { 0.0 };
-        let pair = Pair { diffuser, gap, view: &seen, light: &light, accuracy };
+        let pair = Pair::new(diffuser, gap, seen.clone(), light.clone(), accuracy);
         let images = images.iter().map(|point| pair.sample(point.beta, point.weight));
         let samples: Vec<Sample> = pair.sharp().into_iter().chain(images).collect();
         if !samples.is_empty() {
             let through = (0..bins).map(through).collect();
-            parts.push(Part { samples, through, is_scattered: false, index, ghosts: None });
+            parts.push(Part { samples, through, index, ghosts: None, pair: None });
         }
     }
-    (parts, Some(Scattered { diffuser: diffuser.clone(), view: seen, light }))
+    parts
 }
 
 /// A panel with a diffuser.

@@ -22,20 +22,18 @@ mod bare;
 mod cells;
 mod diffused;
 mod error;
-mod profile;
 mod returned;
 mod transfer;
 
 pub use cells::{Grid, Kernel};
 pub use error::SpreadError;
-pub use profile::{Axis, Profile};
 
 use papilio_optics::Beta;
 
 use self::returned::{Ghosts, Halo};
-use super::spread::{Bundle, Incoming};
-use super::{Accuracy, Sample, displacement};
-use crate::{Cone, Diffuser, Panel, Reflector, Source, Top};
+use super::spread::Pair;
+use super::{Accuracy, Image, PointSpread, Sample, displacement};
+use crate::{Cone, Panel, Reflector, Source, Top};
 
 /// Directions and places with a common factor for each wavelength.
 #[derive(Debug, Clone, PartialEq)]
@@ -45,33 +43,28 @@ pub struct Part {
     /// Factor of these samples, `[wavelength]`: the transmittance of the layers on both ways. It may be negative where
     /// results are interpolated between indices of the glass.
     pub through: Vec<f64>,
-    /// True if the samples are nodes of a rule for light at all places; otherwise each is a sharp image.
-    pub is_scattered: bool,
     /// Index of the glass.
     index: f64,
     /// Of a mirror under flat faces.
     ghosts: Option<Ghosts>,
+    /// The diffuser, of light at all places; otherwise each sample is a sharp image.
+    pair: Option<Pair>,
+}
+
+impl Part {
+    /// Index of the glass for which the samples were made.
+    pub fn index(&self) -> f64 {
+        self.index
+    }
 }
 
 /// What a view sees of the pixel plane in the light of one source.
 #[derive(Debug, Clone)]
 pub struct PanelSpread {
     parts: Vec<Part>,
-    /// What scatters light at all places.
-    scattered: Option<Scattered>,
     /// What comes back to a Lambertian pixel.
     halo: Option<Halo>,
-    glass_mm: f64,
     own_mm: [f64; 2],
-    accuracy: Accuracy,
-}
-
-/// A diffuser, the directions seen through it, and the light below it.
-#[derive(Debug, Clone)]
-struct Scattered {
-    diffuser: Diffuser,
-    view: Bundle,
-    light: Incoming,
 }
 
 /// Heights of a panel.
@@ -128,13 +121,13 @@ impl PanelSpread {
         if index.min() <= 1.0 || matches!(&panel.top, Top::Fresnel(face) if face != index) {
             return Err(SpreadError::Unrefracted);
         }
-        let (parts, scattered) = match &panel.top {
+        let parts = match &panel.top {
             Top::Diffuser(diffuser) => diffused::parts((panel, diffuser), heights, view, source, accuracy),
-            Top::IdealAr | Top::Fresnel(_) => (bare::parts(panel, heights, view, source, accuracy), None),
+            Top::IdealAr | Top::Fresnel(_) => bare::parts(panel, heights, view, source, accuracy),
         };
         let own_mm = heights.in_glass(view.axis_towards(), index[index.len() / 2]);
         let halo = (!panel.base.is_specular()).then(|| Halo::new(panel, heights, accuracy)).flatten();
-        Ok(Self { parts, scattered, halo, glass_mm: heights.glass_mm, own_mm, accuracy })
+        Ok(Self { parts, halo, own_mm })
     }
 
     /// The samples, by parts of a common factor.
@@ -145,6 +138,14 @@ impl PanelSpread {
     /// Shift of the view's own ray, mm, at the wavelength in the middle of the grid.
     pub fn own_mm(&self) -> [f64; 2] {
         self.own_mm
+    }
+
+    /// Returns a part of the light by place, relative to the view's own ray.
+    pub fn point_spread<'a>(&self, part: &'a Part) -> PointSpread<'a> {
+        match &part.pair {
+            Some(pair) => pair.point_spread(self.own_mm),
+            None => PointSpread::of_images(part.samples.iter().map(|sample| Image::of(sample, self.own_mm))),
+        }
     }
 
     /// Returns the fraction that comes back to a Lambertian pixel of its light that is modulated at this frequency (cycles

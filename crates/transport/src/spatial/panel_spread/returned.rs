@@ -16,7 +16,7 @@ use papilio_optics::interface::fresnel_reflectance;
 use rustfft::num_complex::Complex64;
 
 use super::super::face::FrontReturn;
-use super::super::spread::{Bundle, Incoming, Spread};
+use super::super::spread::{Bundle, Incoming, Pair, Spread};
 use super::super::{Accuracy, FaceReturn, Gap, displacement};
 use super::Heights;
 use crate::adding::Indices;
@@ -194,7 +194,8 @@ fn lit(diffuser: &Diffuser, index: f64, heights: Heights, accuracy: Accuracy) ->
         for turn in 0..turns as usize {
             let (sin, cos) = (PI * (turn as f64 + 0.5) / turns).sin_cos();
             let beta = Beta { x: node.x * cos, y: node.x * sin };
-            let below = Spread::between(diffuser, gap, &Bundle::point(beta), &Incoming::Pixel, accuracy);
+            let pair = Pair::new(diffuser, gap, Bundle::point(beta), Incoming::Pixel, accuracy);
+            let below = Spread::of(pair);
             all.push(Lit {
                 weight: node.weight / (turns * PI * index * index),
                 air_mm: displacement(beta, 2.0 * heights.front_mm, 1.0)[0],
