@@ -16,6 +16,7 @@ mod few_wavelengths;
 mod fields;
 mod layered_walk;
 mod layers;
+mod many_columns;
 mod narrow_lobes;
 mod panel_spread;
 mod reflecting;
