@@ -9,6 +9,8 @@
 //! | Lambertian pixels under a flat face | `paper.rs` |
 //! | mirror-like pixels under a flat face | `ghosts.rs` |
 //!
+//! [`walk`] is the second method, for all displays: Monte Carlo with places.
+//!
 //! Luminous quantities are Y relative to a perfect white in the scene's light, as in [`result`](crate::result).
 
 mod curve;
@@ -19,6 +21,7 @@ mod paper;
 mod profile;
 mod response;
 mod result;
+pub mod walk;
 
 pub use mtf::mtf;
 use response::{Level, Response, Seen};
