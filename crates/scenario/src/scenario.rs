@@ -192,6 +192,12 @@ impl Resolved {
                     );
                 (key, wrong.into())
             }
+            DisplayError::NoPlaces { what, key } => {
+                let wrong =
+                    Diagnostic::new(format!("the Monte Carlo solver with places does not compute {what}"))
+                        .hint("remove it, or use the solver \"adding\"");
+                (*key, wrong.into())
+            }
             DisplayError::FilterWithoutPlace => {
                 let wrong = Diagnostic::new(
                     "the colours of a display with a colour filter above its pixels depend on where light enters and \

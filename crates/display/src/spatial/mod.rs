@@ -9,6 +9,8 @@
 //! | Lambertian pixels under a flat face | `paper.rs` |
 //! | mirror-like pixels under a flat face | `ghosts.rs` |
 //!
+//! [`walk`] is the second method, for all displays: Monte Carlo with places.
+//!
 //! Luminous quantities are Y relative to a perfect white in the scene's light, as in [`result`](crate::result).
 
 mod curve;
@@ -20,6 +22,7 @@ mod patterns;
 mod profile;
 mod response;
 mod result;
+pub mod walk;
 
 pub use mtf::mtf;
 pub use patterns::{PatternKind, PatternMean, Patterns};

@@ -34,6 +34,9 @@ const PREFERRED: [f64; 23] = [
     7.1, 8.0, 9.0,
 ];
 
+/// Number of uniform steps, besides the preferred numbers.
+const UNIFORM: u32 = 24;
+
 /// Without a matrix, frequencies end here, cycles per degree.
 const EYE_CYCLES_PER_DEGREE: f64 = 60.0;
 
@@ -160,6 +163,8 @@ impl<'a> Frame<'a> {
             .map_or(EYE_CYCLES_PER_DEGREE / mm_per_degree, |nyquist| 2.0 * nyquist[0].max(nyquist[1]));
         let mut frequencies = vec![0.0, highest];
         frequencies.extend(nyquist_per_mm.into_iter().flatten());
+        // Images of a lamp make the curve swing: as many points as a figure needs.
+        frequencies.extend((1..UNIFORM).map(|k| highest * f64::from(k) / f64::from(UNIFORM)));
         let decades = LOWEST_PER_MM.log10() as i32..=highest.log10().ceil() as i32;
         let all = decades.flat_map(|decade| PREFERRED.map(|number| number * 10.0_f64.powi(decade)));
         frequencies.extend(all.filter(|f| *f < highest * (1.0 - 1e-9)));

@@ -109,14 +109,7 @@ pub(crate) fn responses(
         from_faces += weights.iter().zip(&factor.front).map(|(weight, front)| weight * front).sum::<f64>();
         let light = name(setup, number);
         let response: Box<dyn Response> = match (&panel.top, panel.base.is_specular()) {
-            (Top::Diffuser(diffuser), true) => {
-                let light =
-                    lobe::light(source).ok_or_else(|| not_yet(&format!("light of `{light}`"), "lighting"))?;
-                lobe::response(panel, diffuser, thickness_mm, (view, light), weights, level)?
-            }
-            (Top::Diffuser(_), false) => {
-                return Err(not_yet("a diffuser above a Lambertian pixel", "display.diffuser"));
-            }
+            (Top::Diffuser(_), _) => lobe::response(panel, &lengths, (view, source), weights, level)?,
             (_, true) => ghosts::response(panel, thickness_mm, view, weights, &factor.via_pixel),
             (_, false) => paper::response(panel, thickness_mm, weights, &factor.via_pixel, level),
         };

@@ -18,5 +18,6 @@ mod honest_errors;
 mod levels_that_agree;
 mod lights;
 mod mtf;
+mod placed;
 mod prepared;
 mod viewing_cone;

@@ -208,18 +208,10 @@ fn displays_without_places_are_refused() {
     let error = refused(&[no_thickness, &paper(0.5, 0.1), DIFFUSE]);
     assert_eq!(error, DisplayError::MissingLength { key: "display.glass.thickness_mm".to_owned() });
     let front = "[[display.front]]\nreflectance = 0.02\ngap_mm = 1.0\n";
-    let cases: [(&[&str], &str); 3] = [
+    let layers = "[[display.layers]]\nkind = \"fresnel\"\n[[display.layers]]\nkind = \"medium\"\nindex = 1.5\nthickness_mm = 0.5\n";
+    let cases: [(&[&str], &str); 2] = [
         (&[front, &glass("coated", 0.5), MIRROR, DIFFUSE], "display.front"),
-        (&[LOBE, &glass("coated", 0.5), &paper(0.5, 0.1), DIFFUSE], "display.diffuser"),
-        (
-            &[
-                LOBE,
-                &glass("coated", 0.5),
-                MIRROR,
-                "[lighting]\nilluminance_lx = 500\ndiffuse = 0.0\n[[lighting.directed]]\ntheta_deg = 20\nshare = 1.0\nradius_deg = 5\n",
-            ],
-            "lighting",
-        ),
+        (&[layers, MIRROR, DIFFUSE], "display.layers"),
     ];
     for (parts, expected) in cases {
         match refused(parts) {

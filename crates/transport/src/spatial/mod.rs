@@ -25,14 +25,13 @@ mod layout;
 mod panel_spread;
 mod places;
 mod recycling;
-mod returned;
 pub mod sparkle;
 mod spread;
 mod window;
 
 pub use face::FaceReturn;
 pub use layout::{rows, stripes};
-pub use panel_spread::{PanelSpread, Part, SpreadError};
+pub use panel_spread::{Grid, Kernel, PanelSpread, Part, SpreadError};
 pub use places::{Binned, Image, Peak, PointSpread};
 pub use recycling::{Cells, Recycling};
 pub use spread::{Accuracy, Gap, Light, Sample, Spread};

@@ -11,7 +11,7 @@ use std::f64::consts::PI;
 
 use papilio_optics::Beta;
 
-use super::Gap;
+use super::{Gap, Sample};
 use crate::adding::quadrature::{MULTIPLE_POLES, Node, Pole, gauss, panels, points_for};
 
 /// Distance, in thicknesses of the glass, beyond which light is neglected: within 0.06 deg of grazing.
@@ -19,6 +19,9 @@ const REACH: f64 = 1000.0;
 
 /// Cells of a picture are divided until they are this much smaller than their distance to a peak and its width.
 const SMALL_CELL: f64 = 0.75;
+
+/// No peak is within this ellipse about such a cell ([`points_for`]).
+const ELLIPSE_OF_CELL: f64 = 7.0;
 
 /// Place near which the density changes quickly.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -36,8 +39,19 @@ pub struct Image {
     pub at_mm: [f64; 2],
     /// Its `|beta|^2`.
     pub beta_squared: f64,
-    /// Part of the reflectance factor, as of a [`Sample`](super::Sample).
+    /// Part of the reflectance factor, as of a [`Sample`].
     pub weight: f64,
+}
+
+impl Image {
+    /// A sample at a place relative to this one.
+    pub(super) fn of(sample: &Sample, own_mm: [f64; 2]) -> Self {
+        Self {
+            at_mm: [0, 1].map(|k| sample.shift_mm[k] - own_mm[k]),
+            beta_squared: sample.beta.squared(),
+            weight: sample.weight,
+        }
+    }
 }
 
 /// Density of what a viewer sees over the places of the pixel plane.
@@ -60,17 +74,17 @@ pub struct PointSpread<'a> {
 
 /// A part of the light of a bin.
 #[derive(Debug, Clone, Copy, PartialEq)]
-struct Part {
-    bin: u32,
-    beta_squared: f64,
-    weight: f64,
+pub(super) struct Part {
+    pub(super) bin: u32,
+    pub(super) beta_squared: f64,
+    pub(super) weight: f64,
 }
 
 /// Light by bin, before the pixel's reflectance.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Binned {
-    bins: usize,
-    parts: Vec<Part>,
+    pub(super) bins: usize,
+    pub(super) parts: Vec<Part>,
 }
 
 impl Binned {
@@ -85,6 +99,19 @@ impl Binned {
 }
 
 impl PointSpread<'_> {
+    /// Sharp images alone.
+    pub(super) fn of_images(images: impl Iterator<Item = Image>) -> Self {
+        Self {
+            density: Box::new(|_| 0.0),
+            gap: Gap { index: 1.5, thickness_mm: 0.0 },
+            own_mm: [0.0; 2],
+            peaks: Vec::new(),
+            images: images.collect(),
+            rim: None,
+            digits: 1.0,
+        }
+    }
+
     /// Peaks of the density.
     pub fn peaks(&self) -> &[Peak] {
         &self.peaks
@@ -186,8 +213,9 @@ impl PointSpread<'_> {
             }
             return;
         }
-        for across in gauss(x[0], x[1], 3) {
-            for along in gauss(y[0], y[1], 3) {
+        let count = points_for(self.digits + MULTIPLE_POLES, 2.0 * ELLIPSE_OF_CELL.ln());
+        for across in gauss(x[0], x[1], count) {
+            for along in gauss(y[0], y[1], count) {
                 parts.push(self.part(bin, [across.x, along.x], across.weight * along.weight));
             }
         }

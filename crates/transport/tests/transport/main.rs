@@ -18,6 +18,8 @@ mod layered_walk;
 mod layers;
 mod many_columns;
 mod narrow_lobes;
+mod panel_spread;
+mod places;
 mod reflecting;
 mod rough_surface;
 mod scatter_faces;
