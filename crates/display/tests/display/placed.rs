@@ -2,6 +2,7 @@
 
 use std::sync::atomic::AtomicBool;
 
+use papilio_display::spatial::mtf;
 use papilio_display::spatial::walk::{pattern, transfer};
 use papilio_display::{Control, DisplayError};
 use papilio_transport::walk::places::Uniform;
@@ -49,6 +50,36 @@ fn transfer_of_a_lamp_is_lower_along_its_plane() {
     assert!(across.0 - along.0 > 0.1, "{along:?} {across:?}");
     let [_, sideways] = white.once.otf[1];
     assert!(sideways.value.abs() < 5.0 * sideways.standard_error + 1e-9, "{sideways:?}");
+}
+
+/// Two methods: the transfer of `papilio mtf` and that of paths, in mixed light; the kernel of the first order of a mirror-like pixel,
+/// and the response of paper to small changes.
+#[test]
+fn transfer_by_paths_equals_that_of_the_deterministic_solver() {
+    for (name, overrides, recycled) in
+        [("matrix", vec![], false), ("epaper", vec!["display.glass.thickness_mm=0.3"], true)]
+    {
+        let resolved = scenario(name, &overrides).unwrap();
+        let stop = AtomicBool::new(false);
+        let exact = mtf(&resolved.scene, &control(&stop)).unwrap();
+        let wanted = [0.5, 2.0, 5.0].map(|f| {
+            let distance = |k: &usize| (exact.frequency_per_mm[*k] - f).abs();
+            (0..exact.frequency_per_mm.len()).min_by(|a, b| distance(a).total_cmp(&distance(b))).unwrap()
+        });
+        let along = wanted.map(|k| [exact.frequency_per_mm[k], 0.0]);
+        let found = transfer(&resolved.scene, &along, 1 << 15, &control(&stop)).unwrap();
+        for (state, exact) in exact.views[0].states.iter() {
+            let found = found[0].states.get(state).unwrap();
+            let found = if recycled { &found.response } else { &found.once };
+            for (at, found) in wanted.iter().zip(&found.otf) {
+                for (exact, found) in exact.otf.otf_x[*at].iter().zip(found) {
+                    let what = format!("{name}, {state}, number {at}: {found:?}, {exact}");
+                    assert!((found.value - exact).abs() < 5.0 * found.standard_error + 1e-3, "{what}");
+                    assert!(found.standard_error < 0.05, "{what}");
+                }
+            }
+        }
+    }
 }
 
 #[test]
