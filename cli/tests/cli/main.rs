@@ -22,5 +22,6 @@ mod optimize;
 mod pixel;
 mod run;
 mod serve;
+mod sparkle;
 mod sweep;
 mod tolerance;

@@ -89,6 +89,7 @@ mod rows;
 mod run;
 pub mod scene;
 mod setup;
+pub mod spatial;
 mod target;
 
 pub use ambient_light::{AmbientLight, AmbientSource, ambient_light};

@@ -15,6 +15,7 @@ pub(crate) mod numbers;
 pub(crate) mod optimize;
 pub(crate) mod pixel;
 pub(crate) mod solver;
+pub(crate) mod sparkle;
 pub(crate) mod sweep;
 pub(crate) mod tolerance;
 pub(crate) mod viewer;
@@ -51,6 +52,8 @@ table! {
         solver: solver::Solver,
         /// A virtual imaging sphere that measures the diffuser, for `papilio diffuser measure` only.
         measure: Option<measure::Measure>,
+        /// An antiglare face, for `papilio sparkle` only.
+        sparkle: Option<sparkle::Sparkle>,
         /// Keys that vary over given values, for `papilio sweep` only.
         sweep: Option<sweep::Sweep>,
         /// A search for better designs, for `papilio optimize` only.

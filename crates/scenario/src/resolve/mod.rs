@@ -17,6 +17,7 @@ mod panel;
 mod pixel;
 mod reflection;
 mod sampling;
+mod sparkle;
 mod stack;
 mod unbounded;
 mod viewer;
@@ -30,6 +31,7 @@ use std::collections::BTreeMap;
 use papilio_diagnostics::Diagnostic;
 use papilio_display::pixel::state_names;
 use papilio_display::scene::{self, Scene, Strategy};
+use papilio_display::spatial::Antiglare;
 use papilio_spectra::Grid;
 
 use crate::describe::solver::{self, Solver};
@@ -61,6 +63,8 @@ const FEWEST_PATHS: u64 = 32;
 /// A scene, with its warnings, notes and input files.
 pub(crate) struct Found {
     pub(crate) scene: Scene,
+    /// The antiglare face, if it is described.
+    pub(crate) sparkle: Option<Antiglare>,
     pub(crate) warnings: Vec<String>,
     pub(crate) notes: Vec<String>,
     /// SHA-256 of each file that was read, by its name.
@@ -92,8 +96,9 @@ struct Resolver<'a> {
 pub(crate) fn resolve(file: &File, library: &Library, sources: &Sources) -> Result<Found, ScenarioErrors> {
     let mut resolver = Resolver::new(file, library, sources)?;
     let scene = resolver.scene(file);
+    let sparkle = scene.as_ref().and_then(|scene| resolver.sparkle(file, scene));
     let Resolver { errors, warnings, notes, inputs, .. } = resolver;
-    Ok(Found { scene: errors.finish(scene, sources)?, warnings, notes, inputs })
+    Ok(Found { scene: errors.finish(scene, sources)?, sparkle, warnings, notes, inputs })
 }
 
 impl<'a> Resolver<'a> {
