@@ -12,10 +12,10 @@
 //!
 //! **Source.** Clapper, Yule, J. Opt. Soc. Am. 43, 600 (1953) for f = 0 and infinity.
 
-use std::f64::consts::PI;
+use std::f64::consts::{FRAC_PI_2, PI};
 
 use super::bessel::{j0, x_k1};
-use crate::adding::quadrature::gauss;
+use crate::adding::quadrature::{Node, gauss};
 
 /// Width of a panel of the rule in radians of the phase `4 pi f d tan(theta)`: 16 points then integrate to 1e-14.
 const PHASE_OF_PANEL: f64 = 8.0;
@@ -57,6 +57,62 @@ impl FaceReturn {
     pub fn at(&self, frequency_per_mm: f64) -> f64 {
         let a = 4.0 * PI * frequency_per_mm.abs() * self.thickness_mm;
         x_k1(a) - self.leaving.iter().map(|[tangent, weight]| weight * j0(a * tangent)).sum::<f64>()
+    }
+}
+
+/// Light that passes the face, is returned to it by a front of screen above an air gap, and passes it again, by spatial
+/// frequency; of a front that reflects everything.
+#[derive(Debug, Clone)]
+pub(super) struct FrontReturn {
+    /// Way in the plane of the panel, mm, and weight.
+    ways: Vec<[f64; 2]>,
+}
+
+/// Light beyond this way, in units of the thickness and the gap, is taken as not modulated at any frequency but 0.
+const LONGEST_WAY: f64 = 30.0;
+
+impl FrontReturn {
+    /// Prepares the front over glass of this index.
+    ///
+    /// - `lengths_mm`: the glass, and the way through the air in all passes of the gap together, over 2.
+    /// - `weight`: fraction of the light at `|beta|` that comes back.
+    pub(super) fn new(
+        index: f64,
+        [glass_mm, air_mm]: [f64; 2],
+        most_per_mm: f64,
+        weight: impl Fn(f64) -> f64,
+    ) -> Self {
+        let way = |beta: f64| {
+            let air = beta / (1.0 - beta * beta).max(1e-30).sqrt();
+            2.0 * (glass_mm * beta / (index * index - beta * beta).sqrt() + air_mm * air)
+        };
+        // |beta| = sin x: panels of equal phase up to grazing light, which goes far and has little weight.
+        let longest = LONGEST_WAY * (glass_mm + air_mm);
+        let mut edges = vec![0.0];
+        let step = (PHASE_OF_PANEL / (2.0 * PI * most_per_mm)).min(0.25 * longest.max(1e-9));
+        let mut next = step;
+        while let Some(&from) = edges.last().filter(|_| next < longest) {
+            let (mut low, mut high) = (from, FRAC_PI_2);
+            for _ in 0..40 {
+                let middle = 0.5 * (low + high);
+                *(if way(middle.sin()) < next { &mut low } else { &mut high }) = middle;
+            }
+            edges.push(0.5 * (low + high));
+            next += step;
+        }
+        edges.push(FRAC_PI_2);
+        let panels = edges.windows(2).flat_map(|pair| gauss(pair[0], pair[1], POINTS));
+        let node = |node: Node| {
+            let (beta, cos) = node.x.sin_cos();
+            [way(beta), 2.0 * beta * cos * node.weight / (index * index) * weight(beta)]
+        };
+        Self { ways: panels.map(node).collect() }
+    }
+
+    /// Fraction of the light from the plane, modulated at this frequency (cycles per mm), that comes back, with its sign.
+    pub(super) fn at(&self, frequency_per_mm: f64) -> f64 {
+        let f = 2.0 * PI * frequency_per_mm.abs();
+        self.ways.iter().map(|[way, weight]| weight * j0(f * way)).sum()
     }
 }
 
