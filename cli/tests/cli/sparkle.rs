@@ -9,7 +9,7 @@ use crate::common::{names, papilio_command as papilio, scenario, stderr};
 fn sparkle(sets: &[&str]) -> std::process::Output {
     let mut command = papilio();
     command.arg("sparkle").arg(scenario("antiglare")).arg("--json");
-    sets.iter().for_each(|set| drop(command.args(["--set", set])));
+    sets.iter().for_each(|set| _ = command.args(["--set", set]));
     command.output().unwrap()
 }
 
@@ -46,6 +46,7 @@ fn rays_and_closed_form_agree() {
     let rows = rows(&[
         "display.glass.thickness_mm=0.2",
         "display.pixel.area={ green = 1 }",
+        "display.pixel.states={ white = { green = 1 }, black = { green = 0 } }",
         "display.pixel.gap_nm={ green = 192.3, dark = 20.0 }",
         "display.pixel.fill_factor=0.28005",
         "display.pixel.inactive_reflectance=0",
@@ -81,7 +82,7 @@ fn closed_form_is_linear_in_distance() {
     let run = |more: &[&str]| {
         let mut command = papilio();
         command.arg("sparkle").arg(&file).arg("--json").args(["--set", face]);
-        sets.iter().chain(more).for_each(|set| drop(command.args(["--set", set])));
+        sets.iter().chain(more).for_each(|set| _ = command.args(["--set", set]));
         let output = command.output().unwrap();
         assert!(output.status.success(), "{}", stderr(&output));
         let file: Value = serde_json::from_slice(&output.stdout).unwrap();
