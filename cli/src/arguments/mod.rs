@@ -57,6 +57,10 @@ pub(crate) enum Command {
                       The scenario needs [display.matrix] and [sparkle]. docs/sparkle.md describes them."
     )]
     Sparkle(SpatialCommand),
+    /// Compute how sharp the display is: modulation transfer, point, line and edge spread, contrast of fine lines
+    #[command(after_help = "Example: papilio mtf scenarios/matrix.toml\n\n\
+                      It needs the thickness of the layers above the pixels. docs/mtf.md describes the results.")]
+    Mtf(SpatialCommand),
     /// Compare a simulated display with a measured panel: spectra, colours and gamut, with figures
     #[command(after_help = "Example:\n  \
                       papilio run scenarios/overcast.toml\n  \

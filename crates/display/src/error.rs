@@ -61,6 +61,28 @@ pub enum DisplayError {
          (remove the filter, or describe it as a layer without pattern)"
     )]
     FilterWithoutPlace,
+    /// A light or approximation that the Monte Carlo solver with places does not have.
+    #[error("the Monte Carlo solver with places does not compute {what} (see `{key}`; remove it)")]
+    NoPlaces {
+        /// The light or approximation.
+        what: &'static str,
+        /// Its key.
+        key: &'static str,
+    },
+    /// A walk with places that cannot be prepared.
+    #[error(transparent)]
+    Places(papilio_transport::walk::places::PlaceError),
+    /// A display or light whose places are not computed.
+    #[error(
+        "the places of light are not computed yet for {what} (expected a k-correlation or Lambertian diffuser over mirror-like pixels in \
+         diffuse light or beams, or pixels below a flat face)"
+    )]
+    PlacesNotComputed {
+        /// The layer or light.
+        what: String,
+        /// Its key.
+        key: String,
+    },
     /// A length that the places of light depend on.
     #[error(
         "the key `{key}` is missing: the places of light depend on the thickness of each layer that light crosses obliquely between the \

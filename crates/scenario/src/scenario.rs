@@ -202,6 +202,20 @@ impl Resolved {
                 let last = key.rsplit('.').next().unwrap_or(key);
                 (key, mistake::missing_length(last))
             }
+            DisplayError::PlacesNotComputed { what, key } => {
+                let wrong = Diagnostic::new(format!("the places of light are not computed yet for {what}"))
+                    .expected(
+                        "a k-correlation or Lambertian diffuser over mirror-like pixels in diffuse light or beams, or pixels below a \
+                         flat face",
+                    );
+                (key, wrong.into())
+            }
+            DisplayError::NoPlaces { what, key } => {
+                let wrong =
+                    Diagnostic::new(format!("the Monte Carlo solver with places does not compute {what}"))
+                        .hint("remove it, or use the solver \"adding\"");
+                (*key, wrong.into())
+            }
             DisplayError::FilterWithoutPlace => {
                 let wrong = Diagnostic::new(
                     "the colours of a display with a colour filter above its pixels depend on where light enters and \

@@ -1,8 +1,32 @@
-//! Commands that depend on place: what a reader sees of single pixels.
+//! Where light leaves: blur, crosstalk and sparkle of displays with thickness.
 //!
-//! Every function takes a scene whose media have thicknesses ([`crate::scene::Display::lengths_mm`]) and, where sub-pixels matter,
-//! a [`crate::scene::Matrix`].
+//! [`mtf`] computes how sharp a display is. What a view sees of one light is a [`Response`]: its light by spatial frequency and
+//! by place. One file for each kind of display implements it:
+//!
+//! | display | file |
+//! |---|---|
+//! | a lobe over mirror-like pixels | `lobe.rs` |
+//! | Lambertian pixels under a flat face | `paper.rs` |
+//! | mirror-like pixels under a flat face | `ghosts.rs` |
+//!
+//! [`sparkle`] computes the random brightness of equal pixels below an antiglare face.
+//!
+//! [`walk`] is the second method, for all displays: Monte Carlo with places.
+//!
+//! Luminous quantities are Y relative to a perfect white in the scene's light, as in [`result`](crate::result).
 
+mod curve;
+mod ghosts;
+mod lobe;
+mod mtf;
+mod paper;
+mod profile;
+mod response;
+mod result;
 mod sparkle;
+pub mod walk;
 
+pub use mtf::mtf;
+use response::{Level, Response, Seen};
+pub use result::{Curves, Kernel, LineContrast, MtfResult, MtfState, MtfView, SpatialScalars, SpreadTable};
 pub use sparkle::{Antiglare, SparkleMap, SparkleResult, SparkleRow, sparkle};

@@ -17,5 +17,6 @@ mod front_light;
 mod honest_errors;
 mod levels_that_agree;
 mod lights;
+mod placed;
 mod prepared;
 mod viewing_cone;

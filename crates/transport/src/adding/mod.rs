@@ -18,10 +18,12 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use crate::{Cone, Estimate, ReflectanceFactor, Source, Stack};
+pub(crate) use field::{Peaks, Ring, rings};
 pub use gradient::{FirstPass, TableGradient};
 pub(crate) use images::{Mirror, image_points};
 pub(crate) use layered::{Action, Preparation, rough_width};
-pub(crate) use panel::{Indices, diffuse_shares, smooth_points};
+pub(crate) use panel::first_pass;
+pub(crate) use panel::{Indices, Shares, diffuse_shares, smooth_points};
 
 /// The finest level.
 pub const FINEST: u32 = 6;

@@ -7,6 +7,7 @@
 //!
 //! - [`FaceReturn`]: light that a flat face returns to a Lambertian plane below it.
 //! - [`Spread`]: what a lobe over a mirror-like pixel shows of its places, to first order.
+//! - [`PointSpread`]: the same by place: strips, rings and cells.
 //! - [`PanelSpread`]: what a view sees of the pixel plane of an ordinary panel, by the places of all directions.
 //! - [`Recycling`]: a pattern of reflectances in this light, through all orders.
 //! - [`Window`]: sub-pixels in the period of a pixel, with exact areas; [`stripes`] and [`rows`] arrange them. What is seen
@@ -22,15 +23,16 @@ mod face;
 mod fourier;
 mod layout;
 mod panel_spread;
+mod places;
 mod recycling;
-mod returned;
 pub mod sparkle;
 mod spread;
 mod window;
 
 pub use face::FaceReturn;
 pub use layout::{rows, stripes};
-pub use panel_spread::{PanelSpread, Part, SpreadError};
+pub use panel_spread::{Grid, Kernel, PanelSpread, Part, SpreadError};
+pub use places::{Binned, Image, Peak, PointSpread};
 pub use recycling::{Cells, Recycling};
 pub use spread::{Accuracy, Gap, Light, Sample, Spread};
 pub use window::{Rectangle, Window, crosstalk, shares_by_shifts, shares_by_transfer};

@@ -1,11 +1,13 @@
-//! First-order spread of a lobe over a mirror-like pixel: which directions in the glass, and so which places, a viewer sees.
+//! First-order spread through a diffuser: which directions in the glass, and so which places, a viewer sees.
 //!
 //! **What.** Light that reaches a viewer along `beta_v` has met the pixel with some direction beta in the glass, at the place
 //! `D(beta)` from where it leaves the diffuser. Its density over beta is the product of the lobe towards the viewer and
-//! of what the lobe receives from the light:
+//! of what arrives along beta:
 //!
-//! - diffuse light: `K(beta_v - beta) S(beta)`, S the fraction of a lobe around beta that lies within the disc of the air;
-//! - a beam: `pi K(beta_v - beta) K(beta - beta_s)`: a double image, one half around each of the two directions.
+//! - diffuse light over a mirror: `K(beta_v - beta) S(beta)`, S the fraction of a lobe around beta that lies within the disc of the air;
+//! - a beam over a mirror: `pi K(beta_v - beta) K(beta - beta_s)`: a double image, one half around each of the two directions;
+//! - discs and fields over a mirror: the same, summed over their directions;
+//! - a Lambertian pixel: `K(beta_v - beta)`, whatever the light.
 //!
 //! The part s of the light that the diffuser does not scatter adds sharp images. Seen through the table of the
 //! pixel's reflectance over |beta|, every place has a colour of its own.
@@ -15,13 +17,13 @@
 
 use std::f64::consts::PI;
 
-use papilio_optics::lobe::Lobe;
-use papilio_optics::{Beta, Scatterer};
+use papilio_optics::lobe::{KCorrelation, Lobe};
+use papilio_optics::{Beta, Scatterer, with_widest_simd};
 use rustfft::num_complex::Complex64;
 
-use super::displacement;
+use super::{Image, PointSpread, displacement, places};
 use crate::Diffuser;
-use crate::adding::quadrature::{MOST_POINTS, MULTIPLE_POLES, Node, Pole, gauss, panels, points_for};
+use crate::adding::quadrature::{MOST_POINTS, MULTIPLE_POLES, Node, Point, Pole, gauss, panels, points_for};
 
 /// Light from outside, for a spread.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -61,10 +63,41 @@ pub struct Accuracy {
     pub most_per_mm: f64,
 }
 
+/// Directions of a view or of a source, in air, and where they are.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Bundle {
+    pub(super) points: Vec<Point>,
+    /// Middle of the directions, and the radius around it, direction cosines.
+    pub(super) centre: Beta,
+    pub(super) radius: f64,
+}
+
+impl Bundle {
+    pub(super) fn point(beta: Beta) -> Self {
+        Self { points: vec![Point { beta, weight: 1.0 }], centre: beta, radius: 0.0 }
+    }
+}
+
+/// What arrives at the diffuser from below, or from the pixel.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) enum Incoming {
+    /// Diffuse light, over a mirror.
+    Diffuse,
+    /// A beam or a disc over a mirror: a peak of its own.
+    Peak(Bundle),
+    /// Light from everywhere, over a mirror.
+    Field(Bundle),
+    /// Light of a Lambertian pixel: 1 in all directions.
+    Pixel,
+}
+
 /// First-order spread between a view and a light.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Spread {
+    pair: Pair,
     samples: Vec<Sample>,
+    /// Number of samples of unscattered light, the first ones.
+    sharp: usize,
     /// Shift of the view's own ray, mm.
     own_mm: [f64; 2],
 }
@@ -72,16 +105,41 @@ pub struct Spread {
 impl Spread {
     /// Prepares the spread for light that leaves with direction cosines `view`, `|view| < 1`.
     pub fn new(diffuser: &Diffuser, gap: Gap, view: Beta, light: Light, accuracy: Accuracy) -> Self {
-        let pair = Pair { diffuser, gap, view, light, accuracy };
-        Self {
-            samples: pair.sharp().chain(pair.scattered()).collect(),
-            own_mm: displacement(view, gap.thickness_mm, gap.index),
-        }
+        let light = match light {
+            Light::Diffuse => Incoming::Diffuse,
+            Light::Beam(beam) => Incoming::Peak(Bundle::point(beam)),
+        };
+        Self::of(Pair::new(diffuser, gap, Bundle::point(view), light, accuracy))
+    }
+
+    /// Prepares the spread between a bundle of views and a light.
+    pub(super) fn of(pair: Pair) -> Self {
+        let mut samples = pair.sharp();
+        let sharp = samples.len();
+        pair.add_scattered(&mut samples);
+        let own_mm = displacement(pair.view.centre, pair.gap.thickness_mm, pair.gap.index);
+        Self { pair, samples, sharp, own_mm }
+    }
+
+    /// Shift of the view's own ray, mm.
+    pub fn own_mm(&self) -> [f64; 2] {
+        self.own_mm
+    }
+
+    /// The same light as a density over places.
+    pub fn point_spread(&self) -> PointSpread<'_> {
+        let images = self.samples[..self.sharp].iter().map(|sample| Image::of(sample, self.own_mm)).collect();
+        PointSpread { images, ..self.pair.point_spread(self.own_mm) }
     }
 
     /// The directions that are seen; those of unscattered light first.
     pub fn samples(&self) -> &[Sample] {
         &self.samples
+    }
+
+    /// Returns the samples of scattered light, and what determines them.
+    pub(super) fn into_scattered(mut self) -> (Vec<Sample>, Pair) {
+        (self.samples.split_off(self.sharp), self.pair)
     }
 
     /// Integral of the spread, weighted by the pixel's reflectance as a function of `|beta|^2`, times `exp(-2 pi i f.r)`; the
@@ -97,12 +155,15 @@ impl Spread {
 }
 
 /// What determines a spread.
-struct Pair<'a> {
-    diffuser: &'a Diffuser,
-    gap: Gap,
-    view: Beta,
-    light: Light,
-    accuracy: Accuracy,
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Pair {
+    pub(super) lobe: Lobe,
+    /// Fraction of the transmitted light that is not scattered.
+    pub(super) straight: f64,
+    pub(super) gap: Gap,
+    pub(super) view: Bundle,
+    pub(super) light: Incoming,
+    pub(super) accuracy: Accuracy,
 }
 
 /// Ray of a polar rule: its end, and the places near which the integrand changes quickly.
@@ -112,83 +173,182 @@ struct Ray {
     poles: Vec<Pole>,
 }
 
-impl Pair<'_> {
-    fn straight(&self) -> f64 {
-        self.diffuser.regular_fraction
+/// A peak of the integrand: a disc of this radius with soft edges.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Peak {
+    centre: Beta,
+    radius: f64,
+}
+
+impl Pair {
+    pub(super) fn new(
+        diffuser: &Diffuser,
+        gap: Gap,
+        view: Bundle,
+        light: Incoming,
+        accuracy: Accuracy,
+    ) -> Self {
+        Self { lobe: diffuser.lobe, straight: diffuser.regular_fraction, gap, view, light, accuracy }
     }
 
-    fn lobe(&self) -> Lobe {
-        self.diffuser.lobe
+    /// The scattered light as a density over places, relative to this one.
+    pub(super) fn point_spread(&self, own_mm: [f64; 2]) -> PointSpread<'_> {
+        let Gap { index, thickness_mm } = self.gap;
+        let peak = |beta: Beta| {
+            // The smaller derivative of the displacement, across beta.
+            let per_beta = thickness_mm / (index * index - beta.squared()).sqrt();
+            let at = displacement(beta, thickness_mm, index);
+            places::Peak { at_mm: [0, 1].map(|k| at[k] - own_mm[k]), width_mm: self.width() * per_beta }
+        };
+        let rim = match self.lobe {
+            Lobe::KCorrelation { width } => (self.light == Incoming::Diffuse).then_some(width),
+            Lobe::Lambertian => Some(1e-3),
+        };
+        PointSpread {
+            density: Box::new(|beta| self.density(beta)),
+            gap: self.gap,
+            own_mm,
+            peaks: self.peaks().iter().flat_map(|peak| self.over(*peak)).map(peak).collect(),
+            images: Vec::new(),
+            rim,
+            digits: self.accuracy.digits,
+        }
     }
 
-    fn sample(&self, beta: Beta, weight: f64) -> Sample {
+    /// Points of a wide peak, at most about a width from each other.
+    fn over(&self, peak: Peak) -> Vec<Beta> {
+        let steps = (peak.radius / self.width()).ceil().min(4.0) as i32;
+        let grid = (-steps..=steps).flat_map(|x| (-steps..=steps).map(move |y| [x, y]));
+        let inside = grid.filter(|[x, y]| x * x + y * y <= steps * steps);
+        let step = peak.radius / f64::from(steps.max(1));
+        inside.map(|[x, y]| peak.centre + Beta { x: f64::from(x) * step, y: f64::from(y) * step }).collect()
+    }
+
+    pub(super) fn sample(&self, beta: Beta, weight: f64) -> Sample {
         Sample { beta, shift_mm: displacement(beta, self.gap.thickness_mm, self.gap.index), weight }
     }
 
     /// Fraction of the light around beta that the diffuser exchanges with the air.
     fn share_of_air(&self, beta: Beta) -> f64 {
         let radius = beta.length();
-        let straight = if radius <= 1.0 { self.straight() } else { 0.0 };
-        straight + (1.0 - self.straight()) * self.lobe().fraction_in_disc(radius, 1.0)
+        let straight = if radius <= 1.0 { self.straight } else { 0.0 };
+        straight + (1.0 - self.straight) * self.lobe.fraction_in_disc(radius, 1.0)
     }
 
-    /// Images of light that passes the diffuser at least once without being scattered. (Light that is never scattered is an
-    /// image of the source, not part of the spread.)
-    fn sharp(&self) -> impl Iterator<Item = Sample> {
-        let s = self.straight();
-        let sharp: Vec<Sample> = match self.light {
-            _ if s == 0.0 => Vec::new(),
-            Light::Diffuse => vec![self.sample(self.view, s * self.share_of_air(self.view))],
-            Light::Beam(beam) => {
-                let once = PI * s * (1.0 - s) * self.lobe().density(self.view, beam);
-                vec![self.sample(self.view, once), self.sample(beam, once)]
+    /// Images of light that passes the diffuser at least once without being scattered. (Light of a beam, a disc or a field that
+    /// is never scattered is an image of the source, not part of the spread.)
+    pub(super) fn sharp(&self) -> Vec<Sample> {
+        let s = self.straight;
+        if s == 0.0 {
+            return Vec::new();
+        }
+        let seen = |point: &Point, arriving: f64| self.sample(point.beta, point.weight * s * arriving);
+        let views = self.view.points.iter();
+        match &self.light {
+            Incoming::Diffuse => views.map(|point| seen(point, self.share_of_air(point.beta))).collect(),
+            Incoming::Pixel => views.map(|point| seen(point, 1.0)).collect(),
+            Incoming::Peak(light) | Incoming::Field(light) => {
+                let once = |point: &Point, other: &Bundle| {
+                    seen(point, PI * (1.0 - s) * self.lobes_around(other, point.beta))
+                };
+                let exits = views.map(|point| once(point, light));
+                exits.chain(light.points.iter().map(|point| once(point, &self.view))).collect()
             }
+        }
+    }
+
+    /// Sum of the lobes around the directions of a bundle.
+    fn lobes_around(&self, bundle: &Bundle, beta: Beta) -> f64 {
+        if let [only] = &bundle.points[..] {
+            return only.weight * self.lobe.density(only.beta, beta);
+        }
+        let Lobe::KCorrelation { width } = self.lobe else {
+            return bundle
+                .points
+                .iter()
+                .map(|point| point.weight * self.lobe.density(point.beta, beta))
+                .sum();
         };
-        sharp.into_iter()
+        let lobe = KCorrelation { width };
+        with_widest_simd(
+            #[inline(always)]
+            || {
+                // Several sums side by side.
+                let mut sums = [0.0; 8];
+                let (pieces, rest) = bundle.points.as_chunks::<8>();
+                for piece in pieces {
+                    for (sum, point) in sums.iter_mut().zip(piece) {
+                        *sum += point.weight * lobe.at_squared_distance((point.beta - beta).squared());
+                    }
+                }
+                let rest =
+                    rest.iter().map(|p| p.weight * lobe.at_squared_distance((p.beta - beta).squared()));
+                sums.iter().sum::<f64>() + rest.sum::<f64>()
+            },
+        )
     }
 
     /// Density of the scattered light over beta.
     fn density(&self, beta: Beta) -> f64 {
-        let scattered = (1.0 - self.straight()) * self.lobe().density(self.view, beta);
-        match self.light {
-            Light::Diffuse => scattered * self.share_of_air(beta),
-            Light::Beam(beam) => PI * scattered * (1.0 - self.straight()) * self.lobe().density(beta, beam),
+        let scattered = (1.0 - self.straight) * self.lobes_around(&self.view, beta);
+        match &self.light {
+            Incoming::Pixel => scattered,
+            Incoming::Diffuse => scattered * self.share_of_air(beta),
+            Incoming::Peak(light) | Incoming::Field(light) => {
+                PI * scattered * (1.0 - self.straight) * self.lobes_around(light, beta)
+            }
         }
     }
 
-    /// Centres of the lobes.
-    fn peaks(&self) -> Vec<Beta> {
-        match self.light {
+    /// Peaks of the integrand.
+    fn peaks(&self) -> Vec<Peak> {
+        let peak = |bundle: &Bundle| Peak { centre: bundle.centre, radius: bundle.radius };
+        match (self.lobe, &self.light) {
+            // The same in all directions of the air.
+            (Lobe::Lambertian, _) => vec![Peak { centre: Beta { x: 0.0, y: 0.0 }, radius: 0.0 }],
             // A distance much smaller than the width of the lobe makes one peak.
-            Light::Beam(beam) if (beam - self.view).length() > 1e-3 * self.width() => vec![self.view, beam],
-            _ => vec![self.view],
+            (_, Incoming::Peak(light))
+                if (light.centre - self.view.centre).length() > 1e-3 * self.width() =>
+            {
+                vec![peak(&self.view), peak(light)]
+            }
+            (_, Incoming::Peak(light)) => {
+                vec![Peak { centre: self.view.centre, radius: self.view.radius.max(light.radius) }]
+            }
+            _ => vec![peak(&self.view)],
         }
     }
 
     fn width(&self) -> f64 {
-        match self.lobe() {
+        match self.lobe {
             Lobe::KCorrelation { width } => width,
             Lobe::Lambertian => 1.0,
         }
     }
 
-    fn scattered(&self) -> impl Iterator<Item = Sample> {
+    /// Radius of the disc in which there is scattered light.
+    fn rim(&self) -> f64 {
+        match self.lobe {
+            Lobe::KCorrelation { .. } => self.gap.index,
+            Lobe::Lambertian => 1.0,
+        }
+    }
+
+    fn add_scattered(&self, samples: &mut Vec<Sample>) {
         let peaks = self.peaks();
-        let mut samples = Vec::new();
         for (k, peak) in peaks.iter().enumerate() {
-            let others: Vec<Beta> =
+            let others: Vec<Peak> =
                 peaks.iter().enumerate().filter(|(other, _)| *other != k).map(|(_, other)| *other).collect();
             for turn in self.turns(*peak, &others) {
                 let (sin, cos) = turn.x.sin_cos();
                 let ray = self.ray(*peak, [cos, sin], &others);
-                for node in self.along(*peak, [cos, sin], &ray) {
-                    let beta = *peak + Beta { x: node.x * cos, y: node.x * sin };
+                for node in self.along(peak.centre, [cos, sin], &ray) {
+                    let beta = peak.centre + Beta { x: node.x * cos, y: node.x * sin };
                     let weight = turn.weight * node.weight * node.x * self.density(beta);
                     samples.push(self.sample(beta, weight));
                 }
             }
         }
-        samples.into_iter()
     }
 
     /// Phase of the highest frequency at a shift of one thickness, radians.
@@ -196,12 +356,28 @@ impl Pair<'_> {
         2.0 * PI * self.accuracy.most_per_mm * self.gap.thickness_mm
     }
 
+    /// Number of azimuths that details of the light take besides the phase, over the number of digits.
+    fn details(&self, peak: Peak) -> f64 {
+        let width = self.width();
+        let of_peak = peak.radius / width;
+        match &self.light {
+            // Where light is rough, far from the view, there is little of it.
+            Incoming::Field(_) => of_peak + FIELD_DETAIL / width.sqrt(),
+            // The rim of the disc of air is near the view.
+            Incoming::Diffuse => {
+                of_peak + peak.centre.squared() / (width.sqrt() + 1.0 - peak.centre.length()).max(0.05)
+            }
+            _ => of_peak,
+        }
+    }
+
     /// Azimuths about a peak. Where the border of its cell has a corner, a panel ends.
-    fn turns(&self, peak: Beta, others: &[Beta]) -> Vec<Node> {
+    fn turns(&self, peak: Peak, others: &[Peak]) -> Vec<Node> {
         let digits = self.accuracy.digits;
+        let details = self.details(peak);
         if others.is_empty() {
             // A periodic integrand: the trapezoidal rule converges exponentially.
-            let count = (2.0 * digits + 2.0 * self.phase()).ceil() as usize;
+            let count = (digits * (2.0 + details) + 2.0 * self.phase()).ceil() as usize;
             let step = 2.0 * PI / count as f64;
             return (0..count).map(|k| Node { x: (k as f64 + 0.5) * step, weight: step }).collect();
         }
@@ -211,7 +387,8 @@ impl Pair<'_> {
         ends.push(first + 2.0 * PI);
         let mut nodes = Vec::new();
         for pair in ends.windows(2) {
-            let panels = ((pair[1] - pair[0]) * (8.0 + self.phase()) / PI).ceil().max(1.0) as usize;
+            let panels =
+                ((pair[1] - pair[0]) * (8.0 + 4.0 * details + self.phase()) / PI).ceil().max(1.0) as usize;
             let step = (pair[1] - pair[0]) / panels as f64;
             for panel in 0..panels {
                 let from = pair[0] + step * panel as f64;
@@ -222,7 +399,8 @@ impl Pair<'_> {
     }
 
     /// Azimuths at which the line between two peaks' cells meets the disc of the glass.
-    fn corners(&self, peak: Beta, other: Beta) -> Vec<f64> {
+    fn corners(&self, peak: Peak, other: Peak) -> Vec<f64> {
+        let (peak, other) = (peak.centre, other.centre);
         let (between, apart) = (0.5 * (peak + other), other - peak);
         let along = Beta { x: -apart.y / apart.length(), y: apart.x / apart.length() };
         let middle = between.x * along.x + between.y * along.y;
@@ -235,34 +413,58 @@ impl Pair<'_> {
             .to_vec()
     }
 
-    fn ray(&self, peak: Beta, [cos, sin]: [f64; 2], others: &[Beta]) -> Ray {
+    fn ray(&self, peak: Peak, [cos, sin]: [f64; 2], others: &[Peak]) -> Ray {
         let along = |beta: Beta| beta.x * cos + beta.y * sin;
+        let centre = peak.centre;
         // Where |peak + r u| is this radius.
         let reaches = |radius: f64| {
-            let at = along(peak);
-            -at + (at * at - peak.squared() + radius * radius).sqrt()
+            let at = along(centre);
+            -at + (at * at - centre.squared() + radius * radius).sqrt()
         };
         let width = self.width();
-        let edge = reaches(self.gap.index);
-        let mut ray = Ray { end: edge, breaks: Vec::new(), poles: vec![Pole { at: 0.0, off: width }] };
+        let edge = reaches(self.rim());
         // Shifts grow without limit towards grazing light.
-        ray.poles.push(Pole { at: edge, off: 0.02 * edge });
-        for other in others {
-            let apart = *other - peak;
+        let mut ray = Ray { end: edge, breaks: Vec::new(), poles: vec![Pole { at: edge, off: 0.02 * edge }] };
+        if self.lobe == Lobe::Lambertian {
+            return ray;
+        }
+        for other in others.iter().chain([&peak]) {
+            let apart = other.centre - centre;
             let at = along(apart);
-            ray.poles.push(Pole { at, off: (apart.squared() - at * at + width * width).sqrt() });
-            if at > 0.0 {
+            let aside = (apart.squared() - at * at).max(0.0).sqrt();
+            self.add_poles(at, aside, other.radius, &mut ray.poles);
+            if at > 0.0 && other.centre != centre {
                 ray.end = ray.end.min(0.5 * apart.squared() / at);
             }
         }
-        if self.light == Light::Diffuse {
-            let rim = reaches(1.0);
-            // Change of |beta| along the ray.
-            let slope = rim + along(peak);
-            ray.poles.push(Pole { at: rim, off: width / slope.max(1e-3) });
-            ray.breaks.push(rim);
+        match &self.light {
+            Incoming::Diffuse => {
+                let rim = reaches(1.0);
+                // Change of |beta| along the ray.
+                let slope = rim + along(centre);
+                ray.poles.push(Pole { at: rim, off: width / slope.max(1e-3) });
+                ray.breaks.push(rim);
+            }
+            Incoming::Field(_) => {
+                let step = FIELD_STEP * width;
+                let count = (reaches(1.0) / step).ceil().min(200.0);
+                ray.poles.extend((1..=count as usize).map(|k| Pole { at: k as f64 * step, off: step }));
+            }
+            Incoming::Peak(_) | Incoming::Pixel => {}
         }
         ray
+    }
+
+    /// Adds the singularities of lobes around a disc of this radius whose centre is at `at` along a ray, and `aside` of it.
+    fn add_poles(&self, at: f64, aside: f64, radius: f64, poles: &mut Vec<Pole>) {
+        let width = self.width();
+        let half = (radius * radius - aside * aside).max(0.0).sqrt();
+        let off = (aside - radius).max(0.0).hypot(width);
+        let steps = (2.0 * half / width).ceil().min(64.0);
+        for k in 0..=steps as usize {
+            let place = if steps > 0.0 { at + half * (2.0 * k as f64 / steps - 1.0) } else { at };
+            poles.push(Pole { at: place, off });
+        }
     }
 
     /// Rule along a ray: panels are divided until the phase of the highest frequency is resolved, too.
@@ -289,6 +491,10 @@ impl Pair<'_> {
         nodes
     }
 }
+
+/// Distance of the panels of a field, in widths of the lobe, and the factor of its azimuths.
+const FIELD_STEP: f64 = 2.0;
+const FIELD_DETAIL: f64 = 0.7;
 
 #[cfg(test)]
 mod tests {

@@ -39,6 +39,7 @@ mod diffused;
 mod guide;
 mod images;
 mod layered;
+pub mod places;
 mod strategy;
 
 use papilio_optics::{Beta, with_widest_simd};

@@ -28,21 +28,21 @@ pub(super) struct Pass<'a> {
 
 /// Weights on table nodes.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Weights(pub(super) Vec<f64>);
+pub(crate) struct Weights(pub(crate) Vec<f64>);
 
 impl Weights {
-    pub(super) fn new(nodes: &Nodes) -> Self {
+    pub(crate) fn new(nodes: &Nodes) -> Self {
         // A look-up always covers `Stencil::LEN` consecutive nodes.
         Self(vec![0.0; nodes.count() + Stencil::LEN])
     }
 
     #[inline(always)]
-    pub(super) fn add(&mut self, stencil: &Stencil, weight: f64) {
+    pub(crate) fn add(&mut self, stencil: &Stencil, weight: f64) {
         let slots = &mut self.0[stencil.first..][..Stencil::LEN];
         slots.iter_mut().zip(stencil.weights).for_each(|(slot, w)| *slot += w * weight);
     }
 
-    pub(super) fn finish(mut self, nodes: &Nodes) -> Self {
+    pub(crate) fn finish(mut self, nodes: &Nodes) -> Self {
         self.0.truncate(nodes.count());
         self
     }

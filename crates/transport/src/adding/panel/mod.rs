@@ -10,7 +10,7 @@
 
 mod bare;
 mod diffused;
-mod first_pass;
+pub(crate) mod first_pass;
 mod indices;
 mod lambertian;
 mod ledger;
@@ -25,6 +25,7 @@ use papilio_optics::lobe::Lobe;
 
 pub(crate) use bare::{diffuse_shares, smooth_points};
 pub(crate) use indices::Indices;
+pub(crate) use lambertian::Shares;
 
 use super::{FirstPass, TableGradient};
 use crate::{Cone, Diffuser, Estimate, Nodes, Panel, ReflectanceFactor, Reflector, Source, Top};

@@ -1,0 +1,264 @@
+//! Where light leaves, by Monte Carlo: patterns and transfer functions of any layers, through all orders.
+//!
+//! The [walk with places](papilio_transport::walk::places) is unbiased for all displays and lights; it is the reference for the
+//! deterministic results. Standard errors are those of [`REPLICATES`] independent replicates, which run on the threads of the
+//! control.
+//!
+//! Luminous quantities are Y relative to a perfect white in the scene's light, as in [`result`](crate::result).
+
+use papilio_sampling::SampleStream;
+use papilio_spectra::Spectrum;
+use papilio_transport::walk::places::{Estimate, KernelTally, Pattern, PlacedWalk, What};
+use papilio_transport::{Interface, Layer, Layered, Medium, ReflectanceFactor, Stack, Top};
+
+use crate::DisplayError;
+use crate::meter::Meter;
+use crate::result::Named;
+use crate::run::{Control, Workers, each};
+use crate::scene::{AngleMedium, Approximation, Layers, Scene};
+use crate::setup::{Setup, ViewPoint, base_under};
+
+/// Number of independent replicates.
+pub const REPLICATES: u64 = 32;
+
+/// A mean and its standard error.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Mean {
+    /// The mean over the replicates.
+    pub value: f64,
+    /// Its standard error.
+    pub standard_error: f64,
+}
+
+/// What a view sees of a pattern.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PatternView {
+    /// Inclination, degrees.
+    pub theta_deg: f64,
+    /// Azimuth, degrees.
+    pub phi_deg: f64,
+    /// Y of each image by way of the pixel.
+    pub via_pixel: Vec<Mean>,
+    /// Y of the images of the room in flat faces, and of other light that has not met the pixel.
+    pub front: Mean,
+}
+
+/// Transfer functions of one view.
+#[derive(Debug, Clone, PartialEq)]
+pub struct TransferView {
+    /// Inclination, degrees.
+    pub theta_deg: f64,
+    /// Azimuth, degrees.
+    pub phi_deg: f64,
+    /// Each state of the pixel.
+    pub states: Named<TransferState>,
+}
+
+/// Transfer functions of a state.
+#[derive(Debug, Clone, PartialEq)]
+pub struct TransferState {
+    /// Light that met the pixel once, in all light of the scene.
+    pub once: Transfer,
+    /// Response of all orders to a small change, in all light of the scene.
+    pub response: Transfer,
+}
+
+/// Transfer function at the requested frequencies.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Transfer {
+    /// Y at frequency 0.
+    pub luminous: Mean,
+    /// Real and imaginary part over Y at frequency 0.
+    pub otf: Vec<[Mean; 2]>,
+}
+
+/// Computes what each view of the scene sees of a pattern of the pixel's states. `paths` is the number of paths of a view.
+///
+/// # Errors
+/// If the scene is invalid, a length is missing, its light or approximation has no place, or the computation was stopped.
+pub fn pattern(
+    scene: &Scene,
+    pattern: &dyn Pattern,
+    paths: u64,
+    control: &Control<'_>,
+) -> Result<Vec<PatternView>, DisplayError> {
+    let setup = Setup::new(scene)?;
+    let panel = Placed::new(&setup)?;
+    let of_view = |view: &ViewPoint| {
+        let estimates = panel.trace(view, || What::Pattern(pattern), paths, control)?;
+        let images = pattern.images();
+        let of_image = |image: usize| mean(estimates.iter().map(|one| panel.luminous(one, Some(image))));
+        Ok(PatternView {
+            theta_deg: view.theta_deg,
+            phi_deg: view.phi_deg,
+            via_pixel: (0..images).map(of_image).collect(),
+            front: mean(estimates.iter().map(|one| panel.luminous(one, None))),
+        })
+    };
+    panel.setup.views.iter().map(of_view).collect()
+}
+
+/// Computes the transfer functions of the states in each view of the scene. `paths` is the number of paths of a view.
+///
+/// Frequencies are in the plane of the panel, cycles per mm; places relative to the view's own ray.
+///
+/// # Errors
+/// As [`pattern`].
+pub fn transfer(
+    scene: &Scene,
+    frequencies_per_mm: &[[f64; 2]],
+    paths: u64,
+    control: &Control<'_>,
+) -> Result<Vec<TransferView>, DisplayError> {
+    let setup = Setup::new(scene)?;
+    let panel = Placed::new(&setup)?;
+    let mut frequencies = vec![[0.0; 2]];
+    frequencies.extend(frequencies_per_mm);
+    let channels: Vec<_> = (0..panel.setup.sources.len())
+        .map(|source| vec![panel.meter.luminous_weights(source).to_vec()])
+        .collect();
+    let of_view = |view: &ViewPoint| {
+        let tally = || KernelTally {
+            frequencies_per_mm: frequencies.clone(),
+            cells: None,
+            channels: channels.clone(),
+        };
+        let estimates = panel.trace(view, || What::Kernel(tally()), paths, control)?;
+        let states = panel.setup.states.iter().enumerate().map(|(state, name)| {
+            let of_order = |response: bool| {
+                let sums = estimates.iter().map(|estimate| {
+                    let at = |k: usize| {
+                        let all = estimate.spreads.iter().map(|spreads| {
+                            let kernel = if response { &spreads.response } else { &spreads.once };
+                            kernel.transfer[state * frequencies.len() + k]
+                        });
+                        all.fold([0.0; 2], |[re, im], value| [re + value.re, im + value.im])
+                    };
+                    (0..frequencies.len()).map(at).collect::<Vec<_>>()
+                });
+                transfer_of(&sums.collect::<Vec<_>>())
+            };
+            (name.clone(), TransferState { once: of_order(false), response: of_order(true) })
+        });
+        let states = Named(states.collect());
+        Ok(TransferView { theta_deg: view.theta_deg, phi_deg: view.phi_deg, states })
+    };
+    panel.setup.views.iter().map(of_view).collect()
+}
+
+/// Ratios to the first frequency, 0, by replicate.
+fn transfer_of(sums: &[Vec<[f64; 2]>]) -> Transfer {
+    let luminous = mean(sums.iter().map(|sum| sum[0][0]));
+    let count = sums.first().map_or(1, Vec::len);
+    let ratio = |k: usize, part: usize| {
+        let of_all = mean(sums.iter().map(|sum| sum[k][part])).value / luminous.value;
+        // The error of a ratio is that of its numerator less the ratio times its denominator.
+        let rest = mean(sums.iter().map(|sum| (sum[k][part] - of_all * sum[0][0]) / luminous.value));
+        Mean { value: of_all, standard_error: rest.standard_error }
+    };
+    Transfer { luminous, otf: (1..count).map(|k| [ratio(k, 0), ratio(k, 1)]).collect() }
+}
+
+/// A scene as layers with lengths.
+struct Placed<'a> {
+    setup: &'a Setup,
+    meter: Meter<'a>,
+    stack: Layered,
+    lengths_mm: Vec<f64>,
+}
+
+impl<'a> Placed<'a> {
+    fn new(setup: &'a Setup) -> Result<Self, DisplayError> {
+        let scene = &setup.scene;
+        if scene.solver.approximation != Approximation::None {
+            return Err(DisplayError::NoPlaces {
+                what: "a single pass of the panel",
+                key: "solver.approximation",
+            });
+        }
+        if scene.solver.angle_medium == AngleMedium::Unrefracted {
+            return Err(DisplayError::NoPlaces {
+                what: "angles without refraction",
+                key: "solver.angle_medium",
+            });
+        }
+        if scene.lighting.front_light.is_some() {
+            return Err(DisplayError::NoPlaces { what: "a front light", key: "lighting.front_light" });
+        }
+        let stack = match &setup.stack {
+            Stack::Layered(stack) => stack.clone(),
+            Stack::Panel(_) => layers_of_panel(setup),
+        };
+        let lengths_mm = scene.display.lengths_mm()?;
+        Ok(Self { setup, meter: Meter::new(setup), stack, lengths_mm })
+    }
+
+    /// Estimates of all replicates for a view.
+    fn trace<'p>(
+        &self,
+        view: &ViewPoint,
+        what: impl Fn() -> What<'p>,
+        paths: u64,
+        control: &Control<'_>,
+    ) -> Result<Vec<Estimate>, DisplayError> {
+        /// Paths between looks at whether to stop.
+        const AT_ONCE: u64 = 1 << 12;
+        let Scene { solver, .. } = &self.setup.scene;
+        let walk = PlacedWalk::new(&self.stack, &self.lengths_mm, view.field, &self.setup.sources, what());
+        let walk = walk.map_err(DisplayError::Places)?;
+        let (each_paths, mut workers) = (paths.div_ceil(REPLICATES).max(1), None);
+        let pool = Workers::unless_one(&mut workers, control.threads)?;
+        let mut streams: Vec<u64> = (0..REPLICATES).collect();
+        let estimates = each(pool, &mut streams, |(_, stream)| {
+            let mut replicate = walk.replicate();
+            let numbers = SampleStream::new(solver.sampler, solver.seed, *stream);
+            while replicate.paths() < each_paths {
+                if control.stopped() {
+                    return Err(DisplayError::Interrupted);
+                }
+                let left = each_paths - replicate.paths();
+                walk.trace(&mut replicate, &numbers, left.min(AT_ONCE));
+            }
+            Ok(walk.estimate(&replicate))
+        });
+        estimates.into_iter().collect()
+    }
+
+    /// Y of an image by way of the pixel, or of light that has not met it.
+    fn luminous(&self, estimate: &Estimate, image: Option<usize>) -> f64 {
+        let of_light = |(number, rho): (usize, &ReflectanceFactor)| {
+            let weights = self.meter.luminous_weights(number);
+            let bins = weights.len();
+            let seen = image.map_or(&rho.front[..], |image| &rho.via_pixel[image * bins..][..bins]);
+            weights.iter().zip(seen).map(|(weight, seen)| weight * seen).sum::<f64>()
+        };
+        estimate.rho.iter().enumerate().map(of_light).sum()
+    }
+}
+
+/// The layers of an ordinary panel: the components of its front with the gaps below them, and the glass below its surface.
+fn layers_of_panel(setup: &Setup) -> Layered {
+    let (Stack::Panel(panel), Layers::Panel(described)) = (&setup.stack, &setup.scene.display.layers) else {
+        return Layered { layers: Vec::new(), base: base_under(&setup.stack).clone() };
+    };
+    let air = Medium::new(Spectrum::constant(&setup.scene.grid, 1.0));
+    let front = described.front.iter().map(|component| Layer {
+        interface: Interface::component(component.reflectance.clone(), component.absorptance.clone()),
+        medium: air.clone(),
+    });
+    let interface = match &panel.top {
+        Top::IdealAr => Interface::IdealAr,
+        Top::Fresnel(_) => Interface::Fresnel,
+        Top::Diffuser(diffuser) => Interface::Diffuser(diffuser.clone()),
+    };
+    let glass = Layer { interface, medium: panel.medium.clone() };
+    Layered { layers: front.chain([glass]).collect(), base: panel.base.clone() }
+}
+
+fn mean(values: impl Iterator<Item = f64>) -> Mean {
+    let values: Vec<f64> = values.collect();
+    let count = values.len() as f64;
+    let value = values.iter().sum::<f64>() / count;
+    let square: f64 = values.iter().map(|one| (one - value).powi(2)).sum();
+    Mean { value, standard_error: (square / (count * (count - 1.0))).sqrt() }
+}

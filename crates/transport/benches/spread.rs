@@ -1,0 +1,80 @@
+//! Spread of an ordinary panel: a film pixel of three sub-pixels and eight states at 81 wavelengths under H78.
+
+#![allow(clippy::unwrap_used, missing_docs, reason = "a benchmark")]
+
+use divan::{Bencher, black_box};
+use papilio_optics::Beta;
+use papilio_optics::lobe::Lobe;
+use papilio_transport::spatial::{Accuracy, Grid, PanelSpread};
+use papilio_transport::{
+    AngularTable, Base, Cone, Diffuser, Front, Medium, Nodes, Panel, Reflector, Source, Top,
+};
+
+fn main() {
+    divan::main();
+}
+
+const BINS: usize = 81;
+
+fn panel() -> Panel {
+    let (nodes, basis) = (65, 4);
+    let value = |node: usize, k: usize| 0.5 + 0.4 * (0.1 * node as f64 + 0.05 * k as f64).sin();
+    let values = (0..nodes).flat_map(|node| (0..basis * BINS).map(move |k| value(node, k)));
+    let table = AngularTable {
+        nodes: Nodes::Cosines(nodes),
+        basis: values.collect::<Vec<f64>>().into(),
+        mixture: (0..8 * basis).map(|k| f64::from(u8::from(k % 3 == 0))).collect(),
+        common: vec![0.01; BINS],
+    };
+    let lobe = Lobe::KCorrelation { width: 0.05667 };
+    let transmittance = vec![0.95; BINS].into();
+    Panel {
+        front: Front::none(BINS),
+        top: Top::Diffuser(Diffuser { lobe, transmittance, regular_fraction: 0.0 }),
+        medium: Medium::new(vec![1.5; BINS].into()),
+        base: Base { reflector: Reflector::Specular(table), inactive_absorptance: vec![0.0; BINS].into() },
+        single_pass: false,
+    }
+}
+
+fn lights() -> [Source; 3] {
+    [Source::Diffuse, Source::Beam(Beta { x: 0.3, y: 0.0 }), Source::Disc(Cone::new(-20.0, 0.0, 0.27, 1.0))]
+}
+
+fn spread(panel: &Panel, light: usize) -> PanelSpread {
+    let accuracy = Accuracy { digits: 8.0, most_per_mm: 10.0 };
+    PanelSpread::new(panel, &[0.5], &Cone::new(0.0, 0.0, 0.0, 1.0), &lights()[light], accuracy).unwrap()
+}
+
+#[divan::bench(args = [0, 1, 2])]
+fn prepare(bencher: Bencher<'_, '_>, light: usize) {
+    let panel = panel();
+    bencher.bench(|| spread(black_box(&panel), light));
+}
+
+/// 64 frequencies, half of them along each axis.
+#[divan::bench(args = [0, 1, 2])]
+fn transfer(bencher: Bencher<'_, '_>, light: usize) {
+    let panel = panel();
+    let spread = spread(&panel, light);
+    let step = |k: i32| 10.0 / 31.0 * f64::from(k);
+    let frequencies: Vec<[f64; 2]> =
+        (0..32).map(|k| [step(k), 0.0]).chain((0..32).map(|k| [0.0, step(k)])).collect();
+    bencher.bench(|| spread.transfer(black_box(&panel), &frequencies));
+}
+
+#[divan::bench(args = [0, 1, 2])]
+fn kernel(bencher: Bencher<'_, '_>, light: usize) {
+    let panel = panel();
+    let spread = spread(&panel, light);
+    let grid = Grid { count: [64, 64], cell_mm: 0.01 };
+    bencher.bench(|| spread.kernel(black_box(&panel), grid));
+}
+
+#[divan::bench(args = [0, 1, 2])]
+fn strips(bencher: Bencher<'_, '_>, light: usize) {
+    let panel = panel();
+    let spread = spread(&panel, light);
+    let edges: Vec<f64> = (-64..=64).map(|k| 0.01 * f64::from(k)).collect();
+    bencher.bench(|| spread.point_spread(&spread.parts()[0]).strips(0, black_box(&edges)));
+}

@@ -1,0 +1,100 @@
+//! Spread of a bare panel: every direction of view has one place.
+
+use super::super::{Accuracy, Sample, displacement};
+use super::returned::Ghosts;
+use super::{Heights, Part, SMOOTH, by_index};
+use crate::adding::quadrature::{Nodes, Point, cone_points_of, disc_points, smooth_at};
+use crate::adding::{Mirror, diffuse_shares, image_points, smooth_points};
+use crate::specular::FlatTop;
+use crate::{Cone, Panel, Source};
+
+/// Orders of light between a face and a front of screen above it, on the way to the viewer. The last stands for all that
+/// follow.
+const ORDERS: usize = 4;
+
+/// Returns the parts: one for each direction, index of the glass and order.
+pub(super) fn parts(
+    panel: &Panel,
+    heights: Heights,
+    view: &Cone,
+    source: &Source,
+    accuracy: Accuracy,
+) -> Vec<Part> {
+    let bins = panel.base.bins();
+    let light = light_of(panel, source, accuracy.digits);
+    let (mut flat, mut face) = (FlatTop::new(bins), FlatTop::new(bins));
+    let mut parts = Vec::new();
+    for point in seen_points(panel, view, source, accuracy.digits) {
+        flat.set(panel, point.beta.squared());
+        face.set_surface(panel, point.beta.squared());
+        let between: Vec<f64> = face
+            .above
+            .iter()
+            .zip(panel.front.reflectance_below.iter())
+            .map(|(face, front)| face * front)
+            .collect();
+        let is_apart = heights.front_mm > 0.0 && between.iter().any(|between| *between > 0.0);
+        let orders = if is_apart { ORDERS } else { 1 };
+        let ghosts =
+            panel.base.is_specular().then(|| Ghosts::new(panel, heights, &face, point.beta)).flatten();
+        let air = displacement(point.beta, 2.0 * heights.front_mm, 1.0);
+        for (index, group) in by_index(panel) {
+            let glass = heights.in_glass(point.beta, index);
+            for order in 0..orders {
+                // Fraction of what leaves that does so in this order.
+                let part = |bin: usize| {
+                    let last = order + 1 == orders;
+                    between[bin].powi(order as i32) * if last { 1.0 } else { 1.0 - between[bin] }
+                };
+                let through = |bin: usize| {
+                    let entering = light.as_ref().map_or(flat.t[bin], |light| light[bin]);
+                    if group.contains(&bin) { entering * flat.t[bin] * part(bin) } else { 0.0 }
+                };
+                let shift_mm = [0, 1].map(|k| glass[k] + order as f64 * air[k]);
+                parts.push(Part {
+                    samples: vec![Sample { beta: point.beta, shift_mm, weight: point.weight }],
+                    through: (0..bins).map(through).collect(),
+                    index,
+                    ghosts: ghosts.clone(),
+                    pair: None,
+                });
+            }
+        }
+    }
+    parts
+}
+
+/// Returns the directions of a bare panel that are seen, with the weights of their light.
+fn seen_points(panel: &Panel, view: &Cone, source: &Source, digits: f64) -> Vec<Point> {
+    let across = panel.base.nodes_across(view, &panel.medium);
+    if *source != Source::Diffuse && panel.base.is_specular() {
+        let images = image_points(view, std::slice::from_ref(source), digits, Mirror::Across(across));
+        return images.into_iter().flat_map(|image| image.points).collect();
+    }
+    let nodes = Nodes { rings: (digits / 2.5) as usize, across };
+    cone_points_of(view, smooth_at(view, SMOOTH), digits, nodes)
+}
+
+/// Returns, for a Lambertian pixel, what reaches it of the light, times that which leaves into the directions of the light, over
+/// what is emitted; none for a mirror, which sees the light in the direction of view. Shape `[wavelength]`.
+fn light_of(panel: &Panel, source: &Source, digits: f64) -> Option<Vec<f64>> {
+    if panel.base.is_specular() {
+        return None;
+    }
+    let points = match source {
+        Source::Diffuse => return Some(diffuse_shares(panel, digits).0),
+        Source::Beam(beta) => vec![Point { beta: *beta, weight: 1.0 }],
+        Source::Disc(cone) => disc_points(cone, smooth_at(cone, SMOOTH), digits),
+        Source::Field(field) => smooth_points(field, SMOOTH, digits),
+    };
+    let mut flat = FlatTop::new(panel.base.bins());
+    let mut sum = vec![0.0; panel.base.bins()];
+    for point in points {
+        flat.set(panel, point.beta.squared());
+        let index = panel.medium.index().iter();
+        for ((sum, t), index) in sum.iter_mut().zip(&flat.t).zip(index) {
+            *sum += point.weight * t / (index * index);
+        }
+    }
+    Some(sum)
+}

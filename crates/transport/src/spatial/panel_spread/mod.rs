@@ -1,0 +1,168 @@
+//! What a view sees of the pixel plane through the layers of an ordinary panel: directions, places and their light.
+//!
+//! **What.** A [`PanelSpread`] belongs to a view and a source. It is a list of [`Part`]s, each a list of [`Sample`]s (direction,
+//! place, weight) with one factor for each wavelength. Light that has met the pixel once adds up to
+//! `sum of through(wavelength) x weight x reflectance(beta, wavelength)`, the reflectance factor of that light: the same number as
+//! that of colours, now with a place for each of its terms.
+//!
+//! **All orders.** The layers return light to the pixel ([`Returned`]). A small modulation of the pixel about a state of
+//! reflectance rho is then seen as `V(f) rho/(1 - rho A(f))`, with V the transform of the samples; at f = 0 this is the reflectance
+//! factor of a uniform state in all orders ([`PanelSpread::transfer`]). A mirror-like pixel under a flat face
+//! has its own ghosts in A, a Lambertian one a halo.
+//!
+//! | above the pixel | Lambertian pixel | mirror-like pixel |
+//! |---|---|---|
+//! | a flat face | one place for each direction of view; halo | the same; ghosts |
+//! | a diffuser | the lobe towards the viewer; halo by the front | lobes towards viewer and light; light that the front returns is missing |
+//!
+//! What is missing in the last case is the difference between the reflectance factor of colours and that of the spread at f = 0: a
+//! bound of the error of both.
+
+mod bare;
+mod cells;
+mod diffused;
+mod error;
+mod returned;
+mod transfer;
+
+pub use cells::{Grid, Kernel};
+pub use error::SpreadError;
+
+use papilio_optics::Beta;
+
+use self::returned::{Ghosts, Halo};
+use super::spread::Pair;
+use super::{Accuracy, Image, PointSpread, Sample, displacement};
+use crate::{Cone, Panel, Reflector, Source, Top};
+
+/// Directions and places with a common factor for each wavelength.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Part {
+    /// What is seen, for a pixel that reflects everything and layers that transmit everything.
+    pub samples: Vec<Sample>,
+    /// Factor of these samples, `[wavelength]`: the transmittance of the layers on both ways. It may be negative where
+    /// results are interpolated between indices of the glass.
+    pub through: Vec<f64>,
+    /// Index of the glass.
+    index: f64,
+    /// Of a mirror under flat faces.
+    ghosts: Option<Ghosts>,
+    /// The diffuser, of light at all places; otherwise each sample is a sharp image.
+    pair: Option<Pair>,
+}
+
+impl Part {
+    /// Index of the glass for which the samples were made.
+    pub fn index(&self) -> f64 {
+        self.index
+    }
+}
+
+/// What a view sees of the pixel plane in the light of one source.
+#[derive(Debug, Clone)]
+pub struct PanelSpread {
+    parts: Vec<Part>,
+    /// What comes back to a Lambertian pixel.
+    halo: Option<Halo>,
+    own_mm: [f64; 2],
+}
+
+/// Heights of a panel.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Heights {
+    /// Air between the front of screen and what is below it, mm.
+    front_mm: f64,
+    /// Glass, mm.
+    glass_mm: f64,
+}
+
+/// Angle over which the reflectances of interfaces and pixels change, radians.
+const SMOOTH: f64 = 0.3;
+
+impl Heights {
+    /// Reads the gaps of the components of the front, outermost first, and the thickness of the glass.
+    fn new(panel: &Panel, lengths_mm: &[f64]) -> Result<Self, SpreadError> {
+        let Some((&glass_mm, fronts)) = lengths_mm.split_last() else { return Err(SpreadError::Lengths) };
+        let returns = !panel.single_pass && panel.front.reflectance_below.max() > 0.0;
+        // A component above the highest one that reflects has no length.
+        let apart = fronts.iter().skip_while(|gap| **gap == 0.0).count() > 1;
+        if returns && apart {
+            return Err(SpreadError::SeveralFronts);
+        }
+        Ok(Self { front_mm: if returns { fronts.iter().sum() } else { 0.0 }, glass_mm })
+    }
+
+    /// Shift of a crossing of the glass.
+    fn in_glass(self, beta: Beta, index: f64) -> [f64; 2] {
+        displacement(beta, self.glass_mm, index)
+    }
+}
+
+impl PanelSpread {
+    /// Prepares the spread.
+    ///
+    /// - `lengths_mm`: air below each component of the front of screen, outermost first, then the glass.
+    /// - `view`: directions in air.
+    ///
+    /// # Errors
+    /// If this panel is not covered.
+    pub fn new(
+        panel: &Panel,
+        lengths_mm: &[f64],
+        view: &Cone,
+        source: &Source,
+        accuracy: Accuracy,
+    ) -> Result<Self, SpreadError> {
+        let heights = Heights::new(panel, lengths_mm)?;
+        if matches!(panel.base.reflector, Reflector::Scattering(_)) {
+            return Err(SpreadError::ScatteringPixel);
+        }
+        let index = panel.medium.index();
+        if index.min() <= 1.0 || matches!(&panel.top, Top::Fresnel(face) if face != index) {
+            return Err(SpreadError::Unrefracted);
+        }
+        let parts = match &panel.top {
+            Top::Diffuser(diffuser) => diffused::parts((panel, diffuser), heights, view, source, accuracy),
+            Top::IdealAr | Top::Fresnel(_) => bare::parts(panel, heights, view, source, accuracy),
+        };
+        let own_mm = heights.in_glass(view.axis_towards(), index[index.len() / 2]);
+        let halo = (!panel.base.is_specular()).then(|| Halo::new(panel, heights, accuracy)).flatten();
+        Ok(Self { parts, halo, own_mm })
+    }
+
+    /// The samples, by parts of a common factor.
+    pub fn parts(&self) -> &[Part] {
+        &self.parts
+    }
+
+    /// Shift of the view's own ray, mm, at the wavelength in the middle of the grid.
+    pub fn own_mm(&self) -> [f64; 2] {
+        self.own_mm
+    }
+
+    /// Returns a part of the light by place, relative to the view's own ray.
+    pub fn point_spread<'a>(&self, part: &'a Part) -> PointSpread<'a> {
+        match &part.pair {
+            Some(pair) => pair.point_spread(self.own_mm),
+            None => PointSpread::of_images(part.samples.iter().map(|sample| Image::of(sample, self.own_mm))),
+        }
+    }
+
+    /// Returns the fraction that comes back to a Lambertian pixel of its light that is modulated at this frequency (cycles
+    /// per mm), `[wavelength]`; empty if nothing does, and for other pixels.
+    pub fn returned(&self, frequency_per_mm: f64) -> Vec<f64> {
+        self.halo.as_ref().map_or_else(Vec::new, |halo| halo.at(frequency_per_mm))
+    }
+}
+
+/// Returns the indices of the glass, each with its wavelengths.
+fn by_index(panel: &Panel) -> Vec<(f64, Vec<usize>)> {
+    let mut all: Vec<(f64, Vec<usize>)> = Vec::new();
+    for (bin, index) in panel.medium.index().iter().enumerate() {
+        match all.iter_mut().find(|known| known.0 == *index) {
+            Some(known) => known.1.push(bin),
+            None => all.push((*index, vec![bin])),
+        }
+    }
+    all
+}

@@ -1,0 +1,208 @@
+//! Monte Carlo with places: what a viewer sees of a pixel that is not the same everywhere.
+//!
+//! A path carries the place (x, y) at which it is, in the plane of the panel. A crossing of a medium (thickness d, index n) moves
+//! light of direction cosines beta by `d beta / sqrt(n^2 - |beta|^2)`, a flight in a scattering medium by its own length; layers are
+//! uniform and act at one place. Where the path meets the pixel, it reads there what the pattern shows. All orders of
+//! recycled light, all layers and all sources are included. Estimates are unbiased for any pattern: this is the reference
+//! for the kernels and transfer functions of [`spatial`](crate::spatial).
+//!
+//! # What is estimated
+//! - [`What::Pattern`]: the reflectance factor of an actual [`Pattern`], at given places or as a mean over a period.
+//! - [`What::Kernel`]: where uniform states are seen: `exp(-2 pi i f.r)` at chosen frequencies, and light in the cells of a grid.
+//!   ([`Spreads`]: light that met the pixel once, and the response of all orders to a small change.)
+//! - [`exits`](PlacedWalk::exits): where light that enters at one place leaves.
+//!
+//! # Method
+//! A plain path tracer, backwards from the viewer; nothing is summed in closed form, since a closed form does not know where
+//! light meets the pixel. One event at a time is chosen in proportion to its light. At each scattering event the path is
+//! connected to every directed source; the last part of a connection passes flat layers and mirrors by one route, chosen like
+//! those of paths. Discs and fields are also found by chance (balance heuristic). A scatterer above a mirror is sampled around the
+//! viewer's ray and around the rays of lamps: light of a lamp is seen around both. A path carries all images and wavelengths; where
+//! an index depends on wavelength, it has a place for each.
+//!
+//! The place of a meeting refers to that of the view's own ray. A field of view of some width is focused on the pixel: own
+//! rays of all its directions meet the pixel at the same place.
+//!
+//! Compared with [`Walk`](super::Walk), a path costs less and has more noise: it is an independent check of the uniform
+//! results, too.
+
+mod faces;
+mod path;
+mod pattern;
+mod tally;
+mod tracer;
+
+use papilio_sampling::SampleStream;
+
+use super::PathNumbers;
+use crate::{Cone, Layered, ReflectanceFactor, Source};
+use papilio_optics::Beta;
+use path::Path;
+pub use pattern::{Matrix, Pattern, SeenFrom, Shape, TwoStates, Uniform};
+pub use tally::{CellGrid, Kernel, KernelTally, Spreads};
+use tally::{Record, Sums};
+use tracer::{Tracer, Workspace};
+
+/// What a walk with places estimates.
+pub enum What<'a> {
+    /// What is seen of a pattern.
+    Pattern(&'a dyn Pattern),
+    /// The spread of each uniform state.
+    Kernel(KernelTally),
+}
+
+/// Reason why there is no walk with places.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum PlaceError {
+    /// The number of lengths is not that of the layers.
+    Lengths {
+        /// Number of lengths.
+        found: usize,
+        /// Number of layers.
+        expected: usize,
+    },
+    /// A length is negative or not finite, mm.
+    Length(f64),
+    /// Channels are not those of the sources and wavelengths.
+    Channels,
+}
+
+impl std::fmt::Display for PlaceError {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Lengths { found, expected } => {
+                write!(f, "{found} lengths were given for {expected} layers; each layer needs one")
+            }
+            Self::Length(length) => write!(f, "a thickness is {length} mm; expected a length of at least 0"),
+            Self::Channels => write!(f, "channels of a kernel do not match the sources and wavelengths"),
+        }
+    }
+}
+
+impl std::error::Error for PlaceError {}
+
+/// Means of a replicate.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Estimate {
+    /// Reflectance factor by source, `[image][wavelength]`; images are the states if kernels are tallied.
+    pub rho: Vec<ReflectanceFactor>,
+    /// Spread by source, if kernels are tallied.
+    pub spreads: Vec<Spreads>,
+}
+
+/// Light that leaves a stack.
+#[derive(Debug, Clone, Copy)]
+pub struct Exit<'p> {
+    /// Place relative to that of entry, mm.
+    pub place_mm: [f64; 2],
+    /// Direction cosines.
+    pub beta: Beta,
+    /// False if it leaves into the air above, true if it arrives at the plane of the pixel.
+    pub below: bool,
+    /// Light, per unit that enters; by wavelength, or `[state][wavelength]` once it has met the pixel.
+    pub light: &'p [f64],
+}
+
+/// The Monte Carlo solver with places, for one stack, one view and its sources.
+pub struct PlacedWalk<'a> {
+    tracer: Tracer<'a>,
+    kernel: Option<KernelTally>,
+    sources: usize,
+    images: usize,
+}
+
+/// Running sums of one replicate of a walk with places.
+pub struct PlacedReplicate<'w> {
+    paths: u64,
+    sums: Sums<'w>,
+    work: Workspace,
+}
+
+impl PlacedReplicate<'_> {
+    /// Returns the number of paths traced so far.
+    pub fn paths(&self) -> u64 {
+        self.paths
+    }
+}
+
+impl<'a> PlacedWalk<'a> {
+    /// Prepares a solver. `lengths_mm` is the thickness of the medium of each layer; `view` and `sources` are those of
+    /// [`Walk::new`](super::Walk::new).
+    ///
+    /// # Errors
+    /// If the lengths do not match the layers or are negative, or channels do not match the sources and wavelengths.
+    pub fn new(
+        stack: &'a Layered,
+        lengths_mm: &[f64],
+        view: Cone,
+        sources: &'a [Source],
+        what: What<'a>,
+    ) -> Result<Self, PlaceError> {
+        let expected = stack.layers.len();
+        if lengths_mm.len() != expected {
+            return Err(PlaceError::Lengths { found: lengths_mm.len(), expected });
+        }
+        if let Some(length) = lengths_mm.iter().find(|length| !(0.0..f64::INFINITY).contains(*length)) {
+            return Err(PlaceError::Length(*length));
+        }
+        let (pattern, kernel): (Box<dyn Pattern + 'a>, _) = match what {
+            What::Pattern(pattern) => (Box::new(pattern), None),
+            What::Kernel(kernel) => (Box::new(Uniform { states: stack.base.states() }), Some(kernel)),
+        };
+        let fits = |kernel: &KernelTally| {
+            let mut channels = kernel.channels.iter().flatten();
+            kernel.channels.len() == sources.len() && channels.all(|one| one.len() == stack.base.bins())
+        };
+        if !kernel.as_ref().is_none_or(fits) {
+            return Err(PlaceError::Channels);
+        }
+        let images = pattern.images();
+        let tracer = Tracer::new(stack, lengths_mm.to_vec(), (view, sources), pattern);
+        Ok(Self { tracer, kernel, sources: sources.len(), images })
+    }
+
+    /// Returns an empty replicate, to be filled by [`Self::trace`].
+    pub fn replicate(&self) -> PlacedReplicate<'_> {
+        let sums = Sums::new(self.sources, (self.images, self.tracer.bins()), self.kernel.as_ref());
+        PlacedReplicate { paths: 0, sums, work: self.tracer.workspace() }
+    }
+
+    /// Traces `count` further paths of a replicate. The result depends only on the random numbers and the total number of
+    /// paths, of which powers of two have the smallest error.
+    pub fn trace(&self, replicate: &mut PlacedReplicate<'_>, numbers: &SampleStream, count: u64) {
+        let PlacedReplicate { paths, sums, work } = replicate;
+        for path in *paths..*paths + count {
+            self.tracer.trace(&PathNumbers::new(numbers, path), work, sums);
+        }
+        *paths += count;
+    }
+
+    /// Returns the means over the paths of a replicate, which must have traced at least one.
+    pub fn estimate(&self, replicate: &PlacedReplicate<'_>) -> Estimate {
+        replicate.sums.means(1.0 / replicate.paths as f64)
+    }
+
+    /// Follows light that enters from where the viewer is, at one place, to where it leaves; `paths` are numbers of paths.
+    ///
+    /// All layers are reciprocal: light that reaches the viewer at this place comes from the same places. The sum over the exits
+    /// above, over the number of paths, is what returns.
+    pub fn exits(&self, numbers: &SampleStream, paths: std::ops::Range<u64>, exit: impl FnMut(Exit<'_>)) {
+        let (mut work, mut exits) = (self.tracer.workspace(), Exits { exit });
+        paths.for_each(|path| self.tracer.trace(&PathNumbers::new(numbers, path), &mut work, &mut exits));
+    }
+}
+
+/// Passes on the light that leaves.
+struct Exits<F> {
+    exit: F,
+}
+
+impl<F: FnMut(Exit<'_>)> Record for Exits<F> {
+    fn receives(&mut self, _: usize, _: &Path, _: f64) {}
+
+    fn leaves(&mut self, path: &Path, below: bool) {
+        let [x, y] = path.place_mm.first().copied().unwrap_or_default();
+        let place_mm = [x - path.entry_mm[0], y - path.entry_mm[1]];
+        (self.exit)(Exit { place_mm, beta: path.beta, below, light: path.light() });
+    }
+}

@@ -1,0 +1,155 @@
+//! Patterns of states in the plane of the pixel.
+
+use crate::spatial::Window;
+
+/// A pattern, or several *images*: at each place of the plane of the pixel, the fraction that each state covers.
+///
+/// One path serves all images, whose estimates are therefore correlated. An image that is shifted is the same pattern seen from
+/// another place.
+pub trait Pattern: Sync {
+    /// Number of images.
+    fn images(&self) -> usize;
+
+    /// Period over which the place that the view's own ray meets is uniformly distributed, mm; 0: always the origin.
+    fn period_mm(&self) -> [f64; 2];
+
+    /// Coverage of each state in each image at a place (mm, in the plane of the panel); shape `[image][state]`. All are 0
+    /// before.
+    fn coverages(&self, place_mm: [f64; 2], out: &mut [f64]);
+}
+
+impl Pattern for &dyn Pattern {
+    fn images(&self) -> usize {
+        (**self).images()
+    }
+
+    fn period_mm(&self) -> [f64; 2] {
+        (**self).period_mm()
+    }
+
+    fn coverages(&self, place_mm: [f64; 2], out: &mut [f64]) {
+        (**self).coverages(place_mm, out);
+    }
+}
+
+/// Every state everywhere: image k is state k.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Uniform {
+    /// Number of states.
+    pub states: usize,
+}
+
+impl Pattern for Uniform {
+    fn images(&self) -> usize {
+        self.states
+    }
+
+    fn period_mm(&self) -> [f64; 2] {
+        [0.0; 2]
+    }
+
+    fn coverages(&self, _: [f64; 2], out: &mut [f64]) {
+        out.iter_mut().step_by(self.states + 1).for_each(|coverage| *coverage = 1.0);
+    }
+}
+
+/// A matrix of windows that repeats, in one image; estimates are means over a period.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Matrix {
+    /// Period along x and y, mm.
+    pub period_mm: [f64; 2],
+    /// Windows in fractions of the period; no two overlap.
+    pub windows: Vec<Window>,
+    /// Coverage of each state within each window; `[window][state]`.
+    pub within: Vec<Vec<f64>>,
+    /// Coverage of each state outside all windows.
+    pub between: Vec<f64>,
+}
+
+impl Pattern for Matrix {
+    fn images(&self) -> usize {
+        1
+    }
+
+    fn period_mm(&self) -> [f64; 2] {
+        self.period_mm
+    }
+
+    fn coverages(&self, place_mm: [f64; 2], out: &mut [f64]) {
+        let part = |k: usize| (place_mm[k] / self.period_mm[k]).rem_euclid(1.0);
+        let (x, y) = (part(0), part(1));
+        let holds = |window: &&Window| {
+            let mut rectangles = window.rectangles.iter();
+            rectangles.any(|one| (one.x[0]..one.x[1]).contains(&x) && (one.y[0]..one.y[1]).contains(&y))
+        };
+        let window = self.windows.iter().position(|window| holds(&window));
+        out.copy_from_slice(window.map_or(&self.between, |window| &self.within[window]));
+    }
+}
+
+/// Stripes or a checkerboard of two states, half of the area each; estimates are means over a period.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct TwoStates {
+    /// Shape.
+    pub shape: Shape,
+    /// Period, mm.
+    pub period_mm: f64,
+    /// Numbers of the two states.
+    pub states: [usize; 2],
+}
+
+/// Shape of a pattern of two states.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Shape {
+    /// Stripes that repeat along x.
+    Stripes,
+    /// Squares with sides of half the period.
+    Checkerboard,
+}
+
+impl Pattern for TwoStates {
+    fn images(&self) -> usize {
+        1
+    }
+
+    fn period_mm(&self) -> [f64; 2] {
+        match self.shape {
+            Shape::Stripes => [self.period_mm, 0.0],
+            Shape::Checkerboard => [self.period_mm; 2],
+        }
+    }
+
+    fn coverages(&self, place_mm: [f64; 2], out: &mut [f64]) {
+        let is_second = |k: usize| (place_mm[k] / self.period_mm).rem_euclid(1.0) >= 0.5;
+        let second = match self.shape {
+            Shape::Stripes => is_second(0),
+            Shape::Checkerboard => is_second(0) != is_second(1),
+        };
+        out[self.states[usize::from(second)]] = 1.0;
+    }
+}
+
+/// A pattern seen from several places: image `k * pattern.images() + i` is image i seen where the view's own ray meets place k.
+pub struct SeenFrom<'a> {
+    /// The pattern.
+    pub pattern: &'a dyn Pattern,
+    /// Places, mm.
+    pub places_mm: &'a [[f64; 2]],
+}
+
+impl Pattern for SeenFrom<'_> {
+    fn images(&self) -> usize {
+        self.places_mm.len() * self.pattern.images()
+    }
+
+    fn period_mm(&self) -> [f64; 2] {
+        [0.0; 2]
+    }
+
+    fn coverages(&self, place_mm: [f64; 2], out: &mut [f64]) {
+        let of_place = out.len() / self.places_mm.len().max(1);
+        for (from, out) in self.places_mm.iter().zip(out.chunks_exact_mut(of_place.max(1))) {
+            self.pattern.coverages([place_mm[0] + from[0], place_mm[1] + from[1]], out);
+        }
+    }
+}

@@ -1,0 +1,321 @@
+//! The spread of a panel: without places it is what colours are computed from (the mean law); with places, published and closed
+//! forms, and one of its forms against another.
+
+use std::sync::Arc;
+
+use super::common::{mirror, panel as one_bin, view};
+use papilio_optics::Beta;
+use papilio_optics::lobe::Lobe;
+use papilio_transport::adding::Kernel;
+use papilio_transport::spatial::{Accuracy, Grid, PanelSpread, closed};
+use papilio_transport::{
+    AngularTable, Base, Cone, Diffuser, Field, Front, Medium, Nodes, Panel, Reflector, Source, Stack, Top,
+};
+
+/// Two states, three wavelengths.
+const BINS: usize = 3;
+
+fn film() -> Base {
+    let nodes = 33;
+    let value = |node: usize, k: usize| {
+        let cosine = node as f64 / (nodes - 1) as f64;
+        0.5 + 0.4 * (7.0 * cosine + k as f64).sin()
+    };
+    let basis: Vec<f64> = (0..nodes).flat_map(|node| (0..2 * BINS).map(move |k| value(node, k))).collect();
+    let table = AngularTable {
+        nodes: Nodes::Cosines(nodes),
+        basis: basis.into(),
+        mixture: vec![1.0, 0.0, 0.3, 0.6],
+        common: vec![0.01; BINS],
+    };
+    Base { reflector: Reflector::Specular(table), inactive_absorptance: vec![0.0; BINS].into() }
+}
+
+fn paper() -> Base {
+    let reflectance = vec![0.7, 0.6, 0.5, 0.02, 0.03, 0.05];
+    Base { reflector: Reflector::Lambertian(reflectance), inactive_absorptance: vec![0.0; BINS].into() }
+}
+
+fn diffuser(lobe: Lobe, regular_fraction: f64) -> Top {
+    Top::Diffuser(Diffuser { lobe, transmittance: vec![0.95, 0.9, 0.85].into(), regular_fraction })
+}
+
+fn sources() -> Vec<Source> {
+    let map: Vec<f64> = (0..8 * 12).map(|k| f64::from(k * k % 17) + 1.0).collect();
+    let edges: Vec<f64> = (0..=8).map(|k| 11.25 * f64::from(k)).collect();
+    vec![
+        Source::Diffuse,
+        Source::Beam(Beta { x: -0.3, y: 0.25 }),
+        Source::Disc(Cone::new(-12.0, 10.0, 1.0, 1.0)),
+        Source::Field(Arc::new(Field::ring(20.0, 30.0).unwrap())),
+        Source::Field(Arc::new(Field::new(&edges, 12, map).unwrap().0)),
+    ]
+}
+
+/// Largest relative error of each source.
+fn worst(panel: &Panel, view: Cone, lengths: &[f64], accuracy: Accuracy) -> Vec<f64> {
+    worst_of(panel, (view, &sources()), lengths, accuracy)
+}
+
+fn worst_of(
+    panel: &Panel,
+    (view, sources): (Cone, &[Source]),
+    lengths: &[f64],
+    accuracy: Accuracy,
+) -> Vec<f64> {
+    let stack = Stack::Panel(panel.clone());
+    let mut kernel = Kernel::new(3);
+    kernel.prepare(&stack, &[view], sources);
+    let rho = kernel.seen(&stack, 0);
+    let error = |(source, rho): (&Source, &papilio_transport::ReflectanceFactor)| {
+        let spread = PanelSpread::new(panel, lengths, &view, source, accuracy).unwrap();
+        let found = spread.transfer(panel, &[[0.0, 0.0]]);
+        let most = rho.via_pixel.iter().fold(0.0, |most: f64, value| most.max(value.abs()));
+        let errors = found.iter().zip(&rho.via_pixel).map(|(found, rho)| (found - rho).norm());
+        errors.fold(0.0, f64::max) / most.max(1e-12)
+    };
+    sources.iter().zip(&rho).map(error).collect()
+}
+
+fn shown(errors: &[f64]) -> String {
+    errors.iter().map(|error| format!("{error:.1e} ")).collect()
+}
+
+const ACCURACY: Accuracy = Accuracy { digits: 15.0, most_per_mm: 4.0 };
+
+#[test]
+fn mean_of_bare_panels_is_todays_reflectance_in_all_orders() {
+    let glass: Vec<f64> = vec![1.52, 1.5, 1.49];
+    for top in [Top::IdealAr, Top::Fresnel(glass.clone().into())] {
+        for base in [film(), paper()] {
+            for front in [Front::none(BINS), Front::exact(BINS, [(&[0.04, 0.05, 0.06][..], &[0.1; 3][..])])] {
+                for view in [Cone::new(0.0, 0.0, 0.0, 1.0), Cone::new(12.0, 190.0, 2.0, 1.0)] {
+                    let panel = Panel {
+                        front: front.clone(),
+                        top: top.clone(),
+                        medium: Medium::new(glass.clone().into()),
+                        base: base.clone(),
+                        single_pass: false,
+                    };
+                    let errors = worst(&panel, view, &[0.3, 0.7], ACCURACY);
+                    assert!(errors.iter().all(|error| *error < 1e-6), "{errors:?}");
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn mean_under_a_diffuser_is_todays_first_order() {
+    let lobes = [0.2, 0.05667].map(|width| Lobe::KCorrelation { width });
+    for lobe in lobes.into_iter().chain([Lobe::Lambertian]) {
+        for (regular, glass) in [(0.0, vec![1.5; 3]), (0.2, vec![1.52, 1.5, 1.49])] {
+            for base in [film(), paper()] {
+                let is_slow = regular > 0.0 && base.is_specular();
+                for view in [Cone::new(0.0, 0.0, 0.0, 1.0), Cone::new(30.0, 20.0, 1.5, 1.0)] {
+                    let panel = Panel {
+                        front: Front::none(BINS),
+                        top: diffuser(lobe, regular),
+                        medium: Medium::new(glass.clone().into()),
+                        base: base.clone(),
+                        single_pass: false,
+                    };
+                    // Fields with unscattered light take *adding* seconds under a narrow lobe.
+                    let sources = if is_slow && lobe != lobes[0] { &sources()[..3] } else { &sources()[..] };
+                    let errors = worst_of(&panel, (view, sources), &[0.7], ACCURACY);
+                    assert!(
+                        errors.iter().all(|error| *error < 3e-7),
+                        "{lobe:?} {regular}: {}",
+                        shown(&errors)
+                    );
+                }
+            }
+        }
+    }
+}
+
+/// A lobe that is much narrower than the pixels are wide.
+#[test]
+fn mean_under_a_narrow_lobe_is_todays_first_order() {
+    let panel = Panel {
+        front: Front::none(BINS),
+        top: diffuser(Lobe::KCorrelation { width: 1e-3 }, 0.0),
+        medium: Medium::new(vec![1.5; BINS].into()),
+        base: film(),
+        single_pass: false,
+    };
+    let errors = worst_of(&panel, (Cone::new(30.0, 20.0, 0.1, 1.0), &sources()[..3]), &[0.7], ACCURACY);
+    assert!(errors.iter().all(|error| *error < 1e-6), "{}", shown(&errors));
+}
+
+/// All orders: a Lambertian pixel under a diffuser and a front, and mirror-like ones where the front reflects nothing.
+#[test]
+fn mean_of_paper_under_a_diffuser_and_a_front_is_todays_reflectance_in_all_orders() {
+    for regular in [0.0, 0.3] {
+        let panel = Panel {
+            front: Front::exact(BINS, [(&[0.04, 0.05, 0.06][..], &[0.1; 3][..])]),
+            top: diffuser(Lobe::KCorrelation { width: 0.05667 }, regular),
+            medium: Medium::new(vec![1.5; BINS].into()),
+            base: paper(),
+            single_pass: false,
+        };
+        let errors = worst(&panel, Cone::new(20.0, 0.0, 0.0, 1.0), &[0.3, 0.7], ACCURACY);
+        assert!(errors.iter().all(|error| *error < 2e-6), "{errors:?}");
+    }
+}
+
+fn h78(width: f64) -> Top {
+    let lobe = Lobe::KCorrelation { width };
+    Top::Diffuser(Diffuser { lobe, transmittance: vec![1.0].into(), regular_fraction: 0.0 })
+}
+
+fn spread(panel: &Panel, view: Cone, source: &Source, glass_mm: f64, digits: f64) -> PanelSpread {
+    let accuracy = Accuracy { digits, most_per_mm: 10.0 };
+    PanelSpread::new(panel, &[glass_mm], &view, source, accuracy).unwrap()
+}
+
+/// H78 (b = 0.05667) over 0.5 mm of glass of index 1.5: the integral by another program.
+#[test]
+fn modulation_of_a_lobe_is_known() {
+    let panel = one_bin(h78(0.05667), mirror(1.0));
+    let beam = Source::Beam(Beta { x: 0.0, y: 0.0 });
+    for (source, expected) in [
+        (Source::Diffuse, [1.0, 0.939_069_3, 0.834_398_8, 0.586_456_5, 0.526_884_3, 0.324_349_2]),
+        (beam, [1.0, 0.996_48, 0.986_26, 0.922_89, 0.896_46, 0.754_55]),
+    ] {
+        let spread = spread(&panel, view(0.0), &source, 0.5, 12.0);
+        for axis in 0..2 {
+            let frequencies =
+                [0.0, 1.0, 2.0, 5.0, 5.9055, 10.0].map(|f| if axis == 0 { [f, 0.0] } else { [0.0, f] });
+            let found = spread.transfer(&panel, &frequencies);
+            for (value, expected) in found.iter().zip(expected) {
+                assert!((value / found[0] - expected).norm() < 1e-5, "{value} {expected}");
+            }
+        }
+    }
+}
+
+#[test]
+fn oblique_views_shift_the_image() {
+    let panel = one_bin(h78(0.05667), mirror(1.0));
+    for (theta, expected_um) in [(0.0, 0.0), (20.0, 117.09), (40.0, 237.14), (60.0, 353.55)] {
+        let spread = spread(&panel, view(theta), &Source::Diffuse, 0.5, 6.0);
+        assert!((1e3 * spread.own_mm()[0] - expected_um).abs() < 6e-3);
+    }
+}
+
+/// Paper of 0.6 under 1 mm of bare glass: patches, and the transfer of small signals.
+#[test]
+fn paper_under_glass_has_known_transfer() {
+    for (rho, patch) in [(0.6, 0.362_048), (0.03, 0.011_837)] {
+        let panel = one_bin(Top::Fresnel(vec![1.5].into()), super::common::lambertian(rho));
+        let spread = spread(&panel, view(0.0), &Source::Diffuse, 1.0, 14.0);
+        let found = found(&spread, &panel, 0.0);
+        assert!((found.re - patch).abs() < 1e-6, "{found}");
+        if rho == 0.6 {
+            for (f, expected) in [
+                (0.02, 0.9454),
+                (0.05, 0.8298),
+                (0.1, 0.7024),
+                (0.2, 0.6202),
+                (0.3, 0.6235),
+                (0.5, 0.6519),
+                (1.0, 0.6439),
+                (2.0, 0.6415),
+            ] {
+                let modulation = self::found(&spread, &panel, f) / found;
+                assert!((modulation - expected).norm() < 6e-5, "{f}: {modulation}");
+            }
+        }
+    }
+}
+
+fn found(spread: &PanelSpread, panel: &Panel, f: f64) -> rustfft::num_complex::Complex64 {
+    spread.transfer(panel, &[[f, 0.0]])[0]
+}
+
+/// A front at a distance adds halos; close to the face it is part of it.
+#[test]
+fn gap_of_the_front_moves_its_halo() {
+    let panel = Panel {
+        front: super::common::front(&[(0.1, 0.0)], false),
+        ..one_bin(Top::Fresnel(vec![1.5].into()), super::common::lambertian(0.6))
+    };
+    let accuracy = Accuracy { digits: 14.0, most_per_mm: 3.0 };
+    let new = |gap| PanelSpread::new(&panel, &[gap, 1.0], &view(0.0), &Source::Diffuse, accuracy).unwrap();
+    let (none, small, wide) = (new(0.0), new(1e-6), new(2.0));
+    for f in [0.0, 0.05, 0.3, 1.0] {
+        let [none, small, wide] = [&none, &small, &wide].map(|spread| spread.returned(f)[0]);
+        assert!((none - small).abs() < 1e-5, "{f}: {none} {small}");
+        if f == 0.0 {
+            assert!((none - wide).abs() < 1e-9, "{none} {wide}");
+        }
+        if f == 0.05 {
+            assert!((none - wide).abs() > 1e-2, "{none} {wide}");
+        }
+    }
+}
+
+/// A mirror under a bare face: ghosts at multiples of twice the shift.
+#[test]
+fn ghosts_of_a_mirror_have_a_closed_form() {
+    let (rho, theta) = (0.5, 40.0);
+    let panel = one_bin(Top::Fresnel(vec![1.5].into()), mirror(rho));
+    let spread = spread(&panel, view(theta), &Source::Diffuse, 0.5, 12.0);
+    let face = papilio_optics::interface::fresnel_reflectance(1.0, 1.5, 40.0_f64.to_radians().sin());
+    for f in [0.0, 0.7, 2.0] {
+        let turns =
+            rustfft::num_complex::Complex64::cis(-4.0 * std::f64::consts::PI * f * spread.own_mm()[0]);
+        let expected = (1.0 - face).powi(2) * rho / (1.0 - face * rho * turns);
+        assert!((found(&spread, &panel, f) - expected).norm() < 1e-12);
+    }
+}
+
+/// A narrow lobe has the closed forms of small angles; cells are parts of the whole.
+#[test]
+fn cells_of_a_narrow_lobe_have_closed_forms() {
+    let b = 2e-3;
+    let panel = one_bin(h78(b), mirror(1.0));
+    let spread = spread(&panel, view(0.0), &Source::Diffuse, 0.5, 14.0);
+    let c = b * 0.5 / 1.5;
+    let total = found(&spread, &panel, 0.0).re;
+    for cell_mm in [0.4 * c, 40.0 * c] {
+        let grid = Grid { count: [6, 5], cell_mm };
+        let kernel = spread.kernel(&panel, grid);
+        let sum: f64 = kernel.cells.iter().chain(&kernel.outside).sum();
+        assert!((sum - total).abs() < 1e-12);
+        for (k, value) in kernel.cells.iter().enumerate() {
+            let [x, y] = [(k % 6) as f64 - 3.0, (k / 6) as f64 - 2.5].map(|at| at * cell_mm);
+            let expected = closed::lobe_from_rectangle([x, x + cell_mm], [y, y + cell_mm], c);
+            // The edge of the hemisphere and the tangent change tails by about b.
+            assert!((value / total - expected).abs() < 2.0 * b * expected + 3e-6, "{k}: {value} {expected}");
+        }
+    }
+}
+
+/// The light of a square does not depend on how many cells it has, nor on the accuracy.
+#[test]
+fn squares_do_not_depend_on_their_cells() {
+    let beam = Source::Beam(Beta { x: 0.2, y: -0.1 });
+    for (source, theta) in [(Source::Diffuse, 0.0), (Source::Diffuse, 50.0), (beam, 15.0)] {
+        let panel = Panel { base: one_state_film(), ..one_bin(h78(0.05667), mirror(1.0)) };
+        let [coarse, fine] = [10.0, 15.0].map(|digits| spread(&panel, view(theta), &source, 0.5, digits));
+        let cells = coarse.kernel(&panel, Grid { count: [16, 16], cell_mm: 0.02 });
+        let single = fine.kernel(&panel, Grid { count: [1, 1], cell_mm: 0.32 });
+        let sum: f64 = cells.cells.iter().sum();
+        let total = found(&fine, &panel, 0.0).re;
+        assert!((sum - single.cells[0]).abs() < 1e-5 * total, "{theta}: {sum} {}", single.cells[0]);
+    }
+}
+
+fn one_state_film() -> Base {
+    let nodes = 33;
+    let basis: Vec<f64> = (0..nodes).map(|node| 0.5 + 0.3 * (0.15 * f64::from(node)).sin()).collect();
+    let table = AngularTable {
+        nodes: Nodes::Cosines(33),
+        basis: basis.into(),
+        mixture: vec![1.0],
+        common: vec![0.0],
+    };
+    Base { reflector: Reflector::Specular(table), inactive_absorptance: vec![0.0].into() }
+}
