@@ -3,7 +3,7 @@
 use std::io::Write;
 use std::path::Path;
 
-use papilio_display::spatial::{MtfResult, MtfView};
+use papilio_display::spatial::{MtfResult, MtfView, PatternKind};
 use papilio_formats::{MtfFile, write_file, write_json, write_kernel_npy, write_mtf_csv, write_spread_csv};
 
 use crate::arguments::SpatialCommand;
@@ -14,7 +14,7 @@ pub(crate) fn mtf(arguments: &SpatialCommand) -> Result<(), Failure> {
     let resolved = arguments.resolve()?;
     let folder = arguments.folder(&resolved.hash)?;
     let result = with_progress(&resolved, arguments.workers.threads, |control| {
-        papilio_display::spatial::mtf(&resolved.scene, control)
+        papilio_display::spatial::mtf(&resolved.scene, &resolved.patterns, control)
     })?;
     let result = result.ok_or(Failure::Interrupted("no file was written"))?;
     let file = MtfFile {
@@ -82,6 +82,7 @@ fn text(title: &str, result: &MtfResult) -> String {
         text += &format!("\nviewed at theta {} deg, phi {} deg\n", view.theta_deg, view.phi_deg);
         text += &report::table(&rows(view));
         text += &lines(view);
+        text += &text_and_patterns(view);
     }
     text + &format!("error of the modulation transfer: {:.1e}\n", result.error_reached)
 }
@@ -113,6 +114,35 @@ fn rows(view: &MtfView) -> Vec<Vec<String>> {
         ]);
     }
     rows
+}
+
+/// Contrast of text and means of patterns, as far as there are any.
+fn text_and_patterns(view: &MtfView) -> String {
+    let mut text = String::new();
+    if let (Some(least), Some(median)) = (view.text_contrast_min, view.text_contrast_median) {
+        text += &format!("  contrast of text: {least:.3} at least, {median:.3} median\n");
+    }
+    if let Some(n) = view.yule_nielsen_n {
+        text += &format!("  equivalent Yule-Nielsen n of fine patterns: {n:.3}\n");
+    }
+    if !view.patterns.is_empty() {
+        let mut rows =
+            vec![["pattern", "period (mm)", "mean Y", "mean Y via pixel"].map(str::to_owned).to_vec()];
+        for pattern in &view.patterns {
+            let kind = match pattern.kind {
+                PatternKind::Stripes => "stripes",
+                PatternKind::Checkerboard => "checkerboard",
+            };
+            rows.push(vec![
+                kind.to_owned(),
+                pattern.period_mm.to_string(),
+                format!("{:.5}", pattern.mean_Y),
+                format!("{:.5}", pattern.mean_Y_via_pixel),
+            ]);
+        }
+        text += &format!("\n{}", report::table(&rows));
+    }
+    text
 }
 
 /// Contrast of lines of 1, 2 and 4 pixels; empty without a matrix.

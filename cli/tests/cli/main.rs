@@ -17,6 +17,7 @@ mod first_steps;
 mod lab_files;
 mod many_points;
 mod migrate;
+mod mtf;
 mod new;
 mod optimize;
 mod pixel;

@@ -18,7 +18,7 @@ const APART: f64 = 60.0;
 const LABELS: f64 = 150.0;
 
 /// Side of the picture of a kernel, px, and its smallest value relative to the largest.
-const PICTURE: f64 = 420.0;
+const PICTURE: f64 = 455.0;
 const FAINTEST: f64 = 1e-5;
 
 /// Returns the figures of a result with the names of their files, without ending.
@@ -74,7 +74,11 @@ fn transfer(result: &MtfResult, view: &MtfView, title: &str) -> String {
         let nyquist = result.nyquist_per_mm.map(|nyquist| (nyquist[axis], "Nyquist"));
         for (at, name) in nyquist.into_iter().chain(result.eye_limit_per_mm.map(|limit| (limit, "eye"))) {
             if at < end {
-                mark(svg, &panel, at, name);
+                // Next to each other, the two names are on different sides.
+                let nyquist = result.nyquist_per_mm.map(|nyquist| nyquist[axis]);
+                let other = if name == "eye" { nyquist } else { result.eye_limit_per_mm };
+                let is_left = other.is_some_and(|other| at < other);
+                mark(svg, &panel, at, name, if is_left { Anchor::End } else { Anchor::Start });
             }
         }
         let mut labels = Vec::new();
@@ -92,10 +96,10 @@ fn transfer(result: &MtfResult, view: &MtfView, title: &str) -> String {
 }
 
 /// Vertical line with a name above the panel.
-fn mark(svg: &mut Svg, panel: &Panel, at: f64, name: &str) {
+fn mark(svg: &mut Svg, panel: &Panel, at: f64, name: &str, anchor: Anchor) {
     let x = panel.at(at, panel.y.min()).0;
     svg.line((x, panel.origin.1), (x, panel.bottom()), &Stroke::solid(SOFT, 1.4).dashed("4 3"));
-    svg.text((x, panel.origin.1 - 6.0), name, Text::new(11.0, "#777777").anchor(Anchor::Middle));
+    svg.text((x, panel.origin.1 - 6.0), name, Text::new(11.0, "#777777").anchor(anchor));
 }
 
 /// Profile of an edge, dark on the left, for each state along x and y.
@@ -122,13 +126,8 @@ fn edges(result: &MtfResult, view: &MtfView, title: &str) -> String {
                 continue;
             };
             let places = table.position_um.iter().zip(&table.edge_spread);
-            let inside: Vec<(f64, f64)> =
-                places.map(|(x, y)| (*x, *y)).filter(|(x, _)| x.abs() <= half).collect();
-            let mut points: Vec<Point> = inside.iter().map(|(x, y)| panel.at(*x, *y)).collect();
-            if let (Some(first), Some(last)) = (inside.first(), inside.last()) {
-                points.insert(0, panel.at(-half, first.1));
-                points.push(panel.at(half, last.1));
-            }
+            let all: Vec<(f64, f64)> = places.map(|(x, y)| (*x, *y)).collect();
+            let points: Vec<Point> = within(&all, half).into_iter().map(|(x, y)| panel.at(x, y)).collect();
             let stroke = state_stroke(name, number);
             svg.polyline(&points, &stroke);
             let end = points.last().copied().unwrap_or((f64::NAN, f64::NAN));
@@ -136,6 +135,19 @@ fn edges(result: &MtfResult, view: &MtfView, title: &str) -> String {
         }
         (panel, labels)
     })
+}
+
+/// Points of a line within `half` of 0, and where it leaves this range.
+fn within(points: &[(f64, f64)], half: f64) -> Vec<(f64, f64)> {
+    let mut inside = Vec::new();
+    for pair in points.windows(2) {
+        let ((x0, y0), (x1, y1)) = (pair[0], pair[1]);
+        let at = |x: f64| (x, y0 + (y1 - y0) * (x - x0) / (x1 - x0));
+        inside.extend((x0 < -half && x1 > -half).then(|| at(-half)));
+        inside.extend((x0.abs() <= half).then_some((x0, y0)));
+        inside.extend((x0 < half && x1 > half).then(|| at(half)));
+    }
+    inside
 }
 
 /// Kernel of a state on a logarithmic scale of colours, with bars of a round length and of a pixel.

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use papilio_diagnostics::Diagnostic;
 use papilio_display::DisplayError;
 use papilio_display::scene::Scene;
-use papilio_display::spatial::Antiglare;
+use papilio_display::spatial::{Antiglare, Patterns};
 use papilio_formats::DataFile;
 use serde_json::{Map, Value, json};
 
@@ -50,6 +50,8 @@ struct Written {
 pub struct Resolved {
     /// The scene: all numbers of the computation.
     pub scene: Scene,
+    /// Patterns and text of `[pattern]`, for `papilio mtf`.
+    pub patterns: Patterns,
     /// The antiglare face of [`papilio_display::spatial::sparkle`], if it is described.
     pub sparkle: Option<Antiglare>,
     /// Title of the scenario.
@@ -142,7 +144,7 @@ impl Scenario {
     /// # Errors
     /// All keys that do not fit together, each with its place, and mistakes in data files, with line and column of the file.
     pub fn resolve(&self) -> Result<Resolved, ScenarioErrors> {
-        let Found { scene, sparkle, warnings, notes, inputs } =
+        let Found { scene, patterns, sparkle, warnings, notes, inputs } =
             resolve::resolve(&self.file, &self.library, &self.written.sources)?;
         let mut canonical = serde_json::to_value(&self.file).unwrap_or_default();
         if let Value::Object(keys) = &mut canonical {
@@ -153,6 +155,7 @@ impl Scenario {
         let hash = sha256(canonical.to_string().as_bytes());
         Ok(Resolved {
             scene,
+            patterns,
             sparkle,
             title: self.file.title.as_ref().map(|title| title.0.clone()),
             warnings: [self.warnings.clone(), warnings].concat(),

@@ -20,6 +20,7 @@ mod ghosts;
 mod lobe;
 mod mtf;
 mod paper;
+mod patterns;
 mod profile;
 mod response;
 mod result;
@@ -27,6 +28,7 @@ mod sparkle;
 pub mod walk;
 
 pub use mtf::mtf;
+pub use patterns::{PatternKind, PatternMean, Patterns};
 use response::{Level, Response, Seen};
 pub use result::{Curves, Kernel, LineContrast, MtfResult, MtfState, MtfView, SpatialScalars, SpreadTable};
 pub use sparkle::{Antiglare, SparkleMap, SparkleResult, SparkleRow, sparkle};

@@ -7,9 +7,13 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use num_complex::Complex64;
 use papilio_colour::reader::{contrast_sensitivity, square_root_integral};
 
+use super::patterns::{self, Pattern};
 use super::profile::{crossing, cumulative, density, interpolated, places};
 use super::response::responses;
-use super::{Curves, Kernel, Level, MtfResult, MtfState, MtfView, Seen, SpatialScalars, SpreadTable};
+use super::{
+    Curves, Kernel, Level, MtfResult, MtfState, MtfView, PatternKind, PatternMean, Patterns, Seen,
+    SpatialScalars, SpreadTable,
+};
 use crate::DisplayError;
 use crate::meter::Meter;
 use crate::metrics::LineContrast;
@@ -24,18 +28,20 @@ const DIGITS: [f64; 2] = [8.0, 11.0];
 /// Lowest frequency, cycles per mm.
 const LOWEST_PER_MM: f64 = 0.01;
 
-/// Preferred numbers of a decade (ISO 3, R 40).
-const PREFERRED: [f64; 40] = [
-    1.0, 1.06, 1.12, 1.18, 1.25, 1.32, 1.4, 1.5, 1.6, 1.7, 1.8, 1.9, 2.0, 2.12, 2.24, 2.36, 2.5, 2.65, 2.8,
-    3.0, 3.15, 3.35, 3.55, 3.75, 4.0, 4.25, 4.5, 4.75, 5.0, 5.3, 5.6, 6.0, 6.3, 6.7, 7.1, 7.5, 8.0, 8.5, 9.0,
-    9.5,
+/// Preferred numbers of a decade (ISO 3, R 20), and whole numbers.
+const PREFERRED: [f64; 23] = [
+    1.0, 1.12, 1.25, 1.4, 1.6, 1.8, 2.0, 2.24, 2.5, 2.8, 3.0, 3.15, 3.55, 4.0, 4.5, 5.0, 5.6, 6.0, 6.3, 7.0,
+    7.1, 8.0, 9.0,
 ];
+
+/// Number of uniform steps, besides the preferred numbers.
+const UNIFORM: u32 = 24;
 
 /// Without a matrix, frequencies end here, cycles per degree.
 const EYE_CYCLES_PER_DEGREE: f64 = 60.0;
 
 /// `f50` is searched up to this multiple of the highest frequency.
-const SEARCHED: f64 = 16.0;
+const SEARCHED: f64 = 8.0;
 
 /// Extent of tables of places, in thicknesses.
 const EXTENT: f64 = 20.0;
@@ -56,9 +62,9 @@ const LINES: [f64; 3] = [1.0, 2.0, 4.0];
 ///
 /// # Errors
 /// If the scene is invalid, a length is missing, its kind of display or light is not covered, or the computation was stopped.
-pub fn mtf(scene: &Scene, control: &Control<'_>) -> Result<MtfResult, DisplayError> {
+pub fn mtf(scene: &Scene, patterns: &Patterns, control: &Control<'_>) -> Result<MtfResult, DisplayError> {
     let setup = Setup::new(scene)?;
-    let frame = Frame::new(&setup)?;
+    let frame = Frame::new(&setup, patterns)?;
     let mut workers = None;
     let pool =
         if setup.views.len() == 1 { None } else { Workers::unless_one(&mut workers, control.threads)? };
@@ -88,6 +94,7 @@ pub fn mtf(scene: &Scene, control: &Control<'_>) -> Result<MtfResult, DisplayErr
         nyquist_per_mm: frame.nyquist_per_mm,
         eye_limit_per_mm: frame.eye_limit_per_mm,
         error_reached,
+        patterns: views.iter().flat_map(|view| view.patterns.iter().copied()).collect(),
         views,
         warnings: Vec::new(),
     })
@@ -107,6 +114,7 @@ fn report(control: &Control<'_>, done: usize, all: usize) {
 /// What all views have in common.
 struct Frame<'a> {
     setup: &'a Setup,
+    patterns: &'a Patterns,
     thickness_mm: f64,
     pitch_mm: Option<[f64; 2]>,
     nyquist_per_mm: Option<[f64; 2]>,
@@ -135,11 +143,16 @@ struct Measured {
     /// `[state][light]`, the last light being all.
     lights: Vec<Vec<Light>>,
     line_contrast: [LineContrast; 2],
+    /// Smallest and median contrast of text.
+    text_contrast: [Option<[f64; 2]>; 2],
+    /// Mean of each pattern by way of the pixel.
+    patterns: Vec<f64>,
+    from_faces: f64,
     seen: Vec<Seen>,
 }
 
 impl<'a> Frame<'a> {
-    fn new(setup: &'a Setup) -> Result<Self, DisplayError> {
+    fn new(setup: &'a Setup, patterns: &'a Patterns) -> Result<Self, DisplayError> {
         let scene = &setup.scene;
         let lengths = scene.display.lengths_mm()?;
         let pitch_mm = scene.display.matrix.as_ref().map(|matrix| matrix.pitch_mm);
@@ -150,6 +163,8 @@ impl<'a> Frame<'a> {
             .map_or(EYE_CYCLES_PER_DEGREE / mm_per_degree, |nyquist| 2.0 * nyquist[0].max(nyquist[1]));
         let mut frequencies = vec![0.0, highest];
         frequencies.extend(nyquist_per_mm.into_iter().flatten());
+        // Images of a lamp make the curve swing: as many points as a figure needs.
+        frequencies.extend((1..UNIFORM).map(|k| highest * f64::from(k) / f64::from(UNIFORM)));
         let decades = LOWEST_PER_MM.log10() as i32..=highest.log10().ceil() as i32;
         let all = decades.flat_map(|decade| PREFERRED.map(|number| number * 10.0_f64.powi(decade)));
         frequencies.extend(all.filter(|f| *f < highest * (1.0 - 1e-9)));
@@ -157,6 +172,7 @@ impl<'a> Frame<'a> {
         frequencies.dedup_by(|a, b| (*a - *b).abs() <= 1e-9 * *b);
         Ok(Self {
             setup,
+            patterns,
             thickness_mm: lengths.last().copied().unwrap_or_default(),
             pitch_mm,
             nyquist_per_mm,
@@ -177,7 +193,11 @@ impl<'a> Frame<'a> {
         let (seen, _) = responses(self.setup, view, draft)?;
         let widths = seen.iter().flat_map(|seen| seen.response.peaks()).map(|peak| peak.width_mm);
         let sharpest = widths.fold(f64::INFINITY, f64::min);
-        let most_per_mm = (0.45 / sharpest).clamp(self.highest(), SEARCHED * self.highest());
+        // Half of the modulation is lost between 0.11 (diffuse light) and 0.4 cycles (the mirror image of a beam) in a width.
+        let [first, last] = [0.1, 0.45].map(|cycles| cycles / sharpest);
+        let searched = SEARCHED * self.highest();
+        let most_per_mm =
+            if first > searched { self.highest() } else { last.clamp(self.highest(), searched) };
         let at = |digits: f64| self.measure(view, Level { digits, most_per_mm });
         let (coarse, fine) = (at(DIGITS[0])?, at(DIGITS[1])?);
         let states = self.setup.states.iter().enumerate();
@@ -193,6 +213,15 @@ impl<'a> Frame<'a> {
             line_contrast: fine.line_contrast[0],
             line_contrast_via_pixel: fine.line_contrast[1],
             line_contrast_error: error,
+            text_contrast_min: fine.text_contrast[0].map(|[least, _]| least),
+            text_contrast_median: fine.text_contrast[0].map(|[_, median]| median),
+            text_contrast_min_via_pixel: fine.text_contrast[1].map(|[least, _]| least),
+            text_contrast_median_via_pixel: fine.text_contrast[1].map(|[_, median]| median),
+            text_contrast_error: fine.text_contrast[0]
+                .zip(coarse.text_contrast[0])
+                .map(|(fine, coarse)| [0, 1].map(|k| (fine[k] - coarse[k]).abs())),
+            yule_nielsen_n: self.yule_nielsen(&fine, Level { digits: DIGITS[1], most_per_mm }),
+            patterns: self.pattern_means(view, &coarse, &fine),
         })
     }
 
@@ -200,7 +229,7 @@ impl<'a> Frame<'a> {
         let (seen, from_faces) = responses(self.setup, view, level)?;
         let mut frequencies = self.frequencies.clone();
         while let Some(last) = frequencies.last().filter(|last| **last < level.most_per_mm) {
-            frequencies.push(last * 1.06);
+            frequencies.push(last * 1.12);
         }
         frequencies.truncate(frequencies.partition_point(|f| *f <= level.most_per_mm));
         let extent = EXTENT * self.thickness_mm;
@@ -246,9 +275,15 @@ impl<'a> Frame<'a> {
             radii,
             lights,
             line_contrast: [LineContrast::default(); 2],
+            text_contrast: [None; 2],
+            patterns: Vec::new(),
+            from_faces,
             seen,
         };
         measured.line_contrast = [from_faces, 0.0].map(|faces| self.line_contrast(&measured, level, faces));
+        measured.text_contrast = self.text_contrast(&measured, level);
+        measured.patterns =
+            self.patterns().iter().map(|pattern| patterns::mean(&measured.seen, *pattern, level)).collect();
         Ok(measured)
     }
 
@@ -258,10 +293,71 @@ impl<'a> Frame<'a> {
         pitch.into_iter().flat_map(|pitch| LINES.map(|pixels| pixels * pitch))
     }
 
+    fn number(&self, state: &str) -> Option<usize> {
+        self.setup.states.iter().position(|name| name == state)
+    }
+
+    /// The patterns of the scene; none if it has not their states.
+    fn patterns(&self) -> Vec<Pattern> {
+        let states = [&self.patterns.on, &self.patterns.off].map(|state| self.number(state));
+        let [Some(on), Some(off)] = states else { return Vec::new() };
+        let all = self.patterns.kinds.iter().flat_map(|kind| {
+            self.patterns.period_mm.iter().map(move |period| Pattern {
+                kind: *kind,
+                period_mm: *period,
+                states: [on, off],
+            })
+        });
+        all.collect()
+    }
+
+    /// Smallest and median contrast of the strokes of text, with the images of the room in flat faces and without.
+    fn text_contrast(&self, measured: &Measured, level: Level) -> [Option<[f64; 2]>; 2] {
+        let (Some(pitch), Some(white), Some(black)) =
+            (self.pitch_mm, self.number("white"), self.number("black"))
+        else {
+            return [None; 2];
+        };
+        let text = &self.patterns.text;
+        let bitmap = patterns::bitmap(&self.setup.scene, text, pitch, self.thickness_mm);
+        let Some(bitmap) = bitmap else { return [None; 2] };
+        let strokes = patterns::strokes(&measured.seen, &bitmap, pitch, [black, white], level);
+        [measured.from_faces, 0.0].map(|faces| {
+            let page = measured.y(white) + faces;
+            let contrast = |stroke: &f64| (page - stroke - faces) / (page + stroke + faces);
+            let mut all: Vec<f64> = strokes.iter().map(contrast).collect();
+            all.sort_by(f64::total_cmp);
+            Some([*all.first()?, all[all.len() / 2]])
+        })
+    }
+
+    fn pattern_means(&self, view: &ViewPoint, coarse: &Measured, fine: &Measured) -> Vec<PatternMean> {
+        let pairs = fine.patterns.iter().zip(&coarse.patterns);
+        let all = self.patterns().into_iter().zip(pairs);
+        let one = |(pattern, (fine_mean, coarse_mean)): (Pattern, (&f64, &f64))| PatternMean {
+            theta_deg: view.theta_deg,
+            phi_deg: view.phi_deg,
+            kind: pattern.kind,
+            period_mm: pattern.period_mm,
+            mean_Y: fine_mean + fine.from_faces,
+            mean_Y_via_pixel: *fine_mean,
+            error: (fine_mean - coarse_mean).abs(),
+        };
+        all.map(one).collect()
+    }
+
+    /// Equivalent exponent of the limit of fine patterns.
+    fn yule_nielsen(&self, fine: &Measured, level: Level) -> Option<f64> {
+        let states = [self.number("white")?, self.number("black")?];
+        let pattern = Pattern { kind: PatternKind::Stripes, period_mm: 0.0, states };
+        patterns::yule_nielsen(states.map(|state| fine.y(state)), patterns::mean(&fine.seen, pattern, level))
+    }
+
     fn line_contrast(&self, measured: &Measured, level: Level, from_faces: f64) -> LineContrast {
         let mut contrast = LineContrast::default();
-        let state = |name: &str| self.setup.states.iter().position(|state| state == name);
-        let (Some(white), Some(black)) = (state("white"), state("black")) else { return contrast };
+        let (Some(white), Some(black)) = (self.number("white"), self.number("black")) else {
+            return contrast;
+        };
         let mut found = Vec::new();
         for axis in [0, 1] {
             for (line, surround) in [(white, black), (black, white)] {
@@ -373,7 +469,7 @@ impl<'a> Frame<'a> {
     fn with_kernels(&self, mut states: Vec<(String, MtfState)>, fine: &Measured) -> Vec<(String, MtfState)> {
         let pixels = self.pitch_mm.map_or(0.0, |pitch| 2.0 * pitch[0].max(pitch[1]));
         let r90 = states.iter().filter_map(|(_, state)| state.scalars.r90_um);
-        let mut half = r90.map(|radius| 1e-3 * radius).fold(pixels, f64::max);
+        let mut half = r90.map(|radius| 1.2e-3 * radius).fold(pixels, f64::max);
         if half <= 0.0 {
             half = self.thickness_mm;
         }

@@ -10,9 +10,11 @@
 use std::f64::consts::PI;
 
 use num_complex::Complex64;
+use papilio_imaging::text::Bitmap;
 use papilio_transport::Panel;
 use papilio_transport::spatial::{Cells, FaceReturn, Peak, Recycling};
 
+use super::patterns::{Pattern, PatternKind};
 use super::response::face_reflectance;
 use super::{Level, Response};
 
@@ -169,6 +171,73 @@ impl Paper {
     }
 }
 
+impl Paper {
+    /// Light of a pattern of two states through all orders, reduced to some numbers. `is_first`: cells in the first state.
+    fn solved<N>(
+        &self,
+        cells: Cells,
+        states: [usize; 2],
+        is_first: &[bool],
+        reduced: impl Fn(&[f64]) -> N,
+    ) -> N
+    where
+        N: AsMut<[f64]>,
+    {
+        let mut sum: Option<N> = None;
+        for (face, bins) in &self.faces {
+            let recycling = Recycling::new(cells, face);
+            let zero = face.at(0.0);
+            // Wavelengths with the same reflectances are solved once.
+            let mut known: Vec<([f64; 2], Vec<usize>)> = Vec::new();
+            for bin in bins {
+                let pair = states.map(|state| self.reflectance[state * self.bins + bin]);
+                match known.iter_mut().find(|(other, _)| *other == pair) {
+                    Some((_, bins)) => bins.push(*bin),
+                    None => known.push((pair, vec![*bin])),
+                }
+            }
+            for (pair, bins) in known {
+                let rho: Vec<f64> = is_first.iter().map(|first| pair[usize::from(!first)]).collect();
+                let irradiance = recycling.irradiance(&rho, TOLERANCE);
+                // Light of each state per its irradiance: that of a page of it has 1/(1 - rho A(0)).
+                let [first, second] = [0, 1].map(|k| {
+                    let page: f64 = bins.iter().map(|bin| self.light[states[k] * self.bins + bin]).sum();
+                    page * (1.0 - pair[k] * zero)
+                });
+                let lights = irradiance.iter().zip(is_first);
+                let lights: Vec<f64> =
+                    lights.map(|(e, is_first)| e * if *is_first { first } else { second }).collect();
+                let mut found = reduced(&lights);
+                match &mut sum {
+                    None => sum = Some(found),
+                    Some(sum) => {
+                        let pairs = sum.as_mut().iter_mut().zip(found.as_mut());
+                        pairs.for_each(|(sum, more)| *sum += *more);
+                    }
+                }
+            }
+        }
+        sum.unwrap_or_else(|| reduced(&vec![0.0; is_first.len()]))
+    }
+
+    /// Mean of two states in a pattern that is much finer than the thickness: its mean reflectance returns light (Clapper, Yule).
+    fn fine_mean(&self, states: [usize; 2]) -> f64 {
+        let mut sum = 0.0;
+        for (face, bins) in &self.faces {
+            let zero = face.at(0.0);
+            for bin in bins {
+                let rho = states.map(|state| self.reflectance[state * self.bins + bin]);
+                let mean = 0.5 * (rho[0] + rho[1]);
+                for (state, rho) in states.into_iter().zip(rho) {
+                    let light = self.light[state * self.bins + bin];
+                    sum += 0.5 * light * (1.0 - rho * zero) / (1.0 - mean * zero);
+                }
+            }
+        }
+        sum
+    }
+}
+
 impl Response for Paper {
     fn transfer(&self, [fx, fy]: [f64; 2]) -> Vec<Complex64> {
         self.at(fx.hypot(fy)).into_iter().map(Complex64::from).collect()
@@ -212,34 +281,61 @@ impl Response for Paper {
         (0..self.states()).map(of_state).collect()
     }
 
-    fn line(&self, [line, surround]: [usize; 2], width_mm: f64, level: Level) -> Option<f64> {
-        let parts = if level.digits > 10.0 { 5 } else { 3 };
+    fn line(&self, states: [usize; 2], width_mm: f64, level: Level) -> Option<f64> {
+        let parts = if level.is_fine() { 5 } else { 3 };
         let cell = width_mm / parts as f64;
         let count = (LINE_PERIOD * self.thickness_mm / cell).max(16.0 * parts as f64) as usize;
         let count = count.next_power_of_two();
         let cells = Cells { count: [count, 1], period_mm: [count as f64 * cell, 1.0] };
-        let mut sum = 0.0;
-        for (face, bins) in &self.faces {
-            let recycling = Recycling::new(cells, face);
-            let zero = face.at(0.0);
-            // Wavelengths with the same reflectances are solved once.
-            let mut known: Vec<([f64; 2], f64)> = Vec::new();
-            for bin in bins {
-                let pair = [line, surround].map(|state| self.reflectance[state * self.bins + bin]);
-                let lit = match known.iter().find(|(other, _)| *other == pair) {
-                    Some((_, lit)) => *lit,
-                    None => {
-                        let mut rho = vec![pair[1]; count];
-                        rho[..parts].fill(pair[0]);
-                        let lit = recycling.irradiance(&rho, TOLERANCE)[parts / 2];
-                        known.push((pair, lit));
-                        lit
-                    }
-                };
-                sum += self.light[line * self.bins + bin] * lit * (1.0 - pair[0] * zero);
-            }
+        let mut is_line = vec![false; count];
+        is_line[..parts].fill(true);
+        let [middle] = self.solved(cells, states, &is_line, |light| [light[parts / 2]]);
+        Some(middle)
+    }
+
+    fn pattern_mean(&self, pattern: Pattern, level: Level) -> Option<f64> {
+        let Pattern { kind, period_mm, states } = pattern;
+        if period_mm == 0.0 {
+            return Some(self.fine_mean(states));
         }
-        Some(sum)
+        let widest = match (kind, level.is_fine()) {
+            (PatternKind::Stripes, true) => 0.05,
+            (PatternKind::Stripes, false) => 0.1,
+            (PatternKind::Checkerboard, true) => 0.15,
+            (PatternKind::Checkerboard, false) => 0.3,
+        };
+        let half = (0.5 * period_mm / (widest * self.thickness_mm)).ceil().clamp(4.0, 4096.0) as usize;
+        let rows = if kind == PatternKind::Stripes { 1 } else { 2 * half };
+        let cells = Cells { count: [2 * half, rows], period_mm: [period_mm; 2] };
+        let is_on = (0..cells.len()).map(|cell| (cell % (2 * half) < half) == (cell / (2 * half) < half));
+        let is_on: Vec<bool> = is_on.collect();
+        let mean = |light: &[f64]| [light.iter().sum::<f64>() / light.len() as f64];
+        Some(self.solved(cells, states, &is_on, mean)[0])
+    }
+
+    fn text(
+        &self,
+        bitmap: &Bitmap,
+        pitch_mm: [f64; 2],
+        states: [usize; 2],
+        level: Level,
+    ) -> Option<Vec<f64>> {
+        let widest = if level.is_fine() { 0.17 } else { 0.4 } * self.thickness_mm;
+        // An odd number of cells: one is in the middle of each pixel.
+        let parts = pitch_mm.map(|pitch| (pitch / widest).ceil() as usize | 1);
+        let [columns, rows] = [0, 1].map(|axis| bitmap.count[axis] * parts[axis]);
+        let period_mm = [0, 1].map(|axis| bitmap.count[axis] as f64 * pitch_mm[axis]);
+        let pixel = |cell: usize| cell / columns / parts[1] * bitmap.count[0] + cell % columns / parts[0];
+        let is_black: Vec<bool> = (0..columns * rows).map(|cell| bitmap.black[pixel(cell)]).collect();
+        let cells = Cells { count: [columns, rows], period_mm };
+        let middle = |pixel: usize| {
+            let (column, row) = (pixel % bitmap.count[0], pixel / bitmap.count[0]);
+            (row * parts[1] + parts[1] / 2) * columns + column * parts[0] + parts[0] / 2
+        };
+        let middles = |light: &[f64]| -> Vec<f64> {
+            (0..bitmap.black.len()).map(|pixel| light[middle(pixel)]).collect()
+        };
+        Some(self.solved(cells, states, &is_black, middles))
     }
 
     fn images(&self) -> Vec<[f64; 2]> {

@@ -1,10 +1,12 @@
 //! What a view sees of each light, by frequency and by place.
 
 use num_complex::Complex64;
+use papilio_imaging::text::Bitmap;
 use papilio_transport::adding::Kernel;
 use papilio_transport::spatial::Peak;
 use papilio_transport::{Panel, Source, Stack, Top};
 
+use super::patterns::Pattern;
 use super::{ghosts, lobe, paper};
 use crate::DisplayError;
 use crate::meter::Meter;
@@ -18,6 +20,13 @@ pub(crate) struct Level {
     pub(crate) digits: f64,
     /// Highest spatial frequency that will be asked, cycles per mm.
     pub(crate) most_per_mm: f64,
+}
+
+impl Level {
+    /// True for the finer level of a result.
+    pub(crate) fn is_fine(self) -> bool {
+        self.digits > 10.0
+    }
 }
 
 /// Light that a view sees by way of the pixel in each state, from one source. All values are parts of Y.
@@ -37,6 +46,22 @@ pub(crate) trait Response: Sync {
 
     /// Light of the middle of a line of the first state on the second, through all orders; `None` if the spread describes it.
     fn line(&self, _states: [usize; 2], _width_mm: f64, _level: Level) -> Option<f64> {
+        None
+    }
+
+    /// Mean of a pattern through all orders; `None` if it is that of the states.
+    fn pattern_mean(&self, _pattern: Pattern, _level: Level) -> Option<f64> {
+        None
+    }
+
+    /// Light of the middle of each pixel of black on white text, through all orders; `None` if the spread describes it.
+    fn text(
+        &self,
+        _bitmap: &Bitmap,
+        _pitch_mm: [f64; 2],
+        _black_and_white: [usize; 2],
+        _level: Level,
+    ) -> Option<Vec<f64>> {
         None
     }
 
@@ -70,7 +95,7 @@ pub(crate) fn responses(
     }
     let thickness_mm = lengths.last().copied().unwrap_or_default();
     let stop = std::sync::atomic::AtomicBool::new(false);
-    let mut kernel = Kernel::new(if level.digits > 10.0 { 4 } else { 3 });
+    let mut kernel = Kernel::new(if level.is_fine() { 4 } else { 3 });
     let fields = [view.field];
     let _ready = kernel.prepare_unless(&setup.stack, &fields, &setup.sources, &stop);
     let factors = kernel.seen(&setup.stack, 0);

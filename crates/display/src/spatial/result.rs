@@ -3,6 +3,7 @@
 use schemars::JsonSchema;
 use serde::Serialize;
 
+use super::PatternMean;
 pub use crate::metrics::{LineContrast, SpatialScalars};
 use crate::result::Named;
 
@@ -23,6 +24,8 @@ pub struct MtfResult {
     pub error_reached: f64,
     /// One entry for each view, with theta varying fastest.
     pub views: Vec<MtfView>,
+    /// Patterns of all views.
+    pub patterns: Vec<PatternMean>,
     /// Warnings for the user.
     pub warnings: Vec<String>,
 }
@@ -43,6 +46,22 @@ pub struct MtfView {
     pub line_contrast_via_pixel: LineContrast,
     /// Errors of `line_contrast`.
     pub line_contrast_error: LineContrast,
+    /// Smallest contrast of the middles of strokes of black text with the white page, (L_white - L)/(L_white + L); null without a matrix,
+    /// white or black, and if the font has no such letters.
+    pub text_contrast_min: Option<f64>,
+    /// Median of the contrasts of the middles of strokes.
+    pub text_contrast_median: Option<f64>,
+    /// The smallest without the images of the room in flat faces.
+    pub text_contrast_min_via_pixel: Option<f64>,
+    /// The median without them.
+    pub text_contrast_median_via_pixel: Option<f64>,
+    /// Errors of `text_contrast_min` and `text_contrast_median`.
+    pub text_contrast_error: Option<[f64; 2]>,
+    /// Exponent n of Yule and Nielsen that has the mean of fine patterns, half white and half black, by way of the pixel; 1 without
+    /// recycled light. A report only: it is no model.
+    pub yule_nielsen_n: Option<f64>,
+    /// Patterns of `[pattern]` in this view.
+    pub patterns: Vec<PatternMean>,
 }
 
 /// Sharpness of a state in one view, in all light.

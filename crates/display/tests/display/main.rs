@@ -17,6 +17,7 @@ mod front_light;
 mod honest_errors;
 mod levels_that_agree;
 mod lights;
+mod mtf;
 mod placed;
 mod prepared;
 mod viewing_cone;

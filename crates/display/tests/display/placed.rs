@@ -61,7 +61,7 @@ fn transfer_by_paths_equals_that_of_the_deterministic_solver() {
     {
         let resolved = scenario(name, &overrides).unwrap();
         let stop = AtomicBool::new(false);
-        let exact = mtf(&resolved.scene, &control(&stop)).unwrap();
+        let exact = mtf(&resolved.scene, &resolved.patterns, &control(&stop)).unwrap();
         let wanted = [0.5, 2.0, 5.0].map(|f| {
             let distance = |k: &usize| (exact.frequency_per_mm[*k] - f).abs();
             (0..exact.frequency_per_mm.len()).min_by(|a, b| distance(a).total_cmp(&distance(b))).unwrap()

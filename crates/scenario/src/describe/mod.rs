@@ -13,6 +13,7 @@ pub(crate) mod measure;
 pub(crate) mod metrics;
 pub(crate) mod numbers;
 pub(crate) mod optimize;
+pub(crate) mod pattern;
 pub(crate) mod pixel;
 pub(crate) mod solver;
 pub(crate) mod sparkle;
@@ -52,6 +53,8 @@ table! {
         solver: solver::Solver,
         /// A virtual imaging sphere that measures the diffuser, for `papilio diffuser measure` only.
         measure: Option<measure::Measure>,
+        /// Patterns of two states, and text, for `papilio mtf` only.
+        pattern: Option<pattern::Pattern>,
         /// An antiglare face, for `papilio sparkle` only.
         sparkle: Option<sparkle::Sparkle>,
         /// Keys that vary over given values, for `papilio sweep` only.

@@ -14,6 +14,7 @@ mod matrix;
 mod measure;
 mod measured;
 mod panel;
+mod pattern;
 mod pixel;
 mod reflection;
 mod sampling;
@@ -31,7 +32,7 @@ use std::collections::BTreeMap;
 use papilio_diagnostics::Diagnostic;
 use papilio_display::pixel::state_names;
 use papilio_display::scene::{self, Scene, Strategy};
-use papilio_display::spatial::Antiglare;
+use papilio_display::spatial::{Antiglare, Patterns};
 use papilio_spectra::Grid;
 
 use crate::describe::solver::{self, Solver};
@@ -63,6 +64,7 @@ const FEWEST_PATHS: u64 = 32;
 /// A scene, with its warnings, notes and input files.
 pub(crate) struct Found {
     pub(crate) scene: Scene,
+    pub(crate) patterns: Patterns,
     /// The antiglare face, if it is described.
     pub(crate) sparkle: Option<Antiglare>,
     pub(crate) warnings: Vec<String>,
@@ -96,9 +98,10 @@ struct Resolver<'a> {
 pub(crate) fn resolve(file: &File, library: &Library, sources: &Sources) -> Result<Found, ScenarioErrors> {
     let mut resolver = Resolver::new(file, library, sources)?;
     let scene = resolver.scene(file);
+    let patterns = scene.as_ref().map(|scene| resolver.patterns(file, scene)).unwrap_or_default();
     let sparkle = scene.as_ref().and_then(|scene| resolver.sparkle(file, scene));
     let Resolver { errors, warnings, notes, inputs, .. } = resolver;
-    Ok(Found { scene: errors.finish(scene, sources)?, sparkle, warnings, notes, inputs })
+    Ok(Found { scene: errors.finish(scene, sources)?, patterns, sparkle, warnings, notes, inputs })
 }
 
 impl<'a> Resolver<'a> {

@@ -1,0 +1,186 @@
+//! Patterns of two states and text: means over a period, contrast of strokes.
+
+use papilio_imaging::text::{Bitmap, Font, Setting};
+use schemars::JsonSchema;
+use serde::Serialize;
+
+use super::{Level, Seen};
+use crate::readability::Reader;
+use crate::scene::Scene;
+
+/// Height of the lower-case x of the bundled font over its em.
+const X_HEIGHT: f64 = 1082.0 / 2048.0;
+
+/// Margin around text, in thicknesses: as far as most of the light that the face returns.
+const MARGIN: f64 = 6.0;
+
+/// Pixels on each side of a stroke whose light a kernel adds.
+const NEIGHBOURS: i64 = 24;
+
+/// Patterns and text whose contrast is computed.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Patterns {
+    /// Kinds of patterns.
+    pub kinds: Vec<PatternKind>,
+    /// State of one half of the area.
+    pub on: String,
+    /// State of the other half.
+    pub off: String,
+    /// Periods, mm.
+    pub period_mm: Vec<f64>,
+    /// Text of black on white pixels.
+    pub text: String,
+}
+
+impl Default for Patterns {
+    fn default() -> Self {
+        Self {
+            kinds: Vec::new(),
+            on: "white".to_owned(),
+            off: "black".to_owned(),
+            period_mm: Vec::new(),
+            text: "Papilio".to_owned(),
+        }
+    }
+}
+
+/// Kind of a pattern; half of its area is in either state.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub enum PatternKind {
+    /// Stripes along y; they repeat along x.
+    Stripes,
+    /// Squares with sides of half a period.
+    Checkerboard,
+}
+
+/// Mean over a period of a pattern.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, JsonSchema)]
+#[allow(non_snake_case, reason = "the letters of the field's own symbols")]
+pub struct PatternMean {
+    /// Inclination of the view, degrees.
+    pub theta_deg: f64,
+    /// Azimuth of the view, degrees.
+    pub phi_deg: f64,
+    /// The pattern.
+    pub kind: PatternKind,
+    /// Its period, mm.
+    pub period_mm: f64,
+    /// Mean Y.
+    pub mean_Y: f64,
+    /// The same without the images of the room in flat faces.
+    pub mean_Y_via_pixel: f64,
+    /// Error of both.
+    pub error: f64,
+}
+
+/// A pattern of two states.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Pattern {
+    pub(crate) kind: PatternKind,
+    /// Period, mm; 0: the limit of fine patterns.
+    pub(crate) period_mm: f64,
+    /// Indices of the two states.
+    pub(crate) states: [usize; 2],
+}
+
+/// Mean Y of a pattern by way of the pixel. To first order it is that of its states.
+pub(super) fn mean(seen: &[Seen], pattern: Pattern, level: Level) -> f64 {
+    let of_light = |seen: &Seen| {
+        seen.response.pattern_mean(pattern, level).unwrap_or_else(|| {
+            let y = seen.response.transfer([0.0; 2]);
+            pattern.states.iter().map(|state| 0.5 * y[*state].re).sum()
+        })
+    };
+    seen.iter().map(of_light).sum()
+}
+
+/// Exponent n of Yule and Nielsen for which `(mean of Y^(1/n))^n` of two equal areas is the mean of a pattern. 1 for a mean that is
+/// that of its states; `None` if there is none from 1 to 100.
+pub(super) fn yule_nielsen(states: [f64; 2], mean: f64) -> Option<f64> {
+    let of = |n: f64| states.iter().map(|y| 0.5 * y.max(0.0).powf(1.0 / n)).sum::<f64>().powf(n);
+    let (mut low, mut high) = (1.0, 100.0);
+    if !(mean <= of(low) * (1.0 + 1e-9) && mean >= of(high)) {
+        return None;
+    }
+    for _ in 0..60 {
+        let middle = 0.5 * (low + high);
+        if of(middle) > mean { low = middle } else { high = middle }
+    }
+    Some(0.5 * (low + high))
+}
+
+/// Text on the pixels of a matrix.
+pub(super) fn bitmap(scene: &Scene, text: &str, pitch_mm: [f64; 2], thickness_mm: f64) -> Option<Bitmap> {
+    let size_mm = Reader::of(scene).text_height_mm / X_HEIGHT;
+    let margin = (MARGIN * thickness_mm / pitch_mm[0].min(pitch_mm[1])).ceil().clamp(4.0, 200.0) as usize;
+    let setting =
+        Setting { size_pt: size_mm * 72.0 / 25.4, per_inch: pitch_mm.map(|pitch| 25.4 / pitch), margin };
+    Font::bundled().bitmap(text, setting).ok()
+}
+
+/// Y by way of the pixel in the middle of each stroke of black text on white; states are black and white.
+pub(super) fn strokes(
+    seen: &[Seen],
+    bitmap: &Bitmap,
+    pitch_mm: [f64; 2],
+    states: [usize; 2],
+    level: Level,
+) -> Vec<f64> {
+    let middles = bitmap.middles().strokes;
+    let mut sums = vec![0.0; middles.len()];
+    for seen in seen {
+        let lights = match seen.response.text(bitmap, pitch_mm, states, level) {
+            Some(all) => middles.iter().map(|pixel| all[*pixel]).collect(),
+            None => spread_strokes(seen, bitmap, pitch_mm, states, &middles),
+        };
+        sums.iter_mut().zip(lights).for_each(|(sum, light)| *sum += light);
+    }
+    sums
+}
+
+/// The same for one light whose spread describes it: a white page, less white and more black within black pixels.
+fn spread_strokes(
+    seen: &Seen,
+    bitmap: &Bitmap,
+    pitch_mm: [f64; 2],
+    [black, white]: [usize; 2],
+    middles: &[usize],
+) -> Vec<f64> {
+    let edges = |axis: usize| -> Vec<f64> {
+        (-NEIGHBOURS..=NEIGHBOURS + 1).map(|k| (k as f64 - 0.5) * pitch_mm[axis]).collect()
+    };
+    let cells = seen.response.cells(&edges(0), &edges(1));
+    let page = seen.response.transfer([0.0; 2])[white].re;
+    let side = 2 * NEIGHBOURS + 1;
+    let [columns, rows] = bitmap.count.map(|count| count as i64);
+    let one = |pixel: &usize| {
+        let (x, y) = (*pixel as i64 % columns, *pixel as i64 / columns);
+        let mut light = page;
+        for cell in 0..side * side {
+            // The cell at r shows the pixel at the place of the stroke less r.
+            let (at_x, at_y) = (x - (cell % side - NEIGHBOURS), y - (cell / side - NEIGHBOURS));
+            let inside = (0..columns).contains(&at_x) && (0..rows).contains(&at_y);
+            if inside && bitmap.black[(at_y * columns + at_x) as usize] {
+                light += cells[black][cell as usize] - cells[white][cell as usize];
+            }
+        }
+        light
+    };
+    middles.iter().map(one).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Paper of 0.6 and 0.03, 50 %, fine: patches 0.362048 and 0.011837, mean 0.150298.
+    #[test]
+    fn clapper_yule_has_known_exponent() {
+        let n = yule_nielsen([0.362_048, 0.011_837], 0.150_298).unwrap();
+        assert!((n - 1.463).abs() < 5e-4, "{n}");
+        let n = yule_nielsen([0.5, 0.1], 0.3).unwrap();
+        assert!((n - 1.0).abs() < 1e-6);
+        assert_eq!(yule_nielsen([0.5, 0.1], 0.31), None);
+    }
+}

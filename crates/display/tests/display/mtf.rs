@@ -1,0 +1,234 @@
+//! Sharpness: known modulation transfers and patterns, laws, and what is refused.
+
+use std::path::Path;
+use std::sync::atomic::AtomicBool;
+
+use papilio_display::spatial::{MtfResult, MtfState, mtf};
+use papilio_display::{Control, DisplayError};
+use papilio_scenario::Scenario;
+
+use crate::common;
+
+const LOBE: &str = "[display.diffuser]\nmodel = \"k-correlation\"\nwidth = 0.05667\ntransmittance = 1.0\n";
+const MIRROR: &str =
+    "[display.pixel]\nmodel = \"uniform\"\nkind = \"mirror\"\nreflectance = { white = 0.9, black = 0.0 }\n";
+const MATRIX: &str = "[display.matrix]\nppi = 300\n";
+const DIFFUSE: &str = "[lighting]\nilluminance_lx = 500\nspectrum = \"D65\"\ndiffuse = 1.0\n";
+
+fn paper(white: f64, black: f64) -> String {
+    format!(
+        "[display.pixel]\nmodel = \"uniform\"\nkind = \"lambertian\"\nreflectance = {{ white = {white}, black = {black} }}\n"
+    )
+}
+
+fn glass(surface: &str, thickness_mm: f64) -> String {
+    format!("[display.glass]\nindex = 1.5\nsurface = \"{surface}\"\nthickness_mm = {thickness_mm}\n")
+}
+
+fn computed(parts: &[&str]) -> Result<MtfResult, DisplayError> {
+    let text = format!("[spectrum]\nstep_nm = 20\n{}[solver]\nrelative_error = 1e-4\n", parts.concat());
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenarios");
+    let resolved = Scenario::from_text(&text, "mtf.toml", &folder, &[]).unwrap().resolve().unwrap();
+    let control = Control { threads: Some(1), progress: &|_| {}, stop: &AtomicBool::new(false) };
+    mtf(&resolved.scene, &resolved.patterns, &control)
+}
+
+fn white(result: &MtfResult) -> &MtfState {
+    result.views[0].states.get("white").unwrap()
+}
+
+/// Modulation transfer along x and y at a frequency of the list.
+fn at(result: &MtfResult, state: &MtfState, frequency: f64) -> [f64; 2] {
+    let near = |f: &f64| (f - frequency).abs() < 1e-9 * frequency;
+    let k = result.frequency_per_mm.iter().position(near).unwrap();
+    [&state.otf.otf_x, &state.otf.otf_y].map(|otf| otf[k][0].hypot(otf[k][1]))
+}
+
+fn near(what: &str, found: f64, expected: f64, tolerance: f64) {
+    assert!((found - expected).abs() < tolerance, "{what}: {found} against {expected}");
+}
+
+/// H78 over 0.5 mm along the normal: an independent radial integral (numpy, 40-point panels).
+#[test]
+fn lobe_has_known_modulation_transfer() {
+    let view = "[viewer]\ntheta_deg = 0\nfield_deg = 0\n";
+    let result = computed(&[LOBE, &glass("coated", 0.5), MATRIX, MIRROR, DIFFUSE, view]).unwrap();
+    let state = white(&result);
+    for (f, expected) in [(1.0, 0.939_069), (2.0, 0.834_399), (5.0, 0.586_457), (10.0, 0.324_349)] {
+        for found in at(&result, state, f) {
+            near("MTF", found, expected, 2e-5);
+        }
+    }
+    near("Nyquist", state.scalars.mtf_nyquist_x.unwrap(), 0.526_884, 2e-5);
+    near("the same", state.scalars.mtf_nyquist_y.unwrap(), 0.526_884, 2e-5);
+    // Where the curve is 0.5: between 5.9055 (0.5269) and 10.
+    let f50 = state.scalars.f50_x_per_mm.unwrap();
+    assert!((6.3..6.4).contains(&f50), "{f50}");
+    near("kernel", state.kernel.outside + state.kernel.fractions.iter().sum::<f64>(), 1.0, 1e-9);
+    assert!(result.error_reached < 1e-4, "{}", result.error_reached);
+    // An edge is symmetric, and the widths along x and y agree.
+    let edge = state.scalars;
+    near("edges", edge.edge_10_90_x_um.unwrap(), edge.edge_10_90_y_um.unwrap(), 1e-2);
+    // Without light black has no transfer.
+    let black = result.views[0].states.get("black").unwrap();
+    assert_eq!((black.scalars.f50_x_per_mm, black.scalars.r50_um), (None, None));
+}
+
+/// A narrow lobe has the closed forms of small angles, but for the light beyond the hemisphere, a fraction of about its width:
+/// exp(-2 pi f c), a Cauchy line, half of the light within sqrt(3) c.
+#[test]
+fn narrow_lobe_has_closed_forms() {
+    let b = 0.02;
+    let lobe = LOBE.replace("0.05667", "0.02");
+    let view = "[viewer]\ntheta_deg = 0\nfield_deg = 0\n";
+    let result = computed(&[&lobe, &glass("coated", 0.5), MATRIX, MIRROR, DIFFUSE, view]).unwrap();
+    let state = white(&result);
+    let c = b * 0.5 / 1.5;
+    for f in [1.0, 2.0, 5.0] {
+        let expected = (-2.0 * std::f64::consts::PI * f * c).exp();
+        near("MTF", at(&result, state, f)[0], expected, 1.2 * b);
+    }
+    let scalars = state.scalars;
+    let f50 = 2.0_f64.ln() / (2.0 * std::f64::consts::PI * c);
+    near("f50", scalars.f50_x_per_mm.unwrap() / f50, 1.0, 2.0 * b);
+    near("r50", scalars.r50_um.unwrap() / (3.0_f64.sqrt() * c * 1e3), 1.0, 2.0 * b);
+    near("edge", scalars.edge_10_90_x_um.unwrap() / (2.0 * 3.077_683_5 * c * 1e3), 1.0, 8.0 * b);
+    // The middle of a dark line of a pixel has the light of an edge on both sides.
+    let line = 2.0 / std::f64::consts::PI * (25.4 / 300.0 / (2.0 * c)).atan();
+    near("line", result.views[0].line_contrast.black_1_x.unwrap(), line / (2.0 - line), 2.0 * b);
+}
+
+/// A lobe much narrower than a pixel: sharp, and no frequency of half the modulation.
+#[test]
+fn lobe_much_narrower_than_a_pixel_is_sharp() {
+    let lobe = LOBE.replace("0.05667", "0.0002");
+    // A field of view of 0.1 deg would blur more than this lobe.
+    let view = "[viewer]\ntheta_deg = 0\nfield_deg = 0\n";
+    let result = computed(&[&lobe, &glass("coated", 0.5), MATRIX, MIRROR, DIFFUSE, view]).unwrap();
+    let scalars = white(&result).scalars;
+    near("Nyquist", scalars.mtf_nyquist_x.unwrap(), 1.0, 4e-3);
+    assert_eq!(scalars.f50_x_per_mm, None);
+    assert!(scalars.r50_um.unwrap() < 0.2);
+}
+
+/// Halation under 0.7 mm of glass: the return P(f) by mpmath, from the transfer of a state of 0.45.
+#[test]
+fn halation_has_known_return() {
+    let result = computed(&[&glass("fresnel", 0.7), MATRIX, &paper(0.45, 0.03), DIFFUSE]).unwrap();
+    let state = white(&result);
+    let zero = 0.596_345_759_7;
+    for (f, expected) in [
+        (0.05, 0.458_053_10),
+        (0.1, 0.273_358_73),
+        (0.25, -0.036_948_01),
+        (0.5, -0.022_824_85),
+        (1.0, -0.004_842_36),
+        (3.0, 0.000_773_07),
+    ] {
+        let found = at(&result, state, f)[0];
+        near("return", (1.0 - (1.0 - 0.45 * zero) / found) / 0.45, expected, 1e-6);
+    }
+    // All fine details have 0.7316 of a page; a line of white keeps nearly that of its own page.
+    near("limit", state.scalars.mtf_nyquist_x.unwrap(), 0.7316, 1e-3);
+    assert_eq!(state.scalars.r50_um, Some(0.0));
+    // Within a radius: the sharp image, and the return to all orders.
+    assert!((2000.0..6000.0).contains(&state.scalars.r90_um.unwrap()), "{:?}", state.scalars.r90_um);
+}
+
+/// Stripes of 0.6 and 0.03 under glass of 1 mm: a dense Fourier solution of a separate program.
+#[test]
+fn stripes_have_known_means() {
+    let pattern = "[pattern]\nkind = [\"stripes\"]\nperiod_mm = [0.1, 1, 2, 3, 5, 10, 20, 50]\n";
+    let view = "[viewer]\ntheta_deg = 0\n";
+    let result = computed(&[&glass("fresnel", 1.0), &paper(0.6, 0.03), DIFFUSE, view, pattern]).unwrap();
+    let known = [0.150_30, 0.150_47, 0.151_27, 0.149_10, 0.148_12, 0.155_94, 0.167_10, 0.177_87];
+    assert_eq!(result.patterns.len(), known.len());
+    for (pattern, expected) in result.patterns.iter().zip(known) {
+        near("mean", pattern.mean_Y_via_pixel, expected, 2e-5);
+        // The room in the face: 0.04 along the normal.
+        near("face", pattern.mean_Y - pattern.mean_Y_via_pixel, 0.04, 1e-6);
+        assert!(pattern.error < 1e-3);
+    }
+    near("n", result.views[0].yule_nielsen_n.unwrap(), 1.463, 1e-3);
+    near("page", white(&result).Y_via_pixel, 0.362_048, 2e-6);
+    // Without a matrix there are no pixels.
+    assert_eq!((result.pitch_um, white(&result).scalars.mtf_nyquist_x), (None, None));
+    assert_eq!(result.views[0].line_contrast.white_1_x, None);
+}
+
+/// Fine checkerboards and stripes agree; coarse ones show pages.
+#[test]
+fn checkerboards_have_the_limits_of_stripes() {
+    let pattern = "[pattern]\nperiod_mm = [0.05, 60]\n";
+    let result = computed(&[&glass("fresnel", 1.0), &paper(0.6, 0.03), DIFFUSE, pattern]).unwrap();
+    let means: Vec<f64> = result.patterns.iter().map(|pattern| pattern.mean_Y_via_pixel).collect();
+    near("fine", means[0], means[2], 1e-5);
+    assert!(means[3] < means[1] && means[3] > means[2], "{means:?}");
+}
+
+/// Lines and text: white lines on black lose more than black ones on white; text has the contrast of black lines.
+#[test]
+fn lines_and_text_have_the_contrast_of_their_surround() {
+    let result = computed(&[&glass("fresnel", 0.7), MATRIX, &paper(0.45, 0.03), DIFFUSE]).unwrap();
+    let view = &result.views[0];
+    let via = view.line_contrast_via_pixel;
+    // Far from all else white has 0.7316 of its page, black 1.0 of its own page, which returns nearly nothing.
+    let page = |rho: f64| rho / (1.0 - rho * 0.596_346);
+    let line =
+        (0.45 / (1.0 - 0.03 * 0.596_346) - page(0.03)) / (0.45 / (1.0 - 0.03 * 0.596_346) + page(0.03));
+    near("white line", via.white_1_x.unwrap(), line, 2e-3);
+    let dark = 0.03 / (1.0 - 0.45 * 0.596_346);
+    near("black line", via.black_1_x.unwrap(), (page(0.45) - dark) / (page(0.45) + dark), 2e-3);
+    let (least, median) = (view.text_contrast_min.unwrap(), view.text_contrast_median.unwrap());
+    assert!(least <= median && least > 0.5, "{least} {median}");
+    near("text", view.text_contrast_median_via_pixel.unwrap(), via.black_1_x.unwrap(), 0.02);
+}
+
+/// The light of a kernel is that of colours: with a lobe and a film, in diffuse light and a beam.
+#[test]
+fn light_of_a_kernel_is_that_of_colours() {
+    let resolved =
+        common::scenario("matrix", &["spectrum.step_nm=20", "solver.relative_error=1e-6"]).unwrap();
+    let control = Control { threads: Some(1), progress: &|_| {}, stop: &AtomicBool::new(false) };
+    let result = mtf(&resolved.scene, &resolved.patterns, &control).unwrap();
+    let colours = common::run(&resolved.scene).unwrap();
+    for (name, state) in result.views[0].states.iter() {
+        let y = colours.views[0].states.get(name).unwrap().value.Y;
+        near(name, state.Y_via_pixel / y, 1.0, 1e-4);
+        let fractions: f64 = state.by_light.iter().map(|(_, light)| light.fraction).sum();
+        near(name, fractions, 1.0, 1e-12);
+    }
+    let again = mtf(&resolved.scene, &resolved.patterns, &Control { threads: Some(3), ..control }).unwrap();
+    assert!(again == result);
+}
+
+/// What is not covered is refused by its key.
+#[test]
+fn displays_without_places_are_refused() {
+    let refused = |parts: &[&str]| computed(parts).unwrap_err();
+    let no_thickness = "[display.glass]\nindex = 1.5\nsurface = \"fresnel\"\n";
+    let error = refused(&[no_thickness, &paper(0.5, 0.1), DIFFUSE]);
+    assert_eq!(error, DisplayError::MissingLength { key: "display.glass.thickness_mm".to_owned() });
+    let front = "[[display.front]]\nreflectance = 0.02\ngap_mm = 1.0\n";
+    let layers = "[[display.layers]]\nkind = \"fresnel\"\n[[display.layers]]\nkind = \"medium\"\nindex = 1.5\nthickness_mm = 0.5\n";
+    let cases: [(&[&str], &str); 2] = [
+        (&[front, &glass("coated", 0.5), MIRROR, DIFFUSE], "display.front"),
+        (&[layers, MIRROR, DIFFUSE], "display.layers"),
+    ];
+    for (parts, expected) in cases {
+        match refused(parts) {
+            DisplayError::PlacesNotComputed { key, .. } => assert_eq!(key, expected),
+            other => panic!("{other}"),
+        }
+    }
+}
+
+/// At grazing views numbers stay finite.
+#[test]
+fn grazing_view_is_finite() {
+    let view = "[viewer]\ntheta_deg = 89\nfield_deg = 0.1\n";
+    let result = computed(&[LOBE, &glass("coated", 0.5), MATRIX, MIRROR, DIFFUSE, view]).unwrap();
+    let state = white(&result);
+    assert!(state.otf.otf_x.iter().flatten().all(|value| value.is_finite() && value.abs() < 1.0 + 1e-6));
+    assert!(result.error_reached < 0.05);
+}

@@ -1,0 +1,33 @@
+//! `[pattern]`: states and periods of patterns.
+
+use papilio_display::pixel::state_names;
+use papilio_display::scene::Scene;
+use papilio_display::spatial::{PatternKind, Patterns};
+
+use super::Resolver;
+use crate::describe::{File, pattern};
+use crate::mistake;
+
+impl Resolver<'_> {
+    /// Resolves the patterns; its states must be those of the display.
+    pub(super) fn patterns(&mut self, file: &File, scene: &Scene) -> Patterns {
+        let Some(asked) = &file.pattern.value else { return Patterns::default() };
+        let known = state_names(&scene.display.pixel);
+        for state in [&asked.on, &asked.off] {
+            if !known.contains(&state.0) && !asked.period_mm.is_empty() {
+                self.err(state, mistake::no_such_state(&state.0, &known));
+            }
+        }
+        let kind = |kind: &pattern::PatternKind| match kind {
+            pattern::PatternKind::Stripes => PatternKind::Stripes,
+            pattern::PatternKind::Checkerboard => PatternKind::Checkerboard,
+        };
+        Patterns {
+            kinds: asked.kind.iter().map(|one| kind(&one.value)).collect(),
+            on: asked.on.0.clone(),
+            off: asked.off.0.clone(),
+            period_mm: asked.period_mm.iter().map(|period| period.0).collect(),
+            text: asked.text.0.clone(),
+        }
+    }
+}
