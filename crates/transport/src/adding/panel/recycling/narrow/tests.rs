@@ -25,14 +25,8 @@ fn table() -> AngularTable {
 }
 
 /// Returns recycled light between a view and directions of a source, each with its weight, by a plan, for a
-/// fraction g that is sent back. `as_field`: the source is given by its circles about the normal.
-fn light(
-    pass: &Pass<'_>,
-    recycling: &Recycling,
-    view: Beta,
-    (source, as_field): (&[Point], bool),
-    g: f64,
-) -> f64 {
+/// fraction g that is sent back.
+fn light(pass: &Pass<'_>, recycling: &Recycling, view: Beta, source: &[Point], g: f64) -> f64 {
     let table = table();
     let base = Base { reflector: Reflector::Specular(table.clone()), inactive_absorptance: vec![0.0].into() };
     let medium = Medium::new(vec![INDEX].into());
@@ -53,19 +47,11 @@ fn light(
         recycling.add_by_columns((&group(view, true), &of_view), &[of_source], &r, &[g], &mut sums);
         return sums.directed[0][0];
     };
-    let of_circle = |(circle, odd, direction): (Circle, bool, Direction)| {
-        (recycling.towards((&[view], &seen), Lit::Circles(&[circle], odd)), direction)
-    };
-    let of_point = |l: &Point| {
+    let one = |l: &Point| {
         let exact = recycling.between_points(&[&[view]], &[&[*l]]).expect("the lobe is narrow");
         (recycling.towards((&[view], &seen), Lit::Points(&[*l], exact[0][0].clone())), direction(l.beta))
     };
-    let towards: Vec<_> = if as_field {
-        let parts = |l: &Point| [false, true].map(|odd| (circle(l, odd), odd, direction(l.beta)));
-        source.iter().flat_map(parts).map(of_circle).collect()
-    } else {
-        source.iter().map(of_point).collect()
-    };
+    let towards: Vec<_> = source.iter().map(one).collect();
     let towards = towards.iter().map(|(towards, direction)| (towards.as_ref(), direction)).collect();
     recycling.add_narrow(&seen, &[towards], &r, &[g], &mut sums);
     sums.directed[0][0]
@@ -123,28 +109,6 @@ fn closed_form_of_circles_equals_sum_over_points() {
     }
 }
 
-/// Exact passes between a view and a field, interpolated between a few directions around the view, equal those
-/// between the view and all its directions, each of which is an integral.
-#[test]
-fn passes_of_fields_equal_sum_over_points() {
-    for (width, regular_fraction, g, digits, most) in
-        [(0.009, 0.0, 0.02, 11.5, 2e-3), (0.009, 0.0, 0.3, 15.0, 1e-3), (0.03, 0.3, 0.3, 15.0, 2e-3)]
-    {
-        let lobe = Lobe::KCorrelation { width };
-        let diffuser = Diffuser { lobe, transmittance: vec![1.0].into(), regular_fraction };
-        let pass = Pass { diffuser: &diffuser, table: &Nodes::Cosines(33), index: INDEX, digits };
-        let plan = Plan::new(&pass, 0.5 * g, (Some(1.0), true, true)).expect("light is sent back");
-        assert!(plan.narrow.is_some_and(|narrow| narrow.exact[0].is_some()));
-        let recycling = Recycling::new(&pass, plan);
-        for view in [Beta { x: 0.5, y: -0.2 }, Beta { x: -0.9, y: 0.3 }, Beta::default()] {
-            let [points, field] =
-                [false, true].map(|as_field| light(&pass, &recycling, view, (&several(), as_field), g));
-            let error = field / points - 1.0;
-            assert!(error.abs() < most, "b {width}, s {regular_fraction}, g {g}, {view:?}: {error:.1e}");
-        }
-    }
-}
-
 /// Errors are stated relative to the recycled light, which is at most g R of all light: the more of it, the
 /// more its third and later orders contribute.
 #[test]
@@ -173,7 +137,7 @@ fn light_equals_series_on_grid() {
                 Plan { narrow: None, terms: Vec::new(), recycled_digits: 13.0, width, ..narrow.clone() };
             grid.orders = grid.orders_for(&pass, Some(reach));
             let source = [Point { beta: ends[1], weight: 1.0 }];
-            let of_plan = |plan| light(&pass, &Recycling::new(&pass, plan), ends[0], (&source, false), g);
+            let of_plan = |plan| light(&pass, &Recycling::new(&pass, plan), ends[0], &source, g);
             let [found, truth] = [narrow, grid].map(of_plan);
             let error = found / truth - 1.0;
             let what =
