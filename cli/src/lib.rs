@@ -16,6 +16,7 @@ mod input;
 mod interrupt;
 mod journal;
 mod migrate;
+mod mtf;
 mod new;
 mod numbers;
 mod optimize;
@@ -195,6 +196,7 @@ pub fn main(arguments: &[OsString]) -> u8 {
         Command::Completions(arguments) => completions::run(&arguments),
         Command::New(arguments) => new::run(&arguments),
         Command::Migrate(arguments) => migrate::run(&arguments),
+        Command::Mtf(arguments) => mtf::mtf(&arguments),
         Command::Optimize(arguments) => optimize::run(&arguments),
         Command::Pixel(arguments) => pixel::pixel(&arguments),
         Command::Serve(arguments) => serve::run(&arguments),

@@ -51,6 +51,10 @@ pub(crate) enum Command {
     #[command(after_help = "Example: papilio brdf scenarios/indoor.toml --out out/brdf\n\n\
                       docs/brdf.md describes the file, display-bsdf.npz. NumPy can read it.")]
     Brdf(Brdf),
+    /// Compute how sharp the display is: modulation transfer, point, line and edge spread, contrast of fine lines
+    #[command(after_help = "Example: papilio mtf scenarios/matrix.toml\n\n\
+                      It needs the thickness of the layers above the pixels. docs/mtf.md describes the results.")]
+    Mtf(Mtf),
     /// Compare a simulated display with a measured panel: spectra, colours and gamut, with figures
     #[command(after_help = "Example:\n  \
                       papilio run scenarios/overcast.toml\n  \
@@ -212,6 +216,21 @@ pub(crate) struct Brdf {
     /// Accept relative errors up to X, and write them in an array `error` [default: the scenario's target]
     #[arg(long, value_name = "X", allow_negative_numbers = true, value_parser = relative_error)]
     pub(crate) allow_error: Option<f64>,
+    #[command(flatten)]
+    pub(crate) workers: Workers,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct Mtf {
+    #[command(flatten)]
+    pub(crate) scenario: ScenarioArguments,
+    /// Print the result as JSON on standard output; write files only if --out is given
+    #[arg(long)]
+    pub(crate) json: bool,
+    /// Seed of random numbers; sets solver.seed
+    #[arg(long, value_name = "N", allow_negative_numbers = true)]
+    #[arg(value_parser = clap::value_parser!(u64).range(..=i64::MAX as u64))]
+    pub(crate) seed: Option<u64>,
     #[command(flatten)]
     pub(crate) workers: Workers,
 }

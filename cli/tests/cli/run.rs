@@ -5,7 +5,9 @@ use std::path::Path;
 use std::process::{Command, Stdio};
 use std::time::Duration;
 
-use crate::common::{COARSE, names, papilio_command as papilio, run_scenario as run, scenario, stderr};
+use crate::common::{
+    COARSE, names, papilio_command as papilio, place, run_scenario as run, scenario, stderr,
+};
 
 #[test]
 fn run_writes_results_and_prints_a_table() {
@@ -221,4 +223,52 @@ fn run_under_a_ring_draws_its_light() {
     // It goes with the other figures of an earlier run.
     assert!(run("indoor", &["--out", out]).status.success());
     assert!(!names(folder.path()).contains(&"light.svg".to_owned()));
+}
+
+/// Colours are means over many pixels: they do not depend on the places of sub-pixels, nor on lengths.
+#[test]
+fn matrix_changes_nothing_but_scenario_and_hash() {
+    let text = fs::read_to_string(scenario("matrix")).unwrap();
+    let keys = "ppi = 300                       # a pitch of 84.67 um\nlayout = \"stripe\" ";
+    let plain = text.replace("[display.matrix]\n", "").replace(keys, "#").replace("thickness_mm = 0.5", "#");
+    let results = |text: &str, solver: &str| {
+        let (_folder, file, _) = place(text);
+        let more = [
+            "--json",
+            "--solver",
+            solver,
+            "--set",
+            "spectrum.step_nm=20",
+            "--set",
+            "solver.relative_error=0.02",
+        ];
+        let output = papilio().args(["run", &file]).args(more).output().unwrap();
+        assert!(output.status.success(), "{}", stderr(&output));
+        let mut result: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+        let has_matrix = result["scenario"]["display"]["matrix"].is_object();
+        let all = result.as_object_mut().unwrap();
+        let hash = all.remove("hash").unwrap();
+        all.remove("scenario").unwrap();
+        (has_matrix, hash, result.to_string())
+    };
+    for solver in ["adding", "monte-carlo"] {
+        let (placed, bare) = (results(&text, solver), results(&plain, solver));
+        assert!(placed.0 && !bare.0);
+        assert_ne!(placed.1, bare.1);
+        assert!(placed.2 == bare.2, "{solver}");
+    }
+}
+
+/// Light enters and leaves through different parts of a filter: its colours are not the mean over its area.
+#[test]
+fn filter_above_the_pixels_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("out");
+    let filter =
+        "display.matrix.filter={ height_um = 30, transmittance = { red = 0.9, green = 0.9, blue = 0.9 } }";
+    let output = run("matrix", &["--out", out.to_str().unwrap(), "--set", filter]);
+    assert_eq!(output.status.code(), Some(2));
+    let message = stderr(&output);
+    assert!(message.contains("where light enters and leaves") && message.contains("--set #1"), "{message}");
+    assert!(!out.exists());
 }

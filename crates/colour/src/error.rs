@@ -1,6 +1,6 @@
 //! Errors of colorimetry.
 
-/// Error of preparing an observer or scaling a light.
+/// Error of preparing an observer, scaling a light or comparing pictures.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 pub enum ColourError {
     /// The grid contains no wavelength at which the observer is tabulated.
@@ -19,4 +19,23 @@ pub enum ColourError {
         /// The requested illuminance.
         lux: f64,
     },
+    /// The planes of a picture are not the same whole rows.
+    #[error("the planes of a picture have {values:?} values, which are not the same rows of {columns}")]
+    PictureShape {
+        /// The stated number of pixels in a row.
+        columns: usize,
+        /// The number of values of each plane.
+        values: [usize; 3],
+    },
+    /// Two pictures cannot be compared.
+    #[error("the pictures have {one:?} and {other:?} columns and rows; they must be the same")]
+    PictureSizes {
+        /// Columns and rows of the first picture.
+        one: [usize; 2],
+        /// Columns and rows of the second picture.
+        other: [usize; 2],
+    },
+    /// Colour differences are relative to a white.
+    #[error("the white of a picture has a tristimulus value that is not positive")]
+    NoWhite,
 }

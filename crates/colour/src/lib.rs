@@ -12,6 +12,7 @@
 //! - [`Viewing`]: the viewing conditions of the colour appearance model CIECAM16.
 //! - [`colour_temperature`], [`rendering_index`]: correlated colour temperature and Ra of a light.
 //! - [`reader`]: what a reader sees: luminance threshold of small details, contrast sensitivity of the eye, age.
+//! - [`pictures`]: how much two pictures differ for a reader at a distance: S-CIELAB, FLIP.
 //! - [`peak_nm`]: the wavelength at which a reflectance spectrum is largest.
 //!
 //! All functions are pure and cheap, because standard errors are computed by evaluating every
@@ -51,6 +52,7 @@ mod gamut;
 mod lab;
 mod observer;
 mod peak;
+pub mod pictures;
 pub mod reader;
 mod rendering;
 mod solid;

@@ -183,6 +183,7 @@ fn differs_only_in_pixel(scene: &Scene, base: &BasePixel) -> bool {
     let names = |film: &FilmPixel| film.states.iter().map(|state| state.name.clone()).collect::<Vec<_>>();
     std::ptr::eq(scene, Arc::as_ptr(other))
         || scene.display.layers == other.display.layers
+            && scene.display.matrix == other.display.matrix
             && scene.grid == other.grid
             && scene.lighting == other.lighting
             && scene.viewer == other.viewer

@@ -54,6 +54,32 @@ pub enum DisplayError {
     /// A scattering pixel under an ordinary panel.
     #[error("a pixel given by its BRDF requires general layers above it, not an ordinary panel")]
     ScatteringUnderPanel,
+    /// Colours of a display with a colour filter at a height above its pixels.
+    #[error(
+        "the colours of a display with [display.matrix.filter] depend on where light enters and leaves, which this command does not compute yet \
+         (remove the filter, or describe it as a layer without pattern)"
+    )]
+    FilterWithoutPlace,
+    /// A display or light whose places are not computed.
+    #[error(
+        "the places of light are not computed yet for {what} (expected a k-correlation or Lambertian diffuser over mirror-like pixels in \
+         diffuse light or beams, or pixels below a flat face)"
+    )]
+    PlacesNotComputed {
+        /// The layer or light.
+        what: String,
+        /// Its key.
+        key: String,
+    },
+    /// A length that the places of light depend on.
+    #[error(
+        "the key `{key}` is missing: the places of light depend on the thickness of each layer that light crosses obliquely between the \
+         pixel and the highest layer that scatters or reflects it (expected a length in mm)"
+    )]
+    MissingLength {
+        /// Path of the key.
+        key: String,
+    },
     /// An angle scan of a scattering pixel, whose reflectance is not a function of angle and wavelength alone.
     #[error(
         "a pixel given by its BRDF scatters light into all directions: it has no table of reflectance by angle; \

@@ -5,7 +5,7 @@
 
 use std::fmt;
 
-use crate::metrics::{Cam16, StateMetrics, VALUE_LABELS, ViewMetrics};
+use crate::metrics::{Cam16, LineContrast, SpatialScalars, StateMetrics, VALUE_LABELS, ViewMetrics};
 
 /// The name of a quantity in words, with its unit.
 ///
@@ -150,11 +150,15 @@ pub fn metric_label(name: &str) -> Option<Label> {
 pub fn labelled_names() -> impl Iterator<Item = String> {
     let cam16 = Cam16::LABELS.iter().map(|known| format!("cam16_{}", known.name));
     let own = metrics().map(|known| known.name.to_owned());
-    own.chain(cam16).chain(OTHERS.iter().map(|(name, ..)| (*name).to_owned()))
+    let lines = LineContrast::LABELS.iter().map(|known| format!("{LINE_CONTRAST}{}", known.name));
+    own.chain(lines).chain(cam16).chain(OTHERS.iter().map(|(name, ..)| (*name).to_owned()))
 }
 
+/// Start of the names of contrasts of lines.
+const LINE_CONTRAST: &str = "line_contrast_";
+
 fn metrics() -> impl Iterator<Item = &'static KnownLabel> {
-    ViewMetrics::LABELS.iter().chain(VALUE_LABELS).chain(StateMetrics::LABELS)
+    ViewMetrics::LABELS.iter().chain(VALUE_LABELS).chain(StateMetrics::LABELS).chain(SpatialScalars::LABELS)
 }
 
 fn known(name: &str) -> Option<Label> {
@@ -164,6 +168,9 @@ fn known(name: &str) -> Option<Label> {
     };
     if let Some(metric) = metrics().find(|known| known.name == name) {
         return Some(own(metric));
+    }
+    if let Some(line) = name.strip_prefix(LINE_CONTRAST) {
+        return LineContrast::LABELS.iter().find(|known| known.name == line).map(own);
     }
     if let Some(number) = name.strip_prefix("cam16_") {
         return Cam16::LABELS.iter().find(|known| known.name == number).map(own);

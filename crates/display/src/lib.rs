@@ -26,6 +26,8 @@
 //!             glass: Glass { index: constant(1.5), surface: Surface::Fresnel },
 //!         }),
 //!         pixel: Pixel::Uniform(paint),
+//!         lengths: vec![Length::Mm(0.5)],
+//!         matrix: None,
 //!     },
 //!     lighting: Lighting {
 //!         illuminance_lx: 500.0,
@@ -87,6 +89,7 @@ mod rows;
 mod run;
 pub mod scene;
 mod setup;
+pub mod spatial;
 mod target;
 
 pub use ambient_light::{AmbientLight, AmbientSource, ambient_light};

@@ -148,6 +148,62 @@ numbers! {
     }
 }
 
+numbers! {
+    /// Sharpness of a state: results of [`spatial::mtf`](crate::spatial::mtf()). x is to the right, y up.
+    SpatialScalars {
+        /// Spatial frequency along x at which the modulation transfer is first 0.5, cycles per mm.
+        f50_x_per_mm = "Frequency of half the modulation along x" in "per mm",
+        /// The same along y.
+        f50_y_per_mm = "Frequency of half the modulation along y" in "per mm",
+        /// Modulation transfer along x at the Nyquist frequency of the pixels.
+        mtf_nyquist_x = "Modulation transfer at Nyquist along x",
+        /// The same along y.
+        mtf_nyquist_y = "Modulation transfer at Nyquist along y",
+        /// Width of an edge along x from 10 to 90 %, um.
+        edge_10_90_x_um = "Width of an edge along x, 10 to 90 %" in "μm",
+        /// The same along y.
+        edge_10_90_y_um = "Width of an edge along y, 10 to 90 %" in "μm",
+        /// Radius about the view's own ray with half of the light, um.
+        r50_um = "Radius with half of the light" in "μm",
+        /// The same with 90 % of the light.
+        r90_um = "Radius with 90 % of the light" in "μm",
+        /// Square-root integral (Barten 1990) along x, just noticeable differences.
+        sqri_jnd_x = "Square-root integral along x" in "JND",
+        /// The same along y.
+        sqri_jnd_y = "Square-root integral along y" in "JND",
+    }
+}
+
+numbers! {
+    /// Contrast of lines of 1, 2 and 4 pixels across x and y; `white`: white lines on black.
+    LineContrast {
+        /// White line of one pixel, across x.
+        white_1_x = "Contrast of a white line of 1 pixel across x",
+        /// Of two pixels.
+        white_2_x = "Contrast of a white line of 2 pixels across x",
+        /// Of four pixels.
+        white_4_x = "Contrast of a white line of 4 pixels across x",
+        /// Black line of one pixel on white, across x.
+        black_1_x = "Contrast of a black line of 1 pixel across x",
+        /// Of two pixels.
+        black_2_x = "Contrast of a black line of 2 pixels across x",
+        /// Of four pixels.
+        black_4_x = "Contrast of a black line of 4 pixels across x",
+        /// White line of one pixel, across y.
+        white_1_y = "Contrast of a white line of 1 pixel across y",
+        /// Of two pixels.
+        white_2_y = "Contrast of a white line of 2 pixels across y",
+        /// Of four pixels.
+        white_4_y = "Contrast of a white line of 4 pixels across y",
+        /// Black line of one pixel on white, across y.
+        black_1_y = "Contrast of a black line of 1 pixel across y",
+        /// Of two pixels.
+        black_2_y = "Contrast of a black line of 2 pixels across y",
+        /// Of four pixels.
+        black_4_y = "Contrast of a black line of 4 pixels across y",
+    }
+}
+
 metrics! {
     /// Metrics of a view, which combine its states.
     view ViewMetrics {

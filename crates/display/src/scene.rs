@@ -4,6 +4,8 @@
 //! `scenario` crate checks; [`run`](crate::run()) itself returns errors only for scenes that
 //! it cannot compute (a view below the horizon, a film with invalid parameters).
 
+mod place;
+
 use std::sync::Arc;
 
 use num_complex::Complex64;
@@ -13,12 +15,14 @@ pub use papilio_optics::lobe::Lobe;
 pub use papilio_optics::rough::Distribution;
 pub use papilio_sampling::Sampler;
 use papilio_spectra::{Grid, LightSpectrum, Spectrum};
+pub use papilio_transport::spatial::{Rectangle, Window, rows, stripes};
 pub use papilio_transport::walk::Strategy;
 pub use papilio_transport::{
     Diffuser, Field, Interface as Ready, LobeReflection, ReflectedLobe, ReflectingDiffuser, ScatterFace,
     ScatterKernel, Scattering,
 };
 
+pub use self::place::{Filter, FilterState, Length, Matrix, SubPixelWindow};
 pub use crate::result::ReferenceWhite;
 pub use crate::target::{Metric, Target, Tolerance};
 
@@ -94,6 +98,11 @@ pub struct Display {
     pub layers: Layers,
     /// The pixel array below the last layer.
     pub pixel: Pixel,
+    /// Thickness of each medium, from the top: of an ordinary panel the air below each front component, then the glass; of
+    /// general layers the medium of each. Colours do not depend on it, only the places of light.
+    pub lengths: Vec<Length>,
+    /// The sub-pixels in the plane of the pixel; `None`: not described.
+    pub matrix: Option<Matrix>,
 }
 
 /// Layers above the pixel.

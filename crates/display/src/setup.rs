@@ -163,7 +163,13 @@ impl Setup {
                 inactive_absorptance: Vec::new().into(),
             };
             let base = std::mem::replace(base_of(&mut self.stack), placeholder);
-            self.stack = stack(scene, base)?;
+            self.stack = match (&scene.display.layers, &last.display.layers, &self.stack) {
+                (Layers::General(layers), Layers::General(before), Stack::Layered(made)) => {
+                    let layers = general(scene, layers, Some((before, &made.layers)))?;
+                    Stack::Layered(Layered { layers, base })
+                }
+                _ => stack(scene, base)?,
+            };
             self.version += 1;
         }
         let angle_index = angle_index(scene)?;
@@ -235,6 +241,7 @@ pub(crate) fn angle_index(scene: &Scene) -> Result<f64, DisplayError> {
 fn check(scene: &Scene) -> Result<(), DisplayError> {
     match (&scene.display.layers, &scene.display.pixel) {
         (Layers::Panel(_), Pixel::Scattering(_)) => Err(DisplayError::ScatteringUnderPanel),
+        _ if scene.display.filter().is_some() => Err(DisplayError::FilterWithoutPlace),
         _ => Ok(()),
     }
 }
@@ -242,14 +249,25 @@ fn check(scene: &Scene) -> Result<(), DisplayError> {
 fn stack(scene: &Scene, base: Base) -> Result<Stack, DisplayError> {
     match &scene.display.layers {
         Layers::Panel(panel) => Ok(Stack::Panel(self::panel(scene, panel, base))),
-        Layers::General(layers) => Ok(Stack::Layered(Layered { layers: general(scene, layers)?, base })),
+        Layers::General(layers) => {
+            Ok(Stack::Layered(Layered { layers: general(scene, layers, None)?, base }))
+        }
     }
 }
 
-/// Returns the layers over an empty base, which suffices to estimate the cost of the layers.
+/// Returns the layers over an empty base, which suffices to estimate the cost of the layers. Coatings are bare interfaces: they
+/// do not scatter, and their tables take longer than a first answer.
 pub(crate) fn layers_alone(scene: &Scene) -> Result<Stack, DisplayError> {
     let inactive_absorptance = vec![0.0; scene.grid.len()].into();
-    stack(scene, Base { reflector: Reflector::Lambertian(Vec::new()), inactive_absorptance })
+    let base = Base { reflector: Reflector::Lambertian(Vec::new()), inactive_absorptance };
+    let Layers::General(layers) = &scene.display.layers else { return stack(scene, base) };
+    let mut layers = layers.clone();
+    for layer in &mut layers {
+        if let scene::Interface::Coating(_) = layer.interface {
+            layer.interface = Interface::Fresnel.into();
+        }
+    }
+    Ok(Stack::Layered(Layered { layers: general(scene, &layers, None)?, base }))
 }
 
 fn panel(scene: &Scene, panel: &scene::Panel, base: Base) -> Panel {
@@ -261,12 +279,29 @@ fn panel(scene: &Scene, panel: &scene::Panel, base: Base) -> Panel {
     Panel { front, top: top(panel), medium: medium(scene), base, single_pass }
 }
 
-fn general(scene: &Scene, layers: &[scene::Layer]) -> Result<Vec<Layer>, DisplayError> {
+/// Layers of a scene, and what was made of them.
+type Made<'a> = (&'a [scene::Layer], &'a [Layer]);
+
+/// Returns general layers. Interfaces between the same media as in `before` are taken from there, with their tables.
+fn general(
+    scene: &Scene,
+    layers: &[scene::Layer],
+    before: Option<Made<'_>>,
+) -> Result<Vec<Layer>, DisplayError> {
     let air = Spectrum::constant(&scene.grid, 1.0);
     let mut above = &air;
     let mut made = Vec::with_capacity(layers.len());
-    for layer in layers {
-        let interface = interface(scene, &layer.interface, above, &layer.medium.index)?;
+    for (number, layer) in layers.iter().enumerate() {
+        let known = before.and_then(|(layers, made)| {
+            let last = layers.get(number)?;
+            let last_above = number.checked_sub(1).map_or(&air, |above| &layers[above].medium.index);
+            let same = last.interface == layer.interface && last.medium.index == layer.medium.index;
+            (same && last_above == above).then(|| made[number].interface.clone())
+        });
+        let interface = match known {
+            Some(interface) => interface,
+            None => interface(scene, &layer.interface, above, &layer.medium.index)?,
+        };
         above = &layer.medium.index;
         let medium = Medium::new(above.clone()).with_transmittance(layer.medium.transmittance.clone());
         let medium = match &layer.medium.scattering {

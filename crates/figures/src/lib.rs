@@ -20,6 +20,7 @@
 //! | [`transmission`] | transmittance of diffusers against wavelength |
 //! | [`scattering`] | a measured lobe in the plane of incidence and over the hemisphere |
 //! | [`lobes`] | the same for each part of a measurement |
+//! | [`of_mtf`] | all figures of `papilio mtf`: modulation transfer, edges, kernels |
 //! | [`chart`] | curves in one panel |
 //! | [`accuracy`] | errors of the solvers against their cost |
 //! | [`of_sweep`] | all figures of `papilio sweep` |
@@ -56,6 +57,7 @@ mod light;
 mod lobes;
 mod locus;
 mod marks;
+mod mtf;
 mod of_run;
 mod overlay;
 mod overview;
@@ -86,6 +88,7 @@ pub use cone_differences::cone_differences;
 pub use diagram::Diagram;
 pub use light::light;
 pub use lobes::lobes;
+pub use mtf::of_mtf;
 pub use of_run::of_run;
 pub use overlay::{Transmission, spectra_over, transmission};
 pub use overview::overview;

@@ -72,6 +72,12 @@ pub enum Problem {
     Header,
     /// The first row of a measured panel lacks required columns.
     PanelHeader,
+    /// The first row of a table of rectangles is not the required header.
+    WindowHeader,
+    /// A table of rectangles without rows.
+    NoRectangles,
+    /// A rectangle without area.
+    EmptyRectangle,
     /// A measured panel without rows.
     EmptyPanel,
     /// Two rows of a measured panel for the same state and direction.
@@ -225,6 +231,7 @@ impl Problem {
             Self::PanelHeader => Diagnostic::new("this is not the header of a measured panel").expected(
                 "the columns `state`, `theta_deg`, and `wavelength_nm`, `reflectance_factor` or `X`, `Y`, `Z`",
             ),
+            Self::WindowHeader => Diagnostic::new("this is not the header of a table of rectangles").expected("`name,x0,y0,x1,y1`"),
             Self::NotAResult { message } => Diagnostic::new(format!("this is not a result.json: {message}"))
                 .hint("specify a result.json that `papilio run` has written, or its folder"),
             Self::Yaml { message } => {
@@ -287,6 +294,12 @@ impl Problem {
                      for each state, direction and wavelength)",
                 )
                 .hint(WHOLE_FILE),
+            Self::NoRectangles => {
+                too_few(0).expected("a row for each rectangle: name, x0, y0, x1, y1").hint(WHOLE_FILE)
+            }
+            Self::EmptyRectangle => Diagnostic::new("this rectangle has no area")
+                .expected("x0 below x1, and y0 below y1")
+                .hint("x0, y0 is the lower left corner, x1, y1 the upper right one"),
             Self::Columns { count, expected, found } => {
                 let columns = if *found == 1 { "column" } else { "columns" };
                 let wrong = Diagnostic::new(format!("this row has {found} {columns}")).expected(expected);

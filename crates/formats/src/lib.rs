@@ -9,6 +9,7 @@
 //! | [`read_ies`] | luminaires, IES LM-63 type C |
 //! | [`read_index`] | n-k in nm, or a refractiveindex.info page (detected from the content) |
 //! | [`read_pixel_table`] | `pixel.csv`: state, angle, wavelength, reflectance |
+//! | [`read_windows`] | rectangles of sub-pixels: name, x0, y0, x1, y1 |
 //! | [`read_measured_panel`] | spectra or X, Y, Z of the states of a panel |
 //! | [`read_result`] | `result.json` |
 //! | [`read_bsdf`] | measured scattering in several formats (detected from the content) |
@@ -20,6 +21,7 @@
 //! | [`PixelTable::write`] | `pixel.csv` |
 //! | [`write_absorption`], [`write_sub_pixels`] | `absorption.csv`, `sub-pixels.csv` |
 //! | [`write_cone_csv`], [`write_cone_npy`] | `cone.csv`, `cone.npy`; their description: [`ConeFile`] with [`write_json`] |
+//! | [`MtfFile`] with [`write_json`], [`write_mtf_csv`], [`write_spread_csv`], [`write_kernel_npy`] | `mtf.json`, `mtf.csv`, `spread.csv`, `kernel-STATE.npy`; schema: [`mtf_schema`] |
 //! | [`write_comparison`], [`write_compared_spectra`] | a comparison with a measured panel |
 //! | [`AuditFile`], [`FitFile`] with [`write_json`] | audit of a measurement, fitted lobes |
 //! | [`write_bsdf`] | `display-bsdf.npz` |
@@ -55,6 +57,7 @@ mod journal;
 mod json;
 mod light;
 mod measured_panel;
+mod mtf;
 mod npy;
 mod pixel_table;
 mod refractiveindex;
@@ -73,6 +76,7 @@ mod sweep_parquet;
 #[path = "no_parquet.rs"]
 mod sweep_parquet;
 mod tolerance;
+mod windows;
 pub mod words;
 
 pub use absorption::{write_absorption, write_sub_pixels};
@@ -97,6 +101,7 @@ pub use light::{
     LightMap, Luminaire, MapChannel, MapColour, MapProblem, read_ies, read_light_map, read_profile,
 };
 pub use measured_panel::read_measured_panel;
+pub use mtf::{MtfFile, mtf_schema, write_kernel_npy, write_mtf_csv, write_spread_csv};
 pub use papilio_diagnostics::{Diagnostic, Place, Spot, Warned};
 pub use pixel_table::{PIXEL_COLUMNS, PixelTable, is_name, read_pixel_table};
 pub use result::{ResultFile, result_schema, write_reflection, write_spectra, write_states};
@@ -111,6 +116,7 @@ pub use sweep_json::write_sweep_json;
 pub use sweep_light::{light_points, write_light_csv, write_light_json};
 pub use sweep_parquet::{light_parquet, sweep_parquet};
 pub use tolerance::{SearchHead, ToleranceHead, write_table};
+pub use windows::{NamedRectangle, read_windows};
 
 /// Whether this build can write tables as Parquet: the feature `parquet`, which is on by default in builds of the program.
 pub const HAS_PARQUET: bool = cfg!(feature = "parquet");

@@ -1,6 +1,6 @@
 //! Direction cosines: the coordinate that every flat layer conserves.
 
-use std::ops::{Add, Neg, Sub};
+use std::ops::{Add, Mul, Neg, Sub};
 
 /// `beta = n sin(theta) (cos phi, sin phi)`: the tangential part of a light ray's *propagation*, times the
 /// index of the medium in which it propagates.
@@ -61,6 +61,13 @@ impl Sub for Beta {
     type Output = Self;
     fn sub(self, other: Self) -> Self {
         Self { x: self.x - other.x, y: self.y - other.y }
+    }
+}
+
+impl Mul<Beta> for f64 {
+    type Output = Beta;
+    fn mul(self, beta: Beta) -> Beta {
+        Beta { x: self * beta.x, y: self * beta.y }
     }
 }
 

@@ -11,6 +11,7 @@
 //! - [`lobe`]: the angular kernels of diffusers, with their densities and samplers;
 //! - [`film::Coating`]: such films between two transparent media, tabulated over direction;
 //! - [`rough`]: a rough interface that scatters light to both sides without losses;
+//! - [`RandomFace`]: statistics of a Gaussian random face;
 //! - [`scatter`]: scattering interfaces given by tables or formulas;
 //! - [`phase`]: the phase function of scattering media;
 //! - [`Beta`]: the direction cosines that all of them use.
@@ -42,6 +43,7 @@ pub mod film;
 pub mod interface;
 pub mod lobe;
 pub mod phase;
+mod random_face;
 pub mod rough;
 pub mod scatter;
 pub mod scatterer;
@@ -49,5 +51,6 @@ mod simd;
 
 pub use direction::{Beta, sine_of_inclination};
 pub use error::OpticsError;
+pub use random_face::RandomFace;
 pub use scatterer::{Sample, Scatterer};
 pub use simd::{clear_wide_registers, with_widest_simd};

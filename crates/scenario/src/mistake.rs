@@ -91,6 +91,15 @@ pub(crate) fn missing_key(key: &str, expected: impl std::fmt::Display) -> Mistak
     Mistake { kind: MistakeKind::MissingKey(key.to_owned()), diagnostic }
 }
 
+/// A length that is missing, on which the places of light depend.
+pub(crate) fn missing_length(key: &str) -> Mistake {
+    let mut wrong = missing_key(key, "a length in mm");
+    let why = "where light leaves depends on the thickness of all layers that it crosses obliquely, from the pixel to the \
+               highest layer that scatters or reflects it; a missing thickness is not guessed";
+    wrong.diagnostic = wrong.diagnostic.note(why);
+    wrong
+}
+
 /// A list with the wrong number of items.
 pub(crate) fn another_length(expected: impl std::fmt::Display) -> Diagnostic {
     Diagnostic::new("this list has the wrong length").expected(expected)

@@ -1,8 +1,8 @@
 //! The tables of keys in `docs/scenario.md`, generated from the grammar.
 
 use crate::describe::{
-    File, Spectrum, diffuser, display, environment, layers, lighting, limits, measure, metrics, optimize,
-    pixel, solver, sweep, tolerance, viewer,
+    File, Spectrum, diffuser, display, environment, layers, lighting, limits, matrix, measure, metrics,
+    optimize, pixel, solver, sweep, tolerance, viewer,
 };
 use crate::read::Table;
 use crate::schema::{Default, Row, toml};
@@ -37,6 +37,8 @@ pub(crate) fn tables() -> Vec<(&'static str, Vec<Row>)> {
         ("display.pixel table", pixel::TablePixel::rows()),
         ("display.pixel uniform", pixel::UniformPixel::rows()),
         ("display.pixel measured", pixel::MeasuredPixel::rows()),
+        ("display.matrix", matrix::Matrix::rows()),
+        ("display.matrix.filter", matrix::Filter::rows()),
         ("lighting", lighting::Lighting::rows()),
         ("lighting.directed", lighting::Directed::rows()),
         ("lighting.environment ring", environment::Ring::rows()),

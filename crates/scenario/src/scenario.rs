@@ -12,6 +12,7 @@ use serde_json::{Map, Value, json};
 use crate::describe::File;
 use crate::error::{Errors, ScenarioError, ScenarioErrors};
 use crate::library::{Library, sha256};
+use crate::mistake::{self, Mistake};
 use crate::preset::UsedPreset;
 use crate::read::Read;
 use crate::resolve::{self, Found, VirtualMeasurement};
@@ -162,16 +163,41 @@ impl Scenario {
 impl Resolved {
     /// Converts an error of the scene to one of the scenario, with its place in the text; `None` if no key causes it.
     pub fn located(&self, error: &DisplayError) -> Option<ScenarioErrors> {
-        let DisplayError::Fringes { key, thickness_nm, fringes, nm, most_mm } = error else { return None };
-        let wrong = Diagnostic::new(format!(
-            "this layer of {thickness_nm} nm makes {fringes} interference fringes over angle at {nm} nm, more than are \
-             tabulated"
-        ))
-        .expected(format!("films with a total thickness of at most about {most_mm} mm"))
-        .hint(
-            "so thick a layer does not interfere in room light: describe it as a layer of the display, \
-             { kind = \"medium\", index = 1.5 }, with the thin films below it as the pixel's film or a coating",
-        );
+        let (key, wrong): (&str, Mistake) = match error {
+            DisplayError::Fringes { key, thickness_nm, fringes, nm, most_mm } => {
+                let wrong = Diagnostic::new(format!(
+                    "this layer of {thickness_nm} nm makes {fringes} interference fringes over angle at {nm} nm, more \
+                     than are tabulated"
+                ))
+                .expected(format!("films with a total thickness of at most about {most_mm} mm"))
+                .hint(
+                    "so thick a layer does not interfere in room light: describe it as a layer of the display, \
+                     { kind = \"medium\", index = 1.5 }, with the thin films below it as the pixel's film or a coating",
+                );
+                (key, wrong.into())
+            }
+            DisplayError::MissingLength { key } => {
+                let last = key.rsplit('.').next().unwrap_or(key);
+                (key, mistake::missing_length(last))
+            }
+            DisplayError::PlacesNotComputed { what, key } => {
+                let wrong = Diagnostic::new(format!("the places of light are not computed yet for {what}"))
+                    .expected(
+                        "a k-correlation or Lambertian diffuser over mirror-like pixels in diffuse light or beams, or pixels below a \
+                         flat face",
+                    );
+                (key, wrong.into())
+            }
+            DisplayError::FilterWithoutPlace => {
+                let wrong = Diagnostic::new(
+                    "the colours of a display with a colour filter above its pixels depend on where light enters and \
+                     leaves, which this command does not compute yet",
+                );
+                let hint = "remove the filter, or describe it as a layer without pattern, with `internal_transmittance`";
+                ("display.matrix.filter", wrong.hint(hint).into())
+            }
+            _ => return None,
+        };
         let mut errors = Errors::default();
         errors.push(self.written.root.place_of(key), wrong);
         errors.check(&self.written.sources).err()

@@ -147,22 +147,26 @@ impl Grow for NodeBuilder {
 }
 
 /// Pairs of keys that exclude each other: setting one replaces the other.
-pub(crate) const EXCLUSIVE_KEYS: [[&str; 2]; 5] = [
+pub(crate) const EXCLUSIVE_KEYS: [[&str; 2]; 8] = [
     ["relative_error", "paths"],
     ["haze", "width"],
     ["transmittance", "total_transmittance"],
     ["reflectance", "total_reflectance"],
-    ["internal_transmittance", "thickness_mm"],
+    ["pitch_um", "ppi"],
+    ["layout", "subpixel"],
+    ["layout", "subpixel_file"],
+    ["subpixel", "subpixel_file"],
 ];
 
-/// Removes the key that `key` excludes from a table, if its value is from the file and not from another `--set`.
+/// Removes the keys that `key` excludes from a table, if their values are from the file and not from another `--set`.
 fn drop_excluded(table: &mut Node, key: &str) {
-    let excluded = EXCLUSIVE_KEYS.iter().find_map(|[a, b]| match key {
-        _ if key == *a => Some(*b),
-        _ if key == *b => Some(*a),
-        _ => None,
-    });
-    if let (Value::Table(entries), Some(excluded)) = (&mut table.value, excluded) {
+    let Value::Table(entries) = &mut table.value else { return };
+    for [a, b] in EXCLUSIVE_KEYS {
+        let excluded = match key {
+            _ if key == a => b,
+            _ if key == b => a,
+            _ => continue,
+        };
         entries.retain(|entry| entry.key != excluded || entry.node.origin.source != Origin::FILE.source);
     }
 }

@@ -57,6 +57,7 @@ mod light;
 mod panel;
 mod product;
 mod skeleton;
+pub mod spatial;
 mod specular;
 pub mod walk;
 

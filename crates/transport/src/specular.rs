@@ -96,6 +96,14 @@ impl FlatTop {
         Flat { t: self.t[bin], above: self.above[bin], below: self.below[bin] }
     }
 
+    /// Sets the values for the surface alone.
+    pub(crate) fn set_surface(&mut self, stack: &Panel, beta_squared: f64) {
+        for bin in 0..self.t.len() {
+            let face = face(stack, beta_squared, bin);
+            (self.t[bin], self.above[bin], self.below[bin]) = (face.t, face.above, face.below);
+        }
+    }
+
     /// Sets the values for the stack's front and surface at this angle.
     pub(crate) fn set(&mut self, stack: &Panel, beta_squared: f64) {
         let is_constant = !matches!(&stack.top, Top::Fresnel(index) if !index.is_constant());

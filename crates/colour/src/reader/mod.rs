@@ -3,6 +3,7 @@
 //! - [`VisibilityTask`]: luminance threshold of a small detail (Adrian 1989), with its size, the time to see it and
 //!   the reader's age.
 //! - [`contrast_sensitivity`]: contrast sensitivity of the eye to a grating (Barten 1999).
+//! - [`square_root_integral`]: what a display's sharpness is worth, in just noticeable differences (Barten 1999).
 //! - [`age_factor`]: how much more contrast an older reader needs (Adrian 1989). It applies to both.
 //!
 //! **Range.** Luminances of [`LUMINANCES_CD_M2`], readers of [`AGES_YEARS`]. Outside, the functions return the value
@@ -10,10 +11,12 @@
 
 mod age;
 mod grating;
+mod quality;
 mod visibility;
 
 pub use age::{AGES_YEARS, age_factor};
 pub use grating::contrast_sensitivity;
+pub use quality::square_root_integral;
 pub use visibility::{DIAMETERS_ARCMIN, Polarity, VisibilityTask};
 
 /// Luminances of the background between which the models are used, cd/m2. The data of Adrian's model begin far below;

@@ -126,6 +126,16 @@ impl<'a> Meter<'a> {
         }
     }
 
+    /// Returns the weights over wavelength of a reflectance factor under a light in Y.
+    pub(crate) fn luminous_weights(&self, light: usize) -> &[f64] {
+        &self.lights[light].xyz[1]
+    }
+
+    /// Luminance of Y = 1, cd/m2.
+    pub(crate) fn luminance_of_white(&self) -> f64 {
+        self.setup.observer.luminance(&self.white)
+    }
+
     /// Returns the weights of ybar at each wavelength, nm.
     fn y_bar(&self) -> &[f64] {
         self.setup.seen_by().weights()[1]

@@ -114,7 +114,7 @@ impl Workers {
     }
 
     /// Returns a pool of this many threads; `None` for one thread.
-    fn unless_one(
+    pub(crate) fn unless_one(
         kept: &mut Option<Self>,
         threads: Option<usize>,
     ) -> Result<Option<&ThreadPool>, DisplayError> {

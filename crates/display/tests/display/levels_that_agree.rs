@@ -34,7 +34,6 @@ fn errors_hold_where_two_levels_agree_by_chance() {
         let reference = white(name, overrides, &views, "solver.relative_error=2e-6");
         let largest = stated.iter().map(|(_, error)| *error).fold(0.0, f64::max);
         let smallest = stated.iter().map(|(_, error)| *error).fold(f64::INFINITY, f64::min);
-        println!("{name} {overrides:?}: {smallest:e} to {largest:e}");
         assert!(
             smallest < 0.1 * largest,
             "{name} {overrides:?}: no two levels agree: {smallest:e}, {largest:e}"

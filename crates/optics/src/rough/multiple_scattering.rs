@@ -10,7 +10,7 @@ use papilio_sampling::warp;
 
 use super::deficit::Rule;
 use super::microfacets::Microfacets;
-use super::several::Split;
+use super::several::{Split, WalkGrid};
 use super::{Side, invert};
 use crate::Beta;
 use crate::chebyshev::Piecewise;
@@ -27,15 +27,42 @@ pub(super) struct Fineness {
     /// Directions of microfacets in the random walk: azimuths over half a turn, tilts in each of three parts.
     pub(super) azimuths: usize,
     pub(super) tilts: usize,
+    /// Its heights and cosines, and the change of chances below which it ends.
+    pub(super) walk: WalkGrid,
+    pub(super) chance: f64,
 }
 
 /// First that of all results, with an error of the deficits below 1e-5; then those of the finer and of the coarser level of a
 /// first answer, below 0.002 and 0.005.
 pub(super) const FINENESS: [Fineness; 3] = [
-    // Beyond 89.99 deg the curvature of the deficit diverges, and there is no light.
-    Fineness { order: 12, tolerance: 2e-6, narrowest: 0.01, azimuths: 24, tilts: 16 },
-    Fineness { order: 7, tolerance: 3e-4, narrowest: 0.6, azimuths: 12, tilts: 8 },
-    Fineness { order: 5, tolerance: 2e-3, narrowest: 1.1, azimuths: 8, tilts: 5 },
+    Fineness {
+        order: 12,
+        tolerance: 2e-6,
+        // Beyond 89.99 deg the curvature of the deficit diverges, and there is no light.
+        narrowest: 0.01,
+        azimuths: 24,
+        tilts: 16,
+        walk: WalkGrid::Fine,
+        chance: 1e-7,
+    },
+    Fineness {
+        order: 7,
+        tolerance: 3e-4,
+        narrowest: 0.6,
+        azimuths: 12,
+        tilts: 8,
+        walk: WalkGrid::Coarse,
+        chance: 1e-4,
+    },
+    Fineness {
+        order: 5,
+        tolerance: 2e-3,
+        narrowest: 1.1,
+        azimuths: 8,
+        tilts: 5,
+        walk: WalkGrid::Coarsest,
+        chance: 1e-3,
+    },
 ];
 
 /// Largest shift of log odds in the search; the result is below 0.05.

@@ -22,10 +22,6 @@ use super::deficit::Rule;
 use super::microfacets::{Microfacets, beyond, transmittance};
 use super::multiple_scattering::Fineness;
 
-/// Cosines of each sense on each side.
-const ANGLES: usize = 48;
-/// Heights.
-const HEIGHTS: usize = 25;
 /// Largest number of microfacets that are followed: far more than any significant light meets.
 const MOST_FACETS: usize = 1000;
 
@@ -37,32 +33,40 @@ const LEAVES: usize = 1;
 /// the grid.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Split {
-    back: [[f64; ANGLES]; 2],
+    back: [Vec<f64>; 2],
 }
 
 impl Split {
     pub(super) fn new(facets: &Microfacets, fineness: &Fineness) -> Self {
-        let (senses, angles) = (rays(facets), cosines());
-        let scattering: Vec<Vec<f64>> =
-            senses.iter().map(|ray| after_a_facet(facets, ray, fineness)).collect();
-        let flights: Vec<Flight> = senses.iter().map(Flight::new).collect();
-        let leaves_above = chance_above(&scattering, &flights);
-        let mut split = Self { back: [[0.5; ANGLES]; 2] };
-        for (side, back) in split.back.iter_mut().enumerate() {
-            for (angle, back) in back.iter_mut().enumerate().take(angles.len()) {
-                let ray = number(side, COMES, angle);
-                let above = flights[ray].share_above(&scattering[ray], &leaves_above, &flights, side);
-                *back = if side == 0 { above } else { 1.0 - above }.clamp(1e-6, 1.0 - 1e-6);
-            }
+        match fineness.walk {
+            WalkGrid::Fine => Self::on_heights::<25>(facets, fineness, Angles(48)),
+            WalkGrid::Coarse => Self::on_heights::<13>(facets, fineness, Angles(24)),
+            WalkGrid::Coarsest => Self::on_heights::<9>(facets, fineness, Angles(16)),
         }
-        split
+    }
+
+    fn on_heights<const HEIGHTS: usize>(facets: &Microfacets, fineness: &Fineness, angles: Angles) -> Self {
+        let senses = rays(facets, angles);
+        let scattering: Vec<Vec<f64>> =
+            senses.iter().map(|ray| after_a_facet(facets, ray, fineness, angles)).collect();
+        let flights: Vec<Flight<HEIGHTS>> = senses.iter().map(Flight::new).collect();
+        let leaves_above = chance_above(&scattering, &flights, fineness.chance);
+        let back = |side: usize| {
+            let one = |angle: usize| {
+                let ray = angles.number(side, COMES, angle);
+                let above = flights[ray].share_above(&scattering[ray], &leaves_above, &flights, side);
+                if side == 0 { above } else { 1.0 - above }.clamp(1e-6, 1.0 - 1e-6)
+            };
+            (0..angles.0).map(one).collect()
+        };
+        Self { back: [back(0), back(1)] }
     }
 
     /// Returns the fraction at this cosine: a cubic through the four nearest nodes.
     fn back(&self, side: Side, cosine: f64) -> f64 {
         let values = &self.back[side as usize];
-        let place = place(cosine);
-        let first = (place.floor() as usize).saturating_sub(1).min(ANGLES - 4);
+        let place = Angles(values.len()).place(cosine);
+        let first = (place.floor() as usize).saturating_sub(1).min(values.len() - 4);
         let x = place - first as f64;
         let term = |i: usize| {
             let others = (0..4).filter(|&j| j != i).map(|j| (x - j as f64) / (i as f64 - j as f64));
@@ -90,26 +94,43 @@ impl Split {
     }
 }
 
-/// Returns the index of a ray among all: by side, sense and angle.
-fn number(side: usize, sense: usize, angle: usize) -> usize {
-    (2 * side + sense) * ANGLES + angle
+/// Grid of the random walk: heights, and cosines of each sense on each side.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum WalkGrid {
+    /// 25 heights, 48 cosines.
+    Fine,
+    /// 13 heights, 24 cosines.
+    Coarse,
+    /// 9 heights, 16 cosines.
+    Coarsest,
 }
 
-/// Returns cosines to the normal of the interface, denser towards grazing directions.
-fn cosines() -> [f64; ANGLES] {
-    std::array::from_fn(|k| {
-        let v = k as f64 / (ANGLES - 1) as f64;
-        (FRAC_PI_2 * v.powf(1.5)).sin().clamp(1e-4, 1.0)
-    })
+/// Number of cosines of each sense on each side.
+#[derive(Debug, Clone, Copy)]
+struct Angles(usize);
+
+impl Angles {
+    /// Returns the index of a ray among all: by side, sense and angle.
+    fn number(self, side: usize, sense: usize, angle: usize) -> usize {
+        (2 * side + sense) * self.0 + angle
+    }
+
+    /// Returns cosines to the normal of the interface, denser towards grazing directions.
+    fn cosines(self) -> impl Iterator<Item = f64> {
+        (0..self.0).map(move |k| {
+            let v = k as f64 / (self.0 - 1) as f64;
+            (FRAC_PI_2 * v.powf(1.5)).sin().clamp(1e-4, 1.0)
+        })
+    }
+
+    /// Returns the position of a cosine among them.
+    fn place(self, cosine: f64) -> f64 {
+        (cosine.clamp(0.0, 1.0).asin() / FRAC_PI_2).cbrt().powi(2) * (self.0 - 1) as f64
+    }
 }
 
-/// Returns the position of a cosine among them.
-fn place(cosine: f64) -> f64 {
-    (cosine.clamp(0.0, 1.0).asin() / FRAC_PI_2).cbrt().powi(2) * (ANGLES - 1) as f64
-}
-
-/// Returns a height, 0 to 1, dense at the top and at the bottom.
-fn height(j: usize) -> f64 {
+/// Returns a height of this many, 0 to 1, dense at the top and at the bottom.
+fn height<const HEIGHTS: usize>(j: usize) -> f64 {
     0.5 * (1.0 - (PI * j as f64 / (HEIGHTS - 1) as f64).cos())
 }
 
@@ -124,12 +145,12 @@ struct Ray {
     hidden: f64,
 }
 
-fn rays(facets: &Microfacets) -> Vec<Ray> {
-    let mut all = Vec::with_capacity(4 * ANGLES);
+fn rays(facets: &Microfacets, angles: Angles) -> Vec<Ray> {
+    let mut all = Vec::with_capacity(4 * angles.0);
     for (side, of) in [Side::Above, Side::Below].into_iter().enumerate() {
         let n = facets.index(of);
         for sense in [COMES, LEAVES] {
-            all.extend(cosines().map(|cosine| {
+            all.extend(angles.cosines().map(|cosine| {
                 let (q, beta) = (n * cosine, n * ((1.0 - cosine) * (1.0 + cosine)).sqrt());
                 let hidden = facets.hidden(q, beta * beta) / q;
                 Ray { side, sense, beta, z: if sense == COMES { -q } else { q }, hidden }
@@ -139,10 +160,10 @@ fn rays(facets: &Microfacets) -> Vec<Ray> {
     all
 }
 
-/// Returns the distribution of rays after a microfacet: the probability of each, by [`number`].
-fn after_a_facet(facets: &Microfacets, ray: &Ray, fineness: &Fineness) -> Vec<f64> {
+/// Returns the distribution of rays after a microfacet: the probability of each, by [`Angles::number`].
+fn after_a_facet(facets: &Microfacets, ray: &Ray, fineness: &Fineness, angles: Angles) -> Vec<f64> {
     let rule = Rule::new(fineness.tilts);
-    let mut next = vec![0.0; 4 * ANGLES];
+    let mut next = vec![0.0; 4 * angles.0];
     let [n1, n2] = if ray.side == 0 { [facets.above, facets.below] } else { [facets.below, facets.above] };
     let w_of = |tilt: f64| (tilt.tan() / facets.alpha).atan();
     let cuts = [w_of(facets.alpha.sqrt().atan()), w_of(0.25 * PI)];
@@ -159,8 +180,8 @@ fn after_a_facet(facets: &Microfacets, ray: &Ray, fineness: &Fineness) -> Vec<f6
             }
             let c2 = beyond(c1, n1, n2);
             let passes = transmittance(c1, n1, c2, n2);
-            add(&mut next, ray.side, (ray.z + 2.0 * c1 * h_z) / n1, weight * c1 * (1.0 - passes));
-            add(&mut next, 1 - ray.side, -(ray.z + (c1 - c2) * h_z) / n2, weight * c1 * passes);
+            angles.add(&mut next, ray.side, (ray.z + 2.0 * c1 * h_z) / n1, weight * c1 * (1.0 - passes));
+            angles.add(&mut next, 1 - ray.side, -(ray.z + (c1 - c2) * h_z) / n2, weight * c1 * passes);
         }
     }
     let all: f64 = next.iter().sum();
@@ -170,30 +191,33 @@ fn after_a_facet(facets: &Microfacets, ray: &Ray, fineness: &Fineness) -> Vec<f6
     next
 }
 
-/// Distributes a weight among the two cosines next to this one (below 0: incident light).
-fn add(next: &mut [f64], side: usize, cosine: f64, weight: f64) {
-    let sense = if cosine > 0.0 { LEAVES } else { COMES };
-    let place = place(cosine.abs());
-    let first = (place as usize).min(ANGLES - 2);
-    let right = place - first as f64;
-    let at = number(side, sense, first);
-    next[at] += weight * (1.0 - right);
-    next[at + 1] += weight * right;
+impl Angles {
+    /// Distributes a weight among the two cosines next to this one (below 0: incident light).
+    fn add(self, next: &mut [f64], side: usize, cosine: f64, weight: f64) {
+        let sense = if cosine > 0.0 { LEAVES } else { COMES };
+        let place = self.place(cosine.abs());
+        let first = (place as usize).min(self.0 - 2);
+        let right = place - first as f64;
+        let at = self.number(side, sense, first);
+        next[at] += weight * (1.0 - right);
+        next[at + 1] += weight * right;
+    }
 }
 
 /// Free flight over heights, each counted towards the side of the ray.
-struct Flight {
+struct Flight<const HEIGHTS: usize> {
     sense: usize,
     /// Probability of meeting no other microfacet, from each height.
     leaves: [f64; HEIGHTS],
-    /// Between two adjacent heights: the light that passes, and the light that meets a microfacet, by the
+    /// Between each height and the next: the light that passes, and the light that meets a microfacet, by the
     /// value at the lower and at the upper end.
-    cells: [[f64; 3]; HEIGHTS - 1],
+    cells: Vec<[f64; 3]>,
 }
 
-impl Flight {
+impl<const HEIGHTS: usize> Flight<HEIGHTS> {
     fn new(ray: &Ray) -> Self {
         let rate = if ray.sense == COMES { 1.0 + ray.hidden } else { ray.hidden };
+        let height = height::<HEIGHTS>;
         let cell = |j: usize| {
             let ratio = height(j) / height(j + 1);
             let passes = ratio.powf(rate);
@@ -218,8 +242,11 @@ impl Flight {
             (_, 0) => height(1).powf(rate) * ((1.0 - rate) / (1.0 + rate)).max(0.0),
             _ => height(j).powf(rate),
         };
-        let (cells, leaves) = (std::array::from_fn(cell), std::array::from_fn(leaves));
-        Self { sense: ray.sense, leaves, cells }
+        Self {
+            sense: ray.sense,
+            leaves: std::array::from_fn(leaves),
+            cells: (0..HEIGHTS - 1).map(cell).collect(),
+        }
     }
 
     /// Sets the expected value of light at each height, given that `after` a microfacet met at each.
@@ -245,7 +272,7 @@ impl Flight {
     fn share_above(&self, next: &[f64], above: &[[f64; HEIGHTS]], flights: &[Self], side: usize) -> f64 {
         let [mut to_above, mut all] = [[0.0; HEIGHTS]; 2];
         for (ray, chance) in next.iter().enumerate().filter(|(_, chance)| **chance > 0.0) {
-            let to = ray / (2 * ANGLES);
+            let to = 2 * ray / next.len();
             for j in 0..HEIGHTS {
                 let own = if to == side { j } else { HEIGHTS - 1 - j };
                 let leaves = flights[ray].leaves[own];
@@ -263,18 +290,22 @@ impl Flight {
 }
 
 /// Returns the probability of leaving above, of each ray that has just left a microfacet at each height (of
-/// its own side).
-fn chance_above(scattering: &[Vec<f64>], flights: &[Flight]) -> Vec<[f64; HEIGHTS]> {
+/// its own side), to this error.
+fn chance_above<const HEIGHTS: usize>(
+    scattering: &[Vec<f64>],
+    flights: &[Flight<HEIGHTS>],
+    error: f64,
+) -> Vec<[f64; HEIGHTS]> {
     let mut above = vec![[0.5; HEIGHTS]; flights.len()];
     for _ in 0..MOST_FACETS {
         let mut change = 0.0_f64;
         // All values are computed from the previous ones: the order must not matter.
         let before = above.clone();
         for (ray, (flight, next)) in flights.iter().zip(scattering).enumerate() {
-            let side = ray / (2 * ANGLES);
+            let side = 2 * ray / flights.len();
             let mut after = [0.0; HEIGHTS];
             for (to, (values, chance)) in before.iter().zip(next).enumerate() {
-                if to / (2 * ANGLES) == side {
+                if 2 * to / flights.len() == side {
                     after.iter_mut().zip(values).for_each(|(sum, value)| *sum += chance * value);
                 } else {
                     after.iter_mut().zip(values.iter().rev()).for_each(|(sum, value)| *sum += chance * value);
@@ -286,7 +317,7 @@ fn chance_above(scattering: &[Vec<f64>], flights: &[Flight]) -> Vec<[f64; HEIGHT
         for (new, old) in above.iter().flatten().zip(before.iter().flatten()) {
             change = change.max((new - old).abs());
         }
-        if change < 1e-7 {
+        if change < error {
             break;
         }
     }

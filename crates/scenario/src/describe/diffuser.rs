@@ -1,7 +1,9 @@
 //! `[display.diffuser]`: a BTDF, or a slab of particles.
 
 use super::display::{MaterialSpec, ShareSpectrum};
-use super::numbers::{Anisotropy, Blur, Index, InnerShare, OpticalThickness, Share, Slope, Width};
+use super::numbers::{
+    AirGap, Anisotropy, Blur, Index, InnerShare, OpticalThickness, Share, Slope, Thickness, Width,
+};
 use crate::grammar::{choice, kinds, table};
 use crate::origin::Origin;
 use crate::read::Spanned;
@@ -262,6 +264,8 @@ table! {
         extrapolate: Option<Extrapolate>,
         /// The mounting of the measured foil.
         mounting: Mounting = Mounting::AsMeasured,
+        /// With `mounting = "air"`: the air between foil and glass, which places of light depend on.
+        gap_mm as "Air gap": Option<AirGap>,
         /// The light that the foil itself reflects, if the file contains its transmission only. Default: that of the file.
         reflection: Option<Reflection>,
     }
@@ -278,5 +282,7 @@ table! {
         albedo: ShareSpectrum = ShareSpectrum::Constant(Share(1.0)),
         /// Refractive index of the binder: real, from 1 to 10, the same at all wavelengths.
         index as "Refractive index": MaterialSpec = MaterialSpec::Number(Index(1.5)),
+        /// Thickness, which places of light depend on; the optical thickness does not.
+        thickness_mm: Option<Thickness>,
     }
 }

@@ -2,7 +2,8 @@
 
 use super::diffuser::Diffuser;
 use super::layers::Layer;
-use super::numbers::{Extinction, Index, Share, Thickness};
+use super::matrix::Matrix;
+use super::numbers::{AirGap, Extinction, Index, Share, Thickness};
 use super::pixel::Pixel;
 use crate::grammar::{choice, forms, table};
 use crate::read::{Read, Spanned};
@@ -20,6 +21,8 @@ table! {
         glass: Option<Glass>,
         /// The pixel array.
         pixel: Pixel,
+        /// The sub-pixels in the plane of the panel. Default: not described.
+        matrix: Option<Matrix>,
     }
 }
 
@@ -48,6 +51,8 @@ table! {
         reflectance: ShareSpectrum = ShareSpectrum::Constant(Share(0.0)),
         /// Fraction of the light that is absorbed. Its sum with `reflectance` is at most 1.
         absorptance: ShareSpectrum = ShareSpectrum::Constant(Share(0.0)),
+        /// Air between the component and what is below it, which places of light depend on.
+        gap_mm as "Air gap": Option<AirGap>,
     }
 }
 
@@ -58,11 +63,10 @@ table! {
         index as "Refractive index": MaterialSpec = MaterialSpec::Number(Index(1.5)),
         /// Surface of the glass of a panel without a diffuser. Default: `"ideal-ar"`; with a diffuser none.
         surface: Option<Surface>,
-        /// Transmittance of the glass without its surfaces, along the normal; oblique light has a longer path.
-        /// Cannot be combined with `thickness_mm`. Default: clear.
+        /// Transmittance of the glass without its surfaces, along the normal; oblique light has a longer path. Default: clear.
         internal_transmittance: Option<ShareSpectrum>,
-        /// Thickness: k of the index (at most 1e-3) absorbs along the path.
-        /// Cannot be combined with `internal_transmittance`.
+        /// Thickness, which places of light depend on. Without `internal_transmittance`, k of the index (at most 1e-3) absorbs along the
+        /// path; with it, the transmittance is that of this thickness, and k is not used.
         thickness_mm: Option<Thickness>,
     }
 }

@@ -1,8 +1,8 @@
 //! `[[display.layers]]`: media and interfaces in any order.
 
 use super::diffuser::{Btdf, Slab};
-use super::display::{FrontComponent, MaterialSpec, ShareSpectrum};
-use super::numbers::{Index, Nanometres, Roughness, Thickness};
+use super::display::{MaterialSpec, ShareSpectrum};
+use super::numbers::{Index, Nanometres, Roughness, Share, Thickness};
 use crate::error::Errors;
 use crate::grammar::{choice, kinds, table};
 use crate::read::{Read, Spanned, Table};
@@ -19,7 +19,7 @@ kinds! {
         /// A diffuser given by its BTDF, including its surfaces.
         Diffuser(Btdf) = "diffuser",
         /// A flat component in a medium, with the same properties from both sides and at all angles.
-        Component(FrontComponent) = "component",
+        Component(Component) = "component",
         /// Coherent thin films, for example an antireflection coating.
         Coating(Coating) = "coating",
         /// An ideal antireflection interface: transmits all light that exists in both media, and reflects the rest.
@@ -32,15 +32,24 @@ kinds! {
 }
 
 table! {
+    /// A flat component in a medium, with the same properties from both sides and at all angles.
+    Component {
+        /// Fraction of the light that is reflected specularly.
+        reflectance: ShareSpectrum = ShareSpectrum::Constant(Share(0.0)),
+        /// Fraction of the light that is absorbed. Its sum with `reflectance` is at most 1.
+        absorptance: ShareSpectrum = ShareSpectrum::Constant(Share(0.0)),
+    }
+}
+
+table! {
     /// A homogeneous medium.
     Medium {
         /// Refractive index, with n from 1 to 10; its k absorbs only with `thickness_mm`.
         index as "Refractive index": MaterialSpec = MaterialSpec::Number(Index(1.5)),
-        /// Transmittance without the surfaces, along the normal; oblique light has a longer path.
-        /// Cannot be combined with `thickness_mm`. Default: clear.
+        /// Transmittance without the surfaces, along the normal; oblique light has a longer path. Default: clear.
         internal_transmittance: Option<ShareSpectrum>,
-        /// Thickness: k of the index (at most 1e-3) absorbs along the path.
-        /// Cannot be combined with `internal_transmittance`.
+        /// Thickness, which places of light depend on. Without `internal_transmittance`, k of the index (at most 1e-3) absorbs along the
+        /// path; with it, the transmittance is that of this thickness, and k is not used.
         thickness_mm: Option<Thickness>,
     }
 }

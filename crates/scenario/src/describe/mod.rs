@@ -8,6 +8,7 @@ pub(crate) mod environment;
 pub(crate) mod layers;
 pub(crate) mod lighting;
 pub(crate) mod limits;
+pub(crate) mod matrix;
 pub(crate) mod measure;
 pub(crate) mod metrics;
 pub(crate) mod numbers;

@@ -96,6 +96,26 @@ number!(
     Thickness, Range::above_0_to(1000.0).unit("mm")
 );
 number!(
+    /// The air below a front component, mm.
+    AirGap, Range::from_to(0.0, 1000.0).unit("mm")
+);
+number!(
+    /// The period of the pixels, um.
+    Pitch, Range::above_0_to(1e6).unit("um")
+);
+number!(
+    /// Pixels per inch.
+    PixelsPerInch, Range::from_to(0.1, 1e5)
+);
+number!(
+    /// A length within the pixel, um.
+    Micrometres, Range::from_to(0.0, 1e5).unit("um")
+);
+number!(
+    /// A fraction of the pitch of the pixels.
+    Fraction, Range::from_to(0.0, 1.0).unit("fractions of the pitch")
+);
+number!(
     /// The optical thickness of a slab: its extinction along the normal.
     OpticalThickness, Range::from_to(1e-6, 1e6).unit("optical thickness")
 );

@@ -13,7 +13,7 @@ use crate::mistake::{self, Mistake, tidy};
 use crate::read::Item;
 
 /// Default states: fractions of red, green and blue in their own colour.
-const DEFAULT_STATES: [(&str, [f64; 3]); 8] = [
+pub(super) const DEFAULT_STATES: [(&str, [f64; 3]); 8] = [
     ("white", [1.0, 1.0, 1.0]),
     ("black", [0.0, 0.0, 0.0]),
     ("red", [1.0, 0.0, 0.0]),
@@ -207,7 +207,7 @@ fn name(material: &MaterialSpec) -> String {
 }
 
 /// Error: a sub-pixel is in one table and not in another.
-fn no_sub_pixel(name: &str, of: &str, known: &[String]) -> Mistake {
+pub(super) fn no_sub_pixel(name: &str, of: &str, known: &[String]) -> Mistake {
     let hint = suggestion(name, known.iter().map(String::as_str), "sub-pixels");
     mistake::of_path(Diagnostic::new(format!("there is no sub-pixel `{name}` in `{of}`")).hint(hint))
 }

@@ -6,7 +6,8 @@ use num_complex::Complex64;
 use papilio_diagnostics::Diagnostic;
 use papilio_display::THICKEST_FOR_MONTE_CARLO;
 use papilio_display::scene::{
-    Coating, Distribution, FilmLayer, FrontComponent, Interface, Layer, Medium, Ready, Scattering, Thickness,
+    Coating, Distribution, FilmLayer, FrontComponent, Interface, Layer, Length, Medium, Ready, Scattering,
+    Thickness,
 };
 use papilio_spectra::Spectrum;
 
@@ -45,8 +46,8 @@ fn not_transparent(index: Complex64, nm: f64, largest_k: f64) -> Diagnostic {
 
 /// An entry of the list of layers.
 pub(super) enum Part {
-    /// A medium, and the place of its index.
-    Medium(Medium, Origin),
+    /// A medium, its thickness, and the place of its index.
+    Medium(Medium, Length, Origin),
     Interface(Interface),
 }
 
@@ -54,6 +55,14 @@ pub(super) enum Part {
 pub(super) fn component_interface(component: FrontComponent) -> Interface {
     let FrontComponent { reflectance, absorptance } = component;
     Ready::component(reflectance, absorptance).into()
+}
+
+/// Thickness of a medium whose key, should it be missing, is `thickness_mm` in the table at `path`.
+pub(super) fn length(path: &str, thickness_mm: &Option<numbers::Thickness>) -> Length {
+    match thickness_mm {
+        Some(thickness) => Length::Mm(thickness.0),
+        None => Length::Missing { key: format!("{path}.thickness_mm") },
+    }
 }
 
 /// Place of an interface: that of its reflection, if it is described.
@@ -75,7 +84,7 @@ impl Resolver<'_> {
         &mut self,
         display: &Spanned<Display>,
         layers: &[Spanned<describe::Layer>],
-    ) -> Option<Vec<Layer>> {
+    ) -> Option<(Vec<Layer>, Vec<Length>)> {
         let beside = [
             ("front", display.front.is_some(), display.front.origin, "{ kind = \"component\", ... }"),
             (
@@ -104,7 +113,7 @@ impl Resolver<'_> {
         let mut stack = Stack::new(&self.grid);
         for (part, layer) in parts.into_iter().zip(layers) {
             match part {
-                Part::Medium(medium, index_at) => stack.fill(medium, index_at),
+                Part::Medium(medium, length, index_at) => stack.fill(medium, length, index_at),
                 Part::Interface(interface) => stack.put(interface, place_of(layer)),
             }
         }
@@ -136,12 +145,16 @@ impl Resolver<'_> {
         Some(match layer {
             describe::Layer::Medium(medium) => {
                 let absorption = (&medium.internal_transmittance, &medium.thickness_mm);
-                Part::Medium(self.medium(path, &medium.index, absorption)?, medium.index.origin)
+                let length = length(path, &medium.thickness_mm);
+                Part::Medium(self.medium(path, &medium.index, absorption)?, length, medium.index.origin)
             }
-            describe::Layer::Slab(slab) => Part::Medium(self.slab(path, slab)?, slab.index.origin),
+            describe::Layer::Slab(slab) => {
+                Part::Medium(self.slab(path, slab)?, length(path, &slab.thickness_mm), slab.index.origin)
+            }
             describe::Layer::Diffuser(diffuser) => Part::Interface(self.btdf(path, diffuser)?),
             describe::Layer::Component(component) => {
-                Part::Interface(component_interface(self.component(component, at)?))
+                let component = self.component((&component.reflectance, &component.absorptance), at)?;
+                Part::Interface(component_interface(component))
             }
             describe::Layer::Coating(coating) => {
                 let films = self.coating(path, coating)?;
@@ -166,14 +179,16 @@ impl Resolver<'_> {
         index: &Spanned<MaterialSpec>,
         (transmittance, thickness_mm): Absorption<'_>,
     ) -> Option<Medium> {
-        if transmittance.is_some() && thickness_mm.is_some() {
-            let at = thickness_mm.origin.or_override([transmittance.origin]);
-            self.errors.push(at, mistake::not_with("thickness_mm", "`internal_transmittance`"));
-        }
         let clear = transmittance.is_none() && thickness_mm.is_none();
         let index = self.transparent(index, if clear { CLEAR_K } else { ABSORBING_K })?;
         let transmittance = match (&transmittance.value, thickness_mm.value) {
-            (Some(share), _) => self.share(share, transmittance.origin)?,
+            (Some(share), thickness) => {
+                if thickness.is_some() {
+                    let why = "`internal_transmittance` is the transmittance of this thickness";
+                    self.note_length(path, why);
+                }
+                self.share(share, transmittance.origin)?
+            }
             (None, Some(thickness)) => self.beer_lambert(path, &index, thickness.0),
             (None, None) => Spectrum::constant(&self.grid, 1.0),
         };
@@ -184,12 +199,18 @@ impl Resolver<'_> {
     /// Computes exp(-4 pi k d / wavelength) with k of `index`.
     fn beer_lambert(&mut self, path: &str, index: &[Complex64], thickness_mm: f64) -> Spectrum {
         if index.iter().all(|index| index.im == 0.0) {
-            self.notes
-                .push(format!("{path}.thickness_mm has no effect: the index has k = 0 at every wavelength"));
+            self.note_length(path, "the index has k = 0 at every wavelength");
         }
         let depth = 4.0 * PI * NM_PER_MM * thickness_mm;
         let transmittance = |(index, nm): (&Complex64, f64)| (-depth * index.im / nm).exp();
         Spectrum::from_values(index.iter().zip(self.grid.wavelengths_nm()).map(transmittance).collect())
+    }
+
+    /// Notes that a thickness does not change colours, unless the display has a matrix, for which it is needed.
+    fn note_length(&mut self, path: &str, why: &str) {
+        if !self.has_matrix {
+            self.notes.push(format!("{path}.thickness_mm has no effect on colours: {why}"));
+        }
     }
 
     /// Resolves a slab of particles in a binder.
@@ -215,6 +236,9 @@ impl Resolver<'_> {
                 "{path}: an optical thickness of {optical_thickness} with anisotropy {anisotropy} scatters light \
                  back about as much as one of {reduced} with anisotropy 0 (similarity)"
             ));
+        }
+        if slab.thickness_mm.is_some() {
+            self.note_length(path, "`optical_thickness` is that of the whole slab");
         }
         Some(Medium {
             index: n,

@@ -5,7 +5,7 @@ mod file;
 mod report;
 
 use papilio_diagnostics::Diagnostic;
-use papilio_display::scene::{Medium, Ready, ScatterFace, ScatterKernel, ScatteringPixel};
+use papilio_display::scene::{Length, Medium, Ready, ScatterFace, ScatterKernel, ScatteringPixel};
 use papilio_goniometry::{Backing, ScatterMode};
 use papilio_spectra::Spectrum;
 use serde_json::json;
@@ -52,6 +52,7 @@ impl Resolver<'_> {
         }
         let interface = self.foil_interface(path, diffuser, backing)?;
         let interface = self.with_reflection(scattering(interface), &diffuser.reflection)?;
+        let gap = self.gap_below(path, diffuser)?;
         let mut parts = vec![Part::Interface(interface)];
         let below = match diffuser.mounting.value {
             Mounting::AsMeasured => return Some(parts),
@@ -61,8 +62,24 @@ impl Resolver<'_> {
         };
         let ones = Spectrum::constant(&self.grid, 1.0);
         let air = Medium { index: ones.clone(), transmittance: ones, scattering: None };
-        parts.extend([Part::Medium(air, Origin::FILE), Part::Interface(below.into())]);
+        parts.extend([Part::Medium(air, gap, Origin::FILE), Part::Interface(below.into())]);
         Some(parts)
+    }
+
+    /// Returns the air between a foil and the glass: none unless it is mounted so.
+    fn gap_below(&mut self, path: &str, diffuser: &Spanned<Measured>) -> Option<Length> {
+        match (diffuser.mounting.value, diffuser.gap_mm.value) {
+            (Mounting::Air, Some(gap)) => Some(Length::Mm(gap.0)),
+            (Mounting::Air, None) => Some(Length::Missing { key: format!("{path}.gap_mm") }),
+            (_, None) => Some(Length::Mm(0.0)),
+            (_, Some(_)) => {
+                let wrong =
+                    "`gap_mm` is the air between the foil and the glass, but the foil is on the glass";
+                let wrong = Diagnostic::new(wrong).hint("add mounting = \"air\", or remove `gap_mm`");
+                self.errors.push(diffuser.gap_mm.origin.or_override([diffuser.mounting.origin]), wrong);
+                None
+            }
+        }
     }
 
     /// Resolves a foil in `[[display.layers]]`, where the medium below it is a layer of its own.
@@ -71,6 +88,7 @@ impl Resolver<'_> {
             self.err(&diffuser.mounting, mistake::not_with("mounting", "`[[display.layers]]`"));
             return None;
         }
+        self.gap_below(path, diffuser)?;
         self.refuse_glass_tails(&diffuser.extrapolate, "`[[display.layers]]`")?;
         self.foil_interface(path, diffuser, Backing::Air)
     }

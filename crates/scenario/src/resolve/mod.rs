@@ -10,6 +10,7 @@ mod layers;
 mod light;
 mod lighting;
 mod maps;
+mod matrix;
 mod measure;
 mod measured;
 mod panel;
@@ -19,6 +20,7 @@ mod sampling;
 mod stack;
 mod unbounded;
 mod viewer;
+mod windows;
 
 pub use measure::VirtualMeasurement;
 pub(crate) use measure::measurement;
@@ -82,6 +84,8 @@ struct Resolver<'a> {
     unbounded: Vec<unbounded::Unbounded>,
     /// Whether a diffuser that loses light has no described reflection.
     reflects_nothing: bool,
+    /// Whether the display has a matrix, and lengths have a purpose besides absorption.
+    has_matrix: bool,
 }
 
 /// Resolves a described scenario whose files are in `library`.
@@ -112,6 +116,7 @@ impl<'a> Resolver<'a> {
             maps: Vec::new(),
             unbounded: Vec::new(),
             reflects_nothing: false,
+            has_matrix: false,
         })
     }
 }

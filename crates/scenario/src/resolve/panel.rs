@@ -2,20 +2,23 @@
 
 use papilio_diagnostics::Diagnostic;
 use papilio_display::scene::{
-    self, AngleMedium, Approximation, Display, FrontComponent, Glass, Layers, Medium, Panel, Ready, Scene,
+    self, AngleMedium, Approximation, Display, FrontComponent, Glass, Layers, Length, Medium, Panel, Ready,
+    Scene,
 };
 use papilio_spectra::Spectrum;
 
 use super::Resolver;
 use super::diffuser::scattering;
-use super::layers::{Part, component_interface};
+use super::layers::{Part, component_interface, length};
 use super::stack::Stack;
 use crate::describe::File;
 use crate::describe::diffuser::Diffuser;
 use crate::describe::display as describe;
+use crate::describe::display::ShareSpectrum;
 use crate::describe::pixel::Pixel;
 use crate::mistake;
 use crate::origin::Origin;
+use crate::read::Spanned;
 
 /// Error: a key is for the ordinary panel only; `instead` is possible for every display.
 fn needs_panel(what: &str, instead: &str) -> Diagnostic {
@@ -44,21 +47,41 @@ enum AboveGlass {
 impl Resolver<'_> {
     pub(super) fn display(&mut self, file: &File) -> Option<Display> {
         let display = &file.display;
+        self.has_matrix = display.matrix.is_some();
         let layers = match &display.layers.value {
-            Some(layers) => self.layers(display, layers).map(Layers::General),
+            Some(layers) => {
+                let layers = self.layers(display, layers);
+                layers.map(|(layers, lengths)| (Layers::General(layers), lengths))
+            }
             None => self.panel(display),
         };
         let pixel = self.pixel(&display.pixel);
-        Some(Display { layers: layers?, pixel: pixel? })
+        let matrix = match (&display.matrix.value, &pixel) {
+            (Some(matrix), Some(pixel)) => {
+                self.matrix((matrix, display.matrix.origin), &display.pixel, pixel).map(Some)
+            }
+            _ => Some(None),
+        };
+        let (layers, lengths) = layers?;
+        let display = Display { layers, pixel: pixel?, lengths, matrix: matrix? };
+        self.check_filter_height(file, &display);
+        Some(display)
     }
 
     /// Resolves front, surface or diffuser, and glass: an ordinary panel, if there is no volume scattering, the glass is
     /// clear, and the pixel is not measured; otherwise general layers.
-    fn panel(&mut self, display: &describe::Display) -> Option<Layers> {
+    fn panel(&mut self, display: &describe::Display) -> Option<(Layers, Vec<Length>)> {
         let front = display.front.as_deref().unwrap_or_default();
         self.limit(&display.front, "front components", front.len(), 32)?;
-        let front: Vec<_> =
-            front.iter().map(|component| self.component(component, component.origin)).collect();
+        let gaps = front.iter().enumerate().map(|(i, component)| match component.gap_mm.value {
+            Some(gap) => Length::Mm(gap.0),
+            None => Length::Missing { key: format!("display.front.{i}.gap_mm") },
+        });
+        let gaps: Vec<Length> = gaps.collect();
+        let component = |one: &Spanned<describe::FrontComponent>| {
+            self.component((&one.reflectance, &one.absorptance), one.origin)
+        };
+        let front: Vec<_> = front.iter().map(component).collect();
         let glass = self.glass(display);
         let top = self.top(display, glass.as_ref().map(|(medium, _)| &medium.index));
         let front = front.into_iter().collect::<Option<Vec<_>>>()?;
@@ -66,15 +89,21 @@ impl Resolver<'_> {
         // The ordinary panel has neither absorbing glass nor a measured pixel.
         let scatters = matches!(display.pixel.value, Pixel::Measured(_));
         let plain = medium.transmittance.min() == 1.0 && !scatters;
+        let thickness = display.glass.as_ref().and_then(|glass| glass.thickness_mm.value);
+        let thickness = length("display.glass", &thickness);
+        let panel = |front, diffuser, glass| {
+            let lengths = gaps.iter().cloned().chain([thickness.clone()]).collect();
+            Some((Layers::Panel(Panel { front, diffuser, glass }), lengths))
+        };
         let parts = match top {
             AboveGlass::Parts(parts) => parts,
             AboveGlass::Lobe(diffuser) if plain => {
                 let glass = Glass { index: medium.index, surface };
-                return Some(Layers::Panel(Panel { front, diffuser: Some(diffuser), glass }));
+                return panel(front, Some(diffuser), glass);
             }
             AboveGlass::Nothing if plain => {
                 let glass = Glass { index: medium.index, surface };
-                return Some(Layers::Panel(Panel { front, diffuser: None, glass }));
+                return panel(front, None, glass);
             }
             AboveGlass::Lobe(diffuser) => vec![Part::Interface(Ready::Diffuser(diffuser).into())],
             AboveGlass::Nothing => vec![Part::Interface(match surface {
@@ -82,12 +111,14 @@ impl Resolver<'_> {
                 scene::Surface::Fresnel => Ready::Fresnel.into(),
             })],
         };
-        let front = front.into_iter().map(|component| Part::Interface(component_interface(component)));
         let mut stack = Stack::new(&self.grid);
+        for (component, gap) in front.into_iter().zip(&gaps) {
+            stack.put_above(component_interface(component), gap.clone(), Origin::FILE);
+        }
         let reflection = display.diffuser.as_ref().and_then(Diffuser::reflection);
-        for part in front.chain(parts).chain([Part::Medium(medium, Origin::FILE)]) {
+        for part in parts.into_iter().chain([Part::Medium(medium, thickness, Origin::FILE)]) {
             match (part, reflection) {
-                (Part::Medium(medium, index_at), _) => stack.fill(medium, index_at),
+                (Part::Medium(medium, length, index_at), _) => stack.fill(medium, length, index_at),
                 (
                     Part::Interface(interface @ scene::Interface::Ready(Ready::Reflecting(_))),
                     Some(reflection),
@@ -97,7 +128,8 @@ impl Resolver<'_> {
                 (Part::Interface(interface), _) => stack.put(interface, Origin::FILE),
             }
         }
-        Some(Layers::General(stack.finish(&mut self.errors)))
+        let (layers, lengths) = stack.finish(&mut self.errors);
+        Some((Layers::General(layers), lengths))
     }
 
     /// Resolves the layers above glass of this index (`None` if that is unknown).
@@ -115,10 +147,11 @@ impl Resolver<'_> {
                 return self.measured_over(path, diffuser, glass?).map(AboveGlass::Parts);
             }
             Some(Diffuser::Slab(slab)) => {
+                let length = length(path, &slab.thickness_mm);
                 let slab = self.slab(path, slab)?;
                 return Some(AboveGlass::Parts(vec![
                     Part::Interface(Ready::Fresnel.into()),
-                    Part::Medium(slab, Origin::FILE),
+                    Part::Medium(slab, length, Origin::FILE),
                 ]));
             }
             None => return Some(AboveGlass::Nothing),
@@ -133,17 +166,17 @@ impl Resolver<'_> {
 
     pub(super) fn component(
         &mut self,
-        component: &describe::FrontComponent,
+        (reflectance_spec, absorptance_spec): (&Spanned<ShareSpectrum>, &Spanned<ShareSpectrum>),
         origin: Origin,
     ) -> Option<FrontComponent> {
-        let reflectance = self.share(&component.reflectance, component.reflectance.origin);
-        let absorptance = self.share(&component.absorptance, component.absorptance.origin);
+        let reflectance = self.share(reflectance_spec, reflectance_spec.origin);
+        let absorptance = self.share(absorptance_spec, absorptance_spec.origin);
         let (reflectance, absorptance) = (reflectance?, absorptance?);
         let sum = reflectance.zip_map(&absorptance, |r, a| r + a).max();
         // The tolerance is for rounding errors of sums such as 0.7 + 0.3.
         if sum > 1.0 + 1e-12 {
             let what = "reflectance and absorptance";
-            let at = origin.or_override([component.reflectance.origin, component.absorptance.origin]);
+            let at = origin.or_override([reflectance_spec.origin, absorptance_spec.origin]);
             self.errors.push(at, mistake::sum(what, sum, "at most 1"));
             return None;
         }

@@ -1,7 +1,7 @@
 //! Conversion of a list of media and interfaces to layers: each an interface and the medium below it.
 
 use papilio_diagnostics::Diagnostic;
-use papilio_display::scene::{Interface, Layer, Medium, Ready};
+use papilio_display::scene::{Interface, Layer, Length, Medium, Ready};
 use papilio_spectra::{Grid, Spectrum};
 
 use super::pixel::dispersive;
@@ -12,8 +12,10 @@ use crate::origin::Origin;
 /// A stack of layers that grows from the air downwards.
 pub(super) struct Stack {
     layers: Vec<Layer>,
-    /// An interface without a medium below it yet.
-    waiting: Option<(Interface, Origin)>,
+    /// Thickness of the medium of each layer.
+    lengths: Vec<Length>,
+    /// An interface without a medium below it yet, and the thickness of the medium above it, should that continue below.
+    waiting: Option<(Interface, Length, Origin)>,
     /// Index of the lowest medium so far, and its place.
     above: (Spectrum, Origin),
     mistakes: Vec<(Origin, Diagnostic)>,
@@ -22,19 +24,25 @@ pub(super) struct Stack {
 impl Stack {
     pub(super) fn new(grid: &Grid) -> Self {
         let above = (Spectrum::constant(grid, 1.0), Origin::FILE);
-        Self { layers: Vec::new(), waiting: None, above, mistakes: Vec::new() }
+        Self { layers: Vec::new(), lengths: Vec::new(), waiting: None, above, mistakes: Vec::new() }
     }
 
-    /// Adds an interface. An interface directly above it is then inside the medium above both.
+    /// Adds an interface. An interface directly above it is then inside the medium above both, at the same place.
     pub(super) fn put(&mut self, interface: Interface, origin: Origin) {
+        self.put_above(interface, Length::Mm(0.0), origin);
+    }
+
+    /// Adds an interface inside a medium that continues for this length below it, unless another medium follows.
+    pub(super) fn put_above(&mut self, interface: Interface, below: Length, origin: Origin) {
         self.close();
-        self.waiting = Some((interface, origin));
+        self.waiting = Some((interface, below, origin));
     }
 
     /// Adds a medium; `index_at` is the place of its index. Without an interface above it, there is a bare interface
     /// if the index changes.
-    pub(super) fn fill(&mut self, medium: Medium, index_at: Origin) {
-        let (interface, origin) = self.waiting.take().unwrap_or((Ready::Fresnel.into(), Origin::FILE));
+    pub(super) fn fill(&mut self, medium: Medium, length: Length, index_at: Origin) {
+        let (interface, _, origin) =
+            self.waiting.take().unwrap_or((Ready::Fresnel.into(), Length::Mm(0.0), Origin::FILE));
         let (above, below) = (&self.above.0, &medium.index);
         let same = **above == **below;
         let wrong = match &interface {
@@ -52,21 +60,22 @@ impl Stack {
             if same && interface == Ready::Fresnel.into() { Ready::Open.into() } else { interface };
         self.above = (medium.index.clone(), index_at);
         self.layers.push(Layer { interface, medium });
+        self.lengths.push(length);
     }
 
-    /// Returns the layers; mistakes are added to `errors`.
-    pub(super) fn finish(mut self, errors: &mut Errors) -> Vec<Layer> {
+    /// Returns the layers, and the thickness of the medium of each; mistakes are added to `errors`.
+    pub(super) fn finish(mut self, errors: &mut Errors) -> (Vec<Layer>, Vec<Length>) {
         self.close();
         self.mistakes.into_iter().for_each(|(origin, wrong)| errors.push(origin, wrong));
-        self.layers
+        (self.layers, self.lengths)
     }
 
     /// Places a last interface inside the medium above it.
     fn close(&mut self) {
-        if self.waiting.is_some() {
-            let (index, at) = self.above.clone();
+        if let Some((_, below, _)) = &self.waiting {
+            let (length, (index, at)) = (below.clone(), self.above.clone());
             let transmittance = index.map(|_| 1.0);
-            self.fill(Medium { index, transmittance, scattering: None }, at);
+            self.fill(Medium { index, transmittance, scattering: None }, length, at);
         }
     }
 }

@@ -153,13 +153,23 @@ fn absorbing_glass_resolves_to_general_layers() {
         );
         assert_eq!(outline(general(&layers)), [("sheet", 1.0), (face, 1.5)]);
     }
-    // A glass without k stays clear, whatever its thickness; that is said.
+    // A glass without k stays clear, whatever its thickness; a note says so.
     let thick = resolved(GOOD, &["display.glass.thickness_mm=2"]);
     assert!(thick.scene.display.panel().is_some());
-    assert!(thick.notes.iter().any(|note| note.contains("display.glass.thickness_mm has no effect")));
-    // Of the two, a set one replaces the file's.
-    let text = changed(&[("index = 1.5", "index = 1.5\nthickness_mm = 2")]);
-    assert!(resolve(&text, Path::new(""), &["display.glass.internal_transmittance=0.9"]).is_ok());
+    assert!(
+        thick.notes.iter().any(|note| note.contains("display.glass.thickness_mm has no effect on colours"))
+    );
+    // With a transmittance, the thickness is geometry: k is not used, in whichever order the two are given.
+    let absorbs = "index = { n = 1.5, k = 1e-4 }";
+    for (file, set) in [
+        ("thickness_mm = 2", "display.glass.internal_transmittance=0.9"),
+        ("internal_transmittance = 0.9", "display.glass.thickness_mm=2"),
+    ] {
+        let text = changed(&[("index = 1.5", &format!("{absorbs}\n{file}"))]);
+        let both = resolved(&text, &[set]);
+        assert!(general(&both)[1].medium.transmittance.iter().all(|t| *t == 0.9), "{set}");
+        assert!(both.notes.iter().any(|note| note.contains("the transmittance of this thickness")));
+    }
 }
 
 /// A change of `LAYERED`, the place of the error, and parts of its text.
@@ -245,12 +255,6 @@ const WRONG: &[Case] = &[
     ("film = [{ material = \"SiO2\", thickness_nm = 90 }]", "film = []", (4, 30), &["this list is empty"]),
     ("thickness_nm = 90", "thickness_nm = \"gap\"", (4, 67), &["a string", "expected a number from 0"]),
     // What does not fit together.
-    (
-        "internal_transmittance = 0.9",
-        "internal_transmittance = 0.9, thickness_mm = 1",
-        (9, 80),
-        &["`thickness_mm` cannot be combined with `internal_transmittance`"],
-    ),
     (
         "index = 1.6, internal_transmittance = 0.9",
         "index = { n = 1.6, k = 1e-5 }",

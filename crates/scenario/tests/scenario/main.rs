@@ -10,6 +10,7 @@ mod examples;
 mod hostile;
 mod layers;
 mod library;
+mod matrix;
 mod measured;
 mod optimize;
 mod pixels;

@@ -19,18 +19,18 @@ use crate::{Cone, Field};
 
 /// Directions about which the response changes fast.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Peaks<'a> {
+pub(crate) struct Peaks<'a> {
     /// Mirror directions of these views ...
-    pub(super) views: &'a [Cone],
+    pub(crate) views: &'a [Cone],
     /// ... and the size of the peaks, direction cosines.
-    pub(super) width: f64,
+    pub(crate) width: f64,
 }
 
 /// Light of a field that is represented at one inclination; the weights of all rings sum to 1.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Ring {
+pub(crate) struct Ring {
     /// `|beta|`.
-    pub(super) radius: f64,
+    pub(crate) radius: f64,
     /// Integrals of the light times `exp(-i m phi)`, real and imaginary parts, for m = 0 and on; phi is the
     /// azimuth from which light comes. Light of more azimuthal orders is not needed, or there is none.
     harmonics: Vec<[f64; 2]>,
@@ -40,7 +40,7 @@ pub(super) struct Ring {
 
 impl Ring {
     /// Returns light that propagates from directions uniformly spaced in azimuth from 0.
-    pub(super) fn points(&self) -> impl Iterator<Item = Point> {
+    pub(crate) fn points(&self) -> impl Iterator<Item = Point> {
         let weights = around(&self.harmonics, self.orders);
         let step = TAU / weights.len() as f64;
         weights.into_iter().enumerate().map(move |(k, weight)| {
@@ -50,7 +50,7 @@ impl Ring {
     }
 
     /// Returns its total weight.
-    pub(super) fn weight(&self) -> f64 {
+    pub(crate) fn weight(&self) -> f64 {
         self.harmonics[0][0]
     }
 
@@ -66,7 +66,7 @@ impl Ring {
 }
 
 /// Returns the rings of the field; without views, for functions without peaks.
-pub(super) fn rings(field: &Field, peaks: Peaks<'_>, digits: f64) -> Vec<Ring> {
+pub(crate) fn rings(field: &Field, peaks: Peaks<'_>, digits: f64) -> Vec<Ring> {
     let light = field.light();
     let span = match &light {
         Light::Cells(lit) => lit.first().zip(lit.last()).map(|(first, last)| [first.0[0], last.0[1]]),

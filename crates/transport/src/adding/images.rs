@@ -17,14 +17,14 @@ use crate::{Cone, Field, Source};
 /// Points of a source's image that a view sees: `rho` is the sum of weights times
 /// [`specular_image`](crate::specular_image).
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct ImagePoints {
-    pub(super) source: usize,
-    pub(super) points: Vec<Point>,
+pub(crate) struct ImagePoints {
+    pub(crate) source: usize,
+    pub(crate) points: Vec<Point>,
 }
 
 /// What the mirror of a view shows: how its reflectance varies across the view.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) enum Mirror {
+pub(crate) enum Mirror {
     /// It is the same everywhere.
     Uniform,
     /// It changes slowly, and with the base's table, of which this many nodes lie across the view: the
@@ -33,7 +33,7 @@ pub(super) enum Mirror {
 }
 
 /// Returns the images of all sources in this field of view.
-pub(super) fn image_points(view: &Cone, sources: &[Source], digits: f64, mirror: Mirror) -> Vec<ImagePoints> {
+pub(crate) fn image_points(view: &Cone, sources: &[Source], digits: f64, mirror: Mirror) -> Vec<ImagePoints> {
     let across = match mirror {
         Mirror::Uniform => 0.0,
         Mirror::Across(nodes) => nodes,

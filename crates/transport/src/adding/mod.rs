@@ -19,7 +19,9 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use crate::{Cone, Estimate, ReflectanceFactor, Source, Stack};
 pub use gradient::{FirstPass, TableGradient};
+pub(crate) use images::{Mirror, image_points};
 pub(crate) use layered::{Action, Preparation, rough_width};
+pub(crate) use panel::{Indices, diffuse_shares, smooth_points};
 
 /// The finest level.
 pub const FINEST: u32 = 6;

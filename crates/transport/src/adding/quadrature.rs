@@ -24,9 +24,9 @@ pub(crate) struct Node {
 
 /// A direction of a rule and its weight.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Point {
-    pub(super) beta: Beta,
-    pub(super) weight: f64,
+pub(crate) struct Point {
+    pub(crate) beta: Beta,
+    pub(crate) weight: f64,
 }
 
 /// Largest number of points of one panel.
@@ -105,7 +105,7 @@ const SMALLEST_ELLIPSE: f64 = 2.3;
 const SMALLEST_PANEL: f64 = 1e-8;
 
 /// Returns a rule on an interval for an integrand with these poles that is smooth between `breaks`.
-pub(super) fn graded(from: f64, to: f64, breaks: &[f64], poles: &[Pole], digits: f64) -> Vec<Node> {
+pub(crate) fn graded(from: f64, to: f64, breaks: &[f64], poles: &[Pole], digits: f64) -> Vec<Node> {
     let mut nodes = Vec::new();
     panels(from, to, breaks, poles, &mut |from, to, ellipse: f64| {
         nodes.extend(gauss(from, to, points_for(digits + MULTIPLE_POLES, 2.0 * ellipse.ln())));
@@ -154,7 +154,7 @@ fn cut(from: f64, to: f64, poles: &[Pole], least: f64, each: &mut impl FnMut(f64
 }
 
 /// Additional natural digits for multiple poles: products of lobes have threefold ones.
-pub(super) const MULTIPLE_POLES: f64 = 3.0;
+pub(crate) const MULTIPLE_POLES: f64 = 3.0;
 
 /// Largest ellipse assumed for a panel: besides the poles there are functions that are tabulated over
 /// direction.
@@ -169,7 +169,7 @@ pub(crate) fn points_for(digits: f64, each: f64) -> usize {
 /// cosines and over angles of the same size. Flat parts are smooth functions of the cosine of inclination,
 /// which vanish with it at the horizon, so that their mean over a cone requires steps that are small
 /// compared with it.
-pub(super) fn smooth_at(cone: &Cone, scale: f64) -> f64 {
+pub(crate) fn smooth_at(cone: &Cone, scale: f64) -> f64 {
     let cosine = (1.0 - cone.axis_towards().squared()).max(0.0).sqrt();
     // A cone of any width reaches beyond the smallest cosines.
     scale * cosine.max(cone.half_angle()).max(1e-9)
@@ -178,18 +178,18 @@ pub(super) fn smooth_at(cone: &Cone, scale: f64) -> f64 {
 /// Returns points of a cone, with weights uniform in solid angle that sum to one, for functions that change
 /// over a distance of `scale` (direction cosines: poles at this distance from the real plane). They are
 /// symmetric about the cone's plane of incidence.
-pub(super) fn cone_points(cone: &Cone, scale: f64, digits: f64) -> Vec<Point> {
+pub(crate) fn cone_points(cone: &Cone, scale: f64, digits: f64) -> Vec<Point> {
     cone_points_of(cone, scale, digits, Nodes::default())
 }
 
 /// Nodes of a rule over a cone in addition to those that its scale requires.
 #[derive(Debug, Clone, Copy, Default)]
-pub(super) struct Nodes {
+pub(crate) struct Nodes {
     /// Smallest number of rings. A rule that is the same at two levels gives no estimate of its error.
-    pub(super) rings: usize,
+    pub(crate) rings: usize,
     /// Number of nodes of a table over the inclination across the cone: the fringes of a film have a few
     /// each.
-    pub(super) across: f64,
+    pub(crate) across: f64,
 }
 
 impl Nodes {
@@ -201,7 +201,7 @@ impl Nodes {
 }
 
 /// Returns [`cone_points`] with this many more.
-pub(super) fn cone_points_of(cone: &Cone, scale: f64, digits: f64, nodes: Nodes) -> Vec<Point> {
+pub(crate) fn cone_points_of(cone: &Cone, scale: f64, digits: f64, nodes: Nodes) -> Vec<Point> {
     let half_angle = cone.half_angle();
     let size = half_angle / scale;
     if size * size <= (-digits).exp() {
@@ -228,7 +228,7 @@ pub(super) fn cone_points_of(cone: &Cone, scale: f64, digits: f64, nodes: Nodes)
 
 /// Returns points of a uniform round source, for the light that propagates from them, with weights uniform
 /// in direction cosines that sum to one.
-pub(super) fn disc_points(cone: &Cone, scale: f64, digits: f64) -> Vec<Point> {
+pub(crate) fn disc_points(cone: &Cone, scale: f64, digits: f64) -> Vec<Point> {
     let mut points = cone_points(cone, scale, digits);
     for point in &mut points {
         point.weight *= (1.0 - point.beta.squared()).max(0.0).sqrt();
@@ -243,7 +243,7 @@ pub(super) fn disc_points(cone: &Cone, scale: f64, digits: f64) -> Vec<Point> {
 
 /// Returns a rule over the radius of the disc `|beta| <= radius` in `beta = radius sin x`, which resolves
 /// square roots that end on its rim: nodes are |beta|, weights contain `2 pi |beta| d|beta|`.
-pub(super) fn radial(radius: f64, breaks: &[f64], poles: &[Pole], digits: f64) -> Vec<Node> {
+pub(crate) fn radial(radius: f64, breaks: &[f64], poles: &[Pole], digits: f64) -> Vec<Node> {
     let inside = breaks.iter().filter(|b| **b < radius);
     let breaks: Vec<f64> = inside.map(|b| (b / radius).asin()).collect();
     let poles: Vec<Pole> = poles.iter().map(|pole| pole.in_arc(radius)).collect();

@@ -16,9 +16,11 @@ mod few_wavelengths;
 mod fields;
 mod layered_walk;
 mod layers;
+mod many_columns;
 mod narrow_lobes;
 mod reflecting;
 mod rough_surface;
 mod scatter_faces;
+mod sparkle_waves;
 
 mod strategies;

@@ -5,11 +5,23 @@
 //! directions that are ever closer in azimuth: there, panels are graded about 0.
 
 use std::f64::consts::PI;
+use std::sync::atomic::AtomicBool;
 
+use super::grid::Grid;
 use crate::adding::quadrature::gauss;
 
 /// Largest number of intervals of the trapezoid rule from 0 to pi; finer kernels take graded panels.
 pub(super) const MOST_INTERVALS: usize = 1024;
+
+/// Nodes and accuracy for which a kernel is sampled.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Sampling<'a> {
+    pub(super) grid: &'a Grid,
+    /// Natural digits in azimuth.
+    pub(super) digits: f64,
+    /// If it is set during the computation, the orders are incomplete.
+    pub(super) stop: &'a AtomicBool,
+}
 
 /// Points of a graded panel: enough for its poles, and for this many radians of the highest order.
 const POINTS: usize = 14;

@@ -2,19 +2,18 @@
 //!
 //! The light that falls from the last scatterer on the flat layers and the base below it obeys
 //! `x = t + G B x`: t is transmitted light, B the reflectance below, G the light that the layers above send
-//! back down. B differs by state and wavelength and is a factor for each direction. All columns are iterated
-//! at once, with one matrix product for each order of reflection. Where light is nearly trapped, a direct
-//! solution is cheaper.
+//! back down. B differs by state and wavelength and is a factor for each direction ([`reflections`]).
+
+mod reflections;
 
 use std::ops::Range;
 
-use super::algebra::Operator;
 use super::beams::Beams;
 use super::grid::Grid;
 use super::matrix::Matrix;
 use super::part::Part;
-use super::pivots::Pivots;
 use super::single::{Chain, Single};
+use reflections::Reflections;
 
 /// The layers down to the last scatterer in one azimuthal order, as far as views and sources require it. Of
 /// the nodes with weight it contains those that the medium below carries. Extra nodes are counted from the
@@ -114,14 +113,6 @@ pub(super) struct Rising {
 
 /// Light that falls on the layers below, in the same form as [`Rising`].
 pub(super) type Falling = Rising;
-
-/// Number of reflections up to which light is followed by iteration.
-const ITERATIONS: usize = 40;
-/// Number of columns whose interpolated light is compared with that of an iteration: those which one more reflection changes
-/// most.
-const COMPARED: usize = 8;
-/// Error of their light, over the tolerance of the iteration, up to which no other columns are iterated.
-const ERROR_OF_INTERPOLATED: f64 = 1000.0;
 
 impl Above {
     /// Composes the layers down to the last scatterer and that scatterer, on the nodes that the medium below
@@ -273,17 +264,10 @@ impl Above {
         self.front[(extra, light)]
     }
 
-    /// Returns the light that rises from the base, given its reflectance `[node, column]` and its pivots, to this
-    /// error relative to the largest density or to `floor`, by column; `floor` is raised to the largest density
+    /// Returns the light that rises from the base, given its reflectance `[node, column]`, to this error
+    /// relative to the largest density or to `floor`, by column; `floor` is raised to the largest density
     /// found.
-    pub(super) fn rise(
-        &self,
-        extra: usize,
-        base: &Matrix,
-        pivots: Option<&Pivots>,
-        tolerance: f64,
-        floor: &mut [f64],
-    ) -> Rising {
+    pub(super) fn rise(&self, extra: usize, base: &Matrix, tolerance: f64, floor: &mut [f64]) -> Rising {
         let (n, columns) = (self.carried, base.columns());
         let (node, entering) = (n + extra, self.entering(extra));
         let beam: Vec<f64> = (0..columns).map(|c| self.regular_rise(node, base[(node, c)])).collect();
@@ -292,54 +276,17 @@ impl Above {
             let scattered = self.down.column(entering).iter().zip(self.below_extras.column(entering));
             column.iter_mut().zip(scattered).for_each(|(x, (d, g))| *x = d + g * beam[c]);
         }
-        let scattered = self.scattered_rise(&arrives, (base, pivots), tolerance, floor, false);
-        Rising { scattered, beam, extra }
+        let reflections = Reflections::new(self, arrives, base, tolerance, false);
+        Rising { scattered: reflections.rising(base, floor), beam, extra }
     }
 
     /// Returns the solution of the transposed problem: light on the nodes whose product with the light that arrives at
     /// the base, scattered, is the total of a functional of the light that rises; `functional` is its value at each
     /// node with weight, scaled.
-    pub(super) fn functional_of_arriving(
-        &self,
-        functional: &[f64],
-        base: &Matrix,
-        pivots: Option<&Pivots>,
-        tolerance: f64,
-    ) -> Matrix {
+    pub(super) fn functional_of_arriving(&self, functional: &[f64], base: &Matrix, tolerance: f64) -> Matrix {
         let values = Matrix::from_fn(self.carried, base.columns(), |i, _| functional[i]);
-        self.scattered_rise(&values, (base, pivots), tolerance, &mut vec![0.0; base.columns()], true)
-    }
-
-    /// Returns the scattered light that rises from the base, given the scattered light that arrives, `[node, column]`;
-    /// or, if `reversed`, the solution of the transposed problem.
-    fn scattered_rise(
-        &self,
-        arrives: &Matrix,
-        (base, pivots): (&Matrix, Option<&Pivots>),
-        tolerance: f64,
-        floor: &mut [f64],
-        reversed: bool,
-    ) -> Matrix {
-        let (n, columns) = (self.carried, base.columns());
-        let mut gain = Matrix::zeros(n, columns);
-        for (c, column) in gain.columns_mut() {
-            let straight = base.column(c).iter().zip(&self.below_straight);
-            column.iter_mut().zip(straight).for_each(|(x, (b, g))| *x = round_trips(*b, *g));
-        }
-        let mut scattered = Matrix::zeros(n, columns);
-        let open = match pivots.filter(|_| n > 0) {
-            Some(pivots) => {
-                self.interpolate(pivots, [arrives, &gain], &mut scattered, tolerance, floor, reversed)
-            }
-            None => self.iterate([arrives, &gain], &mut scattered, tolerance, floor, reversed),
-        };
-        if !open.is_empty() {
-            let below = self.below.formed(n, reversed);
-            for column in open {
-                self.solve(&below, column, base, arrives, &mut scattered);
-            }
-        }
-        scattered
+        let reflections = Reflections::new(self, values, base, tolerance, true);
+        reflections.rising(base, &mut vec![0.0; base.columns()])
     }
 
     /// Returns the regular light of a unit beam at a node that rises from a base of this reflectance.
@@ -369,120 +316,6 @@ impl Above {
         }
         self.below.add(&rising.scattered, &mut scattered, false);
         Falling { scattered, beam, extra: rising.extra }
-    }
-
-    /// Iterates the light of the pivots, and interpolates that of all columns. One more reflection then makes what the base
-    /// has reflected once exact. The columns that it changes most are iterated themselves, which shows the error of the
-    /// interpolation: if it is too large, all others are iterated, too. Returns those that have not converged.
-    fn interpolate(
-        &self,
-        pivots: &Pivots,
-        [arrives, gain]: [&Matrix; 2],
-        rising: &mut Matrix,
-        tolerance: f64,
-        floor: &mut [f64],
-        reversed: bool,
-    ) -> Vec<usize> {
-        let mut of_pivots = Matrix::zeros(self.carried, pivots.columns().len());
-        let mut again = of_pivots.clone();
-        let mut next = arrives.clone();
-        let left =
-            self.iterate_some(pivots.columns(), [arrives, gain], &mut of_pivots, tolerance, floor, reversed);
-        if !left.is_empty() {
-            return self.iterate([arrives, gain], rising, tolerance, floor, reversed);
-        }
-        self.below.add(&of_pivots, &mut again, reversed);
-        pivots.add_interpolated(&again, &mut next);
-        pivots.add_interpolated(&of_pivots, rising);
-        let mut changes = Vec::with_capacity(rising.columns());
-        for (c, old) in rising.columns_mut() {
-            let (change, size) = reflect(old, next.column(c), gain.column(c));
-            floor[c] = size.max(floor[c]);
-            changes.push((c, if floor[c] > 0.0 { change / floor[c] } else { 0.0 }));
-        }
-        changes.sort_by(|a, b| b.1.total_cmp(&a.1));
-        let compared: Vec<usize> = changes.iter().take(COMPARED).map(|(c, _)| *c).collect();
-        let mut exact = Matrix::zeros(self.carried, compared.len());
-        let left = self.iterate_some(&compared, [arrives, gain], &mut exact, tolerance, floor, reversed);
-        let differs = |(exact, c): (&[f64], &usize)| {
-            let most = ERROR_OF_INTERPOLATED * tolerance * floor[*c];
-            exact.iter().zip(rising.column(*c)).any(|(exact, found)| (exact - found).abs() > most)
-        };
-        let columns = (0..compared.len()).map(|k| exact.column(k));
-        if !left.is_empty() || columns.zip(&compared).any(differs) {
-            return self.iterate([arrives, gain], rising, tolerance, floor, reversed);
-        }
-        for (c, (_, exact)) in compared.iter().zip(exact.columns_mut()) {
-            rising.column_mut(*c).copy_from_slice(exact);
-        }
-        Vec::new()
-    }
-
-    /// Iterates the light of some columns; returns those that have not converged after many orders.
-    fn iterate_some(
-        &self,
-        columns: &[usize],
-        [arrives, gain]: [&Matrix; 2],
-        rising: &mut Matrix,
-        tolerance: f64,
-        floor: &mut [f64],
-        reversed: bool,
-    ) -> Vec<usize> {
-        let [arrives, gain] = [arrives, gain].map(|all| all.some_columns(columns));
-        let mut floors: Vec<f64> = columns.iter().map(|c| floor[*c]).collect();
-        let open = self.iterate([&arrives, &gain], rising, tolerance, &mut floors, reversed);
-        columns.iter().zip(floors).for_each(|(c, size)| floor[*c] = size);
-        open.into_iter().map(|number| columns[number]).collect()
-    }
-
-    /// Iterates light between base and layers; returns the columns that have not converged after many
-    /// orders.
-    fn iterate(
-        &self,
-        [arrives, gain]: [&Matrix; 2],
-        rising: &mut Matrix,
-        tolerance: f64,
-        floor: &mut [f64],
-        reversed: bool,
-    ) -> Vec<usize> {
-        let n = self.carried;
-        if n == 0 {
-            return Vec::new();
-        }
-        let mut open: Vec<usize> = (0..arrives.columns()).collect();
-        let mut before = vec![f64::INFINITY; arrives.columns()];
-        let mut next = arrives.clone();
-        for _ in 0..ITERATIONS {
-            open.clear();
-            for (c, old) in rising.columns_mut() {
-                let (change, size) = reflect(old, next.column(c), gain.column(c));
-                let size = size.max(floor[c]);
-                // Changes decrease geometrically: the remainder is their sum.
-                let ratio = (change / before[c]).min(1.0);
-                if change > tolerance * size * (1.0 - ratio) {
-                    open.push(c);
-                }
-                (before[c], floor[c]) = (change, size);
-            }
-            if open.is_empty() {
-                break;
-            }
-            next.copy_from(arrives);
-            self.below.add(rising, &mut next, reversed);
-        }
-        open
-    }
-
-    fn solve(&self, below: &Matrix, column: usize, base: &Matrix, arrives: &Matrix, rising: &mut Matrix) {
-        let n = self.carried;
-        // 1 - B G acts on the light that rises.
-        let b: Vec<f64> = (0..n).map(|i| base[(i, column)]).collect();
-        let kernel = Matrix::from_fn(n, n, |i, j| -b[i] * below[(i, j)]);
-        let straight = (0..n).map(|i| 1.0 - b[i] * self.below_straight[i]).collect();
-        let closed = Operator { regular: n, straight, kernel: Some(kernel.into()) };
-        let mut right = Matrix::from_fn(n, 1, |i, _| b[i] * arrives[(i, column)]);
-        closed.weighted_block().factors().solve(&mut right);
-        rising.column_mut(column).copy_from_slice(right.column(0));
     }
 
     /// Returns scattered light that rises, times the kernels towards each of these extra nodes, `[column, node]`:
@@ -545,36 +378,6 @@ impl Above {
 fn round_trips(base: f64, layers: f64) -> f64 {
     let open = 1.0 - base * layers;
     if open > 0.0 { base / open } else { 0.0 }
-}
-
-/// Sets `rising` to `next` times `gain`; returns the largest change and the largest value.
-fn reflect(rising: &mut [f64], next: &[f64], gain: &[f64]) -> (f64, f64) {
-    // Chunks of fixed size, so that they are vectorised.
-    let (rising, rising_rest) = rising.as_chunks_mut::<8>();
-    let (next, next_rest) = next.as_chunks::<8>();
-    let (gain, gain_rest) = gain.as_chunks::<8>();
-    let (mut change, mut size) = ([0.0; 8], [0.0; 8]);
-    for ((rising, next), gain) in rising.iter_mut().zip(next).zip(gain) {
-        for k in 0..8 {
-            let value = next[k] * gain[k];
-            change[k] = larger((value - rising[k]).abs(), change[k]);
-            size[k] = larger(value.abs(), size[k]);
-            rising[k] = value;
-        }
-    }
-    for ((rising, next), gain) in rising_rest.iter_mut().zip(next_rest).zip(gain_rest) {
-        let value = next * gain;
-        change[0] = larger((value - *rising).abs(), change[0]);
-        size[0] = larger(value.abs(), size[0]);
-        *rising = value;
-    }
-    [change, size].map(|lanes| lanes.into_iter().fold(0.0, larger)).into()
-}
-
-/// Returns the larger number, by a comparison that can be vectorised.
-#[inline]
-fn larger(a: f64, b: f64) -> f64 {
-    if a > b { a } else { b }
 }
 
 impl Rising {

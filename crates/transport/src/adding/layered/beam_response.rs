@@ -90,7 +90,7 @@ impl BeamResponse {
     ) {
         if order == 0 {
             let known = self.known.get_mut(self.families.len()).map(std::mem::take).unwrap_or_default();
-            self.families.push(Followed::new(stack, directions, groups, known, tolerance));
+            self.families.push(Followed::new(stack, directions, groups, known));
         }
         if let Some(family) = self.families.last_mut() {
             let kernels = family.follow(order, groups, above, tolerance, stop);
@@ -160,13 +160,13 @@ impl BeamResponse {
 }
 
 impl Followed {
-    fn new(stack: &Layered, directions: &Directions, groups: &[&Group], known: Seen, tolerance: f64) -> Self {
+    fn new(stack: &Layered, directions: &Directions, groups: &[&Group], known: Seen) -> Self {
         let views = extras(&directions.views);
         let beta = views.iter().map(|extra| directions.beta[*extra]).collect();
         let bins: Vec<Vec<usize>> = groups.iter().map(|group| group.bins.clone()).collect();
         let known = if known.bins == bins { known } else { Seen::default() };
         Self {
-            columns: Columns::new(stack, groups, tolerance),
+            columns: Columns::new(stack, groups),
             views,
             lights: extras(&directions.sources),
             ledger: directions.ledger,
@@ -247,8 +247,7 @@ impl Followed {
             }
             let below = extras_alone.as_ref().unwrap_or(&self.columns[number].below);
             floors.resize_with(beams.len(), || vec![0.0; below.columns()]);
-            let pivots = self.columns[number].pivots.as_ref();
-            let rising = above.rise(*extra, below, pivots, tolerance, &mut floors[beam]);
+            let rising = above.rise(*extra, below, tolerance, &mut floors[beam]);
             if order == 0 && is_from_views {
                 self.see(beam, (number, group), above, tolerance, Some(&rising));
             }
@@ -283,8 +282,7 @@ impl Followed {
             let new = |rising: &Rising| Arc::new(DiffuseResponse::new(group, columns, above, rising));
             rising.map(new).unwrap_or_else(|| {
                 let mut floor = vec![0.0; columns.below.columns()];
-                let pivots = columns.pivots.as_ref();
-                new(&above.rise(self.views[view], &columns.below, pivots, tolerance, &mut floor))
+                new(&above.rise(self.views[view], &columns.below, tolerance, &mut floor))
             })
         });
         self.seen.groups[number].push(response);

@@ -57,8 +57,7 @@ impl DiffuseResponse {
         }
         let leaving: Vec<f64> =
             shares.scale.iter().zip(&shares.leaving).map(|(s, share)| s * share).collect();
-        let light =
-            above.functional_of_arriving(&leaving, &columns.below, columns.pivots.as_ref(), tolerance);
+        let light = above.functional_of_arriving(&leaving, &columns.below, tolerance);
         let [down, below] = above.scattered_to(&light, views);
         let one = |(k, view): (usize, &usize)| {
             let (mut seen, node) = (new(*view), group.node(*view));

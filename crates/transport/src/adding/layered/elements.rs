@@ -7,6 +7,7 @@ use papilio_optics::rough::Rough;
 use papilio_optics::scatter::Scatter;
 
 use super::algebra::Operator;
+use super::azimuth::Sampling;
 use super::grid::Grid;
 use super::known::Known;
 use super::part::{Absorbed, Part, nothing};
@@ -58,7 +59,7 @@ pub(crate) struct Preparation<'p, 'a> {
     stop: &'p AtomicBool,
 }
 
-impl<'a> Preparation<'_, 'a> {
+impl<'p, 'a> Preparation<'p, 'a> {
     /// Returns the number of a lobe that transmits everything.
     pub(crate) fn lobe(&mut self, lobe: Lobe) -> usize {
         self.scatterers.lobe(lobe, 1.0, self.indices, self.grid)
@@ -78,24 +79,31 @@ impl<'a> Preparation<'_, 'a> {
 
     /// Returns the number of a rough interface.
     pub(crate) fn rough(&mut self, face: &'a Rough) -> usize {
-        let Self { grid, precision, beyond_first, alone, surface, known, stop, .. } = self;
+        let sampling = self.sampling();
+        let Self { grid, beyond_first, alone, surface, known, .. } = self;
         let known = known.rough(face, &grid.beta[..grid.regular]);
         // Light scattered more than once is scattered both from the view's circle and from the light's; among
         // several scatterers it may be only one of them.
         let circles = |[a, b]: [f64; 2]| if *alone { a * b / (a + b).max(1e-9) } else { a.max(b) };
         let orders = || match surface {
-            true => RoughOrders::of_surface(face, grid, precision.digits, *beyond_first, known, stop),
-            false => RoughOrders::new(face, grid, precision.digits, beyond_first.map(circles), known, stop),
+            true => RoughOrders::of_surface(face, *beyond_first, sampling, known),
+            false => RoughOrders::new(face, beyond_first.map(circles), sampling, known),
         };
         self.scatterers.rough(face, orders)
     }
 
     /// Returns the number of a kernel in a disc of this radius.
     pub(crate) fn kernel(&mut self, scatter: &'a Scatter, disc: f64) -> usize {
-        let Self { grid, precision, beyond_first, known, stop, .. } = self;
+        let (sampling, beyond_first) = (self.sampling(), self.beyond_first);
+        let Self { grid, known, .. } = self;
         let known = known.scatter(scatter, disc, &grid.beta[..grid.regular]);
-        let orders = || ScatterOrders::new(scatter, disc, grid, precision.digits, *beyond_first, known, stop);
+        let orders = || ScatterOrders::new((scatter, disc), beyond_first, sampling, known);
         self.scatterers.scatter(scatter, disc, orders)
+    }
+
+    /// Returns what kernels without a closed series are sampled for.
+    fn sampling(&self) -> Sampling<'p> {
+        Sampling { grid: self.grid, digits: self.precision.digits, stop: self.stop }
     }
 
     /// Returns the number of a medium that scatters in its volume, of this extinction along the normal.

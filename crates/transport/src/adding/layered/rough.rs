@@ -13,11 +13,12 @@ mod transforms;
 
 use std::f64::consts::PI;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::Ordering;
 
 use papilio_optics::rough::{Rough, Side};
 
 use super::algebra::Operator;
+use super::azimuth::Sampling;
 use super::grid::Grid;
 use super::matrix::Matrix;
 use super::part::Part;
@@ -46,25 +47,19 @@ const WAYS: [(Side, Side); 3] =
     [(Side::Above, Side::Above), (Side::Above, Side::Below), (Side::Below, Side::Below)];
 
 impl RoughOrders {
-    /// Computes the orders to this number of natural digits in azimuth; orders beyond the first only if they are
-    /// requested, for light scattered on circles of this `|beta|`. Light that one microfacet scatters from one
-    /// extra node to another is left out ([`once`](super::once)). What `known`, the orders for other extra
-    /// nodes, contains is not computed again. Incomplete if `stop` is set during the computation.
+    /// Computes the orders; those beyond the first only if they are requested, for light scattered on circles of this
+    /// `|beta|`. Light that one microfacet scatters from one extra node to another is left out
+    /// ([`once`](super::once)). What `known`, the orders for other extra nodes, contains is not computed again.
     pub(super) fn new(
         face: &Rough,
-        grid: &Grid,
-        digits: f64,
         beyond_first: Option<f64>,
+        sampling: Sampling<'_>,
         known: Option<&Self>,
-        stop: &AtomicBool,
     ) -> Self {
+        let Sampling { grid, digits, stop } = sampling;
         let count = beyond_first.map_or(1, |radius| orders(face, radius, digits));
-        let known = known.filter(|known| known.orders() == count);
         let (len, regular) = (grid.len(), grid.regular);
-        let mut all = blank(grid, count);
-        if let Some(known) = known {
-            all.copy(known);
-        }
+        let (mut all, known) = Self::between_nodes(grid, count, known);
         let mut transforms = Transforms::new(count, digits);
         let edge = Edge::new(face, grid);
         for (way, (from, to)) in WAYS.into_iter().enumerate() {
@@ -92,6 +87,16 @@ impl RoughOrders {
         all.balance(face, grid, digits as usize + 7, known);
         all.missing = missing(face, &all.part(face, 0, grid), grid);
         all
+    }
+
+    /// Returns this number of orders, of zeros but between nodes with weight if `known` has as many; and `known` if so.
+    fn between_nodes<'k>(grid: &Grid, count: usize, known: Option<&'k Self>) -> (Self, Option<&'k Self>) {
+        let known = known.filter(|known| known.orders() == count);
+        let mut all = blank(grid, count);
+        if let Some(known) = known {
+            all.copy(known);
+        }
+        (all, known)
     }
 
     /// Copies the kernels between nodes with weight.

@@ -10,7 +10,7 @@ use papilio_optics::scatter::Scatter;
 use papilio_optics::{Beta, Scatterer};
 
 use super::algebra::Operator;
-use super::azimuth::{MOST_INTERVALS, graded, rounded_up, trapezoid};
+use super::azimuth::{MOST_INTERVALS, Sampling, graded, rounded_up, trapezoid};
 use super::grid::Grid;
 use super::matrix::Matrix;
 
@@ -39,20 +39,17 @@ pub(super) struct ScatterOrders {
 }
 
 impl ScatterOrders {
-    /// Computes the orders in a disc of this radius for that of air, to this number of natural digits in
-    /// azimuth; orders beyond the first only if there are lights with an azimuth, given the largest `|beta|`
-    /// of views and of those. Light scattered from one extra node to another is left out
-    /// ([`once`](super::once)). What `known`, the orders for other extra nodes, contains is not computed again.
-    /// Incomplete if `stop` is set during the computation.
+    /// Computes the orders in a disc of this radius for that of air; those beyond the first only if there are lights
+    /// with an azimuth, given the largest `|beta|` of views and of those. Light scattered from one extra node to
+    /// another is left out ([`once`](super::once)). What `known`, the orders for other extra nodes, contains is not
+    /// computed again.
     pub(super) fn new(
-        scatter: &Scatter,
-        disc: f64,
-        grid: &Grid,
-        digits: f64,
+        (scatter, disc): (&Scatter, f64),
         beyond_first: Option<[f64; 2]>,
+        sampling: Sampling<'_>,
         known: Option<&Self>,
-        stop: &AtomicBool,
     ) -> Self {
+        let Sampling { grid, digits, stop } = sampling;
         let (len, regular) = (grid.len(), grid.regular);
         let count = beyond_first.map_or(1, |ends| {
             let most = (MOST_NUMBERS / (len * len).max(1)).clamp(8, MOST_ORDERS);
@@ -247,8 +244,8 @@ mod tests {
             radial.iter().map(|r| lobe.density(Beta::default(), Beta { x: *r, y: 0.0 })).collect();
         let scatter: Scatter = Table::new(&[0.0], &radial, &[0.0], &values).unwrap().into();
         let grid = Grid::new(&[1.0], Density { least: 8, spacing: 0.14, angle: None }, &[0.3]);
-        let found =
-            ScatterOrders::new(&scatter, 1.0, &grid, 9.0, Some([1.0; 2]), None, &AtomicBool::new(false));
+        let sampling = Sampling { grid: &grid, digits: 9.0, stop: &AtomicBool::new(false) };
+        let found = ScatterOrders::new((&scatter, 1.0), Some([1.0; 2]), sampling, None);
         let mut closed = LobeOrders::new(lobe, 1.0);
         let mut largest = 0.0_f64;
         for order in [0, 1, 5, 20] {

@@ -14,7 +14,7 @@ use super::super::images::{ImagePoints, Mirror, image_points};
 use super::super::quadrature::{Node, Nodes, Point, Pole, cone_points_of, disc_points, graded, smooth_at};
 use super::add_scaled;
 use crate::specular::{FlatTop, panel_image};
-use crate::{Base, Cone, Estimate, Ledger, Medium, Panel, ReflectanceFactor, Reflector, Source, Top};
+use crate::{Base, Cone, Estimate, Field, Ledger, Medium, Panel, ReflectanceFactor, Reflector, Source, Top};
 
 /// Angle over which the reflectances of interfaces and pixels change, radians.
 const SMOOTH: f64 = 0.3;
@@ -75,13 +75,7 @@ impl Kernel {
             Source::Diffuse => Light::Diffuse,
             Source::Beam(beta) => Light::Directed(vec![Point { beta: *beta, weight: 1.0 }]),
             Source::Disc(cone) => Light::Directed(disc_points(cone, smooth_at(cone, SMOOTH), digits)),
-            Source::Field(field) => {
-                // Over inclination everything is smooth, and nothing depends on azimuth.
-                let rings = rings(field, Peaks { views: &[], width: SMOOTH }, digits);
-                let point =
-                    |ring: &Ring| Point { beta: Beta { x: ring.radius, y: 0.0 }, weight: ring.weight() };
-                Light::Directed(rings.iter().map(point).collect())
-            }
+            Source::Field(field) => Light::Directed(smooth_points(field, SMOOTH, digits)),
         };
         Self { digits, views: views.iter().map(view).collect(), lights: sources.iter().map(light).collect() }
     }
@@ -148,7 +142,7 @@ impl Kernel {
             fate.enter(&flat, point.weight);
             add_scaled(&mut entering, &flat.t, point.weight);
         }
-        let (out, back) = self.diffuse_shares(stack);
+        let (out, back) = diffuse_shares(stack, self.digits);
         for (k, r) in reflectance.iter().enumerate() {
             let bin = k % bins;
             let arriving = entering[bin] * orders(stack, entering[bin], back[bin] * r);
@@ -172,33 +166,40 @@ impl Kernel {
         });
         Estimate { rho: rho.collect(), ledger: fate.ledger(stack) }
     }
+}
 
-    /// Returns the fractions of a Lambertian base's light that leave, and that return to it.
-    fn diffuse_shares(&self, stack: &Panel) -> (Vec<f64>, Vec<f64>) {
-        let bins = stack.base.bins();
-        let (mut out, mut back) = (vec![0.0; bins], vec![0.0; bins]);
-        let lowest = match &stack.top {
-            Top::Fresnel(index) => index.min(),
-            Top::IdealAr | Top::Diffuser(_) => f64::INFINITY,
-        };
-        // beta = sin x resolves the grazing end in air; the grazing end in the medium of the interface is a
-        // pole.
-        let poles = if lowest.is_finite() { vec![Pole { at: lowest, off: 0.0 }.in_arc(1.0)] } else { vec![] };
-        let mut flat = FlatTop::new(bins);
-        for Node { x, weight } in graded(0.0, FRAC_PI_2, &[], &poles, self.digits) {
-            flat.set(stack, x.sin().powi(2));
-            let area = weight * (2.0 * x).sin();
-            add_scaled(&mut out, &flat.t, area);
-            add_scaled(&mut back, &flat.below, area);
-        }
-        for (bin, index) in stack.medium.index().iter().enumerate() {
-            let area = index * index;
-            out[bin] /= area;
-            // Beyond the critical angle all light returns.
-            back[bin] = (back[bin] + area - 1.0) / area;
-        }
-        (out, back)
+/// Returns the fractions of a Lambertian base's light that leave, and that return to it, under flat parts.
+pub(crate) fn diffuse_shares(stack: &Panel, digits: f64) -> (Vec<f64>, Vec<f64>) {
+    let bins = stack.base.bins();
+    let (mut out, mut back) = (vec![0.0; bins], vec![0.0; bins]);
+    let lowest = match &stack.top {
+        Top::Fresnel(index) => index.min(),
+        Top::IdealAr | Top::Diffuser(_) => f64::INFINITY,
+    };
+    // beta = sin x resolves the grazing end in air; the grazing end in the medium of the interface is a
+    // pole.
+    let poles = if lowest.is_finite() { vec![Pole { at: lowest, off: 0.0 }.in_arc(1.0)] } else { vec![] };
+    let mut flat = FlatTop::new(bins);
+    for Node { x, weight } in graded(0.0, FRAC_PI_2, &[], &poles, digits) {
+        flat.set(stack, x.sin().powi(2));
+        let area = weight * (2.0 * x).sin();
+        add_scaled(&mut out, &flat.t, area);
+        add_scaled(&mut back, &flat.below, area);
     }
+    for (bin, index) in stack.medium.index().iter().enumerate() {
+        let area = index * index;
+        out[bin] /= area;
+        // Beyond the critical angle all light returns.
+        back[bin] = (back[bin] + area - 1.0) / area;
+    }
+    (out, back)
+}
+
+/// Returns points of a field for functions of the inclination that change over this angle.
+pub(crate) fn smooth_points(field: &Field, smooth: f64, digits: f64) -> Vec<Point> {
+    let rings = rings(field, Peaks { views: &[], width: smooth }, digits);
+    let point = |ring: &Ring| Point { beta: Beta { x: ring.radius, y: 0.0 }, weight: ring.weight() };
+    rings.iter().map(point).collect()
 }
 
 /// Sums all orders of a round trip that preserves this fraction of light that has entered with `t`.

@@ -8,14 +8,14 @@ use crate::Medium;
 
 /// Indices at which to compute, and the weights of each at each wavelength.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Indices {
-    pub(super) nodes: Vec<f64>,
+pub(crate) struct Indices {
+    pub(crate) nodes: Vec<f64>,
     /// Shape `[node][wavelength]`.
     blend: Vec<f64>,
 }
 
 impl Indices {
-    pub(super) fn new(medium: &Medium, digits: f64) -> Self {
+    pub(crate) fn new(medium: &Medium, digits: f64) -> Self {
         let index = medium.index();
         if let Some(index) = medium.constant_index() {
             return Self { nodes: vec![index], blend: vec![1.0; medium.index().len()] };
@@ -44,12 +44,12 @@ impl Indices {
     }
 
     /// Returns the weight of a node at a wavelength.
-    pub(super) fn blend_at(&self, node: usize, bin: usize) -> f64 {
+    pub(crate) fn blend_at(&self, node: usize, bin: usize) -> f64 {
         self.blend[node * (self.blend.len() / self.nodes.len()) + bin]
     }
 
     /// `sum[..][wavelength] += values[..][wavelength] * blend` of one node.
-    pub(super) fn add(&self, node: usize, values: &[f64], sum: &mut [f64]) {
+    pub(crate) fn add(&self, node: usize, values: &[f64], sum: &mut [f64]) {
         let bins = self.blend.len() / self.nodes.len();
         let blend = &self.blend[node * bins..][..bins];
         for (row, values) in sum.chunks_exact_mut(bins).zip(values.chunks_exact(bins)) {

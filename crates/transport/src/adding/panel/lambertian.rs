@@ -13,17 +13,17 @@ use crate::Diffuser;
 
 /// Integrals over directions, for one index.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Shares {
+pub(crate) struct Shares {
     index: f64,
     /// The integral of `a/(pi n^2)` over the disc of air: the fraction of the base's light that leaves.
-    pub(super) out: f64,
+    pub(crate) out: f64,
     /// `kappa`: the fraction that would leave and return, under a perfect mirror.
-    pub(super) back: f64,
-    pub(super) nodes: usize,
+    pub(crate) back: f64,
+    pub(crate) nodes: usize,
 }
 
 impl Shares {
-    pub(super) fn new(diffuser: &Diffuser, index: f64, digits: f64) -> Self {
+    pub(crate) fn new(diffuser: &Diffuser, index: f64, digits: f64) -> Self {
         let mut poles = Vec::new();
         if let papilio_optics::lobe::Lobe::KCorrelation { width } = diffuser.lobe {
             poles.extend([index, -index].map(|at| Pole { at, off: width }));
@@ -40,12 +40,12 @@ impl Shares {
     }
 
     /// Returns the mean of `a` over the points of a view or a source.
-    pub(super) fn arriving(&self, diffuser: &Diffuser, points: &[Point]) -> f64 {
+    pub(crate) fn arriving(&self, diffuser: &Diffuser, points: &[Point]) -> f64 {
         points.iter().map(|p| p.weight * arriving(diffuser, p.beta.length(), self.index)).sum()
     }
 
     /// Returns `pi` times the density of directions of the base.
-    pub(super) fn density(&self) -> f64 {
+    pub(crate) fn density(&self) -> f64 {
         1.0 / (self.index * self.index)
     }
 }

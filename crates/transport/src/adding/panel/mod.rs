@@ -23,6 +23,9 @@ use std::sync::atomic::AtomicBool;
 
 use papilio_optics::lobe::Lobe;
 
+pub(crate) use bare::{diffuse_shares, smooth_points};
+pub(crate) use indices::Indices;
+
 use super::{FirstPass, TableGradient};
 use crate::{Cone, Diffuser, Estimate, Nodes, Panel, ReflectanceFactor, Reflector, Source, Top};
 

@@ -16,10 +16,11 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use papilio_optics::rough::{Rough, Side};
 
+use super::super::azimuth::Sampling;
 use super::super::grid::{Grid, Interpolation};
 use super::super::matrix::Matrix;
 use super::transforms::Transforms;
-use super::{RoughOrders, blank, missing, refraction_width};
+use super::{RoughOrders, missing, refraction_width};
 use crate::adding::quadrature::{Pole, radial};
 
 /// Natural digits of orders beyond those of the nodes: the poles of each of three lobes are double, `(1 + m y) exp(-m y)`.
@@ -51,18 +52,13 @@ impl RoughOrders {
     /// are requested, for the largest `|beta|` of views and of lights with an azimuth.
     pub(in super::super) fn of_surface(
         face: &Rough,
-        grid: &Grid,
-        digits: f64,
         beyond_first: Option<[f64; 2]>,
+        sampling: Sampling<'_>,
         known: Option<&Self>,
-        stop: &AtomicBool,
     ) -> Self {
+        let Sampling { grid, digits, stop } = sampling;
         let count = beyond_first.map_or(1, |ends| orders(face, ends, digits));
-        let known = known.filter(|known| known.orders() == count);
-        let mut all = blank(grid, count);
-        if let Some(known) = known {
-            all.copy(known);
-        }
+        let (mut all, known) = Self::between_nodes(grid, count, known);
         let mut transforms = Transforms::new(count, digits);
         if known.is_none() {
             all.reflect_inside(face, grid, &mut transforms, stop);

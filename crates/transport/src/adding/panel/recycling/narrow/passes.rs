@@ -55,7 +55,7 @@ struct Around {
     differences: Vec<f64>,
 }
 
-/// Directions close together, which see each other's surroundings alike.
+/// Directions close together: all factors but the lobe are computed for their centre.
 #[derive(Debug, Clone)]
 pub(super) struct Cluster {
     pub(super) centre: Beta,

@@ -1,0 +1,138 @@
+//! `papilio mtf`: how sharp the display is.
+
+use std::io::Write;
+use std::path::Path;
+
+use papilio_display::spatial::{MtfResult, MtfView};
+use papilio_formats::{MtfFile, write_file, write_json, write_kernel_npy, write_mtf_csv, write_spread_csv};
+use papilio_scenario::Scenario;
+
+use crate::arguments::Mtf;
+use crate::run::with_progress;
+use crate::{Failure, folder, input, interrupt, output, print_message, print_notes, report};
+
+pub(crate) fn mtf(arguments: &Mtf) -> Result<(), Failure> {
+    let mut overrides = arguments.scenario.set.clone();
+    overrides.extend(arguments.seed.map(|seed| format!("solver.seed={seed}")));
+    let resolved = input::scenario::<Scenario>(&arguments.scenario.file, &overrides)?.resolve()?;
+    let folder = match (&arguments.scenario.out, arguments.json) {
+        (None, true) => None,
+        _ => Some(folder::choose(&arguments.scenario, &resolved.hash)?),
+    };
+    let result = with_progress(&resolved, arguments.workers.threads, |control| {
+        papilio_display::spatial::mtf(&resolved.scene, control)
+    })?;
+    let result = result.ok_or(Failure::Interrupted("no file was written"))?;
+    let file = MtfFile {
+        papilio: env!("CARGO_PKG_VERSION"),
+        hash: &resolved.hash,
+        scenario: &resolved.canonical,
+        result: &result,
+    };
+    let title = resolved.title.clone().unwrap_or_else(|| report::file_title(&arguments.scenario.file));
+    let mut stdout = crate::terminal::output(arguments.json);
+    if arguments.json {
+        write_json(&mut stdout, &file)?;
+    } else {
+        stdout.write_all(text(&title, &result).as_bytes())?;
+    }
+    stdout.flush()?;
+    if let Some(folder) = &folder {
+        let names = interrupt::uninterrupted(|| write(folder, &file, &title))?;
+        output::print_written(folder, &names);
+    }
+    print_notes(&resolved.notes);
+    let warnings = resolved.warnings.iter().chain(&result.warnings);
+    warnings.for_each(|warning| print_message(&format!("warning: {warning}")));
+    Ok(())
+}
+
+/// Writes all files; returns their names.
+fn write(folder: &Path, file: &MtfFile<'_>, title: &str) -> Result<Vec<String>, Failure> {
+    output::make_folder(folder)?;
+    output::remove(folder, is_figure)?;
+    write_file(&folder.join("mtf.json"), |out| write_json(out, file))?;
+    write_file(&folder.join("mtf.csv"), |out| write_mtf_csv(out, file.result))?;
+    write_file(&folder.join("spread.csv"), |out| write_spread_csv(out, file.result))?;
+    let mut names = ["mtf.json", "mtf.csv", "spread.csv"].map(str::to_owned).to_vec();
+    let states = file.result.views.first().map(|view| &view.states);
+    for (state, _) in states.into_iter().flat_map(|states| states.iter()) {
+        let name = format!("kernel-{state}.npy");
+        write_file(&folder.join(&name), |out| write_kernel_npy(out, file.result, state))?;
+        names.push(name);
+    }
+    for (name, svg) in papilio_figures::of_mtf(file.result, title) {
+        let name = format!("{name}.svg");
+        write_file(&folder.join(&name), |out| out.write_all(svg.as_bytes()))?;
+        names.push(name);
+    }
+    Ok(names)
+}
+
+/// True for names of figures of this command.
+fn is_figure(name: &str) -> bool {
+    let is_own = |stem: &str| ["mtf", "edges", "kernel_"].iter().any(|kind| stem.starts_with(kind));
+    name.strip_suffix(".svg").is_some_and(is_own)
+}
+
+/// The table on the terminal.
+fn text(title: &str, result: &MtfResult) -> String {
+    let mut text = format!("{}\n", report::plain(title));
+    if let (Some(pitch), Some(nyquist)) = (result.pitch_um, result.nyquist_per_mm) {
+        text += &format!(
+            "pixels of {:.2} x {:.2} um, Nyquist frequency {:.3} x {:.3} per mm\n",
+            pitch[0], pitch[1], nyquist[0], nyquist[1]
+        );
+    }
+    for view in &result.views {
+        text += &format!("\nviewed at theta {} deg, phi {} deg\n", view.theta_deg, view.phi_deg);
+        text += &report::table(&rows(view));
+        text += &lines(view);
+    }
+    text + &format!("error of the modulation transfer: {:.1e}\n", result.error_reached)
+}
+
+fn number(value: Option<f64>, decimals: usize) -> String {
+    value.map_or("-".to_owned(), |value| format!("{value:.decimals$}"))
+}
+
+fn rows(view: &MtfView) -> Vec<Vec<String>> {
+    let head = [
+        "state",
+        "f50 x, y (1/mm)",
+        "MTF at Nyquist x, y",
+        "edge 10-90 x, y (um)",
+        "r50, r90 (um)",
+        "SQRI x, y (JND)",
+    ];
+    let mut rows = vec![head.map(str::to_owned).to_vec()];
+    for (name, state) in view.states.iter() {
+        let s = &state.scalars;
+        let pair = |a, b, decimals| format!("{} {}", number(a, decimals), number(b, decimals));
+        rows.push(vec![
+            name.to_owned(),
+            pair(s.f50_x_per_mm, s.f50_y_per_mm, 3),
+            pair(s.mtf_nyquist_x, s.mtf_nyquist_y, 3),
+            pair(s.edge_10_90_x_um, s.edge_10_90_y_um, 1),
+            pair(s.r50_um, s.r90_um, 1),
+            pair(s.sqri_jnd_x, s.sqri_jnd_y, 1),
+        ]);
+    }
+    rows
+}
+
+/// Contrast of lines of 1, 2 and 4 pixels; empty without a matrix.
+fn lines(view: &MtfView) -> String {
+    let values: Vec<Option<f64>> = view.line_contrast.named().map(|(_, value)| value).collect();
+    if values.iter().all(Option::is_none) {
+        return String::new();
+    }
+    let mut rows = vec![["lines of 1, 2, 4 pixels", "across x", "across y"].map(str::to_owned).to_vec()];
+    for (k, name) in ["white on black", "black on white"].into_iter().enumerate() {
+        let of = |first: usize| {
+            values[first..first + 3].iter().map(|value| number(*value, 3)).collect::<Vec<_>>().join(" ")
+        };
+        rows.push(vec![name.to_owned(), of(3 * k), of(6 + 3 * k)]);
+    }
+    format!("\n{}", report::table(&rows))
+}

@@ -1,0 +1,120 @@
+//! Lengths of a display: the thickness of its media and the windows of its sub-pixels. They determine where light leaves, not
+//! how much of it.
+
+use papilio_spectra::Spectrum;
+use papilio_transport::spatial::Window;
+
+use super::{Display, FrontComponent, Interface, Layer, Layers, Ready};
+use crate::DisplayError;
+
+/// Length along the normal.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Length {
+    /// A length, mm; 0 between interfaces at the same place.
+    Mm(f64),
+    /// Not specified.
+    Missing {
+        /// Path of the key that would specify it, such as `display.glass.thickness_mm`.
+        key: String,
+    },
+}
+
+/// Sub-pixels in the plane of the pixel: one period of an array that repeats.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Matrix {
+    /// Period of a whole pixel along x (azimuth 0) and y (azimuth 90 deg), mm.
+    pub pitch_mm: [f64; 2],
+    /// Number of columns and rows of the display; `None`: that of a picture.
+    pub pixels: Option<[usize; 2]>,
+    /// The sub-pixels: those of a film pixel in its order; those of a filter; or a single one.
+    pub sub_pixels: Vec<SubPixelWindow>,
+    /// Width of the sideways scattering of light within the pixel, mm; 0: none.
+    pub spread_mm: f64,
+    /// Second pattern plane above the pixels.
+    pub filter: Option<Filter>,
+}
+
+impl Matrix {
+    /// Inactive fraction of the area.
+    pub fn inactive_fraction(&self) -> f64 {
+        1.0 - self.sub_pixels.iter().map(|sub_pixel| sub_pixel.fraction).sum::<f64>()
+    }
+}
+
+/// Place of a sub-pixel.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SubPixelWindow {
+    /// Its name.
+    pub name: String,
+    /// Fraction of the whole area, by the area of the sub-pixel and the fill factor, as colours use it. The area of the window
+    /// differs by at most 0.001.
+    pub fraction: f64,
+    /// Its rectangles in fractions of the pitch, from the lower left corner of the pixel.
+    pub window: Window,
+}
+
+/// Colour filter above the pixels, with the same windows. Between its windows it is clear.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Filter {
+    /// Height above the pixels in the medium above them, mm.
+    pub height_mm: f64,
+    /// Transmittance of one pass along the normal for each sub-pixel of the matrix; an oblique pass has its power
+    /// 1/cos(theta).
+    pub transmittance: Vec<Spectrum>,
+    /// States of the display.
+    pub states: Vec<FilterState>,
+}
+
+/// State of a display with a colour filter.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FilterState {
+    /// Its name.
+    pub name: String,
+    /// Index, among the states of the pixel, of the state below each sub-pixel's filter.
+    pub pixel_states: Vec<usize>,
+}
+
+impl Display {
+    /// Returns the colour filter above the pixels.
+    pub fn filter(&self) -> Option<&Filter> {
+        self.matrix.as_ref()?.filter.as_ref()
+    }
+
+    /// Returns the thickness of each medium, mm, in the order of `lengths`; 0 above all layers that scatter or reflect
+    /// light, where it has no effect on places.
+    ///
+    /// # Errors
+    /// If a length is needed and missing: the lowest one.
+    pub fn lengths_mm(&self) -> Result<Vec<f64>, DisplayError> {
+        let first = self.first_needed();
+        let needed = |(number, length): (usize, &Length)| match length {
+            _ if number < first => Ok(0.0),
+            Length::Mm(length) => Ok(*length),
+            Length::Missing { key } => Err(DisplayError::MissingLength { key: key.clone() }),
+        };
+        // The lowest first: without the glass, the others are of no use.
+        let lengths = self.lengths.iter().enumerate().rev().map(needed);
+        let mut lengths = lengths.collect::<Result<Vec<f64>, _>>()?;
+        lengths.reverse();
+        Ok(lengths)
+    }
+
+    /// Returns the number of the highest medium from which light can come back to the pixel at another place.
+    fn first_needed(&self) -> usize {
+        let acts = |component: &FrontComponent| component.reflectance.max() > 0.0;
+        match &self.layers {
+            Layers::Panel(panel) => panel.front.iter().position(acts).unwrap_or(panel.front.len()),
+            Layers::General(layers) => layers.iter().position(moves_light).unwrap_or(layers.len()),
+        }
+    }
+}
+
+/// True if a layer scatters or reflects light.
+fn moves_light(layer: &Layer) -> bool {
+    layer.medium.scattering.is_some()
+        || match &layer.interface {
+            Interface::Ready(Ready::Open) => false,
+            Interface::Ready(Ready::Component(component)) => component.reflectance.iter().any(|r| *r > 0.0),
+            _ => true,
+        }
+}

@@ -1,0 +1,154 @@
+//! Positions of tables over places, and what is read from them.
+
+use papilio_transport::spatial::Peak;
+
+/// Places on each side of a peak in a table.
+const PER_SIDE: usize = 40;
+
+/// Ascending places along an axis, mm, dense near the peaks: each is `peak + width sinh(u)` with uniform u, up to `extent_mm` from
+/// the view's own ray. 0 and `fixed` are among them.
+pub(super) fn places(peaks: &[Peak], axis: usize, extent_mm: f64, fixed: &[f64]) -> Vec<f64> {
+    let mut all: Vec<(f64, f64)> = fixed.iter().chain([&0.0]).map(|at| (*at, 0.0)).collect();
+    for peak in peaks {
+        let end = (extent_mm / peak.width_mm).asinh();
+        let step = end / PER_SIDE as f64;
+        for k in -(PER_SIDE as i32)..=PER_SIDE as i32 {
+            let u = f64::from(k) * step;
+            let at = peak.at_mm[axis] + peak.width_mm * u.sinh();
+            // Closer ones of another peak add nothing.
+            all.push((at, 0.5 * peak.width_mm * u.cosh() * step));
+        }
+    }
+    all.retain(|(at, _)| at.abs() <= extent_mm);
+    all.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1)));
+    let is_fixed = |at: f64| at == 0.0 || fixed.contains(&at);
+    let mut kept: Vec<(f64, f64)> = Vec::with_capacity(all.len());
+    for (at, distance) in all {
+        let Some(last) = kept.last().copied() else {
+            kept.push((at, distance));
+            continue;
+        };
+        match (is_fixed(at), is_fixed(last.0)) {
+            (true, true) if at > last.0 => kept.push((at, distance)),
+            (true, true) => {}
+            (true, false) if at - last.0 < distance.max(last.1) => {
+                *kept.last_mut().unwrap_or(&mut (at, 0.0)) = (at, 0.0)
+            }
+            _ if at - last.0 >= distance.min(if last.1 > 0.0 { last.1 } else { distance }) => {
+                kept.push((at, distance))
+            }
+            _ => {}
+        }
+    }
+    kept.into_iter().map(|(at, _)| at).collect()
+}
+
+/// Place where a cumulative function, 0 to 1 over ascending places, reaches a value; `None` where the table does not reach it.
+pub(super) fn crossing(places: &[f64], cumulative: &[f64], value: f64) -> Option<f64> {
+    let above = cumulative.iter().position(|share| *share >= value)?;
+    if above == 0 {
+        return (cumulative[0] == value).then(|| places[0]);
+    }
+    let piece = Piece::new(places, cumulative, above - 1);
+    let (mut low, mut high) = (0.0, 1.0);
+    for _ in 0..50 {
+        let middle = 0.5 * (low + high);
+        if piece.at(middle) < value { low = middle } else { high = middle }
+    }
+    Some(places[above - 1] + piece.width * 0.5 * (low + high))
+}
+
+/// Value of a function tabulated at ascending places; held beyond them.
+pub(super) fn interpolated(places: &[f64], values: &[f64], at: f64) -> f64 {
+    let above = places.partition_point(|place| *place <= at);
+    match above {
+        0 => values.first().copied().unwrap_or_default(),
+        above if above == places.len() => values[above - 1],
+        above => {
+            let piece = Piece::new(places, values, above - 1);
+            piece.at((at - places[above - 1]) / piece.width)
+        }
+    }
+}
+
+/// Cubic between two places, with the slopes of parabolas through three points.
+struct Piece {
+    width: f64,
+    values: [f64; 2],
+    slopes: [f64; 2],
+}
+
+impl Piece {
+    fn new(places: &[f64], values: &[f64], from: usize) -> Self {
+        let chord = |k: usize| (values[k + 1] - values[k]) / (places[k + 1] - places[k]);
+        let last = places.len() - 2;
+        let slope = |k: usize| {
+            let (left, right) = (k.saturating_sub(1).min(last), k.min(last));
+            let [a, b] = [left, right].map(|k| places[k + 1] - places[k]);
+            (chord(left) * b + chord(right) * a) / (a + b)
+        };
+        // A step within the interval, as of a sharp image, has no parabola: no slope beyond three times the mean.
+        let mean = chord(from);
+        let limited = |slope: f64| {
+            if slope * mean > 0.0 { mean.signum() * slope.abs().min(3.0 * mean.abs()) } else { 0.0 }
+        };
+        Self {
+            width: places[from + 1] - places[from],
+            values: [values[from], values[from + 1]],
+            slopes: [slope(from), slope(from + 1)].map(limited),
+        }
+    }
+
+    /// Value at a fraction t of the interval.
+    fn at(&self, t: f64) -> f64 {
+        let s = 1.0 - t;
+        let [from, to] = self.values;
+        let hermite = from * s * s * (1.0 + 2.0 * t) + to * t * t * (1.0 + 2.0 * s);
+        hermite + self.width * (self.slopes[0] * t * s * s - self.slopes[1] * t * t * s)
+    }
+}
+
+/// Sums of bins up to each border, over the sum of all.
+pub(super) fn cumulative(bins: &[f64]) -> Vec<f64> {
+    let total: f64 = bins.iter().sum();
+    let mut sum = 0.0;
+    bins[..bins.len().saturating_sub(1)]
+        .iter()
+        .map(|bin| {
+            sum += bin;
+            if total > 0.0 { sum / total } else { 0.0 }
+        })
+        .collect()
+}
+
+/// Density at each border: of the two bins beside it.
+pub(super) fn density(places: &[f64], bins: &[f64]) -> Vec<f64> {
+    let total: f64 = bins.iter().sum();
+    let at = |k: usize| {
+        let from = places[k.saturating_sub(1)];
+        let to = places[(k + 1).min(places.len() - 1)];
+        let inside = bins[(k.max(1))..=k.min(places.len() - 2) + 1].iter().sum::<f64>();
+        if to > from && total > 0.0 { inside / (to - from) / total } else { 0.0 }
+    };
+    (0..places.len()).map(at).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Cauchy's distribution: quartiles at one width.
+    #[test]
+    fn crossings_of_a_known_distribution_are_exact() {
+        let peak = Peak { at_mm: [0.0; 2], width_mm: 0.02 };
+        let places = places(&[peak], 0, 10.0, &[0.05]);
+        assert!(places.contains(&0.05) && places.contains(&0.0));
+        assert!(places.windows(2).all(|pair| pair[0] < pair[1]));
+        let share: Vec<f64> = places.iter().map(|x| 0.5 + (x / 0.02).atan() / std::f64::consts::PI).collect();
+        for (value, expected) in [(0.25, -0.02), (0.5, 0.0), (0.75, 0.02), (0.9, 0.02 * 3.077_683_5)] {
+            let found = crossing(&places, &share, value).unwrap();
+            assert!((found - expected).abs() < 1e-4 * 0.02, "{value}: {found} {expected}");
+        }
+        assert_eq!(crossing(&places, &share, 0.9999), None);
+    }
+}

@@ -1,0 +1,114 @@
+//! Result of [`mtf`](super::mtf()), serialised as `mtf.json`.
+
+use schemars::JsonSchema;
+use serde::Serialize;
+
+pub use crate::metrics::{LineContrast, SpatialScalars};
+use crate::result::Named;
+
+/// How sharp a display is; it does not contain the scenario.
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
+pub struct MtfResult {
+    /// Spatial frequencies in the plane of the panel, cycles per mm.
+    pub frequency_per_mm: Vec<f64>,
+    /// The same for the eye at `viewer.distance_mm`, cycles per degree.
+    pub cycles_per_degree: Vec<f64>,
+    /// Period of a pixel along x and y, um; null without a matrix.
+    pub pitch_um: Option<[f64; 2]>,
+    /// Nyquist frequency of the pixels along x and y, cycles per mm; null without a matrix.
+    pub nyquist_per_mm: Option<[f64; 2]>,
+    /// Highest spatial frequency that the eye sees at full contrast (Barten 1999), cycles per mm.
+    pub eye_limit_per_mm: Option<f64>,
+    /// Largest error of a modulation transfer: the difference of two levels of discretisation.
+    pub error_reached: f64,
+    /// One entry for each view, with theta varying fastest.
+    pub views: Vec<MtfView>,
+    /// Warnings for the user.
+    pub warnings: Vec<String>,
+}
+
+/// Sharpness in one view.
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
+pub struct MtfView {
+    /// Inclination, degrees.
+    pub theta_deg: f64,
+    /// Azimuth, degrees.
+    pub phi_deg: f64,
+    /// The drive states, in the order of the scenario.
+    pub states: Named<MtfState>,
+    /// Contrast of the middle of a line with its surround far away, (L_white - L_black)/(L_white + L_black); null without a matrix, white
+    /// or black.
+    pub line_contrast: LineContrast,
+    /// The same without the images of the room in flat faces.
+    pub line_contrast_via_pixel: LineContrast,
+    /// Errors of `line_contrast`.
+    pub line_contrast_error: LineContrast,
+}
+
+/// Sharpness of a state in one view, in all light.
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
+#[allow(non_snake_case, reason = "the letters of the field's own symbols")]
+pub struct MtfState {
+    /// Y by way of the pixel.
+    pub Y_via_pixel: f64,
+    /// The metrics.
+    #[serde(flatten)]
+    pub scalars: SpatialScalars,
+    /// Errors of the metrics.
+    pub error: SpatialScalars,
+    /// Light by frequency, in all light.
+    pub otf: Curves,
+    /// The same for each light: `diffuse`, `directed.0`, `environment.0`, ...
+    pub by_light: Named<Curves>,
+    /// Line and edge along x and y, by light, as `spread.csv`.
+    #[serde(skip)]
+    pub spread: Vec<SpreadTable>,
+    /// Light by cell, as `kernel-STATE.npy`.
+    pub kernel: Kernel,
+}
+
+/// Optical transfer along x and y.
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
+pub struct Curves {
+    /// Fraction of the light of the state by way of the pixel.
+    pub fraction: f64,
+    /// Real and imaginary part at each frequency along x.
+    pub otf_x: Vec<[f64; 2]>,
+    /// The same along y.
+    pub otf_y: Vec<[f64; 2]>,
+    /// Errors of the modulus along x.
+    pub error_x: Vec<f64>,
+    /// The same along y.
+    pub error_y: Vec<f64>,
+}
+
+/// Line and edge spread along an axis.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SpreadTable {
+    /// Name of the light, or `all`.
+    pub light: String,
+    /// 0 for x, 1 for y.
+    pub axis: usize,
+    /// Places relative to that of the view's own ray, um.
+    pub position_um: Vec<f64>,
+    /// Line spread, the mean between the neighbouring places, per mm.
+    pub line_spread_per_mm: Vec<f64>,
+    /// Edge spread: fraction of the light from places below.
+    pub edge_spread: Vec<f64>,
+    /// Error of the edge spread.
+    pub error: Vec<f64>,
+}
+
+/// Point spread as a picture.
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
+pub struct Kernel {
+    /// Side of a cell, um.
+    pub cell_um: f64,
+    /// Number of cells along x and y.
+    pub cells: usize,
+    /// Fraction of the light outside of the picture.
+    pub outside: f64,
+    /// Fraction of the light in each cell, rows from the bottom; written to `kernel-STATE.npy`.
+    #[serde(skip)]
+    pub fractions: Vec<f64>,
+}

@@ -1,0 +1,97 @@
+//! Rectangles of sub-pixels: name, and corners in fractions of the pixel's pitch.
+
+use crate::error::{FormatError, Problem};
+use crate::file::DataFile;
+use crate::pixel_table::{in_range, is_name};
+use crate::rows::{Cell, Row, Table};
+
+/// The columns of the table.
+const COLUMNS: [&str; 5] = ["name", "x0", "y0", "x1", "y1"];
+
+/// A rectangle of a sub-pixel: its name, and x0, y0, x1, y1 in fractions of the pitch.
+pub type NamedRectangle = (String, [f64; 4]);
+
+/// Reads a table of rectangles in the order of its rows. Its first row holds the names of the columns, `name,x0,y0,x1,y1`.
+///
+/// # Errors
+/// With line and column: cells that are not numbers from 0 to 1, rectangles without area, names that are not
+/// [permitted](is_name), a table without rows.
+///
+/// ```
+/// # use papilio_formats::{DataFile, read_windows};
+/// let file = DataFile { name: "w.csv".into(), bytes: b"name,x0,y0,x1,y1\nred,0,0,0.5,1\n".to_vec() };
+/// assert_eq!(read_windows(&file)?, [("red".to_owned(), [0.0, 0.0, 0.5, 1.0])]);
+/// # Ok::<(), papilio_formats::FormatError>(())
+/// ```
+pub fn read_windows(file: &DataFile) -> Result<Vec<NamedRectangle>, FormatError> {
+    let table = Table::new(file)?;
+    let mut rows = table.rows().filter(|row| !is_comment(row));
+    let header = rows.next().ok_or_else(|| table.error(Problem::NoRectangles))?;
+    if !header.cells.iter().map(|cell| &cell.text).eq(COLUMNS) {
+        return Err(header.error(Problem::WindowHeader));
+    }
+    let rectangles = rows.map(|row| rectangle(&row)).collect::<Result<Vec<_>, _>>()?;
+    if rectangles.is_empty() {
+        return Err(table.error(Problem::NoRectangles));
+    }
+    Ok(rectangles)
+}
+
+fn rectangle(row: &Row<'_>) -> Result<NamedRectangle, FormatError> {
+    row.expect_cells(COLUMNS.len(), "five columns: name, x0, y0, x1, y1")?;
+    let name: &str = &row.cells[0].text;
+    if !is_name(name) {
+        return Err(row.cell_error(0, Problem::BadName));
+    }
+    let edge = |cell| in_range(row, cell, "an edge", 0.0, 1.0, "a fraction of the pitch from 0 to 1");
+    let corners = [edge(1)?, edge(2)?, edge(3)?, edge(4)?];
+    if corners[0] >= corners[2] || corners[1] >= corners[3] {
+        return Err(row.error(Problem::EmptyRectangle));
+    }
+    Ok((name.to_owned(), corners))
+}
+
+/// Returns whether a row is a comment: it begins with `#` and is not a rectangle of a sub-pixel such as `#1`.
+fn is_comment(row: &Row<'_>) -> bool {
+    row.begins_with_hash()
+        && !(row.cells.len() == COLUMNS.len() && row.cells[1..].iter().any(Cell::is_number))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn read(text: &str) -> Result<Vec<NamedRectangle>, FormatError> {
+        read_windows(&DataFile { name: "w.csv".into(), bytes: text.into() })
+    }
+
+    #[test]
+    fn rectangles_are_read_in_order() {
+        let text = "# a quad\nname;x0;y0;x1;y1\nred;0;0.5;0.5;1\n\nblue;0.5;0;1;0.5\nred;0;0;0.1;0.1\n";
+        let found = read(text).unwrap();
+        let names: Vec<&str> = found.iter().map(|(name, _)| name.as_str()).collect();
+        assert_eq!(names, ["red", "blue", "red"]);
+        assert_eq!(found[1].1, [0.5, 0.0, 1.0, 0.5]);
+    }
+
+    #[test]
+    fn mistakes_have_their_line() {
+        const HEAD: &str = "name,x0,y0,x1,y1\n";
+        for (text, line, problem) in [
+            ("", None, Problem::NoRectangles),
+            (HEAD, None, Problem::NoRectangles),
+            ("name,x,y,w,h\nred,0,0,1,1\n", Some(1), Problem::WindowHeader),
+            (&format!("{HEAD}red,0.5,0,0.5,1\n"), Some(2), Problem::EmptyRectangle),
+            (&format!("{HEAD}red,0,0.6,0.5,0.5\n"), Some(2), Problem::EmptyRectangle),
+            (&format!("{HEAD}=red,0,0,1,1\n"), Some(2), Problem::BadName),
+            (&format!("{HEAD}red,0,0,1,x\n"), Some(2), Problem::NotANumber { found: "x".to_owned() }),
+        ] {
+            let error = read(text).unwrap_err();
+            assert_eq!(error.problem, problem);
+            assert_eq!(error.place.spot.as_ref().map(|spot| spot.line), line, "{error}");
+        }
+        let outside = read(&format!("{HEAD}red,0,0,1.2,1\n")).unwrap_err().to_string();
+        assert!(outside.contains("an edge is 1.2") && outside.contains("from 0 to 1"), "{outside}");
+        assert!(matches!(read(&format!("{HEAD}red,0,0,1\n")).unwrap_err().problem, Problem::Columns { .. }));
+    }
+}

@@ -1,0 +1,22 @@
+//! Pictures for a panel, on its pixels.
+//!
+//! - [`text`]: text from the outlines of a font as black and white pixels, with the middles of its strokes and gaps.
+//!
+//! ```
+//! use papilio_imaging::text::{Font, Setting};
+//!
+//! let setting = Setting { size_pt: 10.0, per_inch: [300.0, 300.0], margin: 8 };
+//! let bitmap = Font::bundled().bitmap("Papilio", setting)?;
+//! let middles = bitmap.middles();
+//! assert!(middles.strokes.iter().all(|pixel| bitmap.black[*pixel]));
+//! # Ok::<(), papilio_imaging::ImagingError>(())
+//! ```
+//!
+//! Arrays have their rows from the bottom and their columns from the left.
+//!
+//! **Out of scope.** Shaping of complex scripts, kerning, hinting, fonts of the system.
+
+mod error;
+pub mod text;
+
+pub use error::ImagingError;

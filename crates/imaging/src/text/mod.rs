@@ -1,0 +1,31 @@
+//! Text on the pixels of a panel.
+//!
+//! **What.** The outlines of the glyphs are placed one after the other at their advances, without rounding, hinting or kerning.
+//! A pixel is black where the outlines cover half of its area or more: what a bistable panel without grey levels shows.
+//!
+//! **Contrast of text** is measured in the middles of strokes and of the gaps between them ([`Middles`]).
+
+mod area;
+mod font;
+mod middles;
+
+pub use font::{Font, Setting};
+pub use middles::Middles;
+
+/// Black and white pixels.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Bitmap {
+    /// Number of columns and rows.
+    pub count: [usize; 2],
+    /// For each pixel, row by row from the bottom: whether it is black.
+    pub black: Vec<bool>,
+    /// Number of pixels of an em along x and y, rounded up.
+    pub em: [usize; 2],
+}
+
+impl Bitmap {
+    /// Finds the middles of strokes and of gaps.
+    pub fn middles(&self) -> Middles {
+        Middles::of(self)
+    }
+}

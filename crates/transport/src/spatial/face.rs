@@ -1,0 +1,181 @@
+//! Light that a flat face returns to a Lambertian plane below it.
+//!
+//! **What.** Light that leaves the plane at an inclination theta in a medium of thickness d comes back at a distance of
+//! `2 d tan(theta)`, weakened by the reflectance F of the face (1 beyond the critical angle):
+//! `A(f) = 2 integral of F(theta) J_0(4 pi f d tan(theta)) sin(theta) cos(theta) dtheta`.
+//!
+//! If all light came back, the integral would be `a K_1(a)`, a = 4 pi f d. What the face lets through is subtracted: an
+//! integral up to the critical angle, in which the transmittance ends as a square root.
+//!
+//! **Intuition.** A(0) of bare glass is 0.596. Most of it is totally reflected, beyond a circle of radius
+//! `2 d tan(critical angle)`: A(f) is negative where that circle is half a period.
+//!
+//! **Source.** Clapper, Yule, J. Opt. Soc. Am. 43, 600 (1953) for f = 0 and infinity.
+
+use std::f64::consts::{FRAC_PI_2, PI};
+
+use super::bessel::{j0, x_k1};
+use crate::adding::quadrature::{Node, gauss};
+
+/// Width of a panel of the rule in radians of the phase `4 pi f d tan(theta)`: 16 points then integrate to 1e-14.
+const PHASE_OF_PANEL: f64 = 8.0;
+const POINTS: usize = 16;
+
+/// Light that the face above a Lambertian plane returns to it, by spatial frequency.
+#[derive(Debug, Clone)]
+pub struct FaceReturn {
+    thickness_mm: f64,
+    /// tan(theta) and the weight of what leaves.
+    leaving: Vec<[f64; 2]>,
+}
+
+impl FaceReturn {
+    /// Prepares a face over a medium.
+    ///
+    /// - `transmittance`: of the face for light from below, 0 to 1, as a function of `|beta|` from 0 to 1.
+    /// - `most_per_mm`: the highest frequency that will be asked, cycles per mm.
+    pub fn new(index: f64, thickness_mm: f64, most_per_mm: f64, transmittance: impl Fn(f64) -> f64) -> Self {
+        let edge = 1.0 / (index * index - 1.0).max(1e-12).sqrt();
+        let panels = (4.0 * PI * most_per_mm * thickness_mm * edge / PHASE_OF_PANEL).ceil().max(1.0);
+        let mut leaving = Vec::new();
+        for panel in 0..panels as usize {
+            let ends = [panel, panel + 1].map(|end| end as f64 / panels);
+            // |beta| = 1 - (1 - v)^2: the square root at the critical angle becomes a straight line.
+            leaving.extend(gauss(ends[0], ends[1], POINTS).map(|node| {
+                let rest = 1.0 - node.x;
+                let beta = 1.0 - rest * rest;
+                let slope = 2.0 * rest;
+                let tangent = beta / (index * index - beta * beta).sqrt();
+                // 2 sin cos dtheta = 2 beta dbeta / n^2
+                [tangent, 2.0 * beta * slope * node.weight / (index * index) * transmittance(beta)]
+            }));
+        }
+        Self { thickness_mm, leaving }
+    }
+
+    /// Fraction of the light from the plane, modulated at this frequency (cycles per mm), that comes back, with its sign.
+    pub fn at(&self, frequency_per_mm: f64) -> f64 {
+        let a = 4.0 * PI * frequency_per_mm.abs() * self.thickness_mm;
+        x_k1(a) - self.leaving.iter().map(|[tangent, weight]| weight * j0(a * tangent)).sum::<f64>()
+    }
+}
+
+/// Light that passes the face, is returned to it by a front of screen above an air gap, and passes it again, by spatial
+/// frequency; of a front that reflects everything.
+#[derive(Debug, Clone)]
+pub(super) struct FrontReturn {
+    /// Way in the plane of the panel, mm, and weight.
+    ways: Vec<[f64; 2]>,
+}
+
+/// Light beyond this way, in units of the thickness and the gap, is taken as not modulated at any frequency but 0.
+const LONGEST_WAY: f64 = 30.0;
+
+impl FrontReturn {
+    /// Prepares the front over glass of this index.
+    ///
+    /// - `lengths_mm`: the glass, and the way through the air in all passes of the gap together, over 2.
+    /// - `weight`: fraction of the light at `|beta|` that comes back.
+    pub(super) fn new(
+        index: f64,
+        [glass_mm, air_mm]: [f64; 2],
+        most_per_mm: f64,
+        weight: impl Fn(f64) -> f64,
+    ) -> Self {
+        let way = |beta: f64| {
+            let air = beta / (1.0 - beta * beta).max(1e-30).sqrt();
+            2.0 * (glass_mm * beta / (index * index - beta * beta).sqrt() + air_mm * air)
+        };
+        // |beta| = sin x: panels of equal phase up to grazing light, which goes far and has little weight.
+        let longest = LONGEST_WAY * (glass_mm + air_mm);
+        let mut edges = vec![0.0];
+        let step = (PHASE_OF_PANEL / (2.0 * PI * most_per_mm)).min(0.25 * longest.max(1e-9));
+        let mut next = step;
+        while let Some(&from) = edges.last().filter(|_| next < longest) {
+            let (mut low, mut high) = (from, FRAC_PI_2);
+            for _ in 0..40 {
+                let middle = 0.5 * (low + high);
+                *(if way(middle.sin()) < next { &mut low } else { &mut high }) = middle;
+            }
+            edges.push(0.5 * (low + high));
+            next += step;
+        }
+        edges.push(FRAC_PI_2);
+        let panels = edges.windows(2).flat_map(|pair| gauss(pair[0], pair[1], POINTS));
+        let node = |node: Node| {
+            let (beta, cos) = node.x.sin_cos();
+            [way(beta), 2.0 * beta * cos * node.weight / (index * index) * weight(beta)]
+        };
+        Self { ways: panels.map(node).collect() }
+    }
+
+    /// Fraction of the light from the plane, modulated at this frequency (cycles per mm), that comes back, with its sign.
+    pub(super) fn at(&self, frequency_per_mm: f64) -> f64 {
+        let f = 2.0 * PI * frequency_per_mm.abs();
+        self.ways.iter().map(|[way, weight]| weight * j0(f * way)).sum()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use papilio_optics::interface::fresnel_reflectance;
+
+    use super::*;
+
+    fn bare(most: f64) -> FaceReturn {
+        FaceReturn::new(1.5, 1.0, most, |beta| 1.0 - fresnel_reflectance(1.5, 1.0, beta))
+    }
+
+    /// The same integral by mpmath, 25 digits.
+    #[test]
+    fn bare_glass_returns_known_fractions() {
+        let face = bare(4.0);
+        for (f, expected) in [
+            (0.0, 0.596_345_759_7),
+            (0.02, 0.534_521_369_4),
+            (0.05, 0.376_797_250_2),
+            (0.7 * 0.25, -0.036_948_007_21),
+            (0.7 * 0.5, -0.022_824_849),
+            (0.7, -0.004_842_359_222),
+            (2.0, -0.001_742_633_089),
+            (0.7 * 3.0, 0.000_773_073_973_4),
+            (4.0, 0.000_232_979_901),
+        ] {
+            assert!((face.at(f) - expected).abs() < 1e-10, "{f}: {}", face.at(f));
+        }
+    }
+
+    /// Only the product of frequency and thickness matters: halation under 0.7 mm of glass.
+    #[test]
+    fn thickness_scales_the_place_of_the_return() {
+        let face = FaceReturn::new(1.5, 0.7, 3.0, |beta| 1.0 - fresnel_reflectance(1.5, 1.0, beta));
+        for (f, expected) in [(0.05, 0.458_053_101), (0.1, 0.273_358_730_8), (1.0, -0.004_842_359_222)] {
+            assert!((face.at(f) - expected).abs() < 1e-10, "{f}: {}", face.at(f));
+        }
+    }
+
+    /// Without transmittance everything comes back, as between two plates; with an ideal antireflection face, only what
+    /// is totally reflected.
+    #[test]
+    fn limits_of_the_face_have_closed_forms() {
+        let mirror = FaceReturn::new(1.5, 1.0, 2.0, |_| 0.0);
+        for (fd, expected) in [(0.05, 0.768_495), (0.1, 0.500_191), (0.2, 0.182_669)] {
+            assert!((mirror.at(fd) - expected).abs() < 6e-7);
+        }
+        let ideal = FaceReturn::new(1.5, 1.0, 2.0, |_| 1.0);
+        assert!((ideal.at(0.0) - (1.0 - 1.0 / 2.25)).abs() < 1e-14, "{}", ideal.at(0.0));
+        // One pass of the escape cone alone, a = 2 pi f d: half the frequency of the return.
+        for (fd, expected) in [(0.1, 0.968_544), (0.25, 0.815_237), (0.5, 0.406_787), (1.0, -0.050_498)] {
+            let escape = (mirror.at(0.5 * fd) - ideal.at(0.5 * fd)) * 2.25;
+            assert!((escape - expected).abs() < 6e-7, "{fd}: {escape} {expected}");
+        }
+    }
+
+    #[test]
+    fn rule_is_fine_enough_for_its_highest_frequency() {
+        let (one, other) = (bare(6.0), bare(40.0));
+        for f in [0.0, 0.3, 1.7, 6.0] {
+            assert!((one.at(f) - other.at(f)).abs() < 1e-13, "{f}: {} {}", one.at(f), other.at(f));
+        }
+    }
+}

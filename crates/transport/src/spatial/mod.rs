@@ -1,0 +1,48 @@
+//! Light and place: how far from where it entered light leaves again.
+//!
+//! A crossing of a medium (thickness d, index n) moves light that propagates with direction cosines beta by
+//! `D(beta) = d beta / sqrt(n^2 - |beta|^2)` in the plane of the panel ([`displacement`]). Layers are uniform,
+//! so that the response of the panel to a pattern is a convolution; its Fourier transform, at f cycles per
+//! mm, replaces D by the phase `exp(-2 pi i f.D)`.
+//!
+//! - [`FaceReturn`]: light that a flat face returns to a Lambertian plane below it.
+//! - [`Spread`]: what a lobe over a mirror-like pixel shows of its places, to first order.
+//! - [`PointSpread`]: the same by place: strips, rings and cells.
+//! - [`PanelSpread`]: what a view sees of the pixel plane of an ordinary panel, by the places of all directions.
+//! - [`Recycling`]: a pattern of reflectances in this light, through all orders.
+//! - [`Window`]: sub-pixels in the period of a pixel, with exact areas; [`stripes`] and [`rows`] arrange them. What is seen
+//!   of one through another: [`shares_by_shifts`], [`shares_by_transfer`], [`crosstalk`].
+//! - [`sparkle`]: random brightness of pixels below a rough face.
+//! - [`closed`]: closed forms of lobes and plates, a second method for all of these.
+//!
+//! Lengths are in mm, spatial frequencies in cycles per mm, both in the plane of the panel.
+
+mod bessel;
+pub mod closed;
+mod face;
+mod fourier;
+mod layout;
+mod panel_spread;
+mod places;
+mod recycling;
+mod returned;
+pub mod sparkle;
+mod spread;
+mod window;
+
+pub use face::FaceReturn;
+pub use layout::{rows, stripes};
+pub use panel_spread::{PanelSpread, Part, SpreadError};
+pub use places::{Binned, Image, Peak, PointSpread};
+pub use recycling::{Cells, Recycling};
+pub use spread::{Accuracy, Gap, Light, Sample, Spread};
+pub use window::{Rectangle, Window, crosstalk, shares_by_shifts, shares_by_transfer};
+
+use papilio_optics::Beta;
+
+/// Place at which light of these direction cosines leaves a medium, relative to where it entered, mm.
+/// `|beta|` is below the index.
+pub fn displacement(beta: Beta, thickness_mm: f64, index: f64) -> [f64; 2] {
+    let per_beta = thickness_mm / (index * index - beta.squared()).sqrt();
+    [beta.x * per_beta, beta.y * per_beta]
+}

@@ -1,0 +1,282 @@
+//! How many pixels, cells and rays an estimate of sparkle needs.
+
+use std::fmt;
+
+use papilio_optics::{Beta, RandomFace};
+
+use super::super::{Cells, Gap};
+use super::Matrix;
+use super::deflection::{Deflection, Pupil, directions};
+use super::faces::FaceSampler;
+use super::room::{Pixel, Room};
+use super::statistics::{Deviation, Moments, Sparkle};
+
+/// A panel below a rough face, and its viewer.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Panel {
+    /// The face.
+    pub face: RandomFace,
+    /// Media between face and pixel plane, that of the face first.
+    pub media: Vec<Gap>,
+    /// The lit windows.
+    pub matrix: Matrix,
+    /// How the pixel plane reflects.
+    pub pixel: Pixel,
+    /// Direction cosines of light that leaves towards the viewer.
+    pub view: Beta,
+    /// The viewer's pupil.
+    pub pupil: Pupil,
+    /// The light.
+    pub room: Room,
+}
+
+/// Work for an estimate.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Effort {
+    /// Number of independent faces, 2 or more; standard errors follow from them.
+    pub replicates: usize,
+    /// Least number of pixels in total. The relative standard error of a PPD is about `1/sqrt(2 pixels)`.
+    pub pixels: usize,
+    /// Least number of cells in a correlation length, 4 or more. Cells lower a PPD by about `0.2/samples²` of itself.
+    pub samples: usize,
+    /// Seed of the faces.
+    pub seed: u64,
+}
+
+impl Default for Effort {
+    fn default() -> Self {
+        Self { replicates: 32, pixels: 640, samples: 8, seed: 0 }
+    }
+}
+
+/// Reason why sparkle cannot be estimated.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum SparkleError {
+    /// A number of the panel is out of its range.
+    Range {
+        /// Its name.
+        what: &'static str,
+        /// Its value.
+        value: f64,
+        /// The range.
+        expected: &'static str,
+    },
+    /// The face or the sources have details that are too small for the area of pixels that is needed.
+    TooFine {
+        /// Number of cells of one face.
+        cells: f64,
+        /// The largest number.
+        most: f64,
+    },
+}
+
+impl fmt::Display for SparkleError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Range { what, value, expected } => write!(f, "{what} is {value} (expected {expected})"),
+            Self::TooFine { cells, most } => write!(
+                f,
+                "one face needs {cells:.1e} cells (expected {most:.1e} at most): the correlation length is too far below the \
+                 pitch or above it, or a source is too small for a pinhole"
+            ),
+        }
+    }
+}
+
+impl std::error::Error for SparkleError {}
+
+/// Largest number of cells of a face: about 100 MB for each source.
+const MOST_CELLS: f64 = 4e6;
+
+/// A period of a face in correlation lengths: waves of longer periods have 1e-3 of the power of slopes.
+const PERIOD: f64 = 8.0;
+
+/// Most rings of points in the pupil, and in a source.
+const MOST_RINGS: f64 = 6.0;
+
+/// Prepared estimate: [`Plan::replicate`] for each replicate, on any thread, then [`Plan::sparkle`].
+pub struct Plan {
+    pub(super) panel: Panel,
+    pub(super) effort: Effort,
+    pub(super) cells: Cells,
+    /// Cells of a pixel along x and y.
+    pub(super) of_pixel: [usize; 2],
+    pub(super) sampler: FaceSampler,
+    pub(super) view: Deflection,
+    /// Views of the pupil: directions relative to the middle, places on the pixel plane relative to those of the middle.
+    pub(super) pupil: Vec<(Beta, [f64; 2])>,
+    /// Illuminance, deflection and directions of each source.
+    pub(super) entering: Vec<(f64, Deflection, Vec<Beta>)>,
+}
+
+impl Plan {
+    /// Prepares the estimate.
+    ///
+    /// # Errors
+    /// [`SparkleError`]: a number out of range, or too many cells.
+    pub fn new(panel: Panel, effort: Effort) -> Result<Self, SparkleError> {
+        check(&panel, &effort)?;
+        let view = Deflection::new(&panel.media, panel.view);
+        let (cells, of_pixel) = cells(&panel, &view, &effort)?;
+        let rings = pupil_rings(&panel, &view);
+        let pupil = directions(panel.view, panel.pupil.radius(), rings)
+            .into_iter()
+            .map(|beta| (beta, view.shift(beta).map(|place| -place)))
+            .collect();
+        let entering = panel.room.sources.iter().map(|source| {
+            let deflection = Deflection::new(&panel.media, source.beta);
+            let reach = source.radius() * largest(deflection.place_per_beta_mm);
+            let rings = (3.0 * reach / panel.face.correlation_mm).ceil().clamp(1.0, MOST_RINGS) as usize;
+            (source.illuminance, deflection, directions(source.beta, source.radius(), rings))
+        });
+        Ok(Self {
+            effort,
+            cells,
+            of_pixel,
+            sampler: FaceSampler::new(panel.face, cells),
+            view,
+            pupil,
+            entering: entering.collect(),
+            panel,
+        })
+    }
+
+    /// Number of pixels of one replicate.
+    pub fn pixels(&self) -> usize {
+        self.cells.len() / (self.of_pixel[0] * self.of_pixel[1])
+    }
+
+    /// Sparkle of the [`Moments`] of all replicates, in their order.
+    pub fn sparkle(&self, replicates: &[[Moments; 3]]) -> Sparkle {
+        let deviation =
+            |k: usize| Deviation::new(&replicates.iter().map(|moments| moments[k]).collect::<Vec<_>>());
+        Sparkle { all: deviation(0), matrix: deviation(1), source: deviation(2) }
+    }
+
+    /// Computes all replicates, one after the other.
+    pub fn run(&self) -> Sparkle {
+        let replicates = 0..self.effort.replicates as u64;
+        self.sparkle(&replicates.map(|replicate| self.replicate(replicate)).collect::<Vec<_>>())
+    }
+}
+
+fn check(panel: &Panel, effort: &Effort) -> Result<(), SparkleError> {
+    let light = panel.room.diffuse + panel.room.sources.iter().map(|source| source.illuminance).sum::<f64>();
+    let mut ranges = vec![
+        ("slope_rms", panel.face.slope_rms, panel.face.slope_rms > 0.0, "a number above 0"),
+        (
+            "correlation length, mm,",
+            panel.face.correlation_mm,
+            panel.face.correlation_mm > 0.0,
+            "a number above 0",
+        ),
+        ("diffuse illuminance", panel.room.diffuse, panel.room.diffuse >= 0.0, "0 or more"),
+        ("|beta| of the view", panel.view.length(), panel.view.squared() < 1.0, "below 1"),
+        ("pupil, mm,", panel.pupil.diameter_mm, panel.pupil.diameter_mm >= 0.0, "0 or more"),
+        ("distance, mm,", panel.pupil.distance_mm, panel.pupil.distance_mm > 0.0, "a number above 0"),
+        ("mean of the matrix", panel.matrix.mean(), panel.matrix.mean() > 0.0, "a number above 0"),
+        ("illuminance", light, light > 0.0, "a number above 0"),
+        ("number of replicates", effort.replicates as f64, effort.replicates >= 2, "2 or more"),
+        ("samples in a correlation length", effort.samples as f64, effort.samples >= 4, "4 or more"),
+    ];
+    for medium in &panel.media {
+        ranges.push(("index", medium.index, medium.index > 1.0, "a number above 1"));
+        ranges.push(("thickness, mm,", medium.thickness_mm, medium.thickness_mm >= 0.0, "0 or more"));
+    }
+    for pitch in panel.matrix.pitch_mm {
+        ranges.push(("pitch, mm,", pitch, pitch > 0.0, "a number above 0"));
+    }
+    for window in &panel.matrix.windows {
+        let [x0, y0, x1, y1] = window.rectangle_mm;
+        for (size, pitch) in [x1 - x0, y1 - y0].into_iter().zip(panel.matrix.pitch_mm) {
+            ranges.push((
+                "size of a window, mm,",
+                size,
+                (0.0..=pitch * (1.0 + 1e-9)).contains(&size),
+                "0 to the pitch",
+            ));
+        }
+    }
+    for source in &panel.room.sources {
+        let radius = source.radius_deg;
+        ranges.push(("|beta| of a source", source.beta.length(), source.beta.squared() < 1.0, "below 1"));
+        ranges.push((
+            "radius of a source, degrees,",
+            radius,
+            radius > 0.0 && radius <= 90.0,
+            "above 0, up to 90",
+        ));
+        ranges.push(("illuminance", source.illuminance, source.illuminance >= 0.0, "0 or more"));
+    }
+    let wrong = ranges.into_iter().find(|(_, value, right, _)| !(*right && value.is_finite()));
+    wrong.map_or(Ok(()), |(what, value, _, expected)| Err(SparkleError::Range { what, value, expected }))
+}
+
+/// Cells of a face, and of a pixel.
+fn cells(panel: &Panel, view: &Deflection, effort: &Effort) -> Result<(Cells, [usize; 2]), SparkleError> {
+    let pitch = panel.matrix.pitch_mm;
+    let width = cell_width(panel, view, effort);
+    let of_pixel = pitch.map(|pitch| smooth((pitch / width).ceil()));
+    let per_pixel = of_pixel[0] * of_pixel[1];
+    let least = pitch.map(|pitch| (PERIOD * panel.face.correlation_mm / pitch).ceil().max(1.0));
+    let affordable = MOST_CELLS / per_pixel;
+    if least[0] * least[1] > affordable {
+        return Err(SparkleError::TooFine { cells: least[0] * least[1] * per_pixel, most: MOST_CELLS });
+    }
+    let wanted = (effort.pixels as f64 / effort.replicates as f64).ceil().min(affordable);
+    // About square in pixels, unless the correlation length demands another number along an axis.
+    let columns = wanted.sqrt().ceil().max(least[0]).min((affordable / least[1]).floor());
+    let rows = (wanted / columns).ceil().max(least[1]).min((affordable / columns).floor());
+    let count = [columns * of_pixel[0], rows * of_pixel[1]].map(|count| count as usize);
+    let period_mm = [columns * pitch[0], rows * pitch[1]];
+    Ok((Cells { count, period_mm }, of_pixel.map(|count| count as usize)))
+}
+
+/// Largest width of a cell, mm.
+fn cell_width(panel: &Panel, view: &Deflection, effort: &Effort) -> f64 {
+    let correlation = panel.face.correlation_mm;
+    let even = correlation / effort.samples as f64;
+    if panel.pixel != Pixel::Mirror {
+        return even;
+    }
+    // From one cell to the next, rays move by less than the radius of the source or pupil.
+    let bend = view.bend * panel.face.slope_rms;
+    let sources = panel.room.sources.iter().map(|source| {
+        let radius = source.radius().hypot(panel.pupil.radius());
+        0.25 * correlation * radius / bend
+    });
+    sources.fold(even, f64::min)
+}
+
+/// Rings of points in the pupil: close enough for the face, and for the images of sources.
+fn pupil_rings(panel: &Panel, view: &Deflection) -> usize {
+    let radius = panel.pupil.radius();
+    let reach = radius * largest(view.place_per_beta_mm);
+    let mut rings = (3.0 * reach / panel.face.correlation_mm).ceil().max(1.0);
+    if panel.pixel == Pixel::Mirror {
+        let smallest = panel.room.sources.iter().map(|source| source.radius()).fold(f64::INFINITY, f64::min);
+        rings = rings.max((1.5 * radius / smallest).ceil());
+    }
+    rings.min(MOST_RINGS) as usize
+}
+
+fn largest([xx, _, yy]: [f64; 3]) -> f64 {
+    xx.max(yy)
+}
+
+/// The smallest product of 2, 3 and 5 that is not below a number.
+fn smooth(least: f64) -> f64 {
+    let reduced = |mut n: u64| {
+        for factor in [2, 3, 5] {
+            while n.is_multiple_of(factor) {
+                n /= factor;
+            }
+        }
+        n
+    };
+    let mut count = least.clamp(1.0, 1e9) as u64;
+    while reduced(count) != 1 {
+        count += 1;
+    }
+    count as f64
+}

@@ -1,0 +1,45 @@
+//! Rays through one random face.
+
+use papilio_sampling::{SampleStream, Sampler};
+
+use super::deflection::applied;
+use super::grid::Grid;
+use super::room::Light;
+use super::{Moments, Plan};
+
+impl Plan {
+    /// Sums over the pixels below one face: of the light of the room through the windows, of uniform light through the
+    /// windows, of the light of the room from a uniform pixel plane.
+    ///
+    /// Each cell of the face is seen at a cell of the same size on the pixel plane, whose overlap with the windows is
+    /// exact: the mean over many faces is exact for cells of any size.
+    pub fn replicate(&self, replicate: u64) -> [Moments; 3] {
+        let numbers = SampleStream::new(Sampler::Random, self.effort.seed, replicate);
+        let slopes = Grid { cells: self.cells, values: self.sampler.slopes(&numbers) };
+        let light = Light::new(&self.panel.room, self.panel.pixel, &self.view, &slopes, &self.entering);
+        let windows = self.panel.matrix.over(self.cells.size());
+        let per_slope = self.view.per_slope_mm();
+        let pixels = [0, 1].map(|axis| self.cells.count[axis] / self.of_pixel[axis]);
+        let mut sums = vec![[0.0; 3]; pixels[0] * pixels[1]];
+        for (cell, slope) in slopes.values.iter().enumerate() {
+            let [column, row] = [cell % self.cells.count[0], cell / self.cells.count[0]];
+            let pixel = row / self.of_pixel[1] * pixels[0] + column / self.of_pixel[0];
+            let [x, y] = self.cells.middle(cell);
+            let [u, v] = applied(per_slope, [slope.re, slope.im]);
+            for (beta, shift) in &self.pupil {
+                let place = [x + u + shift[0], y + v + shift[1]];
+                let (lit, light) = (windows.at(place), light.at(cell, place, *beta));
+                let sum = &mut sums[pixel];
+                sum[0] += lit * light;
+                sum[1] += lit;
+                sum[2] += light;
+            }
+        }
+        let scale = 1.0 / (self.of_pixel[0] * self.of_pixel[1] * self.pupil.len()) as f64;
+        let mut moments = [Moments::default(); 3];
+        for sum in sums {
+            moments.iter_mut().zip(sum).for_each(|(moments, sum)| moments.add(scale * sum));
+        }
+        moments
+    }
+}
