@@ -29,6 +29,7 @@ mod readability;
 mod report;
 mod run;
 mod serve;
+mod sparkle;
 mod study;
 mod sweep;
 mod terminal;
@@ -159,6 +160,7 @@ fn missing_feature(command: &Command) -> Option<String> {
         Command::Run(run) => (run.png, false),
         Command::Optimize(optimize) => (optimize.png, false),
         Command::Tolerance(tolerance) => (tolerance.png, false),
+        Command::Sparkle(sparkle) => (sparkle.png, false),
         Command::Sweep(sweep) => {
             let merge = sweep.command.as_ref().map(|SweepCommand::Merge(merge)| &merge.outputs);
             let outputs = merge.unwrap_or(&sweep.outputs);
@@ -201,6 +203,7 @@ pub fn main(arguments: &[OsString]) -> u8 {
         Command::Pixel(arguments) => pixel::pixel(&arguments),
         Command::Serve(arguments) => serve::run(&arguments),
         Command::Validate(arguments) => validate::validate(&arguments),
+        Command::Sparkle(arguments) => sparkle::sparkle(&arguments),
         Command::Sweep(command) => sweep::sweep(&command),
         Command::Tolerance(arguments) => tolerance::run(&arguments),
         Command::Study(Study::Sampling(arguments)) => study::sampling(&arguments),

@@ -5,20 +5,14 @@ use std::path::Path;
 
 use papilio_display::spatial::{MtfResult, MtfView, PatternKind};
 use papilio_formats::{MtfFile, write_file, write_json, write_kernel_npy, write_mtf_csv, write_spread_csv};
-use papilio_scenario::Scenario;
 
-use crate::arguments::Mtf;
+use crate::arguments::SpatialCommand;
 use crate::run::with_progress;
-use crate::{Failure, folder, input, interrupt, output, print_message, print_notes, report};
+use crate::{Failure, interrupt, output, print_message, print_notes, report};
 
-pub(crate) fn mtf(arguments: &Mtf) -> Result<(), Failure> {
-    let mut overrides = arguments.scenario.set.clone();
-    overrides.extend(arguments.seed.map(|seed| format!("solver.seed={seed}")));
-    let resolved = input::scenario::<Scenario>(&arguments.scenario.file, &overrides)?.resolve()?;
-    let folder = match (&arguments.scenario.out, arguments.json) {
-        (None, true) => None,
-        _ => Some(folder::choose(&arguments.scenario, &resolved.hash)?),
-    };
+pub(crate) fn mtf(arguments: &SpatialCommand) -> Result<(), Failure> {
+    let resolved = arguments.resolve()?;
+    let folder = arguments.folder(&resolved.hash)?;
     let result = with_progress(&resolved, arguments.workers.threads, |control| {
         papilio_display::spatial::mtf(&resolved.scene, &resolved.patterns, control)
     })?;

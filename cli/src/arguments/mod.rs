@@ -51,10 +51,16 @@ pub(crate) enum Command {
     #[command(after_help = "Example: papilio brdf scenarios/indoor.toml --out out/brdf\n\n\
                       docs/brdf.md describes the file, display-bsdf.npz. NumPy can read it.")]
     Brdf(Brdf),
+    /// Compute the sparkle of an antiglare face over the pixels: random brightness of equal pixels
+    #[command(
+        after_help = "Example: papilio sparkle scenarios/antiglare.toml --set sparkle.correlation_um=[5,10,20,40]\n\n\
+                      The scenario needs [display.matrix] and [sparkle]. docs/sparkle.md describes them."
+    )]
+    Sparkle(SpatialCommand),
     /// Compute how sharp the display is: modulation transfer, point, line and edge spread, contrast of fine lines
     #[command(after_help = "Example: papilio mtf scenarios/matrix.toml\n\n\
                       It needs the thickness of the layers above the pixels. docs/mtf.md describes the results.")]
-    Mtf(Mtf),
+    Mtf(SpatialCommand),
     /// Compare a simulated display with a measured panel: spectra, colours and gamut, with figures
     #[command(after_help = "Example:\n  \
                       papilio run scenarios/overcast.toml\n  \
@@ -220,13 +226,17 @@ pub(crate) struct Brdf {
     pub(crate) workers: Workers,
 }
 
+/// A command that depends on the places of pixels.
 #[derive(Debug, Args)]
-pub(crate) struct Mtf {
+pub(crate) struct SpatialCommand {
     #[command(flatten)]
     pub(crate) scenario: ScenarioArguments,
     /// Print the result as JSON on standard output; write files only if --out is given
     #[arg(long)]
     pub(crate) json: bool,
+    /// Write each figure as PNG too
+    #[arg(long)]
+    pub(crate) png: bool,
     /// Seed of random numbers; sets solver.seed
     #[arg(long, value_name = "N", allow_negative_numbers = true)]
     #[arg(value_parser = clap::value_parser!(u64).range(..=i64::MAX as u64))]

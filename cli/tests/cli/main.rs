@@ -23,5 +23,6 @@ mod optimize;
 mod pixel;
 mod run;
 mod serve;
+mod sparkle;
 mod sweep;
 mod tolerance;

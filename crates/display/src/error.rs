@@ -2,6 +2,7 @@
 
 use papilio_colour::ColourError;
 use papilio_optics::OpticsError;
+use papilio_transport::spatial::sparkle::SparkleError;
 
 /// Reason why a scene cannot be computed.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -90,6 +91,35 @@ pub enum DisplayError {
     MissingLength {
         /// Path of the key.
         key: String,
+    },
+    /// A command that needs the places of sub-pixels.
+    #[error(
+        "`papilio {command}` needs the places of the sub-pixels: [display.matrix] is missing (expected ppi or pitch_um, and a layout)"
+    )]
+    NoMatrix {
+        /// The command.
+        command: &'static str,
+    },
+    /// Sparkle that cannot be estimated.
+    #[error("sparkle cannot be estimated: {0}")]
+    Sparkle(#[from] SparkleError),
+    /// Sparkle in the light of a collimated source.
+    #[error(
+        "directed source {number} has no radius_deg: the sparkle of a lamp depends on its size (expected radius_deg of the lamp as seen from \
+         the display, for example 0.27 of the sun, 2 of a ceiling lamp)"
+    )]
+    SparkleOfPoint {
+        /// Number of the source, from 0.
+        number: usize,
+    },
+    /// Sparkle of a face above another layer that scatters.
+    #[error(
+        "layer {number} from the top, below the antiglare face, scatters light: the rays of sparkle pass clear layers between face and pixels \
+         (expected media, flat interfaces and coatings below the face)"
+    )]
+    SparkleAboveScatterer {
+        /// Number of the layer, from 1.
+        number: usize,
     },
     /// An angle scan of a scattering pixel, whose reflectance is not a function of angle and wavelength alone.
     #[error(

@@ -20,6 +20,7 @@
 //! | [`transmission`] | transmittance of diffusers against wavelength |
 //! | [`scattering`] | a measured lobe in the plane of incidence and over the hemisphere |
 //! | [`lobes`] | the same for each part of a measurement |
+//! | [`sparkle_maps`], [`sparkle_curves`] | pixels below an antiglare face; their deviation against the face |
 //! | [`of_mtf`] | all figures of `papilio mtf`: modulation transfer, edges, kernels |
 //! | [`chart`] | curves in one panel |
 //! | [`accuracy`] | errors of the solvers against their cost |
@@ -72,6 +73,7 @@ mod polar;
 mod production;
 mod rings;
 mod scattering;
+mod sparkle;
 mod spectra;
 mod style;
 mod svg;
@@ -99,5 +101,6 @@ pub use point_sets::point_sets;
 pub use production::{Ends, SensitivityBar, histogram, pass_fail_scatter, sensitivities};
 pub use rings::gamut_rings;
 pub use scattering::{ScatterCurve, ScatterMap, Scattering, scattering};
+pub use sparkle::{sparkle_curves, sparkle_maps};
 pub use spectra::spectra;
 pub use sweep::{SweepAxis, SweepFigure, of_sweep, sweep_curves, sweep_map};

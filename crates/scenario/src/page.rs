@@ -2,7 +2,7 @@
 
 use crate::describe::{
     File, Spectrum, diffuser, display, environment, layers, lighting, limits, matrix, measure, metrics,
-    optimize, pattern, pixel, solver, sweep, tolerance, viewer,
+    optimize, pattern, pixel, solver, sparkle, sweep, tolerance, viewer,
 };
 use crate::read::Table;
 use crate::schema::{Default, Row, toml};
@@ -57,6 +57,7 @@ pub(crate) fn tables() -> Vec<(&'static str, Vec<Row>)> {
         ("solver.target", solver::Target::rows()),
         ("measure", measure::Measure::rows()),
         ("pattern", pattern::Pattern::rows()),
+        ("sparkle", sparkle::Sparkle::rows()),
         ("sweep", sweep::Sweep::rows()),
         ("optimize", optimize::Optimize::rows()),
         ("optimize.variables", optimize::Variable::rows()),

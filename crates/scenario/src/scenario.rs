@@ -6,7 +6,7 @@ use std::sync::Arc;
 use papilio_diagnostics::Diagnostic;
 use papilio_display::DisplayError;
 use papilio_display::scene::Scene;
-use papilio_display::spatial::Patterns;
+use papilio_display::spatial::{Antiglare, Patterns};
 use papilio_formats::DataFile;
 use serde_json::{Map, Value, json};
 
@@ -52,6 +52,8 @@ pub struct Resolved {
     pub scene: Scene,
     /// Patterns and text of `[pattern]`, for `papilio mtf`.
     pub patterns: Patterns,
+    /// The antiglare face of [`papilio_display::spatial::sparkle`], if it is described.
+    pub sparkle: Option<Antiglare>,
     /// Title of the scenario.
     pub title: Option<String>,
     /// Warnings: what may be wrong with the scenario.
@@ -142,7 +144,7 @@ impl Scenario {
     /// # Errors
     /// All keys that do not fit together, each with its place, and mistakes in data files, with line and column of the file.
     pub fn resolve(&self) -> Result<Resolved, ScenarioErrors> {
-        let Found { scene, patterns, warnings, notes, inputs } =
+        let Found { scene, patterns, sparkle, warnings, notes, inputs } =
             resolve::resolve(&self.file, &self.library, &self.written.sources)?;
         let mut canonical = serde_json::to_value(&self.file).unwrap_or_default();
         if let Value::Object(keys) = &mut canonical {
@@ -154,6 +156,7 @@ impl Scenario {
         Ok(Resolved {
             scene,
             patterns,
+            sparkle,
             title: self.file.title.as_ref().map(|title| title.0.clone()),
             warnings: [self.warnings.clone(), warnings].concat(),
             notes: [self.notes.clone(), notes].concat(),
@@ -167,7 +170,25 @@ impl Scenario {
 impl Resolved {
     /// Converts an error of the scene to one of the scenario, with its place in the text; `None` if no key causes it.
     pub fn located(&self, error: &DisplayError) -> Option<ScenarioErrors> {
+        let source;
         let (key, wrong): (&str, Mistake) = match error {
+            DisplayError::NoMatrix { command } => {
+                let wrong = mistake::missing_key("matrix", "the places of the sub-pixels, [display.matrix]");
+                let mut wrong = wrong;
+                let hint = format!(
+                    "`papilio {command}` needs them: add [display.matrix] with ppi = 300, or the pitch_um of the pixels"
+                );
+                wrong.diagnostic = wrong.diagnostic.hint(hint);
+                ("display", wrong)
+            }
+            DisplayError::SparkleOfPoint { number } => {
+                source = format!("lighting.directed.{number}");
+                let mut wrong = mistake::missing_key("radius_deg", "the angular radius of the lamp, degrees");
+                let note = "the sparkle of a lamp depends on its size, which is not guessed";
+                let hint = "radius_deg = 0.27 is that of the sun, 2 that of a lamp of 10 cm at 1.4 m";
+                wrong.diagnostic = wrong.diagnostic.note(note).hint(hint);
+                (&source, wrong)
+            }
             DisplayError::Fringes { key, thickness_nm, fringes, nm, most_mm } => {
                 let wrong = Diagnostic::new(format!(
                     "this layer of {thickness_nm} nm makes {fringes} interference fringes over angle at {nm} nm, more \

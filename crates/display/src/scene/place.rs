@@ -87,16 +87,23 @@ impl Display {
     /// If a length is needed and missing: the lowest one.
     pub fn lengths_mm(&self) -> Result<Vec<f64>, DisplayError> {
         let first = self.first_needed();
-        let needed = |(number, length): (usize, &Length)| match length {
-            _ if number < first => Ok(0.0),
-            Length::Mm(length) => Ok(*length),
-            Length::Missing { key } => Err(DisplayError::MissingLength { key: key.clone() }),
-        };
+        let needed = |number: usize| if number < first { Ok(0.0) } else { self.length_mm(number) };
         // The lowest first: without the glass, the others are of no use.
-        let lengths = self.lengths.iter().enumerate().rev().map(needed);
+        let lengths = (0..self.lengths.len()).rev().map(needed);
         let mut lengths = lengths.collect::<Result<Vec<f64>, _>>()?;
         lengths.reverse();
         Ok(lengths)
+    }
+
+    /// Returns the thickness of one medium, mm, by its number in `lengths`.
+    ///
+    /// # Errors
+    /// If it is missing.
+    pub fn length_mm(&self, number: usize) -> Result<f64, DisplayError> {
+        match &self.lengths[number] {
+            Length::Mm(length) => Ok(*length),
+            Length::Missing { key } => Err(DisplayError::MissingLength { key: key.clone() }),
+        }
     }
 
     /// Returns the number of the highest medium from which light can come back to the pixel at another place.

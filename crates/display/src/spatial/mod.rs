@@ -9,6 +9,8 @@
 //! | Lambertian pixels under a flat face | `paper.rs` |
 //! | mirror-like pixels under a flat face | `ghosts.rs` |
 //!
+//! [`sparkle`] computes the random brightness of equal pixels below an antiglare face.
+//!
 //! [`walk`] is the second method, for all displays: Monte Carlo with places.
 //!
 //! Luminous quantities are Y relative to a perfect white in the scene's light, as in [`result`](crate::result).
@@ -22,9 +24,11 @@ mod patterns;
 mod profile;
 mod response;
 mod result;
+mod sparkle;
 pub mod walk;
 
 pub use mtf::mtf;
 pub use patterns::{PatternKind, PatternMean, Patterns};
 use response::{Level, Response, Seen};
 pub use result::{Curves, Kernel, LineContrast, MtfResult, MtfState, MtfView, SpatialScalars, SpreadTable};
+pub use sparkle::{Antiglare, SparkleMap, SparkleResult, SparkleRow, sparkle};

@@ -2,7 +2,7 @@
 
 use super::diffuser::{Btdf, Slab};
 use super::display::{MaterialSpec, ShareSpectrum};
-use super::numbers::{Index, Nanometres, Roughness, Share, Thickness};
+use super::numbers::{CorrelationLength, Index, Nanometres, Roughness, Share, Thickness};
 use crate::error::Errors;
 use crate::grammar::{choice, kinds, table};
 use crate::read::{Read, Spanned, Table};
@@ -89,6 +89,9 @@ table! {
         alpha as "Roughness alpha": Roughness,
         /// Distribution of the slopes.
         distribution: Slopes = Slopes::Ggx,
+        /// Distance at which the correlation of the heights is 1/e, for `papilio sparkle` only; it requires
+        /// `distribution = "beckmann"`. Default: not known.
+        correlation_um as "Correlation length": Option<CorrelationLength>,
     }
 }
 

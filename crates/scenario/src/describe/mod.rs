@@ -16,6 +16,7 @@ pub(crate) mod optimize;
 pub(crate) mod pattern;
 pub(crate) mod pixel;
 pub(crate) mod solver;
+pub(crate) mod sparkle;
 pub(crate) mod sweep;
 pub(crate) mod tolerance;
 pub(crate) mod viewer;
@@ -54,6 +55,8 @@ table! {
         measure: Option<measure::Measure>,
         /// Patterns of two states, and text, for `papilio mtf` only.
         pattern: Option<pattern::Pattern>,
+        /// An antiglare face, for `papilio sparkle` only.
+        sparkle: Option<sparkle::Sparkle>,
         /// Keys that vary over given values, for `papilio sweep` only.
         sweep: Option<sweep::Sweep>,
         /// A search for better designs, for `papilio optimize` only.

@@ -112,6 +112,18 @@ number!(
     Micrometres, Range::from_to(0.0, 1e5).unit("um")
 );
 number!(
+    /// The root mean square slope of a face along one axis.
+    FaceSlope, Range::from_to(0.0001, 0.5).unit("root mean square slope")
+);
+number!(
+    /// The correlation length of a face, um.
+    CorrelationLength, Range::from_to(0.1, 1e4).unit("um")
+);
+number!(
+    /// The diameter of a pupil, mm; 0 for a pinhole.
+    Pupil, Range::from_to(0.0, 100.0).unit("mm")
+);
+number!(
     /// A fraction of the pitch of the pixels.
     Fraction, Range::from_to(0.0, 1.0).unit("fractions of the pitch")
 );

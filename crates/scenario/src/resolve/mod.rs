@@ -18,6 +18,7 @@ mod pattern;
 mod pixel;
 mod reflection;
 mod sampling;
+mod sparkle;
 mod stack;
 mod unbounded;
 mod viewer;
@@ -31,7 +32,7 @@ use std::collections::BTreeMap;
 use papilio_diagnostics::Diagnostic;
 use papilio_display::pixel::state_names;
 use papilio_display::scene::{self, Scene, Strategy};
-use papilio_display::spatial::Patterns;
+use papilio_display::spatial::{Antiglare, Patterns};
 use papilio_spectra::Grid;
 
 use crate::describe::solver::{self, Solver};
@@ -64,6 +65,8 @@ const FEWEST_PATHS: u64 = 32;
 pub(crate) struct Found {
     pub(crate) scene: Scene,
     pub(crate) patterns: Patterns,
+    /// The antiglare face, if it is described.
+    pub(crate) sparkle: Option<Antiglare>,
     pub(crate) warnings: Vec<String>,
     pub(crate) notes: Vec<String>,
     /// SHA-256 of each file that was read, by its name.
@@ -96,8 +99,9 @@ pub(crate) fn resolve(file: &File, library: &Library, sources: &Sources) -> Resu
     let mut resolver = Resolver::new(file, library, sources)?;
     let scene = resolver.scene(file);
     let patterns = scene.as_ref().map(|scene| resolver.patterns(file, scene)).unwrap_or_default();
+    let sparkle = scene.as_ref().and_then(|scene| resolver.sparkle(file, scene));
     let Resolver { errors, warnings, notes, inputs, .. } = resolver;
-    Ok(Found { scene: errors.finish(scene, sources)?, patterns, warnings, notes, inputs })
+    Ok(Found { scene: errors.finish(scene, sources)?, patterns, sparkle, warnings, notes, inputs })
 }
 
 impl<'a> Resolver<'a> {

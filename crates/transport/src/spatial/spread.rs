@@ -588,8 +588,9 @@ mod tests {
                 for frequency in [[0.0, 0.0], [6.0, 0.0], [2.0, -3.0]] {
                     let [one, other] =
                         [&coarse, &fine].map(|spread| spread.transfer(frequency, |_| 1.0) / total);
-                    // A wide lobe sends some of its light beyond 72 deg in the glass.
-                    assert!((one - other).norm() < 1e-4, "{width} {light:?} {frequency:?}: {one} {other}");
+                    // A wide lobe sends some of its light beyond 72 deg in the glass, where phases are not resolved.
+                    let within = if width > 0.1 { 3e-4 } else { 1e-4 };
+                    assert!((one - other).norm() < within, "{width} {light:?} {frequency:?}: {one} {other}");
                 }
             }
         }

@@ -2,13 +2,15 @@
 //! at least that of the finer one. The reference is a far finer level, whose grid has the lobe itself or
 //! nearly: views are near the normal, where few azimuthal orders are needed.
 
+use std::sync::Arc;
+
 use crate::common::{self, one};
 use papilio_optics::Beta;
 use papilio_optics::lobe::Lobe;
 use papilio_sampling::{SampleStream, Sampler};
 use papilio_transport::adding::{Kernel, error_over_difference};
 use papilio_transport::{
-    AngularTable, Base, Cone, Diffuser, Front, Medium, Nodes, Panel, Reflector, Source, Stack, Top,
+    AngularTable, Base, Cone, Diffuser, Field, Front, Medium, Nodes, Panel, Reflector, Source, Stack, Top,
 };
 
 /// A panel, its view, and the fraction of diffuse light besides a beam.
@@ -118,5 +120,32 @@ fn oblique_views_equal_monte_carlo_within_claimed_errors() {
             assert!((fine - mean).abs() < 4.0 * error + claimed, "{what}, claimed {claimed:.1e}");
             assert!(claimed < 4e-2 * fine, "{what}, claimed {claimed:.1e}");
         }
+    }
+}
+
+/// The same of a field of patches, of which neighbours are bright and dark.
+#[test]
+fn fields_equal_monte_carlo_within_claimed_errors() {
+    let edges: Vec<f64> = (0..=12).map(|k| 7.5 * f64::from(k)).collect();
+    let radiance = |k: u32| f64::from((k / 16) * (k / 16) * 31 + (k % 16) * (k % 16) * 17 + k) % 13.0;
+    let (field, _) = Field::new(&edges, 16, (0..12 * 16).map(radiance).collect()).expect("it is lit");
+    let source = Source::Field(Arc::new(field));
+    for (number, view_deg, reflectance) in [(0, 20.0, 0.3), (1, 65.0, 0.15), (2, 0.0, 0.02)] {
+        let Stack::Panel(mut panel) = case(number).stack else { unreachable!("cases are panels") };
+        panel.front = common::front(&[(reflectance, 0.0)], false);
+        let (view, sources) = (common::view(view_deg), [source.clone()]);
+        let walked = common::replicates(&panel, view, &sources, number, 4096, Sampler::Sobol);
+        let stack = Stack::Panel(panel);
+        let [coarse, fine] = [0, 1].map(|level| {
+            let mut kernel = Kernel::new(level);
+            kernel.prepare(&stack, &[view], &sources);
+            common::rho(&kernel.estimate(&stack, 0), 0)
+        });
+        let (mean, error) = common::mean_and_error(walked.iter().map(|one| common::rho(one, 0)));
+        let claimed = error_over_difference(&stack, &sources) * (fine - coarse).abs() + 1e-6 * fine;
+        let what = format!("view {view_deg}: {fine} instead of {mean} +- {error}, claimed {claimed:.1e}");
+        assert!(error < 2e-3 * mean, "{what}");
+        assert!((fine - mean).abs() < 4.0 * error + claimed, "{what}");
+        assert!(claimed < 4e-2 * fine, "{what}");
     }
 }

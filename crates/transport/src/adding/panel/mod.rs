@@ -47,7 +47,7 @@ pub(super) fn error_over_difference_of_narrow(panel: &Panel, sources: &[Source])
         {
             10.0
         }
-        // So it is for fields.
+        // Passes of fields are interpolated between directions; as strict as when they were corrected by a grid.
         _ if sources.iter().any(|source| matches!(source, Source::Field(_))) => 10.0,
         // The second level computes the third pass, too; late ones matter (4.6).
         _ if panel.front.reflectance_below.max() >= STRONG => 6.0,

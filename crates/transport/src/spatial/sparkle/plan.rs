@@ -179,8 +179,11 @@ fn check(panel: &Panel, effort: &Effort) -> Result<(), SparkleError> {
         ("number of replicates", effort.replicates as f64, effort.replicates >= 2, "2 or more"),
         ("samples in a correlation length", effort.samples as f64, effort.samples >= 4, "4 or more"),
     ];
+    if let Some(face) = panel.media.first() {
+        ranges.push(("index below the face", face.index, face.index > 1.0, "a number above 1"));
+    }
     for medium in &panel.media {
-        ranges.push(("index", medium.index, medium.index > 1.0, "a number above 1"));
+        ranges.push(("index", medium.index, medium.index >= 1.0, "1 or more"));
         ranges.push(("thickness, mm,", medium.thickness_mm, medium.thickness_mm >= 0.0, "0 or more"));
     }
     for pitch in panel.matrix.pitch_mm {

@@ -14,12 +14,27 @@ impl Plan {
     /// Each cell of the face is seen at a cell of the same size on the pixel plane, whose overlap with the windows is
     /// exact: the mean over many faces is exact for cells of any size.
     pub fn replicate(&self, replicate: u64) -> [Moments; 3] {
+        let mut moments = [Moments::default(); 3];
+        for light in self.light_of_pixels(replicate) {
+            moments.iter_mut().zip(light).for_each(|(moments, light)| moments.add(light));
+        }
+        moments
+    }
+
+    /// Number of columns and rows of the pixels of one replicate.
+    pub fn columns_and_rows(&self) -> [usize; 2] {
+        [0, 1].map(|axis| self.cells.count[axis] / self.of_pixel[axis])
+    }
+
+    /// Light of each pixel below one face, from the lower left: of the room through the windows, of uniform light through the
+    /// windows, of the room from a uniform pixel plane.
+    pub fn light_of_pixels(&self, replicate: u64) -> Vec<[f64; 3]> {
         let numbers = SampleStream::new(Sampler::Random, self.effort.seed, replicate);
         let slopes = Grid { cells: self.cells, values: self.sampler.slopes(&numbers) };
         let light = Light::new(&self.panel.room, self.panel.pixel, &self.view, &slopes, &self.entering);
         let windows = self.panel.matrix.over(self.cells.size());
         let per_slope = self.view.per_slope_mm();
-        let pixels = [0, 1].map(|axis| self.cells.count[axis] / self.of_pixel[axis]);
+        let pixels = self.columns_and_rows();
         let mut sums = vec![[0.0; 3]; pixels[0] * pixels[1]];
         for (cell, slope) in slopes.values.iter().enumerate() {
             let [column, row] = [cell % self.cells.count[0], cell / self.cells.count[0]];
@@ -36,10 +51,7 @@ impl Plan {
             }
         }
         let scale = 1.0 / (self.of_pixel[0] * self.of_pixel[1] * self.pupil.len()) as f64;
-        let mut moments = [Moments::default(); 3];
-        for sum in sums {
-            moments.iter_mut().zip(sum).for_each(|(moments, sum)| moments.add(scale * sum));
-        }
-        moments
+        sums.iter_mut().flatten().for_each(|sum| *sum *= scale);
+        sums
     }
 }

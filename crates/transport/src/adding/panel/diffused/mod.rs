@@ -364,6 +364,11 @@ impl Kernel {
         let recycled = recycled.into_iter().zip(groups).enumerate().filter_map(|(g, (own, bundle))| {
             let (recycling, (group, alone)) = recycling.zip(own)?;
             let old = old.filter(|_| same_recycling).and_then(|old| old.recycled.get(g));
+            let turned = turned.and_then(|turned| turned.recycled.get(g));
+            let seen = match old.or(turned) {
+                Some(known) => known.seen.clone(),
+                None => recycling.seen(&bundle.points),
+            };
             let towards = |(i, kept): (usize, &Option<usize>)| match (old, kept) {
                 (Some(old), Some(kept)) => old.between[*kept].clone(),
                 _ => {
@@ -374,13 +379,16 @@ impl Kernel {
                             None => recycling.between(&group, &light.recycled[index][k]),
                         };
                         let exact = exact[i].as_ref().map_or_else(Vec::new, |exact| exact[g][k].clone());
-                        (forms, recycling.towards(&bundle.points, b.lit(exact)))
+                        let towards = seen
+                            .as_ref()
+                            .and_then(|seen| recycling.towards((&bundle.points, seen), b.lit(exact)));
+                        (forms, towards)
                     };
                     light.groups.iter().enumerate().map(both).collect()
                 }
             };
             let between = kept.iter().enumerate().map(towards).collect();
-            Some(Recycled { seen: recycling.seen(&bundle.points), group, alone, between })
+            Some(Recycled { seen, group, alone, between })
         });
         let recycled = recycled.collect();
         AtIndex { alone, pairs, fields, recycled }

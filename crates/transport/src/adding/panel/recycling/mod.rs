@@ -204,9 +204,9 @@ impl Recycling {
 
     /// Returns a source as seen by a view under a narrow lobe. `None` under others, and if the grid has the
     /// lobe itself.
-    pub(super) fn towards(&self, view: &[Point], source: Lit<'_>) -> Option<Towards> {
+    pub(super) fn towards(&self, view: (&[Point], &Seen), source: Lit<'_>) -> Option<Towards> {
         let narrow = self.narrow.as_ref()?;
-        if !self.plan.has_grid() || matches!(&source, Lit::Points(_, exact) if !exact.is_empty()) {
+        if !self.plan.has_grid() {
             return Some(narrow.towards(view, source, None));
         }
         let orders = if self.sums_columns() { narrow.orders() } else { self.plan.terms.len() };

@@ -35,12 +35,14 @@ pub(super) struct NarrowPlan {
     pub(super) orders: usize,
     /// Natural digits of its nodes.
     pub(super) digits: f64,
-    /// Exact passes between points of light: order 2 of the series, and order 3 if it matters. None if there are none, the table has kinks, or the later orders matter too much to be extrapolated.
+    /// Exact passes: order 2 of the series, and order 3 if it matters. None if there are no directed sources, the table has
+    /// kinks, or there is a grid with the lobe itself and the later orders matter too much to be extrapolated.
     pub(super) exact: [Option<ExactPlan>; 2],
     /// How the error of the closed form is extrapolated from the exact orders.
     pub(super) extrapolation: Extrapolation,
-    /// Whether there is a grid, from which light between a view and a field, or points without exact passes, is
-    /// corrected.
+    /// Whether there are fields.
+    pub(super) has_fields: bool,
+    /// Whether there is a grid, from which light without exact passes is corrected.
     pub(super) has_grid: bool,
 }
 
@@ -128,14 +130,19 @@ impl Plan {
             Self { digits, weakening, terms, orders: 1, recycled_digits, width: WIDEST, narrow: None };
         match pass.diffuser.lobe {
             Lobe::KCorrelation { width } if width < NARROWEST => {
-                plan.narrow = Some(plan.narrow(pass.table, has_points, has_fields));
+                let of = |may_have_grid| plan.narrow(pass.table, [has_points, has_fields], may_have_grid);
+                let without_grid = Self { narrow: Some(of(false)), terms: vec![1], ..plan.clone() };
+                plan.narrow = Some(of(true));
                 if !plan.has_grid() {
-                    plan.terms = vec![1];
-                    return Some(plan);
+                    return Some(without_grid);
                 }
                 plan.recycled_digits = (needed - plan.digits_less()).max(LEAST_DIGITS);
                 plan.width = width;
                 plan.fit(pass, reach);
+                // Exact passes are better than a grid for a wider lobe.
+                if plan.width > width && without_grid.narrow.is_some_and(|narrow| narrow.exact[0].is_some()) {
+                    return Some(without_grid);
+                }
             }
             Lobe::KCorrelation { width } => {
                 plan.width = width.min(WIDEST);
@@ -147,12 +154,14 @@ impl Plan {
         Some(plan)
     }
 
-    /// Plans for a narrow lobe.
-    fn narrow(&self, table: &Nodes, has_points: bool, has_fields: bool) -> NarrowPlan {
+    /// Plans for a narrow lobe; `may_have_grid`: also for light that exact passes could represent.
+    fn narrow(&self, table: &Nodes, [has_points, has_fields]: [bool; 2], may_have_grid: bool) -> NarrowPlan {
+        let is_directed = has_points || has_fields;
         let is_late = self.digits > DIGITS_WITHOUT_THREE;
         let has_three = |digits: f64| digits > DIGITS_OF_TWO + 2.0 * self.weakening;
         let count = if is_late && has_three(self.digits) { 3 } else { 2 };
-        let is_extrapolated = self.digits < DIGITS_OF_GRID
+        let is_extrapolated = !may_have_grid
+            || self.digits < DIGITS_OF_GRID
             || self.digits <= DIGITS_OF_EXTRAPOLATION + f64::from(count) * self.weakening;
         let exact = |order: i32| {
             let weaker = f64::from(order - 2) * self.weakening;
@@ -164,13 +173,13 @@ impl Plan {
             let terms = match table {
                 Nodes::Constant => 1,
                 Nodes::Cosines(_) | Nodes::CosinePanels(_) => {
-                    let enough = if order == 2 { digits / DIGITS_A_TERM } else { 0.0 };
-                    1 + (enough + TERMS_OF_SWINGS).ceil() as usize
+                    let more = (digits - DIGITS_LESS_OF_TERMS).max(0.0) / DIGITS_A_TERM;
+                    1 + (more + TERMS_OF_SWINGS).ceil() as usize
                 }
                 // Kinks are not smooth enough for interpolation.
                 Nodes::AnglesInMedium(_) | Nodes::AnglesInAir(_) => return None,
             };
-            (has_points && is_extrapolated && order <= count).then_some(ExactPlan { digits, terms })
+            (is_directed && is_extrapolated && order <= count).then_some(ExactPlan { digits, terms })
         };
         let exact = [exact(2), exact(3)];
         let orders = (self.digits / self.weakening.max(0.5) - 1.0).ceil().clamp(1.0, MOST_ORDERS);
@@ -179,7 +188,8 @@ impl Plan {
             digits: 0.75 * (self.digits - self.weakening) + 1.0,
             extrapolation: Extrapolation::at(self.digits, has_three(DIGITS_OF_SECOND_LEVEL)),
             exact,
-            has_grid: (has_fields || (has_points && exact[0].is_none())) && self.digits > DIGITS_WITHOUT_GRID,
+            has_fields,
+            has_grid: is_directed && exact[0].is_none() && self.digits > DIGITS_WITHOUT_GRID,
         }
     }
 
@@ -299,8 +309,11 @@ const DIGITS_A_LEVEL: f64 = 3.5;
 /// Natural digits that the correction needs less than the light that it corrects, at the second level; half of
 /// the digits of each further one are added.
 const DIGITS_LESS_OF_CORRECTION: f64 = 4.0;
+/// Natural digits that the terms of exact passes need less than these: only their difference from the closed form is
+/// computed with terms.
+const DIGITS_LESS_OF_TERMS: f64 = 5.5;
 /// Natural digits up to which the orders after the exact ones are extrapolated, if passes did not weaken them. Beyond, all
-/// orders are those of the grid, from the fourth level on.
+/// orders are those of the grid, from the fourth level on, if it can have the lobe itself.
 const DIGITS_OF_EXTRAPOLATION: f64 = 10.5;
 const DIGITS_OF_GRID: f64 = 20.0;
 /// Natural digits up to which order 2 alone is exact, if passes did not weaken the others; always at the first level,

@@ -7,11 +7,14 @@ use super::super::plan::Extrapolation;
 use super::super::spectra::add_times;
 use super::weights::{Towards, Weights};
 use super::{Narrow, Seen};
+use crate::adding::panel::add_scaled;
 use crate::product::add_product;
 
 /// Light at the nodes of air over a base, `[node][column]`; columns are `[state][wavelength]`.
 #[derive(Debug, Clone)]
 pub(in super::super::super) struct Light {
+    /// Regular transmittance of two passes through the diffuser.
+    unscattered: f64,
     /// Powers 0, 1, ... of the reflectance of the base.
     powers: Vec<Vec<f64>>,
     /// For each power of g, 1, 2, ...: diffuse light that a direction sees, and the distribution of its own
@@ -58,6 +61,7 @@ impl Narrow {
             own.push(scattered);
         }
         Light {
+            unscattered: s * s,
             powers,
             own,
             products: terms
@@ -129,7 +133,7 @@ impl Light {
     /// Returns the recycled light of a view that does not depend on directed sources.
     pub(in super::super::super) fn own(&self, view: &Seen, g: &[f64]) -> Own<Vec<f64>> {
         let sum = |of: fn(&Own<Vec<f64>>) -> &Vec<f64>| {
-            series(self.own.iter().map(|own| Self::at(of(own), &view.0)).collect(), g, false)
+            series(self.own.iter().map(|own| Self::at(of(own), &view.weights)).collect(), g, false)
         };
         Own {
             leaving: sum(|own| &own.leaving),
@@ -145,17 +149,27 @@ impl Light {
         source: &[(&Towards, &[f64])],
         g: &[f64],
     ) -> Vec<f64> {
-        let mut orders = vec![vec![0.0; g.len()]; self.own.len()];
-        for (group, round_trips) in source {
-            for (sum, order) in orders.iter_mut().zip(self.orders(view, &group.lobe)) {
-                add_times(sum, &order, round_trips, 1.0);
+        let mut weights: Weights = vec![vec![0.0; view.weights.len()]; self.own.len()];
+        for (group, _) in source {
+            for (sum, weights) in weights.iter_mut().zip(&group.lobe) {
+                add_scaled(sum, weights, 1.0);
             }
         }
+        let mut orders = self.orders(view, &weights, &self.round_trips(g));
         self.correct(source, &mut orders);
         series(orders, g, false)
     }
 
-    /// Replaces the closed form of the orders that are exact, and multiplies the later ones by a power of the
+    /// Returns the round trips of unscattered light at the nodes; empty if there is none.
+    fn round_trips(&self, g: &[f64]) -> Vec<f64> {
+        if self.unscattered == 0.0 {
+            return Vec::new();
+        }
+        let rows = self.powers[1].chunks_exact(g.len());
+        rows.flat_map(|row| row.iter().zip(g).map(|(r, g)| 1.0 / (1.0 - g * self.unscattered * r))).collect()
+    }
+
+    /// Adds the difference of the exact orders from their closed form, and multiplies the later ones by a power of the
     /// ratio. It is that of all groups together.
     fn correct(&self, source: &[(&Towards, &[f64])], orders: &mut [Vec<f64>]) {
         let Some(last) = self.products.len().checked_sub(1) else { return };
@@ -163,12 +177,12 @@ impl Light {
             return;
         }
         let closed = orders[last].clone();
+        // A polynomial of few terms follows the reflectance roughly, which is enough for the difference.
         for (k, (products, order)) in self.products.iter().zip(&mut *orders).enumerate() {
             let forms: Vec<&[f64]> = source.iter().map(|(group, _)| &group.exact[k][..]).collect();
             let mut values = vec![0.0; forms.len() * order.len()];
             products.add((&forms.concat(), forms.len()), false, order.len(), &mut values);
             let columns = order.len();
-            order.fill(0.0);
             for (values, (_, round_trips)) in values.chunks_exact(columns).zip(source) {
                 add_times(order, values, round_trips, 1.0);
             }
@@ -191,28 +205,45 @@ impl Light {
         g: &[f64],
         truncated: bool,
     ) -> Option<Vec<f64>> {
-        Some(series(self.orders(view, source.wider.as_ref()?), g, truncated))
+        Some(series(self.orders(view, source.wider.as_ref()?, &[]), g, truncated))
     }
 
-    /// Returns orders 2, 3, ... of the series, without the powers of g.
-    fn orders(&self, view: &Seen, weights: &Weights) -> Vec<Vec<f64>> {
+    /// Returns orders 2, 3, ... of the series, without the powers of g; light of the source makes these round trips
+    /// (at the nodes; none if empty).
+    fn orders(&self, view: &Seen, weights: &Weights, round_trips: &[f64]) -> Vec<Vec<f64>> {
+        let with_trips: Vec<Vec<f64>> = match round_trips {
+            [] => Vec::new(),
+            trips => {
+                let times = |power: &Vec<f64>| power.iter().zip(trips).map(|(p, t)| p * t).collect();
+                self.powers.iter().map(times).collect()
+            }
+        };
+        let of_light = if with_trips.is_empty() { &self.powers } else { &with_trips };
         let of_view: Vec<Vec<f64>> =
-            self.powers.iter().take(weights.len() + 2).map(|power| Self::at(power, &view.0)).collect();
-        let order = |(k, weights): (usize, &Vec<f64>)| {
-            let passes = k + 2;
-            let mut sum = vec![0.0; of_view[0].len()];
+            self.powers.iter().take(weights.len() + 2).map(|power| Self::at(power, &view.weights)).collect();
+        // For each power, `[order][column]`.
+        let all: Vec<f64> = weights.concat();
+        let of_source = |power: &Vec<f64>| {
+            let mut values = vec![0.0; weights.len() * of_view[0].len()];
+            add_product(&all, power, view.weights.len(), &mut values);
+            values
+        };
+        let of_source: Vec<Vec<f64>> = of_light.iter().take(weights.len() + 2).map(of_source).collect();
+        let order = |k: usize| {
+            let (passes, columns) = (k + 2, of_view[0].len());
+            let mut sum = vec![0.0; columns];
             for (met, of_view) in of_view.iter().enumerate().take(passes + 1) {
                 // The first and the last lobe deflect from or to the end of the path.
                 let times = if met == 0 || met == passes { 1.0 } else { 2.0 };
                 let scale = times / (2 * passes) as f64;
-                let of_source = Self::at(&self.powers[passes - met], weights);
+                let of_source = &of_source[passes - met][k * columns..][..columns];
                 for ((sum, v), l) in sum.iter_mut().zip(of_view).zip(of_source) {
                     *sum += scale * v * l;
                 }
             }
             sum
         };
-        weights.iter().enumerate().map(order).collect()
+        (0..weights.len()).map(order).collect()
     }
 }
 

@@ -17,16 +17,18 @@
 //!
 //! exactly for b = 0 and, over a uniform base without rims, for any b. Its error is of the order of b.
 //!
-//! For points of light (beams and discs), order 2, and under strong fronts order 3, are computed without this
-//! approximation ([`passes`]). The ratio to their closed form corrects the later orders ([`Extrapolation`]), which
-//! are weaker by a factor of about g R each.
+//! Order 2, and under strong fronts order 3, are computed without this approximation: between points of light (beams and
+//! discs) and a view ([`passes`]), and between a view and some directions around it, for fields ([`field`]). Only the
+//! difference from the closed form is computed in this way, so that a few terms of the reflectance are enough. The ratio
+//! to the closed form corrects the later orders ([`Extrapolation`]), which are weaker by a factor of about g R each.
 //!
-//! For fields, and over a table with kinks, from the second level on a grid for a wider lobe W shows the error of
+//! Over a table with kinks, from the second level on a grid for a wider lobe W shows the error of
 //! the closed form instead. The error at b is estimated from it ([`weights`]) and added, so that the rest is of the
 //! order of b (W - b). The finer the level, the narrower W, down to b.
 
 mod basis;
 mod between;
+mod field;
 mod light;
 mod one_pass;
 mod passes;
@@ -36,6 +38,8 @@ mod weights;
 #[cfg(test)]
 mod tests;
 
+use std::sync::Arc;
+
 use papilio_optics::lobe::Lobe;
 
 use super::plan::{Extrapolation, NarrowPlan};
@@ -43,6 +47,7 @@ use super::product;
 use crate::adding::panel::first_pass::Pass;
 use crate::adding::quadrature::Point;
 use basis::{Basis, Disc, for_table};
+use field::Surroundings;
 pub(in super::super) use light::Light;
 use passes::Passes;
 pub(in super::super) use weights::{Lit, Towards};
@@ -66,15 +71,19 @@ pub(in super::super) struct Narrow {
     shares: Vec<Vec<f64>>,
     /// For each order 2, 3, ... that is exact between points.
     passes: Vec<Passes>,
+    has_fields: bool,
     extrapolation: Extrapolation,
 }
 
-/// For each order 2, 3, ... that is exact, a coefficient for each product of terms.
+/// For each order 2, 3, ... that is exact, the difference from the closed form: a coefficient for each product of terms.
 pub(in super::super) type Exact = Vec<Vec<f64>>;
 
-/// A view's weights on the nodes of air.
+/// A view: its weights on the nodes of air, and if there are fields its surroundings, for each exact order.
 #[derive(Debug, Clone)]
-pub(in super::super) struct Seen(Vec<f64>);
+pub(in super::super) struct Seen {
+    weights: Vec<f64>,
+    around: Arc<[Vec<Surroundings>]>,
+}
 
 impl Narrow {
     /// Prepares this width for `orders` orders of the series, with errors of `exp(-digits)`.
@@ -103,6 +112,7 @@ impl Narrow {
             leaving_straight: leaving(&air),
             shares: shares(straight, orders),
             passes,
+            has_fields: plan.has_fields,
             extrapolation: plan.extrapolation,
             air,
             glass,
@@ -131,7 +141,7 @@ impl Narrow {
         self.passes.iter().map(|passes| passes.once.squares())
     }
 
-    /// Returns `pi` times the exact orders between groups of points of a view and of a source, by group of the
+    /// Returns `pi` times the difference of the exact orders from their closed form between groups of points of a view and of a source, by group of the
     /// view and of the source.
     pub(super) fn between(&self, views: &[&[Point]], sources: &[&[Point]]) -> Vec<Vec<Exact>> {
         let mut all = vec![vec![Vec::new(); sources.len()]; views.len()];
@@ -143,13 +153,14 @@ impl Narrow {
         all
     }
 
-    /// Returns a view's weights.
+    /// Returns a view, for all azimuths of its axis.
     pub(in super::super) fn seen(&self, view: &[Point]) -> Seen {
         let mut sum = vec![0.0; self.air.len()];
         for point in view {
             self.air.add_values(point.beta.length(), point.weight, &mut sum);
         }
-        Seen(sum)
+        let passes = self.passes.iter().filter(|_| self.has_fields);
+        Seen { weights: sum, around: passes.map(|passes| passes.surroundings(view)).collect() }
     }
 }
 

@@ -30,7 +30,7 @@ pub(super) struct Passes {
     pub(super) once: OnePass,
     /// Number of passes.
     pub(super) count: usize,
-    digits: f64,
+    pub(super) digits: f64,
     /// For two passes, and for three, the fractions of light that meets 0, 1, ... lobes.
     shares: Vec<Vec<f64>>,
     /// |beta| and cosines of azimuths between which differences from the closed form are interpolated.
@@ -57,10 +57,10 @@ struct Around {
 
 /// Directions close together: all factors but the lobe are computed for their centre.
 #[derive(Debug, Clone)]
-struct Cluster {
-    centre: Beta,
+pub(super) struct Cluster {
+    pub(super) centre: Beta,
     /// Numbers of the group and the point.
-    members: Vec<(usize, usize)>,
+    pub(super) members: Vec<(usize, usize)>,
 }
 
 impl Passes {
@@ -106,6 +106,15 @@ impl Passes {
         there.at = Beta { x: end.at.length(), y: 0.0 };
         let differences = self.between_rings(2, |one| self.form(one, &Far::Once(&there)), &there);
         Around { end: end.clone(), differences }
+    }
+
+    /// Returns the difference from the closed form of all passes between a direction of azimuth 0 and all directions.
+    pub(super) fn differences_around(&self, end: &End) -> Vec<f64> {
+        if self.count == 2 {
+            return self.between_rings(2, |one| self.form(one, &Far::Once(end)), end);
+        }
+        let around = self.around(end);
+        self.between_rings(3, |one| self.form(one, &Far::Twice(&around)), end)
     }
 
     /// Returns the difference from the closed form of passes between `end` and a direction, at all rings and
@@ -173,8 +182,8 @@ impl Passes {
         }
     }
 
-    /// Returns `pi` times all passes between groups of points of a view and of a source: for each group of the
-    /// view and of the source a coefficient for each product of terms. Directions close together differ only by
+    /// Returns `pi` times the difference from the closed form of all passes between groups of points of a view and of
+    /// a source: for each group of the view and of the source a coefficient for each product of terms. Directions close together differ only by
     /// the lobe.
     pub(super) fn between(&self, views: &[&[Point]], sources: &[&[Point]]) -> Vec<Vec<Vec<f64>>> {
         let [of_view, of_source] = [views, sources].map(|groups| clusters(groups, self.digits));
@@ -185,8 +194,10 @@ impl Passes {
             let around = (self.count > 2).then(|| self.around(&end));
             let other = around.as_ref().map_or(Far::Once(&end), Far::Twice);
             for (near, end) in of_view.iter().zip(&ends) {
-                let form = self.folded(&self.form(end, &other));
-                let scale = PI / self.lobe(self.count, far.centre - near.centre);
+                let mut form = self.form(end, &other);
+                let lobe = self.lobe(self.count, far.centre - near.centre);
+                add_closed(self.count, [&end.terms, &other.end().terms], -lobe, &mut form);
+                let (form, scale) = (self.folded(&form), PI / lobe);
                 for (view, v) in &near.members {
                     for (source, l) in &far.members {
                         let (v, l) = (&views[*view][*v], &sources[*source][*l]);
@@ -323,7 +334,7 @@ impl Workspace {
 const MOST_WAYS: usize = 5;
 
 /// Collects points close together.
-fn clusters(groups: &[&[Point]], digits: f64) -> Vec<Cluster> {
+pub(super) fn clusters(groups: &[&[Point]], digits: f64) -> Vec<Cluster> {
     let size = LARGEST_CLUSTER * (-0.2 * digits).exp();
     let mut all: Vec<(Beta, Cluster)> = Vec::new();
     for (group, points) in groups.iter().enumerate() {

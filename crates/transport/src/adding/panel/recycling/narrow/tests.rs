@@ -49,7 +49,7 @@ fn light(pass: &Pass<'_>, recycling: &Recycling, view: Beta, source: &[Point], g
     };
     let one = |l: &Point| {
         let exact = recycling.between_points(&[&[view]], &[&[*l]]).expect("the lobe is narrow");
-        (recycling.towards(&[view], Lit::Points(&[*l], exact[0][0].clone())), direction(l.beta))
+        (recycling.towards((&[view], &seen), Lit::Points(&[*l], exact[0][0].clone())), direction(l.beta))
     };
     let towards: Vec<_> = source.iter().map(one).collect();
     let towards = towards.iter().map(|(towards, direction)| (towards.as_ref(), direction)).collect();
@@ -89,7 +89,9 @@ fn closed_form_of_circles_equals_sum_over_points() {
         let recycling = Recycling::new(&pass, plan);
         for view in [Beta { x: 0.5, y: -0.2 }, Beta { x: -0.9, y: 0.3 }, Beta::default()] {
             let view = [Point { beta: view, weight: 1.0 }];
-            let weights = |lit: Lit<'_>| recycling.towards(&view, lit).expect("the lobe is narrow").lobe;
+            let seen = recycling.seen(&view).expect("the lobe is narrow");
+            let weights =
+                |lit: Lit<'_>| recycling.towards((&view, &seen), lit).expect("the lobe is narrow").lobe;
             for light in several() {
                 let points = weights(Lit::Points(&[light], Vec::new()));
                 let [even, odd] = [false, true].map(|odd| weights(Lit::Circles(&[circle(&light, odd)], odd)));

@@ -7,9 +7,9 @@ use papilio_optics::lobe::Lobe;
 
 use super::super::azimuth_factor;
 use super::between::density;
-use super::{Exact, Narrow};
-use crate::adding::panel::lobes;
+use super::{Exact, Narrow, Seen};
 use crate::adding::panel::projected::Circle;
+use crate::adding::panel::{add_scaled, lobes};
 use crate::adding::quadrature::{Node, Point};
 
 /// Light of a source, for a closed form.
@@ -57,14 +57,17 @@ impl Narrow {
     /// Returns a source as seen by a view; `wider`: width of the grid's lobe and the number of its orders.
     pub(in super::super::super) fn towards(
         &self,
-        view: &[Point],
+        (view, seen): (&[Point], &Seen),
         source: Lit<'_>,
         wider: Option<(f64, usize)>,
     ) -> Towards {
         let (lobe, _) = self.weights(view, &source, self.width, self.shares.len(), &|_| 1.0);
         let exact = match &source {
             Lit::Points(_, exact) => exact.clone(),
-            Lit::Circles(..) => Vec::new(),
+            Lit::Circles(circles, odd) => {
+                let orders = self.passes.iter().zip(&*seen.around);
+                orders.map(|(passes, around)| passes.of_field((view, around), (circles, *odd))).collect()
+            }
         };
         let Some((width, orders)) = wider else {
             return Towards { exact, lobe, wider: None, correction: [0.0; 2] };
@@ -85,38 +88,48 @@ impl Narrow {
         orders: usize,
         factor: &dyn Fn(f64) -> f64,
     ) -> (Weights, f64) {
+        let shares = &self.shares[..orders];
+        let met = |order: usize| shares[order].iter().enumerate().skip(1).filter(|(_, share)| **share > 0.0);
         let mut all = vec![vec![0.0; self.air.len()]; orders];
-        let mut first = 0.0;
-        for (order, (shares, sum)) in self.shares.iter().zip(&mut all).enumerate() {
-            let met = || shares.iter().enumerate().skip(1).filter(|(_, share)| **share > 0.0);
-            let mut add = |radius: f64, weight: f64| {
-                if order == 0 {
-                    first += weight;
+        let (mut first, mut values) = (0.0, vec![0.0; self.air.len()]);
+        let mut add = |radius: f64, weight: &dyn Fn(usize) -> f64| {
+            values.fill(0.0);
+            self.air.add_values(radius, PI, &mut values);
+            first += weight(0);
+            for (order, sum) in all.iter_mut().enumerate() {
+                add_scaled(sum, &values, weight(order));
+            }
+        };
+        match source {
+            Lit::Points(points, _) => {
+                let lobe = |order: usize, away: Beta| {
+                    let one = |(n, share): (usize, &f64)| share * density(n as f64 * width, away);
+                    met(order).map(one).sum::<f64>() * factor(away.length())
+                };
+                // Points of a ring follow each other.
+                let same = |a: &Point, b: &Point| (a.beta.length() - b.beta.length()).abs() < SAME_RING;
+                for ring in points.chunk_by(same) {
+                    add(ring[0].beta.length(), &|order| {
+                        let of = |v: &Point, l: &Point| v.weight * l.weight * lobe(order, l.beta - v.beta);
+                        view.iter().flat_map(|v| ring.iter().map(move |l| of(v, l))).sum()
+                    });
                 }
-                self.air.add_values(radius, PI * weight, sum);
-            };
-            match source {
-                Lit::Points(points, _) => {
-                    let lobe = |away: Beta| {
-                        let one = |(n, share): (usize, &f64)| share * density(n as f64 * width, away);
-                        met().map(one).sum::<f64>() * factor(away.length())
-                    };
-                    // Points of a ring follow each other.
-                    let same = |a: &Point, b: &Point| (a.beta.length() - b.beta.length()).abs() < SAME_RING;
-                    for ring in points.chunk_by(same) {
-                        let of = |v: &Point, l: &Point| v.weight * l.weight * lobe(l.beta - v.beta);
-                        let both = view.iter().flat_map(|v| ring.iter().map(move |l| of(v, l)));
-                        add(ring[0].beta.length(), both.sum());
-                    }
-                }
-                Lit::Circles(circles, odd) => {
-                    let mut weights = vec![0.0; circles.len()];
-                    for (n, share) in met() {
+            }
+            Lit::Circles(circles, odd) => {
+                // By number of lobes, `[circle]`.
+                let lobes = shares.iter().map(Vec::len).max().unwrap_or(0);
+                let of_lobes = |n: usize| {
+                    let mut sums = vec![0.0; circles.len()];
+                    if (0..orders).any(|order| met(order).any(|(met, _)| met == n)) {
                         add_circles(view, (circles, *odd), n as f64 * width, |k, away, value| {
-                            weights[k] += share * factor(away) * value;
+                            sums[k] += factor(away) * value;
                         });
                     }
-                    circles.iter().zip(weights).for_each(|(circle, weight)| add(circle.radius, weight));
+                    sums
+                };
+                let of_lobes: Vec<Vec<f64>> = (0..lobes).map(of_lobes).collect();
+                for (k, circle) in circles.iter().enumerate() {
+                    add(circle.radius, &|order| met(order).map(|(n, share)| share * of_lobes[n][k]).sum());
                 }
             }
         }
@@ -134,6 +147,8 @@ fn add_circles(
 ) {
     let nodes: Vec<Node> = circles.iter().map(|circle| Node { x: circle.radius, weight: 1.0 }).collect();
     let count = circles.iter().map(|circle| circle.orders.len()).max().unwrap_or(0);
+    // Orders of the lobe decrease as `exp(-m width)`, or faster.
+    let count = count.min((DIGITS_OF_ORDERS / width).ceil() as usize + 2);
     for v in view {
         let (radius, turn) = (v.beta.length(), -v.beta.y.atan2(v.beta.x));
         lobes::orders_of_nodes(Lobe::KCorrelation { width }, radius, &nodes, count, |m, first, values| {
@@ -145,6 +160,9 @@ fn add_circles(
         });
     }
 }
+
+/// Natural digits of the orders of a lobe, relative to its peak: far from it, light is fainter by a factor of 1e4.
+const DIGITS_OF_ORDERS: f64 = 24.0;
 
 /// Difference below which two radii belong to one ring.
 const SAME_RING: f64 = 1e-12;

@@ -1,0 +1,135 @@
+//! `papilio sparkle`: files, the two methods, and answers to incomplete scenarios.
+
+use std::fs;
+
+use serde_json::Value;
+
+use crate::common::{names, papilio_command as papilio, scenario, stderr};
+
+fn sparkle(sets: &[&str]) -> std::process::Output {
+    let mut command = papilio();
+    command.arg("sparkle").arg(scenario("antiglare")).arg("--json");
+    sets.iter().for_each(|set| _ = command.args(["--set", set]));
+    command.output().unwrap()
+}
+
+fn rows(sets: &[&str]) -> Vec<Value> {
+    let output = sparkle(sets);
+    assert!(output.status.success(), "{}", stderr(&output));
+    let file: Value = serde_json::from_slice(&output.stdout).unwrap();
+    file["rows"].as_array().unwrap().clone()
+}
+
+#[test]
+fn files_and_figures_are_written() {
+    let folder = tempfile::tempdir().unwrap();
+    let output = papilio()
+        .arg("sparkle")
+        .arg(scenario("antiglare"))
+        .args(["--set", "sparkle.replicates=4", "--set", "sparkle.correlation_um=[15,30]"])
+        .args(["--out", folder.path().to_str().unwrap()])
+        .output()
+        .unwrap();
+    assert!(output.status.success(), "{}", stderr(&output));
+    assert_eq!(names(folder.path()), ["ppd.svg", "sparkle.csv", "sparkle.json", "sparkle.svg"]);
+    let csv = fs::read_to_string(folder.path().join("sparkle.csv")).unwrap();
+    assert!(csv.starts_with("theta_deg,phi_deg,gap_mm,correlation_um,slope_rms,ppd,"), "{csv}");
+    assert_eq!(csv.lines().count(), 3);
+    let table = String::from_utf8(output.stdout).unwrap();
+    assert!(table.contains("by the matrix, %"), "{table}");
+}
+
+/// A window of 26 x 76 um in pixels of 84 um below 0.2 mm of glass, seen through a pinhole in diffuse light: both methods, and the
+/// formula for small deflections, which gives 0.0181.
+#[test]
+fn rays_and_closed_form_agree() {
+    let rows = rows(&[
+        "display.glass.thickness_mm=0.2",
+        "display.pixel.area={ green = 1 }",
+        "display.pixel.states={ white = { green = 1 }, black = { green = 0 } }",
+        "display.pixel.gap_nm={ green = 192.3, dark = 20.0 }",
+        "display.pixel.fill_factor=0.28005",
+        "display.pixel.inactive_reflectance=0",
+        "display.matrix={ pitch_um = 84, subpixel = { green = [[0.3452, 0.0476, 0.6548, 0.9524]] } }",
+        "sparkle={ slope_rms = 0.01, correlation_um = 8, pupil_mm = 0 }",
+        "lighting.directed=[]",
+        "lighting.diffuse=1",
+    ]);
+    let number = |name: &str| rows[0][name].as_f64().unwrap();
+    let (rays, closed, error) = (number("ppd"), number("ppd_closed_form"), number("standard_error"));
+    assert!((closed - 0.0181).abs() < 1e-4, "{closed}");
+    // Cells of an eighth of the correlation length lower the deviation by 0.3 %.
+    assert!(
+        error < 0.03 * rays && (rays - closed).abs() < 4.0 * error + 0.005 * closed,
+        "{rays} {error} {closed}"
+    );
+    assert!((number("mean_over_duty") - 1.0).abs() < 4.0 * number("mean_over_duty_error"));
+    assert_eq!(number("ppd_lamp"), 0.0);
+}
+
+/// The deviation is proportional to the distance of the face, for small deflections, and a larger pupil lowers it.
+#[test]
+fn closed_form_is_linear_in_distance() {
+    let few = "sparkle.replicates=2";
+    let face = "sparkle.slope_rms=0.005";
+    let sets = ["sparkle.correlation_um=8", "sparkle.gap_mm=[0.1, 0.2]", "sparkle.pupil_mm=0", few];
+    // The face by its slope instead of its haze.
+    let text = fs::read_to_string(scenario("antiglare")).unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("slope.toml");
+    let line = text.lines().find(|line| line.starts_with("haze")).unwrap();
+    fs::write(&file, text.replace(line, "slope_rms = 0.01")).unwrap();
+    let run = |more: &[&str]| {
+        let mut command = papilio();
+        command.arg("sparkle").arg(&file).arg("--json").args(["--set", face]);
+        sets.iter().chain(more).for_each(|set| _ = command.args(["--set", set]));
+        let output = command.output().unwrap();
+        assert!(output.status.success(), "{}", stderr(&output));
+        let file: Value = serde_json::from_slice(&output.stdout).unwrap();
+        let rows = file["rows"].as_array().unwrap();
+        rows.iter().map(|row| row["ppd_closed_form"].as_f64().unwrap()).collect::<Vec<_>>()
+    };
+    let pinhole = run(&[]);
+    assert!((pinhole[1] / pinhole[0] - 2.0).abs() < 0.02, "{pinhole:?}");
+    let pupil = run(&["sparkle.pupil_mm=20"]);
+    assert!(pupil[1] < 0.9 * pinhole[1], "{pupil:?} {pinhole:?}");
+}
+
+#[test]
+fn incomplete_scenarios_are_refused_with_their_place() {
+    for (sets, expected) in [
+        (&["lighting.directed=[{ theta_deg = -20, share = 0.3 }]"][..], "the key `radius_deg` is missing"),
+        (&["sparkle={ slope_rms = 0.01 }"], "the key `correlation_um` is missing"),
+        (&["sparkle={ correlation_um = 8 }"], "the key `slope_rms` is missing"),
+        (
+            &["sparkle={ haze = 0.1, slope_rms = 0.01, correlation_um = 8 }"],
+            "more than one of `slope_rms` and `haze`",
+        ),
+        (&["sparkle.correlation_um=0"], "0 is out of range"),
+        (&["sparkle.correlation_um=[8, 8]"], "8 is in this list twice"),
+        (&["sparkle.gloss=120"], "there is no key `gloss` here"),
+    ] {
+        let output = sparkle(sets);
+        assert_eq!(output.status.code(), Some(2), "{sets:?}");
+        let message = stderr(&output);
+        assert!(message.contains(expected), "{message}");
+    }
+    // Tables of the file, which --set cannot remove.
+    let text = fs::read_to_string(scenario("antiglare")).unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    for (line, expected) in [
+        ("thickness_mm = 0.5", "the key `thickness_mm` is missing"),
+        ("[display.matrix]\nppi = 300\nlayout = \"stripe\"", "the key `matrix` is missing"),
+        (
+            "[sparkle]\nhaze = 0.05                     # through a plate with this face; slope 0.036\ncorrelation_um = [8, 15, 30]\npupil_mm = 4",
+            "the table [sparkle] is missing",
+        ),
+    ] {
+        assert!(text.contains(line), "{line}");
+        let file = folder.path().join("without.toml");
+        fs::write(&file, text.replace(line, "")).unwrap();
+        let output = papilio().arg("sparkle").arg(&file).arg("--json").output().unwrap();
+        assert_eq!(output.status.code(), Some(2), "{line}");
+        assert!(stderr(&output).contains(expected), "{}", stderr(&output));
+    }
+}

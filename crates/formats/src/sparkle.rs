@@ -1,0 +1,34 @@
+//! Output files of `papilio sparkle`: `sparkle.json` and `sparkle.csv`.
+
+use std::io::{self, Write};
+
+use papilio_display::spatial::SparkleResult;
+use serde::Serialize;
+
+/// Content of `sparkle.json`.
+#[derive(Debug, Serialize)]
+pub struct SparkleFile<'a> {
+    /// Version of the program.
+    pub papilio: &'a str,
+    /// Title of the scenario.
+    pub title: &'a str,
+    /// SHA-256 of the scenario and the bytes of its files.
+    pub hash: &'a str,
+    /// Seed of the faces.
+    pub seed: u64,
+    /// The result.
+    #[serde(flatten)]
+    pub result: &'a SparkleResult,
+}
+
+/// Writes `sparkle.csv`: a line for each row of the result, with the same names. Cells of undefined values are empty.
+///
+/// # Errors
+/// Those of `out`.
+pub fn write_sparkle(out: impl Write, result: &SparkleResult) -> io::Result<()> {
+    let mut csv = csv::Writer::from_writer(out);
+    for row in &result.rows {
+        csv.serialize(row).map_err(io::Error::other)?;
+    }
+    csv.flush()
+}
