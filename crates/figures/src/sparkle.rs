@@ -15,27 +15,25 @@ const SPACE: f64 = 28.0;
 /// Linear light of a pixel of mean light: a grey of CIE lightness 53 on the screen.
 const MEAN: f64 = 0.214;
 
-/// Draws pixels of equal state below one face for up to four rows, which together have the smallest and the largest deviation; light is
+/// Draws pixels of equal state below random faces for up to four rows, which together have the smallest and the largest deviation; light is
 /// relative to the mean, without the blur of the eye. A scale bar has the length of ten pixels.
 pub fn sparkle_maps(result: &SparkleResult, title: &str) -> String {
     let shown = shown(result);
     let width = 40.0 + (SIZE + SPACE) * shown.len().max(2) as f64;
-    let mut svg = Svg::new(width, SIZE + 96.0).titled(title);
+    let mut svg = Svg::new(width, SIZE + 104.0).titled(title);
     for (place, (row, map)) in shown.into_iter().enumerate() {
         let left = 24.0 + (SIZE + SPACE) * place as f64;
         draw(&mut svg, map, left);
         let name = format!("PPD {} %", with_error(100.0 * row.ppd, Some(100.0 * row.standard_error), 2));
         svg.text((left, SIZE + 34.0), &name, Text::new(13.0, INK).strong());
-        let from = format!(
-            "correlation length {} um, gap {} mm, view {} deg",
-            fixed(row.correlation_um, 1),
-            fixed(row.gap_mm, 3),
-            fixed(row.theta_deg, 0)
-        );
-        svg.text((left, SIZE + 50.0), &shortened(&from, SIZE + SPACE - 6.0, 11.0), Text::new(11.0, INK));
+        let face =
+            format!("correlation {} um, gap {} mm", fixed(row.correlation_um, 1), fixed(row.gap_mm, 2));
+        svg.text((left, SIZE + 51.0), &shortened(&face, SIZE, 12.0), Text::new(12.0, INK));
+        let view = format!("view {} deg", fixed(row.theta_deg, 0));
+        svg.text((left, SIZE + 67.0), &view, Text::new(12.0, INK));
         if place == 0 {
             let bar = 10.0 * SIZE / SIDE as f64;
-            let y = SIZE + 70.0;
+            let y = SIZE + 84.0;
             svg.line((left, y), (left + bar, y), &Stroke::solid(INK, 2.0));
             let length = format!("10 pixels, {} um", fixed(10.0 * result.pitch_um[0], 0));
             svg.text((left + bar + 8.0, y + 4.0), &length, Text::new(11.0, INK));

@@ -1,6 +1,6 @@
 //! Where light leaves: blur, crosstalk and sparkle of displays with thickness.
 //!
-//! [`mtf`] computes how sharp a display is. What a view sees of one light is a [`Response`]: its light by spatial frequency and
+//! [`mtf`] computes how sharp a display is. What a view sees of one light is a `Response`: its light by spatial frequency and
 //! by place. One file for each kind of display implements it:
 //!
 //! | display | file |

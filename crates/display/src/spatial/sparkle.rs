@@ -74,7 +74,7 @@ pub struct SparkleResult {
     pub distance_mm: f64,
     /// One row for each view, gap and correlation length; the last varies fastest.
     pub rows: Vec<SparkleRow>,
-    /// Pixels below the first face of each row, for figures.
+    /// Pixels below the faces of each row, for figures.
     #[serde(skip)]
     pub maps: Vec<SparkleMap>,
 }
@@ -115,7 +115,7 @@ pub struct SparkleRow {
     pub contrast_times_sensitivity: Option<f64>,
 }
 
-/// Light of the pixels below one face.
+/// Light of the pixels below several faces, side by side.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SparkleMap {
     /// Number of columns.
@@ -191,16 +191,17 @@ pub fn sparkle(
     Ok(result)
 }
 
-/// Computes one row, without its view and threshold, and the pixels below its first face.
+/// Computes one row, without its view and threshold, and the pixels below its faces.
 fn row(
     panel: &Panel,
     effort: Effort,
     control: &Control<'_>,
 ) -> Result<(SparkleRow, SparkleMap), DisplayError> {
     let plan = Plan::new(panel.clone(), effort)?;
-    let one = |replicate: u64| if control.stopped() { None } else { Some(plan.replicate(replicate)) };
-    let replicates: Option<Vec<_>> = (0..effort.replicates as u64).into_par_iter().map(one).collect();
-    let found = plan.sparkle(&replicates.ok_or(DisplayError::Interrupted)?);
+    let one = |replicate: u64| if control.stopped() { None } else { Some(plan.light_of_pixels(replicate)) };
+    let faces: Option<Vec<_>> = (0..effort.replicates as u64).into_par_iter().map(one).collect();
+    let faces = faces.ok_or(DisplayError::Interrupted)?;
+    let found = plan.sparkle(&faces.iter().map(|light| Plan::moments(light)).collect::<Vec<_>>());
     let deflection = Deflection::new(&panel.media, panel.view);
     // The image of the pupil on the pixels: a disc, whose mean square along an axis is a quarter of its radius squared.
     let places = deflection.place_per_beta_mm;
@@ -228,10 +229,25 @@ fn row(
         ),
         contrast_times_sensitivity: None,
     };
-    let light: Vec<f64> = plan.light_of_pixels(0).iter().map(|light| light[0]).collect();
-    let mean = light.iter().sum::<f64>() / light.len() as f64;
-    let values = light.iter().map(|light| light / mean).collect();
-    Ok((row, SparkleMap { columns: plan.columns_and_rows()[0], values }))
+    Ok((row, SparkleMap::new(&faces, plan.columns_and_rows(), found.all.mean)))
+}
+
+impl SparkleMap {
+    /// Largest number of columns.
+    const COLUMNS: usize = 24;
+
+    /// Places faces side by side, in rows of as many as fit.
+    fn new(faces: &[Vec<[f64; 3]>], [columns, rows]: [usize; 2], mean: f64) -> Self {
+        let across = (Self::COLUMNS / columns).clamp(1, faces.len());
+        let mut values = Vec::new();
+        for abreast in faces.chunks_exact(across) {
+            for row in 0..rows {
+                let of = |face: &'_ Vec<[f64; 3]>| face[row * columns..(row + 1) * columns].to_vec();
+                values.extend(abreast.iter().flat_map(of).map(|light| light[0] / mean));
+            }
+        }
+        Self { columns: across * columns, values }
+    }
 }
 
 /// Luminance of the state `white` in each view, cd/m2.

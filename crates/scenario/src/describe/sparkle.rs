@@ -12,11 +12,11 @@ table! {
         slope_rms as "Slope of the face": Option<FaceSlope>,
         /// Fraction of light along the normal that a plate with this face transmits beyond 2.5 deg. Specify either `haze` or `slope_rms`,
         /// unless a `rough` layer has `correlation_um`.
-        haze as "Haze of the face": Option<InnerShare>,
+        haze: Option<InnerShare>,
         /// Distance at which the correlation of the heights exp(-r^2/xi^2) is 1/e, or several. Required with `slope_rms` or `haze`.
-        correlation_um as "Correlation length of the face": Option<CorrelationLengths>,
+        correlation_um as "Correlation length": Option<CorrelationLengths>,
         /// Distance of face and pixels in the medium above the pixels, or several. Default: the media of the display below the face.
-        gap_mm as "Distance of face and pixels": Option<FaceGaps>,
+        gap_mm: Option<FaceGaps>,
         /// Diameter of the viewer's pupil at `viewer.distance_mm`, or of a camera's; 0 is a pinhole.
         pupil_mm as "Diameter of the pupil": Pupil = Pupil(4.0),
         /// Number of independent faces, from which the standard errors follow.

@@ -14,9 +14,14 @@ impl Plan {
     /// Each cell of the face is seen at a cell of the same size on the pixel plane, whose overlap with the windows is
     /// exact: the mean over many faces is exact for cells of any size.
     pub fn replicate(&self, replicate: u64) -> [Moments; 3] {
+        Self::moments(&self.light_of_pixels(replicate))
+    }
+
+    /// Sums over the pixels of one face.
+    pub fn moments(light_of_pixels: &[[f64; 3]]) -> [Moments; 3] {
         let mut moments = [Moments::default(); 3];
-        for light in self.light_of_pixels(replicate) {
-            moments.iter_mut().zip(light).for_each(|(moments, light)| moments.add(light));
+        for light in light_of_pixels {
+            moments.iter_mut().zip(light).for_each(|(moments, light)| moments.add(*light));
         }
         moments
     }
