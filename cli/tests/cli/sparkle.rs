@@ -54,6 +54,7 @@ fn rays_and_closed_form_agree() {
         "sparkle={ slope_rms = 0.01, correlation_um = 8, pupil_mm = 0 }",
         "lighting.directed=[]",
         "lighting.diffuse=1",
+        "viewer.theta_deg=0",
     ]);
     let number = |name: &str| rows[0][name].as_f64().unwrap();
     let (rays, closed, error) = (number("ppd"), number("ppd_closed_form"), number("standard_error"));
@@ -72,6 +73,7 @@ fn rays_and_closed_form_agree() {
 fn closed_form_is_linear_in_distance() {
     let few = "sparkle.replicates=2";
     let face = "sparkle.slope_rms=0.005";
+    let diffuse = ["lighting.directed=[]", "lighting.diffuse=1"];
     let sets = ["sparkle.correlation_um=8", "sparkle.gap_mm=[0.1, 0.2]", "sparkle.pupil_mm=0", few];
     // The face by its slope instead of its haze.
     let text = fs::read_to_string(scenario("antiglare")).unwrap();
@@ -82,7 +84,7 @@ fn closed_form_is_linear_in_distance() {
     let run = |more: &[&str]| {
         let mut command = papilio();
         command.arg("sparkle").arg(&file).arg("--json").args(["--set", face]);
-        sets.iter().chain(more).for_each(|set| _ = command.args(["--set", set]));
+        sets.iter().chain(&diffuse).chain(more).for_each(|set| _ = command.args(["--set", set]));
         let output = command.output().unwrap();
         assert!(output.status.success(), "{}", stderr(&output));
         let file: Value = serde_json::from_slice(&output.stdout).unwrap();
