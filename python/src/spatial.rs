@@ -100,9 +100,8 @@ impl Sparkle {
         let missing = "scenario: it describes no antiglare face (expected the table [sparkle] with slope_rms or haze and \
                        correlation_um, or a rough layer with correlation_um)";
         let face = resolved.sparkle.as_ref().ok_or_else(|| errors::argument(py, missing))?;
-        let of = computed(py, scenario, threads, progress, |control| {
-            sparkle(&resolved.scene, face, control)
-        })?;
+        let of =
+            computed(py, scenario, threads, progress, |control| sparkle(&resolved.scene, face, control))?;
         let json = text(&SparkleFile {
             papilio: env!("CARGO_PKG_VERSION"),
             title,

@@ -2,8 +2,8 @@
 
 use std::ops::Range;
 
+use num_complex::Complex64;
 use papilio_optics::Beta;
-use rustfft::num_complex::Complex64;
 
 use crate::skeleton::Propagation;
 use crate::walk::{add_scaled, scale_rows};
