@@ -26,9 +26,15 @@
 //! Compared with [`Walk`](super::Walk), a path costs less and has more noise: it is an independent check of the uniform
 //! results, too.
 
+mod connect;
+mod dice;
 mod faces;
+mod flat;
+mod light;
 mod path;
 mod pattern;
+mod pixel;
+mod slab;
 mod tally;
 mod tracer;
 
@@ -40,8 +46,8 @@ use papilio_optics::Beta;
 use path::Path;
 pub use pattern::{Matrix, Pattern, SeenFrom, Shape, TwoStates, Uniform};
 pub use tally::{CellGrid, Kernel, KernelTally, Spreads};
-use tally::{Record, Sums};
-use tracer::{Tracer, Workspace};
+use tally::{Plan, Record, Sums};
+use tracer::{Shows, Tracer, Workspace};
 
 /// What a walk with places estimates.
 pub enum What<'a> {
@@ -106,9 +112,7 @@ pub struct Exit<'p> {
 /// The Monte Carlo solver with places, for one stack, one view and its sources.
 pub struct PlacedWalk<'a> {
     tracer: Tracer<'a>,
-    kernel: Option<KernelTally>,
-    sources: usize,
-    images: usize,
+    plan: Plan<'a>,
 }
 
 /// Running sums of one replicate of a walk with places.
@@ -145,9 +149,9 @@ impl<'a> PlacedWalk<'a> {
         if let Some(length) = lengths_mm.iter().find(|length| !(0.0..f64::INFINITY).contains(*length)) {
             return Err(PlaceError::Length(*length));
         }
-        let (pattern, kernel): (Box<dyn Pattern + 'a>, _) = match what {
-            What::Pattern(pattern) => (Box::new(pattern), None),
-            What::Kernel(kernel) => (Box::new(Uniform { states: stack.base.states() }), Some(kernel)),
+        let (shows, kernel) = match what {
+            What::Pattern(pattern) => (Shows::Pattern(pattern), None),
+            What::Kernel(kernel) => (Shows::EachState, Some(kernel)),
         };
         let fits = |kernel: &KernelTally| {
             let mut channels = kernel.channels.iter().flatten();
@@ -156,15 +160,15 @@ impl<'a> PlacedWalk<'a> {
         if !kernel.as_ref().is_none_or(fits) {
             return Err(PlaceError::Channels);
         }
-        let images = pattern.images();
-        let tracer = Tracer::new(stack, lengths_mm.to_vec(), (view, sources), pattern);
-        Ok(Self { tracer, kernel, sources: sources.len(), images })
+        let tracer = Tracer::new(stack, lengths_mm.to_vec(), (view, sources), shows);
+        let plan = Plan::new(&stack.base, tracer.images(), kernel);
+        Ok(Self { tracer, plan })
     }
 
     /// Returns an empty replicate, to be filled by [`Self::trace`].
     pub fn replicate(&self) -> PlacedReplicate<'_> {
-        let sums = Sums::new(self.sources, (self.images, self.tracer.bins()), self.kernel.as_ref());
-        PlacedReplicate { paths: 0, sums, work: self.tracer.workspace() }
+        let sums = Sums::new(&self.plan, self.tracer.sources.len());
+        PlacedReplicate { paths: 0, sums, work: self.tracer.workspace(false) }
     }
 
     /// Traces `count` further paths of a replicate. The result depends only on the random numbers and the total number of
@@ -187,7 +191,7 @@ impl<'a> PlacedWalk<'a> {
     /// All layers are reciprocal: light that reaches the viewer at this place comes from the same places. The sum over the exits
     /// above, over the number of paths, is what returns.
     pub fn exits(&self, numbers: &SampleStream, paths: std::ops::Range<u64>, exit: impl FnMut(Exit<'_>)) {
-        let (mut work, mut exits) = (self.tracer.workspace(), Exits { exit });
+        let (mut work, mut exits) = (self.tracer.workspace(true), Exits { exit });
         paths.for_each(|path| self.tracer.trace(&PathNumbers::new(numbers, path), &mut work, &mut exits));
     }
 }
@@ -200,9 +204,9 @@ struct Exits<F> {
 impl<F: FnMut(Exit<'_>)> Record for Exits<F> {
     fn receives(&mut self, _: usize, _: &Path, _: f64) {}
 
-    fn leaves(&mut self, path: &Path, below: bool) {
+    fn leaves(&mut self, path: &mut Path, below: bool) {
         let [x, y] = path.place_mm.first().copied().unwrap_or_default();
         let place_mm = [x - path.entry_mm[0], y - path.entry_mm[1]];
-        (self.exit)(Exit { place_mm, beta: path.beta, below, light: path.light() });
+        (self.exit)(Exit { place_mm, beta: path.beta, below, light: path.light.as_spectra() });
     }
 }

@@ -18,20 +18,6 @@ pub trait Pattern: Sync {
     fn coverages(&self, place_mm: [f64; 2], out: &mut [f64]);
 }
 
-impl Pattern for &dyn Pattern {
-    fn images(&self) -> usize {
-        (**self).images()
-    }
-
-    fn period_mm(&self) -> [f64; 2] {
-        (**self).period_mm()
-    }
-
-    fn coverages(&self, place_mm: [f64; 2], out: &mut [f64]) {
-        (**self).coverages(place_mm, out);
-    }
-}
-
 /// Every state everywhere: image k is state k.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Uniform {
