@@ -6,6 +6,7 @@
 //! the sums once, for all paths ([`tally`](super::tally)). Light has spectra from the second meeting on, and from its start
 //! under layers with colour or over a pixel that scatters by a kernel.
 
+use super::pattern::Pattern;
 use crate::angular::Stencil;
 use crate::walk::{add_scaled, scale_rows};
 
@@ -209,11 +210,11 @@ impl Shown {
         }
     }
 
-    /// Becomes what these coverages say, `[image][state]`.
-    pub(super) fn set(&mut self, coverages: &[f64]) {
+    /// Becomes what a pattern shows at a place.
+    pub(super) fn set(&mut self, pattern: &dyn Pattern, place_mm: [f64; 2], states: usize) {
         if let Self::Covered(covered) = self {
             covered.clear();
-            covered.extend(coverages.iter().copied().enumerate().filter(|(_, coverage)| *coverage != 0.0));
+            pattern.shows(place_mm, &mut |image, state, coverage| covered.push((image * states + state, coverage)));
         }
     }
 }

@@ -18,18 +18,24 @@
 //! connected to every directed source; the last part of a connection passes flat layers and mirrors by one route, chosen like
 //! those of paths. Discs and fields are also found by chance (balance heuristic). A scatterer above a mirror is sampled around the
 //! viewer's ray and around the rays of lamps: light of a lamp is seen around both. A path carries all images and wavelengths; where
-//! an index depends on wavelength, it has a place for each.
+//! an index depends on wavelength, it has a place for each. Under layers without colour it carries one number until it meets the
+//! pixel a second time (`light`). Below a lobe that reflects nothing, it meets a mirror-like pixel once, and many paths take their steps
+//! together (`grouped`).
 //!
 //! The place of a meeting refers to that of the view's own ray. A field of view of some width is focused on the pixel: own
 //! rays of all its directions meet the pixel at the same place.
 //!
-//! Compared with [`Walk`](super::Walk), a path costs less and has more noise: it is an independent check of the uniform
-//! results, too.
+//! Transforms cost a path the same at any number of frequencies (`waves`).
+//!
+//! Except for the groups, this tracer shares no estimator with [`Walk`](super::Walk): it is an independent check of the uniform results,
+//! too.
 
+mod bins;
 mod connect;
 mod dice;
 mod faces;
 mod flat;
+mod grouped;
 mod light;
 mod path;
 mod pattern;
@@ -37,17 +43,24 @@ mod pixel;
 mod slab;
 mod tally;
 mod tracer;
+mod waves;
 
 use papilio_sampling::SampleStream;
 
 use super::PathNumbers;
+use super::diffused::Escape;
 use crate::{Cone, Layered, ReflectanceFactor, Source};
 use papilio_optics::Beta;
+use grouped::Grouped;
 use path::Path;
 pub use pattern::{Matrix, Pattern, SeenFrom, Shape, TwoStates, Uniform};
-pub use tally::{CellGrid, Kernel, KernelTally, Spreads};
+pub use bins::CellGrid;
+pub use tally::{Kernel, KernelTally, Spreads};
 use tally::{Plan, Record, Sums};
 use tracer::{Shows, Tracer, Workspace};
+
+/// Distance within which most light meets the pixel, in thicknesses of all layers.
+const EXTENT: f64 = 4.0;
 
 /// What a walk with places estimates.
 pub enum What<'a> {
@@ -113,6 +126,8 @@ pub struct Exit<'p> {
 pub struct PlacedWalk<'a> {
     tracer: Tracer<'a>,
     plan: Plan<'a>,
+    /// Where paths can be traced in groups.
+    leaving: Option<Escape>,
 }
 
 /// Running sums of one replicate of a walk with places.
@@ -161,8 +176,9 @@ impl<'a> PlacedWalk<'a> {
             return Err(PlaceError::Channels);
         }
         let tracer = Tracer::new(stack, lengths_mm.to_vec(), (view, sources), shows);
-        let plan = Plan::new(&stack.base, tracer.images(), kernel);
-        Ok(Self { tracer, plan })
+        let plan = Plan::new(&stack.base, tracer.images(), kernel, EXTENT * lengths_mm.iter().sum::<f64>());
+        let leaving = grouped::leaving(&tracer);
+        Ok(Self { tracer, plan, leaving })
     }
 
     /// Returns an empty replicate, to be filled by [`Self::trace`].
@@ -175,10 +191,12 @@ impl<'a> PlacedWalk<'a> {
     /// paths, of which powers of two have the smallest error.
     pub fn trace(&self, replicate: &mut PlacedReplicate<'_>, numbers: &SampleStream, count: u64) {
         let PlacedReplicate { paths, sums, work } = replicate;
-        for path in *paths..*paths + count {
-            self.tracer.trace(&PathNumbers::new(numbers, path), work, sums);
+        let wanted = *paths..*paths + count;
+        *paths = wanted.end;
+        match self.leaving.as_ref().and_then(|leaving| Grouped::new(&self.tracer, leaving)) {
+            Some(grouped) => grouped.trace(numbers, wanted, sums),
+            None => wanted.for_each(|path| self.tracer.trace(&PathNumbers::new(numbers, path), work, sums)),
         }
-        *paths += count;
     }
 
     /// Returns the means over the paths of a replicate, which must have traced at least one.

@@ -5,6 +5,7 @@ use std::ops::Range;
 use papilio_optics::Beta;
 
 use super::light::Light;
+use super::waves::Spot;
 use crate::skeleton::Propagation;
 
 /// State of a path, or of the last part of a connection to a source.
@@ -28,16 +29,21 @@ pub(super) struct Path {
 /// What is remembered of the places at which a path met the pixel.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Trace {
-    /// Real and imaginary part of the sum over the meetings of `exp(-2 pi i f.r)`; `[place][frequency]`.
-    pub(super) phases: [Vec<f64>; 2],
-    /// Cells of the meetings; `[meeting][place]`.
-    pub(super) cells: Vec<usize>,
+    /// `[meeting][place][line]`.
+    pub(super) spots: Vec<Spot>,
+    /// `[meeting][place][bin]`.
+    pub(super) bins: Vec<usize>,
 }
 
 impl Trace {
+    pub(super) fn clear(&mut self) {
+        self.spots.clear();
+        self.bins.clear();
+    }
+
     fn copy(&mut self, other: &Self) {
-        self.phases.iter_mut().zip(&other.phases).for_each(|(own, other)| own.clone_from(other));
-        self.cells.clone_from(&other.cells);
+        self.spots.clone_from(&other.spots);
+        self.bins.clone_from(&other.bins);
     }
 }
 
@@ -60,7 +66,7 @@ impl Path {
         (self.beta, self.plane, self.going) = (beta, 0, Propagation::Down);
         self.density = f64::INFINITY;
         self.light.start();
-        self.trace.cells.clear();
+        self.trace.clear();
     }
 
     /// Becomes a copy of another path; keeps the memory.
@@ -69,11 +75,7 @@ impl Path {
         self.density = other.density;
         self.place_mm.copy_from_slice(&other.place_mm);
         self.light.copy(&other.light);
-        if other.light.meetings() > 0 {
-            self.trace.copy(&other.trace);
-        } else {
-            self.trace.cells.clear();
-        }
+        self.trace.copy(&other.trace);
     }
 
     /// The wavelengths of a place.

@@ -20,9 +20,7 @@ impl Tracer<'_> {
         if path.light.is_number() {
             let shown = path.light.meet(squared, self.look_up(squared));
             if let Shows::Pattern(pattern) = self.shows {
-                work.coverages.fill(0.0);
-                pattern.coverages(path.place_mm[0], &mut work.coverages);
-                shown.set(&work.coverages);
+                shown.set(pattern, path.place_mm[0], self.stack.base.states());
             }
             return record.meets(path);
         }
@@ -39,20 +37,14 @@ impl Tracer<'_> {
         match self.shows {
             Shows::EachState => path.light.reflect(&work.reflectance),
             Shows::Pattern(pattern) => {
-                let (bins, states) = (self.bins(), self.stack.base.states());
-                let PixelWork { reflectance, coverages, mixed } = work;
+                let (bins, PixelWork { reflectance, mixed }) = (self.bins(), work);
                 mixed.fill(0.0);
                 for (k, place) in path.place_mm.iter().enumerate() {
-                    coverages.fill(0.0);
-                    pattern.coverages(*place, coverages);
                     let here = path.bins_at(k);
-                    for (row, of_image) in mixed.chunks_exact_mut(bins).zip(coverages.chunks_exact(states)) {
-                        for (coverage, of_state) in of_image.iter().zip(reflectance.chunks_exact(bins)) {
-                            if *coverage != 0.0 {
-                                add_scaled(&mut row[here.clone()], &of_state[here.clone()], *coverage);
-                            }
-                        }
-                    }
+                    pattern.shows(*place, &mut |image, state, coverage| {
+                        let row = &mut mixed[image * bins..][here.clone()];
+                        add_scaled(row, &reflectance[state * bins..][here.clone()], coverage);
+                    });
                 }
                 path.light.reflect(mixed);
             }

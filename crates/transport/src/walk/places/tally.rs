@@ -3,13 +3,14 @@
 //! Light that has met the pixel once is added to the nodes of the pixel's angular table; spectra are formed from the sums at the
 //! end, once for all paths.
 
+use std::ops::Range;
+
 use rustfft::num_complex::Complex64;
 
-use papilio_optics::with_widest_simd;
-use papilio_sampling::warp;
-
+use super::bins::{Bins, CellGrid};
 use super::light::{FirstMeeting, Recorded, Shown};
 use super::path::{Path, Trace};
+use super::waves::{WaveSums, Waves};
 use crate::angular::Stencil;
 use crate::walk::add_scaled;
 use crate::{Base, ReflectanceFactor, Reflector};
@@ -36,43 +37,12 @@ pub struct KernelTally {
     pub frequencies_per_mm: Vec<[f64; 2]>,
     /// Cells in which light is tallied; `None`: no cells.
     pub cells: Option<CellGrid>,
+    /// Ascending borders along x and along y between which light is tallied, mm; the first and last strip have no outer border.
+    pub strips_mm: [Vec<f64>; 2],
+    /// Ascending radii between which light is tallied, mm; the last ring has no outer border.
+    pub rings_mm: Vec<f64>,
     /// Sums over wavelengths that are tallied, as weights: `[channel][wavelength]` for each source.
     pub channels: Vec<Vec<Vec<f64>>>,
-}
-
-/// Equal cells of a rectangle, for a spread. A cell holds all light that falls on it: its area is exact.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct CellGrid {
-    /// Number of columns and rows; columns from the left, rows from the bottom.
-    pub count: [usize; 2],
-    /// Lower left corner, mm.
-    pub corner_mm: [f64; 2],
-    /// Width and height of a cell, mm.
-    pub cell_mm: [f64; 2],
-}
-
-impl CellGrid {
-    /// Number of cells.
-    pub fn len(&self) -> usize {
-        self.count[0] * self.count[1]
-    }
-
-    /// True if there is no cell.
-    pub fn is_empty(&self) -> bool {
-        self.len() == 0
-    }
-
-    /// The cell of a place; one more than the last for all places beyond.
-    fn cell(&self, place_mm: [f64; 2]) -> usize {
-        let along = |k: usize| (place_mm[k] - self.corner_mm[k]) / self.cell_mm[k];
-        let (column, row) = (along(0), along(1));
-        let holds = |at: f64, count: usize| at >= 0.0 && at < count as f64;
-        if holds(column, self.count[0]) && holds(row, self.count[1]) {
-            row as usize * self.count[0] + column as usize
-        } else {
-            self.len()
-        }
-    }
 }
 
 /// Spread of light by the number of its meetings with the pixel.
@@ -91,6 +61,10 @@ pub struct Kernel {
     pub transfer: Vec<Complex64>,
     /// Mean of w in each cell, and at last that beyond all cells; shape `[channel][state][cell]`. Empty without cells.
     pub cells: Vec<f64>,
+    /// Mean of w in each strip along x and along y; `[channel][state][strip]`.
+    pub strips: [Vec<f64>; 2],
+    /// Mean of w in each ring; `[channel][state][ring]`.
+    pub rings: Vec<f64>,
 }
 
 /// What is recorded: the pixel, and the sums over wavelengths of a kernel.
@@ -99,18 +73,27 @@ pub(super) struct Plan<'a> {
     images: usize,
     /// Number of nodes of the angular table, with room for a look-up that begins at the last one.
     nodes: usize,
-    pub(super) tally: Option<KernelTally>,
+    tally: Option<KernelTally>,
+    waves: Waves,
+    bins: Bins,
     /// The channels of the reflectance at the nodes; `[source][channel][state][node]`.
     at_nodes: Vec<Vec<f64>>,
 }
 
 impl<'a> Plan<'a> {
-    pub(super) fn new(base: &'a Base, images: usize, tally: Option<KernelTally>) -> Self {
+    /// `extent_mm` is the distance from the view's own ray within which most light meets the pixel.
+    pub(super) fn new(base: &'a Base, images: usize, tally: Option<KernelTally>, extent_mm: f64) -> Self {
         let nodes = match &base.reflector {
             Reflector::Specular(table) => table.nodes.count(),
             Reflector::Lambertian(_) | Reflector::Scattering(_) => 1,
         };
-        let mut plan = Self { base, images, nodes: nodes + Stencil::LEN, tally, at_nodes: Vec::new() };
+        let (mut waves, mut bins) = (Waves::default(), Bins::default());
+        if let Some(tally) = &tally {
+            waves = Waves::new(&tally.frequencies_per_mm, extent_mm);
+            bins = Bins::new(tally);
+        }
+        let nodes_and_room = nodes + Stencil::LEN;
+        let mut plan = Self { base, images, nodes: nodes_and_room, tally, waves, bins, at_nodes: Vec::new() };
         let channels = plan.tally.iter().flat_map(|tally| &tally.channels);
         plan.at_nodes = channels.map(|channels| plan.channels_at_nodes(nodes, channels)).collect();
         plan
@@ -161,12 +144,12 @@ struct Received {
     kernels: [KernelSums; 2],
 }
 
-/// Sums of a kernel.
+/// Sums of a kernel, by row: `[channel][state]`.
 #[derive(Debug, Clone, Default)]
 struct KernelSums {
-    /// Real and imaginary part; `[channel][state][frequency]`.
-    transfer: [Vec<f64>; 2],
-    cells: Vec<f64>,
+    waves: Vec<WaveSums>,
+    /// `[row][bin]`.
+    bins: Vec<f64>,
 }
 
 /// Sums of a replicate.
@@ -184,9 +167,8 @@ impl<'p> Sums<'p> {
         let kernels = |source: usize| {
             let Some(tally) = &plan.tally else { return KernelSums::default() };
             let rows = tally.channels[source].len() * images;
-            let frequencies = vec![0.0; rows * tally.frequencies_per_mm.len()];
-            let cells = tally.cells.map_or(0, |cells| cells.len() + 1);
-            KernelSums { transfer: [frequencies.clone(), frequencies], cells: vec![0.0; rows * cells] }
+            let waves = vec![plan.waves.sums(); rows];
+            KernelSums { waves, bins: vec![0.0; rows * plan.bins.count] }
         };
         let received = |source: usize| Received {
             front: vec![0.0; bins],
@@ -201,9 +183,9 @@ impl<'p> Sums<'p> {
 
     pub(super) fn means(&self, scale: f64) -> super::Estimate {
         let spreads = |received: &Received| {
-            let [once, later] = &received.kernels;
-            let all = once.plus(later);
-            Spreads { once: once.scaled(scale), response: all.scaled(scale) }
+            let [once, later] = received.kernels.each_ref().map(|sums| sums.means(self.plan, scale));
+            let response = once.plus(&later);
+            Spreads { once, response }
         };
         super::Estimate {
             rho: self.received.iter().map(|received| received.mean(self.plan, scale)).collect(),
@@ -258,20 +240,36 @@ impl Received {
     }
 }
 
+impl Sums<'_> {
+    /// Adds light of several sources that meets the pixel once, at this place.
+    pub(super) fn add_meeting(
+        &mut self,
+        place_mm: [f64; 2],
+        first: &FirstMeeting,
+        trace: &mut Trace,
+        lights: impl Iterator<Item = (usize, f64)>,
+    ) {
+        let plan = self.plan;
+        if plan.tally.is_some() {
+            trace.clear();
+            plan.locate(place_mm, trace);
+        }
+        for (source, light) in lights {
+            let received = &mut self.received[source];
+            received.add_look_up(plan, first, light);
+            if plan.tally.is_some() {
+                plan.add_look_up(source, &mut received.kernels[0], &first.look_up, trace, light);
+            }
+        }
+    }
+}
+
 impl Record for Sums<'_> {
     fn meets(&self, path: &mut Path) {
-        let Some(tally) = &self.plan.tally else { return };
-        let frequencies = &tally.frequencies_per_mm;
-        let count = frequencies.len();
-        let is_first = path.light.meetings() == 1;
-        let Path { trace: Trace { phases: [re, im], cells }, place_mm, .. } = path;
-        for phases in [&mut *re, &mut *im] {
-            phases.resize(place_mm.len() * count, 0.0);
-        }
-        for (k, [x, y]) in place_mm.iter().enumerate() {
-            let (re, im) = (&mut re[k * count..][..count], &mut im[k * count..][..count]);
-            add_phases(frequencies, [*x, *y], if is_first { 0.0 } else { 1.0 }, re, im);
-            cells.extend(tally.cells.map(|cells| cells.cell([-x, -y])));
+        if self.plan.tally.is_some() {
+            for place in &path.place_mm {
+                self.plan.locate(*place, &mut path.trace);
+            }
         }
     }
 
@@ -288,12 +286,7 @@ impl Record for Sums<'_> {
         match path.light.recorded() {
             Recorded::Number(_) => {}
             Recorded::LookUp(scale, first) => {
-                let look_up = &first.look_up;
-                for (row, at_nodes) in plan.at_nodes[source].chunks_exact(plan.nodes).enumerate() {
-                    let nodes = &at_nodes[look_up.first..][..Stencil::LEN];
-                    let light = weight * scale * dot(&look_up.weights, nodes);
-                    tally.add(sum, row, path, 0, light);
-                }
+                plan.add_look_up(source, sum, &first.look_up, &path.trace, weight * scale);
             }
             Recorded::Spectra(scale, spectra) => {
                 let bins = path.light.bins();
@@ -304,7 +297,8 @@ impl Record for Sums<'_> {
                         for (state, light) in spectra.chunks_exact(bins).enumerate() {
                             let light = weight * scale * dot(&light[at.clone()], &weights[at.clone()]);
                             if light != 0.0 {
-                                tally.add(sum, channel * states + state, path, place, light);
+                                let places = [place, path.place_mm.len()];
+                                plan.add(sum, channel * states + state, &path.trace, places, light);
                             }
                         }
                     }
@@ -328,49 +322,69 @@ impl Received {
     }
 }
 
-impl KernelTally {
-    /// Adds light at the places at which a path met the pixel.
-    fn add(&self, sum: &mut KernelSums, row: usize, path: &Path, place: usize, light: f64) {
-        let count = self.frequencies_per_mm.len();
-        for (sum, phases) in sum.transfer.iter_mut().zip(&path.trace.phases) {
-            add_scaled(&mut sum[row * count..][..count], &phases[place * count..][..count], light);
+impl Plan<'_> {
+    /// Adds the spots and bins of a meeting.
+    fn locate(&self, [x, y]: [f64; 2], trace: &mut Trace) {
+        // The place r is minus that on the pixel.
+        self.waves.locate([-x, -y], &mut trace.spots);
+        self.bins.locate([-x, -y], &mut trace.bins);
+    }
+
+    /// Adds light to a row at the places, or at one of several, at which it met the pixel.
+    fn add(&self, sum: &mut KernelSums, row: usize, trace: &Trace, [place, places]: [usize; 2], light: f64) {
+        let meetings = |len: usize| (place * len, places * len);
+        let (first, step) = meetings(self.waves.lines());
+        let mut spots = trace.spots.get(first..).unwrap_or_default();
+        while !spots.is_empty() {
+            self.waves.add(&mut sum.waves[row], &spots[..self.waves.lines()], light);
+            spots = spots.get(step..).unwrap_or_default();
         }
-        if let Some(cells) = self.cells {
-            let sums = &mut sum.cells[row * (cells.len() + 1)..][..=cells.len()];
-            let met = path.trace.cells.iter().skip(place).step_by(path.place_mm.len());
-            met.for_each(|cell| sums[*cell] += light);
+        let sums = &mut sum.bins[row * self.bins.count..][..self.bins.count];
+        let (first, step) = meetings(self.bins.parts);
+        let mut bins = trace.bins.get(first..).unwrap_or_default();
+        while !bins.is_empty() {
+            bins[..self.bins.parts].iter().for_each(|bin| sums[*bin] += light);
+            bins = bins.get(step..).unwrap_or_default();
+        }
+    }
+
+    /// Adds light that met the pixel once to all rows.
+    fn add_look_up(&self, source: usize, sum: &mut KernelSums, look_up: &Stencil, trace: &Trace, light: f64) {
+        for (row, at_nodes) in self.at_nodes[source].chunks_exact(self.nodes).enumerate() {
+            let nodes = &at_nodes[look_up.first..][..Stencil::LEN];
+            self.add(sum, row, trace, [0, 1], light * dot(&look_up.weights, nodes));
         }
     }
 }
 
 impl KernelSums {
-    fn plus(&self, other: &Self) -> Self {
-        let plus = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a + b).collect();
-        Self {
-            transfer: [0, 1].map(|part| plus(&self.transfer[part], &other.transfer[part])),
-            cells: plus(&self.cells, &other.cells),
-        }
-    }
-
-    fn scaled(&self, scale: f64) -> Kernel {
-        let [re, im] = &self.transfer;
+    fn means(&self, plan: &Plan<'_>, scale: f64) -> Kernel {
+        let [re, im] = plan.waves.transform(&self.waves);
         let transfer = re.iter().zip(im).map(|(re, im)| Complex64::new(scale * re, scale * im));
-        Kernel { transfer: transfer.collect(), cells: self.cells.iter().map(|value| value * scale).collect() }
+        let part = |at: &Range<usize>| {
+            let rows = self.bins.chunks_exact(plan.bins.count.max(1));
+            rows.flat_map(|row| row[at.clone()].iter().map(|value| scale * value)).collect()
+        };
+        let Bins { cells, strips, rings, .. } = &plan.bins;
+        Kernel {
+            transfer: transfer.collect(),
+            cells: part(cells),
+            strips: strips.each_ref().map(part),
+            rings: part(rings),
+        }
     }
 }
 
-/// `phases = kept * phases + exp(2 pi i f.x)`: the place r is minus that on the pixel, x.
-fn add_phases(frequencies: &[[f64; 2]], [x, y]: [f64; 2], kept: f64, re: &mut [f64], im: &mut [f64]) {
-    with_widest_simd(
-        #[inline(always)]
-        || {
-            for ((re, im), [fx, fy]) in re.iter_mut().zip(im.iter_mut()).zip(frequencies) {
-                let (cos, sin) = warp::polar(1.0, fx * x + fy * y);
-                *re = kept * *re + cos;
-                *im = kept * *im + sin;
-            }
-        },
-    );
+impl Kernel {
+    fn plus(&self, other: &Self) -> Self {
+        let plus = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a + b).collect();
+        Self {
+            transfer: self.transfer.iter().zip(&other.transfer).map(|(a, b)| a + b).collect(),
+            cells: plus(&self.cells, &other.cells),
+            strips: [0, 1].map(|axis| plus(&self.strips[axis], &other.strips[axis])),
+            rings: plus(&self.rings, &other.rings),
+        }
+    }
 }
 
 /// Adds a look-up to sums over nodes.

@@ -26,7 +26,7 @@ const OFTEN: u32 = 16;
 pub(super) struct Tracer<'a> {
     pub(super) stack: &'a Layered,
     pub(super) lengths_mm: Vec<f64>,
-    view: Cone,
+    pub(super) view: Cone,
     pub(super) sources: &'a [Source],
     pub(super) shows: Shows<'a>,
     pub(super) air: Medium,
@@ -79,8 +79,6 @@ pub(super) struct FlatWork {
 pub(super) struct PixelWork {
     /// Reflectance of each state; `[state][wavelength]`.
     pub(super) reflectance: Vec<f64>,
-    /// Coverage of each state; `[image][state]`.
-    pub(super) coverages: Vec<f64>,
     /// Reflectance of each image; `[image][wavelength]`.
     pub(super) mixed: Vec<f64>,
 }
@@ -126,6 +124,14 @@ impl<'a> Tracer<'a> {
         }
     }
 
+    /// Period over which first places are distributed, mm.
+    pub(super) fn period_mm(&self) -> [f64; 2] {
+        match self.shows {
+            Shows::EachState => [0.0; 2],
+            Shows::Pattern(pattern) => pattern.period_mm(),
+        }
+    }
+
     /// Memory for paths, whose light has spectra from the start if they are wanted.
     pub(super) fn workspace(&self, spectra: bool) -> Workspace {
         let (bins, states, images) = (self.bins(), self.stack.base.states(), self.images());
@@ -151,7 +157,6 @@ impl<'a> Tracer<'a> {
             flat,
             pixel: PixelWork {
                 reflectance: vec![0.0; states * bins],
-                coverages: vec![0.0; images * states],
                 mixed: vec![0.0; images * bins],
             },
         }
@@ -165,11 +170,7 @@ impl<'a> Tracer<'a> {
         }
         let path = &mut work.path;
         path.start(self.view.sample_towards(numbers.field()));
-        let u = numbers.beside_field();
-        let period = match self.shows {
-            Shows::EachState => [0.0; 2],
-            Shows::Pattern(pattern) => pattern.period_mm(),
-        };
+        let (u, period) = (numbers.beside_field(), self.period_mm());
         path.place_mm.fill([u[0] * period[0], u[1] * period[1]]);
         // The view's own ray meets the pixel there.
         let beta = path.beta;
