@@ -61,8 +61,7 @@ type Pair = (Mean, [f64; 2]);
 /// A deviation in units of its error, if most of that is noise.
 fn z((walk, [exact, error]): Pair) -> Option<f64> {
     let of_other = error.hypot(TABLES);
-    (walk.standard_error > 3.0 * of_other)
-        .then(|| (walk.value - exact) / walk.standard_error.hypot(of_other))
+    (walk.standard_error > 3.0 * of_other).then(|| (walk.value - exact) / walk.standard_error.hypot(of_other))
 }
 
 /// Numbers of a member: transfer of small changes, then means of patterns.
@@ -89,8 +88,11 @@ fn compare(number: u64, resolved: &Resolved) -> [Vec<Pair>; 2] {
         let found = &found[0].states.get(name).unwrap().response;
         for (k, otf) in at.iter().zip(&found.otf) {
             let curves = &state.otf;
-            let (exact, error) =
-                if axis == 0 { (curves.otf_x[*k], curves.error_x[*k]) } else { (curves.otf_y[*k], curves.error_y[*k]) };
+            let (exact, error) = if axis == 0 {
+                (curves.otf_x[*k], curves.error_x[*k])
+            } else {
+                (curves.otf_y[*k], curves.error_y[*k])
+            };
             transfers.extend([0, 1].map(|part| (otf[part], [exact[part], error])));
         }
     }

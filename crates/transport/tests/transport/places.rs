@@ -11,7 +11,8 @@ use papilio_sampling::{SampleStream, Sampler};
 use papilio_transport::spatial::closed::lobe_between_rectangles;
 use papilio_transport::spatial::{Accuracy, Cells, FaceReturn, Gap, Light, Recycling, Spread, displacement};
 use papilio_transport::walk::places::{
-    CellGrid, Estimate, KernelTally, Pattern, PlaceError, PlacedWalk, SeenFrom, Shape, TwoStates, Uniform, What,
+    CellGrid, Estimate, KernelTally, Pattern, PlaceError, PlacedWalk, SeenFrom, Shape, TwoStates, Uniform,
+    What,
 };
 use papilio_transport::{
     AngularTable, Base, Cone, Diffuser, Interface, Layer, Layered, Medium, Nodes, Reflector, Scattering,
@@ -511,7 +512,8 @@ fn single_scattering_has_a_closed_form() {
         // Dense near the surface: z = radius sinh(t).
         let step = (40.0 / radius).asinh() / count as f64;
         let at = |k: usize| (k as f64 + 0.5) * step;
-        (0..count).map(|k| value(radius * at(k).sinh()) * radius * at(k).cosh()).sum::<f64>() * step / (4.0 * PI)
+        (0..count).map(|k| value(radius * at(k).sinh()) * radius * at(k).cosh()).sum::<f64>() * step
+            / (4.0 * PI)
     };
     for (radius, expected) in
         [(0.1, 0.474_913_87), (0.5, 0.030_247_08), (1.0, 0.005_234_79), (2.0, 0.000_456_67), (5.0, 2.55e-6)]
@@ -526,16 +528,15 @@ fn single_scattering_has_a_closed_form() {
         .map(|pair| {
             let (count, width) = (200, pair[1] - pair[0]);
             let radius = |k: usize| pair[0] + (k as f64 + 0.5) * width / count as f64;
-            (0..count).map(|k| 2.0 * PI * radius(k) * per_area(radius(k), 400)).sum::<f64>() * width / count as f64
+            (0..count).map(|k| 2.0 * PI * radius(k) * per_area(radius(k), 400)).sum::<f64>() * width
+                / count as f64
         })
         .collect();
     let albedo = vec![0.8, 0.4];
     let scattering = Scattering { optical_thickness: 30.0, anisotropy: 0.0, albedo: albedo.into() };
     let medium = Medium::new(vec![1.0, 1.0].into()).with_scattering(scattering);
-    let base = Base {
-        reflector: Reflector::Lambertian(vec![0.0; 2]),
-        inactive_absorptance: vec![0.0; 2].into(),
-    };
+    let base =
+        Base { reflector: Reflector::Lambertian(vec![0.0; 2]), inactive_absorptance: vec![0.0; 2].into() };
     let stack = Layered { layers: vec![Layer { interface: Interface::Open, medium }], base };
     let pattern = Uniform { states: 1 };
     let walk = PlacedWalk::new(&stack, &[30.0], view(0.0), &[], What::Pattern(&pattern)).unwrap();

@@ -92,7 +92,13 @@ impl Tracer<'_> {
     }
 
     /// Follows light towards a source through all flat layers, by one route; adds what arrives.
-    pub(super) fn reach(&self, source: usize, work: &mut Last<'_>, dice: &mut Dice<'_>, record: &mut impl Record) {
+    pub(super) fn reach(
+        &self,
+        source: usize,
+        work: &mut Last<'_>,
+        dice: &mut Dice<'_>,
+        record: &mut impl Record,
+    ) {
         let Last { path, flat, pixel } = work;
         loop {
             match path.going {

@@ -58,8 +58,7 @@ impl Tracer<'_> {
             let out = &mut fractions[(2 + k) * self.bands..][..self.bands];
             face.fraction(length, out, |band| parts[band].scattered[going as usize]);
         }
-        let first =
-            work.path.light.meetings() == 0 && going == Propagation::Down && !self.about.is_empty();
+        let first = work.path.light.meetings() == 0 && going == Propagation::Down && !self.about.is_empty();
         for (k, face) in faces.iter().enumerate() {
             self.connect_from_face((number, face, first && face.passes()), 2 + k, dice, work, record);
         }

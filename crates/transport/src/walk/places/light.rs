@@ -91,7 +91,8 @@ impl Light {
         match self.form {
             Form::Number => {}
             Form::LookUp => {
-                (self.first.beta_squared, self.first.look_up) = (other.first.beta_squared, other.first.look_up);
+                (self.first.beta_squared, self.first.look_up) =
+                    (other.first.beta_squared, other.first.look_up);
                 self.first.shown.copy(&other.first.shown);
             }
             Form::Spectra => {
@@ -214,7 +215,9 @@ impl Shown {
     pub(super) fn set(&mut self, pattern: &dyn Pattern, place_mm: [f64; 2], states: usize) {
         if let Self::Covered(covered) = self {
             covered.clear();
-            pattern.shows(place_mm, &mut |image, state, coverage| covered.push((image * states + state, coverage)));
+            pattern.shows(place_mm, &mut |image, state, coverage| {
+                covered.push((image * states + state, coverage))
+            });
         }
     }
 }

@@ -143,7 +143,8 @@ impl Pattern for SeenFrom<'_> {
         for (k, from) in self.places_mm.iter().enumerate() {
             let first = k * self.pattern.images();
             let place_mm = [place_mm[0] + from[0], place_mm[1] + from[1]];
-            let mut shown = |image: usize, state: usize, coverage: f64| covered(first + image, state, coverage);
+            let mut shown =
+                |image: usize, state: usize, coverage: f64| covered(first + image, state, coverage);
             self.pattern.shows(place_mm, &mut shown);
         }
     }

@@ -66,7 +66,12 @@ impl Tracer<'_> {
     }
 
     /// Reflection by the pixel; false if the path ends.
-    pub(super) fn meet_base(&self, dice: &mut Dice<'_>, work: &mut Workspace, record: &mut impl Record) -> bool {
+    pub(super) fn meet_base(
+        &self,
+        dice: &mut Dice<'_>,
+        work: &mut Workspace,
+        record: &mut impl Record,
+    ) -> bool {
         match &self.stack.base.reflector {
             Reflector::Specular(_) => {
                 self.reflect_at_once(&mut work.path, &mut work.pixel, record);

@@ -155,10 +155,7 @@ impl<'a> Tracer<'a> {
             targets: vec![None; self.sources.len()],
             of_last: flat.clone(),
             flat,
-            pixel: PixelWork {
-                reflectance: vec![0.0; states * bins],
-                mixed: vec![0.0; images * bins],
-            },
+            pixel: PixelWork { reflectance: vec![0.0; states * bins], mixed: vec![0.0; images * bins] },
         }
     }
 

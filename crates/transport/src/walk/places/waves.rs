@@ -148,17 +148,14 @@ impl Waves {
 
     /// Sums of rows at all frequencies: real and imaginary part; `[row][frequency]`.
     pub(super) fn transform(&self, rows: &[WaveSums]) -> [Vec<f64>; 2] {
-        let mut transfer = [0, 1].map(|part| {
-            rows.iter().flat_map(|row| row.direct[part].iter().copied()).collect::<Vec<f64>>()
-        });
+        let mut transfer = [0, 1]
+            .map(|part| rows.iter().flat_map(|row| row.direct[part].iter().copied()).collect::<Vec<f64>>());
         if rows.iter().all(|row| row.grid.iter().all(|light| *light == 0.0)) {
             return transfer;
         }
         for line in self.lines.iter().filter(|line| line.nodes > 0) {
-            let grids: Vec<f64> = rows
-                .iter()
-                .flat_map(|row| row.grid[line.offset..][..line.nodes].iter().copied())
-                .collect();
+            let grids: Vec<f64> =
+                rows.iter().flat_map(|row| row.grid[line.offset..][..line.nodes].iter().copied()).collect();
             for (part, transfer) in transfer.iter_mut().enumerate() {
                 let mut sums = vec![0.0; rows.len() * line.members.len()];
                 add_product(&grids, &line.phases[part], line.nodes, &mut sums);
@@ -177,7 +174,8 @@ impl Line {
     /// Real and imaginary part of `exp(-2 pi i f s)` at the nodes; `[node][member]`.
     fn phases_at_nodes(&self) -> [Vec<f64>; 2] {
         let along = |node: usize| self.first_mm + node as f64 / self.per_mm;
-        let each = (0..self.nodes).flat_map(|node| self.members.iter().map(move |(_, f)| TAU * f * along(node)));
+        let each =
+            (0..self.nodes).flat_map(|node| self.members.iter().map(move |(_, f)| TAU * f * along(node)));
         let (re, im) = each.map(|angle| (angle.cos(), -angle.sin())).unzip();
         [re, im]
     }
@@ -198,7 +196,8 @@ mod tests {
         let mut spots = Vec::new();
         let mut expected = vec![[0.0; 2]; frequencies.len()];
         for k in 0..500 {
-            let place = [2.0 * (f64::from(k) * 0.618).fract() - 1.0, 3.2 * (f64::from(k) * 0.414).fract() - 1.6];
+            let place =
+                [2.0 * (f64::from(k) * 0.618).fract() - 1.0, 3.2 * (f64::from(k) * 0.414).fract() - 1.6];
             let light = 1.0 / f64::from(k + 1);
             spots.clear();
             waves.locate(place, &mut spots);
