@@ -10,6 +10,7 @@ mod bad_input;
 mod catalogue;
 mod common;
 mod compare;
+mod crosstalk;
 mod cone;
 mod diffuser;
 mod figures;

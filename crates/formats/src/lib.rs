@@ -21,6 +21,7 @@
 //! | [`PixelTable::write`] | `pixel.csv` |
 //! | [`write_absorption`], [`write_sub_pixels`] | `absorption.csv`, `sub-pixels.csv` |
 //! | [`write_cone_csv`], [`write_cone_npy`] | `cone.csv`, `cone.npy`; their description: [`ConeFile`] with [`write_json`] |
+//! | [`CrosstalkFile`] with [`write_json`], [`write_crosstalk_csv`], [`write_patterns_csv`] | `crosstalk.json`, `crosstalk.csv`, `patterns.csv`; schema: [`crosstalk_schema`] |
 //! | [`MtfFile`] with [`write_json`], [`write_mtf_csv`], [`write_spread_csv`], [`write_kernel_npy`] | `mtf.json`, `mtf.csv`, `spread.csv`, `kernel-STATE.npy`; schema: [`mtf_schema`] |
 //! | [`write_comparison`], [`write_compared_spectra`] | a comparison with a measured panel |
 //! | [`AuditFile`], [`FitFile`] with [`write_json`] | audit of a measurement, fitted lobes |
@@ -50,6 +51,7 @@ mod audit_text;
 mod bsdf;
 mod comparison;
 mod cone;
+mod crosstalk;
 mod error;
 mod file;
 mod index;
@@ -102,6 +104,7 @@ pub use light::{
     LightMap, Luminaire, MapChannel, MapColour, MapProblem, read_ies, read_light_map, read_profile,
 };
 pub use measured_panel::read_measured_panel;
+pub use crosstalk::{CrosstalkFile, crosstalk_schema, write_crosstalk_csv, write_patterns_csv};
 pub use mtf::{MtfFile, mtf_schema, write_kernel_npy, write_mtf_csv, write_spread_csv};
 pub use papilio_diagnostics::{Diagnostic, Place, Spot, Warned};
 pub use pixel_table::{PIXEL_COLUMNS, PixelTable, is_name, read_pixel_table};
