@@ -136,11 +136,23 @@ pub(crate) enum Command {
                       papilio completions powershell >> $PROFILE")]
     Completions(Completions),
     /// Print the JSON Schema of a scenario, for editors
-    Schema {
-        /// Print the JSON Schema of result.json instead
-        #[arg(long)]
-        result: bool,
-    },
+    Schema(Schema),
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct Schema {
+    /// Print the JSON Schema of result.json instead
+    #[arg(long, group = "of")]
+    pub(crate) result: bool,
+    /// Print the JSON Schema of mtf.json instead
+    #[arg(long, group = "of")]
+    pub(crate) mtf: bool,
+    /// Print the JSON Schema of crosstalk.json instead
+    #[arg(long, group = "of")]
+    pub(crate) crosstalk: bool,
+    /// Print the JSON Schema of sparkle.json instead
+    #[arg(long, group = "of")]
+    pub(crate) sparkle: bool,
 }
 
 #[derive(Debug, Args)]

@@ -110,7 +110,7 @@ pub use papilio_diagnostics::{Diagnostic, Place, Spot, Warned};
 pub use pixel_table::{PIXEL_COLUMNS, PixelTable, is_name, read_pixel_table};
 pub use result::{ResultFile, result_schema, write_reflection, write_spectra, write_states};
 pub use result_read::{ReadResult, read_result};
-pub use sparkle::{SparkleFile, write_sparkle};
+pub use sparkle::{SparkleFile, sparkle_schema, write_sparkle};
 pub use spectrum::{read_fractions, read_light, read_spectrum};
 pub use study::write_study;
 pub use sweep::{

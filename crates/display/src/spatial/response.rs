@@ -29,7 +29,7 @@ impl Level {
     }
 }
 
-/// Light that a view sees by way of the pixel in each state, from one source. All values are parts of Y.
+/// Light that a view sees via the pixel in each state, from one source. All values are parts of Y.
 pub(crate) trait Response: Sync {
     /// Light at a spatial frequency, cycles per mm, `[state]`. At 0 it is Y.
     fn transfer(&self, frequency_per_mm: [f64; 2]) -> Vec<Complex64>;

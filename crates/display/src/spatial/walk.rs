@@ -37,7 +37,7 @@ pub struct PatternView {
     pub theta_deg: f64,
     /// Azimuth, degrees.
     pub phi_deg: f64,
-    /// Y of each image by way of the pixel.
+    /// Y of each image via the pixel.
     pub via_pixel: Vec<Mean>,
     /// Y of the images of the room in flat faces, and of other light that has not met the pixel.
     pub front: Mean,
@@ -224,7 +224,7 @@ impl<'a> Placed<'a> {
         estimates.into_iter().collect()
     }
 
-    /// Y of an image by way of the pixel, or of light that has not met it.
+    /// Y of an image via the pixel, or of light that has not met the pixel.
     fn luminous(&self, estimate: &Estimate, image: Option<usize>) -> f64 {
         let of_light = |(number, rho): (usize, &ReflectanceFactor)| {
             let weights = self.meter.luminous_weights(number);

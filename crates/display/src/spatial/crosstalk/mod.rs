@@ -56,15 +56,7 @@ pub fn crosstalk(scene: &Scene, text: &str, control: &Control<'_>) -> Result<Cro
             return Err(DisplayError::Interrupted);
         }
         let view = frame.view(&setup.views[*number])?;
-        let done = done.fetch_add(1, Ordering::Relaxed) + 1;
-        (control.progress)(Progress {
-            paths: None,
-            share_of_paths: None,
-            relative_error: 0.0,
-            target: None,
-            views_done: (done, setup.views.len()),
-            so_far: None,
-        });
+        (control.progress)(Progress::of_views(done.fetch_add(1, Ordering::Relaxed) + 1, setup.views.len()));
         Ok(view)
     });
     let views = views.into_iter().collect::<Result<Vec<CrosstalkView>, _>>()?;
@@ -115,7 +107,7 @@ impl<'a> Frame<'a> {
         let missing = DisplayError::NoMatrix { command: "crosstalk" };
         let matrix = scene.display.matrix.as_ref().ok_or(missing)?;
         let lengths_mm = scene.display.lengths_mm()?;
-        let panel = covered(setup, matrix)?;
+        let panel = covered(setup)?;
         let surfaces = Surfaces::new(setup, matrix)?;
         let mut parts: Vec<Part> = Vec::new();
         for part in surfaces.states.iter().flatten() {
@@ -424,16 +416,13 @@ fn with_error(fine: Shares, coarse: &Shares) -> Shares {
 }
 
 /// Returns the panel if its places are computed.
-fn covered<'a>(setup: &'a Setup, matrix: &Matrix) -> Result<&'a Panel, DisplayError> {
+fn covered(setup: &Setup) -> Result<&Panel, DisplayError> {
     let not_yet = |what: &str, key: &str| {
         Err(DisplayError::PlacesNotComputed { what: what.to_owned(), key: key.to_owned() })
     };
     let Stack::Panel(panel) = &setup.stack else {
         return not_yet("general layers ([[display.layers]])", "display.layers");
     };
-    if matrix.spread_mm > 0.0 {
-        return not_yet("sideways scattering within the pixel", "display.matrix.spread_um");
-    }
     if panel.front.reflectance_below.max() > 0.0 {
         return not_yet("front components that reflect light", "display.front");
     }
