@@ -63,7 +63,8 @@ fn is_figure(name: &str) -> bool {
 /// The table on the terminal.
 fn text(title: &str, result: &CrosstalkResult) -> String {
     let [x, y] = result.pitch_um;
-    let mut text = format!("{}\npixels of {x:.2} x {y:.2} um, uniform page: {}\n", report::plain(title), result.page);
+    let mut text =
+        format!("{}\npixels of {x:.2} x {y:.2} um, uniform page: {}\n", report::plain(title), result.page);
     for view in &result.views {
         text += &format!("\nviewed at theta {} deg, phi {} deg\n", view.theta_deg, view.phi_deg);
         text += &of_view(result, view);
@@ -73,12 +74,14 @@ fn text(title: &str, result: &CrosstalkResult) -> String {
 
 fn of_view(result: &CrosstalkResult, view: &CrosstalkView) -> String {
     let shares = &view.shares;
-    let mut text = matrix("seen through, from", &result.subpixels, &shares.out, "inactive", &shares.inactive_out);
+    let mut text =
+        matrix("seen through, from", &result.subpixels, &shares.out, "inactive", &shares.inactive_out);
     if let (Some(entered), Some(between)) = (&shares.in_, &shares.between_in) {
         text += "\n";
         text += &matrix("reaches, entered through", &result.subpixels, entered, "between", between);
     }
-    let percent = |share: Option<f64>| share.map_or("-".to_owned(), |share| format!("{:.2} %", 100.0 * share));
+    let percent =
+        |share: Option<f64>| share.map_or("-".to_owned(), |share| format!("{:.2} %", 100.0 * share));
     text += &format!("  own share on the way out {}", percent(shares.own_share_out));
     if shares.own_share_in.is_some() {
         text += &format!(", on the way in {}", percent(shares.own_share_in));

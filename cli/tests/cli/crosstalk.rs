@@ -16,10 +16,7 @@ fn crosstalk_writes_its_files() {
     assert!(output.status.success(), "{}", stderr(&output));
     let printed = String::from_utf8(output.stdout).unwrap();
     assert!(printed.contains("seen through, from") && printed.contains("stripe_1"), "{printed}");
-    assert_eq!(
-        names(folder.path()),
-        ["crosstalk.csv", "crosstalk.json", "crosstalk.svg", "patterns.csv"]
-    );
+    assert_eq!(names(folder.path()), ["crosstalk.csv", "crosstalk.json", "crosstalk.svg", "patterns.csv"]);
     let read = |name: &str| fs::read_to_string(folder.path().join(name)).unwrap();
     let head = "theta_deg,phi_deg,light,way,window,subpixel,share,error";
     assert_eq!(read("crosstalk.csv").lines().next(), Some(head));

@@ -83,7 +83,8 @@ pub fn write_patterns_csv(out: impl Write, result: &CrosstalkResult) -> io::Resu
     ])?;
     for view in &result.views {
         for pattern in &view.patterns {
-            let mut row = vec![view.theta_deg.to_string(), view.phi_deg.to_string(), pattern.name.name().to_owned()];
+            let mut row =
+                vec![view.theta_deg.to_string(), view.phi_deg.to_string(), pattern.name.name().to_owned()];
             for values in [&pattern.values, &pattern.error] {
                 let numbers =
                     [values.gamut_percent_srgb, values.contrast_ratio, values.contrast_ratio_via_pixel];

@@ -91,6 +91,7 @@ pub use bsdf::{
 };
 pub use comparison::{write_compared_spectra, write_comparison};
 pub use cone::{CONE_QUANTITIES, ConeFile, cone_quantities, write_cone_csv, write_cone_npy};
+pub use crosstalk::{CrosstalkFile, crosstalk_schema, write_crosstalk_csv, write_patterns_csv};
 pub use error::{FormatError, Problem};
 pub use file::{DataFile, LARGEST_FILE, write_file};
 pub use index::{read_index, read_index_within};
@@ -104,7 +105,6 @@ pub use light::{
     LightMap, Luminaire, MapChannel, MapColour, MapProblem, read_ies, read_light_map, read_profile,
 };
 pub use measured_panel::read_measured_panel;
-pub use crosstalk::{CrosstalkFile, crosstalk_schema, write_crosstalk_csv, write_patterns_csv};
 pub use mtf::{MtfFile, mtf_schema, write_kernel_npy, write_mtf_csv, write_spread_csv};
 pub use papilio_diagnostics::{Diagnostic, Place, Spot, Warned};
 pub use pixel_table::{PIXEL_COLUMNS, PixelTable, is_name, read_pixel_table};

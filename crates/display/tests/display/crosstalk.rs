@@ -22,8 +22,7 @@ const BARE: &str = "[display.glass]\nindex = 1.5\nsurface = \"fresnel\"\nthickne
 const DIFFUSE: &str = "[lighting]\nilluminance_lx = 500\nspectrum = \"D65\"\ndiffuse = 1.0\n";
 const MIRROR: &str =
     "[display.pixel]\nmodel = \"uniform\"\nkind = \"mirror\"\nreflectance = { white = 0.9, black = 0.05 }\n";
-const PAPER: &str =
-    "[display.pixel]\nmodel = \"uniform\"\nkind = \"lambertian\"\nreflectance = { white = 0.6, black = 0.03 }\n";
+const PAPER: &str = "[display.pixel]\nmodel = \"uniform\"\nkind = \"lambertian\"\nreflectance = { white = 0.6, black = 0.03 }\n";
 /// A layer with the index of the glass: every sub-pixel is bare aluminium, whatever its gap.
 const ALUMINIUM: &str = "[display.pixel]\nmodel = \"film\"\nsubstrate = \"Al\"\n\
     area = { red = 0.5, green = 0.3, blue = 0.2 }\nfill_factor = 0.9\n\
@@ -100,7 +99,7 @@ fn shares_equal_the_series_of_transfers() {
 fn figures_on_paper_have_known_contrast() {
     let view = "[viewer]\ntheta_deg = 0\nfield_deg = 0\n";
     let at = |pitch_um: f64| {
-        let matrix = format!("[display.matrix]\npitch_um = {pitch_um}\n");
+        let matrix = format!("[display.matrix]\npitch_um = {pitch_um}\n[pattern]\ntext = \" \"\n");
         computed(&resolved(&[BARE, &matrix, PAPER, DIFFUSE, view])).unwrap()
     };
     let coarse = at(5000.0);
@@ -178,10 +177,11 @@ fn patches_are_those_of_a_run() {
     let patch = values(&result, Figure::Patch);
     near("gamut", patch.gamut_percent_srgb.unwrap(), metrics.gamut_percent_srgb.unwrap(), 0.02);
     near("contrast", patch.contrast_ratio.unwrap() / metrics.contrast_ratio.unwrap(), 1.0, 1e-3);
-    for figure in [Figure::Stripe, Figure::Line, Figure::Text] {
+    // Strokes of text are a few pixels wide.
+    for (figure, most) in [(Figure::Stripe, 0.1), (Figure::Line, 0.1), (Figure::Text, 0.9)] {
         let fine = values(&result, figure);
-        assert!(fine.gamut_percent_srgb.unwrap() < 0.8 * patch.gamut_percent_srgb.unwrap(), "{fine:?}");
-        assert!(fine.contrast_ratio.unwrap() < 0.8 * patch.contrast_ratio.unwrap(), "{fine:?}");
+        assert!(fine.gamut_percent_srgb.unwrap() < most * patch.gamut_percent_srgb.unwrap(), "{fine:?}");
+        assert!(fine.contrast_ratio.unwrap() < most * patch.contrast_ratio.unwrap(), "{fine:?}");
     }
     let view = &result.views[0];
     assert_eq!(result.subpixels, ["red", "green", "blue"]);

@@ -12,7 +12,7 @@ use super::super::response::face_reflectance;
 use super::{Colour, Figure};
 
 /// Tolerance of the irradiance.
-const TOLERANCE: f64 = 1e-9;
+const TOLERANCE: f64 = 1e-7;
 /// Period of a line in thicknesses.
 const LINE_PERIOD: f64 = 64.0;
 
@@ -56,7 +56,7 @@ impl Irradiance {
                 None => groups.push(vec![bin]),
             }
         }
-        let nodes = if level.is_fine() { 4 } else { 3 };
+        let nodes = if level.is_fine() { 3 } else { 2 };
         let face = |bins: Vec<usize>| {
             let bin = bins[0];
             let passes = |beta: f64| 1.0 - face_reflectance(panel, bin, beta);

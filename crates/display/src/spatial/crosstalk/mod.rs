@@ -33,7 +33,7 @@ type Colour = [f64; 3];
 
 /// Natural digits of the two levels, and the highest order of the sub-pixels' pattern that they resolve.
 const DIGITS: [f64; 2] = [8.0, 11.0];
-const ORDERS: [f64; 2] = [6.0, 12.0];
+const ORDERS: [f64; 2] = [2.0, 4.0];
 
 /// State of pages, and that of figures whose contrast is measured.
 const PAGE: &str = "white";
@@ -141,9 +141,11 @@ impl<'a> Frame<'a> {
         let (coarse, fine) = (at(0)?, at(1)?);
         let all = |level: &Measured| self.shares(level.page.iter());
         let one = |level: &Measured, light: usize| self.shares(std::iter::once(&level.page[light]));
-        let by_light = fine.names.iter().enumerate().map(|(light, name)| {
-            (name.clone(), with_error(one(&fine, light), &one(&coarse, light)))
-        });
+        let by_light = fine
+            .names
+            .iter()
+            .enumerate()
+            .map(|(light, name)| (name.clone(), with_error(one(&fine, light), &one(&coarse, light))));
         let pattern = |figure: Figure| {
             let (values, other) = (self.values(&fine, figure), self.values(&coarse, figure));
             PatternColours { name: figure, values, error: values.difference(&other) }
@@ -340,8 +342,7 @@ impl<'a> Frame<'a> {
         let middles = bitmap.middles().strokes;
         let [columns, rows] = bitmap.count.map(|count| count as i64);
         let mut light = vec![[0.0; 3]; self.parts.len()];
-        for (x, y) in
-            (-NEIGHBOURS..=NEIGHBOURS).flat_map(|y| (-NEIGHBOURS..=NEIGHBOURS).map(move |x| (x, y)))
+        for (x, y) in (-NEIGHBOURS..=NEIGHBOURS).flat_map(|y| (-NEIGHBOURS..=NEIGHBOURS).map(move |x| (x, y)))
         {
             let is_black = |pixel: &&usize| {
                 let (at_x, at_y) = (**pixel as i64 % columns + x, **pixel as i64 / columns + y);

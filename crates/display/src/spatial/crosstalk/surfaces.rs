@@ -39,11 +39,7 @@ impl Surfaces {
         let mixture = Mixture::new(film)?;
         let mut states: Vec<Vec<Part>> = vec![Vec::new(); film.states.len()];
         for part in &mixture.parts {
-            states[part.state].push(Part {
-                sub_pixel: part.sub_pixel,
-                surface: part.gap,
-                fraction: part.on,
-            });
+            states[part.state].push(Part { sub_pixel: part.sub_pixel, surface: part.gap, fraction: part.on });
         }
         let inactive = mixture.gaps_nm.len();
         for state in &mut states {
