@@ -131,10 +131,10 @@ impl Pattern for Columns {
         [self.pitch_mm; 2]
     }
 
-    fn coverages(&self, place_mm: [f64; 2], out: &mut [f64]) {
+    fn shows(&self, place_mm: [f64; 2], show: &mut dyn FnMut(usize, usize, f64)) {
         let column = (place_mm[0] / self.pitch_mm).floor();
         let black = if self.repeats { column.rem_euclid(2.0) == 0.0 } else { column == 0.0 };
-        out[usize::from(black)] = 1.0;
+        show(0, usize::from(black), 1.0);
     }
 }
 
