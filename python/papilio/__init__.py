@@ -8,7 +8,7 @@ Computes spectra, colours and metrics, with their errors, from a scenario::
     result["gamut_percent_srgb"]
 
 - `run` computes a scenario, `cone` a conoscopic map, `brdf` the BSDF of the display.
-- `mtf` computes how sharp a display is, `sparkle` how much an antiglare face glitters.
+- `mtf` computes how sharp a display is, `crosstalk` which sub-pixel lights which, `sparkle` how much an antiglare face glitters.
 - `sweep` computes thousands of designs with labelled axes, `Prepared` any designs, with derivatives.
 - `optimize` searches for better designs; `tolerance` analyses the tolerances of a design.
 - `Scenario` reads, builds and edits scenarios.
@@ -58,7 +58,7 @@ from .production import Yield, tolerance
 from .result import Result
 from .running import run
 from .scenario import Scenario, preset_names, schema
-from .spatial import Mtf, Sparkle, mtf, sparkle
+from .spatial import Crosstalk, Mtf, Sparkle, crosstalk, mtf, sparkle
 
 __all__ = [
     "AnyResult",
@@ -67,6 +67,7 @@ __all__ = [
     "Brdf",
     "ClusterError",
     "Cone",
+    "Crosstalk",
     "DesignError",
     "DisplayError",
     "Evaluated",
@@ -91,6 +92,7 @@ __all__ = [
     "cluster",
     "colour",
     "cone",
+    "crosstalk",
     "diffuser",
     "films",
     "label",

@@ -1,4 +1,4 @@
-"""Sharpness and sparkle: what ``papilio mtf`` and ``papilio sparkle`` write."""
+"""Sharpness, crosstalk and sparkle: what ``papilio mtf``, ``papilio crosstalk`` and ``papilio sparkle`` write."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     import pandas
     import xarray
 
-__all__ = ["Mtf", "Sparkle", "mtf", "sparkle"]
+__all__ = ["Crosstalk", "Mtf", "Sparkle", "crosstalk", "mtf", "sparkle"]
 
 _Arrays = Mapping[str, NDArray[Any]]
 
@@ -217,6 +217,63 @@ class Mtf(_Written):
         return f"<papilio.Mtf {self.title!r}: {size}{_messages.summary(self.warnings)}>"
 
 
+class Crosstalk(_Written):
+    """Who lights whom: the output of ``papilio crosstalk``.
+
+    ``found["out"]`` has the shape [view, window, subpixel], ``found["in"]`` (with a colour filter) [view, subpixel, window], and
+    ``found["patterns.line_1.contrast_ratio"]`` and other numbers [view]. NaN where a number is undefined. Arrays are read-only. It can
+    be copied and pickled.
+    """
+
+    @property
+    def subpixels(self) -> list[str]:
+        """The names of the sub-pixels, in the order of all shares."""
+        return list(self.data["subpixels"])
+
+    @cached_property
+    def views(self) -> list[tuple[float, float]]:
+        """Inclination and azimuth of every view, degrees."""
+        return [(view["theta_deg"], view["phi_deg"]) for view in self.data["views"]]
+
+    def to_xarray(self) -> xarray.Dataset:
+        """Returns all numbers but those of single lights as a Dataset over ``view``, ``window`` and ``subpixel``.
+
+        Raises:
+            ImportError: if xarray is not installed.
+        """
+        import xarray
+
+        axes = {"in": ("view", "subpixel", "window"), "between_in": ("view", "subpixel")}
+        data: dict[str, Any] = {}
+        for name, values in self._arrays.items():
+            if not name.startswith("by_light."):
+                dims = axes.get(name, ("view", "window", "subpixel"))[: values.ndim]
+                data[_metadata.flat(name)] = (dims, values.copy(), _metadata.attributes(name))
+        thetas, phis = np.array(self.views).reshape(-1, 2).T
+        coordinates: dict[str, Any] = {
+            "window": ("window", self.subpixels, {"long_name": "window through which light is seen"}),
+            "subpixel": ("subpixel", self.subpixels, {"long_name": "sub-pixel that light left"}),
+            "theta_deg": ("view", thetas, _metadata.angle("theta_deg")),
+            "phi_deg": ("view", phis, _metadata.angle("phi_deg")),
+        }
+        return xarray.Dataset(data, coordinates, {"title": self.title} | _messages.attributes(self.warnings, self.notes))
+
+    def to_pandas(self) -> pandas.DataFrame:
+        """Returns a table with a row for each view, window and sub-pixel, and a column for each number; numbers of a view are repeated.
+
+        Raises:
+            ImportError: if pandas is not installed.
+        """
+        labels: dict[str, Any] = {"view": range(len(self.views)), "window": self.subpixels, "subpixel": self.subpixels}
+        axes = ("view", "window", "subpixel")
+        kept = {name: one for name, one in self._arrays.items() if name == "out" or one.ndim == 1}
+        return long_table(labels, {name: (axes[: one.ndim], one) for name, one in kept.items()})
+
+    def __repr__(self) -> str:
+        size = f"{len(self.views)} view{'s' if len(self.views) > 1 else ''}, {len(self.subpixels)} sub-pixels"
+        return f"<papilio.Crosstalk {self.title!r}: {size}{_messages.summary(self.warnings)}>"
+
+
 class Sparkle(_Written):
     """Sparkle of a display: the output of ``papilio sparkle``.
 
@@ -291,6 +348,49 @@ def mtf(
     kernels = {state: core.kernel(state) for state in states}
     warned = _messages.merged(scene.warnings, core.warnings())
     found = Mtf(text, core.arrays(), kernels, core.figures(changed.title), changed.title, warned, scene.notes)
+    _messages.warn(found.warnings)
+    return found
+
+
+def crosstalk(
+    scenario: Scenario | str | PathLike[str],
+    *,
+    set: Mapping[str, Any] | None = None,
+    threads: int | None = None,
+    progress: Progress | bool | None = None,
+) -> Crosstalk:
+    """Computes which sub-pixel lights which: the output of ``papilio crosstalk``.
+
+    Args:
+        scenario: a `Scenario`, or the path of a scenario file, with ``[display.matrix]``.
+        set: values to set in the scenario first, ``{key: value}`` with keys such as "display.glass.thickness_mm".
+        threads: number of threads; None: one for each processor.
+        progress: function that is called a few times a second, or True for a line on the terminal.
+
+    Returns:
+        Shares of light, and the gamut and contrast of patterns, by name.
+
+    Raises:
+        ScenarioError: for mistakes in the scenario, and lengths that are missing, with their places.
+        DisplayError: if the display cannot be computed.
+        KeyboardInterrupt: on Ctrl-C.
+
+    Warns:
+        PapilioWarning: each warning that the program prints; ``warnings`` of the result contains it.
+
+    Example:
+        >>> shares = papilio.crosstalk("scenarios/matrix.toml", set={"spectrum.step_nm": 20})
+        >>> shares["out"].shape, shares.subpixels
+        ((1, 3, 3), ['red', 'green', 'blue'])
+        >>> bool((abs(shares["out"].sum(axis=2) - 1) < 1e-9).all())
+        True
+    """
+    changed = read(scenario, with_solver(set))
+    scene = changed._scene()
+    with reporting(progress, "views") as tell:
+        core = _papilio.Crosstalk(scene, checked_threads(threads), tell)
+    warned = _messages.merged(scene.warnings, core.warnings())
+    found = Crosstalk(core.json(), core.arrays(), core.figures(changed.title), changed.title, warned, scene.notes)
     _messages.warn(found.warnings)
     return found
 

@@ -71,7 +71,7 @@ mod _papilio {
     #[pymodule_export]
     use crate::search::{Search, moved_text};
     #[pymodule_export]
-    use crate::spatial::{Mtf, Sparkle};
+    use crate::spatial::{Crosstalk, Mtf, Sparkle};
     #[pymodule_export]
     use crate::waves::{film_absorptance, film_amplitudes, film_derivatives};
 

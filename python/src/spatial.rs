@@ -1,11 +1,11 @@
-//! Sharpness and sparkle: the contents of the files of `papilio mtf` and `papilio sparkle`.
+//! Sharpness, crosstalk and sparkle: the contents of the files of `papilio mtf`, `crosstalk` and `sparkle`.
 
 use std::sync::atomic::AtomicBool;
 
 use numpy::PyArrayDyn;
-use papilio_display::spatial::{MtfResult, SparkleResult, mtf, sparkle};
+use papilio_display::spatial::{CrosstalkResult, MtfResult, SparkleResult, crosstalk, mtf, sparkle};
 use papilio_display::{Control, DisplayError};
-use papilio_formats::{MtfFile, SparkleFile, write_json};
+use papilio_formats::{CrosstalkFile, MtfFile, SparkleFile, write_json};
 use pyo3::exceptions::PyKeyboardInterrupt;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -71,6 +71,69 @@ impl Mtf {
 
     fn figures(&self, py: Python<'_>, title: &str) -> Figures {
         py.detach(|| papilio_figures::of_mtf(&self.of, title))
+    }
+
+    fn warnings(&self) -> Vec<String> {
+        self.of.warnings.clone()
+    }
+}
+
+/// Crosstalk of a display.
+#[pyclass(frozen, module = "papilio._papilio")]
+pub(crate) struct Crosstalk {
+    of: CrosstalkResult,
+    json: String,
+}
+
+#[pymethods]
+impl Crosstalk {
+    #[new]
+    #[pyo3(signature = (scenario, threads=None, progress=None))]
+    fn new(
+        py: Python<'_>,
+        scenario: &Resolved,
+        threads: Option<u16>,
+        progress: Option<Bound<'_, PyAny>>,
+    ) -> PyResult<Self> {
+        let resolved = &scenario.of;
+        let of = computed(py, scenario, threads, progress, |control| {
+            crosstalk(&resolved.scene, &resolved.patterns.text, control)
+        })?;
+        let json = text(&CrosstalkFile {
+            papilio: env!("CARGO_PKG_VERSION"),
+            hash: &resolved.hash,
+            scenario: &resolved.canonical,
+            result: &of,
+        })?;
+        Ok(Self { of, json })
+    }
+
+    /// The text of `crosstalk.json`.
+    fn json(&self) -> &str {
+        &self.json
+    }
+
+    /// Numbers of each view by name (`out`, `by_light.diffuse.out`, `patterns.line_1.contrast_ratio`).
+    fn arrays<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let mut columns = Columns::new(&[self.of.views.len()]);
+        for (number, view) in self.of.views.iter().enumerate() {
+            let view = serde_json::to_value(view).map_err(|error| errors::internal(&error.to_string()))?;
+            let keys = view.as_object().into_iter().flatten();
+            for (key, value) in keys.filter(|(key, _)| !["theta_deg", "phi_deg"].contains(&key.as_str())) {
+                match (key.as_str(), value.as_array()) {
+                    ("patterns", Some(patterns)) => patterns.iter().for_each(|pattern| {
+                        let name = pattern["name"].as_str().unwrap_or_default();
+                        columns.add(number, &format!("patterns.{name}"), pattern);
+                    }),
+                    _ => columns.add(number, key, value),
+                }
+            }
+        }
+        columns.into_dict(py)
+    }
+
+    fn figures(&self, py: Python<'_>, title: &str) -> Figures {
+        py.detach(|| papilio_figures::crosstalk(&self.of, title))
     }
 
     fn warnings(&self) -> Vec<String> {

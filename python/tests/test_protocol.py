@@ -31,12 +31,13 @@ def results():
             "Yield": papilio.tolerance(ROOT / "scenarios" / "tolerance.toml", set=few),
             "Optimum": papilio.optimize(ROOT / "scenarios" / "optimize.toml", set={"optimize.evaluations": 20, "optimize.starts": 1}),
             "Mtf": papilio.mtf(ROOT / "scenarios" / "matrix.toml", set=COARSE),
+            "Crosstalk": papilio.crosstalk(ROOT / "scenarios" / "matrix.toml", set=COARSE),
             "Sparkle": papilio.sparkle(ROOT / "scenarios" / "antiglare.toml", set={"sparkle.replicates": 4, "sparkle.correlation_um": 15} | COARSE),
             "Diffuser": papilio.diffuser.Diffuser(ROOT / "scenarios" / "data" / "H78.bsdf"),
         }
 
 
-NAMES = ["Result", "Cone", "Reflection", "Brdf", "Absorption", "Evaluated", "Yield", "Optimum", "Mtf", "Sparkle", "Diffuser"]
+NAMES = ["Result", "Cone", "Reflection", "Brdf", "Absorption", "Evaluated", "Yield", "Optimum", "Mtf", "Crosstalk", "Sparkle", "Diffuser"]
 
 
 @pytest.mark.parametrize("name", NAMES)

@@ -1,4 +1,4 @@
-"""Sharpness and sparkle are those of the program."""
+"""Sharpness, crosstalk and sparkle are those of the program."""
 
 import copy
 import json
@@ -24,6 +24,8 @@ def test_files_are_those_of_the_program(sharp: papilio.Mtf, scenarios: Path, pro
         return subprocess.run([program, *arguments, "--json"], capture_output=True, text=True, check=True).stdout
 
     assert sharp.to_json() == printed("mtf", str(scenarios / "matrix.toml"), "--set", "spectrum.step_nm=50")
+    shares = papilio.crosstalk(scenarios / "matrix.toml", set=COARSE)
+    assert shares.to_json() == printed("crosstalk", str(scenarios / "matrix.toml"), "--set", "spectrum.step_nm=50")
     few = ["--set", "sparkle.replicates=4", "--set", "sparkle.correlation_um=15", "--set", "spectrum.step_nm=50"]
     values = {"sparkle.replicates": 4, "sparkle.correlation_um": 15} | COARSE
     glitter = papilio.sparkle(scenarios / "antiglare.toml", set=values)
