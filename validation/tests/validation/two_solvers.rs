@@ -191,11 +191,11 @@ fn assert_distribution(what: &str, all: &[Scores], most: f64) {
     assert!(worst[0].0.abs() < most, "{worst:?}");
 }
 
-/// Largest deviation: 36 numbers of each of 40 members, Student's t with 31 degrees of freedom; one number in 5 million
+/// Largest deviation: 36 numbers of each of 20 members, Student's t with 31 degrees of freedom; one number in 5 million
 /// exceeds 6.5.
 #[test]
 fn random_stacks_have_student_distributed_deviations() {
-    let (count, seeds) = count(40);
+    let (count, seeds) = count(20);
     let one = |number| {
         let member = member(number);
         // Paths in a panel are fast; faint light of a source far from the peak of a narrow lobe needs many.
@@ -209,7 +209,7 @@ fn random_stacks_have_student_distributed_deviations() {
 /// The same for diffusers that reflect light by lobes of their own and mirror a part of it.
 #[test]
 fn reflecting_diffusers_have_student_distributed_deviations() {
-    let (count, seeds) = count(24);
+    let (count, seeds) = count(12);
     let one = |number| scores(&reflecting_member(number), number, Sampler::Random, seeds, 1 << 10);
     let all: Vec<Scores> = (0..count).into_par_iter().map(one).collect();
     assert_distribution("reflecting diffusers", &all, 6.5);
