@@ -115,8 +115,7 @@ fn many_wavelengths_and_views_together_equal_each_alone() {
         let column = bins.len() + 7;
         for number in 0..=sources.len() {
             let of = |estimate: &Estimate, column| numbers(estimate, column, bins.len())[number];
-            // The tolerance of the series of orders at this level, for light that meets the base once and more often, and
-            // that of the iteration, relative to the largest light.
+            // The series of orders ends at 1e-5 of the sum of the magnitudes of all orders at this level.
             let largest = (0..columns).map(|column| of(together, column)).fold(0.0, f64::max);
             for column in 0..columns {
                 let (found, alone) = (of(together, column), of(alone, column));

@@ -91,7 +91,7 @@ impl Again {
         self.now[pair] = largest(&mut all.iter().zip(once).map(|(all, once)| (all - once).abs()));
     }
 
-    /// Ends an order, given the tolerance of the series.
+    /// Ends an order, given the tolerance.
     fn end_order(&mut self, order: usize, tolerance: f64) {
         // What remains of a series that decreases by e^14 up to an order, in units of its last term, as for all light.
         let rest = 1.0 + order as f64 / 14.0;
@@ -311,7 +311,8 @@ impl Followed {
             self.pass_on(order, block, (groups, columns), (is_from_views, beam), &rising, kernels);
         }
         for (number, _) in block.groups() {
-            self.again[number].end_order(order, precision.tolerance);
+            // The error is that of the iteration, so that it can be left out in whole blocks or in none.
+            self.again[number].end_order(order, precision.iteration);
         }
     }
 
