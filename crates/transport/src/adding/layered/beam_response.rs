@@ -311,7 +311,7 @@ impl Followed {
             self.pass_on(order, block, (groups, columns), (is_from_views, beam), &rising, kernels);
         }
         for (number, _) in block.groups() {
-            // The error is that of the iteration, so that it can be left out in whole blocks or in none.
+            // Far from the peak, orders nearly cancel each other: the tolerance is that of the iteration.
             self.again[number].end_order(order, precision.iteration);
         }
     }

@@ -77,7 +77,7 @@ impl<'a> Block<'a> {
 
     /// Returns the light of a beam that rises from the base, to this error relative to the largest density or to
     /// `floor`, by column; `floor` is raised to the largest density found. `once_alone`: only light that has met the
-    /// base once.
+    /// base once, where that is known apart.
     pub(in super::super) fn rise(
         &self,
         extra: usize,
@@ -88,7 +88,7 @@ impl<'a> Block<'a> {
         let (beam, arrives) = self.arrives(extra);
         let reflections = Reflections::new(&self.layers, &self.base, false);
         let once = reflections.once(&arrives);
-        if once_alone {
+        if once_alone && !self.chains().is_empty() {
             return Rising { scattered: once, beam, extra, once: None, is_once_alone: true };
         }
         let scattered = reflections.rising(arrives, tolerance, floor);
