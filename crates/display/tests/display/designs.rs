@@ -133,7 +133,9 @@ fn design_equals_the_result_of_a_run() {
 /// Displays whose designs take the nodes over angle that colours need.
 fn scenes_of_colours() -> Vec<(&'static str, Scene)> {
     let scene = |overrides: &[&str]| {
-        scenario("indoor", &[&["spectrum.step_nm=10"], overrides].concat()).unwrap().scene
+        // At this level, recycled light has the same error whatever the film.
+        let fine = ["spectrum.step_nm=10", "solver.relative_error=1e-4"];
+        scenario("indoor", &[&fine[..], overrides].concat()).unwrap().scene
     };
     vec![
         ("indoor", scenario("indoor", &[]).unwrap().scene),
@@ -169,12 +171,19 @@ fn random_stack(film: &FilmPixel, number: u64) -> FilmPixel {
             .iter_mut()
             .for_each(|index| (index.re, index.im) = (if is_metal { k } else { n }, extinction));
     }
+    // Fringes of 2 um.
+    if number.is_multiple_of(4) {
+        made.layers
+            .iter_mut()
+            .take(1)
+            .for_each(|layer| layer.thickness = Thickness::Fixed(2000.0 * random()));
+    }
     let longest = 150.0 + 900.0 * random().powi(3);
     made.sub_pixels.iter_mut().for_each(|sub_pixel| sub_pixel.gap_nm = longest * random());
     made
 }
 
-/// Within the stated 1e-5 of Y (or of 0.01); observed: 2e-6. The full table is forced by a quantity of a spectrum. Sums over few
+/// Within the stated 1e-5 of Y (or of 0.01); observed: 4e-6. The full table is forced by a quantity of a spectrum. Sums over few
 /// wavelengths blur least.
 #[test]
 fn colours_on_their_own_nodes_equal_those_of_the_full_table() {
@@ -193,7 +202,7 @@ fn colours_on_their_own_nodes_equal_those_of_the_full_table() {
         let spectral = Quantity::ReflectanceFactor { view: 0, state: white, bin: 0 };
         let mut all = designs(&scene, &[quantities.clone(), vec![spectral]].concat());
         let mut worst = 0.0_f64;
-        for number in 0..9 {
+        for number in 0..if name == "indoor" { 33 } else { 12 } {
             let film =
                 if number < 3 { moved(film(&scene), number) } else { random_stack(film(&scene), number) };
             let (few, all) = (few.evaluate(&film).unwrap(), all.evaluate(&film).unwrap());
