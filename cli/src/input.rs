@@ -27,6 +27,20 @@ pub(crate) fn folder(file: &Path) -> PathBuf {
     file.parent().unwrap_or(Path::new("")).to_owned()
 }
 
+/// Returns a path as an argument that a user can paste into a shell: in quotes if it contains a character with a meaning there.
+pub(crate) fn as_argument(path: &Path) -> String {
+    let text = path.display().to_string();
+    let is_plain = |c: char| c.is_alphanumeric() || "/\\._-+:@%,=".contains(c);
+    if !text.is_empty() && text.chars().all(is_plain) {
+        text
+    } else if cfg!(windows) {
+        // A name of a file contains no double quote there.
+        format!("\"{text}\"")
+    } else {
+        format!("'{}'", text.replace('\'', r"'\''"))
+    }
+}
+
 /// Returns the file of a scenario. Standard input is read once, and then returned again.
 pub(crate) fn file(path: &Path) -> Result<DataFile, Failure> {
     if !is_stdin(path) {

@@ -51,7 +51,11 @@ pub(crate) fn run(arguments: &New) -> Result<(), Failure> {
         write_file(path, |out| out.write_all(content.as_bytes()))?;
     }
     let names: Vec<String> = all.iter().rev().map(|(path, _)| path.display().to_string()).collect();
-    print_message(&format!("wrote {}; to compute it: papilio run {}", names.join(" and "), file.display()));
+    print_message(&format!(
+        "wrote {}; to compute it: papilio run {}",
+        names.join(" and "),
+        input::as_argument(&file)
+    ));
     Ok(())
 }
 

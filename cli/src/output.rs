@@ -15,9 +15,10 @@ use crate::page::Page;
 /// Prints the JSON Schema of a scenario, or of `result.json`.
 pub(crate) fn schema(of_result: bool) -> Result<(), Failure> {
     let schema = if of_result { papilio_formats::result_schema() } else { papilio_scenario::schema() };
-    let mut out = std::io::stdout().lock();
+    let mut out = crate::terminal::stdout();
     serde_json::to_writer_pretty(&mut out, &schema).map_err(std::io::Error::from)?;
-    Ok(writeln!(out)?)
+    writeln!(out)?;
+    Ok(out.flush()?)
 }
 
 /// Fails if results cannot be written to `folder`; creates nothing.

@@ -15,7 +15,7 @@ use crate::{numbers, report};
 const VIEWS_IN_FULL: usize = 3;
 
 /// Beginnings of the names of figures that the page shows, in this order: the others repeat parts of these.
-const FIGURES: [&str; 3] = ["overview", "light", "cone"];
+const FIGURES: [&str; 4] = ["overview", "chromaticity_xy", "light", "cone"];
 
 const STYLE: &str = "@page{size:A4;margin:12mm}\
 body{font:14px/1.4 system-ui,sans-serif;color:#222;max-width:48rem;margin:1.5rem auto;padding:0 1rem}\
@@ -54,14 +54,6 @@ impl Page<'_> {
              <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n<title>{title}</title>\n\
              <style>{STYLE}</style>\n</head>\n<body>\n<h1>{title}</h1>\n"
         );
-        paragraph(&mut page, &report::effort(result));
-        let _ = writeln!(
-            page,
-            "<p class=\"small\">Papilio {}, seed {}, hash {}</p>",
-            escaped(file.papilio),
-            file.seed,
-            escaped(file.hash)
-        );
         list(&mut page, "Warnings", result.warnings.iter().chain(self.cone_warnings).map(String::as_str));
         self.shown_figures(&mut page, &FIGURES[..1]);
         self.results(&mut page);
@@ -79,6 +71,15 @@ impl Page<'_> {
         inputs(&mut page, file.scenario);
         list(&mut page, "Notes", file.notes.iter().map(String::as_str));
         self.shown_figures(&mut page, &FIGURES[1..]);
+        page.push_str("<h2>Computation</h2>\n");
+        paragraph(&mut page, &report::effort(result));
+        let _ = writeln!(
+            page,
+            "<p class=\"small\">Papilio {}, seed {}, hash {}</p>",
+            escaped(file.papilio),
+            file.seed,
+            escaped(file.hash)
+        );
         page.push_str("</body>\n</html>\n");
         page
     }
@@ -105,7 +106,7 @@ impl Page<'_> {
 
     /// Figures whose names begin with one of these, and those over the viewing angle.
     fn shown_figures(&self, page: &mut String, kinds: &[&str]) {
-        let last = kinds.contains(&FIGURES[1]);
+        let last = kinds.contains(&"light");
         for (number, (name, svg)) in self.figures.iter().enumerate() {
             let is_shown =
                 kinds.iter().any(|kind| name.starts_with(kind)) || last && name.ends_with("_against_angle");

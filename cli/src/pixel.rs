@@ -1,5 +1,7 @@
 //! `papilio pixel`: the reflectance of the pixel alone.
 
+mod json;
+
 use std::io::Write;
 use std::path::Path;
 
@@ -7,7 +9,7 @@ use papilio_colour::peak_nm;
 use papilio_display::pixel::{PixelAbsorption, PixelScan, absorption, primaries, scan, state_names};
 use papilio_display::scene::{self, AngleMedium, Scene};
 use papilio_figures::{PixelScan as Figure, pixel_scan};
-use papilio_formats::{PixelTable, write_absorption, write_file, write_sub_pixels};
+use papilio_formats::{PixelTable, write_absorption, write_file, write_json, write_sub_pixels};
 use papilio_scenario::{Resolved, Scenario};
 
 use crate::arguments::{Angles, Pixel};
@@ -39,16 +41,27 @@ pub(crate) fn pixel(arguments: &Pixel) -> Result<(), Failure> {
     let theta_deg = angles(arguments.step.unwrap_or(STEP_DEG), &scene)?;
     let absorption =
         if arguments.absorption { Some(absorption_of(arguments, &resolved, &scene)?) } else { None };
-    let folder = folder::choose(&arguments.scenario, &resolved.hash)?;
+    let folder = match (&arguments.scenario.out, arguments.json) {
+        (None, true) => None,
+        _ => Some(folder::choose(&arguments.scenario, &resolved.hash)?),
+    };
     let scan = scan(&scene, &theta_deg).map_err(|error| Failure::from_display(&resolved, error))?;
     let medium = if scene.solver.angle_medium == AngleMedium::Air { "air" } else { "glass" };
     let title = resolved.title.clone().unwrap_or_else(|| report::file_title(&arguments.scenario.file));
-    let mut stdout = crate::terminal::output(false);
-    stdout.write_all(report::pixel(&title, medium, &peaks(&scene, &scan)).as_bytes())?;
-    if let Some(absorption) = &absorption {
-        stdout.write_all(report::absorption(absorption, medium).as_bytes())?;
+    let mut stdout = crate::terminal::output(arguments.json);
+    if arguments.json {
+        write_json(
+            &mut stdout,
+            &json::PixelJson::new(&title, &resolved.hash, medium, &scan, absorption.as_ref()),
+        )?;
+    } else {
+        stdout.write_all(report::pixel(&title, medium, &peaks(&scene, &scan)).as_bytes())?;
+        if let Some(absorption) = &absorption {
+            stdout.write_all(report::absorption(absorption, medium).as_bytes())?;
+        }
     }
     stdout.flush()?;
+    let Some(folder) = folder else { return Ok(()) };
     interrupt::catch_ctrl_c();
     let mut written = vec!["pixel.csv", "pixel.svg"];
     interrupt::uninterrupted(|| {

@@ -29,11 +29,12 @@ pub(crate) fn stdout() -> impl Write {
     output(true)
 }
 
-/// Standard output of a command that prints JSON (`json`), or a report, which `--quiet` suppresses.
+/// Standard output of a command that prints JSON (`json`), or a report, which `--quiet` suppresses. It is written in large pieces:
+/// the caller calls `flush` after the last one, to learn whether all could be written.
 pub(crate) fn output(json: bool) -> impl Write {
     let to: Box<dyn Write> =
-        if json || !is_quiet() { Box::new(anstream::stdout().lock()) } else { Box::new(io::sink()) };
-    EscapingWriter { to, incomplete: Vec::new() }
+        if json || !is_quiet() { Box::new(io::stdout().lock()) } else { Box::new(io::sink()) };
+    EscapingWriter { to, waiting: Vec::new() }
 }
 
 /// Prints a message on standard error; with `--quiet` only errors and warnings. Errors of the stream are ignored: standard error may be
@@ -50,41 +51,59 @@ pub(crate) fn print_notes(notes: &[String]) {
     notes.iter().for_each(|note| print_message(&format!("note: {note}")));
 }
 
-/// A writer that escapes control characters.
-struct EscapingWriter<W> {
+/// A writer that escapes control characters, in pieces of at least [`PIECE`] bytes.
+struct EscapingWriter<W: Write> {
     to: W,
-    /// First bytes of a character that was split at the end of the previous piece.
-    incomplete: Vec<u8>,
+    /// Text that is not written yet.
+    waiting: Vec<u8>,
 }
 
+/// Least number of bytes that are written together.
+const PIECE: usize = 1 << 16;
+
 impl<W: Write> EscapingWriter<W> {
-    fn send(&mut self, bytes: &[u8]) -> io::Result<()> {
-        for chunk in bytes.utf8_chunks() {
+    /// Writes what is waiting. A character at its end that is not complete continues to wait, unless this is the last piece.
+    fn send(&mut self, is_last: bool) -> io::Result<()> {
+        let mut text = std::mem::take(&mut self.waiting);
+        let complete = match std::str::from_utf8(&text) {
+            Err(error) if error.error_len().is_none() && !is_last => error.valid_up_to(),
+            _ => text.len(),
+        };
+        self.waiting.extend_from_slice(&text[complete..]);
+        text.truncate(complete);
+        for chunk in text.utf8_chunks() {
             self.to.write_all(visible(chunk.valid()).as_bytes())?;
             if !chunk.invalid().is_empty() {
                 self.to.write_all("\u{fffd}".as_bytes())?;
             }
         }
+        // Its memory serves the next piece.
+        text.clear();
+        text.append(&mut self.waiting);
+        self.waiting = text;
         Ok(())
     }
 }
 
 impl<W: Write> Write for EscapingWriter<W> {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-        let mut all = std::mem::take(&mut self.incomplete);
-        all.extend_from_slice(bytes);
-        // A piece may end within a character: at most three bytes remain.
-        let complete = match std::str::from_utf8(&all) {
-            Err(error) if error.error_len().is_none() => error.valid_up_to(),
-            _ => all.len(),
-        };
-        self.incomplete = all.split_off(complete);
-        self.send(&all)?;
+        self.waiting.extend_from_slice(bytes);
+        if self.waiting.len() >= PIECE {
+            self.send(false)?;
+        }
         Ok(bytes.len())
     }
 
     fn flush(&mut self) -> io::Result<()> {
+        self.send(false)?;
         self.to.flush()
+    }
+}
+
+impl<W: Write> Drop for EscapingWriter<W> {
+    /// Writes the rest after an error of the command; a second error is ignored.
+    fn drop(&mut self) {
+        let _ = self.send(true);
     }
 }
 
@@ -97,9 +116,35 @@ mod tests {
         let text = "a\u{1b}[2J\tb\u{9b}c\u{202e}µ\n\r";
         let expected = "a\\u001b[2J\tb\\u009bc\\u202eµ\n\\u000d";
         for size in 1..text.len() {
-            let mut writer = EscapingWriter { to: Vec::new(), incomplete: Vec::new() };
-            text.as_bytes().chunks(size).for_each(|piece| writer.write_all(piece).unwrap());
-            assert_eq!(String::from_utf8(writer.to).unwrap(), expected, "{size}");
+            for is_flushed in [false, true] {
+                let mut to = Vec::new();
+                let mut writer = EscapingWriter { to: &mut to, waiting: Vec::new() };
+                for piece in text.as_bytes().chunks(size) {
+                    writer.write_all(piece).unwrap();
+                    if is_flushed {
+                        writer.flush().unwrap();
+                    }
+                }
+                drop(writer);
+                assert_eq!(String::from_utf8(to).unwrap(), expected, "{size}");
+            }
         }
+    }
+
+    #[test]
+    fn text_of_several_pieces_is_complete() {
+        let text = "µ = 1\u{7}; ".repeat(PIECE / 4);
+        let mut to = Vec::new();
+        let mut writer = EscapingWriter { to: &mut to, waiting: Vec::new() };
+        text.as_bytes().chunks(1001).for_each(|piece| writer.write_all(piece).unwrap());
+        drop(writer);
+        assert_eq!(String::from_utf8(to).unwrap(), visible(&text));
+    }
+
+    #[test]
+    fn bytes_that_are_not_text_are_replaced() {
+        let mut to = Vec::new();
+        EscapingWriter { to: &mut to, waiting: Vec::new() }.write_all(b"a\xffb\xc2").unwrap();
+        assert_eq!(String::from_utf8(to).unwrap(), "a\u{fffd}b\u{fffd}");
     }
 }

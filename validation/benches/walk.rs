@@ -2,9 +2,9 @@
 //!
 //! `paths` counts paths (items) per second, including all spectra; `to_0_1_percent` is the
 //! CPU time from a resolved scenario to a complete result with 0.1 % in Y of every state, and
-//! in every wavelength bin of every state; `layers_to_0_1_percent` is the same for general layers in diffuse light: white
-//! paint under rough glass (one state), and a conservative slab over two mirrors; `resolve` is the time from the file to the
-//! scene.
+//! in every wavelength bin of every state; `layers_to_0_1_percent` is the same for general layers: white paint under rough glass
+//! (one state) and a conservative slab over two mirrors, with and without a surface, in diffuse light, and the slab of
+//! `scenarios/slab.toml` with an optical thickness of 2 under its lamp; `resolve` is the time from the file to the scene.
 
 #![allow(clippy::unwrap_used, missing_docs, reason = "a benchmark")]
 
@@ -39,8 +39,8 @@ fn to_0_1_percent<const PER_WAVELENGTH: bool>(bencher: Bencher<'_, '_>, name: &s
     bencher.bench(|| run_on(&scene, Some(1)).unwrap());
 }
 
-/// Layers and pixel, by name.
-const LAYERS: [(&str, &str); 2] = [
+/// Layers and pixel in diffuse light, by name.
+const LAYERS: [(&str, &str); 3] = [
     (
         "rough glass",
         "[[display.layers]]\nkind = \"rough\"\nalpha = 0.1\n[[display.layers]]\nkind = \"medium\"\nindex = 1.5\n\
@@ -52,10 +52,26 @@ const LAYERS: [(&str, &str); 2] = [
          anisotropy = 0.9\nalbedo = 1.0\nindex = 1.5\n[display.pixel]\nmodel = \"uniform\"\nkind = \"mirror\"\n\
          reflectance = { white = 0.8, black = 0.1 }\n[spectrum]\nstep_nm = 20\n",
     ),
+    (
+        "slab without surface",
+        "[[display.layers]]\nkind = \"slab\"\noptical_thickness = 2.0\nanisotropy = 0.9\nalbedo = 1.0\nindex = 1.0\n\
+         [display.pixel]\nmodel = \"uniform\"\nkind = \"mirror\"\nreflectance = { white = 0.8, black = 0.1 }\n\
+         [spectrum]\nstep_nm = 20\n",
+    ),
 ];
 
-#[divan::bench(args = ["rough glass", "slab"], consts = [false, true])]
+/// The particle diffuser of `scenarios/slab.toml`.
+const PARTICLES: &str = "particles over a film, lamp";
+
+#[divan::bench(args = ["rough glass", "slab", "slab without surface", PARTICLES], consts = [false, true])]
 fn layers_to_0_1_percent<const PER_WAVELENGTH: bool>(bencher: Bencher<'_, '_>, name: &str) {
+    let stop = Stop::RelativeError { target: 0.001, per_wavelength: PER_WAVELENGTH };
+    if name == PARTICLES {
+        let mut scene =
+            monte_carlo_scenario("slab", &["display.diffuser.optical_thickness=2"]).unwrap().scene;
+        scene.solver.stop = stop;
+        return bencher.bench(|| run_on(&scene, Some(1)).unwrap());
+    }
     let (_, layers) = LAYERS.iter().find(|(of, _)| *of == name).unwrap();
     let text = format!(
         "{layers}[lighting]\nspectrum = \"D65\"\nilluminance_lx = 500\ndiffuse = 1.0\n[viewer]\ntheta_deg = 8\n\
@@ -63,7 +79,7 @@ fn layers_to_0_1_percent<const PER_WAVELENGTH: bool>(bencher: Bencher<'_, '_>, n
     );
     let folder = std::env::temp_dir();
     let mut scene = Scenario::from_text(&text, "layers.toml", &folder, &[]).unwrap().resolve().unwrap().scene;
-    scene.solver.stop = Stop::RelativeError { target: 0.001, per_wavelength: PER_WAVELENGTH };
+    scene.solver.stop = stop;
     bencher.bench(|| run_on(&scene, Some(1)).unwrap());
 }
 

@@ -314,6 +314,9 @@ pub(crate) struct Pixel {
     /// Also compute the absorptance of each layer of the film: absorption.csv, sub-pixels.csv and a figure
     #[arg(long)]
     pub(crate) absorption: bool,
+    /// Print the scan as JSON on standard output; write files only if --out is given
+    #[arg(long)]
+    pub(crate) json: bool,
 }
 
 /// Parses an inclination from 0 to below 90 degrees, and optionally an azimuth.

@@ -31,6 +31,16 @@ fn every_preset_runs_without_warnings() {
 }
 
 #[test]
+fn printed_command_quotes_a_file_name_with_a_space() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("my office.toml");
+    let output = papilio(&[Path::new("new"), Path::new("office"), &file]);
+    let said = String::from_utf8(output.stderr).unwrap();
+    let quote = if cfg!(windows) { '"' } else { '\'' };
+    assert!(said.contains(&format!("papilio run {quote}{}{quote}", file.display())), "{said}");
+}
+
+#[test]
 fn existing_file_is_not_overwritten() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("mine.toml");

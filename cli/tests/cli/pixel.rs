@@ -103,3 +103,29 @@ fn absorption_of_the_layers_and_reflectance_sum_to_one() {
     assert_eq!(refused.status.code(), Some(2));
     assert!(stderr(&refused).contains("no film whose layers absorb"), "{}", stderr(&refused));
 }
+
+#[test]
+fn pixel_scan_as_json_has_the_numbers_of_the_table_and_writes_no_file() {
+    let folder = tempfile::tempdir().unwrap();
+    let arguments = ["--step", "45", "--absorption", "--json"];
+    let output = papilio()
+        .current_dir(folder.path())
+        .arg("pixel")
+        .arg(scenario("indoor"))
+        .args(arguments)
+        .output()
+        .unwrap();
+    assert!(output.status.success(), "{}", stderr(&output));
+    assert_eq!(names(folder.path()), [""; 0]);
+    let json: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!(json["theta_deg"], serde_json::json!([0.0, 45.0, 90.0]));
+    let reflectance = json["reflectance"]["white"].as_array().unwrap();
+    assert_eq!((reflectance.len(), reflectance[0].as_array().unwrap().len()), (3, 81));
+    let number = |value: &serde_json::Value| value.as_f64().unwrap();
+    // Reflectance and absorptances of a sub-pixel sum to 1.
+    let one = &json["absorption"]["sub_pixels"][0];
+    let layers = one["absorptance"].as_array().unwrap();
+    assert_eq!(layers.len(), json["absorption"]["materials"].as_array().unwrap().len());
+    let absorbed: f64 = layers.iter().map(|layer| number(&layer[1][40])).sum();
+    assert!((absorbed + number(&one["reflectance"][1][40]) - 1.0).abs() < 1e-9, "{absorbed}");
+}

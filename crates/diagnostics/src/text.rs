@@ -15,9 +15,18 @@ pub fn is_override(c: char) -> bool {
     matches!(c, '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}')
 }
 
+/// Returns whether these bytes are printable ASCII, newlines and tabs, as in almost all long texts. Without an early exit, this is
+/// tested for many bytes at once.
+fn is_plain(bytes: &[u8]) -> bool {
+    bytes.iter().fold(true, |all, byte| all & (matches!(byte, b' '..=b'~') | matches!(byte, b'\n' | b'\t')))
+}
+
+/// Number of bytes that are tested together.
+const AT_ONCE: usize = 256;
+
 /// Returns a text that is safe to print on a terminal: each control character is replaced by its escape as in JSON, such as `\u001b`.
 pub fn visible(text: &str) -> Cow<'_, str> {
-    if !text.chars().any(is_control) {
+    if text.as_bytes().chunks(AT_ONCE).all(is_plain) || !text.chars().any(is_control) {
         return Cow::Borrowed(text);
     }
     let mut shown = String::with_capacity(text.len());

@@ -1,6 +1,6 @@
 //! JSON output with indented objects, and arrays of numbers on one line.
 
-use std::io::{self, Write};
+use std::io::{self, BufWriter, Write};
 
 use serde::Serialize;
 use serde_json::ser::Formatter;
@@ -11,10 +11,15 @@ use serde_json::ser::Formatter;
 /// # Errors
 /// Those of `out`, and for values that JSON cannot represent.
 pub fn write_json(out: impl Write, value: &impl Serialize) -> io::Result<()> {
-    let mut serializer = serde_json::Serializer::with_formatter(out, Lines::default());
-    value.serialize(&mut serializer)?;
-    serializer.into_inner().write_all(b"\n")
+    // The serializer writes each number and each comma by itself.
+    let mut out = BufWriter::with_capacity(PIECE, out);
+    value.serialize(&mut serde_json::Serializer::with_formatter(&mut out, Lines::default()))?;
+    out.write_all(b"\n")?;
+    out.flush()
 }
+
+/// Number of bytes that are written together.
+const PIECE: usize = 1 << 16;
 
 #[derive(Default)]
 struct Lines {
@@ -25,7 +30,8 @@ struct Lines {
 
 impl Lines {
     fn new_line<W: ?Sized + Write>(&self, out: &mut W) -> io::Result<()> {
-        write!(out, "\n{:1$}", "", 2 * self.depth)
+        out.write_all(b"\n")?;
+        (0..self.depth).try_for_each(|_| out.write_all(b"  "))
     }
 }
 

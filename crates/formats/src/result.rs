@@ -1,5 +1,6 @@
 //! Output files of a run: `result.json`, `states.csv`, `spectra.csv`, `reflection.csv`.
 
+use std::fmt::Write as _;
 use std::io::{self, Write};
 
 use papilio_display::Reflection;
@@ -63,6 +64,9 @@ pub(crate) fn state_table(result: &RunResult) -> (Vec<String>, Vec<Vec<String>>)
 pub fn write_spectra(out: impl Write, result: &RunResult) -> io::Result<()> {
     let mut csv = csv::Writer::from_writer(out);
     let mut has_header = false;
+    let wavelengths: Vec<String> = result.wavelength_nm.iter().map(f64::to_string).collect();
+    // There are so many cells that text of its own for each would take most of the time.
+    let mut cell = String::new();
     for view in &result.views {
         let angles = [view.theta_deg.to_string(), view.phi_deg.to_string()];
         for (name, state) in view.states.iter() {
@@ -72,10 +76,16 @@ pub fn write_spectra(out: impl Write, result: &RunResult) -> io::Result<()> {
                 csv.write_record(places.iter().chain(columns.iter().map(|(title, _)| title)))?;
                 has_header = true;
             }
-            for (i, nm) in result.wavelength_nm.iter().enumerate() {
-                let numbers = columns.iter().map(|(_, column)| cell(column.get(i).copied()));
-                let start = [angles[0].clone(), angles[1].clone(), name.to_owned(), nm.to_string()];
-                csv.write_record(start.into_iter().chain(numbers))?;
+            for (i, nm) in wavelengths.iter().enumerate() {
+                [angles[0].as_str(), angles[1].as_str(), name, nm.as_str()]
+                    .into_iter()
+                    .try_for_each(|text| csv.write_field(text))?;
+                for (_, column) in &columns {
+                    cell.clear();
+                    push_number(&mut cell, column.get(i).copied());
+                    csv.write_field(&cell)?;
+                }
+                csv.write_record(None::<&[u8]>)?;
             }
         }
     }
@@ -131,7 +141,20 @@ pub fn write_reflection(out: impl Write, all: &[Reflection]) -> io::Result<()> {
 
 /// Formats a number such that reading it returns the same bits; empty for a number that is undefined or not finite.
 pub(crate) fn cell(value: Option<f64>) -> String {
-    value.filter(|v| v.is_finite()).map_or_else(String::new, |v| v.to_string())
+    let mut text = String::new();
+    push_number(&mut text, value);
+    text
+}
+
+/// Appends a number in the format of [`cell`].
+fn push_number(text: &mut String, value: Option<f64>) {
+    match value.filter(|value| value.is_finite()) {
+        // Most errors are exactly 0.
+        Some(value) if value.to_bits() == 0 => text.push('0'),
+        // Writing to a string does not fail.
+        Some(value) => drop(write!(text, "{value}")),
+        None => {}
+    }
 }
 
 type Columns = Vec<(String, String)>;

@@ -155,6 +155,18 @@ impl Rough {
         self.facets.single(from, beta_i, to, beta_o)
     }
 
+    /// Returns the factor of [`Self::single`] across the interface that has its peak: the light of one microfacet, including
+    /// what others take.
+    pub fn refracted(&self, above: Beta, below: Beta) -> f64 {
+        self.facets.refracted(above, below)
+    }
+
+    /// Returns the other factor, which depends on the two |beta| alone and changes slowly: the fraction that no other
+    /// microfacet takes.
+    pub fn visible_across(&self, above: f64, below: f64) -> f64 {
+        self.facets.visible_across(above * above, below * below)
+    }
+
     /// Returns [`Self::single`] for directions of these |beta|, as a function of the cosine of the azimuth
     /// between them.
     pub fn single_by_azimuth(&self, from: (Side, f64), to: (Side, f64)) -> impl Fn(f64) -> f64 + use<> {

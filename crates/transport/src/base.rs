@@ -2,6 +2,7 @@
 
 use std::f64::consts::FRAC_PI_2;
 
+use papilio_optics::with_widest_simd;
 use papilio_spectra::Spectrum;
 
 use crate::{AngularTable, Cone, Medium, ScatterKernel};
@@ -96,12 +97,20 @@ impl Base {
 
 /// Returns the largest of these values; negative ones count as 0.
 pub(crate) fn largest(values: &[f64]) -> f64 {
-    // Several at a time, as registers hold them: tables are large.
-    let mut most = [0.0_f64; 16];
-    for values in values.chunks(most.len()) {
-        most.iter_mut()
-            .zip(values)
-            .for_each(|(most, value)| *most = if value > most { *value } else { *most });
+    let larger = |most: f64, value: &f64| if *value > most { *value } else { most };
+    if values.len() <= 4 {
+        return values.iter().fold(0.0, larger);
     }
-    most.into_iter().fold(0.0, f64::max)
+    // Several at a time, as registers hold them: tables are large.
+    with_widest_simd(
+        #[inline(always)]
+        || {
+            let mut most = [0.0_f64; 16];
+            let (pieces, rest) = values.as_chunks::<16>();
+            for values in pieces {
+                most.iter_mut().zip(values).for_each(|(most, value)| *most = larger(*most, value));
+            }
+            most.iter().chain(rest).fold(0.0, larger)
+        },
+    )
 }

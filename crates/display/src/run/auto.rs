@@ -14,14 +14,15 @@
 
 use std::fmt::Write;
 
+use papilio_optics::scatter::Scatter;
 use papilio_transport::adding::{Narrowness, error_over_difference, narrowest, nodes_needed};
-use papilio_transport::{Source, Stack};
+use papilio_transport::{Interface, Reflector, Source, Stack};
 
 use super::walk::{self, FIRST_PATHS};
 use super::{Control, Run, adding_seconds};
 use crate::DisplayError;
 use crate::meter::Meter;
-use crate::scene::{Layers, Method, Pixel, Sampler, Scene, Stop, Strategy};
+use crate::scene::{Layer, Layers, Method, Pixel, Sampler, Scene, Stop, Strategy};
 use crate::setup::Setup;
 
 /// Largest optical thickness of a slab for the Monte Carlo solver: the number of scattering events of a path increases with
@@ -36,6 +37,9 @@ const LONGEST_PILOT_S: f64 = 1.0;
 
 /// Work of an exact answer of adding that needs no first answer, s.
 const QUICK_S: f64 = 0.02;
+
+/// Work of Monte Carlo for the tables of rough interfaces, s.
+const ROUGH_TABLES_S: f64 = 0.1;
 
 /// Views of which a pilot run traces paths.
 const PILOT_VIEWS: usize = 3;
@@ -112,7 +116,9 @@ fn estimated(run: &Run<'_>, longest_pilot: impl Fn(Option<f64>) -> f64) -> Resul
         return Ok(Forecast { adding_s, monte_carlo_s: None, cheaper, reason });
     }
     let paths = paths_needed(run, target)?;
-    let seconds = paths * path_seconds(run.setup);
+    let is_rough = interfaces(&run.setup.stack).any(|interface| matches!(interface, Interface::Rough(_)));
+    let tables = if is_rough { ROUGH_TABLES_S } else { 0.0 };
+    let seconds = paths * path_seconds(run.setup) + tables;
     let _ = write!(reason, ", Monte Carlo {} s ({} paths)", plain(seconds), plain(paths));
     let cheaper = match adding_s {
         Some(adding) if adding <= PREFERENCE * seconds => Method::Adding,
@@ -129,31 +135,67 @@ fn adding(setup: &Setup, target: f64) -> Result<f64, DisplayError> {
     let more = (nodes(level) / nodes(1)).powi(3);
     Ok(match &setup.stack {
         Stack::Panel(_) => panel_seconds(setup),
-        Stack::Layered(_) => adding_seconds(&setup.scene)? * more + kernel_seconds(setup),
+        Stack::Layered(_) => {
+            adding_seconds(&setup.scene)? * more + column_seconds(setup, nodes(level)) + kernel_seconds(setup)
+        }
     })
 }
 
+/// Estimates the work of adding, in seconds, for the light between the layers and a pixel of this many states and wavelengths.
+fn column_seconds(setup: &Setup, nodes: f64) -> f64 {
+    const COLUMN: f64 = 1e-8;
+    let is_lambertian = matches!(setup.stack.base().reflector, Reflector::Lambertian(_));
+    let columns = if is_lambertian { 1.0 } else { (setup.states.len() * setup.scene.grid.len()) as f64 };
+    COLUMN * nodes * nodes * columns
+}
+
 /// Estimates the work of adding, in seconds, for the light that tables and rough interfaces scatter once to the views, and for
-/// the totals of a measured pixel.
+/// the totals of measured tables.
 fn kernel_seconds(setup: &Setup) -> f64 {
     const VIEW: f64 = 3e-2;
     const TOTALS: f64 = 0.3;
     let is_kernel = narrowest(&setup.stack).is_some_and(|narrowest| {
         matches!(narrowest.scatterer, Narrowness::Face { .. } | Narrowness::Rough { .. })
     });
-    let totals = if matches!(setup.scene.display.pixel, Pixel::Scattering(_)) { TOTALS } else { 0.0 };
-    totals + if is_kernel { VIEW * setup.views.len() as f64 } else { 0.0 }
+    let pixel = usize::from(matches!(setup.scene.display.pixel, Pixel::Scattering(_)));
+    let tables = pixel + interfaces(&setup.stack).filter(|interface| is_measured(interface)).count();
+    TOTALS * tables as f64 + if is_kernel { VIEW * setup.views.len() as f64 } else { 0.0 }
+}
+
+/// Returns the interfaces of general layers.
+fn interfaces(stack: &Stack) -> impl Iterator<Item = &Interface> {
+    let layers = if let Stack::Layered(layered) = stack { &layered.layers[..] } else { &[] };
+    layers.iter().map(|layer| &layer.interface)
+}
+
+/// Returns whether an interface transmits light as a measured table says.
+fn is_measured(interface: &Interface) -> bool {
+    let Interface::Scatter(face) = interface else { return false };
+    matches!(face.transmission().map(|kernel| &kernel.scatter), Some(Scatter::Table(..)))
 }
 
 /// Estimates the work of adding for an ordinary panel, in seconds: for each view that of the light that passes once, and more
-/// for environments and for light that a front sends back through a narrow lobe.
+/// for environments, above all those that depend on azimuth, and for light that a front sends back through a narrow lobe.
 fn panel_seconds(setup: &Setup) -> f64 {
     const VIEW: f64 = 2e-3;
+    /// Of an environment for each view: the same at all azimuths, or not; then also once.
+    const RING: f64 = 5e-3;
     const FIELD: f64 = 1e-2;
-    const NARROW: f64 = 5e-2;
-    let fields = setup.sources.iter().filter(|source| matches!(source, Source::Field(_))).count();
+    const FIELD_ONCE: f64 = 2e-2;
+    const NARROW: f64 = 2e-2;
+    let (rings, fields): (Vec<_>, Vec<_>) = setup
+        .sources
+        .iter()
+        .filter(|source| matches!(source, Source::Field(_)))
+        .partition(|field| !is_turned(field));
+    let (rings, fields) = (rings.len() as f64, fields.len() as f64);
     let narrow = if error_over_difference(&setup.stack, &setup.sources) > 1.0 { NARROW } else { 0.0 };
-    setup.views.len() as f64 * (VIEW + FIELD * fields as f64) + narrow
+    setup.views.len() as f64 * (VIEW + RING * rings + FIELD * fields) + FIELD_ONCE * fields + narrow
+}
+
+/// Returns whether a source is an environment that depends on azimuth.
+fn is_turned(source: &Source) -> bool {
+    matches!(source, Source::Field(field) if !field.is_ring())
 }
 
 /// Returns the level of adding at which two levels are expected to agree within the target.
@@ -178,42 +220,52 @@ fn paths_needed(run: &Run<'_>, target: f64) -> Result<f64, DisplayError> {
     for k in 0..of_pilot {
         let pilot = walk::pilot(run, k * (views - 1) / (of_pilot - 1).max(1))?;
         let more = (pilot.relative_error / target).max(1.0).powf(1.0 / exponent);
-        // A second round confirms the first.
-        paths += (pilot.paths as f64 * more.max(2.0)).max(pilot.least as f64);
+        // A second round confirms the first, and rounds double the number of paths.
+        let rounds = more.max(2.0).log2().ceil();
+        paths += (pilot.paths as f64 * rounds.exp2()).max(pilot.least as f64);
     }
     Ok(paths * views as f64 / of_pilot as f64)
 }
 
-/// Estimates the work of a path, in seconds: that of each scattering event. In general layers its weights have all states and
-/// wavelengths, or a few reflectances under a pixel of no angle; on the first pass through a panel, only directions.
+/// Estimates the work of a path, in seconds: that of each scattering event, and of light from an environment. In general layers
+/// the weights of an event have all states and wavelengths, or a few reflectances under a pixel of no angle; on the first pass
+/// through a panel, only directions.
 fn path_seconds(setup: &Setup) -> f64 {
-    /// Work of an event with directions alone.
+    /// Work of an event with directions alone; of one at a rough interface or a table.
     const EVENT: f64 = 5e-7;
+    const KERNEL: f64 = 2e-6;
     /// Work of an event for each state and wavelength.
     const NUMBER: f64 = 5e-9;
     const FEW: f64 = 8.0;
+    /// Work of a path for an environment that depends on azimuth.
+    const FIELD: f64 = 1e-5;
+    let fields = FIELD * setup.sources.iter().filter(|source| is_turned(source)).count() as f64;
     let numbers = match &setup.scene.display.pixel {
         Pixel::Uniform(_) => FEW,
         _ => (setup.states.len() * setup.scene.grid.len()) as f64,
     };
-    match (&setup.stack, setup.scene.solver.scattering) {
+    let is_kernel = |interface: &Interface| matches!(interface, Interface::Rough(_) | Interface::Scatter(_));
+    let kernel = if interfaces(&setup.stack).any(is_kernel) { KERNEL } else { 0.0 };
+    let events = match (&setup.stack, setup.scene.solver.scattering) {
         (Stack::Panel(_), Strategy::Guided) => 10.0 * EVENT,
-        (Stack::Panel(_), _) => 3.0 * EVENT,
-        (Stack::Layered(_), _) => events(&setup.scene) * (EVENT + NUMBER * numbers),
-    }
+        (Stack::Panel(_), _) => EVENT,
+        (Stack::Layered(_), _) => events(setup) * (EVENT + kernel + NUMBER * numbers),
+    };
+    fields + events
 }
 
-/// Estimates the number of scattering events of a path through general layers.
-fn events(scene: &Scene) -> f64 {
+/// Estimates the number of events of a path through general layers: at each interface, at the pixel, and in slabs.
+fn events(setup: &Setup) -> f64 {
     /// Passes through the layers, on average.
     const PASSES: f64 = 4.0;
-    let Layers::General(layers) = &scene.display.layers else { return PASSES };
-    let thickness: f64 = layers
+    let slabs: &[Layer] =
+        if let Layers::General(layers) = &setup.scene.display.layers { layers } else { &[] };
+    let thickness: f64 = slabs
         .iter()
         .filter_map(|layer| layer.medium.scattering.as_ref())
         .map(|slab| slab.optical_thickness)
         .sum();
-    PASSES * (2.0 + thickness)
+    PASSES * (1.0 + interfaces(&setup.stack).count() as f64 + thickness)
 }
 
 /// Writes a positive number with two digits, without exponent: 0.056, 1.2, 17 000.

@@ -150,7 +150,8 @@ impl Survey<'_> {
             let errors = vec![sample.error; self.setup.states.len() * self.grid.pairs()];
             return Some(((spectra, nodes), errors));
         };
-        let times = error_over_difference(&self.setup.stack, &self.beams).max(slowness(sample, &Vec::clone));
+        let rest = slowness([&sample.finer, &sample.coarser], sample.before.as_deref());
+        let times = error_over_difference(&self.setup.stack, &self.beams).max(rest);
         let mut level = sample.level;
         let (_, mut coarser, _) = self.scattered(&Kernel::new(level as u32 - 1), pool)?;
         loop {
@@ -205,7 +206,7 @@ impl Survey<'_> {
         let stack = &self.setup.stack;
         let fields = |theta: f64| self.grid.dphi_deg.iter().map(move |phi| view(theta, *phi));
         let azimuths = self.grid.dphi_deg.len();
-        let mut shared = kernel.unprepared();
+        let mut shared = kernel.unprepared().without_ledger();
         if let Stack::Layered(_) = stack {
             let fields: Vec<Cone> = self.grid.theta_o_deg.iter().flat_map(|theta| fields(*theta)).collect();
             self.prepare(&mut shared, &fields, &self.beams)?;

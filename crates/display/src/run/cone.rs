@@ -1,4 +1,5 @@
-//! Conoscopic maps by adding: all directions at the level that a sample of directions needs.
+//! Conoscopic maps by adding: all directions of an ordinary panel at the level that a sample of directions needs, those of
+//! general layers at the level that every direction needs.
 //!
 //! If all directed lights lie in one plane with the normal, directions that are mirror images in this plane are
 //! equivalent and are computed once. Each thread holds the spectra of one direction at a time in memory.
@@ -26,7 +27,7 @@ pub(super) const DEFAULT_TARGET: f64 = 1e-3;
 ///
 /// The scene's `relative_error` applies to Y in a sample of about twenty directions, which include the
 /// normal, grazing directions and the mirror images of the lights; all others are computed at the
-/// level that these need.
+/// level that these need. With general layers it applies to Y in every direction.
 ///
 /// # Errors
 /// If the scene is invalid (including a field of view that reaches below the horizon), or the computation was stopped.
@@ -77,6 +78,14 @@ struct Rows {
 /// Tristimulus values of each direction and state.
 type Colours = Vec<Vec<Xyz>>;
 
+/// Tristimulus values of all directions at one level.
+struct Level {
+    reference: Vec<Xyz>,
+    /// `[theta][phi]`, of the computed azimuths.
+    rows: Vec<Colours>,
+    nodes: u64,
+}
+
 /// Returns the directions of the scenario's views.
 fn views_deg(scene: &Scene) -> Vec<[f64; 2]> {
     let of_phi = |phi: &f64| scene.viewer.theta_deg.iter().map(|theta| [*theta, *phi]).collect::<Vec<_>>();
@@ -94,9 +103,10 @@ impl Survey<'_> {
         if !self.is_known(theta_deg) {
             return Some(Err(DisplayError::UnknownReference { theta_deg }));
         }
-        let mut kernel = Kernel::new(0);
-        let sample = self.sample(target, &mut kernel)?;
-        let Rows { views: rows, errors, nodes } = self.rows(&sample, kernel, target, pool)?;
+        let Rows { views: rows, errors, nodes } = match self.run.setup.stack {
+            Stack::Panel(_) => self.of_panel(target, pool)?,
+            Stack::Layered(_) => self.of_layers(target, pool)?,
+        };
         let finite = |view: &ConeView| view.states.iter().all(|state| state.luminance_cd_m2.is_finite());
         if !rows.iter().flatten().all(finite) {
             return Some(Err(DisplayError::NotFinite));
@@ -139,56 +149,75 @@ impl Survey<'_> {
         }))
     }
 
-    /// Computes all inclinations at the selected azimuths, with the relative error of each state's Y. The kernels of a panel
-    /// resolve its lobes in all directions: the error of the sample applies to all of them. Under general layers, light near
-    /// the horizon may vary faster than in any sampled direction: each row is compared with that of the previous level,
-    /// and if one misses the target, all are computed at the next level.
-    fn rows(
-        &self,
-        sample: &Refined<Colours>,
-        kernel: Kernel,
-        target: f64,
-        pool: Option<&ThreadPool>,
-    ) -> Option<Rows> {
+    /// Computes the directions of a panel. Its kernels resolve the lobes in all directions: the error of the sample
+    /// applies to all of them.
+    fn of_panel(&self, target: f64, pool: Option<&ThreadPool>) -> Option<Rows> {
+        let mut kernel = Kernel::new(0);
+        let sample = self.sample(target, &mut kernel)?;
+        let (rows, nodes) = self.all(kernel, pool)?;
+        let views = self.views(&rows, &sample.finer[0], pool);
         let states = self.run.setup.states.len();
-        let (mut views, mut nodes) = self.all(kernel, &sample.finer[0], pool)?;
-        let Stack::Layered(_) = self.run.setup.stack else {
-            let errors = views.iter().map(|row| vec![vec![sample.error; states]; row.len()]).collect();
-            return Some(Rows { views, errors, nodes });
+        let errors = views.iter().map(|row| vec![vec![sample.error; states]; row.len()]).collect();
+        Some(Rows { views, errors, nodes })
+    }
+
+    /// Computes the directions of general layers. Light near the horizon may vary faster than in any sampled direction:
+    /// each row is compared with that of the previous level. The light in the layers, which takes most of the time, is
+    /// computed once for all directions, so that a sample of them would take as long as all.
+    fn of_layers(&self, target: f64, pool: Option<&ThreadPool>) -> Option<Rows> {
+        let setup = self.run.setup;
+        let bound = error_over_difference(&setup.stack, &setup.sources);
+        let computed = self.computed();
+        let places = self.sampled().into_iter().filter_map(|view| {
+            let (phi, theta) = (view / self.grid.theta_deg.len(), view % self.grid.theta_deg.len());
+            computed.iter().position(|one| *one == phi).map(|place| (theta, place))
+        });
+        let places: Vec<(usize, usize)> = places.collect();
+        let sample = |level: &Level| -> Vec<f64> {
+            let sampled = places.iter().map(|(theta, place)| &level.rows[*theta][*place]);
+            std::iter::once(&level.reference).chain(sampled).flatten().map(|xyz| xyz.y).collect()
         };
-        let times = error_over_difference(&self.run.setup.stack, &self.run.setup.sources)
-            .max(slowness(sample, &luminous));
-        let mut level = sample.level;
-        let (mut coarser, _) = self.all(Kernel::new(level as u32 - 1), &sample.coarser[0], pool)?;
-        loop {
-            let y = |view: &ConeView| -> Vec<f64> {
-                view.states.iter().map(|state| state.reflectance_factor_y).collect()
-            };
-            let all: Vec<Vec<f64>> = views.iter().flatten().map(y).collect();
-            let most = largest_of_states(all.iter().map(Vec::as_slice), states);
-            let of =
-                |(view, coarser): (&ConeView, &ConeView)| row_errors(&y(view), &y(coarser), &most, times);
-            let of_row =
-                |(row, coarser): (&Vec<ConeView>, &Vec<ConeView>)| row.iter().zip(coarser).map(of).collect();
-            let errors: Vec<Vec<Vec<f64>>> = views.iter().zip(&coarser).map(of_row).collect();
-            let misses = |error: &f64| error.is_finite() && *error > target;
-            if level >= self.finest || !errors.iter().flatten().flatten().any(misses) {
-                return Some(Rows { views, errors, nodes });
-            }
-            level += 1;
-            let mut kernel = Kernel::new(level as u32);
-            let setup = self.run.setup;
-            let ready = kernel.prepare_unless(
-                &setup.stack,
-                &[self.reference.field],
-                &setup.sources,
-                self.run.control.stop,
-            );
-            ready.then_some(())?;
-            let reference = self.colours(&kernel, 0)?;
-            coarser = views;
-            (views, nodes) = self.all(kernel, &reference, pool)?;
-        }
+        let errors = |[finer, coarser]: [&Level; 2], before: Option<&Level>| {
+            let all = [finer, coarser].map(sample);
+            let before = before.map(sample);
+            let times = bound.max(slowness(all.each_ref().map(Vec::as_slice), before.as_deref()));
+            (of_levels(bound, all, before.as_deref()), self.row_errors([finer, coarser], times))
+        };
+        let error = |levels: [&Level; 2], before: Option<&Level>| {
+            let (sampled, rows) = errors(levels, before);
+            let finite = rows.into_iter().flatten().flatten().filter(|error| error.is_finite());
+            finite.fold(sampled, largest)
+        };
+        let at = |level: usize| self.level(level, pool);
+        let refined = refine(target, self.finest, at, error, |error, _| self.report(error, target, 0))?;
+        refined.finished.then_some(())?;
+        let (_, errors) = errors([&refined.finer, &refined.coarser], refined.before.as_ref());
+        let Level { reference, rows, nodes } = &refined.finer;
+        Some(Rows { views: self.views(rows, reference, pool), errors, nodes: *nodes })
+    }
+
+    /// Computes all directions of general layers at a level; `None` if it was stopped.
+    fn level(&self, level: usize, pool: Option<&ThreadPool>) -> Option<Level> {
+        let (mut rows, nodes) = self.all(Kernel::new(level as u32), pool)?;
+        let reference = rows.pop()?.pop()?;
+        Some(Level { reference, rows, nodes })
+    }
+
+    /// Computes the relative error of each state's Y, `[theta][phi][state]`, at the finer of two levels.
+    fn row_errors(&self, [finer, coarser]: [&Level; 2], times: f64) -> Vec<Vec<Vec<f64>>> {
+        let y = |colours: &Vec<Xyz>| -> Vec<f64> { colours.iter().map(|xyz| xyz.y).collect() };
+        let all: Vec<Vec<f64>> = finer.rows.iter().flatten().map(y).collect();
+        let most = largest_of_states(all.iter().map(Vec::as_slice), self.run.setup.states.len());
+        let of = |(one, coarser): (&Vec<Xyz>, &Vec<Xyz>)| row_errors(&y(one), &y(coarser), &most, times);
+        let of_row = |(row, coarser): (&Colours, &Colours)| row.iter().zip(coarser).map(of).collect();
+        finer.rows.iter().zip(&coarser.rows).map(of_row).collect()
+    }
+
+    /// Computes the entries of these directions, compared with the reference direction.
+    fn views(&self, rows: &[Colours], reference: &[Xyz], pool: Option<&ThreadPool>) -> Vec<Vec<ConeView>> {
+        let mut rows: Vec<&Colours> = rows.iter().collect();
+        let view = |colours: &Vec<Xyz>| self.run.meter.cone_view(colours, reference);
+        each(pool, &mut rows, |(_, row)| row.iter().map(view).collect())
     }
 
     /// Returns for each inclination whether the uppermost scattering interface was measured there. Elsewhere, other light,
@@ -272,23 +301,24 @@ impl Survey<'_> {
         });
     }
 
-    /// Computes all inclinations at the selected azimuths; returns the views and the number of nodes.
-    fn all(
-        &self,
-        mut kernel: Kernel,
-        reference: &[Xyz],
-        pool: Option<&ThreadPool>,
-    ) -> Option<(Vec<Vec<ConeView>>, u64)> {
+    /// Computes all inclinations at the selected azimuths, `[theta][phi]`; of general layers also, as a last row, the
+    /// reference direction. Returns the colours and the number of nodes.
+    fn all(&self, mut kernel: Kernel, pool: Option<&ThreadPool>) -> Option<(Vec<Colours>, u64)> {
         let setup = self.run.setup;
         let computed = self.computed();
         let thetas = self.grid.theta_deg.len();
-        let fields = |theta: usize| computed.iter().map(move |phi| setup.views[phi * thetas + theta].field);
         // The operators of general layers are shared because they are expensive, and so is what all views of a panel have
         // in common. The rest of a panel's kernel is cheap: each inclination has its own.
         let shared = matches!(setup.stack, Stack::Layered(_));
-        let every: Vec<Cone> = (0..thetas).flat_map(fields).collect();
+        let fields = |theta: usize| -> Vec<Cone> {
+            let of_phi = |phi: &usize| setup.views[phi * thetas + theta].field;
+            if theta < thetas { computed.iter().map(of_phi).collect() } else { vec![self.reference.field] }
+        };
+        let count = thetas + usize::from(shared);
+        let every: Vec<Cone> = (0..count).flat_map(fields).collect();
         let stop = self.run.control.stop;
         let ready = if shared {
+            kernel = kernel.without_ledger();
             kernel.prepare_unless(&setup.stack, &every, &setup.sources, stop)
         } else {
             kernel.prepare_common(&setup.stack, &every, &setup.sources, stop)
@@ -296,33 +326,27 @@ impl Survey<'_> {
         ready.then_some(())?;
         let done = AtomicUsize::new(0);
         let row = |theta: usize| {
-            if self.run.control.stopped() {
-                return None;
-            }
+            let fields = fields(theta);
             let mut own = None;
             let (kernel, first) = if shared {
                 (&kernel, theta * computed.len())
             } else {
                 let own = own.insert(kernel.unprepared());
-                let fields: Vec<Cone> = fields(theta).collect();
                 own.prepare_part(&kernel, &setup.stack, &fields, &setup.sources, stop).then_some(())?;
                 (&*own, 0)
             };
-            let view = |k: usize| {
-                let is_running = !self.run.control.stopped();
-                let colours = if is_running { self.colours(kernel, first + k) } else { None };
-                colours.map(|colours| self.run.meter.cone_view(&colours, reference))
-            };
-            let views = (0..computed.len()).map(view).collect::<Option<Vec<_>>>()?;
-            let more = self.grid.phi_deg.len();
+            let colours =
+                |k: usize| if self.run.control.stopped() { None } else { self.colours(kernel, first + k) };
+            let row = (0..fields.len()).map(colours).collect::<Option<Colours>>()?;
+            let more = if theta < thetas { self.grid.phi_deg.len() } else { 0 };
             self.report(0.0, 1.0, done.fetch_add(more, Ordering::Relaxed) + more);
-            Some((views, own.map_or(0, |kernel| kernel.nodes() as u64)))
+            Some((row, own.map_or(0, |kernel| kernel.nodes() as u64)))
         };
-        let mut rows: Vec<usize> = (0..thetas).collect();
+        let mut rows: Vec<usize> = (0..count).collect();
         let rows = each(pool, &mut rows, |(_, theta)| row(*theta)).into_iter().collect::<Option<Vec<_>>>()?;
-        let (views, nodes): (Vec<_>, Vec<u64>) = rows.into_iter().unzip();
+        let (rows, nodes): (Vec<_>, Vec<u64>) = rows.into_iter().unzip();
         let nodes = if shared { kernel.nodes() as u64 } else { nodes.into_iter().sum() };
-        Some((views, nodes))
+        Some((rows, nodes))
     }
 
     /// Returns the azimuths that are computed; each other azimuth is equivalent to one of them.

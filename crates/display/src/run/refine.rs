@@ -142,11 +142,10 @@ fn difference(finer: &[f64], coarser: &[f64]) -> f64 {
     finer.iter().zip(coarser).map(|(a, b)| relative((*a, (a - b).abs()))).fold(0.0, largest)
 }
 
-/// Returns the ratio of error to difference between the last levels of a sample.
-pub(crate) fn slowness<T>(sample: &Refined<T>, numbers: &impl Fn(&T) -> Vec<f64>) -> f64 {
-    let [finer, coarser] = [&sample.finer, &sample.coarser].map(numbers);
-    let now = difference(&finer, &coarser);
-    let before = sample.before.as_ref().map(|before| difference(&coarser, &numbers(before)));
+/// Returns the ratio of error to difference between the last levels of a sample of numbers.
+pub(crate) fn slowness([finer, coarser]: [&[f64]; 2], before: Option<&[f64]>) -> f64 {
+    let now = difference(finer, coarser);
+    let before = before.map(|before| difference(coarser, before));
     if now > 0.0 { level_error(1.0, now, before) / now } else { 1.0 }
 }
 

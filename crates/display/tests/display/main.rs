@@ -15,6 +15,7 @@ mod designs;
 mod first_answers;
 mod front_light;
 mod honest_errors;
+mod levels_that_agree;
 mod lights;
 mod prepared;
 mod viewing_cone;

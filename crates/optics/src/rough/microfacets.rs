@@ -97,6 +97,26 @@ impl Microfacets {
         pair.map_or(0.0, |pair| pair.single((beta_o - beta_i).squared()))
     }
 
+    /// Returns the density of light that one microfacet refracts, including what other microfacets take: [`Self::single`]
+    /// is its product with [`Self::visible_across`].
+    pub(super) fn refracted(&self, above: Beta, below: Beta) -> f64 {
+        let wave = |side, beta: Beta| normal_component(self.index(side), beta.squared());
+        let Some((q_i, q_o)) = wave(Side::Above, above).zip(wave(Side::Below, below)) else { return 0.0 };
+        let shadowing = 0.25 / (q_i * q_o);
+        let pair =
+            Pair { facets: *self, back: false, n1: self.above, n2: self.below, z: q_i - q_o, shadowing };
+        pair.single((below - above).squared())
+    }
+
+    /// Returns the fraction of light between directions whose |beta| have these squares, across the interface, that no other microfacet takes.
+    pub(super) fn visible_across(&self, above: f64, below: f64) -> f64 {
+        let hidden = |side, squared: f64| {
+            normal_component(self.index(side), squared).map(|q| self.hidden(q, squared) / q)
+        };
+        let both = hidden(Side::Above, above).zip(hidden(Side::Below, below));
+        both.map_or(0.0, |(above, below)| beta_function(above, below))
+    }
+
     /// Returns two directions whose |beta| have these squares; `None` if one of them does not exist.
     pub(super) fn pair(&self, (from, before): (Side, f64), (to, after): (Side, f64)) -> Option<Pair> {
         let (n1, n2) = (self.index(from), self.index(to));
@@ -165,6 +185,11 @@ impl Microfacets {
             ScatteredLight { side, beta, unshadowed }
         })
     }
+}
+
+/// Returns the component along the normal of a wave vector in a medium of index n, given the square of its |beta|.
+fn normal_component(n: f64, beta_squared: f64) -> Option<f64> {
+    (beta_squared < n * n).then(|| (n * n - beta_squared).sqrt())
 }
 
 /// Returns the component along the normal of an interface behind it, 0 if the light cannot pass.

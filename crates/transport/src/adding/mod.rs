@@ -125,6 +125,8 @@ const FIRST_STEP: f64 = 0.7;
 pub struct Kernel {
     /// The level; negative for a first answer.
     level: f64,
+    /// Whether its estimates have a ledger.
+    ledger: bool,
     kind: Kind,
     /// Views with which its own share data; if there are none, its own alone.
     together: Arc<[Cone]>,
@@ -140,7 +142,7 @@ enum Kind {
 impl Kernel {
     /// Returns an empty kernel of this level, 0 (coarsest) to [`FINEST`].
     pub fn new(level: u32) -> Self {
-        Self { level: f64::from(level), kind: Kind::Empty, together: Arc::default() }
+        Self { level: f64::from(level), ledger: true, kind: Kind::Empty, together: Arc::default() }
     }
 
     /// Returns an empty kernel of a first answer: number 0 is coarser than number 1, and both are coarser than
@@ -150,9 +152,15 @@ impl Kernel {
         Self { level: -FIRST_STEP * coarser, ..Self::new(0) }
     }
 
+    /// Returns an empty kernel of the same level that computes the light of the views alone: their ledgers are zero.
+    /// Between general layers many views then take hardly more time than one.
+    pub fn without_ledger(self) -> Self {
+        Self { ledger: false, kind: Kind::Empty, ..self }
+    }
+
     /// Returns an empty kernel that computes the same as this one once it is prepared.
     pub fn unprepared(&self) -> Self {
-        Self { level: self.level, kind: Kind::Empty, together: Arc::clone(&self.together) }
+        Self { kind: Kind::Empty, together: Arc::clone(&self.together), ..*self }
     }
 
     /// Prepares the kernel for these layers, views (cones of directions in air) and sources. Data prepared
@@ -227,7 +235,7 @@ impl Kernel {
                 *kind = Kind::Panel(kernel);
             }
             (Stack::Layered(layered), kind) => {
-                let mut kernel = layered::Kernel::new(self.level);
+                let mut kernel = layered::Kernel::new(self.level, self.ledger);
                 kernel.prepare(layered, own, sources, stop);
                 *kind = Kind::Layered(Box::new(kernel));
             }

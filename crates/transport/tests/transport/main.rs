@@ -18,6 +18,7 @@ mod layered_walk;
 mod layers;
 mod narrow_lobes;
 mod reflecting;
+mod rough_surface;
 mod scatter_faces;
 
 mod strategies;

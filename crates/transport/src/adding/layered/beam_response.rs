@@ -5,16 +5,17 @@
 //! sees of a beam from a source (the kernel towards it). So does the beam that enters from the source. Beams
 //! are followed from whichever side has fewer directions.
 
-use std::f64::consts::PI;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use super::base::{Above, Rising};
+use super::base::{Above, Ends, Rising};
 use super::columns::{BaseColumns, Columns};
 use super::diffuse_response::DiffuseResponse;
-use super::directions::{Directions, Ray, extras};
+use super::directions::{Directions, extras};
+use super::first_bounce::FirstBounce;
+use super::gather::{Gathering, Kernels};
 use super::matrix::Matrix;
-use super::once::{Once, ScatterMode};
+use super::once::Once;
 use super::prepare::Group;
 use crate::{Base, Estimate, Layered, Ledger, ReflectanceFactor};
 
@@ -48,19 +49,13 @@ pub(super) struct Followed {
     /// Extra nodes of the views, ascending, and of the lights.
     views: Vec<usize>,
     lights: Vec<usize>,
+    /// Whether the views have ledgers.
+    ledger: bool,
     seen: Seen,
     /// The same of the layers and the base before.
     known: Seen,
     /// Largest densities found so far, `[group][beam][column]`.
     floors: Vec<Vec<Vec<f64>>>,
-}
-
-/// Kernels of one order between views and lights.
-struct Kernels {
-    /// Via the base, `[column of all groups, pair]`.
-    base: Matrix,
-    /// Of light that has not reached the base, `[bin of all groups, pair]`.
-    front: Matrix,
 }
 
 impl BeamResponse {
@@ -95,12 +90,12 @@ impl BeamResponse {
     ) {
         if order == 0 {
             let known = self.known.get_mut(self.families.len()).map(std::mem::take).unwrap_or_default();
-            self.families.push(Followed::new(stack, directions, groups, known));
+            self.families.push(Followed::new(stack, directions, groups, known, tolerance));
         }
         if let Some(family) = self.families.last_mut() {
             let kernels = family.follow(order, groups, above, tolerance, stop);
             if !stop.load(Ordering::Relaxed) {
-                family.gather(order, &kernels, directions, &mut self.beams);
+                family.gathering(directions, &mut self.beams).add_order(order, &kernels);
             }
         }
     }
@@ -118,7 +113,21 @@ impl BeamResponse {
             let above: Vec<Option<&Above>> = once.above.iter().map(Option::as_ref).collect();
             // Any order but the first, which also computes diffuse light.
             let kernels = family.follow(1, groups, &above, tolerance, stop);
-            family.gather_once(&kernels, &once.way, directions, &mut self.beams, stop);
+            family.gathering(directions, &mut self.beams).add_once(&kernels, &once.way, stop);
+        }
+    }
+
+    /// Adds the light that the layers below a rough surface reflect once, of the family added last.
+    pub(super) fn add_first(
+        &mut self,
+        directions: &Directions,
+        groups: &[&Group],
+        first: &FirstBounce,
+        stop: &AtomicBool,
+    ) {
+        if let Some(family) = self.families.last_mut() {
+            let kernels = family.reflect_once(groups, first);
+            family.gathering(directions, &mut self.beams).add_first(&kernels, first, stop);
         }
     }
 
@@ -151,15 +160,16 @@ impl BeamResponse {
 }
 
 impl Followed {
-    fn new(stack: &Layered, directions: &Directions, groups: &[&Group], known: Seen) -> Self {
+    fn new(stack: &Layered, directions: &Directions, groups: &[&Group], known: Seen, tolerance: f64) -> Self {
         let views = extras(&directions.views);
         let beta = views.iter().map(|extra| directions.beta[*extra]).collect();
         let bins: Vec<Vec<usize>> = groups.iter().map(|group| group.bins.clone()).collect();
         let known = if known.bins == bins { known } else { Seen::default() };
         Self {
-            columns: Columns::new(stack, groups),
+            columns: Columns::new(stack, groups, tolerance),
             views,
             lights: extras(&directions.sources),
+            ledger: directions.ledger,
             seen: Seen { bins: bins.clone(), beta, groups: vec![Vec::new(); groups.len()] },
             known,
             bins,
@@ -213,11 +223,16 @@ impl Followed {
         kernels: &mut Kernels,
         stop: &AtomicBool,
     ) {
-        let from_views = self.views.len() <= self.lights.len();
+        let ends = Ends { views: &self.views, lights: &self.lights };
+        let (from_views, beams) = (ends.from_views(), ends.beams().to_vec());
         // Later orders have no nodes with weight.
         let extras_alone =
             (above.carried() == 0).then(|| self.columns[number].below.rows_from(group.node(0)));
-        if order == 0 && !from_views {
+        if order == 0 && !from_views && !self.ledger {
+            let columns = &self.columns[number];
+            let seen = DiffuseResponse::of_views(group, columns, above, &self.views, tolerance);
+            self.seen.groups[number] = seen.into_iter().map(Arc::new).collect();
+        } else if order == 0 && !from_views {
             for view in 0..self.views.len() {
                 if stop.load(Ordering::Relaxed) {
                     return;
@@ -225,7 +240,6 @@ impl Followed {
                 self.see(view, (number, group), above, tolerance, None);
             }
         }
-        let beams = if from_views { self.views.clone() } else { self.lights.clone() };
         let mut floors = std::mem::take(&mut self.floors[number]);
         for (beam, extra) in beams.iter().enumerate() {
             if stop.load(Ordering::Relaxed) {
@@ -233,7 +247,8 @@ impl Followed {
             }
             let below = extras_alone.as_ref().unwrap_or(&self.columns[number].below);
             floors.resize_with(beams.len(), || vec![0.0; below.columns()]);
-            let rising = above.rise(*extra, below, tolerance, &mut floors[beam]);
+            let pivots = self.columns[number].pivots.as_ref();
+            let rising = above.rise(*extra, below, pivots, tolerance, &mut floors[beam]);
             if order == 0 && from_views {
                 self.see(beam, (number, group), above, tolerance, Some(&rising));
             }
@@ -260,7 +275,8 @@ impl Followed {
             let new = |rising: &Rising| Arc::new(DiffuseResponse::new(group, columns, above, rising));
             rising.map(new).unwrap_or_else(|| {
                 let mut floor = vec![0.0; columns.below.columns()];
-                new(&above.rise(self.views[view], &columns.below, tolerance, &mut floor))
+                let pivots = columns.pivots.as_ref();
+                new(&above.rise(self.views[view], &columns.below, pivots, tolerance, &mut floor))
             })
         });
         self.seen.groups[number].push(response);
@@ -280,7 +296,7 @@ impl Followed {
     ) {
         let columns = &self.columns[number];
         let others = if from_views { &self.lights } else { &self.views };
-        let scattered = above.scattered_to(rising, others);
+        let scattered = above.rising_to(rising, others, below);
         for (other, to) in others.iter().enumerate() {
             let (view, light) = if from_views { (beam, other) } else { (other, beam) };
             let pair = (self.views[view], light);
@@ -305,85 +321,45 @@ impl Followed {
         }
     }
 
-    /// Adds light scattered once by a scatterer: `kernels` contain the factors for all pairs of directions.
-    fn gather_once(
-        &self,
-        kernels: &Kernels,
-        way: &ScatterMode,
-        directions: &Directions,
-        beams: &mut [Vec<ReflectanceFactor>],
-        stop: &AtomicBool,
-    ) {
-        let places: Vec<usize> =
-            self.columns.iter().flat_map(|columns| columns.place.iter().copied()).collect();
-        let bins: Vec<usize> = self.bins.iter().flatten().copied().collect();
-        let beta = |ray: &Ray| (ray.extra, directions.beta[ray.extra]);
-        for (rays, beams) in directions.views.iter().zip(beams) {
-            for (source, rho) in directions.sources.iter().zip(beams) {
-                for ray in rays.iter().take_while(|_| !stop.load(Ordering::Relaxed)) {
-                    for lights in source.chunk_by(|one, next| one.extra == next.extra) {
-                        let number = self.lights.binary_search(&lights[0].extra).unwrap_or_default();
-                        let pair = self.pair(self.view(ray.extra), number);
-                        let (base, front) = (kernels.base.column(pair), kernels.front.column(pair));
-                        if base.iter().chain(front).all(|factor| *factor == 0.0) {
-                            continue;
-                        }
-                        let sent = |light: &Ray| {
-                            let turn = (!light.is_ring).then_some(ray.turn - light.turn);
-                            light.weight * way.density(beta(ray), beta(light), turn)
-                        };
-                        let factor = PI * ray.weight * lights.iter().map(sent).sum::<f64>();
-                        add(&mut rho.via_pixel, &places, base, factor);
-                        add(&mut rho.front, &bins, front, factor);
-                    }
-                }
+    /// Returns the light that the layers below a rough surface reflect once, by pair of directions.
+    fn reflect_once(&self, groups: &[&Group], first: &FirstBounce) -> Kernels {
+        let factors = first.factors();
+        let columns = self.columns.iter().map(Columns::len).sum();
+        let mut kernels = Kernels {
+            base: Matrix::zeros(columns, factors.columns()),
+            front: Matrix::zeros(self.bins.iter().map(Vec::len).sum(), factors.columns()),
+        };
+        let mut begin = (0, 0);
+        for (columns, group) in self.columns.iter().zip(groups) {
+            let carried = group.beta.len() - group.extras;
+            let below = Matrix::from_fn(carried, columns.below.columns(), |i, c| columns.below[(i, c)]);
+            let factors = factors.first_rows(carried);
+            let mut seen = Matrix::zeros(below.columns(), factors.columns());
+            seen.add_transposed_product(&below, &factors, 1.0);
+            for (pair, seen) in seen.columns_mut() {
+                let Some((dark, seen)) = seen.split_last() else { continue };
+                kernels.front.column_mut(pair)[begin.1..][..group.bins.len()].fill(*dark);
+                let base = &mut kernels.base.column_mut(pair)[begin.0..];
+                base.iter_mut().zip(seen).for_each(|(base, seen)| *base = seen - dark);
             }
+            begin = (begin.0 + columns.len(), begin.1 + group.bins.len());
         }
+        kernels
     }
 
-    /// Adds the kernels of an order to the light that the views see.
-    fn gather(
-        &self,
-        order: usize,
-        kernels: &Kernels,
-        directions: &Directions,
-        beams: &mut [Vec<ReflectanceFactor>],
-    ) {
-        let places: Vec<usize> =
-            self.columns.iter().flat_map(|columns| columns.place.iter().copied()).collect();
-        let bins: Vec<usize> = self.bins.iter().flatten().copied().collect();
-        let both_ways = if order == 0 { 1.0 } else { 2.0 };
-        for (rays, beams) in directions.views.iter().zip(beams) {
-            for (source, rho) in directions.sources.iter().zip(beams) {
-                for ray in rays {
-                    // Rays of one extra node are consecutive.
-                    for lights in source.chunk_by(|one, next| one.extra == next.extra) {
-                        let number = self.lights.binary_search(&lights[0].extra).unwrap_or_default();
-                        let pair = self.pair(self.view(ray.extra), number);
-                        let turned = |light: &Ray| match light.is_ring {
-                            true => {
-                                if order == 0 {
-                                    light.weight
-                                } else {
-                                    0.0
-                                }
-                            }
-                            false => light.weight * (order as f64 * (ray.turn - light.turn)).cos(),
-                        };
-                        let light: f64 = lights.iter().map(turned).sum();
-                        let factor = PI * ray.weight * light * both_ways;
-                        add(&mut rho.via_pixel, &places, kernels.base.column(pair), factor);
-                        add(&mut rho.front, &bins, kernels.front.column(pair), factor);
-                    }
-                }
-            }
+    /// Returns where the kernels of its pairs are added.
+    fn gathering<'a>(
+        &'a self,
+        directions: &'a Directions,
+        beams: &'a mut [Vec<ReflectanceFactor>],
+    ) -> Gathering<'a> {
+        Gathering {
+            directions,
+            views: &self.views,
+            lights: &self.lights,
+            places: self.columns.iter().flat_map(|columns| columns.place.iter().copied()).collect(),
+            bins: self.bins.iter().flatten().copied().collect(),
+            beams,
         }
-    }
-}
-
-/// Adds values times a factor to sums at these indices.
-fn add(sums: &mut [f64], places: &[usize], values: &[f64], factor: f64) {
-    for (at, value) in places.iter().zip(values) {
-        sums[*at] += factor * value;
     }
 }

@@ -1,9 +1,14 @@
 //! The base by state and wavelength, as seen from the layers above its medium.
 
 use super::matrix::Matrix;
+use super::pivots::Pivots;
 use super::prepare::Group;
 use crate::front::Flat;
 use crate::{Layered, Reflector};
+
+/// Remainder of columns that are not pivots, over the tolerance of the light: it decreases from level to level, so that the
+/// difference of two levels shows its effect.
+const REMAINDER: f64 = 100.0;
 
 /// The base at a group's wavelengths: each column is a state and a wavelength.
 #[derive(Debug)]
@@ -14,6 +19,8 @@ pub(super) struct Columns {
     /// Reflectance of everything below the last scatterer, `[node, column]`: over the base (if it is
     /// specular), then, as the last column, over black.
     pub(super) below: Matrix,
+    /// Columns from which the light of all others is interpolated, if there are many.
+    pub(super) pivots: Option<Pivots>,
     pub(super) inactive: Vec<f64>,
 }
 
@@ -27,16 +34,16 @@ pub(super) enum BaseColumns {
 }
 
 impl Columns {
-    /// Computes the columns of the groups of one family.
-    pub(super) fn new(stack: &Layered, groups: &[&Group]) -> Vec<Self> {
+    /// Computes the columns of the groups of one family, with pivots for light to this tolerance.
+    pub(super) fn new(stack: &Layered, groups: &[&Group], tolerance: f64) -> Vec<Self> {
         let known = match (&stack.base.reflector, groups.first()) {
             (Reflector::Specular(_), Some(group)) => Some(specular(stack, group)),
             _ => None,
         };
-        groups.iter().map(|group| Self::of_group(stack, group, known.as_ref())).collect()
+        groups.iter().map(|group| Self::of_group(stack, group, known.as_ref(), tolerance)).collect()
     }
 
-    fn of_group(stack: &Layered, group: &Group, known: Option<&Matrix>) -> Self {
+    fn of_group(stack: &Layered, group: &Group, known: Option<&Matrix>, tolerance: f64) -> Self {
         let (states, bins) = (stack.base.states(), stack.base.bins());
         let place: Vec<usize> =
             (0..states).flat_map(|state| group.bins.iter().map(move |bin| state * bins + bin)).collect();
@@ -64,7 +71,8 @@ impl Columns {
                 (BaseColumns::Lambertian(base), Matrix::from_fn(group.beta.len(), 1, |i, _| black(i)))
             }
         };
-        Self { place, base, below, inactive }
+        let pivots = Pivots::new(&below, group.node(0), REMAINDER * tolerance);
+        Self { place, base, below, pivots, inactive }
     }
 
     /// Returns the number of columns.

@@ -34,6 +34,53 @@ impl DiffuseResponse {
         seen
     }
 
+    /// Computes the responses of views, without ledgers. The diffuse light that leaves towards a view is the fraction
+    /// that leaves of a beam which enters there: a functional of the light that rises, which is the same for all views.
+    /// So one solution of the transposed problem serves all.
+    pub(super) fn of_views(
+        group: &Group,
+        columns: &Columns,
+        above: &Above,
+        views: &[usize],
+        tolerance: f64,
+    ) -> Vec<Self> {
+        let shares = &group.shares;
+        let new =
+            |view: usize| Self { diffuse_front: shares.leaving_front[group.share(view)], ..Self::default() };
+        if let BaseColumns::Lambertian(reflectance) = &columns.base {
+            let one = |view: &usize| {
+                let mut seen = new(*view);
+                seen.lambertian(group, columns, group.share(*view), reflectance);
+                seen
+            };
+            return views.iter().map(one).collect();
+        }
+        let leaving: Vec<f64> =
+            shares.scale.iter().zip(&shares.leaving).map(|(s, share)| s * share).collect();
+        let light =
+            above.functional_of_arriving(&leaving, &columns.below, columns.pivots.as_ref(), tolerance);
+        let [down, below] = above.scattered_to(&light, views);
+        let one = |(k, view): (usize, &usize)| {
+            let (mut seen, node) = (new(*view), group.node(*view));
+            let leaves = shares.leaving[group.share(*view)];
+            let diffuse = |c: usize| {
+                let beam = above.regular_rise(node, columns.below[(node, c)]);
+                down[(c, k)] + beam * (below[(c, k)] + leaves)
+            };
+            seen.diffuse = (0..columns.below.columns()).map(diffuse).collect();
+            seen.take_dark();
+            seen
+        };
+        views.iter().enumerate().map(one).collect()
+    }
+
+    /// Moves the light that leaves over black, the last column, to that which has not reached the base.
+    fn take_dark(&mut self) {
+        let dark = self.diffuse.pop().unwrap_or(0.0);
+        self.diffuse.iter_mut().for_each(|share| *share -= dark);
+        self.diffuse_front += dark;
+    }
+
     /// Returns, over a Lambertian base, the kernel via it towards an extra node.
     pub(super) fn by_way_of_base(&self, group: &Group, to: usize) -> impl Iterator<Item = f64> {
         let arriving = group.shares.arriving[group.share(to)];
@@ -51,9 +98,7 @@ impl DiffuseResponse {
     ) {
         let (shares, lower) = (&group.shares, &group.lower);
         self.diffuse = rising.total(&shares.scale, |i, _| shares.leaving[i]);
-        let dark = self.diffuse.pop().unwrap_or(0.0);
-        self.diffuse.iter_mut().for_each(|share| *share -= dark);
-        self.diffuse_front += dark;
+        self.take_dark();
         let node = group.share(rising.extra());
         let reflectance = |i: usize, c: usize| if c < columns.len() { base[(i, c)] } else { 0.0 };
         let arrival = |i: usize, c: usize| arrives(lower.flats[i], reflectance(i, c));

@@ -29,6 +29,8 @@ pub(super) struct Directions {
     more: Vec<usize>,
     /// For each source, its rays: none for diffuse light.
     pub(super) sources: Vec<Vec<Ray>>,
+    /// Whether the views have ledgers.
+    pub(super) ledger: bool,
 }
 
 impl Directions {

@@ -10,7 +10,7 @@ use super::algebra::Operator;
 use super::grid::Grid;
 use super::known::Known;
 use super::part::{Absorbed, Part, nothing};
-use super::precision::Precision;
+use super::precision::{Precision, rough_surface};
 use super::rough::RoughOrders;
 use super::scatter::ScatterOrders;
 use super::scatterers::{Scattered, Scatterers};
@@ -50,6 +50,8 @@ pub(crate) struct Preparation<'p, 'a> {
     beyond_first: Option<[f64; 2]>,
     /// Whether no other layer scatters.
     alone: bool,
+    /// Whether it is the rough surface of a display below which nothing scatters.
+    surface: bool,
     /// Kernels of the preparation before.
     known: &'p Known,
     scatterers: &'p mut Scatterers<'a>,
@@ -76,13 +78,15 @@ impl<'a> Preparation<'_, 'a> {
 
     /// Returns the number of a rough interface.
     pub(crate) fn rough(&mut self, face: &'a Rough) -> usize {
-        let Self { grid, precision, beyond_first, alone, known, stop, .. } = self;
+        let Self { grid, precision, beyond_first, alone, surface, known, stop, .. } = self;
         let known = known.rough(face, &grid.beta[..grid.regular]);
         // Light scattered more than once is scattered both from the view's circle and from the light's; among
         // several scatterers it may be only one of them.
         let circles = |[a, b]: [f64; 2]| if *alone { a * b / (a + b).max(1e-9) } else { a.max(b) };
-        let orders =
-            || RoughOrders::new(face, grid, precision.digits, beyond_first.map(circles), known, stop);
+        let orders = || match surface {
+            true => RoughOrders::of_surface(face, grid, precision.digits, *beyond_first, known, stop),
+            false => RoughOrders::new(face, grid, precision.digits, beyond_first.map(circles), known, stop),
+        };
         self.scatterers.rough(face, orders)
     }
 
@@ -127,12 +131,23 @@ pub(super) fn elements<'a>(
     let indices = |media: [Option<&crate::Medium>; 2]| {
         media.map(|medium| medium.map_or(1.0, |medium| medium.index()[bin]))
     };
+    let surface = rough_surface(stack).is_some();
     let alone = stack.elements().filter(|(kind, _)| kind.scatters()).count() == 1;
     let mut element = |(kind, media): (&'a dyn LayerKind, _)| {
         let indices @ [above, below] = indices(media);
         let scatterers = &mut *scatterers;
-        let mut prepare =
-            Preparation { bin, indices, grid, precision, beyond_first, alone, known, scatterers, stop };
+        let mut prepare = Preparation {
+            bin,
+            indices,
+            grid,
+            precision,
+            beyond_first,
+            alone,
+            surface,
+            known,
+            scatterers,
+            stop,
+        };
         kind.action(&mut prepare).map(|action| Element { kind, action, bin, above, below })
     };
     stack.elements().filter_map(&mut element).collect()

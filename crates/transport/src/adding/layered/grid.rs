@@ -17,6 +17,8 @@ pub(super) struct Grid {
     pub(super) scale: Vec<f64>,
     /// Number of nodes with weight.
     pub(super) regular: usize,
+    /// Ranges of `|beta|` between two indices, and their numbers of nodes.
+    ranges: Vec<([f64; 2], usize)>,
 }
 
 /// Required density of the nodes.
@@ -54,10 +56,12 @@ impl Density {
 impl Grid {
     /// Builds a grid split at these indices (ascending), with these extra nodes.
     pub(super) fn new(indices: &[f64], density: Density, extra: &[f64]) -> Self {
-        let (mut beta, mut scale) = (Vec::new(), Vec::new());
+        let (mut beta, mut scale, mut ranges) = (Vec::new(), Vec::new(), Vec::new());
         let mut a = 0.0;
         for &b in indices {
-            for node in legendre(density.count(a, b)) {
+            let count = density.count(a, b);
+            ranges.push(([a, b], count));
+            for node in legendre(count) {
                 // The nodes of the rule are in (-1, 1); t is in (0, 1).
                 let turn = PI * 0.25 * (node.x + 1.0);
                 beta.push((a * a + (b * b - a * a) * turn.sin().powi(2)).sqrt());
@@ -70,13 +74,25 @@ impl Grid {
         let regular = beta.len();
         beta.extend_from_slice(extra);
         scale.resize(beta.len(), 1.0);
-        Self { beta, scale, regular }
+        Self { beta, scale, regular, ranges }
     }
 
     /// Returns the extra nodes alone.
     pub(super) fn extras(&self) -> Self {
         let beta = self.beta[self.regular..].to_vec();
-        Self { scale: vec![1.0; beta.len()], beta, regular: 0 }
+        Self { scale: vec![1.0; beta.len()], beta, regular: 0, ranges: Vec::new() }
+    }
+
+    /// Returns the interpolation between its nodes with weight.
+    pub(super) fn interpolation(&self) -> Interpolation {
+        let mut first = 0;
+        let range = |&([from, to], count): &([f64; 2], usize)| {
+            let nodes: Vec<f64> = legendre(count).iter().map(|node| node.x).collect();
+            let windows = nodes.windows(NEAREST.min(count)).map(barycentric_weights).collect();
+            first += count;
+            Range { from, to, first: first - count, nodes, windows }
+        };
+        Interpolation(self.ranges.iter().map(range).collect())
     }
 
     /// Returns the number of nodes.
@@ -99,5 +115,116 @@ impl Grid {
     /// functional for [`Operator::pull_back`](super::algebra::Operator::pull_back).
     pub(super) fn below(&self, limit: f64) -> Vec<f64> {
         self.beta.iter().map(|beta| f64::from(u8::from(*beta < limit))).collect()
+    }
+}
+
+/// Number of nodes between which a value is interpolated.
+const NEAREST: usize = 14;
+
+/// Interpolation of a function of `|beta|` from its values at the nodes with weight: by the polynomial through the
+/// nearest nodes of the range between two indices, in the variable of its rule. A function with a peak may be smaller
+/// elsewhere by many orders of magnitude. Its error there is in proportion to its own values, whereas the polynomial
+/// through all nodes of the range would spread the error of the peak.
+#[derive(Debug)]
+pub(super) struct Interpolation(Vec<Range>);
+
+#[derive(Debug)]
+struct Range {
+    from: f64,
+    to: f64,
+    /// Number of the first node.
+    first: usize,
+    /// Variable of each node, -1 to 1, ascending.
+    nodes: Vec<f64>,
+    /// For each series of successive nodes, by the number of its first, their barycentric weights.
+    windows: Vec<Vec<f64>>,
+}
+
+impl Interpolation {
+    /// Returns the nodes between which a value at this `|beta|` is interpolated, and the factor of each.
+    pub(super) fn factors(&self, beta: f64) -> (std::ops::Range<usize>, [f64; NEAREST]) {
+        let mut factors = [0.0; NEAREST];
+        let Some(range) = self.0.iter().find(|range| beta < range.to) else { return (0..0, factors) };
+        let [low, high] = [range.from, range.to].map(|end| end * end);
+        let share = ((beta * beta - low) / (high - low)).clamp(0.0, 1.0);
+        let x = share.sqrt().asin() * 4.0 / PI - 1.0;
+        let begin = range.window(x);
+        let window = &range.windows[begin];
+        let some = range.first + begin..range.first + begin + window.len();
+        let nodes = &range.nodes[begin..][..window.len()];
+        if let Some(k) = nodes.iter().position(|node| *node == x) {
+            factors[k] = 1.0;
+            return (some, factors);
+        }
+        for ((factor, node), weight) in factors.iter_mut().zip(nodes).zip(window) {
+            *factor = weight / (x - node);
+        }
+        let sum: f64 = factors.iter().sum();
+        (some, factors.map(|factor| factor / sum))
+    }
+
+    /// Adds `weight` times the factor of each node's value at this `|beta|` to `sum`; returns the nodes that have one.
+    pub(super) fn add(&self, beta: f64, weight: f64, sum: &mut [f64]) -> std::ops::Range<usize> {
+        let (some, factors) = self.factors(beta);
+        sum[some.clone()].iter_mut().zip(factors).for_each(|(sum, factor)| *sum += weight * factor);
+        some
+    }
+}
+
+impl Range {
+    /// Returns the first of the nodes between which the function is interpolated at `x`: as many on either side, but
+    /// at the ends of the range.
+    fn window(&self, x: f64) -> usize {
+        let Some(windows) = self.windows.len().checked_sub(1) else { return 0 };
+        let next = self.nodes.partition_point(|node| *node < x);
+        next.saturating_sub(NEAREST / 2).min(windows)
+    }
+}
+
+/// Returns the weights of the barycentric formula for these nodes, relative to the largest.
+fn barycentric_weights(nodes: &[f64]) -> Vec<f64> {
+    // The nodes of a window are at distances that are small compared with 1: their products are scaled.
+    let size = nodes[nodes.len() - 1] - nodes[0];
+    let weight = |k: usize| {
+        let others = (0..nodes.len()).filter(|j| *j != k);
+        1.0 / others.map(|j| (nodes[k] - nodes[j]) / size).product::<f64>()
+    };
+    (0..nodes.len()).map(weight).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Far from the peak of a lobe, errors are in proportion to its small values there.
+    #[test]
+    fn interpolation_of_a_narrow_lobe_is_accurate_far_from_its_peak() {
+        let density = Density { least: 8, spacing: 0.02, angle: None };
+        let grid = Grid::new(&[1.0, 1.5], density, &[]);
+        let lobe = |beta: f64| (0.04_f64.powi(2) + (beta - 0.3).powi(2)).powi(-2);
+        let interpolation = grid.interpolation();
+        for beta in [0.305, 0.4, 0.7, 0.95, 1.2, 1.4] {
+            let mut factors = vec![0.0; grid.regular];
+            interpolation.add(beta, 1.0, &mut factors);
+            let found: f64 = factors.iter().zip(&grid.beta).map(|(factor, node)| factor * lobe(*node)).sum();
+            let error = found / lobe(beta) - 1.0;
+            assert!(error.abs() < 3e-3 * ((beta - 0.3) / 0.04).powi(-2).min(1.0), "{beta}: {error}");
+        }
+    }
+
+    /// A function with a square root at each index is a polynomial in the variables of the ranges, nearly.
+    #[test]
+    fn interpolation_contains_square_roots_at_indices() {
+        let density = Density { least: 24, spacing: f64::INFINITY, angle: None };
+        let grid = Grid::new(&[1.0, 1.5], density, &[0.3]);
+        let function = |beta: f64| (2.25 - beta * beta).sqrt() + (1.0 - beta * beta).abs().sqrt();
+        let interpolation = grid.interpolation();
+        for beta in [0.0, 0.01, 0.5, 0.99, 1.0, 1.01, 1.3, 1.499, grid.beta[3]] {
+            let mut factors = vec![0.0; grid.regular];
+            interpolation.add(beta, 1.0, &mut factors);
+            let found: f64 =
+                factors.iter().zip(&grid.beta).map(|(factor, node)| factor * function(*node)).sum();
+            assert!((found - function(beta)).abs() < 1e-9, "{beta}: {found} {}", function(beta));
+        }
     }
 }

@@ -106,6 +106,7 @@ fn k_correlation(width: f64, first: usize, grid: &Grid) -> Vec<Matrix> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::grid::Density;
     use super::*;
     use papilio_optics::{Beta, Scatterer};
 
@@ -125,7 +126,8 @@ mod tests {
                     .sum::<f64>()
                     / f64::from(steps)
             };
-            let grid = Grid { beta: vec![a, 1.3, b], scale: vec![1.0; 3], regular: 0 };
+            let density = Density { least: 0, spacing: 1.0, angle: None };
+            let grid = Grid::new(&[], density, &[a, 1.3, b]);
             let mut orders = LobeOrders::new(lobe, 1.0);
             let scale = mean(0);
             for order in 0..40 {

@@ -32,8 +32,17 @@ impl Matrix {
         Self { rows, columns, values }
     }
 
+    pub(super) fn rows(&self) -> usize {
+        self.rows
+    }
+
     pub(super) fn columns(&self) -> usize {
         self.columns
+    }
+
+    /// Returns the first rows.
+    pub(super) fn first_rows(&self, rows: usize) -> Self {
+        Self::from_fn(rows, self.columns, |i, j| self[(i, j)])
     }
 
     /// Returns column number `j`.
@@ -129,6 +138,21 @@ impl Matrix {
     pub(super) fn add_transposed_product(&mut self, left: &Self, right: &Self, factor: f64) {
         if right.rows > 0 && !self.values.is_empty() {
             let left = left.view().submatrix(0, 0, right.rows, self.rows).transpose();
+            add(self.view_mut(), left, right.view(), factor);
+        }
+    }
+
+    /// Adds `factor left' right`, with the transpose of some columns of `left`: as many as this matrix has rows, from
+    /// `first` on, and as many of its rows as `right` has.
+    pub(super) fn add_transposed_product_of_columns(
+        &mut self,
+        left: &Self,
+        first: usize,
+        right: &Self,
+        factor: f64,
+    ) {
+        if right.rows > 0 && !self.values.is_empty() {
+            let left = left.view().submatrix(0, first, right.rows, self.rows).transpose();
             add(self.view_mut(), left, right.view(), factor);
         }
     }

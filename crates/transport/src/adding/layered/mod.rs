@@ -15,9 +15,11 @@
 //! - [`wavelengths`]: those at which a first answer is computed;
 //! - [`azimuth`]: Fourier orders of kernels without a closed series; [`once`]: light that such a kernel
 //!   scatters only once, which needs none;
+//! - [`first_bounce`]: light between two narrow lobes of a rough surface;
 //! - [`prepare`]: the layers down to the last scatterer, order by order; [`base`]: the stack closed below
-//!   it by flat layers and pixel, in [`columns`] by state and wavelength; [`beam_response`]: the light of
-//!   beams that the views then see; [`diffuse_response`]: diffuse light, and the ledger.
+//!   it by flat layers and pixel, in [`columns`] by state and wavelength, most of them interpolated from a few
+//!   [`pivots`]; [`beam_response`]: the light of beams that the views then see, summed over azimuths in [`gather`];
+//!   [`diffuse_response`]: diffuse light, and the ledger.
 //!
 //! # Discretisation
 //! A level determines the nodes, Legendre terms, azimuthal orders, and points of fields of view and round
@@ -40,12 +42,15 @@ mod convergence;
 mod diffuse_response;
 mod directions;
 mod elements;
+mod first_bounce;
+mod gather;
 mod grid;
 mod known;
 mod lobes;
 mod matrix;
 mod once;
 mod part;
+mod pivots;
 mod pixels;
 mod precision;
 mod prepare;
@@ -63,7 +68,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use super::Narrowest;
 use super::images::{ImagePoints, Mirror, image_points};
 use crate::specular::layered_image;
-use crate::{Cone, Estimate, Interface, Layer, Layered, Reflector, Source};
+use crate::{Base, Cone, Estimate, Interface, Layer, Layered, Reflector, Source};
 use beam_response::BeamResponse;
 use directions::Directions;
 pub(crate) use elements::{Action, Preparation};
@@ -104,6 +109,8 @@ pub(super) struct Kernel {
     /// Kernels of a base that scatters by kernels.
     pixels: Mutex<Option<Arc<Pixels>>>,
     level: f64,
+    /// Whether its estimates have a ledger.
+    ledger: bool,
     /// Layers for which it is prepared.
     layers: Vec<Layer>,
     asked: (Vec<Cone>, Vec<Source>),
@@ -119,6 +126,7 @@ impl Clone for Kernel {
             last: Mutex::new(self.last().clone()),
             pixels: Mutex::default(),
             level: self.level,
+            ledger: self.ledger,
             layers: self.layers.clone(),
             asked: self.asked.clone(),
         }
@@ -126,7 +134,7 @@ impl Clone for Kernel {
 }
 
 impl Kernel {
-    pub(super) fn new(level: f64) -> Self {
+    pub(super) fn new(level: f64, ledger: bool) -> Self {
         Self {
             precision: Precision::new(level),
             directions: Directions::default(),
@@ -135,6 +143,7 @@ impl Kernel {
             last: Mutex::default(),
             pixels: Mutex::default(),
             level,
+            ledger,
             layers: Vec::new(),
             asked: (Vec::new(), Vec::new()),
         }
@@ -151,10 +160,17 @@ impl Kernel {
         self.pixels = Mutex::default();
         self.asked = (views.to_vec(), sources.to_vec());
         if let Reflector::Scattering(_) = stack.base.reflector {
-            self.pixels = Mutex::new(Some(Arc::new(Pixels::new(stack, self.level, views, sources, stop))));
+            self.pixels = Mutex::new(Some(Arc::new(Pixels::new(
+                stack,
+                (self.level, self.ledger),
+                views,
+                sources,
+                stop,
+            ))));
             return;
         }
         self.directions = Directions::new(stack, views, sources, &self.precision);
+        self.directions.ledger = self.ledger;
         // They are valid for any base, whose fringes are not known here.
         self.images =
             views.iter().map(|view| image_points(view, sources, digits, Mirror::Across(0.0))).collect();
@@ -199,7 +215,8 @@ impl Kernel {
         if let Some(known) = last.as_ref().filter(|known| known.serves(&stack.base)) {
             return Arc::clone(known);
         }
-        let pixels = Arc::new(Pixels::new(stack, self.level, &self.asked.0, &self.asked.1, stop));
+        let pixels =
+            Arc::new(Pixels::new(stack, (self.level, self.ledger), &self.asked.0, &self.asked.1, stop));
         *last = (!stop.load(Ordering::Relaxed)).then(|| Arc::clone(&pixels));
         pixels
     }
@@ -207,7 +224,7 @@ impl Kernel {
     /// Returns the response over this base.
     fn over(&self, stack: &Layered, stop: &AtomicBool) -> Arc<BeamResponse> {
         let mut last = self.last();
-        if let Some(known) = last.as_ref().filter(|known| known.base == stack.base) {
+        if let Some(known) = last.as_ref().filter(|known| is_same(&known.base, &stack.base)) {
             return Arc::clone(known);
         }
         let stack = self.coarser(stack);
@@ -245,5 +262,16 @@ impl Kernel {
                 rho.front.iter_mut().zip(&seen.front).for_each(|(sum, x)| *sum += point.weight * x);
             }
         }
+    }
+}
+
+/// Returns whether two bases are equal; tables that are shared are not compared.
+fn is_same(one: &Base, other: &Base) -> bool {
+    match (&one.reflector, &other.reflector) {
+        (Reflector::Specular(a), Reflector::Specular(b)) if Arc::ptr_eq(&a.basis, &b.basis) => {
+            let rest = a.nodes == b.nodes && a.mixture == b.mixture && a.common == b.common;
+            rest && one.inactive_absorptance == other.inactive_absorptance
+        }
+        _ => one == other,
     }
 }

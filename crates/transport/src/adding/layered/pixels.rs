@@ -22,7 +22,7 @@ impl Pixels {
     /// Prepares the kernels; incomplete if `stop` is set during the computation.
     pub(super) fn new(
         stack: &Layered,
-        level: f64,
+        (level, ledger): (f64, bool),
         views: &[Cone],
         sources: &[Source],
         stop: &AtomicBool,
@@ -33,7 +33,7 @@ impl Pixels {
         let alone = std::iter::once(None).chain(states.iter().map(Some));
         let prepared = alone.map(|pixel| {
             let stack = over_black(stack, pixel);
-            let mut kernel = Kernel::new(level);
+            let mut kernel = Kernel::new(level, ledger);
             kernel.prepare(&stack, views, sources, stop);
             (stack, kernel)
         });

@@ -2,10 +2,17 @@
 
 use std::f64::consts::PI;
 
+use papilio_optics::rough::{Rough, Side};
+
 use super::grid::Density;
+use super::rough::inside_width;
 use crate::adding::{FIRST_STEP, Narrowest, Narrowness};
 use crate::layers::LayerKind;
-use crate::{Layered, Medium};
+use crate::{Interface, Layered, Medium, Reflector};
+
+/// Density of nodes for interpolation between them over that for integration, which is exact for polynomials of twice
+/// the degree.
+const INTERPOLATION: f64 = 2.0;
 
 /// Accuracy of a level; the levels of a first answer are negative.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -20,7 +27,7 @@ pub(super) struct Precision {
     pub(super) tolerance: f64,
     /// Tolerance of the iteration between layers and base.
     pub(super) iteration: f64,
-    /// Largest spacing of nodes at a rough interface. Light that microfacets refract along the interface
+    /// Largest spacing of nodes at a rough interface that is not the surface of a display. Light that microfacets refract along the interface
     /// jumps to zero there: it is resolved only in proportion to the number of nodes.
     jump: f64,
     /// Largest number of wavelengths over a film, and of different operators; at others, light is interpolated.
@@ -76,10 +83,25 @@ impl Precision {
 /// Returns the required density of the nodes of a stack at a wavelength.
 pub(super) fn density(stack: &Layered, bin: usize, precision: &Precision) -> Density {
     let mut density = precision.least();
+    if let Some(face) = rough_surface(stack) {
+        precision.resolve_surface(face, &mut density);
+        return density;
+    }
     for (scatterer, medium) in scatterers(stack) {
         precision.resolve(scatterer, medium.index()[bin], &mut density);
     }
     density
+}
+
+/// Returns the rough interface between air and the first medium, if nothing else scatters and the medium is the denser
+/// one: light that is reflected inside then needs fewer nodes than the light that it refracts.
+pub(super) fn rough_surface(stack: &Layered) -> Option<&Rough> {
+    let alone = stack.elements().filter(|(kind, _)| kind.scatters()).count() == 1;
+    let scattering_base = matches!(stack.base.reflector, Reflector::Scattering(_));
+    match &stack.layers.first()?.interface {
+        Interface::Rough(face) if alone && !scattering_base && face.index(Side::Below) > 1.0 => Some(face),
+        _ => None,
+    }
 }
 
 /// Returns the scatterers, each with its medium or the medium below it.
@@ -107,6 +129,12 @@ impl Precision {
     /// Returns the density where nothing scatters.
     fn least(&self) -> Density {
         Density { least: self.nodes, spacing: f64::INFINITY, angle: None }
+    }
+
+    /// Increases the density of nodes to interpolate the light that a rough surface reflects inside.
+    fn resolve_surface(&self, face: &Rough, density: &mut Density) {
+        let width = inside_width(face.alpha(), face.index(Side::Below));
+        density.spacing = density.spacing.min(2.0 * PI * width / (INTERPOLATION * self.digits));
     }
 
     /// Increases the density of nodes to resolve this scatterer in a medium of this index.

@@ -2,16 +2,17 @@
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use super::base::Above;
+use super::base::{Above, Ends};
 use super::beam_response::BeamResponse;
 use super::convergence::{Convergence, Stage};
 use super::directions::{Directions, extras, turned_extras};
 use super::elements::{Elements, elements, scatters_again};
+use super::first_bounce::FirstBounce;
 use super::grid::Grid;
 use super::known::Known;
 use super::once::{Once, ScatterMode};
 use super::part::{Absorbed, Part};
-use super::precision::{Precision, density};
+use super::precision::{Precision, density, rough_surface};
 use super::scatterers::{Scattered, Scatterers};
 use super::wavelengths;
 use crate::front::Flat;
@@ -32,7 +33,8 @@ pub(super) struct Group {
     pub(super) orders: Vec<Above>,
     /// Flat layers below it, at the same nodes.
     pub(super) lower: Lower,
-    /// Extra nodes of the sources' rays, ascending.
+    /// Extra nodes of the views' and of the sources' rays, ascending.
+    pub(super) views: Vec<usize>,
     pub(super) lights: Vec<usize>,
     /// Distribution of the light that falls on the display, and of the light that rises: down to the last
     /// scatterer and from below it; over a Lambertian base, to and from the base.
@@ -103,6 +105,11 @@ impl Group {
         self.beta.len() - self.extras + extra
     }
 
+    /// Returns the extra nodes between which light is computed.
+    pub(super) fn ends(&self) -> Ends<'_> {
+        Ends { views: &self.views, lights: &self.lights }
+    }
+
     /// Returns the index of its fractions of light.
     pub(super) fn share(&self, extra: usize) -> usize {
         self.shares.scale.len() - self.extras + extra
@@ -116,6 +123,8 @@ pub(super) struct Prepared {
     pub(super) families: Vec<Vec<Group>>,
     /// Light scattered once, of each family.
     once: Vec<Vec<Once>>,
+    /// Light that the layers below a rough surface reflect once, of each family.
+    first: Vec<Option<FirstBounce>>,
     /// Whether the groups store their operators.
     kept: bool,
     /// Kernels for the next preparation.
@@ -148,8 +157,7 @@ impl Prepared {
             over = over.knowing(before);
         }
         let wavelengths = wavelengths::computed(stack, precision.wavelengths);
-        let mut prepared =
-            Self { families: Vec::new(), once: Vec::new(), kept: true, known: Known::default(), wavelengths };
+        let mut prepared = Self { kept: true, wavelengths, ..Self::default() };
         let mut bytes = 0;
         for bins in families(stack, &prepared.wavelengths) {
             let mut add = |order: usize, growing: &mut [Growing<'_>], above: Vec<Option<Above>>| {
@@ -167,8 +175,14 @@ impl Prepared {
                 }
             };
             let context = Context { stack, directions, precision, known, stop };
-            let (family, once) = prepare(&context, bins, &mut prepared.known, &mut add);
+            let grid = context.grid(bins[0][0]);
+            let (family, once) = prepare(&context, bins, grid.clone(), &mut prepared.known, &mut add);
             let groups: Vec<&Group> = family.iter().collect();
+            let first = context.first_bounce(&groups, &grid);
+            if let Some(first) = &first {
+                over.add_first(directions, &groups, first, stop);
+            }
+            prepared.first.push(first);
             for once in &once {
                 over.add_once(directions, &groups, once, precision.iteration, stop);
             }
@@ -201,7 +215,7 @@ impl Prepared {
             return Self::new(stack, directions, precision, &self.known, None, stop).1;
         }
         let mut over = BeamResponse::new(stack, directions);
-        for (family, once) in self.families.iter().zip(&self.once) {
+        for ((family, once), first) in self.families.iter().zip(&self.once).zip(&self.first) {
             let groups: Vec<&Group> = family.iter().collect();
             for order in 0..family.iter().map(|group| group.orders.len()).max().unwrap_or(0) {
                 let above: Vec<Option<&Above>> = family.iter().map(|group| group.orders.get(order)).collect();
@@ -209,6 +223,9 @@ impl Prepared {
             }
             for once in once {
                 over.add_once(directions, &groups, once, precision.iteration, stop);
+            }
+            if let Some(first) = first {
+                over.add_first(directions, &groups, first, stop);
             }
         }
         over
@@ -276,29 +293,46 @@ struct Context<'a> {
     stop: &'a AtomicBool,
 }
 
+impl Context<'_> {
+    /// Returns the nodes for wavelengths with the indices of this one.
+    fn grid(&self, bin: usize) -> Grid {
+        let density = density(self.stack, bin, self.precision);
+        Grid::new(&splits(self.stack, bin), density, &self.directions.beta)
+    }
+
+    /// Returns the light that layers below a rough surface reflect once, if any do.
+    fn first_bounce(&self, groups: &[&Group], grid: &Grid) -> Option<FirstBounce> {
+        let face = rough_surface(self.stack)?;
+        let specular = matches!(self.stack.base.reflector, Reflector::Specular(_));
+        let reflects = |group: &&Group| group.lower.flats.iter().any(|flat| flat.above != 0.0);
+        let any = specular || groups.iter().any(reflects);
+        any.then(|| FirstBounce::new(face, self.directions, grid, self.precision.digits + 4.0, self.stop))
+    }
+}
+
 /// Prepares groups of wavelengths at which all indices are equal; `add` receives the operators of each order
 /// in turn, `kept` the kernels for the next preparation.
 fn prepare(
     context: &Context<'_>,
     family: Vec<Vec<usize>>,
+    mut grid: Grid,
     kept: &mut Known,
     add: &mut AddOrder<'_>,
 ) -> (Vec<Group>, Vec<Once>) {
     let Context { stack, directions, precision, known, stop } = *context;
     let first = family[0][0];
     let index = stack.layers.last().map_or(1.0, |layer| layer.medium.index()[first]);
-    let mut grid = Grid::new(&splits(stack, first), density(stack, first, precision), &directions.beta);
-    let lights = extras(&directions.sources);
+    let (views, lights) = (extras(&directions.views), extras(&directions.sources));
     // Sources that are the same at all azimuths need only order 0.
     let turned = turned_extras(&directions.sources);
     let turned: Vec<usize> = turned.iter().filter_map(|extra| lights.binary_search(extra).ok()).collect();
     let farthest = |extras: &[usize]| extras.iter().map(|extra| directions.beta[*extra]).fold(0.0, f64::max);
     let turned_extras: Vec<usize> = turned.iter().map(|light| lights[*light]).collect();
     let lambertian = matches!(stack.base.reflector, Reflector::Lambertian(_));
+    let first_apart = rough_surface(stack).is_some();
     // Light that a Lambertian base returns has no azimuth.
     let again = || !lambertian || family.iter().any(|bins| scatters_again(stack, bins[0], &grid));
-    let beyond_first = (!turned.is_empty() && again())
-        .then(|| [farthest(&extras(&directions.views)), farthest(&turned_extras)]);
+    let beyond_first = (!turned.is_empty() && again()).then(|| [farthest(&views), farthest(&turned_extras)]);
     let mut scatterers = Scatterers::default();
     let mut growing: Vec<Growing<'_>> = family
         .into_iter()
@@ -315,11 +349,21 @@ fn prepare(
                 beta: kept.iter().map(|&i| grid.beta[i]).collect(),
                 orders: Vec::new(),
                 lower: Lower::new(&elements.lower(&grid), &kept),
+                views: views.clone(),
                 lights: lights.clone(),
                 shares: Shares::default(),
             };
-            let convergence = Convergence::new(extras(&directions.views), turned.clone());
-            Growing { group, elements, convergence, stage: Stage::All, lambertian, flat: None }
+            let convergence = Convergence::new(views.clone(), turned.clone());
+            Growing {
+                group,
+                elements,
+                convergence,
+                stage: Stage::All,
+                lambertian,
+                first_apart,
+                ledger: directions.ledger,
+                flat: None,
+            }
         })
         .collect();
     for order in 0.. {
@@ -368,6 +412,9 @@ struct Growing<'a> {
     convergence: Convergence,
     stage: Stage,
     lambertian: bool,
+    /// Whether the views have ledgers.
+    ledger: bool,
+    first_apart: bool,
     /// The layers above the last scatterer, if they are flat: the same in all orders.
     flat: Option<Part>,
 }
@@ -389,11 +436,23 @@ impl Growing<'_> {
         grid: &Grid,
         carried: usize,
     ) -> Above {
+        let ends = self.group.ends();
         match self.elements.single(upper, scattered, grid) {
-            Some(single) => Above::of_single(&single, &self.group.lights, carried, grid),
+            Some(single) => {
+                // The ledger of a view is that of the beam that enters there, which has only order 0.
+                let mut entering = ends.beams().to_vec();
+                if self.first_apart {
+                    entering = (0..self.group.extras).collect();
+                } else if order == 0 && self.ledger {
+                    entering.extend_from_slice(ends.views);
+                    entering.sort_unstable();
+                    entering.dedup();
+                }
+                Above::of_single(&single, ends, entering, carried, grid)
+            }
             None => {
                 let last = self.elements.last(scattered, order, grid);
-                Above::new(upper, &last, &self.group.lights, carried)
+                Above::new(upper, &last, ends, carried)
             }
         }
     }
@@ -407,7 +466,8 @@ impl Growing<'_> {
             self.group.shares = self.shares(&upper, scattered, grid);
         }
         let carried = grid.kept(index).len() - (grid.len() - grid.regular);
-        let above = self.layers(&upper, scattered, order, grid, carried);
+        let mut above = self.layers(&upper, scattered, order, grid, carried);
+        above.first_apart = self.first_apart;
         self.stage = self.convergence.add(&above, tolerance);
         self.flat = self.elements.flat_above().then_some(upper);
         above

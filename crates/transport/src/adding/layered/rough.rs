@@ -8,6 +8,7 @@
 //! makes the light that crosses correct from both sides and keeps the kernel reciprocal. The light that
 //! reflection then lacks is reflected regularly, so that none is lost.
 
+mod surface;
 mod transforms;
 
 use std::f64::consts::PI;
@@ -20,6 +21,7 @@ use super::algebra::Operator;
 use super::grid::Grid;
 use super::matrix::Matrix;
 use super::part::Part;
+pub(crate) use surface::inside_width;
 pub(super) use transforms::azimuth_width;
 use transforms::{Transforms, orders};
 
@@ -59,21 +61,12 @@ impl RoughOrders {
         let count = beyond_first.map_or(1, |radius| orders(face, radius, digits));
         let known = known.filter(|known| known.orders() == count);
         let (len, regular) = (grid.len(), grid.regular);
-        let zeroth = || Matrix::zeros(len, len);
-        let blank = || -> [Vec<f32>; 3] { std::array::from_fn(|way| vec![0.0; places(way, len)]) };
-        let mut all = Self {
-            zeroth: [zeroth(), zeroth(), zeroth()],
-            // Allocated separately: copies would touch the memory of zeros.
-            later: (1..count).map(|_| blank()).collect(),
-            factors: [vec![1.0; len], vec![1.0; len]],
-            returned: Default::default(),
-            missing: Default::default(),
-            nodes: grid.beta[..regular].to_vec(),
-        };
+        let mut all = blank(grid, count);
         if let Some(known) = known {
             all.copy(known);
         }
-        let mut transforms = Transforms::new(count, digits, Edge::new(face, grid));
+        let mut transforms = Transforms::new(count, digits);
+        let edge = Edge::new(face, grid);
         for (way, (from, to)) in WAYS.into_iter().enumerate() {
             for j in (0..len).filter(|&j| grid.beta[j] < face.index(from)) {
                 if stop.load(Ordering::Relaxed) {
@@ -85,8 +78,8 @@ impl RoughOrders {
                 // Apart, so that their sums do not depend on the number of extra nodes.
                 for rows in [among, extras] {
                     let rows = rows.filter(|&i| grid.beta[i] < face.index(to));
-                    for (i, values) in transforms.column(face, (from, j), to, rows, grid) {
-                        let lit = if from == to { 1.0 } else { transforms.edge.lit(j, i) };
+                    for (i, values) in transforms.column(face, (from, j), to, rows, (grid, &edge)) {
+                        let lit = if from == to { 1.0 } else { edge.lit(j, i) };
                         let scale = grid.scale[i] * grid.scale[j] * lit;
                         all.set(way, i, j, len, &values, scale);
                         if from == to {
@@ -126,18 +119,12 @@ impl RoughOrders {
     /// Determines the light that crosses, from both sides, by a rule of this order: finer from level to level,
     /// so that its error shows in their difference.
     fn balance(&mut self, face: &Rough, grid: &Grid, order: usize, known: Option<&Self>) {
-        let (len, regular) = (grid.len(), grid.regular);
+        let len = grid.len();
         // Light that single microfacets should send across, of which the nodes miss some.
         let part = self.part(face, 0, grid);
         let ones = vec![1.0; len];
         let single = Operator { kernel: Some(Arc::new(self.zeroth[1].clone())), ..part.down.clone() };
-        self.returned = [Side::Above, Side::Below].map(|side| match known {
-            Some(known) => {
-                let extras = face.returned(side, &grid.beta[regular..], order);
-                [&known.returned[side as usize][..regular], &extras].concat()
-            }
-            None => face.returned(side, &grid.beta, order),
-        });
+        self.returned = self.fractions_returned(face, grid, order, known);
         let goal = |side: Side, whole: &Operator, single: &Operator| -> Vec<f64> {
             let [whole, single] = [whole, single].map(|operator| operator.pull_back(&ones, &grid.scale));
             let returned = &self.returned[side as usize];
@@ -151,6 +138,24 @@ impl RoughOrders {
             goal(Side::Below, &part.down.transposed(), &single.transposed()),
         ];
         self.factors = factors(&self.zeroth[1], goals, grid);
+    }
+
+    /// Returns the light of each node that returns to its side, from above and from below.
+    fn fractions_returned(
+        &self,
+        face: &Rough,
+        grid: &Grid,
+        order: usize,
+        known: Option<&Self>,
+    ) -> [Vec<f64>; 2] {
+        let regular = grid.regular;
+        [Side::Above, Side::Below].map(|side| match known {
+            Some(known) => {
+                let extras = face.returned(side, &grid.beta[regular..], order);
+                [&known.returned[side as usize][..regular], &extras].concat()
+            }
+            None => face.returned(side, &grid.beta, order),
+        })
     }
 
     fn set(&mut self, way: usize, out: usize, from: usize, len: usize, values: &[f64], scale: f64) {
@@ -236,6 +241,22 @@ fn factors(kernel: &Matrix, [from_above, from_below]: [Vec<f64>; 2], grid: &Grid
         above = next(kernel, &from_above, &below);
     }
     [above, below]
+}
+
+/// Returns kernels of zeros, of this number of orders.
+fn blank(grid: &Grid, count: usize) -> RoughOrders {
+    let len = grid.len();
+    let zeroth = || Matrix::zeros(len, len);
+    let later = || -> [Vec<f32>; 3] { std::array::from_fn(|way| vec![0.0; places(way, len)]) };
+    RoughOrders {
+        zeroth: [zeroth(), zeroth(), zeroth()],
+        // Allocated separately: copies would touch the memory of zeros.
+        later: (1..count).map(|_| later()).collect(),
+        factors: [vec![1.0; len], vec![1.0; len]],
+        returned: Default::default(),
+        missing: Default::default(),
+        nodes: grid.beta[..grid.regular].to_vec(),
+    }
 }
 
 /// Returns the number of elements of a kernel between `len` nodes: reflections are symmetric.
@@ -356,4 +377,10 @@ impl Edge {
 /// normal, where the slope of a microfacet bends it by the difference of the indices.
 pub(crate) fn width(face: &Rough) -> f64 {
     face.alpha() * (face.index(Side::Above) - face.index(Side::Below)).abs().min(1.0)
+}
+
+/// Returns the width in direction cosines of the lobe into which light of this `|beta|` is refracted.
+pub(super) fn refraction_width(face: &Rough, beta: f64) -> f64 {
+    let normal = |side: Side| (face.index(side).powi(2) - beta * beta).max(0.0).sqrt();
+    face.alpha() * (normal(Side::Above) - normal(Side::Below)).abs().max(1e-9)
 }

@@ -10,6 +10,7 @@
 use std::sync::Arc;
 
 use super::algebra::Operator;
+use super::base::Ends;
 use super::grid::Grid;
 use super::matrix::Matrix;
 use super::part::{Absorbed, Part, nothing};
@@ -32,6 +33,13 @@ impl Face {
     /// Returns an element of the kernel, scaled.
     pub(super) fn at(&self, out: usize, from: usize) -> f64 {
         self.kernel.as_ref().map_or(0.0, |(kernel, factor)| factor * kernel[(out, from)])
+    }
+
+    /// Returns the sum of the magnitudes of the kernel from a node to the first ones, weighted.
+    fn magnitude(&self, from: usize, weights: &[f64]) -> f64 {
+        let Some((kernel, factor)) = &self.kernel else { return 0.0 };
+        let terms = kernel.column(from).iter().zip(weights).map(|(k, weight)| k.abs() * weight);
+        factor.abs() * terms.sum::<f64>()
     }
 
     /// Returns a functional of the outgoing light as a functional of the incoming
@@ -98,6 +106,28 @@ impl<'a> Single<'a> {
     /// Returns the kernel of light from above that leaves upwards, between two nodes.
     pub(super) fn front(&self, out: usize, from: usize) -> f64 {
         self.upper.down.straight[out] * self.above.at(out, from) * self.arrives(from)
+    }
+
+    /// Returns the upper bound of the light that is scattered twice between each view and light, `[extra, light]`, if
+    /// everything below is white: it takes each direction in between.
+    pub(super) fn often(&self, ends: Ends<'_>, regular: usize) -> Matrix {
+        let Ends { views, lights } = ends;
+        let passes: Vec<f64> = self.upper.down.straight[..regular].iter().map(|t| t.abs()).collect();
+        let mut often = Matrix::zeros(self.trips.len() - regular, lights.len());
+        for (l, column) in often.columns_mut() {
+            let light = regular + lights[l];
+            let of_light = |(i, t): (usize, &f64)| {
+                (self.down.at(i, light).abs() + t * self.above.at(i, light).abs()) * self.arrives(light).abs()
+            };
+            let transmitted: Vec<f64> = passes.iter().enumerate().map(of_light).collect();
+            let reflected: Vec<f64> = transmitted.iter().zip(&passes).map(|(x, t)| x * t).collect();
+            for &v in views {
+                let view = regular + v;
+                let sum = self.down.magnitude(view, &transmitted) + self.above.magnitude(view, &reflected);
+                column[v] = sum * self.arrives(view).abs();
+            }
+        }
+        often
     }
 
     /// Returns the fractions of light that the scatterer absorbs, from above and from below, between media of
@@ -183,88 +213,145 @@ impl<'a> Single<'a> {
 /// Reflection of the light that rises, kernel by kernel.
 #[derive(Debug, Clone)]
 pub(super) struct Chain {
-    /// Transmission of the scatterer, and light that returns to it, by node; none if no light does.
-    again: Option<(Face, Vec<f64>)>,
+    /// Transmission of the scatterer.
+    down: Face,
+    /// Light that arrives at the scatterer, by extra node.
+    arrives: Vec<f64>,
+    /// Light that returns to the scatterer, by node; none if no light does.
+    returns: Option<Vec<f64>>,
     /// Its own reflection.
     below: Option<(Arc<Matrix>, f64)>,
-    /// Number of nodes with weight that the medium below carries, of all of them, of extra nodes.
+    /// Number of nodes with weight that the medium below carries, and of all of them.
     carried: usize,
     regular: usize,
-    extras: usize,
 }
 
 impl Chain {
     pub(super) fn new(single: &Single<'_>, carried: usize, regular: usize) -> Self {
-        let returns: Vec<f64> = (0..single.trips.len()).map(|i| single.returns(i)).collect();
-        let any = returns.iter().any(|r| *r != 0.0);
+        let len = single.trips.len();
+        let returns: Vec<f64> = (0..len).map(|i| single.returns(i)).collect();
         Self {
-            again: any.then(|| (single.down.clone(), returns)),
+            down: single.down.clone(),
+            arrives: (regular..len).map(|i| single.arrives(i)).collect(),
+            returns: returns.iter().any(|r| *r != 0.0).then_some(returns),
             below: single.below.kernel.clone(),
             carried,
             regular,
-            extras: single.trips.len() - regular,
         }
     }
 
     /// Returns the size in bytes of what it does not share.
     pub(super) fn bytes(&self) -> usize {
-        8 * self.again.as_ref().map_or(0, |(down, returns)| down.straight.len() + returns.len())
+        let returns = self.returns.as_ref().map_or(0, Vec::len);
+        8 * (self.down.straight.len() + self.arrives.len() + returns)
     }
 
     /// Returns the size in bytes of the kernels.
     pub(super) fn shared_bytes(&self) -> usize {
-        let down = self.again.as_ref().and_then(|(down, _)| down.kernel.as_ref());
-        let sizes = [down, self.below.as_ref()].into_iter().flatten();
+        let sizes = [self.down.kernel.as_ref(), self.below.as_ref()].into_iter().flatten();
         8 * sizes.map(|(kernel, _)| kernel.columns() * kernel.columns()).sum::<usize>()
     }
 
+    /// Returns the kernel of the transmission and the light that returns to it.
+    fn again(&self) -> Option<(&Matrix, f64, &[f64])> {
+        let (kernel, factor) = self.down.kernel.as_ref()?;
+        Some((kernel, *factor, self.returns.as_ref()?))
+    }
+
     /// Adds the reflection of light by kernels to light on the nodes with weight: what keeps its direction is left
-    /// out.
-    pub(super) fn add(&self, rising: &Matrix, sum: &mut Matrix) {
-        if let Some((kernel, factor)) = &self.below {
-            sum.add_scaled_product(kernel, rising, *factor);
+    /// out. `reversed`: its transpose.
+    pub(super) fn add(&self, rising: &Matrix, sum: &mut Matrix, reversed: bool) {
+        match &self.below {
+            Some((kernel, factor)) if reversed => sum.add_transposed_product(kernel, rising, *factor),
+            Some((kernel, factor)) => sum.add_scaled_product(kernel, rising, *factor),
+            None => {}
         }
-        let Some((Face { straight, kernel: Some((kernel, factor)) }, returns)) = &self.again else { return };
-        let mut leaves = Matrix::zeros(self.regular, rising.columns());
-        leaves.add_transposed_product(kernel, rising, *factor);
-        let mut back = leaves.clone();
-        for ((c, column), (_, leaves)) in back.columns_mut().zip(leaves.columns_mut()) {
-            for (i, (back, leaves)) in column.iter_mut().zip(leaves.iter_mut()).enumerate() {
-                let regular = if i < self.carried { straight[i] * rising[(i, c)] } else { 0.0 };
-                *back = returns[i] * (*leaves + regular);
-                *leaves *= returns[i] * straight[i];
-            }
+        let Some((kernel, factor, returns)) = self.again() else { return };
+        let mut leaves = self.leaves(rising);
+        sum.add_scaled_product(kernel, &self.returned(rising, &leaves, returns), factor);
+        for (_, column) in leaves.columns_mut() {
+            let factors = returns.iter().zip(&self.down.straight);
+            column.iter_mut().zip(factors).for_each(|(leaves, (r, d))| *leaves *= r * d);
         }
-        sum.add_scaled_product(kernel, &back, *factor);
         for (c, column) in sum.columns_mut() {
             column.iter_mut().zip(leaves.column(c)).for_each(|(sum, regular)| *sum += regular);
         }
     }
 
-    /// Returns the reflection of light from the extra nodes to the nodes with weight, and from extra nodes of
-    /// `lights` to all extra ones.
-    pub(super) fn extras(&self, lights: &[usize]) -> [Matrix; 2] {
-        let (n, extras) = (self.regular, self.extras);
+    /// Returns the light that the scatterer transmits upwards by its kernel, on the nodes with weight.
+    fn leaves(&self, rising: &Matrix) -> Matrix {
+        let mut leaves = Matrix::zeros(self.regular, rising.columns());
+        if let Some((kernel, factor)) = &self.down.kernel {
+            leaves.add_transposed_product(kernel, rising, *factor);
+        }
+        leaves
+    }
+
+    /// Returns the light that comes back to the scatterer, with that which passed it regularly.
+    fn returned(&self, rising: &Matrix, leaves: &Matrix, returns: &[f64]) -> Matrix {
+        let mut back = leaves.clone();
+        for (c, column) in back.columns_mut() {
+            let rising = rising.column(c).iter().zip(&self.down.straight).take(self.carried);
+            column.iter_mut().zip(rising).for_each(|(back, (rises, d))| *back += d * rises);
+            column.iter_mut().zip(returns).for_each(|(back, r)| *back *= r);
+        }
+        back
+    }
+
+    /// Returns light on the nodes with weight, times the kernels towards every extra node, `[extra, column]`: of light
+    /// that leaves, and of light that is reflected once more. All are read out of one product, which depends on the
+    /// light alone.
+    pub(super) fn towards_extras(&self, rising: &Matrix) -> [Matrix; 2] {
+        let zeros = || Matrix::zeros(self.arrives.len(), rising.columns());
+        let (n, mut leaves, mut below) = (self.regular, zeros(), zeros());
+        if let Some((kernel, factor)) = &self.down.kernel {
+            leaves.add_transposed_product_of_columns(kernel, n, rising, *factor);
+        }
+        if let Some((kernel, factor, returns)) = self.again() {
+            let back = self.returned(rising, &self.leaves(rising), returns);
+            below.add_product_of_rows(kernel, n, &back, n);
+            for (c, column) in below.columns_mut() {
+                let own = returns[n..].iter().zip(&self.down.straight[n..]).zip(leaves.column(c));
+                column
+                    .iter_mut()
+                    .zip(own)
+                    .for_each(|(sum, ((r, d), leaves))| *sum = *sum * factor + r * d * leaves);
+            }
+        }
+        if let Some((kernel, factor)) = &self.below {
+            below.add_transposed_product_of_columns(kernel, n, rising, *factor);
+        }
+        for (_, column) in leaves.columns_mut() {
+            column.iter_mut().zip(&self.arrives).for_each(|(leaves, arrives)| *leaves *= arrives);
+        }
+        [leaves, below]
+    }
+
+    /// Returns the reflection of light from extra nodes `entering` to the nodes with weight, and to all extra ones.
+    pub(super) fn entering(&self, entering: &[usize]) -> [Matrix; 2] {
+        let (n, beams) = (self.regular, entering.len());
         let direct = |out: usize, from: usize| {
             self.below.as_ref().map_or(0.0, |(kernel, factor)| factor * kernel[(out, from)])
         };
-        let mut columns = Matrix::from_fn(self.carried, extras, |i, e| direct(i, n + e));
-        let mut pairs = Matrix::from_fn(extras, lights.len(), |e, l| direct(n + e, n + lights[l]));
-        if let Some((Face { straight, kernel: Some((kernel, factor)) }, returns)) = &self.again {
-            let leaves = Matrix::from_fn(n, extras, |k, e| factor * kernel[(n + e, k)]);
-            let back = Matrix::from_fn(n, extras, |k, e| returns[k] * leaves[(k, e)]);
-            columns.add_scaled_product(kernel, &back, *factor);
+        let mut columns = Matrix::from_fn(self.carried, beams, |i, e| direct(i, n + entering[e]));
+        let mut pairs = Matrix::from_fn(self.arrives.len(), beams, |e, b| direct(n + e, n + entering[b]));
+        if let Some((kernel, factor, returns)) = self.again() {
+            let straight = &self.down.straight;
+            let back = Matrix::from_fn(n, beams, |k, b| returns[k] * factor * kernel[(n + entering[b], k)]);
+            columns.add_scaled_product(kernel, &back, factor);
             let own = |e: usize| returns[n + e] * straight[n + e] * factor;
-            for (e, column) in columns.columns_mut() {
+            for (b, column) in columns.columns_mut() {
+                let e = entering[b];
+                let kernel = kernel.column(n + e);
                 for (i, sum) in column.iter_mut().enumerate() {
-                    *sum += straight[i] * back[(i, e)] + own(e) * kernel[(i, n + e)];
+                    *sum += straight[i] * back[(i, b)] + own(e) * kernel[i];
                 }
             }
-            pairs.add_transposed_product(&leaves, &back.some_columns(lights), 1.0);
-            for (l, column) in pairs.columns_mut() {
-                let l = lights[l];
+            pairs.add_product_of_rows(kernel, n, &back.scaled(factor), n);
+            for (b, column) in pairs.columns_mut() {
+                let b = entering[b];
                 for (e, sum) in column.iter_mut().enumerate() {
-                    *sum += own(e) * kernel[(n + l, n + e)] + own(l) * kernel[(n + e, n + l)];
+                    *sum += own(e) * kernel[(n + b, n + e)] + own(b) * kernel[(n + e, n + b)];
                 }
             }
         }

@@ -38,19 +38,19 @@ pub(super) fn narrows(panel: &Panel) -> bool {
 /// ([`narrows`]); the ratios seen in `tests/transport/narrow_lobes.rs` are in brackets.
 pub(super) fn error_over_difference_of_narrow(panel: &Panel, sources: &[Source]) -> f64 {
     const STRONG: f64 = 0.1;
-    let has_kinks = match &panel.base.reflector {
-        Reflector::Specular(table) => matches!(table.nodes, Nodes::AnglesInMedium(_) | Nodes::AnglesInAir(_)),
-        Reflector::Lambertian(_) | Reflector::Scattering(_) => false,
-    };
-    if panel.front.reflectance_below.max() >= STRONG {
-        // The second level extrapolates late passes, which matter here (12.6).
-        15.0
-    } else if has_kinks || sources.iter().any(|source| matches!(source, Source::Field(_))) {
+    match &panel.base.reflector {
         // All passes have a closed form, corrected by a grid (6.3).
-        10.0
-    } else {
-        // Two passes are exact, and the others weak.
-        4.0
+        Reflector::Specular(table)
+            if matches!(table.nodes, Nodes::AnglesInMedium(_) | Nodes::AnglesInAir(_)) =>
+        {
+            10.0
+        }
+        // So it is for fields.
+        _ if sources.iter().any(|source| matches!(source, Source::Field(_))) => 10.0,
+        // The second level computes the third pass, too; late ones matter (4.6).
+        _ if panel.front.reflectance_below.max() >= STRONG => 6.0,
+        // Two passes are exact, and the others weak (3.5).
+        Reflector::Specular(_) | Reflector::Lambertian(_) | Reflector::Scattering(_) => 4.0,
     }
 }
 

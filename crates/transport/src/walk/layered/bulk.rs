@@ -18,9 +18,9 @@ use papilio_optics::phase::HenyeyGreenstein;
 use papilio_sampling::warp;
 use papilio_spectra::Spectrum;
 
-use super::controls::{self, Flight};
+use super::controls::{self, Brightness, Flight};
 use super::ledger::{Sums, Workspace};
-use super::{OutgoingRay, most_survival};
+use super::{OutgoingRay, most_survival, orders};
 use crate::Medium;
 use crate::layers::Scattered;
 use crate::skeleton::{Propagation, Ray};
@@ -47,6 +47,8 @@ pub(super) const THIN: f64 = 0.1;
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Bulk<'a> {
     element: usize,
+    /// Its number among the scattering media.
+    number: usize,
     index: f64,
     optical_thickness: f64,
     phase: HenyeyGreenstein,
@@ -63,6 +65,8 @@ pub(super) struct Stay {
     pub(super) depth: f64,
     /// A unit vector; the third component is positive downwards.
     pub(super) direction: [f64; 3],
+    /// The lights that multiply control variates.
+    brightness: Brightness,
     /// Weight of the light.
     scale: f64,
     absorbed: f64,
@@ -95,11 +99,12 @@ impl Stay {
 }
 
 impl<'a> Bulk<'a> {
-    pub(super) fn new(element: usize, medium: &'a Medium) -> Option<Self> {
+    pub(super) fn new((element, number): (usize, usize), medium: &'a Medium) -> Option<Self> {
         let scattering = medium.scattering()?;
         let transmittance = medium.transmittance();
         Some(Self {
             element,
+            number,
             index: medium.largest_index(),
             optical_thickness: scattering.optical_thickness,
             phase: HenyeyGreenstein { anisotropy: scattering.anisotropy },
@@ -121,19 +126,21 @@ impl<'a> Bulk<'a> {
         let direction = self.direction(beta, going);
         let depth = self.first_depth(direction[2], flight);
         let flown = if going == Propagation::Down { depth } else { self.optical_thickness - depth };
+        // Before the light depends on the flight.
+        let brightness = workspace.light.brightness();
         self.absorb(flown / direction[2].abs(), sums, workspace);
         workspace.gathered.clear();
-        let light = workspace.light.brightness();
         let (slope, cosine) = (2.0 * direction[2] / self.optical_thickness, direction[2]);
         let from = if going == Propagation::Down { -1.0 } else { 1.0 };
         let edge = self.optical_thickness / cosine.abs();
+        let reached = Some(from + slope * flown / cosine.abs());
+        let trapped = self.is_trapped(cosine);
+        let flight = Flight { cosine, trapped, from, slope, edge, reached, weight: 1.0, stays: true };
         if let Some(controls) = workspace.controls.as_mut().filter(|_| edge > LEAST_EDGE) {
-            let reached = Some(from + slope * flown / cosine.abs());
-            let trapped = self.is_trapped(cosine);
-            let flight = Flight { cosine, trapped, from, slope, edge, reached, weight: 1.0, stays: true };
-            controls.flight(light, &flight);
+            controls.flight(brightness, &flight);
         }
-        Stay { depth, direction, scale: 1.0, absorbed: 0.0, dropped: 0.0 }
+        self.balance(direction, &flight, 1.0, workspace);
+        Stay { depth, direction, brightness, scale: 1.0, absorbed: 0.0, dropped: 0.0 }
     }
 
     /// A deflection, and the flight after it.
@@ -170,23 +177,24 @@ impl<'a> Bulk<'a> {
         let ratio = if part > 0.0 { self.phase.at_cosine(cos) / drawn } else { 1.0 };
         let edge = self.way_out(stay);
         let (length, weight) = self.fly(edge, flight);
+        let depth = 2.0 * stay.depth / self.optical_thickness - 1.0;
+        let slope = 2.0 * stay.direction[2] / self.optical_thickness;
+        let flight = Flight {
+            cosine: stay.direction[2],
+            trapped: self.is_trapped(stay.direction[2]),
+            from: depth,
+            slope,
+            edge,
+            reached: (length < edge).then_some(depth + slope * length),
+            weight,
+            stays: false,
+        };
         if let Some(controls) = workspace.controls.as_mut().filter(|_| generation < controls::GENERATIONS) {
-            let light = workspace.light.brightness().map(|light| light * stay.scale);
-            let depth = 2.0 * stay.depth / self.optical_thickness - 1.0;
+            let light = stay.brightness.map(|light| light * stay.scale);
             controls.deflection(light, [before[2], stay.direction[2]], (self.phase.anisotropy, ratio), depth);
-            let slope = 2.0 * stay.direction[2] / self.optical_thickness;
-            let flight = Flight {
-                cosine: stay.direction[2],
-                trapped: self.is_trapped(stay.direction[2]),
-                from: depth,
-                slope,
-                edge,
-                reached: (length < edge).then_some(depth + slope * length),
-                weight,
-                stays: false,
-            };
             controls.flight(light.map(|light| light * ratio), &flight);
         }
+        self.balance(stay.direction, &flight, stay.scale * ratio, workspace);
         let weight = weight * ratio;
         if weight != 1.0 {
             stay.weigh(weight);
@@ -249,8 +257,28 @@ impl<'a> Bulk<'a> {
         (1.0 - part) * kernel + part * sum / count
     }
 
+    pub(super) fn index(&self) -> f64 {
+        self.index
+    }
+
+    pub(super) fn is_grey(&self) -> bool {
+        self.grey
+    }
+
+    pub(super) fn anisotropy(&self) -> f64 {
+        self.phase.anisotropy
+    }
+
+    pub(super) fn optical_thickness(&self) -> f64 {
+        self.optical_thickness
+    }
+
+    pub(super) fn largest_albedo(&self) -> f64 {
+        self.largest_albedo
+    }
+
     /// Unit vector of light with these cosines, never exactly parallel to the layer.
-    fn direction(&self, beta: Beta, going: Propagation) -> [f64; 3] {
+    pub(super) fn direction(&self, beta: Beta, going: Propagation) -> [f64; 3] {
         let (x, y) = (beta.x / self.index, beta.y / self.index);
         let z = (1.0 - x * x - y * y).max(1e-18).sqrt();
         [x, y, if going == Propagation::Down { z } else { -z }]
@@ -291,7 +319,7 @@ impl<'a> Bulk<'a> {
     }
 
     /// A density per steradian per unit area of direction cosines, in a direction with this cosine to the normal.
-    fn over_cosines(&self, density: f64, cosine: f64) -> f64 {
+    pub(super) fn over_cosines(&self, density: f64, cosine: f64) -> f64 {
         density / (self.index * self.index * cosine.abs().max(f64::MIN_POSITIVE))
     }
 
@@ -321,6 +349,37 @@ impl<'a> Bulk<'a> {
         }
     }
 
+    /// Adds the control variates of light from sources ([`orders`]) for a flight with this scale, and for the deflection
+    /// before it.
+    fn balance(&self, direction: [f64; 3], flight: &Flight, scale: f64, workspace: &mut Workspace) {
+        let Workspace { lamps, gathered, .. } = workspace;
+        let lamps = lamps.now();
+        if !lamps.ordered {
+            return;
+        }
+        let Flight { from, slope, edge, reached, weight, stays, .. } = *flight;
+        let mut moments = orders::moments(from, slope, edge);
+        let mut leaves = (-edge).exp();
+        if stays {
+            let within = -(-edge).exp_m1();
+            moments.iter_mut().for_each(|moment| *moment /= within);
+            leaves = 0.0;
+        }
+        for (k, lamp) in lamps.iter().enumerate() {
+            let Some(orders) = lamp.orders(self.number) else { continue };
+            if gathered.len() <= k {
+                gathered.resize(k + 1, [0.0; 2]);
+            }
+            let expected = orders.expected(direction, from, &moments, leaves);
+            let after = expected.after(reached);
+            for (way, sum) in gathered[k].iter_mut().enumerate() {
+                // The first flight follows no deflection.
+                let before = if stays { 0.0 } else { expected.before[way] };
+                *sum += scale * (expected.flight[way] - before - weight * after[way]);
+            }
+        }
+    }
+
     /// Brings the branch's spectra and the sums up to date.
     fn settle(&self, stay: &mut Stay, sums: &mut Sums, workspace: &mut Workspace) {
         let Workspace { light, lamps, share, gathered, .. } = workspace;
@@ -337,6 +396,8 @@ impl<'a> Bulk<'a> {
         sums.absorbed.diffuser.add(light, stay.absorbed);
         sums.unaccounted.add(light, stay.dropped);
         light.scale(stay.scale);
+        stay.brightness =
+            if self.grey { stay.brightness.map(|value| value * stay.scale) } else { light.brightness() };
         *stay = Stay { scale: 1.0, absorbed: 0.0, dropped: 0.0, ..*stay };
     }
 

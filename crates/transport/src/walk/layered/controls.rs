@@ -16,6 +16,8 @@
 //!
 //! In a slab of optical thickness 2 and g = 0.9 over a mirror, the controls remove 80 to 97 % of the variance.
 
+use papilio_optics::with_widest_simd;
+
 use super::ledger::Received;
 
 /// Number of Legendre polynomials of a deflection, and of powers of the depth that multiply them.
@@ -36,12 +38,17 @@ const OF_MEDIUM: usize = ORDERS * POWERS + FLIGHTS;
 const EMISSIONS: usize = 4;
 const COUNT: usize = LIGHTS * OF_MEDIUM + 2 * EMISSIONS;
 
-/// One path in this many contributes to the regression.
-const EVERY: u64 = 4;
+/// One path in this many contributes to the regression, or one in as many as there are results divided by `RESULTS_PER_PATH`,
+/// up to the last number: then the sums of the regression take less time than the paths.
+const EVERY: usize = 4;
+const RESULTS_PER_PATH: usize = 64;
+const SELDOM: usize = 64;
 /// Deflections and flights before this generation of branches have controls: later ones explain little.
 pub(super) const GENERATIONS: u32 = 64;
-/// Largest number of results: regression of more takes longer than the paths.
-const MOST_RESULTS: usize = 64;
+/// Results up to which each replicate is left out alone to find how useful a combination is; of more results, each of so many
+/// groups of replicates.
+const FEW_RESULTS: usize = 64;
+const GROUPS: usize = 4;
 
 /// The lights of a branch that multiply controls.
 pub(super) type Brightness = [f64; LIGHTS];
@@ -51,7 +58,9 @@ pub(super) type Brightness = [f64; LIGHTS];
 pub(super) struct Controls {
     /// Controls of each path of the batch; shape `[path][control]`.
     of_paths: Vec<f64>,
-    /// Results of each path of the batch.
+    /// One path in this many contributes to the regression.
+    every: usize,
+    /// Results of each of these paths of the batch.
     results: Vec<Received>,
     /// The current path, from 0 in the batch.
     path: usize,
@@ -113,16 +122,17 @@ impl Flight {
 }
 
 impl Controls {
-    /// Builds empty controls of a walk with these sums; `None` if it has too many results.
-    pub(super) fn new(sums: &Received) -> Option<Self> {
+    /// Builds empty controls of a walk with these sums.
+    pub(super) fn new(sums: &Received) -> Self {
         let count = sums.values().count();
-        (count <= MOST_RESULTS).then(|| Self {
+        Self {
             of_paths: Vec::new(),
+            every: (count / RESULTS_PER_PATH).clamp(EVERY, SELDOM),
             results: Vec::new(),
             path: 0,
             sums: vec![0.0; COUNT],
             moments: Moments::new(count),
-        })
+        }
     }
 
     /// Begins a batch of paths.
@@ -131,25 +141,29 @@ impl Controls {
         self.of_paths.resize(paths * COUNT, 0.0);
         let mut empty = sums.clone();
         empty.clear();
-        self.results.resize(paths, empty);
+        self.results.resize(paths.div_ceil(self.every), empty);
     }
 
     /// Exchanges the results of a path of the batch with the current ones.
     pub(super) fn exchange(&mut self, path: usize, results: &mut Received) {
         self.path = path;
-        std::mem::swap(&mut self.results[path], results);
+        if path.is_multiple_of(self.every) {
+            std::mem::swap(&mut self.results[path / self.every], results);
+        }
     }
 
-    /// Ends the batch, which began with this path: adds its results to the sums.
-    pub(super) fn end(&mut self, first: u64, sums: &mut Received) {
+    /// Ends the batch: adds its results to the sums.
+    pub(super) fn end(&mut self, sums: &mut Received) {
+        for controls in self.of_paths.chunks(COUNT) {
+            add_scaled(&mut self.sums, controls, 1.0);
+        }
         let mut values = Vec::new();
-        for ((path, results), controls) in (first..).zip(&mut self.results).zip(self.of_paths.chunks(COUNT)) {
-            if path.is_multiple_of(EVERY) {
-                values.clear();
-                values.extend(results.values());
-                self.moments.add(controls, &values);
-            }
-            self.sums.iter_mut().zip(controls).for_each(|(sum, control)| *sum += control);
+        for (results, controls) in
+            self.results.iter_mut().zip(self.of_paths.chunks(COUNT).step_by(self.every))
+        {
+            values.clear();
+            values.extend(results.values());
+            self.moments.add(controls, &values);
             sums.add(results);
             results.clear();
         }
@@ -262,10 +276,12 @@ fn coefficients(replicates: &[(&Controls, &Received)]) -> Option<Vec<f64>> {
     if replicates.len() < LEAST_REPLICATES || all.paths < LEAST_PATHS {
         return None;
     }
-    let corrections = replicates.iter().map(|(one, _)| {
+    let group = if count <= FEW_RESULTS { 1 } else { replicates.len().div_ceil(GROUPS) };
+    let corrections = replicates.chunks(group).flat_map(|group| {
         let mut others = all.clone();
-        others.combine(&one.moments, -1.0);
-        one.correction(Some(&others.regression()))
+        group.iter().for_each(|(one, _)| others.combine(&one.moments, -1.0));
+        let coefficients = others.regression();
+        group.iter().map(move |(one, _)| one.correction(Some(&coefficients)))
     });
     let corrections: Vec<Vec<f64>> = corrections.collect();
     let values: Vec<Vec<f64>> = replicates.iter().map(|(_, sums)| sums.values().collect()).collect();
@@ -345,17 +361,22 @@ impl Moments {
                 };
             }
         }
-        for result in 0..count {
-            let mut x = [0.0; COUNT];
-            for i in (0..COUNT).filter(|i| used[*i]) {
-                let dot: f64 = (0..i).map(|k| factor[i * COUNT + k] * x[k]).sum();
-                x[i] = (self.products[i * count + result] - dot) / factor[i * COUNT + i];
+        // Forwards and backwards, for all results at once; controls that are not used have rows of zeros.
+        for i in (0..COUNT).filter(|i| used[*i]) {
+            let (before, rest) = solution.split_at_mut(i * count);
+            rest[..count].copy_from_slice(&self.products[i * count..][..count]);
+            for (k, row) in before.chunks_exact(count).enumerate() {
+                add_scaled(&mut rest[..count], row, -factor[i * COUNT + k]);
             }
-            for i in (0..COUNT).rev().filter(|i| used[*i]) {
-                let dot: f64 = (i + 1..COUNT).map(|k| factor[k * COUNT + i] * x[k]).sum();
-                x[i] = (x[i] - dot) / factor[i * COUNT + i];
-                solution[i * count + result] = x[i];
+            rest[..count].iter_mut().for_each(|value| *value /= factor[i * COUNT + i]);
+        }
+        for i in (0..COUNT).rev().filter(|i| used[*i]) {
+            let (before, after) = solution.split_at_mut((i + 1) * count);
+            let row = &mut before[i * count..];
+            for (k, later) in (i + 1..).zip(after.chunks_exact(count)) {
+                add_scaled(row, later, -factor[k * COUNT + i]);
             }
+            row.iter_mut().for_each(|value| *value /= factor[i * COUNT + i]);
         }
         solution
     }
@@ -369,5 +390,8 @@ const LEAST_PATHS: f64 = 4.0 * COUNT as f64;
 const DEPENDENT: f64 = 1e-6;
 
 fn add_scaled(sum: &mut [f64], values: &[f64], scale: f64) {
-    sum.iter_mut().zip(values).for_each(|(sum, value)| *sum += scale * value);
+    with_widest_simd(
+        #[inline(always)]
+        || sum.iter_mut().zip(values).for_each(|(sum, value)| *sum += scale * value),
+    );
 }

@@ -10,6 +10,7 @@
 use papilio_sampling::SampleStream;
 
 use super::bulk::Stay;
+use super::crossings::Record;
 use super::light::Light;
 use super::{Gathered, OutgoingRay};
 
@@ -30,6 +31,7 @@ pub(super) struct Generation {
 pub(super) struct Travelling {
     /// The path, from 0 in the batch.
     pub(super) path: usize,
+    pub(super) record: Record,
     pub(super) sent: OutgoingRay,
     pub(super) light: Light,
 }
@@ -39,6 +41,7 @@ pub(super) struct Travelling {
 pub(super) struct Arrived {
     /// The path, from 0 in the batch.
     pub(super) path: usize,
+    pub(super) record: Record,
     /// Number of the event.
     pub(super) event: usize,
     pub(super) sent: OutgoingRay,
@@ -65,22 +68,35 @@ impl Generation {
     }
 
     /// Adds a branch that leaves an event; returns its light.
-    pub(super) fn depart(&mut self, path: usize, sent: OutgoingRay, light: &Light) -> &mut Light {
+    pub(super) fn depart(
+        &mut self,
+        (path, record): (usize, Record),
+        sent: OutgoingRay,
+        light: &Light,
+    ) -> &mut Light {
         let light = self.copy(light);
-        self.travelling.push(Travelling { path, sent, light });
+        self.travelling.push(Travelling { path, record, sent, light });
         let last = self.travelling.len() - 1;
         &mut self.travelling[last].light
     }
 
     /// Adds a branch that arrives at an event.
-    pub(super) fn arrive(&mut self, path: usize, event: usize, sent: OutgoingRay, light: &Light) {
+    pub(super) fn arrive(
+        &mut self,
+        (path, record): (usize, Record),
+        event: usize,
+        sent: OutgoingRay,
+        light: &Light,
+    ) {
         let light = self.copy(light);
-        self.arrived.push(Arrived { path, event, sent, stay: None, light, gathered: Vec::new() });
+        self.arrived.push(Arrived { path, record, event, sent, stay: None, light, gathered: Vec::new() });
     }
 
     /// Keeps the memory of light that has been followed.
     pub(super) fn recycle(&mut self, light: Light) {
-        self.spare.push(light);
+        if !light.fresh.is_empty() {
+            self.spare.push(light);
+        }
     }
 
     /// Frees memory.

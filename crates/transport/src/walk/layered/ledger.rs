@@ -1,6 +1,7 @@
 //! Sums over paths, and the reflectance factors and ledger that follow from them.
 
 use super::controls::Controls;
+use super::crossings::Record;
 use super::generation::{Arrived, Generation, Roulette};
 use super::light::{Light, Share};
 use super::scatterers::ScatterEvent;
@@ -58,7 +59,7 @@ impl Received {
     }
 
     pub(super) fn clear(&mut self) {
-        self.lights_mut().for_each(|light| light.scale(0.0));
+        self.lights_mut().for_each(Light::clear);
     }
 }
 
@@ -76,6 +77,8 @@ pub(super) struct Workspace {
     /// The light of each source that the event scatters into the path, upwards and downwards, and that is not in the sums
     /// yet.
     pub(super) gathered: Gathered,
+    /// What the branch has met on its way to the event.
+    pub(super) record: Record,
     /// The branches that are still to be followed.
     pub(super) next: Generation,
     /// Control variates, if there are events that they describe.
@@ -93,7 +96,7 @@ pub(super) struct Workspace {
 
 impl Absorbed {
     /// The sums of the accounts that layers have; what the base absorbs is known from what arrives there.
-    fn accounts(&mut self) -> [(Account, &mut Light); 3] {
+    pub(super) fn accounts(&mut self) -> [(Account, &mut Light); 3] {
         let Self { front, diffuser, glass } = self;
         [(Account::Front, front), (Account::Diffuser, diffuser), (Account::Glass, glass)]
     }
@@ -121,21 +124,20 @@ impl Workspace {
 
     /// Adds a branch with this light.
     pub(super) fn branch(&mut self, sent: OutgoingRay) {
-        self.next.depart(self.lamps.path, sent, &self.light);
+        self.next.depart((self.lamps.path, self.record), sent, &self.light);
     }
 
-    /// Lets a branch with this light stay in its medium.
-    pub(super) fn stay(&mut self, branch: &Arrived) {
+    /// Lets a branch with this light stay in its medium. The workspace takes over the memory of the branch's light.
+    pub(super) fn stay(&mut self, branch: &mut Arrived) {
+        std::mem::swap(&mut self.light, &mut branch.light);
+        let light = std::mem::take(&mut branch.light);
         let gathered = std::mem::take(&mut self.gathered);
-        self.next.arrive(branch.path, branch.event, branch.sent, &self.light);
-        if let Some(last) = self.next.arrived.last_mut() {
-            (last.stay, last.gathered) = (branch.stay, gathered);
-        }
+        self.next.arrived.push(Arrived { light, gathered, ..*branch });
     }
 
     /// Adds a branch with a part of this light, by wavelength; returns its light.
     pub(super) fn branch_part(&mut self, sent: OutgoingRay, part: impl Fn(usize) -> f64) -> &Light {
-        let light = self.next.depart(self.lamps.path, sent, &self.light);
+        let light = self.next.depart((self.lamps.path, self.record), sent, &self.light);
         light.multiply(part);
         light
     }
@@ -154,8 +156,11 @@ impl Layered<'_> {
         let (states, bins) = (base.states(), base.bins());
         let light = || Light::zeros(states, bins);
         let mut skeleton = Skeleton::new(self.stack, base);
+        if self.by_crossings {
+            skeleton = skeleton.crossing_by_crossing();
+        }
         let field = skeleton.field();
-        let lamps = SourcesOfPaths::new(self, &mut skeleton);
+        let lamps = SourcesOfPaths::new(self);
         let sums = Sums {
             received: Received {
                 leaving: light(),
@@ -166,12 +171,13 @@ impl Layered<'_> {
             reflected: light(),
             unaccounted: light(),
         };
-        let controls = if self.has_controls() { Controls::new(&sums.received) } else { None };
+        let controls = self.has_controls().then(|| Controls::new(&sums.received));
         Accumulator {
             sums,
             workspace: Workspace {
                 light: light(),
                 gathered: Vec::new(),
+                record: Record::default(),
                 controls,
                 next: Generation::default(),
                 skeleton,
@@ -189,7 +195,8 @@ impl Layered<'_> {
         let Workspace { skeleton, field, share, .. } = workspace;
         for (account, sum) in sums.absorbed.accounts() {
             share.clear();
-            for (element, _) in self.accounts.iter().enumerate().filter(|(_, of)| **of == account) {
+            let elements = self.accounts.iter().enumerate().filter(|(_, of)| **of == account);
+            for (element, _) in elements.filter(|(element, _)| !self.is_event(*element)) {
                 let parts = skeleton.element(element);
                 for going in [Propagation::Down, Propagation::Up] {
                     share.add(field, Ray::arriving_at(element, going), |bin| parts[bin].absorbed(going));
@@ -197,7 +204,7 @@ impl Layered<'_> {
             }
             sum.add_share(light, share, &field.rising, 1.0);
         }
-        if self.base_scatters() {
+        if self.base_is_event() {
             return;
         }
         let base = Ray { plane: skeleton.elements(), going: Propagation::Down };

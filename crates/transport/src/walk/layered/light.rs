@@ -15,7 +15,7 @@ use crate::walk::{add_rows_times, add_scaled};
 const TOGETHER: usize = 64;
 
 /// Light of a path, or a sum of it. Light that has not met the base is the same in all states.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub(super) struct Light {
     /// Light that has not met the base; shape `[wavelength]`.
     pub(super) fresh: Vec<f64>,
@@ -70,15 +70,45 @@ impl Light {
 
     /// The largest light that has not met the base, and the largest and smallest that has.
     pub(super) fn brightness(&self) -> Brightness {
-        let least = self.met.iter().copied().fold(f64::INFINITY, f64::min);
+        // Several at a time, as in `largest`.
+        let (pieces, rest) = self.met.as_chunks::<8>();
+        let smaller = |least: f64, value: &f64| if *value < least { *value } else { least };
+        let mut least = [f64::INFINITY; 8];
+        for values in pieces {
+            least.iter_mut().zip(values).for_each(|(least, value)| *least = smaller(*least, value));
+        }
+        let least = least.iter().chain(rest).fold(f64::INFINITY, smaller);
         [largest(&self.fresh), largest(&self.met), least]
     }
 
+    /// Reflection by a base with these reflectances, shape `[state][wavelength]`: all of it has met the base then.
+    pub(super) fn meet(&mut self, reflectance: &[f64]) {
+        let bins = self.fresh.len();
+        for (row, reflectance) in self.met.chunks_exact_mut(bins).zip(reflectance.chunks_exact(bins)) {
+            for ((met, fresh), r) in row.iter_mut().zip(&self.fresh).zip(reflectance) {
+                *met = (*met + fresh) * r;
+            }
+        }
+        self.fresh.fill(0.0);
+    }
+
+    /// Resets to no light.
+    pub(super) fn clear(&mut self) {
+        self.fresh.fill(0.0);
+        self.met.fill(0.0);
+    }
+
     pub(super) fn scale(&mut self, factor: f64) {
+        if factor == 1.0 {
+            return;
+        }
         self.fresh.iter_mut().chain(&mut self.met).for_each(|value| *value *= factor);
     }
 
     pub(super) fn add(&mut self, other: &Self, scale: f64) {
+        if scale == 0.0 {
+            return;
+        }
         if let ([fresh], [of]) = (&mut self.fresh[..], &other.fresh[..]) {
             *fresh += scale * of;
             self.met.iter_mut().zip(&other.met).for_each(|(sum, value)| *sum += scale * value);
@@ -213,28 +243,27 @@ impl Light {
             let arriving = arriving.map(|(met, rising)| (fresh + met) * (direct + rising * risen));
             return arriving.fold(0.0, f64::max);
         }
-        let mut most = 0.0_f64;
+        let mut most = [0.0; TOGETHER];
         with_widest_simd(
             #[inline(always)]
             || {
                 for (met, rising) in self.met.chunks_exact(bins).zip(rising.chunks_exact(bins)) {
                     for start in (0..bins).step_by(TOGETHER) {
                         let piece = start..bins.min(start + TOGETHER);
-                        let mut values = [0.0; TOGETHER];
                         let lights = met[piece.clone()].iter().zip(&self.fresh[piece.clone()]);
                         let shares =
                             rising[piece.clone()].iter().zip(&direct[piece.clone()]).zip(&risen[piece]);
-                        for ((value, (met, fresh)), ((rising, direct), risen)) in
-                            values.iter_mut().zip(lights).zip(shares)
+                        for ((most, (met, fresh)), ((rising, direct), risen)) in
+                            most.iter_mut().zip(lights).zip(shares)
                         {
-                            *value = (fresh + met) * (direct + rising * risen);
+                            let value = (fresh + met) * (direct + rising * risen);
+                            *most = if value > *most { value } else { *most };
                         }
-                        most = most.max(largest(&values));
                     }
                 }
             },
         );
-        most
+        largest(&most)
     }
 }
 

@@ -18,16 +18,18 @@
 //! not are separate.
 //!
 //! # A pixel that is the same everywhere
-//! Two things rely on a pixel that is the same at all points of its plane: [`columns`], and the closed form of all
-//! reflections by a specular base (`mirror` in [`Skeleton`](crate::skeleton::Skeleton)). A pixel with a pattern must have
-//! neither: paths with full spectra ([`Layered::columns`] is `None`), and a base that is an event of its own.
+//! Two things rely on a pixel that is the same at all points of its plane: [`columns`], and the closed form of
+//! inter-reflections, which does not know where light meets the pixel. A pixel with a pattern must have neither:
+//! [`Shortcuts::None`] follows light crossing by crossing, with full spectra; [`crossings`] describes what a pattern adds.
 
 mod bulk;
 mod columns;
 mod controls;
+mod crossings;
 mod generation;
 mod ledger;
 mod light;
+mod orders;
 mod pixel;
 mod scatterers;
 mod sources;
@@ -39,12 +41,13 @@ use std::ops::Range;
 use papilio_optics::Beta;
 use papilio_sampling::SampleStream;
 
-use super::PathNumbers;
+use super::{PathNumbers, Shortcuts};
 use crate::estimate::Account;
 use crate::skeleton::Ray;
 use crate::{Base, Cone, Medium, Reflector, Source};
 use bulk::Outcome;
 use columns::Columns;
+use crossings::Record;
 use generation::{Arrived, GenerationNumbers, Roulette, Travelling, key, order};
 pub(super) use ledger::Accumulator;
 use ledger::{Sums, Workspace};
@@ -68,6 +71,9 @@ const LEAST_SURVIVAL: f64 = 0.05;
 const WITHOUT_REGARD: f64 = 0.1;
 const FIRST_EVENTS: u32 = 4;
 
+/// Branches with this many meetings with the pixel, or more, are ordered together.
+const MOST_MEETINGS: u32 = 3;
+
 /// From this event on, roulette applies even if nothing absorbs.
 const FREE_EVENTS: u32 = 256;
 
@@ -89,6 +95,8 @@ pub(super) struct Layered<'a> {
     largest_index: f64,
     /// The number of paths that are followed side by side.
     batch: u64,
+    /// Light stops at every interface and at the base ([`crossings`]).
+    by_crossings: bool,
 }
 
 /// Light that starts its way through the flat skeleton.
@@ -140,12 +148,19 @@ fn most_survival(generation: u32) -> f64 {
 }
 
 impl<'a> Layered<'a> {
-    pub(super) fn new(stack: &'a crate::Layered, view: Cone, sources: &'a [Source]) -> Self {
+    /// Prepares a walk; `shortcuts` as in [`Walk::with_shortcuts`](super::Walk::with_shortcuts).
+    pub(super) fn new(
+        stack: &'a crate::Layered,
+        view: Cone,
+        sources: &'a [Source],
+        shortcuts: Shortcuts,
+    ) -> Self {
+        let by_crossings = shortcuts == Shortcuts::None;
         let discs = sources.iter().any(Source::has_radiance);
         let accounts = stack.elements().map(|(kind, _)| kind.account()).collect();
         let largest_index = stack.layers.iter().map(|layer| layer.medium.largest_index()).fold(1.0, f64::max);
-        let columns = Columns::new(stack);
-        let events = events(stack);
+        let columns = if by_crossings { None } else { Columns::new(stack) };
+        let events = events(stack, by_crossings);
         let base = columns.as_ref().map_or(&stack.base, |columns| &columns.base);
         // Light of two branches, and light and fields of what each source sends on.
         let interfaces = events.iter().filter(|event| matches!(event.kind, Kind::Interface(..))).count();
@@ -164,6 +179,7 @@ impl<'a> Layered<'a> {
             directed: directed > 0,
             largest_index,
             batch,
+            by_crossings,
         }
     }
 
@@ -193,9 +209,14 @@ impl<'a> Layered<'a> {
         self.columns.as_ref().map_or(&self.stack.base, |columns| &columns.base)
     }
 
-    /// True if the base scatters: the skeleton then ends in black.
-    fn base_scatters(&self) -> bool {
-        !self.stack.base.is_specular()
+    /// True if reflection by the base is an event: the skeleton then ends in black.
+    fn base_is_event(&self) -> bool {
+        self.by_crossings || !self.stack.base.is_specular()
+    }
+
+    /// True if reflection and transmission by this element are events.
+    fn is_event(&self, element: usize) -> bool {
+        self.by_crossings && element.is_multiple_of(2)
     }
 
     /// True if there are events that [`controls`] describes.
@@ -229,11 +250,12 @@ impl<'a> Layered<'a> {
         let Accumulator { sums, workspace } = tally;
         let count = (paths.end - paths.start) as usize;
         let of = |k: usize| PathNumbers::new(numbers, paths.start + k as u64);
-        workspace.lamps.draw((0..count).map(of), self, &mut workspace.skeleton);
+        workspace.lamps.draw((0..count).map(of), self);
         if let Some(controls) = &mut workspace.controls {
             controls.begin(count, &sums.received);
         }
         workspace.light.start();
+        workspace.record = Record::default();
         for path in 0..count {
             workspace.lamps.path = path;
             let beta = self.view.sample_towards(of(path).field());
@@ -247,7 +269,7 @@ impl<'a> Layered<'a> {
             generation = generation.saturating_add(1);
         }
         if let Some(controls) = &mut workspace.controls {
-            controls.end(paths.start, &mut sums.received);
+            controls.end(&mut sums.received);
         }
     }
 
@@ -263,8 +285,9 @@ impl<'a> Layered<'a> {
         let mut roulettes = numbers.roulettes(self.events.len());
         let order = order(&travelling, |branch| self.key_of_ray(branch));
         for k in order {
-            let Travelling { path, sent, light } = &travelling[k];
+            let Travelling { path, record, sent, light } = &travelling[k];
             workspace.exchange(*path, sums);
+            workspace.record = *record;
             self.leave(*sent, light, sums, workspace);
             self.arrive((*sent, light), generation, &mut roulettes, sums, workspace);
             workspace.exchange(*path, sums);
@@ -289,6 +312,7 @@ impl<'a> Layered<'a> {
             let branch = &mut arrived[k];
             let path = branch.path;
             workspace.exchange(path, sums);
+            workspace.record = branch.record;
             std::mem::swap(&mut workspace.light, &mut branch.light);
             std::mem::swap(&mut workspace.gathered, &mut branch.gathered);
             self.perform(branch, (generation, numbers.of(rank)), sums, workspace);
@@ -301,8 +325,10 @@ impl<'a> Layered<'a> {
 
     /// Position of a branch among others between two events.
     fn key_of_ray(&self, branch: &Travelling) -> u64 {
-        let Travelling { sent, light, .. } = branch;
-        let class = 2 * sent.ray.plane + sent.ray.going as usize;
+        let Travelling { record, sent, light, .. } = branch;
+        let meetings = record.meetings.min(MOST_MEETINGS) as usize;
+        let planes = 2 * self.stack.layers.len() + 1;
+        let class = 2 * (planes * meetings + sent.ray.plane) + sent.ray.going as usize;
         key(class, [sent.beta.squared() / self.largest_index.powi(2), light.brightest()])
     }
 
@@ -360,7 +386,7 @@ impl<'a> Layered<'a> {
                 (faint, count) = (faint + chance, count + 1.0);
             }
         }
-        let least = if sent.density.is_finite() { LEAST_SURVIVAL } else { 1.0 };
+        let least = if generation > 0 { LEAST_SURVIVAL } else { 1.0 };
         let survival = (faint / BRIGHT).min(1.0).max(least).min(most);
         let each = if generation < FIRST_EVENTS { WITHOUT_REGARD * faint / count } else { 0.0 };
         let all = faint + count * each;
@@ -373,7 +399,8 @@ impl<'a> Layered<'a> {
                 if is_faint {
                     sums.unaccounted.add(&workspace.light, -1.0);
                 }
-                workspace.next.arrive(workspace.lamps.path, i, sent, &workspace.light);
+                let of = (workspace.lamps.path, workspace.record);
+                workspace.next.arrive(of, i, sent, &workspace.light);
             }
         }
     }
@@ -410,6 +437,10 @@ impl<'a> Layered<'a> {
                 let pixel = Pixel { kernels, medium, element: event.element };
                 pixel.reflect(sent.beta, [u[0], u[1], u[2]], sums, workspace)
             }
+            Kind::Flat => {
+                return crossings::pass_flat(self, (branch.event, event), sent, sums, workspace);
+            }
+            Kind::Mirror => return crossings::reflect_by_mirror(self, event, sent, sums, workspace),
             Kind::Interface(..) => return event.pass_interface((branch.event, sent), u, sums, workspace),
         };
         if let Some(next) = next {

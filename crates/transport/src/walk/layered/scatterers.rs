@@ -30,6 +30,10 @@ pub(super) enum Kind<'a> {
     Base(Option<&'a Medium>),
     /// A base with a kernel for each state, under this medium.
     Pixel(&'a [ScatterKernel], Option<&'a Medium>),
+    /// What an interface does not scatter, where light is followed [crossing by crossing](super::crossings).
+    Flat,
+    /// A specular base, where light is followed crossing by crossing.
+    Mirror,
 }
 
 impl ScatterEvent<'_> {
@@ -37,12 +41,18 @@ impl ScatterEvent<'_> {
     pub(super) fn share(&self, skeleton: &Skeleton, field: &Field, share: &mut Share) {
         let ray = Ray::arriving_at(self.element, self.going);
         match self.kind {
-            Kind::Base(..) | Kind::Pixel(..) => return share.set(field, ray, |_| 1.0),
+            Kind::Base(..) | Kind::Pixel(..) | Kind::Mirror => {
+                return share.set(field, ray, |_| 1.0);
+            }
             Kind::Interface(interface, channel, _) => {
                 let fraction = interface.fraction(channel, self.going, skeleton.length(), self.disc());
                 if let Some((total, factor)) = fraction {
                     return share.set(field, ray, |bin| total * factor[bin]);
                 }
+            }
+            Kind::Flat => {
+                let parts = skeleton.element(self.element);
+                return share.set(field, ray, |bin| 1.0 - parts[bin].scattered[self.going as usize]);
             }
             Kind::Bulk(_) => {}
         }
@@ -146,10 +156,15 @@ impl ScatterEvent<'_> {
 }
 
 /// All scattering events that a stack has.
-pub(super) fn events(stack: &Layered) -> Vec<ScatterEvent<'_>> {
+///
+/// `by_crossings`: flat interfaces and mirrors are events, too.
+pub(super) fn events(stack: &Layered, by_crossings: bool) -> Vec<ScatterEvent<'_>> {
     const BOTH_WAYS: [Propagation; 2] = [Propagation::Down, Propagation::Up];
     let mut events = Vec::new();
     for (element, (layer, media)) in stack.elements().enumerate() {
+        if by_crossings && element.is_multiple_of(2) {
+            events.extend(BOTH_WAYS.map(|going| ScatterEvent { element, going, kind: Kind::Flat }));
+        }
         let Some(interface) = layer.scattering_interface() else { continue };
         for going in BOTH_WAYS {
             let channels = interface.channels(going).into_iter();
@@ -160,8 +175,10 @@ pub(super) fn events(stack: &Layered) -> Vec<ScatterEvent<'_>> {
             }));
         }
     }
+    let mut media = 0;
     for (i, layer) in stack.layers.iter().enumerate() {
-        if let Some(bulk) = Bulk::new(2 * i + 1, &layer.medium) {
+        if let Some(bulk) = Bulk::new((2 * i + 1, media), &layer.medium) {
+            media += 1;
             let kind = Kind::Bulk(bulk);
             events.extend(BOTH_WAYS.map(|going| ScatterEvent { element: 2 * i + 1, going, kind }));
         }
@@ -170,7 +187,7 @@ pub(super) fn events(stack: &Layered) -> Vec<ScatterEvent<'_>> {
     events.sort_by_key(|event| event.element);
     let upper = stack.layers.last().map(|layer| &layer.medium);
     let base = match &stack.base.reflector {
-        Reflector::Specular(_) => None,
+        Reflector::Specular(_) => by_crossings.then_some(Kind::Mirror),
         Reflector::Lambertian(_) => Some(Kind::Base(upper)),
         Reflector::Scattering(kernels) => Some(Kind::Pixel(kernels, upper)),
     };
@@ -196,13 +213,8 @@ pub(super) fn at_lambertian_base(
 ) {
     let light = &mut workspace.light;
     sums.arriving.add(light, 1.0);
-    let rows = light.met.chunks_exact_mut(light.fresh.len());
-    for (row, reflectance) in rows.zip(reflectance.chunks_exact(light.fresh.len())) {
-        for ((met, fresh), r) in row.iter_mut().zip(&light.fresh).zip(reflectance) {
-            *met = (*met + fresh) * r;
-        }
-    }
-    light.fresh.fill(0.0);
+    workspace.record.meet();
+    light.meet(reflectance);
     sums.reflected.add(light, 1.0);
 
     let ray = Ray { plane: element, going: Propagation::Up };

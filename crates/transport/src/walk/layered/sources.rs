@@ -13,11 +13,12 @@ use papilio_optics::Beta;
 
 use super::ledger::{Sums, Workspace};
 use super::light::{Light, Share};
+use super::orders::Orders;
 use super::scatterers::Kind;
 use super::{Layered, OutgoingRay};
 use crate::Source;
 use crate::layers::Scattered;
-use crate::skeleton::{Field, Ray, Skeleton};
+use crate::skeleton::{Field, Propagation, Ray, Skeleton};
 use crate::walk::{PathNumbers, Target};
 
 /// Light of all directed sources.
@@ -27,6 +28,8 @@ pub(super) struct SourceLights {
     scattered: Vec<Relay>,
     /// Directions of beams and of the centres of discs.
     pub(super) about: Vec<Beta>,
+    /// True if some of this light has [`Orders`].
+    pub(super) ordered: bool,
 }
 
 /// Light of the sources for each path of a batch: one entry for all paths if nothing of it is sampled.
@@ -34,6 +37,8 @@ pub(super) struct SourceLights {
 pub(super) struct SourcesOfPaths {
     of_paths: Vec<SourceLights>,
     sampled: bool,
+    /// The closed form of light that reaches a source.
+    skeleton: Skeleton,
     /// True if there are sources with directions.
     pub(super) directed: bool,
     /// The current path, from 0 in the batch.
@@ -56,6 +61,8 @@ pub(super) struct SourceLight {
     /// field's `rising`.
     before: Light,
     dark: bool,
+    /// Control variates, for each scattering medium; empty for relayed light.
+    orders: Vec<Option<Orders>>,
 }
 
 /// Light that an interface relays.
@@ -76,7 +83,8 @@ impl SourceLights {
             Source::Disc(cone) => Some(-cone.axis_towards()),
             Source::Diffuse | Source::Field(_) => None,
         });
-        let mut lamps = Self { sources: Vec::new(), scattered: Vec::new(), about: about.collect() };
+        let mut lamps =
+            Self { sources: Vec::new(), scattered: Vec::new(), about: about.collect(), ordered: false };
         for (source, light) in walk.sources.iter().enumerate() {
             let Some(target) = Target::sample(light, [0.5; 2]) else { continue };
             let lamp = SourceLight::new(source, target, walk, skeleton);
@@ -121,6 +129,12 @@ impl SourceLights {
         (lamp.target, lamp.beta) = (target, target.beta);
         skeleton.set(walk.stack, walk.base(), target.beta.squared());
         skeleton.emit(Ray::ENTERING, &mut lamp.field);
+        let media = walk.events.iter().filter(|event| event.going == Propagation::Down);
+        let media =
+            media.filter_map(|event| if let Kind::Bulk(bulk) = &event.kind { Some(bulk) } else { None });
+        lamp.orders.clear();
+        lamp.orders.extend(media.map(|bulk| Orders::new(bulk, target, walk.stack.base.is_specular())));
+        self.ordered |= lamp.orders.iter().any(Option::is_some);
         let mut share = Share::zeros(lamp.before.fresh.len());
         for scattered in self.scattered.iter_mut().filter(|scattered| scattered.of == of) {
             walk.events[scattered.event].share(skeleton, &lamp.field, &mut share);
@@ -135,12 +149,14 @@ impl SourceLights {
 }
 
 impl SourcesOfPaths {
-    pub(super) fn new(walk: &Layered<'_>, skeleton: &mut Skeleton) -> Self {
-        let one = SourceLights::new(walk, skeleton);
+    pub(super) fn new(walk: &Layered<'_>) -> Self {
+        let mut skeleton = Skeleton::new(walk.stack, walk.base());
+        let one = SourceLights::new(walk, &mut skeleton);
         Self {
             sampled: walk.discs || !one.scattered.is_empty(),
             directed: walk.directed,
             of_paths: vec![one],
+            skeleton,
             path: 0,
         }
     }
@@ -150,10 +166,10 @@ impl SourcesOfPaths {
         &mut self,
         paths: impl ExactSizeIterator<Item = PathNumbers<'n>>,
         walk: &Layered<'_>,
-        skeleton: &mut Skeleton,
     ) {
         if self.sampled {
             self.of_paths.resize(paths.len(), self.of_paths[0].clone());
+            let skeleton = &mut self.skeleton;
             paths.zip(&mut self.of_paths).for_each(|(numbers, lights)| lights.draw(&numbers, walk, skeleton));
         }
     }
@@ -162,6 +178,14 @@ impl SourcesOfPaths {
     pub(super) fn shrink(&mut self) {
         self.of_paths.truncate(1);
         self.of_paths.shrink_to_fit();
+    }
+
+    /// Removes the control variates of light that is not sampled.
+    #[cfg(test)]
+    pub(super) fn without_orders(&mut self) {
+        for lights in &mut self.of_paths {
+            lights.ordered = false;
+        }
     }
 
     /// The light of the sources for the current path.
@@ -176,7 +200,16 @@ impl SourceLight {
         let mut before = Light::zeros(base.states(), base.bins());
         before.start();
         let field = skeleton.field();
-        Self { source, target, beta: target.beta, drawn: None, field, before, dark: false }
+        Self {
+            source,
+            target,
+            beta: target.beta,
+            drawn: None,
+            field,
+            before,
+            dark: false,
+            orders: Vec::new(),
+        }
     }
 
     /// Weight of a connection, by the balance heuristic. `rival` is the density with which the path chose its
@@ -191,6 +224,11 @@ impl SourceLight {
             }
             Some(_) => 0.0,
         }
+    }
+
+    /// Control variates of its light in a scattering medium of this number.
+    pub(super) fn orders(&self, medium: usize) -> Option<&Orders> {
+        self.orders.get(medium)?.as_ref()
     }
 
     /// Fraction of light emitted as `ray` that reaches the source.

@@ -38,8 +38,12 @@ fn base(reflectance: Vec<f64>, bins: usize, is_mirror: bool) -> Base {
 }
 
 fn slab(bins: usize, index: f64) -> Layer {
+    slab_of(bins, index, 2.0, 1.0)
+}
+
+fn slab_of(bins: usize, index: f64, optical_thickness: f64, albedo: f64) -> Layer {
     let of = |value: f64| -> papilio_spectra::Spectrum { vec![value; bins].into() };
-    let scattering = Scattering { optical_thickness: 2.0, anisotropy: 0.9, albedo: of(1.0) };
+    let scattering = Scattering { optical_thickness, anisotropy: 0.9, albedo: of(albedo) };
     let interface = if index == 1.0 { Interface::Open } else { Interface::Fresnel };
     Layer { interface, medium: Medium::new(of(index)).with_scattering(scattering) }
 }
@@ -78,9 +82,9 @@ fn columns_have_the_means_of_full_spectra() {
         [("rough glass over paper", rough_glass(BINS), false), ("slab over a mirror", slab(BINS, 1.5), true)]
     {
         let stack = crate::Layered { layers: vec![layer], base: base(coloured(), BINS, is_mirror) };
-        let few = Layered::new(&stack, view, &[Source::Diffuse]);
+        let few = Layered::new(&stack, view, &[Source::Diffuse], Shortcuts::All);
         assert!(few.columns.as_ref().is_some_and(|columns| columns.base.states() < 32));
-        let all = Layered::new(&stack, view, &[Source::Diffuse]).with_full_spectra();
+        let all = Layered::new(&stack, view, &[Source::Diffuse], Shortcuts::All).with_full_spectra();
         let paths = 64;
         let cache = RefCell::new(HashMap::new());
         for (state, bin) in [(0, 0), (0, 17), (0, 40), (0, 80), (1, 0), (1, 63)] {
@@ -107,7 +111,7 @@ fn control_variates_reduce_variance_and_keep_the_mean() {
     for index in [1.0, 1.5] {
         let base = base(vec![0.8, 0.1], 1, true);
         let stack = crate::Layered { layers: vec![slab(1, index)], base };
-        let walk = Layered::new(&stack, Cone::new(8.0, 0.0, 0.0, 1.0), &[Source::Diffuse]);
+        let walk = Layered::new(&stack, Cone::new(8.0, 0.0, 0.0, 1.0), &[Source::Diffuse], Shortcuts::All);
         let paths = 1024;
         let tallies = replicates(&walk, 5, paths);
         let with = results(&walk, &tallies, paths);
@@ -121,6 +125,73 @@ fn control_variates_reduce_variance_and_keep_the_mean() {
             assert!(ratio < 1.0 / 3.0, "n {index}, state {state}: {ratio}");
             let z = (mean - plain_mean) / (plain_error - error);
             assert!(z.abs() < 4.0, "n {index}, state {state}: {mean} {plain_mean} {z}");
+        }
+    }
+}
+
+/// Replicates with and without the control variates of beams.
+fn with_and_without_orders(walk: &Layered<'_>, seed: u64, paths: u64) -> [Vec<Vec<f64>>; 2] {
+    [(2 * seed, true), (2 * seed + 1, false)].map(|(seed, with)| {
+        let replicate = |stream| {
+            let mut tally = walk.tally();
+            tally.workspace.controls = None;
+            if !with {
+                tally.workspace.lamps.without_orders();
+            }
+            walk.paths(&SampleStream::new(Sampler::Sobol, seed, stream), 0..paths, &mut tally);
+            tally
+        };
+        let tallies: Vec<_> = (0..REPLICATES).map(replicate).collect();
+        results(walk, &tallies, paths)
+    })
+}
+
+/// The orders of a beam's light through a narrow phase function keep the mean, in thin and thick media, with and without
+/// absorption and a surface, over mirrors and paper.
+#[test]
+fn orders_of_beams_keep_the_mean() {
+    for (name, layer, is_mirror) in [
+        ("over a mirror", slab(1, 1.0), true),
+        ("under a surface", slab(1, 1.5), true),
+        ("over paper", slab(1, 1.5), false),
+        ("thin", slab_of(1, 1.5, 0.05, 0.9), true),
+        ("less thin", slab_of(1, 1.5, 0.5, 1.0), true),
+        ("thick", slab_of(1, 1.5, 4.0, 0.95), true),
+    ] {
+        let stack = crate::Layered { layers: vec![layer], base: base(vec![0.8, 0.1], 1, is_mirror) };
+        let beam = Cone::new(-20.0, 0.0, 0.0, 1.0).axis_towards();
+        let sources = [Source::Beam(-beam)];
+        let walk = Layered::new(&stack, Cone::new(8.0, 0.0, 0.0, 1.0), &sources, Shortcuts::All);
+        let cache = RefCell::new(HashMap::new());
+        for state in 0..2 {
+            assert_unbiased(&format!("{name}, state {state}"), 1.0, 0.1, |seed| {
+                let mut cache = cache.borrow_mut();
+                let [with, without] =
+                    cache.entry(seed).or_insert_with(|| with_and_without_orders(&walk, seed, 128));
+                let (x, error_x) = mean_and_error(with.iter().map(|values| values[state]));
+                let (y, error_y) = mean_and_error(without.iter().map(|values| values[state]));
+                (x / y, (x / y) * (error_x / x).hypot(error_y / y))
+            });
+        }
+    }
+}
+
+/// Orders reduce the variance of a beam through a slab with g = 0.9 to a tenth and less, also where it is seen through a surface
+/// and far from the lobe's centre.
+#[test]
+fn orders_of_beams_reduce_variance() {
+    for (index, thickness, source_deg, least) in
+        [(1.0, 2.0, -20.0, 100.0), (1.5, 1.0, -20.0, 30.0), (1.5, 2.0, -20.0, 30.0), (1.5, 2.0, 60.0, 6.0)]
+    {
+        let layer = slab_of(1, index, thickness, 1.0);
+        let stack = crate::Layered { layers: vec![layer], base: base(vec![0.8, 0.1], 1, true) };
+        let sources = [Source::Beam(-Cone::new(source_deg, 0.0, 0.0, 1.0).axis_towards())];
+        let walk = Layered::new(&stack, Cone::new(8.0, 0.0, 0.0, 1.0), &sources, Shortcuts::All);
+        let [with, without] = with_and_without_orders(&walk, 5, 256);
+        for state in 0..2 {
+            let error = |of: &[Vec<f64>]| mean_and_error(of.iter().map(|values| values[state])).1;
+            let ratio = (error(&without) / error(&with)).powi(2);
+            assert!(ratio > least, "n {index}, tau {thickness}, {source_deg} deg, state {state}: {ratio}");
         }
     }
 }

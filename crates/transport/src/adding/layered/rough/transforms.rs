@@ -47,14 +47,18 @@ pub(super) fn orders(face: &Rough, radius: f64, digits: f64) -> usize {
 pub(super) struct Transforms {
     orders: usize,
     digits: f64,
-    pub(super) edge: Edge,
     /// By rule: `[order, azimuth]`.
     cosines: Vec<Option<Matrix>>,
 }
 
 impl Transforms {
-    pub(super) fn new(orders: usize, digits: f64, edge: Edge) -> Self {
-        Self { orders, digits, edge, cosines: vec![None; RULES] }
+    pub(super) fn new(orders: usize, digits: f64) -> Self {
+        Self { orders, digits, cosines: vec![None; RULES] }
+    }
+
+    /// Returns the natural digits of the coefficients.
+    pub(super) fn digits(&self) -> f64 {
+        self.digits
     }
 
     /// Computes coefficients of the kernel from one direction to the nodes `rows` on the side `to`: for each of
@@ -65,16 +69,27 @@ impl Transforms {
         (from, j): (Side, usize),
         to: Side,
         rows: impl Iterator<Item = usize>,
-        grid: &Grid,
+        (grid, edge): (&Grid, &Edge),
+    ) -> Vec<(usize, Vec<f64>)> {
+        let a = grid.beta[j];
+        let rows = rows.filter(|i| from == to || edge.lit(j, *i) != 0.0);
+        let within = |i: usize| if from == to { grid.beta[i] } else { edge.within(a, grid.beta[i]) };
+        let rows: Vec<_> = rows.map(|i| (i, within(i))).collect();
+        self.between(face, (from, a), to, rows)
+    }
+
+    /// Computes coefficients from light of one `|beta|` to others on the side `to`, each with a number that it
+    /// keeps; in any order.
+    pub(super) fn between(
+        &mut self,
+        face: &Rough,
+        (from, a): (Side, f64),
+        to: Side,
+        rows: Vec<(usize, f64)>,
     ) -> Vec<(usize, Vec<f64>)> {
         let mut of_rule = vec![Vec::new(); RULES];
         let mut all = Vec::new();
-        let a = grid.beta[j];
-        for i in rows {
-            if from != to && self.edge.lit(j, i) == 0.0 {
-                continue;
-            }
-            let b = if from == to { grid.beta[i] } else { self.edge.within(a, grid.beta[i]) };
+        for (i, b) in rows {
             let ends = [(from, a), (to, b)];
             match rule(face, ends, self.digits) {
                 Some(rule) => of_rule[rule].push((i, b)),
@@ -104,10 +119,8 @@ impl Transforms {
         let (half, orders) = (intervals(rule), self.orders);
         self.cosines[rule].get_or_insert_with(|| {
             let weight = |k: usize| if k == 0 || k == half { 0.5 } else { 1.0 } / half as f64;
-            Matrix::from_fn(orders.min(half + 1), half + 1, |m, k| {
-                // Reduced modulo a turn, so that no digits are lost.
-                weight(k) * (PI * (m * k % (2 * half)) as f64 / half as f64).cos()
-            })
+            let turn: Vec<f64> = (0..2 * half).map(|k| (PI * k as f64 / half as f64).cos()).collect();
+            Matrix::from_fn(orders.min(half + 1), half + 1, |m, k| weight(k) * turn[m * k % (2 * half)])
         })
     }
 }
@@ -165,18 +178,18 @@ mod tests {
                 let face = Rough::with(distribution, alpha, 1.0, 1.5);
                 let density = Density { least: 6, spacing: 0.3, angle: None };
                 let grid = Grid::new(&[1.0, 1.5], density, &[0.3]);
-                let mut transforms = Transforms::new(24, digits, Edge::new(&face, &grid));
+                let (mut transforms, edge) = (Transforms::new(24, digits), Edge::new(&face, &grid));
                 for (from, to) in
                     [(Side::Above, Side::Above), (Side::Above, Side::Below), (Side::Below, Side::Below)]
                 {
                     let (mut most, mut worst) = (0.0_f64, 0.0_f64);
                     for j in (0..grid.len()).filter(|&j| grid.beta[j] < face.index(from)) {
                         let rows = (0..grid.len()).filter(|&i| grid.beta[i] < face.index(to));
-                        for (i, values) in transforms.column(&face, (from, j), to, rows, &grid) {
+                        for (i, values) in transforms.column(&face, (from, j), to, rows, (&grid, &edge)) {
                             let b = if from == to {
                                 grid.beta[i]
                             } else {
-                                transforms.edge.within(grid.beta[j], grid.beta[i])
+                                edge.within(grid.beta[j], grid.beta[i])
                             };
                             let kernel = face.single_by_azimuth((from, grid.beta[j]), (to, b));
                             let mut fine = [0.0; 24];

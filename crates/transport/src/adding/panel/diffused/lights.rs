@@ -9,7 +9,7 @@ use super::super::super::field::{Peaks, Ring, radii, rings};
 use super::super::super::quadrature::{Point, disc_points};
 use super::super::first_pass::Pass;
 use super::super::projected::{Circle, Projected};
-use super::super::recycling::{Group, Lit, Recycling};
+use super::super::recycling::{Exact, Group, Lit, Recycling};
 use super::Kernel;
 use crate::{Field, Source};
 
@@ -50,10 +50,10 @@ impl Bundle {
         Self { axis, points, circles, odd }
     }
 
-    /// Returns its light for a closed form; `two_passes` are those of points to a view.
-    pub(super) fn lit(&self, two_passes: Option<Vec<f64>>) -> Lit<'_> {
+    /// Returns its light for a closed form; `exact` are the passes of points to a view.
+    pub(super) fn lit(&self, exact: Exact) -> Lit<'_> {
         if self.circles.is_empty() {
-            return Lit::Points(&self.points, two_passes);
+            return Lit::Points(&self.points, exact);
         }
         Lit::Circles(&self.circles, self.odd)
     }

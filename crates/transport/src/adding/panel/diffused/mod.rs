@@ -14,7 +14,7 @@ use super::Views;
 use super::first_pass::{Pass, SourceFreeView, Weights};
 use super::indices::Indices;
 use super::lambertian::Shares;
-use super::recycling::{Forms, Group, OwnForms, Plan, Recycling, Reflectances, Seen, Towards};
+use super::recycling::{Exact, Forms, Group, OwnForms, Plan, Recycling, Reflectances, Seen, Towards};
 use crate::base::largest;
 use crate::{AngularTable, Cone, Diffuser, Medium, Nodes, Panel, Reflector, Source, Top};
 use by_order::ByOrder;
@@ -361,8 +361,8 @@ impl Kernel {
             kept.iter().enumerate().map(towards).collect()
         });
         let pairs = pairs.collect();
-        let two_passes =
-            self.two_passes(recycling, groups, |i| same_recycling && old.is_some() && kept[i].is_some());
+        let exact =
+            self.exact_passes(recycling, groups, |i| same_recycling && old.is_some() && kept[i].is_some());
         let recycled = recycled.into_iter().zip(groups).enumerate().filter_map(|(g, (own, bundle))| {
             let (recycling, (group, alone)) = recycling.zip(own)?;
             let old = old.filter(|_| same_recycling).and_then(|old| old.recycled.get(g));
@@ -375,8 +375,8 @@ impl Kernel {
                             Some(field) => field.forms_at(bundle.azimuth()),
                             None => recycling.between(&group, &light.recycled[index][k]),
                         };
-                        let two_passes = two_passes[i].as_ref().map(|forms| forms[g][k].clone());
-                        (forms, recycling.towards(&bundle.points, b.lit(two_passes)))
+                        let exact = exact[i].as_ref().map_or_else(Vec::new, |exact| exact[g][k].clone());
+                        (forms, recycling.towards(&bundle.points, b.lit(exact)))
                     };
                     light.groups.iter().enumerate().map(both).collect()
                 }
@@ -388,20 +388,20 @@ impl Kernel {
         AtIndex { alone, pairs, fields, recycled }
     }
 
-    /// Returns two passes between the groups of a view and of each source of points under a narrow lobe, by
+    /// Returns the exact passes between the groups of a view and of each source of points under a narrow lobe, by
     /// source, group of the view and of the source; `None` for others, and for sources that are known.
-    fn two_passes(
+    fn exact_passes(
         &self,
         recycling: Option<&Recycling>,
         views: &[Bundle],
         is_known: impl Fn(usize) -> bool,
-    ) -> Vec<Option<Vec<Vec<Vec<f64>>>>> {
+    ) -> Vec<Option<Vec<Vec<Exact>>>> {
         let of = |(i, light): (usize, &Arc<Light>)| {
             let has_points = matches!(light.source, Source::Beam(_) | Source::Disc(_));
             let is_needed = has_points && !is_known(i);
             recycling
                 .filter(|_| is_needed)?
-                .two_passes(&lights::points(views), &lights::points(&light.groups))
+                .between_points(&lights::points(views), &lights::points(&light.groups))
         };
         self.sources.iter().enumerate().map(of).collect()
     }

@@ -33,7 +33,7 @@ use super::first_pass::{Pass, Weights};
 use super::projected::Circle;
 use grid::{End, Grid, Meridian};
 use narrow::Narrow;
-pub(super) use narrow::{Lit, Seen, Towards};
+pub(super) use narrow::{Exact, Lit, Seen, Towards};
 pub(super) use plan::{NARROWEST, Plan};
 use profile::Profile;
 pub(super) use profile::is_fitted;
@@ -206,7 +206,7 @@ impl Recycling {
     /// lobe itself.
     pub(super) fn towards(&self, view: &[Point], source: Lit<'_>) -> Option<Towards> {
         let narrow = self.narrow.as_ref()?;
-        if !self.plan.has_grid() || matches!(source, Lit::Points(_, Some(_))) {
+        if !self.plan.has_grid() || matches!(&source, Lit::Points(_, exact) if !exact.is_empty()) {
             return Some(narrow.towards(view, source, None));
         }
         let orders = if self.sums_columns() { narrow.orders() } else { self.plan.terms.len() };
@@ -214,9 +214,9 @@ impl Recycling {
         is_wider.then(|| narrow.towards(view, source, Some((self.plan.width, orders))))
     }
 
-    /// See [`Narrow::two_passes`].
-    pub(super) fn two_passes(&self, views: &[&[Point]], sources: &[&[Point]]) -> Option<Vec<Vec<Vec<f64>>>> {
-        self.narrow.as_ref()?.two_passes(views, sources)
+    /// See [`Narrow::between`].
+    pub(super) fn between_points(&self, views: &[&[Point]], sources: &[&[Point]]) -> Option<Vec<Vec<Exact>>> {
+        Some(self.narrow.as_ref()?.between(views, sources))
     }
 
     /// Returns whether diffuse light has the basis of narrow lobes, not the grid.

@@ -35,20 +35,31 @@ pub(super) struct NarrowPlan {
     pub(super) orders: usize,
     /// Natural digits of its nodes.
     pub(super) digits: f64,
-    /// Natural digits of two passes between points of light, and terms of the reflectance there; none if there
-    /// are no points, the table has kinks, or the later orders matter too much to be extrapolated.
-    pub(super) digits_of_two: f64,
-    pub(super) terms: usize,
-    /// How the error of the closed form is extrapolated from order 2.
+    /// Exact passes between points of light: order 2 of the series, and order 3 if it matters. None if there are none, the table has kinks, or the later orders matter too much to be extrapolated.
+    pub(super) exact: [Option<ExactPlan>; 2],
+    /// How the error of the closed form is extrapolated from the exact orders.
     pub(super) extrapolation: Extrapolation,
-    /// Whether there is a grid, from which light between a view and a field, or points without terms, is corrected.
+    /// Whether there is a grid, from which light between a view and a field, or points without exact passes, is
+    /// corrected.
     pub(super) has_grid: bool,
 }
 
-/// Ratio of order j of the series to its closed form, from that of order 2, by its exponent: rules that differ
-/// from level to level, so that the differences of levels show their error.
+/// Extent of one exact order of the series.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct ExactPlan {
+    /// Natural digits of its light.
+    pub(super) digits: f64,
+    /// Terms of the reflectance.
+    pub(super) terms: usize,
+}
+
+/// Ratio of order j of the series to its closed form, from that of an exact order, by its exponent: rules that
+/// differ from level to level, so that the differences of levels show their error.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Extrapolation {
+    /// 0: the closed form itself. Where the next level has one exact order more, its difference is then the error
+    /// of the closed form, and not by chance much smaller.
+    None,
     /// 1: the same ratio.
     Constant,
     /// j - 1: each further pass has the same effect.
@@ -59,23 +70,28 @@ pub(super) enum Extrapolation {
 }
 
 impl Extrapolation {
-    /// Returns the rule for the level with this number of digits.
-    fn at(digits: f64) -> Self {
+    /// Returns the rule for the level with this number of digits; `is_next_exact`: it is the first level, and the
+    /// next one has one exact order more.
+    fn at(digits: f64, is_next_exact: bool) -> Self {
         match ((digits - DIGITS_OF_SECOND_LEVEL) / DIGITS_A_LEVEL).round() as i32 {
+            ..0 if is_next_exact => Self::None,
             ..0 => Self::Constant,
             level if level % 2 == 0 => Self::Geometric,
             _ => Self::Spread,
         }
     }
 
-    /// Returns the exponent for order `j`, from 2 on.
-    pub(super) fn exponent(self, j: usize) -> f64 {
-        let j = j as f64;
-        match self {
-            Self::Constant => 1.0,
-            Self::Geometric => j - 1.0,
-            Self::Spread => ((2.0 * j * j + 1.0) / 9.0).min(2.0 * (j - 1.0)),
-        }
+    /// Returns the exponent for order `j`, relative to that of the last exact order, 2 or more.
+    pub(super) fn exponent(self, j: usize, last: usize) -> f64 {
+        let of = |j: usize| {
+            let j = j as f64;
+            match self {
+                Self::None | Self::Constant => 1.0,
+                Self::Geometric => j - 1.0,
+                Self::Spread => ((2.0 * j * j + 1.0) / 9.0).min(2.0 * (j - 1.0)),
+            }
+        };
+        if self == Self::None { 0.0 } else { of(j) / of(last) }
     }
 }
 
@@ -130,24 +146,35 @@ impl Plan {
 
     /// Plans for a narrow lobe.
     fn narrow(&self, table: &Nodes, has_points: bool, has_fields: bool) -> NarrowPlan {
-        let digits_of_two = (self.digits - self.weakening - DIGITS_LESS_OF_CORRECTION).max(LEAST_DIGITS);
-        // Tables with kinks are not smooth enough for the interpolation of two passes.
-        let terms = match table {
-            _ if !has_points || self.digits > DIGITS_OF_EXTRAPOLATION + 2.0 * self.weakening => 0,
-            Nodes::Constant => 1,
-            Nodes::Cosines(_) | Nodes::CosinePanels(_) => {
-                1 + (digits_of_two / DIGITS_A_TERM + TERMS_OF_SWINGS).ceil() as usize
-            }
-            Nodes::AnglesInMedium(_) | Nodes::AnglesInAir(_) => 0,
+        let is_late = self.digits > DIGITS_WITHOUT_THREE;
+        let has_three = |digits: f64| digits > DIGITS_OF_TWO + 2.0 * self.weakening;
+        let count = if is_late && has_three(self.digits) { 3 } else { 2 };
+        let is_extrapolated = self.digits < DIGITS_OF_GRID
+            || self.digits <= DIGITS_OF_EXTRAPOLATION + f64::from(count) * self.weakening;
+        let exact = |order: i32| {
+            let weaker = f64::from(order - 2) * self.weakening;
+            let digits =
+                (self.digits - self.weakening - DIGITS_LESS_OF_CORRECTION).min(0.7 * self.digits - 3.5);
+            let digits = (digits - weaker).max(LEAST_DIGITS);
+            let terms = match table {
+                Nodes::Constant => 1,
+                Nodes::Cosines(_) | Nodes::CosinePanels(_) => {
+                    let enough = if order == 2 { digits / DIGITS_A_TERM } else { 0.0 };
+                    1 + (enough + TERMS_OF_SWINGS).ceil() as usize
+                }
+                // Kinks are not smooth enough for interpolation.
+                Nodes::AnglesInMedium(_) | Nodes::AnglesInAir(_) => return None,
+            };
+            (has_points && is_extrapolated && order <= count).then_some(ExactPlan { digits, terms })
         };
+        let exact = [exact(2), exact(3)];
         let orders = (self.digits / self.weakening.max(0.5) - 1.0).ceil().clamp(1.0, MOST_ORDERS);
         NarrowPlan {
-            orders: orders as usize,
+            orders: (orders as usize).max(exact.iter().flatten().count()),
             digits: 0.75 * (self.digits - self.weakening) + 1.0,
-            digits_of_two,
-            extrapolation: Extrapolation::at(self.digits),
-            terms,
-            has_grid: (has_fields || (has_points && terms == 0)) && self.digits > DIGITS_WITHOUT_GRID,
+            extrapolation: Extrapolation::at(self.digits, has_three(DIGITS_OF_SECOND_LEVEL)),
+            exact,
+            has_grid: (has_fields || (has_points && exact[0].is_none())) && self.digits > DIGITS_WITHOUT_GRID,
         }
     }
 
@@ -265,9 +292,14 @@ const DIGITS_A_LEVEL: f64 = 3.5;
 /// Natural digits that the correction needs less than the light that it corrects, at the second level; half of
 /// the digits of each further one are added.
 const DIGITS_LESS_OF_CORRECTION: f64 = 4.0;
-/// Natural digits up to which order 3 of the series is extrapolated from order 2, if passes did not weaken it. Beyond, all
-/// orders are those of the grid.
+/// Natural digits up to which the orders after the exact ones are extrapolated, if passes did not weaken them. Beyond, all
+/// orders are those of the grid, from the fourth level on.
 const DIGITS_OF_EXTRAPOLATION: f64 = 10.5;
+const DIGITS_OF_GRID: f64 = 20.0;
+/// Natural digits up to which order 2 alone is exact, if passes did not weaken the others; always at the first level,
+/// so that its error is the larger one.
+const DIGITS_OF_TWO: f64 = 8.0;
+const DIGITS_WITHOUT_THREE: f64 = 13.0;
 /// Largest number of orders under a narrow lobe; the rest is a geometric series.
 const MOST_ORDERS: f64 = 24.0;
 

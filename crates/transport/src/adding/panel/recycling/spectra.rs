@@ -8,6 +8,7 @@ use super::forms::Products;
 use super::grid::Columns;
 use super::narrow::{Light, Narrow};
 use super::{Direction, Forms, Group, Profile, Recycling, Seen, Towards, azimuth_factor};
+use crate::adding::quadrature::Node;
 use crate::{AngularTable, Base, Medium};
 
 /// The base's part of recycled light; columns are `[state][wavelength]`.
@@ -41,26 +42,25 @@ impl Recycling {
         medium: &Medium,
     ) -> Reflectances {
         let columns = base.states() * base.bins();
-        let look_up = |squares: &mut dyn Iterator<Item = f64>| {
-            let mut all = Vec::new();
-            for square in squares {
-                let start = all.len();
-                all.resize(start + columns, 0.0);
-                base.reflectance(square, medium, &mut all[start..]);
+        let look_up = |squares: &[f64]| {
+            let mut all = vec![0.0; squares.len() * columns];
+            for (row, square) in all.chunks_exact_mut(columns.max(1)).zip(squares) {
+                base.reflectance(*square, medium, row);
             }
             all
         };
+        let squares = |nodes: &[Node]| nodes.iter().map(|node| node.x * node.x).collect::<Vec<f64>>();
         let light = |narrow: &Narrow| {
-            let [glass, air] = narrow.radii().map(|radii| look_up(&mut radii.iter().map(|r| r * r)));
-            let terms = look_up(&mut narrow.squares().into_iter());
+            let of_radii = |radii: &[f64]| look_up(&radii.iter().map(|r| r * r).collect::<Vec<f64>>());
+            let [glass, air] = narrow.radii().map(of_radii);
+            let terms = narrow.squares().map(|squares| look_up(&squares)).collect();
             narrow.light(Columns { count: columns, glass: &glass, air: &air }, terms)
         };
         let narrow = self.narrow.as_ref().map(light);
         if self.sums_columns() {
-            let glass = look_up(&mut self.grid.glass.iter().map(|n| n.x * n.x));
-            let straight = self.grid.straight > 0.0;
-            let air = self.grid.air.iter().filter(|_| straight);
-            let grid = OnGrid::Nodes { glass, air: look_up(&mut air.map(|n| n.x * n.x)) };
+            let glass = look_up(&squares(&self.grid.glass));
+            let air = if self.grid.straight > 0.0 { look_up(&squares(&self.grid.air)) } else { Vec::new() };
+            let grid = OnGrid::Nodes { glass, air };
             return Reflectances { grid, narrow };
         }
         let terms: Vec<&[f64]> = self.terms().collect();
@@ -165,10 +165,9 @@ impl Recycling {
             if towards.is_empty() {
                 continue;
             }
-            let mut closed = vec![0.0; sum.len()];
+            let mut closed = light.between(view, &towards, g);
             // What is left of the grid's light is the error of the closed form under the wider lobe.
             for (source, round_trips) in &towards {
-                add_times(&mut closed, &light.between(view, source, g), round_trips, 1.0);
                 if let Some(wider) = light.under_wider(view, source, g, !self.sums_columns()) {
                     add_times(sum, &wider, round_trips, -1.0);
                 }
@@ -247,7 +246,7 @@ impl Recycling {
 }
 
 /// `sum += scale values * factors`; an empty slice of factors means ones.
-fn add_times(sum: &mut [f64], values: &[f64], factors: &[f64], scale: f64) {
+pub(super) fn add_times(sum: &mut [f64], values: &[f64], factors: &[f64], scale: f64) {
     for (k, (sum, value)) in sum.iter_mut().zip(values).enumerate() {
         *sum += scale * value * factors.get(k).copied().unwrap_or(1.0);
     }

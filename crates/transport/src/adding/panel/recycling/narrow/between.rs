@@ -46,8 +46,10 @@ impl Between {
                 for (from, to, out) in [(0.0, rim, &mut at), (rim, end_of_plane, &mut outside)] {
                     for node in &unit {
                         let u = from + (to - from) * node.x;
-                        let away = width * u.sinh();
-                        let area = TAU / rays as f64 * away * width * u.cosh() * (to - from) * node.weight;
+                        let grown = u.exp();
+                        let (sinh, cosh) = (0.5 * (grown - 1.0 / grown), 0.5 * (grown + 1.0 / grown));
+                        let away = width * sinh;
+                        let area = TAU / rays as f64 * away * width * cosh * (to - from) * node.weight;
                         let at = Beta { x: end.x + away * cos, y: end.y + away * sin };
                         let [own, other] = [cube(at, end), cube(at, other)];
                         out.push((at, area * other / (own + other)));

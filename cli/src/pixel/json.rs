@@ -1,0 +1,96 @@
+//! `papilio pixel --json`: the scan, and the absorptance of each layer, as one JSON object.
+
+use std::collections::BTreeMap;
+
+use papilio_display::pixel::{PixelAbsorption, PixelScan, SubPixelAbsorption};
+use serde::Serialize;
+
+/// Rows of angles, each with one number for each wavelength.
+type Table<'a> = Vec<&'a [f64]>;
+
+/// What `papilio pixel --json` prints.
+#[derive(Debug, Serialize)]
+pub(super) struct PixelJson<'a> {
+    papilio: &'static str,
+    title: &'a str,
+    hash: &'a str,
+    /// Medium of the angles: `air` or `glass`.
+    angles: &'a str,
+    theta_deg: &'a [f64],
+    wavelength_nm: &'a [f64],
+    /// Reflectance of each state, `[angle][wavelength]`.
+    reflectance: BTreeMap<&'a str, Table<'a>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    absorption: Option<AbsorptionJson<'a>>,
+}
+
+/// The absorptance of each layer of the film, at angles of its own.
+#[derive(Debug, Serialize)]
+struct AbsorptionJson<'a> {
+    theta_deg: &'a [f64],
+    /// The layers, downwards from the glass, and the substrate.
+    materials: Vec<&'a str>,
+    sub_pixels: Vec<SubPixelJson<'a>>,
+}
+
+/// One sub-pixel in one state: fractions of the light that falls on this sub-pixel.
+#[derive(Debug, Serialize)]
+struct SubPixelJson<'a> {
+    state: &'a str,
+    sub_pixel: &'a str,
+    /// Fraction of the panel's area.
+    area: f64,
+    /// `[angle][wavelength]`.
+    reflectance: Table<'a>,
+    /// `[layer][angle][wavelength]`.
+    absorptance: Vec<Table<'a>>,
+}
+
+impl<'a> PixelJson<'a> {
+    pub(super) fn new(
+        title: &'a str,
+        hash: &'a str,
+        angles: &'a str,
+        scan: &'a PixelScan,
+        absorption: Option<&'a PixelAbsorption>,
+    ) -> Self {
+        let bins = scan.wavelength_nm.len();
+        Self {
+            papilio: env!("CARGO_PKG_VERSION"),
+            title,
+            hash,
+            angles,
+            theta_deg: &scan.theta_deg,
+            wavelength_nm: &scan.wavelength_nm,
+            reflectance: scan
+                .states
+                .iter()
+                .map(|(name, values)| (name.as_str(), rows(values, bins)))
+                .collect(),
+            absorption: absorption.map(AbsorptionJson::new),
+        }
+    }
+}
+
+impl<'a> AbsorptionJson<'a> {
+    fn new(all: &'a PixelAbsorption) -> Self {
+        let (angles, bins) = (all.theta_deg.len(), all.wavelength_nm.len());
+        let of = |one: &'a SubPixelAbsorption| SubPixelJson {
+            state: &one.state,
+            sub_pixel: &one.sub_pixel,
+            area: one.area,
+            reflectance: rows(&one.reflectance, bins),
+            absorptance: one.absorptance.chunks(angles * bins).map(|layer| rows(layer, bins)).collect(),
+        };
+        Self {
+            theta_deg: &all.theta_deg,
+            materials: all.layers.iter().map(|layer| layer.material.as_str()).collect(),
+            sub_pixels: all.sub_pixels.iter().map(of).collect(),
+        }
+    }
+}
+
+/// Rows of `bins` numbers.
+fn rows(values: &[f64], bins: usize) -> Table<'_> {
+    values.chunks(bins).collect()
+}
