@@ -21,6 +21,11 @@ use super::media::{Layer, Media, Medium, load};
 /// Smallest q^2: at 0, sin(delta)/q would be 0/0; 1e-60 changes nothing.
 const TINY: f64 = 1e-60;
 
+/// Number of thin layers, of up to a factor of 1e4 each, that enlarge the fields no more than one thick layer (1e16). The
+/// fields are scaled where they could have grown more than by two thick layers, and at the gap more than by one: the
+/// reflectance multiplies fourth powers of the factors above and below the gap and of the gap itself, which is below 1e190.
+const GROWTH: u32 = 4;
+
 /// One call of [`GapFilm::reflectance`](super::GapFilm::reflectance), arguments checked.
 pub(super) struct Sweep<'a> {
     pub(super) media: &'a Media,
@@ -135,7 +140,7 @@ impl<S: Simd> Direction<'_, S> {
         mut both: [T; 2],
         layers: impl ExactSizeIterator<Item = &'l Layer>,
     ) -> [T; 2] {
-        let mut left = layers.len();
+        let (mut left, mut growth) = (layers.len(), 0);
         for layer in layers {
             both = match (layer.medium.is_clear(), layer.thin) {
                 (true, true) => through(both, self.thin_and_clear(layer)),
@@ -144,9 +149,10 @@ impl<S: Simd> Direction<'_, S> {
                 _ => through(both, self.any(layer)),
             };
             left -= 1;
-            // Two layers alone do not overflow.
-            if left.is_multiple_of(2) {
+            growth += if layer.thin { 1 } else { GROWTH };
+            if growth >= 2 * GROWTH || (left == 0 && growth > GROWTH) {
                 both = scaled(both);
+                growth = 0;
             }
         }
         both

@@ -23,7 +23,9 @@ use std::sync::atomic::AtomicBool;
 
 use papilio_optics::lobe::Lobe;
 
-use super::{FirstPass, TableGradient};
+pub use diffused::ViewSums;
+
+use super::TableGradient;
 use crate::{Cone, Diffuser, Estimate, Nodes, Panel, ReflectanceFactor, Reflector, Source, Top};
 
 /// Returns whether recycled light may have a wider lobe than the diffuser's (see [`recycling`]).
@@ -149,9 +151,9 @@ impl Kernel {
         }
     }
 
-    pub(super) fn first_pass(&self, stack: &Panel, view: usize) -> Option<(Vec<FirstPass>, f64)> {
+    pub(super) fn view_sums(&self, stack: &Panel, view: usize) -> Option<Vec<ViewSums>> {
         match (&self.kind, &stack.top) {
-            (Kind::Diffused(kernel), Top::Diffuser(diffuser)) => kernel.first_pass(stack, diffuser, view),
+            (Kind::Diffused(kernel), Top::Diffuser(diffuser)) => kernel.view_sums(stack, diffuser, view),
             _ => None,
         }
     }
