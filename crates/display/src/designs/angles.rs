@@ -1,5 +1,6 @@
 //! Designs whose quantities are all colours: films on as many nodes over angle as X, Y and Z need.
 
+use std::borrow::Cow;
 use std::sync::Arc;
 
 use papilio_spectra::{Grid, Spectrum};
@@ -117,8 +118,7 @@ impl ColourViews {
         let columns = table.states() * bins;
         let mut seen = vec![0.0; view.fronts.len() * columns];
         for (sums, rows) in &view.sums {
-            let own = rows.iter().map(|row| &table.of_states[row * columns..][..columns]);
-            sums.add_seen(&own.collect::<Vec<_>>().concat(), &mut seen);
+            sums.add_seen(&rows_of(&table.of_states, rows, columns), &mut seen);
         }
         let by_source = seen.chunks_exact(columns).zip(&view.fronts);
         let factor = |(via_pixel, front): (&[f64], &Vec<f64>)| ReflectanceFactor {
@@ -174,6 +174,16 @@ fn numbered(sums: ViewSums, rows: &mut Vec<Vec<f64>>) -> (ViewSums, Vec<usize>) 
     };
     let numbers = sums.rows().iter().map(number).collect();
     (sums, numbers)
+}
+
+/// Returns these rows of a matrix with this number of columns; without a copy, if they follow each other.
+fn rows_of<'a>(matrix: &'a [f64], rows: &[usize], columns: usize) -> Cow<'a, [f64]> {
+    match rows.first() {
+        Some(&first) if rows.iter().copied().eq(first..first + rows.len()) => {
+            Cow::Borrowed(&matrix[first * columns..][..rows.len() * columns])
+        }
+        _ => rows.iter().flat_map(|row| &matrix[row * columns..][..columns]).copied().collect(),
+    }
 }
 
 /// Returns the light of each source that a view sees.

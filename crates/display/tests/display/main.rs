@@ -6,6 +6,7 @@
     reason = "helpers of tests express expectations by unwrapping, too"
 )]
 
+mod timing;
 mod absorption;
 mod asked_metrics;
 mod auto;
