@@ -8,6 +8,7 @@ use papilio_display::scene::{Drive, FilmPixel, Method, Metric, Pixel, Scene, Sto
 use papilio_display::{Control, Designs, DisplayError, Parameter, Prepared, Quantity};
 use papilio_sampling::{SampleStream, Sampler};
 use papilio_spectra::Spectrum;
+use papilio_testing::seeds;
 
 /// Displays of all kinds that support designs, with few wavelengths. The target is so large that two levels suffice
 /// for all designs: a run then reports the level at which designs are computed.
@@ -181,8 +182,9 @@ fn random_stack(film: &FilmPixel, seed: u64, number: u64) -> FilmPixel {
     made
 }
 
-/// Within the stated 1e-5 of Y (or of 0.01). The full table is forced by a quantity of a spectrum; a film that equals it to the last
-/// bit took it, too. Sums over few wavelengths blur least. Stacks are meant to be difficult: the estimate refuses many of them.
+/// Within the stated 1e-5 of Y (or of 0.01); observed: OBSERVED. The full table is forced by a quantity of a spectrum; a film that
+/// equals it to the last bit took it, too. Sums over few wavelengths blur least. Stacks are meant to be difficult: many of them
+/// need many nodes. `cargo xtask full` takes 40 seeds; none of them was used while the estimate was developed.
 #[test]
 fn colours_on_their_own_nodes_equal_those_of_the_full_table() {
     for (name, scene) in scenes_of_colours() {
@@ -199,7 +201,8 @@ fn colours_on_their_own_nodes_equal_those_of_the_full_table() {
         let spectral = Quantity::ReflectanceFactor { view: 0, state: white, bin: 0 };
         let mut all = designs(&scene, &[quantities.clone(), vec![spectral]].concat());
         let changed = (0..3).map(|number| moved(film(&scene), number));
-        let random = (9..17).flat_map(|seed| (3..33).map(move |number| (seed, number)));
+        let last = 100 + seeds() / 12;
+        let random = (101..=last).flat_map(|seed| (3..33).map(move |number| (seed, number)));
         let random = random.map(|(seed, number)| random_stack(film(&scene), seed, number));
         let films: Vec<FilmPixel> = changed.chain(random).collect();
         let (mut worst, mut on_their_own) = (0.0_f64, 0);

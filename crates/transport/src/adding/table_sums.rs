@@ -2,8 +2,8 @@
 
 use papilio_optics::with_widest_simd;
 
-use crate::angular::{add_rows, mix};
-use crate::product::add_transposed_product;
+use crate::angular::mix;
+use crate::product::{add_product, add_transposed_product};
 
 /// Reflectances of a specular base at some nodes over angle, and the mixtures of them that are its states.
 #[derive(Debug, Clone, Copy)]
@@ -60,14 +60,13 @@ impl<'a> TableSums<'a> {
         let columns = states * values.common.len();
         let totals: Vec<f64> = weights.chunks_exact(nodes.max(1)).map(|row| row.iter().sum()).collect();
         let (mut of_basis, mut of_states) = (vec![0.0; count * width], vec![0.0; count * columns]);
+        add_product(weights, values.basis, nodes, &mut of_basis);
         with_widest_simd(
             #[inline(always)]
             || {
-                let rows = weights.chunks_exact(nodes.max(1)).zip(&totals);
                 let sums =
-                    of_basis.chunks_exact_mut(width.max(1)).zip(of_states.chunks_exact_mut(columns.max(1)));
-                for ((weights, total), (basis, states)) in rows.zip(sums) {
-                    add_rows(basis, values.basis, weights);
+                    of_basis.chunks_exact(width.max(1)).zip(of_states.chunks_exact_mut(columns.max(1)));
+                for (total, (basis, states)) in totals.iter().zip(sums) {
                     mix((values.mixture, values.common), basis, *total, states);
                 }
             },
