@@ -115,7 +115,15 @@ pub(crate) fn fit_nodes(
 ) -> Result<(), DisplayError> {
     let mixture = Mixture::new(film)?;
     let whole = Film::new(film, grid, index, &mixture.gaps_nm, Beta::InGlass)?;
-    light.fit((&mixture.fractions, mixture.gaps_nm.len()), |cosines| whole.at_cosines(cosines))
+    let critical = critical_cosine(film, index);
+    light.fit((&mixture.fractions, mixture.gaps_nm.len()), critical, |cosines| whole.at_cosines(cosines))
+}
+
+/// Returns the cosine of the critical angle of the film's gap in the medium above, at the first wavelength; 0 if it has none.
+fn critical_cosine(film: &FilmPixel, index: &Spectrum) -> f64 {
+    let gap = film.layers.iter().find(|layer| layer.thickness == Thickness::Gap);
+    let sine = gap.and_then(|gap| Some(gap.index.first()?.re / index.first()?));
+    sine.map_or(0.0, |sine| (1.0 - sine * sine).max(0.0).sqrt())
 }
 
 /// Approximate largest thickness of a film whose fringes can be tabulated, mm.

@@ -10,10 +10,11 @@
 //! `a_(N+j) (m_(N+j) + m_(N-j))` over j. The missing `a` are extrapolated from the mean magnitude of the last six over wavelength,
 //! weighted by each colour-matching function, as a geometric series ([`decay`]).
 //!
-//! Nothing cancels in this mean. It is therefore the error if those of all wavelengths have the same sign, which they do not have:
-//! X, Y and Z are more exact by an order of magnitude or two. And it does not miss a resonance between the nodes. The angle of a
-//! resonance depends on wavelength, so that it meets the nodes at some wavelengths; in coefficients of X, Y and Z, which were used
-//! before, these contributions cancel, and the errors of some films were twice the estimate.
+//! Nothing cancels in this mean. It is therefore the error if those of all wavelengths have the same sign, which they seldom
+//! have: X, Y and Z are mostly more exact by an order of magnitude or two. And it does not miss a resonance between the nodes. The
+//! angle of a resonance depends on wavelength, so that it meets the nodes at some wavelengths; in coefficients of X, Y and Z, which
+//! were used before, these contributions cancel, and the errors of some films were twice the estimate. Structure at the critical
+//! angle of a gap is at the same angle at all wavelengths. Panels end there ([`first`]), and the estimate is cautious ([`decay`]).
 //!
 //! Where the sum of all errors is too large, the panel with the largest error takes more nodes, and is halved if it has the most.
 
@@ -26,8 +27,8 @@ mod decay;
 mod first;
 mod rule;
 
-use decay::{Decay, weighted_rows};
-use rule::{FineLight, LAST, Panel, Rule};
+use decay::{Decay, dots, weighted_rows};
+use rule::{FineLight, Panel, Rule};
 
 /// Halvings of the panels on which the light is given.
 const FINEST: u32 = 5;
@@ -276,17 +277,14 @@ impl WeightedNodes {
         let rule = self.rule(panel);
         let mut coefficients = weighted_rows(values, &rule.last);
         coefficients.iter_mut().for_each(|value| *value = value.abs());
-        let bins = coefficients.len() / (LAST * gaps);
         let (mut luminous, mut errors) = (Vec::new(), Vec::new());
         // Of each colour: Y at the nodes, `[node][gap]`, and the decay of the coefficients, `[quantity][gap]`.
         let of_colour = |colour: &Vec<Vec<f64>>| -> (Vec<f64>, Vec<Decay>) {
-            let decay = |weights: &[f64], gap: usize| {
-                Decay::of(std::array::from_fn(|k| {
-                    decay::dot(&coefficients[(k * gaps + gap) * bins..][..bins], weights)
-                }))
+            let decays = |weights: &Vec<f64>| {
+                let sums = dots(&coefficients, weights);
+                (0..gaps).map(move |gap| Decay::of(std::array::from_fn(|k| sums[k * gaps + gap])))
             };
-            let decays = colour.iter().flat_map(|weights| (0..gaps).map(move |gap| decay(weights, gap)));
-            (decay::dots(values, &colour[LUMINOUS]), decays.collect())
+            (dots(values, &colour[LUMINOUS]), colour.iter().flat_map(decays).collect())
         };
         let colours: Vec<_> = self.colours.iter().map(of_colour).collect();
         for (number, one) in self.lights.iter().enumerate() {
@@ -374,16 +372,25 @@ mod tests {
             .collect()
     }
 
-    /// Returns the number of nodes, and the error of the light that a film of one wavelength reflects; `None` if it takes the
-    /// full table.
+    /// Number of wavelengths.
+    const BINS: usize = 16;
+
+    /// Returns the reflectances of a film at several wavelengths. The angles of its structure depend on wavelength.
+    fn spectrum(cosine: f64, film: impl Fn(f64) -> f64) -> impl Iterator<Item = f64> {
+        (0..BINS).map(move |bin| film(cosine + 0.04 * (bin as f64 / (BINS - 1) as f64 - 0.5)))
+    }
+
+    /// Returns the number of nodes, and the error of the light that a film reflects; `None` if it takes the full table.
     fn error(tolerance: f64, film: impl Fn(f64) -> f64) -> Option<(usize, f64)> {
-        let seen = SeenLight { view: 0, colour: vec![vec![1.0]; 3], row: 0 };
+        let seen = SeenLight { view: 0, colour: vec![vec![1.0; BINS]; 3], row: 0 };
         let mut nodes = WeightedNodes::new(vec![light()], vec![seen], 0.0, tolerance);
-        let at = |cosines: &[f64]| Ok::<_, ()>(cosines.iter().map(|c| film(*c)).collect());
+        let at = |cosines: &[f64]| Ok::<_, ()>(cosines.iter().flat_map(|c| spectrum(*c, &film)).collect());
         let table = nodes.table((&[1.0], 1), at).unwrap()?;
-        let sum = dot(&table.weights, &table.values);
-        let fine = WeightedNodes::light_nodes();
-        let truth: f64 = fine.nodes().zip(light()).map(|(c, weight)| weight * film(c)).sum();
+        let at_nodes: Vec<f64> = table.values.chunks_exact(BINS).map(|values| values.iter().sum()).collect();
+        let sum = dot(&table.weights, &at_nodes);
+        let panels = WeightedNodes::light_nodes();
+        let lit = panels.nodes().zip(light());
+        let truth: f64 = lit.map(|(c, weight)| weight * spectrum(c, &film).sum::<f64>()).sum();
         Some((table.cosines.len(), (sum - truth).abs() / truth.max(FAINT)))
     }
 

@@ -4,10 +4,10 @@ use papilio_optics::with_widest_simd;
 
 use super::rule::{Aliases, LAST};
 
-/// Geometric bound of coefficients, by pairs, from the last three of them.
+/// Geometric bound of the missing coefficients, by pairs, from the last three pairs.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Decay {
-    /// Bound of the last pair.
+    /// Bound of the last pairs.
     size: f64,
     /// Factor from each pair to the next one.
     ratio: f64,
@@ -17,12 +17,13 @@ pub(super) struct Decay {
 const SLOWEST: f64 = 0.95;
 
 impl Decay {
-    /// Returns the decay of magnitudes.
+    /// Returns the decay of magnitudes. They oscillate where a structure has the same angle at all wavelengths, and a pair may be
+    /// small by chance: the bound has the size of the largest pair and the slowest decay between any two.
     pub(super) fn of(last: [f64; LAST]) -> Self {
         let [first, second, third] = [0, 2, 4].map(|k: usize| last[k] + last[k + 1]);
-        let ratio = if first > 0.0 { (third / first).sqrt().min(SLOWEST) } else { 0.0 };
-        // A pair may be small by chance: the bound holds for all three.
-        Self { size: third.max(second * ratio).max(first * ratio * ratio), ratio }
+        let quotient = |next: f64, before: f64| if next > 0.0 { next / before } else { 0.0 };
+        let slowest = quotient(second, first).max(quotient(third, second)).max(quotient(third, first).sqrt());
+        Self { size: first.max(second).max(third), ratio: slowest.min(SLOWEST) }
     }
 
     /// Returns the error of light with these factors.
@@ -51,14 +52,6 @@ pub(super) fn dots(rows: &[f64], vector: &[f64]) -> Vec<f64> {
     products
 }
 
-/// Returns the sum of products.
-pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
-    with_widest_simd(
-        #[inline(always)]
-        || dot_in_lanes(a, b),
-    )
-}
-
 #[inline(always)]
 fn dot_in_lanes(a: &[f64], b: &[f64]) -> f64 {
     const LANES: usize = 16;
@@ -81,38 +74,28 @@ pub(super) fn weighted_rows(values: &[f64], weights: &[Vec<f64>; LAST]) -> Vec<f
     with_widest_simd(
         #[inline(always)]
         || {
-            let done = add_columns::<16>(values, weights, &mut sums, 0);
-            add_columns::<1>(values, weights, &mut sums, done);
+            for (sum, weights) in sums.chunks_exact_mut(columns).zip(weights) {
+                let done = add_columns::<32>(sum, values, weights, 0);
+                let done = add_columns::<8>(sum, values, weights, done);
+                add_columns::<1>(sum, values, weights, done);
+            }
         },
     );
     sums
 }
 
-/// Computes the sums `N` columns at a time from this one on: all of a block remain in registers. Returns the next column.
+/// Adds weighted rows to columns from the first one on, `N` at a time, whose sums remain in registers; returns the next column.
 #[inline(always)]
-fn add_columns<const N: usize>(
-    values: &[f64],
-    weights: &[Vec<f64>; LAST],
-    out: &mut [f64],
-    first: usize,
-) -> usize {
-    let columns = out.len() / LAST;
-    let mut at = first;
-    while at + N <= columns {
-        let mut sums = [[0.0; N]; LAST];
-        for (node, row) in values.chunks_exact(columns).enumerate() {
-            let row = &row[at..][..N];
-            for k in 0..LAST {
-                let weight = weights[k][node];
-                for lane in 0..N {
-                    sums[k][lane] += weight * row[lane];
-                }
-            }
+fn add_columns<const N: usize>(sum: &mut [f64], rows: &[f64], weights: &[f64], first: usize) -> usize {
+    let columns = sum.len();
+    let (chunks, _) = sum[first..].as_chunks_mut::<N>();
+    for (number, chunk) in chunks.iter_mut().enumerate() {
+        let mut sums = *chunk;
+        for (row, weight) in rows.chunks_exact(columns).zip(weights) {
+            let row = &row[first + number * N..][..N];
+            sums.iter_mut().zip(row).for_each(|(sum, value)| *sum += weight * value);
         }
-        for (row, sums) in out.chunks_exact_mut(columns).zip(&sums) {
-            row[at..][..N].copy_from_slice(sums);
-        }
-        at += N;
+        *chunk = sums;
     }
-    at
+    first + chunks.len() * N
 }

@@ -4,13 +4,13 @@ use super::rule::Panel;
 use super::{Evaluated, Fractions, PARTS, WeightedNodes};
 
 /// Numbers of nodes of which equally accurate panels are made.
-const COUNTS: [usize; 4] = [10, 12, 14, 16];
+const COUNTS: [usize; 5] = [10, 12, 14, 16, 18];
 
 /// Smallest number of nodes of a panel. The last coefficients of fewer say little about the missing ones.
 const LEAST: usize = 8;
 
 /// Fraction of the tolerance that the scene's own film takes. Similar films then seldom need other panels.
-const MARGIN: f64 = 0.6;
+const MARGIN: f64 = 0.7;
 
 /// Fraction of that error that a single panel may have at first.
 const SHARE: f64 = 1.0 / 3.0;
@@ -25,17 +25,23 @@ pub(super) fn for_any_film() -> Vec<Panel> {
 struct Own<'a, F> {
     fractions: Fractions<'a>,
     film: F,
+    /// Border between panels, in parts.
+    border: u32,
     luminances: Vec<f64>,
 }
 
 impl WeightedNodes {
-    /// Chooses the first panels so that they suffice for this film, with a margin.
+    /// Chooses the first panels so that they suffice for this film, with a margin. `critical` is the cosine of the critical angle of
+    /// the film's gap: there, films have structure that is sharp and at the same angle at all wavelengths. A panel resolves it best
+    /// at its ends.
     pub(crate) fn fit<E>(
         &mut self,
         fractions: Fractions<'_>,
+        critical: f64,
         film: impl Fn(&[f64]) -> Result<Vec<f64>, E>,
     ) -> Result<(), E> {
-        let mut own = Own { fractions, film, luminances: Vec::new() };
+        let border = (critical * f64::from(PARTS)).round() as u32;
+        let mut own = Own { fractions, film, border, luminances: Vec::new() };
         let mut panels = Vec::new();
         for panel in for_any_film() {
             panels.push(self.evaluated_of(&own, panel)?);
@@ -66,7 +72,8 @@ impl WeightedNodes {
         let mut start = 0;
         while start < PARTS {
             // The widest that is known to suffice, and the narrowest that is known not to.
-            let (mut end, mut beyond) = (start, PARTS + 1);
+            let limit = if start < own.border { own.border } else { PARTS };
+            let (mut end, mut beyond) = (start, limit + 1);
             while beyond - end > 1 {
                 let middle = end.midpoint(beyond);
                 let errors = self.errors_of(own, Panel { start, end: middle, count })?;
