@@ -32,7 +32,7 @@ pub(crate) fn mtf(arguments: &SpatialCommand) -> Result<(), Failure> {
     }
     stdout.flush()?;
     if let Some(folder) = &folder {
-        let names = interrupt::uninterrupted(|| write(folder, &file, &title))?;
+        let names = interrupt::uninterrupted(|| write(folder, &file, &title, arguments.png))?;
         output::print_written(folder, &names);
     }
     print_notes(&resolved.notes);
@@ -42,7 +42,7 @@ pub(crate) fn mtf(arguments: &SpatialCommand) -> Result<(), Failure> {
 }
 
 /// Writes all files; returns their names.
-fn write(folder: &Path, file: &MtfFile<'_>, title: &str) -> Result<Vec<String>, Failure> {
+fn write(folder: &Path, file: &MtfFile<'_>, title: &str, png: bool) -> Result<Vec<String>, Failure> {
     output::make_folder(folder)?;
     output::remove(folder, is_figure)?;
     write_file(&folder.join("mtf.json"), |out| write_json(out, file))?;
@@ -55,18 +55,15 @@ fn write(folder: &Path, file: &MtfFile<'_>, title: &str) -> Result<Vec<String>, 
         write_file(&folder.join(&name), |out| write_kernel_npy(out, file.result, state))?;
         names.push(name);
     }
-    for (name, svg) in papilio_figures::of_mtf(file.result, title) {
-        let name = format!("{name}.svg");
-        write_file(&folder.join(&name), |out| out.write_all(svg.as_bytes()))?;
-        names.push(name);
-    }
+    names.extend(output::write_figures(folder, papilio_figures::of_mtf(file.result, title), png)?);
     Ok(names)
 }
 
 /// True for names of figures of this command.
 fn is_figure(name: &str) -> bool {
     let is_own = |stem: &str| ["mtf", "edges", "kernel_"].iter().any(|kind| stem.starts_with(kind));
-    name.strip_suffix(".svg").is_some_and(is_own)
+    let stem = name.strip_suffix(".svg").or_else(|| name.strip_suffix(".png"));
+    stem.is_some_and(is_own)
 }
 
 /// The table on the terminal.

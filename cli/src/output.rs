@@ -10,11 +10,18 @@ use papilio_formats::{
 };
 
 use crate::Failure;
+use crate::arguments::Schema;
 use crate::page::Page;
 
-/// Prints the JSON Schema of a scenario, or of `result.json`.
-pub(crate) fn schema(of_result: bool) -> Result<(), Failure> {
-    let schema = if of_result { papilio_formats::result_schema() } else { papilio_scenario::schema() };
+/// Prints the JSON Schema of a scenario, or of the result of a command.
+pub(crate) fn schema(of: &Schema) -> Result<(), Failure> {
+    let schema = match of {
+        Schema { result: true, .. } => papilio_formats::result_schema(),
+        Schema { mtf: true, .. } => papilio_formats::mtf_schema(),
+        Schema { crosstalk: true, .. } => papilio_formats::crosstalk_schema(),
+        Schema { sparkle: true, .. } => papilio_formats::sparkle_schema(),
+        _ => papilio_scenario::schema(),
+    };
     let mut out = crate::terminal::stdout();
     serde_json::to_writer_pretty(&mut out, &schema).map_err(std::io::Error::from)?;
     writeln!(out)?;

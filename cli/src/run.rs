@@ -210,15 +210,16 @@ fn progress_bar() -> ProgressBar {
 
 fn show(bar: &ProgressBar, progress: Progress<'_>) {
     let (views_done, views) = progress.views_done;
-    let fraction = match progress.target {
-        Some(target) => (target / progress.relative_error).min(1.0),
-        None => progress.share_of_paths.unwrap_or(0.0),
+    let fraction = match (progress.target, progress.relative_error) {
+        (Some(target), Some(error)) => (target / error).min(1.0),
+        _ => progress.share_of_view.unwrap_or(0.0),
     };
     // A complete view is already counted in `views_done`.
     let fraction = if fraction < 1.0 { fraction } else { 0.0 };
     bar.set_position((1000.0 * (views_done as f64 + fraction) / views as f64) as u64);
     let target = progress.target.map_or(String::new(), |target| format!(" (target {:.2} %)", 100.0 * target));
-    let views = if views == 1 { String::new() } else { format!(", {views_done} of {views} views done") };
-    let paths = progress.paths.map_or(String::new(), |paths| format!(", {paths} paths"));
-    bar.set_message(format!("relative error {:.2} %{target}{paths}{views}", 100.0 * progress.relative_error));
+    let error = progress.relative_error.map(|error| format!("relative error {:.2} %{target}", 100.0 * error));
+    let paths = progress.paths.map(|paths| format!("{paths} paths"));
+    let views = (views > 1).then(|| format!("{views_done} of {views} views done"));
+    bar.set_message([error, paths, views].into_iter().flatten().collect::<Vec<_>>().join(", "));
 }

@@ -19,7 +19,7 @@ const POLL: Duration = Duration::from_millis(50);
 #[derive(Clone, Copy)]
 pub(crate) enum ProgressState {
     /// A run.
-    Run { paths: Option<u64>, relative_error: f64, target: Option<f64>, views_done: (usize, usize) },
+    Run { paths: Option<u64>, relative_error: Option<f64>, target: Option<f64>, views_done: (usize, usize) },
     /// Number of completed designs, rows or tasks, and of all of them.
     Done(usize, usize),
 }

@@ -74,8 +74,8 @@ pub enum DisplayError {
     Places(papilio_transport::walk::places::PlaceError),
     /// A display or light whose places are not computed.
     #[error(
-        "the places of light are not computed yet for {what} (expected a k-correlation or Lambertian diffuser over mirror-like pixels in \
-         diffuse light or beams, or pixels below a flat face)"
+        "the places of light are not computed yet for {what} (see `{key}`; expected mirror-like pixels below a diffuser or a flat face, or \
+         Lambertian pixels below a flat face)"
     )]
     PlacesNotComputed {
         /// The layer or light.

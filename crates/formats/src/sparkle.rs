@@ -3,10 +3,11 @@
 use std::io::{self, Write};
 
 use papilio_display::spatial::SparkleResult;
+use schemars::JsonSchema;
 use serde::Serialize;
 
 /// Content of `sparkle.json`.
-#[derive(Debug, Serialize)]
+#[derive(Debug, Serialize, JsonSchema)]
 pub struct SparkleFile<'a> {
     /// Version of the program.
     pub papilio: &'a str,
@@ -19,6 +20,11 @@ pub struct SparkleFile<'a> {
     /// The result.
     #[serde(flatten)]
     pub result: &'a SparkleResult,
+}
+
+/// Returns the JSON Schema of `sparkle.json`.
+pub fn sparkle_schema() -> serde_json::Value {
+    schemars::schema_for!(SparkleFile<'_>).to_value()
 }
 
 /// Writes `sparkle.csv`: a line for each row of the result, with the same names. Cells of undefined values are empty.

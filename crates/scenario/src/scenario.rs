@@ -208,8 +208,7 @@ impl Resolved {
             DisplayError::PlacesNotComputed { what, key } => {
                 let wrong = Diagnostic::new(format!("the places of light are not computed yet for {what}"))
                     .expected(
-                        "a k-correlation or Lambertian diffuser over mirror-like pixels in diffuse light or beams, or pixels below a \
-                         flat face",
+                        "mirror-like pixels below a diffuser or a flat face, or Lambertian pixels below a flat face",
                     );
                 (key, wrong.into())
             }

@@ -173,7 +173,7 @@ impl Reported {
         events.send(&WalkEvent::Progress(WalkProgress {
             paths: progress.paths.unwrap_or(0),
             seconds: events.seconds(),
-            relative_error: progress.relative_error,
+            relative_error: progress.relative_error.unwrap_or(f64::INFINITY),
             views_done: done,
             views,
             states: self.states.clone(),

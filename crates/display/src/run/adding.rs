@@ -298,14 +298,8 @@ impl<'a> Runner<'a> {
     /// Reports progress to the caller.
     fn report(&self, relative_error: f64, views_done: usize) {
         let done = self.views_done.fetch_add(views_done, Ordering::Relaxed) + views_done;
-        (self.run.control.progress)(Progress {
-            paths: None,
-            share_of_paths: None,
-            relative_error,
-            target: Some(self.target),
-            views_done: (done, self.run.setup.views.len()),
-            so_far: None,
-        });
+        let progress = Progress::of_views(done, self.run.setup.views.len());
+        (self.run.control.progress)(progress.with_error(relative_error, self.target));
     }
 
     fn result(&self, groups: &[Option<Group>]) -> Result<RunResult, DisplayError> {

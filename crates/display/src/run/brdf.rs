@@ -189,15 +189,8 @@ impl Survey<'_> {
     }
 
     fn report(&self, relative_error: f64, target: f64, done: usize) {
-        let views_done = (done, self.grid.theta_o_deg.len());
-        (self.control.progress)(Progress {
-            paths: None,
-            share_of_paths: None,
-            relative_error,
-            target: Some(target),
-            views_done,
-            so_far: None,
-        });
+        let progress = Progress::of_views(done, self.grid.theta_o_deg.len());
+        (self.control.progress)(progress.with_error(relative_error, target));
     }
 
     /// Computes the spectra scattered towards each inclination of the viewer, [dphi][theta_i][state][wavelength], their Y, and

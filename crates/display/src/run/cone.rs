@@ -290,15 +290,8 @@ impl Survey<'_> {
     }
 
     fn report(&self, relative_error: f64, target: f64, done: usize) {
-        let views_done = (done, self.run.setup.views.len());
-        (self.run.control.progress)(Progress {
-            paths: None,
-            share_of_paths: None,
-            relative_error,
-            target: Some(target),
-            views_done,
-            so_far: None,
-        });
+        let progress = Progress::of_views(done, self.run.setup.views.len());
+        (self.run.control.progress)(progress.with_error(relative_error, target));
     }
 
     /// Computes all inclinations at the selected azimuths, `[theta][phi]`; of general layers also, as a last row, the

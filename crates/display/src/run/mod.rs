@@ -45,16 +45,35 @@ const NEGLIGIBLE_ERROR: f64 = 1e-3;
 pub struct Progress<'a> {
     /// Paths traced so far, over all views (Monte Carlo).
     pub paths: Option<u64>,
-    /// Fraction of the current view's paths that is done, if it is known.
-    pub share_of_paths: Option<f64>,
-    /// Largest relative error of Y in the current view.
-    pub relative_error: f64,
+    /// Fraction of the current view's work that is done, if it is known.
+    pub share_of_view: Option<f64>,
+    /// Largest relative error of Y in the current view, if it is estimated.
+    pub relative_error: Option<f64>,
     /// Target of the relative error, if there is one.
     pub target: Option<f64>,
     /// Number of views that are done, and of all views.
     pub views_done: (usize, usize),
     /// Computes the number of the current view, from 0, and its result so far (Monte Carlo).
     pub so_far: Option<&'a dyn Fn() -> (usize, View)>,
+}
+
+impl Progress<'_> {
+    /// Progress of a computation without paths, in which a number of views out of all are done.
+    pub(crate) fn of_views(done: usize, all: usize) -> Self {
+        Self {
+            paths: None,
+            share_of_view: None,
+            relative_error: None,
+            target: None,
+            views_done: (done, all),
+            so_far: None,
+        }
+    }
+
+    /// Adds the largest relative error of the views that are being computed, and its target.
+    pub(crate) fn with_error(self, relative_error: f64, target: f64) -> Self {
+        Self { relative_error: Some(relative_error), target: Some(target), ..self }
+    }
 }
 
 /// Accuracy of an answer of a prepared display.

@@ -325,7 +325,7 @@ impl<'a> Runner<'a> {
     }
 
     fn progress(&self, work: &Work<'_>, done: &Done) -> Progress<'static> {
-        let (share_of_paths, target) = match self.run.scene.solver.stop {
+        let (share_of_view, target) = match self.run.scene.solver.stop {
             Stop::Paths(paths) => (Some((work.paths as f64 / paths as f64).min(1.0)), None),
             Stop::RelativeError { target, .. } => (None, Some(target)),
             // Estimated from the ratio of tolerance to error.
@@ -334,8 +334,8 @@ impl<'a> Runner<'a> {
         let views = done.views.len() + usize::from(self.is_enough(work));
         Progress {
             paths: Some(done.paths + work.paths),
-            share_of_paths,
-            relative_error: work.relative_error,
+            share_of_view,
+            relative_error: Some(work.relative_error),
             target,
             views_done: (views, self.run.setup.views.len()),
             so_far: None,

@@ -84,8 +84,9 @@ impl Display {
     /// light, where it has no effect on places.
     ///
     /// # Errors
-    /// If a length is needed and missing: the lowest one.
+    /// If a length is needed and missing: the lowest one; if light spreads within the pixel.
     pub fn lengths_mm(&self) -> Result<Vec<f64>, DisplayError> {
+        self.has_sharp_pixels()?;
         let first = self.first_needed();
         let needed = |number: usize| if number < first { Ok(0.0) } else { self.length_mm(number) };
         // The lowest first: without the glass, the others are of no use.
@@ -93,6 +94,20 @@ impl Display {
         let mut lengths = lengths.collect::<Result<Vec<f64>, _>>()?;
         lengths.reverse();
         Ok(lengths)
+    }
+
+    /// Checks that light leaves the pixel where it met it.
+    ///
+    /// # Errors
+    /// If it spreads sideways within the pixel, which is not computed.
+    pub(crate) fn has_sharp_pixels(&self) -> Result<(), DisplayError> {
+        match &self.matrix {
+            Some(matrix) if matrix.spread_mm > 0.0 => Err(DisplayError::PlacesNotComputed {
+                what: "light that spreads sideways within the pixel".to_owned(),
+                key: "display.matrix.spread_um".to_owned(),
+            }),
+            _ => Ok(()),
+        }
     }
 
     /// Returns the thickness of one medium, mm, by its number in `lengths`.

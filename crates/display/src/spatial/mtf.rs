@@ -75,7 +75,7 @@ pub fn mtf(scene: &Scene, patterns: &Patterns, control: &Control<'_>) -> Result<
             return Err(DisplayError::Interrupted);
         }
         let view = frame.view(&setup.views[*number])?;
-        report(control, done.fetch_add(1, Ordering::Relaxed) + 1, setup.views.len());
+        (control.progress)(Progress::of_views(done.fetch_add(1, Ordering::Relaxed) + 1, setup.views.len()));
         Ok(view)
     });
     let views = views.into_iter().collect::<Result<Vec<MtfView>, _>>()?;
@@ -98,17 +98,6 @@ pub fn mtf(scene: &Scene, patterns: &Patterns, control: &Control<'_>) -> Result<
         views,
         warnings: Vec::new(),
     })
-}
-
-fn report(control: &Control<'_>, done: usize, all: usize) {
-    (control.progress)(Progress {
-        paths: None,
-        share_of_paths: None,
-        relative_error: 0.0,
-        target: None,
-        views_done: (done, all),
-        so_far: None,
-    });
 }
 
 /// What all views have in common.
@@ -145,7 +134,7 @@ struct Measured {
     line_contrast: [LineContrast; 2],
     /// Smallest and median contrast of text.
     text_contrast: [Option<[f64; 2]>; 2],
-    /// Mean of each pattern by way of the pixel.
+    /// Mean of each pattern via the pixel.
     patterns: Vec<f64>,
     from_faces: f64,
     seen: Vec<Seen>,
@@ -492,12 +481,12 @@ impl<'a> Frame<'a> {
 }
 
 impl Measured {
-    /// Y of a state by way of the pixel.
+    /// Y of a state via the pixel.
     fn y(&self, state: usize) -> f64 {
         self.lights[state].last().map_or(0.0, |all| all.transfer[0][0].re)
     }
 
-    /// Y of the middle of a line of one state on another, and far away, by way of the pixel.
+    /// Y of the middle of a line of one state on another, and far away, via the pixel.
     fn line(&self, level: Level, [line, surround]: [usize; 2], axis: usize, width_mm: f64) -> [f64; 2] {
         let far = self.y(surround);
         let all_orders: Option<Vec<f64>> =

@@ -84,7 +84,7 @@ pub(crate) struct Pattern {
     pub(crate) states: [usize; 2],
 }
 
-/// Mean Y of a pattern by way of the pixel. To first order it is that of its states.
+/// Mean Y of a pattern via the pixel. To first order it is that of its states.
 pub(super) fn mean(seen: &[Seen], pattern: Pattern, level: Level) -> f64 {
     let of_light = |seen: &Seen| {
         seen.response.pattern_mean(pattern, level).unwrap_or_else(|| {
@@ -119,7 +119,7 @@ pub(super) fn bitmap(scene: &Scene, text: &str, pitch_mm: [f64; 2], thickness_mm
     Font::bundled().bitmap(text, setting).ok()
 }
 
-/// Y by way of the pixel in the middle of each stroke of black text on white; states are black and white.
+/// Y via the pixel in the middle of each stroke of black text on white; states are black and white.
 pub(super) fn strokes(
     seen: &[Seen],
     bitmap: &Bitmap,

@@ -29,7 +29,7 @@ impl Level {
     }
 }
 
-/// Light that a view sees by way of the pixel in each state, from one source. All values are parts of Y.
+/// Light that a view sees via the pixel in each state, from one source. All values are parts of Y.
 pub(crate) trait Response: Sync {
     /// Light at a spatial frequency, cycles per mm, `[state]`. At 0 it is Y.
     fn transfer(&self, frequency_per_mm: [f64; 2]) -> Vec<Complex64>;
@@ -107,7 +107,7 @@ pub(crate) fn responses(
             continue;
         }
         from_faces += weights.iter().zip(&factor.front).map(|(weight, front)| weight * front).sum::<f64>();
-        let light = name(setup, number);
+        let light = name_of_light(setup, number);
         let response: Box<dyn Response> = match (&panel.top, panel.base.is_specular()) {
             (Top::Diffuser(_), _) => lobe::response(panel, &lengths, (view, source), weights, level)?,
             (_, true) => ghosts::response(panel, thickness_mm, view, weights, &factor.via_pixel),
@@ -132,7 +132,7 @@ fn not_yet(what: &str, key: &str) -> DisplayError {
 }
 
 /// Name of a source in results: by its kind and its number in the scenario.
-fn name(setup: &Setup, number: usize) -> String {
+pub(super) fn name_of_light(setup: &Setup, number: usize) -> String {
     let lighting = &setup.scene.lighting;
     let term = setup.lights[number].term;
     let directed = lighting.directed.len();

@@ -57,7 +57,7 @@ pub struct MtfView {
     pub text_contrast_median_via_pixel: Option<f64>,
     /// Errors of `text_contrast_min` and `text_contrast_median`.
     pub text_contrast_error: Option<[f64; 2]>,
-    /// Exponent n of Yule and Nielsen that has the mean of fine patterns, half white and half black, by way of the pixel; 1 without
+    /// Exponent n of Yule and Nielsen that has the mean of fine patterns, half white and half black, via the pixel; 1 without
     /// recycled light. A report only: it is no model.
     pub yule_nielsen_n: Option<f64>,
     /// Patterns of `[pattern]` in this view.
@@ -68,7 +68,7 @@ pub struct MtfView {
 #[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 #[allow(non_snake_case, reason = "the letters of the field's own symbols")]
 pub struct MtfState {
-    /// Y by way of the pixel.
+    /// Y via the pixel.
     pub Y_via_pixel: f64,
     /// The metrics.
     #[serde(flatten)]
@@ -89,7 +89,7 @@ pub struct MtfState {
 /// Optical transfer along x and y.
 #[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct Curves {
-    /// Fraction of the light of the state by way of the pixel.
+    /// Fraction of the light of the state via the pixel.
     pub fraction: f64,
     /// Real and imaginary part at each frequency along x.
     pub otf_x: Vec<[f64; 2]>,

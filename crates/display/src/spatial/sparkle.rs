@@ -17,13 +17,14 @@ use papilio_transport::spatial::sparkle::{
     Deflection, Effort, Matrix, Panel, Pixel, Plan, Pupil, Room, Source, Window, band_contrast, closed,
 };
 use rayon::prelude::*;
+use schemars::JsonSchema;
 use serde::Serialize;
 
 use crate::run::{Workers, run};
 use crate::scene::{
     self, Drive, FilmPixel, FilmState, Interface, Layers, Method, Ready, Scene, Stop, UniformKind,
 };
-use crate::setup::Setup;
+use crate::setup::{Setup, ViewPoint};
 use crate::{Control, DisplayError, Progress, pixel};
 
 /// State whose pixels are compared.
@@ -62,7 +63,7 @@ pub struct Antiglare {
 }
 
 /// Sparkle of a display.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct SparkleResult {
     /// State whose pixels are compared: `white`.
     pub state: &'static str,
@@ -80,7 +81,7 @@ pub struct SparkleResult {
 }
 
 /// Sparkle for one view, gap and correlation length.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct SparkleRow {
     /// Inclination of the view, degrees.
     pub theta_deg: f64,
@@ -136,33 +137,31 @@ pub fn sparkle(
     control: &Control<'_>,
 ) -> Result<SparkleResult, DisplayError> {
     let matrix = scene.display.matrix.as_ref().ok_or(DisplayError::NoMatrix { command: "sparkle" })?;
+    scene.display.has_sharp_pixels()?;
     let setup = Setup::new(scene)?;
     let room = room(scene, &setup)?;
     let luminances = luminances(scene, control)?;
     let mut workers = None;
     let pool = Workers::wanted(&mut workers, control.threads.unwrap_or(0))?;
     let media = gaps(scene, face)?;
-    let count = setup.views.len() * media.len() * face.correlation_mm.len();
+    let rows = media.len() * face.correlation_mm.len();
     let mut result = SparkleResult {
         state: STATE,
         pitch_um: matrix.pitch_mm.map(|pitch| 1e3 * pitch),
         pupil_mm: face.pupil_mm,
         distance_mm: scene.viewer.distance_mm,
-        rows: Vec::with_capacity(count),
-        maps: Vec::with_capacity(count),
+        rows: Vec::with_capacity(setup.views.len() * rows),
+        maps: Vec::with_capacity(setup.views.len() * rows),
     };
     for (view, luminance) in setup.views.iter().zip(luminances) {
         let beta = view.field.axis_towards();
         let windows = windows(scene, matrix, view.theta_deg)?;
         for media in &media {
             for correlation_mm in &face.correlation_mm {
+                let (views_done, done) = (result.rows.len() / rows, result.rows.len() % rows);
                 (control.progress)(Progress {
-                    paths: None,
-                    share_of_paths: None,
-                    relative_error: 0.0,
-                    target: None,
-                    views_done: (result.rows.len(), count),
-                    so_far: None,
+                    share_of_view: Some(done as f64 / rows as f64),
+                    ..Progress::of_views(views_done, setup.views.len())
                 });
                 let panel = Panel {
                     face: RandomFace { slope_rms: face.slope_rms, correlation_mm: *correlation_mm },
@@ -179,8 +178,7 @@ pub fn sparkle(
                     seed: scene.solver.seed,
                     ..Effort::default()
                 };
-                let (mut row, map) = pool.install(|| row(&panel, effort, control))?;
-                (row.theta_deg, row.phi_deg) = (view.theta_deg, view.phi_deg);
+                let (mut row, map) = pool.install(|| row(&panel, view, effort, control))?;
                 row.contrast_times_sensitivity =
                     above_threshold(row.ppd, &panel, scene.viewer.distance_mm, luminance);
                 result.rows.push(row);
@@ -191,9 +189,10 @@ pub fn sparkle(
     Ok(result)
 }
 
-/// Computes one row, without its view and threshold, and the pixels below its faces.
+/// Computes one row, without its threshold, and the pixels below its faces.
 fn row(
     panel: &Panel,
+    view: &ViewPoint,
     effort: Effort,
     control: &Control<'_>,
 ) -> Result<(SparkleRow, SparkleMap), DisplayError> {
@@ -208,8 +207,8 @@ fn row(
     let blur = [places[0], places[2]].map(|place| 0.5 * panel.pupil.radius() * place);
     let duty = panel.matrix.mean();
     let row = SparkleRow {
-        theta_deg: 0.0,
-        phi_deg: 0.0,
+        theta_deg: view.theta_deg,
+        phi_deg: view.phi_deg,
         gap_mm: panel.media.iter().map(|medium| medium.thickness_mm).sum(),
         correlation_um: 1e3 * panel.face.correlation_mm,
         slope_rms: panel.face.slope_rms,

@@ -20,7 +20,6 @@
 mod bessel;
 pub mod closed;
 mod face;
-mod fourier;
 mod layout;
 mod panel_spread;
 mod places;

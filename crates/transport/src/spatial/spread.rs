@@ -17,9 +17,9 @@
 
 use std::f64::consts::PI;
 
+use num_complex::Complex64;
 use papilio_optics::lobe::{KCorrelation, Lobe};
 use papilio_optics::{Beta, Scatterer, with_widest_simd};
-use rustfft::num_complex::Complex64;
 
 use super::{Image, PointSpread, displacement, places};
 use crate::Diffuser;
