@@ -15,15 +15,18 @@
 //!
 //! Luminous quantities are Y relative to a perfect white in the scene's light, as in [`result`](crate::result).
 
+mod contrast;
 mod curve;
 mod ghosts;
 mod lobe;
+mod measured;
 mod mtf;
 mod paper;
 mod patterns;
 mod profile;
 mod response;
 mod result;
+mod scalars;
 mod sparkle;
 pub mod walk;
 
