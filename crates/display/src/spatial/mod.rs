@@ -30,8 +30,11 @@ mod scalars;
 mod sparkle;
 pub mod walk;
 
+pub use crate::metrics::SparkleMetrics;
 pub use mtf::mtf;
 pub use patterns::{PatternKind, PatternMean, Patterns};
 use response::{Level, Response, Seen};
-pub use result::{Curves, Kernel, LineContrast, MtfResult, MtfState, MtfView, SpatialScalars, SpreadTable};
+pub use result::{
+    Curves, Kernel, LineContrast, MtfResult, MtfState, MtfView, SharpnessMetrics, SpatialScalars, SpreadTable,
+};
 pub use sparkle::{Antiglare, SparkleMap, SparkleResult, SparkleRow, sparkle};

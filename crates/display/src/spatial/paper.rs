@@ -78,7 +78,7 @@ pub(super) fn response(
             }
             None => {
                 let passes = |beta: f64| 1.0 - face_reflectance(panel, bin, beta);
-                faces.push((FaceReturn::new(index[bin], thickness_mm, most, passes), vec![bin]));
+                faces.push((FaceReturn::new(index[bin], thickness_mm, most, passes).tabulated(), vec![bin]));
             }
         }
     }
