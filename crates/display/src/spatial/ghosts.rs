@@ -84,10 +84,10 @@ fn around(edges: &[f64], at: f64) -> [usize; 2] {
 }
 
 impl Response for Ghosts {
-    fn transfer(&self, [fx, fy]: [f64; 2]) -> Vec<Complex64> {
+    fn transfer(&self, axis: usize, frequency_per_mm: f64) -> Vec<Complex64> {
         let mut sums = vec![Complex64::ZERO; self.states];
         for (at, light) in &self.images {
-            let phase = Complex64::cis(-2.0 * PI * (fx * at[0] + fy * at[1]));
+            let phase = Complex64::cis(-2.0 * PI * frequency_per_mm * at[axis]);
             sums.iter_mut().zip(light).for_each(|(sum, light)| *sum += phase * light);
         }
         sums

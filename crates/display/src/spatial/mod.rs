@@ -15,20 +15,26 @@
 //!
 //! Luminous quantities are Y relative to a perfect white in the scene's light, as in [`result`](crate::result).
 
+mod contrast;
 mod curve;
 mod ghosts;
 mod lobe;
+mod measured;
 mod mtf;
 mod paper;
 mod patterns;
 mod profile;
 mod response;
 mod result;
+mod scalars;
 mod sparkle;
 pub mod walk;
 
+pub use crate::metrics::SparkleMetrics;
 pub use mtf::mtf;
 pub use patterns::{PatternKind, PatternMean, Patterns};
 use response::{Level, Response, Seen};
-pub use result::{Curves, Kernel, LineContrast, MtfResult, MtfState, MtfView, SpatialScalars, SpreadTable};
+pub use result::{
+    Curves, Kernel, LineContrast, MtfResult, MtfState, MtfView, SharpnessMetrics, SpatialScalars, SpreadTable,
+};
 pub use sparkle::{Antiglare, SparkleMap, SparkleResult, SparkleRow, sparkle};

@@ -116,6 +116,26 @@ pub struct SparkleRow {
     pub contrast_times_sensitivity: Option<f64>,
 }
 
+impl SparkleRow {
+    /// Returns the metrics of the row, for sweeps and searches.
+    pub fn metrics(&self) -> SparkleMetrics {
+        SparkleMetrics {
+            ppd: Some(self.ppd),
+            ppd_matrix: Some(self.ppd_matrix),
+            ppd_lamp: Some(self.ppd_lamp),
+        }
+    }
+
+    /// Returns the standard errors of the metrics.
+    pub fn errors(&self) -> SparkleMetrics {
+        SparkleMetrics {
+            ppd: Some(self.standard_error),
+            ppd_matrix: Some(self.ppd_matrix_error),
+            ppd_lamp: Some(self.ppd_lamp_error),
+        }
+    }
+}
+
 /// Light of the pixels below several faces, side by side.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SparkleMap {
