@@ -49,6 +49,7 @@ macro_rules! numbers {
             }
 
             /// Returns all values, in order.
+            #[allow(dead_code, reason = "not all metrics are computed in lists")]
             pub(crate) fn all_mut(&mut self) -> impl Iterator<Item = &mut Option<f64>> {
                 [$(&mut self.$field),*].into_iter()
             }

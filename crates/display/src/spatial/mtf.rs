@@ -18,7 +18,7 @@ use crate::scene::Scene;
 use crate::setup::{Setup, ViewPoint};
 
 /// Natural digits of the two levels.
-const DIGITS: [f64; 2] = [8.0, 11.0];
+const DIGITS: [f64; 2] = [9.0, 13.0];
 
 /// Lowest frequency, cycles per mm.
 const LOWEST_PER_MM: f64 = 0.01;

@@ -20,6 +20,7 @@ use rayon::prelude::*;
 use schemars::JsonSchema;
 use serde::Serialize;
 
+use crate::metrics::SparkleMetrics;
 use crate::run::{Workers, run};
 use crate::scene::{
     self, Drive, FilmPixel, FilmState, Interface, Layers, Method, Ready, Scene, Stop, UniformKind,

@@ -5,7 +5,7 @@ use std::sync::atomic::AtomicBool;
 
 use papilio_display::spatial::{MtfResult, MtfState, mtf, sparkle, walk};
 use papilio_display::{Control, DisplayError};
-use papilio_scenario::Scenario;
+use papilio_scenario::{Resolved, Scenario};
 
 use crate::common;
 
@@ -25,10 +25,14 @@ fn glass(surface: &str, thickness_mm: f64) -> String {
     format!("[display.glass]\nindex = 1.5\nsurface = \"{surface}\"\nthickness_mm = {thickness_mm}\n")
 }
 
-fn computed(parts: &[&str]) -> Result<MtfResult, DisplayError> {
-    let text = format!("[spectrum]\nstep_nm = 20\n{}[solver]\nrelative_error = 1e-4\n", parts.concat());
+fn resolved(parts: &[&str]) -> Resolved {
+    let text = format!("[spectrum]\nstep_nm = 20\n{}", parts.concat());
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenarios");
-    let resolved = Scenario::from_text(&text, "mtf.toml", &folder, &[]).unwrap().resolve().unwrap();
+    Scenario::from_text(&text, "mtf.toml", &folder, &[]).unwrap().resolve().unwrap()
+}
+
+fn computed(parts: &[&str]) -> Result<MtfResult, DisplayError> {
+    let resolved = resolved(&[&parts.concat(), "[solver]\nrelative_error = 1e-4\n"]);
     let control = Control { threads: Some(1), progress: &|_| {}, stop: &AtomicBool::new(false) };
     mtf(&resolved.scene, &resolved.patterns, &control)
 }
@@ -249,4 +253,24 @@ fn grazing_view_is_finite() {
     let state = white(&result);
     assert!(state.otf.otf_x.iter().flatten().all(|value| value.is_finite() && value.abs() < 1.0 + 1e-6));
     assert!(result.error_reached < 0.05);
+}
+
+/// The mean of the spread is the colour of `run`: to rounding where both have the same nodes (no diffuser), else to the error of two
+/// quadratures.
+#[test]
+fn mean_of_the_spread_is_the_colour() {
+    let beam = "[lighting]\nilluminance_lx = 500\nspectrum = \"D65\"\ndiffuse = 0.4\n[[lighting.directed]]\ntheta_deg = -35\nphi_deg = 20\nshare = 0.6\n";
+    for (above, pixel, within) in [
+        ("", &paper(0.6, 0.03)[..], 1e-12),
+        ("", MIRROR, 1e-12),
+        (LOBE, &paper(0.6, 0.03)[..], 1e-6),
+        (LOBE, MIRROR, 1e-6),
+    ] {
+        let parts = [above, &glass("coated", 0.5), MATRIX, pixel, beam, "[viewer]\ntheta_deg = 25\n"];
+        let colours =
+            common::run(&resolved(&[&parts.concat(), "[solver]\nrelative_error = 1e-6\n"]).scene).unwrap();
+        let colour = colours.views[0].states.get("white").unwrap().value.Y.unwrap();
+        let found = white(&computed(&parts).unwrap()).Y_via_pixel;
+        near("mean", found / colour, 1.0, within);
+    }
 }
