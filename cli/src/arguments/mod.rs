@@ -58,9 +58,11 @@ pub(crate) enum Command {
     )]
     Sparkle(SpatialCommand),
     /// Compute how sharp the display is: modulation transfer, point, line and edge spread, contrast of fine lines
-    #[command(after_help = "Example: papilio mtf scenarios/matrix.toml\n\n\
+    #[command(after_help = "Examples:\n  \
+                      papilio mtf scenarios/matrix.toml\n  \
+                      papilio mtf scenarios/matrix.toml --solver monte-carlo\n\n\
                       It needs the thickness of the layers above the pixels. docs/mtf.md describes the results.")]
-    Mtf(SpatialCommand),
+    Mtf(MtfCommand),
     /// Compare a simulated display with a measured panel: spectra, colours and gamut, with figures
     #[command(after_help = "Example:\n  \
                       papilio run scenarios/overcast.toml\n  \
@@ -255,6 +257,15 @@ pub(crate) struct SpatialCommand {
 }
 
 #[derive(Debug, Args)]
+pub(crate) struct MtfCommand {
+    #[command(flatten)]
+    pub(crate) spatial: SpatialCommand,
+    /// Solver; sets solver.method
+    #[arg(long, value_enum)]
+    pub(crate) solver: Option<Solver>,
+}
+
+#[derive(Debug, Args)]
 pub(crate) struct Catalogue {
     /// One name, with its numbers and a figure; or a word, to list all whose descriptions contain it [default: list all]
     pub(crate) name: Option<String>,
@@ -441,4 +452,17 @@ pub(crate) enum Solver {
     /// The old name of `monte-carlo`
     #[value(hide = true)]
     Walk,
+}
+
+impl Solver {
+    /// The override of the scenario.
+    pub(crate) fn as_override(self) -> String {
+        let method = match self {
+            Self::Adding => "adding",
+            Self::MonteCarlo => "monte-carlo",
+            Self::Auto => "auto",
+            Self::Walk => "walk",
+        };
+        format!("solver.method={method}")
+    }
 }

@@ -26,6 +26,18 @@ pub(super) struct Light {
     pub(super) rings: Vec<f64>,
 }
 
+impl Light {
+    /// The same light times a factor.
+    pub(super) fn scaled(&self, factor: f64) -> Self {
+        let scaled = |values: &Vec<f64>| values.iter().map(|value| factor * value).collect();
+        Self {
+            transfer: self.transfer.each_ref().map(|all| all.iter().map(|value| factor * value).collect()),
+            strips: self.strips.each_ref().map(scaled),
+            rings: scaled(&self.rings),
+        }
+    }
+}
+
 /// Everything that is computed at one level.
 pub(super) struct Measured {
     pub(super) names: Vec<String>,
@@ -153,7 +165,7 @@ impl Measured {
 }
 
 /// Sum over lights; `None` without light.
-fn sum(lights: &[Light]) -> Option<Light> {
+pub(super) fn sum(lights: &[Light]) -> Option<Light> {
     let first = lights.first()?;
     let add = |sum: &mut [f64], more: &[f64]| sum.iter_mut().zip(more).for_each(|(sum, more)| *sum += more);
     let mut all =

@@ -11,7 +11,7 @@
 //!
 //! [`sparkle`] computes the random brightness of equal pixels below an antiglare face.
 //!
-//! [`walk`] is the second method, for all displays: Monte Carlo with places.
+//! [`walk`] is the second method, for all displays: Monte Carlo with places. `mtf_walk` computes from it what [`mtf`] does.
 //!
 //! Luminous quantities are Y relative to a perfect white in the scene's light, as in [`result`](crate::result).
 
@@ -21,6 +21,7 @@ mod ghosts;
 mod lobe;
 mod measured;
 mod mtf;
+mod mtf_walk;
 mod paper;
 mod patterns;
 mod profile;

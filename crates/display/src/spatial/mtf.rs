@@ -1,20 +1,23 @@
 //! `papilio mtf`: modulation transfer, spread and the contrast of fine lines.
 //!
-//! Every number is computed at two levels of discretisation; the finer one is the result, the difference its error.
+//! Every number is computed at two levels of discretisation; the finer one is the result, the difference its error. By Monte Carlo
+//! (`mtf_walk`), errors are standard errors.
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use num_complex::Complex64;
 
 use super::measured::{Light, Measured};
+use super::mtf_walk;
 use super::response::responses;
 use super::scalars::eye_limit;
+use super::walk::Placed;
 use super::{Curves, Kernel, Level, MtfResult, MtfState, MtfView, Patterns};
 use crate::DisplayError;
 use crate::meter::Meter;
 use crate::result::Named;
 use crate::run::{Control, Progress, Workers, each};
-use crate::scene::Scene;
+use crate::scene::{Method, Scene};
 use crate::setup::{Setup, ViewPoint};
 
 /// Natural digits of the two levels.
@@ -48,16 +51,23 @@ const CELLS: usize = 65;
 pub fn mtf(scene: &Scene, patterns: &Patterns, control: &Control<'_>) -> Result<MtfResult, DisplayError> {
     let setup = Setup::new(scene)?;
     let frame = Frame::new(&setup, patterns)?;
+    let paths = scene.solver.method == Method::MonteCarlo;
+    let placed = paths.then(|| Placed::new(&setup)).transpose()?;
     let mut workers = None;
-    let pool =
-        if setup.views.len() == 1 { None } else { Workers::unless_one(&mut workers, control.threads)? };
+    // Paths of one view run on all threads.
+    let one_by_one = setup.views.len() == 1 || placed.is_some();
+    let pool = if one_by_one { None } else { Workers::unless_one(&mut workers, control.threads)? };
     let done = AtomicUsize::new(0);
     let mut numbers: Vec<usize> = (0..setup.views.len()).collect();
     let views = each(pool, &mut numbers, |(_, number)| {
         if control.stopped() {
             return Err(DisplayError::Interrupted);
         }
-        let view = frame.view(&setup.views[*number])?;
+        let view = &setup.views[*number];
+        let view = match &placed {
+            Some(placed) => mtf_walk::view(&frame, placed, view, control)?,
+            None => frame.view(view)?,
+        };
         (control.progress)(Progress::of_views(done.fetch_add(1, Ordering::Relaxed) + 1, setup.views.len()));
         Ok(view)
     });

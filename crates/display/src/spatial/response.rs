@@ -132,7 +132,7 @@ fn not_yet(what: &str, key: &str) -> DisplayError {
 }
 
 /// Name of a source in results: by its kind and its number in the scenario.
-fn name(setup: &Setup, number: usize) -> String {
+pub(super) fn name(setup: &Setup, number: usize) -> String {
     let lighting = &setup.scene.lighting;
     let term = setup.lights[number].term;
     let directed = lighting.directed.len();

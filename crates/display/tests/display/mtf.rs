@@ -274,3 +274,32 @@ fn mean_of_the_spread_is_the_colour() {
         near("mean", found / colour, 1.0, within);
     }
 }
+
+/// A bare face over mirror-like stripes: <rho rho'> of the second order is 0.18045, 0.099225 and 0.018 at shifts of 0, 1/4 and 1/2 of the period; and
+/// the mean is that of paths.
+#[test]
+fn stripes_of_mirrors_beat_with_their_images() {
+    let [theta, index, thickness] = [50.0_f64, 1.5_f64, 0.3];
+    let beta = theta.to_radians().sin();
+    let shift = 2.0 * thickness * beta / (index * index - beta * beta).sqrt();
+    let face = 0.5 * {
+        let (outside, inside) = (theta.to_radians().cos(), (1.0 - beta * beta / (index * index)).sqrt());
+        let s = (outside - index * inside) / (outside + index * inside);
+        let p = (index * outside - inside) / (index * outside + inside);
+        s * s + p * p
+    };
+    for (part, second) in [(0.0, 0.180_45), (0.25, 0.099_225), (0.5, 0.018)] {
+        let period = shift / (1.0 + part);
+        let pattern = format!("[pattern]\nkind = [\"stripes\"]\nperiod_mm = [{period}]\n");
+        let view = format!("[viewer]\ntheta_deg = {theta}\n");
+        let mirror = "[display.pixel]\nmodel = \"uniform\"\nkind = \"mirror\"\nreflectance = { white = 0.6, black = 0.03 }\n";
+        let glass = "[display.glass]\nindex = 1.5\nsurface = \"fresnel\"\nthickness_mm = 0.3\n";
+        let diffuse = "[lighting]\nspectrum = \"D65\"\nilluminance_lx = 500\ndiffuse = 1.0\n";
+        let result = computed(&[glass, mirror, diffuse, &view, &pattern]).unwrap();
+        let found = result.views[0].patterns[0].mean_Y_via_pixel;
+        let first = (1.0 - face).powi(2) * (0.315 + face * second);
+        // Third and later orders.
+        let rest = (1.0 - face).powi(2) * face.powi(2) * 0.6_f64.powi(3);
+        assert!(found > first && found < first + rest, "{part}: {found}, {first} to {}", first + rest);
+    }
+}
