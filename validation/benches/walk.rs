@@ -4,14 +4,20 @@
 //! CPU time from a resolved scenario to a complete result with 0.1 % in Y of every state, and
 //! in every wavelength bin of every state; `layers_to_0_1_percent` is the same for general layers: white paint under rough glass
 //! (one state) and a conservative slab over two mirrors, with and without a surface, in diffuse light, and the slab of
-//! `scenarios/slab.toml` with an optical thickness of 2 under its lamp; `resolve` is the time from the file to the scene.
+//! `scenarios/slab.toml` with an optical thickness of 2 under its lamp; `paths_with_places` counts paths per second over a pattern of
+//! stripes, or with a transfer function at 64 frequencies (compare `paths` of the same scenario); `resolve` is the time from the file to the scene.
 
 #![allow(clippy::unwrap_used, missing_docs, reason = "a benchmark")]
 
+use std::sync::atomic::AtomicBool;
+
 use divan::Bencher;
 use divan::counter::ItemsCount;
+use papilio_display::Control;
 use papilio_display::scene::{Scene, Stop};
+use papilio_display::spatial::walk::{pattern, transfer};
 use papilio_scenario::Scenario;
+use papilio_transport::walk::places::{Shape, TwoStates};
 use papilio_validation::{monte_carlo_scenario, run_on};
 
 fn main() {
@@ -26,11 +32,27 @@ fn scene(name: &str, stop: Stop) -> Scene {
 
 const PATHS: u64 = 1 << 20;
 
-#[divan::bench(args = ["overcast", "indoor", "table-pixel", "epaper", "reference-pixel"], sample_count = 5, sample_size = 1)]
+#[divan::bench(args = ["overcast", "indoor", "table-pixel", "epaper", "reference-pixel", "matrix", "laminated-text"], sample_count = 5, sample_size = 1)]
 fn paths(bencher: Bencher<'_, '_>, name: &str) {
     let scene = scene(name, Stop::Paths(PATHS));
     let views = (scene.viewer.theta_deg.len() * scene.viewer.phi_deg.len()) as u64;
     bencher.counter(ItemsCount::new(PATHS * views)).bench(|| run_on(&scene, Some(1)).unwrap());
+}
+
+#[divan::bench(args = ["matrix", "laminated-text"], consts = [false, true], sample_count = 5, sample_size = 1)]
+fn paths_with_places<const FREQUENCIES: bool>(bencher: Bencher<'_, '_>, name: &str) {
+    let scene = monte_carlo_scenario(name, &[]).unwrap().scene;
+    let stop = AtomicBool::new(false);
+    let control = Control { threads: Some(1), progress: &|_| {}, stop: &stop };
+    let stripes = TwoStates { shape: Shape::Stripes, period_mm: 0.17, states: [0, 1] };
+    let frequencies: Vec<[f64; 2]> = (0..64).map(|k| [0.2 * f64::from(k), 0.0]).collect();
+    bencher.counter(ItemsCount::new(PATHS)).bench(|| {
+        if FREQUENCIES {
+            transfer(&scene, &frequencies, PATHS, &control).unwrap().len()
+        } else {
+            pattern(&scene, &stripes, PATHS, &control).unwrap().len()
+        }
+    });
 }
 
 #[divan::bench(args = ["overcast", "indoor", "sunny", "table-pixel", "epaper"], consts = [false, true])]

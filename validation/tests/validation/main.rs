@@ -19,5 +19,6 @@ mod numerical_integration;
 mod optimize;
 mod random_scenarios;
 mod reference_pixel;
+mod spatial;
 mod table_5_3;
 mod two_solvers;

@@ -6,8 +6,10 @@
 //!
 //! Luminous quantities are Y relative to a perfect white in the scene's light, as in [`result`](crate::result).
 
+use papilio_optics::Beta;
 use papilio_sampling::SampleStream;
 use papilio_spectra::Spectrum;
+use papilio_transport::spatial::displacement;
 use papilio_transport::walk::places::{Estimate, KernelTally, Pattern, PlacedWalk, What};
 use papilio_transport::{Interface, Layer, Layered, Medium, ReflectanceFactor, Stack, Top};
 
@@ -120,8 +122,8 @@ pub fn transfer(
     let of_view = |view: &ViewPoint| {
         let tally = || KernelTally {
             frequencies_per_mm: frequencies.clone(),
-            cells: None,
             channels: channels.clone(),
+            ..KernelTally::default()
         };
         let estimates = panel.trace(view, || What::Kernel(tally()), paths, control)?;
         let states = panel.setup.states.iter().enumerate().map(|(state, name)| {
@@ -160,15 +162,15 @@ fn transfer_of(sums: &[Vec<[f64; 2]>]) -> Transfer {
 }
 
 /// A scene as layers with lengths.
-struct Placed<'a> {
-    setup: &'a Setup,
-    meter: Meter<'a>,
+pub(super) struct Placed<'a> {
+    pub(super) setup: &'a Setup,
+    pub(super) meter: Meter<'a>,
     stack: Layered,
-    lengths_mm: Vec<f64>,
+    pub(super) lengths_mm: Vec<f64>,
 }
 
 impl<'a> Placed<'a> {
-    fn new(setup: &'a Setup) -> Result<Self, DisplayError> {
+    pub(super) fn new(setup: &'a Setup) -> Result<Self, DisplayError> {
         let scene = &setup.scene;
         if scene.solver.approximation != Approximation::None {
             return Err(DisplayError::NoPlaces {
@@ -193,8 +195,26 @@ impl<'a> Placed<'a> {
         Ok(Self { setup, meter: Meter::new(setup), stack, lengths_mm })
     }
 
+    /// Number of wavelengths.
+    pub(super) fn bins(&self) -> usize {
+        self.stack.base.bins()
+    }
+
+    /// What all media move light of these direction cosines by, mm; the last wavelength stands for all.
+    pub(super) fn displacement(&self, beta: Beta) -> [f64; 2] {
+        let mut sum = [0.0; 2];
+        for (layer, length) in self.stack.layers.iter().zip(&self.lengths_mm) {
+            let index = layer.medium.index().iter().next_back().copied().unwrap_or(1.0);
+            if beta.squared() < index * index {
+                let [x, y] = displacement(beta, *length, index);
+                sum = [sum[0] + x, sum[1] + y];
+            }
+        }
+        sum
+    }
+
     /// Estimates of all replicates for a view.
-    fn trace<'p>(
+    pub(super) fn trace<'p>(
         &self,
         view: &ViewPoint,
         what: impl Fn() -> What<'p>,
@@ -225,7 +245,7 @@ impl<'a> Placed<'a> {
     }
 
     /// Y of an image via the pixel, or of light that has not met the pixel.
-    fn luminous(&self, estimate: &Estimate, image: Option<usize>) -> f64 {
+    pub(super) fn luminous(&self, estimate: &Estimate, image: Option<usize>) -> f64 {
         let of_light = |(number, rho): (usize, &ReflectanceFactor)| {
             let weights = self.meter.luminous_weights(number);
             let bins = weights.len();
@@ -255,7 +275,8 @@ fn layers_of_panel(setup: &Setup) -> Layered {
     Layered { layers: front.chain([glass]).collect(), base: panel.base.clone() }
 }
 
-fn mean(values: impl Iterator<Item = f64>) -> Mean {
+/// Mean and standard error of independent values.
+pub(super) fn mean(values: impl Iterator<Item = f64>) -> Mean {
     let values: Vec<f64> = values.collect();
     let count = values.len() as f64;
     let value = values.iter().sum::<f64>() / count;

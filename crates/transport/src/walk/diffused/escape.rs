@@ -19,7 +19,7 @@ const SIDE_BY_SIDE: usize = 16;
 
 /// Cubic polynomials of the position between uniform steps of `|beta|^2`.
 #[derive(Debug)]
-pub(super) struct Escape {
+pub(in crate::walk) struct Escape {
     lobe: Lobe,
     per_square: f64,
     steps: Vec<[f64; 4]>,
@@ -28,7 +28,7 @@ pub(super) struct Escape {
 impl Escape {
     /// Tabulates the fractions for `|beta|` up to `largest`. Narrow lobes have no table: their fractions are
     /// computed each time.
-    pub(super) fn new(lobe: Lobe, largest: f64) -> Self {
+    pub(in crate::walk) fn new(lobe: Lobe, largest: f64) -> Self {
         let width = match lobe {
             Lobe::KCorrelation { width } => width.min(1.0),
             Lobe::Lambertian => 0.0,
@@ -56,7 +56,7 @@ impl Escape {
     /// widest registers are not used: they gather four numbers from each of many places more slowly than
     /// scalar loads do.
     #[inline(never)]
-    pub(super) fn at<const N: usize>(&self, squared: &[f64; N]) -> [f64; N] {
+    pub(in crate::walk) fn at<const N: usize>(&self, squared: &[f64; N]) -> [f64; N] {
         let mut shares = [0.0; N];
         for (share, squared) in shares.iter_mut().zip(squared) {
             let at = squared * self.per_square;

@@ -23,10 +23,10 @@ use crate::walk::Target;
 use crate::{AngularTable, CosinePanels, Nodes, Reflector, Source};
 
 /// Paths of a group.
-const LANES: usize = 64;
+pub(in crate::walk) const LANES: usize = 64;
 
 /// A number for each path of a group.
-type Lanes = [f64; LANES];
+pub(in crate::walk) type Lanes = [f64; LANES];
 
 /// First passes of a group.
 #[derive(Debug)]
@@ -146,20 +146,20 @@ impl WithSimd for Pass<'_, '_> {
 
 /// Returns the direction with these cosines.
 #[inline(always)]
-fn at(x: &Lanes, y: &Lanes, k: usize) -> Beta {
+pub(in crate::walk) fn at(x: &Lanes, y: &Lanes, k: usize) -> Beta {
     Beta { x: x[k], y: y[k] }
 }
 
 /// Samples the deflection by the lobe.
 #[inline(always)]
-fn drawn(lobe: Lobe, numbers: [f64; 2]) -> Beta {
+pub(in crate::walk) fn drawn(lobe: Lobe, numbers: [f64; 2]) -> Beta {
     lobe.sample_direction(Beta::default(), numbers).unwrap_or_default()
 }
 
 /// Returns the light that a beam sends into a direction below the diffuser that is seen from one above, by
 /// the technique that sampled it from above.
 #[inline(always)]
-fn connection(lobe: Lobe, target: &Target, [above, below, beam]: [Beta; 3]) -> f64 {
+pub(in crate::walk) fn connection(lobe: Lobe, target: &Target, [above, below, beam]: [Beta; 3]) -> f64 {
     let value = lobe.density(below, beam);
     target.balanced(value, || 0.0, value / lobe.density(above, below))
 }

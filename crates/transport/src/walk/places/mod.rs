@@ -18,30 +18,49 @@
 //! connected to every directed source; the last part of a connection passes flat layers and mirrors by one route, chosen like
 //! those of paths. Discs and fields are also found by chance (balance heuristic). A scatterer above a mirror is sampled around the
 //! viewer's ray and around the rays of lamps: light of a lamp is seen around both. A path carries all images and wavelengths; where
-//! an index depends on wavelength, it has a place for each.
+//! an index depends on wavelength, it has a place for each. Under layers without colour it carries one number until it meets the
+//! pixel a second time (`light`). Below a lobe that reflects nothing, it meets a mirror-like pixel once, and many paths take their steps
+//! together (`grouped`).
 //!
 //! The place of a meeting refers to that of the view's own ray. A field of view of some width is focused on the pixel: own
 //! rays of all its directions meet the pixel at the same place.
 //!
-//! Compared with [`Walk`](super::Walk), a path costs less and has more noise: it is an independent check of the uniform
-//! results, too.
+//! Transforms cost a path the same at any number of frequencies (`waves`).
+//!
+//! Except for the groups, this tracer shares no estimator with [`Walk`](super::Walk): it is an independent check of the uniform results,
+//! too.
 
+mod bins;
+mod connect;
+mod dice;
 mod faces;
+mod flat;
+mod grouped;
+mod light;
 mod path;
 mod pattern;
+mod pixel;
+mod slab;
 mod tally;
 mod tracer;
+mod waves;
 
 use papilio_sampling::SampleStream;
 
 use super::PathNumbers;
+use super::diffused::Escape;
 use crate::{Cone, Layered, ReflectanceFactor, Source};
+pub use bins::CellGrid;
+use grouped::Grouped;
 use papilio_optics::Beta;
 use path::Path;
 pub use pattern::{Matrix, Pattern, SeenFrom, Shape, TwoStates, Uniform};
-pub use tally::{CellGrid, Kernel, KernelTally, Spreads};
-use tally::{Record, Sums};
-use tracer::{Tracer, Workspace};
+pub use tally::{Kernel, KernelTally, Spreads};
+use tally::{Plan, Record, Sums};
+use tracer::{Shows, Tracer, Workspace};
+
+/// Distance within which most light meets the pixel, in thicknesses of all layers.
+const EXTENT: f64 = 4.0;
 
 /// What a walk with places estimates.
 pub enum What<'a> {
@@ -106,9 +125,9 @@ pub struct Exit<'p> {
 /// The Monte Carlo solver with places, for one stack, one view and its sources.
 pub struct PlacedWalk<'a> {
     tracer: Tracer<'a>,
-    kernel: Option<KernelTally>,
-    sources: usize,
-    images: usize,
+    plan: Plan<'a>,
+    /// Where paths can be traced in groups.
+    leaving: Option<Escape>,
 }
 
 /// Running sums of one replicate of a walk with places.
@@ -145,9 +164,9 @@ impl<'a> PlacedWalk<'a> {
         if let Some(length) = lengths_mm.iter().find(|length| !(0.0..f64::INFINITY).contains(*length)) {
             return Err(PlaceError::Length(*length));
         }
-        let (pattern, kernel): (Box<dyn Pattern + 'a>, _) = match what {
-            What::Pattern(pattern) => (Box::new(pattern), None),
-            What::Kernel(kernel) => (Box::new(Uniform { states: stack.base.states() }), Some(kernel)),
+        let (shows, kernel) = match what {
+            What::Pattern(pattern) => (Shows::Pattern(pattern), None),
+            What::Kernel(kernel) => (Shows::EachState, Some(kernel)),
         };
         let fits = |kernel: &KernelTally| {
             let mut channels = kernel.channels.iter().flatten();
@@ -156,25 +175,28 @@ impl<'a> PlacedWalk<'a> {
         if !kernel.as_ref().is_none_or(fits) {
             return Err(PlaceError::Channels);
         }
-        let images = pattern.images();
-        let tracer = Tracer::new(stack, lengths_mm.to_vec(), (view, sources), pattern);
-        Ok(Self { tracer, kernel, sources: sources.len(), images })
+        let tracer = Tracer::new(stack, lengths_mm.to_vec(), (view, sources), shows);
+        let plan = Plan::new(&stack.base, tracer.images(), kernel, EXTENT * lengths_mm.iter().sum::<f64>());
+        let leaving = grouped::leaving(&tracer);
+        Ok(Self { tracer, plan, leaving })
     }
 
     /// Returns an empty replicate, to be filled by [`Self::trace`].
     pub fn replicate(&self) -> PlacedReplicate<'_> {
-        let sums = Sums::new(self.sources, (self.images, self.tracer.bins()), self.kernel.as_ref());
-        PlacedReplicate { paths: 0, sums, work: self.tracer.workspace() }
+        let sums = Sums::new(&self.plan, self.tracer.sources.len());
+        PlacedReplicate { paths: 0, sums, work: self.tracer.workspace(false) }
     }
 
     /// Traces `count` further paths of a replicate. The result depends only on the random numbers and the total number of
     /// paths, of which powers of two have the smallest error.
     pub fn trace(&self, replicate: &mut PlacedReplicate<'_>, numbers: &SampleStream, count: u64) {
         let PlacedReplicate { paths, sums, work } = replicate;
-        for path in *paths..*paths + count {
-            self.tracer.trace(&PathNumbers::new(numbers, path), work, sums);
+        let wanted = *paths..*paths + count;
+        *paths = wanted.end;
+        match self.leaving.as_ref().and_then(|leaving| Grouped::new(&self.tracer, leaving)) {
+            Some(grouped) => grouped.trace(numbers, wanted, sums),
+            None => wanted.for_each(|path| self.tracer.trace(&PathNumbers::new(numbers, path), work, sums)),
         }
-        *paths += count;
     }
 
     /// Returns the means over the paths of a replicate, which must have traced at least one.
@@ -187,7 +209,7 @@ impl<'a> PlacedWalk<'a> {
     /// All layers are reciprocal: light that reaches the viewer at this place comes from the same places. The sum over the exits
     /// above, over the number of paths, is what returns.
     pub fn exits(&self, numbers: &SampleStream, paths: std::ops::Range<u64>, exit: impl FnMut(Exit<'_>)) {
-        let (mut work, mut exits) = (self.tracer.workspace(), Exits { exit });
+        let (mut work, mut exits) = (self.tracer.workspace(true), Exits { exit });
         paths.for_each(|path| self.tracer.trace(&PathNumbers::new(numbers, path), &mut work, &mut exits));
     }
 }
@@ -200,9 +222,9 @@ struct Exits<F> {
 impl<F: FnMut(Exit<'_>)> Record for Exits<F> {
     fn receives(&mut self, _: usize, _: &Path, _: f64) {}
 
-    fn leaves(&mut self, path: &Path, below: bool) {
+    fn leaves(&mut self, path: &mut Path, below: bool) {
         let [x, y] = path.place_mm.first().copied().unwrap_or_default();
         let place_mm = [x - path.entry_mm[0], y - path.entry_mm[1]];
-        (self.exit)(Exit { place_mm, beta: path.beta, below, light: path.light() });
+        (self.exit)(Exit { place_mm, beta: path.beta, below, light: path.light.as_spectra() });
     }
 }

@@ -13,23 +13,9 @@ pub trait Pattern: Sync {
     /// Period over which the place that the view's own ray meets is uniformly distributed, mm; 0: always the origin.
     fn period_mm(&self) -> [f64; 2];
 
-    /// Coverage of each state in each image at a place (mm, in the plane of the panel); shape `[image][state]`. All are 0
-    /// before.
-    fn coverages(&self, place_mm: [f64; 2], out: &mut [f64]);
-}
-
-impl Pattern for &dyn Pattern {
-    fn images(&self) -> usize {
-        (**self).images()
-    }
-
-    fn period_mm(&self) -> [f64; 2] {
-        (**self).period_mm()
-    }
-
-    fn coverages(&self, place_mm: [f64; 2], out: &mut [f64]) {
-        (**self).coverages(place_mm, out);
-    }
+    /// Calls `covered` with the number of each image, of each state that it shows at a place (mm, in the plane of the panel), and the
+    /// fraction that the state covers.
+    fn shows(&self, place_mm: [f64; 2], covered: &mut dyn FnMut(usize, usize, f64));
 }
 
 /// Every state everywhere: image k is state k.
@@ -48,8 +34,8 @@ impl Pattern for Uniform {
         [0.0; 2]
     }
 
-    fn coverages(&self, _: [f64; 2], out: &mut [f64]) {
-        out.iter_mut().step_by(self.states + 1).for_each(|coverage| *coverage = 1.0);
+    fn shows(&self, _: [f64; 2], covered: &mut dyn FnMut(usize, usize, f64)) {
+        (0..self.states).for_each(|state| covered(state, state, 1.0));
     }
 }
 
@@ -75,15 +61,17 @@ impl Pattern for Matrix {
         self.period_mm
     }
 
-    fn coverages(&self, place_mm: [f64; 2], out: &mut [f64]) {
-        let part = |k: usize| (place_mm[k] / self.period_mm[k]).rem_euclid(1.0);
+    fn shows(&self, place_mm: [f64; 2], covered: &mut dyn FnMut(usize, usize, f64)) {
+        let part = |k: usize| fraction(place_mm[k] / self.period_mm[k]);
         let (x, y) = (part(0), part(1));
         let holds = |window: &&Window| {
             let mut rectangles = window.rectangles.iter();
             rectangles.any(|one| (one.x[0]..one.x[1]).contains(&x) && (one.y[0]..one.y[1]).contains(&y))
         };
         let window = self.windows.iter().position(|window| holds(&window));
-        out.copy_from_slice(window.map_or(&self.between, |window| &self.within[window]));
+        let coverages = window.map_or(&self.between, |window| &self.within[window]);
+        let shown = coverages.iter().enumerate().filter(|(_, coverage)| **coverage != 0.0);
+        shown.for_each(|(state, coverage)| covered(0, state, *coverage));
     }
 }
 
@@ -119,14 +107,19 @@ impl Pattern for TwoStates {
         }
     }
 
-    fn coverages(&self, place_mm: [f64; 2], out: &mut [f64]) {
-        let is_second = |k: usize| (place_mm[k] / self.period_mm).rem_euclid(1.0) >= 0.5;
+    fn shows(&self, place_mm: [f64; 2], covered: &mut dyn FnMut(usize, usize, f64)) {
+        let is_second = |k: usize| fraction(place_mm[k] / self.period_mm) >= 0.5;
         let second = match self.shape {
             Shape::Stripes => is_second(0),
             Shape::Checkerboard => is_second(0) != is_second(1),
         };
-        out[self.states[usize::from(second)]] = 1.0;
+        covered(0, self.states[usize::from(second)], 1.0);
     }
+}
+
+/// Part of a number above the largest integer that is not larger.
+fn fraction(x: f64) -> f64 {
+    x - x.floor()
 }
 
 /// A pattern seen from several places: image `k * pattern.images() + i` is image i seen where the view's own ray meets place k.
@@ -146,10 +139,13 @@ impl Pattern for SeenFrom<'_> {
         [0.0; 2]
     }
 
-    fn coverages(&self, place_mm: [f64; 2], out: &mut [f64]) {
-        let of_place = out.len() / self.places_mm.len().max(1);
-        for (from, out) in self.places_mm.iter().zip(out.chunks_exact_mut(of_place.max(1))) {
-            self.pattern.coverages([place_mm[0] + from[0], place_mm[1] + from[1]], out);
+    fn shows(&self, place_mm: [f64; 2], covered: &mut dyn FnMut(usize, usize, f64)) {
+        for (k, from) in self.places_mm.iter().enumerate() {
+            let first = k * self.pattern.images();
+            let place_mm = [place_mm[0] + from[0], place_mm[1] + from[1]];
+            let mut shown =
+                |image: usize, state: usize, coverage: f64| covered(first + image, state, coverage);
+            self.pattern.shows(place_mm, &mut shown);
         }
     }
 }

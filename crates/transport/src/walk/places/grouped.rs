@@ -1,0 +1,232 @@
+//! Many paths at once: a lobe over a mirror-like pixel.
+//!
+//! Below a diffuser that reflects nothing, light meets a mirror-like pixel once, and all paths take the same steps: arithmetic without
+//! branches, for the widest registers available, as in the walk without places. Diffuse light is added in closed form, with the fraction of the
+//! lobe that leaves. Light of a beam is found by two techniques, with directions sampled from the lobe about the viewer's ray
+//! and about the beam (balance heuristic); each direction has a place of its own.
+//!
+//! The borders of the groups do not depend on how many paths are requested at a time.
+
+use std::ops::Range;
+
+use papilio_optics::Beta;
+use papilio_optics::lobe::Lobe;
+use papilio_sampling::SampleStream;
+use pulp::{Arch, Simd, WithSimd};
+
+use super::light::{FirstMeeting, Shown};
+use super::path::Trace;
+use super::tally::Sums;
+use super::tracer::{Shows, Tracer};
+use crate::angular::Stencil;
+use crate::walk::Target;
+use crate::walk::diffused::{Escape, LANES, Lanes, at, connection, drawn};
+use crate::{Diffuser, Interface, Nodes, Reflector, Source};
+
+/// What groups need of a stack.
+pub(super) struct Grouped<'a> {
+    tracer: &'a Tracer<'a>,
+    width: f64,
+    index: f64,
+    thickness_mm: f64,
+    /// Transmittance of the diffuser, twice.
+    through: f64,
+    nodes: &'a Nodes,
+    leaving: &'a Escape,
+    /// Numbers of the sources of diffuse light.
+    diffuse: Vec<usize>,
+}
+
+/// Paths of a group.
+struct Group {
+    /// Where the viewer's own ray meets the pixel, less where it leaves the diffuser: 0 or a place in the period.
+    from: [Lanes; 2],
+    below: Meetings,
+    beams: Vec<FromBeam>,
+}
+
+/// Meetings with the pixel.
+struct Meetings {
+    squared: Lanes,
+    place_mm: [Lanes; 2],
+}
+
+/// Light of a beam, by both techniques.
+struct FromBeam {
+    source: usize,
+    beam: Beta,
+    /// Light at the direction sampled about the viewer's ray.
+    connected: Lanes,
+    /// Light at the direction sampled about the beam, and its meeting.
+    weight: Lanes,
+    backwards: Meetings,
+}
+
+impl Meetings {
+    const NONE: Self = Self { squared: [0.0; LANES], place_mm: [[0.0; LANES]; 2] };
+
+    /// Sets meeting `k`, of light of direction cosines `beta` that begins at `from`.
+    #[inline(always)]
+    fn set(&mut self, k: usize, beta: Beta, from: [f64; 2], [square, thickness_mm]: [f64; 2]) {
+        let squared = beta.squared();
+        // Directions that the medium does not have are left out later.
+        let per_beta = thickness_mm / (square - squared).max(1e-12 * square).sqrt();
+        self.squared[k] = squared;
+        self.place_mm[0][k] = from[0] - beta.x * per_beta;
+        self.place_mm[1][k] = from[1] - beta.y * per_beta;
+    }
+}
+
+/// The fraction of the light below the diffuser that leaves, if paths can be traced in groups.
+pub(super) fn leaving(tracer: &Tracer<'_>) -> Option<Escape> {
+    lobe(tracer).map(|(diffuser, _, index)| Escape::new(diffuser.lobe, index))
+}
+
+/// The diffuser, the width of its lobe and the index of the medium below it, if all paths take the same steps.
+fn lobe<'a>(tracer: &Tracer<'a>) -> Option<(&'a Diffuser, f64, f64)> {
+    let [layer] = &tracer.stack.layers[..] else { return None };
+    let Interface::Diffuser(diffuser) = &layer.interface else { return None };
+    let Lobe::KCorrelation { width } = diffuser.lobe else { return None };
+    let index = layer.medium.constant_index()?;
+    let clear = layer.medium.transmittance().is_none() && layer.medium.scattering().is_none();
+    let plain = tracer.sources.iter().all(|source| matches!(source, Source::Diffuse | Source::Beam(_)));
+    let alike = clear && plain && tracer.bands == 1 && diffuser.regular_fraction == 0.0;
+    (alike && tracer.stack.base.is_specular()).then_some((diffuser, width, index))
+}
+
+impl<'a> Grouped<'a> {
+    /// `leaving` is the table of [`leaving`].
+    pub(super) fn new(tracer: &'a Tracer<'a>, leaving: &'a Escape) -> Option<Self> {
+        let (diffuser, width, index) = lobe(tracer)?;
+        let Reflector::Specular(table) = &tracer.stack.base.reflector else { return None };
+        let diffuse = tracer.sources.iter().enumerate().filter(|(_, source)| **source == Source::Diffuse);
+        Some(Self {
+            tracer,
+            width,
+            index,
+            thickness_mm: tracer.lengths_mm[0],
+            through: diffuser.transmittance[0].powi(2),
+            nodes: &table.nodes,
+            leaving,
+            diffuse: diffuse.map(|(source, _)| source).collect(),
+        })
+    }
+
+    /// Traces these paths.
+    pub(super) fn trace(&self, numbers: &SampleStream, paths: Range<u64>, sums: &mut Sums<'_>) {
+        let mut group = self.group();
+        let shown = match self.tracer.shows {
+            Shows::EachState => Shown::EachState,
+            Shows::Pattern(_) => Shown::Covered(Vec::new()),
+        };
+        let mut first = FirstMeeting { beta_squared: 0.0, look_up: Stencil::ONLY_NODE, shown };
+        let mut trace = Trace::default();
+        let arch = Arch::new();
+        let lanes = LANES as u64;
+        for number in paths.start / lanes..paths.end.div_ceil(lanes) {
+            let start = number * lanes;
+            arch.dispatch(Pass { walk: self, numbers, first: start, group: &mut group });
+            let leaving: Lanes = self.leaving.at(&group.below.squared);
+            let wanted = paths.start.max(start) - start..paths.end.min(start + lanes) - start;
+            for k in wanted.start as usize..wanted.end as usize {
+                let of_beams = group.beams.iter().map(|one| (one.source, one.connected[k]));
+                let of_diffuse = self.diffuse.iter().map(|source| (*source, leaving[k]));
+                let mut meet = |meetings: &Meetings, lights: &mut dyn Iterator<Item = (usize, f64)>| {
+                    let squared = meetings.squared[k];
+                    if squared >= self.index * self.index {
+                        return;
+                    }
+                    let place_mm = [meetings.place_mm[0][k], meetings.place_mm[1][k]];
+                    first.look_up = self.nodes.stencil(squared, self.index);
+                    if let Shows::Pattern(pattern) = self.tracer.shows {
+                        first.shown.set(pattern, place_mm, self.tracer.stack.base.states());
+                    }
+                    let lights = lights.map(|(source, light)| (source, self.through * light));
+                    sums.add_meeting(place_mm, &first, &mut trace, lights);
+                };
+                meet(&group.below, &mut of_diffuse.chain(of_beams));
+                for FromBeam { source, weight, backwards, .. } in &group.beams {
+                    if weight[k] != 0.0 {
+                        meet(backwards, &mut std::iter::once((*source, weight[k])));
+                    }
+                }
+            }
+        }
+    }
+
+    fn group(&self) -> Group {
+        let from_beam = |(source, of): (usize, &Source)| match of {
+            Source::Beam(beam) => Some(FromBeam {
+                source,
+                beam: *beam,
+                connected: [0.0; LANES],
+                weight: [0.0; LANES],
+                backwards: Meetings::NONE,
+            }),
+            Source::Diffuse | Source::Disc(_) | Source::Field(_) => None,
+        };
+        let beams = self.tracer.sources.iter().enumerate().filter_map(from_beam).collect();
+        Group { from: [[0.0; LANES]; 2], below: Meetings::NONE, beams }
+    }
+}
+
+/// Computation of a group from its first path on.
+struct Pass<'a, 'b> {
+    walk: &'a Grouped<'b>,
+    numbers: &'a SampleStream,
+    first: u64,
+    group: &'a mut Group,
+}
+
+impl WithSimd for Pass<'_, '_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        let Self { walk, numbers, first, group } = self;
+        let [mut above_x, mut above_y, mut offset_x, mut offset_y] = [[0.0; LANES]; 4];
+        let lobe = Lobe::KCorrelation { width: walk.width };
+        let towards_field = walk.tracer.view.sampler();
+        let (square, thickness) = (walk.index * walk.index, walk.thickness_mm);
+        let [u, v, s, t]: [Lanes; 4] = [0, 1, 2, 3].map(|k| numbers.batch(first, 0, k));
+        let period = walk.tracer.period_mm();
+        if period != [0.0; 2] {
+            group.from = [0, 1].map(|k| numbers.batch(first, 1, k));
+        }
+        for k in 0..LANES {
+            let above = towards_field([u[k], v[k]]);
+            (above_x[k], above_y[k]) = (above.x, above.y);
+        }
+        for k in 0..LANES {
+            let offset = drawn(lobe, [s[k], t[k]]);
+            (offset_x[k], offset_y[k]) = (offset.x, offset.y);
+        }
+        for k in 0..LANES {
+            let per_beta = thickness / (square - above_x[k].powi(2) - above_y[k].powi(2)).sqrt();
+            group.from[0][k] = period[0] * group.from[0][k] + above_x[k] * per_beta;
+            group.from[1][k] = period[1] * group.from[1][k] + above_y[k] * per_beta;
+        }
+        let Group { from, below, beams } = group;
+        for k in 0..LANES {
+            let beta = at(&above_x, &above_y, k) + at(&offset_x, &offset_y, k);
+            below.set(k, beta, [from[0][k], from[1][k]], [square, thickness]);
+        }
+        for FromBeam { beam, connected, weight, backwards, .. } in beams {
+            let target = Target::beam(*beam);
+            for (k, connected) in connected.iter_mut().enumerate() {
+                let above = at(&above_x, &above_y, k);
+                let below = above + at(&offset_x, &offset_y, k);
+                *connected = connection(lobe, &target, [above, below, *beam]);
+            }
+            for (k, weight) in weight.iter_mut().enumerate() {
+                let above = at(&above_x, &above_y, k);
+                let below = *beam + at(&offset_x, &offset_y, k);
+                *weight = connection(lobe, &target, [above, below, *beam]);
+            }
+            for k in 0..LANES {
+                let beta = *beam + at(&offset_x, &offset_y, k);
+                backwards.set(k, beta, [from[0][k], from[1][k]], [square, thickness]);
+            }
+        }
+    }
+}
