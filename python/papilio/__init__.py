@@ -8,6 +8,7 @@ Computes spectra, colours and metrics, with their errors, from a scenario::
     result["gamut_percent_srgb"]
 
 - `run` computes a scenario, `cone` a conoscopic map, `brdf` the BSDF of the display.
+- `mtf` computes how sharp a display is, `sparkle` how much an antiglare face glitters.
 - `sweep` computes thousands of designs with labelled axes, `Prepared` any designs, with derivatives.
 - `optimize` searches for better designs; `tolerance` analyses the tolerances of a design.
 - `Scenario` reads, builds and edits scenarios.
@@ -57,6 +58,7 @@ from .production import Yield, tolerance
 from .result import Result
 from .running import run
 from .scenario import Scenario, preset_names, schema
+from .spatial import Mtf, Sparkle, mtf, sparkle
 
 __all__ = [
     "AnyResult",
@@ -71,6 +73,7 @@ __all__ = [
     "Figure",
     "FileError",
     "Label",
+    "Mtf",
     "Mistake",
     "Optimum",
     "PapilioError",
@@ -80,6 +83,7 @@ __all__ = [
     "Result",
     "Scenario",
     "ScenarioError",
+    "Sparkle",
     "Yield",
     "__version__",
     "absorption",
@@ -91,12 +95,14 @@ __all__ = [
     "films",
     "label",
     "metric_names",
+    "mtf",
     "optimize",
     "plot",
     "preset_names",
     "reflection",
     "run",
     "schema",
+    "sparkle",
     "sweep",
     "tolerance",
 ]

@@ -12,11 +12,13 @@ __all__ = [
     "Cone",
     "Described",
     "Diffuser",
+    "Mtf",
     "Prepared",
     "Production",
     "Resolved",
     "RunResult",
     "Search",
+    "Sparkle",
     "__version__",
     "beams",
     "bsdf",
@@ -199,6 +201,30 @@ class Cone:
     def warnings(self) -> list[str]: ...
     def arrays(self) -> tuple[dict[str, NDArray[np.float64]], dict[str, NDArray[np.float64]]]: ...
     def figure(self, title: str) -> str | None: ...
+
+@final
+class Mtf:
+    def __new__(
+        cls, scenario: Resolved, threads: int | None = None, progress: Callable[[dict[str, Any]], object] | None = None
+    ) -> Mtf: ...
+    def json(self) -> str: ...
+    def arrays(self) -> tuple[dict[str, NDArray[np.float64]], dict[str, NDArray[np.float64]]]: ...
+    def kernel(self, state: str) -> NDArray[np.float64]: ...
+    def figures(self, title: str) -> list[tuple[str, str]]: ...
+    def warnings(self) -> list[str]: ...
+
+@final
+class Sparkle:
+    def __new__(
+        cls,
+        scenario: Resolved,
+        title: str,
+        threads: int | None = None,
+        progress: Callable[[dict[str, Any]], object] | None = None,
+    ) -> Sparkle: ...
+    def json(self) -> str: ...
+    def arrays(self) -> dict[str, NDArray[np.float64]]: ...
+    def figures(self, title: str) -> list[tuple[str, str]]: ...
 
 @final
 class Absorption:

@@ -19,7 +19,8 @@ __all__ = ["AnyResult", "long_table"]
 
 @runtime_checkable
 class AnyResult(Protocol):
-    """What every result has: `Result`, `Cone`, `Reflection`, `Brdf`, `Evaluated`, `Absorption`, `Optimum`, `Yield`, `Diffuser`.
+    """What every result has: `Result`, `Cone`, `Reflection`, `Brdf`, `Evaluated`, `Absorption`, `Optimum`, `Yield`, `Diffuser`,
+    `Mtf`, `Sparkle`.
 
     Arrays by name (``found["Y"]``, ``in``, iteration, ``keys()``, ``get``), the same as tables, figures, and what the program has to say.
     """

@@ -23,6 +23,7 @@ mod result;
 mod run;
 mod scenario;
 mod search;
+mod spatial;
 mod watch;
 mod waves;
 
@@ -69,6 +70,8 @@ mod _papilio {
     };
     #[pymodule_export]
     use crate::search::{Search, moved_text};
+    #[pymodule_export]
+    use crate::spatial::{Mtf, Sparkle};
     #[pymodule_export]
     use crate::waves::{film_absorptance, film_amplitudes, film_derivatives};
 

@@ -30,11 +30,13 @@ def results():
             "Evaluated": papilio.sweep(indoor, {"display.pixel.gap_nm.red": [265.0, 275.9]}, ["red.Y"]),
             "Yield": papilio.tolerance(ROOT / "scenarios" / "tolerance.toml", set=few),
             "Optimum": papilio.optimize(ROOT / "scenarios" / "optimize.toml", set={"optimize.evaluations": 20, "optimize.starts": 1}),
+            "Mtf": papilio.mtf(ROOT / "scenarios" / "matrix.toml", set=COARSE),
+            "Sparkle": papilio.sparkle(ROOT / "scenarios" / "antiglare.toml", set={"sparkle.replicates": 4, "sparkle.correlation_um": 15} | COARSE),
             "Diffuser": papilio.diffuser.Diffuser(ROOT / "scenarios" / "data" / "H78.bsdf"),
         }
 
 
-NAMES = ["Result", "Cone", "Reflection", "Brdf", "Absorption", "Evaluated", "Yield", "Optimum", "Diffuser"]
+NAMES = ["Result", "Cone", "Reflection", "Brdf", "Absorption", "Evaluated", "Yield", "Optimum", "Mtf", "Sparkle", "Diffuser"]
 
 
 @pytest.mark.parametrize("name", NAMES)

@@ -3,13 +3,13 @@
 #![allow(clippy::unwrap_used, missing_docs, reason = "a benchmark")]
 
 use divan::{Bencher, black_box};
+use num_complex::Complex64;
 use papilio_optics::Beta;
 use papilio_optics::lobe::Lobe;
 use papilio_transport::spatial::{Accuracy, FaceReturn, Grid, LineSpread, PanelSpread};
 use papilio_transport::{
     AngularTable, Base, Cone, Diffuser, Front, Medium, Nodes, Panel, Reflector, Source, Top,
 };
-use rustfft::num_complex::Complex64;
 
 fn main() {
     divan::main();

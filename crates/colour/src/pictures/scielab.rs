@@ -16,7 +16,8 @@
 
 use std::f64::consts::{LN_2, PI};
 
-use super::filter::transferred;
+use papilio_fourier::transferred;
+
 use super::{Picture, xyz};
 use crate::{ColourError, Lab, Xyz};
 
@@ -70,7 +71,7 @@ pub fn scielab(
 fn blurred(picture: &Picture, pixels_per_degree: f64) -> Picture {
     let opponent = picture.clone().map(|pixel| times(&OPPONENT, pixel));
     let planes = [0, 1, 2].map(|k| {
-        transferred(&opponent.planes[k], opponent.columns, |x, y| {
+        transferred(&opponent.planes[k], opponent.columns, &|x, y| {
             scielab_transfer(x.hypot(y) * pixels_per_degree)[k]
         })
     });

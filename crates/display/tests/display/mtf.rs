@@ -269,7 +269,7 @@ fn mean_of_the_spread_is_the_colour() {
         let parts = [above, &glass("coated", 0.5), MATRIX, pixel, beam, "[viewer]\ntheta_deg = 25\n"];
         let colours =
             common::run(&resolved(&[&parts.concat(), "[solver]\nrelative_error = 1e-6\n"]).scene).unwrap();
-        let colour = colours.views[0].states.get("white").unwrap().value.Y.unwrap();
+        let colour = colours.views[0].states.get("white").unwrap().value.Y;
         let found = white(&computed(&parts).unwrap()).Y_via_pixel;
         near("mean", found / colour, 1.0, within);
     }

@@ -14,7 +14,7 @@
 
 use std::f64::consts::PI;
 
-use rustfft::num_complex::Complex64;
+use num_complex::Complex64;
 
 use super::PointSpread;
 use super::bessel::spherical;

@@ -21,7 +21,6 @@
 mod bessel;
 pub mod closed;
 mod face;
-mod fourier;
 mod layout;
 mod line;
 mod panel_spread;

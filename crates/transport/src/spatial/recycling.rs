@@ -7,10 +7,10 @@
 //! **Limits.** Features much larger than the thickness: `rho/(1 - A(0) rho)` for each point. Much smaller: the mean reflectance
 //! in the place of rho in the denominator (Clapper and Yule).
 
-use rustfft::num_complex::Complex64;
+use num_complex::Complex64;
+use papilio_fourier::Plane;
 
 use super::FaceReturn;
-use super::fourier::Plane;
 
 /// Cells of a period of a pattern: rows from the bottom, columns from the left.
 #[derive(Debug, Clone, Copy, PartialEq)]

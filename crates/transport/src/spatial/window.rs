@@ -10,7 +10,7 @@
 
 use std::f64::consts::PI;
 
-use rustfft::num_complex::Complex64;
+use num_complex::Complex64;
 
 /// Rectangle in fractions of the period.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -230,7 +230,7 @@ fn paper_under_glass_has_known_transfer() {
     }
 }
 
-fn found(spread: &PanelSpread, panel: &Panel, f: f64) -> rustfft::num_complex::Complex64 {
+fn found(spread: &PanelSpread, panel: &Panel, f: f64) -> num_complex::Complex64 {
     spread.transfer(panel, &[[f, 0.0]])[0]
 }
 
@@ -264,8 +264,7 @@ fn ghosts_of_a_mirror_have_a_closed_form() {
     let spread = spread(&panel, view(theta), &Source::Diffuse, 0.5, 12.0);
     let face = papilio_optics::interface::fresnel_reflectance(1.0, 1.5, 40.0_f64.to_radians().sin());
     for f in [0.0, 0.7, 2.0] {
-        let turns =
-            rustfft::num_complex::Complex64::cis(-4.0 * std::f64::consts::PI * f * spread.own_mm()[0]);
+        let turns = num_complex::Complex64::cis(-4.0 * std::f64::consts::PI * f * spread.own_mm()[0]);
         let expected = (1.0 - face).powi(2) * rho / (1.0 - face * rho * turns);
         assert!((found(&spread, &panel, f) - expected).norm() < 1e-12);
     }

@@ -6,12 +6,12 @@
 
 use std::f64::consts::PI;
 
+use num_complex::Complex64;
+use papilio_fourier::Plane;
 use papilio_optics::RandomFace;
 use papilio_sampling::{SampleStream, Sampler};
 use papilio_transport::spatial::Cells;
 use papilio_transport::spatial::sparkle::FaceSampler;
-use rustfft::num_complex::Complex64;
-use rustfft::{FftDirection, FftPlanner};
 
 const COUNT: usize = 256;
 const PERIOD_MM: f64 = 0.512;
@@ -39,18 +39,6 @@ fn lit(place: f64, width: f64) -> f64 {
     (up_to(place + 0.5 * CELL_MM) - up_to(place - 0.5 * CELL_MM)) / CELL_MM
 }
 
-fn transform(plane: &mut [Complex64], direction: FftDirection) {
-    let fft = FftPlanner::new().plan_fft(COUNT, direction);
-    for _ in 0..2 {
-        fft.process(plane);
-        for row in 0..COUNT {
-            for column in 0..row {
-                plane.swap(row * COUNT + column, column * COUNT + row);
-            }
-        }
-    }
-}
-
 /// Light through the windows by rays and by waves, for one face.
 fn light(sampler: &FaceSampler, replicate: u64) -> [f64; 2] {
     let numbers = SampleStream::new(Sampler::Random, 77, replicate);
@@ -67,18 +55,19 @@ fn light(sampler: &FaceSampler, replicate: u64) -> [f64; 2] {
     };
     let rays: f64 = (0..COUNT * COUNT).map(ray).sum();
     let phase = 2.0 * PI / WAVELENGTH_MM * (INDEX - 1.0);
-    let mut wave: Vec<Complex64> =
+    let wave: Vec<Complex64> =
         (0..COUNT * COUNT).map(|cell| Complex64::from_polar(spot(cell), phase * heights[cell])).collect();
-    transform(&mut wave, FftDirection::Forward);
+    let plane = Plane::new([COUNT; 2]);
+    let mut spectrum = plane.forward(wave);
     let frequency = |bin: usize| {
         let wave = if 2 * bin <= COUNT { bin as f64 } else { bin as f64 - COUNT as f64 };
         wave / PERIOD_MM
     };
-    for (bin, value) in wave.iter_mut().enumerate() {
+    for (bin, value) in spectrum.iter_mut().enumerate() {
         let square = frequency(bin % COUNT).powi(2) + frequency(bin / COUNT).powi(2);
         *value *= Complex64::from_polar(1.0, -PI * WAVELENGTH_MM * THICKNESS_MM / INDEX * square);
     }
-    transform(&mut wave, FftDirection::Inverse);
+    let wave = plane.inverse(spectrum);
     let received =
         |cell: usize| wave[cell].norm_sqr() * window(coordinate(cell % COUNT), coordinate(cell / COUNT));
     let waves: f64 = (0..COUNT * COUNT).map(received).sum();

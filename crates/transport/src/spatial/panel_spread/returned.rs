@@ -11,9 +11,9 @@
 use std::f64::consts::PI;
 use std::sync::Arc;
 
+use num_complex::Complex64;
 use papilio_optics::Beta;
 use papilio_optics::interface::fresnel_reflectance;
-use rustfft::num_complex::Complex64;
 
 use super::super::face::FrontReturn;
 use super::super::spread::{Bundle, Incoming, Pair, Spread};

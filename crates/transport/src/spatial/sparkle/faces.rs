@@ -2,12 +2,12 @@
 
 use std::f64::consts::{FRAC_1_SQRT_2, PI};
 
+use num_complex::Complex64;
+use papilio_fourier::Plane;
 use papilio_optics::RandomFace;
 use papilio_sampling::SampleStream;
-use rustfft::num_complex::Complex64;
 
 use super::super::Cells;
-use super::super::fourier::Plane;
 
 /// Highest frequency of a face times its correlation length: the power beyond is 3e-10 of that of all slopes.
 pub(super) const HIGHEST: f64 = 1.6;

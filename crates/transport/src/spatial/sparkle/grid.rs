@@ -1,6 +1,6 @@
 //! Values on the periodic cells of a face.
 
-use rustfft::num_complex::Complex64;
+use num_complex::Complex64;
 
 use super::super::Cells;
 

@@ -1,7 +1,7 @@
 //! The light of the room, and how the pixel sends it back.
 
+use num_complex::Complex64;
 use papilio_optics::Beta;
-use rustfft::num_complex::Complex64;
 
 use super::deflection::{Deflection, applied};
 use super::grid::Grid;

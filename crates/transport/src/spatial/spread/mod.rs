@@ -19,8 +19,8 @@ mod rule;
 
 use std::f64::consts::PI;
 
+use num_complex::Complex64;
 use papilio_optics::Beta;
-use rustfft::num_complex::Complex64;
 
 pub(super) use self::pair::Pair;
 use super::{Image, PointSpread, displacement};

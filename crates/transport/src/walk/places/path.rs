@@ -2,6 +2,7 @@
 
 use std::ops::Range;
 
+use num_complex::Complex64;
 use papilio_optics::Beta;
 
 use super::light::Light;

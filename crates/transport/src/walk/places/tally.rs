@@ -5,7 +5,7 @@
 
 use std::ops::Range;
 
-use rustfft::num_complex::Complex64;
+use num_complex::Complex64;
 
 use super::bins::{Bins, CellGrid};
 use super::light::{FirstMeeting, Recorded, Shown};

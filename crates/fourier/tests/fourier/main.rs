@@ -1,0 +1,49 @@
+//! Transforms of planes whose spectra are known.
+
+use std::f64::consts::PI;
+
+use num_complex::Complex64;
+use papilio_fourier::{Plane, transferred};
+
+#[test]
+fn spectrum_of_a_wave_is_its_bin() {
+    let [columns, rows] = [6, 35];
+    let wave = |cell: usize| {
+        let (row, column) = (cell / columns, cell % columns);
+        Complex64::cis(2.0 * PI * (2.0 * column as f64 / columns as f64 + 33.0 * row as f64 / rows as f64))
+    };
+    let cells: Vec<Complex64> = (0..columns * rows).map(wave).collect();
+    let plane = Plane::new([columns, rows]);
+    let spectrum = plane.forward(cells.clone());
+    for (bin, value) in spectrum.iter().enumerate() {
+        let expected = if bin == 2 * rows + 33 { (columns * rows) as f64 } else { 0.0 };
+        assert!((value - expected).norm() < 1e-10, "{bin}: {value}");
+    }
+    let back = plane.inverse(spectrum);
+    let count = (columns * rows) as f64;
+    assert!(back.iter().zip(&cells).all(|(back, cell)| (back / count - cell).norm() < 1e-12));
+}
+
+#[test]
+fn transfer_function_multiplies_gratings() {
+    let (columns, rows) = (30, 7);
+    let [x, y] = [4.0 / 60.0, 3.0 / 14.0];
+    let wave = |row: usize, column: usize| {
+        (2.0 * PI * x * (column as f64 + 0.5)).cos() * (2.0 * PI * y * (row as f64 + 0.5)).cos()
+    };
+    let plane: Vec<f64> = (0..rows * columns).map(|k| 0.5 + wave(k / columns, k % columns)).collect();
+    let blurred = transferred(&plane, columns, &|x, y| 1.0 - x - 2.0 * y);
+    for (k, value) in blurred.iter().enumerate() {
+        let expected = 0.5 + (1.0 - x - 2.0 * y) * wave(k / columns, k % columns);
+        assert!((value - expected).abs() < 1e-12, "{k}: {value} {expected}");
+    }
+}
+
+#[test]
+fn transfer_function_of_one_changes_nothing() {
+    for (columns, rows) in [(1, 1), (1, 5), (40, 70), (33, 1)] {
+        let plane: Vec<f64> = (0..columns * rows).map(|k| ((k * k) as f64).sin()).collect();
+        let same = transferred(&plane, columns, &|_, _| 1.0);
+        assert!(plane.iter().zip(&same).all(|(one, other)| (one - other).abs() < 1e-12));
+    }
+}

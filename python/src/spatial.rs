@@ -1,0 +1,186 @@
+//! Sharpness and sparkle: the contents of the files of `papilio mtf` and `papilio sparkle`.
+
+use std::sync::atomic::AtomicBool;
+
+use numpy::PyArrayDyn;
+use papilio_display::spatial::{MtfResult, SparkleResult, mtf, sparkle};
+use papilio_display::{Control, DisplayError};
+use papilio_formats::{MtfFile, SparkleFile, write_json};
+use pyo3::exceptions::PyKeyboardInterrupt;
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+
+use crate::columns::{Columns, array};
+use crate::errors;
+use crate::scenario::Resolved;
+use crate::watch::watched;
+
+/// Names and SVG texts of figures.
+type Figures = Vec<(String, String)>;
+
+/// Sharpness of a display.
+#[pyclass(frozen, module = "papilio._papilio")]
+pub(crate) struct Mtf {
+    of: MtfResult,
+    json: String,
+}
+
+#[pymethods]
+impl Mtf {
+    #[new]
+    #[pyo3(signature = (scenario, threads=None, progress=None))]
+    fn new(
+        py: Python<'_>,
+        scenario: &Resolved,
+        threads: Option<u16>,
+        progress: Option<Bound<'_, PyAny>>,
+    ) -> PyResult<Self> {
+        let resolved = &scenario.of;
+        let of = computed(py, scenario, threads, progress, |control| {
+            mtf(&resolved.scene, &resolved.patterns, control)
+        })?;
+        let json = text(&MtfFile {
+            papilio: env!("CARGO_PKG_VERSION"),
+            hash: &resolved.hash,
+            scenario: &resolved.canonical,
+            result: &of,
+        })?;
+        Ok(Self { of, json })
+    }
+
+    /// The text of `mtf.json`.
+    fn json(&self) -> &str {
+        &self.json
+    }
+
+    /// Names (`error.f50_x_per_mm`) and arrays: numbers of all states together (shape [view, ...]) and of each state (shape
+    /// [view, state, ...]).
+    fn arrays<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyDict>, Bound<'py, PyDict>)> {
+        let columns = || columns(&self.of).map_err(|error| errors::internal(&error.to_string()));
+        let [together, alone] = py.detach(columns)?;
+        Ok((together.into_dict(py)?, alone.into_dict(py)?))
+    }
+
+    /// Fraction of the light of a state in each cell, shape [view, y, x], y upwards.
+    fn kernel<'py>(&self, py: Python<'py>, state: &str) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
+        let kernels = || self.of.views.iter().filter_map(|view| Some(&view.states.get(state)?.kernel));
+        let cells = kernels().map(|kernel| kernel.cells).next().unwrap_or(0);
+        let fractions = kernels().flat_map(|kernel| kernel.fractions.iter().copied()).collect();
+        array(py, &[self.of.views.len(), cells, cells], fractions)
+    }
+
+    fn figures(&self, py: Python<'_>, title: &str) -> Figures {
+        py.detach(|| papilio_figures::of_mtf(&self.of, title))
+    }
+
+    fn warnings(&self) -> Vec<String> {
+        self.of.warnings.clone()
+    }
+}
+
+/// Sparkle of a display.
+#[pyclass(frozen, module = "papilio._papilio")]
+pub(crate) struct Sparkle {
+    of: SparkleResult,
+    json: String,
+}
+
+#[pymethods]
+impl Sparkle {
+    #[new]
+    #[pyo3(signature = (scenario, title, threads=None, progress=None))]
+    fn new(
+        py: Python<'_>,
+        scenario: &Resolved,
+        title: &str,
+        threads: Option<u16>,
+        progress: Option<Bound<'_, PyAny>>,
+    ) -> PyResult<Self> {
+        let resolved = &scenario.of;
+        let missing = "scenario: it describes no antiglare face (expected the table [sparkle] with slope_rms or haze and \
+                       correlation_um, or a rough layer with correlation_um)";
+        let face = resolved.sparkle.as_ref().ok_or_else(|| errors::argument(py, missing))?;
+        let of =
+            computed(py, scenario, threads, progress, |control| sparkle(&resolved.scene, face, control))?;
+        let json = text(&SparkleFile {
+            papilio: env!("CARGO_PKG_VERSION"),
+            title,
+            hash: &resolved.hash,
+            seed: resolved.scene.solver.seed,
+            result: &of,
+        })?;
+        Ok(Self { of, json })
+    }
+
+    /// The text of `sparkle.json`.
+    fn json(&self) -> &str {
+        &self.json
+    }
+
+    /// Numbers of each row by name.
+    fn arrays<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let mut columns = Columns::new(&[self.of.rows.len()]);
+        for (number, row) in self.of.rows.iter().enumerate() {
+            let row = serde_json::to_value(row).map_err(|error| errors::internal(&error.to_string()))?;
+            columns.add(number, "", &row);
+        }
+        columns.into_dict(py)
+    }
+
+    fn figures(&self, py: Python<'_>, title: &str) -> Figures {
+        py.detach(|| {
+            let curves = papilio_figures::sparkle_curves(&self.of, title);
+            let maps = ("sparkle".to_owned(), papilio_figures::sparkle_maps(&self.of, title));
+            [maps].into_iter().chain(curves.map(|svg| ("ppd".to_owned(), svg))).collect()
+        })
+    }
+}
+
+/// Numbers of all states together, and of each state.
+fn columns(result: &MtfResult) -> serde_json::Result<[Columns; 2]> {
+    let count = result.views.first().map_or(0, |view| view.states.0.len());
+    let mut together = Columns::new(&[result.views.len()]);
+    let mut alone = Columns::new(&[result.views.len(), count]);
+    for (v, view) in result.views.iter().enumerate() {
+        let mut numbers = serde_json::to_value(view)?;
+        // Directions and patterns are no numbers of a view.
+        let states = numbers.as_object_mut().and_then(|numbers| {
+            ["theta_deg", "phi_deg", "patterns"].iter().for_each(|key| drop(numbers.remove(*key)));
+            numbers.remove("states")
+        });
+        together.add(v, "", &numbers);
+        for (s, (name, _)) in view.states.iter().enumerate() {
+            if let Some(state) = states.as_ref().and_then(|states| states.get(name)) {
+                alone.add(v * count + s, "", state);
+            }
+        }
+    }
+    Ok([together, alone])
+}
+
+/// Computes a result on another thread, with progress and Ctrl-C.
+fn computed<T: Send>(
+    py: Python<'_>,
+    scenario: &Resolved,
+    threads: Option<u16>,
+    progress: Option<Bound<'_, PyAny>>,
+    compute: impl FnOnce(&Control<'_>) -> Result<T, DisplayError> + Send,
+) -> PyResult<T> {
+    let found = watched(py, &AtomicBool::new(false), progress.as_ref(), |watch| {
+        watch.run(threads.map(usize::from), |control| compute(control))
+    })?;
+    found.map_err(|error| match error {
+        DisplayError::Interrupted => PyKeyboardInterrupt::new_err(()),
+        error => errors::display_of(py, &scenario.of, &error),
+    })
+}
+
+/// The text of a file.
+fn text(file: &impl serde::Serialize) -> PyResult<String> {
+    let mut bytes = Vec::new();
+    let written = write_json(&mut bytes, file).map(|()| String::from_utf8(bytes));
+    match written {
+        Ok(Ok(text)) => Ok(text),
+        _ => Err(errors::internal("a result that is no text")),
+    }
+}
