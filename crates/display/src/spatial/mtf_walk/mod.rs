@@ -17,7 +17,7 @@ use super::measured::Measured;
 use super::mtf::Frame;
 use super::patterns::Pattern;
 use super::profile::{cumulative, places};
-use super::response::name;
+use super::response::name_of_light;
 use super::walk::{Placed, mean};
 use super::{Curves, Kernel, LineContrast, MtfState, MtfView, PatternKind, PatternMean, SpatialScalars};
 use crate::DisplayError;
@@ -157,7 +157,8 @@ impl Grid {
         let setup = frame.setup;
         let has_light =
             |number: &usize| panel.meter.luminous_weights(*number).iter().any(|weight| *weight != 0.0);
-        let lights = (0..setup.sources.len()).filter(has_light).map(|number| (number, name(setup, number)));
+        let lights =
+            (0..setup.sources.len()).filter(has_light).map(|number| (number, name_of_light(setup, number)));
         let mut frequencies = frame.frequencies.clone();
         let highest = frequencies.last().copied().unwrap_or(1.0);
         while let Some(last) = frequencies.last().filter(|last| **last < SEARCHED * highest) {
