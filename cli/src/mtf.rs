@@ -6,12 +6,13 @@ use std::path::Path;
 use papilio_display::spatial::{MtfResult, MtfView, PatternKind};
 use papilio_formats::{MtfFile, write_file, write_json, write_kernel_npy, write_mtf_csv, write_spread_csv};
 
-use crate::arguments::SpatialCommand;
+use crate::arguments::{MtfCommand, Solver};
 use crate::run::with_progress;
 use crate::{Failure, interrupt, output, print_message, print_notes, report};
 
-pub(crate) fn mtf(arguments: &SpatialCommand) -> Result<(), Failure> {
-    let resolved = arguments.resolve()?;
+pub(crate) fn mtf(arguments: &MtfCommand) -> Result<(), Failure> {
+    let MtfCommand { spatial: arguments, solver } = arguments;
+    let resolved = arguments.resolve_with(solver.map(Solver::as_override))?;
     let folder = arguments.folder(&resolved.hash)?;
     let result = with_progress(&resolved, arguments.workers.threads, |control| {
         papilio_display::spatial::mtf(&resolved.scene, &resolved.patterns, control)

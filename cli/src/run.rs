@@ -149,15 +149,7 @@ fn print_messages(folder: Option<&Path>, written: Option<Vec<String>>, result: &
 
 fn resolve(arguments: &Run) -> Result<Resolved, Failure> {
     let mut overrides = arguments.scenario.set.clone();
-    overrides.extend(arguments.solver.map(|solver| {
-        let method = match solver {
-            Solver::Adding => "adding",
-            Solver::MonteCarlo => "monte-carlo",
-            Solver::Auto => "auto",
-            Solver::Walk => "walk",
-        };
-        format!("solver.method={method}")
-    }));
+    overrides.extend(arguments.solver.map(Solver::as_override));
     overrides.extend(arguments.seed.map(|seed| format!("solver.seed={seed}")));
     Ok(input::scenario::<Scenario>(&arguments.scenario.file, &overrides)?.resolve()?)
 }

@@ -113,7 +113,13 @@ fn cells(row: &SparkleRow) -> Vec<String> {
 impl SpatialCommand {
     /// Reads and resolves the scenario, with the seed.
     pub(crate) fn resolve(&self) -> Result<papilio_scenario::Resolved, Failure> {
+        self.resolve_with(None)
+    }
+
+    /// The same with a further override.
+    pub(crate) fn resolve_with(&self, more: Option<String>) -> Result<papilio_scenario::Resolved, Failure> {
         let mut overrides = self.scenario.set.clone();
+        overrides.extend(more);
         overrides.extend(self.seed.map(|seed| format!("solver.seed={seed}")));
         Ok(input::scenario::<Scenario>(&self.scenario.file, &overrides)?.resolve()?)
     }

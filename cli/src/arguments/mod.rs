@@ -58,9 +58,11 @@ pub(crate) enum Command {
     )]
     Sparkle(SpatialCommand),
     /// Compute how sharp the display is: modulation transfer, point, line and edge spread, contrast of fine lines
-    #[command(after_help = "Example: papilio mtf scenarios/matrix.toml\n\n\
+    #[command(after_help = "Examples:\n  \
+                      papilio mtf scenarios/matrix.toml\n  \
+                      papilio mtf scenarios/matrix.toml --solver monte-carlo\n\n\
                       It needs the thickness of the layers above the pixels. docs/mtf.md describes the results.")]
-    Mtf(SpatialCommand),
+    Mtf(MtfCommand),
     /// Compute which sub-pixel lights which, and the gamut and contrast of stripes, lines and text
     #[command(after_help = "Example: papilio crosstalk scenarios/matrix.toml\n\n\
                       The scenario needs [display.matrix] and the thickness of the layers above the pixels. docs/crosstalk.md describes \
@@ -263,6 +265,15 @@ pub(crate) struct SpatialCommand {
 }
 
 #[derive(Debug, Args)]
+pub(crate) struct MtfCommand {
+    #[command(flatten)]
+    pub(crate) spatial: SpatialCommand,
+    /// Solver; sets solver.method
+    #[arg(long, value_enum)]
+    pub(crate) solver: Option<Solver>,
+}
+
+#[derive(Debug, Args)]
 pub(crate) struct Catalogue {
     /// One name, with its numbers and a figure; or a word, to list all whose descriptions contain it [default: list all]
     pub(crate) name: Option<String>,
@@ -449,4 +460,17 @@ pub(crate) enum Solver {
     /// The old name of `monte-carlo`
     #[value(hide = true)]
     Walk,
+}
+
+impl Solver {
+    /// The override of the scenario.
+    pub(crate) fn as_override(self) -> String {
+        let method = match self {
+            Self::Adding => "adding",
+            Self::MonteCarlo => "monte-carlo",
+            Self::Auto => "auto",
+            Self::Walk => "walk",
+        };
+        format!("solver.method={method}")
+    }
 }

@@ -1,8 +1,9 @@
 //! The best design computed by the Monte Carlo solver too, which shares no integration with adding.
 
+use papilio_design::NamedQuantity;
 use papilio_design::search::{Search, SelectedDesign};
 use papilio_display::result::RunResult;
-use papilio_display::scene::{Method, Stop};
+use papilio_display::scene::{Method, MetricSource, Stop};
 use serde_json::{Value, json};
 
 use crate::run::with_progress;
@@ -84,7 +85,11 @@ pub(super) fn check(
         }
     }
     note_dark_states(&results);
-    let checked = study.quantities.iter().zip(&best.values).map(|(quantity, adding)| SolverComparison {
+    // Sharpness and sparkle are not computed by a run.
+    let of_colours =
+        |(quantity, _): &(&NamedQuantity, _)| quantity.quantity.source() == MetricSource::Colours;
+    let checked = study.quantities.iter().zip(&best.values).filter(of_colours);
+    let checked = checked.map(|(quantity, adding)| SolverComparison {
         name: quantity.name.clone(),
         adding: *adding,
         monte_carlo: quantity.quantity.of(&results[quantity.condition]),

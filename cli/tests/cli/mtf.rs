@@ -68,3 +68,34 @@ fn missing_thickness_is_reported_at_its_table() {
     let output = run(&["--json", "--set", "pattern={ period_mm = [1], on = \"red\" }"]);
     assert!(stderr(&output).contains("red"), "{}", stderr(&output));
 }
+
+/// Half of the modulation at the Nyquist frequency of 300 pixels per inch below 0.537 mm, by a sweep and by a search; errors of the
+/// metrics' conditions are named.
+#[test]
+fn sharpness_is_a_metric_of_sweeps_and_searches() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = scenario("laminate-thickness");
+    let run = |command: &str, more: &[&str]| {
+        let out = folder.path().join(command);
+        let output = papilio().arg(command).arg(&file).arg("--out").arg(&out).args(more).output().unwrap();
+        (output, out)
+    };
+    let coarse = ["--set", "spectrum.step_nm=100"];
+    let (output, out) = run("sweep", &coarse);
+    assert!(output.status.success(), "{}", stderr(&output));
+    let table = fs::read_to_string(out.join("sweep.csv")).unwrap();
+    let rows: Vec<Vec<&str>> = table.lines().map(|line| line.split(',').collect()).collect();
+    let column = |name: &str| rows[0].iter().position(|head| *head == name).unwrap();
+    let at = |thickness: &str, name: &str| -> f64 {
+        let row = rows.iter().find(|row| row[1] == thickness).unwrap();
+        row[column(name)].parse().unwrap()
+    };
+    assert!((at("0.5", "white.mtf_nyquist_x") - 0.526_884).abs() < 2e-5, "{table}");
+    assert!(at("0.1", "line_contrast_white_1_x") > at("0.8", "line_contrast_white_1_x"), "{table}");
+    let (output, out) = run("optimize", &coarse);
+    assert!(output.status.success(), "{}", stderr(&output));
+    let best = fs::read_to_string(out.join("best.toml")).unwrap();
+    assert!(best.contains("thickness_mm = 0.537"), "{best}");
+    let (output, _) = run("sweep", &["--set", "sweep.metrics=[\"ppd\"]"]);
+    assert!(!output.status.success() && stderr(&output).contains("[sparkle]"), "{}", stderr(&output));
+}

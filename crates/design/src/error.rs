@@ -12,6 +12,15 @@ pub enum DesignError {
     /// The scene cannot be computed.
     #[error(transparent)]
     Display(#[from] DisplayError),
+    /// Metrics of sparkle of a display without an antiglare face.
+    #[error(
+        "`{metric}` is a metric of an antiglare face, which the scenario does not describe; expected [sparkle] with `slope_rms` or \
+         `haze`, and `correlation_um`"
+    )]
+    NoFace {
+        /// Name of the metric.
+        metric: String,
+    },
     /// The design has the wrong length.
     #[error("the design has {found} numbers; expected {expected}, one for each variable")]
     Length {

@@ -3,15 +3,17 @@
 //! Designs that differ only in parameters of their film pixel (thicknesses, gaps, areas, indices) are
 //! evaluated by [`Designs`](papilio_display::Designs), which reuses everything else. All other designs are
 //! resolved and run in full. The choice of method depends on the design alone, not on the designs before it.
+//! Sharpness and sparkle are computed of the resolved display (`pixels.rs`).
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 use papilio_display::result::RunResult;
-use papilio_display::{Control, DisplayError, Prepared};
+use papilio_display::scene::MetricSource;
+use papilio_display::{Control, DisplayError, Prepared, Quantity};
 
 use crate::film_fast_path::FilmFastPath;
-use crate::{DesignError, NamedQuantity, Study};
+use crate::{DesignError, NamedQuantity, Study, pixels};
 
 /// Step of finite differences, relative to the larger of the variable's magnitude and 1.
 const STEP: f64 = 1e-4;
@@ -26,11 +28,26 @@ pub struct Evaluator<'a> {
     evaluated: Arc<AtomicUsize>,
 }
 
+/// The quantities of a condition by what computes them.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Part {
+    /// Colours: a run, or the fast path of film pixels.
+    Colours,
+    /// Sharpness and sparkle.
+    Pixels,
+}
+
+impl Part {
+    const BOTH: [Self; 2] = [Self::Colours, Self::Pixels];
+}
+
 /// State of a condition that is reused for the next design.
 #[derive(Debug)]
 struct ConditionState {
-    /// Indices of the quantities that are requested under it.
+    /// Indices of the quantities of colours that are requested under it.
     requested: Vec<usize>,
+    /// Indices of those of sharpness and sparkle.
+    of_pixels: Vec<usize>,
     /// Evaluates film pixels.
     fast_path: FilmFastPath,
     /// Evaluates all other designs.
@@ -53,9 +70,15 @@ impl<'a> Evaluator<'a> {
         let condition = |condition: usize| {
             let requested =
                 study.quantities.iter().enumerate().filter(|(_, named)| named.condition == condition);
-            let (requested, quantities) =
-                requested.map(|(index, named)| (index, named.quantity.clone())).unzip();
-            ConditionState { requested, fast_path: FilmFastPath::new(quantities), prepared: None }
+            let (colours, of_pixels): (Vec<_>, Vec<_>) =
+                requested.partition(|(_, named)| named.quantity.source() == MetricSource::Colours);
+            let quantities = colours.iter().map(|(_, named)| named.quantity.clone()).collect();
+            ConditionState {
+                requested: colours.into_iter().map(|(index, _)| index).collect(),
+                of_pixels: of_pixels.into_iter().map(|(index, _)| index).collect(),
+                fast_path: FilmFastPath::new(quantities),
+                prepared: None,
+            }
         };
         let conditions = (0..study.conditions.len()).map(condition).collect();
         Self { study, stop, conditions, evaluated: Arc::default() }
@@ -66,6 +89,7 @@ impl<'a> Evaluator<'a> {
     pub fn worker(&self) -> Self {
         let copy = |state: &ConditionState| ConditionState {
             requested: state.requested.clone(),
+            of_pixels: state.of_pixels.clone(),
             fast_path: state.fast_path.clone(),
             prepared: None,
         };
@@ -101,21 +125,53 @@ impl<'a> Evaluator<'a> {
         self.evaluated.fetch_add(1, Ordering::Relaxed);
         let mut values = vec![None; self.study.quantities.len()];
         for condition in 0..self.conditions.len() {
-            if self.conditions[condition].requested.is_empty() {
-                continue;
+            for part in Part::BOTH {
+                if self.requested(condition, part).is_empty() {
+                    continue;
+                }
+                let computed = self.computed(design, condition, part)?;
+                let requested = self.requested(condition, part).iter();
+                requested.zip(computed).for_each(|(index, value)| values[*index] = value);
             }
-            let computed = self.under(design, condition)?;
-            let requested = self.conditions[condition].requested.iter();
-            requested.zip(computed).for_each(|(index, value)| values[*index] = value);
         }
         Ok(values)
     }
 
-    /// Computes the quantities that are requested under one condition.
-    fn under(&mut self, design: &[f64], index: usize) -> Result<Vec<Option<f64>>, DesignError> {
+    fn requested(&self, condition: usize, part: Part) -> &[usize] {
+        let condition = &self.conditions[condition];
+        match part {
+            Part::Colours => &condition.requested,
+            Part::Pixels => &condition.of_pixels,
+        }
+    }
+
+    /// Computes the requested quantities of one part.
+    fn computed(
+        &mut self,
+        design: &[f64],
+        condition: usize,
+        part: Part,
+    ) -> Result<Vec<Option<f64>>, DesignError> {
         if self.stop.load(Ordering::Relaxed) {
             return Err(DisplayError::Interrupted.into());
         }
+        match part {
+            Part::Colours => self.under(design, condition),
+            Part::Pixels => {
+                let values = self.study.values(design)?;
+                let resolved = self.study.conditions[condition].varied.scenario(&values)?.resolve()?;
+                let requested = self.conditions[condition].of_pixels.iter();
+                let quantities: Vec<&Quantity> =
+                    requested.map(|index| &self.study.quantities[*index].quantity).collect();
+                let control = Control { threads: Some(1), progress: &|_| {}, stop: self.stop };
+                let found = pixels::quantities(&resolved, &quantities, &control)?;
+                Ok(found.into_iter().map(|[value, _]| value).collect())
+            }
+        }
+    }
+
+    /// Computes the quantities of colours that are requested under one condition.
+    fn under(&mut self, design: &[f64], index: usize) -> Result<Vec<Option<f64>>, DesignError> {
         let control = Control { threads: Some(1), progress: &|_| {}, stop: self.stop };
         let (condition, state) = (&self.study.conditions[index], &mut self.conditions[index]);
         if let Some(values) = state.fast_path.evaluate(&self.study, condition, design, &control)? {
@@ -140,35 +196,39 @@ impl<'a> Evaluator<'a> {
         let (quantities, variables) = (self.study.quantities.len(), design.len());
         let mut all = Slopes { values: vec![None; quantities], slopes: vec![0.0; quantities * variables] };
         for condition in 0..self.conditions.len() {
-            if self.conditions[condition].requested.is_empty() {
-                continue;
-            }
-            let computed = self.slopes_under(design, condition)?;
-            for (row, &quantity) in self.conditions[condition].requested.iter().enumerate() {
-                all.values[quantity] = computed.values[row];
-                let slopes = &computed.slopes[row * variables..(row + 1) * variables];
-                all.slopes[quantity * variables..(quantity + 1) * variables].copy_from_slice(slopes);
+            for part in Part::BOTH {
+                if self.requested(condition, part).is_empty() {
+                    continue;
+                }
+                let computed = self.slopes_under(design, condition, part)?;
+                for (row, &quantity) in self.requested(condition, part).iter().enumerate() {
+                    all.values[quantity] = computed.values[row];
+                    let slopes = &computed.slopes[row * variables..(row + 1) * variables];
+                    all.slopes[quantity * variables..(quantity + 1) * variables].copy_from_slice(slopes);
+                }
             }
         }
         Ok(all)
     }
 
-    /// Computes values and derivatives of the quantities that are requested under one condition.
-    fn slopes_under(&mut self, design: &[f64], index: usize) -> Result<Slopes, DesignError> {
+    /// Computes values and derivatives of the quantities of one part that are requested under one condition.
+    fn slopes_under(&mut self, design: &[f64], index: usize, part: Part) -> Result<Slopes, DesignError> {
         if self.stop.load(Ordering::Relaxed) {
             return Err(DisplayError::Interrupted.into());
         }
         let control = Control { threads: Some(1), progress: &|_| {}, stop: self.stop };
         let (condition, state) = (&self.study.conditions[index], &mut self.conditions[index]);
-        if let Some(exact) = state.fast_path.derivatives(&self.study, condition, design, &control)? {
+        if part == Part::Colours
+            && let Some(exact) = state.fast_path.derivatives(&self.study, condition, design, &control)?
+        {
             return Ok(exact);
         }
-        let values = self.under(design, index)?;
+        let values = self.computed(design, index, part)?;
         let variables = design.len();
         let mut slopes = vec![0.0; values.len() * variables];
         for variable in 0..variables {
             if self.study.variables[variable].is_number() {
-                let column = self.slope(design, variable, index, &values)?;
+                let column = self.slope(design, variable, (index, part), &values)?;
                 column
                     .into_iter()
                     .enumerate()
@@ -184,14 +244,14 @@ impl<'a> Evaluator<'a> {
         &mut self,
         design: &[f64],
         variable: usize,
-        condition: usize,
+        (condition, part): (usize, Part),
         here: &[Option<f64>],
     ) -> Result<Vec<f64>, DesignError> {
         let step = STEP * design[variable].abs().max(1.0);
         let mut evaluate = |step: f64| {
             let mut moved = design.to_vec();
             moved[variable] += step;
-            match self.under(&moved, condition) {
+            match self.computed(&moved, condition, part) {
                 Ok(values) => Ok(Some((values, moved[variable]))),
                 // Outside the range of a key.
                 Err(DesignError::Scenario(_)) => Ok(None),

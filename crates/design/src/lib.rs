@@ -39,6 +39,7 @@ mod film_fast_path;
 mod light;
 pub mod output;
 mod parameter;
+mod pixels;
 pub mod search;
 mod study;
 pub mod tolerance;

@@ -5,7 +5,9 @@
 
 use std::fmt;
 
-use crate::metrics::{Cam16, LineContrast, SpatialScalars, StateMetrics, VALUE_LABELS, ViewMetrics};
+use crate::metrics::{
+    Cam16, SharpnessMetrics, SparkleMetrics, SpatialScalars, StateMetrics, VALUE_LABELS, ViewMetrics,
+};
 
 /// The name of a quantity in words, with its unit.
 ///
@@ -139,7 +141,7 @@ pub fn label_from_name(name: &str) -> Label {
 /// (`wavelength_nm`), or the error of one (`Y_se`, `white.Y_de`). `None` if there is no such number.
 pub fn metric_label(name: &str) -> Option<Label> {
     if let Some((state, number)) = name.rsplit_once('.') {
-        let of_view = ViewMetrics::LABELS.iter().map(|known| known.name).any(|name| name == number)
+        let of_view = metrics_of_views().any(|known| known.name == number)
             || ["theta_deg", "phi_deg", "wavelength_nm"].contains(&number);
         return known(number).filter(|_| !of_view && !state.is_empty()).map(|label| label.of(state));
     }
@@ -150,15 +152,16 @@ pub fn metric_label(name: &str) -> Option<Label> {
 pub fn labelled_names() -> impl Iterator<Item = String> {
     let cam16 = Cam16::LABELS.iter().map(|known| format!("cam16_{}", known.name));
     let own = metrics().map(|known| known.name.to_owned());
-    let lines = LineContrast::LABELS.iter().map(|known| format!("{LINE_CONTRAST}{}", known.name));
-    own.chain(lines).chain(cam16).chain(OTHERS.iter().map(|(name, ..)| (*name).to_owned()))
+    own.chain(cam16).chain(OTHERS.iter().map(|(name, ..)| (*name).to_owned()))
 }
 
-/// Start of the names of contrasts of lines.
-const LINE_CONTRAST: &str = "line_contrast_";
-
 fn metrics() -> impl Iterator<Item = &'static KnownLabel> {
-    ViewMetrics::LABELS.iter().chain(VALUE_LABELS).chain(StateMetrics::LABELS).chain(SpatialScalars::LABELS)
+    let of_states = VALUE_LABELS.iter().chain(StateMetrics::LABELS).chain(SpatialScalars::LABELS);
+    metrics_of_views().chain(of_states)
+}
+
+fn metrics_of_views() -> impl Iterator<Item = &'static KnownLabel> {
+    ViewMetrics::LABELS.iter().chain(SharpnessMetrics::LABELS).chain(SparkleMetrics::LABELS)
 }
 
 fn known(name: &str) -> Option<Label> {
@@ -168,9 +171,6 @@ fn known(name: &str) -> Option<Label> {
     };
     if let Some(metric) = metrics().find(|known| known.name == name) {
         return Some(own(metric));
-    }
-    if let Some(line) = name.strip_prefix(LINE_CONTRAST) {
-        return LineContrast::LABELS.iter().find(|known| known.name == line).map(own);
     }
     if let Some(number) = name.strip_prefix("cam16_") {
         return Cam16::LABELS.iter().find(|known| known.name == number).map(own);

@@ -40,6 +40,7 @@ macro_rules! numbers {
 
         impl $name {
             /// Labels of all fields.
+            #[allow(dead_code, reason = "contrasts of lines have those of the metrics of a view")]
             pub(crate) const LABELS: &[KnownLabel] = &[$(label_of!($field $($quantity $($unit)?)?)),*];
 
             /// Returns names and values, in order.
@@ -48,6 +49,7 @@ macro_rules! numbers {
             }
 
             /// Returns all values, in order.
+            #[allow(dead_code, reason = "not all metrics are computed in lists")]
             pub(crate) fn all_mut(&mut self) -> impl Iterator<Item = &mut Option<f64>> {
                 [$(&mut self.$field),*].into_iter()
             }
@@ -65,6 +67,15 @@ macro_rules! names {
         state {
             $( $(#[doc = $state_doc:literal])* $state:ident $(= $state_quantity:literal $(in $state_unit:literal)?)? ),* $(,)?
         }
+        mtf_view {
+            $( $(#[doc = $mv_doc:literal])* $mtf_view:ident $(= $mv_quantity:literal $(in $mv_unit:literal)?)? ),* $(,)?
+        }
+        mtf_state {
+            $( $(#[doc = $ms_doc:literal])* $mtf_state:ident $(= $ms_quantity:literal $(in $ms_unit:literal)?)? ),* $(,)?
+        }
+        sparkle {
+            $( $(#[doc = $sparkle_doc:literal])* $sparkle:ident $(= $sparkle_quantity:literal $(in $sparkle_unit:literal)?)? ),* $(,)?
+        }
     ) => {
         /// Labels of the fields of `StateValues` that are metrics.
         pub(crate) const VALUE_LABELS: &[KnownLabel] = &[$(label_of!($value $($quantity $($unit)?)?)),*];
@@ -72,12 +83,12 @@ macro_rules! names {
         /// Metric of a result, named as there.
         #[derive(Debug, Clone, Copy, PartialEq, Eq)]
         #[allow(missing_docs, non_camel_case_types, reason = "named and documented as the fields of a result")]
-        pub enum Metric { $($view,)* $($value,)* $($state,)* }
+        pub enum Metric { $($view,)* $($value,)* $($state,)* $($mtf_view,)* $($mtf_state,)* $($sparkle,)* }
 
         impl Metric {
             /// Returns true for metrics of a view, which combine its states.
             pub fn is_of_view(self) -> bool {
-                matches!(self, $(Self::$view)|*)
+                matches!(self, $(Self::$view)|* $(| Self::$mtf_view)* $(| Self::$sparkle)*)
             }
 
             /// Returns the name of the metric in a result.
@@ -86,11 +97,50 @@ macro_rules! names {
                     $(Self::$view => stringify!($view),)*
                     $(Self::$value => stringify!($value),)*
                     $(Self::$state => stringify!($state),)*
+                    $(Self::$mtf_view => stringify!($mtf_view),)*
+                    $(Self::$mtf_state => stringify!($mtf_state),)*
+                    $(Self::$sparkle => stringify!($sparkle),)*
+                }
+            }
+
+            /// Returns what computes the metric.
+            pub fn source(self) -> MetricSource {
+                match self {
+                    $(Self::$mtf_view)|* $(| Self::$mtf_state)* => MetricSource::Mtf,
+                    $(Self::$sparkle)|* => MetricSource::Sparkle,
+                    _ => MetricSource::Colours,
+                }
+            }
+
+            /// Returns the value of a metric of the sharpness of a view; `None` for all others.
+            pub(crate) fn of_sharpness(self, metrics: &SharpnessMetrics) -> Option<f64> {
+                match self {
+                    $(Self::$mtf_view => metrics.$mtf_view,)*
+                    _ => None,
+                }
+            }
+
+            /// Returns the value of a metric of the sharpness of a state; `None` for all others.
+            pub(crate) fn of_spatial(self, scalars: &SpatialScalars) -> Option<f64> {
+                match self {
+                    $(Self::$mtf_state => scalars.$mtf_state,)*
+                    _ => None,
+                }
+            }
+
+            /// Returns the value of a metric of sparkle; `None` for all others.
+            pub(crate) fn of_sparkle(self, metrics: &SparkleMetrics) -> Option<f64> {
+                match self {
+                    $(Self::$sparkle => metrics.$sparkle,)*
+                    _ => None,
                 }
             }
 
             /// All metrics.
-            pub const ALL: &[Self] = &[$(Self::$view,)* $(Self::$value,)* $(Self::$state,)*];
+            pub const ALL: &[Self] = &[
+                $(Self::$view,)* $(Self::$value,)* $(Self::$state,)*
+                $(Self::$mtf_view,)* $(Self::$mtf_state,)* $(Self::$sparkle,)*
+            ];
 
             /// Returns the metric of this name, if it can be a target.
             pub fn named(name: &str) -> Option<Self> {
@@ -125,11 +175,31 @@ macro_rules! metrics {
         $(#[doc = $state_doc:literal])* state $state_name:ident { $($state:tt)* }
         between_views { $($between:tt)* }
         state { $($last:tt)* }
+        $(#[doc = $mv_doc:literal])* mtf_view $mv_name:ident { $($mtf_view:tt)* }
+        $(#[doc = $ms_doc:literal])* mtf_state $ms_name:ident { $($mtf_state:tt)* }
+        $(#[doc = $sparkle_doc:literal])* sparkle $sparkle_name:ident { $($sparkle:tt)* }
     ) => {
         numbers! { $(#[doc = $view_doc])* $view_name { $($view)* } }
         numbers! { $(#[doc = $state_doc])* $state_name { $($state)* $($between)* $($last)* } }
-        names! { view { $($view)* } values { $($value)* } state { $($state)* $($last)* } }
+        numbers! { $(#[doc = $mv_doc])* $mv_name { $($mtf_view)* } }
+        numbers! { $(#[doc = $ms_doc])* $ms_name { $($mtf_state)* } }
+        numbers! { $(#[doc = $sparkle_doc])* $sparkle_name { $($sparkle)* } }
+        names! {
+            view { $($view)* } values { $($value)* } state { $($state)* $($last)* }
+            mtf_view { $($mtf_view)* } mtf_state { $($mtf_state)* } sparkle { $($sparkle)* }
+        }
     };
+}
+
+/// What computes a metric.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum MetricSource {
+    /// The colours of a display: [`run`](crate::run()).
+    Colours,
+    /// Its sharpness: [`spatial::mtf`](crate::spatial::mtf()).
+    Mtf,
+    /// Its sparkle: [`spatial::sparkle`](crate::spatial::sparkle()).
+    Sparkle,
 }
 
 numbers! {
@@ -145,32 +215,6 @@ numbers! {
         a_prime = "CAM16-UCS a′",
         /// b' of CAM16-UCS; the hue is the angle of (a', b').
         b_prime = "CAM16-UCS b′",
-    }
-}
-
-numbers! {
-    /// Sharpness of a state: results of [`spatial::mtf`](crate::spatial::mtf()). x is to the right, y up.
-    SpatialScalars {
-        /// Spatial frequency along x at which the modulation transfer is first 0.5, cycles per mm.
-        f50_x_per_mm = "Frequency of half the modulation along x" in "per mm",
-        /// The same along y.
-        f50_y_per_mm = "Frequency of half the modulation along y" in "per mm",
-        /// Modulation transfer along x at the Nyquist frequency of the pixels.
-        mtf_nyquist_x = "Modulation transfer at Nyquist along x",
-        /// The same along y.
-        mtf_nyquist_y = "Modulation transfer at Nyquist along y",
-        /// Width of an edge along x from 10 to 90 %, um.
-        edge_10_90_x_um = "Width of an edge along x, 10 to 90 %" in "μm",
-        /// The same along y.
-        edge_10_90_y_um = "Width of an edge along y, 10 to 90 %" in "μm",
-        /// Radius about the view's own ray with half of the light, um.
-        r50_um = "Radius with half of the light" in "μm",
-        /// The same with 90 % of the light.
-        r90_um = "Radius with 90 % of the light" in "μm",
-        /// Square-root integral (Barten 1990) along x, just noticeable differences.
-        sqri_jnd_x = "Square-root integral along x" in "JND",
-        /// The same along y.
-        sqri_jnd_y = "Square-root integral along y" in "JND",
     }
 }
 
@@ -309,11 +353,90 @@ metrics! {
         /// `peak_nm` minus that of the pixel alone in the direction of the view (Feng 2012, eq. 5-12), nm.
         peak_shift_nm = "Peak shift" in "nm",
     }
+    /// Sharpness of a view: results of [`spatial::mtf`](crate::spatial::mtf()).
+    mtf_view SharpnessMetrics {
+        /// White line of one pixel, across x.
+        line_contrast_white_1_x = "Contrast of a white line of 1 pixel across x",
+        /// Of two pixels.
+        line_contrast_white_2_x = "Contrast of a white line of 2 pixels across x",
+        /// Of four pixels.
+        line_contrast_white_4_x = "Contrast of a white line of 4 pixels across x",
+        /// Black line of one pixel on white, across x.
+        line_contrast_black_1_x = "Contrast of a black line of 1 pixel across x",
+        /// Of two pixels.
+        line_contrast_black_2_x = "Contrast of a black line of 2 pixels across x",
+        /// Of four pixels.
+        line_contrast_black_4_x = "Contrast of a black line of 4 pixels across x",
+        /// White line of one pixel, across y.
+        line_contrast_white_1_y = "Contrast of a white line of 1 pixel across y",
+        /// Of two pixels.
+        line_contrast_white_2_y = "Contrast of a white line of 2 pixels across y",
+        /// Of four pixels.
+        line_contrast_white_4_y = "Contrast of a white line of 4 pixels across y",
+        /// Black line of one pixel on white, across y.
+        line_contrast_black_1_y = "Contrast of a black line of 1 pixel across y",
+        /// Of two pixels.
+        line_contrast_black_2_y = "Contrast of a black line of 2 pixels across y",
+        /// Of four pixels.
+        line_contrast_black_4_y = "Contrast of a black line of 4 pixels across y",
+        /// Smallest contrast of the middles of strokes of black text with the white page.
+        text_contrast_min = "Smallest contrast of strokes",
+        /// Median of the contrasts of the middles of strokes.
+        text_contrast_median = "Median contrast of strokes",
+        /// Equivalent exponent n of Yule and Nielsen.
+        yule_nielsen_n = "Equivalent exponent of Yule and Nielsen",
+    }
+    /// Sharpness of a state: results of [`spatial::mtf`](crate::spatial::mtf()). x is to the right, y up.
+    mtf_state SpatialScalars {
+        /// Spatial frequency along x at which the modulation transfer is first 0.5, cycles per mm.
+        f50_x_per_mm = "Frequency of half the modulation along x" in "per mm",
+        /// The same along y.
+        f50_y_per_mm = "Frequency of half the modulation along y" in "per mm",
+        /// Modulation transfer along x at the Nyquist frequency of the pixels.
+        mtf_nyquist_x = "Modulation transfer at Nyquist along x",
+        /// The same along y.
+        mtf_nyquist_y = "Modulation transfer at Nyquist along y",
+        /// Width of an edge along x from 10 to 90 %, um.
+        edge_10_90_x_um = "Width of an edge along x, 10 to 90 %" in "μm",
+        /// The same along y.
+        edge_10_90_y_um = "Width of an edge along y, 10 to 90 %" in "μm",
+        /// Radius about the view's own ray with half of the light, um.
+        r50_um = "Radius with half of the light" in "μm",
+        /// The same with 90 % of the light.
+        r90_um = "Radius with 90 % of the light" in "μm",
+        /// Square-root integral (Barten 1990) along x, just noticeable differences.
+        sqri_jnd_x = "Square-root integral along x" in "JND",
+        /// The same along y.
+        sqri_jnd_y = "Square-root integral along y" in "JND",
+    }
+    /// Sparkle of a view: the first row of [`spatial::sparkle`](crate::spatial::sparkle()).
+    sparkle SparkleMetrics {
+        /// Pixel power deviation.
+        ppd = "Pixel power deviation",
+        /// Its matrix term: in uniform light.
+        ppd_matrix = "Pixel power deviation, matrix term",
+        /// Its source term: of a uniform pixel plane in the light of the room.
+        ppd_lamp = "Pixel power deviation, lamp term",
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Names are unique, and those of sharpness and sparkle are of their commands.
+    #[test]
+    fn metrics_of_pixels_have_their_sources() {
+        for metric in Metric::ALL {
+            assert_eq!(Metric::ALL.iter().filter(|other| other.name() == metric.name()).count(), 1);
+        }
+        let source = |name: &str| Metric::named(name).map(Metric::source);
+        assert_eq!(source("line_contrast_white_1_x"), Some(MetricSource::Mtf));
+        assert_eq!(source("f50_x_per_mm"), Some(MetricSource::Mtf));
+        assert_eq!(source("ppd"), Some(MetricSource::Sparkle));
+        assert_eq!(source("contrast_ratio"), Some(MetricSource::Colours));
+        assert!(Metric::ppd.is_of_view() && !Metric::f50_x_per_mm.is_of_view());
+    }
 
     /// Every field of `ViewMetrics` and `StateMetrics` can be a target, except for those that compare views.
     #[test]

@@ -24,7 +24,7 @@ pub use papilio_transport::{
 
 pub use self::place::{Filter, FilterState, Length, Matrix, SubPixelWindow};
 pub use crate::result::ReferenceWhite;
-pub use crate::target::{Metric, Target, Tolerance};
+pub use crate::target::{Metric, MetricSource, Target, Tolerance};
 
 /// Complete description of one computation.
 #[derive(Debug, Clone, PartialEq)]

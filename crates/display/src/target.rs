@@ -1,6 +1,6 @@
 //! Target of a Monte Carlo run: one metric, with the tolerance of its standard error.
 
-pub use crate::metrics::Metric;
+pub use crate::metrics::{Metric, MetricSource};
 use crate::result::{State, View};
 
 /// Tolerance of one metric in every view: the largest allowed standard error.

@@ -210,6 +210,12 @@ impl Resolved {
                     .expected(
                         "mirror-like pixels below a diffuser or a flat face, or Lambertian pixels below a flat face",
                     );
+                // No solver has a pixel that spreads light.
+                let wrong = if key.ends_with("spread_um") {
+                    wrong
+                } else {
+                    wrong.hint("`papilio mtf --solver monte-carlo` computes any layers")
+                };
                 (key, wrong.into())
             }
             DisplayError::NoPlaces { what, key } => {

@@ -3,9 +3,10 @@
 #![allow(clippy::unwrap_used, missing_docs, reason = "a benchmark")]
 
 use divan::{Bencher, black_box};
+use num_complex::Complex64;
 use papilio_optics::Beta;
 use papilio_optics::lobe::Lobe;
-use papilio_transport::spatial::{Accuracy, Grid, PanelSpread};
+use papilio_transport::spatial::{Accuracy, FaceReturn, Grid, LineSpread, PanelSpread};
 use papilio_transport::{
     AngularTable, Base, Cone, Diffuser, Front, Medium, Nodes, Panel, Reflector, Source, Top,
 };
@@ -77,4 +78,31 @@ fn strips(bencher: Bencher<'_, '_>, light: usize) {
     let spread = spread(&panel, light);
     let edges: Vec<f64> = (-64..=64).map(|k| 0.01 * f64::from(k)).collect();
     bencher.bench(|| spread.point_spread(&spread.parts()[0]).strips(0, black_box(&edges)));
+}
+
+/// Line spread of eight states of Y, and its transform at 64 frequencies.
+#[divan::bench(args = [0, 1, 2])]
+fn line(bencher: Bencher<'_, '_>, light: usize) {
+    let panel = panel();
+    let spread = spread(&panel, light);
+    let points = spread.point_spread(&spread.parts()[0]);
+    let reflectance = |beta_squared: f64, y: &mut [f64]| {
+        y.iter_mut().enumerate().for_each(|(k, y)| *y = 1.0 - 0.01 * k as f64 * beta_squared);
+    };
+    bencher.bench(|| {
+        let line = LineSpread::new(black_box(&points), 0, 8, reflectance);
+        let mut sums = [Complex64::ZERO; 8];
+        (0..64).for_each(|k| line.add_transfer(10.0 / 63.0 * f64::from(k), &mut sums));
+        sums
+    });
+}
+
+/// Return of bare glass at 6400 frequencies.
+#[divan::bench]
+fn face_return(bencher: Bencher<'_, '_>) {
+    let transmittance = |beta: f64| 1.0 - papilio_optics::interface::fresnel_reflectance(1.5, 1.0, beta);
+    bencher.bench(|| {
+        let face = FaceReturn::new(1.5, 1.0, 16.0, transmittance).tabulated();
+        (0..6400).map(|k| face.at(0.0025 * f64::from(k))).sum::<f64>()
+    });
 }

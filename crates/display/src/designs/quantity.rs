@@ -5,7 +5,8 @@ use papilio_spectra::Spectrum;
 
 use crate::DisplayError;
 use crate::result::{RunResult, StateValues, View};
-use crate::scene::Metric;
+use crate::scene::{Metric, MetricSource};
+use crate::spatial::{MtfResult, SparkleRow};
 
 /// Quantity of a display, a single number.
 #[derive(Debug, Clone, PartialEq)]
@@ -76,6 +77,33 @@ impl Quantity {
         }
     }
 
+    /// Returns what computes the quantity.
+    pub fn source(&self) -> MetricSource {
+        self.metric().map_or(MetricSource::Colours, Metric::source)
+    }
+
+    /// Returns value and error of a metric of sharpness; `None` for other quantities, and where it is not defined.
+    pub fn of_sharpness(&self, result: &MtfResult) -> [Option<f64>; 2] {
+        let found = result.views.get(self.view()).zip(self.metric());
+        let both = found.and_then(|(view, metric)| match self.state() {
+            Some(name) => {
+                let state = view.states.get(name)?;
+                Some([&state.scalars, &state.error].map(|scalars| metric.of_spatial(scalars)))
+            }
+            None => Some([view.metrics(), view.errors()].map(|metrics| metric.of_sharpness(&metrics))),
+        });
+        both.unwrap_or_default()
+    }
+
+    /// Returns value and standard error of a metric of sparkle in the first of the rows of each view; `None` for other
+    /// quantities.
+    pub fn of_sparkle(&self, rows: &[SparkleRow], views: usize) -> [Option<f64>; 2] {
+        let row = rows.get(self.view() * (rows.len() / views.max(1))).zip(self.metric());
+        let both =
+            row.map(|(row, metric)| [row.metrics(), row.errors()].map(|metrics| metric.of_sparkle(&metrics)));
+        both.unwrap_or_default()
+    }
+
     /// Returns the number of the view, from 0.
     pub fn view(&self) -> usize {
         match self {
@@ -108,16 +136,20 @@ impl Quantity {
     /// Returns true if the quantity follows from X, Y, Z and the luminance of the states, under all lights together.
     pub(super) fn is_of_colours(&self) -> bool {
         match self {
-            Self::Metric { metric, .. } => !matches!(
-                metric,
-                Metric::R_hemi | Metric::peak_nm | Metric::peak_shift_nm | Metric::average_peak_shift_nm
-            ),
+            Self::Metric { metric, .. } => {
+                let needs_spectra = matches!(
+                    metric,
+                    Metric::R_hemi | Metric::peak_nm | Metric::peak_shift_nm | Metric::average_peak_shift_nm
+                );
+                metric.source() == MetricSource::Colours && !needs_spectra
+            }
             Self::ColourDistance { .. } | Self::ChromaticityDistance { .. } => true,
             Self::ReflectanceFactor { .. } | Self::SpectrumDistance { .. } => false,
         }
     }
 
-    fn name(&self) -> &'static str {
+    /// Name of the metric, or of the kind of distance.
+    pub fn name(&self) -> &'static str {
         match self {
             Self::Metric { metric, .. } => metric.name(),
             Self::ReflectanceFactor { .. } => "reflectance factor",

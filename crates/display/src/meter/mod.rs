@@ -29,7 +29,7 @@ use crate::setup::{Light, LineWeights, Setup, ViewPoint};
 pub(crate) use angle::{ViewSamples, against_angle};
 use front_light::BelowFront;
 use lines::Corrections;
-pub(crate) use metrics::{PRIMARIES, ViewScalars};
+pub(crate) use metrics::{PRIMARIES, ViewScalars, jackknife};
 use metrics::{Reference, StateObservation};
 use sample::Layout;
 pub(crate) use sample::{Sample, relative};

@@ -29,13 +29,8 @@ impl Curves {
         Self { index, states, values }
     }
 
-    /// Number of states.
-    pub(super) fn states(&self) -> usize {
-        self.states
-    }
-
-    /// Y of a state at `|beta|^2`: cubic between the nodes.
-    pub(super) fn at(&self, state: usize, beta_squared: f64) -> f64 {
+    /// Writes Y of each state at `|beta|^2`: cubic between the nodes.
+    pub(super) fn at(&self, beta_squared: f64, y: &mut [f64]) {
         let cosine = (1.0 - beta_squared / (self.index * self.index)).max(0.0).sqrt();
         let place = cosine * STEPS as f64;
         let first = (place.floor() as usize).clamp(1, STEPS - 2) - 1;
@@ -46,7 +41,10 @@ impl Curves {
             -(t + 1.0) * t * (t - 2.0) / 2.0,
             (t + 1.0) * t * (t - 1.0) / 6.0,
         ];
-        let value = |k: usize| self.values[(first + k) * self.states + state];
-        (0..4).map(|k| weights[k] * value(k)).sum()
+        y.fill(0.0);
+        let rows = self.values[first * self.states..].chunks_exact(self.states);
+        for (weight, row) in weights.iter().zip(rows) {
+            y.iter_mut().zip(row).for_each(|(y, value)| *y += weight * value);
+        }
     }
 }

@@ -2,6 +2,9 @@
 //!
 //! Direction is conserved, so that image k is shifted by k times 2 D. For a small signal about a state of reflectance rho under a
 //! face of reflectance F, image k has (F rho)^k of the light of the first.
+//!
+//! The images of a pattern multiply: light of order k has met the pixel at k + 1 places, each 2 D from the one before. The mean over a
+//! period of that product depends on the view: a moire of the panel with itself.
 
 use std::f64::consts::PI;
 
@@ -9,12 +12,16 @@ use num_complex::Complex64;
 use papilio_transport::Panel;
 use papilio_transport::spatial::{Peak, displacement};
 
-use super::Response;
+use super::patterns::Pattern;
 use super::response::face_reflectance;
+use super::{Level, PatternKind, Response};
 use crate::setup::ViewPoint;
 
 /// Images that are weaker than this fraction of all light are left out.
 const FAINTEST: f64 = 1e-9;
+
+/// Most orders of a pattern's mean: those of a bright pixel at 85 deg.
+const MOST_ORDERS: usize = 48;
 
 /// Width of an image, as a fraction of the thickness, for positions of tables: images are sharp.
 const SHARP: f64 = 1e-3;
@@ -24,6 +31,23 @@ struct Ghosts {
     images: Vec<([f64; 2], Vec<f64>)>,
     states: usize,
     thickness_mm: f64,
+    trips: Vec<RoundTrips>,
+}
+
+/// Round trips of light between pixel and face, of wavelengths with the same places.
+struct RoundTrips {
+    /// Distance between meetings, mm.
+    step_mm: [f64; 2],
+    bins: Vec<RoundTrip>,
+}
+
+/// Round trips at one wavelength.
+struct RoundTrip {
+    /// Part of Y that a pixel of reflectance 1 returns to first order.
+    through: f64,
+    face: f64,
+    /// Reflectance of each state.
+    pixel: Vec<f64>,
 }
 
 /// Response of a bare panel; `via_pixel` is the light that the pixel returns, `[state][wavelength]`.
@@ -39,12 +63,22 @@ pub(super) fn response(
     let mut reflectance = vec![0.0; states * bins];
     panel.base.reflectance(beta.squared(), &panel.medium, &mut reflectance);
     let index = panel.medium.index();
+    let trip = |bin: usize| {
+        let face = face_reflectance(panel, bin, beta.length());
+        let pixel: Vec<f64> = (0..states).map(|state| reflectance[state * bins + bin]).collect();
+        let brightest = (0..states).max_by(|a, b| pixel[*a].total_cmp(&pixel[*b])).unwrap_or(0);
+        let returned = weights[bin] * via_pixel[brightest * bins + bin];
+        let rho = pixel[brightest];
+        RoundTrip { through: if rho > 0.0 { returned * (1.0 - face * rho) / rho } else { 0.0 }, face, pixel }
+    };
+    let mut trips = Vec::new();
     let mut images: Vec<([f64; 2], Vec<f64>)> = Vec::new();
     // Wavelengths of the same index have the same places.
     let mut bin = 0;
     while bin < bins {
         let same = (bin..bins).take_while(|other| index[*other] == index[bin]).count();
         let step = displacement(beta, thickness_mm, index[bin]).map(|shift| 2.0 * shift);
+        trips.push(RoundTrips { step_mm: step, bins: (bin..bin + same).map(trip).collect() });
         for order in 0.. {
             let of_state = |state: usize| -> f64 {
                 let one = |bin: usize| {
@@ -62,7 +96,53 @@ pub(super) fn response(
         }
         bin += same;
     }
-    Box::new(Ghosts { images, states, thickness_mm })
+    Box::new(Ghosts { images, states, thickness_mm, trips })
+}
+
+impl RoundTrips {
+    /// Mean over a period of a pattern.
+    fn mean(&self, pattern: Pattern) -> f64 {
+        let [on, off] = pattern.states;
+        let rounds = self.bins.iter().map(|trip| trip.face * trip.pixel[on].max(trip.pixel[off]));
+        let most = rounds.fold(0.0_f64, f64::max);
+        // Light of later orders is less than the faintest image, except in views close to the horizon.
+        let orders = if most > 0.0 { (FAINTEST.ln() / most.min(0.999).ln()).ceil() as usize } else { 0 };
+        let orders = orders.min(MOST_ORDERS);
+        let shift = |axis: usize, order: usize| order as f64 * self.step_mm[axis] / pattern.period_mm;
+        let pieces = |axis: usize| -> Vec<(f64, f64)> {
+            let along = axis == 0 || pattern.kind == PatternKind::Checkerboard;
+            let edges = (0..=orders).flat_map(|order| [0.0, 0.5].map(|edge| edge + shift(axis, order)));
+            let mut edges: Vec<f64> = edges.filter(|_| along).map(|edge| edge.rem_euclid(1.0)).collect();
+            edges.extend([0.0, 1.0]);
+            edges.sort_by(f64::total_cmp);
+            edges.windows(2).map(|pair| (0.5 * (pair[0] + pair[1]), pair[1] - pair[0])).collect()
+        };
+        let second = |axis: usize, at: f64, order: usize| (at - shift(axis, order)).rem_euclid(1.0) >= 0.5;
+        let mut sum = 0.0;
+        for (y, height) in pieces(1) {
+            for (x, width) in pieces(0).into_iter().filter(|(_, width)| width * height > 0.0) {
+                let state = |order: usize| {
+                    let across = pattern.kind == PatternKind::Checkerboard && second(1, y, order);
+                    if second(0, x, order) == across { on } else { off }
+                };
+                let states: Vec<usize> = (0..=orders).map(state).collect();
+                sum += width * height * self.bins.iter().map(|trip| trip.light(&states)).sum::<f64>();
+            }
+        }
+        sum
+    }
+}
+
+impl RoundTrip {
+    /// Light of all orders that meet these states in turn.
+    fn light(&self, states: &[usize]) -> f64 {
+        let (mut product, mut sum) = (self.through, 0.0);
+        for (order, state) in states.iter().enumerate() {
+            product *= self.pixel[*state] * if order > 0 { self.face } else { 1.0 };
+            sum += product;
+        }
+        sum
+    }
 }
 
 impl Ghosts {
@@ -84,10 +164,10 @@ fn around(edges: &[f64], at: f64) -> [usize; 2] {
 }
 
 impl Response for Ghosts {
-    fn transfer(&self, [fx, fy]: [f64; 2]) -> Vec<Complex64> {
+    fn transfer(&self, axis: usize, frequency_per_mm: f64) -> Vec<Complex64> {
         let mut sums = vec![Complex64::ZERO; self.states];
         for (at, light) in &self.images {
-            let phase = Complex64::cis(-2.0 * PI * (fx * at[0] + fy * at[1]));
+            let phase = Complex64::cis(-2.0 * PI * frequency_per_mm * at[axis]);
             sums.iter_mut().zip(light).for_each(|(sum, light)| *sum += phase * light);
         }
         sums
@@ -109,6 +189,10 @@ impl Response for Ghosts {
             let inside = column > 0 && column <= columns && row > 0 && row < y_mm.len();
             [if inside { (row - 1) * columns + column - 1 } else { usize::MAX }; 2]
         })
+    }
+
+    fn pattern_mean(&self, pattern: Pattern, _: Level) -> Option<f64> {
+        (pattern.period_mm > 0.0).then(|| self.trips.iter().map(|trips| trips.mean(pattern)).sum())
     }
 
     fn images(&self) -> Vec<[f64; 2]> {

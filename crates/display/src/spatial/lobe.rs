@@ -1,9 +1,9 @@
 //! A diffuser over any pixel, to first order: the weights of the pixel's angular table with a place each.
 
-use std::f64::consts::PI;
+use std::sync::OnceLock;
 
 use num_complex::Complex64;
-use papilio_transport::spatial::{Accuracy, Binned, PanelSpread, Part, Peak, PointSpread};
+use papilio_transport::spatial::{Accuracy, Binned, LineSpread, PanelSpread, Part, Peak, PointSpread};
 use papilio_transport::{Panel, Source};
 
 use super::curve::Curves;
@@ -19,48 +19,47 @@ pub(super) fn response(
     level: Level,
 ) -> Result<Box<dyn Response>, DisplayError> {
     let accuracy = Accuracy { digits: level.digits, most_per_mm: level.most_per_mm };
-    let spread = PanelSpread::new(panel, lengths_mm, &view.field, source, accuracy).map_err(|error| {
-        DisplayError::PlacesNotComputed { what: error.to_string(), key: "display".to_owned() }
-    })?;
+    let spread =
+        PanelSpread::by_place(panel, lengths_mm, &view.field, source, accuracy).map_err(|error| {
+            DisplayError::PlacesNotComputed { what: error.to_string(), key: "display".to_owned() }
+        })?;
     let of_part = |part: &Part| {
         let passed: Vec<f64> = weights.iter().zip(&part.through).map(|(weight, t)| weight * t).collect();
-        let curves = Curves::new(&panel.base, &panel.medium, part.index(), &passed);
-        let states = curves.states();
-        let lights = part.samples.iter().flat_map(|sample| {
-            let beta_squared = sample.beta.squared();
-            let curves = &curves;
-            (0..states).map(move |state| sample.weight * curves.at(state, beta_squared))
-        });
-        let lights = lights.collect();
-        PartResponse { curves, lights }
+        Curves::new(&panel.base, &panel.medium, part.index(), &passed)
     };
-    let parts = spread.parts().iter().map(of_part).collect();
-    Ok(Box::new(LobeResponse { spread, parts, states: panel.base.states() }))
+    let curves = spread.parts().iter().map(of_part).collect();
+    Ok(Box::new(LobeResponse { spread, curves, states: panel.base.states(), lines: Default::default() }))
 }
 
 struct LobeResponse {
     spread: PanelSpread,
-    parts: Vec<PartResponse>,
+    /// Y of the light of each part of the spread.
+    curves: Vec<Curves>,
     states: usize,
-}
-
-/// Y of the light of a part of the spread.
-struct PartResponse {
-    curves: Curves,
-    /// Light of each sample, `[sample][state]`.
-    lights: Vec<f64>,
+    /// Light along each axis, by part.
+    lines: [OnceLock<Vec<LineSpread>>; 2],
 }
 
 impl LobeResponse {
+    /// Light along an axis, by part.
+    fn lines(&self, axis: usize) -> &[LineSpread] {
+        let of_part = |(points, curves): (PointSpread<'_>, &Curves)| {
+            LineSpread::new(&points, axis, self.states, |beta_squared, y| curves.at(beta_squared, y))
+        };
+        self.lines[axis].get_or_init(|| self.points().zip(&self.curves).map(of_part).collect())
+    }
+
     /// Sums what each part has in bins, `[state][bin]`.
     fn by_state(&self, binned: impl Fn(&PointSpread<'_>) -> Binned) -> Vec<Vec<f64>> {
-        let mut sums: Vec<Vec<f64>> = vec![Vec::new(); self.states];
-        for (part, response) in self.spread.parts().iter().zip(&self.parts) {
-            let binned = binned(&self.spread.point_spread(part));
-            for (state, sum) in sums.iter_mut().enumerate() {
-                let values = binned.sums(|beta_squared| response.curves.at(state, beta_squared));
-                sum.resize(values.len(), 0.0);
-                sum.iter_mut().zip(values).for_each(|(sum, value)| *sum += value);
+        let mut sums: Vec<Vec<f64>> = Vec::new();
+        for (points, curves) in self.points().zip(&self.curves) {
+            let bins = binned(&points).sums_of(self.states, |beta_squared, y| curves.at(beta_squared, y));
+            if sums.is_empty() {
+                sums = bins;
+                continue;
+            }
+            for (sums, bins) in sums.iter_mut().zip(bins) {
+                sums.iter_mut().zip(bins).for_each(|(sum, value)| *sum += value);
             }
         }
         sums
@@ -72,21 +71,24 @@ impl LobeResponse {
 }
 
 impl Response for LobeResponse {
-    fn transfer(&self, [fx, fy]: [f64; 2]) -> Vec<Complex64> {
+    fn transfer(&self, axis: usize, frequency_per_mm: f64) -> Vec<Complex64> {
         let mut sums = vec![Complex64::ZERO; self.states];
-        let own = self.spread.own_mm();
-        for (part, response) in self.spread.parts().iter().zip(&self.parts) {
-            for (sample, lights) in part.samples.iter().zip(response.lights.chunks_exact(self.states)) {
-                let turns = fx * (sample.shift_mm[0] - own[0]) + fy * (sample.shift_mm[1] - own[1]);
-                let phase = Complex64::cis(-2.0 * PI * turns);
-                sums.iter_mut().zip(lights).for_each(|(sum, light)| *sum += phase * light);
-            }
-        }
+        self.lines(axis).iter().for_each(|line| line.add_transfer(frequency_per_mm, &mut sums));
         sums
     }
 
     fn strips(&self, axis: usize, edges_mm: &[f64]) -> Vec<Vec<f64>> {
-        self.by_state(|points| points.strips(axis, edges_mm))
+        let mut bins: Vec<Vec<f64>> = vec![Vec::with_capacity(edges_mm.len() + 1); self.states];
+        let mut last = vec![0.0; self.states];
+        for edge in edges_mm.iter().copied().chain([f64::INFINITY]) {
+            let mut below = vec![0.0; self.states];
+            self.lines(axis).iter().for_each(|line| line.add_below(edge, &mut below));
+            for (state, bins) in bins.iter_mut().enumerate() {
+                bins.push(below[state] - last[state]);
+            }
+            last = below;
+        }
+        bins
     }
 
     fn rings(&self, radii_mm: &[f64]) -> Vec<Vec<f64>> {

@@ -13,28 +13,35 @@
 //!
 //! [`sparkle`] computes the random brightness of equal pixels below an antiglare face.
 //!
-//! [`walk`] is the second method, for all displays: Monte Carlo with places.
+//! [`walk`] is the second method, for all displays: Monte Carlo with places. `mtf_walk` computes from it what [`mtf`] does.
 //!
 //! Luminous quantities are Y relative to a perfect white in the scene's light, as in [`result`](crate::result).
 
+mod contrast;
 mod crosstalk;
 mod curve;
 mod ghosts;
 mod lobe;
+mod measured;
 mod mtf;
+mod mtf_walk;
 mod paper;
 mod patterns;
 mod profile;
 mod response;
 mod result;
+mod scalars;
 mod sparkle;
 pub mod walk;
 
+pub use crate::metrics::SparkleMetrics;
 pub use crosstalk::{
     CrosstalkResult, CrosstalkView, Figure, PatternColours, PatternValues, Shares, crosstalk,
 };
 pub use mtf::mtf;
 pub use patterns::{PatternKind, PatternMean, Patterns};
 use response::{Level, Response, Seen};
-pub use result::{Curves, Kernel, LineContrast, MtfResult, MtfState, MtfView, SpatialScalars, SpreadTable};
+pub use result::{
+    Curves, Kernel, LineContrast, MtfResult, MtfState, MtfView, SharpnessMetrics, SpatialScalars, SpreadTable,
+};
 pub use sparkle::{Antiglare, SparkleMap, SparkleResult, SparkleRow, sparkle};

@@ -37,6 +37,8 @@ struct Paper {
     thickness_mm: f64,
     /// Faces by index, and the wavelengths of each.
     faces: Vec<(FaceReturn, Vec<usize>)>,
+    /// Light of equal reflectances, `[state]`.
+    shades: Vec<Vec<Shade>>,
     /// Reflectance of the paper, and light by wavelength, `[state][wavelength]`.
     reflectance: Vec<f64>,
     light: Vec<f64>,
@@ -45,6 +47,13 @@ struct Paper {
     sharp: Vec<f64>,
     rest: Vec<Vec<f64>>,
     frequencies_per_mm: f64,
+}
+
+/// Light of the wavelengths at which a state has the same reflectance under the same face.
+struct Shade {
+    face: usize,
+    reflectance: f64,
+    light: f64,
 }
 
 pub(super) fn response(
@@ -69,7 +78,7 @@ pub(super) fn response(
             }
             None => {
                 let passes = |beta: f64| 1.0 - face_reflectance(panel, bin, beta);
-                faces.push((FaceReturn::new(index[bin], thickness_mm, most, passes), vec![bin]));
+                faces.push((FaceReturn::new(index[bin], thickness_mm, most, passes).tabulated(), vec![bin]));
             }
         }
     }
@@ -77,6 +86,7 @@ pub(super) fn response(
     let mut paper = Paper {
         thickness_mm,
         faces,
+        shades: Vec::new(),
         reflectance,
         light,
         bins,
@@ -84,6 +94,7 @@ pub(super) fn response(
         rest: Vec::new(),
         frequencies_per_mm,
     };
+    paper.shades = (0..states).map(|state| paper.shades_of(state)).collect();
     paper.sharp = paper.sum(0.0, |rho, zero, _| 1.0 - rho * zero);
     let count = (HIGHEST / thickness_mm / frequencies_per_mm) as usize;
     let series: Vec<Vec<f64>> = (0..count).map(|k| paper.at(k as f64 * frequencies_per_mm)).collect();
@@ -93,20 +104,30 @@ pub(super) fn response(
 }
 
 impl Paper {
-    /// Sums over wavelengths the light of each state times a function of rho, A(0) and A(f).
-    fn sum(&self, frequency_per_mm: f64, of: impl Fn(f64, f64, f64) -> f64) -> Vec<f64> {
-        let states = self.light.len() / self.bins;
-        let mut sums = vec![0.0; states];
-        for (face, bins) in &self.faces {
-            let (zero, returned) = (face.at(0.0), face.at(frequency_per_mm));
-            for (state, sum) in sums.iter_mut().enumerate() {
-                for bin in bins {
-                    let at = state * self.bins + bin;
-                    *sum += self.light[at] * of(self.reflectance[at], zero, returned);
+    fn shades_of(&self, state: usize) -> Vec<Shade> {
+        let mut shades: Vec<Shade> = Vec::new();
+        for (face, (_, bins)) in self.faces.iter().enumerate() {
+            for at in bins.iter().map(|bin| state * self.bins + bin) {
+                let (reflectance, light) = (self.reflectance[at], self.light[at]);
+                let same = |shade: &&mut Shade| shade.face == face && shade.reflectance == reflectance;
+                match shades.iter_mut().find(same) {
+                    Some(shade) => shade.light += light,
+                    None => shades.push(Shade { face, reflectance, light }),
                 }
             }
         }
-        sums
+        shades
+    }
+
+    /// Sums over wavelengths the light of each state times a function of rho, A(0) and A(f).
+    fn sum(&self, frequency_per_mm: f64, of: impl Fn(f64, f64, f64) -> f64) -> Vec<f64> {
+        let at = |(face, _): &(FaceReturn, Vec<usize>)| [face.at(0.0), face.at(frequency_per_mm)];
+        let returned: Vec<[f64; 2]> = self.faces.iter().map(at).collect();
+        let of_shade = |shade: &Shade| {
+            let [zero, returned] = returned[shade.face];
+            shade.light * of(shade.reflectance, zero, returned)
+        };
+        self.shades.iter().map(|shades| shades.iter().map(of_shade).sum()).collect()
     }
 
     /// Light of each state at a frequency.
@@ -118,56 +139,56 @@ impl Paper {
         self.sharp.len()
     }
 
-    /// Light of a state on the lower side of a place.
-    fn below(&self, state: usize, at_mm: f64) -> f64 {
+    /// Light of each state on the lower side of a place.
+    fn below(&self, at_mm: f64) -> Vec<f64> {
         let step = if at_mm == 0.0 { 0.5 } else { f64::from(at_mm > 0.0) };
-        let rest = &self.rest[state];
-        let turn = 2.0 * PI * at_mm * self.frequencies_per_mm;
+        let (sin, cos) = (2.0 * PI * at_mm * self.frequencies_per_mm).sin_cos();
         // The mean of the period has been spread evenly over it.
-        let mut sum = rest[0] * (0.5 + at_mm * self.frequencies_per_mm);
-        let (sin, cos) = turn.sin_cos();
+        let even = 0.5 + at_mm * self.frequencies_per_mm;
+        let states = self.sharp.iter().zip(&self.rest);
+        let mut sums: Vec<f64> = states.map(|(sharp, rest)| sharp * step + rest[0] * even).collect();
         let (mut s, mut c) = (0.0_f64, 1.0_f64);
-        for (k, rest) in rest.iter().enumerate().skip(1) {
+        for k in 1..self.count() {
             (s, c) = (s * cos + c * sin, c * cos - s * sin);
-            sum += rest * s / (PI * k as f64);
+            let factor = s / (PI * k as f64);
+            sums.iter_mut().zip(&self.rest).for_each(|(sum, rest)| *sum += rest[k] * factor);
         }
-        self.sharp[state] * step + sum
+        sums
     }
 
-    /// Light of a state within a radius above 0.
-    fn within(&self, state: usize, radius_mm: f64) -> f64 {
-        let rest = &self.rest[state];
+    /// Light of each state within a radius above 0.
+    fn within(&self, radius_mm: f64) -> Vec<f64> {
         let step = self.frequencies_per_mm;
         let turn = 2.0 * PI * radius_mm * step;
-        let sum: f64 =
-            rest.iter().enumerate().skip(1).map(|(k, rest)| rest * libm::j1(turn * k as f64)).sum();
         // The trapezoidal rule, with the slope of the integrand at 0.
-        let slope = rest[0] * PI * radius_mm;
-        self.sharp[state] + 2.0 * PI * radius_mm * (sum * step + step * step / 12.0 * slope)
+        let slope = step * step / 12.0 * PI * radius_mm;
+        let mut sums: Vec<f64> = self.rest.iter().map(|rest| slope * rest[0]).collect();
+        for k in 1..self.count() {
+            let factor = step * libm::j1(turn * k as f64);
+            sums.iter_mut().zip(&self.rest).for_each(|(sum, rest)| *sum += rest[k] * factor);
+        }
+        let states = sums.iter().zip(&self.sharp);
+        states.map(|(sum, sharp)| sharp + 2.0 * PI * radius_mm * sum).collect()
     }
 
-    fn bins(
-        &self,
-        total: impl Fn(usize) -> f64,
-        below: impl Fn(usize, f64) -> f64,
-        edges: &[f64],
-    ) -> Vec<Vec<f64>> {
-        let of_state = |state: usize| {
-            let mut last = 0.0;
-            let mut bins: Vec<f64> = Vec::with_capacity(edges.len() + 1);
-            for edge in edges {
-                let now = below(state, *edge);
-                bins.push(now - last);
-                last = now;
+    /// Number of frequencies of the series.
+    fn count(&self) -> usize {
+        self.rest.first().map_or(0, Vec::len)
+    }
+
+    /// Light between ascending borders, from what is below each, `[state][bin]`.
+    fn bins(&self, below: impl Fn(f64) -> Vec<f64>, edges: &[f64]) -> Vec<Vec<f64>> {
+        let mut bins: Vec<Vec<f64>> =
+            (0..self.states()).map(|_| Vec::with_capacity(edges.len() + 1)).collect();
+        let mut last = vec![0.0; self.states()];
+        let total = (0..self.states()).map(|state| self.sharp[state] + self.rest[state][0]).collect();
+        for now in edges.iter().map(|edge| below(*edge)).chain([total]) {
+            for (state, bins) in bins.iter_mut().enumerate() {
+                bins.push(now[state] - last[state]);
             }
-            bins.push(total(state) - last);
-            bins
-        };
-        (0..self.states()).map(of_state).collect()
-    }
-
-    fn total(&self, state: usize) -> f64 {
-        self.sharp[state] + self.rest[state][0]
+            last = now;
+        }
+        bins
     }
 }
 
@@ -239,16 +260,16 @@ impl Paper {
 }
 
 impl Response for Paper {
-    fn transfer(&self, [fx, fy]: [f64; 2]) -> Vec<Complex64> {
-        self.at(fx.hypot(fy)).into_iter().map(Complex64::from).collect()
+    fn transfer(&self, _axis: usize, frequency_per_mm: f64) -> Vec<Complex64> {
+        self.at(frequency_per_mm).into_iter().map(Complex64::from).collect()
     }
 
     fn strips(&self, _axis: usize, edges_mm: &[f64]) -> Vec<Vec<f64>> {
-        self.bins(|state| self.total(state), |state, at| self.below(state, at), edges_mm)
+        self.bins(|at| self.below(at), edges_mm)
     }
 
     fn rings(&self, radii_mm: &[f64]) -> Vec<Vec<f64>> {
-        self.bins(|state| self.total(state), |state, at| self.within(state, at), radii_mm)
+        self.bins(|at| self.within(at), radii_mm)
     }
 
     fn cells(&self, x_mm: &[f64], y_mm: &[f64]) -> Vec<Vec<f64>> {

@@ -88,7 +88,7 @@ pub(crate) struct Pattern {
 pub(super) fn mean(seen: &[Seen], pattern: Pattern, level: Level) -> f64 {
     let of_light = |seen: &Seen| {
         seen.response.pattern_mean(pattern, level).unwrap_or_else(|| {
-            let y = seen.response.transfer([0.0; 2]);
+            let y = seen.response.transfer(0, 0.0);
             pattern.states.iter().map(|state| 0.5 * y[*state].re).sum()
         })
     };
@@ -151,7 +151,7 @@ fn spread_strokes(
         (-NEIGHBOURS..=NEIGHBOURS + 1).map(|k| (k as f64 - 0.5) * pitch_mm[axis]).collect()
     };
     let cells = seen.response.cells(&edges(0), &edges(1));
-    let page = seen.response.transfer([0.0; 2])[white].re;
+    let page = seen.response.transfer(0, 0.0)[white].re;
     let side = 2 * NEIGHBOURS + 1;
     let [columns, rows] = bitmap.count.map(|count| count as i64);
     let one = |pixel: &usize| {

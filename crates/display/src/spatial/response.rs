@@ -31,8 +31,8 @@ impl Level {
 
 /// Light that a view sees via the pixel in each state, from one source. All values are parts of Y.
 pub(crate) trait Response: Sync {
-    /// Light at a spatial frequency, cycles per mm, `[state]`. At 0 it is Y.
-    fn transfer(&self, frequency_per_mm: [f64; 2]) -> Vec<Complex64>;
+    /// Light at a spatial frequency along an axis (0: x), cycles per mm, `[state]`. At 0 it is Y.
+    fn transfer(&self, axis: usize, frequency_per_mm: f64) -> Vec<Complex64>;
 
     /// Light of strips along an axis (0: x) between ascending places, mm, `[state][bin]`; the first bin is everything below the
     /// first place, the last everything above the last.

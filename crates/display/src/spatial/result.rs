@@ -4,7 +4,7 @@ use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::PatternMean;
-pub use crate::metrics::{LineContrast, SpatialScalars};
+pub use crate::metrics::{LineContrast, SharpnessMetrics, SpatialScalars};
 use crate::result::Named;
 
 /// How sharp a display is; it does not contain the scenario.
@@ -62,6 +62,28 @@ pub struct MtfView {
     pub yule_nielsen_n: Option<f64>,
     /// Patterns of `[pattern]` in this view.
     pub patterns: Vec<PatternMean>,
+}
+
+impl MtfView {
+    /// Returns the metrics of the view, for sweeps and searches.
+    pub fn metrics(&self) -> SharpnessMetrics {
+        let text = [self.text_contrast_min, self.text_contrast_median];
+        Self::of(&self.line_contrast, text, self.yule_nielsen_n)
+    }
+
+    /// Returns the errors of the metrics, where they are known.
+    pub fn errors(&self) -> SharpnessMetrics {
+        let text = [0, 1].map(|k| self.text_contrast_error.map(|errors| errors[k]));
+        Self::of(&self.line_contrast_error, text, None)
+    }
+
+    /// The contrasts of lines are the first metrics, in the same order.
+    fn of(lines: &LineContrast, text: [Option<f64>; 2], yule_nielsen_n: Option<f64>) -> SharpnessMetrics {
+        let mut metrics = SharpnessMetrics::default();
+        metrics.all_mut().zip(lines.named()).for_each(|(metric, (_, value))| *metric = value);
+        let [text_contrast_min, text_contrast_median] = text;
+        SharpnessMetrics { text_contrast_min, text_contrast_median, yule_nielsen_n, ..metrics }
+    }
 }
 
 /// Sharpness of a state in one view, in all light.

@@ -20,6 +20,7 @@ use rayon::prelude::*;
 use schemars::JsonSchema;
 use serde::Serialize;
 
+use crate::metrics::SparkleMetrics;
 use crate::run::{Workers, run};
 use crate::scene::{
     self, Drive, FilmPixel, FilmState, Interface, Layers, Method, Ready, Scene, Stop, UniformKind,
@@ -114,6 +115,26 @@ pub struct SparkleRow {
     /// Largest product of the contrast of sparkle within an octave and of the eye's contrast sensitivity: above 1, sparkle is
     /// above threshold. Null without light.
     pub contrast_times_sensitivity: Option<f64>,
+}
+
+impl SparkleRow {
+    /// Returns the metrics of the row, for sweeps and searches.
+    pub fn metrics(&self) -> SparkleMetrics {
+        SparkleMetrics {
+            ppd: Some(self.ppd),
+            ppd_matrix: Some(self.ppd_matrix),
+            ppd_lamp: Some(self.ppd_lamp),
+        }
+    }
+
+    /// Returns the standard errors of the metrics.
+    pub fn errors(&self) -> SparkleMetrics {
+        SparkleMetrics {
+            ppd: Some(self.standard_error),
+            ppd_matrix: Some(self.ppd_matrix_error),
+            ppd_lamp: Some(self.ppd_lamp_error),
+        }
+    }
 }
 
 /// Light of the pixels below several faces, side by side.

@@ -5,7 +5,7 @@ use std::sync::atomic::AtomicBool;
 
 use papilio_display::spatial::{MtfResult, MtfState, mtf, sparkle, walk};
 use papilio_display::{Control, DisplayError};
-use papilio_scenario::Scenario;
+use papilio_scenario::{Resolved, Scenario};
 
 use crate::common;
 
@@ -25,10 +25,14 @@ fn glass(surface: &str, thickness_mm: f64) -> String {
     format!("[display.glass]\nindex = 1.5\nsurface = \"{surface}\"\nthickness_mm = {thickness_mm}\n")
 }
 
-fn computed(parts: &[&str]) -> Result<MtfResult, DisplayError> {
-    let text = format!("[spectrum]\nstep_nm = 20\n{}[solver]\nrelative_error = 1e-4\n", parts.concat());
+fn resolved(parts: &[&str]) -> Resolved {
+    let text = format!("[spectrum]\nstep_nm = 20\n{}", parts.concat());
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenarios");
-    let resolved = Scenario::from_text(&text, "mtf.toml", &folder, &[]).unwrap().resolve().unwrap();
+    Scenario::from_text(&text, "mtf.toml", &folder, &[]).unwrap().resolve().unwrap()
+}
+
+fn computed(parts: &[&str]) -> Result<MtfResult, DisplayError> {
+    let resolved = resolved(&[&parts.concat(), "[solver]\nrelative_error = 1e-4\n"]);
     let control = Control { threads: Some(1), progress: &|_| {}, stop: &AtomicBool::new(false) };
     mtf(&resolved.scene, &resolved.patterns, &control)
 }
@@ -249,4 +253,53 @@ fn grazing_view_is_finite() {
     let state = white(&result);
     assert!(state.otf.otf_x.iter().flatten().all(|value| value.is_finite() && value.abs() < 1.0 + 1e-6));
     assert!(result.error_reached < 0.05);
+}
+
+/// The mean of the spread is the colour of `run`: to rounding where both have the same nodes (no diffuser), else to the error of two
+/// quadratures.
+#[test]
+fn mean_of_the_spread_is_the_colour() {
+    let beam = "[lighting]\nilluminance_lx = 500\nspectrum = \"D65\"\ndiffuse = 0.4\n[[lighting.directed]]\ntheta_deg = -35\nphi_deg = 20\nshare = 0.6\n";
+    for (above, pixel, within) in [
+        ("", &paper(0.6, 0.03)[..], 1e-12),
+        ("", MIRROR, 1e-12),
+        (LOBE, &paper(0.6, 0.03)[..], 1e-6),
+        (LOBE, MIRROR, 1e-6),
+    ] {
+        let parts = [above, &glass("coated", 0.5), MATRIX, pixel, beam, "[viewer]\ntheta_deg = 25\n"];
+        let colours =
+            common::run(&resolved(&[&parts.concat(), "[solver]\nrelative_error = 1e-6\n"]).scene).unwrap();
+        let colour = colours.views[0].states.get("white").unwrap().value.Y;
+        let found = white(&computed(&parts).unwrap()).Y_via_pixel;
+        near("mean", found / colour, 1.0, within);
+    }
+}
+
+/// A bare face over mirror-like stripes: <rho rho'> of the second order is 0.18045, 0.099225 and 0.018 at shifts of 0, 1/4 and 1/2 of the period; and
+/// the mean is that of paths.
+#[test]
+fn stripes_of_mirrors_beat_with_their_images() {
+    let [theta, index, thickness] = [50.0_f64, 1.5_f64, 0.3];
+    let beta = theta.to_radians().sin();
+    let shift = 2.0 * thickness * beta / (index * index - beta * beta).sqrt();
+    let face = 0.5 * {
+        let (outside, inside) = (theta.to_radians().cos(), (1.0 - beta * beta / (index * index)).sqrt());
+        let s = (outside - index * inside) / (outside + index * inside);
+        let p = (index * outside - inside) / (index * outside + inside);
+        s * s + p * p
+    };
+    for (part, second) in [(0.0, 0.180_45), (0.25, 0.099_225), (0.5, 0.018)] {
+        let period = shift / (1.0 + part);
+        let pattern = format!("[pattern]\nkind = [\"stripes\"]\nperiod_mm = [{period}]\n");
+        let view = format!("[viewer]\ntheta_deg = {theta}\n");
+        let mirror = "[display.pixel]\nmodel = \"uniform\"\nkind = \"mirror\"\nreflectance = { white = 0.6, black = 0.03 }\n";
+        let glass = "[display.glass]\nindex = 1.5\nsurface = \"fresnel\"\nthickness_mm = 0.3\n";
+        let diffuse = "[lighting]\nspectrum = \"D65\"\nilluminance_lx = 500\ndiffuse = 1.0\n";
+        let result = computed(&[glass, mirror, diffuse, &view, &pattern]).unwrap();
+        let found = result.views[0].patterns[0].mean_Y_via_pixel;
+        let first = (1.0 - face).powi(2) * (0.315 + face * second);
+        // Third and later orders.
+        let rest = (1.0 - face).powi(2) * face.powi(2) * 0.6_f64.powi(3);
+        assert!(found > first && found < first + rest, "{part}: {found}, {first} to {}", first + rest);
+    }
 }

@@ -55,8 +55,13 @@ table! {
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Metric(pub(crate) scene::Metric);
 
+/// Targets are of colours: other metrics have no standard error of a run.
+fn is_of_colours(metric: scene::Metric) -> bool {
+    metric.source() == scene::MetricSource::Colours
+}
+
 fn metric_names() -> Vec<&'static str> {
-    scene::Metric::ALL.iter().map(|metric| metric.name()).collect()
+    scene::Metric::ALL.iter().filter(|metric| is_of_colours(**metric)).map(|metric| metric.name()).collect()
 }
 
 impl Read for Metric {
@@ -66,7 +71,7 @@ impl Read for Metric {
 
     fn read(node: &Node, errors: &mut Errors) -> Option<Self> {
         let Value::Text(word) = &node.value else { return node.wrong_type(Self::in_words(), errors) };
-        match scene::Metric::named(word) {
+        match scene::Metric::named(word).filter(|metric| is_of_colours(*metric)) {
             Some(metric) => Some(Self(metric)),
             None => unknown_word(node, word, &metric_names(), &[], errors),
         }

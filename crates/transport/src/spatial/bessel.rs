@@ -15,6 +15,50 @@ pub(super) fn x2_k2_half(x: f64) -> f64 {
     if x == 0.0 { 1.0 } else { 0.5 * x * x * modified(x, |_, cosh| 2.0 * cosh * cosh - 1.0) }
 }
 
+/// Spherical Bessel functions `j_l(x)` of the orders l = 0, 1, ..., for x >= 0: upwards from j_0 and j_1 where that is
+/// stable, else downwards (Miller).
+pub(super) fn spherical(x: f64, out: &mut [f64]) {
+    let count = out.len();
+    if x < SMALL {
+        // x^l/(2l + 1)!! (1 - y/(2l + 3) + y^2/(2 (2l + 3)(2l + 5)), y = x^2/2
+        let (mut first, y) = (1.0, 0.5 * x * x);
+        for (order, j) in out.iter_mut().enumerate() {
+            let odd = (2 * order + 3) as f64;
+            *j = first * (1.0 - y / odd * (1.0 - 0.5 * y / (odd + 2.0)));
+            first *= x / odd;
+        }
+        return;
+    }
+    let (sin, cos) = x.sin_cos();
+    let first = [sin / x, (sin / x - cos) / x];
+    if x > count as f64 {
+        out.iter_mut().zip(first).for_each(|(j, first)| *j = first);
+        for order in 2..count {
+            out[order] = (2 * order - 1) as f64 / x * out[order - 1] - out[order - 2];
+        }
+        return;
+    }
+    let start = count + 12 + (40.0 * count as f64).sqrt() as usize;
+    let (mut above, mut here) = (0.0, 1e-250);
+    // The two lowest orders, up to the common factor.
+    let mut lowest = [0.0; 2];
+    for order in (0..start).rev() {
+        (above, here) = (here, (2 * order + 3) as f64 / x * here - above);
+        if let Some(j) = out.get_mut(order) {
+            *j = here;
+        }
+        if order < 2 {
+            lowest[order] = here;
+        }
+    }
+    let larger = usize::from(first[1].abs() > first[0].abs());
+    let factor = first[larger] / lowest[larger];
+    out.iter_mut().for_each(|j| *j *= factor);
+}
+
+/// Arguments below which three terms of the power series are used.
+const SMALL: f64 = 0.02;
+
 /// The modified Bessel function `K_v(x) = integral of exp(-x cosh t) cosh(v t) dt` over t > 0, with the last factor given as
 /// a function of t and cosh(t). The trapezoidal rule converges exponentially (DLMF 10.32.9).
 fn modified(x: f64, last: impl Fn(f64, f64) -> f64) -> f64 {
@@ -35,6 +79,26 @@ fn modified(x: f64, last: impl Fn(f64, f64) -> f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Abramowitz and Stegun, table 10.1, and the closed forms of the lowest orders; every way of computing them.
+    #[test]
+    fn spherical_bessel_functions_have_tabulated_values() {
+        let at = |x: f64, count: usize| {
+            let mut out = vec![0.0; count];
+            spherical(x, &mut out);
+            out
+        };
+        assert!((at(1.0, 3)[2] - 0.062_035_052_0).abs() < 1e-10);
+        assert!((at(5.0, 9)[8] - 0.005_741_434_7).abs() < 1e-9);
+        for x in [0.01_f64, 0.019, 0.021, 0.5, 3.0, 3.15, 19.0, 21.0, 300.0] {
+            let [few, many] = [at(x, 2), at(x, 20)];
+            assert!((few[0] - x.sin() / x).abs() < 1e-14, "{x}");
+            assert!((many[1] - (x.sin() / x - x.cos()) / x).abs() < 1e-11, "{x}");
+            let squares: f64 = at(x, 40).iter().enumerate().map(|(l, j)| (2 * l + 1) as f64 * j * j).sum();
+            assert!(x > 21.0 || (squares - 1.0).abs() < 1e-11, "{x}: {squares}");
+        }
+        assert_eq!(at(0.0, 3), [1.0, 0.0, 0.0]);
+    }
 
     /// Abramowitz and Stegun, tables 9.8 and 9.9: K1(1) = 0.6019072302, K2(1) = 1.6248388986; and small and large arguments.
     #[test]

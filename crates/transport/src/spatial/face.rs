@@ -21,12 +21,31 @@ use crate::adding::quadrature::{Node, gauss};
 const PHASE_OF_PANEL: f64 = 8.0;
 const POINTS: usize = 16;
 
+/// Width of a panel of the table of what leaves, in radians of the phase at the critical angle, and the points on each.
+const PHASE_OF_TABLE: f64 = 4.0;
+const POINTS_OF_TABLE: usize = 16;
+
 /// Light that the face above a Lambertian plane returns to it, by spatial frequency.
 #[derive(Debug, Clone)]
 pub struct FaceReturn {
     thickness_mm: f64,
+    /// The highest value of `a = 4 pi f d`.
+    most: f64,
+    /// tan(theta) at the critical angle.
+    edge: f64,
     /// tan(theta) and the weight of what leaves.
     leaving: Vec<[f64; 2]>,
+    table: Option<Table>,
+}
+
+/// A over `a`, as Chebyshev polynomials.
+#[derive(Debug, Clone)]
+struct Table {
+    /// Width of a panel.
+    panel: f64,
+    /// Coefficients on each panel: of what leaves on the first, where `a K_1(a)` is not analytic, of A on all others. What leaves is
+    /// limited to the band of the critical angle, so that 16 points on a panel determine it to 1e-13.
+    coefficients: Vec<[f64; POINTS_OF_TABLE]>,
 }
 
 impl FaceReturn {
@@ -37,7 +56,8 @@ impl FaceReturn {
     pub fn new(index: f64, thickness_mm: f64, most_per_mm: f64, transmittance: impl Fn(f64) -> f64) -> Self {
         let edge = 1.0 / (index * index - 1.0).max(1e-12).sqrt();
         let panels = (4.0 * PI * most_per_mm * thickness_mm * edge / PHASE_OF_PANEL).ceil().max(1.0);
-        let mut leaving = Vec::new();
+        // tan(theta) and the weight of what leaves.
+        let mut leaving: Vec<[f64; 2]> = Vec::new();
         for panel in 0..panels as usize {
             let ends = [panel, panel + 1].map(|end| end as f64 / panels);
             // |beta| = 1 - (1 - v)^2: the square root at the critical angle becomes a straight line.
@@ -50,14 +70,66 @@ impl FaceReturn {
                 [tangent, 2.0 * beta * slope * node.weight / (index * index) * transmittance(beta)]
             }));
         }
-        Self { thickness_mm, leaving }
+        Self { thickness_mm, most: 4.0 * PI * most_per_mm * thickness_mm, edge, leaving, table: None }
+    }
+
+    /// Tabulates the return up to the highest frequency, for callers that ask many frequencies: a value then takes 16 terms
+    /// instead of an integral.
+    #[must_use]
+    pub fn tabulated(mut self) -> Self {
+        let count = (self.most * self.edge / PHASE_OF_TABLE).ceil().max(1.0);
+        let panel = if self.most > 0.0 { self.most / count } else { 1.0 };
+        let of_panel = |k: usize| {
+            let ends = [k, k + 1].map(|end| end as f64 * panel);
+            if k == 0 {
+                chebyshev(ends, |a| self.leaving_at(a))
+            } else {
+                chebyshev(ends, |a| x_k1(a) - self.leaving_at(a))
+            }
+        };
+        let coefficients = (0..count as usize).map(of_panel).collect();
+        self.table = Some(Table { panel, coefficients });
+        self
     }
 
     /// Fraction of the light from the plane, modulated at this frequency (cycles per mm), that comes back, with its sign.
     pub fn at(&self, frequency_per_mm: f64) -> f64 {
         let a = 4.0 * PI * frequency_per_mm.abs() * self.thickness_mm;
-        x_k1(a) - self.leaving.iter().map(|[tangent, weight]| weight * j0(a * tangent)).sum::<f64>()
+        let known = self.table.as_ref().and_then(|table| table.at(a));
+        known.unwrap_or_else(|| x_k1(a) - self.leaving_at(a))
     }
+
+    fn leaving_at(&self, a: f64) -> f64 {
+        self.leaving.iter().map(|[tangent, weight]| weight * j0(a * tangent)).sum()
+    }
+}
+
+impl Table {
+    fn at(&self, a: f64) -> Option<f64> {
+        let place = a / self.panel;
+        let panel = place as usize;
+        let t = 2.0 * (place - panel as f64) - 1.0;
+        let [first, others @ ..] = self.coefficients.get(panel)?;
+        // Clenshaw's recurrence.
+        let [mut here, mut next] = [0.0; 2];
+        for coefficient in others.iter().rev() {
+            (here, next) = (2.0 * t * here - next + coefficient, here);
+        }
+        let value = t * here - next + first;
+        Some(if panel == 0 { x_k1(a) - value } else { value })
+    }
+}
+
+/// Chebyshev coefficients of the polynomial through the values of a function on an interval.
+fn chebyshev([from, to]: [f64; 2], of: impl Fn(f64) -> f64) -> [f64; POINTS_OF_TABLE] {
+    let angle = |k: usize| PI * (k as f64 + 0.5) / POINTS_OF_TABLE as f64;
+    let values: [f64; POINTS_OF_TABLE] =
+        std::array::from_fn(|k| of(0.5 * (from + to) + 0.5 * (to - from) * angle(k).cos()));
+    std::array::from_fn(|order| {
+        let sum: f64 =
+            values.iter().enumerate().map(|(k, value)| value * (order as f64 * angle(k)).cos()).sum();
+        if order == 0 { sum / POINTS_OF_TABLE as f64 } else { 2.0 * sum / POINTS_OF_TABLE as f64 }
+    })
 }
 
 /// Light that passes the face, is returned to it by a front of screen above an air gap, and passes it again, by spatial
@@ -142,6 +214,11 @@ mod tests {
             (4.0, 0.000_232_979_901),
         ] {
             assert!((face.at(f) - expected).abs() < 1e-10, "{f}: {}", face.at(f));
+        }
+        let table = face.clone().tabulated();
+        for step in 0..=400 {
+            let f = 0.01 * f64::from(step);
+            assert!((face.at(f) - table.at(f)).abs() < 1e-12, "{f}: {} {}", face.at(f), table.at(f));
         }
     }
 

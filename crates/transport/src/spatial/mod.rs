@@ -8,6 +8,7 @@
 //! - [`FaceReturn`]: light that a flat face returns to a Lambertian plane below it.
 //! - [`Spread`]: what a lobe over a mirror-like pixel shows of its places, to first order.
 //! - [`PointSpread`]: the same by place: strips, rings and cells.
+//! - [`LineSpread`]: its light along one axis, with exact transforms.
 //! - [`PanelSpread`]: what a view sees of the pixel plane of an ordinary panel, by the places of all directions.
 //! - [`Recycling`]: a pattern of reflectances in this light, through all orders.
 //! - [`Window`]: sub-pixels in the period of a pixel, with exact areas; [`stripes`] and [`rows`] arrange them. What is seen
@@ -22,6 +23,7 @@ mod bessel;
 pub mod closed;
 mod face;
 mod layout;
+mod line;
 mod panel_spread;
 mod places;
 mod recycling;
@@ -32,6 +34,7 @@ mod window;
 
 pub use face::FaceReturn;
 pub use layout::{rows, stripes};
+pub use line::LineSpread;
 pub use panel_spread::{Grid, Kernel, PanelSpread, Part, SpreadError};
 pub use places::{Binned, Image, Peak, PointSpread};
 pub use recycling::{Cells, Recycling};

@@ -20,8 +20,8 @@ const REACH: f64 = 1000.0;
 /// Cells of a picture are divided until they are this much smaller than their distance to a peak and its width.
 const SMALL_CELL: f64 = 0.75;
 
-/// No peak is within this ellipse about such a cell ([`points_for`]).
-const ELLIPSE_OF_CELL: f64 = 7.0;
+/// Largest ellipse assumed about a cell: besides the peaks there are functions of direction.
+const LARGEST_ELLIPSE: f64 = 60.0;
 
 /// Place near which the density changes quickly.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -88,6 +88,19 @@ pub struct Binned {
 }
 
 impl Binned {
+    /// Light of each bin for several states, `[state][bin]`; `reflectance` writes that of each state at a `|beta|^2`.
+    pub fn sums_of(&self, states: usize, reflectance: impl Fn(f64, &mut [f64])) -> Vec<Vec<f64>> {
+        let mut sums = vec![vec![0.0; self.bins]; states];
+        let mut rho = vec![0.0; states];
+        for part in &self.parts {
+            reflectance(part.beta_squared, &mut rho);
+            for (sums, rho) in sums.iter_mut().zip(&rho) {
+                sums[part.bin as usize] += part.weight * rho;
+            }
+        }
+        sums
+    }
+
     /// Light of each bin, for a reflectance as a function of `|beta|^2`.
     pub fn sums(&self, reflectance: impl Fn(f64) -> f64) -> Vec<f64> {
         let mut sums = vec![0.0; self.bins];
@@ -130,11 +143,8 @@ impl PointSpread<'_> {
         let poles = self.poles_along(axis);
         for (bin, ends) in bounded(-reach, edges_mm, reach).windows(2).enumerate() {
             self.rule(ends[0], ends[1], &poles, &mut |across| {
-                let (breaks, poles) = self.features_across(axis, across.x);
-                self.rule_between(-reach, reach, &breaks, &poles, &mut |along| {
-                    let mut place = [along.x; 2];
-                    place[axis] = across.x;
-                    parts.push(self.part(bin, place, across.weight * along.weight));
+                self.line(axis, across.x, |beta_squared, weight| {
+                    parts.push(Part { bin: bin as u32, beta_squared, weight: across.weight * weight });
                 });
             });
         }
@@ -142,6 +152,31 @@ impl PointSpread<'_> {
             self.add_image(&mut parts, edges_mm, image, image.at_mm[axis]);
         }
         Binned { bins: edges_mm.len() + 1, parts }
+    }
+
+    /// Calls `each` with the panels along an axis on which the light of lines across it is smooth, and the nodes of a rule on each: enough
+    /// for the polynomial through them.
+    pub(super) fn panels_along(&self, axis: usize, mut each: impl FnMut([f64; 2], &[Node])) {
+        let reach = self.reach();
+        if reach == 0.0 {
+            return;
+        }
+        panels(-reach, reach, &[], &self.poles_along(axis), &mut |from, to, ellipse: f64| {
+            let count = points_for(self.digits + MULTIPLE_POLES, ellipse.ln());
+            each([from, to], &gauss(from, to, count).collect::<Vec<_>>());
+        });
+    }
+
+    /// Calls `each` with `|beta|^2` and the light per mm of places on the line across an axis at a place.
+    pub(super) fn line(&self, axis: usize, at: f64, mut each: impl FnMut(f64, f64)) {
+        let reach = self.reach();
+        let (breaks, poles) = self.features_across(axis, at);
+        self.rule_between(-reach, reach, &breaks, &poles, &mut |along| {
+            let mut place = [along.x; 2];
+            place[axis] = at;
+            let part = self.part(0, place, along.weight);
+            each(part.beta_squared, part.weight);
+        });
     }
 
     /// Rings about the view's own ray between ascending radii, mm, above 0; the last bin is everything outside.
@@ -200,11 +235,10 @@ impl PointSpread<'_> {
     fn cell(&self, bin: usize, x: [f64; 2], y: [f64; 2], parts: &mut Vec<Part>) {
         let size = (x[1] - x[0]).max(y[1] - y[0]);
         let beyond = |ends: [f64; 2], at: f64| (ends[0] - at).max(at - ends[1]).max(0.0);
-        let is_near = |peak: &Peak| {
-            let distance = beyond(x, peak.at_mm[0]).hypot(beyond(y, peak.at_mm[1]));
-            size > SMALL_CELL * (distance + peak.width_mm)
-        };
-        if self.peaks.iter().any(is_near) {
+        // Distance to the nearest peak, with its width.
+        let to_peak = |peak: &Peak| beyond(x, peak.at_mm[0]).hypot(beyond(y, peak.at_mm[1])) + peak.width_mm;
+        let nearest = self.peaks.iter().map(to_peak).fold(f64::INFINITY, f64::min);
+        if size > SMALL_CELL * nearest {
             let [x_middle, y_middle] = [x, y].map(|ends| 0.5 * (ends[0] + ends[1]));
             for x in [[x[0], x_middle], [x_middle, x[1]]] {
                 for y in [[y[0], y_middle], [y_middle, y[1]]] {
@@ -213,7 +247,10 @@ impl PointSpread<'_> {
             }
             return;
         }
-        let count = points_for(self.digits + MULTIPLE_POLES, 2.0 * ELLIPSE_OF_CELL.ln());
+        let smooth = nearest.min(self.gap.thickness_mm).min(self.to_rim(x, y));
+        let axis = 1.0 + 2.0 * smooth / size;
+        let ellipse = (axis + (axis * axis - 1.0).sqrt()).min(LARGEST_ELLIPSE);
+        let count = points_for(self.digits + MULTIPLE_POLES, 2.0 * ellipse.ln());
         for across in gauss(x[0], x[1], count) {
             for along in gauss(y[0], y[1], count) {
                 parts.push(self.part(bin, [across.x, along.x], across.weight * along.weight));
@@ -253,6 +290,15 @@ impl PointSpread<'_> {
         let rest = index * index - 1.0;
         let per_beta = d * index * index / rest.powf(1.5);
         self.rim.filter(|_| rest > 1e-6).map(|width| (d / rest.sqrt(), width * per_beta))
+    }
+
+    /// Distance of a cell to the circle where `|beta| = 1`, with the width of the drop of the density there, mm.
+    fn to_rim(&self, x: [f64; 2], y: [f64; 2]) -> f64 {
+        let Some((radius, width)) = self.rim_radius() else { return f64::INFINITY };
+        let middle = [x, y].map(|ends| 0.5 * (ends[0] + ends[1]));
+        let foot = length([0, 1].map(|axis| middle[axis] + self.own_mm[axis]));
+        let half_diagonal = 0.5 * (x[1] - x[0]).hypot(y[1] - y[0]);
+        ((foot - radius).abs() - half_diagonal).max(0.0) + width
     }
 
     fn poles_along(&self, axis: usize) -> Vec<Pole> {

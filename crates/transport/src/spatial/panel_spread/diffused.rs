@@ -7,7 +7,7 @@ use papilio_optics::lobe::Lobe;
 
 use super::super::spread::{Bundle, Incoming, Pair};
 use super::super::{Accuracy, Gap, Sample, Spread};
-use super::{Heights, Part, SMOOTH, by_index};
+use super::{Heights, Part, SMOOTH, Sampled, by_index};
 use crate::adding::quadrature::{Nodes, Point, cone_points_of, disc_points};
 use crate::adding::{Indices, Mirror, Peaks, Ring, Shares, image_points, rings};
 use crate::{Cone, Diffuser, Panel, Source};
@@ -18,7 +18,7 @@ pub(super) fn parts(
     heights: Heights,
     view: &Cone,
     source: &Source,
-    accuracy: Accuracy,
+    (accuracy, sampled): (Accuracy, Sampled),
 ) -> Vec<Part> {
     let over = Diffused { panel, diffuser, heights, accuracy };
     let indices = Indices::new(&panel.medium, accuracy.digits);
@@ -33,7 +33,10 @@ pub(super) fn parts(
         let gap = Gap { index: *index, thickness_mm: heights.glass_mm };
         let through = |bin: usize| factor * over.through(bin) * indices.blend_at(number, bin);
         let pair = Pair::new(diffuser, gap, seen.clone(), light.clone(), accuracy);
-        let (samples, pair) = Spread::of(pair).into_scattered();
+        let (samples, pair) = match sampled {
+            Sampled::Yes => Spread::of(pair).into_scattered(),
+            Sampled::No => (Vec::new(), pair),
+        };
         let through = (0..bins).map(through).collect();
         parts.push(Part { samples, through, index: *index, ghosts: None, pair: Some(pair) });
     }

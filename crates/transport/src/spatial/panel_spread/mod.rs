@@ -76,6 +76,13 @@ struct Heights {
     glass_mm: f64,
 }
 
+/// Whether the directions of scattered light are sampled, or only its density over places is needed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Sampled {
+    Yes,
+    No,
+}
+
 /// Angle over which the reflectances of interfaces and pixels change, radians.
 const SMOOTH: f64 = 0.3;
 
@@ -113,6 +120,30 @@ impl PanelSpread {
         source: &Source,
         accuracy: Accuracy,
     ) -> Result<Self, SpreadError> {
+        Self::build((panel, lengths_mm), view, source, accuracy, Sampled::Yes)
+    }
+
+    /// Prepares the spread without samples of scattered light, for [`point_spread`](Self::point_spread) alone.
+    ///
+    /// # Errors
+    /// Those of [`new`](Self::new).
+    pub fn by_place(
+        panel: &Panel,
+        lengths_mm: &[f64],
+        view: &Cone,
+        source: &Source,
+        accuracy: Accuracy,
+    ) -> Result<Self, SpreadError> {
+        Self::build((panel, lengths_mm), view, source, accuracy, Sampled::No)
+    }
+
+    fn build(
+        (panel, lengths_mm): (&Panel, &[f64]),
+        view: &Cone,
+        source: &Source,
+        accuracy: Accuracy,
+        sampled: Sampled,
+    ) -> Result<Self, SpreadError> {
         let heights = Heights::new(panel, lengths_mm)?;
         if matches!(panel.base.reflector, Reflector::Scattering(_)) {
             return Err(SpreadError::ScatteringPixel);
@@ -122,7 +153,9 @@ impl PanelSpread {
             return Err(SpreadError::Unrefracted);
         }
         let parts = match &panel.top {
-            Top::Diffuser(diffuser) => diffused::parts((panel, diffuser), heights, view, source, accuracy),
+            Top::Diffuser(diffuser) => {
+                diffused::parts((panel, diffuser), heights, view, source, (accuracy, sampled))
+            }
             Top::IdealAr | Top::Fresnel(_) => bare::parts(panel, heights, view, source, accuracy),
         };
         let own_mm = heights.in_glass(view.axis_towards(), index[index.len() / 2]);

@@ -9,8 +9,8 @@
 
 use std::ops::Range;
 
-use papilio_optics::Beta;
 use papilio_optics::lobe::Lobe;
+use papilio_optics::{Beta, with_widest_simd};
 use papilio_sampling::SampleStream;
 use pulp::{Arch, Simd, WithSimd};
 
@@ -29,6 +29,7 @@ pub(super) struct Grouped<'a> {
     width: f64,
     index: f64,
     thickness_mm: f64,
+    states: usize,
     /// Transmittance of the diffuser, twice.
     through: f64,
     nodes: &'a Nodes,
@@ -105,6 +106,7 @@ impl<'a> Grouped<'a> {
             width,
             index,
             thickness_mm: tracer.lengths_mm[0],
+            states: tracer.stack.base.states(),
             through: diffuser.transmittance[0].powi(2),
             nodes: &table.nodes,
             leaving,
@@ -119,8 +121,8 @@ impl<'a> Grouped<'a> {
             Shows::EachState => Shown::EachState,
             Shows::Pattern(_) => Shown::Covered(Vec::new()),
         };
-        let mut first = FirstMeeting { beta_squared: 0.0, look_up: Stencil::ONLY_NODE, shown };
-        let mut trace = Trace::default();
+        let first = FirstMeeting { beta_squared: 0.0, look_up: Stencil::ONLY_NODE, shown };
+        let mut memory = (first, Trace::default());
         let arch = Arch::new();
         let lanes = LANES as u64;
         for number in paths.start / lanes..paths.end.div_ceil(lanes) {
@@ -128,30 +130,44 @@ impl<'a> Grouped<'a> {
             arch.dispatch(Pass { walk: self, numbers, first: start, group: &mut group });
             let leaving: Lanes = self.leaving.at(&group.below.squared);
             let wanted = paths.start.max(start) - start..paths.end.min(start + lanes) - start;
-            for k in wanted.start as usize..wanted.end as usize {
-                let of_beams = group.beams.iter().map(|one| (one.source, one.connected[k]));
-                let of_diffuse = self.diffuse.iter().map(|source| (*source, leaving[k]));
-                let mut meet = |meetings: &Meetings, lights: &mut dyn Iterator<Item = (usize, f64)>| {
-                    let squared = meetings.squared[k];
-                    if squared >= self.index * self.index {
-                        return;
+            let wanted = wanted.start as usize..wanted.end as usize;
+            with_widest_simd(
+                #[inline(always)]
+                || {
+                    for k in wanted.clone() {
+                        let of_beams = group.beams.iter().map(|one| (one.source, one.connected[k]));
+                        let of_diffuse = self.diffuse.iter().map(|source| (*source, leaving[k]));
+                        self.meet(&group.below, k, of_diffuse.chain(of_beams), &mut memory, sums);
+                        for FromBeam { source, weight, backwards, .. } in &group.beams {
+                            self.meet(backwards, k, std::iter::once((*source, weight[k])), &mut memory, sums);
+                        }
                     }
-                    let place_mm = [meetings.place_mm[0][k], meetings.place_mm[1][k]];
-                    first.look_up = self.nodes.stencil(squared, self.index);
-                    if let Shows::Pattern(pattern) = self.tracer.shows {
-                        first.shown.set(pattern, place_mm, self.tracer.stack.base.states());
-                    }
-                    let lights = lights.map(|(source, light)| (source, self.through * light));
-                    sums.add_meeting(place_mm, &first, &mut trace, lights);
-                };
-                meet(&group.below, &mut of_diffuse.chain(of_beams));
-                for FromBeam { source, weight, backwards, .. } in &group.beams {
-                    if weight[k] != 0.0 {
-                        meet(backwards, &mut std::iter::once((*source, weight[k])));
-                    }
-                }
-            }
+                },
+            );
         }
+    }
+
+    /// Adds light of several sources at meeting `k`.
+    #[inline(always)]
+    fn meet(
+        &self,
+        meetings: &Meetings,
+        k: usize,
+        lights: impl Iterator<Item = (usize, f64)>,
+        (first, trace): &mut (FirstMeeting, Trace),
+        sums: &mut Sums<'_>,
+    ) {
+        let squared = meetings.squared[k];
+        if squared >= self.index * self.index {
+            return;
+        }
+        let place_mm = [meetings.place_mm[0][k], meetings.place_mm[1][k]];
+        first.look_up = self.nodes.stencil(squared, self.index);
+        if let Shows::Pattern(pattern) = self.tracer.shows {
+            first.shown.set(pattern, place_mm, self.states);
+        }
+        let lights = lights.map(|(source, light)| (source, self.through * light));
+        sums.add_meeting(place_mm, first, trace, lights);
     }
 
     fn group(&self) -> Group {

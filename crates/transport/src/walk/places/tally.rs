@@ -227,6 +227,7 @@ impl Received {
     }
 
     /// Adds light that met the pixel once.
+    #[inline(always)]
     fn add_look_up(&mut self, plan: &Plan<'_>, first: &FirstMeeting, light: f64) {
         match &first.shown {
             Shown::EachState => add_to_nodes(&mut self.look_ups, &first.look_up, light),
@@ -242,6 +243,7 @@ impl Received {
 
 impl Sums<'_> {
     /// Adds light of several sources that meets the pixel once, at this place.
+    #[inline(always)]
     pub(super) fn add_meeting(
         &mut self,
         place_mm: [f64; 2],
@@ -331,6 +333,7 @@ impl Plan<'_> {
     }
 
     /// Adds light to a row at the places, or at one of several, at which it met the pixel.
+    #[inline(always)]
     fn add(&self, sum: &mut KernelSums, row: usize, trace: &Trace, [place, places]: [usize; 2], light: f64) {
         let meetings = |len: usize| (place * len, places * len);
         let (first, step) = meetings(self.waves.lines());
@@ -349,10 +352,10 @@ impl Plan<'_> {
     }
 
     /// Adds light that met the pixel once to all rows.
+    #[inline(always)]
     fn add_look_up(&self, source: usize, sum: &mut KernelSums, look_up: &Stencil, trace: &Trace, light: f64) {
         for (row, at_nodes) in self.at_nodes[source].chunks_exact(self.nodes).enumerate() {
-            let nodes = &at_nodes[look_up.first..][..Stencil::LEN];
-            self.add(sum, row, trace, [0, 1], light * dot(&look_up.weights, nodes));
+            self.add(sum, row, trace, [0, 1], light * looked_up(look_up, at_nodes));
         }
     }
 }
@@ -388,9 +391,22 @@ impl Kernel {
 }
 
 /// Adds a look-up to sums over nodes.
+#[inline(always)]
 fn add_to_nodes(sums: &mut [f64], look_up: &Stencil, light: f64) {
     let sums = &mut sums[look_up.first..][..Stencil::LEN];
     sums.iter_mut().zip(look_up.weights).for_each(|(sum, weight)| *sum += light * weight);
+}
+
+/// Value of a look-up among values at nodes; half of the terms at a time.
+#[inline(always)]
+fn looked_up(look_up: &Stencil, at_nodes: &[f64]) -> f64 {
+    const HALF: usize = Stencil::LEN / 2;
+    let nodes = &at_nodes[look_up.first..][..Stencil::LEN];
+    let mut sums = [0.0; HALF];
+    for (k, sum) in sums.iter_mut().enumerate() {
+        *sum = look_up.weights[k] * nodes[k] + look_up.weights[k + HALF] * nodes[k + HALF];
+    }
+    (sums[0] + sums[4]) + (sums[1] + sums[5]) + ((sums[2] + sums[6]) + (sums[3] + sums[7]))
 }
 
 fn dot(a: &[f64], b: &[f64]) -> f64 {

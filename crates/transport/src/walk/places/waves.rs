@@ -127,7 +127,7 @@ impl Waves {
     }
 
     /// Adds light at these spots to a row.
-    #[inline]
+    #[inline(always)]
     pub(super) fn add(&self, row: &mut WaveSums, spots: &[Spot], light: f64) {
         for spot in spots {
             match spot {

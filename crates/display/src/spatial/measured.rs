@@ -1,0 +1,182 @@
+//! Sharpness at one level of discretisation.
+
+use num_complex::Complex64;
+
+use super::mtf::Frame;
+use super::patterns;
+use super::profile::{cumulative, density, places};
+use super::response::responses;
+use super::{Level, Seen, SpreadTable};
+use crate::DisplayError;
+use crate::metrics::LineContrast;
+use crate::setup::ViewPoint;
+
+/// Extent of tables of places, in thicknesses.
+const EXTENT: f64 = 20.0;
+
+/// Distance from a sharp image, in thicknesses, within which a table has all of its light.
+const SHARP: f64 = 1e-6;
+
+/// Light of one state by frequency and place, from one light or all.
+pub(super) struct Light {
+    /// `[axis][frequency]`; those beyond the frame's frequencies serve `f50`.
+    pub(super) transfer: [Vec<Complex64>; 2],
+    /// `[axis][bin]`.
+    pub(super) strips: [Vec<f64>; 2],
+    pub(super) rings: Vec<f64>,
+}
+
+impl Light {
+    /// The same light times a factor.
+    pub(super) fn scaled(&self, factor: f64) -> Self {
+        let scaled = |values: &Vec<f64>| values.iter().map(|value| factor * value).collect();
+        Self {
+            transfer: self.transfer.each_ref().map(|all| all.iter().map(|value| factor * value).collect()),
+            strips: self.strips.each_ref().map(scaled),
+            rings: scaled(&self.rings),
+        }
+    }
+}
+
+/// Everything that is computed at one level.
+pub(super) struct Measured {
+    pub(super) names: Vec<String>,
+    pub(super) frequencies: Vec<f64>,
+    /// Borders of strips, mm, `[axis]`, and of rings.
+    pub(super) places: [Vec<f64>; 2],
+    pub(super) radii: Vec<f64>,
+    /// `[state][light]`, the last light being all.
+    pub(super) lights: Vec<Vec<Light>>,
+    pub(super) line_contrast: [LineContrast; 2],
+    /// Smallest and median contrast of text.
+    pub(super) text_contrast: [Option<[f64; 2]>; 2],
+    /// Mean of each pattern via the pixel.
+    pub(super) patterns: Vec<f64>,
+    pub(super) from_faces: f64,
+    pub(super) seen: Vec<Seen>,
+}
+
+impl Frame<'_> {
+    /// Computes all that a view sees at one level.
+    pub(super) fn measure(&self, view: &ViewPoint, level: Level) -> Result<Measured, DisplayError> {
+        let (seen, from_faces) = responses(self.setup, view, level)?;
+        let mut frequencies = self.frequencies.clone();
+        while let Some(last) = frequencies.last().filter(|last| **last < level.most_per_mm) {
+            frequencies.push(last * 1.12);
+        }
+        frequencies.truncate(frequencies.partition_point(|f| *f <= level.most_per_mm));
+        let extent = EXTENT * self.thickness_mm;
+        let peaks: Vec<_> = seen.iter().flat_map(|seen| seen.response.peaks()).collect();
+        let images: Vec<[f64; 2]> = seen.iter().flat_map(|seen| seen.response.images()).collect();
+        let borders = |axis: usize| {
+            let halves = self.lines(axis).flat_map(|width| [-0.5 * width, 0.5 * width]);
+            // A table resolves a sharp image by places close to it.
+            let sharp =
+                images.iter().flat_map(|at| [-SHARP, SHARP].map(|side| at[axis] + side * self.thickness_mm));
+            places(&peaks, axis, extent, &halves.chain(sharp).collect::<Vec<_>>())
+        };
+        let places = [borders(0), borders(1)];
+        let own: Vec<_> = peaks.iter().copied().take(1).collect();
+        let mut radii = self::places(&own, 0, extent, &[SHARP * self.thickness_mm]);
+        radii.retain(|radius| *radius > 0.0);
+        let mut lights: Vec<Vec<Light>> = self.setup.states.iter().map(|_| Vec::new()).collect();
+        for Seen { response, .. } in &seen {
+            let transfers = [0, 1].map(|axis| -> Vec<Vec<Complex64>> {
+                frequencies.iter().map(|f| response.transfer(axis, *f)).collect()
+            });
+            let strips = [0, 1].map(|axis| response.strips(axis, &places[axis]));
+            let rings = response.rings(&radii);
+            for (state, lights) in lights.iter_mut().enumerate() {
+                lights.push(Light {
+                    transfer: [0, 1].map(|axis| transfers[axis].iter().map(|all| all[state]).collect()),
+                    strips: [0, 1].map(|axis| strips[axis][state].clone()),
+                    rings: rings[state].clone(),
+                });
+            }
+        }
+        for lights in &mut lights {
+            let all = sum(lights);
+            lights.extend(all);
+        }
+        let names = seen.iter().map(|seen| seen.light.clone()).chain(["all".to_owned()]).collect();
+        let mut measured = Measured {
+            names,
+            frequencies,
+            places,
+            radii,
+            lights,
+            line_contrast: [LineContrast::default(); 2],
+            text_contrast: [None; 2],
+            patterns: Vec::new(),
+            from_faces,
+            seen,
+        };
+        measured.line_contrast = self.line_contrast(&measured, level);
+        measured.text_contrast = self.text_contrast(&measured, level);
+        measured.patterns =
+            self.patterns().iter().map(|pattern| patterns::mean(&measured.seen, *pattern, level)).collect();
+        Ok(measured)
+    }
+}
+
+impl Measured {
+    /// Y of a state via the pixel.
+    pub(super) fn y(&self, state: usize) -> f64 {
+        self.lights[state].last().map_or(0.0, |all| all.transfer[0][0].re)
+    }
+
+    /// Y of the middle of a line of one state on another, and far away, via the pixel.
+    pub(super) fn line(
+        &self,
+        level: Level,
+        [line, surround]: [usize; 2],
+        axis: usize,
+        width_mm: f64,
+    ) -> [f64; 2] {
+        let far = self.y(surround);
+        let all_orders: Option<Vec<f64>> =
+            self.seen.iter().map(|seen| seen.response.line([line, surround], width_mm, level)).collect();
+        if let Some(found) = all_orders {
+            return [found.iter().sum(), far];
+        }
+        let inside = |state: usize| -> f64 {
+            let Some(all) = self.lights[state].last() else { return 0.0 };
+            let places = &self.places[axis];
+            let bin = |at: f64| places.partition_point(|place| *place <= at);
+            all.strips[axis][bin(-0.5 * width_mm)..bin(0.5 * width_mm - 1e-12) + 1].iter().sum()
+        };
+        [far - inside(surround) + inside(line), far]
+    }
+
+    /// Line and edge spread of a state along an axis in one light.
+    pub(super) fn table(&self, coarse: &Self, state: usize, light: usize, axis: usize) -> SpreadTable {
+        let strips = |level: &Self| level.lights[state][light].strips[axis].clone();
+        let places = &self.places[axis];
+        let (edge, other) = (cumulative(&strips(self)), cumulative(&strips(coarse)));
+        SpreadTable {
+            light: self.names[light].clone(),
+            axis,
+            position_um: places.iter().map(|place| 1e3 * place).collect(),
+            line_spread_per_mm: density(places, &strips(self)),
+            error: edge.iter().zip(&other).map(|(a, b)| (a - b).abs()).collect(),
+            edge_spread: edge,
+        }
+    }
+}
+
+/// Sum over lights; `None` without light.
+pub(super) fn sum(lights: &[Light]) -> Option<Light> {
+    let first = lights.first()?;
+    let add = |sum: &mut [f64], more: &[f64]| sum.iter_mut().zip(more).for_each(|(sum, more)| *sum += more);
+    let mut all =
+        Light { transfer: first.transfer.clone(), strips: first.strips.clone(), rings: first.rings.clone() };
+    for light in &lights[1..] {
+        for axis in [0, 1] {
+            let transfer = all.transfer[axis].iter_mut().zip(&light.transfer[axis]);
+            transfer.for_each(|(sum, more)| *sum += more);
+            add(&mut all.strips[axis], &light.strips[axis]);
+        }
+        add(&mut all.rings, &light.rings);
+    }
+    Some(all)
+}

@@ -1,0 +1,402 @@
+//! `papilio mtf` by Monte Carlo: all layers and lights of the [walk with places](super::walk), with standard errors.
+//!
+//! The kernel of a state is the response of all orders to a small change at a place: for mirror-like pixels below a lobe it is the
+//! light of the state itself. Each source has its Y. Errors are those of a jackknife: each number is computed with each of the replicates left
+//! out in turn.
+
+mod fixed;
+mod sums;
+
+use num_complex::Complex64;
+use papilio_optics::Beta;
+use papilio_transport::Source;
+use papilio_transport::spatial::Peak;
+use papilio_transport::walk::places::{CellGrid, Estimate, KernelTally, Shape, TwoStates, What};
+
+use super::measured::Measured;
+use super::mtf::Frame;
+use super::patterns::Pattern;
+use super::profile::{cumulative, places};
+use super::response::name_of_light;
+use super::walk::{Placed, mean};
+use super::{Curves, Kernel, LineContrast, MtfState, MtfView, PatternKind, PatternMean, SpatialScalars};
+use crate::DisplayError;
+use crate::meter::jackknife;
+use crate::result::Named;
+use crate::run::Control;
+use crate::scene::Stop;
+use crate::setup::ViewPoint;
+use fixed::Fixed;
+use sums::Sums;
+
+/// Paths from whose error the number for the target is computed.
+const PILOT: u64 = 1 << 13;
+
+/// Fewest and most paths of a view that an error target asks for.
+const PATHS: [u64; 2] = [1 << 15, 1 << 24];
+
+/// `f50` is searched up to this multiple of the highest frequency.
+const SEARCHED: f64 = 8.0;
+
+/// Extent of tables of places, in thicknesses of all layers.
+const EXTENT: f64 = 20.0;
+
+/// Width about the view's own ray and the mirror rays of lamps in which tables are dense, in thicknesses of all layers.
+const DENSE: f64 = 0.03;
+
+/// Distance from the view's own ray, in thicknesses, within which a table has all light of a sharp image.
+const SHARP: f64 = 1e-6;
+
+/// Cells of the kernel along each axis: an odd number, so that the view's own ray is in the middle of one.
+const CELLS: usize = 65;
+
+/// What is tallied in a view.
+struct Grid {
+    /// Sources with light: their numbers and names.
+    lights: Vec<(usize, String)>,
+    frequencies: Vec<f64>,
+    places: [Vec<f64>; 2],
+    radii: Vec<f64>,
+    cells: CellGrid,
+}
+
+/// What is computed of a view, from all replicates or all but one.
+struct Found {
+    measured: Measured,
+    /// Light of the cells, as fractions; `[state][cell]`.
+    cells: Vec<Vec<f64>>,
+    scalars: Vec<SpatialScalars>,
+    line_contrast: [LineContrast; 2],
+    text_contrast: [Option<[f64; 2]>; 2],
+    yule_nielsen_n: Option<f64>,
+}
+
+/// Computes how sharp the display is in a view.
+///
+/// # Errors
+/// If paths cannot be traced, the stopping rule is that of a metric, or the computation was stopped.
+pub(super) fn view(
+    frame: &Frame<'_>,
+    panel: &Placed<'_>,
+    view: &ViewPoint,
+    control: &Control<'_>,
+) -> Result<MtfView, DisplayError> {
+    let grid = Grid::new(frame, panel, view, 0.0);
+    let pilot = grid.kernels(panel, view, PILOT, control)?;
+    let all_of = |grid: &Grid, estimates: &[Estimate]| left_out(grid, frame, panel, estimates, &[], None);
+    let pilot = all_of(&grid, &pilot);
+    let paths = wanted_paths(frame, &pilot)?;
+    let r90 = pilot[0].scalars.iter().filter_map(|state| state.r90_um);
+    let grid = Grid::new(frame, panel, view, r90.map(|r90| 1.2e-3 * r90).fold(0.0, f64::max));
+    let estimates = grid.kernels(panel, view, paths, control)?;
+    let fixed = Fixed::new(frame);
+    let images = match &fixed {
+        Some(fixed) => panel.trace(view, || What::Pattern(fixed), paths, control)?,
+        None => Vec::new(),
+    };
+    let found = left_out(&grid, frame, panel, &estimates, &images, fixed.as_ref());
+    let patterns = pattern_means(frame, panel, view, paths, control)?;
+    Ok(result(frame, &grid, &found, patterns, view))
+}
+
+/// Number of paths for the target of the scene, from the errors of the pilot.
+fn wanted_paths(frame: &Frame<'_>, pilot: &[Found]) -> Result<u64, DisplayError> {
+    let target = match &frame.setup.scene.solver.stop {
+        Stop::Paths(paths) => return Ok(*paths),
+        Stop::RelativeError { target, .. } => *target,
+        Stop::Target(_) => {
+            return Err(DisplayError::NoPlaces { what: "a target of a metric", key: "solver.target" });
+        }
+    };
+    let mut most: f64 = 0.0;
+    for state in 0..frame.setup.states.len() {
+        let all = pilot[0].measured.names.len() - 1;
+        let [x, y] = [0, 1].map(|axis| errors(pilot, |one| transfer(one, state, all, axis)));
+        most = x.into_iter().chain(y).fold(most, f64::max);
+    }
+    let wanted = (PILOT as f64 * (most / target).powi(2)) as u64;
+    Ok(wanted.clamp(PATHS[0], PATHS[1]).next_power_of_two())
+}
+
+/// The numbers of all replicates, and then those with each left out.
+fn left_out(
+    grid: &Grid,
+    frame: &Frame<'_>,
+    panel: &Placed<'_>,
+    kernels: &[Estimate],
+    images: &[Estimate],
+    fixed: Option<&Fixed>,
+) -> Vec<Found> {
+    let parts: Vec<Sums> = kernels.iter().map(|one| grid.sums(panel, one)).collect();
+    let seen: Vec<Vec<f64>> = images
+        .iter()
+        .map(|one| {
+            (0..one.rho[0].via_pixel.len() / panel.bins()).map(|k| panel.luminous(one, Some(k))).collect()
+        })
+        .collect();
+    let faces: Vec<f64> = kernels.iter().map(|one| panel.luminous(one, None)).collect();
+    let of = |left: Option<usize>| {
+        let kept = |k: &usize| Some(*k) != left;
+        let all = || (0..parts.len()).filter(kept);
+        let weight = 1.0 / all().count() as f64;
+        let mut sums = parts[0].zeros();
+        all().for_each(|k| sums.add(&parts[k], weight));
+        let faces = all().map(|k| weight * faces[k]).sum();
+        let mut images = vec![0.0; seen.first().map_or(0, Vec::len)];
+        for k in all().filter(|_| !seen.is_empty()) {
+            images.iter_mut().zip(&seen[k]).for_each(|(sum, y)| *sum += weight * y);
+        }
+        grid.found(frame, &sums, faces, fixed.map(|fixed| (fixed, &images[..])))
+    };
+    std::iter::once(None).chain((0..parts.len()).map(Some)).map(of).collect()
+}
+
+impl Grid {
+    /// `half_mm` is half of the side of the picture of kernels, at least that of four pixels.
+    fn new(frame: &Frame<'_>, panel: &Placed<'_>, view: &ViewPoint, half_mm: f64) -> Self {
+        let setup = frame.setup;
+        let has_light =
+            |number: &usize| panel.meter.luminous_weights(*number).iter().any(|weight| *weight != 0.0);
+        let lights =
+            (0..setup.sources.len()).filter(has_light).map(|number| (number, name_of_light(setup, number)));
+        let mut frequencies = frame.frequencies.clone();
+        let highest = frequencies.last().copied().unwrap_or(1.0);
+        while let Some(last) = frequencies.last().filter(|last| **last < SEARCHED * highest) {
+            frequencies.push(last * 1.12);
+        }
+        let thickness: f64 = panel.lengths_mm.iter().sum();
+        let own = view.field.axis_towards();
+        let beams = setup.sources.iter().filter_map(|source| match source {
+            Source::Beam(beta) => Some(*beta),
+            Source::Disc(cone) => Some(-cone.axis_towards()),
+            Source::Diffuse | Source::Field(_) => None,
+        });
+        let from = panel.displacement(own);
+        let at = |beta: Beta| {
+            let [x, y] = panel.displacement(beta);
+            Peak { at_mm: [x - from[0], y - from[1]], width_mm: (DENSE * thickness).max(1e-6) }
+        };
+        let peaks: Vec<Peak> = std::iter::once(own).chain(beams).map(at).collect();
+        let extent = (EXTENT * thickness).max(1e-3);
+        let sharp = [-SHARP, SHARP].map(|side| side * extent);
+        let borders = |axis: usize| places(&peaks, axis, extent, &sharp);
+        let mut radii = places(&peaks[..1], 0, extent, &sharp);
+        radii.retain(|radius| *radius > 0.0);
+        let pixels = frame.pitch_mm.map_or(0.0, |pitch| 2.0 * pitch[0].max(pitch[1]));
+        let half = if half_mm.max(pixels) > 0.0 { half_mm.max(pixels) } else { thickness.max(1e-3) };
+        Self {
+            lights: lights.collect(),
+            frequencies,
+            places: [borders(0), borders(1)],
+            radii,
+            cells: CellGrid {
+                count: [CELLS; 2],
+                corner_mm: [-half; 2],
+                cell_mm: [2.0 * half / CELLS as f64; 2],
+            },
+        }
+    }
+
+    fn kernels(
+        &self,
+        panel: &Placed<'_>,
+        view: &ViewPoint,
+        paths: u64,
+        control: &Control<'_>,
+    ) -> Result<Vec<Estimate>, DisplayError> {
+        let along =
+            |axis: usize| self.frequencies.iter().map(move |f| if axis == 0 { [*f, 0.0] } else { [0.0, *f] });
+        let sources = 0..panel.setup.sources.len();
+        let tally = || KernelTally {
+            frequencies_per_mm: along(0).chain(along(1)).collect(),
+            cells: Some(self.cells),
+            strips_mm: self.places.clone(),
+            rings_mm: self.radii.clone(),
+            channels: sources.clone().map(|k| vec![panel.meter.luminous_weights(k).to_vec()]).collect(),
+        };
+        panel.trace(view, || What::Kernel(tally()), paths, control)
+    }
+
+    /// Sums of a replicate over the sources with light.
+    fn sums(&self, panel: &Placed<'_>, estimate: &Estimate) -> Sums {
+        let lights = self.lights.iter().map(|(number, _)| {
+            let weights = panel.meter.luminous_weights(*number);
+            (weights, &estimate.rho[*number], &estimate.spreads[*number].response)
+        });
+        Sums::new(lights, panel.setup.states.len(), self.frequencies.len())
+    }
+
+    fn found(&self, frame: &Frame<'_>, sums: &Sums, faces: f64, fixed: Option<(&Fixed, &[f64])>) -> Found {
+        let names = self.lights.iter().map(|(_, name)| name.clone()).chain(["all".to_owned()]);
+        let measured = Measured {
+            names: names.collect(),
+            frequencies: self.frequencies.clone(),
+            places: self.places.clone(),
+            radii: self.radii.clone(),
+            lights: sums.lights(),
+            line_contrast: [LineContrast::default(); 2],
+            text_contrast: [None; 2],
+            patterns: Vec::new(),
+            from_faces: faces,
+            seen: Vec::new(),
+        };
+        Found {
+            scalars: (0..frame.setup.states.len()).map(|state| frame.scalars(state, &measured)).collect(),
+            cells: sums.cells(),
+            line_contrast: [faces, 0.0].map(|faces| {
+                fixed.map_or_else(LineContrast::default, |(fixed, y)| fixed.line_contrast(y, faces))
+            }),
+            text_contrast: [faces, 0.0]
+                .map(|faces| fixed.and_then(|(fixed, y)| fixed.text_contrast(y, faces))),
+            yule_nielsen_n: fixed.and_then(|(fixed, y)| fixed.yule_nielsen(y)),
+            measured,
+        }
+    }
+}
+
+/// Transfer of a state in a light relative to that at frequency 0, at the frequencies of results and beyond.
+fn transfer(found: &Found, state: usize, light: usize, axis: usize) -> Vec<Complex64> {
+    let transfer = &found.measured.lights[state][light].transfer[axis];
+    let zero = transfer[0].re;
+    transfer.iter().map(|value| if zero > 0.0 { value / zero } else { Complex64::ZERO }).collect()
+}
+
+/// Standard errors of complex numbers: of their distance from the mean.
+fn errors(found: &[Found], of: impl Fn(&Found) -> Vec<Complex64>) -> Vec<f64> {
+    let all: Vec<Vec<Complex64>> = found[1..].iter().map(of).collect();
+    let part = |k: usize, part: fn(&Complex64) -> f64| {
+        jackknife(&mut all.iter().map(|one| Some(part(&one[k])))).unwrap_or(0.0)
+    };
+    (0..all[0].len()).map(|k| part(k, |value| value.re).hypot(part(k, |value| value.im))).collect()
+}
+
+/// Standard error of a number that may be undefined.
+fn error(found: &[Found], of: impl Fn(&Found) -> Option<f64>) -> Option<f64> {
+    jackknife(&mut found[1..].iter().map(of))
+}
+
+/// Means of the patterns of the scene, each by a walk of its own.
+fn pattern_means(
+    frame: &Frame<'_>,
+    panel: &Placed<'_>,
+    view: &ViewPoint,
+    paths: u64,
+    control: &Control<'_>,
+) -> Result<Vec<PatternMean>, DisplayError> {
+    let of_pattern = |Pattern { kind, period_mm, states }: Pattern| {
+        let shape = match kind {
+            PatternKind::Stripes => Shape::Stripes,
+            PatternKind::Checkerboard => Shape::Checkerboard,
+        };
+        let pattern = TwoStates { shape, period_mm, states };
+        let estimates = panel.trace(view, || What::Pattern(&pattern), paths, control)?;
+        let y = mean(estimates.iter().map(|one| panel.luminous(one, Some(0))));
+        let faces = mean(estimates.iter().map(|one| panel.luminous(one, None)));
+        Ok(PatternMean {
+            theta_deg: view.theta_deg,
+            phi_deg: view.phi_deg,
+            kind,
+            period_mm,
+            mean_Y: y.value + faces.value,
+            mean_Y_via_pixel: y.value,
+            error: y.standard_error.hypot(faces.standard_error),
+        })
+    };
+    frame.patterns().into_iter().map(of_pattern).collect()
+}
+
+fn result(
+    frame: &Frame<'_>,
+    grid: &Grid,
+    found: &[Found],
+    patterns: Vec<PatternMean>,
+    view: &ViewPoint,
+) -> MtfView {
+    let states = frame.setup.states.iter().enumerate();
+    let all = &found[0];
+    MtfView {
+        theta_deg: view.theta_deg,
+        phi_deg: view.phi_deg,
+        states: Named(
+            states.map(|(state, name)| (name.clone(), state_of(frame, grid, found, state))).collect(),
+        ),
+        line_contrast: all.line_contrast[0],
+        line_contrast_via_pixel: all.line_contrast[1],
+        line_contrast_error: line_errors(found),
+        text_contrast_min: all.text_contrast[0].map(|[least, _]| least),
+        text_contrast_median: all.text_contrast[0].map(|[_, median]| median),
+        text_contrast_min_via_pixel: all.text_contrast[1].map(|[least, _]| least),
+        text_contrast_median_via_pixel: all.text_contrast[1].map(|[_, median]| median),
+        text_contrast_error: {
+            let [least, median] =
+                [0, 1].map(|k| error(found, |one| one.text_contrast[0].map(|pair| pair[k])));
+            least.zip(median).map(|(least, median)| [least, median])
+        },
+        yule_nielsen_n: all.yule_nielsen_n,
+        patterns,
+    }
+}
+
+fn line_errors(found: &[Found]) -> LineContrast {
+    let mut errors = LineContrast::default();
+    for (k, slot) in errors.all_mut().enumerate() {
+        *slot = error(found, |one| one.line_contrast[0].named().nth(k).and_then(|(_, value)| value));
+    }
+    errors
+}
+
+fn state_of(frame: &Frame<'_>, grid: &Grid, found: &[Found], state: usize) -> MtfState {
+    let all = &found[0];
+    let lights = grid.lights.len();
+    let count = frame.frequencies.len();
+    let curves = |light: usize| {
+        let y = all.measured.y(state);
+        let parts = |axis: usize| {
+            transfer(all, state, light, axis)[..count].iter().map(|value| [value.re, value.im]).collect()
+        };
+        let errors = |axis: usize| {
+            let mut errors = errors(found, |one| transfer(one, state, light, axis));
+            errors.truncate(count);
+            errors
+        };
+        let fraction = all.measured.lights[state][light].transfer[0][0].re / y;
+        Curves {
+            fraction: if y > 0.0 { fraction } else { 0.0 },
+            otf_x: parts(0),
+            otf_y: parts(1),
+            error_x: errors(0),
+            error_y: errors(1),
+        }
+    };
+    let mut scalar_errors = SpatialScalars::default();
+    for (k, slot) in scalar_errors.all_mut().enumerate() {
+        *slot = error(found, |one| one.scalars[state].named().nth(k).and_then(|(_, value)| value));
+    }
+    let tables = (0..=lights).flat_map(|light| [0, 1].map(|axis| (light, axis)));
+    let tables = tables.map(|(light, axis)| {
+        let mut table = all.measured.table(&all.measured, state, light, axis);
+        let edge = |one: &Found| -> Vec<Complex64> {
+            let edge = cumulative(&one.measured.lights[state][light].strips[axis]);
+            edge.into_iter().map(Complex64::from).collect()
+        };
+        table.error = errors(found, edge);
+        table
+    });
+    let cells = all.cells[state].clone();
+    MtfState {
+        Y_via_pixel: all.measured.y(state),
+        scalars: all.scalars[state],
+        error: scalar_errors,
+        otf: curves(lights),
+        by_light: Named(
+            (0..lights).map(|light| (all.measured.names[light].clone(), curves(light))).collect(),
+        ),
+        spread: tables.collect(),
+        kernel: Kernel {
+            cell_um: 1e3 * grid.cells.cell_mm[0],
+            cells: CELLS,
+            outside: 1.0 - cells.iter().sum::<f64>(),
+            fractions: cells,
+        },
+    }
+}

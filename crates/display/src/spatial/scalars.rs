@@ -1,0 +1,76 @@
+//! Numbers of a state that describe its sharpness.
+
+use papilio_colour::reader::{contrast_sensitivity, square_root_integral};
+
+use super::SpatialScalars;
+use super::measured::Measured;
+use super::mtf::Frame;
+use super::profile::{crossing, cumulative, interpolated};
+
+/// Field of view of the square-root integral, degrees.
+const FIELD_DEG: f64 = 10.0;
+
+impl Frame<'_> {
+    /// Computes the metrics of a state; none for one without light.
+    pub(super) fn scalars(&self, state: usize, measured: &Measured) -> SpatialScalars {
+        let all = measured.lights[state].last().filter(|_| measured.y(state) > 0.0);
+        let Some(all) = all else { return SpatialScalars::default() };
+        let modulus = [0, 1].map(|axis| -> Vec<f64> {
+            let zero = all.transfer[axis][0].norm();
+            all.transfer[axis].iter().map(|value| value.norm() / zero).collect()
+        });
+        let f50 = |axis: usize| {
+            let lost: Vec<f64> = modulus[axis].iter().map(|m| 1.0 - m).collect();
+            crossing(&measured.frequencies, &lost, 0.5)
+        };
+        let nyquist = |axis: usize| {
+            self.nyquist_per_mm
+                .map(|nyquist| interpolated(&measured.frequencies, &modulus[axis], nyquist[axis]))
+        };
+        let edge = |axis: usize| {
+            let edge = cumulative(&all.strips[axis]);
+            let at = |share: f64| crossing(&measured.places[axis], &edge, share);
+            Some(1e3 * (at(0.9)? - at(0.1)?))
+        };
+        let rings = cumulative(&all.rings);
+        let radius = |share: f64| {
+            if rings.first().is_some_and(|sharp| *sharp >= share) {
+                return Some(0.0);
+            }
+            crossing(&measured.radii, &rings, share).map(|radius| 1e3 * radius)
+        };
+        let luminance = measured.y(state) * self.luminance_of_white;
+        let sqri = |axis: usize| {
+            let most = self.nyquist_per_mm.map(|nyquist| nyquist[axis]).or(self.eye_limit_per_mm)?;
+            let transfer =
+                |u: f64| interpolated(&measured.frequencies, &modulus[axis], u / self.mm_per_degree);
+            square_root_integral(transfer, luminance, FIELD_DEG, most * self.mm_per_degree)
+        };
+        SpatialScalars {
+            f50_x_per_mm: f50(0),
+            f50_y_per_mm: f50(1),
+            mtf_nyquist_x: nyquist(0),
+            mtf_nyquist_y: nyquist(1),
+            edge_10_90_x_um: edge(0),
+            edge_10_90_y_um: edge(1),
+            r50_um: radius(0.5),
+            r90_um: radius(0.9),
+            sqri_jnd_x: sqri(0),
+            sqri_jnd_y: sqri(1),
+        }
+    }
+}
+
+/// Highest frequency at which the eye sees full contrast, cycles per degree.
+pub(super) fn eye_limit(luminance_cd_m2: f64) -> Option<f64> {
+    let (mut low, mut high) = (5.0, 200.0);
+    let sees = |u: f64| contrast_sensitivity(u, luminance_cd_m2, FIELD_DEG).map(|s| s >= 1.0);
+    if !sees(low)? {
+        return None;
+    }
+    for _ in 0..40 {
+        let middle = 0.5 * (low + high);
+        if sees(middle)? { low = middle } else { high = middle }
+    }
+    Some(low)
+}
