@@ -10,6 +10,7 @@ mod brdf;
 mod catalogue;
 mod compare;
 mod completions;
+mod crosstalk;
 mod diffuser;
 mod folder;
 mod input;
@@ -160,7 +161,9 @@ fn missing_feature(command: &Command) -> Option<String> {
         Command::Run(run) => (run.png, false),
         Command::Optimize(optimize) => (optimize.png, false),
         Command::Tolerance(tolerance) => (tolerance.png, false),
-        Command::Mtf(of_place) | Command::Sparkle(of_place) => (of_place.png, false),
+        Command::Crosstalk(of_place) | Command::Mtf(of_place) | Command::Sparkle(of_place) => {
+            (of_place.png, false)
+        }
         Command::Sweep(sweep) => {
             let merge = sweep.command.as_ref().map(|SweepCommand::Merge(merge)| &merge.outputs);
             let outputs = merge.unwrap_or(&sweep.outputs);
@@ -192,6 +195,7 @@ pub fn main(arguments: &[OsString]) -> u8 {
         Command::Run(arguments) => run::run(&arguments),
         Command::Brdf(arguments) => brdf::brdf(&arguments),
         Command::Compare(arguments) => compare::run(&arguments),
+        Command::Crosstalk(arguments) => crosstalk::crosstalk(&arguments),
         Command::Diffuser(command) => diffuser::diffuser(&command),
         Command::Illuminants(arguments) => catalogue::list_illuminants(&arguments),
         Command::Materials(arguments) => catalogue::list_materials(&arguments),

@@ -18,6 +18,7 @@ pub(crate) fn schema(of: &Schema) -> Result<(), Failure> {
     let schema = match of {
         Schema { result: true, .. } => papilio_formats::result_schema(),
         Schema { mtf: true, .. } => papilio_formats::mtf_schema(),
+        Schema { crosstalk: true, .. } => papilio_formats::crosstalk_schema(),
         Schema { sparkle: true, .. } => papilio_formats::sparkle_schema(),
         _ => papilio_scenario::schema(),
     };

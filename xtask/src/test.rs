@@ -12,7 +12,7 @@ use crate::page;
 use crate::python::Environment;
 use crate::shell::{self, Apart, Needs, Outcome, cargo, command};
 
-/// Number of seeds of the statistical tests in `cargo xtask full`; 16 in `cargo xtask test`.
+/// Number of seeds of the statistical tests in `cargo xtask full`; 8 in `cargo xtask test`.
 pub(crate) const SEEDS: u64 = 480;
 
 /// Number of seeds, read by the statistical tests of `crates/transport` and the test of sensitivities in `crates/design`.
@@ -28,7 +28,7 @@ const SCENARIOS_VARIABLE: &str = "PAPILIO_SCENARIOS";
 const SCENARIOS: &str = "300";
 
 /// Duration for each format, read by the mutation tests of BSDF files in `crates/formats`. If it is set, the mutation
-/// tests of scenarios use ten times as many mutations.
+/// tests of scenarios use 25 times as many mutations.
 const FUZZ_VARIABLE: &str = "PAPILIO_FUZZ_SECONDS";
 
 /// Enough for some hundred thousand files of each format.

@@ -61,6 +61,11 @@ pub(crate) enum Command {
     #[command(after_help = "Example: papilio mtf scenarios/matrix.toml\n\n\
                       It needs the thickness of the layers above the pixels. docs/mtf.md describes the results.")]
     Mtf(SpatialCommand),
+    /// Compute which sub-pixel lights which, and the gamut and contrast of stripes, lines and text
+    #[command(after_help = "Example: papilio crosstalk scenarios/matrix.toml\n\n\
+                      The scenario needs [display.matrix] and the thickness of the layers above the pixels. docs/crosstalk.md describes \
+                      the results.")]
+    Crosstalk(SpatialCommand),
     /// Compare a simulated display with a measured panel: spectra, colours and gamut, with figures
     #[command(after_help = "Example:\n  \
                       papilio run scenarios/overcast.toml\n  \
@@ -142,6 +147,9 @@ pub(crate) struct Schema {
     /// Print the JSON Schema of mtf.json instead
     #[arg(long, group = "of")]
     pub(crate) mtf: bool,
+    /// Print the JSON Schema of crosstalk.json instead
+    #[arg(long, group = "of")]
+    pub(crate) crosstalk: bool,
     /// Print the JSON Schema of sparkle.json instead
     #[arg(long, group = "of")]
     pub(crate) sparkle: bool,

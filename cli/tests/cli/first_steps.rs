@@ -195,8 +195,18 @@ fn page_of_a_run_is_complete_and_self_contained() {
 }
 
 /// Commands of the pages that take long, or do not end: only their options are checked.
-const LONG: [&str; 9] =
-    ["--cone", "sweep", "optimize", "tolerance", "validate", "study", "serve", "brdf", "monte-carlo"];
+const LONG: [&str; 10] = [
+    "--cone",
+    "sweep",
+    "optimize",
+    "tolerance",
+    "validate",
+    "study",
+    "serve",
+    "sparkle",
+    "brdf",
+    "monte-carlo",
+];
 
 /// The commands of README and of docs/first-steps.md run as they are pasted, in the order of the pages.
 #[cfg(unix)]

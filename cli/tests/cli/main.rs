@@ -11,6 +11,7 @@ mod catalogue;
 mod common;
 mod compare;
 mod cone;
+mod crosstalk;
 mod diffuser;
 mod figures;
 mod first_steps;

@@ -74,7 +74,7 @@ fn closed_form_is_linear_in_distance() {
     let few = "sparkle.replicates=2";
     let face = "sparkle.slope_rms=0.005";
     let diffuse = ["lighting.directed=[]", "lighting.diffuse=1"];
-    let sets = ["sparkle.correlation_um=8", "sparkle.gap_mm=[0.1, 0.2]", "sparkle.pupil_mm=0", few];
+    let sets = ["sparkle.correlation_um=40", "sparkle.gap_mm=[0.1, 0.2]", "sparkle.pupil_mm=0", few];
     // The face by its slope instead of its haze.
     let text = fs::read_to_string(scenario("antiglare")).unwrap();
     let folder = tempfile::tempdir().unwrap();

@@ -21,6 +21,7 @@
 //! | [`scattering`] | a measured lobe in the plane of incidence and over the hemisphere |
 //! | [`lobes`] | the same for each part of a measurement |
 //! | [`sparkle_maps`], [`sparkle_curves`] | pixels below an antiglare face; their deviation against the face |
+//! | [`crosstalk()`] | which sub-pixel lights which, as matrices |
 //! | [`of_mtf`] | all figures of `papilio mtf`: modulation transfer, edges, kernels |
 //! | [`chart`] | curves in one panel |
 //! | [`accuracy`] | errors of the solvers against their cost |
@@ -52,6 +53,7 @@ mod cone;
 mod cone_differences;
 mod cone_scale;
 mod contour;
+mod crosstalk;
 mod diagram;
 mod labels;
 mod light;
@@ -87,6 +89,7 @@ pub use chromaticity::{chromaticity, gamuts};
 pub use comparison::{compared_gamuts, compared_spectra};
 pub use cone::cone;
 pub use cone_differences::cone_differences;
+pub use crosstalk::crosstalk;
 pub use diagram::Diagram;
 pub use light::light;
 pub use lobes::lobes;

@@ -21,6 +21,7 @@
 //! | [`PixelTable::write`] | `pixel.csv` |
 //! | [`write_absorption`], [`write_sub_pixels`] | `absorption.csv`, `sub-pixels.csv` |
 //! | [`write_cone_csv`], [`write_cone_npy`] | `cone.csv`, `cone.npy`; their description: [`ConeFile`] with [`write_json`] |
+//! | [`CrosstalkFile`] with [`write_json`], [`write_crosstalk_csv`], [`write_patterns_csv`] | `crosstalk.json`, `crosstalk.csv`, `patterns.csv`; schema: [`crosstalk_schema`] |
 //! | [`MtfFile`] with [`write_json`], [`write_mtf_csv`], [`write_spread_csv`], [`write_kernel_npy`] | `mtf.json`, `mtf.csv`, `spread.csv`, `kernel-STATE.npy`; schema: [`mtf_schema`] |
 //! | [`write_comparison`], [`write_compared_spectra`] | a comparison with a measured panel |
 //! | [`AuditFile`], [`FitFile`] with [`write_json`] | audit of a measurement, fitted lobes |
@@ -50,6 +51,7 @@ mod audit_text;
 mod bsdf;
 mod comparison;
 mod cone;
+mod crosstalk;
 mod error;
 mod file;
 mod index;
@@ -89,6 +91,7 @@ pub use bsdf::{
 };
 pub use comparison::{write_compared_spectra, write_comparison};
 pub use cone::{CONE_QUANTITIES, ConeFile, cone_quantities, write_cone_csv, write_cone_npy};
+pub use crosstalk::{CrosstalkFile, crosstalk_schema, write_crosstalk_csv, write_patterns_csv};
 pub use error::{FormatError, Problem};
 pub use file::{DataFile, LARGEST_FILE, write_file};
 pub use index::{read_index, read_index_within};

@@ -131,6 +131,11 @@ impl<'a> Meter<'a> {
         &self.lights[light].xyz[1]
     }
 
+    /// Returns the weights over wavelength of a reflectance factor under a light in X, Y and Z.
+    pub(crate) fn xyz_weights(&self, light: usize) -> &[Vec<f64>; 3] {
+        &self.lights[light].xyz
+    }
+
     /// Luminance of Y = 1, cd/m2.
     pub(crate) fn luminance_of_white(&self) -> f64 {
         self.setup.observer.luminance(&self.white)

@@ -9,6 +9,8 @@
 //! | Lambertian pixels under a flat face | `paper.rs` |
 //! | mirror-like pixels under a flat face | `ghosts.rs` |
 //!
+//! [`crosstalk`] computes which sub-pixel lights which.
+//!
 //! [`sparkle`] computes the random brightness of equal pixels below an antiglare face.
 //!
 //! [`walk`] is the second method, for all displays: Monte Carlo with places.
@@ -16,6 +18,7 @@
 //! Luminous quantities are Y relative to a perfect white in the scene's light, as in [`result`](crate::result).
 
 mod contrast;
+mod crosstalk;
 mod curve;
 mod ghosts;
 mod lobe;
@@ -31,6 +34,9 @@ mod sparkle;
 pub mod walk;
 
 pub use crate::metrics::SparkleMetrics;
+pub use crosstalk::{
+    CrosstalkResult, CrosstalkView, Figure, PatternColours, PatternValues, Shares, crosstalk,
+};
 pub use mtf::mtf;
 pub use patterns::{PatternKind, PatternMean, Patterns};
 use response::{Level, Response, Seen};

@@ -107,7 +107,7 @@ pub(crate) fn responses(
             continue;
         }
         from_faces += weights.iter().zip(&factor.front).map(|(weight, front)| weight * front).sum::<f64>();
-        let light = name(setup, number);
+        let light = name_of_light(setup, number);
         let response: Box<dyn Response> = match (&panel.top, panel.base.is_specular()) {
             (Top::Diffuser(_), _) => lobe::response(panel, &lengths, (view, source), weights, level)?,
             (_, true) => ghosts::response(panel, thickness_mm, view, weights, &factor.via_pixel),
@@ -132,7 +132,7 @@ fn not_yet(what: &str, key: &str) -> DisplayError {
 }
 
 /// Name of a source in results: by its kind and its number in the scenario.
-fn name(setup: &Setup, number: usize) -> String {
+pub(super) fn name_of_light(setup: &Setup, number: usize) -> String {
     let lighting = &setup.scene.lighting;
     let term = setup.lights[number].term;
     let directed = lighting.directed.len();

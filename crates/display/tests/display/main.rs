@@ -11,6 +11,7 @@ mod asked_metrics;
 mod auto;
 mod by_light_and_angle;
 mod common;
+mod crosstalk;
 mod designs;
 mod first_answers;
 mod front_light;

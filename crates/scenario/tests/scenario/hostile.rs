@@ -154,10 +154,10 @@ fn mutated_scenarios_do_not_panic() {
     assert_eq!(texts.iter().filter(|text| !resolves(text)).count(), 1);
     for text in &texts {
         // Even a small measurement, or map of light, takes a hundredth of a second. Where there is time to mutate files of BSDFs for
-        // long, there is time for ten times as many of these.
+        // long, there is time for 25 times as many of these.
         let is_slow = [".bsdf\"", ".hdr\""].iter().any(|end| text.contains(end));
         let has_time = std::env::var_os("PAPILIO_FUZZ_SECONDS").is_some();
-        let times = if is_slow { 15 } else { 150 } * if has_time { 10 } else { 1 };
+        let times = if is_slow { 6 } else { 60 } * if has_time { 25 } else { 1 };
         for _ in 0..times {
             let mut bytes = text.clone().into_bytes();
             for _ in 0..=numbers.below(3) {

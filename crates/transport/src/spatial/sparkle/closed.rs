@@ -123,19 +123,36 @@ impl Axis {
 
     /// Integrals for z >= 0 up to a few correlation lengths, or to the pitch.
     fn distances(&self, correlation: f64) -> Vec<Distance> {
-        let end = self.pitch.min(4.0 * correlation);
-        // Edges within the blur and the correlation both change quickly at z = 0.
+        const REACH: f64 = 8.0;
+        let (end, blur) = (self.pitch.min(4.0 * correlation), self.blur());
+        // Where an edge meets another, the overlap changes within the blur; the correlation changes quickly at z = 0.
+        let meetings = self.meetings();
         let mut ends = vec![0.0];
         let mut from = 0.0;
         while from < end {
-            let fine = if from < 8.0 * self.blur() { 0.5 * self.blur() } else { 0.5 * from };
-            from = (from + fine.min(0.3 * correlation)).min(end);
+            let near = meetings.iter().any(|place| (-REACH..REACH).contains(&((from - place) / blur)));
+            let starts =
+                meetings.iter().map(|place| place - 0.999 * REACH * blur).filter(|start| *start > from);
+            let step = if from < REACH * blur { 0.5 * blur } else { blur };
+            let next = if near { from + step } else { starts.fold(1.5 * from, f64::min) };
+            from = next.min(from + 0.3 * correlation).min(end);
             ends.push(from);
         }
         let nodes = ends.windows(2).flat_map(|ends| gauss(ends[0], ends[1], POINTS[0]));
         nodes
             .map(|node| Distance { z: node.x, weight: node.weight, overlaps: self.overlaps(node.x) })
             .collect()
+    }
+
+    /// Distances, from 0 to the pitch, between two edges of windows.
+    fn meetings(&self) -> Vec<f64> {
+        let edges: Vec<f64> = self.windows.iter().flatten().copied().collect();
+        let between = |a: &f64, b: &f64| (a - b).rem_euclid(self.pitch);
+        let mut all: Vec<f64> = edges.iter().flat_map(|a| edges.iter().map(move |b| between(a, b))).collect();
+        all.extend([0.0, self.pitch]);
+        all.sort_by(f64::total_cmp);
+        all.dedup_by(|a, b| *a - *b < 0.1 * self.blur());
+        all
     }
 
     /// Integrals over y of derivative a of one window at y + z times derivative b of another at y, both points within the

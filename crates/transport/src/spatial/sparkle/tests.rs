@@ -123,6 +123,26 @@ fn windows_of_several_weights_have_deviation_of_their_series() {
     assert!(closed::pixel_power_deviation(panel.face, between, &panel.matrix, [0.0; 2]).is_none());
 }
 
+/// Small deflections have deviations in proportion, also where edges of windows meet within the correlation length: their overlaps
+/// change within the deflection there, which the rule has to resolve.
+#[test]
+fn closed_form_is_linear_in_small_deflections() {
+    let stripe = |k: f64, weight| Window {
+        rectangle_mm: [0.001 + 0.028 * k, 0.003, 0.027 + 0.028 * k, 0.081],
+        weight,
+    };
+    let windows = vec![stripe(0.0, 0.2), stripe(1.0, 0.7), stripe(2.0, 0.1)];
+    let matrix = Matrix { windows, ..Matrix::single(0.084, 0.026, 0.076) };
+    for correlation_mm in [0.008, 0.02, 0.03] {
+        let face = RandomFace { slope_rms: 0.005, correlation_mm };
+        let at = |per_slope: f64| {
+            closed::pixel_power_deviation(face, [per_slope, 0.0, per_slope], &matrix, [0.0; 2]).unwrap()
+        };
+        let ratio = at(0.04) / at(0.02);
+        assert!((ratio - 2.0).abs() < 2e-3, "{correlation_mm}: {ratio}");
+    }
+}
+
 /// A pupil blurs the windows: as a disc in rays, as a Gaussian of its mean square in the closed form.
 #[test]
 fn pupil_lowers_sparkle() {

@@ -2,7 +2,6 @@
 
 use std::ops::Range;
 
-use num_complex::Complex64;
 use papilio_optics::Beta;
 
 use super::light::Light;

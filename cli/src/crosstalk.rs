@@ -1,0 +1,119 @@
+//! `papilio crosstalk`: which sub-pixel lights which, and the colours and contrast of fine figures.
+
+use std::io::Write;
+use std::path::Path;
+
+use papilio_display::spatial::{CrosstalkResult, CrosstalkView};
+use papilio_formats::{CrosstalkFile, write_crosstalk_csv, write_file, write_json, write_patterns_csv};
+
+use crate::arguments::SpatialCommand;
+use crate::numbers::measured;
+use crate::run::with_progress;
+use crate::{Failure, interrupt, output, print_message, print_notes, report};
+
+pub(crate) fn crosstalk(arguments: &SpatialCommand) -> Result<(), Failure> {
+    let resolved = arguments.resolve()?;
+    let folder = arguments.folder(&resolved.hash)?;
+    let result = with_progress(&resolved, arguments.workers.threads, |control| {
+        papilio_display::spatial::crosstalk(&resolved.scene, &resolved.patterns.text, control)
+    })?;
+    let result = result.ok_or(Failure::Interrupted("no file was written"))?;
+    let file = CrosstalkFile {
+        papilio: env!("CARGO_PKG_VERSION"),
+        hash: &resolved.hash,
+        scenario: &resolved.canonical,
+        result: &result,
+    };
+    let title = resolved.title.clone().unwrap_or_else(|| report::file_title(&arguments.scenario.file));
+    let mut stdout = crate::terminal::output(arguments.json);
+    if arguments.json {
+        write_json(&mut stdout, &file)?;
+    } else {
+        stdout.write_all(text(&title, &result).as_bytes())?;
+    }
+    stdout.flush()?;
+    if let Some(folder) = &folder {
+        let names = interrupt::uninterrupted(|| write(folder, &file, &title, arguments.png))?;
+        output::print_written(folder, &names);
+    }
+    print_notes(&resolved.notes);
+    let warnings = resolved.warnings.iter().chain(&result.warnings);
+    warnings.for_each(|warning| print_message(&format!("warning: {warning}")));
+    Ok(())
+}
+
+/// Writes all files; returns their names.
+fn write(folder: &Path, file: &CrosstalkFile<'_>, title: &str, png: bool) -> Result<Vec<String>, Failure> {
+    output::make_folder(folder)?;
+    output::remove(folder, is_figure)?;
+    write_file(&folder.join("crosstalk.json"), |out| write_json(out, file))?;
+    write_file(&folder.join("crosstalk.csv"), |out| write_crosstalk_csv(out, file.result))?;
+    write_file(&folder.join("patterns.csv"), |out| write_patterns_csv(out, file.result))?;
+    let mut names = ["crosstalk.json", "crosstalk.csv", "patterns.csv"].map(str::to_owned).to_vec();
+    names.extend(output::write_figures(folder, papilio_figures::crosstalk(file.result, title), png)?);
+    Ok(names)
+}
+
+/// True for names of figures of this command.
+fn is_figure(name: &str) -> bool {
+    let stem = name.strip_suffix(".svg").or_else(|| name.strip_suffix(".png"));
+    stem.is_some_and(|stem| stem.starts_with("crosstalk"))
+}
+
+/// The table on the terminal.
+fn text(title: &str, result: &CrosstalkResult) -> String {
+    let [x, y] = result.pitch_um;
+    let mut text =
+        format!("{}\npixels of {x:.2} x {y:.2} um, uniform page: {}\n", report::plain(title), result.page);
+    for view in &result.views {
+        text += &format!("\nviewed at theta {} deg, phi {} deg\n", view.theta_deg, view.phi_deg);
+        text += &of_view(result, view);
+    }
+    text + &format!("\nerror of the shares: {:.1e}\n", result.error_reached)
+}
+
+fn of_view(result: &CrosstalkResult, view: &CrosstalkView) -> String {
+    let shares = &view.shares;
+    let mut text =
+        matrix("seen through, from", &result.subpixels, &shares.out, "inactive", &shares.inactive_out);
+    if let (Some(entered), Some(between)) = (&shares.in_, &shares.between_in) {
+        text += "\n";
+        text += &matrix("reaches, entered through", &result.subpixels, entered, "between", between);
+    }
+    let percent =
+        |share: Option<f64>| share.map_or("-".to_owned(), |share| format!("{:.2} %", 100.0 * share));
+    text += &format!("  own share on the way out {}", percent(shares.own_share_out));
+    if shares.own_share_in.is_some() {
+        text += &format!(", on the way in {}", percent(shares.own_share_in));
+    }
+    text += "\n\n";
+    let head = ["on a page", "gamut, % of sRGB", "contrast ratio", "contrast ratio via pixel"];
+    let mut rows = vec![head.map(str::to_owned).to_vec()];
+    for pattern in &view.patterns {
+        let (values, error) = (&pattern.values, &pattern.error);
+        rows.push(vec![
+            pattern.name.name().to_owned(),
+            measured(values.gamut_percent_srgb, error.gamut_percent_srgb, 4),
+            measured(values.contrast_ratio, error.contrast_ratio, 4),
+            measured(values.contrast_ratio_via_pixel, error.contrast_ratio_via_pixel, 4),
+        ]);
+    }
+    text + &report::table(&rows)
+}
+
+/// Shares in per cent, with the light of the area without sub-pixels in the last column if there is any.
+fn matrix(head: &str, names: &[String], shares: &[Vec<f64>], rest: &str, others: &[f64]) -> String {
+    let has_rest = others.iter().any(|share| *share > 0.0);
+    let mut first = vec![head.to_owned()];
+    first.extend(names.iter().cloned());
+    first.extend(has_rest.then(|| format!("({rest})")));
+    let mut rows = vec![first];
+    for ((name, row), other) in names.iter().zip(shares).zip(others) {
+        let percent = |share: f64| format!("{:.2} %", 100.0 * share);
+        let mut cells = vec![name.clone()];
+        cells.extend(row.iter().map(|share| percent(*share)));
+        cells.extend(has_rest.then(|| percent(*other)));
+        rows.push(cells);
+    }
+    report::table(&rows)
+}

@@ -1,0 +1,48 @@
+//! `papilio crosstalk`: its files, its JSON and its messages.
+
+use std::fs;
+
+use crate::common::{names, papilio_command as papilio, scenario, stderr};
+
+fn run(name: &str, more: &[&str]) -> std::process::Output {
+    papilio().arg("crosstalk").arg(scenario(name)).args(more).output().unwrap()
+}
+
+#[test]
+fn crosstalk_writes_its_files() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = ["--out", folder.path().to_str().unwrap(), "--set", "spectrum.step_nm=40"];
+    let output = run("matrix", &out);
+    assert!(output.status.success(), "{}", stderr(&output));
+    let printed = String::from_utf8(output.stdout).unwrap();
+    assert!(printed.contains("seen through, from") && printed.contains("stripe_1"), "{printed}");
+    assert_eq!(names(folder.path()), ["crosstalk.csv", "crosstalk.json", "crosstalk.svg", "patterns.csv"]);
+    let read = |name: &str| fs::read_to_string(folder.path().join(name)).unwrap();
+    let head = "theta_deg,phi_deg,light,way,window,subpixel,share,error";
+    assert_eq!(read("crosstalk.csv").lines().next(), Some(head));
+    // Three windows and the inactive area, for all light and two lights.
+    assert_eq!(read("crosstalk.csv").lines().count(), 1 + 3 * 3 * 4);
+    assert_eq!(read("patterns.csv").lines().count(), 1 + 4);
+    let result: serde_json::Value = serde_json::from_str(&read("crosstalk.json")).unwrap();
+    let view = &result["views"][0];
+    assert_eq!(result["subpixels"], serde_json::json!(["red", "green", "blue"]));
+    let row: f64 = view["out"][0].as_array().unwrap().iter().map(|share| share.as_f64().unwrap()).sum();
+    assert!((row - 1.0).abs() < 1e-12, "{view}");
+    assert!(view["own_share_out"].is_f64() && view["in"].is_null() && view["own_share_in"].is_null());
+    assert_eq!(view["patterns"][2]["name"], "line_1");
+    assert!(view["patterns"][2]["contrast_ratio_via_pixel"].is_f64());
+}
+
+#[test]
+fn missing_matrix_and_thickness_are_reported() {
+    for (name, sets, expected) in [
+        ("indoor", &["--json"][..], "the key `matrix` is missing"),
+        ("epaper", &["--json", "--set", "display.matrix.ppi=300"], "the key `thickness_mm` is missing"),
+        ("matrix", &["--json", "--set", "display.matrix.spread_um=5"], "spread_um"),
+    ] {
+        let output = run(name, sets);
+        let message = stderr(&output);
+        assert_eq!(output.status.code(), Some(2), "{name}: {message}");
+        assert!(message.contains(expected), "{message}");
+    }
+}

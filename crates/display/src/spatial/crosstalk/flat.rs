@@ -1,0 +1,154 @@
+//! Figures on pages of Lambertian pixels under a flat face, which returns light to them.
+//!
+//! A figure of reflectance rho on a page of another has the irradiance E(rho, page) of [`Recycling`]; 1/E is almost linear in
+//! both, so that a few pairs serve all states and wavelengths.
+
+use papilio_imaging::text::Bitmap;
+use papilio_transport::Panel;
+use papilio_transport::spatial::{Cells, FaceReturn, Recycling};
+
+use super::super::Level;
+use super::super::response::face_reflectance;
+use super::{Colour, Figure};
+
+/// Tolerance of the irradiance.
+const TOLERANCE: f64 = 1e-7;
+/// Period of a line in thicknesses.
+const LINE_PERIOD: f64 = 64.0;
+
+/// Pixels of a figure: its pitch, and text.
+pub(super) struct Pixels<'a> {
+    pub(super) pitch_mm: [f64; 2],
+    pub(super) thickness_mm: f64,
+    pub(super) text: Option<&'a Bitmap>,
+}
+
+/// Irradiance of figures over that of their own page, by the two reflectances.
+pub(super) struct Irradiance {
+    /// Wavelengths of a face, and 1/E at the nodes.
+    faces: Vec<(Vec<usize>, Table)>,
+}
+
+/// 1/E at pairs of nodes `[figure][page]`, from 0 to `most`.
+struct Table {
+    most: f64,
+    nodes: usize,
+    values: Vec<f64>,
+    /// Return of uniform light.
+    zero: f64,
+}
+
+impl Irradiance {
+    /// Computes a figure for all reflectances up to `most`; `None` if there is no such figure.
+    pub(super) fn new(
+        panel: &Panel,
+        pixels: &Pixels<'_>,
+        figure: Figure,
+        most: f64,
+        level: Level,
+    ) -> Option<Self> {
+        let (cells, is_figure, seen) = drawn(pixels, figure, level)?;
+        let index = panel.medium.index();
+        let mut groups: Vec<Vec<usize>> = Vec::new();
+        for bin in 0..index.len() {
+            match groups.iter_mut().find(|group| index[group[0]] == index[bin]) {
+                Some(group) => group.push(bin),
+                None => groups.push(vec![bin]),
+            }
+        }
+        let nodes = if level.is_fine() { 3 } else { 2 };
+        let face = |bins: Vec<usize>| {
+            let bin = bins[0];
+            let passes = |beta: f64| 1.0 - face_reflectance(panel, bin, beta);
+            let face = FaceReturn::new(index[bin], pixels.thickness_mm, cells.most_per_mm(), passes);
+            let recycling = Recycling::new(cells, &face);
+            let at = |k: usize| most * k as f64 / (nodes - 1) as f64;
+            let one = |number: usize| {
+                let (own, page) = (at(number / nodes), at(number % nodes));
+                let rho: Vec<f64> = is_figure.iter().map(|own_is| if *own_is { own } else { page }).collect();
+                let irradiance = recycling.irradiance(&rho, TOLERANCE);
+                let sum: f64 = seen.iter().map(|cell| irradiance[*cell]).sum();
+                seen.len() as f64 / sum
+            };
+            let values = (0..nodes * nodes).map(one).collect();
+            (bins, Table { most, nodes, values, zero: face.at(0.0) })
+        };
+        Some(Self { faces: groups.into_iter().map(face).collect() })
+    }
+
+    /// Factor of the light of a figure over that of a page in its state, for each wavelength.
+    pub(super) fn over_page(&self, figure: &[f64], page: &[f64]) -> Vec<f64> {
+        let mut factors = vec![1.0; figure.len()];
+        for (bins, table) in &self.faces {
+            for &bin in bins {
+                let own = figure[bin];
+                factors[bin] = (1.0 - own * table.zero) / table.at([own, page[bin]]);
+            }
+        }
+        factors
+    }
+}
+
+impl Table {
+    fn at(&self, [own, page]: [f64; 2]) -> f64 {
+        let weights = |rho: f64| -> Vec<f64> {
+            let place = if self.most > 0.0 { rho / self.most * (self.nodes - 1) as f64 } else { 0.0 };
+            let lagrange = |k: usize| {
+                let others = (0..self.nodes).filter(|other| *other != k);
+                others.map(|other| (place - other as f64) / (k as f64 - other as f64)).product()
+            };
+            (0..self.nodes).map(lagrange).collect()
+        };
+        let (own, page) = (weights(own), weights(page));
+        let rows = self.values.chunks_exact(self.nodes).zip(own);
+        rows.map(|(row, own)| own * row.iter().zip(&page).map(|(v, page)| v * page).sum::<f64>()).sum()
+    }
+}
+
+/// Cells of a figure, which of them belong to it, and those that are seen.
+fn drawn(pixels: &Pixels<'_>, figure: Figure, level: Level) -> Option<(Cells, Vec<bool>, Vec<usize>)> {
+    let Pixels { pitch_mm, thickness_mm, .. } = *pixels;
+    let fine = level.is_fine();
+    match figure {
+        Figure::Patch => None,
+        Figure::Stripe | Figure::Line => {
+            let widest = if fine { 0.05 } else { 0.1 } * thickness_mm;
+            let parts = ((pitch_mm[0] / widest).ceil() as usize).clamp(if fine { 5 } else { 3 }, 512);
+            let count = if figure == Figure::Stripe {
+                2 * parts
+            } else {
+                let most = (LINE_PERIOD * thickness_mm / pitch_mm[0]).ceil().max(16.0) as usize * parts;
+                most.next_power_of_two()
+            };
+            let period_mm = [count as f64 / parts as f64 * pitch_mm[0], 1.0];
+            let is_figure = (0..count).map(|cell| cell < parts).collect();
+            Some((Cells { count: [count, 1], period_mm }, is_figure, (0..parts).collect()))
+        }
+        Figure::Text => {
+            let bitmap = pixels.text?;
+            let widest = if fine { 0.17 } else { 0.4 } * thickness_mm;
+            let parts = pitch_mm.map(|pitch| (pitch / widest).ceil() as usize);
+            let [columns, rows] = [0, 1].map(|axis| bitmap.count[axis] * parts[axis]);
+            let pixel = |cell: usize| {
+                let (column, row) = (cell % columns / parts[0], cell / columns / parts[1]);
+                row * bitmap.count[0] + column
+            };
+            let strokes = bitmap.middles().strokes;
+            let mut is_stroke = vec![false; bitmap.black.len()];
+            strokes.iter().for_each(|pixel| is_stroke[*pixel] = true);
+            let all = 0..columns * rows;
+            let period_mm = [0, 1].map(|axis| bitmap.count[axis] as f64 * pitch_mm[axis]);
+            let is_figure = all.clone().map(|cell| bitmap.black[pixel(cell)]).collect();
+            let seen: Vec<usize> = all.filter(|cell| is_stroke[pixel(*cell)]).collect();
+            if seen.is_empty() {
+                return None;
+            }
+            Some((Cells { count: [columns, rows], period_mm }, is_figure, seen))
+        }
+    }
+}
+
+/// Colour of light with these weights.
+pub(super) fn colour(weights: &[Vec<f64>; 3], light: &[f64]) -> Colour {
+    weights.each_ref().map(|weights| weights.iter().zip(light).map(|(weight, light)| weight * light).sum())
+}

@@ -1,0 +1,437 @@
+//! `papilio crosstalk`: which sub-pixel lights which, and the colours and contrast of fine figures.
+//!
+//! Every number is computed at two levels of discretisation; the finer one is the result, the difference its error.
+
+mod flat;
+mod places;
+mod result;
+mod surfaces;
+
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+
+use papilio_colour::{GamutReference, UvPrime, Xyz, gamut_percent};
+use papilio_imaging::text::Bitmap;
+use papilio_transport::adding::Kernel;
+use papilio_transport::spatial::{Accuracy, PanelSpread};
+use papilio_transport::{Panel, Reflector, Stack, Top};
+
+use self::flat::{Irradiance, Pixels};
+use self::places::{Gathered, NEIGHBOURS, Wanted, Windows, cell, gather};
+pub use self::result::{CrosstalkResult, CrosstalkView, Figure, PatternColours, PatternValues, Shares};
+use self::surfaces::{Part, Surfaces};
+use super::response::name_of_light;
+use super::{Level, patterns};
+use crate::DisplayError;
+use crate::meter::{Meter, PRIMARIES};
+use crate::result::Named;
+use crate::run::{Control, Progress, Workers, each};
+use crate::scene::{Matrix, Scene};
+use crate::setup::{Setup, ViewPoint};
+
+/// X, Y and Z relative to a perfect white.
+type Colour = [f64; 3];
+
+/// Natural digits of the two levels, and the highest order of the sub-pixels' pattern that they resolve.
+const DIGITS: [f64; 2] = [8.0, 11.0];
+const ORDERS: [f64; 2] = [2.0, 4.0];
+
+/// State of pages, and that of figures whose contrast is measured.
+const PAGE: &str = "white";
+const BLACK: &str = "black";
+
+/// Computes who lights whom in each view, and the colours of figures on a page. Text is `text`.
+///
+/// # Errors
+/// If the scene is invalid, has no matrix, a length is missing, its kind of display or light is not covered, or the computation was stopped.
+pub fn crosstalk(scene: &Scene, text: &str, control: &Control<'_>) -> Result<CrosstalkResult, DisplayError> {
+    let setup = Setup::new(scene)?;
+    let frame = Frame::new(&setup, text)?;
+    let mut workers = None;
+    let pool =
+        if setup.views.len() == 1 { None } else { Workers::unless_one(&mut workers, control.threads)? };
+    let done = AtomicUsize::new(0);
+    let mut numbers: Vec<usize> = (0..setup.views.len()).collect();
+    let views = each(pool, &mut numbers, |(_, number)| {
+        if control.stopped() {
+            return Err(DisplayError::Interrupted);
+        }
+        let view = frame.view(&setup.views[*number])?;
+        (control.progress)(Progress::of_views(done.fetch_add(1, Ordering::Relaxed) + 1, setup.views.len()));
+        Ok(view)
+    });
+    let views = views.into_iter().collect::<Result<Vec<CrosstalkView>, _>>()?;
+    let error_reached = views.iter().map(|view| view.shares.error).fold(0.0, f64::max);
+    if !error_reached.is_finite() {
+        return Err(DisplayError::NotFinite);
+    }
+    Ok(CrosstalkResult {
+        subpixels: frame.matrix.sub_pixels.iter().map(|one| one.name.clone()).collect(),
+        pitch_um: frame.matrix.pitch_mm.map(|pitch| 1e3 * pitch),
+        page: setup.states[frame.page].clone(),
+        error_reached,
+        views,
+        warnings: Vec::new(),
+    })
+}
+
+/// What all views have in common.
+struct Frame<'a> {
+    setup: &'a Setup,
+    matrix: &'a Matrix,
+    panel: &'a Panel,
+    lengths_mm: Vec<f64>,
+    surfaces: Surfaces,
+    windows: Windows,
+    /// Parts of all states.
+    parts: Vec<Part>,
+    /// State of the page.
+    page: usize,
+    text: Option<Bitmap>,
+}
+
+/// Light of one level.
+struct Measured {
+    names: Vec<String>,
+    /// Y of the page through each window from each sub-pixel and the inactive area, `[light][window][sub-pixel]`.
+    page: Vec<Vec<Vec<f64>>>,
+    /// Colour of each state as a figure on the page, `[figure][state]`; empty without such a figure.
+    figures: [Vec<Colour>; 4],
+    /// Colour of the page beside a black figure.
+    beside: [Option<Colour>; 4],
+    from_faces: Colour,
+}
+
+impl<'a> Frame<'a> {
+    fn new(setup: &'a Setup, text: &str) -> Result<Self, DisplayError> {
+        let scene = &setup.scene;
+        let missing = DisplayError::NoMatrix { command: "crosstalk" };
+        let matrix = scene.display.matrix.as_ref().ok_or(missing)?;
+        let lengths_mm = scene.display.lengths_mm()?;
+        let panel = covered(setup)?;
+        let surfaces = Surfaces::new(setup, matrix)?;
+        let mut parts: Vec<Part> = Vec::new();
+        for part in surfaces.states.iter().flatten() {
+            if !parts.iter().any(|known| known.at() == part.at()) {
+                parts.push(*part);
+            }
+        }
+        let page = setup.states.iter().position(|state| state == PAGE).unwrap_or(0);
+        let thickness_mm = lengths_mm.last().copied().unwrap_or_default();
+        Ok(Self {
+            text: patterns::bitmap(scene, text, matrix.pitch_mm, thickness_mm),
+            windows: Windows::new(matrix),
+            setup,
+            matrix,
+            panel,
+            lengths_mm,
+            surfaces,
+            parts,
+            page,
+        })
+    }
+
+    fn state(&self, name: &str) -> Option<usize> {
+        self.setup.states.iter().position(|state| state == name)
+    }
+
+    fn view(&self, view: &ViewPoint) -> Result<CrosstalkView, DisplayError> {
+        let pitch = self.matrix.pitch_mm;
+        let finest = pitch[0].min(pitch[1]);
+        let at = |k: usize| self.measure(view, Level { digits: DIGITS[k], most_per_mm: ORDERS[k] / finest });
+        let (coarse, fine) = (at(0)?, at(1)?);
+        let all = |level: &Measured| self.shares(level.page.iter());
+        let one = |level: &Measured, light: usize| self.shares(std::iter::once(&level.page[light]));
+        let by_light = fine
+            .names
+            .iter()
+            .enumerate()
+            .map(|(light, name)| (name.clone(), with_error(one(&fine, light), &one(&coarse, light))));
+        let pattern = |figure: Figure| {
+            let (values, other) = (self.values(&fine, figure), self.values(&coarse, figure));
+            PatternColours { name: figure, values, error: values.difference(&other) }
+        };
+        Ok(CrosstalkView {
+            theta_deg: view.theta_deg,
+            phi_deg: view.phi_deg,
+            by_light: Named(by_light.collect()),
+            shares: with_error(all(&fine), &all(&coarse)),
+            patterns: Figure::ALL.map(pattern).to_vec(),
+        })
+    }
+
+    /// Shares of light, from its Y through each window.
+    fn shares<'p>(&self, lights: impl Iterator<Item = &'p Vec<Vec<f64>>>) -> Shares {
+        let count = self.matrix.sub_pixels.len();
+        let mut sums = vec![vec![0.0; count + 1]; count];
+        for light in lights {
+            for (sum, row) in sums.iter_mut().zip(light) {
+                sum.iter_mut().zip(row).for_each(|(sum, light)| *sum += light);
+            }
+        }
+        let over = |part: f64, whole: f64| if whole > 0.0 { part / whole } else { 0.0 };
+        let active = |row: &[f64]| row[..count].iter().sum::<f64>();
+        let out = |row: &Vec<f64>| row[..count].iter().map(|light| over(*light, active(row))).collect();
+        let inactive = |row: &Vec<f64>| over(row[count], active(row) + row[count]);
+        let own: f64 = sums.iter().enumerate().map(|(i, row)| row[i]).sum();
+        let total: f64 = sums.iter().map(|row| active(row)).sum();
+        Shares {
+            out: sums.iter().map(out).collect(),
+            inactive_out: sums.iter().map(inactive).collect(),
+            own_share_out: (total > 0.0).then(|| own / total),
+            in_: None,
+            between_in: None,
+            own_share_in: None,
+            error: 0.0,
+        }
+    }
+
+    fn values(&self, measured: &Measured, figure: Figure) -> PatternValues {
+        let colours = &measured.figures[figure as usize];
+        if colours.is_empty() {
+            return PatternValues::default();
+        }
+        let colour = |name: &str, faces: f64| {
+            let colour = colours[self.state(name)?];
+            Some([0, 1, 2].map(|k| colour[k] + faces * measured.from_faces[k]))
+        };
+        let uv = |name| {
+            let [x, y, z] = colour(name, 1.0)?;
+            Xyz { x, y, z }.uv_prime()
+        };
+        let triangle: Option<Vec<UvPrime>> = PRIMARIES.into_iter().map(uv).collect();
+        let triangle = triangle.and_then(|uv| <[UvPrime; 3]>::try_from(uv).ok());
+        let contrast = |faces: f64| {
+            let (page, black) = (measured.beside[figure as usize]?, colour(BLACK, faces)?);
+            let page = page[1] + faces * measured.from_faces[1];
+            (black[1] > 0.0).then(|| page / black[1])
+        };
+        PatternValues {
+            gamut_percent_srgb: triangle.map(|uv| gamut_percent(uv, GamutReference::Srgb)),
+            contrast_ratio: contrast(1.0),
+            contrast_ratio_via_pixel: contrast(0.0),
+        }
+    }
+
+    fn measure(&self, view: &ViewPoint, level: Level) -> Result<Measured, DisplayError> {
+        let (setup, meter) = (self.setup, Meter::new(self.setup));
+        let stop = AtomicBool::new(false);
+        let mut kernel = Kernel::new(if level.is_fine() { 4 } else { 3 });
+        let _ready = kernel.prepare_unless(&setup.stack, &[view.field], &setup.sources, &stop);
+        let factors = kernel.seen(&setup.stack, 0);
+        let (states, bins) = (setup.states.len(), setup.scene.grid.len());
+        let mut measured = Measured {
+            names: Vec::new(),
+            page: Vec::new(),
+            figures: std::array::from_fn(|_| Vec::new()),
+            beside: [None; 4],
+            from_faces: [0.0; 3],
+        };
+        let (mut pages, mut gathered) = (vec![[0.0; 3]; states], None::<Gathered>);
+        let is_flat = self.is_flat_paper();
+        // Light of each state and wavelength in X, Y and Z.
+        let mut by_wavelength = [0, 1, 2].map(|_| vec![0.0; states * bins]);
+        for (number, factor) in factors.iter().enumerate() {
+            let weights = meter.xyz_weights(number);
+            if weights[1].iter().all(|weight| *weight == 0.0) {
+                continue;
+            }
+            measured.names.push(name_of_light(setup, number));
+            add(&mut measured.from_faces, flat::colour(weights, &factor.front));
+            for (state, page) in pages.iter_mut().enumerate() {
+                add(page, flat::colour(weights, &factor.via_pixel[state * bins..][..bins]));
+            }
+            for (sum, weights) in by_wavelength.iter_mut().zip(weights) {
+                let light = factor.via_pixel.iter().enumerate().map(|(at, light)| weights[at % bins] * light);
+                sum.iter_mut().zip(light).for_each(|(sum, light)| *sum += light);
+            }
+            if is_flat {
+                let light = flat::colour(weights, &factor.via_pixel[self.page * bins..][..bins])[1];
+                measured.page.push(self.only_own(light));
+            } else {
+                let more = self.gathered(view, number, weights, level)?;
+                measured.page.push(more.page.clone());
+                match &mut gathered {
+                    Some(sum) => sum.add(&more),
+                    None => gathered = Some(more),
+                }
+            }
+        }
+        for figure in Figure::ALL {
+            let (colours, beside) = match (&gathered, figure) {
+                (_, Figure::Patch) => (pages.clone(), Some(pages[self.page])),
+                (None, _) => self.on_paper(figure, &pages, &by_wavelength, level),
+                (Some(gathered), _) => self.blurred(figure, &pages, gathered),
+            };
+            measured.figures[figure as usize] = colours;
+            measured.beside[figure as usize] = beside.filter(|_| self.setup.states[self.page] == PAGE);
+        }
+        Ok(measured)
+    }
+
+    /// True for Lambertian pixels under a flat face.
+    fn is_flat_paper(&self) -> bool {
+        matches!(self.panel.base.reflector, Reflector::Lambertian(_))
+            && !matches!(self.panel.top, Top::Diffuser(_))
+    }
+
+    /// Light of each window that is its own.
+    fn only_own(&self, light: f64) -> Vec<Vec<f64>> {
+        let count = self.matrix.sub_pixels.len();
+        (0..count).map(|i| (0..=count).map(|j| if i == j { light } else { 0.0 }).collect()).collect()
+    }
+
+    fn gathered(
+        &self,
+        view: &ViewPoint,
+        number: usize,
+        weights: &[Vec<f64>; 3],
+        level: Level,
+    ) -> Result<Gathered, DisplayError> {
+        let accuracy = Accuracy { digits: level.digits, most_per_mm: level.most_per_mm };
+        let panel = Panel { base: self.surfaces.base.clone(), ..self.panel.clone() };
+        let source = &self.setup.sources[number];
+        let spread =
+            PanelSpread::new(&panel, &self.lengths_mm, &view.field, source, accuracy).map_err(|error| {
+                DisplayError::PlacesNotComputed { what: error.to_string(), key: "display".to_owned() }
+            })?;
+        let wanted = Wanted { parts: &self.parts, page: &self.surfaces.states[self.page] };
+        Ok(gather(&spread, (&panel.base, &panel.medium), weights, &self.windows, &wanted))
+    }
+
+    /// Colours of figures that are blurred: the page, less its light from the places of the figure and more of that of the figure.
+    fn blurred(
+        &self,
+        figure: Figure,
+        pages: &[Colour],
+        gathered: &Gathered,
+    ) -> (Vec<Colour>, Option<Colour>) {
+        let text;
+        let light = match figure {
+            Figure::Stripe => &gathered.stripes,
+            Figure::Line => &gathered.line,
+            Figure::Text | Figure::Patch => match self.strokes(gathered) {
+                Some(light) => {
+                    text = light;
+                    &text
+                }
+                None => return (Vec::new(), None),
+            },
+        };
+        let on = |own: usize, page: usize| {
+            let mut colour = pages[page];
+            for (state, sign) in [(own, 1.0), (page, -1.0)] {
+                for part in &self.surfaces.states[state] {
+                    let known = self.parts.iter().position(|known| known.at() == part.at());
+                    let more = known.map_or([0.0; 3], |number| light[number]);
+                    (0..3).for_each(|k| colour[k] += sign * part.fraction * more[k]);
+                }
+            }
+            colour
+        };
+        let colours = (0..pages.len()).map(|state| on(state, self.page)).collect();
+        let beside = match (figure, self.state(BLACK)) {
+            (Figure::Stripe, Some(black)) => on(self.page, black),
+            _ => pages[self.page],
+        };
+        (colours, Some(beside))
+    }
+
+    /// Light of each part from the places of text, the mean over the middles of its strokes; `None` without text.
+    fn strokes(&self, gathered: &Gathered) -> Option<Vec<Colour>> {
+        let bitmap = self.text.as_ref()?;
+        let middles = bitmap.middles().strokes;
+        let [columns, rows] = bitmap.count.map(|count| count as i64);
+        let mut light = vec![[0.0; 3]; self.parts.len()];
+        for (x, y) in (-NEIGHBOURS..=NEIGHBOURS).flat_map(|y| (-NEIGHBOURS..=NEIGHBOURS).map(move |x| (x, y)))
+        {
+            let is_black = |pixel: &&usize| {
+                let (at_x, at_y) = (**pixel as i64 % columns + x, **pixel as i64 / columns + y);
+                let inside = (0..columns).contains(&at_x) && (0..rows).contains(&at_y);
+                inside && bitmap.black[(at_y * columns + at_x) as usize]
+            };
+            let fraction = middles.iter().filter(is_black).count() as f64 / middles.len() as f64;
+            let cell = cell([x, y]) * self.parts.len();
+            for (sum, near) in light.iter_mut().zip(&gathered.near[cell..]) {
+                (0..3).for_each(|k| sum[k] += fraction * near[k]);
+            }
+        }
+        (!middles.is_empty()).then_some(light)
+    }
+
+    /// Colours of figures on paper under a flat face, through all orders.
+    fn on_paper(
+        &self,
+        figure: Figure,
+        pages: &[Colour],
+        by_wavelength: &[Vec<f64>; 3],
+        level: Level,
+    ) -> (Vec<Colour>, Option<Colour>) {
+        let Reflector::Lambertian(rho) = &self.panel.base.reflector else { return (Vec::new(), None) };
+        let pixels = Pixels {
+            pitch_mm: self.matrix.pitch_mm,
+            thickness_mm: self.lengths_mm.last().copied().unwrap_or_default(),
+            text: self.text.as_ref(),
+        };
+        let most = rho.iter().copied().fold(0.0, f64::max);
+        let Some(irradiance) = Irradiance::new(self.panel, &pixels, figure, most, level) else {
+            return (Vec::new(), None);
+        };
+        let bins = self.setup.scene.grid.len();
+        let row = |all: &'_ [f64], state: usize| all[state * bins..][..bins].to_vec();
+        let on = |own: usize, page: usize| {
+            let factors = irradiance.over_page(&row(rho, own), &row(rho, page));
+            flat::colour(&by_wavelength.each_ref().map(|light| row(light, own)), &factors)
+        };
+        let colours = (0..pages.len()).map(|state| on(state, self.page)).collect();
+        let beside = match (figure, self.state(BLACK)) {
+            (Figure::Stripe, Some(black)) => on(self.page, black),
+            _ => pages[self.page],
+        };
+        (colours, Some(beside))
+    }
+}
+
+impl PatternValues {
+    fn difference(&self, other: &Self) -> Self {
+        let of = |one: Option<f64>, other: Option<f64>| Some((one? - other?).abs());
+        Self {
+            gamut_percent_srgb: of(self.gamut_percent_srgb, other.gamut_percent_srgb),
+            contrast_ratio: of(self.contrast_ratio, other.contrast_ratio),
+            contrast_ratio_via_pixel: of(self.contrast_ratio_via_pixel, other.contrast_ratio_via_pixel),
+        }
+    }
+}
+
+fn add(sum: &mut Colour, more: Colour) {
+    (0..3).for_each(|k| sum[k] += more[k]);
+}
+
+/// The finer of two levels, with the largest difference.
+fn with_error(fine: Shares, coarse: &Shares) -> Shares {
+    let rows = |shares: &Shares| -> Vec<f64> {
+        let all = shares.out.iter().chain(shares.in_.iter().flatten()).flatten();
+        all.chain(&shares.inactive_out).chain(shares.between_in.iter().flatten()).copied().collect()
+    };
+    let error = rows(&fine).iter().zip(rows(coarse)).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+    Shares { error, ..fine }
+}
+
+/// Returns the panel if its places are computed.
+fn covered(setup: &Setup) -> Result<&Panel, DisplayError> {
+    let not_yet = |what: &str, key: &str| {
+        Err(DisplayError::PlacesNotComputed { what: what.to_owned(), key: key.to_owned() })
+    };
+    let Stack::Panel(panel) = &setup.stack else {
+        return not_yet("general layers ([[display.layers]])", "display.layers");
+    };
+    if panel.front.reflectance_below.max() > 0.0 {
+        return not_yet("front components that reflect light", "display.front");
+    }
+    if setup.scene.lighting.front_light.is_some() {
+        return not_yet("a front light", "lighting.front_light");
+    }
+    if panel.base.is_specular() && matches!(panel.top, Top::Fresnel(_)) {
+        return not_yet("figures of mirror-like pixels below a face that reflects", "display.glass.surface");
+    }
+    Ok(panel)
+}

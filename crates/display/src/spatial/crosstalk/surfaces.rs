@@ -1,0 +1,77 @@
+//! What reflects in a pixel: surfaces, each with one reflectance, and where they are in each state.
+
+use papilio_spectra::Spectrum;
+use papilio_transport::{AngularTable, Base, Reflector};
+
+use crate::DisplayError;
+use crate::pixel::film::Mixture;
+use crate::scene::{Matrix, Pixel, Scene};
+use crate::setup::{Setup, base_under};
+
+/// A fraction of the area of a sub-pixel that has a surface.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Part {
+    pub(super) sub_pixel: usize,
+    pub(super) surface: usize,
+    /// Fraction of the sub-pixel's area, mixed evenly over its windows.
+    pub(super) fraction: f64,
+}
+
+/// Surfaces of a pixel, as the states of a base, and the sub-pixels that they are in.
+#[derive(Debug)]
+pub(super) struct Surfaces {
+    /// The surfaces are its states.
+    pub(super) base: Base,
+    /// `[state]`. The inactive area is the sub-pixel after the last one.
+    pub(super) states: Vec<Vec<Part>>,
+}
+
+impl Surfaces {
+    /// Separates the surfaces of a display's pixel.
+    pub(super) fn new(setup: &Setup, matrix: &Matrix) -> Result<Self, DisplayError> {
+        let Scene { display, grid, .. } = &setup.scene;
+        let (base, sub_pixels) = (base_under(&setup.stack), matrix.sub_pixels.len());
+        let (Pixel::Film(film), Reflector::Specular(table)) = (&display.pixel, &base.reflector) else {
+            let state = |surface| vec![Part { sub_pixel: 0, surface, fraction: 1.0 }];
+            let states = (0..base.states()).map(state).collect();
+            return Ok(Self { base: base.clone(), states });
+        };
+        let mixture = Mixture::new(film)?;
+        let mut states: Vec<Vec<Part>> = vec![Vec::new(); film.states.len()];
+        for part in &mixture.parts {
+            states[part.state].push(Part { sub_pixel: part.sub_pixel, surface: part.gap, fraction: part.on });
+        }
+        let inactive = mixture.gaps_nm.len();
+        for state in &mut states {
+            state.push(Part { sub_pixel: sub_pixels, surface: inactive, fraction: 1.0 });
+        }
+        let table = with_constant(table, &film.inactive_reflectance, grid.len());
+        let base = Base {
+            reflector: Reflector::Specular(table),
+            inactive_absorptance: vec![0.0; grid.len()].into(),
+        };
+        Ok(Self { base, states })
+    }
+}
+
+/// A table whose states are the basis of another, and a reflectance that does not depend on angle.
+fn with_constant(table: &AngularTable, constant: &Spectrum, bins: usize) -> AngularTable {
+    let width = table.basis_count() * bins;
+    let rows = table.basis.chunks_exact(width);
+    let basis: Vec<f64> = rows.flat_map(|row| row.iter().chain(constant.iter()).copied()).collect();
+    let count = table.basis_count() + 1;
+    let unit = |k: usize| if k / count == k % count { 1.0 } else { 0.0 };
+    AngularTable {
+        nodes: table.nodes.clone(),
+        basis: basis.into(),
+        mixture: (0..count * count).map(unit).collect(),
+        common: vec![0.0; bins],
+    }
+}
+
+impl Part {
+    /// Sub-pixel and surface.
+    pub(super) fn at(&self) -> [usize; 2] {
+        [self.sub_pixel, self.surface]
+    }
+}

@@ -1,0 +1,210 @@
+//! Crosstalk: shares against a series of transfers, figures against closed forms and paths, and what is refused.
+
+use std::path::Path;
+use std::sync::atomic::AtomicBool;
+
+use papilio_display::spatial::walk::pattern;
+use papilio_display::spatial::{CrosstalkResult, Figure, PatternValues, crosstalk};
+use papilio_display::{Control, DisplayError};
+use papilio_optics::Beta;
+use papilio_optics::lobe::Lobe;
+use papilio_scenario::{Resolved, Scenario};
+use papilio_spectra::{Grid, Spectrum};
+use papilio_transport::Diffuser;
+use papilio_transport::spatial::{Accuracy, Gap, Light, Spread, shares_by_transfer, stripes};
+use papilio_transport::walk::places::Pattern;
+
+use crate::common;
+
+const LOBE: &str = "[display.diffuser]\nmodel = \"k-correlation\"\nwidth = 0.05667\ntransmittance = 1.0\n";
+const GLASS: &str = "[display.glass]\nindex = 1.5\nthickness_mm = 0.5\n";
+const BARE: &str = "[display.glass]\nindex = 1.5\nsurface = \"fresnel\"\nthickness_mm = 1.0\n";
+const DIFFUSE: &str = "[lighting]\nilluminance_lx = 500\nspectrum = \"D65\"\ndiffuse = 1.0\n";
+const MIRROR: &str =
+    "[display.pixel]\nmodel = \"uniform\"\nkind = \"mirror\"\nreflectance = { white = 0.9, black = 0.05 }\n";
+const PAPER: &str = "[display.pixel]\nmodel = \"uniform\"\nkind = \"lambertian\"\nreflectance = { white = 0.6, black = 0.03 }\n";
+/// A layer with the index of the glass: every sub-pixel is bare aluminium, whatever its gap.
+const ALUMINIUM: &str = "[display.pixel]\nmodel = \"film\"\nsubstrate = \"Al\"\n\
+    area = { red = 0.5, green = 0.3, blue = 0.2 }\nfill_factor = 0.9\n\
+    gap_nm = { red = 200, green = 150, blue = 100, dark = 20 }\n\
+    film = [{ material = 1.5, thickness_nm = \"gap\" }]\n";
+
+fn resolved(parts: &[&str]) -> Resolved {
+    let text = format!("[spectrum]\nstep_nm = 40\n{}[solver]\nrelative_error = 1e-4\n", parts.concat());
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenarios");
+    Scenario::from_text(&text, "crosstalk.toml", &folder, &[]).unwrap().resolve().unwrap()
+}
+
+fn computed(resolved: &Resolved) -> Result<CrosstalkResult, DisplayError> {
+    let control = Control { threads: Some(1), progress: &|_| {}, stop: &AtomicBool::new(false) };
+    crosstalk(&resolved.scene, &resolved.patterns.text, &control)
+}
+
+fn values(result: &CrosstalkResult, figure: Figure) -> PatternValues {
+    result.views[0].patterns.iter().find(|pattern| pattern.name == figure).unwrap().values
+}
+
+fn near(what: &str, found: f64, expected: f64, tolerance: f64) {
+    assert!((found - expected).abs() < tolerance, "{what}: {found} against {expected}");
+}
+
+fn assert_rows_sum_to_one(shares: &[Vec<f64>]) {
+    shares.iter().for_each(|row| near("row", row.iter().sum(), 1.0, 1e-12));
+}
+
+/// H78 over 0.5 mm: the shares of equal reflectances by a Fourier series with the transfer of the spread, at 300 and 150 ppi, along the
+/// normal and obliquely.
+#[test]
+fn shares_equal_the_series_of_transfers() {
+    for (ppi, theta_deg) in [(300.0, 0.0), (150.0, 30.0)] {
+        let matrix = format!("[display.matrix]\nppi = {ppi}\n");
+        let view = format!("[viewer]\ntheta_deg = {theta_deg}\nfield_deg = 0\n");
+        let result = computed(&resolved(&[LOBE, GLASS, &matrix, ALUMINIUM, DIFFUSE, &view])).unwrap();
+        let shares = &result.views[0].shares;
+        assert_rows_sum_to_one(&shares.out);
+        let grid = Grid::new(500.0, 600.0, 50.0).unwrap();
+        let diffuser = Diffuser {
+            lobe: Lobe::KCorrelation { width: 0.05667 },
+            transmittance: Spectrum::constant(&grid, 1.0),
+            regular_fraction: 0.0,
+        };
+        let gap = Gap { index: 1.5, thickness_mm: 0.5 };
+        let (pitch, orders) = (25.4 / ppi, 40);
+        let beta = Beta::towards(theta_deg, 0.0, 1.0);
+        let accuracy = Accuracy { digits: 11.0, most_per_mm: f64::from(orders) / pitch };
+        let spread = Spread::new(&diffuser, gap, beta, Light::Diffuse, accuracy);
+        let zero = spread.transfer([0.0; 2], |_| 1.0).re;
+        let transfer = |wave: [f64; 2]| {
+            if wave[1] != 0.0 {
+                // Stripes have no such order.
+                return num_complex::Complex64::ZERO;
+            }
+            // What is seen from the origin is on the opposite side.
+            spread.transfer(wave.map(|wave| wave / pitch), |_| 1.0).conj() / zero
+        };
+        let expected = shares_by_transfer(&stripes(&[0.5, 0.3, 0.2], 0.9), orders, transfer);
+        for (i, (row, expected)) in shares.out.iter().zip(&expected).enumerate() {
+            let active: f64 = expected.iter().sum();
+            for (j, (found, expected)) in row.iter().zip(expected).enumerate() {
+                near(&format!("{ppi}, {i}, {j}"), *found, expected / active, 1e-3);
+            }
+        }
+        assert!(shares.error < 1e-3, "{}", shares.error);
+    }
+}
+
+/// White and black of 0.6 and 0.03 under 1 mm of bare glass: stripes of half a period of 10 mm, and a line much thinner than the
+/// glass, which has the irradiance of the white page.
+#[test]
+fn figures_on_paper_have_known_contrast() {
+    let view = "[viewer]\ntheta_deg = 0\nfield_deg = 0\n";
+    let at = |pitch_um: f64| {
+        let matrix = format!("[display.matrix]\npitch_um = {pitch_um}\n[pattern]\ntext = \" \"\n");
+        computed(&resolved(&[BARE, &matrix, PAPER, DIFFUSE, view])).unwrap()
+    };
+    let coarse = at(5000.0);
+    let via = |figure| values(&coarse, figure).contrast_ratio_via_pixel.unwrap();
+    near("patch", via(Figure::Patch), 30.586, 2e-3);
+    near("stripes", via(Figure::Stripe), 0.29795 / 0.01393, 0.02);
+    let fine = at(20.0);
+    let via = |figure| values(&fine, figure).contrast_ratio_via_pixel.unwrap();
+    near("line", via(Figure::Line), 20.0, 0.05);
+    // Fine stripes have the irradiance of their mean.
+    near("fine stripes", via(Figure::Stripe), 20.0, 1e-3);
+    assert_eq!(fine.views[0].shares.out, [[1.0]]);
+    assert_eq!(values(&fine, Figure::Patch).gamut_percent_srgb, None);
+    assert!(values(&fine, Figure::Patch).contrast_ratio.unwrap() < 8.0);
+}
+
+/// A black column, or every second one, on white; seen are the places of column 0.
+struct Columns {
+    pitch_mm: f64,
+    repeats: bool,
+}
+
+impl Pattern for Columns {
+    fn images(&self) -> usize {
+        1
+    }
+
+    fn period_mm(&self) -> [f64; 2] {
+        [self.pitch_mm; 2]
+    }
+
+    fn shows(&self, place_mm: [f64; 2], show: &mut dyn FnMut(usize, usize, f64)) {
+        let column = (place_mm[0] / self.pitch_mm).floor();
+        let black = if self.repeats { column.rem_euclid(2.0) == 0.0 } else { column == 0.0 };
+        show(0, usize::from(black), 1.0);
+    }
+}
+
+/// Figures below a diffuser in mixed light, seen obliquely: those of Monte Carlo with places.
+#[test]
+fn figures_below_a_diffuser_equal_those_of_paths() {
+    let light = "[lighting]\nilluminance_lx = 500\nspectrum = \"D65\"\ndiffuse = 0.5\n\
+        [[lighting.directed]]\ntheta_deg = -10\nshare = 0.5\n";
+    let view = "[viewer]\ntheta_deg = 15\nfield_deg = 0\n";
+    let matrix = "[display.matrix]\nppi = 300\n";
+    let resolved = resolved(&[LOBE, GLASS, matrix, MIRROR, light, view]);
+    let result = computed(&resolved).unwrap();
+    let stop = AtomicBool::new(false);
+    let control = Control { threads: None, progress: &|_| {}, stop: &stop };
+    let page = common::run(&resolved.scene).unwrap().views[0].states.get("white").unwrap().value.Y;
+    for (figure, repeats) in [(Figure::Line, false), (Figure::Stripe, true)] {
+        let columns = Columns { pitch_mm: 25.4 / 300.0, repeats };
+        let found = pattern(&resolved.scene, &columns, 1 << 15, &control).unwrap()[0].via_pixel[0];
+        let ratio = values(&result, figure).contrast_ratio.unwrap();
+        let black = if repeats {
+            // Half of the light is that of either column: white and black add to the two pages.
+            let black_page = page / values(&result, Figure::Patch).contrast_ratio.unwrap();
+            (page + black_page) / (1.0 + ratio)
+        } else {
+            page / ratio
+        };
+        let error = found.standard_error;
+        assert!(error < 0.03 * black, "{error} of {black}");
+        assert!((found.value - black).abs() < 5.0 * error + 1e-3 * black, "{figure:?} {found:?} {black}");
+    }
+}
+
+/// The reference display: patches are those of a run; fine figures have less contrast and gamut.
+#[test]
+fn patches_are_those_of_a_run() {
+    let resolved = common::scenario("matrix", &["spectrum.step_nm=20"]).unwrap();
+    let result = computed(&resolved).unwrap();
+    let run = common::run(&resolved.scene).unwrap();
+    let metrics = run.views[0].metrics;
+    let patch = values(&result, Figure::Patch);
+    near("gamut", patch.gamut_percent_srgb.unwrap(), metrics.gamut_percent_srgb.unwrap(), 0.02);
+    near("contrast", patch.contrast_ratio.unwrap() / metrics.contrast_ratio.unwrap(), 1.0, 1e-3);
+    // Strokes of text are a few pixels wide.
+    for (figure, most) in [(Figure::Stripe, 0.1), (Figure::Line, 0.1), (Figure::Text, 0.9)] {
+        let fine = values(&result, figure);
+        assert!(fine.gamut_percent_srgb.unwrap() < most * patch.gamut_percent_srgb.unwrap(), "{fine:?}");
+        assert!(fine.contrast_ratio.unwrap() < most * patch.contrast_ratio.unwrap(), "{fine:?}");
+    }
+    let view = &result.views[0];
+    assert_eq!(result.subpixels, ["red", "green", "blue"]);
+    assert_rows_sum_to_one(&view.shares.out);
+    let lights: Vec<&str> = view.by_light.iter().map(|(name, _)| name).collect();
+    assert_eq!(lights, ["diffuse", "directed.0"]);
+    assert!(view.shares.error < 2e-3, "{}", view.shares.error);
+}
+
+#[test]
+fn what_has_no_place_is_refused() {
+    let key = |parts: &[&str]| match computed(&resolved(parts)) {
+        Err(DisplayError::PlacesNotComputed { key, .. } | DisplayError::MissingLength { key }) => key,
+        other => panic!("{other:?}"),
+    };
+    let matrix = "[display.matrix]\nppi = 300\n";
+    let thin = "[display.glass]\nindex = 1.5\n";
+    assert_eq!(key(&[LOBE, thin, matrix, MIRROR, DIFFUSE]), "display.glass.thickness_mm");
+    assert_eq!(key(&[BARE, matrix, MIRROR, DIFFUSE]), "display.glass.surface");
+    let spread = "[display.matrix]\nppi = 300\nspread_um = 5\n";
+    assert_eq!(key(&[LOBE, GLASS, spread, MIRROR, DIFFUSE]), "display.matrix.spread_um");
+    let front = "[[display.front]]\nreflectance = 0.01\nabsorptance = 0.0\ngap_mm = 0.1\n";
+    assert_eq!(key(&[front, LOBE, GLASS, matrix, MIRROR, DIFFUSE]), "display.front");
+    let missing = computed(&resolved(&[LOBE, GLASS, MIRROR, DIFFUSE])).unwrap_err();
+    assert_eq!(missing, DisplayError::NoMatrix { command: "crosstalk" });
+}
