@@ -278,29 +278,42 @@ impl AngularTable {
     /// Computes all states from sums of the basis.
     #[inline(always)]
     fn mix(&self, basis: &[f64], common_weight: f64, out: &mut [f64]) {
-        match self.common.len() {
-            32.. => self.mix_columns::<32>(basis, common_weight, out),
-            8.. => self.mix_columns::<8>(basis, common_weight, out),
-            _ => self.mix_columns::<1>(basis, common_weight, out),
-        }
+        mix((&self.mixture, &self.common), basis, common_weight, out);
     }
+}
 
-    /// Computes the same, `N` wavelengths at a time; the last block overlaps the one before instead of being
-    /// done one by one.
-    #[inline(always)]
-    fn mix_columns<const N: usize>(&self, basis: &[f64], common_weight: f64, out: &mut [f64]) {
-        let (bins, count) = (self.common.len(), self.basis_count());
-        for (row, shares) in out.chunks_exact_mut(bins).zip(self.mixture.chunks_exact(count)) {
-            for first in (0..bins).step_by(N).map(|first| first.min(bins - N)) {
-                let mut mixed = [0.0; N];
-                let common = &self.common[first..][..N];
-                mixed.iter_mut().zip(common).for_each(|(value, common)| *value = common * common_weight);
-                for (of_basis, share) in basis.chunks_exact(bins).zip(shares) {
-                    let values = &of_basis[first..][..N];
-                    mixed.iter_mut().zip(values).for_each(|(value, of_basis)| *value += share * of_basis);
-                }
-                row[first..][..N].copy_from_slice(&mixed);
+/// Computes all states, `[state][wavelength]`, from sums of basis reflectances, `[basis][wavelength]`, and the sum of the weights
+/// of the common reflectance. The mixtures are `[state][basis]`.
+#[inline(always)]
+pub(crate) fn mix(mixing: (&[f64], &[f64]), basis: &[f64], common_weight: f64, out: &mut [f64]) {
+    match mixing.1.len() {
+        32.. => mix_columns::<32>(mixing, basis, common_weight, out),
+        8.. => mix_columns::<8>(mixing, basis, common_weight, out),
+        _ => mix_columns::<1>(mixing, basis, common_weight, out),
+    }
+}
+
+/// Computes the same, `N` wavelengths at a time; the last block overlaps the one before instead of being
+/// done one by one.
+#[inline(always)]
+fn mix_columns<const N: usize>(
+    (mixture, common): (&[f64], &[f64]),
+    basis: &[f64],
+    common_weight: f64,
+    out: &mut [f64],
+) {
+    let (bins, count) = (common.len(), basis.len() / common.len());
+    for (row, shares) in out.chunks_exact_mut(bins).zip(mixture.chunks_exact(count)) {
+        for first in (0..bins).step_by(N).map(|first| first.min(bins - N)) {
+            let mut mixed = [0.0; N];
+            let common = &common[first..][..N];
+            mixed.iter_mut().zip(common).for_each(|(value, common)| *value = common * common_weight);
+            for (of_basis, share) in basis.chunks_exact(bins).zip(shares).filter(|(_, share)| **share != 0.0)
+            {
+                let values = &of_basis[first..][..N];
+                mixed.iter_mut().zip(values).for_each(|(value, of_basis)| *value += share * of_basis);
             }
+            row[first..][..N].copy_from_slice(&mixed);
         }
     }
 }

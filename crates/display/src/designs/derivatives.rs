@@ -89,6 +89,12 @@ impl Designs {
         (by_seen, numbers): (&[f64], usize),
         tangents: &Tangents<'_>,
     ) -> Result<Vec<f64>, DisplayError> {
+        let colours = self.colours.as_ref().zip(self.table.as_ref());
+        let on_nodes =
+            colours.and_then(|(colours, table)| colours.pull_back(view, table, (by_seen, numbers)));
+        if let Some(gradients) = on_nodes {
+            return tangents.along(&gradients);
+        }
         let (setup, stack) = (&self.setup, &self.stack);
         let Reflector::Specular(table) = &base_under(stack).reflector else { return Ok(Vec::new()) };
         let Some(group) = self.groups.iter_mut().find(|group| group.views.contains(&view)) else {
@@ -140,8 +146,9 @@ impl<'a> Tangents<'a> {
                 _ => {}
             }
         }
-        let cosines: Vec<f64> = match &base_under(&designs.stack).reflector {
-            Reflector::Specular(AngularTable { nodes: Nodes::CosinePanels(panels), .. }) => {
+        let cosines: Vec<f64> = match (&designs.table, &base_under(&designs.stack).reflector) {
+            (Some(table), _) => table.cosines().to_vec(),
+            (None, Reflector::Specular(AngularTable { nodes: Nodes::CosinePanels(panels), .. })) => {
                 panels.nodes().collect()
             }
             _ => Vec::new(),

@@ -32,14 +32,14 @@ use std::sync::Arc;
 use papilio_transport::adding::Kernel;
 use papilio_transport::{Cone, Reflector, Stack};
 
+use angles::{ColourTable, ColourViews};
 pub use derivatives::Derivatives;
 pub use parameter::Parameter;
 pub use quantity::Quantity;
 
 use crate::DisplayError;
 use crate::meter::{Meter, Sample, ViewScalars};
-use crate::pixel::WeightedNodes;
-use crate::pixel::film::{Mixture, tabulated, tabulated_for};
+use crate::pixel::film::{Mixture, tabulated};
 use crate::result::StateValues;
 use crate::run::{Control, ViewGroupKernel, prepared_kernels};
 use crate::scene::{FilmPixel, Method, Metric, Pixel, Scene, Stop};
@@ -56,8 +56,10 @@ pub struct Designs {
     stack: Stack,
     /// Groups of views that share kernels.
     groups: Vec<ViewGroup>,
-    /// Nodes over angle for the light that the quantities need; `None` if they need the nodes of all light.
-    nodes: Option<WeightedNodes>,
+    /// Views of quantities that are all colours; `None` if they need the nodes of all light.
+    colours: Option<ColourViews>,
+    /// The last pixel on the nodes for colours, if it has them; then it is not in the stack.
+    table: Option<ColourTable>,
 }
 
 /// Kernels of a group of views at one level, one for each set of table nodes, the most recently used first.
@@ -89,8 +91,15 @@ impl Designs {
             |ViewGroupKernel { kernel, views }| ViewGroup { views, kernels: [Arc::new(kernel)].into() };
         let groups: Vec<ViewGroup> = prepared_kernels(&setup, control)?.into_iter().map(group).collect();
         let stack = setup.stack.clone();
-        let nodes = angles::weighted_nodes(&setup, &groups, quantities)?;
-        Ok(Self { setup: Arc::new(setup), quantities: quantities.into(), stack, groups, nodes })
+        let colours = ColourViews::new(&setup, &groups, quantities)?;
+        Ok(Self {
+            setup: Arc::new(setup),
+            quantities: quantities.into(),
+            stack,
+            groups,
+            colours,
+            table: None,
+        })
     }
 
     /// Computes the quantities of another pixel with the same states, in their order; `None` if one is not defined.
@@ -127,20 +136,19 @@ impl Designs {
         }
         let scene = &self.setup.scene;
         let mixture = mixture(film)?;
+        let index = scene.display.index_above_pixel();
+        if let Some(colours) = &mut self.colours {
+            self.table = colours.table(film, (&scene.grid, index), &mixture)?;
+            if self.table.is_some() {
+                return Ok(mixture);
+            }
+        }
         let base = base_of(&mut self.stack);
         let known = match &base.reflector {
             Reflector::Specular(table) => Some(&table.nodes),
             _ => None,
         };
-        let index = scene.display.index_above_pixel();
-        let weighted = match &mut self.nodes {
-            Some(nodes) => tabulated_for(nodes, film, &scene.grid, index, &mixture)?,
-            None => None,
-        };
-        let (nodes, values) = match weighted {
-            Some(table) => table,
-            None => tabulated(film, &scene.grid, index, &mixture.gaps_nm, known)?,
-        };
+        let (nodes, values) = tabulated(film, &scene.grid, index, &mixture.gaps_nm, known)?;
         base.reflector = Reflector::Specular(mixture.table(nodes, values, film));
         Ok(mixture)
     }
@@ -151,8 +159,15 @@ impl Designs {
         let Some(group) = self.groups.iter_mut().find(|group| group.views.contains(&view)) else {
             return Err(DisplayError::Interrupted);
         };
-        let number = view - group.views.start;
-        let sample = meter.sample_without_ledger(&group.kernel_for(setup, stack).seen(stack, number));
+        let colours = self.colours.as_ref().zip(self.table.as_ref());
+        let seen = match colours.and_then(|(colours, table)| colours.seen(view, table)) {
+            Some(seen) => seen,
+            None => {
+                let number = view - group.views.start;
+                group.kernel_for(setup, stack).seen(stack, number)
+            }
+        };
+        let sample = meter.sample_without_ledger(&seen);
         if !sample.is_finite() {
             return Err(DisplayError::NotFinite);
         }

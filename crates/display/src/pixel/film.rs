@@ -5,9 +5,9 @@ use std::sync::Arc;
 use num_complex::Complex64;
 use papilio_optics::film::{GapFilm, LayerFringes, Thickness, Variable, most_fringes};
 use papilio_spectra::{Grid, Spectrum};
-use papilio_transport::{AngularTable, Base, CosinePanels, Nodes, Reflector};
+use papilio_transport::{AngularTable, Base, Nodes, Reflector};
 
-use super::{WeightedNodes, table};
+use super::{WeightedNodes, WeightedTable, table};
 use crate::DisplayError;
 use crate::scene::{Drive, FilmLayer, FilmPixel};
 
@@ -100,26 +100,30 @@ pub(crate) fn tabulated(
 pub(crate) fn tabulated_for(
     light: &mut WeightedNodes,
     film: &FilmPixel,
-    grid: &Grid,
-    index: &Spectrum,
+    (grid, index): (&Grid, &Spectrum),
     mixture: &Mixture,
-) -> Result<Option<Tabulated>, DisplayError> {
-    let gaps = mixture.gaps_nm.len();
+) -> Result<Option<WeightedTable>, DisplayError> {
     let whole = Film::new(film, grid, index, &mixture.gaps_nm, Beta::InGlass)?;
-    let table = light.table((&mixture.fractions, gaps), |cosines| whole.at_cosines(cosines))?;
-    Ok(table.map(|(panels, values)| (Nodes::CosinePanels(panels), values)))
+    light.table((&mixture.fractions, mixture.gaps_nm.len()), |cosines| whole.at_cosines(cosines))
 }
 
-/// Computes the reflectances on given nodes, `[node][gap][wavelength]`.
-pub(crate) fn on_nodes(
-    panels: &CosinePanels,
+/// Chooses the nodes for known light so that they suffice for this film.
+pub(crate) fn fit_nodes(
+    light: &mut WeightedNodes,
     film: &FilmPixel,
-    grid: &Grid,
-    index: &Spectrum,
-    gaps_nm: &[f64],
-) -> Result<Arc<[f64]>, DisplayError> {
-    let cosines: Vec<f64> = panels.nodes().collect();
-    Ok(Film::new(film, grid, index, gaps_nm, Beta::InGlass)?.at_cosines(&cosines)?.into())
+    (grid, index): (&Grid, &Spectrum),
+) -> Result<(), DisplayError> {
+    let mixture = Mixture::new(film)?;
+    let whole = Film::new(film, grid, index, &mixture.gaps_nm, Beta::InGlass)?;
+    let critical = critical_cosine(film, index);
+    light.fit((&mixture.fractions, mixture.gaps_nm.len()), critical, |cosines| whole.at_cosines(cosines))
+}
+
+/// Returns the cosine of the critical angle of the film's gap in the medium above, at the first wavelength; 0 if it has none.
+fn critical_cosine(film: &FilmPixel, index: &Spectrum) -> f64 {
+    let gap = film.layers.iter().find(|layer| layer.thickness == Thickness::Gap);
+    let sine = gap.and_then(|gap| Some(gap.index.first()?.re / index.first()?));
+    sine.map_or(0.0, |sine| (1.0 - sine * sine).max(0.0).sqrt())
 }
 
 /// Approximate largest thickness of a film whose fringes can be tabulated, mm.
@@ -201,7 +205,7 @@ pub(crate) struct Mixture {
     pub(crate) owners: Vec<Owner>,
     pub(crate) parts: Vec<Part>,
     /// Area fractions, `[state][gap]`, including the fill factor.
-    fractions: Vec<f64>,
+    pub(crate) fractions: Vec<f64>,
 }
 
 impl Mixture {
@@ -258,9 +262,13 @@ impl Mixture {
 
     /// Returns the table of the states on these nodes.
     pub(crate) fn table(&self, nodes: Nodes, basis: Arc<[f64]>, film: &FilmPixel) -> AngularTable {
-        let common = film.inactive_reflectance.iter().map(|r| (1.0 - film.fill_factor) * r).collect();
-        AngularTable { nodes, basis, mixture: self.fractions.clone(), common }
+        AngularTable { nodes, basis, mixture: self.fractions.clone(), common: common(film) }
     }
+}
+
+/// Returns the reflectance that all states of a film have in common: that of the inactive area.
+pub(crate) fn common(film: &FilmPixel) -> Vec<f64> {
+    film.inactive_reflectance.iter().map(|r| (1.0 - film.fill_factor) * r).collect()
 }
 
 /// Medium of the angle of a sine.

@@ -15,7 +15,7 @@ pub use absorption::{PixelAbsorption, PixelLayer, SubPixelAbsorption, absorption
 pub(crate) use film::FilmKey;
 use film::{Beta, Film, Mixture};
 pub use table::TABLE_ERROR;
-pub(crate) use weighted::{SeenLight, WeightedNodes};
+pub(crate) use weighted::{SeenLight, WeightedNodes, WeightedTable};
 
 use crate::scene::{
     AngleMedium, Drive, FilmState, Pixel, ScatteringPixel, Scene, TableAngles, TablePixel, UniformKind,

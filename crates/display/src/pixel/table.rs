@@ -30,7 +30,7 @@ const NARROW_ERROR: f64 = 1e-3;
 const MOST_PANELS: usize = 1024;
 
 /// Panels, with the values of the functions at their nodes.
-pub(super) type Table = (CosinePanels, Arc<[f64]>);
+type Table = (CosinePanels, Arc<[f64]>);
 
 /// Returns panels that are fine enough for functions of the cosine, with the values of the functions at the nodes,
 /// `[node][function]`. `whole` computes all functions at these cosines, `sample` some of them: if their error is too
@@ -65,7 +65,7 @@ pub(super) fn panels<E>(
 }
 
 /// Returns the table of panels in ascending order.
-pub(super) fn joined(done: &[Panel]) -> Table {
+fn joined(done: &[Panel]) -> Table {
     let panels = CosinePanels::new(&done.iter().map(|panel| panel.halvings).collect::<Vec<u32>>());
     let values: Vec<&[f64]> = done.iter().map(|panel| &panel.values[..]).collect();
     (panels, values.concat().into())

@@ -1,39 +1,52 @@
 //! Tables of a film's reflectances for known light: as many nodes over angle as X, Y and Z need.
 //!
-//! At a single wavelength the reflectance of a film has sharp structure over angle, above all where light grazes an air gap.
-//! Little of it is left in what a reader sees: sums over wavelength blur it, a lobe sends little light there, and light that
-//! is smooth over angle averages it. All these sums are linear in the table. Therefore only the smoothness of the reflectance
-//! *weighted by the colour-matching functions* counts, not that at each wavelength.
+//! What is seen depends on a few sums of the reflectance over angle, with known weights. At grazing incidence, where the
+//! structure of a film is sharpest, there is little light, and in the directions of a lobe there is much. The panels are chosen for
+//! the light and the scene's own film ([`first`]): each has the number of nodes that it needs.
 //!
-//! **Error.** On a panel with N nodes, let `a_k` be the Chebyshev coefficients of a weighted reflectance and `m_k` the moments
-//! of the light, its integrals of T_k. The nodes cannot distinguish `T_(N+j)` from `-T_(N-j)` (Trefethen, *Approximation
+//! **Error.** On a panel with N nodes, let `a_k` be the Chebyshev coefficients of the reflectance at one wavelength and `m_k` the
+//! moments of the light, its integrals of T_k. The nodes cannot distinguish `T_(N+j)` from `-T_(N-j)` (Trefethen, *Approximation
 //! Theory and Approximation Practice*, theorem 4.1), so that the error of the panel's light is the sum of
-//! `a_(N+j) (m_(N+j) + m_(N-j))` over j. The missing `a` are extrapolated from the last six. Where the light is smooth, the
-//! moments with which the largest of them are multiplied are small, as in a Gauss rule. The panel with the largest error is
-//! halved until the sum of all errors is small enough.
+//! `a_(N+j) (m_(N+j) + m_(N-j))` over j. The missing `a` are extrapolated from the mean magnitude of the last six over wavelength,
+//! weighted by each colour-matching function, as a geometric series ([`decay`]).
 //!
-//! Recycled light is a product of reflectances, wavelength by wavelength. Its fraction of the error uses the mean magnitude
-//! of the coefficients over wavelength, in which nothing cancels.
+//! Nothing cancels in this mean. It is therefore the error if those of all wavelengths have the same sign, which they seldom
+//! have: X, Y and Z are mostly more exact by an order of magnitude or two. And it does not miss a resonance between the nodes. The
+//! angle of a resonance depends on wavelength, so that it meets the nodes at some wavelengths; in coefficients of X, Y and Z, which
+//! were used before, these contributions cancel, and the errors of some films were twice the estimate. Structure at the critical
+//! angle of a gap is at the same angle at all wavelengths. Panels end there ([`first`]), and the estimate is cautious ([`decay`]).
+//!
+//! Where the sum of all errors is too large, the panel with the largest error takes more nodes, and is halved if it has the most.
 
 use std::collections::HashMap;
 use std::sync::Arc;
 
 use papilio_transport::CosinePanels;
 
-use super::table::{Panel, Table, joined};
+mod decay;
+mod first;
+mod rule;
 
-mod smoothness;
+use decay::{Decay, dots, weighted_rows};
+use rule::{FineLight, Panel, Rule};
 
-use smoothness::{Decay, NODES, PAIRS, colour_sums, last, roughness};
-
-/// Halvings of the panels on which the light is given. Panels are not finer.
+/// Halvings of the panels on which the light is given.
 const FINEST: u32 = 5;
 
-/// Halvings of the first panels, from grazing to normal incidence: they suffice for most films.
-const FIRST: [u32; 4] = [1, 2, 3, 3];
+/// Number of parts of 0 to 1 of which panels are made. Each has [`CosinePanels::NODES`] light nodes.
+const PARTS: u32 = 1 << FINEST;
 
-/// Largest number of panels. Films that need more are tabulated as for all light.
-const MOST_PANELS: usize = 20;
+/// Largest number of nodes of a panel.
+const MOST_OF_PANEL: usize = 18;
+
+/// Nodes that a panel takes in addition where its error is too large.
+const STEP: usize = 4;
+
+/// Number of nodes of a half of a panel with the most nodes.
+const COUNT_OF_HALF: usize = 12;
+
+/// Largest number of nodes. Films that need more are tabulated as for all light.
+const MOST_NODES: usize = 256;
 
 /// Y below which errors are relative to this instead of Y.
 const FAINT: f64 = 0.01;
@@ -48,8 +61,8 @@ pub(crate) struct SeenLight {
     pub(crate) view: usize,
     /// Weights of a reflectance in X, Y and Z, relative to Y of the white: `[quantity][wavelength]`.
     pub(crate) colour: Vec<Vec<f64>>,
-    /// Weights on the nodes of [`WeightedNodes::light_nodes`].
-    pub(crate) weights: Vec<f64>,
+    /// Number of the row with its weights.
+    pub(crate) row: usize,
 }
 
 /// Nodes over angle for films in known light.
@@ -57,11 +70,17 @@ pub(crate) struct SeenLight {
 pub(crate) struct WeightedNodes {
     tolerance: f64,
     recycled: f64,
+    /// Weights of all sums on the light nodes, `[row][node]`.
+    rows: Arc<[Vec<f64>]>,
     lights: Vec<Light>,
     /// The different weights over wavelength, `[colour][quantity][wavelength]`.
     colours: Vec<Vec<Vec<f64>>>,
-    /// The lights on each panel that was used, by number and halvings.
-    known: HashMap<(u32, u32), Arc<[LightOnPanel]>>,
+    /// Panels that are tried first.
+    first: Vec<Panel>,
+    /// All sums on the nodes of the first panels.
+    on_first: RowsOnNodes,
+    /// The rules of all panels that were used.
+    known: HashMap<Panel, Arc<Rule>>,
 }
 
 #[derive(Debug, Clone)]
@@ -70,28 +89,23 @@ struct Light {
     /// Number of its colour, and the factor of that colour.
     colour: usize,
     factor: f64,
-    weights: Vec<f64>,
+    row: usize,
     /// Sum of the weights: the light if it were reflected completely.
     total: f64,
 }
 
-/// Light of one source on one panel.
-#[derive(Debug)]
-struct LightOnPanel {
-    /// Weights on the nodes.
-    weights: [f64; NODES],
-    /// Factors of missing coefficients in the error.
-    aliases: Aliases,
-    /// The same for recycled light, which comes from all directions as well.
-    recycled: Aliases,
+/// Nodes of some panels and the weights of all sums there.
+#[derive(Debug, Clone)]
+struct RowsOnNodes {
+    cosines: Arc<[f64]>,
+    /// `[row][node]`.
+    weights: Arc<[f64]>,
 }
 
-/// Factors of the missing coefficients N and N + 1, N + 2 and N + 3, ... in the error; the last one is that of all others.
-type Aliases = [f64; PAIRS + 1];
-
-/// Panel with the colours of its values.
+/// Panel with the errors of the light that it reflects.
 struct Evaluated {
     panel: Panel,
+    rule: Arc<Rule>,
     /// Y of each light, `[light][gap]`.
     luminous: Vec<f64>,
     /// Error of each quantity, `[light][quantity][gap]`.
@@ -101,27 +115,51 @@ struct Evaluated {
 /// Area fractions `[state][gap]` and number of gaps.
 pub(crate) type Fractions<'a> = (&'a [f64], usize);
 
+/// Reflectances of a film on the nodes that the light needs, and the weights of all sums there.
+#[derive(Debug, Clone)]
+pub(crate) struct WeightedTable {
+    pub(crate) cosines: Arc<[f64]>,
+    /// `[node][gap][wavelength]`.
+    pub(crate) values: Vec<f64>,
+    /// `[row][node]`.
+    pub(crate) weights: Arc<[f64]>,
+}
+
 impl WeightedNodes {
     /// Returns the nodes on which light is given.
     pub(crate) fn light_nodes() -> CosinePanels {
         CosinePanels::new(&[FINEST; 1 << FINEST])
     }
 
-    /// Prepares nodes for errors of X, Y and Z of at most the fraction `tolerance` of Y, or of 0.01 if Y is less, in these
-    /// lights; `recycled` is an upper bound of the fraction of light that meets the film again.
-    pub(crate) fn new(lights: Vec<SeenLight>, recycled: f64, tolerance: f64) -> Self {
+    /// Prepares nodes for sums with these weights on the light nodes, with errors of X, Y and Z of at most the fraction
+    /// `tolerance` of Y, or of 0.01 if Y is less, in these lights; `recycled` is an upper bound of the fraction of light that
+    /// meets the film again.
+    pub(crate) fn new(rows: Vec<Vec<f64>>, lights: Vec<SeenLight>, recycled: f64, tolerance: f64) -> Self {
         let mut colours: Vec<Vec<Vec<f64>>> = Vec::new();
-        let lights = lights.into_iter().map(|SeenLight { view, colour, weights }| {
+        let lights = lights.into_iter().map(|SeenLight { view, colour, row }| {
             let known = colours.iter().enumerate();
             let found = known.into_iter().find_map(|(k, known)| Some((k, ratio(&colour, known)?)));
             let (colour, factor) = found.unwrap_or_else(|| {
                 colours.push(colour);
                 (colours.len() - 1, 1.0)
             });
-            Light { view, colour, factor, total: weights.iter().sum(), weights }
+            Light { view, colour, factor, row, total: rows[row].iter().sum() }
         });
-        let lights = lights.collect();
-        Self { tolerance, recycled, lights, colours, known: HashMap::new() }
+        let lights: Vec<Light> = lights.collect();
+        let on_first = RowsOnNodes { cosines: Arc::new([]), weights: Arc::new([]) };
+        let known = HashMap::new();
+        let mut nodes = Self {
+            tolerance,
+            recycled,
+            rows: rows.into(),
+            lights,
+            colours,
+            first: Vec::new(),
+            on_first,
+            known,
+        };
+        nodes.start_from(first::for_any_film());
+        nodes
     }
 
     /// Tabulates a film whose reflectances at some cosines are `[cosine][gap][wavelength]`; `None` if it needs more nodes than
@@ -130,143 +168,183 @@ impl WeightedNodes {
         &mut self,
         fractions: Fractions<'_>,
         film: impl Fn(&[f64]) -> Result<Vec<f64>, E>,
-    ) -> Result<Option<Table>, E> {
-        let mut panels = Vec::with_capacity(MOST_PANELS);
-        let mut place = 0.0;
-        for halvings in FIRST {
-            let number = (place * f64::from(1 << halvings)) as u32;
-            let panel = Panel::new(number, halvings);
-            place += panel.width();
-            panels.push(self.evaluated(panel, fractions.1, &film)?);
+    ) -> Result<Option<WeightedTable>, E> {
+        let RowsOnNodes { cosines, weights } = self.on_first.clone();
+        let mut values = film(&cosines)?;
+        let size = values.len() / cosines.len();
+        let (mut panels, mut at) = (Vec::with_capacity(2 * self.first.len()), 0);
+        for panel in self.first.clone() {
+            let own = &values[at * size..][..panel.count * size];
+            panels.push(self.evaluated(panel, fractions.1, own));
+            at += panel.count;
+        }
+        if self.insufficient(&panels, fractions).is_none() {
+            return Ok(Some(WeightedTable { cosines, values, weights }));
         }
         while let Some(worst) = self.insufficient(&panels, fractions) {
-            let Panel { number, halvings, .. } = panels[worst].panel;
-            if halvings == FINEST || panels.len() == MOST_PANELS {
+            let Some(finer) = panels[worst].panel.finer() else { return Ok(None) };
+            let before: usize = panels[..worst].iter().map(|one| one.panel.count).sum();
+            let own = before * size..(before + panels[worst].panel.count) * size;
+            let (mut own_values, mut evaluated) = (Vec::new(), Vec::new());
+            for panel in finer {
+                let found = film(&self.rule(panel).cosines)?;
+                evaluated.push(self.evaluated(panel, fractions.1, &found));
+                own_values.extend(found);
+            }
+            values.splice(own, own_values);
+            panels.splice(worst..=worst, evaluated);
+            if values.len() > MOST_NODES * size {
                 return Ok(None);
             }
-            let [low, high] = [0, 1].map(|half| Panel::new(2 * number + half, halvings + 1));
-            let halves =
-                [self.evaluated(low, fractions.1, &film)?, self.evaluated(high, fractions.1, &film)?];
-            panels.splice(worst..=worst, halves);
         }
-        let panels: Vec<Panel> = panels.into_iter().map(|one| one.panel).collect();
-        Ok(Some(joined(&panels)))
+        let rules: Vec<Arc<Rule>> = panels.into_iter().map(|one| one.rule).collect();
+        let RowsOnNodes { cosines, weights } = RowsOnNodes::new(&rules, self.rows.len());
+        Ok(Some(WeightedTable { cosines, values, weights }))
+    }
+
+    /// Sets the panels that are tried first.
+    fn start_from(&mut self, panels: Vec<Panel>) {
+        let rules: Vec<Arc<Rule>> = panels.iter().map(|panel| self.rule(*panel)).collect();
+        self.on_first = RowsOnNodes::new(&rules, self.rows.len());
+        self.first = panels;
     }
 
     /// Returns the panel with the largest error if the sum of the errors of all panels is too large.
-    fn insufficient(&self, panels: &[Evaluated], (fractions, gaps): Fractions<'_>) -> Option<usize> {
-        let quantities = self.colours.first().map_or(0, Vec::len);
+    fn insufficient(&self, panels: &[Evaluated], fractions: Fractions<'_>) -> Option<usize> {
+        let luminances = self.luminances(panels, fractions);
+        let errors: Vec<Vec<f64>> =
+            panels.iter().map(|one| self.relative_errors(one, fractions, &luminances)).collect();
         let (mut worst, mut most) = (None, self.tolerance);
-        let mut first = 0;
-        for lights in self.lights.chunk_by(|one, next| one.view == next.view) {
-            let numbers = first..first + lights.len();
-            first = numbers.end;
-            for shares in fractions.chunks_exact(gaps) {
-                let mixed = |values: &[f64]| -> f64 { values.iter().zip(shares).map(|(v, s)| v * s).sum() };
-                let y = |one: &Evaluated| -> f64 {
-                    numbers.clone().map(|light| mixed(&one.luminous[light * gaps..][..gaps])).sum()
-                };
-                let y = panels.iter().map(y).sum::<f64>().max(FAINT);
-                for quantity in 0..quantities {
-                    let error = |one: &Evaluated, light: usize| {
-                        mixed(&one.errors[(light * quantities + quantity) * gaps..][..gaps]) / y
-                    };
-                    let errors: Vec<f64> = panels
-                        .iter()
-                        .map(|one| numbers.clone().map(|light| error(one, light)).sum())
-                        .collect();
-                    let sum: f64 = errors.iter().sum();
-                    if sum > most || sum.is_nan() {
-                        most = sum;
-                        worst = (0..panels.len()).max_by(|a, b| errors[*a].total_cmp(&errors[*b]));
-                    }
-                }
+        for number in 0..errors.first().map_or(0, Vec::len) {
+            let sum: f64 = errors.iter().map(|of_panel| of_panel[number]).sum();
+            if sum > most || sum.is_nan() {
+                most = sum;
+                worst = (0..panels.len()).max_by(|a, b| errors[*a][number].total_cmp(&errors[*b][number]));
             }
         }
         worst
     }
 
-    fn evaluated<E>(
-        &mut self,
-        mut panel: Panel,
-        gaps: usize,
-        film: &impl Fn(&[f64]) -> Result<Vec<f64>, E>,
-    ) -> Result<Evaluated, E> {
-        let nodes: Vec<f64> = panel.nodes().collect();
-        panel.values = film(&nodes)?;
-        let lights = self.lights_on(&panel);
-        let rough = (self.recycled > 0.0).then(|| roughness(&panel.values, gaps));
-        // Of each colour: the values, and the decay of their coefficients, `[quantity][gap]`.
-        let of_colour = |colour: &Vec<Vec<f64>>| -> Vec<([f64; NODES], Decay)> {
-            let sums = colour_sums(&panel.values, colour, gaps).into_iter();
-            sums.map(|values| (values, Decay::of(last(&values)))).collect()
-        };
-        let colours: Vec<_> = self.colours.iter().map(of_colour).collect();
-        let (mut luminous, mut errors) = (Vec::new(), Vec::new());
-        for (one, light) in self.lights.iter().zip(&*lights) {
-            let values = &colours[one.colour];
-            let seen = |values: &[f64; NODES]| -> f64 {
-                values.iter().zip(&light.weights).map(|(v, w)| v * w).sum()
-            };
-            let of_gaps = values[LUMINOUS * gaps..][..gaps].iter();
-            luminous.extend(of_gaps.map(|(values, _)| one.factor * seen(values)));
-            for (of_gaps, weights) in values.chunks_exact(gaps).zip(&self.colours[one.colour]) {
-                let white = 2.0 * self.recycled * weights.iter().sum::<f64>();
-                for (gap, (_, decay)) in of_gaps.iter().enumerate() {
-                    let again = rough.as_ref().map_or(0.0, |rough| white * rough[gap].error(&light.recycled));
-                    errors.push(one.factor * (decay.error(&light.aliases) + again));
+    /// Returns Y of all states, or [`FAINT`] if that is more, `[view][state]`.
+    fn luminances(&self, panels: &[Evaluated], (fractions, gaps): Fractions<'_>) -> Vec<f64> {
+        let mut all = Vec::new();
+        for numbers in self.lights_of_views() {
+            for shares in fractions.chunks_exact(gaps) {
+                let of = |one: &Evaluated| -> f64 {
+                    numbers.clone().map(|light| dot(&one.luminous[light * gaps..][..gaps], shares)).sum()
+                };
+                all.push(panels.iter().map(of).sum::<f64>().max(FAINT));
+            }
+        }
+        all
+    }
+
+    /// Returns the errors of a panel relative to these luminances, `[view][state][quantity]`.
+    fn relative_errors(
+        &self,
+        one: &Evaluated,
+        (fractions, gaps): Fractions<'_>,
+        luminances: &[f64],
+    ) -> Vec<f64> {
+        let quantities = self.colours.first().map_or(0, Vec::len);
+        let mut all = Vec::with_capacity(luminances.len() * quantities);
+        let mut luminances = luminances.iter();
+        for numbers in self.lights_of_views() {
+            for (shares, luminance) in fractions.chunks_exact(gaps).zip(&mut luminances) {
+                for quantity in 0..quantities {
+                    let of = |light: usize| {
+                        dot(&one.errors[(light * quantities + quantity) * gaps..][..gaps], shares)
+                    };
+                    all.push(numbers.clone().map(of).sum::<f64>() / luminance);
                 }
             }
         }
-        Ok(Evaluated { panel, luminous, errors })
+        all
     }
 
-    fn lights_on(&mut self, panel: &Panel) -> Arc<[LightOnPanel]> {
-        let key = (panel.number, panel.halvings);
-        if let Some(known) = self.known.get(&key) {
+    /// Returns the numbers of the lights of each view.
+    fn lights_of_views(&self) -> impl Iterator<Item = std::ops::Range<usize>> {
+        let mut first = 0;
+        self.lights.chunk_by(|one, next| one.view == next.view).map(move |lights| {
+            let numbers = first..first + lights.len();
+            first = numbers.end;
+            numbers
+        })
+    }
+
+    /// Computes the errors of a panel with these reflectances at its nodes, `[node][gap][wavelength]`.
+    fn evaluated(&mut self, panel: Panel, gaps: usize, values: &[f64]) -> Evaluated {
+        let rule = self.rule(panel);
+        let mut coefficients = weighted_rows(values, &rule.last);
+        coefficients.iter_mut().for_each(|value| *value = value.abs());
+        let (mut luminous, mut errors) = (Vec::new(), Vec::new());
+        // Of each colour: Y at the nodes, `[node][gap]`, and the decay of the coefficients, `[quantity][gap]`.
+        let of_colour = |colour: &Vec<Vec<f64>>| -> (Vec<f64>, Vec<Decay>) {
+            let decays = |weights: &Vec<f64>| {
+                let sums = dots(&coefficients, weights);
+                (0..gaps).map(move |gap| Decay::of(std::array::from_fn(|k| sums[k * gaps + gap])))
+            };
+            (dots(values, &colour[LUMINOUS]), colour.iter().flat_map(decays).collect())
+        };
+        let colours: Vec<_> = self.colours.iter().map(of_colour).collect();
+        for (number, one) in self.lights.iter().enumerate() {
+            let (at_nodes, decays) = &colours[one.colour];
+            let weights = &rule.weights[one.row];
+            let y = |gap: usize| {
+                let of_gap = at_nodes.iter().skip(gap).step_by(gaps);
+                one.factor * of_gap.zip(weights).map(|(y, weight)| y * weight).sum::<f64>()
+            };
+            luminous.extend((0..gaps).map(y));
+            let error = |decay: &Decay| {
+                let again = 2.0 * self.recycled * decay.error(&rule.recycled[number]);
+                one.factor * (decay.error(&rule.aliases[number]) + again)
+            };
+            errors.extend(decays.iter().map(error));
+        }
+        Evaluated { panel, rule, luminous, errors }
+    }
+
+    /// Returns the rule of a panel.
+    fn rule(&mut self, panel: Panel) -> Arc<Rule> {
+        if let Some(known) = self.known.get(&panel) {
             return Arc::clone(known);
         }
-        let inside = NODES << (FINEST - panel.halvings);
-        let first = panel.number as usize * inside;
-        let nodes: Vec<f64> = Self::light_nodes().nodes().skip(first).take(inside).collect();
-        let made: Arc<[LightOnPanel]> = self
-            .lights
-            .iter()
-            .map(|light| LightOnPanel::new(panel, &nodes, (&light.weights[first..][..inside], light.total)))
-            .collect();
-        self.known.insert(key, Arc::clone(&made));
+        let [first, last] = [panel.start, panel.end].map(|part| part as usize * CosinePanels::NODES);
+        let cosines: Vec<f64> = Self::light_nodes().nodes().skip(first).take(last - first).collect();
+        let fine = FineLight {
+            cosines: &cosines,
+            rows: self.rows.iter().map(|row| &row[first..last]).collect(),
+            lights: self.lights.iter().map(|light| (light.row, light.total)).collect(),
+        };
+        let made = Arc::new(Rule::new(panel, &fine));
+        self.known.insert(panel, Arc::clone(&made));
         made
     }
 }
 
-impl LightOnPanel {
-    /// Computes the light on a panel from its weights on finer nodes.
-    fn new(panel: &Panel, nodes: &[f64], (weights, total): (&[f64], f64)) -> Self {
-        let (mut moments, mut uniform) = ([0.0; NODES], [0.0; NODES]);
-        let each = panel.width() / nodes.len() as f64;
-        for (cosine, weight) in nodes.iter().zip(weights) {
-            let angle = (2.0 * (cosine - panel.start()) / panel.width() - 1.0).clamp(-1.0, 1.0).acos();
-            for (k, (moment, uniform)) in moments.iter_mut().zip(&mut uniform).enumerate() {
-                let polynomial = (k as f64 * angle).cos();
-                *moment += weight * polynomial;
-                // By projected area.
-                *uniform += 2.0 * cosine * each * total * polynomial;
-            }
-        }
-        let aliases = aliases(&moments);
-        let recycled = std::array::from_fn(|k| aliases[k] + self::aliases(&uniform)[k]);
-        Self { weights: smoothness::node_weights(&moments), aliases, recycled }
+impl RowsOnNodes {
+    fn new(rules: &[Arc<Rule>], rows: usize) -> Self {
+        let nodes = rules.iter().flat_map(|rule| &rule.cosines).copied();
+        let weights = |row: usize| rules.iter().flat_map(move |rule| &rule.weights[row]).copied();
+        Self { cosines: nodes.collect(), weights: (0..rows).flat_map(weights).collect() }
     }
 }
 
-fn aliases(moments: &[f64; NODES]) -> Aliases {
-    let size = |k: usize| moments[k.min(NODES - 1)].abs();
-    // Moments of the missing degrees are not known, and are not larger than the last ones.
-    let missing = size(NODES - 2).max(size(NODES - 1));
-    std::array::from_fn(|pair| {
-        let degree = NODES - 2 * pair;
-        missing + if degree == 0 { size(0) } else { size(degree).max(size(degree - 1)) }
-    })
+impl Panel {
+    /// Returns the panel with more nodes, or its halves; `None` if there are none.
+    fn finer(self) -> Option<Vec<Self>> {
+        let Self { start, end, count } = self;
+        if count < MOST_OF_PANEL {
+            return Some(vec![Self { count: (count + STEP).min(MOST_OF_PANEL), ..self }]);
+        }
+        let middle = start.midpoint(end);
+        let half = |start, end| Self { start, end, count: COUNT_OF_HALF };
+        (middle > start).then(|| vec![half(start, middle), half(middle, end)])
+    }
+}
+
+fn dot(one: &[f64], other: &[f64]) -> f64 {
+    one.iter().zip(other).map(|(one, other)| one * other).sum()
 }
 
 /// Returns the factor by which one colour is a multiple of another; `None` if it is not.
@@ -294,35 +372,26 @@ mod tests {
             .collect()
     }
 
-    /// Returns the number of nodes, and the error of the light that a film of one wavelength reflects; `None` if it takes the
-    /// full table.
-    fn error(tolerance: f64, film: impl Fn(f64) -> f64) -> Option<(usize, f64)> {
-        let seen = SeenLight { view: 0, colour: vec![vec![1.0]; 3], weights: light() };
-        let mut nodes = WeightedNodes::new(vec![seen], 0.0, tolerance);
-        let at = |cosines: &[f64]| Ok::<_, ()>(cosines.iter().map(|c| film(*c)).collect());
-        let (panels, values) = nodes.table((&[1.0], 1), at).unwrap()?;
-        let mut sum = 0.0;
-        for ([start, end], values) in borders(&panels).into_iter().zip(values.chunks_exact(NODES)) {
-            let halvings = (1.0 / (end - start)).log2().round() as u32;
-            let panel = Panel::new((start / (end - start)).round() as u32, halvings);
-            let light = nodes.lights_on(&panel);
-            sum += light[0].weights.iter().zip(values).map(|(w, v)| w * v).sum::<f64>();
-        }
-        let fine = WeightedNodes::light_nodes();
-        let truth: f64 = fine.nodes().zip(light()).map(|(c, weight)| weight * film(c)).sum();
-        Some((panels.count(), (sum - truth).abs() / truth.max(FAINT)))
+    /// Number of wavelengths.
+    const BINS: usize = 16;
+
+    /// Returns the reflectances of a film at several wavelengths. The angles of its structure depend on wavelength.
+    fn spectrum(cosine: f64, film: impl Fn(f64) -> f64) -> impl Iterator<Item = f64> {
+        (0..BINS).map(move |bin| film(cosine + 0.04 * (bin as f64 / (BINS - 1) as f64 - 0.5)))
     }
 
-    /// Ends of the panels, from the nodes, which are symmetric within each.
-    fn borders(panels: &CosinePanels) -> Vec<[f64; 2]> {
-        let nodes: Vec<f64> = panels.nodes().collect();
-        let mut start = 0.0;
-        let end = |panel: &[f64]| {
-            let from = start;
-            start = panel[0] + panel[NODES - 1] - from;
-            [from, start]
-        };
-        nodes.chunks_exact(NODES).map(end).collect()
+    /// Returns the number of nodes, and the error of the light that a film reflects; `None` if it takes the full table.
+    fn error(tolerance: f64, film: impl Fn(f64) -> f64) -> Option<(usize, f64)> {
+        let seen = SeenLight { view: 0, colour: vec![vec![1.0; BINS]; 3], row: 0 };
+        let mut nodes = WeightedNodes::new(vec![light()], vec![seen], 0.0, tolerance);
+        let at = |cosines: &[f64]| Ok::<_, ()>(cosines.iter().flat_map(|c| spectrum(*c, &film)).collect());
+        let table = nodes.table((&[1.0], 1), at).unwrap()?;
+        let at_nodes: Vec<f64> = table.values.chunks_exact(BINS).map(|values| values.iter().sum()).collect();
+        let sum = dot(&table.weights, &at_nodes);
+        let panels = WeightedNodes::light_nodes();
+        let lit = panels.nodes().zip(light());
+        let truth: f64 = lit.map(|(c, weight)| weight * spectrum(c, &film).sum::<f64>()).sum();
+        Some((table.cosines.len(), (sum - truth).abs() / truth.max(FAINT)))
     }
 
     /// Reflectance by cosine.
@@ -346,8 +415,8 @@ mod tests {
                 assert!(error < tolerance, "{name}: {error:e} for {tolerance:e} with {count} nodes");
             }
         }
-        assert_eq!(error(1e-5, |c| 0.3 + 0.1 * c).unwrap().0, 64);
-        assert!(error(1e-5, resonance(0.972, 0.003)).is_none_or(|(count, _)| count > 64));
+        let fewest = error(1e-5, |c| 0.3 + 0.1 * c).unwrap().0;
+        assert!(error(1e-5, resonance(0.972, 0.003)).is_none_or(|(count, _)| count > fewest));
         assert!(error(1e-5, |c| 0.5 + 0.5 * (3000.0 * c).cos()).is_none());
     }
 

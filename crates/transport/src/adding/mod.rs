@@ -8,22 +8,23 @@
 //! discretisation error of the coarser one.
 
 mod field;
-mod gradient;
 mod images;
 mod layered;
 mod panel;
 pub(crate) mod quadrature;
+mod table_sums;
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use crate::{Cone, Estimate, ReflectanceFactor, Source, Stack};
 pub(crate) use field::{Peaks, Ring, rings};
-pub use gradient::{FirstPass, TableGradient};
 pub(crate) use images::{Mirror, image_points};
 pub(crate) use layered::{Action, Preparation, rough_width};
+pub use panel::ViewSums;
 pub(crate) use panel::first_pass;
 pub(crate) use panel::{Indices, Shares, diffuse_shares, smooth_points};
+pub use table_sums::{TableGradient, TableSums, TableValues};
 
 /// The finest level.
 pub const FINEST: u32 = 6;
@@ -302,12 +303,12 @@ impl Kernel {
         }
     }
 
-    /// Returns the light that a view sees after one reflection by the base, for each index of a dispersive medium, and an
-    /// upper bound of the fraction of light that the front of screen sends back to the base. `None` where
-    /// [`pull_back`](Self::pull_back) returns none.
-    pub fn first_pass(&self, stack: &Stack, view: usize) -> Option<(Vec<FirstPass>, f64)> {
+    /// Returns what a view sees as a function of few sums over the base's table, for each index of a dispersive medium:
+    /// its light is the sum over them. `None` where [`pull_back`](Self::pull_back) returns none, and where recycled light
+    /// depends on the reflectance at single angles.
+    pub fn view_sums(&self, stack: &Stack, view: usize) -> Option<Vec<ViewSums>> {
         match (stack, &self.kind) {
-            (Stack::Panel(panel), Kind::Panel(kernel)) => kernel.first_pass(panel, view),
+            (Stack::Panel(panel), Kind::Panel(kernel)) => kernel.view_sums(panel, view),
             _ => None,
         }
     }

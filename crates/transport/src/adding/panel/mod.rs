@@ -24,10 +24,11 @@ use std::sync::atomic::AtomicBool;
 use papilio_optics::lobe::Lobe;
 
 pub(crate) use bare::{diffuse_shares, smooth_points};
+pub use diffused::ViewSums;
 pub(crate) use indices::Indices;
 pub(crate) use lambertian::Shares;
 
-use super::{FirstPass, TableGradient};
+use super::TableGradient;
 use crate::{Cone, Diffuser, Estimate, Nodes, Panel, ReflectanceFactor, Reflector, Source, Top};
 
 /// Returns whether recycled light may have a wider lobe than the diffuser's (see [`recycling`]).
@@ -153,9 +154,9 @@ impl Kernel {
         }
     }
 
-    pub(super) fn first_pass(&self, stack: &Panel, view: usize) -> Option<(Vec<FirstPass>, f64)> {
+    pub(super) fn view_sums(&self, stack: &Panel, view: usize) -> Option<Vec<ViewSums>> {
         match (&self.kind, &stack.top) {
-            (Kind::Diffused(kernel), Top::Diffuser(diffuser)) => kernel.first_pass(stack, diffuser, view),
+            (Kind::Diffused(kernel), Top::Diffuser(diffuser)) => kernel.view_sums(stack, diffuser, view),
             _ => None,
         }
     }

@@ -2,8 +2,8 @@
 
 mod by_order;
 mod estimate;
-mod gradient;
 mod lights;
+mod sums;
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -19,6 +19,8 @@ use crate::base::largest;
 use crate::{AngularTable, Cone, Diffuser, Medium, Nodes, Panel, Reflector, Source, Top};
 use by_order::ByOrder;
 use lights::{Bundle, Light};
+
+pub use sums::ViewSums;
 
 /// All data of a panel that do not depend on its spectra.
 #[derive(Debug, Clone)]

@@ -224,6 +224,18 @@ impl Recycling {
         self.narrow.is_some()
     }
 
+    /// Returns the sum of forms.
+    pub(super) fn total<'a>(&self, forms: impl Iterator<Item = &'a Forms>) -> Forms {
+        let zero = |profile: &Profile| vec![0.0; profile.places[0].count()];
+        let mut sum = Forms(self.profiles.iter().map(zero).collect());
+        for one in forms {
+            for (sum, one) in sum.0.iter_mut().zip(&one.0) {
+                sum.iter_mut().zip(one).for_each(|(sum, value)| *sum += value);
+            }
+        }
+        sum
+    }
+
     pub(super) fn alone(&self, view: &Group) -> OwnForms {
         let form = |k: usize, less: usize, end: fn(&Profile) -> &End| {
             let profile = &self.profiles[k];

@@ -63,11 +63,20 @@ impl Recycling {
             let grid = OnGrid::Nodes { glass, air };
             return Reflectances { grid, narrow };
         }
+        let terms: Vec<&[f64]> = self.terms().collect();
+        Reflectances { narrow, ..self.products(&table.weighted_sums(&terms), columns) }
+    }
+
+    /// Returns the products of these values of all [`terms`](Self::terms), `[term][column]`.
+    pub(in super::super) fn products(&self, terms: &[f64], columns: usize) -> Reflectances {
+        let mut rest = terms;
         let of = |(k, profile): (usize, &Profile)| {
-            let terms: Vec<&[f64]> = profile.terms.iter().map(|term| &term.0[..]).collect();
-            Products::new(table.weighted_sums(&terms), columns, k as u32 + 2)
+            let own;
+            (own, rest) = rest.split_at(profile.terms.len() * columns);
+            Products::new(own.to_vec(), columns, k as u32 + 2)
         };
-        Reflectances { grid: OnGrid::Products(self.profiles.iter().enumerate().map(of).collect()), narrow }
+        let products = self.profiles.iter().enumerate().map(of).collect();
+        Reflectances { grid: OnGrid::Products(products), narrow: None }
     }
 
     /// Returns whether the series is summed column by column.
