@@ -75,6 +75,7 @@ mod cone;
 mod designs;
 pub mod environment;
 mod error;
+mod filtered;
 mod label;
 mod lobes;
 mod meter;

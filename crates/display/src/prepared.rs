@@ -26,7 +26,7 @@ impl Prepared {
     /// # Errors
     /// If the scene is invalid.
     pub fn new(scene: &Scene) -> Result<Self, DisplayError> {
-        Ok(Self { setup: Some(Setup::new(scene)?), kernels: Kernels::default(), workers: None })
+        Ok(Self { setup: Some(Setup::with_filter(scene)?), kernels: Kernels::default(), workers: None })
     }
 
     /// Runs a scene; an interrupted run returns the same as [`run`](crate::run()).
@@ -60,7 +60,7 @@ impl Prepared {
             Some(setup) => setup.renewed(scene)?,
             None => {
                 self.kernels.clear();
-                Setup::new(scene)?
+                Setup::with_filter(scene)?
             }
         };
         let setup = self.setup.insert(setup);

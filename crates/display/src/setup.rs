@@ -110,7 +110,16 @@ pub(crate) struct ViewPoint {
 }
 
 impl Setup {
+    /// Prepares a scene for a computation that does not know colour filters.
     pub(crate) fn new(scene: &Scene) -> Result<Self, DisplayError> {
+        if scene.display.filter().is_some() {
+            return Err(DisplayError::FilterWithoutPlace);
+        }
+        Self::with_filter(scene)
+    }
+
+    /// Prepares a scene that may have a colour filter.
+    pub(crate) fn with_filter(scene: &Scene) -> Result<Self, DisplayError> {
         check(scene)?;
         let observer = Observer::new(&scene.grid)?;
         let angle_index = angle_index(scene)?;
@@ -127,7 +136,7 @@ impl Setup {
                 other => Some(Observer::of(other, &scene.grid)?),
             },
             observer,
-            states: pixel::state_names(&scene.display.pixel),
+            states: scene.display.state_names(),
             version: 0,
             base_version: 0,
             scene: scene.clone(),
@@ -148,15 +157,15 @@ impl Setup {
             != (last.solver.angle_medium, last.solver.approximation);
         let other_observer = scene.metrics.observer != last.metrics.observer;
         if scene.grid != last.grid || solver_changed || other_observer {
-            return Ok(Self { version: self.version + 1, ..Self::new(scene)? });
+            return Ok(Self { version: self.version + 1, ..Self::with_filter(scene)? });
         }
         let index_changed = scene.display.index_above_pixel() != last.display.index_above_pixel();
         if index_changed || scene.display.pixel != last.display.pixel {
             let base = base_of(&mut self.stack);
             *base = pixel::base(scene, &mut self.film, Some(base))?;
-            self.states = pixel::state_names(&scene.display.pixel);
             self.base_version += 1;
         }
+        self.states = scene.display.state_names();
         if scene.display.layers != last.display.layers {
             let placeholder = Base {
                 reflector: Reflector::Lambertian(Vec::new()),
@@ -241,7 +250,6 @@ pub(crate) fn angle_index(scene: &Scene) -> Result<f64, DisplayError> {
 fn check(scene: &Scene) -> Result<(), DisplayError> {
     match (&scene.display.layers, &scene.display.pixel) {
         (Layers::Panel(_), Pixel::Scattering(_)) => Err(DisplayError::ScatteringUnderPanel),
-        _ if scene.display.filter().is_some() => Err(DisplayError::FilterWithoutPlace),
         _ => Ok(()),
     }
 }

@@ -1,7 +1,6 @@
 //! Tolerance analyses: a scenario with the distributions of its `[tolerance]`.
 
 use papilio_diagnostics::{Diagnostic, suggestion};
-use papilio_display::pixel::state_names;
 use papilio_display::scene::{Metric, Scene};
 use papilio_sampling::{Coefficient, Correlation, Distribution};
 use serde_json::{Value, json};
@@ -290,7 +289,7 @@ fn columns(
     scene: &Scene,
     errors: &mut Errors,
 ) -> (Vec<ReportedMetric>, Vec<ToleranceLimit>) {
-    let states = state_names(&scene.display.pixel);
+    let states = scene.display.state_names();
     let mut metrics: Vec<ReportedMetric> = Vec::new();
     let mut column = |name: &MetricName, view: usize| {
         let asked = ReportedMetric::of(name, view);
@@ -345,7 +344,7 @@ pub(crate) fn of_all_views(
     scene: &Scene,
     errors: &mut Errors,
 ) -> Vec<ReportedMetric> {
-    let states = state_names(&scene.display.pixel);
+    let states = scene.display.state_names();
     named.iter().for_each(|name| has_state(name, &states, errors));
     let of_view = |view: usize| named.iter().map(move |name| ReportedMetric::of(name, view));
     (0..views(scene)).flat_map(of_view).collect()

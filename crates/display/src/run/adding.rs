@@ -191,6 +191,24 @@ pub(super) fn run(
     runner.result(&groups)
 }
 
+/// Runs a scene whose samples of all views at a level do not come from kernels of its stack.
+pub(super) fn run_levels(
+    run: &Run<'_>,
+    finest: usize,
+    at: impl FnMut(usize) -> Option<Vec<Sample>>,
+    nodes: u64,
+) -> Result<RunResult, DisplayError> {
+    let common = Common::default();
+    let runner = Runner::new(run, &common)?;
+    let (error, views) = (
+        |levels: [&Vec<Sample>; 2], before: Option<&Vec<Sample>>| runner.error(levels, before),
+        run.setup.views.len(),
+    );
+    let report = |error, done| runner.report(error, if done { views } else { 0 });
+    let samples = refine(runner.target, finest, at, error, report);
+    runner.result(&[samples.map(|samples| Group { samples, nodes: nodes as usize })])
+}
+
 /// Kernel of a group of views, with the range of these views.
 #[derive(Debug)]
 pub(crate) struct ViewGroupKernel {

@@ -5,6 +5,7 @@ mod adding;
 mod auto;
 mod brdf;
 mod cone;
+mod filtered;
 mod refine;
 mod study;
 mod walk;
@@ -163,6 +164,9 @@ pub(crate) fn run_setup(
 ) -> Result<RunResult, DisplayError> {
     let meter = Meter::new(setup);
     let run = Run { accuracy, ..Run::new(setup, control, &meter) };
+    if setup.scene.display.filter().is_some() {
+        return filtered::run(&run);
+    }
     let forecast = (setup.scene.solver.method == Method::Auto).then(|| auto::choose(&run)).transpose()?;
     let method = forecast.as_ref().map_or(setup.scene.solver.method, |forecast| forecast.cheaper);
     let mut result = match method {
@@ -224,6 +228,10 @@ impl Run<'_> {
             Source::Disc(cone) => -cone.axis_towards(),
         };
         let image = specular_image(&self.setup.stack, beta);
+        if self.scene.display.filter().is_some() {
+            // Lambertian pixels have no image; a display with a filter has other states than its pixel.
+            return image.front.repeat(self.setup.states.len());
+        }
         image.base.iter().zip(image.front.iter().cycle()).map(|(base, front)| base + front).collect()
     }
 

@@ -80,6 +80,14 @@ impl Display {
         self.matrix.as_ref()?.filter.as_ref()
     }
 
+    /// Returns the names of the states, in order: those of the colour filter, or of the pixel.
+    pub fn state_names(&self) -> Vec<String> {
+        match self.filter() {
+            Some(filter) => filter.states.iter().map(|state| state.name.clone()).collect(),
+            None => crate::pixel::state_names(&self.pixel),
+        }
+    }
+
     /// Returns the thickness of each medium, mm, in the order of `lengths`; 0 above all layers that scatter or reflect
     /// light, where it has no effect on places.
     ///

@@ -13,6 +13,7 @@ mod by_light_and_angle;
 mod common;
 mod crosstalk;
 mod designs;
+mod filter;
 mod first_answers;
 mod front_light;
 mod honest_errors;

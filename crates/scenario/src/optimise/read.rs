@@ -1,7 +1,6 @@
 //! Evaluation of `[optimize]`: from its description to a search.
 
 use papilio_diagnostics::Diagnostic;
-use papilio_display::pixel::state_names;
 use papilio_display::scene::{Method as Solver, Scene};
 use serde_json::Value as Json;
 use sha2::{Digest, Sha256};
@@ -324,7 +323,7 @@ fn condition_scene(
         .flat_map(|one| one.variable.values(one.variable.start()).into_iter().map(|(_, value)| value))
         .collect();
     let resolved = varied.scenario(&values)?.resolve()?;
-    let states = state_names(&resolved.scene.display.pixel);
+    let states = resolved.scene.display.state_names();
     Ok(ConditionScene { scene: resolved.scene, states, hash: resolved.hash })
 }
 

@@ -30,7 +30,6 @@ pub(crate) use measure::measurement;
 use std::collections::BTreeMap;
 
 use papilio_diagnostics::Diagnostic;
-use papilio_display::pixel::state_names;
 use papilio_display::scene::{self, Scene, Strategy};
 use papilio_display::spatial::{Antiglare, Patterns};
 use papilio_spectra::Grid;
@@ -165,7 +164,7 @@ impl Resolver<'_> {
         let viewer = self.viewer(&file.viewer);
         self.check_slab_thickness(file);
         let (display, lighting, viewer, solver) = (display?, lighting?, viewer?, solver?);
-        let metrics = self.metrics(file, &display.pixel);
+        let metrics = self.metrics(file, &display);
         let scene = Scene { grid: self.grid, display, lighting, viewer, metrics, solver };
         self.check_panel(file, &scene);
         self.check_reach(file, &scene);
@@ -180,7 +179,7 @@ impl Resolver<'_> {
     }
 
     /// Resolves `[metrics]`. A specified reference state must be one of the display's.
-    fn metrics(&mut self, file: &File, pixel: &scene::Pixel) -> scene::Metrics {
+    fn metrics(&mut self, file: &File, display: &scene::Display) -> scene::Metrics {
         let asked = &file.metrics;
         let mut metrics = scene::Metrics {
             observer: match asked.observer.value {
@@ -205,7 +204,7 @@ impl Resolver<'_> {
                     .to_owned(),
             );
         }
-        let known = state_names(pixel);
+        let known = display.state_names();
         if metrics.white == scene::ReferenceWhite::Display && !known.iter().any(|name| name == "white") {
             let wrong = Diagnostic::new("metrics.white = \"display\", but this display has no state `white`");
             let wrong = wrong.expected("a display with a state `white`, to which L*, a* and b* are relative");
@@ -226,7 +225,7 @@ impl Resolver<'_> {
     /// Checks that the state of a target is one of the display's.
     fn check_target(&mut self, file: &File, scene: &Scene) {
         let Some(state) = file.solver.target.value.as_ref().map(|target| &target.state) else { return };
-        let known = state_names(&scene.display.pixel);
+        let known = scene.display.state_names();
         if let Some(name) = state.value.as_ref().filter(|name| !known.contains(name)) {
             self.err(state, mistake::no_such_state(name, &known));
         }
@@ -257,12 +256,7 @@ impl Resolver<'_> {
 
     /// Checks that the computation and its result fit into memory.
     fn check_size(&mut self, file: &File, scene: &Scene) {
-        let states = match &scene.display.pixel {
-            scene::Pixel::Film(film) => film.states.len(),
-            scene::Pixel::Table(table) => table.states.len(),
-            scene::Pixel::Uniform(uniform) => uniform.states.len(),
-            scene::Pixel::Scattering(scattering) => scattering.states.len(),
-        };
+        let states = scene.display.state_names().len();
         let bins = scene.grid.len();
         let (step, views_at) = (file.spectrum.step_nm.origin, file.viewer.theta_deg.origin);
         let (step, views_at) =

@@ -1,6 +1,5 @@
 //! `[pattern]`: states and periods of patterns.
 
-use papilio_display::pixel::state_names;
 use papilio_display::scene::Scene;
 use papilio_display::spatial::{PatternKind, Patterns};
 
@@ -12,7 +11,7 @@ impl Resolver<'_> {
     /// Resolves the patterns; its states must be those of the display.
     pub(super) fn patterns(&mut self, file: &File, scene: &Scene) -> Patterns {
         let Some(asked) = &file.pattern.value else { return Patterns::default() };
-        let known = state_names(&scene.display.pixel);
+        let known = scene.display.state_names();
         for state in [&asked.on, &asked.off] {
             if !known.contains(&state.0) && !asked.period_mm.is_empty() {
                 self.err(state, mistake::no_such_state(&state.0, &known));

@@ -13,6 +13,7 @@
 //! - [`Recycling`]: a pattern of reflectances in this light, through all orders.
 //! - [`Window`]: sub-pixels in the period of a pixel, with exact areas; [`stripes`] and [`rows`] arrange them. What is seen
 //!   of one through another: [`shares_by_shifts`], [`shares_by_transfer`], [`crosstalk`].
+//! - [`TwoPlanes`]: Lambertian pixels below a colour filter at a height, through all orders.
 //! - [`sparkle`]: random brightness of pixels below a rough face.
 //! - [`closed`]: closed forms of lobes and plates, a second method for all of these.
 //!
@@ -28,6 +29,7 @@ mod places;
 mod recycling;
 pub mod sparkle;
 mod spread;
+mod two_planes;
 mod window;
 
 pub use face::FaceReturn;
@@ -37,6 +39,9 @@ pub use panel_spread::{Grid, Kernel, PanelSpread, Part, SpreadError};
 pub use places::{Binned, Image, Peak, PointSpread};
 pub use recycling::{Cells, Recycling};
 pub use spread::{Accuracy, Gap, Light, Sample, Spread};
+pub use two_planes::{
+    Direction, FilteredPixels, Passed, PeriodCells, TwoPlanes, diffuse_directions, diffused_directions,
+};
 pub use window::{Rectangle, Window, crosstalk, shares_by_shifts, shares_by_transfer};
 
 use papilio_optics::Beta;

@@ -2,6 +2,7 @@
 //!
 //! Every number is computed at two levels of discretisation; the finer one is the result, the difference its error.
 
+mod filter;
 mod flat;
 mod places;
 mod result;
@@ -22,6 +23,7 @@ use self::surfaces::{Part, Surfaces};
 use super::response::name_of_light;
 use super::{Level, patterns};
 use crate::DisplayError;
+use crate::filtered::Filtered;
 use crate::meter::{Meter, PRIMARIES};
 use crate::result::Named;
 use crate::run::{Control, Progress, Workers, each};
@@ -44,7 +46,11 @@ const BLACK: &str = "black";
 /// # Errors
 /// If the scene is invalid, has no matrix, a length is missing, its kind of display or light is not covered, or the computation was stopped.
 pub fn crosstalk(scene: &Scene, text: &str, control: &Control<'_>) -> Result<CrosstalkResult, DisplayError> {
-    let setup = Setup::new(scene)?;
+    let setup = Setup::with_filter(scene)?;
+    if let Some(filtered) = Filtered::new(&setup)? {
+        let matrix = matrix(&setup)?;
+        return result(&setup, matrix, filter::views(&filtered, &setup, control)?);
+    }
     let frame = Frame::new(&setup, text)?;
     let mut workers = None;
     let pool =
@@ -59,15 +65,36 @@ pub fn crosstalk(scene: &Scene, text: &str, control: &Control<'_>) -> Result<Cro
         (control.progress)(Progress::of_views(done.fetch_add(1, Ordering::Relaxed) + 1, setup.views.len()));
         Ok(view)
     });
-    let views = views.into_iter().collect::<Result<Vec<CrosstalkView>, _>>()?;
+    result(&setup, frame.matrix, views.into_iter().collect::<Result<_, _>>()?)
+}
+
+fn matrix(setup: &Setup) -> Result<&Matrix, DisplayError> {
+    let missing = DisplayError::NoMatrix { command: "crosstalk" };
+    setup.scene.display.matrix.as_ref().ok_or(missing)
+}
+
+/// State of the page: white, or the first one.
+fn page(setup: &Setup) -> usize {
+    state(setup, PAGE).unwrap_or(0)
+}
+
+fn state(setup: &Setup, name: &str) -> Option<usize> {
+    setup.states.iter().position(|state| state == name)
+}
+
+fn result(
+    setup: &Setup,
+    matrix: &Matrix,
+    views: Vec<CrosstalkView>,
+) -> Result<CrosstalkResult, DisplayError> {
     let error_reached = views.iter().map(|view| view.shares.error).fold(0.0, f64::max);
     if !error_reached.is_finite() {
         return Err(DisplayError::NotFinite);
     }
     Ok(CrosstalkResult {
-        subpixels: frame.matrix.sub_pixels.iter().map(|one| one.name.clone()).collect(),
-        pitch_um: frame.matrix.pitch_mm.map(|pitch| 1e3 * pitch),
-        page: setup.states[frame.page].clone(),
+        subpixels: matrix.sub_pixels.iter().map(|one| one.name.clone()).collect(),
+        pitch_um: matrix.pitch_mm.map(|pitch| 1e3 * pitch),
+        page: setup.states.get(page(setup)).cloned().unwrap_or_default(),
         error_reached,
         views,
         warnings: Vec::new(),
@@ -94,6 +121,9 @@ struct Measured {
     names: Vec<String>,
     /// Y of the page through each window from each sub-pixel and the inactive area, `[light][window][sub-pixel]`.
     page: Vec<Vec<Vec<f64>>>,
+    /// Y that arrives at each sub-pixel through each window of a filter and, last, between them, `[light][window][sub-pixel]`; empty
+    /// without filter.
+    entered: Vec<Vec<Vec<f64>>>,
     /// Colour of each state as a figure on the page, `[figure][state]`; empty without such a figure.
     figures: [Vec<Colour>; 4],
     /// Colour of the page beside a black figure.
@@ -104,8 +134,7 @@ struct Measured {
 impl<'a> Frame<'a> {
     fn new(setup: &'a Setup, text: &str) -> Result<Self, DisplayError> {
         let scene = &setup.scene;
-        let missing = DisplayError::NoMatrix { command: "crosstalk" };
-        let matrix = scene.display.matrix.as_ref().ok_or(missing)?;
+        let matrix = matrix(setup)?;
         let lengths_mm = scene.display.lengths_mm()?;
         let panel = covered(setup)?;
         let surfaces = Surfaces::new(setup, matrix)?;
@@ -115,7 +144,6 @@ impl<'a> Frame<'a> {
                 parts.push(*part);
             }
         }
-        let page = setup.states.iter().position(|state| state == PAGE).unwrap_or(0);
         let thickness_mm = lengths_mm.last().copied().unwrap_or_default();
         Ok(Self {
             text: patterns::bitmap(scene, text, matrix.pitch_mm, thickness_mm),
@@ -126,12 +154,8 @@ impl<'a> Frame<'a> {
             lengths_mm,
             surfaces,
             parts,
-            page,
+            page: page(setup),
         })
-    }
-
-    fn state(&self, name: &str) -> Option<usize> {
-        self.setup.states.iter().position(|state| state == name)
     }
 
     fn view(&self, view: &ViewPoint) -> Result<CrosstalkView, DisplayError> {
@@ -139,77 +163,7 @@ impl<'a> Frame<'a> {
         let finest = pitch[0].min(pitch[1]);
         let at = |k: usize| self.measure(view, Level { digits: DIGITS[k], most_per_mm: ORDERS[k] / finest });
         let (coarse, fine) = (at(0)?, at(1)?);
-        let all = |level: &Measured| self.shares(level.page.iter());
-        let one = |level: &Measured, light: usize| self.shares(std::iter::once(&level.page[light]));
-        let by_light = fine
-            .names
-            .iter()
-            .enumerate()
-            .map(|(light, name)| (name.clone(), with_error(one(&fine, light), &one(&coarse, light))));
-        let pattern = |figure: Figure| {
-            let (values, other) = (self.values(&fine, figure), self.values(&coarse, figure));
-            PatternColours { name: figure, values, error: values.difference(&other) }
-        };
-        Ok(CrosstalkView {
-            theta_deg: view.theta_deg,
-            phi_deg: view.phi_deg,
-            by_light: Named(by_light.collect()),
-            shares: with_error(all(&fine), &all(&coarse)),
-            patterns: Figure::ALL.map(pattern).to_vec(),
-        })
-    }
-
-    /// Shares of light, from its Y through each window.
-    fn shares<'p>(&self, lights: impl Iterator<Item = &'p Vec<Vec<f64>>>) -> Shares {
-        let count = self.matrix.sub_pixels.len();
-        let mut sums = vec![vec![0.0; count + 1]; count];
-        for light in lights {
-            for (sum, row) in sums.iter_mut().zip(light) {
-                sum.iter_mut().zip(row).for_each(|(sum, light)| *sum += light);
-            }
-        }
-        let over = |part: f64, whole: f64| if whole > 0.0 { part / whole } else { 0.0 };
-        let active = |row: &[f64]| row[..count].iter().sum::<f64>();
-        let out = |row: &Vec<f64>| row[..count].iter().map(|light| over(*light, active(row))).collect();
-        let inactive = |row: &Vec<f64>| over(row[count], active(row) + row[count]);
-        let own: f64 = sums.iter().enumerate().map(|(i, row)| row[i]).sum();
-        let total: f64 = sums.iter().map(|row| active(row)).sum();
-        Shares {
-            out: sums.iter().map(out).collect(),
-            inactive_out: sums.iter().map(inactive).collect(),
-            own_share_out: (total > 0.0).then(|| own / total),
-            in_: None,
-            between_in: None,
-            own_share_in: None,
-            error: 0.0,
-        }
-    }
-
-    fn values(&self, measured: &Measured, figure: Figure) -> PatternValues {
-        let colours = &measured.figures[figure as usize];
-        if colours.is_empty() {
-            return PatternValues::default();
-        }
-        let colour = |name: &str, faces: f64| {
-            let colour = colours[self.state(name)?];
-            Some([0, 1, 2].map(|k| colour[k] + faces * measured.from_faces[k]))
-        };
-        let uv = |name| {
-            let [x, y, z] = colour(name, 1.0)?;
-            Xyz { x, y, z }.uv_prime()
-        };
-        let triangle: Option<Vec<UvPrime>> = PRIMARIES.into_iter().map(uv).collect();
-        let triangle = triangle.and_then(|uv| <[UvPrime; 3]>::try_from(uv).ok());
-        let contrast = |faces: f64| {
-            let (page, black) = (measured.beside[figure as usize]?, colour(BLACK, faces)?);
-            let page = page[1] + faces * measured.from_faces[1];
-            (black[1] > 0.0).then(|| page / black[1])
-        };
-        PatternValues {
-            gamut_percent_srgb: triangle.map(|uv| gamut_percent(uv, GamutReference::Srgb)),
-            contrast_ratio: contrast(1.0),
-            contrast_ratio_via_pixel: contrast(0.0),
-        }
+        Ok(assembled(self.setup, view, &coarse, &fine))
     }
 
     fn measure(&self, view: &ViewPoint, level: Level) -> Result<Measured, DisplayError> {
@@ -222,6 +176,7 @@ impl<'a> Frame<'a> {
         let mut measured = Measured {
             names: Vec::new(),
             page: Vec::new(),
+            entered: Vec::new(),
             figures: std::array::from_fn(|_| Vec::new()),
             beside: [None; 4],
             from_faces: [0.0; 3],
@@ -263,7 +218,7 @@ impl<'a> Frame<'a> {
                 (Some(gathered), _) => self.blurred(figure, &pages, gathered),
             };
             measured.figures[figure as usize] = colours;
-            measured.beside[figure as usize] = beside.filter(|_| self.setup.states[self.page] == PAGE);
+            measured.beside[figure as usize] = beside.filter(|_| state(self.setup, PAGE).is_some());
         }
         Ok(measured)
     }
@@ -329,7 +284,7 @@ impl<'a> Frame<'a> {
             colour
         };
         let colours = (0..pages.len()).map(|state| on(state, self.page)).collect();
-        let beside = match (figure, self.state(BLACK)) {
+        let beside = match (figure, state(self.setup, BLACK)) {
             (Figure::Stripe, Some(black)) => on(self.page, black),
             _ => pages[self.page],
         };
@@ -383,11 +338,119 @@ impl<'a> Frame<'a> {
             flat::colour(&by_wavelength.each_ref().map(|light| row(light, own)), &factors)
         };
         let colours = (0..pages.len()).map(|state| on(state, self.page)).collect();
-        let beside = match (figure, self.state(BLACK)) {
+        let beside = match (figure, state(self.setup, BLACK)) {
             (Figure::Stripe, Some(black)) => on(self.page, black),
             _ => pages[self.page],
         };
         (colours, Some(beside))
+    }
+}
+
+/// What a view sees, from two levels.
+fn assembled(setup: &Setup, view: &ViewPoint, coarse: &Measured, fine: &Measured) -> CrosstalkView {
+    let all = |level: &Measured| shares(&level.page, &level.entered);
+    let one = |level: &Measured, light: usize| {
+        let entered = level.entered.get(light).map_or(&[][..], std::slice::from_ref);
+        shares(&level.page[light..=light], entered)
+    };
+    let by_light = fine.names.iter().enumerate();
+    let by_light =
+        by_light.map(|(light, name)| (name.clone(), with_error(one(fine, light), &one(coarse, light))));
+    let pattern = |figure: Figure| {
+        let (values, other) = (values(setup, fine, figure), values(setup, coarse, figure));
+        PatternColours { name: figure, values, error: values.difference(&other) }
+    };
+    CrosstalkView {
+        theta_deg: view.theta_deg,
+        phi_deg: view.phi_deg,
+        by_light: Named(by_light.collect()),
+        shares: with_error(all(fine), &all(coarse)),
+        patterns: Figure::ALL.map(pattern).to_vec(),
+    }
+}
+
+/// Shares of lights, `[light][window][sub-pixel]`.
+fn shares(page: &[Vec<Vec<f64>>], entered: &[Vec<Vec<f64>>]) -> Shares {
+    let out = Rows::new(&sum(page));
+    let entered = (!entered.is_empty()).then(|| {
+        let sums = sum(entered);
+        let count = sums.first().map_or(0, Vec::len);
+        let row = |sub_pixel: usize| sums.iter().map(|window| window[sub_pixel]).collect();
+        Rows::new(&(0..count).map(row).collect::<Vec<_>>())
+    });
+    Shares {
+        out: out.shares,
+        inactive_out: out.rest,
+        own_share_out: out.own,
+        own_share_in: entered.as_ref().and_then(|entered| entered.own),
+        between_in: entered.as_ref().map(|entered| entered.rest.clone()),
+        in_: entered.map(|entered| entered.shares),
+        error: 0.0,
+    }
+}
+
+/// Shares of the light of each row.
+struct Rows {
+    /// Of each row, all but the last of its light: sums are 1.
+    shares: Vec<Vec<f64>>,
+    /// The last, over all light of the row.
+    rest: Vec<f64>,
+    /// Light of the diagonal over all light but the last.
+    own: Option<f64>,
+}
+
+impl Rows {
+    fn new(light: &[Vec<f64>]) -> Self {
+        let count = light.len();
+        let over = |part: f64, whole: f64| if whole > 0.0 { part / whole } else { 0.0 };
+        let active = |row: &[f64]| row[..count].iter().sum::<f64>();
+        let shares = |row: &Vec<f64>| row[..count].iter().map(|light| over(*light, active(row))).collect();
+        let rest = |row: &Vec<f64>| over(row[count], active(row) + row[count]);
+        let own: f64 = light.iter().enumerate().map(|(i, row)| row[i]).sum();
+        let total: f64 = light.iter().map(|row| active(row)).sum();
+        Self {
+            shares: light.iter().map(shares).collect(),
+            rest: light.iter().map(rest).collect(),
+            own: (total > 0.0).then(|| own / total),
+        }
+    }
+}
+
+/// Sum over lights.
+fn sum(lights: &[Vec<Vec<f64>>]) -> Vec<Vec<f64>> {
+    let mut sums = lights.first().cloned().unwrap_or_default();
+    for light in lights.iter().skip(1) {
+        for (sum, row) in sums.iter_mut().zip(light) {
+            sum.iter_mut().zip(row).for_each(|(sum, light)| *sum += light);
+        }
+    }
+    sums
+}
+
+fn values(setup: &Setup, measured: &Measured, figure: Figure) -> PatternValues {
+    let colours = &measured.figures[figure as usize];
+    if colours.is_empty() {
+        return PatternValues::default();
+    }
+    let colour = |name: &str, faces: f64| {
+        let colour = colours[state(setup, name)?];
+        Some([0, 1, 2].map(|k| colour[k] + faces * measured.from_faces[k]))
+    };
+    let uv = |name| {
+        let [x, y, z] = colour(name, 1.0)?;
+        Xyz { x, y, z }.uv_prime()
+    };
+    let triangle: Option<Vec<UvPrime>> = PRIMARIES.into_iter().map(uv).collect();
+    let triangle = triangle.and_then(|uv| <[UvPrime; 3]>::try_from(uv).ok());
+    let contrast = |faces: f64| {
+        let (page, black) = (measured.beside[figure as usize]?, colour(BLACK, faces)?);
+        let page = page[1] + faces * measured.from_faces[1];
+        (black[1] > 0.0).then(|| page / black[1])
+    };
+    PatternValues {
+        gamut_percent_srgb: triangle.map(|uv| gamut_percent(uv, GamutReference::Srgb)),
+        contrast_ratio: contrast(1.0),
+        contrast_ratio_via_pixel: contrast(0.0),
     }
 }
 

@@ -4,6 +4,7 @@
 //! `x = t + G B x`: t is transmitted light, B the reflectance below, G the light that the layers above send
 //! back down. B differs by state and wavelength and is a factor for each direction ([`reflections`]).
 
+mod block;
 mod reflections;
 
 use std::ops::Range;
@@ -13,7 +14,7 @@ use super::grid::Grid;
 use super::matrix::Matrix;
 use super::part::Part;
 use super::single::{Chain, Single};
-use reflections::Reflections;
+pub(super) use block::Block;
 
 /// The layers down to the last scatterer in one azimuthal order, as far as views and sources require it. Of
 /// the nodes with weight it contains those that the medium below carries. Extra nodes are counted from the
@@ -78,24 +79,33 @@ enum Back {
 }
 
 impl Back {
-    /// Adds the reflection of light, `[node, column]`, or its transpose.
-    fn add(&self, rising: &Matrix, sum: &mut Matrix, reversed: bool) {
-        match self {
-            Self::Formed(kernel) if reversed => sum.add_transposed_product(kernel, rising, 1.0),
-            Self::Formed(kernel) => sum.add_scaled_product(kernel, rising, 1.0),
-            Self::Chain(chain) => chain.add(rising, sum, reversed),
+    /// Returns whether the light of both takes the same kernels.
+    fn shares(&self, other: &Self) -> bool {
+        match (self, other) {
+            (Self::Chain(one), Self::Chain(other)) => one.shares(other),
+            _ => std::ptr::eq(self, other),
         }
     }
 
-    /// Returns it as one kernel among this many nodes.
-    fn formed(&self, nodes: usize, reversed: bool) -> Matrix {
-        let mut kernel = Matrix::zeros(nodes, nodes);
-        self.add(
-            &Matrix::from_fn(nodes, nodes, |i, j| if i == j { 1.0 } else { 0.0 }),
-            &mut kernel,
-            reversed,
-        );
-        kernel
+    /// Adds the reflection of light, `[node, column]`, or its transpose; `layers` is one for each column, and all share
+    /// their kernels.
+    fn add(layers: &[&Above], rising: &Matrix, sum: &mut Matrix, reversed: bool) {
+        let Some(first) = layers.first() else { return };
+        match &first.below {
+            Self::Formed(kernel) if reversed => sum.add_transposed_product(kernel, rising, 1.0),
+            Self::Formed(kernel) => sum.add_scaled_product(kernel, rising, 1.0),
+            Self::Chain(_) => {
+                let chains: Vec<&Chain> = layers.iter().filter_map(|above| above.below.chain()).collect();
+                Chain::add(&chains, rising, sum, reversed);
+            }
+        }
+    }
+
+    fn chain(&self) -> Option<&Chain> {
+        match self {
+            Self::Chain(chain) => Some(chain),
+            Self::Formed(_) => None,
+        }
     }
 }
 
@@ -109,6 +119,10 @@ pub(super) struct Rising {
     beam: Vec<f64>,
     /// Extra node of the beam.
     extra: usize,
+    /// Scattered light that has met the base once, if it is known apart.
+    once: Option<Matrix>,
+    /// Whether it has no other light.
+    is_once_alone: bool,
 }
 
 /// Light that falls on the layers below, in the same form as [`Rising`].
@@ -264,29 +278,18 @@ impl Above {
         self.front[(extra, light)]
     }
 
-    /// Returns the light that rises from the base, given its reflectance `[node, column]`, to this error
-    /// relative to the largest density or to `floor`, by column; `floor` is raised to the largest density
-    /// found.
-    pub(super) fn rise(&self, extra: usize, base: &Matrix, tolerance: f64, floor: &mut [f64]) -> Rising {
-        let (n, columns) = (self.carried, base.columns());
-        let (node, entering) = (n + extra, self.entering(extra));
-        let beam: Vec<f64> = (0..columns).map(|c| self.regular_rise(node, base[(node, c)])).collect();
-        let mut arrives = Matrix::zeros(n, columns);
-        for (c, column) in arrives.columns_mut() {
-            let scattered = self.down.column(entering).iter().zip(self.below_extras.column(entering));
-            column.iter_mut().zip(scattered).for_each(|(x, (d, g))| *x = d + g * beam[c]);
-        }
-        let reflections = Reflections::new(self, arrives, base, tolerance, false);
-        Rising { scattered: reflections.rising(base, floor), beam, extra }
+    /// Returns whether its light takes the same kernels as that of another.
+    fn shares_kernels(&self, other: &Self) -> bool {
+        self.carried == other.carried && self.entering == other.entering && self.below.shares(&other.below)
     }
 
-    /// Returns the solution of the transposed problem: light on the nodes whose product with the light that arrives at
-    /// the base, scattered, is the total of a functional of the light that rises; `functional` is its value at each
-    /// node with weight, scaled.
-    pub(super) fn functional_of_arriving(&self, functional: &[f64], base: &Matrix, tolerance: f64) -> Matrix {
-        let values = Matrix::from_fn(self.carried, base.columns(), |i, _| functional[i]);
-        let reflections = Reflections::new(self, values, base, tolerance, true);
-        reflections.rising(base, &mut vec![0.0; base.columns()])
+    /// Returns its reflection of light from below as one kernel.
+    fn formed(&self, reversed: bool) -> Matrix {
+        let n = self.carried;
+        let mut kernel = Matrix::zeros(n, n);
+        let units = Matrix::from_fn(n, n, |i, j| if i == j { 1.0 } else { 0.0 });
+        Back::add(&vec![self; n], &units, &mut kernel, reversed);
+        kernel
     }
 
     /// Returns the regular light of a unit beam at a node that rises from a base of this reflectance.
@@ -314,48 +317,19 @@ impl Above {
                 *x = d + g * rises + straight * up;
             }
         }
-        self.below.add(&rising.scattered, &mut scattered, false);
-        Falling { scattered, beam, extra: rising.extra }
+        Back::add(&vec![self; base.columns()], &rising.scattered, &mut scattered, false);
+        Falling { scattered, beam, extra: rising.extra, once: None, is_once_alone: false }
     }
 
-    /// Returns scattered light that rises, times the kernels towards each of these extra nodes, `[column, node]`:
-    /// of light that leaves, and of light that is reflected once more.
-    pub(super) fn scattered_to(&self, scattered: &Matrix, extras: &[usize]) -> [Matrix; 2] {
-        match &self.below {
-            Back::Chain(chain) => {
-                chain.towards_extras(scattered).map(|towards| towards.transposed_rows(extras))
-            }
-            Back::Formed(_) => [&self.down, &self.below_extras].map(|kernel| {
-                let mut sums = Matrix::zeros(scattered.columns(), extras.len());
-                sums.add_transposed_product(scattered, &kernel.some_columns(extras), 1.0);
-                sums
-            }),
-        }
-    }
-
-    /// Returns the same of the light of a beam. What the base, of reflectance `[node, column]`, has reflected only once
-    /// does not leave if it is apart.
-    pub(super) fn rising_to(&self, rising: &Rising, extras: &[usize], base: &Matrix) -> [Matrix; 2] {
-        let [mut leaving, again] = self.scattered_to(&rising.scattered, extras);
-        if self.first_apart {
-            let first = self.down.column(self.entering(rising.extra));
-            let towards: Vec<usize> = extras.iter().map(|extra| self.entering(*extra)).collect();
-            let once =
-                Matrix::from_fn(self.carried, extras.len(), |i, to| first[i] * self.down[(i, towards[to])]);
-            leaving.add_transposed_product(base, &once, -1.0);
-        }
-        [leaving, again]
-    }
-
-    /// Returns the kernel of the whole display between a view's extra node and a light, by column: the beam
-    /// entered at one of them and leaves at `to`, the other; `sums` are those of [`Self::scattered_to`].
-    pub(super) fn leaves(
+    /// Returns the kernel of the whole display between a view's extra node and a light, for some columns: the beam
+    /// entered at one of them and leaves at `to`, the other; `sums` are those of [`Block::scattered_to`].
+    fn leaves(
         &self,
         rising: &Rising,
         [down, below]: [&[f64]; 2],
         pair: (usize, usize),
         to: usize,
-        base: &Matrix,
+        (base, columns): (&Matrix, Range<usize>),
     ) -> Vec<f64> {
         let n = self.carried;
         let (mut there, mut back) = (self.from_light[pair], self.to_light[pair]);
@@ -369,7 +343,7 @@ impl Above {
             let trips = round_trips(base[(n + to, c)], self.below_straight[n + to]);
             out + self.down_straight[n + to] * trips * back
         };
-        (0..base.columns()).map(one).collect()
+        columns.map(one).collect()
     }
 }
 
@@ -389,6 +363,17 @@ impl Rising {
     /// Returns the number of columns.
     pub(super) fn columns(&self) -> usize {
         self.beam.len()
+    }
+
+    /// Returns some columns of it.
+    pub(super) fn some(&self, columns: Range<usize>) -> Self {
+        Self {
+            scattered: self.scattered.columns_in(columns.clone()),
+            beam: self.beam[columns].to_vec(),
+            extra: self.extra,
+            once: None,
+            is_once_alone: false,
+        }
     }
 
     /// Returns the total of a functional, by column: `share` is its value for unit light at each node that

@@ -5,10 +5,12 @@
 //! sees of a beam from a source (the kernel towards it). So does the beam that enters from the source. Beams
 //! are followed from whichever side has fewer directions.
 
+use std::borrow::Cow;
+use std::ops::Range;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use super::base::{Above, Ends, Rising};
+use super::base::{Above, Block, Ends, Rising};
 use super::columns::{BaseColumns, Columns};
 use super::diffuse_response::DiffuseResponse;
 use super::directions::{Directions, extras};
@@ -16,6 +18,7 @@ use super::first_bounce::FirstBounce;
 use super::gather::{Gathering, Kernels};
 use super::matrix::Matrix;
 use super::once::Once;
+use super::precision::Precision;
 use super::prepare::Group;
 use crate::{Base, Estimate, Layered, Ledger, ReflectanceFactor};
 
@@ -56,6 +59,50 @@ pub(super) struct Followed {
     known: Seen,
     /// Largest densities found so far, `[group][beam][column]`.
     floors: Vec<Vec<Vec<f64>>>,
+    /// Number of each group's first column among those of all groups, and of its first wavelength.
+    firsts: Vec<[usize; 2]>,
+    /// Light of each group that has met the base more than once.
+    again: Vec<Again>,
+}
+
+/// Light of a group that has met the base more than once, in the orders so far.
+#[derive(Debug, Clone, Default)]
+struct Again {
+    /// All light, by pair of directions: the largest of all columns, summed over the orders.
+    sums: Vec<f64>,
+    /// Largest light of this order that has met the base more than once, by pair.
+    now: Vec<f64>,
+    /// Number of successive orders in which it was negligible.
+    quiet: usize,
+}
+
+/// Number of successive orders in which light must be negligible: it may vanish in one by chance.
+const QUIET_ORDERS: usize = 3;
+
+impl Again {
+    /// Adds kernels of a pair of directions by column: all light, and that which has met the base once.
+    fn add(&mut self, pair: usize, all: &[f64], once: &[f64]) {
+        if self.sums.len() <= pair {
+            self.sums.resize(pair + 1, 0.0);
+            self.now.resize(pair + 1, 0.0);
+        }
+        let largest = |values: &mut dyn Iterator<Item = f64>| values.fold(0.0, f64::max);
+        self.sums[pair] += largest(&mut all.iter().map(|x| x.abs()));
+        self.now[pair] = largest(&mut all.iter().zip(once).map(|(all, once)| (all - once).abs()));
+    }
+
+    /// Ends an order, given the tolerance.
+    fn end_order(&mut self, order: usize, tolerance: f64) {
+        // What remains of a series that decreases by e^14 up to an order, in units of its last term, as for all light.
+        let rest = 1.0 + order as f64 / 14.0;
+        let is_small = self.now.iter().zip(&self.sums).all(|(now, sum)| now * rest <= tolerance * sum);
+        self.quiet = if is_small && !self.now.is_empty() { self.quiet + 1 } else { 0 };
+    }
+
+    /// Returns whether it can be left out of all orders that follow.
+    fn is_negligible(&self) -> bool {
+        self.quiet >= QUIET_ORDERS
+    }
 }
 
 impl BeamResponse {
@@ -85,7 +132,7 @@ impl BeamResponse {
         order: usize,
         groups: &[&Group],
         above: &[Option<&Above>],
-        tolerance: f64,
+        precision: &Precision,
         stop: &AtomicBool,
     ) {
         if order == 0 {
@@ -93,7 +140,7 @@ impl BeamResponse {
             self.families.push(Followed::new(stack, directions, groups, known));
         }
         if let Some(family) = self.families.last_mut() {
-            let kernels = family.follow(order, groups, above, tolerance, stop);
+            let kernels = family.follow(order, groups, above, precision, stop);
             if !stop.load(Ordering::Relaxed) {
                 family.gathering(directions, &mut self.beams).add_order(order, &kernels);
             }
@@ -106,13 +153,13 @@ impl BeamResponse {
         directions: &Directions,
         groups: &[&Group],
         once: &Once,
-        tolerance: f64,
+        precision: &Precision,
         stop: &AtomicBool,
     ) {
         if let Some(family) = self.families.last_mut() {
             let above: Vec<Option<&Above>> = once.above.iter().map(Option::as_ref).collect();
             // Any order but the first, which also computes diffuse light.
-            let kernels = family.follow(1, groups, &above, tolerance, stop);
+            let kernels = family.follow(1, groups, &above, precision, stop);
             family.gathering(directions, &mut self.beams).add_once(&kernels, &once.way, stop);
         }
     }
@@ -165,8 +212,17 @@ impl Followed {
         let beta = views.iter().map(|extra| directions.beta[*extra]).collect();
         let bins: Vec<Vec<usize>> = groups.iter().map(|group| group.bins.clone()).collect();
         let known = if known.bins == bins { known } else { Seen::default() };
+        let columns = Columns::new(stack, groups);
+        let mut next = [0, 0];
+        let first = |(columns, bins): (&Columns, &Vec<usize>)| {
+            let first = next;
+            next = [next[0] + columns.len(), next[1] + bins.len()];
+            first
+        };
         Self {
-            columns: Columns::new(stack, groups),
+            firsts: columns.iter().zip(&bins).map(first).collect(),
+            again: vec![Again::default(); groups.len()],
+            columns,
             views,
             lights: extras(&directions.sources),
             ledger: directions.ledger,
@@ -182,7 +238,7 @@ impl Followed {
         self.views.binary_search(&extra).unwrap_or_default()
     }
 
-    /// Returns the index of the pair of a view's and a light's extra nodes.
+    /// Returns the number of the pair of a view's and a light's extra nodes.
     fn pair(&self, view: usize, light: usize) -> usize {
         view * self.lights.len() + light
     }
@@ -193,136 +249,188 @@ impl Followed {
         order: usize,
         groups: &[&Group],
         above: &[Option<&Above>],
-        tolerance: f64,
+        precision: &Precision,
         stop: &AtomicBool,
     ) -> Kernels {
         let pairs = self.views.len() * self.lights.len();
-        let columns = self.columns.iter().map(Columns::len).sum();
+        let columns = std::mem::take(&mut self.columns);
         let mut kernels = Kernels {
-            base: Matrix::zeros(columns, pairs),
+            base: Matrix::zeros(columns.iter().map(Columns::len).sum(), pairs),
             front: Matrix::zeros(self.bins.iter().map(Vec::len).sum(), pairs),
         };
-        let mut first = (0, 0);
-        for (number, (group, above)) in groups.iter().zip(above).enumerate() {
-            if let Some(above) = above {
-                self.follow_group(order, (number, group), above, tolerance, first, &mut kernels, stop);
+        // Later orders have no nodes with weight.
+        let below = |number: usize, above: &Above| match above.carried() {
+            0 => Cow::Owned(columns[number].below.rows_from(groups[number].node(0))),
+            _ => Cow::Borrowed(&columns[number].below),
+        };
+        let each: Vec<(usize, &Above, Cow<'_, Matrix>)> = above
+            .iter()
+            .enumerate()
+            .filter_map(|(number, above)| above.map(|above| (number, above, below(number, above))))
+            .collect();
+        for block in Block::divide(each.iter().map(|(number, above, below)| (*number, *above, &**below))) {
+            if stop.load(Ordering::Relaxed) {
+                break;
             }
-            first = (first.0 + self.columns[number].len(), first.1 + self.bins[number].len());
+            self.follow_block(order, &block, (groups, &columns), precision, &mut kernels, stop);
         }
+        self.columns = columns;
         kernels
     }
 
-    #[allow(clippy::too_many_arguments, reason = "the data of a group, and where its results go")]
-    fn follow_group(
+    /// Follows beams through an order of the groups of a block.
+    fn follow_block(
         &mut self,
         order: usize,
-        (number, group): (usize, &Group),
-        above: &Above,
-        tolerance: f64,
-        first: (usize, usize),
+        block: &Block<'_>,
+        (groups, columns): (&[&Group], &[Columns]),
+        precision: &Precision,
         kernels: &mut Kernels,
         stop: &AtomicBool,
     ) {
         let ends = Ends { views: &self.views, lights: &self.lights };
         let (is_from_views, beams) = (ends.is_from_views(), ends.beams().to_vec());
-        // Later orders have no nodes with weight.
-        let extras_alone =
-            (above.carried() == 0).then(|| self.columns[number].below.rows_from(group.node(0)));
-        if order == 0 && !is_from_views && !self.ledger {
-            let columns = &self.columns[number];
-            let seen = DiffuseResponse::of_views(group, columns, above, &self.views, tolerance);
-            self.seen.groups[number] = seen.into_iter().map(Arc::new).collect();
-        } else if order == 0 && !is_from_views {
-            for view in 0..self.views.len() {
-                if stop.load(Ordering::Relaxed) {
-                    return;
-                }
-                self.see(view, (number, group), above, tolerance, None);
-            }
+        if order == 0 && !is_from_views {
+            self.see_all(block, (groups, columns), precision.iteration, stop);
         }
-        let mut floors = std::mem::take(&mut self.floors[number]);
+        let once_alone = block.groups().all(|(number, _)| self.again[number].is_negligible());
         for (beam, extra) in beams.iter().enumerate() {
             if stop.load(Ordering::Relaxed) {
                 return;
             }
-            let below = extras_alone.as_ref().unwrap_or(&self.columns[number].below);
-            floors.resize_with(beams.len(), || vec![0.0; below.columns()]);
-            let rising = above.rise(*extra, below, tolerance, &mut floors[beam]);
+            let mut floor = self.floor(beam, block);
+            let rising = block.rise(*extra, precision.iteration, &mut floor, once_alone);
+            self.raise_floor(beam, block, &floor);
             if order == 0 && is_from_views {
-                self.see(beam, (number, group), above, tolerance, Some(&rising));
+                for (number, some) in block.groups() {
+                    let above = block.above(&some);
+                    let rising = Some(rising.some(some));
+                    self.see(beam, (number, groups[number], &columns[number]), above, rising);
+                }
             }
-            let below = extras_alone.as_ref().unwrap_or(&self.columns[number].below);
-            self.pass_on(
-                order,
-                (number, group),
-                (above, below),
-                (is_from_views, beam),
-                &rising,
-                first,
-                kernels,
-            );
+            self.pass_on(order, block, (groups, columns), (is_from_views, beam), &rising, kernels);
         }
-        self.floors[number] = floors;
+        for (number, _) in block.groups() {
+            // Far from the peak, orders nearly cancel each other: the tolerance is that of the iteration.
+            self.again[number].end_order(order, precision.iteration);
+        }
     }
 
-    /// Adds the response of a view to diffuse light, unless it is known; `rising` is the light of its beam, if that
-    /// has been followed.
+    /// Returns the largest densities of a beam so far, by column of a block.
+    fn floor(&self, beam: usize, block: &Block<'_>) -> Vec<f64> {
+        let of_group = |(number, columns): (usize, Range<usize>)| match self.floors[number].get(beam) {
+            Some(floor) => floor.clone(),
+            None => vec![0.0; columns.len()],
+        };
+        block.groups().flat_map(of_group).collect()
+    }
+
+    fn raise_floor(&mut self, beam: usize, block: &Block<'_>, floor: &[f64]) {
+        for (number, columns) in block.groups() {
+            let floors = &mut self.floors[number];
+            floors.resize_with(floors.len().max(beam + 1), Vec::new);
+            floors[beam] = floor[columns].to_vec();
+        }
+    }
+
+    /// Adds the responses of all views to diffuse light, where beams are followed from the lights.
+    fn see_all(
+        &mut self,
+        block: &Block<'_>,
+        (groups, columns): (&[&Group], &[Columns]),
+        tolerance: f64,
+        stop: &AtomicBool,
+    ) {
+        if !self.ledger {
+            for (number, some) in block.groups() {
+                let above = block.above(&some);
+                let seen = DiffuseResponse::of_views(
+                    groups[number],
+                    &columns[number],
+                    above,
+                    &self.views,
+                    tolerance,
+                );
+                self.seen.groups[number] = seen.into_iter().map(Arc::new).collect();
+            }
+            return;
+        }
+        for view in 0..self.views.len() {
+            if stop.load(Ordering::Relaxed) {
+                return;
+            }
+            let is_known = block.groups().all(|(number, _)| self.known_response(number, view).is_some());
+            let mut floor = vec![0.0; block.columns()];
+            let rising = (!is_known).then(|| block.rise(self.views[view], tolerance, &mut floor, false));
+            for (number, some) in block.groups() {
+                let rising = rising.as_ref().map(|rising| rising.some(some.clone()));
+                self.see(view, (number, groups[number], &columns[number]), block.above(&some), rising);
+            }
+        }
+    }
+
+    /// Returns the response of a view to diffuse light, if it is known.
+    fn known_response(&self, group: usize, view: usize) -> Option<&Arc<DiffuseResponse>> {
+        let known = self.known.beta.iter().position(|beta| *beta == self.seen.beta[view])?;
+        self.known.groups.get(group)?.get(known)
+    }
+
+    /// Adds the response of a view to diffuse light, unless it is known; `rising` is the light of its beam, if it is not.
     fn see(
         &mut self,
         view: usize,
-        (number, group): (usize, &Group),
+        (number, group, columns): (usize, &Group, &Columns),
         above: &Above,
-        tolerance: f64,
-        rising: Option<&Rising>,
+        rising: Option<Rising>,
     ) {
-        let known = self.known.beta.iter().position(|beta| *beta == self.seen.beta[view]);
-        let known = known.and_then(|view| self.known.groups.get(number)?.get(view));
-        let response = known.map(Arc::clone).unwrap_or_else(|| {
-            let columns = &self.columns[number];
-            let new = |rising: &Rising| Arc::new(DiffuseResponse::new(group, columns, above, rising));
-            rising.map(new).unwrap_or_else(|| {
-                let mut floor = vec![0.0; columns.below.columns()];
-                new(&above.rise(self.views[view], &columns.below, tolerance, &mut floor))
-            })
-        });
-        self.seen.groups[number].push(response);
+        let known = self.known_response(number, view).map(Arc::clone);
+        let new = |rising: &Rising| Arc::new(DiffuseResponse::new(group, columns, above, rising));
+        let response = known.or_else(|| rising.as_ref().map(new));
+        self.seen.groups[number].extend(response);
     }
 
     /// Adds the light of a beam that leaves the display to the kernels.
-    #[allow(clippy::too_many_arguments, reason = "a beam, and where its light goes")]
     fn pass_on(
-        &self,
+        &mut self,
         order: usize,
-        (number, group): (usize, &Group),
-        (above, below): (&Above, &Matrix),
+        block: &Block<'_>,
+        (groups, columns): (&[&Group], &[Columns]),
         (is_from_views, beam): (bool, usize),
         rising: &Rising,
-        first: (usize, usize),
         kernels: &mut Kernels,
     ) {
-        let columns = &self.columns[number];
         let others = if is_from_views { &self.lights } else { &self.views };
-        let scattered = above.rising_to(rising, others, below);
+        let scattered = block.rising_to(rising, others);
+        let met_once = block.met_once(rising, others);
         for (other, to) in others.iter().enumerate() {
             let (view, light) = if is_from_views { (beam, other) } else { (other, beam) };
             let pair = (self.views[view], light);
-            let sums = scattered.each_ref().map(|sums| sums.column(other));
-            let mut kernel = above.leaves(rising, sums, pair, *to, below);
-            let dark = kernel.pop().unwrap_or(0.0);
-            let front = above.front(self.views[view], light) + dark;
-            let pair = self.pair(view, light);
-            kernels.front.column_mut(pair)[first.1..][..group.bins.len()].fill(front);
-            let column = &mut kernels.base.column_mut(pair)[first.0..][..columns.len()];
-            match &columns.base {
-                BaseColumns::Specular(_) => {
-                    column.iter_mut().zip(&kernel).for_each(|(x, value)| *x = value - dark);
+            let number_of_pair = self.pair(view, light);
+            let leaves = |scattered: &[Matrix; 2], some: &Range<usize>| {
+                block.leaves(rising, scattered.each_ref().map(|sums| sums.column(other)), pair, *to, some)
+            };
+            for (number, some) in block.groups() {
+                let mut kernel = leaves(&scattered, &some);
+                if let Some(met_once) = &met_once {
+                    self.again[number].add(number_of_pair, &kernel, &leaves(met_once, &some));
                 }
-                BaseColumns::Lambertian(_) if order == 0 => {
-                    let seen = &self.seen.groups[number][view];
-                    let by_base = seen.by_way_of_base(group, self.lights[light]);
-                    column.iter_mut().zip(by_base).for_each(|(x, value)| *x = value);
+                let dark = kernel.pop().unwrap_or(0.0);
+                let (group, columns) = (groups[number], &columns[number]);
+                let front = block.above(&some).front(self.views[view], light) + dark;
+                let [first, first_bin] = self.firsts[number];
+                kernels.front.column_mut(number_of_pair)[first_bin..][..group.bins.len()].fill(front);
+                let column = &mut kernels.base.column_mut(number_of_pair)[first..][..columns.len()];
+                match &columns.base {
+                    BaseColumns::Specular(_) => {
+                        column.iter_mut().zip(&kernel).for_each(|(x, value)| *x = value - dark);
+                    }
+                    BaseColumns::Lambertian(_) if order == 0 => {
+                        let seen = &self.seen.groups[number][view];
+                        let by_base = seen.by_way_of_base(group, self.lights[light]);
+                        column.iter_mut().zip(by_base).for_each(|(x, value)| *x = value);
+                    }
+                    BaseColumns::Lambertian(_) => {}
                 }
-                BaseColumns::Lambertian(_) => {}
             }
         }
     }

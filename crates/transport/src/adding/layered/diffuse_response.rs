@@ -1,7 +1,7 @@
 //! Distribution of a unit beam that enters the display: diffuse light seen by a view (by reciprocity, the
 //! fraction of the beam that leaves), and the ledger. Only azimuthal order 0 contributes.
 
-use super::base::{Above, Falling, Rising};
+use super::base::{Above, Block, Falling, Rising};
 use super::columns::{BaseColumns, Columns, arrives};
 use super::matrix::Matrix;
 use super::prepare::Group;
@@ -57,8 +57,9 @@ impl DiffuseResponse {
         }
         let leaving: Vec<f64> =
             shares.scale.iter().zip(&shares.leaving).map(|(s, share)| s * share).collect();
-        let light = above.functional_of_arriving(&leaving, &columns.below, tolerance);
-        let [down, below] = above.scattered_to(&light, views);
+        let block = Block::new(&[(0, above, &columns.below)]);
+        let light = block.functional_of_arriving(&leaving, tolerance);
+        let [down, below] = block.scattered_to(&light, views);
         let one = |(k, view): (usize, &usize)| {
             let (mut seen, node) = (new(*view), group.node(*view));
             let leaves = shares.leaving[group.share(*view)];

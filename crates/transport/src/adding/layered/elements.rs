@@ -218,15 +218,21 @@ impl<'a> Elements<'a> {
     }
 
     /// Returns the layers down to the last scatterer below the flat part `upper`, if their round trips keep the
-    /// direction of light.
+    /// direction of light; `regular` is the regular part of the last scatterer.
     pub(super) fn single<'u>(
         &self,
         upper: &'u Part,
         scattered: &[Scattered],
-        grid: &Grid,
+        regular: &[Flat],
     ) -> Option<Single<'u>> {
         let last = self.last.as_ref().filter(|_| self.flat_above())?;
-        Single::new(upper, last.faces(scattered, grid)?)
+        Single::new(upper, last.faces(scattered, regular)?)
+    }
+
+    /// Returns the regular part of the last scatterer, which is the same in all orders.
+    pub(super) fn regular_of_last(&self, grid: &Grid) -> Vec<Flat> {
+        let of = |last: &Element<'_>| grid.beta.iter().map(|beta| last.regular(*beta)).collect();
+        self.last.as_ref().map(of).unwrap_or_default()
     }
 
     /// Returns the fractions that the last scatterer absorbs, given the light that it loses.
@@ -318,7 +324,7 @@ impl Element<'_> {
     }
 
     /// Returns transmission from above, reflection from above and reflection from below; `None` of a flat layer.
-    fn faces(&self, scattered: &[Scattered], grid: &Grid) -> Option<[Face; 3]> {
+    fn faces(&self, scattered: &[Scattered], regular: &[Flat]) -> Option<[Face; 3]> {
         match &self.action {
             Action::Regular | Action::Clear { .. } => None,
             Action::Whole { number } | Action::Slab { number, .. } => match &scattered[*number] {
@@ -331,10 +337,9 @@ impl Element<'_> {
                 let mut faces =
                     kernels.map(|kernel| match kernel.map(|(n, factor)| (&scattered[n], factor)) {
                         Some((Scattered::Kernel(operator), factor)) => Face::of(operator, factor),
-                        _ => Face { straight: vec![0.0; grid.len()], kernel: None },
+                        _ => Face { straight: vec![0.0; regular.len()], kernel: None },
                     });
-                for (i, beta) in grid.beta.iter().enumerate() {
-                    let regular = self.regular(*beta);
+                for (i, regular) in regular.iter().enumerate() {
                     for (face, more) in faces.iter_mut().zip([regular.t, regular.above, regular.below]) {
                         face.straight[i] += more;
                     }

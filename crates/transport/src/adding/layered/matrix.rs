@@ -72,6 +72,20 @@ impl Matrix {
         Self { rows: self.rows, columns: columns.len(), values }
     }
 
+    /// Returns some successive columns.
+    pub(super) fn columns_in(&self, columns: std::ops::Range<usize>) -> Self {
+        let values = self.values[columns.start * self.rows..columns.end * self.rows].to_vec();
+        Self { rows: self.rows, columns: columns.len(), values }
+    }
+
+    /// Returns matrices with equal numbers of rows side by side.
+    pub(super) fn beside(all: &[&Self]) -> Self {
+        let rows = all.first().map_or(0, |one| one.rows);
+        let mut values = Vec::with_capacity(all.iter().map(|one| one.values.len()).sum());
+        all.iter().for_each(|one| values.extend_from_slice(&one.values));
+        Self { rows, columns: all.iter().map(|one| one.columns).sum(), values }
+    }
+
     /// Returns these rows as columns.
     pub(super) fn transposed_rows(&self, rows: &[usize]) -> Self {
         Self::from_fn(self.columns, rows.len(), |i, j| self[(rows[j], i)])
@@ -102,9 +116,15 @@ impl Matrix {
         Self { values, ..*self }
     }
 
-    /// Overwrites this one with another of the same shape.
-    pub(super) fn copy_from(&mut self, other: &Self) {
-        self.values.copy_from_slice(&other.values);
+    /// Returns its elements times those of another of the same shape.
+    pub(super) fn times_each(&self, other: &Self) -> Self {
+        let values = self.values.iter().zip(&other.values).map(|(x, y)| x * y).collect();
+        Self { values, ..*self }
+    }
+
+    /// Overwrites its columns with these columns of another.
+    pub(super) fn copy_columns(&mut self, other: &Self, columns: &[usize]) {
+        columns.iter().enumerate().for_each(|(k, c)| self.column_mut(k).copy_from_slice(other.column(*c)));
     }
 
     /// Adds `left right`: the first `inner` columns of `left`, and the first `inner` rows of `right`.

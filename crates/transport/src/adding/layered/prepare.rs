@@ -163,7 +163,7 @@ impl Prepared {
             let mut add = |order: usize, growing: &mut [Growing<'_>], above: Vec<Option<Above>>| {
                 let groups: Vec<&Group> = growing.iter().map(|one| &one.group).collect();
                 let each: Vec<Option<&Above>> = above.iter().map(Option::as_ref).collect();
-                over.add(stack, directions, order, &groups, &each, precision.iteration, stop);
+                over.add(stack, directions, order, &groups, &each, precision, stop);
                 let sizes = || above.iter().flatten().map(Above::bytes);
                 bytes += sizes().map(|[own, _]| own).sum::<usize>()
                     + sizes().map(|[_, shared]| shared).max().unwrap_or(0);
@@ -184,7 +184,7 @@ impl Prepared {
             }
             prepared.first.push(first);
             for once in &once {
-                over.add_once(directions, &groups, once, precision.iteration, stop);
+                over.add_once(directions, &groups, once, precision, stop);
             }
             prepared.families.push(family);
             prepared.once.push(once);
@@ -219,10 +219,10 @@ impl Prepared {
             let groups: Vec<&Group> = family.iter().collect();
             for order in 0..family.iter().map(|group| group.orders.len()).max().unwrap_or(0) {
                 let above: Vec<Option<&Above>> = family.iter().map(|group| group.orders.get(order)).collect();
-                over.add(stack, directions, order, &groups, &above, precision.iteration, stop);
+                over.add(stack, directions, order, &groups, &above, precision, stop);
             }
             for once in once {
-                over.add_once(directions, &groups, once, precision.iteration, stop);
+                over.add_once(directions, &groups, once, precision, stop);
             }
             if let Some(first) = first {
                 over.add_first(directions, &groups, first, stop);
@@ -363,6 +363,7 @@ fn prepare(
                 first_apart,
                 ledger: directions.ledger,
                 flat: None,
+                regular: Vec::new(),
             }
         })
         .collect();
@@ -417,6 +418,8 @@ struct Growing<'a> {
     first_apart: bool,
     /// The layers above the last scatterer, if they are flat: the same in all orders.
     flat: Option<Part>,
+    /// Regular part of the last scatterer, on the grid of the order before.
+    regular: Vec<Flat>,
 }
 
 impl Growing<'_> {
@@ -424,20 +427,20 @@ impl Growing<'_> {
     fn above(&self, scattered: &[Scattered], grid: &Grid) -> Above {
         // Only order 0 computes absorption.
         let upper = self.elements.upper(scattered, 1, grid);
-        self.layers(&upper, scattered, 1, grid, 0)
+        self.layers(&upper, (scattered, &self.elements.regular_of_last(grid)), 1, grid, 0)
     }
 
     /// Returns the operators of the layers down to the last scatterer, below `upper`.
     fn layers(
         &self,
         upper: &Part,
-        scattered: &[Scattered],
+        (scattered, regular): (&[Scattered], &[Flat]),
         order: usize,
         grid: &Grid,
         carried: usize,
     ) -> Above {
         let ends = self.group.ends();
-        match self.elements.single(upper, scattered, grid) {
+        match self.elements.single(upper, scattered, regular) {
             Some(single) => {
                 // The ledger of a view is that of the beam that enters there, which has only order 0.
                 let mut entering = ends.beams().to_vec();
@@ -462,11 +465,14 @@ impl Growing<'_> {
         let known = self.flat.take().filter(|part| part.down.len() == grid.len());
         let upper = known.unwrap_or_else(|| self.elements.upper(scattered, order, grid));
         let index = self.elements.index();
+        if self.regular.len() != grid.len() {
+            self.regular = self.elements.regular_of_last(grid);
+        }
         if order == 0 {
             self.group.shares = self.shares(&upper, scattered, grid);
         }
         let carried = grid.kept(index).len() - (grid.len() - grid.regular);
-        let mut above = self.layers(&upper, scattered, order, grid, carried);
+        let mut above = self.layers(&upper, (scattered, &self.regular), order, grid, carried);
         above.first_apart = self.first_apart;
         self.stage = self.convergence.add(&above, tolerance);
         self.flat = self.elements.flat_above().then_some(upper);
@@ -479,7 +485,7 @@ impl Growing<'_> {
         let lower = self.lambertian.then(|| self.elements.lower(grid));
         let returns = |lower: &Part| lower.above.straight.iter().any(|r| *r != 0.0);
         if !lower.as_ref().is_some_and(returns)
-            && let Some(single) = self.elements.single(upper, scattered, grid)
+            && let Some(single) = self.elements.single(upper, scattered, &self.regular)
         {
             let books = self.elements.absorbed_by_last(single.lost(grid, self.elements.indices()));
             return single.shares(&books, lower.as_ref(), index, grid);

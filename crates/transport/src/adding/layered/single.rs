@@ -46,7 +46,9 @@ impl Face {
     /// ([`Operator::pull_back`]); of light in the opposite direction if `reversed`.
     fn pull_back(&self, share: &[f64], grid: &Grid, reversed: bool) -> Vec<f64> {
         let mut pulled: Vec<f64> = share.iter().zip(&self.straight).map(|(s, d)| s * d).collect();
-        if let Some((kernel, factor)) = &self.kernel {
+        // Of the accounts of absorbed light, most are empty.
+        let kernel = self.kernel.as_ref().filter(|_| share.iter().any(|share| *share != 0.0));
+        if let Some((kernel, factor)) = kernel {
             let weights: Vec<f64> =
                 share.iter().zip(&grid.scale).take(grid.regular).map(|(s, c)| s * c * factor).collect();
             let sums = if reversed { kernel.times(&weights) } else { kernel.transposed_times(&weights) };
@@ -252,30 +254,42 @@ impl Chain {
         8 * sizes.map(|(kernel, _)| kernel.columns() * kernel.columns()).sum::<usize>()
     }
 
-    /// Returns the kernel of the transmission and the light that returns to it.
-    fn again(&self) -> Option<(&Matrix, f64, &[f64])> {
-        let (kernel, factor) = self.down.kernel.as_ref()?;
-        Some((kernel, *factor, self.returns.as_ref()?))
+    /// Returns whether another one has the same kernels: they differ by factors for each direction alone.
+    pub(super) fn shares(&self, other: &Self) -> bool {
+        type Kernel = Option<(Arc<Matrix>, f64)>;
+        let same = |one: &Kernel, other: &Kernel| match (one, other) {
+            (Some((one, a)), Some((other, b))) => Arc::ptr_eq(one, other) && a == b,
+            (None, None) => true,
+            _ => false,
+        };
+        same(&self.down.kernel, &other.down.kernel)
+            && same(&self.below, &other.below)
+            && self.returns.is_some() == other.returns.is_some()
+            && (self.carried, self.regular) == (other.carried, other.regular)
     }
 
     /// Adds the reflection of light by kernels to light on the nodes with weight: what keeps its direction is left
-    /// out. `reversed`: its transpose.
-    pub(super) fn add(&self, rising: &Matrix, sum: &mut Matrix, reversed: bool) {
-        match &self.below {
+    /// out. `chains` is one for each column; they share their kernels. `reversed`: its transpose.
+    pub(super) fn add(chains: &[&Self], rising: &Matrix, sum: &mut Matrix, reversed: bool) {
+        let Some(first) = chains.first() else { return };
+        match &first.below {
             Some((kernel, factor)) if reversed => sum.add_transposed_product(kernel, rising, *factor),
             Some((kernel, factor)) => sum.add_scaled_product(kernel, rising, *factor),
             None => {}
         }
-        let Some((kernel, factor, returns)) = self.again() else { return };
-        let mut leaves = self.leaves(rising);
-        sum.add_scaled_product(kernel, &self.returned(rising, &leaves, returns), factor);
-        for (_, column) in leaves.columns_mut() {
-            let factors = returns.iter().zip(&self.down.straight);
-            column.iter_mut().zip(factors).for_each(|(leaves, (r, d))| *leaves *= r * d);
+        let Some((kernel, factor)) = first.again() else { return };
+        let mut back = first.leaves(rising);
+        for ((c, back), chain) in back.columns_mut().zip(chains) {
+            chain.add_regular(back, sum.column_mut(c));
+            chain.send_back(rising.column(c), back);
         }
-        for (c, column) in sum.columns_mut() {
-            column.iter_mut().zip(leaves.column(c)).for_each(|(sum, regular)| *sum += regular);
-        }
+        sum.add_scaled_product(kernel, &back, factor);
+    }
+
+    /// Returns the kernel of the transmission, if light returns to it.
+    fn again(&self) -> Option<(&Matrix, f64)> {
+        let (kernel, factor) = self.down.kernel.as_ref()?;
+        self.returns.as_ref().map(|_| (&**kernel, *factor))
     }
 
     /// Returns the light that the scatterer transmits upwards by its kernel, on the nodes with weight.
@@ -287,44 +301,70 @@ impl Chain {
         leaves
     }
 
-    /// Returns the light that comes back to the scatterer, with that which passed it regularly.
-    fn returned(&self, rising: &Matrix, leaves: &Matrix, returns: &[f64]) -> Matrix {
-        let mut back = leaves.clone();
-        for (c, column) in back.columns_mut() {
-            let rising = rising.column(c).iter().zip(&self.down.straight).take(self.carried);
-            column.iter_mut().zip(rising).for_each(|(back, (rises, d))| *back += d * rises);
-            column.iter_mut().zip(returns).for_each(|(back, r)| *back *= r);
+    /// Adds light that leaves by the kernel, returns, and passes the scatterer regularly.
+    fn add_regular(&self, leaves: &[f64], sum: &mut [f64]) {
+        let factors = self.returns.iter().flatten().zip(&self.down.straight);
+        for ((sum, leaves), (r, d)) in sum.iter_mut().zip(leaves).zip(factors) {
+            *sum += r * d * leaves;
         }
-        back
+    }
+
+    /// Adds to light that leaves by the kernel that which passes the scatterer regularly, and sends both back to it.
+    fn send_back(&self, rising: &[f64], leaves: &mut [f64]) {
+        let passes = rising.iter().zip(&self.down.straight).take(self.carried);
+        leaves.iter_mut().zip(passes).for_each(|(back, (rises, d))| *back += d * rises);
+        leaves.iter_mut().zip(self.returns.iter().flatten()).for_each(|(back, r)| *back *= r);
     }
 
     /// Returns light on the nodes with weight, times the kernels towards every extra node, `[extra, column]`: of light
     /// that leaves, and of light that is reflected once more. All are read out of one product, which depends on the
-    /// light alone.
-    pub(super) fn towards_extras(&self, rising: &Matrix) -> [Matrix; 2] {
-        let zeros = || Matrix::zeros(self.arrives.len(), rising.columns());
-        let (n, mut leaves, mut below) = (self.regular, zeros(), zeros());
-        if let Some((kernel, factor)) = &self.down.kernel {
-            leaves.add_transposed_product_of_columns(kernel, n, rising, *factor);
-        }
-        if let Some((kernel, factor, returns)) = self.again() {
-            let back = self.returned(rising, &self.leaves(rising), returns);
+    /// light alone. `chains` is one for each column.
+    pub(super) fn towards_extras(chains: &[&Self], rising: &Matrix) -> [Matrix; 2] {
+        let Some(first) = chains.first() else { return [Matrix::zeros(0, 0), Matrix::zeros(0, 0)] };
+        let n = first.regular;
+        let mut leaves = first.scattered_to_extras(rising);
+        let mut below = Matrix::zeros(leaves.rows(), rising.columns());
+        if let Some((kernel, factor)) = first.again() {
+            let mut back = first.leaves(rising);
+            for ((c, back), chain) in back.columns_mut().zip(chains) {
+                chain.send_back(rising.column(c), back);
+            }
             below.add_product_of_rows(kernel, n, &back, n);
-            for (c, column) in below.columns_mut() {
-                let own = returns[n..].iter().zip(&self.down.straight[n..]).zip(leaves.column(c));
-                column
-                    .iter_mut()
-                    .zip(own)
-                    .for_each(|(sum, ((r, d), leaves))| *sum = *sum * factor + r * d * leaves);
+            for ((c, column), chain) in below.columns_mut().zip(chains) {
+                let factors = chain.returns.iter().flatten().zip(&chain.down.straight).skip(n);
+                for ((sum, (r, d)), leaves) in column.iter_mut().zip(factors).zip(leaves.column(c)) {
+                    *sum = *sum * factor + r * d * leaves;
+                }
             }
         }
-        if let Some((kernel, factor)) = &self.below {
+        if let Some((kernel, factor)) = &first.below {
             below.add_transposed_product_of_columns(kernel, n, rising, *factor);
         }
-        for (_, column) in leaves.columns_mut() {
-            column.iter_mut().zip(&self.arrives).for_each(|(leaves, arrives)| *leaves *= arrives);
-        }
+        Self::pass_flat_layers(chains, &mut leaves);
         [leaves, below]
+    }
+
+    /// Returns the same of light that leaves.
+    pub(super) fn leaves_towards_extras(chains: &[&Self], rising: &Matrix) -> Matrix {
+        let Some(first) = chains.first() else { return Matrix::zeros(0, 0) };
+        let mut leaves = first.scattered_to_extras(rising);
+        Self::pass_flat_layers(chains, &mut leaves);
+        leaves
+    }
+
+    /// Returns the light that the scatterer transmits upwards by its kernel towards every extra node, `[extra, column]`.
+    fn scattered_to_extras(&self, rising: &Matrix) -> Matrix {
+        let mut leaves = Matrix::zeros(self.arrives.len(), rising.columns());
+        if let Some((kernel, factor)) = &self.down.kernel {
+            leaves.add_transposed_product_of_columns(kernel, self.regular, rising, *factor);
+        }
+        leaves
+    }
+
+    fn pass_flat_layers(chains: &[&Self], leaves: &mut Matrix) {
+        for ((_, column), chain) in leaves.columns_mut().zip(chains) {
+            column.iter_mut().zip(&chain.arrives).for_each(|(leaves, arrives)| *leaves *= arrives);
+        }
     }
 
     /// Returns the reflection of light from extra nodes `entering` to the nodes with weight, and to all extra ones.
@@ -335,7 +375,7 @@ impl Chain {
         };
         let mut columns = Matrix::from_fn(self.carried, beams, |i, e| direct(i, n + entering[e]));
         let mut pairs = Matrix::from_fn(self.arrives.len(), beams, |e, b| direct(n + e, n + entering[b]));
-        if let Some((kernel, factor, returns)) = self.again() {
+        if let (Some((kernel, factor)), Some(returns)) = (self.again(), &self.returns) {
             let straight = &self.down.straight;
             let back = Matrix::from_fn(n, beams, |k, b| returns[k] * factor * kernel[(n + entering[b], k)]);
             columns.add_scaled_product(kernel, &back, factor);

@@ -5,72 +5,78 @@
 
 use super::super::algebra::Operator;
 use super::super::matrix::Matrix;
-use super::{Above, round_trips};
+use super::{Above, Back, round_trips};
 
 /// Number of reflections up to which light is followed by iteration.
 const ITERATIONS: usize = 40;
 
-/// Light that arrives at the base and is reflected back and forth, by node with weight and column.
+/// Light that is reflected back and forth between base and layers, by node with weight and column.
 pub(super) struct Reflections<'a> {
-    layers: &'a Above,
-    /// Scattered light that arrives from above.
-    arrives: Matrix,
+    /// Layers of each column; they share kernels.
+    layers: &'a [&'a Above],
+    /// Reflectance of the base, `[node, column]`.
+    base: &'a Matrix,
     /// Light that rises at a node, per unit that arrives, with its regular round trips.
     gain: Matrix,
-    /// Error relative to the largest density.
-    tolerance: f64,
     /// Whether the transposed problem is solved.
     reversed: bool,
 }
 
 impl<'a> Reflections<'a> {
-    /// Describes light that arrives at a base of this reflectance, `[node, column]`.
-    pub(super) fn new(
-        layers: &'a Above,
-        arrives: Matrix,
-        base: &Matrix,
-        tolerance: f64,
-        reversed: bool,
-    ) -> Self {
-        let mut gain = Matrix::zeros(layers.carried, base.columns());
-        for (c, column) in gain.columns_mut() {
-            let straight = base.column(c).iter().zip(&layers.below_straight);
+    pub(super) fn new(layers: &'a [&'a Above], base: &'a Matrix, reversed: bool) -> Self {
+        let nodes = layers.first().map_or(0, |above| above.carried);
+        let mut gain = Matrix::zeros(nodes, base.columns());
+        for ((c, column), above) in gain.columns_mut().zip(layers) {
+            let straight = base.column(c).iter().zip(&above.below_straight);
             column.iter_mut().zip(straight).for_each(|(x, (b, g))| *x = round_trips(*b, *g));
         }
-        Self { layers, arrives, gain, tolerance, reversed }
+        Self { layers, base, gain, reversed }
     }
 
-    /// Returns the scattered light that rises from the base; `floor` is, by column, the density to which errors are
-    /// relative if it is larger than the largest one found, and is raised to that.
-    pub(super) fn rising(&self, base: &Matrix, floor: &mut [f64]) -> Matrix {
-        let n = self.layers.carried;
-        let mut rising = Matrix::zeros(n, self.arrives.columns());
-        if n == 0 {
+    /// Returns the scattered light that rises from the base for the first time.
+    pub(super) fn once(&self, arrives: &Matrix) -> Matrix {
+        arrives.times_each(&self.gain)
+    }
+
+    /// Returns the scattered light that rises from the base, to this error relative to the largest density; `floor` is,
+    /// by column, the density to which errors are relative if it is larger than the largest one found, and is raised to
+    /// that.
+    pub(super) fn rising(&self, arrives: Matrix, tolerance: f64, floor: &mut [f64]) -> Matrix {
+        let mut rising = Matrix::zeros(arrives.rows(), arrives.columns());
+        if arrives.rows() == 0 {
             return rising;
         }
-        let open = self.iterate(&mut rising, floor);
-        if !open.is_empty() {
-            let below = self.layers.below.formed(n, self.reversed);
-            for column in open {
-                self.solve(&below, column, base, &mut rising);
-            }
+        for column in self.iterate(&arrives, tolerance, &mut rising, floor) {
+            let mut right = arrives.columns_in(column..column + 1);
+            self.solve(column, &self.layers[column].formed(self.reversed), &mut right);
+            rising.column_mut(column).copy_from_slice(right.column(0));
         }
         rising
     }
 
     /// Iterates all light; returns the columns that have not converged after many orders.
-    fn iterate(&self, rising: &mut Matrix, floor: &mut [f64]) -> Vec<usize> {
-        let mut open: Vec<usize> = (0..rising.columns()).collect();
-        let mut before = vec![f64::INFINITY; rising.columns()];
-        let mut next = self.arrives.clone();
+    fn iterate(
+        &self,
+        arrives: &Matrix,
+        tolerance: f64,
+        rising: &mut Matrix,
+        floor: &mut [f64],
+    ) -> Vec<usize> {
+        let mut open: Vec<usize> = (0..arrives.columns()).collect();
+        let mut before = vec![f64::INFINITY; open.len()];
+        // Those that are still followed, with their light.
+        let mut active = open.clone();
+        let mut layers = self.layers.to_vec();
+        let mut now = Matrix::zeros(arrives.rows(), active.len());
+        let mut next = arrives.clone();
         for _ in 0..ITERATIONS {
             open.clear();
-            for (c, old) in rising.columns_mut() {
-                let (change, size) = reflect(old, next.column(c), self.gain.column(c));
+            for ((k, old), &c) in now.columns_mut().zip(&active) {
+                let (change, size) = reflect(old, next.column(k), self.gain.column(c));
                 let size = size.max(floor[c]);
                 // Changes decrease geometrically: the remainder is their sum.
                 let ratio = (change / before[c]).min(1.0);
-                if change > self.tolerance * size * (1.0 - ratio) {
+                if change > tolerance * size * (1.0 - ratio) {
                     open.push(c);
                 }
                 (before[c], floor[c]) = (change, size);
@@ -78,23 +84,36 @@ impl<'a> Reflections<'a> {
             if open.is_empty() {
                 break;
             }
-            next.copy_from(&self.arrives);
-            self.layers.below.add(rising, &mut next, self.reversed);
+            if 4 * open.len() <= 3 * active.len() {
+                // The others have converged.
+                let still: Vec<usize> =
+                    (0..active.len()).filter(|k| open.binary_search(&active[*k]).is_ok()).collect();
+                active
+                    .iter()
+                    .enumerate()
+                    .for_each(|(k, c)| rising.column_mut(*c).copy_from_slice(now.column(k)));
+                (now, next) = (now.some_columns(&still), Matrix::zeros(arrives.rows(), open.len()));
+                active.clone_from(&open);
+                layers = active.iter().map(|c| self.layers[*c]).collect();
+            }
+            next.copy_columns(arrives, &active);
+            Back::add(&layers, &now, &mut next, self.reversed);
         }
+        active.iter().enumerate().for_each(|(k, c)| rising.column_mut(*c).copy_from_slice(now.column(k)));
         open
     }
 
-    /// Solves a column directly, given the reflection of light from below as one kernel.
-    fn solve(&self, below: &Matrix, column: usize, base: &Matrix, rising: &mut Matrix) {
-        let n = self.layers.carried;
+    /// Replaces light that arrives in a column by the light that rises, by direct solution, given the reflection of light
+    /// from below as one kernel.
+    fn solve(&self, column: usize, below: &Matrix, right: &mut Matrix) {
+        let n = right.rows();
         // 1 - B G acts on the light that rises.
-        let b: Vec<f64> = (0..n).map(|i| base[(i, column)]).collect();
+        let b = &self.base.column(column)[..n];
         let kernel = Matrix::from_fn(n, n, |i, j| -b[i] * below[(i, j)]);
-        let straight = (0..n).map(|i| 1.0 - b[i] * self.layers.below_straight[i]).collect();
+        let straight = b.iter().zip(&self.layers[column].below_straight).map(|(b, g)| 1.0 - b * g).collect();
         let closed = Operator { regular: n, straight, kernel: Some(kernel.into()) };
-        let mut right = Matrix::from_fn(n, 1, |i, _| b[i] * self.arrives[(i, column)]);
-        closed.weighted_block().factors().solve(&mut right);
-        rising.column_mut(column).copy_from_slice(right.column(0));
+        right.columns_mut().for_each(|(_, light)| light.iter_mut().zip(b).for_each(|(x, b)| *x *= b));
+        closed.weighted_block().factors().solve(right);
     }
 }
 

@@ -164,6 +164,7 @@ impl Passes {
                         }
                     }
                 }
+                work.add_differences(far);
             },
         );
         work.form
@@ -257,14 +258,18 @@ struct Workspace {
     far: Vec<f64>,
     /// `[near][far]`.
     form: Vec<f64>,
+    /// Factors of the differences of two passes here, `[|a|][azimuth]`, and the sum of their products with the light of
+    /// one pass, `[near][|a|][azimuth]`.
+    factors: Vec<f64>,
+    moments: Vec<f64>,
 }
 
 impl Workspace {
     fn new(of: &Passes, far: &Far<'_>) -> Self {
         let terms = of.once.terms();
-        let size = match far {
-            Far::Once(_) => terms,
-            Far::Twice(_) => of.sequences(2),
+        let (size, factors) = match far {
+            Far::Once(_) => (terms, 0),
+            Far::Twice(_) => (of.sequences(2), of.rings.len() * of.turns.len()),
         };
         Self {
             here: of.once.here(),
@@ -274,6 +279,8 @@ impl Workspace {
             once: vec![0.0; terms],
             far: vec![0.0; size],
             form: vec![0.0; terms * size],
+            factors: vec![0.0; factors],
+            moments: vec![0.0; terms * factors],
         }
     }
 
@@ -300,9 +307,30 @@ impl Workspace {
             let near = weight * near;
             row.iter_mut().zip(&self.far).for_each(|(sum, far)| *sum += near * far);
         }
+        if !self.factors.is_empty() {
+            for (near, row) in self.near.iter().zip(self.moments.chunks_exact_mut(self.factors.len())) {
+                let near = weight * near;
+                row.iter_mut().zip(&self.factors).for_each(|(sum, factor)| *sum += near * factor);
+            }
+        }
     }
 
-    /// Computes the light that arrives here after two passes.
+    /// Adds the differences of two passes from the closed form. They are interpolated linearly: their products with the
+    /// moments of the light of one pass take much less than an interpolation at each direction.
+    #[inline(always)]
+    fn add_differences(&mut self, far: &Far<'_>) {
+        if let Far::Twice(around) = far {
+            let rows = self.form.chunks_exact_mut(self.far.len());
+            for (row, moments) in rows.zip(self.moments.chunks_exact(self.factors.len())) {
+                for (moment, differences) in moments.iter().zip(around.differences.chunks_exact(row.len())) {
+                    row.iter_mut().zip(differences).for_each(|(sum, value)| *sum += moment * value);
+                }
+            }
+        }
+    }
+
+    /// Computes the light that arrives here after two passes, without its differences from the closed form, and the
+    /// factors of these.
     #[inline(always)]
     fn add_twice(&mut self, of: &Passes, around: &Around, densities: [f64; MOST_WAYS]) {
         let lobes = of.lobes(2).count();
@@ -311,12 +339,8 @@ impl Workspace {
         self.rings.fill(0.0);
         of.rings.add_values(self.here.at.length(), both, &mut self.rings);
         of.turns.at(cosine_between(self.here.at, around.end.at), &mut self.turns);
-        let mut rows = around.differences.chunks_exact(self.far.len());
-        for ring in &self.rings {
-            for (turn, row) in self.turns.iter().zip(&mut rows) {
-                let weight = ring * turn;
-                self.far.iter_mut().zip(row).for_each(|(out, value)| *out += weight * value);
-            }
+        for (ring, factors) in self.rings.iter().zip(self.factors.chunks_exact_mut(self.turns.len())) {
+            factors.iter_mut().zip(&self.turns).for_each(|(factor, turn)| *factor = ring * turn);
         }
         if of.once.straight > 0.0 {
             self.once.fill(0.0);

@@ -1,0 +1,337 @@
+//! Displays with a colour filter at a height above Lambertian pixels: what is seen of a period, through all orders.
+//!
+//! The places at which light passes the filter are those of [`TwoPlanes`]; how much light there is comes from the same panel without filter.
+
+use std::ops::Range;
+use std::sync::atomic::AtomicBool;
+
+use papilio_optics::interface::fresnel_reflectance;
+use papilio_transport::adding::Kernel;
+use papilio_transport::spatial::{
+    Accuracy, Direction, FilteredPixels, PanelSpread, Part, Passed, Rectangle, Sample, TwoPlanes, Window,
+    diffuse_directions, diffused_directions,
+};
+use papilio_transport::{
+    Base, Cone, Estimate, Field, Ledger, Panel, ReflectanceFactor, Reflector, Source, Stack, Top,
+};
+
+use crate::DisplayError;
+use crate::scene::{AngleMedium, Approximation, Filter, Matrix};
+use crate::setup::{Setup, ViewPoint};
+
+/// A display with a filter.
+pub(crate) struct Filtered<'a> {
+    setup: &'a Setup,
+    panel: &'a Panel,
+    matrix: &'a Matrix,
+    filter: &'a Filter,
+    thickness_mm: f64,
+    index: f64,
+    /// Reflectance of the pixel's states, `[state][wavelength]`.
+    rho: &'a [f64],
+}
+
+/// Light of all sources at a level.
+pub(crate) struct Lit {
+    pub(crate) planes: TwoPlanes,
+    /// Light that enters, by source.
+    pub(crate) entering: Vec<Passed>,
+    /// Number of pixels along x in a period.
+    columns: usize,
+    /// Light of a page of 1/2 without filter as a multiple of its light in the first order.
+    orders: f64,
+    kernel: Kernel,
+}
+
+/// Digits and fineness of levels.
+const DIGITS: [f64; 3] = [7.0, 9.0, 11.0];
+/// Reflectance of the page that tells how much light there is.
+const PAGE: f64 = 0.5;
+
+impl<'a> Filtered<'a> {
+    /// Prepares a display with a filter; `None` without filter.
+    pub(crate) fn new(setup: &'a Setup) -> Result<Option<Self>, DisplayError> {
+        let scene = &setup.scene;
+        let Some(matrix) = &scene.display.matrix else { return Ok(None) };
+        let Some(filter) = &matrix.filter else { return Ok(None) };
+        let not_yet = |what: &str, key: &str| {
+            Err(DisplayError::PlacesNotComputed { what: what.to_owned(), key: key.to_owned() })
+        };
+        let Stack::Panel(panel) = &setup.stack else {
+            return not_yet("a colour filter below general layers ([[display.layers]])", "display.layers");
+        };
+        let Reflector::Lambertian(rho) = &panel.base.reflector else {
+            return not_yet("a colour filter above mirror-like pixels", "display.pixel");
+        };
+        if panel.front.reflectance_below.max() > 0.0 {
+            return not_yet("a colour filter below front components that reflect light", "display.front");
+        }
+        if scene.lighting.front_light.is_some() {
+            return not_yet("a colour filter below a front light", "lighting.front_light");
+        }
+        if !panel.medium.index().is_constant() {
+            return not_yet("a colour filter in glass with dispersion", "display.glass.index");
+        }
+        if scene.solver.approximation != Approximation::None {
+            return not_yet("a colour filter in a single pass", "solver.approximation");
+        }
+        if scene.solver.angle_medium == AngleMedium::Unrefracted {
+            return not_yet("a colour filter without refraction", "solver.angle_medium");
+        }
+        if matches!(panel.top, Top::Diffuser(_)) && !scene.lighting.environment.is_empty() {
+            return not_yet("a colour filter below a diffuser in this light", "lighting.environment");
+        }
+        let lengths = scene.display.lengths_mm()?;
+        let thickness_mm = lengths.last().copied().unwrap_or_default();
+        let index = panel.medium.index()[0];
+        Ok(Some(Self { setup, panel, matrix, filter, thickness_mm, index, rho }))
+    }
+
+    /// Finest level: of patterns in two directions, fewer are affordable.
+    pub(crate) fn finest(&self) -> usize {
+        let spans = |one: &Rectangle| one.y == [0.0, 1.0];
+        let stripes = self.matrix.sub_pixels.iter().all(|one| one.window.rectangles.iter().all(spans));
+        if stripes { 2 } else { 1 }
+    }
+
+    /// Computes the light at a level for a period of this number of pixels along x.
+    pub(crate) fn lit(&self, level: usize, columns: usize) -> Result<Lit, DisplayError> {
+        let transmittance: Vec<Vec<f64>> = self.filter.transmittance.iter().map(|one| one.to_vec()).collect();
+        let windows: Vec<Window> = (0..columns).flat_map(|column| self.windows(column, columns)).collect();
+        let transmittance: Vec<Vec<f64>> = (0..columns).flat_map(|_| transmittance.clone()).collect();
+        let pixels = FilteredPixels {
+            pitch_mm: [self.matrix.pitch_mm[0] * columns as f64, self.matrix.pitch_mm[1]],
+            windows: &windows,
+            transmittance: &transmittance,
+            height_mm: self.filter.height_mm,
+            thickness_mm: self.thickness_mm,
+            index: self.index,
+        };
+        let face = |beta: f64| self.face(beta);
+        let returns = !matches!(self.panel.top, Top::Diffuser(_));
+        let planes = TwoPlanes::new(&pixels, returns.then_some(&face), level as u32);
+        let entering = self.setup.sources.iter().map(|source| {
+            let directions = self.arriving(source, level)?;
+            Ok(planes.entering(&directions))
+        });
+        let entering = entering.collect::<Result<Vec<Passed>, DisplayError>>()?;
+        let bins = self.setup.scene.grid.len();
+        let base = Base {
+            reflector: Reflector::Lambertian(vec![PAGE; bins]),
+            inactive_absorptance: vec![0.0; bins].into(),
+        };
+        let stack = Stack::Panel(Panel { base, ..self.panel.clone() });
+        let mut kernel = Kernel::new(level as u32 + 2);
+        let views: Vec<Cone> = self.setup.views.iter().map(|view| view.field).collect();
+        let _ready = kernel.prepare_unless(&stack, &views, &self.setup.sources, &AtomicBool::new(false));
+        let orders = 1.0 / (1.0 - PAGE * planes.returned_uniform());
+        Ok(Lit { planes, entering, columns, orders, kernel })
+    }
+
+    /// Windows of a pixel in a period of several along x.
+    fn windows(&self, column: usize, columns: usize) -> Vec<Window> {
+        let wide =
+            |one: &Rectangle| Rectangle { x: one.x.map(|x| (x + column as f64) / columns as f64), y: one.y };
+        let window = |window: &Window| Window { rectangles: window.rectangles.iter().map(wide).collect() };
+        self.matrix.sub_pixels.iter().map(|one| window(&one.window)).collect()
+    }
+
+    /// Number of sub-pixels of a pixel.
+    pub(crate) fn sub_pixels(&self) -> usize {
+        self.matrix.sub_pixels.len()
+    }
+
+    /// Reflectance below each window of a period whose pixels are in these states of the display.
+    pub(crate) fn reflectance(&self, states: &[usize]) -> Vec<&'a [f64]> {
+        let bins = self.setup.scene.grid.len();
+        let below = states.iter().flat_map(|state| &self.filter.states[*state].pixel_states);
+        below.map(|state| &self.rho[state * bins..][..bins]).collect()
+    }
+
+    /// Irradiance of each cell in the light of a source, for a period whose pixels are in these states.
+    pub(crate) fn irradiance(&self, lit: &Lit, source: usize, states: &[usize]) -> Vec<f64> {
+        lit.planes.irradiance(&lit.entering[source], &self.reflectance(states))
+    }
+
+    /// Light that leaves each cell towards a view.
+    pub(crate) fn leaving(&self, lit: &Lit, view: &ViewPoint, level: usize) -> Result<Passed, DisplayError> {
+        Ok(lit.planes.leaving(&self.seen(&view.field, level)?))
+    }
+
+    /// What a view sees of all sources without the filter: light of the first order for a reflectance of 1, and that of faces.
+    pub(crate) fn unfiltered(&self, lit: &Lit, view: usize) -> Vec<ReflectanceFactor> {
+        let base = Base {
+            reflector: Reflector::Lambertian(vec![PAGE; self.setup.scene.grid.len()]),
+            inactive_absorptance: vec![0.0; self.setup.scene.grid.len()].into(),
+        };
+        let stack = Stack::Panel(Panel { base, ..self.panel.clone() });
+        let mut all = lit.kernel.seen(&stack, view);
+        for factor in &mut all {
+            factor.via_pixel.iter_mut().for_each(|light| *light /= PAGE * lit.orders);
+        }
+        all
+    }
+
+    /// Estimate of a view for all states, from the irradiance of each source and state, `[source][state]`.
+    pub(crate) fn estimate(
+        &self,
+        lit: &Lit,
+        (number, leaving): (usize, &Passed),
+        irradiance: &[Vec<Vec<f64>>],
+    ) -> Estimate {
+        let (states, bins) = (self.filter.states.len(), self.setup.scene.grid.len());
+        let mut rho = self.unfiltered(lit, number);
+        for (factor, irradiance) in rho.iter_mut().zip(irradiance) {
+            let first = std::mem::take(&mut factor.via_pixel);
+            for (state, irradiance) in irradiance.iter().enumerate() {
+                let seen = self.mean(lit, leaving, irradiance, &self.reflectance(&vec![state; lit.columns]));
+                factor.via_pixel.extend(seen.iter().zip(&first).map(|(seen, first)| seen * first));
+            }
+        }
+        // By reciprocity, what returns of a beam from the view is what it sees of diffuse light.
+        let zeros = || vec![0.0; states * bins];
+        let mut ledger = Ledger {
+            returned: zeros(),
+            front: zeros(),
+            diffuser: zeros(),
+            glass: zeros(),
+            pixel: zeros(),
+            inactive: zeros(),
+            unaccounted: zeros(),
+        };
+        for at in 0..states * bins {
+            ledger.returned[at] = rho[0].via_pixel[at] + rho[0].front[at % bins];
+            ledger.unaccounted[at] = 1.0 - ledger.returned[at];
+        }
+        Estimate { rho, ledger }
+    }
+
+    /// Mean over a period of what is seen, relative to a page of 1 without filter and further orders, for each wavelength.
+    pub(crate) fn mean(
+        &self,
+        lit: &Lit,
+        leaving: &Passed,
+        irradiance: &[f64],
+        reflectance: &[&[f64]],
+    ) -> Vec<f64> {
+        let windows = self.sub_pixels() * lit.columns;
+        self.through(lit, leaving, irradiance, reflectance, 0..windows + 1)
+    }
+
+    /// The part of it that passes some of the windows of the filter; that after the last one is the area between them.
+    pub(crate) fn through(
+        &self,
+        lit: &Lit,
+        leaving: &Passed,
+        irradiance: &[f64],
+        reflectance: &[&[f64]],
+        windows: Range<usize>,
+    ) -> Vec<f64> {
+        let all = 0..reflectance.len();
+        let parts = windows.flat_map(|window| all.clone().map(move |sub_pixel| (window, sub_pixel)));
+        let mut sum = vec![0.0; self.setup.scene.grid.len()];
+        for part in parts {
+            let light = self.part(lit, leaving, irradiance, reflectance, part);
+            sum.iter_mut().zip(light).for_each(|(sum, light)| *sum += light);
+        }
+        sum
+    }
+
+    /// The part of it that left one sub-pixel and passes one window.
+    pub(crate) fn part(
+        &self,
+        lit: &Lit,
+        leaving: &Passed,
+        irradiance: &[f64],
+        reflectance: &[&[f64]],
+        (window, sub_pixel): (usize, usize),
+    ) -> Vec<f64> {
+        let (cells, bins) = (lit.planes.cells(), self.setup.scene.grid.len());
+        let mut sum = vec![0.0; bins];
+        for cell in (0..cells.count()).filter(|cell| cells.window_of(*cell) == Some(sub_pixel)) {
+            let light = leaving.by_window(cell, window).iter().zip(&irradiance[cell * bins..][..bins]);
+            let rows = light.zip(reflectance[sub_pixel]);
+            sum.iter_mut().zip(rows).for_each(|(sum, ((t, e), rho))| *sum += t * e * rho);
+        }
+        sum
+    }
+
+    /// Light of a source that reaches a sub-pixel for the first time through one window, for each wavelength.
+    pub(crate) fn arriving_part(
+        &self,
+        lit: &Lit,
+        source: usize,
+        (window, sub_pixel): (usize, usize),
+    ) -> Vec<f64> {
+        let cells = lit.planes.cells();
+        let mut sum = vec![0.0; self.setup.scene.grid.len()];
+        for cell in (0..cells.count()).filter(|cell| cells.window_of(*cell) == Some(sub_pixel)) {
+            let light = lit.entering[source].by_window(cell, window);
+            sum.iter_mut().zip(light).for_each(|(sum, light)| *sum += light);
+        }
+        sum
+    }
+
+    /// Reflectance of the face for light from below, below the critical angle.
+    fn face(&self, beta: f64) -> f64 {
+        match self.panel.top {
+            Top::Fresnel(_) => fresnel_reflectance(self.index, 1.0, beta),
+            Top::IdealAr | Top::Diffuser(_) => 0.0,
+        }
+    }
+
+    /// Directions of the light of a source below the face or diffuser.
+    fn arriving(&self, source: &Source, level: usize) -> Result<Vec<Direction>, DisplayError> {
+        let Top::Diffuser(diffuser) = &self.panel.top else {
+            let diffuse = || diffuse_directions(level as u32, |beta| 1.0 - self.face(beta));
+            let of_field = |field: &Field| {
+                let own = |one: Direction| Direction { weight: one.weight * field.radiance(one.beta), ..one };
+                diffuse().into_iter().map(own).collect()
+            };
+            return match source {
+                Source::Diffuse => Ok(diffuse()),
+                Source::Beam(beta) => Ok(vec![Direction { beta: *beta, weight: 1.0 }]),
+                Source::Disc(cone) => self.mirrored(cone, level),
+                Source::Field(field) => Ok(of_field(field)),
+            };
+        };
+        match source {
+            Source::Diffuse => Ok(diffused_directions(diffuser, self.index, level as u32)),
+            Source::Beam(beta) => {
+                let towards = -*beta;
+                let theta_deg = towards.length().min(1.0).asin().to_degrees();
+                let phi_deg = towards.y.atan2(towards.x).to_degrees();
+                self.mirrored(&Cone::new(theta_deg, phi_deg, 0.0, 1.0), level)
+            }
+            Source::Disc(cone) => self.mirrored(cone, level),
+            Source::Field(_) => Ok(Vec::new()),
+        }
+    }
+
+    /// Directions of light from a cone: those of a view into it, reversed.
+    fn mirrored(&self, cone: &Cone, level: usize) -> Result<Vec<Direction>, DisplayError> {
+        let seen = self.seen(cone, level)?;
+        Ok(seen.into_iter().map(|one| Direction { beta: -one.beta, ..one }).collect())
+    }
+
+    /// Directions in the medium that a view sees through the top.
+    fn seen(&self, view: &Cone, level: usize) -> Result<Vec<Direction>, DisplayError> {
+        let finest = self.matrix.pitch_mm[0].min(self.matrix.pitch_mm[1]);
+        let accuracy = Accuracy { digits: DIGITS[level.min(2)], most_per_mm: 4.0 / finest };
+        let mut lengths = vec![0.0; self.setup.scene.display.lengths.len()];
+        if let Some(last) = lengths.last_mut() {
+            *last = self.filter.height_mm;
+        }
+        let spread = PanelSpread::new(self.panel, &lengths, view, &Source::Diffuse, accuracy);
+        let spread = spread.map_err(|error| DisplayError::PlacesNotComputed {
+            what: error.to_string(),
+            key: "display".to_owned(),
+        })?;
+        let of_part = |part: &Part| {
+            let through = part.through.iter().copied().fold(0.0, f64::max);
+            let one = |sample: &Sample| Direction { beta: sample.beta, weight: sample.weight * through };
+            part.samples.iter().map(one).collect::<Vec<_>>()
+        };
+        Ok(spread.parts().iter().flat_map(of_part).collect())
+    }
+}

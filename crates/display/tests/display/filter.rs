@@ -1,0 +1,125 @@
+//! Colour filters at a height above the pixels: limits, known shares, and what is refused.
+
+use std::path::Path;
+use std::sync::atomic::AtomicBool;
+
+use papilio_display::spatial::{CrosstalkResult, Figure, crosstalk};
+use papilio_display::{Control, DisplayError};
+use papilio_scenario::{Resolved, Scenario};
+
+use crate::common::run_on;
+
+const PAPER: &str = "[display.pixel]\nmodel = \"uniform\"\nkind = \"lambertian\"\nreflectance = { white = 0.6, black = 0.03 }\n";
+const LIGHT: &str = "[lighting]\nilluminance_lx = 500\nspectrum = \"D65\"\ndiffuse = 1.0\n";
+
+fn glass(surface: &str, thickness_mm: f64) -> String {
+    format!("[display.glass]\nindex = 1.5\nsurface = \"{surface}\"\nthickness_mm = {thickness_mm}\n")
+}
+
+/// Stripes of a third of 84.67 um.
+fn filter(height_um: f64, transmittance: &str) -> String {
+    format!(
+        "[display.matrix]\npitch_um = 84.67\n[display.matrix.filter]\nheight_um = {height_um}\n\
+         transmittance = {{ {transmittance} }}\n"
+    )
+}
+
+fn resolved(parts: &[&str]) -> Resolved {
+    let text = format!("[spectrum]\nstep_nm = 40\n{}[solver]\nrelative_error = 1e-3\n", parts.concat());
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenarios");
+    Scenario::from_text(&text, "filter.toml", &folder, &[]).unwrap().resolve().unwrap()
+}
+
+fn computed(resolved: &Resolved) -> Result<CrosstalkResult, DisplayError> {
+    let control = Control { threads: Some(1), progress: &|_| {}, stop: &AtomicBool::new(false) };
+    crosstalk(&resolved.scene, &resolved.patterns.text, &control)
+}
+
+fn near(what: &str, found: f64, expected: f64, tolerance: f64) {
+    assert!((found - expected).abs() < tolerance, "{what}: {found} against {expected}");
+}
+
+const CLEAR: &str = "red = 1.0, green = 1.0, blue = 1.0";
+
+/// Without colour a filter changes nothing: white and black are those of the pixel; red, a third white, is the mean of fine stripes.
+#[test]
+fn clear_filter_leaves_the_display_as_it_is() {
+    for surface in ["fresnel", "coated"] {
+        let view = "[viewer]\ntheta_deg = 20\nfield_deg = 0\n";
+        let with = resolved(&[&glass(surface, 0.5), PAPER, LIGHT, &filter(30.0, CLEAR), view]);
+        let without = resolved(&[&glass(surface, 0.5), PAPER, LIGHT, view]);
+        let [with, without] = [&with, &without].map(|one| run_on(&one.scene, Some(1)).unwrap());
+        let of = |state: &str| with.views[0].states.get(state).unwrap().value.Y;
+        for (state, value) in without.views[0].states.iter() {
+            near(state, of(state) / value.value.Y, 1.0, 1e-3);
+        }
+        let names: Vec<&str> = with.views[0].states.iter().map(|(name, _)| name).collect();
+        assert_eq!(names.len(), 8, "{names:?}");
+        assert!(of("red") < of("yellow") && of("yellow") < of("white"));
+        near("stripes of white", of("red") / of("green"), 1.0, 1e-6);
+        let ledger = &with.views[0].ledger.get("white").unwrap();
+        near("energy", ledger.returned + ledger.unaccounted, 1.0, 1e-9);
+    }
+}
+
+/// Height over width of a stripe of 0.5, 1 and 2 under a coated face, diffuse light: light that entered by the own stripe (closed
+/// form; three stripes repeat, so that of 2 includes the same colour further away), and light seen through the neighbour.
+#[test]
+fn shares_of_three_stripes_are_known() {
+    let stripe_um = 84.67 / 3.0;
+    let share = |ratio: f64, theta_deg: f64| {
+        let view = format!("[viewer]\ntheta_deg = {theta_deg}\nfield_deg = 0\n");
+        let filter = filter(ratio * stripe_um, CLEAR);
+        let result = computed(&resolved(&[&glass("coated", 0.5), PAPER, LIGHT, &filter, &view])).unwrap();
+        let shares = result.views[0].shares.clone();
+        let rows = shares.out.iter().chain(shares.in_.as_ref().unwrap());
+        rows.for_each(|row| near("row", row.iter().sum(), 1.0, 1e-12));
+        assert_eq!(shares.between_in, Some(vec![0.0; 3]));
+        shares
+    };
+    for (ratio, expected) in [(0.5, 0.833_25), (1.0, 0.666_50)] {
+        let found = share(ratio, 0.0);
+        near("in", found.own_share_in.unwrap(), expected, 1e-4);
+        near("out", found.own_share_out.unwrap(), 1.0, 1e-9);
+    }
+    for (theta_deg, expected) in [(10.0, 0.116_55), (30.0, 0.353_55), (60.0, 0.707_11)] {
+        let found = share(1.0, theta_deg);
+        near("out", 1.0 - found.own_share_out.unwrap(), expected, 2e-3);
+        // Seen from the right, light comes from the pixel on the left.
+        near("neighbour", found.out[1][0], expected, 2e-3);
+    }
+}
+
+/// Patches are those of `run` at any height; black stripes under a filter keep the contrast of fine ones, 20 on paper of 0.6 and 0.03.
+#[test]
+fn patches_below_a_filter_are_those_of_a_run() {
+    let transmittance = "red = 0.7, green = 0.4, blue = 0.2";
+    for height_um in [0.0, 60.0] {
+        let resolved = resolved(&[&glass("fresnel", 0.5), PAPER, LIGHT, &filter(height_um, transmittance)]);
+        let result = computed(&resolved).unwrap();
+        let patterns = result.views[0].patterns.clone();
+        let run = run_on(&resolved.scene, Some(1)).unwrap();
+        let contrast = run.views[0].metrics.contrast_ratio.unwrap();
+        near("contrast", patterns[0].values.contrast_ratio.unwrap() / contrast, 1.0, 2e-3);
+        assert_eq!([patterns[1].name, patterns[2].name], [Figure::Stripe, Figure::Line]);
+        near("stripes", patterns[1].values.contrast_ratio_via_pixel.unwrap(), 20.0, 0.05);
+        assert_eq!(patterns[2].values.contrast_ratio, None);
+    }
+}
+
+#[test]
+fn what_is_not_computed_is_refused() {
+    let key = |parts: &[&str]| match computed(&resolved(parts)) {
+        Err(DisplayError::PlacesNotComputed { key, .. } | DisplayError::MissingLength { key }) => key,
+        other => panic!("{other:?}"),
+    };
+    let filter = filter(30.0, CLEAR);
+    let mirror = PAPER.replace("lambertian", "mirror");
+    assert_eq!(key(&[&glass("fresnel", 0.5), &mirror, LIGHT, &filter]), "display.pixel");
+    let thin = "[display.glass]\nindex = 1.5\n";
+    assert_eq!(key(&[thin, PAPER, LIGHT, &filter]), "display.glass.thickness_mm");
+    let resolved = resolved(&[&glass("fresnel", 0.5), PAPER, LIGHT, &filter]);
+    let control = Control { threads: Some(1), progress: &|_| {}, stop: &AtomicBool::new(false) };
+    let other = papilio_display::spatial::mtf(&resolved.scene, &resolved.patterns, &control);
+    assert_eq!(other.unwrap_err(), DisplayError::FilterWithoutPlace);
+}

@@ -1,0 +1,175 @@
+//! Cells of a period: a grid along the edges of all windows.
+
+use super::super::Window;
+
+/// Cells of a period, each within one window or between windows.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PeriodCells {
+    axes: [Axis; 2],
+    /// Number of windows, which is that of the area between them.
+    windows: usize,
+    /// Window of each field between edges, rows from the bottom.
+    fields: Vec<usize>,
+}
+
+/// Division of the period along an axis.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Axis {
+    /// Edges of cells, from 0 to 1.
+    cells: Vec<f64>,
+    /// Edges of windows, from 0 to 1.
+    fields: Vec<f64>,
+    /// Field of each cell.
+    field_of: Vec<usize>,
+}
+
+/// Part of the period in which a cell and its shifted images are each within one cell or field.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Piece {
+    pub(super) length: f64,
+    /// Cell at this place.
+    pub(super) to: usize,
+    /// Cell from which light comes back to this place.
+    pub(super) from: usize,
+    /// Fields in which the light passes the filter.
+    pub(super) at: [usize; 2],
+}
+
+/// Edges closer than this are one.
+const SAME: f64 = 1e-12;
+
+impl PeriodCells {
+    /// Divides a period with these windows into cells: about `per_period` along each axis that the windows depend on.
+    pub(super) fn new(windows: &[Window], per_period: usize) -> Self {
+        let axes = [0, 1].map(|axis| Axis::new(windows, axis, per_period));
+        let [columns, rows] = axes.each_ref().map(|axis| axis.fields.len() - 1);
+        let middle =
+            |axis: usize, field: usize| 0.5 * (axes[axis].fields[field] + axes[axis].fields[field + 1]);
+        let holds = |window: &Window, x: f64, y: f64| {
+            window
+                .rectangles
+                .iter()
+                .any(|one| (one.x[0]..one.x[1]).contains(&x) && (one.y[0]..one.y[1]).contains(&y))
+        };
+        let fields = (0..rows).flat_map(|row| (0..columns).map(move |column| (column, row)));
+        let fields = fields.map(|(column, row)| {
+            let (x, y) = (middle(0, column), middle(1, row));
+            windows.iter().position(|window| holds(window, x, y)).unwrap_or(windows.len())
+        });
+        Self { fields: fields.collect(), windows: windows.len(), axes }
+    }
+
+    /// Number of cells.
+    pub fn count(&self) -> usize {
+        self.axes.iter().map(Axis::count).product()
+    }
+
+    /// Area of a cell, as a fraction of the period.
+    pub fn area(&self, cell: usize) -> f64 {
+        let columns = self.axes[0].count();
+        self.axes[0].length(cell % columns) * self.axes[1].length(cell / columns)
+    }
+
+    /// Window of a cell; `None` between windows.
+    pub fn window_of(&self, cell: usize) -> Option<usize> {
+        let columns = self.axes[0].count();
+        let [x, y] = [self.axes[0].field_of[cell % columns], self.axes[1].field_of[cell / columns]];
+        Some(self.window([x, y])).filter(|window| *window < self.windows)
+    }
+
+    /// True if the windows depend on the place along an axis.
+    pub(super) fn varies(&self, axis: usize) -> bool {
+        self.axes[axis].count() > 1
+    }
+
+    pub(super) fn axis(&self, axis: usize) -> &Axis {
+        &self.axes[axis]
+    }
+
+    pub(super) fn cell(&self, [column, row]: [usize; 2]) -> usize {
+        row * self.axes[0].count() + column
+    }
+
+    /// Window of a field; that after the last one between windows.
+    pub(super) fn window(&self, [column, row]: [usize; 2]) -> usize {
+        self.fields[row * (self.axes[0].fields.len() - 1) + column]
+    }
+}
+
+impl Axis {
+    fn new(windows: &[Window], axis: usize, per_period: usize) -> Self {
+        let rectangles = windows.iter().flat_map(|window| &window.rectangles);
+        let mut fields: Vec<f64> =
+            rectangles.flat_map(|one| if axis == 0 { one.x } else { one.y }).chain([0.0, 1.0]).collect();
+        fields.sort_by(f64::total_cmp);
+        fields.dedup_by(|a, b| (*a - *b).abs() < SAME);
+        let (mut cells, mut field_of) = (vec![0.0], Vec::new());
+        let is_one = fields.len() == 2;
+        for (field, ends) in fields.windows(2).enumerate() {
+            let length = ends[1] - ends[0];
+            let parts = if is_one { 1 } else { (length * per_period as f64).ceil().max(1.0) as usize };
+            for part in 1..=parts {
+                cells.push(ends[0] + length * part as f64 / parts as f64);
+                field_of.push(field);
+            }
+        }
+        Self { cells, fields, field_of }
+    }
+
+    fn count(&self) -> usize {
+        self.field_of.len()
+    }
+
+    fn length(&self, cell: usize) -> f64 {
+        self.cells[cell + 1] - self.cells[cell]
+    }
+
+    /// Divides the period at the edges of cells, and of fields shifted by this many periods: those of light that passes the filter
+    /// the shift before it is at a place.
+    pub(super) fn pieces(&self, [shift]: &[f64; 1], out: &mut Vec<Piece>) {
+        self.divide(&[(&self.cells, 0.0), (&self.fields, *shift)], out, |at| {
+            let field = locate(&self.fields, at - shift);
+            Piece { length: 0.0, to: locate(&self.cells, at), from: 0, at: [field, 0] }
+        });
+    }
+
+    /// The same for light that comes from a place `whole` before, and passes the filter at two places before.
+    pub(super) fn return_pieces(&self, passes: [f64; 2], whole: f64, out: &mut Vec<Piece>) {
+        let lists: [(&[f64], f64); 4] =
+            [(&self.cells, 0.0), (&self.cells, whole), (&self.fields, passes[0]), (&self.fields, passes[1])];
+        self.divide(&lists, out, |at| Piece {
+            length: 0.0,
+            to: locate(&self.cells, at),
+            from: locate(&self.cells, at - whole),
+            at: passes.map(|pass| locate(&self.fields, at - pass)),
+        });
+    }
+
+    fn divide(&self, lists: &[(&[f64], f64)], out: &mut Vec<Piece>, piece: impl Fn(f64) -> Piece) {
+        out.clear();
+        if self.count() == 1 {
+            out.push(Piece { length: 1.0, to: 0, from: 0, at: [0, 0] });
+            return;
+        }
+        let mut edges: Vec<f64> =
+            Vec::with_capacity(2 + lists.iter().map(|(list, _)| list.len()).sum::<usize>());
+        edges.extend([0.0, 1.0]);
+        for (list, shift) in lists {
+            // The last edge is the first one of the next period.
+            edges.extend(list[1..].iter().map(|edge| (edge + shift).rem_euclid(1.0)));
+        }
+        edges.sort_unstable_by(f64::total_cmp);
+        for ends in edges.windows(2) {
+            let length = ends[1] - ends[0];
+            if length > SAME {
+                out.push(Piece { length, ..piece(ends[0] + 0.5 * length) });
+            }
+        }
+    }
+}
+
+/// Number of the interval of a period in which a place is.
+fn locate(edges: &[f64], place: f64) -> usize {
+    let place = place - place.floor();
+    edges[1..edges.len() - 1].partition_point(|edge| *edge <= place)
+}

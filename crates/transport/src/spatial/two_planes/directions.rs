@@ -1,0 +1,144 @@
+//! Directions of light between two planes: rings of inclinations with azimuths.
+
+use std::f64::consts::{FRAC_PI_2, PI};
+
+use papilio_optics::Beta;
+use papilio_optics::lobe::Lobe;
+
+use crate::Diffuser;
+use crate::adding::quadrature::{Node, Pole, gauss, radial};
+
+/// A direction of propagation and its part of the light.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Direction {
+    /// Direction cosines times the index.
+    pub beta: Beta,
+    /// Part of the light.
+    pub weight: f64,
+}
+
+/// Light of an inclination that a face returns.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Ring {
+    pub(super) beta: f64,
+    /// Fraction of the light of a Lambertian plane.
+    pub(super) weight: f64,
+    /// True if its way is many periods.
+    pub(super) is_far: bool,
+    /// Azimuths in a quadrant.
+    pub(super) azimuths: usize,
+}
+
+/// Phase of the first order in a panel of inclinations, radians, at level 0.
+const PHASE_OF_PANEL: f64 = 8.0;
+/// Azimuths of light whose phase does not matter.
+const FEWEST: usize = 8;
+/// Panels of the disc of air, points of a panel, and most points of a panel of azimuths.
+const PANELS: usize = 3;
+const POINTS: usize = 8;
+const MOST_OF_PANEL: usize = 16;
+
+/// Directions in a medium of light from the whole hemisphere of the air, or towards it: `passes` is the fraction of light that
+/// passes as a function of `|beta|`. A higher level has more.
+pub fn diffuse_directions(level: u32, passes: impl Fn(f64) -> f64) -> Vec<Direction> {
+    let azimuths = 24 << level;
+    let mut all = Vec::new();
+    for panel in 0..PANELS << level {
+        let ends = [panel, panel + 1].map(|end| end as f64 / f64::from((PANELS << level) as u32));
+        for node in gauss(ends[0], ends[1], POINTS) {
+            let (beta, slope) = towards_rim(node.x);
+            let weight = 2.0 * beta * slope * node.weight * passes(beta);
+            let ring = Ring { beta, weight, is_far: false, azimuths };
+            let points = self::azimuths(&ring, false);
+            all.extend(points.map(|(beta, share)| Direction { beta, weight: weight * share }));
+        }
+    }
+    all
+}
+
+/// Directions in a medium of diffuse light below a diffuser, or of light that leaves through it.
+pub fn diffused_directions(diffuser: &Diffuser, index: f64, level: u32) -> Vec<Direction> {
+    let Diffuser { lobe, regular_fraction, .. } = diffuser;
+    let width = if let Lobe::KCorrelation { width } = lobe { *width } else { 1.0 };
+    let mut all = Vec::new();
+    for node in radial(index, &[1.0], &[Pole { at: 1.0, off: width }], 6.0 + 3.0 * f64::from(level)) {
+        let straight = if node.x < 1.0 { *regular_fraction } else { 0.0 };
+        let leaves = straight + (1.0 - regular_fraction) * lobe.fraction_in_disc(node.x, 1.0);
+        let ring = Ring { beta: node.x, weight: 1.0, is_far: false, azimuths: 24 << level };
+        let points = azimuths(&ring, false);
+        all.extend(points.map(|(beta, share)| Direction { beta, weight: leaves * node.weight * share }));
+    }
+    all
+}
+
+/// `|beta|` from 0 to 1, dense at 1, where the transmittance ends as a square root; and its derivative.
+fn towards_rim(v: f64) -> (f64, f64) {
+    let rest = 1.0 - v;
+    (1.0 - rest * rest, 2.0 * rest)
+}
+
+/// Directions of a ring with their fractions: Gaussian rules in each quadrant, because windows have edges along x and y. `mirrored`:
+/// only those above the x axis.
+pub(super) fn azimuths(ring: &Ring, mirrored: bool) -> impl Iterator<Item = (Beta, f64)> + use<> {
+    let radius = ring.beta;
+    let quadrants = if mirrored { 2 } else { 4 };
+    let panels = ring.azimuths.div_ceil(MOST_OF_PANEL);
+    let points = ring.azimuths.div_ceil(panels);
+    (0..quadrants * panels).flat_map(move |panel| {
+        let [from, to] = [panel, panel + 1].map(|end| FRAC_PI_2 * end as f64 / panels as f64);
+        gauss(from, to, points).map(move |node: Node| {
+            let (sin, cos) = node.x.sin_cos();
+            let share = node.weight / (FRAC_PI_2 * quadrants as f64);
+            (Beta { x: radius * cos, y: radius * sin }, share)
+        })
+    })
+}
+
+/// Rings of the light of a Lambertian plane that a face returns; `way` is the way to the face and back per tangent of the inclination, in
+/// periods.
+pub(super) fn return_rings(
+    index: f64,
+    way: f64,
+    (level, is_plane): (u32, bool),
+    face: &dyn Fn(f64) -> f64,
+) -> Vec<Ring> {
+    // Beyond this phase of the first order, where light returns does not depend on where it left.
+    let finer = f64::from(1 + level);
+    let farthest = if is_plane { 30.0 } else { 40.0 } * (1.0 + 0.5 * f64::from(level));
+    let rate = 2.0 * PI * way;
+    let panel_phase = PHASE_OF_PANEL / finer;
+    let area = index * index;
+    let mut rings = Vec::new();
+    let mut add = |beta: f64, weight: f64| {
+        let phase = rate * beta / (area - beta * beta).max(1e-12).sqrt();
+        let is_far = phase > farthest;
+        let azimuths = if is_far { FEWEST } else { FEWEST + (0.6 * finer * phase) as usize };
+        if weight != 0.0 {
+            rings.push(Ring { beta, weight, is_far, azimuths });
+        }
+    };
+    let rim = 1.0 / (area - 1.0).max(1e-12).sqrt();
+    let panels = 2 + ((rate * rim).min(farthest) / panel_phase).ceil() as usize;
+    for panel in 0..panels {
+        let ends = [panel, panel + 1].map(|end| end as f64 / panels as f64);
+        for node in gauss(ends[0], ends[1], POINTS) {
+            let (beta, slope) = towards_rim(node.x);
+            add(beta, 2.0 * beta * slope * node.weight / area * face(beta));
+        }
+    }
+    // Total reflection, by the tangent of the inclination as far as the phase matters, and by the inclination beyond.
+    let end = (farthest / rate).max(rim);
+    let panels = (rate * (end - rim) / panel_phase).ceil() as usize;
+    for panel in 0..panels {
+        let at = |k: usize| rim + (end - rim) * k as f64 / panels as f64;
+        for node in gauss(at(panel), at(panel + 1), POINTS) {
+            let beta = index * node.x / (1.0 + node.x * node.x).sqrt();
+            add(beta, 2.0 * node.x / (1.0 + node.x * node.x).powi(2) * node.weight);
+        }
+    }
+    for node in gauss(end.atan(), FRAC_PI_2, 2 * POINTS) {
+        let (sin, cos) = node.x.sin_cos();
+        add(index * sin, 2.0 * sin * cos * node.weight);
+    }
+    rings
+}

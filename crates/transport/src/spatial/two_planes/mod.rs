@@ -1,0 +1,300 @@
+//! Lambertian pixels below a second pattern: a colour filter at a height above them, under a face that returns light to both.
+//!
+//! **What.** Light that enters along beta passes the filter at one place and reaches the pixel `D_h(beta)` further; what leaves the
+//! pixel passes the filter at another place. The face returns a part of it, which passes the filter twice more. With the irradiance E
+//! of the pixels, their reflectance rho and the transmittance t of the filter at its places,
+//! `E(x) = sum over beta of w L t(x - D_h)^s + sum over beta of w F t(x - D_h)^s t(x - 2D + D_h)^s rho E (x - 2D)`,
+//! s = 1/cos(theta), D the shift of the whole way to the face, w the weight of a direction in the irradiance. All orders are solved.
+//!
+//! **How.** A period is divided into cells along the edges of the windows. E is constant in a cell; all areas on which a cell,
+//! shifted, lies below or above others are exact. Directions are sums: rings of inclinations with azimuths. Where the way to the
+//! face and back is many periods, cells and shifts are taken as independent: the limit of Clapper and Yule.
+//!
+//! **Limits.** One refractive index. Between the windows the filter is clear.
+//!
+//! **Source.** Clapper, Yule, J. Opt. Soc. Am. 43, 600 (1953), for uniform filters.
+
+mod cells;
+mod directions;
+
+pub use self::cells::PeriodCells;
+use self::cells::Piece;
+pub use self::directions::{Direction, diffuse_directions, diffused_directions};
+use self::directions::{Ring, azimuths, return_rings};
+use super::{Window, displacement};
+
+/// Pixels and filter.
+#[derive(Debug, Clone, Copy)]
+pub struct FilteredPixels<'a> {
+    /// Period along x and y, mm.
+    pub pitch_mm: [f64; 2],
+    /// Windows of the pixels, and of the filter above them.
+    pub windows: &'a [Window],
+    /// Transmittance of each window of the filter along the normal, `[window][wavelength]`.
+    pub transmittance: &'a [Vec<f64>],
+    /// Height of the filter above the pixels, and of the face, mm.
+    pub height_mm: f64,
+    /// Distance of the face from the pixels, mm; at least `height_mm`.
+    pub thickness_mm: f64,
+    /// Refractive index of the medium.
+    pub index: f64,
+}
+
+/// Filter and face above pixels.
+#[derive(Debug, Clone)]
+pub struct TwoPlanes {
+    cells: PeriodCells,
+    pitch_mm: [f64; 2],
+    height_mm: f64,
+    index: f64,
+    bins: usize,
+    /// Transmittance of each window and, last, between them, `[window][wavelength]`.
+    transmittance: Vec<Vec<f64>>,
+    /// Return from cell to cell, `[to][from][wavelength]`: irradiance of a cell per radiosity of another.
+    returned: Vec<f64>,
+    /// Return of a uniform clear filter.
+    returned_uniform: f64,
+}
+
+/// Light that passes the filter above each cell, as an integral over the cell in fractions of the period: `[cell][window][wavelength]`. The
+/// last window is the area between the windows.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Passed {
+    values: Vec<f64>,
+    windows: usize,
+    bins: usize,
+}
+
+impl Passed {
+    /// Light above a cell that passes one window.
+    pub fn by_window(&self, cell: usize, window: usize) -> &[f64] {
+        &self.values[(cell * self.windows + window) * self.bins..][..self.bins]
+    }
+
+    /// Light above a cell through all windows.
+    pub fn all(&self, cell: usize) -> Vec<f64> {
+        let mut sum = vec![0.0; self.bins];
+        for window in 0..self.windows {
+            sum.iter_mut().zip(self.by_window(cell, window)).for_each(|(sum, more)| *sum += more);
+        }
+        sum
+    }
+}
+
+/// Largest change of a repetition with which the irradiance is taken as solved.
+const TOLERANCE: f64 = 1e-13;
+
+impl TwoPlanes {
+    /// Prepares pixels and filter. `face` is the reflectance of the face from below as a function of `|beta|` up to 1; beyond,
+    /// all light returns; `None`: nothing returns. A higher `level` is finer: 0, 1, ...
+    pub fn new(pixels: &FilteredPixels<'_>, face: Option<&dyn Fn(f64) -> f64>, level: u32) -> Self {
+        let mut cells = PeriodCells::new(pixels.windows, 10 << level);
+        if cells.varies(0) && cells.varies(1) {
+            cells = PeriodCells::new(pixels.windows, 6 << level);
+        }
+        let bins = pixels.transmittance.first().map_or(1, Vec::len);
+        let transmittance = pixels.transmittance.iter().cloned().chain([vec![1.0; bins]]).collect();
+        let count = cells.count();
+        let mut planes = Self {
+            cells,
+            pitch_mm: pixels.pitch_mm,
+            height_mm: pixels.height_mm,
+            index: pixels.index,
+            bins,
+            transmittance,
+            returned: Vec::new(),
+            returned_uniform: 0.0,
+        };
+        if let Some(face) = face {
+            planes.returned = vec![0.0; count * count * bins];
+            planes.add_returned(pixels.thickness_mm, face, level);
+        }
+        planes
+    }
+
+    /// Cells of a period.
+    pub fn cells(&self) -> &PeriodCells {
+        &self.cells
+    }
+
+    /// Fraction of the light of pixels that the face returns, without filter.
+    pub fn returned_uniform(&self) -> f64 {
+        self.returned_uniform
+    }
+
+    /// Light that reaches each cell from outside along these directions of propagation, through the filter; the sum of the weights is
+    /// taken as 1.
+    pub fn entering(&self, directions: &[Direction]) -> Passed {
+        self.passed(directions, 1.0)
+    }
+
+    /// Light that leaves each cell along these directions of propagation, through the filter.
+    pub fn leaving(&self, directions: &[Direction]) -> Passed {
+        self.passed(directions, -1.0)
+    }
+
+    fn passed(&self, directions: &[Direction], sign: f64) -> Passed {
+        let windows = self.transmittance.len();
+        let mut values = vec![0.0; self.cells.count() * windows * self.bins];
+        let total: f64 = directions.iter().map(|one| one.weight).sum();
+        let mut pieces = [Vec::new(), Vec::new()];
+        let mut last = (f64::NAN, self.transmittance.clone());
+        for direction in directions {
+            if direction.beta.squared() != last.0 {
+                last = (direction.beta.squared(), self.oblique(direction.beta.length()));
+            }
+            let shift = self.periods(displacement(direction.beta, self.height_mm, self.index));
+            for axis in [0, 1] {
+                self.cells.axis(axis).pieces(&[sign * shift[axis]], &mut pieces[axis]);
+            }
+            for (x, y) in products(&pieces) {
+                let cell = self.cells.cell([x.to, y.to]);
+                let window = self.cells.window([x.at[0], y.at[0]]);
+                let weight = direction.weight / total * x.length * y.length;
+                let slot = &mut values[(cell * windows + window) * self.bins..][..self.bins];
+                slot.iter_mut().zip(&last.1[window]).for_each(|(slot, t)| *slot += weight * t);
+            }
+        }
+        Passed { values, windows, bins: self.bins }
+    }
+
+    /// Irradiance of each cell through all orders, `[cell][wavelength]`, relative to that without filter and pixels. `reflectance` is
+    /// that of the window of a cell; between windows it is 0.
+    pub fn irradiance(&self, entering: &Passed, reflectance: &[&[f64]]) -> Vec<f64> {
+        let (count, bins) = (self.cells.count(), self.bins);
+        let mut first = Vec::with_capacity(count * bins);
+        for cell in 0..count {
+            let area = self.cells.area(cell);
+            first.extend(entering.all(cell).iter().map(|light| light / area));
+        }
+        if self.returned.is_empty() {
+            return first;
+        }
+        let mut irradiance = first.clone();
+        let mut radiosity = vec![0.0; count * bins];
+        loop {
+            for cell in 0..count {
+                let own = self.cells.window_of(cell).and_then(|window| reflectance.get(window));
+                let row = cell * bins..(cell + 1) * bins;
+                match own {
+                    Some(own) => radiosity[row.clone()]
+                        .iter_mut()
+                        .zip(&irradiance[row])
+                        .zip(*own)
+                        .for_each(|((out, e), rho)| *out = e * rho),
+                    None => radiosity[row].fill(0.0),
+                }
+            }
+            let mut change = 0.0_f64;
+            for (cell, returned) in self.returned.chunks_exact(count * bins).enumerate() {
+                let row = cell * bins..(cell + 1) * bins;
+                let mut next = first[row.clone()].to_vec();
+                for (a, b) in returned.chunks_exact(bins).zip(radiosity.chunks_exact(bins)) {
+                    next.iter_mut().zip(a).zip(b).for_each(|((next, a), b)| *next += a * b);
+                }
+                for (value, next) in irradiance[row].iter_mut().zip(next) {
+                    change = change.max((next - *value).abs());
+                    *value = next;
+                }
+            }
+            if change.is_nan() || change <= TOLERANCE {
+                return irradiance;
+            }
+        }
+    }
+
+    /// Adds all directions of the return.
+    fn add_returned(&mut self, thickness_mm: f64, face: &dyn Fn(f64) -> f64, level: u32) {
+        let finest = self.pitch_mm[0].min(self.pitch_mm[1]);
+        let is_plane = self.cells.varies(0) && self.cells.varies(1);
+        let rings = return_rings(self.index, 2.0 * thickness_mm / finest, (level, is_plane), face);
+        for ring in &rings {
+            self.returned_uniform += ring.weight;
+            let windows = self.transmittance.len();
+            let passes = self.oblique(ring.beta);
+            // Both passes of each pair of windows, times the weight of the ring.
+            let mut both = Vec::with_capacity(windows * windows * self.bins);
+            for (one, other) in (0..windows).flat_map(|i| (0..windows).map(move |k| (i, k))) {
+                both.extend(passes[one].iter().zip(&passes[other]).map(|(a, b)| ring.weight * a * b));
+            }
+            if ring.is_far {
+                self.add_far(ring, &passes);
+            } else {
+                self.add_ring(ring, thickness_mm, &both);
+            }
+        }
+    }
+
+    fn add_ring(&mut self, ring: &Ring, thickness_mm: f64, both: &[f64]) {
+        let (count, bins, windows) = (self.cells.count(), self.bins, self.transmittance.len());
+        let mut pieces = [Vec::new(), Vec::new()];
+        for (beta, weight) in azimuths(ring, !self.cells.varies(1)) {
+            let height = self.periods(displacement(beta, self.height_mm, self.index));
+            let whole = self.periods(displacement(beta, 2.0 * thickness_mm, self.index));
+            for axis in [0, 1] {
+                let (h, d) = (height[axis], whole[axis]);
+                self.cells.axis(axis).return_pieces([h, d - h], d, &mut pieces[axis]);
+            }
+            for (x, y) in products(&pieces) {
+                let (to, from) = (self.cells.cell([x.to, y.to]), self.cells.cell([x.from, y.from]));
+                let entered = self.cells.window([x.at[0], y.at[0]]);
+                let left = self.cells.window([x.at[1], y.at[1]]);
+                let share = weight * x.length * y.length / self.cells.area(to);
+                let slot = &mut self.returned[(to * count + from) * bins..][..bins];
+                let both = &both[(entered * windows + left) * bins..][..bins];
+                slot.iter_mut().zip(both).for_each(|(slot, both)| *slot += share * both);
+            }
+        }
+    }
+
+    /// Light whose way is so long that where it returns does not depend on where it left: only its passes of the filter are known.
+    fn add_far(&mut self, ring: &Ring, passes: &[Vec<f64>]) {
+        let (count, bins) = (self.cells.count(), self.bins);
+        let mut pieces = [Vec::new(), Vec::new()];
+        for (beta, weight) in azimuths(ring, !self.cells.varies(1)) {
+            let height = self.periods(displacement(beta, self.height_mm, self.index));
+            // Light above each cell on its way up and down.
+            let [down, up] = [1.0, -1.0].map(|sign| {
+                let mut light = vec![0.0; count * bins];
+                for axis in [0, 1] {
+                    self.cells.axis(axis).pieces(&[sign * height[axis]], &mut pieces[axis]);
+                }
+                for (x, y) in products(&pieces) {
+                    let cell = self.cells.cell([x.to, y.to]);
+                    let window = self.cells.window([x.at[0], y.at[0]]);
+                    let area = x.length * y.length;
+                    let slot = &mut light[cell * bins..][..bins];
+                    slot.iter_mut().zip(&passes[window]).for_each(|(slot, t)| *slot += area * t);
+                }
+                light
+            });
+            for to in 0..count {
+                let share = weight * ring.weight / self.cells.area(to);
+                for from in 0..count {
+                    let slot = &mut self.returned[(to * count + from) * bins..][..bins];
+                    let rows = down[to * bins..][..bins].iter().zip(&up[from * bins..][..bins]);
+                    slot.iter_mut().zip(rows).for_each(|(slot, (a, b))| *slot += share * a * b);
+                }
+            }
+        }
+    }
+
+    /// Transmittance of one pass along `|beta|`.
+    fn oblique(&self, beta: f64) -> Vec<Vec<f64>> {
+        let slant = 1.0 / (1.0 - (beta / self.index).powi(2)).max(1e-12).sqrt();
+        let pass = |t: &f64| if *t > 0.0 { t.powf(slant) } else { 0.0 };
+        self.transmittance.iter().map(|row| row.iter().map(pass).collect()).collect()
+    }
+
+    fn periods(&self, shift_mm: [f64; 2]) -> [f64; 2] {
+        [shift_mm[0] / self.pitch_mm[0], shift_mm[1] / self.pitch_mm[1]]
+    }
+}
+
+/// All pairs of pieces along x and y.
+fn products(pieces: &[Vec<Piece>; 2]) -> impl Iterator<Item = (&Piece, &Piece)> {
+    pieces[1].iter().flat_map(|y| pieces[0].iter().map(move |x| (x, y)))
+}
+
+#[cfg(test)]
+mod tests;
