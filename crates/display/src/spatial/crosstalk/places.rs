@@ -83,15 +83,16 @@ pub(super) fn gather(
     };
     let own = spread.own_mm();
     let mut lights = vec![[0.0; 3]; base.states()];
-    let mut values = vec![0.0; base.states()];
+    let mut of_surfaces = vec![0.0; base.states()];
     let mut areas = vec![0.0; count + 1];
     for directions in spread.parts() {
         let curves = weights.each_ref().map(|weights| colour_curves(directions, (base, medium), weights));
         for sample in &directions.samples {
             let beta_squared = sample.beta.squared();
             for (k, curves) in curves.iter().enumerate() {
-                curves.at(beta_squared, &mut values);
-                lights.iter_mut().zip(&values).for_each(|(light, value)| light[k] = sample.weight * value);
+                curves.at(beta_squared, &mut of_surfaces);
+                let pairs = lights.iter_mut().zip(&of_surfaces);
+                pairs.for_each(|(light, value)| light[k] = sample.weight * value);
             }
             let shift = [0, 1].map(|k| (own[k] - sample.shift_mm[k]) / windows.pitch_mm[k]);
             sums.add_page(windows, shift, &lights, wanted.page);
