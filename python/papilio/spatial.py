@@ -336,8 +336,8 @@ def mtf(
         >>> sharp = papilio.mtf("scenarios/matrix.toml", set={"spectrum.step_nm": 20})
         >>> sharp["f50_x_per_mm"].shape, sharp["white.f50_x_per_mm"].shape
         ((1, 8), (1,))
-        >>> abs(sharp.otf("white")[0])
-        1.0
+        >>> complex(sharp.otf("white")[0])
+        (1+0j)
     """
     changed = read(scenario, with_solver(set))
     scene = changed._scene()

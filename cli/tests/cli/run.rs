@@ -261,7 +261,7 @@ fn matrix_changes_nothing_but_scenario_and_hash() {
 
 /// Light enters and leaves through different parts of a filter: its colours are not the mean over its area.
 #[test]
-fn filter_above_the_pixels_is_refused() {
+fn filter_above_mirror_like_pixels_is_refused() {
     let folder = tempfile::tempdir().unwrap();
     let out = folder.path().join("out");
     let filter =
@@ -269,6 +269,6 @@ fn filter_above_the_pixels_is_refused() {
     let output = run("matrix", &["--out", out.to_str().unwrap(), "--set", filter]);
     assert_eq!(output.status.code(), Some(2));
     let message = stderr(&output);
-    assert!(message.contains("where light enters and leaves") && message.contains("--set #1"), "{message}");
+    assert!(message.contains("a colour filter above mirror-like pixels"), "{message}");
     assert!(!out.exists());
 }

@@ -21,6 +21,8 @@ const MOST_PIXELS: usize = 256;
 pub(crate) struct FilmFastPath {
     /// Quantities that are requested under this condition.
     quantities: Vec<Quantity>,
+    /// The scenario's own film, if it was read.
+    own: Option<FilmPixel>,
     pixels: Vec<Arc<BasePixel>>,
     displays: Vec<(Arc<Scene>, Designs)>,
 }
@@ -30,6 +32,8 @@ pub(crate) struct FilmFastPath {
 struct BasePixel {
     /// Index of the choice, for each variable that is a choice.
     choices: Vec<usize>,
+    /// The scene for which displays are prepared: with the scenario's own film if it has the same states, so that the level of
+    /// adding and the angles of the film do not depend on which choices come first.
     scene: Arc<Scene>,
     film: FilmPixel,
     /// All keys of the variables that are numbers.
@@ -47,7 +51,7 @@ struct NumericKey {
 
 impl FilmFastPath {
     pub(crate) fn new(quantities: Vec<Quantity>) -> Self {
-        Self { quantities, pixels: Vec::new(), displays: Vec::new() }
+        Self { quantities, own: None, pixels: Vec::new(), displays: Vec::new() }
     }
 
     /// Computes the quantities of a design; `None` if this method does not apply to it.
@@ -122,15 +126,28 @@ impl FilmFastPath {
         let keys = study.variables.iter().flat_map(|variable| variable.keys.iter().map(move |_| variable));
         let numbers_of = values.iter_mut().zip(keys).filter(|(_, variable)| variable.is_number());
         numbers_of.for_each(|(value, _)| *value = serde_json::Value::Null);
-        let scene = condition.varied.scenario(&values)?.resolve()?.scene;
+        let mut scene = condition.varied.scenario(&values)?.resolve()?.scene;
         let Pixel::Film(film) = scene.display.pixel.clone() else { return Ok(None) };
         let Some(numbers) = numbers(study, &film) else { return Ok(None) };
+        if let Some(own) = self.own_film(condition, values.len()).filter(|own| names(own) == names(&film)) {
+            scene.display.pixel = Pixel::Film(own);
+        }
         let base = Arc::new(BasePixel { choices, scene: Arc::new(scene), film, numbers });
         if self.pixels.len() == MOST_PIXELS {
             self.pixels.remove(0);
         }
         self.pixels.push(base.clone());
         Ok(Some(base))
+    }
+
+    /// The film of the scenario as it stands; `None` if it has none, or cannot be read without the choices.
+    fn own_film(&mut self, condition: &Condition, keys: usize) -> Option<FilmPixel> {
+        if self.own.is_none() {
+            let scenario = condition.varied.scenario(&vec![serde_json::Value::Null; keys]).ok()?;
+            let Pixel::Film(film) = scenario.resolve().ok()?.scene.display.pixel else { return None };
+            self.own = Some(film);
+        }
+        self.own.clone()
     }
 
     /// Prepared display of a pixel. The most recently added display is the last one.
@@ -148,6 +165,11 @@ impl FilmFastPath {
         };
         Ok(&mut self.displays[index].1)
     }
+}
+
+/// Names of the states.
+fn names(film: &FilmPixel) -> Vec<&str> {
+    film.states.iter().map(|state| state.name.as_str()).collect()
 }
 
 /// All keys of the numeric variables; `None` if one of them is not a parameter of the film.
@@ -180,7 +202,6 @@ impl BasePixel {
 fn differs_only_in_pixel(scene: &Scene, base: &BasePixel) -> bool {
     let other = &base.scene;
     let Pixel::Film(film) = &scene.display.pixel else { return false };
-    let names = |film: &FilmPixel| film.states.iter().map(|state| state.name.clone()).collect::<Vec<_>>();
     std::ptr::eq(scene, Arc::as_ptr(other))
         || scene.display.layers == other.display.layers
             && scene.display.matrix == other.display.matrix

@@ -28,6 +28,10 @@ fn metric_advice(wrong: &str, known: &[String]) -> String {
         (false, false) => format!("the metrics are {}; for a state {}", own.join(", "), others.join(", ")),
     };
     let proposed = || format!("did you mean {}?", begin_so.join(" or "));
+    // A metric of a state without its state.
+    if let Some(one) = others.iter().find(|one| state_and_metric(one).1 == name) {
+        return format!("did you mean `{one}`?");
+    }
     match begin_so.len() {
         0 => near(&own).or_else(|| near(&others)).unwrap_or_else(list),
         1 => proposed(),

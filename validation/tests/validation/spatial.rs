@@ -26,7 +26,7 @@ fn scenario(number: u64) -> String {
     if lobe {
         let (haze, transmittance) = (dice.between(0.3, 0.95), dice.between(0.7, 1.0));
         text += "[display.diffuser]\nmodel = \"k-correlation\"\n";
-        text += &format!("haze = {haze:.3}\ntotal_transmittance = {transmittance:.3}\n");
+        text += &format!("haze = {haze:.3}\ntransmittance = {transmittance:.3}\n");
     }
     let (index, thickness) = (dice.between(1.3, 1.8), dice.log_between(0.05, 3.0));
     text += &format!("[display.glass]\nindex = {index:.3}\nthickness_mm = {thickness:.4}\n");

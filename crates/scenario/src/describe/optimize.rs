@@ -148,7 +148,7 @@ forms! {
         /// The largest or the smallest value.
         Sense(Sense) if Value::Text(_),
         /// A value near a target.
-        Target(Target) if Value::Table(_),
+        Target(AimedValue) if Value::Table(_),
     }
 }
 
@@ -164,7 +164,7 @@ choice! {
 
 table! {
     /// A target value.
-    Target {
+    AimedValue {
         /// The desired value.
         target: Any,
     }
