@@ -27,7 +27,22 @@ pub fn seeds() -> u64 {
 /// If a statistic is outside its bounds, or an error is too large.
 /// If they do not.
 pub fn assert_unbiased(what: &str, truth: f64, most_relative_error: f64, run: impl Fn(u64) -> (f64, f64)) {
-    let seeds = seeds();
+    assert_unbiased_over(seeds(), what, truth, most_relative_error, run);
+}
+
+/// [`assert_unbiased`] over at least this number of seeds: where rare paths carry most of the light, few seeds do not find them, and
+/// their mean and errors are both too small.
+///
+/// # Panics
+/// As [`assert_unbiased`].
+pub fn assert_unbiased_over(
+    least: u64,
+    what: &str,
+    truth: f64,
+    most_relative_error: f64,
+    run: impl Fn(u64) -> (f64, f64),
+) {
+    let seeds = seeds().max(least);
     let (mut deviation, mut square, mut error_square) = (0.0, 0.0, 0.0);
     for seed in 0..seeds {
         let (mean, error) = run(seed);

@@ -1,5 +1,6 @@
 //! Colour filters at a height above the pixels: limits, known shares, and what is refused.
 
+use std::f64::consts::FRAC_1_SQRT_2;
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
@@ -82,7 +83,7 @@ fn shares_of_three_stripes_are_known() {
         near("in", found.own_share_in.unwrap(), expected, 1e-4);
         near("out", found.own_share_out.unwrap(), 1.0, 1e-9);
     }
-    for (theta_deg, expected) in [(10.0, 0.116_55), (30.0, 0.353_55), (60.0, 0.707_11)] {
+    for (theta_deg, expected) in [(10.0, 0.116_55), (30.0, 0.353_55), (60.0, FRAC_1_SQRT_2)] {
         let found = share(1.0, theta_deg);
         near("out", 1.0 - found.own_share_out.unwrap(), expected, 2e-3);
         // Seen from the right, light comes from the pixel on the left.

@@ -73,7 +73,7 @@ fn surface_has_the_error_of_two_levels() {
     }
 }
 
-/// A nearly flat surface over a mirror, against random paths: so many that the means of faint light are nearly normal.
+/// A nearly flat surface over a mirror, against random paths. Rare ones carry the light of source 2: 8 seeds do not find enough of them.
 #[test]
 fn narrow_surface_equals_monte_carlo() {
     let stack = surface(Distribution::Ggx, 0.02, mirror(0.9));
@@ -82,10 +82,11 @@ fn narrow_surface_equals_monte_carlo() {
         let truth = estimate(2, &stack, view(theta), &sources);
         let runs = RefCell::new(HashMap::new());
         for source in 0..sources.len() {
-            assert_unbiased(&format!("{theta} deg, source {source}"), rho(&truth, source), 0.5, |seed| {
+            let what = format!("{theta} deg, source {source}");
+            assert_unbiased_over(16, &what, rho(&truth, source), 0.5, |seed| {
                 let mut runs = runs.borrow_mut();
                 let estimates = runs.entry(seed).or_insert_with(|| {
-                    replicates_of(&stack, view(theta), &sources, seed, 512, Sampler::Sobol)
+                    replicates_of(&stack, view(theta), &sources, seed, 256, Sampler::Sobol)
                 });
                 mean_and_error(estimates.iter().map(|estimate| rho(estimate, source)))
             });

@@ -223,9 +223,10 @@ impl WithSimd for Pass<'_, '_> {
             group.from[1][k] = period[1] * group.from[1][k] + above_y[k] * per_beta;
         }
         let Group { from, below, beams } = group;
-        for k in 0..LANES {
+        let places: [[f64; 2]; LANES] = std::array::from_fn(|k| [from[0][k], from[1][k]]);
+        for (k, place) in places.iter().enumerate() {
             let beta = at(&above_x, &above_y, k) + at(&offset_x, &offset_y, k);
-            below.set(k, beta, [from[0][k], from[1][k]], [square, thickness]);
+            below.set(k, beta, *place, [square, thickness]);
         }
         for FromBeam { beam, connected, weight, backwards, .. } in beams {
             let target = Target::beam(*beam);
@@ -239,9 +240,9 @@ impl WithSimd for Pass<'_, '_> {
                 let below = *beam + at(&offset_x, &offset_y, k);
                 *weight = connection(lobe, &target, [above, below, *beam]);
             }
-            for k in 0..LANES {
+            for (k, place) in places.iter().enumerate() {
                 let beta = *beam + at(&offset_x, &offset_y, k);
-                backwards.set(k, beta, [from[0][k], from[1][k]], [square, thickness]);
+                backwards.set(k, beta, *place, [square, thickness]);
             }
         }
     }
