@@ -177,7 +177,11 @@ pub(crate) fn with_progress<T>(
 ) -> Result<Option<T>, Failure> {
     interrupt::catch_ctrl_c();
     let bar = progress_bar();
-    let _log = in_log(&bar, |bar| format!("{} % done, {}", bar.position() / 10, bar.message()));
+    let _log = in_log(&bar, |bar| {
+        let message = Some(bar.message()).filter(|message| !message.is_empty());
+        let message = message.map_or(String::new(), |message| format!(", {message}"));
+        format!("{} % done{message}", bar.position() / 10)
+    });
     let waiting = bar.clone();
     let _shown = Heartbeat::every(BETWEEN_FRAMES, move || waiting.tick());
     let show = |progress: Progress<'_>| show(&bar, progress);

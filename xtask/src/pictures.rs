@@ -5,7 +5,7 @@ use crate::shell::{self, Outcome, cargo};
 /// A command of papilio, its file in scenarios/, the figures to copy, and the prefix of their names.
 type Picture = (&'static [&'static str], &'static str, &'static [&'static str], &'static str);
 
-const PICTURES: [Picture; 9] = [
+const PICTURES: [Picture; 15] = [
     (
         &["run"],
         "indoor.toml",
@@ -60,6 +60,22 @@ const PICTURES: [Picture; 9] = [
         &["tolerance_gamut_percent_srgb.svg", "tolerance_sensitivities.svg"],
         "",
     ),
+    (&["sweep"], "laminate-thickness.toml", &["sweep_white.mtf_nyquist_x.svg"], "laminate-"),
+    (&["mtf"], "double-image.toml", &["kernel_white.svg"], "double-image-"),
+    (&["mtf"], "laminated-text.toml", &["edges.svg"], "laminated-text-"),
+    (&["crosstalk"], "matrix.toml", &["crosstalk.svg"], ""),
+    (
+        &[
+            "crosstalk",
+            "--set=display.glass.thickness_mm=0.5",
+            "--set=viewer.theta_deg=30",
+            "--set=display.matrix={ pitch_um = 84.6, filter = { height_um = 30, transmittance = { red = 0.6, green = 0.6, blue = 0.6 } } }",
+        ],
+        "epaper.toml",
+        &["crosstalk.svg"],
+        "filter-",
+    ),
+    (&["sparkle"], "antiglare.toml", &["sparkle.svg"], "antiglare-"),
 ];
 
 /// Runs the task.

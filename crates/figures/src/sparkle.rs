@@ -85,19 +85,22 @@ pub fn sparkle_curves(result: &SparkleResult, title: &str) -> Option<String> {
         (a.theta_deg, a.phi_deg) == (b.theta_deg, b.phi_deg) && (!by_length || a.gap_mm == b.gap_mm)
     };
     let mut curves = Vec::new();
+    let is_single = result.rows.chunk_by(same).count() == 1;
     for (number, group) in result.rows.chunk_by(same).enumerate() {
         let first = &group[0];
-        let name = if by_length {
-            format!("{} mm, {} deg", fixed(first.gap_mm, 3), fixed(first.theta_deg, 0))
-        } else {
-            format!("{} deg", fixed(first.theta_deg, 0))
+        let [all, matrix] = match by_length {
+            _ if is_single => ["all".to_owned(), "matrix term".to_owned()],
+            true => {
+                [String::new(), format!("{} mm, {}\u{b0}", fixed(first.gap_mm, 2), fixed(first.theta_deg, 0))]
+            }
+            false => [String::new(), format!("{}\u{b0}", fixed(first.theta_deg, 0))],
         };
         let mut curve = |name: String, marks: bool, points: Vec<(f64, f64)>| {
             curves.push(ChartCurve { name, hue: Hue::Group(number), dashed: false, marks, points });
         };
-        curve(String::new(), true, group.iter().map(|row| (x(row), 100.0 * row.ppd)).collect());
+        curve(all, true, group.iter().map(|row| (x(row), 100.0 * row.ppd)).collect());
         let closed = |row: &SparkleRow| (x(row), row.ppd_closed_form.map_or(f64::NAN, |ppd| 100.0 * ppd));
-        curve(name, false, group.iter().map(closed).collect());
+        curve(matrix, false, group.iter().map(closed).collect());
     }
     let x =
         if by_length { "Correlation length of the face (um)" } else { "Distance of face and pixels (mm)" };
