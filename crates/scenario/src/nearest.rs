@@ -28,8 +28,9 @@ fn metric_advice(wrong: &str, known: &[String]) -> String {
         (false, false) => format!("the metrics are {}; for a state {}", own.join(", "), others.join(", ")),
     };
     let proposed = || format!("did you mean {}?", begin_so.join(" or "));
-    // A metric of a state without its state.
-    if let Some(one) = others.iter().find(|one| state_and_metric(one).1 == name) {
+    // A metric of a state without its state, if nothing else begins as it is written.
+    let as_written = own.iter().any(|one| state_and_metric(one).1.starts_with(name));
+    if let Some(one) = others.iter().find(|one| !as_written && state_and_metric(one).1 == name) {
         return format!("did you mean `{one}`?");
     }
     match begin_so.len() {
