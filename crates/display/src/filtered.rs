@@ -212,16 +212,7 @@ impl<'a> Filtered<'a> {
             }
         }
         // By reciprocity, what returns of a beam from the view is what it sees of diffuse light.
-        let zeros = || vec![0.0; states * bins];
-        let mut ledger = Ledger {
-            returned: zeros(),
-            front: zeros(),
-            diffuser: zeros(),
-            glass: zeros(),
-            pixel: zeros(),
-            inactive: zeros(),
-            unaccounted: zeros(),
-        };
+        let mut ledger = Ledger::zeros(states * bins);
         for at in 0..states * bins {
             ledger.returned[at] = rho[0].via_pixel[at] + rho[0].front[at % bins];
             ledger.unaccounted[at] = 1.0 - ledger.returned[at];

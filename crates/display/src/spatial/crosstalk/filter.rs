@@ -1,7 +1,7 @@
 //! Crosstalk of a display with a colour filter at a height above its pixels.
 
 use super::super::response::name_of_light;
-use super::{BLACK, Colour, CrosstalkView, Figure, Measured, PAGE, assembled, flat, page, state};
+use super::{BLACK, CrosstalkView, Figure, Measured, PAGE, add, assembled, flat, page, state};
 use crate::DisplayError;
 use crate::filtered::{Filtered, Lit};
 use crate::meter::Meter;
@@ -118,18 +118,10 @@ fn seen(
     let leaving_pairs = filtered.leaving(two, view, *level)?;
     let leaving_lines = lines.as_ref().map(|lines| filtered.leaving(&lines.lit, view, *level)).transpose()?;
     let first = filtered.unfiltered(one, number);
-    let mut seen = Measured {
-        names: Vec::new(),
-        page: Vec::new(),
-        entered: Vec::new(),
-        figures: std::array::from_fn(|_| Vec::new()),
-        beside: [None; 4],
-        from_faces: [0.0; 3],
-    };
+    let mut seen = Measured::default();
     let mut colours = vec![[0.0; 3]; states];
     let mut columns = vec![[0.0; 3]; pairs.len()];
     let mut line = vec![[0.0; 3]; if lines.is_some() { states } else { 0 }];
-    let add = |sum: &mut Colour, more: Colour| (0..3).for_each(|k| sum[k] += more[k]);
     for (source, first) in first.iter().enumerate() {
         let weights = meter.xyz_weights(source);
         if weights[1].iter().all(|weight| *weight == 0.0) {

@@ -119,6 +119,7 @@ struct Frame<'a> {
 }
 
 /// Light of one level.
+#[derive(Default)]
 struct Measured {
     names: Vec<String>,
     /// Y of the page through each window from each sub-pixel and the inactive area, `[light][window][sub-pixel]`.
@@ -175,14 +176,7 @@ impl<'a> Frame<'a> {
         let _ready = kernel.prepare_unless(&setup.stack, &[view.field], &setup.sources, &stop);
         let factors = kernel.seen(&setup.stack, 0);
         let (states, bins) = (setup.states.len(), setup.scene.grid.len());
-        let mut measured = Measured {
-            names: Vec::new(),
-            page: Vec::new(),
-            entered: Vec::new(),
-            figures: std::array::from_fn(|_| Vec::new()),
-            beside: [None; 4],
-            from_faces: [0.0; 3],
-        };
+        let mut measured = Measured::default();
         let (mut pages, mut gathered) = (vec![[0.0; 3]; states], None::<Gathered>);
         let is_flat = self.is_flat_paper();
         // Light of each state and wavelength in X, Y and Z.

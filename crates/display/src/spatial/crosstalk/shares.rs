@@ -1,8 +1,8 @@
-//! Shares of the light of windows and sub-pixels, from sums of light.
+//! Shares of light by window and sub-pixel.
 
 use super::Shares;
 
-/// Shares of lights, `[light][window][sub-pixel]`.
+/// Shares of the light of a page and of what entered, of all lights together, `[light][window][sub-pixel]`.
 pub(super) fn shares(page: &[Vec<Vec<f64>>], entered: &[Vec<Vec<f64>>]) -> Shares {
     let out = Rows::new(&sum(page));
     let entered = (!entered.is_empty()).then(|| {
