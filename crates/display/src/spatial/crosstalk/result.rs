@@ -115,7 +115,8 @@ pub struct PatternColours {
     pub values: PatternValues,
     /// Errors of the numbers.
     pub error: PatternValues,
-    /// Why all numbers are null; null if they are not, or if only states are missing.
+    /// Why all numbers are null; absent if they are not, or if only states are missing.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub why_null: Option<&'static str>,
 }
 
