@@ -3,6 +3,7 @@
 
 mod catalogue;
 mod compare;
+mod detail;
 mod drawn;
 mod endpoint;
 mod events;
@@ -14,6 +15,7 @@ mod request;
 mod sweep;
 mod text;
 mod walk;
+mod written;
 
 use axum::Router;
 use axum::middleware;
@@ -55,6 +57,11 @@ fn endpoints() -> Endpoints {
             "/compare",
             "A scenario compared with a measured panel: table, figures, differences",
             compare::compare,
+        )
+        .post(
+            "/detail",
+            "Sharpness, crosstalk or sparkle of a scenario: tables and figures",
+            detail::detail,
         )
         .export(
             "/export",
