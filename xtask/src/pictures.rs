@@ -75,6 +75,7 @@ const PICTURES: [Picture; 15] = [
         &["crosstalk.svg"],
         "filter-",
     ),
+    (&["sweep"], "printed-filter.toml", &["sweep_patch_gamut_percent_srgb.svg"], "printed-filter-"),
     (&["sparkle"], "antiglare.toml", &["sparkle.svg"], "antiglare-"),
 ];
 
