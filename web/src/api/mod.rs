@@ -58,11 +58,7 @@ fn endpoints() -> Endpoints {
             "A scenario compared with a measured panel: table, figures, differences",
             compare::compare,
         )
-        .post(
-            "/detail",
-            "Sharpness, crosstalk or sparkle of a scenario: tables and figures",
-            detail::detail,
-        )
+        .post("/detail", "Sharpness, crosstalk or sparkle of a scenario: tables and figures", detail::detail)
         .export(
             "/export",
             "A result as a file: result.json, tables, figures, or a report on one page",

@@ -39,7 +39,8 @@ fn sharpness_and_crosstalk_equal_the_command_line() {
     assert_eq!(names(&seen["tables"]), ["mtf", "spread"]);
     assert_eq!(seen["tables"][0]["csv"].as_str().unwrap().as_bytes(), csv);
     let figures = papilio_figures::of_mtf(&wanted, resolved.title.as_deref().unwrap());
-    let figures: Vec<Value> = figures.into_iter().map(|(name, svg)| json!({ "name": name, "svg": svg })).collect();
+    let figures: Vec<Value> =
+        figures.into_iter().map(|(name, svg)| json!({ "name": name, "svg": svg })).collect();
     assert_eq!(seen["figures"], Value::Array(figures));
     let white = wanted.views[0].states.get("white").unwrap();
     let expected = (white.scalars.mtf_nyquist_x.unwrap(), white.error.mtf_nyquist_x.unwrap());
@@ -59,7 +60,8 @@ fn sharpness_and_crosstalk_equal_the_command_line() {
 fn missing_pixels_and_faces_are_named() {
     let server = Server::start();
     let scenario = indoor(&server);
-    for (command, missing) in [("crosstalk", "matrix"), ("sparkle", "[sparkle]"), ("blur", "unknown variant")] {
+    for (command, missing) in [("crosstalk", "matrix"), ("sparkle", "[sparkle]"), ("blur", "unknown variant")]
+    {
         let answer = server.post("/detail", &json!({ "scenario": scenario, "command": command }));
         let (message, _) = answer.error();
         assert!(message.contains(missing), "{command}: {message}");

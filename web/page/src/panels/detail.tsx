@@ -108,12 +108,6 @@ function Numbers({ numbers, name }: { numbers: readonly Numbered[]; name: string
 function Shown({ of, kind }: { of: Detailed; kind: Kind }) {
   return (
     <>
-      <Numbers numbers={of.numbers} name={kind.name} />
-      <p class="figure-tools">
-        {of.tables.map(({ name, csv }) => (
-          <Downloads key={name} name={name} table={() => csv} />
-        ))}
-      </p>
       {of.warnings.map((warning) => (
         <p class="remark warning" key={warning}>
           Warning: {warning}
@@ -122,6 +116,14 @@ function Shown({ of, kind }: { of: Detailed; kind: Kind }) {
       {of.figures.map(({ name, svg }) => (
         <Drawn key={name} name={name} svg={svg} label={`${kind.name}: ${name.replaceAll("_", " ")}`} />
       ))}
+      <Numbers numbers={of.numbers} name={kind.name} />
+      <p class="remark">
+        {of.tables.map(({ name, csv }) => (
+          <span key={name}>
+            {name}.csv <Downloads name={name} table={() => csv} />{" "}
+          </span>
+        ))}
+      </p>
     </>
   );
 }
