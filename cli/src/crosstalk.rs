@@ -88,7 +88,13 @@ fn of_view(result: &CrosstalkResult, view: &CrosstalkView) -> String {
             measured(values.contrast_ratio_via_pixel, error.contrast_ratio_via_pixel, 4),
         ]);
     }
-    text + &report::table(&rows)
+    text += &report::table(&rows);
+    for pattern in &view.patterns {
+        if let Some(why) = pattern.why_null {
+            text += &format!("  {}: {why}\n", pattern.name.name());
+        }
+    }
+    text
 }
 
 /// Shares in per cent, with the light of the area without sub-pixels in the last column if there is any.

@@ -94,3 +94,16 @@ fn crosstalk_of_figures() {
     );
     assert_states(&page, &text);
 }
+
+#[test]
+fn printed_filter() {
+    let view = &json("crosstalk", "printed-filter")["views"][0];
+    let page = page();
+    let gamut = view["patterns"][0]["gamut_percent_srgb"].as_f64().unwrap();
+    assert_states(&page, &format!("| gamut of patches, % of sRGB | 5.95 | 5.49 | 4.95 | {gamut:.2} |"));
+    let own = 100.0 * view["own_share_in"].as_f64().unwrap();
+    assert_states(
+        &page,
+        &format!("| light that entered through the own stripe, % | 99.0 | 95.2 | 90.4 | {own:.1} |"),
+    );
+}

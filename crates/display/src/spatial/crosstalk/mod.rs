@@ -354,7 +354,9 @@ fn assembled(setup: &Setup, view: &ViewPoint, coarse: &Measured, fine: &Measured
         by_light.map(|(light, name)| (name.clone(), with_error(one(fine, light), &one(coarse, light))));
     let pattern = |figure: Figure| {
         let (values, other) = (values(setup, fine, figure), values(setup, coarse, figure));
-        PatternColours { name: figure, values, error: values.difference(&other) }
+        let is_missing = fine.figures[figure as usize].is_empty();
+        let why_null = if is_missing { why_null(figure) } else { None };
+        PatternColours { name: figure, values, error: values.difference(&other), why_null }
     };
     CrosstalkView {
         theta_deg: view.theta_deg,
@@ -363,6 +365,12 @@ fn assembled(setup: &Setup, view: &ViewPoint, coarse: &Measured, fine: &Measured
         shares: with_error(all(fine), &all(coarse)),
         patterns: Figure::ALL.map(pattern).to_vec(),
     }
+}
+
+/// Why there is no such figure.
+fn why_null(figure: Figure) -> Option<&'static str> {
+    let no_strokes = "no pixel is in the middle of a stroke: the text is too small for these pixels (viewer.text_height_mm)";
+    (figure == Figure::Text).then_some(no_strokes)
 }
 
 fn values(setup: &Setup, measured: &Measured, figure: Figure) -> PatternValues {
