@@ -111,8 +111,8 @@ fn patches_below_a_filter_are_those_of_a_run() {
     }
 }
 
-/// A line below a clear filter is that on paper without filter, by Fourier transforms; in colour it has less gamut than a patch, and the
-/// less the higher the filter.
+/// A line below a clear filter is that on paper without filter, by Fourier transforms; in colour all figures have the
+/// less gamut the higher the filter.
 #[test]
 fn line_below_a_filter_is_that_of_paper() {
     for (thickness_mm, tolerance) in [(0.2, 0.01), (0.5, 0.03)] {
@@ -138,7 +138,8 @@ fn line_below_a_filter_is_that_of_paper() {
         [of(0), of(1), of(2)]
     };
     let (low, high) = (gamuts(1.0), gamuts(25.0));
-    assert!(low[2] < 0.9 * low[0] && high[2] < 0.9 * high[0], "{low:?} {high:?}");
+    // A line hardly loses more: its colour is that of its own windows.
+    [low, high].iter().for_each(|gamuts| near("line", gamuts[2] / gamuts[0], 1.0, 0.02));
     assert!((0..3).all(|figure| high[figure] < 0.8 * low[figure]), "{low:?} {high:?}");
 }
 

@@ -83,7 +83,8 @@ fn picture_equals_the_plain_solution_at_every_wavelength() {
                 "{thickness_mm} mm, {precision:?}: {worst} with {} wavelengths",
                 lit.wavelengths()
             );
-            assert!(lit.wavelengths() < BINS, "{}", lit.wavelengths());
+            // Six smooth spectra need fewer wavelengths than there are.
+            assert!(precision == Precision::FINE || lit.wavelengths() <= 7, "{}", lit.wavelengths());
         }
     }
 }
