@@ -23,9 +23,8 @@ pub(super) fn sweep_table(head: &SweepHead, points: &[&SweepPoint], total: usize
     for (number, point, view) in lines.take(MOST_ROWS) {
         let swept = head.swept(number).map(|(_, value)| sweep_value(value));
         let angles = view.into_iter().filter(|_| several).map(str::to_owned);
-        let error = |name: &str| {
-            ["_de", "_se"].iter().filter_map(|end| point.metric(view, &format!("{name}{end}"))).next()
-        };
+        let error =
+            |name: &str| ["_de", "_se"].iter().find_map(|end| point.metric(view, &format!("{name}{end}")));
         let number = |name: &String| match point.metric(view, name) {
             Some(value) => digits_with_error(value, error(name)),
             None => "-".to_owned(),

@@ -93,7 +93,7 @@ fn levelled(filtered: &Filtered<'_>, setup: &Setup, level: usize) -> Result<Leve
 /// Prepares lines on a page.
 fn lines(filtered: &Filtered<'_>, setup: &Setup, level: usize) -> Result<Lines, DisplayError> {
     let (page, pixels) = (page(setup), filtered.pixels_of_line(level));
-    let cells = filtered.sub_pixels() * pixels << level;
+    let cells = (filtered.sub_pixels() * pixels) << level;
     let lit = filtered.lit_with_cells(level, pixels, cells)?;
     let of_state = |state: usize| std::iter::once(state).chain((1..pixels).map(|_| page)).collect();
     let states: Vec<Vec<usize>> = (0..setup.states.len()).map(of_state).collect();

@@ -60,7 +60,7 @@ impl CrosstalkView {
         of: impl Fn(&PatternColours) -> PatternValues,
     ) -> CrosstalkMetrics {
         let [patch, stripe, line, text] = Figure::ALL.map(|figure| {
-            self.patterns.iter().find(|pattern| pattern.name == figure).map_or_else(Default::default, &of)
+            self.patterns.iter().find(|pattern| pattern.name == figure).map(&of).unwrap_or_default()
         });
         CrosstalkMetrics {
             own_share_out: shares[0],

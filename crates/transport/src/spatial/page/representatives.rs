@@ -30,7 +30,7 @@ pub(super) fn representatives(light: PageLight<'_>, returned: f64, missed: f64) 
     let square = |row: &[f64]| row.iter().map(|value| value * value).sum::<f64>();
     let size = rows.first().map_or(1.0, |row| (row.len() as f64).sqrt());
     let mut rest = rows;
-    let (mut chosen, mut axes): (Vec<usize>, Vec<Vec<f64>>) = (Vec::new(), Vec::new());
+    let mut chosen: Vec<usize> = Vec::new();
     // Coordinates of each row along the axes.
     let mut along: Vec<Vec<f64>> = vec![Vec::new(); bins];
     while chosen.len() < bins {
@@ -48,7 +48,6 @@ pub(super) fn representatives(light: PageLight<'_>, returned: f64, missed: f64) 
         }
         rest[next].fill(0.0);
         chosen.push(next);
-        axes.push(axis);
     }
     if chosen.is_empty() {
         chosen.extend((bins > 0).then_some(0));
