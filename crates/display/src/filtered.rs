@@ -8,8 +8,8 @@ use std::sync::atomic::AtomicBool;
 use papilio_optics::interface::fresnel_reflectance;
 use papilio_transport::adding::Kernel;
 use papilio_transport::spatial::{
-    Accuracy, Direction, FilteredPixels, PanelSpread, Part, Passed, Rectangle, Sample, TwoPlanes, Window,
-    diffuse_directions, diffused_directions,
+    Accuracy, Direction, FilteredPixels, PanelSpread, Part, Passed, Rectangle, Sample, SpreadError,
+    TwoPlanes, Window, air_below_front_mm, diffuse_directions, diffused_directions,
 };
 use papilio_transport::{
     Base, Cone, Estimate, Field, Ledger, Panel, ReflectanceFactor, Reflector, Source, Stack, Top,
@@ -27,6 +27,8 @@ pub(crate) struct Filtered<'a> {
     filter: &'a Filter,
     thickness_mm: f64,
     index: f64,
+    /// Air below the front, mm, and its reflectance for light from below.
+    front: (f64, f64),
     /// Reflectance of the pixel's states, `[state][wavelength]`.
     rho: &'a [f64],
 }
@@ -63,11 +65,15 @@ impl<'a> Filtered<'a> {
         let Reflector::Lambertian(rho) = &panel.base.reflector else {
             return not_yet("a colour filter above mirror-like pixels", "display.pixel");
         };
-        if panel.front.reflectance_below.max() > 0.0 {
-            return not_yet("a colour filter below front components that reflect light", "display.front");
+        let front = &panel.front.reflectance_below;
+        if front.max() > 0.0 && matches!(panel.top, Top::Diffuser(_)) {
+            return not_yet(
+                "a colour filter below a diffuser and a front that reflects light",
+                "display.front",
+            );
         }
-        if scene.lighting.front_light.is_some() {
-            return not_yet("a colour filter below a front light", "lighting.front_light");
+        if !front.is_constant() {
+            return not_yet("a colour filter below a front that reflects a colour", "display.front");
         }
         if !panel.medium.index().is_constant() {
             return not_yet("a colour filter in glass with dispersion", "display.glass.index");
@@ -78,13 +84,20 @@ impl<'a> Filtered<'a> {
         if scene.solver.angle_medium == AngleMedium::Unrefracted {
             return not_yet("a colour filter without refraction", "solver.angle_medium");
         }
-        if matches!(panel.top, Top::Diffuser(_)) && !scene.lighting.environment.is_empty() {
-            return not_yet("a colour filter below a diffuser in this light", "lighting.environment");
+        let is_field = |source: &Source| matches!(source, Source::Field(_));
+        if matches!(panel.top, Top::Diffuser(_)) && setup.sources.iter().any(is_field) {
+            let key = if scene.lighting.environment.is_empty() { "front_light" } else { "environment" };
+            return not_yet("a colour filter below a diffuser in this light", &format!("lighting.{key}"));
         }
         let lengths = scene.display.lengths_mm()?;
         let thickness_mm = lengths.last().copied().unwrap_or_default();
         let index = panel.medium.index()[0];
-        Ok(Some(Self { setup, panel, matrix, filter, thickness_mm, index, rho }))
+        let several = |error: SpreadError| DisplayError::PlacesNotComputed {
+            what: error.to_string(),
+            key: "display.front".to_owned(),
+        };
+        let front = (air_below_front_mm(panel, &lengths).map_err(several)?, front[0]);
+        Ok(Some(Self { front, setup, panel, matrix, filter, thickness_mm, index, rho }))
     }
 
     /// Finest level: of patterns in two directions, fewer are affordable.
@@ -109,7 +122,11 @@ impl<'a> Filtered<'a> {
         };
         let face = |beta: f64| self.face(beta);
         let returns = !matches!(self.panel.top, Top::Diffuser(_));
-        let planes = TwoPlanes::new(&pixels, returns.then_some(&face), level as u32);
+        let mut planes = TwoPlanes::new(&pixels, returns.then_some(&face), level as u32);
+        let (gap_mm, reflectance) = self.front;
+        if reflectance > 0.0 {
+            planes.add_front((self.thickness_mm, gap_mm), reflectance, &face, level as u32);
+        }
         let entering = self.setup.sources.iter().map(|source| {
             let directions = self.arriving(source, level)?;
             Ok(planes.entering(&directions))
@@ -280,10 +297,16 @@ impl<'a> Filtered<'a> {
         }
     }
 
+    /// Fraction of diffuse light that passes face and front, relative to that of the front alone.
+    fn passes(&self, beta: f64) -> f64 {
+        let face = self.face(beta);
+        (1.0 - face) / (1.0 - face * self.front.1)
+    }
+
     /// Directions of the light of a source below the face or diffuser.
     fn arriving(&self, source: &Source, level: usize) -> Result<Vec<Direction>, DisplayError> {
         let Top::Diffuser(diffuser) = &self.panel.top else {
-            let diffuse = || diffuse_directions(level as u32, |beta| 1.0 - self.face(beta));
+            let diffuse = || diffuse_directions(level as u32, |beta| self.passes(beta));
             let of_field = |field: &Field| {
                 let own = |one: Direction| Direction { weight: one.weight * field.radiance(one.beta), ..one };
                 diffuse().into_iter().map(own).collect()

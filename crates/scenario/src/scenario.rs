@@ -218,6 +218,15 @@ impl Resolved {
                 };
                 (key, wrong.into())
             }
+            DisplayError::PlacesByPaths { what, key } => {
+                let wrong =
+                    Diagnostic::new(format!("the adding solver does not compute the places of light for {what}"))
+                        .expected("an ordinary panel with at most one front component apart that reflects")
+                        .hint(
+                            "set `method = \"monte-carlo\"` in `[solver]`, or use `papilio mtf --solver monte-carlo`, which computes any layers",
+                        );
+                (key, wrong.into())
+            }
             DisplayError::NoPlaces { what, key } => {
                 let wrong =
                     Diagnostic::new(format!("the Monte Carlo solver with places does not compute {what}"))

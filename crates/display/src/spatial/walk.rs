@@ -11,10 +11,10 @@ use papilio_sampling::SampleStream;
 use papilio_spectra::Spectrum;
 use papilio_transport::spatial::displacement;
 use papilio_transport::walk::places::{Estimate, KernelTally, Pattern, PlacedWalk, What};
-use papilio_transport::{Interface, Layer, Layered, Medium, ReflectanceFactor, Stack, Top};
+use papilio_transport::{Interface, Layer, Layered, Medium, ReflectanceFactor, Source, Stack, Top};
 
 use crate::DisplayError;
-use crate::meter::Meter;
+use crate::meter::{Meter, PixelLight};
 use crate::result::Named;
 use crate::run::{Control, Workers, each};
 use crate::scene::{AngleMedium, Approximation, Layers, Scene};
@@ -116,9 +116,7 @@ pub fn transfer(
     let panel = Placed::new(&setup)?;
     let mut frequencies = vec![[0.0; 2]];
     frequencies.extend(frequencies_per_mm);
-    let channels: Vec<_> = (0..panel.setup.sources.len())
-        .map(|source| vec![panel.meter.luminous_weights(source).to_vec()])
-        .collect();
+    let channels = panel.channels();
     let of_view = |view: &ViewPoint| {
         let tally = || KernelTally {
             frequencies_per_mm: frequencies.clone(),
@@ -164,7 +162,10 @@ fn transfer_of(sums: &[Vec<[f64; 2]>]) -> Transfer {
 /// A scene as layers with lengths.
 pub(super) struct Placed<'a> {
     pub(super) setup: &'a Setup,
-    pub(super) meter: Meter<'a>,
+    meter: Meter<'a>,
+    /// Light that reaches the pixel from each source.
+    pub(super) lights: Vec<PixelLight>,
+    pub(super) sources: Vec<Source>,
     stack: Layered,
     pub(super) lengths_mm: Vec<f64>,
 }
@@ -184,15 +185,20 @@ impl<'a> Placed<'a> {
                 key: "solver.angle_medium",
             });
         }
-        if scene.lighting.front_light.is_some() {
-            return Err(DisplayError::NoPlaces { what: "a front light", key: "lighting.front_light" });
-        }
         let stack = match &setup.stack {
             Stack::Layered(stack) => stack.clone(),
             Stack::Panel(_) => layers_of_panel(setup),
         };
         let lengths_mm = scene.display.lengths_mm()?;
-        Ok(Self { setup, meter: Meter::new(setup), stack, lengths_mm })
+        let meter = Meter::new(setup);
+        let lights = meter.pixel_lights();
+        let sources = lights.iter().map(|light| setup.sources[light.source].clone()).collect();
+        Ok(Self { setup, meter, lights, sources, stack, lengths_mm })
+    }
+
+    /// Weights in Y of the light of each source.
+    pub(super) fn channels(&self) -> Vec<Vec<Vec<f64>>> {
+        self.lights.iter().map(|light| vec![light.weights[1].clone()]).collect()
     }
 
     /// Number of wavelengths.
@@ -224,7 +230,7 @@ impl<'a> Placed<'a> {
         /// Paths between looks at whether to stop.
         const AT_ONCE: u64 = 1 << 12;
         let Scene { solver, .. } = &self.setup.scene;
-        let walk = PlacedWalk::new(&self.stack, &self.lengths_mm, view.field, &self.setup.sources, what());
+        let walk = PlacedWalk::new(&self.stack, &self.lengths_mm, view.field, &self.sources, what());
         let walk = walk.map_err(DisplayError::Places)?;
         let (each_paths, mut workers) = (paths.div_ceil(REPLICATES).max(1), None);
         let pool = Workers::unless_one(&mut workers, control.threads)?;
@@ -246,13 +252,15 @@ impl<'a> Placed<'a> {
 
     /// Y of an image via the pixel, or of light that has not met the pixel.
     pub(super) fn luminous(&self, estimate: &Estimate, image: Option<usize>) -> f64 {
-        let of_light = |(number, rho): (usize, &ReflectanceFactor)| {
-            let weights = self.meter.luminous_weights(number);
-            let bins = weights.len();
-            let seen = image.map_or(&rho.front[..], |image| &rho.via_pixel[image * bins..][..bins]);
+        let Some(image) = image else {
+            return self.meter.without_pixel(&estimate.rho[..self.setup.sources.len()])[1];
+        };
+        let of_light = |(light, rho): (&PixelLight, &ReflectanceFactor)| {
+            let [_, weights, _] = &light.weights;
+            let seen = &rho.via_pixel[image * weights.len()..][..weights.len()];
             weights.iter().zip(seen).map(|(weight, seen)| weight * seen).sum::<f64>()
         };
-        estimate.rho.iter().enumerate().map(of_light).sum()
+        self.lights.iter().zip(&estimate.rho).map(of_light).sum()
     }
 }
 

@@ -108,6 +108,27 @@ fn patches_below_a_filter_are_those_of_a_run() {
     }
 }
 
+/// Below a front that returns light, and in a front light: a clear filter changes nothing, and a gray one absorbs as the whole glass would.
+#[test]
+fn gray_filters_below_a_front_absorb_as_glass() {
+    let front = "[[display.front]]\nreflectance = 0.2\nabsorptance = 0.05\ngap_mm = 0.1\n";
+    let guide = "[lighting.front_light]\nilluminance_lx = 200\nspectrum = \"D65\"\nupward_leak = 0.1\n";
+    let view = "[viewer]\ntheta_deg = 20\nfield_deg = 0\n";
+    for (transmittance, gray) in [(1.0, CLEAR), (0.6, "red = 0.6, green = 0.6, blue = 0.6")] {
+        for surface in ["fresnel", "coated"] {
+            let filter = filter(30.0, gray);
+            let with = resolved(&[front, &glass(surface, 0.5), PAPER, LIGHT, guide, &filter, view]);
+            let absorbing = format!("{}internal_transmittance = {transmittance}\n", glass(surface, 0.5));
+            let without = resolved(&[front, &absorbing, PAPER, LIGHT, guide, view]);
+            let [with, without] = [&with, &without].map(|one| run_on(&one.scene, Some(1)).unwrap());
+            for (state, value) in without.views[0].states.iter() {
+                let found = with.views[0].states.get(state).unwrap().value.Y;
+                near(&format!("{surface}, {gray}, {state}"), found / value.value.Y, 1.0, 1e-3);
+            }
+        }
+    }
+}
+
 #[test]
 fn what_is_not_computed_is_refused() {
     let key = |parts: &[&str]| match computed(&resolved(parts)) {
