@@ -86,7 +86,7 @@ pub enum DisplayError {
     /// A display whose places only paths compute.
     #[error(
         "the adding solver does not compute the places of light for {what} (see `{key}`; set `solver.method = \"monte-carlo\"`, with which \
-         `papilio mtf` computes any layers)"
+         `papilio run` and `papilio mtf` compute any layers)"
     )]
     PlacesByPaths {
         /// The layers.

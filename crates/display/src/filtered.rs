@@ -50,6 +50,25 @@ const DIGITS: [f64; 3] = [7.0, 9.0, 11.0];
 /// Reflectance of the page that tells how much light there is.
 const PAGE: f64 = 0.5;
 
+/// Estimate of reflectance factors, the first of which is that in diffuse light: by reciprocity, it is what returns of a beam from the view.
+/// What is absorbed where is not known.
+pub(crate) fn by_reciprocity(rho: Vec<ReflectanceFactor>) -> Estimate {
+    let ReflectanceFactor { via_pixel, front } = &rho[0];
+    let returned: Vec<f64> =
+        via_pixel.iter().enumerate().map(|(at, seen)| seen + front[at % front.len()]).collect();
+    let zeros = || vec![0.0; returned.len()];
+    let ledger = Ledger {
+        front: zeros(),
+        diffuser: zeros(),
+        glass: zeros(),
+        pixel: zeros(),
+        inactive: zeros(),
+        unaccounted: returned.iter().map(|returned| 1.0 - returned).collect(),
+        returned,
+    };
+    Estimate { rho, ledger }
+}
+
 impl<'a> Filtered<'a> {
     /// Prepares a display with a filter; `None` without filter.
     pub(crate) fn new(setup: &'a Setup) -> Result<Option<Self>, DisplayError> {
@@ -57,7 +76,7 @@ impl<'a> Filtered<'a> {
         let Some(matrix) = &scene.display.matrix else { return Ok(None) };
         let Some(filter) = &matrix.filter else { return Ok(None) };
         let not_yet = |what: &str, key: &str| {
-            Err(DisplayError::PlacesNotComputed { what: what.to_owned(), key: key.to_owned() })
+            Err(DisplayError::PlacesByPaths { what: what.to_owned(), key: key.to_owned() })
         };
         let Stack::Panel(panel) = &setup.stack else {
             return not_yet("a colour filter below general layers ([[display.layers]])", "display.layers");
@@ -92,7 +111,7 @@ impl<'a> Filtered<'a> {
         let lengths = scene.display.lengths_mm()?;
         let thickness_mm = lengths.last().copied().unwrap_or_default();
         let index = panel.medium.index()[0];
-        let several = |error: SpreadError| DisplayError::PlacesNotComputed {
+        let several = |error: SpreadError| DisplayError::PlacesByPaths {
             what: error.to_string(),
             key: "display.front".to_owned(),
         };
@@ -196,7 +215,6 @@ impl<'a> Filtered<'a> {
         (number, leaving): (usize, &Passed),
         irradiance: &[Vec<Vec<f64>>],
     ) -> Estimate {
-        let (states, bins) = (self.filter.states.len(), self.setup.scene.grid.len());
         let mut rho = self.unfiltered(lit, number);
         for (factor, irradiance) in rho.iter_mut().zip(irradiance) {
             let first = std::mem::take(&mut factor.via_pixel);
@@ -205,22 +223,7 @@ impl<'a> Filtered<'a> {
                 factor.via_pixel.extend(seen.iter().zip(&first).map(|(seen, first)| seen * first));
             }
         }
-        // By reciprocity, what returns of a beam from the view is what it sees of diffuse light.
-        let zeros = || vec![0.0; states * bins];
-        let mut ledger = Ledger {
-            returned: zeros(),
-            front: zeros(),
-            diffuser: zeros(),
-            glass: zeros(),
-            pixel: zeros(),
-            inactive: zeros(),
-            unaccounted: zeros(),
-        };
-        for at in 0..states * bins {
-            ledger.returned[at] = rho[0].via_pixel[at] + rho[0].front[at % bins];
-            ledger.unaccounted[at] = 1.0 - ledger.returned[at];
-        }
-        Estimate { rho, ledger }
+        by_reciprocity(rho)
     }
 
     /// Mean over a period of what is seen, relative to a page of 1 without filter and further orders, for each wavelength.

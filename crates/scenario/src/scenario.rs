@@ -221,9 +221,8 @@ impl Resolved {
             DisplayError::PlacesByPaths { what, key } => {
                 let wrong =
                     Diagnostic::new(format!("the adding solver does not compute the places of light for {what}"))
-                        .expected("an ordinary panel with at most one front component apart that reflects")
                         .hint(
-                            "set `method = \"monte-carlo\"` in `[solver]`, or use `papilio mtf --solver monte-carlo`, which computes any layers",
+                            "set `method = \"monte-carlo\"` in `[solver]`, or use `--solver monte-carlo`: `papilio run` and `papilio mtf` then compute any layers",
                         );
                 (key, wrong.into())
             }

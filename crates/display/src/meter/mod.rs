@@ -347,7 +347,9 @@ impl<'a> Meter<'a> {
     /// Computes the peak wavelength of each state of the pixel alone in the direction of a view, nm.
     pub(crate) fn bare_peaks(&self, at: &ViewPoint, base: &Base) -> Vec<Option<f64>> {
         let mut reflectance = vec![0.0; self.layout.states * self.layout.bins];
-        if !self.setup.pixel_alone(base, at, &mut reflectance) {
+        // Below a colour filter the display has other states than its pixel.
+        let is_filtered = self.setup.scene.display.filter().is_some();
+        if is_filtered || !self.setup.pixel_alone(base, at, &mut reflectance) {
             return vec![None; self.layout.states];
         }
         reflectance.chunks_exact(self.layout.bins).map(|one| peak_nm(&self.grid, one)).collect()

@@ -6,8 +6,9 @@
 //! that the front returns later.
 //!
 //! **That shape** is an estimate; it is broad. Light of a Lambertian pixel comes back as through a clear face ([`FlatReturn`]), after two
-//! passes of the lobe. Light of a mirror-like pixel has met the pixel at 2 D, and meets it again after two further passes: for small
-//! angles and a lobe of Cauchy's kind the way is that of 5 passes of the first order and 4 of the air, `|OTF|^(5 + 4 n g/d)`. The coarse level
+//! passes of the lobe. Light of a mirror-like pixel has met the pixel at 2 D, and meets it again after two further passes: a ghost about the
+//! place of a trip to the front and back. For small angles and a lobe of Cauchy's kind its way is that of 5 passes of the first order
+//! and 4 of the air, `|OTF|^(5 + 4 n g/d)`. The coarse level
 //! takes the shape of the first order, so that the error of a result, the difference of levels, bounds that of the estimate. Y itself, and
 //! what is seen of pages, is exact. `q` is about the reflectance of the front times that of the pixel, some 1e-2.
 
@@ -15,7 +16,7 @@ use std::f64::consts::PI;
 
 use num_complex::Complex64;
 use papilio_transport::Source;
-use papilio_transport::spatial::{Accuracy, FlatReturn, Peak};
+use papilio_transport::spatial::{Accuracy, FlatReturn, Peak, displacement};
 
 use super::lobe::{self, LobeResponse};
 use super::patterns::{Pattern, Text};
@@ -103,7 +104,8 @@ fn later(
             break;
         }
     }
-    Ok(Series { step_per_mm, sharp: vec![0.0; once.len()], rest, at_mm: [0.0; 2] })
+    let at_mm = shape.place_mm(lit, air_mm);
+    Ok(Series { step_per_mm, sharp: vec![0.0; once.len()], rest, at_mm })
 }
 
 /// Air between the diffuser and the front: that of all components, if there are several.
@@ -123,7 +125,11 @@ impl Shape {
     fn new(lit: Lit<'_>, air_mm: f64) -> Result<Self, DisplayError> {
         let index = lit.panel.medium.index();
         if lit.panel.base.is_specular() {
-            return Ok(Self::Mirror(5.0 + 4.0 * index[index.len() / 2] * air_mm / lit.thickness_mm()));
+            // Ways per direction cosine in the air and the glass: geometric means of those along and across the plane of view.
+            let (index, beta) = (index[index.len() / 2], lit.view.field.axis_towards().squared());
+            let [air, glass] = [(air_mm, 1.0), (lit.thickness_mm(), index)]
+                .map(|(length, index): (f64, f64)| length * index / (index * index - beta).max(1e-6));
+            return Ok(Self::Mirror(5.0 + 4.0 * air / glass));
         }
         let accuracy = Accuracy { digits: 6.0, most_per_mm: 1.0 / lit.thickness_mm() };
         let lengths = [air_mm, lit.thickness_mm()];
@@ -131,6 +137,19 @@ impl Shape {
         let brightest = |a: &FlatReturn, b: &FlatReturn| a.by_front(0.0).total_cmp(&b.by_front(0.0));
         let brightest = all.into_iter().max_by(brightest);
         Ok(brightest.map_or(Self::Mirror(5.0), Self::Paper))
+    }
+
+    /// Place about which it is: a mirror shifts light on its way to the front and back.
+    fn place_mm(&self, lit: Lit<'_>, air_mm: f64) -> [f64; 2] {
+        let (beta, index) = (lit.view.field.axis_towards(), lit.panel.medium.index());
+        match self {
+            Self::Mirror(_) => {
+                let glass = displacement(beta, 2.0 * lit.thickness_mm(), index[index.len() / 2]);
+                let air = displacement(beta, 2.0 * air_mm, 1.0);
+                [glass[0] + air[0], glass[1] + air[1]]
+            }
+            Self::Paper(_) => [0.0; 2],
+        }
     }
 
     fn at(&self, frequency_per_mm: f64, blur: f64) -> f64 {
@@ -171,8 +190,9 @@ impl Response for Returned {
         let mut sums = self.first.transfer(axis, frequency_per_mm);
         sums.iter_mut().zip(&self.direct).for_each(|(sum, factor)| *sum *= factor);
         if let Some(later) = &self.later {
+            let phase = Complex64::cis(-2.0 * PI * frequency_per_mm * later.at_mm[axis]);
             let light = later.at(frequency_per_mm);
-            sums.iter_mut().zip(light).for_each(|(sum, light)| *sum += light);
+            sums.iter_mut().zip(light).for_each(|(sum, light)| *sum += light * phase);
         }
         sums
     }
@@ -201,21 +221,27 @@ impl Response for Returned {
         let Pattern { kind, period_mm, states } = pattern;
         let [on, off] = states;
         // What a state of one half returns to itself, less what the other half does: the transform at the frequencies of the pattern.
-        let shape = |f: f64| {
+        let shape = |f: [f64; 2]| {
+            let length = f[0].hypot(f[1]);
             let light = match &self.later {
-                Some(later) => later.at(f)[on] / later.at(0.0)[on],
-                None => self.first.transfer(0, f)[on].norm() / self.first.transfer(0, 0.0)[on].re,
+                Some(later) => {
+                    let turned =
+                        (0..2).map(|axis| (2.0 * PI * f[axis] * later.at_mm[axis]).cos()).product::<f64>();
+                    turned * later.at(length)[on] / later.at(0.0)[on]
+                }
+                None => self.first.transfer(0, length)[on].norm() / self.first.transfer(0, 0.0)[on].re,
             };
             if light.is_finite() { light } else { 0.0 }
         };
         let order = |k: u32| 8.0 / PI.powi(2) / f64::from(k * k);
+        let wave = |k: u32| f64::from(k) / period_mm;
         let odd = || (1..MOST_WAVES).step_by(2);
         let own: f64 = match kind {
             _ if period_mm == 0.0 => 0.0,
-            PatternKind::Stripes => odd().map(|k| order(k) * shape(f64::from(k) / period_mm)).sum(),
+            PatternKind::Stripes => odd().map(|k| order(k) * shape([wave(k), 0.0])).sum(),
             PatternKind::Checkerboard => odd()
                 .flat_map(|j| odd().map(move |k| (j, k)))
-                .map(|(j, k)| order(j) * order(k) * shape(f64::from(j).hypot(f64::from(k)) / period_mm))
+                .map(|(j, k)| order(j) * order(k) * shape([wave(j), wave(k)]))
                 .sum(),
         };
         let half = |state: usize, other: usize| {

@@ -10,14 +10,14 @@ use papilio_optics::Beta;
 use papilio_sampling::SampleStream;
 use papilio_spectra::Spectrum;
 use papilio_transport::spatial::displacement;
-use papilio_transport::walk::places::{Estimate, KernelTally, Pattern, PlacedWalk, What};
+use papilio_transport::walk::places::{Estimate, FilterPlane, KernelTally, Pattern, PlacedWalk, What};
 use papilio_transport::{Interface, Layer, Layered, Medium, ReflectanceFactor, Source, Stack, Top};
 
 use crate::DisplayError;
 use crate::meter::{Meter, PixelLight};
 use crate::result::Named;
 use crate::run::{Control, Workers, each};
-use crate::scene::{AngleMedium, Approximation, Layers, Scene};
+use crate::scene::{AngleMedium, Approximation, FilterState, Layers, Scene};
 use crate::setup::{Setup, ViewPoint, base_under};
 
 /// Number of independent replicates.
@@ -100,6 +100,27 @@ pub fn pattern(
     panel.setup.views.iter().map(of_view).collect()
 }
 
+/// Computes Y of the states of a display with a colour filter in each view, as means over a period. `paths` is the number of paths of a
+/// view.
+///
+/// # Errors
+/// As [`pattern`]; if there is no filter.
+pub fn filtered(scene: &Scene, paths: u64, control: &Control<'_>) -> Result<Vec<PatternView>, DisplayError> {
+    let setup = Setup::with_filter(scene)?;
+    let panel = Placed::new(&setup)?;
+    let of_view = |view: &ViewPoint| {
+        let estimates = panel.filtered(view, paths, control)?;
+        let of_image = |image: usize| mean(estimates.iter().map(|one| panel.luminous(one, Some(image))));
+        Ok(PatternView {
+            theta_deg: view.theta_deg,
+            phi_deg: view.phi_deg,
+            via_pixel: (0..setup.states.len()).map(of_image).collect(),
+            front: mean(estimates.iter().map(|one| panel.luminous(one, None))),
+        })
+    };
+    setup.views.iter().map(of_view).collect()
+}
+
 /// Computes the transfer functions of the states in each view of the scene. `paths` is the number of paths of a view.
 ///
 /// Frequencies are in the plane of the panel, cycles per mm; places relative to the view's own ray.
@@ -159,19 +180,45 @@ fn transfer_of(sums: &[Vec<[f64; 2]>]) -> Transfer {
     Transfer { luminous, otf: (1..count).map(|k| [ratio(k, 0), ratio(k, 1)]).collect() }
 }
 
+/// States of a display with a filter: below each window the state that the pixel has there, black between them.
+struct FilteredStates<'a> {
+    plane: &'a FilterPlane,
+    states: &'a [FilterState],
+}
+
+impl Pattern for FilteredStates<'_> {
+    fn images(&self) -> usize {
+        self.states.len()
+    }
+
+    fn period_mm(&self) -> [f64; 2] {
+        self.plane.period_mm
+    }
+
+    fn shows(&self, place_mm: [f64; 2], covered: &mut dyn FnMut(usize, usize, f64)) {
+        let Some(window) = self.plane.window_at(place_mm) else { return };
+        self.states
+            .iter()
+            .enumerate()
+            .for_each(|(image, state)| covered(image, state.pixel_states[window], 1.0));
+    }
+}
+
 /// A scene as layers with lengths.
-pub(super) struct Placed<'a> {
+pub(crate) struct Placed<'a> {
     pub(super) setup: &'a Setup,
     meter: Meter<'a>,
     /// Light that reaches the pixel from each source.
     pub(super) lights: Vec<PixelLight>,
     pub(super) sources: Vec<Source>,
     stack: Layered,
+    /// Filter above the pixels.
+    filter: Option<FilterPlane>,
     pub(super) lengths_mm: Vec<f64>,
 }
 
 impl<'a> Placed<'a> {
-    pub(super) fn new(setup: &'a Setup) -> Result<Self, DisplayError> {
+    pub(crate) fn new(setup: &'a Setup) -> Result<Self, DisplayError> {
         let scene = &setup.scene;
         if scene.solver.approximation != Approximation::None {
             return Err(DisplayError::NoPlaces {
@@ -193,7 +240,30 @@ impl<'a> Placed<'a> {
         let meter = Meter::new(setup);
         let lights = meter.pixel_lights();
         let sources = lights.iter().map(|light| setup.sources[light.source].clone()).collect();
-        Ok(Self { setup, meter, lights, sources, stack, lengths_mm })
+        let filter = scene.display.matrix.as_ref().and_then(|matrix| {
+            let filter = matrix.filter.as_ref()?;
+            Some(FilterPlane {
+                height_mm: filter.height_mm,
+                period_mm: matrix.pitch_mm,
+                windows: matrix.sub_pixels.iter().map(|one| one.window.clone()).collect(),
+                transmittance: filter.transmittance.iter().map(|one| one.to_vec()).collect(),
+            })
+        });
+        Ok(Self { setup, meter, lights, sources, stack, filter, lengths_mm })
+    }
+
+    /// Estimates of the states of a display with a filter.
+    pub(crate) fn filtered(
+        &self,
+        view: &ViewPoint,
+        paths: u64,
+        control: &Control<'_>,
+    ) -> Result<Vec<Estimate>, DisplayError> {
+        let (Some(plane), Some(filter)) = (&self.filter, self.setup.scene.display.filter()) else {
+            return Err(DisplayError::NoMatrix { command: "run" });
+        };
+        let states = FilteredStates { plane, states: &filter.states };
+        self.trace(view, || What::Pattern(&states), paths, control)
     }
 
     /// Weights in Y of the light of each source.
@@ -230,7 +300,13 @@ impl<'a> Placed<'a> {
         /// Paths between looks at whether to stop.
         const AT_ONCE: u64 = 1 << 12;
         let Scene { solver, .. } = &self.setup.scene;
-        let walk = PlacedWalk::new(&self.stack, &self.lengths_mm, view.field, &self.sources, what());
+        let (stack, lengths, sources) = (&self.stack, &self.lengths_mm[..], &self.sources[..]);
+        let walk = match &self.filter {
+            Some(filter) => {
+                PlacedWalk::filtered(filter.clone(), stack, lengths, (view.field, sources), what())
+            }
+            None => PlacedWalk::new(stack, lengths, view.field, sources, what()),
+        };
         let walk = walk.map_err(DisplayError::Places)?;
         let (each_paths, mut workers) = (paths.div_ceil(REPLICATES).max(1), None);
         let pool = Workers::unless_one(&mut workers, control.threads)?;

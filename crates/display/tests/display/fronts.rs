@@ -61,7 +61,15 @@ fn deviations(scenario: &Resolved, paths: u64) -> Vec<f64> {
             for (k, found) in wanted.iter().zip(&found.response.otf) {
                 for (part, Mean { value, standard_error }) in found.iter().enumerate() {
                     let off = (otf[*k][part] - value).abs();
-                    all.push((off - stated[*k]).max(0.0) / (standard_error + 1e-5));
+                    let z = (off - stated[*k]).max(0.0) / (standard_error + 1e-5);
+                    if z > 4.0 {
+                        println!(
+                            "{state} {axis} {k} {part}: {otf:?}, {value} +- {standard_error}, stated {}",
+                            stated[*k],
+                            otf = otf[*k]
+                        );
+                    }
+                    all.push(z);
                 }
             }
         }

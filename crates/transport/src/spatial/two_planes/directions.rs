@@ -147,12 +147,8 @@ pub(super) fn return_rings(
 
 /// Phase of the first order beyond which light returns anywhere.
 fn farthest(level: u32, is_plane: bool) -> f64 {
-    if is_plane {
-        30.0
-    } else {
-        40.0
-    }
-    *(1.0 + 0.5 * f64::from(level))
+    let most = if is_plane { 30.0 } else { 40.0 };
+    most * (1.0 + 0.5 * f64::from(level))
 }
 
 /// Rings of the light that a front above the face returns: `weight` is the fraction of it at `|beta|`, `lengths_mm` are the medium and the air
