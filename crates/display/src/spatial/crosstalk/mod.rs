@@ -453,11 +453,14 @@ fn covered(setup: &Setup) -> Result<&Panel, DisplayError> {
     let Stack::Panel(panel) = &setup.stack else {
         return not_yet("general layers ([[display.layers]])", "display.layers");
     };
-    let is_flat_mirror = panel.base.is_specular() && !matches!(panel.top, Top::Diffuser(_));
-    if is_flat_mirror && panel.front.reflectance_below.max() > 0.0 {
-        return not_yet("figures of mirror-like pixels below a front that reflects", "display.front");
+    let is_flat_paper = !panel.base.is_specular() && !matches!(panel.top, Top::Diffuser(_));
+    if panel.front.reflectance_below.max() > 0.0 && !is_flat_paper {
+        return not_yet(
+            "front components that reflect light to anything but paper below a flat face",
+            "display.front",
+        );
     }
-    if is_flat_mirror && matches!(panel.top, Top::Fresnel(_)) {
+    if panel.base.is_specular() && matches!(panel.top, Top::Fresnel(_)) {
         return not_yet("figures of mirror-like pixels below a face that reflects", "display.glass.surface");
     }
     Ok(panel)
