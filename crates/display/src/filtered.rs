@@ -47,6 +47,9 @@ pub(crate) struct Lit {
 
 /// Digits and fineness of levels.
 const DIGITS: [f64; 3] = [7.0, 9.0, 11.0];
+/// Distance of lines in thicknesses at two levels, and the least and largest number of pixels between lines at the first.
+const LINE_REACH: [f64; 2] = [6.0, 12.0];
+const LINE_PIXELS: [usize; 2] = [4, 12];
 /// Reflectance of the page that tells how much light there is.
 const PAGE: f64 = 0.5;
 
@@ -56,16 +59,9 @@ pub(crate) fn by_reciprocity(rho: Vec<ReflectanceFactor>) -> Estimate {
     let ReflectanceFactor { via_pixel, front } = &rho[0];
     let returned: Vec<f64> =
         via_pixel.iter().enumerate().map(|(at, seen)| seen + front[at % front.len()]).collect();
-    let zeros = || vec![0.0; returned.len()];
-    let ledger = Ledger {
-        front: zeros(),
-        diffuser: zeros(),
-        glass: zeros(),
-        pixel: zeros(),
-        inactive: zeros(),
-        unaccounted: returned.iter().map(|returned| 1.0 - returned).collect(),
-        returned,
-    };
+    let mut ledger = Ledger::zeros(returned.len());
+    ledger.unaccounted = returned.iter().map(|returned| 1.0 - returned).collect();
+    ledger.returned = returned;
     Estimate { rho, ledger }
 }
 
@@ -121,13 +117,33 @@ impl<'a> Filtered<'a> {
 
     /// Finest level: of patterns in two directions, fewer are affordable.
     pub(crate) fn finest(&self) -> usize {
+        if self.is_of_stripes() { 2 } else { 1 }
+    }
+
+    /// True if all sub-pixels have the full height of the pixel.
+    pub(crate) fn is_of_stripes(&self) -> bool {
         let spans = |one: &Rectangle| one.y == [0.0, 1.0];
-        let stripes = self.matrix.sub_pixels.iter().all(|one| one.window.rectangles.iter().all(spans));
-        if stripes { 2 } else { 1 }
+        self.matrix.sub_pixels.iter().all(|one| one.window.rectangles.iter().all(spans))
+    }
+
+    /// Number of pixels in a period of which one is a line: light of the line returns to its own column, hardly to the next line.
+    pub(crate) fn pixels_of_line(&self, level: usize) -> usize {
+        let reach = LINE_REACH[level.min(1)] * self.thickness_mm / self.matrix.pitch_mm[0];
+        (reach.ceil() as usize).clamp(LINE_PIXELS[0] << level.min(1), LINE_PIXELS[1] << level.min(1))
     }
 
     /// Computes the light at a level for a period of this number of pixels along x.
     pub(crate) fn lit(&self, level: usize, columns: usize) -> Result<Lit, DisplayError> {
+        self.lit_with_cells(level, columns, 10 << level)
+    }
+
+    /// The same with a number of cells of a period.
+    pub(crate) fn lit_with_cells(
+        &self,
+        level: usize,
+        columns: usize,
+        cells: usize,
+    ) -> Result<Lit, DisplayError> {
         let transmittance: Vec<Vec<f64>> = self.filter.transmittance.iter().map(|one| one.to_vec()).collect();
         let windows: Vec<Window> = (0..columns).flat_map(|column| self.windows(column, columns)).collect();
         let transmittance: Vec<Vec<f64>> = (0..columns).flat_map(|_| transmittance.clone()).collect();
@@ -141,7 +157,7 @@ impl<'a> Filtered<'a> {
         };
         let face = |beta: f64| self.face(beta);
         let returns = !matches!(self.panel.top, Top::Diffuser(_));
-        let mut planes = TwoPlanes::new(&pixels, returns.then_some(&face), level as u32);
+        let mut planes = TwoPlanes::with_cells(&pixels, returns.then_some(&face), level as u32, cells);
         let (gap_mm, reflectance) = self.front;
         if reflectance > 0.0 {
             planes.add_front((self.thickness_mm, gap_mm), reflectance, &face, level as u32);

@@ -13,6 +13,8 @@
 //!
 //! [`sparkle`] computes the random brightness of equal pixels below an antiglare face.
 //!
+//! [`picture`] computes X, Y and Z of each pixel of a picture whose light the face returns to it.
+//!
 //! [`walk`] is the second method, for all displays: Monte Carlo with places. `mtf_walk` computes from it what [`mtf`] does.
 //!
 //! Luminous quantities are Y relative to a perfect white in the scene's light, as in [`result`](crate::result).
@@ -27,6 +29,7 @@ mod mtf;
 mod mtf_walk;
 mod paper;
 mod patterns;
+mod picture;
 mod profile;
 mod response;
 mod result;
@@ -36,12 +39,14 @@ mod series;
 mod sparkle;
 pub mod walk;
 
-pub use crate::metrics::SparkleMetrics;
+pub use crate::metrics::{CrosstalkMetrics, SparkleMetrics};
 pub use crosstalk::{
     CrosstalkResult, CrosstalkView, Figure, PatternColours, PatternValues, Shares, crosstalk,
 };
 pub use mtf::mtf;
+pub use papilio_transport::spatial::Precision;
 pub use patterns::{PatternKind, PatternMean, Patterns};
+pub use picture::{Picture, PictureColours, picture};
 use response::{Level, Response, Seen};
 pub use result::{
     Curves, Kernel, LineContrast, MtfResult, MtfState, MtfView, SharpnessMetrics, SpatialScalars, SpreadTable,

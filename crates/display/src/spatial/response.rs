@@ -141,7 +141,7 @@ pub(super) fn several_fronts(error: SpreadError) -> DisplayError {
 }
 
 /// Reflectance of the face above the pixel for light from below, at a wavelength.
-fn face_reflectance(panel: &Panel, bin: usize, beta: f64) -> f64 {
+pub(super) fn face_reflectance(panel: &Panel, bin: usize, beta: f64) -> f64 {
     match &panel.top {
         _ if beta > 1.0 => 1.0,
         Top::Fresnel(index) => papilio_optics::interface::fresnel_reflectance(1.0, index[bin], beta),

@@ -6,6 +6,8 @@
 //!
 //! Luminous quantities are Y relative to a perfect white in the scene's light, as in [`result`](crate::result).
 
+use std::sync::atomic::{AtomicU64, Ordering};
+
 use papilio_optics::Beta;
 use papilio_sampling::SampleStream;
 use papilio_spectra::Spectrum;
@@ -16,7 +18,7 @@ use papilio_transport::{Interface, Layer, Layered, Medium, ReflectanceFactor, So
 use crate::DisplayError;
 use crate::meter::{Meter, PixelLight};
 use crate::result::Named;
-use crate::run::{Control, Workers, each};
+use crate::run::{Control, Progress, Workers, each};
 use crate::scene::{AngleMedium, Approximation, FilterState, Layers, Scene};
 use crate::setup::{Setup, ViewPoint, base_under};
 
@@ -215,6 +217,8 @@ pub(crate) struct Placed<'a> {
     /// Filter above the pixels.
     filter: Option<FilterPlane>,
     pub(super) lengths_mm: Vec<f64>,
+    /// Paths traced so far, for the progress.
+    traced: AtomicU64,
 }
 
 impl<'a> Placed<'a> {
@@ -249,7 +253,7 @@ impl<'a> Placed<'a> {
                 transmittance: filter.transmittance.iter().map(|one| one.to_vec()).collect(),
             })
         });
-        Ok(Self { setup, meter, lights, sources, stack, filter, lengths_mm })
+        Ok(Self { setup, meter, lights, sources, stack, filter, lengths_mm, traced: AtomicU64::new(0) })
     }
 
     /// Estimates of the states of a display with a filter.
@@ -276,6 +280,11 @@ impl<'a> Placed<'a> {
         self.stack.base.bins()
     }
 
+    /// Number of paths traced so far.
+    pub(super) fn traced(&self) -> u64 {
+        self.traced.load(Ordering::Relaxed)
+    }
+
     /// What all media move light of these direction cosines by, mm; the last wavelength stands for all.
     pub(super) fn displacement(&self, beta: Beta) -> [f64; 2] {
         let mut sum = [0.0; 2];
@@ -289,7 +298,7 @@ impl<'a> Placed<'a> {
         sum
     }
 
-    /// Estimates of all replicates for a view.
+    /// Estimates of all replicates for a view. The progress tells the paths of all calls.
     pub(super) fn trace<'p>(
         &self,
         view: &ViewPoint,
@@ -318,8 +327,10 @@ impl<'a> Placed<'a> {
                 if control.stopped() {
                     return Err(DisplayError::Interrupted);
                 }
-                let left = each_paths - replicate.paths();
-                walk.trace(&mut replicate, &numbers, left.min(AT_ONCE));
+                let paths = AT_ONCE.min(each_paths - replicate.paths());
+                walk.trace(&mut replicate, &numbers, paths);
+                let traced = self.traced.fetch_add(paths, Ordering::Relaxed) + paths;
+                (control.progress)(Progress { paths: Some(traced), ..Progress::of_views(0, 1) });
             }
             Ok(walk.estimate(&replicate))
         });

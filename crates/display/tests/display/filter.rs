@@ -108,7 +108,10 @@ fn patches_below_a_filter_are_those_of_a_run() {
         near("contrast", patterns[0].values.contrast_ratio.unwrap() / contrast, 1.0, 2e-3);
         assert_eq!([patterns[1].name, patterns[2].name], [Figure::Stripe, Figure::Line]);
         near("stripes", patterns[1].values.contrast_ratio_via_pixel.unwrap(), 20.0, 0.05);
-        assert_eq!(patterns[2].values.contrast_ratio, None);
+        // Text is not computed, and says so.
+        assert_eq!(patterns[3].values.contrast_ratio, None);
+        assert!(patterns[3].why_null.is_some_and(|why| why.contains("filter")), "{:?}", patterns[3]);
+        assert_eq!(patterns.iter().filter(|pattern| pattern.why_null.is_some()).count(), 1);
     }
 }
 
@@ -172,6 +175,38 @@ fn colours_below_filters_are_those_of_paths() {
         resolved_with(&[lobe, &super::filter::glass("coated", 0.2), &mirror, light, &gray, view], &overrides);
     let run = run_on(&by_paths.scene, Some(2));
     assert!(run.is_ok_and(|run| run.views[0].states.iter().count() == 8));
+}
+
+/// A line below a clear filter is that on paper without filter, by Fourier transforms; in colour all figures have the
+/// less gamut the higher the filter.
+#[test]
+fn line_below_a_filter_is_that_of_paper() {
+    for (thickness_mm, tolerance) in [(0.2, 0.01), (0.5, 0.03)] {
+        let glass = glass("fresnel", thickness_mm);
+        let with = computed(&resolved(&[&glass, PAPER, LIGHT, &filter(20.0, CLEAR)])).unwrap();
+        let matrix = "[display.matrix]\npitch_um = 84.67\nlayout = \"single\"\n";
+        let without = computed(&resolved(&[&glass, PAPER, LIGHT, matrix])).unwrap();
+        let line = |result: &CrosstalkResult| {
+            let pattern = result.views[0].patterns[2];
+            assert_eq!((pattern.name, pattern.why_null), (Figure::Line, None));
+            [pattern.values, pattern.error].map(|numbers| numbers.contrast_ratio_via_pixel.unwrap())
+        };
+        let ([found, error], [expected, _]) = (line(&with), line(&without));
+        near("line", found / expected, 1.0, tolerance);
+        assert!((found - expected).abs() < 3.0 * error + 0.02, "{found} {expected} {error}");
+    }
+    let transmittance = "red = \"data/synthetic-filter-red.csv\", green = \"data/synthetic-filter-green.csv\", \
+                         blue = \"data/synthetic-filter-blue.csv\"";
+    let gamuts = |height_um: f64| {
+        let display = resolved(&[&glass("fresnel", 0.2), PAPER, LIGHT, &filter(height_um, transmittance)]);
+        let result = computed(&display).unwrap();
+        let of = |figure: usize| result.views[0].patterns[figure].values.gamut_percent_srgb.unwrap();
+        [of(0), of(1), of(2)]
+    };
+    let (low, high) = (gamuts(1.0), gamuts(25.0));
+    // A line hardly loses more: its colour is that of its own windows.
+    [low, high].iter().for_each(|gamuts| near("line", gamuts[2] / gamuts[0], 1.0, 0.02));
+    assert!((0..3).all(|figure| high[figure] < 0.8 * low[figure]), "{low:?} {high:?}");
 }
 
 #[test]

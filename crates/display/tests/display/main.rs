@@ -21,6 +21,7 @@ mod honest_errors;
 mod levels_that_agree;
 mod lights;
 mod mtf;
+mod picture;
 mod placed;
 mod prepared;
 mod viewing_cone;

@@ -12,6 +12,7 @@
 //! - [`LineSpread`]: its light along one axis, with exact transforms.
 //! - [`PanelSpread`]: what a view sees of the pixel plane of an ordinary panel, by the places of all directions.
 //! - [`Recycling`]: a pattern of reflectances in this light, through all orders.
+//! - [`LitPage`]: the same for pictures of many states, pixels and wavelengths.
 //! - [`Window`]: sub-pixels in the period of a pixel, with exact areas; [`stripes`] and [`rows`] arrange them. What is seen
 //!   of one through another: [`shares_by_shifts`], [`shares_by_transfer`], [`crosstalk`].
 //! - [`TwoPlanes`]: Lambertian pixels below a colour filter at a height, through all orders.
@@ -25,6 +26,7 @@ pub mod closed;
 mod face;
 mod layout;
 mod line;
+mod page;
 mod panel_spread;
 mod places;
 mod recycling;
@@ -36,6 +38,7 @@ mod window;
 pub use face::FaceReturn;
 pub use layout::{rows, stripes};
 pub use line::LineSpread;
+pub use page::{LitPage, Page, PageLight, Precision};
 pub use panel_spread::{FlatReturn, Grid, Kernel, PanelSpread, Part, SpreadError, air_below_front_mm};
 pub use places::{Binned, Image, Peak, PointSpread};
 pub use recycling::{Cells, Recycling};

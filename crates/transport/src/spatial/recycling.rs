@@ -37,7 +37,7 @@ impl Cells {
     }
 
     /// Frequency along an axis (0: x) of a bin of the discrete Fourier transform.
-    fn frequency(&self, axis: usize, bin: usize) -> f64 {
+    pub(super) fn frequency(&self, axis: usize, bin: usize) -> f64 {
         let count = self.count[axis];
         let wave = if 2 * bin <= count { bin as f64 } else { bin as f64 - count as f64 };
         wave / self.period_mm[axis]

@@ -119,6 +119,7 @@ struct Frame<'a> {
 }
 
 /// Light of one level.
+#[derive(Default)]
 struct Measured {
     names: Vec<String>,
     /// Y of the page through each window from each sub-pixel and the inactive area, `[light][window][sub-pixel]`.
@@ -175,14 +176,7 @@ impl<'a> Frame<'a> {
         let _ready = kernel.prepare_unless(&setup.stack, &[view.field], &setup.sources, &stop);
         let factors = kernel.seen(&setup.stack, 0);
         let (states, bins) = (setup.states.len(), setup.scene.grid.len());
-        let mut measured = Measured {
-            names: Vec::new(),
-            page: Vec::new(),
-            entered: Vec::new(),
-            figures: std::array::from_fn(|_| Vec::new()),
-            beside: [None; 4],
-            from_faces: [0.0; 3],
-        };
+        let mut measured = Measured::default();
         let (mut pages, mut gathered) = (vec![[0.0; 3]; states], None::<Gathered>);
         // Light of pages that meets the pixel once, if the front returns more.
         let mut once = vec![[0.0; 3]; states];
@@ -392,7 +386,9 @@ fn assembled(setup: &Setup, view: &ViewPoint, coarse: &Measured, fine: &Measured
         by_light.map(|(light, name)| (name.clone(), with_error(one(fine, light), &one(coarse, light))));
     let pattern = |figure: Figure| {
         let (values, other) = (values(setup, fine, figure), values(setup, coarse, figure));
-        PatternColours { name: figure, values, error: values.difference(&other) }
+        let is_missing = fine.figures[figure as usize].is_empty();
+        let why_null = if is_missing { why_null(figure) } else { None };
+        PatternColours { name: figure, values, error: values.difference(&other), why_null }
     };
     CrosstalkView {
         theta_deg: view.theta_deg,
@@ -401,6 +397,12 @@ fn assembled(setup: &Setup, view: &ViewPoint, coarse: &Measured, fine: &Measured
         shares: with_error(all(fine), &all(coarse)),
         patterns: Figure::ALL.map(pattern).to_vec(),
     }
+}
+
+/// Why there is no such figure.
+fn why_null(figure: Figure) -> Option<&'static str> {
+    let no_strokes = "no pixel is in the middle of a stroke: the text is too small for these pixels (viewer.text_height_mm)";
+    (figure == Figure::Text).then_some(no_strokes)
 }
 
 fn values(setup: &Setup, measured: &Measured, figure: Figure) -> PatternValues {

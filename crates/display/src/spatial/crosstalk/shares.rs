@@ -2,7 +2,7 @@
 
 use super::Shares;
 
-/// Shares of lights, `[light][window][sub-pixel]`.
+/// Shares of the light of a page and of what entered, of all lights together, `[light][window][sub-pixel]`.
 pub(super) fn shares(page: &[Vec<Vec<f64>>], entered: &[Vec<Vec<f64>>]) -> Shares {
     let out = Rows::new(&sum(page));
     let entered = (!entered.is_empty()).then(|| {
@@ -64,7 +64,12 @@ fn sum(lights: &[Vec<Vec<f64>>]) -> Vec<Vec<f64>> {
 pub(super) fn with_error(fine: Shares, coarse: &Shares) -> Shares {
     let rows = |shares: &Shares| -> Vec<f64> {
         let all = shares.out.iter().chain(shares.in_.iter().flatten()).flatten();
-        all.chain(&shares.inactive_out).chain(shares.between_in.iter().flatten()).copied().collect()
+        let own = shares.own_share_out.iter().chain(&shares.own_share_in);
+        all.chain(&shares.inactive_out)
+            .chain(shares.between_in.iter().flatten())
+            .chain(own)
+            .copied()
+            .collect()
     };
     let error = rows(&fine).iter().zip(rows(coarse)).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
     Shares { error, ..fine }

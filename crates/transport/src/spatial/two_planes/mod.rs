@@ -92,9 +92,19 @@ impl TwoPlanes {
     /// Prepares pixels and filter. `face` is the reflectance of the face from below as a function of `|beta|` up to 1; beyond,
     /// all light returns; `None`: nothing returns. A higher `level` is finer: 0, 1, ...
     pub fn new(pixels: &FilteredPixels<'_>, face: Option<&dyn Fn(f64) -> f64>, level: u32) -> Self {
-        let mut cells = PeriodCells::new(pixels.windows, 10 << level);
+        Self::with_cells(pixels, face, level, 10 << level)
+    }
+
+    /// The same with about `per_period` cells along each axis that the windows depend on, at least one in each window.
+    pub fn with_cells(
+        pixels: &FilteredPixels<'_>,
+        face: Option<&dyn Fn(f64) -> f64>,
+        level: u32,
+        per_period: usize,
+    ) -> Self {
+        let mut cells = PeriodCells::new(pixels.windows, per_period);
         if cells.varies(0) && cells.varies(1) {
-            cells = PeriodCells::new(pixels.windows, 6 << level);
+            cells = PeriodCells::new(pixels.windows, per_period * 6 / 10);
         }
         let bins = pixels.transmittance.first().map_or(1, Vec::len);
         let transmittance = pixels.transmittance.iter().cloned().chain([vec![1.0; bins]]).collect();
