@@ -3,7 +3,6 @@
 use std::path::Path;
 
 use papilio_display::spatial::{SparkleResult, SparkleRow};
-use papilio_figures::{sparkle_curves, sparkle_maps};
 use papilio_formats::{SparkleFile, write_file, write_sparkle};
 use papilio_scenario::Resolved;
 use serde::Serialize;
@@ -49,8 +48,7 @@ impl SpatialOutput for SparkleResult {
     }
 
     fn figures(&self, title: &str) -> Vec<(String, String)> {
-        let maps = ("sparkle".to_owned(), sparkle_maps(self, title));
-        [maps].into_iter().chain(sparkle_curves(self, title).map(|svg| ("ppd".to_owned(), svg))).collect()
+        papilio_figures::of_sparkle(self, title)
     }
 }
 

@@ -181,11 +181,7 @@ impl Sparkle {
     }
 
     fn figures(&self, py: Python<'_>, title: &str) -> Figures {
-        py.detach(|| {
-            let curves = papilio_figures::sparkle_curves(&self.of, title);
-            let maps = ("sparkle".to_owned(), papilio_figures::sparkle_maps(&self.of, title));
-            [maps].into_iter().chain(curves.map(|svg| ("ppd".to_owned(), svg))).collect()
-        })
+        py.detach(|| papilio_figures::of_sparkle(&self.of, title))
     }
 }
 
