@@ -1,66 +1,56 @@
 //! `papilio crosstalk`: which sub-pixel lights which, and the colours and contrast of fine figures.
 
-use std::io::Write;
 use std::path::Path;
 
 use papilio_display::spatial::{CrosstalkResult, CrosstalkView};
-use papilio_formats::{CrosstalkFile, write_crosstalk_csv, write_file, write_json, write_patterns_csv};
+use papilio_formats::{CrosstalkFile, write_crosstalk_csv, write_file, write_patterns_csv};
+use papilio_scenario::Resolved;
+use serde::Serialize;
 
 use crate::arguments::SpatialCommand;
 use crate::numbers::measured;
-use crate::run::with_progress;
-use crate::{Failure, interrupt, output, print_message, print_notes, report};
+use crate::spatial::{SpatialOutput, show};
+use crate::{Failure, report};
 
 pub(crate) fn crosstalk(arguments: &SpatialCommand) -> Result<(), Failure> {
-    let resolved = arguments.resolve()?;
-    let folder = arguments.folder(&resolved.hash)?;
-    let result = with_progress(&resolved, arguments.workers.threads, |control| {
+    let resolved = arguments.resolve(None)?;
+    show(arguments, &resolved, |control| {
         papilio_display::spatial::crosstalk(&resolved.scene, &resolved.patterns.text, control)
-    })?;
-    let result = result.ok_or(Failure::Interrupted("no file was written"))?;
-    let file = CrosstalkFile {
-        papilio: env!("CARGO_PKG_VERSION"),
-        hash: &resolved.hash,
-        scenario: &resolved.canonical,
-        result: &result,
-    };
-    let title = resolved.title.clone().unwrap_or_else(|| report::file_title(&arguments.scenario.file));
-    let mut stdout = crate::terminal::output(arguments.json);
-    if arguments.json {
-        write_json(&mut stdout, &file)?;
-    } else {
-        stdout.write_all(text(&title, &result).as_bytes())?;
+    })
+}
+
+impl SpatialOutput for CrosstalkResult {
+    const JSON: &'static str = "crosstalk.json";
+    const FIGURES: &'static [&'static str] = &["crosstalk"];
+
+    fn content<'a>(&'a self, resolved: &'a Resolved, _: &'a str) -> impl Serialize + 'a {
+        CrosstalkFile {
+            papilio: env!("CARGO_PKG_VERSION"),
+            hash: &resolved.hash,
+            scenario: &resolved.canonical,
+            result: self,
+        }
     }
-    stdout.flush()?;
-    if let Some(folder) = &folder {
-        let names = interrupt::uninterrupted(|| write(folder, &file, &title, arguments.png))?;
-        output::print_written(folder, &names);
+
+    fn table(&self, title: &str) -> String {
+        text(title, self)
     }
-    print_notes(&resolved.notes);
-    let warnings = resolved.warnings.iter().chain(&result.warnings);
-    warnings.for_each(|warning| print_message(&format!("warning: {warning}")));
-    Ok(())
+
+    fn write_tables(&self, folder: &Path) -> Result<Vec<String>, Failure> {
+        write_file(&folder.join("crosstalk.csv"), |out| write_crosstalk_csv(out, self))?;
+        write_file(&folder.join("patterns.csv"), |out| write_patterns_csv(out, self))?;
+        Ok(["crosstalk.csv", "patterns.csv"].map(str::to_owned).to_vec())
+    }
+
+    fn figures(&self, title: &str) -> Vec<(String, String)> {
+        papilio_figures::crosstalk(self, title)
+    }
+
+    fn warnings(&self) -> &[String] {
+        &self.warnings
+    }
 }
 
-/// Writes all files; returns their names.
-fn write(folder: &Path, file: &CrosstalkFile<'_>, title: &str, png: bool) -> Result<Vec<String>, Failure> {
-    output::make_folder(folder)?;
-    output::remove(folder, is_figure)?;
-    write_file(&folder.join("crosstalk.json"), |out| write_json(out, file))?;
-    write_file(&folder.join("crosstalk.csv"), |out| write_crosstalk_csv(out, file.result))?;
-    write_file(&folder.join("patterns.csv"), |out| write_patterns_csv(out, file.result))?;
-    let mut names = ["crosstalk.json", "crosstalk.csv", "patterns.csv"].map(str::to_owned).to_vec();
-    names.extend(output::write_figures(folder, papilio_figures::crosstalk(file.result, title), png)?);
-    Ok(names)
-}
-
-/// True for names of figures of this command.
-fn is_figure(name: &str) -> bool {
-    let stem = name.strip_suffix(".svg").or_else(|| name.strip_suffix(".png"));
-    stem.is_some_and(|stem| stem.starts_with("crosstalk"))
-}
-
-/// The table on the terminal.
 fn text(title: &str, result: &CrosstalkResult) -> String {
     let [x, y] = result.pitch_um;
     let mut text =
@@ -98,7 +88,13 @@ fn of_view(result: &CrosstalkResult, view: &CrosstalkView) -> String {
             measured(values.contrast_ratio_via_pixel, error.contrast_ratio_via_pixel, 4),
         ]);
     }
-    text + &report::table(&rows)
+    text += &report::table(&rows);
+    for pattern in &view.patterns {
+        if let Some(why) = pattern.why_null {
+            text += &format!("  {}: {why}\n", pattern.name.name());
+        }
+    }
+    text
 }
 
 /// Shares in per cent, with the light of the area without sub-pixels in the last column if there is any.

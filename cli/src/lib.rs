@@ -31,6 +31,7 @@ mod report;
 mod run;
 mod serve;
 mod sparkle;
+mod spatial;
 mod study;
 mod sweep;
 mod terminal;

@@ -1,73 +1,63 @@
 //! `papilio mtf`: how sharp the display is.
 
-use std::io::Write;
 use std::path::Path;
 
 use papilio_display::spatial::{MtfResult, MtfView, PatternKind};
-use papilio_formats::{MtfFile, write_file, write_json, write_kernel_npy, write_mtf_csv, write_spread_csv};
+use papilio_formats::{MtfFile, write_file, write_kernel_npy, write_mtf_csv, write_spread_csv};
+use papilio_scenario::Resolved;
+use serde::Serialize;
 
 use crate::arguments::{MtfCommand, Solver};
-use crate::run::with_progress;
-use crate::{Failure, interrupt, output, print_message, print_notes, report};
+use crate::spatial::{SpatialOutput, show};
+use crate::{Failure, report};
 
 pub(crate) fn mtf(arguments: &MtfCommand) -> Result<(), Failure> {
     let MtfCommand { spatial: arguments, solver } = arguments;
-    let resolved = arguments.resolve_with(solver.map(Solver::as_override))?;
-    let folder = arguments.folder(&resolved.hash)?;
-    let result = with_progress(&resolved, arguments.workers.threads, |control| {
+    let resolved = arguments.resolve(solver.map(Solver::as_override))?;
+    show(arguments, &resolved, |control| {
         papilio_display::spatial::mtf(&resolved.scene, &resolved.patterns, control)
-    })?;
-    let result = result.ok_or(Failure::Interrupted("no file was written"))?;
-    let file = MtfFile {
-        papilio: env!("CARGO_PKG_VERSION"),
-        hash: &resolved.hash,
-        scenario: &resolved.canonical,
-        result: &result,
-    };
-    let title = resolved.title.clone().unwrap_or_else(|| report::file_title(&arguments.scenario.file));
-    let mut stdout = crate::terminal::output(arguments.json);
-    if arguments.json {
-        write_json(&mut stdout, &file)?;
-    } else {
-        stdout.write_all(text(&title, &result).as_bytes())?;
-    }
-    stdout.flush()?;
-    if let Some(folder) = &folder {
-        let names = interrupt::uninterrupted(|| write(folder, &file, &title, arguments.png))?;
-        output::print_written(folder, &names);
-    }
-    print_notes(&resolved.notes);
-    let warnings = resolved.warnings.iter().chain(&result.warnings);
-    warnings.for_each(|warning| print_message(&format!("warning: {warning}")));
-    Ok(())
+    })
 }
 
-/// Writes all files; returns their names.
-fn write(folder: &Path, file: &MtfFile<'_>, title: &str, png: bool) -> Result<Vec<String>, Failure> {
-    output::make_folder(folder)?;
-    output::remove(folder, is_figure)?;
-    write_file(&folder.join("mtf.json"), |out| write_json(out, file))?;
-    write_file(&folder.join("mtf.csv"), |out| write_mtf_csv(out, file.result))?;
-    write_file(&folder.join("spread.csv"), |out| write_spread_csv(out, file.result))?;
-    let mut names = ["mtf.json", "mtf.csv", "spread.csv"].map(str::to_owned).to_vec();
-    let states = file.result.views.first().map(|view| &view.states);
-    for (state, _) in states.into_iter().flat_map(|states| states.iter()) {
-        let name = format!("kernel-{state}.npy");
-        write_file(&folder.join(&name), |out| write_kernel_npy(out, file.result, state))?;
-        names.push(name);
+impl SpatialOutput for MtfResult {
+    const JSON: &'static str = "mtf.json";
+    const FIGURES: &'static [&'static str] = &["mtf", "edges", "kernel_"];
+
+    fn content<'a>(&'a self, resolved: &'a Resolved, _: &'a str) -> impl Serialize + 'a {
+        MtfFile {
+            papilio: env!("CARGO_PKG_VERSION"),
+            hash: &resolved.hash,
+            scenario: &resolved.canonical,
+            result: self,
+        }
     }
-    names.extend(output::write_figures(folder, papilio_figures::of_mtf(file.result, title), png)?);
-    Ok(names)
+
+    fn table(&self, title: &str) -> String {
+        text(title, self)
+    }
+
+    fn write_tables(&self, folder: &Path) -> Result<Vec<String>, Failure> {
+        write_file(&folder.join("mtf.csv"), |out| write_mtf_csv(out, self))?;
+        write_file(&folder.join("spread.csv"), |out| write_spread_csv(out, self))?;
+        let mut names = ["mtf.csv", "spread.csv"].map(str::to_owned).to_vec();
+        let states = self.views.first().map(|view| &view.states);
+        for (state, _) in states.into_iter().flat_map(|states| states.iter()) {
+            let name = format!("kernel-{state}.npy");
+            write_file(&folder.join(&name), |out| write_kernel_npy(out, self, state))?;
+            names.push(name);
+        }
+        Ok(names)
+    }
+
+    fn figures(&self, title: &str) -> Vec<(String, String)> {
+        papilio_figures::of_mtf(self, title)
+    }
+
+    fn warnings(&self) -> &[String] {
+        &self.warnings
+    }
 }
 
-/// True for names of figures of this command.
-fn is_figure(name: &str) -> bool {
-    let is_own = |stem: &str| ["mtf", "edges", "kernel_"].iter().any(|kind| stem.starts_with(kind));
-    let stem = name.strip_suffix(".svg").or_else(|| name.strip_suffix(".png"));
-    stem.is_some_and(is_own)
-}
-
-/// The table on the terminal.
 fn text(title: &str, result: &MtfResult) -> String {
     let mut text = format!("{}\n", report::plain(title));
     if let (Some(pitch), Some(nyquist)) = (result.pitch_um, result.nyquist_per_mm) {

@@ -22,10 +22,23 @@ pub(crate) fn signed(value: f64, decimals: usize) -> String {
     unsigned_zero(format!("{value:+.decimals$}"))
 }
 
+/// A number with five digits as [`digits`], and its error in units of the last digit.
+pub(crate) fn digits_with_error(value: f64, error: Option<f64>) -> String {
+    match error.filter(|error| *error > 0.0) {
+        Some(error) => measured(Some(value), Some(error), decimals(value)),
+        None => digits(value),
+    }
+}
+
 /// A number with five digits, and all digits before the decimal point; numbers below 1 have five decimals.
 pub(crate) fn digits(value: f64) -> String {
+    unsigned_zero(format!("{value:.*}", decimals(value)))
+}
+
+/// Decimals of a number with five digits.
+fn decimals(value: f64) -> usize {
     let before = if value.abs() < 1.0 { 0 } else { value.abs().log10().floor() as usize + 1 };
-    unsigned_zero(format!("{value:.*}", 5_usize.saturating_sub(before)))
+    5_usize.saturating_sub(before)
 }
 
 /// Removes the sign of a number whose digits are all zero.
@@ -47,12 +60,15 @@ pub(crate) fn percent(fraction: f64) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::{digits, measured, percent, signed};
+    use super::{digits, digits_with_error, measured, percent, signed};
 
     #[test]
     fn number_is_printed_with_five_digits() {
         let texts = [0.19785, 27.41288, 14922.68596, -1e-9, -0.5, 0.0].map(digits);
         assert_eq!(texts, ["0.19785", "27.413", "14923", "0.00000", "-0.50000", "0.00000"]);
+        assert_eq!(digits_with_error(27.41288, Some(0.02)), "27.41(2)");
+        assert_eq!(digits_with_error(27.41288, Some(1e-5)), "27.413");
+        assert_eq!(digits_with_error(0.19785, None), "0.19785");
     }
 
     #[test]

@@ -1,18 +1,16 @@
 //! `papilio sparkle`: random brightness of equal pixels below an antiglare face.
 
-use std::io::Write;
+use std::path::Path;
 
 use papilio_display::spatial::{SparkleResult, SparkleRow};
-use papilio_figures::{sparkle_curves, sparkle_maps};
-use papilio_formats::{SparkleFile, write_file, write_json, write_sparkle};
-use papilio_scenario::Scenario;
+use papilio_formats::{SparkleFile, write_file, write_sparkle};
+use papilio_scenario::Resolved;
+use serde::Serialize;
 
 use crate::arguments::SpatialCommand;
 use crate::numbers::measured;
-use crate::run::with_progress;
-use crate::{Failure, folder, input, interrupt, output, print_message, print_notes, report};
-
-const FILES: [&str; 2] = ["sparkle.json", "sparkle.csv"];
+use crate::spatial::{SpatialOutput, show};
+use crate::{Failure, report};
 
 /// Explains the missing face.
 const NO_FACE: &str = "the scenario describes no antiglare face: the table [sparkle] is missing\n  \
@@ -21,49 +19,40 @@ const NO_FACE: &str = "the scenario describes no antiglare face: the table [spar
     = help: for example --set sparkle.haze=0.05 --set sparkle.correlation_um=[8,15,30]; a gloss number determines neither";
 
 pub(crate) fn sparkle(arguments: &SpatialCommand) -> Result<(), Failure> {
-    let resolved = arguments.resolve()?;
+    let resolved = arguments.resolve(None)?;
     let face = resolved.sparkle.as_ref().ok_or_else(|| Failure::Input(NO_FACE.to_owned()))?;
-    let folder = arguments.folder(&resolved.hash)?;
-    let result = with_progress(&resolved, arguments.workers.threads, |control| {
-        papilio_display::spatial::sparkle(&resolved.scene, face, control)
-    })?;
-    let result = result.ok_or(Failure::Interrupted("no file was written"))?;
-    let title = resolved.title.clone().unwrap_or_else(|| report::file_title(&arguments.scenario.file));
-    let seed = resolved.scene.solver.seed;
-    let file = SparkleFile {
-        papilio: env!("CARGO_PKG_VERSION"),
-        title: &title,
-        hash: &resolved.hash,
-        seed,
-        result: &result,
-    };
-    let mut stdout = crate::terminal::output(arguments.json);
-    if arguments.json {
-        write_json(&mut stdout, &file)?;
-    } else {
-        stdout.write_all(table(&title, &result).as_bytes())?;
-    }
-    stdout.flush()?;
-    if let Some(folder) = folder {
-        let mut names = FILES.map(str::to_owned).to_vec();
-        interrupt::uninterrupted(|| {
-            output::make_folder(&folder)?;
-            write_file(&folder.join(FILES[0]), |out| write_json(out, &file))?;
-            write_file(&folder.join(FILES[1]), |out| write_sparkle(out, &result))?;
-            let mut figures = vec![("sparkle".to_owned(), sparkle_maps(&result, &title))];
-            figures.extend(sparkle_curves(&result, &title).map(|svg| ("ppd".to_owned(), svg)));
-            names.extend(output::write_figures(&folder, figures, arguments.png)?);
-            Ok::<(), Failure>(())
-        })?;
-        output::print_written(&folder, &names);
-    }
-    print_notes(&resolved.notes);
-    resolved.warnings.iter().for_each(|warning| print_message(&format!("warning: {warning}")));
-    Ok(())
+    show(arguments, &resolved, |control| papilio_display::spatial::sparkle(&resolved.scene, face, control))
 }
 
-/// The table on the terminal.
-fn table(title: &str, result: &SparkleResult) -> String {
+impl SpatialOutput for SparkleResult {
+    const JSON: &'static str = "sparkle.json";
+    const FIGURES: &'static [&'static str] = &["sparkle", "ppd"];
+
+    fn content<'a>(&'a self, resolved: &'a Resolved, title: &'a str) -> impl Serialize + 'a {
+        SparkleFile {
+            papilio: env!("CARGO_PKG_VERSION"),
+            title,
+            hash: &resolved.hash,
+            seed: resolved.scene.solver.seed,
+            result: self,
+        }
+    }
+
+    fn table(&self, title: &str) -> String {
+        text(title, self)
+    }
+
+    fn write_tables(&self, folder: &Path) -> Result<Vec<String>, Failure> {
+        write_file(&folder.join("sparkle.csv"), |out| write_sparkle(out, self))?;
+        Ok(vec!["sparkle.csv".to_owned()])
+    }
+
+    fn figures(&self, title: &str) -> Vec<(String, String)> {
+        papilio_figures::of_sparkle(self, title)
+    }
+}
+
+fn text(title: &str, result: &SparkleResult) -> String {
     let head = [
         "view, deg",
         "gap, mm",
@@ -108,27 +97,4 @@ fn cells(row: &SparkleRow) -> Vec<String> {
         measured(row.ppd_closed_form.map(|ppd| 100.0 * ppd), None, 3),
         measured(row.contrast_times_sensitivity, None, 2),
     ]
-}
-
-impl SpatialCommand {
-    /// Reads and resolves the scenario, with the seed.
-    pub(crate) fn resolve(&self) -> Result<papilio_scenario::Resolved, Failure> {
-        self.resolve_with(None)
-    }
-
-    /// The same with a further override.
-    pub(crate) fn resolve_with(&self, more: Option<String>) -> Result<papilio_scenario::Resolved, Failure> {
-        let mut overrides = self.scenario.set.clone();
-        overrides.extend(more);
-        overrides.extend(self.seed.map(|seed| format!("solver.seed={seed}")));
-        Ok(input::scenario::<Scenario>(&self.scenario.file, &overrides)?.resolve()?)
-    }
-
-    /// Returns the folder for files; `None` if only JSON is printed.
-    pub(crate) fn folder(&self, hash: &str) -> Result<Option<std::path::PathBuf>, Failure> {
-        match (&self.scenario.out, self.json) {
-            (None, true) => Ok(None),
-            _ => folder::choose(&self.scenario, hash).map(Some),
-        }
-    }
 }

@@ -78,7 +78,24 @@ class _Written(ByName[NDArray[Any]]):
         return "".join(svg for _, svg in self._figures[:1]) + _messages.as_html(self.warnings, self.notes)
 
 
-class Mtf(_Written):
+class _OfViews(_Written):
+    """Contents of a file with numbers of each view."""
+
+    @cached_property
+    def views(self) -> list[tuple[float, float]]:
+        """Inclination and azimuth of every view, degrees."""
+        return [(view["theta_deg"], view["phi_deg"]) for view in self.data["views"]]
+
+    def _angles(self) -> dict[str, Any]:
+        """Coordinates of the views of a Dataset."""
+        angles = zip(("theta_deg", "phi_deg"), np.array(self.views).reshape(-1, 2).T, strict=True)
+        return {name: ("view", values, _metadata.angle(name)) for name, values in angles}
+
+    def _size(self) -> str:
+        return f"{len(self.views)} view{'s' if len(self.views) > 1 else ''}"
+
+
+class Mtf(_OfViews):
     """Sharpness of a display: the output of ``papilio mtf``.
 
     ``found["f50_x_per_mm"]`` and all other numbers of a state have the shape [view, state], or [view, state, frequency];
@@ -106,11 +123,6 @@ class Mtf(_Written):
     def states(self) -> list[str]:
         """The names of the drive states."""
         return list(self._kernels)
-
-    @cached_property
-    def views(self) -> list[tuple[float, float]]:
-        """Inclination and azimuth of every view, degrees."""
-        return [(view["theta_deg"], view["phi_deg"]) for view in self.data["views"]]
 
     @cached_property
     def frequency_per_mm(self) -> NDArray[np.float64]:
@@ -192,13 +204,11 @@ class Mtf(_Written):
             axes = of_states if name in self._of_states else ("view", f"{_metadata.flat(name)}_0")
             if not name.startswith("by_light."):
                 data[_metadata.flat(name)] = (axes[: values.ndim], values.copy(), _metadata.attributes(name))
-        thetas, phis = np.array(self.views).reshape(-1, 2).T
         coordinates: dict[str, Any] = {
             "state": ("state", self.states, _metadata.STATE),
             "frequency_per_mm": ("frequency_per_mm", self.frequency_per_mm.copy(), {"units": "mm-1", "long_name": "spatial frequency"}),
             "part": ("part", ["real", "imaginary"], {"long_name": "part of a complex number"}),
-            "theta_deg": ("view", thetas, _metadata.angle("theta_deg")),
-            "phi_deg": ("view", phis, _metadata.angle("phi_deg")),
+            **self._angles(),
         }
         return xarray.Dataset(data, coordinates, {"title": self.title} | _messages.attributes(self.warnings, self.notes))
 
@@ -213,11 +223,11 @@ class Mtf(_Written):
         return long_table(labels, {name: (axes[name], one) for name, one in self._arrays.items() if one.ndim == len(axes[name])})
 
     def __repr__(self) -> str:
-        size = f"{len(self.views)} view{'s' if len(self.views) > 1 else ''}, {len(self.states)} states"
+        size = f"{self._size()}, {len(self.states)} states"
         return f"<papilio.Mtf {self.title!r}: {size}{_messages.summary(self.warnings)}>"
 
 
-class Crosstalk(_Written):
+class Crosstalk(_OfViews):
     """Who lights whom: the output of ``papilio crosstalk``.
 
     ``found["out"]`` has the shape [view, window, subpixel], ``found["in"]`` (with a colour filter) [view, subpixel, window], and
@@ -229,11 +239,6 @@ class Crosstalk(_Written):
     def subpixels(self) -> list[str]:
         """The names of the sub-pixels, in the order of all shares."""
         return list(self.data["subpixels"])
-
-    @cached_property
-    def views(self) -> list[tuple[float, float]]:
-        """Inclination and azimuth of every view, degrees."""
-        return [(view["theta_deg"], view["phi_deg"]) for view in self.data["views"]]
 
     def to_xarray(self) -> xarray.Dataset:
         """Returns all numbers but those of single lights as a Dataset over ``view``, ``window`` and ``subpixel``.
@@ -249,12 +254,10 @@ class Crosstalk(_Written):
             if not name.startswith("by_light."):
                 dims = axes.get(name, ("view", "window", "subpixel"))[: values.ndim]
                 data[_metadata.flat(name)] = (dims, values.copy(), _metadata.attributes(name))
-        thetas, phis = np.array(self.views).reshape(-1, 2).T
         coordinates: dict[str, Any] = {
             "window": ("window", self.subpixels, {"long_name": "window through which light is seen"}),
             "subpixel": ("subpixel", self.subpixels, {"long_name": "sub-pixel that light left"}),
-            "theta_deg": ("view", thetas, _metadata.angle("theta_deg")),
-            "phi_deg": ("view", phis, _metadata.angle("phi_deg")),
+            **self._angles(),
         }
         return xarray.Dataset(data, coordinates, {"title": self.title} | _messages.attributes(self.warnings, self.notes))
 
@@ -270,7 +273,7 @@ class Crosstalk(_Written):
         return long_table(labels, {name: (axes[: one.ndim], one) for name, one in kept.items()})
 
     def __repr__(self) -> str:
-        size = f"{len(self.views)} view{'s' if len(self.views) > 1 else ''}, {len(self.subpixels)} sub-pixels"
+        size = f"{self._size()}, {len(self.subpixels)} sub-pixels"
         return f"<papilio.Crosstalk {self.title!r}: {size}{_messages.summary(self.warnings)}>"
 
 

@@ -5,7 +5,7 @@ use std::sync::atomic::AtomicBool;
 use numpy::PyArrayDyn;
 use papilio_display::spatial::{CrosstalkResult, MtfResult, SparkleResult, crosstalk, mtf, sparkle};
 use papilio_display::{Control, DisplayError};
-use papilio_formats::{CrosstalkFile, MtfFile, SparkleFile, write_json};
+use papilio_formats::{SparkleFile, SpatialFile, write_json};
 use pyo3::exceptions::PyKeyboardInterrupt;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -39,12 +39,7 @@ impl Mtf {
         let of = computed(py, scenario, threads, progress, |control| {
             mtf(&resolved.scene, &resolved.patterns, control)
         })?;
-        let json = text(&MtfFile {
-            papilio: env!("CARGO_PKG_VERSION"),
-            hash: &resolved.hash,
-            scenario: &resolved.canonical,
-            result: &of,
-        })?;
+        let json = content(scenario, &of)?;
         Ok(Self { of, json })
     }
 
@@ -99,12 +94,7 @@ impl Crosstalk {
         let of = computed(py, scenario, threads, progress, |control| {
             crosstalk(&resolved.scene, &resolved.patterns.text, control)
         })?;
-        let json = text(&CrosstalkFile {
-            papilio: env!("CARGO_PKG_VERSION"),
-            hash: &resolved.hash,
-            scenario: &resolved.canonical,
-            result: &of,
-        })?;
+        let json = content(scenario, &of)?;
         Ok(Self { of, json })
     }
 
@@ -191,11 +181,7 @@ impl Sparkle {
     }
 
     fn figures(&self, py: Python<'_>, title: &str) -> Figures {
-        py.detach(|| {
-            let curves = papilio_figures::sparkle_curves(&self.of, title);
-            let maps = ("sparkle".to_owned(), papilio_figures::sparkle_maps(&self.of, title));
-            [maps].into_iter().chain(curves.map(|svg| ("ppd".to_owned(), svg))).collect()
-        })
+        py.detach(|| papilio_figures::of_sparkle(&self.of, title))
     }
 }
 
@@ -235,6 +221,17 @@ fn computed<T: Send>(
     found.map_err(|error| match error {
         DisplayError::Interrupted => PyKeyboardInterrupt::new_err(()),
         error => errors::display_of(py, &scenario.of, &error),
+    })
+}
+
+/// The text of `mtf.json` or `crosstalk.json`.
+fn content(scenario: &Resolved, result: &impl serde::Serialize) -> PyResult<String> {
+    let Resolved { of: resolved, .. } = scenario;
+    text(&SpatialFile {
+        papilio: env!("CARGO_PKG_VERSION"),
+        hash: &resolved.hash,
+        scenario: &resolved.canonical,
+        result,
     })
 }
 

@@ -7,9 +7,8 @@ from pathlib import Path
 HERE = Path(__file__).parent
 
 
-def cache(name):
-    """Folder of mypy's cache of dependencies, in their environment; the first check takes long."""
-    return ["--cache-dir", Path(sys.prefix) / "mypy" / name]
+#: Every check has the same options and the same cache of dependencies, in their environment: the first one takes long.
+STRICT = ["mypy", "--strict", "--disable-error-code", "import-untyped", "--cache-dir", Path(sys.prefix) / "mypy"]
 
 
 def checked(*arguments, cwd):
@@ -18,9 +17,8 @@ def checked(*arguments, cwd):
 
 
 def test_package_passes_strict_type_check(tmp_path):
-    untyped = ["--disable-error-code", "import-untyped", *cache("package")]
-    checked("mypy", "--strict", *untyped, "-p", "papilio", cwd=tmp_path)
-    checked("mypy", "--strict", *cache("scripts"), HERE / "sample.py", cwd=tmp_path)
+    checked(*STRICT, "-p", "papilio", cwd=tmp_path)
+    checked(*STRICT, HERE / "sample.py", cwd=tmp_path)
 
 
 #: Calls that would fail, or do something else than they say.
@@ -36,7 +34,7 @@ WRONG = [
 
 def test_type_check_finds_wrong_calls(tmp_path):
     (tmp_path / "wrong.py").write_text("\n".join(["import papilio", *WRONG]))
-    command = [sys.executable, "-m", "mypy", "--strict", *cache("scripts"), "wrong.py"]
+    command = [sys.executable, "-m", *STRICT, "wrong.py"]
     said = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True).stdout
     lines = {int(line.split(":")[1]) for line in said.splitlines() if line.startswith("wrong.py:") and "error:" in line}
     assert lines == set(range(2, 2 + len(WRONG))), said

@@ -67,16 +67,20 @@ pub(crate) fn environment() -> Result<Environment, String> {
 
 /// Builds the wheel and installs it.
 pub(crate) fn build(environment: &Environment, profile: Profile) -> Outcome {
+    wheel(environment, profile).into_iter().try_for_each(shell::run)
+}
+
+/// Commands that build the wheel and install it.
+pub(crate) fn wheel(environment: &Environment, profile: Profile) -> [Command; 2] {
     let wheels = shell::target().join("wheels");
     let out = wheels.to_string_lossy();
     let build = ["-m", "maturin", "build", "--quiet", "--manifest-path", "python/Cargo.toml", "--profile"];
     let lean = matches!(profile, Profile::Dev).then_some("--no-default-features");
     let build = build.into_iter().chain([profile.name(), "--out", &*out]).chain(lean);
-    shell::run(command(environment.python(), build))?;
     // Replaces an installed package even if it has the same version.
     let install = ["-m", "pip", "install", "--quiet", "--force-reinstall", "--no-deps", "--no-index"];
     let install = install.into_iter().chain(["--find-links", &*out, "papilio"]);
-    shell::run(command(environment.python(), install))
+    [command(environment.python(), build), command(environment.python(), install)]
 }
 
 /// Tests of the package. They compare it with the program of the same profile.

@@ -5,7 +5,7 @@ use crate::shell::{self, Outcome, cargo};
 /// A command of papilio, its file in scenarios/, the figures to copy, and the prefix of their names.
 type Picture = (&'static [&'static str], &'static str, &'static [&'static str], &'static str);
 
-const PICTURES: [Picture; 15] = [
+const PICTURES: [Picture; 16] = [
     (
         &["run"],
         "indoor.toml",
@@ -75,6 +75,7 @@ const PICTURES: [Picture; 15] = [
         &["crosstalk.svg"],
         "filter-",
     ),
+    (&["sweep"], "printed-filter.toml", &["sweep_patch_gamut_percent_srgb.svg"], "printed-filter-"),
     (&["sparkle"], "antiglare.toml", &["sparkle.svg"], "antiglare-"),
 ];
 

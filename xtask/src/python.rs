@@ -36,7 +36,9 @@ impl Environment {
         let create = ["-m", "venv"].into_iter().chain(options.iter().copied());
         shell::run(command("python3", create.chain([&*folder.to_string_lossy()])))?;
         let environment = Self { folder };
-        let install = ["-m", "pip", "install", "--quiet"].into_iter().chain(packages.iter().copied());
+        // Compiling all modules of all packages would take longer than installing them; Python compiles those that it imports.
+        let install = ["-m", "pip", "install", "--quiet", "--no-compile"];
+        let install = install.into_iter().chain(packages.iter().copied());
         shell::run(command(environment.python(), install))?;
         // Written last: a failed installation is repeated the next time.
         fs::write(environment.list(), packages.join("\n")).map_err(|error| format!("{name}: {error}"))?;

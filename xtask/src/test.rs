@@ -5,14 +5,14 @@
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
-use std::time::{Duration, Instant};
+use std::thread;
 
+use crate::count::{Count, Job};
 use crate::package::{self, Profile};
 use crate::page;
-use crate::python::Environment;
-use crate::shell::{self, Apart, Needs, Outcome, cargo, command};
+use crate::shell::{self, Needs, Outcome, cargo, command};
 
-/// Number of seeds of the statistical tests in `cargo xtask full`; 8 in `cargo xtask test`.
+/// Number of seeds of the statistical tests in `cargo xtask full`; 6 in `cargo xtask test`.
 pub(crate) const SEEDS: u64 = 480;
 
 /// Number of seeds, read by the statistical tests of `crates/transport` and the test of sensitivities in `crates/design`.
@@ -97,23 +97,38 @@ fn all_checks(tests: impl Fn() -> Command, of_page: &str) -> Outcome {
     shell::need(Needs { tool: &["cargo", "clippy"], install: "rustup component add clippy" })?;
     let mut count = Count::default();
     count.step("format", |count| count.check(shell::run(cargo(["fmt", "--all", "--check"]))));
-    let mut lints = cargo(["clippy", "--workspace", "--all-targets"]);
-    lints.args(features(of_page)).args(["--", "-D", "warnings"]);
-    count.step("lints", |count| count.check(shell::run(lints)));
+    // Downloaded and unpacked on one core while cargo compiles: cargo does not use all cores all the time.
+    let environment = thread::spawn(package::environment);
     // The page is built first; otherwise the program would be compiled again once there is a page.
     let browser = count.step("page, built", Count::page);
     // Compiled separately, so that the time of the tests does not include it. If it fails, the tests fail again below,
     // and the failure is counted there.
     let mut compile = tests();
     compile.arg("--no-run");
+    if of_page == page::EVERYDAY {
+        // What the tests below select. Without these, cargo would link the examples, too; lints check them.
+        compile.args(["--lib", "--bins", "--tests"]);
+    }
     let _ = count.step("tests, compiled", |_| shell::run(compile));
-    let environment = count.package();
+    let environment = count.environment(environment);
+
+    let mut python = Vec::new();
+    if let Some(environment) = &environment {
+        let [wheel, installed] = package::wheel(environment, Profile::Dev);
+        python.push(Job::needed("  Python, wheel", wheel));
+        python.push(Job::needed("  Python, installed", installed));
+        python.push(Job::tests("  Python", package::tests(environment, Profile::Dev)));
+    }
     let mut others = Vec::new();
     if let Some(browser) = &browser {
-        others.push(("  page, unit tests", page::unit_tests()));
-        others.push(("  page, in a browser", page::end_to_end(of_page, browser)));
+        others.push(Job::tests("  page, unit tests", page::unit_tests()));
+        others.push(Job::tests("  page, in a browser", page::end_to_end(of_page, browser)));
     }
-    others.extend(environment.map(|environment| ("  Python", package::tests(&environment, Profile::Dev))));
+    let mut lints = cargo(["clippy", "--workspace", "--all-targets"]);
+    lints.args(features(of_page)).args(["--", "-D", "warnings"]);
+    let mut docs = cargo(["doc", "--workspace", "--no-deps"]);
+    docs.args(features(of_page)).env("RUSTDOCFLAGS", "-D warnings");
+    let texts = [Job::check("  lints", lints), Job::check("  documentation", docs)];
     if of_page == page::EVERYDAY {
         let [mut longest, mut rest, mut examples] = [tests(), tests(), tests()];
         rest.args(["--lib", "--bins"]);
@@ -122,18 +137,18 @@ fn all_checks(tests: impl Fn() -> Command, of_page: &str) -> Outcome {
             let tests = if LONGEST.contains(&name.as_str()) { &mut longest } else { &mut rest };
             tests.args(["--test", &name]);
         }
-        let longest = vec![("  cargo, longest", longest), ("  cargo, examples", examples)];
-        count.step("tests", |count| count.together(rest, [others, longest]));
+        let longest = vec![Job::tests("  cargo, longest", longest)];
+        // Lints and documentation use the time in which tests wait. While they are compiled, cargo builds nothing else:
+        // they come last.
+        others.push(Job::tests("  cargo, examples", examples));
+        others.extend(texts);
+        count.step("tests and lints", |count| count.together(rest, [python, longest, others]));
     } else {
         // The long tests measure times and must not run in parallel with others.
         count.step("tests", |count| count.tests(tests()));
-        others
-            .into_iter()
-            .for_each(|(name, other)| count.step(name.trim_start(), |count| count.tests(other)));
+        let others = Job::run_all(others.into_iter().chain(texts).chain(python).collect());
+        others.iter().for_each(|done| count.counted(done));
     }
-    let mut docs = cargo(["doc", "--workspace", "--no-deps"]);
-    docs.args(features(of_page)).env("RUSTDOCFLAGS", "-D warnings");
-    count.step("documentation", |count| count.check(shell::run(docs)));
     let mut scenarios = scenarios()?;
     if of_page == page::EVERYDAY {
         scenarios
@@ -176,203 +191,4 @@ fn run_scenario(scenario: &Path) -> Outcome {
     let mut papilio = command(shell::papilio_for_tests(), ["run"]);
     papilio.arg(scenario).arg("--out").arg(out);
     shell::run(papilio)
-}
-
-/// Numbers of passed and failed checks, with reasons and times.
-#[derive(Default)]
-struct Count {
-    passed: u64,
-    failed: u64,
-    reasons: Vec<String>,
-    skipped: Vec<String>,
-    /// Names and durations of the steps.
-    steps: Vec<(&'static str, Duration)>,
-}
-
-impl Count {
-    /// Runs a step and records its duration.
-    fn step<T>(&mut self, name: &'static str, work: impl FnOnce(&mut Self) -> T) -> T {
-        let begun = Instant::now();
-        let done = work(self);
-        self.steps.push((name, begun.elapsed()));
-        done
-    }
-
-    fn check(&mut self, outcome: Outcome) {
-        match outcome {
-            Ok(()) => self.passed += 1,
-            Err(why) => self.fail(1, why),
-        }
-    }
-
-    fn fail(&mut self, count: u64, why: String) {
-        self.failed += count;
-        self.reasons.push(why);
-    }
-
-    /// Runs cargo's tests, and in parallel the others: the commands of each list one after the other.
-    fn together<const LISTS: usize>(
-        &mut self,
-        tests: Command,
-        others: [Vec<(&'static str, Command)>; LISTS],
-    ) {
-        let others = others.map(|list| {
-            std::thread::spawn(move || -> Vec<(&'static str, Apart, Duration)> {
-                let timed = |(name, other)| {
-                    let begun = Instant::now();
-                    (name, shell::run_apart(other), begun.elapsed())
-                };
-                list.into_iter().map(timed).collect()
-            })
-        });
-        self.step("  cargo", |count| count.tests(tests));
-        for list in others {
-            let Ok(list) = list.join() else { return self.fail(1, "the other tests: panicked".to_owned()) };
-            list.into_iter().for_each(|(name, other, took)| self.counted(name, &other, took));
-        }
-    }
-
-    /// Shows and counts tests that ran in parallel with others.
-    fn counted(&mut self, name: &'static str, other: &Apart, took: Duration) {
-        self.steps.push((name, took));
-        other.show();
-        let counted = other.texts[0].lines().filter_map(counts);
-        let (passed, failed) = counted.fold((0, 0), |sum, (p, f)| (sum.0 + p, sum.1 + f));
-        self.passed += passed;
-        if let Err(why) = &other.outcome {
-            self.fail(failed.max(1), why.clone());
-        }
-    }
-
-    /// Runs the tests and adds up the summaries of the test programs.
-    fn tests(&mut self, tests: Command) {
-        let (mut passed, mut failed) = (0, 0);
-        let mut read = |line: &str| {
-            if let Some((p, f)) = counts(line) {
-                passed += p;
-                failed += f;
-            }
-        };
-        let outcome = shell::run_and_read(tests, Some(&mut read));
-        self.passed += passed;
-        if let Err(why) = outcome {
-            // Tests that do not compile print no summary.
-            self.fail(failed.max(1), why);
-        }
-    }
-
-    /// Builds the page and returns the browser to test it in. The page and its tests need additional tools; if one is
-    /// missing, both are skipped, which the output states.
-    fn page(&mut self) -> Option<PathBuf> {
-        let browser = match page::browser() {
-            Ok(browser) => browser,
-            Err(missing) => {
-                self.skipped.push(format!("the web app's page: {missing}"));
-                return None;
-            }
-        };
-        let built = page::build();
-        let is_built = built.is_ok();
-        self.check(built);
-        is_built.then_some(browser)
-    }
-
-    /// Builds the wheel of the Python package in the development profile and returns its environment. Skipped if Python
-    /// is missing.
-    fn package(&mut self) -> Option<Environment> {
-        let environment = match self.step("Python, environment", |_| package::environment()) {
-            Ok(environment) => environment,
-            Err(missing) => {
-                self.skipped.push(format!("the Python package: {missing}"));
-                return None;
-            }
-        };
-        match self.step("Python, wheel", |_| package::build(&environment, Profile::Dev)) {
-            Ok(()) => Some(environment),
-            Err(why) => {
-                self.fail(1, why);
-                None
-            }
-        }
-    }
-
-    fn conclude(self) -> Outcome {
-        println!();
-        // An indented step is part of the step below it.
-        let whole = self.steps.iter().filter(|(name, _)| !name.starts_with(' '));
-        let all: Duration = whole.map(|(_, took)| *took).sum();
-        for (name, took) in self.steps.iter().copied().chain([("all", all)]) {
-            println!("{name:<20} {:7.1} s", took.as_secs_f64());
-        }
-        self.skipped.iter().for_each(|what| println!("skipped: {what}"));
-        self.reasons.iter().for_each(|why| println!("failed: {why}"));
-        println!("{} passed, {} failed", self.passed, self.failed);
-        if self.failed == 0 { Ok(()) } else { Err("not green".to_owned()) }
-    }
-}
-
-/// Returns the numbers of passed and failed tests from a summary line of any test program.
-fn counts(line: &str) -> Option<(u64, u64)> {
-    summary(line).or_else(|| summary_of_node(line)).or_else(|| summary_of_pytest(line))
-}
-
-/// Returns the numbers of passed and failed tests from a line like `test result: ok. 5 passed; 0 failed; 0 ignored; ...`.
-fn summary(line: &str) -> Option<(u64, u64)> {
-    let (_, counts) = line.strip_prefix("test result: ")?.split_once(". ")?;
-    let of = |what: &str| {
-        let part = counts.split("; ").find_map(|part| part.strip_suffix(what))?;
-        part.trim().parse().ok()
-    };
-    Some((of("passed")?, of("failed")?))
-}
-
-/// Returns the numbers of passed and failed tests from a line of node like `# pass 25` or `# fail 1`.
-fn summary_of_node(line: &str) -> Option<(u64, u64)> {
-    let (_, counts) = line.split_once([' ']).filter(|(mark, _)| matches!(*mark, "#" | "\u{2139}"))?;
-    let of = |what: &str| counts.strip_prefix(what)?.trim().parse().ok();
-    of("pass ").map(|passed| (passed, 0)).or_else(|| of("fail ").map(|failed| (0, failed)))
-}
-
-/// Returns the numbers of passed and failed tests from the last line of pytest like `1 failed, 12 passed, 1 error in 1.33s`.
-fn summary_of_pytest(line: &str) -> Option<(u64, u64)> {
-    let (counts, _) = line.trim_matches(['=', ' ']).split_once(" in ")?;
-    let of = |what: &[&str]| {
-        let part =
-            counts.split(", ").find_map(|part| part.split_once(' ').filter(|(_, of)| what.contains(of)));
-        part.map_or(Some(0), |(count, _)| count.parse::<u64>().ok())
-    };
-    let (passed, failed, errors) = (of(&["passed"])?, of(&["failed"])?, of(&["error", "errors"])?);
-    (passed + failed + errors > 0).then_some((passed, failed + errors))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::{summary, summary_of_node, summary_of_pytest};
-
-    #[test]
-    fn pytest_summary_is_parsed() {
-        assert_eq!(summary_of_pytest("12 passed in 1.33s"), Some((12, 0)));
-        assert_eq!(
-            summary_of_pytest("=== 1 failed, 12 passed, 2 warnings, 3 errors in 70.21s (0:01:10) ==="),
-            Some((12, 4))
-        );
-        assert_eq!(summary_of_pytest("collected 12 items in all"), None);
-        assert_eq!(summary_of_pytest("no tests ran in 0.01s"), None);
-    }
-
-    #[test]
-    fn node_summary_is_parsed() {
-        assert_eq!(summary_of_node("# pass 25"), Some((25, 0)));
-        assert_eq!(summary_of_node("\u{2139} fail 2"), Some((0, 2)));
-        assert_eq!(summary_of_node("# tests 27"), None);
-        assert_eq!(summary_of_node("pass 3"), None);
-    }
-
-    #[test]
-    fn cargo_summary_is_parsed() {
-        let line = "test result: FAILED. 12 passed; 3 failed; 0 ignored; 0 measured; 0 filtered out; finished in 0.1s";
-        assert_eq!(summary(line), Some((12, 3)));
-        assert_eq!(summary("running 15 tests"), None);
-        assert_eq!(summary("test result: a line that a test printed"), None);
-    }
 }

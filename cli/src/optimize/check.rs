@@ -4,6 +4,8 @@ use papilio_design::NamedQuantity;
 use papilio_design::search::{Search, SelectedDesign};
 use papilio_display::result::RunResult;
 use papilio_display::scene::{Method, MetricSource, Stop};
+use papilio_display::spatial::mtf;
+use papilio_display::{Control, DisplayError};
 use serde_json::{Value, json};
 
 use crate::run::with_progress;
@@ -11,6 +13,22 @@ use crate::{Failure, print_message};
 
 /// Relative standard error of Y by the Monte Carlo solver.
 const RELATIVE_ERROR: f64 = 0.001;
+
+/// Number of paths of a view with which its sharpness is computed.
+const PATHS_WITH_PLACES: u64 = 1 << 20;
+
+/// Metrics that have no second solver here, and why.
+const NOT_CHECKED: [(MetricSource, &str); 2] = [
+    (
+        MetricSource::Crosstalk,
+        "`papilio crosstalk` has one solver; the errors of its metrics, the differences of two levels, are in crosstalk.json of \
+         best.toml",
+    ),
+    (
+        MetricSource::Sparkle,
+        "metrics of sparkle are those of random faces in any case; their standard errors are in sparkle.json of best.toml",
+    ),
+];
 
 /// Contrast to black below which a note mentions a state.
 const LEAST_CONTRAST: f64 = 1.5;
@@ -25,6 +43,11 @@ pub(super) struct SolverComparison {
 }
 
 impl SolverComparison {
+    /// Compares a value with value and standard error of the Monte Carlo solver.
+    fn new(of: &NamedQuantity, adding: Option<f64>, [monte_carlo, standard_error]: [Option<f64>; 2]) -> Self {
+        Self { name: of.name.clone(), adding, monte_carlo, standard_error }
+    }
+
     pub(super) fn json(&self) -> Value {
         json!({ "name": self.name, "adding": self.adding, "walk": self.monte_carlo, "standard_error": self.standard_error })
     }
@@ -65,7 +88,8 @@ fn note_dark_states(results: &[RunResult]) {
     }
 }
 
-/// Computes a design by the Monte Carlo solver under every condition; `None` if interrupted.
+/// Computes a design by the Monte Carlo solver under every condition; `None` if interrupted. What that solver does not cover is
+/// named in a note.
 pub(super) fn check(
     search: &Search,
     best: &SelectedDesign,
@@ -73,27 +97,79 @@ pub(super) fn check(
 ) -> Result<Option<Vec<SolverComparison>>, Failure> {
     let study = search.study();
     let values = study.values(&best.design)?;
-    let mut results = Vec::new();
-    for condition in &study.conditions {
+    let (mut results, mut compared) = (Vec::new(), Vec::new());
+    for (number, condition) in study.conditions.iter().enumerate() {
         let resolved = condition.varied.scenario(&values)?.resolve()?;
         let mut scene = resolved.scene.clone();
         scene.solver.method = Method::MonteCarlo;
+        let own = |source: MetricSource| {
+            let own = study.quantities.iter().zip(&best.values);
+            own.filter(move |(one, _)| one.condition == number && one.quantity.source() == source)
+        };
         scene.solver.stop = Stop::RelativeError { target: RELATIVE_ERROR, per_wavelength: false };
-        match with_progress(&resolved, threads, |control| papilio_display::run(&scene, control))? {
-            Some(result) if !result.solver.interrupted => results.push(result),
-            _ => return Ok(None),
+        let run = |control: &Control<'_>| covered(papilio_display::run(&scene, control));
+        let Some(result) = with_progress(&resolved, threads, run)? else { return Ok(None) };
+        if let Some(result) = noted(result, own(MetricSource::Colours)) {
+            if result.solver.interrupted {
+                return Ok(None);
+            }
+            compared.extend(own(MetricSource::Colours).map(|(one, adding)| {
+                let both = [one.quantity.of(&result), one.quantity.standard_error(&result)];
+                SolverComparison::new(one, *adding, both)
+            }));
+            results.push(result);
+        }
+        if own(MetricSource::Mtf).next().is_some() {
+            scene.solver.stop = Stop::Paths(PATHS_WITH_PLACES);
+            let mtf = |control: &Control<'_>| covered(mtf(&scene, &resolved.patterns, control));
+            let Some(result) = with_progress(&resolved, threads, mtf)? else { return Ok(None) };
+            if let Some(result) = noted(result, own(MetricSource::Mtf)) {
+                compared.extend(own(MetricSource::Mtf).map(|(one, adding)| {
+                    SolverComparison::new(one, *adding, one.quantity.of_sharpness(&result))
+                }));
+            }
+        }
+        for (source, why) in NOT_CHECKED {
+            let names: Vec<&str> = own(source).map(|(one, _)| one.name.as_str()).collect();
+            if !names.is_empty() {
+                print_message(&format!(
+                    "note: not checked by the Monte Carlo solver: {}\n  = help: {why}",
+                    names.join(", ")
+                ));
+            }
         }
     }
     note_dark_states(&results);
-    // Sharpness and sparkle are not computed by a run.
-    let of_colours =
-        |(quantity, _): &(&NamedQuantity, _)| quantity.quantity.source() == MetricSource::Colours;
-    let checked = study.quantities.iter().zip(&best.values).filter(of_colours);
-    let checked = checked.map(|(quantity, adding)| SolverComparison {
-        name: quantity.name.clone(),
-        adding: *adding,
-        monte_carlo: quantity.quantity.of(&results[quantity.condition]),
-        standard_error: quantity.quantity.standard_error(&results[quantity.condition]),
-    });
-    Ok(Some(checked.collect()))
+    let order = |one: &SolverComparison| study.quantities.iter().position(|known| known.name == one.name);
+    compared.sort_by_key(order);
+    Ok(Some(compared))
+}
+
+/// Result of a display, or what the Monte Carlo solver does not cover.
+type Covered<T> = Result<T, DisplayError>;
+
+/// Keeps the error of a display that is not covered as a result.
+fn covered<T>(result: Result<T, DisplayError>) -> Result<Covered<T>, DisplayError> {
+    match result {
+        Err(error @ DisplayError::PlacesNotComputed { .. }) => Ok(Err(error)),
+        other => other.map(Ok),
+    }
+}
+
+/// Returns the result; prints a note instead if quantities are wanted of it and it is not covered.
+fn noted<'a, T>(
+    result: Covered<T>,
+    mut wanted: impl Iterator<Item = (&'a NamedQuantity, &'a Option<f64>)>,
+) -> Option<T> {
+    match result {
+        Ok(result) => Some(result),
+        Err(error) => {
+            if wanted.next().is_some() {
+                print_message(&format!(
+                    "note: the best design is not checked by the Monte Carlo solver: {error}"
+                ));
+            }
+            None
+        }
+    }
 }

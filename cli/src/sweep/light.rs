@@ -32,10 +32,10 @@ pub(super) fn run(
     light: LightSweep,
     folder: &Path,
 ) -> Result<(), Failure> {
-    let metrics = light.metrics.iter().map(|metric| metric.name.clone()).collect();
     let mut head = sweep.head(env!("CARGO_PKG_VERSION"), &report::file_title(&arguments.file));
-    head.light = Some(LightHead { metrics, views: light.views.clone(), hash: light.hash.clone() });
+    let (views, hash) = (light.views.clone(), light.hash.clone());
     let study = LightStudy::new(light);
+    head.light = Some(LightHead { metrics: study.columns(), views, hash });
     let mut rows = journal::open_rows(folder, STEM, arguments.shard, head.clone(), &[])?;
     let (k, n) = arguments.shard.unwrap_or((1, 1));
     let mine: Vec<usize> = (0..sweep.len()).filter(|point| point % n == k - 1).collect();

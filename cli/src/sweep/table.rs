@@ -3,7 +3,7 @@
 use papilio_formats::{SweepHead, SweepPoint, sweep_value};
 use papilio_scenario::label;
 
-use crate::numbers::digits;
+use crate::numbers::digits_with_error;
 use crate::report;
 
 /// Most rows that are printed.
@@ -23,7 +23,14 @@ pub(super) fn sweep_table(head: &SweepHead, points: &[&SweepPoint], total: usize
     for (number, point, view) in lines.take(MOST_ROWS) {
         let swept = head.swept(number).map(|(_, value)| sweep_value(value));
         let angles = view.into_iter().filter(|_| several).map(str::to_owned);
-        let metrics = head.figures.iter().map(|name| point.metric(view, name).map_or("-".to_owned(), digits));
+        let error = |name: &str| {
+            ["_de", "_se"].iter().filter_map(|end| point.metric(view, &format!("{name}{end}"))).next()
+        };
+        let number = |name: &String| match point.metric(view, name) {
+            Some(value) => digits_with_error(value, error(name)),
+            None => "-".to_owned(),
+        };
+        let metrics = head.figures.iter().map(number);
         rows.push(swept.chain(angles).chain(metrics).collect());
     }
     let other_lines = (total - points.len()) * views.first().map_or(1, Vec::len);

@@ -46,3 +46,37 @@ fn missing_matrix_and_thickness_are_reported() {
         assert!(message.contains(expected), "{message}");
     }
 }
+
+/// Metrics of crosstalk in a sweep: own shares and gamut against the height of a printed filter, each followed by its error; and what a
+/// run does not compute is named.
+#[test]
+fn crosstalk_is_a_metric_of_sweeps() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = scenario("printed-filter");
+    let run = |more: &[&str]| {
+        let mut command = papilio();
+        command.arg("sweep").arg(&file).arg("--out").arg(folder.path());
+        command.args(["--set", "spectrum.step_nm=40"]).args(more).output().unwrap()
+    };
+    let height = "sweep.axes.0={ display.matrix.filter.height_um = [5, 60] }";
+    let output = run(&["--set", height]);
+    assert!(output.status.success(), "{}", stderr(&output));
+    let table = fs::read_to_string(folder.path().join("sweep.csv")).unwrap();
+    let rows: Vec<Vec<&str>> = table.lines().map(|line| line.split(',').collect()).collect();
+    let at = |row: usize, name: &str| -> f64 {
+        let column = rows[0].iter().position(|head| *head == name).unwrap_or_else(|| panic!("{table}"));
+        rows[row][column].parse().unwrap()
+    };
+    for name in ["patch_gamut_percent_srgb", "line_1_gamut_percent_srgb", "own_share_in", "own_share_out"] {
+        assert!(at(1, name) > at(2, name), "{name}: {table}");
+        let error = at(2, &format!("{name}_de"));
+        assert!((0.0..0.05 * at(2, name)).contains(&error), "{name}: {table}");
+    }
+    let message = |more: &[&str]| {
+        let output = run(more);
+        assert_eq!(output.status.code(), Some(2), "{}", stderr(&output));
+        stderr(&output)
+    };
+    let target = message(&["--set", "solver.target={ metric = \"own_share_in\", error = 0.01 }"]);
+    assert!(target.contains("cannot be a target") && target.contains("papilio crosstalk"), "{target}");
+}

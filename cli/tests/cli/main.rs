@@ -14,6 +14,7 @@ mod cone;
 mod crosstalk;
 mod diffuser;
 mod figures;
+mod fine_detail;
 mod first_steps;
 mod lab_files;
 mod many_points;

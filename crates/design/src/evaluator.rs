@@ -3,7 +3,7 @@
 //! Designs that differ only in parameters of their film pixel (thicknesses, gaps, areas, indices) are
 //! evaluated by [`Designs`](papilio_display::Designs), which reuses everything else. All other designs are
 //! resolved and run in full. The choice of method depends on the design alone, not on the designs before it.
-//! Sharpness and sparkle are computed of the resolved display (`pixels.rs`).
+//! Sharpness, crosstalk and sparkle are computed of the resolved display (`pixels.rs`).
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
@@ -33,7 +33,7 @@ pub struct Evaluator<'a> {
 enum Part {
     /// Colours: a run, or the fast path of film pixels.
     Colours,
-    /// Sharpness and sparkle.
+    /// Sharpness, crosstalk and sparkle.
     Pixels,
 }
 
@@ -46,7 +46,7 @@ impl Part {
 struct ConditionState {
     /// Indices of the quantities of colours that are requested under it.
     requested: Vec<usize>,
-    /// Indices of those of sharpness and sparkle.
+    /// Indices of those of sharpness, crosstalk and sparkle.
     of_pixels: Vec<usize>,
     /// Evaluates film pixels.
     fast_path: FilmFastPath,
@@ -121,9 +121,18 @@ impl<'a> Evaluator<'a> {
     /// # Errors
     /// If the design is invalid or cannot be computed, or the evaluation was interrupted.
     pub fn evaluate(&mut self, design: &[f64]) -> Result<Vec<Option<f64>>, DesignError> {
+        Ok(first(self.evaluate_with_errors(design)?))
+    }
+
+    /// Computes value and error of each quantity of a design; `None` where one is undefined. Errors are those of sharpness, crosstalk
+    /// and sparkle: what computes the values of colours without a run has no error of its own.
+    ///
+    /// # Errors
+    /// Those of [`evaluate`](Self::evaluate).
+    pub fn evaluate_with_errors(&mut self, design: &[f64]) -> Result<Vec<[Option<f64>; 2]>, DesignError> {
         self.study.check(design)?;
         self.evaluated.fetch_add(1, Ordering::Relaxed);
-        let mut values = vec![None; self.study.quantities.len()];
+        let mut values = vec![[None; 2]; self.study.quantities.len()];
         for condition in 0..self.conditions.len() {
             for part in Part::BOTH {
                 if self.requested(condition, part).is_empty() {
@@ -151,12 +160,14 @@ impl<'a> Evaluator<'a> {
         design: &[f64],
         condition: usize,
         part: Part,
-    ) -> Result<Vec<Option<f64>>, DesignError> {
+    ) -> Result<Vec<[Option<f64>; 2]>, DesignError> {
         if self.stop.load(Ordering::Relaxed) {
             return Err(DisplayError::Interrupted.into());
         }
         match part {
-            Part::Colours => self.under(design, condition),
+            Part::Colours => {
+                Ok(self.under(design, condition)?.into_iter().map(|value| [value, None]).collect())
+            }
             Part::Pixels => {
                 let values = self.study.values(design)?;
                 let resolved = self.study.conditions[condition].varied.scenario(&values)?.resolve()?;
@@ -164,8 +175,7 @@ impl<'a> Evaluator<'a> {
                 let quantities: Vec<&Quantity> =
                     requested.map(|index| &self.study.quantities[*index].quantity).collect();
                 let control = Control { threads: Some(1), progress: &|_| {}, stop: self.stop };
-                let found = pixels::quantities(&resolved, &quantities, &control)?;
-                Ok(found.into_iter().map(|[value, _]| value).collect())
+                pixels::quantities(&resolved, &quantities, &control)
             }
         }
     }
@@ -223,7 +233,7 @@ impl<'a> Evaluator<'a> {
         {
             return Ok(exact);
         }
-        let values = self.computed(design, index, part)?;
+        let values = first(self.computed(design, index, part)?);
         let variables = design.len();
         let mut slopes = vec![0.0; values.len() * variables];
         for variable in 0..variables {
@@ -252,7 +262,7 @@ impl<'a> Evaluator<'a> {
             let mut moved = design.to_vec();
             moved[variable] += step;
             match self.computed(&moved, condition, part) {
-                Ok(values) => Ok(Some((values, moved[variable]))),
+                Ok(values) => Ok(Some((first(values), moved[variable]))),
                 // Outside the range of a key.
                 Err(DesignError::Scenario(_)) => Ok(None),
                 Err(error) => Err(error),
@@ -282,4 +292,9 @@ impl<'a> Evaluator<'a> {
         };
         Ok(self.conditions[condition].prepared.insert(prepared).run(&scene, &control)?)
     }
+}
+
+/// Values without their errors.
+fn first(values: Vec<[Option<f64>; 2]>) -> Vec<Option<f64>> {
+    values.into_iter().map(|[value, _]| value).collect()
 }

@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use papilio_display::scene::{Method, MetricSource};
 use papilio_scenario::{LightSweep, ReportedMetric};
 use serde_json::Value;
 
@@ -39,7 +40,29 @@ impl LightStudy {
         &self.study
     }
 
-    /// Computes the metrics of a point; NaN where a metric is undefined.
+    /// Names of the columns of a row: the metrics in order, those that are not of colours followed by their error.
+    pub fn columns(&self) -> Vec<String> {
+        let of = |metric: &ReportedMetric| {
+            let end = if self.has_standard_error(metric) { "_se" } else { "_de" };
+            let error = match metric.name.split_once(", ") {
+                Some((name, view)) => format!("{name}{end}, {view}"),
+                None => format!("{}{end}", metric.name),
+            };
+            std::iter::once(metric.name.clone()).chain(has_error(metric).then_some(error))
+        };
+        self.sweep.metrics.iter().flat_map(of).collect()
+    }
+
+    /// True for metrics that are estimated from random numbers.
+    fn has_standard_error(&self, metric: &ReportedMetric) -> bool {
+        match metric.metric.source() {
+            MetricSource::Mtf => self.sweep.method == Method::MonteCarlo,
+            MetricSource::Sparkle => true,
+            MetricSource::Colours | MetricSource::Crosstalk => false,
+        }
+    }
+
+    /// Computes the [`columns`](Self::columns) of a point; NaN where a metric is undefined.
     ///
     /// # Errors
     /// If the point cannot be evaluated, or the evaluation was interrupted.
@@ -50,9 +73,18 @@ impl LightStudy {
         };
         let keys = self.sweep.keys.iter().zip(&self.study.variables);
         let design: Vec<f64> = keys.zip(self.sweep.at(point)).map(number).collect();
-        let values = evaluator.evaluate(&design)?;
-        Ok(values.into_iter().map(|number| number.unwrap_or(f64::NAN)).collect())
+        let values = evaluator.evaluate_with_errors(&design)?;
+        let of = |(metric, [value, error]): (&ReportedMetric, [Option<f64>; 2])| {
+            std::iter::once(value).chain(has_error(metric).then_some(error))
+        };
+        let numbers = self.sweep.metrics.iter().zip(values).flat_map(of);
+        Ok(numbers.map(|number| number.unwrap_or(f64::NAN)).collect())
     }
+}
+
+/// True for metrics whose error is computed with their value.
+fn has_error(metric: &ReportedMetric) -> bool {
+    metric.metric.source() != MetricSource::Colours
 }
 
 impl NamedQuantity {

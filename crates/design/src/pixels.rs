@@ -1,7 +1,7 @@
-//! Quantities of designs that are computed with the places of light: sharpness and sparkle.
+//! Quantities of designs that are computed with the places of light: sharpness, crosstalk and sparkle.
 
 use papilio_display::scene::MetricSource;
-use papilio_display::spatial::{mtf, sparkle};
+use papilio_display::spatial::{crosstalk, mtf, sparkle};
 use papilio_display::{Control, Quantity};
 use papilio_scenario::Resolved;
 
@@ -10,15 +10,19 @@ use crate::DesignError;
 /// Computes value and error of each quantity of a display.
 ///
 /// # Errors
-/// Those of [`mtf`] and [`sparkle`], for a display or a light that they do not cover; metrics of sparkle without an antiglare face.
+/// Those of [`mtf`], [`crosstalk`] and [`sparkle`], for a display or a light that they do not cover; metrics of sparkle without an antiglare face.
 pub(crate) fn quantities(
     resolved: &Resolved,
     quantities: &[&Quantity],
     control: &Control<'_>,
 ) -> Result<Vec<[Option<f64>; 2]>, DesignError> {
     let scene = &resolved.scene;
-    let is_sharpness = quantities.iter().any(|quantity| quantity.source() == MetricSource::Mtf);
-    let sharpness = is_sharpness.then(|| mtf(scene, &resolved.patterns, control)).transpose()?;
+    let is_wanted = |source| quantities.iter().any(|quantity| quantity.source() == source);
+    let sharpness =
+        is_wanted(MetricSource::Mtf).then(|| mtf(scene, &resolved.patterns, control)).transpose()?;
+    let shares = is_wanted(MetricSource::Crosstalk)
+        .then(|| crosstalk(scene, &resolved.patterns.text, control))
+        .transpose()?;
     let of_sparkle = quantities.iter().find(|quantity| quantity.source() == MetricSource::Sparkle);
     let sparkle = match (of_sparkle, &resolved.sparkle) {
         (None, _) => None,
@@ -29,6 +33,9 @@ pub(crate) fn quantities(
     let of = |quantity: &&Quantity| match quantity.source() {
         MetricSource::Colours => [None; 2],
         MetricSource::Mtf => sharpness.as_ref().map(|found| quantity.of_sharpness(found)).unwrap_or_default(),
+        MetricSource::Crosstalk => {
+            shares.as_ref().map(|found| quantity.of_crosstalk(found)).unwrap_or_default()
+        }
         MetricSource::Sparkle => {
             sparkle.as_ref().map(|found| quantity.of_sparkle(&found.rows, views)).unwrap_or_default()
         }

@@ -1,12 +1,13 @@
 //! Labels: the names of quantities in words, with their units, for figures, tables, the page and Python.
 //!
-//! The labels of metrics stand in the table of metrics (`metrics.rs`), those of the other numbers of a result in this file.
+//! The labels of metrics stand in the table of metrics (`metrics/mod.rs`), those of the other numbers of a result in this file.
 //! The labels of keys of a scenario come from its grammar, in `papilio_scenario::label`.
 
 use std::fmt;
 
 use crate::metrics::{
-    Cam16, SharpnessMetrics, SparkleMetrics, SpatialScalars, StateMetrics, VALUE_LABELS, ViewMetrics,
+    Cam16, CrosstalkMetrics, SharpnessMetrics, SparkleMetrics, SpatialScalars, StateMetrics, VALUE_LABELS,
+    ViewMetrics,
 };
 
 /// The name of a quantity in words, with its unit.
@@ -161,7 +162,9 @@ fn metrics() -> impl Iterator<Item = &'static KnownLabel> {
 }
 
 fn metrics_of_views() -> impl Iterator<Item = &'static KnownLabel> {
-    ViewMetrics::LABELS.iter().chain(SharpnessMetrics::LABELS).chain(SparkleMetrics::LABELS)
+    let of_pixels =
+        SharpnessMetrics::LABELS.iter().chain(CrosstalkMetrics::LABELS).chain(SparkleMetrics::LABELS);
+    ViewMetrics::LABELS.iter().chain(of_pixels)
 }
 
 fn known(name: &str) -> Option<Label> {

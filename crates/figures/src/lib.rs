@@ -20,7 +20,7 @@
 //! | [`transmission`] | transmittance of diffusers against wavelength |
 //! | [`scattering`] | a measured lobe in the plane of incidence and over the hemisphere |
 //! | [`lobes`] | the same for each part of a measurement |
-//! | [`sparkle_maps`], [`sparkle_curves`] | pixels below an antiglare face; their deviation against the face |
+//! | [`of_sparkle`] | all figures of `papilio sparkle`: pixels below an antiglare face, their deviation against the face |
 //! | [`crosstalk()`] | which sub-pixel lights which, as matrices |
 //! | [`of_mtf`] | all figures of `papilio mtf`: modulation transfer, edges, kernels |
 //! | [`chart`] | curves in one panel |
@@ -104,6 +104,6 @@ pub use point_sets::point_sets;
 pub use production::{Ends, SensitivityBar, histogram, pass_fail_scatter, sensitivities};
 pub use rings::gamut_rings;
 pub use scattering::{ScatterCurve, ScatterMap, Scattering, scattering};
-pub use sparkle::{sparkle_curves, sparkle_maps};
+pub use sparkle::of_sparkle;
 pub use spectra::spectra;
 pub use sweep::{SweepAxis, SweepFigure, of_sweep, sweep_curves, sweep_map};

@@ -15,9 +15,15 @@ const SPACE: f64 = 28.0;
 /// Linear light of a pixel of mean light: a grey of CIE lightness 53 on the screen.
 const MEAN: f64 = 0.214;
 
+/// Returns all figures of `papilio sparkle` with their names: pixels below the faces, and the deviation against a parameter of the face.
+pub fn of_sparkle(result: &SparkleResult, title: &str) -> Vec<(String, String)> {
+    let maps = ("sparkle".to_owned(), maps(result, title));
+    [maps].into_iter().chain(curves(result, title).map(|svg| ("ppd".to_owned(), svg))).collect()
+}
+
 /// Draws pixels of equal state below random faces for up to four rows, which together have the smallest and the largest deviation; light is
 /// relative to the mean, without the blur of the eye. A scale bar has the length of ten pixels.
-pub fn sparkle_maps(result: &SparkleResult, title: &str) -> String {
+fn maps(result: &SparkleResult, title: &str) -> String {
     let shown = shown(result);
     let width = 40.0 + (SIZE + SPACE) * shown.len().max(2) as f64;
     let mut svg = Svg::new(width, SIZE + 104.0).titled(title);
@@ -27,7 +33,7 @@ pub fn sparkle_maps(result: &SparkleResult, title: &str) -> String {
         let name = format!("PPD {} %", with_error(100.0 * row.ppd, Some(100.0 * row.standard_error), 2));
         svg.text((left, SIZE + 34.0), &name, Text::new(13.0, INK).strong());
         let face =
-            format!("correlation {} um, gap {} mm", fixed(row.correlation_um, 1), fixed(row.gap_mm, 2));
+            format!("correlation {} μm, gap {} mm", fixed(row.correlation_um, 1), fixed(row.gap_mm, 2));
         svg.text((left, SIZE + 51.0), &shortened(&face, SIZE, 12.0), Text::new(12.0, INK));
         let view = format!("view {} deg", fixed(row.theta_deg, 0));
         svg.text((left, SIZE + 67.0), &view, Text::new(12.0, INK));
@@ -35,7 +41,7 @@ pub fn sparkle_maps(result: &SparkleResult, title: &str) -> String {
             let bar = 10.0 * SIZE / SIDE as f64;
             let y = SIZE + 84.0;
             svg.line((left, y), (left + bar, y), &Stroke::solid(INK, 2.0));
-            let length = format!("10 pixels, {} um", fixed(10.0 * result.pitch_um[0], 0));
+            let length = format!("10 pixels, {} μm", fixed(10.0 * result.pitch_um[0], 0));
             svg.text((left + bar + 8.0, y + 4.0), &length, Text::new(11.0, INK));
         }
     }
@@ -75,7 +81,7 @@ fn encoded(linear: f64) -> u8 {
 
 /// Draws the deviation against the correlation length, or against the gap if only that varies; `None` if there is nothing to compare.
 /// Circles are rays through random faces, lines the matrix term in closed form.
-pub fn sparkle_curves(result: &SparkleResult, title: &str) -> Option<String> {
+fn curves(result: &SparkleResult, title: &str) -> Option<String> {
     let by_length = varies(result, |row| row.correlation_um);
     if !by_length && !varies(result, |row| row.gap_mm) {
         return None;
@@ -103,7 +109,7 @@ pub fn sparkle_curves(result: &SparkleResult, title: &str) -> Option<String> {
         curve(matrix, false, group.iter().map(closed).collect());
     }
     let x =
-        if by_length { "Correlation length of the face (um)" } else { "Distance of face and pixels (mm)" };
+        if by_length { "Correlation length of the face (μm)" } else { "Distance of face and pixels (mm)" };
     let y = "Pixel power deviation (%)";
     let figure = Chart { x: x.to_owned(), y: y.to_owned(), logarithmic: false, at_least: vec![0.0], curves };
     Some(chart(&figure, title))

@@ -3,22 +3,11 @@
 use std::io::{self, Write};
 
 use papilio_display::spatial::{CrosstalkResult, Shares};
-use schemars::JsonSchema;
-use serde::Serialize;
+
+use crate::spatial::SpatialFile;
 
 /// Content of `crosstalk.json`.
-#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
-pub struct CrosstalkFile<'a> {
-    /// Version of the program.
-    pub papilio: &'a str,
-    /// SHA-256 of the scenario and the bytes of its files.
-    pub hash: &'a str,
-    /// The scenario with its defaults filled in.
-    pub scenario: &'a serde_json::Value,
-    /// The result.
-    #[serde(flatten)]
-    pub result: &'a CrosstalkResult,
-}
+pub type CrosstalkFile<'a> = SpatialFile<'a, CrosstalkResult>;
 
 /// Returns the JSON Schema of `crosstalk.json`.
 pub fn crosstalk_schema() -> serde_json::Value {

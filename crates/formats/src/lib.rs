@@ -67,6 +67,7 @@ mod result;
 mod result_read;
 mod rows;
 mod sparkle;
+mod spatial;
 mod spectrum;
 mod study;
 mod sweep;
@@ -111,6 +112,7 @@ pub use pixel_table::{PIXEL_COLUMNS, PixelTable, is_name, read_pixel_table};
 pub use result::{ResultFile, result_schema, write_reflection, write_spectra, write_states};
 pub use result_read::{ReadResult, read_result};
 pub use sparkle::{SparkleFile, sparkle_schema, write_sparkle};
+pub use spatial::SpatialFile;
 pub use spectrum::{read_fractions, read_light, read_spectrum};
 pub use study::write_study;
 pub use sweep::{

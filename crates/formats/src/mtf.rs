@@ -3,24 +3,12 @@
 use std::io::{self, Write};
 
 use papilio_display::spatial::{Curves, MtfResult};
-use schemars::JsonSchema;
-use serde::Serialize;
 
 use crate::npy::{Items, write_npy};
+use crate::spatial::SpatialFile;
 
 /// Content of `mtf.json`.
-#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
-pub struct MtfFile<'a> {
-    /// Version of the program.
-    pub papilio: &'a str,
-    /// SHA-256 of the scenario and the bytes of its files.
-    pub hash: &'a str,
-    /// The scenario with its defaults filled in.
-    pub scenario: &'a serde_json::Value,
-    /// The result.
-    #[serde(flatten)]
-    pub result: &'a MtfResult,
-}
+pub type MtfFile<'a> = SpatialFile<'a, MtfResult>;
 
 /// Returns the JSON Schema of `mtf.json`.
 pub fn mtf_schema() -> serde_json::Value {

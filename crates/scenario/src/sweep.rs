@@ -1,6 +1,7 @@
 //! Sweeps: a scenario at every point of its `[sweep]`.
 
 use papilio_diagnostics::Diagnostic;
+use papilio_display::scene::Method;
 use papilio_formats::{SweepHead, SweepHeadAxis, sweep_place};
 use serde_json::json;
 
@@ -139,6 +140,7 @@ impl Sweep {
             axes: self.axes.iter().map(|axis| (axis.len(), axis.0.len())).collect(),
             metrics,
             views,
+            method: first.scene.solver.method,
             hash: sha256(means.to_string().as_bytes()),
         }))
     }
@@ -150,7 +152,16 @@ impl Sweep {
     pub fn check_figures(&self, known: &[String]) -> Result<(), ScenarioErrors> {
         let mut errors = Errors::default();
         for name in self.figures.iter().filter(|name| !known.contains(name)) {
-            errors.push(name.origin, no_such_metric(&name.value, known));
+            let named = MetricName::named(&name.value).map(|named| named.metric.source().command());
+            let wrong = match named.filter(|_| self.metrics.is_none()).flatten() {
+                Some(command) => Diagnostic::new(format!(
+                    "`{}` is a metric of `papilio {command}`, not of a run",
+                    name.value
+                ))
+                .hint(format!("store it in every point: sweep.metrics = [\"{}\"]", name.value)),
+                None => no_such_metric(&name.value, known),
+            };
+            errors.push(name.origin, wrong);
         }
         errors.check(&self.base.sources)
     }
@@ -199,6 +210,8 @@ pub struct LightSweep {
     pub metrics: Vec<ReportedMetric>,
     /// Angles theta and phi of the views, degrees; empty if the swept keys may change them.
     pub views: Vec<[f64; 2]>,
+    /// Solver of the first point.
+    pub method: Method,
     /// SHA-256 of everything that determines the results, except the index of the point.
     pub hash: String,
     /// Length and number of keys of each axis.

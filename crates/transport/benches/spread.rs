@@ -6,7 +6,9 @@ use divan::{Bencher, black_box};
 use num_complex::Complex64;
 use papilio_optics::Beta;
 use papilio_optics::lobe::Lobe;
-use papilio_transport::spatial::{Accuracy, FaceReturn, Grid, LineSpread, PanelSpread};
+use papilio_transport::spatial::{
+    Accuracy, FaceReturn, Grid, LineSpread, LitPage, Page, PageLight, PanelSpread, Precision,
+};
 use papilio_transport::{
     AngularTable, Base, Cone, Diffuser, Front, Medium, Nodes, Panel, Reflector, Source, Top,
 };
@@ -104,5 +106,32 @@ fn face_return(bencher: Bencher<'_, '_>) {
     bencher.bench(|| {
         let face = FaceReturn::new(1.5, 1.0, 16.0, transmittance).tabulated();
         (0..6400).map(|k| face.at(0.0025 * f64::from(k))).sum::<f64>()
+    });
+}
+
+/// Recycled light of 1404 x 1872 pixels in eight states at 81 wavelengths: X, Y and Z of each pixel to about 1e-3.
+#[divan::bench(sample_count = 5, sample_size = 1)]
+fn page(bencher: Bencher<'_, '_>) {
+    let count = [1404, 1872];
+    let state = |x: usize, y: usize| ((x / 3 * 7 + y / 2 * 5 + x * y / 11) % 8) as u8;
+    let states: Vec<u8> = (0..count[1]).flat_map(|y| (0..count[0]).map(move |x| state(x, y))).collect();
+    let bell = |bin: usize, middle: f64| (-((bin as f64 - middle) / 12.0).powi(2)).exp();
+    let reflectance: Vec<Vec<f64>> = (0..8)
+        .map(|state| (0..BINS).map(|bin| 0.03 + 0.57 * bell(bin, 10.0 * f64::from(state))).collect())
+        .collect();
+    let seen: Vec<[Vec<f64>; 3]> = reflectance
+        .iter()
+        .map(|rho| {
+            [55.0, 40.0, 15.0].map(|middle| {
+                rho.iter().enumerate().map(|(bin, rho)| 0.018 * rho * bell(bin, middle)).collect()
+            })
+        })
+        .collect();
+    bencher.bench(|| {
+        let light = PageLight { reflectance: &reflectance, seen: &seen };
+        let page = Page { count, pitch_mm: [0.084_67; 2], states: &states };
+        let transmittance = |beta: f64| 1.0 - papilio_optics::interface::fresnel_reflectance(1.5, 1.0, beta);
+        let face = FaceReturn::new(1.5, 0.5, 10.0, transmittance).tabulated();
+        LitPage::new(&page, &face, light, Precision::FAST, 0.5).seen(&page, light).len()
     });
 }

@@ -38,7 +38,8 @@ pub struct Ledger {
 }
 
 impl Ledger {
-    pub(crate) fn zeros(len: usize) -> Self {
+    /// Returns an account of no light. `len` is the number of states times that of wavelengths.
+    pub fn zeros(len: usize) -> Self {
         let zeros = || vec![0.0; len];
         Self {
             returned: zeros(),

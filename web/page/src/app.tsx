@@ -7,6 +7,7 @@ import { AnglesPanel } from "./panels/angles.tsx";
 import { ComparePanel } from "./panels/compare.tsx";
 import { rowsOf } from "./model/csv.ts";
 import { ConePanel } from "./panels/cone.tsx";
+import { DetailPanel } from "./panels/detail.tsx";
 import { Downloads } from "./panels/downloads.tsx";
 import { FieldsPanel, Room, Toolbar } from "./panels/editor.tsx";
 import { FilesPanel } from "./panels/files.tsx";
@@ -77,6 +78,7 @@ const TABS = [
   { id: "states", name: "States", body: () => <StatesTable /> },
   { id: "angles", name: "Angles", body: () => <AnglesPanel /> },
   { id: "cone", name: "All directions", body: () => <ConePanel /> },
+  { id: "detail", name: "Fine detail", body: () => <DetailPanel /> },
   { id: "energy", name: "Energy balance", body: () => <LedgerPanel /> },
   { id: "reading", name: "Readability", body: () => <Reading /> },
   { id: "walk", name: "Monte Carlo", body: () => <WalkPanel /> },

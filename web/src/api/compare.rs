@@ -14,6 +14,7 @@ use serde::{Deserialize, Serialize};
 
 use super::drawn::Figure;
 use super::live::compute_scenario;
+use super::written::{bytes, text};
 use crate::fault::Fault;
 use crate::reading::Given;
 use crate::site::Site;
@@ -61,7 +62,7 @@ fn compared(site: &Site, request: CompareOf, stop: &AtomicBool) -> Result<Compar
     let measured = read_measured_panel(file.file())?;
     let answer = compute_scenario(site, &Given { scenario, files }, stop)?;
     // The simulated side is read from result.json, as on the command line.
-    let bytes = written(|out| write_json(out, &answer.file()))?;
+    let bytes = bytes(|out| write_json(out, &answer.file()))?;
     let simulated = read_result(&DataFile { name: "result.json".to_owned(), bytes })?.simulated;
     let all = compare_with(&simulated, &measured).map_err(|error| {
         let hint =
@@ -96,14 +97,4 @@ fn figures(all: &Comparison, title: &str) -> Vec<Figure> {
         figures.push(Figure { name: format!("compared-gamuts{suffix}"), svg });
     }
     figures
-}
-
-fn written(write: impl FnOnce(&mut Vec<u8>) -> std::io::Result<()>) -> Result<Vec<u8>, Fault> {
-    let mut bytes = Vec::new();
-    write(&mut bytes).map_err(|_| Fault::internal("the comparison cannot be written"))?;
-    Ok(bytes)
-}
-
-fn text(write: impl FnOnce(&mut Vec<u8>) -> std::io::Result<()>) -> Result<String, Fault> {
-    Ok(String::from_utf8_lossy(&written(write)?).into_owned())
 }

@@ -3,6 +3,7 @@
 
 mod catalogue;
 mod compare;
+mod detail;
 mod drawn;
 mod endpoint;
 mod events;
@@ -14,6 +15,7 @@ mod request;
 mod sweep;
 mod text;
 mod walk;
+mod written;
 
 use axum::Router;
 use axum::middleware;
@@ -56,6 +58,7 @@ fn endpoints() -> Endpoints {
             "A scenario compared with a measured panel: table, figures, differences",
             compare::compare,
         )
+        .post("/detail", "Sharpness, crosstalk or sparkle of a scenario: tables and figures", detail::detail)
         .export(
             "/export",
             "A result as a file: result.json, tables, figures, or a report on one page",

@@ -10,6 +10,7 @@
 mod answers;
 mod client;
 mod description;
+mod detail;
 mod hostile;
 mod load;
 mod offers;

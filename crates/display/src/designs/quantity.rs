@@ -6,7 +6,7 @@ use papilio_spectra::Spectrum;
 use crate::DisplayError;
 use crate::result::{RunResult, StateValues, View};
 use crate::scene::{Metric, MetricSource};
-use crate::spatial::{MtfResult, SparkleRow};
+use crate::spatial::{CrosstalkResult, MtfResult, SparkleRow};
 
 /// Quantity of a display, a single number.
 #[derive(Debug, Clone, PartialEq)]
@@ -91,6 +91,15 @@ impl Quantity {
                 Some([&state.scalars, &state.error].map(|scalars| metric.of_spatial(scalars)))
             }
             None => Some([view.metrics(), view.errors()].map(|metrics| metric.of_sharpness(&metrics))),
+        });
+        both.unwrap_or_default()
+    }
+
+    /// Returns value and error of a metric of crosstalk; `None` for other quantities, and where it is not defined.
+    pub fn of_crosstalk(&self, result: &CrosstalkResult) -> [Option<f64>; 2] {
+        let found = result.views.get(self.view()).zip(self.metric());
+        let both = found.map(|(view, metric)| {
+            [view.metrics(), view.errors()].map(|metrics| metric.of_crosstalk(&metrics))
         });
         both.unwrap_or_default()
     }

@@ -5,13 +5,15 @@
 //!
 //! | display | file |
 //! |---|---|
-//! | a lobe over mirror-like pixels | `lobe.rs` |
+//! | a lobe over pixels | `lobe.rs`; with light that a front returns, `returned.rs` |
 //! | Lambertian pixels under a flat face | `paper.rs` |
 //! | mirror-like pixels under a flat face | `ghosts.rs` |
 //!
 //! [`crosstalk`] computes which sub-pixel lights which.
 //!
 //! [`sparkle`] computes the random brightness of equal pixels below an antiglare face.
+//!
+//! [`picture`] computes X, Y and Z of each pixel of a picture whose light the face returns to it.
 //!
 //! [`walk`] is the second method, for all displays: Monte Carlo with places. `mtf_walk` computes from it what [`mtf`] does.
 //!
@@ -27,19 +29,24 @@ mod mtf;
 mod mtf_walk;
 mod paper;
 mod patterns;
+mod picture;
 mod profile;
 mod response;
 mod result;
+mod returned;
 mod scalars;
+mod series;
 mod sparkle;
 pub mod walk;
 
-pub use crate::metrics::SparkleMetrics;
+pub use crate::metrics::{CrosstalkMetrics, SparkleMetrics};
 pub use crosstalk::{
     CrosstalkResult, CrosstalkView, Figure, PatternColours, PatternValues, Shares, crosstalk,
 };
 pub use mtf::mtf;
+pub use papilio_transport::spatial::Precision;
 pub use patterns::{PatternKind, PatternMean, Patterns};
+pub use picture::{Picture, PictureColours, picture};
 use response::{Level, Response, Seen};
 pub use result::{
     Curves, Kernel, LineContrast, MtfResult, MtfState, MtfView, SharpnessMetrics, SpatialScalars, SpreadTable,

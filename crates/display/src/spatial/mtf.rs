@@ -63,10 +63,9 @@ pub fn mtf(scene: &Scene, patterns: &Patterns, control: &Control<'_>) -> Result<
         if control.stopped() {
             return Err(DisplayError::Interrupted);
         }
-        let view = &setup.views[*number];
         let view = match &placed {
-            Some(placed) => mtf_walk::view(&frame, placed, view, control)?,
-            None => frame.view(view)?,
+            Some(placed) => mtf_walk::view(&frame, placed, *number, control)?,
+            None => frame.view(&setup.views[*number])?,
         };
         (control.progress)(Progress::of_views(done.fetch_add(1, Ordering::Relaxed) + 1, setup.views.len()));
         Ok(view)

@@ -1,5 +1,6 @@
 //! `[solver]`: the solver, its accuracy and its approximations.
 
+use papilio_diagnostics::Diagnostic;
 use papilio_display::scene;
 
 use super::numbers::{Count, Paths, RelativeError, Seed, Tolerance};
@@ -60,6 +61,21 @@ fn is_of_colours(metric: scene::Metric) -> bool {
     metric.source() == scene::MetricSource::Colours
 }
 
+/// Error: the metric is that of a command with its own accuracy.
+fn not_of_colours(metric: scene::Metric) -> Diagnostic {
+    let accuracy = match metric.source() {
+        scene::MetricSource::Sparkle => "sparkle.replicates sets its accuracy",
+        scene::MetricSource::Crosstalk => "its error is the difference of two levels of discretisation",
+        scene::MetricSource::Mtf | scene::MetricSource::Colours => {
+            "solver.relative_error or solver.paths sets its accuracy"
+        }
+    };
+    let (name, command) = (metric.name(), metric.source().command().unwrap_or("run"));
+    Diagnostic::new(format!("`{name}` cannot be a target: it is a metric of `papilio {command}`"))
+        .expected("a metric of a run, such as \"contrast_ratio\" or \"Y\"")
+        .hint(accuracy)
+}
+
 fn metric_names() -> Vec<&'static str> {
     scene::Metric::ALL.iter().filter(|metric| is_of_colours(**metric)).map(|metric| metric.name()).collect()
 }
@@ -71,8 +87,12 @@ impl Read for Metric {
 
     fn read(node: &Node, errors: &mut Errors) -> Option<Self> {
         let Value::Text(word) = &node.value else { return node.wrong_type(Self::in_words(), errors) };
-        match scene::Metric::named(word).filter(|metric| is_of_colours(*metric)) {
-            Some(metric) => Some(Self(metric)),
+        match scene::Metric::named(word) {
+            Some(metric) if is_of_colours(metric) => Some(Self(metric)),
+            Some(metric) => {
+                errors.push(node.origin, not_of_colours(metric));
+                None
+            }
             None => unknown_word(node, word, &metric_names(), &[], errors),
         }
     }

@@ -29,7 +29,7 @@ pub fn stripes(areas: &[f64], fill_factor: f64) -> Vec<Window> {
 }
 
 /// Rows of cells, the first row at the top: each cell is a part of a sub-pixel (its number, from 0) with an area. The height of a
-/// row and the widths of its cells are such that every cell has its area. Shrinking makes cells narrower and lower alike.
+/// row and the widths of its cells are such that every cell has its area. Shrinking reduces the width and the height of cells by the same factor.
 ///
 /// A quad is two rows of two; a PenTile pixel is red and half of green over the other half of green and blue; a single
 /// sub-pixel is one row of one.

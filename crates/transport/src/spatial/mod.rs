@@ -6,11 +6,13 @@
 //! mm, replaces D by the phase `exp(-2 pi i f.D)`.
 //!
 //! - [`FaceReturn`]: light that a flat face returns to a Lambertian plane below it.
+//! - [`FlatReturn`]: the same with a front of screen above an air gap, for many frequencies.
 //! - [`Spread`]: what a lobe over a mirror-like pixel shows of its places, to first order.
 //! - [`PointSpread`]: the same by place: strips, rings and cells.
 //! - [`LineSpread`]: its light along one axis, with exact transforms.
 //! - [`PanelSpread`]: what a view sees of the pixel plane of an ordinary panel, by the places of all directions.
 //! - [`Recycling`]: a pattern of reflectances in this light, through all orders.
+//! - [`LitPage`]: the same for pictures of many states, pixels and wavelengths.
 //! - [`Window`]: sub-pixels in the period of a pixel, with exact areas; [`stripes`] and [`rows`] arrange them. What is seen
 //!   of one through another: [`shares_by_shifts`], [`shares_by_transfer`], [`crosstalk`].
 //! - [`TwoPlanes`]: Lambertian pixels below a colour filter at a height, through all orders.
@@ -24,6 +26,7 @@ pub mod closed;
 mod face;
 mod layout;
 mod line;
+mod page;
 mod panel_spread;
 mod places;
 mod recycling;
@@ -35,7 +38,8 @@ mod window;
 pub use face::FaceReturn;
 pub use layout::{rows, stripes};
 pub use line::LineSpread;
-pub use panel_spread::{Grid, Kernel, PanelSpread, Part, SpreadError};
+pub use page::{LitPage, Page, PageLight, Precision};
+pub use panel_spread::{FlatReturn, Grid, Kernel, PanelSpread, Part, SpreadError, air_below_front_mm};
 pub use places::{Binned, Image, Peak, PointSpread};
 pub use recycling::{Cells, Recycling};
 pub use spread::{Accuracy, Gap, Light, Sample, Spread};

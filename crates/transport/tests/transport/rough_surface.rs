@@ -73,7 +73,7 @@ fn surface_has_the_error_of_two_levels() {
     }
 }
 
-/// A nearly flat surface over a mirror, against random paths. Rare ones carry the light of source 2: 8 seeds do not find enough of them.
+/// A nearly flat surface over a mirror, against random paths. Rare ones carry the light of source 2: few seeds do not find enough of them.
 #[test]
 fn narrow_surface_equals_monte_carlo() {
     let stack = surface(Distribution::Ggx, 0.02, mirror(0.9));

@@ -24,6 +24,7 @@ export type Upload = Schemas["Kept"];
 export type SweepPoint = Schemas["Point"];
 export type SweepDone = Schemas["SweepDone"];
 export type Compared = Schemas["Compared"];
+export type Detailed = Schemas["Detailed"];
 export type Label = Schemas["Label"];
 export type Lobe = Schemas["TransmittedLobe"];
 

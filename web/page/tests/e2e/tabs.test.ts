@@ -3,7 +3,7 @@
 import assert from "node:assert/strict";
 import { after, before, test } from "node:test";
 
-import { figure, settled, stage, type Stage } from "./stage.ts";
+import { choose, figure, settled, stage, type Stage } from "./stage.ts";
 
 let on: Stage;
 before(async () => (on = await stage()));
@@ -91,5 +91,24 @@ test("sweep over one key ends at the live result, and over two keys is drawn as 
   await page.locator('[data-phase="running"]').waitFor();
   await page.locator('[data-phase="done"]').waitFor({ timeout: 60_000 });
   assert.ok((await page.locator(".map-plot rect").count()) > 40);
+  assert.deepEqual(on.complaints, []);
+});
+
+test("fine detail shows the numbers and figures of sharpness and crosstalk, or what is missing", async () => {
+  const page = await on.visit();
+  await page.locator("#tab-detail").click();
+  const panel = page.locator("#tab-panel");
+  await panel.getByRole("alert").waitFor();
+  assert.match(await panel.getByRole("alert").innerText(), /thickness_mm/);
+  // The request that was refused.
+  assert.equal(on.complaints.splice(0).filter((words) => !words.includes("status of 422")).length, 0);
+  await choose(page, "Examples", "matrix");
+  await panel.locator("img.drawn").first().waitFor({ timeout: 60_000 });
+  const row = panel.locator("tr", { hasText: "Modulation transfer at Nyquist along x" });
+  const white = Number(await row.locator("td").first().innerText());
+  assert.ok(white > 0.1 && white < 1, String(white));
+  await page.locator("#detail-kind").selectOption("crosstalk");
+  const own = panel.locator("tr", { hasText: "Share of the own sub-pixel in what is seen" }).locator("td");
+  assert.match(await own.innerText(), /^0\.44/);
   assert.deepEqual(on.complaints, []);
 });

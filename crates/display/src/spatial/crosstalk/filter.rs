@@ -1,7 +1,7 @@
 //! Crosstalk of a display with a colour filter at a height above its pixels.
 
 use super::super::response::name_of_light;
-use super::{BLACK, Colour, CrosstalkView, Figure, Measured, PAGE, assembled, flat, page, state};
+use super::{BLACK, CrosstalkView, Figure, Measured, PAGE, add, assembled, flat, page, state};
 use crate::DisplayError;
 use crate::filtered::{Filtered, Lit};
 use crate::meter::Meter;
@@ -19,7 +19,23 @@ struct Levelled {
     stripes: Vec<Vec<Vec<f64>>>,
     /// Pairs of states of stripes: the figure and the page beside it.
     pairs: Vec<[usize; 2]>,
+    /// Lines on a page; `None` for sub-pixels that do not have the height of a pixel.
+    lines: Option<Lines>,
 }
+
+/// A line in each state on a page, with a period of several pixels.
+struct Lines {
+    lit: Lit,
+    /// States of the pixels of a period, by the state of the line.
+    states: Vec<Vec<usize>>,
+    /// Irradiance, `[source][state][cell and wavelength]`.
+    irradiance: Vec<Vec<Vec<f64>>>,
+}
+
+/// Why some numbers are null.
+const NO_LINE: &str =
+    "a line below a colour filter is computed for sub-pixels of the full height of the pixel (stripes)";
+const NO_TEXT: &str = "text below a colour filter is not computed: it has no period of a few pixels, and light that the face returns crosses it";
 
 /// Levels of discretisation.
 const LEVELS: [usize; 2] = [0, 1];
@@ -44,7 +60,15 @@ pub(super) fn views(
             return Err(DisplayError::Interrupted);
         }
         let at = |level: &Levelled| seen(filtered, setup, level, (number, view));
-        views.push(assembled(setup, view, &at(&coarse)?, &at(&fine)?));
+        let mut assembled = assembled(setup, view, &at(&coarse)?, &at(&fine)?);
+        for pattern in &mut assembled.patterns {
+            pattern.why_null = match pattern.name {
+                Figure::Line if !filtered.is_of_stripes() => Some(NO_LINE),
+                Figure::Text => Some(NO_TEXT),
+                _ => pattern.why_null,
+            };
+        }
+        views.push(assembled);
         (control.progress)(Progress::of_views(number + 1, setup.views.len()));
     }
     Ok(views)
@@ -62,7 +86,22 @@ fn levelled(filtered: &Filtered<'_>, setup: &Setup, level: usize) -> Result<Leve
         pages.push(states.map(|state| filtered.irradiance(&lit[0], source, &[state])).collect());
         stripes.push(pairs.iter().map(|pair| filtered.irradiance(&lit[1], source, pair)).collect());
     }
-    Ok(Levelled { level, lit, pages, stripes, pairs })
+    let lines = filtered.is_of_stripes().then(|| lines(filtered, setup, level)).transpose()?;
+    Ok(Levelled { level, lit, pages, stripes, pairs, lines })
+}
+
+/// Prepares lines on a page.
+fn lines(filtered: &Filtered<'_>, setup: &Setup, level: usize) -> Result<Lines, DisplayError> {
+    let (page, pixels) = (page(setup), filtered.pixels_of_line(level));
+    let cells = filtered.sub_pixels() * pixels << level;
+    let lit = filtered.lit_with_cells(level, pixels, cells)?;
+    let of_state = |state: usize| std::iter::once(state).chain((1..pixels).map(|_| page)).collect();
+    let states: Vec<Vec<usize>> = (0..setup.states.len()).map(of_state).collect();
+    let of_source = |source: usize| {
+        states.iter().map(|states| filtered.irradiance(&lit, source, states)).collect::<Vec<_>>()
+    };
+    let irradiance = (0..setup.sources.len()).map(of_source).collect();
+    Ok(Lines { lit, states, irradiance })
 }
 
 /// Computes what a view sees.
@@ -74,28 +113,20 @@ fn seen(
 ) -> Result<Measured, DisplayError> {
     let (meter, page) = (Meter::new(setup), page(setup));
     let (count, states) = (filtered.sub_pixels(), setup.states.len());
-    let Levelled { level, lit: [one, two], pages, stripes, pairs } = levelled;
+    let Levelled { level, lit: [one, two], pages, stripes, pairs, lines } = levelled;
     let leaving = filtered.leaving(one, view, *level)?;
     let leaving_pairs = filtered.leaving(two, view, *level)?;
+    let leaving_lines = lines.as_ref().map(|lines| filtered.leaving(&lines.lit, view, *level)).transpose()?;
     let first = filtered.unfiltered(one, number);
-    let mut seen = Measured {
-        names: Vec::new(),
-        page: Vec::new(),
-        entered: Vec::new(),
-        figures: std::array::from_fn(|_| Vec::new()),
-        beside: [None; 4],
-        from_faces: [0.0; 3],
-    };
+    let mut seen = Measured::default();
     let mut colours = vec![[0.0; 3]; states];
     let mut columns = vec![[0.0; 3]; pairs.len()];
-    let add = |sum: &mut Colour, more: Colour| (0..3).for_each(|k| sum[k] += more[k]);
-    for (source, first) in first.iter().enumerate() {
-        let weights = meter.xyz_weights(source);
-        if weights[1].iter().all(|weight| *weight == 0.0) {
-            continue;
-        }
-        seen.names.push(name_of_light(setup, source));
-        add(&mut seen.from_faces, flat::colour(weights, &first.front));
+    let mut line = vec![[0.0; 3]; if lines.is_some() { states } else { 0 }];
+    seen.from_faces = meter.without_pixel(&first);
+    for light in meter.pixel_lights().iter().filter(|light| light.is_seen()) {
+        let (source, weights) = (light.source, &light.weights);
+        let first = &first[source];
+        seen.names.push(name_of_light(setup, light));
         let lit = weights
             .each_ref()
             .map(|one| one.iter().zip(&first.via_pixel).map(|(weight, light)| weight * light).collect());
@@ -109,6 +140,15 @@ fn seen(
             let rho = filtered.reflectance(pair);
             let mean = filtered.through(two, &leaving_pairs, irradiance, &rho, 0..count);
             add(colour, flat::colour(&lit, &mean).map(|light| 2.0 * light));
+        }
+        for (lines, leaving) in lines.iter().zip(&leaving_lines) {
+            for ((of_state, irradiance), colour) in
+                lines.states.iter().zip(&lines.irradiance[source]).zip(&mut line)
+            {
+                let rho = filtered.reflectance(of_state);
+                let mean = filtered.through(&lines.lit, leaving, irradiance, &rho, 0..count);
+                add(colour, flat::colour(&lit, &mean).map(|light| of_state.len() as f64 * light));
+            }
         }
         let rho = filtered.reflectance(&[page]);
         let row = |window: usize| {
@@ -133,6 +173,8 @@ fn seen(
     seen.beside[Figure::Patch as usize] = state(setup, PAGE).map(|page| colours[page]);
     seen.beside[Figure::Stripe as usize] =
         columns.get(states).copied().filter(|_| state(setup, PAGE).is_some());
+    seen.beside[Figure::Line as usize] = seen.beside[Figure::Patch as usize].filter(|_| lines.is_some());
+    seen.figures[Figure::Line as usize] = line;
     seen.figures[Figure::Patch as usize] = colours;
     seen.figures[Figure::Stripe as usize] = columns[..states].to_vec();
     Ok(seen)

@@ -3,6 +3,7 @@
 use schemars::JsonSchema;
 use serde::Serialize;
 
+use crate::metrics::CrosstalkMetrics;
 use crate::result::Named;
 
 /// Who lights whom; it does not contain the scenario.
@@ -38,6 +39,50 @@ pub struct CrosstalkView {
     pub patterns: Vec<PatternColours>,
 }
 
+impl CrosstalkView {
+    /// Returns the metrics of the view, for sweeps and searches.
+    pub fn metrics(&self) -> CrosstalkMetrics {
+        let others = |own: Option<f64>| own.map(|own| 1.0 - own);
+        let [out, entered] = [self.shares.own_share_out, self.shares.own_share_in];
+        self.numbers([out, others(out), entered, others(entered)], |pattern| pattern.values)
+    }
+
+    /// Returns the errors of the metrics.
+    pub fn errors(&self) -> CrosstalkMetrics {
+        let of = |share: Option<f64>| share.map(|_| self.shares.error);
+        let [out, entered] = [of(self.shares.own_share_out), of(self.shares.own_share_in)];
+        self.numbers([out, out, entered, entered], |pattern| pattern.error)
+    }
+
+    fn numbers(
+        &self,
+        shares: [Option<f64>; 4],
+        of: impl Fn(&PatternColours) -> PatternValues,
+    ) -> CrosstalkMetrics {
+        let [patch, stripe, line, text] = Figure::ALL.map(|figure| {
+            self.patterns.iter().find(|pattern| pattern.name == figure).map_or_else(Default::default, &of)
+        });
+        CrosstalkMetrics {
+            own_share_out: shares[0],
+            neighbours_share_out: shares[1],
+            own_share_in: shares[2],
+            neighbours_share_in: shares[3],
+            patch_gamut_percent_srgb: patch.gamut_percent_srgb,
+            patch_contrast_ratio: patch.contrast_ratio,
+            patch_contrast_ratio_via_pixel: patch.contrast_ratio_via_pixel,
+            stripe_1_gamut_percent_srgb: stripe.gamut_percent_srgb,
+            stripe_1_contrast_ratio: stripe.contrast_ratio,
+            stripe_1_contrast_ratio_via_pixel: stripe.contrast_ratio_via_pixel,
+            line_1_gamut_percent_srgb: line.gamut_percent_srgb,
+            line_1_contrast_ratio: line.contrast_ratio,
+            line_1_contrast_ratio_via_pixel: line.contrast_ratio_via_pixel,
+            text_gamut_percent_srgb: text.gamut_percent_srgb,
+            text_contrast_ratio: text.contrast_ratio,
+            text_contrast_ratio_via_pixel: text.contrast_ratio_via_pixel,
+        }
+    }
+}
+
 /// Who lights whom in one light or all. Shares are of luminous light.
 #[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct Shares {
@@ -70,6 +115,9 @@ pub struct PatternColours {
     pub values: PatternValues,
     /// Errors of the numbers.
     pub error: PatternValues,
+    /// Why all numbers are null; absent if they are not, or if only states are missing.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub why_null: Option<&'static str>,
 }
 
 /// Numbers of a pattern.

@@ -23,7 +23,7 @@ use super::{Curves, Kernel, LineContrast, MtfState, MtfView, PatternKind, Patter
 use crate::DisplayError;
 use crate::meter::jackknife;
 use crate::result::Named;
-use crate::run::Control;
+use crate::run::{Control, Progress};
 use crate::scene::Stop;
 use crate::setup::ViewPoint;
 use fixed::Fixed;
@@ -71,16 +71,17 @@ struct Found {
     yule_nielsen_n: Option<f64>,
 }
 
-/// Computes how sharp the display is in a view.
+/// Computes how sharp the display is in a view, given by its number.
 ///
 /// # Errors
 /// If paths cannot be traced, the stopping rule is that of a metric, or the computation was stopped.
 pub(super) fn view(
     frame: &Frame<'_>,
     panel: &Placed<'_>,
-    view: &ViewPoint,
+    number: usize,
     control: &Control<'_>,
 ) -> Result<MtfView, DisplayError> {
+    let (view, before) = (&frame.setup.views[number], panel.traced());
     let grid = Grid::new(frame, panel, view, 0.0);
     let pilot = grid.kernels(panel, view, PILOT, control)?;
     let all_of = |grid: &Grid, estimates: &[Estimate]| left_out(grid, frame, panel, estimates, &[], None);
@@ -88,8 +89,16 @@ pub(super) fn view(
     let paths = wanted_paths(frame, &pilot)?;
     let r90 = pilot[0].scalars.iter().filter_map(|state| state.r90_um);
     let grid = Grid::new(frame, panel, view, r90.map(|r90| 1.2e-3 * r90).fold(0.0, f64::max));
-    let estimates = grid.kernels(panel, view, paths, control)?;
     let fixed = Fixed::new(frame);
+    let passes = 1 + u64::from(fixed.is_some()) + frame.patterns().len() as u64;
+    let progress = |now: Progress<'_>| {
+        let traced = panel.traced() - before;
+        let share = traced as f64 / (PILOT + passes * paths) as f64;
+        let views_done = (number, frame.setup.views.len());
+        (control.progress)(Progress { share_of_view: Some(share.min(1.0)), views_done, ..now });
+    };
+    let control = &Control { progress: &progress, ..*control };
+    let estimates = grid.kernels(panel, view, paths, control)?;
     let images = match &fixed {
         Some(fixed) => panel.trace(view, || What::Pattern(fixed), paths, control)?,
         None => Vec::new(),
@@ -155,10 +164,8 @@ impl Grid {
     /// `half_mm` is half of the side of the picture of kernels, at least that of four pixels.
     fn new(frame: &Frame<'_>, panel: &Placed<'_>, view: &ViewPoint, half_mm: f64) -> Self {
         let setup = frame.setup;
-        let has_light =
-            |number: &usize| panel.meter.luminous_weights(*number).iter().any(|weight| *weight != 0.0);
-        let lights =
-            (0..setup.sources.len()).filter(has_light).map(|number| (number, name_of_light(setup, number)));
+        let seen = panel.lights.iter().enumerate().filter(|(_, light)| light.is_seen());
+        let lights = seen.map(|(number, light)| (number, name_of_light(setup, light)));
         let mut frequencies = frame.frequencies.clone();
         let highest = frequencies.last().copied().unwrap_or(1.0);
         while let Some(last) = frequencies.last().filter(|last| **last < SEARCHED * highest) {
@@ -206,13 +213,12 @@ impl Grid {
     ) -> Result<Vec<Estimate>, DisplayError> {
         let along =
             |axis: usize| self.frequencies.iter().map(move |f| if axis == 0 { [*f, 0.0] } else { [0.0, *f] });
-        let sources = 0..panel.setup.sources.len();
         let tally = || KernelTally {
             frequencies_per_mm: along(0).chain(along(1)).collect(),
             cells: Some(self.cells),
             strips_mm: self.places.clone(),
             rings_mm: self.radii.clone(),
-            channels: sources.clone().map(|k| vec![panel.meter.luminous_weights(k).to_vec()]).collect(),
+            channels: panel.channels(),
         };
         panel.trace(view, || What::Kernel(tally()), paths, control)
     }
@@ -220,8 +226,8 @@ impl Grid {
     /// Sums of a replicate over the sources with light.
     fn sums(&self, panel: &Placed<'_>, estimate: &Estimate) -> Sums {
         let lights = self.lights.iter().map(|(number, _)| {
-            let weights = panel.meter.luminous_weights(*number);
-            (weights, &estimate.rho[*number], &estimate.spreads[*number].response)
+            let [_, weights, _] = &panel.lights[*number].weights;
+            (&weights[..], &estimate.rho[*number], &estimate.spreads[*number].response)
         });
         Sums::new(lights, panel.setup.states.len(), self.frequencies.len())
     }

@@ -91,8 +91,8 @@ fn lobe<'a>(tracer: &Tracer<'a>) -> Option<(&'a Diffuser, f64, f64)> {
     let index = layer.medium.constant_index()?;
     let clear = layer.medium.transmittance().is_none() && layer.medium.scattering().is_none();
     let plain = tracer.sources.iter().all(|source| matches!(source, Source::Diffuse | Source::Beam(_)));
-    let alike = clear && plain && tracer.bands == 1 && diffuser.regular_fraction == 0.0;
-    (alike && tracer.stack.base.is_specular()).then_some((diffuser, width, index))
+    let is_uniform = clear && plain && tracer.bands == 1 && diffuser.regular_fraction == 0.0;
+    (is_uniform && tracer.stack.base.is_specular()).then_some((diffuser, width, index))
 }
 
 impl<'a> Grouped<'a> {

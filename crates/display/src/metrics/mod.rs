@@ -2,194 +2,17 @@
 //!
 //! The table at the end of this file is the only list of names. From it come the fields of the results, the enum
 //! [`Metric`], all iterations and the [labels](crate::Label) of figures and tables. A new metric needs a line in the table,
-//! with its documentation and its label (`= quantity in unit`), and its value in `meter/metrics.rs`.
+//! with its documentation and its label (`= quantity in unit`), and its value: in `meter/metrics.rs`, or where the result that it is
+//! from lists its `metrics` and `errors` (`spatial/result.rs`, `spatial/crosstalk/result.rs`, `spatial/sparkle.rs`).
+
+#[macro_use]
+mod declare;
 
 use schemars::JsonSchema;
 use serde::Serialize;
 
 use crate::label::KnownLabel;
 use crate::result::StateValues;
-
-/// The label of a line of a table: the quantity, and its unit if it has one.
-macro_rules! label_of {
-    ($name:ident) => {
-        KnownLabel { name: stringify!($name), quantity: None, unit: "" }
-    };
-    ($name:ident $quantity:literal) => {
-        KnownLabel { name: stringify!($name), quantity: Some($quantity), unit: "" }
-    };
-    ($name:ident $quantity:literal $unit:literal) => {
-        KnownLabel { name: stringify!($name), quantity: Some($quantity), unit: $unit }
-    };
-}
-
-/// Declares a structure of metrics that may be undefined, with iterators over all of them.
-macro_rules! numbers {
-    (
-        $(#[doc = $doc:literal])*
-        $name:ident {
-            $( $(#[doc = $field_doc:literal])* $field:ident $(= $quantity:literal $(in $unit:literal)?)? ),* $(,)?
-        }
-    ) => {
-        $(#[doc = $doc])*
-        #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, JsonSchema)]
-        #[allow(non_snake_case, reason = "the letters of the field's own symbols")]
-        pub struct $name {
-            $( $(#[doc = $field_doc])* pub $field: Option<f64>, )*
-        }
-
-        impl $name {
-            /// Labels of all fields.
-            #[allow(dead_code, reason = "contrasts of lines have those of the metrics of a view")]
-            pub(crate) const LABELS: &[KnownLabel] = &[$(label_of!($field $($quantity $($unit)?)?)),*];
-
-            /// Returns names and values, in order.
-            pub fn named(&self) -> impl Iterator<Item = (&'static str, Option<f64>)> + use<> {
-                [$((stringify!($field), self.$field)),*].into_iter()
-            }
-
-            /// Returns all values, in order.
-            #[allow(dead_code, reason = "not all metrics are computed in lists")]
-            pub(crate) fn all_mut(&mut self) -> impl Iterator<Item = &mut Option<f64>> {
-                [$(&mut self.$field),*].into_iter()
-            }
-        }
-    };
-}
-
-/// Declares the enum of all metrics that can be targets: those of a view, and those of a state.
-macro_rules! names {
-    (
-        view {
-            $( $(#[doc = $view_doc:literal])* $view:ident $(= $view_quantity:literal $(in $view_unit:literal)?)? ),* $(,)?
-        }
-        values { $($value:ident $(= $quantity:literal $(in $unit:literal)?)?),* $(,)? }
-        state {
-            $( $(#[doc = $state_doc:literal])* $state:ident $(= $state_quantity:literal $(in $state_unit:literal)?)? ),* $(,)?
-        }
-        mtf_view {
-            $( $(#[doc = $mv_doc:literal])* $mtf_view:ident $(= $mv_quantity:literal $(in $mv_unit:literal)?)? ),* $(,)?
-        }
-        mtf_state {
-            $( $(#[doc = $ms_doc:literal])* $mtf_state:ident $(= $ms_quantity:literal $(in $ms_unit:literal)?)? ),* $(,)?
-        }
-        sparkle {
-            $( $(#[doc = $sparkle_doc:literal])* $sparkle:ident $(= $sparkle_quantity:literal $(in $sparkle_unit:literal)?)? ),* $(,)?
-        }
-    ) => {
-        /// Labels of the fields of `StateValues` that are metrics.
-        pub(crate) const VALUE_LABELS: &[KnownLabel] = &[$(label_of!($value $($quantity $($unit)?)?)),*];
-
-        /// Metric of a result, named as there.
-        #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-        #[allow(missing_docs, non_camel_case_types, reason = "named and documented as the fields of a result")]
-        pub enum Metric { $($view,)* $($value,)* $($state,)* $($mtf_view,)* $($mtf_state,)* $($sparkle,)* }
-
-        impl Metric {
-            /// Returns true for metrics of a view, which combine its states.
-            pub fn is_of_view(self) -> bool {
-                matches!(self, $(Self::$view)|* $(| Self::$mtf_view)* $(| Self::$sparkle)*)
-            }
-
-            /// Returns the name of the metric in a result.
-            pub fn name(self) -> &'static str {
-                match self {
-                    $(Self::$view => stringify!($view),)*
-                    $(Self::$value => stringify!($value),)*
-                    $(Self::$state => stringify!($state),)*
-                    $(Self::$mtf_view => stringify!($mtf_view),)*
-                    $(Self::$mtf_state => stringify!($mtf_state),)*
-                    $(Self::$sparkle => stringify!($sparkle),)*
-                }
-            }
-
-            /// Returns what computes the metric.
-            pub fn source(self) -> MetricSource {
-                match self {
-                    $(Self::$mtf_view)|* $(| Self::$mtf_state)* => MetricSource::Mtf,
-                    $(Self::$sparkle)|* => MetricSource::Sparkle,
-                    _ => MetricSource::Colours,
-                }
-            }
-
-            /// Returns the value of a metric of the sharpness of a view; `None` for all others.
-            pub(crate) fn of_sharpness(self, metrics: &SharpnessMetrics) -> Option<f64> {
-                match self {
-                    $(Self::$mtf_view => metrics.$mtf_view,)*
-                    _ => None,
-                }
-            }
-
-            /// Returns the value of a metric of the sharpness of a state; `None` for all others.
-            pub(crate) fn of_spatial(self, scalars: &SpatialScalars) -> Option<f64> {
-                match self {
-                    $(Self::$mtf_state => scalars.$mtf_state,)*
-                    _ => None,
-                }
-            }
-
-            /// Returns the value of a metric of sparkle; `None` for all others.
-            pub(crate) fn of_sparkle(self, metrics: &SparkleMetrics) -> Option<f64> {
-                match self {
-                    $(Self::$sparkle => metrics.$sparkle,)*
-                    _ => None,
-                }
-            }
-
-            /// All metrics.
-            pub const ALL: &[Self] = &[
-                $(Self::$view,)* $(Self::$value,)* $(Self::$state,)*
-                $(Self::$mtf_view,)* $(Self::$mtf_state,)* $(Self::$sparkle,)*
-            ];
-
-            /// Returns the metric of this name, if it can be a target.
-            pub fn named(name: &str) -> Option<Self> {
-                Self::ALL.iter().copied().find(|metric| metric.name() == name)
-            }
-
-            /// Returns the value of a metric of a view; `None` for metrics of a state.
-            pub(crate) fn of_view(self, metrics: &ViewMetrics) -> Option<f64> {
-                match self {
-                    $(Self::$view => metrics.$view,)*
-                    _ => None,
-                }
-            }
-
-            /// Returns the value of a metric of a state; `None` for metrics of a view.
-            pub(crate) fn of_state(self, values: &StateValues) -> Option<f64> {
-                match self {
-                    $(Self::$value => values.$value.into(),)*
-                    $(Self::$state => values.metrics.$state,)*
-                    _ => None,
-                }
-            }
-        }
-    };
-}
-
-/// Declares all metrics from one table.
-macro_rules! metrics {
-    (
-        $(#[doc = $view_doc:literal])* view $view_name:ident { $($view:tt)* }
-        values { $($value:tt)* }
-        $(#[doc = $state_doc:literal])* state $state_name:ident { $($state:tt)* }
-        between_views { $($between:tt)* }
-        state { $($last:tt)* }
-        $(#[doc = $mv_doc:literal])* mtf_view $mv_name:ident { $($mtf_view:tt)* }
-        $(#[doc = $ms_doc:literal])* mtf_state $ms_name:ident { $($mtf_state:tt)* }
-        $(#[doc = $sparkle_doc:literal])* sparkle $sparkle_name:ident { $($sparkle:tt)* }
-    ) => {
-        numbers! { $(#[doc = $view_doc])* $view_name { $($view)* } }
-        numbers! { $(#[doc = $state_doc])* $state_name { $($state)* $($between)* $($last)* } }
-        numbers! { $(#[doc = $mv_doc])* $mv_name { $($mtf_view)* } }
-        numbers! { $(#[doc = $ms_doc])* $ms_name { $($mtf_state)* } }
-        numbers! { $(#[doc = $sparkle_doc])* $sparkle_name { $($sparkle)* } }
-        names! {
-            view { $($view)* } values { $($value)* } state { $($state)* $($last)* }
-            mtf_view { $($mtf_view)* } mtf_state { $($mtf_state)* } sparkle { $($sparkle)* }
-        }
-    };
-}
 
 /// What computes a metric.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -198,8 +21,22 @@ pub enum MetricSource {
     Colours,
     /// Its sharpness: [`spatial::mtf`](crate::spatial::mtf()).
     Mtf,
+    /// Which sub-pixel lights which: [`spatial::crosstalk`](crate::spatial::crosstalk()).
+    Crosstalk,
     /// Its sparkle: [`spatial::sparkle`](crate::spatial::sparkle()).
     Sparkle,
+}
+
+impl MetricSource {
+    /// Command that prints the metrics; `None` for those of a run.
+    pub fn command(self) -> Option<&'static str> {
+        match self {
+            Self::Colours => None,
+            Self::Mtf => Some("mtf"),
+            Self::Crosstalk => Some("crosstalk"),
+            Self::Sparkle => Some("sparkle"),
+        }
+    }
 }
 
 numbers! {
@@ -409,6 +246,41 @@ metrics! {
         /// The same along y.
         sqri_jnd_y = "Square-root integral along y" in "JND",
     }
+    /// Crosstalk of a view: results of [`spatial::crosstalk`](crate::spatial::crosstalk()).
+    crosstalk CrosstalkMetrics {
+        /// Of the light that is seen through windows, the fraction that left the sub-pixel of its window.
+        own_share_out = "Share of the own sub-pixel in what is seen",
+        /// Of this light, the fraction that left another sub-pixel.
+        neighbours_share_out = "Share of other sub-pixels in what is seen",
+        /// Of the light that reaches sub-pixels, the fraction that entered through the window above; with a filter.
+        own_share_in = "Share of the own window in the light of a sub-pixel",
+        /// Of this light, the fraction that entered through another window; with a filter.
+        neighbours_share_in = "Share of other windows in the light of a sub-pixel",
+        /// Gamut area of a uniform page in u'v', % of sRGB.
+        patch_gamut_percent_srgb = "Gamut area of patches, u′v′" in "% of sRGB",
+        /// Y of a white page over Y of a black one.
+        patch_contrast_ratio = "Contrast ratio of patches",
+        /// The same without the images of the room in flat faces.
+        patch_contrast_ratio_via_pixel = "Contrast ratio of patches via the pixel",
+        /// Gamut area of stripes of one pixel in u'v', % of sRGB.
+        stripe_1_gamut_percent_srgb = "Gamut area of stripes of 1 pixel, u′v′" in "% of sRGB",
+        /// Y of the white page over Y of stripes of one pixel in black.
+        stripe_1_contrast_ratio = "Contrast ratio of stripes of 1 pixel",
+        /// The same without the images of the room in flat faces.
+        stripe_1_contrast_ratio_via_pixel = "Contrast ratio of stripes of 1 pixel via the pixel",
+        /// Gamut area of a single line of one pixel in u'v', % of sRGB.
+        line_1_gamut_percent_srgb = "Gamut area of lines of 1 pixel, u′v′" in "% of sRGB",
+        /// Y of the white page over Y of a single line of one pixel in black.
+        line_1_contrast_ratio = "Contrast ratio of lines of 1 pixel",
+        /// The same without the images of the room in flat faces.
+        line_1_contrast_ratio_via_pixel = "Contrast ratio of lines of 1 pixel via the pixel",
+        /// Gamut area of text in u'v', % of sRGB.
+        text_gamut_percent_srgb = "Gamut area of text, u′v′" in "% of sRGB",
+        /// Y of the white page over Y of text in black.
+        text_contrast_ratio = "Contrast ratio of text",
+        /// The same without the images of the room in flat faces.
+        text_contrast_ratio_via_pixel = "Contrast ratio of text via the pixel",
+    }
     /// Sparkle of a view: the first row of [`spatial::sparkle`](crate::spatial::sparkle()).
     sparkle SparkleMetrics {
         /// Pixel power deviation.
@@ -424,7 +296,7 @@ metrics! {
 mod tests {
     use super::*;
 
-    /// Names are unique, and those of sharpness and sparkle are of their commands.
+    /// Names are unique, and those of sharpness, crosstalk and sparkle are of their commands.
     #[test]
     fn metrics_of_pixels_have_their_sources() {
         for metric in Metric::ALL {
@@ -434,6 +306,7 @@ mod tests {
         assert_eq!(source("line_contrast_white_1_x"), Some(MetricSource::Mtf));
         assert_eq!(source("f50_x_per_mm"), Some(MetricSource::Mtf));
         assert_eq!(source("ppd"), Some(MetricSource::Sparkle));
+        assert_eq!(source("stripe_1_gamut_percent_srgb"), Some(MetricSource::Crosstalk));
         assert_eq!(source("contrast_ratio"), Some(MetricSource::Colours));
         assert!(Metric::ppd.is_of_view() && !Metric::f50_x_per_mm.is_of_view());
     }
@@ -443,6 +316,13 @@ mod tests {
     fn every_field_of_a_result_is_a_metric() {
         for (name, _) in ViewMetrics::default().named() {
             assert!(Metric::named(name).is_some_and(Metric::is_of_view), "{name}");
+        }
+        let names = SharpnessMetrics::default().named().chain(CrosstalkMetrics::default().named());
+        for (name, _) in names.chain(SparkleMetrics::default().named()) {
+            assert!(Metric::named(name).is_some_and(Metric::is_of_view), "{name}");
+        }
+        for (name, _) in SpatialScalars::default().named() {
+            assert!(Metric::named(name).is_some_and(|metric| !metric.is_of_view()), "{name}");
         }
         let comparing_views = ["delta_E_2000_with_angle", "shift_with_angle_uv"];
         for (name, _) in StateMetrics::default().named() {

@@ -1,0 +1,106 @@
+//! What `papilio mtf`, `papilio crosstalk` and `papilio sparkle` share: compute, print, write files and figures.
+
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+use papilio_display::{Control, DisplayError};
+use papilio_formats::{write_file, write_json};
+use papilio_scenario::{Resolved, Scenario};
+use serde::Serialize;
+
+use crate::arguments::SpatialCommand;
+use crate::run::with_progress;
+use crate::{Failure, folder, input, interrupt, output, print_message, print_notes, report, terminal};
+
+/// A result with places.
+pub(crate) trait SpatialOutput {
+    /// Name of the JSON file.
+    const JSON: &'static str;
+    /// How the names of its figures begin.
+    const FIGURES: &'static [&'static str];
+
+    /// The content of the JSON file.
+    fn content<'a>(&'a self, resolved: &'a Resolved, title: &'a str) -> impl Serialize + 'a;
+
+    /// The table on the terminal.
+    fn table(&self, title: &str) -> String;
+
+    /// Writes the tables; returns the names of their files.
+    fn write_tables(&self, folder: &Path) -> Result<Vec<String>, Failure>;
+
+    /// Names and SVG texts of the figures.
+    fn figures(&self, title: &str) -> Vec<(String, String)>;
+
+    /// Warnings of the computation.
+    fn warnings(&self) -> &[String] {
+        &[]
+    }
+}
+
+/// Computes a result, prints it, and writes its files unless only JSON is printed.
+pub(crate) fn show<R: SpatialOutput>(
+    arguments: &SpatialCommand,
+    resolved: &Resolved,
+    compute: impl FnOnce(&Control<'_>) -> Result<R, DisplayError>,
+) -> Result<(), Failure> {
+    let folder = arguments.folder(&resolved.hash)?;
+    let result = with_progress(resolved, arguments.workers.threads, compute)?;
+    let result = result.ok_or(Failure::Interrupted("no file was written"))?;
+    let title = resolved.title.clone().unwrap_or_else(|| report::file_title(&arguments.scenario.file));
+    let mut stdout = terminal::output(arguments.json);
+    if arguments.json {
+        write_json(&mut stdout, &result.content(resolved, &title))?;
+    } else {
+        stdout.write_all(result.table(&title).as_bytes())?;
+    }
+    stdout.flush()?;
+    if let Some(folder) = &folder {
+        let names = interrupt::uninterrupted(|| write(folder, &result, resolved, &title, arguments.png))?;
+        output::print_written(folder, &names);
+    }
+    print_notes(&resolved.notes);
+    let warnings = resolved.warnings.iter().chain(result.warnings());
+    warnings.for_each(|warning| print_message(&format!("warning: {warning}")));
+    Ok(())
+}
+
+/// Writes all files, after those of an earlier run are removed; returns their names.
+fn write<R: SpatialOutput>(
+    folder: &Path,
+    result: &R,
+    resolved: &Resolved,
+    title: &str,
+    png: bool,
+) -> Result<Vec<String>, Failure> {
+    output::make_folder(folder)?;
+    output::remove(folder, is_figure::<R>)?;
+    write_file(&folder.join(R::JSON), |out| write_json(out, &result.content(resolved, title)))?;
+    let mut names = vec![R::JSON.to_owned()];
+    names.extend(result.write_tables(folder)?);
+    names.extend(output::write_figures(folder, result.figures(title), png)?);
+    Ok(names)
+}
+
+/// True for names of figures of the command.
+fn is_figure<R: SpatialOutput>(name: &str) -> bool {
+    let stem = name.strip_suffix(".svg").or_else(|| name.strip_suffix(".png"));
+    stem.is_some_and(|stem| R::FIGURES.iter().any(|kind| stem.starts_with(kind)))
+}
+
+impl SpatialCommand {
+    /// Reads and resolves the scenario, with the seed and a further override.
+    pub(crate) fn resolve(&self, more: Option<String>) -> Result<Resolved, Failure> {
+        let mut overrides = self.scenario.set.clone();
+        overrides.extend(more);
+        overrides.extend(self.seed.map(|seed| format!("solver.seed={seed}")));
+        Ok(input::scenario::<Scenario>(&self.scenario.file, &overrides)?.resolve()?)
+    }
+
+    /// Returns the folder for files; `None` if only JSON is printed.
+    fn folder(&self, hash: &str) -> Result<Option<PathBuf>, Failure> {
+        match (&self.scenario.out, self.json) {
+            (None, true) => Ok(None),
+            _ => folder::choose(&self.scenario, hash).map(Some),
+        }
+    }
+}

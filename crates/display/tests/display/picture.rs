@@ -1,0 +1,93 @@
+//! Pictures on paper below a flat face: pages of `run`, figures of `crosstalk`, errors, and what is refused.
+
+use std::path::Path;
+use std::sync::atomic::AtomicBool;
+
+use papilio_display::spatial::{Figure, Picture, PictureColours, Precision, crosstalk, picture};
+use papilio_display::{Control, DisplayError};
+use papilio_scenario::{Resolved, Scenario};
+
+use crate::common;
+
+const GLASS: &str = "[display.glass]\nindex = 1.5\nsurface = \"fresnel\"\nthickness_mm = 0.5\n";
+const MATRIX: &str = "[display.matrix]\npitch_um = 200\n";
+const PAPER: &str = "[display.pixel]\nmodel = \"uniform\"\nkind = \"lambertian\"\nreflectance = { white = 0.6, grey = 0.3, black = 0.03 }\n";
+const LIGHT: &str = "[lighting]\nilluminance_lx = 500\nspectrum = \"A\"\ndiffuse = 0.6\n[[lighting.directed]]\ntheta_deg = -45\nshare = 0.4\n";
+
+fn resolved(parts: &[&str]) -> Resolved {
+    let text = format!("[spectrum]\nstep_nm = 40\n{}[solver]\nrelative_error = 1e-5\n", parts.concat());
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenarios");
+    Scenario::from_text(&text, "picture.toml", &folder, &[]).unwrap().resolve().unwrap()
+}
+
+fn computed(
+    resolved: &Resolved,
+    states: &Picture,
+    precision: Precision,
+) -> Result<PictureColours, DisplayError> {
+    let control = Control { threads: Some(1), progress: &|_| {}, stop: &AtomicBool::new(false) };
+    picture(&resolved.scene, states, precision, &control)
+}
+
+fn near(what: &str, found: f64, expected: f64, tolerance: f64) {
+    assert!((found - expected).abs() < tolerance, "{what}: {found} against {expected}");
+}
+
+#[test]
+fn uniform_pictures_are_pages_of_a_run() {
+    let view = "[viewer]\ntheta_deg = [8, 40]\nfield_deg = 0\n";
+    let display = resolved(&[GLASS, MATRIX, PAPER, LIGHT, view]);
+    let run = common::run(&display.scene).unwrap();
+    for state in 0..3_u8 {
+        let page = Picture { count: [6, 5], states: vec![state; 30] };
+        let found = computed(&display, &page, Precision::FAST).unwrap();
+        assert!(found.error < 1e-5, "{}", found.error);
+        for (found, view) in found.views.iter().zip(&run.views) {
+            let value = &view.states.iter().nth(usize::from(state)).unwrap().1.value;
+            for (found, expected) in found[7].iter().zip([value.X, value.Y, value.Z]) {
+                near("page", f64::from(*found), expected, 2e-5);
+            }
+        }
+    }
+}
+
+/// Every second column black: the contrast of both columns is that of `crosstalk`, which solves stripes by other cells. The error of a
+/// fast picture is as large as it says.
+#[test]
+fn columns_have_the_contrast_of_stripes() {
+    let display = resolved(&[GLASS, MATRIX, PAPER, LIGHT, "[viewer]\ntheta_deg = 8\nfield_deg = 0\n"]);
+    let columns =
+        Picture { count: [8, 6], states: (0..48).map(|k| if k % 2 == 0 { 0 } else { 2 }).collect() };
+    let fine = computed(&display, &columns, Precision { cell: 0.05, ..Precision::FINE }).unwrap();
+    let fast = computed(&display, &columns, Precision::FAST).unwrap();
+    let contrast = f64::from(fine.views[0][2][1]) / f64::from(fine.views[0][1][1]);
+    let control = Control { threads: Some(1), progress: &|_| {}, stop: &AtomicBool::new(false) };
+    let figures = crosstalk(&display.scene, " ", &control).unwrap();
+    let stripes = figures.views[0].patterns[1];
+    assert_eq!(stripes.name, Figure::Stripe);
+    near("contrast", contrast / stripes.values.contrast_ratio.unwrap(), 1.0, 1e-3);
+    let pairs = fast.views[0].iter().flatten().zip(fine.views[0].iter().flatten());
+    let off = pairs.map(|(fast, fine)| f64::from((fast - fine).abs())).fold(0.0, f64::max);
+    assert!(off < 1e-3 && off < 3.0 * fast.error + 1e-5, "{off} {}", fast.error);
+}
+
+#[test]
+fn pictures_that_are_not_computed_are_refused() {
+    let page = Picture { count: [2, 2], states: vec![0, 1, 2, 0] };
+    let refused = |parts: &[&str]| computed(&resolved(parts), &page, Precision::FAST).unwrap_err();
+    assert_eq!(refused(&[GLASS, PAPER, LIGHT]), DisplayError::NoMatrix { command: "picture" });
+    let thin = "[display.glass]\nindex = 1.5\nsurface = \"fresnel\"\n";
+    let missing = DisplayError::MissingLength { key: "display.glass.thickness_mm".to_owned() };
+    assert_eq!(refused(&[thin, MATRIX, PAPER, LIGHT]), missing);
+    let mirror = PAPER.replace("lambertian", "mirror");
+    let error = refused(&[GLASS, MATRIX, &mirror, LIGHT]);
+    assert!(
+        matches!(&error, DisplayError::PlacesNotComputed { key, .. } if key == "display.pixel"),
+        "{error}"
+    );
+    let display = resolved(&[GLASS, MATRIX, PAPER, LIGHT]);
+    for wrong in [vec![0, 1, 2, 3], vec![0]] {
+        let error = computed(&display, &Picture { states: wrong, ..page.clone() }, Precision::FAST);
+        assert!(matches!(error, Err(DisplayError::NoSuchQuantity { .. })), "{error:?}");
+    }
+}

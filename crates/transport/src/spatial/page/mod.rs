@@ -1,0 +1,328 @@
+//! Colours of a picture of Lambertian pixels under a face that returns light to them, through all orders.
+//!
+//! **What.** Pixel x is in a state s(x) with a reflectance at each wavelength. Its irradiance relative to that of the light from
+//! outside is E = 1 + A * (rho E), as in [`Recycling`](super::Recycling), at every wavelength; what is seen is a sum over
+//! wavelengths of light that is proportional to E.
+//!
+//! **How.** Three reductions, each with an error that [`Precision`] sets:
+//! - E is smooth, because A(f) is small where f d is above 1: it is solved in cells of a fraction of the thickness, which hold the mean
+//!   reflectance; the mean over a pixel is that of cubics through the cells.
+//! - E depends on the wavelength only through the reflectances of the states. A few wavelengths represent all: those with which
+//!   polynomials and fractions of the reflectances are interpolated best (pivoted Gram-Schmidt), at the light's weights.
+//! - With the mean reflectance `m` apart, `E = (1 - m A)^-1 * (1 + A * ((rho - m) E))` converges in few repetitions. Two wavelengths are
+//!   real and imaginary part of one transform.
+//!
+//! **Limits.** The picture repeats at its borders. The face is the same at all wavelengths.
+//!
+//! **Source.** Clapper, Yule, J. Opt. Soc. Am. 43, 600 (1953), for both limits; Cheng, Gimbutas, Martinsson, Rokhlin, SIAM J. Sci. Comput. 26,
+//! 1389 (2005), for rows that represent a matrix.
+
+use num_complex::Complex64;
+use papilio_fourier::Plane;
+
+use super::{Cells, FaceReturn};
+
+mod representatives;
+
+use representatives::{Representatives, representatives};
+
+/// A picture: the state of each pixel, rows from the bottom, columns from the left.
+#[derive(Debug, Clone, Copy)]
+pub struct Page<'a> {
+    /// Number of columns and rows.
+    pub count: [usize; 2],
+    /// Width and height of a pixel, mm.
+    pub pitch_mm: [f64; 2],
+    /// State of each pixel.
+    pub states: &'a [u8],
+}
+
+/// How exactly a picture is computed.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Precision {
+    /// Largest cell in thicknesses of the medium.
+    pub cell: f64,
+    /// Largest change of the irradiance in the last repetition.
+    pub change: f64,
+    /// Largest part of the light that the representative wavelengths miss.
+    pub missed: f64,
+}
+
+impl Precision {
+    /// For errors below about 1e-3 of a perfect white.
+    pub const FAST: Self = Self { cell: 0.34, change: 1e-3, missed: 3e-3 };
+    /// For errors below about 1e-4.
+    pub const FINE: Self = Self { cell: 0.1, change: 1e-5, missed: 1e-6 };
+}
+
+/// Light of the wavelengths under one face.
+#[derive(Debug, Clone, Copy)]
+pub struct PageLight<'a> {
+    /// Reflectance of each state, `[state][wavelength]`.
+    pub reflectance: &'a [Vec<f64>],
+    /// What is seen of each state for an irradiance of 1, in X, Y and Z: `[state][X, Y, Z][wavelength]`.
+    pub seen: &'a [[Vec<f64>; 3]],
+}
+
+/// Irradiance of a picture at representative wavelengths.
+#[derive(Debug, Clone)]
+pub struct LitPage {
+    cells: Cells,
+    /// Irradiance of each cell over that of the light from outside, one plane for each representative.
+    irradiance: Vec<Vec<f32>>,
+    found: Representatives,
+}
+
+impl LitPage {
+    /// Solves the irradiance of a picture. States without reflectances are black.
+    pub fn new(
+        page: &Page<'_>,
+        face: &FaceReturn,
+        light: PageLight<'_>,
+        precision: Precision,
+        thickness_mm: f64,
+    ) -> Self {
+        let count = [0, 1].map(|k| {
+            let length = page.count[k] as f64 * page.pitch_mm[k];
+            smooth((length / (precision.cell * thickness_mm)).ceil().max(1.0) as usize)
+        });
+        let period_mm = [0, 1].map(|k| page.count[k] as f64 * page.pitch_mm[k]);
+        let cells = Cells { count, period_mm };
+        let coverage = coverage(page, count, light.reflectance.len());
+        let found = representatives(light, face.at(0.0), precision.missed);
+        let kernel = Kernel::new(cells, face);
+        let mut irradiance = vec![Vec::new(); found.bins.len()];
+        let mut order: Vec<usize> = (0..found.bins.len()).collect();
+        // Wavelengths of similar reflectance together: they share the mean.
+        let mean = |k: &usize| -> f64 { light.reflectance.iter().map(|rho| rho[found.bins[*k]]).sum() };
+        order.sort_by(|a, b| mean(a).total_cmp(&mean(b)));
+        for pair in order.chunks(2) {
+            let rho = |k: usize| mixed(&coverage, light.reflectance, found.bins[pair[k.min(pair.len() - 1)]]);
+            let [one, other] = kernel.solved([&rho(0), &rho(1)], precision.change);
+            irradiance[pair[0]] = one;
+            if let Some(last) = pair.get(1) {
+                irradiance[*last] = other;
+            }
+        }
+        Self { cells, irradiance, found }
+    }
+
+    /// Number of wavelengths that were solved.
+    pub fn wavelengths(&self) -> usize {
+        self.found.bins.len()
+    }
+
+    /// Number of columns and rows of cells.
+    pub fn cells(&self) -> [usize; 2] {
+        self.cells.count
+    }
+
+    /// X, Y and Z of each pixel in a light that is seen; the reflectances are those of the preparation.
+    pub fn seen(&self, page: &Page<'_>, light: PageLight<'_>) -> Vec<[f32; 3]> {
+        let weights = self.found.weights(light.seen);
+        let solved = self.irradiance.len();
+        let [columns, rows] = page.count;
+        let [width, height] = self.cells.count;
+        let (x, y) = (Taps::new(columns, width), Taps::new(rows, height));
+        let mut all = Vec::with_capacity(columns * rows);
+        // Irradiance along a row, `[cell][wavelength]`.
+        let mut row = vec![0.0_f32; width * solved];
+        let mut here = vec![0.0_f32; solved];
+        for (at, (first, shares)) in y.each().enumerate() {
+            row.fill(0.0);
+            for (k, plane) in self.irradiance.iter().enumerate() {
+                for (tap, share) in shares.iter().enumerate() {
+                    let line = &plane[(first + tap) % height * width..][..width];
+                    let slots = row.iter_mut().skip(k).step_by(solved);
+                    slots.zip(line).for_each(|(slot, value)| *slot += share * value);
+                }
+            }
+            let states = &page.states[at * columns..][..columns];
+            for ((first, shares), state) in x.each().zip(states) {
+                here.fill(0.0);
+                for (tap, share) in shares.iter().enumerate() {
+                    let cell = &row[(first + tap) % width * solved..][..solved];
+                    here.iter_mut().zip(cell).for_each(|(sum, value)| *sum += share * value);
+                }
+                let mut colour = [0.0_f32; 3];
+                if let Some(of_state) = weights.get(usize::from(*state)) {
+                    for (colour, weights) in colour.iter_mut().zip(of_state) {
+                        *colour = weights.iter().zip(&here).map(|(w, e)| w * e).sum();
+                    }
+                }
+                all.push(colour);
+            }
+        }
+        all
+    }
+}
+
+/// Fraction of the area of each cell in each state, `[state][cell]`.
+fn coverage(page: &Page<'_>, count: [usize; 2], states: usize) -> Vec<Vec<f32>> {
+    let [columns, _] = page.count;
+    let x = overlaps(page.count[0], count[0]);
+    let y = overlaps(page.count[1], count[1]);
+    let mut coverage = vec![vec![0.0_f32; count[0] * count[1]]; states];
+    let area = (count[0] * count[1]) as f64 / (page.count[0] * page.count[1]) as f64;
+    for (row, pieces) in y.iter().enumerate() {
+        for (cell_row, height) in pieces {
+            for (state, pieces) in page.states[row * columns..][..columns].iter().zip(&x) {
+                let Some(plane) = coverage.get_mut(usize::from(*state)) else { continue };
+                for (column, width) in pieces {
+                    plane[cell_row * count[0] + column] += (area * height * width) as f32;
+                }
+            }
+        }
+    }
+    coverage
+}
+
+/// Cells that each of `from` equal parts of a length overlaps, among `to` cells, with the fraction of the part.
+fn overlaps(from: usize, to: usize) -> Vec<Vec<(usize, f64)>> {
+    let ratio = to as f64 / from as f64;
+    let of = |part: usize| {
+        let ends = [part, part + 1].map(|end| end as f64 * ratio);
+        let last = ((ends[1] - 1e-9).floor().max(0.0) as usize).min(to - 1);
+        let pieces = (ends[0] + 1e-9).floor() as usize..=last;
+        let piece = |cell: usize| (cell, (ends[1].min(cell as f64 + 1.0) - ends[0].max(cell as f64)) / ratio);
+        pieces.map(piece).collect()
+    };
+    (0..from).map(of).collect()
+}
+
+/// Shares of cells in the means over parts of a length, both of which repeat.
+struct Taps {
+    /// First cell of each part.
+    first: Vec<usize>,
+    /// Number of cells of a part.
+    width: usize,
+    /// Shares of the cells of each part.
+    shares: Vec<f32>,
+}
+
+/// Points and weights of the mean over a part, from its middle in parts (Gauss).
+const POINTS: [[f64; 2]; 3] =
+    [[-0.387_298_334_620_741_7, 5.0 / 18.0], [0.0, 8.0 / 18.0], [0.387_298_334_620_741_7, 5.0 / 18.0]];
+
+impl Taps {
+    /// Means over `parts` of the cubics through the middles of `cells`.
+    fn new(parts: usize, cells: usize) -> Self {
+        let ratio = cells as f64 / parts as f64;
+        // Place of a point in cells, from the middle of the first one.
+        let place = |part: usize, off: f64| (part as f64 + 0.5 + off) * ratio - 0.5;
+        let reach = place(0, POINTS[2][0]) - place(0, POINTS[0][0]);
+        let width = 5 + reach.floor() as usize;
+        let mut taps = Self { first: Vec::with_capacity(parts), width, shares: vec![0.0; parts * width] };
+        for (part, shares) in taps.shares.chunks_exact_mut(width).enumerate() {
+            let first = place(part, POINTS[0][0]).floor() as i64 - 1;
+            for [off, weight] in POINTS {
+                let at = place(part, off);
+                let (whole, t) = (at.floor(), at - at.floor());
+                let cubics = [
+                    -t * (t - 1.0) * (t - 2.0) / 6.0,
+                    (t + 1.0) * (t - 1.0) * (t - 2.0) / 2.0,
+                    -(t + 1.0) * t * (t - 2.0) / 2.0,
+                    (t + 1.0) * t * (t - 1.0) / 6.0,
+                ];
+                let slots = &mut shares[(whole as i64 - 1 - first) as usize..];
+                slots.iter_mut().zip(cubics).for_each(|(slot, cubic)| *slot += (weight * cubic) as f32);
+            }
+            taps.first.push(first.rem_euclid(cells as i64) as usize);
+        }
+        taps
+    }
+
+    /// First cell and shares of each part.
+    fn each(&self) -> impl Iterator<Item = (usize, &[f32])> {
+        self.first.iter().copied().zip(self.shares.chunks_exact(self.width))
+    }
+}
+
+/// Reflectance of each cell at a wavelength.
+fn mixed(coverage: &[Vec<f32>], reflectance: &[Vec<f64>], bin: usize) -> Vec<f32> {
+    let mut sum = vec![0.0_f32; coverage.first().map_or(0, Vec::len)];
+    for (plane, rho) in coverage.iter().zip(reflectance) {
+        let rho = rho[bin] as f32;
+        if rho != 0.0 {
+            sum.iter_mut().zip(plane).for_each(|(sum, share)| *sum += rho * share);
+        }
+    }
+    sum
+}
+
+/// The least number from `least` on without prime factors above 5: transforms of such lengths are fast.
+fn smooth(least: usize) -> usize {
+    let is_smooth = |mut number: usize| {
+        for prime in [2, 3, 5] {
+            while number % prime == 0 {
+                number /= prime;
+            }
+        }
+        number == 1
+    };
+    (least..).find(|number| is_smooth(*number)).unwrap_or(least)
+}
+
+/// The face above cells that repeat.
+struct Kernel {
+    plane: Plane,
+    /// Return at each bin of the transform, columns vary slowest.
+    returned: Vec<f64>,
+}
+
+/// Repetitions after which a solution is given up; each divides the error by three or more.
+const MOST_REPETITIONS: usize = 60;
+
+impl Kernel {
+    fn new(cells: Cells, face: &FaceReturn) -> Self {
+        let [columns, rows] = cells.count;
+        let mut returned = vec![0.0; columns * rows];
+        for column in 0..=columns / 2 {
+            for row in 0..=rows / 2 {
+                let f = cells.frequency(0, column).hypot(cells.frequency(1, row));
+                let value = face.at(f);
+                for column in [column, (columns - column) % columns] {
+                    for row in [row, (rows - row) % rows] {
+                        returned[column * rows + row] = value;
+                    }
+                }
+            }
+        }
+        Self { plane: Plane::new(cells.count), returned }
+    }
+
+    /// Irradiance of two patterns of reflectances.
+    fn solved(&self, rho: [&[f32]; 2], tolerance: f64) -> [Vec<f32>; 2] {
+        let cells = self.returned.len();
+        let means = rho.map(|rho| rho.iter().map(|rho| f64::from(*rho)).sum::<f64>() / cells as f64);
+        let mean = 0.5 * (means[0] + means[1]);
+        let first = 1.0 / (1.0 - mean * self.returned[0]);
+        let scale = 1.0 / cells as f64;
+        let factors: Vec<f64> = self.returned.iter().map(|a| scale * a / (1.0 - mean * a)).collect();
+        let mut found = means.map(|mean| vec![(1.0 / (1.0 - mean * self.returned[0])) as f32; cells]);
+        for _ in 0..MOST_REPETITIONS {
+            let [one, other] = &found;
+            let apart = rho[0].iter().zip(one).zip(rho[1].iter().zip(other)).map(|((r, e), (s, f))| {
+                Complex64::new((f64::from(*r) - mean) * f64::from(*e), (f64::from(*s) - mean) * f64::from(*f))
+            });
+            let mut spectrum = self.plane.forward(apart.collect());
+            spectrum.iter_mut().zip(&factors).for_each(|(value, factor)| *value *= factor);
+            let returned = self.plane.inverse(spectrum);
+            let mut change = 0.0_f64;
+            let [one, other] = &mut found;
+            for ((one, other), value) in one.iter_mut().zip(other).zip(&returned) {
+                let next = [first + value.re, first + value.im];
+                change =
+                    change.max((next[0] - f64::from(*one)).abs()).max((next[1] - f64::from(*other)).abs());
+                (*one, *other) = (next[0] as f32, next[1] as f32);
+            }
+            if change.is_nan() || change <= tolerance {
+                break;
+            }
+        }
+        found
+    }
+}
+
+#[cfg(test)]
+mod tests;

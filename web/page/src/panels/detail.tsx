@@ -1,0 +1,161 @@
+// Sharpness, crosstalk and sparkle, as by `papilio mtf`, `papilio crosstalk` and `papilio sparkle`: numbers, and figures drawn by the
+// same code as on the command line.
+
+import { useSignal } from "@preact/signals";
+
+import type { Detailed } from "../api/types.ts";
+import { digits, NONE } from "../model/format.ts";
+import { tableAt } from "../model/json.ts";
+import { Drawn } from "../plots/figure.tsx";
+import { fields, states } from "../state/design.ts";
+import { useFollowed } from "../state/follow.ts";
+import { labelText } from "../state/labels.ts";
+import { Aged } from "./aged.tsx";
+import { Downloads } from "./downloads.tsx";
+import { Problems } from "./problems.tsx";
+
+/** Time without changes after which the figures are requested, ms. */
+const REST_MS = 300;
+
+interface Kind {
+  readonly command: string;
+  readonly name: string;
+  readonly about: string;
+}
+
+const KINDS: readonly Kind[] = [
+  {
+    command: "mtf",
+    name: "Sharpness",
+    about: "Light returns beside where it entered: modulation transfer, profiles of edges, and the spread of a point.",
+  },
+  {
+    command: "crosstalk",
+    name: "Crosstalk",
+    about: "Which sub-pixel lights which, and the gamut and contrast of stripes, lines and text.",
+  },
+  {
+    command: "sparkle",
+    name: "Sparkle",
+    about: "Random brightness of equal pixels below an antiglare face, which the table [sparkle] describes.",
+  },
+];
+
+type Numbered = Detailed["numbers"][number];
+
+/** A number with its error, if the error is not negligible. */
+function Value({ of }: { of: Numbered | undefined }) {
+  if (!of) return <td>{NONE}</td>;
+  const { value, error } = of;
+  const isSeen = typeof error === "number" && typeof value === "number" && error >= 5e-4 * Math.abs(value);
+  return (
+    <td>
+      {digits(value, 4)}
+      {isSeen && <small> ± {digits(error, 2)}</small>}
+    </td>
+  );
+}
+
+function Numbers({ numbers, name }: { numbers: readonly Numbered[]; name: string }) {
+  const known = numbers.filter(({ value }) => typeof value === "number");
+  const ofView = known.filter(({ state }) => !state);
+  const names = states.value.map(([state]) => state).filter((state) => known.some((one) => one.state === state));
+  const metrics = [...new Set(known.filter(({ state }) => state).map(({ metric }) => metric))];
+  return (
+    <>
+      {ofView.length > 0 && (
+        <table class="numbers" aria-label={name}>
+          <tbody>
+            {ofView.map((one) => (
+              <tr key={one.metric}>
+                <th scope="row">{labelText(one.metric)}</th>
+                <Value of={one} />
+              </tr>
+            ))}
+          </tbody>
+        </table>
+      )}
+      {metrics.length > 0 && (
+        <div class="scroll" tabindex={0} role="region" aria-label={`${name} of the states`}>
+          <table class="numbers">
+            <thead>
+              <tr>
+                <th scope="col">quantity</th>
+                {names.map((state) => (
+                  <th scope="col" key={state}>
+                    {state}
+                  </th>
+                ))}
+              </tr>
+            </thead>
+            <tbody>
+              {metrics.map((metric) => (
+                <tr key={metric}>
+                  <th scope="row">{labelText(metric)}</th>
+                  {names.map((state) => (
+                    <Value key={state} of={known.find((one) => one.metric === metric && one.state === state)} />
+                  ))}
+                </tr>
+              ))}
+            </tbody>
+          </table>
+        </div>
+      )}
+    </>
+  );
+}
+
+function Shown({ of, kind }: { of: Detailed; kind: Kind }) {
+  return (
+    <>
+      {of.warnings.map((warning) => (
+        <p class="remark warning" key={warning}>
+          Warning: {warning}
+        </p>
+      ))}
+      {of.figures.map(({ name, svg }) => (
+        <Drawn key={name} name={name} svg={svg} label={`${kind.name}: ${name.replaceAll("_", " ")}`} />
+      ))}
+      <Numbers numbers={of.numbers} name={kind.name} />
+      <p class="remark">
+        {of.tables.map(({ name, csv }) => (
+          <span key={name}>
+            {name}.csv <Downloads name={name} table={() => csv} />{" "}
+          </span>
+        ))}
+      </p>
+    </>
+  );
+}
+
+function Follow({ kind }: { kind: Kind }) {
+  const now = useFollowed<Detailed>("detail", { command: kind.command }, REST_MS);
+  return (
+    <>
+      <Problems of={now.problems} />
+      <Aged age={now.busy ? "computing" : "current"}>{now.value && <Shown of={now.value} kind={kind} />}</Aged>
+    </>
+  );
+}
+
+export function DetailPanel() {
+  const hasFace = Object.keys(tableAt(fields.value, "sparkle")).length > 0;
+  const command = useSignal(hasFace ? "sparkle" : "mtf");
+  const kind = KINDS.find((one) => one.command === command.value) ?? KINDS[0]!;
+  return (
+    <section aria-label="Fine detail">
+      <div class="controls">
+        <label for="detail-kind">Effect</label>
+        <select id="detail-kind" value={kind.command} onChange={(event) => (command.value = event.currentTarget.value)}>
+          {KINDS.map((one) => (
+            <option key={one.command} value={one.command}>
+              {one.name}
+            </option>
+          ))}
+        </select>
+        <span class="remark">{kind.about}</span>
+      </div>
+      <Follow key={kind.command} kind={kind} />
+    </section>
+  );
+}
