@@ -105,6 +105,10 @@ fn all_checks(tests: impl Fn() -> Command, of_page: &str) -> Outcome {
     // and the failure is counted there.
     let mut compile = tests();
     compile.arg("--no-run");
+    if of_page == page::EVERYDAY {
+        // What the tests below select. Without these, cargo would link the examples, too; lints check them.
+        compile.args(["--lib", "--bins", "--tests"]);
+    }
     let _ = count.step("tests, compiled", |_| shell::run(compile));
     let environment = count.environment(environment);
 

@@ -83,6 +83,17 @@ pub enum DisplayError {
         /// Its key.
         key: String,
     },
+    /// A display whose places only paths compute.
+    #[error(
+        "the adding solver does not compute the places of light for {what} (see `{key}`; set `solver.method = \"monte-carlo\"`, with which \
+         `papilio run` and `papilio mtf` compute any layers)"
+    )]
+    PlacesByPaths {
+        /// The layers.
+        what: String,
+        /// Their key.
+        key: String,
+    },
     /// A length that the places of light depend on.
     #[error(
         "the key `{key}` is missing: the places of light depend on the thickness of each layer that light crosses obliquely between the \

@@ -8,8 +8,8 @@ use std::sync::atomic::AtomicBool;
 use papilio_optics::interface::fresnel_reflectance;
 use papilio_transport::adding::Kernel;
 use papilio_transport::spatial::{
-    Accuracy, Direction, FilteredPixels, PanelSpread, Part, Passed, Rectangle, Sample, TwoPlanes, Window,
-    diffuse_directions, diffused_directions,
+    Accuracy, Direction, FilteredPixels, PanelSpread, Part, Passed, Rectangle, Sample, SpreadError,
+    TwoPlanes, Window, air_below_front_mm, diffuse_directions, diffused_directions,
 };
 use papilio_transport::{
     Base, Cone, Estimate, Field, Ledger, Panel, ReflectanceFactor, Reflector, Source, Stack, Top,
@@ -27,6 +27,8 @@ pub(crate) struct Filtered<'a> {
     filter: &'a Filter,
     thickness_mm: f64,
     index: f64,
+    /// Air below the front, mm, and its reflectance for light from below.
+    front: (f64, f64),
     /// Reflectance of the pixel's states, `[state][wavelength]`.
     rho: &'a [f64],
 }
@@ -51,6 +53,18 @@ const LINE_PIXELS: [usize; 2] = [4, 12];
 /// Reflectance of the page that tells how much light there is.
 const PAGE: f64 = 0.5;
 
+/// Estimate of reflectance factors, the first of which is that in diffuse light: by reciprocity, it is what returns of a beam from the view.
+/// What is absorbed where is not known.
+pub(crate) fn by_reciprocity(rho: Vec<ReflectanceFactor>) -> Estimate {
+    let ReflectanceFactor { via_pixel, front } = &rho[0];
+    let returned: Vec<f64> =
+        via_pixel.iter().enumerate().map(|(at, seen)| seen + front[at % front.len()]).collect();
+    let mut ledger = Ledger::zeros(returned.len());
+    ledger.unaccounted = returned.iter().map(|returned| 1.0 - returned).collect();
+    ledger.returned = returned;
+    Estimate { rho, ledger }
+}
+
 impl<'a> Filtered<'a> {
     /// Prepares a display with a filter; `None` without filter.
     pub(crate) fn new(setup: &'a Setup) -> Result<Option<Self>, DisplayError> {
@@ -58,7 +72,7 @@ impl<'a> Filtered<'a> {
         let Some(matrix) = &scene.display.matrix else { return Ok(None) };
         let Some(filter) = &matrix.filter else { return Ok(None) };
         let not_yet = |what: &str, key: &str| {
-            Err(DisplayError::PlacesNotComputed { what: what.to_owned(), key: key.to_owned() })
+            Err(DisplayError::PlacesByPaths { what: what.to_owned(), key: key.to_owned() })
         };
         let Stack::Panel(panel) = &setup.stack else {
             return not_yet("a colour filter below general layers ([[display.layers]])", "display.layers");
@@ -66,11 +80,15 @@ impl<'a> Filtered<'a> {
         let Reflector::Lambertian(rho) = &panel.base.reflector else {
             return not_yet("a colour filter above mirror-like pixels", "display.pixel");
         };
-        if panel.front.reflectance_below.max() > 0.0 {
-            return not_yet("a colour filter below front components that reflect light", "display.front");
+        let front = &panel.front.reflectance_below;
+        if front.max() > 0.0 && matches!(panel.top, Top::Diffuser(_)) {
+            return not_yet(
+                "a colour filter below a diffuser and a front that reflects light",
+                "display.front",
+            );
         }
-        if scene.lighting.front_light.is_some() {
-            return not_yet("a colour filter below a front light", "lighting.front_light");
+        if !front.is_constant() {
+            return not_yet("a colour filter below a front that reflects a colour", "display.front");
         }
         if !panel.medium.index().is_constant() {
             return not_yet("a colour filter in glass with dispersion", "display.glass.index");
@@ -81,13 +99,20 @@ impl<'a> Filtered<'a> {
         if scene.solver.angle_medium == AngleMedium::Unrefracted {
             return not_yet("a colour filter without refraction", "solver.angle_medium");
         }
-        if matches!(panel.top, Top::Diffuser(_)) && !scene.lighting.environment.is_empty() {
-            return not_yet("a colour filter below a diffuser in this light", "lighting.environment");
+        let is_field = |source: &Source| matches!(source, Source::Field(_));
+        if matches!(panel.top, Top::Diffuser(_)) && setup.sources.iter().any(is_field) {
+            let key = if scene.lighting.environment.is_empty() { "front_light" } else { "environment" };
+            return not_yet("a colour filter below a diffuser in this light", &format!("lighting.{key}"));
         }
         let lengths = scene.display.lengths_mm()?;
         let thickness_mm = lengths.last().copied().unwrap_or_default();
         let index = panel.medium.index()[0];
-        Ok(Some(Self { setup, panel, matrix, filter, thickness_mm, index, rho }))
+        let several = |error: SpreadError| DisplayError::PlacesByPaths {
+            what: error.to_string(),
+            key: "display.front".to_owned(),
+        };
+        let front = (air_below_front_mm(panel, &lengths).map_err(several)?, front[0]);
+        Ok(Some(Self { front, setup, panel, matrix, filter, thickness_mm, index, rho }))
     }
 
     /// Finest level: of patterns in two directions, fewer are affordable.
@@ -132,7 +157,11 @@ impl<'a> Filtered<'a> {
         };
         let face = |beta: f64| self.face(beta);
         let returns = !matches!(self.panel.top, Top::Diffuser(_));
-        let planes = TwoPlanes::with_cells(&pixels, returns.then_some(&face), level as u32, cells);
+        let mut planes = TwoPlanes::with_cells(&pixels, returns.then_some(&face), level as u32, cells);
+        let (gap_mm, reflectance) = self.front;
+        if reflectance > 0.0 {
+            planes.add_front((self.thickness_mm, gap_mm), reflectance, &face, level as u32);
+        }
         let entering = self.setup.sources.iter().map(|source| {
             let directions = self.arriving(source, level)?;
             Ok(planes.entering(&directions))
@@ -202,7 +231,6 @@ impl<'a> Filtered<'a> {
         (number, leaving): (usize, &Passed),
         irradiance: &[Vec<Vec<f64>>],
     ) -> Estimate {
-        let (states, bins) = (self.filter.states.len(), self.setup.scene.grid.len());
         let mut rho = self.unfiltered(lit, number);
         for (factor, irradiance) in rho.iter_mut().zip(irradiance) {
             let first = std::mem::take(&mut factor.via_pixel);
@@ -211,13 +239,7 @@ impl<'a> Filtered<'a> {
                 factor.via_pixel.extend(seen.iter().zip(&first).map(|(seen, first)| seen * first));
             }
         }
-        // By reciprocity, what returns of a beam from the view is what it sees of diffuse light.
-        let mut ledger = Ledger::zeros(states * bins);
-        for at in 0..states * bins {
-            ledger.returned[at] = rho[0].via_pixel[at] + rho[0].front[at % bins];
-            ledger.unaccounted[at] = 1.0 - ledger.returned[at];
-        }
-        Estimate { rho, ledger }
+        by_reciprocity(rho)
     }
 
     /// Mean over a period of what is seen, relative to a page of 1 without filter and further orders, for each wavelength.
@@ -294,10 +316,16 @@ impl<'a> Filtered<'a> {
         }
     }
 
+    /// Fraction of diffuse light that passes face and front, relative to that of the front alone.
+    fn passes(&self, beta: f64) -> f64 {
+        let face = self.face(beta);
+        (1.0 - face) / (1.0 - face * self.front.1)
+    }
+
     /// Directions of the light of a source below the face or diffuser.
     fn arriving(&self, source: &Source, level: usize) -> Result<Vec<Direction>, DisplayError> {
         let Top::Diffuser(diffuser) = &self.panel.top else {
-            let diffuse = || diffuse_directions(level as u32, |beta| 1.0 - self.face(beta));
+            let diffuse = || diffuse_directions(level as u32, |beta| self.passes(beta));
             let of_field = |field: &Field| {
                 let own = |one: Direction| Direction { weight: one.weight * field.radiance(one.beta), ..one };
                 diffuse().into_iter().map(own).collect()

@@ -218,6 +218,14 @@ impl Resolved {
                 };
                 (key, wrong.into())
             }
+            DisplayError::PlacesByPaths { what, key } => {
+                let wrong =
+                    Diagnostic::new(format!("the adding solver does not compute the places of light for {what}"))
+                        .hint(
+                            "set `method = \"monte-carlo\"` in `[solver]`, or use `--solver monte-carlo`: `papilio run` and `papilio mtf` then compute any layers",
+                        );
+                (key, wrong.into())
+            }
             DisplayError::NoPlaces { what, key } => {
                 let wrong =
                     Diagnostic::new(format!("the Monte Carlo solver with places does not compute {what}"))

@@ -320,7 +320,7 @@ fn mix_columns<const N: usize>(
 
 /// Adds weighted consecutive rows.
 #[inline(always)]
-fn add_rows(sum: &mut [f64], rows: &[f64], weights: &[f64]) {
+pub(crate) fn add_rows(sum: &mut [f64], rows: &[f64], weights: &[f64]) {
     // As many columns as the registers hold over all rows, and then the rest.
     let done = add_columns::<32>(sum, rows, weights, 0);
     let done = add_columns::<8>(sum, rows, weights, done);

@@ -45,6 +45,21 @@ impl BelowFront {
         }
     }
 
+    pub(super) fn is_diffuse(&self) -> bool {
+        self.is_diffuse
+    }
+
+    /// Converts weights of the light via the pixel to those of the reflectance factors under the same light above the front and under diffuse
+    /// light, which is that which leaks upwards and comes back.
+    pub(super) fn weights(&self, weights: &[f64]) -> [Vec<f64>; 2] {
+        let Front { transmittance, reflectance_below, .. } = &self.front;
+        let gains = transmittance.iter().map(|t| if *t > 0.0 { 1.0 / t } else { 0.0 });
+        let of_it: Vec<f64> = weights.iter().zip(gains).map(|(weight, gain)| weight * gain).collect();
+        let sent_back = reflectance_below.iter().map(|r| self.leak * r);
+        let of_diffuse = of_it.iter().zip(sent_back).map(|(weight, back)| weight * back).collect();
+        [of_it, of_diffuse]
+    }
+
     /// Computes the reflectance factor from those under the same light above the front and under diffuse light.
     pub(super) fn seen(
         &self,

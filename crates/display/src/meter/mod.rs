@@ -56,6 +56,24 @@ pub(crate) struct Meter<'a> {
     luminous: Vec<f64>,
 }
 
+/// Light that reaches the pixel.
+#[derive(Debug, Clone)]
+pub(crate) struct PixelLight {
+    /// Number of the light of which it is a part.
+    pub(crate) light: usize,
+    /// Source, above the front, whose reflectance factor via the pixel it has.
+    pub(crate) source: usize,
+    /// Weights of that reflectance factor over wavelength in X, Y and Z.
+    pub(crate) weights: [Vec<f64>; 3],
+}
+
+impl PixelLight {
+    /// True if it contributes to Y.
+    pub(crate) fn is_seen(&self) -> bool {
+        self.weights[1].iter().any(|weight| *weight != 0.0)
+    }
+}
+
 /// Weights by which a reflectance factor under one light contributes to the observed quantities.
 struct Weights {
     /// Radiance: that of the perfect white, `[wavelength]`.
@@ -126,14 +144,40 @@ impl<'a> Meter<'a> {
         }
     }
 
-    /// Returns the weights over wavelength of a reflectance factor under a light in Y.
-    pub(crate) fn luminous_weights(&self, light: usize) -> &[f64] {
-        &self.lights[light].xyz[1]
+    /// Returns the lights that reach the pixel, one for each source in order. What a front light leaks upwards and the front sends back is another
+    /// one, diffuse, at last.
+    pub(crate) fn pixel_lights(&self) -> Vec<PixelLight> {
+        let last = self.lights.len() - 1;
+        let mut all: Vec<PixelLight> = Vec::with_capacity(last + 2);
+        let mut leaking = None;
+        for (light, Weights { xyz, .. }) in self.lights.iter().enumerate() {
+            let mut weights = xyz.clone();
+            if let Some(guide) = self.below_front.as_ref().filter(|_| light == last) {
+                let [x, y, z] = xyz.each_ref().map(|xyz| guide.weights(xyz));
+                let [of_it, of_diffuse] = [0, 1].map(|k| [&x[k], &y[k], &z[k]].map(Clone::clone));
+                weights = of_it;
+                if guide.is_diffuse() {
+                    let pairs = weights.iter_mut().flatten().zip(of_diffuse.iter().flatten());
+                    pairs.for_each(|(weight, more)| *weight += more);
+                } else if of_diffuse[1].iter().any(|weight| *weight != 0.0) {
+                    leaking = Some(PixelLight { light, source: 0, weights: of_diffuse });
+                }
+            }
+            all.push(PixelLight { light, source: light, weights });
+        }
+        all.extend(leaking);
+        all
     }
 
-    /// Returns the weights over wavelength of a reflectance factor under a light in X, Y and Z.
-    pub(crate) fn xyz_weights(&self, light: usize) -> &[Vec<f64>; 3] {
-        &self.lights[light].xyz
+    /// Returns X, Y and Z of what is seen without the pixel, from the reflectance factors under all lights.
+    pub(crate) fn without_pixel(&self, all: &[ReflectanceFactor]) -> [f64; 3] {
+        let mut sums = [0.0; 3];
+        for (light, rho) in self.lights.iter().zip(self.seen_of(all)) {
+            for (sum, weights) in sums.iter_mut().zip(&light.xyz) {
+                *sum += sum_of_products(&rho.front, weights);
+            }
+        }
+        sums
     }
 
     /// Luminance of Y = 1, cd/m2.
@@ -303,7 +347,9 @@ impl<'a> Meter<'a> {
     /// Computes the peak wavelength of each state of the pixel alone in the direction of a view, nm.
     pub(crate) fn bare_peaks(&self, at: &ViewPoint, base: &Base) -> Vec<Option<f64>> {
         let mut reflectance = vec![0.0; self.layout.states * self.layout.bins];
-        if !self.setup.pixel_alone(base, at, &mut reflectance) {
+        // Below a colour filter the display has other states than its pixel.
+        let is_filtered = self.setup.scene.display.filter().is_some();
+        if is_filtered || !self.setup.pixel_alone(base, at, &mut reflectance) {
             return vec![None; self.layout.states];
         }
         reflectance.chunks_exact(self.layout.bins).map(|one| peak_nm(&self.grid, one)).collect()

@@ -196,6 +196,15 @@ pub(crate) fn prepared_kernels(
     adding::view_group_kernels(&Run::new(setup, control, &meter))
 }
 
+/// Direction of a beam, or of the centre of a disc.
+fn centre(source: &Source) -> Beta {
+    match source {
+        Source::Diffuse | Source::Field(_) => Beta::default(),
+        Source::Beam(beta) => *beta,
+        Source::Disc(cone) => -cone.axis_towards(),
+    }
+}
+
 /// Input of a solver.
 pub(crate) struct Run<'a> {
     pub(crate) scene: &'a Scene,
@@ -220,14 +229,18 @@ impl Run<'_> {
         self.meter.specular(&images)
     }
 
+    /// True if a directed source has a mirror image in the pixel.
+    fn has_images_of_pixels(&self) -> bool {
+        let directed = &self.setup.sources[1..][..self.scene.lighting.directed.len()];
+        directed.iter().any(|source| {
+            let image = specular_image(&self.setup.stack, centre(source));
+            image.base.iter().any(|base| *base > 0.0)
+        })
+    }
+
     /// Computes the specular reflectance for a directed source (for a disc, at its centre).
     fn image(&self, source: &Source) -> Vec<f64> {
-        let beta = match source {
-            Source::Diffuse | Source::Field(_) => Beta::default(),
-            Source::Beam(beta) => *beta,
-            Source::Disc(cone) => -cone.axis_towards(),
-        };
-        let image = specular_image(&self.setup.stack, beta);
+        let image = specular_image(&self.setup.stack, centre(source));
         if self.scene.display.filter().is_some() {
             // Lambertian pixels have no image; a display with a filter has other states than its pixel.
             return image.front.repeat(self.setup.states.len());

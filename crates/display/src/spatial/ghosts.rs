@@ -3,19 +3,20 @@
 //! Direction is conserved, so that image k is shifted by k times 2 D. For a small signal about a state of reflectance rho under a
 //! face of reflectance F, image k has (F rho)^k of the light of the first.
 //!
+//! A front of screen above an air gap returns light, too, after one or more trips through the air: images at sums of both shifts.
+//!
 //! The images of a pattern multiply: light of order k has met the pixel at k + 1 places, each 2 D from the one before. The mean over a
 //! period of that product depends on the view: a moire of the panel with itself.
 
 use std::f64::consts::PI;
 
 use num_complex::Complex64;
-use papilio_transport::Panel;
 use papilio_transport::spatial::{Peak, displacement};
 
 use super::patterns::Pattern;
-use super::response::face_reflectance;
+use super::response::Lit;
 use super::{Level, PatternKind, Response};
-use crate::setup::ViewPoint;
+use crate::DisplayError;
 
 /// Images that are weaker than this fraction of all light are left out.
 const FAINTEST: f64 = 1e-9;
@@ -23,10 +24,13 @@ const FAINTEST: f64 = 1e-9;
 /// Most orders of a pattern's mean: those of a bright pixel at 85 deg.
 const MOST_ORDERS: usize = 48;
 
+/// Most trips of light through the air below a front.
+const MOST_TRIPS: i32 = 6;
+
 /// Width of an image, as a fraction of the thickness, for positions of tables: images are sharp.
 const SHARP: f64 = 1e-3;
 
-struct Ghosts {
+pub(super) struct Ghosts {
     /// Place of each image, mm, and its light by state.
     images: Vec<([f64; 2], Vec<f64>)>,
     states: usize,
@@ -38,6 +42,8 @@ struct Ghosts {
 struct RoundTrips {
     /// Distance between meetings, mm.
     step_mm: [f64; 2],
+    /// Shift of a trip through the air above the face, mm.
+    air_mm: [f64; 2],
     bins: Vec<RoundTrip>,
 }
 
@@ -45,31 +51,28 @@ struct RoundTrips {
 struct RoundTrip {
     /// Part of Y that a pixel of reflectance 1 returns to first order.
     through: f64,
-    face: f64,
+    face: Faces,
     /// Reflectance of each state.
     pixel: Vec<f64>,
 }
 
 /// Response of a bare panel; `via_pixel` is the light that the pixel returns, `[state][wavelength]`.
-pub(super) fn response(
-    panel: &Panel,
-    thickness_mm: f64,
-    view: &ViewPoint,
-    weights: &[f64],
-    via_pixel: &[f64],
-) -> Box<dyn Response> {
+pub(super) fn response(lit: Lit<'_>, weights: &[f64], via_pixel: &[f64]) -> Result<Ghosts, DisplayError> {
+    let Lit { panel, view, .. } = lit;
     let (states, bins) = (panel.base.states(), weights.len());
     let beta = view.field.axis_towards();
     let mut reflectance = vec![0.0; states * bins];
     panel.base.reflectance(beta.squared(), &panel.medium, &mut reflectance);
     let index = panel.medium.index();
+    let (thickness_mm, air_mm) = (lit.thickness_mm(), displacement(beta, 2.0 * lit.air_mm()?, 1.0));
     let trip = |bin: usize| {
-        let face = face_reflectance(panel, bin, beta.length());
+        let face = Faces::new(lit.faces(bin), air_mm != [0.0; 2]);
         let pixel: Vec<f64> = (0..states).map(|state| reflectance[state * bins + bin]).collect();
         let brightest = (0..states).max_by(|a, b| pixel[*a].total_cmp(&pixel[*b])).unwrap_or(0);
         let returned = weights[bin] * via_pixel[brightest * bins + bin];
         let rho = pixel[brightest];
-        RoundTrip { through: if rho > 0.0 { returned * (1.0 - face * rho) / rho } else { 0.0 }, face, pixel }
+        let through = if rho > 0.0 { returned * (1.0 - face.returned() * rho) / rho } else { 0.0 };
+        RoundTrip { through, face, pixel }
     };
     let mut trips = Vec::new();
     let mut images: Vec<([f64; 2], Vec<f64>)> = Vec::new();
@@ -78,32 +81,95 @@ pub(super) fn response(
     while bin < bins {
         let same = (bin..bins).take_while(|other| index[*other] == index[bin]).count();
         let step = displacement(beta, thickness_mm, index[bin]).map(|shift| 2.0 * shift);
-        trips.push(RoundTrips { step_mm: step, bins: (bin..bin + same).map(trip).collect() });
+        let trip = RoundTrips { step_mm: step, air_mm, bins: (bin..bin + same).map(trip).collect() };
+        // Light of each state in the images of a number of trips through the glass, by the number of those through the air.
+        let mut rows: Vec<Vec<Vec<f64>>> = trip.bins.iter().map(|trip| trip.leaving(states)).collect();
         for order in 0.. {
-            let of_state = |state: usize| -> f64 {
-                let one = |bin: usize| {
-                    let at = state * bins + bin;
-                    let round = face_reflectance(panel, bin, beta.length()) * reflectance[at];
-                    weights[bin] * via_pixel[at] * (1.0 - round) * round.powi(order)
+            let count = rows.iter().flatten().map(Vec::len).max().unwrap_or(0);
+            let mut any = false;
+            for air in 0..count {
+                let of_state = |state: usize| -> f64 {
+                    let row = rows.iter().zip(bin..);
+                    let one = |(row, bin): (&Vec<Vec<f64>>, usize)| {
+                        let light = weights[bin] * via_pixel[state * bins + bin];
+                        light * row[state].get(air).copied().unwrap_or(0.0)
+                    };
+                    row.map(one).sum()
                 };
-                (bin..bin + same).map(one).sum()
-            };
-            let light: Vec<f64> = (0..states).map(of_state).collect();
-            if order > 0 && light.iter().all(|light| light.abs() <= FAINTEST) {
+                let light: Vec<f64> = (0..states).map(of_state).collect();
+                if order + air > 0 && light.iter().all(|light| light.abs() <= FAINTEST) {
+                    continue;
+                }
+                any = true;
+                let place = [0, 1].map(|k| order as f64 * step[k] + air as f64 * air_mm[k]);
+                images.push((place, light));
+            }
+            if !any {
                 break;
             }
-            images.push((step.map(|step| f64::from(order) * step), light));
+            for (row, trip) in rows.iter_mut().zip(&trip.bins) {
+                row.iter_mut()
+                    .zip(&trip.pixel)
+                    .for_each(|(row, rho)| *row = trip.face.returned_of(row, *rho));
+            }
         }
+        trips.push(trip);
         bin += same;
     }
-    Box::new(Ghosts { images, states, thickness_mm, trips })
+    Ok(Ghosts { images, states, thickness_mm, trips })
+}
+
+/// What a face, and a front above it, return to the pixel and let through, by the number of trips through the air between them.
+struct Faces {
+    returned: Vec<f64>,
+    leaving: Vec<f64>,
+}
+
+impl Faces {
+    /// `is_apart`: whether light moves in the air between them.
+    fn new([face, front]: [f64; 2], is_apart: bool) -> Self {
+        let between = face * front;
+        let by_front = (1.0 - face).powi(2) * front;
+        if !is_apart || by_front == 0.0 {
+            return Self { returned: vec![face + by_front / (1.0 - between)], leaving: vec![1.0] };
+        }
+        let count = (1..MOST_TRIPS).find(|k| between.powi(*k) < FAINTEST).unwrap_or(MOST_TRIPS);
+        // The last one stands for all that follow.
+        let rest = |k: i32| between.powi(k) * if k + 1 == count { 1.0 } else { 1.0 - between };
+        let leaving: Vec<f64> = (0..count).map(rest).collect();
+        let scale = by_front / (1.0 - between);
+        let returned = std::iter::once(face).chain(leaving.iter().map(|part| scale * part)).collect();
+        Self { returned, leaving }
+    }
+
+    /// Fraction of uniform light that comes back.
+    fn returned(&self) -> f64 {
+        self.returned.iter().sum()
+    }
+
+    /// Light, by trips through the air, that is reflected by the pixel and comes back.
+    fn returned_of(&self, light: &[f64], rho: f64) -> Vec<f64> {
+        let mut sums = vec![0.0; light.len() + self.returned.len() - 1];
+        for (k, light) in light.iter().enumerate() {
+            for (j, part) in self.returned.iter().enumerate() {
+                sums[k + j] += rho * light * part;
+            }
+        }
+        while sums.len() > 1 && sums.last().is_some_and(|last| *last < 0.1 * FAINTEST) {
+            sums.pop();
+        }
+        sums
+    }
 }
 
 impl RoundTrips {
     /// Mean over a period of a pattern.
-    fn mean(&self, pattern: Pattern) -> f64 {
+    fn mean(&self, pattern: Pattern, level: Level) -> f64 {
         let [on, off] = pattern.states;
-        let rounds = self.bins.iter().map(|trip| trip.face * trip.pixel[on].max(trip.pixel[off]));
+        if self.bins.iter().any(|trip| trip.face.returned.len() > 1) {
+            return self.mean_of_cells(pattern, level);
+        }
+        let rounds = self.bins.iter().map(|trip| trip.face.returned() * trip.pixel[on].max(trip.pixel[off]));
         let most = rounds.fold(0.0_f64, f64::max);
         // Light of later orders is less than the faintest image, except in views close to the horizon.
         let orders = if most > 0.0 { (FAINTEST.ln() / most.min(0.999).ln()).ceil() as usize } else { 0 };
@@ -133,12 +199,84 @@ impl RoundTrips {
     }
 }
 
+impl RoundTrips {
+    /// Mean over a period below a front apart from the face: trips of different lengths. A period is divided into cells with edges along
+    /// those of the pattern.
+    fn mean_of_cells(&self, pattern: Pattern, level: Level) -> f64 {
+        let Pattern { kind, period_mm, states: [on, off] } = pattern;
+        let across = match (kind, level.is_fine()) {
+            (PatternKind::Stripes, true) => 512,
+            (PatternKind::Stripes, false) | (PatternKind::Checkerboard, true) => 128,
+            (PatternKind::Checkerboard, false) => 64,
+        };
+        let rows = if kind == PatternKind::Stripes { 1 } else { across };
+        let is_on: Vec<bool> = (0..across * rows)
+            .map(|cell| (cell % across < across / 2) == (cell / across * 2 < across))
+            .collect();
+        let mut sum = 0.0;
+        for trip in &self.bins {
+            let rho = |cell: usize| trip.pixel[if is_on[cell] { on } else { off }];
+            let start: Vec<f64> = (0..is_on.len()).map(|cell| trip.through * rho(cell)).collect();
+            let mut light = start.clone();
+            for _ in 0..MOST_ORDERS {
+                let mut next = start.clone();
+                for (k, part) in trip.face.returned.iter().enumerate() {
+                    let at = [0, 1].map(|axis| {
+                        (self.step_mm[axis] + k as f64 * self.air_mm[axis]) / period_mm * across as f64
+                    });
+                    let moved = moved(&light, across, at);
+                    next.iter_mut().zip(moved).enumerate().for_each(|(cell, (next, moved))| {
+                        *next += rho(cell) * part * moved;
+                    });
+                }
+                let change = next.iter().zip(&light).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+                light = next;
+                if change <= FAINTEST {
+                    break;
+                }
+            }
+            sum += light.iter().sum::<f64>() / light.len() as f64;
+        }
+        sum
+    }
+}
+
+/// Light of cells from a place so many cells away: of a cell, the part that lies there.
+fn moved(light: &[f64], columns: usize, at: [f64; 2]) -> Vec<f64> {
+    let counts = [columns, light.len() / columns];
+    let of_axis = |axis: usize| {
+        let first = at[axis].floor();
+        let steps = [first, first + 1.0].map(|step| (step as i64).rem_euclid(counts[axis] as i64) as usize);
+        (steps, if counts[axis] > 1 { at[axis] - first } else { 0.0 })
+    };
+    let [(x, part_x), (y, part_y)] = [0, 1].map(of_axis);
+    let one = |cell: usize| {
+        let from = |k: usize, count: usize, step: usize| (k + count - step) % count;
+        let row = |step: usize| {
+            let row = from(cell / columns, counts[1], step) * columns;
+            let [near, far] = x.map(|step| light[row + from(cell % columns, columns, step)]);
+            (1.0 - part_x) * near + part_x * far
+        };
+        if part_y == 0.0 { row(y[0]) } else { (1.0 - part_y) * row(y[0]) + part_y * row(y[1]) }
+    };
+    (0..light.len()).map(one).collect()
+}
+
 impl RoundTrip {
+    /// What leaves of the light that meets the pixel once more, relative to all, by state and trips through the air.
+    fn leaving(&self, states: usize) -> Vec<Vec<f64>> {
+        let of_state = |state: usize| {
+            let rest = 1.0 - self.face.returned() * self.pixel[state];
+            self.face.leaving.iter().map(|part| part * rest).collect()
+        };
+        (0..states).map(of_state).collect()
+    }
+
     /// Light of all orders that meet these states in turn.
     fn light(&self, states: &[usize]) -> f64 {
-        let (mut product, mut sum) = (self.through, 0.0);
+        let (mut product, mut sum, face) = (self.through, 0.0, self.face.returned());
         for (order, state) in states.iter().enumerate() {
-            product *= self.pixel[*state] * if order > 0 { self.face } else { 1.0 };
+            product *= self.pixel[*state] * if order > 0 { face } else { 1.0 };
             sum += product;
         }
         sum
@@ -191,8 +329,8 @@ impl Response for Ghosts {
         })
     }
 
-    fn pattern_mean(&self, pattern: Pattern, _: Level) -> Option<f64> {
-        (pattern.period_mm > 0.0).then(|| self.trips.iter().map(|trips| trips.mean(pattern)).sum())
+    fn pattern_mean(&self, pattern: Pattern, level: Level) -> Option<f64> {
+        (pattern.period_mm > 0.0).then(|| self.trips.iter().map(|trips| trips.mean(pattern, level)).sum())
     }
 
     fn images(&self) -> Vec<[f64; 2]> {

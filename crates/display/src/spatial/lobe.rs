@@ -3,35 +3,34 @@
 use std::sync::OnceLock;
 
 use num_complex::Complex64;
+use papilio_transport::Source;
 use papilio_transport::spatial::{Accuracy, Binned, LineSpread, PanelSpread, Part, Peak, PointSpread};
-use papilio_transport::{Panel, Source};
 
+use super::Response;
 use super::curve::Curves;
-use super::{Level, Response};
+use super::response::Lit;
 use crate::DisplayError;
-use crate::setup::ViewPoint;
 
-pub(super) fn response(
-    panel: &Panel,
-    lengths_mm: &[f64],
-    (view, source): (&ViewPoint, &Source),
-    weights: &[f64],
-    level: Level,
-) -> Result<Box<dyn Response>, DisplayError> {
+pub(super) fn response(lit: Lit<'_>, source: &Source, weights: &[f64]) -> Result<LobeResponse, DisplayError> {
+    let Lit { panel, view, level, .. } = lit;
     let accuracy = Accuracy { digits: level.digits, most_per_mm: level.most_per_mm };
-    let spread =
-        PanelSpread::by_place(panel, lengths_mm, &view.field, source, accuracy).map_err(|error| {
-            DisplayError::PlacesNotComputed { what: error.to_string(), key: "display".to_owned() }
-        })?;
+    // What the front returns is not a part of the spread; its transmittance is.
+    let mut alone = panel.clone();
+    alone.front.reflectance_below = vec![0.0; panel.base.bins()].into();
+    let lengths = [lit.thickness_mm()];
+    let spread = PanelSpread::by_place(&alone, &lengths, &view.field, source, accuracy).map_err(|error| {
+        DisplayError::PlacesNotComputed { what: error.to_string(), key: "display".to_owned() }
+    })?;
     let of_part = |part: &Part| {
         let passed: Vec<f64> = weights.iter().zip(&part.through).map(|(weight, t)| weight * t).collect();
         Curves::new(&panel.base, &panel.medium, part.index(), &passed)
     };
     let curves = spread.parts().iter().map(of_part).collect();
-    Ok(Box::new(LobeResponse { spread, curves, states: panel.base.states(), lines: Default::default() }))
+    Ok(LobeResponse { spread, curves, states: panel.base.states(), lines: Default::default() })
 }
 
-struct LobeResponse {
+/// What a view sees of the light that meets the pixel once.
+pub(super) struct LobeResponse {
     spread: PanelSpread,
     /// Y of the light of each part of the spread.
     curves: Vec<Curves>,

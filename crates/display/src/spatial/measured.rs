@@ -134,8 +134,11 @@ impl Measured {
         width_mm: f64,
     ) -> [f64; 2] {
         let far = self.y(surround);
-        let all_orders: Option<Vec<f64>> =
-            self.seen.iter().map(|seen| seen.response.line([line, surround], width_mm, level)).collect();
+        let all_orders: Option<Vec<f64>> = self
+            .seen
+            .iter()
+            .map(|seen| seen.response.line([line, surround], axis, width_mm, level))
+            .collect();
         if let Some(found) = all_orders {
             return [found.iter().sum(), far];
         }

@@ -5,7 +5,7 @@
 //!
 //! | display | file |
 //! |---|---|
-//! | a lobe over mirror-like pixels | `lobe.rs` |
+//! | a lobe over pixels | `lobe.rs`; with light that a front returns, `returned.rs` |
 //! | Lambertian pixels under a flat face | `paper.rs` |
 //! | mirror-like pixels under a flat face | `ghosts.rs` |
 //!
@@ -33,7 +33,9 @@ mod picture;
 mod profile;
 mod response;
 mod result;
+mod returned;
 mod scalars;
+mod series;
 mod sparkle;
 pub mod walk;
 

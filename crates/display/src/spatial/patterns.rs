@@ -128,46 +128,55 @@ pub(super) fn strokes(
     level: Level,
 ) -> Vec<f64> {
     let middles = bitmap.middles().strokes;
+    let text = Text { bitmap, pitch_mm, middles: &middles };
     let mut sums = vec![0.0; middles.len()];
-    for seen in seen {
-        let lights = match seen.response.text(bitmap, pitch_mm, states, level) {
-            Some(all) => middles.iter().map(|pixel| all[*pixel]).collect(),
-            None => spread_strokes(seen, bitmap, pitch_mm, states, &middles),
-        };
+    for Seen { response, .. } in seen {
+        let lights = response.text(&text, states, level).unwrap_or_else(|| {
+            // A white page, less white and more black within black pixels.
+            let [black, white] = states;
+            let cells = response.cells(&text.edges(0), &text.edges(1));
+            let page = response.transfer(0, 0.0)[white].re;
+            let [more, less] = [black, white].map(|state| text.over_black(&cells[state]));
+            more.iter().zip(less).map(|(more, less)| page + more - less).collect()
+        });
         sums.iter_mut().zip(lights).for_each(|(sum, light)| *sum += light);
     }
     sums
 }
 
-/// The same for one light whose spread describes it: a white page, less white and more black within black pixels.
-fn spread_strokes(
-    seen: &Seen,
-    bitmap: &Bitmap,
-    pitch_mm: [f64; 2],
-    [black, white]: [usize; 2],
-    middles: &[usize],
-) -> Vec<f64> {
-    let edges = |axis: usize| -> Vec<f64> {
-        (-NEIGHBOURS..=NEIGHBOURS + 1).map(|k| (k as f64 - 0.5) * pitch_mm[axis]).collect()
-    };
-    let cells = seen.response.cells(&edges(0), &edges(1));
-    let page = seen.response.transfer(0, 0.0)[white].re;
-    let side = 2 * NEIGHBOURS + 1;
-    let [columns, rows] = bitmap.count.map(|count| count as i64);
-    let one = |pixel: &usize| {
-        let (x, y) = (*pixel as i64 % columns, *pixel as i64 / columns);
-        let mut light = page;
-        for cell in 0..side * side {
-            // The cell at r shows the pixel at the place of the stroke less r.
-            let (at_x, at_y) = (x - (cell % side - NEIGHBOURS), y - (cell / side - NEIGHBOURS));
-            let inside = (0..columns).contains(&at_x) && (0..rows).contains(&at_y);
-            if inside && bitmap.black[(at_y * columns + at_x) as usize] {
-                light += cells[black][cell as usize] - cells[white][cell as usize];
+/// Text whose strokes are seen.
+pub(crate) struct Text<'a> {
+    pub(super) bitmap: &'a Bitmap,
+    pub(super) pitch_mm: [f64; 2],
+    /// Numbers of the pixels in the middle of strokes.
+    pub(super) middles: &'a [usize],
+}
+
+impl Text<'_> {
+    /// Borders of the cells of a kernel along an axis, mm: pixels about the middle one.
+    pub(super) fn edges(&self, axis: usize) -> Vec<f64> {
+        (-NEIGHBOURS..=NEIGHBOURS + 1).map(|k| (k as f64 - 0.5) * self.pitch_mm[axis]).collect()
+    }
+
+    /// What a kernel shows of black pixels in the middle of each stroke.
+    pub(super) fn over_black(&self, cells: &[f64]) -> Vec<f64> {
+        let side = 2 * NEIGHBOURS + 1;
+        let [columns, rows] = self.bitmap.count.map(|count| count as i64);
+        let one = |pixel: &usize| {
+            let (x, y) = (*pixel as i64 % columns, *pixel as i64 / columns);
+            let mut light = 0.0;
+            for cell in 0..side * side {
+                // The cell at r shows the pixel at the place of the stroke less r.
+                let (at_x, at_y) = (x - (cell % side - NEIGHBOURS), y - (cell / side - NEIGHBOURS));
+                let inside = (0..columns).contains(&at_x) && (0..rows).contains(&at_y);
+                if inside && self.bitmap.black[(at_y * columns + at_x) as usize] {
+                    light += cells[cell as usize];
+                }
             }
-        }
-        light
-    };
-    middles.iter().map(one).collect()
+            light
+        };
+        self.middles.iter().map(one).collect()
+    }
 }
 
 #[cfg(test)]

@@ -134,12 +134,13 @@ impl ViewLight {
             kernel.prepare_unless(&setup.stack, &[view.field], &setup.sources, &AtomicBool::new(false));
         let mut light =
             Self { pages: [0, 1, 2].map(|_| vec![0.0; setup.states.len() * bins]), front: [0.0; 3], bins };
-        for (number, factor) in kernel.seen(&setup.stack, 0).iter().enumerate() {
-            for (k, weights) in meter.xyz_weights(number).iter().enumerate() {
-                light.front[k] += weights.iter().zip(&factor.front).map(|(w, light)| w * light).sum::<f64>();
-                let values =
-                    factor.via_pixel.iter().enumerate().map(|(at, light)| weights[at % bins] * light);
-                light.pages[k].iter_mut().zip(values).for_each(|(sum, value)| *sum += value);
+        let factors = kernel.seen(&setup.stack, 0);
+        light.front = meter.without_pixel(&factors);
+        for one in meter.pixel_lights() {
+            let via_pixel = &factors[one.source].via_pixel;
+            for (pages, weights) in light.pages.iter_mut().zip(&one.weights) {
+                let values = via_pixel.iter().enumerate().map(|(at, light)| weights[at % bins] * light);
+                pages.iter_mut().zip(values).for_each(|(sum, value)| *sum += value);
             }
         }
         light

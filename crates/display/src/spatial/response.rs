@@ -1,15 +1,14 @@
 //! What a view sees of each light, by frequency and by place.
 
 use num_complex::Complex64;
-use papilio_imaging::text::Bitmap;
 use papilio_transport::adding::Kernel;
-use papilio_transport::spatial::Peak;
+use papilio_transport::spatial::{Peak, SpreadError, air_below_front_mm};
 use papilio_transport::{Panel, Source, Stack, Top};
 
-use super::patterns::Pattern;
-use super::{ghosts, lobe, paper};
+use super::patterns::{Pattern, Text};
+use super::{ghosts, paper, returned};
 use crate::DisplayError;
-use crate::meter::Meter;
+use crate::meter::{Meter, PixelLight};
 use crate::scene::Layers;
 use crate::setup::{Setup, ViewPoint};
 
@@ -44,8 +43,8 @@ pub(crate) trait Response: Sync {
     /// Light of cells between ascending borders, mm, rows from the bottom, `[state][cell]`.
     fn cells(&self, x_mm: &[f64], y_mm: &[f64]) -> Vec<Vec<f64>>;
 
-    /// Light of the middle of a line of the first state on the second, through all orders; `None` if the spread describes it.
-    fn line(&self, _states: [usize; 2], _width_mm: f64, _level: Level) -> Option<f64> {
+    /// Light of the middle of a line of the first state on the second, across an axis, through all orders; `None` if the spread describes it.
+    fn line(&self, _states: [usize; 2], _axis: usize, _width_mm: f64, _level: Level) -> Option<f64> {
         None
     }
 
@@ -54,14 +53,8 @@ pub(crate) trait Response: Sync {
         None
     }
 
-    /// Light of the middle of each pixel of black on white text, through all orders; `None` if the spread describes it.
-    fn text(
-        &self,
-        _bitmap: &Bitmap,
-        _pitch_mm: [f64; 2],
-        _black_and_white: [usize; 2],
-        _level: Level,
-    ) -> Option<Vec<f64>> {
+    /// Light of the middle of each stroke of black on white text, through all orders; `None` if the spread describes it.
+    fn text(&self, _text: &Text<'_>, _black_and_white: [usize; 2], _level: Level) -> Option<Vec<f64>> {
         None
     }
 
@@ -88,34 +81,63 @@ pub(crate) fn responses(
     let lengths = setup.scene.display.lengths_mm()?;
     let meter = Meter::new(setup);
     let (Stack::Panel(panel), Layers::Panel(_)) = (&setup.stack, &setup.scene.display.layers) else {
-        return Err(not_yet("general layers ([[display.layers]])", "display.layers"));
+        return Err(DisplayError::PlacesByPaths {
+            what: "general layers ([[display.layers]])".to_owned(),
+            key: "display.layers".to_owned(),
+        });
     };
-    if panel.front.reflectance_below.max() > 0.0 {
-        return Err(not_yet("front components that reflect light", "display.front"));
-    }
-    let thickness_mm = lengths.last().copied().unwrap_or_default();
     let stop = std::sync::atomic::AtomicBool::new(false);
     let mut kernel = Kernel::new(if level.is_fine() { 4 } else { 3 });
     let fields = [view.field];
     let _ready = kernel.prepare_unless(&setup.stack, &fields, &setup.sources, &stop);
     let factors = kernel.seen(&setup.stack, 0);
+    let lit = Lit { panel, lengths_mm: &lengths, view, level };
     let mut all = Vec::new();
-    let mut from_faces = 0.0;
-    for (number, (source, factor)) in setup.sources.iter().zip(&factors).enumerate() {
-        let weights = meter.luminous_weights(number);
-        if weights.iter().all(|weight| *weight == 0.0) {
-            continue;
-        }
-        from_faces += weights.iter().zip(&factor.front).map(|(weight, front)| weight * front).sum::<f64>();
-        let light = name_of_light(setup, number);
+    for light in meter.pixel_lights().into_iter().filter(PixelLight::is_seen) {
+        let [_, weights, _] = &light.weights;
+        let (source, via_pixel) = (&setup.sources[light.source], &factors[light.source].via_pixel[..]);
         let response: Box<dyn Response> = match (&panel.top, panel.base.is_specular()) {
-            (Top::Diffuser(_), _) => lobe::response(panel, &lengths, (view, source), weights, level)?,
-            (_, true) => ghosts::response(panel, thickness_mm, view, weights, &factor.via_pixel),
-            (_, false) => paper::response(panel, thickness_mm, weights, &factor.via_pixel, level),
+            (Top::Diffuser(_), _) => returned::response(lit, source, weights, via_pixel)?,
+            (_, true) => Box::new(ghosts::response(lit, weights, via_pixel)?),
+            (_, false) => Box::new(paper::response(lit, weights, via_pixel)?),
         };
-        all.push(Seen { light, response });
+        all.push(Seen { light: name_of_light(setup, &light), response });
     }
-    Ok((all, from_faces))
+    Ok((all, meter.without_pixel(&factors)[1]))
+}
+
+/// What a view sees of an ordinary panel.
+#[derive(Clone, Copy)]
+pub(super) struct Lit<'a> {
+    pub(super) panel: &'a Panel,
+    /// Air below each component of the front, and the glass.
+    pub(super) lengths_mm: &'a [f64],
+    pub(super) view: &'a ViewPoint,
+    pub(super) level: Level,
+}
+
+impl Lit<'_> {
+    /// Thickness of the glass.
+    pub(super) fn thickness_mm(&self) -> f64 {
+        self.lengths_mm.last().copied().unwrap_or_default()
+    }
+
+    /// Air between the front and what is below it; 0 if the front returns no light.
+    pub(super) fn air_mm(&self) -> Result<f64, DisplayError> {
+        air_below_front_mm(self.panel, self.lengths_mm).map_err(several_fronts)
+    }
+
+    /// Reflectances of the face above the pixel, and of the front, for light from below along the view, at a wavelength.
+    pub(super) fn faces(&self, bin: usize) -> [f64; 2] {
+        let beta = self.view.field.axis_towards().length();
+        let front = if self.panel.single_pass { 0.0 } else { self.panel.front.reflectance_below[bin] };
+        [face_reflectance(self.panel, bin, beta), front]
+    }
+}
+
+/// A panel with several fronts at different heights.
+pub(super) fn several_fronts(error: SpreadError) -> DisplayError {
+    DisplayError::PlacesByPaths { what: error.to_string(), key: "display.front".to_owned() }
 }
 
 /// Reflectance of the face above the pixel for light from below, at a wavelength.
@@ -127,21 +149,18 @@ pub(super) fn face_reflectance(panel: &Panel, bin: usize, beta: f64) -> f64 {
     }
 }
 
-fn not_yet(what: &str, key: &str) -> DisplayError {
-    DisplayError::PlacesNotComputed { what: what.to_owned(), key: key.to_owned() }
-}
-
-/// Name of a source in results: by its kind and its number in the scenario.
-pub(super) fn name_of_light(setup: &Setup, number: usize) -> String {
+/// Name of a light in results: by the kind of its source and its number in the scenario.
+pub(super) fn name_of_light(setup: &Setup, light: &PixelLight) -> String {
     let lighting = &setup.scene.lighting;
-    let term = setup.lights[number].term;
+    let term = setup.lights[light.light].term;
     let directed = lighting.directed.len();
-    match (&setup.sources[number], term) {
+    match (&setup.sources[light.light], term) {
         (_, 0) => "diffuse".to_owned(),
         (Source::Beam(_) | Source::Disc(_), term) => format!("directed.{}", term - 1),
         (_, term) if term <= directed + lighting.environment.len() => {
             format!("environment.{}", term - 1 - directed)
         }
+        _ if light.source != light.light => "front_light.leak".to_owned(),
         _ => "front_light".to_owned(),
     }
 }

@@ -12,14 +12,14 @@ use papilio_optics::Beta;
 use papilio_sampling::SampleStream;
 use papilio_spectra::Spectrum;
 use papilio_transport::spatial::displacement;
-use papilio_transport::walk::places::{Estimate, KernelTally, Pattern, PlacedWalk, What};
-use papilio_transport::{Interface, Layer, Layered, Medium, ReflectanceFactor, Stack, Top};
+use papilio_transport::walk::places::{Estimate, FilterPlane, KernelTally, Pattern, PlacedWalk, What};
+use papilio_transport::{Interface, Layer, Layered, Medium, ReflectanceFactor, Source, Stack, Top};
 
 use crate::DisplayError;
-use crate::meter::Meter;
+use crate::meter::{Meter, PixelLight};
 use crate::result::Named;
 use crate::run::{Control, Progress, Workers, each};
-use crate::scene::{AngleMedium, Approximation, Layers, Scene};
+use crate::scene::{AngleMedium, Approximation, FilterState, Layers, Scene};
 use crate::setup::{Setup, ViewPoint, base_under};
 
 /// Number of independent replicates.
@@ -102,6 +102,27 @@ pub fn pattern(
     panel.setup.views.iter().map(of_view).collect()
 }
 
+/// Computes Y of the states of a display with a colour filter in each view, as means over a period. `paths` is the number of paths of a
+/// view.
+///
+/// # Errors
+/// As [`pattern`]; if there is no filter.
+pub fn filtered(scene: &Scene, paths: u64, control: &Control<'_>) -> Result<Vec<PatternView>, DisplayError> {
+    let setup = Setup::with_filter(scene)?;
+    let panel = Placed::new(&setup)?;
+    let of_view = |view: &ViewPoint| {
+        let estimates = panel.filtered(view, paths, control)?;
+        let of_image = |image: usize| mean(estimates.iter().map(|one| panel.luminous(one, Some(image))));
+        Ok(PatternView {
+            theta_deg: view.theta_deg,
+            phi_deg: view.phi_deg,
+            via_pixel: (0..setup.states.len()).map(of_image).collect(),
+            front: mean(estimates.iter().map(|one| panel.luminous(one, None))),
+        })
+    };
+    setup.views.iter().map(of_view).collect()
+}
+
 /// Computes the transfer functions of the states in each view of the scene. `paths` is the number of paths of a view.
 ///
 /// Frequencies are in the plane of the panel, cycles per mm; places relative to the view's own ray.
@@ -118,9 +139,7 @@ pub fn transfer(
     let panel = Placed::new(&setup)?;
     let mut frequencies = vec![[0.0; 2]];
     frequencies.extend(frequencies_per_mm);
-    let channels: Vec<_> = (0..panel.setup.sources.len())
-        .map(|source| vec![panel.meter.luminous_weights(source).to_vec()])
-        .collect();
+    let channels = panel.channels();
     let of_view = |view: &ViewPoint| {
         let tally = || KernelTally {
             frequencies_per_mm: frequencies.clone(),
@@ -163,18 +182,47 @@ fn transfer_of(sums: &[Vec<[f64; 2]>]) -> Transfer {
     Transfer { luminous, otf: (1..count).map(|k| [ratio(k, 0), ratio(k, 1)]).collect() }
 }
 
+/// States of a display with a filter: below each window the state that the pixel has there, black between them.
+struct FilteredStates<'a> {
+    plane: &'a FilterPlane,
+    states: &'a [FilterState],
+}
+
+impl Pattern for FilteredStates<'_> {
+    fn images(&self) -> usize {
+        self.states.len()
+    }
+
+    fn period_mm(&self) -> [f64; 2] {
+        self.plane.period_mm
+    }
+
+    fn shows(&self, place_mm: [f64; 2], covered: &mut dyn FnMut(usize, usize, f64)) {
+        let Some(window) = self.plane.window_at(place_mm) else { return };
+        self.states
+            .iter()
+            .enumerate()
+            .for_each(|(image, state)| covered(image, state.pixel_states[window], 1.0));
+    }
+}
+
 /// A scene as layers with lengths.
-pub(super) struct Placed<'a> {
+pub(crate) struct Placed<'a> {
     pub(super) setup: &'a Setup,
-    pub(super) meter: Meter<'a>,
+    meter: Meter<'a>,
+    /// Light that reaches the pixel from each source.
+    pub(super) lights: Vec<PixelLight>,
+    pub(super) sources: Vec<Source>,
     stack: Layered,
+    /// Filter above the pixels.
+    filter: Option<FilterPlane>,
     pub(super) lengths_mm: Vec<f64>,
     /// Paths traced so far, for the progress.
     traced: AtomicU64,
 }
 
 impl<'a> Placed<'a> {
-    pub(super) fn new(setup: &'a Setup) -> Result<Self, DisplayError> {
+    pub(crate) fn new(setup: &'a Setup) -> Result<Self, DisplayError> {
         let scene = &setup.scene;
         if scene.solver.approximation != Approximation::None {
             return Err(DisplayError::NoPlaces {
@@ -188,15 +236,43 @@ impl<'a> Placed<'a> {
                 key: "solver.angle_medium",
             });
         }
-        if scene.lighting.front_light.is_some() {
-            return Err(DisplayError::NoPlaces { what: "a front light", key: "lighting.front_light" });
-        }
         let stack = match &setup.stack {
             Stack::Layered(stack) => stack.clone(),
             Stack::Panel(_) => layers_of_panel(setup),
         };
         let lengths_mm = scene.display.lengths_mm()?;
-        Ok(Self { setup, meter: Meter::new(setup), stack, lengths_mm, traced: AtomicU64::new(0) })
+        let meter = Meter::new(setup);
+        let lights = meter.pixel_lights();
+        let sources = lights.iter().map(|light| setup.sources[light.source].clone()).collect();
+        let filter = scene.display.matrix.as_ref().and_then(|matrix| {
+            let filter = matrix.filter.as_ref()?;
+            Some(FilterPlane {
+                height_mm: filter.height_mm,
+                period_mm: matrix.pitch_mm,
+                windows: matrix.sub_pixels.iter().map(|one| one.window.clone()).collect(),
+                transmittance: filter.transmittance.iter().map(|one| one.to_vec()).collect(),
+            })
+        });
+        Ok(Self { setup, meter, lights, sources, stack, filter, lengths_mm, traced: AtomicU64::new(0) })
+    }
+
+    /// Estimates of the states of a display with a filter.
+    pub(crate) fn filtered(
+        &self,
+        view: &ViewPoint,
+        paths: u64,
+        control: &Control<'_>,
+    ) -> Result<Vec<Estimate>, DisplayError> {
+        let (Some(plane), Some(filter)) = (&self.filter, self.setup.scene.display.filter()) else {
+            return Err(DisplayError::NoMatrix { command: "run" });
+        };
+        let states = FilteredStates { plane, states: &filter.states };
+        self.trace(view, || What::Pattern(&states), paths, control)
+    }
+
+    /// Weights in Y of the light of each source.
+    pub(super) fn channels(&self) -> Vec<Vec<Vec<f64>>> {
+        self.lights.iter().map(|light| vec![light.weights[1].clone()]).collect()
     }
 
     /// Number of wavelengths.
@@ -233,7 +309,13 @@ impl<'a> Placed<'a> {
         /// Paths between looks at whether to stop.
         const AT_ONCE: u64 = 1 << 12;
         let Scene { solver, .. } = &self.setup.scene;
-        let walk = PlacedWalk::new(&self.stack, &self.lengths_mm, view.field, &self.setup.sources, what());
+        let (stack, lengths, sources) = (&self.stack, &self.lengths_mm[..], &self.sources[..]);
+        let walk = match &self.filter {
+            Some(filter) => {
+                PlacedWalk::filtered(filter.clone(), stack, lengths, (view.field, sources), what())
+            }
+            None => PlacedWalk::new(stack, lengths, view.field, sources, what()),
+        };
         let walk = walk.map_err(DisplayError::Places)?;
         let (each_paths, mut workers) = (paths.div_ceil(REPLICATES).max(1), None);
         let pool = Workers::unless_one(&mut workers, control.threads)?;
@@ -257,13 +339,15 @@ impl<'a> Placed<'a> {
 
     /// Y of an image via the pixel, or of light that has not met the pixel.
     pub(super) fn luminous(&self, estimate: &Estimate, image: Option<usize>) -> f64 {
-        let of_light = |(number, rho): (usize, &ReflectanceFactor)| {
-            let weights = self.meter.luminous_weights(number);
-            let bins = weights.len();
-            let seen = image.map_or(&rho.front[..], |image| &rho.via_pixel[image * bins..][..bins]);
+        let Some(image) = image else {
+            return self.meter.without_pixel(&estimate.rho[..self.setup.sources.len()])[1];
+        };
+        let of_light = |(light, rho): (&PixelLight, &ReflectanceFactor)| {
+            let [_, weights, _] = &light.weights;
+            let seen = &rho.via_pixel[image * weights.len()..][..weights.len()];
             weights.iter().zip(seen).map(|(weight, seen)| weight * seen).sum::<f64>()
         };
-        estimate.rho.iter().enumerate().map(of_light).sum()
+        self.lights.iter().zip(&estimate.rho).map(of_light).sum()
     }
 }
 

@@ -4,7 +4,7 @@ use std::f64::consts::FRAC_1_SQRT_2;
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
-use papilio_display::spatial::{CrosstalkResult, Figure, crosstalk};
+use papilio_display::spatial::{CrosstalkResult, Figure, crosstalk, walk};
 use papilio_display::{Control, DisplayError};
 use papilio_scenario::{Resolved, Scenario};
 
@@ -26,9 +26,13 @@ fn filter(height_um: f64, transmittance: &str) -> String {
 }
 
 fn resolved(parts: &[&str]) -> Resolved {
+    resolved_with(parts, &[])
+}
+
+fn resolved_with(parts: &[&str], overrides: &[String]) -> Resolved {
     let text = format!("[spectrum]\nstep_nm = 40\n{}[solver]\nrelative_error = 1e-3\n", parts.concat());
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenarios");
-    Scenario::from_text(&text, "filter.toml", &folder, &[]).unwrap().resolve().unwrap()
+    Scenario::from_text(&text, "filter.toml", &folder, overrides).unwrap().resolve().unwrap()
 }
 
 fn computed(resolved: &Resolved) -> Result<CrosstalkResult, DisplayError> {
@@ -111,6 +115,68 @@ fn patches_below_a_filter_are_those_of_a_run() {
     }
 }
 
+/// Below a front that returns light, and in a front light: a clear filter changes nothing, and a gray one absorbs as the whole glass would.
+#[test]
+fn gray_filters_below_a_front_absorb_as_glass() {
+    let front = "[[display.front]]\nreflectance = 0.2\nabsorptance = 0.05\ngap_mm = 0.1\n";
+    let guide = "[lighting.front_light]\nilluminance_lx = 200\nspectrum = \"D65\"\nupward_leak = 0.1\n";
+    let view = "[viewer]\ntheta_deg = 20\nfield_deg = 0\n";
+    for (transmittance, gray) in [(1.0, CLEAR), (0.6, "red = 0.6, green = 0.6, blue = 0.6")] {
+        for surface in ["fresnel", "coated"] {
+            let filter = filter(30.0, gray);
+            let with = resolved(&[front, &glass(surface, 0.5), PAPER, LIGHT, guide, &filter, view]);
+            let absorbing = format!("{}internal_transmittance = {transmittance}\n", glass(surface, 0.5));
+            let without = resolved(&[front, &absorbing, PAPER, LIGHT, guide, view]);
+            let [with, without] = [&with, &without].map(|one| run_on(&one.scene, Some(1)).unwrap());
+            for (state, value) in without.views[0].states.iter() {
+                let found = with.views[0].states.get(state).unwrap().value.Y;
+                near(&format!("{surface}, {gray}, {state}"), found / value.value.Y, 1.0, 1e-3);
+            }
+        }
+    }
+}
+
+/// Colours below a filter by paths: those of the other solver in diffuse light and a lamp, below a face that reflects, and a front; and, of
+/// mirror-like pixels below a lobe, those of glass that absorbs as much if the filter is gray.
+#[test]
+fn colours_below_filters_are_those_of_paths() {
+    let light = "[lighting]\nilluminance_lx = 500\nspectrum = \"D65\"\ndiffuse = 0.6\n[[lighting.directed]]\ntheta_deg = -35\nphi_deg = 20\nshare = 0.4\n";
+    let front = "[[display.front]]\nreflectance = 0.1\ngap_mm = 0.1\n";
+    let view = "[viewer]\ntheta_deg = 20\nfield_deg = 0\n";
+    let stop = AtomicBool::new(false);
+    let control = Control { threads: Some(2), progress: &|_| {}, stop: &stop };
+    let coloured = filter(30.0, "red = 0.8, green = 0.5, blue = 0.2");
+    let paper = resolved(&[front, &glass("fresnel", 0.2), PAPER, light, &coloured, view]);
+    let gray = filter(30.0, "red = 0.6, green = 0.6, blue = 0.6");
+    let lobe = "[display.diffuser]\nmodel = \"k-correlation\"\nwidth = 0.1\ntransmittance = 1.0\n";
+    let mirror = PAPER.replace("lambertian", "mirror");
+    let film = resolved(&[lobe, &glass("coated", 0.2), &mirror, light, &gray, view]);
+    let absorbing = format!("{}internal_transmittance = 0.6\n", glass("coated", 0.2));
+    let glass = resolved(&[lobe, &absorbing, &mirror, light, view]);
+    for (found, expected) in [(&paper, &paper), (&film, &glass)] {
+        let found = &walk::filtered(&found.scene, 1 << 14, &control).unwrap()[0];
+        let expected = run_on(&expected.scene, Some(1)).unwrap();
+        let states = if expected.views[0].states.iter().count() == 8 { 0..8 } else { 0..2 };
+        assert_eq!(found.via_pixel.len(), 8);
+        for ((name, state), walk::Mean { value, standard_error }) in
+            expected.views[0].states.iter().zip(&found.via_pixel[states])
+        {
+            let y = state.value.Y - state.value.terms.front_reflection;
+            assert!(*standard_error < 0.03 * y, "{name}: {value} +- {standard_error}");
+            assert!(
+                (value - y).abs() < 4.5 * standard_error + 2e-3 * y,
+                "{name}: {value} +- {standard_error}, {y}"
+            );
+        }
+    }
+    // A run has the same paths, with errors.
+    let overrides = ["solver.method=monte-carlo", "solver.paths=4096"].map(str::to_owned);
+    let by_paths =
+        resolved_with(&[lobe, &super::filter::glass("coated", 0.2), &mirror, light, &gray, view], &overrides);
+    let run = run_on(&by_paths.scene, Some(2));
+    assert!(run.is_ok_and(|run| run.views[0].states.iter().count() == 8));
+}
+
 /// A line below a clear filter is that on paper without filter, by Fourier transforms; in colour all figures have the
 /// less gamut the higher the filter.
 #[test]
@@ -146,7 +212,7 @@ fn line_below_a_filter_is_that_of_paper() {
 #[test]
 fn what_is_not_computed_is_refused() {
     let key = |parts: &[&str]| match computed(&resolved(parts)) {
-        Err(DisplayError::PlacesNotComputed { key, .. } | DisplayError::MissingLength { key }) => key,
+        Err(DisplayError::PlacesByPaths { key, .. } | DisplayError::MissingLength { key }) => key,
         other => panic!("{other:?}"),
     };
     let filter = filter(30.0, CLEAR);

@@ -16,6 +16,7 @@ mod designs;
 mod filter;
 mod first_answers;
 mod front_light;
+mod fronts;
 mod honest_errors;
 mod levels_that_agree;
 mod lights;

@@ -23,7 +23,7 @@ const POINTS: usize = 16;
 
 /// Width of a panel of the table of what leaves, in radians of the phase at the critical angle, and the points on each.
 const PHASE_OF_TABLE: f64 = 4.0;
-const POINTS_OF_TABLE: usize = 16;
+pub(super) const POINTS_OF_TABLE: usize = 16;
 
 /// Light that the face above a Lambertian plane returns to it, by spatial frequency.
 #[derive(Debug, Clone)]
@@ -109,19 +109,22 @@ impl Table {
         let place = a / self.panel;
         let panel = place as usize;
         let t = 2.0 * (place - panel as f64) - 1.0;
-        let [first, others @ ..] = self.coefficients.get(panel)?;
-        // Clenshaw's recurrence.
-        let [mut here, mut next] = [0.0; 2];
-        for coefficient in others.iter().rev() {
-            (here, next) = (2.0 * t * here - next + coefficient, here);
-        }
-        let value = t * here - next + first;
+        let value = clenshaw(self.coefficients.get(panel)?, t);
         Some(if panel == 0 { x_k1(a) - value } else { value })
     }
 }
 
+/// Sum of Chebyshev polynomials at t, -1 to 1 (Clenshaw's recurrence).
+pub(super) fn clenshaw([first, others @ ..]: &[f64; POINTS_OF_TABLE], t: f64) -> f64 {
+    let [mut here, mut next] = [0.0; 2];
+    for coefficient in others.iter().rev() {
+        (here, next) = (2.0 * t * here - next + coefficient, here);
+    }
+    t * here - next + first
+}
+
 /// Chebyshev coefficients of the polynomial through the values of a function on an interval.
-fn chebyshev([from, to]: [f64; 2], of: impl Fn(f64) -> f64) -> [f64; POINTS_OF_TABLE] {
+pub(super) fn chebyshev([from, to]: [f64; 2], of: impl Fn(f64) -> f64) -> [f64; POINTS_OF_TABLE] {
     let angle = |k: usize| PI * (k as f64 + 0.5) / POINTS_OF_TABLE as f64;
     let values: [f64; POINTS_OF_TABLE] =
         std::array::from_fn(|k| of(0.5 * (from + to) + 0.5 * (to - from) * angle(k).cos()));

@@ -1,7 +1,7 @@
 //! A pattern of Lambertian reflectances under a face that returns light to it, through all orders.
 //!
 //! **What.** The irradiance of a pattern rho(x), relative to that of the light from outside, is
-//! `E = 1 + A * (rho E)`, with the return A of the face ([`FaceReturn`]); what leaves upwards is `rho E`. In the Fourier domain
+//! `E = 1 + A * (rho E)`, with the return A of the layers above ([`FaceReturn`](super::FaceReturn), [`FlatReturn`](super::FlatReturn)); what leaves upwards is `rho E`. In the Fourier domain
 //! A multiplies, between x and f the fast Fourier transform. A is below 0.6, so that repeating converges.
 //!
 //! **Limits.** Features much larger than the thickness: `rho/(1 - A(0) rho)` for each point. Much smaller: the mean reflectance
@@ -9,8 +9,6 @@
 
 use num_complex::Complex64;
 use papilio_fourier::Plane;
-
-use super::FaceReturn;
 
 /// Cells of a period of a pattern: rows from the bottom, columns from the left.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -55,8 +53,8 @@ pub struct Recycling {
 }
 
 impl Recycling {
-    /// Prepares the face for patterns of these cells.
-    pub fn new(cells: Cells, face: &FaceReturn) -> Self {
+    /// Prepares the layers above for patterns of these cells. `returned`: fraction that comes back at a frequency, cycles per mm.
+    pub fn new(cells: Cells, returned: impl Fn(f64) -> f64) -> Self {
         let [columns, rows] = cells.count;
         let scale = 1.0 / cells.len() as f64;
         let mut transfer = vec![0.0; cells.len()];
@@ -67,7 +65,7 @@ impl Recycling {
                 let mirror = (columns - column) % columns;
                 let at = column * rows + row;
                 transfer[at] =
-                    if mirror < column { transfer[mirror * rows + row] } else { scale * face.at(f) };
+                    if mirror < column { transfer[mirror * rows + row] } else { scale * returned(f) };
                 transfer[column * rows + (rows - row) % rows] = transfer[at];
             }
         }
@@ -108,6 +106,7 @@ impl Recycling {
 mod tests {
     use papilio_optics::interface::fresnel_reflectance;
 
+    use super::super::FaceReturn;
     use super::*;
 
     /// Paper of 0.6 and 0.03 under 1 mm of glass, diffuse light, seen along the normal through a bare face.
@@ -120,7 +119,7 @@ mod tests {
         let face =
             FaceReturn::new(1.5, 1.0, cells.most_per_mm(), |beta| 1.0 - fresnel_reflectance(1.5, 1.0, beta));
         let rho: Vec<f64> = (0..cells.len()).map(|k| PAPER[usize::from(2 * k >= cells.len())]).collect();
-        let irradiance = Recycling::new(cells, &face).irradiance(&rho, 1e-9);
+        let irradiance = Recycling::new(cells, |f| face.at(f)).irradiance(&rho, 1e-9);
         (rho, irradiance)
     }
 
@@ -167,7 +166,7 @@ mod tests {
             let face = FaceReturn::new(1.5, 1.0, cells.most_per_mm(), |beta| {
                 1.0 - fresnel_reflectance(1.5, 1.0, beta)
             });
-            let irradiance = Recycling::new(cells, &face).irradiance(&vec![rho; cells.len()], 1e-12);
+            let irradiance = Recycling::new(cells, |f| face.at(f)).irradiance(&vec![rho; cells.len()], 1e-12);
             assert!(irradiance.iter().all(|e| (e - 1.0 / (1.0 - a * rho)).abs() < 1e-6));
         }
         // Clapper and Yule: the mean reflectance in the denominator.
@@ -187,7 +186,7 @@ mod tests {
             let wave: Vec<f64> =
                 (0..16).map(|k| (2.0 * std::f64::consts::PI * f64::from(k) / 16.0).cos()).collect();
             let rho: Vec<f64> = wave.iter().map(|wave| 0.6 + 1e-5 * wave).collect();
-            let irradiance = Recycling::new(cells, &face).irradiance(&rho, 1e-13);
+            let irradiance = Recycling::new(cells, |f| face.at(f)).irradiance(&rho, 1e-13);
             let amplitude =
                 |values: &dyn Fn(usize) -> f64| (0..16).map(|k| values(k) * wave[k]).sum::<f64>() / 8.0;
             let seen = amplitude(&|k| rho[k] * irradiance[k]);

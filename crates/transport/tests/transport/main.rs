@@ -14,6 +14,7 @@ mod common;
 mod double_pass;
 mod few_wavelengths;
 mod fields;
+mod flat_return;
 mod layered_walk;
 mod layers;
 mod many_columns;

@@ -168,7 +168,7 @@ fn recycled_light_of_patterns_is_known() {
     });
     let reflectance: Vec<f64> =
         (0..64 * 64).map(|k| if (k % 64 < 32) == (k / 64 < 32) { 0.6 } else { 0.03 }).collect();
-    let irradiance = Recycling::new(cells, &face).irradiance(&reflectance, 1e-9);
+    let irradiance = Recycling::new(cells, |f| face.at(f)).irradiance(&reflectance, 1e-9);
     let mean = irradiance.iter().zip(&reflectance).map(|(e, r)| e * r).sum::<f64>() / 4096.0;
     // Of uniform paper: 0.362048.
     let through = 0.362_048 / (0.6 / (1.0 - 0.6 * 0.596_346));

@@ -122,13 +122,11 @@ fn seen(
     let mut colours = vec![[0.0; 3]; states];
     let mut columns = vec![[0.0; 3]; pairs.len()];
     let mut line = vec![[0.0; 3]; if lines.is_some() { states } else { 0 }];
-    for (source, first) in first.iter().enumerate() {
-        let weights = meter.xyz_weights(source);
-        if weights[1].iter().all(|weight| *weight == 0.0) {
-            continue;
-        }
-        seen.names.push(name_of_light(setup, source));
-        add(&mut seen.from_faces, flat::colour(weights, &first.front));
+    seen.from_faces = meter.without_pixel(&first);
+    for light in meter.pixel_lights().iter().filter(|light| light.is_seen()) {
+        let (source, weights) = (light.source, &light.weights);
+        let first = &first[source];
+        seen.names.push(name_of_light(setup, light));
         let lit = weights
             .each_ref()
             .map(|one| one.iter().zip(&first.via_pixel).map(|(weight, light)| weight * light).collect());

@@ -5,11 +5,12 @@
 
 use papilio_imaging::text::Bitmap;
 use papilio_transport::Panel;
-use papilio_transport::spatial::{Cells, FaceReturn, Recycling};
+use papilio_transport::spatial::{Accuracy, Cells, FlatReturn, Recycling};
 
 use super::super::Level;
-use super::super::response::face_reflectance;
+use super::super::response::several_fronts;
 use super::{Colour, Figure};
+use crate::DisplayError;
 
 /// Tolerance of the irradiance.
 const TOLERANCE: f64 = 1e-7;
@@ -19,7 +20,7 @@ const LINE_PERIOD: f64 = 64.0;
 /// Pixels of a figure: its pitch, and text.
 pub(super) struct Pixels<'a> {
     pub(super) pitch_mm: [f64; 2],
-    pub(super) thickness_mm: f64,
+    pub(super) lengths_mm: &'a [f64],
     pub(super) text: Option<&'a Bitmap>,
 }
 
@@ -46,22 +47,13 @@ impl Irradiance {
         figure: Figure,
         most: f64,
         level: Level,
-    ) -> Option<Self> {
-        let (cells, is_figure, seen) = drawn(pixels, figure, level)?;
-        let index = panel.medium.index();
-        let mut groups: Vec<Vec<usize>> = Vec::new();
-        for bin in 0..index.len() {
-            match groups.iter_mut().find(|group| index[group[0]] == index[bin]) {
-                Some(group) => group.push(bin),
-                None => groups.push(vec![bin]),
-            }
-        }
+    ) -> Result<Option<Self>, DisplayError> {
+        let Some((cells, is_figure, seen)) = drawn(pixels, figure, level) else { return Ok(None) };
+        let accuracy = Accuracy { digits: level.digits, most_per_mm: cells.most_per_mm() };
+        let faces = FlatReturn::all(panel, pixels.lengths_mm, accuracy).map_err(several_fronts)?;
         let nodes = if level.is_fine() { 3 } else { 2 };
-        let face = |bins: Vec<usize>| {
-            let bin = bins[0];
-            let passes = |beta: f64| 1.0 - face_reflectance(panel, bin, beta);
-            let face = FaceReturn::new(index[bin], pixels.thickness_mm, cells.most_per_mm(), passes);
-            let recycling = Recycling::new(cells, &face);
+        let face = |face: FlatReturn| {
+            let recycling = Recycling::new(cells, |f| face.at(f));
             let at = |k: usize| most * k as f64 / (nodes - 1) as f64;
             let one = |number: usize| {
                 let (own, page) = (at(number / nodes), at(number % nodes));
@@ -71,9 +63,10 @@ impl Irradiance {
                 seen.len() as f64 / sum
             };
             let values = (0..nodes * nodes).map(one).collect();
-            (bins, Table { most, nodes, values, zero: face.at(0.0) })
+            let zero = face.at(0.0);
+            (face.bins, Table { most, nodes, values, zero })
         };
-        Some(Self { faces: groups.into_iter().map(face).collect() })
+        Ok(Some(Self { faces: faces.into_iter().map(face).collect() }))
     }
 
     /// Factor of the light of a figure over that of a page in its state, for each wavelength.
@@ -107,7 +100,8 @@ impl Table {
 
 /// Cells of a figure, which of them belong to it, and those that are seen.
 fn drawn(pixels: &Pixels<'_>, figure: Figure, level: Level) -> Option<(Cells, Vec<bool>, Vec<usize>)> {
-    let Pixels { pitch_mm, thickness_mm, .. } = *pixels;
+    let pitch_mm = pixels.pitch_mm;
+    let thickness_mm = pixels.lengths_mm.last().copied().unwrap_or_default();
     let fine = level.is_fine();
     match figure {
         Figure::Patch => None,

@@ -15,7 +15,7 @@ use papilio_colour::{GamutReference, UvPrime, Xyz, gamut_percent};
 use papilio_imaging::text::Bitmap;
 use papilio_transport::adding::Kernel;
 use papilio_transport::spatial::{Accuracy, PanelSpread};
-use papilio_transport::{Panel, Reflector, Stack, Top};
+use papilio_transport::{Panel, Reflector, Source, Stack, Top};
 
 use self::flat::{Irradiance, Pixels};
 use self::places::{Gathered, NEIGHBOURS, Wanted, Windows, cell, gather};
@@ -178,16 +178,15 @@ impl<'a> Frame<'a> {
         let (states, bins) = (setup.states.len(), setup.scene.grid.len());
         let mut measured = Measured::default();
         let (mut pages, mut gathered) = (vec![[0.0; 3]; states], None::<Gathered>);
+        // Light of pages that meets the pixel once, if the front returns more.
+        let mut once = vec![[0.0; 3]; states];
         let is_flat = self.is_flat_paper();
         // Light of each state and wavelength in X, Y and Z.
         let mut by_wavelength = [0, 1, 2].map(|_| vec![0.0; states * bins]);
-        for (number, factor) in factors.iter().enumerate() {
-            let weights = meter.xyz_weights(number);
-            if weights[1].iter().all(|weight| *weight == 0.0) {
-                continue;
-            }
-            measured.names.push(name_of_light(setup, number));
-            add(&mut measured.from_faces, flat::colour(weights, &factor.front));
+        measured.from_faces = meter.without_pixel(&factors);
+        for light in meter.pixel_lights().iter().filter(|light| light.is_seen()) {
+            let (weights, factor) = (&light.weights, &factors[light.source]);
+            measured.names.push(name_of_light(setup, light));
             for (state, page) in pages.iter_mut().enumerate() {
                 add(page, flat::colour(weights, &factor.via_pixel[state * bins..][..bins]));
             }
@@ -199,7 +198,13 @@ impl<'a> Frame<'a> {
                 let light = flat::colour(weights, &factor.via_pixel[self.page * bins..][..bins])[1];
                 measured.page.push(self.only_own(light));
             } else {
-                let more = self.gathered(view, number, weights, level)?;
+                let (mut more, of_light) =
+                    self.gathered(view, &setup.sources[light.source], weights, level)?;
+                once.iter_mut().zip(&of_light).for_each(|(sum, light)| add(sum, *light));
+                if self.returns() {
+                    let own = flat::colour(weights, &factor.via_pixel[self.page * bins..][..bins])[1];
+                    more.add_returned(own / of_light[self.page][1], level.is_fine());
+                }
                 measured.page.push(more.page.clone());
                 match &mut gathered {
                     Some(sum) => sum.add(&more),
@@ -210,8 +215,8 @@ impl<'a> Frame<'a> {
         for figure in Figure::ALL {
             let (colours, beside) = match (&gathered, figure) {
                 (_, Figure::Patch) => (pages.clone(), Some(pages[self.page])),
-                (None, _) => self.on_paper(figure, &pages, &by_wavelength, level),
-                (Some(gathered), _) => self.blurred(figure, &pages, gathered),
+                (None, _) => self.on_paper(figure, &pages, &by_wavelength, level)?,
+                (Some(gathered), _) => self.blurred(figure, (&pages, &once), gathered, level),
             };
             measured.figures[figure as usize] = colours;
             measured.beside[figure as usize] = beside.filter(|_| state(self.setup, PAGE).is_some());
@@ -234,27 +239,39 @@ impl<'a> Frame<'a> {
     fn gathered(
         &self,
         view: &ViewPoint,
-        number: usize,
+        source: &Source,
         weights: &[Vec<f64>; 3],
         level: Level,
-    ) -> Result<Gathered, DisplayError> {
+    ) -> Result<(Gathered, Vec<Colour>), DisplayError> {
         let accuracy = Accuracy { digits: level.digits, most_per_mm: level.most_per_mm };
-        let panel = Panel { base: self.surfaces.base.clone(), ..self.panel.clone() };
-        let source = &self.setup.sources[number];
-        let spread =
-            PanelSpread::new(&panel, &self.lengths_mm, &view.field, source, accuracy).map_err(|error| {
-                DisplayError::PlacesNotComputed { what: error.to_string(), key: "display".to_owned() }
-            })?;
+        let mut panel = Panel { base: self.surfaces.base.clone(), ..self.panel.clone() };
+        // What the front returns is added below.
+        panel.front.reflectance_below = vec![0.0; panel.base.bins()].into();
+        let lengths = [self.lengths_mm.last().copied().unwrap_or_default()];
+        let spread = PanelSpread::new(&panel, &lengths, &view.field, source, accuracy).map_err(|error| {
+            DisplayError::PlacesNotComputed { what: error.to_string(), key: "display".to_owned() }
+        })?;
         let wanted = Wanted { parts: &self.parts, page: &self.surfaces.states[self.page] };
-        Ok(gather(&spread, (&panel.base, &panel.medium), weights, &self.windows, &wanted))
+        let seen: Vec<f64> = spread.transfer(self.panel, &[[0.0; 2]]).iter().map(|light| light.re).collect();
+        let once = seen.chunks_exact(panel.base.bins()).map(|light| flat::colour(weights, light));
+        Ok((gather(&spread, (&panel.base, &panel.medium), weights, &self.windows, &wanted), once.collect()))
+    }
+
+    /// True if a front returns light to the pixel.
+    fn returns(&self) -> bool {
+        !self.panel.single_pass && self.panel.front.reflectance_below.max() > 0.0
     }
 
     /// Colours of figures that are blurred: the page, less its light from the places of the figure and more of that of the figure.
+    ///
+    /// Of what a front returns, the fine level takes all as coming from the whole page, the coarse one as coming from the places that are
+    /// seen directly: the difference bounds the error. `once`: pages in light that meets the pixel once.
     fn blurred(
         &self,
         figure: Figure,
-        pages: &[Colour],
+        (pages, once): (&[Colour], &[Colour]),
         gathered: &Gathered,
+        level: Level,
     ) -> (Vec<Colour>, Option<Colour>) {
         let text;
         let light = match figure {
@@ -268,16 +285,33 @@ impl<'a> Frame<'a> {
                 None => return (Vec::new(), None),
             },
         };
-        let on = |own: usize, page: usize| {
-            let mut colour = pages[page];
-            for (state, sign) in [(own, 1.0), (page, -1.0)] {
-                for part in &self.surfaces.states[state] {
-                    let known = self.parts.iter().position(|known| known.at() == part.at());
-                    let more = known.map_or([0.0; 3], |number| light[number]);
-                    (0..3).for_each(|k| colour[k] += sign * part.fraction * more[k]);
-                }
+        let within = |state: usize| {
+            let mut sum = [0.0; 3];
+            for part in &self.surfaces.states[state] {
+                let known = self.parts.iter().position(|known| known.at() == part.at());
+                let more = known.map_or([0.0; 3], |number| light[number]);
+                (0..3).for_each(|k| sum[k] += part.fraction * more[k]);
             }
-            colour
+            sum
+        };
+        let on = |own: usize, page: usize| {
+            let (more, less) = (within(own), within(page));
+            let blurred = |of: &[Colour], k: usize| of[page][k] + more[k] - less[k];
+            if !self.returns() {
+                return [0, 1, 2].map(|k| blurred(pages, k));
+            }
+            [0, 1, 2].map(|k| {
+                let orders = |state: usize| {
+                    if once[state][k] > 0.0 { pages[state][k] / once[state][k] } else { 1.0 }
+                };
+                let part = if once[own][k] > 0.0 { more[k] / once[own][k] } else { 0.0 };
+                let returned = match (level.is_fine(), figure) {
+                    (true, Figure::Stripe) => 1.0 / (0.5 / orders(own) + 0.5 / orders(page)),
+                    (true, _) => orders(page),
+                    (false, _) => orders(page) + part * (orders(own) - orders(page)),
+                };
+                blurred(once, k) * returned
+            })
         };
         let colours = (0..pages.len()).map(|state| on(state, self.page)).collect();
         let beside = match (figure, state(self.setup, BLACK)) {
@@ -316,16 +350,14 @@ impl<'a> Frame<'a> {
         pages: &[Colour],
         by_wavelength: &[Vec<f64>; 3],
         level: Level,
-    ) -> (Vec<Colour>, Option<Colour>) {
-        let Reflector::Lambertian(rho) = &self.panel.base.reflector else { return (Vec::new(), None) };
-        let pixels = Pixels {
-            pitch_mm: self.matrix.pitch_mm,
-            thickness_mm: self.lengths_mm.last().copied().unwrap_or_default(),
-            text: self.text.as_ref(),
-        };
+    ) -> Result<(Vec<Colour>, Option<Colour>), DisplayError> {
+        let nothing = (Vec::new(), None);
+        let Reflector::Lambertian(rho) = &self.panel.base.reflector else { return Ok(nothing) };
+        let pixels =
+            Pixels { pitch_mm: self.matrix.pitch_mm, lengths_mm: &self.lengths_mm, text: self.text.as_ref() };
         let most = rho.iter().copied().fold(0.0, f64::max);
-        let Some(irradiance) = Irradiance::new(self.panel, &pixels, figure, most, level) else {
-            return (Vec::new(), None);
+        let Some(irradiance) = Irradiance::new(self.panel, &pixels, figure, most, level)? else {
+            return Ok(nothing);
         };
         let bins = self.setup.scene.grid.len();
         let row = |all: &'_ [f64], state: usize| all[state * bins..][..bins].to_vec();
@@ -338,7 +370,7 @@ impl<'a> Frame<'a> {
             (Figure::Stripe, Some(black)) => on(self.page, black),
             _ => pages[self.page],
         };
-        (colours, Some(beside))
+        Ok((colours, Some(beside)))
     }
 }
 
@@ -423,11 +455,12 @@ fn covered(setup: &Setup) -> Result<&Panel, DisplayError> {
     let Stack::Panel(panel) = &setup.stack else {
         return not_yet("general layers ([[display.layers]])", "display.layers");
     };
-    if panel.front.reflectance_below.max() > 0.0 {
-        return not_yet("front components that reflect light", "display.front");
-    }
-    if setup.scene.lighting.front_light.is_some() {
-        return not_yet("a front light", "lighting.front_light");
+    let is_flat_paper = !panel.base.is_specular() && !matches!(panel.top, Top::Diffuser(_));
+    if panel.front.reflectance_below.max() > 0.0 && !is_flat_paper {
+        return not_yet(
+            "front components that reflect light to anything but paper below a flat face",
+            "display.front",
+        );
     }
     if panel.base.is_specular() && matches!(panel.top, Top::Fresnel(_)) {
         return not_yet("figures of mirror-like pixels below a face that reflects", "display.glass.surface");

@@ -164,10 +164,8 @@ impl Grid {
     /// `half_mm` is half of the side of the picture of kernels, at least that of four pixels.
     fn new(frame: &Frame<'_>, panel: &Placed<'_>, view: &ViewPoint, half_mm: f64) -> Self {
         let setup = frame.setup;
-        let has_light =
-            |number: &usize| panel.meter.luminous_weights(*number).iter().any(|weight| *weight != 0.0);
-        let lights =
-            (0..setup.sources.len()).filter(has_light).map(|number| (number, name_of_light(setup, number)));
+        let seen = panel.lights.iter().enumerate().filter(|(_, light)| light.is_seen());
+        let lights = seen.map(|(number, light)| (number, name_of_light(setup, light)));
         let mut frequencies = frame.frequencies.clone();
         let highest = frequencies.last().copied().unwrap_or(1.0);
         while let Some(last) = frequencies.last().filter(|last| **last < SEARCHED * highest) {
@@ -215,13 +213,12 @@ impl Grid {
     ) -> Result<Vec<Estimate>, DisplayError> {
         let along =
             |axis: usize| self.frequencies.iter().map(move |f| if axis == 0 { [*f, 0.0] } else { [0.0, *f] });
-        let sources = 0..panel.setup.sources.len();
         let tally = || KernelTally {
             frequencies_per_mm: along(0).chain(along(1)).collect(),
             cells: Some(self.cells),
             strips_mm: self.places.clone(),
             rings_mm: self.radii.clone(),
-            channels: sources.clone().map(|k| vec![panel.meter.luminous_weights(k).to_vec()]).collect(),
+            channels: panel.channels(),
         };
         panel.trace(view, || What::Kernel(tally()), paths, control)
     }
@@ -229,8 +226,8 @@ impl Grid {
     /// Sums of a replicate over the sources with light.
     fn sums(&self, panel: &Placed<'_>, estimate: &Estimate) -> Sums {
         let lights = self.lights.iter().map(|(number, _)| {
-            let weights = panel.meter.luminous_weights(*number);
-            (weights, &estimate.rho[*number], &estimate.spreads[*number].response)
+            let [_, weights, _] = &panel.lights[*number].weights;
+            (&weights[..], &estimate.rho[*number], &estimate.spreads[*number].response)
         });
         Sums::new(lights, panel.setup.states.len(), self.frequencies.len())
     }

@@ -15,6 +15,7 @@ mod indices;
 mod lambertian;
 mod ledger;
 pub(super) mod lobes;
+mod pairs;
 mod projected;
 mod recycling;
 mod rings;

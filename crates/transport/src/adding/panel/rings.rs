@@ -8,27 +8,50 @@ use papilio_optics::with_widest_simd;
 use super::super::quadrature::{MULTIPLE_POLES, Node, Point, Pole, graded};
 use super::first_pass::SAME_RADIUS;
 use super::lobes::{LANES, radii_of, side_by_side};
+use super::pairs::Pairs;
 
 /// Number of orders (or a quarter of the number of points) above which panels around the lobes are faster.
 const MOST_ORDERS: usize = 300;
 
+/// Largest number of pairs of points for which the closed form of each is considered.
+const MOST_PAIRS: usize = 400;
+/// Cost of a closed form in steps of the recurrence of orders.
+const STEPS_OF_A_PAIR: usize = 16;
+/// The same of the panels around the lobe of a point.
+const STEPS_OF_PANELS: usize = 800;
+/// Number of steps for which it does not matter which method is the cheapest.
+const FEW_STEPS: usize = 100;
+
 /// Integral over azimuth of the product of two sums of lobes, at any radius.
 ///
-/// By Parseval's theorem it is a sum over Fourier orders, which needs only half as many as either of its
-/// factors has.
+/// The product of two lobes has a closed form ([`Pairs`]). Sums of many points have many pairs. By Parseval's theorem
+/// their product is a sum over Fourier orders, which needs only half as many as either of its factors has. If these are
+/// too many, too, the integral is computed by panels around the lobes.
 pub(super) struct RingOfProducts<'a> {
     lobe: Lobe,
     digits: f64,
     points: [&'a [Point]; 2],
+    /// `None` if they are too many.
+    pairs: Option<Pairs>,
     rings: [Rings; 2],
     /// Workspace.
     ratios: Vec<[f64; LANES]>,
 }
 
+/// How the integral is computed.
+#[derive(Debug, Clone, Copy)]
+enum Method {
+    Pairs,
+    /// The number of orders of the product, and the orders from which the recurrences of the two factors start.
+    Orders(usize, [usize; 2]),
+    Panels,
+}
+
 impl<'a> RingOfProducts<'a> {
     pub(super) fn new(lobe: Lobe, one: &'a [Point], other: &'a [Point], digits: f64) -> Self {
         let points = [one, other];
-        Self { lobe, digits, points, rings: points.map(Rings::new), ratios: Vec::new() }
+        let pairs = Pairs::new(points, MOST_PAIRS);
+        Self { lobe, digits, points, pairs, rings: points.map(Rings::new), ratios: Vec::new() }
     }
 
     /// Returns the integral at each of the nodes.
@@ -42,16 +65,49 @@ impl<'a> RingOfProducts<'a> {
         let mut all = Vec::with_capacity(nodes.len());
         for nodes in nodes.chunks(LANES) {
             let radii = radii_of(nodes);
-            let found = match self.orders(width, &radii) {
-                Some(orders) => with_widest_simd(
-                    #[inline(always)]
-                    || self.by_orders(width, &radii, orders, &mut sums),
-                ),
-                None => radii.map(|radius| by_panels(width, radius, self.points, self.digits)),
-            };
+            let found = self.by(self.method(width, &radii), width, &radii, &mut sums);
             all.extend_from_slice(&found[..nodes.len()]);
         }
         all
+    }
+
+    /// Returns the cheapest method.
+    fn method(&self, width: f64, radii: &[f64; LANES]) -> Method {
+        let of_pairs = self.pairs.as_ref().map_or(usize::MAX, |pairs| STEPS_OF_A_PAIR * pairs.len());
+        if of_pairs <= FEW_STEPS {
+            return Method::Pairs;
+        }
+        let (steps, other) = match self.orders(width, radii) {
+            Some((count, from)) => {
+                let steps = |(rings, from): (&Rings, usize)| rings.radii.len() * from;
+                (self.rings.iter().zip(from).map(steps).sum(), Method::Orders(count, from))
+            }
+            None => (STEPS_OF_PANELS * (self.points[0].len() + self.points[1].len()), Method::Panels),
+        };
+        if of_pairs <= steps { Method::Pairs } else { other }
+    }
+
+    /// Computes the integrals by this method; `sums` is a workspace.
+    fn by(
+        &mut self,
+        method: Method,
+        width: f64,
+        radii: &[f64; LANES],
+        sums: &mut [Vec<Turning>; 2],
+    ) -> [f64; LANES] {
+        match (method, &self.pairs) {
+            (Method::Pairs, Some(pairs)) => with_widest_simd(
+                #[inline(always)]
+                || pairs.at(width, radii),
+            ),
+            (Method::Orders(count, from), _) => with_widest_simd(
+                #[inline(always)]
+                || self.by_orders(width, radii, (count, from), sums),
+            ),
+            (Method::Pairs | Method::Panels, _) => {
+                radii.map(|radius| by_panels(width, radius, self.points, self.digits))
+            }
+        }
     }
 
     /// Returns the number of orders that the product needs, and the orders from which the recurrences of the
@@ -185,9 +241,6 @@ impl Rings {
 
 /// Returns the integral at one radius by panels around the lobes.
 fn by_panels(width: f64, radius: f64, points: [&[Point]; 2], digits: f64) -> f64 {
-    if let Some(along) = on_one_axis(points) {
-        return on_half_circle(width, radius, along, digits);
-    }
     let excess = |point: &Point| {
         let r = point.beta.length();
         ((radius - r).powi(2) + width * width) / (2.0 * radius * r).max(1e-300)
@@ -212,51 +265,6 @@ fn by_panels(width: f64, radius: f64, points: [&[Point]; 2], digits: f64) -> f64
     (width / (2.0 * PI)).powi(2) * graded(-PI, PI, &[], &poles, digits).iter().map(value).sum::<f64>()
 }
 
-/// Returns the places of points along an axis through the normal, with their weights, if all of them lie on one.
-fn on_one_axis(points: [&[Point]; 2]) -> Option<[Vec<[f64; 2]>; 2]> {
-    let farthest = |a: &Point, b: &Point| a.beta.squared().total_cmp(&b.beta.squared());
-    let far = points.into_iter().flatten().copied().max_by(|a, b| farthest(a, b))?.beta;
-    let length = far.length();
-    if length == 0.0 {
-        return None;
-    }
-    let [x, y] = [far.x / length, far.y / length];
-    let is_on = |point: &Point| (point.beta.x * y - point.beta.y * x).abs() <= SAME_RADIUS;
-    let along = |point: &Point| [point.beta.x * x + point.beta.y * y, point.weight];
-    let all_on = points.into_iter().flatten().all(is_on);
-    all_on.then(|| points.map(|points| points.iter().map(along).collect()))
-}
-
-/// Returns the integral at one radius for points on one axis, given by their places and weights: twice that over half
-/// of the circle.
-fn on_half_circle(width: f64, radius: f64, points: [Vec<[f64; 2]>; 2], digits: f64) -> f64 {
-    let mut poles: Vec<Pole> = Vec::new();
-    for [place, _] in points.iter().flatten() {
-        let r = place.abs();
-        let excess = ((radius - r).powi(2) + width * width) / (2.0 * radius * r).max(1e-300);
-        let at = if *place < 0.0 { PI } else { 0.0 };
-        poles.push(Pole { at, off: 2.0 * (0.5 * excess).sqrt().asinh() });
-    }
-    poles.sort_by(|a, b| a.at.total_cmp(&b.at).then(a.off.total_cmp(&b.off)));
-    // The nearest of each direction.
-    poles.dedup_by_key(|pole| pole.at);
-    // The squares of the chords from either end of the axis, over 4 r radius: exact also for lobes as narrow as 1e-6.
-    let lobes = |ends: [f64; 2], points: &[[f64; 2]]| -> f64 {
-        let lobe = |[place, weight]: &[f64; 2]| {
-            let r = place.abs();
-            let end = ends[usize::from(*place < 0.0)];
-            let s = width * width + (radius - r).powi(2) + 4.0 * radius * r * end * end;
-            weight / (s * s.sqrt())
-        };
-        points.iter().map(lobe).sum()
-    };
-    let value = |node: &Node| {
-        let ends = (0.5 * node.x).sin_cos().into();
-        node.weight * lobes(ends, &points[0]) * lobes(ends, &points[1])
-    };
-    2.0 * (width / (2.0 * PI)).powi(2) * graded(0.0, PI, &[], &poles, digits).iter().map(value).sum::<f64>()
-}
-
 /// Returns the weighted sum of lobes at a point, without the factor `b / (2 pi)`.
 #[inline]
 fn lobes(width: f64, x: f64, y: f64, points: &[Point]) -> f64 {
@@ -273,24 +281,42 @@ mod tests {
     use super::*;
     use papilio_optics::{Beta, Scatterer};
 
-    /// Both methods of summing over azimuth agree, for lobes down to a width of 1e-4; also of points on one axis.
+    /// All methods of integrating over azimuth agree, for lobes down to a width of 1e-4: one pair of points, also on one
+    /// axis, and sums of points.
     #[test]
-    fn products_of_narrow_lobes_agree_by_both_methods() {
-        let point = |x, y| vec![Point { beta: Beta { x, y }, weight: 1.0 }];
-        let pairs = [(point(0.3, 0.02), point(-0.1, 0.29)), (point(0.24, 0.18), point(-0.28, -0.21))];
-        let widths = [1e-4, 3e-3, 0.05];
-        for ((one, other), width) in pairs.iter().flat_map(|pair| widths.map(|width| (pair, width))) {
+    fn products_of_narrow_lobes_agree_by_all_methods() {
+        let point = |x, y| Point { beta: Beta { x, y }, weight: 0.7 };
+        let cases = [
+            (vec![point(0.3, 0.02)], vec![point(-0.1, 0.29)]),
+            (vec![point(0.24, 0.18)], vec![point(-0.28, -0.21)]),
+            (vec![point(0.3, 0.0)], vec![point(0.3, 0.0)]),
+            (
+                vec![point(0.3, 0.01), point(0.3, -0.01), point(0.29, 0.01)],
+                vec![point(0.0, 0.0), point(-0.31, 0.0)],
+            ),
+        ];
+        for ((one, other), width) in
+            cases.iter().flat_map(|case| [1e-4, 3e-3, 0.05].map(|width| (case, width)))
+        {
             let lobe = Lobe::KCorrelation { width };
-            let node = Node { x: 0.3, weight: 1.0 };
-            let found = RingOfProducts::new(lobe, one, other, 23.0).at(&[node])[0];
             let steps = 400_000;
+            let sum = |points: &[Point], at: Beta| -> f64 {
+                points.iter().map(|point| point.weight * lobe.density(point.beta, at)).sum()
+            };
             let term = |k: i32| {
                 let phi = 2.0 * PI * f64::from(k) / f64::from(steps);
                 let at = Beta { x: 0.3 * phi.cos(), y: 0.3 * phi.sin() };
-                lobe.density(one[0].beta, at) * lobe.density(other[0].beta, at)
+                sum(one, at) * sum(other, at)
             };
             let truth = (0..steps).map(term).sum::<f64>() * 2.0 * PI / f64::from(steps);
-            assert!((found / truth - 1.0).abs() < 1e-8, "{width}: {found} {truth}");
+            let mut ring = RingOfProducts::new(lobe, one, other, 23.0);
+            let (radii, mut sums) = ([0.3; LANES], [Vec::new(), Vec::new()]);
+            let by_orders = ring.orders(width, &radii).map(|(count, from)| Method::Orders(count, from));
+            assert!(by_orders.is_some() || width < 0.01, "{width}");
+            for method in [Method::Pairs, Method::Panels].into_iter().chain(by_orders) {
+                let found = ring.by(method, width, &radii, &mut sums)[0];
+                assert!((found / truth - 1.0).abs() < 1e-8, "{width} {method:?}: {found} {truth}");
+            }
         }
     }
 }

@@ -59,7 +59,8 @@ fn picture_equals_the_plain_solution_at_every_wavelength() {
     for thickness_mm in [0.2, 0.5] {
         let period_mm = [0, 1].map(|k| count[k] as f64 * PITCH_MM[k]);
         let cells = Cells { count: count.map(|count| count * parts), period_mm };
-        let recycling = Recycling::new(cells, &face(thickness_mm, cells.most_per_mm()));
+        let face = face(thickness_mm, cells.most_per_mm());
+        let recycling = Recycling::new(cells, |f| face.at(f));
         let mut expected = vec![[0.0; 3]; states.len()];
         for bin in 0..BINS {
             let pixel =

@@ -22,11 +22,13 @@ mod bare;
 mod cells;
 mod diffused;
 mod error;
+mod flat_return;
 mod returned;
 mod transfer;
 
 pub use cells::{Grid, Kernel};
 pub use error::SpreadError;
+pub use flat_return::FlatReturn;
 
 use papilio_optics::Beta;
 
@@ -103,6 +105,14 @@ impl Heights {
     fn in_glass(self, beta: Beta, index: f64) -> [f64; 2] {
         displacement(beta, self.glass_mm, index)
     }
+}
+
+/// Returns the length of the air between the front of screen and what is below it, mm; 0 if the front returns no light.
+///
+/// # Errors
+/// If several components of the front reflect at different heights.
+pub fn air_below_front_mm(panel: &Panel, lengths_mm: &[f64]) -> Result<f64, SpreadError> {
+    Ok(Heights::new(panel, lengths_mm)?.front_mm)
 }
 
 impl PanelSpread {

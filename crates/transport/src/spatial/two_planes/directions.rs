@@ -23,6 +23,8 @@ pub(super) struct Ring {
     pub(super) beta: f64,
     /// Fraction of the light of a Lambertian plane.
     pub(super) weight: f64,
+    /// Air that it crosses above the medium and back, over 2, mm.
+    pub(super) air_mm: f64,
     /// True if its way is many periods.
     pub(super) is_far: bool,
     /// Azimuths in a quadrant.
@@ -48,7 +50,7 @@ pub fn diffuse_directions(level: u32, passes: impl Fn(f64) -> f64) -> Vec<Direct
         for node in gauss(ends[0], ends[1], POINTS) {
             let (beta, slope) = towards_rim(node.x);
             let weight = 2.0 * beta * slope * node.weight * passes(beta);
-            let ring = Ring { beta, weight, is_far: false, azimuths };
+            let ring = Ring { beta, weight, air_mm: 0.0, is_far: false, azimuths };
             let points = self::azimuths(&ring, false);
             all.extend(points.map(|(beta, share)| Direction { beta, weight: weight * share }));
         }
@@ -64,7 +66,7 @@ pub fn diffused_directions(diffuser: &Diffuser, index: f64, level: u32) -> Vec<D
     for node in radial(index, &[1.0], &[Pole { at: 1.0, off: width }], 6.0 + 3.0 * f64::from(level)) {
         let straight = if node.x < 1.0 { *regular_fraction } else { 0.0 };
         let leaves = straight + (1.0 - regular_fraction) * lobe.fraction_in_disc(node.x, 1.0);
-        let ring = Ring { beta: node.x, weight: 1.0, is_far: false, azimuths: 24 << level };
+        let ring = Ring { beta: node.x, weight: 1.0, air_mm: 0.0, is_far: false, azimuths: 24 << level };
         let points = azimuths(&ring, false);
         all.extend(points.map(|(beta, share)| Direction { beta, weight: leaves * node.weight * share }));
     }
@@ -104,7 +106,7 @@ pub(super) fn return_rings(
 ) -> Vec<Ring> {
     // Beyond this phase of the first order, where light returns does not depend on where it left.
     let finer = f64::from(1 + level);
-    let farthest = if is_plane { 30.0 } else { 40.0 } * (1.0 + 0.5 * f64::from(level));
+    let farthest = farthest(level, is_plane);
     let rate = 2.0 * PI * way;
     let panel_phase = PHASE_OF_PANEL / finer;
     let area = index * index;
@@ -114,7 +116,7 @@ pub(super) fn return_rings(
         let is_far = phase > farthest;
         let azimuths = if is_far { FEWEST } else { FEWEST + (0.6 * finer * phase) as usize };
         if weight != 0.0 {
-            rings.push(Ring { beta, weight, is_far, azimuths });
+            rings.push(Ring { beta, weight, air_mm: 0.0, is_far, azimuths });
         }
     };
     let rim = 1.0 / (area - 1.0).max(1e-12).sqrt();
@@ -141,4 +143,49 @@ pub(super) fn return_rings(
         add(index * sin, 2.0 * sin * cos * node.weight);
     }
     rings
+}
+
+/// Phase of the first order beyond which light returns anywhere.
+fn farthest(level: u32, is_plane: bool) -> f64 {
+    let most = if is_plane { 30.0 } else { 40.0 };
+    most * (1.0 + 0.5 * f64::from(level))
+}
+
+/// Rings of the light that a front above the face returns: `weight` is the fraction of it at `|beta|`, `lengths_mm` are the medium and the air
+/// on half of the way, `period_mm` the shortest period.
+pub(super) fn front_rings(
+    index: f64,
+    (lengths_mm, period_mm): ([f64; 2], f64),
+    (level, is_plane): (u32, bool),
+    weight: impl Fn(f64) -> f64,
+) -> Vec<Ring> {
+    let phase = |beta: f64| {
+        let medium = lengths_mm[0] * beta / (index * index - beta * beta).sqrt();
+        let air = lengths_mm[1] * beta / (1.0 - beta * beta).max(1e-30).sqrt();
+        4.0 * PI * (medium + air) / period_mm
+    };
+    let (finer, farthest) = (f64::from(1 + level), farthest(level, is_plane));
+    // |beta| = sin x: up to the phase that matters, and beyond.
+    let (mut near, mut far) = (0.0, FRAC_PI_2);
+    for _ in 0..50 {
+        let middle: f64 = 0.5 * (near + far);
+        *(if phase(middle.sin()) < farthest { &mut near } else { &mut far }) = middle;
+    }
+    let count = 1 + (farthest * finer / PHASE_OF_PANEL).ceil() as usize;
+    let ends =
+        (0..=count).map(|k| near * k as f64 / count as f64).chain([0.5 * (near + FRAC_PI_2), FRAC_PI_2]);
+    let ends: Vec<f64> = ends.collect();
+    let ring = |node: Node| {
+        let (beta, cos) = node.x.sin_cos();
+        let phase = phase(beta);
+        let is_far = phase > farthest;
+        let azimuths = if is_far { FEWEST } else { FEWEST + (0.6 * finer * phase) as usize };
+        let weight = 2.0 * beta * cos * node.weight / (index * index) * weight(beta);
+        Ring { beta, weight, air_mm: lengths_mm[1], is_far, azimuths }
+    };
+    ends.windows(2)
+        .flat_map(|pair| gauss(pair[0], pair[1], POINTS))
+        .map(ring)
+        .filter(|ring| ring.weight > 0.0)
+        .collect()
 }

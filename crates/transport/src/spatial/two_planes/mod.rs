@@ -20,7 +20,7 @@ mod directions;
 pub use self::cells::PeriodCells;
 use self::cells::Piece;
 pub use self::directions::{Direction, diffuse_directions, diffused_directions};
-use self::directions::{Ring, azimuths, return_rings};
+use self::directions::{Ring, azimuths, front_rings, return_rings};
 use super::{Window, displacement};
 
 /// Pixels and filter.
@@ -84,6 +84,10 @@ impl Passed {
 /// Largest change of a repetition with which the irradiance is taken as solved.
 const TOLERANCE: f64 = 1e-13;
 
+/// Orders of light between the face and a front above it that have less than this fraction belong to the one before.
+const FAINTEST: f64 = 1e-5;
+const MOST_ORDERS: i32 = 5;
+
 impl TwoPlanes {
     /// Prepares pixels and filter. `face` is the reflectance of the face from below as a function of `|beta|` up to 1; beyond,
     /// all light returns; `None`: nothing returns. A higher `level` is finer: 0, 1, ...
@@ -120,6 +124,32 @@ impl TwoPlanes {
             planes.add_returned(pixels.thickness_mm, face, level);
         }
         planes
+    }
+
+    /// Adds the light that a front of screen above an air gap returns through the face.
+    pub fn add_front(
+        &mut self,
+        (thickness_mm, gap_mm): (f64, f64),
+        reflectance: f64,
+        face: &dyn Fn(f64) -> f64,
+        level: u32,
+    ) {
+        let count = self.cells.count();
+        self.returned.resize(count * count * self.bins, 0.0);
+        let finest = self.pitch_mm[0].min(self.pitch_mm[1]);
+        let is_plane = self.cells.varies(0) && self.cells.varies(1);
+        // Order k is reflected k times by the front, the last one standing for all that follow.
+        let orders = (1..MOST_ORDERS).find(|k| reflectance.powi(*k) < FAINTEST).unwrap_or(MOST_ORDERS);
+        for order in 1..=orders {
+            let weight = |beta: f64| {
+                let (r, rest) = (face(beta), if order == orders { 1.0 } else { 0.0 });
+                let following = 1.0 - rest + rest / (1.0 - r * reflectance);
+                (1.0 - r).powi(2) * r.powi(order - 1) * reflectance.powi(order) * following
+            };
+            let lengths = [thickness_mm, f64::from(order) * gap_mm];
+            let rings = front_rings(self.index, (lengths, finest), (level, is_plane), weight);
+            self.add_rings(&rings, thickness_mm);
+        }
     }
 
     /// Cells of a period.
@@ -218,7 +248,11 @@ impl TwoPlanes {
         let finest = self.pitch_mm[0].min(self.pitch_mm[1]);
         let is_plane = self.cells.varies(0) && self.cells.varies(1);
         let rings = return_rings(self.index, 2.0 * thickness_mm / finest, (level, is_plane), face);
-        for ring in &rings {
+        self.add_rings(&rings, thickness_mm);
+    }
+
+    fn add_rings(&mut self, rings: &[Ring], thickness_mm: f64) {
+        for ring in rings {
             self.returned_uniform += ring.weight;
             let windows = self.transmittance.len();
             let passes = self.oblique(ring.beta);
@@ -240,7 +274,11 @@ impl TwoPlanes {
         let mut pieces = [Vec::new(), Vec::new()];
         for (beta, weight) in azimuths(ring, !self.cells.varies(1)) {
             let height = self.periods(displacement(beta, self.height_mm, self.index));
-            let whole = self.periods(displacement(beta, 2.0 * thickness_mm, self.index));
+            let mut whole = self.periods(displacement(beta, 2.0 * thickness_mm, self.index));
+            if ring.air_mm > 0.0 {
+                let air = self.periods(displacement(beta, 2.0 * ring.air_mm, 1.0));
+                whole = [whole[0] + air[0], whole[1] + air[1]];
+            }
             for axis in [0, 1] {
                 let (h, d) = (height[axis], whole[axis]);
                 self.cells.axis(axis).return_pieces([h, d - h], d, &mut pieces[axis]);

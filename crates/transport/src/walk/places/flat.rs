@@ -27,7 +27,10 @@ impl Tracer<'_> {
             }
             path.light.multiply(&flat.factors);
         }
-        self.move_across(layer, path);
+        match &self.filter {
+            Some(filter) if layer + 1 == self.stack.layers.len() => self.move_through(filter, path, flat),
+            _ => self.move_across(layer, path),
+        }
         path.advance();
         true
     }

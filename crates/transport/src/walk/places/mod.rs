@@ -34,6 +34,7 @@ mod bins;
 mod connect;
 mod dice;
 mod faces;
+mod filter;
 mod flat;
 mod grouped;
 mod light;
@@ -51,6 +52,7 @@ use super::PathNumbers;
 use super::diffused::Escape;
 use crate::{Cone, Layered, ReflectanceFactor, Source};
 pub use bins::CellGrid;
+pub use filter::FilterPlane;
 use grouped::Grouped;
 use papilio_optics::Beta;
 use path::Path;
@@ -84,6 +86,8 @@ pub enum PlaceError {
     Length(f64),
     /// Channels are not those of the sources and wavelengths.
     Channels,
+    /// A filter is not inside the lowest medium, or that medium scatters.
+    Filter,
 }
 
 impl std::fmt::Display for PlaceError {
@@ -94,6 +98,10 @@ impl std::fmt::Display for PlaceError {
             }
             Self::Length(length) => write!(f, "a thickness is {length} mm; expected a length of at least 0"),
             Self::Channels => write!(f, "channels of a kernel do not match the sources and wavelengths"),
+            Self::Filter => write!(
+                f,
+                "the colour filter is not inside a clear medium above the pixels (expected a height of at most the thickness of the lowest layer)"
+            ),
         }
     }
 }
@@ -157,6 +165,41 @@ impl<'a> PlacedWalk<'a> {
         sources: &'a [Source],
         what: What<'a>,
     ) -> Result<Self, PlaceError> {
+        Self::below(None, stack, lengths_mm, (view, sources), what)
+    }
+
+    /// Prepares a solver for pixels below a filter, which is inside the lowest medium.
+    ///
+    /// # Errors
+    /// Those of [`new`](Self::new); if the lowest medium scatters, is not above the whole filter, or its wavelengths are not those of the
+    /// filter.
+    pub fn filtered(
+        filter: FilterPlane,
+        stack: &'a Layered,
+        lengths_mm: &[f64],
+        (view, sources): (Cone, &'a [Source]),
+        what: What<'a>,
+    ) -> Result<Self, PlaceError> {
+        let (Some(lowest), Some(thickness)) = (stack.layers.last(), lengths_mm.last()) else {
+            return Err(PlaceError::Filter);
+        };
+        let bins = stack.base.bins();
+        let fits = filter.transmittance.len() == filter.windows.len()
+            && filter.transmittance.iter().all(|one| one.len() == bins)
+            && (0.0..=*thickness).contains(&filter.height_mm);
+        if !fits || lowest.medium.scattering().is_some() {
+            return Err(PlaceError::Filter);
+        }
+        Self::below(Some(filter), stack, lengths_mm, (view, sources), what)
+    }
+
+    fn below(
+        filter: Option<FilterPlane>,
+        stack: &'a Layered,
+        lengths_mm: &[f64],
+        (view, sources): (Cone, &'a [Source]),
+        what: What<'a>,
+    ) -> Result<Self, PlaceError> {
         let expected = stack.layers.len();
         if lengths_mm.len() != expected {
             return Err(PlaceError::Lengths { found: lengths_mm.len(), expected });
@@ -175,9 +218,11 @@ impl<'a> PlacedWalk<'a> {
         if !kernel.as_ref().is_none_or(fits) {
             return Err(PlaceError::Channels);
         }
-        let tracer = Tracer::new(stack, lengths_mm.to_vec(), (view, sources), shows);
+        let is_clear = filter.is_none();
+        let tracer = Tracer::new(stack, lengths_mm.to_vec(), (view, sources), shows, filter);
         let plan = Plan::new(&stack.base, tracer.images(), kernel, EXTENT * lengths_mm.iter().sum::<f64>());
-        let leaving = grouped::leaving(&tracer);
+        // Groups do not cross the filter.
+        let leaving = is_clear.then(|| grouped::leaving(&tracer)).flatten();
         Ok(Self { tracer, plan, leaving })
     }
 

@@ -2,6 +2,7 @@
 
 use super::dice::Dice;
 use super::faces::Face;
+use super::filter::FilterPlane;
 use super::light::{Light, Shown};
 use super::path::Path;
 use super::pattern::Pattern;
@@ -29,6 +30,8 @@ pub(super) struct Tracer<'a> {
     pub(super) view: Cone,
     pub(super) sources: &'a [Source],
     pub(super) shows: Shows<'a>,
+    /// A filter above the pixel.
+    pub(super) filter: Option<FilterPlane>,
     pub(super) air: Medium,
     /// Scattering of each interface, of light going down and up.
     pub(super) faces: Vec<[Vec<Face<'a>>; 2]>,
@@ -89,6 +92,7 @@ impl<'a> Tracer<'a> {
         lengths_mm: Vec<f64>,
         (view, sources): (Cone, &'a [Source]),
         shows: Shows<'a>,
+        filter: Option<FilterPlane>,
     ) -> Self {
         let bins = stack.base.bins();
         let constant = stack.layers.iter().all(|layer| layer.medium.constant_index().is_some());
@@ -108,7 +112,8 @@ impl<'a> Tracer<'a> {
             about: about.filter(|_| stack.base.is_specular()).collect(),
             has_points: sources.iter().any(Source::has_radiance),
             places: if constant { 1 } else { bins },
-            bands: if stack.is_grey() { 1 } else { bins },
+            bands: if stack.is_grey() && filter.is_none() { 1 } else { bins },
+            filter,
         }
     }
 

@@ -125,7 +125,8 @@ impl Kernel {
         let straight = Straight { stack, medium: &medium, share: self.diffuser.regular_fraction, sent_back };
         let g = sent_back.repeat(stack.base.states());
         let recycling = self.recycling.as_ref().and_then(|all| all.get(index));
-        let seen = recycling.map(|recycling| (recycling, self.reflectances(stack, table, &medium, index)));
+        let seen =
+            recycling.map(|recycling| (recycling, self.reflectances((stack, table), &medium, index, &g)));
         let of_sources = self.source_columns(&straight);
         let at = &view.at[index];
         let mut all = Sums::zeros(len, sources);
@@ -156,15 +157,15 @@ impl Kernel {
     /// Returns the reflectances of the base that recycling needs: as prepared, if the base is the same.
     pub(super) fn reflectances(
         &self,
-        stack: &Panel,
-        table: &AngularTable,
+        (stack, table): (&Panel, &AngularTable),
         medium: &Medium,
         index: usize,
+        g: &[f64],
     ) -> Arc<Reflectances> {
         let prepared = self.seen.as_ref().filter(|seen| seen.table.is_same(table));
         match (prepared.and_then(|seen| seen.at.get(index)), &self.recycling) {
             (Some(at), _) => Arc::clone(at),
-            (None, Some(all)) => Arc::new(all[index].reflectances(&stack.base, table, medium)),
+            (None, Some(all)) => Arc::new(all[index].reflectances(&stack.base, table, medium, g)),
             (None, None) => Arc::new(Reflectances::default()),
         }
     }

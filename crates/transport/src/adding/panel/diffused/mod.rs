@@ -236,8 +236,10 @@ impl Kernel {
     /// Computes the reflectances of the base that recycling needs, unless they are known.
     fn reflectances_at(&self, stack: &Panel) -> Option<Vec<Arc<Reflectances>>> {
         let seen = self.seen.as_ref().filter(|seen| seen.at.is_empty())?;
+        let Top::Diffuser(diffuser) = &stack.top else { return None };
+        let g = sent_back(stack, &diffuser.transmittance).repeat(stack.base.states());
         let at = |(index, recycling): (usize, &Recycling)| {
-            Arc::new(recycling.reflectances(&stack.base, &seen.table, &self.medium_at(stack, index)))
+            Arc::new(recycling.reflectances(&stack.base, &seen.table, &self.medium_at(stack, index), &g))
         };
         Some(self.grids().enumerate().map(at).collect())
     }

@@ -35,11 +35,14 @@ impl Default for OnGrid {
 }
 
 impl Recycling {
+    /// Computes the base's part of recycled light; it can be used under all fronts, and takes the least time under one that
+    /// sends back the fraction `g` of each column.
     pub(in super::super) fn reflectances(
         &self,
         base: &Base,
         table: &AngularTable,
         medium: &Medium,
+        g: &[f64],
     ) -> Reflectances {
         let columns = base.states() * base.bins();
         let look_up = |squares: &[f64]| {
@@ -54,7 +57,7 @@ impl Recycling {
             let of_radii = |radii: &[f64]| look_up(&radii.iter().map(|r| r * r).collect::<Vec<f64>>());
             let [glass, air] = narrow.radii().map(of_radii);
             let terms = narrow.squares().map(|squares| look_up(&squares)).collect();
-            narrow.light(Columns { count: columns, glass: &glass, air: &air }, terms)
+            narrow.light(Columns { count: columns, glass: &glass, air: &air }, terms, g)
         };
         let narrow = self.narrow.as_ref().map(light);
         if self.sums_columns() {

@@ -1,13 +1,15 @@
 //! Light of every column over a base: diffuse light at the nodes, and the sum of the series between a view and a
 //! source.
 
+use papilio_optics::with_widest_simd;
+
 use super::super::forms::Products;
 use super::super::grid::Columns;
 use super::super::plan::Extrapolation;
 use super::super::spectra::add_times;
 use super::weights::{Towards, Weights};
 use super::{Narrow, Seen};
-use crate::adding::panel::add_scaled;
+use crate::angular::add_rows;
 use crate::product::add_product;
 
 /// Light at the nodes of air over a base, `[node][column]`; columns are `[state][wavelength]`.
@@ -15,11 +17,13 @@ use crate::product::add_product;
 pub(in super::super::super) struct Light {
     /// Regular transmittance of two passes through the diffuser.
     unscattered: f64,
-    /// Powers 0, 1, ... of the reflectance of the base.
-    powers: Vec<Vec<f64>>,
+    /// Reflectance of the base.
+    reflectance: Vec<f64>,
     /// For each power of g, 1, 2, ...: diffuse light that a direction sees, and the distribution of its own
     /// light.
     own: Vec<Own<Vec<f64>>>,
+    /// The sum of that light under one front, and the fraction that this front sends back, `[column]`.
+    summed: (Own<Vec<f64>>, Vec<f64>),
     /// Products of terms of the reflectance, for each order that is exact.
     products: Vec<Products>,
     extrapolation: Extrapolation,
@@ -34,12 +38,10 @@ pub(in super::super::super) struct Own<T> {
 }
 
 impl Narrow {
-    /// Computes the light over a base; `terms` are its reflectances at [`Self::squares`].
-    pub(in super::super) fn light(&self, r: Columns<'_>, terms: Vec<Vec<f64>>) -> Light {
+    /// Computes the light over a base; `terms` are its reflectances at [`Self::squares`]. Light under a front that sends
+    /// back the fraction `g` of each column takes the least time.
+    pub(in super::super) fn light(&self, r: Columns<'_>, terms: Vec<Vec<f64>>, g: &[f64]) -> Light {
         let (n, s) = (r.count, self.straight);
-        let ones = vec![1.0; self.air.len() * n];
-        let times_r = |light: &Vec<f64>| Some(light.iter().zip(r.air).map(|(l, r)| l * r).collect());
-        let powers = std::iter::successors(Some(ones), times_r).take(self.shares.len() + 2).collect();
         let reaching = |row: &[f64]| s + (1.0 - s) * row.iter().sum::<f64>();
         let arriving = self.up.chunks_exact(self.glass.len()).map(reaching);
         let mut now = Own {
@@ -62,7 +64,8 @@ impl Narrow {
         }
         Light {
             unscattered: s * s,
-            powers,
+            reflectance: r.air.to_vec(),
+            summed: (summed(&own, g), g.to_vec()),
             own,
             products: terms
                 .into_iter()
@@ -126,19 +129,19 @@ impl Light {
     /// Returns the values at these weights of a function at the nodes.
     fn at(function: &[f64], weights: &[f64]) -> Vec<f64> {
         let mut sum = vec![0.0; function.len() / weights.len().max(1)];
-        add_product(weights, function, weights.len(), &mut sum);
+        with_widest_simd(
+            #[inline(always)]
+            || add_rows(&mut sum, function, weights),
+        );
         sum
     }
 
     /// Returns the recycled light of a view that does not depend on directed sources.
     pub(in super::super::super) fn own(&self, view: &Seen, g: &[f64]) -> Own<Vec<f64>> {
-        let sum = |of: fn(&Own<Vec<f64>>) -> &Vec<f64>| {
-            series(self.own.iter().map(|own| Self::at(of(own), &view.weights)).collect(), g, false)
-        };
-        Own {
-            leaving: sum(|own| &own.leaving),
-            reflected: sum(|own| &own.reflected),
-            arriving: sum(|own| &own.arriving),
+        let at_view = |light: &Vec<f64>| Self::at(light, &view.weights);
+        match &self.summed {
+            (summed, of_front) if of_front == g => summed.each(at_view),
+            _ => summed(&self.own, g).each(at_view),
         }
     }
 
@@ -149,15 +152,11 @@ impl Light {
         source: &[(&Towards, &[f64])],
         g: &[f64],
     ) -> Vec<f64> {
-        let mut weights: Weights = vec![vec![0.0; view.weights.len()]; self.own.len()];
-        for (group, _) in source {
-            for (sum, weights) in weights.iter_mut().zip(&group.lobe) {
-                add_scaled(sum, weights, 1.0);
-            }
-        }
+        let groups: Vec<&Weights> = source.iter().map(|(group, _)| &group.lobe).collect();
+        let weights = Weights::sum(&groups, (self.own.len(), view.weights.len()));
         let mut orders = self.orders(view, &weights, &self.round_trips(g));
         self.correct(source, &mut orders);
-        series(orders, g, false)
+        series(&orders, g, false)
     }
 
     /// Returns the round trips of unscattered light at the nodes; empty if there is none.
@@ -165,7 +164,7 @@ impl Light {
         if self.unscattered == 0.0 {
             return Vec::new();
         }
-        let rows = self.powers[1].chunks_exact(g.len());
+        let rows = self.reflectance.chunks_exact(g.len());
         rows.flat_map(|row| row.iter().zip(g).map(|(r, g)| 1.0 / (1.0 - g * self.unscattered * r))).collect()
     }
 
@@ -193,7 +192,10 @@ impl Light {
         let ratios: Vec<f64> = orders[last].iter().zip(&closed).map(ratio).collect();
         for (k, order) in orders.iter_mut().enumerate().skip(last + 1) {
             let exponent = self.extrapolation.exponent(k + 2, last + 2);
-            order.iter_mut().zip(&ratios).for_each(|(order, ratio)| *order *= ratio.powf(exponent));
+            let factor = |ratio: f64| {
+                if exponent == exponent.trunc() { ratio.powi(exponent as i32) } else { ratio.powf(exponent) }
+            };
+            order.iter_mut().zip(&ratios).for_each(|(order, ratio)| *order *= factor(*ratio));
         }
     }
 
@@ -205,32 +207,32 @@ impl Light {
         g: &[f64],
         truncated: bool,
     ) -> Option<Vec<f64>> {
-        Some(series(self.orders(view, source.wider.as_ref()?, &[]), g, truncated))
+        Some(series(&self.orders(view, source.wider.as_ref()?, &[]), g, truncated))
     }
 
     /// Returns orders 2, 3, ... of the series, without the powers of g; light of the source makes these round trips
     /// (at the nodes; none if empty).
     fn orders(&self, view: &Seen, weights: &Weights, round_trips: &[f64]) -> Vec<Vec<f64>> {
-        let with_trips: Vec<Vec<f64>> = match round_trips {
-            [] => Vec::new(),
-            trips => {
-                let times = |power: &Vec<f64>| power.iter().zip(trips).map(|(p, t)| p * t).collect();
-                self.powers.iter().map(times).collect()
-            }
+        let count = weights.rows.len();
+        let of_view = if view.is_one_ring {
+            self.powers_on_ring(&view.weights, &[], count)
+        } else {
+            self.powers_of(&view.weights, &[], count)
         };
-        let of_light = if with_trips.is_empty() { &self.powers } else { &with_trips };
-        let of_view: Vec<Vec<f64>> =
-            self.powers.iter().take(weights.len() + 2).map(|power| Self::at(power, &view.weights)).collect();
+        let columns = of_view[0].len();
         // For each power, `[order][column]`.
-        let all: Vec<f64> = weights.concat();
-        let of_source = |power: &Vec<f64>| {
-            let mut values = vec![0.0; weights.len() * of_view[0].len()];
-            add_product(&all, power, view.weights.len(), &mut values);
-            values
+        let of_source = match weights.rows.first() {
+            Some(first) if weights.is_one_ring => {
+                let (all, scales) = (self.powers_on_ring(first, round_trips, count), weights.scales());
+                let each_order = |power: &Vec<f64>| -> Vec<f64> {
+                    scales.iter().flat_map(|scale| power.iter().map(move |value| scale * value)).collect()
+                };
+                all.iter().map(each_order).collect()
+            }
+            _ => self.powers_of(&weights.rows.concat(), round_trips, count),
         };
-        let of_source: Vec<Vec<f64>> = of_light.iter().take(weights.len() + 2).map(of_source).collect();
         let order = |k: usize| {
-            let (passes, columns) = (k + 2, of_view[0].len());
+            let passes = k + 2;
             let mut sum = vec![0.0; columns];
             for (met, of_view) in of_view.iter().enumerate().take(passes + 1) {
                 // The first and the last lobe deflect from or to the end of the path.
@@ -243,19 +245,69 @@ impl Light {
             }
             sum
         };
-        (0..weights.len()).map(order).collect()
+        (0..count).map(order).collect()
+    }
+
+    /// Returns powers 0, 1, ... of the reflectance, and the round trips, at rows of weights on the nodes: for each power
+    /// `[row][column]`, as many as this number of orders needs.
+    fn powers_of(&self, rows: &[f64], round_trips: &[f64], orders: usize) -> Vec<Vec<f64>> {
+        let columns = self.summed.1.len();
+        let nodes = self.reflectance.len() / columns.max(1);
+        let mut now = vec![1.0; self.reflectance.len()];
+        if !round_trips.is_empty() {
+            now.copy_from_slice(round_trips);
+        }
+        let mut all = Vec::with_capacity(orders + 2);
+        for _ in 0..orders + 2 {
+            let mut values = vec![0.0; rows.len() / nodes.max(1) * columns];
+            add_product(rows, &now, nodes, &mut values);
+            all.push(values);
+            now.iter_mut().zip(&self.reflectance).for_each(|(power, r)| *power *= r);
+        }
+        all
+    }
+
+    /// Returns the same for a row that belongs to one |beta|, where powers are those of the reflectance there.
+    fn powers_on_ring(&self, row: &[f64], round_trips: &[f64], orders: usize) -> Vec<Vec<f64>> {
+        let weight: f64 = row.iter().sum();
+        let mut reflectance = Self::at(&self.reflectance, row);
+        reflectance.iter_mut().for_each(|r| *r /= weight);
+        let mut now = vec![weight; reflectance.len()];
+        if !round_trips.is_empty() {
+            now = Self::at(round_trips, row);
+        }
+        let mut all = Vec::with_capacity(orders + 2);
+        for _ in 0..orders + 2 {
+            all.push(now.clone());
+            now.iter_mut().zip(&reflectance).for_each(|(power, r)| *power *= r);
+        }
+        all
+    }
+}
+
+/// Returns the sum of the series of diffuse light at the nodes.
+fn summed(own: &[Own<Vec<f64>>], g: &[f64]) -> Own<Vec<f64>> {
+    let sum = |of: fn(&Own<Vec<f64>>) -> &Vec<f64>| {
+        let terms: Vec<&Vec<f64>> = own.iter().map(of).collect();
+        let nodes = terms.first().map_or(0, |term| term.len() / g.len().max(1));
+        series(&terms, &g.repeat(nodes), false)
+    };
+    Own {
+        leaving: sum(|own| &own.leaving),
+        reflected: sum(|own| &own.reflected),
+        arriving: sum(|own| &own.arriving),
     }
 }
 
 /// Returns the sum of terms times g, g², ...; those that follow, unless it is truncated, are a geometric
 /// series.
-fn series(terms: Vec<Vec<f64>>, g: &[f64], truncated: bool) -> Vec<f64> {
+fn series(terms: &[impl AsRef<[f64]>], g: &[f64], truncated: bool) -> Vec<f64> {
     let mut sum = vec![0.0; g.len()];
     for (k, (sum, g)) in sum.iter_mut().zip(g).enumerate() {
         let (mut power, mut last, mut ratio) = (1.0, 0.0, 0.0);
-        for term in &terms {
+        for term in terms {
             power *= g;
-            let next = power * term[k];
+            let next = power * term.as_ref()[k];
             ratio = if last > 0.0 { next / last } else { 0.0 };
             last = next;
             *sum += next;

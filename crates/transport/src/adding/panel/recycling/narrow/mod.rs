@@ -82,6 +82,8 @@ pub(in super::super) type Exact = Vec<Vec<f64>>;
 #[derive(Debug, Clone)]
 pub(in super::super) struct Seen {
     weights: Vec<f64>,
+    /// Whether they belong to one |beta|.
+    is_one_ring: bool,
     around: Arc<[Vec<Surroundings>]>,
 }
 
@@ -160,7 +162,8 @@ impl Narrow {
             self.air.add_values(point.beta.length(), point.weight, &mut sum);
         }
         let passes = self.passes.iter().filter(|_| self.has_fields);
-        Seen { weights: sum, around: passes.map(|passes| passes.surroundings(view)).collect() }
+        let around = passes.map(|passes| passes.surroundings(view)).collect();
+        Seen { weights: sum, is_one_ring: weights::are_one_ring(view), around }
     }
 }
 

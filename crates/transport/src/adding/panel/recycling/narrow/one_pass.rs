@@ -16,6 +16,7 @@ use super::super::profile::chebyshev;
 use super::between::{Between, density};
 use super::polynomials::Polynomials;
 use crate::adding::panel::first_pass::Pass;
+use crate::adding::panel::lobes::LANES;
 use crate::adding::quadrature::gauss;
 
 /// One pass through the panel, in terms of the reflectance.
@@ -32,7 +33,7 @@ pub(super) struct OnePass {
     /// |beta| and cosines of the azimuth between v and l, between which rho is interpolated.
     radii: Polynomials,
     turns: Polynomials,
-    /// Differences of rho from the mean of R_v and R_l, `[|v|][|l|][azimuth][term]`.
+    /// Differences of rho from the mean of R_v and R_l, `[|v|][|l|][azimuth][padded term]`.
     differences: Vec<f64>,
 }
 
@@ -40,9 +41,9 @@ pub(super) struct OnePass {
 #[derive(Debug, Clone)]
 pub(super) struct End {
     pub(super) at: Beta,
-    /// Terms at this direction.
+    /// Terms at this direction, padded.
     pub(super) terms: Vec<f64>,
-    /// Differences `[|a|][azimuth][term]`.
+    /// Differences `[|a|][azimuth][padded term]`.
     differences: Vec<f64>,
 }
 
@@ -102,9 +103,14 @@ impl OnePass {
         self.terms.len()
     }
 
+    /// Returns the number of terms with those of padding, which are zero: a multiple of [`LANES`].
+    pub(super) fn padded_terms(&self) -> usize {
+        self.terms.padded_len()
+    }
+
     /// Returns |beta|² of the directions at which the terms are the reflectance.
     pub(super) fn squares(&self) -> Vec<f64> {
-        self.terms.nodes.iter().map(|cosine| self.index * self.index * (1.0 - cosine * cosine)).collect()
+        self.terms.nodes().iter().map(|cosine| self.index * self.index * (1.0 - cosine * cosine)).collect()
     }
 
     /// Returns the fractions of light that is scattered twice in a pass, or once, and the widths of the lobes.
@@ -114,18 +120,18 @@ impl OnePass {
         all.into_iter().filter(|(share, _)| *share > 0.0).collect()
     }
 
-    /// Computes the terms at a direction.
+    /// Computes the padded terms at a direction.
     #[inline(always)]
     pub(super) fn terms_at(&self, at: Beta, out: &mut [f64]) {
         self.terms.at(cosine(at.squared(), self.index).max(self.least), out);
     }
 
     fn all_differences(&self) -> Vec<f64> {
-        let (radii, turns, terms) = (self.radii.len(), self.turns.len(), self.terms.len());
+        let (radii, turns, terms) = (self.radii.len(), self.turns.len(), self.padded_terms());
         let mut all = vec![0.0; radii * radii * turns * terms];
-        for (i, one) in self.radii.nodes.iter().enumerate() {
-            for (k, other) in self.radii.nodes.iter().enumerate().skip(i) {
-                for (t, cos) in self.turns.nodes.iter().enumerate() {
+        for (i, one) in self.radii.nodes().iter().enumerate() {
+            for (k, other) in self.radii.nodes().iter().enumerate().skip(i) {
+                for (t, cos) in self.turns.nodes().iter().enumerate() {
                     let sin = (1.0 - cos * cos).max(0.0).sqrt();
                     let ends = [Beta { x: *one, y: 0.0 }, Beta { x: other * cos, y: other * sin }];
                     let difference = self.difference(ends);
@@ -139,25 +145,23 @@ impl OnePass {
         all
     }
 
-    /// Returns the difference of rho from the mean of R_v and R_l.
+    /// Returns the difference of rho from the mean of R_v and R_l, in padded terms.
     fn difference(&self, ends: [Beta; 2]) -> Vec<f64> {
-        let mut sum = vec![0.0; self.terms.len()];
+        let mut sum = vec![0.0; self.padded_terms()];
         let mut terms = sum.clone();
         let scale = 1.0 / density(2.0 * self.width, ends[1] - ends[0]);
         let rule = Between::new(ends, self.width, self.index, self.digits);
         with_widest_simd(
             #[inline(always)]
             || {
-                let mut add = |at: Beta, weight: f64| {
-                    self.terms_at(at, &mut terms);
-                    sum.iter_mut().zip(&terms).for_each(|(sum, term)| *sum += weight * term);
-                };
                 for (at, area) in rule.inside() {
                     let product = density(self.width, *at - ends[0]) * density(self.width, *at - ends[1]);
-                    add(*at, scale * area * product);
+                    self.terms_at(*at, &mut terms);
+                    add_padded(&mut sum, &terms, scale * area * product);
                 }
                 for (end, weight) in ends.into_iter().zip(rule.weights_at_ends([self.width; 2])) {
-                    add(end, scale * weight - 0.5);
+                    self.terms_at(end, &mut terms);
+                    add_padded(&mut sum, &terms, scale * weight - 0.5);
                 }
             },
         );
@@ -165,7 +169,7 @@ impl OnePass {
     }
 
     pub(super) fn end(&self, at: Beta) -> End {
-        let (mut weights, mut terms) = (vec![0.0; self.radii.len()], vec![0.0; self.terms.len()]);
+        let (mut weights, mut terms) = (vec![0.0; self.radii.padded_len()], vec![0.0; self.padded_terms()]);
         self.radii.at(at.length(), &mut weights);
         self.terms_at(at, &mut terms);
         let row = self.differences.len() / self.radii.len();
@@ -180,9 +184,9 @@ impl OnePass {
     pub(super) fn here(&self) -> Here {
         Here {
             at: Beta::default(),
-            terms: vec![0.0; self.terms.len()],
-            radial: vec![0.0; self.radii.len()],
-            turns: vec![0.0; self.turns.len()],
+            terms: vec![0.0; self.padded_terms()],
+            radial: vec![0.0; self.radii.padded_len()],
+            turns: vec![0.0; self.turns.padded_len()],
         }
     }
 
@@ -194,20 +198,39 @@ impl OnePass {
         self.radii.at(at.length(), &mut here.radial);
     }
 
-    /// Adds the light of one pass from an end to here, given the densities of light scattered twice and once.
+    /// Adds the light of one pass from an end to here, in padded terms, given the densities of light scattered twice and
+    /// once.
     #[inline(always)]
     pub(super) fn add_light(&self, end: &End, here: &mut Here, [twice, once]: [f64; 2], out: &mut [f64]) {
         let scale = 0.5 * twice + once;
-        for ((out, there), here) in out.iter_mut().zip(&end.terms).zip(&here.terms) {
-            *out += scale * (there + here);
-        }
         self.turns.at(cosine_between(here.at, end.at), &mut here.turns);
-        let mut rows = end.differences.chunks_exact(out.len());
-        for radial in &here.radial {
-            for (azimuthal, row) in here.turns.iter().zip(&mut rows) {
-                let weight = twice * radial * azimuthal;
-                out.iter_mut().zip(row).for_each(|(out, value)| *out += weight * value);
+        let row = out.len();
+        for (number, out) in out.as_chunks_mut::<LANES>().0.iter_mut().enumerate() {
+            // In registers, until all is summed.
+            let first = number * LANES;
+            let mut sum = [0.0; LANES];
+            let mut rows = end.differences.chunks_exact(row);
+            for radial in &here.radial[..self.radii.len()] {
+                let mut along = [0.0; LANES];
+                for (azimuthal, row) in here.turns[..self.turns.len()].iter().zip(&mut rows) {
+                    let row = &row[first..][..LANES];
+                    along.iter_mut().zip(row).for_each(|(sum, value)| *sum += azimuthal * value);
+                }
+                sum.iter_mut().zip(along).for_each(|(sum, along)| *sum += radial * along);
+            }
+            let (there, here) = (&end.terms[first..][..LANES], &here.terms[first..][..LANES]);
+            for (((out, sum), there), here) in out.iter_mut().zip(sum).zip(there).zip(here) {
+                *out += twice * sum + scale * (there + here);
             }
         }
+    }
+}
+
+/// `sum += scale * values`, of a multiple of [`LANES`] values.
+#[inline(always)]
+pub(super) fn add_padded(sum: &mut [f64], values: &[f64], scale: f64) {
+    let (sum, values) = (sum.as_chunks_mut::<LANES>().0, values.as_chunks::<LANES>().0);
+    for (sum, values) in sum.iter_mut().zip(values) {
+        sum.iter_mut().zip(values).for_each(|(sum, value)| *sum += scale * value);
     }
 }

@@ -18,10 +18,11 @@ use super::super::plan::ExactPlan;
 use super::super::profile::chebyshev;
 use super::basis::{Basis, Disc};
 use super::between::{Between, density};
-use super::one_pass::{End, Here, OnePass, cosine_between};
+use super::one_pass::{End, Here, OnePass, add_padded, cosine_between};
 use super::polynomials::Polynomials;
 use super::shares;
 use crate::adding::panel::first_pass::Pass;
+use crate::adding::panel::lobes::LANES;
 use crate::adding::quadrature::Point;
 
 /// Two or three passes through the panel, in terms of the reflectance.
@@ -123,12 +124,17 @@ impl Passes {
         let mut all = Vec::with_capacity(self.rings.len() * self.turns.len() * self.sequences(count));
         for radius in &self.rings.radii {
             let mut one = self.once.end(Beta { x: *radius, y: 0.0 });
-            for cos in &self.turns.nodes {
+            for cos in self.turns.nodes() {
                 one.at = Beta { x: radius * cos, y: radius * (1.0 - cos * cos).max(0.0).sqrt() };
                 let mut form = passes(&one);
                 let scale = 1.0 / self.lobe(count, one.at - end.at);
                 form.iter_mut().for_each(|value| *value *= scale);
-                add_closed(count, [&one.terms, &end.terms], -1.0, &mut form);
+                add_closed(
+                    count,
+                    [&one.terms, &end.terms].map(|all| &all[..self.once.terms()]),
+                    -1.0,
+                    &mut form,
+                );
                 all.append(&mut form);
             }
         }
@@ -167,7 +173,7 @@ impl Passes {
                 work.add_differences(far);
             },
         );
-        work.form
+        work.into_form()
     }
 
     /// Returns the fractions and widths of the lobes around the other end: after two passes, first those of light
@@ -197,7 +203,8 @@ impl Passes {
             for (near, end) in of_view.iter().zip(&ends) {
                 let mut form = self.form(end, &other);
                 let lobe = self.lobe(self.count, far.centre - near.centre);
-                add_closed(self.count, [&end.terms, &other.end().terms], -lobe, &mut form);
+                let terms = [&end.terms, &other.end().terms].map(|all| &all[..self.once.terms()]);
+                add_closed(self.count, terms, -lobe, &mut form);
                 let (form, scale) = (self.folded(&form), PI / lobe);
                 for (view, v) in &near.members {
                     for (source, l) in &far.members {
@@ -252,11 +259,13 @@ struct Workspace {
     here: Here,
     rings: Vec<f64>,
     turns: Vec<f64>,
-    /// Light of one pass, of the same without the last reflection, and from the other end.
+    /// Light of one pass, of the same without the last reflection, and from the other end; padded to a multiple of [`LANES`].
     near: Vec<f64>,
     once: Vec<f64>,
     far: Vec<f64>,
-    /// `[near][far]`.
+    /// Number of values of that light without padding.
+    size: usize,
+    /// `[near][far]`, with padding.
     form: Vec<f64>,
     /// Factors of the differences of two passes here, `[|a|][azimuth]`, and the sum of their products with the light of
     /// one pass, `[near][|a|][azimuth]`.
@@ -274,11 +283,12 @@ impl Workspace {
         Self {
             here: of.once.here(),
             rings: vec![0.0; of.rings.len()],
-            turns: vec![0.0; of.turns.len()],
-            near: vec![0.0; terms],
-            once: vec![0.0; terms],
-            far: vec![0.0; size],
-            form: vec![0.0; terms * size],
+            turns: vec![0.0; of.turns.padded_len()],
+            near: vec![0.0; of.once.padded_terms()],
+            once: vec![0.0; of.once.padded_terms()],
+            far: vec![0.0; size.next_multiple_of(LANES)],
+            size,
+            form: vec![0.0; terms * size.next_multiple_of(LANES)],
             factors: vec![0.0; factors],
             moments: vec![0.0; terms * factors],
         }
@@ -304,8 +314,7 @@ impl Workspace {
             Far::Twice(around) => self.add_twice(of, around, densities),
         }
         for (near, row) in self.near.iter().zip(self.form.chunks_exact_mut(self.far.len())) {
-            let near = weight * near;
-            row.iter_mut().zip(&self.far).for_each(|(sum, far)| *sum += near * far);
+            add_padded(row, &self.far, weight * near);
         }
         if !self.factors.is_empty() {
             for (near, row) in self.near.iter().zip(self.moments.chunks_exact_mut(self.factors.len())) {
@@ -322,11 +331,17 @@ impl Workspace {
         if let Far::Twice(around) = far {
             let rows = self.form.chunks_exact_mut(self.far.len());
             for (row, moments) in rows.zip(self.moments.chunks_exact(self.factors.len())) {
-                for (moment, differences) in moments.iter().zip(around.differences.chunks_exact(row.len())) {
+                for (moment, differences) in moments.iter().zip(around.differences.chunks_exact(self.size)) {
                     row.iter_mut().zip(differences).for_each(|(sum, value)| *sum += moment * value);
                 }
             }
         }
+    }
+
+    /// Returns the sum of products, without padding.
+    fn into_form(self) -> Vec<f64> {
+        let rows = self.form.chunks_exact(self.far.len());
+        rows.flat_map(|row| &row[..self.size]).copied().collect()
     }
 
     /// Computes the light that arrives here after two passes, without its differences from the closed form, and the
@@ -335,19 +350,21 @@ impl Workspace {
     fn add_twice(&mut self, of: &Passes, around: &Around, densities: [f64; MOST_WAYS]) {
         let lobes = of.lobes(2).count();
         let both: f64 = densities[..lobes].iter().sum();
-        add_closed(2, [&self.here.terms, &around.end.terms], both, &mut self.far);
+        let terms = of.once.terms();
+        let closed = [&self.here.terms, &around.end.terms].map(|all| &all[..terms]);
+        add_closed(2, closed, both, &mut self.far[..terms * terms]);
         self.rings.fill(0.0);
         of.rings.add_values(self.here.at.length(), both, &mut self.rings);
         of.turns.at(cosine_between(self.here.at, around.end.at), &mut self.turns);
-        for (ring, factors) in self.rings.iter().zip(self.factors.chunks_exact_mut(self.turns.len())) {
+        for (ring, factors) in self.rings.iter().zip(self.factors.chunks_exact_mut(of.turns.len())) {
             factors.iter_mut().zip(&self.turns).for_each(|(factor, turn)| *factor = ring * turn);
         }
         if of.once.straight > 0.0 {
             self.once.fill(0.0);
             let scattered = [densities[lobes], densities[lobes + 1]];
             of.once.add_light(&around.end, &mut self.here, scattered, &mut self.once);
-            let rows = self.far.chunks_exact_mut(self.once.len());
-            for (row, reflectance) in rows.zip(&self.here.terms) {
+            let rows = self.far.chunks_exact_mut(terms);
+            for (row, reflectance) in rows.zip(&self.here.terms[..terms]) {
                 row.iter_mut().zip(&self.once).for_each(|(out, once)| *out += reflectance * once);
             }
         }

@@ -45,7 +45,7 @@ fn light(
     let table = table();
     let base = Base { reflector: Reflector::Specular(table.clone()), inactive_absorptance: vec![0.0].into() };
     let medium = Medium::new(vec![INDEX].into());
-    let r = recycling.reflectances(&base, &table, &medium);
+    let r = recycling.reflectances(&base, &table, &medium, &[g]);
     let direction = |beta: Beta| {
         let mut reflectance = vec![0.0];
         base.reflectance(beta.squared(), &medium, &mut reflectance);
@@ -118,7 +118,7 @@ fn closed_form_of_circles_equals_sum_over_points() {
             let view = [Point { beta: view, weight: 1.0 }];
             let seen = recycling.seen(&view).expect("the lobe is narrow");
             let weights =
-                |lit: Lit<'_>| recycling.towards((&view, &seen), lit).expect("the lobe is narrow").lobe;
+                |lit: Lit<'_>| recycling.towards((&view, &seen), lit).expect("the lobe is narrow").lobe.rows;
             for light in several() {
                 let points = weights(Lit::Points(&[light], Vec::new()));
                 let [even, odd] = [false, true].map(|odd| weights(Lit::Circles(&[circle(&light, odd)], odd)));
@@ -163,6 +163,39 @@ fn passes_of_fields_equal_sum_over_points() {
             let what = format!("b {width}, s {regular_fraction}, g {g}, {view:?}: {error:.1e}, {most:.1e}");
             assert!(error.abs() < most, "{what}");
         }
+    }
+}
+
+/// Powers of the reflectance on one ring equal interpolated powers, for a field of view of 0.05 deg and a beam, up to the
+/// square of the relative change of the reflectance over the field of view.
+#[test]
+fn powers_on_one_ring_equal_interpolated_powers() {
+    for regular_fraction in [0.0, 0.3] {
+        let lobe = Lobe::KCorrelation { width: 0.009 };
+        let diffuser = Diffuser { lobe, transmittance: vec![1.0].into(), regular_fraction };
+        let pass = Pass { diffuser: &diffuser, table: &Nodes::Cosines(33), index: INDEX, digits: 18.5 };
+        let plan = Plan::new(&pass, 0.15, (Some(1.0), true, false)).expect("light is sent back");
+        let recycling = Recycling::new(&pass, plan);
+        let view =
+            [-9e-4, 0.0, 9e-4].map(|away| Point { beta: Beta { x: 0.5 + away, y: 0.0 }, weight: 1.0 / 3.0 });
+        let light = Point { beta: Beta { x: 0.42, y: 0.1 }, weight: 1.0 };
+        let base = Base { reflector: Reflector::Specular(table()), inactive_absorptance: vec![0.0].into() };
+        let (g, medium) = (0.3, Medium::new(vec![INDEX].into()));
+        let r = recycling.reflectances(&base, &table(), &medium, &[g]);
+        let direction = Direction { reflectance: vec![], round_trips: vec![] };
+        let seen = recycling.seen(&view).expect("the lobe is narrow");
+        let towards =
+            recycling.towards((&view, &seen), Lit::Points(&[light], Vec::new())).expect("the lobe is narrow");
+        assert!(seen.is_one_ring && towards.lobe.is_one_ring);
+        let (mut any_seen, mut any_towards) = (seen.clone(), towards.clone());
+        any_seen.is_one_ring = false;
+        any_towards.lobe.is_one_ring = false;
+        let [on_ring, truth] = [(&seen, &towards), (&any_seen, &any_towards)].map(|(seen, towards)| {
+            let mut sums = Sums::zeros(1, &[Source::Beam(light.beta)]);
+            recycling.add_narrow(seen, &[vec![(Some(towards), &direction)]], &r, &[g], &mut sums);
+            sums.directed[0][0]
+        });
+        assert!((on_ring / truth - 1.0).abs() < 3e-4, "{regular_fraction}: {on_ring} {truth}");
     }
 }
 

@@ -1,0 +1,160 @@
+//! Light about a point, the same in all directions, by place from its transform.
+//!
+//! The transform is sampled at multiples of a step. Strips and rings follow by Fourier and Hankel series with the period 1/step.
+
+use std::f64::consts::PI;
+
+/// Number of rings with which cells are filled.
+const RINGS: usize = 300;
+
+/// Light of several states about a point.
+#[derive(Debug, Clone)]
+pub(super) struct Series {
+    pub(super) step_per_mm: f64,
+    /// Sharp image of each state.
+    pub(super) sharp: Vec<f64>,
+    /// Other light at each frequency of the series, `[state][frequency]`.
+    pub(super) rest: Vec<Vec<f64>>,
+    /// Place of the point, mm.
+    pub(super) at_mm: [f64; 2],
+}
+
+impl Series {
+    fn states(&self) -> usize {
+        self.sharp.len()
+    }
+
+    /// Number of frequencies.
+    fn count(&self) -> usize {
+        self.rest.first().map_or(0, Vec::len)
+    }
+
+    /// Light of each state at a frequency, without phase: cubic between those of the series, nothing beyond.
+    pub(super) fn at(&self, frequency_per_mm: f64) -> Vec<f64> {
+        let place = frequency_per_mm / self.step_per_mm;
+        let first = place.floor() as i64 - 1;
+        let t = place - place.floor();
+        let weights = [
+            -t * (t - 1.0) * (t - 2.0) / 6.0,
+            (t + 1.0) * (t - 1.0) * (t - 2.0) / 2.0,
+            -(t + 1.0) * t * (t - 2.0) / 2.0,
+            (t + 1.0) * t * (t - 1.0) / 6.0,
+        ];
+        let of_state = |(sharp, rest): (&f64, &Vec<f64>)| {
+            // The transform is the same on both sides of 0.
+            let at = |k: i64| rest.get(k.unsigned_abs() as usize).copied().unwrap_or(0.0);
+            let terms = weights.iter().enumerate().map(|(k, weight)| weight * at(first + k as i64));
+            sharp + terms.sum::<f64>()
+        };
+        self.sharp.iter().zip(&self.rest).map(of_state).collect()
+    }
+
+    /// Light of each state on the lower side of a place along an axis.
+    fn below(&self, axis: usize, at_mm: f64) -> Vec<f64> {
+        let at_mm = at_mm - self.at_mm[axis];
+        let step = if at_mm == 0.0 { 0.5 } else { f64::from(at_mm > 0.0) };
+        let (sin, cos) = (2.0 * PI * at_mm * self.step_per_mm).sin_cos();
+        // The mean of the period has been spread evenly over it.
+        let even = 0.5 + at_mm * self.step_per_mm;
+        let states = self.sharp.iter().zip(&self.rest);
+        let mut sums: Vec<f64> = states.map(|(sharp, rest)| sharp * step + rest[0] * even).collect();
+        let (mut s, mut c) = (0.0_f64, 1.0_f64);
+        for k in 1..self.count() {
+            (s, c) = (s * cos + c * sin, c * cos - s * sin);
+            let factor = s / (PI * k as f64);
+            sums.iter_mut().zip(&self.rest).for_each(|(sum, rest)| *sum += rest[k] * factor);
+        }
+        sums
+    }
+
+    /// Light of each state within a radius above 0 about the view's own ray. `distance_mm`: of the point from there.
+    fn within(&self, radius_mm: f64, distance_mm: f64) -> Vec<f64> {
+        let step = self.step_per_mm;
+        let turn = 2.0 * PI * step;
+        // The trapezoidal rule, with the slope of the integrand at 0.
+        let slope = step * step / 12.0 * PI * radius_mm;
+        let mut sums: Vec<f64> = self.rest.iter().map(|rest| slope * rest[0]).collect();
+        for k in 1..self.count() {
+            let mut factor = step * libm::j1(turn * radius_mm * k as f64);
+            if distance_mm > 0.0 {
+                factor *= libm::j0(turn * distance_mm * k as f64);
+            }
+            sums.iter_mut().zip(&self.rest).for_each(|(sum, rest)| *sum += rest[k] * factor);
+        }
+        let sharp = |sharp: &f64| if distance_mm < radius_mm { *sharp } else { 0.0 };
+        let states = sums.iter().zip(&self.sharp);
+        states.map(|(sum, own)| sharp(own) + 2.0 * PI * radius_mm * sum).collect()
+    }
+
+    /// Light between ascending borders, from what is below each, `[state][bin]`.
+    fn bins(&self, below: impl Fn(f64) -> Vec<f64>, edges: &[f64]) -> Vec<Vec<f64>> {
+        let mut bins: Vec<Vec<f64>> =
+            (0..self.states()).map(|_| Vec::with_capacity(edges.len() + 1)).collect();
+        let mut last = vec![0.0; self.states()];
+        let total = (0..self.states()).map(|state| self.sharp[state] + self.rest[state][0]).collect();
+        for now in edges.iter().map(|edge| below(*edge)).chain([total]) {
+            for (state, bins) in bins.iter_mut().enumerate() {
+                bins.push(now[state] - last[state]);
+            }
+            last = now;
+        }
+        bins
+    }
+
+    /// Light of strips, as in [`Response`](super::Response).
+    pub(super) fn strips(&self, axis: usize, edges_mm: &[f64]) -> Vec<Vec<f64>> {
+        self.bins(|at| self.below(axis, at), edges_mm)
+    }
+
+    /// Light of rings about the view's own ray.
+    pub(super) fn rings(&self, radii_mm: &[f64]) -> Vec<Vec<f64>> {
+        let distance = self.at_mm[0].hypot(self.at_mm[1]);
+        self.bins(|at| self.within(at, distance), radii_mm)
+    }
+
+    /// Light of cells.
+    pub(super) fn cells(&self, x_mm: &[f64], y_mm: &[f64]) -> Vec<Vec<f64>> {
+        let about = |edges: &[f64], axis: usize| -> Vec<f64> {
+            edges.iter().map(|edge| edge - self.at_mm[axis]).collect()
+        };
+        let (x_mm, y_mm) = (about(x_mm, 0), about(y_mm, 1));
+        let most = [&x_mm, &y_mm].map(|edges| edges.iter().fold(0.0_f64, |most, x| most.max(x.abs())));
+        let step = most[0].hypot(most[1]) / RINGS as f64;
+        let radii: Vec<f64> = (1..=RINGS).map(|k| k as f64 * step).collect();
+        let rings = self.bins(|at| self.within(at, 0.0), &radii);
+        let columns = x_mm.len() - 1;
+        let of_state = |state: usize| {
+            let mut cells = vec![0.0; columns * (y_mm.len() - 1)];
+            for (row, y) in y_mm.windows(2).enumerate() {
+                for (column, x) in x_mm.windows(2).enumerate() {
+                    let cell = &mut cells[row * columns + column];
+                    let [width, height] = [x, y].map(|ends| ends[1] - ends[0]);
+                    for (i, j) in (0..9).map(|k| (k % 3, k / 3)) {
+                        let at =
+                            [x[0] + width * (i as f64 + 0.5) / 3.0, y[0] + height * (j as f64 + 0.5) / 3.0];
+                        let ring = ((at[0].hypot(at[1]) / step) as usize).min(RINGS - 1);
+                        let sharp = if ring == 0 { self.sharp[state] } else { 0.0 };
+                        let area = PI * step * step * (2 * ring + 1) as f64;
+                        *cell += (rings[state][ring] - sharp) / area * width * height / 9.0;
+                    }
+                    if (x[0]..x[1]).contains(&0.0) && (y[0]..y[1]).contains(&0.0) {
+                        *cell += self.sharp[state];
+                    }
+                }
+            }
+            cells
+        };
+        (0..self.states()).map(of_state).collect()
+    }
+}
+
+/// Adds light by state and bin.
+pub(super) fn add(sums: &mut Vec<Vec<f64>>, more: Vec<Vec<f64>>) {
+    if sums.is_empty() {
+        *sums = more;
+        return;
+    }
+    for (sums, more) in sums.iter_mut().zip(more) {
+        sums.iter_mut().zip(more).for_each(|(sum, more)| *sum += more);
+    }
+}

@@ -1,0 +1,154 @@
+//! Light that flat faces return to Lambertian pixels, tabulated for callers that ask many frequencies.
+//!
+//! **What.** The face alone returns `A(f)` of [`FaceReturn`]; a front of screen above an air gap adds the orders of light between
+//! the two, each a [`FrontReturn`] with a longer way. These decrease quickly with the frequency: light through a gap has no
+//! sharp edge. They are Chebyshev polynomials on panels that widen with the frequency, up to [`HIGHEST`].
+
+use std::sync::Arc;
+
+use papilio_optics::interface::fresnel_reflectance;
+
+use super::super::face::{FrontReturn, POINTS_OF_TABLE, chebyshev, clenshaw};
+use super::super::{Accuracy, FaceReturn};
+use super::{Heights, SpreadError};
+use crate::adding::Indices;
+use crate::{Panel, Top};
+
+/// Frequencies of the table, times the length of the way: that of the first panel, the ratio of the ends of each of the next ones, and the
+/// greatest width of a panel. The last panel ends at `HIGHEST`; less than 1e-5 of a front's reflectance comes back beyond.
+const FIRST: f64 = 0.02;
+const GROWTH: f64 = 1.25;
+const WIDEST: f64 = 0.4;
+const HIGHEST: f64 = 8.0;
+
+/// Highest frequencies of the rules, times the length.
+const RULES: [f64; 3] = [0.125, 1.0, HIGHEST];
+
+/// Orders whose light is below this fraction are left out, the last one standing for all that follow.
+const FAINTEST: f64 = 1e-5;
+const MOST_ORDERS: usize = 6;
+
+/// Light that the layers above return to Lambertian pixels at wavelengths with the same return.
+#[derive(Debug, Clone)]
+pub struct FlatReturn {
+    /// Numbers of the wavelengths.
+    pub bins: Vec<usize>,
+    index: f64,
+    /// Reflectance of the front for light from below.
+    front: f64,
+    face: FaceReturn,
+    /// Orders of a front that reflects everything, with the weight of each index for which they were made.
+    orders: Vec<(f64, Arc<[Tabulated]>)>,
+}
+
+impl FlatReturn {
+    /// Prepares the return of a flat face and of a front above it; below a diffuser, that of the front through a clear face.
+    /// `lengths_mm` as in [`PanelSpread::new`](super::PanelSpread::new).
+    ///
+    /// # Errors
+    /// If several components of the front reflect at different heights.
+    pub fn all(panel: &Panel, lengths_mm: &[f64], accuracy: Accuracy) -> Result<Vec<Self>, SpreadError> {
+        let heights = Heights::new(panel, lengths_mm)?;
+        let index = panel.medium.index();
+        let front = |bin: usize| if panel.single_pass { 0.0 } else { panel.front.reflectance_below[bin] };
+        let largest = (0..index.len()).map(front).fold(0.0, f64::max);
+        let indices = (largest > 0.0).then(|| Indices::new(&panel.medium, accuracy.digits));
+        let tables: Vec<Arc<[Tabulated]>> = indices
+            .iter()
+            .flat_map(|indices| &indices.nodes)
+            .map(|index| orders(panel, *index, heights, largest))
+            .collect();
+        let mut all: Vec<Self> = Vec::new();
+        for bin in 0..index.len() {
+            let same = |one: &&mut Self| one.index == index[bin] && one.front == front(bin);
+            if let Some(known) = all.iter_mut().find(same) {
+                known.bins.push(bin);
+                continue;
+            }
+            let face = all.iter().find(|one| one.index == index[bin]).map(|one| one.face.clone());
+            let face = face.unwrap_or_else(|| {
+                let passes = |beta: f64| 1.0 - face_reflectance(panel, index[bin], beta);
+                FaceReturn::new(index[bin], heights.glass_mm, accuracy.most_per_mm, passes).tabulated()
+            });
+            let blend = |(node, table): (usize, &Arc<[Tabulated]>)| {
+                let weight = indices.as_ref().map_or(0.0, |indices| indices.blend_at(node, bin));
+                (weight, table.clone())
+            };
+            let orders =
+                if front(bin) > 0.0 { tables.iter().enumerate().map(blend).collect() } else { Vec::new() };
+            all.push(Self { bins: vec![bin], index: index[bin], front: front(bin), face, orders });
+        }
+        Ok(all)
+    }
+
+    /// Fraction that comes back of the light from the pixels that is modulated at this frequency (cycles per mm), with its sign.
+    pub fn at(&self, frequency_per_mm: f64) -> f64 {
+        self.face.at(frequency_per_mm) + self.by_front(frequency_per_mm)
+    }
+
+    /// The part of it that the front returns.
+    pub fn by_front(&self, frequency_per_mm: f64) -> f64 {
+        let of_index = |(weight, orders): &(f64, Arc<[Tabulated]>)| {
+            let all = orders.iter().rev();
+            weight * all.fold(0.0, |sum, order| self.front * (sum + order.at(frequency_per_mm)))
+        };
+        self.orders.iter().map(of_index).sum()
+    }
+}
+
+/// Reflectance of the face for light from below, in air.
+fn face_reflectance(panel: &Panel, index: f64, beta: f64) -> f64 {
+    match panel.top {
+        Top::Fresnel(_) => fresnel_reflectance(1.0, index, beta),
+        Top::IdealAr | Top::Diffuser(_) => 0.0,
+    }
+}
+
+/// Tabulates the orders between the face and a front that reflects everything; the factor of the front is missing in each.
+fn orders(panel: &Panel, index: f64, heights: Heights, largest: f64) -> Arc<[Tabulated]> {
+    // What the face reflects from above is at most 1, of grazing light; without a face, there is one order.
+    let count = match panel.top {
+        Top::Fresnel(_) => ((FAINTEST.ln() / largest.min(0.99).ln()).ceil() as usize).clamp(2, MOST_ORDERS),
+        Top::IdealAr | Top::Diffuser(_) => 1,
+    };
+    let of = |order: usize| {
+        let lengths = [heights.glass_mm, order as f64 * heights.front_mm];
+        let weight = |beta: f64| {
+            let r = face_reflectance(panel, index, beta);
+            let rest = if order == count { 1.0 / (1.0 - r * largest) } else { 1.0 };
+            (1.0 - r).powi(2) * r.powi(order as i32 - 1) * rest
+        };
+        Tabulated::new(index, lengths, weight)
+    };
+    (1..=count).map(of).collect()
+}
+
+/// A function of the frequency on panels.
+#[derive(Debug, Clone)]
+struct Tabulated {
+    /// Ends of the panels, cycles per mm, and the coefficients of each.
+    panels: Vec<([f64; 2], [f64; POINTS_OF_TABLE])>,
+}
+
+impl Tabulated {
+    fn new(index: f64, lengths_mm: [f64; 2], weight: impl Fn(f64) -> f64) -> Self {
+        let length = lengths_mm[0] + lengths_mm[1];
+        let rules = RULES.map(|most| FrontReturn::new(index, lengths_mm, most / length, &weight));
+        let mut panels = Vec::new();
+        let (mut from, mut to) = (0.0_f64, FIRST);
+        while from < HIGHEST {
+            let rule = RULES.iter().position(|most| to <= *most * (1.0 + 1e-9)).unwrap_or(RULES.len() - 1);
+            let ends = [from / length, to / length];
+            panels.push((ends, chebyshev(ends, |f| rules[rule].at(f))));
+            (from, to) = (to, (to * GROWTH).min(to + WIDEST).min(HIGHEST));
+        }
+        Self { panels }
+    }
+
+    fn at(&self, frequency_per_mm: f64) -> f64 {
+        let f = frequency_per_mm.abs();
+        let panel = self.panels.partition_point(|(ends, _)| ends[1] < f);
+        let Some(([from, to], coefficients)) = self.panels.get(panel) else { return 0.0 };
+        clenshaw(coefficients, (2.0 * f - from - to) / (to - from))
+    }
+}
