@@ -399,6 +399,13 @@ fn energy_balance(view: &View) -> String {
         .filter(|(_, fraction)| *fraction > 5e-5)
         .map(|(part, fraction)| format!("{part} {:.1} %", 100.0 * fraction))
         .collect();
+    if parts.is_empty() && !unaccounted.is_empty() {
+        return format!(
+            "  energy balance of a beam from the viewer, {name}: returned {:.1} %; what absorbs the rest is not computed below a colour \
+             filter\n",
+            100.0 * ledger.returned
+        );
+    }
     let parts = if parts.is_empty() { "nothing".to_owned() } else { parts.join(", ") };
     format!(
         "  energy balance of a beam from the viewer, {name}: returned {:.1} %; absorbed: {parts}{unaccounted}\n",

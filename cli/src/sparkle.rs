@@ -66,7 +66,8 @@ fn text(title: &str, result: &SparkleResult) -> String {
     ];
     let mut rows = vec![head.map(str::to_owned).to_vec()];
     rows.extend(result.rows.iter().map(cells));
-    let threshold = "contrast x sensitivity above 1: sparkle is above the eye's threshold at this distance";
+    let threshold =
+        "where contrast x sensitivity is above 1, sparkle is above the eye's threshold at this distance";
     format!(
         "{}\n\npixel power deviation (PPD) of the state {}, pixels of {} x {} um, pupil {} mm, {} mm away\n{}\n{threshold}\n",
         report::plain(title),

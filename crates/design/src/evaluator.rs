@@ -146,6 +146,26 @@ impl<'a> Evaluator<'a> {
         Ok(values)
     }
 
+    /// Puts the quantities of sharpness, crosstalk and sparkle of a design, which no run computes, in their places among all.
+    ///
+    /// # Errors
+    /// Those of [`evaluate`](Self::evaluate).
+    pub(crate) fn add_of_pixels(
+        &mut self,
+        design: &[f64],
+        values: &mut [Option<f64>],
+    ) -> Result<(), DesignError> {
+        for condition in 0..self.conditions.len() {
+            if self.requested(condition, Part::Pixels).is_empty() {
+                continue;
+            }
+            let computed = self.computed(design, condition, Part::Pixels)?;
+            let requested = self.requested(condition, Part::Pixels).iter();
+            requested.zip(first(computed)).for_each(|(index, value)| values[*index] = value);
+        }
+        Ok(())
+    }
+
     fn requested(&self, condition: usize, part: Part) -> &[usize] {
         let condition = &self.conditions[condition];
         match part {

@@ -83,6 +83,19 @@ pub enum DisplayError {
         /// Its key.
         key: String,
     },
+    /// Layers that are so thick that light spreads over too many pixels.
+    #[error(
+        "the layers above the pixels are {thickness_mm} mm thick: crosstalk is computed up to {most} times the pitch of the pixels, \
+         {pitch_mm} mm (see `display.matrix`)"
+    )]
+    TooThick {
+        /// Thickness of the layers, mm.
+        thickness_mm: f64,
+        /// The smaller pitch, mm.
+        pitch_mm: f64,
+        /// Largest thickness over pitch.
+        most: f64,
+    },
     /// A display whose places only paths compute.
     #[error(
         "the adding solver does not compute the places of light for {what} (see `{key}`; set `solver.method = \"monte-carlo\"`, with which \

@@ -8,7 +8,7 @@ use std::sync::atomic::AtomicBool;
 use papilio_optics::interface::fresnel_reflectance;
 use papilio_transport::adding::Kernel;
 use papilio_transport::spatial::{
-    Accuracy, Direction, FilteredPixels, PanelSpread, Part, Passed, Rectangle, Sample, SpreadError,
+    Accuracy, Direction, Division, FilteredPixels, PanelSpread, Part, Passed, Rectangle, Sample, SpreadError,
     TwoPlanes, Window, air_below_front_mm, diffuse_directions, diffused_directions,
 };
 use papilio_transport::{
@@ -50,6 +50,8 @@ const DIGITS: [f64; 3] = [7.0, 9.0, 11.0];
 /// Distance of lines in thicknesses at two levels, and the least and largest number of pixels between lines at the first.
 const LINE_REACH: [f64; 2] = [6.0, 12.0];
 const LINE_PIXELS: [usize; 2] = [4, 12];
+/// Graded cells of each window at the first level.
+pub(crate) const CELLS: usize = 8;
 /// Reflectance of the page that tells how much light there is.
 const PAGE: f64 = 0.5;
 
@@ -105,6 +107,7 @@ impl<'a> Filtered<'a> {
             return not_yet("a colour filter below a diffuser in this light", &format!("lighting.{key}"));
         }
         let lengths = scene.display.lengths_mm()?;
+        scene.display.spreads_over_few_pixels(&lengths)?;
         let thickness_mm = lengths.last().copied().unwrap_or_default();
         let index = panel.medium.index()[0];
         let several = |error: SpreadError| DisplayError::PlacesByPaths {
@@ -134,15 +137,15 @@ impl<'a> Filtered<'a> {
 
     /// Computes the light at a level for a period of this number of pixels along x.
     pub(crate) fn lit(&self, level: usize, columns: usize) -> Result<Lit, DisplayError> {
-        self.lit_with_cells(level, columns, 10 << level)
+        self.lit_with_cells(level, columns, &Division::everywhere(10 << level, CELLS << level))
     }
 
-    /// The same with a number of cells of a period.
+    /// The same with other cells of a period.
     pub(crate) fn lit_with_cells(
         &self,
         level: usize,
         columns: usize,
-        cells: usize,
+        division: &Division,
     ) -> Result<Lit, DisplayError> {
         let transmittance: Vec<Vec<f64>> = self.filter.transmittance.iter().map(|one| one.to_vec()).collect();
         let windows: Vec<Window> = (0..columns).flat_map(|column| self.windows(column, columns)).collect();
@@ -157,7 +160,7 @@ impl<'a> Filtered<'a> {
         };
         let face = |beta: f64| self.face(beta);
         let returns = !matches!(self.panel.top, Top::Diffuser(_));
-        let mut planes = TwoPlanes::with_cells(&pixels, returns.then_some(&face), level as u32, cells);
+        let mut planes = TwoPlanes::with_cells(&pixels, returns.then_some(&face), level as u32, division);
         let (gap_mm, reflectance) = self.front;
         if reflectance > 0.0 {
             planes.add_front((self.thickness_mm, gap_mm), reflectance, &face, level as u32);

@@ -206,17 +206,26 @@ impl Resolved {
                 (key, mistake::missing_length(last))
             }
             DisplayError::PlacesNotComputed { what, key } => {
-                let wrong = Diagnostic::new(format!("the places of light are not computed yet for {what}"))
-                    .expected(
-                        "mirror-like pixels below a diffuser or a flat face, or Lambertian pixels below a flat face",
-                    );
+                let wrong = Diagnostic::new(format!("the places of light are not computed yet for {what}"));
                 // No solver has a pixel that spreads light.
                 let wrong = if key.ends_with("spread_um") {
-                    wrong
+                    wrong.expected("0 um").hint("remove `spread_um`")
                 } else {
-                    wrong.hint("`papilio mtf --solver monte-carlo` computes any layers")
+                    wrong
+                        .expected("mirror-like or Lambertian pixels below a diffuser or a flat face")
+                        .hint("`papilio mtf --solver monte-carlo` computes any layers")
                 };
                 (key, wrong.into())
+            }
+            DisplayError::TooThick { thickness_mm, pitch_mm, most } => {
+                let wrong = Diagnostic::new(format!(
+                    "the layers above the pixels are {:.4} times as thick as a pixel is wide ({thickness_mm} mm and {} um)",
+                    thickness_mm / pitch_mm,
+                    1e3 * pitch_mm
+                ))
+                .expected(format!("at most {most} times, over which crosstalk is computed"))
+                .hint("`pitch_um` is in um, `thickness_mm` in mm");
+                ("display.matrix", wrong.into())
             }
             DisplayError::PlacesByPaths { what, key } => {
                 let wrong =

@@ -111,7 +111,8 @@ impl Search {
         evaluator: &mut Evaluator<'_>,
     ) -> Result<SelectedDesign, DesignError> {
         let design = self.rounded(&result.design);
-        let values = self.values_of(&self.runs(&design, evaluator)?);
+        let mut values = self.values_of(&self.runs(&design, evaluator)?);
+        evaluator.add_of_pixels(&design, &mut values)?;
         let missed = self.aims.missed(&values);
         Ok(SelectedDesign { design, values, missed, task: result.task })
     }

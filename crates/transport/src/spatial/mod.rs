@@ -44,7 +44,8 @@ pub use places::{Binned, Image, Peak, PointSpread};
 pub use recycling::{Cells, Recycling};
 pub use spread::{Accuracy, Gap, Light, Sample, Spread};
 pub use two_planes::{
-    Direction, FilteredPixels, Passed, PeriodCells, TwoPlanes, diffuse_directions, diffused_directions,
+    Direction, Division, FilteredPixels, Passed, PeriodCells, TwoPlanes, diffuse_directions,
+    diffused_directions,
 };
 pub use window::{Rectangle, Window, crosstalk, shares_by_shifts, shares_by_transfer};
 

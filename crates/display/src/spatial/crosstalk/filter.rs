@@ -1,9 +1,11 @@
 //! Crosstalk of a display with a colour filter at a height above its pixels.
 
+use papilio_transport::spatial::Division;
+
 use super::super::response::name_of_light;
 use super::{BLACK, CrosstalkView, Figure, Measured, PAGE, add, assembled, flat, page, state};
 use crate::DisplayError;
-use crate::filtered::{Filtered, Lit};
+use crate::filtered::{CELLS, Filtered, Lit};
 use crate::meter::Meter;
 use crate::run::{Control, Progress};
 use crate::setup::{Setup, ViewPoint};
@@ -93,8 +95,14 @@ fn levelled(filtered: &Filtered<'_>, setup: &Setup, level: usize) -> Result<Leve
 /// Prepares lines on a page.
 fn lines(filtered: &Filtered<'_>, setup: &Setup, level: usize) -> Result<Lines, DisplayError> {
     let (page, pixels) = (page(setup), filtered.pixels_of_line(level));
-    let cells = (filtered.sub_pixels() * pixels) << level;
-    let lit = filtered.lit_with_cells(level, pixels, cells)?;
+    // The line is seen through its own windows: light changes most near the edges of the line.
+    let width = 1.0 / pixels as f64;
+    let division = Division {
+        per_period: (filtered.sub_pixels() * pixels) << level,
+        per_window: CELLS << level,
+        near: [-width, 2.0 * width],
+    };
+    let lit = filtered.lit_with_cells(level, pixels, &division)?;
     let of_state = |state: usize| std::iter::once(state).chain((1..pixels).map(|_| page)).collect();
     let states: Vec<Vec<usize>> = (0..setup.states.len()).map(of_state).collect();
     let of_source = |source: usize| {

@@ -29,7 +29,7 @@ use crate::filtered::Filtered;
 use crate::meter::{Meter, PRIMARIES};
 use crate::result::Named;
 use crate::run::{Control, Progress, Workers, each};
-use crate::scene::{Matrix, Scene};
+use crate::scene::{Matrix, Method, Scene};
 use crate::setup::{Setup, ViewPoint};
 
 /// X, Y and Z relative to a perfect white.
@@ -38,6 +38,10 @@ type Colour = [f64; 3];
 /// Natural digits of the two levels, and the highest order of the sub-pixels' pattern that they resolve.
 const DIGITS: [f64; 2] = [8.0, 11.0];
 const ORDERS: [f64; 2] = [2.0, 4.0];
+
+/// Warning for a scene that asks for paths.
+const ONE_SOLVER: &str =
+    "crosstalk is always computed by adding: solver.method = \"monte-carlo\" has no effect on it";
 
 /// State of pages, and that of figures whose contrast is measured.
 const PAGE: &str = "white";
@@ -93,13 +97,14 @@ fn result(
     if !error_reached.is_finite() {
         return Err(DisplayError::NotFinite);
     }
+    let warnings = (setup.scene.solver.method == Method::MonteCarlo).then_some(ONE_SOLVER);
     Ok(CrosstalkResult {
         subpixels: matrix.sub_pixels.iter().map(|one| one.name.clone()).collect(),
         pitch_um: matrix.pitch_mm.map(|pitch| 1e3 * pitch),
         page: setup.states.get(page(setup)).cloned().unwrap_or_default(),
         error_reached,
         views,
-        warnings: Vec::new(),
+        warnings: warnings.map(str::to_owned).into_iter().collect(),
     })
 }
 
@@ -139,6 +144,7 @@ impl<'a> Frame<'a> {
         let scene = &setup.scene;
         let matrix = matrix(setup)?;
         let lengths_mm = scene.display.lengths_mm()?;
+        scene.display.spreads_over_few_pixels(&lengths_mm)?;
         let panel = covered(setup)?;
         let surfaces = Surfaces::new(setup, matrix)?;
         let mut parts: Vec<Part> = Vec::new();

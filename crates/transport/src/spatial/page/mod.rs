@@ -254,7 +254,7 @@ fn mixed(coverage: &[Vec<f32>], reflectance: &[Vec<f64>], bin: usize) -> Vec<f32
 fn smooth(least: usize) -> usize {
     let is_smooth = |mut number: usize| {
         for prime in [2, 3, 5] {
-            while number % prime == 0 {
+            while number.is_multiple_of(prime) {
                 number /= prime;
             }
         }

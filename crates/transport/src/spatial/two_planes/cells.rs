@@ -12,6 +12,29 @@ pub struct PeriodCells {
     fields: Vec<usize>,
 }
 
+/// How finely a period is divided into cells.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Division {
+    /// Number of cells of equal length in a period, about.
+    pub per_period: usize,
+    /// Least number of cells of each window between `near`, graded towards its edges.
+    pub per_window: usize,
+    /// Fractions of the period along x between which windows have graded cells; below 0 and above 1 in the periods beside it.
+    pub near: [f64; 2],
+}
+
+impl Division {
+    /// Cells that are graded in all windows.
+    pub fn everywhere(per_period: usize, per_window: usize) -> Self {
+        Self { per_period, per_window, near: [0.0, 1.0] }
+    }
+
+    /// True for a window that is near, in the middle of which a place along x is.
+    fn is_near(&self, place: f64) -> bool {
+        [-1.0, 0.0, 1.0].iter().any(|period| (self.near[0]..self.near[1]).contains(&(place + period)))
+    }
+}
+
 /// Division of the period along an axis.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Axis {
@@ -39,9 +62,10 @@ pub(super) struct Piece {
 const SAME: f64 = 1e-12;
 
 impl PeriodCells {
-    /// Divides a period with these windows into cells: about `per_period` along each axis that the windows depend on.
-    pub(super) fn new(windows: &[Window], per_period: usize) -> Self {
-        let axes = [0, 1].map(|axis| Axis::new(windows, axis, per_period));
+    /// Divides a period with these windows into cells along each axis that the windows depend on. Near the edges of windows, light
+    /// changes over lengths of `reach`, a fraction of the period along each axis.
+    pub(super) fn new(windows: &[Window], division: &Division, reach: [f64; 2]) -> Self {
+        let axes = [0, 1].map(|axis| Axis::new(windows, axis, division, reach[axis]));
         let [columns, rows] = axes.each_ref().map(|axis| axis.fields.len() - 1);
         let middle =
             |axis: usize, field: usize| 0.5 * (axes[axis].fields[field] + axes[axis].fields[field + 1]);
@@ -97,7 +121,7 @@ impl PeriodCells {
 }
 
 impl Axis {
-    fn new(windows: &[Window], axis: usize, per_period: usize) -> Self {
+    fn new(windows: &[Window], axis: usize, division: &Division, reach: f64) -> Self {
         let rectangles = windows.iter().flat_map(|window| &window.rectangles);
         let mut fields: Vec<f64> =
             rectangles.flat_map(|one| if axis == 0 { one.x } else { one.y }).chain([0.0, 1.0]).collect();
@@ -107,9 +131,16 @@ impl Axis {
         let is_one = fields.len() == 2;
         for (field, ends) in fields.windows(2).enumerate() {
             let length = ends[1] - ends[0];
-            let parts = if is_one { 1 } else { (length * per_period as f64).ceil().max(1.0) as usize };
+            let is_near = axis == 1 || division.is_near(0.5 * (ends[0] + ends[1]));
+            let uniform = (length * division.per_period as f64).ceil().max(1.0) as usize;
+            let parts = match (is_one, is_near) {
+                (true, _) => 1,
+                (false, true) => uniform.max(division.per_window),
+                (false, false) => uniform,
+            };
+            let grade = if is_near { grade(parts, FIRST * reach / length) } else { 0.0 };
             for part in 1..=parts {
-                cells.push(ends[0] + length * part as f64 / parts as f64);
+                cells.push(ends[0] + length * graded(part as f64 / parts as f64, grade));
                 field_of.push(field);
             }
         }
@@ -166,6 +197,34 @@ impl Axis {
             }
         }
     }
+}
+
+/// Length of the cell beside an edge, in lengths over which light changes.
+const FIRST: f64 = 0.25;
+/// Strongest grading: the cell in the middle is at most some tens of times as long as those beside the edges.
+const MOST_GRADED: f64 = 3.0;
+
+/// Where in a window a cell ends: `part` is the fraction of the cells before.
+fn graded(part: f64, grade: f64) -> f64 {
+    if part >= 1.0 || grade == 0.0 {
+        part
+    } else {
+        0.5 + 0.5 * (grade * (2.0 * part - 1.0)).tanh() / grade.tanh()
+    }
+}
+
+/// Grading with which the first of some cells has this length, a fraction of the window; 0 if equal cells are as short.
+fn grade(parts: usize, first: f64) -> f64 {
+    let length = |grade: f64| graded(1.0 / parts as f64, grade);
+    if parts < 3 || length(0.0) <= first {
+        return 0.0;
+    }
+    let mut between = [0.0, MOST_GRADED];
+    for _ in 0..30 {
+        let middle = 0.5 * (between[0] + between[1]);
+        between[usize::from(length(middle) < first)] = middle;
+    }
+    between[0]
 }
 
 /// Number of the interval of a period in which a place is.

@@ -6,7 +6,8 @@
 //! `E(x) = sum over beta of w L t(x - D_h)^s + sum over beta of w F t(x - D_h)^s t(x - 2D + D_h)^s rho E (x - 2D)`,
 //! s = 1/cos(theta), D the shift of the whole way to the face, w the weight of a direction in the irradiance. All orders are solved.
 //!
-//! **How.** A period is divided into cells along the edges of the windows. E is constant in a cell; all areas on which a cell,
+//! **How.** A period is divided into cells along the edges of the windows, shorter towards these edges, beside which E changes over
+//! lengths of the height. E is constant in a cell; all areas on which a cell,
 //! shifted, lies below or above others are exact. Directions are sums: rings of inclinations with azimuths. Where the way to the
 //! face and back is many periods, cells and shifts are taken as independent: the limit of Clapper and Yule.
 //!
@@ -17,8 +18,8 @@
 mod cells;
 mod directions;
 
-pub use self::cells::PeriodCells;
 use self::cells::Piece;
+pub use self::cells::{Division, PeriodCells};
 pub use self::directions::{Direction, diffuse_directions, diffused_directions};
 use self::directions::{Ring, azimuths, front_rings, return_rings};
 use super::{Window, displacement};
@@ -92,19 +93,22 @@ impl TwoPlanes {
     /// Prepares pixels and filter. `face` is the reflectance of the face from below as a function of `|beta|` up to 1; beyond,
     /// all light returns; `None`: nothing returns. A higher `level` is finer: 0, 1, ...
     pub fn new(pixels: &FilteredPixels<'_>, face: Option<&dyn Fn(f64) -> f64>, level: u32) -> Self {
-        Self::with_cells(pixels, face, level, 10 << level)
+        Self::with_cells(pixels, face, level, &Division::everywhere(10 << level, 0))
     }
 
-    /// The same with about `per_period` cells along each axis that the windows depend on, at least one in each window.
+    /// The same with other cells along each axis that the windows depend on.
     pub fn with_cells(
         pixels: &FilteredPixels<'_>,
         face: Option<&dyn Fn(f64) -> f64>,
         level: u32,
-        per_period: usize,
+        division: &Division,
     ) -> Self {
-        let mut cells = PeriodCells::new(pixels.windows, per_period);
+        let reach = pixels.pitch_mm.map(|pitch| pixels.height_mm / pitch);
+        let mut cells = PeriodCells::new(pixels.windows, division, reach);
         if cells.varies(0) && cells.varies(1) {
-            cells = PeriodCells::new(pixels.windows, per_period * 6 / 10);
+            // Their number is that along x times that along y.
+            let fewer = Division { per_period: division.per_period * 6 / 10, per_window: 0, ..*division };
+            cells = PeriodCells::new(pixels.windows, &fewer, reach);
         }
         let bins = pixels.transmittance.first().map_or(1, Vec::len);
         let transmittance = pixels.transmittance.iter().cloned().chain([vec![1.0; bins]]).collect();

@@ -1,4 +1,5 @@
 use std::f64::consts::{FRAC_1_SQRT_2, PI};
+use std::ops::Range;
 
 use papilio_optics::interface::fresnel_reflectance;
 
@@ -51,8 +52,13 @@ fn shares_of_own_windows_are_known() {
     }
 }
 
-/// Mean that is seen of pixels along the normal, relative to the light that would reach them alone.
+/// Mean that is seen of pixels, relative to the light that would reach them alone.
 fn seen(planes: &TwoPlanes, view: Beta, level: u32, rho: &[f64]) -> f64 {
+    seen_through(planes, view, level, rho, 0..rho.len() + 1)
+}
+
+/// The part of it that passes some windows of the filter.
+fn seen_through(planes: &TwoPlanes, view: Beta, level: u32, rho: &[f64], windows: Range<usize>) -> f64 {
     let entering = planes.entering(&diffuse_directions(level, |beta| 1.0 - fresnel(beta)));
     let leaving = planes.leaving(&[Direction { beta: view, weight: 1.0 }]);
     let rho: Vec<[f64; 1]> = rho.iter().map(|rho| [*rho]).collect();
@@ -61,7 +67,8 @@ fn seen(planes: &TwoPlanes, view: Beta, level: u32, rho: &[f64]) -> f64 {
     let cells = planes.cells();
     let of = |cell: usize| {
         let own = cells.window_of(cell).map_or(0.0, |window| rho[window][0]);
-        leaving.all(cell)[0] * own * irradiance[cell]
+        let passes: f64 = windows.clone().map(|window| leaving.by_window(cell, window)[0]).sum();
+        passes * own * irradiance[cell]
     };
     (0..cells.count()).map(of).sum()
 }
@@ -128,15 +135,19 @@ impl Paths<'_> {
         self.window(place).map_or(1.0, |window| self.plan.transmittance[window][0].powf(slant))
     }
 
-    /// Light of a path, over that of a white page without filter and return.
-    fn path(&mut self, view: Beta) -> f64 {
+    /// Light of a path that ends through one of the windows, over that of a white page without filter and return.
+    fn path(&mut self, view: Beta, windows: &Range<usize>) -> f64 {
         let FilteredPixels { pitch_mm, height_mm, thickness_mm, index, .. } = self.plan;
         let moved = |place: [f64; 2], beta: Beta, length: f64| {
             let shift = displacement(beta, length, index);
             [place[0] + shift[0], place[1] + shift[1]]
         };
         let mut place = [self.number() * pitch_mm[0], self.number() * pitch_mm[1]];
-        let mut weight = self.filtered(moved(place, view, height_mm), view);
+        let last = moved(place, view, height_mm);
+        if !windows.contains(&self.window(last).unwrap_or(self.rho.len())) {
+            return 0.0;
+        }
+        let mut weight = self.filtered(last, view);
         for _ in 0..60 {
             weight *= self.window(place).map_or(0.0, |window| self.rho[window]);
             let radius = index * self.number().sqrt();
@@ -154,6 +165,47 @@ impl Paths<'_> {
     }
 }
 
+/// Mean of paths through some windows, and its error.
+fn traced(plan: FilteredPixels<'_>, rho: &[f64], view: Beta, windows: &Range<usize>) -> (f64, f64) {
+    let mut paths = Paths { plan, rho, state: 7 };
+    let (mut sum, mut squares, count) = (0.0, 0.0, 200_000);
+    for _ in 0..count {
+        let light = paths.path(view, windows);
+        sum += light;
+        squares += light * light;
+    }
+    let mean = sum / f64::from(count);
+    let error = ((squares / f64::from(count) - mean * mean) / f64::from(count)).sqrt();
+    assert!(error < 0.02 * mean, "{error} of {mean}");
+    (mean, error)
+}
+
+/// A black pixel beside a white one, seen obliquely through its own windows: what comes from the white pixel left it beside the edge, where the
+/// irradiance changes within the height of the filter.
+#[test]
+fn black_stripe_beside_white_is_seen_through_its_own_windows() {
+    let (windows, transmittance) =
+        (stripes(&[1.0 / 6.0; 6], 1.0), [0.9, 0.1, 0.02, 0.9, 0.1, 0.02].map(|t| vec![t]).to_vec());
+    let rho = [0.03, 0.03, 0.03, 0.45, 0.45, 0.45];
+    let view = Beta { x: 0.5, y: 0.0 };
+    // Heights of 5 and 20 um, and a face 0.2 mm away, above pixels of 84.67 um.
+    for height_mm in [0.005, 0.02] {
+        let plan = FilteredPixels {
+            height_mm,
+            pitch_mm: [0.16934, 0.08467],
+            ..pixels(&windows, &transmittance, 0.2)
+        };
+        let (mean, error) = traced(plan, &rho, view, &(0..3));
+        let [coarse, fine] = [0, 1].map(|level| {
+            let division = Division::everywhere(10 << level, 8 << level);
+            let planes = TwoPlanes::with_cells(&plan, Some(&fresnel), level, &division);
+            seen_through(&planes, view, level, &rho, 0..3) * (1.0 - planes.returned_uniform())
+        });
+        assert!((fine - mean).abs() < 4.0 * error + 0.005 * mean, "{height_mm}: {fine} {mean} +- {error}");
+        assert!((coarse - mean).abs() < 4.0 * error + 0.03 * mean, "{height_mm}: {coarse} {mean} +- {error}");
+    }
+}
+
 /// Coloured windows, at two heights, seen obliquely, through all orders: paths.
 #[test]
 fn filters_equal_a_plain_path_tracer() {
@@ -167,16 +219,7 @@ fn filters_equal_a_plain_path_tracer() {
         let plan = FilteredPixels { height_mm, ..pixels(&windows, &transmittance, thickness_mm) };
         let planes = TwoPlanes::new(&plan, Some(&fresnel), 0);
         let found = seen(&planes, view, 0, &rho) * (1.0 - planes.returned_uniform());
-        let mut paths = Paths { plan, rho: &rho, state: 7 };
-        let (mut sum, mut squares, count) = (0.0, 0.0, 200_000);
-        for _ in 0..count {
-            let light = paths.path(view);
-            sum += light;
-            squares += light * light;
-        }
-        let mean = sum / f64::from(count);
-        let error = ((squares / f64::from(count) - mean * mean) / f64::from(count)).sqrt();
-        assert!(error < 0.01 * mean, "{error} of {mean}");
+        let (mean, error) = traced(plan, &rho, view, &(0..4));
         assert!((found - mean).abs() < 4.0 * error + 1e-3 * mean, "{height_mm}: {found} {mean} +- {error}");
     }
 }
