@@ -42,7 +42,7 @@ fn shares(bencher: Bencher<'_, '_>, name: &str) {
 fn page(bencher: Bencher<'_, '_>) {
     let display = scenario("laminated-text", &[]).unwrap();
     let count = [1404, 1872];
-    let state = |x: usize, y: usize| u8::from((x / 3 * 7 + y / 2 * 5 + x * y / 11) % 3 == 0);
+    let state = |x: usize, y: usize| u8::from((x / 3 * 7 + y / 2 * 5 + x * y / 11).is_multiple_of(3));
     let states = (0..count[1]).flat_map(|y| (0..count[0]).map(move |x| state(x, y))).collect();
     let page = Picture { count, states };
     bencher.bench(|| picture(&display.scene, &page, Precision::FAST, &control()).unwrap());

@@ -219,7 +219,7 @@ impl Resolved {
             }
             DisplayError::TooThick { thickness_mm, pitch_mm, most } => {
                 let wrong = Diagnostic::new(format!(
-                    "the layers above the pixels are {:.4} times as thick as a pixel is wide ({thickness_mm} mm and {} um)",
+                    "the layers above the pixels are {:.0} times as thick as a pixel is wide ({thickness_mm} mm and {} um)",
                     thickness_mm / pitch_mm,
                     1e3 * pitch_mm
                 ))

@@ -34,6 +34,9 @@ struct Lines {
     irradiance: Vec<Vec<Vec<f64>>>,
 }
 
+/// How far beside a line cells are graded, in pixels: the windows next to it.
+const BESIDE: f64 = 0.4;
+
 /// Why some numbers are null.
 const NO_LINE: &str =
     "a line below a colour filter is computed for sub-pixels of the full height of the pixel (stripes)";
@@ -100,7 +103,7 @@ fn lines(filtered: &Filtered<'_>, setup: &Setup, level: usize) -> Result<Lines, 
     let division = Division {
         per_period: (filtered.sub_pixels() * pixels) << level,
         per_window: CELLS << level,
-        near: [-width, 2.0 * width],
+        near: [-BESIDE * width, (1.0 + BESIDE) * width],
     };
     let lit = filtered.lit_with_cells(level, pixels, &division)?;
     let of_state = |state: usize| std::iter::once(state).chain((1..pixels).map(|_| page)).collect();
