@@ -62,13 +62,6 @@ fn deviations(scenario: &Resolved, paths: u64) -> Vec<f64> {
                 for (part, Mean { value, standard_error }) in found.iter().enumerate() {
                     let off = (otf[*k][part] - value).abs();
                     let z = (off - stated[*k]).max(0.0) / (standard_error + 1e-5);
-                    if z > 4.0 {
-                        println!(
-                            "{state} {axis} {k} {part}: {otf:?}, {value} +- {standard_error}, stated {}",
-                            stated[*k],
-                            otf = otf[*k]
-                        );
-                    }
                     all.push(z);
                 }
             }
@@ -81,7 +74,7 @@ fn deviations(scenario: &Resolved, paths: u64) -> Vec<f64> {
 #[test]
 fn what_flat_fronts_return_is_seen_by_paths() {
     for pixel in [PAPER, MIRROR] {
-        for seed in 0..seeds() / 8 {
+        for seed in 0..(seeds() / 8).max(1) {
             let solver = format!("[solver]\nseed = {seed}\nrelative_error = 1e-4\n");
             let scenario = resolved(&[FRONT, BARE, pixel, LIGHT, OBLIQUE, &solver]);
             let all = deviations(&scenario, 1 << 15);
