@@ -3,13 +3,13 @@
 use std::path::Path;
 
 use papilio_display::spatial::{CrosstalkResult, CrosstalkView};
-use papilio_formats::{CrosstalkFile, write_crosstalk_csv, write_file, write_patterns_csv};
+use papilio_formats::{write_crosstalk_csv, write_file, write_patterns_csv};
 use papilio_scenario::Resolved;
 use serde::Serialize;
 
 use crate::arguments::SpatialCommand;
 use crate::numbers::measured;
-use crate::spatial::{SpatialOutput, show};
+use crate::spatial::{SpatialOutput, show, with_scenario};
 use crate::{Failure, report};
 
 pub(crate) fn crosstalk(arguments: &SpatialCommand) -> Result<(), Failure> {
@@ -24,12 +24,7 @@ impl SpatialOutput for CrosstalkResult {
     const FIGURES: &'static [&'static str] = &["crosstalk"];
 
     fn content<'a>(&'a self, resolved: &'a Resolved, _: &'a str) -> impl Serialize + 'a {
-        CrosstalkFile {
-            papilio: env!("CARGO_PKG_VERSION"),
-            hash: &resolved.hash,
-            scenario: &resolved.canonical,
-            result: self,
-        }
+        with_scenario(resolved, self)
     }
 
     fn table(&self, title: &str) -> String {

@@ -3,12 +3,12 @@
 use std::path::Path;
 
 use papilio_display::spatial::{MtfResult, MtfView, PatternKind};
-use papilio_formats::{MtfFile, write_file, write_kernel_npy, write_mtf_csv, write_spread_csv};
+use papilio_formats::{write_file, write_kernel_npy, write_mtf_csv, write_spread_csv};
 use papilio_scenario::Resolved;
 use serde::Serialize;
 
 use crate::arguments::{MtfCommand, Solver};
-use crate::spatial::{SpatialOutput, show};
+use crate::spatial::{SpatialOutput, show, with_scenario};
 use crate::{Failure, report};
 
 pub(crate) fn mtf(arguments: &MtfCommand) -> Result<(), Failure> {
@@ -24,12 +24,7 @@ impl SpatialOutput for MtfResult {
     const FIGURES: &'static [&'static str] = &["mtf", "edges", "kernel_"];
 
     fn content<'a>(&'a self, resolved: &'a Resolved, _: &'a str) -> impl Serialize + 'a {
-        MtfFile {
-            papilio: env!("CARGO_PKG_VERSION"),
-            hash: &resolved.hash,
-            scenario: &resolved.canonical,
-            result: self,
-        }
+        with_scenario(resolved, self)
     }
 
     fn table(&self, title: &str) -> String {

@@ -4,7 +4,7 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use papilio_display::{Control, DisplayError};
-use papilio_formats::{write_file, write_json};
+use papilio_formats::{SpatialFile, write_file, write_json};
 use papilio_scenario::{Resolved, Scenario};
 use serde::Serialize;
 
@@ -34,6 +34,16 @@ pub(crate) trait SpatialOutput {
     /// Warnings of the computation.
     fn warnings(&self) -> &[String] {
         &[]
+    }
+}
+
+/// The content of a JSON file that has the scenario.
+pub(crate) fn with_scenario<'a, R>(resolved: &'a Resolved, result: &'a R) -> SpatialFile<'a, R> {
+    SpatialFile {
+        papilio: env!("CARGO_PKG_VERSION"),
+        hash: &resolved.hash,
+        scenario: &resolved.canonical,
+        result,
     }
 }
 

@@ -12,7 +12,7 @@ use crate::package::{self, Profile};
 use crate::page;
 use crate::shell::{self, Needs, Outcome, cargo, command};
 
-/// Number of seeds of the statistical tests in `cargo xtask full`; 6 in `cargo xtask test`.
+/// Number of seeds of the statistical tests in `cargo xtask full`; 8 in `cargo xtask test`.
 pub(crate) const SEEDS: u64 = 480;
 
 /// Number of seeds, read by the statistical tests of `crates/transport` and the test of sensitivities in `crates/design`.

@@ -132,38 +132,35 @@ impl<'a> Evaluator<'a> {
     pub fn evaluate_with_errors(&mut self, design: &[f64]) -> Result<Vec<[Option<f64>; 2]>, DesignError> {
         self.study.check(design)?;
         self.evaluated.fetch_add(1, Ordering::Relaxed);
+        self.computed_under_all(design, &Part::BOTH)
+    }
+
+    /// Computes sharpness, crosstalk and sparkle of a design, which no run computes: `None` for all other quantities.
+    ///
+    /// # Errors
+    /// Those of [`evaluate`](Self::evaluate).
+    pub(crate) fn of_pixels(&mut self, design: &[f64]) -> Result<Vec<Option<f64>>, DesignError> {
+        Ok(first(self.computed_under_all(design, &[Part::Pixels])?))
+    }
+
+    /// Computes the quantities of some parts under every condition.
+    fn computed_under_all(
+        &mut self,
+        design: &[f64],
+        parts: &[Part],
+    ) -> Result<Vec<[Option<f64>; 2]>, DesignError> {
         let mut values = vec![[None; 2]; self.study.quantities.len()];
         for condition in 0..self.conditions.len() {
-            for part in Part::BOTH {
-                if self.requested(condition, part).is_empty() {
+            for part in parts {
+                if self.requested(condition, *part).is_empty() {
                     continue;
                 }
-                let computed = self.computed(design, condition, part)?;
-                let requested = self.requested(condition, part).iter();
+                let computed = self.computed(design, condition, *part)?;
+                let requested = self.requested(condition, *part).iter();
                 requested.zip(computed).for_each(|(index, value)| values[*index] = value);
             }
         }
         Ok(values)
-    }
-
-    /// Puts the quantities of sharpness, crosstalk and sparkle of a design, which no run computes, in their places among all.
-    ///
-    /// # Errors
-    /// Those of [`evaluate`](Self::evaluate).
-    pub(crate) fn add_of_pixels(
-        &mut self,
-        design: &[f64],
-        values: &mut [Option<f64>],
-    ) -> Result<(), DesignError> {
-        for condition in 0..self.conditions.len() {
-            if self.requested(condition, Part::Pixels).is_empty() {
-                continue;
-            }
-            let computed = self.computed(design, condition, Part::Pixels)?;
-            let requested = self.requested(condition, Part::Pixels).iter();
-            requested.zip(first(computed)).for_each(|(index, value)| values[*index] = value);
-        }
-        Ok(())
     }
 
     fn requested(&self, condition: usize, part: Part) -> &[usize] {

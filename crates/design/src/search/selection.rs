@@ -111,8 +111,9 @@ impl Search {
         evaluator: &mut Evaluator<'_>,
     ) -> Result<SelectedDesign, DesignError> {
         let design = self.rounded(&result.design);
-        let mut values = self.values_of(&self.runs(&design, evaluator)?);
-        evaluator.add_of_pixels(&design, &mut values)?;
+        let of_runs = self.values_of(&self.runs(&design, evaluator)?);
+        let values = of_runs.into_iter().zip(evaluator.of_pixels(&design)?);
+        let values: Vec<Option<f64>> = values.map(|(of_run, of_pixels)| of_run.or(of_pixels)).collect();
         let missed = self.aims.missed(&values);
         Ok(SelectedDesign { design, values, missed, task: result.task })
     }

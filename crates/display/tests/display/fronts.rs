@@ -74,7 +74,7 @@ fn deviations(scenario: &Resolved, paths: u64) -> Vec<f64> {
 #[test]
 fn what_flat_fronts_return_is_seen_by_paths() {
     for pixel in [PAPER, MIRROR] {
-        for seed in 0..(seeds() / 8).max(1) {
+        for seed in 0..seeds().div_ceil(8) {
             let solver = format!("[solver]\nseed = {seed}\nrelative_error = 1e-4\n");
             let scenario = resolved(&[FRONT, BARE, pixel, LIGHT, OBLIQUE, &solver]);
             let all = deviations(&scenario, 1 << 15);
