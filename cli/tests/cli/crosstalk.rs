@@ -38,7 +38,13 @@ fn missing_matrix_and_thickness_are_reported() {
     for (name, sets, expected) in [
         ("indoor", &["--json"][..], "the key `matrix` is missing"),
         ("epaper", &["--json", "--set", "display.matrix.ppi=300"], "the key `thickness_mm` is missing"),
-        ("matrix", &["--json", "--set", "display.matrix.spread_um=5"], "spread_um"),
+        ("matrix", &["--json", "--set", "display.matrix.spread_um=5"], "remove `spread_um`"),
+        // A pitch in mm.
+        (
+            "matrix",
+            &["--json", "--set", "display.matrix={ pitch_um = 0.08467 }"],
+            "as thick as a pixel is wide",
+        ),
     ] {
         let output = run(name, sets);
         let message = stderr(&output);
@@ -79,4 +85,18 @@ fn crosstalk_is_a_metric_of_sweeps() {
     };
     let target = message(&["--set", "solver.target={ metric = \"own_share_in\", error = 0.01 }"]);
     assert!(target.contains("cannot be a target") && target.contains("papilio crosstalk"), "{target}");
+}
+
+/// There is one solver, which a scenario for the other one is told.
+#[test]
+fn paths_have_no_effect() {
+    let run = |more: &[&str]| run("matrix", &[&["--json", "--set", "spectrum.step_nm=40"], more].concat());
+    let [adding, paths] = [run(&[]), run(&["--set", "solver.method=monte-carlo"])];
+    assert!(adding.status.success() && paths.status.success(), "{}", stderr(&paths));
+    assert!(stderr(&paths).contains("always computed by adding") && !stderr(&adding).contains("by adding"));
+    let views = |output: &std::process::Output| {
+        let result: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+        result["views"].clone()
+    };
+    assert_eq!(views(&adding), views(&paths));
 }

@@ -96,6 +96,14 @@ fn sharpness_is_a_metric_of_sweeps_and_searches() {
     assert!(output.status.success(), "{}", stderr(&output));
     let best = fs::read_to_string(out.join("best.toml")).unwrap();
     assert!(best.contains("thickness_mm = 0.537"), "{best}");
+    // The table: the scenario's value and the best one, then that of both solvers.
+    let printed = String::from_utf8(output.stdout).unwrap();
+    let lines =
+        printed.lines().filter(|line| line.contains("Modulation transfer of white at Nyquist along x"));
+    let values: Vec<Vec<f64>> =
+        lines.map(|line| line.split_whitespace().filter_map(|cell| cell.parse().ok()).collect()).collect();
+    assert!((values[0][0] - 0.526_884).abs() < 2e-5 && (values[0][1] - 0.5).abs() < 1e-3, "{printed}");
+    assert!((values[1][0] - 0.5).abs() < 1e-3 && (values[1][1] - 0.5).abs() < 0.01, "{printed}");
     let (output, _) = run("sweep", &["--set", "sweep.metrics=[\"ppd\"]"]);
     assert!(!output.status.success() && stderr(&output).contains("[sparkle]"), "{}", stderr(&output));
 }
