@@ -289,7 +289,7 @@ fn lengths(text: &str, sets: &[&str]) -> Result<Vec<f64>, String> {
     assert_eq!(display.lengths.len(), media);
     match display.lengths_mm() {
         Ok(lengths) => Ok(lengths),
-        Err(DisplayError::MissingLength { key }) => Err(key),
+        Err(DisplayError::MissingLength { key, .. }) => Err(key),
         Err(other) => panic!("{other}"),
     }
 }

@@ -3,7 +3,8 @@
 use papilio_transport::spatial::Division;
 
 use super::super::response::name_of_light;
-use super::{BLACK, CrosstalkView, Figure, Measured, PAGE, add, assembled, flat, page, state};
+use super::found::{Measured, assembled};
+use super::{BLACK, CrosstalkView, Figure, PAGE, add, flat, page, state};
 use crate::DisplayError;
 use crate::filtered::{CELLS, Filtered, Lit};
 use crate::meter::Meter;
@@ -65,7 +66,7 @@ pub(super) fn views(
             return Err(DisplayError::Interrupted);
         }
         let at = |level: &Levelled| seen(filtered, setup, level, (number, view));
-        let mut assembled = assembled(setup, view, &at(&coarse)?, &at(&fine)?);
+        let mut assembled = assembled(setup, view, &at(&fine)?, &[at(&coarse)?]);
         for pattern in &mut assembled.patterns {
             pattern.why_null = match pattern.name {
                 Figure::Line if !filtered.is_of_stripes() => Some(NO_LINE),

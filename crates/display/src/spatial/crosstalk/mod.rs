@@ -1,9 +1,12 @@
 //! `papilio crosstalk`: which sub-pixel lights which, and the colours and contrast of fine figures.
 //!
-//! Every number is computed at two levels of discretisation; the finer one is the result, the difference its error.
+//! By adding every number is computed at two levels of discretisation; the finer one is the result, the difference its error. By Monte Carlo
+//! (`paths`) errors are standard errors.
 
 mod filter;
 mod flat;
+mod found;
+mod paths;
 mod places;
 mod result;
 mod shares;
@@ -11,25 +14,23 @@ mod surfaces;
 
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
-use papilio_colour::{GamutReference, UvPrime, Xyz, gamut_percent};
 use papilio_imaging::text::Bitmap;
 use papilio_transport::adding::Kernel;
 use papilio_transport::spatial::{Accuracy, PanelSpread};
 use papilio_transport::{Panel, Reflector, Source, Stack, Top};
 
 use self::flat::{Irradiance, Pixels};
+use self::found::{Measured, assembled};
 use self::places::{Gathered, NEIGHBOURS, Wanted, Windows, cell, gather};
 pub use self::result::{CrosstalkResult, CrosstalkView, Figure, PatternColours, PatternValues, Shares};
-use self::shares::{shares, with_error};
 use self::surfaces::{Part, Surfaces};
 use super::response::name_of_light;
 use super::{Level, patterns};
 use crate::DisplayError;
 use crate::filtered::Filtered;
-use crate::meter::{Meter, PRIMARIES};
-use crate::result::Named;
+use crate::meter::Meter;
 use crate::run::{Control, Progress, Workers, each};
-use crate::scene::{Matrix, Method, Scene};
+use crate::scene::{Matrix, Method, Scene, Stop};
 use crate::setup::{Setup, ViewPoint};
 
 /// X, Y and Z relative to a perfect white.
@@ -38,10 +39,6 @@ type Colour = [f64; 3];
 /// Natural digits of the two levels, and the highest order of the sub-pixels' pattern that they resolve.
 const DIGITS: [f64; 2] = [8.0, 11.0];
 const ORDERS: [f64; 2] = [2.0, 4.0];
-
-/// Warning for a scene that asks for paths.
-const ONE_SOLVER: &str =
-    "crosstalk is always computed by adding: solver.method = \"monte-carlo\" has no effect on it";
 
 /// State of pages, and that of figures whose contrast is measured.
 const PAGE: &str = "white";
@@ -53,6 +50,10 @@ const BLACK: &str = "black";
 /// If the scene is invalid, has no matrix, a length is missing, its kind of display or light is not covered, or the computation was stopped.
 pub fn crosstalk(scene: &Scene, text: &str, control: &Control<'_>) -> Result<CrosstalkResult, DisplayError> {
     let setup = Setup::with_filter(scene)?;
+    if scene.solver.method == Method::MonteCarlo {
+        let matrix = matrix(&setup)?;
+        return result(&setup, matrix, paths::views(&setup, matrix, text, control)?);
+    }
     if let Some(filtered) = Filtered::new(&setup)? {
         let matrix = matrix(&setup)?;
         return result(&setup, matrix, filter::views(&filtered, &setup, control)?);
@@ -97,14 +98,36 @@ fn result(
     if !error_reached.is_finite() {
         return Err(DisplayError::NotFinite);
     }
-    let warnings = (setup.scene.solver.method == Method::MonteCarlo).then_some(ONE_SOLVER);
     Ok(CrosstalkResult {
         subpixels: matrix.sub_pixels.iter().map(|one| one.name.clone()).collect(),
         pitch_um: matrix.pitch_mm.map(|pitch| 1e3 * pitch),
         page: setup.states.get(page(setup)).cloned().unwrap_or_default(),
         error_reached,
+        warnings: missed(setup, error_reached, &views).into_iter().collect(),
         views,
-        warnings: warnings.map(str::to_owned).into_iter().collect(),
+    })
+}
+
+/// Warning of errors above the target of the scene: that of shares, and relative ones of contrast ratios.
+fn missed(setup: &Setup, of_shares: f64, views: &[CrosstalkView]) -> Option<String> {
+    let Stop::RelativeError { target, .. } = setup.scene.solver.stop else { return None };
+    let of_pattern = |pattern: &PatternColours| {
+        Some((pattern.name.name(), pattern.error.contrast_ratio? / pattern.values.contrast_ratio?))
+    };
+    let all = views.iter().flat_map(|view| &view.patterns).filter_map(of_pattern);
+    let (what, most) = all.fold(("shares", of_shares), |most, one| if one.1 > most.1 { one } else { most });
+    let (is_missed, remedy) = match setup.scene.solver.method {
+        // The number of paths is an estimate.
+        Method::MonteCarlo => (most > 1.5 * target, "solver.paths sets the number of paths"),
+        _ => (
+            most > target,
+            "the levels of adding are fixed; `--solver monte-carlo` traces as many paths as the target needs",
+        ),
+    };
+    let what =
+        if what == "shares" { "the shares".to_owned() } else { format!("the contrast ratio of {what}") };
+    is_missed.then(|| {
+        format!("solver.relative_error = {target} is not met: the error of {what} is {most:.1e}; {remedy}")
     })
 }
 
@@ -121,22 +144,6 @@ struct Frame<'a> {
     /// State of the page.
     page: usize,
     text: Option<Bitmap>,
-}
-
-/// Light of one level.
-#[derive(Default)]
-struct Measured {
-    names: Vec<String>,
-    /// Y of the page through each window from each sub-pixel and the inactive area, `[light][window][sub-pixel]`.
-    page: Vec<Vec<Vec<f64>>>,
-    /// Y that arrives at each sub-pixel through each window of a filter and, last, between them, `[light][window][sub-pixel]`; empty
-    /// without filter.
-    entered: Vec<Vec<Vec<f64>>>,
-    /// Colour of each state as a figure on the page, `[figure][state]`; empty without such a figure.
-    figures: [Vec<Colour>; 4],
-    /// Colour of the page beside a black figure.
-    beside: [Option<Colour>; 4],
-    from_faces: Colour,
 }
 
 impl<'a> Frame<'a> {
@@ -172,7 +179,7 @@ impl<'a> Frame<'a> {
         let finest = pitch[0].min(pitch[1]);
         let at = |k: usize| self.measure(view, Level { digits: DIGITS[k], most_per_mm: ORDERS[k] / finest });
         let (coarse, fine) = (at(0)?, at(1)?);
-        Ok(assembled(self.setup, view, &coarse, &fine))
+        Ok(assembled(self.setup, view, &fine, &[coarse]))
     }
 
     fn measure(&self, view: &ViewPoint, level: Level) -> Result<Measured, DisplayError> {
@@ -380,75 +387,6 @@ impl<'a> Frame<'a> {
     }
 }
 
-/// What a view sees, from two levels.
-fn assembled(setup: &Setup, view: &ViewPoint, coarse: &Measured, fine: &Measured) -> CrosstalkView {
-    let all = |level: &Measured| shares(&level.page, &level.entered);
-    let one = |level: &Measured, light: usize| {
-        let entered = level.entered.get(light).map_or(&[][..], std::slice::from_ref);
-        shares(&level.page[light..=light], entered)
-    };
-    let by_light = fine.names.iter().enumerate();
-    let by_light =
-        by_light.map(|(light, name)| (name.clone(), with_error(one(fine, light), &one(coarse, light))));
-    let pattern = |figure: Figure| {
-        let (values, other) = (values(setup, fine, figure), values(setup, coarse, figure));
-        let is_missing = fine.figures[figure as usize].is_empty();
-        let why_null = if is_missing { why_null(figure) } else { None };
-        PatternColours { name: figure, values, error: values.difference(&other), why_null }
-    };
-    CrosstalkView {
-        theta_deg: view.theta_deg,
-        phi_deg: view.phi_deg,
-        by_light: Named(by_light.collect()),
-        shares: with_error(all(fine), &all(coarse)),
-        patterns: Figure::ALL.map(pattern).to_vec(),
-    }
-}
-
-/// Why there is no such figure.
-fn why_null(figure: Figure) -> Option<&'static str> {
-    let no_strokes = "no pixel is in the middle of a stroke: the text is too small for these pixels (viewer.text_height_mm)";
-    (figure == Figure::Text).then_some(no_strokes)
-}
-
-fn values(setup: &Setup, measured: &Measured, figure: Figure) -> PatternValues {
-    let colours = &measured.figures[figure as usize];
-    if colours.is_empty() {
-        return PatternValues::default();
-    }
-    let colour = |name: &str, faces: f64| {
-        let colour = colours[state(setup, name)?];
-        Some([0, 1, 2].map(|k| colour[k] + faces * measured.from_faces[k]))
-    };
-    let uv = |name| {
-        let [x, y, z] = colour(name, 1.0)?;
-        Xyz { x, y, z }.uv_prime()
-    };
-    let triangle: Option<Vec<UvPrime>> = PRIMARIES.into_iter().map(uv).collect();
-    let triangle = triangle.and_then(|uv| <[UvPrime; 3]>::try_from(uv).ok());
-    let contrast = |faces: f64| {
-        let (page, black) = (measured.beside[figure as usize]?, colour(BLACK, faces)?);
-        let page = page[1] + faces * measured.from_faces[1];
-        (black[1] > 0.0).then(|| page / black[1])
-    };
-    PatternValues {
-        gamut_percent_srgb: triangle.map(|uv| gamut_percent(uv, GamutReference::Srgb)),
-        contrast_ratio: contrast(1.0),
-        contrast_ratio_via_pixel: contrast(0.0),
-    }
-}
-
-impl PatternValues {
-    fn difference(&self, other: &Self) -> Self {
-        let of = |one: Option<f64>, other: Option<f64>| Some((one? - other?).abs());
-        Self {
-            gamut_percent_srgb: of(self.gamut_percent_srgb, other.gamut_percent_srgb),
-            contrast_ratio: of(self.contrast_ratio, other.contrast_ratio),
-            contrast_ratio_via_pixel: of(self.contrast_ratio_via_pixel, other.contrast_ratio_via_pixel),
-        }
-    }
-}
-
 fn add(sum: &mut Colour, more: Colour) {
     (0..3).for_each(|k| sum[k] += more[k]);
 }
@@ -456,15 +394,15 @@ fn add(sum: &mut Colour, more: Colour) {
 /// Returns the panel if its places are computed.
 fn covered(setup: &Setup) -> Result<&Panel, DisplayError> {
     let not_yet = |what: &str, key: &str| {
-        Err(DisplayError::PlacesNotComputed { what: what.to_owned(), key: key.to_owned() })
+        Err(DisplayError::PlacesByPaths { what: what.to_owned(), key: key.to_owned() })
     };
     let Stack::Panel(panel) = &setup.stack else {
         return not_yet("general layers ([[display.layers]])", "display.layers");
     };
-    let is_flat_paper = !panel.base.is_specular() && !matches!(panel.top, Top::Diffuser(_));
-    if panel.front.reflectance_below.max() > 0.0 && !is_flat_paper {
+    let are_flat_mirrors = panel.base.is_specular() && !matches!(panel.top, Top::Diffuser(_));
+    if panel.front.reflectance_below.max() > 0.0 && are_flat_mirrors {
         return not_yet(
-            "front components that reflect light to anything but paper below a flat face",
+            "front components that reflect light to mirror-like pixels below a flat face",
             "display.front",
         );
     }

@@ -18,9 +18,9 @@ const SIDE: usize = 2 * NEIGHBOURS as usize + 1;
 /// Windows of a pixel whose areas are the fractions of the colours.
 pub(super) struct Windows {
     pitch_mm: [f64; 2],
-    all: Vec<Window>,
+    pub(super) all: Vec<Window>,
     /// Fraction of colours over the area, of each sub-pixel and of the inactive area.
-    scale: Vec<f64>,
+    pub(super) scale: Vec<f64>,
 }
 
 /// What is seen of the surfaces through a pixel, in one light or all. Colours are X, Y and Z.
