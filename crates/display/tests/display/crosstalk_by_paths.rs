@@ -126,3 +126,19 @@ fn fronts_above_a_lobe_agree_within_stated_errors() {
 fn filters_above_paper_agree() {
     assert_agree("filter", &[FRONT, BARE, PAPER, PRINTED, MIXED, VIEW], 1 << 13);
 }
+
+/// Below a lobe: shares and patches, and stripes and lines, which only paths compute: they are blurred above the filter, too.
+#[test]
+fn filters_below_a_lobe_agree() {
+    let parts = [LOBE, GLASS, PAPER, PRINTED, MIXED, VIEW];
+    assert_agree("filter below a lobe", &parts, 1 << 13);
+    let exact = computed(&resolved(&parts, "relative_error = 1e-3")).unwrap().views.remove(0);
+    let found = by_paths(&parts, 0, 1 << 13);
+    for (exact, found) in exact.patterns.iter().zip(&found.patterns).skip(1) {
+        assert!(exact.why_null.is_some_and(|why| why.contains("monte-carlo")), "{exact:?}");
+        assert!(found.values.contrast_ratio.is_some() && found.why_null.is_none(), "{found:?}");
+    }
+    // Glass of 0.3 mm blurs pixels of 0.15 mm.
+    let [patch, stripe] = [0, 1].map(|k| found.patterns[k].values.contrast_ratio_via_pixel.unwrap());
+    assert!(stripe < 0.9 * patch, "{stripe} {patch}");
+}
