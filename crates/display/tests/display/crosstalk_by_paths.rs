@@ -110,13 +110,13 @@ fn paper_below_a_face_agrees() {
 /// reflectances of front and pixel.
 #[test]
 fn fronts_above_a_lobe_agree_within_stated_errors() {
-    let front = "[[display.front]]\nreflectance = 0.06\ngap_mm = 0.1\n";
+    let front = "[[display.front]]\nreflectance = 0.3\ngap_mm = 0.1\n";
     for (pixel, name) in [(FILM, "film"), (PAPER, "paper")] {
         let parts = [front, LOBE, GLASS, pixel, MATRIX, MIXED, VIEW];
         assert_agree(name, &parts, 1 << 13);
         let exact = computed(&resolved(&parts, "relative_error = 1e-4")).unwrap().views.remove(0);
         for (number, value, stated) in numbers(&exact) {
-            assert!(stated < 0.06 * value.max(0.5), "{name}, {number}: {value} +- {stated}");
+            assert!(stated < 0.15 * value.max(0.5), "{name}, {number}: {value} +- {stated}");
         }
     }
 }

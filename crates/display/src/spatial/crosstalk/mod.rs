@@ -6,6 +6,7 @@
 mod filter;
 mod flat;
 mod found;
+mod orders;
 mod paths;
 mod places;
 mod result;
@@ -21,6 +22,7 @@ use papilio_transport::{Panel, Reflector, Source, Stack, Top};
 
 use self::flat::{Irradiance, Pixels};
 use self::found::{Measured, assembled};
+use self::orders::Orders;
 use self::places::{Gathered, NEIGHBOURS, Wanted, Windows, cell, gather};
 pub use self::result::{CrosstalkResult, CrosstalkView, Figure, PatternColours, PatternValues, Shares};
 use self::surfaces::{Part, Surfaces};
@@ -190,9 +192,7 @@ impl<'a> Frame<'a> {
         let factors = kernel.seen(&setup.stack, 0);
         let (states, bins) = (setup.states.len(), setup.scene.grid.len());
         let mut measured = Measured::default();
-        let (mut pages, mut gathered) = (vec![[0.0; 3]; states], None::<Gathered>);
-        // Light of pages that meets the pixel once, if the front returns more.
-        let mut once = vec![[0.0; 3]; states];
+        let (mut pages, mut orders) = (vec![[0.0; 3]; states], None::<Orders>);
         let is_flat = self.is_flat_paper();
         // Light of each state and wavelength in X, Y and Z.
         let mut by_wavelength = [0, 1, 2].map(|_| vec![0.0; states * bins]);
@@ -211,25 +211,23 @@ impl<'a> Frame<'a> {
                 let light = flat::colour(weights, &factor.via_pixel[self.page * bins..][..bins])[1];
                 measured.page.push(self.only_own(light));
             } else {
-                let (mut more, of_light) =
-                    self.gathered(view, &setup.sources[light.source], weights, level)?;
-                once.iter_mut().zip(&of_light).for_each(|(sum, light)| add(sum, *light));
+                let mut more = self.orders(view, &setup.sources[light.source], weights, level)?;
                 if self.returns() {
-                    let own = flat::colour(weights, &factor.via_pixel[self.page * bins..][..bins])[1];
-                    more.add_returned(own / of_light[self.page][1], level.is_fine());
+                    let all = flat::colour(weights, &factor.via_pixel[self.page * bins..][..bins])[1];
+                    more.add_returned(self.page, all, level.is_fine());
                 }
-                measured.page.push(more.page.clone());
-                match &mut gathered {
+                measured.page.push(more.once.page.clone());
+                match &mut orders {
                     Some(sum) => sum.add(&more),
-                    None => gathered = Some(more),
+                    None => orders = Some(more),
                 }
             }
         }
         for figure in Figure::ALL {
-            let (colours, beside) = match (&gathered, figure) {
+            let (colours, beside) = match (&orders, figure) {
                 (_, Figure::Patch) => (pages.clone(), Some(pages[self.page])),
                 (None, _) => self.on_paper(figure, &pages, &by_wavelength, level)?,
-                (Some(gathered), _) => self.blurred(figure, (&pages, &once), gathered, level),
+                (Some(orders), _) => self.blurred(figure, &pages, orders, level),
             };
             measured.figures[figure as usize] = colours;
             measured.beside[figure as usize] = beside.filter(|_| state(self.setup, PAGE).is_some());
@@ -275,30 +273,41 @@ impl<'a> Frame<'a> {
         !self.panel.single_pass && self.panel.front.reflectance_below.max() > 0.0
     }
 
+    /// Light that meets the pixels once and, if a front returns some of it, the same of diffuse light.
+    fn orders(
+        &self,
+        view: &ViewPoint,
+        source: &Source,
+        weights: &[Vec<f64>; 3],
+        level: Level,
+    ) -> Result<Orders, DisplayError> {
+        let (once, pages) = self.gathered(view, source, weights, level)?;
+        // Paper is seen from the same places in any light.
+        let diffuse = match source {
+            _ if !self.returns() || !self.panel.base.is_specular() => None,
+            Source::Diffuse => Some((once.clone(), pages.clone())),
+            _ => Some(self.gathered(view, &Source::Diffuse, weights, level)?),
+        };
+        Ok(Orders { once, pages, diffuse })
+    }
+
     /// Colours of figures that are blurred: the page, less its light from the places of the figure and more of that of the figure.
-    ///
-    /// Of what a front returns, the fine level takes all as coming from the whole page, the coarse one as coming from the places that are
-    /// seen directly: the difference bounds the error. `once`: pages in light that meets the pixel once.
     fn blurred(
         &self,
         figure: Figure,
-        (pages, once): (&[Colour], &[Colour]),
-        gathered: &Gathered,
+        pages: &[Colour],
+        orders: &Orders,
         level: Level,
     ) -> (Vec<Colour>, Option<Colour>) {
-        let text;
-        let light = match figure {
-            Figure::Stripe => &gathered.stripes,
-            Figure::Line => &gathered.line,
-            Figure::Text | Figure::Patch => match self.strokes(gathered) {
-                Some(light) => {
-                    text = light;
-                    &text
-                }
-                None => return (Vec::new(), None),
-            },
+        let light_of = |gathered: &Gathered| match figure {
+            Figure::Stripe => Some(gathered.stripes.clone()),
+            Figure::Line => Some(gathered.line.clone()),
+            Figure::Text | Figure::Patch => self.strokes(gathered),
         };
-        let within = |state: usize| {
+        let Some(once) = light_of(&orders.once) else { return (Vec::new(), None) };
+        let later = orders.diffuse.as_ref().and_then(|(later, _)| light_of(later));
+        let within = |diffuse: bool, state: usize| {
+            let light = later.as_ref().filter(|_| diffuse).unwrap_or(&once);
             let mut sum = [0.0; 3];
             for part in &self.surfaces.states[state] {
                 let known = self.parts.iter().position(|known| known.at() == part.at());
@@ -308,23 +317,11 @@ impl<'a> Frame<'a> {
             sum
         };
         let on = |own: usize, page: usize| {
-            let (more, less) = (within(own), within(page));
-            let blurred = |of: &[Colour], k: usize| of[page][k] + more[k] - less[k];
-            if !self.returns() {
-                return [0, 1, 2].map(|k| blurred(pages, k));
+            if self.returns() {
+                return orders.figure(figure, [own, page], (pages, level.is_fine()), within);
             }
-            [0, 1, 2].map(|k| {
-                let orders = |state: usize| {
-                    if once[state][k] > 0.0 { pages[state][k] / once[state][k] } else { 1.0 }
-                };
-                let part = if once[own][k] > 0.0 { more[k] / once[own][k] } else { 0.0 };
-                let returned = match (level.is_fine(), figure) {
-                    (true, Figure::Stripe) => 1.0 / (0.5 / orders(own) + 0.5 / orders(page)),
-                    (true, _) => orders(page),
-                    (false, _) => orders(page) + part * (orders(own) - orders(page)),
-                };
-                blurred(once, k) * returned
-            })
+            let (more, less) = (within(false, own), within(false, page));
+            [0, 1, 2].map(|k| pages[page][k] + more[k] - less[k])
         };
         let colours = (0..pages.len()).map(|state| on(state, self.page)).collect();
         let beside = match (figure, state(self.setup, BLACK)) {

@@ -170,26 +170,6 @@ impl Gathered {
         }
     }
 
-    /// Adds what a front returns to the page, `orders` being all light over that of the first order: to the fine level evenly from everywhere,
-    /// to the coarse one from where light of the first order comes.
-    pub(super) fn add_returned(&mut self, orders: f64, is_fine: bool) {
-        let orders = if orders.is_finite() { orders.max(1.0) } else { 1.0 };
-        if !is_fine {
-            self.page.iter_mut().flatten().for_each(|light| *light *= orders);
-            return;
-        }
-        let rows: Vec<f64> = self.page.iter().map(|row| row.iter().sum()).collect();
-        let total: f64 = rows.iter().sum();
-        let count = self.page.first().map_or(0, Vec::len);
-        let from = |part: usize| self.page.iter().map(|row| row[part]).sum::<f64>();
-        let parts: Vec<f64> = (0..count).map(from).collect();
-        for (row, seen) in self.page.iter_mut().zip(rows).filter(|_| total > 0.0) {
-            row.iter_mut()
-                .zip(&parts)
-                .for_each(|(light, part)| *light += (orders - 1.0) * seen * part / total);
-        }
-    }
-
     /// Adds the light of another source.
     pub(super) fn add(&mut self, other: &Self) {
         let rows = self.page.iter_mut().flatten().zip(other.page.iter().flatten());
