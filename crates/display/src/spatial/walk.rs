@@ -427,7 +427,7 @@ impl<'a> Placed<'a> {
     }
 
     /// X, Y and Z of light that has not met the pixel.
-    pub(super) fn from_faces(&self, estimate: &Estimate) -> [f64; 3] {
+    pub(super) fn without_pixel(&self, estimate: &Estimate) -> [f64; 3] {
         self.meter.without_pixel(&estimate.rho[..self.setup.sources.len()])
     }
 
@@ -435,7 +435,7 @@ impl<'a> Placed<'a> {
     pub(super) fn luminous(&self, estimate: &Estimate, image: Option<usize>) -> f64 {
         match image {
             Some(image) => (0..self.lights.len()).map(|light| self.colour(estimate, light, image)[1]).sum(),
-            None => self.from_faces(estimate)[1],
+            None => self.without_pixel(estimate)[1],
         }
     }
 }

@@ -244,7 +244,7 @@ impl<'a> Page<'a> {
     /// Linear numbers of a replicate, as [`measured`](Self::measured) reads them.
     fn numbers(&self, estimate: &Estimate) -> Vec<f64> {
         let Scenes { panel, lights, .. } = self.scenes;
-        let mut numbers = panel.from_faces(estimate).to_vec();
+        let mut numbers = panel.without_pixel(estimate).to_vec();
         for image in 0..self.before_parts() {
             let mut sum = [0.0; 3];
             lights.iter().for_each(|(light, _)| super::add(&mut sum, panel.colour(estimate, *light, image)));
