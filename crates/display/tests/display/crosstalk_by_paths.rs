@@ -124,7 +124,9 @@ fn fronts_above_a_lobe_agree_within_stated_errors() {
 /// A filter at a height above paper, below a bare face and a front: shares on the way in and out, stripes and lines.
 #[test]
 fn filters_above_paper_agree() {
-    assert_agree("filter", &[FRONT, BARE, PAPER, PRINTED, MIXED, VIEW], 1 << 13);
+    // Lines below thin glass have short periods.
+    let thin = BARE.replace("0.3", "0.1");
+    assert_agree("filter", &[FRONT, &thin, PAPER, PRINTED, MIXED, VIEW], 1 << 13);
 }
 
 /// Below a lobe: shares and patches, and stripes and lines, which only paths compute: they are blurred above the filter, too.
