@@ -69,7 +69,7 @@ fn shares_equal_the_series_of_transfers() {
             regular_fraction: 0.0,
         };
         let gap = Gap { index: 1.5, thickness_mm: 0.5 };
-        let (pitch, orders) = (25.4 / ppi, 40);
+        let (pitch, orders) = (25.4 / ppi, 24);
         let beta = Beta::towards(theta_deg, 0.0, 1.0);
         let accuracy = Accuracy { digits: 11.0, most_per_mm: f64::from(orders) / pitch };
         let spread = Spread::new(&diffuser, gap, beta, Light::Diffuse, accuracy);
