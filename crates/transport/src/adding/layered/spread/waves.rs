@@ -102,7 +102,7 @@ impl Between<'_> {
         Ray { plane: self.elements, going: Propagation::Down }
     }
 
-    fn from_pixel(&self) -> Ray {
+    fn leaving_pixel(&self) -> Ray {
         self.onto_pixel().reversed()
     }
 
@@ -239,12 +239,12 @@ impl Between<'_> {
             .collect();
         receivers.extend(self.everywhere(start).map(|ray| (ray, Value::One)));
         let mut rings = vec![Complex64::ZERO; wave.rings.len() * count];
-        self.cross(wave, (&receivers, &[self.from_pixel()]), (only_mean, None), &mut |ring, _, orders| {
+        self.cross(wave, (&receivers, &[self.leaving_pixel()]), (only_mean, None), &mut |ring, _, orders| {
             rings[ring * count..][..count].copy_from_slice(orders);
         });
         let beams = match start {
             Start::Beams(beams) => {
-                beams.iter().map(|beam| self.of_beam(wave, beam, &[self.from_pixel()])[0]).collect()
+                beams.iter().map(|beam| self.of_beam(wave, beam, &[self.leaving_pixel()])[0]).collect()
             }
             Start::Air | Start::Pixel => Vec::new(),
         };
