@@ -38,6 +38,9 @@ fn missing_matrix_and_thickness_are_reported() {
     for (name, sets, expected) in [
         ("indoor", &["--json"][..], "the key `matrix` is missing"),
         ("epaper", &["--json", "--set", "display.matrix.ppi=300"], "the key `thickness_mm` is missing"),
+        // All at once.
+        ("epaper", &["--json"], "the key `matrix` is missing"),
+        ("epaper", &["--json"], "the key `thickness_mm` is missing"),
         ("matrix", &["--json", "--set", "display.matrix.spread_um=5"], "remove `spread_um`"),
         // A pitch in mm.
         (
@@ -109,4 +112,23 @@ fn paths_compute_what_adding_refuses() {
     let result: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
     let why = result["views"][0]["patterns"][0]["why_null"].as_str().unwrap().to_owned();
     assert!(why.contains("no state has these names"), "{why}");
+}
+
+/// The folder of a result that replaces no other one is named once it is written, not before a refusal.
+#[test]
+fn folders_are_named_after_success() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = |more: &[&str]| {
+        let mut command = papilio();
+        command.arg("crosstalk").arg(scenario("matrix")).current_dir(folder.path());
+        command.args(["--set", "spectrum.step_nm=80", "--set", "pattern.text=l"]).args(more).output().unwrap()
+    };
+    assert!(run(&[]).status.success());
+    let refused = run(&["--set", "display.matrix.spread_um=5"]);
+    assert_eq!(refused.status.code(), Some(2));
+    assert!(!stderr(&refused).contains("is not replaced"), "{}", stderr(&refused));
+    let other = run(&["--set", "viewer.theta_deg=20"]);
+    let said = stderr(&other);
+    let [note, wrote] = ["is not replaced", "wrote "].map(|words| said.find(words).unwrap());
+    assert!(other.status.success() && note < wrote, "{said}");
 }

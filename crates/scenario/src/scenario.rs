@@ -179,7 +179,13 @@ impl Resolved {
                     "`papilio {command}` needs them: add [display.matrix] with ppi = 300, or the pitch_um of the pixels"
                 );
                 wrong.diagnostic = wrong.diagnostic.hint(hint);
-                ("display", wrong)
+                let mut errors = Errors::default();
+                errors.push(self.written.root.place_of("display"), wrong);
+                // The command needs the lengths, too.
+                if let Err(DisplayError::MissingLength { key, others }) = self.scene.display.lengths_mm() {
+                    self.push_missing_lengths(std::iter::once(&key).chain(&others), &mut errors);
+                }
+                return errors.check(&self.written.sources).err();
             }
             DisplayError::SparkleOfPoint { number } => {
                 source = format!("lighting.directed.{number}");
@@ -202,12 +208,8 @@ impl Resolved {
                 (key, wrong.into())
             }
             DisplayError::MissingLength { key, others } => {
-                let all = std::iter::once(key).chain(others);
                 let mut errors = Errors::default();
-                for key in all {
-                    let last = key.rsplit('.').next().unwrap_or(key);
-                    errors.push(self.written.root.place_of(key), mistake::missing_length(last));
-                }
+                self.push_missing_lengths(std::iter::once(key).chain(others), &mut errors);
                 return errors.check(&self.written.sources).err();
             }
             DisplayError::PlacesNotComputed { what, key } => {
@@ -259,6 +261,15 @@ impl Resolved {
         let mut errors = Errors::default();
         errors.push(self.written.root.place_of(key), wrong);
         errors.check(&self.written.sources).err()
+    }
+}
+
+impl Resolved {
+    fn push_missing_lengths<'k>(&self, keys: impl Iterator<Item = &'k String>, errors: &mut Errors) {
+        for key in keys {
+            let last = key.rsplit('.').next().unwrap_or(key);
+            errors.push(self.written.root.place_of(key), mistake::missing_length(last));
+        }
     }
 }
 
