@@ -36,7 +36,9 @@ impl SpatialOutput for MtfResult {
         write_file(&folder.join("spread.csv"), |out| write_spread_csv(out, self))?;
         let mut names = ["mtf.csv", "spread.csv"].map(str::to_owned).to_vec();
         let states = self.views.first().map(|view| &view.states);
-        for (state, _) in states.into_iter().flat_map(|states| states.iter()) {
+        let all = states.into_iter().flat_map(|states| states.iter());
+        // Below general layers, adding computes frequencies alone.
+        for (state, _) in all.filter(|(_, state)| state.kernel.cells > 0) {
             let name = format!("kernel-{state}.npy");
             write_file(&folder.join(&name), |out| write_kernel_npy(out, self, state))?;
             names.push(name);
