@@ -78,7 +78,10 @@ fn sweep_computes_metrics_of_pixels() {
         let seen = server.post("/detail", &json!({ "scenario": scenario, "command": command })).json();
         let all = seen["numbers"].as_array().unwrap();
         let one = all.iter().find(|one| one["metric"] == metric && one["state"] == state).unwrap();
-        assert_eq!([&one["value"], &one["error"]].map(|n| n.as_f64().unwrap()), [numbers[at], numbers[at + 1]]);
+        assert_eq!(
+            [&one["value"], &one["error"]].map(|n| n.as_f64().unwrap()),
+            [numbers[at], numbers[at + 1]]
+        );
     }
     let offered = server.get("/api/v1/metrics").json();
     let of_sharpness = json!({ "name": "f50_x_per_mm", "of_state": true, "command": "mtf" });
