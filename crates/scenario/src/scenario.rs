@@ -201,9 +201,14 @@ impl Resolved {
                 );
                 (key, wrong.into())
             }
-            DisplayError::MissingLength { key } => {
-                let last = key.rsplit('.').next().unwrap_or(key);
-                (key, mistake::missing_length(last))
+            DisplayError::MissingLength { key, others } => {
+                let all = std::iter::once(key).chain(others);
+                let mut errors = Errors::default();
+                for key in all {
+                    let last = key.rsplit('.').next().unwrap_or(key);
+                    errors.push(self.written.root.place_of(key), mistake::missing_length(last));
+                }
+                return errors.check(&self.written.sources).err();
             }
             DisplayError::PlacesNotComputed { what, key } => {
                 let wrong = Diagnostic::new(format!("the places of light are not computed yet for {what}"));
@@ -213,7 +218,7 @@ impl Resolved {
                 } else {
                     wrong
                         .expected("mirror-like or Lambertian pixels below a diffuser or a flat face")
-                        .hint("`papilio mtf --solver monte-carlo` computes any layers")
+                        .hint("`papilio mtf` and `papilio crosstalk` compute any layers with `--solver monte-carlo`")
                 };
                 (key, wrong.into())
             }
@@ -231,7 +236,7 @@ impl Resolved {
                 let wrong =
                     Diagnostic::new(format!("the adding solver does not compute the places of light for {what}"))
                         .hint(
-                            "set `method = \"monte-carlo\"` in `[solver]`, or use `--solver monte-carlo`: `papilio run` and `papilio mtf` then compute any layers",
+                            "set `method = \"monte-carlo\"` in `[solver]`, or use `--solver monte-carlo`: `papilio run`, `papilio mtf` and `papilio crosstalk` then compute any layers",
                         );
                 (key, wrong.into())
             }
@@ -304,7 +309,20 @@ pub(crate) fn assemble(sources: &Sources, changes: &[Change]) -> Result<Assemble
         )
     });
     let warnings = warnings.into_iter().collect();
-    Ok(Assembled { root, warnings, notes: renamed::notes(&old) })
+    let mut notes = renamed::notes(&old);
+    notes.extend(replaced_rectangles(sources.document(), &root));
+    Ok(Assembled { root, warnings, notes })
+}
+
+/// Note that a layout of `--set` replaces the rectangles of the file, which are described by no other key.
+fn replaced_rectangles(file: &Node, set: &Node) -> Option<String> {
+    let matrix = |root: &Node, key: &str| root.get("display")?.get("matrix")?.get(key).map(|_| ());
+    matrix(set, "layout")?;
+    let replaced = ["subpixel", "subpixel_file"];
+    let key = replaced.into_iter().find(|key| matrix(file, key).is_some() && matrix(set, key).is_none())?;
+    Some(format!(
+        "display.matrix.layout replaces display.matrix.{key} of the file: the rectangles described there are not used"
+    ))
 }
 
 /// Sorts the keys of all objects in a value.
