@@ -7,12 +7,12 @@ use papilio_formats::{write_file, write_kernel_npy, write_mtf_csv, write_spread_
 use papilio_scenario::Resolved;
 use serde::Serialize;
 
-use crate::arguments::{MtfCommand, Solver};
+use crate::arguments::{SolvedSpatially, Solver};
 use crate::spatial::{SpatialOutput, show, with_scenario};
 use crate::{Failure, report};
 
-pub(crate) fn mtf(arguments: &MtfCommand) -> Result<(), Failure> {
-    let MtfCommand { spatial: arguments, solver } = arguments;
+pub(crate) fn mtf(arguments: &SolvedSpatially) -> Result<(), Failure> {
+    let SolvedSpatially { spatial: arguments, solver } = arguments;
     let resolved = arguments.resolve(solver.map(Solver::as_override))?;
     show(arguments, &resolved, |control| {
         papilio_display::spatial::mtf(&resolved.scene, &resolved.patterns, control)
@@ -36,7 +36,9 @@ impl SpatialOutput for MtfResult {
         write_file(&folder.join("spread.csv"), |out| write_spread_csv(out, self))?;
         let mut names = ["mtf.csv", "spread.csv"].map(str::to_owned).to_vec();
         let states = self.views.first().map(|view| &view.states);
-        for (state, _) in states.into_iter().flat_map(|states| states.iter()) {
+        let all = states.into_iter().flat_map(|states| states.iter());
+        // Below general layers, adding computes frequencies alone.
+        for (state, _) in all.filter(|(_, state)| state.kernel.cells > 0) {
             let name = format!("kernel-{state}.npy");
             write_file(&folder.join(&name), |out| write_kernel_npy(out, self, state))?;
             names.push(name);
@@ -65,6 +67,10 @@ fn text(title: &str, result: &MtfResult) -> String {
         text += &format!("\nviewed at theta {} deg, phi {} deg\n", view.theta_deg, view.phi_deg);
         text += &report::table(&rows(view));
         text += &lines(view);
+        if ["white", "black"].iter().any(|name| view.states.get(name).is_none()) {
+            text += "  the contrast of lines and text is that of the states `white` and `black`, which this display does not have \
+                     (display.pixel.states, or the names in display.pixel.reflectance)\n";
+        }
         text += &text_and_patterns(view);
     }
     text + &format!("error of the modulation transfer: {:.1e}\n", result.error_reached)
@@ -134,7 +140,11 @@ fn lines(view: &MtfView) -> String {
     if values.iter().all(Option::is_none) {
         return String::new();
     }
-    let mut rows = vec![["lines of 1, 2, 4 pixels", "across x", "across y"].map(str::to_owned).to_vec()];
+    let mut rows = vec![
+        ["contrast in the middle of lines of 1, 2, 4 pixels", "across x", "across y"]
+            .map(str::to_owned)
+            .to_vec(),
+    ];
     for (k, name) in ["white on black", "black on white"].into_iter().enumerate() {
         let of = |first: usize| {
             values[first..first + 3].iter().map(|value| number(*value, 3)).collect::<Vec<_>>().join(" ")

@@ -32,8 +32,11 @@ pub fn of_mtf(result: &MtfResult, title: &str) -> Vec<(String, String)> {
         };
         let caption = caption(title, view);
         all.push((format!("mtf{at}"), transfer(result, view, &caption)));
-        all.push((format!("edges{at}"), edges(result, view, &caption)));
-        for (name, state) in view.states.iter() {
+        let mut with_places = view.states.iter().filter(|(_, state)| state.kernel.cells > 0).peekable();
+        if with_places.peek().is_some() {
+            all.push((format!("edges{at}"), edges(result, view, &caption)));
+        }
+        for (name, state) in with_places {
             all.push((format!("kernel_{name}{at}"), kernel(result, name, state, &caption)));
         }
     }

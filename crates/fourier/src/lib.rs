@@ -40,6 +40,33 @@ impl Plane {
     }
 }
 
+/// Fourier series of a function of the azimuth: from its orders to its values at equal steps, and back.
+pub struct Circle {
+    to_orders: Arc<dyn Fft<f64>>,
+    to_values: Arc<dyn Fft<f64>>,
+    scratch: Vec<Complex64>,
+}
+
+impl Circle {
+    /// Prepares the series with this number of steps.
+    pub fn new(steps: usize) -> Self {
+        let mut planner = FftPlanner::new();
+        let (to_orders, to_values) = (planner.plan_fft_forward(steps), planner.plan_fft_inverse(steps));
+        let length = to_orders.get_inplace_scratch_len().max(to_values.get_inplace_scratch_len());
+        Self { to_orders, to_values, scratch: vec![Complex64::ZERO; length] }
+    }
+
+    /// Replaces orders, of which the negative ones are counted back from the end, by values.
+    pub fn values(&mut self, orders: &mut [Complex64]) {
+        self.to_values.process_with_scratch(orders, &mut self.scratch);
+    }
+
+    /// Replaces values by orders times the number of steps.
+    pub fn orders(&mut self, values: &mut [Complex64]) {
+        self.to_orders.process_with_scratch(values, &mut self.scratch);
+    }
+}
+
 /// Multiplies the spatial spectrum of a plane by a real transfer function of the frequencies along x and y, cycles per
 /// pixel (0 to 0.5). Beyond its borders the plane continues as its mirror image.
 ///

@@ -310,7 +310,7 @@ fn index_deviations_agree_with_standard_errors() {
         // Smooth functions have the smallest standard error for every seed, so that two seeds suffice.
         for seed in 0..if one.is_smooth { 2 } else { seeds } {
             let plan = (one.plan)(seed);
-            let found = Sensitivities::of(&plan, &[samples(&plan, 512, 256, one.metric)]).remove(0);
+            let found = Sensitivities::of(&plan, &[samples(&plan, 384, 192, one.metric)]).remove(0);
             let found: Vec<Indices> = found.indices.into_iter().map(Option::unwrap).collect();
             let sum: f64 = found.iter().map(|one| one.first.value).sum();
             assert!(sum <= 1.0 + 1e-9, "{}: {sum}", one.name);

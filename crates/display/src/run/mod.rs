@@ -23,7 +23,7 @@ pub use auto::{Forecast, THICKEST_FOR_MONTE_CARLO, forecast};
 pub use brdf::brdf;
 pub use cone::cone;
 pub use refine::adding_seconds;
-pub(crate) use refine::{largest, level_error};
+pub(crate) use refine::{finest, largest, level_error};
 pub use study::{Cost, StudyCurve, StudyPoint, cost, study};
 
 use crate::meter::{Meter, ViewSamples, against_angle};

@@ -9,6 +9,8 @@
 //! | Lambertian pixels under a flat face | `paper.rs` |
 //! | mirror-like pixels under a flat face | `ghosts.rs` |
 //!
+//! `layered.rs` computes the same by frequency below general layers.
+//!
 //! [`crosstalk`] computes which sub-pixel lights which.
 //!
 //! [`sparkle`] computes the random brightness of equal pixels below an antiglare face.
@@ -23,6 +25,7 @@ mod contrast;
 mod crosstalk;
 mod curve;
 mod ghosts;
+mod layered;
 mod lobe;
 mod measured;
 mod mtf;

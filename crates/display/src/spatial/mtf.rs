@@ -6,7 +6,9 @@
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use num_complex::Complex64;
+use papilio_transport::Stack;
 
+use super::layered;
 use super::measured::{Light, Measured};
 use super::mtf_walk;
 use super::response::responses;
@@ -49,9 +51,15 @@ const CELLS: usize = 65;
 /// # Errors
 /// If the scene is invalid, a length is missing, its kind of display or light is not covered, or the computation was stopped.
 pub fn mtf(scene: &Scene, patterns: &Patterns, control: &Control<'_>) -> Result<MtfResult, DisplayError> {
-    let setup = Setup::new(scene)?;
-    let frame = Frame::new(&setup, patterns)?;
     let paths = scene.solver.method == Method::MonteCarlo;
+    if scene.display.filter().is_some() && !paths {
+        return Err(DisplayError::PlacesByPaths {
+            what: "the sharpness of a display with a colour filter".to_owned(),
+            key: "display.matrix.filter".to_owned(),
+        });
+    }
+    let setup = Setup::with_filter(scene)?;
+    let frame = Frame::new(&setup, patterns)?;
     let placed = paths.then(|| Placed::new(&setup)).transpose()?;
     let mut workers = None;
     // Paths of one view run on all threads.
@@ -65,7 +73,10 @@ pub fn mtf(scene: &Scene, patterns: &Patterns, control: &Control<'_>) -> Result<
         }
         let view = match &placed {
             Some(placed) => mtf_walk::view(&frame, placed, *number, control)?,
-            None => frame.view(&setup.views[*number])?,
+            None => match &setup.stack {
+                Stack::Panel(_) => frame.view(&setup.views[*number])?,
+                Stack::Layered(stack) => frame.layered_view(stack, &setup.views[*number], control)?,
+            },
         };
         (control.progress)(Progress::of_views(done.fetch_add(1, Ordering::Relaxed) + 1, setup.views.len()));
         Ok(view)
@@ -117,11 +128,13 @@ impl<'a> Frame<'a> {
             .map_or(EYE_CYCLES_PER_DEGREE / mm_per_degree, |nyquist| 2.0 * nyquist[0].max(nyquist[1]));
         let mut frequencies = vec![0.0, highest];
         frequencies.extend(nyquist_per_mm.into_iter().flatten());
-        // Images of a lamp make the curve swing: as many points as a figure needs.
-        frequencies.extend((1..UNIFORM).map(|k| highest * f64::from(k) / f64::from(UNIFORM)));
-        let decades = LOWEST_PER_MM.log10() as i32..=highest.log10().ceil() as i32;
-        let all = decades.flat_map(|decade| PREFERRED.map(|number| number * 10.0_f64.powi(decade)));
-        frequencies.extend(all.filter(|f| *f < highest * (1.0 - 1e-9)));
+        let general = matches!(setup.stack, Stack::Layered(_)) && scene.solver.method != Method::MonteCarlo;
+        frequencies.extend(if general {
+            layered::frequencies(highest)
+        } else {
+            uniform_and_preferred(highest)
+        });
+        frequencies.retain(|f| *f <= highest);
         frequencies.sort_by(f64::total_cmp);
         frequencies.dedup_by(|a, b| (*a - *b).abs() <= 1e-9 * *b);
         Ok(Self {
@@ -137,7 +150,7 @@ impl<'a> Frame<'a> {
         })
     }
 
-    fn highest(&self) -> f64 {
+    pub(super) fn highest(&self) -> f64 {
         self.frequencies.last().copied().unwrap_or_default()
     }
 
@@ -183,7 +196,7 @@ impl<'a> Frame<'a> {
         self.setup.states.iter().position(|name| name == state)
     }
 
-    fn state(&self, state: usize, coarse: &Measured, fine: &Measured) -> MtfState {
+    pub(super) fn state(&self, state: usize, coarse: &Measured, fine: &Measured) -> MtfState {
         let scalars = self.scalars(state, fine);
         let mut error = scalars;
         let pairs = error.all_mut().zip(self.scalars(state, coarse).named());
@@ -201,7 +214,7 @@ impl<'a> Frame<'a> {
             otf: curves(all),
             by_light: Named(by_light),
             spread: tables.collect(),
-            kernel: Kernel { cell_um: 0.0, cells: CELLS, outside: 0.0, fractions: Vec::new() },
+            kernel: Kernel { cell_um: 0.0, cells: 0, outside: 0.0, fractions: Vec::new() },
         }
     }
 
@@ -252,6 +265,15 @@ impl<'a> Frame<'a> {
         }
         states
     }
+}
+
+/// Frequencies between 0 and the highest, cycles per mm. Images of a lamp make the curve swing: as many as a figure needs.
+fn uniform_and_preferred(highest: f64) -> Vec<f64> {
+    let mut all: Vec<f64> = (1..UNIFORM).map(|k| highest * f64::from(k) / f64::from(UNIFORM)).collect();
+    let decades = LOWEST_PER_MM.log10() as i32..=highest.log10().ceil() as i32;
+    let preferred = decades.flat_map(|decade| PREFERRED.map(|number| number * 10.0_f64.powi(decade)));
+    all.extend(preferred.filter(|f| *f < highest * (1.0 - 1e-9)));
+    all
 }
 
 fn difference(fine: Option<f64>, coarse: Option<f64>) -> Option<f64> {

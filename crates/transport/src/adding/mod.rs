@@ -21,6 +21,7 @@ use crate::{Cone, Estimate, ReflectanceFactor, Source, Stack};
 pub(crate) use field::{Peaks, Ring, rings};
 pub(crate) use images::{Mirror, image_points};
 pub(crate) use layered::{Action, Preparation, rough_width};
+pub use layered::{LayeredSpread, NotCovered, Seen};
 pub use panel::ViewSums;
 pub(crate) use panel::first_pass;
 pub(crate) use panel::{Indices, Shares, diffuse_shares, smooth_points};

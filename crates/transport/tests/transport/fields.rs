@@ -88,7 +88,7 @@ fn views_prepared_together_equal_views_alone() {
         source(Field::ring(10.0, 30.0).unwrap()),
     ];
     let stop = AtomicBool::new(false);
-    for (stack, most) in stacks {
+    for (stack, most) in everyday(3, stacks) {
         // As many azimuths as share their orders.
         let row = |theta: f64| (0..18).map(move |k| Cone::new(theta, 20.0 * f64::from(k), 0.5, 1.0));
         let all: Vec<Cone> = [0.0, 20.0, 70.0].into_iter().flat_map(row).collect();

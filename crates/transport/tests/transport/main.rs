@@ -15,6 +15,7 @@ mod double_pass;
 mod few_wavelengths;
 mod fields;
 mod flat_return;
+mod layered_spread;
 mod layered_walk;
 mod layers;
 mod many_columns;

@@ -136,15 +136,30 @@ pub(super) fn elements<'a>(
     scatterers: &mut Scatterers<'a>,
     stop: &AtomicBool,
 ) -> Vec<Element<'a>> {
-    let indices = |media: [Option<&crate::Medium>; 2]| {
-        media.map(|medium| medium.map_or(1.0, |medium| medium.index()[bin]))
-    };
     let surface = rough_surface(stack).is_some();
+    let actions = actions(stack, bin, (grid, precision), (beyond_first, surface), known, scatterers, stop);
+    let element = |((kind, media), action): ((&'a dyn LayerKind, _), Option<Action>)| {
+        let [above, below] = indices(media, bin);
+        action.map(|action| Element { kind, action, bin, above, below })
+    };
+    stack.elements().zip(actions).filter_map(element).collect()
+}
+
+/// Returns the effect of each element of the stack in the same way; `surface`: a rough surface scatters light once only.
+pub(super) fn actions<'a>(
+    stack: &'a Layered,
+    bin: usize,
+    (grid, precision): (&Grid, &Precision),
+    (beyond_first, surface): (Option<[f64; 2]>, bool),
+    known: &Known,
+    scatterers: &mut Scatterers<'a>,
+    stop: &AtomicBool,
+) -> Vec<Option<Action>> {
     let alone = stack.elements().filter(|(kind, _)| kind.scatters()).count() == 1;
-    let mut element = |(kind, media): (&'a dyn LayerKind, _)| {
-        let indices @ [above, below] = indices(media);
+    let mut action = |(kind, media): (&'a dyn LayerKind, _)| {
+        let indices = indices(media, bin);
         let scatterers = &mut *scatterers;
-        let mut prepare = Preparation {
+        kind.action(&mut Preparation {
             bin,
             indices,
             grid,
@@ -155,10 +170,14 @@ pub(super) fn elements<'a>(
             known,
             scatterers,
             stop,
-        };
-        kind.action(&mut prepare).map(|action| Element { kind, action, bin, above, below })
+        })
     };
-    stack.elements().filter_map(&mut element).collect()
+    stack.elements().map(&mut action).collect()
+}
+
+/// Returns the indices of the media above and below an element.
+pub(super) fn indices(media: [Option<&crate::Medium>; 2], bin: usize) -> [f64; 2] {
+    media.map(|medium| medium.map_or(1.0, |medium| medium.index()[bin]))
 }
 
 /// Returns whether light can meet the scatterers of the stack more than once at wavelength number `bin`: there are
@@ -170,7 +189,7 @@ pub(super) fn scatters_again(stack: &Layered, bin: usize, grid: &Grid) -> bool {
             faces += 1;
             return faces > 1 || kind.scattering_interface().is_none();
         }
-        let [above, below] = media.map(|medium| medium.map_or(1.0, |medium| medium.index()[bin]));
+        let [above, below] = indices(media, bin);
         let layer = Element { kind, action: Action::Regular, bin, above, below };
         grid.beta.iter().map(|beta| layer.regular(*beta)).any(|flat| flat.above != 0.0 || flat.below != 0.0)
     };
@@ -254,6 +273,18 @@ impl<'a> Elements<'a> {
     }
 }
 
+/// Returns the regular part of an element between media of these indices, for light with this `|beta|`. On a side that does
+/// not carry such light there is nothing to reflect.
+pub(super) fn regular(kind: &dyn LayerKind, bin: usize, indices: [f64; 2], beta: f64) -> Flat {
+    let Flat { t, above, below } = kind.regular(&Incidence { bin, indices, beta, beta_squared: beta * beta });
+    let carried = |index: f64, share: f64| if beta < index { share } else { 0.0 };
+    Flat {
+        t: carried(indices[0].min(indices[1]), t),
+        above: carried(indices[0], above),
+        below: carried(indices[1], below),
+    }
+}
+
 /// Composes successive layers into one part of this order, with the operators of the scatterers in it.
 fn compose(
     first: Part,
@@ -309,18 +340,9 @@ impl Element<'_> {
         }
     }
 
-    /// Returns the regular part for light with this `|beta|`. On a side that does not carry such light there
-    /// is nothing to reflect.
+    /// Returns the regular part for light with this `|beta|`.
     fn regular(&self, beta: f64) -> Flat {
-        let at =
-            Incidence { bin: self.bin, indices: [self.above, self.below], beta, beta_squared: beta * beta };
-        let Flat { t, above, below } = self.kind.regular(&at);
-        let carried = |index: f64, share: f64| if beta < index { share } else { 0.0 };
-        Flat {
-            t: carried(self.above.min(self.below), t),
-            above: carried(self.above, above),
-            below: carried(self.below, below),
-        }
+        regular(self.kind, self.bin, [self.above, self.below], beta)
     }
 
     /// Returns transmission from above, reflection from above and reflection from below; `None` of a flat layer.

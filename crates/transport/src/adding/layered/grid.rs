@@ -95,6 +95,11 @@ impl Grid {
         Interpolation(self.ranges.iter().map(range).collect())
     }
 
+    /// Returns the ranges between two indices, and their numbers of nodes.
+    pub(super) fn ranges(&self) -> impl Iterator<Item = ([f64; 2], usize)> {
+        self.ranges.iter().copied()
+    }
+
     /// Returns the number of nodes.
     pub(super) fn len(&self) -> usize {
         self.beta.len()
@@ -119,7 +124,7 @@ impl Grid {
 }
 
 /// Number of nodes between which a value is interpolated.
-const NEAREST: usize = 14;
+pub(super) const NEAREST: usize = 14;
 
 /// Interpolation of a function of `|beta|` from its values at the nodes with weight: by the polynomial through the
 /// nearest nodes of the range between two indices, in the variable of its rule. A function with a peak may be smaller

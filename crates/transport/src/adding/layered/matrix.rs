@@ -177,6 +177,15 @@ impl Matrix {
         }
     }
 
+    /// Adds the product of a square matrix, or of its transpose, with the rows of `right` from `first` on, to the rows from there on.
+    pub(super) fn add_block_product(&mut self, (block, first): (&Self, usize), right: &Self, reversed: bool) {
+        if block.rows > 0 && !self.values.is_empty() {
+            let left = if reversed { block.view().transpose() } else { block.view() };
+            let right = right.view().subrows(first, block.rows);
+            add(self.view_mut().subrows_mut(first, block.rows), left, right, 1.0);
+        }
+    }
+
     /// Returns the sum of the first columns, weighted.
     pub(super) fn times(&self, weights: &[f64]) -> Vec<f64> {
         let mut sum = vec![0.0; self.rows];

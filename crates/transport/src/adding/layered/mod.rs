@@ -58,6 +58,7 @@ mod scatter;
 mod scatterers;
 mod single;
 mod slab;
+mod spread;
 mod wavelengths;
 
 use std::borrow::Cow;
@@ -75,6 +76,7 @@ use pixels::Pixels;
 use precision::Precision;
 use prepare::Prepared;
 pub(crate) use rough::width as rough_width;
+pub use spread::{LayeredSpread, NotCovered, Seen};
 
 /// Returns the number of radial nodes that a level takes, besides the directions of views and sources.
 pub(super) fn nodes_needed(stack: &Layered, level: u32) -> usize {

@@ -14,6 +14,9 @@ use crate::{Interface, Layered, Medium, Reflector};
 /// the degree.
 const INTERPOLATION: f64 = 2.0;
 
+/// The same where light between two scatterers is interpolated, which the second one smooths.
+const INTERPOLATION_BETWEEN: f64 = 1.4;
+
 /// Accuracy of a level; the levels of a first answer are negative.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Precision {
@@ -90,6 +93,16 @@ pub(super) fn density(stack: &Layered, bin: usize, precision: &Precision) -> Den
     for (scatterer, medium) in scatterers(stack) {
         precision.resolve(scatterer, medium.index()[bin], &mut density);
     }
+    density
+}
+
+/// Returns the density of nodes between which light is interpolated, whatever the surface is.
+pub(super) fn density_between(stack: &Layered, bin: usize, precision: &Precision) -> Density {
+    let mut density = precision.least();
+    for (scatterer, medium) in scatterers(stack) {
+        precision.resolve(scatterer, medium.index()[bin], &mut density);
+    }
+    density.spacing /= INTERPOLATION_BETWEEN;
     density
 }
 

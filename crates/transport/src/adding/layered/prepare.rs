@@ -254,7 +254,7 @@ fn families(stack: &Layered, wavelengths: &[usize]) -> Vec<Vec<Vec<usize>>> {
 }
 
 /// Returns the indices of all media at a wavelength, air first.
-fn indices(stack: &Layered, bin: usize) -> Vec<f64> {
+pub(super) fn indices(stack: &Layered, bin: usize) -> Vec<f64> {
     std::iter::once(1.0).chain(stack.layers.iter().map(|layer| layer.medium.index()[bin])).collect()
 }
 

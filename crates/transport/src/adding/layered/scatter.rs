@@ -207,7 +207,7 @@ fn orders(scatter: &Scatter, [view, light]: [f64; 2], digits: f64) -> usize {
     }
     // Widths decrease towards the horizon; a Gaussian of width w has orders exp(-(m w)^2/4).
     let [a, b] = [view, light].map(|end| scatter.azimuth_width(end.min(1.0), 1.0));
-    (2.0 * digits.sqrt() / a.hypot(b)).ceil() as usize
+    (2.0 * digits.sqrt() / a.hypot(b)).min(MOST_ORDERS as f64).ceil() as usize
 }
 
 /// Computes the first Fourier coefficients of a kernel between two directions.

@@ -1,0 +1,240 @@
+//! Sharpness below general layers by adding: modulation transfer at chosen frequencies.
+//!
+//! Light by place (spreads, kernels, lines, text, patterns) would take the transform at many frequencies in the plane; it is left to
+//! Monte Carlo.
+
+use std::sync::atomic::AtomicBool;
+
+use num_complex::Complex64;
+use papilio_transport::adding::{self, LayeredSpread, NotCovered};
+use papilio_transport::{Layered, Source};
+
+use super::measured::{Light, Measured, sum};
+use super::mtf::Frame;
+use super::response::name_of_light;
+use super::{LineContrast, MtfView};
+use crate::DisplayError;
+use crate::meter::{Meter, PixelLight};
+use crate::run::{Control, Workers, each, finest};
+use crate::scene::Stop;
+use crate::setup::ViewPoint;
+
+/// Uniform steps of frequencies, and preferred numbers of a decade (ISO 3, R 5), from the lowest on, cycles per mm.
+const UNIFORM: u32 = 12;
+const PREFERRED: [f64; 5] = [1.0, 1.6, 2.5, 4.0, 6.3];
+const LOWEST_PER_MM: f64 = 0.1;
+
+/// `f50` is searched up to this multiple of the highest frequency, in steps of a factor.
+const SEARCHED: f64 = 8.0;
+const STEP: f64 = 1.25;
+
+/// Loss of modulation over the upper half of the frequencies from which on `f50` is searched beyond them.
+const FALLS: f64 = 0.02;
+
+/// Finest level, and error if the scene has no target.
+const MOST_LEVEL: u32 = 3;
+const USUAL: f64 = 1e-3;
+
+/// Frequencies between 0 and the highest, cycles per mm.
+pub(super) fn frequencies(highest: f64) -> Vec<f64> {
+    let mut all: Vec<f64> = (1..UNIFORM).map(|k| highest * f64::from(k) / f64::from(UNIFORM)).collect();
+    let decades = LOWEST_PER_MM.log10() as i32..=highest.log10().ceil() as i32;
+    all.extend(decades.flat_map(|decade| PREFERRED.map(|number| number * 10.0_f64.powi(decade))));
+    all
+}
+
+/// Makes the difference of the levels as large as the error of the finer one may be.
+fn widen(coarse: &mut Measured, fine: &Measured, factor: f64) {
+    let lights = coarse.lights.iter_mut().flatten().zip(fine.lights.iter().flatten());
+    for (coarse, fine) in lights {
+        for (coarse, fine) in coarse.transfer.iter_mut().zip(&fine.transfer) {
+            coarse.iter_mut().zip(fine).for_each(|(coarse, fine)| *coarse = fine + factor * (*coarse - fine));
+        }
+    }
+}
+
+impl Frame<'_> {
+    /// Computes how sharp the display is in a view.
+    pub(super) fn layered_view(
+        &self,
+        stack: &Layered,
+        view: &ViewPoint,
+        control: &Control<'_>,
+    ) -> Result<MtfView, DisplayError> {
+        let by_paths = |what: &str, key: &str| DisplayError::PlacesByPaths {
+            what: what.to_owned(),
+            key: key.to_owned(),
+        };
+        if !self.patterns().is_empty() {
+            return Err(by_paths("patterns below general layers ([[display.layers]])", "pattern"));
+        }
+        let finest = (finest(&self.setup.stack)? as u32).min(MOST_LEVEL);
+        let target = match &self.setup.scene.solver.stop {
+            Stop::RelativeError { target, .. } => *target,
+            Stop::Paths(_) | Stop::Target(_) => USUAL,
+        };
+        let mut frequencies = self.frequencies.clone();
+        let mut coarse = self.layered(stack, view, (0, &frequencies), control)?;
+        if self.is_falling(&coarse) {
+            let highest = self.highest();
+            while let Some(last) = frequencies.last().filter(|last| **last < SEARCHED * highest) {
+                frequencies.push(last * STEP);
+            }
+            coarse = self.layered(stack, view, (0, &frequencies), control)?;
+        }
+        let mut fine = self.layered(stack, view, (1, &frequencies), control)?;
+        let factor = adding::error_over_difference(&self.setup.stack, &self.setup.sources);
+        widen(&mut coarse, &fine, factor);
+        for level in 2..=finest {
+            if self.largest_error(&coarse, &fine) <= target {
+                break;
+            }
+            coarse = std::mem::replace(&mut fine, self.layered(stack, view, (level, &frequencies), control)?);
+            widen(&mut coarse, &fine, factor);
+        }
+        let states = self.setup.states.iter().enumerate();
+        let states = states.map(|(state, name)| (name.clone(), self.state(state, &coarse, &fine)));
+        Ok(MtfView {
+            theta_deg: view.theta_deg,
+            phi_deg: view.phi_deg,
+            states: crate::result::Named(states.collect()),
+            line_contrast: LineContrast::default(),
+            line_contrast_via_pixel: LineContrast::default(),
+            line_contrast_error: LineContrast::default(),
+            text_contrast_min: None,
+            text_contrast_median: None,
+            text_contrast_min_via_pixel: None,
+            text_contrast_median_via_pixel: None,
+            text_contrast_error: None,
+            yule_nielsen_n: None,
+            patterns: Vec::new(),
+        })
+    }
+
+    /// Whether more than half of the modulation is left at the highest frequency in some state, and becomes less.
+    fn is_falling(&self, measured: &Measured) -> bool {
+        let all = measured.lights.iter().filter_map(|lights| lights.last());
+        let mut curves = all.flat_map(|all| &all.transfer);
+        curves.any(|curve| {
+            let modulus = |k: usize| curve[k].norm() / curve[0].norm();
+            let last = curve.len() - 1;
+            curve[0].norm() > 0.0 && modulus(last) >= 0.5 && modulus(last / 2) - modulus(last) > FALLS
+        })
+    }
+
+    /// Largest error of a modulation transfer.
+    fn largest_error(&self, coarse: &Measured, fine: &Measured) -> f64 {
+        let mut largest = 0.0;
+        for (coarse, fine) in coarse.lights.iter().zip(&fine.lights) {
+            let (Some(coarse), Some(fine)) = (coarse.last(), fine.last()) else { continue };
+            for (coarse, fine) in coarse.transfer.iter().zip(&fine.transfer) {
+                let y = fine[0].norm();
+                let of = |(a, b): (&Complex64, &Complex64)| (a - b).norm() / y;
+                largest = coarse.iter().zip(fine).filter(|_| y > 0.0).map(of).fold(largest, f64::max);
+            }
+        }
+        largest
+    }
+
+    /// Computes the light of all frequencies at a level.
+    fn layered(
+        &self,
+        stack: &Layered,
+        view: &ViewPoint,
+        (level, frequencies): (u32, &[f64]),
+        control: &Control<'_>,
+    ) -> Result<Measured, DisplayError> {
+        let (setup, stop) = (self.setup, AtomicBool::new(false));
+        let meter = Meter::new(setup);
+        let lengths_mm = setup.scene.display.lengths_mm()?;
+        let mut kernel = adding::Kernel::new(level).without_ledger();
+        let _ready = kernel.prepare_unless(&setup.stack, &[view.field], &setup.sources, &stop);
+        let factors = kernel.seen(&setup.stack, 0);
+        let not_covered = |why: NotCovered| DisplayError::PlacesByPaths {
+            what: format!("{why} ([[display.layers]])"),
+            key: if why == NotCovered::Pixel { "display.pixel" } else { "display.layers" }.to_owned(),
+        };
+        let spread = LayeredSpread::new(stack, &lengths_mm, view.field, &setup.sources, level);
+        let spread = spread.map_err(not_covered)?;
+        let lit: Vec<PixelLight> = meter.pixel_lights().into_iter().filter(PixelLight::is_seen).collect();
+        let seen: Vec<_> = lit
+            .iter()
+            .map(|light| adding::Seen {
+                source: light.source,
+                weights: &light.weights[1],
+                via_pixel: &factors[light.source].via_pixel,
+            })
+            .collect();
+        // Seen along the normal, light without an azimuth is the same along both axes.
+        let is_round = lit.iter().all(|light| setup.sources[light.source] == Source::Diffuse)
+            || !stack.base.is_specular();
+        let is_same = is_round && view.theta_deg == 0.0;
+        let axes = if is_same { 1 } else { 2 };
+        let along = |f: &f64| [[*f, 0.0], [0.0, *f]].into_iter().take(axes);
+        let mut workers = None;
+        let pool =
+            if setup.views.len() == 1 { Workers::unless_one(&mut workers, control.threads)? } else { None };
+        // High frequencies take longer: each part has some of them.
+        let parts = pool.map_or(1, |pool| pool.current_num_threads()).min(frequencies.len());
+        let mut pieces: Vec<Vec<usize>> =
+            (0..parts).map(|part| (part..frequencies.len()).step_by(parts).collect()).collect();
+        let found = each(pool, &mut pieces, |(_, piece)| {
+            if control.stopped() {
+                return Err(DisplayError::Interrupted);
+            }
+            let some: Vec<[f64; 2]> = piece.iter().flat_map(|k| along(&frequencies[*k])).collect();
+            Ok((piece.clone(), spread.light(&seen, &some)))
+        });
+        let blank = || vec![Complex64::ZERO; frequencies.len()];
+        let mut light = vec![vec![[blank(), blank()]; setup.states.len()]; seen.len()];
+        for found in found {
+            let (piece, some) = found?;
+            for (all, some) in light.iter_mut().flatten().zip(some.into_iter().flatten()) {
+                for (k, values) in piece.iter().zip(some.chunks_exact(axes)) {
+                    all[0][*k] = values[0];
+                    all[1][*k] = values[axes - 1];
+                }
+            }
+        }
+        let of_state = |state: usize| {
+            let mut lights: Vec<Light> = Vec::new();
+            for (seen, light) in seen.iter().zip(&light) {
+                let y = self.luminous(seen, state);
+                let zero = light[state][0][0].re;
+                let scale = if zero > 0.0 { y / zero } else { 0.0 };
+                let scaled = |values: &Vec<Complex64>| values.iter().map(|value| scale * value).collect();
+                lights.push(Light {
+                    transfer: light[state].each_ref().map(scaled),
+                    strips: [Vec::new(), Vec::new()],
+                    rings: Vec::new(),
+                });
+            }
+            let all = sum(&lights);
+            lights.extend(all);
+            lights
+        };
+        let names = lit.iter().map(|light| name_of_light(setup, light));
+        Ok(Measured {
+            names: names.chain(["all".to_owned()]).collect(),
+            frequencies: frequencies.to_vec(),
+            places: [Vec::new(), Vec::new()],
+            radii: Vec::new(),
+            lights: (0..setup.states.len()).map(of_state).collect(),
+            line_contrast: [LineContrast::default(); 2],
+            text_contrast: [None; 2],
+            patterns: Vec::new(),
+            from_faces: meter.without_pixel(&factors)[1],
+            seen: Vec::new(),
+        })
+    }
+
+    /// Y of a state in a light via the pixel.
+    fn luminous(&self, seen: &adding::Seen<'_>, state: usize) -> f64 {
+        let bins = seen.weights.len();
+        seen.via_pixel[state * bins..][..bins]
+            .iter()
+            .zip(seen.weights)
+            .map(|(light, weight)| light * weight)
+            .sum()
+    }
+}

@@ -1,0 +1,135 @@
+//! Flat elements at one `|beta|`, with the phases of the places that light crosses.
+//!
+//! A medium multiplies light by `exp(-2 pi i f.D(beta))`, whether it goes up or down. All inter-reflections between flat elements are
+//! summed in closed form, above a black base; scatterers have their regular part.
+
+use num_complex::Complex64;
+
+use super::super::elements::{indices, regular};
+use crate::Layered;
+use crate::front::Flat;
+use crate::skeleton::{Propagation, Ray};
+
+/// Smallest 1 - R of a cavity: light does not enter one of perfect mirrors.
+const CLOSED: f64 = 1e-12;
+
+/// The elements of a stack at one `|beta|` and wavelength.
+#[derive(Debug, Clone)]
+pub(super) struct Chain {
+    flats: Vec<Flat>,
+    /// By how much each element moves light, mm.
+    moves_mm: Vec<f64>,
+    reflects: bool,
+}
+
+/// Memory for [`Chain::links`].
+#[derive(Debug, Clone, Default)]
+pub(super) struct Cavities {
+    passed: Vec<Complex64>,
+    above: Vec<Complex64>,
+    below: Vec<Complex64>,
+    currents: [Vec<Complex64>; 2],
+}
+
+impl Chain {
+    pub(super) fn new(stack: &Layered, lengths_mm: &[f64], bin: usize, beta: f64) -> Self {
+        let mut flats = Vec::with_capacity(2 * stack.layers.len());
+        let mut moves_mm = Vec::with_capacity(flats.capacity());
+        for (number, (kind, media)) in stack.elements().enumerate() {
+            let indices @ [index, _] = indices(media, bin);
+            flats.push(regular(kind, bin, indices, beta));
+            let is_medium = number % 2 == 1;
+            moves_mm.push(if is_medium { moved_mm(index, lengths_mm[number / 2], beta) } else { 0.0 });
+        }
+        let reflects = flats.iter().any(|flat| flat.above != 0.0 || flat.below != 0.0);
+        Self { flats, moves_mm, reflects }
+    }
+
+    /// Returns by how much all elements together move light, mm.
+    pub(super) fn moves_mm(&self) -> f64 {
+        self.moves_mm.iter().sum()
+    }
+
+    pub(super) fn reflects(&self) -> bool {
+        self.reflects
+    }
+
+    /// Returns the light of a ray that arrives as another if nothing reflects: its fraction, and by how much it is moved.
+    pub(super) fn link(&self, from: Ray, to: Ray) -> (f64, f64) {
+        let passed = match (from.going, to.going) {
+            (Propagation::Up, Propagation::Up) if to.plane <= from.plane => to.plane..from.plane,
+            (Propagation::Down, Propagation::Down) if from.plane <= to.plane => from.plane..to.plane,
+            _ => return (0.0, 0.0),
+        };
+        let t = self.flats[passed.clone()].iter().map(|flat| flat.t).product();
+        (t, self.moves_mm[passed].iter().sum())
+    }
+
+    /// Computes the light of each ray that arrives as each other, `[from][to]`, at a wave of so many radians per mm along it.
+    pub(super) fn links(
+        &self,
+        [from, to]: [&[Ray]; 2],
+        per_mm: f64,
+        cavities: &mut Cavities,
+        out: &mut [Complex64],
+    ) {
+        if !self.reflects {
+            let pairs = from.iter().flat_map(|from| to.iter().map(|to| self.link(*from, *to)));
+            out.iter_mut()
+                .zip(pairs)
+                .for_each(|(out, (t, way))| *out = Complex64::from_polar(t, -way * per_mm));
+            return;
+        }
+        let planes = self.flats.len() + 1;
+        let Cavities { passed, above, below, currents } = cavities;
+        passed.clear();
+        let passes = |(flat, way): (&Flat, &f64)| match way * per_mm {
+            0.0 => Complex64::from(flat.t),
+            phase => Complex64::from_polar(flat.t, -phase),
+        };
+        passed.extend(self.flats.iter().zip(&self.moves_mm).map(passes));
+        for all in [&mut *above, &mut *below].into_iter().chain(currents.iter_mut()) {
+            all.clear();
+            all.resize(planes, Complex64::ZERO);
+        }
+        for (k, flat) in self.flats.iter().enumerate() {
+            above[k + 1] = flat.below + passed[k] * above[k] * entered(passed[k], flat.above * above[k]);
+        }
+        for (k, flat) in self.flats.iter().enumerate().rev() {
+            below[k] = flat.above + passed[k] * below[k + 1] * entered(passed[k], flat.below * below[k + 1]);
+        }
+        let [down, up] = currents;
+        for (from, out) in from.iter().zip(out.chunks_exact_mut(to.len().max(1))) {
+            let p = from.plane;
+            let sent = entered(Complex64::ONE, above[p] * below[p]);
+            (down[p], up[p]) = match from.going {
+                Propagation::Down => (sent, sent * below[p]),
+                Propagation::Up => (sent * above[p], sent),
+            };
+            // What has been emitted downwards, or reflected down, and the same upwards.
+            for k in p..planes - 1 {
+                down[k + 1] = down[k] * entered(passed[k], self.flats[k].below * below[k + 1]);
+                up[k + 1] = down[k + 1] * below[k + 1];
+            }
+            for k in (0..p).rev() {
+                up[k] = up[k + 1] * entered(passed[k], self.flats[k].above * above[k]);
+                down[k] = up[k] * above[k];
+            }
+            for (out, to) in out.iter_mut().zip(to) {
+                *out = if to.going == Propagation::Up { up[to.plane] } else { down[to.plane] };
+            }
+        }
+    }
+}
+
+/// Returns by how much a medium moves light; 0 if it does not carry it.
+pub(super) fn moved_mm(index: f64, length_mm: f64, beta: f64) -> f64 {
+    let squared = (index - beta) * (index + beta);
+    if squared > 0.0 { length_mm * beta / squared.sqrt() } else { 0.0 }
+}
+
+/// Light that passes an element and is then reflected to and fro behind it, a fraction `returned` each time.
+fn entered(t: Complex64, returned: Complex64) -> Complex64 {
+    let left = 1.0 - returned;
+    if left.norm_sqr() < CLOSED * CLOSED { Complex64::ZERO } else { t / left }
+}

@@ -1,0 +1,286 @@
+//! Scattering interfaces between the nodes of the grid, order by order.
+
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
+
+use num_complex::Complex64;
+
+use super::super::algebra::Operator;
+use super::super::elements::{Action, actions};
+use super::super::grid::Grid;
+use super::super::known::Known;
+use super::super::matrix::Matrix;
+use super::super::precision::Precision;
+use super::super::scatterers::{Scattered, Scatterers};
+use super::NotCovered;
+use crate::Layered;
+
+/// Light at the nodes with weight by azimuthal order, `[node][order]`, from the most negative order on.
+pub(super) type Orders = Vec<Complex64>;
+
+/// Light at each site: two for each scatterer. Of light that arrives from above and from below, or that it emits upwards and
+/// downwards. `None` without light.
+pub(super) type Light = Vec<Option<Orders>>;
+
+/// Largest `|beta|` whose azimuthal orders are resolved.
+const ALONG: f64 = 0.95;
+
+/// Kernel of an order, scaled.
+#[derive(Debug)]
+struct Kernel {
+    /// Nodes below this one have no light of the order.
+    first: usize,
+    /// Between the nodes with weight from there on.
+    block: Matrix,
+    /// From extra nodes to nodes with weight, and the other way; `[node, extra]`.
+    beams: [Matrix; 2],
+}
+
+impl Kernel {
+    fn new(kernel: &Matrix, factor: f64, (regular, extras): (usize, usize), least: f64) -> Self {
+        let seen =
+            |i: usize| (0..regular).any(|j| kernel[(i, j)].abs() > least || kernel[(j, i)].abs() > least);
+        let first = (0..regular).find(|i| seen(*i)).unwrap_or(regular);
+        let block =
+            Matrix::from_fn(regular - first, regular - first, |i, j| factor * kernel[(first + i, first + j)]);
+        let from = Matrix::from_fn(regular, extras, |i, extra| factor * kernel[(i, regular + extra)]);
+        let to = Matrix::from_fn(regular, extras, |j, extra| factor * kernel[(regular + extra, j)]);
+        Self { first, block, beams: [from, to] }
+    }
+}
+
+/// All scatterers of a stack at one wavelength.
+#[derive(Debug)]
+pub(super) struct Kernels {
+    /// Numbers of the scattering elements.
+    pub(super) elements: Vec<usize>,
+    /// Transmission from above, reflection from above, reflection from below; `[order][scatterer]`.
+    orders: Vec<Vec<[Option<Kernel>; 3]>>,
+    scale: Vec<f64>,
+    regular: usize,
+}
+
+impl Kernels {
+    pub(super) fn new(
+        stack: &Layered,
+        bin: usize,
+        grid: &Grid,
+        precision: &Precision,
+    ) -> Result<Self, NotCovered> {
+        let (stop, known) = (AtomicBool::new(false), Known::default());
+        let mut scatterers = Scatterers::default();
+        let farthest = grid.beta[grid.regular..].iter().copied().fold(0.0, f64::max);
+        let alone = stack.elements().filter(|(kind, _)| kind.scatters()).count() == 1;
+        // Of a single scatterer, orders of light on both circles are those of one with half of their radius. Along the
+        // layers kernels have no largest order, and there is no light.
+        let circle = if alone { (2.0 * farthest).max(ALONG) } else { ALONG };
+        let (both, of) = ([circle; 2], (grid, precision));
+        let actions = actions(stack, bin, of, (Some(both), false), &known, &mut scatterers, &stop);
+        let (mut elements, mut ways) = (Vec::new(), Vec::new());
+        for (element, action) in actions.into_iter().enumerate() {
+            match action {
+                None | Some(Action::Regular | Action::Clear { .. } | Action::Kernels([None, None, None])) => {
+                }
+                Some(Action::Slab { .. }) => return Err(NotCovered::Slab),
+                Some(action @ (Action::Whole { .. } | Action::Kernels(_))) => {
+                    elements.push(element);
+                    ways.push(action);
+                }
+            }
+        }
+        let mut kernels =
+            Self { elements, orders: Vec::new(), scale: grid.scale.clone(), regular: grid.regular };
+        let (mut largest, tolerance) = (0.0, (-precision.digits).exp());
+        for order in 0..scatterers.orders() {
+            let scattered = scatterers.scattered(order, grid);
+            let of_order: Vec<[Given; 3]> = ways.iter().map(|action| ways_of(action, &scattered)).collect();
+            let size = of_order.iter().flatten().flatten().map(size).fold(0.0, f64::max);
+            largest = f64::max(largest, size);
+            let least = tolerance * largest;
+            if size <= least {
+                break;
+            }
+            let sizes = (grid.regular, grid.len() - grid.regular);
+            let kernel = |given: Given| {
+                given.map(|(kernel, factor)| {
+                    Kernel::new(&kernel, factor, sizes, least / factor.abs().max(1e-300))
+                })
+            };
+            kernels.orders.push(of_order.into_iter().map(|ways| ways.map(kernel)).collect());
+        }
+        Ok(kernels)
+    }
+
+    /// Returns the highest azimuthal order.
+    pub(super) fn highest(&self) -> usize {
+        self.orders.len().saturating_sub(1)
+    }
+
+    /// Returns the number of orders of [`Orders`].
+    pub(super) fn count(&self) -> usize {
+        2 * self.highest() + 1
+    }
+
+    /// Returns the number of extra nodes.
+    pub(super) fn extras(&self) -> usize {
+        self.scale.len() - self.regular
+    }
+
+    /// Returns the effect on light of what scatterers emit, for light in several problems: what it has when it arrives there.
+    pub(super) fn arriving(&self, emitted: &[Light]) -> Vec<Light> {
+        let count = self.count();
+        let mut arriving: Vec<Light> = emitted.iter().map(|_| vec![None; 2 * self.elements.len()]).collect();
+        for site in 0..self.elements.len() {
+            let lit = |light: &&Light| light[2 * site].is_some() || light[2 * site + 1].is_some();
+            let problems: Vec<usize> = (0..emitted.len()).filter(|k| lit(&&emitted[*k])).collect();
+            if problems.is_empty() {
+                continue;
+            }
+            for problem in &problems {
+                for side in [0, 1] {
+                    arriving[*problem][2 * site + side] = Some(vec![Complex64::ZERO; self.regular * count]);
+                }
+            }
+            let lit = [0, 1].map(|side| problems.iter().any(|k| emitted[*k][2 * site + side].is_some()));
+            for (order, sites) in self.orders.iter().enumerate() {
+                let kernels = || sites[site].iter().flatten();
+                let first = kernels().map(|kernel| kernel.first).min().unwrap_or(self.regular);
+                if first == self.regular {
+                    continue;
+                }
+                let light = [0, 1].map(|side| {
+                    lit[side].then(|| self.columns(emitted, (&problems, first), 2 * site + side, order))
+                });
+                let [up, down] = light.each_ref().map(Option::as_ref);
+                let [through, above, below] = sites[site].each_ref().map(Option::as_ref);
+                let columns = 4 * problems.len();
+                let mut sums = [0, 1].map(|_| Matrix::zeros(self.regular - first, columns));
+                let ways = [(through, down, 0), (through, up, 1), (above, up, 0), (below, down, 1)];
+                for (number, (kernel, light, side)) in ways.into_iter().enumerate() {
+                    let (Some(kernel), Some(light)) = (kernel, light) else { continue };
+                    // Light that is transmitted up takes the reverse of what goes down.
+                    let reversed = number == 0;
+                    sums[side].add_block_product((&kernel.block, kernel.first - first), light, reversed);
+                }
+                for (side, sum) in sums.iter().enumerate() {
+                    self.spread(sum, (&problems, first), order, 2 * site + side, &mut arriving);
+                }
+            }
+        }
+        arriving
+    }
+
+    /// Returns an order and its negative of light in some problems, real and imaginary parts, scaled, at the nodes from `first` on.
+    fn columns(
+        &self,
+        light: &[Light],
+        (problems, first): (&[usize], usize),
+        site: usize,
+        order: usize,
+    ) -> Matrix {
+        let (count, highest) = (self.count(), self.highest());
+        let mut columns = Matrix::zeros(self.regular - first, 4 * problems.len());
+        for (number, problem) in problems.iter().enumerate() {
+            let Some(light) = &light[*problem][site] else { continue };
+            for (part, place) in [highest + order, highest - order].into_iter().enumerate() {
+                for node in first..self.regular {
+                    let value = light[node * count + place] / self.scale[node];
+                    columns[(node - first, 4 * number + 2 * part)] = value.re;
+                    columns[(node - first, 4 * number + 2 * part + 1)] = value.im;
+                }
+            }
+        }
+        columns
+    }
+
+    /// Writes such columns to the light of problems.
+    fn spread(
+        &self,
+        columns: &Matrix,
+        (problems, first): (&[usize], usize),
+        order: usize,
+        site: usize,
+        light: &mut [Light],
+    ) {
+        let (count, highest) = (self.count(), self.highest());
+        for (number, problem) in problems.iter().enumerate() {
+            let Some(light) = &mut light[*problem][site] else { continue };
+            for (part, place) in [highest + order, highest - order].into_iter().enumerate() {
+                let [re, im] = [0, 1].map(|k| columns.column(4 * number + 2 * part + k));
+                for node in first..self.regular {
+                    let value = Complex64::new(re[node - first], im[node - first]);
+                    light[node * count + place] = value / self.scale[node];
+                }
+            }
+        }
+    }
+
+    /// Adds what a beam sees: what light has when it arrives at a scatterer and is emitted towards an extra node, upwards and downwards
+    /// with these factors, at an azimuth.
+    pub(super) fn add_beam(
+        &self,
+        site: usize,
+        (extra, turn): (usize, Option<f64>),
+        [up, down]: [Complex64; 2],
+        [from_above, from_below]: &mut [Option<Orders>; 2],
+    ) {
+        let (count, highest) = (self.count(), self.highest());
+        let blank = || vec![Complex64::ZERO; self.regular * count];
+        let from_above = from_above.get_or_insert_with(blank);
+        let from_below = from_below.get_or_insert_with(blank);
+        for (order, sites) in self.orders.iter().enumerate() {
+            let [through, above, below] = &sites[site];
+            let at = |kernel: &Option<Kernel>, way: usize, node: usize| {
+                kernel.as_ref().map_or(0.0, |kernel| kernel.beams[way][(node, extra)])
+            };
+            // A whole ring has order 0 alone.
+            let phase = match turn {
+                None if order > 0 => break,
+                turn => Complex64::cis(-turn.unwrap_or(0.0) * order as f64),
+            };
+            for node in 0..self.regular {
+                let scale = 1.0 / self.scale[node];
+                let a = scale * (down * at(through, TO, node) + up * at(above, TO, node));
+                let b = scale * (up * at(through, FROM, node) + down * at(below, TO, node));
+                for (light, value) in [(&mut *from_above, a), (&mut *from_below, b)] {
+                    light[node * count + highest + order] += value * phase;
+                    if order > 0 {
+                        light[node * count + highest - order] += value * phase.conj();
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// Kernel and its factor.
+type Given = Option<(Arc<Matrix>, f64)>;
+
+/// Ways of [`Kernel::beams`].
+const FROM: usize = 0;
+const TO: usize = 1;
+
+/// Returns the kernels of a scatterer in an order.
+fn ways_of(action: &Action, scattered: &[Scattered]) -> [Given; 3] {
+    let kernel = |operator: &Operator, factor: f64| operator.kernel.clone().map(|kernel| (kernel, factor));
+    match action {
+        Action::Whole { number } => match &scattered[*number] {
+            Scattered::Whole(part) => [&part.down, &part.above, &part.below].map(|one| kernel(one, 1.0)),
+            Scattered::Kernel(_) => [None, None, None],
+        },
+        Action::Kernels(ways) => {
+            ways.map(|way| match way.map(|(number, factor)| (&scattered[number], factor)) {
+                Some((Scattered::Kernel(operator), factor)) => kernel(operator, factor),
+                _ => None,
+            })
+        }
+        Action::Regular | Action::Clear { .. } | Action::Slab { .. } => [None, None, None],
+    }
+}
+
+/// Returns the largest element of a kernel.
+fn size((kernel, factor): &(Arc<Matrix>, f64)) -> f64 {
+    let largest =
+        (0..kernel.columns()).flat_map(|j| kernel.column(j)).fold(0.0, |most: f64, x| most.max(x.abs()));
+    factor.abs() * largest
+}
