@@ -103,6 +103,9 @@ impl Extrapolation {
 /// Number of terms below which a polynomial does not follow the oscillations of a film's reflectance over
 /// angle at all: about half its phase, 9 rad for a gap of 280 nm at 380 nm.
 const TERMS_OF_SWINGS: f64 = 5.0;
+/// The same of exact passes under strong fronts: with fewer terms, the error of light that meets the base more than once
+/// decreases slowly and irregularly.
+const TERMS_UNDER_STRONG_FRONTS: f64 = 12.0;
 /// Natural digits gained by each further term of the reflectance (films, over 0 to 90 deg).
 const DIGITS_A_TERM: f64 = 1.2;
 /// The same for tables with kinks.
@@ -174,7 +177,12 @@ impl Plan {
                 Nodes::Constant => 1,
                 Nodes::Cosines(_) | Nodes::CosinePanels(_) => {
                     let more = (digits - DIGITS_LESS_OF_TERMS).max(0.0) / DIGITS_A_TERM;
-                    1 + (more + TERMS_OF_SWINGS).ceil() as usize
+                    let swings = if has_three(DIGITS_OF_SECOND_LEVEL) {
+                        TERMS_UNDER_STRONG_FRONTS
+                    } else {
+                        TERMS_OF_SWINGS
+                    };
+                    1 + (more + swings).ceil() as usize
                 }
                 // Kinks are not smooth enough for interpolation.
                 Nodes::AnglesInMedium(_) | Nodes::AnglesInAir(_) => return None,

@@ -60,8 +60,9 @@ pub(super) struct Here {
 /// directions in air hardly leaves that disc, and over all of the glass a film needs many more terms.
 const WIDTHS_BEYOND_RIM: f64 = 3.0;
 
-/// Digits of the interpolation of rho for each further node.
+/// Digits of the interpolation of rho for each further node, and terms of the reflectance for each node.
 const DIGITS_A_RADIUS: f64 = 3.5;
+const TERMS_A_RADIUS: usize = 2;
 
 /// Cosine in the glass.
 #[inline(always)]
@@ -80,7 +81,7 @@ pub(super) fn cosine_between(one: Beta, other: Beta) -> f64 {
 impl OnePass {
     /// Prepares this number of terms for errors of `exp(-digits)`.
     pub(super) fn new(pass: &Pass<'_>, width: f64, digits: f64, terms: usize) -> Self {
-        let count = (digits / DIGITS_A_RADIUS).ceil() as usize + 3;
+        let count = ((digits / DIGITS_A_RADIUS).ceil() as usize + 3).max(terms.div_ceil(TERMS_A_RADIUS));
         let least = cosine((1.0 + WIDTHS_BEYOND_RIM * width).powi(2), pass.index);
         let cosines = chebyshev(terms).iter().map(|node| least + (1.0 - least) * node.x).collect();
         let mut all = Self {
