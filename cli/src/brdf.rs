@@ -41,7 +41,7 @@ pub(crate) fn brdf(arguments: &Brdf) -> Result<(), Failure> {
         write_file(&folder.join(SPLIT), |out| write_reflection(out, &split))?;
         folder::write_about(&folder, &title, &resolved.hash)
     })?;
-    output::print_written(&folder, &[FILE, SPLIT, folder::ABOUT].map(str::to_owned));
+    folder.print_written(&[FILE, SPLIT, folder::ABOUT].map(str::to_owned));
     let target = match resolved.scene.solver.stop {
         Stop::RelativeError { target, .. } => Some(target),
         Stop::Paths(_) | Stop::Target(_) => None,

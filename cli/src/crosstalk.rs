@@ -7,13 +7,14 @@ use papilio_formats::{write_crosstalk_csv, write_file, write_patterns_csv};
 use papilio_scenario::Resolved;
 use serde::Serialize;
 
-use crate::arguments::SpatialCommand;
+use crate::arguments::{SolvedSpatially, Solver};
 use crate::numbers::measured;
 use crate::spatial::{SpatialOutput, show, with_scenario};
 use crate::{Failure, report};
 
-pub(crate) fn crosstalk(arguments: &SpatialCommand) -> Result<(), Failure> {
-    let resolved = arguments.resolve(None)?;
+pub(crate) fn crosstalk(arguments: &SolvedSpatially) -> Result<(), Failure> {
+    let SolvedSpatially { spatial: arguments, solver } = arguments;
+    let resolved = arguments.resolve(solver.map(Solver::as_override))?;
     show(arguments, &resolved, |control| {
         papilio_display::spatial::crosstalk(&resolved.scene, &resolved.patterns.text, control)
     })
@@ -72,7 +73,7 @@ fn of_view(result: &CrosstalkResult, view: &CrosstalkView) -> String {
         text += &format!(", on the way in {}", percent(shares.own_share_in));
     }
     text += "\n\n";
-    let head = ["on a page", "gamut, % of sRGB", "contrast ratio", "contrast ratio via pixel"];
+    let head = ["mean of, on a page", "gamut, % of sRGB", "contrast ratio", "contrast ratio via pixel"];
     let mut rows = vec![head.map(str::to_owned).to_vec()];
     for pattern in &view.patterns {
         let (values, error) = (&pattern.values, &pattern.error);
@@ -84,10 +85,15 @@ fn of_view(result: &CrosstalkResult, view: &CrosstalkView) -> String {
         ]);
     }
     text += &report::table(&rows);
-    for pattern in &view.patterns {
-        if let Some(why) = pattern.why_null {
-            text += &format!("  {}: {why}\n", pattern.name.name());
+    let mut reasons: Vec<(&str, Vec<&str>)> = Vec::new();
+    for (why, name) in view.patterns.iter().filter_map(|one| Some((one.why_null?, one.name.name()))) {
+        match reasons.iter_mut().find(|(known, _)| *known == why) {
+            Some((_, names)) => names.push(name),
+            None => reasons.push((why, vec![name])),
         }
+    }
+    for (why, names) in reasons {
+        text += &format!("  {}: {why}\n", names.join(", "));
     }
     text
 }

@@ -52,11 +52,35 @@ enum Content {
     Unknown,
 }
 
+/// A folder for a result.
+#[derive(Debug)]
+pub(crate) struct Chosen {
+    path: PathBuf,
+    /// Why it is not the folder of the scenario's name.
+    note: Option<String>,
+}
+
+impl std::ops::Deref for Chosen {
+    type Target = Path;
+
+    fn deref(&self) -> &Path {
+        &self.path
+    }
+}
+
+impl Chosen {
+    /// Prints the names of the written files on standard error, and why they are in this folder.
+    pub(crate) fn print_written(&self, names: &[String]) {
+        self.note.iter().for_each(|note| print_message(note));
+        output::print_written(self, names);
+    }
+}
+
 /// Returns the folder for a result with this hash, after checking that it can be written.
-pub(crate) fn choose(arguments: &ScenarioArguments, hash: &str) -> Result<PathBuf, Failure> {
+pub(crate) fn choose(arguments: &ScenarioArguments, hash: &str) -> Result<Chosen, Failure> {
     if let Some(folder) = &arguments.out {
         output::check(folder)?;
-        return Ok(folder.clone());
+        return Ok(Chosen { path: folder.clone(), note: None });
     }
     let own = arguments.default_out();
     let content = content(&own, hash);
@@ -66,17 +90,17 @@ pub(crate) fn choose(arguments: &ScenarioArguments, hash: &str) -> Result<PathBu
     };
     output::check(&folder)?;
     let hash_of_other = match content {
-        Content::Free => return Ok(folder),
+        Content::Free => return Ok(Chosen { path: folder, note: None }),
         Content::Other(other) => format!(" (hash {})", other.chars().take(DIGITS).collect::<String>()),
         Content::Unknown => String::new(),
     };
-    print_message(&format!(
+    let note = format!(
         "note: {} contains the result of another scenario or of other keys{hash_of_other}, which is not replaced; this result \
          is written to {}\n  = help: with --out DIR, the files in DIR are replaced",
         own.display(),
         folder.display()
-    ));
-    Ok(folder)
+    );
+    Ok(Chosen { path: folder, note: Some(note) })
 }
 
 /// Writes `about.json`, which identifies the scenario of the files in a folder.

@@ -162,8 +162,8 @@ fn missing_feature(command: &Command) -> Option<String> {
         Command::Run(run) => (run.png, false),
         Command::Optimize(optimize) => (optimize.png, false),
         Command::Tolerance(tolerance) => (tolerance.png, false),
-        Command::Mtf(mtf) => (mtf.spatial.png, false),
-        Command::Crosstalk(of_place) | Command::Sparkle(of_place) => (of_place.png, false),
+        Command::Mtf(of_place) | Command::Crosstalk(of_place) => (of_place.spatial.png, false),
+        Command::Sparkle(of_place) => (of_place.png, false),
         Command::Sweep(sweep) => {
             let merge = sweep.command.as_ref().map(|SweepCommand::Merge(merge)| &merge.outputs);
             let outputs = merge.unwrap_or(&sweep.outputs);

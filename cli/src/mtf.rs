@@ -7,12 +7,12 @@ use papilio_formats::{write_file, write_kernel_npy, write_mtf_csv, write_spread_
 use papilio_scenario::Resolved;
 use serde::Serialize;
 
-use crate::arguments::{MtfCommand, Solver};
+use crate::arguments::{SolvedSpatially, Solver};
 use crate::spatial::{SpatialOutput, show, with_scenario};
 use crate::{Failure, report};
 
-pub(crate) fn mtf(arguments: &MtfCommand) -> Result<(), Failure> {
-    let MtfCommand { spatial: arguments, solver } = arguments;
+pub(crate) fn mtf(arguments: &SolvedSpatially) -> Result<(), Failure> {
+    let SolvedSpatially { spatial: arguments, solver } = arguments;
     let resolved = arguments.resolve(solver.map(Solver::as_override))?;
     show(arguments, &resolved, |control| {
         papilio_display::spatial::mtf(&resolved.scene, &resolved.patterns, control)
@@ -67,6 +67,10 @@ fn text(title: &str, result: &MtfResult) -> String {
         text += &format!("\nviewed at theta {} deg, phi {} deg\n", view.theta_deg, view.phi_deg);
         text += &report::table(&rows(view));
         text += &lines(view);
+        if ["white", "black"].iter().any(|name| view.states.get(name).is_none()) {
+            text += "  the contrast of lines and text is that of the states `white` and `black`, which this display does not have \
+                     (display.pixel.states, or the names in display.pixel.reflectance)\n";
+        }
         text += &text_and_patterns(view);
     }
     text + &format!("error of the modulation transfer: {:.1e}\n", result.error_reached)
@@ -136,7 +140,11 @@ fn lines(view: &MtfView) -> String {
     if values.iter().all(Option::is_none) {
         return String::new();
     }
-    let mut rows = vec![["lines of 1, 2, 4 pixels", "across x", "across y"].map(str::to_owned).to_vec()];
+    let mut rows = vec![
+        ["contrast in the middle of lines of 1, 2, 4 pixels", "across x", "across y"]
+            .map(str::to_owned)
+            .to_vec(),
+    ];
     for (k, name) in ["white on black", "black on white"].into_iter().enumerate() {
         let of = |first: usize| {
             values[first..first + 3].iter().map(|value| number(*value, 3)).collect::<Vec<_>>().join(" ")

@@ -73,7 +73,7 @@ pub(crate) fn pixel(arguments: &Pixel) -> Result<(), Failure> {
         folder::write_about(&folder, &title, &resolved.hash)
     })?;
     written.push(folder::ABOUT);
-    output::print_written(&folder, &written.into_iter().map(str::to_owned).collect::<Vec<_>>());
+    folder.print_written(&written.into_iter().map(str::to_owned).collect::<Vec<_>>());
     Ok(())
 }
 

@@ -1,7 +1,6 @@
 //! `papilio run`: the result of a scenario.
 
 use std::io::Write;
-use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressStyle};
@@ -15,6 +14,7 @@ use papilio_formats::{ResultFile, write_json};
 use papilio_scenario::{Resolved, Scenario};
 
 use crate::arguments::{Run, Solver};
+use crate::folder::Chosen;
 use crate::progress::{Heartbeat, in_log};
 use crate::terminal::is_quiet;
 use crate::{Failure, folder, input, interrupt, output, print_message, print_notes, report};
@@ -68,7 +68,7 @@ pub(crate) fn run(arguments: &Run) -> Result<(), Failure> {
         stdout.write_all(cone.as_bytes())?;
     }
     stdout.flush()?;
-    print_messages(out.as_deref(), written.transpose()?, &result);
+    print_messages(out.as_ref(), written.transpose()?, &result);
     let cone_warnings = cone.iter().flat_map(|cone| &cone.warnings).filter(|w| !result.warnings.contains(w));
     cone_warnings.for_each(|warning| print_message(&format!("warning: cone: {warning}")));
     match (result.solver.interrupted, arguments.cone && cone.is_none()) {
@@ -127,7 +127,7 @@ fn light_map(scene: &Scene) -> Result<Option<AmbientLight>, Failure> {
 }
 
 /// Folder for the files, if any are written.
-fn out_folder(arguments: &Run, hash: &str) -> Result<Option<PathBuf>, Failure> {
+fn out_folder(arguments: &Run, hash: &str) -> Result<Option<Chosen>, Failure> {
     if arguments.scenario.out.is_some() || !arguments.json {
         return folder::choose(&arguments.scenario, hash).map(Some);
     }
@@ -139,9 +139,9 @@ fn out_folder(arguments: &Run, hash: &str) -> Result<Option<PathBuf>, Failure> {
 }
 
 /// Prints the messages of a run on standard error.
-fn print_messages(folder: Option<&Path>, written: Option<Vec<String>>, result: &RunResult) {
+fn print_messages(folder: Option<&Chosen>, written: Option<Vec<String>>, result: &RunResult) {
     if let (Some(folder), Some(names)) = (folder, written) {
-        output::print_written(folder, &names);
+        folder.print_written(&names);
     }
     print_notes(&result.notes);
     result.warnings.iter().for_each(|warning| print_message(&format!("warning: {warning}")));

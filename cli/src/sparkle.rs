@@ -68,8 +68,17 @@ fn text(title: &str, result: &SparkleResult) -> String {
     rows.extend(result.rows.iter().map(cells));
     let threshold =
         "where contrast x sensitivity is above 1, sparkle is above the eye's threshold at this distance";
+    let beyond = result.rows.iter().filter(|row| row.is_beyond_rays());
+    let least = beyond.map(|row| row.rays_valid_from_um).fold(0.0, f64::max);
+    let limit = if least > 0.0 {
+        format!(
+            "* below sqrt(lambda gap/(2 n)), up to {least:.1} um here: rays are no reference, waves differ from them by up to 20 %\n"
+        )
+    } else {
+        String::new()
+    };
     format!(
-        "{}\n\npixel power deviation (PPD) of the state {}, pixels of {} x {} um, pupil {} mm, {} mm away\n{}\n{threshold}\n",
+        "{}\n\npixel power deviation (PPD) of the state {}, pixels of {} x {} um, pupil {} mm, {} mm away\n{}\n{threshold}\n{limit}",
         report::plain(title),
         result.state,
         crate::numbers::digits(result.pitch_um[0]),
@@ -90,7 +99,7 @@ fn cells(row: &SparkleRow) -> Vec<String> {
     vec![
         view,
         format!("{:.4}", row.gap_mm),
-        format!("{:.2}", row.correlation_um),
+        format!("{:.2}{}", row.correlation_um, if row.is_beyond_rays() { "*" } else { "" }),
         format!("{:.4}", row.slope_rms),
         percent(row.ppd, row.standard_error),
         percent(row.ppd_matrix, row.ppd_matrix_error),

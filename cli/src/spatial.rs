@@ -1,7 +1,7 @@
 //! What `papilio mtf`, `papilio crosstalk` and `papilio sparkle` share: compute, print, write files and figures.
 
 use std::io::Write;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use papilio_display::{Control, DisplayError};
 use papilio_formats::{SpatialFile, write_file, write_json};
@@ -9,6 +9,7 @@ use papilio_scenario::{Resolved, Scenario};
 use serde::Serialize;
 
 use crate::arguments::SpatialCommand;
+use crate::folder::Chosen;
 use crate::run::with_progress;
 use crate::{Failure, folder, input, interrupt, output, print_message, print_notes, report, terminal};
 
@@ -66,7 +67,7 @@ pub(crate) fn show<R: SpatialOutput>(
     stdout.flush()?;
     if let Some(folder) = &folder {
         let names = interrupt::uninterrupted(|| write(folder, &result, resolved, &title, arguments.png))?;
-        output::print_written(folder, &names);
+        folder.print_written(&names);
     }
     print_notes(&resolved.notes);
     let warnings = resolved.warnings.iter().chain(result.warnings());
@@ -107,7 +108,7 @@ impl SpatialCommand {
     }
 
     /// Returns the folder for files; `None` if only JSON is printed.
-    fn folder(&self, hash: &str) -> Result<Option<PathBuf>, Failure> {
+    fn folder(&self, hash: &str) -> Result<Option<Chosen>, Failure> {
         match (&self.scenario.out, self.json) {
             (None, true) => Ok(None),
             _ => folder::choose(&self.scenario, hash).map(Some),

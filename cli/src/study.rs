@@ -42,7 +42,7 @@ pub(crate) fn sampling(arguments: &StudySampling) -> Result<(), Failure> {
         names.push(folder::ABOUT.to_owned());
         Ok::<_, Failure>(names)
     })?;
-    output::print_written(&folder, &names);
+    folder.print_written(&names);
     Ok(())
 }
 

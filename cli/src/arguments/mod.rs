@@ -62,12 +62,14 @@ pub(crate) enum Command {
                       papilio mtf scenarios/matrix.toml\n  \
                       papilio mtf scenarios/matrix.toml --solver monte-carlo\n\n\
                       It needs the thickness of the layers above the pixels. docs/mtf.md describes the results.")]
-    Mtf(MtfCommand),
+    Mtf(SolvedSpatially),
     /// Compute which sub-pixel lights which, and the gamut and contrast of stripes, lines and text
-    #[command(after_help = "Example: papilio crosstalk scenarios/matrix.toml\n\n\
+    #[command(after_help = "Examples:\n  \
+                      papilio crosstalk scenarios/matrix.toml\n  \
+                      papilio crosstalk scenarios/matrix.toml --solver monte-carlo\n\n\
                       The scenario needs [display.matrix] and the thickness of the layers above the pixels. docs/crosstalk.md describes \
                       the results.")]
-    Crosstalk(SpatialCommand),
+    Crosstalk(SolvedSpatially),
     /// Compare a simulated display with a measured panel: spectra, colours and gamut, with figures
     #[command(after_help = "Example:\n  \
                       papilio run scenarios/overcast.toml\n  \
@@ -264,8 +266,9 @@ pub(crate) struct SpatialCommand {
     pub(crate) workers: Workers,
 }
 
+/// A command that depends on the places of pixels, with two solvers.
 #[derive(Debug, Args)]
-pub(crate) struct MtfCommand {
+pub(crate) struct SolvedSpatially {
     #[command(flatten)]
     pub(crate) spatial: SpatialCommand,
     /// Solver; sets solver.method

@@ -63,7 +63,7 @@ pub(crate) fn steps(arguments: &Steps) -> Result<(), Failure> {
     }
     folder::write_about(&out, &title, &base.hash)?;
     names.push(folder::ABOUT.to_owned());
-    output::print_written(&out, &names);
+    out.print_written(&names);
     Ok(())
 }
 

@@ -4,7 +4,7 @@ use papilio_design::NamedQuantity;
 use papilio_design::search::{Search, SelectedDesign};
 use papilio_display::result::RunResult;
 use papilio_display::scene::{Method, MetricSource, Stop};
-use papilio_display::spatial::mtf;
+use papilio_display::spatial::{crosstalk, mtf};
 use papilio_display::{Control, DisplayError};
 use serde_json::{Value, json};
 
@@ -14,21 +14,11 @@ use crate::{Failure, print_message};
 /// Relative standard error of Y by the Monte Carlo solver.
 const RELATIVE_ERROR: f64 = 0.001;
 
-/// Number of paths of a view with which its sharpness is computed.
+/// Number of paths of a view with which its sharpness and crosstalk are computed.
 const PATHS_WITH_PLACES: u64 = 1 << 20;
 
-/// Metrics that have no second solver here, and why.
-const NOT_CHECKED: [(MetricSource, &str); 2] = [
-    (
-        MetricSource::Crosstalk,
-        "`papilio crosstalk` has one solver; the errors of its metrics, the differences of two levels, are in crosstalk.json of \
-         best.toml",
-    ),
-    (
-        MetricSource::Sparkle,
-        "metrics of sparkle are those of random faces in any case; their standard errors are in sparkle.json of best.toml",
-    ),
-];
+/// Why metrics of sparkle have no second solver here.
+const SPARKLE: &str = "metrics of sparkle are those of random faces in any case; their standard errors are in sparkle.json of best.toml";
 
 /// Contrast to black below which a note mentions a state.
 const LEAST_CONTRAST: f64 = 1.5;
@@ -129,14 +119,23 @@ pub(super) fn check(
                 }));
             }
         }
-        for (source, why) in NOT_CHECKED {
-            let names: Vec<&str> = own(source).map(|(one, _)| one.name.as_str()).collect();
-            if !names.is_empty() {
-                print_message(&format!(
-                    "note: not checked by the Monte Carlo solver: {}\n  = help: {why}",
-                    names.join(", ")
-                ));
+        if own(MetricSource::Crosstalk).next().is_some() {
+            scene.solver.stop = Stop::Paths(PATHS_WITH_PLACES);
+            let text = &resolved.patterns.text;
+            let shares = |control: &Control<'_>| covered(crosstalk(&scene, text, control));
+            let Some(result) = with_progress(&resolved, threads, shares)? else { return Ok(None) };
+            if let Some(result) = noted(result, own(MetricSource::Crosstalk)) {
+                compared.extend(own(MetricSource::Crosstalk).map(|(one, adding)| {
+                    SolverComparison::new(one, *adding, one.quantity.of_crosstalk(&result))
+                }));
             }
+        }
+        let names: Vec<&str> = own(MetricSource::Sparkle).map(|(one, _)| one.name.as_str()).collect();
+        if !names.is_empty() {
+            print_message(&format!(
+                "note: not checked by the Monte Carlo solver: {}\n  = help: {SPARKLE}",
+                names.join(", ")
+            ));
         }
     }
     note_dark_states(&results);

@@ -38,6 +38,9 @@ fn missing_matrix_and_thickness_are_reported() {
     for (name, sets, expected) in [
         ("indoor", &["--json"][..], "the key `matrix` is missing"),
         ("epaper", &["--json", "--set", "display.matrix.ppi=300"], "the key `thickness_mm` is missing"),
+        // All at once.
+        ("epaper", &["--json"], "the key `matrix` is missing"),
+        ("epaper", &["--json"], "the key `thickness_mm` is missing"),
         ("matrix", &["--json", "--set", "display.matrix.spread_um=5"], "remove `spread_um`"),
         // A pitch in mm.
         (
@@ -87,16 +90,45 @@ fn crosstalk_is_a_metric_of_sweeps() {
     assert!(target.contains("cannot be a target") && target.contains("papilio crosstalk"), "{target}");
 }
 
-/// There is one solver, which a scenario for the other one is told.
+/// The other solver has the same files, with errors of its own; what adding refuses names it.
 #[test]
-fn paths_have_no_effect() {
-    let run = |more: &[&str]| run("matrix", &[&["--json", "--set", "spectrum.step_nm=40"], more].concat());
-    let [adding, paths] = [run(&[]), run(&["--set", "solver.method=monte-carlo"])];
-    assert!(adding.status.success() && paths.status.success(), "{}", stderr(&paths));
-    assert!(stderr(&paths).contains("always computed by adding") && !stderr(&adding).contains("by adding"));
-    let views = |output: &std::process::Output| {
-        let result: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
-        result["views"].clone()
+fn paths_compute_what_adding_refuses() {
+    let coarse = ["--json", "--set", "spectrum.step_nm=80"];
+    let paths = ["--solver", "monte-carlo", "--set", "solver.paths=4096", "--threads", "2"];
+    let output = run("matrix", &[&coarse[..], &paths].concat());
+    assert!(output.status.success(), "{}", stderr(&output));
+    let result: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    let view = &result["views"][0];
+    assert_eq!(result["scenario"]["solver"]["method"], "monte-carlo");
+    assert!(view["error"].as_f64().is_some_and(|error| error > 1e-4 && error < 0.1), "{view}");
+    assert!(view["patterns"][3]["contrast_ratio"].is_f64(), "{view}");
+    let layers = "display={ pixel = { model = \"uniform\", kind = \"lambertian\", reflectance = { one = 0.5, two = 0.1 } }, matrix = { ppi = 200 }, \
+                  layers = [{ kind = \"fresnel\" }, { kind = \"medium\", index = 1.5, thickness_mm = 0.2 }] }";
+    let general = ["--set", layers];
+    let refused = stderr(&run("matrix", &[&coarse[..], &general].concat()));
+    assert!(refused.contains("--solver monte-carlo") && refused.contains("papilio crosstalk"), "{refused}");
+    let output = run("matrix", &[&coarse[..], &general, &paths].concat());
+    assert!(output.status.success(), "{}", stderr(&output));
+    let result: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    let why = result["views"][0]["patterns"][0]["why_null"].as_str().unwrap().to_owned();
+    assert!(why.contains("no state has these names"), "{why}");
+}
+
+/// The folder of a result that replaces no other one is named once it is written, not before a refusal.
+#[test]
+fn folders_are_named_after_success() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = |more: &[&str]| {
+        let mut command = papilio();
+        command.arg("crosstalk").arg(scenario("matrix")).current_dir(folder.path());
+        command.args(["--set", "spectrum.step_nm=80", "--set", "pattern.text=l"]).args(more).output().unwrap()
     };
-    assert_eq!(views(&adding), views(&paths));
+    assert!(run(&[]).status.success());
+    let refused = run(&["--set", "display.matrix.spread_um=5"]);
+    assert_eq!(refused.status.code(), Some(2));
+    assert!(!stderr(&refused).contains("is not replaced"), "{}", stderr(&refused));
+    let other = run(&["--set", "viewer.theta_deg=20"]);
+    let said = stderr(&other);
+    let [note, wrote] = ["is not replaced", "wrote "].map(|words| said.find(words).unwrap());
+    assert!(other.status.success() && note < wrote, "{said}");
 }

@@ -99,7 +99,7 @@ pub enum DisplayError {
     /// A display whose places only paths compute.
     #[error(
         "the adding solver does not compute the places of light for {what} (see `{key}`; set `solver.method = \"monte-carlo\"`, with which \
-         `papilio run` and `papilio mtf` compute any layers)"
+         `papilio run`, `papilio mtf` and `papilio crosstalk` compute any layers)"
     )]
     PlacesByPaths {
         /// The layers.
@@ -109,12 +109,15 @@ pub enum DisplayError {
     },
     /// A length that the places of light depend on.
     #[error(
-        "the key `{key}` is missing: the places of light depend on the thickness of each layer that light crosses obliquely between the \
-         pixel and the highest layer that scatters or reflects it (expected a length in mm)"
+        "the key `{key}` is missing{}: the places of light depend on the thickness of each layer that light crosses obliquely between the \
+         pixel and the highest layer that scatters or reflects it (expected a length in mm)",
+        others.iter().map(|other| format!(", and `{other}`")).collect::<String>()
     )]
     MissingLength {
-        /// Path of the key.
+        /// Path of the key: that of the lowest layer.
         key: String,
+        /// Paths of the other missing keys.
+        others: Vec<String>,
     },
     /// A command that needs the places of sub-pixels.
     #[error(

@@ -123,6 +123,11 @@ impl<'a> Filtered<'a> {
         if self.is_of_stripes() { 2 } else { 1 }
     }
 
+    /// True if a diffuser is above the filter.
+    pub(crate) fn is_diffused(&self) -> bool {
+        matches!(self.panel.top, Top::Diffuser(_))
+    }
+
     /// True if all sub-pixels have the full height of the pixel.
     pub(crate) fn is_of_stripes(&self) -> bool {
         let spans = |one: &Rectangle| one.y == [0.0, 1.0];

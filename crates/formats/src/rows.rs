@@ -75,9 +75,14 @@ impl Cell<'_> {
 impl Row<'_> {
     /// Returns an error about the whole row.
     pub(crate) fn error(&self, problem: Problem) -> FormatError {
+        FormatError { place: self.place(), problem }
+    }
+
+    /// Returns the place of the row in the file.
+    pub(crate) fn place(&self) -> Place {
         let start = self.cells.first().map_or(0, |cell| cell.place.start);
         let end = self.cells.last().map_or(0, |cell| cell.place.end);
-        FormatError { place: Place::in_text(self.table.name, self.table.text, start..end), problem }
+        Place::in_text(self.table.name, self.table.text, start..end)
     }
 
     /// Returns an error about cell `i`.

@@ -1,5 +1,7 @@
 //! Rectangles of sub-pixels: name, and corners in fractions of the pixel's pitch.
 
+use papilio_diagnostics::Place;
+
 use crate::error::{FormatError, Problem};
 use crate::file::DataFile;
 use crate::pixel_table::{in_range, is_name};
@@ -8,8 +10,16 @@ use crate::rows::{Cell, Row, Table};
 /// The columns of the table.
 const COLUMNS: [&str; 5] = ["name", "x0", "y0", "x1", "y1"];
 
-/// A rectangle of a sub-pixel: its name, and x0, y0, x1, y1 in fractions of the pitch.
-pub type NamedRectangle = (String, [f64; 4]);
+/// A rectangle of a sub-pixel.
+#[derive(Debug, Clone, PartialEq)]
+pub struct NamedRectangle {
+    /// Name of the sub-pixel.
+    pub name: String,
+    /// x0, y0, x1, y1 in fractions of the pitch.
+    pub corners: [f64; 4],
+    /// Its row in the file.
+    pub place: Place,
+}
 
 /// Reads a table of rectangles in the order of its rows. Its first row holds the names of the columns, `name,x0,y0,x1,y1`.
 ///
@@ -20,7 +30,8 @@ pub type NamedRectangle = (String, [f64; 4]);
 /// ```
 /// # use papilio_formats::{DataFile, read_windows};
 /// let file = DataFile { name: "w.csv".into(), bytes: b"name,x0,y0,x1,y1\nred,0,0,0.5,1\n".to_vec() };
-/// assert_eq!(read_windows(&file)?, [("red".to_owned(), [0.0, 0.0, 0.5, 1.0])]);
+/// let found = read_windows(&file)?;
+/// assert_eq!((found[0].name.as_str(), found[0].corners), ("red", [0.0, 0.0, 0.5, 1.0]));
 /// # Ok::<(), papilio_formats::FormatError>(())
 /// ```
 pub fn read_windows(file: &DataFile) -> Result<Vec<NamedRectangle>, FormatError> {
@@ -48,7 +59,7 @@ fn rectangle(row: &Row<'_>) -> Result<NamedRectangle, FormatError> {
     if corners[0] >= corners[2] || corners[1] >= corners[3] {
         return Err(row.error(Problem::EmptyRectangle));
     }
-    Ok((name.to_owned(), corners))
+    Ok(NamedRectangle { name: name.to_owned(), corners, place: row.place() })
 }
 
 /// Returns whether a row is a comment: it begins with `#` and is not a rectangle of a sub-pixel such as `#1`.
@@ -69,9 +80,10 @@ mod tests {
     fn rectangles_are_read_in_order() {
         let text = "# a quad\nname;x0;y0;x1;y1\nred;0;0.5;0.5;1\n\nblue;0.5;0;1;0.5\nred;0;0;0.1;0.1\n";
         let found = read(text).unwrap();
-        let names: Vec<&str> = found.iter().map(|(name, _)| name.as_str()).collect();
+        let names: Vec<&str> = found.iter().map(|one| one.name.as_str()).collect();
         assert_eq!(names, ["red", "blue", "red"]);
-        assert_eq!(found[1].1, [0.5, 0.0, 1.0, 0.5]);
+        assert_eq!(found[1].corners, [0.5, 0.0, 1.0, 0.5]);
+        assert_eq!(found[1].place.line_column(), Some((5, 1)));
     }
 
     #[test]

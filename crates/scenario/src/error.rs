@@ -168,6 +168,11 @@ impl Errors {
         self.add(origin, error.problem.into(), Some(error.place));
     }
 
+    /// Adds an error at a place of a data file, if there is one.
+    pub(crate) fn push_in_file(&mut self, origin: Origin, mistake: impl Into<Mistake>, file: Option<Place>) {
+        self.add(origin, mistake.into(), file);
+    }
+
     /// Adds an error of a file that cannot be opened or read; `tried` is a hint with the paths that were tried.
     pub(crate) fn push_unread(&mut self, origin: Origin, error: FormatError, tried: Option<String>) {
         let mut mistake: Mistake = error.problem.into();

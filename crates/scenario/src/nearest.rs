@@ -23,9 +23,16 @@ fn metric_advice(wrong: &str, known: &[String]) -> String {
     let begin_so = own.iter().filter(|one| bare(state_and_metric(one).1).starts_with(&bare(name)));
     let begin_so: Vec<String> = begin_so.map(|one| format!("`{one}`")).collect();
     let list = || match (own.is_empty(), others.is_empty() || !state.is_empty()) {
-        (true, _) => format!("the metrics are {}", others.join(", ")),
-        (false, true) => format!("the metrics are {}", own.join(", ")),
-        (false, false) => format!("the metrics are {}; for a state {}", own.join(", "), others.join(", ")),
+        (true, _) => format!("the metrics are {}", in_groups(&others)),
+        (false, true) => format!("the metrics are {}", in_groups(&own)),
+        (false, false) => format!("the metrics are {}; for a state {}", in_groups(&own), in_groups(&others)),
+    };
+    // Or a part of it.
+    let containing = || {
+        let contains = |one: &&&str| bare(state_and_metric(one).1).contains(&bare(name));
+        let all = own.iter().chain(&others).filter(contains).map(|one| format!("`{one}`"));
+        let all: Vec<String> = all.take(if name.len() < SHORTEST_PART { 0 } else { LISTED }).collect();
+        (!all.is_empty()).then(|| format!("did you mean {}?", all.join(" or ")))
     };
     let proposed = || format!("did you mean {}?", begin_so.join(" or "));
     // A metric of a state without its state, if nothing else begins as it is written.
@@ -34,10 +41,59 @@ fn metric_advice(wrong: &str, known: &[String]) -> String {
         return format!("did you mean `{one}`?");
     }
     match begin_so.len() {
-        0 => near(&own).or_else(|| near(&others)).unwrap_or_else(list),
+        0 => near(&own).or_else(|| near(&others)).or_else(containing).unwrap_or_else(list),
         1 => proposed(),
         // Several longer names: the one that differs least, if it differs little.
         _ => near(&own).unwrap_or_else(proposed),
+    }
+}
+
+/// Fewest letters of a part of a name that suggest it.
+const SHORTEST_PART: usize = 4;
+
+/// Most metrics that are listed by name.
+const LISTED: usize = 12;
+
+/// Groups of metrics by the beginning of their names, and the page that lists them.
+const GROUPS: [(&str, &[&str]); 8] = [
+    ("gamut", &["gamut_", "coverage_"]),
+    (
+        "figures on a page (docs/crosstalk.md)",
+        &["patch_", "stripe_1_", "line_1_", "text_gamut_", "text_contrast_ratio"],
+    ),
+    ("lines, strokes and fine patterns (docs/mtf.md)", &["line_contrast_", "text_contrast_", "yule_nielsen"]),
+    ("sharpness (docs/mtf.md)", &["f50_", "mtf_", "edge_", "r50_", "r90_", "sqri_"]),
+    ("shares of light (docs/crosstalk.md)", &["own_share", "neighbours_share"]),
+    ("sparkle (docs/sparkle.md)", &["ppd"]),
+    ("readability (docs/readability.md)", &["reading_", "visibility_level", "contrast_margin"]),
+    ("colour differences (docs/metrics.md)", &["delta_E_", "distance_from_", "shift_"]),
+];
+
+/// All names of a short list; of a long one the groups, each with its first name and their number.
+fn in_groups(all: &[&str]) -> String {
+    if all.len() <= LISTED {
+        return all.join(", ");
+    }
+    let group = |name: &str| {
+        let metric = state_and_metric(name).1;
+        GROUPS.iter().position(|(_, begins)| begins.iter().any(|begin| metric.starts_with(begin)))
+    };
+    let rest: Vec<&str> = all.iter().copied().filter(|name| group(name).is_none()).collect();
+    let mut listed: Vec<String> = (!rest.is_empty()).then(|| some_of(&rest, LISTED)).into_iter().collect();
+    for (number, (title, _)) in GROUPS.iter().enumerate() {
+        let own: Vec<&str> = all.iter().copied().filter(|name| group(name) == Some(number)).collect();
+        if !own.is_empty() {
+            listed.push(format!("{title}: {}", some_of(&own, 2)));
+        }
+    }
+    listed.join("; ")
+}
+
+/// The first names, and how many more there are.
+fn some_of(names: &[&str], count: usize) -> String {
+    match names.len().checked_sub(count) {
+        None | Some(0) => names.join(", "),
+        Some(more) => format!("{}, and {more} more", names[..count].join(", ")),
     }
 }
 

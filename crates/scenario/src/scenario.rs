@@ -179,7 +179,13 @@ impl Resolved {
                     "`papilio {command}` needs them: add [display.matrix] with ppi = 300, or the pitch_um of the pixels"
                 );
                 wrong.diagnostic = wrong.diagnostic.hint(hint);
-                ("display", wrong)
+                let mut errors = Errors::default();
+                errors.push(self.written.root.place_of("display"), wrong);
+                // The command needs the lengths, too.
+                if let Err(DisplayError::MissingLength { key, others }) = self.scene.display.lengths_mm() {
+                    self.push_missing_lengths(std::iter::once(&key).chain(&others), &mut errors);
+                }
+                return errors.check(&self.written.sources).err();
             }
             DisplayError::SparkleOfPoint { number } => {
                 source = format!("lighting.directed.{number}");
@@ -201,9 +207,10 @@ impl Resolved {
                 );
                 (key, wrong.into())
             }
-            DisplayError::MissingLength { key } => {
-                let last = key.rsplit('.').next().unwrap_or(key);
-                (key, mistake::missing_length(last))
+            DisplayError::MissingLength { key, others } => {
+                let mut errors = Errors::default();
+                self.push_missing_lengths(std::iter::once(key).chain(others), &mut errors);
+                return errors.check(&self.written.sources).err();
             }
             DisplayError::PlacesNotComputed { what, key } => {
                 let wrong = Diagnostic::new(format!("the places of light are not computed yet for {what}"));
@@ -213,7 +220,7 @@ impl Resolved {
                 } else {
                     wrong
                         .expected("mirror-like or Lambertian pixels below a diffuser or a flat face")
-                        .hint("`papilio mtf --solver monte-carlo` computes any layers")
+                        .hint("`papilio mtf` and `papilio crosstalk` compute any layers with `--solver monte-carlo`")
                 };
                 (key, wrong.into())
             }
@@ -231,7 +238,7 @@ impl Resolved {
                 let wrong =
                     Diagnostic::new(format!("the adding solver does not compute the places of light for {what}"))
                         .hint(
-                            "set `method = \"monte-carlo\"` in `[solver]`, or use `--solver monte-carlo`: `papilio run` and `papilio mtf` then compute any layers",
+                            "set `method = \"monte-carlo\"` in `[solver]`, or use `--solver monte-carlo`: `papilio run`, `papilio mtf` and `papilio crosstalk` then compute any layers",
                         );
                 (key, wrong.into())
             }
@@ -254,6 +261,15 @@ impl Resolved {
         let mut errors = Errors::default();
         errors.push(self.written.root.place_of(key), wrong);
         errors.check(&self.written.sources).err()
+    }
+}
+
+impl Resolved {
+    fn push_missing_lengths<'k>(&self, keys: impl Iterator<Item = &'k String>, errors: &mut Errors) {
+        for key in keys {
+            let last = key.rsplit('.').next().unwrap_or(key);
+            errors.push(self.written.root.place_of(key), mistake::missing_length(last));
+        }
     }
 }
 
@@ -304,7 +320,20 @@ pub(crate) fn assemble(sources: &Sources, changes: &[Change]) -> Result<Assemble
         )
     });
     let warnings = warnings.into_iter().collect();
-    Ok(Assembled { root, warnings, notes: renamed::notes(&old) })
+    let mut notes = renamed::notes(&old);
+    notes.extend(replaced_rectangles(sources.document(), &root));
+    Ok(Assembled { root, warnings, notes })
+}
+
+/// Note that a layout of `--set` replaces the rectangles of the file, which are described by no other key.
+fn replaced_rectangles(file: &Node, set: &Node) -> Option<String> {
+    let matrix = |root: &Node, key: &str| root.get("display")?.get("matrix")?.get(key).map(|_| ());
+    matrix(set, "layout")?;
+    let replaced = ["subpixel", "subpixel_file"];
+    let key = replaced.into_iter().find(|key| matrix(file, key).is_some() && matrix(set, key).is_none())?;
+    Some(format!(
+        "display.matrix.layout replaces display.matrix.{key} of the file: the rectangles described there are not used"
+    ))
 }
 
 /// Sorts the keys of all objects in a value.

@@ -32,6 +32,11 @@ fn endpoints() -> Endpoints {
         .get("/start", "The scenario that the page opens", text::start)
         .get("/schema", "The JSON Schema of a scenario: keys, units, ranges, defaults, help", text::schema)
         .post("/labels", "Labels of metrics and of keys: the quantity in words, and its unit", text::labels)
+        .get(
+            "/metrics",
+            "The metrics of sweeps and searches, and the commands that print them",
+            text::metrics,
+        )
         .get("/presets", "The presets of lighting and viewer", text::presets)
         .get_named("/presets/{name}", "A new scenario with a preset", text::preset)
         .get("/examples", "The example scenarios", text::examples)

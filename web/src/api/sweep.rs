@@ -2,15 +2,17 @@
 
 use std::collections::BTreeMap;
 
+use papilio_design::{DesignError, Evaluator, LightStudy};
 use papilio_display::Control;
-use papilio_formats::{SweepHead, SweepPoint, write_sweep_csv};
-use papilio_scenario::Sweep;
+use papilio_formats::{LightHead, SweepHead, SweepPoint, light_points, write_light_csv, write_sweep_csv};
+use papilio_scenario::{LightSweep, Sweep};
 use schemars::JsonSchema;
 use serde::Serialize;
 use serde_json::Value;
 
 use super::drawn::Figure;
 use super::events::{self, EventSender, Events};
+use super::written::text;
 use crate::fault::{Fault, FaultBody};
 use crate::reading::{Given, Solver, check_work};
 use crate::site::Site;
@@ -42,7 +44,8 @@ pub(super) struct Point {
     of: usize,
     /// The values of the swept keys.
     values: BTreeMap<String, Value>,
-    /// Metrics of the first view by name: `contrast_ratio`, `red.u_prime`; with `_de`: discretisation errors.
+    /// Metrics of the first view by name: `contrast_ratio`, `red.u_prime`; with `_de`: discretisation errors; with `_se`: standard
+    /// errors. If the sweep names its `metrics`, these; otherwise all metrics of colours.
     metrics: BTreeMap<String, Option<f64>>,
 }
 
@@ -59,19 +62,23 @@ pub(super) struct SweepDone {
 
 pub(super) async fn sweep(site: Site, given: Given) -> Result<Events, Fault> {
     let server = site.clone();
-    let sweep = site.quick().work(move |_| read_sweep(&server, &given)).await?;
+    let (sweep, light) = site.quick().work(move |_| read_sweep(&server, &given)).await?;
     let server = site.clone();
     events::start(site.streamed(), move |events| {
-        run(&server, &sweep, events).unwrap_or_else(|fault| SweepEvent::Failed(fault.body))
+        let done = match light {
+            Some(light) => named_metrics(&sweep, light, events),
+            None => all_metrics(&server, &sweep, events),
+        };
+        done.unwrap_or_else(|fault| SweepEvent::Failed(fault.body))
     })
     .await
 }
 
-/// Reads a sweep and checks that each of its values can be used.
-fn read_sweep(site: &Site, given: &Given) -> Result<Sweep, Fault> {
+/// Reads a sweep and checks that each of its values can be used. The second value is the sweep of the metrics that it names.
+fn read_sweep(site: &Site, given: &Given) -> Result<(Sweep, Option<LightSweep>), Fault> {
     let library = given.library(site)?;
     let set = given.overrides(&library, Solver::Adding)?;
-    let sweep = Sweep::from_text(&given.scenario, "scenario", library, &set)?;
+    let mut sweep = Sweep::from_text(&given.scenario, "scenario", library, &set)?;
     if sweep.len() > MOST_POINTS {
         let message = format!("{} points are too many for the page: at most {MOST_POINTS}", sweep.len());
         return Err(Fault::too_much(message, "choose fewer values on an axis, or use `papilio sweep`"));
@@ -79,10 +86,12 @@ fn read_sweep(site: &Site, given: &Given) -> Result<Sweep, Fault> {
     for point in sweep.samples().into_iter().take(MOST_SAMPLES) {
         check_work(&sweep.scenario(point)?.resolve()?, Solver::Adding)?;
     }
-    Ok(sweep)
+    let light = sweep.light()?;
+    Ok((sweep, light))
 }
 
-fn run(site: &Site, sweep: &Sweep, events: &EventSender) -> Result<SweepEvent, Fault> {
+/// Computes the metrics of colours of all points.
+fn all_metrics(site: &Site, sweep: &Sweep, events: &EventSender) -> Result<SweepEvent, Fault> {
     let head = sweep.head(env!("CARGO_PKG_VERSION"), "");
     let control = Control { threads: Some(1), progress: &|_| {}, stop: events.stop() };
     let mut points = Vec::with_capacity(sweep.len());
@@ -98,16 +107,53 @@ fn run(site: &Site, sweep: &Sweep, events: &EventSender) -> Result<SweepEvent, F
         events.send_reliably(&SweepEvent::Point(point_event(&head, index, &point)));
         points.push(point);
     }
-    let mut csv = Vec::new();
     let all: Vec<&SweepPoint> = points.iter().collect();
-    write_sweep_csv(&mut csv, &head, &all).map_err(|_| Fault::internal("sweep.csv cannot be written"))?;
+    let csv = text(|out| write_sweep_csv(out, &head, &all))?;
     let mut warnings: Vec<String> = points.iter().flat_map(|point| point.warnings.clone()).collect();
     warnings.sort_unstable();
     warnings.dedup();
-    let csv = String::from_utf8_lossy(&csv).into_owned();
-    let figures = papilio_figures::of_sweep(&head, &all, &papilio_scenario::label);
-    let figures = figures.into_iter().map(|(name, svg)| Figure { name, svg }).collect();
-    Ok(SweepEvent::Done(SweepDone { csv, figures, warnings }))
+    Ok(SweepEvent::Done(SweepDone { csv, figures: drawn(&head, &all), warnings }))
+}
+
+/// Computes the metrics that the sweep names, which may be those of pixels: sharpness, crosstalk and sparkle.
+fn named_metrics(sweep: &Sweep, light: LightSweep, events: &EventSender) -> Result<SweepEvent, Fault> {
+    let mut head = sweep.head(env!("CARGO_PKG_VERSION"), "");
+    let (views, hash) = (light.views.clone(), light.hash.clone());
+    let study = LightStudy::new(light);
+    head.light = Some(LightHead { metrics: study.columns(), views, hash });
+    let mut evaluator = Evaluator::new(study.study().clone(), events.stop());
+    let mut rows = Vec::with_capacity(sweep.len());
+    for index in 0..sweep.len() {
+        if events.stop_if_late() {
+            return Err(crate::work::too_long(events.deadline()));
+        }
+        let row = study.evaluate(&mut evaluator, index).map_err(|error| fault_at(sweep, index, error))?;
+        let point = light_points(&head, &[&row]).remove(0);
+        events.send_reliably(&SweepEvent::Point(point_event(&head, index, &point)));
+        rows.push(row);
+    }
+    let rows: Vec<&[f64]> = rows.iter().map(Vec::as_slice).collect();
+    let points = light_points(&head, &rows);
+    let csv = text(|out| write_light_csv(out, &head, &rows))?;
+    let figures = drawn(&head, &points.iter().collect::<Vec<_>>());
+    Ok(SweepEvent::Done(SweepDone { csv, figures, warnings: Vec::new() }))
+}
+
+/// Error of a point, with its place in the scenario if it has one.
+fn fault_at(sweep: &Sweep, index: usize, error: DesignError) -> Fault {
+    match error {
+        DesignError::Scenario(errors) => errors.into(),
+        DesignError::Display(error) => match sweep.scenario(index).and_then(|scenario| scenario.resolve()) {
+            Ok(resolved) => Fault::of(&resolved, error),
+            Err(_) => error.into(),
+        },
+        other => Fault::too_much(other.to_string(), ""),
+    }
+}
+
+fn drawn(head: &SweepHead, points: &[&SweepPoint]) -> Vec<Figure> {
+    let figures = papilio_figures::of_sweep(head, points, &papilio_scenario::label);
+    figures.into_iter().map(|(name, svg)| Figure { name, svg }).collect()
 }
 
 fn point_event(head: &SweepHead, index: usize, point: &SweepPoint) -> Point {
@@ -116,8 +162,9 @@ fn point_event(head: &SweepHead, index: usize, point: &SweepPoint) -> Point {
         let value = point.metric(view, &name);
         (name, value)
     };
-    // Adding has no standard errors.
-    let names = point.metrics().into_iter().filter(|name| !name.ends_with("_se"));
+    // Colours are computed by adding, which has no standard errors.
+    let is_named = head.light.is_some();
+    let names = point.metrics().into_iter().filter(|name| is_named || !name.ends_with("_se"));
     Point {
         index,
         of: head.points(),

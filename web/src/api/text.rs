@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use papilio_display::scene::Metric;
 use papilio_scenario::{Edit, labelled_names, new_scenario, preset_names};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -80,6 +81,27 @@ pub(super) async fn labels(_: Site, request: Names) -> Result<BTreeMap<String, L
         (name, Label { quantity: label.quantity, unit: label.unit, text })
     };
     Ok(names.into_iter().map(label).collect())
+}
+
+/// A metric of sweeps and searches.
+#[derive(Debug, Serialize, JsonSchema)]
+pub(super) struct MetricEntry {
+    /// Its name; that of a state, such as `Y`, follows the state's name: `white.Y`.
+    name: &'static str,
+    /// True if each state has one, false if it is one of the whole display.
+    of_state: bool,
+    /// The command that prints it: `mtf`, `crosstalk` or `sparkle`; null for those of a run. A sweep computes it only if `sweep.metrics`
+    /// names it.
+    command: Option<&'static str>,
+}
+
+pub(super) fn metrics(_: &Site) -> Result<Vec<MetricEntry>, Fault> {
+    let entry = |metric: &Metric| MetricEntry {
+        name: metric.name(),
+        of_state: !metric.is_of_view(),
+        command: metric.source().command(),
+    };
+    Ok(Metric::ALL.iter().map(entry).collect())
 }
 
 /// An entry of a list of presets or examples.

@@ -6,7 +6,7 @@ use papilio_display::Control;
 use papilio_scenario::Scenario;
 use serde_json::{Value, json};
 
-use crate::answers::indoor;
+use crate::answers::{events, indoor};
 use crate::client::Server;
 
 fn names(list: &Value) -> Vec<&str> {
@@ -53,6 +53,39 @@ fn sharpness_and_crosstalk_equal_the_command_line() {
     assert_eq!(names(&seen["tables"]), ["crosstalk", "patterns"]);
     let (own, _) = number(&seen, "own_share_out", Value::Null);
     assert_eq!(Some(own), wanted.views[0].shares.own_share_out);
+}
+
+/// A sweep that names metrics of pixels has their values and errors at each point, those of the tab of fine detail.
+#[test]
+fn sweep_computes_metrics_of_pixels() {
+    let server = Server::start();
+    let example = server.get("/api/v1/examples/matrix").json()["scenario"].as_str().unwrap().to_owned();
+    let sweep = "\n[spectrum]\nstep_nm = 50\n[sweep]\nmetrics = [\"white.f50_x_per_mm\", \"own_share_out\"]\n\
+                 axes = [{ \"display.glass.thickness_mm\" = [0.5, 0.7] }]\n";
+    let scenario = example + sweep;
+    let answer = server.post("/sweep", &json!({ "scenario": scenario }));
+    let (before, name, done) = events(&answer.body);
+    assert_eq!((before, name.as_str()), (2, "done"), "{done}");
+    let drawn: Vec<&str> = names(&done["figures"]);
+    assert_eq!(drawn, ["sweep_white.f50_x_per_mm", "sweep_own_share_out"]);
+    let table: Vec<Vec<&str>> =
+        done["csv"].as_str().unwrap().lines().map(|line| line.split(',').collect()).collect();
+    assert_eq!(table[0][2..4], ["white.f50_x_per_mm", "white.f50_x_per_mm_de"]);
+    let numbers: Vec<f64> = table[1][2..].iter().map(|cell| cell.parse().unwrap()).collect();
+    for (command, metric, state, at) in
+        [("mtf", "f50_x_per_mm", json!("white"), 0), ("crosstalk", "own_share_out", Value::Null, 2)]
+    {
+        let seen = server.post("/detail", &json!({ "scenario": scenario, "command": command })).json();
+        let all = seen["numbers"].as_array().unwrap();
+        let one = all.iter().find(|one| one["metric"] == metric && one["state"] == state).unwrap();
+        assert_eq!(
+            [&one["value"], &one["error"]].map(|n| n.as_f64().unwrap()),
+            [numbers[at], numbers[at + 1]]
+        );
+    }
+    let offered = server.get("/api/v1/metrics").json();
+    let of_sharpness = json!({ "name": "f50_x_per_mm", "of_state": true, "command": "mtf" });
+    assert!(offered.as_array().unwrap().contains(&of_sharpness));
 }
 
 /// A display without pixels or face is refused with what is missing.

@@ -96,16 +96,21 @@ impl Display {
     /// light, where it has no effect on places.
     ///
     /// # Errors
-    /// If a length is needed and missing: the lowest one; if light spreads within the pixel.
+    /// If lengths are needed and missing: all of them, the lowest first; if light spreads within the pixel.
     pub fn lengths_mm(&self) -> Result<Vec<f64>, DisplayError> {
         self.has_sharp_pixels()?;
         let first = self.first_needed();
-        let needed = |number: usize| if number < first { Ok(0.0) } else { self.length_mm(number) };
+        let missing = |length: &Length| match length {
+            Length::Missing { key } => Some(key.clone()),
+            Length::Mm(_) => None,
+        };
         // The lowest first: without the glass, the others are of no use.
-        let lengths = (0..self.lengths.len()).rev().map(needed);
-        let mut lengths = lengths.collect::<Result<Vec<f64>, _>>()?;
-        lengths.reverse();
-        Ok(lengths)
+        let mut missing = self.lengths.iter().skip(first).rev().filter_map(missing);
+        if let Some(key) = missing.next() {
+            return Err(DisplayError::MissingLength { key, others: missing.collect() });
+        }
+        let needed = |number: usize| if number < first { Ok(0.0) } else { self.length_mm(number) };
+        (0..self.lengths.len()).map(needed).collect()
     }
 
     /// Checks that light spreads over so few pixels that crosstalk between them can be computed.
@@ -143,7 +148,9 @@ impl Display {
     pub fn length_mm(&self, number: usize) -> Result<f64, DisplayError> {
         match &self.lengths[number] {
             Length::Mm(length) => Ok(*length),
-            Length::Missing { key } => Err(DisplayError::MissingLength { key: key.clone() }),
+            Length::Missing { key } => {
+                Err(DisplayError::MissingLength { key: key.clone(), others: Vec::new() })
+            }
         }
     }
 

@@ -51,9 +51,15 @@ const CELLS: usize = 65;
 /// # Errors
 /// If the scene is invalid, a length is missing, its kind of display or light is not covered, or the computation was stopped.
 pub fn mtf(scene: &Scene, patterns: &Patterns, control: &Control<'_>) -> Result<MtfResult, DisplayError> {
-    let setup = Setup::new(scene)?;
-    let frame = Frame::new(&setup, patterns)?;
     let paths = scene.solver.method == Method::MonteCarlo;
+    if scene.display.filter().is_some() && !paths {
+        return Err(DisplayError::PlacesByPaths {
+            what: "the sharpness of a display with a colour filter".to_owned(),
+            key: "display.matrix.filter".to_owned(),
+        });
+    }
+    let setup = Setup::with_filter(scene)?;
+    let frame = Frame::new(&setup, patterns)?;
     let placed = paths.then(|| Placed::new(&setup)).transpose()?;
     let mut workers = None;
     // Paths of one view run on all threads.

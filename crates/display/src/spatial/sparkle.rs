@@ -115,9 +115,16 @@ pub struct SparkleRow {
     /// Largest product of the contrast of sparkle within an octave and of the eye's contrast sensitivity: above 1, sparkle is
     /// above threshold. Null without light.
     pub contrast_times_sensitivity: Option<f64>,
+    /// Correlation length from which rays are within 2 % of waves, sqrt(λ d/(2 n)) at 555 nm, um; below it `ppd` is no reference.
+    pub rays_valid_from_um: f64,
 }
 
 impl SparkleRow {
+    /// Returns true if the face is so fine that waves differ from the rays of the result.
+    pub fn is_beyond_rays(&self) -> bool {
+        self.correlation_um < self.rays_valid_from_um
+    }
+
     /// Returns the metrics of the row, for sweeps and searches.
     pub fn metrics(&self) -> SparkleMetrics {
         SparkleMetrics {
@@ -248,8 +255,15 @@ fn row(
             blur,
         ),
         contrast_times_sensitivity: None,
+        rays_valid_from_um: 1e3 * rays_valid_from_mm(&panel.media),
     };
     Ok((row, SparkleMap::new(&faces, plan.columns_and_rows(), found.all.mean)))
+}
+
+/// Correlation length from which rays are within 2 % of waves: sqrt(λ d/(2 n)) through all media.
+fn rays_valid_from_mm(media: &[Gap]) -> f64 {
+    let reduced_mm: f64 = media.iter().map(|medium| medium.thickness_mm / medium.index).sum();
+    (0.5 * 1e-6 * INDEX_NM * reduced_mm).sqrt()
 }
 
 impl SparkleMap {

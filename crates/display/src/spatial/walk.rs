@@ -6,20 +6,26 @@
 //!
 //! Luminous quantities are Y relative to a perfect white in the scene's light, as in [`result`](crate::result).
 
+mod below_filter;
+
+use std::ops::Range;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use papilio_optics::Beta;
 use papilio_sampling::SampleStream;
 use papilio_spectra::Spectrum;
 use papilio_transport::spatial::displacement;
-use papilio_transport::walk::places::{Estimate, FilterPlane, KernelTally, Pattern, PlacedWalk, What};
-use papilio_transport::{Interface, Layer, Layered, Medium, ReflectanceFactor, Source, Stack, Top};
+use papilio_transport::walk::places::{
+    Entry, Estimate, FilterPlane, KernelTally, Pattern, PlacedWalk, Uniform, What,
+};
+use papilio_transport::{Base, Cone, Interface, Layer, Layered, Medium, Reflector, Source, Stack, Top};
 
+use self::below_filter::BelowFilter;
 use crate::DisplayError;
 use crate::meter::{Meter, PixelLight};
 use crate::result::Named;
 use crate::run::{Control, Progress, Workers, each};
-use crate::scene::{AngleMedium, Approximation, FilterState, Layers, Scene};
+use crate::scene::{AngleMedium, Approximation, Layers, Scene};
 use crate::setup::{Setup, ViewPoint, base_under};
 
 /// Number of independent replicates.
@@ -89,7 +95,7 @@ pub fn pattern(
     let setup = Setup::new(scene)?;
     let panel = Placed::new(&setup)?;
     let of_view = |view: &ViewPoint| {
-        let estimates = panel.trace(view, || What::Pattern(pattern), paths, control)?;
+        let estimates = panel.trace(view, What::Pattern(pattern), paths, control)?;
         let images = pattern.images();
         let of_image = |image: usize| mean(estimates.iter().map(|one| panel.luminous(one, Some(image))));
         Ok(PatternView {
@@ -141,12 +147,12 @@ pub fn transfer(
     frequencies.extend(frequencies_per_mm);
     let channels = panel.channels();
     let of_view = |view: &ViewPoint| {
-        let tally = || KernelTally {
+        let tally = KernelTally {
             frequencies_per_mm: frequencies.clone(),
             channels: channels.clone(),
             ..KernelTally::default()
         };
-        let estimates = panel.trace(view, || What::Kernel(tally()), paths, control)?;
+        let estimates = panel.trace(view, What::Kernel(tally), paths, control)?;
         let states = panel.setup.states.iter().enumerate().map(|(state, name)| {
             let of_order = |response: bool| {
                 let sums = estimates.iter().map(|estimate| {
@@ -182,28 +188,12 @@ fn transfer_of(sums: &[Vec<[f64; 2]>]) -> Transfer {
     Transfer { luminous, otf: (1..count).map(|k| [ratio(k, 0), ratio(k, 1)]).collect() }
 }
 
-/// States of a display with a filter: below each window the state that the pixel has there, black between them.
-struct FilteredStates<'a> {
-    plane: &'a FilterPlane,
-    states: &'a [FilterState],
-}
-
-impl Pattern for FilteredStates<'_> {
-    fn images(&self) -> usize {
-        self.states.len()
-    }
-
-    fn period_mm(&self) -> [f64; 2] {
-        self.plane.period_mm
-    }
-
-    fn shows(&self, place_mm: [f64; 2], covered: &mut dyn FnMut(usize, usize, f64)) {
-        let Some(window) = self.plane.window_at(place_mm) else { return };
-        self.states
-            .iter()
-            .enumerate()
-            .for_each(|(image, state)| covered(image, state.pixel_states[window], 1.0));
-    }
+/// What is estimated of the states of a display.
+pub(super) enum States<'a> {
+    /// Patterns of them.
+    Pattern(&'a dyn Pattern),
+    /// The spread of each.
+    Kernel(KernelTally),
 }
 
 /// A scene as layers with lengths.
@@ -256,6 +246,12 @@ impl<'a> Placed<'a> {
         Ok(Self { setup, meter, lights, sources, stack, filter, lengths_mm, traced: AtomicU64::new(0) })
     }
 
+    /// The same layers above another base, whose states are those of patterns.
+    pub(super) fn above(mut self, base: Base) -> Self {
+        self.stack.base = base;
+        self
+    }
+
     /// Estimates of the states of a display with a filter.
     pub(crate) fn filtered(
         &self,
@@ -263,11 +259,39 @@ impl<'a> Placed<'a> {
         paths: u64,
         control: &Control<'_>,
     ) -> Result<Vec<Estimate>, DisplayError> {
-        let (Some(plane), Some(filter)) = (&self.filter, self.setup.scene.display.filter()) else {
+        if self.filter.is_none() {
             return Err(DisplayError::NoMatrix { command: "run" });
+        }
+        let states = Uniform { states: self.setup.states.len() };
+        self.trace_states(view, States::Pattern(&states), paths, control)
+    }
+
+    /// Estimates of patterns or kernels of the states of the display, which a filter may define.
+    pub(super) fn trace_states(
+        &self,
+        view: &ViewPoint,
+        what: States<'_>,
+        paths: u64,
+        control: &Control<'_>,
+    ) -> Result<Vec<Estimate>, DisplayError> {
+        let (Some(plane), Some(filter)) = (&self.filter, self.setup.scene.display.filter()) else {
+            let what = match what {
+                States::Pattern(pattern) => What::Pattern(pattern),
+                States::Kernel(tally) => What::Kernel(tally),
+            };
+            return self.trace(view, what, paths, control);
         };
-        let states = FilteredStates { plane, states: &filter.states };
-        self.trace(view, || What::Pattern(&states), paths, control)
+        let uniform = Uniform { states: self.setup.states.len() };
+        match what {
+            States::Pattern(pattern) => {
+                let below = BelowFilter { plane, states: &filter.states, pattern };
+                self.trace(view, What::Pattern(&below), paths, control)
+            }
+            States::Kernel(tally) => {
+                let below = BelowFilter { plane, states: &filter.states, pattern: &uniform };
+                self.trace(view, What::KernelOf(&below, tally), paths, control)
+            }
+        }
     }
 
     /// Weights in Y of the light of each source.
@@ -299,55 +323,120 @@ impl<'a> Placed<'a> {
     }
 
     /// Estimates of all replicates for a view. The progress tells the paths of all calls.
-    pub(super) fn trace<'p>(
+    pub(super) fn trace(
         &self,
         view: &ViewPoint,
-        what: impl Fn() -> What<'p>,
+        what: What<'_>,
         paths: u64,
         control: &Control<'_>,
     ) -> Result<Vec<Estimate>, DisplayError> {
+        let Scene { solver, .. } = &self.setup.scene;
+        let walk = self.prepared(&self.stack, view.field, what)?;
+        self.in_replicates(paths, control, |stream, steps| {
+            let mut replicate = walk.replicate();
+            let numbers = SampleStream::new(solver.sampler, solver.seed, stream);
+            steps(&mut |paths| walk.trace(&mut replicate, &numbers, paths.end - paths.start))?;
+            Ok(walk.estimate(&replicate))
+        })
+    }
+
+    /// Follows light that reaches the pixel for the first time back to where it entered. `sums` adds an entry to the sums of a replicate, of
+    /// which there are `count`; returns their means by replicate. Places are distributed over the period of the pattern.
+    pub(super) fn entries(
+        &self,
+        pattern: &dyn Pattern,
+        (paths, count): (u64, usize),
+        control: &Control<'_>,
+        add: impl Fn(&Entry<'_>, &mut [f64]) + Sync,
+    ) -> Result<Vec<Vec<f64>>, DisplayError> {
+        let Scene { solver, grid, .. } = &self.setup.scene;
+        let white = Base {
+            reflector: Reflector::Lambertian(vec![1.0; grid.len()]),
+            inactive_absorptance: vec![0.0; grid.len()].into(),
+        };
+        let stack = Layered { layers: self.stack.layers.clone(), base: white };
+        // Any view: paths begin at the pixel.
+        let (what, view) = (What::Pattern(pattern), Cone::new(0.0, 0.0, 0.0, 1.0));
+        let walk = self.prepared(&stack, view, what)?;
+        self.in_replicates(paths, control, |stream, steps| {
+            let numbers = SampleStream::new(solver.sampler, solver.seed, stream);
+            let (mut sums, mut traced) = (vec![0.0; count], 0);
+            steps(&mut |paths| {
+                traced = paths.end;
+                walk.entries(&numbers, paths, |entry| add(&entry, &mut sums));
+            })?;
+            sums.iter_mut().for_each(|sum| *sum /= traced as f64);
+            Ok(sums)
+        })
+    }
+
+    fn prepared<'w>(
+        &'w self,
+        stack: &'w Layered,
+        view: Cone,
+        what: What<'w>,
+    ) -> Result<PlacedWalk<'w>, DisplayError> {
+        let (lengths, sources) = (&self.lengths_mm[..], &self.sources[..]);
+        let walk = match &self.filter {
+            Some(filter) => PlacedWalk::filtered(filter.clone(), stack, lengths, (view, sources), what),
+            None => PlacedWalk::new(stack, lengths, view, sources, what),
+        };
+        walk.map_err(DisplayError::Places)
+    }
+
+    /// Computes all replicates. Each is given its number and a function that calls another with numbers of paths, until all are traced.
+    fn in_replicates<R: Send>(
+        &self,
+        paths: u64,
+        control: &Control<'_>,
+        replicate: impl Fn(
+            u64,
+            &dyn Fn(&mut dyn FnMut(Range<u64>)) -> Result<(), DisplayError>,
+        ) -> Result<R, DisplayError>
+        + Sync,
+    ) -> Result<Vec<R>, DisplayError> {
         /// Paths between looks at whether to stop.
         const AT_ONCE: u64 = 1 << 12;
-        let Scene { solver, .. } = &self.setup.scene;
-        let (stack, lengths, sources) = (&self.stack, &self.lengths_mm[..], &self.sources[..]);
-        let walk = match &self.filter {
-            Some(filter) => {
-                PlacedWalk::filtered(filter.clone(), stack, lengths, (view.field, sources), what())
-            }
-            None => PlacedWalk::new(stack, lengths, view.field, sources, what()),
-        };
-        let walk = walk.map_err(DisplayError::Places)?;
-        let (each_paths, mut workers) = (paths.div_ceil(REPLICATES).max(1), None);
+        let (all, mut workers) = (paths.div_ceil(REPLICATES).max(1), None);
         let pool = Workers::unless_one(&mut workers, control.threads)?;
         let mut streams: Vec<u64> = (0..REPLICATES).collect();
-        let estimates = each(pool, &mut streams, |(_, stream)| {
-            let mut replicate = walk.replicate();
-            let numbers = SampleStream::new(solver.sampler, solver.seed, *stream);
-            while replicate.paths() < each_paths {
+        let steps = |trace: &mut dyn FnMut(Range<u64>)| {
+            let mut next = 0;
+            while next < all {
                 if control.stopped() {
                     return Err(DisplayError::Interrupted);
                 }
-                let paths = AT_ONCE.min(each_paths - replicate.paths());
-                walk.trace(&mut replicate, &numbers, paths);
-                let traced = self.traced.fetch_add(paths, Ordering::Relaxed) + paths;
+                let paths = next..all.min(next + AT_ONCE);
+                next = paths.end;
+                let count = paths.end - paths.start;
+                trace(paths);
+                let traced = self.traced.fetch_add(count, Ordering::Relaxed) + count;
                 (control.progress)(Progress { paths: Some(traced), ..Progress::of_views(0, 1) });
             }
-            Ok(walk.estimate(&replicate))
-        });
-        estimates.into_iter().collect()
+            Ok(())
+        };
+        let all = each(pool, &mut streams, |(_, stream)| replicate(*stream, &steps));
+        all.into_iter().collect()
+    }
+
+    /// X, Y and Z of an image via the pixel in one light, by its number.
+    pub(super) fn colour(&self, estimate: &Estimate, light: usize, image: usize) -> [f64; 3] {
+        let (weights, rho) = (&self.lights[light].weights, &estimate.rho[light]);
+        let seen = &rho.via_pixel[image * self.bins()..][..self.bins()];
+        weights.each_ref().map(|weights| weights.iter().zip(seen).map(|(weight, seen)| weight * seen).sum())
+    }
+
+    /// X, Y and Z of light that has not met the pixel.
+    pub(super) fn without_pixel(&self, estimate: &Estimate) -> [f64; 3] {
+        self.meter.without_pixel(&estimate.rho[..self.setup.sources.len()])
     }
 
     /// Y of an image via the pixel, or of light that has not met the pixel.
     pub(super) fn luminous(&self, estimate: &Estimate, image: Option<usize>) -> f64 {
-        let Some(image) = image else {
-            return self.meter.without_pixel(&estimate.rho[..self.setup.sources.len()])[1];
-        };
-        let of_light = |(light, rho): (&PixelLight, &ReflectanceFactor)| {
-            let [_, weights, _] = &light.weights;
-            let seen = &rho.via_pixel[image * weights.len()..][..weights.len()];
-            weights.iter().zip(seen).map(|(weight, seen)| weight * seen).sum::<f64>()
-        };
-        self.lights.iter().zip(&estimate.rho).map(of_light).sum()
+        match image {
+            Some(image) => (0..self.lights.len()).map(|light| self.colour(estimate, light, image)[1]).sum(),
+            None => self.without_pixel(estimate)[1],
+        }
     }
 }
 

@@ -12,6 +12,7 @@ mod auto;
 mod by_light_and_angle;
 mod common;
 mod crosstalk;
+mod crosstalk_by_paths;
 mod designs;
 mod filter;
 mod first_answers;

@@ -212,7 +212,10 @@ fn displays_without_places_are_refused() {
     let refused = |parts: &[&str]| computed(parts).unwrap_err();
     let no_thickness = "[display.glass]\nindex = 1.5\nsurface = \"fresnel\"\n";
     let error = refused(&[no_thickness, &paper(0.5, 0.1), DIFFUSE]);
-    assert_eq!(error, DisplayError::MissingLength { key: "display.glass.thickness_mm".to_owned() });
+    assert_eq!(
+        error,
+        DisplayError::MissingLength { key: "display.glass.thickness_mm".to_owned(), others: Vec::new() }
+    );
     let fronts = "[[display.front]]\nreflectance = 0.02\ngap_mm = 1.0\n[[display.front]]\nreflectance = 0.02\ngap_mm = 1.0\n";
     let error = refused(&[fronts, &glass("coated", 0.5), MIRROR, DIFFUSE]);
     assert!(error.to_string().contains("monte-carlo"), "{error}");

@@ -77,7 +77,8 @@ fn pictures_that_are_not_computed_are_refused() {
     let refused = |parts: &[&str]| computed(&resolved(parts), &page, Precision::FAST).unwrap_err();
     assert_eq!(refused(&[GLASS, PAPER, LIGHT]), DisplayError::NoMatrix { command: "picture" });
     let thin = "[display.glass]\nindex = 1.5\nsurface = \"fresnel\"\n";
-    let missing = DisplayError::MissingLength { key: "display.glass.thickness_mm".to_owned() };
+    let missing =
+        DisplayError::MissingLength { key: "display.glass.thickness_mm".to_owned(), others: Vec::new() };
     assert_eq!(refused(&[thin, MATRIX, PAPER, LIGHT]), missing);
     let mirror = PAPER.replace("lambertian", "mirror");
     let error = refused(&[GLASS, MATRIX, &mirror, LIGHT]);

@@ -118,6 +118,7 @@ impl Resolver<'_> {
             }
         }
         self.note_coatings(layers);
+        self.note_idle_faces(layers);
         Some(stack.finish(&mut self.errors))
     }
 
@@ -135,6 +136,21 @@ impl Resolver<'_> {
                 self.notes.push(format!(
                     "display.layers.{i}: no medium follows this coating, so {above} is on both sides of it; on glass it \
                      would be followed by {{ kind = \"medium\", index = 1.5 }}"
+                ));
+            }
+        }
+    }
+
+    /// Notes each bare face directly above a diffuser: the same medium is on both sides of it, so that it reflects nothing.
+    fn note_idle_faces(&mut self, layers: &[Spanned<describe::Layer>]) {
+        for (i, pair) in layers.windows(2).enumerate() {
+            if let [describe::Layer::Fresnel(_), describe::Layer::Diffuser(_)] =
+                [&pair[0].value, &pair[1].value]
+            {
+                self.notes.push(format!(
+                    "display.layers.{i}: this face has no effect: a diffuser follows without a medium between them, so the same medium is \
+                     on both sides of the face; a diffuser given by its lobe contains its own faces ([display.diffuser.reflection] gives it \
+                     a reflection, and a medium below the face, {{ kind = \"medium\", index = 1.5 }}, makes it the face of a film)"
                 ));
             }
         }

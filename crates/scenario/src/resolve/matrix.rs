@@ -183,8 +183,7 @@ impl Resolver<'_> {
         }
         self.limit(&matrix.states, "states", states.len(), MOST_STATES)?;
         if states.is_empty() {
-            let remedy = "name one: [display.matrix.states] white = { red = \"white\", green = \"white\", blue = \"white\" }";
-            self.err(&matrix.filter, mistake::no_states(remedy));
+            self.err(&matrix.filter, no_states_below(names, known));
             return None;
         }
         Some(states)
@@ -250,6 +249,20 @@ impl Resolver<'_> {
             self.errors.push(height.origin.or_override(causes).or_override(thickness_at), wrong);
         }
     }
+}
+
+/// A filter above pixels whose states do not make default ones.
+fn no_states_below(names: &[String], known: &[String]) -> Diagnostic {
+    let one = known.first().map_or("white", String::as_str);
+    let below: Vec<String> = names.iter().map(|name| format!("{name} = \"{one}\"")).collect();
+    Diagnostic::new("the states of the display with this filter are not described")
+        .note(format!(
+            "default states exist where the filter has red, green and blue and the pixel has the states white and black; this filter has {}, \
+             and the pixel has the states {}",
+            names.join(", "),
+            known.join(", ")
+        ))
+        .hint(format!("describe them in [display.matrix.states]: {one} = {{ {} }}", below.join(", ")))
 }
 
 /// Returns the eight default states, if the filter has red, green and blue, and the pixel has white and black.

@@ -1,8 +1,8 @@
 //! Rectangles of the sub-pixels of `[display.matrix]`: from a layout, from the scenario or from a file.
 
-use papilio_diagnostics::Diagnostic;
+use papilio_diagnostics::{Diagnostic, Place};
 use papilio_display::scene::{Rectangle, SubPixelWindow, Window, rows, stripes};
-use papilio_formats::read_windows;
+use papilio_formats::{NamedRectangle, read_windows};
 
 use super::Resolver;
 use super::film::no_sub_pixel;
@@ -36,6 +36,8 @@ struct Placed {
     sub_pixel: usize,
     rectangle: Rectangle,
     origin: Origin,
+    /// Its place in a file of rectangles.
+    file: Option<Place>,
 }
 
 impl SubPixels {
@@ -90,7 +92,8 @@ impl Resolver<'_> {
         self.check_rectangles(&placed, at)?;
         let mut windows = vec![Window::default(); sub_pixels.names.len()];
         placed.iter().for_each(|one| windows[one.sub_pixel].rectangles.push(one.rectangle));
-        self.check_areas(&windows, sub_pixels, at)?;
+        let first = |sub_pixel: usize| placed.iter().find(|one| one.sub_pixel == sub_pixel)?.file.clone();
+        self.check_areas(&windows, sub_pixels, at, first)?;
         Some(sub_pixels.with_windows(windows, sub_pixels.areas.as_deref()))
     }
 
@@ -167,7 +170,9 @@ impl Resolver<'_> {
             };
             for corners in &item.value.value {
                 match self.rectangle(corners) {
-                    Some(rectangle) => placed.push(Placed { sub_pixel, rectangle, origin: corners.origin }),
+                    Some(rectangle) => {
+                        placed.push(Placed { sub_pixel, rectangle, origin: corners.origin, file: None });
+                    }
                     None => wrong = true,
                 }
             }
@@ -199,18 +204,18 @@ impl Resolver<'_> {
         let rows = self.data(name, origin, read_windows)?;
         let mut unknown_names: Vec<&str> = Vec::new();
         let mut placed = Vec::new();
-        for (name, [x0, y0, x1, y1]) in &rows {
+        for NamedRectangle { name, corners: [x0, y0, x1, y1], place } in &rows {
             match sub_pixels.number(name) {
                 Some(sub_pixel) => {
                     let rectangle = Rectangle { x: [*x0, *x1], y: [*y0, *y1] };
-                    placed.push(Placed { sub_pixel, rectangle, origin });
+                    placed.push(Placed { sub_pixel, rectangle, origin, file: Some(place.clone()) });
                 }
-                None if !unknown_names.contains(&name.as_str()) => unknown_names.push(name),
+                None if !unknown_names.contains(&name.as_str()) => {
+                    unknown_names.push(name);
+                    self.errors.push_in_file(origin, unknown(name, sub_pixels), Some(place.clone()));
+                }
                 None => {}
             }
-        }
-        for name in &unknown_names {
-            self.errors.push(origin, unknown(name, sub_pixels));
         }
         unknown_names.is_empty().then_some(placed)
     }
@@ -227,25 +232,32 @@ impl Resolver<'_> {
                 let [one_text, other_text] = [one, other].map(|placed| written(&placed.rectangle));
                 let wrong = Diagnostic::new(format!("the rectangles {other_text} and {one_text} overlap"))
                     .expected("rectangles that do not overlap");
-                self.errors.push(one.origin.or_override([other.origin]), wrong);
+                self.errors.push_in_file(one.origin.or_override([other.origin]), wrong, one.file.clone());
                 return None;
             }
         }
         Some(())
     }
 
-    /// Refuses windows whose areas are not those of the pixel.
-    fn check_areas(&mut self, windows: &[Window], sub_pixels: &SubPixels, at: Origin) -> Option<()> {
+    /// Refuses windows whose areas are not those of the pixel; `file` is the place of the first rectangle of a sub-pixel in a file.
+    fn check_areas(
+        &mut self,
+        windows: &[Window],
+        sub_pixels: &SubPixels,
+        at: Origin,
+        file: impl Fn(usize) -> Option<Place>,
+    ) -> Option<()> {
         let Some(areas) = &sub_pixels.areas else { return Some(()) };
+        let written = at;
         let at = at.or_override(sub_pixels.causes.iter().copied());
         let mut right = Some(());
-        for ((name, window), area) in sub_pixels.names.iter().zip(windows).zip(areas) {
+        for (number, ((name, window), area)) in sub_pixels.names.iter().zip(windows).zip(areas).enumerate() {
             let (found, wanted) = (window.area(), area * sub_pixels.fill_factor);
             if (found - wanted).abs() > AREA_TOLERANCE + ROUNDING {
                 let found = tidy(found);
                 let wrong = Diagnostic::new(format!("the rectangles of `{name}` cover {found} of the pixel"))
                     .expected(format!("{} within 0.001: its area times the fill factor", tidy(wanted)));
-                self.errors.push(at, wrong);
+                self.errors.push_in_file(at, wrong, file(number).filter(|_| at == written));
                 right = None;
             }
         }

@@ -118,8 +118,11 @@ fn rectangles_come_from_the_scenario_or_a_file() {
     assert_eq!(rounded[0].fraction, 0.5);
     for (rows, says) in [
         (rows.replace("blue,0.5,0,", "blu,0.5,0,"), "did you mean `blue`?"),
+        (rows.replace("blue,0.5,0,", "blu,0.5,0,"), "windows.csv:3:1"),
         (rows.replace("0.7,0.5", "0.7,1.5"), "windows.csv:3"),
         (rows.replace("blue,0.5,0,0.7", "blue,0.4,0,0.7"), "overlap"),
+        (rows.replace("blue,0.5,0,0.7", "blue,0.4,0,0.7"), "windows.csv:3:1"),
+        (rows.replace("green,0.7,0,1", "green,0.7,0,0.9"), "windows.csv:5:1"),
         ("name,x0,y0,x1,y1\n".to_owned(), "no rows"),
     ] {
         fs::write(&file, rows).unwrap();
@@ -175,7 +178,7 @@ fn wrong_filters_are_refused() {
             "display.matrix.states.x={ red = \"white\", green = \"white\", blue = \"black\", lime = \"black\" }",
             "no sub-pixel `lime`",
         ),
-        ("display.pixel.reflectance={ bright = 0.6 }", "no states"),
+        ("display.pixel.reflectance={ bright = 0.6 }", "bright = { red = \"bright\""),
         ("display.matrix.layout=single", "needs a single sub-pixel"),
         ("display.matrix.layout=rgbw", "needs the sub-pixels red, green, blue and white"),
     ] {
@@ -289,7 +292,7 @@ fn lengths(text: &str, sets: &[&str]) -> Result<Vec<f64>, String> {
     assert_eq!(display.lengths.len(), media);
     match display.lengths_mm() {
         Ok(lengths) => Ok(lengths),
-        Err(DisplayError::MissingLength { key }) => Err(key),
+        Err(DisplayError::MissingLength { key, .. }) => Err(key),
         Err(other) => panic!("{other}"),
     }
 }
@@ -362,6 +365,29 @@ fn foil_over_an_air_gap_needs_the_gap() {
     assert!(errors.to_string().contains("add mounting = \"air\""), "{errors}");
 }
 
+/// A layout of `--set` replaces rectangles of the file, and says so; a bare face directly above a diffuser is noted, too.
+#[test]
+fn what_has_no_effect_is_noted() {
+    let rectangles =
+        "subpixel = { red = [[0, 0, 0.5, 1]], green = [[0.5, 0, 0.8, 1]], blue = [[0.8, 0, 1, 1]] }";
+    let text = with_matrix(&format!("ppi = 300\n{rectangles}"));
+    let notes = |sets: &[&str]| resolved(&text, sets).notes.join("\n");
+    assert!(notes(&["display.matrix.layout=stripe"]).contains("replaces display.matrix.subpixel"));
+    assert!(!notes(&["display.matrix.ppi=200"]).contains("replaces"));
+    let layers = |face: &str| {
+        format!(
+            "[[display.layers]]\nkind = \"fresnel\"\n{face}[[display.layers]]\nkind = \"diffuser\"\nmodel = \"k-correlation\"\n\
+             width = 0.05\ntransmittance = 0.9\n[[display.layers]]\nkind = \"medium\"\nindex = 1.5\n[display.pixel]\nmodel = \"uniform\"\n\
+             kind = \"mirror\"\nreflectance = {{ white = 0.5 }}\n[lighting]\npreset = \"office\"\n"
+        )
+    };
+    let film = "[[display.layers]]\nkind = \"medium\"\nindex = 1.5\n";
+    for (text, noted) in [(layers(""), true), (layers(film), false)] {
+        let notes = resolved(&text, &[]).notes.join("\n");
+        assert_eq!(notes.contains("this face has no effect"), noted, "{notes}");
+    }
+}
+
 /// Errors that name a key are shown at its place, with what is missing.
 #[test]
 fn missing_length_is_located() {
@@ -369,9 +395,12 @@ fn missing_length_is_located() {
     let error = resolved.scene.display.lengths_mm().unwrap_err();
     assert!(error.to_string().contains("`display.glass.thickness_mm` is missing"), "{error}");
     let located = resolved.located(&error).unwrap();
-    let first = located.iter().next().unwrap();
-    assert_eq!(first.place.line_column(), Some((16, 1)), "{located}");
-    assert!(located.to_string().contains("the key `thickness_mm` is missing"), "{located}");
+    // All at once, in the order of the text.
+    let places: Vec<_> = located.iter().map(|one| one.place.line_column()).collect();
+    assert_eq!(places, [Some((7, 1)), Some((16, 1))], "{located}");
+    for key in ["gap_mm", "thickness_mm"] {
+        assert!(located.to_string().contains(&format!("the key `{key}` is missing")), "{located}");
+    }
 }
 
 /// Lengths and matrix change neither the layers nor the pixel, so that colours stay the same to the last bit.

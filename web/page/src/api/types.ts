@@ -26,6 +26,7 @@ export type SweepDone = Schemas["SweepDone"];
 export type Compared = Schemas["Compared"];
 export type Detailed = Schemas["Detailed"];
 export type Label = Schemas["Label"];
+export type MetricEntry = Schemas["MetricEntry"];
 export type Lobe = Schemas["TransmittedLobe"];
 
 export type MaterialEntry = Schemas["MaterialEntry"];

@@ -33,6 +33,7 @@ import {
   swept,
 } from "../state/sweep.ts";
 import { labelOf, labelText } from "../state/labels.ts";
+import { ofPixels } from "../state/metrics.ts";
 import { dark } from "../state/theme.ts";
 import { Aged } from "./aged.tsx";
 import { addAxis, AxesFields } from "./axes.tsx";
@@ -42,17 +43,25 @@ import { Problems } from "./problems.tsx";
 const METRICS = ["gamut_percent_srgb", "contrast_ratio", "gamut_percent_ebu", "text_contrast", "text_luminance_cd_m2"];
 const OF_STATES = ["Y", "L_star", "u_prime", "v_prime", "peak_nm"];
 
-/** Returns the metrics to choose from: all that the points have, or the usual ones before there are points. */
+/** False for the error of a metric. */
+const isValue = (name: string): boolean => !/_(de|se)$/.test(name);
+
+/**
+ * Returns the metrics to choose from: all that the points have, or the usual ones before there are points of all metrics of
+ * colours; and those of pixels.
+ */
 function metricsNow(): string[] {
-  const known = points.value[0]?.metrics;
+  const computed = points.value[0]?.metrics;
+  const known = computed && "contrast_ratio" in computed ? computed : undefined;
   const usual = [...METRICS, ...states.value.flatMap(([name]) => OF_STATES.map((of) => `${name}.${of}`))];
   const all = known
     ? Object.keys(known).filter(
         (name) =>
-          !/_(de|se)$/.test(name) && (name.includes(".") || METRICS.includes(name) || !OF_STATES.includes(name)),
+          isValue(name) && (name.includes(".") || METRICS.includes(name) || !OF_STATES.includes(name)),
       )
     : usual;
-  return [...new Set([...usual.filter((name) => all.includes(name)), ...all, metric.value])];
+  const first = usual.filter((name) => all.includes(name));
+  return [...new Set([...first, ...all, ...Object.keys(computed ?? {}).filter(isValue), ...ofPixels(), metric.value])];
 }
 
 const valueOf = (point: SweepPoint | undefined): number | null => point?.metrics[metric.value] ?? null;
@@ -210,6 +219,8 @@ function Result() {
   const isLow = useSignal(false);
   const axis = swept.value[0];
   if (!axis || points.value.length === 0) return null;
+  if (points.value.every((point) => !(metric.value in point.metrics)))
+    return <p class="remark">This sweep has not computed this metric: start it again.</p>;
   const best = extreme(isLow.value);
   const chosen = points.value.find((point) => point.index === selectedPoint.value);
   const last = points.value.reduce((end, point) => (point.index > end.index ? point : end));

@@ -9,6 +9,7 @@ import { leaves, numbers } from "../model/keys.ts";
 import { fields, selected, text } from "./design.ts";
 import { fileIds } from "./files.ts";
 import { edit } from "./live.ts";
+import { isOfPixels } from "./metrics.ts";
 import { ready } from "./ready.ts";
 import { long } from "./work.ts";
 
@@ -73,10 +74,18 @@ export function nearKey(): string | undefined {
   return free.find((path) => path.startsWith(selected.value) && !/regular|phi|fill/.test(path)) ?? free[0];
 }
 
+/** The metrics that the scenario's sweep names; none: all metrics of colours. */
+const named = computed(() => listAt(fields.value, "sweep.metrics"));
+
+/** Whether the scenario's own sweep computes the metric. */
+const fileComputes = (): boolean =>
+  named.value.length > 0 ? named.value.includes(metric.value) : !isOfPixels(metric.value);
+
 /** Returns the edits that write the axes to a scenario, for `papilio sweep`. */
-const asEdits = (): Edit[] => [
-  { op: "set", path: "sweep", value: { figures: [metric.value], axes: written(axes.value) } },
-];
+const asEdits = (): Edit[] => {
+  const metrics = isOfPixels(metric.value) ? { metrics: [metric.value] } : {};
+  return [{ op: "set", path: "sweep", value: { ...metrics, figures: [metric.value], axes: written(axes.value) } }];
+};
 
 /** Writes the sweep to the scenario. */
 export function keep(): void {
@@ -91,7 +100,7 @@ export async function run(): Promise<void> {
   points.value = [];
   done.value = null;
   selectedPoint.value = null;
-  const edits = isOfFile.value ? [] : asEdits();
+  const edits = isOfFile.value && fileComputes() ? [] : asEdits();
   await sweep.start("sweep", { scenario: text.value, files: fileIds.value }, edits, (event, data) => {
     if (event === "point") points.value = [...points.value, data as SweepPoint];
     if (event === "done") done.value = data as SweepDone;

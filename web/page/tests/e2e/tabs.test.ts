@@ -94,6 +94,29 @@ test("sweep over one key ends at the live result, and over two keys is drawn as 
   assert.deepEqual(on.complaints, []);
 });
 
+test("sweep of a metric of pixels has the value of the tab of fine detail", async () => {
+  const page = await on.visit();
+  await choose(page, "Examples", "matrix");
+  await page.locator("#tab-sweep").click();
+  await page.getByLabel("Key of axis 1").selectOption("display.glass.thickness_mm");
+  const axis = page.locator(".controls.axis").first();
+  await axis.getByLabel("from").fill("0.3");
+  await axis.getByLabel("to").fill("0.5");
+  await axis.getByLabel("count").fill("2");
+  await axis.getByLabel("count").press("Enter");
+  await page.locator("#sweep-metric").selectOption("white.f50_x_per_mm");
+  await page.getByRole("button", { name: "Sweep 2 points" }).click();
+  await page.locator('[data-phase="done"]').waitFor({ timeout: 60_000 });
+  const panel = page.locator("#tab-panel");
+  const last = /value at the last point: (\d+\.\d+)/.exec(await panel.innerText())![1]!;
+  await page.locator("#tab-detail").click();
+  const row = panel.locator("tr", { hasText: "Frequency of half the modulation along x" });
+  await row.first().waitFor({ timeout: 60_000 });
+  const white = Number(await row.first().locator("td").first().innerText());
+  assert.ok(Math.abs(Number(last) / white - 1) < 2e-3, `${last} ${white}`);
+  assert.deepEqual(on.complaints, []);
+});
+
 test("fine detail shows the numbers and figures of sharpness and crosstalk, or what is missing", async () => {
   const page = await on.visit();
   await page.locator("#tab-detail").click();

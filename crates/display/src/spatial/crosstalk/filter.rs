@@ -3,7 +3,8 @@
 use papilio_transport::spatial::Division;
 
 use super::super::response::name_of_light;
-use super::{BLACK, CrosstalkView, Figure, Measured, PAGE, add, assembled, flat, page, state};
+use super::found::{Measured, assembled};
+use super::{BLACK, CrosstalkView, Figure, PAGE, add, flat, page, state};
 use crate::DisplayError;
 use crate::filtered::{CELLS, Filtered, Lit};
 use crate::meter::Meter;
@@ -38,9 +39,10 @@ struct Lines {
 const BESIDE: f64 = 0.4;
 
 /// Why some numbers are null.
-const NO_LINE: &str =
-    "a line below a colour filter is computed for sub-pixels of the full height of the pixel (stripes)";
-const NO_TEXT: &str = "text below a colour filter is not computed: it has no period of a few pixels, and light that the face returns crosses it";
+const NO_LINE: &str = "adding computes a line below a colour filter for sub-pixels of the full height of the pixel (stripes); --solver monte-carlo computes others";
+const NO_TEXT: &str = "text below a colour filter is computed by paths: it has no period of a few pixels, and light that the face returns \
+    crosses it (--solver monte-carlo)";
+const DIFFUSED: &str = "a diffuser above the colour filter blurs what is seen of it: its stripes and lines are computed by paths (--solver monte-carlo)";
 
 /// Levels of discretisation.
 const LEVELS: [usize; 2] = [0, 1];
@@ -65,9 +67,10 @@ pub(super) fn views(
             return Err(DisplayError::Interrupted);
         }
         let at = |level: &Levelled| seen(filtered, setup, level, (number, view));
-        let mut assembled = assembled(setup, view, &at(&coarse)?, &at(&fine)?);
+        let mut assembled = assembled(setup, view, &at(&fine)?, &[at(&coarse)?]);
         for pattern in &mut assembled.patterns {
             pattern.why_null = match pattern.name {
+                Figure::Stripe | Figure::Line if filtered.is_diffused() => Some(DIFFUSED),
                 Figure::Line if !filtered.is_of_stripes() => Some(NO_LINE),
                 Figure::Text => Some(NO_TEXT),
                 _ => pattern.why_null,
@@ -85,13 +88,17 @@ fn levelled(filtered: &Filtered<'_>, setup: &Setup, level: usize) -> Result<Leve
     let lit = [filtered.lit(level, 1)?, filtered.lit(level, 2)?];
     let mut pairs: Vec<[usize; 2]> = (0..setup.states.len()).map(|state| [state, page]).collect();
     pairs.extend(black.map(|black| [page, black]));
+    if filtered.is_diffused() {
+        pairs.clear();
+    }
     let (mut pages, mut stripes) = (Vec::new(), Vec::new());
     for source in 0..setup.sources.len() {
         let states = 0..setup.states.len();
         pages.push(states.map(|state| filtered.irradiance(&lit[0], source, &[state])).collect());
         stripes.push(pairs.iter().map(|pair| filtered.irradiance(&lit[1], source, pair)).collect());
     }
-    let lines = filtered.is_of_stripes().then(|| lines(filtered, setup, level)).transpose()?;
+    let has_lines = filtered.is_of_stripes() && !filtered.is_diffused();
+    let lines = has_lines.then(|| lines(filtered, setup, level)).transpose()?;
     Ok(Levelled { level, lit, pages, stripes, pairs, lines })
 }
 
@@ -181,12 +188,16 @@ fn seen(
         };
         seen.entered.push((0..=count).map(entered).collect());
     }
+    // Stripes and lines are those of the plane of the filter.
+    let is_blurred = filtered.is_diffused();
     seen.beside[Figure::Patch as usize] = state(setup, PAGE).map(|page| colours[page]);
     seen.beside[Figure::Stripe as usize] =
         columns.get(states).copied().filter(|_| state(setup, PAGE).is_some());
     seen.beside[Figure::Line as usize] = seen.beside[Figure::Patch as usize].filter(|_| lines.is_some());
-    seen.figures[Figure::Line as usize] = line;
     seen.figures[Figure::Patch as usize] = colours;
-    seen.figures[Figure::Stripe as usize] = columns[..states].to_vec();
+    if !is_blurred {
+        seen.figures[Figure::Line as usize] = line;
+        seen.figures[Figure::Stripe as usize] = columns[..states].to_vec();
+    }
     Ok(seen)
 }

@@ -1,9 +1,13 @@
 //! `papilio crosstalk`: which sub-pixel lights which, and the colours and contrast of fine figures.
 //!
-//! Every number is computed at two levels of discretisation; the finer one is the result, the difference its error.
+//! By adding every number is computed at two levels of discretisation; the finer one is the result, the difference its error. By Monte Carlo
+//! (`paths`) errors are standard errors.
 
 mod filter;
 mod flat;
+mod found;
+mod orders;
+mod paths;
 mod places;
 mod result;
 mod shares;
@@ -11,25 +15,24 @@ mod surfaces;
 
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
-use papilio_colour::{GamutReference, UvPrime, Xyz, gamut_percent};
 use papilio_imaging::text::Bitmap;
 use papilio_transport::adding::Kernel;
 use papilio_transport::spatial::{Accuracy, PanelSpread};
 use papilio_transport::{Panel, Reflector, Source, Stack, Top};
 
 use self::flat::{Irradiance, Pixels};
+use self::found::{Measured, assembled};
+use self::orders::Orders;
 use self::places::{Gathered, NEIGHBOURS, Wanted, Windows, cell, gather};
 pub use self::result::{CrosstalkResult, CrosstalkView, Figure, PatternColours, PatternValues, Shares};
-use self::shares::{shares, with_error};
 use self::surfaces::{Part, Surfaces};
 use super::response::name_of_light;
 use super::{Level, patterns};
 use crate::DisplayError;
 use crate::filtered::Filtered;
-use crate::meter::{Meter, PRIMARIES};
-use crate::result::Named;
+use crate::meter::Meter;
 use crate::run::{Control, Progress, Workers, each};
-use crate::scene::{Matrix, Method, Scene};
+use crate::scene::{Matrix, Method, Scene, Stop};
 use crate::setup::{Setup, ViewPoint};
 
 /// X, Y and Z relative to a perfect white.
@@ -38,10 +41,6 @@ type Colour = [f64; 3];
 /// Natural digits of the two levels, and the highest order of the sub-pixels' pattern that they resolve.
 const DIGITS: [f64; 2] = [8.0, 11.0];
 const ORDERS: [f64; 2] = [2.0, 4.0];
-
-/// Warning for a scene that asks for paths.
-const ONE_SOLVER: &str =
-    "crosstalk is always computed by adding: solver.method = \"monte-carlo\" has no effect on it";
 
 /// State of pages, and that of figures whose contrast is measured.
 const PAGE: &str = "white";
@@ -53,6 +52,10 @@ const BLACK: &str = "black";
 /// If the scene is invalid, has no matrix, a length is missing, its kind of display or light is not covered, or the computation was stopped.
 pub fn crosstalk(scene: &Scene, text: &str, control: &Control<'_>) -> Result<CrosstalkResult, DisplayError> {
     let setup = Setup::with_filter(scene)?;
+    if scene.solver.method == Method::MonteCarlo {
+        let matrix = matrix(&setup)?;
+        return result(&setup, matrix, paths::views(&setup, matrix, text, control)?);
+    }
     if let Some(filtered) = Filtered::new(&setup)? {
         let matrix = matrix(&setup)?;
         return result(&setup, matrix, filter::views(&filtered, &setup, control)?);
@@ -97,14 +100,36 @@ fn result(
     if !error_reached.is_finite() {
         return Err(DisplayError::NotFinite);
     }
-    let warnings = (setup.scene.solver.method == Method::MonteCarlo).then_some(ONE_SOLVER);
     Ok(CrosstalkResult {
         subpixels: matrix.sub_pixels.iter().map(|one| one.name.clone()).collect(),
         pitch_um: matrix.pitch_mm.map(|pitch| 1e3 * pitch),
         page: setup.states.get(page(setup)).cloned().unwrap_or_default(),
         error_reached,
+        warnings: missed(setup, error_reached, &views).into_iter().collect(),
         views,
-        warnings: warnings.map(str::to_owned).into_iter().collect(),
+    })
+}
+
+/// Warning of errors above the target of the scene: that of shares, and relative ones of contrast ratios.
+fn missed(setup: &Setup, of_shares: f64, views: &[CrosstalkView]) -> Option<String> {
+    let Stop::RelativeError { target, .. } = setup.scene.solver.stop else { return None };
+    let of_pattern = |pattern: &PatternColours| {
+        Some((pattern.name.name(), pattern.error.contrast_ratio? / pattern.values.contrast_ratio?))
+    };
+    let all = views.iter().flat_map(|view| &view.patterns).filter_map(of_pattern);
+    let (what, most) = all.fold(("shares", of_shares), |most, one| if one.1 > most.1 { one } else { most });
+    let (is_missed, remedy) = match setup.scene.solver.method {
+        // The number of paths is an estimate.
+        Method::MonteCarlo => (most > 1.5 * target, "solver.paths sets the number of paths"),
+        _ => (
+            most > target,
+            "the levels of adding are fixed; `--solver monte-carlo` traces as many paths as the target needs",
+        ),
+    };
+    let what =
+        if what == "shares" { "the shares".to_owned() } else { format!("the contrast ratio of {what}") };
+    is_missed.then(|| {
+        format!("solver.relative_error = {target} is not met: the error of {what} is {most:.1e}; {remedy}")
     })
 }
 
@@ -121,22 +146,6 @@ struct Frame<'a> {
     /// State of the page.
     page: usize,
     text: Option<Bitmap>,
-}
-
-/// Light of one level.
-#[derive(Default)]
-struct Measured {
-    names: Vec<String>,
-    /// Y of the page through each window from each sub-pixel and the inactive area, `[light][window][sub-pixel]`.
-    page: Vec<Vec<Vec<f64>>>,
-    /// Y that arrives at each sub-pixel through each window of a filter and, last, between them, `[light][window][sub-pixel]`; empty
-    /// without filter.
-    entered: Vec<Vec<Vec<f64>>>,
-    /// Colour of each state as a figure on the page, `[figure][state]`; empty without such a figure.
-    figures: [Vec<Colour>; 4],
-    /// Colour of the page beside a black figure.
-    beside: [Option<Colour>; 4],
-    from_faces: Colour,
 }
 
 impl<'a> Frame<'a> {
@@ -172,7 +181,7 @@ impl<'a> Frame<'a> {
         let finest = pitch[0].min(pitch[1]);
         let at = |k: usize| self.measure(view, Level { digits: DIGITS[k], most_per_mm: ORDERS[k] / finest });
         let (coarse, fine) = (at(0)?, at(1)?);
-        Ok(assembled(self.setup, view, &coarse, &fine))
+        Ok(assembled(self.setup, view, &fine, &[coarse]))
     }
 
     fn measure(&self, view: &ViewPoint, level: Level) -> Result<Measured, DisplayError> {
@@ -183,9 +192,7 @@ impl<'a> Frame<'a> {
         let factors = kernel.seen(&setup.stack, 0);
         let (states, bins) = (setup.states.len(), setup.scene.grid.len());
         let mut measured = Measured::default();
-        let (mut pages, mut gathered) = (vec![[0.0; 3]; states], None::<Gathered>);
-        // Light of pages that meets the pixel once, if the front returns more.
-        let mut once = vec![[0.0; 3]; states];
+        let (mut pages, mut orders) = (vec![[0.0; 3]; states], None::<Orders>);
         let is_flat = self.is_flat_paper();
         // Light of each state and wavelength in X, Y and Z.
         let mut by_wavelength = [0, 1, 2].map(|_| vec![0.0; states * bins]);
@@ -204,25 +211,23 @@ impl<'a> Frame<'a> {
                 let light = flat::colour(weights, &factor.via_pixel[self.page * bins..][..bins])[1];
                 measured.page.push(self.only_own(light));
             } else {
-                let (mut more, of_light) =
-                    self.gathered(view, &setup.sources[light.source], weights, level)?;
-                once.iter_mut().zip(&of_light).for_each(|(sum, light)| add(sum, *light));
+                let mut more = self.orders(view, &setup.sources[light.source], weights, level)?;
                 if self.returns() {
-                    let own = flat::colour(weights, &factor.via_pixel[self.page * bins..][..bins])[1];
-                    more.add_returned(own / of_light[self.page][1], level.is_fine());
+                    let all = flat::colour(weights, &factor.via_pixel[self.page * bins..][..bins])[1];
+                    more.add_returned(self.page, all, level.is_fine());
                 }
-                measured.page.push(more.page.clone());
-                match &mut gathered {
+                measured.page.push(more.once.page.clone());
+                match &mut orders {
                     Some(sum) => sum.add(&more),
-                    None => gathered = Some(more),
+                    None => orders = Some(more),
                 }
             }
         }
         for figure in Figure::ALL {
-            let (colours, beside) = match (&gathered, figure) {
+            let (colours, beside) = match (&orders, figure) {
                 (_, Figure::Patch) => (pages.clone(), Some(pages[self.page])),
                 (None, _) => self.on_paper(figure, &pages, &by_wavelength, level)?,
-                (Some(gathered), _) => self.blurred(figure, (&pages, &once), gathered, level),
+                (Some(orders), _) => self.blurred(figure, &pages, orders, level),
             };
             measured.figures[figure as usize] = colours;
             measured.beside[figure as usize] = beside.filter(|_| state(self.setup, PAGE).is_some());
@@ -268,30 +273,41 @@ impl<'a> Frame<'a> {
         !self.panel.single_pass && self.panel.front.reflectance_below.max() > 0.0
     }
 
+    /// Light that meets the pixels once and, if a front returns some of it, the same of diffuse light.
+    fn orders(
+        &self,
+        view: &ViewPoint,
+        source: &Source,
+        weights: &[Vec<f64>; 3],
+        level: Level,
+    ) -> Result<Orders, DisplayError> {
+        let (once, pages) = self.gathered(view, source, weights, level)?;
+        // Paper is seen from the same places in any light.
+        let diffuse = match source {
+            _ if !self.returns() || !self.panel.base.is_specular() => None,
+            Source::Diffuse => Some((once.clone(), pages.clone())),
+            _ => Some(self.gathered(view, &Source::Diffuse, weights, level)?),
+        };
+        Ok(Orders { once, pages, diffuse })
+    }
+
     /// Colours of figures that are blurred: the page, less its light from the places of the figure and more of that of the figure.
-    ///
-    /// Of what a front returns, the fine level takes all as coming from the whole page, the coarse one as coming from the places that are
-    /// seen directly: the difference bounds the error. `once`: pages in light that meets the pixel once.
     fn blurred(
         &self,
         figure: Figure,
-        (pages, once): (&[Colour], &[Colour]),
-        gathered: &Gathered,
+        pages: &[Colour],
+        orders: &Orders,
         level: Level,
     ) -> (Vec<Colour>, Option<Colour>) {
-        let text;
-        let light = match figure {
-            Figure::Stripe => &gathered.stripes,
-            Figure::Line => &gathered.line,
-            Figure::Text | Figure::Patch => match self.strokes(gathered) {
-                Some(light) => {
-                    text = light;
-                    &text
-                }
-                None => return (Vec::new(), None),
-            },
+        let light_of = |gathered: &Gathered| match figure {
+            Figure::Stripe => Some(gathered.stripes.clone()),
+            Figure::Line => Some(gathered.line.clone()),
+            Figure::Text | Figure::Patch => self.strokes(gathered),
         };
-        let within = |state: usize| {
+        let Some(once) = light_of(&orders.once) else { return (Vec::new(), None) };
+        let later = orders.diffuse.as_ref().and_then(|(later, _)| light_of(later));
+        let within = |diffuse: bool, state: usize| {
+            let light = later.as_ref().filter(|_| diffuse).unwrap_or(&once);
             let mut sum = [0.0; 3];
             for part in &self.surfaces.states[state] {
                 let known = self.parts.iter().position(|known| known.at() == part.at());
@@ -301,23 +317,11 @@ impl<'a> Frame<'a> {
             sum
         };
         let on = |own: usize, page: usize| {
-            let (more, less) = (within(own), within(page));
-            let blurred = |of: &[Colour], k: usize| of[page][k] + more[k] - less[k];
-            if !self.returns() {
-                return [0, 1, 2].map(|k| blurred(pages, k));
+            if self.returns() {
+                return orders.figure(figure, [own, page], (pages, level.is_fine()), within);
             }
-            [0, 1, 2].map(|k| {
-                let orders = |state: usize| {
-                    if once[state][k] > 0.0 { pages[state][k] / once[state][k] } else { 1.0 }
-                };
-                let part = if once[own][k] > 0.0 { more[k] / once[own][k] } else { 0.0 };
-                let returned = match (level.is_fine(), figure) {
-                    (true, Figure::Stripe) => 1.0 / (0.5 / orders(own) + 0.5 / orders(page)),
-                    (true, _) => orders(page),
-                    (false, _) => orders(page) + part * (orders(own) - orders(page)),
-                };
-                blurred(once, k) * returned
-            })
+            let (more, less) = (within(false, own), within(false, page));
+            [0, 1, 2].map(|k| pages[page][k] + more[k] - less[k])
         };
         let colours = (0..pages.len()).map(|state| on(state, self.page)).collect();
         let beside = match (figure, state(self.setup, BLACK)) {
@@ -380,75 +384,6 @@ impl<'a> Frame<'a> {
     }
 }
 
-/// What a view sees, from two levels.
-fn assembled(setup: &Setup, view: &ViewPoint, coarse: &Measured, fine: &Measured) -> CrosstalkView {
-    let all = |level: &Measured| shares(&level.page, &level.entered);
-    let one = |level: &Measured, light: usize| {
-        let entered = level.entered.get(light).map_or(&[][..], std::slice::from_ref);
-        shares(&level.page[light..=light], entered)
-    };
-    let by_light = fine.names.iter().enumerate();
-    let by_light =
-        by_light.map(|(light, name)| (name.clone(), with_error(one(fine, light), &one(coarse, light))));
-    let pattern = |figure: Figure| {
-        let (values, other) = (values(setup, fine, figure), values(setup, coarse, figure));
-        let is_missing = fine.figures[figure as usize].is_empty();
-        let why_null = if is_missing { why_null(figure) } else { None };
-        PatternColours { name: figure, values, error: values.difference(&other), why_null }
-    };
-    CrosstalkView {
-        theta_deg: view.theta_deg,
-        phi_deg: view.phi_deg,
-        by_light: Named(by_light.collect()),
-        shares: with_error(all(fine), &all(coarse)),
-        patterns: Figure::ALL.map(pattern).to_vec(),
-    }
-}
-
-/// Why there is no such figure.
-fn why_null(figure: Figure) -> Option<&'static str> {
-    let no_strokes = "no pixel is in the middle of a stroke: the text is too small for these pixels (viewer.text_height_mm)";
-    (figure == Figure::Text).then_some(no_strokes)
-}
-
-fn values(setup: &Setup, measured: &Measured, figure: Figure) -> PatternValues {
-    let colours = &measured.figures[figure as usize];
-    if colours.is_empty() {
-        return PatternValues::default();
-    }
-    let colour = |name: &str, faces: f64| {
-        let colour = colours[state(setup, name)?];
-        Some([0, 1, 2].map(|k| colour[k] + faces * measured.from_faces[k]))
-    };
-    let uv = |name| {
-        let [x, y, z] = colour(name, 1.0)?;
-        Xyz { x, y, z }.uv_prime()
-    };
-    let triangle: Option<Vec<UvPrime>> = PRIMARIES.into_iter().map(uv).collect();
-    let triangle = triangle.and_then(|uv| <[UvPrime; 3]>::try_from(uv).ok());
-    let contrast = |faces: f64| {
-        let (page, black) = (measured.beside[figure as usize]?, colour(BLACK, faces)?);
-        let page = page[1] + faces * measured.from_faces[1];
-        (black[1] > 0.0).then(|| page / black[1])
-    };
-    PatternValues {
-        gamut_percent_srgb: triangle.map(|uv| gamut_percent(uv, GamutReference::Srgb)),
-        contrast_ratio: contrast(1.0),
-        contrast_ratio_via_pixel: contrast(0.0),
-    }
-}
-
-impl PatternValues {
-    fn difference(&self, other: &Self) -> Self {
-        let of = |one: Option<f64>, other: Option<f64>| Some((one? - other?).abs());
-        Self {
-            gamut_percent_srgb: of(self.gamut_percent_srgb, other.gamut_percent_srgb),
-            contrast_ratio: of(self.contrast_ratio, other.contrast_ratio),
-            contrast_ratio_via_pixel: of(self.contrast_ratio_via_pixel, other.contrast_ratio_via_pixel),
-        }
-    }
-}
-
 fn add(sum: &mut Colour, more: Colour) {
     (0..3).for_each(|k| sum[k] += more[k]);
 }
@@ -456,15 +391,15 @@ fn add(sum: &mut Colour, more: Colour) {
 /// Returns the panel if its places are computed.
 fn covered(setup: &Setup) -> Result<&Panel, DisplayError> {
     let not_yet = |what: &str, key: &str| {
-        Err(DisplayError::PlacesNotComputed { what: what.to_owned(), key: key.to_owned() })
+        Err(DisplayError::PlacesByPaths { what: what.to_owned(), key: key.to_owned() })
     };
     let Stack::Panel(panel) = &setup.stack else {
         return not_yet("general layers ([[display.layers]])", "display.layers");
     };
-    let is_flat_paper = !panel.base.is_specular() && !matches!(panel.top, Top::Diffuser(_));
-    if panel.front.reflectance_below.max() > 0.0 && !is_flat_paper {
+    let are_flat_mirrors = panel.base.is_specular() && !matches!(panel.top, Top::Diffuser(_));
+    if panel.front.reflectance_below.max() > 0.0 && are_flat_mirrors {
         return not_yet(
-            "front components that reflect light to anything but paper below a flat face",
+            "front components that reflect light to mirror-like pixels below a flat face",
             "display.front",
         );
     }

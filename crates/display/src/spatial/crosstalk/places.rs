@@ -18,9 +18,9 @@ const SIDE: usize = 2 * NEIGHBOURS as usize + 1;
 /// Windows of a pixel whose areas are the fractions of the colours.
 pub(super) struct Windows {
     pitch_mm: [f64; 2],
-    all: Vec<Window>,
+    pub(super) all: Vec<Window>,
     /// Fraction of colours over the area, of each sub-pixel and of the inactive area.
-    scale: Vec<f64>,
+    pub(super) scale: Vec<f64>,
 }
 
 /// What is seen of the surfaces through a pixel, in one light or all. Colours are X, Y and Z.
@@ -167,26 +167,6 @@ impl Gathered {
                     add(&mut self.near[cell + number]);
                 }
             }
-        }
-    }
-
-    /// Adds what a front returns to the page, `orders` being all light over that of the first order: to the fine level evenly from everywhere,
-    /// to the coarse one from where light of the first order comes.
-    pub(super) fn add_returned(&mut self, orders: f64, is_fine: bool) {
-        let orders = if orders.is_finite() { orders.max(1.0) } else { 1.0 };
-        if !is_fine {
-            self.page.iter_mut().flatten().for_each(|light| *light *= orders);
-            return;
-        }
-        let rows: Vec<f64> = self.page.iter().map(|row| row.iter().sum()).collect();
-        let total: f64 = rows.iter().sum();
-        let count = self.page.first().map_or(0, Vec::len);
-        let from = |part: usize| self.page.iter().map(|row| row[part]).sum::<f64>();
-        let parts: Vec<f64> = (0..count).map(from).collect();
-        for (row, seen) in self.page.iter_mut().zip(rows).filter(|_| total > 0.0) {
-            row.iter_mut()
-                .zip(&parts)
-                .for_each(|(light, part)| *light += (orders - 1.0) * seen * part / total);
         }
     }
 

@@ -15,7 +15,7 @@ pub struct CrosstalkResult {
     pub pitch_um: [f64; 2],
     /// State of the uniform page of `out` and of the ground of patterns.
     pub page: String,
-    /// Largest error of a share: the difference of two levels of discretisation.
+    /// Largest error of a share: the difference of two levels of discretisation, or a standard error (Monte Carlo).
     pub error_reached: f64,
     /// One entry for each view, with theta varying fastest.
     pub views: Vec<CrosstalkView>,
@@ -115,7 +115,7 @@ pub struct PatternColours {
     pub values: PatternValues,
     /// Errors of the numbers.
     pub error: PatternValues,
-    /// Why all numbers are null; absent if they are not, or if only states are missing.
+    /// Why all numbers are null; absent if they are not.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub why_null: Option<&'static str>,
 }

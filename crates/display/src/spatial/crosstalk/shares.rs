@@ -1,6 +1,7 @@
 //! Shares of light by window and sub-pixel.
 
 use super::Shares;
+use super::found::errors;
 
 /// Shares of the light of a page and of what entered, of all lights together, `[light][window][sub-pixel]`.
 pub(super) fn shares(page: &[Vec<Vec<f64>>], entered: &[Vec<Vec<f64>>]) -> Shares {
@@ -60,17 +61,15 @@ fn sum(lights: &[Vec<Vec<f64>>]) -> Vec<Vec<f64>> {
     sums
 }
 
-/// The finer of two levels, with the largest difference.
-pub(super) fn with_error(fine: Shares, coarse: &Shares) -> Shares {
-    let rows = |shares: &Shares| -> Vec<f64> {
-        let all = shares.out.iter().chain(shares.in_.iter().flatten()).flatten();
-        let own = shares.own_share_out.iter().chain(&shares.own_share_in);
-        all.chain(&shares.inactive_out)
-            .chain(shares.between_in.iter().flatten())
-            .chain(own)
-            .copied()
-            .collect()
+/// Shares with the largest of their errors.
+pub(super) fn with_error(found: Shares, others: &[Shares]) -> Shares {
+    let all = |shares: &Shares| -> Vec<Option<f64>> {
+        let rows = shares.out.iter().chain(shares.in_.iter().flatten()).flatten();
+        let rest = shares.inactive_out.iter().chain(shares.between_in.iter().flatten());
+        let own = [shares.own_share_out, shares.own_share_in];
+        rows.chain(rest).copied().map(Some).chain(own).collect()
     };
-    let error = rows(&fine).iter().zip(rows(coarse)).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
-    Shares { error, ..fine }
+    let others: Vec<_> = others.iter().map(all).collect();
+    let error = errors(&all(&found), &others).into_iter().flatten().fold(0.0, f64::max);
+    Shares { error, ..found }
 }

@@ -7,6 +7,9 @@ use crate::spatial::LineContrast;
 use crate::spatial::mtf::Frame;
 use crate::spatial::patterns;
 
+/// Most middles of strokes that are seen.
+const MOST_STROKES: usize = 256;
+
 /// Images: lines, strokes of black text on white, the white and the black page, and half of the area of each in the finest pattern.
 pub(super) struct Fixed {
     white: usize,
@@ -33,6 +36,9 @@ impl Fixed {
             patterns::bitmap(&frame.setup.scene, &frame.patterns.text, pitch, frame.thickness_mm)
         });
         let strokes = text.as_ref().map_or_else(Vec::new, |bitmap| bitmap.middles().strokes);
+        // Each is an image, whose spectra paths carry: of large text every few are enough.
+        let step = strokes.len().div_ceil(MOST_STROKES).max(1);
+        let strokes = strokes.into_iter().step_by(step).collect();
         let pitch_mm = frame.pitch_mm.unwrap_or([1.0; 2]);
         Some(Self { white, black, pitch_mm, lines, text, strokes })
     }

@@ -11,14 +11,14 @@ use num_complex::Complex64;
 use papilio_optics::Beta;
 use papilio_transport::Source;
 use papilio_transport::spatial::Peak;
-use papilio_transport::walk::places::{CellGrid, Estimate, KernelTally, Shape, TwoStates, What};
+use papilio_transport::walk::places::{CellGrid, Estimate, KernelTally, Shape, TwoStates};
 
 use super::measured::Measured;
 use super::mtf::Frame;
 use super::patterns::Pattern;
 use super::profile::{cumulative, places};
 use super::response::name_of_light;
-use super::walk::{Placed, mean};
+use super::walk::{Placed, States, mean};
 use super::{Curves, Kernel, LineContrast, MtfState, MtfView, PatternKind, PatternMean, SpatialScalars};
 use crate::DisplayError;
 use crate::meter::jackknife;
@@ -100,7 +100,7 @@ pub(super) fn view(
     let control = &Control { progress: &progress, ..*control };
     let estimates = grid.kernels(panel, view, paths, control)?;
     let images = match &fixed {
-        Some(fixed) => panel.trace(view, || What::Pattern(fixed), paths, control)?,
+        Some(fixed) => panel.trace_states(view, States::Pattern(fixed), paths, control)?,
         None => Vec::new(),
     };
     let found = left_out(&grid, frame, panel, &estimates, &images, fixed.as_ref());
@@ -213,14 +213,14 @@ impl Grid {
     ) -> Result<Vec<Estimate>, DisplayError> {
         let along =
             |axis: usize| self.frequencies.iter().map(move |f| if axis == 0 { [*f, 0.0] } else { [0.0, *f] });
-        let tally = || KernelTally {
+        let tally = KernelTally {
             frequencies_per_mm: along(0).chain(along(1)).collect(),
             cells: Some(self.cells),
             strips_mm: self.places.clone(),
             rings_mm: self.radii.clone(),
             channels: panel.channels(),
         };
-        panel.trace(view, || What::Kernel(tally()), paths, control)
+        panel.trace_states(view, States::Kernel(tally), paths, control)
     }
 
     /// Sums of a replicate over the sources with light.
@@ -295,7 +295,7 @@ fn pattern_means(
             PatternKind::Checkerboard => Shape::Checkerboard,
         };
         let pattern = TwoStates { shape, period_mm, states };
-        let estimates = panel.trace(view, || What::Pattern(&pattern), paths, control)?;
+        let estimates = panel.trace_states(view, States::Pattern(&pattern), paths, control)?;
         let y = mean(estimates.iter().map(|one| panel.luminous(one, Some(0))));
         let faces = mean(estimates.iter().map(|one| panel.luminous(one, None)));
         Ok(PatternMean {

@@ -50,6 +50,7 @@ impl Tracer<'_> {
         };
         let beta = path.beta;
         path.move_back(|place| per_beta(medium, place, beta, first));
+        path.passes_filter();
         let places = path.place_mm.len();
         for (bin, factor) in flat.factors.iter_mut().enumerate() {
             let cosine = (1.0 - beta.squared() / medium.index()[bin].powi(2)).max(0.0).sqrt();

@@ -16,6 +16,7 @@ use pulp::{Arch, Simd, WithSimd};
 
 use super::light::{FirstMeeting, Shown};
 use super::path::Trace;
+use super::pattern::Meeting;
 use super::tally::Sums;
 use super::tracer::{Shows, Tracer};
 use crate::angular::Stencil;
@@ -40,7 +41,9 @@ pub(super) struct Grouped<'a> {
 
 /// Paths of a group.
 struct Group {
-    /// Where the viewer's own ray meets the pixel, less where it leaves the diffuser: 0 or a place in the period.
+    /// Where the viewer's own ray meets the pixel: 0 or a place in the period.
+    own: [Lanes; 2],
+    /// Where it enters the diffuser.
     from: [Lanes; 2],
     below: Meetings,
     beams: Vec<FromBeam>,
@@ -137,9 +140,12 @@ impl<'a> Grouped<'a> {
                     for k in wanted.clone() {
                         let of_beams = group.beams.iter().map(|one| (one.source, one.connected[k]));
                         let of_diffuse = self.diffuse.iter().map(|source| (*source, leaving[k]));
-                        self.meet(&group.below, k, of_diffuse.chain(of_beams), &mut memory, sums);
+                        let own = [0, 1].map(|axis| group.own[axis][k]);
+                        let all = of_diffuse.chain(of_beams);
+                        self.meet((&group.below, own), k, all, &mut memory, sums);
                         for FromBeam { source, weight, backwards, .. } in &group.beams {
-                            self.meet(backwards, k, std::iter::once((*source, weight[k])), &mut memory, sums);
+                            let light = std::iter::once((*source, weight[k]));
+                            self.meet((backwards, own), k, light, &mut memory, sums);
                         }
                     }
                 },
@@ -151,7 +157,7 @@ impl<'a> Grouped<'a> {
     #[inline(always)]
     fn meet(
         &self,
-        meetings: &Meetings,
+        (meetings, own_mm): (&Meetings, [f64; 2]),
         k: usize,
         lights: impl Iterator<Item = (usize, f64)>,
         (first, trace): &mut (FirstMeeting, Trace),
@@ -164,7 +170,8 @@ impl<'a> Grouped<'a> {
         let place_mm = [meetings.place_mm[0][k], meetings.place_mm[1][k]];
         first.look_up = self.nodes.stencil(squared, self.index);
         if let Shows::Pattern(pattern) = self.tracer.shows {
-            first.shown.set(pattern, place_mm, self.states);
+            let meeting = Meeting { place_mm, own_mm, passed_mm: own_mm, is_first: true };
+            first.shown.set(pattern, &meeting, self.states);
         }
         let lights = lights.map(|(source, light)| (source, self.through * light));
         sums.add_meeting(place_mm, first, trace, lights);
@@ -182,7 +189,7 @@ impl<'a> Grouped<'a> {
             Source::Diffuse | Source::Disc(_) | Source::Field(_) => None,
         };
         let beams = self.tracer.sources.iter().enumerate().filter_map(from_beam).collect();
-        Group { from: [[0.0; LANES]; 2], below: Meetings::NONE, beams }
+        Group { own: [[0.0; LANES]; 2], from: [[0.0; LANES]; 2], below: Meetings::NONE, beams }
     }
 }
 
@@ -207,7 +214,9 @@ impl WithSimd for Pass<'_, '_> {
         let [u, v, s, t]: [Lanes; 4] = [0, 1, 2, 3].map(|k| numbers.batch(first, 0, k));
         let period = walk.tracer.period_mm();
         if period != [0.0; 2] {
-            group.from = [0, 1].map(|k| numbers.batch(first, 1, k));
+            group.own = [0, 1].map(|k| numbers.batch(first, 1, k));
+            let own = group.own.iter_mut().zip(period);
+            own.for_each(|(own, period)| own.iter_mut().for_each(|place| *place *= period));
         }
         for k in 0..LANES {
             let above = towards_field([u[k], v[k]]);
@@ -219,10 +228,10 @@ impl WithSimd for Pass<'_, '_> {
         }
         for k in 0..LANES {
             let per_beta = thickness / (square - above_x[k].powi(2) - above_y[k].powi(2)).sqrt();
-            group.from[0][k] = period[0] * group.from[0][k] + above_x[k] * per_beta;
-            group.from[1][k] = period[1] * group.from[1][k] + above_y[k] * per_beta;
+            group.from[0][k] = group.own[0][k] + above_x[k] * per_beta;
+            group.from[1][k] = group.own[1][k] + above_y[k] * per_beta;
         }
-        let Group { from, below, beams } = group;
+        let Group { from, below, beams, .. } = group;
         let places: [[f64; 2]; LANES] = std::array::from_fn(|k| [from[0][k], from[1][k]]);
         for (k, place) in places.iter().enumerate() {
             let beta = at(&above_x, &above_y, k) + at(&offset_x, &offset_y, k);

@@ -6,7 +6,7 @@
 //! the sums once, for all paths ([`tally`](super::tally)). Light has spectra from the second meeting on, and from its start
 //! under layers with colour or over a pixel that scatters by a kernel.
 
-use super::pattern::Pattern;
+use super::pattern::{Meeting, Pattern};
 use crate::angular::Stencil;
 use crate::walk::{add_scaled, scale_rows};
 
@@ -211,11 +211,11 @@ impl Shown {
         }
     }
 
-    /// Becomes what a pattern shows at a place.
-    pub(super) fn set(&mut self, pattern: &dyn Pattern, place_mm: [f64; 2], states: usize) {
+    /// Becomes what a pattern shows at a meeting.
+    pub(super) fn set(&mut self, pattern: &dyn Pattern, meeting: &Meeting, states: usize) {
         if let Self::Covered(covered) = self {
             covered.clear();
-            pattern.shows(place_mm, &mut |image, state, coverage| {
+            pattern.shows_at(meeting, &mut |image, state, coverage| {
                 covered.push((image * states + state, coverage))
             });
         }

@@ -11,6 +11,7 @@
 //! - [`What::Kernel`]: where uniform states are seen: `exp(-2 pi i f.r)` at chosen frequencies, and light in the cells of a grid.
 //!   ([`Spreads`]: light that met the pixel once, and the response of all orders to a small change.)
 //! - [`exits`](PlacedWalk::exits): where light that enters at one place leaves.
+//! - [`entries`](PlacedWalk::entries): where light that reaches a place of the pixel entered.
 //!
 //! # Method
 //! A plain path tracer, backwards from the viewer; nothing is summed in closed form, since a closed form does not know where
@@ -54,9 +55,10 @@ use crate::{Cone, Layered, ReflectanceFactor, Source};
 pub use bins::CellGrid;
 pub use filter::FilterPlane;
 use grouped::Grouped;
+use light::Recorded;
 use papilio_optics::Beta;
 use path::Path;
-pub use pattern::{Matrix, Pattern, SeenFrom, Shape, TwoStates, Uniform};
+pub use pattern::{Matrix, Meeting, Pattern, SeenFrom, Shape, TwoStates, Uniform};
 pub use tally::{Kernel, KernelTally, Spreads};
 use tally::{Plan, Record, Sums};
 use tracer::{Shows, Tracer, Workspace};
@@ -70,6 +72,8 @@ pub enum What<'a> {
     Pattern(&'a dyn Pattern),
     /// The spread of each uniform state.
     Kernel(KernelTally),
+    /// The spread of each image of a pattern, as a mean over its period; below a filter.
+    KernelOf(&'a dyn Pattern, KernelTally),
 }
 
 /// Reason why there is no walk with places.
@@ -127,6 +131,19 @@ pub struct Exit<'p> {
     /// False if it leaves into the air above, true if it arrives at the plane of the pixel.
     pub below: bool,
     /// Light, per unit that enters; by wavelength, or `[state][wavelength]` once it has met the pixel.
+    pub light: &'p [f64],
+}
+
+/// Light of a source that reaches the pixel for the first time.
+#[derive(Debug, Clone, Copy)]
+pub struct Entry<'p> {
+    /// Number of the source.
+    pub source: usize,
+    /// Where it meets the pixel, mm.
+    pub place_mm: [f64; 2],
+    /// Where it passed the plane of the filter, mm: one place for all wavelengths, or one for each; empty without filter.
+    pub passed_mm: &'p [[f64; 2]],
+    /// Irradiance over that of the source above the display, by wavelength.
     pub light: &'p [f64],
 }
 
@@ -210,6 +227,9 @@ impl<'a> PlacedWalk<'a> {
         let (shows, kernel) = match what {
             What::Pattern(pattern) => (Shows::Pattern(pattern), None),
             What::Kernel(kernel) => (Shows::EachState, Some(kernel)),
+            // Light of patterns has spectra below filters only, and the nodes of the pixel know no images.
+            What::KernelOf(..) if filter.is_none() => return Err(PlaceError::Filter),
+            What::KernelOf(pattern, kernel) => (Shows::Pattern(pattern), Some(kernel)),
         };
         let fits = |kernel: &KernelTally| {
             let mut channels = kernel.channels.iter().flatten();
@@ -256,6 +276,35 @@ impl<'a> PlacedWalk<'a> {
     pub fn exits(&self, numbers: &SampleStream, paths: std::ops::Range<u64>, exit: impl FnMut(Exit<'_>)) {
         let (mut work, mut exits) = (self.tracer.workspace(true), Exits { exit });
         paths.for_each(|path| self.tracer.trace(&PathNumbers::new(numbers, path), &mut work, &mut exits));
+    }
+}
+
+impl PlacedWalk<'_> {
+    /// Follows light that reaches the pixel for the first time back to where it entered; `paths` are numbers of paths. Places on the pixel are
+    /// distributed as those of the view's own ray. The sum over the entries, over the number of paths, is the mean irradiance.
+    ///
+    /// The pixel of the stack must be Lambertian: a mirror-like one would be part of the way to a beam.
+    pub fn entries(&self, numbers: &SampleStream, paths: std::ops::Range<u64>, entry: impl FnMut(Entry<'_>)) {
+        let (mut work, mut entries) = (self.tracer.workspace(true), Entries { entry, light: Vec::new() });
+        paths.for_each(|path| {
+            self.tracer.trace_up(&PathNumbers::new(numbers, path), &mut work, &mut entries);
+        });
+    }
+}
+
+/// Passes on the light that enters.
+struct Entries<F> {
+    entry: F,
+    light: Vec<f64>,
+}
+
+impl<F: FnMut(Entry<'_>)> Record for Entries<F> {
+    fn receives(&mut self, source: usize, path: &Path, weight: f64) {
+        let Recorded::Spectra(scale, spectra) = path.light.recorded() else { return };
+        self.light.clear();
+        self.light.extend(spectra.iter().map(|light| weight * scale * light));
+        let (place_mm, passed_mm) = (path.own_mm, &path.passed_mm[..]);
+        (self.entry)(Entry { source, place_mm, passed_mm, light: &self.light });
     }
 }
 

@@ -5,6 +5,7 @@ use std::ops::Range;
 use papilio_optics::Beta;
 
 use super::light::Light;
+use super::pattern::Meeting;
 use super::waves::Spot;
 use crate::skeleton::Propagation;
 
@@ -20,6 +21,10 @@ pub(super) struct Path {
     pub(super) place_mm: Vec<[f64; 2]>,
     /// Its first place.
     pub(super) entry_mm: [f64; 2],
+    /// Where the view's own ray meets the pixel.
+    pub(super) own_mm: [f64; 2],
+    /// Where it passed the plane of the filter before its first meeting with the pixel, as `place_mm`; empty without filter.
+    pub(super) passed_mm: Vec<[f64; 2]>,
     /// Density over direction cosines with which the direction was sampled; infinite if the path was never scattered.
     pub(super) density: f64,
     pub(super) light: Light,
@@ -55,6 +60,8 @@ impl Path {
             going: Propagation::Down,
             place_mm: vec![[0.0; 2]; places],
             entry_mm: [0.0; 2],
+            own_mm: [0.0; 2],
+            passed_mm: Vec::new(),
             density: f64::INFINITY,
             light,
             trace: Trace::default(),
@@ -74,6 +81,8 @@ impl Path {
         (self.beta, self.plane, self.going) = (other.beta, other.plane, other.going);
         self.density = other.density;
         self.place_mm.copy_from_slice(&other.place_mm);
+        self.own_mm = other.own_mm;
+        self.passed_mm.clone_from(&other.passed_mm);
         self.light.copy(&other.light);
         self.trace.copy(&other.trace);
     }
@@ -81,6 +90,23 @@ impl Path {
     /// The wavelengths of a place.
     pub(super) fn bins_at(&self, place: usize) -> Range<usize> {
         if self.place_mm.len() == 1 { 0..self.light.bins() } else { place..place + 1 }
+    }
+
+    /// Remembers that it passes the plane of the filter here, unless it has met the pixel.
+    pub(super) fn passes_filter(&mut self) {
+        if self.light.meetings() == 0 {
+            self.passed_mm.clone_from(&self.place_mm);
+        }
+    }
+
+    /// Its meeting with the pixel, by the number of a place.
+    pub(super) fn meeting(&self, place: usize) -> Meeting {
+        Meeting {
+            place_mm: self.place_mm[place],
+            own_mm: self.own_mm,
+            passed_mm: self.passed_mm.get(place).copied().unwrap_or(self.own_mm),
+            is_first: self.light.meetings() == 0,
+        }
     }
 
     /// Passes the next element.

@@ -16,6 +16,24 @@ pub trait Pattern: Sync {
     /// Calls `covered` with the number of each image, of each state that it shows at a place (mm, in the plane of the panel), and the
     /// fraction that the state covers.
     fn shows(&self, place_mm: [f64; 2], covered: &mut dyn FnMut(usize, usize, f64));
+
+    /// The same for a pattern that depends on more of a meeting than its place.
+    fn shows_at(&self, meeting: &Meeting, covered: &mut dyn FnMut(usize, usize, f64)) {
+        self.shows(meeting.place_mm, covered);
+    }
+}
+
+/// A meeting of a path, followed back from the viewer, with the pixel. Places are in mm.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Meeting {
+    /// Where it is.
+    pub place_mm: [f64; 2],
+    /// Where the view's own ray meets the pixel.
+    pub own_mm: [f64; 2],
+    /// Where the path first passed the plane of the filter; without filter that of the own ray.
+    pub passed_mm: [f64; 2],
+    /// True for the first meeting: the last one of the light.
+    pub is_first: bool,
 }
 
 /// Every state everywhere: image k is state k.

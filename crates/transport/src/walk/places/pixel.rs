@@ -18,9 +18,10 @@ impl Tracer<'_> {
     pub(super) fn reflect_at_once(&self, path: &mut Path, work: &mut PixelWork, record: &impl Record) {
         let squared = path.beta.squared();
         if path.light.is_number() {
+            let meeting = path.meeting(0);
             let shown = path.light.meet(squared, self.look_up(squared));
             if let Shows::Pattern(pattern) = self.shows {
-                shown.set(pattern, path.place_mm[0], self.stack.base.states());
+                shown.set(pattern, &meeting, self.stack.base.states());
             }
             return record.meets(path);
         }
@@ -39,9 +40,9 @@ impl Tracer<'_> {
             Shows::Pattern(pattern) => {
                 let (bins, PixelWork { reflectance, mixed }) = (self.bins(), work);
                 mixed.fill(0.0);
-                for (k, place) in path.place_mm.iter().enumerate() {
+                for k in 0..path.place_mm.len() {
                     let here = path.bins_at(k);
-                    pattern.shows(*place, &mut |image, state, coverage| {
+                    pattern.shows_at(&path.meeting(k), &mut |image, state, coverage| {
                         let row = &mut mixed[image * bins..][here.clone()];
                         add_scaled(row, &reflectance[state * bins..][here.clone()], coverage);
                     });
@@ -90,7 +91,12 @@ impl Tracer<'_> {
     }
 
     /// Light leaves a Lambertian pixel: the same basic radiance in all directions of the medium.
-    fn leave_lambertian(&self, dice: &mut Dice<'_>, work: &mut Workspace, record: &mut impl Record) {
+    pub(super) fn leave_lambertian(
+        &self,
+        dice: &mut Dice<'_>,
+        work: &mut Workspace,
+        record: &mut impl Record,
+    ) {
         let medium = self.lowest();
         let largest = medium.largest_index();
         let value = warp::uniform_disc_density(largest);

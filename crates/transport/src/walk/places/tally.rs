@@ -269,8 +269,9 @@ impl Sums<'_> {
 impl Record for Sums<'_> {
     fn meets(&self, path: &mut Path) {
         if self.plan.tally.is_some() {
+            let [x, y] = path.own_mm;
             for place in &path.place_mm {
-                self.plan.locate(*place, &mut path.trace);
+                self.plan.locate([place[0] - x, place[1] - y], &mut path.trace);
             }
         }
     }

@@ -166,14 +166,13 @@ impl<'a> Tracer<'a> {
 
     /// Traces a path.
     pub(super) fn trace(&self, numbers: &PathNumbers<'_>, work: &mut Workspace, record: &mut impl Record) {
-        let of_points = if self.has_points { numbers.of_sources(0) } else { [0.5; 4] };
-        for (target, source) in work.targets.iter_mut().zip(self.sources) {
-            *target = Target::sample(source, [of_points[0], of_points[1]]);
-        }
+        self.choose_points(numbers, work);
         let path = &mut work.path;
         path.start(self.view.sample_towards(numbers.field()));
         let (u, period) = (numbers.beside_field(), self.period_mm());
-        path.place_mm.fill([u[0] * period[0], u[1] * period[1]]);
+        path.own_mm = [u[0] * period[0], u[1] * period[1]];
+        path.passed_mm.clear();
+        path.place_mm.fill(path.own_mm);
         // The view's own ray meets the pixel there.
         let beta = path.beta;
         for (layer, length) in self.stack.layers.iter().zip(&self.lengths_mm) {
@@ -182,11 +181,44 @@ impl<'a> Tracer<'a> {
         path.entry_mm = path.place_mm.first().copied().unwrap_or_default();
         let mut dice = Dice::new(numbers);
         while self.step(&mut dice, work, record) {
-            dice.steps += 1;
-            if dice.steps.is_multiple_of(OFTEN) && !self.survives(&mut dice, &mut work.path) {
+            if !self.continues(&mut dice, work) {
                 return;
             }
         }
+    }
+
+    /// Traces a path back from a Lambertian pixel to the light that reaches it for the first time.
+    pub(super) fn trace_up(&self, numbers: &PathNumbers<'_>, work: &mut Workspace, record: &mut impl Record) {
+        self.choose_points(numbers, work);
+        let (path, bottom) = (&mut work.path, 2 * self.stack.layers.len());
+        path.start(Beta { x: 0.0, y: 0.0 });
+        let (u, period) = (numbers.beside_field(), self.period_mm());
+        path.own_mm = [u[0] * period[0], u[1] * period[1]];
+        path.passed_mm.clear();
+        path.place_mm.fill(path.own_mm);
+        path.plane = bottom;
+        let mut dice = Dice::new(numbers);
+        self.leave_lambertian(&mut dice, work, record);
+        let is_at_pixel = |path: &Path| path.going == Propagation::Down && path.plane == bottom;
+        while !is_at_pixel(&work.path) && self.step(&mut dice, work, record) {
+            if !self.continues(&mut dice, work) {
+                return;
+            }
+        }
+    }
+
+    /// Chooses a point of each source.
+    fn choose_points(&self, numbers: &PathNumbers<'_>, work: &mut Workspace) {
+        let of_points = if self.has_points { numbers.of_sources(0) } else { [0.5; 4] };
+        for (target, source) in work.targets.iter_mut().zip(self.sources) {
+            *target = Target::sample(source, [of_points[0], of_points[1]]);
+        }
+    }
+
+    /// Counts a step; false if roulette ends the path.
+    fn continues(&self, dice: &mut Dice<'_>, work: &mut Workspace) -> bool {
+        dice.steps += 1;
+        !dice.steps.is_multiple_of(OFTEN) || self.survives(dice, &mut work.path)
     }
 
     /// Follows a path to its next plane; false if it ends.

@@ -155,8 +155,8 @@ impl Recycling {
         g: &[f64],
         sums: &mut Sums,
     ) {
-        let Some(light) = &r.narrow else { return };
-        let own = light.own(view, g);
+        let (Some(light), Some(narrow)) = (&r.narrow, &self.narrow) else { return };
+        let own = light.own(narrow, view, g);
         sums.leaving = own.leaving;
         sums.reflected = own.reflected;
         sums.arriving = own.arriving;

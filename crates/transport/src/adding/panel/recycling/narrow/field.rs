@@ -12,6 +12,7 @@ use papilio_optics::lobe::Lobe;
 
 use super::super::azimuth_factor;
 use super::passes::{Cluster, Passes, clusters};
+use super::weights::by_order;
 use crate::adding::panel::lobes;
 use crate::adding::panel::projected::Circle;
 use crate::adding::quadrature::{Node, Point};
@@ -91,10 +92,13 @@ impl Passes {
         let turns = self.turns.len();
         let nodes: Vec<Node> = circles.iter().map(|circle| Node { x: circle.radius, weight: 1.0 }).collect();
         let count = circles.iter().map(|circle| circle.orders.len()).max().unwrap_or(0);
+        let light = by_order(circles, count);
         // Orders of the lobe, `[order][circle]`.
         let all = count + turns;
         let mut orders = vec![0.0; all * circles.len()];
-        let mut lit = vec![0.0; circles.len() * turns];
+        // `[n][circle]`, and the light of an order.
+        let mut sums = vec![0.0; turns * circles.len()];
+        let mut now = vec![0.0; circles.len()];
         for v in view {
             orders.fill(0.0);
             for (share, width) in self.lobes(self.count) {
@@ -105,19 +109,19 @@ impl Passes {
                 });
             }
             let turn = -v.beta.y.atan2(v.beta.x);
-            for m in 0..count {
+            let row = |order: usize| &orders[order * circles.len()..][..circles.len()];
+            for (m, light) in light.chunks_exact(circles.len().max(1)).enumerate() {
                 let factor = 0.5 * PI * v.weight * azimuth_factor(m, turn, odd);
-                for n in 0..turns {
-                    let [before, after] =
-                        [m.abs_diff(n), m + n].map(|order| &orders[order * circles.len()..][..circles.len()]);
-                    for (k, (circle, lit)) in circles.iter().zip(lit.chunks_exact_mut(turns)).enumerate() {
-                        if let Some(light) = circle.orders.get(m) {
-                            lit[n] += factor * light * (before[k] + after[k]);
-                        }
+                now.iter_mut().zip(light).for_each(|(now, light)| *now = factor * light);
+                for (n, sums) in sums.chunks_exact_mut(circles.len()).enumerate() {
+                    let both = row(m.abs_diff(n)).iter().zip(row(m + n));
+                    for ((sum, light), (before, after)) in sums.iter_mut().zip(&now).zip(both) {
+                        *sum += light * (before + after);
                     }
                 }
             }
         }
-        lit
+        let of_circle = |k: usize| sums.iter().skip(k).step_by(circles.len()).copied();
+        (0..circles.len()).flat_map(of_circle).collect()
     }
 }

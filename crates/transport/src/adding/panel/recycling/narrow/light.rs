@@ -7,6 +7,7 @@ use super::super::forms::Products;
 use super::super::grid::Columns;
 use super::super::plan::Extrapolation;
 use super::super::spectra::add_times;
+use super::diffuse::{Diffuse, Own};
 use super::weights::{Towards, Weights};
 use super::{Narrow, Seen};
 use crate::angular::add_rows;
@@ -19,108 +20,28 @@ pub(in super::super::super) struct Light {
     unscattered: f64,
     /// Reflectance of the base.
     reflectance: Vec<f64>,
-    /// For each power of g, 1, 2, ...: diffuse light that a direction sees, and the distribution of its own
-    /// light.
-    own: Vec<Own<Vec<f64>>>,
-    /// The sum of that light under one front, and the fraction that this front sends back, `[column]`.
-    summed: (Own<Vec<f64>>, Vec<f64>),
+    columns: usize,
+    /// Number of orders of the series.
+    orders: usize,
+    diffuse: Diffuse,
     /// Products of terms of the reflectance, for each order that is exact.
     products: Vec<Products>,
     extrapolation: Extrapolation,
-}
-
-/// Diffuse light that leaves, is reflected by the base, and arrives there.
-#[derive(Debug, Clone)]
-pub(in super::super::super) struct Own<T> {
-    pub(in super::super::super) leaving: T,
-    pub(in super::super::super) reflected: T,
-    pub(in super::super::super) arriving: T,
 }
 
 impl Narrow {
     /// Computes the light over a base; `terms` are its reflectances at [`Self::squares`]. Light under a front that sends
     /// back the fraction `g` of each column takes the least time.
     pub(in super::super) fn light(&self, r: Columns<'_>, terms: Vec<Vec<f64>>, g: &[f64]) -> Light {
-        let (n, s) = (r.count, self.straight);
-        let reaching = |row: &[f64]| s + (1.0 - s) * row.iter().sum::<f64>();
-        let arriving = self.up.chunks_exact(self.glass.len()).map(reaching);
-        let mut now = Own {
-            leaving: self.reflected(r, &self.leaving, &self.leaving_straight),
-            reflected: self.reflected(r, &vec![1.0; self.glass.len()], &vec![1.0; self.air.len()]),
-            arriving: arriving.flat_map(|share| std::iter::repeat_n(share, n)).collect(),
-        };
-        let mut own = Vec::with_capacity(self.shares.len());
-        for _ in &self.shares {
-            let scattered = now.each(|light| self.scattered(light, r));
-            if s > 0.0 {
-                now = now.with(&scattered, |light, scattered| {
-                    let unscattered = light.iter().zip(r.air).map(|(light, r)| s * s * r * light);
-                    unscattered.zip(scattered).map(|(a, b)| a + b).collect()
-                });
-            } else {
-                now.clone_from(&scattered);
-            }
-            own.push(scattered);
-        }
+        let products = terms.into_iter().zip(2..).map(|(terms, order)| Products::new(terms, r.count, order));
         Light {
-            unscattered: s * s,
+            unscattered: self.straight * self.straight,
+            columns: r.count,
+            orders: self.shares.len(),
             reflectance: r.air.to_vec(),
-            summed: (summed(&own, g), g.to_vec()),
-            own,
-            products: terms
-                .into_iter()
-                .zip(2..)
-                .map(|(terms, order)| Products::new(terms, n, order))
-                .collect(),
+            diffuse: Diffuse::new(self, r, g),
+            products: products.collect(),
             extrapolation: self.extrapolation,
-        }
-    }
-
-    /// Returns light above the diffuser after one reflection by the base, of which these fractions are seen.
-    fn reflected(&self, r: Columns<'_>, of_scattered: &[f64], of_straight: &[f64]) -> Vec<f64> {
-        let (n, s) = (r.count, self.straight);
-        let mut below = r.glass.to_vec();
-        for (row, share) in below.chunks_exact_mut(n).zip(of_scattered) {
-            row.iter_mut().for_each(|value| *value *= (1.0 - s) * share);
-        }
-        let mut light = vec![0.0; self.air.len() * n];
-        add_product(&self.up, &below, self.glass.len(), &mut light);
-        for ((row, r), share) in light.chunks_exact_mut(n).zip(r.air.chunks_exact(n)).zip(of_straight) {
-            row.iter_mut().zip(r).for_each(|(value, r)| *value += s * share * r);
-        }
-        light
-    }
-
-    /// Returns light above the diffuser after one pass in which it was scattered.
-    fn scattered(&self, light: &[f64], r: Columns<'_>) -> Vec<f64> {
-        let s = self.straight;
-        let mut below = vec![0.0; self.glass.len() * r.count];
-        add_product(&self.down, light, self.air.len(), &mut below);
-        below.iter_mut().zip(r.glass).for_each(|(value, r)| *value *= (1.0 - s) * (1.0 - s) * r);
-        let mut out = vec![0.0; light.len()];
-        add_product(&self.up, &below, self.glass.len(), &mut out);
-        if s > 0.0 {
-            let mut across = vec![0.0; light.len()];
-            add_product(&self.within, light, self.air.len(), &mut across);
-            let once = s * (1.0 - s);
-            out.iter_mut().zip(&across).zip(r.air).for_each(|((o, a), r)| *o += once * r * a);
-            let before: Vec<f64> = light.iter().zip(r.air).map(|(l, r)| once * l * r).collect();
-            add_product(&self.within, &before, self.air.len(), &mut out);
-        }
-        out
-    }
-}
-
-impl<T> Own<T> {
-    fn each(&self, f: impl Fn(&T) -> T) -> Self {
-        Self { leaving: f(&self.leaving), reflected: f(&self.reflected), arriving: f(&self.arriving) }
-    }
-
-    fn with(&self, other: &Self, f: impl Fn(&T, &T) -> T) -> Self {
-        Self {
-            leaving: f(&self.leaving, &other.leaving),
-            reflected: f(&self.reflected, &other.reflected),
-            arriving: f(&self.arriving, &other.arriving),
         }
     }
 }
@@ -137,12 +58,8 @@ impl Light {
     }
 
     /// Returns the recycled light of a view that does not depend on directed sources.
-    pub(in super::super::super) fn own(&self, view: &Seen, g: &[f64]) -> Own<Vec<f64>> {
-        let at_view = |light: &Vec<f64>| Self::at(light, &view.weights);
-        match &self.summed {
-            (summed, of_front) if of_front == g => summed.each(at_view),
-            _ => summed(&self.own, g).each(at_view),
-        }
+    pub(in super::super) fn own(&self, of: &Narrow, view: &Seen, g: &[f64]) -> Own<Vec<f64>> {
+        self.diffuse.under(of, &self.reflectance, g, |light| Self::at(light, &view.weights))
     }
 
     /// Returns `pi` times the recycled kernel between a view and the groups of a source, each with its round trips.
@@ -153,7 +70,7 @@ impl Light {
         g: &[f64],
     ) -> Vec<f64> {
         let groups: Vec<&Weights> = source.iter().map(|(group, _)| &group.lobe).collect();
-        let weights = Weights::sum(&groups, (self.own.len(), view.weights.len()));
+        let weights = Weights::sum(&groups, (self.orders, view.weights.len()));
         let mut orders = self.orders(view, &weights, &self.round_trips(g));
         self.correct(source, &mut orders);
         series(&orders, g, false)
@@ -251,7 +168,7 @@ impl Light {
     /// Returns powers 0, 1, ... of the reflectance, and the round trips, at rows of weights on the nodes: for each power
     /// `[row][column]`, as many as this number of orders needs.
     fn powers_of(&self, rows: &[f64], round_trips: &[f64], orders: usize) -> Vec<Vec<f64>> {
-        let columns = self.summed.1.len();
+        let columns = self.columns;
         let nodes = self.reflectance.len() / columns.max(1);
         let mut now = vec![1.0; self.reflectance.len()];
         if !round_trips.is_empty() {
@@ -285,20 +202,6 @@ impl Light {
     }
 }
 
-/// Returns the sum of the series of diffuse light at the nodes.
-fn summed(own: &[Own<Vec<f64>>], g: &[f64]) -> Own<Vec<f64>> {
-    let sum = |of: fn(&Own<Vec<f64>>) -> &Vec<f64>| {
-        let terms: Vec<&Vec<f64>> = own.iter().map(of).collect();
-        let nodes = terms.first().map_or(0, |term| term.len() / g.len().max(1));
-        series(&terms, &g.repeat(nodes), false)
-    };
-    Own {
-        leaving: sum(|own| &own.leaving),
-        reflected: sum(|own| &own.reflected),
-        arriving: sum(|own| &own.arriving),
-    }
-}
-
 /// Returns the sum of terms times g, g², ...; those that follow, unless it is truncated, are a geometric
 /// series.
 fn series(terms: &[impl AsRef<[f64]>], g: &[f64], truncated: bool) -> Vec<f64> {
@@ -323,4 +226,4 @@ fn series(terms: &[impl AsRef<[f64]>], g: &[f64], truncated: bool) -> Vec<f64> {
 const LARGEST_CORRECTION: f64 = 1.5;
 
 /// Largest ratio of terms that is taken for that of a geometric series.
-const LARGEST_RATIO: f64 = 0.95;
+pub(super) const LARGEST_RATIO: f64 = 0.95;

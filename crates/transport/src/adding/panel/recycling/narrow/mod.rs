@@ -28,6 +28,7 @@
 
 mod basis;
 mod between;
+mod diffuse;
 mod field;
 mod light;
 mod one_pass;

@@ -195,16 +195,28 @@ fn add_circles(
     let count = circles.iter().map(|circle| circle.orders.len()).max().unwrap_or(0);
     // Orders of the lobe decrease as `exp(-m width)`, or faster.
     let count = count.min((DIGITS_OF_ORDERS / width).ceil() as usize + 2);
+    let light = by_order(circles, count);
+    let mut sums = vec![0.0; circles.len()];
     for v in view {
         let (radius, turn) = (v.beta.length(), -v.beta.y.atan2(v.beta.x));
+        let factors: Vec<f64> = (0..count).map(|m| v.weight * azimuth_factor(m, turn, odd)).collect();
+        sums.fill(0.0);
         lobes::orders_of_nodes(Lobe::KCorrelation { width }, radius, &nodes, count, |m, first, values| {
-            let factor = v.weight * azimuth_factor(m, turn, odd);
-            for (k, (circle, value)) in (first..).zip(circles[first..].iter().zip(values)) {
-                let light = circle.orders.get(m).copied().unwrap_or(0.0);
-                each(k, (circle.radius - radius).abs(), factor * value * light);
+            let light = &light[m * circles.len() + first..];
+            for ((sum, light), value) in sums[first..].iter_mut().zip(light).zip(values) {
+                *sum += factors[m] * light * value;
             }
         });
+        for (k, (circle, sum)) in circles.iter().zip(&sums).enumerate() {
+            each(k, (circle.radius - radius).abs(), *sum);
+        }
     }
+}
+
+/// Returns this number of azimuthal orders of light, `[order][circle]`.
+pub(super) fn by_order(circles: &[Circle], count: usize) -> Vec<f64> {
+    let order = |m: usize| circles.iter().map(move |circle| circle.orders.get(m).copied().unwrap_or(0.0));
+    (0..count).flat_map(order).collect()
 }
 
 /// Natural digits of the orders of a lobe, relative to its peak: far from it, light is fainter by a factor of 1e4.

@@ -1,0 +1,122 @@
+//! From the light of windows and figures to shares, gamut and contrast, with their errors.
+
+use papilio_colour::{GamutReference, UvPrime, Xyz, gamut_percent};
+
+use super::shares::{shares, with_error};
+use super::{BLACK, Colour, CrosstalkView, Figure, PatternColours, PatternValues, state};
+use crate::meter::{PRIMARIES, jackknife};
+use crate::result::Named;
+use crate::setup::{Setup, ViewPoint};
+
+/// Light of one level, or of some replicates.
+#[derive(Default)]
+pub(super) struct Measured {
+    pub(super) names: Vec<String>,
+    /// Y of the page through each window from each sub-pixel and the inactive area, `[light][window][sub-pixel]`.
+    pub(super) page: Vec<Vec<Vec<f64>>>,
+    /// Y that arrives at each sub-pixel through each window of a filter and, last, between them, `[light][window][sub-pixel]`; empty
+    /// without filter.
+    pub(super) entered: Vec<Vec<Vec<f64>>>,
+    /// Colour of each state as a figure on the page, `[figure][state]`; empty without such a figure.
+    pub(super) figures: [Vec<Colour>; 4],
+    /// Colour of the page beside a black figure.
+    pub(super) beside: [Option<Colour>; 4],
+    pub(super) from_faces: Colour,
+}
+
+/// What a view sees. The errors are the differences from the other level, if `others` is one, or else those of a jackknife: `others` are
+/// then all replicates but one.
+pub(super) fn assembled(
+    setup: &Setup,
+    view: &ViewPoint,
+    found: &Measured,
+    others: &[Measured],
+) -> CrosstalkView {
+    let all = |level: &Measured| shares(&level.page, &level.entered);
+    let one = |level: &Measured, light: usize| {
+        let entered = level.entered.get(light).map_or(&[][..], std::slice::from_ref);
+        shares(&level.page[light..=light], entered)
+    };
+    let of_light = |(light, name): (usize, &String)| {
+        let others: Vec<_> = others.iter().map(|other| one(other, light)).collect();
+        (name.clone(), with_error(one(found, light), &others))
+    };
+    let pattern = |figure: Figure| {
+        let values = values(setup, found, figure);
+        let others: Vec<Vec<Option<f64>>> =
+            others.iter().map(|other| self::values(setup, other, figure).all().to_vec()).collect();
+        let errors = errors(&values.all(), &others);
+        let why_null = match values.all() {
+            _ if found.figures[figure as usize].is_empty() => why_null(figure),
+            [None, None, None] => Some(NO_STATES),
+            _ => None,
+        };
+        PatternColours { name: figure, values, error: PatternValues::of(&errors), why_null }
+    };
+    let of_all: Vec<_> = others.iter().map(all).collect();
+    CrosstalkView {
+        theta_deg: view.theta_deg,
+        phi_deg: view.phi_deg,
+        by_light: Named(found.names.iter().enumerate().map(of_light).collect()),
+        shares: with_error(all(found), &of_all),
+        patterns: Figure::ALL.map(pattern).to_vec(),
+    }
+}
+
+/// Errors of numbers: differences from the only other, or else those of a jackknife.
+pub(super) fn errors(found: &[Option<f64>], others: &[Vec<Option<f64>>]) -> Vec<Option<f64>> {
+    let of = |(k, found): (usize, &Option<f64>)| match others {
+        [other] => Some(((*found)? - other[k]?).abs()),
+        _ => jackknife(&mut others.iter().map(|other| other[k])),
+    };
+    found.iter().enumerate().map(of).collect()
+}
+
+/// Why there are neither contrasts nor a gamut.
+const NO_STATES: &str = "contrast is that of the states `white` and `black`, gamut that of `red`, `green` and `blue`: no state has these names \
+    (display.pixel.states, or the names in display.pixel.reflectance; with a colour filter display.matrix.states)";
+
+/// Why there is no such figure.
+fn why_null(figure: Figure) -> Option<&'static str> {
+    let no_strokes = "no pixel is in the middle of a stroke: the text is too small for these pixels (viewer.text_height_mm)";
+    (figure == Figure::Text).then_some(no_strokes)
+}
+
+fn values(setup: &Setup, measured: &Measured, figure: Figure) -> PatternValues {
+    let colours = &measured.figures[figure as usize];
+    if colours.is_empty() {
+        return PatternValues::default();
+    }
+    let colour = |name: &str, faces: f64| {
+        let colour = colours[state(setup, name)?];
+        Some([0, 1, 2].map(|k| colour[k] + faces * measured.from_faces[k]))
+    };
+    let uv = |name| {
+        let [x, y, z] = colour(name, 1.0)?;
+        Xyz { x, y, z }.uv_prime()
+    };
+    let triangle: Option<Vec<UvPrime>> = PRIMARIES.into_iter().map(uv).collect();
+    let triangle = triangle.and_then(|uv| <[UvPrime; 3]>::try_from(uv).ok());
+    let contrast = |faces: f64| {
+        let (page, black) = (measured.beside[figure as usize]?, colour(BLACK, faces)?);
+        let page = page[1] + faces * measured.from_faces[1];
+        (black[1] > 0.0).then(|| page / black[1])
+    };
+    PatternValues {
+        gamut_percent_srgb: triangle.map(|uv| gamut_percent(uv, GamutReference::Srgb)),
+        contrast_ratio: contrast(1.0),
+        contrast_ratio_via_pixel: contrast(0.0),
+    }
+}
+
+impl PatternValues {
+    fn all(&self) -> [Option<f64>; 3] {
+        [self.gamut_percent_srgb, self.contrast_ratio, self.contrast_ratio_via_pixel]
+    }
+
+    /// Those of a list in the same order.
+    fn of(all: &[Option<f64>]) -> Self {
+        let at = |k: usize| all.get(k).copied().flatten();
+        Self { gamut_percent_srgb: at(0), contrast_ratio: at(1), contrast_ratio_via_pixel: at(2) }
+    }
+}

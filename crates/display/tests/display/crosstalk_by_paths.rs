@@ -1,0 +1,146 @@
+//! Crosstalk by Monte Carlo against adding where both compute it, and against known values where only paths do.
+
+use std::path::Path;
+use std::sync::atomic::AtomicBool;
+
+use papilio_display::spatial::{CrosstalkResult, CrosstalkView, crosstalk};
+use papilio_display::{Control, DisplayError};
+use papilio_scenario::{Resolved, Scenario};
+use papilio_testing::seeds;
+
+const LOBE: &str = "[display.diffuser]\nmodel = \"k-correlation\"\nwidth = 0.05667\ntransmittance = 1.0\n";
+const GLASS: &str = "[display.glass]\nindex = 1.5\nthickness_mm = 0.3\n";
+const BARE: &str = "[display.glass]\nindex = 1.5\nsurface = \"fresnel\"\nthickness_mm = 0.3\n";
+const MIXED: &str = "[lighting]\nilluminance_lx = 500\nspectrum = \"D65\"\ndiffuse = 0.6\n\
+    [[lighting.directed]]\ntheta_deg = -25\nshare = 0.4\n";
+const VIEW: &str = "[viewer]\ntheta_deg = 15\nfield_deg = 0\n";
+const MATRIX: &str = "[display.matrix]\nppi = 200\n";
+const PAPER: &str = "[display.pixel]\nmodel = \"uniform\"\nkind = \"lambertian\"\nreflectance = { white = 0.6, black = 0.05 }\n";
+const FILM: &str = "[display.pixel]\nmodel = \"film\"\nsubstrate = \"Al\"\n\
+    area = { red = 0.5, green = 0.3, blue = 0.2 }\nfill_factor = 0.9\ninactive_reflectance = 0.2\n\
+    gap_nm = { red = 276, green = 192, blue = 138, dark = 20 }\n\
+    film = [{ material = \"Cr:Johnson\", thickness_nm = 12 }, { material = \"air\", thickness_nm = \"gap\" }]\n";
+const PRINTED: &str = "[display.matrix]\npitch_um = 150\n[display.matrix.filter]\nheight_um = 40\n\
+    transmittance = { red = 0.8, green = 0.5, blue = 0.2 }\n";
+const FRONT: &str = "[[display.front]]\nreflectance = 0.1\ngap_mm = 0.1\n";
+
+fn resolved(parts: &[&str], solver: &str) -> Resolved {
+    let text = format!("[spectrum]\nstep_nm = 40\n{}[solver]\n{solver}\n", parts.concat());
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenarios");
+    Scenario::from_text(&text, "paths.toml", &folder, &[]).unwrap().resolve().unwrap()
+}
+
+fn computed(resolved: &Resolved) -> Result<CrosstalkResult, DisplayError> {
+    let control = Control { threads: Some(2), progress: &|_| {}, stop: &AtomicBool::new(false) };
+    crosstalk(&resolved.scene, &resolved.patterns.text, &control)
+}
+
+fn by_paths(parts: &[&str], seed: u64, paths: u64) -> CrosstalkView {
+    let solver = format!("method = \"monte-carlo\"\npaths = {paths}\nseed = {seed}");
+    computed(&resolved(parts, &solver)).unwrap().views.remove(0)
+}
+
+/// Numbers of a view with their errors: shares of all light and of each, and those of figures.
+fn numbers(view: &CrosstalkView) -> Vec<(String, f64, f64)> {
+    let mut all = Vec::new();
+    let lights = view.by_light.iter().chain([("all", &view.shares)]);
+    for (light, shares) in lights {
+        let rows = shares.out.iter().chain(shares.in_.iter().flatten()).flatten();
+        let rest = shares.inactive_out.iter().chain(shares.between_in.iter().flatten());
+        let own = shares.own_share_out.iter().chain(&shares.own_share_in);
+        let shares_of = rows.chain(rest).chain(own).enumerate();
+        all.extend(shares_of.map(|(k, share)| (format!("{light} {k}"), *share, shares.error)));
+    }
+    for pattern in &view.patterns {
+        let (values, errors) = (pattern.values, pattern.error);
+        for (name, value, error) in [
+            ("gamut", values.gamut_percent_srgb, errors.gamut_percent_srgb),
+            ("contrast", values.contrast_ratio, errors.contrast_ratio),
+            ("contrast via pixel", values.contrast_ratio_via_pixel, errors.contrast_ratio_via_pixel),
+        ] {
+            let both = value.zip(error).into_iter();
+            all.extend(both.map(|(value, error)| (format!("{:?} {name}", pattern.name), value, error)));
+        }
+    }
+    all
+}
+
+/// Deviations of paths from adding beyond its stated errors, over the standard errors.
+fn deviations(parts: &[&str], paths: u64) -> Vec<(String, f64)> {
+    let exact = computed(&resolved(parts, "relative_error = 1e-4")).unwrap().views.remove(0);
+    let mut all = Vec::new();
+    for seed in 0..seeds().div_ceil(4) {
+        let found = by_paths(parts, seed, paths);
+        let found = numbers(&found);
+        for (name, value, stated) in numbers(&exact) {
+            // Text below a filter is computed by paths only.
+            let Some((_, path, error)) = found.iter().find(|(other, ..)| *other == name) else {
+                panic!("{name}")
+            };
+            let off = ((value - path).abs() - stated).max(0.0);
+            all.push((
+                format!("{name}, seed {seed}: {path} +- {error}, {value} +- {stated}"),
+                off / (error + 1e-6),
+            ));
+        }
+    }
+    all
+}
+
+fn assert_agree(what: &str, parts: &[&str], paths: u64) {
+    let all = deviations(parts, paths);
+    let worst = all.iter().max_by(|a, b| a.1.total_cmp(&b.1)).unwrap();
+    let beyond_two = all.iter().filter(|(_, z)| *z > 2.0).count();
+    assert!(worst.1 < 4.5 && beyond_two * 8 < all.len(), "{what}: {worst:?}, {beyond_two} of {}", all.len());
+}
+
+/// Film pixels below a lobe, with an inactive area that reflects, seen obliquely in mixed light: who lights whom, stripes, lines and text.
+#[test]
+fn films_below_a_lobe_agree() {
+    assert_agree("film", &[LOBE, GLASS, FILM, MATRIX, MIXED, VIEW], 1 << 14);
+}
+
+/// Paper below a bare face, which returns light to the figures.
+#[test]
+fn paper_below_a_face_agrees() {
+    assert_agree("paper", &[BARE, PAPER, MATRIX, MIXED, VIEW], 1 << 14);
+}
+
+/// A front that reflects above a lobe: what it returns is estimated, within the stated errors, which are about the product of the
+/// reflectances of front and pixel.
+#[test]
+fn fronts_above_a_lobe_agree_within_stated_errors() {
+    let front = "[[display.front]]\nreflectance = 0.3\ngap_mm = 0.1\n";
+    for (pixel, name) in [(FILM, "film"), (PAPER, "paper")] {
+        let parts = [front, LOBE, GLASS, pixel, MATRIX, MIXED, VIEW];
+        assert_agree(name, &parts, 1 << 13);
+        let exact = computed(&resolved(&parts, "relative_error = 1e-4")).unwrap().views.remove(0);
+        for (number, value, stated) in numbers(&exact) {
+            assert!(stated < 0.15 * value.max(0.5), "{name}, {number}: {value} +- {stated}");
+        }
+    }
+}
+
+/// A filter at a height above paper, below a bare face and a front: shares on the way in and out, stripes and lines.
+#[test]
+fn filters_above_paper_agree() {
+    // Lines below thin glass have short periods.
+    let thin = BARE.replace("0.3", "0.1");
+    assert_agree("filter", &[FRONT, &thin, PAPER, PRINTED, MIXED, VIEW], 1 << 13);
+}
+
+/// Below a lobe: shares and patches, and stripes and lines, which only paths compute: they are blurred above the filter, too.
+#[test]
+fn filters_below_a_lobe_agree() {
+    let parts = [LOBE, GLASS, PAPER, PRINTED, MIXED, VIEW];
+    assert_agree("filter below a lobe", &parts, 1 << 13);
+    let exact = computed(&resolved(&parts, "relative_error = 1e-3")).unwrap().views.remove(0);
+    let found = by_paths(&parts, 0, 1 << 13);
+    for (exact, found) in exact.patterns.iter().zip(&found.patterns).skip(1) {
+        assert!(exact.why_null.is_some_and(|why| why.contains("monte-carlo")), "{exact:?}");
+        assert!(found.values.contrast_ratio.is_some() && found.why_null.is_none(), "{found:?}");
+    }
+    // Glass of 0.3 mm blurs pixels of 0.15 mm.
+    let [patch, stripe] = [0, 1].map(|k| found.patterns[k].values.contrast_ratio_via_pixel.unwrap());
+    assert!(stripe < 0.9 * patch, "{stripe} {patch}");
+}
