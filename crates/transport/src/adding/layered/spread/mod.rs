@@ -12,19 +12,21 @@
 //!
 //! is the response of all orders to a small change of the reflectance, relative to it. A Lambertian pixel sends the same light in all
 //! directions: A(f) is a number, and E needs no directions. A mirror-like pixel below layers that return nothing to it has A = 0; E is the
-//! value of its light for the sources, without phases. Without scatterers its light keeps its direction, and A is a number
+//! value of its light for the sources, without phases. Light that layers return to it is followed to its second meeting, and summed from there
+//! on ([`returned`]). Without scatterers its light keeps its direction, and A is a number
 //! there.
 //!
 //! - [`chain`]: flat elements between scatterers; [`kernels`]: scatterers by order; [`rings`]: directions that resolve phases;
 //!   [`waves`]: values of light between scatterers; [`pixels`]: the light of each kind of pixel.
 //!
 //! # Limits
-//! Interfaces that scatter, and clear or absorbing media. Media that scatter, pixels with kernels of their own, and mirror-like pixels below
-//! scatterers and layers that return light to them are left to Monte Carlo.
+//! Interfaces that scatter, and clear or absorbing media. Media that scatter and pixels with kernels of their own are left to Monte
+//! Carlo.
 
 mod chain;
 mod kernels;
 mod pixels;
+mod returned;
 mod rings;
 mod waves;
 
@@ -40,6 +42,7 @@ use super::prepare::{optics, splits};
 use crate::adding::images::{ImagePoints, Mirror, image_points};
 use crate::{Cone, Layered, Reflector, Source};
 use kernels::{Kernels, Light};
+use returned::Returned;
 use rings::Resolution;
 use waves::{Beam, Between, Leaving, Start, Wave};
 
@@ -69,8 +72,6 @@ pub enum NotCovered {
     Slab,
     /// The pixel scatters by kernels.
     Pixel,
-    /// Light returns to a mirror-like pixel below a scatterer.
-    Returned,
     /// There are too many directions and orders.
     TooMany,
 }
@@ -80,7 +81,6 @@ impl std::fmt::Display for NotCovered {
         f.write_str(match self {
             Self::Slab => "layers that scatter in their volume",
             Self::Pixel => "pixels that scatter by a measured kernel",
-            Self::Returned => "mirror-like pixels below scatterers and layers that return light to them",
             Self::TooMany => {
                 "scatterers this narrow, or lights of so many directions, between general layers"
             }
@@ -134,6 +134,13 @@ impl Room {
         }
     }
 
+    fn beams(&self) -> &[Beam] {
+        match self {
+            Self::Everywhere => &[],
+            Self::Beams(beams) => beams,
+        }
+    }
+
     /// Reflectance factor of a perfect white over the value of its light.
     fn unit(&self) -> f64 {
         match self {
@@ -154,6 +161,8 @@ struct Set {
     tolerance: f64,
     /// Values of light that arrives at the scatterers for each source, without phases.
     lit: Vec<Light>,
+    /// Light that the layers return to a mirror-like pixel.
+    returned: Option<Returned>,
 }
 
 impl<'a> LayeredSpread<'a> {
@@ -220,17 +229,17 @@ impl<'a> LayeredSpread<'a> {
         let index = self.stack.layers.last().map_or(1.0, |layer| layer.medium.index()[bin]);
         let interpolation = grid.interpolation();
         let tolerance = 0.02 * (-self.precision.digits).exp();
-        let mut set = Set { bin, index, grid, interpolation, kernels, tolerance, lit: Vec::new() };
+        let mut set =
+            Set { bin, index, grid, interpolation, kernels, tolerance, lit: Vec::new(), returned: None };
         if self.stack.base.is_specular() && !set.kernels.elements.is_empty() {
             let wave = self.wave(&set, [0.0; 2]);
             let between = set.between(self.stack);
             let light = between.solve(&wave, &[Start::Pixel]);
             let leaving = between.leaving((&wave, Start::Pixel), &light[0], true);
-            if set.mean(&wave, &leaving).re / (PI * index * index) > RETURNED {
-                return Err(NotCovered::Returned);
-            }
+            let returns = set.mean(&wave, &leaving).re / (PI * index * index) > RETURNED;
             let starts: Vec<_> = self.sources.iter().map(Room::start).collect();
             set.lit = between.solve(&wave, &starts);
+            set.returned = returns.then(|| self.returned(&set, &wave));
         }
         Ok(set)
     }

@@ -24,41 +24,34 @@ impl LayeredSpread<'_> {
         let (states, bins) = (self.stack.base.states(), self.stack.base.bins());
         let between = set.between(self.stack);
         let view = Start::Beams(&self.view);
-        let medium = &self.stack.layers.last().map(|layer| &layer.medium);
-        let mut reflectance = vec![0.0; states * bins];
         let mut light = vec![vec![vec![Complex64::ZERO; waves.len()]; states * bins]; self.sources.len()];
         let lit: Vec<usize> = seen.iter().map(|seen| seen.source).collect();
         let turned = self.sources.iter().any(|room| matches!(room, Room::Beams(_)));
+        let only_mean = !turned && set.returned.is_none();
         for (k, wave) in waves.iter().enumerate() {
             let solved = between.solve(wave, &[view]);
-            let leaving = between.leaving((wave, view), &solved[0], !turned);
+            let leaving = between.leaving((wave, view), &solved[0], only_mean);
             let still = Wave { per_mm: 0.0, turn: 0.0, rings: Rc::clone(&wave.rings) };
             let falling: Vec<Option<Leaving>> = (0..self.sources.len())
                 .map(|source| {
                     let start = self.sources[source].start();
-                    lit.contains(&source).then(|| between.leaving((&still, start), &set.lit[source], !turned))
+                    lit.contains(&source)
+                        .then(|| between.leaving((&still, start), &set.lit[source], only_mean))
                 })
                 .collect();
-            for (ring, at) in wave.rings.iter().enumerate() {
-                let weights: Vec<Complex64> = falling
-                    .iter()
-                    .enumerate()
-                    .map(|(source, falling)| match falling {
-                        Some(falling) => self.overlap(set, wave, ring, (source, &leaving, falling)),
-                        None => Complex64::ZERO,
-                    })
-                    .collect();
-                if weights.iter().all(|weight| *weight == Complex64::ZERO) {
-                    continue;
-                }
-                let Some(medium) = medium else { continue };
-                self.stack.base.reflectance(at.beta * at.beta, medium, &mut reflectance);
-                for (light, weight) in light.iter_mut().zip(&weights) {
-                    for (at, light) in
-                        light.iter_mut().enumerate().filter(|(at, _)| members[at % bins] != 0.0)
-                    {
-                        light[k] += weight * reflectance[at];
-                    }
+            let reflectance = self.on_rings(wave);
+            let once = self.met(set, wave, (&leaving, &falling), &reflectance);
+            let twice = set.returned.as_ref().map(|returned| {
+                self.twice((set, returned), wave, (&leaving, &falling), &still, &reflectance)
+            });
+            for (source, once) in once.iter().enumerate() {
+                for (at, once) in once.iter().enumerate().filter(|(at, _)| members[at % bins] != 0.0) {
+                    let ratios = twice.as_ref().filter(|_| once.norm_sqr() > 0.0).map(|[first, second]| {
+                        // Light without regard to places has met the pixel at any of its meetings.
+                        let first = if k == 0 { Complex64::ZERO } else { first[source][at] / once };
+                        [first, second[source][at] / once]
+                    });
+                    light[source][at][k] = ratios.map_or(*once, |ratios| once * self.series(ratios));
                 }
             }
         }
@@ -71,6 +64,46 @@ impl LayeredSpread<'_> {
             }
         }
         light.into_iter().map(|light| light.into_iter().map(relative_to_first).collect()).collect()
+    }
+
+    /// Light of each source that meets the pixel once, given the values of light that leaves it and of light that falls on it;
+    /// `[source][state * wavelength]`.
+    pub(super) fn met(
+        &self,
+        set: &Set,
+        wave: &Wave,
+        (leaving, falling): (&Leaving, &[Option<Leaving>]),
+        reflectance: &[f64],
+    ) -> Vec<Vec<Complex64>> {
+        let numbers = reflectance.len() / wave.rings.len();
+        let of_source = |(source, falling): (usize, &Option<Leaving>)| {
+            let mut sums = vec![Complex64::ZERO; numbers];
+            let Some(falling) = falling else { return sums };
+            for (ring, reflectance) in reflectance.chunks_exact(numbers).enumerate() {
+                let weight = self.overlap(set, wave, ring, (source, leaving, falling));
+                if weight != Complex64::ZERO {
+                    sums.iter_mut().zip(reflectance).for_each(|(sum, rho)| *sum += weight * rho);
+                }
+            }
+            sums
+        };
+        falling.iter().enumerate().map(of_source).collect()
+    }
+
+    /// Reflectance of each state and wavelength on the rings; `[ring][state * wavelength]`.
+    pub(super) fn on_rings(&self, wave: &Wave) -> Vec<f64> {
+        let numbers = self.stack.base.states() * self.stack.base.bins();
+        let mut all = vec![0.0; wave.rings.len() * numbers];
+        for (ring, out) in wave.rings.iter().zip(all.chunks_exact_mut(numbers)) {
+            self.reflectances(ring.beta * ring.beta, out);
+        }
+        all
+    }
+
+    pub(super) fn reflectances(&self, beta_squared: f64, out: &mut [f64]) {
+        if let Some(layer) = self.stack.layers.last() {
+            self.stack.base.reflectance(beta_squared, &layer.medium, out);
+        }
     }
 
     /// Value of light of a source that a mirror of unit reflectance on a ring returns to the view.

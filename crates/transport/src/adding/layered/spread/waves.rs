@@ -54,6 +54,8 @@ pub(super) enum Start<'a> {
     Air,
     /// At the pixel, in all directions.
     Pixel,
+    /// At the pixel, on the rings, `[ring][order]`, and in beams with these values.
+    Onto(&'a [Complex64], &'a [(Beam, Complex64)]),
 }
 
 /// Value of light that arrives.
@@ -61,7 +63,10 @@ pub(super) enum Start<'a> {
 enum Value<'a> {
     /// One in all directions.
     One,
+    /// At the nodes.
     At(&'a Orders),
+    /// On the rings, `[ring][order]`.
+    OnRings(&'a [Complex64]),
 }
 
 /// Light between the scatterers of a stack.
@@ -110,14 +115,26 @@ impl Between<'_> {
     pub(super) fn solve(&self, wave: &Wave, starts: &[Start<'_>]) -> Vec<Light> {
         let emitters = self.emitters();
         let uniform = |start: &Start<'_>| match self.everywhere(*start) {
-            Some(ray) => self.emitted(wave, &[(ray, Value::One)], &emitters, None),
+            Some(value) => self.emitted(wave, &[value], &emitters, None),
             None => vec![None; emitters.len()],
         };
         let uniform: Vec<Light> = starts.iter().map(uniform).collect();
         let mut step = self.kernels.arriving(&uniform);
         for (start, light) in starts.iter().zip(&mut step) {
-            if let Start::Beams(beams) = start {
-                self.add_beams(wave, beams, light);
+            match start {
+                Start::Beams(beams) => {
+                    for beam in *beams {
+                        self.add_beam(wave, beam, &self.of_beam(wave, beam, &emitters), light);
+                    }
+                }
+                Start::Onto(_, beams) => {
+                    for (beam, value) in *beams {
+                        let mut factors = self.links_of_beam(wave, beam, &emitters, self.onto_pixel());
+                        factors.iter_mut().for_each(|factor| *factor *= value);
+                        self.add_beam(wave, beam, &factors, light);
+                    }
+                }
+                Start::Air | Start::Pixel => {}
             }
         }
         let mut total = step.clone();
@@ -145,11 +162,12 @@ impl Between<'_> {
         total
     }
 
-    fn everywhere(&self, start: Start<'_>) -> Option<Ray> {
+    fn everywhere<'s>(&self, start: Start<'s>) -> Option<(Ray, Value<'s>)> {
         match start {
             Start::Beams(_) => None,
-            Start::Air => Some(Ray::LEAVING),
-            Start::Pixel => Some(self.onto_pixel()),
+            Start::Air => Some((Ray::LEAVING, Value::One)),
+            Start::Pixel => Some((self.onto_pixel(), Value::One)),
+            Start::Onto(rings, _) => Some((self.onto_pixel(), Value::OnRings(rings))),
         }
     }
 
@@ -191,37 +209,42 @@ impl Between<'_> {
         sums
     }
 
-    /// Adds the value of light that is scattered into beams.
-    fn add_beams(&self, wave: &Wave, beams: &[Beam], light: &mut Light) {
-        let emitters = self.emitters();
-        for beam in beams {
-            let factors = self.of_beam(wave, beam, &emitters);
-            for site in 0..self.kernels.elements.len() {
-                let factors = [factors[2 * site], factors[2 * site + 1]];
-                if factors == [Complex64::ZERO; 2] {
-                    continue;
-                }
-                let [above, below] = [0, 1].map(|side| light[2 * site + side].take());
-                let mut both = [above, below];
-                let turn = (!beam.is_ring).then_some(beam.turn - wave.turn);
-                self.kernels.add_beam(site, (beam.extra, turn), factors, &mut both);
-                let [above, below] = both;
-                (light[2 * site], light[2 * site + 1]) = (above, below);
+    /// Adds the value of light that is scattered into a beam, given the parts of the beam that come from the scatterers.
+    fn add_beam(&self, wave: &Wave, beam: &Beam, factors: &[Complex64], light: &mut Light) {
+        for site in 0..self.kernels.elements.len() {
+            let factors = [factors[2 * site], factors[2 * site + 1]];
+            if factors == [Complex64::ZERO; 2] {
+                continue;
             }
+            let mut both = [0, 1].map(|side| light[2 * site + side].take());
+            let turn = (!beam.is_ring).then_some(beam.turn - wave.turn);
+            self.kernels.add_beam(site, (beam.extra, turn), factors, &mut both);
+            let [above, below] = both;
+            (light[2 * site], light[2 * site + 1]) = (above, below);
         }
     }
 
-    /// Returns the part of a beam that comes from each of some rays without scattering, its weight included.
+    /// Returns the part of a beam in the air that comes from each of some rays without scattering, its weight included.
     fn of_beam(&self, wave: &Wave, beam: &Beam, emitters: &[Ray]) -> Vec<Complex64> {
-        // Rings of the extra nodes are the last ones.
-        let of_extras = self.kernels.extras();
-        let ring = &wave.rings[wave.rings.len() - of_extras + beam.extra];
         let along = wave.per_mm * (beam.turn - wave.turn).cos();
-        let own = Complex64::from_polar(beam.weight, along * ring.chain.moves_mm());
-        let mut links = vec![Complex64::ZERO; emitters.len()];
-        ring.chain.links([emitters, &[Ray::LEAVING]], along, &mut Cavities::default(), &mut links);
+        let own = Complex64::from_polar(beam.weight, along * self.ring(wave, beam).chain.moves_mm());
+        let mut links = self.links_of_beam(wave, beam, emitters, Ray::LEAVING);
         links.iter_mut().for_each(|link| *link *= own);
         links
+    }
+
+    /// Returns the light of each of some rays along a beam that arrives as another without scattering.
+    fn links_of_beam(&self, wave: &Wave, beam: &Beam, emitters: &[Ray], to: Ray) -> Vec<Complex64> {
+        let along = wave.per_mm * (beam.turn - wave.turn).cos();
+        let mut links = vec![Complex64::ZERO; emitters.len()];
+        let chain = &self.ring(wave, beam).chain;
+        chain.links([emitters, &[to]], along, &mut Cavities::default(), &mut links);
+        links
+    }
+
+    /// Returns the ring of a beam: those of the extra nodes are the last ones.
+    fn ring<'w>(&self, wave: &'w Wave, beam: &Beam) -> &'w Ring {
+        &wave.rings[wave.rings.len() - self.kernels.extras() + beam.extra]
     }
 
     /// Returns the values of light that leaves the pixel, given those of light that arrives at the scatterers.
@@ -237,7 +260,7 @@ impl Between<'_> {
             .enumerate()
             .filter_map(|(site, light)| Some((self.receiver(site), Value::At(light.as_ref()?))))
             .collect();
-        receivers.extend(self.everywhere(start).map(|ray| (ray, Value::One)));
+        receivers.extend(self.everywhere(start));
         let mut rings = vec![Complex64::ZERO; wave.rings.len() * count];
         self.cross(wave, (&receivers, &[self.leaving_pixel()]), (only_mean, None), &mut |ring, _, orders| {
             rings[ring * count..][..count].copy_from_slice(orders);
@@ -245,6 +268,12 @@ impl Between<'_> {
         let beams = match start {
             Start::Beams(beams) => {
                 beams.iter().map(|beam| self.of_beam(wave, beam, &[self.leaving_pixel()])[0]).collect()
+            }
+            Start::Onto(_, beams) => {
+                let returned = |(beam, value): &(Beam, Complex64)| {
+                    value * self.links_of_beam(wave, beam, &[self.leaving_pixel()], self.onto_pixel())[0]
+                };
+                beams.iter().map(returned).collect()
             }
             Start::Air | Start::Pixel => Vec::new(),
         };
@@ -289,6 +318,7 @@ impl Between<'_> {
                     match given {
                         Value::One => value[highest] = f64::from(u8::from(is_one(ray))).into(),
                         Value::At(given) => interpolate(given, value),
+                        Value::OnRings(given) => value.copy_from_slice(&given[number * count..][..count]),
                     }
                 }
                 for (emitter, links) in links.chunks_exact(arrive.len()).enumerate() {
@@ -316,8 +346,14 @@ impl Between<'_> {
                 value.clear();
                 match given {
                     Value::One => value.resize(steps, f64::from(u8::from(is_one(ray))).into()),
-                    Value::At(given) => {
-                        interpolate(given, &mut orders);
+                    Value::At(_) | Value::OnRings(_) => {
+                        match given {
+                            Value::At(given) => interpolate(given, &mut orders),
+                            Value::OnRings(given) => {
+                                orders.copy_from_slice(&given[number * count..][..count]);
+                            }
+                            Value::One => {}
+                        }
                         value.extend_from_slice(&orders[highest..]);
                         value.resize(steps - highest, Complex64::ZERO);
                         value.extend_from_slice(&orders[..highest]);
