@@ -55,7 +55,10 @@ fn text(title: &str, result: &CrosstalkResult) -> String {
         text += &format!("\nviewed at theta {} deg, phi {} deg\n", view.theta_deg, view.phi_deg);
         text += &of_view(result, view);
     }
-    text + &format!("\nerror of the shares: {:.1e}\n", result.error_reached)
+    if result.subpixels.len() > 1 {
+        text += &format!("\nlargest error of a share: {:.1e}\n", result.error_reached);
+    }
+    text
 }
 
 fn of_view(result: &CrosstalkResult, view: &CrosstalkView) -> String {
@@ -66,11 +69,17 @@ fn of_view(result: &CrosstalkResult, view: &CrosstalkView) -> String {
         text += "\n";
         text += &matrix("reaches, entered through", &result.subpixels, entered, "between", between);
     }
-    let percent =
-        |share: Option<f64>| share.map_or("-".to_owned(), |share| format!("{:.2} %", 100.0 * share));
-    text += &format!("  own share on the way out {}", percent(shares.own_share_out));
-    if shares.own_share_in.is_some() {
-        text += &format!(", on the way in {}", percent(shares.own_share_in));
+    let percent = |share: Option<f64>, error: Option<f64>| {
+        format!("{} %", measured(share.map(|share| 100.0 * share), error.map(|error| 100.0 * error), 2))
+    };
+    if result.subpixels.len() == 1 {
+        text += "  pixels without sub-pixels: shares of what one pixel lights are not computed, see the contrast of figures";
+    } else {
+        let [out, entered] = shares.own_share_errors;
+        text += &format!("  own share on the way out {}", percent(shares.own_share_out, out));
+        if shares.own_share_in.is_some() {
+            text += &format!(", on the way in {}", percent(shares.own_share_in, entered));
+        }
     }
     text += "\n\n";
     let head = ["mean of, on a page", "gamut, % of sRGB", "contrast ratio", "contrast ratio via pixel"];

@@ -83,6 +83,10 @@ pub(crate) fn run(arguments: &Run) -> Result<(), Failure> {
 /// A note if the solver will take long, before it begins, and whether the other one would take less time.
 fn cost_note(resolved: &Resolved) -> Result<Option<String>, Failure> {
     let scene = &resolved.scene;
+    // Below a colour filter, paths read places, whose cost is not estimated.
+    if scene.display.filter().is_some() {
+        return Ok(None);
+    }
     let failure = |error| Failure::from_display(resolved, error);
     let is_adding = match scene.solver.method {
         Method::Adding if adding_seconds(scene).map_err(failure)? < LONG_SECONDS => return Ok(None),

@@ -100,6 +100,10 @@ fn paths_compute_what_adding_refuses() {
     let result: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
     let view = &result["views"][0];
     assert_eq!(result["scenario"]["solver"]["method"], "monte-carlo");
+    // The colours of the display, too.
+    let colours =
+        papilio().arg("run").arg(scenario("printed-filter")).args(paths).arg("--json").output().unwrap();
+    assert!(colours.status.success(), "{}", stderr(&colours));
     assert!(view["error"].as_f64().is_some_and(|error| error > 1e-4 && error < 0.1), "{view}");
     assert!(view["patterns"][3]["contrast_ratio"].is_f64(), "{view}");
     let layers = "display={ pixel = { model = \"uniform\", kind = \"lambertian\", reflectance = { one = 0.5, two = 0.1 } }, matrix = { ppi = 200 }, \

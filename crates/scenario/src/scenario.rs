@@ -226,19 +226,19 @@ impl Resolved {
             }
             DisplayError::TooThick { thickness_mm, pitch_mm, most } => {
                 let wrong = Diagnostic::new(format!(
-                    "the layers above the pixels are {:.0} times as thick as a pixel is wide ({thickness_mm} mm and {} um)",
+                    "the layers above the pixels are {:.0} times as thick as a pixel is wide ({thickness_mm} mm and {:.1} um)",
                     thickness_mm / pitch_mm,
                     1e3 * pitch_mm
                 ))
                 .expected(format!("at most {most} times, over which crosstalk is computed"))
-                .hint("`pitch_um` is in um, `thickness_mm` in mm");
+                .hint("`pitch_um` is in um, `thickness_mm` in mm; `papilio crosstalk --solver monte-carlo` computes any thickness");
                 ("display.matrix", wrong.into())
             }
             DisplayError::PlacesByPaths { what, key } => {
                 let wrong =
                     Diagnostic::new(format!("the adding solver does not compute the places of light for {what}"))
                         .hint(
-                            "set `method = \"monte-carlo\"` in `[solver]`, or use `--solver monte-carlo`: `papilio run`, `papilio mtf` and `papilio crosstalk` then compute any layers",
+                            "set `method = \"monte-carlo\"` in `[solver]`, or use `--solver monte-carlo`, which computes any layers",
                         );
                 (key, wrong.into())
             }

@@ -49,8 +49,7 @@ impl CrosstalkView {
 
     /// Returns the errors of the metrics.
     pub fn errors(&self) -> CrosstalkMetrics {
-        let of = |share: Option<f64>| share.map(|_| self.shares.error);
-        let [out, entered] = [of(self.shares.own_share_out), of(self.shares.own_share_in)];
+        let [out, entered] = self.shares.own_share_errors;
         self.numbers([out, out, entered, entered], |pattern| pattern.error)
     }
 
@@ -103,6 +102,9 @@ pub struct Shares {
     pub own_share_in: Option<f64>,
     /// Largest error of these shares.
     pub error: f64,
+    /// Errors of `own_share_out` and `own_share_in`.
+    #[serde(skip)]
+    pub own_share_errors: [Option<f64>; 2],
 }
 
 /// Colours and contrast of a pattern.

@@ -20,6 +20,7 @@ pub(super) fn shares(page: &[Vec<Vec<f64>>], entered: &[Vec<Vec<f64>>]) -> Share
         between_in: entered.as_ref().map(|entered| entered.rest.clone()),
         in_: entered.map(|entered| entered.shares),
         error: 0.0,
+        own_share_errors: [None; 2],
     }
 }
 
@@ -61,7 +62,7 @@ fn sum(lights: &[Vec<Vec<f64>>]) -> Vec<Vec<f64>> {
     sums
 }
 
-/// Shares with the largest of their errors.
+/// Shares with the largest of their errors, and those of the own shares.
 pub(super) fn with_error(found: Shares, others: &[Shares]) -> Shares {
     let all = |shares: &Shares| -> Vec<Option<f64>> {
         let rows = shares.out.iter().chain(shares.in_.iter().flatten()).flatten();
@@ -70,6 +71,8 @@ pub(super) fn with_error(found: Shares, others: &[Shares]) -> Shares {
         rows.chain(rest).copied().map(Some).chain(own).collect()
     };
     let others: Vec<_> = others.iter().map(all).collect();
-    let error = errors(&all(&found), &others).into_iter().flatten().fold(0.0, f64::max);
-    Shares { error, ..found }
+    let errors = errors(&all(&found), &others);
+    let own_share_errors = [errors[errors.len() - 2], errors[errors.len() - 1]];
+    let error = errors.into_iter().flatten().fold(0.0, f64::max);
+    Shares { error, own_share_errors, ..found }
 }
