@@ -63,18 +63,20 @@ fn text(title: &str, result: &CrosstalkResult) -> String {
 
 fn of_view(result: &CrosstalkResult, view: &CrosstalkView) -> String {
     let shares = &view.shares;
-    let mut text =
-        matrix("seen through, from", &result.subpixels, &shares.out, "inactive", &shares.inactive_out);
-    if let (Some(entered), Some(between)) = (&shares.in_, &shares.between_in) {
+    let has_shares = result.subpixels.len() > 1;
+    let mut text = if has_shares {
+        matrix("seen through, from", &result.subpixels, &shares.out, "inactive", &shares.inactive_out)
+    } else {
+        "  pixels without sub-pixels: there are no shares, see the contrast of figures".to_owned()
+    };
+    if let (true, Some(entered), Some(between)) = (has_shares, &shares.in_, &shares.between_in) {
         text += "\n";
         text += &matrix("reaches, entered through", &result.subpixels, entered, "between", between);
     }
     let percent = |share: Option<f64>, error: Option<f64>| {
         format!("{} %", measured(share.map(|share| 100.0 * share), error.map(|error| 100.0 * error), 2))
     };
-    if result.subpixels.len() == 1 {
-        text += "  pixels without sub-pixels: shares of what one pixel lights are not computed, see the contrast of figures";
-    } else {
+    if has_shares {
         let [out, entered] = shares.own_share_errors;
         text += &format!("  own share on the way out {}", percent(shares.own_share_out, out));
         if shares.own_share_in.is_some() {
