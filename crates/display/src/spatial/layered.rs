@@ -24,8 +24,9 @@ const UNIFORM: u32 = 12;
 const PREFERRED: [f64; 5] = [1.0, 1.6, 2.5, 4.0, 6.3];
 const LOWEST_PER_MM: f64 = 0.1;
 
-/// `f50` is searched up to this multiple of the highest frequency, in steps of a factor.
+/// `f50` is searched up to this multiple of the highest frequency: a factor farther each time, in steps of another one.
 const SEARCHED: f64 = 8.0;
+const FARTHER: f64 = 1.4;
 const STEP: f64 = 1.25;
 
 /// Loss of modulation over the upper half of the frequencies from which on `f50` is searched beyond them.
@@ -75,9 +76,10 @@ impl Frame<'_> {
         };
         let mut frequencies = self.frequencies.clone();
         let mut coarse = self.layered(stack, view, (0, &frequencies), control)?;
-        if self.is_falling(&coarse) {
-            let highest = self.highest();
-            while let Some(last) = frequencies.last().filter(|last| **last < SEARCHED * highest) {
+        let mut reach = self.highest();
+        while self.is_falling(&coarse) && reach < SEARCHED * self.highest() {
+            reach *= FARTHER;
+            while let Some(last) = frequencies.last().filter(|last| **last < reach) {
                 frequencies.push(last * STEP);
             }
             coarse = self.layered(stack, view, (0, &frequencies), control)?;

@@ -47,9 +47,11 @@ fn numbers(view: &CrosstalkView) -> Vec<(String, f64, f64)> {
     for (light, shares) in lights {
         let rows = shares.out.iter().chain(shares.in_.iter().flatten()).flatten();
         let rest = shares.inactive_out.iter().chain(shares.between_in.iter().flatten());
-        let own = shares.own_share_out.iter().chain(&shares.own_share_in);
-        let shares_of = rows.chain(rest).chain(own).enumerate();
+        let shares_of = rows.chain(rest).enumerate();
         all.extend(shares_of.map(|(k, share)| (format!("{light} {k}"), *share, shares.error)));
+        let own = [shares.own_share_out, shares.own_share_in].into_iter().zip(shares.own_share_errors);
+        let both = own.enumerate().filter_map(|(k, (share, error))| Some((k, share?, error?)));
+        all.extend(both.map(|(k, share, error)| (format!("{light}, own {k}"), share, error)));
     }
     for pattern in &view.patterns {
         let (values, errors) = (pattern.values, pattern.error);
