@@ -9,6 +9,7 @@
 //! - [`gamut_percent`], [`coverage_percent`]: area and coverage of the triangle of three primaries in u'v' or xy, relative
 //!   to sRGB, EBU, NTSC and DCI-P3.
 //! - [`Corners`]: the colour gamut of eight states as a solid in CIELAB, with its volume and rings.
+//! - [`Oklab`]: lightness, chroma and hue of pictures, in which lines of constant hue are straight.
 //! - [`Viewing`]: the viewing conditions of the colour appearance model CIECAM16.
 //! - [`colour_temperature`], [`rendering_index`]: correlated colour temperature and Ra of a light.
 //! - [`reader`]: what a reader sees: luminance threshold of small details, contrast sensitivity of the eye, age.
@@ -50,7 +51,9 @@ mod appearance;
 mod error;
 mod gamut;
 mod lab;
+mod matrix;
 mod observer;
+mod oklab;
 mod peak;
 pub mod pictures;
 pub mod reader;
@@ -64,6 +67,7 @@ pub use error::ColourError;
 pub use gamut::{Chromaticity, GamutReference, coverage_percent, gamut_percent, triangle_area};
 pub use lab::{Lab, Luv};
 pub use observer::{Between, LUMENS_PER_WATT, Observer, Standard, spectral_locus};
+pub use oklab::Oklab;
 pub use peak::{peak_nm, peak_slopes};
 pub use rendering::{ColourTemperature, colour_temperature, rendering_index};
 pub use solid::{CORNERS, Corners, GamutSolid, HUES, RINGS};
