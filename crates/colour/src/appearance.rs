@@ -10,10 +10,8 @@
 //! **Range.** Surface colours, 1 to 10 000 cd/m2.
 
 use crate::Xyz;
-
-/// Matrix from X, Y, Z to the cone responses.
-const M16: [[f64; 3]; 3] =
-    [[0.401288, 0.650173, -0.051461], [-0.250268, 1.204414, 0.045854], [-0.002079, 0.048952, 0.953127]];
+use crate::adaptation::TO_CONES;
+use crate::matrix::times;
 
 /// Lower limit, on a scale of 100, below which the response compression is extended linearly. It is extended
 /// linearly as well above the larger of `HIGHEST` and the response to white.
@@ -149,8 +147,8 @@ impl Eye {
     }
 }
 
-fn cones(Xyz { x, y, z }: Xyz) -> [f64; 3] {
-    M16.map(|[a, b, c]| a * x + b * y + c * z)
+fn cones(xyz: Xyz) -> [f64; 3] {
+    times(&TO_CONES, xyz.to_array())
 }
 
 impl Appearance {

@@ -9,6 +9,7 @@
 //! - [`gamut_percent`], [`coverage_percent`]: area and coverage of the triangle of three primaries in u'v' or xy, relative
 //!   to sRGB, EBU, NTSC and DCI-P3.
 //! - [`Corners`]: the colour gamut of eight states as a solid in CIELAB, with its volume and rings.
+//! - [`Adaptation`]: complete chromatic adaptation from one white to another (CAT16).
 //! - [`Oklab`]: lightness, chroma and hue of pictures, in which lines of constant hue are straight.
 //! - [`Viewing`]: the viewing conditions of the colour appearance model CIECAM16.
 //! - [`colour_temperature`], [`rendering_index`]: correlated colour temperature and Ra of a light.
@@ -47,6 +48,7 @@
 //! **Limits.** The observers are tabulated from 380 to 780 nm; wavelengths of a grid outside this range are ignored.
 //! **Out of scope.** Metrics of displays and their states, such as contrast: see `papilio-display`.
 
+mod adaptation;
 mod appearance;
 mod error;
 mod gamut;
@@ -62,6 +64,7 @@ mod solid;
 mod srgb;
 mod xyz;
 
+pub use adaptation::Adaptation;
 pub use appearance::{Appearance, Surround, Viewing};
 pub use error::ColourError;
 pub use gamut::{Chromaticity, GamutReference, coverage_percent, gamut_percent, triangle_area};
