@@ -23,6 +23,7 @@ mod numbers;
 mod optimize;
 mod output;
 mod page;
+mod palette;
 mod parallel;
 mod pixel;
 mod progress;
@@ -208,6 +209,7 @@ pub fn main(arguments: &[OsString]) -> u8 {
         Command::Serve(arguments) => serve::run(&arguments),
         Command::Validate(arguments) => validate::validate(&arguments),
         Command::Sparkle(arguments) => sparkle::sparkle(&arguments),
+        Command::Palette(arguments) => palette::palette(&arguments),
         Command::Sweep(command) => sweep::sweep(&command),
         Command::Tolerance(arguments) => tolerance::run(&arguments),
         Command::Study(Study::Sampling(arguments)) => study::sampling(&arguments),

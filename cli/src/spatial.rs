@@ -100,7 +100,7 @@ fn is_figure<R: SpatialOutput>(name: &str) -> bool {
 
 impl SpatialCommand {
     /// Reads and resolves the scenario, with the seed and a further override.
-    pub(crate) fn resolve(&self, more: Option<String>) -> Result<Resolved, Failure> {
+    pub(crate) fn resolve(&self, more: impl IntoIterator<Item = String>) -> Result<Resolved, Failure> {
         let mut overrides = self.scenario.set.clone();
         overrides.extend(more);
         overrides.extend(self.seed.map(|seed| format!("solver.seed={seed}")));

@@ -11,6 +11,7 @@
 //! - [`Corners`]: the colour gamut of eight states as a solid in CIELAB, with its volume and rings.
 //! - [`Adaptation`]: complete chromatic adaptation from one white to another (CAT16).
 //! - [`Oklab`]: lightness, chroma and hue of pictures, in which lines of constant hue are straight.
+//! - [`Observer::smoothest`]: the smoothest reflectance spectrum of a colour.
 //! - [`Viewing`]: the viewing conditions of the colour appearance model CIECAM16.
 //! - [`colour_temperature`], [`rendering_index`]: correlated colour temperature and Ra of a light.
 //! - [`reader`]: what a reader sees: luminance threshold of small details, contrast sensitivity of the eye, age.
@@ -60,6 +61,7 @@ mod peak;
 pub mod pictures;
 pub mod reader;
 mod rendering;
+mod smoothest;
 mod solid;
 mod srgb;
 mod xyz;

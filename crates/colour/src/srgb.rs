@@ -1,8 +1,7 @@
 //! sRGB colours for figures on a screen.
 //!
-//! **What.** The linear sRGB matrix and the sRGB transfer function (IEC 61966-2-1 with its amendment 1), clipped to the sRGB
-//! gamut. If the scene's light is not D65, the colour of a surface is first [adapted to D65](Xyz::adapted_to_d65), so that
-//! paper is shown as white.
+//! **What.** The linear sRGB matrix and the sRGB transfer function (IEC 61966-2-1 with its amendment 1), clipped to the sRGB gamut. If the
+//! scene's light is not D65, the colour of a surface is first [adapted to D65](Xyz::adapted_to_d65), so that paper is shown as white.
 
 use crate::Xyz;
 use crate::matrix::{Matrix, times};
@@ -20,10 +19,15 @@ impl Xyz {
         times(&SRGB, self.to_array())
     }
 
+    /// Converts relative values under D65 to gamma-encoded sRGB, 0 to 1, clipped to the gamut.
+    pub fn srgb_encoded(self) -> [f64; 3] {
+        // `max` replaces NaN.
+        self.linear_srgb().map(|value| encoded(value).max(0.0).min(1.0))
+    }
+
     /// Converts relative values under D65 to gamma-encoded sRGB bytes, clipped to the gamut.
     pub fn srgb_clipped(self) -> [u8; 3] {
-        // `as` converts NaN to 0 and saturates, so that noise cannot wrap around.
-        self.linear_srgb().map(|value| (255.0 * encoded(value)).round() as u8)
+        self.srgb_encoded().map(|value| (255.0 * value).round() as u8)
     }
 
     /// Computes the "RGB" rows of Feng 2012, table 5.1: 255 times the linear sRGB matrix

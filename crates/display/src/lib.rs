@@ -81,6 +81,7 @@ mod lobes;
 mod meter;
 mod metrics;
 mod notes;
+pub mod palette;
 pub mod pixel;
 mod prepared;
 pub mod readability;

@@ -61,6 +61,7 @@ mod light;
 mod measured_panel;
 mod mtf;
 mod npy;
+mod palette;
 mod pixel_table;
 mod refractiveindex;
 mod result;
@@ -107,6 +108,7 @@ pub use light::{
 };
 pub use measured_panel::read_measured_panel;
 pub use mtf::{MtfFile, mtf_schema, write_kernel_npy, write_mtf_csv, write_spread_csv};
+pub use palette::{PaletteFile, PaletteTable, palette_files, palette_schema, read_palette};
 pub use papilio_diagnostics::{Diagnostic, Place, Spot, Warned};
 pub use pixel_table::{PIXEL_COLUMNS, PixelTable, is_name, read_pixel_table};
 pub use result::{ResultFile, result_schema, write_reflection, write_spectra, write_states};

@@ -37,6 +37,7 @@ pub(crate) fn tables() -> Vec<(&'static str, Vec<Row>)> {
         ("display.pixel table", pixel::TablePixel::rows()),
         ("display.pixel uniform", pixel::UniformPixel::rows()),
         ("display.pixel measured", pixel::MeasuredPixel::rows()),
+        ("display.pixel palette", pixel::PalettePixel::rows()),
         ("display.matrix", matrix::Matrix::rows()),
         ("display.matrix.filter", matrix::Filter::rows()),
         ("lighting", lighting::Lighting::rows()),

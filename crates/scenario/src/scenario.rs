@@ -248,6 +248,13 @@ impl Resolved {
                         .hint("remove it, or use the solver \"adding\"");
                 (*key, wrong.into())
             }
+            DisplayError::OneView { what, views } => {
+                let wrong =
+                    Diagnostic::new(format!("{what} is computed for one view, and these are {views}"))
+                        .expected("one angle in `theta_deg`, and one in `phi_deg`")
+                        .hint("choose one: --set viewer.theta_deg=0 --set viewer.phi_deg=0");
+                ("viewer.theta_deg", wrong.into())
+            }
             DisplayError::FilterWithoutPlace => {
                 let wrong = Diagnostic::new(
                     "the colours of a display with a colour filter above its pixels depend on where light enters and \

@@ -13,6 +13,7 @@ mod maps;
 mod matrix;
 mod measure;
 mod measured;
+mod palette;
 mod panel;
 mod pattern;
 mod pixel;
@@ -169,6 +170,7 @@ impl Resolver<'_> {
         self.check_panel(file, &scene);
         self.check_reach(file, &scene);
         self.check_medium(file, &scene);
+        self.check_surface(file);
         self.check_size(file, &scene);
         self.note_no_reflection();
         self.note_scattering(&scene);
