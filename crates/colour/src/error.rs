@@ -53,7 +53,7 @@ pub enum ColourError {
     Dependent,
     /// White and black of a display are mixtures of its states, and white is brighter.
     #[error(
-        "the white (Y = {white}) and the black (Y = {black}) of a display must be mixtures of its states, and the white brighter in X, Y and Z"
+        "white (Y = {white}) and black (Y = {black}) must be mixtures of the states of the display, and white brighter in X, Y and Z"
     )]
     WhiteAndBlack {
         /// Y of the white.

@@ -1,12 +1,13 @@
 //! Convex hull of the states of a display in X, Y, Z.
 //!
 //! **What.** All colours that mixtures of the states by area have: an intersection of half-spaces, each with one face of the hull as its
-//! border. Every half-space contains all states exactly, so that rounding may enlarge the hull by 1e-7 of the brightest state but never cuts a state off.
+//! border. Every half-space contains all states exactly, so that rounding may enlarge the hull by 1e-7 of the brightest state but
+//! never cuts a state off.
 //!
 //! **Parameters.** X, Y, Z of 2 to 64 states in one light and view, on one scale.
 //!
-//! **Range.** Any states. Greys on a line, or black, white and one ink, have a hull without volume (`dimensions` below 3); states that differ
-//! from a line or plane by less than 1e-9 of their extent are on it.
+//! **Range.** Any states. Greys on a line, or black, white and one ink, have a hull without volume (`dimensions` below 3); states that
+//! differ from a line or plane by less than 1e-9 of their extent are on it.
 
 use super::span::{Span, difference, length};
 use crate::matrix::{cross, dot};

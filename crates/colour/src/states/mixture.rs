@@ -1,15 +1,17 @@
 //! Coverages of any states with the least variance of luminance.
 //!
-//! **What.** More than four states mix most colours in many ways. The least visible pattern, approximately, is that whose states differ least in
-//! luminance: `min sum c_s (Y_s - Y)²` subject to `sum c_s XYZ_s = XYZ`, `sum c_s = 1`, `c_s >= 0`, a linear programme. Since the mean of Y is
-//! fixed, the objective is `sum c_s Y_s²` without a constant, which does not depend on the colour: the solution is a fixed triangulation of the hull,
-//! the lower side of the hull of the points (X, Y, Z, Y²). It is computed once; a colour then finds its tetrahedron as the one whose linear function
-//! is largest. At most four states are used, and coverages are continuous in the colour.
+//! **What.** More than four states mix most colours in many ways. The least visible pattern, approximately, is that whose states
+//! differ least in luminance: `min sum c_s (Y_s - Y)²` subject to `sum c_s XYZ_s = XYZ`, `sum c_s = 1`, `c_s >= 0`, a linear
+//! programme. Since the mean of Y is fixed, the objective is `sum c_s Y_s²` without a constant, which does not depend on the colour:
+//! the solution is a fixed triangulation of the hull, the lower side of the hull of the points (X, Y, Z, Y²). It is computed once; a
+//! colour then finds its tetrahedron as the one whose linear function is largest. At most four states are used, and coverages are
+//! continuous in the colour.
 //!
 //! **Parameters.** X, Y, Z of 2 to 64 states. If several solutions are equally good, the earlier states decide, by 1e-9 of the objective.
 //!
-//! **Source.** The minimal-brightness-variation criterion of Shaked, Arad, Fitzhugh, Sobel, *Ink relocation for color halftones*, PICS 1998, as a linear
-//! programme over Neugebauer primaries: Morovič, Morovič, Arnabat, *HANS*, IEEE Trans. Image Process. 21, 688 (2012).
+//! **Source.** The minimal-brightness-variation criterion of Shaked, Arad, Fitzhugh, Sobel, *Ink relocation for color halftones*, PICS
+//! 1998, as a linear programme over Neugebauer primaries: Morovič, Morovič, Arnabat, *HANS*, IEEE Trans. Image Process. 21, 688
+//! (2012).
 
 use super::hull::require_states;
 use super::span::Span;
@@ -225,12 +227,11 @@ fn nearest_of_plane(set: &[(usize, f64)], points: &[[f64; 3]]) -> Option<Vec<f64
             return None;
         }
         m.swap(column, pivot);
-        for row in 0..count - 1 {
+        let done = m[column].clone();
+        for (row, entries) in m.iter_mut().enumerate() {
             if row != column {
-                let factor = m[row][column] / m[column][column];
-                for k in column..count {
-                    m[row][k] -= factor * m[column][k];
-                }
+                let factor = entries[column] / done[column];
+                entries.iter_mut().zip(&done).for_each(|(entry, part)| *entry -= factor * part);
             }
         }
     }

@@ -1,8 +1,9 @@
 //! Coverages of three independent sub-pixels.
 //!
 //! **What.** A display with three sub-pixels, each of them on or off, has eight states, and the light of its sub-pixels adds:
-//! `W = R + G + B - 2 K`, and so on. Its hull is a parallelepiped, and the coverages of the three sub-pixels are unique: the fractions of red, green
-//! and blue sub-pixels that are on. They are three independent binary pictures, however the sub-pixels are combined to states.
+//! `W = R + G + B - 2 K`, and so on. Its hull is a parallelepiped, and the coverages of the three sub-pixels are unique: the fractions
+//! of red, green and blue sub-pixels that are on. They are three independent binary pictures, however the sub-pixels are combined to
+//! states.
 //!
 //! **Parameters.** X, Y, Z of the eight states, in the order of [`Corners`].
 //!
