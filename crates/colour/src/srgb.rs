@@ -21,7 +21,8 @@ impl Xyz {
 
     /// Converts relative values under D65 to gamma-encoded sRGB, 0 to 1, clipped to the gamut.
     pub fn srgb_encoded(self) -> [f64; 3] {
-        // `max` replaces NaN.
+        // `max` replaces NaN by 0, which `clamp` does not.
+        #[allow(clippy::manual_clamp, reason = "NaN")]
         self.linear_srgb().map(|value| encoded(value).max(0.0).min(1.0))
     }
 
