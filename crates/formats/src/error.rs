@@ -7,6 +7,7 @@ use papilio_spectra::SpectraError;
 
 use crate::bsdf::BsdfProblem;
 use crate::light::MapProblem;
+use crate::picture::PictureProblem;
 
 /// Error of a data file: what is wrong, and where.
 ///
@@ -182,6 +183,8 @@ pub enum Problem {
     NoIndex,
     /// An error of a light map.
     Map(Box<MapProblem>),
+    /// An error of a picture.
+    Picture(Box<PictureProblem>),
     /// An error of a luminaire file.
     Ies {
         /// What is wrong.
@@ -202,6 +205,12 @@ impl From<SpectraError> for Problem {
 impl From<MapProblem> for Problem {
     fn from(problem: MapProblem) -> Self {
         Self::Map(Box::new(problem))
+    }
+}
+
+impl From<PictureProblem> for Problem {
+    fn from(problem: PictureProblem) -> Self {
+        Self::Picture(Box::new(problem))
     }
 }
 
@@ -257,6 +266,7 @@ impl Problem {
                 .expected("an entry of type `tabulated nk`, `tabulated n` or `formula 1` to `formula 9`"),
             Self::Ies { what } => Diagnostic::new(format!("this IES LM-63 file cannot be used: {what}")),
             Self::Map(problem) => problem.diagnostic(),
+            Self::Picture(problem) => problem.diagnostic(),
             Self::Bsdf(problem) => problem.diagnostic(),
             Self::Spectra(error) => {
                 let sign = matches!(error, SpectraError::NoIndex { k, .. } if *k < 0.0);

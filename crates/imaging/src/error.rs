@@ -61,6 +61,16 @@ pub enum ImagingError {
         /// The state.
         state: usize,
     },
+    /// A filter that cannot be used.
+    #[error(
+        "the filter has {columns} x {rows} values (expected odd numbers of columns and rows, and finite values, not all 0)"
+    )]
+    Filter {
+        /// Number of columns.
+        columns: usize,
+        /// Number of rows.
+        rows: usize,
+    },
     /// A side of a mask that is not permitted.
     #[error("the mask has sides of {side} pixels (expected {expected})")]
     MaskSide {

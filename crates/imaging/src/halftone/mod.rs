@@ -5,6 +5,7 @@
 //! | [`ordered`] | coverages of the states | a [`Mask`] decides each pixel alone: quick, stable when a picture moves |
 //! | [`ordered_planes`] | coverages of independent sub-pixels | the same for each sub-pixel, with a mask of its own |
 //! | [`ErrorDiffusion`] | X, Y, Z, or one number | the error of a pixel is passed on to its neighbours: the finest detail |
+//! | [`direct_binary_search`] | the same, filters of the eye, a start | the smallest visible error; slow |
 //!
 //! A picture is a slice of its pixels by rows, **the first row at the top**, because error diffusion has a direction and files of
 //! pictures have this order. All values are linear in light. States are numbers from 0, in the order of the palette.
@@ -17,14 +18,18 @@
 mod diffusion;
 mod mask;
 mod ordered;
+mod search;
 #[cfg(test)]
 mod tests;
 #[cfg(test)]
 mod tests_of_masks;
+#[cfg(test)]
+mod tests_of_search;
 
 pub use diffusion::{Diffused, DiffusionKernel, ErrorDiffusion, Scan};
 pub use mask::Mask;
 pub use ordered::{light_to_dark, ordered, ordered_planes};
+pub use search::{Filter, SearchPass, Searched, direct_binary_search};
 
 use crate::ImagingError;
 
