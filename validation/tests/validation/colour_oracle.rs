@@ -2,8 +2,8 @@
 //! (`validation/colour/colour_oracle.py` and `tables_oracle.py` make the tables).
 
 use papilio_colour::{
-    Cam16Ucs, Corners, D65_WHITE, GamutReference, Lab, Observer, Oklab, Standard, Surround, Viewing, Xyz, coverage_percent,
-    gamut_percent,
+    Cam16Ucs, Corners, D65_WHITE, GamutReference, Lab, Observer, Oklab, Standard, Surround, Viewing, Xyz,
+    coverage_percent, gamut_percent,
 };
 use papilio_spectra::{Grid, Spectrum, illuminant, illuminant_names};
 
