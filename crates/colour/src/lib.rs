@@ -11,9 +11,11 @@
 //! - [`Corners`]: the colour gamut of eight states as a solid in CIELAB, with its volume and rings.
 //! - [`Adaptation`]: complete chromatic adaptation from one white to another (CAT16).
 //! - [`Oklab`]: lightness, chroma and hue of pictures, in which lines of constant hue are straight.
+//! - [`mapping`]: gamut mapping, from a source picture's colours to those of a display, exactly or by a table.
 //! - [`states`]: which colours mixtures of a display's states have, and with which coverages.
 //! - [`Observer::smoothest`]: the smoothest reflectance spectrum of a colour.
-//! - [`Viewing`]: the viewing conditions of the colour appearance model CIECAM16.
+//! - [`Viewing`]: the viewing conditions of the colour appearance model CIECAM16; [`Cam16Ucs`]: its uniform coordinates, and
+//!   the colours that have them.
 //! - [`colour_temperature`], [`rendering_index`]: correlated colour temperature and Ra of a light.
 //! - [`reader`]: what a reader sees: luminance threshold of small details, contrast sensitivity of the eye, age.
 //! - [`pictures`]: how much two pictures differ for a reader at a distance: S-CIELAB, FLIP.
@@ -52,9 +54,11 @@
 
 mod adaptation;
 mod appearance;
+mod cam16_ucs;
 mod error;
 mod gamut;
 mod lab;
+pub mod mapping;
 mod matrix;
 mod observer;
 mod oklab;
@@ -70,6 +74,7 @@ mod xyz;
 
 pub use adaptation::Adaptation;
 pub use appearance::{Appearance, Surround, Viewing};
+pub use cam16_ucs::Cam16Ucs;
 pub use error::ColourError;
 pub use gamut::{Chromaticity, GamutReference, coverage_percent, gamut_percent, triangle_area};
 pub use lab::{Lab, Luv};

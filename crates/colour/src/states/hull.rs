@@ -143,6 +143,23 @@ impl StateHull {
         self.half_spaces.iter().all(|side| dot(side.normal, colour) - side.offset <= tolerance)
     }
 
+    /// Normal of the plane of a flat hull.
+    pub(crate) fn plane(&self) -> Option<[f64; 3]> {
+        (self.span.rank == 2).then(|| self.span.perpendicular()[0])
+    }
+
+    /// Part of a step, 0 to 1, that is inside the hull, from a contained colour.
+    pub(crate) fn part_inside(&self, from: Xyz, step: Xyz) -> f64 {
+        let (from, step) = (from.to_array(), step.to_array());
+        let slack = TOLERANCE * self.span.size;
+        let part = |side: &HalfSpace| {
+            let (rate, room) = (dot(side.normal, step), side.offset - dot(side.normal, from));
+            // Along a plane of a flat hull, the rate is rounding.
+            if rate > slack { (room / rate).max(0.0) } else { 1.0 }
+        };
+        self.half_spaces.iter().map(part).fold(1.0, f64::min)
+    }
+
     /// Returns the contained colour that is nearest: the Euclidean distance of X, Y and Z, each divided by that of `white`.
     ///
     /// It is unique. The algorithm is that of P. Wolfe, *Finding the nearest point in a polytope*, Math. Programming 11, 128 (1976).

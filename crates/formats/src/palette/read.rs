@@ -71,6 +71,9 @@ pub fn read_palette(file: &DataFile) -> Result<PaletteTable, FormatError> {
     }
 }
 
+/// Whether two points of a state are the same.
+type IsSame = fn(&[f64; 3], &[f64; 3]) -> bool;
+
 impl Columns {
     fn of(header: &Row<'_>) -> Option<Self> {
         let at = |name: &str| header.cells.iter().position(|cell| cell.text == name);
@@ -90,7 +93,7 @@ impl Columns {
         if !is_name(&name) {
             return Err(row.cell_error(self.state, Problem::BadName));
         }
-        let (point, is_same): ([f64; 3], fn(&[f64; 3], &[f64; 3]) -> bool) = match self.values {
+        let (point, is_same): ([f64; 3], IsSame) = match self.values {
             Values::Spectrum([nm, factor]) => {
                 let nm = in_range(row, nm, "the wavelength", 0.1, 1e5, "a wavelength in nm")?;
                 let expected = "a number from 0 to 1; fluorescence is not modelled";
