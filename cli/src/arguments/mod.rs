@@ -70,6 +70,13 @@ pub(crate) enum Command {
                       The scenario needs [display.matrix] and the thickness of the layers above the pixels. docs/crosstalk.md describes \
                       the results.")]
     Crosstalk(SolvedSpatially),
+    /// Show a picture on the display: what the reader sees in this light, and what to send to the panel
+    #[command(after_help = "Examples:\n  \
+                      papilio image scenarios/six-ink.toml photograph.jpg\n  \
+                      papilio image scenarios/six-ink.toml photograph.jpg --set lighting.spectrum=D65 --set image.kernel=stucki\n\n\
+                      It writes seen.png and seen.exr, what the reader sees; states.png, the state of each pixel; and image.json. \
+                      docs/image.md describes them.")]
+    Image(ImageCommand),
     /// Compute the palette of a display: the colours of all states in this light and in other rooms, for other programs too
     #[command(after_help = "Examples:\n  \
                       papilio palette scenarios/six-ink.toml\n  \
@@ -167,6 +174,9 @@ pub(crate) struct Schema {
     /// Print the JSON Schema of palette.json instead
     #[arg(long, group = "of")]
     pub(crate) palette: bool,
+    /// Print the JSON Schema of image.json instead
+    #[arg(long, group = "of")]
+    pub(crate) image: bool,
 }
 
 #[derive(Debug, Args)]
@@ -274,6 +284,27 @@ pub(crate) struct SpatialCommand {
     pub(crate) seed: Option<u64>,
     #[command(flatten)]
     pub(crate) workers: Workers,
+}
+
+/// A picture on a display.
+#[derive(Debug, Args)]
+pub(crate) struct ImageCommand {
+    #[command(flatten)]
+    pub(crate) command: SpatialCommand,
+    /// The picture, PNG or JPEG; sets image.file
+    #[arg(value_name = "PICTURE")]
+    pub(crate) picture: Option<String>,
+    /// What is white in seen.png
+    #[arg(long, value_enum, value_name = "WHITE", default_value = "white")]
+    pub(crate) relative_to: RelativeTo,
+}
+
+impl ImageCommand {
+    /// The picture as an override.
+    pub(crate) fn picture_key(&self) -> Option<String> {
+        let text = |picture: &String| picture.replace('\\', "\\\\").replace('"', "\\\"");
+        self.picture.as_ref().map(|picture| format!("image.file=\"{}\"", text(picture)))
+    }
 }
 
 /// The palette of a display.

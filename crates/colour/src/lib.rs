@@ -11,6 +11,7 @@
 //! - [`Corners`]: the colour gamut of eight states as a solid in CIELAB, with its volume and rings.
 //! - [`Adaptation`]: complete chromatic adaptation from one white to another (CAT16).
 //! - [`Oklab`]: lightness, chroma and hue of pictures, in which lines of constant hue are straight.
+//! - [`states`]: which colours mixtures of a display's states have, and with which coverages.
 //! - [`Observer::smoothest`]: the smoothest reflectance spectrum of a colour.
 //! - [`Viewing`]: the viewing conditions of the colour appearance model CIECAM16.
 //! - [`colour_temperature`], [`rendering_index`]: correlated colour temperature and Ra of a light.
@@ -64,6 +65,7 @@ mod rendering;
 mod smoothest;
 mod solid;
 mod srgb;
+pub mod states;
 mod xyz;
 
 pub use adaptation::Adaptation;

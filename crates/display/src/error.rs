@@ -246,6 +246,12 @@ pub enum DisplayError {
         /// Number of views.
         views: usize,
     },
+    /// A picture without pixels, or for a panel without pixels.
+    #[error("the picture has no pixels")]
+    EmptyPicture,
+    /// A picture that cannot be halftoned.
+    #[error(transparent)]
+    Imaging(#[from] papilio_imaging::ImagingError),
     /// A light without luminance or chromaticity.
     #[error("the light has no white: {what} is not defined")]
     NoWhite {

@@ -77,6 +77,7 @@ pub mod environment;
 mod error;
 mod filtered;
 mod label;
+pub mod image;
 mod lobes;
 mod meter;
 mod metrics;

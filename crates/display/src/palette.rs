@@ -177,6 +177,21 @@ impl Palette {
         Some(Self { white_XYZ: white.to_array(), colours: colours.collect() })
     }
 
+    /// Returns the palette with only these states, in this order; all, if none is named.
+    ///
+    /// # Errors
+    /// If a state does not exist.
+    pub fn with_states(mut self, names: &[String]) -> Result<Self, DisplayError> {
+        if !names.is_empty() {
+            let find = |name: &String| {
+                let known = self.colours.iter().find(|one| one.state == *name).cloned();
+                known.ok_or_else(|| DisplayError::NoSuchQuantity { what: format!("state {name}"), quantity: "picture" })
+            };
+            self.colours = names.iter().map(find).collect::<Result<_, _>>()?;
+        }
+        Ok(self)
+    }
+
     /// Returns this palette as that of a room, with differences from `other`.
     pub fn into_room(self, other: &Self) -> Room {
         let colours = self.colours.into_iter().map(|colour| {

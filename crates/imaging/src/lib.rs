@@ -18,7 +18,9 @@
 //! **Out of scope.** Shaping of complex scripts, kerning, hinting, fonts of the system.
 
 mod error;
+mod fit;
 pub mod halftone;
 pub mod text;
 
 pub use error::ImagingError;
+pub use fit::{Fit, fitted};

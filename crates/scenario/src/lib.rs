@@ -100,6 +100,7 @@ pub use papilio_diagnostics::{Diagnostic, nearest};
 pub use papilio_display::{Label, labelled_names};
 pub use papilio_spectra::materials_called;
 pub use path::KeyPath;
+pub use resolve::ImageRequest;
 pub use preset::{ExampleDisplay, UsedPreset, new_scenario, new_scenario_of, preset_names};
 pub use resolve::VirtualMeasurement;
 pub use scenario::{Resolved, Scenario};

@@ -59,6 +59,7 @@ pub(crate) fn tables() -> Vec<(&'static str, Vec<Row>)> {
         ("measure", measure::Measure::rows()),
         ("pattern", pattern::Pattern::rows()),
         ("sparkle", sparkle::Sparkle::rows()),
+        ("image", image::Image::rows()),
         ("sweep", sweep::Sweep::rows()),
         ("optimize", optimize::Optimize::rows()),
         ("optimize.variables", optimize::Variable::rows()),

@@ -54,6 +54,8 @@ pub struct Resolved {
     pub patterns: Patterns,
     /// The antiglare face of [`papilio_display::spatial::sparkle`], if it is described.
     pub sparkle: Option<Antiglare>,
+    /// The picture of `[image]`, after [`Scenario::resolve_with_picture`].
+    pub image: Option<ImageRequest>,
     /// Title of the scenario.
     pub title: Option<String>,
     /// Warnings: what may be wrong with the scenario.
@@ -144,8 +146,20 @@ impl Scenario {
     /// # Errors
     /// All keys that do not fit together, each with its place, and mistakes in data files, with line and column of the file.
     pub fn resolve(&self) -> Result<Resolved, ScenarioErrors> {
-        let Found { scene, patterns, sparkle, warnings, notes, inputs } =
-            resolve::resolve(&self.file, &self.library, &self.written.sources)?;
+        self.resolved(false)
+    }
+
+    /// As [`resolve`](Self::resolve), and reads the picture of `[image]`, for `papilio image`.
+    ///
+    /// # Errors
+    /// As [`resolve`](Self::resolve), and if there is no picture, or it cannot be read.
+    pub fn resolve_with_picture(&self) -> Result<Resolved, ScenarioErrors> {
+        self.resolved(true)
+    }
+
+    fn resolved(&self, with_picture: bool) -> Result<Resolved, ScenarioErrors> {
+        let Found { scene, patterns, sparkle, image, warnings, notes, inputs } =
+            resolve::resolve(&self.file, &self.library, &self.written.sources, with_picture)?;
         let mut canonical = serde_json::to_value(&self.file).unwrap_or_default();
         if let Value::Object(keys) = &mut canonical {
             STUDY_TABLES.iter().for_each(|table| drop(keys.remove(*table)));
@@ -157,6 +171,7 @@ impl Scenario {
             scene,
             patterns,
             sparkle,
+            image,
             title: self.file.title.as_ref().map(|title| title.0.clone()),
             warnings: [self.warnings.clone(), warnings].concat(),
             notes: [self.notes.clone(), notes].concat(),
