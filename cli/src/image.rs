@@ -40,12 +40,16 @@ impl SpatialOutput for ImageResult {
     fn write_tables(&self, folder: &Path) -> Result<Vec<String>, Failure> {
         let columns = self.size[0];
         write_file(&folder.join("seen.png"), |out| write_rgb_png(out, columns, &self.srgb, false))?;
-        write_file(&folder.join("seen.exr"), |out| write_scene_exr(out, columns, &self.seen, Some(self.white_cd_m2)))?;
+        write_file(&folder.join("seen.exr"), |out| {
+            write_scene_exr(out, columns, &self.seen, Some(self.white_cd_m2))
+        })?;
         let mut names = vec!["seen.png".to_owned(), "seen.exr".to_owned()];
         if !self.states.is_empty() {
             let colours = self.palette.colours.iter();
             let palette: Vec<[u8; 3]> = colours.map(|one| one.srgb.map_or([0; 3], bytes)).collect();
-            write_file(&folder.join("states.png"), |out| write_indexed_png(out, columns, &self.states, &palette))?;
+            write_file(&folder.join("states.png"), |out| {
+                write_indexed_png(out, columns, &self.states, &palette)
+            })?;
             names.push("states.png".to_owned());
         }
         Ok(names)
@@ -65,10 +69,11 @@ fn text(title: &str, result: &ImageResult) -> String {
     let percent = |fraction: f64| format!("{:.2} %", 100.0 * fraction);
     let mut rows = vec![["state", "pixels"].map(str::to_owned).to_vec()];
     for (state, fraction) in numbers.coverage.iter().flat_map(|coverage| coverage.iter()) {
-        rows.push(vec![state.clone(), percent(*fraction)]);
+        rows.push(vec![state.to_owned(), percent(*fraction)]);
     }
     let [columns, lines] = numbers.size;
-    let temperature = numbers.light.colour_temperature_k.map_or(String::new(), |kelvin| format!(", {kelvin:.0} K"));
+    let temperature =
+        numbers.light.colour_temperature_k.map_or(String::new(), |kelvin| format!(", {kelvin:.0} K"));
     let neighbours = if numbers.neighbours_light {
         "contains the light that the layers return from each pixel to others"
     } else {

@@ -185,7 +185,10 @@ impl Palette {
         if !names.is_empty() {
             let find = |name: &String| {
                 let known = self.colours.iter().find(|one| one.state == *name).cloned();
-                known.ok_or_else(|| DisplayError::NoSuchQuantity { what: format!("state {name}"), quantity: "picture" })
+                known.ok_or_else(|| DisplayError::NoSuchQuantity {
+                    what: format!("state {name}"),
+                    quantity: "picture",
+                })
             };
             self.colours = names.iter().map(find).collect::<Result<_, _>>()?;
         }

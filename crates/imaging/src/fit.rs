@@ -20,7 +20,13 @@ pub enum Fit {
 /// Fits a picture (rows from the top) to `to` = columns and rows; `margin` is the colour beyond the picture.
 ///
 /// Empty if one of the sizes is 0 or `pixels` are not whole rows of `columns`.
-pub fn fitted(pixels: &[[f32; 3]], columns: usize, to: [usize; 2], fit: Fit, margin: [f32; 3]) -> Vec<[f32; 3]> {
+pub fn fitted(
+    pixels: &[[f32; 3]],
+    columns: usize,
+    to: [usize; 2],
+    fit: Fit,
+    margin: [f32; 3],
+) -> Vec<[f32; 3]> {
     if columns == 0 || pixels.is_empty() || !pixels.len().is_multiple_of(columns) || to.contains(&0) {
         return Vec::new();
     }
@@ -35,7 +41,8 @@ pub fn fitted(pixels: &[[f32; 3]], columns: usize, to: [usize; 2], fit: Fit, mar
         Fit::Stretch => ratio,
         Fit::None => [1.0; 2],
     };
-    let [across, down] = [0, 1].map(|k| (0..to[k]).map(|at| Weights::new(at, to[k], from[k], scale[k])).collect::<Vec<_>>());
+    let [across, down] =
+        [0, 1].map(|k| (0..to[k]).map(|at| Weights::new(at, to[k], from[k], scale[k])).collect::<Vec<_>>());
     // Rows of the source that are needed, each with the columns of the result.
     let mut wide = vec![[0.0_f32; 3]; to[0] * from[1]];
     for (row, line) in pixels.chunks_exact(columns).zip(wide.chunks_exact_mut(to[0])) {
@@ -43,9 +50,11 @@ pub fn fitted(pixels: &[[f32; 3]], columns: usize, to: [usize; 2], fit: Fit, mar
     }
     let mut result = Vec::with_capacity(to[0] * to[1]);
     for rows in &down {
-        result.extend(across.iter().enumerate().map(|(x, columns)| match columns.is_outside || rows.is_outside {
-            true => margin,
-            false => rows.mean(|at| wide[at * to[0] + x]),
+        result.extend(across.iter().enumerate().map(|(x, columns)| {
+            match columns.is_outside || rows.is_outside {
+                true => margin,
+                false => rows.mean(|at| wide[at * to[0] + x]),
+            }
         }));
     }
     result
@@ -65,7 +74,8 @@ impl Weights {
         let place = (at as f64 + 0.5 - 0.5 * to as f64) / scale + 0.5 * from as f64;
         let half = (1.0 / scale).max(1.0);
         let last = from as f64 - 1.0;
-        let [first, end] = [place - half, place + half].map(|edge| (edge - 0.5).round().clamp(0.0, last) as usize);
+        let [first, end] =
+            [place - half, place + half].map(|edge| (edge - 0.5).round().clamp(0.0, last) as usize);
         let weight = |pixel: usize| (1.0 - (pixel as f64 + 0.5 - place).abs() / half).max(0.0);
         let mut weights: Vec<f64> = (first..=end).map(weight).collect();
         let mut sum: f64 = weights.iter().sum();
@@ -110,7 +120,10 @@ mod tests {
     fn proportions_are_kept_by_margins_or_cuts() {
         let source = grey(&[0.0, 0.0, 1.0, 1.0, 0.0, 0.0, 1.0, 1.0]);
         let contained = fitted(&source, 4, [4, 4], Fit::Contain, [0.5; 3]);
-        assert_eq!((contained[0], contained[4], contained[7], contained[15]), ([0.5; 3], [0.0; 3], [1.0; 3], [0.5; 3]));
+        assert_eq!(
+            (contained[0], contained[4], contained[7], contained[15]),
+            ([0.5; 3], [0.0; 3], [1.0; 3], [0.5; 3])
+        );
         let covered = fitted(&source, 4, [4, 4], Fit::Cover, [0.5; 3]);
         assert!(covered.iter().all(|pixel| pixel[0] != 0.5 || pixel[0].is_finite()));
         assert!(covered[0][0] < 0.3 && covered[3][0] > 0.7, "{covered:?}");

@@ -1,8 +1,8 @@
 //! The tables of keys in `docs/scenario.md`, generated from the grammar.
 
 use crate::describe::{
-    File, Spectrum, diffuser, display, environment, layers, lighting, limits, matrix, measure, metrics,
-    optimize, pattern, pixel, solver, sparkle, sweep, tolerance, viewer,
+    File, Spectrum, diffuser, display, environment, image, layers, lighting, limits, matrix, measure,
+    metrics, optimize, pattern, pixel, solver, sparkle, sweep, tolerance, viewer,
 };
 use crate::read::Table;
 use crate::schema::{Default, Row, toml};

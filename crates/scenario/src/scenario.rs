@@ -16,7 +16,7 @@ use crate::library::{Library, sha256};
 use crate::mistake::{self, Mistake};
 use crate::preset::UsedPreset;
 use crate::read::Read;
-use crate::resolve::{self, Found, VirtualMeasurement};
+use crate::resolve::{self, Found, ImageRequest, VirtualMeasurement};
 use crate::set::Change;
 use crate::source::Sources;
 use crate::tree::Node;

@@ -41,7 +41,9 @@ impl Difference {
         let mean = values.iter().sum::<f64>() / count as f64;
         let mut quantile = |fraction: f64| {
             let at = ((count as f64 - 1.0) * fraction).round() as usize;
-            if at >= values.len() { return 0.0 };
+            if at >= values.len() {
+                return 0.0;
+            };
             *values.select_nth_unstable_by(at, f64::total_cmp).1
         };
         Self { mean, p50: quantile(0.5), p95: quantile(0.95) }
@@ -99,9 +101,16 @@ mod tests {
     #[test]
     fn equal_pictures_do_not_differ_and_quantiles_are_ordered() {
         let same = Adaptation::between(D65_WHITE, D65_WHITE).unwrap();
-        let grey: Vec<[f32; 3]> = (0..64).map(|k| [0.3, 0.32, 0.35].map(|one: f32| one * (1.0 + k as f32 / 64.0))).collect();
-        let darker: Vec<[f32; 3]> = grey.iter().enumerate().map(|(k, pixel)| pixel.map(|one| one * (1.0 - k as f32 / 200.0))).collect();
-        let against = |other: &[[f32; 3]]| PictureDifferences::between([&grey, other], 8, D65_WHITE, &same, Some(40.0)).unwrap();
+        let grey: Vec<[f32; 3]> =
+            (0..64).map(|k| [0.3, 0.32, 0.35].map(|one: f32| one * (1.0 + k as f32 / 64.0))).collect();
+        let darker: Vec<[f32; 3]> = grey
+            .iter()
+            .enumerate()
+            .map(|(k, pixel)| pixel.map(|one| one * (1.0 - k as f32 / 200.0)))
+            .collect();
+        let against = |other: &[[f32; 3]]| {
+            PictureDifferences::between([&grey, other], 8, D65_WHITE, &same, Some(40.0)).unwrap()
+        };
         let none = against(&grey);
         assert_eq!((none.delta_e_2000_p95, none.scielab_mean, none.flip_mean), (0.0, Some(0.0), Some(0.0)));
         let some = against(&darker);

@@ -194,7 +194,8 @@ pub fn image(
         ScreenWhite::Perfect => to_screen,
         ScreenWhite::Display => Adaptation::between(rendering.white, D65_WHITE).unwrap_or(to_screen),
     };
-    let screen: Vec<[f64; 3]> = seen.iter().map(|pixel| on_screen.apply(colour(*pixel)).linear_srgb()).collect();
+    let screen: Vec<[f64; 3]> =
+        seen.iter().map(|pixel| on_screen.apply(colour(*pixel)).linear_srgb()).collect();
     let is_clipped = |rgb: &&[f64; 3]| rgb.iter().any(|value| !(-CLIPPED..=1.0 + CLIPPED).contains(value));
     let count = size[0] * size[1];
     let fraction = |number: usize| number as f64 / count as f64;
@@ -202,7 +203,9 @@ pub fn image(
     let pitch_mm = scene.display.matrix.as_ref().map(|matrix| matrix.pitch_mm[0]);
     let per_degree =
         pitch_mm.map(|mm| papilio_colour::pictures::pixels_per_degree(1e3 * mm, scene.viewer.distance_mm));
-    let against = |other: &[[f32; 3]]| PictureDifferences::between([&seen, other], size[0], white, &to_screen, per_degree);
+    let against = |other: &[[f32; 3]]| {
+        PictureDifferences::between([&seen, other], size[0], white, &to_screen, per_degree)
+    };
     let numbers = ImageNumbers {
         light: PaletteLight::of(scene, &result),
         view,
@@ -237,11 +240,13 @@ fn seen(
     rendering: &Rendering,
     control: &Control<'_>,
 ) -> Result<(Vec<[f32; 3]>, f64, bool), DisplayError> {
-    let is_paper = matches!(&scene.display.pixel, Pixel::Uniform(pixel) if pixel.kind == UniformKind::Lambertian);
+    let is_paper =
+        matches!(&scene.display.pixel, Pixel::Uniform(pixel) if pixel.kind == UniformKind::Lambertian);
     let is_glass = scene.display.index_above_pixel().max() > 1.0;
     if is_paper && is_glass && scene.display.matrix.is_some() {
         let flipped = states.chunks_exact(size[0]).rev().flatten();
-        let shown = Picture { count: size, states: flipped.map(|state| all[usize::from(*state)] as u8).collect() };
+        let shown =
+            Picture { count: size, states: flipped.map(|state| all[usize::from(*state)] as u8).collect() };
         match picture(scene, &shown, Precision::FAST, control) {
             Ok(mut found) => {
                 let view = found.views.pop().unwrap_or_default();
@@ -253,7 +258,8 @@ fn seen(
             Err(error) => return Err(error),
         }
     }
-    let colours: Vec<[f32; 3]> = rendering.states.iter().map(|colour| colour.map(|value| value as f32)).collect();
+    let colours: Vec<[f32; 3]> =
+        rendering.states.iter().map(|colour| colour.map(|value| value as f32)).collect();
     Ok((states.iter().map(|state| colours[usize::from(*state)]).collect(), rendering.error, false))
 }
 

@@ -38,7 +38,11 @@ pub(super) struct Rendering {
 }
 
 impl Rendering {
-    pub(super) fn new(palette: &Palette, to_light: &Adaptation, intent: Intent) -> Result<Self, DisplayError> {
+    pub(super) fn new(
+        palette: &Palette,
+        to_light: &Adaptation,
+        intent: Intent,
+    ) -> Result<Self, DisplayError> {
         let states: Vec<[f64; 3]> = palette.colours.iter().map(|one| [one.X, one.Y, one.Z]).collect();
         let find = |name: &str| palette.colours.iter().position(|one| one.state == name);
         let by_light = |most: bool| {
@@ -46,14 +50,16 @@ impl Rendering {
             let order = |a: &usize, b: &usize| states[*a][1].total_cmp(&states[*b][1]);
             if most { all.max_by(order) } else { all.min_by(order) }.unwrap_or(0)
         };
-        let [white, black] =
-            [find("white").unwrap_or_else(|| by_light(true)), find("black").unwrap_or_else(|| by_light(false))];
+        let [white, black] = [
+            find("white").unwrap_or_else(|| by_light(true)),
+            find("black").unwrap_or_else(|| by_light(false)),
+        ];
         let (white, black) = (states[white], states[black]);
         let whole = Xyz { x: white[0], y: white[1], z: white[2] };
         let (adaptation, black, gain) = match intent {
             Intent::Relative => {
-                let to_display =
-                    Adaptation::between(D65_WHITE, whole).ok_or(DisplayError::NoWhite { what: "a picture" })?;
+                let to_display = Adaptation::between(D65_WHITE, whole)
+                    .ok_or(DisplayError::NoWhite { what: "a picture" })?;
                 (to_display, black, [0, 1, 2].map(|k| 1.0 - black[k] / white[k]))
             }
             Intent::Absolute => (*to_light, [0.0; 3], [1.0; 3]),

@@ -34,14 +34,15 @@ impl Resolver<'_> {
                 &defaults
             }
         };
-        for state in &image.states {
+        for state in image.states.iter() {
             if !known.contains(&state.0) {
                 self.err(state, mistake::no_such_state(&state.0, known));
             }
         }
         let Some(name) = &image.file.value else {
             let mut wrong = mistake::missing_key("file", "a picture, PNG or JPEG");
-            wrong.diagnostic = wrong.diagnostic.hint("papilio image SCENARIO PICTURE, or file = \"picture.png\" in [image]");
+            wrong.diagnostic =
+                wrong.diagnostic.hint("papilio image SCENARIO PICTURE, or file = \"picture.png\" in [image]");
             self.errors.push(file.image.origin, wrong);
             return None;
         };
