@@ -185,7 +185,7 @@ impl Frame<'_> {
                 return Err(DisplayError::Interrupted);
             }
             let some: Vec<[f64; 2]> = piece.iter().flat_map(|k| along(&frequencies[*k])).collect();
-            Ok((piece.clone(), spread.light(&seen, &some)))
+            Ok((piece.clone(), spread.light(&seen, &some).map_err(not_covered)?))
         });
         let blank = || vec![Complex64::ZERO; frequencies.len()];
         let mut light = vec![vec![[blank(), blank()]; setup.states.len()]; seen.len()];

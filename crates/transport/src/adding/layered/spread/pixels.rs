@@ -6,8 +6,10 @@ use std::rc::Rc;
 use num_complex::Complex64;
 
 use super::chain::{Cavities, Chain};
+use super::crossing::Needed;
+use super::orders::up_to;
 use super::waves::{Leaving, Start, Wave};
-use super::{LayeredSpread, Room, Seen, Set};
+use super::{LayeredSpread, NotCovered, Room, Seen, Set};
 use crate::skeleton;
 use crate::specular::layered_image;
 
@@ -20,23 +22,27 @@ impl LayeredSpread<'_> {
         waves: &[Wave],
         seen: &[Seen<'_>],
         members: &[f64],
-    ) -> Vec<Vec<Vec<Complex64>>> {
+    ) -> Result<Vec<Vec<Vec<Complex64>>>, NotCovered> {
         let (states, bins) = (self.stack.base.states(), self.stack.base.bins());
         let between = set.between(self.stack);
         let view = Start::Beams(&self.view);
         let mut light = vec![vec![vec![Complex64::ZERO; waves.len()]; states * bins]; self.sources.len()];
         let lit: Vec<usize> = seen.iter().map(|seen| seen.source).collect();
         let turned = self.sources.iter().any(|room| matches!(room, Room::Beams(_)));
-        let only_mean = !turned && set.returned.is_none();
+        let needed = match (turned, &set.returned) {
+            (_, Some(_)) => Needed::All,
+            (true, None) => Needed::Overlap,
+            (false, None) => Needed::Mean,
+        };
         for (k, wave) in waves.iter().enumerate() {
-            let solved = between.solve(wave, &[view]);
-            let leaving = between.leaving((wave, view), &solved[0], only_mean);
+            let solved = between.solve(wave, &[view])?;
+            let leaving = between.leaving((wave, view), &solved[0], needed);
             let still = Wave { per_mm: 0.0, turn: 0.0, rings: Rc::clone(&wave.rings) };
             let falling: Vec<Option<Leaving>> = (0..self.sources.len())
                 .map(|source| {
                     let start = self.sources[source].start();
                     lit.contains(&source)
-                        .then(|| between.leaving((&still, start), &set.lit[source], only_mean))
+                        .then(|| between.leaving((&still, start), &set.lit[source], needed))
                 })
                 .collect();
             let reflectance = self.on_rings(wave);
@@ -44,6 +50,7 @@ impl LayeredSpread<'_> {
             let twice = set.returned.as_ref().map(|returned| {
                 self.twice((set, returned), wave, (&leaving, &falling), &still, &reflectance)
             });
+            let twice = twice.transpose()?;
             for (source, once) in once.iter().enumerate() {
                 for (at, once) in once.iter().enumerate().filter(|(at, _)| members[at % bins] != 0.0) {
                     let ratios = twice.as_ref().filter(|_| once.norm_sqr() > 0.0).map(|[first, second]| {
@@ -63,7 +70,7 @@ impl LayeredSpread<'_> {
                 }
             }
         }
-        light.into_iter().map(|light| light.into_iter().map(relative_to_first).collect()).collect()
+        Ok(light.into_iter().map(|light| light.into_iter().map(relative_to_first).collect()).collect())
     }
 
     /// Light of each source that meets the pixel once, given the values of light that leaves it and of light that falls on it;
@@ -114,26 +121,23 @@ impl LayeredSpread<'_> {
         ring: usize,
         (source, leaving, falling): (usize, &Leaving, &Leaving),
     ) -> Complex64 {
-        let (count, highest) = (set.kernels.count(), set.kernels.highest());
         let rings = &wave.rings;
         let unit = self.sources[source].unit();
-        let [from, onto] = [leaving, falling].map(|one| &one.rings[ring * count..][..count]);
-        // Azimuths of the light that leaves are relative to that of the frequency.
-        let value = |orders: &[Complex64], turn: f64| -> Complex64 {
-            let term = |(k, x): (usize, &Complex64)| x * Complex64::cis((k as f64 - highest as f64) * turn);
-            orders.iter().enumerate().map(term).sum()
-        };
+        let [from, onto] = [leaving, falling].map(|one| one.rings.ring(ring));
+        let highest = (from.len() / 2).min(onto.len() / 2);
         if rings[ring].weight > 0.0 {
-            let term = |k: usize| {
-                let order = k as f64 - highest as f64;
-                from[k] * onto[count - 1 - k] * Complex64::cis(-order * wave.turn)
-            };
-            let all: Complex64 = match &self.sources[source] {
-                Room::Everywhere => from[highest] * onto[highest],
-                Room::Beams(_) => (0..count).map(term).sum(),
+            let all = match &self.sources[source] {
+                _ if from.is_empty() || onto.is_empty() => Complex64::ZERO,
+                Room::Everywhere => leaving.rings.mean(ring) * falling.rings.mean(ring),
+                Room::Beams(_) => {
+                    // Azimuths of the light that leaves are relative to that of the frequency.
+                    let pairs = up_to(from, highest).iter().zip(up_to(onto, highest).iter().rev());
+                    series(pairs.map(|(from, onto)| from * onto), highest, -wave.turn)
+                }
             };
             return unit * rings[ring].weight * all;
         }
+        let value = |orders: &[Complex64], turn: f64| series(orders.iter().copied(), orders.len() / 2, turn);
         let extra = ring + set.kernels.extras() - rings.len();
         let mut sum = Complex64::ZERO;
         for (beam, straight) in self.view.iter().zip(&leaving.beams).filter(|(beam, _)| beam.extra == extra) {
@@ -141,8 +145,12 @@ impl LayeredSpread<'_> {
         }
         if let Room::Beams(beams) = &self.sources[source] {
             for (beam, straight) in beams.iter().zip(&falling.beams).filter(|(beam, _)| beam.extra == extra) {
-                sum +=
-                    straight * if beam.is_ring { from[highest] } else { value(from, beam.turn - wave.turn) };
+                let seen = if beam.is_ring {
+                    leaving.rings.mean(ring)
+                } else {
+                    value(from, beam.turn - wave.turn)
+                };
+                sum += straight * seen;
             }
         }
         unit * sum
@@ -177,7 +185,7 @@ impl LayeredSpread<'_> {
         waves: &[Wave],
         reflectance: &[f64],
         members: &[f64],
-    ) -> Vec<Vec<Vec<Complex64>>> {
+    ) -> Result<Vec<Vec<Vec<Complex64>>>, NotCovered> {
         let between = set.between(self.stack);
         let area = PI * set.index * set.index;
         let (mut totals, mut returned) = (Vec::new(), Vec::new());
@@ -186,17 +194,29 @@ impl LayeredSpread<'_> {
             let known = waves[..k].iter().position(|other| other.per_mm == wave.per_mm);
             let starts = [Start::Beams(&self.view), Start::Pixel];
             let starts = &starts[..if known.is_some() { 1 } else { 2 }];
-            let solved = between.solve(wave, starts);
+            let solved = between.solve(wave, starts)?;
             let mut sums = starts.iter().zip(&solved).map(|(start, light)| {
-                let leaving = between.leaving((wave, *start), light, true);
+                let leaving = between.leaving((wave, *start), light, Needed::Mean);
                 set.mean(wave, &leaving) + leaving.beams.iter().sum::<Complex64>()
             });
             totals.extend(sums.next());
             let first = sums.next().map(|sum| sum / area);
             returned.push(first.or(known.map(|known| returned[known])).unwrap_or_default());
         }
-        vec![all_orders(&relative_to_first(totals), &returned, reflectance, members)]
+        Ok(vec![all_orders(&relative_to_first(totals), &returned, reflectance, members)])
     }
+}
+
+/// Returns a Fourier series, from the most negative order on, at an azimuth.
+fn series(orders: impl Iterator<Item = Complex64>, highest: usize, turn: f64) -> Complex64 {
+    let step = Complex64::cis(turn);
+    let begin = Complex64::cis(-(highest as f64) * turn);
+    let terms = orders.scan(begin, |phase, x| {
+        let term = x * *phase;
+        *phase *= step;
+        Some(term)
+    });
+    terms.sum()
 }
 
 /// Returns all values but the first, relative to it.

@@ -7,9 +7,11 @@
 
 use num_complex::Complex64;
 
+use super::crossing::Needed;
 use super::kernels::Light;
+use super::orders::OnRings;
 use super::waves::{Beam, Leaving, Start, Wave};
-use super::{LayeredSpread, Room, Set};
+use super::{LayeredSpread, NotCovered, Room, Set};
 
 /// Most reflectances of which all others are sums, and the rest of the others relative to the largest.
 const MOST_REFLECTANCES: usize = 6;
@@ -37,21 +39,21 @@ type Lit = Vec<Complex64>;
 
 impl LayeredSpread<'_> {
     /// Prepares light that returns, without phases.
-    pub(super) fn returned(&self, set: &Set, wave: &Wave) -> Returned {
+    pub(super) fn returned(&self, set: &Set, wave: &Wave) -> Result<Returned, NotCovered> {
         let (some, factors) = self.some_reflectances(set.index);
         let reflectance = self.on_rings(wave);
         let between = set.between(self.stack);
         let of_source = |(room, lit): (&Room, &Light)| {
             let start = room.start();
-            let falling = between.leaving((wave, start), lit, false);
+            let falling = between.leaving((wave, start), lit, Needed::All);
             let again = |at: &usize| {
                 let (rings, beams) = set.onto_pixel(wave, (&falling, room.beams()), &reflectance, *at);
-                between.solve(wave, &[Start::Onto(&rings, &beams)]).remove(0)
+                Ok(between.solve(wave, &[Start::Onto(&rings, &beams)])?.remove(0))
             };
             some.iter().map(again).collect()
         };
-        let lit = self.sources.iter().zip(&set.lit).map(of_source).collect();
-        Returned { some, factors, lit }
+        let lit = self.sources.iter().zip(&set.lit).map(of_source).collect::<Result<_, _>>()?;
+        Ok(Returned { some, factors, lit })
     }
 
     /// Light of each source that meets the pixel twice: with the places of the first and of the second meeting.
@@ -62,15 +64,15 @@ impl LayeredSpread<'_> {
         (leaving, falling): (&Leaving, &[Option<Leaving>]),
         still: &Wave,
         reflectance: &[f64],
-    ) -> [Vec<Lit>; 2] {
+    ) -> Result<[Vec<Lit>; 2], NotCovered> {
         let between = set.between(self.stack);
         let numbers = returned.factors.len();
         let mut sums = [0, 1].map(|_| vec![vec![Complex64::ZERO; numbers]; self.sources.len()]);
         for (k, at) in returned.some.iter().enumerate() {
             let (rings, beams) = set.onto_pixel(wave, (leaving, &self.view), reflectance, *at);
             let start = Start::Onto(&rings, &beams);
-            let solved = between.solve(wave, &[start]);
-            let again = between.leaving((wave, start), &solved[0], false);
+            let solved = between.solve(wave, &[start])?;
+            let again = between.leaving((wave, start), &solved[0], Needed::All);
             let first = self.met(set, wave, (&again, falling), reflectance);
             let fallen: Vec<Option<Leaving>> = falling
                 .iter()
@@ -80,7 +82,7 @@ impl LayeredSpread<'_> {
                     let falling = falling.as_ref()?;
                     let (rings, beams) = set.onto_pixel(still, (falling, room.beams()), reflectance, *at);
                     let start = Start::Onto(&rings, &beams);
-                    Some(between.leaving((still, start), &returned.lit[source][k], false))
+                    Some(between.leaving((still, start), &returned.lit[source][k], Needed::All))
                 })
                 .collect();
             let second = self.met(set, wave, (leaving, &fallen), reflectance);
@@ -92,7 +94,7 @@ impl LayeredSpread<'_> {
                 }
             }
         }
-        sums
+        Ok(sums)
     }
 
     /// Light of all orders over that of one meeting, given the ratios of two meetings to one.
@@ -148,16 +150,14 @@ impl Set {
         (leaving, beams): (&Leaving, &[Beam]),
         reflectance: &[f64],
         at: usize,
-    ) -> (Vec<Complex64>, Vec<(Beam, Complex64)>) {
+    ) -> (OnRings, Vec<(Beam, Complex64)>) {
         let rings = wave.rings.len();
         let numbers = reflectance.len() / rings;
-        let count = self.kernels.count();
-        let scaled = |(k, value): (usize, &Complex64)| reflectance[k / count * numbers + at] * value;
         let of_beam = |(beam, value): (&Beam, &Complex64)| {
             let ring = rings - self.kernels.extras() + beam.extra;
             (*beam, reflectance[ring * numbers + at] * value)
         };
         let beams = beams.iter().zip(&leaving.beams).map(of_beam).collect();
-        (leaving.rings.iter().enumerate().map(scaled).collect(), beams)
+        (leaving.rings.clone().scaled(|ring| reflectance[ring * numbers + at]), beams)
     }
 }
