@@ -18,8 +18,20 @@ use crate::skeleton::Ray;
 /// Most numbers that are remembered of the flat elements at a wave.
 const MOST_REMEMBERED: usize = 1 << 22;
 
-/// Fourier series by their number of steps.
-pub(super) type Circles = HashMap<usize, Circle>;
+/// Steps of the azimuth, by their number: Fourier series, and cosines to half of the circle.
+pub(super) type Circles = HashMap<usize, Steps>;
+
+pub(super) struct Steps {
+    circle: Circle,
+    cosines: Vec<f64>,
+}
+
+impl Steps {
+    fn new(steps: usize) -> Self {
+        let cosine = |k: usize| (TAU * k as f64 / steps as f64).cos();
+        Self { circle: Circle::new(steps), cosines: (0..=steps / 2).map(cosine).collect() }
+    }
+}
 
 /// Value of light that arrives.
 #[derive(Clone, Copy)]
@@ -147,12 +159,14 @@ impl Crossing<'_> {
             let phase = of_phase(wave.per_mm * ring.chain.moves_mm(), ring.chain.reflects());
             let mut steps = steps((before + after + phase).max(2 * before).max(2 * after) + 1);
             let remembered = known.as_mut().and_then(|known| known.take(number, steps));
+            let is_known = remembered.is_some();
             if let Some((more, links)) = remembered {
                 (steps, work.by_step) = (more, links);
-            } else {
-                self.by_step(ring, steps, &arrive, &mut work);
             }
-            let circle = circles.entry(steps).or_insert_with(|| Circle::new(steps));
+            let Steps { circle, cosines } = circles.entry(steps).or_insert_with(|| Steps::new(steps));
+            if !is_known {
+                self.by_step(ring, cosines, &arrive, &mut work);
+            }
             self.turn(number, (*after, steps), circle, &mut work, take);
             if let Some(known) = known.as_mut().filter(|_| ring.chain.reflects()) {
                 known.keep(number, steps, &mut work.by_step);
@@ -183,12 +197,12 @@ impl Crossing<'_> {
     }
 
     /// Links at each step of the azimuth, to half of the circle: the other half is the same.
-    fn by_step(&self, ring: &Ring, steps: usize, arrive: &[Ray], work: &mut Work) {
+    fn by_step(&self, ring: &Ring, cosines: &[f64], arrive: &[Ray], work: &mut Work) {
         let Work { by_step, cavities, .. } = work;
-        let (half, pairs) = (steps / 2, arrive.len() * self.emitters.len());
+        let (half, pairs) = (cosines.len() - 1, arrive.len() * self.emitters.len());
         by_step.clear();
         by_step.resize((half + 1) * pairs, Complex64::ZERO);
-        let along = |k: usize| self.wave.per_mm * (TAU * k as f64 / steps as f64).cos();
+        let along = |k: usize| self.wave.per_mm * cosines[k];
         if ring.chain.reflects() {
             let each_step = by_step.chunks_exact_mut(pairs).enumerate();
             each_step.for_each(|(k, out)| {

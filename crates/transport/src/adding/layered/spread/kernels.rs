@@ -24,7 +24,7 @@ pub(super) type Light = Vec<Option<Orders>>;
 const ALONG: f64 = 0.95;
 
 /// Orders that are dropped, relative to the accuracy of the level.
-const DROPPED: f64 = 0.1;
+const DROPPED: f64 = 0.5;
 
 /// Kernel of an order, scaled.
 #[derive(Debug)]
@@ -38,10 +38,13 @@ struct Kernel {
 }
 
 impl Kernel {
-    fn new(kernel: &Matrix, factor: f64, (regular, extras): (usize, usize), least: f64) -> Self {
-        let seen =
-            |i: usize| (0..regular).any(|j| kernel[(i, j)].abs() > least || kernel[(j, i)].abs() > least);
-        let first = (0..regular).find(|i| seen(*i)).unwrap_or(regular);
+    /// `least` is the smallest element that matters.
+    fn new((kernel, factor): &(Arc<Matrix>, f64), (regular, extras): (usize, usize), least: f64) -> Self {
+        let matters = |i: usize| {
+            let elements = (0..regular).flat_map(|j| [kernel[(i, j)], kernel[(j, i)]]);
+            elements.map(|element| (factor * element).abs()).any(|element| element > least)
+        };
+        let first = (0..regular).find(|i| matters(*i)).unwrap_or(regular);
         let block =
             Matrix::from_fn(regular - first, regular - first, |i, j| factor * kernel[(first + i, first + j)]);
         let from = Matrix::from_fn(regular, extras, |i, extra| factor * kernel[(i, regular + extra)]);
@@ -95,7 +98,8 @@ impl Kernels {
                 }
             }
         }
-        let (mut largest, tolerance) = (0.0, (-precision.digits).exp());
+        let tolerance = (-precision.digits).exp();
+        let mut largest = vec![[[0.0_f64; 2]; 3]; elements.len()];
         let mut kernels = Self {
             elements,
             orders: Vec::new(),
@@ -108,20 +112,27 @@ impl Kernels {
         for order in 0..scatterers.orders() {
             let scattered = scatterers.scattered(order, grid);
             let of_order: Vec<[Given; 3]> = ways.iter().map(|action| ways_of(action, &scattered)).collect();
-            let size = of_order.iter().flatten().flatten().map(size).fold(0.0, f64::max);
-            largest = f64::max(largest, size);
-            let least = tolerance * largest;
-            if size <= least {
+            // Each kernel has a scale of its own, and so has its light of beams: a weak one beside a narrow lobe matters, too.
+            let mut matters = false;
+            for (given, largest) in of_order.iter().flatten().zip(largest.iter_mut().flatten()) {
+                let Some(given) = given else { continue };
+                for (size, largest) in sizes(given, grid.regular).into_iter().zip(largest) {
+                    *largest = largest.max(size);
+                    matters |= size > tolerance * *largest;
+                }
+            }
+            if !matters {
                 break;
             }
-            let sizes = (grid.regular, grid.len() - grid.regular);
-            let kernel = |given: Given| {
-                given.map(|(kernel, factor)| {
-                    Kernel::new(&kernel, factor, sizes, least / factor.abs().max(1e-300))
-                })
+            let count = (grid.regular, grid.len() - grid.regular);
+            let kernel = |(given, [largest, _]): (&Given, &[f64; 2])| {
+                given.as_ref().map(|given| Kernel::new(given, count, tolerance * largest))
             };
-            let of_order: Vec<[Option<Kernel>; 3]> =
-                of_order.into_iter().map(|ways| ways.map(kernel)).collect();
+            let of_order: Vec<[Option<Kernel>; 3]> = of_order
+                .iter()
+                .zip(&largest)
+                .map(|(ways, largest)| [0, 1, 2].map(|way| kernel((&ways[way], &largest[way]))))
+                .collect();
             let first = of_order.iter().flatten().flatten().map(|kernel| kernel.first).min();
             kernels.of_nodes[first.unwrap_or(grid.regular)..].fill(order);
             kernels.orders.push(of_order);
@@ -186,7 +197,8 @@ impl Kernels {
                 if problems.is_empty() || first == self.regular {
                     continue;
                 }
-                let light = [0, 1].map(|side| self.columns(emitted, (&problems, first), 2 * site + side, order));
+                let light =
+                    [0, 1].map(|side| self.columns(emitted, (&problems, first), 2 * site + side, order));
                 let [up, down] = light.each_ref().map(Option::as_ref);
                 let [through, above, below] = sites[site].each_ref().map(Option::as_ref);
                 let columns = 4 * problems.len();
@@ -323,9 +335,16 @@ fn ways_of(action: &Action, scattered: &[Scattered]) -> [Given; 3] {
     }
 }
 
-/// Returns the largest element of a kernel.
-fn size((kernel, factor): &(Arc<Matrix>, f64)) -> f64 {
-    let largest =
-        (0..kernel.columns()).flat_map(|j| kernel.column(j)).fold(0.0, |most: f64, x| most.max(x.abs()));
-    factor.abs() * largest
+/// Returns the largest element of a kernel between nodes with weight, and between them and extra nodes.
+fn sizes((kernel, factor): &(Arc<Matrix>, f64), regular: usize) -> [f64; 2] {
+    let mut sizes = [0.0_f64; 2];
+    for j in 0..kernel.columns() {
+        let (nodes, extras) = kernel.column(j).split_at(regular);
+        let largest = |all: &[f64]| all.iter().fold(0.0, |most: f64, x| most.max((factor * x).abs()));
+        sizes[usize::from(j >= regular)] = sizes[usize::from(j >= regular)].max(largest(nodes));
+        if j < regular {
+            sizes[1] = sizes[1].max(largest(extras));
+        }
+    }
+    sizes
 }

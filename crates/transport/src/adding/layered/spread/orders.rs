@@ -90,9 +90,9 @@ impl Orders {
         }
         let needed = self.reach.iter().copied().max().unwrap_or(0);
         if needed < highest {
-            let rows = (0..self.reach.len()).flat_map(|node| self.row(node, needed));
-            self.values = rows.copied().collect();
-            self.highest = needed;
+            let mut values = Vec::with_capacity(self.reach.len() * (2 * needed + 1));
+            (0..self.reach.len()).for_each(|node| values.extend_from_slice(self.row(node, needed)));
+            (self.values, self.highest) = (values, needed);
         }
     }
 
@@ -130,6 +130,11 @@ pub(super) struct OnRings {
 }
 
 impl OnRings {
+    /// Makes room for so many rings and orders in all.
+    pub(super) fn with_capacity(rings: usize, orders: usize) -> Self {
+        Self { ends: Vec::with_capacity(rings), values: Vec::with_capacity(orders) }
+    }
+
     /// Adds the orders of the next ring; none if it has no light.
     pub(super) fn push(&mut self, orders: &[Complex64]) {
         self.values.extend_from_slice(orders);

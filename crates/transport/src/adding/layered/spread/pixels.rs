@@ -8,10 +8,22 @@ use num_complex::Complex64;
 use super::chain::{Cavities, Chain};
 use super::crossing::Needed;
 use super::orders::up_to;
+use super::rings::Ring;
 use super::waves::{Leaving, Start, Wave};
 use super::{LayeredSpread, NotCovered, Room, Seen, Set};
 use crate::skeleton;
 use crate::specular::layered_image;
+
+/// Light that falls on the pixel without regard to places, on the rings of some waves.
+pub(super) struct Fallen {
+    rings: Rc<Vec<Ring>>,
+    /// By source, with light.
+    pub(super) falling: Vec<Option<Leaving>>,
+    /// Light that has met the pixel before; `[reflectance][source]`.
+    pub(super) again: Vec<Vec<Option<Leaving>>>,
+    /// `[ring][state * wavelength]`.
+    pub(super) reflectance: Vec<f64>,
+}
 
 impl LayeredSpread<'_> {
     /// Light over that without regard to places, below scatterers; `[source][state * wavelength][frequency]`; those with light of
@@ -27,29 +39,24 @@ impl LayeredSpread<'_> {
         let between = set.between(self.stack);
         let view = Start::Beams(&self.view);
         let mut light = vec![vec![vec![Complex64::ZERO; waves.len()]; states * bins]; self.sources.len()];
-        let lit: Vec<usize> = seen.iter().map(|seen| seen.source).collect();
         let turned = self.sources.iter().any(|room| matches!(room, Room::Beams(_)));
         let needed = match (turned, &set.returned) {
             (_, Some(_)) => Needed::All,
             (true, None) => Needed::Overlap,
             (false, None) => Needed::Mean,
         };
+        let mut same: Option<Fallen> = None;
         for (k, wave) in waves.iter().enumerate() {
             let solved = between.solve(wave, &[view])?;
             let leaving = between.leaving((wave, view), &solved[0], needed);
-            let still = Wave { per_mm: 0.0, turn: 0.0, rings: Rc::clone(&wave.rings) };
-            let falling: Vec<Option<Leaving>> = (0..self.sources.len())
-                .map(|source| {
-                    let start = self.sources[source].start();
-                    lit.contains(&source)
-                        .then(|| between.leaving((&still, start), &set.lit[source], needed))
-                })
-                .collect();
-            let reflectance = self.on_rings(wave);
-            let once = self.met(set, wave, (&leaving, &falling), &reflectance);
-            let twice = set.returned.as_ref().map(|returned| {
-                self.twice((set, returned), wave, (&leaving, &falling), &still, &reflectance)
-            });
+            // Other azimuths of a frequency have the same rings.
+            if !same.as_ref().is_some_and(|same| Rc::ptr_eq(&same.rings, &wave.rings)) {
+                same = Some(self.fall(set, wave, (seen, needed)));
+            }
+            let Some(same) = &same else { continue };
+            let once = self.met(set, wave, (&leaving, &same.falling), &same.reflectance);
+            let twice =
+                set.returned.as_ref().map(|returned| self.twice((set, returned), (wave, &leaving), same));
             let twice = twice.transpose()?;
             for (source, once) in once.iter().enumerate() {
                 for (at, once) in once.iter().enumerate().filter(|(at, _)| members[at % bins] != 0.0) {
@@ -71,6 +78,24 @@ impl LayeredSpread<'_> {
             }
         }
         Ok(light.into_iter().map(|light| light.into_iter().map(relative_to_first).collect()).collect())
+    }
+
+    /// Computes what does not depend on phases on the rings of a wave, for the sources with light.
+    fn fall(&self, set: &Set, wave: &Wave, (seen, needed): (&[Seen<'_>], Needed)) -> Fallen {
+        let between = set.between(self.stack);
+        let still = Wave { per_mm: 0.0, turn: 0.0, rings: Rc::clone(&wave.rings) };
+        let falling = |source: usize| {
+            let start = self.sources[source].start();
+            let is_lit = seen.iter().any(|seen| seen.source == source);
+            is_lit.then(|| between.leaving((&still, start), &set.lit[source], needed))
+        };
+        let falling: Vec<Option<Leaving>> = (0..self.sources.len()).map(falling).collect();
+        let reflectance = self.on_rings(wave);
+        let again = set
+            .returned
+            .as_ref()
+            .map_or_else(Vec::new, |returned| self.fallen((set, returned), &still, &falling, &reflectance));
+        Fallen { rings: Rc::clone(&wave.rings), falling, again, reflectance }
     }
 
     /// Light of each source that meets the pixel once, given the values of light that leaves it and of light that falls on it;
@@ -145,11 +170,8 @@ impl LayeredSpread<'_> {
         }
         if let Room::Beams(beams) = &self.sources[source] {
             for (beam, straight) in beams.iter().zip(&falling.beams).filter(|(beam, _)| beam.extra == extra) {
-                let seen = if beam.is_ring {
-                    leaving.rings.mean(ring)
-                } else {
-                    value(from, beam.turn - wave.turn)
-                };
+                let seen =
+                    if beam.is_ring { leaving.rings.mean(ring) } else { value(from, beam.turn - wave.turn) };
                 sum += straight * seen;
             }
         }

@@ -10,6 +10,7 @@ use num_complex::Complex64;
 use super::crossing::Needed;
 use super::kernels::Light;
 use super::orders::OnRings;
+use super::pixels::Fallen;
 use super::waves::{Beam, Leaving, Start, Wave};
 use super::{LayeredSpread, NotCovered, Room, Set};
 
@@ -56,14 +57,33 @@ impl LayeredSpread<'_> {
         Ok(Returned { some, factors, lit })
     }
 
+    /// Values of light that has met the pixel with each of the reflectances and falls on it again, without phases;
+    /// `[reflectance][source]`.
+    pub(super) fn fallen(
+        &self,
+        (set, returned): (&Set, &Returned),
+        still: &Wave,
+        falling: &[Option<Leaving>],
+        reflectance: &[f64],
+    ) -> Vec<Vec<Option<Leaving>>> {
+        let between = set.between(self.stack);
+        let of_source = |k: usize, source: usize| {
+            let beams = self.sources[source].beams();
+            let falling = falling[source].as_ref()?;
+            let (rings, beams) = set.onto_pixel(still, (falling, beams), reflectance, returned.some[k]);
+            let start = Start::Onto(&rings, &beams);
+            Some(between.leaving((still, start), &returned.lit[source][k], Needed::All))
+        };
+        let of_reflectance = |k: usize| (0..falling.len()).map(|source| of_source(k, source)).collect();
+        (0..returned.some.len()).map(of_reflectance).collect()
+    }
+
     /// Light of each source that meets the pixel twice: with the places of the first and of the second meeting.
     pub(super) fn twice(
         &self,
         (set, returned): (&Set, &Returned),
-        wave: &Wave,
-        (leaving, falling): (&Leaving, &[Option<Leaving>]),
-        still: &Wave,
-        reflectance: &[f64],
+        (wave, leaving): (&Wave, &Leaving),
+        Fallen { falling, again: fallen, reflectance, .. }: &Fallen,
     ) -> Result<[Vec<Lit>; 2], NotCovered> {
         let between = set.between(self.stack);
         let numbers = returned.factors.len();
@@ -74,18 +94,7 @@ impl LayeredSpread<'_> {
             let solved = between.solve(wave, &[start])?;
             let again = between.leaving((wave, start), &solved[0], Needed::All);
             let first = self.met(set, wave, (&again, falling), reflectance);
-            let fallen: Vec<Option<Leaving>> = falling
-                .iter()
-                .enumerate()
-                .map(|(source, falling)| {
-                    let room = &self.sources[source];
-                    let falling = falling.as_ref()?;
-                    let (rings, beams) = set.onto_pixel(still, (falling, room.beams()), reflectance, *at);
-                    let start = Start::Onto(&rings, &beams);
-                    Some(between.leaving((still, start), &returned.lit[source][k], Needed::All))
-                })
-                .collect();
-            let second = self.met(set, wave, (leaving, &fallen), reflectance);
+            let second = self.met(set, wave, (leaving, &fallen[k]), reflectance);
             for (sums, found) in sums.iter_mut().zip([first, second]) {
                 for (sums, found) in sums.iter_mut().zip(found) {
                     for ((sum, found), factors) in sums.iter_mut().zip(found).zip(&returned.factors) {

@@ -189,17 +189,13 @@ impl Between<'_> {
         let crossing = Crossing { wave, receivers, emitters, needed: Needed::Scattered, of_nodes };
         let orders = crossing.orders();
         let highest = orders.iter().map(|[_, after]| *after).max().unwrap_or(0);
-        crossing.compute(
-            &orders,
-            (&mut self.circles.borrow_mut(), known),
-            &mut |ring, emitter, orders| {
-                let ring = &wave.rings[ring];
-                let sum = sums[emitter].get_or_insert_with(|| Orders::zeros(self.regular, highest));
-                for (node, factor) in ring.nodes.clone().zip(ring.factors) {
-                    sum.add_row(node, ring.weight * factor, orders);
-                }
-            },
-        );
+        crossing.compute(&orders, (&mut self.circles.borrow_mut(), known), &mut |ring, emitter, orders| {
+            let ring = &wave.rings[ring];
+            let sum = sums[emitter].get_or_insert_with(|| Orders::zeros(self.regular, highest));
+            for (node, factor) in ring.nodes.clone().zip(ring.factors) {
+                sum.add_row(node, ring.weight * factor, orders);
+            }
+        });
         self.kernels.settle(&mut sums);
         sums
     }
@@ -253,15 +249,13 @@ impl Between<'_> {
         receivers.extend(self.everywhere(start));
         let (emitters, of_nodes) = (&[self.leaving_pixel()], self.kernels.of_nodes());
         let crossing = Crossing { wave, receivers: &receivers, emitters, needed, of_nodes };
-        let mut rings = OnRings::default();
-        crossing.compute(
-            &crossing.orders(),
-            (&mut self.circles.borrow_mut(), None),
-            &mut |ring, _, orders| {
-                rings.pad(ring);
-                rings.push(orders);
-            },
-        );
+        let orders = crossing.orders();
+        let mut rings =
+            OnRings::with_capacity(orders.len(), orders.iter().map(|[_, after]| 2 * after + 1).sum());
+        crossing.compute(&orders, (&mut self.circles.borrow_mut(), None), &mut |ring, _, orders| {
+            rings.pad(ring);
+            rings.push(orders);
+        });
         rings.pad(wave.rings.len());
         let beams = match start {
             Start::Beams(beams) => {
