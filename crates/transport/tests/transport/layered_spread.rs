@@ -240,10 +240,9 @@ fn light_that_is_not_covered_is_refused() {
     let scattering = Scattering { optical_thickness: 1.0, anisotropy: 0.5, albedo: one(1.0) };
     slab.layers[0].medium = slab.layers[0].medium.clone().with_scattering(scattering);
     assert_eq!(refused(&slab), Some(NotCovered::Slab));
-    // A lobe between two mirrors that hardly transmit light.
+    // A matt diffuser between two mirrors that hardly transmit light.
     let foil = || Interface::Component(Component { reflectance: one(0.9995), absorptance: one(0.0) });
-    let diffuser =
-        Diffuser { lobe: Lobe::KCorrelation { width: 0.07 }, transmittance: one(1.0), regular_fraction: 0.0 };
+    let diffuser = Diffuser { lobe: Lobe::Lambertian, transmittance: one(1.0), regular_fraction: 0.0 };
     let closed = [(foil(), 1.5), (Interface::Diffuser(diffuser), 1.5), (foil(), 1.5)];
     let closed = stack(closed, mirror(0.5));
     assert_eq!(refused(&closed), Some(NotCovered::Rounds));

@@ -81,6 +81,8 @@ pub enum NotCovered {
     TooMany,
     /// Light is scattered to and fro too often.
     Rounds,
+    /// Light meets the pixel too often.
+    Meetings,
 }
 
 impl std::fmt::Display for NotCovered {
@@ -94,6 +96,9 @@ impl std::fmt::Display for NotCovered {
         }
         f.write_str(match self {
             Self::Rounds => "",
+            Self::Meetings => {
+                "mirror-like pixels that light meets more than a hundred times below general layers"
+            }
             Self::Slab => "layers that scatter in their volume",
             Self::Pixel => "pixels that scatter by a measured kernel",
             Self::TooMany => {

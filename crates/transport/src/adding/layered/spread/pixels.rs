@@ -21,6 +21,8 @@ pub(super) struct Fallen {
     pub(super) falling: Vec<Option<Leaving>>,
     /// Light that has met the pixel before; `[reflectance][source]`.
     pub(super) again: Vec<Vec<Option<Leaving>>>,
+    /// Light that has met one of them more often; `[source][meeting]`.
+    pub(super) further: Vec<Vec<Leaving>>,
     /// `[ring][state * wavelength]`.
     pub(super) reflectance: Vec<f64>,
 }
@@ -45,6 +47,7 @@ impl LayeredSpread<'_> {
             (true, None) => Needed::Overlap,
             (false, None) => Needed::Mean,
         };
+        let mut powers = vec![vec![0.0; states * bins]; self.sources.len()];
         let mut same: Option<Fallen> = None;
         for (k, wave) in waves.iter().enumerate() {
             let solved = between.solve(wave, &[view])?;
@@ -55,17 +58,21 @@ impl LayeredSpread<'_> {
             }
             let Some(same) = &same else { continue };
             let once = self.met(set, wave, (&leaving, &same.falling), &same.reflectance);
-            let twice =
-                set.returned.as_ref().map(|returned| self.twice((set, returned), (wave, &leaving), same));
-            let twice = twice.transpose()?;
+            let meetings =
+                set.returned.as_ref().map(|returned| self.meetings((set, returned), (wave, &leaving), same));
+            let meetings = meetings.transpose()?;
             for (source, once) in once.iter().enumerate() {
                 for (at, once) in once.iter().enumerate().filter(|(at, _)| members[at % bins] != 0.0) {
-                    let ratios = twice.as_ref().filter(|_| once.norm_sqr() > 0.0).map(|[first, second]| {
+                    let lit = meetings.as_ref().filter(|_| once.norm_sqr() > 0.0);
+                    light[source][at][k] = lit.map_or(*once, |meetings| {
+                        if k == 0 {
+                            let followed = meetings.followed_twice(source);
+                            let own = meetings.twice[1][source][at].re / once.re;
+                            powers[source][at] = if followed > 0.0 { own / followed } else { 0.0 };
+                        }
                         // Light without regard to places has met the pixel at any of its meetings.
-                        let first = if k == 0 { Complex64::ZERO } else { first[source][at] / once };
-                        [first, second[source][at] / once]
+                        once * meetings.series((source, at), *once, powers[source][at], k == 0)
                     });
-                    light[source][at][k] = ratios.map_or(*once, |ratios| once * self.series(ratios));
                 }
             }
         }
@@ -91,11 +98,12 @@ impl LayeredSpread<'_> {
         };
         let falling: Vec<Option<Leaving>> = (0..self.sources.len()).map(falling).collect();
         let reflectance = self.on_rings(wave);
-        let again = set
-            .returned
-            .as_ref()
-            .map_or_else(Vec::new, |returned| self.fallen((set, returned), &still, &falling, &reflectance));
-        Fallen { rings: Rc::clone(&wave.rings), falling, again, reflectance }
+        let (mut again, mut further) = (Vec::new(), Vec::new());
+        if let Some(returned) = &set.returned {
+            again = self.fallen((set, returned), &still, &falling, &reflectance);
+            further = self.fallen_further((set, returned), &still, &again, &reflectance);
+        }
+        Fallen { rings: Rc::clone(&wave.rings), falling, again, further, reflectance }
     }
 
     /// Light of each source that meets the pixel once, given the values of light that leaves it and of light that falls on it;
@@ -120,6 +128,21 @@ impl LayeredSpread<'_> {
             sums
         };
         falling.iter().enumerate().map(of_source).collect()
+    }
+
+    /// The same of one source, state and wavelength.
+    pub(super) fn met_once(
+        &self,
+        (set, wave): (&Set, &Wave),
+        (source, leaving, falling): (usize, &Leaving, &Leaving),
+        reflectance: &[f64],
+        at: usize,
+    ) -> Complex64 {
+        let numbers = reflectance.len() / wave.rings.len();
+        let of_ring = |ring: usize| {
+            reflectance[ring * numbers + at] * self.overlap(set, wave, ring, (source, leaving, falling))
+        };
+        (0..wave.rings.len()).map(of_ring).sum()
     }
 
     /// Reflectance of each state and wavelength on the rings; `[ring][state * wavelength]`.
