@@ -11,10 +11,9 @@
 //! `L(f) = V(f) (1 - rho A(f))^-1 rho E`
 //!
 //! is the response of all orders to a small change of the reflectance, relative to it. A Lambertian pixel sends the same light in all
-//! directions: A(f) is a number, and E needs no directions. A mirror-like pixel below layers that return nothing to it has A = 0; E is the
-//! value of its light for the sources, without phases. Light that layers return to it is followed to its second meeting, and summed from there
-//! on ([`returned`]). Without scatterers its light keeps its direction, and A is a number
-//! there.
+//! directions: A(f) is a number, and E needs no directions. A mirror-like pixel below layers that return nothing to it has A = 0; E is
+//! the value of its light for the sources, without phases. Light that layers return to it is followed from meeting to meeting
+//! ([`returned`]). Without scatterers its light keeps its direction, and A is a number there.
 //!
 //! - [`chain`]: flat elements between scatterers; [`kernels`]: scatterers by order; [`orders`]: light by order; [`rings`]: directions
 //!   that resolve phases; [`crossing`]: light that crosses flat elements; [`waves`]: values of light between scatterers; [`pixels`]: the

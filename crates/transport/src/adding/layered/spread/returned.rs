@@ -4,10 +4,10 @@
 //! the second one. The reflectances of all states and wavelengths are sums of a few of them, for which A is applied: two meetings are known
 //! for all.
 //!
-//! Light that meets the pixel more often does not follow from these: what a rough face reflects totally stays in the glass. It is followed
-//! meeting by meeting for one of the reflectances (`V_i rho S_j` for all i and j: the places are those of meeting i + 1 from the view). Others
-//! have it in proportion to the power of their own light of two meetings. This is exact for reflectances that are multiples of one another;
-//! levels take two different ones by turns, so that their difference contains the error.
+//! Light that meets the pixel more often does not follow from these: what a rough face reflects totally stays in the glass. It is
+//! followed meeting by meeting for one of the reflectances (`V_i rho S_j` for all i and j: the places are those of meeting i + 1 from the
+//! view). Others have it in proportion to the power of their own light of two meetings. This is exact for reflectances that are multiples
+//! of one another; levels take two different ones by turns, so that their difference contains the error.
 
 use num_complex::Complex64;
 
