@@ -5,8 +5,7 @@
 //! | step | function |
 //! |---|---|
 //! | the picture on the pixels of the panel | [`papilio_imaging::fitted`] |
-//! | its white and black become those of the display in this light and view | `rendering.rs` |
-//! | colours that no mixture of states has are mapped into those that have one | `rendering.rs` |
+//! | its white and black become those of the display in this light and view, and colours that no mixture of states has are mapped | `rendering.rs` |
 //! | a state for each pixel | [`papilio_imaging::halftone`] |
 //! | what the layers above the pixels make of them | [`picture`](crate::spatial::picture) |
 //! | how far that is from the picture | `differences.rs` |
@@ -16,14 +15,13 @@
 mod differences;
 mod rendering;
 
-use std::cell::Cell;
 use std::f64::consts::PI;
 
 pub use differences::{Difference, PictureDifferences};
+use papilio_colour::mapping::{Intent, MapSpace};
 use papilio_colour::{Adaptation, D65_WHITE, Xyz};
 use papilio_imaging::halftone::{DiffusionKernel, ErrorDiffusion, Scan};
 use papilio_imaging::{Fit, fitted};
-pub use rendering::Intent;
 use rendering::Rendering;
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -51,6 +49,8 @@ pub struct ImageSettings {
     pub fit: Fit,
     /// What becomes of its white and black, and of colours that the display cannot show.
     pub intent: Intent,
+    /// Space in which colours that the display cannot show keep their hue.
+    pub space: MapSpace,
     /// How pixels with few states show many colours.
     pub halftone: Halftone,
     /// Weights of error diffusion.
@@ -116,6 +116,10 @@ pub struct ImageNumbers {
     pub coverage: Option<Named<f64>>,
     /// Fraction of the pixels whose colour no mixture of states has.
     pub out_of_gamut_fraction: f64,
+    /// Error of the mapping of such colours by a table, CIEDE2000, 95th percentile; null if each pixel was mapped.
+    pub mapping_error_delta_e_2000: Option<f64>,
+    /// Fraction of the pixels at which error diffusion lost colour, because the error exceeded its limit; usually 0.
+    pub cut_fraction: f64,
     /// Fraction of the pixels that a screen cannot show in seen.png, which are clipped.
     pub clipped_fraction: f64,
     /// Mean X, Y, Z of what is seen.
@@ -152,7 +156,6 @@ pub fn image(
     let palette = Palette::of(&result, 0).ok_or(no_white.clone())?.with_states(&settings.states)?;
     let [x, y, z] = palette.white_XYZ;
     let white = Xyz { x, y, z };
-    let to_light = Adaptation::between(D65_WHITE, white).ok_or(no_white.clone())?;
     let to_screen = Adaptation::between(white, D65_WHITE).ok_or(no_white)?;
 
     let own = [source.columns, source.pixels.len() / source.columns.max(1)];
@@ -162,20 +165,19 @@ pub fn image(
     if fitted.is_empty() {
         return Err(DisplayError::EmptyPicture);
     }
-    let rendering = Rendering::new(&palette, &to_light, settings.intent)?;
-    let wanted: Vec<[f32; 3]> = fitted.iter().map(|pixel| rendering.wanted(*pixel)).collect();
-    let out = Cell::new(0_usize);
-    let mapped: Vec<[f32; 3]> = wanted
-        .iter()
-        .map(|pixel| {
-            let (colour, is_inside) = rendering.mapped(*pixel);
-            out.set(out.get() + usize::from(!is_inside));
-            colour
-        })
-        .collect();
+    let rendering = Rendering::new(&palette, white, (settings.intent, settings.space), fitted.len())?;
+    let count = fitted.len();
+    let (mut wanted, mut mapped, mut inside) =
+        (Vec::with_capacity(count), Vec::with_capacity(count), 0_usize);
+    for pixel in &fitted {
+        let (target, colour, is_inside) = rendering.mapped(*pixel);
+        wanted.push(target);
+        mapped.push(colour);
+        inside += usize::from(is_inside);
+    }
     stopped(control)?;
-    let states = match settings.halftone {
-        Halftone::None => Vec::new(),
+    let (states, cut) = match settings.halftone {
+        Halftone::None => (Vec::new(), 0),
         Halftone::ErrorDiffusion => {
             let diffusion = ErrorDiffusion {
                 kernel: settings.kernel,
@@ -183,7 +185,8 @@ pub fn image(
                 metric: rendering.metric(),
                 ..ErrorDiffusion::default()
             };
-            diffusion.colours(&mapped, size[0], &rendering.states)?.states
+            let found = diffusion.colours(&mapped, size[0], &rendering.states)?;
+            (found.states, found.cut_pixels)
         }
     };
     stopped(control)?;
@@ -201,7 +204,6 @@ pub fn image(
     let screen: Vec<[f64; 3]> =
         seen.iter().map(|pixel| on_screen.apply(colour(*pixel)).linear_srgb()).collect();
     let is_clipped = |rgb: &&[f64; 3]| rgb.iter().any(|value| !(-CLIPPED..=1.0 + CLIPPED).contains(value));
-    let count = size[0] * size[1];
     let fraction = |number: usize| number as f64 / count as f64;
     let mean = |k: usize| seen.iter().map(|pixel| f64::from(pixel[k])).sum::<f64>() / count as f64;
     let pitch_mm = scene.display.matrix.as_ref().map(|matrix| matrix.pitch_mm[0]);
@@ -216,7 +218,9 @@ pub fn image(
         size,
         states: palette.colours.iter().map(|colour| colour.state.clone()).collect(),
         coverage: (!states.is_empty()).then(|| coverage(&palette, &states)),
-        out_of_gamut_fraction: fraction(out.get()),
+        out_of_gamut_fraction: fraction(count - inside),
+        mapping_error_delta_e_2000: rendering.table_error().map(|error| error.p95),
+        cut_fraction: fraction(cut),
         clipped_fraction: fraction(screen.iter().filter(is_clipped).count()),
         mean_XYZ: [mean(0), mean(1), mean(2)],
         pixels_per_degree: per_degree,

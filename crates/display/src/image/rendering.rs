@@ -1,36 +1,33 @@
-//! From the colours of a picture to colours of a display in its light and view.
-//!
-//! - *relative*: the white of the picture becomes the white of the display, its black that of the display: after adaptation from D65 to the
-//!   display's white W, with the display's black K, `XYZ' = K + (1 - K/W) XYZ` in each of X, Y and Z.
-//! - *absolute*: the white of the picture is a perfect white in the light. Luminances are those of the page, and light colours are cut.
-//!
-//! Colours that no mixture of the states has are replaced by the nearest one that some mixture has, in X/X_W, Y/Y_W, Z/Z_W.
+//! From the colours of a picture to colours of a display in its light and view: [`papilio_colour::mapping`] with the states of the display,
+//! and a table for large pictures.
 
+use papilio_colour::Xyz;
+use papilio_colour::mapping::{
+    DisplayColours, GamutMapping, GamutTable, Intent, MapSpace, SourceSpace, TableError,
+};
 use papilio_colour::states::StateHull;
-use papilio_colour::{Adaptation, D65_WHITE, Xyz};
 
 use super::colour;
 use crate::DisplayError;
 use crate::palette::{Palette, PaletteColour};
 
-/// What becomes of the white and black of a picture.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Intent {
-    /// They become those of the display.
-    #[default]
-    Relative,
-    /// Its white is a perfect white in the light, its black has no light.
-    Absolute,
-}
+/// Number of pixels from which a table is quicker than the mapping of each.
+const MANY: usize = 40_000;
+
+/// Distance from the hull, relative to its size, that rounding to 32 bits may cause.
+const INSIDE: f64 = 1e-6;
+
+/// Weight of blue-yellow differences of states over that of red-green ones.
+const BLUE_YELLOW: f64 = 0.4;
 
 /// Colours of a display for the colours of a picture.
 pub(super) struct Rendering {
-    adaptation: Adaptation,
-    /// What is added, and the factor, for each of X, Y and Z.
-    black: [f64; 3],
-    gain: [f64; 3],
+    mapping: GamutMapping,
+    /// The mapping of many colours, with its error.
+    table: Option<(GamutTable, TableError)>,
+    /// Whether colours inside the hull change, too.
+    changes_all: bool,
     pub(super) white: Xyz,
-    hull: StateHull,
     /// X, Y, Z of the states.
     pub(super) states: Vec<[f64; 3]>,
     /// Largest error of the X, Y, Z of a state.
@@ -38,40 +35,34 @@ pub(super) struct Rendering {
 }
 
 impl Rendering {
+    /// Prepares the mapping of `pixels` colours.
     pub(super) fn new(
         palette: &Palette,
-        to_light: &Adaptation,
-        intent: Intent,
+        perfect_white: Xyz,
+        (intent, space): (Intent, MapSpace),
+        pixels: usize,
     ) -> Result<Self, DisplayError> {
         let states: Vec<[f64; 3]> = palette.colours.iter().map(|one| [one.X, one.Y, one.Z]).collect();
-        let find = |name: &str| palette.colours.iter().position(|one| one.state == name);
-        let by_light = |most: bool| {
-            let all = 0..states.len();
-            let order = |a: &usize, b: &usize| states[*a][1].total_cmp(&states[*b][1]);
-            if most { all.max_by(order) } else { all.min_by(order) }.unwrap_or(0)
-        };
-        let [white, black] = [
-            find("white").unwrap_or_else(|| by_light(true)),
-            find("black").unwrap_or_else(|| by_light(false)),
-        ];
-        let (white, black) = (states[white], states[black]);
-        let whole = Xyz { x: white[0], y: white[1], z: white[2] };
-        let (adaptation, black, gain) = match intent {
-            Intent::Relative => {
-                let to_display = Adaptation::between(D65_WHITE, whole)
-                    .ok_or(DisplayError::NoWhite { what: "a picture" })?;
-                (to_display, black, [0, 1, 2].map(|k| 1.0 - black[k] / white[k]))
-            }
-            Intent::Absolute => (*to_light, [0.0; 3], [1.0; 3]),
-        };
         let points: Vec<Xyz> = states.iter().map(|[x, y, z]| Xyz { x: *x, y: *y, z: *z }).collect();
+        let find = |name: &str| palette.colours.iter().position(|one| one.state == name).map(|at| points[at]);
+        let by_light = |a: &&Xyz, b: &&Xyz| a.y.total_cmp(&b.y);
+        let nothing = DisplayError::EmptyPicture;
+        let white =
+            find("white").or_else(|| points.iter().max_by(by_light).copied()).ok_or(nothing.clone())?;
+        let black = find("black").or_else(|| points.iter().min_by(by_light).copied()).ok_or(nothing)?;
+        let display = DisplayColours { white, black, perfect_white };
+        let mapping = GamutMapping::new(StateHull::new(&points)?, display, SourceSpace::Srgb, intent, space)?;
+        let table = (pixels > MANY).then(|| {
+            let table = GamutTable::new(&mapping, GamutTable::LEVELS);
+            let error = table.error(&mapping);
+            (table, error)
+        });
         let largest = |one: &PaletteColour| one.error.X.max(one.error.Y).max(one.error.Z);
         Ok(Self {
-            adaptation,
-            black,
-            gain,
-            white: whole,
-            hull: StateHull::new(&points)?,
+            mapping,
+            table,
+            changes_all: intent == Intent::Perceptual,
+            white,
             error: palette.colours.iter().map(largest).fold(0.0, f64::max),
             states,
         })
@@ -86,25 +77,27 @@ impl Rendering {
         [[0.0, y, 0.0], [x, -y, 0.0], [0.0, BLUE_YELLOW * y, -BLUE_YELLOW * z]]
     }
 
-    /// The colour that the display should show, whether or not it can.
-    pub(super) fn wanted(&self, pixel: [f32; 3]) -> [f32; 3] {
-        let adapted = self.adaptation.apply(colour(pixel)).to_array();
-        [0, 1, 2].map(|k| (self.black[k] + self.gain[k] * adapted[k]) as f32)
+    /// Error of the mapping of large pictures; `None` if each colour is mapped.
+    pub(super) fn table_error(&self) -> Option<TableError> {
+        self.table.as_ref().map(|(_, error)| *error)
     }
 
-    /// The colour that the display can show, and whether it is the same.
-    pub(super) fn mapped(&self, pixel: [f32; 3]) -> ([f32; 3], bool) {
-        let wanted = colour(pixel);
-        if self.hull.contains_within(wanted, INSIDE) {
-            return (pixel, true);
-        }
-        let nearest = self.hull.nearest(wanted, self.white);
-        (nearest.to_array().map(|value| value as f32), false)
+    /// The colour that the display should show, the one that it can show instead, and whether a mixture of states has the former.
+    pub(super) fn mapped(&self, pixel: [f32; 3]) -> ([f32; 3], [f32; 3], bool) {
+        let source = colour(pixel);
+        let wanted = self.mapping.target_xyz(source);
+        let is_inside = self.mapping.hull().contains_within(wanted, INSIDE);
+        let mapped = match &self.table {
+            _ if is_inside && !self.changes_all => wanted,
+            Some((table, _)) if is_srgb(source.linear_srgb()) => table.map(source.linear_srgb()),
+            _ => self.mapping.map_xyz(source),
+        };
+        let single = |colour: Xyz| colour.to_array().map(|value| value as f32);
+        (single(wanted), single(mapped), is_inside)
     }
 }
 
-/// Weight of blue-yellow differences of states over that of red-green ones.
-const BLUE_YELLOW: f64 = 0.4;
-
-/// Distance from the hull, relative to its size, that rounding to 32 bits may cause.
-const INSIDE: f64 = 1e-6;
+/// Whether a colour is in the gamut of sRGB, for which the table was made.
+fn is_srgb(rgb: [f64; 3]) -> bool {
+    rgb.iter().all(|value| (-1e-4..=1.0001).contains(value))
+}

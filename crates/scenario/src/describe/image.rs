@@ -13,8 +13,10 @@ table! {
         fit: ImageFit = ImageFit::Contain,
         /// Colour space of a picture that states none.
         source_space: SourceSpace = SourceSpace::Srgb,
-        /// What becomes of the white and black of the picture. Colours that the display cannot show become the nearest ones that it can.
+        /// What becomes of the white and black of the picture, and of colours that the display cannot show.
         intent: ImageIntent = ImageIntent::Relative,
+        /// Space in which the hue of such colours is constant.
+        map_space: ImageMapSpace = ImageMapSpace::Oklab,
         /// How pixels with few states show many colours.
         halftone: ImageHalftone = ImageHalftone::ErrorDiffusion,
         /// Weights of error diffusion.
@@ -53,12 +55,26 @@ choice! {
 }
 
 choice! {
-    /// White and black of a picture on a display.
+    /// Rendering intent of a picture.
     ImageIntent {
-        /// They become those of the display.
+        /// White and black become those of the display; colours outside its gamut lose chroma.
         Relative = "relative",
-        /// White is a perfect white in the light, black has no light.
+        /// As relative, but chroma and dark colours are compressed gradually, so that different colours stay different.
+        Perceptual = "perceptual",
+        /// White is a perfect white in the light; colours outside the gamut lose chroma.
         Absolute = "absolute",
+        /// White and black become those of the display; colours outside its gamut become the nearest inside.
+        Clip = "clip",
+    }
+}
+
+choice! {
+    /// Space with constant hue.
+    ImageMapSpace {
+        /// Oklab, relative to the white of the display.
+        Oklab = "oklab",
+        /// CAM16-UCS, relative to the white of the display, in the luminance of the scene.
+        Cam16Ucs = "cam16-ucs",
     }
 }
 

@@ -1,6 +1,11 @@
 //! `[image]`: settings, and the picture in linear light.
 
-use papilio_display::image::{Halftone, ImageSettings, Intent, SourceImage};
+use std::f64::consts::PI;
+
+use papilio_colour::mapping::{Intent, MapSpace};
+use papilio_colour::{Surround, Viewing};
+use papilio_display::image::{Halftone, ImageSettings, SourceImage};
+use papilio_display::scene::Scene;
 use papilio_formats::{LARGEST_PICTURE_FILE, RgbSpace, read_picture};
 use papilio_imaging::Fit;
 use papilio_imaging::halftone::{DiffusionKernel, Scan};
@@ -8,7 +13,7 @@ use papilio_imaging::halftone::{DiffusionKernel, Scan};
 use super::Resolver;
 use crate::describe::File;
 use crate::describe::image::{
-    ErrorKernel, ErrorScan, Image, ImageFit, ImageHalftone, ImageIntent, SourceSpace,
+    ErrorKernel, ErrorScan, Image, ImageFit, ImageHalftone, ImageIntent, ImageMapSpace, SourceSpace,
 };
 use crate::mistake;
 use crate::read::Read as _;
@@ -25,7 +30,8 @@ pub struct ImageRequest {
 
 impl Resolver<'_> {
     /// Reads the picture of `[image]`; its states must be those of the display.
-    pub(super) fn image(&mut self, file: &File, known: &[String]) -> Option<ImageRequest> {
+    pub(super) fn image(&mut self, file: &File, scene: &Scene) -> Option<ImageRequest> {
+        let known = scene.display.state_names();
         let defaults;
         let image = match &file.image.value {
             Some(image) => image,
@@ -36,7 +42,7 @@ impl Resolver<'_> {
         };
         for state in image.states.iter() {
             if !known.contains(&state.0) {
-                self.err(state, mistake::no_such_state(&state.0, known));
+                self.err(state, mistake::no_such_state(&state.0, &known));
             }
         }
         let Some(name) = &image.file.value else {
@@ -65,11 +71,14 @@ impl Resolver<'_> {
         let mut pixels = Vec::with_capacity(picture.columns() * picture.rows());
         (0..picture.rows()).for_each(|row| pixels.extend(picture.row(row)));
         let source = SourceImage { columns: picture.columns(), pixels };
-        Some(ImageRequest { source, settings: settings(image) })
+        Some(ImageRequest { source, settings: settings(image, scene.lighting.illuminance_lx) })
     }
 }
 
-fn settings(image: &Image) -> ImageSettings {
+/// Luminance of the grey to which the eye adapts, and of the background, relative to a perfect white.
+const GREY: f64 = 0.2;
+
+fn settings(image: &Image, illuminance_lx: f64) -> ImageSettings {
     ImageSettings {
         fit: match image.fit.value {
             ImageFit::Contain => Fit::Contain,
@@ -79,7 +88,17 @@ fn settings(image: &Image) -> ImageSettings {
         },
         intent: match image.intent.value {
             ImageIntent::Relative => Intent::Relative,
+            ImageIntent::Perceptual => Intent::Perceptual,
             ImageIntent::Absolute => Intent::Absolute,
+            ImageIntent::Clip => Intent::Clip,
+        },
+        space: match image.map_space.value {
+            ImageMapSpace::Oklab => MapSpace::Oklab,
+            ImageMapSpace::Cam16Ucs => MapSpace::Cam16Ucs(Viewing {
+                adapting_luminance_cd_m2: GREY * illuminance_lx / PI,
+                background: GREY,
+                surround: Surround::Average,
+            }),
         },
         halftone: match image.halftone.value {
             ImageHalftone::None => Halftone::None,

@@ -111,7 +111,7 @@ pub(crate) fn resolve(
     let patterns = scene.as_ref().map(|scene| resolver.patterns(file, scene)).unwrap_or_default();
     let sparkle = scene.as_ref().and_then(|scene| resolver.sparkle(file, scene));
     let pictured = scene.as_ref().filter(|_| with_picture);
-    let image = pictured.and_then(|scene| resolver.image(file, &scene.display.state_names()));
+    let image = pictured.and_then(|scene| resolver.image(file, scene));
     let Resolver { errors, warnings, notes, inputs, .. } = resolver;
     Ok(Found { scene: errors.finish(scene, sources)?, patterns, sparkle, image, warnings, notes, inputs })
 }

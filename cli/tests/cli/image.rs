@@ -1,0 +1,145 @@
+//! `papilio image`: files, colours of uniform pictures, gamut, light between neighbours, and answers to wrong input.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::Output;
+
+use papilio_formats::write_rgb_png;
+use serde_json::Value;
+
+use crate::common::{names, papilio_command as papilio, scenario, stderr};
+
+fn image(file: &Path, more: &[&str]) -> Output {
+    papilio().arg("image").arg(file).args(more).output().unwrap()
+}
+
+fn json(file: &Path, more: &[&str]) -> Value {
+    let output = image(file, &[more, &["--json"]].concat());
+    assert!(output.status.success(), "{}", stderr(&output));
+    serde_json::from_slice(&output.stdout).unwrap()
+}
+
+/// Writes a picture of 24 x 16 pixels of these colours in turn.
+fn picture(folder: &Path, colours: &[[u8; 3]]) -> PathBuf {
+    let pixels: Vec<[u8; 3]> = (0..24 * 16).map(|at| colours[at % colours.len()]).collect();
+    let mut bytes = Vec::new();
+    write_rgb_png(&mut bytes, 24, &pixels, false).unwrap();
+    let path = folder.join("picture.png");
+    fs::write(&path, bytes).unwrap();
+    path
+}
+
+#[test]
+fn files_are_written() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = picture(folder.path(), &[[200, 150, 125], [20, 60, 200], [255, 0, 0]]);
+    let out = folder.path().join("out");
+    let output = image(&scenario("six-ink"), &[file.to_str().unwrap(), "--out", out.to_str().unwrap()]);
+    assert!(output.status.success(), "{}", stderr(&output));
+    assert_eq!(names(&out), ["image.json", "seen.exr", "seen.png", "states.png"]);
+    let table = String::from_utf8(output.stdout).unwrap();
+    assert!(table.contains("24 x 16 pixels") && table.contains("S-CIELAB: mean"), "{table}");
+    let numbers: Value = serde_json::from_slice(&fs::read(out.join("image.json")).unwrap()).unwrap();
+    let coverage = numbers["coverage"].as_object().unwrap();
+    let sum: f64 = coverage.values().map(|fraction| fraction.as_f64().unwrap()).sum();
+    assert!((sum - 1.0).abs() < 1e-12 && numbers["out_of_gamut_fraction"].as_f64().unwrap() > 0.3);
+    assert_eq!(numbers["states"].as_array().unwrap().len(), 6);
+}
+
+/// White is the white state, black the black one, with the colours of `papilio run`; a colour that is outside the gamut becomes one inside.
+#[test]
+fn white_and_black_are_those_of_the_display() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = papilio().arg("run").arg(scenario("six-ink")).arg("--json").output().unwrap();
+    let run: Value = serde_json::from_slice(&run.stdout).unwrap();
+    for (colour, state) in [([255; 3], "white"), ([0; 3], "black")] {
+        let file = picture(folder.path(), &[colour]);
+        let found = json(&scenario("six-ink"), &[file.to_str().unwrap()]);
+        assert_eq!(found["coverage"][state], 1.0, "{found}");
+        for (k, name) in ["X", "Y", "Z"].iter().enumerate() {
+            let [ours, theirs] = [&found["mean_XYZ"][k], &run["views"][0]["states"][state][name]]
+                .map(|one| one.as_f64().unwrap());
+            assert!((ours - theirs).abs() < 1e-6, "{state} {name}: {ours} {theirs}");
+        }
+    }
+    let green = picture(folder.path(), &[[0, 255, 0]]);
+    for intent in ["relative", "perceptual", "absolute", "clip"] {
+        for more in ["image.halftone=\"none\"", "image.map_space=\"cam16-ucs\""] {
+            let sets =
+                [green.to_str().unwrap(), "--set", &format!("image.intent=\"{intent}\""), "--set", more];
+            let found = json(&scenario("six-ink"), &sets);
+            assert_eq!(
+                (&found["out_of_gamut_fraction"], &found["cut_fraction"]),
+                (&1.0.into(), &0.0.into()),
+                "{intent}"
+            );
+        }
+    }
+}
+
+/// A halftone has the mean colour that was to be shown, apart from the errors that leave the picture at its borders.
+#[test]
+fn halftone_keeps_the_mean_colour() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = picture(folder.path(), &[[120, 125, 118]]);
+    let mean = |halftone: &str| {
+        let sets = format!("image.halftone=\"{halftone}\"");
+        let size = ["--set", "display.matrix.pixels=[160,160]", "--set", "image.fit=\"stretch\""];
+        let found = json(
+            &scenario("six-ink"),
+            &[&[file.to_str().unwrap(), "--set", sets.as_str()][..], &size].concat(),
+        );
+        [0, 1, 2].map(|k| found["mean_XYZ"][k].as_f64().unwrap())
+    };
+    for (shown, wanted) in mean("error-diffusion").into_iter().zip(mean("none")) {
+        assert!((shown - wanted).abs() < 0.01 * wanted, "{shown} {wanted}");
+    }
+}
+
+/// Below glass, pixels light each other: a uniform picture keeps its colour, the mean of white and black pixels is darker than that of pages.
+#[test]
+fn neighbours_light_each_other_below_glass() {
+    let folder = tempfile::tempdir().unwrap();
+    let sets = |more: &'static str| {
+        ["--set", "display.glass.thickness_mm=0.5", "--set", "display.matrix.ppi=300", "--set", more]
+    };
+    let found = |colour: u8, more: &'static str| {
+        let file = picture(folder.path(), &[[colour; 3]]);
+        json(&scenario("epaper"), &[&[file.to_str().unwrap()][..], &sets(more)].concat())
+    };
+    let big = "display.matrix.pixels=[128,128]";
+    let [white, black, grey] = [255, 0, 188].map(|colour| found(colour, big));
+    assert_eq!(white["neighbours_light"], true);
+    let y = |one: &Value| one["mean_XYZ"][1].as_f64().unwrap();
+    let share = grey["coverage"]["white"].as_f64().unwrap();
+    let pages = share * y(&white) + (1.0 - share) * y(&black);
+    assert!(y(&grey) < 0.97 * pages, "{} {pages}", y(&grey));
+    let missing = image(
+        &scenario("epaper"),
+        &[picture(folder.path(), &[[9; 3]]).to_str().unwrap(), "--set", "display.matrix.ppi=300"],
+    );
+    assert!(stderr(&missing).contains("thickness_mm"), "{}", stderr(&missing));
+}
+
+#[test]
+fn wrong_input_is_answered() {
+    let folder = tempfile::tempdir().unwrap();
+    let good = picture(folder.path(), &[[90; 3]]);
+    let good = good.to_str().unwrap();
+    let text = folder.path().join("text.png");
+    fs::write(&text, "not a picture").unwrap();
+    for (arguments, part) in [
+        (vec![text.to_str().unwrap()], "text.png"),
+        (vec!["nowhere.png"], "nowhere.png"),
+        (vec![good, "--set", "image.states=[\"white\",\"blak\"]"], "there is no state `blak`"),
+        (vec![good, "--set", "image.kernel=\"floyd\""], "floyd-steinberg"),
+        (vec![good, "--set", "viewer.theta_deg=[0,10]"], "computed for one view"),
+        (vec![good, "--set", "image.states=[\"white\"]"], "2 to 64"),
+    ] {
+        let output = image(&scenario("six-ink"), &arguments);
+        assert_eq!(output.status.code(), Some(2), "{arguments:?}");
+        assert!(stderr(&output).contains(part), "{arguments:?}: {}", stderr(&output));
+    }
+    let none = image(&scenario("epaper"), &[]);
+    assert!(stderr(&none).contains("papilio image SCENARIO PICTURE"), "{}", stderr(&none));
+}
