@@ -118,8 +118,7 @@ pub fn direct_binary_search<const N: usize>(
     let error_at_start = search.error;
     let mut searched =
         Searched { states: Vec::new(), error_at_start, error: 0.0, passes: 0, is_complete: false };
-    loop {
-        let Some(changes) = search.pass(stop) else { break };
+    while let Some(changes) = search.pass(stop) {
         searched.passes += 1;
         let pass = SearchPass { pass: searched.passes, changes, error: search.error.max(0.0) };
         searched.is_complete = changes == 0;
