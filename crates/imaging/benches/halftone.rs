@@ -2,9 +2,12 @@
 
 #![allow(clippy::unwrap_used, missing_docs, reason = "a benchmark")]
 
+use std::ops::ControlFlow;
+
 use divan::{Bencher, black_box};
 use papilio_imaging::halftone::{
-    DiffusionKernel, ErrorDiffusion, Mask, light_to_dark, ordered, ordered_planes,
+    DiffusionKernel, ErrorDiffusion, Filter, Mask, direct_binary_search, light_to_dark, ordered,
+    ordered_planes,
 };
 
 fn main() {
@@ -85,4 +88,19 @@ fn ordered_page_of_three_planes(bencher: Bencher<'_, '_>) {
 #[divan::bench]
 fn void_and_cluster_mask_of_64() -> Mask {
     Mask::void_and_cluster(64, 0).unwrap()
+}
+
+/// A part of the page, from error diffusion, with a filter of 13 x 13 pixels.
+#[divan::bench(sample_count = 5)]
+fn direct_binary_search_of_256_by_256(bencher: Bencher<'_, '_>) {
+    let (wanted, palette) = (wanted(), palette());
+    let wanted: Vec<[f32; 3]> = (0..256).flat_map(|row| &wanted[row * COLUMNS..][..256]).copied().collect();
+    let start = ErrorDiffusion::default().colours(&wanted, 256, &palette).unwrap().states;
+    let bell =
+        |at: usize| (-(((at % 13) as f64 - 6.0).powi(2) + ((at / 13) as f64 - 6.0).powi(2)) / 8.0).exp();
+    let filters = [0; 3].map(|_| Filter::new(13, (0..169).map(bell).collect()).unwrap());
+    bencher.bench_local(|| {
+        let watch = &mut |_| ControlFlow::Continue(());
+        direct_binary_search(&wanted, 256, &palette, &filters, &start, &|| false, watch).unwrap()
+    });
 }

@@ -177,8 +177,12 @@ pub fn image(
     let states = match settings.halftone {
         Halftone::None => Vec::new(),
         Halftone::ErrorDiffusion => {
-            let diffusion =
-                ErrorDiffusion { kernel: settings.kernel, scan: settings.scan, ..ErrorDiffusion::default() };
+            let diffusion = ErrorDiffusion {
+                kernel: settings.kernel,
+                scan: settings.scan,
+                metric: rendering.metric(),
+                ..ErrorDiffusion::default()
+            };
             diffusion.colours(&mapped, size[0], &rendering.states)?.states
         }
     };

@@ -77,6 +77,15 @@ impl Rendering {
         })
     }
 
+    /// Coordinates in which error diffusion searches the nearest state: lightness, red-green and blue-yellow, relative to the white.
+    ///
+    /// Of weights of red-green from 0.25 to 4 (blue-yellow: 0.4 of it), 1 has the smallest mean S-CIELAB difference for three photographs on
+    /// six inks (5.41, 3.55, 4.34; unscaled X, Y, Z: 5.95 for the first). The mean colour is the same with any weights.
+    pub(super) fn metric(&self) -> [[f64; 3]; 3] {
+        let [x, y, z] = self.white.to_array().map(|value| 1.0 / value);
+        [[0.0, y, 0.0], [x, -y, 0.0], [0.0, BLUE_YELLOW * y, -BLUE_YELLOW * z]]
+    }
+
     /// The colour that the display should show, whether or not it can.
     pub(super) fn wanted(&self, pixel: [f32; 3]) -> [f32; 3] {
         let adapted = self.adaptation.apply(colour(pixel)).to_array();
@@ -93,6 +102,9 @@ impl Rendering {
         (nearest.to_array().map(|value| value as f32), false)
     }
 }
+
+/// Weight of blue-yellow differences of states over that of red-green ones.
+const BLUE_YELLOW: f64 = 0.4;
 
 /// Distance from the hull, relative to its size, that rounding to 32 bits may cause.
 const INSIDE: f64 = 1e-6;

@@ -7,7 +7,7 @@ use std::sync::atomic::AtomicBool;
 
 use num_complex::Complex64;
 use papilio_transport::adding::{self, LayeredSpread, NotCovered};
-use papilio_transport::{Layered, Source};
+use papilio_transport::{Layered, ReflectanceFactor, Source};
 
 use super::measured::{Light, Measured, sum};
 use super::mtf::Frame;
@@ -54,6 +54,33 @@ fn widen(coarse: &mut Measured, fine: &Measured, factor: f64) {
     }
 }
 
+/// Adds the transfer of another list of frequencies, without its first one, 0.
+fn append(all: &mut Measured, farther: &Measured) {
+    all.frequencies.extend(&farther.frequencies[1..]);
+    let lights = all.lights.iter_mut().flatten().zip(farther.lights.iter().flatten());
+    for (all, farther) in lights {
+        all.transfer.iter_mut().zip(&farther.transfer).for_each(|(all, farther)| all.extend(&farther[1..]));
+    }
+}
+
+/// Returns the error for light whose places are not computed by adding.
+fn not_covered(why: NotCovered) -> DisplayError {
+    DisplayError::PlacesByPaths {
+        what: format!("{why} ([[display.layers]])"),
+        key: if why == NotCovered::Pixel { "display.pixel" } else { "display.layers" }.to_owned(),
+    }
+}
+
+/// What all frequencies of a view have in common at a level.
+struct Prepared<'a> {
+    spread: LayeredSpread<'a>,
+    lit: Vec<PixelLight>,
+    factors: Vec<ReflectanceFactor>,
+    /// Number of axes along which light differs.
+    axes: usize,
+    from_faces: f64,
+}
+
 impl Frame<'_> {
     /// Computes how sharp the display is in a view.
     pub(super) fn layered_view(
@@ -69,29 +96,36 @@ impl Frame<'_> {
         if !self.patterns().is_empty() {
             return Err(by_paths("patterns below general layers ([[display.layers]])", "pattern"));
         }
+        let lengths_mm = self.setup.scene.display.lengths_mm()?;
+        let at_level = |level| self.prepared((stack, &lengths_mm), view, level);
         let finest = (finest(&self.setup.stack)? as u32).min(MOST_LEVEL);
         let target = match &self.setup.scene.solver.stop {
             Stop::RelativeError { target, .. } => *target,
             Stop::Paths(_) | Stop::Target(_) => USUAL,
         };
         let mut frequencies = self.frequencies.clone();
-        let mut coarse = self.layered(stack, view, (0, &frequencies), control)?;
+        let first = at_level(0)?;
+        let mut coarse = self.measured(&first, &frequencies, control)?;
         let mut reach = self.highest();
         while self.is_falling(&coarse) && reach < SEARCHED * self.highest() {
             reach *= FARTHER;
+            let mut farther = vec![0.0];
             while let Some(last) = frequencies.last().filter(|last| **last < reach) {
                 frequencies.push(last * STEP);
+                farther.extend(frequencies.last());
             }
-            coarse = self.layered(stack, view, (0, &frequencies), control)?;
+            append(&mut coarse, &self.measured(&first, &farther, control)?);
         }
-        let mut fine = self.layered(stack, view, (1, &frequencies), control)?;
+        drop(first);
+        let mut fine = self.measured(&at_level(1)?, &frequencies, control)?;
         let factor = adding::error_over_difference(&self.setup.stack, &self.setup.sources);
         widen(&mut coarse, &fine, factor);
         for level in 2..=finest {
             if self.largest_error(&coarse, &fine) <= target {
                 break;
             }
-            coarse = std::mem::replace(&mut fine, self.layered(stack, view, (level, &frequencies), control)?);
+            let finer = self.measured(&at_level(level)?, &frequencies, control)?;
+            coarse = std::mem::replace(&mut fine, finer);
             widen(&mut coarse, &fine, factor);
         }
         let states = self.setup.states.iter().enumerate();
@@ -138,27 +172,41 @@ impl Frame<'_> {
         largest
     }
 
-    /// Computes the light of all frequencies at a level.
-    fn layered(
-        &self,
-        stack: &Layered,
+    /// Prepares a level.
+    fn prepared<'s>(
+        &'s self,
+        (stack, lengths_mm): (&'s Layered, &'s [f64]),
         view: &ViewPoint,
-        (level, frequencies): (u32, &[f64]),
-        control: &Control<'_>,
-    ) -> Result<Measured, DisplayError> {
+        level: u32,
+    ) -> Result<Prepared<'s>, DisplayError> {
         let (setup, stop) = (self.setup, AtomicBool::new(false));
         let meter = Meter::new(setup);
-        let lengths_mm = setup.scene.display.lengths_mm()?;
         let mut kernel = adding::Kernel::new(level).without_ledger();
         let _ready = kernel.prepare_unless(&setup.stack, &[view.field], &setup.sources, &stop);
         let factors = kernel.seen(&setup.stack, 0);
-        let not_covered = |why: NotCovered| DisplayError::PlacesByPaths {
-            what: format!("{why} ([[display.layers]])"),
-            key: if why == NotCovered::Pixel { "display.pixel" } else { "display.layers" }.to_owned(),
-        };
-        let spread = LayeredSpread::new(stack, &lengths_mm, view.field, &setup.sources, level);
-        let spread = spread.map_err(not_covered)?;
+        let spread = LayeredSpread::new(stack, lengths_mm, view.field, &setup.sources, level);
         let lit: Vec<PixelLight> = meter.pixel_lights().into_iter().filter(PixelLight::is_seen).collect();
+        // Seen along the normal, light without an azimuth is the same along both axes.
+        let is_round = lit.iter().all(|light| setup.sources[light.source] == Source::Diffuse)
+            || !stack.base.is_specular();
+        let is_same = is_round && view.theta_deg == 0.0;
+        Ok(Prepared {
+            spread: spread.map_err(not_covered)?,
+            axes: if is_same { 1 } else { 2 },
+            from_faces: meter.without_pixel(&factors)[1],
+            factors,
+            lit,
+        })
+    }
+
+    /// Computes the light of frequencies, of which the first one is 0, at a level.
+    fn measured(
+        &self,
+        Prepared { spread, axes, from_faces, factors, lit }: &Prepared<'_>,
+        frequencies: &[f64],
+        control: &Control<'_>,
+    ) -> Result<Measured, DisplayError> {
+        let (setup, axes) = (self.setup, *axes);
         let seen: Vec<_> = lit
             .iter()
             .map(|light| adding::Seen {
@@ -167,11 +215,6 @@ impl Frame<'_> {
                 via_pixel: &factors[light.source].via_pixel,
             })
             .collect();
-        // Seen along the normal, light without an azimuth is the same along both axes.
-        let is_round = lit.iter().all(|light| setup.sources[light.source] == Source::Diffuse)
-            || !stack.base.is_specular();
-        let is_same = is_round && view.theta_deg == 0.0;
-        let axes = if is_same { 1 } else { 2 };
         let along = |f: &f64| [[*f, 0.0], [0.0, *f]].into_iter().take(axes);
         let mut workers = None;
         let pool =
@@ -185,7 +228,7 @@ impl Frame<'_> {
                 return Err(DisplayError::Interrupted);
             }
             let some: Vec<[f64; 2]> = piece.iter().flat_map(|k| along(&frequencies[*k])).collect();
-            Ok((piece.clone(), spread.light(&seen, &some)))
+            Ok((piece.clone(), spread.light(&seen, &some).map_err(not_covered)?))
         });
         let blank = || vec![Complex64::ZERO; frequencies.len()];
         let mut light = vec![vec![[blank(), blank()]; setup.states.len()]; seen.len()];
@@ -225,7 +268,7 @@ impl Frame<'_> {
             line_contrast: [LineContrast::default(); 2],
             text_contrast: [None; 2],
             patterns: Vec::new(),
-            from_faces: meter.without_pixel(&factors)[1],
+            from_faces: *from_faces,
             seen: Vec::new(),
         })
     }

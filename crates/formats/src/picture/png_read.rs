@@ -57,9 +57,6 @@ pub(super) fn read(bytes: &[u8], untagged: &RgbSpace) -> Result<Warned<SourcePic
             animation.num_frames
         ));
     }
-    if channels % 2 == 0 {
-        warnings.push("transparent pixels are composited over white, in linear light".to_owned());
-    }
     let orientation = info.exif_metadata.as_ref().map_or(1, |data| exif::orientation(data));
     let samples = if depth == BitDepth::Sixteen {
         Samples::Sixteen(data.as_chunks().0.iter().map(|two| u16::from_be_bytes(*two)).collect())
@@ -67,6 +64,9 @@ pub(super) fn read(bytes: &[u8], untagged: &RgbSpace) -> Result<Warned<SourcePic
         Samples::Eight(data)
     };
     let picture = SourcePicture::new([columns, rows], channels, samples, &encoding)?;
+    if picture.is_transparent() {
+        warnings.push("transparent pixels are composited over white, in linear light".to_owned());
+    }
     Ok(Warned { value: picture.upright(orientation), warnings })
 }
 

@@ -120,7 +120,9 @@ impl SourcePicture {
 
     /// All rows after each other.
     pub fn xyz(&self) -> Vec<[f32; 3]> {
-        (0..self.rows).flat_map(|row| self.row(row)).collect()
+        let mut pixels = Vec::with_capacity(self.columns * self.rows);
+        (0..self.rows).for_each(|row| pixels.extend(self.row(row)));
+        pixels
     }
 
     fn converted<T: Copy + Into<u16>>(&self, values: &[T]) -> Vec<[f32; 3]> {
@@ -145,6 +147,20 @@ impl SourcePicture {
             }
         };
         values.chunks_exact(self.channels).map(pixel).collect()
+    }
+
+    /// Whether a pixel is not opaque.
+    pub(super) fn is_transparent(&self) -> bool {
+        let has_opacity = self.channels.is_multiple_of(2);
+        has_opacity
+            && match &self.samples {
+                Samples::Eight(values) => {
+                    values.chunks_exact(self.channels).any(|pixel| pixel.last() < Some(&255))
+                }
+                Samples::Sixteen(values) => {
+                    values.chunks_exact(self.channels).any(|pixel| pixel.last() < Some(&u16::MAX))
+                }
+            }
     }
 
     /// The picture turned upright, for one of the eight orientations of EXIF.

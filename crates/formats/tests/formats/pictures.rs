@@ -87,6 +87,8 @@ fn png_with_transparency_is_composited_over_white_in_linear_light() {
     let picture = read(&rgba).unwrap();
     assert_near(picture.value.row(0)[0], half, 1e-4);
     assert!(picture.warnings[0].contains("composited over white"), "{:?}", picture.warnings);
+    let opaque = Png::new([1, 1], 8, 6).data(&[0], &[255, 0, 0, 255]);
+    assert!(read(&opaque).unwrap().warnings.is_empty());
     let grey = Png::new([1, 1], 8, 4).data(&[0], &[128, 0]);
     assert_near(first(&grey), D65, 1e-4);
     let palette = Png::new([1, 1], 8, 3).chunk(b"PLTE", &[255, 0, 0]).chunk(b"tRNS", &[0]).data(&[0], &[0]);

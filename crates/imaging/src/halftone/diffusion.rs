@@ -87,7 +87,11 @@ pub struct ErrorDiffusion {
     /// areas of a colour outside the hull of the palette, and smear over what follows them.
     pub limit: f64,
     /// Coordinates in which the nearest state is searched: linear combinations of X, Y, Z, one in each row. Errors are passed on in
-    /// X, Y, Z in any case, so that it changes the pattern, never the mean. Ignored by [`levels`](Self::levels).
+    /// X, Y, Z in any case. Ignored by [`levels`](Self::levels).
+    ///
+    /// With a double weight of Y, six inks have 10 % less visible noise of luminance, and nothing is cut. With four times the weight,
+    /// or with opponent colours of less weight than luminance, the errors of what weighs less grow until the limit cuts them, and the
+    /// mean colour is wrong: check [`Diffused::cut`].
     pub metric: [[f64; 3]; 3],
 }
 
@@ -109,7 +113,7 @@ pub struct Diffused<const N: usize> {
     pub states: Vec<u8>,
     /// Sum over all pixels of what was wanted and is not shown: passed beyond the borders of the picture, or above the limit.
     pub lost: [f64; N],
-    /// The part of `lost` above the limit; not 0 only for colours outside the hull of the palette.
+    /// The part of `lost` above the limit: of colours outside the hull of the palette, or because of the metric.
     pub cut: [f64; N],
     /// Number of pixels whose error was above the limit.
     pub cut_pixels: usize,

@@ -13,10 +13,8 @@ use super::super::matrix::Matrix;
 use super::super::precision::Precision;
 use super::super::scatterers::{Scattered, Scatterers};
 use super::NotCovered;
+use super::orders::Orders;
 use crate::Layered;
-
-/// Light at the nodes with weight by azimuthal order, `[node][order]`, from the most negative order on.
-pub(super) type Orders = Vec<Complex64>;
 
 /// Light at each site: two for each scatterer. Of light that arrives from above and from below, or that it emits upwards and
 /// downwards. `None` without light.
@@ -24,6 +22,9 @@ pub(super) type Light = Vec<Option<Orders>>;
 
 /// Largest `|beta|` whose azimuthal orders are resolved.
 const ALONG: f64 = 0.95;
+
+/// Orders that are dropped, relative to the accuracy of the level.
+const DROPPED: f64 = 0.5;
 
 /// Kernel of an order, scaled.
 #[derive(Debug)]
@@ -37,10 +38,13 @@ struct Kernel {
 }
 
 impl Kernel {
-    fn new(kernel: &Matrix, factor: f64, (regular, extras): (usize, usize), least: f64) -> Self {
-        let seen =
-            |i: usize| (0..regular).any(|j| kernel[(i, j)].abs() > least || kernel[(j, i)].abs() > least);
-        let first = (0..regular).find(|i| seen(*i)).unwrap_or(regular);
+    /// `least` is the smallest element that matters.
+    fn new((kernel, factor): &(Arc<Matrix>, f64), (regular, extras): (usize, usize), least: f64) -> Self {
+        let matters = |i: usize| {
+            let elements = (0..regular).flat_map(|j| [kernel[(i, j)], kernel[(j, i)]]);
+            elements.map(|element| (factor * element).abs()).any(|element| element > least)
+        };
+        let first = (0..regular).find(|i| matters(*i)).unwrap_or(regular);
         let block =
             Matrix::from_fn(regular - first, regular - first, |i, j| factor * kernel[(first + i, first + j)]);
         let from = Matrix::from_fn(regular, extras, |i, extra| factor * kernel[(i, regular + extra)]);
@@ -58,6 +62,12 @@ pub(super) struct Kernels {
     orders: Vec<Vec<[Option<Kernel>; 3]>>,
     scale: Vec<f64>,
     regular: usize,
+    /// Highest order at each node with weight.
+    of_nodes: Vec<usize>,
+    /// Highest order of light that is scattered towards each extra node, `[scatterer][extra]`.
+    of_extras: Vec<Vec<usize>>,
+    /// Orders that are smaller than others of the same node by this factor are dropped.
+    tolerance: f64,
 }
 
 impl Kernels {
@@ -88,37 +98,77 @@ impl Kernels {
                 }
             }
         }
-        let mut kernels =
-            Self { elements, orders: Vec::new(), scale: grid.scale.clone(), regular: grid.regular };
-        let (mut largest, tolerance) = (0.0, (-precision.digits).exp());
+        let tolerance = (-precision.digits).exp();
+        let mut largest = vec![[[0.0_f64; 2]; 3]; elements.len()];
+        let mut kernels = Self {
+            elements,
+            orders: Vec::new(),
+            scale: grid.scale.clone(),
+            regular: grid.regular,
+            of_nodes: vec![0; grid.regular],
+            of_extras: Vec::new(),
+            tolerance: DROPPED * tolerance,
+        };
         for order in 0..scatterers.orders() {
             let scattered = scatterers.scattered(order, grid);
             let of_order: Vec<[Given; 3]> = ways.iter().map(|action| ways_of(action, &scattered)).collect();
-            let size = of_order.iter().flatten().flatten().map(size).fold(0.0, f64::max);
-            largest = f64::max(largest, size);
-            let least = tolerance * largest;
-            if size <= least {
+            // Each kernel has a scale of its own, and so has its light of beams: a weak one beside a narrow lobe matters, too.
+            let mut matters = false;
+            for (given, largest) in of_order.iter().flatten().zip(largest.iter_mut().flatten()) {
+                let Some(given) = given else { continue };
+                for (size, largest) in sizes(given, grid.regular).into_iter().zip(largest) {
+                    *largest = largest.max(size);
+                    matters |= size > tolerance * *largest;
+                }
+            }
+            if !matters {
                 break;
             }
-            let sizes = (grid.regular, grid.len() - grid.regular);
-            let kernel = |given: Given| {
-                given.map(|(kernel, factor)| {
-                    Kernel::new(&kernel, factor, sizes, least / factor.abs().max(1e-300))
-                })
+            let count = (grid.regular, grid.len() - grid.regular);
+            let kernel = |(given, [largest, _]): (&Given, &[f64; 2])| {
+                given.as_ref().map(|given| Kernel::new(given, count, tolerance * largest))
             };
-            kernels.orders.push(of_order.into_iter().map(|ways| ways.map(kernel)).collect());
+            let of_order: Vec<[Option<Kernel>; 3]> = of_order
+                .iter()
+                .zip(&largest)
+                .map(|(ways, largest)| [0, 1, 2].map(|way| kernel((&ways[way], &largest[way]))))
+                .collect();
+            let first = of_order.iter().flatten().flatten().map(|kernel| kernel.first).min();
+            kernels.of_nodes[first.unwrap_or(grid.regular)..].fill(order);
+            kernels.orders.push(of_order);
         }
+        let of_site = |site| (0..kernels.extras()).map(|extra| kernels.of_extra(site, extra)).collect();
+        kernels.of_extras = (0..kernels.elements.len()).map(of_site).collect();
         Ok(kernels)
     }
 
-    /// Returns the highest azimuthal order.
-    pub(super) fn highest(&self) -> usize {
-        self.orders.len().saturating_sub(1)
+    /// Returns the highest order that matters of light between a scatterer and an extra node.
+    fn of_extra(&self, site: usize, extra: usize) -> usize {
+        let mut largest = vec![0.0_f64; self.regular];
+        let mut highest = 0;
+        for (order, sites) in self.orders.iter().enumerate() {
+            for (node, largest) in largest.iter_mut().enumerate() {
+                let kernels = sites[site].iter().flatten();
+                let size = kernels
+                    .flat_map(|kernel| kernel.beams.iter().map(|beam| beam[(node, extra)].abs()))
+                    .fold(0.0, f64::max);
+                *largest = largest.max(size);
+                if size > self.tolerance * *largest {
+                    highest = order;
+                }
+            }
+        }
+        highest
     }
 
-    /// Returns the number of orders of [`Orders`].
+    /// Returns the highest order at each node with weight.
+    pub(super) fn of_nodes(&self) -> &[usize] {
+        &self.of_nodes
+    }
+
+    /// Returns the number of azimuthal orders, positive and negative.
     pub(super) fn count(&self) -> usize {
-        2 * self.highest() + 1
+        (2 * self.orders.len()).saturating_sub(1)
     }
 
     /// Returns the number of extra nodes.
@@ -128,29 +178,27 @@ impl Kernels {
 
     /// Returns the effect on light of what scatterers emit, for light in several problems: what it has when it arrives there.
     pub(super) fn arriving(&self, emitted: &[Light]) -> Vec<Light> {
-        let count = self.count();
         let mut arriving: Vec<Light> = emitted.iter().map(|_| vec![None; 2 * self.elements.len()]).collect();
         for site in 0..self.elements.len() {
-            let lit = |light: &&Light| light[2 * site].is_some() || light[2 * site + 1].is_some();
-            let problems: Vec<usize> = (0..emitted.len()).filter(|k| lit(&&emitted[*k])).collect();
-            if problems.is_empty() {
-                continue;
+            let highest_of = |k: usize| {
+                let sides = emitted[k][2 * site..][..2].iter().flatten();
+                sides.map(Orders::highest).max()
+            };
+            let mut problems: Vec<(usize, usize)> =
+                (0..emitted.len()).filter_map(|k| Some((k, highest_of(k)?))).collect();
+            for (problem, highest) in &problems {
+                let highest = (*highest).min(self.orders.len().saturating_sub(1));
+                arriving[*problem][2 * site..][..2].fill(Some(Orders::zeros(self.regular, highest)));
             }
-            for problem in &problems {
-                for side in [0, 1] {
-                    arriving[*problem][2 * site + side] = Some(vec![Complex64::ZERO; self.regular * count]);
-                }
-            }
-            let lit = [0, 1].map(|side| problems.iter().any(|k| emitted[*k][2 * site + side].is_some()));
             for (order, sites) in self.orders.iter().enumerate() {
+                problems.retain(|(_, highest)| *highest >= order);
                 let kernels = || sites[site].iter().flatten();
                 let first = kernels().map(|kernel| kernel.first).min().unwrap_or(self.regular);
-                if first == self.regular {
+                if problems.is_empty() || first == self.regular {
                     continue;
                 }
-                let light = [0, 1].map(|side| {
-                    lit[side].then(|| self.columns(emitted, (&problems, first), 2 * site + side, order))
-                });
+                let light =
+                    [0, 1].map(|side| self.columns(emitted, (&problems, first), 2 * site + side, order));
                 let [up, down] = light.each_ref().map(Option::as_ref);
                 let [through, above, below] = sites[site].each_ref().map(Option::as_ref);
                 let columns = 4 * problems.len();
@@ -167,24 +215,36 @@ impl Kernels {
                 }
             }
         }
+        arriving.iter_mut().for_each(|light| self.settle(light));
         arriving
+    }
+
+    /// Drops orders that do not matter, and sides without light.
+    pub(super) fn settle(&self, light: &mut Light) {
+        for light in light {
+            light.take_if(|light| light.largest() == 0.0);
+            light.iter_mut().for_each(|light| light.settle(self.tolerance));
+        }
     }
 
     /// Returns an order and its negative of light in some problems, real and imaginary parts, scaled, at the nodes from `first` on.
     fn columns(
         &self,
         light: &[Light],
-        (problems, first): (&[usize], usize),
+        (problems, first): (&[(usize, usize)], usize),
         site: usize,
         order: usize,
-    ) -> Matrix {
-        let (count, highest) = (self.count(), self.highest());
-        let mut columns = Matrix::zeros(self.regular - first, 4 * problems.len());
-        for (number, problem) in problems.iter().enumerate() {
-            let Some(light) = &light[*problem][site] else { continue };
-            for (part, place) in [highest + order, highest - order].into_iter().enumerate() {
+    ) -> Option<Matrix> {
+        let mut columns = None;
+        for (number, (problem, _)) in problems.iter().enumerate() {
+            let Some(light) = light[*problem][site].as_ref().filter(|light| light.highest() >= order) else {
+                continue;
+            };
+            let columns =
+                columns.get_or_insert_with(|| Matrix::zeros(self.regular - first, 4 * problems.len()));
+            for (part, order) in [order as isize, -(order as isize)].into_iter().enumerate() {
                 for node in first..self.regular {
-                    let value = light[node * count + place] / self.scale[node];
+                    let value = light.at(node, order) / self.scale[node];
                     columns[(node - first, 4 * number + 2 * part)] = value.re;
                     columns[(node - first, 4 * number + 2 * part + 1)] = value.im;
                 }
@@ -197,19 +257,18 @@ impl Kernels {
     fn spread(
         &self,
         columns: &Matrix,
-        (problems, first): (&[usize], usize),
+        (problems, first): (&[(usize, usize)], usize),
         order: usize,
         site: usize,
         light: &mut [Light],
     ) {
-        let (count, highest) = (self.count(), self.highest());
-        for (number, problem) in problems.iter().enumerate() {
+        for (number, (problem, _)) in problems.iter().enumerate() {
             let Some(light) = &mut light[*problem][site] else { continue };
-            for (part, place) in [highest + order, highest - order].into_iter().enumerate() {
+            for (part, order) in [order as isize, -(order as isize)].into_iter().enumerate() {
                 let [re, im] = [0, 1].map(|k| columns.column(4 * number + 2 * part + k));
                 for node in first..self.regular {
                     let value = Complex64::new(re[node - first], im[node - first]);
-                    light[node * count + place] = value / self.scale[node];
+                    *light.at_mut(node, order) = value / self.scale[node];
                 }
             }
         }
@@ -224,28 +283,26 @@ impl Kernels {
         [up, down]: [Complex64; 2],
         [from_above, from_below]: &mut [Option<Orders>; 2],
     ) {
-        let (count, highest) = (self.count(), self.highest());
-        let blank = || vec![Complex64::ZERO; self.regular * count];
-        let from_above = from_above.get_or_insert_with(blank);
-        let from_below = from_below.get_or_insert_with(blank);
-        for (order, sites) in self.orders.iter().enumerate() {
+        // A whole ring has order 0 alone.
+        let highest = if turn.is_some() { self.of_extras[site][extra] } else { 0 };
+        for light in [&mut *from_above, &mut *from_below] {
+            light.get_or_insert_with(|| Orders::zeros(self.regular, highest)).grow(highest);
+        }
+        for (order, sites) in self.orders.iter().enumerate().take(highest + 1) {
             let [through, above, below] = &sites[site];
             let at = |kernel: &Option<Kernel>, way: usize, node: usize| {
                 kernel.as_ref().map_or(0.0, |kernel| kernel.beams[way][(node, extra)])
             };
-            // A whole ring has order 0 alone.
-            let phase = match turn {
-                None if order > 0 => break,
-                turn => Complex64::cis(-turn.unwrap_or(0.0) * order as f64),
-            };
+            let phase = Complex64::cis(-turn.unwrap_or(0.0) * order as f64);
             for node in 0..self.regular {
                 let scale = 1.0 / self.scale[node];
                 let a = scale * (down * at(through, TO, node) + up * at(above, TO, node));
                 let b = scale * (up * at(through, FROM, node) + down * at(below, TO, node));
                 for (light, value) in [(&mut *from_above, a), (&mut *from_below, b)] {
-                    light[node * count + highest + order] += value * phase;
+                    let Some(light) = light else { continue };
+                    *light.at_mut(node, order as isize) += value * phase;
                     if order > 0 {
-                        light[node * count + highest - order] += value * phase.conj();
+                        *light.at_mut(node, -(order as isize)) += value * phase.conj();
                     }
                 }
             }
@@ -278,9 +335,16 @@ fn ways_of(action: &Action, scattered: &[Scattered]) -> [Given; 3] {
     }
 }
 
-/// Returns the largest element of a kernel.
-fn size((kernel, factor): &(Arc<Matrix>, f64)) -> f64 {
-    let largest =
-        (0..kernel.columns()).flat_map(|j| kernel.column(j)).fold(0.0, |most: f64, x| most.max(x.abs()));
-    factor.abs() * largest
+/// Returns the largest element of a kernel between nodes with weight, and between them and extra nodes.
+fn sizes((kernel, factor): &(Arc<Matrix>, f64), regular: usize) -> [f64; 2] {
+    let mut sizes = [0.0_f64; 2];
+    for j in 0..kernel.columns() {
+        let (nodes, extras) = kernel.column(j).split_at(regular);
+        let largest = |all: &[f64]| all.iter().fold(0.0, |most: f64, x| most.max((factor * x).abs()));
+        sizes[usize::from(j >= regular)] = sizes[usize::from(j >= regular)].max(largest(nodes));
+        if j < regular {
+            sizes[1] = sizes[1].max(largest(extras));
+        }
+    }
+    sizes
 }

@@ -11,25 +11,28 @@
 //! `L(f) = V(f) (1 - rho A(f))^-1 rho E`
 //!
 //! is the response of all orders to a small change of the reflectance, relative to it. A Lambertian pixel sends the same light in all
-//! directions: A(f) is a number, and E needs no directions. A mirror-like pixel below layers that return nothing to it has A = 0; E is the
-//! value of its light for the sources, without phases. Light that layers return to it is followed to its second meeting, and summed from there
-//! on ([`returned`]). Without scatterers its light keeps its direction, and A is a number
-//! there.
+//! directions: A(f) is a number, and E needs no directions. A mirror-like pixel below layers that return nothing to it has A = 0; E is
+//! the value of its light for the sources, without phases. Light that layers return to it is followed from meeting to meeting
+//! ([`returned`]). Without scatterers its light keeps its direction, and A is a number there.
 //!
-//! - [`chain`]: flat elements between scatterers; [`kernels`]: scatterers by order; [`rings`]: directions that resolve phases;
-//!   [`waves`]: values of light between scatterers; [`pixels`]: the light of each kind of pixel.
+//! - [`chain`]: flat elements between scatterers; [`kernels`]: scatterers by order; [`orders`]: light by order; [`rings`]: directions
+//!   that resolve phases; [`crossing`]: light that crosses flat elements; [`waves`]: values of light between scatterers; [`pixels`]: the
+//!   light of each kind of pixel.
 //!
 //! # Limits
 //! Interfaces that scatter, and clear or absorbing media. Media that scatter and pixels with kernels of their own are left to Monte
 //! Carlo.
 
 mod chain;
+mod crossing;
 mod kernels;
+mod orders;
 mod pixels;
 mod returned;
 mod rings;
 mod waves;
 
+use std::cell::RefCell;
 use std::f64::consts::{PI, TAU};
 use std::rc::Rc;
 
@@ -41,6 +44,7 @@ use super::precision::{Precision, density_between};
 use super::prepare::{optics, splits};
 use crate::adding::images::{ImagePoints, Mirror, image_points};
 use crate::{Cone, Layered, Reflector, Source};
+use crossing::Needed;
 use kernels::{Kernels, Light};
 use returned::Returned;
 use rings::Resolution;
@@ -74,11 +78,26 @@ pub enum NotCovered {
     Pixel,
     /// There are too many directions and orders.
     TooMany,
+    /// Light is scattered to and fro too often.
+    Rounds,
+    /// Light meets the pixel too often.
+    Meetings,
 }
 
 impl std::fmt::Display for NotCovered {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        if *self == Self::Rounds {
+            return write!(
+                f,
+                "layers between which light is scattered to and fro more than {} times",
+                waves::MOST_ROUNDS
+            );
+        }
         f.write_str(match self {
+            Self::Rounds => "",
+            Self::Meetings => {
+                "mirror-like pixels that light meets more than a hundred times below general layers"
+            }
             Self::Slab => "layers that scatter in their volume",
             Self::Pixel => "pixels that scatter by a measured kernel",
             Self::TooMany => {
@@ -234,12 +253,12 @@ impl<'a> LayeredSpread<'a> {
         if self.stack.base.is_specular() && !set.kernels.elements.is_empty() {
             let wave = self.wave(&set, [0.0; 2]);
             let between = set.between(self.stack);
-            let light = between.solve(&wave, &[Start::Pixel]);
-            let leaving = between.leaving((&wave, Start::Pixel), &light[0], true);
+            let light = between.solve(&wave, &[Start::Pixel])?;
+            let leaving = between.leaving((&wave, Start::Pixel), &light[0], Needed::Mean);
             let returns = set.mean(&wave, &leaving).re / (PI * index * index) > RETURNED;
             let starts: Vec<_> = self.sources.iter().map(Room::start).collect();
-            set.lit = between.solve(&wave, &starts);
-            set.returned = returns.then(|| self.returned(&set, &wave));
+            set.lit = between.solve(&wave, &starts)?;
+            set.returned = returns.then(|| self.returned(&set, &wave)).transpose()?;
         }
         Ok(set)
     }
@@ -259,30 +278,44 @@ impl<'a> LayeredSpread<'a> {
 
     /// Returns the light that the view sees via the pixel at spatial frequencies, cycles per mm: the response of all orders to a small
     /// change of the pixel's reflectance, relative to it, in the unit of `via_pixel`; `[source][state][frequency]`.
-    pub fn light(&self, seen: &[Seen<'_>], frequencies_per_mm: &[[f64; 2]]) -> Vec<Vec<Vec<Complex64>>> {
+    ///
+    /// # Errors
+    /// If scatterers return too much light to each other.
+    pub fn light(
+        &self,
+        seen: &[Seen<'_>],
+        frequencies_per_mm: &[[f64; 2]],
+    ) -> Result<Vec<Vec<Vec<Complex64>>>, NotCovered> {
         let (states, bins) = (self.stack.base.states(), self.stack.base.bins());
         let mut light = vec![vec![vec![Complex64::ZERO; frequencies_per_mm.len()]; states]; seen.len()];
+        // Light without regard to places is the first one.
+        let mut all = vec![[0.0; 2]];
+        let mut number = |f: &[f64; 2]| {
+            all[1..].iter().position(|known| known == f).unwrap_or_else(|| {
+                all.push(*f);
+                all.len() - 2
+            })
+        };
+        let numbers: Vec<usize> = frequencies_per_mm.iter().map(&mut number).collect();
         for (number, set) in self.sets.iter().enumerate() {
             let mut members = vec![0.0; bins];
             for (bin, sets) in self.of_bins.iter().enumerate() {
                 members[bin] = sets.iter().filter(|(set, _)| *set == number).map(|(_, factor)| factor).sum();
             }
-            let mut all = vec![[0.0; 2]];
-            all.extend(frequencies_per_mm);
             let mut waves: Vec<Wave> = Vec::with_capacity(all.len());
-            for [x, y] in all {
+            for [x, y] in &all {
                 // Rings serve all azimuths.
-                let known = waves.iter().find(|wave| wave.per_mm == TAU * x.hypot(y));
+                let known = waves.iter().find(|wave| wave.per_mm == TAU * x.hypot(*y));
                 let known =
-                    known.map(|wave| Wave { turn: y.atan2(x), rings: Rc::clone(&wave.rings), ..*wave });
-                waves.push(known.unwrap_or_else(|| self.wave(set, [x, y])));
+                    known.map(|wave| Wave { turn: y.atan2(*x), rings: Rc::clone(&wave.rings), ..*wave });
+                waves.push(known.unwrap_or_else(|| self.wave(set, [*x, *y])));
             }
             let relative = match &self.stack.base.reflector {
                 Reflector::Specular(_) if set.kernels.elements.is_empty() => {
                     self.ghosts(set, &waves, &members)
                 }
-                Reflector::Specular(_) => self.mirrored(set, &waves, seen, &members),
-                Reflector::Lambertian(reflectance) => self.lambertian(set, &waves, reflectance, &members),
+                Reflector::Specular(_) => self.mirrored(set, &waves, seen, &members)?,
+                Reflector::Lambertian(reflectance) => self.lambertian(set, &waves, reflectance, &members)?,
                 Reflector::Scattering(_) => Vec::new(),
             };
             for (light, seen) in light.iter_mut().zip(seen) {
@@ -292,12 +325,12 @@ impl<'a> LayeredSpread<'a> {
                         let at = state * bins + bin;
                         let weight = member * seen.weights[bin] * seen.via_pixel[at];
                         let Some(values) = of_source.map(|values| &values[at]) else { continue };
-                        light.iter_mut().zip(values).for_each(|(sum, value)| *sum += weight * value);
+                        light.iter_mut().zip(&numbers).for_each(|(sum, k)| *sum += weight * values[*k]);
                     }
                 }
             }
         }
-        light
+        Ok(light)
     }
 }
 
@@ -308,14 +341,14 @@ impl Set {
             elements: 2 * stack.layers.len(),
             regular: self.grid.regular,
             tolerance: self.tolerance,
+            circles: RefCell::default(),
         }
     }
 
     /// Sum over the directions of light that leaves the pixel, within the disc of its medium.
     fn mean(&self, wave: &Wave, leaving: &Leaving) -> Complex64 {
-        let (count, highest) = (self.kernels.count(), self.kernels.highest());
         let rings = wave.rings.iter().enumerate().filter(|(_, ring)| ring.beta < self.index);
-        rings.map(|(number, ring)| ring.weight * leaving.rings[number * count + highest]).sum()
+        rings.map(|(number, ring)| ring.weight * leaving.rings.mean(number)).sum()
     }
 }
 

@@ -6,10 +6,26 @@ use std::rc::Rc;
 use num_complex::Complex64;
 
 use super::chain::{Cavities, Chain};
+use super::crossing::Needed;
+use super::orders::up_to;
+use super::rings::Ring;
 use super::waves::{Leaving, Start, Wave};
-use super::{LayeredSpread, Room, Seen, Set};
+use super::{LayeredSpread, NotCovered, Room, Seen, Set};
 use crate::skeleton;
 use crate::specular::layered_image;
+
+/// Light that falls on the pixel without regard to places, on the rings of some waves.
+pub(super) struct Fallen {
+    rings: Rc<Vec<Ring>>,
+    /// By source, with light.
+    pub(super) falling: Vec<Option<Leaving>>,
+    /// Light that has met the pixel before; `[reflectance][source]`.
+    pub(super) again: Vec<Vec<Option<Leaving>>>,
+    /// Light that has met one of them more often; `[source][meeting]`.
+    pub(super) further: Vec<Vec<Leaving>>,
+    /// `[ring][state * wavelength]`.
+    pub(super) reflectance: Vec<f64>,
+}
 
 impl LayeredSpread<'_> {
     /// Light over that without regard to places, below scatterers; `[source][state * wavelength][frequency]`; those with light of
@@ -20,38 +36,43 @@ impl LayeredSpread<'_> {
         waves: &[Wave],
         seen: &[Seen<'_>],
         members: &[f64],
-    ) -> Vec<Vec<Vec<Complex64>>> {
+    ) -> Result<Vec<Vec<Vec<Complex64>>>, NotCovered> {
         let (states, bins) = (self.stack.base.states(), self.stack.base.bins());
         let between = set.between(self.stack);
         let view = Start::Beams(&self.view);
         let mut light = vec![vec![vec![Complex64::ZERO; waves.len()]; states * bins]; self.sources.len()];
-        let lit: Vec<usize> = seen.iter().map(|seen| seen.source).collect();
         let turned = self.sources.iter().any(|room| matches!(room, Room::Beams(_)));
-        let only_mean = !turned && set.returned.is_none();
+        let needed = match (turned, &set.returned) {
+            (_, Some(_)) => Needed::All,
+            (true, None) => Needed::Overlap,
+            (false, None) => Needed::Mean,
+        };
+        let mut powers = vec![vec![0.0; states * bins]; self.sources.len()];
+        let mut same: Option<Fallen> = None;
         for (k, wave) in waves.iter().enumerate() {
-            let solved = between.solve(wave, &[view]);
-            let leaving = between.leaving((wave, view), &solved[0], only_mean);
-            let still = Wave { per_mm: 0.0, turn: 0.0, rings: Rc::clone(&wave.rings) };
-            let falling: Vec<Option<Leaving>> = (0..self.sources.len())
-                .map(|source| {
-                    let start = self.sources[source].start();
-                    lit.contains(&source)
-                        .then(|| between.leaving((&still, start), &set.lit[source], only_mean))
-                })
-                .collect();
-            let reflectance = self.on_rings(wave);
-            let once = self.met(set, wave, (&leaving, &falling), &reflectance);
-            let twice = set.returned.as_ref().map(|returned| {
-                self.twice((set, returned), wave, (&leaving, &falling), &still, &reflectance)
-            });
+            let solved = between.solve(wave, &[view])?;
+            let leaving = between.leaving((wave, view), &solved[0], needed);
+            // Other azimuths of a frequency have the same rings.
+            if !same.as_ref().is_some_and(|same| Rc::ptr_eq(&same.rings, &wave.rings)) {
+                same = Some(self.fall(set, wave, (seen, needed)));
+            }
+            let Some(same) = &same else { continue };
+            let once = self.met(set, wave, (&leaving, &same.falling), &same.reflectance);
+            let meetings =
+                set.returned.as_ref().map(|returned| self.meetings((set, returned), (wave, &leaving), same));
+            let meetings = meetings.transpose()?;
             for (source, once) in once.iter().enumerate() {
                 for (at, once) in once.iter().enumerate().filter(|(at, _)| members[at % bins] != 0.0) {
-                    let ratios = twice.as_ref().filter(|_| once.norm_sqr() > 0.0).map(|[first, second]| {
+                    let lit = meetings.as_ref().filter(|_| once.norm_sqr() > 0.0);
+                    light[source][at][k] = lit.map_or(*once, |meetings| {
+                        if k == 0 {
+                            let followed = meetings.followed_twice(source);
+                            let own = meetings.twice[1][source][at].re / once.re;
+                            powers[source][at] = if followed > 0.0 { own / followed } else { 0.0 };
+                        }
                         // Light without regard to places has met the pixel at any of its meetings.
-                        let first = if k == 0 { Complex64::ZERO } else { first[source][at] / once };
-                        [first, second[source][at] / once]
+                        once * meetings.series((source, at), *once, powers[source][at], k == 0)
                     });
-                    light[source][at][k] = ratios.map_or(*once, |ratios| once * self.series(ratios));
                 }
             }
         }
@@ -63,7 +84,26 @@ impl LayeredSpread<'_> {
                 }
             }
         }
-        light.into_iter().map(|light| light.into_iter().map(relative_to_first).collect()).collect()
+        Ok(light.into_iter().map(|light| light.into_iter().map(relative_to_first).collect()).collect())
+    }
+
+    /// Computes what does not depend on phases on the rings of a wave, for the sources with light.
+    fn fall(&self, set: &Set, wave: &Wave, (seen, needed): (&[Seen<'_>], Needed)) -> Fallen {
+        let between = set.between(self.stack);
+        let still = Wave { per_mm: 0.0, turn: 0.0, rings: Rc::clone(&wave.rings) };
+        let falling = |source: usize| {
+            let start = self.sources[source].start();
+            let is_lit = seen.iter().any(|seen| seen.source == source);
+            is_lit.then(|| between.leaving((&still, start), &set.lit[source], needed))
+        };
+        let falling: Vec<Option<Leaving>> = (0..self.sources.len()).map(falling).collect();
+        let reflectance = self.on_rings(wave);
+        let (mut again, mut further) = (Vec::new(), Vec::new());
+        if let Some(returned) = &set.returned {
+            again = self.fallen((set, returned), &still, &falling, &reflectance);
+            further = self.fallen_further((set, returned), &still, &again, &reflectance);
+        }
+        Fallen { rings: Rc::clone(&wave.rings), falling, again, further, reflectance }
     }
 
     /// Light of each source that meets the pixel once, given the values of light that leaves it and of light that falls on it;
@@ -90,6 +130,21 @@ impl LayeredSpread<'_> {
         falling.iter().enumerate().map(of_source).collect()
     }
 
+    /// The same of one source, state and wavelength.
+    pub(super) fn met_once(
+        &self,
+        (set, wave): (&Set, &Wave),
+        (source, leaving, falling): (usize, &Leaving, &Leaving),
+        reflectance: &[f64],
+        at: usize,
+    ) -> Complex64 {
+        let numbers = reflectance.len() / wave.rings.len();
+        let of_ring = |ring: usize| {
+            reflectance[ring * numbers + at] * self.overlap(set, wave, ring, (source, leaving, falling))
+        };
+        (0..wave.rings.len()).map(of_ring).sum()
+    }
+
     /// Reflectance of each state and wavelength on the rings; `[ring][state * wavelength]`.
     pub(super) fn on_rings(&self, wave: &Wave) -> Vec<f64> {
         let numbers = self.stack.base.states() * self.stack.base.bins();
@@ -114,26 +169,23 @@ impl LayeredSpread<'_> {
         ring: usize,
         (source, leaving, falling): (usize, &Leaving, &Leaving),
     ) -> Complex64 {
-        let (count, highest) = (set.kernels.count(), set.kernels.highest());
         let rings = &wave.rings;
         let unit = self.sources[source].unit();
-        let [from, onto] = [leaving, falling].map(|one| &one.rings[ring * count..][..count]);
-        // Azimuths of the light that leaves are relative to that of the frequency.
-        let value = |orders: &[Complex64], turn: f64| -> Complex64 {
-            let term = |(k, x): (usize, &Complex64)| x * Complex64::cis((k as f64 - highest as f64) * turn);
-            orders.iter().enumerate().map(term).sum()
-        };
+        let [from, onto] = [leaving, falling].map(|one| one.rings.ring(ring));
+        let highest = (from.len() / 2).min(onto.len() / 2);
         if rings[ring].weight > 0.0 {
-            let term = |k: usize| {
-                let order = k as f64 - highest as f64;
-                from[k] * onto[count - 1 - k] * Complex64::cis(-order * wave.turn)
-            };
-            let all: Complex64 = match &self.sources[source] {
-                Room::Everywhere => from[highest] * onto[highest],
-                Room::Beams(_) => (0..count).map(term).sum(),
+            let all = match &self.sources[source] {
+                _ if from.is_empty() || onto.is_empty() => Complex64::ZERO,
+                Room::Everywhere => leaving.rings.mean(ring) * falling.rings.mean(ring),
+                Room::Beams(_) => {
+                    // Azimuths of the light that leaves are relative to that of the frequency.
+                    let pairs = up_to(from, highest).iter().zip(up_to(onto, highest).iter().rev());
+                    series(pairs.map(|(from, onto)| from * onto), highest, -wave.turn)
+                }
             };
             return unit * rings[ring].weight * all;
         }
+        let value = |orders: &[Complex64], turn: f64| series(orders.iter().copied(), orders.len() / 2, turn);
         let extra = ring + set.kernels.extras() - rings.len();
         let mut sum = Complex64::ZERO;
         for (beam, straight) in self.view.iter().zip(&leaving.beams).filter(|(beam, _)| beam.extra == extra) {
@@ -141,8 +193,9 @@ impl LayeredSpread<'_> {
         }
         if let Room::Beams(beams) = &self.sources[source] {
             for (beam, straight) in beams.iter().zip(&falling.beams).filter(|(beam, _)| beam.extra == extra) {
-                sum +=
-                    straight * if beam.is_ring { from[highest] } else { value(from, beam.turn - wave.turn) };
+                let seen =
+                    if beam.is_ring { leaving.rings.mean(ring) } else { value(from, beam.turn - wave.turn) };
+                sum += straight * seen;
             }
         }
         unit * sum
@@ -177,7 +230,7 @@ impl LayeredSpread<'_> {
         waves: &[Wave],
         reflectance: &[f64],
         members: &[f64],
-    ) -> Vec<Vec<Vec<Complex64>>> {
+    ) -> Result<Vec<Vec<Vec<Complex64>>>, NotCovered> {
         let between = set.between(self.stack);
         let area = PI * set.index * set.index;
         let (mut totals, mut returned) = (Vec::new(), Vec::new());
@@ -186,17 +239,29 @@ impl LayeredSpread<'_> {
             let known = waves[..k].iter().position(|other| other.per_mm == wave.per_mm);
             let starts = [Start::Beams(&self.view), Start::Pixel];
             let starts = &starts[..if known.is_some() { 1 } else { 2 }];
-            let solved = between.solve(wave, starts);
+            let solved = between.solve(wave, starts)?;
             let mut sums = starts.iter().zip(&solved).map(|(start, light)| {
-                let leaving = between.leaving((wave, *start), light, true);
+                let leaving = between.leaving((wave, *start), light, Needed::Mean);
                 set.mean(wave, &leaving) + leaving.beams.iter().sum::<Complex64>()
             });
             totals.extend(sums.next());
             let first = sums.next().map(|sum| sum / area);
             returned.push(first.or(known.map(|known| returned[known])).unwrap_or_default());
         }
-        vec![all_orders(&relative_to_first(totals), &returned, reflectance, members)]
+        Ok(vec![all_orders(&relative_to_first(totals), &returned, reflectance, members)])
     }
+}
+
+/// Returns a Fourier series, from the most negative order on, at an azimuth.
+fn series(orders: impl Iterator<Item = Complex64>, highest: usize, turn: f64) -> Complex64 {
+    let step = Complex64::cis(turn);
+    let begin = Complex64::cis(-(highest as f64) * turn);
+    let terms = orders.scan(begin, |phase, x| {
+        let term = x * *phase;
+        *phase *= step;
+        Some(term)
+    });
+    terms.sum()
 }
 
 /// Returns all values but the first, relative to it.

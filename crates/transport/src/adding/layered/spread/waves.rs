@@ -4,26 +4,21 @@
 //! what it emits, order by order ([`Kernels`]); between scatterers values are multiplied by transmittances and phases at each azimuth. Both
 //! alternate until nothing is left.
 
-use std::collections::HashMap;
-use std::f64::consts::TAU;
+use std::cell::RefCell;
 use std::rc::Rc;
 
 use num_complex::Complex64;
-use papilio_fourier::Circle;
 
+use super::NotCovered;
 use super::chain::Cavities;
-use super::kernels::{Kernels, Light, Orders};
+use super::crossing::{Circles, Crossing, Links, Needed, Value};
+use super::kernels::{Kernels, Light};
+use super::orders::{OnRings, Orders};
 use super::rings::Ring;
 use crate::skeleton::{Propagation, Ray};
 
-/// Rounds of scattering after which the rest is neglected.
-const MOST_ROUNDS: usize = 400;
-
-/// Most numbers that are remembered of the flat elements at a wave.
-const MOST_REMEMBERED: usize = 1 << 22;
-
-/// Links between all scatterers, by ring: `[step][from][to]`.
-type Known = Vec<Vec<Complex64>>;
+/// Most rounds of scattering.
+pub(super) const MOST_ROUNDS: usize = 400;
 
 /// A frequency.
 pub(super) struct Wave {
@@ -54,19 +49,8 @@ pub(super) enum Start<'a> {
     Air,
     /// At the pixel, in all directions.
     Pixel,
-    /// At the pixel, on the rings, `[ring][order]`, and in beams with these values.
-    Onto(&'a [Complex64], &'a [(Beam, Complex64)]),
-}
-
-/// Value of light that arrives.
-#[derive(Clone, Copy)]
-enum Value<'a> {
-    /// One in all directions.
-    One,
-    /// At the nodes.
-    At(&'a Orders),
-    /// On the rings, `[ring][order]`.
-    OnRings(&'a [Complex64]),
+    /// At the pixel, on the rings, and in beams with these values.
+    Onto(&'a OnRings, &'a [(Beam, Complex64)]),
 }
 
 /// Light between the scatterers of a stack.
@@ -78,12 +62,12 @@ pub(super) struct Between<'a> {
     pub(super) regular: usize,
     /// Values of the last round of scattering relative to all.
     pub(super) tolerance: f64,
+    pub(super) circles: RefCell<Circles>,
 }
 
 /// Value of light that leaves the pixel, on the rings of a wave, by azimuthal order; and of the beams themselves.
 pub(super) struct Leaving {
-    /// `[ring][order]`.
-    pub(super) rings: Vec<Complex64>,
+    pub(super) rings: OnRings,
     /// By beam of the start, its weight included.
     pub(super) beams: Vec<Complex64>,
 }
@@ -112,7 +96,10 @@ impl Between<'_> {
     }
 
     /// Returns the values of light that arrives at the scatterers, for each of some starts at a wave.
-    pub(super) fn solve(&self, wave: &Wave, starts: &[Start<'_>]) -> Vec<Light> {
+    ///
+    /// # Errors
+    /// If light is left after the most rounds.
+    pub(super) fn solve(&self, wave: &Wave, starts: &[Start<'_>]) -> Result<Vec<Light>, NotCovered> {
         let emitters = self.emitters();
         let uniform = |start: &Start<'_>| match self.everywhere(*start) {
             Some(value) => self.emitted(wave, &[value], &emitters, None),
@@ -136,32 +123,35 @@ impl Between<'_> {
                 }
                 Start::Air | Start::Pixel => {}
             }
+            self.kernels.settle(light);
         }
         let mut total = step.clone();
-        let mut known = vec![Vec::new(); wave.rings.len()];
+        let mut known = Links::default();
         for _ in 0..MOST_ROUNDS {
             let next = |light| self.next(wave, light, &emitters, &mut known);
             let emitted: Vec<Light> = step.iter().map(next).collect();
             if emitted.iter().flatten().all(Option::is_none) {
-                break;
+                return Ok(total);
             }
             step = self.kernels.arriving(&emitted);
             let mut sizes = [0.0_f64; 2];
             for (total, step) in total.iter_mut().flatten().zip(step.iter().flatten()) {
                 let Some(step) = step else { continue };
-                let total = total.get_or_insert_with(|| vec![Complex64::ZERO; step.len()]);
-                for (total, step) in total.iter_mut().zip(step) {
-                    *total += step;
-                    sizes = [sizes[0].max(step.norm_sqr()), sizes[1].max(total.norm_sqr())];
+                match total {
+                    Some(total) => total.add(step),
+                    None => *total = Some(step.clone()),
                 }
+                let all = total.as_ref().map_or(0.0, Orders::largest);
+                sizes = [sizes[0].max(step.largest()), sizes[1].max(all)];
             }
             if sizes[0] <= self.tolerance * self.tolerance * sizes[1] {
-                break;
+                return Ok(total);
             }
         }
-        total
+        Err(NotCovered::Rounds)
     }
 
+    /// Returns the value of light that has one in all directions, or on the rings.
     fn everywhere<'s>(&self, start: Start<'s>) -> Option<(Ray, Value<'s>)> {
         match start {
             Start::Beams(_) => None,
@@ -172,15 +162,19 @@ impl Between<'_> {
     }
 
     /// Returns the value of light that scatterers emit, summed over the rings about each node.
-    fn next(&self, wave: &Wave, light: &Light, emitters: &[Ray], known: &mut Known) -> Light {
-        let receivers: Vec<(Ray, Value<'_>)> = light
-            .iter()
-            .enumerate()
-            .filter_map(|(site, light)| Some((self.receiver(site), Value::At(light.as_ref()?))))
-            .collect();
+    fn next(&self, wave: &Wave, light: &Light, emitters: &[Ray], known: &mut Links) -> Light {
+        let receivers = self.receivers(light);
         // They are remembered for light between all scatterers.
         let known = (receivers.len() == emitters.len()).then_some(known);
         self.emitted(wave, &receivers, emitters, known)
+    }
+
+    /// Returns the values of light that arrives at the scatterers.
+    fn receivers<'l>(&self, light: &'l Light) -> Vec<(Ray, Value<'l>)> {
+        let lit = |(site, light): (usize, &'l Option<Orders>)| {
+            Some((self.receiver(site), Value::At(light.as_ref()?)))
+        };
+        light.iter().enumerate().filter_map(lit).collect()
     }
 
     fn emitted(
@@ -188,24 +182,21 @@ impl Between<'_> {
         wave: &Wave,
         receivers: &[(Ray, Value<'_>)],
         emitters: &[Ray],
-        known: Option<&mut Known>,
+        known: Option<&mut Links>,
     ) -> Light {
-        let count = self.kernels.count();
         let mut sums: Light = vec![None; emitters.len()];
-        if receivers.is_empty() {
-            return sums;
-        }
-        self.cross(wave, (receivers, emitters), (false, known), &mut |ring, emitter, orders| {
+        let of_nodes = self.kernels.of_nodes();
+        let crossing = Crossing { wave, receivers, emitters, needed: Needed::Scattered, of_nodes };
+        let orders = crossing.orders();
+        let highest = orders.iter().map(|[_, after]| *after).max().unwrap_or(0);
+        crossing.compute(&orders, (&mut self.circles.borrow_mut(), known), &mut |ring, emitter, orders| {
             let ring = &wave.rings[ring];
-            if ring.weight == 0.0 {
-                return;
-            }
-            let sum = sums[emitter].get_or_insert_with(|| vec![Complex64::ZERO; self.regular * count]);
+            let sum = sums[emitter].get_or_insert_with(|| Orders::zeros(self.regular, highest));
             for (node, factor) in ring.nodes.clone().zip(ring.factors) {
-                let weight = ring.weight * factor;
-                sum[node * count..][..count].iter_mut().zip(orders).for_each(|(sum, x)| *sum += weight * x);
+                sum.add_row(node, ring.weight * factor, orders);
             }
         });
+        self.kernels.settle(&mut sums);
         sums
     }
 
@@ -252,19 +243,20 @@ impl Between<'_> {
         &self,
         (wave, start): (&Wave, Start<'_>),
         light: &Light,
-        only_mean: bool,
+        needed: Needed,
     ) -> Leaving {
-        let count = self.kernels.count();
-        let mut receivers: Vec<(Ray, Value<'_>)> = light
-            .iter()
-            .enumerate()
-            .filter_map(|(site, light)| Some((self.receiver(site), Value::At(light.as_ref()?))))
-            .collect();
+        let mut receivers = self.receivers(light);
         receivers.extend(self.everywhere(start));
-        let mut rings = vec![Complex64::ZERO; wave.rings.len() * count];
-        self.cross(wave, (&receivers, &[self.leaving_pixel()]), (only_mean, None), &mut |ring, _, orders| {
-            rings[ring * count..][..count].copy_from_slice(orders);
+        let (emitters, of_nodes) = (&[self.leaving_pixel()], self.kernels.of_nodes());
+        let crossing = Crossing { wave, receivers: &receivers, emitters, needed, of_nodes };
+        let orders = crossing.orders();
+        let mut rings =
+            OnRings::with_capacity(orders.len(), orders.iter().map(|[_, after]| 2 * after + 1).sum());
+        crossing.compute(&orders, (&mut self.circles.borrow_mut(), None), &mut |ring, _, orders| {
+            rings.pad(ring);
+            rings.push(orders);
         });
+        rings.pad(wave.rings.len());
         let beams = match start {
             Start::Beams(beams) => {
                 beams.iter().map(|beam| self.of_beam(wave, beam, &[self.leaving_pixel()])[0]).collect()
@@ -279,148 +271,4 @@ impl Between<'_> {
         };
         Leaving { rings, beams }
     }
-
-    /// Computes the value of light that is emitted, on each ring, from that of light that arrives; `take` receives the number of
-    /// the ring and of the emitter, and the orders: the mean over the azimuth alone if `only_mean`. Links are remembered in `known`.
-    fn cross(
-        &self,
-        wave: &Wave,
-        (receivers, emitters): (&[(Ray, Value<'_>)], &[Ray]),
-        (only_mean, mut known): (bool, Option<&mut Known>),
-        take: &mut dyn FnMut(usize, usize, &[Complex64]),
-    ) {
-        let (count, highest) = (self.kernels.count(), self.kernels.highest());
-        let arrive: Vec<Ray> = receivers.iter().map(|(ray, _)| *ray).collect();
-        let pairs = arrive.len() * emitters.len();
-        if pairs == 0 {
-            return;
-        }
-        let (mut circles, mut cavities) = (HashMap::new(), Cavities::default());
-        let mut orders = vec![Complex64::ZERO; count];
-        let mut values: Vec<Vec<Complex64>> = vec![Vec::new(); receivers.len()];
-        let (mut links, mut sum, mut by_step) = (vec![Complex64::ZERO; pairs], Vec::new(), Vec::new());
-        let mut remembered = 0;
-        for (number, ring) in wave.rings.iter().enumerate() {
-            let interpolate = |value: &Orders, out: &mut [Complex64]| {
-                out.fill(Complex64::ZERO);
-                for (node, factor) in ring.nodes.clone().zip(ring.factors) {
-                    let at = &value[node * count..][..count];
-                    out.iter_mut().zip(at).for_each(|(sum, x)| *sum += factor * x);
-                }
-            };
-            // The air has no other directions.
-            let is_one = |ray: &Ray| *ray != Ray::LEAVING || ring.beta < 1.0;
-            ring.chain.links([emitters, &arrive], 0.0, &mut cavities, &mut links);
-            if wave.per_mm == 0.0 {
-                for (value, (ray, given)) in values.iter_mut().zip(receivers) {
-                    value.clear();
-                    value.resize(count, Complex64::ZERO);
-                    match given {
-                        Value::One => value[highest] = f64::from(u8::from(is_one(ray))).into(),
-                        Value::At(given) => interpolate(given, value),
-                        Value::OnRings(given) => value.copy_from_slice(&given[number * count..][..count]),
-                    }
-                }
-                for (emitter, links) in links.chunks_exact(arrive.len()).enumerate() {
-                    if links.iter().all(|link| *link == Complex64::ZERO) {
-                        continue;
-                    }
-                    orders.fill(Complex64::ZERO);
-                    for (link, value) in links.iter().zip(&values) {
-                        orders.iter_mut().zip(value).for_each(|(sum, x)| *sum += link.re * x);
-                    }
-                    take(number, emitter, &orders);
-                }
-                continue;
-            }
-            let lit: Vec<bool> = links
-                .chunks_exact(arrive.len())
-                .map(|links| links.iter().any(|link| *link != Complex64::ZERO))
-                .collect();
-            if !lit.contains(&true) {
-                continue;
-            }
-            let steps = steps(highest, wave.per_mm * ring.chain.moves_mm(), ring.chain.reflects());
-            let circle = circles.entry(steps).or_insert_with(|| Circle::new(steps));
-            for (value, (ray, given)) in values.iter_mut().zip(receivers) {
-                value.clear();
-                match given {
-                    Value::One => value.resize(steps, f64::from(u8::from(is_one(ray))).into()),
-                    Value::At(_) | Value::OnRings(_) => {
-                        match given {
-                            Value::At(given) => interpolate(given, &mut orders),
-                            Value::OnRings(given) => {
-                                orders.copy_from_slice(&given[number * count..][..count]);
-                            }
-                            Value::One => {}
-                        }
-                        value.extend_from_slice(&orders[highest..]);
-                        value.resize(steps - highest, Complex64::ZERO);
-                        value.extend_from_slice(&orders[..highest]);
-                        circle.values(value);
-                    }
-                }
-            }
-            let half = steps / 2;
-            let along = |k: usize| wave.per_mm * (TAU * k as f64 / steps as f64).cos();
-            if let Some(known) = known.as_mut().filter(|known| !known[number].is_empty()) {
-                std::mem::swap(&mut by_step, &mut known[number]);
-            } else {
-                by_step.clear();
-                by_step.resize((half + 1) * pairs, Complex64::ZERO);
-                let each_step = by_step.chunks_exact_mut(pairs).enumerate();
-                if ring.chain.reflects() {
-                    each_step.for_each(|(k, out)| {
-                        ring.chain.links([emitters, &arrive], along(k), &mut cavities, out)
-                    });
-                } else {
-                    let ways =
-                        emitters.iter().flat_map(|from| arrive.iter().map(|to| ring.chain.link(*from, *to)));
-                    let ways: Vec<(f64, f64)> = ways.collect();
-                    for (k, out) in each_step {
-                        let along = along(k);
-                        for (out, (t, way)) in out.iter_mut().zip(&ways).filter(|(_, (t, _))| *t != 0.0) {
-                            *out = Complex64::from_polar(*t, -way * along);
-                        }
-                    }
-                }
-            }
-            for (emitter, _) in lit.iter().enumerate().filter(|(_, lit)| **lit) {
-                sum.clear();
-                sum.resize(steps, Complex64::ZERO);
-                for (arrives, value) in values.iter().enumerate() {
-                    let pair = emitter * arrive.len() + arrives;
-                    for (k, (sum, value)) in sum.iter_mut().zip(value).enumerate() {
-                        *sum += by_step[k.min(steps - k) * pairs + pair] * value;
-                    }
-                }
-                let scale = 1.0 / steps as f64;
-                if only_mean {
-                    orders.fill(Complex64::ZERO);
-                    orders[highest] = scale * sum.iter().sum::<Complex64>();
-                } else {
-                    circle.orders(&mut sum);
-                    let wrapped = sum[steps - highest..].iter().chain(&sum[..=highest]);
-                    orders.iter_mut().zip(wrapped).for_each(|(order, x)| *order = scale * x);
-                }
-                take(number, emitter, &orders);
-            }
-            if let Some(known) = known.as_mut().filter(|_| ring.chain.reflects()) {
-                let room = remembered + by_step.len() <= MOST_REMEMBERED;
-                if room {
-                    remembered += by_step.len();
-                    known[number] = std::mem::take(&mut by_step);
-                }
-            }
-        }
-    }
-}
-
-/// Returns the number of azimuths that resolve a phase of this amplitude between orders up to the highest.
-fn steps(highest: usize, phase: f64, reflects: bool) -> usize {
-    // Light that is reflected to and fro crosses several times.
-    let phase = if reflects { 3.0 * phase } else { phase };
-    let needed = (2 * highest + 13) as f64 + phase + 4.0 * phase.cbrt();
-    let power = (needed as usize).next_power_of_two();
-    if needed as usize <= power / 4 * 3 { power / 4 * 3 } else { power }
 }
