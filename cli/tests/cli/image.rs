@@ -91,8 +91,11 @@ fn halftone_keeps_the_mean_colour() {
         );
         [0, 1, 2].map(|k| found["mean_XYZ"][k].as_f64().unwrap())
     };
-    for (shown, wanted) in mean("error-diffusion").into_iter().zip(mean("none")) {
-        assert!((shown - wanted).abs() < 0.01 * wanted, "{shown} {wanted}");
+    // Errors of half a white pixel, at most, leave at each of the 4 x 160 pixels of the border.
+    for ((shown, wanted), white) in
+        mean("error-diffusion").into_iter().zip(mean("none")).zip([0.43, 0.38, 0.13])
+    {
+        assert!((shown - wanted).abs() < 2.0 * white / 160.0, "{shown} {wanted}");
     }
 }
 

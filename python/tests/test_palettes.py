@@ -1,0 +1,34 @@
+"""Palettes are those of the program."""
+
+import copy
+import pickle
+import subprocess
+from pathlib import Path
+
+import numpy as np
+import papilio
+import pytest
+
+
+def test_palette_is_that_of_the_program(scenarios: Path, program: Path) -> None:
+    file = scenarios / "six-ink.toml"
+    found = papilio.palette(file, rooms=["office", "FL11"])
+    command = [program, "palette", str(file), "--rooms", "office,FL11", "--json"]
+    assert found.to_json() == subprocess.run(command, capture_output=True, text=True, check=True).stdout
+    assert found.states[:2] == ["black", "white"] and found.rooms == ["office", "FL11"]
+    assert found["XYZ"].shape == found["Lab"].shape == found["srgb"].shape == (6, 3)
+    assert np.all(found["Y"] == found["XYZ"][:, 1]) and np.all(found.delta_e_2000("FL11") >= 0)
+    assert list(found.figures()) == ["palette"]
+    assert copy.copy(found).to_json() == pickle.loads(pickle.dumps(found)).to_json() == found.to_json()
+
+
+def test_mistakes_are_named(scenarios: Path) -> None:
+    file = scenarios / "six-ink.toml"
+    with pytest.raises(papilio.ArgumentError, match="rooms: it is the text 'office'"):
+        papilio.palette(file, rooms="office")
+    with pytest.raises(papilio.ScenarioError, match="Offce"):
+        papilio.palette(file, rooms=["Offce"])
+    with pytest.raises(papilio.ScenarioError, match="one view"):
+        papilio.palette(file, set={"viewer.theta_deg": [0, 10]})
+    with pytest.raises(KeyError, match="there is no such room; expected none"):
+        papilio.palette(file).delta_e_2000("office")
