@@ -17,8 +17,16 @@ use crate::{Failure, output, print_message};
 pub(crate) const ABOUT: &str = "about.json";
 
 /// Files that contain the hash of their scenario.
-const WITH_HASH: [&str; 6] =
-    ["result.json", "cone.json", "mtf.json", "crosstalk.json", "sparkle.json", ABOUT];
+const WITH_HASH: [&str; 8] = [
+    "result.json",
+    "cone.json",
+    "mtf.json",
+    "crosstalk.json",
+    "sparkle.json",
+    "palette.json",
+    "image.json",
+    ABOUT,
+];
 
 /// Files that do not contain the hash of their scenario.
 const WITHOUT_HASH: [&str; 5] =

@@ -13,6 +13,7 @@ mod completions;
 mod crosstalk;
 mod diffuser;
 mod folder;
+mod image;
 mod input;
 mod interrupt;
 mod journal;
@@ -23,6 +24,7 @@ mod numbers;
 mod optimize;
 mod output;
 mod page;
+mod palette;
 mod parallel;
 mod pixel;
 mod progress;
@@ -208,6 +210,8 @@ pub fn main(arguments: &[OsString]) -> u8 {
         Command::Serve(arguments) => serve::run(&arguments),
         Command::Validate(arguments) => validate::validate(&arguments),
         Command::Sparkle(arguments) => sparkle::sparkle(&arguments),
+        Command::Image(arguments) => image::image(&arguments),
+        Command::Palette(arguments) => palette::palette(&arguments),
         Command::Sweep(command) => sweep::sweep(&command),
         Command::Tolerance(arguments) => tolerance::run(&arguments),
         Command::Study(Study::Sampling(arguments)) => study::sampling(&arguments),

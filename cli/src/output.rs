@@ -20,6 +20,8 @@ pub(crate) fn schema(of: &Schema) -> Result<(), Failure> {
         Schema { mtf: true, .. } => papilio_formats::mtf_schema(),
         Schema { crosstalk: true, .. } => papilio_formats::crosstalk_schema(),
         Schema { sparkle: true, .. } => papilio_formats::sparkle_schema(),
+        Schema { image: true, .. } => papilio_formats::image_schema(),
+        Schema { palette: true, .. } => papilio_formats::palette_schema(),
         _ => papilio_scenario::schema(),
     };
     let mut out = crate::terminal::stdout();

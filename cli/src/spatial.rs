@@ -100,11 +100,16 @@ fn is_figure<R: SpatialOutput>(name: &str) -> bool {
 
 impl SpatialCommand {
     /// Reads and resolves the scenario, with the seed and a further override.
-    pub(crate) fn resolve(&self, more: Option<String>) -> Result<Resolved, Failure> {
+    pub(crate) fn resolve(&self, more: impl IntoIterator<Item = String>) -> Result<Resolved, Failure> {
+        Ok(self.scenario(more)?.resolve()?)
+    }
+
+    /// Reads the scenario, with the seed and further overrides.
+    pub(crate) fn scenario(&self, more: impl IntoIterator<Item = String>) -> Result<Scenario, Failure> {
         let mut overrides = self.scenario.set.clone();
         overrides.extend(more);
         overrides.extend(self.seed.map(|seed| format!("solver.seed={seed}")));
-        Ok(input::scenario::<Scenario>(&self.scenario.file, &overrides)?.resolve()?)
+        input::scenario::<Scenario>(&self.scenario.file, &overrides)
     }
 
     /// Returns the folder for files; `None` if only JSON is printed.

@@ -9,6 +9,7 @@ Computes spectra, colours and metrics, with their errors, from a scenario::
 
 - `run` computes a scenario, `cone` a conoscopic map, `brdf` the BSDF of the display.
 - `mtf` computes how sharp a display is, `crosstalk` which sub-pixel lights which, `sparkle` how much an antiglare face glitters.
+- `palette` computes the colours of all states in this and other rooms.
 - `sweep` computes thousands of designs with labelled axes, `Prepared` any designs, with derivatives.
 - `optimize` searches for better designs; `tolerance` analyses the tolerances of a design.
 - `Scenario` reads, builds and edits scenarios.
@@ -53,6 +54,7 @@ from .errors import (
 from .figure import Figure
 from .labels import Label, label
 from .optimum import Optimum, optimize
+from .palettes import Palette, palette
 from .prepared import Prepared, metric_names
 from .production import Yield, tolerance
 from .result import Result
@@ -77,6 +79,7 @@ __all__ = [
     "Mtf",
     "Mistake",
     "Optimum",
+    "Palette",
     "PapilioError",
     "PapilioWarning",
     "Prepared",
@@ -99,6 +102,7 @@ __all__ = [
     "metric_names",
     "mtf",
     "optimize",
+    "palette",
     "plot",
     "preset_names",
     "reflection",

@@ -15,6 +15,7 @@ mod diffuser;
 mod errors;
 mod figures;
 mod films;
+mod palette;
 mod plot;
 mod pool;
 mod production;
@@ -54,6 +55,8 @@ mod _papilio {
     use crate::figures::png;
     #[pymodule_export]
     use crate::films::{film, film_grid, material_index, material_names, material_sheet};
+    #[pymodule_export]
+    use crate::palette::Palette;
     #[pymodule_export]
     use crate::plot::{curves, map};
     #[pymodule_export]

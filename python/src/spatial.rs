@@ -208,7 +208,7 @@ fn columns(result: &MtfResult) -> serde_json::Result<[Columns; 2]> {
 }
 
 /// Computes a result on another thread, with progress and Ctrl-C.
-fn computed<T: Send>(
+pub(crate) fn computed<T: Send>(
     py: Python<'_>,
     scenario: &Resolved,
     threads: Option<u16>,
@@ -236,7 +236,7 @@ fn content(scenario: &Resolved, result: &impl serde::Serialize) -> PyResult<Stri
 }
 
 /// The text of a file.
-fn text(file: &impl serde::Serialize) -> PyResult<String> {
+pub(crate) fn text(file: &impl serde::Serialize) -> PyResult<String> {
     let mut bytes = Vec::new();
     let written = write_json(&mut bytes, file).map(|()| String::from_utf8(bytes));
     match written {

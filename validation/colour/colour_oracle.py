@@ -10,6 +10,7 @@ under a CIE illuminant, 380 to 780 nm at 1 nm, 1931 2 degree observer: X, Y, Z
 1964 10 degree observer.
 differences.csv: pairs of L*a*b* and their CIEDE2000 difference.
 appearance.csv: CIECAM16 (CIE 248:2022) J, C and CAM16-UCS J', a', b' of colours under viewing conditions.
+adapted.csv: colours and whites; the colours adapted to D65 (CAT16, complete), and their Oklab.
 gamuts.csv: displays by the X, Y, Z of black, red, green, yellow, blue, magenta, cyan, white: area and coverage of
 references in u'v' (the common area by scipy, as an intersection of half-planes), the CIELAB volume of
 their 602 surface colours against D65 (the triangles' tetrahedra), that of the colours' convex hull, and area and
@@ -104,6 +105,16 @@ def appearance():
         yield [*xyz, *white, adapting, background, surround, *(repr(float(v)) for v in (cam.J, cam.C, *ucs))]
 
 
+def adapted():
+    yield ["X", "Y", "Z", "Xw", "Yw", "Zw", "X65", "Y65", "Z65", "L", "a", "b"]
+    numbers = np.random.default_rng(20201223)
+    for _ in range(40):
+        white = np.round([numbers.uniform(0.85, 1.1), 1.0, numbers.uniform(0.3, 1.2)], 4)
+        xyz = np.round(white * numbers.uniform(0.3, 1.0, 3) * 10 ** numbers.uniform(-3, 0.2), 6)
+        seen = colour.adaptation.chromatic_adaptation_VonKries(xyz, white, WHITE, transform="CAT16")
+        yield [*xyz, *white, *(repr(float(v)) for v in (*seen, *colour.XYZ_to_Oklab(seen)))]
+
+
 REFERENCES = {
     "srgb": [(0.64, 0.33), (0.30, 0.60), (0.15, 0.06)],
     "ebu": [(0.64, 0.33), (0.29, 0.60), (0.15, 0.06)],
@@ -195,6 +206,7 @@ def tables():
     yield "surfaces.csv", list(surfaces()), 1e-9
     yield "differences.csv", list(differences()), 1e-9
     yield "appearance.csv", list(appearance()), 1e-9
+    yield "adapted.csv", list(adapted()), 1e-9
     yield "gamuts.csv", list(gamuts()), 1e-8
     yield "primaries.csv", list(primaries()), 1e-9
 

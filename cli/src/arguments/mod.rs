@@ -70,6 +70,20 @@ pub(crate) enum Command {
                       The scenario needs [display.matrix] and the thickness of the layers above the pixels. docs/crosstalk.md describes \
                       the results.")]
     Crosstalk(SolvedSpatially),
+    /// Show a picture on the display: what the reader sees in this light, and what to send to the panel
+    #[command(after_help = "Examples:\n  \
+                      papilio image scenarios/six-ink.toml photograph.jpg\n  \
+                      papilio image scenarios/six-ink.toml photograph.jpg --set lighting.spectrum=D65 --set image.kernel=stucki\n\n\
+                      It writes seen.png and seen.exr, what the reader sees; states.png, the state of each pixel; and image.json. \
+                      docs/image.md describes them.")]
+    Image(ImageCommand),
+    /// Compute the palette of a display: the colours of all states in this light and in other rooms, for other programs too
+    #[command(after_help = "Examples:\n  \
+                      papilio palette scenarios/six-ink.toml\n  \
+                      papilio palette scenarios/six-ink.toml --rooms office,living-room,daylight --relative-to display\n\n\
+                      It writes palette.json, and the colours as .gpl, .css, .ase, .act and for dithering tools. docs/palette.md \
+                      describes them.")]
+    Palette(PaletteCommand),
     /// Compare a simulated display with a measured panel: spectra, colours and gamut, with figures
     #[command(after_help = "Example:\n  \
                       papilio run scenarios/overcast.toml\n  \
@@ -157,6 +171,12 @@ pub(crate) struct Schema {
     /// Print the JSON Schema of sparkle.json instead
     #[arg(long, group = "of")]
     pub(crate) sparkle: bool,
+    /// Print the JSON Schema of palette.json instead
+    #[arg(long, group = "of")]
+    pub(crate) palette: bool,
+    /// Print the JSON Schema of image.json instead
+    #[arg(long, group = "of")]
+    pub(crate) image: bool,
 }
 
 #[derive(Debug, Args)]
@@ -266,6 +286,49 @@ pub(crate) struct SpatialCommand {
     pub(crate) workers: Workers,
 }
 
+/// A picture on a display.
+#[derive(Debug, Args)]
+pub(crate) struct ImageCommand {
+    #[command(flatten)]
+    pub(crate) command: SpatialCommand,
+    /// The picture, PNG or JPEG; sets image.file
+    #[arg(value_name = "PICTURE")]
+    pub(crate) picture: Option<String>,
+    /// What is white in seen.png
+    #[arg(long, value_enum, value_name = "WHITE", default_value = "white")]
+    pub(crate) relative_to: RelativeTo,
+}
+
+impl ImageCommand {
+    /// The picture as an override.
+    pub(crate) fn picture_key(&self) -> Option<String> {
+        let text = |picture: &String| picture.replace('\\', "\\\\").replace('"', "\\\"");
+        self.picture.as_ref().map(|picture| format!("image.file=\"{}\"", text(picture)))
+    }
+}
+
+/// The palette of a display.
+#[derive(Debug, Args)]
+pub(crate) struct PaletteCommand {
+    #[command(flatten)]
+    pub(crate) command: SpatialCommand,
+    /// Also compute the colours in the light of these presets, or with the spectra of these CIE illuminants; the view remains
+    #[arg(long, value_name = "NAME,...", value_delimiter = ',')]
+    pub(crate) rooms: Vec<String>,
+    /// What is white in the files for other programs
+    #[arg(long, value_enum, value_name = "WHITE", default_value = "white")]
+    pub(crate) relative_to: RelativeTo,
+}
+
+/// What is white in sRGB.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+pub(crate) enum RelativeTo {
+    /// A perfect white in the same light
+    White,
+    /// The white of the display
+    Display,
+}
+
 /// A command that depends on the places of pixels, with two solvers.
 #[derive(Debug, Args)]
 pub(crate) struct SolvedSpatially {
@@ -327,6 +390,14 @@ pub(crate) enum NewDisplay {
     Epaper,
     /// A pixel tabulated by another tool, under a diffuser; also writes an example of the table
     Table,
+    /// Electronic paper with black, white, red and yellow inks; also writes synthetic spectra
+    Bwry,
+    /// Electronic paper with six inks; also writes synthetic spectra
+    SixInk,
+    /// Electronic paper with seven inks; also writes synthetic spectra
+    SevenInk,
+    /// Electronic paper below a printed colour filter; also writes synthetic transmittances
+    PrintedFilter,
 }
 
 impl NewDisplay {
@@ -335,6 +406,10 @@ impl NewDisplay {
             Self::Imod => papilio_scenario::ExampleDisplay::Imod,
             Self::Epaper => papilio_scenario::ExampleDisplay::Epaper,
             Self::Table => papilio_scenario::ExampleDisplay::Table,
+            Self::Bwry => papilio_scenario::ExampleDisplay::Bwry,
+            Self::SixInk => papilio_scenario::ExampleDisplay::SixInk,
+            Self::SevenInk => papilio_scenario::ExampleDisplay::SevenInk,
+            Self::PrintedFilter => papilio_scenario::ExampleDisplay::PrintedFilter,
         }
     }
 }

@@ -22,6 +22,7 @@ mod migrate;
 mod mtf;
 mod new;
 mod optimize;
+mod palette;
 mod pixel;
 mod run;
 mod serve;

@@ -10,10 +10,8 @@
 //! **Range.** Surface colours, 1 to 10 000 cd/m2.
 
 use crate::Xyz;
-
-/// Matrix from X, Y, Z to the cone responses.
-const M16: [[f64; 3]; 3] =
-    [[0.401288, 0.650173, -0.051461], [-0.250268, 1.204414, 0.045854], [-0.002079, 0.048952, 0.953127]];
+use crate::adaptation::TO_CONES;
+use crate::matrix::times;
 
 /// Lower limit, on a scale of 100, below which the response compression is extended linearly. It is extended
 /// linearly as well above the larger of `HIGHEST` and the response to white.
@@ -68,24 +66,25 @@ impl Xyz {
 }
 
 /// Parameters of an adapted observer, in the symbols of CIE 248.
-struct Eye {
-    c: f64,
-    n_c: f64,
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Eye {
+    pub(crate) c: f64,
+    pub(crate) n_c: f64,
     /// Background luminance over white.
-    n: f64,
+    pub(crate) n: f64,
     /// Luminance-level adaptation factor.
-    f_l: f64,
+    pub(crate) f_l: f64,
     /// Gain of each cone type.
-    d: [f64; 3],
+    pub(crate) d: [f64; 3],
     /// Response above which the compression is linear.
     q_u: f64,
     /// Achromatic response of the white.
-    a_w: f64,
+    pub(crate) a_w: f64,
 }
 
 impl Eye {
     /// Computes the parameters for a white with Y = 100.
-    fn new(white: Xyz, viewing: &Viewing) -> Self {
+    pub(crate) fn new(white: Xyz, viewing: &Viewing) -> Self {
         let [c, n_c, f] = match viewing.surround {
             Surround::Average => [0.69, 1.0, 1.0],
             Surround::Dim => [0.59, 0.9, 0.9],
@@ -104,7 +103,7 @@ impl Eye {
         eye
     }
 
-    fn appearance(&self, xyz: Xyz) -> Appearance {
+    pub(crate) fn appearance(&self, xyz: Xyz) -> Appearance {
         let [r, g, b] = self.responses(xyz);
         let (across, along) = (r - 12.0 / 11.0 * g + b / 11.0, (r + g - 2.0 * b) / 9.0);
         let hue = along.atan2(across);
@@ -120,7 +119,7 @@ impl Eye {
     }
 
     /// Induction factors N_bb and N_cb, which are equal.
-    fn induction(&self) -> f64 {
+    pub(crate) fn induction(&self) -> f64 {
         0.725 * self.n.powf(-0.2)
     }
 
@@ -134,23 +133,43 @@ impl Eye {
         [0, 1, 2].map(|k| self.compressed(cones[k] * self.d[k]))
     }
 
+    /// Compressed response of a response.
     fn compressed(&self, q: f64) -> f64 {
-        let x = |q: f64| self.f_l * q / 100.0;
-        let f = |q: f64| 400.0 * x(q).powf(0.42) / (27.13 + x(q).powf(0.42));
         if q < LOWEST {
-            f(LOWEST) * q / LOWEST
+            self.power(LOWEST) * q / LOWEST
         } else if q <= self.q_u {
-            f(q)
+            self.power(q)
         } else {
-            let slope =
-                1.68 * 27.13 * self.f_l * x(self.q_u).powf(-0.58) / (27.13 + x(self.q_u).powf(0.42)).powi(2);
-            f(self.q_u) + slope * (q - self.q_u)
+            self.power(self.q_u) + self.slope() * (q - self.q_u)
         }
+    }
+
+    /// Inverse of [`Self::compressed`].
+    pub(crate) fn expanded(&self, response: f64) -> f64 {
+        let (lowest, highest) = (self.power(LOWEST), self.power(self.q_u));
+        if response < lowest {
+            LOWEST * response / lowest
+        } else if response <= highest {
+            100.0 / self.f_l * (27.13 * response / (400.0 - response)).powf(1.0 / 0.42)
+        } else {
+            self.q_u + (response - highest) / self.slope()
+        }
+    }
+
+    fn power(&self, q: f64) -> f64 {
+        let x = (self.f_l * q / 100.0).powf(0.42);
+        400.0 * x / (27.13 + x)
+    }
+
+    /// Slope of the extension above the response to white.
+    fn slope(&self) -> f64 {
+        let x = self.f_l * self.q_u / 100.0;
+        1.68 * 27.13 * self.f_l * x.powf(-0.58) / (27.13 + x.powf(0.42)).powi(2)
     }
 }
 
-fn cones(Xyz { x, y, z }: Xyz) -> [f64; 3] {
-    M16.map(|[a, b, c]| a * x + b * y + c * z)
+fn cones(xyz: Xyz) -> [f64; 3] {
+    times(&TO_CONES, xyz.to_array())
 }
 
 impl Appearance {

@@ -38,4 +38,27 @@ pub enum ColourError {
     /// Colour differences are relative to a white.
     #[error("the white of a picture has a tristimulus value that is not positive")]
     NoWhite,
+    /// A hull has 2 to 64 states with finite X, Y and Z.
+    #[error(
+        "{states} states, or some without a finite colour, cannot be mixed; expected 2 to 64 states with finite X, Y and Z"
+    )]
+    States {
+        /// The number of states.
+        states: usize,
+    },
+    /// Black, red, green and blue are in a plane.
+    #[error(
+        "black, red, green and blue are mixtures of each other, so that the coverages of the sub-pixels are not unique"
+    )]
+    Dependent,
+    /// White and black of a display are mixtures of its states, and white is brighter.
+    #[error(
+        "white (Y = {white}) and black (Y = {black}) must be mixtures of the states of the display, and white brighter in X, Y and Z"
+    )]
+    WhiteAndBlack {
+        /// Y of the white.
+        white: f64,
+        /// Y of the black.
+        black: f64,
+    },
 }

@@ -57,6 +57,20 @@ impl Xyz {
     }
 }
 
+impl Lab {
+    /// Computes the tristimulus values of this colour relative to `white`, on the scale of `white` (CIE 15:2018, annex D).
+    pub fn xyz(self, white: Xyz) -> Xyz {
+        let y = (self.l + 16.0) / 116.0;
+        let (x, z) = (y + self.a / 500.0, y - self.b / 200.0);
+        Xyz { x: white.x * cube(x), y: white.y * cube(y), z: white.z * cube(z) }
+    }
+}
+
+/// Inverse of [`root`].
+fn cube(root: f64) -> f64 {
+    if root > 24.0 / 116.0 { root.powi(3) } else { (root - 16.0 / 116.0) * 108.0 / 841.0 }
+}
+
 /// Cube root of a ratio to the white, linear below [`TOE`].
 fn root(ratio: f64) -> f64 {
     if ratio > TOE { ratio.cbrt() } else { 841.0 / 108.0 * ratio + 16.0 / 116.0 }
@@ -114,6 +128,15 @@ mod tests {
         assert!((lab.l - 100.0).abs() < 1e-12 && lab.a.abs() < 1e-12 && lab.b.abs() < 1e-12);
         let black = (white * 0.0).lab(white).unwrap();
         assert!(black.l.abs() < 1e-12 && black.a.abs() < 1e-12);
+    }
+
+    #[test]
+    fn colour_of_lab_is_the_colour() {
+        for y in [-0.004, 0.0, 0.003, 0.2, 1.3] {
+            let colour = Xyz { x: 0.7 * y, y, z: 0.4 * y };
+            let again = colour.lab(D65_WHITE).unwrap().xyz(D65_WHITE);
+            assert!(colour.distance(again) < 1e-14, "{again:?}");
+        }
     }
 
     /// On the toe L* = 903.3 Y/Yn, which is linear through zero.

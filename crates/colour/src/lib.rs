@@ -9,7 +9,13 @@
 //! - [`gamut_percent`], [`coverage_percent`]: area and coverage of the triangle of three primaries in u'v' or xy, relative
 //!   to sRGB, EBU, NTSC and DCI-P3.
 //! - [`Corners`]: the colour gamut of eight states as a solid in CIELAB, with its volume and rings.
-//! - [`Viewing`]: the viewing conditions of the colour appearance model CIECAM16.
+//! - [`Adaptation`]: complete chromatic adaptation from one white to another (CAT16).
+//! - [`Oklab`]: lightness, chroma and hue of pictures, in which lines of constant hue are straight.
+//! - [`mapping`]: gamut mapping, from a source picture's colours to those of a display, exactly or by a table.
+//! - [`states`]: which colours mixtures of a display's states have, and with which coverages.
+//! - [`Observer::smoothest`]: the smoothest reflectance spectrum of a colour.
+//! - [`Viewing`]: the viewing conditions of the colour appearance model CIECAM16; [`Cam16Ucs`]: its uniform coordinates, and
+//!   the colours that have them.
 //! - [`colour_temperature`], [`rendering_index`]: correlated colour temperature and Ra of a light.
 //! - [`reader`]: what a reader sees: luminance threshold of small details, contrast sensitivity of the eye, age.
 //! - [`pictures`]: how much two pictures differ for a reader at a distance: S-CIELAB, FLIP.
@@ -46,24 +52,34 @@
 //! **Limits.** The observers are tabulated from 380 to 780 nm; wavelengths of a grid outside this range are ignored.
 //! **Out of scope.** Metrics of displays and their states, such as contrast: see `papilio-display`.
 
+mod adaptation;
 mod appearance;
+mod cam16_ucs;
 mod error;
 mod gamut;
 mod lab;
+pub mod mapping;
+mod matrix;
 mod observer;
+mod oklab;
 mod peak;
 pub mod pictures;
 pub mod reader;
 mod rendering;
+mod smoothest;
 mod solid;
 mod srgb;
+pub mod states;
 mod xyz;
 
+pub use adaptation::Adaptation;
 pub use appearance::{Appearance, Surround, Viewing};
+pub use cam16_ucs::Cam16Ucs;
 pub use error::ColourError;
 pub use gamut::{Chromaticity, GamutReference, coverage_percent, gamut_percent, triangle_area};
 pub use lab::{Lab, Luv};
 pub use observer::{Between, LUMENS_PER_WATT, Observer, Standard, spectral_locus};
+pub use oklab::Oklab;
 pub use peak::{peak_nm, peak_slopes};
 pub use rendering::{ColourTemperature, colour_temperature, rendering_index};
 pub use solid::{CORNERS, Corners, GamutSolid, HUES, RINGS};

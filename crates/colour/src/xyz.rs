@@ -73,6 +73,13 @@ impl Xy {
     }
 }
 
+impl Xyz {
+    /// Euclidean distance.
+    pub fn distance(self, other: Self) -> f64 {
+        (self.x - other.x).hypot(self.y - other.y).hypot(self.z - other.z)
+    }
+}
+
 impl UvPrime {
     /// Euclidean distance in the u'v' diagram.
     pub fn distance(self, other: Self) -> f64 {

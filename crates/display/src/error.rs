@@ -238,6 +238,26 @@ pub enum DisplayError {
         /// Name of the quantity.
         quantity: &'static str,
     },
+    /// A computation for one view of a scene that has several.
+    #[error("{what} is computed for one view, and there are {views}")]
+    OneView {
+        /// What is computed.
+        what: &'static str,
+        /// Number of views.
+        views: usize,
+    },
+    /// A picture without pixels, or for a panel without pixels.
+    #[error("the picture has no pixels")]
+    EmptyPicture,
+    /// A picture that cannot be halftoned.
+    #[error(transparent)]
+    Imaging(#[from] papilio_imaging::ImagingError),
+    /// A light without luminance or chromaticity.
+    #[error("the light has no white: {what} is not defined")]
+    NoWhite {
+        /// What is computed.
+        what: &'static str,
+    },
     /// A derivative with respect to a parameter that the film does not have.
     #[error("the film has no {what} number {number}")]
     NoSuchParameter {

@@ -15,7 +15,7 @@ const CAPTIONS: f64 = 76.0;
 /// Draws a patch for each state of a view, in sRGB.
 ///
 /// The white of the page is a perfect white diffuser in the same light (adapted to D65 by the
-/// Bradford transform), so that a patch is as dark relative to the page as the state is
+/// CAT16), so that a patch is as dark relative to the page as the state is
 /// relative to white paper in the same light. If a state is brighter than the screen can show, all
 /// luminances are divided by the same number, which the figure states. If the front light is the only light, the white
 /// of the page is the white of the display. Colours outside the gamut of the screen are clipped.

@@ -7,6 +7,7 @@ use papilio_spectra::SpectraError;
 
 use crate::bsdf::BsdfProblem;
 use crate::light::MapProblem;
+use crate::picture::PictureProblem;
 
 /// Error of a data file: what is wrong, and where.
 ///
@@ -80,6 +81,17 @@ pub enum Problem {
     EmptyRectangle,
     /// A measured panel without rows.
     EmptyPanel,
+    /// The first row of a measured palette lacks required columns.
+    PaletteHeader,
+    /// A measured palette without rows.
+    EmptyPalette,
+    /// Two rows of a measured palette for the same state and wavelength.
+    PaletteTwice {
+        /// The state.
+        state: String,
+        /// Wavelength, nm; `None` in CIELAB.
+        nm: Option<f64>,
+    },
     /// Two rows of a measured panel for the same state and direction.
     MeasuredTwice {
         /// The state.
@@ -171,6 +183,8 @@ pub enum Problem {
     NoIndex,
     /// An error of a light map.
     Map(Box<MapProblem>),
+    /// An error of a picture.
+    Picture(Box<PictureProblem>),
     /// An error of a luminaire file.
     Ies {
         /// What is wrong.
@@ -191,6 +205,12 @@ impl From<SpectraError> for Problem {
 impl From<MapProblem> for Problem {
     fn from(problem: MapProblem) -> Self {
         Self::Map(Box::new(problem))
+    }
+}
+
+impl From<PictureProblem> for Problem {
+    fn from(problem: PictureProblem) -> Self {
+        Self::Picture(Box::new(problem))
     }
 }
 
@@ -231,6 +251,9 @@ impl Problem {
             Self::PanelHeader => Diagnostic::new("this is not the header of a measured panel").expected(
                 "the columns `state`, `theta_deg`, and `wavelength_nm`, `reflectance_factor` or `X`, `Y`, `Z`",
             ),
+            Self::PaletteHeader => Diagnostic::new("this is not the header of a measured palette").expected(
+                "the columns `state`, and `wavelength_nm`, `reflectance_factor` or `L`, `a`, `b`",
+            ),
             Self::WindowHeader => Diagnostic::new("this is not the header of a table of rectangles").expected("`name,x0,y0,x1,y1`"),
             Self::NotAResult { message } => Diagnostic::new(format!("this is not a result.json: {message}"))
                 .hint("specify a result.json that `papilio run` has written, or its folder"),
@@ -243,6 +266,7 @@ impl Problem {
                 .expected("an entry of type `tabulated nk`, `tabulated n` or `formula 1` to `formula 9`"),
             Self::Ies { what } => Diagnostic::new(format!("this IES LM-63 file cannot be used: {what}")),
             Self::Map(problem) => problem.diagnostic(),
+            Self::Picture(problem) => problem.diagnostic(),
             Self::Bsdf(problem) => problem.diagnostic(),
             Self::Spectra(error) => {
                 let sign = matches!(error, SpectraError::NoIndex { k, .. } if *k < 0.0);
@@ -294,6 +318,15 @@ impl Problem {
                      for each state, direction and wavelength)",
                 )
                 .hint(WHOLE_FILE),
+            Self::EmptyPalette => too_few(0)
+                .expected(
+                    "a first row with the names of the columns, and a row for each state (for spectra, for each state and wavelength)",
+                )
+                .hint(WHOLE_FILE),
+            Self::PaletteTwice { state, nm } => {
+                let at = nm.map_or(String::new(), |nm| format!(" at {nm} nm"));
+                Diagnostic::new(format!("state `{state}`{at} has two rows")).hint("remove one of the two rows")
+            }
             Self::NoRectangles => {
                 too_few(0).expected("a row for each rectangle: name, x0, y0, x1, y1").hint(WHOLE_FILE)
             }

@@ -12,6 +12,7 @@
 //! | [`read_windows`] | rectangles of sub-pixels: name, x0, y0, x1, y1 |
 //! | [`read_measured_panel`] | spectra or X, Y, Z of the states of a panel |
 //! | [`read_result`] | `result.json` |
+//! | [`read_picture`] | PNG and JPEG pictures as linear X, Y, Z (detected from the content) |
 //! | [`read_bsdf`] | measured scattering in several formats (detected from the content) |
 //!
 //! | writer | output |
@@ -25,6 +26,7 @@
 //! | [`MtfFile`] with [`write_json`], [`write_mtf_csv`], [`write_spread_csv`], [`write_kernel_npy`] | `mtf.json`, `mtf.csv`, `spread.csv`, `kernel-STATE.npy`; schema: [`mtf_schema`] |
 //! | [`write_comparison`], [`write_compared_spectra`] | a comparison with a measured panel |
 //! | [`AuditFile`], [`FitFile`] with [`write_json`] | audit of a measurement, fitted lobes |
+//! | [`write_rgb_png`], [`write_indexed_png`], [`write_scene_exr`] | pictures: encoded colours, numbers of states, linear light |
 //! | [`write_bsdf`] | `display-bsdf.npz` |
 //! | [`write_measurement`] | measured scattering in a [`BsdfFormat`] |
 //!
@@ -54,6 +56,7 @@ mod cone;
 mod crosstalk;
 mod error;
 mod file;
+mod image;
 mod index;
 mod journal;
 mod json;
@@ -61,6 +64,8 @@ mod light;
 mod measured_panel;
 mod mtf;
 mod npy;
+mod palette;
+mod picture;
 mod pixel_table;
 mod refractiveindex;
 mod result;
@@ -95,6 +100,7 @@ pub use cone::{CONE_QUANTITIES, ConeFile, cone_quantities, write_cone_csv, write
 pub use crosstalk::{CrosstalkFile, crosstalk_schema, write_crosstalk_csv, write_patterns_csv};
 pub use error::{FormatError, Problem};
 pub use file::{DataFile, LARGEST_FILE, write_file};
+pub use image::{ImageFile, image_schema};
 pub use index::{read_index, read_index_within};
 pub use journal::{
     Journal, JournalNumber, JournalRow, JournalRows, Journals, LARGEST_JOURNAL, LockedJournal, RowsHead,
@@ -107,7 +113,12 @@ pub use light::{
 };
 pub use measured_panel::read_measured_panel;
 pub use mtf::{MtfFile, mtf_schema, write_kernel_npy, write_mtf_csv, write_spread_csv};
+pub use palette::{PaletteFile, PaletteTable, palette_files, palette_schema, read_palette};
 pub use papilio_diagnostics::{Diagnostic, Place, Spot, Warned};
+pub use picture::{
+    LARGEST_PICTURE_FILE, MOST_PICTURE_PIXELS, PictureProblem, RgbSpace, SourcePicture, Transfer,
+    read_picture, write_indexed_png, write_rgb_png, write_scene_exr,
+};
 pub use pixel_table::{PIXEL_COLUMNS, PixelTable, is_name, read_pixel_table};
 pub use result::{ResultFile, result_schema, write_reflection, write_spectra, write_states};
 pub use result_read::{ReadResult, read_result};

@@ -1,5 +1,6 @@
 //! Pictures for a panel, on its pixels.
 //!
+//! - [`halftone`]: the state of each pixel of a picture, for a display with a few states.
 //! - [`text`]: text from the outlines of a font as black and white pixels, with the middles of its strokes and gaps.
 //!
 //! ```
@@ -12,11 +13,14 @@
 //! # Ok::<(), papilio_imaging::ImagingError>(())
 //! ```
 //!
-//! Arrays have their rows from the bottom and their columns from the left.
+//! Bitmaps of text have their rows from the bottom, halftones from the top, as files of pictures; columns are from the left.
 //!
 //! **Out of scope.** Shaping of complex scripts, kerning, hinting, fonts of the system.
 
 mod error;
+mod fit;
+pub mod halftone;
 pub mod text;
 
 pub use error::ImagingError;
+pub use fit::{Fit, fitted};

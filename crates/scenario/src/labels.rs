@@ -15,7 +15,7 @@ use crate::read::Table as _;
 use crate::schema::Row;
 
 /// What the items of lists, and tables whose keys need it, are called.
-const PARTS: [(&str, &str); 19] = [
+const PARTS: [(&str, &str); 20] = [
     ("display.pixel.film", "film layer"),
     ("display.pixel.substrate", "the substrate"),
     ("display.pixel.states", ""),
@@ -31,6 +31,7 @@ const PARTS: [(&str, &str); 19] = [
     ("lighting.environment.regions", "region"),
     ("lighting.front_light", "the front light"),
     ("sparkle", ""),
+    ("image", "the picture"),
     ("optimize.variables", "variable"),
     ("optimize.constraints", "constraint"),
     ("optimize.objectives", "objective"),

@@ -101,6 +101,7 @@ pub use papilio_display::{Label, labelled_names};
 pub use papilio_spectra::materials_called;
 pub use path::KeyPath;
 pub use preset::{ExampleDisplay, UsedPreset, new_scenario, new_scenario_of, preset_names};
+pub use resolve::ImageRequest;
 pub use resolve::VirtualMeasurement;
 pub use scenario::{Resolved, Scenario};
 pub use schema::schema;

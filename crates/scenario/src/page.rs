@@ -1,8 +1,8 @@
 //! The tables of keys in `docs/scenario.md`, generated from the grammar.
 
 use crate::describe::{
-    File, Spectrum, diffuser, display, environment, layers, lighting, limits, matrix, measure, metrics,
-    optimize, pattern, pixel, solver, sparkle, sweep, tolerance, viewer,
+    File, Spectrum, diffuser, display, environment, image, layers, lighting, limits, matrix, measure,
+    metrics, optimize, pattern, pixel, solver, sparkle, sweep, tolerance, viewer,
 };
 use crate::read::Table;
 use crate::schema::{Default, Row, toml};
@@ -37,6 +37,7 @@ pub(crate) fn tables() -> Vec<(&'static str, Vec<Row>)> {
         ("display.pixel table", pixel::TablePixel::rows()),
         ("display.pixel uniform", pixel::UniformPixel::rows()),
         ("display.pixel measured", pixel::MeasuredPixel::rows()),
+        ("display.pixel palette", pixel::PalettePixel::rows()),
         ("display.matrix", matrix::Matrix::rows()),
         ("display.matrix.filter", matrix::Filter::rows()),
         ("lighting", lighting::Lighting::rows()),
@@ -58,6 +59,7 @@ pub(crate) fn tables() -> Vec<(&'static str, Vec<Row>)> {
         ("measure", measure::Measure::rows()),
         ("pattern", pattern::Pattern::rows()),
         ("sparkle", sparkle::Sparkle::rows()),
+        ("image", image::Image::rows()),
         ("sweep", sweep::Sweep::rows()),
         ("optimize", optimize::Optimize::rows()),
         ("optimize.variables", optimize::Variable::rows()),

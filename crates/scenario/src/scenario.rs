@@ -16,7 +16,7 @@ use crate::library::{Library, sha256};
 use crate::mistake::{self, Mistake};
 use crate::preset::UsedPreset;
 use crate::read::Read;
-use crate::resolve::{self, Found, VirtualMeasurement};
+use crate::resolve::{self, Found, ImageRequest, VirtualMeasurement};
 use crate::set::Change;
 use crate::source::Sources;
 use crate::tree::Node;
@@ -54,6 +54,8 @@ pub struct Resolved {
     pub patterns: Patterns,
     /// The antiglare face of [`papilio_display::spatial::sparkle`], if it is described.
     pub sparkle: Option<Antiglare>,
+    /// The picture of `[image]`, after [`Scenario::resolve_with_picture`].
+    pub image: Option<ImageRequest>,
     /// Title of the scenario.
     pub title: Option<String>,
     /// Warnings: what may be wrong with the scenario.
@@ -144,8 +146,20 @@ impl Scenario {
     /// # Errors
     /// All keys that do not fit together, each with its place, and mistakes in data files, with line and column of the file.
     pub fn resolve(&self) -> Result<Resolved, ScenarioErrors> {
-        let Found { scene, patterns, sparkle, warnings, notes, inputs } =
-            resolve::resolve(&self.file, &self.library, &self.written.sources)?;
+        self.resolved(false)
+    }
+
+    /// As [`resolve`](Self::resolve), and reads the picture of `[image]`, for `papilio image`.
+    ///
+    /// # Errors
+    /// As [`resolve`](Self::resolve), and if there is no picture, or it cannot be read.
+    pub fn resolve_with_picture(&self) -> Result<Resolved, ScenarioErrors> {
+        self.resolved(true)
+    }
+
+    fn resolved(&self, with_picture: bool) -> Result<Resolved, ScenarioErrors> {
+        let Found { scene, patterns, sparkle, image, warnings, notes, inputs } =
+            resolve::resolve(&self.file, &self.library, &self.written.sources, with_picture)?;
         let mut canonical = serde_json::to_value(&self.file).unwrap_or_default();
         if let Value::Object(keys) = &mut canonical {
             STUDY_TABLES.iter().for_each(|table| drop(keys.remove(*table)));
@@ -157,6 +171,7 @@ impl Scenario {
             scene,
             patterns,
             sparkle,
+            image,
             title: self.file.title.as_ref().map(|title| title.0.clone()),
             warnings: [self.warnings.clone(), warnings].concat(),
             notes: [self.notes.clone(), notes].concat(),
@@ -247,6 +262,13 @@ impl Resolved {
                     Diagnostic::new(format!("the Monte Carlo solver with places does not compute {what}"))
                         .hint("remove it, or use the solver \"adding\"");
                 (*key, wrong.into())
+            }
+            DisplayError::OneView { what, views } => {
+                let wrong =
+                    Diagnostic::new(format!("{what} is computed for one view, and these are {views}"))
+                        .expected("one angle in `theta_deg`, and one in `phi_deg`")
+                        .hint("choose one: --set viewer.theta_deg=0 --set viewer.phi_deg=0");
+                ("viewer.theta_deg", wrong.into())
             }
             DisplayError::FilterWithoutPlace => {
                 let wrong = Diagnostic::new(

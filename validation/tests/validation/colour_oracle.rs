@@ -2,8 +2,8 @@
 //! (`validation/colour/colour_oracle.py` and `tables_oracle.py` make the tables).
 
 use papilio_colour::{
-    Corners, D65_WHITE, GamutReference, Lab, Observer, Standard, Surround, Viewing, Xyz, coverage_percent,
-    gamut_percent,
+    Cam16Ucs, Corners, D65_WHITE, GamutReference, Lab, Observer, Oklab, Standard, Surround, Viewing, Xyz,
+    coverage_percent, gamut_percent,
 };
 use papilio_spectra::{Grid, Spectrum, illuminant, illuminant_names};
 
@@ -98,9 +98,25 @@ fn appearance_agrees_with_colour_science() {
         let viewing = Viewing { adapting_luminance_cd_m2: before[6], background: before[7], surround };
         let seen = xyz(0).appearance(xyz(3), &viewing).unwrap();
         let ours = [seen.lightness, seen.chroma].into_iter().chain(seen.uniform);
-        for (ours, theirs) in ours.zip(after) {
+        for (ours, theirs) in ours.zip(&after) {
             assert!((ours - theirs).abs() < 1e-6, "{row:?}: {seen:?}");
         }
+        let back = Cam16Ucs::new(xyz(3), &viewing).unwrap().xyz([after[2], after[3], after[4]]).unwrap();
+        assert!(back.distance(xyz(0)) < 1e-7 * xyz(0).y.max(1.0), "{row:?}: {back:?}");
+    }
+}
+
+#[test]
+fn adapted_colours_and_oklab_agree_with_colour_science() {
+    let all: Vec<_> = rows(include_str!("../../colour/adapted.csv")).collect();
+    assert_eq!(all.len(), 40);
+    for row in all {
+        let v = numbers(&row);
+        let xyz = |k: usize| Xyz { x: v[k], y: v[k + 1], z: v[k + 2] };
+        let seen = xyz(0).adapted_to_d65(xyz(3)).unwrap();
+        assert!(seen.distance(xyz(6)) < 1e-9, "{row:?}: {seen:?}");
+        let ours = seen.oklab();
+        assert!(ours.distance(Oklab { l: v[9], a: v[10], b: v[11] }) < 1e-8, "{row:?}: {ours:?}");
     }
 }
 

@@ -10,5 +10,6 @@
 mod arrays;
 mod bsdf;
 mod light_maps;
+mod pictures;
 mod reading;
 mod writing;

@@ -36,6 +36,10 @@ impl Display {
         let bare = self.diffuser.is_none();
         if self.glass.is_none() {
             self.glass.value = Glass::absent();
+            // A palette was measured through the panel's own glass.
+            if let (Pixel::Palette(_), Some(glass)) = (&self.pixel.value, &mut self.glass.value) {
+                glass.index.value = MaterialSpec::Number(Index(1.0));
+            }
         }
         if let Some(glass) = self.glass.value.as_mut().filter(|_| bare) {
             // A diffuser replaces the surface.

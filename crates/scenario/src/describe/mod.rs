@@ -5,6 +5,7 @@
 pub(crate) mod diffuser;
 pub(crate) mod display;
 pub(crate) mod environment;
+pub(crate) mod image;
 pub(crate) mod layers;
 pub(crate) mod lighting;
 pub(crate) mod limits;
@@ -57,6 +58,8 @@ table! {
         pattern: Option<pattern::Pattern>,
         /// An antiglare face, for `papilio sparkle` only.
         sparkle: Option<sparkle::Sparkle>,
+        /// A picture, for `papilio image` only.
+        image: Option<image::Image>,
         /// Keys that vary over given values, for `papilio sweep` only.
         sweep: Option<sweep::Sweep>,
         /// A search for better designs, for `papilio optimize` only.

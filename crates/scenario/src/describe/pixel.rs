@@ -25,6 +25,8 @@ kinds! {
         Uniform(UniformPixel) = "uniform",
         /// States with a BRDF measured with a goniometer or an imaging sphere.
         Measured(MeasuredPixel) = "measured",
+        /// Colours of the states of a whole panel, measured through its own surface.
+        Palette(PalettePixel) = "palette",
     }
 }
 
@@ -36,6 +38,7 @@ impl Pixel {
             Self::Table(table) => table.origin,
             Self::Uniform(uniform) => uniform.origin,
             Self::Measured(measured) => measured.origin,
+            Self::Palette(palette) => palette.origin,
         }
     }
 }
@@ -207,6 +210,16 @@ choice! {
         Mirror = "mirror",
         /// Diffuse: the same radiance in every direction of the glass.
         Lambertian = "lambertian",
+    }
+}
+
+table! {
+    /// Colours of the states of a whole panel, the same in all directions.
+    PalettePixel {
+        /// A CSV file with the columns state, wavelength_nm, reflectance_factor, or state, L, a, b.
+        file: String,
+        /// The CIE illuminant of L\*, a\*, b\*. Spectra need none.
+        illuminant as "Illuminant of L*, a*, b*": String = "D50".to_owned(),
     }
 }
 

@@ -47,11 +47,27 @@ pub enum ExampleDisplay {
     Epaper,
     /// A pixel tabulated by another tool, under a diffuser.
     Table,
+    /// Electronic paper with black, white, red and yellow inks.
+    Bwry,
+    /// Electronic paper with six inks.
+    SixInk,
+    /// Electronic paper with seven inks.
+    SevenInk,
+    /// Electronic paper below a printed colour filter.
+    PrintedFilter,
 }
 
 impl ExampleDisplay {
     /// All displays.
-    pub const ALL: [Self; 3] = [Self::Imod, Self::Epaper, Self::Table];
+    pub const ALL: [Self; 7] = [
+        Self::Imod,
+        Self::Epaper,
+        Self::Table,
+        Self::Bwry,
+        Self::SixInk,
+        Self::SevenInk,
+        Self::PrintedFilter,
+    ];
 
     /// Name on the command line.
     pub fn name(self) -> &'static str {
@@ -59,6 +75,10 @@ impl ExampleDisplay {
             Self::Imod => "imod",
             Self::Epaper => "epaper",
             Self::Table => "table",
+            Self::Bwry => "bwry",
+            Self::SixInk => "six-ink",
+            Self::SevenInk => "seven-ink",
+            Self::PrintedFilter => "printed-filter",
         }
     }
 
@@ -68,6 +88,10 @@ impl ExampleDisplay {
             Self::Imod => include_str!("imod.toml"),
             Self::Epaper => include_str!("epaper.toml"),
             Self::Table => include_str!("table.toml"),
+            Self::Bwry => include_str!("bwry.toml"),
+            Self::SixInk => include_str!("six-ink.toml"),
+            Self::SevenInk => include_str!("seven-ink.toml"),
+            Self::PrintedFilter => include_str!("printed-filter.toml"),
         }
     }
 
@@ -76,6 +100,14 @@ impl ExampleDisplay {
         match self {
             Self::Imod | Self::Epaper => &[],
             Self::Table => &[("example-pixel.csv", include_str!("example-pixel.csv"))],
+            Self::Bwry => &[("four-inks.csv", include_str!("four-inks.csv"))],
+            Self::SixInk => &[("six-inks.csv", include_str!("six-inks.csv"))],
+            Self::SevenInk => &[("seven-inks.csv", include_str!("seven-inks.csv"))],
+            Self::PrintedFilter => &[
+                ("filter-red.csv", include_str!("filter-red.csv")),
+                ("filter-green.csv", include_str!("filter-green.csv")),
+                ("filter-blue.csv", include_str!("filter-blue.csv")),
+            ],
         }
     }
 }
@@ -216,6 +248,21 @@ mod tests {
                 assert!(resolved.warnings.is_empty(), "{display:?} {light}: {:?}", resolved.warnings);
             }
             assert_eq!(new_scenario_of(display, "nowhere"), None);
+        }
+    }
+
+    /// The files of scenarios/ are those of the presets.
+    #[test]
+    fn files_of_the_examples_are_the_same() {
+        let data = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenarios/data");
+        let same = |display: ExampleDisplay, name: &str, example: &str| {
+            let (_, content) = display.files().iter().find(|(known, _)| *known == name).unwrap();
+            assert_eq!(std::fs::read_to_string(data.join(example)).unwrap(), *content, "{name}");
+        };
+        same(ExampleDisplay::SixInk, "six-inks.csv", "synthetic-inks-6.csv");
+        for colour in ["red", "green", "blue"] {
+            let (name, example) = (format!("filter-{colour}.csv"), format!("synthetic-filter-{colour}.csv"));
+            same(ExampleDisplay::PrintedFilter, &name, &example);
         }
     }
 

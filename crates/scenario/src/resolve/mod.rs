@@ -6,6 +6,7 @@ mod diffuser;
 mod environment;
 mod film;
 mod fringes;
+mod image;
 mod layers;
 mod light;
 mod lighting;
@@ -13,6 +14,7 @@ mod maps;
 mod matrix;
 mod measure;
 mod measured;
+mod palette;
 mod panel;
 mod pattern;
 mod pixel;
@@ -57,6 +59,8 @@ const MOST_WORK: usize = 8_000_000;
 /// Largest number of distinct film gaps x wavelengths: each film is tabulated at up to 1088 angles.
 const MOST_FILMS: usize = 100_000;
 
+pub use image::ImageRequest;
+
 /// Smallest number of paths of a view: 32 replicates with at least one path each.
 const FEWEST_PATHS: u64 = 32;
 
@@ -66,6 +70,8 @@ pub(crate) struct Found {
     pub(crate) patterns: Patterns,
     /// The antiglare face, if it is described.
     pub(crate) sparkle: Option<Antiglare>,
+    /// The picture, if it was requested.
+    pub(crate) image: Option<ImageRequest>,
     pub(crate) warnings: Vec<String>,
     pub(crate) notes: Vec<String>,
     /// SHA-256 of each file that was read, by its name.
@@ -93,14 +99,21 @@ struct Resolver<'a> {
     has_matrix: bool,
 }
 
-/// Resolves a described scenario whose files are in `library`.
-pub(crate) fn resolve(file: &File, library: &Library, sources: &Sources) -> Result<Found, ScenarioErrors> {
+/// Resolves a described scenario whose files are in `library`; the picture of `[image]` only if it is requested.
+pub(crate) fn resolve(
+    file: &File,
+    library: &Library,
+    sources: &Sources,
+    with_picture: bool,
+) -> Result<Found, ScenarioErrors> {
     let mut resolver = Resolver::new(file, library, sources)?;
     let scene = resolver.scene(file);
     let patterns = scene.as_ref().map(|scene| resolver.patterns(file, scene)).unwrap_or_default();
     let sparkle = scene.as_ref().and_then(|scene| resolver.sparkle(file, scene));
+    let pictured = scene.as_ref().filter(|_| with_picture);
+    let image = pictured.and_then(|scene| resolver.image(file, &scene.display.state_names()));
     let Resolver { errors, warnings, notes, inputs, .. } = resolver;
-    Ok(Found { scene: errors.finish(scene, sources)?, patterns, sparkle, warnings, notes, inputs })
+    Ok(Found { scene: errors.finish(scene, sources)?, patterns, sparkle, image, warnings, notes, inputs })
 }
 
 impl<'a> Resolver<'a> {
@@ -169,6 +182,7 @@ impl Resolver<'_> {
         self.check_panel(file, &scene);
         self.check_reach(file, &scene);
         self.check_medium(file, &scene);
+        self.check_surface(file);
         self.check_size(file, &scene);
         self.note_no_reflection();
         self.note_scattering(&scene);

@@ -22,6 +22,7 @@ impl Resolver<'_> {
             describe::Pixel::Table(table) => self.table_pixel(table).map(Pixel::Table),
             describe::Pixel::Uniform(uniform) => self.uniform(uniform).map(Pixel::Uniform),
             describe::Pixel::Measured(measured) => self.measured_pixel(measured).map(Pixel::Scattering),
+            describe::Pixel::Palette(palette) => self.palette(palette).map(Pixel::Uniform),
         }
     }
 

@@ -1,18 +1,18 @@
-// Conversion of XYZ to screen colours: Bradford adaptation from the white of the light to D65, then sRGB, as in
+// Conversion of XYZ to screen colours: complete adaptation (CAT16) from the white of the light to D65, then sRGB, as in
 // crates/figures. The white of the screen represents a perfect white diffuser in the same light; if a state is
 // brighter, all states are dimmed by the same factor.
 
 export type Triple = readonly [number, number, number];
 
-const BRADFORD: readonly Triple[] = [
-  [0.8951, 0.2664, -0.1614],
-  [-0.7502, 1.7135, 0.0367],
-  [0.0389, -0.0685, 1.0296],
+const TO_CONES: readonly Triple[] = [
+  [0.401288, 0.650173, -0.051461],
+  [-0.250268, 1.204414, 0.045854],
+  [-0.002079, 0.048952, 0.953127],
 ];
-const BRADFORD_INVERSE: readonly Triple[] = [
-  [0.9869929, -0.1470543, 0.1599627],
-  [0.4323053, 0.5183603, 0.0492912],
-  [-0.0085287, 0.0400428, 0.9684867],
+const FROM_CONES: readonly Triple[] = [
+  [1.862068, -1.011255, 0.1491868],
+  [0.3875265, 0.6214474, -0.008973985],
+  [-0.0158415, -0.03412294, 1.049964],
 ];
 const TO_SRGB: readonly Triple[] = [
   [3.2404542, -1.5371385, -0.4985314],
@@ -31,10 +31,10 @@ export const linearSrgb = (xyz: Triple): Triple => times(TO_SRGB, xyz);
 
 /** Adapts XYZ from a light with the chromaticity x, y to D65. */
 function adapted(xyz: Triple, [x, y]: readonly [number, number]): Triple {
-  const white = times(BRADFORD, [x / y, 1, (1 - x - y) / y]);
-  const target = times(BRADFORD, D65);
-  const cones = times(BRADFORD, xyz);
-  return times(BRADFORD_INVERSE, cones.map((cone, i) => (cone * target[i]!) / white[i]!) as unknown as Triple);
+  const white = times(TO_CONES, [x / y, 1, (1 - x - y) / y]);
+  const target = times(TO_CONES, D65);
+  const cones = times(TO_CONES, xyz);
+  return times(FROM_CONES, cones.map((cone, i) => (cone * target[i]!) / white[i]!) as unknown as Triple);
 }
 
 const encoded = (linear: number): number => {

@@ -1,0 +1,148 @@
+//! `papilio palette`: the colours of all states in one light and view, in other rooms, and as files for other programs.
+
+use std::path::Path;
+
+use papilio_display::palette::{PaletteColour, PaletteLight, PaletteResult, bytes};
+use papilio_formats::{PaletteFile, palette_files, write_file};
+use papilio_scenario::{Resolved, illuminant_sheet, preset_names};
+use serde::Serialize;
+
+use crate::arguments::{PaletteCommand, RelativeTo, SpatialCommand};
+use crate::numbers::measured;
+use crate::spatial::{SpatialOutput, show};
+use crate::{Failure, report};
+
+pub(crate) fn palette(arguments: &PaletteCommand) -> Result<(), Failure> {
+    let command = &arguments.command;
+    let resolved = command.resolve(None)?;
+    let rooms = arguments.rooms.iter().map(|name| Ok((name.clone(), room(command, &resolved, name)?)));
+    let rooms = rooms.collect::<Result<Vec<(String, Resolved)>, Failure>>()?;
+    let scenes: Vec<_> = rooms.iter().map(|(name, room)| (name.clone(), &room.scene)).collect();
+    show(command, &resolved, |control| {
+        let result = papilio_display::palette::palette(&resolved.scene, &scenes, control)?;
+        Ok(PaletteOutput { result, relative_to: arguments.relative_to })
+    })
+}
+
+/// The scenario in the light of a preset, or in its own light with the spectrum of a CIE illuminant; in the same view.
+fn room(command: &SpatialCommand, resolved: &Resolved, name: &str) -> Result<Resolved, Failure> {
+    let light = match (preset_names().any(|known| known == name), illuminant_sheet(name)) {
+        (true, _) => format!("lighting={{ preset = \"{name}\" }}"),
+        (false, Ok(_)) => format!("lighting.spectrum=\"{name}\""),
+        (false, Err(_)) => {
+            let known = preset_names().collect::<Vec<_>>().join(", ");
+            return Err(Failure::Input(format!(
+                "--rooms: there is no preset and no illuminant named `{name}`\n  = help: the presets are {known}; \
+                 `papilio illuminants` lists the illuminants, which replace lighting.spectrum"
+            )));
+        }
+    };
+    let viewer = &resolved.scene.viewer;
+    let view =
+        [format!("viewer.theta_deg={:?}", viewer.theta_deg), format!("viewer.phi_deg={:?}", viewer.phi_deg)];
+    command.resolve([light].into_iter().chain(view))
+}
+
+/// Colours, and what is white in files for other programs.
+struct PaletteOutput {
+    result: PaletteResult,
+    relative_to: RelativeTo,
+}
+
+impl PaletteOutput {
+    /// sRGB of a colour for other programs.
+    fn srgb(&self, colour: &PaletteColour) -> Option<[f64; 3]> {
+        match self.relative_to {
+            RelativeTo::White => colour.srgb,
+            RelativeTo::Display => colour.srgb_relative,
+        }
+    }
+}
+
+impl SpatialOutput for PaletteOutput {
+    const JSON: &'static str = "palette.json";
+    const FIGURES: &'static [&'static str] = &["palette"];
+
+    fn content<'a>(&'a self, resolved: &'a Resolved, title: &'a str) -> impl Serialize + 'a {
+        PaletteFile { papilio: env!("CARGO_PKG_VERSION"), title, hash: &resolved.hash, result: &self.result }
+    }
+
+    fn table(&self, title: &str) -> String {
+        let PaletteLight { illuminance_lx, colour_temperature_k, .. } = self.result.light;
+        let temperature = colour_temperature_k.map_or(String::new(), |kelvin| format!(", {kelvin:.0} K"));
+        let (theta, phi) = (self.result.view.theta_deg, self.result.view.phi_deg);
+        let azimuth = if phi == 0.0 { String::new() } else { format!(", azimuth {phi} deg") };
+        format!(
+            "{}\n\ncolours seen from {theta} deg{azimuth}, in light of {illuminance_lx} lx{temperature}\n{}{}",
+            report::plain(title),
+            report::table(&self.rows()),
+            self.rows_of_rooms(),
+        )
+    }
+
+    fn write_tables(&self, folder: &Path) -> Result<Vec<String>, Failure> {
+        let colours = self.result.palette.colours.iter();
+        let colours: Vec<_> =
+            colours.filter_map(|one| Some((one.state.as_str(), bytes(self.srgb(one)?)))).collect();
+        let title = folder.file_name().map_or("papilio".into(), |name| name.to_string_lossy());
+        let mut names = Vec::new();
+        for (name, content) in palette_files(&title, &colours) {
+            write_file(&folder.join(name), |out| out.write_all(&content))?;
+            names.push(name.to_owned());
+        }
+        Ok(names)
+    }
+
+    fn figures(&self, title: &str) -> Vec<(String, String)> {
+        papilio_figures::of_palette(&self.result, title)
+    }
+
+    fn warnings(&self) -> &[String] {
+        &self.result.warnings
+    }
+}
+
+impl PaletteOutput {
+    fn rows(&self) -> Vec<Vec<String>> {
+        let head = ["state", "X", "Y", "Z", "L*", "a*", "b*", "sRGB", "relative to the display"];
+        let mut rows = vec![head.map(str::to_owned).to_vec()];
+        rows.extend(self.result.palette.colours.iter().map(|one| {
+            let error = &one.error;
+            let hex = |srgb: Option<[f64; 3]>| srgb.map_or("-".to_owned(), papilio_display::palette::hex);
+            vec![
+                one.state.clone(),
+                measured(Some(one.X), Some(error.X), 4),
+                measured(Some(one.Y), Some(error.Y), 4),
+                measured(Some(one.Z), Some(error.Z), 4),
+                measured(one.L_star, error.L_star, 2),
+                measured(one.a_star, error.a_star, 2),
+                measured(one.b_star, error.b_star, 2),
+                hex(one.srgb),
+                hex(one.srgb_relative),
+            ]
+        }));
+        rows
+    }
+
+    /// How the colours move between rooms; nothing without rooms.
+    fn rows_of_rooms(&self) -> String {
+        if self.result.rooms.0.is_empty() {
+            return String::new();
+        }
+        let head = self.result.rooms.0.iter().map(|(name, _)| name.clone());
+        let mut rows = vec![std::iter::once("state".to_owned()).chain(head).collect::<Vec<_>>()];
+        rows.extend(self.result.palette.colours.iter().map(|one| {
+            let there = self.result.rooms.0.iter().map(|(_, room)| {
+                let found = room.get(&one.state);
+                let difference = measured(found.and_then(|there| there.delta_e_2000), None, 2);
+                let hex = found.and_then(|there| there.colour.hex.clone());
+                format!("{} {difference}", hex.unwrap_or_default())
+            });
+            std::iter::once(one.state.clone()).chain(there).collect()
+        }));
+        format!(
+            "\nin other rooms: sRGB, and the CIEDE2000 difference from the colour above\n{}",
+            report::table(&rows)
+        )
+    }
+}

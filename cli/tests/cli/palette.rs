@@ -1,0 +1,126 @@
+//! `papilio palette`: colours, files, rooms, measured palettes, and answers to wrong input.
+
+use std::fs;
+use std::path::Path;
+use std::process::Output;
+
+use serde_json::Value;
+
+use crate::common::{names, papilio_command as papilio, scenario, stderr};
+
+fn palette(file: &Path, more: &[&str]) -> Output {
+    papilio().arg("palette").arg(file).args(more).output().unwrap()
+}
+
+fn json(file: &Path, more: &[&str]) -> Value {
+    let output = palette(file, &[more, &["--json"]].concat());
+    assert!(output.status.success(), "{}", stderr(&output));
+    serde_json::from_slice(&output.stdout).unwrap()
+}
+
+/// Writes a scenario with a palette of a file, in diffuse light.
+fn measured(folder: &Path, csv: &str, more: &str) -> std::path::PathBuf {
+    fs::write(folder.join("inks.csv"), csv).unwrap();
+    let file = folder.join("inks.toml");
+    let pixel = format!("[display.pixel]\nmodel = \"palette\"\nfile = \"inks.csv\"\n{more}");
+    fs::write(&file, format!("{pixel}[lighting]\nspectrum = \"D50\"\n")).unwrap();
+    file
+}
+
+#[test]
+fn files_are_written_and_white_is_white() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().to_str().unwrap();
+    let output =
+        palette(&scenario("six-ink"), &["--relative-to", "display", "--rooms", "office", "--out", out]);
+    assert!(output.status.success(), "{}", stderr(&output));
+    let expected = [
+        "palette-epdoptimize.json",
+        "palette.act",
+        "palette.ase",
+        "palette.css",
+        "palette.gpl",
+        "palette.json",
+        "palette.py",
+        "palette.svg",
+    ];
+    assert_eq!(names(folder.path()), expected);
+    let css = fs::read_to_string(folder.path().join("palette.css")).unwrap();
+    assert!(css.contains("--state-white: #ffffff;"), "{css}");
+    let table = String::from_utf8(output.stdout).unwrap();
+    assert!(table.contains("in other rooms") && table.contains("office"), "{table}");
+}
+
+/// The colours are those of `papilio run`; another light changes them, the same light does not.
+#[test]
+fn colours_are_those_of_a_run() {
+    let all = json(&scenario("six-ink"), &["--rooms", "LED-B1,FL11"]);
+    let run = papilio().arg("run").arg(scenario("six-ink")).arg("--json").output().unwrap();
+    let run: Value = serde_json::from_slice(&run.stdout).unwrap();
+    for colour in all["colours"].as_array().unwrap() {
+        let name = colour["state"].as_str().unwrap();
+        let state = &run["views"][0]["states"][name];
+        assert!(
+            ["X", "Y", "Z", "L_star", "a_star", "b_star"].iter().all(|key| colour[key] == state[key]),
+            "{name}"
+        );
+        assert_eq!(all["rooms"]["LED-B1"][name]["delta_e_2000"], 0.0, "{name}");
+    }
+    assert!(all["rooms"]["FL11"]["red"]["delta_e_2000"].as_f64().unwrap() > 2.0);
+    assert_eq!(all["white_XYZ"][1], 1.0);
+}
+
+/// L*, a*, b* that were entered are those that are computed in the same light.
+#[test]
+fn measured_lab_is_the_colour_in_its_light() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = measured(folder.path(), "# my panel\nstate;L;a;b\nwhite;66.5;-4;-2\nred;28;38;22\n", "");
+    let all = json(&file, &[]);
+    for (colour, lab) in
+        all["colours"].as_array().unwrap().iter().zip([[66.5, -4.0, -2.0], [28.0, 38.0, 22.0]])
+    {
+        for (key, value) in ["L_star", "a_star", "b_star"].iter().zip(lab) {
+            assert!((colour[key].as_f64().unwrap() - value).abs() < 1e-3, "{colour}");
+        }
+    }
+    // The white of D65 and the matrix of sRGB are rounded to five digits.
+    let white = all["colours"][0]["srgb_relative"].as_array().unwrap();
+    assert!(white.iter().all(|value| value.as_f64().unwrap() > 0.9999), "{white:?}");
+    let warned = stderr(&palette(&file, &["--json"]));
+    assert!(warned.contains("smoothest spectra"), "{warned}");
+    let glass = stderr(&palette(&file, &["--json", "--set", "display.glass.index=1.5"]));
+    assert!(glass.contains("measured through the panel's own surface"), "{glass}");
+}
+
+#[test]
+fn wrong_input_is_answered_with_its_place() {
+    let folder = tempfile::tempdir().unwrap();
+    let answer = |csv: &str, more: &[&str]| {
+        let output = palette(&measured(folder.path(), csv, ""), more);
+        assert_eq!(output.status.code(), Some(2));
+        stderr(&output)
+    };
+    let good = "state,L,a,b\nwhite,60,0,0\n";
+    for (csv, part) in [
+        ("state,R,G,B\nwhite,1,2,3\n", "`wavelength_nm`, `reflectance_factor` or `L`, `a`, `b`"),
+        ("state,L,a,b\n", "there are no rows of data"),
+        ("state,L,a,b\nwhite,160,0,0\n", "inks.csv:2:7"),
+        ("state,L,a,b\nwhite,60,0,0\nwhite,61,0,0\n", "`white` has two rows"),
+        ("state,L,a,b\nred,95,90,90\n", "no surface has the colour of state `red`"),
+        ("state,wavelength_nm,reflectance_factor\nwhite,0.4,0.1\nwhite,0.7,0.2\n", "micrometres"),
+        (
+            "state,wavelength_nm,reflectance_factor\nwhite,400,0.1\nwhite,400,0.2\n",
+            "`white` at 400 nm has two rows",
+        ),
+        ("state,wavelength_nm,reflectance_factor\nwhite,400,0.1\nwhite,700,0.2\n", "400"),
+    ] {
+        let text = answer(csv, &[]);
+        assert!(text.contains(part), "{csv}: {text}");
+    }
+    assert!(answer(good, &["--rooms", "offce"]).contains("no preset and no illuminant named `offce`"));
+    assert!(
+        answer(good, &["--set", "viewer.theta_deg=[0,10]"])
+            .contains("computed for one view, and these are 2")
+    );
+    assert!(answer(good, &["--set", "display.pixel.illuminant=\"D5O\""]).contains("D5O"));
+}

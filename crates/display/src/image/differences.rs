@@ -1,0 +1,120 @@
+//! How much two pictures in the same light differ: CIEDE2000 of each pixel, and for a reader at a distance S-CIELAB and FLIP.
+
+use papilio_colour::pictures::{Picture, flip, scielab};
+use papilio_colour::{Adaptation, ColourError, Lab, Xyz};
+use schemars::JsonSchema;
+use serde::Serialize;
+
+use super::colour;
+
+/// Differences of two pictures.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, JsonSchema)]
+pub struct PictureDifferences {
+    /// CIEDE2000 of the pixels, without the eye's blur: the mean.
+    pub delta_e_2000_mean: f64,
+    /// Median.
+    pub delta_e_2000_p50: f64,
+    /// 95th percentile.
+    pub delta_e_2000_p95: f64,
+    /// S-CIELAB (CIEDE2000 after the eye's blur): the mean; null without a size of pixels.
+    pub scielab_mean: Option<f64>,
+    /// 95th percentile.
+    pub scielab_p95: Option<f64>,
+    /// FLIP, 0 to 1: the mean.
+    pub flip_mean: Option<f64>,
+}
+
+/// Mean, median and 95th percentile.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Difference {
+    /// Mean.
+    pub mean: f64,
+    /// Median.
+    pub p50: f64,
+    /// 95th percentile.
+    pub p95: f64,
+}
+
+impl Difference {
+    fn of(mut values: Vec<f64>) -> Self {
+        let count = values.len().max(1);
+        let mean = values.iter().sum::<f64>() / count as f64;
+        let mut quantile = |fraction: f64| {
+            let at = ((count as f64 - 1.0) * fraction).round() as usize;
+            if at >= values.len() {
+                return 0.0;
+            };
+            *values.select_nth_unstable_by(at, f64::total_cmp).1
+        };
+        Self { mean, p50: quantile(0.5), p95: quantile(0.95) }
+    }
+}
+
+impl PictureDifferences {
+    /// Compares two pictures with rows of `columns` in a light of this white; `to_screen` adapts it to D65.
+    ///
+    /// # Errors
+    /// If the white has no X, Y or Z.
+    pub(super) fn between(
+        pictures: [&[[f32; 3]]; 2],
+        columns: usize,
+        white: Xyz,
+        to_screen: &Adaptation,
+        pixels_per_degree: Option<f64>,
+    ) -> Result<Self, ColourError> {
+        let lab = |pixel: &[f32; 3]| colour(*pixel).lab(white).ok_or(ColourError::NoWhite);
+        let pairs = pictures[0].iter().zip(pictures[1]);
+        let pixels = pairs.map(|(one, other)| Ok(lab(one)?.delta_e_2000(lab(other)?)));
+        let plain = Difference::of(pixels.collect::<Result<_, ColourError>>()?);
+        let mut differences = Self {
+            delta_e_2000_mean: plain.mean,
+            delta_e_2000_p50: plain.p50,
+            delta_e_2000_p95: plain.p95,
+            scielab_mean: None,
+            scielab_p95: None,
+            flip_mean: None,
+        };
+        if let Some(per_degree) = pixels_per_degree {
+            let planes = |pixels: &[[f32; 3]], of: &dyn Fn([f32; 3]) -> [f64; 3]| {
+                let values: Vec<[f64; 3]> = pixels.iter().map(|pixel| of(*pixel)).collect();
+                Picture::new(columns, [0, 1, 2].map(|k| values.iter().map(|value| value[k]).collect()))
+            };
+            let xyz = |pixels| planes(pixels, &|pixel| colour(pixel).to_array());
+            let [one, other] = [xyz(pictures[0])?, xyz(pictures[1])?];
+            let blurred = Difference::of(scielab([&one, &other], white, per_degree, Lab::delta_e_2000)?);
+            let rgb = |pixels| planes(pixels, &|pixel| to_screen.apply(colour(pixel)).linear_srgb());
+            let [one, other] = [rgb(pictures[0])?, rgb(pictures[1])?];
+            differences.scielab_mean = Some(blurred.mean);
+            differences.scielab_p95 = Some(blurred.p95);
+            differences.flip_mean = Some(Difference::of(flip([&one, &other], per_degree)?).mean);
+        }
+        Ok(differences)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use papilio_colour::D65_WHITE;
+
+    use super::*;
+
+    #[test]
+    fn equal_pictures_do_not_differ_and_quantiles_are_ordered() {
+        let same = Adaptation::between(D65_WHITE, D65_WHITE).unwrap();
+        let grey: Vec<[f32; 3]> =
+            (0..64).map(|k| [0.3, 0.32, 0.35].map(|one: f32| one * (1.0 + k as f32 / 64.0))).collect();
+        let darker: Vec<[f32; 3]> = grey
+            .iter()
+            .enumerate()
+            .map(|(k, pixel)| pixel.map(|one| one * (1.0 - k as f32 / 200.0)))
+            .collect();
+        let against = |other: &[[f32; 3]]| {
+            PictureDifferences::between([&grey, other], 8, D65_WHITE, &same, Some(40.0)).unwrap()
+        };
+        let none = against(&grey);
+        assert_eq!((none.delta_e_2000_p95, none.scielab_mean, none.flip_mean), (0.0, Some(0.0), Some(0.0)));
+        let some = against(&darker);
+        assert!(0.0 < some.delta_e_2000_p50 && some.delta_e_2000_p50 < some.delta_e_2000_p95);
+        assert!(some.flip_mean.unwrap() > 0.0 && some.scielab_mean.unwrap() > 0.0);
+    }
+}

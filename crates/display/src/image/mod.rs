@@ -1,0 +1,283 @@
+//! Pictures on a display: which state each pixel gets, and what the reader sees of them in this light and view.
+//!
+//! The steps, each a function of its own, in linear light throughout:
+//!
+//! | step | function |
+//! |---|---|
+//! | the picture on the pixels of the panel | [`papilio_imaging::fitted`] |
+//! | its white and black become those of the display in this light and view | `rendering.rs` |
+//! | colours that no mixture of states has are mapped into those that have one | `rendering.rs` |
+//! | a state for each pixel | [`papilio_imaging::halftone`] |
+//! | what the layers above the pixels make of them | [`picture`](crate::spatial::picture) |
+//! | how far that is from the picture | `differences.rs` |
+//!
+//! Rows of all pictures begin at the top. Colours are X, Y, Z relative to a perfect white in the same light.
+
+mod differences;
+mod rendering;
+
+use std::cell::Cell;
+use std::f64::consts::PI;
+
+pub use differences::{Difference, PictureDifferences};
+use papilio_colour::{Adaptation, D65_WHITE, Xyz};
+use papilio_imaging::halftone::{DiffusionKernel, ErrorDiffusion, Scan};
+use papilio_imaging::{Fit, fitted};
+pub use rendering::Intent;
+use rendering::Rendering;
+use schemars::JsonSchema;
+use serde::Serialize;
+
+use crate::DisplayError;
+use crate::palette::{Palette, PaletteColour, PaletteLight, PaletteView};
+use crate::result::Named;
+use crate::run::{Control, run};
+use crate::scene::{Pixel, Scene, UniformKind};
+use crate::spatial::{Picture, Precision, picture};
+
+/// A picture.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SourceImage {
+    /// Number of pixels in a row.
+    pub columns: usize,
+    /// X, Y, Z of each pixel under D65, Y = 1 of white.
+    pub pixels: Vec<[f32; 3]>,
+}
+
+/// How a picture is brought to a panel.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct ImageSettings {
+    /// How it is fitted to the pixels of the panel.
+    pub fit: Fit,
+    /// What becomes of its white and black, and of colours that the display cannot show.
+    pub intent: Intent,
+    /// How pixels with few states show many colours.
+    pub halftone: Halftone,
+    /// Weights of error diffusion.
+    pub kernel: DiffusionKernel,
+    /// Order of the pixels of error diffusion.
+    pub scan: Scan,
+    /// States that are used; empty: all.
+    pub states: Vec<String>,
+}
+
+/// How pixels with few states show many colours.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Halftone {
+    /// Every pixel shows the mapped colour itself: a reference without halftone.
+    None,
+    /// The error of each pixel is passed on to its neighbours.
+    #[default]
+    ErrorDiffusion,
+}
+
+/// What is white, 255, 255, 255, in the picture for a screen.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum ScreenWhite {
+    /// A perfect white in the light.
+    #[default]
+    Perfect,
+    /// The white of the display.
+    Display,
+}
+
+/// A picture on a display.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ImageResult {
+    /// Number of columns and rows of the panel.
+    pub size: [usize; 2],
+    /// State of each pixel, by its number in [`ImageNumbers::states`]; empty without a halftone.
+    pub states: Vec<u8>,
+    /// X, Y, Z of each pixel as the reader sees it.
+    pub seen: Vec<[f32; 3]>,
+    /// sRGB of `seen`, adapted to D65.
+    pub srgb: Vec<[u8; 3]>,
+    /// Luminance of a perfect white in the light, cd/m2.
+    pub white_cd_m2: f32,
+    /// Numbers.
+    pub numbers: ImageNumbers,
+    /// Colours of the states, in the same order: for the palette of a file.
+    pub palette: Palette,
+}
+
+/// Numbers of a picture on a display.
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
+#[allow(non_snake_case, reason = "the field's own letters, as image.json spells them")]
+pub struct ImageNumbers {
+    /// The light.
+    pub light: PaletteLight,
+    /// The view.
+    pub view: PaletteView,
+    /// Number of columns and rows.
+    pub size: [usize; 2],
+    /// States, in the order of states.png.
+    pub states: Vec<String>,
+    /// Fraction of the pixels in each state; null without a halftone.
+    pub coverage: Option<Named<f64>>,
+    /// Fraction of the pixels whose colour no mixture of states has.
+    pub out_of_gamut_fraction: f64,
+    /// Fraction of the pixels that a screen cannot show in seen.png, which are clipped.
+    pub clipped_fraction: f64,
+    /// Mean X, Y, Z of what is seen.
+    pub mean_XYZ: [f64; 3],
+    /// Pixels in a degree of the visual angle; null without [display.matrix].
+    pub pixels_per_degree: Option<f64>,
+    /// Differences from the picture with the white and black of this display, before gamut mapping.
+    pub against_source: PictureDifferences,
+    /// Differences from the picture after gamut mapping.
+    pub against_mapped: PictureDifferences,
+    /// Whether the light that layers return from each pixel to its neighbours is computed.
+    pub neighbours_light: bool,
+    /// Estimated error of X, Y, Z of a pixel that is seen.
+    pub error: f64,
+    /// Warnings.
+    pub warnings: Vec<String>,
+}
+
+/// Brings a picture to a display, and computes what the reader sees.
+///
+/// # Errors
+/// As [`run`]; if the scene does not have exactly one view, a state does not exist, the light has no colour, or the
+/// picture has no pixels.
+pub fn image(
+    scene: &Scene,
+    source: &SourceImage,
+    settings: &ImageSettings,
+    screen_white: ScreenWhite,
+    control: &Control<'_>,
+) -> Result<ImageResult, DisplayError> {
+    let view = scene.viewer.single_view("a picture")?;
+    let result = run(scene, control)?;
+    let no_white = DisplayError::NoWhite { what: "a picture" };
+    let palette = Palette::of(&result, 0).ok_or(no_white.clone())?.with_states(&settings.states)?;
+    let [x, y, z] = palette.white_XYZ;
+    let white = Xyz { x, y, z };
+    let to_light = Adaptation::between(D65_WHITE, white).ok_or(no_white.clone())?;
+    let to_screen = Adaptation::between(white, D65_WHITE).ok_or(no_white)?;
+
+    let own = [source.columns, source.pixels.len() / source.columns.max(1)];
+    let size = scene.display.matrix.as_ref().and_then(|matrix| matrix.pixels).unwrap_or(own);
+    let margin = D65_WHITE.to_array().map(|value| value as f32);
+    let fitted = fitted(&source.pixels, source.columns, size, settings.fit, margin);
+    if fitted.is_empty() {
+        return Err(DisplayError::EmptyPicture);
+    }
+    let rendering = Rendering::new(&palette, &to_light, settings.intent)?;
+    let wanted: Vec<[f32; 3]> = fitted.iter().map(|pixel| rendering.wanted(*pixel)).collect();
+    let out = Cell::new(0_usize);
+    let mapped: Vec<[f32; 3]> = wanted
+        .iter()
+        .map(|pixel| {
+            let (colour, is_inside) = rendering.mapped(*pixel);
+            out.set(out.get() + usize::from(!is_inside));
+            colour
+        })
+        .collect();
+    stopped(control)?;
+    let states = match settings.halftone {
+        Halftone::None => Vec::new(),
+        Halftone::ErrorDiffusion => {
+            let diffusion = ErrorDiffusion {
+                kernel: settings.kernel,
+                scan: settings.scan,
+                metric: rendering.metric(),
+                ..ErrorDiffusion::default()
+            };
+            diffusion.colours(&mapped, size[0], &rendering.states)?.states
+        }
+    };
+    stopped(control)?;
+    let names = scene.display.state_names();
+    let number = |one: &PaletteColour| names.iter().position(|name| *name == one.state).unwrap_or(0);
+    let all: Vec<usize> = palette.colours.iter().map(number).collect();
+    let (seen, error, neighbours_light) = match settings.halftone {
+        Halftone::None => (mapped.clone(), 0.0, false),
+        Halftone::ErrorDiffusion => seen(scene, size, &states, &all, &rendering, control)?,
+    };
+    let on_screen = match screen_white {
+        ScreenWhite::Perfect => to_screen,
+        ScreenWhite::Display => Adaptation::between(rendering.white, D65_WHITE).unwrap_or(to_screen),
+    };
+    let screen: Vec<[f64; 3]> =
+        seen.iter().map(|pixel| on_screen.apply(colour(*pixel)).linear_srgb()).collect();
+    let is_clipped = |rgb: &&[f64; 3]| rgb.iter().any(|value| !(-CLIPPED..=1.0 + CLIPPED).contains(value));
+    let count = size[0] * size[1];
+    let fraction = |number: usize| number as f64 / count as f64;
+    let mean = |k: usize| seen.iter().map(|pixel| f64::from(pixel[k])).sum::<f64>() / count as f64;
+    let pitch_mm = scene.display.matrix.as_ref().map(|matrix| matrix.pitch_mm[0]);
+    let per_degree =
+        pitch_mm.map(|mm| papilio_colour::pictures::pixels_per_degree(1e3 * mm, scene.viewer.distance_mm));
+    let against = |other: &[[f32; 3]]| {
+        PictureDifferences::between([&seen, other], size[0], white, &to_screen, per_degree)
+    };
+    let numbers = ImageNumbers {
+        light: PaletteLight::of(scene, &result),
+        view,
+        size,
+        states: palette.colours.iter().map(|colour| colour.state.clone()).collect(),
+        coverage: (!states.is_empty()).then(|| coverage(&palette, &states)),
+        out_of_gamut_fraction: fraction(out.get()),
+        clipped_fraction: fraction(screen.iter().filter(is_clipped).count()),
+        mean_XYZ: [mean(0), mean(1), mean(2)],
+        pixels_per_degree: per_degree,
+        against_source: against(&wanted)?,
+        against_mapped: against(&mapped)?,
+        neighbours_light,
+        error,
+        warnings: result.warnings,
+    };
+    let bytes = |pixel: &[f32; 3]| on_screen.apply(colour(*pixel)).srgb_clipped();
+    let srgb = seen.iter().map(bytes).collect();
+    let white_cd_m2 = (scene.lighting.illuminance_lx / PI) as f32;
+    Ok(ImageResult { size, srgb, states, seen, white_cd_m2, numbers, palette })
+}
+
+/// Light of a screen's primaries beyond 0 and 1 that counts as rounding.
+const CLIPPED: f64 = 1e-3;
+
+/// What the reader sees of each pixel, its error, and whether light that the layers return to neighbours is contained.
+fn seen(
+    scene: &Scene,
+    size: [usize; 2],
+    states: &[u8],
+    all: &[usize],
+    rendering: &Rendering,
+    control: &Control<'_>,
+) -> Result<(Vec<[f32; 3]>, f64, bool), DisplayError> {
+    let is_paper =
+        matches!(&scene.display.pixel, Pixel::Uniform(pixel) if pixel.kind == UniformKind::Lambertian);
+    let is_glass = scene.display.index_above_pixel().max() > 1.0;
+    if is_paper && is_glass && scene.display.matrix.is_some() {
+        let flipped = states.chunks_exact(size[0]).rev().flatten();
+        let shown =
+            Picture { count: size, states: flipped.map(|state| all[usize::from(*state)] as u8).collect() };
+        match picture(scene, &shown, Precision::FAST, control) {
+            Ok(mut found) => {
+                let view = found.views.pop().unwrap_or_default();
+                let rows = view.chunks_exact(size[0]).rev().flatten().copied();
+                return Ok((rows.collect(), found.error, true));
+            }
+            // Below other layers, pixels have the colours of pages.
+            Err(DisplayError::PlacesNotComputed { .. }) => {}
+            Err(error) => return Err(error),
+        }
+    }
+    let colours: Vec<[f32; 3]> =
+        rendering.states.iter().map(|colour| colour.map(|value| value as f32)).collect();
+    Ok((states.iter().map(|state| colours[usize::from(*state)]).collect(), rendering.error, false))
+}
+
+fn coverage(palette: &Palette, states: &[u8]) -> Named<f64> {
+    let mut counts = vec![0_usize; palette.colours.len()];
+    states.iter().for_each(|state| counts[usize::from(*state)] += 1);
+    let fractions = counts.into_iter().map(|count| count as f64 / states.len() as f64);
+    Named(palette.colours.iter().map(|colour| colour.state.clone()).zip(fractions).collect())
+}
+
+fn stopped(control: &Control<'_>) -> Result<(), DisplayError> {
+    if control.stopped() { Err(DisplayError::Interrupted) } else { Ok(()) }
+}
+
+fn colour([x, y, z]: [f32; 3]) -> Xyz {
+    Xyz { x: x.into(), y: y.into(), z: z.into() }
+}

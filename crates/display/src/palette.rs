@@ -1,0 +1,265 @@
+//! The palette of a display: the colours of its states in one light and view, in the coordinates that pictures and dithering need.
+
+use papilio_colour::{Lab, Xy, Xyz, colour_temperature};
+use papilio_spectra::Spectrum;
+use schemars::JsonSchema;
+use serde::Serialize;
+
+use crate::DisplayError;
+use crate::result::{Illuminant, Named, RunResult, State, StateValues};
+use crate::run::{Control, run};
+use crate::scene::{Scene, Viewer};
+
+/// Computes the colours of all states in the light of a scene, and in other rooms: names, and scenes with the same states.
+///
+/// # Errors
+/// As [`run`](crate::run); if the scene does not have exactly one view, or a light has no colour.
+pub fn palette(
+    scene: &Scene,
+    rooms: &[(String, &Scene)],
+    control: &Control<'_>,
+) -> Result<PaletteResult, DisplayError> {
+    let view = scene.viewer.single_view("a palette")?;
+    let of = |result: &RunResult| Palette::of(result, 0).ok_or(DisplayError::NoWhite { what: "a palette" });
+    let here = run(scene, control)?;
+    let palette = of(&here)?;
+    let rooms = rooms.iter().map(|(name, scene)| {
+        let there = of(&run(scene, control)?)?;
+        Ok((name.clone(), there.into_room(&palette)))
+    });
+    let rooms = Named(rooms.collect::<Result<_, DisplayError>>()?);
+    let light = PaletteLight::of(scene, &here);
+    Ok(PaletteResult { light, view, palette, rooms, warnings: here.warnings })
+}
+
+/// Result of [`palette`].
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
+pub struct PaletteResult {
+    /// The light.
+    pub light: PaletteLight,
+    /// The view.
+    pub view: PaletteView,
+    /// The colours.
+    #[serde(flatten)]
+    pub palette: Palette,
+    /// Colours in other rooms, by name and state.
+    pub rooms: Named<Room>,
+    /// Warnings.
+    pub warnings: Vec<String>,
+}
+
+/// The view of a palette.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, JsonSchema)]
+pub struct PaletteView {
+    /// Inclination, degrees.
+    pub theta_deg: f64,
+    /// Azimuth, degrees.
+    pub phi_deg: f64,
+}
+
+impl Viewer {
+    /// Returns the only view, for computations that have one.
+    ///
+    /// # Errors
+    /// [`DisplayError::OneView`] with `what` is computed.
+    pub fn single_view(&self, what: &'static str) -> Result<PaletteView, DisplayError> {
+        match (self.theta_deg.as_slice(), self.phi_deg.as_slice()) {
+            ([theta_deg], [phi_deg]) => Ok(PaletteView { theta_deg: *theta_deg, phi_deg: *phi_deg }),
+            (theta, phi) => Err(DisplayError::OneView { what, views: theta.len() * phi.len() }),
+        }
+    }
+}
+
+/// The light of a palette.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, JsonSchema)]
+pub struct PaletteLight {
+    /// Illuminance, lx.
+    pub illuminance_lx: f64,
+    /// CIE 1931 x of a perfect white.
+    pub x: f64,
+    /// CIE 1931 y of a perfect white.
+    pub y: f64,
+    /// Correlated colour temperature, K; null far from the Planckian locus.
+    pub colour_temperature_k: Option<f64>,
+}
+
+impl PaletteLight {
+    /// Describes the light of a scene by its result.
+    pub fn of(scene: &Scene, result: &RunResult) -> Self {
+        let Illuminant { ref radiance_of_white, x, y, .. } = result.illuminant;
+        let white = Spectrum::from_values(radiance_of_white.clone());
+        let colour_temperature_k = colour_temperature(&white, &scene.grid).map(|found| found.cct_k);
+        Self { illuminance_lx: scene.lighting.illuminance_lx, x, y, colour_temperature_k }
+    }
+}
+
+/// Colours of all states of a view.
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
+#[allow(non_snake_case, reason = "the field's own letters, as palette.json spells them")]
+pub struct Palette {
+    /// X, Y and Z of a perfect white in the light; Y = 1.
+    pub white_XYZ: [f64; 3],
+    /// Colours, in the order of the states.
+    pub colours: Vec<PaletteColour>,
+}
+
+/// The colour of a state.
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
+#[allow(non_snake_case, reason = "the field's own letters, as palette.json spells them")]
+pub struct PaletteColour {
+    /// Name of the state.
+    pub state: String,
+    /// Tristimulus value relative to a perfect white in the light.
+    pub X: f64,
+    /// Tristimulus value: the luminous reflectance factor.
+    pub Y: f64,
+    /// Tristimulus value.
+    pub Z: f64,
+    /// CIELAB lightness L*, relative to the same white as in `result.json` (`metrics.white`).
+    pub L_star: Option<f64>,
+    /// CIELAB a*.
+    pub a_star: Option<f64>,
+    /// CIELAB b*.
+    pub b_star: Option<f64>,
+    /// Oklab L, a and b of the colour adapted to D65; a perfect white has L = 1.
+    pub oklab: Option<[f64; 3]>,
+    /// sRGB, encoded and clipped, 0 to 1, of the colour adapted to D65; a perfect white is 1, 1, 1.
+    pub srgb: Option<[f64; 3]>,
+    /// The same with the display's white as the white: the state `white`, or else the brightest one, is 1, 1, 1.
+    pub srgb_relative: Option<[f64; 3]>,
+    /// `srgb` as #rrggbb.
+    pub hex: Option<String>,
+    /// Errors.
+    pub error: PaletteErrors,
+}
+
+/// Standard or discretisation errors of a colour.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, JsonSchema)]
+#[allow(non_snake_case, reason = "the field's own letters, as palette.json spells them")]
+pub struct PaletteErrors {
+    /// Of X.
+    pub X: f64,
+    /// Of Y.
+    pub Y: f64,
+    /// Of Z.
+    pub Z: f64,
+    /// Of L*.
+    pub L_star: Option<f64>,
+    /// Of a*.
+    pub a_star: Option<f64>,
+    /// Of b*.
+    pub b_star: Option<f64>,
+}
+
+/// A colour in another room.
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
+pub struct RoomColour {
+    /// The colour in the light of the room.
+    #[serde(flatten)]
+    pub colour: PaletteColour,
+    /// CIEDE2000 difference from the colour in the scenario's light, each relative to the white of its own light.
+    pub delta_e_2000: Option<f64>,
+}
+
+/// Colours of the states in another room, by state.
+pub type Room = Named<RoomColour>;
+
+impl Palette {
+    /// Returns the colours of a view; `None` if there is no such view, or the light has no colour.
+    pub fn of(result: &RunResult, view: usize) -> Option<Self> {
+        let states = &result.views.get(view)?.states;
+        let light = Xy { x: result.illuminant.x, y: result.illuminant.y };
+        let white = light.with_luminance(1.0)?;
+        let display = states.get("white").map(xyz);
+        let brightest = || states.0.iter().map(|(_, state)| xyz(state)).max_by(|a, b| a.y.total_cmp(&b.y));
+        let paper = display.or_else(brightest).filter(|paper| paper.y > 0.0);
+        let colours = states.0.iter().map(|(name, state)| PaletteColour::new(name, state, white, paper));
+        Some(Self { white_XYZ: white.to_array(), colours: colours.collect() })
+    }
+
+    /// Returns the palette with only these states, in this order; all, if none is named.
+    ///
+    /// # Errors
+    /// If a state does not exist.
+    pub fn with_states(mut self, names: &[String]) -> Result<Self, DisplayError> {
+        if !names.is_empty() {
+            let find = |name: &String| {
+                let known = self.colours.iter().find(|one| one.state == *name).cloned();
+                known.ok_or_else(|| DisplayError::NoSuchQuantity {
+                    what: format!("state {name}"),
+                    quantity: "picture",
+                })
+            };
+            self.colours = names.iter().map(find).collect::<Result<_, _>>()?;
+        }
+        Ok(self)
+    }
+
+    /// Returns this palette as that of a room, with differences from `other`.
+    pub fn into_room(self, other: &Self) -> Room {
+        let colours = self.colours.into_iter().map(|colour| {
+            let here = other.colours.iter().find(|here| here.state == colour.state);
+            let lab = |one: &PaletteColour| Some(Lab { l: one.L_star?, a: one.a_star?, b: one.b_star? });
+            let delta_e_2000 =
+                here.and_then(lab).zip(lab(&colour)).map(|(here, there)| here.delta_e_2000(there));
+            (colour.state.clone(), RoomColour { colour, delta_e_2000 })
+        });
+        Named(colours.collect())
+    }
+}
+
+impl PaletteColour {
+    fn new(name: &str, state: &State, white: Xyz, paper: Option<Xyz>) -> Self {
+        let value = &state.value;
+        let of = |white: Xyz| xyz(state).adapted_to_d65(white);
+        let seen = of(white);
+        let relative = paper.and_then(|paper| of(paper * (1.0 / paper.y)).map(|seen| seen * (1.0 / paper.y)));
+        let srgb = seen.map(Xyz::srgb_encoded);
+        Self {
+            state: name.to_owned(),
+            X: value.X,
+            Y: value.Y,
+            Z: value.Z,
+            L_star: value.L_star,
+            a_star: value.a_star,
+            b_star: value.b_star,
+            oklab: seen.map(|seen| seen.oklab()).map(|oklab| [oklab.l, oklab.a, oklab.b]),
+            srgb,
+            srgb_relative: relative.map(Xyz::srgb_encoded),
+            hex: srgb.map(hex),
+            error: PaletteErrors::new(state),
+        }
+    }
+}
+
+impl PaletteErrors {
+    fn new(state: &State) -> Self {
+        let both = [Some(&state.standard_error), state.discretisation_error.as_ref()];
+        let largest = |of: fn(&StateValues) -> Option<f64>| {
+            both.iter().flatten().filter_map(|one| of(one)).reduce(f64::max)
+        };
+        Self {
+            X: largest(|one| Some(one.X)).unwrap_or(0.0),
+            Y: largest(|one| Some(one.Y)).unwrap_or(0.0),
+            Z: largest(|one| Some(one.Z)).unwrap_or(0.0),
+            L_star: largest(|one| one.L_star),
+            a_star: largest(|one| one.a_star),
+            b_star: largest(|one| one.b_star),
+        }
+    }
+}
+
+fn xyz(state: &State) -> Xyz {
+    Xyz { x: state.value.X, y: state.value.Y, z: state.value.Z }
+}
+
+/// Returns encoded components, 0 to 1, as bytes.
+pub fn bytes(srgb: [f64; 3]) -> [u8; 3] {
+    srgb.map(|value| (255.0 * value).round() as u8)
+}
+
+/// Returns encoded components as #rrggbb.
+pub fn hex(srgb: [f64; 3]) -> String {
+    let [r, g, b] = bytes(srgb);
+    format!("#{r:02x}{g:02x}{b:02x}")
+}

@@ -1,0 +1,57 @@
+//! Pictures: PNG and JPEG files as linear light, and PNG and OpenEXR files of what a display shows.
+//!
+//! A picture in memory keeps the samples of its file; [`SourcePicture::row`] converts them to X, Y, Z row by row, so that a
+//! picture of 64 megapixels never exists as three planes of real numbers.
+
+mod colour_space;
+mod exif;
+mod icc;
+mod jpeg;
+mod png_read;
+mod problem;
+mod source;
+mod transfer;
+mod write;
+
+pub use colour_space::RgbSpace;
+pub use problem::PictureProblem;
+pub use source::SourcePicture;
+pub use transfer::Transfer;
+pub use write::{write_indexed_png, write_rgb_png, write_scene_exr};
+
+use papilio_diagnostics::{Place, Warned};
+
+use crate::error::FormatError;
+use crate::file::DataFile;
+
+/// Largest size of the file of a picture, bytes.
+pub const LARGEST_PICTURE_FILE: u64 = 512 << 20;
+
+/// Largest number of pixels of a picture.
+pub const MOST_PICTURE_PIXELS: usize = 64_000_000;
+
+/// Reads a PNG or JPEG file, detected from the content.
+///
+/// The colour space is that of the file: for PNG the first of its chunks cICP, iCCP, sRGB, gAMA with cHRM; for JPEG its ICC
+/// profile. A file that states none is in `untagged`, usually [`RgbSpace::srgb`]. Transparent pixels are composited over white, in
+/// linear light; the orientation of EXIF is applied; of an animation the first picture is read. Warnings report all of that.
+///
+/// # Errors
+/// If the file is neither, is damaged or cut off, or has more than [`MOST_PICTURE_PIXELS`]; sizes are checked before memory is
+/// allocated. If its encoding is one of high dynamic range, which has no white.
+pub fn read_picture(file: &DataFile, untagged: &RgbSpace) -> Result<Warned<SourcePicture>, FormatError> {
+    let picture = if file.bytes.starts_with(png_read::MAGIC) {
+        png_read::read(&file.bytes, untagged)
+    } else if file.bytes.starts_with(&jpeg::MAGIC) {
+        jpeg::read(&file.bytes, untagged)
+    } else {
+        Err(PictureProblem::NotAPicture)
+    };
+    picture.map_err(|problem| FormatError { place: Place::whole(&file.name), problem: problem.into() })
+}
+
+/// Fails unless a picture has a permitted size.
+fn check_size(columns: usize, rows: usize) -> Result<(), PictureProblem> {
+    let fits = columns.checked_mul(rows).is_some_and(|pixels| (1..=MOST_PICTURE_PIXELS).contains(&pixels));
+    if fits { Ok(()) } else { Err(PictureProblem::Size { columns, rows }) }
+}

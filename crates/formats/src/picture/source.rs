@@ -1,0 +1,218 @@
+//! A picture in memory with the samples of its file.
+
+use super::colour_space::{RgbSpace, d65};
+use super::problem::PictureProblem;
+use super::transfer::Transfer;
+
+/// A picture as in its file. The first row is at the top.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SourcePicture {
+    columns: usize,
+    rows: usize,
+    /// Values of a pixel: grey, grey and opacity, three colours, three colours and opacity.
+    channels: usize,
+    samples: Samples,
+    encoding: Encoding,
+    /// Name of its colour space.
+    space: String,
+}
+
+/// Encoded numbers, pixel by pixel.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) enum Samples {
+    Eight(Vec<u8>),
+    Sixteen(Vec<u16>),
+}
+
+impl Samples {
+    fn len(&self) -> usize {
+        match self {
+            Self::Eight(values) => values.len(),
+            Self::Sixteen(values) => values.len(),
+        }
+    }
+
+    fn largest(&self) -> u16 {
+        match self {
+            Self::Eight(_) => 255,
+            Self::Sixteen(_) => u16::MAX,
+        }
+    }
+}
+
+/// What a colour space does to the numbers of a picture.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct ColourEncoding {
+    /// Name for messages.
+    pub(super) name: String,
+    /// Transfer functions of red, green and blue.
+    pub(super) transfers: [Transfer; 3],
+    /// From linear red, green and blue to X, Y, Z under D65.
+    pub(super) xyz_from_rgb: [[f64; 3]; 3],
+}
+
+impl ColourEncoding {
+    /// That of a colour space.
+    pub(super) fn of(space: &RgbSpace) -> Option<Self> {
+        let transfers = [0; 3].map(|_| space.transfer.clone());
+        Some(Self { name: space.name.clone(), transfers, xyz_from_rgb: space.xyz_from_rgb()? })
+    }
+}
+
+/// Linear light of each encoded number by colour, and the matrix to X, Y, Z.
+#[derive(Debug, Clone, PartialEq)]
+struct Encoding {
+    light: [Vec<f32>; 3],
+    xyz_from_rgb: [[f32; 3]; 3],
+}
+
+impl SourcePicture {
+    /// A picture of 1 to 4 channels.
+    pub(super) fn new(
+        [columns, rows]: [usize; 2],
+        channels: usize,
+        samples: Samples,
+        encoding: &ColourEncoding,
+    ) -> Result<Self, PictureProblem> {
+        if samples.len() != columns * rows * channels {
+            return Err(PictureProblem::Damaged {
+                format: "picture",
+                message: "values are missing".to_owned(),
+            });
+        }
+        let largest = samples.largest();
+        let [red, green, blue] = &encoding.transfers;
+        let first = red.table(largest);
+        let others =
+            [green, blue].map(|other| if other == red { first.clone() } else { other.table(largest) });
+        let [second, third] = others;
+        let light = [first, second, third];
+        let xyz_from_rgb = encoding.xyz_from_rgb.map(|row| row.map(|value| value as f32));
+        let encoded = Encoding { light, xyz_from_rgb };
+        Ok(Self { columns, rows, channels, samples, encoding: encoded, space: encoding.name.clone() })
+    }
+
+    /// Pixels in a row.
+    pub fn columns(&self) -> usize {
+        self.columns
+    }
+
+    /// Number of rows.
+    pub fn rows(&self) -> usize {
+        self.rows
+    }
+
+    /// Name of its colour space, for messages.
+    pub fn space(&self) -> &str {
+        &self.space
+    }
+
+    /// X, Y, Z of the pixels of a row under D65, Y = 1 for white, composited over white. Colours outside the visible ones have
+    /// negative values. Nothing for a row that the picture does not have.
+    pub fn row(&self, row: usize) -> Vec<[f32; 3]> {
+        let width = self.columns * self.channels;
+        let range = row.saturating_mul(width)..row.saturating_add(1).saturating_mul(width);
+        match &self.samples {
+            Samples::Eight(values) => self.converted(values.get(range).unwrap_or_default()),
+            Samples::Sixteen(values) => self.converted(values.get(range).unwrap_or_default()),
+        }
+    }
+
+    /// All rows after each other.
+    pub fn xyz(&self) -> Vec<[f32; 3]> {
+        let mut pixels = Vec::with_capacity(self.columns * self.rows);
+        (0..self.rows).for_each(|row| pixels.extend(self.row(row)));
+        pixels
+    }
+
+    fn converted<T: Copy + Into<u16>>(&self, values: &[T]) -> Vec<[f32; 3]> {
+        let white = d65().map(|value| value as f32);
+        let largest = f32::from(self.samples.largest());
+        let is_coloured = self.channels > 2;
+        let pixel = |pixel: &[T]| {
+            let light =
+                |k: usize| self.encoding.light[k].get(usize::from(pixel[k].into())).copied().unwrap_or(0.0);
+            let xyz = if is_coloured {
+                let rgb = [light(0), light(1), light(2)];
+                self.encoding.xyz_from_rgb.map(|row| row[0] * rgb[0] + row[1] * rgb[1] + row[2] * rgb[2])
+            } else {
+                white.map(|value| value * light(0))
+            };
+            if self.channels.is_multiple_of(2) {
+                let opacity = f32::from(pixel[self.channels - 1].into());
+                let opacity = opacity / largest;
+                std::array::from_fn(|k| white[k] + opacity * (xyz[k] - white[k]))
+            } else {
+                xyz
+            }
+        };
+        values.chunks_exact(self.channels).map(pixel).collect()
+    }
+
+    /// Whether a pixel is not opaque.
+    pub(super) fn is_transparent(&self) -> bool {
+        let has_opacity = self.channels.is_multiple_of(2);
+        has_opacity
+            && match &self.samples {
+                Samples::Eight(values) => {
+                    values.chunks_exact(self.channels).any(|pixel| pixel.last() < Some(&255))
+                }
+                Samples::Sixteen(values) => {
+                    values.chunks_exact(self.channels).any(|pixel| pixel.last() < Some(&u16::MAX))
+                }
+            }
+    }
+
+    /// The picture turned upright, for one of the eight orientations of EXIF.
+    pub(super) fn upright(mut self, orientation: u8) -> Self {
+        if !(2..=8).contains(&orientation) {
+            return self;
+        }
+        let (columns, rows) = (self.columns, self.rows);
+        let is_turned = orientation >= 5;
+        if is_turned {
+            (self.columns, self.rows) = (rows, columns);
+        }
+        // The pixel of the file that is at column x of row y of the upright picture.
+        let from = |x: usize, y: usize| {
+            let [left, top, right, bottom] = [x, y, columns.wrapping_sub(1 + x), rows.wrapping_sub(1 + y)];
+            let [turned_right, turned_bottom] = [columns.wrapping_sub(1 + y), rows.wrapping_sub(1 + x)];
+            let (column, row) = match orientation {
+                2 => (right, top),
+                3 => (right, bottom),
+                4 => (left, bottom),
+                5 => (y, x),
+                6 => (y, turned_bottom),
+                7 => (turned_right, turned_bottom),
+                _ => (turned_right, x),
+            };
+            row * columns + column
+        };
+        self.samples = match &self.samples {
+            Samples::Eight(values) => {
+                Samples::Eight(moved(values, self.channels, [self.columns, self.rows], from))
+            }
+            Samples::Sixteen(values) => {
+                Samples::Sixteen(moved(values, self.channels, [self.columns, self.rows], from))
+            }
+        };
+        self
+    }
+}
+
+/// The pixels of a picture of `columns` and `rows`, each from its place.
+fn moved<T: Copy>(
+    values: &[T],
+    channels: usize,
+    [columns, rows]: [usize; 2],
+    from: impl Fn(usize, usize) -> usize,
+) -> Vec<T> {
+    let mut moved = Vec::with_capacity(values.len());
+    for y in 0..rows {
+        for x in 0..columns {
+            let at = from(x, y) * channels;
+            moved.extend_from_slice(&values[at..at + channels]);
+        }
+    }
+    moved
+}

@@ -1,0 +1,346 @@
+//! Pictures: kinds of files, their colour spaces, errors, arbitrary bytes, writers.
+
+mod samples;
+
+use exr::prelude::{ReadChannels, ReadLayers};
+use papilio_formats::{
+    DataFile, RgbSpace, SourcePicture, Warned, read_picture, write_indexed_png, write_rgb_png,
+    write_scene_exr,
+};
+use papilio_testing::Dice;
+
+use samples::{Jpeg, Png, exif, profile, srgb_profile};
+
+fn read(bytes: &[u8]) -> Result<Warned<SourcePicture>, String> {
+    let file = DataFile { name: "photo.png".into(), bytes: bytes.to_vec() };
+    read_picture(&file, &RgbSpace::srgb()).map_err(|error| error.to_string())
+}
+
+/// The first pixel.
+fn first(bytes: &[u8]) -> [f32; 3] {
+    read(bytes).unwrap().value.row(0)[0]
+}
+
+#[track_caller]
+fn assert_near(found: [f32; 3], wanted: [f32; 3], tolerance: f32) {
+    let differs = found.iter().zip(wanted).any(|(found, wanted)| (found - wanted).abs() > tolerance);
+    assert!(!differs, "{found:?} instead of {wanted:?}");
+}
+
+const D65: [f32; 3] = [0.95046, 1.0, 1.08906];
+
+/// IEC 61966-2-1; SMPTE EG 432-1; ITU-R BT.2020: X, Y, Z of red, and Y of the others.
+#[test]
+fn colour_spaces_have_their_published_primaries() {
+    for (space, red, [green, blue]) in [
+        (RgbSpace::srgb(), [0.4124, 0.2126, 0.0193], [0.7152, 0.0722]),
+        (RgbSpace::display_p3(), [0.4866, 0.2290, 0.0], [0.6917, 0.0793]),
+        (RgbSpace::rec_2020(), [0.6370, 0.2627, 0.0], [0.6780, 0.0593]),
+    ] {
+        let matrix = space.xyz_from_rgb().unwrap();
+        for k in 0..3 {
+            assert!((matrix[k][0] - red[k]).abs() < 1e-4, "{}: {matrix:?}", space.name);
+            let white: f64 = matrix[k].iter().sum();
+            assert!((white - f64::from(D65[k])).abs() < 1e-4, "{}", space.name);
+        }
+        assert!((matrix[1][1] - green).abs() < 1e-4 && (matrix[1][2] - blue).abs() < 1e-4, "{}", space.name);
+        assert_eq!(
+            RgbSpace::named(&space.name.to_lowercase().replace(". ", "-").replace(' ', "-")),
+            Some(space)
+        );
+    }
+    // A white of its own becomes D65: ProPhoto's is D50.
+    let other = RgbSpace { white: [0.3457, 0.3585], ..RgbSpace::srgb() };
+    let matrix = other.xyz_from_rgb().unwrap();
+    assert!((0..3).all(|k| (matrix[k].iter().sum::<f64>() - f64::from(D65[k])).abs() < 1e-4));
+    assert_eq!(RgbSpace { primaries: [[0.3, 0.3]; 3], ..RgbSpace::srgb() }.xyz_from_rgb(), None);
+}
+
+#[test]
+fn png_of_each_depth_and_kind_has_its_light() {
+    let middle = D65.map(|value| 0.21586 * value);
+    // 128 of 255, 8 of 15, 2 of 3, 1 of 1, 32896 of 65535.
+    for (depth, row, light) in [
+        (8, vec![128], 0.21586),
+        (16, vec![128, 128], 0.21586),
+        (4, vec![0x80], 0.24620),
+        (2, vec![0x80], 0.40198),
+        (1, vec![0x80], 1.0),
+    ] {
+        let png = Png::new([1, 1], depth, 0).data(&[0], &row);
+        assert_near(first(&png), D65.map(|value| light * value), 1e-4);
+    }
+    let rgb = Png::new([1, 1], 8, 2);
+    assert_near(first(&rgb.data(&[0], &[128, 128, 128])), middle, 1e-4);
+    assert_near(first(&rgb.data(&[0], &[255, 0, 0])), [0.41239, 0.21264, 0.01933], 1e-4);
+    let sixteen = Png::new([1, 1], 16, 2).data(&[0], &[255, 255, 0, 0, 0, 0]);
+    assert_near(first(&sixteen), [0.41239, 0.21264, 0.01933], 1e-4);
+    let palette = Png::new([2, 1], 1, 3).chunk(b"PLTE", &[0, 0, 0, 255, 0, 0]).data(&[0], &[0x80]);
+    assert_near(first(&palette), [0.41239, 0.21264, 0.01933], 1e-4);
+}
+
+/// Half of red over white: the mean of their light.
+#[test]
+fn png_with_transparency_is_composited_over_white_in_linear_light() {
+    let half = [0.68143, 0.60632, 0.55420];
+    let rgba = Png::new([1, 1], 16, 6).data(&[0], &[255, 255, 0, 0, 0, 0, 0x80, 0]);
+    let picture = read(&rgba).unwrap();
+    assert_near(picture.value.row(0)[0], half, 1e-4);
+    assert!(picture.warnings[0].contains("composited over white"), "{:?}", picture.warnings);
+    let opaque = Png::new([1, 1], 8, 6).data(&[0], &[255, 0, 0, 255]);
+    assert!(read(&opaque).unwrap().warnings.is_empty());
+    let grey = Png::new([1, 1], 8, 4).data(&[0], &[128, 0]);
+    assert_near(first(&grey), D65, 1e-4);
+    let palette = Png::new([1, 1], 8, 3).chunk(b"PLTE", &[255, 0, 0]).chunk(b"tRNS", &[0]).data(&[0], &[0]);
+    assert_near(first(&palette), D65, 1e-4);
+    let key = Png::new([2, 1], 8, 2).chunk(b"tRNS", &[0, 1, 0, 2, 0, 3]).data(&[0], &[1, 2, 3, 255, 0, 0]);
+    let row = read(&key).unwrap().value.row(0);
+    assert_near(row[0], D65, 1e-4);
+    assert_near(row[1], [0.41239, 0.21264, 0.01933], 1e-4);
+}
+
+/// The third edition of PNG: cICP before iCCP before sRGB before gAMA and cHRM.
+#[test]
+fn png_colour_space_is_the_first_stated_one() {
+    let red = [255, 128, 0];
+    let gamma = 50_000_u32.to_be_bytes();
+    let wide: Vec<u8> = [31270, 32900, 70800, 29200, 17000, 79700, 13100, 4600]
+        .into_iter()
+        .flat_map(u32::to_be_bytes)
+        .collect();
+    let profile = [&b"x\0\0"[..], &samples::zlib(&profile([0.0; 3], &[1.0]))].concat();
+    let with = |chunks: &[(&[u8; 4], &[u8])]| {
+        let png = chunks.iter().fold(Png::new([1, 1], 8, 2), |png, (name, data)| png.chunk(name, data));
+        read(&png.data(&[0], &red)).unwrap()
+    };
+    let (cicp, iccp, srgb) = ((b"cICP", &[12, 13, 0, 1][..]), (b"iCCP", &profile[..]), (b"sRGB", &[0][..]));
+    let (gama, chrm) = ((b"gAMA", &gamma[..]), (b"cHRM", &wide[..]));
+    for (chunks, space) in [
+        (vec![chrm, gama, srgb, iccp, cicp], "P3"),
+        (vec![chrm, gama, iccp], "Test profile"),
+        (vec![chrm, gama, srgb], "sRGB"),
+        (vec![chrm, gama], "gamma 2.000 with primaries of its own"),
+        (vec![gama], "gamma 2.000"),
+        (vec![], "sRGB"),
+    ] {
+        assert_eq!(with(&chunks).value.space(), space);
+    }
+    // Rec. 2020 with gamma 2: 128/255 of green is 0.25197.
+    let xyz = with(&[chrm, gama]).value.row(0)[0];
+    assert_near(xyz, [0.63696 + 0.25197 * 0.14462, 0.26270 + 0.25197 * 0.67800, 0.25197 * 0.02807], 2e-4);
+    // Unusable statements are ignored with a warning: an unknown code, a profile that is none, primaries on a line.
+    for chunk in [(b"cICP", &[2, 2, 0, 1][..]), (b"cHRM", &[0; 32][..])] {
+        let picture = with(&[chunk]);
+        assert_eq!((picture.value.space(), picture.warnings.len()), ("sRGB", 1), "{:?}", picture.warnings);
+    }
+}
+
+#[test]
+fn icc_profile_of_srgb_is_srgb() {
+    let data: Vec<u8> = (0..=255).flat_map(|k: u8| [k, 255 - k, k / 2]).collect();
+    let plain = read(&Png::new([256, 1], 8, 2).data(&[0], &data)).unwrap().value.row(0);
+    let tagged = [&b"x\0\0"[..], &samples::zlib(&srgb_profile())].concat();
+    let tagged = Png::new([256, 1], 8, 2).chunk(b"iCCP", &tagged).data(&[0], &data);
+    for (tagged, plain) in read(&tagged).unwrap().value.row(0).into_iter().zip(plain) {
+        assert_near(tagged, plain, 5e-4);
+    }
+}
+
+#[test]
+fn png_of_high_dynamic_range_or_narrow_range_is_refused() {
+    for (code, wanted) in
+        [([9, 16, 0, 1], "(cICP 9 16 0 1) is not supported"), ([1, 13, 0, 0], "cICP 1 13 0 0")]
+    {
+        let error = read(&Png::new([1, 1], 8, 2).chunk(b"cICP", &code).data(&[0], &[0, 0, 0])).unwrap_err();
+        assert!(
+            error.contains(wanted) && error.contains("photo.png") && error.contains("white is 1"),
+            "{error}"
+        );
+    }
+}
+
+#[test]
+fn animation_has_its_first_picture() {
+    let frame = |number: u32| {
+        let numbers: Vec<u8> = [number, 1, 1, 0, 0].into_iter().flat_map(u32::to_be_bytes).collect();
+        [numbers, vec![0, 1, 0, 10, 0, 0]].concat()
+    };
+    let second = [1_u32.to_be_bytes().to_vec(), samples::zlib(&[0, 0])].concat();
+    let png = Png::new([1, 1], 8, 0).chunk(b"acTL", &[0, 0, 0, 2, 0, 0, 0, 0]).chunk(b"fcTL", &frame(0));
+    let png = png.data_and(&[0], &[255], &[(b"fcTL", &frame(1)), (b"fdAT", &second)]);
+    let picture = read(&png).unwrap();
+    assert_near(picture.value.row(0)[0], D65, 1e-4);
+    assert!(picture.warnings[0].contains("animation of 2 frames; the first"), "{:?}", picture.warnings);
+}
+
+#[test]
+fn picture_of_an_unsupported_size_is_refused_before_it_is_decoded() {
+    for (size, wanted) in
+        [([8001, 8000], "8001 x 8000 pixels"), ([u32::MAX >> 1; 2], "2147483647 x 2147483647")]
+    {
+        let error = read(&Png::new(size, 16, 6).data(&[0], &[0])).unwrap_err();
+        assert!(error.contains(wanted) && error.contains("64 million"), "{error}");
+    }
+    let jpeg = Jpeg { size: [65_535, 65_535], ..Jpeg::grey(&[0]) }.bytes();
+    assert!(read(&jpeg).unwrap_err().contains("65535 x 65535 pixels"), "{}", read(&jpeg).unwrap_err());
+    // A file that is too small for its picture.
+    let small = [
+        Png::new([8000, 8000], 8, 0).data(&[0], &[0]),
+        Jpeg { size: [8000, 8000], ..Jpeg::grey(&[0]) }.bytes(),
+    ];
+    for bytes in small {
+        let error = read(&bytes).unwrap_err();
+        assert!(error.contains("file ends before its picture is complete"), "{error}");
+    }
+    assert!(
+        read(b"GIF89a").unwrap_err().contains("expected a PNG or JPEG file"),
+        "{}",
+        read(b"GIF89a").unwrap_err()
+    );
+}
+
+#[test]
+fn jpeg_of_each_kind_of_colour_has_its_light() {
+    let grey = read(&Jpeg::grey(&[128]).bytes()).unwrap().value;
+    assert_eq!((grey.columns(), grey.rows()), (8, 8));
+    assert_near(grey.row(7)[7], D65.map(|value| 0.21586 * value), 2e-3);
+    // Y, Cb, Cr of red: 76.245, 84.97, 255.5.
+    let red = [0.41239, 0.21264, 0.01933];
+    let ycc = Jpeg { adobe: Some(1), ..Jpeg::new(3, &[[76, 85, 255, 0]]) }.bytes();
+    assert_near(first(&ycc), red, 0.01);
+    // Inverted inks, as Adobe's programs write them: C 0, M 1, Y 1, K 0.
+    let cmyk = Jpeg { adobe: Some(0), ..Jpeg::new(4, &[[255, 0, 0, 255]]) }.bytes();
+    assert_near(first(&cmyk), red, 0.01);
+    assert!(read(&cmyk).unwrap().warnings[0].contains("CMYK"));
+    let ycck = Jpeg { adobe: Some(2), ..Jpeg::new(4, &[[179, 171, 0, 255]]) }.bytes();
+    assert_near(first(&ycck), red, 0.01);
+    let tagged = Jpeg { profile: profile([0.0; 3], &[2.0]), ..Jpeg::grey(&[128]) }.bytes();
+    assert_eq!(read(&tagged).unwrap().value.space(), "Test profile");
+    assert_near(first(&tagged), D65.map(|value| 0.25197 * value), 2e-3);
+}
+
+/// A picture of 2 x 1 blocks, black and white, by the orientation of EXIF: columns, and whether the first pixel is white.
+#[test]
+fn jpeg_orientation_of_exif_is_applied() {
+    for (orientation, columns, is_white_first) in [
+        (1, 16, false),
+        (2, 16, true),
+        (3, 16, true),
+        (4, 16, false),
+        (5, 8, false),
+        (6, 8, false),
+        (7, 8, true),
+        (8, 8, true),
+        (0, 16, false),
+        (9, 16, false),
+    ] {
+        let jpeg = Jpeg { size: [16, 8], exif: exif(orientation), ..Jpeg::grey(&[0, 255]) }.bytes();
+        let picture = read(&jpeg).unwrap().value;
+        let last = picture.row(picture.rows() - 1);
+        assert_eq!(picture.columns(), columns, "{orientation}");
+        assert_eq!(picture.row(0)[0][1] > 0.5, is_white_first, "{orientation}");
+        assert_eq!(last[last.len() - 1][1] > 0.5, !is_white_first, "{orientation}");
+        assert_eq!(picture.xyz().len(), 128);
+    }
+    // Vertical and horizontal mirrors and turns differ within a square.
+    let square = |orientation| {
+        let jpeg = Jpeg { size: [16, 16], exif: exif(orientation), ..Jpeg::grey(&[0, 80, 160, 255]) }.bytes();
+        let picture = read(&jpeg).unwrap().value;
+        [(0, 0), (8, 0), (0, 8), (8, 8)].map(|(x, y)| (picture.row(y)[x][1] * 10.0).round() as i32)
+    };
+    let [a, b, c, d] = square(1);
+    assert!(a < b && b < c && c < d);
+    let others =
+        [[b, a, d, c], [d, c, b, a], [c, d, a, b], [a, c, b, d], [c, a, d, b], [d, b, c, a], [b, d, a, c]];
+    for (orientation, wanted) in (2..).zip(others) {
+        assert_eq!(square(orientation), wanted, "{orientation}");
+    }
+}
+
+/// Small files of all kinds.
+fn good() -> Vec<Vec<u8>> {
+    let dice = &mut Dice::new(5, 0);
+    let mut noise = |count: usize| (0..count).map(|_| dice.below(256) as u8).collect::<Vec<u8>>();
+    let tagged = [&b"x\0\0"[..], &samples::zlib(&srgb_profile())].concat();
+    vec![
+        Png::new([5, 3], 8, 2).chunk(b"iCCP", &tagged).data(&[0, 1, 4], &noise(45)),
+        Png::new([5, 3], 16, 6).chunk(b"eXIf", &exif(6)).data(&[2, 3, 4], &noise(120)),
+        Png::new([9, 2], 2, 3).chunk(b"PLTE", &noise(12)).data(&[0, 0], &noise(6)),
+        Jpeg { exif: exif(6), profile: srgb_profile(), ..Jpeg::new(3, &[[76, 85, 255, 0]]) }.bytes(),
+        Jpeg { adobe: Some(2), ..Jpeg::new(4, &[[76, 85, 255, 9]]) }.bytes(),
+        Jpeg { size: [24, 8], ..Jpeg::grey(&[0, 80, 200]) }.bytes(),
+    ]
+}
+
+#[test]
+fn picture_that_is_cut_off_is_refused() {
+    for bytes in good() {
+        assert!(read(&bytes).is_ok(), "{:?}", read(&bytes));
+        // What comes after the pixels (the end of a PNG file) may lack.
+        for length in 0..bytes.len() - 16 {
+            let error = read(&bytes[..length]).unwrap_err();
+            assert!(error.contains("photo.png"), "{error}");
+        }
+    }
+}
+
+#[test]
+fn picture_with_changed_bytes_never_panics() {
+    let mut dice = Dice::new(6, 0);
+    for good in good() {
+        for _ in 0..400 {
+            let mut bytes = good.clone();
+            for _ in 0..1 + dice.below(4) {
+                let at = dice.below(bytes.len());
+                bytes[at] = dice.below(256) as u8;
+            }
+            // Checksums of PNG would hide most changes.
+            let bytes = if dice.one_in(4) { bytes } else { samples::with_checksums(bytes) };
+            if let Ok(picture) = read(&bytes) {
+                assert_eq!(picture.value.row(0).len(), picture.value.columns());
+            }
+        }
+    }
+}
+
+#[test]
+fn written_pictures_are_read_with_their_colours() {
+    let pixels: Vec<[u8; 3]> = (0..35).map(|k| [7 * k, 255 - 3 * k, k]).collect();
+    for is_display_p3 in [false, true] {
+        let mut bytes = Vec::new();
+        write_rgb_png(&mut bytes, 7, &pixels, is_display_p3).unwrap();
+        let picture = read(&bytes).unwrap().value;
+        assert_eq!((picture.columns(), picture.rows()), (7, 5));
+        assert_eq!(picture.space(), if is_display_p3 { "P3" } else { "sRGB" });
+        let plain = Png::new([7, 5], 8, 2).data(&[0; 5], pixels.as_flattened());
+        assert_eq!(picture.xyz() == read(&plain).unwrap().value.xyz(), !is_display_p3);
+    }
+    let palette = [[0, 0, 0], [255, 255, 255], [200, 30, 30]];
+    let states: Vec<u8> = (0..35).map(|k| k % 3).collect();
+    let mut bytes = Vec::new();
+    write_indexed_png(&mut bytes, 7, &states, &palette).unwrap();
+    let colours: Vec<u8> = states.iter().flat_map(|state| palette[usize::from(*state)]).collect();
+    assert_eq!(
+        read(&bytes).unwrap().value.xyz(),
+        read(&Png::new([7, 5], 8, 2).data(&[0; 5], &colours)).unwrap().value.xyz()
+    );
+    assert!(write_indexed_png(&mut bytes, 7, &states, &palette[..2]).is_err());
+    assert!(write_rgb_png(&mut bytes, 8, &pixels, false).is_err());
+}
+
+#[test]
+fn written_scene_has_its_light_and_its_white() {
+    let pixels: Vec<[f32; 3]> = (0..32).map(|k| [k as f32, -0.25, 1e4]).collect();
+    let mut bytes = Vec::new();
+    write_scene_exr(&mut bytes, 8, &pixels, Some(120.5)).unwrap();
+    let read = exr::prelude::read().no_deep_data().largest_resolution_level().all_channels();
+    let image = read.first_valid_layer().all_attributes().from_buffered(std::io::Cursor::new(bytes)).unwrap();
+    assert_eq!(image.layer_data.attributes.white_luminance, Some(120.5));
+    let channel = |name: &str| {
+        let found = image.layer_data.channel_data.list.iter().find(|channel| channel.name.eq(name)).unwrap();
+        found.sample_data.values_as_f32().collect::<Vec<f32>>()
+    };
+    assert_eq!(channel("R"), pixels.iter().map(|pixel| pixel[0]).collect::<Vec<_>>());
+    assert_eq!((channel("G")[31], channel("B")[0]), (-0.25, 1e4));
+    assert!(write_scene_exr(&mut Vec::new(), 5, &pixels, None).is_err());
+}

@@ -1,0 +1,106 @@
+//! Halftones of a page of 1404 x 1872 pixels in eight states, and a mask.
+
+#![allow(clippy::unwrap_used, missing_docs, reason = "a benchmark")]
+
+use std::ops::ControlFlow;
+
+use divan::{Bencher, black_box};
+use papilio_imaging::halftone::{
+    DiffusionKernel, ErrorDiffusion, Filter, Mask, direct_binary_search, light_to_dark, ordered,
+    ordered_planes,
+};
+
+fn main() {
+    divan::main();
+}
+
+const COLUMNS: usize = 1404;
+const PIXELS: usize = COLUMNS * 1872;
+
+/// The eight states of three sub-pixels.
+fn palette() -> Vec<[f64; 3]> {
+    let inks = [[0.15, 0.08, 0.01], [0.13, 0.26, 0.04], [0.07, 0.03, 0.35]];
+    let of = |state: usize| {
+        let coordinate = |k| 0.02 + (0..3).map(|ink| ((state >> ink) & 1) as f64 * inks[ink][k]).sum::<f64>();
+        std::array::from_fn(coordinate)
+    };
+    (0..8).map(of).collect()
+}
+
+/// Coverages of three planes that vary smoothly over the page.
+fn coverage(plane: usize) -> Vec<f32> {
+    let at = |at: usize| {
+        let (x, y) = ((at % COLUMNS) as f32, (at / COLUMNS) as f32);
+        0.5 + 0.5 * (0.004 * x + 0.003 * y * (1 + plane) as f32).sin()
+    };
+    (0..PIXELS).map(at).collect()
+}
+
+fn wanted() -> Vec<[f32; 3]> {
+    let (planes, palette) = ([0, 1, 2].map(coverage), palette());
+    let colour = |at: usize| {
+        std::array::from_fn(|k| {
+            let sum: f64 =
+                (0..3).map(|ink| f64::from(planes[ink][at]) * (palette[1 << ink][k] - palette[0][k])).sum();
+            (palette[0][k] + sum) as f32
+        })
+    };
+    (0..PIXELS).map(colour).collect()
+}
+
+#[divan::bench(args = ["floyd-steinberg", "jarvis", "sierra"])]
+fn error_diffusion_of_a_page(bencher: Bencher<'_, '_>, kernel: &str) {
+    let (wanted, palette) = (wanted(), palette());
+    let kernel = DiffusionKernel::ALL.into_iter().find(|known| known.name() == kernel).unwrap();
+    let settings = ErrorDiffusion { kernel, ..ErrorDiffusion::default() };
+    bencher.bench_local(|| settings.colours(black_box(&wanted), COLUMNS, &palette).unwrap());
+}
+
+#[divan::bench]
+fn error_diffusion_of_one_plane(bencher: Bencher<'_, '_>) {
+    let plane = coverage(0);
+    bencher
+        .bench_local(|| ErrorDiffusion::default().levels(black_box(&plane), COLUMNS, &[0.0, 1.0]).unwrap());
+}
+
+#[divan::bench]
+fn ordered_page_of_eight_states(bencher: Bencher<'_, '_>) {
+    let [red, green, blue] = [0, 1, 2].map(coverage);
+    let share = |on: bool, value: f32| if on { value } else { 1.0 - value };
+    let coverages: Vec<f32> = (0..8 * PIXELS)
+        .map(|k| {
+            let (at, state) = (k / 8, k % 8);
+            share(state & 1 > 0, red[at]) * share(state & 2 > 0, green[at]) * share(state & 4 > 0, blue[at])
+        })
+        .collect();
+    let (mask, order) = (Mask::bayer(8).unwrap(), light_to_dark(&palette()));
+    bencher.bench_local(|| ordered(black_box(&coverages), COLUMNS, &order, &mask).unwrap());
+}
+
+#[divan::bench]
+fn ordered_page_of_three_planes(bencher: Bencher<'_, '_>) {
+    let [red, green, blue] = [0, 1, 2].map(coverage);
+    let mask = Mask::bayer(8).unwrap();
+    let planes = [(&red[..], &mask), (&green[..], &mask), (&blue[..], &mask)];
+    bencher.bench_local(|| ordered_planes(black_box(&planes), COLUMNS).unwrap());
+}
+
+#[divan::bench]
+fn void_and_cluster_mask_of_64() -> Mask {
+    Mask::void_and_cluster(64, 0).unwrap()
+}
+
+/// A part of the page, from error diffusion, with a filter of 13 x 13 pixels.
+#[divan::bench(sample_count = 5)]
+fn direct_binary_search_of_256_by_256(bencher: Bencher<'_, '_>) {
+    let (wanted, palette) = (wanted(), palette());
+    let wanted: Vec<[f32; 3]> = (0..256).flat_map(|row| &wanted[row * COLUMNS..][..256]).copied().collect();
+    let start = ErrorDiffusion::default().colours(&wanted, 256, &palette).unwrap().states;
+    let bell =
+        |at: usize| (-(((at % 13) as f64 - 6.0).powi(2) + ((at / 13) as f64 - 6.0).powi(2)) / 8.0).exp();
+    let filters = [0; 3].map(|_| Filter::new(13, (0..169).map(bell).collect()).unwrap());
+    bencher.bench_local(|| {
+        let watch = &mut |_| ControlFlow::Continue(());
+        direct_binary_search(&wanted, 256, &palette, &filters, &start, &|| false, watch).unwrap()
+    });
+}

@@ -1,0 +1,147 @@
+//! Pictures in another size, in linear light.
+//!
+//! Every pixel of the result is a mean of the source with the weights of a triangle, whose half width is a pixel of the result or of the source,
+//! whichever is larger: no detail is skipped, and enlarged pictures are interpolated linearly.
+
+/// How a picture is fitted to a panel with other proportions.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Fit {
+    /// The whole picture, with a margin at two sides.
+    #[default]
+    Contain,
+    /// The whole panel; the picture is cut at two sides.
+    Cover,
+    /// The whole picture on the whole panel, distorted.
+    Stretch,
+    /// Pixel by pixel, cut or with margins; the middles coincide.
+    None,
+}
+
+/// Fits a picture (rows from the top) to `to` = columns and rows; `margin` is the colour beyond the picture.
+///
+/// Empty if one of the sizes is 0 or `pixels` are not whole rows of `columns`.
+pub fn fitted(
+    pixels: &[[f32; 3]],
+    columns: usize,
+    to: [usize; 2],
+    fit: Fit,
+    margin: [f32; 3],
+) -> Vec<[f32; 3]> {
+    if columns == 0 || pixels.is_empty() || !pixels.len().is_multiple_of(columns) || to.contains(&0) {
+        return Vec::new();
+    }
+    let from = [columns, pixels.len() / columns];
+    if from == to {
+        return pixels.to_vec();
+    }
+    let ratio = [0, 1].map(|k| to[k] as f64 / from[k] as f64);
+    let scale = match fit {
+        Fit::Contain => [ratio[0].min(ratio[1]); 2],
+        Fit::Cover => [ratio[0].max(ratio[1]); 2],
+        Fit::Stretch => ratio,
+        Fit::None => [1.0; 2],
+    };
+    let [across, down] =
+        [0, 1].map(|k| (0..to[k]).map(|at| Weights::new(at, to[k], from[k], scale[k])).collect::<Vec<_>>());
+    // Rows of the source that are needed, each with the columns of the result.
+    let mut wide = vec![[0.0_f32; 3]; to[0] * from[1]];
+    for (row, line) in pixels.chunks_exact(columns).zip(wide.chunks_exact_mut(to[0])) {
+        line.iter_mut().zip(&across).for_each(|(sum, weights)| *sum = weights.mean(|at| row[at]));
+    }
+    let mut result = Vec::with_capacity(to[0] * to[1]);
+    for rows in &down {
+        result.extend(across.iter().enumerate().map(|(x, columns)| {
+            match columns.is_outside || rows.is_outside {
+                true => margin,
+                false => rows.mean(|at| wide[at * to[0] + x]),
+            }
+        }));
+    }
+    result
+}
+
+/// Weights of neighbouring pixels of the source for one pixel of the result.
+struct Weights {
+    first: usize,
+    weights: Vec<f32>,
+    /// Whether the pixel lies beyond the picture.
+    is_outside: bool,
+}
+
+impl Weights {
+    fn new(at: usize, to: usize, from: usize, scale: f64) -> Self {
+        // The place in the source, in pixels from its first edge.
+        let place = (at as f64 + 0.5 - 0.5 * to as f64) / scale + 0.5 * from as f64;
+        let half = (1.0 / scale).max(1.0);
+        let last = from as f64 - 1.0;
+        let [first, end] =
+            [place - half, place + half].map(|edge| (edge - 0.5).round().clamp(0.0, last) as usize);
+        let weight = |pixel: usize| (1.0 - (pixel as f64 + 0.5 - place).abs() / half).max(0.0);
+        let mut weights: Vec<f64> = (first..=end).map(weight).collect();
+        let mut sum: f64 = weights.iter().sum();
+        if sum <= 0.0 {
+            // At the outermost half pixel.
+            weights.fill(1.0);
+            sum = weights.len() as f64;
+        }
+        let weights = weights.into_iter().map(|weight| (weight / sum) as f32).collect();
+        Self { first, weights, is_outside: !(0.0..=from as f64).contains(&place) }
+    }
+
+    fn mean(&self, pixel: impl Fn(usize) -> [f32; 3]) -> [f32; 3] {
+        self.weights.iter().enumerate().fold([0.0; 3], |sum, (i, weight)| {
+            let [a, b, c] = pixel(self.first + i);
+            [sum[0] + weight * a, sum[1] + weight * b, sum[2] + weight * c]
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn grey(values: &[f32]) -> Vec<[f32; 3]> {
+        values.iter().map(|value| [*value; 3]).collect()
+    }
+
+    #[test]
+    fn uniform_pictures_stay_uniform_in_all_sizes() {
+        for to in [[1, 1], [3, 2], [7, 31], [40, 9]] {
+            for fit in [Fit::Contain, Fit::Cover, Fit::Stretch, Fit::None] {
+                let found = fitted(&grey(&[0.3; 60]), 10, to, fit, [0.3; 3]);
+                assert_eq!(found.len(), to[0] * to[1]);
+                assert!(found.iter().flatten().all(|value| (value - 0.3).abs() < 1e-6), "{to:?} {fit:?}");
+            }
+        }
+    }
+
+    /// A wide picture on a square panel: margins above and below, or cut left and right.
+    #[test]
+    fn proportions_are_kept_by_margins_or_cuts() {
+        let source = grey(&[0.0, 0.0, 1.0, 1.0, 0.0, 0.0, 1.0, 1.0]);
+        let contained = fitted(&source, 4, [4, 4], Fit::Contain, [0.5; 3]);
+        assert_eq!(
+            (contained[0], contained[4], contained[7], contained[15]),
+            ([0.5; 3], [0.0; 3], [1.0; 3], [0.5; 3])
+        );
+        let covered = fitted(&source, 4, [4, 4], Fit::Cover, [0.5; 3]);
+        assert!(covered.iter().all(|pixel| pixel[0] != 0.5 || pixel[0].is_finite()));
+        assert!(covered[0][0] < 0.3 && covered[3][0] > 0.7, "{covered:?}");
+    }
+
+    /// Halving a checkerboard gives its mean, in linear light, apart from the borders.
+    #[test]
+    fn smaller_pictures_are_means() {
+        let board: Vec<f32> = (0..256).map(|at| ((at % 16 + at / 16) % 2) as f32).collect();
+        let small = fitted(&grey(&board), 16, [8, 8], Fit::Stretch, [0.0; 3]);
+        assert!(small.iter().flatten().all(|value| (value - 0.5).abs() < 0.1), "{small:?}");
+        assert!((small[27][0] - 0.5).abs() < 1e-6);
+    }
+
+    #[test]
+    fn impossible_sizes_are_empty() {
+        assert!(fitted(&[], 3, [2, 2], Fit::Contain, [0.0; 3]).is_empty());
+        assert!(fitted(&grey(&[0.1; 5]), 2, [2, 2], Fit::Contain, [0.0; 3]).is_empty());
+        assert!(fitted(&grey(&[0.1; 4]), 2, [0, 2], Fit::Contain, [0.0; 3]).is_empty());
+    }
+}

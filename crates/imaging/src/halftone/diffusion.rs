@@ -1,0 +1,438 @@
+//! Error diffusion of colours and of single numbers.
+//!
+//! Each pixel gets the state nearest to its wanted colour plus what its neighbours passed on; the difference is passed on to pixels
+//! that have no state yet. In linear light the mean over an area is then kept: what a display shows is additive.
+//!
+//! **Sources.** R. W. Floyd and L. Steinberg, Proc. SID 17(2), 75 (1976); J. F. Jarvis, C. N. Judice and W. H. Ninke, Computer
+//! Graphics and Image Processing 5, 13 (1976); P. Stucki, IBM Research Report RZ1060 (1981); F. Sierra (1989).
+//!
+//! **Arithmetic.** Errors are whole numbers of a unit (about 6e-8 of the palette's largest coordinate), and the parts of an error
+//! add up to it exactly. Therefore the ledger is exact: wanted = shown + lost, to the last unit. The result is the same on every
+//! processor.
+
+use super::{check_rows, check_states};
+use crate::ImagingError;
+
+/// To which neighbours an error is passed on, and in which parts.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum DiffusionKernel {
+    /// Floyd and Steinberg: 7 3 5 1 of 16 to four neighbours. The finest detail.
+    #[default]
+    FloydSteinberg,
+    /// Jarvis, Judice and Ninke: 48 parts to twelve neighbours. Sharper edges, coarser grain.
+    Jarvis,
+    /// Stucki: 42 parts to twelve neighbours.
+    Stucki,
+    /// Sierra: 32 parts to ten neighbours.
+    Sierra,
+}
+
+impl DiffusionKernel {
+    /// All kernels.
+    pub const ALL: [Self; 4] = [Self::FloydSteinberg, Self::Jarvis, Self::Stucki, Self::Sierra];
+
+    /// Name in scenario files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::FloydSteinberg => "floyd-steinberg",
+            Self::Jarvis => "jarvis",
+            Self::Stucki => "stucki",
+            Self::Sierra => "sierra",
+        }
+    }
+}
+
+/// Order of the pixels.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Scan {
+    /// Every second row from right to left, with the mirrored kernel: no direction is preferred.
+    #[default]
+    Serpentine,
+    /// Every row from left to right.
+    Raster,
+}
+
+impl Scan {
+    /// All orders.
+    pub const ALL: [Self; 2] = [Self::Serpentine, Self::Raster];
+
+    /// Name in scenario files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Serpentine => "serpentine",
+            Self::Raster => "raster",
+        }
+    }
+}
+
+/// Settings of error diffusion.
+///
+/// ```
+/// use papilio_imaging::halftone::ErrorDiffusion;
+///
+/// // A quarter of white on a black and white display.
+/// let grey = ErrorDiffusion::default().levels(&[0.25; 64 * 64], 64, &[0.0, 1.0])?;
+/// let white = grey.states.iter().filter(|state| **state == 1).count() as f64;
+/// assert_eq!(white + grey.lost[0], 0.25 * 64.0 * 64.0);
+/// # Ok::<(), papilio_imaging::ImagingError>(())
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ErrorDiffusion {
+    /// Parts of the error by neighbour.
+    pub kernel: DiffusionKernel,
+    /// Order of the pixels.
+    pub scan: Scan,
+    /// Largest component of the error that is passed on, as a fraction of the palette's largest extent along a coordinate; 0 to 4.
+    /// A larger error is scaled down to it, and what is cut off is lost. Without a limit the error would grow without bound in
+    /// areas of a colour outside the hull of the palette, and smear over what follows them.
+    pub limit: f64,
+    /// Coordinates in which the nearest state is searched: linear combinations of X, Y, Z, one in each row. Errors are passed on in
+    /// X, Y, Z in any case. Ignored by [`levels`](Self::levels).
+    ///
+    /// With a double weight of Y, six inks have 10 % less visible noise of luminance, and nothing is cut. With four times the weight,
+    /// or with opponent colours of less weight than luminance, the errors of what weighs less grow until the limit cuts them, and the
+    /// mean colour is wrong: check [`Diffused::cut`].
+    pub metric: [[f64; 3]; 3],
+}
+
+impl Default for ErrorDiffusion {
+    fn default() -> Self {
+        Self {
+            kernel: DiffusionKernel::default(),
+            scan: Scan::default(),
+            limit: 1.0,
+            metric: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
+        }
+    }
+}
+
+/// A picture after error diffusion.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Diffused<const N: usize> {
+    /// The state of each pixel.
+    pub states: Vec<u8>,
+    /// Sum over all pixels of what was wanted and is not shown: passed beyond the borders of the picture, or above the limit.
+    pub lost: [f64; N],
+    /// The part of `lost` above the limit: of colours outside the hull of the palette, or because of the metric.
+    pub cut: [f64; N],
+    /// Number of pixels whose error was above the limit.
+    pub cut_pixels: usize,
+}
+
+impl ErrorDiffusion {
+    /// Error diffusion of colours: `wanted` X, Y, Z of each pixel, by rows from the top, to states of these X, Y, Z.
+    ///
+    /// All coordinates have the same unit; a not finite one is 0. Of two equally near states the later one is taken.
+    ///
+    /// # Errors
+    /// If the number of pixels is not a multiple of `columns`, the palette is empty, has more than 256 states or a coordinate
+    /// that is not finite.
+    pub fn colours(
+        &self,
+        wanted: &[[f32; 3]],
+        columns: usize,
+        palette: &[[f64; 3]],
+    ) -> Result<Diffused<3>, ImagingError> {
+        self.diffuse(wanted, columns, palette, self.metric)
+    }
+
+    /// Error diffusion of single numbers, such as the coverage of one sub-pixel, to these levels.
+    ///
+    /// # Errors
+    /// As [`colours`](Self::colours).
+    pub fn levels(
+        &self,
+        wanted: &[f32],
+        columns: usize,
+        levels: &[f64],
+    ) -> Result<Diffused<1>, ImagingError> {
+        let palette: Vec<[f64; 1]> = levels.iter().map(|level| [*level]).collect();
+        self.diffuse(wanted.as_chunks().0, columns, &palette, [[1.0]])
+    }
+
+    fn diffuse<const N: usize>(
+        &self,
+        wanted: &[[f32; N]],
+        columns: usize,
+        palette: &[[f64; N]],
+        metric: [[f64; N]; N],
+    ) -> Result<Diffused<N>, ImagingError> {
+        check_rows(wanted.len(), columns)?;
+        check_states(palette.len())?;
+        if let Some(state) = palette.iter().position(|colour| !colour.iter().all(|value| value.is_finite())) {
+            return Err(ImagingError::Palette { state });
+        }
+        let picture = Picture { wanted, columns, scan: self.scan };
+        let palette = Palette::new(palette, metric, self.limit);
+        Ok(match self.kernel {
+            DiffusionKernel::FloydSteinberg => picture.diffused(&palette, &FLOYD_STEINBERG),
+            DiffusionKernel::Jarvis => picture.diffused(&palette, &JARVIS),
+            DiffusionKernel::Stucki => picture.diffused(&palette, &STUCKI),
+            DiffusionKernel::Sierra => picture.diffused(&palette, &SIERRA),
+        })
+    }
+}
+
+/// One neighbour: columns along the scan, rows down, and its part of the error in units of 2^-32.
+type Part = (isize, usize, i64);
+
+/// Neighbours with their parts, from whole parts of `of`.
+const fn parts<const W: usize>(neighbours: [(isize, usize, i64); W], of: i64) -> [Part; W] {
+    let mut parts = neighbours;
+    let mut k = 0;
+    while k < W {
+        parts[k].2 = ((neighbours[k].2 << 32) + of / 2) / of;
+        k += 1;
+    }
+    parts
+}
+
+const FLOYD_STEINBERG: [Part; 4] = parts([(1, 0, 7), (-1, 1, 3), (0, 1, 5), (1, 1, 1)], 16);
+const JARVIS: [Part; 12] = parts(
+    [
+        (1, 0, 7),
+        (2, 0, 5),
+        (-2, 1, 3),
+        (-1, 1, 5),
+        (0, 1, 7),
+        (1, 1, 5),
+        (2, 1, 3),
+        (-2, 2, 1),
+        (-1, 2, 3),
+        (0, 2, 5),
+        (1, 2, 3),
+        (2, 2, 1),
+    ],
+    48,
+);
+const STUCKI: [Part; 12] = parts(
+    [
+        (1, 0, 8),
+        (2, 0, 4),
+        (-2, 1, 2),
+        (-1, 1, 4),
+        (0, 1, 8),
+        (1, 1, 4),
+        (2, 1, 2),
+        (-2, 2, 1),
+        (-1, 2, 2),
+        (0, 2, 4),
+        (1, 2, 2),
+        (2, 2, 1),
+    ],
+    42,
+);
+const SIERRA: [Part; 10] = parts(
+    [
+        (1, 0, 5),
+        (2, 0, 3),
+        (-2, 1, 2),
+        (-1, 1, 4),
+        (0, 1, 5),
+        (1, 1, 4),
+        (2, 1, 2),
+        (-1, 2, 2),
+        (0, 2, 3),
+        (1, 2, 2),
+    ],
+    32,
+);
+
+/// Columns beyond each border to which a kernel passes errors.
+const BORDER: usize = 2;
+
+/// Whole units of the largest coordinate of a palette: 2^23 to 2^24.
+const UNIT_BITS: i32 = 24;
+
+/// Largest wanted coordinate in units, 16 times that of the palette: sums stay within 32 bits.
+const MOST_UNITS: f32 = 268_435_456.0;
+
+/// The states in units, prepared for the search of the nearest one.
+struct Palette<const N: usize> {
+    /// Units per 1, a power of 2.
+    scale: f32,
+    units: Vec<[i32; N]>,
+    /// For a colour v in units: `gradient.v + constant` is the squared distance to a state in the metric, less |v|^2, halved.
+    gradients: [Vec<f32>; N],
+    constants: Vec<f32>,
+    /// Limit of the error in units.
+    limit: i32,
+}
+
+impl<const N: usize> Palette<N> {
+    fn new(palette: &[[f64; N]], metric: [[f64; N]; N], limit: f64) -> Self {
+        let largest = palette.iter().flatten().fold(0.0_f64, |largest, value| largest.max(value.abs()));
+        let exponent = if largest > 1e-30 { largest.log2().ceil() as i32 } else { 0 };
+        let scale = 2.0_f64.powi(UNIT_BITS - exponent.min(60));
+        let units: Vec<[i32; N]> =
+            palette.iter().map(|colour| colour.map(|value| (value * scale).round() as i32)).collect();
+        let extent = (0..N).map(|k| {
+            let along = || units.iter().map(|colour| colour[k]);
+            along().max().unwrap_or(0) - along().min().unwrap_or(0)
+        });
+        let extent = f64::from(extent.max().unwrap_or(0).max(1));
+        let limit = (if limit.is_nan() { 1.0 } else { limit.clamp(0.0, 4.0) } * extent) as i32;
+        let in_metric = |colour: [f64; N]| {
+            metric.map(|row| row.iter().zip(colour).map(|(m, value)| m * value).sum::<f64>())
+        };
+        // The size of the metric does not matter; that of the numbers must fit single precision.
+        let size = metric.iter().flatten().fold(1e-30_f64, |size, m| size.max(m.abs()));
+        let mut prepared = Self {
+            scale: scale as f32,
+            units,
+            gradients: [const { Vec::new() }; N],
+            constants: Vec::new(),
+            limit,
+        };
+        for units in &prepared.units {
+            let at = in_metric(units.map(f64::from));
+            let square: f64 = at.iter().map(|value| value * value).sum();
+            prepared.constants.push((0.5 * square / (size * size)) as f32);
+            for (k, gradients) in prepared.gradients.iter_mut().enumerate() {
+                let along: f64 = metric.iter().zip(at).map(|(row, value)| row[k] * value).sum();
+                gradients.push((-along / (size * size)) as f32);
+            }
+        }
+        prepared
+    }
+
+    /// The state nearest to a colour in units; of several, the last one.
+    #[inline]
+    fn nearest(&self, colour: [i32; N]) -> usize {
+        let colour = colour.map(|value| value as f32);
+        let (mut nearest, mut smallest) = (0, f32::INFINITY);
+        for (state, constant) in self.constants.iter().enumerate() {
+            let mut distance = *constant;
+            for (value, gradients) in colour.iter().zip(&self.gradients) {
+                distance += value * gradients[state];
+            }
+            if distance <= smallest {
+                (nearest, smallest) = (state, distance);
+            }
+        }
+        nearest
+    }
+}
+
+struct Picture<'a, const N: usize> {
+    wanted: &'a [[f32; N]],
+    columns: usize,
+    scan: Scan,
+}
+
+impl<const N: usize> Picture<'_, N> {
+    fn diffused<const W: usize>(&self, palette: &Palette<N>, kernel: &[Part; W]) -> Diffused<N> {
+        let width = self.columns + 2 * BORDER;
+        // Errors passed to the present row and the two below it.
+        let mut rows = [0; 3].map(|_| vec![[0_i32; N]; width]);
+        let mut states = vec![0; self.wanted.len()];
+        let mut ledger = Ledger { lost: [0; N], cut: [0; N], cut_pixels: 0 };
+        let lines = self.wanted.chunks_exact(self.columns).zip(states.chunks_exact_mut(self.columns));
+        for (y, (wanted, states)) in lines.enumerate() {
+            if self.scan == Scan::Serpentine && y % 2 == 1 {
+                one_row::<N, W, -1>(palette, kernel, &mut rows, wanted, states, &mut ledger);
+            } else {
+                one_row::<N, W, 1>(palette, kernel, &mut rows, wanted, states, &mut ledger);
+            }
+            ledger.lose(&rows[0][..BORDER]);
+            ledger.lose(&rows[0][width - BORDER..]);
+            rows.rotate_left(1);
+            rows[2].fill([0; N]);
+        }
+        rows.iter().for_each(|row| ledger.lose(row));
+        let in_light = |units: [i64; N]| units.map(|units| units as f64 / f64::from(palette.scale));
+        Diffused {
+            states,
+            lost: in_light(ledger.lost),
+            cut: in_light(ledger.cut),
+            cut_pixels: ledger.cut_pixels,
+        }
+    }
+}
+
+/// What is lost, in units.
+struct Ledger<const N: usize> {
+    lost: [i64; N],
+    cut: [i64; N],
+    cut_pixels: usize,
+}
+
+impl<const N: usize> Ledger<N> {
+    fn lose(&mut self, errors: &[[i32; N]]) {
+        for error in errors {
+            self.lost.iter_mut().zip(error).for_each(|(lost, error)| *lost += i64::from(*error));
+        }
+    }
+
+    /// Scales an error down to the limit; the rest is lost.
+    #[cold]
+    fn cut(&mut self, error: &mut [i32; N], limit: i32) {
+        let largest = error.iter().fold(1, |largest, value| largest.max(value.abs()));
+        self.cut_pixels += 1;
+        for (k, value) in error.iter_mut().enumerate() {
+            let left = (i64::from(*value) * i64::from(limit) / i64::from(largest)) as i32;
+            self.cut[k] += i64::from(*value - left);
+            self.lost[k] += i64::from(*value - left);
+            *value = left;
+        }
+    }
+}
+
+/// Gives the pixels of one row their states, from left to right (`ALONG` = 1) or from right to left (-1).
+fn one_row<const N: usize, const W: usize, const ALONG: isize>(
+    palette: &Palette<N>,
+    kernel: &[Part; W],
+    rows: &mut [Vec<[i32; N]>; 3],
+    wanted: &[[f32; N]],
+    states: &mut [u8],
+    ledger: &mut Ledger<N>,
+) {
+    let columns = wanted.len();
+    for step in 0..columns {
+        let x = if ALONG > 0 { step } else { columns - 1 - step };
+        let mut colour = rows[0][x + BORDER];
+        for (value, wanted) in colour.iter_mut().zip(wanted[x]) {
+            *value += (wanted * palette.scale).clamp(-MOST_UNITS, MOST_UNITS) as i32;
+        }
+        let state = palette.nearest(colour);
+        states[x] = state as u8;
+        let mut error = colour;
+        error.iter_mut().zip(palette.units[state]).for_each(|(error, shown)| *error -= shown);
+        if error.iter().any(|value| value.abs() > palette.limit) {
+            ledger.cut(&mut error, palette.limit);
+        }
+        let mut left = error;
+        for (k, (along, down, part)) in kernel.iter().enumerate() {
+            let at = (x + BORDER).wrapping_add_signed(ALONG * along);
+            let received = &mut rows[*down][at];
+            for ((received, left), error) in received.iter_mut().zip(&mut left).zip(error) {
+                // The last neighbour gets what remains, so that the parts add up to the error.
+                let passed =
+                    if k + 1 == W { *left } else { ((i64::from(error) * part + (1 << 31)) >> 32) as i32 };
+                *left -= passed;
+                *received += passed;
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The published parts add up to one, and below the row they are the same on both sides.
+    #[test]
+    fn kernel_parts_add_up_and_are_symmetric() {
+        for (kernel, symmetric) in
+            [(&FLOYD_STEINBERG[..], false), (&JARVIS, true), (&STUCKI, true), (&SIERRA, true)]
+        {
+            let sum: i64 = kernel.iter().map(|(.., part)| part).sum();
+            assert!((sum - (1 << 32)).abs() <= 6);
+            for (along, down, part) in kernel {
+                assert!(*down > 0 || *along > 0);
+                let mirrored = kernel.iter().any(|(x, y, other)| (-x, y, other) == (*along, down, part));
+                assert!(!symmetric || *down == 0 || mirrored);
+            }
+        }
+    }
+}

@@ -1,0 +1,167 @@
+//! Tests of direct binary search: against sums over all pixels.
+
+use std::ops::ControlFlow;
+
+use papilio_testing::Dice;
+
+use super::*;
+
+/// A bell of this width, pixels.
+fn bell(reach: isize, width: f64) -> Filter {
+    let side = (2 * reach + 1) as usize;
+    let value = |at: usize| {
+        let (x, y) = ((at % side) as isize - reach, (at / side) as isize - reach);
+        (-((x * x + y * y) as f64) / (2.0 * width * width)).exp()
+    };
+    let values: Vec<f64> = (0..side * side).map(value).collect();
+    let sum: f64 = values.iter().sum();
+    Filter::new(side, values.iter().map(|value| value / sum).collect()).unwrap()
+}
+
+/// The error by its definition: filtered differences, squared, over the plane.
+fn error(
+    wanted: &[[f32; 2]],
+    columns: usize,
+    palette: &[[f64; 2]],
+    sides: [isize; 2],
+    filters: &[Vec<f64>; 2],
+    states: &[u8],
+) -> f64 {
+    let rows = (wanted.len() / columns) as isize;
+    let mut sum = 0.0;
+    for k in 0..2 {
+        let reach = sides[k] / 2;
+        for y in -reach..rows + reach {
+            for x in -reach..columns as isize + reach {
+                let mut seen = 0.0;
+                for (at, value) in filters[k].iter().enumerate() {
+                    let (u, v) = (x - (at as isize % sides[k] - reach), y - (at as isize / sides[k] - reach));
+                    if (0..columns as isize).contains(&u) && (0..rows).contains(&v) {
+                        let at = v as usize * columns + u as usize;
+                        seen += value * (palette[usize::from(states[at])][k] - f64::from(wanted[at][k]));
+                    }
+                }
+                sum += seen * seen;
+            }
+        }
+    }
+    sum
+}
+
+const PALETTE: [[f64; 2]; 3] = [[0.0, 0.1], [1.0, 0.3], [0.4, 0.9]];
+const COLUMNS: usize = 11;
+
+struct Case {
+    wanted: Vec<[f32; 2]>,
+    values: [Vec<f64>; 2],
+    start: Vec<u8>,
+}
+
+impl Case {
+    fn new() -> Self {
+        let mut dice = Dice::new(11, 0);
+        // Without any symmetry: the search needs none.
+        let mut numbers = |count: usize| (0..count).map(|_| dice.throw()).collect::<Vec<f64>>();
+        let values = [numbers(15), numbers(9)];
+        let wanted = (0..COLUMNS * 9).map(|at| [0.3 + 0.03 * (at % 11) as f32, 0.5]).collect();
+        let start = (0..COLUMNS * 9).map(|_| dice.below(3) as u8).collect();
+        Self { wanted, values, start }
+    }
+
+    fn error(&self, states: &[u8]) -> f64 {
+        error(&self.wanted, COLUMNS, &PALETTE, [5, 3], &self.values, states)
+    }
+
+    fn search(&self, watch: &mut dyn FnMut(SearchPass) -> ControlFlow<()>) -> Searched {
+        let filters = [
+            Filter::new(5, self.values[0].clone()).unwrap(),
+            Filter::new(3, self.values[1].clone()).unwrap(),
+        ];
+        direct_binary_search(&self.wanted, COLUMNS, &PALETTE, &filters, &self.start, &|| false, watch)
+            .unwrap()
+    }
+}
+
+#[test]
+fn direct_binary_search_lowers_its_error_until_no_toggle_or_exchange_does() {
+    let case = Case::new();
+    let mut errors = Vec::new();
+    let found = case.search(&mut |pass| {
+        errors.push(pass.error);
+        ControlFlow::Continue(())
+    });
+    assert!(found.is_complete && found.passes == errors.len() && errors.len() > 2);
+    assert!(errors.windows(2).all(|pair| pair[1] <= pair[0]) && errors[0] < found.error_at_start);
+    let at_end = case.error(&found.states);
+    assert!((case.error(&case.start) - found.error_at_start).abs() < 1e-9 * found.error_at_start);
+    assert!((at_end - found.error).abs() < 1e-9 * found.error_at_start, "{at_end} {}", found.error);
+    let improves = |states: &[u8]| case.error(states) < at_end - 1e-6;
+    for at in 0..found.states.len() {
+        let mut changed = found.states.clone();
+        for state in 0..3 {
+            changed[at] = state;
+            assert!(!improves(&changed), "{at}: {state}");
+        }
+        let (x, y) = (at % COLUMNS, at / COLUMNS);
+        for (right, down) in [(1, 0), (-1, 1), (0, 1), (1, 1)] {
+            let (u, v) = (x.wrapping_add_signed(right), y + down);
+            if u < COLUMNS && v < 9 {
+                let mut changed = found.states.clone();
+                changed.swap(at, v * COLUMNS + u);
+                assert!(!improves(&changed), "{at}: {right} {down}");
+            }
+        }
+    }
+}
+
+#[test]
+fn direct_binary_search_stops_when_asked() {
+    let case = Case::new();
+    let stopped = case
+        .search(&mut |pass| if pass.pass == 1 { ControlFlow::Break(()) } else { ControlFlow::Continue(()) });
+    assert!(!stopped.is_complete && stopped.passes == 1);
+    assert!((case.error(&stopped.states) - stopped.error).abs() < 1e-9 * stopped.error_at_start);
+    let filters = [bell(1, 1.0), bell(1, 1.0)];
+    let watch = &mut |_| ControlFlow::Continue(());
+    let none = direct_binary_search(&case.wanted, COLUMNS, &PALETTE, &filters, &case.start, &|| true, watch)
+        .unwrap();
+    assert_eq!((none.states, none.passes, none.is_complete), (case.start, 0, false));
+}
+
+/// Seen through the filter, the result is nearer to a grey than error diffusion, from either start.
+#[test]
+fn direct_binary_search_beats_error_diffusion_from_any_start() {
+    let side = 48;
+    let wanted: Vec<f32> = (0..side * side).map(|at| 0.1 + 0.8 * (at % side) as f32 / side as f32).collect();
+    let diffused = ErrorDiffusion::default().levels(&wanted, side, &[0.0, 1.0]).unwrap().states;
+    let mut dice = Dice::new(4, 0);
+    let noise: Vec<u8> = wanted.iter().map(|value| u8::from(dice.throw() < f64::from(*value))).collect();
+    let search = |start: &[u8]| {
+        let watch = &mut |_| ControlFlow::Continue(());
+        let palette = [[0.0], [1.0]];
+        direct_binary_search(wanted.as_chunks().0, side, &palette, &[bell(5, 1.5)], start, &|| false, watch)
+            .unwrap()
+    };
+    let (from_diffused, from_noise) = (search(&diffused), search(&noise));
+    assert!(from_diffused.error < 0.5 * from_diffused.error_at_start, "{from_diffused:?}");
+    let ratio = from_noise.error / from_diffused.error;
+    assert!((0.7..1.4).contains(&ratio), "{ratio}");
+}
+
+#[test]
+fn direct_binary_search_of_unusable_input_is_refused() {
+    let case = Case::new();
+    let search = |start: &[u8], palette: &[[f64; 2]]| {
+        let filters = [bell(1, 1.0), bell(1, 1.0)];
+        let watch = &mut |_| ControlFlow::Continue(());
+        direct_binary_search(&case.wanted, COLUMNS, palette, &filters, start, &|| false, watch)
+            .unwrap_err()
+            .to_string()
+    };
+    assert!(search(&case.start, &PALETTE[..2]).contains("state 2 is out of place"));
+    assert!(search(&case.start[1..], &PALETTE).contains("98 pixels (expected 99"));
+    assert!(search(&case.start, &[]).contains("0 states"));
+    for (columns, values) in [(2, vec![1.0; 2]), (3, vec![1.0; 6]), (1, vec![f64::NAN]), (1, vec![0.0])] {
+        assert!(Filter::new(columns, values).unwrap_err().to_string().contains("odd"));
+    }
+}

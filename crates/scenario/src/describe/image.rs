@@ -1,0 +1,97 @@
+//! `[image]`: a picture, and how it is brought to the panel, for `papilio image`.
+
+use super::Title;
+use crate::grammar::{choice, table};
+use crate::read::Spanned;
+
+table! {
+    /// A picture on the display, for `papilio image` only.
+    Image {
+        /// The picture, a PNG or JPEG file. `papilio image` takes it as an argument, too.
+        file: Option<String>,
+        /// How the picture is fitted to `display.matrix.pixels`; without that key the panel has the size of the picture.
+        fit: ImageFit = ImageFit::Contain,
+        /// Colour space of a picture that states none.
+        source_space: SourceSpace = SourceSpace::Srgb,
+        /// What becomes of the white and black of the picture. Colours that the display cannot show become the nearest ones that it can.
+        intent: ImageIntent = ImageIntent::Relative,
+        /// How pixels with few states show many colours.
+        halftone: ImageHalftone = ImageHalftone::ErrorDiffusion,
+        /// Weights of error diffusion.
+        kernel: ErrorKernel = ErrorKernel::FloydSteinberg,
+        /// Order of the pixels in error diffusion.
+        scan: ErrorScan = ErrorScan::Serpentine,
+        /// States that are used, in the order of the palette of states.png. Default: all.
+        states: Vec<Spanned<Title>> = Vec::new(),
+    }
+}
+
+choice! {
+    /// Fit of a picture to a panel with other proportions.
+    ImageFit {
+        /// The whole picture, with white margins.
+        Contain = "contain",
+        /// The whole panel; the picture is cut.
+        Cover = "cover",
+        /// The whole picture on the whole panel, distorted.
+        Stretch = "stretch",
+        /// Pixel by pixel.
+        None = "none",
+    }
+}
+
+choice! {
+    /// Colour space of a picture.
+    SourceSpace {
+        /// IEC 61966-2-1.
+        Srgb = "srgb",
+        /// Display P3.
+        DisplayP3 = "display-p3",
+        /// ITU-R BT.2020.
+        Rec2020 = "rec2020",
+    }
+}
+
+choice! {
+    /// White and black of a picture on a display.
+    ImageIntent {
+        /// They become those of the display.
+        Relative = "relative",
+        /// White is a perfect white in the light, black has no light.
+        Absolute = "absolute",
+    }
+}
+
+choice! {
+    /// Halftone of a picture.
+    ImageHalftone {
+        /// None: every pixel shows the colour itself, as a reference.
+        None = "none",
+        /// The error of each pixel is passed on to its neighbours, in X, Y, Z.
+        ErrorDiffusion = "error-diffusion",
+    }
+}
+
+choice! {
+    /// Weights of error diffusion.
+    ErrorKernel {
+        /// Floyd and Steinberg (1976).
+        FloydSteinberg = "floyd-steinberg",
+        /// Jarvis, Judice and Ninke (1976).
+        Jarvis = "jarvis",
+        /// Stucki (1981).
+        Stucki = "stucki",
+        /// Sierra (1989).
+        Sierra = "sierra",
+    }
+}
+
+choice! {
+    /// Order of the pixels in error diffusion.
+    ErrorScan {
+        /// Every second row from right to left.
+        Serpentine = "serpentine",
+        /// Every row from left to right.
+        Raster = "raster",
+    }
+}

@@ -1,0 +1,92 @@
+//! Pixels whose states have measured colours: spectra, or the smoothest spectra with given L\*, a\*, b\*.
+
+use papilio_colour::{Lab, Observer};
+use papilio_diagnostics::Diagnostic;
+use papilio_display::scene::{UniformKind, UniformPixel};
+use papilio_formats::{PaletteTable, read_palette};
+use papilio_spectra::{Grid, Spectrum, Tabulated, illuminant};
+
+use super::Resolver;
+use crate::describe::File;
+use crate::describe::display::MaterialSpec;
+use crate::describe::numbers::Index;
+use crate::describe::pixel::{PalettePixel, Pixel};
+use crate::mistake::{self, tidy};
+use crate::read::Spanned;
+
+/// Wavelengths at which spectra of CIELAB colours are computed: those of the observer. Beyond them, the values at the ends continue.
+const RANGE_NM: [f64; 2] = [380.0, 780.0];
+const STEP_NM: f64 = 5.0;
+
+impl Resolver<'_> {
+    /// Resolves a palette as Lambertian states.
+    pub(super) fn palette(&mut self, pixel: &Spanned<PalettePixel>) -> Option<UniformPixel> {
+        let table = self.data(&pixel.file, pixel.file.origin, read_palette)?;
+        let count = match &table {
+            PaletteTable::Spectra(states) => states.len(),
+            PaletteTable::Lab(states) => states.len(),
+        };
+        self.limit(&pixel.file, "states", count, 256)?;
+        let states = match table {
+            PaletteTable::Spectra(states) => {
+                let spectra = states.into_iter();
+                spectra
+                    .map(|(name, table)| Some((name, self.measured_spectrum(pixel, &table)?)))
+                    .collect::<Option<_>>()?
+            }
+            PaletteTable::Lab(states) => {
+                self.warnings.push(format!(
+                    "{}: of L*, a*, b* only the colour in {} is known; its smoothest spectra are used, and colours in other light are estimates",
+                    pixel.file.value, pixel.illuminant.value
+                ));
+                states
+                    .into_iter()
+                    .map(|(name, lab)| self.smoothest(pixel, name, lab))
+                    .collect::<Option<_>>()?
+            }
+        };
+        Some(UniformPixel { kind: UniformKind::Lambertian, states })
+    }
+
+    /// Warns of a second surface: a palette was measured through that of the panel.
+    pub(super) fn check_surface(&mut self, file: &File) {
+        let (Pixel::Palette(_), Some(glass)) = (&file.display.pixel.value, &file.display.glass.value) else {
+            return;
+        };
+        let is_air = matches!(glass.index.value, MaterialSpec::Number(Index(index)) if index == 1.0);
+        if !is_air {
+            self.warnings.push(
+                "display.glass lies above a palette, which was measured through the panel's own surface: its reflections are added to those \
+                 of the measurement; remove [display.glass] unless it is another sheet of glass on the panel"
+                    .to_owned(),
+            );
+        }
+    }
+
+    fn measured_spectrum(&mut self, pixel: &PalettePixel, table: &Tabulated) -> Option<Spectrum> {
+        self.sampled(&pixel.file, pixel.file.origin, table.on(&self.grid))
+    }
+
+    fn smoothest(&mut self, pixel: &PalettePixel, name: String, lab: Lab) -> Option<(String, Spectrum)> {
+        let [first, last] = RANGE_NM;
+        let grid = Grid::new(first, last, STEP_NM).ok()?;
+        let Ok(light) = illuminant(&pixel.illuminant.value, &grid) else {
+            self.err(&pixel.illuminant, mistake::unknown_light(&pixel.illuminant.value));
+            return None;
+        };
+        let observer = Observer::new(&grid).ok()?;
+        let white = observer.xyz(&light);
+        let spectrum = observer.smoothest(&light, lab.xyz(white * (1.0 / white.y)));
+        let Some(spectrum) = spectrum else {
+            let [l, a, b] = [lab.l, lab.a, lab.b].map(tidy);
+            let wrong = Diagnostic::new(format!("no surface has the colour of state `{name}`, L* {l}, a* {a}, b* {b}"))
+                .expected("colours that a reflectance between 0 and 1 can have in this illuminant")
+                .hint("check the numbers, and the key `illuminant`: colours of cameras and screens are not measured colours");
+            self.errors.push(pixel.file.origin, wrong);
+            return None;
+        };
+        let table = Tabulated::new(grid.wavelengths_nm(), spectrum.to_vec()).ok()?;
+        let values = self.grid.wavelengths_nm().into_iter().map(|nm| table.at(nm.clamp(first, last)));
+        Some((name, Spectrum::from_values(values.collect::<Result<_, _>>().ok()?)))
+    }
+}

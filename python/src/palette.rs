@@ -1,0 +1,54 @@
+//! The palette of a display: the content of the files of `papilio palette`.
+
+use papilio_display::palette::{PaletteResult, palette};
+use papilio_formats::PaletteFile;
+use pyo3::prelude::*;
+
+use crate::scenario::Resolved;
+use crate::spatial::{computed, text};
+
+/// Palette of a display.
+#[pyclass(frozen, module = "papilio._papilio")]
+pub(crate) struct Palette {
+    of: PaletteResult,
+    json: String,
+}
+
+#[pymethods]
+impl Palette {
+    #[new]
+    #[pyo3(signature = (scenario, rooms, title, threads=None, progress=None))]
+    fn new(
+        py: Python<'_>,
+        scenario: &Resolved,
+        rooms: Vec<(String, Bound<'_, Resolved>)>,
+        title: &str,
+        threads: Option<u16>,
+        progress: Option<Bound<'_, PyAny>>,
+    ) -> PyResult<Self> {
+        let resolved = &scenario.of;
+        let rooms: Vec<_> = rooms.iter().map(|(name, room)| (name.clone(), &room.get().of.scene)).collect();
+        let of =
+            computed(py, scenario, threads, progress, |control| palette(&resolved.scene, &rooms, control))?;
+        let json = text(&PaletteFile {
+            papilio: env!("CARGO_PKG_VERSION"),
+            title,
+            hash: &resolved.hash,
+            result: &of,
+        })?;
+        Ok(Self { of, json })
+    }
+
+    /// The text of `palette.json`.
+    fn json(&self) -> &str {
+        &self.json
+    }
+
+    fn figures(&self, py: Python<'_>, title: &str) -> Vec<(String, String)> {
+        py.detach(|| papilio_figures::of_palette(&self.of, title))
+    }
+
+    fn warnings(&self) -> Vec<String> {
+        self.of.warnings.clone()
+    }
+}
