@@ -38,14 +38,16 @@ fn transfer(
     level: u32,
 ) -> Result<Vec<Vec<Vec<[f64; 2]>>>, NotCovered> {
     let spread = LayeredSpread::new(stack, lengths_mm, view, sources, level)?;
-    let mut kernel = adding::Kernel::new(2);
-    let whole = Stack::Layered(stack.clone());
-    kernel.prepare(&whole, &[view], sources);
-    let factors = kernel.seen(&whole, 0);
-    let seen = |source: usize| {
-        let weights = &WEIGHTS[..stack.base.bins()];
-        Seen { source, weights, via_pixel: &factors[source].via_pixel }
+    let bins = stack.base.bins();
+    // Of a single wavelength the light without regard to places cancels.
+    let via_pixel = if bins == 1 {
+        vec![vec![1.0; stack.base.states()]; sources.len()]
+    } else {
+        let (mut kernel, whole) = (adding::Kernel::new(1), Stack::Layered(stack.clone()));
+        kernel.prepare(&whole, &[view], sources);
+        kernel.seen(&whole, 0).into_iter().map(|rho| rho.via_pixel).collect()
     };
+    let seen = |source: usize| Seen { source, weights: &WEIGHTS[..bins], via_pixel: &via_pixel[source] };
     let mut all = vec![[0.0; 2]];
     all.extend(frequencies);
     let light = spread.light(&(0..sources.len()).map(seen).collect::<Vec<_>>(), &all)?;
@@ -148,8 +150,8 @@ fn two_narrow_lobes_along_the_normal_act_as_one() {
     let of = |stack: &Layered, lengths: &[f64], level: u32| {
         transfer(stack, lengths, (view(0.0), &sources), &frequencies, level).unwrap()[0][0].clone()
     };
-    let expected = of(&one, &[0.2], 2);
-    for (level, tolerance) in [(0, 5e-3), (1, 5e-4)] {
+    let expected = of(&one, &[0.2], 1);
+    for (level, tolerance) in everyday(1, [(0, 5e-3), (1, 5e-4)]) {
         for (found, expected) in of(&two, &[0.0, 0.2], level).iter().zip(&expected) {
             let error = (found[0] - expected[0]).hypot(found[1] - expected[1]);
             assert!(error < tolerance, "{level}: {found:?} {expected:?}");
