@@ -246,9 +246,14 @@ pub enum DisplayError {
         /// Number of views.
         views: usize,
     },
-    /// A picture without pixels, or for a panel without pixels.
-    #[error("the picture has no pixels")]
-    EmptyPicture,
+    /// A picture whose size is not that of the display.
+    #[error("the picture has {} x {} pixels, the display {} x {}", picture[0], picture[1], display[0], display[1])]
+    PictureSize {
+        /// Columns and rows of the picture.
+        picture: [usize; 2],
+        /// Columns and rows of the display.
+        display: [usize; 2],
+    },
     /// A picture that cannot be halftoned.
     #[error(transparent)]
     Imaging(#[from] papilio_imaging::ImagingError),

@@ -3,6 +3,8 @@
 //! Every pixel of the result is a mean of the source with the weights of a triangle, whose half width is a pixel of the result or of the source,
 //! whichever is larger: no detail is skipped, and enlarged pictures are interpolated linearly.
 
+use std::collections::VecDeque;
+
 /// How a picture is fitted to a panel with other proportions.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Fit {
@@ -17,22 +19,23 @@ pub enum Fit {
     None,
 }
 
-/// Fits a picture (rows from the top) to `to` = columns and rows; `margin` is the colour beyond the picture.
+/// Fits a picture of `from` = columns and rows, which `row` returns from the top, to `to`; `margin` is the colour beyond the picture.
 ///
-/// Empty if one of the sizes is 0 or `pixels` are not whole rows of `columns`.
+/// Each row is requested once, in order, so that a large picture needs no more memory than the result and one of its rows times the rows
+/// that a row of the result is the mean of. Empty if one of the sizes is 0, or a row has another number of pixels.
 pub fn fitted(
-    pixels: &[[f32; 3]],
-    columns: usize,
+    from: [usize; 2],
+    mut row: impl FnMut(usize) -> Vec<[f32; 3]>,
     to: [usize; 2],
     fit: Fit,
     margin: [f32; 3],
 ) -> Vec<[f32; 3]> {
-    if columns == 0 || pixels.is_empty() || !pixels.len().is_multiple_of(columns) || to.contains(&0) {
+    if from.contains(&0) || to.contains(&0) {
         return Vec::new();
     }
-    let from = [columns, pixels.len() / columns];
     if from == to {
-        return pixels.to_vec();
+        let whole: Vec<[f32; 3]> = (0..from[1]).flat_map(row).collect();
+        return if whole.len() == from[0] * from[1] { whole } else { Vec::new() };
     }
     let ratio = [0, 1].map(|k| to[k] as f64 / from[k] as f64);
     let scale = match fit {
@@ -41,19 +44,29 @@ pub fn fitted(
         Fit::Stretch => ratio,
         Fit::None => [1.0; 2],
     };
-    let [across, down] =
-        [0, 1].map(|k| (0..to[k]).map(|at| Weights::new(at, to[k], from[k], scale[k])).collect::<Vec<_>>());
-    // Rows of the source that are needed, each with the columns of the result.
-    let mut wide = vec![[0.0_f32; 3]; to[0] * from[1]];
-    for (row, line) in pixels.chunks_exact(columns).zip(wide.chunks_exact_mut(to[0])) {
-        line.iter_mut().zip(&across).for_each(|(sum, weights)| *sum = weights.mean(|at| row[at]));
-    }
+    let weights =
+        |k: usize| (0..to[k]).map(move |at| Weights::new(at, to[k], from[k], scale[k])).collect::<Vec<_>>();
+    let [across, down] = [weights(0), weights(1)];
+    // Rows of the source with the columns of the result; those above the first that is still needed are dropped.
+    let mut wide: VecDeque<Vec<[f32; 3]>> = VecDeque::new();
+    let mut next = 0;
     let mut result = Vec::with_capacity(to[0] * to[1]);
     for rows in &down {
+        while next < rows.first + rows.weights.len() {
+            let line = row(next);
+            if line.len() != from[0] {
+                return Vec::new();
+            }
+            wide.push_back(across.iter().map(|weights| weights.mean(|at| line[at])).collect());
+            next += 1;
+        }
+        let first = next - wide.len();
+        wide.drain(..rows.first.saturating_sub(first).min(wide.len()));
+        let first = next - wide.len();
         result.extend(across.iter().enumerate().map(|(x, columns)| {
             match columns.is_outside || rows.is_outside {
                 true => margin,
-                false => rows.mean(|at| wide[at * to[0] + x]),
+                false => rows.mean(|at| wide[at - first][x]),
             }
         }));
     }
@@ -104,11 +117,23 @@ mod tests {
         values.iter().map(|value| [*value; 3]).collect()
     }
 
+    /// Fits rows of `columns`.
+    fn fit_all(
+        pixels: &[[f32; 3]],
+        columns: usize,
+        to: [usize; 2],
+        fit: Fit,
+        margin: [f32; 3],
+    ) -> Vec<[f32; 3]> {
+        let from = [columns, pixels.len() / columns];
+        fitted(from, |row| pixels[row * columns..][..columns].to_vec(), to, fit, margin)
+    }
+
     #[test]
     fn uniform_pictures_stay_uniform_in_all_sizes() {
         for to in [[1, 1], [3, 2], [7, 31], [40, 9]] {
             for fit in [Fit::Contain, Fit::Cover, Fit::Stretch, Fit::None] {
-                let found = fitted(&grey(&[0.3; 60]), 10, to, fit, [0.3; 3]);
+                let found = fit_all(&grey(&[0.3; 60]), 10, to, fit, [0.3; 3]);
                 assert_eq!(found.len(), to[0] * to[1]);
                 assert!(found.iter().flatten().all(|value| (value - 0.3).abs() < 1e-6), "{to:?} {fit:?}");
             }
@@ -119,12 +144,12 @@ mod tests {
     #[test]
     fn proportions_are_kept_by_margins_or_cuts() {
         let source = grey(&[0.0, 0.0, 1.0, 1.0, 0.0, 0.0, 1.0, 1.0]);
-        let contained = fitted(&source, 4, [4, 4], Fit::Contain, [0.5; 3]);
+        let contained = fit_all(&source, 4, [4, 4], Fit::Contain, [0.5; 3]);
         assert_eq!(
             (contained[0], contained[4], contained[7], contained[15]),
             ([0.5; 3], [0.0; 3], [1.0; 3], [0.5; 3])
         );
-        let covered = fitted(&source, 4, [4, 4], Fit::Cover, [0.5; 3]);
+        let covered = fit_all(&source, 4, [4, 4], Fit::Cover, [0.5; 3]);
         assert!(covered.iter().all(|pixel| pixel[0] != 0.5 || pixel[0].is_finite()));
         assert!(covered[0][0] < 0.3 && covered[3][0] > 0.7, "{covered:?}");
     }
@@ -133,15 +158,17 @@ mod tests {
     #[test]
     fn smaller_pictures_are_means() {
         let board: Vec<f32> = (0..256).map(|at| ((at % 16 + at / 16) % 2) as f32).collect();
-        let small = fitted(&grey(&board), 16, [8, 8], Fit::Stretch, [0.0; 3]);
+        let small = fit_all(&grey(&board), 16, [8, 8], Fit::Stretch, [0.0; 3]);
         assert!(small.iter().flatten().all(|value| (value - 0.5).abs() < 0.1), "{small:?}");
         assert!((small[27][0] - 0.5).abs() < 1e-6);
     }
 
     #[test]
     fn impossible_sizes_are_empty() {
-        assert!(fitted(&[], 3, [2, 2], Fit::Contain, [0.0; 3]).is_empty());
-        assert!(fitted(&grey(&[0.1; 5]), 2, [2, 2], Fit::Contain, [0.0; 3]).is_empty());
-        assert!(fitted(&grey(&[0.1; 4]), 2, [0, 2], Fit::Contain, [0.0; 3]).is_empty());
+        let row = |_| grey(&[0.1; 2]);
+        assert!(fitted([0, 2], row, [2, 2], Fit::Contain, [0.0; 3]).is_empty());
+        assert!(fitted([3, 2], row, [4, 2], Fit::Contain, [0.0; 3]).is_empty());
+        assert!(fitted([3, 2], row, [3, 2], Fit::Contain, [0.0; 3]).is_empty());
+        assert!(fitted([2, 2], row, [0, 2], Fit::Contain, [0.0; 3]).is_empty());
     }
 }

@@ -4,10 +4,10 @@
 //!
 //! | step | function |
 //! |---|---|
-//! | the picture on the pixels of the panel | [`papilio_imaging::fitted`] |
+//! | the picture on the pixels of the panel, before | [`papilio_imaging::fitted`] |
 //! | its white and black become those of the display in this light and view, and colours that no mixture of states has are mapped | `rendering.rs` |
 //! | a state for each pixel | [`papilio_imaging::halftone`] |
-//! | what the layers above the pixels make of them | [`picture`](crate::spatial::picture) |
+//! | what the layers above the pixels make of them | [`picture`] |
 //! | how far that is from the picture | `differences.rs` |
 //!
 //! Rows of all pictures begin at the top. Colours are X, Y, Z relative to a perfect white in the same light.
@@ -21,8 +21,7 @@ pub use differences::{Difference, PictureDifferences};
 use papilio_colour::mapping::{Intent, MapSpace};
 use papilio_colour::{Adaptation, D65_WHITE, Xyz};
 use papilio_imaging::halftone::{DiffusionKernel, ErrorDiffusion, Scan};
-use papilio_imaging::{Fit, fitted};
-use rendering::Rendering;
+use rendering::{Rendered, Rendering};
 use schemars::JsonSchema;
 use serde::Serialize;
 
@@ -33,7 +32,7 @@ use crate::run::{Control, run};
 use crate::scene::{Pixel, Scene, UniformKind};
 use crate::spatial::{Picture, Precision, picture};
 
-/// A picture.
+/// A picture with as many pixels as the display.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SourceImage {
     /// Number of pixels in a row.
@@ -45,8 +44,6 @@ pub struct SourceImage {
 /// How a picture is brought to a panel.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct ImageSettings {
-    /// How it is fitted to the pixels of the panel.
-    pub fit: Fit,
     /// What becomes of its white and black, and of colours that the display cannot show.
     pub intent: Intent,
     /// Space in which colours that the display cannot show keep their hue.
@@ -141,8 +138,8 @@ pub struct ImageNumbers {
 /// Brings a picture to a display, and computes what the reader sees.
 ///
 /// # Errors
-/// As [`run`]; if the scene does not have exactly one view, a state does not exist, the light has no colour, or the
-/// picture has no pixels.
+/// As [`run`]; if the scene does not have exactly one view, a state does not exist, the light has no colour, or the picture has not as many
+/// pixels as the display.
 pub fn image(
     scene: &Scene,
     source: &SourceImage,
@@ -151,64 +148,45 @@ pub fn image(
     control: &Control<'_>,
 ) -> Result<ImageResult, DisplayError> {
     let view = scene.viewer.single_view("a picture")?;
+    let size = source.size_on(scene)?;
     let result = run(scene, control)?;
     let no_white = DisplayError::NoWhite { what: "a picture" };
     let palette = Palette::of(&result, 0).ok_or(no_white.clone())?.with_states(&settings.states)?;
     let [x, y, z] = palette.white_XYZ;
     let white = Xyz { x, y, z };
     let to_screen = Adaptation::between(white, D65_WHITE).ok_or(no_white)?;
-
-    let own = [source.columns, source.pixels.len() / source.columns.max(1)];
-    let size = scene.display.matrix.as_ref().and_then(|matrix| matrix.pixels).unwrap_or(own);
-    let margin = D65_WHITE.to_array().map(|value| value as f32);
-    let fitted = fitted(&source.pixels, source.columns, size, settings.fit, margin);
-    if fitted.is_empty() {
-        return Err(DisplayError::EmptyPicture);
-    }
-    let rendering = Rendering::new(&palette, white, (settings.intent, settings.space), fitted.len())?;
-    let count = fitted.len();
-    let (mut wanted, mut mapped, mut inside) =
-        (Vec::with_capacity(count), Vec::with_capacity(count), 0_usize);
-    for pixel in &fitted {
-        let (target, colour, is_inside) = rendering.mapped(*pixel);
-        wanted.push(target);
-        mapped.push(colour);
-        inside += usize::from(is_inside);
-    }
+    let rendering = Rendering::new(&palette, white, (settings.intent, settings.space), source.pixels.len())?;
+    let Rendered { wanted, mapped, inside } = rendering.rendered(&source.pixels);
     stopped(control)?;
     let (states, cut) = match settings.halftone {
         Halftone::None => (Vec::new(), 0),
         Halftone::ErrorDiffusion => {
-            let diffusion = ErrorDiffusion {
-                kernel: settings.kernel,
-                scan: settings.scan,
-                metric: rendering.metric(),
-                ..ErrorDiffusion::default()
-            };
+            let (kernel, scan, metric) = (settings.kernel, settings.scan, rendering.metric());
+            let diffusion = ErrorDiffusion { kernel, scan, metric, ..ErrorDiffusion::default() };
             let found = diffusion.colours(&mapped, size[0], &rendering.states)?;
             (found.states, found.cut_pixels)
         }
     };
     stopped(control)?;
-    let names = scene.display.state_names();
-    let number = |one: &PaletteColour| names.iter().position(|name| *name == one.state).unwrap_or(0);
-    let all: Vec<usize> = palette.colours.iter().map(number).collect();
-    let (seen, error, neighbours_light) = match settings.halftone {
-        Halftone::None => (mapped.clone(), 0.0, false),
-        Halftone::ErrorDiffusion => seen(scene, size, &states, &all, &rendering, control)?,
+    let Seen { pixels: seen, error, neighbours_light } = match settings.halftone {
+        Halftone::None => Seen { pixels: mapped.clone(), error: rendering.error, neighbours_light: false },
+        Halftone::ErrorDiffusion => seen(scene, size, &states, &palette, &rendering, control)?,
     };
+    stopped(control)?;
     let on_screen = match screen_white {
         ScreenWhite::Perfect => to_screen,
         ScreenWhite::Display => Adaptation::between(rendering.white, D65_WHITE).unwrap_or(to_screen),
     };
-    let screen: Vec<[f64; 3]> =
-        seen.iter().map(|pixel| on_screen.apply(colour(*pixel)).linear_srgb()).collect();
-    let is_clipped = |rgb: &&[f64; 3]| rgb.iter().any(|value| !(-CLIPPED..=1.0 + CLIPPED).contains(value));
+    let screen: Vec<Xyz> = seen.iter().map(|pixel| on_screen.apply(colour(*pixel))).collect();
+    let is_clipped =
+        |xyz: &&Xyz| xyz.linear_srgb().iter().any(|value| !(-CLIPPED..=1.0 + CLIPPED).contains(value));
+    let count = seen.len();
     let fraction = |number: usize| number as f64 / count as f64;
     let mean = |k: usize| seen.iter().map(|pixel| f64::from(pixel[k])).sum::<f64>() / count as f64;
-    let pitch_mm = scene.display.matrix.as_ref().map(|matrix| matrix.pitch_mm[0]);
-    let per_degree =
-        pitch_mm.map(|mm| papilio_colour::pictures::pixels_per_degree(1e3 * mm, scene.viewer.distance_mm));
+    let per_degree = scene.display.matrix.as_ref().map(|matrix| {
+        let pitch_um = 1e3 * matrix.pitch_mm[0];
+        papilio_colour::pictures::pixels_per_degree(pitch_um, scene.viewer.distance_mm)
+    });
     let against = |other: &[[f32; 3]]| {
         PictureDifferences::between([&seen, other], size[0], white, &to_screen, per_degree)
     };
@@ -230,36 +208,59 @@ pub fn image(
         error,
         warnings: result.warnings,
     };
-    let bytes = |pixel: &[f32; 3]| on_screen.apply(colour(*pixel)).srgb_clipped();
-    let srgb = seen.iter().map(bytes).collect();
+    let srgb = screen.into_iter().map(Xyz::srgb_clipped).collect();
     let white_cd_m2 = (scene.lighting.illuminance_lx / PI) as f32;
     Ok(ImageResult { size, srgb, states, seen, white_cd_m2, numbers, palette })
+}
+
+impl SourceImage {
+    /// Number of columns and rows, which must be those of the display.
+    fn size_on(&self, scene: &Scene) -> Result<[usize; 2], DisplayError> {
+        let own = [self.columns, self.pixels.len() / self.columns.max(1)];
+        let size = scene.display.matrix.as_ref().and_then(|matrix| matrix.pixels).unwrap_or(own);
+        if size != own || own.contains(&0) || own[0] * own[1] != self.pixels.len() {
+            return Err(DisplayError::PictureSize { picture: own, display: size });
+        }
+        Ok(size)
+    }
 }
 
 /// Light of a screen's primaries beyond 0 and 1 that counts as rounding.
 const CLIPPED: f64 = 1e-3;
 
-/// What the reader sees of each pixel, its error, and whether light that the layers return to neighbours is contained.
+/// What the reader sees of each pixel.
+struct Seen {
+    pixels: Vec<[f32; 3]>,
+    /// Estimated error of X, Y, Z.
+    error: f64,
+    /// Whether light that the layers return to neighbours is contained.
+    neighbours_light: bool,
+}
+
 fn seen(
     scene: &Scene,
     size: [usize; 2],
     states: &[u8],
-    all: &[usize],
+    palette: &Palette,
     rendering: &Rendering,
     control: &Control<'_>,
-) -> Result<(Vec<[f32; 3]>, f64, bool), DisplayError> {
+) -> Result<Seen, DisplayError> {
     let is_paper =
         matches!(&scene.display.pixel, Pixel::Uniform(pixel) if pixel.kind == UniformKind::Lambertian);
     let is_glass = scene.display.index_above_pixel().max() > 1.0;
     if is_paper && is_glass && scene.display.matrix.is_some() {
+        let names = scene.display.state_names();
+        let number =
+            |one: &PaletteColour| names.iter().position(|name| *name == one.state).unwrap_or(0) as u8;
+        let numbers: Vec<u8> = palette.colours.iter().map(number).collect();
         let flipped = states.chunks_exact(size[0]).rev().flatten();
         let shown =
-            Picture { count: size, states: flipped.map(|state| all[usize::from(*state)] as u8).collect() };
+            Picture { count: size, states: flipped.map(|state| numbers[usize::from(*state)]).collect() };
         match picture(scene, &shown, Precision::FAST, control) {
             Ok(mut found) => {
                 let view = found.views.pop().unwrap_or_default();
                 let rows = view.chunks_exact(size[0]).rev().flatten().copied();
-                return Ok((rows.collect(), found.error, true));
+                return Ok(Seen { pixels: rows.collect(), error: found.error, neighbours_light: true });
             }
             // Below other layers, pixels have the colours of pages.
             Err(DisplayError::PlacesNotComputed { .. }) => {}
@@ -268,7 +269,8 @@ fn seen(
     }
     let colours: Vec<[f32; 3]> =
         rendering.states.iter().map(|colour| colour.map(|value| value as f32)).collect();
-    Ok((states.iter().map(|state| colours[usize::from(*state)]).collect(), rendering.error, false))
+    let pixels = states.iter().map(|state| colours[usize::from(*state)]).collect();
+    Ok(Seen { pixels, error: rendering.error, neighbours_light: false })
 }
 
 fn coverage(palette: &Palette, states: &[u8]) -> Named<f64> {

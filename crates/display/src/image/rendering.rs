@@ -34,6 +34,16 @@ pub(super) struct Rendering {
     pub(super) error: f64,
 }
 
+/// A picture before and after gamut mapping.
+pub(super) struct Rendered {
+    /// With the white and black of the display.
+    pub(super) wanted: Vec<[f32; 3]>,
+    /// In the gamut of the display.
+    pub(super) mapped: Vec<[f32; 3]>,
+    /// Number of pixels whose colour some mixture of states has.
+    pub(super) inside: usize,
+}
+
 impl Rendering {
     /// Prepares the mapping of `pixels` colours.
     pub(super) fn new(
@@ -46,7 +56,7 @@ impl Rendering {
         let points: Vec<Xyz> = states.iter().map(|[x, y, z]| Xyz { x: *x, y: *y, z: *z }).collect();
         let find = |name: &str| palette.colours.iter().position(|one| one.state == name).map(|at| points[at]);
         let by_light = |a: &&Xyz, b: &&Xyz| a.y.total_cmp(&b.y);
-        let nothing = DisplayError::EmptyPicture;
+        let nothing = DisplayError::NoWhite { what: "a picture" };
         let white =
             find("white").or_else(|| points.iter().max_by(by_light).copied()).ok_or(nothing.clone())?;
         let black = find("black").or_else(|| points.iter().min_by(by_light).copied()).ok_or(nothing)?;
@@ -82,8 +92,21 @@ impl Rendering {
         self.table.as_ref().map(|(_, error)| *error)
     }
 
+    /// Maps all pixels of a picture.
+    pub(super) fn rendered(&self, pixels: &[[f32; 3]]) -> Rendered {
+        let all = || Vec::with_capacity(pixels.len());
+        let mut rendered = Rendered { wanted: all(), mapped: all(), inside: 0 };
+        for pixel in pixels {
+            let (wanted, mapped, is_inside) = self.mapped(*pixel);
+            rendered.wanted.push(wanted);
+            rendered.mapped.push(mapped);
+            rendered.inside += usize::from(is_inside);
+        }
+        rendered
+    }
+
     /// The colour that the display should show, the one that it can show instead, and whether a mixture of states has the former.
-    pub(super) fn mapped(&self, pixel: [f32; 3]) -> ([f32; 3], [f32; 3], bool) {
+    fn mapped(&self, pixel: [f32; 3]) -> ([f32; 3], [f32; 3], bool) {
         let source = colour(pixel);
         let wanted = self.mapping.target_xyz(source);
         let is_inside = self.mapping.hull().contains_within(wanted, INSIDE);

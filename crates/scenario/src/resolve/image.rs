@@ -3,12 +3,12 @@
 use std::f64::consts::PI;
 
 use papilio_colour::mapping::{Intent, MapSpace};
-use papilio_colour::{Surround, Viewing};
+use papilio_colour::{D65_WHITE, Surround, Viewing};
 use papilio_display::image::{Halftone, ImageSettings, SourceImage};
 use papilio_display::scene::Scene;
-use papilio_formats::{LARGEST_PICTURE_FILE, RgbSpace, read_picture};
-use papilio_imaging::Fit;
+use papilio_formats::{LARGEST_PICTURE_FILE, MOST_PICTURE_PIXELS, RgbSpace, read_picture};
 use papilio_imaging::halftone::{DiffusionKernel, Scan};
+use papilio_imaging::{Fit, fitted};
 
 use super::Resolver;
 use crate::describe::File;
@@ -68,10 +68,29 @@ impl Resolver<'_> {
         };
         self.notes.extend(picture.warnings.iter().map(|warning| format!("{name}: {warning}")));
         let picture = picture.value;
-        let mut pixels = Vec::with_capacity(picture.columns() * picture.rows());
-        (0..picture.rows()).for_each(|row| pixels.extend(picture.row(row)));
-        let source = SourceImage { columns: picture.columns(), pixels };
+        let from = [picture.columns(), picture.rows()];
+        let matrix = scene.display.matrix.as_ref();
+        let to = matrix.and_then(|matrix| matrix.pixels).unwrap_or(from);
+        let count = to[0].saturating_mul(to[1]);
+        let key = file.display.matrix.value.as_ref().map_or(origin, |matrix| matrix.pixels.origin);
+        if count > MOST_PICTURE_PIXELS {
+            self.errors
+                .push(key, mistake::too_many("pixels of a picture", count as f64, MOST_PICTURE_PIXELS));
+            return None;
+        }
+        let margin = D65_WHITE.to_array().map(|value| value as f32);
+        let pixels = fitted(from, |row| picture.row(row), to, fit(image.fit.value), margin);
+        let source = SourceImage { columns: to[0], pixels };
         Some(ImageRequest { source, settings: settings(image, scene.lighting.illuminance_lx) })
+    }
+}
+
+fn fit(fit: ImageFit) -> Fit {
+    match fit {
+        ImageFit::Contain => Fit::Contain,
+        ImageFit::Cover => Fit::Cover,
+        ImageFit::Stretch => Fit::Stretch,
+        ImageFit::None => Fit::None,
     }
 }
 
@@ -80,12 +99,6 @@ const GREY: f64 = 0.2;
 
 fn settings(image: &Image, illuminance_lx: f64) -> ImageSettings {
     ImageSettings {
-        fit: match image.fit.value {
-            ImageFit::Contain => Fit::Contain,
-            ImageFit::Cover => Fit::Cover,
-            ImageFit::Stretch => Fit::Stretch,
-            ImageFit::None => Fit::None,
-        },
         intent: match image.intent.value {
             ImageIntent::Relative => Intent::Relative,
             ImageIntent::Perceptual => Intent::Perceptual,
