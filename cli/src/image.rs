@@ -79,8 +79,13 @@ fn text(title: &str, result: &ImageResult) -> String {
     } else {
         "each pixel has the colour of a page of its state: light of its neighbours is not contained"
     };
+    let distance = match numbers.pixels_per_degree {
+        Some(per_degree) => format!("at {per_degree:.1} pixels in a degree\n"),
+        None => "S-CIELAB and FLIP need the size of the pixels: [display.matrix] with ppi or pitch_um\n"
+            .to_owned(),
+    };
     format!(
-        "{}\n\n{columns} x {lines} pixels in light of {} lx{temperature}; {neighbours}\n{}\n{}\n\ncolours that no mixture of \
+        "{}\n\n{columns} x {lines} pixels in light of {} lx{temperature}; {neighbours}\n{}\n{}{distance}\ncolours that no mixture of \
          the states has: {} of the pixels; clipped in seen.png: {}\n",
         report::plain(title),
         numbers.light.illuminance_lx,
