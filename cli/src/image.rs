@@ -4,7 +4,7 @@ use std::path::Path;
 
 use papilio_display::image::{ImageResult, PictureDifferences, ScreenWhite};
 use papilio_display::palette::bytes;
-use papilio_formats::{ImageFile, write_file, write_indexed_png, write_rgb_png, write_scene_exr};
+use papilio_formats::{TitledFile, write_file, write_indexed_png, write_rgb_png, write_scene_exr};
 use papilio_scenario::Resolved;
 use serde::Serialize;
 
@@ -15,7 +15,8 @@ use crate::{Failure, report};
 
 pub(crate) fn image(arguments: &ImageCommand) -> Result<(), Failure> {
     let resolved = arguments.command.scenario(arguments.picture_key())?.resolve_with_picture()?;
-    let Some(request) = &resolved.image else { return Ok(()) };
+    let no_picture = || Failure::Input("the scenario names no picture".to_owned());
+    let request = resolved.image.as_ref().ok_or_else(no_picture)?;
     let white = match arguments.relative_to {
         RelativeTo::White => ScreenWhite::Perfect,
         RelativeTo::Display => ScreenWhite::Display,
@@ -30,7 +31,7 @@ impl SpatialOutput for ImageResult {
     const FIGURES: &'static [&'static str] = &["seen", "states"];
 
     fn content<'a>(&'a self, resolved: &'a Resolved, title: &'a str) -> impl Serialize + 'a {
-        ImageFile { papilio: env!("CARGO_PKG_VERSION"), title, hash: &resolved.hash, result: &self.numbers }
+        TitledFile { papilio: env!("CARGO_PKG_VERSION"), title, hash: &resolved.hash, result: &self.numbers }
     }
 
     fn table(&self, title: &str) -> String {

@@ -2,8 +2,9 @@
 
 use std::path::Path;
 
-use papilio_display::palette::{PaletteColour, PaletteLight, PaletteResult, bytes};
-use papilio_formats::{PaletteFile, palette_files, write_file};
+use papilio_display::LightSummary;
+use papilio_display::palette::{PaletteColour, PaletteResult, bytes};
+use papilio_formats::{TitledFile, palette_files, write_file};
 use papilio_scenario::{Resolved, illuminant_sheet, preset_names};
 use serde::Serialize;
 
@@ -64,11 +65,11 @@ impl SpatialOutput for PaletteOutput {
     const FIGURES: &'static [&'static str] = &["palette"];
 
     fn content<'a>(&'a self, resolved: &'a Resolved, title: &'a str) -> impl Serialize + 'a {
-        PaletteFile { papilio: env!("CARGO_PKG_VERSION"), title, hash: &resolved.hash, result: &self.result }
+        TitledFile { papilio: env!("CARGO_PKG_VERSION"), title, hash: &resolved.hash, result: &self.result }
     }
 
     fn table(&self, title: &str) -> String {
-        let PaletteLight { illuminance_lx, colour_temperature_k, .. } = self.result.light;
+        let LightSummary { illuminance_lx, colour_temperature_k, .. } = self.result.light;
         let temperature = colour_temperature_k.map_or(String::new(), |kelvin| format!(", {kelvin:.0} K"));
         let (theta, phi) = (self.result.view.theta_deg, self.result.view.phi_deg);
         let azimuth = if phi == 0.0 { String::new() } else { format!(", azimuth {phi} deg") };

@@ -1,4 +1,4 @@
-//! What `papilio mtf`, `papilio crosstalk` and `papilio sparkle` share: compute, print, write files and figures.
+//! What `papilio mtf`, `crosstalk`, `sparkle`, `palette` and `image` share: compute, print, write files and figures.
 
 use std::io::Write;
 use std::path::Path;

@@ -1,7 +1,7 @@
 //! The palette of a display: the content of the files of `papilio palette`.
 
 use papilio_display::palette::{PaletteResult, palette};
-use papilio_formats::PaletteFile;
+use papilio_formats::TitledFile;
 use pyo3::prelude::*;
 
 use crate::scenario::Resolved;
@@ -30,7 +30,7 @@ impl Palette {
         let rooms: Vec<_> = rooms.iter().map(|(name, room)| (name.clone(), &room.get().of.scene)).collect();
         let of =
             computed(py, scenario, threads, progress, |control| palette(&resolved.scene, &rooms, control))?;
-        let json = text(&PaletteFile {
+        let json = text(&TitledFile {
             papilio: env!("CARGO_PKG_VERSION"),
             title,
             hash: &resolved.hash,

@@ -135,6 +135,7 @@ fn wrong_input_is_answered() {
         (vec![text.to_str().unwrap()], "text.png"),
         (vec!["nowhere.png"], "nowhere.png"),
         (vec![good, "--set", "image.states=[\"white\",\"blak\"]"], "there is no state `blak`"),
+        (vec![good, "--set", "image.states=[\"red\",\"red\"]"], "the state `red` is listed twice"),
         (vec![good, "--set", "image.kernel=\"floyd\""], "floyd-steinberg"),
         (vec![good, "--set", "viewer.theta_deg=[0,10]"], "computed for one view"),
         (vec![good, "--set", "image.states=[\"white\"]"], "2 to 64"),

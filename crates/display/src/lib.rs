@@ -92,6 +92,7 @@ mod rows;
 mod run;
 pub mod scene;
 mod setup;
+mod single_view;
 pub mod spatial;
 mod target;
 
@@ -111,3 +112,4 @@ pub use run::{
     Control, Cost, Forecast, Progress, StudyCurve, StudyPoint, THICKEST_FOR_MONTE_CARLO, adding_seconds,
     brdf, cone, cost, forecast, run, study,
 };
+pub use single_view::{LightSummary, SingleView};

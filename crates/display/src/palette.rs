@@ -1,14 +1,14 @@
 //! The palette of a display: the colours of its states in one light and view, in the coordinates that pictures and dithering need.
 
-use papilio_colour::{Lab, Xy, Xyz, colour_temperature};
-use papilio_spectra::Spectrum;
+use papilio_colour::{Lab, Xy, Xyz};
 use schemars::JsonSchema;
 use serde::Serialize;
 
 use crate::DisplayError;
-use crate::result::{Illuminant, Named, RunResult, State, StateValues};
+use crate::result::{Named, RunResult, State, StateValues};
 use crate::run::{Control, run};
-use crate::scene::{Scene, Viewer};
+use crate::scene::Scene;
+use crate::single_view::{LightSummary, SingleView};
 
 /// Computes the colours of all states in the light of a scene, and in other rooms: names, and scenes with the same states.
 ///
@@ -19,7 +19,7 @@ pub fn palette(
     rooms: &[(String, &Scene)],
     control: &Control<'_>,
 ) -> Result<PaletteResult, DisplayError> {
-    let view = scene.viewer.single_view("a palette")?;
+    let view = SingleView::of(&scene.viewer, "a palette")?;
     let of = |result: &RunResult| Palette::of(result, 0).ok_or(DisplayError::NoWhite { what: "a palette" });
     let here = run(scene, control)?;
     let palette = of(&here)?;
@@ -28,7 +28,7 @@ pub fn palette(
         Ok((name.clone(), there.into_room(&palette)))
     });
     let rooms = Named(rooms.collect::<Result<_, DisplayError>>()?);
-    let light = PaletteLight::of(scene, &here);
+    let light = LightSummary::of(scene, &here);
     Ok(PaletteResult { light, view, palette, rooms, warnings: here.warnings })
 }
 
@@ -36,9 +36,9 @@ pub fn palette(
 #[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct PaletteResult {
     /// The light.
-    pub light: PaletteLight,
+    pub light: LightSummary,
     /// The view.
-    pub view: PaletteView,
+    pub view: SingleView,
     /// The colours.
     #[serde(flatten)]
     pub palette: Palette,
@@ -46,51 +46,6 @@ pub struct PaletteResult {
     pub rooms: Named<Room>,
     /// Warnings.
     pub warnings: Vec<String>,
-}
-
-/// The view of a palette.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, JsonSchema)]
-pub struct PaletteView {
-    /// Inclination, degrees.
-    pub theta_deg: f64,
-    /// Azimuth, degrees.
-    pub phi_deg: f64,
-}
-
-impl Viewer {
-    /// Returns the only view, for computations that have one.
-    ///
-    /// # Errors
-    /// [`DisplayError::OneView`] with `what` is computed.
-    pub fn single_view(&self, what: &'static str) -> Result<PaletteView, DisplayError> {
-        match (self.theta_deg.as_slice(), self.phi_deg.as_slice()) {
-            ([theta_deg], [phi_deg]) => Ok(PaletteView { theta_deg: *theta_deg, phi_deg: *phi_deg }),
-            (theta, phi) => Err(DisplayError::OneView { what, views: theta.len() * phi.len() }),
-        }
-    }
-}
-
-/// The light of a palette.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, JsonSchema)]
-pub struct PaletteLight {
-    /// Illuminance, lx.
-    pub illuminance_lx: f64,
-    /// CIE 1931 x of a perfect white.
-    pub x: f64,
-    /// CIE 1931 y of a perfect white.
-    pub y: f64,
-    /// Correlated colour temperature, K; null far from the Planckian locus.
-    pub colour_temperature_k: Option<f64>,
-}
-
-impl PaletteLight {
-    /// Describes the light of a scene by its result.
-    pub fn of(scene: &Scene, result: &RunResult) -> Self {
-        let Illuminant { ref radiance_of_white, x, y, .. } = result.illuminant;
-        let white = Spectrum::from_values(radiance_of_white.clone());
-        let colour_temperature_k = colour_temperature(&white, &scene.grid).map(|found| found.cct_k);
-        Self { illuminance_lx: scene.lighting.illuminance_lx, x, y, colour_temperature_k }
-    }
 }
 
 /// Colours of all states of a view.

@@ -56,7 +56,6 @@ mod cone;
 mod crosstalk;
 mod error;
 mod file;
-mod image;
 mod index;
 mod journal;
 mod json;
@@ -100,7 +99,6 @@ pub use cone::{CONE_QUANTITIES, ConeFile, cone_quantities, write_cone_csv, write
 pub use crosstalk::{CrosstalkFile, crosstalk_schema, write_crosstalk_csv, write_patterns_csv};
 pub use error::{FormatError, Problem};
 pub use file::{DataFile, LARGEST_FILE, write_file};
-pub use image::{ImageFile, image_schema};
 pub use index::{read_index, read_index_within};
 pub use journal::{
     Journal, JournalNumber, JournalRow, JournalRows, Journals, LARGEST_JOURNAL, LockedJournal, RowsHead,
@@ -113,7 +111,7 @@ pub use light::{
 };
 pub use measured_panel::read_measured_panel;
 pub use mtf::{MtfFile, mtf_schema, write_kernel_npy, write_mtf_csv, write_spread_csv};
-pub use palette::{PaletteFile, PaletteTable, palette_files, palette_schema, read_palette};
+pub use palette::{PaletteTable, palette_files, read_palette};
 pub use papilio_diagnostics::{Diagnostic, Place, Spot, Warned};
 pub use picture::{
     LARGEST_PICTURE_FILE, MOST_PICTURE_PIXELS, PictureProblem, RgbSpace, SourcePicture, Transfer,
@@ -123,7 +121,7 @@ pub use pixel_table::{PIXEL_COLUMNS, PixelTable, is_name, read_pixel_table};
 pub use result::{ResultFile, result_schema, write_reflection, write_spectra, write_states};
 pub use result_read::{ReadResult, read_result};
 pub use sparkle::{SparkleFile, sparkle_schema, write_sparkle};
-pub use spatial::SpatialFile;
+pub use spatial::{SpatialFile, TitledFile, image_schema, palette_schema};
 pub use spectrum::{read_fractions, read_light, read_spectrum};
 pub use study::write_study;
 pub use sweep::{

@@ -1,5 +1,7 @@
-//! The head that `mtf.json` and `crosstalk.json` share.
+//! The heads that `mtf.json` and `crosstalk.json`, and `palette.json` and `image.json`, share.
 
+use papilio_display::image::ImageNumbers;
+use papilio_display::palette::PaletteResult;
 use schemars::JsonSchema;
 use serde::Serialize;
 
@@ -15,4 +17,28 @@ pub struct SpatialFile<'a, R> {
     /// The result.
     #[serde(flatten)]
     pub result: &'a R,
+}
+
+/// Content of a JSON file: the title and hash of the scenario, and its result.
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
+pub struct TitledFile<'a, R> {
+    /// Version of the program.
+    pub papilio: &'a str,
+    /// Title of the scenario.
+    pub title: &'a str,
+    /// SHA-256 of the scenario and the bytes of its files, a picture included.
+    pub hash: &'a str,
+    /// The result.
+    #[serde(flatten)]
+    pub result: &'a R,
+}
+
+/// Returns the JSON Schema of `palette.json`.
+pub fn palette_schema() -> serde_json::Value {
+    schemars::schema_for!(TitledFile<'_, PaletteResult>).to_value()
+}
+
+/// Returns the JSON Schema of `image.json`.
+pub fn image_schema() -> serde_json::Value {
+    schemars::schema_for!(TitledFile<'_, ImageNumbers>).to_value()
 }

@@ -25,14 +25,10 @@ pub struct PictureDifferences {
 }
 
 /// Mean, median and 95th percentile.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Difference {
-    /// Mean.
-    pub mean: f64,
-    /// Median.
-    pub p50: f64,
-    /// 95th percentile.
-    pub p95: f64,
+struct Difference {
+    mean: f64,
+    p50: f64,
+    p95: f64,
 }
 
 impl Difference {

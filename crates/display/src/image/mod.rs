@@ -17,7 +17,7 @@ mod rendering;
 
 use std::f64::consts::PI;
 
-pub use differences::{Difference, PictureDifferences};
+pub use differences::PictureDifferences;
 use papilio_colour::mapping::{Intent, MapSpace};
 use papilio_colour::{Adaptation, D65_WHITE, Xyz};
 use papilio_imaging::halftone::{DiffusionKernel, ErrorDiffusion, Scan};
@@ -26,10 +26,11 @@ use schemars::JsonSchema;
 use serde::Serialize;
 
 use crate::DisplayError;
-use crate::palette::{Palette, PaletteColour, PaletteLight, PaletteView};
+use crate::palette::{Palette, PaletteColour};
 use crate::result::Named;
 use crate::run::{Control, run};
 use crate::scene::{Pixel, Scene, UniformKind};
+use crate::single_view::{LightSummary, SingleView};
 use crate::spatial::{Picture, Precision, picture};
 
 /// A picture with as many pixels as the display.
@@ -102,9 +103,9 @@ pub struct ImageResult {
 #[allow(non_snake_case, reason = "the field's own letters, as image.json spells them")]
 pub struct ImageNumbers {
     /// The light.
-    pub light: PaletteLight,
+    pub light: LightSummary,
     /// The view.
-    pub view: PaletteView,
+    pub view: SingleView,
     /// Number of columns and rows.
     pub size: [usize; 2],
     /// States, in the order of states.png.
@@ -147,7 +148,7 @@ pub fn image(
     screen_white: ScreenWhite,
     control: &Control<'_>,
 ) -> Result<ImageResult, DisplayError> {
-    let view = scene.viewer.single_view("a picture")?;
+    let view = SingleView::of(&scene.viewer, "a picture")?;
     let size = source.size_on(scene)?;
     let result = run(scene, control)?;
     let no_white = DisplayError::NoWhite { what: "a picture" };
@@ -191,7 +192,7 @@ pub fn image(
         PictureDifferences::between([&seen, other], size[0], white, &to_screen, per_degree)
     };
     let numbers = ImageNumbers {
-        light: PaletteLight::of(scene, &result),
+        light: LightSummary::of(scene, &result),
         view,
         size,
         states: palette.colours.iter().map(|colour| colour.state.clone()).collect(),
@@ -248,7 +249,8 @@ fn seen(
     let is_paper =
         matches!(&scene.display.pixel, Pixel::Uniform(pixel) if pixel.kind == UniformKind::Lambertian);
     let is_glass = scene.display.index_above_pixel().max() > 1.0;
-    if is_paper && is_glass && scene.display.matrix.is_some() {
+    let is_plain = scene.display.matrix.as_ref().is_some_and(|matrix| matrix.filter.is_none());
+    if is_paper && is_glass && is_plain {
         let names = scene.display.state_names();
         let number =
             |one: &PaletteColour| names.iter().position(|name| *name == one.state).unwrap_or(0) as u8;

@@ -4,6 +4,7 @@ use std::f64::consts::PI;
 
 use papilio_colour::mapping::{Intent, MapSpace};
 use papilio_colour::{D65_WHITE, Surround, Viewing};
+use papilio_diagnostics::Diagnostic;
 use papilio_display::image::{Halftone, ImageSettings, SourceImage};
 use papilio_display::scene::Scene;
 use papilio_formats::{LARGEST_PICTURE_FILE, MOST_PICTURE_PIXELS, RgbSpace, read_picture};
@@ -40,9 +41,12 @@ impl Resolver<'_> {
                 &defaults
             }
         };
-        for state in image.states.iter() {
+        for (at, state) in image.states.iter().enumerate() {
             if !known.contains(&state.0) {
                 self.err(state, mistake::no_such_state(&state.0, &known));
+            } else if image.states[..at].iter().any(|before| before.0 == state.0) {
+                let twice = Diagnostic::new(format!("the state `{}` is listed twice", state.0));
+                self.err(state, twice.hint("remove one of the two"));
             }
         }
         let Some(name) = &image.file.value else {

@@ -159,6 +159,14 @@ fn two_narrow_lobes_along_the_normal_act_as_one() {
     }
 }
 
+/// Rough glass returns much light to bright mirror-like pixels totally reflected, which they reflect many times: no geometric series.
+#[test]
+fn light_that_mirrors_reflect_many_times_is_that_of_paths() {
+    let rough = Interface::Rough(Rough::new(0.35, 1.0, 1.5));
+    let case = ("rough mirror", stack([(rough, 1.5)], mirror(0.9)), vec![0.2], 1 << 11);
+    compare(&case, view(10.0), &[Source::Diffuse], &[[2.0, 0.5]]);
+}
+
 /// A film of two states at two wavelengths, whose reflectance depends on the angle.
 fn film() -> Base {
     let nodes = 33;

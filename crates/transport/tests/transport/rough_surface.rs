@@ -78,7 +78,7 @@ fn surface_has_the_error_of_two_levels() {
 fn narrow_surface_equals_monte_carlo() {
     let stack = surface(Distribution::Ggx, 0.02, mirror(0.9));
     let sources = sources();
-    for theta in everyday(1, VIEWS_DEG.into_iter().rev()) {
+    for theta in VIEWS_DEG {
         let truth = estimate(2, &stack, view(theta), &sources);
         let runs = RefCell::new(HashMap::new());
         for source in 0..sources.len() {
