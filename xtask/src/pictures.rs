@@ -77,6 +77,8 @@ const PICTURES: [Picture; 16] = [
     ),
     (&["sweep"], "printed-filter.toml", &["sweep_patch_gamut_percent_srgb.svg"], "printed-filter-"),
     (&["sparkle"], "antiglare.toml", &["sparkle.svg"], "antiglare-"),
+    (&["palette", "--rooms=D65,FL11"], "six-ink.toml", &["palette.svg"], "inks-"),
+    (&["image", "--relative-to=display"], "six-ink.toml", &["seen.png"], "inks-"),
 ];
 
 /// Runs the task.
