@@ -6,32 +6,35 @@
 //! |---|---|
 //! | the picture on the pixels of the panel, before | [`papilio_imaging::fitted`] |
 //! | its white and black become those of the display in this light and view, and colours that no mixture of states has are mapped | `rendering.rs` |
-//! | a state for each pixel | [`papilio_imaging::halftone`] |
-//! | what the layers above the pixels make of them | [`picture`] |
+//! | a state for each pixel | `halftone.rs`, [`papilio_imaging::halftone`] |
+//! | what the layers above the pixels make of them | `stack.rs`, [`picture`](crate::spatial::picture) |
 //! | how far that is from the picture | `differences.rs` |
 //!
 //! Rows of all pictures begin at the top. Colours are X, Y, Z relative to a perfect white in the same light.
 
 mod differences;
+mod halftone;
 mod rendering;
+mod stack;
 
 use std::f64::consts::PI;
 
 pub use differences::PictureDifferences;
+pub use halftone::Halftone;
 use papilio_colour::mapping::{Intent, MapSpace};
 use papilio_colour::{Adaptation, D65_WHITE, Xyz};
-use papilio_imaging::halftone::{DiffusionKernel, ErrorDiffusion, Scan};
+use papilio_imaging::halftone::{DiffusionKernel, Scan};
 use rendering::{Rendered, Rendering};
 use schemars::JsonSchema;
 use serde::Serialize;
+use stack::Seen;
 
 use crate::DisplayError;
-use crate::palette::{Palette, PaletteColour};
+use crate::palette::Palette;
 use crate::result::Named;
 use crate::run::{Control, run};
-use crate::scene::{Pixel, Scene, UniformKind};
+use crate::scene::Scene;
 use crate::single_view::{LightSummary, SingleView};
-use crate::spatial::{Picture, Precision, picture};
 
 /// A picture with as many pixels as the display.
 #[derive(Debug, Clone, PartialEq)]
@@ -57,16 +60,6 @@ pub struct ImageSettings {
     pub scan: Scan,
     /// States that are used; empty: all.
     pub states: Vec<String>,
-}
-
-/// How pixels with few states show many colours.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Halftone {
-    /// Every pixel shows the mapped colour itself: a reference without halftone.
-    None,
-    /// The error of each pixel is passed on to its neighbours.
-    #[default]
-    ErrorDiffusion,
 }
 
 /// What is white, 255, 255, 255, in the picture for a screen.
@@ -159,19 +152,11 @@ pub fn image(
     let rendering = Rendering::new(&palette, white, (settings.intent, settings.space), source.pixels.len())?;
     let Rendered { wanted, mapped, inside } = rendering.rendered(&source.pixels);
     stopped(control)?;
-    let (states, cut) = match settings.halftone {
-        Halftone::None => (Vec::new(), 0),
-        Halftone::ErrorDiffusion => {
-            let (kernel, scan, metric) = (settings.kernel, settings.scan, rendering.metric());
-            let diffusion = ErrorDiffusion { kernel, scan, metric, ..ErrorDiffusion::default() };
-            let found = diffusion.colours(&mapped, size[0], &rendering.states)?;
-            (found.states, found.cut_pixels)
-        }
-    };
+    let (states, cut) = halftone::states(settings, &mapped, size[0], &rendering)?;
     stopped(control)?;
     let Seen { pixels: seen, error, neighbours_light } = match settings.halftone {
         Halftone::None => Seen { pixels: mapped.clone(), error: rendering.error, neighbours_light: false },
-        Halftone::ErrorDiffusion => seen(scene, size, &states, &palette, &rendering, control)?,
+        _ => stack::seen(scene, size, &states, &palette, &rendering, control)?,
     };
     stopped(control)?;
     let on_screen = match screen_white {
@@ -228,52 +213,6 @@ impl SourceImage {
 
 /// Light of a screen's primaries beyond 0 and 1 that counts as rounding.
 const CLIPPED: f64 = 1e-3;
-
-/// What the reader sees of each pixel.
-struct Seen {
-    pixels: Vec<[f32; 3]>,
-    /// Estimated error of X, Y, Z.
-    error: f64,
-    /// Whether light that the layers return to neighbours is contained.
-    neighbours_light: bool,
-}
-
-fn seen(
-    scene: &Scene,
-    size: [usize; 2],
-    states: &[u8],
-    palette: &Palette,
-    rendering: &Rendering,
-    control: &Control<'_>,
-) -> Result<Seen, DisplayError> {
-    let is_paper =
-        matches!(&scene.display.pixel, Pixel::Uniform(pixel) if pixel.kind == UniformKind::Lambertian);
-    let is_glass = scene.display.index_above_pixel().max() > 1.0;
-    let is_plain = scene.display.matrix.as_ref().is_some_and(|matrix| matrix.filter.is_none());
-    if is_paper && is_glass && is_plain {
-        let names = scene.display.state_names();
-        let number =
-            |one: &PaletteColour| names.iter().position(|name| *name == one.state).unwrap_or(0) as u8;
-        let numbers: Vec<u8> = palette.colours.iter().map(number).collect();
-        let flipped = states.chunks_exact(size[0]).rev().flatten();
-        let shown =
-            Picture { count: size, states: flipped.map(|state| numbers[usize::from(*state)]).collect() };
-        match picture(scene, &shown, Precision::FAST, control) {
-            Ok(mut found) => {
-                let view = found.views.pop().unwrap_or_default();
-                let rows = view.chunks_exact(size[0]).rev().flatten().copied();
-                return Ok(Seen { pixels: rows.collect(), error: found.error, neighbours_light: true });
-            }
-            // Below other layers, pixels have the colours of pages.
-            Err(DisplayError::PlacesNotComputed { .. }) => {}
-            Err(error) => return Err(error),
-        }
-    }
-    let colours: Vec<[f32; 3]> =
-        rendering.states.iter().map(|colour| colour.map(|value| value as f32)).collect();
-    let pixels = states.iter().map(|state| colours[usize::from(*state)]).collect();
-    Ok(Seen { pixels, error: rendering.error, neighbours_light: false })
-}
 
 fn coverage(palette: &Palette, states: &[u8]) -> Named<f64> {
     let mut counts = vec![0_usize; palette.colours.len()];

@@ -1,0 +1,55 @@
+//! What the layers above the pixels make of a picture.
+
+use super::Rendering;
+use crate::DisplayError;
+use crate::palette::{Palette, PaletteColour};
+use crate::run::Control;
+use crate::scene::{Pixel, Scene, UniformKind};
+use crate::spatial::{Picture, Precision, picture};
+
+/// What the reader sees of each pixel.
+pub(super) struct Seen {
+    pub(super) pixels: Vec<[f32; 3]>,
+    /// Estimated error of X, Y, Z.
+    pub(super) error: f64,
+    /// Whether light that the layers return to neighbours is contained.
+    pub(super) neighbours_light: bool,
+}
+
+/// Computes what the reader sees of the states of all pixels.
+pub(super) fn seen(
+    scene: &Scene,
+    size: [usize; 2],
+    states: &[u8],
+    palette: &Palette,
+    rendering: &Rendering,
+    control: &Control<'_>,
+) -> Result<Seen, DisplayError> {
+    let is_paper =
+        matches!(&scene.display.pixel, Pixel::Uniform(pixel) if pixel.kind == UniformKind::Lambertian);
+    let is_glass = scene.display.index_above_pixel().max() > 1.0;
+    let is_plain = scene.display.matrix.as_ref().is_some_and(|matrix| matrix.filter.is_none());
+    if is_paper && is_glass && is_plain {
+        let names = scene.display.state_names();
+        let number =
+            |one: &PaletteColour| names.iter().position(|name| *name == one.state).unwrap_or(0) as u8;
+        let numbers: Vec<u8> = palette.colours.iter().map(number).collect();
+        let flipped = states.chunks_exact(size[0]).rev().flatten();
+        let shown =
+            Picture { count: size, states: flipped.map(|state| numbers[usize::from(*state)]).collect() };
+        match picture(scene, &shown, Precision::FAST, control) {
+            Ok(mut found) => {
+                let view = found.views.pop().unwrap_or_default();
+                let rows = view.chunks_exact(size[0]).rev().flatten().copied();
+                return Ok(Seen { pixels: rows.collect(), error: found.error, neighbours_light: true });
+            }
+            // Below other layers, pixels have the colours of pages.
+            Err(DisplayError::PlacesNotComputed { .. }) => {}
+            Err(error) => return Err(error),
+        }
+    }
+    let colours: Vec<[f32; 3]> =
+        rendering.states.iter().map(|colour| colour.map(|value| value as f32)).collect();
+    let pixels = states.iter().map(|state| colours[usize::from(*state)]).collect();
+    Ok(Seen { pixels, error: rendering.error, neighbours_light: false })
+}
