@@ -173,9 +173,8 @@ pub fn image(
         let pitch_um = 1e3 * matrix.pitch_mm[0];
         papilio_colour::pictures::pixels_per_degree(pitch_um, scene.viewer.distance_mm)
     });
-    let against = |other: &[[f32; 3]]| {
-        PictureDifferences::between([&seen, other], size[0], white, &to_screen, per_degree)
-    };
+    let [against_source, against_mapped] =
+        PictureDifferences::against(&seen, [&wanted, &mapped], size[0], white, &to_screen, per_degree)?;
     let numbers = ImageNumbers {
         light: LightSummary::of(scene, &result),
         view,
@@ -188,8 +187,8 @@ pub fn image(
         clipped_fraction: fraction(screen.iter().filter(is_clipped).count()),
         mean_XYZ: [mean(0), mean(1), mean(2)],
         pixels_per_degree: per_degree,
-        against_source: against(&wanted)?,
-        against_mapped: against(&mapped)?,
+        against_source,
+        against_mapped,
         neighbours_light,
         error,
         warnings: result.warnings,
