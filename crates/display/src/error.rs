@@ -127,6 +127,12 @@ pub enum DisplayError {
         /// The command.
         command: &'static str,
     },
+    /// A halftone for a reader's eye without the size of the pixels.
+    #[error(
+        "`image.halftone = \"direct-binary-search\"` needs the angle at which the reader sees a pixel: [display.matrix] is missing (expected \
+         ppi or pitch_um)"
+    )]
+    NoPixelPitch,
     /// Sparkle that cannot be estimated.
     #[error("sparkle cannot be estimated: {0}")]
     Sparkle(#[from] SparkleError),

@@ -6,7 +6,7 @@
 //! |---|---|
 //! | the picture on the pixels of the panel, before | [`papilio_imaging::fitted`] |
 //! | its white and black become those of the display in this light and view, and colours that no mixture of states has are mapped | `rendering.rs` |
-//! | a state for each pixel | `halftone.rs`, [`papilio_imaging::halftone`] |
+//! | a state for each pixel | `halftone.rs`, `masks.rs`, `search.rs`, [`papilio_imaging::halftone`] |
 //! | what the layers above the pixels make of them | `stack.rs`, [`picture`](crate::spatial::picture) |
 //! | how far that is from the picture | `differences.rs` |
 //!
@@ -14,13 +14,18 @@
 
 mod differences;
 mod halftone;
+mod masks;
 mod rendering;
+mod search;
 mod stack;
+#[cfg(test)]
+mod tests;
 
 use std::f64::consts::PI;
 
 pub use differences::PictureDifferences;
 pub use halftone::Halftone;
+use halftone::Panel;
 use papilio_colour::mapping::{Intent, MapSpace};
 use papilio_colour::{Adaptation, D65_WHITE, Xyz};
 use papilio_imaging::halftone::{DiffusionKernel, Scan};
@@ -58,6 +63,8 @@ pub struct ImageSettings {
     pub kernel: DiffusionKernel,
     /// Order of the pixels of error diffusion.
     pub scan: Scan,
+    /// Seed of the void-and-cluster mask.
+    pub seed: u64,
     /// States that are used; empty: all.
     pub states: Vec<String>,
 }
@@ -152,7 +159,14 @@ pub fn image(
     let rendering = Rendering::new(&palette, white, (settings.intent, settings.space), source.pixels.len())?;
     let Rendered { wanted, mapped, inside } = rendering.rendered(&source.pixels);
     stopped(control)?;
-    let (states, cut) = halftone::states(settings, &mapped, size[0], &rendering)?;
+    let pixels_per_degree = scene.display.matrix.as_ref().map(|matrix| {
+        let per_degree = |pitch_mm: f64| {
+            papilio_colour::pictures::pixels_per_degree(1e3 * pitch_mm, scene.viewer.distance_mm)
+        };
+        matrix.pitch_mm.map(per_degree)
+    });
+    let panel = Panel { columns: size[0], palette: &palette, rendering: &rendering, pixels_per_degree };
+    let (states, cut) = halftone::states(settings, &mapped, &panel, control)?;
     stopped(control)?;
     let Seen { pixels: seen, error, neighbours_light } = match settings.halftone {
         Halftone::None => Seen { pixels: mapped.clone(), error: rendering.error, neighbours_light: false },
@@ -169,10 +183,7 @@ pub fn image(
     let count = seen.len();
     let fraction = |number: usize| number as f64 / count as f64;
     let mean = |k: usize| seen.iter().map(|pixel| f64::from(pixel[k])).sum::<f64>() / count as f64;
-    let per_degree = scene.display.matrix.as_ref().map(|matrix| {
-        let pitch_um = 1e3 * matrix.pitch_mm[0];
-        papilio_colour::pictures::pixels_per_degree(pitch_um, scene.viewer.distance_mm)
-    });
+    let per_degree = pixels_per_degree.map(|[along_x, _]| along_x);
     let against = |other: &[[f32; 3]]| {
         PictureDifferences::between([&seen, other], size[0], white, &to_screen, per_degree)
     };

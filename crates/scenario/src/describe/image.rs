@@ -1,6 +1,7 @@
 //! `[image]`: a picture, and how it is brought to the panel, for `papilio image`.
 
 use super::Title;
+use super::numbers::{Count, Seed};
 use crate::grammar::{choice, table};
 use crate::read::Spanned;
 
@@ -23,6 +24,8 @@ table! {
         kernel: ErrorKernel = ErrorKernel::FloydSteinberg,
         /// Order of the pixels in error diffusion.
         scan: ErrorScan = ErrorScan::Serpentine,
+        /// Seed of the void-and-cluster mask.
+        seed: Seed = Count(0),
         /// States that are used, in the order of the palette of states.png. Default: all.
         states: Vec<Spanned<Title>> = Vec::new(),
     }
@@ -83,8 +86,14 @@ choice! {
     ImageHalftone {
         /// None: every pixel shows the colour itself, as a reference.
         None = "none",
+        /// Each pixel is compared with Bayer's mask of 16 x 16 pixels.
+        Ordered = "ordered",
+        /// Each pixel is compared with a void-and-cluster mask of 64 x 64 pixels.
+        VoidAndCluster = "void-and-cluster",
         /// The error of each pixel is passed on to its neighbours, in X, Y, Z.
         ErrorDiffusion = "error-diffusion",
+        /// From error diffusion on, pixels are changed as long as a change lowers what a reader at `viewer.distance_mm` sees of the pattern.
+        DirectBinarySearch = "direct-binary-search",
     }
 }
 

@@ -49,6 +49,14 @@ impl Resolver<'_> {
                 self.err(state, twice.hint("remove one of the two"));
             }
         }
+        if image.halftone.value == ImageHalftone::DirectBinarySearch && scene.display.matrix.is_none() {
+            let wrong = Diagnostic::new(
+                "direct-binary-search needs the angle at which the reader sees a pixel, and [display.matrix] is missing",
+            );
+            let hint =
+                "add [display.matrix] with ppi or pitch_um; `viewer.distance_mm` is the distance of the eye";
+            self.err(&image.halftone, wrong.hint(hint));
+        }
         let Some(name) = &image.file.value else {
             let mut wrong = mistake::missing_key("file", "a picture, PNG or JPEG");
             wrong.diagnostic =
@@ -119,7 +127,10 @@ fn settings(image: &Image, illuminance_lx: f64) -> ImageSettings {
         },
         halftone: match image.halftone.value {
             ImageHalftone::None => Halftone::None,
+            ImageHalftone::Ordered => Halftone::Ordered,
+            ImageHalftone::VoidAndCluster => Halftone::VoidAndCluster,
             ImageHalftone::ErrorDiffusion => Halftone::ErrorDiffusion,
+            ImageHalftone::DirectBinarySearch => Halftone::DirectBinarySearch,
         },
         kernel: match image.kernel.value {
             ErrorKernel::FloydSteinberg => DiffusionKernel::FloydSteinberg,
@@ -131,6 +142,7 @@ fn settings(image: &Image, illuminance_lx: f64) -> ImageSettings {
             ErrorScan::Serpentine => Scan::Serpentine,
             ErrorScan::Raster => Scan::Raster,
         },
+        seed: image.seed.0,
         states: image.states.iter().map(|state| state.0.clone()).collect(),
     }
 }
