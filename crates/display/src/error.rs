@@ -260,6 +260,20 @@ pub enum DisplayError {
         /// Columns and rows of the display.
         display: [usize; 2],
     },
+    /// States of pixels that do not belong to the picture or the display.
+    #[error(
+        "{pixels} states up to number {highest} are given (expected one for each of {expected} pixels, below {states})"
+    )]
+    GivenStates {
+        /// Number of given states.
+        pixels: usize,
+        /// Number of pixels.
+        expected: usize,
+        /// Largest number of a state.
+        highest: usize,
+        /// Number of states of the display.
+        states: usize,
+    },
     /// A picture that cannot be halftoned.
     #[error(transparent)]
     Imaging(#[from] papilio_imaging::ImagingError),

@@ -47,6 +47,15 @@ pub(super) fn states(
     panel: &Panel<'_>,
     control: &Control<'_>,
 ) -> Result<(Vec<u8>, usize), DisplayError> {
+    if let Some(given) = &settings.given {
+        let states = panel.palette.colours.len();
+        let highest = given.iter().map(|state| usize::from(*state)).max().unwrap_or(0);
+        if given.len() != mapped.len() || highest >= states {
+            let (pixels, expected) = (given.len(), mapped.len());
+            return Err(DisplayError::GivenStates { pixels, expected, highest, states });
+        }
+        return Ok((given.clone(), 0));
+    }
     match settings.halftone {
         Halftone::None => Ok((Vec::new(), 0)),
         Halftone::Ordered => Ok((masked(&Mask::bayer(BAYER)?, mapped, panel, control)?, 0)),

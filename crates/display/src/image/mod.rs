@@ -67,6 +67,8 @@ pub struct ImageSettings {
     pub seed: u64,
     /// States that are used; empty: all.
     pub states: Vec<String>,
+    /// State of each pixel by its number in `states`, instead of a halftone.
+    pub given: Option<Vec<u8>>,
 }
 
 /// What is white, 255, 255, 255, in the picture for a screen.
@@ -86,6 +88,10 @@ pub struct ImageResult {
     pub size: [usize; 2],
     /// State of each pixel, by its number in [`ImageNumbers::states`]; empty without a halftone.
     pub states: Vec<u8>,
+    /// X, Y, Z of each pixel that are wanted: the picture with the white and black of the display.
+    pub wanted: Vec<[f32; 3]>,
+    /// The same in the gamut of the display: what a halftone should show.
+    pub mapped: Vec<[f32; 3]>,
     /// X, Y, Z of each pixel as the reader sees it.
     pub seen: Vec<[f32; 3]>,
     /// sRGB of `seen`, adapted to D65.
@@ -168,9 +174,9 @@ pub fn image(
     let panel = Panel { columns: size[0], palette: &palette, rendering: &rendering, pixels_per_degree };
     let (states, cut) = halftone::states(settings, &mapped, &panel, control)?;
     stopped(control)?;
-    let Seen { pixels: seen, error, neighbours_light } = match settings.halftone {
-        Halftone::None => Seen { pixels: mapped.clone(), error: rendering.error, neighbours_light: false },
-        _ => stack::seen(scene, size, &states, &palette, &rendering, control)?,
+    let Seen { pixels: seen, error, neighbours_light } = match states.is_empty() {
+        true => Seen { pixels: mapped.clone(), error: rendering.error, neighbours_light: false },
+        false => stack::seen(scene, size, &states, &palette, &rendering, control)?,
     };
     stopped(control)?;
     let on_screen = match screen_white {
@@ -207,7 +213,7 @@ pub fn image(
     };
     let srgb = screen.into_iter().map(Xyz::srgb_clipped).collect();
     let white_cd_m2 = (scene.lighting.illuminance_lx / PI) as f32;
-    Ok(ImageResult { size, srgb, states, seen, white_cd_m2, numbers, palette })
+    Ok(ImageResult { size, srgb, states, wanted, mapped, seen, white_cd_m2, numbers, palette })
 }
 
 impl SourceImage {

@@ -175,6 +175,23 @@ fn states_that_are_left_out_are_not_used() {
     }
 }
 
+#[test]
+fn given_states_are_shown_or_refused() {
+    let inks = inks();
+    let rendering = rendering(&inks, Intent::Relative, 1);
+    let panel = Panel { columns: 2, palette: &inks, rendering: &rendering, pixels_per_degree: None };
+    let control = Control { threads: Some(1), progress: &|_| {}, stop: &AtomicBool::new(false) };
+    let picture = [[0.1_f32; 3]; 4];
+    let of = |given: &[u8]| {
+        let given = Some(given.to_vec());
+        states(&ImageSettings { given, ..ImageSettings::default() }, &picture, &panel, &control)
+    };
+    assert_eq!(of(&[5, 0, 1, 2]), Ok((vec![5, 0, 1, 2], 0)));
+    let refused =
+        |pixels, highest| Err(DisplayError::GivenStates { pixels, expected: 4, highest, states: 6 });
+    assert_eq!((of(&[5, 0, 1]), of(&[0, 6, 0, 0])), (refused(3, 5), refused(4, 6)));
+}
+
 /// No intent leaves a colour outside the hull, with and without a table.
 #[test]
 fn no_colour_outside_the_hull_reaches_a_halftone() {
