@@ -54,7 +54,10 @@ impl Image {
             let columns = request.source.columns;
             let rows = request.source.pixels.len() / columns.max(1);
             if states.dim() != (rows, columns) {
-                let wrong = format!("states: the shape is {:?} (expected ({rows}, {columns}), rows and columns)", states.dim());
+                let wrong = format!(
+                    "states: the shape is {:?} (expected ({rows}, {columns}), rows and columns)",
+                    states.dim()
+                );
                 return Err(errors::argument(py, &wrong));
             }
             settings.given = Some(states.iter().copied().collect());
@@ -82,7 +85,9 @@ impl Image {
     fn arrays<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let [columns, rows] = self.of.size;
         let dict = PyDict::new(py);
-        for (name, pixels) in [("seen", &self.of.seen), ("wanted", &self.of.wanted), ("mapped", &self.of.mapped)] {
+        for (name, pixels) in
+            [("seen", &self.of.seen), ("wanted", &self.of.wanted), ("mapped", &self.of.mapped)]
+        {
             dict.set_item(name, array(py, &[rows, columns, 3], pixels.as_flattened().to_vec())?)?;
         }
         dict.set_item("srgb", array(py, &[rows, columns, 3], self.of.srgb.as_flattened().to_vec())?)?;
