@@ -118,13 +118,14 @@ fn texts_and_patterns_are_pictures() {
         serde_json::from_slice(&output.stdout).unwrap()
     };
     let black = |found: &Value| found["coverage"]["black"].as_f64().unwrap();
-    let words = ["image.text=\"Papilio\"", "image.text_size_pt=5"];
+    let words = ["image.text=\"it is\"", "image.text_size_pt=3"];
     let text = of(&[], &words);
     assert_eq!(text["size"], serde_json::json!([96, 64]));
-    assert!((0.01..0.15).contains(&black(&text)), "{text}");
-    // The photograph has 0.17 of the light of white, on 0.45 of the height or width of the page.
+    assert!((0.003..0.05).contains(&black(&text)), "{text}");
+    // The photograph covers 38 x 25 of the 96 x 64 pixels, and has 0.17 of the light of white.
     let page = of(&[photograph], &words);
-    assert!(black(&page) > black(&text) + 0.15, "{page}");
+    let more = black(&page) - black(&text);
+    assert!((more - 0.83 * 950.0 / 6144.0).abs() < 0.02, "{more}: {page}");
     let stripes = of(&[], &["image.pattern=\"stripes\"", "image.halftone=\"ordered\""]);
     assert_eq!(black(&stripes), 0.5);
     let period = ["image.pattern=\"slanted-edge\"", "image.period_mm=1"];

@@ -3,8 +3,9 @@
 use std::sync::atomic::AtomicBool;
 
 use papilio_colour::mapping::{Intent, MapSpace};
+use papilio_colour::pictures::{Picture, scielab};
 use papilio_colour::states::LeastVariance;
-use papilio_colour::{CORNERS, D65_WHITE, Xyz};
+use papilio_colour::{CORNERS, D65_WHITE, Lab, Xyz};
 use papilio_testing::Dice;
 
 use super::halftone::states;
@@ -211,7 +212,7 @@ fn no_colour_outside_the_hull_reaches_a_halftone() {
     }
 }
 
-/// The search ends where it cannot continue, nearer to the picture than error diffusion for the eye's lightness.
+/// The search ends where it cannot continue, and a reader sees it nearer to the picture than error diffusion (S-CIELAB, with all Gaussians).
 #[test]
 fn direct_binary_search_lowers_what_is_seen_and_ends() {
     let inks = inks();
@@ -224,17 +225,17 @@ fn direct_binary_search_lowers_what_is_seen_and_ends() {
     let stop = AtomicBool::new(false);
     let control = Control { threads: Some(1), progress: &|_| {}, stop: &stop };
     assert_eq!(search::searched(&found, &picture, &panel, &control).unwrap(), found);
-    // A blur of its own: a square of 5 x 5 pixels, and Y alone.
-    let seen = |states: &[u8]| {
-        let difference: Vec<f64> = states
-            .iter()
-            .zip(&picture)
-            .map(|(state, wanted)| rendering.states[usize::from(*state)][1] - f64::from(wanted[1]))
-            .collect();
-        let blurred = |at: usize| (0..25).map(|k| difference[at + k % 5 + k / 5 * 64]).sum::<f64>().powi(2);
-        (0..28).flat_map(|y| (0..60).map(move |x| y * 64 + x)).map(blurred).sum::<f64>()
+    let xyz = |pixels: &mut dyn Iterator<Item = [f64; 3]>| {
+        let values: Vec<[f64; 3]> = pixels.collect();
+        Picture::new(64, [0, 1, 2].map(|k| values.iter().map(|value| value[k]).collect())).unwrap()
     };
-    assert!(seen(&found) < 0.7 * seen(&diffused), "{} {}", seen(&found), seen(&diffused));
+    let wanted = xyz(&mut picture.iter().map(|pixel| pixel.map(f64::from)));
+    let seen = |shown: &[u8]| {
+        let shown = xyz(&mut shown.iter().map(|state| rendering.states[usize::from(*state)]));
+        let found = scielab([&shown, &wanted], rendering.white, PER_DEGREE[0], Lab::delta_e_2000).unwrap();
+        found.iter().sum::<f64>() / found.len() as f64
+    };
+    assert!(seen(&found) < 0.85 * seen(&diffused), "{} {}", seen(&found), seen(&diffused));
     let settings = settings(Halftone::DirectBinarySearch);
     let no_pitch = Panel { pixels_per_degree: None, ..panel };
     assert_eq!(states(&settings, &picture, &no_pitch, &control), Err(DisplayError::NoPixelPitch));
