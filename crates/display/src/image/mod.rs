@@ -9,11 +9,14 @@
 //! | a state for each pixel | `halftone.rs`, `masks.rs`, `search.rs`, [`papilio_imaging::halftone`] |
 //! | what the layers above the pixels make of them | `stack.rs`, [`picture`](crate::spatial::picture) |
 //! | how far that is from the picture | `differences.rs` |
+//! | the same picture in other light, light by light | `held.rs`, `light.rs` |
 //!
 //! Rows of all pictures begin at the top. Colours are X, Y, Z relative to a perfect white in the same light.
 
 mod differences;
 mod halftone;
+mod held;
+mod light;
 mod masks;
 mod rendering;
 mod search;
@@ -25,7 +28,8 @@ use std::f64::consts::PI;
 
 pub use differences::PictureDifferences;
 pub use halftone::Halftone;
-use halftone::Panel;
+use held::{Brought, Lit};
+pub use held::{Factors, HeldPicture, LightPicture};
 use papilio_colour::mapping::{Intent, MapSpace};
 use papilio_colour::{Adaptation, D65_WHITE, Xyz};
 use papilio_imaging::halftone::{DiffusionKernel, Scan};
@@ -36,8 +40,9 @@ use stack::Seen;
 
 use crate::DisplayError;
 use crate::palette::Palette;
+use crate::prepared::Prepared;
 use crate::result::Named;
-use crate::run::{Control, run};
+use crate::run::Control;
 use crate::scene::Scene;
 use crate::single_view::{LightSummary, SingleView};
 
@@ -145,7 +150,7 @@ pub struct ImageNumbers {
 /// Brings a picture to a display, and computes what the reader sees.
 ///
 /// # Errors
-/// As [`run`]; if the scene does not have exactly one view, a state does not exist, the light has no colour, or the picture has not as many
+/// As [`run`](crate::run()); if the scene does not have exactly one view, a state does not exist, the light has no colour, or the picture has not as many
 /// pixels as the display.
 pub fn image(
     scene: &Scene,
@@ -154,29 +159,16 @@ pub fn image(
     screen_white: ScreenWhite,
     control: &Control<'_>,
 ) -> Result<ImageResult, DisplayError> {
-    let view = SingleView::of(&scene.viewer, "a picture")?;
     let size = source.size_on(scene)?;
-    let result = run(scene, control)?;
-    let no_white = DisplayError::NoWhite { what: "a picture" };
-    let palette = Palette::of(&result, 0).ok_or(no_white.clone())?.with_states(&settings.states)?;
-    let [x, y, z] = palette.white_XYZ;
-    let white = Xyz { x, y, z };
-    let to_screen = Adaptation::between(white, D65_WHITE).ok_or(no_white)?;
-    let rendering = Rendering::new(&palette, white, (settings.intent, settings.space), source.pixels.len())?;
-    let Rendered { wanted, mapped, inside } = rendering.rendered(&source.pixels);
-    stopped(control)?;
-    let pixels_per_degree = scene.display.matrix.as_ref().map(|matrix| {
-        let per_degree = |pitch_mm: f64| {
-            papilio_colour::pictures::pixels_per_degree(1e3 * pitch_mm, scene.viewer.distance_mm)
-        };
-        matrix.pitch_mm.map(per_degree)
-    });
-    let panel = Panel { columns: size[0], palette: &palette, rendering: &rendering, pixels_per_degree };
-    let (states, cut) = halftone::states(settings, &mapped, &panel, control)?;
-    stopped(control)?;
+    let lit = Lit::new(scene, settings, &mut Prepared::new(scene)?, control)?;
+    let Brought { rendering, rendered: Rendered { wanted, mapped, inside }, states, cut } =
+        Brought::new(&lit, scene, source, settings, control)?;
+    let Lit { view, result, palette, white } = lit;
+    let to_screen =
+        Adaptation::between(white, D65_WHITE).ok_or(DisplayError::NoWhite { what: "a picture" })?;
     let Seen { pixels: seen, error, neighbours_light } = match states.is_empty() {
-        true => Seen { pixels: mapped.clone(), error: rendering.error, neighbours_light: false },
-        false => stack::seen(scene, size, &states, &palette, &rendering, control)?,
+        true => Seen { pixels: mapped.clone(), error: palette.error(), neighbours_light: false },
+        false => stack::seen(scene, size, &states, &palette, control)?,
     };
     stopped(control)?;
     let on_screen = match screen_white {
@@ -189,7 +181,7 @@ pub fn image(
     let count = seen.len();
     let fraction = |number: usize| number as f64 / count as f64;
     let mean = |k: usize| seen.iter().map(|pixel| f64::from(pixel[k])).sum::<f64>() / count as f64;
-    let per_degree = pixels_per_degree.map(|[along_x, _]| along_x);
+    let per_degree = pixels_per_degree(scene).map(|[along_x, _]| along_x);
     let against = |other: &[[f32; 3]]| {
         PictureDifferences::between([&seen, other], size[0], white, &to_screen, per_degree)
     };
@@ -197,7 +189,7 @@ pub fn image(
         light: LightSummary::of(scene, &result),
         view,
         size,
-        states: palette.colours.iter().map(|colour| colour.state.clone()).collect(),
+        states: palette.names(),
         coverage: (!states.is_empty()).then(|| coverage(&palette, &states)),
         out_of_gamut_fraction: fraction(count - inside),
         mapping_error_delta_e_2000: rendering.table_error().map(|error| error.p95),
@@ -226,6 +218,13 @@ impl SourceImage {
         }
         Ok(size)
     }
+}
+
+/// Pixels in a degree of the visual angle along x and y; `None` without the size of the pixels.
+fn pixels_per_degree(scene: &Scene) -> Option<[f64; 2]> {
+    let per_degree =
+        |pitch_mm: f64| papilio_colour::pictures::pixels_per_degree(1e3 * pitch_mm, scene.viewer.distance_mm);
+    scene.display.matrix.as_ref().map(|matrix| matrix.pitch_mm.map(per_degree))
 }
 
 /// Light of a screen's primaries beyond 0 and 1 that counts as rounding.

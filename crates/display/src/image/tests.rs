@@ -8,7 +8,8 @@ use papilio_colour::states::LeastVariance;
 use papilio_colour::{CORNERS, D65_WHITE, Lab, Xyz};
 use papilio_testing::Dice;
 
-use super::halftone::states;
+use super::halftone::{Panel, states};
+use super::rendering::Rendering;
 use super::*;
 use crate::palette::{PaletteColour, PaletteErrors};
 
