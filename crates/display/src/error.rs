@@ -254,6 +254,9 @@ pub enum DisplayError {
         /// Columns and rows of the display.
         display: [usize; 2],
     },
+    /// A picture that is to be held by a panel without a halftone.
+    #[error("a panel holds states, which a picture without a halftone does not have")]
+    NoHalftone,
     /// A picture that cannot be halftoned.
     #[error(transparent)]
     Imaging(#[from] papilio_imaging::ImagingError),

@@ -150,6 +150,17 @@ impl Palette {
         Ok(self)
     }
 
+    /// Returns the names of the states.
+    pub fn names(&self) -> Vec<String> {
+        self.colours.iter().map(|one| one.state.clone()).collect()
+    }
+
+    /// Returns the largest error of X, Y or Z of a state.
+    pub fn error(&self) -> f64 {
+        let largest = |one: &PaletteColour| one.error.X.max(one.error.Y).max(one.error.Z);
+        self.colours.iter().map(largest).fold(0.0, f64::max)
+    }
+
     /// Returns this palette as that of a room, with differences from `other`.
     pub fn into_room(self, other: &Self) -> Room {
         let colours = self.colours.into_iter().map(|colour| {

@@ -9,11 +9,14 @@
 //! | a state for each pixel | `halftone.rs`, [`papilio_imaging::halftone`] |
 //! | what the layers above the pixels make of them | `stack.rs`, [`picture`](crate::spatial::picture) |
 //! | how far that is from the picture | `differences.rs` |
+//! | the same picture in other light, light by light | `held.rs`, `light.rs` |
 //!
 //! Rows of all pictures begin at the top. Colours are X, Y, Z relative to a perfect white in the same light.
 
 mod differences;
 mod halftone;
+mod held;
+mod light;
 mod rendering;
 mod stack;
 
@@ -21,6 +24,8 @@ use std::f64::consts::PI;
 
 pub use differences::PictureDifferences;
 pub use halftone::Halftone;
+use held::{Brought, Lit};
+pub use held::{Factors, HeldPicture, LightPicture};
 use papilio_colour::mapping::{Intent, MapSpace};
 use papilio_colour::{Adaptation, D65_WHITE, Xyz};
 use papilio_imaging::halftone::{DiffusionKernel, Scan};
@@ -31,8 +36,9 @@ use stack::Seen;
 
 use crate::DisplayError;
 use crate::palette::Palette;
+use crate::prepared::Prepared;
 use crate::result::Named;
-use crate::run::{Control, run};
+use crate::run::Control;
 use crate::scene::Scene;
 use crate::single_view::{LightSummary, SingleView};
 
@@ -132,7 +138,7 @@ pub struct ImageNumbers {
 /// Brings a picture to a display, and computes what the reader sees.
 ///
 /// # Errors
-/// As [`run`]; if the scene does not have exactly one view, a state does not exist, the light has no colour, or the picture has not as many
+/// As [`run`](crate::run()); if the scene does not have exactly one view, a state does not exist, the light has no colour, or the picture has not as many
 /// pixels as the display.
 pub fn image(
     scene: &Scene,
@@ -141,22 +147,16 @@ pub fn image(
     screen_white: ScreenWhite,
     control: &Control<'_>,
 ) -> Result<ImageResult, DisplayError> {
-    let view = SingleView::of(&scene.viewer, "a picture")?;
     let size = source.size_on(scene)?;
-    let result = run(scene, control)?;
-    let no_white = DisplayError::NoWhite { what: "a picture" };
-    let palette = Palette::of(&result, 0).ok_or(no_white.clone())?.with_states(&settings.states)?;
-    let [x, y, z] = palette.white_XYZ;
-    let white = Xyz { x, y, z };
-    let to_screen = Adaptation::between(white, D65_WHITE).ok_or(no_white)?;
-    let rendering = Rendering::new(&palette, white, (settings.intent, settings.space), source.pixels.len())?;
-    let Rendered { wanted, mapped, inside } = rendering.rendered(&source.pixels);
-    stopped(control)?;
-    let (states, cut) = halftone::states(settings, &mapped, size[0], &rendering)?;
-    stopped(control)?;
+    let lit = Lit::new(scene, settings, &mut Prepared::new(scene)?, control)?;
+    let Brought { rendering, rendered: Rendered { wanted, mapped, inside }, states, cut } =
+        Brought::new(&lit, source, settings, control)?;
+    let Lit { view, result, palette, white } = lit;
+    let to_screen =
+        Adaptation::between(white, D65_WHITE).ok_or(DisplayError::NoWhite { what: "a picture" })?;
     let Seen { pixels: seen, error, neighbours_light } = match settings.halftone {
-        Halftone::None => Seen { pixels: mapped.clone(), error: rendering.error, neighbours_light: false },
-        _ => stack::seen(scene, size, &states, &palette, &rendering, control)?,
+        Halftone::None => Seen { pixels: mapped.clone(), error: palette.error(), neighbours_light: false },
+        _ => stack::seen(scene, size, &states, &palette, control)?,
     };
     stopped(control)?;
     let on_screen = match screen_white {
@@ -180,7 +180,7 @@ pub fn image(
         light: LightSummary::of(scene, &result),
         view,
         size,
-        states: palette.colours.iter().map(|colour| colour.state.clone()).collect(),
+        states: palette.names(),
         coverage: (!states.is_empty()).then(|| coverage(&palette, &states)),
         out_of_gamut_fraction: fraction(count - inside),
         mapping_error_delta_e_2000: rendering.table_error().map(|error| error.p95),

@@ -9,7 +9,7 @@ use papilio_colour::states::StateHull;
 
 use super::colour;
 use crate::DisplayError;
-use crate::palette::{Palette, PaletteColour};
+use crate::palette::Palette;
 
 /// Number of pixels from which a table is quicker than the mapping of each.
 const MANY: usize = 40_000;
@@ -30,8 +30,6 @@ pub(super) struct Rendering {
     pub(super) white: Xyz,
     /// X, Y, Z of the states.
     pub(super) states: Vec<[f64; 3]>,
-    /// Largest error of the X, Y, Z of a state.
-    pub(super) error: f64,
 }
 
 /// A picture before and after gamut mapping.
@@ -67,15 +65,7 @@ impl Rendering {
             let error = table.error(&mapping);
             (table, error)
         });
-        let largest = |one: &PaletteColour| one.error.X.max(one.error.Y).max(one.error.Z);
-        Ok(Self {
-            mapping,
-            table,
-            changes_all: intent == Intent::Perceptual,
-            white,
-            error: palette.colours.iter().map(largest).fold(0.0, f64::max),
-            states,
-        })
+        Ok(Self { mapping, table, changes_all: intent == Intent::Perceptual, white, states })
     }
 
     /// Coordinates in which error diffusion searches the nearest state: lightness, red-green and blue-yellow, relative to the white.

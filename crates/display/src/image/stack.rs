@@ -1,6 +1,5 @@
 //! What the layers above the pixels make of a picture.
 
-use super::Rendering;
 use crate::DisplayError;
 use crate::palette::{Palette, PaletteColour};
 use crate::run::Control;
@@ -22,7 +21,6 @@ pub(super) fn seen(
     size: [usize; 2],
     states: &[u8],
     palette: &Palette,
-    rendering: &Rendering,
     control: &Control<'_>,
 ) -> Result<Seen, DisplayError> {
     let is_paper =
@@ -49,7 +47,7 @@ pub(super) fn seen(
         }
     }
     let colours: Vec<[f32; 3]> =
-        rendering.states.iter().map(|colour| colour.map(|value| value as f32)).collect();
+        palette.colours.iter().map(|one| [one.X, one.Y, one.Z].map(|value| value as f32)).collect();
     let pixels = states.iter().map(|state| colours[usize::from(*state)]).collect();
-    Ok(Seen { pixels, error: rendering.error, neighbours_light: false })
+    Ok(Seen { pixels, error: palette.error(), neighbours_light: false })
 }

@@ -19,6 +19,7 @@ mod first_answers;
 mod front_light;
 mod fronts;
 mod honest_errors;
+mod images;
 mod layered_mtf;
 mod levels_that_agree;
 mod lights;

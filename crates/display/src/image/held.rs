@@ -1,0 +1,170 @@
+//! A picture that the panel holds: its states were decided in one light and view, and it is seen in others.
+
+use papilio_colour::{Observer, Xyz};
+
+use super::halftone::{self, Halftone};
+use super::light::each_alone;
+use super::rendering::{Rendered, Rendering};
+use super::{ImageSettings, SourceImage, stack, stopped};
+use crate::DisplayError;
+use crate::palette::Palette;
+use crate::prepared::Prepared;
+use crate::result::RunResult;
+use crate::run::Control;
+use crate::scene::Scene;
+use crate::single_view::SingleView;
+
+/// A picture whose states are decided.
+#[derive(Debug, Clone, PartialEq)]
+pub struct HeldPicture {
+    /// Number of columns and rows.
+    pub size: [usize; 2],
+    /// State of each pixel, by its number in `names`; rows from the top.
+    pub states: Vec<u8>,
+    /// Names of the states.
+    pub names: Vec<String>,
+}
+
+/// What the reader sees of a picture in each light of a room. In any mixture of these lights, each with a factor, the reader sees the sum of
+/// their pictures, each with its factor.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Factors {
+    /// Number of columns and rows.
+    pub size: [usize; 2],
+    /// The picture in each light.
+    pub lights: Vec<LightPicture>,
+    /// Estimated error of X, Y, Z of a pixel.
+    pub error: f64,
+    /// Whether the light that layers return from each pixel to its neighbours is computed.
+    pub neighbours_light: bool,
+}
+
+/// What the reader sees of a picture in one light of a room.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LightPicture {
+    /// Name of the light: `diffuse`, `directed.0`, `environment.0`, `front_light`.
+    pub light: String,
+    /// X, Y, Z of a perfect white in this light, relative to the Y of a perfect white in all light; 0 for a front light beside other light.
+    pub white: [f64; 3],
+    /// X, Y, Z of each pixel, relative to the same Y; rows from the top.
+    pub pixels: Vec<[f32; 3]>,
+}
+
+/// A display in one light and view, for pictures.
+pub(super) struct Lit {
+    pub(super) view: SingleView,
+    pub(super) result: RunResult,
+    pub(super) palette: Palette,
+    /// A perfect white.
+    pub(super) white: Xyz,
+}
+
+/// A picture on its way to a display.
+pub(super) struct Brought {
+    pub(super) rendering: Rendering,
+    pub(super) rendered: Rendered,
+    /// The state of each pixel; none without a halftone.
+    pub(super) states: Vec<u8>,
+    /// Number of pixels at which colour was lost.
+    pub(super) cut: usize,
+}
+
+impl Lit {
+    /// Computes the colours of the states, in the order of the settings.
+    pub(super) fn new(
+        scene: &Scene,
+        settings: &ImageSettings,
+        prepared: &mut Prepared,
+        control: &Control<'_>,
+    ) -> Result<Self, DisplayError> {
+        let view = SingleView::of(&scene.viewer, "a picture")?;
+        let result = prepared.run(scene, control)?;
+        let no_white = DisplayError::NoWhite { what: "a picture" };
+        let palette = Palette::of(&result, 0).ok_or(no_white)?.with_states(&settings.states)?;
+        let [x, y, z] = palette.white_XYZ;
+        stopped(control)?;
+        Ok(Self { view, result, palette, white: Xyz { x, y, z } })
+    }
+}
+
+impl Brought {
+    /// Maps the colours of a picture to those of the display, and decides the states.
+    pub(super) fn new(
+        lit: &Lit,
+        source: &SourceImage,
+        settings: &ImageSettings,
+        control: &Control<'_>,
+    ) -> Result<Self, DisplayError> {
+        let mapping = (settings.intent, settings.space);
+        let rendering = Rendering::new(&lit.palette, lit.white, mapping, source.pixels.len())?;
+        let rendered = rendering.rendered(&source.pixels);
+        stopped(control)?;
+        let (states, cut) = halftone::states(settings, &rendered.mapped, source.columns, &rendering)?;
+        stopped(control)?;
+        Ok(Self { rendering, rendered, states, cut })
+    }
+}
+
+impl HeldPicture {
+    /// Decides the states of a picture in the light and view of a scene.
+    ///
+    /// # Errors
+    /// As [`image`](super::image); if the settings have no halftone.
+    pub fn new(
+        scene: &Scene,
+        source: &SourceImage,
+        settings: &ImageSettings,
+        control: &Control<'_>,
+    ) -> Result<Self, DisplayError> {
+        if settings.halftone == Halftone::None {
+            return Err(DisplayError::NoHalftone);
+        }
+        let size = source.size_on(scene)?;
+        let lit = Lit::new(scene, settings, &mut Prepared::new(scene)?, control)?;
+        let brought = Brought::new(&lit, source, settings, control)?;
+        Ok(Self { size, states: brought.states, names: lit.palette.names() })
+    }
+
+    /// Computes what the reader sees in each light of a scene, which may have another light, view or layers than that for which the states
+    /// were decided, but must have these states.
+    ///
+    /// # Errors
+    /// As [`run`](crate::run()); if the scene does not have exactly one view, a state does not exist, or the light has no colour.
+    pub fn factors(&self, scene: &Scene, control: &Control<'_>) -> Result<Factors, DisplayError> {
+        self.factors_of(scene, &mut Prepared::new(scene)?, control)
+    }
+
+    /// [`factors`](Self::factors) with a prepared display, which is quicker for a series of scenes.
+    ///
+    /// # Errors
+    /// Those of [`factors`](Self::factors).
+    pub fn factors_of(
+        &self,
+        scene: &Scene,
+        prepared: &mut Prepared,
+        control: &Control<'_>,
+    ) -> Result<Factors, DisplayError> {
+        let settings = ImageSettings { states: self.names.clone(), ..ImageSettings::default() };
+        let observer = Observer::of(scene.metrics.observer, &scene.grid)?;
+        let luminous = |lit: &Lit| observer.xyz(&lit.result.illuminant.radiance_of_white).y;
+        let all = Lit::new(scene, &settings, prepared, control)?;
+        let total = luminous(&all);
+        let alone = each_alone(scene);
+        let is_front_light_alone = alone.iter().all(|one| one.is_front_light);
+        let mut factors =
+            Factors { size: self.size, lights: Vec::new(), error: 0.0, neighbours_light: false };
+        for one in alone {
+            let lit = Lit::new(&one.scene, &settings, prepared, control)?;
+            let seen = stack::seen(&one.scene, self.size, &self.states, &lit.palette, control)?;
+            let share = luminous(&lit) / total;
+            let of_white = if one.is_front_light && !is_front_light_alone { 0.0 } else { share };
+            factors.error += share * seen.error;
+            factors.neighbours_light |= seen.neighbours_light;
+            let mut pixels = seen.pixels;
+            pixels.iter_mut().flatten().for_each(|value| *value *= share as f32);
+            let white = lit.white.to_array().map(|value| value * of_white);
+            factors.lights.push(LightPicture { light: one.light, white, pixels });
+        }
+        Ok(factors)
+    }
+}
