@@ -292,7 +292,7 @@ fn sub_pixels(scene: &Scene, names: &[String]) -> Vec<SubPixelSeen> {
         names.iter().map(share).collect()
     };
     let all = matrix.sub_pixels.iter().enumerate().map(|(number, one)| {
-        let window = one.window.rectangles().iter().map(|one| [one.x[0], one.y[0], one.x[1], one.y[1]]);
+        let window = one.window.rectangles.iter().map(|one| [one.x[0], one.y[0], one.x[1], one.y[1]]);
         Some(SubPixelSeen { window: window.collect(), shown: shown(number)? })
     });
     let all: Option<Vec<_>> = all.collect();
@@ -328,22 +328,27 @@ pub(super) async fn export(site: Site, request: PictureFileOf) -> Result<Exporte
 
 fn exported(site: &Site, request: PictureFileOf, stop: &AtomicBool) -> Result<Exported, Fault> {
     let PictureFileOf { scenario, files, picture, theta_deg, phi_deg, what } = request;
-    let (given, _) = with_picture(site, Given { scenario, files }, picture.as_deref(), None)?;
+    let (given, panel) = with_picture(site, Given { scenario, files }, picture.as_deref(), None)?;
+    check_size(panel.map_or(0, |[columns, rows]| columns.saturating_mul(rows)))?;
     let mut resolved = given.resolve_with_picture(site)?;
     resolved.scene.viewer = resolved.scene.viewer.with_view(0);
     set_angle(&mut resolved.scene.viewer.theta_deg, theta_deg, "theta_deg", 89.0)?;
     set_angle(&mut resolved.scene.viewer.phi_deg, phi_deg, "phi_deg", 360.0)?;
     let request = resolved.image.take().ok_or_else(no_picture)?;
-    let pixels = request.source.pixels.len();
-    if pixels > MOST_WRITTEN {
-        let message = format!("a picture of {pixels} pixels is too large for the page: at most {MOST_WRITTEN}");
-        return Err(Fault::too_much(message, "use `papilio image`, which has no such limit"));
-    }
+    check_size(request.source.pixels.len())?;
     let control = Control { threads: None, progress: &|_| {}, stop };
     let white = ScreenWhite::Perfect;
     let found =
         papilio_display::image::image(&resolved.scene, &request.source, &request.settings, white, &control);
     file(&found.map_err(|error| Fault::of(&resolved, error))?, &resolved, &what)
+}
+
+fn check_size(pixels: usize) -> Result<(), Fault> {
+    if pixels <= MOST_WRITTEN {
+        return Ok(());
+    }
+    let message = format!("a picture of {pixels} pixels is too large for the page: at most {MOST_WRITTEN}");
+    Err(Fault::too_much(message, "use `papilio image`, which has no such limit"))
 }
 
 fn file(found: &ImageResult, resolved: &Resolved, what: &str) -> Result<Exported, Fault> {

@@ -60,11 +60,15 @@ void main() {
   vec2 point = place.xy + depth * ray.xy;
   vec2 pixel = vec2(point.x + 0.5, 0.5 - point.y / tall) * size;
   vec2 across = dFdx(pixel), along = dFdy(pixel);
-  if (depth <= 0.0 || any(lessThan(pixel, vec2(0.0))) || any(greaterThanEqual(pixel, size))) {
+  vec2 width = abs(across) + abs(along);
+  // The fraction of the canvas's pixel that the display covers.
+  vec2 inner = clamp(min(pixel, size - pixel) / max(width, 1e-6) + 0.5, 0.0, 1.0);
+  float covered = depth > 0.0 ? inner.x * inner.y : 0.0;
+  if (covered <= 0.0) {
     colour = vec4(0.0);
     return;
   }
-  vec2 width = abs(across) + abs(along);
+  pixel = clamp(pixel, vec2(0.0), size - 1e-3);
   // Between two pixels that are larger than those of the canvas, the border is as wide as a pixel of the canvas.
   vec2 border = floor(pixel + 0.5);
   vec2 near = border + clamp((pixel - border) / max(width, 1e-6), -0.5, 0.5);
@@ -81,7 +85,7 @@ void main() {
   vec3 eye = normalize(place - vec3(point, 0.0));
   for (int i = 0; i < lampCount; i++)
     if (dot(vec3(-eye.xy, eye.z), lamps[i].xyz) > lamps[i].w) light = vec3(1.0);
-  colour = vec4(encoded(light), 1.0);
+  colour = vec4(encoded(light) * covered, covered);
 }`;
 
 type GL = WebGL2RenderingContext;

@@ -1,10 +1,8 @@
-// A picture on a canvas: drawn by the graphics processor (WebGL2), or else by the same arithmetic on the main processor.
+// What is drawn of a picture on a canvas.
 
 import type { Triple } from "../model/colour.ts";
 import type { Camera, Frame } from "../model/perspective.ts";
 import type { Planes } from "../model/seen.ts";
-import { onGraphics } from "./seen-gl.ts";
-import { onCanvas } from "./seen-2d.ts";
 
 /** The light of a picture: its planes, each with a factor, and light that is added everywhere. */
 export interface Lit {
@@ -49,7 +47,3 @@ export interface Painter {
   draw(of: Scenery): void;
   release(): void;
 }
-
-/** Returns the painter of a canvas. `plainly` avoids the graphics processor. */
-export const painterOf = (canvas: HTMLCanvasElement, plainly: boolean): Painter =>
-  (plainly ? null : onGraphics(canvas)) ?? onCanvas(canvas);

@@ -5,8 +5,9 @@ import { batch, computed, signal } from "@preact/signals";
 
 import { postForBlob, postForBytes, Refused, type Work } from "../api/client.ts";
 import type { Problem } from "../api/types.ts";
+import { numberAt } from "../model/json.ts";
 import { anglesOf, type Tilt, tiltOf } from "../model/perspective.ts";
-import { brighter, intensities, unpacked, type Seen, type White } from "../model/seen.ts";
+import { brighter, exposure, intensities, unpacked, type Seen, type White } from "../model/seen.ts";
 import { answer, fields, text, viewIndex } from "./design.ts";
 import { fileIds, sendAgain } from "./files.ts";
 import { BUSY, settled } from "./live.ts";
@@ -50,6 +51,39 @@ export const tilt = computed<Tilt>(() => {
 export const factors = computed<readonly number[]>(() =>
   shown.value ? brighter(shown.value.seen.head.lights, shown.value.lights, intensities(fields.value)) : [],
 );
+
+/** How colours are shown on this page, in the light of this moment. */
+export const exposed = computed(() => {
+  const lux = numberAt(fields.value, "lighting.illuminance_lx") ?? 0;
+  return shown.value ? exposure(shown.value.seen, factors.value, lux, whiteOfPage.value) : null;
+});
+
+/** The largest magnification. */
+export const MOST_ZOOM = 64;
+/** Magnification. */
+export const zoom = signal(1);
+/** The point of the display in the middle of the canvas, in its widths. */
+export const middle = signal<readonly [number, number]>([0, 0]);
+/** What dragging with the pointer does. */
+export const drags = signal<"tilt" | "move">("tilt");
+
+/** Limits the middle to the display. */
+export function within([x, y]: readonly [number, number]): readonly [number, number] {
+  const [columns, rows] = shown.value?.seen.size ?? [1, 1];
+  const inside = (value: number, most: number) => Math.min(most, Math.max(-most, value));
+  return [inside(x, 0.5), inside(y, (0.5 * rows) / columns)];
+}
+
+export function zoomBy(factor: number): void {
+  zoom.value = Math.min(MOST_ZOOM, Math.max(1, zoom.value * factor));
+  if (zoom.value === 1) middle.value = [0, 0];
+}
+
+/** Shows the whole display as in the design. */
+export const reset = (): void =>
+  batch(() => {
+    [zoom.value, middle.value, tilted.value] = [1, [0, 0], null];
+  });
 
 interface Wanted extends Work {
   picture: string | null;
