@@ -8,8 +8,6 @@ use papilio_display::scene::Scene;
 use papilio_display::{Control, DisplayError};
 use papilio_scenario::Scenario;
 
-use crate::common;
-
 const GLASS: &str = "[display.glass]\nindex = 1.5\nsurface = \"fresnel\"\nthickness_mm = 0.5\n";
 const MATRIX: &str = "[display.matrix]\nppi = 150\n";
 const PAPER: &str = "[display.pixel]\nmodel = \"uniform\"\nkind = \"lambertian\"\nreflectance = { white = 0.6, grey = 0.3, black = 0.03 }\n";
@@ -59,12 +57,10 @@ fn a_picture_is_the_sum_of_those_in_each_light() {
         }
     }
     // The lamp twice as bright.
-    let brighter = LIGHT.replace("500", "700").replace("0.6", &(300.0 / 700.0).to_string());
-    let brighter =
-        scene(&[GLASS, MATRIX, PAPER, &brighter.replace("0.4", &(400.0 / 700.0).to_string()), VIEW]);
+    let [diffuse, directed] = [300.0, 400.0].map(|lx| format!("= {}", lx / 700.0));
+    let brighter = LIGHT.replace("500", "700").replace("= 0.4", &directed).replace("= 0.6", &diffuse);
+    let brighter = scene(&[GLASS, MATRIX, PAPER, &brighter, VIEW]);
     let found = control(|control| held.factors(&brighter, control));
-    let states = common::run(&brighter).unwrap().views[0].states.iter().count();
-    assert_eq!(states, 3);
     for (one, other) in factors.lights.iter().zip(&found.lights) {
         let factor = if one.light == "diffuse" { 5.0 / 7.0 } else { 10.0 / 7.0 };
         let pairs = one.pixels.iter().flatten().zip(other.pixels.iter().flatten());
