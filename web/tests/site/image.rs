@@ -95,8 +95,7 @@ fn sum_over_the_lights_equals_papilio_image() {
 
     let mut other = request.clone();
     other["theta_deg"] = json!(35);
-    let warm = |text: &Value| json!(text.as_str().unwrap().replace("LED-B1", "D65"));
-    other["scenario"] = warm(&scenario);
+    other["scenario"] = json!(scenario.as_str().unwrap().replace("LED-B1", "D65"));
     let fresh = unpacked(&server.post("/image", &other));
     other["held"] = seen.head["held"].clone();
     let held = unpacked(&server.post("/image", &other));

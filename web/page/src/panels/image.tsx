@@ -7,6 +7,7 @@ import { hex, times, type Triple } from "../model/colour.ts";
 import { digits, plain } from "../model/format.ts";
 import { camera, fitting } from "../model/perspective.ts";
 import { onScreen, PAPER, SCREEN_CD_M2, SCREEN_REFLECTANCE, type White } from "../model/seen.ts";
+import { compact, part } from "../state/compact.ts";
 import { answer, text } from "../state/design.ts";
 import { fileIds } from "../state/files.ts";
 import {
@@ -181,9 +182,11 @@ function Legend() {
 export function ImagePanel() {
   useEffect(() => unfollow, []);
   useSignalEffect(() => {
+    const isVisible = !compact.value || part.value === "details";
     // What determines the picture.
     void [text.value, fileIds.value, pictureName.value, tilt.value, holds.value, isTilting.value, answer.value];
-    follow();
+    if (isVisible) follow();
+    else unfollow();
   });
   return (
     <section class="seen" aria-label="Picture">

@@ -16,6 +16,8 @@ import { BUSY, settled } from "./live.ts";
 const REST_MS = 300;
 /** Time after which a request to a busy server is repeated, ms. */
 const AGAIN_MS = 700;
+/** Time after which a request to a server that does not respond is repeated, ms. */
+const GONE_MS = 2000;
 
 /** What is seen, with the design and the lights for which it was computed. */
 export interface Shown {
@@ -94,7 +96,7 @@ interface Wanted extends Work {
 const wanted = (): Wanted => ({
   scenario: text.value,
   files: fileIds.value,
-  picture: pictureName.value,
+  picture: pictureName.value !== null && pictureName.value in fileIds.value ? pictureName.value : null,
   ...anglesOf(tilt.value),
 });
 
@@ -102,6 +104,8 @@ let running = false;
 let stopped = true;
 /** The last request that was answered, and whether its states were decided for it. */
 let done = { what: "", isFresh: false };
+/** The request for which files were sent again. */
+let resent = "";
 /** The picture of the last answer: its states are held as long as the picture is the same. */
 let heldFor = "";
 let rest: ReturnType<typeof setTimeout> | undefined;
@@ -148,10 +152,12 @@ async function run(isResting: boolean): Promise<void> {
     const refusal = why instanceof Refused ? why : new Refused(0, [{ message: String(why) }]);
     if (abort.signal.aborted) done = { what: "", isFresh: false };
     else if (refusal.status === BUSY) wait = AGAIN_MS;
+    else if (refusal.status === 0) wait = GONE_MS;
     else if (isHeld) {
       // The server no longer holds the picture, or the display has other states now.
       heldFor = "";
-    } else if (!(await sendAgain(refusal))) {
+    } else if (resent !== what && (await sendAgain(refusal))) resent = what;
+    else {
       imageProblems.value = refusal.problems;
       done = { what, isFresh: true };
     }
