@@ -17,7 +17,9 @@ const CANVAS = ".seen-display canvas";
 async function sixInks(more: string): Promise<Page> {
   const page = await on.visit({}, more);
   await choose(page, "Examples", "six-ink");
-  await page.getByText("Six-ink electronic paper").first().waitFor();
+  await page.waitForFunction(
+    () => document.querySelector<HTMLInputElement>("input.title")?.value === "Six-ink electronic paper",
+  );
   await fresh(page);
   return page;
 }
