@@ -52,9 +52,9 @@ fn a_picture_is_the_sum_of_those_in_each_light() {
         .for_each(|(sum, expected)| assert!((sum - expected).abs() < 1e-12, "{sum} {expected}"));
     let allowed = 1e-6 + factors.error + whole.numbers.error;
     for (at, seen) in whole.seen.iter().enumerate() {
-        for k in 0..3 {
+        for (k, seen) in seen.iter().enumerate() {
             let sum: f32 = factors.lights.iter().map(|one| one.pixels[at][k]).sum();
-            assert!(f64::from((sum - seen[k]).abs()) < allowed, "pixel {at}: {sum} {}", seen[k]);
+            assert!(f64::from((sum - seen).abs()) < allowed, "pixel {at}: {sum} {seen}");
         }
     }
     // The lamp twice as bright.
