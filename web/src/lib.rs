@@ -3,7 +3,7 @@
 //! The server is a thin layer over `scenario`, `display`, `formats` and `figures`; it contains no physics.
 //! The browser holds the text of the scenario, which is the only thing that is edited, and sends all of it
 //! with each request. The server stores only data that may be lost at any time: prepared displays (so that
-//! moving a slider takes milliseconds), files that were dropped onto the page (identified by their SHA-256,
+//! moving a slider takes milliseconds), states of pictures, files that were dropped onto the page (identified by their SHA-256,
 //! and sent again when they are no longer stored), and running computations.
 //!
 //! - [`Site::bind`] binds a port of this machine, [`Site::serve`] serves requests on it.
@@ -13,7 +13,7 @@
 //!   client disconnects.
 //! - `guard` refuses requests that do not come from this page: foreign hosts and origins, missing tokens.
 //! - `listen` and `places` accept a limited number of connections, and close those whose clients do not read.
-//! - `prepared` stores prepared displays, `store` uploaded files.
+//! - `prepared` stores prepared displays, `held` the states of pictures, `store` uploaded files.
 //! - `page` serves the bundle of `web/page`, if one was built into the program.
 //!
 //! **Limits.** Requests of at most 1 MiB, scenarios of 256 KiB, files of 64 MiB, responses of about half a
@@ -23,6 +23,7 @@
 mod api;
 mod fault;
 mod guard;
+mod held;
 mod listen;
 mod page;
 mod places;

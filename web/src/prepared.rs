@@ -57,14 +57,23 @@ impl PreparedDisplays {
         accuracy: Accuracy,
         control: &Control<'_>,
     ) -> Result<RunResult, DisplayError> {
+        self.with(scene, |prepared| match accuracy {
+            Accuracy::Exact => prepared.run(scene, control),
+            Accuracy::First => prepared.first(scene, control),
+        })
+    }
+
+    /// Computes something with the prepared display that is most similar to a scene.
+    pub(crate) fn with<T>(
+        &self,
+        scene: &Scene,
+        compute: impl FnOnce(&mut Prepared) -> Result<T, DisplayError>,
+    ) -> Result<T, DisplayError> {
         let mut prepared = match self.take(scene) {
             Some(entry) => entry.prepared,
             None => Prepared::new(scene)?,
         };
-        let result = match accuracy {
-            Accuracy::Exact => prepared.run(scene, control),
-            Accuracy::First => prepared.first(scene, control),
-        };
+        let result = compute(&mut prepared);
         // An interrupted computation leaves the prepared display usable.
         let is_usable = matches!(result, Ok(_) | Err(DisplayError::Interrupted));
         if is_usable && views(scene) <= MAX_VIEWS {

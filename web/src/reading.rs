@@ -89,15 +89,25 @@ impl Given {
 
     /// Reads the scenario and resolves it for a solver.
     pub(crate) fn resolve(&self, site: &Site, solver: Solver) -> Result<(Scenario, Resolved), Fault> {
-        let library = self.library(site)?;
-        let mut scenario = self.read(&library, &[])?;
-        let set = set_for(&scenario, solver);
-        if !set.is_empty() {
-            scenario = self.read(&library, &set)?;
-        }
+        let scenario = self.scenario(site, solver)?;
         let resolved = scenario.resolve()?;
         check_work(&resolved, solver)?;
         Ok((scenario, resolved))
+    }
+
+    /// Reads the scenario and resolves it for adding, with the picture of `[image]`.
+    pub(crate) fn resolve_with_picture(&self, site: &Site) -> Result<Resolved, Fault> {
+        let resolved = self.scenario(site, Solver::Adding)?.resolve_with_picture()?;
+        check_work(&resolved, Solver::Adding)?;
+        Ok(resolved)
+    }
+
+    /// Reads the scenario for a solver.
+    pub(crate) fn scenario(&self, site: &Site, solver: Solver) -> Result<Scenario, Fault> {
+        let library = self.library(site)?;
+        let scenario = self.read(&library, &[])?;
+        let set = set_for(&scenario, solver);
+        if set.is_empty() { Ok(scenario) } else { self.read(&library, &set) }
     }
 
     /// Returns the overrides, as with `--set`, with which a solver accepts the scenario.

@@ -9,6 +9,7 @@ use papilio_scenario::ResolveCache;
 use tokio::net::TcpListener;
 
 use crate::guard::Guard;
+use crate::held::HeldPictures;
 use crate::listen::{self, ServeError};
 use crate::prepared::PreparedDisplays;
 use crate::store::Store;
@@ -55,6 +56,7 @@ struct Inner {
     start: Option<Start>,
     store: Store,
     prepared: PreparedDisplays,
+    held: HeldPictures,
     memo: Arc<ResolveCache>,
     quick: Gate,
     files: Gate,
@@ -79,6 +81,7 @@ impl Site {
             start: options.start,
             store: Store::default(),
             prepared: PreparedDisplays::default(),
+            held: HeldPictures::default(),
             memo: Arc::default(),
             quick: Gate::new(processors.max(2), seconds(20)).with_slow(seconds(1), processors.max(2)),
             // Many files are often uploaded together, and most take milliseconds: they wait longer before
@@ -124,6 +127,10 @@ impl Site {
 
     pub(crate) fn prepared(&self) -> &PreparedDisplays {
         &self.0.prepared
+    }
+
+    pub(crate) fn held(&self) -> &HeldPictures {
+        &self.0.held
     }
 
     pub(crate) fn memo(&self) -> Arc<ResolveCache> {

@@ -3,12 +3,14 @@
 //! Nothing public here is generic, so that the transforms, which are large, are compiled in this crate alone.
 
 mod mirrored;
+mod states;
 
 use std::sync::Arc;
 
 pub use mirrored::{Separable, filtered};
 use num_complex::Complex64;
 use rustfft::{Fft, FftPlanner};
+pub use states::{KernelShapes, StatePicture};
 
 /// Discrete Fourier transform of rows of cells: rows from the bottom, columns from the left.
 pub struct Plane {

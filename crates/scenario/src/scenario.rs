@@ -5,18 +5,21 @@ use std::sync::Arc;
 
 use papilio_diagnostics::Diagnostic;
 use papilio_display::DisplayError;
+use papilio_display::image::SourceImage;
 use papilio_display::scene::Scene;
 use papilio_display::spatial::{Antiglare, Patterns};
 use papilio_formats::DataFile;
 use serde_json::{Map, Value, json};
 
+use crate::browse::illuminant_sheet;
 use crate::describe::File;
 use crate::error::{Errors, ScenarioError, ScenarioErrors};
 use crate::library::{Library, sha256};
 use crate::mistake::{self, Mistake};
+use crate::path::KeyPath;
 use crate::preset::UsedPreset;
-use crate::read::Read;
-use crate::resolve::{self, Found, ImageRequest, VirtualMeasurement};
+use crate::read::{Read, Spanned};
+use crate::resolve::{self, Found, ImageRequest, Pictured, VirtualMeasurement};
 use crate::set::Change;
 use crate::source::Sources;
 use crate::tree::Node;
@@ -146,7 +149,7 @@ impl Scenario {
     /// # Errors
     /// All keys that do not fit together, each with its place, and mistakes in data files, with line and column of the file.
     pub fn resolve(&self) -> Result<Resolved, ScenarioErrors> {
-        self.resolved(false)
+        self.resolved(Pictured::No)
     }
 
     /// As [`resolve`](Self::resolve), and reads the picture of `[image]`, for `papilio image`.
@@ -154,12 +157,21 @@ impl Scenario {
     /// # Errors
     /// As [`resolve`](Self::resolve), and if there is no picture, or it cannot be read.
     pub fn resolve_with_picture(&self) -> Result<Resolved, ScenarioErrors> {
-        self.resolved(true)
+        self.resolved(Pictured::Described)
     }
 
-    fn resolved(&self, with_picture: bool) -> Result<Resolved, ScenarioErrors> {
+    /// As [`resolve_with_picture`](Self::resolve_with_picture), with a picture in memory of any size instead of `image.file`.
+    ///
+    /// # Errors
+    /// As [`resolve`](Self::resolve), and if `[image]` has a test pattern.
+    pub fn resolve_with(&self, picture: &SourceImage) -> Result<Resolved, ScenarioErrors> {
+        self.resolved(Pictured::Given(picture))
+    }
+
+    fn resolved(&self, pictured: Pictured<'_>) -> Result<Resolved, ScenarioErrors> {
         let Found { scene, patterns, sparkle, image, warnings, notes, inputs } =
-            resolve::resolve(&self.file, &self.library, &self.written.sources, with_picture)?;
+            resolve::resolve(&self.file, &self.library, &self.written.sources, pictured)?;
+        let image = image.map(|image| self.prepared(image, &scene)).transpose()?;
         let mut canonical = serde_json::to_value(&self.file).unwrap_or_default();
         if let Value::Object(keys) = &mut canonical {
             STUDY_TABLES.iter().for_each(|table| drop(keys.remove(*table)));
@@ -179,6 +191,42 @@ impl Scenario {
             hash,
             written: Arc::clone(&self.written),
         })
+    }
+}
+
+impl Scenario {
+    /// Adds the light for which the states of a picture are decided, if it is another one; the view is the same.
+    fn prepared(&self, mut image: ImageRequest, scene: &Scene) -> Result<ImageRequest, ScenarioErrors> {
+        let Some(Spanned { value: name, origin }) = self
+            .file
+            .image
+            .value
+            .as_ref()
+            .map(|image| &image.prepared_for)
+            .filter(|name| name.value != "this")
+        else {
+            return Ok(image);
+        };
+        let sources = &self.written.sources;
+        let (path, value) = match (preset::text(name), illuminant_sheet(name)) {
+            (Some(_), _) => ("lighting", json!({ "preset": name })),
+            (None, Ok(_)) => ("lighting.spectrum", json!(name)),
+            (None, Err(_)) => {
+                let presets = preset::preset_names().collect::<Vec<_>>().join(", ");
+                let wrong = Diagnostic::new(format!("there is no preset and no illuminant named `{name}`"))
+                    .expected("\"this\", a preset, or an illuminant of `papilio illuminants`")
+                    .hint(format!("the presets are {presets}"));
+                let mut errors = Errors::default();
+                errors.push(*origin, wrong);
+                return errors.finish(None, sources);
+            }
+        };
+        let change =
+            Change { path: KeyPath::new(path), origin: *origin, value: Node::from_json(&value, *origin) };
+        let there = Self::read(assemble(sources, &[change])?, self.library.clone(), sources.clone())?;
+        let lighting = there.resolve()?.scene.lighting;
+        image.settings.prepared_for = Some(Box::new(Scene { lighting, ..scene.clone() }));
+        Ok(image)
     }
 }
 

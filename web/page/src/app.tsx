@@ -11,6 +11,7 @@ import { DetailPanel } from "./panels/detail.tsx";
 import { Downloads } from "./panels/downloads.tsx";
 import { FieldsPanel, Room, Toolbar } from "./panels/editor.tsx";
 import { FilesPanel } from "./panels/files.tsx";
+import { ImagePanel } from "./panels/image.tsx";
 import { Header } from "./panels/header.tsx";
 import { LedgerPanel } from "./panels/ledger.tsx";
 import { Problems } from "./panels/problems.tsx";
@@ -75,6 +76,7 @@ function Reading() {
 }
 
 const TABS = [
+  { id: "image", name: "Picture", body: () => <ImagePanel /> },
   { id: "states", name: "States", body: () => <StatesTable /> },
   { id: "angles", name: "Angles", body: () => <AnglesPanel /> },
   { id: "cone", name: "All directions", body: () => <ConePanel /> },

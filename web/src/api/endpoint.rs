@@ -92,6 +92,23 @@ impl Endpoints {
         })
     }
 
+    /// Adds a POST endpoint that responds with bytes that begin with a head in JSON: its length (32 bits, the lowest byte first), the
+    /// head `H`, and data that the head describes.
+    pub(super) fn packed<Q, H, F>(mut self, path: &str, about: &str, answer: fn(Site, Q) -> F) -> Self
+    where
+        Q: DeserializeOwned + JsonSchema + Send + 'static,
+        H: JsonSchema,
+        F: Future<Output = Result<Vec<u8>, Fault>> + Send + 'static,
+    {
+        let head = self.schemas.subschema_for::<H>().to_value();
+        let kind = "application/octet-stream";
+        let schema = json!({ "type": "string", "contentMediaType": kind, "x-head": head });
+        self.post_json(path, about, json!({ kind: { "schema": schema } }), move |site, request| async move {
+            let bytes = answer(site, request).await?;
+            Ok(([(header::CONTENT_TYPE, HeaderValue::from_static(kind))], bytes).into_response())
+        })
+    }
+
     /// Adds a POST endpoint that responds with a stream of events `E` to a request in JSON. The description
     /// has the type of one event.
     pub(super) fn events<Q, E, F>(mut self, path: &str, about: &str, answer: fn(Site, Q) -> F) -> Self

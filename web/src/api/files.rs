@@ -5,8 +5,9 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use papilio_figures::{Chart, ChartCurve, Hue, PixelScan, chart, lobes, pixel_scan};
 use papilio_formats::{
-    BsdfProblem, DataFile, FormatError, MapColour, Problem, audit_text, read_bsdf, read_ies,
-    read_index_within, read_light_map, read_measured_panel, read_pixel_table, read_profile, read_spectrum,
+    BsdfProblem, DataFile, FormatError, MapColour, Problem, RgbSpace, audit_text, read_bsdf, read_ies,
+    read_index_within, read_light_map, read_measured_panel, read_picture, read_pixel_table, read_profile,
+    read_spectrum,
 };
 use papilio_goniometry::{Audit, MeasuredPart, Measurement};
 use papilio_scenario::Edit;
@@ -39,6 +40,8 @@ pub(super) enum FileKind {
     Profile,
     /// Measurements of a panel.
     Panel,
+    /// A picture for the display.
+    Picture,
 }
 
 /// A stored file.
@@ -87,9 +90,18 @@ pub(super) async fn file(site: Site, name: String, bytes: Vec<u8>) -> Result<Kep
         .await
 }
 
+/// First bytes of PNG and JPEG files.
+const PICTURES: [&[u8]; 2] = [b"\x89PNG\r\n\x1a\n", b"\xff\xd8\xff"];
+
+/// Maximum number of pixels of a picture: linear light needs 12 bytes for each.
+const MOST_PIXELS: usize = 16_000_000;
+
 /// Detects the kind of a file from its content, and reads it. The readers are tried from the most specific to
 /// the most general one.
 fn read_contents(file: &DataFile, stop: &AtomicBool) -> Result<Contents, Fault> {
+    if PICTURES.iter().any(|magic| file.bytes.starts_with(magic)) {
+        return picture(file);
+    }
     match read_bsdf(file) {
         Ok(read) => return scattering(file, &read.value, &read.warnings, stop),
         Err(FormatError { problem: Problem::Bsdf(problem), .. }) if *problem == BsdfProblem::Unknown => {}
@@ -220,6 +232,24 @@ fn panel(file: &DataFile) -> Result<Contents, Fault> {
         "compare it with a simulated panel: `papilio compare`".to_owned(),
     ];
     Ok(Contents { kind: FileKind::Panel, words, figures: vec![], edits: vec![] })
+}
+
+fn picture(file: &DataFile) -> Result<Contents, Fault> {
+    let read = read_picture(file, &RgbSpace::srgb())?;
+    let (columns, rows) = (read.value.columns(), read.value.rows());
+    if columns * rows > MOST_PIXELS {
+        let most = MOST_PIXELS / 1_000_000;
+        let message = format!(
+            "{}: a picture of {columns} x {rows} pixels is too large for the page: at most {most} megapixels",
+            file.name
+        );
+        return Err(Fault::too_much(message, "reduce it, or use `papilio image`, which reads 64 megapixels"));
+    }
+    let mut words =
+        vec![format!("{}: picture of {columns} x {rows} pixels, {}", file.name, read.value.space())];
+    words.extend(read.warnings.iter().map(|warning| format!("note: {warning}")));
+    let image = offer("Use as the picture of the scenario", [set("image.file", json!(file.name))]);
+    Ok(Contents { kind: FileKind::Picture, words, figures: vec![], edits: vec![image] })
 }
 
 fn spectrum(file: &DataFile, nm: &[f64], values: &[f64]) -> Contents {

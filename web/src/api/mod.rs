@@ -9,7 +9,9 @@ mod endpoint;
 mod events;
 mod export;
 mod files;
+mod image;
 mod live;
+mod packed;
 mod report;
 mod request;
 mod sweep;
@@ -64,6 +66,17 @@ fn endpoints() -> Endpoints {
             compare::compare,
         )
         .post("/detail", "Sharpness, crosstalk or sparkle of a scenario: tables and figures", detail::detail)
+        .packed::<_, image::PictureHead, _>(
+            "/image",
+            "A picture on the display, as the reader sees it in each light of the room: a head in JSON, then the states and 16-bit \
+             floating point numbers",
+            image::image,
+        )
+        .export(
+            "/image/export",
+            "A file of papilio image or papilio palette: states.png, seen.png, image.json, palette.gpl",
+            image::export,
+        )
         .export(
             "/export",
             "A result as a file: result.json, tables, figures, or a report on one page",

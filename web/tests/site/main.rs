@@ -12,5 +12,6 @@ mod client;
 mod description;
 mod detail;
 mod hostile;
+mod image;
 mod load;
 mod offers;

@@ -2,10 +2,10 @@
 
 use papilio_colour::{Observer, Xyz};
 
-use super::halftone::{self, Halftone};
+use super::halftone::{self, Halftone, Panel};
 use super::light::each_alone;
 use super::rendering::{Rendered, Rendering};
-use super::{ImageSettings, SourceImage, stack, stopped};
+use super::{ImageSettings, PictureSurround, SourceImage, stack, stopped};
 use crate::DisplayError;
 use crate::palette::Palette;
 use crate::prepared::Prepared;
@@ -23,6 +23,8 @@ pub struct HeldPicture {
     pub states: Vec<u8>,
     /// Names of the states.
     pub names: Vec<String>,
+    /// What lies beyond the borders.
+    pub surround: PictureSurround,
 }
 
 /// What the reader sees of a picture in each light of a room. In any mixture of these lights, each with a factor, the reader sees the sum of
@@ -91,6 +93,7 @@ impl Brought {
     /// Maps the colours of a picture to those of the display, and decides the states.
     pub(super) fn new(
         lit: &Lit,
+        scene: &Scene,
         source: &SourceImage,
         settings: &ImageSettings,
         control: &Control<'_>,
@@ -99,7 +102,13 @@ impl Brought {
         let rendering = Rendering::new(&lit.palette, lit.white, mapping, source.pixels.len())?;
         let rendered = rendering.rendered(&source.pixels);
         stopped(control)?;
-        let (states, cut) = halftone::states(settings, &rendered.mapped, source.columns, &rendering)?;
+        let panel = Panel {
+            columns: source.columns,
+            palette: &lit.palette,
+            rendering: &rendering,
+            pixels_per_degree: super::pixels_per_degree(scene),
+        };
+        let (states, cut) = halftone::states(settings, &rendered.mapped, &panel, control)?;
         stopped(control)?;
         Ok(Self { rendering, rendered, states, cut })
     }
@@ -116,13 +125,13 @@ impl HeldPicture {
         settings: &ImageSettings,
         control: &Control<'_>,
     ) -> Result<Self, DisplayError> {
-        if settings.halftone == Halftone::None {
+        if settings.halftone == Halftone::None && settings.given.is_none() {
             return Err(DisplayError::NoHalftone);
         }
         let size = source.size_on(scene)?;
         let lit = Lit::new(scene, settings, &mut Prepared::new(scene)?, control)?;
-        let brought = Brought::new(&lit, source, settings, control)?;
-        Ok(Self { size, states: brought.states, names: lit.palette.names() })
+        let brought = Brought::new(&lit, scene, source, settings, control)?;
+        Ok(Self { size, states: brought.states, names: lit.palette.names(), surround: settings.surround })
     }
 
     /// Computes what the reader sees in each light of a scene, which may have another light, view or layers than that for which the states
@@ -155,7 +164,8 @@ impl HeldPicture {
             Factors { size: self.size, lights: Vec::new(), error: 0.0, neighbours_light: false };
         for one in alone {
             let lit = Lit::new(&one.scene, &settings, prepared, control)?;
-            let seen = stack::seen(&one.scene, self.size, &self.states, &lit.palette, control)?;
+            let seen =
+                stack::seen(&one.scene, self.size, &self.states, &lit.palette, self.surround, control)?;
             let share = luminous(&lit) / total;
             let of_white = if one.is_front_light && !is_front_light_alone { 0.0 } else { share };
             factors.error += share * seen.error;

@@ -67,6 +67,9 @@ export const post = async <T>(path: string, body: unknown, signal?: AbortSignal)
 export const postForBlob = async (path: string, body: unknown, signal?: AbortSignal): Promise<Blob> =>
   (await send(path, posting(body, signal))).blob();
 
+export const postForBytes = async (path: string, body: unknown, signal?: AbortSignal): Promise<ArrayBuffer> =>
+  (await send(path, posting(body, signal))).arrayBuffer();
+
 /** A scenario and its files, as in all requests that compute something. */
 export interface Work {
   scenario: string;

@@ -25,6 +25,7 @@ export type SweepPoint = Schemas["Point"];
 export type SweepDone = Schemas["SweepDone"];
 export type Compared = Schemas["Compared"];
 export type Detailed = Schemas["Detailed"];
+export type PictureHead = Schemas["PictureHead"];
 export type Label = Schemas["Label"];
 export type MetricEntry = Schemas["MetricEntry"];
 export type Lobe = Schemas["TransmittedLobe"];

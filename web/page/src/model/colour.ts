@@ -23,11 +23,22 @@ const D65: Triple = [0.95047, 1, 1.08883];
 /** Channels up to this value are clipped without dimming, because the clipping is invisible. */
 const CLIPPED = 1.005;
 
-const times = (matrix: readonly Triple[], [x, y, z]: Triple): Triple =>
+export const times = (matrix: readonly Triple[], [x, y, z]: Triple): Triple =>
   matrix.map((row) => row[0] * x + row[1] * y + row[2] * z) as unknown as Triple;
 
 /** Converts XYZ, relative to D65, to linear sRGB without clipping. */
 export const linearSrgb = (xyz: Triple): Triple => times(TO_SRGB, xyz);
+
+/** Returns the matrix from XYZ in a light to linear sRGB: adaptation from the white of the light to D65, and a factor. */
+export function screenMatrix(white: Triple, factor: number): readonly Triple[] {
+  const [from, to] = [times(TO_CONES, white.map((value) => value / white[1]) as unknown as Triple), times(TO_CONES, D65)];
+  const column = (unit: Triple): Triple => {
+    const cones = times(TO_CONES, unit).map((cone, i) => (factor * cone * to[i]!) / from[i]!) as unknown as Triple;
+    return linearSrgb(times(FROM_CONES, cones));
+  };
+  const [x, y, z] = [column([1, 0, 0]), column([0, 1, 0]), column([0, 0, 1])];
+  return [0, 1, 2].map((row) => [x[row]!, y[row]!, z[row]!] as const);
+}
 
 /** Adapts XYZ from a light with the chromaticity x, y to D65. */
 function adapted(xyz: Triple, [x, y]: readonly [number, number]): Triple {
@@ -37,7 +48,8 @@ function adapted(xyz: Triple, [x, y]: readonly [number, number]): Triple {
   return times(FROM_CONES, cones.map((cone, i) => (cone * target[i]!) / white[i]!) as unknown as Triple);
 }
 
-const encoded = (linear: number): number => {
+/** Encodes a component of linear sRGB, with clipping. */
+export const encoded = (linear: number): number => {
   const c = Math.min(1, Math.max(0, linear));
   return c <= 0.0031308 ? 12.92 * c : 1.055 * c ** (1 / 2.4) - 0.055;
 };

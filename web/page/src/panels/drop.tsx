@@ -1,6 +1,7 @@
 // Files that are chosen or dropped: scenarios are opened, all others are sent to the server and audited.
 
 import { add } from "../state/files.ts";
+import { pictureName } from "../state/image.ts";
 import { open } from "../state/open.ts";
 import { showTab } from "../state/tab.ts";
 
@@ -10,7 +11,11 @@ const LONGEST = 256 * 1024;
 export async function take(given: readonly File[], stays = false): Promise<void> {
   for (const file of given) {
     if (file.name.endsWith(".toml") && file.size <= LONGEST) await open(await file.text(), file.name);
-    else {
+    else if (/^image\/(png|jpeg)$/.test(file.type)) {
+      if (!stays) showTab("image");
+      if (await add(file.name, file)) pictureName.value = file.name;
+      else showTab("files");
+    } else {
       if (!stays) showTab("files");
       await add(file.name, file);
     }

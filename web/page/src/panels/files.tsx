@@ -19,6 +19,7 @@ const KINDS: Record<string, string> = {
   luminaire: "luminaire",
   profile: "light profile",
   panel: "measured panel",
+  picture: "picture",
 };
 
 /** Returns the reason why a use has no effect on the current design, or "". */
@@ -99,7 +100,7 @@ export function FilesPanel() {
         <FileButton label="Choose files" />
         <span class="remark">
           or drop files anywhere on the page: BSDFs (Zemax, ASTM E1392, CSV), n-k tables, spectra, pixel tables, light
-          maps, IES luminaires, measured panels. The files stay on this machine.
+          maps, IES luminaires, measured panels, pictures. The files stay on this machine.
         </span>
       </div>
       {files.value.map((file) => (

@@ -47,19 +47,23 @@ export function adopt(ids: Record<string, string>): void {
     put({ name, bytes: 0, id, audit: { id, name, kind: "spectrum", words: [], figures: [], edits: [] }, problems: [] });
 }
 
-/** Uploads a file. It is stored in the browser for the next visit after the server has read it. */
-export async function add(name: string, bytes: Blob, id: string | null = null): Promise<void> {
+/** Uploads a file. It is stored in the browser for the next visit after the server has read it. Returns whether it was read. */
+export async function add(name: string, bytes: Blob, id: string | null = null): Promise<boolean> {
   const file: Dropped = { name, bytes: bytes.size, id, audit: null, problems: [] };
   const limit = `${LARGEST / 1024 / 1024} MiB at most`;
-  if (bytes.size > LARGEST)
-    return put({ ...file, problems: [{ message: "This file is too large.", expected: limit }] });
+  if (bytes.size > LARGEST) {
+    put({ ...file, problems: [{ message: "This file is too large.", expected: limit }] });
+    return false;
+  }
   put(file);
   try {
     const audit = await upload<Upload>(name, bytes);
     if (audit.id !== id) await keepFile(audit.id, bytes);
     put({ ...file, id: audit.id, audit });
+    return true;
   } catch (why) {
     put({ ...file, problems: why instanceof Refused ? why.problems : [{ message: String(why) }] });
+    return false;
   }
 }
 

@@ -4,7 +4,7 @@ import { signal } from "@preact/signals";
 
 import { part } from "./compact.ts";
 
-export const openTab = signal("states");
+export const openTab = signal("image");
 
 /** Opens a tab and brings it into view. */
 export function showTab(id: string): void {

@@ -1,0 +1,96 @@
+// The display in perspective, as an eye at its place sees it. Lengths are in widths of the display, whose middle is the origin; x is to the
+// right, y up, z towards the eye.
+
+import type { Triple } from "./colour.ts";
+
+/** Direction of the eye as inclination times cosine and sine of the azimuth, degrees. */
+export type Tilt = readonly [number, number];
+
+/** The largest inclination of the eye, degrees. */
+export const MOST_TILT = 75;
+
+export interface Camera {
+  readonly place: Triple;
+  readonly right: Triple;
+  readonly up: Triple;
+  readonly forward: Triple;
+  /** Distance of the eye, which is also the focal length. */
+  readonly distance: number;
+  /** Height of the display. */
+  readonly height: number;
+}
+
+/** How the picture of the camera lies on the canvas. */
+export interface Frame {
+  /** Width and height of the canvas, px. */
+  readonly canvas: readonly [number, number];
+  /** Width of the display that faces the eye, px. */
+  readonly scale: number;
+  /** The point of the camera's picture in the middle of the canvas, in widths of the display. */
+  readonly middle: readonly [number, number];
+}
+
+/** Fraction of the canvas that the display fills at zoom 1. */
+const FILLED = 0.94;
+
+const RADIANS = Math.PI / 180;
+
+const cross = ([a, b, c]: Triple, [x, y, z]: Triple): Triple => [b * z - c * y, c * x - a * z, a * y - b * x];
+
+/** Returns the direction of an inclination and an azimuth. */
+export const tiltOf = (theta: number, phi: number): Tilt => [
+  theta * Math.cos(phi * RADIANS),
+  theta * Math.sin(phi * RADIANS),
+];
+
+/** Returns inclination and azimuth of a direction, degrees, to a hundredth. */
+export function anglesOf([x, y]: Tilt): { theta_deg: number; phi_deg: number } {
+  const rounded = (value: number) => Math.round(100 * value) / 100 || 0;
+  // In the plane of azimuth 0, inclinations to the left are negative, as in the drawing.
+  if (Math.abs(y) < 0.005) return { theta_deg: rounded(x), phi_deg: 0 };
+  return { theta_deg: rounded(Math.hypot(x, y)), phi_deg: rounded(Math.atan2(y, x) / RADIANS) };
+}
+
+/** Reduces an inclination that is too large. */
+export function limited([x, y]: Tilt): Tilt {
+  const theta = Math.hypot(x, y);
+  return theta > MOST_TILT ? [(x * MOST_TILT) / theta, (y * MOST_TILT) / theta] : [x, y];
+}
+
+/** The unit vector towards an inclination and an azimuth, degrees. */
+export function direction(theta: number, phi: number): Triple {
+  const [t, p] = [theta * RADIANS, phi * RADIANS];
+  return [Math.sin(t) * Math.cos(p), Math.sin(t) * Math.sin(p), Math.cos(t)];
+}
+
+/** Returns the camera at a place; `height` is that of the display. */
+export function camera([x, y]: Tilt, distance: number, height: number): Camera {
+  const theta = Math.hypot(x, y);
+  const towards = direction(theta, theta > 0 ? Math.atan2(y, x) / RADIANS : 0);
+  const forward = towards.map((value) => -value || 0) as unknown as Triple;
+  const side = cross(forward, [0, 1, 0]);
+  const length = Math.hypot(...side);
+  const right = side.map((value) => value / length || 0) as unknown as Triple;
+  return {
+    place: towards.map((value) => value * distance) as unknown as Triple,
+    right,
+    up: cross(right, forward),
+    forward,
+    distance,
+    height,
+  };
+}
+
+/** Returns the scale at which a display fills a canvas. */
+export const fitting = ([width, height]: readonly [number, number], tall: number): number =>
+  FILLED * Math.min(width, height / tall);
+
+/** Returns the point of the display, in its widths, at a point of the canvas; null beside its plane. */
+export function pointAt(of: Camera, frame: Frame, x: number, y: number): [number, number] | null {
+  const { place, right, up, forward, distance } = of;
+  const a = (x - frame.canvas[0] / 2) / frame.scale + frame.middle[0];
+  const b = (frame.canvas[1] / 2 - y) / frame.scale + frame.middle[1];
+  const ray = (k: 0 | 1 | 2) => forward[k] * distance + right[k] * a + up[k] * b;
+  const depth = -place[2] / ray(2);
+  return depth > 0 ? [place[0] + depth * ray(0), place[1] + depth * ray(1)] : null;
+}

@@ -1,0 +1,166 @@
+// A picture on the display, as the server sends it: X, Y, Z of each pixel in each light of the room, which the page adds up. Bytes:
+// the length of the head (32 bits), the head (JSON), the states (8 bits), a plane of X, Y, Z (16-bit floating point) for each light, and
+// perhaps the picture itself; the length of each block is a multiple of 4 bytes.
+
+import type { PictureHead } from "../api/types.ts";
+import { screenMatrix, type Triple } from "./colour.ts";
+import { listAt, numberAt, type Json } from "./json.ts";
+
+/** A picture in several lights: X, Y, Z of each pixel, row by row from the top, as 16-bit floating point numbers. */
+export interface Planes {
+  readonly size: readonly [number, number];
+  readonly planes: readonly Uint16Array[];
+}
+
+export interface Seen extends Planes {
+  readonly head: PictureHead;
+  /** The state of each pixel. */
+  readonly states: Uint8Array;
+  /** Mean X, Y, Z of the pixels of each state in each light; null for a state that no pixel has. */
+  readonly means: readonly (readonly (Triple | null)[])[];
+  /** X, Y, Z of the picture itself under D65, if it was sent. */
+  readonly source: Uint16Array | null;
+}
+
+const padded = (length: number): number => (length + 3) & ~3;
+
+/** Reads the bytes of a response. */
+export function unpacked(bytes: ArrayBuffer): Seen {
+  const length = new DataView(bytes).getUint32(0, true);
+  const head = JSON.parse(new TextDecoder().decode(new Uint8Array(bytes, 4, length))) as PictureHead;
+  const [columns, rows] = head.size as [number, number];
+  const count = columns * rows;
+  const states = new Uint8Array(bytes, 4 + length, count);
+  let at = 4 + length + padded(count);
+  const plane = () => {
+    const found = new Uint16Array(bytes, at, 3 * count);
+    at += padded(6 * count);
+    return found;
+  };
+  const planes = head.lights.map(plane);
+  const means = planes.map((one) => meansOf(one, states, head.states.length));
+  return { head, size: [columns, rows], states, planes, means, source: head.has_source ? plane() : null };
+}
+
+let halves: Float32Array | null = null;
+
+/** The values of all 16-bit floating point numbers. */
+export function halfValues(): Float32Array {
+  halves ??= Float32Array.from({ length: 1 << 16 }, (_, bits) => {
+    const [exponent, fraction] = [(bits >> 10) & 31, bits & 0x3ff];
+    const size = exponent === 0 ? fraction * 2 ** -24 : (1 + fraction / 1024) * 2 ** (exponent - 15);
+    return bits >> 15 ? -size : size;
+  });
+  return halves;
+}
+
+function meansOf(plane: Uint16Array, states: Uint8Array, count: number): (Triple | null)[] {
+  const values = halfValues();
+  const sums = new Float64Array(4 * count);
+  for (let i = 0, at = 0; i < states.length; i++, at += 3) {
+    const k = 4 * states[i]!;
+    sums[k]! += values[plane[at]!]!;
+    sums[k + 1]! += values[plane[at + 1]!]!;
+    sums[k + 2]! += values[plane[at + 2]!]!;
+    sums[k + 3]! += 1;
+  }
+  const mean = (k: number): Triple | null => {
+    const [x, y, z, number] = sums.subarray(4 * k, 4 * k + 4) as unknown as [number, number, number, number];
+    return number > 0 ? [x / number, y / number, z / number] : null;
+  };
+  return Array.from({ length: count }, (_, k) => mean(k));
+}
+
+/** Illuminance of each light of a scenario by its name, lx. */
+export function intensities(fields: Json): Map<string, number> {
+  const all = new Map<string, number>();
+  const lux = numberAt(fields, "lighting.illuminance_lx") ?? 0;
+  all.set("diffuse", lux * (numberAt(fields, "lighting.diffuse") ?? 0));
+  for (const kind of ["directed", "environment"])
+    listAt(fields, `lighting.${kind}`).forEach((_, k) => {
+      const share = (key: string) => numberAt(fields, `lighting.${kind}.${k}.${key}`) ?? 0;
+      all.set(`${kind}.${k}`, lux * (share("share") + share("sun_share")));
+    });
+  all.set("front_light", numberAt(fields, "lighting.front_light.illuminance_lx") ?? 0);
+  return all;
+}
+
+/** Returns by how much each light of a picture has become brighter since it was requested. */
+export function brighter(
+  lights: readonly { readonly light: string }[],
+  then: ReadonlyMap<string, number>,
+  now: ReadonlyMap<string, number>,
+): number[] {
+  return lights.map(({ light }) => {
+    const before = then.get(light) ?? 0;
+    return before > 0 ? (now.get(light) ?? 0) / before : 1;
+  });
+}
+
+/** Adds up triples, each with a factor; undefined ones are 0. */
+export function mixed(all: readonly (Triple | null | undefined)[], factors: readonly number[]): Triple {
+  const sum = (k: 0 | 1 | 2) => all.reduce((total, one, i) => total + (one?.[k] ?? 0) * factors[i]!, 0);
+  return [sum(0), sum(1), sum(2)];
+}
+
+/** What is white, 255, 255, 255, on this page. */
+export type White = "perfect" | "display" | "screen";
+
+/** How a screen shows light: linear sRGB is `matrix` times X, Y, Z. */
+export interface Exposure {
+  readonly matrix: readonly Triple[];
+  /** X, Y, Z of a perfect white. */
+  readonly white: Triple;
+  /** Luminance of a perfect white, cd/m2. */
+  readonly white_cd_m2: number;
+}
+
+/** Luminance of the white of the screen for comparison, cd/m2. */
+export const SCREEN_CD_M2 = 300;
+/** Fraction of the room's light that it reflects. */
+export const SCREEN_REFLECTANCE = 0.04;
+/** Reflectance of white paper. */
+export const PAPER = 0.9;
+/** White of sRGB. */
+export const D65: Triple = [0.95047, 1, 1.08883];
+
+/** Returns the exposure of a picture. `lux` is the illuminance on the display. */
+export function exposure(seen: Seen, factors: readonly number[], lux: number, white: White): Exposure {
+  const perfect = mixed(
+    seen.head.lights.map((one) => one.white as unknown as Triple),
+    factors,
+  );
+  const white_cd_m2 = lux / Math.PI;
+  if (white === "display") {
+    const own = whiteOf(seen, factors);
+    if (own[1] > 0) return { matrix: screenMatrix(own, 1 / own[1]), white: perfect, white_cd_m2 };
+  }
+  const screen = SCREEN_CD_M2 / Math.max(white_cd_m2, 1e-9) + SCREEN_REFLECTANCE;
+  const scale = white === "screen" ? 1 / Math.max(1, screen) : 1;
+  return { matrix: screenMatrix(perfect, scale / perfect[1]), white: perfect, white_cd_m2 };
+}
+
+/** Mean X, Y, Z of the pixels in the state `white`, or else in the brightest one. */
+function whiteOf(seen: Seen, factors: readonly number[]): Triple {
+  const named = seen.head.states.indexOf("white");
+  const means = seen.head.states.map((_, k) =>
+    mixed(
+      seen.means.map((light) => light[k]),
+      factors,
+    ),
+  );
+  const brightest = means.reduce((best, one) => (one[1] > best[1] ? one : best), [0, 0, 0] as Triple);
+  const own = means[named];
+  return own && own[1] > 0 ? own : brightest;
+}
+
+/** The picture on an sRGB screen in the same room, as planes with their factors and the light that is added everywhere. */
+export function onScreen(seen: Seen, source: Uint16Array, by: Exposure): Planes & { factors: number[]; added: Triple } {
+  const white = by.white[1];
+  return {
+    size: seen.size,
+    planes: [source],
+    factors: [(white * SCREEN_CD_M2) / Math.max(by.white_cd_m2, 1e-9)],
+    added: by.white.map((value) => value * SCREEN_REFLECTANCE) as unknown as Triple,
+  };
+}

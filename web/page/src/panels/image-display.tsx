@@ -1,0 +1,162 @@
+// The display with its picture: drawn in perspective, tilted and moved by pointer and keys.
+
+import { useComputed, useSignal, useSignalEffect } from "@preact/signals";
+import { useEffect, useRef } from "preact/hooks";
+
+import { degrees } from "../model/format.ts";
+import { anglesOf, camera, fitting, limited, type Tilt } from "../model/perspective.ts";
+import type { Seen } from "../model/seen.ts";
+import { painterOf } from "../plots/painter.ts";
+import type { Painter } from "../plots/seen.ts";
+import { drags, exposed, factors, isTilting, middle, reset, shown, tilt, tilted, within, zoom, zoomBy } from "../state/image.ts";
+import { fields } from "../state/design.ts";
+import { lamps, subPixelsOf } from "./image-parts.ts";
+
+/** Inclination for a pixel of the pointer, degrees. */
+const DEGREES_PER_PX = 0.3;
+
+/** Distance of the eye in widths of a display whose size is unknown. */
+const FAR = 4;
+
+/** Distance of the eye in widths of the display. */
+function distanceOf({ head, size }: Seen): number {
+  const width = (head.pitch_mm?.[0] ?? 0) * size[0];
+  return width > 0 ? Math.max(1.2, head.distance_mm / width) : FAR;
+}
+
+/** Makes the pixels of a canvas those of the screen. */
+function fitted(canvas: HTMLCanvasElement): [number, number] {
+  const box = canvas.getBoundingClientRect();
+  const size: [number, number] = [Math.round(box.width * devicePixelRatio), Math.round(box.height * devicePixelRatio)];
+  if (canvas.width !== size[0]) canvas.width = size[0];
+  if (canvas.height !== size[1]) canvas.height = size[1];
+  return size;
+}
+
+/** A canvas that is drawn whenever a signal that `draw` reads has changed, at most once for each frame of the screen. */
+export function useDrawing(draw: (canvas: HTMLCanvasElement) => ((painter: Painter) => void) | null) {
+  const ref = useRef<HTMLCanvasElement>(null);
+  const painter = useRef<Painter | null>(null);
+  const size = useSignal(0);
+  const next = useRef(0);
+  useEffect(() => {
+    const canvas = ref.current!;
+    const plainly = new URLSearchParams(location.search).has("canvas");
+    painter.current = painterOf(canvas, plainly);
+    canvas.dataset["painter"] = painter.current.name;
+    const observer = new ResizeObserver(() => size.value++);
+    observer.observe(canvas);
+    return () => {
+      observer.disconnect();
+      cancelAnimationFrame(next.current);
+      painter.current?.release();
+    };
+  }, []);
+  useSignalEffect(() => {
+    void size.value;
+    const canvas = ref.current;
+    if (!canvas) return;
+    fitted(canvas);
+    const paint = draw(canvas);
+    cancelAnimationFrame(next.current);
+    if (paint)
+      next.current = requestAnimationFrame(() => {
+        if (painter.current) paint(painter.current);
+        canvas.dataset["drawn"] = String(1 + Number(canvas.dataset["drawn"] ?? 0));
+      });
+  });
+  return ref;
+}
+
+export function Display() {
+  const isMoving = useSignal(false);
+  const from = useRef<{ x: number; y: number; tilt: Tilt; middle: readonly [number, number] } | null>(null);
+  const subPixels = useComputed(() =>
+    shown.value && exposed.value ? subPixelsOf(shown.value.seen, exposed.value.matrix) : null,
+  );
+  const seenLamps = useComputed(() => lamps(fields.value));
+  const ref = useDrawing((canvas) => {
+    const [now, by] = [shown.value, exposed.value];
+    if (!now || !by) return null;
+    const { seen } = now;
+    const size = [canvas.width, canvas.height] as const;
+    const height = seen.size[1] / seen.size[0];
+    const scale = fitting(size, height) * zoom.value;
+    canvas.dataset["scale"] = String(scale / seen.size[0]);
+    const scenery = {
+      lit: { picture: seen, factors: factors.value, added: [0, 0, 0] as const, matrix: by.matrix },
+      camera: camera(tilt.value, distanceOf(seen), height),
+      frame: { canvas: size, scale, middle: middle.value },
+      lamps: seenLamps.value,
+      subPixels: subPixels.value,
+    };
+    return (painter) => painter.draw(scenery);
+  });
+  const press = (event: PointerEvent) => {
+    if (event.button !== 0) return;
+    isMoving.value = drags.value === "move" || event.shiftKey;
+    from.current = { x: event.clientX, y: event.clientY, tilt: tilt.value, middle: middle.value };
+    (event.currentTarget as HTMLElement).setPointerCapture(event.pointerId);
+    isTilting.value = !isMoving.value;
+  };
+  const drag = (event: PointerEvent) => {
+    const start = from.current;
+    if (!start || !ref.current || !shown.value) return;
+    const [dx, dy] = [event.clientX - start.x, event.clientY - start.y];
+    if (isMoving.value) {
+      const box = ref.current.getBoundingClientRect();
+      const { size } = shown.value.seen;
+      const scale = fitting([box.width, box.height], size[1] / size[0]) * zoom.value;
+      middle.value = within([start.middle[0] - dx / scale, start.middle[1] + dy / scale]);
+    } else tilted.value = limited([start.tilt[0] - DEGREES_PER_PX * dx, start.tilt[1] + DEGREES_PER_PX * dy]);
+  };
+  const release = () => {
+    from.current = null;
+    isTilting.value = false;
+  };
+  const turn = (event: KeyboardEvent) => {
+    const steps: Record<string, Tilt> = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] };
+    const step = steps[event.key];
+    if (step && event.shiftKey) {
+      const by = 0.1 / zoom.value;
+      middle.value = within([middle.value[0] + by * step[0], middle.value[1] + by * step[1]]);
+    } else if (step) tilted.value = limited([tilt.value[0] + step[0], tilt.value[1] + step[1]]);
+    else if (event.key === "+" || event.key === "=") zoomBy(1.25);
+    else if (event.key === "-") zoomBy(0.8);
+    else if (event.key === "0") reset();
+    else return;
+    event.preventDefault();
+  };
+  const wheel = (event: WheelEvent) => {
+    // The wheel alone scrolls the page.
+    if (!event.ctrlKey && document.activeElement !== ref.current) return;
+    event.preventDefault();
+    zoomBy(Math.exp(-0.002 * event.deltaY));
+  };
+  useEffect(() => {
+    const canvas = ref.current!;
+    canvas.addEventListener("wheel", wheel, { passive: false });
+    return () => canvas.removeEventListener("wheel", wheel);
+  }, []);
+  const { theta_deg, phi_deg } = anglesOf(tilt.value);
+  const direction = `${degrees(theta_deg)}${phi_deg === 0 ? "" : `, azimuth ${degrees(phi_deg)}`}`;
+  return (
+    <figure class="seen-display">
+      <canvas
+        ref={ref}
+        tabindex={0}
+        role="img"
+        aria-label={`The picture on the display, seen from ${direction}. Arrows tilt it, with Shift they move it; plus and minus zoom; 0 resets.`}
+        onPointerDown={press}
+        onPointerMove={drag}
+        onPointerUp={release}
+        onPointerCancel={release}
+        onKeyDown={turn}
+      />
+      <figcaption>
+        <span>The display, seen from {direction}</span>
+      </figcaption>
+    </figure>
+  );
+}
+

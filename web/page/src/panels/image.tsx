@@ -1,0 +1,207 @@
+// The picture on the display, as the reader sees it in this room: beside it the same picture on a screen, and white paper.
+
+import { useSignalEffect } from "@preact/signals";
+import { useEffect, useRef } from "preact/hooks";
+
+import { hex, times, type Triple } from "../model/colour.ts";
+import { digits, plain } from "../model/format.ts";
+import { camera, fitting } from "../model/perspective.ts";
+import { onScreen, PAPER, SCREEN_CD_M2, SCREEN_REFLECTANCE, type White } from "../model/seen.ts";
+import { compact, part } from "../state/compact.ts";
+import { answer, text } from "../state/design.ts";
+import { fileIds } from "../state/files.ts";
+import {
+  drags,
+  exposed,
+  follow,
+  holds,
+  imageProblems,
+  isTilting,
+  MOST_ZOOM,
+  pictureFile,
+  pictureName,
+  reset,
+  shown,
+  source,
+  tilt,
+  unfollow,
+  whiteOfPage,
+  zoom,
+  zoomBy,
+} from "../state/image.ts";
+import { said } from "../state/said.ts";
+import { FileButton } from "./choose.tsx";
+import { fileName } from "./file-name.ts";
+import { Display, useDrawing } from "./image-display.tsx";
+import { Menu } from "./menu.tsx";
+import { Problems } from "./problems.tsx";
+import { save } from "./save.ts";
+
+const WHITES: readonly (readonly [White, string])[] = [
+  ["perfect", "a perfect white in this light"],
+  ["display", "the white of the display"],
+  ["screen", "the screen or a perfect white, whichever is brighter"],
+];
+
+const FILES = ["states.png", "seen.png", "image.json", "palette.gpl", "palette.css", "palette-epdoptimize.json"];
+
+/** The picture on a screen in the same room. */
+function Screen() {
+  const ref = useDrawing((canvas) => {
+    const [now, by, own] = [shown.value, exposed.value, source.value];
+    if (!now || !by || !own || own.length !== 3 * now.seen.states.length) return null;
+    const { added, factors, ...picture } = onScreen(now.seen, own, by);
+    const size = [canvas.width, canvas.height] as const;
+    const height = now.seen.size[1] / now.seen.size[0];
+    return (painter) =>
+      painter.draw({
+        lit: { picture, factors, added, matrix: by.matrix },
+        camera: camera([0, 0], 4, height),
+        frame: { canvas: size, scale: fitting(size, height), middle: [0, 0] },
+        lamps: [],
+        subPixels: null,
+      });
+  });
+  const reflected = plain(100 * SCREEN_REFLECTANCE);
+  return (
+    <figure class="seen-screen">
+      <canvas ref={ref} role="img" aria-label="The same picture on a screen in the same light" />
+      <figcaption>
+        <span>
+          An sRGB screen of {SCREEN_CD_M2} cd/m², which reflects {reflected} % of the room
+        </span>
+      </figcaption>
+    </figure>
+  );
+}
+
+/** White paper in the same light. */
+function Paper() {
+  const sheet = useRef<HTMLDivElement>(null);
+  useSignalEffect(() => {
+    const by = exposed.value;
+    if (!by || !sheet.current) return;
+    sheet.current.style.backgroundColor = hex(times(by.matrix, by.white.map((value) => PAPER * value) as unknown as Triple));
+  });
+  const cd = exposed.value && PAPER * exposed.value.white_cd_m2;
+  return (
+    <figure class="seen-paper">
+      <div ref={sheet} role="img" aria-label="White paper in the same light" />
+      <figcaption>
+        <span>
+          White paper, which reflects {plain(100 * PAPER)} %: {digits(cd, 3)} cd/m²
+        </span>
+      </figcaption>
+    </figure>
+  );
+}
+
+function Controls() {
+  const download = async (what: string) => {
+    try {
+      said.value = `${what} is being computed in full size.`;
+      save(`${fileName()}-${what}`, await pictureFile(what));
+      said.value = `${what} is saved.`;
+    } catch (why) {
+      said.value = why instanceof Error ? why.message : String(why);
+    }
+  };
+  return (
+    <div class="controls">
+      <FileButton label="Choose a picture" title="PNG or JPEG; or drop it on the page" stays />
+      {pictureName.value && (
+        <button type="button" onClick={() => (pictureName.value = null)} title="Show the picture of the scenario again">
+          Remove {pictureName.value}
+        </button>
+      )}
+      <span role="group" aria-label="Zoom" class="zoom">
+        <button type="button" aria-label="Smaller" onClick={() => zoomBy(1 / 1.5)} disabled={zoom.value <= 1}>
+          −
+        </button>
+        <output>{digits(zoom.value, 2)} ×</output>
+        <button type="button" aria-label="Larger" onClick={() => zoomBy(1.5)} disabled={zoom.value >= MOST_ZOOM}>
+          +
+        </button>
+      </span>
+      <span role="group" aria-label="Dragging">
+        {(["tilt", "move"] as const).map((what) => (
+          <button type="button" key={what} aria-pressed={drags.value === what} onClick={() => (drags.value = what)}>
+            {what === "tilt" ? "Drag to tilt" : "Drag to move"}
+          </button>
+        ))}
+      </span>
+      <button type="button" onClick={reset}>
+        Reset the view
+      </button>
+      <label class="wide">
+        <span>White of this page</span>
+        <select value={whiteOfPage.value} onChange={(event) => (whiteOfPage.value = event.currentTarget.value as White)}>
+          {WHITES.map(([id, name]) => (
+            <option key={id} value={id}>
+              {name}
+            </option>
+          ))}
+        </select>
+      </label>
+      <label>
+        <input type="checkbox" checked={holds.value} onChange={(event) => (holds.value = event.currentTarget.checked)} />{" "}
+        the panel keeps its picture
+      </label>
+      <Menu label="Download files of the picture" items={FILES.map((name) => ({ name }))} choose={download}>
+        Files
+      </Menu>
+    </div>
+  );
+}
+
+/** Which picture is shown, and what is contained in it. */
+function Legend() {
+  const now = shown.value;
+  if (!now) return null;
+  const { head, size } = now.seen;
+  const panel = head.panel;
+  const isPart = panel && (panel[0] !== size[0] || panel[1] !== size[1]);
+  return (
+    <p class="remark">
+      {pictureName.value ?? "Picture of the scenario"}: {size[0]} × {size[1]} pixels
+      {isPart && ` of the same size as the ${panel[0]} × ${panel[1]} of the display`},{" "}
+      {now.isFresh ? "prepared for this light and view" : "prepared for an earlier light or view"}.{" "}
+      {head.neighbours_light
+        ? "Light that the layers return from each pixel to others is contained."
+        : "Each pixel has the colour of a page of its state: light of its neighbours is not contained."}
+      {head.warnings.map((warning) => (
+        <span class="warning" key={warning}>
+          {" "}
+          Warning: {warning}
+        </span>
+      ))}
+    </p>
+  );
+}
+
+export function ImagePanel() {
+  useEffect(() => unfollow, []);
+  useSignalEffect(() => {
+    const isVisible = !compact.value || part.value === "details";
+    // What determines the picture.
+    void [text.value, fileIds.value, pictureName.value, tilt.value, holds.value, isTilting.value, answer.value];
+    if (isVisible) follow();
+    else unfollow();
+  });
+  return (
+    <section class="seen" aria-label="Picture">
+      <Problems of={imageProblems.value} />
+      <div class="seen-all">
+        <Display />
+        <div class="side">
+          <div class="beside">
+            <Screen />
+            <Paper />
+          </div>
+          <Controls />
+          <Legend />
+        </div>
+      </div>
+    </section>
+  );
+}

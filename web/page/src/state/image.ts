@@ -1,0 +1,177 @@
+// The picture on the display. One request is in progress at a time, and only the newest values wait for it. While something moves, the
+// panel holds its picture, and only what is seen of it is computed; when all rests, its states are decided again for the new light and view.
+
+import { batch, computed, signal } from "@preact/signals";
+
+import { postForBlob, postForBytes, Refused, type Work } from "../api/client.ts";
+import type { Problem } from "../api/types.ts";
+import { numberAt } from "../model/json.ts";
+import { anglesOf, type Tilt, tiltOf } from "../model/perspective.ts";
+import { brighter, exposure, intensities, unpacked, type Seen, type White } from "../model/seen.ts";
+import { answer, fields, text, viewIndex } from "./design.ts";
+import { fileIds, sendAgain } from "./files.ts";
+import { BUSY, settled } from "./live.ts";
+
+/** Time without changes after which the states are decided again, ms. */
+const REST_MS = 300;
+/** Time after which a request to a busy server is repeated, ms. */
+const AGAIN_MS = 700;
+/** Time after which a request to a server that does not respond is repeated, ms. */
+const GONE_MS = 2000;
+
+/** What is seen, with the design and the lights for which it was computed. */
+export interface Shown {
+  readonly seen: Seen;
+  /** Illuminance of each light, lx. */
+  readonly lights: ReadonlyMap<string, number>;
+  /** Whether the states were decided for this light and view. */
+  readonly isFresh: boolean;
+}
+
+export const shown = signal<Shown | null>(null);
+export const imageProblems = signal<readonly Problem[]>([]);
+export const isComputing = signal(false);
+/** The name of a picture that was dropped or chosen; null: that of the scenario, or the program's own. */
+export const pictureName = signal<string | null>(null);
+/** Whether the panel holds its picture whatever the light. */
+export const holds = signal(false);
+/** Direction of the eye while it is not that of the design. */
+export const tilted = signal<Tilt | null>(null);
+/** Whether the pointer tilts the display. */
+export const isTilting = signal(false);
+export const whiteOfPage = signal<White>("perfect");
+/** The picture itself, for the screen beside the display. */
+export const source = signal<Uint16Array | null>(null);
+
+/** Direction of the eye. */
+export const tilt = computed<Tilt>(() => {
+  const view = answer.value?.views[viewIndex.value];
+  return tilted.value ?? tiltOf(view?.theta_deg ?? 0, view?.phi_deg ?? 0);
+});
+
+/** Factors of the lights of the picture: lamps that have become brighter or darker since it was computed. */
+export const factors = computed<readonly number[]>(() =>
+  shown.value ? brighter(shown.value.seen.head.lights, shown.value.lights, intensities(fields.value)) : [],
+);
+
+/** How colours are shown on this page, in the light of this moment. */
+export const exposed = computed(() => {
+  const lux = numberAt(fields.value, "lighting.illuminance_lx") ?? 0;
+  return shown.value ? exposure(shown.value.seen, factors.value, lux, whiteOfPage.value) : null;
+});
+
+/** The largest magnification. */
+export const MOST_ZOOM = 64;
+/** Magnification. */
+export const zoom = signal(1);
+/** The point of the display in the middle of the canvas, in its widths. */
+export const middle = signal<readonly [number, number]>([0, 0]);
+/** What dragging with the pointer does. */
+export const drags = signal<"tilt" | "move">("tilt");
+
+/** Limits the middle to the display. */
+export function within([x, y]: readonly [number, number]): readonly [number, number] {
+  const [columns, rows] = shown.value?.seen.size ?? [1, 1];
+  const inside = (value: number, most: number) => Math.min(most, Math.max(-most, value));
+  return [inside(x, 0.5), inside(y, (0.5 * rows) / columns)];
+}
+
+export function zoomBy(factor: number): void {
+  zoom.value = Math.min(MOST_ZOOM, Math.max(1, zoom.value * factor));
+  if (zoom.value === 1) middle.value = [0, 0];
+}
+
+/** Shows the whole display as in the design. */
+export const reset = (): void =>
+  batch(() => {
+    [zoom.value, middle.value, tilted.value] = [1, [0, 0], null];
+  });
+
+interface Wanted extends Work {
+  picture: string | null;
+  theta_deg: number;
+  phi_deg: number;
+}
+
+const wanted = (): Wanted => ({
+  scenario: text.value,
+  files: fileIds.value,
+  picture: pictureName.value !== null && pictureName.value in fileIds.value ? pictureName.value : null,
+  ...anglesOf(tilt.value),
+});
+
+let running = false;
+let stopped = true;
+/** The last request that was answered, and whether its states were decided for it. */
+let done = { what: "", isFresh: false };
+/** The request for which files were sent again. */
+let resent = "";
+/** The picture of the last answer: its states are held as long as the picture is the same. */
+let heldFor = "";
+let rest: ReturnType<typeof setTimeout> | undefined;
+let abort: AbortController | null = null;
+
+/** Requests the picture if anything has changed. Called whenever it may have. */
+export function follow(): void {
+  stopped = false;
+  const what = JSON.stringify(wanted());
+  clearTimeout(rest);
+  if (what !== done.what) void run(false);
+  if (isTilting.value || (done.what === what && (done.isFresh || holds.value))) return;
+  rest = setTimeout(() => void run(true), REST_MS);
+}
+
+/** Stops requesting while the picture is not visible. */
+export function unfollow(): void {
+  stopped = true;
+  clearTimeout(rest);
+  abort?.abort();
+}
+
+async function run(isResting: boolean): Promise<void> {
+  if (running || stopped) return;
+  running = true;
+  isComputing.value = true;
+  const request = wanted();
+  const what = JSON.stringify(request);
+  const held = shown.value?.seen.head.held;
+  const isHeld = held !== undefined && heldFor === String(request.picture) && (holds.value || !isResting);
+  const lights = intensities(answer.value?.fields as never);
+  abort = new AbortController();
+  let wait = 0;
+  try {
+    const seen = unpacked(await postForBytes("image", isHeld ? { ...request, held } : request, abort.signal));
+    batch(() => {
+      shown.value = { seen, lights, isFresh: !isHeld };
+      if (seen.source) source.value = seen.source;
+      imageProblems.value = [];
+    });
+    heldFor = String(request.picture);
+    done = { what, isFresh: !isHeld };
+  } catch (why) {
+    const refusal = why instanceof Refused ? why : new Refused(0, [{ message: String(why) }]);
+    if (abort.signal.aborted) done = { what: "", isFresh: false };
+    else if (refusal.status === BUSY) wait = AGAIN_MS;
+    else if (refusal.status === 0) wait = GONE_MS;
+    else if (isHeld) {
+      // The server no longer holds the picture, or the display has other states now.
+      heldFor = "";
+    } else if (resent !== what && (await sendAgain(refusal))) resent = what;
+    else {
+      imageProblems.value = refusal.problems;
+      done = { what, isFresh: true };
+    }
+  } finally {
+    abort = null;
+    running = false;
+    isComputing.value = false;
+  }
+  if (wait > 0) await new Promise((resolve) => setTimeout(resolve, wait));
+  if (!stopped) follow();
+}
+
+/** Returns a file of the picture in full size, as `papilio image` and `papilio palette` write it. */
+export async function pictureFile(what: string): Promise<Blob> {
+  if (!(await settled())) throw new Error("The design has a change that cannot be computed.");
+  return postForBlob("image/export", { ...wanted(), what });
+}

@@ -1,0 +1,128 @@
+// The picture on the display: its colours are those of the program, by the graphics processor and without; it follows pointer and files.
+
+import assert from "node:assert/strict";
+import { after, before, test } from "node:test";
+
+import type { Page } from "playwright-core";
+
+import { choose, downloaded, settled, stage, type Stage } from "./stage.ts";
+
+let on: Stage;
+before(async () => (on = await stage()));
+after(() => on.close());
+
+const CANVAS = ".seen-display canvas";
+
+/** Opens the six inks with the picture; `more` is the end of the address. */
+async function sixInks(more: string): Promise<Page> {
+  const page = await on.visit({}, more);
+  await choose(page, "Examples", "six-ink");
+  await page.waitForFunction(
+    () => document.querySelector<HTMLInputElement>("input.title")?.value === "Six-ink electronic paper",
+  );
+  await fresh(page);
+  return page;
+}
+
+/** Waits until the picture is that of the current light and view. */
+async function fresh(page: Page): Promise<void> {
+  await settled(page);
+  await page.getByText("prepared for this light and view").waitFor({ timeout: 30_000 });
+  await settled(page);
+}
+
+/** Saves a file of the picture. */
+const saved = (page: Page, what: string) => downloaded(page, () => choose(page, "Download files of the picture", what));
+
+/** Decodes a PNG in the browser: columns, rows, and red, green, blue, opacity of each pixel. */
+const decoded = (page: Page, png: Buffer): Promise<{ width: number; height: number; data: number[] }> =>
+  page.evaluate(async (base64) => {
+    const bytes = Uint8Array.from(atob(base64), (one) => one.charCodeAt(0));
+    const picture = await createImageBitmap(new Blob([bytes]), { colorSpaceConversion: "none" });
+    const { width, height } = picture;
+    const context = new OffscreenCanvas(width, height).getContext("2d")!;
+    context.drawImage(picture, 0, 0);
+    return { width, height, data: [...context.getImageData(0, 0, width, height).data] };
+  }, png.toString("base64"));
+
+for (const [painter, more] of [
+  ["WebGL2", "?"],
+  ["canvas", "?canvas"],
+] as const)
+  test(`colours of the picture by ${painter} equal those of papilio image`, { timeout: 120_000 }, async () => {
+    const page = await sixInks(more);
+    const canvas = page.locator(CANVAS);
+    assert.equal(await canvas.getAttribute("data-painter"), painter);
+    const wanted = await decoded(page, (await saved(page, "seen.png")).bytes);
+    for (let i = 0; i < 4; i++) await page.getByRole("button", { name: "Larger" }).click();
+    await settled(page);
+    await page.mouse.move(0, 0);
+    const shown = await decoded(page, await canvas.screenshot());
+    const scale = Number(await canvas.getAttribute("data-scale"));
+    assert.ok(scale > 3, String(scale));
+    let [count, worst] = [0, 0];
+    // The pixels in the middle of the canvas: its corners are round.
+    for (let row = 130; row < 170; row++)
+      for (let column = 200; column < 251; column++) {
+        const x = Math.floor(shown.width / 2 + (column + 0.5 - wanted.width / 2) * scale);
+        const y = Math.floor(shown.height / 2 + (row + 0.5 - wanted.height / 2) * scale);
+        const [at, here] = [4 * (y * shown.width + x), 4 * (row * wanted.width + column)];
+        for (let k = 0; k < 3; k++, count++)
+          worst = Math.max(worst, Math.abs(shown.data[at + k]! - wanted.data[here + k]!));
+      }
+    assert.ok(count > 6000 && worst <= 1, `${count} values, largest difference ${worst}`);
+    assert.deepEqual(on.complaints.splice(0), []);
+  });
+
+test("display is tilted by pointer and keys, and its states are decided again after that", { timeout: 120_000 }, async () => {
+  const page = await sixInks("?");
+  const box = (await page.locator(CANVAS).boundingBox())!;
+  const [x, y] = [box.x + box.width / 2, box.y + box.height / 2];
+  await page.mouse.move(x, y);
+  await page.mouse.down();
+  for (let i = 1; i <= 10; i++) await page.mouse.move(x - 10 * i, y);
+  await page.getByText("The display, seen from 30°").waitFor();
+  await page.getByText("prepared for an earlier light or view").waitFor({ timeout: 30_000 });
+  await page.mouse.up();
+  await fresh(page);
+  await page.locator(CANVAS).focus();
+  await page.keyboard.press("ArrowLeft");
+  await page.getByText("The display, seen from 29°").waitFor();
+  await page.getByLabel("the panel keeps its picture").check();
+  await page.keyboard.press("ArrowLeft");
+  await page.getByRole("button", { name: "Reset the view" }).click();
+  await page.getByText("The display, seen from 0°").waitFor();
+  await page.getByText("prepared for an earlier light or view").waitFor({ timeout: 30_000 });
+  assert.deepEqual(on.complaints.splice(0), []);
+});
+
+test("picture that is chosen is shown, and sent to the panel; a broken one is refused", { timeout: 120_000 }, async () => {
+  const page = await sixInks("?");
+  const drawn = await page.evaluate(async () => {
+    const canvas = new OffscreenCanvas(64, 48);
+    const context = canvas.getContext("2d")!;
+    context.fillStyle = "#ffffff";
+    context.fillRect(0, 0, 64, 48);
+    context.fillStyle = "#c00000";
+    context.fillRect(8, 8, 24, 24);
+    const bytes = new Uint8Array(await (await canvas.convertToBlob({ type: "image/png" })).arrayBuffer());
+    return [...bytes];
+  });
+  const chooser = page.locator(".seen input[type=file]");
+  await chooser.setInputFiles({ name: "square.png", mimeType: "image/png", buffer: Buffer.from(drawn) });
+  await page.getByText("square.png: 64 × 48 pixels").waitFor({ timeout: 30_000 });
+  await fresh(page);
+  const states = await saved(page, "states.png");
+  assert.deepEqual(
+    [...states.bytes.subarray(16, 26)],
+    [0, 0, 0, 64, 0, 0, 0, 48, 8, 3],
+    "an indexed picture of 64 x 48 pixels",
+  );
+  assert.match((await saved(page, "palette.gpl")).text, /^GIMP Palette[\s\S]*\tyellow$/m);
+  await chooser.setInputFiles({ name: "cut.png", mimeType: "image/png", buffer: Buffer.from(drawn.slice(0, 60)) });
+  await page.locator("#tab-panel .error").first().waitFor();
+  assert.deepEqual(
+    on.complaints.splice(0).filter((words) => !/status of 422/.test(words)),
+    [],
+  );
+});

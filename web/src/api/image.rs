@@ -1,0 +1,378 @@
+//! The endpoints `/image` and `/image/export`: a picture on the display, as by `papilio image`.
+//!
+//! `/image` responds with the picture in each light of the room, which the page adds up: lamps that become brighter need no request. The
+//! picture of the page has few pixels: of a larger display a smaller one with the same pixels is computed. The server holds the states of
+//! recent pictures, so that a moved lamp or eye needs no new halftone. `/image/export` writes the files of the command line, in full size.
+
+use std::collections::BTreeMap;
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
+
+use axum::http::StatusCode;
+use papilio_display::image::{HeldPicture, ImageResult, ScreenWhite, SourceImage};
+use papilio_display::palette::bytes as encoded;
+use papilio_display::scene::{Drive, Pixel, Scene};
+use papilio_display::{Control, DisplayError};
+use papilio_formats::{TitledFile, palette_files, write_indexed_png, write_json, write_rgb_png};
+use papilio_imaging::{Fit, fitted};
+use papilio_scenario::{Edit, Resolved};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use serde_json::{Value, json};
+
+use super::export::Exported;
+use super::packed::{push_bytes, push_factors, push_pixels, with_head};
+use super::written::bytes;
+use crate::fault::{Fault, shortened};
+use crate::reading::{Given, Solver, edited};
+use crate::site::Site;
+
+/// The picture that the page shows if the scenario has none.
+const OWN_PICTURE: &str = "data/chelsea.png";
+
+/// Largest numbers of pixels along the longer and the shorter side of the picture of the page.
+const MOST_SIDES: [usize; 2] = [480, 360];
+
+/// Maximum number of pixels of a picture that is written to a file.
+const MOST_WRITTEN: usize = 4_000_000;
+
+/// Maximum number of lights: as many pictures are computed and sent.
+const MOST_LIGHTS: usize = 16;
+
+/// A request for a picture on the display.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(super) struct PictureOf {
+    /// The scenario: TOML.
+    scenario: String,
+    /// Ids of uploaded files by their names in the scenario.
+    #[serde(default)]
+    files: BTreeMap<String, String>,
+    /// Name of an uploaded picture; null: that of the scenario, or one of the program's own.
+    #[serde(default)]
+    picture: Option<String>,
+    /// Inclination of the eye, degrees; null: that of the first view.
+    #[serde(default)]
+    theta_deg: Option<f64>,
+    /// Azimuth of the eye, degrees; null: that of the first view.
+    #[serde(default)]
+    phi_deg: Option<f64>,
+    /// Key of a picture that the panel holds; null: the states are decided in the light and view of this request.
+    #[serde(default)]
+    held: Option<String>,
+}
+
+/// The head of a response. After it come, each with a length that is a multiple of 4 bytes: the state of each pixel (8 bits); X, Y, Z of
+/// each pixel in each light (16-bit floating point, the lowest byte first), relative to the Y of a perfect white in all light; and, if
+/// `has_source`, X, Y, Z of the picture itself under D65.
+#[derive(Debug, Serialize, JsonSchema)]
+pub(super) struct PictureHead {
+    /// Number of columns and rows; rows begin at the top.
+    size: [usize; 2],
+    /// Number of columns and rows of the display, if the scenario has it.
+    panel: Option<[usize; 2]>,
+    /// Period of the pixels along x and y, mm, if the scenario has it.
+    pitch_mm: Option<[f64; 2]>,
+    /// Distance of the eye, mm.
+    distance_mm: f64,
+    /// Inclination of the eye, degrees.
+    theta_deg: f64,
+    /// Azimuth of the eye, degrees.
+    phi_deg: f64,
+    /// Illuminance, lx.
+    illuminance_lx: f64,
+    /// Key of the picture that the panel holds.
+    held: String,
+    /// Names of the states.
+    states: Vec<String>,
+    /// The lights.
+    lights: Vec<PictureLight>,
+    /// The sub-pixels, if their places are known and each of them shows its colour or is dark.
+    sub_pixels: Vec<SubPixelSeen>,
+    /// X, Y, Z of a page of each state in all light, relative to a perfect white; empty without `sub_pixels`.
+    colours: Vec<[f64; 3]>,
+    /// Whether the picture itself follows.
+    has_source: bool,
+    /// Whether the light that layers return from each pixel to its neighbours is computed.
+    neighbours_light: bool,
+    /// Estimated error of X, Y, Z of a pixel.
+    error: f64,
+    /// Warnings.
+    warnings: Vec<String>,
+}
+
+/// A light of the room.
+#[derive(Debug, Serialize, JsonSchema)]
+struct PictureLight {
+    /// Its name: `diffuse`, `directed.0`, `environment.0`, `front_light`.
+    light: String,
+    /// X, Y, Z of a perfect white in this light, relative to the Y of a perfect white in all light.
+    white: [f64; 3],
+}
+
+/// A sub-pixel.
+#[derive(Debug, Serialize, JsonSchema)]
+struct SubPixelSeen {
+    /// Its rectangles x0, y0, x1, y1 in fractions of the pixel, from the lower left corner.
+    window: Vec<[f64; 4]>,
+    /// The fraction of it that shows its colour in each state.
+    shown: Vec<f64>,
+}
+
+pub(super) async fn image(site: Site, request: PictureOf) -> Result<Vec<u8>, Fault> {
+    let server = site.clone();
+    site.quick().work(move |stop| computed(&server, request, stop)).await
+}
+
+fn computed(site: &Site, request: PictureOf, stop: &AtomicBool) -> Result<Vec<u8>, Fault> {
+    let PictureOf { scenario, files, picture, theta_deg, phi_deg, held } = request;
+    let control = Control { threads: None, progress: &|_| {}, stop };
+    let given = Given { scenario, files };
+    let seen_from = |resolved: &mut Resolved| {
+        resolved.scene.viewer = resolved.scene.viewer.with_view(0);
+        let viewer = &mut resolved.scene.viewer;
+        set_angle(&mut viewer.theta_deg, theta_deg, "theta_deg", 89.0)?;
+        set_angle(&mut viewer.phi_deg, phi_deg, "phi_deg", 360.0)
+    };
+    let mut source = None;
+    let (resolved, panel, key, picture) = if let Some(key) = held {
+        let picture = site.held().get(&key).ok_or_else(|| {
+            let message = format!("the picture `{}` is no longer held", shortened(&key));
+            Fault::new(StatusCode::GONE, message, "request it again without `held`")
+        })?;
+        let (_, mut resolved) = given.resolve(site, Solver::Adding)?;
+        seen_from(&mut resolved)?;
+        let panel = resolved.scene.display.matrix.as_ref().and_then(|matrix| matrix.pixels);
+        (resolved, panel, key, picture)
+    } else {
+        let (given, panel) = with_picture(site, given, picture.as_deref(), Some(MOST_SIDES))?;
+        let mut resolved = given.resolve_with_picture(site)?;
+        seen_from(&mut resolved)?;
+        let request = resolved.image.take().ok_or_else(no_picture)?;
+        let (scene, shown) = (&resolved.scene, reduced(request.source, MOST_SIDES));
+        let viewer = &scene.viewer;
+        let key = format!("{} {:?} {:?}", resolved.hash, viewer.theta_deg, viewer.phi_deg);
+        let picture = match site.held().get(&key) {
+            Some(picture) => picture,
+            None => {
+                let picture = HeldPicture::new(scene, &shown, &request.settings, &control);
+                let picture = Arc::new(picture.map_err(|error| Fault::of(&resolved, error))?);
+                site.held().insert(key.clone(), picture.clone());
+                picture
+            }
+        };
+        source = Some(shown);
+        (resolved, panel, key, picture)
+    };
+    let scene = &resolved.scene;
+    check_lights(scene)?;
+    let fault = |error: DisplayError| Fault::of(&resolved, error);
+    let factors = site.prepared().with(scene, |prepared| picture.factors_of(scene, prepared, &control));
+    let factors = factors.map_err(fault)?;
+    let sub_pixels = sub_pixels(scene, &picture.names);
+    let colours = match sub_pixels.is_empty() {
+        true => Vec::new(),
+        false => {
+            let result = site.prepared().run(scene, &control).map_err(fault)?;
+            let states = &result.views.first().ok_or_else(no_picture)?.states;
+            let colour = |name: &String| states.get(name).map(|one| [one.value.X, one.value.Y, one.value.Z]);
+            picture.names.iter().filter_map(colour).collect()
+        }
+    };
+    let viewer = &scene.viewer;
+    let first = |angles: &[f64]| angles.first().copied().unwrap_or_default();
+    let lights = factors.lights.iter();
+    let mut out = with_head(&PictureHead {
+        size: factors.size,
+        panel,
+        pitch_mm: scene.display.matrix.as_ref().map(|matrix| matrix.pitch_mm),
+        distance_mm: viewer.distance_mm,
+        theta_deg: first(&viewer.theta_deg),
+        phi_deg: first(&viewer.phi_deg),
+        illuminance_lx: scene.lighting.illuminance_lx,
+        held: key,
+        states: picture.names.clone(),
+        lights: lights.map(|one| PictureLight { light: one.light.clone(), white: one.white }).collect(),
+        sub_pixels,
+        colours,
+        has_source: source.is_some(),
+        neighbours_light: factors.neighbours_light,
+        error: factors.error,
+        warnings: resolved.warnings.clone(),
+    })?;
+    push_bytes(&mut out, &picture.states);
+    push_factors(&mut out, &factors);
+    if let Some(source) = source {
+        push_pixels(&mut out, &source.pixels);
+    }
+    Ok(out)
+}
+
+/// Replaces an angle of the view.
+fn set_angle(angles: &mut Vec<f64>, wanted: Option<f64>, name: &str, most: f64) -> Result<(), Fault> {
+    match wanted {
+        None => Ok(()),
+        Some(angle) if angle.abs() <= most => {
+            *angles = vec![angle];
+            Ok(())
+        }
+        Some(_) => Err(Fault::malformed(format!("{name} must be from -{most} to {most} deg"))),
+    }
+}
+
+/// Returns the scenario with a picture, and the numbers of columns and rows of its display. With `most`, larger displays get fewer pixels.
+fn with_picture(
+    site: &Site,
+    given: Given,
+    picture: Option<&str>,
+    most: Option<[usize; 2]>,
+) -> Result<(Given, Option<[usize; 2]>), Fault> {
+    let scenario = given.scenario(site, Solver::Adding)?;
+    let (display, image) = (scenario.filled_at("display"), scenario.filled_at("image"));
+    let panel: Option<[usize; 2]> = serde_json::from_value(display["matrix"]["pixels"].clone()).ok();
+    let set = |path: &str, value: Value| Edit::Set { path: path.to_owned(), value };
+    let mut edits = Vec::new();
+    if let (Some(panel), Some(most)) = (panel, most) {
+        let most = along(panel, most);
+        edits.push(set("display.matrix.pixels", json!([panel[0].min(most[0]), panel[1].min(most[1])])));
+    }
+    let sources = ["file", "text", "pattern"];
+    let is_given = sources.iter().any(|key| image.get(key).is_some_and(|value| !value.is_null()));
+    if let Some(name) = picture.or_else(|| (!is_given).then_some(OWN_PICTURE)) {
+        if !is_given || picture.is_some() {
+            edits.extend(sources.map(|key| Edit::Remove { path: format!("image.{key}") }));
+        }
+        edits.push(set("image.file", json!(name)));
+    }
+    Ok((Given { scenario: edited(given.scenario, &edits)?, files: given.files }, panel))
+}
+
+/// Orders the largest lengths of two sides as those of a picture.
+fn along(size: [usize; 2], [longer, shorter]: [usize; 2]) -> [usize; 2] {
+    if size[0] >= size[1] { [longer, shorter] } else { [shorter, longer] }
+}
+
+/// Reduces a picture that is too large.
+fn reduced(source: SourceImage, most: [usize; 2]) -> SourceImage {
+    let from = [source.columns, source.pixels.len() / source.columns.max(1)];
+    let most = along(from, most);
+    let ratio = [0, 1].map(|k| most[k] as f64 / from[k].max(1) as f64).into_iter().fold(1.0, f64::min);
+    if ratio >= 1.0 {
+        return source;
+    }
+    let to = from.map(|length| ((length as f64 * ratio).round() as usize).max(1));
+    let row = |at: usize| source.pixels[at * from[0]..][..from[0]].to_vec();
+    SourceImage { columns: to[0], pixels: fitted(from, row, to, Fit::Stretch, [0.0; 3]) }
+}
+
+fn check_lights(scene: &Scene) -> Result<(), Fault> {
+    let lights = 2 + scene.lighting.directed.len() + scene.lighting.environment.len();
+    if lights <= MOST_LIGHTS {
+        return Ok(());
+    }
+    let message = format!("the picture of the page needs at most {} lamps and environments", MOST_LIGHTS - 2);
+    Err(Fault::too_much(message, "`papilio image` has no such limit"))
+}
+
+fn no_picture() -> Fault {
+    Fault::internal("the scenario has no picture")
+}
+
+/// The sub-pixels of a film pixel whose places are known.
+fn sub_pixels(scene: &Scene, names: &[String]) -> Vec<SubPixelSeen> {
+    let (Some(matrix), Pixel::Film(film)) = (&scene.display.matrix, &scene.display.pixel) else {
+        return Vec::new();
+    };
+    let drives = |name: &String| film.states.iter().find(|state| state.name == *name).map(|one| &one.drives);
+    let shown = |number: usize| -> Option<Vec<f64>> {
+        let share = |name: &String| match drives(name)?.get(number)? {
+            Drive::Share(share) => Some(*share),
+            _ => None,
+        };
+        names.iter().map(share).collect()
+    };
+    let all = matrix.sub_pixels.iter().enumerate().map(|(number, one)| {
+        let window = one.window.rectangles.iter().map(|one| [one.x[0], one.y[0], one.x[1], one.y[1]]);
+        Some(SubPixelSeen { window: window.collect(), shown: shown(number)? })
+    });
+    let all: Option<Vec<_>> = all.collect();
+    all.filter(|all| all.len() == film.sub_pixels.len()).unwrap_or_default()
+}
+
+/// A request for a file of a picture on the display.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(super) struct PictureFileOf {
+    /// The scenario: TOML.
+    scenario: String,
+    /// Ids of uploaded files by their names in the scenario.
+    #[serde(default)]
+    files: BTreeMap<String, String>,
+    /// Name of an uploaded picture; null: that of the scenario, or one of the program's own.
+    #[serde(default)]
+    picture: Option<String>,
+    /// Inclination of the eye, degrees; null: that of the first view.
+    #[serde(default)]
+    theta_deg: Option<f64>,
+    /// Azimuth of the eye, degrees; null: that of the first view.
+    #[serde(default)]
+    phi_deg: Option<f64>,
+    /// `states.png`, `seen.png`, `image.json`, or a file of `papilio palette`, such as `palette.gpl`.
+    what: String,
+}
+
+pub(super) async fn export(site: Site, request: PictureFileOf) -> Result<Exported, Fault> {
+    let server = site.clone();
+    site.long().work(move |stop| exported(&server, request, stop)).await
+}
+
+fn exported(site: &Site, request: PictureFileOf, stop: &AtomicBool) -> Result<Exported, Fault> {
+    let PictureFileOf { scenario, files, picture, theta_deg, phi_deg, what } = request;
+    let (given, panel) = with_picture(site, Given { scenario, files }, picture.as_deref(), None)?;
+    check_size(panel.map_or(0, |[columns, rows]| columns.saturating_mul(rows)))?;
+    let mut resolved = given.resolve_with_picture(site)?;
+    resolved.scene.viewer = resolved.scene.viewer.with_view(0);
+    set_angle(&mut resolved.scene.viewer.theta_deg, theta_deg, "theta_deg", 89.0)?;
+    set_angle(&mut resolved.scene.viewer.phi_deg, phi_deg, "phi_deg", 360.0)?;
+    let request = resolved.image.take().ok_or_else(no_picture)?;
+    check_size(request.source.pixels.len())?;
+    let control = Control { threads: None, progress: &|_| {}, stop };
+    let white = ScreenWhite::Perfect;
+    let found =
+        papilio_display::image::image(&resolved.scene, &request.source, &request.settings, white, &control);
+    file(&found.map_err(|error| Fault::of(&resolved, error))?, &resolved, &what)
+}
+
+fn check_size(pixels: usize) -> Result<(), Fault> {
+    if pixels <= MOST_WRITTEN {
+        return Ok(());
+    }
+    let message = format!("a picture of {pixels} pixels is too large for the page: at most {MOST_WRITTEN}");
+    Err(Fault::too_much(message, "use `papilio image`, which has no such limit"))
+}
+
+fn file(found: &ImageResult, resolved: &Resolved, what: &str) -> Result<Exported, Fault> {
+    let columns = found.size[0];
+    let title = resolved.title.as_deref().unwrap_or_default();
+    let colours = found.palette.colours.iter();
+    let palette: Vec<(&str, [u8; 3])> =
+        colours.map(|one| (one.state.as_str(), one.srgb.map_or([0; 3], encoded))).collect();
+    let (kind, bytes) = match what {
+        "states.png" => {
+            let palette: Vec<[u8; 3]> = palette.iter().map(|(_, colour)| *colour).collect();
+            ("image/png", bytes(|out| write_indexed_png(out, columns, &found.states, &palette))?)
+        }
+        "seen.png" => ("image/png", bytes(|out| write_rgb_png(out, columns, &found.srgb, false))?),
+        "image.json" => {
+            let papilio = env!("CARGO_PKG_VERSION");
+            let file = TitledFile { papilio, title, hash: &resolved.hash, result: &found.numbers };
+            ("application/json", bytes(|out| write_json(out, &file))?)
+        }
+        _ => {
+            let mut files = palette_files(title, &palette).into_iter();
+            let file = files.find(|(name, _)| *name == what);
+            ("application/octet-stream", file.ok_or_else(|| Fault::unknown("export", what))?.1)
+        }
+    };
+    Ok(Exported { kind, bytes })
+}

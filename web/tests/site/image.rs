@@ -1,0 +1,162 @@
+//! Pictures on the display.
+
+use std::sync::atomic::AtomicBool;
+
+use papilio_display::Control;
+use papilio_display::image::{ScreenWhite, image};
+use papilio_formats::write_rgb_png;
+use papilio_scenario::Scenario;
+use serde_json::{Value, json};
+
+use crate::answers::indoor;
+use crate::client::{Answer, Server};
+
+/// A response of `/image`.
+struct Seen {
+    head: Value,
+    states: Vec<u8>,
+    /// X, Y, Z of all pixels in each light.
+    lights: Vec<Vec<f32>>,
+    /// Number of bytes after the lights.
+    rest: usize,
+}
+
+fn half(bits: u16) -> f32 {
+    let (exponent, fraction) = (i32::from(bits >> 10 & 31), f32::from(bits & 0x3ff) / 1024.0);
+    let size = match exponent {
+        0 => fraction * 2.0_f32.powi(-14),
+        _ => (1.0 + fraction) * 2.0_f32.powi(exponent - 15),
+    };
+    if bits >> 15 == 1 { -size } else { size }
+}
+
+fn unpacked(answer: &Answer) -> Seen {
+    assert_eq!(answer.status, 200, "{}", String::from_utf8_lossy(&answer.body));
+    let (length, rest) = answer.body.split_at(4);
+    let (head, rest) = rest.split_at(u32::from_le_bytes(length.try_into().unwrap()) as usize);
+    let head: Value = serde_json::from_slice(head).unwrap();
+    let count = head["size"].as_array().unwrap().iter().map(|one| one.as_u64().unwrap() as usize).product();
+    let (states, mut rest) = rest.split_at(usize::next_multiple_of(count, 4));
+    let plane = |_: &Value| {
+        let (plane, more) = rest.split_at((6 * count).next_multiple_of(4));
+        rest = more;
+        let values = plane.chunks_exact(2).map(|two| half(u16::from_le_bytes(two.try_into().unwrap())));
+        values.take(3 * count).collect()
+    };
+    let lights = head["lights"].as_array().unwrap().iter().map(plane).collect();
+    Seen { states: states[..count].to_vec(), lights, rest: rest.len(), head }
+}
+
+/// A picture of 12 x 7 pixels with gradients.
+fn gradient() -> Vec<u8> {
+    let pixels: Vec<[u8; 3]> = (0..84_u8).map(|k| [20 * (k % 12), 36 * (k / 12), 3 * k]).collect();
+    let mut png = Vec::new();
+    write_rgb_png(&mut png, 12, &pixels, false).unwrap();
+    png
+}
+
+fn upload(server: &Server, name: &str, bytes: &[u8]) -> Answer {
+    server.send(&format!("/api/v1/files?name={name}"), "application/octet-stream", bytes)
+}
+
+/// States and light are those of `papilio image`, and a picture that is held keeps its states in another view and light.
+#[test]
+fn sum_over_the_lights_equals_papilio_image() {
+    let server = Server::start();
+    let png = gradient();
+    let id = upload(&server, "gradient.png", &png).json()["id"].clone();
+    let scenario = server.get("/api/v1/examples/six-ink").json()["scenario"].clone();
+    let request = json!({ "scenario": scenario, "files": { "gradient.png": id }, "picture": "gradient.png" });
+    let seen = unpacked(&server.post("/image", &request));
+
+    let file = std::path::Path::new(env!("CARGO_TARGET_TMPDIR")).join("web-gradient.png");
+    std::fs::write(&file, &png).unwrap();
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../scenarios/six-ink.toml");
+    let set = format!("image.file={:?}", file.display().to_string());
+    let resolved = Scenario::load(path.as_ref(), &[set]).unwrap().resolve_with_picture().unwrap();
+    let picture = resolved.image.as_ref().unwrap();
+    let control = Control { threads: None, progress: &|_| {}, stop: &AtomicBool::new(false) };
+    let wanted =
+        image(&resolved.scene, &picture.source, &picture.settings, ScreenWhite::Perfect, &control).unwrap();
+
+    assert_eq!(seen.head["size"], json!([12, 7]));
+    assert_eq!(seen.states, wanted.states);
+    assert_eq!(seen.head["states"], json!(wanted.numbers.states));
+    let names: Vec<&str> =
+        seen.head["lights"].as_array().unwrap().iter().map(|one| one["light"].as_str().unwrap()).collect();
+    assert_eq!(names, ["diffuse", "directed.0"]);
+    for (k, value) in wanted.seen.as_flattened().iter().enumerate() {
+        let sum: f32 = seen.lights.iter().map(|light| light[k]).sum();
+        // Two numbers with 11 bits each.
+        assert!((sum - value).abs() < 6e-4 * value + 1e-6, "{k}: {sum} {value}");
+    }
+    // The picture itself follows.
+    assert_eq!(seen.rest, (6 * 84_usize).next_multiple_of(4));
+
+    let mut other = request.clone();
+    other["theta_deg"] = json!(35);
+    other["scenario"] = json!(scenario.as_str().unwrap().replace("LED-B1", "D65"));
+    let fresh = unpacked(&server.post("/image", &other));
+    other["held"] = seen.head["held"].clone();
+    let held = unpacked(&server.post("/image", &other));
+    assert_eq!(held.states, seen.states);
+    assert_ne!(fresh.states, seen.states);
+    assert_eq!((held.rest, &held.head["theta_deg"]), (0, &json!(35.0)));
+    assert_ne!(held.lights, seen.lights);
+
+    let export = |what: &str| {
+        let mut request = request.clone();
+        request["what"] = json!(what);
+        server.post("/image/export", &request)
+    };
+    let states = export("states.png");
+    assert_eq!((states.status, &states.body[1..4]), (200, &b"PNG"[..]));
+    assert!(export("palette.gpl").body.starts_with(b"GIMP Palette"));
+    assert_eq!(export("image.json").json()["mean_XYZ"], json!(wanted.numbers.mean_XYZ));
+    assert_eq!(export("states.exe").status, 404);
+}
+
+/// What cannot be shown is refused with its reason.
+#[test]
+fn bad_picture_view_or_key_is_refused() {
+    let server = Server::start();
+    let png = gradient();
+    let mut huge = png.clone();
+    huge[16..24].copy_from_slice(&[0, 0, 0x80, 0, 0, 0, 0x80, 0]);
+    for (name, bytes, words) in [
+        ("short.png", &png[..png.len() / 2], "short.png"),
+        ("head.png", &png[..8], "head.png"),
+        ("huge.png", &huge[..], "huge.png"),
+        ("empty.jpg", &b"\xff\xd8\xff"[..], "empty.jpg"),
+    ] {
+        let answer = upload(&server, name, bytes);
+        let (message, _) = answer.error();
+        assert!(answer.status == 422 && message.contains(words), "{name}: {message}");
+    }
+    let scenario = indoor(&server);
+    let ask = |more: Value| {
+        let mut request = json!({ "scenario": scenario });
+        request.as_object_mut().unwrap().extend(more.as_object().unwrap().clone());
+        let answer = server.post("/image", &request);
+        (answer.status, answer.error())
+    };
+    let (status, (message, _)) = ask(json!({ "held": "no such key\u{7}" }));
+    assert_eq!((status, message.as_str()), (410, "the picture `no such key ` is no longer held"));
+    let (status, (_, path)) = ask(json!({ "picture": "absent.png" }));
+    assert_eq!((status, path.as_deref()), (422, Some("image.file")));
+    assert_eq!(ask(json!({ "picture": "../../etc/passwd" })).0, 422);
+    assert_eq!(ask(json!({ "files": { "a.png": "00" }, "picture": "a.png" })).0, 410);
+    for angles in [json!({ "theta_deg": 90 }), json!({ "phi_deg": 1e9 })] {
+        assert_eq!(ask(angles).0, 400);
+    }
+    let lamps = "[[lighting.directed]]\ntheta_deg = 30\nshare = 0.01\n".repeat(20);
+    let many =
+        json!({ "scenario": format!("{scenario}\n{lamps}").replace("diffuse = 0.5", "diffuse = 0.3") });
+    let (message, _) = server.post("/image", &many).error();
+    assert!(message.contains("at most 14 lamps"), "{message}");
+    let large = scenario
+        .replace("[display.glass]", "[display.matrix]\nppi = 300\npixels = [3000, 2000]\n[display.glass]");
+    let (message, _) =
+        server.post("/image/export", &json!({ "scenario": large, "what": "seen.png" })).error();
+    assert!(message.contains("too large for the page"), "{message}");
+}
