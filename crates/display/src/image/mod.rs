@@ -45,6 +45,7 @@ use crate::result::Named;
 use crate::run::Control;
 use crate::scene::Scene;
 use crate::single_view::{LightSummary, SingleView};
+pub use crate::spatial::PictureSurround;
 
 /// A picture with as many pixels as the display.
 #[derive(Debug, Clone, PartialEq)]
@@ -72,6 +73,8 @@ pub struct ImageSettings {
     pub seed: u64,
     /// States that are used; empty: all.
     pub states: Vec<String>,
+    /// What lies beyond the borders.
+    pub surround: PictureSurround,
     /// State of each pixel by its number in `states`, instead of a halftone.
     pub given: Option<Vec<u8>>,
 }
@@ -168,7 +171,7 @@ pub fn image(
         Adaptation::between(white, D65_WHITE).ok_or(DisplayError::NoWhite { what: "a picture" })?;
     let Seen { pixels: seen, error, neighbours_light } = match states.is_empty() {
         true => Seen { pixels: mapped.clone(), error: palette.error(), neighbours_light: false },
-        false => stack::seen(scene, size, &states, &palette, control)?,
+        false => stack::seen(scene, size, &states, &palette, settings.surround, control)?,
     };
     stopped(control)?;
     let on_screen = match screen_white {

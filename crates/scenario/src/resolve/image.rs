@@ -5,13 +5,15 @@ use std::f64::consts::PI;
 use papilio_colour::mapping::{Intent, MapSpace};
 use papilio_colour::{Surround, Viewing};
 use papilio_diagnostics::Diagnostic;
-use papilio_display::image::{Halftone, ImageSettings, SourceImage};
+use papilio_display::image::{Halftone, ImageSettings, PictureSurround, SourceImage};
 use papilio_display::scene::Scene;
 use papilio_imaging::halftone::{DiffusionKernel, Scan};
 
 use super::Resolver;
 use crate::describe::File;
-use crate::describe::image::{ErrorKernel, ErrorScan, Image, ImageHalftone, ImageIntent, ImageMapSpace};
+use crate::describe::image::{
+    ErrorKernel, ErrorScan, Image, ImageHalftone, ImageIntent, ImageMapSpace, ImageSurround,
+};
 use crate::mistake;
 use crate::read::Read as _;
 use crate::tree::Node;
@@ -101,6 +103,10 @@ fn settings(image: &Image, illuminance_lx: f64) -> ImageSettings {
         },
         seed: image.seed.0,
         states: image.states.iter().map(|state| state.0.clone()).collect(),
+        surround: match image.surround.value {
+            ImageSurround::Repeat => PictureSurround::Repeat,
+            ImageSurround::BlackMask => PictureSurround::BlackMask,
+        },
         given: None,
     }
 }
