@@ -104,9 +104,9 @@ impl Cosines {
         odd.iter_mut().rev().zip(values.iter().skip(1).step_by(2)).for_each(|(to, value)| *to = *value);
         self.forward.process_with_scratch(&mut self.ordered, &mut self.scratch);
         values[0] = self.ordered[0];
-        for k in 1..length {
-            let (turn, one, other) = (self.turns[k], self.ordered[k], self.ordered[length - k]);
-            values[k] = 0.5 * (turn * one + turn.conj() * other);
+        let pairs = self.ordered[1..].iter().zip(self.ordered[1..].iter().rev());
+        for ((value, turn), (one, other)) in values[1..].iter_mut().zip(&self.turns[1..]).zip(pairs) {
+            *value = 0.5 * (turn * one + turn.conj() * other);
         }
     }
 
@@ -115,11 +115,11 @@ impl Cosines {
         let length = spectrum.len();
         let scale = 1.0 / length as f64;
         self.ordered[0] = scale * spectrum[0];
-        for k in 1..length {
-            let (one, other) = (spectrum[k], spectrum[length - k]);
+        let pairs = spectrum[1..].iter().zip(spectrum[1..].iter().rev());
+        for ((value, turn), (one, other)) in self.ordered[1..].iter_mut().zip(&self.turns[1..]).zip(pairs) {
             // one - i other
             let sum = Complex64::new(one.re + other.im, one.im - other.re);
-            self.ordered[k] = scale * self.turns[k].conj() * sum;
+            *value = scale * turn.conj() * sum;
         }
         self.back.process_with_scratch(&mut self.ordered, &mut self.scratch);
         let (even, odd) = self.ordered.split_at(length.div_ceil(2));

@@ -25,18 +25,21 @@ use crate::ColourError;
 pub const FLIP_PIXELS_PER_DEGREE: f64 = 67.020_643_276_582_25;
 
 /// Matrix from linear sRGB to X, Y, Z, from the chromaticities of its primaries; its rows sum to [`WHITE`].
+#[allow(clippy::excessive_precision, reason = "the digits of the source")]
 const RGB_TO_XYZ: [[f32; 3]; 3] = [
     [10_135_552.0 / 24_577_794.0, 8_788_810.0 / 24_577_794.0, 4_435_075.0 / 24_577_794.0],
     [2_613_072.0 / 12_288_897.0, 8_788_810.0 / 12_288_897.0, 887_015.0 / 12_288_897.0],
     [1_425_312.0 / 73_733_382.0, 8_788_810.0 / 73_733_382.0, 70_074_185.0 / 73_733_382.0],
 ];
 /// Its inverse.
+#[allow(clippy::excessive_precision, reason = "the digits of the source")]
 const XYZ_TO_RGB: [[f32; 3]; 3] = [
     [3.241_003_275, -1.537_398_934, -0.498_615_861],
     [-0.969_224_334, 1.875_930_071, 0.041_554_224],
     [0.055_639_423, -0.204_011_202, 1.057_148_933],
 ];
 /// The white of sRGB.
+#[allow(clippy::excessive_precision, reason = "the digits of the source")]
 const WHITE: [f32; 3] = [0.950_428_55, 1.0, 1.088_900_4];
 
 /// The Gaussians of the contrast sensitivity to lightness, red-green and blue-yellow: `a sqrt(pi/b) exp(-(pi r)²/b)`, with
@@ -87,16 +90,18 @@ impl FlipPicture {
         let most = largest_colour_difference();
         let colours = self.colours.iter().zip(&other.colours);
         let features = self.features.iter().zip(&other.features);
-        let pixel = |((one, other), (feature, far)): ((&[f32; 3], &[f32; 3]), (&[f32; 2], &[f32; 2]))| {
+        let mut differences = Vec::with_capacity(self.colours.len());
+        for ((one, other), (feature, far)) in colours.zip(features) {
             if one == other {
-                return 0.0;
+                differences.push(0.0);
+                continue;
             }
             let strength = (feature[0] - far[0]).abs().max((feature[1] - far[1]).abs());
             // The exponent of the difference of features is a half.
             let feature = (strength * FRAC_1_SQRT_2).sqrt();
-            compressed(hyab(*one, *other), most).powf(1.0 - feature)
-        };
-        Ok(colours.zip(features).map(pixel).collect())
+            differences.push(compressed(hyab(*one, *other), most).powf(1.0 - feature));
+        }
+        Ok(differences)
     }
 }
 
