@@ -2,11 +2,14 @@
 //!
 //! Nothing public here is generic, so that the transforms, which are large, are compiled in this crate alone.
 
+mod states;
+
 use std::sync::Arc;
 
 use num_complex::Complex64;
 use rustdct::{DctPlanner, TransformType2And3};
 use rustfft::{Fft, FftPlanner};
+pub use states::{KernelShapes, StatePicture};
 
 /// Discrete Fourier transform of rows of cells: rows from the bottom, columns from the left.
 pub struct Plane {

@@ -5,7 +5,7 @@ use papilio_colour::{Observer, Xyz};
 use super::halftone::{self, Halftone};
 use super::light::each_alone;
 use super::rendering::{Rendered, Rendering};
-use super::{ImageSettings, SourceImage, stack, stopped};
+use super::{ImageSettings, PictureSurround, SourceImage, stack, stopped};
 use crate::DisplayError;
 use crate::palette::Palette;
 use crate::prepared::Prepared;
@@ -23,6 +23,8 @@ pub struct HeldPicture {
     pub states: Vec<u8>,
     /// Names of the states.
     pub names: Vec<String>,
+    /// What lies beyond the borders.
+    pub surround: PictureSurround,
 }
 
 /// What the reader sees of a picture in each light of a room. In any mixture of these lights, each with a factor, the reader sees the sum of
@@ -122,7 +124,7 @@ impl HeldPicture {
         let size = source.size_on(scene)?;
         let lit = Lit::new(scene, settings, &mut Prepared::new(scene)?, control)?;
         let brought = Brought::new(&lit, source, settings, control)?;
-        Ok(Self { size, states: brought.states, names: lit.palette.names() })
+        Ok(Self { size, states: brought.states, names: lit.palette.names(), surround: settings.surround })
     }
 
     /// Computes what the reader sees in each light of a scene, which may have another light, view or layers than that for which the states
@@ -155,7 +157,8 @@ impl HeldPicture {
             Factors { size: self.size, lights: Vec::new(), error: 0.0, neighbours_light: false };
         for one in alone {
             let lit = Lit::new(&one.scene, &settings, prepared, control)?;
-            let seen = stack::seen(&one.scene, self.size, &self.states, &lit.palette, control)?;
+            let seen =
+                stack::seen(&one.scene, self.size, &self.states, &lit.palette, self.surround, control)?;
             let share = luminous(&lit) / total;
             let of_white = if one.is_front_light && !is_front_light_alone { 0.0 } else { share };
             factors.error += share * seen.error;

@@ -41,6 +41,7 @@ use crate::result::Named;
 use crate::run::Control;
 use crate::scene::Scene;
 use crate::single_view::{LightSummary, SingleView};
+pub use crate::spatial::PictureSurround;
 
 /// A picture with as many pixels as the display.
 #[derive(Debug, Clone, PartialEq)]
@@ -66,6 +67,8 @@ pub struct ImageSettings {
     pub scan: Scan,
     /// States that are used; empty: all.
     pub states: Vec<String>,
+    /// What lies beyond the borders.
+    pub surround: PictureSurround,
 }
 
 /// What is white, 255, 255, 255, in the picture for a screen.
@@ -156,7 +159,7 @@ pub fn image(
         Adaptation::between(white, D65_WHITE).ok_or(DisplayError::NoWhite { what: "a picture" })?;
     let Seen { pixels: seen, error, neighbours_light } = match settings.halftone {
         Halftone::None => Seen { pixels: mapped.clone(), error: palette.error(), neighbours_light: false },
-        _ => stack::seen(scene, size, &states, &palette, control)?,
+        _ => stack::seen(scene, size, &states, &palette, settings.surround, control)?,
     };
     stopped(control)?;
     let on_screen = match screen_white {

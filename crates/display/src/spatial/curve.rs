@@ -1,5 +1,6 @@
 //! Luminous reflectance of a specular pixel against direction.
 
+use papilio_spectra::sum_of_products;
 use papilio_transport::{Base, Medium};
 
 /// Number of steps over cos(theta) in the medium.
@@ -17,16 +18,27 @@ pub(super) struct Curves {
 impl Curves {
     /// Tabulates the states of a base; `weights` are those of each wavelength.
     pub(super) fn new(base: &Base, medium: &Medium, index: f64, weights: &[f64]) -> Self {
+        Self::of_quantities(base, medium, index, &[weights])
+    }
+
+    /// Tabulates several quantities of the states of a base, each with its weights: `[quantity][state]`, as if they were more states.
+    pub(super) fn of_quantities<W: AsRef<[f64]>>(
+        base: &Base,
+        medium: &Medium,
+        index: f64,
+        weights: &[W],
+    ) -> Self {
         let (states, bins) = (base.states(), base.bins());
         let mut spectra = vec![0.0; states * bins];
-        let mut values = Vec::with_capacity((STEPS + 1) * states);
+        let mut values = Vec::with_capacity((STEPS + 1) * states * weights.len());
         for node in 0..=STEPS {
             let cosine = node as f64 / STEPS as f64;
             base.reflectance(index * index * (1.0 - cosine * cosine), medium, &mut spectra);
-            let luminous = |row: &[f64]| row.iter().zip(weights).map(|(r, weight)| r * weight).sum::<f64>();
-            values.extend(spectra.chunks_exact(bins).map(luminous));
+            for weights in weights {
+                values.extend(spectra.chunks_exact(bins).map(|row| sum_of_products(row, weights.as_ref())));
+            }
         }
-        Self { index, states, values }
+        Self { index, states: states * weights.len(), values }
     }
 
     /// Writes Y of each state at `|beta|^2`: cubic between the nodes.

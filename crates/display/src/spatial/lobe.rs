@@ -11,7 +11,17 @@ use super::curve::Curves;
 use super::response::Lit;
 use crate::DisplayError;
 
+/// Response in Y.
 pub(super) fn response(lit: Lit<'_>, source: &Source, weights: &[f64]) -> Result<LobeResponse, DisplayError> {
+    of_quantities(lit, source, &[weights])
+}
+
+/// Response in several quantities, each with its weights over wavelength: `[quantity][state]`, as if they were more states.
+pub(super) fn of_quantities<W: AsRef<[f64]>>(
+    lit: Lit<'_>,
+    source: &Source,
+    weights: &[W],
+) -> Result<LobeResponse, DisplayError> {
     let Lit { panel, view, level, .. } = lit;
     let accuracy = Accuracy { digits: level.digits, most_per_mm: level.most_per_mm };
     // What the front returns is not a part of the spread; its transmittance is.
@@ -22,11 +32,19 @@ pub(super) fn response(lit: Lit<'_>, source: &Source, weights: &[f64]) -> Result
         DisplayError::PlacesNotComputed { what: error.to_string(), key: "display".to_owned() }
     })?;
     let of_part = |part: &Part| {
-        let passed: Vec<f64> = weights.iter().zip(&part.through).map(|(weight, t)| weight * t).collect();
-        Curves::new(&panel.base, &panel.medium, part.index(), &passed)
+        let passed = |weights: &W| -> Vec<f64> {
+            weights.as_ref().iter().zip(&part.through).map(|(weight, t)| weight * t).collect()
+        };
+        let passed: Vec<Vec<f64>> = weights.iter().map(passed).collect();
+        Curves::of_quantities(&panel.base, &panel.medium, part.index(), &passed)
     };
     let curves = spread.parts().iter().map(of_part).collect();
-    Ok(LobeResponse { spread, curves, states: panel.base.states(), lines: Default::default() })
+    Ok(LobeResponse {
+        spread,
+        curves,
+        states: panel.base.states() * weights.len(),
+        lines: Default::default(),
+    })
 }
 
 /// What a view sees of the light that meets the pixel once.
@@ -62,6 +80,17 @@ impl LobeResponse {
             }
         }
         sums
+    }
+
+    /// Light of rectangles (borders along x and y, mm), `[state][rectangle]`.
+    pub(super) fn rectangles(&self, rectangles: &[[[f64; 2]; 2]]) -> Vec<Vec<f64>> {
+        self.by_state(|points| points.rectangles(rectangles))
+    }
+
+    /// Peaks of the light, and sharp images.
+    pub(super) fn all_peaks(&self) -> Vec<Peak> {
+        let sharp = Response::images(self).into_iter().map(|at_mm| Peak { at_mm, width_mm: 0.0 });
+        Response::peaks(self).into_iter().chain(sharp).collect()
     }
 
     fn points(&self) -> impl Iterator<Item = PointSpread<'_>> {

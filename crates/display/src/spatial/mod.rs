@@ -17,10 +17,13 @@
 //!
 //! [`picture`] computes X, Y and Z of each pixel of a picture whose light the face returns to it.
 //!
+//! `blur.rs` computes what a diffuser makes of a picture.
+//!
 //! [`walk`] is the second method, for all displays: Monte Carlo with places. `mtf_walk` computes from it what [`mtf`] does.
 //!
 //! Luminous quantities are Y relative to a perfect white in the scene's light, as in [`result`](crate::result).
 
+mod blur;
 mod contrast;
 mod crosstalk;
 mod curve;
@@ -43,6 +46,8 @@ mod sparkle;
 pub mod walk;
 
 pub use crate::metrics::{CrosstalkMetrics, SparkleMetrics};
+pub(crate) use blur::Blur;
+pub use blur::PictureSurround;
 pub use crosstalk::{
     CrosstalkResult, CrosstalkView, Figure, PatternColours, PatternValues, Shares, crosstalk,
 };

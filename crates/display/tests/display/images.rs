@@ -3,8 +3,9 @@
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
-use papilio_display::image::{HeldPicture, ImageSettings, ScreenWhite, SourceImage, image};
+use papilio_display::image::{HeldPicture, ImageSettings, PictureSurround, ScreenWhite, SourceImage, image};
 use papilio_display::scene::Scene;
+use papilio_display::spatial::{Patterns, mtf};
 use papilio_display::{Control, DisplayError};
 use papilio_scenario::Scenario;
 
@@ -66,4 +67,79 @@ fn a_picture_is_the_sum_of_those_in_each_light() {
         let pairs = one.pixels.iter().flatten().zip(other.pixels.iter().flatten());
         pairs.for_each(|(one, other)| assert!((one * factor - other).abs() < 2e-5, "{one} {other}"));
     }
+}
+
+const DIFFUSED: &str = "[display.glass]\nindex = 1.5\nthickness_mm = 0.5\n[display.diffuser]\nmodel = \"k-correlation\"\nhaze = 0.5\ntransmittance = 0.9\n";
+const MIRROR: &str = "[display.pixel]\nmodel = \"uniform\"\nkind = \"mirror\"\nreflectance = { white = 0.6, grey = 0.3, black = 0.03 }\n";
+
+/// Any kind of display: a uniform picture has the colour of its page.
+#[test]
+fn uniform_pictures_have_the_colours_of_pages() {
+    for (pixel, layers) in [(MIRROR, DIFFUSED), (PAPER, DIFFUSED), (MIRROR, GLASS), (PAPER, GLASS)] {
+        let display = scene(&[layers, MATRIX, pixel, LIGHT, VIEW]);
+        let run = crate::common::run(&display).unwrap();
+        for (number, (_, page)) in run.views[0].states.iter().enumerate() {
+            let held = HeldPicture {
+                size: [5, 4],
+                states: vec![number as u8; 20],
+                names: ["white", "grey", "black"].map(str::to_owned).to_vec(),
+                surround: PictureSurround::Repeat,
+            };
+            let factors = control(|control| held.factors(&display, control));
+            let expected = [page.value.X, page.value.Y, page.value.Z];
+            for (k, expected) in expected.iter().enumerate() {
+                let sum: f32 = factors.lights.iter().map(|one| one.pixels[7][k]).sum();
+                let off = (f64::from(sum) - expected).abs();
+                assert!(off < 1e-6 + factors.error, "{layers}{pixel}{number}: {off}");
+            }
+        }
+    }
+}
+
+/// Stripes below a lobe, seen at the middle of their pixels: sums of the edge spread of `mtf`, which has no cells. A black mask takes what
+/// the first column would see beyond its border.
+#[test]
+fn stripes_below_a_diffuser_are_sums_of_the_edge_spread() {
+    let view = "[viewer]\ntheta_deg = 0\nfield_deg = 0\n";
+    let light = "[lighting]\nilluminance_lx = 500\nspectrum = \"A\"\ndiffuse = 1\n";
+    let display = scene(&[DIFFUSED, MATRIX, MIRROR, light, view]);
+    // Four white columns, four black ones.
+    let states: Vec<u8> = (0..16 * 16).map(|k| if k % 8 < 4 { 0 } else { 2 }).collect();
+    let names = ["white", "grey", "black"].map(str::to_owned).to_vec();
+    let mut held = HeldPicture { size: [16, 16], states, names, surround: PictureSurround::Repeat };
+    let seen =
+        |held: &HeldPicture| control(|control| held.factors(&display, control)).lights.remove(0).pixels;
+    let run = crate::common::run(&display).unwrap();
+    let page = |state: &str| run.views[0].states.get(state).unwrap().value.Y;
+    let pitch_um = 25_400.0 / 150.0;
+    let mtf = control(|control| mtf(&display, &Patterns::default(), control));
+    let below = |state: &str, at_um: f64| {
+        let tables = &mtf.views[0].states.get(state).unwrap().spread;
+        let table = tables.iter().find(|table| table.axis == 0 && table.light == "all").unwrap();
+        let (place, share) = (&table.position_um, &table.edge_spread);
+        let k = place.partition_point(|place| *place < at_um).clamp(1, place.len() - 1);
+        let step = (at_um - place[k - 1]) / (place[k] - place[k - 1]);
+        (share[k - 1] + (share[k] - share[k - 1]) * step).clamp(0.0, 1.0)
+    };
+    let found = seen(&held);
+    for column in 0..8 {
+        let of_stripes = |state: &str, first: i32| {
+            let stripe = |k: i32| {
+                let from = (f64::from(8 * k + first - column) - 0.5) * pitch_um;
+                below(state, from + 4.0 * pitch_um) - below(state, from)
+            };
+            page(state) * (-20..20).map(stripe).sum::<f64>()
+        };
+        let expected = of_stripes("white", 0) + of_stripes("black", 4);
+        let value = f64::from(found[8 * 16 + column as usize][1]);
+        assert!((value - expected).abs() < 2e-3 * page("white"), "{column}: {value} {expected}");
+    }
+    held.states.fill(0);
+    held.surround = PictureSurround::BlackMask;
+    let masked = seen(&held);
+    // The first column is half a pixel from the mask, one in the middle 8.5 pixels.
+    let (middle, edge) = (f64::from(masked[8 * 16 + 8][1]), f64::from(masked[8 * 16][1]));
+    let lost = below("white", -0.5 * pitch_um) - below("white", -8.5 * pitch_um);
+    let off = middle - edge - page("white") * lost;
+    assert!(lost > 0.01 && off.abs() < 2e-3 * page("white"), "{middle} {edge} {lost}");
 }

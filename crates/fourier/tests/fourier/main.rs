@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 
 use num_complex::Complex64;
-use papilio_fourier::{Plane, transferred};
+use papilio_fourier::{Plane, StatePicture, transferred};
 
 #[test]
 fn spectrum_of_a_wave_is_its_bin() {
@@ -45,5 +45,43 @@ fn transfer_function_of_one_changes_nothing() {
         let plane: Vec<f64> = (0..columns * rows).map(|k| ((k * k) as f64).sin()).collect();
         let same = transferred(&plane, columns, &|_, _| 1.0);
         assert!(plane.iter().zip(&same).all(|(one, other)| (one - other).abs() < 1e-12));
+    }
+}
+
+/// Light of each offset in each shape.
+const SHAPES: [&[([i64; 2], f64)]; 3] =
+    [&[([0, 0], 0.5), ([1, 0], 0.25)], &[([0, 1], 0.3), ([-9, 2], 0.1)], &[([2, -3], 0.7)]];
+
+/// Three quantities, three states, by sums over the pixels: with repetitions and with a margin without light.
+#[test]
+fn pictures_of_states_are_convolved_with_the_kernels_of_their_states() {
+    let (columns, rows) = (7, 5);
+    let picture: Vec<u8> = (0..columns * rows).map(|k| (k * k % 11 % 3) as u8).collect();
+    let mixture: Vec<f64> = (0..27).map(|k| 0.1 * f64::from(k) - 1.0).collect();
+    for margin in [[0, 0], [9, 3]] {
+        let states = StatePicture::new(&picture, columns, 3, margin);
+        let shapes =
+            states.shapes(3, |shape, add| SHAPES[shape].iter().for_each(|(at, light)| add(*at, *light)));
+        let seen = states.seen(&shapes, &mixture);
+        assert_eq!(seen.len(), 3);
+        for (quantity, plane) in seen.iter().enumerate() {
+            for (at, value) in plane.iter().enumerate() {
+                let mut sum = 0.0;
+                for (shape, [x, y], light) in SHAPES
+                    .iter()
+                    .enumerate()
+                    .flat_map(|(k, all)| all.iter().map(move |(at, light)| (k, *at, light)))
+                {
+                    // Upwards is towards earlier rows.
+                    let (column, row) = ((at % columns) as i64 + x, (at / columns) as i64 - y);
+                    let inside = (0..7).contains(&column) && (0..5).contains(&row);
+                    if inside || margin[0] == 0 {
+                        let there = row.rem_euclid(5) as usize * columns + column.rem_euclid(7) as usize;
+                        sum += light * mixture[(quantity * 3 + usize::from(picture[there])) * 3 + shape];
+                    }
+                }
+                assert!((f64::from(*value) - sum).abs() < 1e-6, "{margin:?} {quantity} {at}: {value} {sum}");
+            }
+        }
     }
 }

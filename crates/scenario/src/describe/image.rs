@@ -25,6 +25,18 @@ table! {
         scan: ErrorScan = ErrorScan::Serpentine,
         /// States that are used, in the order of the palette of states.png. Default: all.
         states: Vec<Spanned<Title>> = Vec::new(),
+        /// What lies beyond the borders of the picture.
+        surround: ImageSurround = ImageSurround::Repeat,
+    }
+}
+
+choice! {
+    /// Surround of a picture.
+    ImageSurround {
+        /// The picture again: its borders see the opposite ones.
+        Repeat = "repeat",
+        /// A mask that reflects no light.
+        BlackMask = "black mask",
     }
 }
 

@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 use papilio_colour::mapping::{Intent, MapSpace};
 use papilio_colour::{D65_WHITE, Surround, Viewing};
 use papilio_diagnostics::Diagnostic;
-use papilio_display::image::{Halftone, ImageSettings, SourceImage};
+use papilio_display::image::{Halftone, ImageSettings, PictureSurround, SourceImage};
 use papilio_display::scene::Scene;
 use papilio_formats::{LARGEST_PICTURE_FILE, MOST_PICTURE_PIXELS, RgbSpace, read_picture};
 use papilio_imaging::halftone::{DiffusionKernel, Scan};
@@ -14,7 +14,8 @@ use papilio_imaging::{Fit, fitted};
 use super::Resolver;
 use crate::describe::File;
 use crate::describe::image::{
-    ErrorKernel, ErrorScan, Image, ImageFit, ImageHalftone, ImageIntent, ImageMapSpace, SourceSpace,
+    ErrorKernel, ErrorScan, Image, ImageFit, ImageHalftone, ImageIntent, ImageMapSpace, ImageSurround,
+    SourceSpace,
 };
 use crate::mistake;
 use crate::read::Read as _;
@@ -132,5 +133,9 @@ fn settings(image: &Image, illuminance_lx: f64) -> ImageSettings {
             ErrorScan::Raster => Scan::Raster,
         },
         states: image.states.iter().map(|state| state.0.clone()).collect(),
+        surround: match image.surround.value {
+            ImageSurround::Repeat => PictureSurround::Repeat,
+            ImageSurround::BlackMask => PictureSurround::BlackMask,
+        },
     }
 }

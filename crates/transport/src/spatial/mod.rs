@@ -13,6 +13,7 @@
 //! - [`PanelSpread`]: what a view sees of the pixel plane of an ordinary panel, by the places of all directions.
 //! - [`Recycling`]: a pattern of reflectances in this light, through all orders.
 //! - [`LitPage`]: the same for pictures of many states, pixels and wavelengths.
+//! - [`PixelSquare`], [`Shapes`]: kernels of pictures below a lobe.
 //! - [`Window`]: sub-pixels in the period of a pixel, with exact areas; [`stripes`] and [`rows`] arrange them. What is seen
 //!   of one through another: [`shares_by_shifts`], [`shares_by_transfer`], [`crosstalk`].
 //! - [`TwoPlanes`]: Lambertian pixels below a colour filter at a height, through all orders.
@@ -22,6 +23,7 @@
 //! Lengths are in mm, spatial frequencies in cycles per mm, both in the plane of the panel.
 
 mod bessel;
+mod blur;
 pub mod closed;
 mod face;
 mod layout;
@@ -35,6 +37,7 @@ mod spread;
 mod two_planes;
 mod window;
 
+pub use blur::{PixelSquare, Shapes};
 pub use face::FaceReturn;
 pub use layout::{rows, stripes};
 pub use line::LineSpread;

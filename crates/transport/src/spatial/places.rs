@@ -232,6 +232,22 @@ impl PointSpread<'_> {
         Binned { bins: columns * y_mm.len().saturating_sub(1), parts }
     }
 
+    /// Rectangles, each with its borders along x and y, mm. An image at a border belongs to the one above and to the right.
+    pub fn rectangles(&self, rectangles: &[[[f64; 2]; 2]]) -> Binned {
+        let mut parts = Vec::new();
+        for (bin, [x, y]) in rectangles.iter().enumerate() {
+            self.cell(bin, *x, *y, &mut parts);
+            for image in &self.images {
+                let inside = |[from, to]: [f64; 2], at: f64| (from..to).contains(&at);
+                if inside(*x, image.at_mm[0]) && inside(*y, image.at_mm[1]) {
+                    let (bin, beta_squared) = (bin as u32, image.beta_squared);
+                    parts.push(Part { bin, beta_squared, weight: image.weight });
+                }
+            }
+        }
+        Binned { bins: rectangles.len(), parts }
+    }
+
     fn cell(&self, bin: usize, x: [f64; 2], y: [f64; 2], parts: &mut Vec<Part>) {
         let size = (x[1] - x[0]).max(y[1] - y[0]);
         let beyond = |ends: [f64; 2], at: f64| (ends[0] - at).max(at - ends[1]).max(0.0);

@@ -1,0 +1,133 @@
+//! What a diffuser makes of a picture: each pixel is seen as a mixture of its neighbours.
+//!
+//! **What.** X, Y and Z at the middle of each pixel are sums over the pixels about it, each with the light of its area in its own state
+//! (`lobe.rs`), and over all lights. Pixels are uniform: each has the mean colour of its state.
+//!
+//! **All orders.** Light that a front component returns to the pixels, and light from beyond the reach of the kernels, is spread so widely that
+//! it is taken from the mean of the picture: a uniform picture has the colour of its page exactly.
+
+use papilio_fourier::{KernelShapes, StatePicture};
+use papilio_transport::spatial::{Peak, PixelSquare, Shapes};
+use papilio_transport::{Panel, Reflector, Stack, Top};
+
+use super::Level;
+use super::lobe::{self, LobeResponse};
+use super::response::Lit;
+use crate::DisplayError;
+use crate::meter::{Meter, PixelLight};
+use crate::scene::Scene;
+use crate::setup::Setup;
+
+/// What lies beyond the borders of a picture.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum PictureSurround {
+    /// The picture again and again.
+    #[default]
+    Repeat,
+    /// A mask that reflects no light.
+    BlackMask,
+}
+
+/// Distance from the pixel that is seen, in thicknesses of the glass, beyond which light comes from the mean of the picture.
+const REACH: f64 = 8.0;
+
+/// Light of a kernel, relative to a perfect white, that its shapes may miss.
+const MISSED: f64 = 1e-6;
+
+/// Accuracy of the light of cells: natural digits.
+const DIGITS: f64 = 12.0;
+
+/// Kernels of a view, X, Y and Z of all states.
+pub(crate) struct Blur {
+    squares: Vec<PixelSquare>,
+    shapes: Shapes,
+    states: usize,
+}
+
+/// A picture below a diffuser.
+pub(crate) struct BlurredPicture {
+    picture: StatePicture,
+    shapes: KernelShapes,
+}
+
+impl Blur {
+    /// Computes the kernels of the only view of a scene in all its light; `None` if no diffuser spreads light, or none of it is known by place.
+    pub(crate) fn new(scene: &Scene) -> Result<Option<Self>, DisplayError> {
+        let Some(matrix) = &scene.display.matrix else { return Ok(None) };
+        let setup = Setup::new(scene)?;
+        let Stack::Panel(panel) = &setup.stack else { return Ok(None) };
+        if !is_covered(panel) {
+            return Ok(None);
+        }
+        let [view] = setup.views.as_slice() else { return Ok(None) };
+        let lengths_mm = scene.display.lengths_mm()?;
+        let level = Level { digits: DIGITS, most_per_mm: 1.0 / matrix.pitch_mm[0].min(matrix.pitch_mm[1]) };
+        let lit = Lit { panel, lengths_mm: &lengths_mm, view, level };
+        let meter = Meter::new(&setup);
+        let of_light =
+            |light: PixelLight| lobe::of_quantities(lit, &setup.sources[light.source], &light.weights);
+        let lights = meter.pixel_lights().into_iter().filter(PixelLight::is_seen);
+        let responses = lights.map(of_light).collect::<Result<Vec<LobeResponse>, DisplayError>>()?;
+        let peaks: Vec<Peak> = responses.iter().flat_map(|response| response.all_peaks()).collect();
+        let farthest = peaks.iter().map(|peak| peak.at_mm[0].hypot(peak.at_mm[1])).fold(0.0, f64::max);
+        let reach_mm = REACH * lit.thickness_mm() + farthest;
+        let squares = PixelSquare::about(&peaks, matrix.pitch_mm, reach_mm);
+        let borders: Vec<_> = squares.iter().map(|square| square.borders_mm(matrix.pitch_mm)).collect();
+        let mut kernels: Vec<Vec<f64>> = vec![vec![0.0; squares.len()]; 3 * setup.states.len()];
+        for response in &responses {
+            for (sum, more) in kernels.iter_mut().zip(response.rectangles(&borders)) {
+                sum.iter_mut().zip(more).for_each(|(sum, more)| *sum += more);
+            }
+        }
+        Ok(Some(Self { squares, shapes: Shapes::of(&kernels, MISSED), states: setup.states.len() }))
+    }
+
+    /// Number of shapes of all kernels.
+    pub(crate) fn shapes(&self) -> usize {
+        self.shapes.shapes.len()
+    }
+
+    /// Transforms a picture of states, rows from the top.
+    pub(crate) fn picture(&self, states: &[u8], columns: usize, surround: PictureSurround) -> BlurredPicture {
+        let reach = self.squares.iter().map(PixelSquare::reach).max().unwrap_or(0);
+        let margin = match surround {
+            PictureSurround::Repeat => [0; 2],
+            PictureSurround::BlackMask => [reach; 2],
+        };
+        let picture = StatePicture::new(states, columns, self.states, margin);
+        let shapes = picture.shapes(self.shapes(), |shape, add| {
+            for (square, light) in self.squares.iter().zip(&self.shapes.shapes[shape]) {
+                let each = light / (square.side * square.side) as f64;
+                square.each_pixel(|offset| add(offset, each));
+            }
+        });
+        BlurredPicture { picture, shapes }
+    }
+
+    /// X, Y and Z of each pixel. `pages` has those of a page of each state, through all orders and with the image of the room in the
+    /// faces; `shown` is the fraction of the picture in each state.
+    pub(crate) fn seen(&self, blurred: &BlurredPicture, pages: &[[f64; 3]], shown: &[f64]) -> Vec<[f32; 3]> {
+        let mixture: Vec<f64> = self.shapes.mixtures.iter().flatten().copied().collect();
+        let planes = blurred.picture.seen(&blurred.shapes, &mixture);
+        let far = [0, 1, 2].map(|k| {
+            let of_state = |(state, page): (usize, &[f64; 3])| {
+                let near: f64 = self.mixed(k * self.states + state);
+                shown[state] * (page[k] - near)
+            };
+            pages.iter().enumerate().map(of_state).sum::<f64>() as f32
+        });
+        let [Some(x), Some(y), Some(z)] = [0, 1, 2].map(|k| planes.get(k)) else { return Vec::new() };
+        x.iter().zip(y).zip(z).map(|((x, y), z)| [x + far[0], y + far[1], z + far[2]]).collect()
+    }
+
+    /// Light within the reach of a kernel.
+    fn mixed(&self, kernel: usize) -> f64 {
+        let sums = self.shapes.shapes.iter().map(|shape| shape.iter().sum::<f64>());
+        self.shapes.mixtures[kernel].iter().zip(sums).map(|(weight, sum)| weight * sum).sum()
+    }
+}
+
+/// Whether a lobe spreads the light of pixels with a known reflectance.
+fn is_covered(panel: &Panel) -> bool {
+    matches!(panel.top, Top::Diffuser(_)) && !matches!(panel.base.reflector, Reflector::Scattering(_))
+}
