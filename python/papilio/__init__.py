@@ -9,7 +9,7 @@ Computes spectra, colours and metrics, with their errors, from a scenario::
 
 - `run` computes a scenario, `cone` a conoscopic map, `brdf` the BSDF of the display.
 - `mtf` computes how sharp a display is, `crosstalk` which sub-pixel lights which, `sparkle` how much an antiglare face glitters.
-- `palette` computes the colours of all states in this and other rooms.
+- `image` shows a picture on the display, and `palette` computes the colours of all states in this and other rooms.
 - `sweep` computes thousands of designs with labelled axes, `Prepared` any designs, with derivatives.
 - `optimize` searches for better designs; `tolerance` analyses the tolerances of a design.
 - `Scenario` reads, builds and edits scenarios.
@@ -52,6 +52,7 @@ from .errors import (
     ScenarioError,
 )
 from .figure import Figure
+from .images import Image, image
 from .labels import Label, label
 from .optimum import Optimum, optimize
 from .palettes import Palette, palette
@@ -75,6 +76,7 @@ __all__ = [
     "Evaluated",
     "Figure",
     "FileError",
+    "Image",
     "Label",
     "Mtf",
     "Mistake",
@@ -98,6 +100,7 @@ __all__ = [
     "crosstalk",
     "diffuser",
     "films",
+    "image",
     "label",
     "metric_names",
     "mtf",

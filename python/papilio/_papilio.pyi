@@ -13,6 +13,7 @@ __all__ = [
     "Crosstalk",
     "Described",
     "Diffuser",
+    "Image",
     "Mtf",
     "Palette",
     "Prepared",
@@ -224,6 +225,27 @@ class Crosstalk:
     def arrays(self) -> dict[str, NDArray[np.float64]]: ...
     def figures(self, title: str) -> list[tuple[str, str]]: ...
     def warnings(self) -> list[str]: ...
+
+@final
+class Image:
+    def __new__(
+        cls,
+        described: Described,
+        name: str,
+        picture: NDArray[np.float64] | None,
+        encoded: bool,
+        states: NDArray[np.uint8] | None,
+        relative_to_display: bool,
+        threads: int | None = None,
+        progress: Callable[[dict[str, Any]], object] | None = None,
+    ) -> Image: ...
+    def json(self) -> str: ...
+    def arrays(self) -> dict[str, NDArray[Any]]: ...
+    def png(self) -> bytes: ...
+    @property
+    def title(self) -> str: ...
+    def warnings(self) -> tuple[list[str], list[str]]: ...
+    def notes(self) -> list[str]: ...
 
 @final
 class Palette:

@@ -15,6 +15,7 @@ mod diffuser;
 mod errors;
 mod figures;
 mod films;
+mod image;
 mod palette;
 mod plot;
 mod pool;
@@ -55,6 +56,8 @@ mod _papilio {
     use crate::figures::png;
     #[pymodule_export]
     use crate::films::{film, film_grid, material_index, material_names, material_sheet};
+    #[pymodule_export]
+    use crate::image::Image;
     #[pymodule_export]
     use crate::palette::Palette;
     #[pymodule_export]

@@ -14,7 +14,7 @@ use crate::errors;
 /// A parsed scenario, with valid keys and types.
 #[pyclass(frozen, module = "papilio._papilio")]
 pub(crate) struct Described {
-    scenario: Scenario,
+    pub(crate) scenario: Scenario,
 }
 
 #[pymethods]

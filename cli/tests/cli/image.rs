@@ -91,12 +91,63 @@ fn halftone_keeps_the_mean_colour() {
         );
         [0, 1, 2].map(|k| found["mean_XYZ"][k].as_f64().unwrap())
     };
-    // Errors of half a white pixel, at most, leave at each of the 4 x 160 pixels of the border.
-    for ((shown, wanted), white) in
-        mean("error-diffusion").into_iter().zip(mean("none")).zip([0.43, 0.38, 0.13])
-    {
-        assert!((shown - wanted).abs() < 2.0 * white / 160.0, "{shown} {wanted}");
+    // Errors of half a white pixel, at most, leave at each of the 4 x 160 pixels of the border. 160 is a multiple of the sides of neither
+    // mask, whose levels are finer.
+    let wanted = mean("none");
+    for halftone in ["error-diffusion", "ordered", "void-and-cluster", "direct-binary-search"] {
+        for ((shown, wanted), white) in mean(halftone).into_iter().zip(wanted).zip([0.43, 0.38, 0.13]) {
+            assert!((shown - wanted).abs() < 2.0 * white / 160.0, "{halftone}: {shown} {wanted}");
+        }
     }
+}
+
+/// Text is black on white, half of the area of stripes is black, and a page has a photograph besides; all on the pixels of the panel.
+#[test]
+fn texts_and_patterns_are_pictures() {
+    let folder = tempfile::tempdir().unwrap();
+    let photograph = picture(folder.path(), &[[110, 115, 105]]);
+    let photograph = photograph.to_str().unwrap();
+    let panel = ["display.glass.thickness_mm=0.5", "display.matrix.ppi=300", "display.matrix.pixels=[96,64]"];
+    let run = |picture: &[&str], sets: &[&str]| {
+        let sets: Vec<&str> = sets.iter().flat_map(|one| ["--set", one]).collect();
+        image(&scenario("epaper"), &[picture, &sets, &["--json"]].concat())
+    };
+    let of = |picture: &[&str], sets: &[&str]| -> Value {
+        let output = run(picture, &[&panel, sets].concat());
+        assert!(output.status.success(), "{}", stderr(&output));
+        serde_json::from_slice(&output.stdout).unwrap()
+    };
+    let black = |found: &Value| found["coverage"]["black"].as_f64().unwrap();
+    let words = ["image.text=\"it is\"", "image.text_size_pt=3"];
+    let text = of(&[], &words);
+    assert_eq!(text["size"], serde_json::json!([96, 64]));
+    assert!((0.003..0.05).contains(&black(&text)), "{text}");
+    // The photograph covers 38 x 25 of the 96 x 64 pixels, and has 0.17 of the light of white.
+    let page = of(&[photograph], &words);
+    let more = black(&page) - black(&text);
+    assert!((more - 0.83 * 950.0 / 6144.0).abs() < 0.02, "{more}: {page}");
+    let stripes = of(&[], &["image.pattern=\"stripes\"", "image.halftone=\"ordered\""]);
+    assert_eq!(black(&stripes), 0.5);
+    let period = ["image.pattern=\"slanted-edge\"", "image.period_mm=1"];
+    for (picture, sets, part) in [
+        (vec![], &words[..], "display.matrix.pixels"),
+        (vec![], &["image.pattern=\"checker\""], "display.matrix.pixels"),
+        (
+            vec![photograph],
+            &[panel[1], panel[2], "image.pattern=\"checker\""],
+            "a test pattern and a picture",
+        ),
+        (vec![], &[panel[1], panel[2], period[0], period[1]], "a slanted edge has no period"),
+        (vec![], &[panel[1], panel[2], "image.text=\"\u{4e00}\""], "no glyph"),
+        (vec![photograph], &["image.halftone=\"direct-binary-search\""], "add [display.matrix]"),
+    ] {
+        let output = run(&picture, sets);
+        assert_eq!(output.status.code(), Some(2), "{sets:?}");
+        assert!(stderr(&output).contains(part), "{sets:?}: {}", stderr(&output));
+    }
+    let long = format!("image.text=\"{}\"", "word ".repeat(200));
+    let cut = run(&[], &[&panel[..], &[&long]].concat());
+    assert!(stderr(&cut).contains("are left out"), "{}", stderr(&cut));
 }
 
 /// Below glass, pixels light each other: a uniform picture keeps its colour, the mean of white and black pixels is darker than that of pages.

@@ -127,6 +127,12 @@ pub enum DisplayError {
         /// The command.
         command: &'static str,
     },
+    /// A halftone for a reader's eye without the size of the pixels.
+    #[error(
+        "`image.halftone = \"direct-binary-search\"` needs the angle at which the reader sees a pixel: [display.matrix] is missing (expected \
+         ppi or pitch_um)"
+    )]
+    NoPixelPitch,
     /// Sparkle that cannot be estimated.
     #[error("sparkle cannot be estimated: {0}")]
     Sparkle(#[from] SparkleError),
@@ -253,6 +259,20 @@ pub enum DisplayError {
         picture: [usize; 2],
         /// Columns and rows of the display.
         display: [usize; 2],
+    },
+    /// States of pixels that do not belong to the picture or the display.
+    #[error(
+        "{pixels} states up to number {highest} are given (expected one for each of {expected} pixels, below {states})"
+    )]
+    GivenStates {
+        /// Number of given states.
+        pixels: usize,
+        /// Number of pixels.
+        expected: usize,
+        /// Largest number of a state.
+        highest: usize,
+        /// Number of states of the display.
+        states: usize,
     },
     /// A picture that is to be held by a panel without a halftone.
     #[error("a panel holds states, which a picture without a halftone does not have")]

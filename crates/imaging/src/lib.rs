@@ -1,7 +1,8 @@
 //! Pictures for a panel, on its pixels.
 //!
 //! - [`halftone`]: the state of each pixel of a picture, for a display with a few states.
-//! - [`text`]: text from the outlines of a font as black and white pixels, with the middles of its strokes and gaps.
+//! - [`text`]: text from the outlines of a font as black and white pixels, with the middles of its strokes and gaps, or in the lines of a page.
+//! - [`TestPattern`]: edges, stripes, squares and stars, with the fraction of each pixel that is black.
 //!
 //! ```
 //! use papilio_imaging::text::{Font, Setting};
@@ -20,7 +21,9 @@
 mod error;
 mod fit;
 pub mod halftone;
+mod pattern;
 pub mod text;
 
 pub use error::ImagingError;
 pub use fit::{Fit, fitted};
+pub use pattern::TestPattern;

@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use papilio_diagnostics::Diagnostic;
 use papilio_display::DisplayError;
+use papilio_display::image::SourceImage;
 use papilio_display::scene::Scene;
 use papilio_display::spatial::{Antiglare, Patterns};
 use papilio_formats::DataFile;
@@ -16,7 +17,7 @@ use crate::library::{Library, sha256};
 use crate::mistake::{self, Mistake};
 use crate::preset::UsedPreset;
 use crate::read::Read;
-use crate::resolve::{self, Found, ImageRequest, VirtualMeasurement};
+use crate::resolve::{self, Found, ImageRequest, Pictured, VirtualMeasurement};
 use crate::set::Change;
 use crate::source::Sources;
 use crate::tree::Node;
@@ -146,7 +147,7 @@ impl Scenario {
     /// # Errors
     /// All keys that do not fit together, each with its place, and mistakes in data files, with line and column of the file.
     pub fn resolve(&self) -> Result<Resolved, ScenarioErrors> {
-        self.resolved(false)
+        self.resolved(Pictured::No)
     }
 
     /// As [`resolve`](Self::resolve), and reads the picture of `[image]`, for `papilio image`.
@@ -154,12 +155,20 @@ impl Scenario {
     /// # Errors
     /// As [`resolve`](Self::resolve), and if there is no picture, or it cannot be read.
     pub fn resolve_with_picture(&self) -> Result<Resolved, ScenarioErrors> {
-        self.resolved(true)
+        self.resolved(Pictured::Described)
     }
 
-    fn resolved(&self, with_picture: bool) -> Result<Resolved, ScenarioErrors> {
+    /// As [`resolve_with_picture`](Self::resolve_with_picture), with a picture in memory of any size instead of `image.file`.
+    ///
+    /// # Errors
+    /// As [`resolve`](Self::resolve), and if `[image]` has a test pattern.
+    pub fn resolve_with(&self, picture: &SourceImage) -> Result<Resolved, ScenarioErrors> {
+        self.resolved(Pictured::Given(picture))
+    }
+
+    fn resolved(&self, pictured: Pictured<'_>) -> Result<Resolved, ScenarioErrors> {
         let Found { scene, patterns, sparkle, image, warnings, notes, inputs } =
-            resolve::resolve(&self.file, &self.library, &self.written.sources, with_picture)?;
+            resolve::resolve(&self.file, &self.library, &self.written.sources, pictured)?;
         let mut canonical = serde_json::to_value(&self.file).unwrap_or_default();
         if let Value::Object(keys) = &mut canonical {
             STUDY_TABLES.iter().for_each(|table| drop(keys.remove(*table)));

@@ -2,7 +2,7 @@
 
 use papilio_colour::{Observer, Xyz};
 
-use super::halftone::{self, Halftone};
+use super::halftone::{self, Halftone, Panel};
 use super::light::each_alone;
 use super::rendering::{Rendered, Rendering};
 use super::{ImageSettings, PictureSurround, SourceImage, stack, stopped};
@@ -93,6 +93,7 @@ impl Brought {
     /// Maps the colours of a picture to those of the display, and decides the states.
     pub(super) fn new(
         lit: &Lit,
+        scene: &Scene,
         source: &SourceImage,
         settings: &ImageSettings,
         control: &Control<'_>,
@@ -101,7 +102,13 @@ impl Brought {
         let rendering = Rendering::new(&lit.palette, lit.white, mapping, source.pixels.len())?;
         let rendered = rendering.rendered(&source.pixels);
         stopped(control)?;
-        let (states, cut) = halftone::states(settings, &rendered.mapped, source.columns, &rendering)?;
+        let panel = Panel {
+            columns: source.columns,
+            palette: &lit.palette,
+            rendering: &rendering,
+            pixels_per_degree: super::pixels_per_degree(scene),
+        };
+        let (states, cut) = halftone::states(settings, &rendered.mapped, &panel, control)?;
         stopped(control)?;
         Ok(Self { rendering, rendered, states, cut })
     }
@@ -118,12 +125,12 @@ impl HeldPicture {
         settings: &ImageSettings,
         control: &Control<'_>,
     ) -> Result<Self, DisplayError> {
-        if settings.halftone == Halftone::None {
+        if settings.halftone == Halftone::None && settings.given.is_none() {
             return Err(DisplayError::NoHalftone);
         }
         let size = source.size_on(scene)?;
         let lit = Lit::new(scene, settings, &mut Prepared::new(scene)?, control)?;
-        let brought = Brought::new(&lit, source, settings, control)?;
+        let brought = Brought::new(&lit, scene, source, settings, control)?;
         Ok(Self { size, states: brought.states, names: lit.palette.names(), surround: settings.surround })
     }
 

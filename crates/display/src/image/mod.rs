@@ -6,7 +6,7 @@
 //! |---|---|
 //! | the picture on the pixels of the panel, before | [`papilio_imaging::fitted`] |
 //! | its white and black become those of the display in this light and view, and colours that no mixture of states has are mapped | `rendering.rs` |
-//! | a state for each pixel | `halftone.rs`, [`papilio_imaging::halftone`] |
+//! | a state for each pixel | `halftone.rs`, `masks.rs`, `search.rs`, [`papilio_imaging::halftone`] |
 //! | what the layers above the pixels make of them | `stack.rs`, [`picture`](crate::spatial::picture) |
 //! | how far that is from the picture | `differences.rs` |
 //! | the same picture in other light, light by light | `held.rs`, `light.rs` |
@@ -17,8 +17,12 @@ mod differences;
 mod halftone;
 mod held;
 mod light;
+mod masks;
 mod rendering;
+mod search;
 mod stack;
+#[cfg(test)]
+mod tests;
 
 use std::f64::consts::PI;
 
@@ -65,10 +69,14 @@ pub struct ImageSettings {
     pub kernel: DiffusionKernel,
     /// Order of the pixels of error diffusion.
     pub scan: Scan,
+    /// Seed of the void-and-cluster mask.
+    pub seed: u64,
     /// States that are used; empty: all.
     pub states: Vec<String>,
     /// What lies beyond the borders.
     pub surround: PictureSurround,
+    /// State of each pixel by its number in `states`, instead of a halftone.
+    pub given: Option<Vec<u8>>,
 }
 
 /// What is white, 255, 255, 255, in the picture for a screen.
@@ -88,6 +96,10 @@ pub struct ImageResult {
     pub size: [usize; 2],
     /// State of each pixel, by its number in [`ImageNumbers::states`]; empty without a halftone.
     pub states: Vec<u8>,
+    /// X, Y, Z of each pixel that are wanted: the picture with the white and black of the display.
+    pub wanted: Vec<[f32; 3]>,
+    /// The same in the gamut of the display: what a halftone should show.
+    pub mapped: Vec<[f32; 3]>,
     /// X, Y, Z of each pixel as the reader sees it.
     pub seen: Vec<[f32; 3]>,
     /// sRGB of `seen`, adapted to D65.
@@ -153,13 +165,13 @@ pub fn image(
     let size = source.size_on(scene)?;
     let lit = Lit::new(scene, settings, &mut Prepared::new(scene)?, control)?;
     let Brought { rendering, rendered: Rendered { wanted, mapped, inside }, states, cut } =
-        Brought::new(&lit, source, settings, control)?;
+        Brought::new(&lit, scene, source, settings, control)?;
     let Lit { view, result, palette, white } = lit;
     let to_screen =
         Adaptation::between(white, D65_WHITE).ok_or(DisplayError::NoWhite { what: "a picture" })?;
-    let Seen { pixels: seen, error, neighbours_light } = match settings.halftone {
-        Halftone::None => Seen { pixels: mapped.clone(), error: palette.error(), neighbours_light: false },
-        _ => stack::seen(scene, size, &states, &palette, settings.surround, control)?,
+    let Seen { pixels: seen, error, neighbours_light } = match states.is_empty() {
+        true => Seen { pixels: mapped.clone(), error: palette.error(), neighbours_light: false },
+        false => stack::seen(scene, size, &states, &palette, settings.surround, control)?,
     };
     stopped(control)?;
     let on_screen = match screen_white {
@@ -172,10 +184,7 @@ pub fn image(
     let count = seen.len();
     let fraction = |number: usize| number as f64 / count as f64;
     let mean = |k: usize| seen.iter().map(|pixel| f64::from(pixel[k])).sum::<f64>() / count as f64;
-    let per_degree = scene.display.matrix.as_ref().map(|matrix| {
-        let pitch_um = 1e3 * matrix.pitch_mm[0];
-        papilio_colour::pictures::pixels_per_degree(pitch_um, scene.viewer.distance_mm)
-    });
+    let per_degree = pixels_per_degree(scene).map(|[along_x, _]| along_x);
     let against = |other: &[[f32; 3]]| {
         PictureDifferences::between([&seen, other], size[0], white, &to_screen, per_degree)
     };
@@ -199,7 +208,7 @@ pub fn image(
     };
     let srgb = screen.into_iter().map(Xyz::srgb_clipped).collect();
     let white_cd_m2 = (scene.lighting.illuminance_lx / PI) as f32;
-    Ok(ImageResult { size, srgb, states, seen, white_cd_m2, numbers, palette })
+    Ok(ImageResult { size, srgb, states, wanted, mapped, seen, white_cd_m2, numbers, palette })
 }
 
 impl SourceImage {
@@ -212,6 +221,13 @@ impl SourceImage {
         }
         Ok(size)
     }
+}
+
+/// Pixels in a degree of the visual angle along x and y; `None` without the size of the pixels.
+fn pixels_per_degree(scene: &Scene) -> Option<[f64; 2]> {
+    let per_degree =
+        |pitch_mm: f64| papilio_colour::pictures::pixels_per_degree(1e3 * pitch_mm, scene.viewer.distance_mm);
+    scene.display.matrix.as_ref().map(|matrix| matrix.pitch_mm.map(per_degree))
 }
 
 /// Light of a screen's primaries beyond 0 and 1 that counts as rounding.

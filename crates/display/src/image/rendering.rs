@@ -77,6 +77,26 @@ impl Rendering {
         [[0.0, y, 0.0], [x, -y, 0.0], [0.0, BLUE_YELLOW * y, -BLUE_YELLOW * z]]
     }
 
+    /// The colour of the hull that is nearest to a colour.
+    pub(super) fn nearest(&self, colour: Xyz) -> Xyz {
+        self.mapping.hull().nearest(colour, self.white)
+    }
+
+    /// Largest distance of a colour from a face of the hull, in X, Y, Z; 0 or less inside.
+    #[cfg(test)]
+    pub(super) fn excess(&self, colour: Xyz) -> f64 {
+        self.mapping.hull().excess(colour)
+    }
+
+    /// Number of the state that is nearest to a colour.
+    pub(super) fn nearest_state(&self, colour: Xyz) -> usize {
+        let distance = |at: &usize| {
+            let [x, y, z] = self.states[*at];
+            colour.distance(Xyz { x, y, z })
+        };
+        (0..self.states.len()).min_by(|a, b| distance(a).total_cmp(&distance(b))).unwrap_or(0)
+    }
+
     /// Error of the mapping of large pictures; `None` if each colour is mapped.
     pub(super) fn table_error(&self) -> Option<TableError> {
         self.table.as_ref().map(|(_, error)| *error)

@@ -1,15 +1,12 @@
 //! Patterns of two states and text: means over a period, contrast of strokes.
 
-use papilio_imaging::text::{Bitmap, Font, Setting};
+use papilio_imaging::text::{Bitmap, Font, Setting, X_HEIGHT};
 use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::{Level, Seen};
 use crate::readability::Reader;
 use crate::scene::Scene;
-
-/// Height of the lower-case x of the bundled font over its em.
-const X_HEIGHT: f64 = 1082.0 / 2048.0;
 
 /// Margin around text, in thicknesses: as far as most of the light that the face returns.
 const MARGIN: f64 = 6.0;

@@ -27,4 +27,5 @@ mod mtf;
 mod picture;
 mod placed;
 mod prepared;
+mod sub_pixels;
 mod viewing_cone;

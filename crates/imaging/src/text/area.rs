@@ -6,7 +6,7 @@ const FLATNESS: f64 = 1e-3;
 /// Signed areas of an outline, accumulated edge by edge.
 ///
 /// Each edge adds, to the pixels of the rows that it crosses, the area to its right; sums along the rows are the coverage.
-pub(super) struct Areas {
+pub(crate) struct Areas {
     count: [usize; 2],
     /// Differences of the coverage from one pixel of a row to the next.
     steps: Vec<f64>,
@@ -15,12 +15,12 @@ pub(super) struct Areas {
 }
 
 impl Areas {
-    pub(super) fn new(count: [usize; 2]) -> Self {
+    pub(crate) fn new(count: [usize; 2]) -> Self {
         Self { count, steps: vec![0.0; (count[0] + 1) * count[1]], at: [0.0; 2], start: [0.0; 2] }
     }
 
     /// Fraction of each pixel that is covered, row by row.
-    pub(super) fn coverage(&self) -> Vec<f64> {
+    pub(crate) fn coverage(&self) -> Vec<f64> {
         let rows = self.steps.chunks(self.count[0] + 1).flat_map(|row| {
             let sums = row[..self.count[0]].iter().scan(0.0, |sum, step| {
                 *sum += step;
@@ -31,16 +31,16 @@ impl Areas {
         rows.collect()
     }
 
-    pub(super) fn move_to(&mut self, to: [f64; 2]) {
+    pub(crate) fn move_to(&mut self, to: [f64; 2]) {
         (self.at, self.start) = (to, to);
     }
 
-    pub(super) fn close(&mut self) {
+    pub(crate) fn close(&mut self) {
         self.line_to(self.start);
     }
 
     /// Adds a quadratic Bézier curve.
-    pub(super) fn quadratic_to(&mut self, control: [f64; 2], to: [f64; 2]) {
+    pub(crate) fn quadratic_to(&mut self, control: [f64; 2], to: [f64; 2]) {
         let from = self.at;
         let bend = [0, 1].map(|k| from[k] - 2.0 * control[k] + to[k]);
         self.curve(bend[0].hypot(bend[1]), |t| {
@@ -52,7 +52,7 @@ impl Areas {
     }
 
     /// Adds a cubic Bézier curve.
-    pub(super) fn cubic_to(&mut self, [first, second]: [[f64; 2]; 2], to: [f64; 2]) {
+    pub(crate) fn cubic_to(&mut self, [first, second]: [[f64; 2]; 2], to: [f64; 2]) {
         let from = self.at;
         let bend = |a: [f64; 2], b: [f64; 2], c: [f64; 2]| {
             (a[0] - 2.0 * b[0] + c[0]).hypot(a[1] - 2.0 * b[1] + c[1])
@@ -74,7 +74,7 @@ impl Areas {
     }
 
     /// Adds a straight edge; what is beyond the array is left out.
-    pub(super) fn line_to(&mut self, to: [f64; 2]) {
+    pub(crate) fn line_to(&mut self, to: [f64; 2]) {
         let from = std::mem::replace(&mut self.at, to);
         let (sign, [lower, upper]) = if from[1] <= to[1] { (1.0, [from, to]) } else { (-1.0, [to, from]) };
         let height = upper[1] - lower[1];

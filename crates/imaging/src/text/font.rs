@@ -2,7 +2,7 @@
 
 use skrifa::instance::{LocationRef, Size};
 use skrifa::outline::{DrawSettings, OutlinePen};
-use skrifa::{FontRef, MetadataProvider};
+use skrifa::{FontRef, GlyphId, MetadataProvider};
 
 use super::Bitmap;
 use super::area::Areas;
@@ -46,7 +46,7 @@ impl Font {
         font.reader().map(|_| ()).map(|()| font)
     }
 
-    fn reader(&self) -> Result<FontRef<'_>, ImagingError> {
+    pub(super) fn reader(&self) -> Result<FontRef<'_>, ImagingError> {
         FontRef::from_index(&self.bytes, 0).map_err(|error| ImagingError::Font(error.to_string()))
     }
 
@@ -68,49 +68,57 @@ impl Font {
     /// # Errors
     /// As [`Self::bitmap`].
     pub fn coverage(&self, text: &str, setting: Setting) -> Result<([usize; 2], Vec<f64>), ImagingError> {
-        let [x, y] = setting.per_inch;
-        for (what, value) in [("size_pt", setting.size_pt), ("ppi", x), ("ppi", y)] {
-            if !(value.is_finite() && value > 0.0) {
-                return Err(ImagingError::Range { what, value });
-            }
-        }
+        checked(setting.size_pt, setting.per_inch, [1.0; 2])?;
         let font = self.reader()?;
         let metrics = font.metrics(Size::unscaled(), LocationRef::default());
         let per_unit =
             setting.per_inch.map(|pixels| setting.size_pt / 72.0 * pixels / f64::from(metrics.units_per_em));
         let height = f64::from(metrics.ascent - metrics.descent + metrics.leading);
         let below = (f64::from(-metrics.descent) * per_unit[1]).ceil();
-        let lines: Vec<Vec<_>> = text.lines().map(|line| self.line(&font, line)).collect::<Result<_, _>>()?;
+        let lines: Vec<Vec<_>> =
+            text.lines().map(|line| self.letters(&font, line)).collect::<Result<_, _>>()?;
         let width = |line: &Vec<(_, f64)>| line.iter().map(|(_, advance)| advance).sum::<f64>();
         let widest = lines.iter().map(width).fold(0.0, f64::max);
         let margin = setting.margin as f64;
         let above = height * lines.len().saturating_sub(1) as f64 + f64::from(metrics.ascent);
         let size = [(widest * per_unit[0]).ceil(), (above * per_unit[1]).ceil() + below];
         let size = size.map(|size| (size + 2.0 * margin).max(1.0));
-        if size[0] * size[1] > MOST_PIXELS {
-            return Err(ImagingError::TooLarge { pixels: size[0] * size[1], most: MOST_PIXELS });
-        }
+        checked(setting.size_pt, setting.per_inch, size)?;
         let count = size.map(|size| size as usize);
         let mut areas = Areas::new(count);
-        let outlines = font.outline_glyphs();
         for (above, line) in lines.iter().rev().enumerate() {
-            let mut origin = [margin, margin + below + above as f64 * height * per_unit[1]];
-            for (glyph, advance) in line {
-                let mut pen = Pen { areas: &mut areas, origin, per_unit };
-                if let Some(outline) = outlines.get(*glyph) {
-                    let settings = DrawSettings::unhinted(Size::unscaled(), LocationRef::default());
-                    outline
-                        .draw(settings, &mut pen)
-                        .map_err(|error| ImagingError::Font(error.to_string()))?;
-                }
-                origin[0] += advance * per_unit[0];
-            }
+            let origin = [margin, margin + below + above as f64 * height * per_unit[1]];
+            Self::draw(&font, line.iter().copied(), origin, per_unit, &mut areas)?;
         }
         Ok((count, areas.coverage()))
     }
 
+    /// Adds the outlines of glyphs, one after the other at their advances, to the areas.
+    pub(super) fn draw(
+        font: &FontRef<'_>,
+        glyphs: impl Iterator<Item = (GlyphId, f64)>,
+        mut origin: [f64; 2],
+        per_unit: [f64; 2],
+        areas: &mut Areas,
+    ) -> Result<(), ImagingError> {
+        let outlines = font.outline_glyphs();
+        for (glyph, advance) in glyphs {
+            let mut pen = Pen { areas: &mut *areas, origin, per_unit };
+            if let Some(outline) = outlines.get(glyph) {
+                let settings = DrawSettings::unhinted(Size::unscaled(), LocationRef::default());
+                outline.draw(settings, &mut pen).map_err(|error| ImagingError::Font(error.to_string()))?;
+            }
+            origin[0] += advance * per_unit[0];
+        }
+        Ok(())
+    }
+
     /// Glyphs of a line with their advances, in units of the font.
-    fn line(&self, font: &FontRef<'_>, line: &str) -> Result<Vec<(skrifa::GlyphId, f64)>, ImagingError> {
+    pub(super) fn letters(
+        &self,
+        font: &FontRef<'_>,
+        line: &str,
+    ) -> Result<Vec<(GlyphId, f64)>, ImagingError> {
         let metrics = font.glyph_metrics(Size::unscaled(), LocationRef::default());
         let charmap = font.charmap();
         let glyph = |character: char| {
@@ -119,6 +127,18 @@ impl Font {
         };
         line.chars().map(glyph).collect()
     }
+}
+
+/// Fails unless a text has a size and a resolution, and fits into memory.
+pub(super) fn checked(size_pt: f64, per_inch: [f64; 2], count: [f64; 2]) -> Result<(), ImagingError> {
+    let [x, y] = per_inch;
+    for (what, value) in [("size_pt", size_pt), ("ppi", x), ("ppi", y)] {
+        if !(value.is_finite() && value > 0.0) {
+            return Err(ImagingError::Range { what, value });
+        }
+    }
+    let pixels = count[0] * count[1];
+    if pixels > MOST_PIXELS { Err(ImagingError::TooLarge { pixels, most: MOST_PIXELS }) } else { Ok(()) }
 }
 
 /// Moves outlines from units of the font to pixels.

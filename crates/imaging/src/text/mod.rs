@@ -3,14 +3,21 @@
 //! **What.** The outlines of the glyphs are placed one after the other at their advances, without rounding, hinting or kerning.
 //! A pixel is black where the outlines cover half of its area or more: what a bistable panel without grey levels shows.
 //!
+//! A [`Block`] is text in lines on a page, with the fraction of each pixel that is covered.
+//!
 //! **Contrast of text** is measured in the middles of strokes and of the gaps between them ([`Middles`]).
 
-mod area;
+pub(crate) mod area;
+mod block;
 mod font;
 mod middles;
 
+pub use block::Block;
 pub use font::{Font, Setting};
 pub use middles::Middles;
+
+/// Height of the lower-case x of the bundled font over its em.
+pub const X_HEIGHT: f64 = 1082.0 / 2048.0;
 
 /// Black and white pixels.
 #[derive(Debug, Clone, PartialEq, Eq)]

@@ -1,6 +1,7 @@
 //! `[image]`: a picture, and how it is brought to the panel, for `papilio image`.
 
 use super::Title;
+use super::numbers::{Count, Millimetres, Points, Seed};
 use crate::grammar::{choice, table};
 use crate::read::Spanned;
 
@@ -9,6 +10,15 @@ table! {
     Image {
         /// The picture, a PNG or JPEG file. `papilio image` takes it as an argument, too.
         file: Option<String>,
+        /// Text in lines of the panel's width, black on white, with the bundled font; beside a `file` both are a page. It needs
+        /// `display.matrix.pixels`.
+        text: Option<String>,
+        /// Size of the text in points of 1/72 inch. Default: that at which the lower-case x is `viewer.text_height_mm` high, or 1.6 mm.
+        text_size_pt as "Size of the text": Option<Points>,
+        /// A test pattern of black and white instead of a picture. It needs `display.matrix.pixels`.
+        pattern: Option<ImagePattern>,
+        /// Period of stripes and squares, and of the star at its rim. Default: 8 pixels; 36 spokes of the star.
+        period_mm as "Period of the test pattern": Option<Millimetres>,
         /// How the picture is fitted to `display.matrix.pixels`; without that key the panel has the size of the picture.
         fit: ImageFit = ImageFit::Contain,
         /// Colour space of a picture that states none.
@@ -23,6 +33,8 @@ table! {
         kernel: ErrorKernel = ErrorKernel::FloydSteinberg,
         /// Order of the pixels in error diffusion.
         scan: ErrorScan = ErrorScan::Serpentine,
+        /// Seed of the void-and-cluster mask.
+        seed: Seed = Count(0),
         /// States that are used, in the order of the palette of states.png. Default: all.
         states: Vec<Spanned<Title>> = Vec::new(),
         /// What lies beyond the borders of the picture.
@@ -37,6 +49,20 @@ choice! {
         Repeat = "repeat",
         /// A mask that reflects no light.
         BlackMask = "black mask",
+    }
+}
+
+choice! {
+    /// Test pattern.
+    ImagePattern {
+        /// Black on the left and white on the right of an edge 5 deg from the columns.
+        SlantedEdge = "slanted-edge",
+        /// Stripes along y, half of a period each.
+        Stripes = "stripes",
+        /// Squares with sides of half a period.
+        Checker = "checker",
+        /// A star of black spokes.
+        Siemens = "siemens",
     }
 }
 
@@ -95,8 +121,14 @@ choice! {
     ImageHalftone {
         /// None: every pixel shows the colour itself, as a reference.
         None = "none",
+        /// Each pixel is compared with Bayer's mask of 16 x 16 pixels.
+        Ordered = "ordered",
+        /// Each pixel is compared with a void-and-cluster mask of 64 x 64 pixels.
+        VoidAndCluster = "void-and-cluster",
         /// The error of each pixel is passed on to its neighbours, in X, Y, Z.
         ErrorDiffusion = "error-diffusion",
+        /// From error diffusion on, pixels are changed as long as a change lowers what a reader at `viewer.distance_mm` sees of the pattern.
+        DirectBinarySearch = "direct-binary-search",
     }
 }
 

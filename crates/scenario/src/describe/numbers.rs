@@ -104,6 +104,10 @@ number!(
     Pitch, Range::above_0_to(1e6).unit("um")
 );
 number!(
+    /// A size of text, points of 1/72 inch.
+    Points, Range::above_0_to(1e4).unit("points")
+);
+number!(
     /// Pixels per inch.
     PixelsPerInch, Range::from_to(0.1, 1e5)
 );

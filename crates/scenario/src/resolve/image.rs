@@ -3,19 +3,16 @@
 use std::f64::consts::PI;
 
 use papilio_colour::mapping::{Intent, MapSpace};
-use papilio_colour::{D65_WHITE, Surround, Viewing};
+use papilio_colour::{Surround, Viewing};
 use papilio_diagnostics::Diagnostic;
 use papilio_display::image::{Halftone, ImageSettings, PictureSurround, SourceImage};
 use papilio_display::scene::Scene;
-use papilio_formats::{LARGEST_PICTURE_FILE, MOST_PICTURE_PIXELS, RgbSpace, read_picture};
 use papilio_imaging::halftone::{DiffusionKernel, Scan};
-use papilio_imaging::{Fit, fitted};
 
 use super::Resolver;
 use crate::describe::File;
 use crate::describe::image::{
-    ErrorKernel, ErrorScan, Image, ImageFit, ImageHalftone, ImageIntent, ImageMapSpace, ImageSurround,
-    SourceSpace,
+    ErrorKernel, ErrorScan, Image, ImageHalftone, ImageIntent, ImageMapSpace, ImageSurround,
 };
 use crate::mistake;
 use crate::read::Read as _;
@@ -31,8 +28,13 @@ pub struct ImageRequest {
 }
 
 impl Resolver<'_> {
-    /// Reads the picture of `[image]`; its states must be those of the display.
-    pub(super) fn image(&mut self, file: &File, scene: &Scene) -> Option<ImageRequest> {
+    /// Reads the picture of `[image]`, or uses a given one; its states must be those of the display.
+    pub(super) fn image(
+        &mut self,
+        file: &File,
+        scene: &Scene,
+        given: Option<&SourceImage>,
+    ) -> Option<ImageRequest> {
         let known = scene.display.state_names();
         let defaults;
         let image = match &file.image.value {
@@ -50,52 +52,16 @@ impl Resolver<'_> {
                 self.err(state, twice.hint("remove one of the two"));
             }
         }
-        let Some(name) = &image.file.value else {
-            let mut wrong = mistake::missing_key("file", "a picture, PNG or JPEG");
-            wrong.diagnostic =
-                wrong.diagnostic.hint("papilio image SCENARIO PICTURE, or file = \"picture.png\" in [image]");
-            self.errors.push(file.image.origin, wrong);
-            return None;
-        };
-        let space = match image.source_space.value {
-            SourceSpace::Srgb => RgbSpace::srgb(),
-            SourceSpace::DisplayP3 => RgbSpace::display_p3(),
-            SourceSpace::Rec2020 => RgbSpace::rec_2020(),
-        };
-        let origin = image.file.origin;
-        let opened = self.open_within(name, origin, LARGEST_PICTURE_FILE)?;
-        let picture = match read_picture(opened.file(), &space) {
-            Ok(picture) => picture,
-            Err(error) => {
-                self.errors.push_data(origin, error);
-                return None;
-            }
-        };
-        self.notes.extend(picture.warnings.iter().map(|warning| format!("{name}: {warning}")));
-        let picture = picture.value;
-        let from = [picture.columns(), picture.rows()];
-        let matrix = scene.display.matrix.as_ref();
-        let to = matrix.and_then(|matrix| matrix.pixels).unwrap_or(from);
-        let count = to[0].saturating_mul(to[1]);
-        let key = file.display.matrix.value.as_ref().map_or(origin, |matrix| matrix.pixels.origin);
-        if count > MOST_PICTURE_PIXELS {
-            self.errors
-                .push(key, mistake::too_many("pixels of a picture", count as f64, MOST_PICTURE_PIXELS));
-            return None;
+        if image.halftone.value == ImageHalftone::DirectBinarySearch && scene.display.matrix.is_none() {
+            let wrong = Diagnostic::new(
+                "direct-binary-search needs the angle at which the reader sees a pixel, and [display.matrix] is missing",
+            );
+            let hint =
+                "add [display.matrix] with ppi or pitch_um; `viewer.distance_mm` is the distance of the eye";
+            self.err(&image.halftone, wrong.hint(hint));
         }
-        let margin = D65_WHITE.to_array().map(|value| value as f32);
-        let pixels = fitted(from, |row| picture.row(row), to, fit(image.fit.value), margin);
-        let source = SourceImage { columns: to[0], pixels };
+        let source = self.picture(image, file, scene, given)?;
         Some(ImageRequest { source, settings: settings(image, scene.lighting.illuminance_lx) })
-    }
-}
-
-fn fit(fit: ImageFit) -> Fit {
-    match fit {
-        ImageFit::Contain => Fit::Contain,
-        ImageFit::Cover => Fit::Cover,
-        ImageFit::Stretch => Fit::Stretch,
-        ImageFit::None => Fit::None,
     }
 }
 
@@ -120,7 +86,10 @@ fn settings(image: &Image, illuminance_lx: f64) -> ImageSettings {
         },
         halftone: match image.halftone.value {
             ImageHalftone::None => Halftone::None,
+            ImageHalftone::Ordered => Halftone::Ordered,
+            ImageHalftone::VoidAndCluster => Halftone::VoidAndCluster,
             ImageHalftone::ErrorDiffusion => Halftone::ErrorDiffusion,
+            ImageHalftone::DirectBinarySearch => Halftone::DirectBinarySearch,
         },
         kernel: match image.kernel.value {
             ErrorKernel::FloydSteinberg => DiffusionKernel::FloydSteinberg,
@@ -132,10 +101,12 @@ fn settings(image: &Image, illuminance_lx: f64) -> ImageSettings {
             ErrorScan::Serpentine => Scan::Serpentine,
             ErrorScan::Raster => Scan::Raster,
         },
+        seed: image.seed.0,
         states: image.states.iter().map(|state| state.0.clone()).collect(),
         surround: match image.surround.value {
             ImageSurround::Repeat => PictureSurround::Repeat,
             ImageSurround::BlackMask => PictureSurround::BlackMask,
         },
+        given: None,
     }
 }

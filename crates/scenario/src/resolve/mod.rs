@@ -17,6 +17,7 @@ mod measured;
 mod palette;
 mod panel;
 mod pattern;
+mod picture;
 mod pixel;
 mod reflection;
 mod sampling;
@@ -32,6 +33,7 @@ pub(crate) use measure::measurement;
 use std::collections::BTreeMap;
 
 use papilio_diagnostics::Diagnostic;
+use papilio_display::image::SourceImage;
 use papilio_display::scene::{self, Scene, Strategy};
 use papilio_display::spatial::{Antiglare, Patterns};
 use papilio_spectra::Grid;
@@ -99,19 +101,33 @@ struct Resolver<'a> {
     has_matrix: bool,
 }
 
+/// Which picture is requested.
+#[derive(Clone, Copy)]
+pub(crate) enum Pictured<'a> {
+    /// None.
+    No,
+    /// That of `[image]`.
+    Described,
+    /// One in memory, instead of `image.file`.
+    Given(&'a SourceImage),
+}
+
 /// Resolves a described scenario whose files are in `library`; the picture of `[image]` only if it is requested.
 pub(crate) fn resolve(
     file: &File,
     library: &Library,
     sources: &Sources,
-    with_picture: bool,
+    pictured: Pictured<'_>,
 ) -> Result<Found, ScenarioErrors> {
     let mut resolver = Resolver::new(file, library, sources)?;
     let scene = resolver.scene(file);
     let patterns = scene.as_ref().map(|scene| resolver.patterns(file, scene)).unwrap_or_default();
     let sparkle = scene.as_ref().and_then(|scene| resolver.sparkle(file, scene));
-    let pictured = scene.as_ref().filter(|_| with_picture);
-    let image = pictured.and_then(|scene| resolver.image(file, scene));
+    let image = scene.as_ref().and_then(|scene| match pictured {
+        Pictured::No => None,
+        Pictured::Described => resolver.image(file, scene, None),
+        Pictured::Given(source) => resolver.image(file, scene, Some(source)),
+    });
     let Resolver { errors, warnings, notes, inputs, .. } = resolver;
     Ok(Found { scene: errors.finish(scene, sources)?, patterns, sparkle, image, warnings, notes, inputs })
 }

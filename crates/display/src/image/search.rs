@@ -1,0 +1,85 @@
+//! Direct binary search: the halftone that a reader at this distance sees nearest to the picture.
+//!
+//! **What.** From error diffusion on, pixels change their states, or exchange them with a neighbour, as long as a change lowers the sum of
+//! the squares of the blurred differences in lightness, red-green and blue-yellow.
+//!
+//! **The eye.** Of S-CIELAB's filters (Zhang and Wandell 1996, as in `papilio_colour::pictures`), the narrowest Gaussian of each opponent
+//! colour: full widths at half maximum of 0.05, 0.0685 and 0.092 degrees. The wider ones pass less than 2 cycles per degree, far below the
+//! frequencies of a halftone, and what is so coarse is right after error diffusion. The blur of the layers is not included.
+//!
+//! **Range.** From 120 pixels per degree on, the eye sees none of the pattern, and the filters do not grow any more.
+
+use std::cell::Cell;
+use std::ops::ControlFlow;
+
+use papilio_imaging::halftone::{Filter, direct_binary_search};
+
+use super::halftone::Panel;
+use crate::DisplayError;
+use crate::run::{Control, Progress};
+
+/// Full widths at half maximum of the filters of lightness, red-green and blue-yellow, degrees.
+const WIDTHS_DEG: [f64; 3] = [0.05, 0.0685, 0.092];
+
+/// Largest number of pixels per degree.
+const MOST_PER_DEGREE: f64 = 120.0;
+
+/// Number of standard deviations at which the filters end.
+const REACH: f64 = 3.0;
+
+/// Searches from a start.
+pub(super) fn searched(
+    start: &[u8],
+    mapped: &[[f32; 3]],
+    panel: &Panel<'_>,
+    control: &Control<'_>,
+) -> Result<Vec<u8>, DisplayError> {
+    let per_degree = panel.pixels_per_degree.ok_or(DisplayError::NoPixelPitch)?;
+    let metric = panel.rendering.metric();
+    let coordinates =
+        |pixel: [f64; 3]| metric.map(|row| row.iter().zip(pixel).map(|(a, b)| a * b).sum::<f64>());
+    let wanted: Vec<[f32; 3]> =
+        mapped.iter().map(|pixel| coordinates(pixel.map(f64::from)).map(|value| value as f32)).collect();
+    let states: Vec<[f64; 3]> = panel.rendering.states.iter().map(|state| coordinates(*state)).collect();
+    let [lightness, red_green, blue_yellow] = WIDTHS_DEG.map(|width| filter(width, per_degree));
+    let filters = [lightness?, red_green?, blue_yellow?];
+    let rows = (start.len() / panel.columns).max(1) as f64;
+    let (visited, first) = (Cell::new(0_u32), Cell::new(0));
+    let tell = |share| {
+        (control.progress)(Progress { share_of_view: Some(share), ..Progress::of_views(0, 1) });
+    };
+    // The first pass takes about half of the time.
+    let stop = || {
+        visited.set(visited.get() + 1);
+        let share = 0.5 * f64::from(visited.get()) / rows;
+        if share <= 0.5 && visited.get().is_multiple_of(32) {
+            tell(share);
+        }
+        control.stopped()
+    };
+    let mut watch = |pass: papilio_imaging::halftone::SearchPass| {
+        if pass.pass == 1 {
+            first.set(pass.changes.max(1));
+        }
+        tell(1.0 - 0.5 * pass.changes as f64 / first.get() as f64);
+        ControlFlow::Continue(())
+    };
+    let found = direct_binary_search(&wanted, panel.columns, &states, &filters, start, &stop, &mut watch)?;
+    super::stopped(control)?;
+    Ok(found.states)
+}
+
+/// A Gaussian of this full width at half maximum, with the sum 1.
+fn filter(width_deg: f64, per_degree: [f64; 2]) -> Result<Filter, DisplayError> {
+    let along = per_degree.map(|per_degree| {
+        let sigma = width_deg * per_degree.min(MOST_PER_DEGREE) / (8.0 * std::f64::consts::LN_2).sqrt();
+        let reach = (REACH * sigma).ceil() as i32;
+        let values: Vec<f64> =
+            (-reach..=reach).map(|k| (-0.5 * (f64::from(k) / sigma).powi(2)).exp()).collect();
+        let sum: f64 = values.iter().sum();
+        values.into_iter().map(|value| value / sum).collect::<Vec<_>>()
+    });
+    let [across, down] = along;
+    let values = down.iter().flat_map(|y| across.iter().map(move |x| x * y)).collect();
+    Ok(Filter::new(across.len(), values)?)
+}

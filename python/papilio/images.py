@@ -1,0 +1,159 @@
+"""Pictures on a display as the reader sees them: what ``papilio image`` writes."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping
+from os import PathLike
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from . import _messages, _papilio
+from ._arguments import described, one_of, reals
+from .errors import ArgumentError
+from .running import Progress, checked_threads, reporting
+from .scenario import Scenario, read
+from .spatial import _Written
+
+__all__ = ["Image", "image"]
+
+Picture = str | PathLike[str] | ArrayLike
+
+
+class Image(_Written):
+    """A picture on a display as the reader sees it: the output of ``papilio image``.
+
+    The pictures are arrays of the shape [row, column, 3], the first row at the top: ``found["seen"]`` (X, Y, Z relative to a perfect white in
+    the light), ``found["srgb"]`` (the same for a screen, bytes), ``found["wanted"]`` (the picture with the white and black of the display) and
+    ``found["mapped"]`` (the same in the gamut of the display: what a halftone should show). ``found["states"]``, shape [row, column], has the
+    number of the state of each pixel; without a halftone there is none. Arrays are read-only. It can be copied and pickled.
+    """
+
+    def __init__(
+        self, text: str, arrays: Mapping[str, NDArray[Any]], png: bytes, title: str, warned: list[str], notes: list[str]
+    ) -> None:
+        super().__init__(text, arrays, [], title, warned, notes)
+        self._png = png
+
+    @property
+    def states(self) -> list[str]:
+        """Names of the states, in the order of their numbers."""
+        return list(self.data["states"])
+
+    @property
+    def numbers(self) -> dict[str, Any]:
+        """The contents of ``image.json``: coverages, differences, fractions out of gamut; None where a number is undefined."""
+        return self.data
+
+    def png(self) -> bytes:
+        """Returns the content of ``seen.png``."""
+        return self._png
+
+    def _repr_png_(self) -> bytes:
+        return self._png
+
+    def _repr_html_(self) -> None:  # type: ignore[override]
+        return None
+
+    def __repr__(self) -> str:
+        columns, rows = self.data["size"]
+        return f"<papilio.Image {self.title!r}: {columns} x {rows} pixels{_messages.summary(self.warnings)}>"
+
+
+def image(
+    scenario: Scenario | str | PathLike[str],
+    picture: Picture | None = None,
+    *,
+    states: ArrayLike | None = None,
+    encoding: Literal["srgb", "linear"] = "srgb",
+    relative_to: Literal["white", "display"] = "white",
+    set: Mapping[str, Any] | None = None,
+    threads: int | None = None,
+    progress: Progress | bool | None = None,
+) -> Image:
+    """Shows a picture on a display: the output of ``papilio image``.
+
+    Args:
+        scenario: a `Scenario`, or the path of a scenario file, with one view.
+        picture: path of a PNG or JPEG file, or red, green and blue of sRGB as an array of the shape [row, column, 3] (or [row, column] of
+            grey): integers of 8 or 16 bits without sign, or numbers from 0 to 1; None: the picture, text or pattern of the scenario.
+        states: number of the state of each pixel, shape [row, column], instead of a halftone; the numbers are those of ``Image.states``.
+        encoding: ``"srgb"``, or ``"linear"`` if the numbers of an array are proportional to light.
+        relative_to: what is 255, 255, 255 in ``srgb``: a perfect white in the light, or the white of the ``"display"``.
+        set: values to set in the scenario first, ``{key: value}`` with keys such as "image.halftone".
+        threads: number of threads; None: one for each processor.
+        progress: function that is called a few times a second, or True for a line on the terminal.
+
+    Returns:
+        The pictures, by name, and numbers.
+
+    Raises:
+        ScenarioError: for mistakes in the scenario, a picture that cannot be read, and more than one view, with their places.
+        ArgumentError: for arrays of other shapes or numbers.
+        DisplayError: for states that the display does not have.
+        KeyboardInterrupt: on Ctrl-C.
+
+    Warns:
+        PapilioWarning: each warning that the program prints; ``warnings`` of the result contains it.
+
+    Example:
+        >>> grey = np.full((32, 48, 3), 0.5)
+        >>> found = papilio.image("scenarios/six-ink.toml", grey)
+        >>> found["seen"].shape, found.states[:2], found["states"].max() < 6
+        ((32, 48, 3), ['black', 'white'], True)
+        >>> own = np.where(found["mapped"][..., 1] > 0.2, 1, 0)          # a halftone of one's own
+        >>> papilio.image("scenarios/six-ink.toml", grey, states=own).numbers["coverage"]["red"]
+        0.0
+    """
+    one_of("encoding", encoding, ("srgb", "linear"))
+    one_of("relative_to", relative_to, ("white", "display"))
+    values, pixels = dict(set or {}), None
+    if isinstance(picture, (str, PathLike)):
+        values["image.file"] = os.path.abspath(os.fspath(picture))
+    elif picture is not None:
+        pixels = _pixels(picture)
+    changed = read(scenario, values)
+    shown = None if states is None else _states(states)
+    with reporting(progress, "views") as tell:
+        core = _papilio.Image(
+            changed._described,
+            changed.name,
+            pixels,
+            encoding == "srgb",
+            shown,
+            relative_to == "display",
+            checked_threads(threads),
+            tell,
+        )
+    warned = _messages.merged(*core.warnings())
+    found = Image(core.json(), core.arrays(), core.png(), core.title, warned, core.notes())
+    _messages.warn(found.warnings)
+    return found
+
+
+def _pixels(picture: ArrayLike) -> NDArray[np.float64]:
+    """Returns red, green and blue from 0 to 1."""
+    array = np.asarray(picture)
+    if array.ndim == 2:
+        array = np.repeat(array[..., np.newaxis], 3, axis=2)
+    if array.ndim != 3 or array.shape[2] != 3 or array.size == 0:
+        raise ArgumentError(f"picture: expected a path, or an array of the shape (rows, columns, 3), not {described(picture)}")
+    if array.dtype.kind == "u":
+        if array.dtype.itemsize > 2:
+            raise ArgumentError(f"picture: expected integers of 8 or 16 bits or numbers from 0 to 1, not {described(picture)}")
+        return np.ascontiguousarray(array / float(np.iinfo(array.dtype).max))
+    if array.dtype.kind != "f":
+        raise ArgumentError(f"picture: expected uint8, uint16 or numbers from 0 to 1, not {described(picture)}")
+    return np.ascontiguousarray(reals("picture", array, least=0.0, most=1.0))
+
+
+def _states(states: ArrayLike) -> NDArray[np.uint8]:
+    """Returns numbers of states."""
+    array = np.asarray(states)
+    if array.ndim != 2 or array.dtype.kind not in "iu" or array.size == 0:
+        raise ArgumentError(f"states: expected whole numbers of the shape (rows, columns), not {described(states)}")
+    if array.min() < 0 or array.max() > 255:
+        raise ArgumentError(f"states: {array.min()} to {array.max()} is out of range; expected numbers of states, from 0")
+    return np.ascontiguousarray(array.astype(np.uint8))

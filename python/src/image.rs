@@ -1,0 +1,144 @@
+//! A picture on the display: the content of the files of `papilio image`.
+
+use std::sync::Arc;
+
+use numpy::ndarray::{ArrayD, IxDyn};
+use numpy::{Element, IntoPyArray, PyArrayDyn, PyReadonlyArray2, PyReadonlyArray3};
+use papilio_display::image::{ImageResult, ScreenWhite, SourceImage, image};
+use papilio_formats::{RgbSpace, TitledFile, Transfer, write_rgb_png};
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+
+use crate::errors;
+use crate::scenario::{Described, Resolved};
+use crate::spatial::{computed, text};
+
+/// A picture on a display.
+#[pyclass(frozen, module = "papilio._papilio")]
+pub(crate) struct Image {
+    of: ImageResult,
+    json: String,
+    title: String,
+    warnings: Vec<String>,
+    notes: Vec<String>,
+}
+
+#[pymethods]
+impl Image {
+    /// `picture`: red, green and blue of sRGB, 0 to 1, encoded or linear; `states`: the number of the state of each pixel.
+    #[new]
+    #[pyo3(signature = (described, name, picture, encoded, states, relative_to_display, threads=None, progress=None))]
+    #[allow(clippy::too_many_arguments, reason = "the arguments of one function in Python")]
+    fn new(
+        py: Python<'_>,
+        described: &Described,
+        name: &str,
+        picture: Option<PyReadonlyArray3<'_, f64>>,
+        encoded: bool,
+        states: Option<PyReadonlyArray2<'_, u8>>,
+        relative_to_display: bool,
+        threads: Option<u16>,
+        progress: Option<Bound<'_, PyAny>>,
+    ) -> PyResult<Self> {
+        let given = picture.map(|picture| source(&picture, encoded)).transpose()?;
+        let resolved = py.detach(|| match &given {
+            Some(given) => described.scenario.resolve_with(given),
+            None => described.scenario.resolve_with_picture(),
+        });
+        let scenario = Resolved { of: Arc::new(resolved.map_err(|errors| errors::scenario(py, &errors))?) };
+        let resolved = Arc::clone(&scenario.of);
+        let request = resolved.image.as_ref().ok_or_else(|| errors::internal("a picture that is missing"))?;
+        let mut settings = request.settings.clone();
+        if let Some(states) = states {
+            let states = states.as_array();
+            let columns = request.source.columns;
+            let rows = request.source.pixels.len() / columns.max(1);
+            if states.dim() != (rows, columns) {
+                let wrong = format!(
+                    "states: the shape is {:?} (expected ({rows}, {columns}), rows and columns)",
+                    states.dim()
+                );
+                return Err(errors::argument(py, &wrong));
+            }
+            settings.given = Some(states.iter().copied().collect());
+        }
+        let white = if relative_to_display { ScreenWhite::Display } else { ScreenWhite::Perfect };
+        let of = computed(py, &scenario, threads, progress, |control| {
+            image(&resolved.scene, &request.source, &settings, white, control)
+        })?;
+        let title = resolved.title.clone().unwrap_or_else(|| name.to_owned());
+        let json = text(&TitledFile {
+            papilio: env!("CARGO_PKG_VERSION"),
+            title: &title,
+            hash: &resolved.hash,
+            result: &of.numbers,
+        })?;
+        Ok(Self { of, json, title, warnings: resolved.warnings.clone(), notes: resolved.notes.clone() })
+    }
+
+    /// The text of `image.json`.
+    fn json(&self) -> &str {
+        &self.json
+    }
+
+    /// Pictures by name, shape [row, column, 3]; `states`, shape [row, column], only with a halftone.
+    fn arrays<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let [columns, rows] = self.of.size;
+        let dict = PyDict::new(py);
+        for (name, pixels) in
+            [("seen", &self.of.seen), ("wanted", &self.of.wanted), ("mapped", &self.of.mapped)]
+        {
+            dict.set_item(name, array(py, &[rows, columns, 3], pixels.as_flattened().to_vec())?)?;
+        }
+        dict.set_item("srgb", array(py, &[rows, columns, 3], self.of.srgb.as_flattened().to_vec())?)?;
+        if !self.of.states.is_empty() {
+            dict.set_item("states", array(py, &[rows, columns], self.of.states.clone())?)?;
+        }
+        Ok(dict)
+    }
+
+    /// The content of `seen.png`.
+    fn png(&self, py: Python<'_>) -> PyResult<Vec<u8>> {
+        let mut bytes = Vec::new();
+        let written = py.detach(|| write_rgb_png(&mut bytes, self.of.size[0], &self.of.srgb, false));
+        written.map_err(|error| errors::internal(&error.to_string()))?;
+        Ok(bytes)
+    }
+
+    #[getter]
+    fn title(&self) -> &str {
+        &self.title
+    }
+
+    /// Warnings of the scenario and of the computation.
+    fn warnings(&self) -> (Vec<String>, Vec<String>) {
+        (self.warnings.clone(), self.of.numbers.warnings.clone())
+    }
+
+    fn notes(&self) -> Vec<String> {
+        self.notes.clone()
+    }
+}
+
+/// A picture in linear light.
+fn source(picture: &PyReadonlyArray3<'_, f64>, encoded: bool) -> PyResult<SourceImage> {
+    let values = picture.as_array();
+    let space = RgbSpace::srgb();
+    let matrix = space.xyz_from_rgb().ok_or_else(|| errors::internal("sRGB without a matrix"))?;
+    let transfer = if encoded { space.transfer } else { Transfer::Linear };
+    let pixel = |rgb: &[f64]| {
+        let light = [rgb[0], rgb[1], rgb[2]].map(|value| transfer.decode(value));
+        matrix.map(|row| (row[0] * light[0] + row[1] * light[1] + row[2] * light[2]) as f32)
+    };
+    let flat: Vec<f64> = values.iter().copied().collect();
+    Ok(SourceImage { columns: values.dim().1, pixels: flat.chunks_exact(3).map(pixel).collect() })
+}
+
+fn array<'py, T: Element>(
+    py: Python<'py>,
+    shape: &[usize],
+    values: Vec<T>,
+) -> PyResult<Bound<'py, PyArrayDyn<T>>> {
+    let array = ArrayD::from_shape_vec(IxDyn(shape), values);
+    Ok(array.map_err(|error| errors::internal(&error.to_string()))?.into_pyarray(py))
+}

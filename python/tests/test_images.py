@@ -1,0 +1,84 @@
+"""Pictures on a display are those of the program."""
+
+import copy
+import json
+import pickle
+import subprocess
+from pathlib import Path
+
+import numpy as np
+import papilio
+import pytest
+
+
+def colours(rows: int = 12, columns: int = 20) -> np.ndarray:
+    """A picture with all kinds of colours."""
+    y, x = np.mgrid[:rows, :columns]
+    return np.stack([255 * x // columns, 255 * y // rows, 255 - 255 * x // columns], 2).astype(np.uint8)
+
+
+def test_picture_is_that_of_the_program(scenarios: Path, program: Path) -> None:
+    file = scenarios / "six-ink.toml"
+    picture = scenarios / "data" / "chelsea.png"
+    small = {"display.matrix.pixels": [60, 40]}
+    found = papilio.image(file, picture, set=small)
+    command = [program, "image", str(file), str(picture), "--set", "display.matrix.pixels=[60,40]", "--json"]
+    theirs = json.loads(subprocess.run(command, capture_output=True, text=True, check=True).stdout)
+    assert found.numbers == theirs | {"hash": found.numbers["hash"]}
+    assert found["seen"].shape == found["wanted"].shape == found["mapped"].shape == (40, 60, 3)
+    assert (found["srgb"].dtype, found["states"].dtype, found["states"].shape) == (np.uint8, np.uint8, (40, 60))
+    share = (found["states"] == found.states.index("white")).mean()
+    assert share == pytest.approx(found.numbers["coverage"]["white"], abs=1e-12)
+    assert found.png().startswith(b"\x89PNG")
+    once = pickle.loads(pickle.dumps(found))
+    assert copy.copy(once).to_json() == found.to_json() and np.array_equal(once["seen"], found["seen"])
+    assert repr(found).startswith("<papilio.Image") and "states" in found
+
+
+def test_arrays_are_pictures(scenarios: Path) -> None:
+    file = scenarios / "six-ink.toml"
+    bytes_ = colours()
+    encoded = papilio.image(file, bytes_)
+    assert np.array_equal(encoded["states"], papilio.image(file, bytes_ / 255.0)["states"])
+    assert np.array_equal(encoded["states"], papilio.image(file, bytes_.astype(np.uint16) * 257)["states"])
+    light = np.where(bytes_ / 255 <= 0.04045, bytes_ / 255 / 12.92, ((bytes_ / 255 + 0.055) / 1.055) ** 2.4)
+    linear = papilio.image(file, light, encoding="linear")
+    assert np.allclose(linear["wanted"], encoded["wanted"], atol=1e-6)
+    grey = papilio.image(file, np.full((5, 7), 0.3), set={"image.halftone": "none"})
+    assert "states" not in grey and np.ptp(grey["seen"], axis=(0, 1)).max() == 0
+
+
+def test_own_halftone_is_shown(scenarios: Path) -> None:
+    file = scenarios / "six-ink.toml"
+    first = papilio.image(file, colours())
+    again = papilio.image(file, colours(), states=first["states"])
+    assert np.array_equal(again["seen"], first["seen"]) and again.numbers["coverage"] == first.numbers["coverage"]
+    black = papilio.image(file, colours(), states=np.zeros((12, 20), int))
+    assert black.numbers["coverage"]["black"] == 1.0 and np.ptp(black["srgb"], axis=(0, 1)).max() == 0
+    brighter = papilio.image(file, colours(), relative_to="display")
+    assert brighter["srgb"].max() > first["srgb"].max()
+
+
+def test_mistakes_are_named(scenarios: Path) -> None:
+    file = scenarios / "six-ink.toml"
+    for picture, message in [
+        (np.zeros((4, 4, 2)), r"picture: expected a path, or an array of the shape \(rows, columns, 3\)"),
+        (np.full((4, 4, 3), 1.5), "picture: 1.5 is out of range"),
+        (np.zeros((4, 4, 3), int), "picture: expected uint8"),
+        (np.zeros((4, 4, 3), np.uint32), "8 or 16 bits"),
+    ]:
+        with pytest.raises(papilio.ArgumentError, match=message):
+            papilio.image(file, picture)
+    for states, message in [
+        (np.zeros((4, 4)), "states: expected whole numbers"),
+        (np.full((12, 20), 300), "states: 300 to 300 is out of range"),
+        (np.zeros((20, 12), int), r"states: the shape is \(20, 12\) \(expected \(12, 20\)"),
+    ]:
+        with pytest.raises(papilio.ArgumentError, match=message):
+            papilio.image(file, colours(), states=states)
+    with pytest.raises(papilio.DisplayError, match="up to number 6"):
+        papilio.image(file, colours(), states=np.full((12, 20), 6))
+    with pytest.raises(papilio.ArgumentError, match="encoding"):
+        papilio.image(file, colours(), encoding="gamma")  # type: ignore[arg-type]
+    with pytest.raises(papilio.ScenarioError, match="nowhere"):
+        papilio.image(file, "nowhere.png")
