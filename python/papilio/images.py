@@ -101,7 +101,7 @@ def image(
     Example:
         >>> grey = np.full((32, 48, 3), 0.5)
         >>> found = papilio.image("scenarios/six-ink.toml", grey)
-        >>> found["seen"].shape, found.states[:2], found["states"].max() < 6
+        >>> found["seen"].shape, found.states[:2], bool(found["states"].max() < 6)
         ((32, 48, 3), ['black', 'white'], True)
         >>> own = np.where(found["mapped"][..., 1] > 0.2, 1, 0)          # a halftone of one's own
         >>> papilio.image("scenarios/six-ink.toml", grey, states=own).numbers["coverage"]["red"]

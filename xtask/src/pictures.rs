@@ -79,7 +79,7 @@ const PICTURES: [Picture; 19] = [
     (&["sparkle"], "antiglare.toml", &["sparkle.svg"], "antiglare-"),
     (&["palette", "--rooms=D65,FL11"], "six-ink.toml", &["palette.svg"], "inks-"),
     (&["image", "--relative-to=display"], "six-ink.toml", &["seen.png"], "inks-"),
-    (&["image"], "reader.toml", &["seen.png"], "reader-"),
+    (&["image", "--relative-to=display"], "reader.toml", &["seen.png"], "reader-"),
 ];
 
 /// Runs the task.

@@ -27,7 +27,7 @@ const SCENARIOS_VARIABLE: &str = "PAPILIO_SCENARIOS";
 /// With this number, the mean square of the z-scores is known to 10 %.
 const SCENARIOS: &str = "300";
 
-/// Duration for each format, read by the mutation tests of BSDF files in `crates/formats`. If it is set, the mutation
+/// Duration for each format, read by the mutation tests of BSDF files and of pictures in `crates/formats`. If it is set, the mutation
 /// tests of scenarios use 25 times as many mutations.
 const FUZZ_VARIABLE: &str = "PAPILIO_FUZZ_SECONDS";
 

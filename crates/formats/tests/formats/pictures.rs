@@ -2,6 +2,8 @@
 
 mod samples;
 
+use std::time::{Duration, Instant};
+
 use exr::prelude::{ReadChannels, ReadLayers};
 use papilio_formats::{
     DataFile, RgbSpace, SourcePicture, Warned, read_picture, write_indexed_png, write_rgb_png,
@@ -287,9 +289,16 @@ fn picture_that_is_cut_off_is_refused() {
 #[test]
 fn picture_with_changed_bytes_never_panics() {
     let mut dice = Dice::new(6, 0);
-    for good in good() {
-        for _ in 0..400 {
-            let mut bytes = good.clone();
+    // `cargo xtask full` sets a duration.
+    let seconds =
+        std::env::var("PAPILIO_FUZZ_SECONDS").ok().and_then(|text| text.parse().ok()).unwrap_or(0.0);
+    let until = Instant::now() + Duration::from_secs_f64(seconds);
+    let good = good();
+    let mut rounds = 0;
+    while rounds == 0 || Instant::now() < until {
+        rounds += 1;
+        for number in 0..400 * good.len() {
+            let mut bytes = good[number / 400].clone();
             for _ in 0..1 + dice.below(4) {
                 let at = dice.below(bytes.len());
                 bytes[at] = dice.below(256) as u8;

@@ -20,7 +20,7 @@ use crate::origin::Origin;
 const MARGIN: f64 = 0.06;
 
 /// Largest part of the page for a photograph, along its longer side.
-const PHOTOGRAPH: f64 = 0.45;
+const PHOTOGRAPH: f64 = 0.5;
 
 /// Space between a photograph and text, in ems.
 const GAP: f64 = 1.2;
