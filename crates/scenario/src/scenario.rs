@@ -11,12 +11,14 @@ use papilio_display::spatial::{Antiglare, Patterns};
 use papilio_formats::DataFile;
 use serde_json::{Map, Value, json};
 
+use crate::browse::illuminant_sheet;
 use crate::describe::File;
 use crate::error::{Errors, ScenarioError, ScenarioErrors};
 use crate::library::{Library, sha256};
 use crate::mistake::{self, Mistake};
+use crate::path::KeyPath;
 use crate::preset::UsedPreset;
-use crate::read::Read;
+use crate::read::{Read, Spanned};
 use crate::resolve::{self, Found, ImageRequest, Pictured, VirtualMeasurement};
 use crate::set::Change;
 use crate::source::Sources;
@@ -169,6 +171,7 @@ impl Scenario {
     fn resolved(&self, pictured: Pictured<'_>) -> Result<Resolved, ScenarioErrors> {
         let Found { scene, patterns, sparkle, image, warnings, notes, inputs } =
             resolve::resolve(&self.file, &self.library, &self.written.sources, pictured)?;
+        let image = image.map(|image| self.prepared(image, &scene)).transpose()?;
         let mut canonical = serde_json::to_value(&self.file).unwrap_or_default();
         if let Value::Object(keys) = &mut canonical {
             STUDY_TABLES.iter().for_each(|table| drop(keys.remove(*table)));
@@ -188,6 +191,42 @@ impl Scenario {
             hash,
             written: Arc::clone(&self.written),
         })
+    }
+}
+
+impl Scenario {
+    /// Adds the light for which the states of a picture are decided, if it is another one; the view is the same.
+    fn prepared(&self, mut image: ImageRequest, scene: &Scene) -> Result<ImageRequest, ScenarioErrors> {
+        let Some(Spanned { value: name, origin }) = self
+            .file
+            .image
+            .value
+            .as_ref()
+            .map(|image| &image.prepared_for)
+            .filter(|name| name.value != "this")
+        else {
+            return Ok(image);
+        };
+        let sources = &self.written.sources;
+        let (path, value) = match (preset::text(name), illuminant_sheet(name)) {
+            (Some(_), _) => ("lighting", json!({ "preset": name })),
+            (None, Ok(_)) => ("lighting.spectrum", json!(name)),
+            (None, Err(_)) => {
+                let presets = preset::preset_names().collect::<Vec<_>>().join(", ");
+                let wrong = Diagnostic::new(format!("there is no preset and no illuminant named `{name}`"))
+                    .expected("\"this\", a preset, or an illuminant of `papilio illuminants`")
+                    .hint(format!("the presets are {presets}"));
+                let mut errors = Errors::default();
+                errors.push(*origin, wrong);
+                return errors.finish(None, sources);
+            }
+        };
+        let change =
+            Change { path: KeyPath::new(path), origin: *origin, value: Node::from_json(&value, *origin) };
+        let there = Self::read(assemble(sources, &[change])?, self.library.clone(), sources.clone())?;
+        let lighting = there.resolve()?.scene.lighting;
+        image.settings.prepared_for = Some(Box::new(Scene { lighting, ..scene.clone() }));
+        Ok(image)
     }
 }
 

@@ -75,6 +75,8 @@ pub struct ImageSettings {
     pub states: Vec<String>,
     /// What lies beyond the borders.
     pub surround: PictureSurround,
+    /// Display in the light and view for which the states of the pixels are decided; `None`: those in which the picture is seen.
+    pub prepared_for: Option<Box<Scene>>,
     /// State of each pixel by its number in `states`, instead of a halftone.
     pub given: Option<Vec<u8>>,
 }
@@ -163,6 +165,15 @@ pub fn image(
     control: &Control<'_>,
 ) -> Result<ImageResult, DisplayError> {
     let size = source.size_on(scene)?;
+    let held;
+    let settings = match &settings.prepared_for {
+        Some(there) if settings.given.is_none() && settings.halftone != Halftone::None => {
+            let given = HeldPicture::new(there, source, settings, control)?.states;
+            held = ImageSettings { given: Some(given), ..settings.clone() };
+            &held
+        }
+        _ => settings,
+    };
     let lit = Lit::new(scene, settings, &mut Prepared::new(scene)?, control)?;
     let Brought { rendering, rendered: Rendered { wanted, mapped, inside }, states, cut } =
         Brought::new(&lit, scene, source, settings, control)?;

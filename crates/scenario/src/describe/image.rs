@@ -37,6 +37,9 @@ table! {
         seed: Seed = Count(0),
         /// States that are used, in the order of the palette of states.png. Default: all.
         states: Vec<Spanned<Title>> = Vec::new(),
+        /// The light for which the states of the pixels are decided: `"this"`, a preset, or a CIE illuminant as the spectrum of this light.
+        /// A panel holds its picture while the light changes.
+        prepared_for: String = "this".to_owned(),
         /// What lies beyond the borders of the picture.
         surround: ImageSurround = ImageSurround::Repeat,
     }

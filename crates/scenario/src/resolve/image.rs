@@ -108,5 +108,6 @@ fn settings(image: &Image, illuminance_lx: f64) -> ImageSettings {
             ImageSurround::BlackMask => PictureSurround::BlackMask,
         },
         given: None,
+        prepared_for: None,
     }
 }
