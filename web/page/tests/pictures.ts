@@ -1,17 +1,58 @@
-// Writes docs/pictures/web-*.png: screenshots of the page. `npm run pictures`.
+// Writes docs/pictures/web-*.png, screenshots of the page, and scenarios/data/page.png, the picture that the page shows of a scenario
+// without picture. `npm run pictures`.
 
+import { readFileSync } from "node:fs";
 import { join } from "node:path";
 
-import { ROOT, settled, stage } from "./e2e/stage.ts";
+import { choose, ROOT, settled, stage } from "./e2e/stage.ts";
 
 const on = await stage();
 const SIZE = { viewport: { width: 1440, height: 900 } };
 const to = (name: string) => join(ROOT, `docs/pictures/web-${name}.png`);
 
+// A page of text and a photograph, of 480 x 360 pixels.
+const inline = (path: string, kind: string) => `data:${kind};base64,${readFileSync(join(ROOT, path)).toString("base64")}`;
+const own = await on.visit({ viewport: { width: 480, height: 360 } });
+await own.goto("about:blank");
+await own.setContent(`<style>
+  @font-face { font-family: Own; src: url(${inline("crates/figures/fonts/Roboto-Regular.ttf", "font/ttf")}) }
+  @font-face { font-family: Own; font-weight: 700; src: url(${inline("crates/figures/fonts/Roboto-Bold.ttf", "font/ttf")}) }
+  body { box-sizing: border-box; height: 360px; margin: 0; padding: 16px 18px; overflow: hidden; background: #fff; color: #000; font: 15px/1.32 Own }
+  h1 { margin: 0 0 6px; font-size: 24px }
+  p { margin: 0 0 8px }
+  img { float: right; width: 252px; margin: 2px 0 8px 14px }
+  small { font-size: 11px }
+</style>
+<h1>Light from the room</h1>
+<img src="${inline("scenarios/data/chelsea.png", "image/png")}" />
+<p>A reflective display has no light of its own. What it shows is the light of the lamp, the window and the wall.</p>
+<p>Paper does the same. The eye adapts to the light, and white stays white, <b>at noon and in the evening</b>.</p>
+<p>Wings of some butterflies have colours without any dye: thin layers reflect one part of the spectrum, and the
+colour changes with the angle of view.</p>
+<small>Small print: 0123456789, 11 pixels high. The photograph is by Stefan van der Walt (CC0).</small>`);
+await own.evaluate(() => document.fonts.ready.then(() => document.querySelector("img")!.decode()));
+await own.screenshot({ path: join(ROOT, "scenarios/data/page.png") });
+await own.close();
+
 const page = await on.visit(SIZE);
 await page.getByRole("button", { name: "Got it" }).click();
 await settled(page);
+await page.locator("#tab-image").click();
+await page.getByText("prepared for this light and view").waitFor({ timeout: 30_000 });
+await settled(page);
 await page.screenshot({ path: to("page") });
+
+// The picture on six inks in a warm light, seen from the side.
+const inks = await on.visit({ viewport: { width: 1100, height: 1000 } }, "?");
+await inks.getByRole("button", { name: "Got it" }).click();
+await choose(inks, "Examples", "six-ink");
+await inks.getByLabel("White of this page").selectOption("screen");
+await inks.locator(".seen-display canvas").focus();
+for (let i = 0; i < 24; i++) await inks.keyboard.press("ArrowRight");
+await settled(inks);
+await inks.getByText("prepared for this light and view").waitFor({ timeout: 30_000 });
+await settled(inks);
+await inks.locator(".tabs").screenshot({ path: to("picture") });
 
 // A thinner absorber next to the pinned design, in the dark theme.
 const night = await on.visit({ ...SIZE, colorScheme: "dark" });

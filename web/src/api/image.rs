@@ -28,7 +28,7 @@ use crate::reading::{Given, Solver, edited};
 use crate::site::Site;
 
 /// The picture that the page shows if the scenario has none.
-const OWN_PICTURE: &str = "data/chelsea.png";
+const OWN_PICTURE: &str = "data/page.png";
 
 /// Largest numbers of pixels along the longer and the shorter side of the picture of the page.
 const MOST_SIDES: [usize; 2] = [480, 360];

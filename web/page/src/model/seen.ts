@@ -12,14 +12,15 @@ export interface Planes {
   readonly planes: readonly Uint16Array[];
 }
 
+/** A picture on the display. */
 export interface Seen extends Planes {
   readonly head: PictureHead;
   /** The state of each pixel. */
   readonly states: Uint8Array;
   /** Mean X, Y, Z of the pixels of each state in each light; null for a state that no pixel has. */
   readonly means: readonly (readonly (Triple | null)[])[];
-  /** X, Y, Z of the picture itself under D65, if it was sent. */
-  readonly source: Uint16Array | null;
+  /** The picture itself under D65, if it was sent. */
+  readonly source: Planes | null;
 }
 
 const padded = (length: number): number => (length + 3) & ~3;
@@ -39,7 +40,8 @@ export function unpacked(bytes: ArrayBuffer): Seen {
   };
   const planes = head.lights.map(plane);
   const means = planes.map((one) => meansOf(one, states, head.states.length));
-  return { head, size: [columns, rows], states, planes, means, source: head.has_source ? plane() : null };
+  const size = [columns, rows] as const;
+  return { head, size, states, planes, means, source: head.has_source ? { size, planes: [plane()] } : null };
 }
 
 let halves: Float32Array | null = null;
@@ -154,13 +156,10 @@ function whiteOf(seen: Seen, factors: readonly number[]): Triple {
   return own && own[1] > 0 ? own : brightest;
 }
 
-/** The picture on an sRGB screen in the same room, as planes with their factors and the light that is added everywhere. */
-export function onScreen(seen: Seen, source: Uint16Array, by: Exposure): Planes & { factors: number[]; added: Triple } {
-  const white = by.white[1];
+/** The light of an sRGB screen in the same room: the factor of the picture, and the light that is added everywhere. */
+export function onScreen(by: Exposure): { factors: number[]; added: Triple } {
   return {
-    size: seen.size,
-    planes: [source],
-    factors: [(white * SCREEN_CD_M2) / Math.max(by.white_cd_m2, 1e-9)],
+    factors: [(by.white[1] * SCREEN_CD_M2) / Math.max(by.white_cd_m2, 1e-9)],
     added: by.white.map((value) => value * SCREEN_REFLECTANCE) as unknown as Triple,
   };
 }

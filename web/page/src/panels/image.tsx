@@ -48,11 +48,11 @@ const FILES = ["states.png", "seen.png", "image.json", "palette.gpl", "palette.c
 /** The picture on a screen in the same room. */
 function Screen() {
   const ref = useDrawing((canvas) => {
-    const [now, by, own] = [shown.value, exposed.value, source.value];
-    if (!now || !by || !own || own.length !== 3 * now.seen.states.length) return null;
-    const { added, factors, ...picture } = onScreen(now.seen, own, by);
+    const [by, picture] = [exposed.value, source.value];
+    if (!by || !picture) return null;
+    const { added, factors } = onScreen(by);
     const size = [canvas.width, canvas.height] as const;
-    const height = now.seen.size[1] / now.seen.size[0];
+    const height = picture.size[1] / picture.size[0];
     return (painter) =>
       painter.draw({
         lit: { picture, factors, added, matrix: by.matrix },
@@ -68,7 +68,7 @@ function Screen() {
       <canvas ref={ref} role="img" aria-label="The same picture on a screen in the same light" />
       <figcaption>
         <span>
-          An sRGB screen of {SCREEN_CD_M2} cd/m², which reflects {reflected} % of the room
+          sRGB screen, {SCREEN_CD_M2} cd/m², which reflects {reflected} % of the room
         </span>
       </figcaption>
     </figure>
@@ -89,7 +89,7 @@ function Paper() {
       <div ref={sheet} role="img" aria-label="White paper in the same light" />
       <figcaption>
         <span>
-          White paper, which reflects {plain(100 * PAPER)} %: {digits(cd, 3)} cd/m²
+          White paper, {plain(100 * PAPER)} %: {digits(cd, 3)} cd/m²
         </span>
       </figcaption>
     </figure>

@@ -7,8 +7,8 @@ import { postForBlob, postForBytes, Refused, type Work } from "../api/client.ts"
 import type { Problem } from "../api/types.ts";
 import { numberAt } from "../model/json.ts";
 import { anglesOf, type Tilt, tiltOf } from "../model/perspective.ts";
-import { brighter, exposure, intensities, unpacked, type Seen, type White } from "../model/seen.ts";
-import { answer, fields, text, viewIndex } from "./design.ts";
+import { brighter, exposure, intensities, unpacked, type Planes, type Seen, type White } from "../model/seen.ts";
+import { answer, fields, states, text, viewIndex } from "./design.ts";
 import { fileIds, sendAgain } from "./files.ts";
 import { BUSY, settled } from "./live.ts";
 
@@ -41,7 +41,7 @@ export const tilted = signal<Tilt | null>(null);
 export const isTilting = signal(false);
 export const whiteOfPage = signal<White>("perfect");
 /** The picture itself, for the screen beside the display. */
-export const source = signal<Uint16Array | null>(null);
+export const source = signal<Planes | null>(null);
 
 /** Direction of the eye. */
 export const tilt = computed<Tilt>(() => {
@@ -134,13 +134,15 @@ async function run(isResting: boolean): Promise<void> {
   isComputing.value = true;
   const request = wanted();
   const what = JSON.stringify(request);
-  const held = shown.value?.seen.head.held;
-  const isHeld = held !== undefined && heldFor === String(request.picture) && (holds.value || !isResting);
+  const head = shown.value?.seen.head;
+  const names = states.value.map(([name]) => name);
+  const canHold = head?.states.every((name) => names.includes(name)) && heldFor === String(request.picture);
+  const isHeld = canHold && (holds.value || !isResting);
   const lights = intensities(answer.value?.fields as never);
   abort = new AbortController();
   let wait = 0;
   try {
-    const seen = unpacked(await postForBytes("image", isHeld ? { ...request, held } : request, abort.signal));
+    const seen = unpacked(await postForBytes("image", isHeld ? { ...request, held: head?.held } : request, abort.signal));
     batch(() => {
       shown.value = { seen, lights, isFresh: !isHeld };
       if (seen.source) source.value = seen.source;

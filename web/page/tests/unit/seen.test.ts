@@ -50,7 +50,7 @@ test("bytes of the server are read, with the mean of each state", () => {
     [0, 0, 0],
     [0.1875, 0.1875, 0.1875],
   ]);
-  assert.equal(seen.source!.length, 9);
+  assert.equal(seen.source!.planes[0]!.length, 9);
   assert.equal(halfValues()[0x7bff], 65504);
   assert.equal(halfValues()[0x8001], -(2 ** -24));
 });
@@ -82,7 +82,7 @@ test("lamp that becomes brighter changes its own light", () => {
 test("screen in a room has its own light and what it reflects", () => {
   const seen = unpacked(response());
   const by = exposure(seen, [1, 1], 100 * Math.PI, "perfect");
-  const { factors, added } = onScreen(seen, seen.source!, by);
+  const { factors, added } = onScreen(by);
   // A perfect white has 100 cd/m2, the screen 300.
   close(factors, [3]);
   close(added, [0.039, 0.04, 0.03]);
