@@ -8,6 +8,7 @@
 //! | its white and black become those of the display in this light and view, and colours that no mixture of states has are mapped | `rendering.rs` |
 //! | a state for each pixel | `halftone.rs`, `masks.rs`, `search.rs`, [`papilio_imaging::halftone`] |
 //! | what the layers above the pixels make of them | `stack.rs`, [`picture`](crate::spatial::picture) |
+//! | each part of the panel in its own direction | `perspective.rs` |
 //! | how far that is from the picture | `differences.rs` |
 //! | the same picture in other light, light by light | `held.rs`, `light.rs` |
 //!
@@ -18,6 +19,7 @@ mod halftone;
 mod held;
 mod light;
 mod masks;
+mod perspective;
 mod rendering;
 mod search;
 mod stack;
@@ -33,6 +35,7 @@ pub use held::{Factors, HeldPicture, LightPicture};
 use papilio_colour::mapping::{Intent, MapSpace};
 use papilio_colour::{Adaptation, D65_WHITE, Xyz};
 use papilio_imaging::halftone::{DiffusionKernel, Scan};
+use perspective::Eye;
 use rendering::{Rendered, Rendering};
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -75,6 +78,8 @@ pub struct ImageSettings {
     pub states: Vec<String>,
     /// What lies beyond the borders.
     pub surround: PictureSurround,
+    /// Whether each part of the panel is seen in its own direction, by an eye at `viewer.distance_mm`; otherwise all of it in that of the view.
+    pub perspective: bool,
     /// Display in the light and view for which the states of the pixels are decided; `None`: those in which the picture is seen.
     pub prepared_for: Option<Box<Scene>>,
     /// State of each pixel by its number in `states`, instead of a halftone.
@@ -182,7 +187,10 @@ pub fn image(
         Adaptation::between(white, D65_WHITE).ok_or(DisplayError::NoWhite { what: "a picture" })?;
     let Seen { pixels: seen, error, neighbours_light } = match states.is_empty() {
         true => Seen { pixels: mapped.clone(), error: palette.error(), neighbours_light: false },
-        false => stack::seen(scene, size, &states, &palette, settings.surround, control)?,
+        false => match Eye::before(scene, size).filter(|_| settings.perspective) {
+            Some(eye) => eye.seen(scene, (size, &states), settings, control)?,
+            None => stack::seen(scene, size, &states, &palette, settings.surround, control)?,
+        },
     };
     stopped(control)?;
     let on_screen = match screen_white {

@@ -43,6 +43,10 @@ pub(super) fn seen(
     let is_glass = scene.display.index_above_pixel().max() > 1.0;
     let is_plain = scene.display.matrix.as_ref().is_some_and(|matrix| matrix.filter.is_none());
     if is_paper && is_glass && is_plain {
+        if surround == PictureSurround::BlackMask {
+            let what = "a black mask around pictures below a flat face".to_owned();
+            return Err(DisplayError::PlacesNotComputed { what, key: "image.surround".to_owned() });
+        }
         let flipped = states.chunks_exact(size[0]).rev().flatten();
         let shown =
             Picture { count: size, states: flipped.map(|state| numbers[usize::from(*state)]).collect() };

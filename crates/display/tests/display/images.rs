@@ -143,3 +143,31 @@ fn stripes_below_a_diffuser_are_sums_of_the_edge_spread() {
     let off = middle - edge - page("white") * lost;
     assert!(lost > 0.01 && off.abs() < 2e-3 * page("white"), "{middle} {edge} {lost}");
 }
+
+/// A uniform page before an eye at a distance: its corners and its middle have the colours of `run` in their own directions, and so has, within
+/// the stated error, a place between them.
+#[test]
+fn each_part_of_a_panel_is_seen_in_its_own_direction() {
+    let matrix = "[display.matrix]\npitch_um = 10000\npixels = [9, 13]\n";
+    let viewer = "[viewer]\ntheta_deg = 20\nfield_deg = 2\ndistance_mm = 400\n";
+    let display = scene(&[DIFFUSED, matrix, MIRROR, LIGHT, viewer]);
+    let source = SourceImage { columns: 9, pixels: vec![[0.95047, 1.0, 1.08883]; 9 * 13] };
+    let settings = ImageSettings { perspective: true, ..ImageSettings::default() };
+    let found = control(|control| image(&display, &source, &settings, ScreenWhite::Perfect, control));
+    assert_eq!(found.numbers.coverage.as_ref().unwrap().get("white"), Some(&1.0));
+    let eye = [400.0 * 20_f64.to_radians().sin(), 0.0, 400.0 * 20_f64.to_radians().cos()];
+    for [column, row] in [[4, 6], [0, 0], [8, 0], [8, 12], [2, 3]] {
+        let (x, y) = (10.0 * (column as f64 - 4.0), 10.0 * (6.0 - row as f64));
+        let (dx, dy) = (eye[0] - x, eye[1] - y);
+        let mut there = display.clone();
+        there.viewer.theta_deg = vec![dx.hypot(dy).atan2(eye[2]).to_degrees()];
+        there.viewer.phi_deg = vec![dy.atan2(dx).to_degrees()];
+        let page = crate::common::run(&there).unwrap().views[0].states.get("white").unwrap().value.Y;
+        let seen = f64::from(found.seen[row * 9 + column][1]);
+        let allowed = if [column, row] == [2, 3] { 2.0 * found.numbers.error } else { 1e-4 };
+        assert!((seen - page).abs() < allowed, "{column}, {row}: {seen} {page}");
+    }
+    let one = ImageSettings::default();
+    let flat = control(|control| image(&display, &source, &one, ScreenWhite::Perfect, control));
+    assert!(flat.seen.iter().all(|pixel| (pixel[1] - found.seen[6 * 9 + 4][1]).abs() < 1e-4));
+}

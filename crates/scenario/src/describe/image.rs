@@ -40,7 +40,10 @@ table! {
         /// The light for which the states of the pixels are decided: `"this"`, a preset, or a CIE illuminant as the spectrum of this light.
         /// A panel holds its picture while the light changes.
         prepared_for: String = "this".to_owned(),
-        /// What lies beyond the borders of the picture.
+        /// Whether the eye is at `viewer.distance_mm` from the middle of the panel and sees each part of it in its own direction (with
+        /// `display.matrix`), or all of it in the direction of the view.
+        perspective: bool = true,
+        /// What lies beyond the borders of the picture. Below a flat face that lights Lambertian pixels, it repeats.
         surround: ImageSurround = ImageSurround::Repeat,
     }
 }

@@ -107,6 +107,7 @@ fn settings(image: &Image, illuminance_lx: f64) -> ImageSettings {
             ImageSurround::Repeat => PictureSurround::Repeat,
             ImageSurround::BlackMask => PictureSurround::BlackMask,
         },
+        perspective: image.perspective.value,
         given: None,
         prepared_for: None,
     }
