@@ -2,7 +2,10 @@
 
 use std::path::Path;
 
-use papilio_display::image::{ImageResult, PictureDifferences, ScreenWhite};
+use papilio_display::DisplayError;
+use papilio_display::image::{
+    ImageNumbers, ImageResult, ImageSettings, PictureDifferences, ScreenWhite, image,
+};
 use papilio_display::palette::bytes;
 use papilio_formats::{TitledFile, write_file, write_indexed_png, write_rgb_png, write_scene_exr};
 use papilio_scenario::Resolved;
@@ -10,10 +13,11 @@ use serde::Serialize;
 
 use crate::arguments::{ImageCommand, RelativeTo};
 use crate::numbers::measured;
+use crate::palette::room;
 use crate::spatial::{SpatialOutput, show};
 use crate::{Failure, report};
 
-pub(crate) fn image(arguments: &ImageCommand) -> Result<(), Failure> {
+pub(crate) fn command(arguments: &ImageCommand) -> Result<(), Failure> {
     let resolved = arguments.command.scenario(arguments.picture_key())?.resolve_with_picture()?;
     let no_picture = || Failure::Input("the scenario names no picture".to_owned());
     let request = resolved.image.as_ref().ok_or_else(no_picture)?;
@@ -21,36 +25,110 @@ pub(crate) fn image(arguments: &ImageCommand) -> Result<(), Failure> {
         RelativeTo::White => ScreenWhite::Perfect,
         RelativeTo::Display => ScreenWhite::Display,
     };
+    let rooms = arguments.rooms.iter().map(|name| Ok((name, room(&arguments.command, &resolved, name)?)));
+    let rooms = rooms.collect::<Result<Vec<(&String, Resolved)>, Failure>>()?;
     show(&arguments.command, &resolved, |control| {
-        papilio_display::image::image(&resolved.scene, &request.source, &request.settings, white, control)
+        let here = image(&resolved.scene, &request.source, &request.settings, white, control)?;
+        // The panel holds its states while the light changes.
+        let given = (!here.states.is_empty()).then(|| here.states.clone());
+        let held = ImageSettings { given, ..request.settings.clone() };
+        let there = |(name, room): &(&String, Resolved)| {
+            Ok(((*name).clone(), image(&room.scene, &request.source, &held, white, control)?))
+        };
+        Ok(ImageOutput { rooms: rooms.iter().map(there).collect::<Result<_, DisplayError>>()?, here })
     })
 }
 
-impl SpatialOutput for ImageResult {
+/// A picture in the light of the scenario, and in other rooms.
+struct ImageOutput {
+    here: ImageResult,
+    rooms: Vec<(String, ImageResult)>,
+}
+
+/// image.json.
+#[derive(Serialize)]
+struct Numbers<'a> {
+    #[serde(flatten)]
+    here: &'a ImageNumbers,
+    /// The same picture in other rooms.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    rooms: Vec<RoomNumbers<'a>>,
+}
+
+/// Numbers of a picture in another room.
+#[derive(Serialize)]
+struct RoomNumbers<'a> {
+    room: &'a str,
+    #[serde(flatten)]
+    numbers: &'a ImageNumbers,
+}
+
+impl Serialize for ImageOutput {
+    fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let rooms = self.rooms.iter().map(|(room, one)| RoomNumbers { room, numbers: &one.numbers });
+        Numbers { here: &self.here.numbers, rooms: rooms.collect() }.serialize(serializer)
+    }
+}
+
+/// Columns between the pictures of several rooms.
+const BETWEEN: usize = 12;
+
+impl ImageOutput {
+    /// The pictures of all rooms side by side on white: number of columns, and the pixels.
+    fn side_by_side(&self) -> (usize, Vec<[u8; 3]>) {
+        let all: Vec<&ImageResult> =
+            std::iter::once(&self.here).chain(self.rooms.iter().map(|(_, room)| room)).collect();
+        let [columns, rows] = self.here.size;
+        let row = |row: usize| {
+            let parts = all.iter().map(|one| &one.srgb[row * columns..][..columns]);
+            parts.collect::<Vec<_>>().join(&[[255; 3]; BETWEEN][..])
+        };
+        (all.len() * (columns + BETWEEN) - BETWEEN, (0..rows).flat_map(row).collect())
+    }
+}
+
+impl SpatialOutput for ImageOutput {
     const JSON: &'static str = "image.json";
-    const FIGURES: &'static [&'static str] = &["seen", "states"];
+    const FIGURES: &'static [&'static str] = &["seen", "rooms", "states"];
 
     fn content<'a>(&'a self, resolved: &'a Resolved, title: &'a str) -> impl Serialize + 'a {
-        TitledFile { papilio: env!("CARGO_PKG_VERSION"), title, hash: &resolved.hash, result: &self.numbers }
+        TitledFile { papilio: env!("CARGO_PKG_VERSION"), title, hash: &resolved.hash, result: self }
     }
 
     fn table(&self, title: &str) -> String {
-        text(title, self)
+        let mut all = text(title, &self.here);
+        for (name, room) in &self.rooms {
+            let numbers = &room.numbers;
+            let rows = differences(numbers.against_source, numbers.against_mapped);
+            all.push_str(&format!("\nthe same states in the light of {name}\n{}", report::table(&rows)));
+        }
+        all
     }
 
     fn write_tables(&self, folder: &Path) -> Result<Vec<String>, Failure> {
-        let columns = self.size[0];
-        write_file(&folder.join("seen.png"), |out| write_rgb_png(out, columns, &self.srgb, false))?;
+        let ImageResult { size: [columns, _], states, palette, .. } = &self.here;
+        let mut names = Vec::new();
+        let mut png = |name: String, columns: usize, pixels: &[[u8; 3]]| {
+            let written = write_file(&folder.join(&name), |out| write_rgb_png(out, columns, pixels, false));
+            names.push(name);
+            written
+        };
+        png("seen.png".to_owned(), *columns, &self.here.srgb)?;
+        for (name, room) in &self.rooms {
+            png(format!("seen-{name}.png"), *columns, &room.srgb)?;
+        }
+        if !self.rooms.is_empty() {
+            let (columns, pixels) = self.side_by_side();
+            png("rooms.png".to_owned(), columns, &pixels)?;
+        }
         write_file(&folder.join("seen.exr"), |out| {
-            write_scene_exr(out, columns, &self.seen, Some(self.white_cd_m2))
+            write_scene_exr(out, *columns, &self.here.seen, Some(self.here.white_cd_m2))
         })?;
-        let mut names = vec!["seen.png".to_owned(), "seen.exr".to_owned()];
-        if !self.states.is_empty() {
-            let colours = self.palette.colours.iter();
+        names.push("seen.exr".to_owned());
+        if !states.is_empty() {
+            let colours = palette.colours.iter();
             let palette: Vec<[u8; 3]> = colours.map(|one| one.srgb.map_or([0; 3], bytes)).collect();
-            write_file(&folder.join("states.png"), |out| {
-                write_indexed_png(out, columns, &self.states, &palette)
-            })?;
+            write_file(&folder.join("states.png"), |out| write_indexed_png(out, *columns, states, &palette))?;
             names.push("states.png".to_owned());
         }
         Ok(names)
@@ -61,7 +139,7 @@ impl SpatialOutput for ImageResult {
     }
 
     fn warnings(&self) -> &[String] {
-        &self.numbers.warnings
+        &self.here.numbers.warnings
     }
 }
 

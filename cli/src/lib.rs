@@ -210,7 +210,7 @@ pub fn main(arguments: &[OsString]) -> u8 {
         Command::Serve(arguments) => serve::run(&arguments),
         Command::Validate(arguments) => validate::validate(&arguments),
         Command::Sparkle(arguments) => sparkle::sparkle(&arguments),
-        Command::Image(arguments) => image::image(&arguments),
+        Command::Image(arguments) => image::command(&arguments),
         Command::Palette(arguments) => palette::palette(&arguments),
         Command::Sweep(command) => sweep::sweep(&command),
         Command::Tolerance(arguments) => tolerance::run(&arguments),

@@ -26,7 +26,7 @@ pub(crate) fn palette(arguments: &PaletteCommand) -> Result<(), Failure> {
 }
 
 /// The scenario in the light of a preset, or in its own light with the spectrum of a CIE illuminant; in the same view.
-fn room(command: &SpatialCommand, resolved: &Resolved, name: &str) -> Result<Resolved, Failure> {
+pub(crate) fn room(command: &SpatialCommand, resolved: &Resolved, name: &str) -> Result<Resolved, Failure> {
     let light = match (preset_names().any(|known| known == name), illuminant_sheet(name)) {
         (true, _) => format!("lighting={{ preset = \"{name}\" }}"),
         (false, Ok(_)) => format!("lighting.spectrum=\"{name}\""),

@@ -73,7 +73,8 @@ pub(crate) enum Command {
     /// Show a picture on the display: what the reader sees in this light, and what to send to the panel
     #[command(after_help = "Examples:\n  \
                       papilio image scenarios/six-ink.toml photograph.jpg\n  \
-                      papilio image scenarios/six-ink.toml photograph.jpg --set lighting.spectrum=D65 --set image.kernel=stucki\n\n\
+                      papilio image scenarios/six-ink.toml photograph.jpg --set lighting.spectrum=D65 --set image.kernel=stucki\n  \
+                      papilio image scenarios/page.toml --rooms office,daylight\n\n\
                       It writes seen.png and seen.exr, what the reader sees; states.png, the state of each pixel; and image.json. \
                       docs/image.md describes them.")]
     Image(ImageCommand),
@@ -297,6 +298,9 @@ pub(crate) struct ImageCommand {
     /// What is white in seen.png
     #[arg(long, value_enum, value_name = "WHITE", default_value = "white")]
     pub(crate) relative_to: RelativeTo,
+    /// Also show what the panel holds in the light of these presets, or with the spectra of these CIE illuminants; the view remains
+    #[arg(long, value_name = "NAME,...", value_delimiter = ',')]
+    pub(crate) rooms: Vec<String>,
 }
 
 impl ImageCommand {

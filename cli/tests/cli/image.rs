@@ -198,3 +198,42 @@ fn wrong_input_is_answered() {
     let none = image(&scenario("epaper"), &[]);
     assert!(stderr(&none).contains("papilio image SCENARIO PICTURE"), "{}", stderr(&none));
 }
+
+/// The panel holds its states: in other rooms they are the same, and each room has a picture of its own. States that are decided for another
+/// light are those of a display in that light.
+#[test]
+fn states_are_held_while_the_light_changes() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = picture(folder.path(), &[[200, 150, 125], [20, 60, 200], [255, 250, 240]]);
+    let file = file.to_str().unwrap();
+    let run = |name: &str, more: &[&str]| {
+        let out = folder.path().join(name);
+        let output = image(&scenario("six-ink"), &[&[file, "--out", out.to_str().unwrap()], more].concat());
+        assert!(output.status.success(), "{}", stderr(&output));
+        let read = |name: &str| fs::read(out.join(name)).unwrap();
+        let numbers: Value = serde_json::from_slice(&read("image.json")).unwrap();
+        (numbers, read("states.png"), names(&out))
+    };
+    let (here, states, files) = run("here", &["--rooms", "D65,office"]);
+    let expected =
+        ["image.json", "rooms.png", "seen-D65.png", "seen-office.png", "seen.exr", "seen.png", "states.png"];
+    assert_eq!(files, expected);
+    let there = &here["rooms"];
+    assert_eq!((there[0]["room"].as_str(), &there[0]["coverage"]), (Some("D65"), &here["coverage"]));
+    assert_ne!(there[0]["mean_XYZ"], here["mean_XYZ"]);
+    // In daylight, with states for the lamp: what the room says. With states for daylight: as if decided there.
+    let (held, of_lamp, _) =
+        run("held", &["--set", "lighting.spectrum=D65", "--set", "image.prepared_for=LED-B1"]);
+    assert_eq!(held["mean_XYZ"], there[0]["mean_XYZ"]);
+    let (own, _, _) = run("own", &["--set", "lighting.spectrum=D65"]);
+    assert_ne!(own["coverage"], held["coverage"]);
+    let (fits, wrong) = (&own["against_mapped"], &held["against_mapped"]);
+    let mean = |one: &Value| one["scielab_mean"].as_f64().unwrap();
+    assert!(mean(fits) < mean(wrong), "{fits} {wrong}");
+    // The same indices; the colours of the palette in the file are those of the light.
+    let indices = |file: &[u8]| file[file.windows(4).position(|name| name == b"IDAT").unwrap()..].to_vec();
+    assert_eq!(indices(&states), indices(&of_lamp));
+    let output = image(&scenario("six-ink"), &[file, "--set", "image.prepared_for=moonlight"]);
+    let answer = stderr(&output);
+    assert!(answer.contains("no preset and no illuminant named `moonlight`"), "{answer}");
+}

@@ -2,12 +2,13 @@
 //!
 //! Nothing public here is generic, so that the transforms, which are large, are compiled in this crate alone.
 
+mod mirrored;
 mod states;
 
 use std::sync::Arc;
 
+pub use mirrored::{Separable, filtered};
 use num_complex::Complex64;
-use rustdct::{DctPlanner, TransformType2And3};
 use rustfft::{Fft, FftPlanner};
 pub use states::{KernelShapes, StatePicture};
 
@@ -67,52 +68,6 @@ impl Circle {
     /// Replaces values by orders times the number of steps.
     pub fn orders(&mut self, values: &mut [Complex64]) {
         self.to_orders.process_with_scratch(values, &mut self.scratch);
-    }
-}
-
-/// Multiplies the spatial spectrum of a plane by a real transfer function of the frequencies along x and y, cycles per
-/// pixel (0 to 0.5). Beyond its borders the plane continues as its mirror image.
-///
-/// The cosine transform of type II is the spectrum of such a plane, so that nothing wraps around.
-pub fn transferred(plane: &[f64], columns: usize, transfer: &dyn Fn(f64, f64) -> f64) -> Vec<f64> {
-    let rows = plane.len() / columns;
-    let mut planner = DctPlanner::new();
-    let (along_x, along_y) = (planner.plan_dct2(columns), planner.plan_dct2(rows));
-    let mut spectrum = plane.to_vec();
-    each_row(&mut spectrum, columns, &along_x, Direction::Forward);
-    let mut spectrum = transposed(&spectrum, columns);
-    each_row(&mut spectrum, rows, &along_y, Direction::Forward);
-    // Each transform and its inverse together multiply by half of the length.
-    let scale = 4.0 / (columns * rows) as f64;
-    for (column, values) in spectrum.chunks_exact_mut(rows).enumerate() {
-        let x = column as f64 / (2 * columns) as f64;
-        for (row, value) in values.iter_mut().enumerate() {
-            *value *= scale * transfer(x, row as f64 / (2 * rows) as f64);
-        }
-    }
-    each_row(&mut spectrum, rows, &along_y, Direction::Back);
-    let mut plane = transposed(&spectrum, rows);
-    each_row(&mut plane, columns, &along_x, Direction::Back);
-    plane
-}
-
-enum Direction {
-    Forward,
-    Back,
-}
-
-fn each_row(
-    plane: &mut [f64],
-    columns: usize,
-    plan: &Arc<dyn TransformType2And3<f64>>,
-    direction: Direction,
-) {
-    let mut scratch = vec![0.0; plan.get_scratch_len()];
-    for row in plane.chunks_exact_mut(columns) {
-        match direction {
-            Direction::Forward => plan.process_dct2_with_scratch(row, &mut scratch),
-            Direction::Back => plan.process_dct3_with_scratch(row, &mut scratch),
-        }
     }
 }
 

@@ -12,31 +12,35 @@
 //!
 //! **Source.** Andersson, Nilsson, Akenine-Möller, Oskarsson, Åström, Fairchild, *FLIP: a difference evaluator for
 //! alternating images*, Proc. ACM Comput. Graph. Interact. Tech. 3(2), 15 (2020). Results agree with the authors' program
-//! `flip-evaluator` 1.7, which computes in single precision, to 1e-4.
+//! `flip-evaluator` 1.7, to 1e-4; both compute in single precision.
 
+use std::f32::consts::FRAC_1_SQRT_2;
 use std::f64::consts::PI;
 
-use super::filter::convolved;
-use super::{Picture, xyz};
-use crate::{ColourError, Lab, Xyz};
+use super::Picture;
+use super::filter::Kernel;
+use crate::ColourError;
 
 /// Pixels per degree that the source assumes: 3840 pixels on 0.7 m, seen from 0.7 m.
 pub const FLIP_PIXELS_PER_DEGREE: f64 = 67.020_643_276_582_25;
 
 /// Matrix from linear sRGB to X, Y, Z, from the chromaticities of its primaries; its rows sum to [`WHITE`].
-const RGB_TO_XYZ: [[f64; 3]; 3] = [
+#[allow(clippy::excessive_precision, reason = "the digits of the source")]
+const RGB_TO_XYZ: [[f32; 3]; 3] = [
     [10_135_552.0 / 24_577_794.0, 8_788_810.0 / 24_577_794.0, 4_435_075.0 / 24_577_794.0],
     [2_613_072.0 / 12_288_897.0, 8_788_810.0 / 12_288_897.0, 887_015.0 / 12_288_897.0],
     [1_425_312.0 / 73_733_382.0, 8_788_810.0 / 73_733_382.0, 70_074_185.0 / 73_733_382.0],
 ];
 /// Its inverse.
-const XYZ_TO_RGB: [[f64; 3]; 3] = [
+#[allow(clippy::excessive_precision, reason = "the digits of the source")]
+const XYZ_TO_RGB: [[f32; 3]; 3] = [
     [3.241_003_275, -1.537_398_934, -0.498_615_861],
     [-0.969_224_334, 1.875_930_071, 0.041_554_224],
     [0.055_639_423, -0.204_011_202, 1.057_148_933],
 ];
 /// The white of sRGB.
-const WHITE: Xyz = Xyz { x: 0.950_428_545_4, y: 1.0, z: 1.088_900_371 };
+#[allow(clippy::excessive_precision, reason = "the digits of the source")]
+const WHITE: [f32; 3] = [0.950_428_55, 1.0, 1.088_900_4];
 
 /// The Gaussians of the contrast sensitivity to lightness, red-green and blue-yellow: `a sqrt(pi/b) exp(-(pi r)²/b)`, with
 /// the amplitude a and b in square degrees.
@@ -45,77 +49,116 @@ const SENSITIVITY: [&[(f64, f64)]; 3] = [&[(1.0, 0.0047)], &[(1.0, 0.0053)], &[(
 const WIDEST: f64 = 0.04;
 
 /// Exponent of the colour difference.
-const COLOUR_EXPONENT: f64 = 0.7;
+const COLOUR_EXPONENT: f32 = 0.7;
 /// This part of the largest colour difference is mapped to [`COMPRESSED`].
-const COMPRESSED_FROM: f64 = 0.4;
-const COMPRESSED: f64 = 0.95;
-/// Exponent of the difference of features.
-const FEATURE_EXPONENT: f64 = 0.5;
+const COMPRESSED_FROM: f32 = 0.4;
+const COMPRESSED: f32 = 0.95;
 /// Width of a feature, degrees.
 const FEATURE_DEG: f64 = 0.082;
 
-/// Computes the difference of each pixel, 0 to 1.
-///
-/// Both pictures are linear sRGB. `pixels_per_degree`: of the visual angle, in the middle of the picture.
-///
-/// # Errors
-///
-/// [`ColourError::PictureSizes`] if the sizes differ.
-pub fn flip([one, other]: [&Picture; 2], pixels_per_degree: f64) -> Result<Vec<f64>, ColourError> {
-    one.require_same_size(other)?;
-    let opponents = [one, other]
-        .map(|picture| picture.clone().map(|rgb| opponent(to_xyz(rgb.map(|value| value.clamp(0.0, 1.0))))));
-    let most = largest_colour_difference();
-    let [colours, other_colours] = opponents.each_ref().map(|picture| seen(picture, pixels_per_degree));
-    let [features, other_features] = opponents.each_ref().map(|picture| features(picture, pixels_per_degree));
-    let colour =
-        colours.into_iter().zip(other_colours).map(|(one, other)| compressed(hyab(one, other), most));
-    let feature = features.into_iter().zip(other_features).map(|(one, other)| {
-        let [edge, point] = [0, 1].map(|k| (one[k] - other[k]).abs());
-        (edge.max(point) / 2.0_f64.sqrt()).powf(FEATURE_EXPONENT)
-    });
-    Ok(colour.zip(feature).map(|(colour, feature)| colour.powf(1.0 - feature)).collect())
+/// A picture as FLIP sees it, to be compared with others.
+pub struct FlipPicture {
+    size: [usize; 2],
+    /// Lightness and chroma of each pixel after the eye's blur.
+    colours: Vec<[f32; 3]>,
+    /// Strength of the edge and the point at each pixel.
+    features: Vec<[f32; 2]>,
 }
 
-fn to_xyz([r, g, b]: [f64; 3]) -> Xyz {
-    xyz(RGB_TO_XYZ.map(|[x, y, z]| x * r + y * g + z * b))
+impl FlipPicture {
+    /// Computes what is seen of a picture in linear sRGB. `pixels_per_degree`: of the visual angle, in the middle of the picture.
+    pub fn new(picture: &Picture, pixels_per_degree: f64) -> Self {
+        let (columns, count) = (picture.columns(), picture.planes[0].len());
+        let mut planes = [0; 3].map(|_| Vec::with_capacity(count));
+        for rgb in picture.pixels() {
+            let values = opponent(to_xyz(rgb.map(|value| value.clamp(0.0, 1.0) as f32)));
+            planes.iter_mut().zip(values).for_each(|(plane, value)| plane.push(value));
+        }
+        let features = features(&planes[0], columns, pixels_per_degree);
+        Self { size: [columns, picture.rows()], colours: seen(planes, columns, pixels_per_degree), features }
+    }
+
+    /// Computes the difference of each pixel, 0 to 1.
+    ///
+    /// # Errors
+    ///
+    /// [`ColourError::PictureSizes`] if the sizes differ.
+    pub fn differences(&self, other: &Self) -> Result<Vec<f32>, ColourError> {
+        if self.size != other.size {
+            return Err(ColourError::PictureSizes { one: self.size, other: other.size });
+        }
+        let most = largest_colour_difference();
+        let colours = self.colours.iter().zip(&other.colours);
+        let features = self.features.iter().zip(&other.features);
+        let mut differences = Vec::with_capacity(self.colours.len());
+        for ((one, other), (feature, far)) in colours.zip(features) {
+            if one == other {
+                differences.push(0.0);
+                continue;
+            }
+            let strength = (feature[0] - far[0]).abs().max((feature[1] - far[1]).abs());
+            // The exponent of the difference of features is a half.
+            let feature = (strength * FRAC_1_SQRT_2).sqrt();
+            differences.push(compressed(hyab(*one, *other), most).powf(1.0 - feature));
+        }
+        Ok(differences)
+    }
 }
 
-/// CIELAB without its cube roots: linear in light, so that it can be filtered.
-fn opponent(colour: Xyz) -> [f64; 3] {
-    let [x, y, z] = [colour.x / WHITE.x, colour.y / WHITE.y, colour.z / WHITE.z];
-    [116.0 * y - 16.0, 500.0 * (x - y), 200.0 * (y - z)]
+fn times(matrix: &[[f32; 3]; 3], [a, b, c]: [f32; 3]) -> [f32; 3] {
+    matrix.map(|[x, y, z]| x * a + y * b + z * c)
 }
 
-fn from_opponent([lightness, red_green, blue_yellow]: [f64; 3]) -> Xyz {
-    let y = (lightness + 16.0) / 116.0;
-    Xyz { x: WHITE.x * (y + red_green / 500.0), y: WHITE.y * y, z: WHITE.z * (y - blue_yellow / 200.0) }
+/// X, Y and Z relative to the white.
+fn to_xyz(rgb: [f32; 3]) -> [f32; 3] {
+    let [x, y, z] = times(&RGB_TO_XYZ, rgb);
+    [x / WHITE[0], y, z / WHITE[2]]
+}
+
+/// CIELAB without its cube roots: linear in light, so that it can be filtered. Lightness is on a scale of 0 to 1.
+fn opponent([x, y, z]: [f32; 3]) -> [f32; 3] {
+    [y, 500.0 * (x - y), 200.0 * (y - z)]
+}
+
+fn from_opponent([y, red_green, blue_yellow]: [f32; 3]) -> [f32; 3] {
+    [WHITE[0] * (y + red_green / 500.0), y, WHITE[2] * (y - blue_yellow / 200.0)]
+}
+
+/// Cube root of a normal positive number, within 3e-7 of it: a third of its exponent, and two steps of Halley's method.
+fn cube_root(value: f32) -> f32 {
+    let first = f32::from_bits(value.to_bits() / 3 + 709_958_130);
+    (0..2).fold(first, |root, _| {
+        let cube = root * root * root;
+        root * (cube + 2.0 * value) / (2.0 * cube + value)
+    })
 }
 
 /// CIELAB with less chroma in dark colours.
-fn hunt_adjusted(colour: Xyz) -> Lab {
-    let root = |ratio: f64| {
-        const DELTA: f64 = 6.0 / 29.0;
-        if ratio > DELTA.powi(3) { ratio.cbrt() } else { ratio / (3.0 * DELTA * DELTA) + 4.0 / 29.0 }
+fn hunt_adjusted(xyz: [f32; 3]) -> [f32; 3] {
+    let root = |ratio: f32| {
+        const DELTA: f32 = 6.0 / 29.0;
+        let straight = ratio / (3.0 * DELTA * DELTA) + 4.0 / 29.0;
+        if ratio > DELTA * DELTA * DELTA { cube_root(ratio) } else { straight }
     };
-    let [x, y, z] = [colour.x / WHITE.x, colour.y / WHITE.y, colour.z / WHITE.z].map(root);
+    let [x, y, z] = xyz.map(root);
     let l = 116.0 * y - 16.0;
-    Lab { l, a: 0.01 * l * 500.0 * (x - y), b: 0.01 * l * 200.0 * (y - z) }
+    [l, 0.01 * l * 500.0 * (x - y), 0.01 * l * 200.0 * (y - z)]
 }
 
 /// Difference of lightness plus distance in chroma, to the power of [`COLOUR_EXPONENT`].
-fn hyab(one: Lab, other: Lab) -> f64 {
-    ((one.l - other.l).abs() + (one.a - other.a).hypot(one.b - other.b)).powf(COLOUR_EXPONENT)
+fn hyab(one: [f32; 3], other: [f32; 3]) -> f32 {
+    let [l, a, b] = [0, 1, 2].map(|k| one[k] - other[k]);
+    (l.abs() + (a * a + b * b).sqrt()).powf(COLOUR_EXPONENT)
 }
 
 /// That of the green and the blue primary.
-fn largest_colour_difference() -> f64 {
+fn largest_colour_difference() -> f32 {
     let [green, blue] = [[0.0, 1.0, 0.0], [0.0, 0.0, 1.0]].map(|rgb| hunt_adjusted(to_xyz(rgb)));
     hyab(green, blue)
 }
 
 /// Maps 0 to `most` to 0 to 1, in two straight lines: large differences are compressed.
-fn compressed(difference: f64, most: f64) -> f64 {
+fn compressed(difference: f32, most: f32) -> f32 {
     let bend = COMPRESSED_FROM * most;
     if difference < bend {
         COMPRESSED / bend * difference
@@ -125,71 +168,85 @@ fn compressed(difference: f64, most: f64) -> f64 {
 }
 
 /// The colours of a picture after the eye's blur.
-fn seen(opponent: &Picture, pixels_per_degree: f64) -> Vec<Lab> {
+fn seen(planes: [Vec<f32>; 3], columns: usize, pixels_per_degree: f64) -> Vec<[f32; 3]> {
     let radius = (3.0 * (WIDEST / (2.0 * PI * PI)).sqrt() * pixels_per_degree).ceil();
-    let planes = [0, 1, 2]
-        .map(|k| blurred(&opponent.planes[k], opponent.columns, SENSITIVITY[k], radius, pixels_per_degree));
-    let filtered = Picture { columns: opponent.columns, planes };
-    let labs = filtered.pixels().map(|pixel| {
-        let colour = from_opponent(pixel);
-        let rgb = XYZ_TO_RGB.map(|[x, y, z]| x * colour.x + y * colour.y + z * colour.z);
-        hunt_adjusted(to_xyz(rgb.map(|value| value.clamp(0.0, 1.0))))
+    let mut gaussians = SENSITIVITY.iter();
+    let [l, a, b] = planes.map(|plane| {
+        blurred(plane, columns, gaussians.next().unwrap_or(&SENSITIVITY[2]), radius, pixels_per_degree)
     });
-    labs.collect()
+    let colour = |((l, a), b): ((f32, f32), f32)| {
+        let rgb = times(&XYZ_TO_RGB, from_opponent([l, a, b]));
+        hunt_adjusted(to_xyz(rgb.map(|value| value.clamp(0.0, 1.0))))
+    };
+    l.into_iter().zip(a).zip(b).map(colour).collect()
 }
 
 /// Filters a plane by a sum of Gaussians, normalised to the sum of its samples.
 fn blurred(
-    plane: &[f64],
+    plane: Vec<f32>,
     columns: usize,
     gaussians: &[(f64, f64)],
     radius: f64,
     pixels_per_degree: f64,
-) -> Vec<f64> {
+) -> Vec<f32> {
     let terms: Vec<(f64, Vec<f64>)> = gaussians
         .iter()
         .map(|(amplitude, b)| {
             let kernel = samples(radius, |pixel| (-(PI * pixel / pixels_per_degree).powi(2) / b).exp());
-            (amplitude * (PI / b).sqrt(), kernel)
+            let sum = both_sides(&kernel);
+            let kernel = kernel.into_iter().map(|weight| weight / sum).collect();
+            (amplitude * (PI / b).sqrt() * sum.powi(2), kernel)
         })
         .collect();
-    let total: f64 = terms.iter().map(|(scale, kernel)| scale * kernel.iter().sum::<f64>().powi(2)).sum();
-    let mut result = vec![0.0; plane.len()];
-    for (scale, kernel) in terms {
-        let part = convolved(plane, columns, &kernel, &kernel);
-        result.iter_mut().zip(part).for_each(|(sum, value)| *sum += scale / total * value);
+    let total: f64 = terms.iter().map(|(scale, _)| scale).sum();
+    let mut result = vec![0.0; if terms.len() > 1 { plane.len() } else { 0 }];
+    for (scale, kernel) in &terms {
+        let kernel = Kernel::even(kernel);
+        let part = kernel.along_columns(&kernel.along_rows(&plane, columns), columns);
+        if terms.len() == 1 {
+            return part;
+        }
+        let scale = (scale / total) as f32;
+        result.iter_mut().zip(part).for_each(|(sum, value)| *sum += scale * value);
     }
     result
 }
 
+/// Values at distances of 0, 1, ... pixels.
 fn samples(radius: f64, function: impl Fn(f64) -> f64) -> Vec<f64> {
-    let radius = radius as i32;
-    (-radius..=radius).map(|pixel| function(f64::from(pixel))).collect()
+    (0..=radius as i32).map(|pixel| function(f64::from(pixel))).collect()
+}
+
+/// Sum of the weights on both sides.
+fn both_sides(weights: &[f64]) -> f64 {
+    weights[0] + 2.0 * weights[1..].iter().sum::<f64>()
 }
 
 /// Strength of edges and points at each pixel, from lightness on a scale of 0 to 1.
-fn features(opponent: &Picture, pixels_per_degree: f64) -> Vec<[f64; 2]> {
-    let lightness: Vec<f64> = opponent.planes[0].iter().map(|value| (value + 16.0) / 116.0).collect();
+fn features(lightness: &[f32], columns: usize, pixels_per_degree: f64) -> Vec<[f32; 2]> {
     let sigma = 0.5 * FEATURE_DEG * pixels_per_degree;
     let radius = (3.0 * sigma).ceil();
     let gaussian = |pixel: f64| (-0.5 * (pixel / sigma).powi(2)).exp();
-    let total: f64 = samples(radius, gaussian).iter().sum();
-    let smooth = samples(radius, |pixel| gaussian(pixel) / total);
-    let edge = balanced(samples(radius, |pixel| -pixel * gaussian(pixel)));
-    let point = balanced(samples(radius, |pixel| ((pixel / sigma).powi(2) - 1.0) * gaussian(pixel)));
+    let smooth = samples(radius, gaussian);
+    let total = both_sides(&smooth);
+    let smooth = Kernel::even(&smooth.iter().map(|weight| weight / total).collect::<Vec<_>>());
+    // The positive weights of a kernel have a sum of 1, the negative ones -1.
+    let edge = samples(radius, |pixel| -pixel * gaussian(pixel));
+    let total = -edge.iter().sum::<f64>();
+    let edge = Kernel::odd(&edge.iter().map(|weight| weight / total).collect::<Vec<_>>());
+    let point = samples(radius, |pixel| ((pixel / sigma).powi(2) - 1.0) * gaussian(pixel));
+    let half =
+        |sign: f64| both_sides(&point.iter().map(|weight| (sign * weight).max(0.0)).collect::<Vec<_>>());
+    let [positive, negative] = [half(1.0), half(-1.0)];
+    let scaled = |weight: &f64| weight / if *weight > 0.0 { positive } else { negative };
+    let point = Kernel::even(&point.iter().map(scaled).collect::<Vec<_>>());
+    let along_y = smooth.along_rows(lightness, columns);
     let [edges, points] = [edge, point].map(|kernel| {
-        let along_x = convolved(&lightness, opponent.columns, &kernel, &smooth);
-        let along_y = convolved(&lightness, opponent.columns, &smooth, &kernel);
-        along_x.into_iter().zip(along_y).map(|(x, y)| x.hypot(y)).collect::<Vec<_>>()
+        let x = smooth.along_columns(&kernel.along_rows(lightness, columns), columns);
+        let y = kernel.along_columns(&along_y, columns);
+        x.into_iter().zip(y).map(|(x, y)| (x * x + y * y).sqrt()).collect::<Vec<_>>()
     });
     edges.into_iter().zip(points).map(|(edge, point)| [edge, point]).collect()
-}
-
-/// Scales the positive weights of a kernel to a sum of 1, and the negative ones to -1.
-fn balanced(kernel: Vec<f64>) -> Vec<f64> {
-    let positive: f64 = kernel.iter().filter(|weight| **weight > 0.0).sum();
-    let negative: f64 = -kernel.iter().filter(|weight| **weight < 0.0).sum::<f64>();
-    kernel.into_iter().map(|weight| weight / if weight > 0.0 { positive } else { negative }).collect()
 }
 
 #[cfg(test)]
@@ -198,6 +255,11 @@ mod tests {
 
     fn uniform(rgb: [f64; 3]) -> Picture {
         Picture::new(64, rgb.map(|value| vec![value; 64 * 64])).unwrap()
+    }
+
+    fn flip(pictures: [&Picture; 2], pixels_per_degree: f64) -> Result<Vec<f64>, ColourError> {
+        let [one, other] = pictures.map(|picture| FlipPicture::new(picture, pixels_per_degree));
+        Ok(one.differences(&other)?.into_iter().map(f64::from).collect())
     }
 
     fn mean(values: &[f64]) -> f64 {

@@ -1,8 +1,9 @@
 //! Pictures, and how much two of them differ for a reader at a distance.
 //!
 //! - [`Picture`]: three values for each pixel.
-//! - [`scielab`]: colour differences of two pictures after the eye's blur (S-CIELAB, Zhang and Wandell 1996).
-//! - [`flip`]: the difference that is noticed when two pictures alternate (FLIP, Andersson and others 2020).
+//! - [`Picture::into_lab`] and [`Picture::delta_e_2000`]: colour differences of the pixels.
+//! - [`scielab`]: colours after the eye's blur, whose differences are those of S-CIELAB (Zhang and Wandell 1996).
+//! - [`FlipPicture`]: the difference that is noticed when two pictures alternate (FLIP, Andersson and others 2020).
 //!
 //! Both compare pictures **in the same light**, such as what a display shows with what it should show.
 //!
@@ -10,12 +11,13 @@
 
 mod filter;
 mod flip;
+mod lab;
 mod scielab;
 
-pub use flip::{FLIP_PIXELS_PER_DEGREE, flip};
+pub use flip::{FLIP_PIXELS_PER_DEGREE, FlipPicture};
 pub use scielab::{scielab, scielab_transfer};
 
-use crate::{ColourError, Xyz};
+use crate::ColourError;
 
 /// Three values for each pixel, such as X, Y and Z or linear sRGB. Rows begin at the top, pixels of a row at the left.
 #[derive(Debug, Clone, PartialEq)]
@@ -57,17 +59,16 @@ impl Picture {
 
     /// Iterates over the three values of each pixel.
     pub fn pixels(&self) -> impl Iterator<Item = [f64; 3]> + '_ {
-        (0..self.planes[0].len()).map(|pixel| [0, 1, 2].map(|k| self.planes[k][pixel]))
+        let [one, two, three] = &self.planes;
+        one.iter().zip(two).zip(three).map(|((one, two), three)| [*one, *two, *three])
     }
 
     /// Replaces the values of each pixel.
-    #[must_use]
-    pub fn map(mut self, change: impl Fn([f64; 3]) -> [f64; 3]) -> Self {
-        for pixel in 0..self.planes[0].len() {
-            let values = change([0, 1, 2].map(|k| self.planes[k][pixel]));
-            (0..3).for_each(|k| self.planes[k][pixel] = values[k]);
+    fn change(&mut self, change: impl Fn([f64; 3]) -> [f64; 3]) {
+        let [one, two, three] = &mut self.planes;
+        for ((one, two), three) in one.iter_mut().zip(two).zip(three) {
+            [*one, *two, *three] = change([*one, *two, *three]);
         }
-        self
     }
 
     /// Checks that another picture has the same columns and rows.
@@ -75,11 +76,6 @@ impl Picture {
         let [one, other] = [self, other].map(|picture| [picture.columns(), picture.rows()]);
         if one == other { Ok(()) } else { Err(ColourError::PictureSizes { one, other }) }
     }
-}
-
-/// The colour of a pixel whose values are X, Y and Z.
-fn xyz([x, y, z]: [f64; 3]) -> Xyz {
-    Xyz { x, y, z }
 }
 
 /// Computes the number of pixels in one degree of the visual angle, in the middle of a picture.

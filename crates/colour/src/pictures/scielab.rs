@@ -16,13 +16,14 @@
 
 use std::f64::consts::{LN_2, PI};
 
-use papilio_fourier::transferred;
+use papilio_fourier::{Separable, filtered};
 
-use super::{Picture, xyz};
-use crate::{ColourError, Lab, Xyz};
+use super::Picture;
+use crate::matrix::{Matrix, inverse, times};
+use crate::{ColourError, Xyz};
 
 /// Matrix from X, Y, Z to the opponent colours: luminance, red-green, blue-yellow.
-const OPPONENT: [[f64; 3]; 3] = [
+const OPPONENT: Matrix = [
     [0.278_733_6, 0.721_803_1, -0.106_552_0],
     [-0.448_773_6, 0.289_805_6, 0.077_156_9],
     [0.085_951_3, -0.589_985_9, 0.501_108_9],
@@ -36,67 +37,84 @@ const FILTERS: [&[(f64, f64)]; 3] = [
     &[(0.092, 0.567_885), (0.6451, 0.432_115)],
 ];
 
+/// Transfer function of a Gaussian.
+fn gaussian(cycles_per_degree: f64, width_deg: f64) -> f64 {
+    (-(PI * cycles_per_degree * width_deg).powi(2) / (4.0 * LN_2)).exp()
+}
+
 /// Transfer functions of luminance, red-green and blue-yellow at a spatial frequency, cycles per degree; 1 at 0.
 pub fn scielab_transfer(cycles_per_degree: f64) -> [f64; 3] {
     FILTERS.map(|filter| {
-        let gaussian = |width: f64| (-(PI * cycles_per_degree * width).powi(2) / (4.0 * LN_2)).exp();
         let total: f64 = filter.iter().map(|(_, weight)| weight).sum();
-        filter.iter().map(|(width, weight)| weight * gaussian(*width)).sum::<f64>() / total
+        filter.iter().map(|(width, weight)| weight * gaussian(cycles_per_degree, *width)).sum::<f64>() / total
     })
 }
 
-/// Computes the colour difference of each pixel after the eye's blur.
+/// Computes CIELAB of each pixel after the eye's blur; the colour differences of such pictures are those of S-CIELAB.
 ///
-/// Both pictures have X, Y, Z on the scale of `white`. `difference`: [`Lab::delta_e_1976`], as in the source, or
-/// [`Lab::delta_e_2000`].
+/// All pictures have X, Y, Z on the scale of `white`. The source takes [`delta_e_1976`](crate::Lab::delta_e_1976).
 ///
 /// # Errors
 ///
 /// [`ColourError::PictureSizes`] if the sizes differ; [`ColourError::NoWhite`] unless all values of the white are positive.
-pub fn scielab(
-    [one, other]: [&Picture; 2],
+pub fn scielab<const N: usize>(
+    mut pictures: [Picture; N],
     white: Xyz,
     pixels_per_degree: f64,
-    difference: impl Fn(Lab, Lab) -> f64,
-) -> Result<Vec<f64>, ColourError> {
-    one.require_same_size(other)?;
-    let labs = |picture: &Picture| -> Result<Vec<Lab>, ColourError> {
-        let seen = blurred(picture, pixels_per_degree);
-        seen.pixels().map(|pixel| xyz(pixel).lab(white).ok_or(ColourError::NoWhite)).collect()
-    };
-    Ok(labs(one)?.into_iter().zip(labs(other)?).map(|(one, other)| difference(one, other)).collect())
-}
-
-/// The picture (X, Y, Z) as the eye blurs it.
-fn blurred(picture: &Picture, pixels_per_degree: f64) -> Picture {
-    let opponent = picture.clone().map(|pixel| times(&OPPONENT, pixel));
-    let planes = [0, 1, 2].map(|k| {
-        transferred(&opponent.planes[k], opponent.columns, &|x, y| {
-            scielab_transfer(x.hypot(y) * pixels_per_degree)[k]
-        })
-    });
+) -> Result<[Picture; N], ColourError> {
+    white.lab(white).ok_or(ColourError::NoWhite)?;
+    let Some(first) = pictures.first() else { return Ok(pictures) };
+    pictures.iter().try_for_each(|picture| first.require_same_size(picture))?;
+    let (columns, rows) = (first.columns(), first.rows());
+    pictures.iter_mut().for_each(|picture| picture.change(|pixel| times(&OPPONENT, pixel)));
+    let transfers = [0, 1, 2].map(|k| terms(FILTERS[k], [columns, rows], pixels_per_degree));
+    let mut planes: Vec<(usize, &mut [f64])> = Vec::with_capacity(3 * N);
+    for picture in &mut pictures {
+        planes.extend(picture.planes.iter_mut().map(Vec::as_mut_slice).enumerate());
+    }
+    for pair in planes.chunks_mut(2) {
+        match pair {
+            [(k, one), (l, other)] => filtered([one, other], columns, [&transfers[*k], &transfers[*l]]),
+            [(k, one)] => filtered([one, &mut []], columns, [&transfers[*k], &[]]),
+            _ => {}
+        }
+    }
     let back = inverse(&OPPONENT);
-    Picture { planes, ..opponent }.map(|pixel| times(&back, pixel))
+    pictures.iter_mut().for_each(|picture| picture.change(|pixel| times(&back, pixel)));
+    pictures.iter_mut().for_each(|picture| picture.change_to_lab(white));
+    Ok(pictures)
 }
 
-fn times(matrix: &[[f64; 3]; 3], [a, b, c]: [f64; 3]) -> [f64; 3] {
-    matrix.map(|[x, y, z]| x * a + y * b + z * c)
-}
-
-/// Inverse of a matrix, by cofactors.
-fn inverse(m: &[[f64; 3]; 3]) -> [[f64; 3]; 3] {
-    let cofactor = |i: usize, j: usize| {
-        let [(a, b), (c, d)] = [((i + 1) % 3, (i + 2) % 3), ((j + 1) % 3, (j + 2) % 3)];
-        m[a][c] * m[b][d] - m[a][d] * m[b][c]
+/// The terms of a filter at the frequencies of the columns and rows: a Gaussian is the product of one along x and one along y.
+fn terms(filter: &[(f64, f64)], size: [usize; 2], pixels_per_degree: f64) -> Vec<Separable> {
+    let total: f64 = filter.iter().map(|(_, weight)| weight).sum();
+    let values = |count: usize, scale: f64, width: f64| -> Vec<f64> {
+        let frequency = |k: usize| k as f64 / (2 * count) as f64 * pixels_per_degree;
+        (0..count).map(|k| scale * gaussian(frequency(k), width)).collect()
     };
-    let determinant: f64 = (0..3).map(|j| m[0][j] * cofactor(0, j)).sum();
-    [0, 1, 2].map(|i| [0, 1, 2].map(|j| cofactor(j, i) / determinant))
+    let term = |(width, weight): &(f64, f64)| Separable {
+        along_x: values(size[0], weight / total, *width),
+        along_y: values(size[1], 1.0, *width),
+    };
+    filter.iter().map(term).collect()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::D65_WHITE;
+    use crate::{D65_WHITE, Lab};
+
+    /// Colour differences of two pictures.
+    fn compared(
+        pictures: [Picture; 2],
+        white: Xyz,
+        pixels_per_degree: f64,
+        difference: impl Fn(Lab, Lab) -> f64,
+    ) -> Result<Vec<f64>, ColourError> {
+        let lab = |[l, a, b]: [f64; 3]| Lab { l, a, b };
+        let [one, other] = scielab(pictures, white, pixels_per_degree)?;
+        Ok(one.pixels().zip(other.pixels()).map(|(one, other)| difference(lab(one), lab(other))).collect())
+    }
 
     /// Computed from the filters by a separate program.
     #[test]
@@ -124,7 +142,7 @@ mod tests {
         let (one, other) = (grey(20, 9, |_| 0.6), grey(20, 9, |_| 0.4));
         let expected = [0.6, 0.4].map(|level| (D65_WHITE * level).lab(D65_WHITE).unwrap());
         for measure in [Lab::delta_e_1976, Lab::delta_e_2000] {
-            let found = scielab([&one, &other], D65_WHITE, 60.0, measure).unwrap();
+            let found = compared([one.clone(), other.clone()], D65_WHITE, 60.0, measure).unwrap();
             let expected = measure(expected[0], expected[1]);
             assert!(found.iter().all(|found| (found - expected).abs() < 1e-9), "{expected} {found:?}");
         }
@@ -142,7 +160,7 @@ mod tests {
         for (frequency, expected) in [(2.0, 13.313), (8.0, 7.647), (16.0, 1.480), (30.0, 0.005)] {
             let per_degree = frequency * PIXELS as f64;
             let found =
-                scielab([&grating(1.0), &grating(-1.0)], D65_WHITE, per_degree, Lab::delta_e_1976).unwrap();
+                compared([grating(1.0), grating(-1.0)], D65_WHITE, per_degree, Lab::delta_e_1976).unwrap();
             let most = found.into_iter().fold(0.0, f64::max);
             assert!((most - expected).abs() < 0.001, "{frequency}: {most} {expected}");
         }
@@ -151,9 +169,9 @@ mod tests {
     #[test]
     fn other_size_or_no_white_is_refused() {
         let (one, other) = (grey(4, 4, |_| 0.5), grey(5, 4, |_| 0.5));
-        let refused = scielab([&one, &other], D65_WHITE, 60.0, Lab::delta_e_2000);
+        let refused = compared([one.clone(), other], D65_WHITE, 60.0, Lab::delta_e_2000);
         assert!(matches!(refused, Err(ColourError::PictureSizes { .. })), "{refused:?}");
-        let refused = scielab([&one, &one], D65_WHITE * 0.0, 60.0, Lab::delta_e_2000);
+        let refused = compared([one.clone(), one], D65_WHITE * 0.0, 60.0, Lab::delta_e_2000);
         assert!(matches!(refused, Err(ColourError::NoWhite)), "{refused:?}");
     }
 }

@@ -1,7 +1,7 @@
 //! How much two pictures in the same light differ: CIEDE2000 of each pixel, and for a reader at a distance S-CIELAB and FLIP.
 
-use papilio_colour::pictures::{Picture, flip, scielab};
-use papilio_colour::{Adaptation, ColourError, Lab, Xyz};
+use papilio_colour::pictures::{FlipPicture, Picture, scielab};
+use papilio_colour::{Adaptation, ColourError, Xyz};
 use schemars::JsonSchema;
 use serde::Serialize;
 
@@ -47,42 +47,54 @@ impl Difference {
 }
 
 impl PictureDifferences {
-    /// Compares two pictures with rows of `columns` in a light of this white; `to_screen` adapts it to D65.
+    /// Compares what is seen, with rows of `columns` in a light of this white, with other pictures; `to_screen` adapts it to D65.
     ///
     /// # Errors
     /// If the white has no X, Y or Z.
-    pub(super) fn between(
-        pictures: [&[[f32; 3]]; 2],
+    pub(super) fn against(
+        seen: &[[f32; 3]],
+        others: [&[[f32; 3]]; 2],
         columns: usize,
         white: Xyz,
         to_screen: &Adaptation,
         pixels_per_degree: Option<f64>,
-    ) -> Result<Self, ColourError> {
-        let lab = |pixel: &[f32; 3]| colour(*pixel).lab(white).ok_or(ColourError::NoWhite);
-        let pairs = pictures[0].iter().zip(pictures[1]);
-        let pixels = pairs.map(|(one, other)| Ok(lab(one)?.delta_e_2000(lab(other)?)));
-        let plain = Difference::of(pixels.collect::<Result<_, ColourError>>()?);
-        let mut differences = Self {
+    ) -> Result<[Self; 2], ColourError> {
+        let picture = |pixels: &[[f32; 3]], of: &dyn Fn(Xyz) -> [f64; 3]| {
+            let mut planes = [0; 3].map(|_| Vec::with_capacity(pixels.len()));
+            for pixel in pixels {
+                planes.iter_mut().zip(of(colour(*pixel))).for_each(|(plane, value)| plane.push(value));
+            }
+            Picture::new(columns, planes)
+        };
+        let xyz = |pixels| picture(pixels, &Xyz::to_array);
+        let own = xyz(seen)?.into_lab(white)?;
+        let plain = |other| Ok(Difference::of(own.delta_e_2000(&xyz(other)?.into_lab(white)?)?));
+        let [one, other] = [plain(others[0])?, plain(others[1])?];
+        drop(own);
+        let mut differences = [one, other].map(|plain| Self {
             delta_e_2000_mean: plain.mean,
             delta_e_2000_p50: plain.p50,
             delta_e_2000_p95: plain.p95,
             scielab_mean: None,
             scielab_p95: None,
             flip_mean: None,
+        });
+        let Some(per_degree) = pixels_per_degree else { return Ok(differences) };
+        let [own, one, other] = scielab([xyz(seen)?, xyz(others[0])?, xyz(others[1])?], white, per_degree)?;
+        for (differences, other) in differences.iter_mut().zip([one, other]) {
+            let blurred = Difference::of(own.delta_e_2000(&other)?);
+            (differences.scielab_mean, differences.scielab_p95) = (Some(blurred.mean), Some(blurred.p95));
+        }
+        drop(own);
+        let flip = |pixels| {
+            let rgb = picture(pixels, &|pixel| to_screen.apply(pixel).linear_srgb())?;
+            Ok::<_, ColourError>(FlipPicture::new(&rgb, per_degree))
         };
-        if let Some(per_degree) = pixels_per_degree {
-            let planes = |pixels: &[[f32; 3]], of: &dyn Fn([f32; 3]) -> [f64; 3]| {
-                let values: Vec<[f64; 3]> = pixels.iter().map(|pixel| of(*pixel)).collect();
-                Picture::new(columns, [0, 1, 2].map(|k| values.iter().map(|value| value[k]).collect()))
-            };
-            let xyz = |pixels| planes(pixels, &|pixel| colour(pixel).to_array());
-            let [one, other] = [xyz(pictures[0])?, xyz(pictures[1])?];
-            let blurred = Difference::of(scielab([&one, &other], white, per_degree, Lab::delta_e_2000)?);
-            let rgb = |pixels| planes(pixels, &|pixel| to_screen.apply(colour(pixel)).linear_srgb());
-            let [one, other] = [rgb(pictures[0])?, rgb(pictures[1])?];
-            differences.scielab_mean = Some(blurred.mean);
-            differences.scielab_p95 = Some(blurred.p95);
-            differences.flip_mean = Some(Difference::of(flip([&one, &other], per_degree)?).mean);
+        let own = flip(seen)?;
+        for (differences, other) in differences.iter_mut().zip(others) {
+            let values = own.differences(&flip(other)?)?;
+            differences.flip_mean =
+                Some(values.iter().map(|value| f64::from(*value)).sum::<f64>() / values.len() as f64);
         }
         Ok(differences)
     }
@@ -105,7 +117,14 @@ mod tests {
             .map(|(k, pixel)| pixel.map(|one| one * (1.0 - k as f32 / 200.0)))
             .collect();
         let against = |other: &[[f32; 3]]| {
-            PictureDifferences::between([&grey, other], 8, D65_WHITE, &same, Some(40.0)).unwrap()
+            let both = [other, &grey[..]];
+            let [one, none] =
+                PictureDifferences::against(&grey, both, 8, D65_WHITE, &same, Some(40.0)).unwrap();
+            assert_eq!(
+                (none.delta_e_2000_p95, none.scielab_mean, none.flip_mean),
+                (0.0, Some(0.0), Some(0.0))
+            );
+            one
         };
         let none = against(&grey);
         assert_eq!((none.delta_e_2000_p95, none.scielab_mean, none.flip_mean), (0.0, Some(0.0), Some(0.0)));

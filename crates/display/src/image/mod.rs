@@ -196,9 +196,8 @@ pub fn image(
     let fraction = |number: usize| number as f64 / count as f64;
     let mean = |k: usize| seen.iter().map(|pixel| f64::from(pixel[k])).sum::<f64>() / count as f64;
     let per_degree = pixels_per_degree(scene).map(|[along_x, _]| along_x);
-    let against = |other: &[[f32; 3]]| {
-        PictureDifferences::between([&seen, other], size[0], white, &to_screen, per_degree)
-    };
+    let [against_source, against_mapped] =
+        PictureDifferences::against(&seen, [&wanted, &mapped], size[0], white, &to_screen, per_degree)?;
     let numbers = ImageNumbers {
         light: LightSummary::of(scene, &result),
         view,
@@ -211,8 +210,8 @@ pub fn image(
         clipped_fraction: fraction(screen.iter().filter(is_clipped).count()),
         mean_XYZ: [mean(0), mean(1), mean(2)],
         pixels_per_degree: per_degree,
-        against_source: against(&wanted)?,
-        against_mapped: against(&mapped)?,
+        against_source,
+        against_mapped,
         neighbours_light,
         error,
         warnings: result.warnings,

@@ -5,7 +5,7 @@ use std::sync::atomic::AtomicBool;
 use papilio_colour::mapping::{Intent, MapSpace};
 use papilio_colour::pictures::{Picture, scielab};
 use papilio_colour::states::LeastVariance;
-use papilio_colour::{CORNERS, D65_WHITE, Lab, Xyz};
+use papilio_colour::{CORNERS, D65_WHITE, Xyz};
 use papilio_testing::Dice;
 
 use super::halftone::{Panel, states};
@@ -233,7 +233,8 @@ fn direct_binary_search_lowers_what_is_seen_and_ends() {
     let wanted = xyz(&mut picture.iter().map(|pixel| pixel.map(f64::from)));
     let seen = |shown: &[u8]| {
         let shown = xyz(&mut shown.iter().map(|state| rendering.states[usize::from(*state)]));
-        let found = scielab([&shown, &wanted], rendering.white, PER_DEGREE[0], Lab::delta_e_2000).unwrap();
+        let [shown, wanted] = scielab([shown, wanted.clone()], rendering.white, PER_DEGREE[0]).unwrap();
+        let found = shown.delta_e_2000(&wanted).unwrap();
         found.iter().sum::<f64>() / found.len() as f64
     };
     assert!(seen(&found) < 0.85 * seen(&diffused), "{} {}", seen(&found), seen(&diffused));

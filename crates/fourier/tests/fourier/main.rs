@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 
 use num_complex::Complex64;
-use papilio_fourier::{Plane, StatePicture, transferred};
+use papilio_fourier::{Plane, Separable, StatePicture, filtered};
 
 #[test]
 fn spectrum_of_a_wave_is_its_bin() {
@@ -24,18 +24,36 @@ fn spectrum_of_a_wave_is_its_bin() {
     assert!(back.iter().zip(&cells).all(|(back, cell)| (back / count - cell).norm() < 1e-12));
 }
 
+/// Frequencies of the columns or rows, cycles per pixel.
+fn frequencies(count: usize) -> Vec<f64> {
+    (0..count).map(|k| k as f64 / (2 * count) as f64).collect()
+}
+
 #[test]
-fn transfer_function_multiplies_gratings() {
-    let (columns, rows) = (30, 7);
-    let [x, y] = [4.0 / 60.0, 3.0 / 14.0];
-    let wave = |row: usize, column: usize| {
-        (2.0 * PI * x * (column as f64 + 0.5)).cos() * (2.0 * PI * y * (row as f64 + 0.5)).cos()
-    };
-    let plane: Vec<f64> = (0..rows * columns).map(|k| 0.5 + wave(k / columns, k % columns)).collect();
-    let blurred = transferred(&plane, columns, &|x, y| 1.0 - x - 2.0 * y);
-    for (k, value) in blurred.iter().enumerate() {
-        let expected = 0.5 + (1.0 - x - 2.0 * y) * wave(k / columns, k % columns);
-        assert!((value - expected).abs() < 1e-12, "{k}: {value} {expected}");
+fn transfer_functions_multiply_gratings() {
+    for (columns, rows) in [(30, 7), (15, 14)] {
+        let [x, y] = [4.0 / 60.0, 3.0 / 14.0];
+        let wave = |row: usize, column: usize| {
+            (2.0 * PI * x * (column as f64 + 0.5)).cos() * (2.0 * PI * y * (row as f64 + 0.5)).cos()
+        };
+        let mut one: Vec<f64> = (0..rows * columns).map(|k| 0.5 + wave(k / columns, k % columns)).collect();
+        let mut other: Vec<f64> = one.iter().map(|value| 3.0 * value).collect();
+        let term = |along_x: Vec<f64>, along_y: Vec<f64>| Separable { along_x, along_y };
+        // 1 - x - 2 y, and x y.
+        let falling = [
+            term(frequencies(columns).iter().map(|x| 1.0 - x).collect(), vec![1.0; rows]),
+            term(vec![-2.0; columns], frequencies(rows)),
+        ];
+        let product = [term(frequencies(columns), frequencies(rows))];
+        filtered([&mut one, &mut other], columns, [&falling, &product]);
+        for (k, (one, other)) in one.iter().zip(&other).enumerate() {
+            let wave = wave(k / columns, k % columns);
+            let expected = [0.5 + (1.0 - x - 2.0 * y) * wave, 3.0 * x * y * wave];
+            assert!(
+                (one - expected[0]).abs() < 1e-12 && (other - expected[1]).abs() < 1e-12,
+                "{k}: {one} {other}"
+            );
+        }
     }
 }
 
@@ -43,7 +61,9 @@ fn transfer_function_multiplies_gratings() {
 fn transfer_function_of_one_changes_nothing() {
     for (columns, rows) in [(1, 1), (1, 5), (40, 70), (33, 1)] {
         let plane: Vec<f64> = (0..columns * rows).map(|k| ((k * k) as f64).sin()).collect();
-        let same = transferred(&plane, columns, &|_, _| 1.0);
+        let mut same = plane.clone();
+        let one = [Separable { along_x: vec![1.0; columns], along_y: vec![1.0; rows] }];
+        filtered([&mut same, &mut []], columns, [&one, &[]]);
         assert!(plane.iter().zip(&same).all(|(one, other)| (one - other).abs() < 1e-12));
     }
 }
