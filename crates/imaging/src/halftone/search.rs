@@ -74,7 +74,7 @@ pub struct SearchPass {
 pub struct Searched {
     /// The state of each pixel.
     pub states: Vec<u8>,
-    /// The error E of the start.
+    /// The error E of the start; 0, as `error`, if the search was stopped before it was known.
     pub error_at_start: f64,
     /// The error E of the result.
     pub error: f64,
@@ -114,10 +114,13 @@ pub fn direct_binary_search<const N: usize>(
     if let Some(state) = start.iter().find(|state| usize::from(**state) >= palette.len()) {
         return Err(ImagingError::Order { state: *state, states: palette.len() });
     }
-    let mut search = Search::new(wanted, columns, palette, filters, start);
-    let error_at_start = search.error;
     let mut searched =
-        Searched { states: Vec::new(), error_at_start, error: 0.0, passes: 0, is_complete: false };
+        Searched { states: Vec::new(), error_at_start: 0.0, error: 0.0, passes: 0, is_complete: false };
+    let Some(mut search) = Search::new(wanted, columns, palette, filters, start, stop) else {
+        searched.states = start.to_vec();
+        return Ok(searched);
+    };
+    searched.error_at_start = search.error;
     while let Some(changes) = search.pass(stop) {
         searched.passes += 1;
         let pass = SearchPass { pass: searched.passes, changes, error: search.error.max(0.0) };
@@ -158,13 +161,15 @@ struct Search<'a, const N: usize> {
 }
 
 impl<'a, const N: usize> Search<'a, N> {
+    /// Correlates the error of the start; `None` if it was stopped.
     fn new(
         wanted: &[[f32; N]],
         columns: usize,
         palette: &'a [[f64; N]],
         filters: &[Filter; N],
         start: &[u8],
-    ) -> Self {
+        stop: &dyn Fn() -> bool,
+    ) -> Option<Self> {
         let rows = wanted.len() / columns;
         let correlations = filters.each_ref().map(Filter::autocorrelation);
         let mut extent: f64 = 0.0;
@@ -195,12 +200,17 @@ impl<'a, const N: usize> Search<'a, N> {
                 })
             })
             .collect();
-        for (at, error) in errors.iter().enumerate() {
-            search.spread(at, *error);
+        for (row, errors) in errors.chunks_exact(columns).enumerate() {
+            if stop() {
+                return None;
+            }
+            for (column, error) in errors.iter().enumerate() {
+                search.spread(row * columns + column, *error);
+            }
         }
         let products = errors.iter().zip(&search.correlated);
         search.error = products.map(|(error, r)| error.iter().zip(r).map(|(e, r)| e * r).sum::<f64>()).sum();
-        search
+        Some(search)
     }
 
     /// Adds a change of the shown colour of a pixel to the correlated error.
