@@ -46,7 +46,7 @@ await page.screenshot({ path: to("page") });
 const inks = await on.visit({ viewport: { width: 1100, height: 1000 } }, "?");
 await inks.getByRole("button", { name: "Got it" }).click();
 await choose(inks, "Examples", "six-ink");
-await inks.getByLabel("White of this page").selectOption("screen");
+await inks.getByLabel("White of this page").selectOption("display");
 await inks.locator(".seen-display canvas").focus();
 for (let i = 0; i < 24; i++) await inks.keyboard.press("ArrowRight");
 await settled(inks);

@@ -138,6 +138,7 @@ export function Display() {
     canvas.addEventListener("wheel", wheel, { passive: false });
     return () => canvas.removeEventListener("wheel", wheel);
   }, []);
+  const now = shown.value;
   const { theta_deg, phi_deg } = anglesOf(tilt.value);
   const direction = `${degrees(theta_deg)}${phi_deg === 0 ? "" : `, azimuth ${degrees(phi_deg)}`}`;
   return (
@@ -154,7 +155,10 @@ export function Display() {
         onKeyDown={turn}
       />
       <figcaption>
-        <span>The display, seen from {direction}</span>
+        <span>
+          The display, seen from {direction}
+          {now && `: a picture prepared for ${now.isFresh ? "this" : "an earlier"} light and view`}
+        </span>
       </figcaption>
     </figure>
   );

@@ -5,10 +5,11 @@ import { useEffect, useRef } from "preact/hooks";
 
 import { hex, times, type Triple } from "../model/colour.ts";
 import { digits, plain } from "../model/format.ts";
+import { at } from "../model/json.ts";
 import { camera, fitting } from "../model/perspective.ts";
 import { onScreen, PAPER, SCREEN_CD_M2, SCREEN_REFLECTANCE, type White } from "../model/seen.ts";
 import { compact, part } from "../state/compact.ts";
-import { answer, text } from "../state/design.ts";
+import { answer, fields, text } from "../state/design.ts";
 import { fileIds } from "../state/files.ts";
 import {
   drags,
@@ -159,13 +160,13 @@ function Legend() {
   const now = shown.value;
   if (!now) return null;
   const { head, size } = now.seen;
+  const isGiven = ["file", "text", "pattern"].some((key) => typeof at(fields.value, `image.${key}`) === "string");
   const panel = head.panel;
   const isPart = panel && (panel[0] !== size[0] || panel[1] !== size[1]);
   return (
     <p class="remark">
-      {pictureName.value ?? "Picture of the scenario"}: {size[0]} × {size[1]} pixels
-      {isPart && ` of the same size as the ${panel[0]} × ${panel[1]} of the display`},{" "}
-      {now.isFresh ? "prepared for this light and view" : "prepared for an earlier light or view"}.{" "}
+      {pictureName.value ?? (isGiven ? "Picture of the scenario" : "A page of text and a photograph")}: {size[0]} × {size[1]} pixels
+      {isPart && ` of the same size as the ${panel[0]} × ${panel[1]} of the display`}.{" "}
       {head.neighbours_light
         ? "Light that the layers return from each pixel to others is contained."
         : "Each pixel has the colour of a page of its state: light of its neighbours is not contained."}

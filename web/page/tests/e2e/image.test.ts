@@ -82,7 +82,7 @@ test("display is tilted by pointer and keys, and its states are decided again af
   await page.mouse.down();
   for (let i = 1; i <= 10; i++) await page.mouse.move(x - 10 * i, y);
   await page.getByText("The display, seen from 30°").waitFor();
-  await page.getByText("prepared for an earlier light or view").waitFor({ timeout: 30_000 });
+  await page.getByText("prepared for an earlier light and view").waitFor({ timeout: 30_000 });
   await page.mouse.up();
   await fresh(page);
   await page.locator(CANVAS).focus();
@@ -92,7 +92,7 @@ test("display is tilted by pointer and keys, and its states are decided again af
   await page.keyboard.press("ArrowLeft");
   await page.getByRole("button", { name: "Reset the view" }).click();
   await page.getByText("The display, seen from 0°").waitFor();
-  await page.getByText("prepared for an earlier light or view").waitFor({ timeout: 30_000 });
+  await page.getByText("prepared for an earlier light and view").waitFor({ timeout: 30_000 });
   assert.deepEqual(on.complaints.splice(0), []);
 });
 
