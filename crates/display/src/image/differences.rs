@@ -120,14 +120,11 @@ mod tests {
             let both = [other, &grey[..]];
             let [one, none] =
                 PictureDifferences::against(&grey, both, 8, D65_WHITE, &same, Some(40.0)).unwrap();
-            assert_eq!(
-                (none.delta_e_2000_p95, none.scielab_mean, none.flip_mean),
-                (0.0, Some(0.0), Some(0.0))
-            );
+            assert_eq!((none.delta_e_2000_p95, none.flip_mean), (0.0, Some(0.0)));
+            // One plane is the real part of a transform, its equal the imaginary part of another: rounding differs.
+            assert!(none.scielab_mean.unwrap() < 1e-12, "{none:?}");
             one
         };
-        let none = against(&grey);
-        assert_eq!((none.delta_e_2000_p95, none.scielab_mean, none.flip_mean), (0.0, Some(0.0), Some(0.0)));
         let some = against(&darker);
         assert!(0.0 < some.delta_e_2000_p50 && some.delta_e_2000_p50 < some.delta_e_2000_p95);
         assert!(some.flip_mean.unwrap() > 0.0 && some.scielab_mean.unwrap() > 0.0);
