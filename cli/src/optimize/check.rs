@@ -137,6 +137,13 @@ pub(super) fn check(
                 names.join(", ")
             ));
         }
+        let names: Vec<&str> = own(MetricSource::Image).map(|(one, _)| one.name.as_str()).collect();
+        if !names.is_empty() {
+            print_message(&format!(
+                "note: pictures are not checked by the Monte Carlo solver: {}",
+                names.join(", ")
+            ));
+        }
     }
     note_dark_states(&results);
     let order = |one: &SolverComparison| study.quantities.iter().position(|known| known.name == one.name);

@@ -237,3 +237,39 @@ fn states_are_held_while_the_light_changes() {
     let answer = stderr(&output);
     assert!(answer.contains("no preset and no illuminant named `moonlight`"), "{answer}");
 }
+
+/// A point of a sweep has the numbers of `papilio image` there; without a picture there is an answer.
+#[test]
+fn sweeps_have_metrics_of_pictures() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = picture(folder.path(), &[[200, 150, 125], [20, 60, 200], [255, 0, 0]]);
+    let metrics = "sweep.metrics=[\"delta_e_2000_mean\", \"flip_mean\", \"out_of_gamut_fraction\"]";
+    let sweep = |picture: &str, out: &str| {
+        let out = folder.path().join(out);
+        let text = fs::read_to_string(scenario("six-ink")).unwrap();
+        let text = text.split("[image]").next().unwrap().replace("data/", "");
+        let inks = scenario("six-ink").parent().unwrap().join("data/synthetic-inks-6.csv");
+        fs::copy(inks, folder.path().join("synthetic-inks-6.csv")).unwrap();
+        let axes = "[sweep]\n[[sweep.axes]]\nimage.kernel = [\"floyd-steinberg\", \"jarvis\"]\n";
+        let path = folder.path().join("sweep.toml");
+        fs::write(&path, format!("{text}\n{picture}\n[viewer]\ndistance_mm = 500\n{axes}")).unwrap();
+        papilio().arg("sweep").arg(path).args(["--set", metrics, "--out"]).arg(&out).output().unwrap()
+    };
+    let output = sweep("[image]\nfile = \"picture.png\"", "with");
+    assert!(output.status.success(), "{}", stderr(&output));
+    let csv = fs::read_to_string(folder.path().join("with/sweep.csv")).unwrap();
+    let rows: Vec<Vec<&str>> = csv.lines().map(|line| line.split(',').collect()).collect();
+    let column = |name: &str| rows[0].iter().position(|one| *one == name).unwrap();
+    let alone = ["--set", "image.kernel=jarvis", file.to_str().unwrap()];
+    let found = json(&folder.path().join("sweep.toml"), &alone);
+    for (name, expected) in [
+        ("delta_e_2000_mean", &found["against_source"]["delta_e_2000_mean"]),
+        ("flip_mean", &found["against_source"]["flip_mean"]),
+        ("out_of_gamut_fraction", &found["out_of_gamut_fraction"]),
+    ] {
+        let values = [1, 2].map(|row| rows[row][column(name)].parse::<f64>().unwrap());
+        assert!((values[1] - expected.as_f64().unwrap()).abs() < 1e-6, "{name}: {values:?} {expected}");
+    }
+    let error = stderr(&sweep("", "without"));
+    assert!(error.contains("the key `file` is missing"), "{error}");
+}

@@ -3,7 +3,7 @@
 //! Designs that differ only in parameters of their film pixel (thicknesses, gaps, areas, indices) are
 //! evaluated by [`Designs`](papilio_display::Designs), which reuses everything else. All other designs are
 //! resolved and run in full. The choice of method depends on the design alone, not on the designs before it.
-//! Sharpness, crosstalk and sparkle are computed of the resolved display (`pixels.rs`).
+//! Sharpness, crosstalk, sparkle and pictures are computed of the resolved display (`pixels.rs`).
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
@@ -33,7 +33,7 @@ pub struct Evaluator<'a> {
 enum Part {
     /// Colours: a run, or the fast path of film pixels.
     Colours,
-    /// Sharpness, crosstalk and sparkle.
+    /// Sharpness, crosstalk, sparkle and pictures.
     Pixels,
 }
 
@@ -46,7 +46,7 @@ impl Part {
 struct ConditionState {
     /// Indices of the quantities of colours that are requested under it.
     requested: Vec<usize>,
-    /// Indices of those of sharpness, crosstalk and sparkle.
+    /// Indices of those of sharpness, crosstalk, sparkle and pictures.
     of_pixels: Vec<usize>,
     /// Evaluates film pixels.
     fast_path: FilmFastPath,
@@ -135,7 +135,7 @@ impl<'a> Evaluator<'a> {
         self.computed_under_all(design, &Part::BOTH)
     }
 
-    /// Computes sharpness, crosstalk and sparkle of a design, which no run computes: `None` for all other quantities.
+    /// Computes sharpness, crosstalk, sparkle and pictures of a design, which no run computes: `None` for all other quantities.
     ///
     /// # Errors
     /// Those of [`evaluate`](Self::evaluate).
@@ -187,10 +187,13 @@ impl<'a> Evaluator<'a> {
             }
             Part::Pixels => {
                 let values = self.study.values(design)?;
-                let resolved = self.study.conditions[condition].varied.scenario(&values)?.resolve()?;
+                let scenario = self.study.conditions[condition].varied.scenario(&values)?;
                 let requested = self.conditions[condition].of_pixels.iter();
                 let quantities: Vec<&Quantity> =
                     requested.map(|index| &self.study.quantities[*index].quantity).collect();
+                let with_picture = quantities.iter().any(|quantity| quantity.source() == MetricSource::Image);
+                let resolved =
+                    if with_picture { scenario.resolve_with_picture() } else { scenario.resolve() }?;
                 let control = Control { threads: Some(1), progress: &|_| {}, stop: self.stop };
                 pixels::quantities(&resolved, &quantities, &control)
             }

@@ -40,7 +40,7 @@ impl LightStudy {
         &self.study
     }
 
-    /// Names of the columns of a row: the metrics in order, those that are not of colours followed by their error.
+    /// Names of the columns of a row: the metrics in order, those of pixels followed by their error.
     pub fn columns(&self) -> Vec<String> {
         let of = |metric: &ReportedMetric| {
             let end = if self.has_standard_error(metric) { "_se" } else { "_de" };
@@ -58,7 +58,7 @@ impl LightStudy {
         match metric.metric.source() {
             MetricSource::Mtf => self.sweep.method == Method::MonteCarlo,
             MetricSource::Sparkle => true,
-            MetricSource::Colours | MetricSource::Crosstalk => false,
+            MetricSource::Colours | MetricSource::Crosstalk | MetricSource::Image => false,
         }
     }
 
@@ -84,7 +84,7 @@ impl LightStudy {
 
 /// True for metrics whose error is computed with their value.
 fn has_error(metric: &ReportedMetric) -> bool {
-    metric.metric.source() != MetricSource::Colours
+    !matches!(metric.metric.source(), MetricSource::Colours | MetricSource::Image)
 }
 
 impl NamedQuantity {

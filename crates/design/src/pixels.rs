@@ -1,5 +1,6 @@
-//! Quantities of designs that are computed with the places of light: sharpness, crosstalk and sparkle.
+//! Quantities of designs that no run computes: sharpness, crosstalk, sparkle, and those of pictures.
 
+use papilio_display::image::{ScreenWhite, image};
 use papilio_display::scene::MetricSource;
 use papilio_display::spatial::{crosstalk, mtf, sparkle};
 use papilio_display::{Control, Quantity};
@@ -10,7 +11,7 @@ use crate::DesignError;
 /// Computes value and error of each quantity of a display.
 ///
 /// # Errors
-/// Those of [`mtf`], [`crosstalk`] and [`sparkle`], for a display or a light that they do not cover; metrics of sparkle without an antiglare face.
+/// Those of [`mtf`], [`crosstalk`], [`sparkle`] and [`image`], for a display or a light that they do not cover; metrics of sparkle without an antiglare face.
 pub(crate) fn quantities(
     resolved: &Resolved,
     quantities: &[&Quantity],
@@ -29,6 +30,13 @@ pub(crate) fn quantities(
         (Some(_), Some(face)) => Some(sparkle(scene, face, control)?),
         (Some(quantity), None) => return Err(DesignError::NoFace { metric: quantity.name().to_owned() }),
     };
+    let picture = match &resolved.image {
+        Some(request) if is_wanted(MetricSource::Image) => {
+            let found = image(scene, &request.source, &request.settings, ScreenWhite::Perfect, control)?;
+            Some(found.numbers.metrics())
+        }
+        _ => None,
+    };
     let views = scene.viewer.theta_deg.len() * scene.viewer.phi_deg.len();
     let of = |quantity: &&Quantity| match quantity.source() {
         MetricSource::Colours => [None; 2],
@@ -39,6 +47,7 @@ pub(crate) fn quantities(
         MetricSource::Sparkle => {
             sparkle.as_ref().map(|found| quantity.of_sparkle(&found.rows, views)).unwrap_or_default()
         }
+        MetricSource::Image => picture.as_ref().map(|found| quantity.of_image(found)).unwrap_or_default(),
     };
     Ok(quantities.iter().map(of).collect())
 }

@@ -6,8 +6,8 @@
 use std::fmt;
 
 use crate::metrics::{
-    Cam16, CrosstalkMetrics, SharpnessMetrics, SparkleMetrics, SpatialScalars, StateMetrics, VALUE_LABELS,
-    ViewMetrics,
+    Cam16, CrosstalkMetrics, ImageMetrics, SharpnessMetrics, SparkleMetrics, SpatialScalars, StateMetrics,
+    VALUE_LABELS, ViewMetrics,
 };
 
 /// The name of a quantity in words, with its unit.
@@ -162,8 +162,11 @@ fn metrics() -> impl Iterator<Item = &'static KnownLabel> {
 }
 
 fn metrics_of_views() -> impl Iterator<Item = &'static KnownLabel> {
-    let of_pixels =
-        SharpnessMetrics::LABELS.iter().chain(CrosstalkMetrics::LABELS).chain(SparkleMetrics::LABELS);
+    let of_pixels = SharpnessMetrics::LABELS
+        .iter()
+        .chain(CrosstalkMetrics::LABELS)
+        .chain(SparkleMetrics::LABELS)
+        .chain(ImageMetrics::LABELS);
     ViewMetrics::LABELS.iter().chain(of_pixels)
 }
 

@@ -1,7 +1,7 @@
 //! Sweeps: a scenario at every point of its `[sweep]`.
 
 use papilio_diagnostics::Diagnostic;
-use papilio_display::scene::Method;
+use papilio_display::scene::{Method, MetricSource};
 use papilio_formats::{SweepHead, SweepHeadAxis, sweep_place};
 use serde_json::json;
 
@@ -102,7 +102,13 @@ impl Sweep {
     /// Mistakes in its metrics, or in the scenario at a point of [`samples`](Self::samples).
     pub fn light(&mut self) -> Result<Option<LightSweep>, ScenarioErrors> {
         let Some(named) = self.metrics.clone() else { return Ok(None) };
-        let first = self.scenario(0)?.resolve()?;
+        // The content of a picture belongs to the hash.
+        let of_picture = |name: &Spanned<MetricName>| name.metric.source() == MetricSource::Image;
+        let with_picture = named.iter().any(of_picture);
+        let resolved = |scenario: Scenario| {
+            if with_picture { scenario.resolve_with_picture() } else { scenario.resolve() }
+        };
+        let first = resolved(self.scenario(0)?)?;
         let mut errors = Errors::default();
         let metrics = of_all_views(&named, &first.scene, &mut errors);
         let known: Vec<String> = named.iter().map(|name| name.text()).collect();
@@ -127,7 +133,7 @@ impl Sweep {
         let mut means = vec![first.hash];
         for point in self.samples().into_iter().skip(1) {
             if self.at(point).iter().any(|change| change.value.number().is_none()) {
-                means.push(self.scenario(point)?.resolve()?.hash);
+                means.push(resolved(self.scenario(point)?)?.hash);
             }
         }
         let head = self.head("", "");

@@ -1,7 +1,7 @@
 //! Tolerance analyses: a scenario with the distributions of its `[tolerance]`.
 
 use papilio_diagnostics::{Diagnostic, suggestion};
-use papilio_display::scene::{Metric, Scene};
+use papilio_display::scene::{Metric, MetricSource, Scene};
 use papilio_sampling::{Coefficient, Correlation, Distribution};
 use serde_json::{Value, json};
 
@@ -120,7 +120,10 @@ impl Tolerance {
         let samples = read.samples.0 as usize;
         let sensitivity = read.sensitivity_samples.value.map_or(samples / 4, |count| count.0 as usize);
         let names: Vec<&str> = metrics.iter().map(|one| one.name.as_str()).collect();
-        let means = json!([resolved.hash, read.keys, read.correlations, read.seed, names]);
+        // The content of a picture belongs to the hash.
+        let of_picture = metrics.iter().any(|one| one.metric.source() == MetricSource::Image);
+        let hash = if of_picture { scenario.resolve_with_picture()?.hash } else { resolved.hash };
+        let means = json!([hash, read.keys, read.correlations, read.seed, names]);
         let varied = |key: &Spanned<Scattered>| {
             let values = key.spread_origin().unwrap_or(key.origin);
             let paths = key.paths().into_iter();

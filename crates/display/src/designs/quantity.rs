@@ -4,6 +4,7 @@ use papilio_colour::{Lab, UvPrime};
 use papilio_spectra::Spectrum;
 
 use crate::DisplayError;
+use crate::image::ImageMetrics;
 use crate::result::{RunResult, StateValues, View};
 use crate::scene::{Metric, MetricSource};
 use crate::spatial::{CrosstalkResult, MtfResult, SparkleRow};
@@ -111,6 +112,11 @@ impl Quantity {
         let both =
             row.map(|(row, metric)| [row.metrics(), row.errors()].map(|metrics| metric.of_sparkle(&metrics)));
         both.unwrap_or_default()
+    }
+
+    /// Returns the value of a metric of a picture, whose error is not estimated; `None` for other quantities, and where it is not defined.
+    pub fn of_image(&self, metrics: &ImageMetrics) -> [Option<f64>; 2] {
+        [self.metric().and_then(|metric| metric.of_image(metrics)), None]
     }
 
     /// Returns the number of the view, from 0.

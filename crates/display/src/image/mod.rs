@@ -42,6 +42,7 @@ use serde::Serialize;
 use stack::Seen;
 
 use crate::DisplayError;
+pub use crate::metrics::ImageMetrics;
 use crate::palette::Palette;
 use crate::prepared::Prepared;
 use crate::result::Named;
@@ -227,6 +228,22 @@ pub fn image(
     let srgb = screen.into_iter().map(Xyz::srgb_clipped).collect();
     let white_cd_m2 = (scene.lighting.illuminance_lx / PI) as f32;
     Ok(ImageResult { size, srgb, states, wanted, mapped, seen, white_cd_m2, numbers, palette })
+}
+
+impl ImageNumbers {
+    /// Metrics of the picture, which compare it with the picture before gamut mapping.
+    pub fn metrics(&self) -> ImageMetrics {
+        let source = &self.against_source;
+        ImageMetrics {
+            delta_e_2000_mean: Some(source.delta_e_2000_mean),
+            delta_e_2000_p95: Some(source.delta_e_2000_p95),
+            scielab_mean: source.scielab_mean,
+            scielab_p95: source.scielab_p95,
+            flip_mean: source.flip_mean,
+            out_of_gamut_fraction: Some(self.out_of_gamut_fraction),
+            clipped_fraction: Some(self.clipped_fraction),
+        }
+    }
 }
 
 impl SourceImage {

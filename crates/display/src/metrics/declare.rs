@@ -69,6 +69,9 @@ macro_rules! names {
         sparkle {
             $( $(#[doc = $sparkle_doc:literal])* $sparkle:ident $(= $sparkle_quantity:literal $(in $sparkle_unit:literal)?)? ),* $(,)?
         }
+        image {
+            $( $(#[doc = $image_doc:literal])* $image:ident $(= $image_quantity:literal $(in $image_unit:literal)?)? ),* $(,)?
+        }
     ) => {
         /// Labels of the fields of `StateValues` that are metrics.
         pub(crate) const VALUE_LABELS: &[KnownLabel] = &[$(label_of!($value $($quantity $($unit)?)?)),*];
@@ -76,12 +79,15 @@ macro_rules! names {
         /// Metric of a result, named as there.
         #[derive(Debug, Clone, Copy, PartialEq, Eq)]
         #[allow(missing_docs, non_camel_case_types, reason = "named and documented as the fields of a result")]
-        pub enum Metric { $($view,)* $($value,)* $($state,)* $($mtf_view,)* $($mtf_state,)* $($crosstalk,)* $($sparkle,)* }
+        pub enum Metric { $($view,)* $($value,)* $($state,)* $($mtf_view,)* $($mtf_state,)* $($crosstalk,)* $($sparkle,)* $($image,)* }
 
         impl Metric {
             /// Returns true for metrics of a view, which combine its states.
             pub fn is_of_view(self) -> bool {
-                matches!(self, $(Self::$view)|* $(| Self::$mtf_view)* $(| Self::$crosstalk)* $(| Self::$sparkle)*)
+                matches!(
+                    self,
+                    $(Self::$view)|* $(| Self::$mtf_view)* $(| Self::$crosstalk)* $(| Self::$sparkle)* $(| Self::$image)*
+                )
             }
 
             /// Returns the name of the metric in a result.
@@ -94,6 +100,7 @@ macro_rules! names {
                     $(Self::$mtf_state => stringify!($mtf_state),)*
                     $(Self::$crosstalk => stringify!($crosstalk),)*
                     $(Self::$sparkle => stringify!($sparkle),)*
+                    $(Self::$image => stringify!($image),)*
                 }
             }
 
@@ -103,6 +110,7 @@ macro_rules! names {
                     $(Self::$mtf_view)|* $(| Self::$mtf_state)* => MetricSource::Mtf,
                     $(Self::$crosstalk)|* => MetricSource::Crosstalk,
                     $(Self::$sparkle)|* => MetricSource::Sparkle,
+                    $(Self::$image)|* => MetricSource::Image,
                     _ => MetricSource::Colours,
                 }
             }
@@ -139,10 +147,18 @@ macro_rules! names {
                 }
             }
 
+            /// Returns the value of a metric of a picture; `None` for all others.
+            pub(crate) fn of_image(self, metrics: &ImageMetrics) -> Option<f64> {
+                match self {
+                    $(Self::$image => metrics.$image,)*
+                    _ => None,
+                }
+            }
+
             /// All metrics.
             pub const ALL: &[Self] = &[
                 $(Self::$view,)* $(Self::$value,)* $(Self::$state,)*
-                $(Self::$mtf_view,)* $(Self::$mtf_state,)* $(Self::$crosstalk,)* $(Self::$sparkle,)*
+                $(Self::$mtf_view,)* $(Self::$mtf_state,)* $(Self::$crosstalk,)* $(Self::$sparkle,)* $(Self::$image,)*
             ];
 
             /// Returns the metric of this name, if it can be a target.
@@ -182,6 +198,7 @@ macro_rules! metrics {
         $(#[doc = $ms_doc:literal])* mtf_state $ms_name:ident { $($mtf_state:tt)* }
         $(#[doc = $crosstalk_doc:literal])* crosstalk $crosstalk_name:ident { $($crosstalk:tt)* }
         $(#[doc = $sparkle_doc:literal])* sparkle $sparkle_name:ident { $($sparkle:tt)* }
+        $(#[doc = $image_doc:literal])* image $image_name:ident { $($image:tt)* }
     ) => {
         numbers! { $(#[doc = $view_doc])* $view_name { $($view)* } }
         numbers! { $(#[doc = $state_doc])* $state_name { $($state)* $($between)* $($last)* } }
@@ -189,10 +206,11 @@ macro_rules! metrics {
         numbers! { $(#[doc = $ms_doc])* $ms_name { $($mtf_state)* } }
         numbers! { $(#[doc = $crosstalk_doc])* $crosstalk_name { $($crosstalk)* } }
         numbers! { $(#[doc = $sparkle_doc])* $sparkle_name { $($sparkle)* } }
+        numbers! { $(#[doc = $image_doc])* $image_name { $($image)* } }
         names! {
             view { $($view)* } values { $($value)* } state { $($state)* $($last)* }
             mtf_view { $($mtf_view)* } mtf_state { $($mtf_state)* }
-            crosstalk { $($crosstalk)* } sparkle { $($sparkle)* }
+            crosstalk { $($crosstalk)* } sparkle { $($sparkle)* } image { $($image)* }
         }
     };
 }

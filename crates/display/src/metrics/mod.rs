@@ -3,7 +3,8 @@
 //! The table at the end of this file is the only list of names. From it come the fields of the results, the enum
 //! [`Metric`], all iterations and the [labels](crate::Label) of figures and tables. A new metric needs a line in the table,
 //! with its documentation and its label (`= quantity in unit`), and its value: in `meter/metrics.rs`, or where the result that it is
-//! from lists its `metrics` and `errors` (`spatial/result.rs`, `spatial/crosstalk/result.rs`, `spatial/sparkle.rs`).
+//! from lists its `metrics` and `errors` (`spatial/result.rs`, `spatial/crosstalk/result.rs`, `spatial/sparkle.rs`,
+//! `image/mod.rs`).
 
 #[macro_use]
 mod declare;
@@ -25,6 +26,8 @@ pub enum MetricSource {
     Crosstalk,
     /// Its sparkle: [`spatial::sparkle`](crate::spatial::sparkle()).
     Sparkle,
+    /// A picture on it: [`image`](crate::image::image()).
+    Image,
 }
 
 impl MetricSource {
@@ -35,6 +38,7 @@ impl MetricSource {
             Self::Mtf => Some("mtf"),
             Self::Crosstalk => Some("crosstalk"),
             Self::Sparkle => Some("sparkle"),
+            Self::Image => Some("image"),
         }
     }
 }
@@ -290,6 +294,23 @@ metrics! {
         /// Its source term: of a uniform pixel plane in the light of the room.
         ppd_lamp = "Pixel power deviation, lamp term",
     }
+    /// A picture on the display, compared with the picture before gamut mapping: results of [`image`](crate::image::image()).
+    image ImageMetrics {
+        /// CIEDE2000 of the pixels: the mean.
+        delta_e_2000_mean = "Mean colour difference CIEDE2000 of pixels",
+        /// 95th percentile.
+        delta_e_2000_p95 = "Colour difference CIEDE2000 of pixels, 95th percentile",
+        /// S-CIELAB: the mean.
+        scielab_mean = "Mean S-CIELAB difference",
+        /// 95th percentile.
+        scielab_p95 = "S-CIELAB difference, 95th percentile",
+        /// FLIP: the mean.
+        flip_mean = "Mean FLIP difference",
+        /// Fraction of the pixels whose colour no mixture of states has.
+        out_of_gamut_fraction = "Fraction of pixels out of gamut",
+        /// Fraction of the pixels that a screen cannot show.
+        clipped_fraction = "Fraction of pixels clipped by a screen",
+    }
 }
 
 #[cfg(test)]
@@ -306,6 +327,7 @@ mod tests {
         assert_eq!(source("line_contrast_white_1_x"), Some(MetricSource::Mtf));
         assert_eq!(source("f50_x_per_mm"), Some(MetricSource::Mtf));
         assert_eq!(source("ppd"), Some(MetricSource::Sparkle));
+        assert_eq!(source("flip_mean"), Some(MetricSource::Image));
         assert_eq!(source("stripe_1_gamut_percent_srgb"), Some(MetricSource::Crosstalk));
         assert_eq!(source("contrast_ratio"), Some(MetricSource::Colours));
         assert!(Metric::ppd.is_of_view() && !Metric::f50_x_per_mm.is_of_view());
@@ -318,7 +340,8 @@ mod tests {
             assert!(Metric::named(name).is_some_and(Metric::is_of_view), "{name}");
         }
         let names = SharpnessMetrics::default().named().chain(CrosstalkMetrics::default().named());
-        for (name, _) in names.chain(SparkleMetrics::default().named()) {
+        for (name, _) in names.chain(SparkleMetrics::default().named()).chain(ImageMetrics::default().named())
+        {
             assert!(Metric::named(name).is_some_and(Metric::is_of_view), "{name}");
         }
         for (name, _) in SpatialScalars::default().named() {
