@@ -4,7 +4,7 @@ use std::path::Path;
 
 use papilio_display::DisplayError;
 use papilio_display::image::{
-    ImageNumbers, ImageResult, ImageSettings, PictureDifferences, ScreenWhite, image,
+    ImageInRoom, ImageResult, ImageSettings, PictureDifferences, ScreenWhite, image,
 };
 use papilio_display::palette::bytes;
 use papilio_formats::{TitledFile, write_file, write_indexed_png, write_rgb_png, write_scene_exr};
@@ -28,14 +28,18 @@ pub(crate) fn command(arguments: &ImageCommand) -> Result<(), Failure> {
     let rooms = arguments.rooms.iter().map(|name| Ok((name, room(&arguments.command, &resolved, name)?)));
     let rooms = rooms.collect::<Result<Vec<(&String, Resolved)>, Failure>>()?;
     show(&arguments.command, &resolved, |control| {
-        let here = image(&resolved.scene, &request.source, &request.settings, white, control)?;
+        let mut here = image(&resolved.scene, &request.source, &request.settings, white, control)?;
         // The panel holds its states while the light changes.
         let given = (!here.states.is_empty()).then(|| here.states.clone());
         let held = ImageSettings { given, ..request.settings.clone() };
         let there = |(name, room): &(&String, Resolved)| {
             Ok(((*name).clone(), image(&room.scene, &request.source, &held, white, control)?))
         };
-        Ok(ImageOutput { rooms: rooms.iter().map(there).collect::<Result<_, DisplayError>>()?, here })
+        let rooms = rooms.iter().map(there).collect::<Result<Vec<(String, ImageResult)>, DisplayError>>()?;
+        let numbers =
+            rooms.iter().map(|(room, one)| ImageInRoom { room: room.clone(), numbers: one.numbers.clone() });
+        here.numbers.rooms = numbers.collect();
+        Ok(ImageOutput { rooms, here })
     })
 }
 
@@ -43,31 +47,6 @@ pub(crate) fn command(arguments: &ImageCommand) -> Result<(), Failure> {
 struct ImageOutput {
     here: ImageResult,
     rooms: Vec<(String, ImageResult)>,
-}
-
-/// image.json.
-#[derive(Serialize)]
-struct Numbers<'a> {
-    #[serde(flatten)]
-    here: &'a ImageNumbers,
-    /// The same picture in other rooms.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
-    rooms: Vec<RoomNumbers<'a>>,
-}
-
-/// Numbers of a picture in another room.
-#[derive(Serialize)]
-struct RoomNumbers<'a> {
-    room: &'a str,
-    #[serde(flatten)]
-    numbers: &'a ImageNumbers,
-}
-
-impl Serialize for ImageOutput {
-    fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        let rooms = self.rooms.iter().map(|(room, one)| RoomNumbers { room, numbers: &one.numbers });
-        Numbers { here: &self.here.numbers, rooms: rooms.collect() }.serialize(serializer)
-    }
 }
 
 /// Columns between the pictures of several rooms.
@@ -92,7 +71,12 @@ impl SpatialOutput for ImageOutput {
     const FIGURES: &'static [&'static str] = &["seen", "rooms", "states"];
 
     fn content<'a>(&'a self, resolved: &'a Resolved, title: &'a str) -> impl Serialize + 'a {
-        TitledFile { papilio: env!("CARGO_PKG_VERSION"), title, hash: &resolved.hash, result: self }
+        TitledFile {
+            papilio: env!("CARGO_PKG_VERSION"),
+            title,
+            hash: &resolved.hash,
+            result: &self.here.numbers,
+        }
     }
 
     fn table(&self, title: &str) -> String {

@@ -162,18 +162,19 @@ impl HeldPicture {
         let is_front_light_alone = alone.iter().all(|one| one.is_front_light);
         let mut factors =
             Factors { size: self.size, lights: Vec::new(), error: 0.0, neighbours_light: false };
-        for one in alone {
-            let lit = Lit::new(&one.scene, &settings, prepared, control)?;
-            let seen =
-                stack::seen(&one.scene, self.size, &self.states, &lit.palette, self.surround, control)?;
-            let share = luminous(&lit) / total;
+        let lit = alone.iter().map(|one| Lit::new(&one.scene, &settings, prepared, control));
+        let lit = lit.collect::<Result<Vec<Lit>, DisplayError>>()?;
+        let scenes: Vec<_> = alone.iter().zip(&lit).map(|(one, lit)| (&one.scene, &lit.palette)).collect();
+        let seen = stack::seen_in_each(&scenes, (self.size, &self.states), self.surround, control)?;
+        for ((one, lit), seen) in alone.iter().zip(&lit).zip(seen) {
+            let share = luminous(lit) / total;
             let of_white = if one.is_front_light && !is_front_light_alone { 0.0 } else { share };
             factors.error += share * seen.error;
             factors.neighbours_light |= seen.neighbours_light;
             let mut pixels = seen.pixels;
             pixels.iter_mut().flatten().for_each(|value| *value *= share as f32);
             let white = lit.white.to_array().map(|value| value * of_white);
-            factors.lights.push(LightPicture { light: one.light, white, pixels });
+            factors.lights.push(LightPicture { light: one.light.clone(), white, pixels });
         }
         Ok(factors)
     }

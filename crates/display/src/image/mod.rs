@@ -156,6 +156,19 @@ pub struct ImageNumbers {
     pub error: f64,
     /// Warnings.
     pub warnings: Vec<String>,
+    /// The same states in the light of other rooms, if they were requested.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub rooms: Vec<ImageInRoom>,
+}
+
+/// Numbers of a picture in the light of another room.
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
+pub struct ImageInRoom {
+    /// Name of the room.
+    pub room: String,
+    /// The numbers.
+    #[serde(flatten)]
+    pub numbers: ImageNumbers,
 }
 
 /// Brings a picture to a display, and computes what the reader sees.
@@ -190,7 +203,7 @@ pub fn image(
         true => Seen { pixels: mapped.clone(), error: palette.error(), neighbours_light: false },
         false => match Eye::before(scene, size).filter(|_| settings.perspective) {
             Some(eye) => eye.seen(scene, (size, &states), settings, control)?,
-            None => stack::seen(scene, size, &states, &palette, settings.surround, control)?,
+            None => stack::seen(scene, (size, &states), &palette, settings.surround, control)?,
         },
     };
     stopped(control)?;
@@ -224,6 +237,7 @@ pub fn image(
         neighbours_light,
         error,
         warnings: result.warnings,
+        rooms: Vec::new(),
     };
     let srgb = screen.into_iter().map(Xyz::srgb_clipped).collect();
     let white_cd_m2 = (scene.lighting.illuminance_lx / PI) as f32;

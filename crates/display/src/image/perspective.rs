@@ -61,11 +61,12 @@ impl Eye {
     pub(super) fn seen(
         &self,
         scene: &Scene,
-        (size, states): ([usize; 2], &[u8]),
+        picture: ([usize; 2], &[u8]),
         settings: &ImageSettings,
         control: &Control<'_>,
     ) -> Result<Seen, DisplayError> {
         let mut prepared = Prepared::new(scene)?;
+        let (size, states) = picture;
         let mut all = Seen { pixels: vec![[0.0; 3]; states.len()], error: 0.0, neighbours_light: false };
         let [columns, rows] = [0, 1].map(|k| shares_along(size[k]));
         let mut off: [Vec<[f64; 3]>; 2] = [Vec::new(), Vec::new()];
@@ -81,7 +82,7 @@ impl Eye {
                         (0..3).for_each(|k| sum[k] += share * page[k]);
                     });
                 }
-                let seen = stack::seen(&there, size, states, &lit.palette, settings.surround, control)?;
+                let seen = stack::seen(&there, picture, &lit.palette, settings.surround, control)?;
                 all.error = all.error.max(seen.error);
                 all.neighbours_light |= seen.neighbours_light;
                 let lines = all.pixels.chunks_exact_mut(size[0]).zip(seen.pixels.chunks_exact(size[0]));

@@ -37,7 +37,7 @@ const MISSED: f64 = 1e-6;
 /// Accuracy of the light of cells: natural digits.
 const DIGITS: f64 = 12.0;
 
-/// Kernels of a view, X, Y and Z of all states.
+/// Kernels of a view: X, Y and Z of all states in one or several lights, `[light][X, Y, Z][state]`.
 pub(crate) struct Blur {
     squares: Vec<PixelSquare>,
     shapes: Shapes,
@@ -51,35 +51,39 @@ pub(crate) struct BlurredPicture {
 }
 
 impl Blur {
-    /// Computes the kernels of the only view of a scene in all its light; `None` if no diffuser spreads light, or none of it is known by place.
-    pub(crate) fn new(scene: &Scene) -> Result<Option<Self>, DisplayError> {
-        let Some(matrix) = &scene.display.matrix else { return Ok(None) };
-        let setup = Setup::new(scene)?;
-        let Stack::Panel(panel) = &setup.stack else { return Ok(None) };
-        if !is_covered(panel) {
+    /// Computes the kernels of the only view of each scene in all its light. The scenes have the same display and view, and differ in light.
+    /// `None` if no diffuser spreads light, or its places are not known.
+    pub(crate) fn new(scenes: &[&Scene]) -> Result<Option<Self>, DisplayError> {
+        let Some(matrix) = scenes.first().and_then(|scene| scene.display.matrix.as_ref()) else {
             return Ok(None);
-        }
-        let [view] = setup.views.as_slice() else { return Ok(None) };
-        let lengths_mm = scene.display.lengths_mm()?;
-        let level = Level { digits: DIGITS, most_per_mm: 1.0 / matrix.pitch_mm[0].min(matrix.pitch_mm[1]) };
-        let lit = Lit { panel, lengths_mm: &lengths_mm, view, level };
-        let meter = Meter::new(&setup);
-        let of_light =
-            |light: PixelLight| lobe::of_quantities(lit, &setup.sources[light.source], &light.weights);
-        let lights = meter.pixel_lights().into_iter().filter(PixelLight::is_seen);
-        let responses = lights.map(of_light).collect::<Result<Vec<LobeResponse>, DisplayError>>()?;
-        let peaks: Vec<Peak> = responses.iter().flat_map(|response| response.all_peaks()).collect();
-        let farthest = peaks.iter().map(|peak| peak.at_mm[0].hypot(peak.at_mm[1])).fold(0.0, f64::max);
-        let reach_mm = REACH * lit.thickness_mm() + farthest;
-        let squares = PixelSquare::about(&peaks, matrix.pitch_mm, reach_mm);
-        let borders: Vec<_> = squares.iter().map(|square| square.borders_mm(matrix.pitch_mm)).collect();
-        let mut kernels: Vec<Vec<f64>> = vec![vec![0.0; squares.len()]; 3 * setup.states.len()];
-        for response in &responses {
-            for (sum, more) in kernels.iter_mut().zip(response.rectangles(&borders)) {
-                sum.iter_mut().zip(more).for_each(|(sum, more)| *sum += more);
+        };
+        let setups =
+            scenes.iter().map(|scene| Setup::new(scene)).collect::<Result<Vec<Setup>, DisplayError>>()?;
+        let mut lit_by = Vec::new();
+        for setup in &setups {
+            let Stack::Panel(panel) = &setup.stack else { return Ok(None) };
+            if !is_covered(panel) {
+                return Ok(None);
             }
+            lit_by.push(responses(setup, panel, matrix.pitch_mm)?);
         }
-        Ok(Some(Self { squares, shapes: Shapes::of(&kernels, MISSED), states: setup.states.len() }))
+        let peaks: Vec<Peak> = lit_by.iter().flatten().flat_map(LobeResponse::all_peaks).collect();
+        let farthest = peaks.iter().map(|peak| peak.at_mm[0].hypot(peak.at_mm[1])).fold(0.0, f64::max);
+        let thickness_mm = setups[0].scene.display.lengths_mm()?.last().copied().unwrap_or_default();
+        let squares = PixelSquare::about(&peaks, matrix.pitch_mm, REACH * thickness_mm + farthest);
+        let borders: Vec<_> = squares.iter().map(|square| square.borders_mm(matrix.pitch_mm)).collect();
+        let states = setups[0].states.len();
+        let mut kernels = Vec::new();
+        for lit_by in &lit_by {
+            let mut sums: Vec<Vec<f64>> = vec![vec![0.0; squares.len()]; 3 * states];
+            for response in lit_by {
+                for (sum, more) in sums.iter_mut().zip(response.rectangles(&borders)) {
+                    sum.iter_mut().zip(more).for_each(|(sum, more)| *sum += more);
+                }
+            }
+            kernels.extend(sums);
+        }
+        Ok(Some(Self { squares, shapes: Shapes::of(&kernels, MISSED), states }))
     }
 
     /// Number of shapes of all kernels.
@@ -104,27 +108,46 @@ impl Blur {
         BlurredPicture { picture, shapes }
     }
 
-    /// X, Y and Z of each pixel. `pages` has those of a page of each state, through all orders and with the image of the room in the
-    /// faces; `shown` is the fraction of the picture in each state.
-    pub(crate) fn seen(&self, blurred: &BlurredPicture, pages: &[[f64; 3]], shown: &[f64]) -> Vec<[f32; 3]> {
+    /// X, Y and Z of each pixel in the light of each scene. `pages` has those of a page of each state, through all orders and with the image of
+    /// the room in the faces, for each scene; `shown` is the fraction of the picture in each state.
+    pub(crate) fn seen(
+        &self,
+        blurred: &BlurredPicture,
+        pages: &[Vec<[f64; 3]>],
+        shown: &[f64],
+    ) -> Vec<Vec<[f32; 3]>> {
         let mixture: Vec<f64> = self.shapes.mixtures.iter().flatten().copied().collect();
         let planes = blurred.picture.seen(&blurred.shapes, &mixture);
-        let far = [0, 1, 2].map(|k| {
-            let of_state = |(state, page): (usize, &[f64; 3])| {
-                let near: f64 = self.mixed(k * self.states + state);
-                shown[state] * (page[k] - near)
-            };
-            pages.iter().enumerate().map(of_state).sum::<f64>() as f32
-        });
-        let [Some(x), Some(y), Some(z)] = [0, 1, 2].map(|k| planes.get(k)) else { return Vec::new() };
-        x.iter().zip(y).zip(z).map(|((x, y), z)| [x + far[0], y + far[1], z + far[2]]).collect()
+        let mut all = Vec::new();
+        for (light, (pages, planes)) in pages.iter().zip(planes.chunks_exact(3)).enumerate() {
+            let far = [0, 1, 2].map(|k| {
+                let of_state = |(state, page): (usize, &[f64; 3])| {
+                    shown[state] * (page[k] - self.near((light * 3 + k) * self.states + state))
+                };
+                pages.iter().enumerate().map(of_state).sum::<f64>() as f32
+            });
+            let [x, y, z] = [0, 1, 2].map(|k| &planes[k]);
+            let pixels = x.iter().zip(y).zip(z);
+            all.push(pixels.map(|((x, y), z)| [x + far[0], y + far[1], z + far[2]]).collect());
+        }
+        all
     }
 
     /// Light within the reach of a kernel.
-    fn mixed(&self, kernel: usize) -> f64 {
+    fn near(&self, kernel: usize) -> f64 {
         let sums = self.shapes.shapes.iter().map(|shape| shape.iter().sum::<f64>());
         self.shapes.mixtures[kernel].iter().zip(sums).map(|(weight, sum)| weight * sum).sum()
     }
+}
+
+/// What the view sees of each light by place, in X, Y and Z.
+fn responses(setup: &Setup, panel: &Panel, pitch_mm: [f64; 2]) -> Result<Vec<LobeResponse>, DisplayError> {
+    let Some(view) = setup.views.first() else { return Ok(Vec::new()) };
+    let lengths_mm = setup.scene.display.lengths_mm()?;
+    let level = Level { digits: DIGITS, most_per_mm: 1.0 / pitch_mm[0].min(pitch_mm[1]) };
+    let lit = Lit { panel, lengths_mm: &lengths_mm, view, level };
+    let lights = Meter::new(setup).pixel_lights().into_iter().filter(PixelLight::is_seen);
+    lights.map(|light| lobe::of_quantities(lit, &setup.sources[light.source], &light.weights)).collect()
 }
 
 /// Whether a lobe spreads the light of pixels with a known reflectance.

@@ -5,9 +5,12 @@ use std::sync::atomic::AtomicBool;
 
 use papilio_display::image::{HeldPicture, ImageSettings, PictureSurround, ScreenWhite, SourceImage, image};
 use papilio_display::scene::Scene;
+use papilio_display::spatial::walk::pattern;
 use papilio_display::spatial::{Patterns, mtf};
 use papilio_display::{Control, DisplayError};
 use papilio_scenario::Scenario;
+use papilio_testing::{Dice, everyday};
+use papilio_transport::walk::places::{Pattern, SeenFrom};
 
 const GLASS: &str = "[display.glass]\nindex = 1.5\nsurface = \"fresnel\"\nthickness_mm = 0.5\n";
 const MATRIX: &str = "[display.matrix]\nppi = 150\n";
@@ -170,4 +173,65 @@ fn each_part_of_a_panel_is_seen_in_its_own_direction() {
     let one = ImageSettings::default();
     let flat = control(|control| image(&display, &source, &one, ScreenWhite::Perfect, control));
     assert!(flat.seen.iter().all(|pixel| (pixel[1] - found.seen[6 * 9 + 4][1]).abs() < 1e-4));
+}
+
+/// A picture that repeats, for paths: each pixel is all of its area.
+struct Repeated<'a> {
+    held: &'a HeldPicture,
+    pitch_mm: f64,
+}
+
+impl Pattern for Repeated<'_> {
+    fn images(&self) -> usize {
+        1
+    }
+
+    fn period_mm(&self) -> [f64; 2] {
+        [0.0; 2]
+    }
+
+    fn shows(&self, place_mm: [f64; 2], covered: &mut dyn FnMut(usize, usize, f64)) {
+        // The middle of the first pixel is the origin; rows are counted from the top.
+        let [right, up] = place_mm.map(|place| (place / self.pitch_mm + 0.5).floor() as i64);
+        let column = right.rem_euclid(self.held.size[0] as i64) as usize;
+        let row = (-up).rem_euclid(self.held.size[1] as i64) as usize;
+        covered(0, usize::from(self.held.states[row * self.held.size[0] + column]), 1.0);
+    }
+}
+
+/// Two methods: each pixel of a random picture of three states as a sum over kernels, or through all orders below a flat face, and by
+/// paths over the actual pattern. In `cargo xtask full` with 64 x 64 pixels.
+#[test]
+fn pictures_are_those_of_paths() {
+    everyday(1, [12, 64]).for_each(assert_picture_is_that_of_paths);
+}
+
+fn assert_picture_is_that_of_paths(side: usize) {
+    let mut dice = Dice::new(20, 7);
+    let states: Vec<u8> = (0..side * side).map(|_| dice.below(3) as u8).collect();
+    let names = ["white", "grey", "black"].map(str::to_owned).to_vec();
+    let held = HeldPicture { size: [side; 2], states, names, surround: PictureSurround::Repeat };
+    let pitch_mm = 25.4 / 150.0;
+    for (pixel, layers) in [(MIRROR, DIFFUSED), (PAPER, DIFFUSED), (PAPER, GLASS)] {
+        let display = scene(&[layers, MATRIX, pixel, LIGHT, VIEW]);
+        let factors = control(|control| held.factors(&display, control));
+        let place = |at: usize| [(at % side) as f64 * pitch_mm, -((at / side) as f64) * pitch_mm];
+        let places_mm: Vec<[f64; 2]> = (0..side * side).map(place).collect();
+        let repeated = Repeated { held: &held, pitch_mm };
+        let seen_from = SeenFrom { pattern: &repeated, places_mm: &places_mm };
+        let paths = control(|control| pattern(&display, &seen_from, 1 << 14, control)).remove(0);
+        let mut errors = 0.0;
+        for (at, by_paths) in paths.via_pixel.iter().enumerate() {
+            let found: f32 = factors.lights.iter().map(|one| one.pixels[at][1]).sum();
+            let expected = by_paths.value + paths.front.value;
+            let error = by_paths.standard_error.hypot(paths.front.standard_error);
+            // Student's t of 31 degrees of freedom exceeds 6.5 in 3e-7 of all cases.
+            let allowed = 6.5 * error + factors.error + 1e-4;
+            let off = (f64::from(found) - expected).abs();
+            assert!(off < allowed, "{layers}{pixel} pixel {at}: {found}, {expected} +- {error}");
+            errors += error / places_mm.len() as f64;
+        }
+        let white = crate::common::run(&display).unwrap().views[0].states.get("white").unwrap().value.Y;
+        assert!(errors < 0.02 * white, "{layers}{pixel}: the errors of paths, {errors}, hide everything");
+    }
 }

@@ -1,0 +1,80 @@
+//! Commands that depend on the places of pixels: sharpness, crosstalk, sparkle, pictures and palettes.
+
+use clap::Args;
+
+use super::{ScenarioArguments, Solver, Workers};
+
+/// A command that depends on the places of pixels.
+#[derive(Debug, Args)]
+pub(crate) struct SpatialCommand {
+    #[command(flatten)]
+    pub(crate) scenario: ScenarioArguments,
+    /// Print the result as JSON on standard output; write files only if --out is given
+    #[arg(long)]
+    pub(crate) json: bool,
+    /// Write each figure as PNG too
+    #[arg(long)]
+    pub(crate) png: bool,
+    /// Seed of random numbers; sets solver.seed
+    #[arg(long, value_name = "N", allow_negative_numbers = true)]
+    #[arg(value_parser = clap::value_parser!(u64).range(..=i64::MAX as u64))]
+    pub(crate) seed: Option<u64>,
+    #[command(flatten)]
+    pub(crate) workers: Workers,
+}
+
+/// A picture on a display.
+#[derive(Debug, Args)]
+pub(crate) struct ImageCommand {
+    #[command(flatten)]
+    pub(crate) command: SpatialCommand,
+    /// The picture, PNG or JPEG; sets image.file
+    #[arg(value_name = "PICTURE")]
+    pub(crate) picture: Option<String>,
+    /// What is white in seen.png
+    #[arg(long, value_enum, value_name = "WHITE", default_value = "white")]
+    pub(crate) relative_to: RelativeTo,
+    /// Also show what the panel holds in the light of these presets, or with the spectra of these CIE illuminants; the view remains
+    #[arg(long, value_name = "NAME,...", value_delimiter = ',')]
+    pub(crate) rooms: Vec<String>,
+}
+
+impl ImageCommand {
+    /// The picture as an override.
+    pub(crate) fn picture_key(&self) -> Option<String> {
+        let text = |picture: &String| picture.replace('\\', "\\\\").replace('"', "\\\"");
+        self.picture.as_ref().map(|picture| format!("image.file=\"{}\"", text(picture)))
+    }
+}
+
+/// The palette of a display.
+#[derive(Debug, Args)]
+pub(crate) struct PaletteCommand {
+    #[command(flatten)]
+    pub(crate) command: SpatialCommand,
+    /// Also compute the colours in the light of these presets, or with the spectra of these CIE illuminants; the view remains
+    #[arg(long, value_name = "NAME,...", value_delimiter = ',')]
+    pub(crate) rooms: Vec<String>,
+    /// What is white in the files for other programs
+    #[arg(long, value_enum, value_name = "WHITE", default_value = "white")]
+    pub(crate) relative_to: RelativeTo,
+}
+
+/// What is white in sRGB.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+pub(crate) enum RelativeTo {
+    /// A perfect white in the same light
+    White,
+    /// The white of the display
+    Display,
+}
+
+/// A command that depends on the places of pixels, with two solvers.
+#[derive(Debug, Args)]
+pub(crate) struct SolvedSpatially {
+    #[command(flatten)]
+    pub(crate) spatial: SpatialCommand,
+    /// Solver; sets solver.method
+    #[arg(long, value_enum)]
+    pub(crate) solver: Option<Solver>,
+}
