@@ -102,7 +102,8 @@ impl Blur {
         let shapes = picture.shapes(self.shapes(), |shape, add| {
             for (square, light) in self.squares.iter().zip(&self.shapes.shapes[shape]) {
                 let each = light / (square.side * square.side) as f64;
-                square.each_pixel(|offset| add(offset, each));
+                // A point spread says where the light of a pixel goes: it comes from the opposite place.
+                square.each_pixel(|[right, up]| add([-right, -up], each));
             }
         });
         BlurredPicture { picture, shapes }

@@ -219,7 +219,7 @@ fn assert_picture_is_that_of_paths(side: usize) {
         let places_mm: Vec<[f64; 2]> = (0..side * side).map(place).collect();
         let repeated = Repeated { held: &held, pitch_mm };
         let seen_from = SeenFrom { pattern: &repeated, places_mm: &places_mm };
-        let paths = control(|control| pattern(&display, &seen_from, 1 << 14, control)).remove(0);
+        let paths = control(|control| pattern(&display, &seen_from, 1 << 15, control)).remove(0);
         let mut errors = 0.0;
         for (at, by_paths) in paths.via_pixel.iter().enumerate() {
             let found: f32 = factors.lights.iter().map(|one| one.pixels[at][1]).sum();
