@@ -35,6 +35,8 @@ pub struct Factors {
     pub size: [usize; 2],
     /// The picture in each light.
     pub lights: Vec<LightPicture>,
+    /// X, Y, Z of a page of each state in all light, relative to a perfect white.
+    pub pages: Vec<[f64; 3]>,
     /// Estimated error of X, Y, Z of a pixel.
     pub error: f64,
     /// Whether the light that layers return from each pixel to its neighbours is computed.
@@ -160,8 +162,9 @@ impl HeldPicture {
         let total = luminous(&all);
         let alone = each_alone(scene);
         let is_front_light_alone = alone.iter().all(|one| one.is_front_light);
+        let pages = all.palette.pages();
         let mut factors =
-            Factors { size: self.size, lights: Vec::new(), error: 0.0, neighbours_light: false };
+            Factors { size: self.size, lights: Vec::new(), pages, error: 0.0, neighbours_light: false };
         let lit = alone.iter().map(|one| Lit::new(&one.scene, &settings, prepared, control));
         let lit = lit.collect::<Result<Vec<Lit>, DisplayError>>()?;
         let scenes: Vec<_> = alone.iter().zip(&lit).map(|(one, lit)| (&one.scene, &lit.palette)).collect();

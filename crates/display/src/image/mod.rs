@@ -11,10 +11,12 @@
 //! | each part of the panel in its own direction | `perspective.rs` |
 //! | how far that is from the picture | `differences.rs` |
 //! | the same picture in other light, light by light | `held.rs`, `light.rs` |
+//! | a picture without halftone, in its exact colours | `exact.rs` |
 //!
 //! Rows of all pictures begin at the top. Colours are X, Y, Z relative to a perfect white in the same light.
 
 mod differences;
+mod exact;
 mod halftone;
 mod held;
 mod light;
@@ -29,6 +31,7 @@ mod tests;
 use std::f64::consts::PI;
 
 pub use differences::PictureDifferences;
+pub use exact::exact;
 pub use halftone::Halftone;
 use held::{Brought, Lit};
 pub use held::{Factors, HeldPicture, LightPicture};

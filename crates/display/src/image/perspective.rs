@@ -74,7 +74,7 @@ impl Eye {
             for (column, x) in PLACES.into_iter().enumerate() {
                 let there = self.scene(scene, [x, y]);
                 let lit = Lit::new(&there, settings, &mut prepared, control)?;
-                let pages = pages(&lit);
+                let pages = lit.palette.pages();
                 for (off, at) in off.iter_mut().zip(BETWEEN) {
                     off.resize(pages.len(), [0.0; 3]);
                     let share = shares(at[0])[column] * shares(at[1])[row];
@@ -98,7 +98,7 @@ impl Eye {
         let mut largest = 0.0_f64;
         for (polynomial, at) in off.iter().zip(BETWEEN) {
             let lit = Lit::new(&self.scene(scene, at), settings, &mut prepared, control)?;
-            let pairs = polynomial.iter().flatten().zip(pages(&lit).into_iter().flatten());
+            let pairs = polynomial.iter().flatten().zip(lit.palette.pages().into_iter().flatten());
             largest = pairs.map(|(one, other)| (one - other).abs()).fold(largest, f64::max);
         }
         all.error += largest;
@@ -107,10 +107,6 @@ impl Eye {
 }
 
 /// Colours of pages.
-fn pages(lit: &Lit) -> Vec<[f64; 3]> {
-    lit.palette.colours.iter().map(|one| [one.X, one.Y, one.Z]).collect()
-}
-
 /// Shares of the three places at a place between -1 and 1 (Lagrange).
 fn shares(at: f64) -> [f64; 3] {
     [0.5 * at * (at - 1.0), 1.0 - at * at, 0.5 * at * (at + 1.0)]
