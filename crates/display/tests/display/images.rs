@@ -205,10 +205,10 @@ fn lamps_have_their_images_at_their_places() {
             }
             let page = crate::common::run(&there).unwrap().views[0].states.get("white").unwrap().value.Y;
             let seen = f64::from(found.seen[row * 9 + column][1]);
-            // The image has the reflectance in the direction of its middle: that of glass differs by 0.3 % at 4 deg from it.
+            // The image has the reflectance in the direction of its middle, 23 deg: that of glass at 27 deg is larger by 1 %, its light by 0.6 %.
             *(if away_deg < 4.0 { &mut bright } else { &mut dark }) += 1;
             assert!(
-                (seen - page).abs() < 3e-3 * page + found.numbers.error,
+                (seen - page).abs() < 1e-2 * page + found.numbers.error,
                 "{column}, {row}: {seen} {page}"
             );
         }
@@ -221,7 +221,7 @@ fn lamps_have_their_images_at_their_places() {
         let [lamp] = factors.lamps.as_slice() else { panic!("{:?}", factors.lamps) };
         let seen = f64::from(found.seen[6 * 9 + 4][1]);
         assert_eq!(lamp.radius_deg, 4.0);
-        assert!((middle + lamp.XYZ[white][1] - seen).abs() < 3e-3 * seen, "{middle} {lamp:?} {seen}");
+        assert!((middle + lamp.XYZ[white][1] - seen).abs() < 1e-2 * seen, "{middle} {lamp:?} {seen}");
     }
 }
 
