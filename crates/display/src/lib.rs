@@ -78,6 +78,7 @@ mod error;
 mod filtered;
 pub mod image;
 mod label;
+mod lamp_images;
 mod lobes;
 mod meter;
 mod metrics;

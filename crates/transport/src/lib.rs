@@ -72,4 +72,4 @@ pub use layered::{Layer, Layered, Stack};
 pub use layers::*;
 pub use light::{Cone, Source};
 pub use panel::{Panel, Top};
-pub use specular::{Image, specular_image};
+pub use specular::{Image, disc_image, specular_image};

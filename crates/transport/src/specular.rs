@@ -3,9 +3,10 @@
 use papilio_optics::Beta;
 use papilio_optics::interface::fresnel_reflectance;
 
+use crate::adding::{Mirror, image_points};
 use crate::front::Flat;
 use crate::skeleton::{Ray, Skeleton};
-use crate::{Diffuser, Layered, Panel, Reflector, Stack, Top};
+use crate::{Base, Cone, Diffuser, Layered, Panel, Reflector, Source, Stack, Top};
 
 /// Radiance of a mirror image, relative to that of the source.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -22,6 +23,42 @@ pub fn specular_image(stack: &Stack, beta: Beta) -> Image {
     match stack {
         Stack::Panel(panel) => panel_image(panel, beta),
         Stack::Layered(layered) => layered_image(layered, beta),
+    }
+}
+
+/// Returns the mirror image of a round source in a field of view, as a reflectance factor: [`specular_image`] times the light of the source
+/// in the view. 0 where the view does not look into the image.
+pub fn disc_image(stack: &Stack, view: &Cone, disc: &Cone) -> Image {
+    let (bins, states) = (base_of(stack).bins(), base_of(stack).states());
+    let mut sum = Image { front: vec![0.0; bins], base: vec![0.0; states * bins] };
+    for image in image_points(view, &[Source::Disc(*disc)], DIGITS, Mirror::Across(across(stack, view))) {
+        for point in &image.points {
+            let one = specular_image(stack, point.beta);
+            let add = |sum: &mut [f64], more: &[f64]| {
+                sum.iter_mut().zip(more).for_each(|(sum, more)| *sum += point.weight * more);
+            };
+            add(&mut sum.front, &one.front);
+            add(&mut sum.base, &one.base);
+        }
+    }
+    sum
+}
+
+/// Accuracy of the image of a disc.
+const DIGITS: f64 = 12.0;
+
+fn base_of(stack: &Stack) -> &Base {
+    match stack {
+        Stack::Panel(panel) => &panel.base,
+        Stack::Layered(layered) => &layered.base,
+    }
+}
+
+/// Number of nodes of the base's table across a view.
+fn across(stack: &Stack, view: &Cone) -> f64 {
+    match stack {
+        Stack::Panel(panel) => panel.base.nodes_across(view, &panel.medium),
+        Stack::Layered(_) => 0.0,
     }
 }
 

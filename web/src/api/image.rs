@@ -9,7 +9,9 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
 use axum::http::StatusCode;
-use papilio_display::image::{Factors, Halftone, HeldPicture, ImageResult, ScreenWhite, SourceImage, exact};
+use papilio_display::image::{
+    Factors, Halftone, HeldPicture, ImageResult, LampImage, ScreenWhite, SourceImage, exact,
+};
 use papilio_display::palette::bytes as encoded;
 use papilio_display::scene::{Drive, Pixel, Scene};
 use papilio_display::{Control, DisplayError};
@@ -96,6 +98,8 @@ pub(super) struct PictureHead {
     sub_pixels: Vec<SubPixelSeen>,
     /// X, Y, Z of a page of each state in all light, relative to a perfect white.
     colours: Vec<[f64; 3]>,
+    /// Mirror images of round lamps, which the picture does not contain.
+    lamps: Vec<LampSeen>,
     /// Whether the picture itself follows.
     has_source: bool,
     /// Whether the light that layers return from each pixel to its neighbours is computed.
@@ -113,6 +117,20 @@ struct PictureLight {
     light: String,
     /// X, Y, Z of a perfect white in this light, relative to the Y of a perfect white in all light.
     white: [f64; 3],
+}
+
+/// The mirror image of a round lamp.
+#[derive(Debug, Serialize, JsonSchema)]
+#[allow(non_snake_case, reason = "the field's own letters")]
+struct LampSeen {
+    /// Name of the light: `directed.0`, ...
+    light: String,
+    /// Direction from the display to an eye that sees the middle of the image: to the right, upwards, and away from the panel; of length 1.
+    towards: [f64; 3],
+    /// Half of the angle across the lamp, degrees.
+    radius_deg: f64,
+    /// X, Y, Z of the image on a pixel in each state, relative to a perfect white in all light; in addition to all other light.
+    XYZ: Vec<[f64; 3]>,
 }
 
 /// A sub-pixel.
@@ -251,6 +269,7 @@ fn packed(answer: Answer) -> Result<Vec<u8>, Fault> {
         sub_pixels: if is_held { sub_pixels(scene, &names) } else { Vec::new() },
         states: names,
         colours: factors.pages.clone(),
+        lamps: factors.lamps.iter().map(LampSeen::of).collect(),
         has_source: source.is_some(),
         neighbours_light: factors.neighbours_light,
         error: factors.error,
@@ -262,6 +281,13 @@ fn packed(answer: Answer) -> Result<Vec<u8>, Fault> {
         push_pixels(&mut out, &source.pixels);
     }
     Ok(out)
+}
+
+impl LampSeen {
+    fn of(image: &LampImage) -> Self {
+        let LampImage { light, towards, radius_deg, XYZ } = image.clone();
+        Self { light, towards, radius_deg, XYZ }
+    }
 }
 
 /// Replaces the directions of the eye by one.

@@ -1,6 +1,7 @@
 //! A picture without halftone: each pixel has the mapped colour itself, which no single state shows.
 
 use super::held::{Brought, Factors, LightPicture, Lit};
+use super::lamps::lamp_images;
 use super::{ImageSettings, SourceImage};
 use crate::DisplayError;
 use crate::prepared::Prepared;
@@ -33,12 +34,14 @@ pub fn exact(
     let brought = Brought::new(&lit, scene, source, &settings, control)?;
     let white = lit.white.to_array();
     let all = LightPicture { light: ALL.to_owned(), white, pixels: brought.rendered.mapped };
+    let names = lit.palette.names();
     let factors = Factors {
         size,
         lights: vec![all],
         pages: lit.palette.pages(),
         error: lit.palette.error(),
         neighbours_light: false,
+        lamps: lamp_images(scene, &names)?,
     };
-    Ok((lit.palette.names(), factors))
+    Ok((names, factors))
 }

@@ -3,9 +3,11 @@
 use papilio_colour::{Observer, Xyz};
 
 use super::halftone::{self, Halftone, Panel};
+use super::lamps::{LampImage, lamp_images};
 use super::light::each_alone;
 use super::rendering::{Rendered, Rendering};
-use super::{ImageSettings, PictureSurround, SourceImage, stack, stopped};
+use super::stack::{Layers, Several};
+use super::{ImageSettings, PictureSurround, SourceImage, stopped};
 use crate::DisplayError;
 use crate::palette::Palette;
 use crate::prepared::Prepared;
@@ -41,6 +43,8 @@ pub struct Factors {
     pub error: f64,
     /// Whether the light that layers return from each pixel to its neighbours is computed.
     pub neighbours_light: bool,
+    /// Mirror images of round lamps, which the pictures do not contain; their colours are those of the states of the picture, in all light.
+    pub lamps: Vec<LampImage>,
 }
 
 /// What the reader sees of a picture in one light of a room.
@@ -162,14 +166,20 @@ impl HeldPicture {
         let total = luminous(&all);
         let alone = each_alone(scene);
         let is_front_light_alone = alone.iter().all(|one| one.is_front_light);
-        let pages = all.palette.pages();
-        let mut factors =
-            Factors { size: self.size, lights: Vec::new(), pages, error: 0.0, neighbours_light: false };
+        let mut factors = Factors {
+            size: self.size,
+            lights: Vec::new(),
+            pages: all.palette.pages(),
+            error: 0.0,
+            neighbours_light: false,
+            lamps: lamp_images(scene, &self.names)?,
+        };
         let lit = alone.iter().map(|one| Lit::new(&one.scene, &settings, prepared, control));
         let lit = lit.collect::<Result<Vec<Lit>, DisplayError>>()?;
         let scenes: Vec<_> = alone.iter().zip(&lit).map(|(one, lit)| (&one.scene, &lit.palette)).collect();
-        let seen = stack::seen_in_each(&scenes, (self.size, &self.states), self.surround, control)?;
-        for ((one, lit), seen) in alone.iter().zip(&lit).zip(seen) {
+        let several = Several { missed: 1e-6, without_lamps: true };
+        let layers = Layers::new(&scenes, (self.size, &self.states), self.surround, several, control)?;
+        for ((one, lit), seen) in alone.iter().zip(&lit).zip(layers.seen_in_each()) {
             let share = luminous(lit) / total;
             let of_white = if one.is_front_light && !is_front_light_alone { 0.0 } else { share };
             factors.error += share * seen.error;

@@ -9,6 +9,7 @@
 //! | a state for each pixel | `halftone.rs`, `masks.rs`, `search.rs`, [`papilio_imaging::halftone`] |
 //! | what the layers above the pixels make of them | `stack.rs`, [`picture`](crate::spatial::picture) |
 //! | each part of the panel in its own direction | `perspective.rs` |
+//! | mirror images of round lamps | `lamps.rs` |
 //! | how far that is from the picture | `differences.rs` |
 //! | the same picture in other light, light by light | `held.rs`, `light.rs` |
 //! | a picture without halftone, in its exact colours | `exact.rs` |
@@ -19,6 +20,7 @@ mod differences;
 mod exact;
 mod halftone;
 mod held;
+mod lamps;
 mod light;
 mod masks;
 mod perspective;
@@ -35,6 +37,7 @@ pub use exact::exact;
 pub use halftone::Halftone;
 use held::{Brought, Lit};
 pub use held::{Factors, HeldPicture, LightPicture};
+pub use lamps::LampImage;
 use papilio_colour::mapping::{Intent, MapSpace};
 use papilio_colour::{Adaptation, D65_WHITE, Xyz};
 use papilio_imaging::halftone::{DiffusionKernel, Scan};

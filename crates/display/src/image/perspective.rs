@@ -1,15 +1,20 @@
 //! The eye at its place: each part of a panel is seen in its own direction.
 //!
-//! **What.** The eye is at `viewer.distance_mm` from the middle of the panel, along the view. The picture is computed in the directions of
-//! three times three places of the panel (its middle, the middles of its sides and its corners), and is a polynomial of second degree of the
-//! place in between.
+//! **What.** The eye is at `viewer.distance_mm` from the middle of the panel, along the view. What is seen is computed in the directions of
+//! some places of the panel, and is a polynomial of the place in between.
 //!
-//! **Error.** The difference of the colours of pages from the polynomial in two directions between these places. Mirror images of small lamps in
-//! a flat face may be narrower than that: they are not resolved.
+//! **Places.** Those of Chebyshev along each axis (Clenshaw and Curtis), 3, 5, 9 or 17, as many as the colours of pages need. Their error is
+//! the largest difference from pages in the directions of the places that would be the next.
+//!
+//! **Lamps.** Mirror images of round lamps have borders: they are left out of the polynomials, and drawn at their places (`lamps.rs`).
 
-use super::ImageSettings;
+use std::collections::BTreeMap;
+use std::f64::consts::PI;
+
 use super::held::Lit;
-use super::stack::{self, Seen};
+use super::lamps::lamp_images;
+use super::stack::{Layers, Seen, Several, colours_of_pages};
+use super::{ImageSettings, stopped};
 use crate::DisplayError;
 use crate::prepared::Prepared;
 use crate::run::Control;
@@ -18,11 +23,11 @@ use crate::scene::{AngleMedium, Scene};
 /// Angle between the directions of two opposite sides, degrees, below which the panel is seen in one direction.
 const ONE_DIRECTION_DEG: f64 = 1.0;
 
-/// Places of the polynomial along an axis, from -1 to 1.
-const PLACES: [f64; 3] = [-1.0, 0.0, 1.0];
+/// Error of the colours of pages, relative to a perfect white, with which places are close enough.
+const CLOSE: f64 = 1e-3;
 
-/// Places at which it is compared with pages.
-const BETWEEN: [[f64; 2]; 2] = [[0.5, 0.5], [-0.5, -0.5]];
+/// Places along an axis, at most, minus 1; a power of 2.
+const MOST: usize = 16;
 
 /// An eye before a panel.
 pub(super) struct Eye {
@@ -46,13 +51,27 @@ impl Eye {
         (scene.solver.angle_medium == AngleMedium::Air && span_deg > ONE_DIRECTION_DEG).then_some(eye)
     }
 
-    /// The scene as it is seen from a place of the panel, whose sides are at -1 and 1.
-    fn scene(&self, scene: &Scene, [x, y]: [f64; 2]) -> Scene {
-        let [dx, dy] = [self.at_mm[0] - x * self.half_mm[0], self.at_mm[1] - y * self.half_mm[1]];
+    /// From a place of the panel, whose sides are at -1 and 1, to the eye, mm.
+    fn from_place(&self, [x, y]: [f64; 2]) -> [f64; 3] {
+        [self.at_mm[0] - x * self.half_mm[0], self.at_mm[1] - y * self.half_mm[1], self.at_mm[2]]
+    }
+
+    /// Direction from a pixel to the eye, of length 1, and half of the angle across the pixel. Rows are counted from the top.
+    pub(super) fn from_pixel(&self, size: [usize; 2], [column, row]: [usize; 2]) -> ([f64; 3], f64) {
+        let place = [place(column, size[0]), -place(row, size[1])];
+        let towards = self.from_place(place);
+        let length = towards.iter().map(|part| part * part).sum::<f64>().sqrt();
+        let half_pitch = [0, 1].map(|k| self.half_mm[k] / (size[k] - 1).max(1) as f64);
+        (towards.map(|part| part / length), half_pitch[0].max(half_pitch[1]) / length)
+    }
+
+    /// The scene as it is seen from a place.
+    fn scene(&self, scene: &Scene, place: [f64; 2]) -> Scene {
         let mut there = scene.clone();
-        if [x, y] != [0.0; 2] {
-            there.viewer.theta_deg = vec![dx.hypot(dy).atan2(self.at_mm[2]).to_degrees()];
-            there.viewer.phi_deg = vec![dy.atan2(dx).to_degrees()];
+        if place != [0.0; 2] {
+            let [x, y, z] = self.from_place(place);
+            there.viewer.theta_deg = vec![x.hypot(y).atan2(z).to_degrees()];
+            there.viewer.phi_deg = vec![y.atan2(x).to_degrees()];
         }
         there
     }
@@ -61,61 +80,192 @@ impl Eye {
     pub(super) fn seen(
         &self,
         scene: &Scene,
-        picture: ([usize; 2], &[u8]),
+        (size, states): ([usize; 2], &[u8]),
         settings: &ImageSettings,
         control: &Control<'_>,
     ) -> Result<Seen, DisplayError> {
-        let mut prepared = Prepared::new(scene)?;
-        let (size, states) = picture;
-        let mut all = Seen { pixels: vec![[0.0; 3]; states.len()], error: 0.0, neighbours_light: false };
-        let [columns, rows] = [0, 1].map(|k| shares_along(size[k]));
-        let mut off: [Vec<[f64; 3]>; 2] = [Vec::new(), Vec::new()];
-        for (row, y) in PLACES.into_iter().enumerate() {
-            for (column, x) in PLACES.into_iter().enumerate() {
-                let there = self.scene(scene, [x, y]);
-                let lit = Lit::new(&there, settings, &mut prepared, control)?;
-                let pages = lit.palette.pages();
-                for (off, at) in off.iter_mut().zip(BETWEEN) {
-                    off.resize(pages.len(), [0.0; 3]);
-                    let share = shares(at[0])[column] * shares(at[1])[row];
-                    off.iter_mut().zip(&pages).for_each(|(sum, page)| {
-                        (0..3).for_each(|k| sum[k] += share * page[k]);
-                    });
+        let mut pages = Pages {
+            eye: self,
+            scene,
+            settings,
+            control,
+            prepared: Prepared::new(scene)?,
+            known: BTreeMap::new(),
+        };
+        let (counts, error) = pages.close_enough()?;
+        let mut places = Vec::new();
+        for row in 0..=counts[1] {
+            for column in 0..=counts[0] {
+                places.push([column * (MOST / counts[0]), row * (MOST / counts[1])]);
+                pages.at(places[places.len() - 1])?;
+            }
+        }
+        let known: Vec<&PageThere> = places.iter().map(|place| &pages.known[place]).collect();
+        let lit: Vec<_> = known.iter().map(|page| (&page.scene, &page.lit.palette)).collect();
+        let several = Several { missed: CLOSE, without_lamps: true };
+        let layers = Layers::new(&lit, (size, states), settings.surround, several, control)?;
+        stopped(control)?;
+        let shares = [0, 1].map(|k| {
+            let polynomials = Polynomials::new(counts[k]);
+            (0..size[k]).map(move |pixel| polynomials.at(place(pixel, size[k]))).collect::<Vec<Vec<f64>>>()
+        });
+        let mut pixels = vec![[0.0_f32; 3]; states.len()];
+        let mut along_row = vec![0.0_f32; counts[0] + 1];
+        layers.each(|number, part| {
+            let lines = pixels.chunks_exact_mut(size[0]).zip(part.chunks_exact(size[0]));
+            // Rows of pictures begin at the top.
+            for ((line, part), along_y) in lines.zip(shares[1].iter().rev()) {
+                for (column, sum) in along_row.iter_mut().enumerate() {
+                    let of_row = |(row, share): (usize, &f64)| {
+                        share * layers.mixtures()[row * (counts[0] + 1) + column][number]
+                    };
+                    *sum = along_y.iter().enumerate().map(of_row).sum::<f64>() as f32;
                 }
-                let seen = stack::seen(&there, picture, &lit.palette, settings.surround, control)?;
-                all.error = all.error.max(seen.error);
-                all.neighbours_light |= seen.neighbours_light;
-                let lines = all.pixels.chunks_exact_mut(size[0]).zip(seen.pixels.chunks_exact(size[0]));
-                // Rows of pictures begin at the top.
-                for ((line, part), along_y) in lines.zip(rows.iter().rev()) {
-                    for ((pixel, part), along_x) in line.iter_mut().zip(part).zip(&columns) {
-                        let share = along_x[column] * along_y[row];
-                        (0..3).for_each(|k| pixel[k] += share * part[k]);
+                for ((pixel, part), along_x) in line.iter_mut().zip(part).zip(&shares[0]) {
+                    let weight: f32 =
+                        along_row.iter().zip(along_x).map(|(sum, share)| sum * *share as f32).sum();
+                    (0..3).for_each(|k| pixel[k] += weight * part[k]);
+                }
+            }
+        });
+        let names = known[0].lit.palette.names();
+        for lamp in lamp_images(scene, &names)? {
+            lamp.add(self, (size, states), 0.5 * scene.viewer.field_deg, &mut pixels);
+        }
+        Ok(Seen { pixels, error: layers.error() + error, neighbours_light: layers.have_neighbours_light() })
+    }
+}
+
+/// Colours of pages in the directions of places.
+struct Pages<'a> {
+    eye: &'a Eye,
+    scene: &'a Scene,
+    settings: &'a ImageSettings,
+    control: &'a Control<'a>,
+    prepared: Prepared,
+    /// By the numbers of the places along x and y.
+    known: BTreeMap<[usize; 2], PageThere>,
+}
+
+/// Pages in one direction.
+struct PageThere {
+    scene: Scene,
+    lit: Lit,
+    /// X, Y and Z of each state, without the images of lamps.
+    colours: Vec<[f64; 3]>,
+}
+
+impl Pages<'_> {
+    /// Computes the pages at a place.
+    fn at(&mut self, at: [usize; 2]) -> Result<&PageThere, DisplayError> {
+        if !self.known.contains_key(&at) {
+            let scene = self.eye.scene(self.scene, at.map(|k| chebyshev(k, MOST)));
+            let lit = Lit::new(&scene, self.settings, &mut self.prepared, self.control)?;
+            let colours = colours_of_pages(&scene, &lit.palette, true)?;
+            self.known.insert(at, PageThere { scene, lit, colours });
+        }
+        Ok(&self.known[&at])
+    }
+
+    /// Number of places along each axis, minus 1, and the error of pages between them.
+    fn close_enough(&mut self) -> Result<([usize; 2], f64), DisplayError> {
+        let mut counts = [2; 2];
+        let mut errors = [0.0; 2];
+        for axis in 0..2 {
+            loop {
+                errors[axis] = self.error_along(axis, counts[axis])?;
+                if errors[axis] <= CLOSE || 2 * counts[axis] >= MOST {
+                    break;
+                }
+                counts[axis] *= 2;
+            }
+        }
+        Ok((counts, errors[0] + errors[1]))
+    }
+
+    /// Largest difference of pages from the polynomial through `count + 1` places along an axis, at the places that would be the next, at the
+    /// sides and in the middle of the other axis.
+    fn error_along(&mut self, axis: usize, count: usize) -> Result<f64, DisplayError> {
+        let polynomials = Polynomials::new(count);
+        let mut largest = 0.0_f64;
+        for across in [0, MOST / 2, MOST] {
+            let place = |k: usize| if axis == 0 { [k, across] } else { [across, k] };
+            let step = MOST / count;
+            let mut nodes = Vec::new();
+            for node in 0..=count {
+                nodes.push(self.at(place(node * step))?.colours.clone());
+            }
+            for between in 0..count {
+                let at = between * step + step / 2;
+                let shares = polynomials.at(chebyshev(at, MOST));
+                let there = &self.at(place(at))?.colours;
+                for (state, colour) in there.iter().enumerate() {
+                    for (k, value) in colour.iter().enumerate() {
+                        let sum: f64 =
+                            shares.iter().zip(&nodes).map(|(share, node)| share * node[state][k]).sum();
+                        largest = largest.max((sum - value).abs());
                     }
                 }
             }
         }
-        let mut largest = 0.0_f64;
-        for (polynomial, at) in off.iter().zip(BETWEEN) {
-            let lit = Lit::new(&self.scene(scene, at), settings, &mut prepared, control)?;
-            let pairs = polynomial.iter().flatten().zip(lit.palette.pages().into_iter().flatten());
-            largest = pairs.map(|(one, other)| (one - other).abs()).fold(largest, f64::max);
-        }
-        all.error += largest;
-        Ok(all)
+        Ok(largest)
     }
 }
 
-/// Colours of pages.
-/// Shares of the three places at a place between -1 and 1 (Lagrange).
-fn shares(at: f64) -> [f64; 3] {
-    [0.5 * at * (at - 1.0), 1.0 - at * at, 0.5 * at * (at + 1.0)]
+/// Polynomials through the places of Chebyshev (barycentric formula; Berrut and Trefethen, SIAM Rev. 46, 501 (2004)).
+struct Polynomials {
+    nodes: Vec<f64>,
 }
 
-/// Shares at each of a number of pixels.
-fn shares_along(pixels: usize) -> Vec<[f32; 3]> {
-    let at = |k: usize| 2.0 * k as f64 / (pixels - 1).max(1) as f64 - 1.0;
-    (0..pixels)
-        .map(|k| if pixels == 1 { shares(0.0) } else { shares(at(k)) }.map(|share| share as f32))
-        .collect()
+impl Polynomials {
+    /// Through `count + 1` places.
+    fn new(count: usize) -> Self {
+        Self { nodes: (0..=count).map(|k| chebyshev(k, count)).collect() }
+    }
+
+    /// Shares of the places at a place between -1 and 1.
+    fn at(&self, at: f64) -> Vec<f64> {
+        if let Some(here) = self.nodes.iter().position(|node| (node - at).abs() < 1e-12) {
+            return (0..self.nodes.len()).map(|k| f64::from(u8::from(k == here))).collect();
+        }
+        let last = self.nodes.len() - 1;
+        let weight = |(k, node): (usize, &f64)| {
+            let sign = if k % 2 == 0 { 1.0 } else { -1.0 };
+            let half = if k == 0 || k == last { 0.5 } else { 1.0 };
+            sign * half / (at - node)
+        };
+        let weights: Vec<f64> = self.nodes.iter().enumerate().map(weight).collect();
+        let sum: f64 = weights.iter().sum();
+        weights.into_iter().map(|weight| weight / sum).collect()
+    }
+}
+
+/// Place number `k` of Chebyshev, from -1 (0) to 1 (`count`).
+fn chebyshev(k: usize, count: usize) -> f64 {
+    if 2 * k == count { 0.0 } else { -(PI * k as f64 / count as f64).cos() }
+}
+
+/// Place of the middle of a pixel, from -1 to 1.
+fn place(pixel: usize, pixels: usize) -> f64 {
+    if pixels == 1 { 0.0 } else { 2.0 * pixel as f64 / (pixels - 1) as f64 - 1.0 }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn polynomials_are_exact_for_polynomials() {
+        let of = |x: f64| 1.0 - 2.0 * x + 0.5 * x.powi(3) - 3.0 * x.powi(4);
+        let polynomials = Polynomials::new(4);
+        for at in [-1.0, -0.93, -0.2, 0.0, 0.41, 1.0] {
+            let sum: f64 = polynomials
+                .at(at)
+                .iter()
+                .zip(&polynomials.nodes)
+                .map(|(share, node)| share * of(*node))
+                .sum();
+            assert!((sum - of(at)).abs() < 1e-12, "{at}: {sum}");
+        }
+    }
 }

@@ -1,10 +1,17 @@
-//! What the layers above the pixels make of a picture.
+//! What the layers above the pixels make of a picture, in one or several lights and views.
+//!
+//! What is seen of the states of a picture is linear in the colours and kernels of light and view. Those of many scenes that share
+//! their display are therefore mixtures of a few ([`Shapes`]), and so are their pictures: only these few are computed.
+
+use papilio_transport::spatial::Shapes;
 
 use crate::DisplayError;
+use crate::lamp_images;
 use crate::palette::{Palette, PaletteColour};
 use crate::run::Control;
 use crate::scene::{Pixel, Scene, UniformKind};
-use crate::spatial::{Blur, Picture, PictureSurround, Precision, picture};
+use crate::setup::Setup;
+use crate::spatial::{Blur, BlurredPicture, LitPicture, PictureSurround, Precision};
 
 /// What the reader sees of each pixel.
 pub(super) struct Seen {
@@ -15,6 +22,44 @@ pub(super) struct Seen {
     pub(super) neighbours_light: bool,
 }
 
+/// How the pictures of several scenes are computed.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Several {
+    /// Light that kernels and mixtures may miss, relative to a perfect white.
+    pub(super) missed: f64,
+    /// Whether the mirror images of round lamps are left out.
+    pub(super) without_lamps: bool,
+}
+
+impl Several {
+    /// One scene, as it is.
+    const ONE: Self = Self { missed: 1e-6, without_lamps: false };
+}
+
+/// A picture below the layers of several scenes, which have the same display and differ in light or view.
+pub(super) struct Layers {
+    kind: Kind,
+    /// Number of columns of the picture.
+    columns: usize,
+    /// States of the display, rows from the top.
+    states: Vec<u8>,
+    /// A few scenes, made up, of which all others are mixtures: what is seen is linear in these numbers.
+    few: Vec<Vec<f64>>,
+    /// Weights of the few, for each scene.
+    mixtures: Vec<Vec<f64>>,
+    /// Estimated error of X, Y, Z.
+    error: f64,
+}
+
+enum Kind {
+    /// Each pixel has the colour of a page of its state.
+    Pages,
+    /// Below a diffuser.
+    Diffuser(Box<(Blur, BlurredPicture)>),
+    /// Paper below a flat face.
+    Paper(Box<LitPicture>),
+}
+
 /// Computes what the reader sees of the states of all pixels, by their numbers in a palette.
 pub(super) fn seen(
     scene: &Scene,
@@ -23,83 +68,167 @@ pub(super) fn seen(
     surround: PictureSurround,
     control: &Control<'_>,
 ) -> Result<Seen, DisplayError> {
-    let mut all = seen_in_each(&[(scene, palette)], picture, surround, control)?;
-    all.pop().ok_or(DisplayError::NoWhite { what: "a picture" })
+    let layers = Layers::new(&[(scene, palette)], picture, surround, Several::ONE, control)?;
+    layers.seen_in_each().pop().ok_or(DisplayError::NoWhite { what: "a picture" })
 }
 
-/// The same for several scenes with the same display and view, and their palettes; they differ in light.
-pub(super) fn seen_in_each(
-    lit: &[(&Scene, &Palette)],
-    (size, states): ([usize; 2], &[u8]),
-    surround: PictureSurround,
-    control: &Control<'_>,
-) -> Result<Vec<Seen>, DisplayError> {
-    let Some((scene, palette)) = lit.first() else { return Ok(Vec::new()) };
-    let names = scene.display.state_names();
-    let number = |one: &PaletteColour| names.iter().position(|name| *name == one.state).unwrap_or(0) as u8;
-    let numbers: Vec<u8> = palette.colours.iter().map(number).collect();
-    let states: Vec<u8> = states.iter().map(|state| numbers[usize::from(*state)]).collect();
-    let scenes: Vec<&Scene> = lit.iter().map(|(scene, _)| *scene).collect();
-    let Some(blur) = Blur::new(&scenes)? else {
-        let alone = |(scene, palette): &(&Scene, &Palette)| {
-            without_diffuser(scene, (size, &states), &numbers, palette, surround, control)
-        };
-        return lit.iter().map(alone).collect();
-    };
-    let mut shown = vec![0.0; names.len()];
-    states.iter().for_each(|state| shown[usize::from(*state)] += 1.0 / states.len() as f64);
-    let pages_of = |(_, palette): &(&Scene, &Palette)| {
-        let mut pages = vec![[0.0; 3]; names.len()];
-        for (colour, number) in palette.colours.iter().zip(&numbers) {
-            pages[usize::from(*number)] = [colour.X, colour.Y, colour.Z];
+impl Layers {
+    /// Prepares scenes, each with the colours of pages, for a picture of the states of a palette.
+    pub(super) fn new(
+        lit: &[(&Scene, &Palette)],
+        (size, states): ([usize; 2], &[u8]),
+        surround: PictureSurround,
+        several: Several,
+        control: &Control<'_>,
+    ) -> Result<Self, DisplayError> {
+        let (scene, palette) = lit.first().ok_or(DisplayError::NoWhite { what: "a picture" })?;
+        let names = scene.display.state_names();
+        let numbers = numbers(&names, palette);
+        let states: Vec<u8> = states.iter().map(|state| numbers[usize::from(*state)] as u8).collect();
+        let scenes: Vec<&Scene> = lit.iter().map(|(scene, _)| *scene).collect();
+        let mut pages = Vec::new();
+        for (scene, palette) in lit {
+            pages.push(colours_of_pages(scene, palette, several.without_lamps)?);
         }
-        pages
-    };
-    let pages: Vec<Vec<[f64; 3]>> = lit.iter().map(pages_of).collect();
-    let all = blur.seen(&blur.picture(&states, size[0], surround), &pages, &shown);
-    let seen = |(pixels, (_, palette)): (Vec<[f32; 3]>, &(&Scene, &Palette))| Seen {
-        pixels,
-        error: palette.error(),
-        neighbours_light: true,
-    };
-    Ok(all.into_iter().zip(lit).map(seen).collect())
+        let mut error = lit.iter().map(|(_, palette)| palette.error()).fold(0.0, f64::max);
+        let (kind, rows) = if let Some(blur) = Blur::new(&scenes, several.missed, several.without_lamps)? {
+            let mut shown = vec![0.0; names.len()];
+            states.iter().for_each(|state| shown[usize::from(*state)] += 1.0 / states.len() as f64);
+            let rows = blur.rows(&pages, &shown);
+            let picture = blur.picture(&states, size[0], surround);
+            (Kind::Diffuser(Box::new((blur, picture))), rows)
+        } else if is_paper(scene) {
+            if surround == PictureSurround::BlackMask {
+                let what = "a black mask around pictures below a flat face".to_owned();
+                return Err(DisplayError::PlacesNotComputed { what, key: "image.surround".to_owned() });
+            }
+            let without_lamps = several.without_lamps;
+            match LitPicture::new(&scenes, (size, &states), Precision::FAST, without_lamps, control) {
+                Ok((picture, rows)) => {
+                    error += picture.error;
+                    (Kind::Paper(Box::new(picture)), rows)
+                }
+                // Below other layers, pixels have the colours of pages.
+                Err(DisplayError::PlacesNotComputed { .. }) => (Kind::Pages, of_pages(&pages)),
+                Err(other) => return Err(other),
+            }
+        } else {
+            (Kind::Pages, of_pages(&pages))
+        };
+        // The numbers of a row belong to X, Y, Z and to all states; a pixel has one of them at each place.
+        let apart = (3 * names.len()) as f64;
+        let Shapes { shapes, mixtures, missed } = Shapes::of(&rows, apart * several.missed);
+        if scenes.len() > 1 {
+            error += missed / apart;
+        }
+        Ok(Self { kind, columns: size[0], states, few: shapes, mixtures, error })
+    }
+
+    /// Weights of these pictures, for each scene.
+    pub(super) fn mixtures(&self) -> &[Vec<f64>] {
+        &self.mixtures
+    }
+
+    /// Estimated error of X, Y, Z.
+    pub(super) fn error(&self) -> f64 {
+        self.error
+    }
+
+    /// Whether light that the layers return to neighbours is contained.
+    pub(super) fn have_neighbours_light(&self) -> bool {
+        !matches!(self.kind, Kind::Pages)
+    }
+
+    /// Computes the pictures one by one, each with its number: X, Y and Z of each pixel, rows from the top.
+    pub(super) fn each(&self, mut found: impl FnMut(usize, &[[f32; 3]])) {
+        match &self.kind {
+            Kind::Pages => {
+                for (number, row) in self.few.iter().enumerate() {
+                    let colours: Vec<[f32; 3]> =
+                        row.as_chunks().0.iter().map(|one| one.map(single)).collect();
+                    let pixels = self.states.iter().map(|state| colours[usize::from(*state)]);
+                    found(number, &pixels.collect::<Vec<_>>());
+                }
+            }
+            Kind::Diffuser(blurred) => {
+                let (blur, picture) = &**blurred;
+                // Two planes are transformed at once: two pictures have three pairs.
+                for (pair, rows) in self.few.chunks(2).enumerate() {
+                    for (more, pixels) in blur.seen(picture, rows).into_iter().enumerate() {
+                        found(2 * pair + more, &pixels);
+                    }
+                }
+            }
+            Kind::Paper(picture) => {
+                for (number, row) in self.few.iter().enumerate() {
+                    let pixels = picture.seen(row);
+                    let rows = pixels.chunks_exact(self.columns).rev().flatten().copied();
+                    found(number, &rows.collect::<Vec<_>>());
+                }
+            }
+        }
+    }
+
+    /// Computes the picture of each scene.
+    pub(super) fn seen_in_each(&self) -> Vec<Seen> {
+        let black = || Seen {
+            pixels: vec![[0.0; 3]; self.states.len()],
+            error: self.error,
+            neighbours_light: self.have_neighbours_light(),
+        };
+        let mut all: Vec<Seen> = self.mixtures.iter().map(|_| black()).collect();
+        self.each(|number, part| {
+            for (seen, weights) in all.iter_mut().zip(&self.mixtures) {
+                let weight = weights[number] as f32;
+                for (sum, more) in seen.pixels.iter_mut().zip(part) {
+                    (0..3).for_each(|k| sum[k] += weight * more[k]);
+                }
+            }
+        });
+        all
+    }
 }
 
-/// What the reader sees of states of the display, through flat faces and general layers. `numbers` are those of the colours of the palette.
-fn without_diffuser(
-    scene: &Scene,
-    (size, states): ([usize; 2], &[u8]),
-    numbers: &[u8],
-    palette: &Palette,
-    surround: PictureSurround,
-    control: &Control<'_>,
-) -> Result<Seen, DisplayError> {
+/// Whether pixels are Lambertian and below a face that returns light.
+fn is_paper(scene: &Scene) -> bool {
     let is_paper =
         matches!(&scene.display.pixel, Pixel::Uniform(pixel) if pixel.kind == UniformKind::Lambertian);
     let is_glass = scene.display.index_above_pixel().max() > 1.0;
-    let is_plain = scene.display.matrix.as_ref().is_some_and(|matrix| matrix.filter.is_none());
-    if is_paper && is_glass && is_plain {
-        if surround == PictureSurround::BlackMask {
-            let what = "a black mask around pictures below a flat face".to_owned();
-            return Err(DisplayError::PlacesNotComputed { what, key: "image.surround".to_owned() });
-        }
-        let flipped = states.chunks_exact(size[0]).rev().flatten();
-        let shown = Picture { count: size, states: flipped.copied().collect() };
-        match picture(scene, &shown, Precision::FAST, control) {
-            Ok(mut found) => {
-                let view = found.views.pop().unwrap_or_default();
-                let rows = view.chunks_exact(size[0]).rev().flatten().copied();
-                return Ok(Seen { pixels: rows.collect(), error: found.error, neighbours_light: true });
-            }
-            // Below other layers, pixels have the colours of pages.
-            Err(DisplayError::PlacesNotComputed { .. }) => {}
-            Err(error) => return Err(error),
+    is_paper && is_glass && scene.display.matrix.as_ref().is_some_and(|matrix| matrix.filter.is_none())
+}
+
+/// X, Y and Z of pages of all states of a display; 0 for those that are not in the palette. The mirror images of lamps can be left out.
+pub(super) fn colours_of_pages(
+    scene: &Scene,
+    palette: &Palette,
+    without_lamps: bool,
+) -> Result<Vec<[f64; 3]>, DisplayError> {
+    let names = scene.display.state_names();
+    let mut pages = vec![[0.0; 3]; names.len()];
+    let has_lamps = scene.lighting.directed.iter().any(|light| light.radius_deg.is_some());
+    let lamps = match without_lamps && has_lamps {
+        true => lamp_images::in_view(&Setup::with_filter(scene)?),
+        false => Vec::new(),
+    };
+    for (colour, number) in palette.colours.iter().zip(numbers(&names, palette)) {
+        pages[number] = [colour.X, colour.Y, colour.Z];
+        for lamp in &lamps {
+            (0..3).for_each(|k| pages[number][k] -= lamp.front[k] + lamp.pixel[number][k]);
         }
     }
-    let mut colours = vec![[0.0; 3]; scene.display.state_names().len()];
-    for (colour, number) in palette.colours.iter().zip(numbers) {
-        colours[usize::from(*number)] = [colour.X, colour.Y, colour.Z].map(|value| value as f32);
-    }
-    let pixels = states.iter().map(|state| colours[usize::from(*state)]).collect();
-    Ok(Seen { pixels, error: palette.error(), neighbours_light: false })
+    Ok(pages)
+}
+
+/// Numbers of the states of a palette among those of the display.
+fn numbers(names: &[String], palette: &Palette) -> Vec<usize> {
+    let number = |one: &PaletteColour| names.iter().position(|name| *name == one.state).unwrap_or(0);
+    palette.colours.iter().map(number).collect()
+}
+
+fn of_pages(pages: &[Vec<[f64; 3]>]) -> Vec<Vec<f64>> {
+    pages.iter().map(|page| page.as_flattened().to_vec()).collect()
+}
+
+fn single(value: f64) -> f32 {
+    value as f32
 }

@@ -169,6 +169,11 @@ impl<'a> Meter<'a> {
         all
     }
 
+    /// Weights of the reflectance factor under a light over wavelength, in X, Y and Z.
+    pub(crate) fn weights(&self, light: usize) -> &[Vec<f64>; 3] {
+        &self.lights[light].xyz
+    }
+
     /// Returns X, Y and Z of what is seen without the pixel, from the reflectance factors under all lights.
     pub(crate) fn without_pixel(&self, all: &[ReflectanceFactor]) -> [f64; 3] {
         let mut sums = [0.0; 3];

@@ -14,6 +14,7 @@ use super::Level;
 use super::lobe::{self, LobeResponse};
 use super::response::Lit;
 use crate::DisplayError;
+use crate::lamp_images;
 use crate::meter::{Meter, PixelLight};
 use crate::scene::Scene;
 use crate::setup::Setup;
@@ -30,9 +31,6 @@ pub enum PictureSurround {
 
 /// Distance from the pixel that is seen, in thicknesses of the glass, beyond which light comes from the mean of the picture.
 const REACH: f64 = 8.0;
-
-/// Light of a kernel, relative to a perfect white, that its shapes may miss.
-const MISSED: f64 = 1e-6;
 
 /// Accuracy of the light of cells: natural digits.
 const DIGITS: f64 = 12.0;
@@ -51,9 +49,14 @@ pub(crate) struct BlurredPicture {
 }
 
 impl Blur {
-    /// Computes the kernels of the only view of each scene in all its light. The scenes have the same display and view, and differ in light.
-    /// `None` if no diffuser spreads light, or its places are not known.
-    pub(crate) fn new(scenes: &[&Scene]) -> Result<Option<Self>, DisplayError> {
+    /// Computes the kernels of the only view of each scene in all its light. The scenes have the same display, and differ in light or view.
+    /// Shapes may miss a little of the light of a kernel, relative to a perfect white; the images of round lamps in mirror-like pixels can
+    /// be left out. `None` if no diffuser spreads light, or its places are not known.
+    pub(crate) fn new(
+        scenes: &[&Scene],
+        missed: f64,
+        without_lamps: bool,
+    ) -> Result<Option<Self>, DisplayError> {
         let Some(matrix) = scenes.first().and_then(|scene| scene.display.matrix.as_ref()) else {
             return Ok(None);
         };
@@ -73,17 +76,24 @@ impl Blur {
         let squares = PixelSquare::about(&peaks, matrix.pitch_mm, REACH * thickness_mm + farthest);
         let borders: Vec<_> = squares.iter().map(|square| square.borders_mm(matrix.pitch_mm)).collect();
         let states = setups[0].states.len();
+        let own = squares.iter().position(|square| *square == PixelSquare::OWN);
         let mut kernels = Vec::new();
-        for lit_by in &lit_by {
+        for (setup, lit_by) in setups.iter().zip(&lit_by) {
             let mut sums: Vec<Vec<f64>> = vec![vec![0.0; squares.len()]; 3 * states];
             for response in lit_by {
                 for (sum, more) in sums.iter_mut().zip(response.rectangles(&borders)) {
                     sum.iter_mut().zip(more).for_each(|(sum, more)| *sum += more);
                 }
             }
+            for image in lamp_images::in_view(setup).iter().filter(|_| without_lamps) {
+                for (kernel, sum) in sums.iter_mut().enumerate() {
+                    let (quantity, state) = (kernel / states, kernel % states);
+                    own.into_iter().for_each(|own| sum[own] -= image.pixel[state][quantity]);
+                }
+            }
             kernels.extend(sums);
         }
-        Ok(Some(Self { squares, shapes: Shapes::of(&kernels, MISSED), states }))
+        Ok(Some(Self { squares, shapes: Shapes::of(&kernels, missed), states }))
     }
 
     /// Number of shapes of all kernels.
@@ -109,35 +119,55 @@ impl Blur {
         BlurredPicture { picture, shapes }
     }
 
-    /// X, Y and Z of each pixel in the light of each scene. `pages` has those of a page of each state, through all orders and with the image of
-    /// the room in the faces, for each scene; `shown` is the fraction of the picture in each state.
-    pub(crate) fn seen(
-        &self,
-        blurred: &BlurredPicture,
-        pages: &[Vec<[f64; 3]>],
-        shown: &[f64],
-    ) -> Vec<Vec<[f32; 3]>> {
-        let mixture: Vec<f64> = self.shapes.mixtures.iter().flatten().copied().collect();
-        let planes = blurred.picture.seen(&blurred.shapes, &mixture);
-        let mut all = Vec::new();
-        for (light, (pages, planes)) in pages.iter().zip(planes.chunks_exact(3)).enumerate() {
-            let far = [0, 1, 2].map(|k| {
+    /// Numbers in which what is seen in each scene is linear: the mixture of shapes of each kernel, `[X, Y, Z][state][shape]`, times the
+    /// light of the shape; and light that is the same everywhere, in X, Y, Z. `pages` has X, Y, Z of a page of each state, through all orders
+    /// and with the image of the room in the faces, for each scene; `shown` is the fraction of the picture in each state.
+    pub(crate) fn rows(&self, pages: &[Vec<[f64; 3]>], shown: &[f64]) -> Vec<Vec<f64>> {
+        let light = self.light();
+        let of_scene = |(scene, pages): (usize, &Vec<[f64; 3]>)| {
+            let kernels = &self.shapes.mixtures[3 * self.states * scene..][..3 * self.states];
+            let mut row: Vec<f64> = Vec::with_capacity(kernels.len() * light.len() + 3);
+            for kernel in kernels {
+                row.extend(kernel.iter().zip(&light).map(|(weight, light)| weight * light));
+            }
+            for k in 0..3 {
                 let of_state = |(state, page): (usize, &[f64; 3])| {
-                    shown[state] * (page[k] - self.near((light * 3 + k) * self.states + state))
+                    shown[state] * (page[k] - self.near(&kernels[k * self.states + state]))
                 };
-                pages.iter().enumerate().map(of_state).sum::<f64>() as f32
-            });
+                row.push(pages.iter().enumerate().map(of_state).sum());
+            }
+            row
+        };
+        pages.iter().enumerate().map(of_scene).collect()
+    }
+
+    /// X, Y and Z of each pixel for each row of [`rows`](Self::rows).
+    pub(crate) fn seen(&self, blurred: &BlurredPicture, rows: &[Vec<f64>]) -> Vec<Vec<[f32; 3]>> {
+        let light = self.light();
+        let weights = |row: &Vec<f64>| -> Vec<f64> {
+            let own = row[..row.len() - 3].iter().zip(light.iter().cycle());
+            own.map(|(value, light)| if *light > 0.0 { value / light } else { 0.0 }).collect()
+        };
+        let mixture: Vec<f64> = rows.iter().flat_map(weights).collect();
+        let planes = blurred.picture.seen(&blurred.shapes, &mixture);
+        let colours = |(row, planes): (&Vec<f64>, &[Vec<f32>])| {
+            let far = [0, 1, 2].map(|k| row[row.len() - 3 + k] as f32);
             let [x, y, z] = [0, 1, 2].map(|k| &planes[k]);
             let pixels = x.iter().zip(y).zip(z);
-            all.push(pixels.map(|((x, y), z)| [x + far[0], y + far[1], z + far[2]]).collect());
-        }
-        all
+            pixels.map(|((x, y), z)| [x + far[0], y + far[1], z + far[2]]).collect()
+        };
+        rows.iter().zip(planes.chunks_exact(3)).map(colours).collect()
+    }
+
+    /// Light of each shape, without its sign.
+    fn light(&self) -> Vec<f64> {
+        self.shapes.shapes.iter().map(|shape| shape.iter().map(|value| value.abs()).sum()).collect()
     }
 
     /// Light within the reach of a kernel.
-    fn near(&self, kernel: usize) -> f64 {
+    fn near(&self, kernel: &[f64]) -> f64 {
         let sums = self.shapes.shapes.iter().map(|shape| shape.iter().sum::<f64>());
-        self.shapes.mixtures[kernel].iter().zip(sums).map(|(weight, sum)| weight * sum).sum()
+        kernel.iter().zip(sums).map(|(weight, sum)| weight * sum).sum()
     }
 }
 

@@ -46,14 +46,15 @@ mod sparkle;
 pub mod walk;
 
 pub use crate::metrics::{CrosstalkMetrics, SparkleMetrics};
-pub(crate) use blur::Blur;
 pub use blur::PictureSurround;
+pub(crate) use blur::{Blur, BlurredPicture};
 pub use crosstalk::{
     CrosstalkResult, CrosstalkView, Figure, PatternColours, PatternValues, Shares, crosstalk,
 };
 pub use mtf::mtf;
 pub use papilio_transport::spatial::Precision;
 pub use patterns::{PatternKind, PatternMean, Patterns};
+pub(crate) use picture::LitPicture;
 pub use picture::{Picture, PictureColours, picture};
 use response::{Level, Response, Seen};
 pub use result::{

@@ -8,6 +8,7 @@ use papilio_transport::{Panel, Reflector, Stack, Top};
 
 use super::response::face_reflectance;
 use crate::DisplayError;
+use crate::lamp_images;
 use crate::meter::Meter;
 use crate::run::Control;
 use crate::scene::Scene;
@@ -50,61 +51,158 @@ pub fn picture(
     control: &Control<'_>,
 ) -> Result<PictureColours, DisplayError> {
     let setup = Setup::new(scene)?;
-    let missing = DisplayError::NoMatrix { command: "picture" };
-    let pitch_mm = scene.display.matrix.as_ref().ok_or(missing)?.pitch_mm;
-    let thickness_mm = scene.display.lengths_mm()?.last().copied().unwrap_or_default();
-    let (panel, rho) = covered(&setup)?;
-    let highest = picture.states.iter().copied().map(usize::from).max().unwrap_or(0);
-    if highest >= setup.states.len() || picture.states.len() != picture.count[0] * picture.count[1] {
-        return Err(DisplayError::NoSuchQuantity { what: format!("state {highest}"), quantity: "picture" });
-    }
-    let part = picture.part();
-    let finer = Precision {
-        cell: 0.5 * precision.cell,
-        change: 0.1 * precision.change,
-        missed: 0.1 * precision.missed,
-    };
-    let mut colours = vec![Vec::new(); setup.views.len()];
-    let mut error = 0.0_f64;
     let lights: Vec<ViewLight> = setup.views.iter().map(|view| ViewLight::new(&setup, view)).collect();
-    for bins in by_index(panel) {
-        if control.stopped() {
-            return Err(DisplayError::Interrupted);
-        }
-        let passes = |beta: f64| 1.0 - face_reflectance(panel, bins[0], beta);
-        let index = panel.medium.index()[bins[0]];
-        // Cells of half the size, and their diagonal.
-        let most_per_mm = 2.0 / (finer.cell * thickness_mm);
-        let face = FaceReturn::new(index, thickness_mm, most_per_mm, passes).tabulated();
-        let count = setup.scene.grid.len();
-        let reflectance: Vec<Vec<f64>> = (0..setup.states.len())
-            .map(|state| bins.iter().map(|bin| rho[state * count + bin]).collect())
-            .collect();
-        let seen: Vec<_> = lights.iter().map(|light| light.of(&bins, &reflectance, face.at(0.0))).collect();
-        let Some(first) = seen.first() else { continue };
-        let solved = |picture: &Picture, precision: Precision| {
-            let page = Page { count: picture.count, pitch_mm, states: &picture.states };
-            let light = PageLight { reflectance: &reflectance, seen: first };
-            let lit = LitPage::new(&page, &face, light, precision, thickness_mm);
-            let views = seen.iter().map(|seen| lit.seen(&page, PageLight { seen, ..light }));
-            views.collect::<Vec<Vec<[f32; 3]>>>()
+    let (lit, rows) = LitPicture::of(&setup, &lights, picture.clone(), precision, control)?;
+    Ok(PictureColours { views: rows.iter().map(|row| lit.seen(row)).collect(), error: lit.error })
+}
+
+/// The irradiance of a picture's pixels. It does not depend on light and view: what is seen in them is linear in the numbers of a row,
+/// light via the pixel in `[X, Y, Z][state and wavelength]` and that of faces in X, Y, Z.
+pub(crate) struct LitPicture {
+    picture: Picture,
+    pitch_mm: [f64; 2],
+    /// Number of states and of wavelengths.
+    states: usize,
+    bins: usize,
+    groups: Vec<Group>,
+    /// Largest error: the difference from cells of half the size in a part of the picture.
+    pub(crate) error: f64,
+}
+
+/// Wavelengths with the same face.
+struct Group {
+    bins: Vec<usize>,
+    /// Reflectance, `[state][wavelength]`.
+    reflectance: Vec<Vec<f64>>,
+    lit: LitPage,
+}
+
+impl LitPicture {
+    /// Prepares a picture, rows from the top, for the only view of each scene, and returns its row. The scenes have the same display, and
+    /// differ in light and view. The images of round lamps in the face can be left out.
+    ///
+    /// # Errors
+    /// Those of [`picture`].
+    pub(crate) fn new(
+        scenes: &[&Scene],
+        (size, states): ([usize; 2], &[u8]),
+        precision: Precision,
+        without_lamps: bool,
+        control: &Control<'_>,
+    ) -> Result<(Self, Vec<Vec<f64>>), DisplayError> {
+        let flipped = states.chunks_exact(size[0]).rev().flatten();
+        let picture = Picture { count: size, states: flipped.copied().collect() };
+        let setups =
+            scenes.iter().map(|scene| Setup::new(scene)).collect::<Result<Vec<Setup>, DisplayError>>()?;
+        let of_view = |setup: &Setup| {
+            let mut light = ViewLight::new(setup, setup.views.first()?);
+            for image in lamp_images::in_view(setup).iter().filter(|_| without_lamps) {
+                (0..3).for_each(|k| light.front[k] -= image.front[k]);
+            }
+            Some(light)
         };
-        for (sum, more) in colours.iter_mut().zip(solved(picture, precision)) {
-            match sum.is_empty() {
-                true => *sum = more,
-                false => {
-                    sum.iter_mut().zip(more).for_each(|(sum, more)| (0..3).for_each(|k| sum[k] += more[k]))
+        let lights: Vec<ViewLight> = setups.iter().filter_map(of_view).collect();
+        Self::of(&setups[0], &lights, picture, precision, control)
+    }
+
+    fn of(
+        setup: &Setup,
+        lights: &[ViewLight],
+        picture: Picture,
+        precision: Precision,
+        control: &Control<'_>,
+    ) -> Result<(Self, Vec<Vec<f64>>), DisplayError> {
+        let missing = DisplayError::NoMatrix { command: "picture" };
+        let pitch_mm = setup.scene.display.matrix.as_ref().ok_or(missing)?.pitch_mm;
+        let thickness_mm = setup.scene.display.lengths_mm()?.last().copied().unwrap_or_default();
+        let (panel, rho) = covered(setup)?;
+        let highest = picture.states.iter().copied().map(usize::from).max().unwrap_or(0);
+        if highest >= setup.states.len() || picture.states.len() != picture.count[0] * picture.count[1] {
+            return Err(DisplayError::NoSuchQuantity {
+                what: format!("state {highest}"),
+                quantity: "picture",
+            });
+        }
+        let (states, count) = (setup.states.len(), setup.scene.grid.len());
+        let finer = Precision {
+            cell: 0.5 * precision.cell,
+            change: 0.1 * precision.change,
+            missed: 0.1 * precision.missed,
+        };
+        let mut rows: Vec<Vec<f64>> = lights.iter().map(ViewLight::row).collect();
+        let empty = |picture: Picture| Self {
+            picture,
+            pitch_mm,
+            states,
+            bins: count,
+            groups: Vec::new(),
+            error: 0.0,
+        };
+        let mut parts = [empty(picture.part()), empty(picture.part())];
+        let mut whole = empty(picture);
+        for bins in by_index(panel) {
+            if control.stopped() {
+                return Err(DisplayError::Interrupted);
+            }
+            let passes = |beta: f64| 1.0 - face_reflectance(panel, bins[0], beta);
+            let index = panel.medium.index()[bins[0]];
+            // Cells of half the size, and their diagonal.
+            let most_per_mm = 2.0 / (finer.cell * thickness_mm);
+            let face = FaceReturn::new(index, thickness_mm, most_per_mm, passes).tabulated();
+            let reflectance: Vec<Vec<f64>> =
+                (0..states).map(|state| bins.iter().map(|bin| rho[state * count + bin]).collect()).collect();
+            // A page of one state has 1/(1 - rho A(0)) times the light of an irradiance of 1.
+            for row in &mut rows {
+                for (state, rho) in reflectance.iter().enumerate() {
+                    for (bin, rho) in bins.iter().zip(rho) {
+                        let alone = 1.0 - rho * face.at(0.0);
+                        (0..3).for_each(|k| row[(k * states + state) * count + bin] *= alone);
+                    }
                 }
             }
+            let Some(first) = rows.first() else { continue };
+            let seen = of_states(first, states, count, &bins);
+            let light = PageLight { reflectance: &reflectance, seen: &seen };
+            let solve = |into: &mut Self, precision: Precision| {
+                let lit = LitPage::new(&into.page(), &face, light, precision, thickness_mm);
+                into.groups.push(Group { bins: bins.clone(), reflectance: reflectance.clone(), lit });
+            };
+            solve(&mut whole, precision);
+            solve(&mut parts[0], precision);
+            solve(&mut parts[1], finer);
         }
-        let [coarse, fine] = [precision, finer].map(|precision| solved(&part, precision));
-        let pairs = coarse.iter().flatten().flatten().zip(fine.iter().flatten().flatten());
-        error += pairs.map(|(coarse, fine)| f64::from((coarse - fine).abs())).fold(0.0, f64::max);
+        for row in &rows {
+            let [coarse, fine] = parts.each_ref().map(|part| part.seen(row));
+            let pairs = coarse.iter().flatten().zip(fine.iter().flatten());
+            whole.error =
+                pairs.map(|(coarse, fine)| f64::from((coarse - fine).abs())).fold(whole.error, f64::max);
+        }
+        Ok((whole, rows))
     }
-    for (colours, light) in colours.iter_mut().zip(&lights) {
-        colours.iter_mut().for_each(|colour| (0..3).for_each(|k| colour[k] += light.front[k] as f32));
+
+    fn page(&self) -> Page<'_> {
+        Page { count: self.picture.count, pitch_mm: self.pitch_mm, states: &self.picture.states }
     }
-    Ok(PictureColours { views: colours, error })
+
+    /// X, Y and Z of each pixel for a row; rows from the bottom.
+    pub(crate) fn seen(&self, row: &[f64]) -> Vec<[f32; 3]> {
+        let (_, front) = row.split_at(row.len() - 3);
+        let mut sum = vec![[0, 1, 2].map(|k| front[k] as f32); self.picture.states.len()];
+        for Group { bins, reflectance, lit } in &self.groups {
+            let seen = of_states(row, self.states, self.bins, bins);
+            let more = lit.seen(&self.page(), PageLight { reflectance, seen: &seen });
+            sum.iter_mut().zip(more).for_each(|(sum, more)| (0..3).for_each(|k| sum[k] += more[k]));
+        }
+        sum
+    }
+}
+
+/// What is seen of each state at some wavelengths, `[state][X, Y, Z][wavelength]`, of a row.
+fn of_states(row: &[f64], states: usize, count: usize, bins: &[usize]) -> Vec<[Vec<f64>; 3]> {
+    let of = |state: usize| {
+        [0, 1, 2].map(|k| bins.iter().map(|bin| row[(k * states + state) * count + bin]).collect())
+    };
+    (0..states).map(of).collect()
 }
 
 impl Picture {
@@ -123,7 +221,6 @@ struct ViewLight {
     pages: [Vec<f64>; 3],
     /// Light of faces.
     front: [f64; 3],
-    bins: usize,
 }
 
 impl ViewLight {
@@ -133,7 +230,7 @@ impl ViewLight {
         let _ready =
             kernel.prepare_unless(&setup.stack, &[view.field], &setup.sources, &AtomicBool::new(false));
         let mut light =
-            Self { pages: [0, 1, 2].map(|_| vec![0.0; setup.states.len() * bins]), front: [0.0; 3], bins };
+            Self { pages: [0, 1, 2].map(|_| vec![0.0; setup.states.len() * bins]), front: [0.0; 3] };
         let factors = kernel.seen(&setup.stack, 0);
         light.front = meter.without_pixel(&factors);
         for one in meter.pixel_lights() {
@@ -146,15 +243,9 @@ impl ViewLight {
         light
     }
 
-    /// Light of each state for an irradiance of 1, `[state][X, Y, Z][wavelength]`: that of a page has 1/(1 - rho A(0)).
-    fn of(&self, bins: &[usize], reflectance: &[Vec<f64>], returned: f64) -> Vec<[Vec<f64>; 3]> {
-        let of_state = |(state, rho): (usize, &Vec<f64>)| {
-            self.pages.each_ref().map(|pages| {
-                let values = bins.iter().zip(rho);
-                values.map(|(bin, rho)| pages[state * self.bins + bin] * (1.0 - rho * returned)).collect()
-            })
-        };
-        reflectance.iter().enumerate().map(of_state).collect()
+    /// All numbers, one after another.
+    fn row(&self) -> Vec<f64> {
+        self.pages.iter().flatten().chain(&self.front).copied().collect()
     }
 }
 

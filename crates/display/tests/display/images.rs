@@ -158,13 +158,8 @@ fn each_part_of_a_panel_is_seen_in_its_own_direction() {
     let settings = ImageSettings { perspective: true, ..ImageSettings::default() };
     let found = control(|control| image(&display, &source, &settings, ScreenWhite::Perfect, control));
     assert_eq!(found.numbers.coverage.as_ref().unwrap().get("white"), Some(&1.0));
-    let eye = [400.0 * 20_f64.to_radians().sin(), 0.0, 400.0 * 20_f64.to_radians().cos()];
     for [column, row] in [[4, 6], [0, 0], [8, 0], [8, 12], [2, 3]] {
-        let (x, y) = (10.0 * (column as f64 - 4.0), 10.0 * (6.0 - row as f64));
-        let (dx, dy) = (eye[0] - x, eye[1] - y);
-        let mut there = display.clone();
-        there.viewer.theta_deg = vec![dx.hypot(dy).atan2(eye[2]).to_degrees()];
-        there.viewer.phi_deg = vec![dy.atan2(dx).to_degrees()];
+        let there = from_pixel(&display, [9, 13], [column, row], 10.0);
         let page = crate::common::run(&there).unwrap().views[0].states.get("white").unwrap().value.Y;
         let seen = f64::from(found.seen[row * 9 + column][1]);
         let allowed = if [column, row] == [2, 3] { 2.0 * found.numbers.error } else { 1e-4 };
@@ -173,6 +168,97 @@ fn each_part_of_a_panel_is_seen_in_its_own_direction() {
     let one = ImageSettings::default();
     let flat = control(|control| image(&display, &source, &one, ScreenWhite::Perfect, control));
     assert!(flat.seen.iter().all(|pixel| (pixel[1] - found.seen[6 * 9 + 4][1]).abs() < 1e-4));
+}
+
+/// The scene as an eye at its place sees a pixel of a panel of `size`, whose pixels are `pitch_mm` apart.
+fn from_pixel(display: &Scene, size: [usize; 2], [column, row]: [usize; 2], pitch_mm: f64) -> Scene {
+    let (theta, distance) = (display.viewer.theta_deg[0].to_radians(), display.viewer.distance_mm);
+    let x = pitch_mm * (column as f64 - 0.5 * (size[0] - 1) as f64);
+    let y = pitch_mm * (0.5 * (size[1] - 1) as f64 - row as f64);
+    let (dx, dy) = (distance * theta.sin() - x, -y);
+    let mut there = display.clone();
+    there.viewer.theta_deg = vec![dx.hypot(dy).atan2(distance * theta.cos()).to_degrees()];
+    there.viewer.phi_deg = vec![dy.atan2(dx).to_degrees()];
+    there
+}
+
+/// A lamp with a radius has its image in the face and in mirrors at the places where a page seen in that direction has it, and nowhere else.
+#[test]
+fn lamps_have_their_images_at_their_places() {
+    let matrix = "[display.matrix]\npitch_um = 10000\npixels = [9, 13]\n";
+    let viewer = "[viewer]\ntheta_deg = 20\nfield_deg = 0\ndistance_mm = 400\n";
+    let lamp = "[lighting]\nilluminance_lx = 500\nspectrum = \"A\"\ndiffuse = 0.6\n[[lighting.directed]]\ntheta_deg = -23\nradius_deg = 4\nshare = 0.4\n";
+    for pixel in [PAPER, MIRROR] {
+        let display = scene(&[GLASS, matrix, pixel, lamp, viewer]);
+        let source = SourceImage { columns: 9, pixels: vec![[0.95047, 1.0, 1.08883]; 9 * 13] };
+        let settings = ImageSettings { perspective: true, ..ImageSettings::default() };
+        let found = control(|control| image(&display, &source, &settings, ScreenWhite::Perfect, control));
+        let (mut bright, mut dark) = (0, 0);
+        for (column, row) in (0..13).flat_map(|row| (0..9).map(move |column| (column, row))) {
+            let there = from_pixel(&display, [9, 13], [column, row], 10.0);
+            let [theta, phi] = [there.viewer.theta_deg[0], there.viewer.phi_deg[0]].map(f64::to_radians);
+            let (sin, cos) = 23_f64.to_radians().sin_cos();
+            let away_deg = (theta.sin() * phi.cos() * sin + theta.cos() * cos).acos().to_degrees();
+            // A pixel is 1.4 deg wide.
+            if (away_deg - 4.0).abs() < 1.0 {
+                continue;
+            }
+            let page = crate::common::run(&there).unwrap().views[0].states.get("white").unwrap().value.Y;
+            let seen = f64::from(found.seen[row * 9 + column][1]);
+            // The image has the reflectance in the direction of its middle, 23 deg: that of glass at 27 deg is larger by 1 %, its light by 0.6 %.
+            *(if away_deg < 4.0 { &mut bright } else { &mut dark }) += 1;
+            assert!(
+                (seen - page).abs() < 1e-2 * page + found.numbers.error,
+                "{column}, {row}: {seen} {page}"
+            );
+        }
+        assert!(bright >= 4 && dark > 60, "{bright} {dark}");
+        // The picture that the panel holds has the images apart.
+        let held = control(|control| HeldPicture::new(&display, &source, &settings, control));
+        let factors = control(|control| held.factors(&display, control));
+        let middle = factors.lights.iter().map(|light| f64::from(light.pixels[6 * 9 + 4][1])).sum::<f64>();
+        let white = held.names.iter().position(|name| name == "white").unwrap();
+        let [lamp] = factors.lamps.as_slice() else { panic!("{:?}", factors.lamps) };
+        let seen = f64::from(found.seen[6 * 9 + 4][1]);
+        assert_eq!(lamp.radius_deg, 4.0);
+        assert!((middle + lamp.XYZ[white][1] - seen).abs() < 1e-2 * seen, "{middle} {lamp:?} {seen}");
+    }
+}
+
+/// Each pixel of a picture below a narrow lobe is what a picture seen in one direction, its own, has there.
+#[test]
+fn pictures_in_perspective_are_those_of_single_directions() {
+    let matrix = "[display.matrix]\npitch_um = 1000\npixels = [60, 80]\n";
+    let viewer = "[viewer]\ntheta_deg = 8\nfield_deg = 0\ndistance_mm = 400\n";
+    let thick = DIFFUSED.replace("thickness_mm = 0.5", "thickness_mm = 2");
+    assert_ne!(thick, DIFFUSED);
+    let mut dice = Dice::new(25, 0);
+    let source = SourceImage {
+        columns: 60,
+        pixels: (0..60 * 80)
+            .map(|_| if dice.one_in(2) { [0.0; 3] } else { [0.95047, 1.0, 1.08883] })
+            .collect(),
+    };
+    for (pixel, thickness) in [(MIRROR, thick.as_str()), (PAPER, GLASS)] {
+        let display = scene(&[thickness, matrix, pixel, LIGHT, viewer]);
+        let settings = ImageSettings { perspective: true, ..ImageSettings::default() };
+        let found = control(|control| image(&display, &source, &settings, ScreenWhite::Perfect, control));
+        assert!(found.numbers.neighbours_light && found.numbers.error < 5e-3, "{}", found.numbers.error);
+        for [column, row] in [[7, 3], [41, 11], [52, 66]] {
+            let there = from_pixel(&display, [60, 80], [column, row], 1.0);
+            let one = ImageSettings { given: Some(found.states.clone()), ..ImageSettings::default() };
+            let flat = control(|control| image(&there, &source, &one, ScreenWhite::Perfect, control));
+            let at = row * 60 + column;
+            for (k, seen) in found.seen[at].iter().enumerate() {
+                let off = f64::from((seen - flat.seen[at][k]).abs());
+                assert!(
+                    off < found.numbers.error + flat.numbers.error + 1e-5,
+                    "{column}, {row}: {off} {}",
+                    found.numbers.error
+                );
+            }
+        }
+    }
 }
 
 /// A picture that repeats, for paths: each pixel is all of its area.

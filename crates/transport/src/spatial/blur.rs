@@ -22,6 +22,9 @@ pub struct PixelSquare {
 const SMALL: f64 = 0.25;
 
 impl PixelSquare {
+    /// The pixel that is seen.
+    pub const OWN: Self = Self { first: [0; 2], side: 1 };
+
     /// Divides all places within `reach_mm` of the pixel that is seen, and those nearby. `peaks` are relative to the middle of the pixel.
     pub fn about(peaks: &[Peak], pitch_mm: [f64; 2], reach_mm: f64) -> Vec<Self> {
         let mut side = 1;
