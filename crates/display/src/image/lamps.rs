@@ -73,7 +73,7 @@ impl LampImage {
         let rows = seen.chunks_exact_mut(size[0]).zip(states.chunks_exact(size[0])).enumerate();
         for (row, (seen, states)) in rows {
             for (column, (seen, state)) in seen.iter_mut().zip(states).enumerate() {
-                let ([x, y, z], half_pixel) = eye.from_pixel(size, [column, row]);
+                let ([x, y, z], half_pixel) = eye.direction(size, [column, row]);
                 let [u, v, w] = self.towards;
                 // Between directions that are close to each other, the cosine has lost its digits.
                 let cross = [y * w - z * v, z * u - x * w, x * v - y * u];

@@ -52,14 +52,14 @@ impl Eye {
     }
 
     /// From a place of the panel, whose sides are at -1 and 1, to the eye, mm.
-    fn from_place(&self, [x, y]: [f64; 2]) -> [f64; 3] {
+    fn towards_eye(&self, [x, y]: [f64; 2]) -> [f64; 3] {
         [self.at_mm[0] - x * self.half_mm[0], self.at_mm[1] - y * self.half_mm[1], self.at_mm[2]]
     }
 
     /// Direction from a pixel to the eye, of length 1, and half of the angle across the pixel. Rows are counted from the top.
-    pub(super) fn from_pixel(&self, size: [usize; 2], [column, row]: [usize; 2]) -> ([f64; 3], f64) {
+    pub(super) fn direction(&self, size: [usize; 2], [column, row]: [usize; 2]) -> ([f64; 3], f64) {
         let place = [place(column, size[0]), -place(row, size[1])];
-        let towards = self.from_place(place);
+        let towards = self.towards_eye(place);
         let length = towards.iter().map(|part| part * part).sum::<f64>().sqrt();
         let half_pitch = [0, 1].map(|k| self.half_mm[k] / (size[k] - 1).max(1) as f64);
         (towards.map(|part| part / length), half_pitch[0].max(half_pitch[1]) / length)
@@ -69,7 +69,7 @@ impl Eye {
     fn scene(&self, scene: &Scene, place: [f64; 2]) -> Scene {
         let mut there = scene.clone();
         if place != [0.0; 2] {
-            let [x, y, z] = self.from_place(place);
+            let [x, y, z] = self.towards_eye(place);
             there.viewer.theta_deg = vec![x.hypot(y).atan2(z).to_degrees()];
             there.viewer.phi_deg = vec![y.atan2(x).to_degrees()];
         }
