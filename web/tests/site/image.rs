@@ -114,7 +114,9 @@ fn sum_over_the_lights_equals_papilio_image() {
     let states = export("states.png");
     assert_eq!((states.status, &states.body[1..4]), (200, &b"PNG"[..]));
     assert!(export("palette.gpl").body.starts_with(b"GIMP Palette"));
-    assert_eq!(export("image.json").json()["mean_XYZ"], json!(wanted.numbers.mean_XYZ));
+    // Reading a number may change its last bit.
+    let as_read: Value = serde_json::from_str(&json!(wanted.numbers.mean_XYZ).to_string()).unwrap();
+    assert_eq!(export("image.json").json()["mean_XYZ"], as_read);
     assert_eq!(export("states.exe").status, 404);
 }
 

@@ -4,27 +4,42 @@ import { times, type Triple } from "../model/colour.ts";
 import { discOverWhite, glareOf, POINT_DEG, radiusOf, veil, type Lamp } from "../model/glare.ts";
 import { listAt, numberAt, type Json } from "../model/json.ts";
 import { direction, type Camera } from "../model/perspective.ts";
-import { shares, type Seen } from "../model/seen.ts";
+import { mixed, shares, type Seen } from "../model/seen.ts";
 import type { Mirror, SubPixels, Veil } from "../plots/seen.ts";
 
 /** Luminance of a mirror image over that of its lamp, by state, for each directed lamp. */
 export type Specular = ReadonlyMap<string, readonly number[]>;
 
-/** An image of less than this fraction of a perfect white in all its light is not shown. */
-const VISIBLE = 1e-6;
-
-/** Lamps whose mirror images the faces of the display show. `factors` are those of the lights of the picture. */
+/** Lamps whose mirror images the display shows: round ones, as the server computes them, and collimated ones. */
 export function lamps(fields: Json, specular: Specular, seen: Seen, factors: readonly number[]): Lamp[] {
-  const covered = shares(seen);
+  const covered = [...shares(seen)];
+  const factor = (name: string) => factors[seen.head.lights.findIndex(({ light }) => light === name)] ?? 1;
+  const round = seen.head.lamps.map(({ light, towards: [x, y, z], radius_deg, XYZ }): Lamp => {
+    const mean = mixed(
+      XYZ as unknown as readonly Triple[],
+      covered.map(([, share]) => share * factor(light)),
+    );
+    return { number: Number(/\d+$/.exec(light)?.[0] ?? 0), towards: [-x!, -y!, z!], radius_deg, image: mean };
+  });
+  return [...round, ...collimated(fields, specular, seen, covered, factor)];
+}
+
+/** Collimated lamps: each has a direction, but no luminance; their illuminance is drawn as that of a disc. */
+function collimated(
+  fields: Json,
+  specular: Specular,
+  seen: Seen,
+  covered: readonly (readonly [string, number])[],
+  factor: (name: string) => number,
+): Lamp[] {
   return listAt(fields, "lighting.directed").flatMap((lamp, number) => {
-    const light = seen.head.lights.findIndex((one) => one.light === `directed.${number}`);
-    const ratio = [...covered].reduce((sum, [state, share]) => sum + share * (specular.get(state)?.[number] ?? 0), 0);
-    if (light < 0 || !(ratio > 0)) return [];
+    const name = `directed.${number}`;
+    const white = seen.head.lights.find((one) => one.light === name)?.white as Triple | undefined;
+    const ratio = covered.reduce((sum, [state, share]) => sum + share * (specular.get(state)?.[number] ?? 0), 0);
+    if (numberAt(lamp, "radius_deg") !== undefined || !white || !(ratio > 0)) return [];
     const [theta, phi] = [numberAt(lamp, "theta_deg") ?? 0, numberAt(lamp, "phi_deg") ?? 0];
-    const radius_deg = numberAt(lamp, "radius_deg") ?? null;
-    const by = ratio * factors[light]! * discOverWhite(radius_deg ?? POINT_DEG, theta);
-    const image = seen.head.lights[light]!.white.map((value) => by * value) as unknown as Triple;
-    return image[1] > VISIBLE ? [{ number, towards: direction(theta, phi), radius_deg, image }] : [];
+    const by = ratio * factor(name) * discOverWhite(POINT_DEG, theta);
+    return [{ number, towards: direction(theta, phi), radius_deg: null, image: mixed([white], [by]) }];
   });
 }
 

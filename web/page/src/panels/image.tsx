@@ -112,7 +112,7 @@ function Paper() {
       <div ref={sheet} role="img" aria-label="White paper in the same light" />
       <figcaption>
         <span>
-          Paper that reflects {plain(100 * PAPER)} %: {digits(cd, 3)} cd/m²
+          Paper that reflects {plain(100 * PAPER)}{"\u00a0"}%: {digits(cd, 3)}{"\u00a0"}cd/m²
         </span>
       </figcaption>
     </figure>
@@ -147,7 +147,7 @@ function Controls() {
       <label class="wide">
         <span>Halftone</span>
         <select value={halftone.value ?? ""} onChange={(event) => (halftone.value = event.currentTarget.value || null)}>
-          <option value="">of the scenario: {textAt(fields.value, "image.halftone") ?? "error-diffusion"}</option>
+          <option value="">scenario: {textAt(fields.value, "image.halftone") ?? "error-diffusion"}</option>
           {HALFTONES.map(([id, name]) => (
             <option key={id} value={id}>
               {name}
@@ -218,8 +218,10 @@ function Images() {
       {imagesOfLamps.value.map(({ lamp, isVisible, wide_deg, cd_m2 }) => (
         <span key={lamp.number}>
           {" "}
-          Mirror image of lamp {lamp.number + 1}, {degrees(wide_deg)} wide,{" "}
-          {cd_m2 === null ? "as collimated light is drawn" : `${digits(cd_m2, 3)} cd/m²`}:{" "}
+          Mirror image of lamp {lamp.number + 1},{" "}
+          {cd_m2 === null
+            ? `whose light is collimated: drawn ${degrees(wide_deg)} wide,`
+            : `${degrees(wide_deg)} wide, ${digits(cd_m2, 3)} cd/m²:`}{" "}
           {isVisible ? "on the display." : "beside the display from here."}
         </span>
       ))}

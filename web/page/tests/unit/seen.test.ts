@@ -5,7 +5,7 @@ import { test } from "node:test";
 
 import { encoded, times, type Triple } from "../../src/model/colour.ts";
 import { anglesOf, camera, direction, fitting, limited, pointAt, tiltOf, type Frame } from "../../src/model/perspective.ts";
-import { glareFunction, glareOf, veil, type Lamp } from "../../src/model/glare.ts";
+import { discOverWhite, glareFunction, glareOf, POINT_DEG, veil, type Lamp } from "../../src/model/glare.ts";
 import { brighter, D65, exposure, halfValues, intensities, mixed, onScreen, unpacked } from "../../src/model/seen.ts";
 import { lamps, mirrors } from "../../src/panels/image-parts.ts";
 import type { Scenery } from "../../src/plots/seen.ts";
@@ -23,6 +23,7 @@ function response(): ArrayBuffer {
       { light: "directed.0", white: [0.5, 0.5, 0.25] },
     ],
     states: ["black", "white"],
+    lamps: [{ light: "directed.0", towards: [0.6, 0, 0.8], radius_deg: 2, XYZ: [[3, 3, 0], [6, 6, 0]] }],
     has_source: true,
   };
   let json = JSON.stringify(head);
@@ -156,20 +157,24 @@ test("mirror image of a lamp lies where the mirrored line of sight meets it, and
   }
 });
 
-test("mirror image has the luminance of the lamp times the fraction that the face reflects", () => {
+test("mirror image is the mean over the states; a collimated lamp has that of a disc with its light", () => {
   const seen = unpacked(response());
-  const fields = { lighting: { directed: [{ theta_deg: 60, share: 0.5, radius_deg: 30 }] } };
+  // One pixel of three is black.
+  const [round] = lamps({}, new Map(), seen, [1, 2]);
+  close(round!.image, [2 * (3 + 2 * 6), 2 * (3 + 2 * 6), 0].map((value) => value / 3), 1e-9);
+  close(round!.towards, [-0.6, 0, 0.8]);
+  assert.deepEqual([round!.number, round!.radius_deg], [0, 2]);
+  // E / (pi sin^2 30 cos 60) is 8 times E / pi.
+  assert.ok(Math.abs(discOverWhite(30, 60) - 8) < 1e-12);
+  const fields = { lighting: { directed: [{ theta_deg: 60, share: 0.5 }] } };
   const specular = new Map([
     ["black", [0.04]],
     ["white", [0.04]],
   ]);
-  const [lamp] = lamps(fields, specular, seen, [1, 2]);
-  // E / (pi sin^2 30 cos 60) is 8 times E / pi.
-  close(lamp!.image, [0.5, 0.5, 0.25].map((white) => 0.04 * 2 * 8 * white), 1e-9);
-  assert.deepEqual(lamps(fields, new Map(), seen, [1, 2]), []);
-  // Two thirds of the pixels are white.
-  const [mixed] = lamps(fields, new Map([["white", [0.06]]]), seen, [1, 2]);
-  close(mixed!.image, lamp!.image, 1e-9);
+  const [, beam] = lamps(fields, specular, seen, [1, 2]);
+  const by = 0.04 * 2 * discOverWhite(POINT_DEG, 60);
+  close(beam!.image, [0.5, 0.5, 0.25].map((white) => by * white), 1e-9);
+  assert.equal(beam!.radius_deg, null);
 });
 
 test("glare function has the numbers of CIE 146", () => {
