@@ -111,47 +111,30 @@ impl StatePicture {
         KernelShapes { count, pairs: pairs.collect() }
     }
 
-    /// Computes quantities of each pixel of the picture, two planes at once; `mixture` has the weight of each shape in the kernel of
-    /// each state, `[quantity][state][shape]`.
+    /// Computes quantities of each pixel of the picture; `mixture` has the weight of each shape in the kernel of each state,
+    /// `[quantity][state][shape]`.
     pub fn seen(&self, shapes: &KernelShapes, mixture: &[f64]) -> Vec<Vec<f32>> {
-        let (states, count) = (self.states, shapes.count);
         let [columns, rows] = self.transform.count;
         let scale = 1.0 / (columns * rows) as f64;
-        let mut all = Vec::new();
-        for pair in mixture.chunks(2 * states * count) {
-            let quantities: Vec<&[f64]> = pair.chunks_exact(states * count).collect();
-            let mixture: Vec<Vec<f32>> = quantities
-                .iter()
-                .map(|one| one.iter().map(|value| (value * scale) as f32).collect())
-                .collect();
-            let mut spectrum = vec![Complex32::ZERO; columns * rows];
-            let (mut covered, mut shape) = (vec![Complex32::ZERO; states], vec![Complex32::ZERO; count]);
-            for column in 0..=columns / 2 {
-                for row in 0..rows {
-                    let here = column * rows + row;
-                    let there = (columns - column) % columns * rows + (rows - row) % rows;
-                    unpacked(&self.pairs, [here, there], &mut covered);
-                    unpacked(&shapes.pairs, [here, there], &mut shape);
-                    let sum = |mixture: &Vec<f32>| {
-                        let kernels = mixture.chunks_exact(count).map(|weights| {
-                            let terms = weights.iter().zip(&shape).map(|(weight, shape)| shape * *weight);
-                            terms.sum::<Complex32>()
-                        });
-                        kernels.zip(&covered).map(|(kernel, covered)| kernel * covered).sum::<Complex32>()
-                    };
-                    let first = sum(&mixture[0]);
-                    let second = mixture.get(1).map_or(Complex32::ZERO, sum);
-                    spectrum[here] = first + Complex32::I * second;
-                    spectrum[there] = first.conj() + Complex32::I * second.conj();
-                }
-            }
+        let mixture: Vec<f32> = mixture.iter().map(|value| (value * scale) as f32).collect();
+        let quantities = mixture.len() / (self.states * shapes.count).max(1);
+        // Two real planes are one complex one.
+        let mut spectra = vec![vec![Complex32::ZERO; columns * rows]; quantities.div_ceil(2)];
+        pulp::Arch::new().dispatch(Products {
+            picture: self,
+            shapes,
+            mixture: &mixture,
+            spectra: &mut spectra,
+        });
+        let mut all = Vec::with_capacity(quantities);
+        for (number, spectrum) in spectra.into_iter().enumerate() {
             let plane = self.transform.inverse(spectrum);
             let part = |of: fn(&Complex32) -> f32| {
                 let lines = plane.chunks_exact(columns).take(self.picture[1]);
                 lines.flat_map(|line| line[..self.picture[0]].iter().map(of)).collect::<Vec<f32>>()
             };
             all.push(part(|value| value.re));
-            if quantities.len() > 1 {
+            if 2 * number + 1 < quantities {
                 all.push(part(|value| value.im));
             }
         }
@@ -159,13 +142,122 @@ impl StatePicture {
     }
 }
 
-/// Spectra at a frequency, from pairs of real planes there and at the opposite frequency.
-fn unpacked(pairs: &[Vec<Complex32>], [here, there]: [usize; 2], values: &mut [Complex32]) {
-    for (pair, values) in pairs.iter().zip(values.chunks_mut(2)) {
-        let (one, other) = (pair[here], pair[there].conj());
-        values[0] = (one + other) * 0.5;
-        if let Some(second) = values.get_mut(1) {
-            *second = (one - other) * Complex32::new(0.0, -0.5);
+/// Spectra of what is seen: sums over the states of coverage times kernel. Compiled for the vectors of each processor.
+struct Products<'a> {
+    picture: &'a StatePicture,
+    shapes: &'a KernelShapes,
+    /// Weights of shapes, `[quantity][state][shape]`.
+    mixture: &'a [f32],
+    /// Pairs of quantities.
+    spectra: &'a mut [Vec<Complex32>],
+}
+
+/// Frequencies that are computed at once.
+const BLOCK: usize = 128;
+
+/// Values at the frequencies of a block.
+#[derive(Clone)]
+struct Values {
+    re: [f32; BLOCK],
+    im: [f32; BLOCK],
+}
+
+impl Values {
+    const ZERO: Self = Self { re: [0.0; BLOCK], im: [0.0; BLOCK] };
+
+    /// Adds the same values with a weight.
+    #[inline(always)]
+    fn add(&mut self, weight: f32, other: &Self) {
+        self.re.iter_mut().zip(&other.re).for_each(|(sum, value)| *sum += weight * value);
+        self.im.iter_mut().zip(&other.im).for_each(|(sum, value)| *sum += weight * value);
+    }
+
+    /// Adds products.
+    #[inline(always)]
+    fn add_product(&mut self, one: &Self, other: &Self) {
+        for k in 0..BLOCK {
+            self.re[k] += one.re[k] * other.re[k] - one.im[k] * other.im[k];
+            self.im[k] += one.re[k] * other.im[k] + one.im[k] * other.re[k];
+        }
+    }
+}
+
+impl pulp::NullaryFnOnce for Products<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        let Self { picture, shapes, mixture, spectra } = self;
+        let [columns, rows] = picture.transform.count;
+        let mut covered = vec![Values::ZERO; picture.states];
+        let mut shape = vec![Values::ZERO; shapes.count];
+        let mut sums = [Values::ZERO, Values::ZERO];
+        // Real planes have opposite values at opposite frequencies: half of the columns are enough.
+        for column in 0..=columns / 2 {
+            let other = (columns - column) % columns * rows;
+            for first in (0..rows).step_by(BLOCK) {
+                let place =
+                    Place { here: column * rows, there: other, rows, block: first..rows.min(first + BLOCK) };
+                place.unpack(&picture.pairs, &mut covered);
+                place.unpack(&shapes.pairs, &mut shape);
+                let pairs = spectra.iter_mut().zip(mixture.chunks(2 * picture.states * shapes.count));
+                for (spectrum, mixture) in pairs {
+                    sums[1] = Values::ZERO;
+                    for (sum, mixture) in
+                        sums.iter_mut().zip(mixture.chunks_exact(picture.states * shapes.count))
+                    {
+                        *sum = Values::ZERO;
+                        for (weights, covered) in mixture.chunks_exact(shapes.count).zip(&covered) {
+                            let mut kernel = Values::ZERO;
+                            weights.iter().zip(&shape).for_each(|(weight, shape)| kernel.add(*weight, shape));
+                            sum.add_product(&kernel, covered);
+                        }
+                    }
+                    place.pack(&sums, spectrum);
+                }
+            }
+        }
+    }
+}
+
+/// A block of frequencies in a column, and the opposite ones.
+struct Place {
+    /// First frequency of the column, and of the opposite one.
+    here: usize,
+    there: usize,
+    rows: usize,
+    block: std::ops::Range<usize>,
+}
+
+impl Place {
+    /// Numbers of the frequencies of the block, and of the opposite ones.
+    #[inline(always)]
+    fn each(&self) -> impl Iterator<Item = (usize, usize)> {
+        let opposite = |row: usize| if row == 0 { 0 } else { self.rows - row };
+        self.block.clone().map(move |row| (self.here + row, self.there + opposite(row)))
+    }
+
+    /// Spectra of real planes from those of pairs.
+    #[inline(always)]
+    fn unpack(&self, pairs: &[Vec<Complex32>], values: &mut [Values]) {
+        for (pair, values) in pairs.iter().zip(values.chunks_mut(2)) {
+            let (even, odd) = values.split_at_mut(1);
+            for (k, (here, there)) in self.each().enumerate() {
+                let (one, other) = (pair[here], pair[there].conj());
+                (even[0].re[k], even[0].im[k]) = (0.5 * (one.re + other.re), 0.5 * (one.im + other.im));
+                if let Some(odd) = odd.first_mut() {
+                    (odd.re[k], odd.im[k]) = (0.5 * (one.im - other.im), 0.5 * (other.re - one.re));
+                }
+            }
+        }
+    }
+
+    /// Writes the spectra of two real planes into that of their pair.
+    #[inline(always)]
+    fn pack(&self, [first, second]: &[Values; 2], spectrum: &mut [Complex32]) {
+        for (k, (here, there)) in self.each().enumerate() {
+            spectrum[here] = Complex32::new(first.re[k] - second.im[k], first.im[k] + second.re[k]);
+            spectrum[there] = Complex32::new(first.re[k] + second.im[k], second.re[k] - first.im[k]);
         }
     }
 }

@@ -226,6 +226,13 @@ pub fn image(
     let per_degree = pixels_per_degree(scene).map(|[along_x, _]| along_x);
     let [against_source, against_mapped] =
         PictureDifferences::against(&seen, [&wanted, &mapped], size[0], white, &to_screen, per_degree)?;
+    let mut warnings = result.warnings.clone();
+    if error > LARGE_ERROR {
+        warnings.push(format!(
+            "X, Y or Z of a pixel may be wrong by {error:.2} of a perfect white: the light changes much from one part of the panel to the next; \
+             image.perspective = false shows all of it in one direction"
+        ));
+    }
     let numbers = ImageNumbers {
         light: LightSummary::of(scene, &result),
         view,
@@ -242,7 +249,7 @@ pub fn image(
         against_mapped,
         neighbours_light,
         error,
-        warnings: result.warnings,
+        warnings,
         rooms: Vec::new(),
     };
     let srgb = screen.into_iter().map(Xyz::srgb_clipped).collect();
@@ -284,6 +291,9 @@ fn pixels_per_degree(scene: &Scene) -> Option<[f64; 2]> {
         |pitch_mm: f64| papilio_colour::pictures::pixels_per_degree(1e3 * pitch_mm, scene.viewer.distance_mm);
     scene.display.matrix.as_ref().map(|matrix| matrix.pitch_mm.map(per_degree))
 }
+
+/// Error of what is seen, relative to a perfect white, from which on it is a warning.
+const LARGE_ERROR: f64 = 0.02;
 
 /// Light of a screen's primaries beyond 0 and 1 that counts as rounding.
 const CLIPPED: f64 = 1e-3;

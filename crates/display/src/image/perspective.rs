@@ -3,7 +3,7 @@
 //! **What.** The eye is at `viewer.distance_mm` from the middle of the panel, along the view. What is seen is computed in the directions of
 //! some places of the panel, and is a polynomial of the place in between.
 //!
-//! **Places.** Those of Chebyshev along each axis (Clenshaw and Curtis), 3, 5, 9 or 17, as many as the colours of pages need. Their error is
+//! **Places.** Those of Chebyshev along each axis (Clenshaw and Curtis), 3 to 33, as many as the colours of pages need. Their error is
 //! the largest difference from pages in the directions of the places that would be the next.
 //!
 //! **Lamps.** Mirror images of round lamps have borders: they are left out of the polynomials, and drawn at their places (`lamps.rs`).
@@ -27,7 +27,7 @@ const ONE_DIRECTION_DEG: f64 = 1.0;
 const CLOSE: f64 = 1e-3;
 
 /// Places along an axis, at most, minus 1; a power of 2.
-const MOST: usize = 16;
+const MOST: usize = 32;
 
 /// An eye before a panel.
 pub(super) struct Eye {
@@ -128,6 +128,8 @@ impl Eye {
                 }
             }
         });
+        // Between places that are too far apart, a polynomial may be negative.
+        pixels.iter_mut().flatten().for_each(|value| *value = value.max(0.0));
         let names = known[0].lit.palette.names();
         for lamp in lamp_images(scene, &names)? {
             lamp.add(self, (size, states), 0.5 * scene.viewer.field_deg, &mut pixels);
