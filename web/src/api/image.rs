@@ -23,7 +23,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
 use super::export::Exported;
-use super::packed::{push_bytes, push_factors, push_pixels, with_head};
+use super::packed::{push_bytes, push_pixels, with_head};
 use super::written::bytes;
 use crate::fault::{Fault, shortened};
 use crate::reading::{Given, Solver, edited};
@@ -244,7 +244,10 @@ fn factors(
 ) -> Result<Factors, Fault> {
     let scene = &resolved.scene;
     check_lights(scene)?;
-    let found = site.prepared().with(scene, |prepared| picture.factors_of(scene, prepared, control));
+    let mut known = site.held().known();
+    let compute = |prepared: &mut _| picture.factors_with(scene, prepared, &mut known, control);
+    let found = site.prepared().with(scene, compute);
+    site.held().set_known(known);
     found.map_err(|error| Fault::of(resolved, error))
 }
 
@@ -276,7 +279,7 @@ fn packed(answer: Answer) -> Result<Vec<u8>, Fault> {
         warnings: resolved.warnings.clone(),
     })?;
     push_bytes(&mut out, &states);
-    push_factors(&mut out, &factors);
+    factors.lights.iter().for_each(|light| push_pixels(&mut out, &light.pixels));
     if let Some(source) = source {
         push_pixels(&mut out, &source.pixels);
     }
