@@ -155,6 +155,11 @@ impl Palette {
         self.colours.iter().map(|one| one.state.clone()).collect()
     }
 
+    /// Returns X, Y, Z of each state, relative to a perfect white.
+    pub fn pages(&self) -> Vec<[f64; 3]> {
+        self.colours.iter().map(|one| [one.X, one.Y, one.Z]).collect()
+    }
+
     /// Returns the largest error of X, Y or Z of a state.
     pub fn error(&self) -> f64 {
         let largest = |one: &PaletteColour| one.error.X.max(one.error.Y).max(one.error.Z);

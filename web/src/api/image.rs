@@ -9,13 +9,15 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
 use axum::http::StatusCode;
-use papilio_display::image::{HeldPicture, ImageResult, ScreenWhite, SourceImage};
+use papilio_display::image::{
+    Factors, Halftone, HeldPicture, ImageResult, LampImage, ScreenWhite, SourceImage, exact,
+};
 use papilio_display::palette::bytes as encoded;
 use papilio_display::scene::{Drive, Pixel, Scene};
 use papilio_display::{Control, DisplayError};
 use papilio_formats::{TitledFile, palette_files, write_indexed_png, write_json, write_rgb_png};
 use papilio_imaging::{Fit, fitted};
-use papilio_scenario::{Edit, Resolved};
+use papilio_scenario::{Edit, ImageRequest, Resolved};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
@@ -51,6 +53,9 @@ pub(super) struct PictureOf {
     /// Name of an uploaded picture; null: that of the scenario, or one of the program's own.
     #[serde(default)]
     picture: Option<String>,
+    /// Halftone, as `image.halftone`; null: that of the scenario.
+    #[serde(default)]
+    halftone: Option<String>,
     /// Inclination of the eye, degrees; null: that of the first view.
     #[serde(default)]
     theta_deg: Option<f64>,
@@ -62,8 +67,8 @@ pub(super) struct PictureOf {
     held: Option<String>,
 }
 
-/// The head of a response. After it come, each with a length that is a multiple of 4 bytes: the state of each pixel (8 bits); X, Y, Z of
-/// each pixel in each light (16-bit floating point, the lowest byte first), relative to the Y of a perfect white in all light; and, if
+/// The head of a response. After it come, each with a length that is a multiple of 4 bytes: if `held` is not null, the state of each pixel
+/// (8 bits); X, Y, Z of each pixel in each light (16-bit floating point, the lowest byte first), relative to the Y of a perfect white in all light; and, if
 /// `has_source`, X, Y, Z of the picture itself under D65.
 #[derive(Debug, Serialize, JsonSchema)]
 pub(super) struct PictureHead {
@@ -81,16 +86,20 @@ pub(super) struct PictureHead {
     phi_deg: f64,
     /// Illuminance, lx.
     illuminance_lx: f64,
-    /// Key of the picture that the panel holds.
-    held: String,
+    /// Key of the picture that the panel holds; null: without a halftone, pixels have exact colours and no states.
+    held: Option<String>,
+    /// Whether the states were decided for another light, that of `image.prepared_for`.
+    prepared_elsewhere: bool,
     /// Names of the states.
     states: Vec<String>,
     /// The lights.
     lights: Vec<PictureLight>,
     /// The sub-pixels, if their places are known and each of them shows its colour or is dark.
     sub_pixels: Vec<SubPixelSeen>,
-    /// X, Y, Z of a page of each state in all light, relative to a perfect white; empty without `sub_pixels`.
+    /// X, Y, Z of a page of each state in all light, relative to a perfect white.
     colours: Vec<[f64; 3]>,
+    /// Mirror images of round lamps, which the picture does not contain.
+    lamps: Vec<LampSeen>,
     /// Whether the picture itself follows.
     has_source: bool,
     /// Whether the light that layers return from each pixel to its neighbours is computed.
@@ -104,10 +113,24 @@ pub(super) struct PictureHead {
 /// A light of the room.
 #[derive(Debug, Serialize, JsonSchema)]
 struct PictureLight {
-    /// Its name: `diffuse`, `directed.0`, `environment.0`, `front_light`.
+    /// Its name: `diffuse`, `directed.0`, `environment.0`, `front_light`; `all`: all of them together, without a halftone.
     light: String,
     /// X, Y, Z of a perfect white in this light, relative to the Y of a perfect white in all light.
     white: [f64; 3],
+}
+
+/// The mirror image of a round lamp.
+#[derive(Debug, Serialize, JsonSchema)]
+#[allow(non_snake_case, reason = "the field's own letters")]
+struct LampSeen {
+    /// Name of the light: `directed.0`, ...
+    light: String,
+    /// Direction from the display to an eye that sees the middle of the image: to the right, upwards, and away from the panel; of length 1.
+    towards: [f64; 3],
+    /// Half of the angle across the lamp, degrees.
+    radius_deg: f64,
+    /// X, Y, Z of the image on a pixel in each state, relative to a perfect white in all light; in addition to all other light.
+    XYZ: Vec<[f64; 3]>,
 }
 
 /// A sub-pixel.
@@ -124,64 +147,114 @@ pub(super) async fn image(site: Site, request: PictureOf) -> Result<Vec<u8>, Fau
     site.quick().work(move |stop| computed(&server, request, stop)).await
 }
 
+/// What a response shows.
+struct Answer {
+    resolved: Resolved,
+    /// Number of columns and rows of the display.
+    panel: Option<[usize; 2]>,
+    /// Key of the picture that the panel holds.
+    held: Option<String>,
+    prepared_elsewhere: bool,
+    names: Vec<String>,
+    states: Vec<u8>,
+    factors: Factors,
+    /// The picture itself.
+    source: Option<SourceImage>,
+}
+
 fn computed(site: &Site, request: PictureOf, stop: &AtomicBool) -> Result<Vec<u8>, Fault> {
-    let PictureOf { scenario, files, picture, theta_deg, phi_deg, held } = request;
     let control = Control { threads: None, progress: &|_| {}, stop };
-    let given = Given { scenario, files };
-    let seen_from = |resolved: &mut Resolved| {
-        resolved.scene.viewer = resolved.scene.viewer.with_view(0);
-        let viewer = &mut resolved.scene.viewer;
-        set_angle(&mut viewer.theta_deg, theta_deg, "theta_deg", 89.0)?;
-        set_angle(&mut viewer.phi_deg, phi_deg, "phi_deg", 360.0)
-    };
-    let mut source = None;
-    let (resolved, panel, key, picture) = if let Some(key) = held {
-        let picture = site.held().get(&key).ok_or_else(|| {
-            let message = format!("the picture `{}` is no longer held", shortened(&key));
-            Fault::new(StatusCode::GONE, message, "request it again without `held`")
-        })?;
-        let (_, mut resolved) = given.resolve(site, Solver::Adding)?;
-        seen_from(&mut resolved)?;
-        let panel = resolved.scene.display.matrix.as_ref().and_then(|matrix| matrix.pixels);
-        (resolved, panel, key, picture)
-    } else {
-        let (given, panel) = with_picture(site, given, picture.as_deref(), Some(MOST_SIDES))?;
-        let mut resolved = given.resolve_with_picture(site)?;
-        seen_from(&mut resolved)?;
-        let request = resolved.image.take().ok_or_else(no_picture)?;
-        let (scene, shown) = (&resolved.scene, reduced(request.source, MOST_SIDES));
-        let viewer = &scene.viewer;
-        let key = format!("{} {:?} {:?}", resolved.hash, viewer.theta_deg, viewer.phi_deg);
-        let picture = match site.held().get(&key) {
-            Some(picture) => picture,
-            None => {
-                let picture = HeldPicture::new(scene, &shown, &request.settings, &control);
-                let picture = Arc::new(picture.map_err(|error| Fault::of(&resolved, error))?);
-                site.held().insert(key.clone(), picture.clone());
-                picture
-            }
-        };
-        source = Some(shown);
-        (resolved, panel, key, picture)
-    };
-    let scene = &resolved.scene;
-    check_lights(scene)?;
-    let fault = |error: DisplayError| Fault::of(&resolved, error);
-    let factors = site.prepared().with(scene, |prepared| picture.factors_of(scene, prepared, &control));
-    let factors = factors.map_err(fault)?;
-    let sub_pixels = sub_pixels(scene, &picture.names);
-    let colours = match sub_pixels.is_empty() {
-        true => Vec::new(),
-        false => {
-            let result = site.prepared().run(scene, &control).map_err(fault)?;
-            let states = &result.views.first().ok_or_else(no_picture)?.states;
-            let colour = |name: &String| states.get(name).map(|one| [one.value.X, one.value.Y, one.value.Z]);
-            picture.names.iter().filter_map(colour).collect()
+    let eye = [request.theta_deg, request.phi_deg];
+    let given = Given { scenario: request.scenario, files: request.files };
+    let answer = match request.held {
+        Some(key) => still_held(site, given, key, eye, &control)?,
+        None => {
+            let chosen = Chosen { picture: request.picture, halftone: request.halftone };
+            brought(site, given, &chosen, eye, &control)?
         }
     };
+    packed(answer)
+}
+
+/// A picture that the panel holds, in the light and view of a request.
+fn still_held(
+    site: &Site,
+    given: Given,
+    key: String,
+    eye: [Option<f64>; 2],
+    control: &Control<'_>,
+) -> Result<Answer, Fault> {
+    let picture = site.held().get(&key).ok_or_else(|| {
+        let message = format!("the picture `{}` is no longer held", shortened(&key));
+        Fault::new(StatusCode::GONE, message, "request it again without `held`")
+    })?;
+    let (_, mut resolved) = given.resolve(site, Solver::Adding)?;
+    seen_from(&mut resolved.scene, eye)?;
+    let panel = resolved.scene.display.matrix.as_ref().and_then(|matrix| matrix.pixels);
+    let factors = factors(site, &picture, &resolved, control)?;
+    let (names, states) = (picture.names.clone(), picture.states.clone());
+    let (held, prepared_elsewhere, source) = (Some(key), false, None);
+    Ok(Answer { resolved, panel, held, prepared_elsewhere, names, states, factors, source })
+}
+
+/// A picture that is brought to the panel in the light and view of a request.
+fn brought(
+    site: &Site,
+    given: Given,
+    chosen: &Chosen,
+    eye: [Option<f64>; 2],
+    control: &Control<'_>,
+) -> Result<Answer, Fault> {
+    let (given, panel) = with_picture(site, given, chosen, Some(MOST_SIDES))?;
+    let mut resolved = given.resolve_with_picture(site)?;
+    seen_from(&mut resolved.scene, eye)?;
+    let ImageRequest { source, settings, .. } = resolved.image.take().ok_or_else(no_picture)?;
+    let (scene, source) = (&resolved.scene, reduced(source, MOST_SIDES));
+    let fault = |error: DisplayError| Fault::of(&resolved, error);
+    if settings.halftone == Halftone::None && settings.given.is_none() {
+        check_lights(scene)?;
+        let found =
+            site.prepared().with(scene, |prepared| exact(scene, &source, &settings, prepared, control));
+        let (names, factors) = found.map_err(fault)?;
+        let (held, prepared_elsewhere, states, source) = (None, false, Vec::new(), Some(source));
+        return Ok(Answer { resolved, panel, held, prepared_elsewhere, names, states, factors, source });
+    }
+    let there = settings.prepared_for.as_deref();
+    let key = format!("{} {:?} {:?}", resolved.hash, scene.viewer.theta_deg, scene.viewer.phi_deg);
+    let picture = match site.held().get(&key) {
+        Some(picture) => picture,
+        None => {
+            let picture = HeldPicture::new(there.unwrap_or(scene), &source, &settings, control);
+            let picture = Arc::new(picture.map_err(fault)?);
+            site.held().insert(key.clone(), picture.clone());
+            picture
+        }
+    };
+    let factors = factors(site, &picture, &resolved, control)?;
+    let (names, states) = (picture.names.clone(), picture.states.clone());
+    let (held, prepared_elsewhere, source) = (Some(key), there.is_some(), Some(source));
+    Ok(Answer { resolved, panel, held, prepared_elsewhere, names, states, factors, source })
+}
+
+fn factors(
+    site: &Site,
+    picture: &HeldPicture,
+    resolved: &Resolved,
+    control: &Control<'_>,
+) -> Result<Factors, Fault> {
+    let scene = &resolved.scene;
+    check_lights(scene)?;
+    let found = site.prepared().with(scene, |prepared| picture.factors_of(scene, prepared, control));
+    found.map_err(|error| Fault::of(resolved, error))
+}
+
+fn packed(answer: Answer) -> Result<Vec<u8>, Fault> {
+    let Answer { resolved, panel, held, prepared_elsewhere, names, states, factors, source } = answer;
+    let scene = &resolved.scene;
     let viewer = &scene.viewer;
     let first = |angles: &[f64]| angles.first().copied().unwrap_or_default();
     let lights = factors.lights.iter();
+    let is_held = held.is_some();
     let mut out = with_head(&PictureHead {
         size: factors.size,
         panel,
@@ -190,22 +263,38 @@ fn computed(site: &Site, request: PictureOf, stop: &AtomicBool) -> Result<Vec<u8
         theta_deg: first(&viewer.theta_deg),
         phi_deg: first(&viewer.phi_deg),
         illuminance_lx: scene.lighting.illuminance_lx,
-        held: key,
-        states: picture.names.clone(),
+        held,
+        prepared_elsewhere,
         lights: lights.map(|one| PictureLight { light: one.light.clone(), white: one.white }).collect(),
-        sub_pixels,
-        colours,
+        sub_pixels: if is_held { sub_pixels(scene, &names) } else { Vec::new() },
+        states: names,
+        colours: factors.pages.clone(),
+        lamps: factors.lamps.iter().map(LampSeen::of).collect(),
         has_source: source.is_some(),
         neighbours_light: factors.neighbours_light,
         error: factors.error,
         warnings: resolved.warnings.clone(),
     })?;
-    push_bytes(&mut out, &picture.states);
+    push_bytes(&mut out, &states);
     push_factors(&mut out, &factors);
     if let Some(source) = source {
         push_pixels(&mut out, &source.pixels);
     }
     Ok(out)
+}
+
+impl LampSeen {
+    fn of(image: &LampImage) -> Self {
+        let LampImage { light, towards, radius_deg, XYZ } = image.clone();
+        Self { light, towards, radius_deg, XYZ }
+    }
+}
+
+/// Replaces the directions of the eye by one.
+fn seen_from(scene: &mut Scene, [theta_deg, phi_deg]: [Option<f64>; 2]) -> Result<(), Fault> {
+    scene.viewer = scene.viewer.with_view(0);
+    set_angle(&mut scene.viewer.theta_deg, theta_deg, "theta_deg", 89.0)?;
+    set_angle(&mut scene.viewer.phi_deg, phi_deg, "phi_deg", 360.0)
 }
 
 /// Replaces an angle of the view.
@@ -220,11 +309,18 @@ fn set_angle(angles: &mut Vec<f64>, wanted: Option<f64>, name: &str, most: f64) 
     }
 }
 
+/// What is chosen on the page instead of what the scenario says.
+struct Chosen {
+    /// Name of an uploaded picture.
+    picture: Option<String>,
+    halftone: Option<String>,
+}
+
 /// Returns the scenario with a picture, and the numbers of columns and rows of its display. With `most`, larger displays get fewer pixels.
 fn with_picture(
     site: &Site,
     given: Given,
-    picture: Option<&str>,
+    chosen: &Chosen,
     most: Option<[usize; 2]>,
 ) -> Result<(Given, Option<[usize; 2]>), Fault> {
     let scenario = given.scenario(site, Solver::Adding)?;
@@ -238,6 +334,8 @@ fn with_picture(
     }
     let sources = ["file", "text", "pattern"];
     let is_given = sources.iter().any(|key| image.get(key).is_some_and(|value| !value.is_null()));
+    let picture = chosen.picture.as_deref();
+    edits.extend(chosen.halftone.as_ref().map(|halftone| set("image.halftone", json!(halftone))));
     if let Some(name) = picture.or_else(|| (!is_given).then_some(OWN_PICTURE)) {
         if !is_given || picture.is_some() {
             edits.extend(sources.map(|key| Edit::Remove { path: format!("image.{key}") }));
@@ -311,6 +409,9 @@ pub(super) struct PictureFileOf {
     /// Name of an uploaded picture; null: that of the scenario, or one of the program's own.
     #[serde(default)]
     picture: Option<String>,
+    /// Halftone, as `image.halftone`; null: that of the scenario.
+    #[serde(default)]
+    halftone: Option<String>,
     /// Inclination of the eye, degrees; null: that of the first view.
     #[serde(default)]
     theta_deg: Option<f64>,
@@ -327,13 +428,12 @@ pub(super) async fn export(site: Site, request: PictureFileOf) -> Result<Exporte
 }
 
 fn exported(site: &Site, request: PictureFileOf, stop: &AtomicBool) -> Result<Exported, Fault> {
-    let PictureFileOf { scenario, files, picture, theta_deg, phi_deg, what } = request;
-    let (given, panel) = with_picture(site, Given { scenario, files }, picture.as_deref(), None)?;
+    let PictureFileOf { scenario, files, picture, halftone, theta_deg, phi_deg, what } = request;
+    let chosen = Chosen { picture, halftone };
+    let (given, panel) = with_picture(site, Given { scenario, files }, &chosen, None)?;
     check_size(panel.map_or(0, |[columns, rows]| columns.saturating_mul(rows)))?;
     let mut resolved = given.resolve_with_picture(site)?;
-    resolved.scene.viewer = resolved.scene.viewer.with_view(0);
-    set_angle(&mut resolved.scene.viewer.theta_deg, theta_deg, "theta_deg", 89.0)?;
-    set_angle(&mut resolved.scene.viewer.phi_deg, phi_deg, "phi_deg", 360.0)?;
+    seen_from(&mut resolved.scene, [theta_deg, phi_deg])?;
     let request = resolved.image.take().ok_or_else(no_picture)?;
     check_size(request.source.pixels.len())?;
     let control = Control { threads: None, progress: &|_| {}, stop };
@@ -358,6 +458,10 @@ fn file(found: &ImageResult, resolved: &Resolved, what: &str) -> Result<Exported
     let palette: Vec<(&str, [u8; 3])> =
         colours.map(|one| (one.state.as_str(), one.srgb.map_or([0; 3], encoded))).collect();
     let (kind, bytes) = match what {
+        "states.png" if found.states.is_empty() => {
+            let message = "a picture without halftone has no states".to_owned();
+            return Err(Fault::too_much(message, "choose a halftone, such as `error-diffusion`"));
+        }
         "states.png" => {
             let palette: Vec<[u8; 3]> = palette.iter().map(|(_, colour)| *colour).collect();
             ("image/png", bytes(|out| write_indexed_png(out, columns, &found.states, &palette))?)

@@ -37,6 +37,8 @@ pub struct Factors {
     pub size: [usize; 2],
     /// The picture in each light.
     pub lights: Vec<LightPicture>,
+    /// X, Y, Z of a page of each state in all light, relative to a perfect white.
+    pub pages: Vec<[f64; 3]>,
     /// Estimated error of X, Y, Z of a pixel.
     pub error: f64,
     /// Whether the light that layers return from each pixel to its neighbours is computed.
@@ -167,6 +169,7 @@ impl HeldPicture {
         let mut factors = Factors {
             size: self.size,
             lights: Vec::new(),
+            pages: all.palette.pages(),
             error: 0.0,
             neighbours_light: false,
             lamps: lamp_images(scene, &self.names)?,

@@ -12,10 +12,12 @@
 //! | mirror images of round lamps | `lamps.rs` |
 //! | how far that is from the picture | `differences.rs` |
 //! | the same picture in other light, light by light | `held.rs`, `light.rs` |
+//! | a picture without halftone, in its exact colours | `exact.rs` |
 //!
 //! Rows of all pictures begin at the top. Colours are X, Y, Z relative to a perfect white in the same light.
 
 mod differences;
+mod exact;
 mod halftone;
 mod held;
 mod lamps;
@@ -31,6 +33,7 @@ mod tests;
 use std::f64::consts::PI;
 
 pub use differences::PictureDifferences;
+pub use exact::exact;
 pub use halftone::Halftone;
 use held::{Brought, Lit};
 pub use held::{Factors, HeldPicture, LightPicture};

@@ -1,5 +1,5 @@
 // A picture on the display, as the server sends it: X, Y, Z of each pixel in each light of the room, which the page adds up. Bytes:
-// the length of the head (32 bits), the head (JSON), the states (8 bits), a plane of X, Y, Z (16-bit floating point) for each light, and
+// the length of the head (32 bits), the head (JSON), the states (8 bits, if the picture has a halftone), a plane of X, Y, Z (16-bit floating point) for each light, and
 // perhaps the picture itself; the length of each block is a multiple of 4 bytes.
 
 import type { PictureHead } from "../api/types.ts";
@@ -15,7 +15,7 @@ export interface Planes {
 /** A picture on the display. */
 export interface Seen extends Planes {
   readonly head: PictureHead;
-  /** The state of each pixel. */
+  /** The state of each pixel; none without a halftone. */
   readonly states: Uint8Array;
   /** Mean X, Y, Z of the pixels of each state in each light; null for a state that no pixel has. */
   readonly means: readonly (readonly (Triple | null)[])[];
@@ -31,8 +31,8 @@ export function unpacked(bytes: ArrayBuffer): Seen {
   const head = JSON.parse(new TextDecoder().decode(new Uint8Array(bytes, 4, length))) as PictureHead;
   const [columns, rows] = head.size as [number, number];
   const count = columns * rows;
-  const states = new Uint8Array(bytes, 4 + length, count);
-  let at = 4 + length + padded(count);
+  const states = new Uint8Array(bytes, 4 + length, head.held === null ? 0 : count);
+  let at = 4 + length + padded(states.length);
   const plane = () => {
     const found = new Uint16Array(bytes, at, 3 * count);
     at += padded(6 * count);
@@ -99,6 +99,14 @@ export function brighter(
   });
 }
 
+/** The fraction of the pixels in each state; without a halftone, equal ones. */
+export function shares({ head, states }: Seen): Map<string, number> {
+  const counts: number[] = head.states.map(() => (states.length > 0 ? 0 : 1));
+  for (const state of states) counts[state]!++;
+  const all = counts.reduce((sum, one) => sum + one, 0);
+  return new Map(head.states.map((name, k) => [name, counts[k]! / all]));
+}
+
 /** Adds up triples, each with a factor; undefined ones are 0. */
 export function mixed(all: readonly (Triple | null | undefined)[], factors: readonly number[]): Triple {
   const sum = (k: 0 | 1 | 2) => all.reduce((total, one, i) => total + (one?.[k] ?? 0) * factors[i]!, 0);
@@ -117,8 +125,8 @@ export interface Exposure {
   readonly white_cd_m2: number;
 }
 
-/** Luminance of the white of the screen for comparison, cd/m2. */
-export const SCREEN_CD_M2 = 300;
+/** Luminance of the white of the screen for comparison: that of white paper in the room, or a number, cd/m2. */
+export type ScreenLight = "paper" | number;
 /** Fraction of the room's light that it reflects. */
 export const SCREEN_REFLECTANCE = 0.04;
 /** Reflectance of white paper. */
@@ -127,7 +135,13 @@ export const PAPER = 0.9;
 export const D65: Triple = [0.95047, 1, 1.08883];
 
 /** Returns the exposure of a picture. `lux` is the illuminance on the display. */
-export function exposure(seen: Seen, factors: readonly number[], lux: number, white: White): Exposure {
+export function exposure(
+  seen: Seen,
+  factors: readonly number[],
+  lux: number,
+  white: White,
+  screenLight: ScreenLight = "paper",
+): Exposure {
   const perfect = mixed(
     seen.head.lights.map((one) => one.white as unknown as Triple),
     factors,
@@ -137,15 +151,21 @@ export function exposure(seen: Seen, factors: readonly number[], lux: number, wh
     const own = whiteOf(seen, factors);
     if (own[1] > 0) return { matrix: screenMatrix(own, 1 / own[1]), white: perfect, white_cd_m2 };
   }
-  const screen = SCREEN_CD_M2 / Math.max(white_cd_m2, 1e-9) + SCREEN_REFLECTANCE;
+  const screen = screenOverWhite(screenLight, white_cd_m2) + SCREEN_REFLECTANCE;
   const scale = white === "screen" ? 1 / Math.max(1, screen) : 1;
   return { matrix: screenMatrix(perfect, scale / perfect[1]), white: perfect, white_cd_m2 };
 }
 
-/** Mean X, Y, Z of the pixels in the state `white`, or else in the brightest one. */
+/** Luminance of the white of the screen over that of a perfect white in the room. */
+const screenOverWhite = (light: ScreenLight, white_cd_m2: number): number =>
+  light === "paper" ? PAPER : light / Math.max(white_cd_m2, 1e-9);
+
+/** X, Y, Z of the state `white`, or else of the brightest one: means of their pixels, or a page without a halftone. */
 function whiteOf(seen: Seen, factors: readonly number[]): Triple {
   const named = seen.head.states.indexOf("white");
+  const pages = seen.head.colours as unknown as readonly Triple[];
   const means = seen.head.states.map((_, k) =>
+    seen.states.length === 0 ? pages[k]! :
     mixed(
       seen.means.map((light) => light[k]),
       factors,
@@ -157,9 +177,9 @@ function whiteOf(seen: Seen, factors: readonly number[]): Triple {
 }
 
 /** The light of an sRGB screen in the same room: the factor of the picture, and the light that is added everywhere. */
-export function onScreen(by: Exposure): { factors: number[]; added: Triple } {
+export function onScreen(by: Exposure, light: ScreenLight): { factors: number[]; added: Triple } {
   return {
-    factors: [(by.white[1] * SCREEN_CD_M2) / Math.max(by.white_cd_m2, 1e-9)],
+    factors: [by.white[1] * screenOverWhite(light, by.white_cd_m2)],
     added: by.white.map((value) => value * SCREEN_REFLECTANCE) as unknown as Triple,
   };
 }

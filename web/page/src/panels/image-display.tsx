@@ -4,25 +4,30 @@ import { useComputed, useSignal, useSignalEffect } from "@preact/signals";
 import { useEffect, useRef } from "preact/hooks";
 
 import { degrees } from "../model/format.ts";
-import { anglesOf, camera, fitting, limited, type Tilt } from "../model/perspective.ts";
-import type { Seen } from "../model/seen.ts";
+import { anglesOf, fitting, limited, type Tilt } from "../model/perspective.ts";
 import { painterOf } from "../plots/painter.ts";
-import type { Painter } from "../plots/seen.ts";
-import { drags, exposed, factors, isTilting, middle, reset, shown, tilt, tilted, within, zoom, zoomBy } from "../state/image.ts";
-import { fields } from "../state/design.ts";
-import { lamps, subPixelsOf } from "./image-parts.ts";
+import { LARGE_PX, type Painter } from "../plots/seen.ts";
+import { eye, lampsSeen } from "../state/eye.ts";
+import {
+  drags,
+  exposed,
+  factors,
+  isGlaring,
+  isTilting,
+  middle,
+  reset,
+  shown,
+  type Shown,
+  tilt,
+  tilted,
+  within,
+  zoom,
+  zoomBy,
+} from "../state/image.ts";
+import { mirrors, subPixelsOf, veils } from "./image-parts.ts";
 
 /** Inclination for a pixel of the pointer, degrees. */
 const DEGREES_PER_PX = 0.3;
-
-/** Distance of the eye in widths of a display whose size is unknown. */
-const FAR = 4;
-
-/** Distance of the eye in widths of the display. */
-function distanceOf({ head, size }: Seen): number {
-  const width = (head.pitch_mm?.[0] ?? 0) * size[0];
-  return width > 0 ? Math.max(1.2, head.distance_mm / width) : FAR;
-}
 
 /** Makes the pixels of a canvas those of the screen. */
 function fitted(canvas: HTMLCanvasElement): [number, number] {
@@ -68,26 +73,35 @@ export function useDrawing(draw: (canvas: HTMLCanvasElement) => ((painter: Paint
   return ref;
 }
 
+/** Which picture is shown. */
+function which({ isFresh, seen: { head } }: Shown): string {
+  if (head.held === null) return "exact colours without a halftone, which no panel of these states can show";
+  if (isFresh && head.prepared_elsewhere) return "a picture prepared for another light, by image.prepared_for";
+  return `a picture prepared for ${isFresh ? "this" : "an earlier"} light and view`;
+}
+
 export function Display() {
   const isMoving = useSignal(false);
   const from = useRef<{ x: number; y: number; tilt: Tilt; middle: readonly [number, number] } | null>(null);
   const subPixels = useComputed(() =>
     shown.value && exposed.value ? subPixelsOf(shown.value.seen, exposed.value.matrix) : null,
   );
-  const seenLamps = useComputed(() => lamps(fields.value));
+  const isMagnified = useSignal(false);
   const ref = useDrawing((canvas) => {
-    const [now, by] = [shown.value, exposed.value];
-    if (!now || !by) return null;
+    const [now, by, from] = [shown.value, exposed.value, eye.value];
+    if (!now || !by || !from) return null;
     const { seen } = now;
     const size = [canvas.width, canvas.height] as const;
     const height = seen.size[1] / seen.size[0];
     const scale = fitting(size, height) * zoom.value;
     canvas.dataset["scale"] = String(scale / seen.size[0]);
+    isMagnified.value = subPixels.value !== null && scale / seen.size[0] > LARGE_PX;
     const scenery = {
       lit: { picture: seen, factors: factors.value, added: [0, 0, 0] as const, matrix: by.matrix },
-      camera: camera(tilt.value, distanceOf(seen), height),
+      camera: from,
       frame: { canvas: size, scale, middle: middle.value },
-      lamps: seenLamps.value,
+      mirrors: mirrors(lampsSeen.value, by.matrix),
+      veils: isGlaring.value ? veils(lampsSeen.value, from, by.matrix) : [],
       subPixels: subPixels.value,
     };
     return (painter) => painter.draw(scenery);
@@ -157,7 +171,8 @@ export function Display() {
       <figcaption>
         <span>
           The display, seen from {direction}
-          {now && `: a picture prepared for ${now.isFresh ? "this" : "an earlier"} light and view`}
+          {now && `: ${which(now)}`}
+          {isMagnified.value && ". Magnified: the sub-pixels of the panel in their own colours, without the blur of the layers above them"}
         </span>
       </figcaption>
     </figure>

@@ -4,24 +4,29 @@ import { useSignalEffect } from "@preact/signals";
 import { useEffect, useRef } from "preact/hooks";
 
 import { hex, times, type Triple } from "../model/colour.ts";
-import { digits, plain } from "../model/format.ts";
-import { at } from "../model/json.ts";
+import { degrees, digits, plain } from "../model/format.ts";
+import { at, textAt } from "../model/json.ts";
 import { camera, fitting } from "../model/perspective.ts";
-import { onScreen, PAPER, SCREEN_CD_M2, SCREEN_REFLECTANCE, type White } from "../model/seen.ts";
+import { onScreen, PAPER, SCREEN_REFLECTANCE, type ScreenLight, type White } from "../model/seen.ts";
+import { AGE } from "../model/glare.ts";
 import { compact, part } from "../state/compact.ts";
 import { answer, fields, text } from "../state/design.ts";
+import { FAR, imagesOfLamps, isSizeKnown, lampsSeen, veil_cd_m2 } from "../state/eye.ts";
 import { fileIds } from "../state/files.ts";
 import {
   drags,
   exposed,
   follow,
+  halftone,
   holds,
   imageProblems,
+  isGlaring,
   isTilting,
   MOST_ZOOM,
   pictureFile,
   pictureName,
   reset,
+  screenLight,
   shown,
   source,
   tilt,
@@ -44,14 +49,26 @@ const WHITES: readonly (readonly [White, string])[] = [
   ["screen", "the screen or a perfect white, whichever is brighter"],
 ];
 
-const FILES = ["states.png", "seen.png", "image.json", "palette.gpl", "palette.css", "palette-epdoptimize.json"];
+const HALFTONES: readonly (readonly [string, string])[] = [
+  ["none", "none: exact colours"],
+  ["error-diffusion", "error diffusion"],
+  ["void-and-cluster", "void and cluster"],
+  ["ordered", "ordered"],
+];
+
+const SCREENS: readonly ScreenLight[] = ["paper", 100, 300, 1000];
+
+/** Without a halftone, there are no states. */
+const STATES = "states.png";
+
+const FILES = [STATES, "seen.png", "image.json", "palette.gpl", "palette.css", "palette-epdoptimize.json"];
 
 /** The picture on a screen in the same room. */
 function Screen() {
   const ref = useDrawing((canvas) => {
     const [by, picture] = [exposed.value, source.value];
     if (!by || !picture) return null;
-    const { added, factors } = onScreen(by);
+    const { added, factors } = onScreen(by, screenLight.value);
     const size = [canvas.width, canvas.height] as const;
     const height = picture.size[1] / picture.size[0];
     return (painter) =>
@@ -59,17 +76,22 @@ function Screen() {
         lit: { picture, factors, added, matrix: by.matrix },
         camera: camera([0, 0], 4, height),
         frame: { canvas: size, scale: fitting(size, height), middle: [0, 0] },
-        lamps: [],
+        mirrors: [],
+        veils: [],
         subPixels: null,
       });
   });
   const reflected = plain(100 * SCREEN_REFLECTANCE);
+  const by = exposed.value;
+  const cd = by && (screenLight.value === "paper" ? PAPER * by.white_cd_m2 : screenLight.value);
+  const isBrighter = by !== null && Math.max(...times(by.matrix, by.white)) * (cd! / by.white_cd_m2) > 1.02;
   return (
     <figure class="seen-screen">
       <canvas ref={ref} role="img" aria-label="The same picture on a screen in the same light" />
       <figcaption>
         <span>
-          sRGB screen, {SCREEN_CD_M2} cd/m², which reflects {reflected} % of the room
+          sRGB screen of {digits(cd, 3)} cd/m², which reflects {reflected} % of the room's light
+          {isBrighter && "; what is brighter than the white of this page is clipped"}
         </span>
       </figcaption>
     </figure>
@@ -90,7 +112,7 @@ function Paper() {
       <div ref={sheet} role="img" aria-label="White paper in the same light" />
       <figcaption>
         <span>
-          White paper, {plain(100 * PAPER)} %: {digits(cd, 3)} cd/m²
+          Paper that reflects {plain(100 * PAPER)}{"\u00a0"}%: {digits(cd, 3)}{"\u00a0"}cd/m²
         </span>
       </figcaption>
     </figure>
@@ -115,7 +137,26 @@ function Controls() {
           Remove {pictureName.value}
         </button>
       )}
+      <Menu
+        label="Download files of the picture"
+        items={FILES.filter((name) => name !== STATES || shown.value?.seen.head.held !== null).map((name) => ({ name }))}
+        choose={download}
+      >
+        Files
+      </Menu>
+      <label class="wide">
+        <span>Halftone</span>
+        <select value={halftone.value ?? ""} onChange={(event) => (halftone.value = event.currentTarget.value || null)}>
+          <option value="">scenario: {textAt(fields.value, "image.halftone") ?? "error-diffusion"}</option>
+          {HALFTONES.map(([id, name]) => (
+            <option key={id} value={id}>
+              {name}
+            </option>
+          ))}
+        </select>
+      </label>
       <span role="group" aria-label="Zoom" class="zoom">
+        <span>Zoom</span>
         <button type="button" aria-label="Smaller" onClick={() => zoomBy(1 / 1.5)} disabled={zoom.value <= 1}>
           −
         </button>
@@ -144,14 +185,49 @@ function Controls() {
           ))}
         </select>
       </label>
+      <label class="wide">
+        <span>White of the screen</span>
+        <select
+          value={String(screenLight.value)}
+          onChange={({ currentTarget: { value } }) => (screenLight.value = value === "paper" ? value : Number(value))}
+        >
+          {SCREENS.map((light) => (
+            <option key={light} value={light}>
+              {light === "paper" ? "as bright as paper in this light" : `${light} cd/m²`}
+            </option>
+          ))}
+        </select>
+      </label>
       <label>
         <input type="checkbox" checked={holds.value} onChange={(event) => (holds.value = event.currentTarget.checked)} />{" "}
         the panel keeps its picture
       </label>
-      <Menu label="Download files of the picture" items={FILES.map((name) => ({ name }))} choose={download}>
-        Files
-      </Menu>
+      <label title="Light that lenses and retina of the eye scatter over the picture">
+        <input type="checkbox" checked={isGlaring.value} onChange={(event) => (isGlaring.value = event.currentTarget.checked)} />{" "}
+        glare
+      </label>
     </div>
+  );
+}
+
+/** Mirror images of lamps, and the veil in the eye. */
+function Images() {
+  if (lampsSeen.value.length === 0) return null;
+  return (
+    <>
+      {imagesOfLamps.value.map(({ lamp, isVisible, wide_deg, cd_m2 }) => (
+        <span key={lamp.number}>
+          {" "}
+          Mirror image of lamp {lamp.number + 1},{" "}
+          {cd_m2 === null
+            ? `whose light is collimated: drawn ${degrees(wide_deg)} wide,`
+            : `${degrees(wide_deg)} wide, ${digits(cd_m2, 3)} cd/m²:`}{" "}
+          {isVisible ? "on the display." : "beside the display from here."}
+        </span>
+      ))}
+      {veil_cd_m2.value > 0 &&
+        ` Glare: a veil of ${digits(veil_cd_m2.value, 2)} cd/m² in the middle of the display, in an eye of ${AGE} years (CIE 146).`}
+    </>
   );
 }
 
@@ -167,9 +243,13 @@ function Legend() {
     <p class="remark">
       {pictureName.value ?? (isGiven ? "Picture of the scenario" : "A page of text and a photograph")}: {size[0]} × {size[1]} pixels
       {isPart && ` of the same size as the ${panel[0]} × ${panel[1]} of the display`}.{" "}
-      {head.neighbours_light
+      {head.held === null
+        ? "Without a halftone, there are no states for the panel to download."
+        : head.neighbours_light
         ? "Light that the layers return from each pixel to others is contained."
         : "Each pixel has the colour of a page of its state: light of its neighbours is not contained."}
+      {!isSizeKnown.value && ` The size of the pixels (display.matrix) is not given: the eye is drawn ${FAR} widths away.`}
+      <Images />
       {head.warnings.map((warning) => (
         <span class="warning" key={warning}>
           {" "}
@@ -194,11 +274,11 @@ export function ImagePanel() {
       <Problems of={imageProblems.value} />
       <div class="seen-all">
         <Display />
+        <div class="beside">
+          <Screen />
+          <Paper />
+        </div>
         <div class="side">
-          <div class="beside">
-            <Screen />
-            <Paper />
-          </div>
           <Controls />
           <Legend />
         </div>

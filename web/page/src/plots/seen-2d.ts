@@ -1,6 +1,7 @@
 // A picture on a canvas without graphics processor: the arithmetic of seen-gl.ts for each pixel of the canvas.
 
 import { encoded, type Triple } from "../model/colour.ts";
+import { glareFunction } from "../model/glare.ts";
 import { pointAt } from "../model/perspective.ts";
 import { halfValues } from "../model/seen.ts";
 import { LARGE_PX, type Lit, type Painter, type Scenery } from "./seen.ts";
@@ -77,8 +78,8 @@ export function colourAt(of: Scenery, pixels: Float32Array, x: number, y: number
   if (!here || here[0] < 0 || here[1] < 0 || here[0] >= columns || here[1] >= rows) return null;
   const [right, below] = [place(0.5, 0), place(0, 0.5)];
   const reach = (k: 0 | 1) => Math.abs((right?.[k] ?? here[k]) - here[k]) + Math.abs((below?.[k] ?? here[k]) - here[k]);
-  const mirrored = of.lamps.length > 0 && isMirror(of, x, y);
-  if (mirrored) return [1, 1, 1];
+  const more = inTheEye(of, x, y);
+  const inEye = (light: Triple): Triple => [light[0] + more[0], light[1] + more[1], light[2] + more[2]];
   // The mean of the pixels whose middles are within half a pixel of the canvas; where pixels are large, the one.
   const range = (k: 0 | 1, count: number): [number, number] => {
     const half = Math.min(reach(k), MOST_MEAN / 2);
@@ -97,21 +98,28 @@ export function colourAt(of: Scenery, pixels: Float32Array, x: number, y: number
     }
   const colour: Triple = [r / count, g / count, b / count];
   const { subPixels } = of;
-  if (!subPixels || Math.max(reach(0), reach(1)) * 2 * LARGE_PX > 1) return colour;
+  if (!subPixels || Math.max(reach(0), reach(1)) * 2 * LARGE_PX > 1) return inEye(colour);
   const [u, v] = [here[0] - left, 1 - (here[1] - top)];
   const window = subPixels.windows.findIndex(([x0, y0, x1, y1]) => u >= x0 && u < x1 && v >= y0 && v < y1);
-  const all = subPixels.added[subPixels.states[top * columns + left]!]!;
-  const more = all[window < 0 ? all.length - 1 : window]!;
-  return [colour[0] + more[0], colour[1] + more[1], colour[2] + more[2]];
+  const all = subPixels.light[subPixels.states[top * columns + left]!]!;
+  return inEye(all[window < 0 ? all.length - 1 : window]!);
 }
 
-/** Whether the eye sees the mirror image of a lamp at a point of the canvas. */
-function isMirror({ camera, frame, lamps }: Scenery, x: number, y: number): boolean {
-  const point = pointAt(camera, frame, x, y);
-  if (!point) return false;
-  const eye = [camera.place[0] - point[0], camera.place[1] - point[1], camera.place[2]] as const;
-  const length = Math.hypot(...eye);
-  return lamps.some(
-    ({ towards, cosine }) => (-eye[0] * towards[0] - eye[1] * towards[1] + eye[2] * towards[2]) / length > cosine,
-  );
+/** Mirror images of lamps and the veil in the eye at a point of the canvas, linear sRGB. */
+function inTheEye({ camera, frame, mirrors, veils }: Scenery, x: number, y: number): Triple {
+  const point = mirrors.length + veils.length > 0 ? pointAt(camera, frame, x, y) : null;
+  if (!point) return [0, 0, 0];
+  const [dx, dy, dz] = [point[0] - camera.place[0], point[1] - camera.place[1], -camera.place[2]];
+  const length = Math.hypot(dx, dy, dz);
+  const sight: Triple = [dx / length, dy / length, dz / length];
+  const sum: [number, number, number] = [0, 0, 0];
+  const add = (light: Triple, factor: number) => light.forEach((value, k) => (sum[k]! += factor * value));
+  for (const { towards, cosine, light } of mirrors)
+    if (sight[0] * towards[0] + sight[1] * towards[1] - sight[2] * towards[2] > cosine) add(light, 1);
+  for (const { from, light, radius_deg } of veils) {
+    const straight = from[0] * sight[0] + from[1] * sight[1] + from[2] * sight[2];
+    const apart = Math.hypot(from[0] - sight[0], from[1] - sight[1], from[2] - sight[2]);
+    add(light, Math.max(0, straight) * glareFunction(Math.max(radius_deg, (2 * Math.asin(Math.min(1, apart / 2)) * 180) / Math.PI)));
+  }
+  return sum;
 }

@@ -3,9 +3,10 @@
 
 import type { Triple } from "../model/colour.ts";
 import type { Planes } from "../model/seen.ts";
+import { AGE, LEAST_DEG, MOST_DEG, PIGMENT } from "../model/glare.ts";
 import { LARGE_PX, type Lit, type Painter, type Scenery, type SubPixels } from "./seen.ts";
 
-/** Largest numbers of lights, lamps, and windows of sub-pixels. */
+/** Largest numbers of lights, mirror images, and windows of sub-pixels. */
 const LIGHTS = 18;
 const LAMPS = 16;
 const WINDOWS = 16;
@@ -41,16 +42,25 @@ uniform vec2 middle;
 uniform float scale;
 uniform vec3 place, right, up, forward;
 uniform float eyeDistance, tall;
-uniform int lampCount;
+uniform int lampCount, veilCount;
 uniform vec4 lamps[${LAMPS}];
+uniform vec3 lampLight[${LAMPS}];
+uniform vec4 veilFrom[${LAMPS}];
+uniform vec3 veilLight[${LAMPS}];
 uniform int windowCount;
 uniform vec4 windows[${WINDOWS}];
-uniform sampler2D addedInWindows;
+uniform sampler2D lightOfWindows;
 out vec4 colour;
 
 vec3 encoded(vec3 light) {
   vec3 c = clamp(light, 0.0, 1.0);
   return mix(1.055 * pow(c, vec3(1.0 / 2.4)) - 0.055, 12.92 * c, vec3(lessThanEqual(c, vec3(0.0031308))));
+}
+
+float glare(float theta) {
+  float t = clamp(theta, ${LEAST_DEG.toFixed(4)}, ${MOST_DEG.toFixed(1)});
+  float aged = ${(1 + (AGE / 62.5) ** 4).toFixed(8)};
+  return 10.0 / (t * t * t) + (5.0 / (t * t) + ${(0.1 * PIGMENT).toFixed(8)} / t) * aged + ${(0.0025 * PIGMENT).toFixed(8)};
 }
 
 void main() {
@@ -80,11 +90,15 @@ void main() {
     for (int i = 0; i < windowCount; i++)
       if (all(greaterThanEqual(inside, windows[i].xy)) && all(lessThan(inside, windows[i].zw))) window = i;
     int state = int(texelFetch(states, ivec2(pixel), 0).r);
-    light += texelFetch(addedInWindows, ivec2(window, state), 0).rgb;
+    light = texelFetch(lightOfWindows, ivec2(window, state), 0).rgb;
   }
-  vec3 eye = normalize(place - vec3(point, 0.0));
+  vec3 sight = normalize(vec3(point, 0.0) - place);
   for (int i = 0; i < lampCount; i++)
-    if (dot(vec3(-eye.xy, eye.z), lamps[i].xyz) > lamps[i].w) light = vec3(1.0);
+    if (dot(vec3(sight.xy, -sight.z), lamps[i].xyz) > lamps[i].w) light += lampLight[i];
+  for (int i = 0; i < veilCount; i++) {
+    float apart = 2.0 * asin(min(1.0, 0.5 * length(veilFrom[i].xyz - sight)));
+    light += veilLight[i] * max(0.0, dot(veilFrom[i].xyz, sight)) * glare(max(veilFrom[i].w, degrees(apart)));
+  }
   colour = vec4(encoded(light) * covered, covered);
 }`;
 
@@ -158,7 +172,7 @@ class Graphics implements Painter {
     this.target = gl.createFramebuffer();
     gl.pixelStorei(gl.UNPACK_ALIGNMENT, 1);
     // Every sampler needs a texture of its kind, also where it is not read.
-    this.loadSubPixels({ states: new Uint8Array(1), windows: [], added: [[[0, 0, 0]]] }, [1, 1]);
+    this.loadSubPixels({ states: new Uint8Array(1), windows: [], light: [[[0, 0, 0]]] }, [1, 1]);
   }
 
   draw(of: Scenery): void {
@@ -236,13 +250,13 @@ class Graphics implements Painter {
     gl.texSubImage2D(gl.TEXTURE_2D, 0, 0, 0, columns, rows, gl.RED_INTEGER, gl.UNSIGNED_BYTE, of.states);
     gl.activeTexture(gl.TEXTURE2);
     this.windows = texture(gl, gl.TEXTURE_2D, gl.NEAREST);
-    const [across, down] = [of.windows.length + 1, of.added.length];
+    const [across, down] = [of.windows.length + 1, of.light.length];
     gl.texStorage2D(gl.TEXTURE_2D, 1, gl.RGBA32F, across, down);
-    const added = Float32Array.from(of.added.flatMap((state) => state.flatMap((light: Triple) => [...light, 0])));
-    gl.texSubImage2D(gl.TEXTURE_2D, 0, 0, 0, across, down, gl.RGBA, gl.FLOAT, added);
+    const light = Float32Array.from(of.light.flatMap((state) => state.flatMap((one: Triple) => [...one, 0])));
+    gl.texSubImage2D(gl.TEXTURE_2D, 0, 0, 0, across, down, gl.RGBA, gl.FLOAT, light);
   }
 
-  private paint({ lit, camera, frame, lamps, subPixels }: Scenery): void {
+  private paint({ lit, camera, frame, mirrors, veils, subPixels }: Scenery): void {
     const { gl, drawing } = this;
     const at = (name: string) => this.place(drawing, name);
     gl.viewport(0, 0, this.canvas.width, this.canvas.height);
@@ -255,7 +269,7 @@ class Graphics implements Painter {
     gl.uniform1i(at("states"), 1);
     gl.activeTexture(gl.TEXTURE2);
     gl.bindTexture(gl.TEXTURE_2D, this.windows);
-    gl.uniform1i(at("addedInWindows"), 2);
+    gl.uniform1i(at("lightOfWindows"), 2);
     gl.uniform2fv(at("size"), lit.picture.size);
     gl.uniform2fv(at("canvas"), frame.canvas);
     gl.uniform2fv(at("middle"), frame.middle);
@@ -263,9 +277,18 @@ class Graphics implements Painter {
     for (const name of ["place", "right", "up", "forward"] as const) gl.uniform3fv(at(name), camera[name]);
     gl.uniform1f(at("eyeDistance"), camera.distance);
     gl.uniform1f(at("tall"), camera.height);
-    const some = lamps.slice(0, LAMPS);
+    const some = mirrors.slice(0, LAMPS);
     gl.uniform1i(at("lampCount"), some.length);
-    if (some.length > 0) gl.uniform4fv(at("lamps"), some.flatMap(({ towards, cosine }) => [...towards, cosine]));
+    if (some.length > 0) {
+      gl.uniform4fv(at("lamps"), some.flatMap(({ towards, cosine }) => [...towards, cosine]));
+      gl.uniform3fv(at("lampLight"), some.flatMap(({ light }) => [...light]));
+    }
+    const spread = veils.slice(0, LAMPS);
+    gl.uniform1i(at("veilCount"), spread.length);
+    if (spread.length > 0) {
+      gl.uniform4fv(at("veilFrom"), spread.flatMap(({ from, radius_deg }) => [...from, radius_deg]));
+      gl.uniform3fv(at("veilLight"), spread.flatMap(({ light }) => [...light]));
+    }
     const windows = subPixels && subPixels.windows.length <= WINDOWS ? subPixels.windows : [];
     gl.uniform1i(at("windowCount"), windows.length);
     if (windows.length > 0) gl.uniform4fv(at("windows"), windows.flat());

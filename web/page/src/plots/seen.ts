@@ -13,28 +13,41 @@ export interface Lit {
   readonly matrix: readonly Triple[];
 }
 
-/** A lamp whose mirror image may be visible. */
-export interface Lamp {
-  /** The direction towards it. */
+/** The mirror image of a lamp. */
+export interface Mirror {
+  /** The direction towards the lamp. */
   readonly towards: Triple;
   /** Cosine of its angular radius. */
   readonly cosine: number;
+  /** Linear sRGB that is added. */
+  readonly light: Triple;
 }
 
-/** Sub-pixels that are drawn where pixels are large: rectangles with what they add to the colour of the pixel in each state. */
+/** Light that is scattered in the eye. */
+export interface Veil {
+  /** The direction from the eye. */
+  readonly from: Triple;
+  /** Linear sRGB of the illuminance at the eye; the glare function times it is added. */
+  readonly light: Triple;
+  /** Nearer to the direction than this, the veil is uniform, degrees. */
+  readonly radius_deg: number;
+}
+
+/** Sub-pixels that are drawn where pixels are large: rectangles, each with its own light instead of that of the picture. */
 export interface SubPixels {
   readonly states: Uint8Array;
   /** x0, y0, x1, y1 in fractions of the pixel, from its lower left corner. */
   readonly windows: readonly (readonly [number, number, number, number])[];
   /** Linear sRGB by state, then by window, and last between the windows. */
-  readonly added: readonly (readonly Triple[])[];
+  readonly light: readonly (readonly Triple[])[];
 }
 
 export interface Scenery {
   readonly lit: Lit;
   readonly camera: Camera;
   readonly frame: Frame;
-  readonly lamps: readonly Lamp[];
+  readonly mirrors: readonly Mirror[];
+  readonly veils: readonly Veil[];
   readonly subPixels: SubPixels | null;
 }
 

@@ -7,7 +7,7 @@ import { postForBlob, postForBytes, Refused, type Work } from "../api/client.ts"
 import type { Problem } from "../api/types.ts";
 import { numberAt } from "../model/json.ts";
 import { anglesOf, type Tilt, tiltOf } from "../model/perspective.ts";
-import { brighter, exposure, intensities, unpacked, type Planes, type Seen, type White } from "../model/seen.ts";
+import { brighter, exposure, intensities, unpacked, type Planes, type ScreenLight, type Seen, type White } from "../model/seen.ts";
 import { answer, fields, states, text, viewIndex } from "./design.ts";
 import { fileIds, sendAgain } from "./files.ts";
 import { BUSY, settled } from "./live.ts";
@@ -33,6 +33,8 @@ export const imageProblems = signal<readonly Problem[]>([]);
 export const isComputing = signal(false);
 /** The name of a picture that was dropped or chosen; null: that of the scenario, or the program's own. */
 export const pictureName = signal<string | null>(null);
+/** The halftone that is chosen on the page; null: that of the scenario. */
+export const halftone = signal<string | null>(null);
 /** Whether the panel holds its picture whatever the light. */
 export const holds = signal(false);
 /** Direction of the eye while it is not that of the design. */
@@ -40,6 +42,10 @@ export const tilted = signal<Tilt | null>(null);
 /** Whether the pointer tilts the display. */
 export const isTilting = signal(false);
 export const whiteOfPage = signal<White>("perfect");
+/** How bright the screen beside the display is. */
+export const screenLight = signal<ScreenLight>("paper");
+/** Whether the veil in the eye is shown. */
+export const isGlaring = signal(true);
 /** The picture itself, for the screen beside the display. */
 export const source = signal<Planes | null>(null);
 
@@ -57,7 +63,7 @@ export const factors = computed<readonly number[]>(() =>
 /** How colours are shown on this page, in the light of this moment. */
 export const exposed = computed(() => {
   const lux = numberAt(fields.value, "lighting.illuminance_lx") ?? 0;
-  return shown.value ? exposure(shown.value.seen, factors.value, lux, whiteOfPage.value) : null;
+  return shown.value ? exposure(shown.value.seen, factors.value, lux, whiteOfPage.value, screenLight.value) : null;
 });
 
 /** The largest magnification. */
@@ -89,6 +95,7 @@ export const reset = (): void =>
 
 interface Wanted extends Work {
   picture: string | null;
+  halftone: string | null;
   theta_deg: number;
   phi_deg: number;
 }
@@ -97,8 +104,12 @@ const wanted = (): Wanted => ({
   scenario: text.value,
   files: fileIds.value,
   picture: pictureName.value !== null && pictureName.value in fileIds.value ? pictureName.value : null,
+  halftone: halftone.value,
   ...anglesOf(tilt.value),
 });
+
+/** What is shown if light and view do not matter: the states are held as long as it is the same. */
+const motif = (of: Wanted): string => JSON.stringify([of.picture, of.halftone]);
 
 let running = false;
 let stopped = true;
@@ -106,7 +117,7 @@ let stopped = true;
 let done = { what: "", isFresh: false };
 /** The request for which files were sent again. */
 let resent = "";
-/** The picture of the last answer: its states are held as long as the picture is the same. */
+/** What the last answer shows. */
 let heldFor = "";
 let rest: ReturnType<typeof setTimeout> | undefined;
 let abort: AbortController | null = null;
@@ -136,8 +147,8 @@ async function run(isResting: boolean): Promise<void> {
   const what = JSON.stringify(request);
   const head = shown.value?.seen.head;
   const names = states.value.map(([name]) => name);
-  const canHold = head?.states.every((name) => names.includes(name)) && heldFor === String(request.picture);
-  const isHeld = canHold && (holds.value || !isResting);
+  const canHold = head?.states.every((name) => names.includes(name)) && heldFor === motif(request);
+  const isHeld = canHold && head?.held != null && (holds.value || !isResting);
   const lights = intensities(answer.value?.fields as never);
   abort = new AbortController();
   let wait = 0;
@@ -148,7 +159,7 @@ async function run(isResting: boolean): Promise<void> {
       if (seen.source) source.value = seen.source;
       imageProblems.value = [];
     });
-    heldFor = String(request.picture);
+    heldFor = motif(request);
     done = { what, isFresh: !isHeld };
   } catch (why) {
     const refusal = why instanceof Refused ? why : new Refused(0, [{ message: String(why) }]);

@@ -5,7 +5,7 @@ import { after, before, test } from "node:test";
 
 import type { Page } from "playwright-core";
 
-import { choose, downloaded, settled, stage, type Stage } from "./stage.ts";
+import { choose, downloaded, itemsOf, settled, stage, type Stage } from "./stage.ts";
 
 let on: Stage;
 before(async () => (on = await stage()));
@@ -93,6 +93,84 @@ test("display is tilted by pointer and keys, and its states are decided again af
   await page.getByRole("button", { name: "Reset the view" }).click();
   await page.getByText("The display, seen from 0°").waitFor();
   await page.getByText("prepared for an earlier light and view").waitFor({ timeout: 30_000 });
+  assert.deepEqual(on.complaints.splice(0), []);
+});
+
+test("without a halftone the picture has exact colours and no states", { timeout: 120_000 }, async () => {
+  const page = await sixInks("?");
+  await page.getByLabel("Halftone").selectOption("none");
+  await page.getByText("exact colours without a halftone").waitFor({ timeout: 30_000 });
+  await page.getByText("there are no states for the panel to download").waitFor();
+  const files = await itemsOf(page, "Download files of the picture");
+  assert.ok(!files.includes("states.png") && files.includes("seen.png"), files.join());
+  await page.getByLabel("Halftone").selectOption("ordered");
+  await fresh(page);
+  assert.ok((await itemsOf(page, "Download files of the picture")).includes("states.png"));
+  assert.deepEqual(on.complaints.splice(0), []);
+});
+
+/** Black and white paper below glass, seen from 20 degrees, with a round lamp. */
+const GLOSSY = `
+title = "Below glass"
+[display.glass]
+index = 1.5
+surface = "fresnel"
+thickness_mm = 0.3
+[display.matrix]
+ppi = 127
+pixels = [300, 200]
+[display.pixel]
+model = "uniform"
+kind = "lambertian"
+reflectance = { white = 0.45, black = 0.03 }
+[image]
+text = "I"
+[lighting]
+illuminance_lx = 300
+diffuse = 0.6
+[[lighting.directed]]
+theta_deg = -20
+share = 0.4
+radius_deg = 1
+[viewer]
+theta_deg = 20
+distance_mm = 500
+`;
+
+test("mirror image of a lamp lies on the display with its veil, and not beside it", { timeout: 120_000 }, async () => {
+  const page = await on.visit({}, "?");
+  const chooser = page.locator(".seen input[type=file]");
+  await chooser.setInputFiles({ name: "glossy.toml", mimeType: "text/plain", buffer: Buffer.from(GLOSSY) });
+  await page.waitForFunction(() => document.querySelector<HTMLInputElement>("input.title")?.value === "Below glass");
+  await fresh(page);
+  const legend = page.locator(".seen .remark");
+  assert.match(await legend.innerText(), /lamp 1, 2° wide, [\d.]+ cd\/m²: on the display\. Glare: a veil of/);
+  const canvas = page.locator(CANVAS);
+  const read = async () => {
+    await settled(page);
+    await page.mouse.move(0, 0);
+    const { width, height, data } = await decoded(page, await canvas.screenshot());
+    const scale = Number(await canvas.getAttribute("data-scale"));
+    // Pixels of the display about its middle; the eye is at 500 mm, 2500 pixels of the panel.
+    return (degrees: number) => {
+      const x = Math.round(width / 2 + scale * 2500 * Math.tan((degrees * Math.PI) / 180));
+      return data[4 * (Math.floor(height / 2) * width + x) + 1]!;
+    };
+  };
+  const glaring = await read();
+  assert.deepEqual([-0.9, 0, 0.9].map(glaring), [255, 255, 255]);
+  await page.getByLabel("glare").uncheck();
+  const plain = await read();
+  assert.deepEqual([-0.9, 0, 0.9].map(plain), [255, 255, 255]);
+  for (const degrees of [-1.2, 1.2, 2]) {
+    assert.ok(plain(degrees) < 200, `${plain(degrees)}`);
+    assert.ok(glaring(degrees) > plain(degrees) + 10, `${degrees}: ${glaring(degrees)} ${plain(degrees)}`);
+  }
+  assert.doesNotMatch(await legend.innerText(), /Glare/);
+  await canvas.focus();
+  for (let i = 0; i < 12; i++) await page.keyboard.press("ArrowLeft");
+  await legend.getByText("beside the display from here").waitFor();
+  assert.ok((await read())(0) < 200);
   assert.deepEqual(on.complaints.splice(0), []);
 });
 

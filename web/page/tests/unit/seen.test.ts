@@ -4,8 +4,11 @@ import assert from "node:assert/strict";
 import { test } from "node:test";
 
 import { encoded, times, type Triple } from "../../src/model/colour.ts";
-import { anglesOf, camera, fitting, limited, pointAt, tiltOf, type Frame } from "../../src/model/perspective.ts";
+import { anglesOf, camera, direction, fitting, limited, pointAt, tiltOf, type Frame } from "../../src/model/perspective.ts";
+import { discOverWhite, glareFunction, glareOf, POINT_DEG, veil, type Lamp } from "../../src/model/glare.ts";
 import { brighter, D65, exposure, halfValues, intensities, mixed, onScreen, unpacked } from "../../src/model/seen.ts";
+import { lamps, mirrors } from "../../src/panels/image-parts.ts";
+import type { Scenery } from "../../src/plots/seen.ts";
 import { colourAt, linear } from "../../src/plots/seen-2d.ts";
 
 /** The bits of a number that 16 bits represent exactly. */
@@ -20,6 +23,7 @@ function response(): ArrayBuffer {
       { light: "directed.0", white: [0.5, 0.5, 0.25] },
     ],
     states: ["black", "white"],
+    lamps: [{ light: "directed.0", towards: [0.6, 0, 0.8], radius_deg: 2, XYZ: [[3, 3, 0], [6, 6, 0]] }],
     has_source: true,
   };
   let json = JSON.stringify(head);
@@ -82,11 +86,12 @@ test("lamp that becomes brighter changes its own light", () => {
 test("screen in a room has its own light and what it reflects", () => {
   const seen = unpacked(response());
   const by = exposure(seen, [1, 1], 100 * Math.PI, "perfect");
-  const { factors, added } = onScreen(by);
+  const { factors, added } = onScreen(by, 300);
   // A perfect white has 100 cd/m2, the screen 300.
   close(factors, [3]);
   close(added, [0.039, 0.04, 0.03]);
-  const bright = exposure(seen, [1, 1], 100 * Math.PI, "screen");
+  close(onScreen(by, "paper").factors, [0.9]);
+  const bright = exposure(seen, [1, 1], 100 * Math.PI, "screen", 300);
   close(times(bright.matrix, bright.white), [1 / 3.04, 1 / 3.04, 1 / 3.04], 2e-4);
 });
 
@@ -104,13 +109,98 @@ test("colours on the canvas are those of the pixels, and means where pixels are 
     lit,
     camera: camera([0, 0], 4, 1 / 3),
     frame: { canvas, scale, middle: [0, 0] } as Frame,
-    lamps: [],
+    mirrors: [],
+    veils: [],
     subPixels: null,
   });
   close(colourAt(of([30, 10], 30), pixels, 5.5, 5.5)!, [0.5, 0.5, 0.5]);
   close(colourAt(of([30, 10], 30), pixels, 15.5, 5.5)!, [0.125, 0.125, 0.125]);
   assert.equal(colourAt(of([40, 10], 30), pixels, 4.5, 5.5), null);
   close(colourAt(of([1, 1], 1), pixels, 0.5, 0.5)!, [0.25, 0.25, 0.25]);
+});
+
+/** A lamp to the right, 10 times as bright as a perfect white in its mirror image. */
+const lampAt = (theta_deg: number, radius_deg: number): Lamp => ({
+  number: 0,
+  towards: direction(theta_deg, 0),
+  radius_deg,
+  image: [10, 10, 10],
+});
+
+test("mirror image of a lamp lies where the mirrored line of sight meets it, and is as wide as the lamp", () => {
+  const picture = { size: [1, 1] as const, planes: [Uint16Array.of(bits(0.5), bits(0.5), bits(0.5))] };
+  const identity: Triple[] = [
+    [1, 0, 0],
+    [0, 1, 0],
+    [0, 0, 1],
+  ];
+  const lit = { picture, factors: [1], added: [0, 0, 0] as Triple, matrix: identity };
+  for (const tilt of [0, 20]) {
+    const from = camera(tiltOf(tilt, 0), 4, 1);
+    const of = (mirrors: Scenery["mirrors"]): Scenery => {
+      const frame: Frame = { canvas: [1000, 1000], scale: 1000, middle: [0, 0] };
+      return { lit, camera: from, frame, mirrors, veils: [], subPixels: null };
+    };
+    // From an inclination, the image of a lamp on the other side is in the middle.
+    const lamp = lampAt(5 - tilt, 1);
+    const [scenery, pixels] = [of(mirrors([lamp], identity)), linear(lit)];
+    const is = (angle: number): boolean => {
+      // The line of sight at an angle from that to the middle is at this place of the canvas.
+      const x = 500 + 1000 * 4 * Math.tan((angle * Math.PI) / 180);
+      return colourAt(scenery, pixels, x, 500)![0] > 10;
+    };
+    assert.deepEqual([3.9, 4.1, 5, 5.9, 6.1].map(is), [false, true, true, true, false], String(tilt));
+    // The same place, on the display, by the mirrored eye.
+    const at = pointAt(from, scenery.frame, 500 + 4000 * Math.tan((5 * Math.PI) / 180), 500)!;
+    const wanted = from.place[0] + from.place[2] * Math.tan(((5 - tilt) * Math.PI) / 180);
+    close(at, [wanted, 0], 1e-9);
+  }
+});
+
+test("mirror image is the mean over the states; a collimated lamp has that of a disc with its light", () => {
+  const seen = unpacked(response());
+  // One pixel of three is black.
+  const [round] = lamps({}, new Map(), seen, [1, 2]);
+  close(round!.image, [2 * (3 + 2 * 6), 2 * (3 + 2 * 6), 0].map((value) => value / 3), 1e-9);
+  close(round!.towards, [-0.6, 0, 0.8]);
+  assert.deepEqual([round!.number, round!.radius_deg], [0, 2]);
+  // E / (pi sin^2 30 cos 60) is 8 times E / pi.
+  assert.ok(Math.abs(discOverWhite(30, 60) - 8) < 1e-12);
+  const fields = { lighting: { directed: [{ theta_deg: 60, share: 0.5 }] } };
+  const specular = new Map([
+    ["black", [0.04]],
+    ["white", [0.04]],
+  ]);
+  const [, beam] = lamps(fields, specular, seen, [1, 2]);
+  const by = 0.04 * 2 * discOverWhite(POINT_DEG, 60);
+  close(beam!.image, [0.5, 0.5, 0.25].map((white) => by * white), 1e-9);
+  assert.equal(beam!.radius_deg, null);
+});
+
+test("glare function has the numbers of CIE 146", () => {
+  for (const [theta, value] of [
+    [0.1, 10513.3141],
+    [1, 15.18053],
+    [10, 0.067658],
+    [100, 0.0022856],
+  ] as const)
+    assert.ok(Math.abs(glareFunction(theta) / value - 1) < 1e-6, String(theta));
+  // At 62.5 years, the middle terms double.
+  assert.ok(Math.abs(glareFunction(1, 62.5) - (10 + 2 * 5.05 + 0.00125)) < 1e-12);
+  assert.equal(glareFunction(0), glareFunction(0.1));
+});
+
+test("veil comes from the part of the mirror image that lies on the display", () => {
+  const from = camera([0, 0], 4, 0.75);
+  const [whole, half] = [lampAt(2, 1), lampAt((Math.atan(0.125) * 180) / Math.PI, 1)].map((lamp) => glareOf(lamp, from)!);
+  const solid = 2 * Math.PI * (1 - Math.cos(Math.PI / 180));
+  close(whole!.light, [10 * solid, 10 * solid, 10 * solid], 1e-9);
+  close(whole!.from, [Math.sin(Math.PI / 90), 0, -Math.cos(Math.PI / 90)], 1e-3);
+  const share = half!.light[0] / whole!.light[0];
+  assert.ok(share > 0.4 && share < 0.6, String(share));
+  assert.equal(glareOf(lampAt(20, 1), from), null);
+  const aside = veil(whole!, [0, 0, -1]);
+  assert.ok(Math.abs(aside[1] / (10 * solid * glareFunction(2)) - 1) < 0.02, aside.join());
 });
 
 test("display that faces the eye fills the canvas, and its nearer side is larger", () => {

@@ -1,0 +1,63 @@
+// The eye before the picture on the display: its place, the mirror images of lamps that it sees, and the veil in it.
+
+import { computed } from "@preact/signals";
+
+import { glareOf, radiusOf, type Lamp } from "../model/glare.ts";
+import { camera, type Camera } from "../model/perspective.ts";
+import type { Seen } from "../model/seen.ts";
+import { lamps, veilInTheMiddle } from "../panels/image-parts.ts";
+import { fields, states } from "./design.ts";
+import { exposed, factors, isGlaring, shown, tilt } from "./image.ts";
+
+/** Distance of the eye in widths of a display whose size is unknown. */
+export const FAR = 4;
+/** The nearest eye, in widths of the display. */
+const NEAR = 0.7;
+
+/** Distance of the eye in widths of the display; null if the size of the pixels is unknown. */
+function distanceOf({ head, size }: Seen): number | null {
+  const width = (head.pitch_mm?.[0] ?? 0) * size[0];
+  return width > 0 ? Math.max(NEAR, head.distance_mm / width) : null;
+}
+
+/** Whether the size of the display is known. */
+export const isSizeKnown = computed(() => shown.value !== null && distanceOf(shown.value.seen) !== null);
+
+export const eye = computed<Camera | null>(() => {
+  const seen = shown.value?.seen;
+  return seen ? camera(tilt.value, distanceOf(seen) ?? FAR, seen.size[1] / seen.size[0]) : null;
+});
+
+/** Lamps that have a mirror image. */
+export const lampsSeen = computed<readonly Lamp[]>(() => {
+  if (!shown.value) return [];
+  const specular = new Map(states.value.map(([name, state]) => [name, state.specular]));
+  return lamps(fields.value, specular, shown.value.seen, factors.value);
+});
+
+/** A mirror image in words. */
+export interface ImageOfLamp {
+  readonly lamp: Lamp;
+  readonly isVisible: boolean;
+  /** Its angular diameter, degrees. */
+  readonly wide_deg: number;
+  /** Its luminance, cd/m2; null if the light is collimated: it has none. */
+  readonly cd_m2: number | null;
+}
+
+export const imagesOfLamps = computed<readonly ImageOfLamp[]>(() =>
+  lampsSeen.value.map((lamp) => ({
+    lamp,
+    isVisible: eye.value !== null && glareOf(lamp, eye.value) !== null,
+    wide_deg: 2 * radiusOf(lamp),
+    cd_m2: lamp.radius_deg === null || !exposed.value ? null : lamp.image[1] * exposed.value.white_cd_m2,
+  })),
+);
+
+/** Luminance of the veil in the middle of the display, cd/m2. */
+export const veil_cd_m2 = computed(() =>
+  eye.value && exposed.value && isGlaring.value
+    ? veilInTheMiddle(lampsSeen.value, eye.value) * exposed.value.white_cd_m2
+    : 0,
+);
+
