@@ -32,8 +32,9 @@ pub enum PictureSurround {
 /// Distance from the pixel that is seen, in thicknesses of the glass, beyond which light comes from the mean of the picture.
 const REACH: f64 = 8.0;
 
-/// Accuracy of the light of cells: natural digits.
-const DIGITS: f64 = 12.0;
+/// Accuracy of the light of cells, natural digits: this many more than those that shapes may miss, within limits.
+const MORE_DIGITS: f64 = 1.0;
+const DIGITS: [f64; 2] = [6.0, 12.0];
 
 /// Kernels of a view: X, Y and Z of all states in one or several lights, `[light][X, Y, Z][state]`.
 pub(crate) struct Blur {
@@ -62,13 +63,14 @@ impl Blur {
         };
         let setups =
             scenes.iter().map(|scene| Setup::new(scene)).collect::<Result<Vec<Setup>, DisplayError>>()?;
+        let digits = (MORE_DIGITS - missed.ln()).clamp(DIGITS[0], DIGITS[1]);
         let mut lit_by = Vec::new();
         for setup in &setups {
             let Stack::Panel(panel) = &setup.stack else { return Ok(None) };
             if !is_covered(panel) {
                 return Ok(None);
             }
-            lit_by.push(responses(setup, panel, matrix.pitch_mm)?);
+            lit_by.push(responses(setup, panel, matrix.pitch_mm, digits)?);
         }
         let peaks: Vec<Peak> = lit_by.iter().flatten().flat_map(LobeResponse::all_peaks).collect();
         let farthest = peaks.iter().map(|peak| peak.at_mm[0].hypot(peak.at_mm[1])).fold(0.0, f64::max);
@@ -172,10 +174,15 @@ impl Blur {
 }
 
 /// What the view sees of each light by place, in X, Y and Z.
-fn responses(setup: &Setup, panel: &Panel, pitch_mm: [f64; 2]) -> Result<Vec<LobeResponse>, DisplayError> {
+fn responses(
+    setup: &Setup,
+    panel: &Panel,
+    pitch_mm: [f64; 2],
+    digits: f64,
+) -> Result<Vec<LobeResponse>, DisplayError> {
     let Some(view) = setup.views.first() else { return Ok(Vec::new()) };
     let lengths_mm = setup.scene.display.lengths_mm()?;
-    let level = Level { digits: DIGITS, most_per_mm: 1.0 / pitch_mm[0].min(pitch_mm[1]) };
+    let level = Level { digits, most_per_mm: 1.0 / pitch_mm[0].min(pitch_mm[1]) };
     let lit = Lit { panel, lengths_mm: &lengths_mm, view, level };
     let lights = Meter::new(setup).pixel_lights().into_iter().filter(PixelLight::is_seen);
     lights.map(|light| lobe::of_quantities(lit, &setup.sources[light.source], &light.weights)).collect()
