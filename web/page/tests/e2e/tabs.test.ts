@@ -122,7 +122,9 @@ test("fine detail shows the numbers and figures of sharpness and crosstalk, or w
   await page.locator("#tab-detail").click();
   const panel = page.locator("#tab-panel");
   await panel.getByRole("alert").first().waitFor();
-  assert.match((await panel.getByRole("alert").allInnerTexts()).join(), /thickness_mm/);
+  const missing = (await panel.getByRole("alert").allInnerTexts()).join("\n");
+  assert.match(missing, /gap_mm.* is missing/);
+  assert.match(missing, /thickness_mm.* is missing/);
   // The request that was refused.
   assert.equal(on.complaints.splice(0).filter((words) => !words.includes("status of 422")).length, 0);
   await choose(page, "Examples", "matrix");
