@@ -177,7 +177,7 @@ impl HeldPicture {
         let lit = alone.iter().map(|one| Lit::new(&one.scene, &settings, prepared, control));
         let lit = lit.collect::<Result<Vec<Lit>, DisplayError>>()?;
         let scenes: Vec<_> = alone.iter().zip(&lit).map(|(one, lit)| (&one.scene, &lit.palette)).collect();
-        let several = Several { missed: 1e-6, without_lamps: true };
+        let several = Several { missed: 1e-6, without_lamps: true, by_paths: false };
         let layers = Layers::new(&scenes, (self.size, &self.states), self.surround, several, control)?;
         for ((one, lit), seen) in alone.iter().zip(&lit).zip(layers.seen_in_each()) {
             let share = luminous(lit) / total;
