@@ -3,6 +3,7 @@
 //! - [`halftone`]: the state of each pixel of a picture, for a display with a few states.
 //! - [`text`]: text from the outlines of a font as black and white pixels, with the middles of its strokes and gaps, or in the lines of a page.
 //! - [`TestPattern`]: edges, stripes, squares and stars, with the fraction of each pixel that is black.
+//! - [`push_halves`]: colours as numbers of 16 bits.
 //!
 //! ```
 //! use papilio_imaging::text::{Font, Setting};
@@ -20,10 +21,12 @@
 
 mod error;
 mod fit;
+mod half;
 pub mod halftone;
 mod pattern;
 pub mod text;
 
 pub use error::ImagingError;
 pub use fit::{Fit, fitted};
+pub use half::{half_bits, push_halves};
 pub use pattern::TestPattern;

@@ -13,7 +13,7 @@ use papilio_display::image::{
     Factors, Halftone, HeldPicture, ImageResult, LampImage, ScreenWhite, SourceImage, exact,
 };
 use papilio_display::palette::bytes as encoded;
-use papilio_display::scene::{Drive, Pixel, Scene};
+use papilio_display::scene::{Drive, Filter, Pixel, Scene};
 use papilio_display::{Control, DisplayError};
 use papilio_formats::{TitledFile, palette_files, write_indexed_png, write_json, write_rgb_png};
 use papilio_imaging::{Fit, fitted};
@@ -23,7 +23,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
 use super::export::Exported;
-use super::packed::{push_bytes, push_factors, push_pixels, with_head};
+use super::packed::{push_bytes, push_pixels, with_head};
 use super::written::bytes;
 use crate::fault::{Fault, shortened};
 use crate::reading::{Given, Solver, edited};
@@ -244,7 +244,10 @@ fn factors(
 ) -> Result<Factors, Fault> {
     let scene = &resolved.scene;
     check_lights(scene)?;
-    let found = site.prepared().with(scene, |prepared| picture.factors_of(scene, prepared, control));
+    let mut known = site.held().known();
+    let compute = |prepared: &mut _| picture.factors_with(scene, prepared, &mut known, control);
+    let found = site.prepared().with(scene, compute);
+    site.held().set_known(known);
     found.map_err(|error| Fault::of(resolved, error))
 }
 
@@ -276,7 +279,7 @@ fn packed(answer: Answer) -> Result<Vec<u8>, Fault> {
         warnings: resolved.warnings.clone(),
     })?;
     push_bytes(&mut out, &states);
-    push_factors(&mut out, &factors);
+    factors.lights.iter().for_each(|light| push_pixels(&mut out, &light.pixels));
     if let Some(source) = source {
         push_pixels(&mut out, &source.pixels);
     }
@@ -376,25 +379,36 @@ fn no_picture() -> Fault {
     Fault::internal("the scenario has no picture")
 }
 
-/// The sub-pixels of a film pixel whose places are known.
+/// The sub-pixels of a film pixel, or of a filter over pixels, whose places are known.
 fn sub_pixels(scene: &Scene, names: &[String]) -> Vec<SubPixelSeen> {
-    let (Some(matrix), Pixel::Film(film)) = (&scene.display.matrix, &scene.display.pixel) else {
-        return Vec::new();
-    };
-    let drives = |name: &String| film.states.iter().find(|state| state.name == *name).map(|one| &one.drives);
-    let shown = |number: usize| -> Option<Vec<f64>> {
-        let share = |name: &String| match drives(name)?.get(number)? {
-            Drive::Share(share) => Some(*share),
-            _ => None,
-        };
-        names.iter().map(share).collect()
+    let Some(matrix) = &scene.display.matrix else { return Vec::new() };
+    let shown = |number: usize| match (&matrix.filter, &scene.display.pixel) {
+        (Some(filter), _) => shown_through(filter, names, number),
+        (None, Pixel::Film(film)) if film.sub_pixels.len() == matrix.sub_pixels.len() => {
+            let drives = |name: &String| film.states.iter().find(|state| state.name == *name);
+            let share = |name: &String| match drives(name)?.drives.get(number)? {
+                Drive::Share(share) => Some(*share),
+                _ => None,
+            };
+            names.iter().map(share).collect()
+        }
+        _ => None,
     };
     let all = matrix.sub_pixels.iter().enumerate().map(|(number, one)| {
         let window = one.window.rectangles.iter().map(|one| [one.x[0], one.y[0], one.x[1], one.y[1]]);
         Some(SubPixelSeen { window: window.collect(), shown: shown(number)? })
     });
-    let all: Option<Vec<_>> = all.collect();
-    all.filter(|all| all.len() == film.sub_pixels.len()).unwrap_or_default()
+    all.collect::<Option<_>>().unwrap_or_default()
+}
+
+/// Whether the pixel below a window of a filter is in another state than in `black`, in each state; `None` if there are several others.
+fn shown_through(filter: &Filter, names: &[String], number: usize) -> Option<Vec<f64>> {
+    let below = |name: &str| filter.states.iter().find(|state| state.name == name)?.pixel_states.get(number);
+    let black = below("black")?;
+    let states: Vec<&usize> = names.iter().map(|name| below(name)).collect::<Option<_>>()?;
+    let bright = states.iter().find(|state| **state != black)?;
+    let is_known = states.iter().all(|state| *state == black || state == bright);
+    is_known.then(|| states.iter().map(|state| if *state == black { 0.0 } else { 1.0 }).collect())
 }
 
 /// A request for a file of a picture on the display.

@@ -3,10 +3,10 @@
 use papilio_colour::{Observer, Xyz};
 
 use super::halftone::{self, Halftone, Panel};
+use super::known::KnownLights;
 use super::lamps::{LampImage, lamp_images};
 use super::light::each_alone;
 use super::rendering::{Rendered, Rendering};
-use super::stack::{Layers, Several};
 use super::{ImageSettings, PictureSurround, SourceImage, stopped};
 use crate::DisplayError;
 use crate::palette::Palette;
@@ -159,11 +159,24 @@ impl HeldPicture {
         prepared: &mut Prepared,
         control: &Control<'_>,
     ) -> Result<Factors, DisplayError> {
+        self.factors_with(scene, prepared, &mut KnownLights::default(), control)
+    }
+
+    /// [`factors_of`](Self::factors_of) with the lights of earlier scenes, which are not computed again.
+    ///
+    /// # Errors
+    /// Those of [`factors`](Self::factors).
+    pub fn factors_with(
+        &self,
+        scene: &Scene,
+        prepared: &mut Prepared,
+        known: &mut KnownLights,
+        control: &Control<'_>,
+    ) -> Result<Factors, DisplayError> {
         let settings = ImageSettings { states: self.names.clone(), ..ImageSettings::default() };
         let observer = Observer::of(scene.metrics.observer, &scene.grid)?;
-        let luminous = |lit: &Lit| observer.xyz(&lit.result.illuminant.radiance_of_white).y;
         let all = Lit::new(scene, &settings, prepared, control)?;
-        let total = luminous(&all);
+        let total = observer.xyz(&all.result.illuminant.radiance_of_white).y;
         let alone = each_alone(scene);
         let is_front_light_alone = alone.iter().all(|one| one.is_front_light);
         let mut factors = Factors {
@@ -174,20 +187,15 @@ impl HeldPicture {
             neighbours_light: false,
             lamps: lamp_images(scene, &self.names)?,
         };
-        let lit = alone.iter().map(|one| Lit::new(&one.scene, &settings, prepared, control));
-        let lit = lit.collect::<Result<Vec<Lit>, DisplayError>>()?;
-        let scenes: Vec<_> = alone.iter().zip(&lit).map(|(one, lit)| (&one.scene, &lit.palette)).collect();
-        let several = Several { missed: 1e-6, without_lamps: true, by_paths: false };
-        let layers = Layers::new(&scenes, (self.size, &self.states), self.surround, several, control)?;
-        for ((one, lit), seen) in alone.iter().zip(&lit).zip(layers.seen_in_each()) {
-            let share = luminous(lit) / total;
+        let known = known.of(self, &alone, &settings, prepared, control)?;
+        for (one, (luminous, light)) in alone.iter().zip(known) {
+            let share = luminous / total;
             let of_white = if one.is_front_light && !is_front_light_alone { 0.0 } else { share };
-            factors.error += share * seen.error;
-            factors.neighbours_light |= seen.neighbours_light;
-            let mut pixels = seen.pixels;
-            pixels.iter_mut().flatten().for_each(|value| *value *= share as f32);
-            let white = lit.white.to_array().map(|value| value * of_white);
-            factors.lights.push(LightPicture { light: one.light.clone(), white, pixels });
+            factors.error += share * light.error;
+            factors.neighbours_light |= light.neighbours_light;
+            let pixels = light.pixels.iter().map(|pixel| pixel.map(|value| value * share as f32));
+            let white = light.white.map(|value| value * of_white);
+            factors.lights.push(LightPicture { light: one.light.clone(), white, pixels: pixels.collect() });
         }
         Ok(factors)
     }

@@ -11,6 +11,32 @@ pub(super) struct Alone {
     pub(super) is_front_light: bool,
 }
 
+impl Alone {
+    /// The display, the view, and this light with illuminance 1, without the other lights; and its illuminance, lx. Colours relative to a
+    /// perfect white in this light depend on the former only.
+    pub(super) fn with_unit_illuminance(&self) -> (Scene, f64) {
+        let mut scene = self.scene.clone();
+        let lighting = &mut scene.lighting;
+        lighting.directed.retain(|light| light.share > 0.0);
+        lighting.environment.retain(|one| one.parts.iter().any(|part| part.share > 0.0));
+        let front_light_lx = lighting.front_light.as_ref().map_or(0.0, |guide| guide.illuminance_lx);
+        let directed = lighting.directed.iter().map(|light| light.share);
+        let parts = lighting.environment.iter().flat_map(|one| &one.parts).map(|part| part.share);
+        let share: f64 = lighting.diffuse + directed.chain(parts).sum::<f64>();
+        let lux = if self.is_front_light { front_light_lx } else { lighting.illuminance_lx * share };
+        lighting.illuminance_lx = 1.0;
+        if self.is_front_light {
+            lighting.front_light.iter_mut().for_each(|guide| guide.illuminance_lx = 1.0);
+        } else {
+            lighting.diffuse /= share;
+            lighting.directed.iter_mut().for_each(|light| light.share /= share);
+            let parts = lighting.environment.iter_mut().flat_map(|one| &mut one.parts);
+            parts.for_each(|part| part.share /= share);
+        }
+        (scene, lux)
+    }
+}
+
 /// Returns the scene once for each of its lights, in the order of the scene. Lights without illuminance are left out.
 pub(super) fn each_alone(scene: &Scene) -> Vec<Alone> {
     let lighting = &scene.lighting;

@@ -11,7 +11,7 @@
 //! | each part of the panel in its own direction | `perspective.rs` |
 //! | mirror images of round lamps | `lamps.rs` |
 //! | how far that is from the picture | `differences.rs` |
-//! | the same picture in other light, light by light | `held.rs`, `light.rs` |
+//! | the same picture in other light, light by light | `held.rs`, `light.rs`, `known.rs` |
 //! | a picture without halftone, in its exact colours | `exact.rs` |
 //!
 //! Rows of all pictures begin at the top. Colours are X, Y, Z relative to a perfect white in the same light.
@@ -20,6 +20,7 @@ mod differences;
 mod exact;
 mod halftone;
 mod held;
+mod known;
 mod lamps;
 mod light;
 mod masks;
@@ -37,6 +38,7 @@ pub use exact::exact;
 pub use halftone::Halftone;
 use held::{Brought, Lit};
 pub use held::{Factors, HeldPicture, LightPicture};
+pub use known::KnownLights;
 pub use lamps::LampImage;
 use papilio_colour::mapping::{Intent, MapSpace};
 use papilio_colour::{Adaptation, D65_WHITE, Xyz};

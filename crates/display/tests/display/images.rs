@@ -3,11 +3,13 @@
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
-use papilio_display::image::{HeldPicture, ImageSettings, PictureSurround, ScreenWhite, SourceImage, image};
+use papilio_display::image::{
+    HeldPicture, ImageSettings, KnownLights, PictureSurround, ScreenWhite, SourceImage, image,
+};
 use papilio_display::scene::Scene;
 use papilio_display::spatial::walk::pattern;
 use papilio_display::spatial::{Patterns, mtf};
-use papilio_display::{Control, DisplayError};
+use papilio_display::{Control, DisplayError, Prepared};
 use papilio_scenario::Scenario;
 use papilio_testing::{Dice, everyday};
 use papilio_transport::walk::places::{Pattern, SeenFrom};
@@ -70,6 +72,43 @@ fn a_picture_is_the_sum_of_those_in_each_light() {
         let pairs = one.pixels.iter().flatten().zip(other.pixels.iter().flatten());
         pairs.for_each(|(one, other)| assert!((one * factor - other).abs() < 2e-5, "{one} {other}"));
     }
+}
+
+/// Lights of earlier scenes give what a computation without them gives, whichever light, illuminance, lamp or view has changed.
+#[test]
+fn known_lights_give_the_same_pictures() {
+    let front = "[lighting.front_light]\nilluminance_lx = 40\nspectrum = \"LED-B3\"\n";
+    let lit = |light: &str, view: &str| scene(&[GLASS, MATRIX, PAPER, light, front, view]);
+    let first = lit(LIGHT, VIEW);
+    let settings = ImageSettings::default();
+    let held = control(|control| HeldPicture::new(&first, &ramp(), &settings, control));
+    let scenes = [
+        first,
+        lit(&LIGHT.replace("500", "900").replace("0.4", "0.7").replace("0.6", "0.3"), VIEW),
+        lit(&LIGHT.replace("-45", "-30"), VIEW),
+        lit(&LIGHT.replace("\"A\"", "\"D50\""), VIEW),
+        lit(LIGHT, &VIEW.replace('8', "25")),
+        lit(LIGHT, VIEW),
+    ];
+    let series = control(|control| {
+        let (mut prepared, mut known) = (Prepared::new(&scenes[0])?, KnownLights::default());
+        let each = scenes.iter().map(|scene| held.factors_with(scene, &mut prepared, &mut known, control));
+        each.collect::<Result<Vec<_>, _>>()
+    });
+    for (scene, found) in scenes.iter().zip(&series) {
+        let fresh = control(|control| held.factors(scene, control));
+        assert_eq!(fresh.pages.len(), found.pages.len());
+        for (one, other) in fresh.lights.iter().zip(&found.lights) {
+            assert_eq!(one.light, other.light);
+            let whites = one.white.iter().zip(&other.white);
+            whites.for_each(|(one, other)| assert!((one - other).abs() < 1e-12, "{one} {other}"));
+            let pairs = one.pixels.iter().flatten().zip(other.pixels.iter().flatten());
+            pairs.for_each(|(one, other)| assert!((one - other).abs() < 2e-5, "{one} {other}"));
+        }
+    }
+    // A light that has not changed is not computed again, and one that has is.
+    assert!(series[0].lights[0].pixels == series[2].lights[0].pixels, "diffuse light is computed again");
+    assert_ne!(series[0].lights[1].pixels, series[2].lights[1].pixels);
 }
 
 const DIFFUSED: &str = "[display.glass]\nindex = 1.5\nthickness_mm = 0.5\n[display.diffuser]\nmodel = \"k-correlation\"\nhaze = 0.5\ntransmittance = 0.9\n";

@@ -172,7 +172,7 @@ export function Display() {
         <span>
           The display, seen from {direction}
           {now && `: ${which(now)}`}
-          {isMagnified.value && ". Magnified: the sub-pixels of the panel in their own colours, without the blur of the layers above them"}
+          {isMagnified.value && ". Magnifier: the panel's sub-pixels, without the blur of the layers above"}
         </span>
       </figcaption>
     </figure>

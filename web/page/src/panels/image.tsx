@@ -7,7 +7,7 @@ import { hex, times, type Triple } from "../model/colour.ts";
 import { degrees, digits, plain } from "../model/format.ts";
 import { at, textAt } from "../model/json.ts";
 import { camera, fitting } from "../model/perspective.ts";
-import { onScreen, PAPER, SCREEN_REFLECTANCE, type ScreenLight, type White } from "../model/seen.ts";
+import { D65, onScreen, PAPER, SCREEN_REFLECTANCE, type ScreenLight, type White } from "../model/seen.ts";
 import { AGE } from "../model/glare.ts";
 import { compact, part } from "../state/compact.ts";
 import { answer, fields, text } from "../state/design.ts";
@@ -84,14 +84,16 @@ function Screen() {
   const reflected = plain(100 * SCREEN_REFLECTANCE);
   const by = exposed.value;
   const cd = by && (screenLight.value === "paper" ? PAPER * by.white_cd_m2 : screenLight.value);
-  const isBrighter = by !== null && Math.max(...times(by.matrix, by.white)) * (cd! / by.white_cd_m2) > 1.02;
+  // Its white, D65, is bluish to an eye that is adapted to warmer light.
+  const white = by ? times(by.matrix, D65.map((value) => (value * by.white[1] * cd!) / by.white_cd_m2) as unknown as Triple) : [0];
+  const isBrighter = Math.max(...white) > 1.02;
   return (
     <figure class="seen-screen">
       <canvas ref={ref} role="img" aria-label="The same picture on a screen in the same light" />
       <figcaption>
         <span>
           sRGB screen of {digits(cd, 3)} cd/m², which reflects {reflected} % of the room's light
-          {isBrighter && "; what is brighter than the white of this page is clipped"}
+          {isBrighter && "; colours brighter than the white of this page are clipped"}
         </span>
       </figcaption>
     </figure>

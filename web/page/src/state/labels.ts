@@ -10,15 +10,28 @@ import { label as wordsOf, unit } from "../model/schema.ts";
 
 const known = signal<Readonly<Record<string, Label>>>({});
 const wanted = new Set<string>();
+const requested = new Set<string>();
 
+let isRequesting = false;
+
+/** Requests the labels of all names that are wanted, also of those that are wanted while a request is in progress. */
 async function request(): Promise<void> {
-  const names = [...wanted].filter((name) => !(name in known.peek()));
-  if (names.length === 0) return;
+  if (isRequesting) return;
+  isRequesting = true;
   try {
-    known.value = { ...known.peek(), ...(await post<Record<string, Label>>("labels", { names })) };
-  } catch {
-    // Without labels, the words of the names are shown; the next name asks again.
-    names.forEach((name) => wanted.delete(name));
+    for (;;) {
+      const names = [...wanted].filter((name) => !requested.has(name));
+      if (names.length === 0) break;
+      names.forEach((name) => requested.add(name));
+      try {
+        known.value = { ...known.peek(), ...(await post<Record<string, Label>>("labels", { names })) };
+      } catch {
+        // Without labels, the words of the names are shown; the next time that they are shown, they are requested again.
+        names.forEach((name) => [wanted, requested].forEach((all) => all.delete(name)));
+      }
+    }
+  } finally {
+    isRequesting = false;
   }
 }
 
@@ -27,8 +40,8 @@ export function labelOf(name: string): Label {
   const found = known.value[name];
   if (found) return found;
   if (!wanted.has(name)) {
-    if (wanted.size === Object.keys(known.peek()).length) queueMicrotask(() => void request());
     wanted.add(name);
+    queueMicrotask(() => void request());
   }
   const [, key] = split(name);
   const quantity = wordsOf(key);

@@ -174,6 +174,42 @@ test("mirror image of a lamp lies on the display with its veil, and not beside i
   assert.deepEqual(on.complaints.splice(0), []);
 });
 
+test("sub-pixels show where pixels are large, each in its own colour", { timeout: 120_000 }, async () => {
+  for (const more of ["?", "?canvas"]) {
+    const page = await on.visit({}, more);
+    await choose(page, "Examples", "printed-filter");
+    await page.waitForFunction(() => /^Printed colour/.test(document.querySelector<HTMLInputElement>("input.title")!.value));
+    await fresh(page);
+    const caption = page.locator(".seen-display figcaption");
+    assert.doesNotMatch(await caption.innerText(), /Magnifier/);
+    for (let i = 0; i < 9; i++) await page.getByRole("button", { name: "Larger" }).click();
+    await caption.getByText("Magnifier: the panel's sub-pixels").waitFor();
+    await settled(page);
+    await page.mouse.move(0, 0);
+    const canvas = page.locator(CANVAS);
+    const { width, height, data } = await decoded(page, await canvas.screenshot());
+    const scale = Number(await canvas.getAttribute("data-scale"));
+    assert.ok(scale > 20, String(scale));
+    // Within a third of a pixel, all rows and columns have one colour; there are red, green and blue thirds.
+    const strongest = new Set<number>();
+    for (let row = -2; row < 2; row++)
+      for (let third = -9; third < 9; third++) {
+        const at = (part: number) => {
+          const [x, y] = [width / 2 + ((third + part) / 3) * scale, height / 2 + (row + part) * scale];
+          return [...data.slice(4 * (Math.floor(y) * width + Math.floor(x)), 4 * (Math.floor(y) * width + Math.floor(x)) + 3)];
+        };
+        assert.deepEqual(at(0.3), at(0.7), `${row} ${third}`);
+        const colour = at(0.5);
+        if (Math.max(...colour) > 1.5 * Math.min(...colour)) {
+          strongest.add(colour.indexOf(Math.max(...colour)));
+          assert.equal(colour.indexOf(Math.max(...colour)), ((third % 3) + 3) % 3, colour.join());
+        }
+      }
+    assert.ok(strongest.size >= 2, [...strongest].join());
+  }
+  assert.deepEqual(on.complaints.splice(0), []);
+});
+
 test("picture that is chosen is shown, and sent to the panel; a broken one is refused", { timeout: 120_000 }, async () => {
   const page = await sixInks("?");
   const drawn = await page.evaluate(async () => {

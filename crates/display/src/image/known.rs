@@ -1,0 +1,98 @@
+//! Pictures in single lights that are known already: another mixture of lights needs no computation.
+
+use papilio_colour::Observer;
+
+use super::ImageSettings;
+use super::held::{HeldPicture, Lit};
+use super::light::Alone;
+use super::stack::{Layers, Several};
+use crate::DisplayError;
+use crate::prepared::Prepared;
+use crate::run::Control;
+use crate::scene::Scene;
+
+/// Largest number of lights.
+const MOST: usize = 8;
+
+/// What is seen of a picture in single lights, of which the least recently used are removed first: a series of scenes whose lights change one
+/// by one, or only in their illuminance, is quicker with it.
+#[derive(Debug, Default)]
+pub struct KnownLights {
+    /// The picture to which the lights belong.
+    picture: Option<HeldPicture>,
+    lights: Vec<KnownLight>,
+}
+
+/// What is seen in a light, relative to a perfect white in it.
+#[derive(Debug)]
+pub(super) struct KnownLight {
+    /// Display, view and light.
+    of: Scene,
+    /// Luminance of a perfect white over the illuminance.
+    luminous: f64,
+    /// X, Y, Z of a perfect white.
+    pub(super) white: [f64; 3],
+    pub(super) error: f64,
+    pub(super) neighbours_light: bool,
+    pub(super) pixels: Vec<[f32; 3]>,
+}
+
+impl KnownLights {
+    /// Computes the lights that are not known; then all of them are, each with the luminance of a perfect white in it.
+    pub(super) fn of(
+        &mut self,
+        picture: &HeldPicture,
+        alone: &[Alone],
+        settings: &ImageSettings,
+        prepared: &mut Prepared,
+        control: &Control<'_>,
+    ) -> Result<Vec<(f64, &KnownLight)>, DisplayError> {
+        if self.picture.as_ref() != Some(picture) {
+            *self = Self { picture: Some(picture.clone()), lights: Vec::new() };
+        }
+        let wanted: Vec<(Scene, f64)> = alone.iter().map(Alone::with_unit_illuminance).collect();
+        let missing = alone.iter().zip(&wanted).filter(|(_, (of, _))| self.position(of).is_none());
+        let missing: Vec<(&Alone, &(Scene, f64))> = missing.collect();
+        if let Some((first, _)) = missing.first() {
+            let observer = Observer::of(first.scene.metrics.observer, &first.scene.grid)?;
+            let lit = missing.iter().map(|(one, _)| Lit::new(&one.scene, settings, prepared, control));
+            let lit = lit.collect::<Result<Vec<Lit>, DisplayError>>()?;
+            let scenes: Vec<_> =
+                missing.iter().zip(&lit).map(|((one, _), lit)| (&one.scene, &lit.palette)).collect();
+            let several = Several { missed: 1e-6, without_lamps: true, by_paths: false };
+            let shown = (picture.size, picture.states.as_slice());
+            let layers = Layers::new(&scenes, shown, picture.surround, several, control)?;
+            let found: Vec<KnownLight> = missing
+                .iter()
+                .zip(&lit)
+                .zip(layers.seen_in_each())
+                .map(|(((_, (of, lux)), lit), seen)| KnownLight {
+                    of: of.clone(),
+                    luminous: observer.xyz(&lit.result.illuminant.radiance_of_white).y / lux,
+                    white: lit.white.to_array(),
+                    error: seen.error,
+                    neighbours_light: seen.neighbours_light,
+                    pixels: seen.pixels,
+                })
+                .collect();
+            self.lights.extend(found);
+        }
+        for (of, _) in &wanted {
+            if let Some(at) = self.position(of) {
+                let used = self.lights.remove(at);
+                self.lights.push(used);
+            }
+        }
+        let most = MOST.max(wanted.len());
+        self.lights.drain(..self.lights.len().saturating_sub(most));
+        let known = |(of, lux): &(Scene, f64)| {
+            let light = self.position(of).map(|at| &self.lights[at])?;
+            Some((lux * light.luminous, light))
+        };
+        wanted.iter().map(known).collect::<Option<_>>().ok_or(DisplayError::NoWhite { what: "a picture" })
+    }
+
+    fn position(&self, of: &Scene) -> Option<usize> {
+        self.lights.iter().position(|light| light.of == *of)
+    }
+}
