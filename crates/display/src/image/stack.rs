@@ -33,9 +33,12 @@ pub(super) struct Several {
     pub(super) by_paths: bool,
 }
 
+/// Light that is missed where the error shall be negligible.
+pub(super) const FEW: f64 = 1e-5;
+
 impl Several {
     /// One scene, as it is.
-    const ONE: Self = Self { missed: 1e-6, without_lamps: false, by_paths: true };
+    const ONE: Self = Self { missed: FEW, without_lamps: false, by_paths: true };
 }
 
 /// A picture below the layers of several scenes, which have the same display and differ in light or view.
@@ -96,7 +99,7 @@ impl Layers {
         let blurred = |blur: Blur, error: &mut f64| {
             let mut shown = vec![0.0; names.len()];
             states.iter().for_each(|state| shown[usize::from(*state)] += 1.0 / states.len() as f64);
-            *error += blur.error_of_detail(&shown);
+            *error += blur.error(&shown);
             let rows = blur.rows(&pages, &shown);
             let picture = blur.picture(&states, size[0], surround);
             (Kind::Diffuser(Box::new((blur, picture))), rows)

@@ -174,8 +174,8 @@ impl Blur {
         rows.iter().zip(planes.chunks_exact(3)).map(colours).collect()
     }
 
-    /// Largest error of X, Y and Z of fine detail: there, each state has the gain of a mixture of all.
-    pub(crate) fn error_of_detail(&self, shown: &[f64]) -> f64 {
+    /// Largest error of X, Y and Z: what shapes miss, and that of fine detail, where each state has the gain of a mixture of all.
+    pub(crate) fn error(&self, shown: &[f64]) -> f64 {
         let mut largest = 0.0_f64;
         let kernels = self.shapes.mixtures.chunks_exact(self.states);
         for (gains, kernels) in self.gains.chunks_exact(self.states).zip(kernels) {
@@ -187,7 +187,7 @@ impl Blur {
                 }
             }
         }
-        largest
+        largest + self.shapes.missed
     }
 
     /// Light of each shape, without its sign.
