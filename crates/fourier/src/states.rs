@@ -10,7 +10,7 @@
 
 use std::sync::Arc;
 
-use num_complex::{Complex32, Complex64};
+use num_complex::Complex32;
 use rustfft::{Fft, FftPlanner};
 
 use super::transposed;
@@ -29,7 +29,13 @@ impl Transform {
     }
 
     fn forward(&self, mut cells: Vec<Complex32>) -> Vec<Complex32> {
-        self.along[0][0].process(&mut cells);
+        let mut scratch = vec![Complex32::ZERO; self.along[0][0].get_inplace_scratch_len()];
+        for row in cells.chunks_exact_mut(self.count[0]) {
+            // Most rows of a shape, and all of a margin, are empty.
+            if row.iter().any(|value| *value != Complex32::ZERO) {
+                self.along[0][0].process_with_scratch(row, &mut scratch);
+            }
+        }
         let mut spectrum = transposed(&cells, self.count[0]);
         self.along[1][0].process(&mut spectrum);
         spectrum
@@ -100,13 +106,12 @@ impl StatePicture {
             y.rem_euclid(rows as i64) as usize * columns + column
         };
         let pairs = (0..count).step_by(2).map(|first| {
-            let mut plane = vec![Complex64::ZERO; columns * rows];
-            add(first, &mut |offset, light| plane[at(offset)].re += light);
+            let mut plane = vec![Complex32::ZERO; columns * rows];
+            add(first, &mut |offset, light| plane[at(offset)].re += light as f32);
             if first + 1 < count {
-                add(first + 1, &mut |offset, light| plane[at(offset)].im += light);
+                add(first + 1, &mut |offset, light| plane[at(offset)].im += light as f32);
             }
-            let plane = plane.into_iter().map(|value| Complex32::new(value.re as f32, value.im as f32));
-            self.transform.forward(plane.collect())
+            self.transform.forward(plane)
         });
         KernelShapes { count, pairs: pairs.collect() }
     }

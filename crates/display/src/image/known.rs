@@ -5,7 +5,7 @@ use papilio_colour::Observer;
 use super::ImageSettings;
 use super::held::{HeldPicture, Lit};
 use super::light::Alone;
-use super::stack::{Layers, Several};
+use super::stack::{FEW, Layers, Several};
 use crate::DisplayError;
 use crate::prepared::Prepared;
 use crate::run::Control;
@@ -59,7 +59,7 @@ impl KnownLights {
             let lit = lit.collect::<Result<Vec<Lit>, DisplayError>>()?;
             let scenes: Vec<_> =
                 missing.iter().zip(&lit).map(|((one, _), lit)| (&one.scene, &lit.palette)).collect();
-            let several = Several { missed: 1e-6, without_lamps: true };
+            let several = Several { missed: FEW, without_lamps: true, by_paths: false };
             let shown = (picture.size, picture.states.as_slice());
             let layers = Layers::new(&scenes, shown, picture.surround, several, control)?;
             let found: Vec<KnownLight> = missing

@@ -102,7 +102,7 @@ impl Eye {
         }
         let known: Vec<&PageThere> = places.iter().map(|place| &pages.known[place]).collect();
         let lit: Vec<_> = known.iter().map(|page| (&page.scene, &page.lit.palette)).collect();
-        let several = Several { missed: CLOSE, without_lamps: true };
+        let several = Several { missed: CLOSE, without_lamps: true, by_paths: true };
         let layers = Layers::new(&lit, (size, states), settings.surround, several, control)?;
         stopped(control)?;
         let shares = [0, 1].map(|k| {

@@ -29,11 +29,16 @@ pub(super) struct Several {
     pub(super) missed: f64,
     /// Whether the mirror images of round lamps are left out.
     pub(super) without_lamps: bool,
+    /// Whether the kernels of general layers are computed by paths, which takes seconds.
+    pub(super) by_paths: bool,
 }
+
+/// Light that is missed where the error shall be negligible.
+pub(super) const FEW: f64 = 1e-5;
 
 impl Several {
     /// One scene, as it is.
-    const ONE: Self = Self { missed: 1e-6, without_lamps: false };
+    const ONE: Self = Self { missed: FEW, without_lamps: false, by_paths: true };
 }
 
 /// A picture below the layers of several scenes, which have the same display and differ in light or view.
@@ -91,29 +96,44 @@ impl Layers {
             pages.push(colours_of_pages(scene, palette, several.without_lamps)?);
         }
         let mut error = lit.iter().map(|(_, palette)| palette.error()).fold(0.0, f64::max);
-        let (kind, rows) = if let Some(blur) = Blur::new(&scenes, several.missed, several.without_lamps)? {
+        let blurred = |blur: Blur, error: &mut f64| {
             let mut shown = vec![0.0; names.len()];
             states.iter().for_each(|state| shown[usize::from(*state)] += 1.0 / states.len() as f64);
+            *error += blur.error(&shown);
             let rows = blur.rows(&pages, &shown);
             let picture = blur.picture(&states, size[0], surround);
             (Kind::Diffuser(Box::new((blur, picture))), rows)
+        };
+        let Several { without_lamps, .. } = several;
+        let by_paths = |error: &mut f64| {
+            let found = match several.by_paths {
+                true => Blur::by_paths(&scenes, &pages, without_lamps, control)?,
+                false => None,
+            };
+            let Some((blur, of_paths)) = found else {
+                // Pixels have the colours of pages.
+                return Ok((Kind::Pages, of_pages(&pages)));
+            };
+            *error += of_paths;
+            Ok::<_, DisplayError>(blurred(blur, error))
+        };
+        let (kind, rows) = if let Some(blur) = Blur::new(&scenes, several.missed, without_lamps)? {
+            blurred(blur, &mut error)
         } else if is_paper(scene) {
             if surround == PictureSurround::BlackMask {
                 let what = "a black mask around pictures below a flat face".to_owned();
                 return Err(DisplayError::PlacesNotComputed { what, key: "image.surround".to_owned() });
             }
-            let without_lamps = several.without_lamps;
             match LitPicture::new(&scenes, (size, &states), Precision::FAST, without_lamps, control) {
                 Ok((picture, rows)) => {
                     error += picture.error;
                     (Kind::Paper(Box::new(picture)), rows)
                 }
-                // Below other layers, pixels have the colours of pages.
-                Err(DisplayError::PlacesNotComputed { .. }) => (Kind::Pages, of_pages(&pages)),
+                Err(DisplayError::PlacesNotComputed { .. }) => by_paths(&mut error)?,
                 Err(other) => return Err(other),
             }
         } else {
-            (Kind::Pages, of_pages(&pages))
+            by_paths(&mut error)?
         };
         // The numbers of a row belong to X, Y, Z and to all states; a pixel has one of them at each place.
         let apart = (3 * names.len()) as f64;

@@ -3,16 +3,18 @@
 //! **What.** X, Y and Z at the middle of each pixel are sums over the pixels about it, each with the light of its area in its own state
 //! (`lobe.rs`), and over all lights. Pixels are uniform: each has the mean colour of its state.
 //!
-//! **All orders.** Light that a front component returns to the pixels, and light from beyond the reach of the kernels, is spread so widely that
-//! it is taken from the mean of the picture: a uniform picture has the colour of its page exactly.
+//! **All orders.** Light that layers return to the pixels makes each state brighter by the gain that it has on a page of its own: uniform
+//! pictures and wide areas have the colours of pages. Fine detail has the gain of a mixture of its states; the difference is a part of the error.
+//! Light from beyond the reach of the kernels is that of the mean of the picture.
 
 use papilio_fourier::{KernelShapes, StatePicture};
 use papilio_transport::spatial::{Peak, PixelSquare, Shapes};
 use papilio_transport::{Panel, Reflector, Stack, Top};
 
-use super::Level;
 use super::lobe::{self, LobeResponse};
+use super::picture::ViewLight;
 use super::response::Lit;
+use super::{Level, Response};
 use crate::DisplayError;
 use crate::lamp_images;
 use crate::meter::{Meter, PixelLight};
@@ -38,9 +40,11 @@ const DIGITS: [f64; 2] = [6.0, 12.0];
 
 /// Kernels of a view: X, Y and Z of all states in one or several lights, `[light][X, Y, Z][state]`.
 pub(crate) struct Blur {
-    squares: Vec<PixelSquare>,
-    shapes: Shapes,
-    states: usize,
+    pub(super) squares: Vec<PixelSquare>,
+    pub(super) shapes: Shapes,
+    pub(super) states: usize,
+    /// Light via the pixel over that which meets it once, on pages, `[light][X, Y, Z][state]`.
+    pub(super) gains: Vec<f64>,
 }
 
 /// A picture below a diffuser.
@@ -79,8 +83,15 @@ impl Blur {
         let borders: Vec<_> = squares.iter().map(|square| square.borders_mm(matrix.pitch_mm)).collect();
         let states = setups[0].states.len();
         let own = squares.iter().position(|square| *square == PixelSquare::OWN);
-        let mut kernels = Vec::new();
+        let middle = setups.len() / 2;
+        let of_middle = gains(&setups[middle], &lit_by[middle]);
+        let (mut kernels, mut all_gains) = (Vec::new(), Vec::new());
         for (setup, lit_by) in setups.iter().zip(&lit_by) {
+            // Gains hardly depend on the view.
+            match setup.scene.lighting == setups[middle].scene.lighting {
+                true => all_gains.extend_from_slice(&of_middle),
+                false => all_gains.extend(gains(setup, lit_by)),
+            }
             let mut sums: Vec<Vec<f64>> = vec![vec![0.0; squares.len()]; 3 * states];
             for response in lit_by {
                 for (sum, more) in sums.iter_mut().zip(response.rectangles(&borders)) {
@@ -95,7 +106,7 @@ impl Blur {
             }
             kernels.extend(sums);
         }
-        Ok(Some(Self { squares, shapes: Shapes::of(&kernels, missed), states }))
+        Ok(Some(Self { squares, shapes: Shapes::of(&kernels, missed), states, gains: all_gains }))
     }
 
     /// Number of shapes of all kernels.
@@ -128,13 +139,15 @@ impl Blur {
         let light = self.light();
         let of_scene = |(scene, pages): (usize, &Vec<[f64; 3]>)| {
             let kernels = &self.shapes.mixtures[3 * self.states * scene..][..3 * self.states];
+            let gains = &self.gains[3 * self.states * scene..][..3 * self.states];
             let mut row: Vec<f64> = Vec::with_capacity(kernels.len() * light.len() + 3);
-            for kernel in kernels {
-                row.extend(kernel.iter().zip(&light).map(|(weight, light)| weight * light));
+            for (kernel, gain) in kernels.iter().zip(gains) {
+                row.extend(kernel.iter().zip(&light).map(|(weight, light)| gain * weight * light));
             }
             for k in 0..3 {
                 let of_state = |(state, page): (usize, &[f64; 3])| {
-                    shown[state] * (page[k] - self.near(&kernels[k * self.states + state]))
+                    let kernel = k * self.states + state;
+                    shown[state] * (page[k] - gains[kernel] * self.near(&kernels[kernel]))
                 };
                 row.push(pages.iter().enumerate().map(of_state).sum());
             }
@@ -161,6 +174,22 @@ impl Blur {
         rows.iter().zip(planes.chunks_exact(3)).map(colours).collect()
     }
 
+    /// Largest error of X, Y and Z: what shapes miss, and that of fine detail, where each state has the gain of a mixture of all.
+    pub(crate) fn error(&self, shown: &[f64]) -> f64 {
+        let mut largest = 0.0_f64;
+        let kernels = self.shapes.mixtures.chunks_exact(self.states);
+        for (gains, kernels) in self.gains.chunks_exact(self.states).zip(kernels) {
+            // A gain is 1/(1 - A rho): that of a mixture has its mean reflectance.
+            let mixed = 1.0 / gains.iter().zip(shown).map(|(gain, shown)| shown / gain).sum::<f64>();
+            for ((gain, kernel), shown) in gains.iter().zip(kernels).zip(shown) {
+                if *shown > 0.0 {
+                    largest = largest.max((gain - mixed).abs() * self.near(kernel));
+                }
+            }
+        }
+        largest + self.shapes.missed
+    }
+
     /// Light of each shape, without its sign.
     fn light(&self) -> Vec<f64> {
         self.shapes.shapes.iter().map(|shape| shape.iter().map(|value| value.abs()).sum()).collect()
@@ -171,6 +200,23 @@ impl Blur {
         let sums = self.shapes.shapes.iter().map(|shape| shape.iter().sum::<f64>());
         kernel.iter().zip(sums).map(|(weight, sum)| weight * sum).sum()
     }
+}
+
+/// Light via the pixel over that which meets it once, on pages in all light, `[X, Y, Z][state]`.
+fn gains(setup: &Setup, lit_by: &[LobeResponse]) -> Vec<f64> {
+    let (states, bins) = (setup.states.len(), setup.scene.grid.len());
+    let (Some(view), Stack::Panel(panel)) = (setup.views.first(), &setup.stack) else { return Vec::new() };
+    if panel.front.reflectance_below.max() == 0.0 {
+        return vec![1.0; 3 * states];
+    }
+    let mut once = vec![0.0; 3 * states];
+    for response in lit_by {
+        once.iter_mut().zip(response.transfer(0, 0.0)).for_each(|(sum, light)| *sum += light.re);
+    }
+    let pages = ViewLight::new(setup, view).pages;
+    let via_pixel =
+        pages.iter().flat_map(|pages| pages.chunks_exact(bins).map(|page| page.iter().sum::<f64>()));
+    once.iter().zip(via_pixel).map(|(once, all)| if *once > 0.0 { all / once } else { 1.0 }).collect()
 }
 
 /// What the view sees of each light by place, in X, Y and Z.

@@ -17,13 +17,14 @@
 //!
 //! [`picture`] computes X, Y and Z of each pixel of a picture whose light the face returns to it.
 //!
-//! `blur.rs` computes what a diffuser makes of a picture.
+//! `blur.rs` computes what a diffuser makes of a picture, `blur_walk.rs` what general layers make of it.
 //!
 //! [`walk`] is the second method, for all displays: Monte Carlo with places. `mtf_walk` computes from it what [`mtf`] does.
 //!
 //! Luminous quantities are Y relative to a perfect white in the scene's light, as in [`result`](crate::result).
 
 mod blur;
+mod blur_walk;
 mod contrast;
 mod crosstalk;
 mod curve;

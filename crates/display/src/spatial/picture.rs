@@ -216,15 +216,15 @@ impl Picture {
 }
 
 /// What a view sees of pages in all light.
-struct ViewLight {
+pub(super) struct ViewLight {
     /// Light via the pixel in X, Y and Z, `[X, Y, Z][state and wavelength]`.
-    pages: [Vec<f64>; 3],
+    pub(super) pages: [Vec<f64>; 3],
     /// Light of faces.
     front: [f64; 3],
 }
 
 impl ViewLight {
-    fn new(setup: &Setup, view: &ViewPoint) -> Self {
+    pub(super) fn new(setup: &Setup, view: &ViewPoint) -> Self {
         let (meter, bins) = (Meter::new(setup), setup.scene.grid.len());
         let mut kernel = Kernel::new(LEVEL);
         let _ready =

@@ -331,15 +331,41 @@ fn pictures_are_those_of_paths() {
     everyday(1, [12, 64]).for_each(assert_picture_is_that_of_paths);
 }
 
+/// Glass, a diffuser and glass.
+const LAYERED: &str = "[[display.layers]]\nkind = \"medium\"\nindex = 1.5\nthickness_mm = 0.4\n[[display.layers]]\nkind = \"diffuser\"\nmodel = \"k-correlation\"\nwidth = 0.05\ntransmittance = 0.9\n[[display.layers]]\nkind = \"medium\"\nindex = 1.5\nthickness_mm = 0.3\n";
+
+/// Y of each pixel, and its error: by the sum over all lights, or of a picture in all light, whose kernels may be those of paths.
+fn seen_of(held: &HeldPicture, display: &Scene, in_all_light: bool) -> (Vec<f32>, f64) {
+    if !in_all_light {
+        let factors = control(|control| held.factors(display, control));
+        let sum = |at: usize| factors.lights.iter().map(|one| one.pixels[at][1]).sum();
+        return ((0..held.states.len()).map(sum).collect(), factors.error);
+    }
+    let settings = ImageSettings { given: Some(held.states.clone()), ..ImageSettings::default() };
+    let source = SourceImage { columns: held.size[0], pixels: vec![[0.5; 3]; held.states.len()] };
+    let found = control(|control| image(display, &source, &settings, ScreenWhite::Perfect, control));
+    assert!(found.numbers.neighbours_light);
+    (found.seen.iter().map(|pixel| pixel[1]).collect(), found.numbers.error)
+}
+
 fn assert_picture_is_that_of_paths(side: usize) {
     let mut dice = Dice::new(20, 7);
     let states: Vec<u8> = (0..side * side).map(|_| dice.below(3) as u8).collect();
     let names = ["white", "grey", "black"].map(str::to_owned).to_vec();
     let held = HeldPicture { size: [side; 2], states, names, surround: PictureSurround::Repeat };
     let pitch_mm = 25.4 / 150.0;
-    for (pixel, layers) in [(MIRROR, DIFFUSED), (PAPER, DIFFUSED), (PAPER, GLASS)] {
+    let fronted = format!("{DIFFUSED}[[display.front]]\nreflectance = 0.1\ngap_mm = 0.3\n");
+    let cases = [
+        (MIRROR, DIFFUSED),
+        (MIRROR, &fronted),
+        (PAPER, DIFFUSED),
+        (PAPER, GLASS),
+        (MIRROR, LAYERED),
+        (PAPER, LAYERED),
+    ];
+    for (pixel, layers) in cases {
         let display = scene(&[layers, MATRIX, pixel, LIGHT, VIEW]);
-        let factors = control(|control| held.factors(&display, control));
+        let (seen, stated) = seen_of(&held, &display, layers == LAYERED);
         let place = |at: usize| [(at % side) as f64 * pitch_mm, -((at / side) as f64) * pitch_mm];
         let places_mm: Vec<[f64; 2]> = (0..side * side).map(place).collect();
         let repeated = Repeated { held: &held, pitch_mm };
@@ -347,13 +373,13 @@ fn assert_picture_is_that_of_paths(side: usize) {
         let paths = control(|control| pattern(&display, &seen_from, 1 << 15, control)).remove(0);
         let mut errors = 0.0;
         for (at, by_paths) in paths.via_pixel.iter().enumerate() {
-            let found: f32 = factors.lights.iter().map(|one| one.pixels[at][1]).sum();
+            let found = seen[at];
             let expected = by_paths.value + paths.front.value;
             let error = by_paths.standard_error.hypot(paths.front.standard_error);
             // Student's t of 31 degrees of freedom exceeds 6.5 in 3e-7 of all cases.
-            let allowed = 6.5 * error + factors.error + 1e-4;
+            let allowed = 6.5 * error + stated + 1e-4;
             let off = (f64::from(found) - expected).abs();
-            assert!(off < allowed, "{layers}{pixel} pixel {at}: {found}, {expected} +- {error}");
+            assert!(off < allowed, "{layers}{pixel} pixel {at}: {found}, {expected} +- {error}, {stated}");
             errors += error / places_mm.len() as f64;
         }
         let white = crate::common::run(&display).unwrap().views[0].states.get("white").unwrap().value.Y;
