@@ -147,8 +147,12 @@ fn text(title: &str, result: &ImageResult) -> String {
         None => "S-CIELAB and FLIP need the size of the pixels: [display.matrix] with ppi or pitch_um\n"
             .to_owned(),
     };
+    let sharpness = numbers.sharpness.map_or(String::new(), |Sharpness { sqri_jnd, sqri_ideal_jnd }| {
+        let [x, y] = [0, 1].map(|k| format!("{:.1} JND of {:.1}", sqri_jnd[k], sqri_ideal_jnd[k]));
+        format!("square-root integral of white (Barten): {x} along x, {y} along y\n")
+    });
     format!(
-        "{}\n\n{columns} x {lines} pixels in light of {} lx{temperature}; {neighbours}\n{}\n{}{distance}\ncolours that no mixture of \
+        "{}\n\n{columns} x {lines} pixels in light of {} lx{temperature}; {neighbours}\n{}\n{}{distance}{sharpness}\ncolours that no mixture of \
          the states has: {} of the pixels; clipped in seen.png: {}\n",
         report::plain(title),
         numbers.light.illuminance_lx,

@@ -57,7 +57,8 @@ use crate::result::Named;
 use crate::run::Control;
 use crate::scene::Scene;
 use crate::single_view::{LightSummary, SingleView};
-pub use crate::spatial::PictureSurround;
+use crate::spatial::sharpness;
+pub use crate::spatial::{PictureSurround, Sharpness};
 
 /// A picture with as many pixels as the display.
 #[derive(Debug, Clone, PartialEq)]
@@ -158,6 +159,8 @@ pub struct ImageNumbers {
     pub against_source: PictureDifferences,
     /// Differences from the picture after gamut mapping.
     pub against_mapped: PictureDifferences,
+    /// Sharpness of the white of the display; null without [display.matrix] and the thickness of the glass, and below general layers.
+    pub sharpness: Option<Sharpness>,
     /// Whether the light that layers return from each pixel to its neighbours is computed.
     pub neighbours_light: bool,
     /// Estimated error of X, Y, Z of a pixel that is seen.
@@ -249,6 +252,7 @@ pub fn image(
         pixels_per_degree: per_degree,
         against_source,
         against_mapped,
+        sharpness: sharpness(scene)?,
         neighbours_light,
         error,
         warnings,

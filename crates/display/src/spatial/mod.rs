@@ -53,12 +53,14 @@ pub use crosstalk::{
     CrosstalkResult, CrosstalkView, Figure, PatternColours, PatternValues, Shares, crosstalk,
 };
 pub use mtf::mtf;
+pub(crate) use mtf::sharpness;
 pub use papilio_transport::spatial::Precision;
 pub use patterns::{PatternKind, PatternMean, Patterns};
 pub(crate) use picture::LitPicture;
 pub use picture::{Picture, PictureColours, picture};
 use response::{Level, Response, Seen};
 pub use result::{
-    Curves, Kernel, LineContrast, MtfResult, MtfState, MtfView, SharpnessMetrics, SpatialScalars, SpreadTable,
+    Curves, Kernel, LineContrast, MtfResult, MtfState, MtfView, Sharpness, SharpnessMetrics, SpatialScalars,
+    SpreadTable,
 };
 pub use sparkle::{Antiglare, SparkleMap, SparkleResult, SparkleRow, sparkle};

@@ -14,7 +14,7 @@ use super::mtf_walk;
 use super::response::responses;
 use super::scalars::eye_limit;
 use super::walk::Placed;
-use super::{Curves, Kernel, Level, MtfResult, MtfState, MtfView, Patterns};
+use super::{Curves, Kernel, Level, MtfResult, MtfState, MtfView, Patterns, Sharpness};
 use crate::DisplayError;
 use crate::meter::Meter;
 use crate::result::Named;
@@ -101,6 +101,27 @@ pub fn mtf(scene: &Scene, patterns: &Patterns, control: &Control<'_>) -> Result<
         views,
         warnings: Vec::new(),
     })
+}
+
+/// Computes the square-root integrals of the white of a display with a matrix in its only view. `None` where the deterministic solver
+/// does not know them: without thickness, below general layers or a colour filter.
+///
+/// # Errors
+/// If the scene is invalid.
+pub(crate) fn sharpness(scene: &Scene) -> Result<Option<Sharpness>, DisplayError> {
+    if scene.display.matrix.is_none() || scene.display.filter().is_some() {
+        return Ok(None);
+    }
+    let (setup, patterns) = (Setup::new(scene)?, Patterns::default());
+    let (Stack::Panel(_), Some(view)) = (&setup.stack, setup.views.first()) else { return Ok(None) };
+    let measured = Frame::new(&setup, &patterns).and_then(|frame| {
+        let level = Level { digits: DIGITS[0], most_per_mm: frame.highest() };
+        Ok(frame.sharpness(&frame.measure(view, level)?))
+    });
+    match measured {
+        Err(DisplayError::MissingLength { .. } | DisplayError::PlacesNotComputed { .. }) => Ok(None),
+        other => other,
+    }
 }
 
 /// What all views have in common.

@@ -7,6 +7,15 @@ use super::PatternMean;
 pub use crate::metrics::{LineContrast, SharpnessMetrics, SpatialScalars};
 use crate::result::Named;
 
+/// How sharp the white of a display is: Barten's square-root integral along x and y, just noticeable differences.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, JsonSchema)]
+pub struct Sharpness {
+    /// With the modulation transfer of the layers.
+    pub sqri_jnd: [f64; 2],
+    /// With perfect transfer up to the Nyquist frequency of the pixels, at the same luminance.
+    pub sqri_ideal_jnd: [f64; 2],
+}
+
 /// How sharp a display is; it does not contain the scenario.
 #[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct MtfResult {

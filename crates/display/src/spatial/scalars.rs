@@ -2,10 +2,10 @@
 
 use papilio_colour::reader::{contrast_sensitivity, square_root_integral};
 
-use super::SpatialScalars;
 use super::measured::Measured;
 use super::mtf::Frame;
 use super::profile::{crossing, cumulative, interpolated};
+use super::{Sharpness, SpatialScalars};
 
 /// Field of view of the square-root integral, degrees.
 const FIELD_DEG: f64 = 10.0;
@@ -39,12 +39,10 @@ impl Frame<'_> {
             }
             crossing(&measured.radii, &rings, share).map(|radius| 1e3 * radius)
         };
-        let luminance = measured.y(state) * self.luminance_of_white;
         let sqri = |axis: usize| {
-            let most = self.nyquist_per_mm.map(|nyquist| nyquist[axis]).or(self.eye_limit_per_mm)?;
-            let transfer =
-                |u: f64| interpolated(&measured.frequencies, &modulus[axis], u / self.mm_per_degree);
-            square_root_integral(transfer, luminance, FIELD_DEG, most * self.mm_per_degree)
+            self.square_root_integral(measured.y(state), axis, |u| {
+                interpolated(&measured.frequencies, &modulus[axis], u / self.mm_per_degree)
+            })
         };
         SpatialScalars {
             f50_x_per_mm: f50(0),
@@ -58,6 +56,24 @@ impl Frame<'_> {
             sqri_jnd_x: sqri(0),
             sqri_jnd_y: sqri(1),
         }
+    }
+
+    /// Square-root integral of a page of this Y along an axis, whose transfer is given for cycles per degree.
+    fn square_root_integral(&self, y: f64, axis: usize, transfer: impl Fn(f64) -> f64) -> Option<f64> {
+        let most = self.nyquist_per_mm.map(|nyquist| nyquist[axis]).or(self.eye_limit_per_mm)?;
+        square_root_integral(transfer, y * self.luminance_of_white, FIELD_DEG, most * self.mm_per_degree)
+    }
+
+    /// Sharpness of the brightest state, from a measurement of all.
+    pub(super) fn sharpness(&self, measured: &Measured) -> Option<Sharpness> {
+        let states = 0..self.setup.states.len();
+        let brightest = states.max_by(|a, b| measured.y(*a).total_cmp(&measured.y(*b)))?;
+        let scalars = self.scalars(brightest, measured);
+        let perfect = |axis: usize| self.square_root_integral(measured.y(brightest), axis, |_| 1.0);
+        Some(Sharpness {
+            sqri_jnd: [scalars.sqri_jnd_x?, scalars.sqri_jnd_y?],
+            sqri_ideal_jnd: [perfect(0)?, perfect(1)?],
+        })
     }
 }
 
