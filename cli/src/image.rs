@@ -4,14 +4,15 @@ use std::path::Path;
 
 use papilio_display::DisplayError;
 use papilio_display::image::{
-    ImageInRoom, ImageResult, ImageSettings, PictureDifferences, ScreenWhite, image,
+    ImageInRoom, ImageResult, ImageSettings, PictureDifferences, Screen, ScreenSpace, ScreenWhite, Sharpness,
+    image,
 };
 use papilio_display::palette::bytes;
 use papilio_formats::{TitledFile, write_file, write_indexed_png, write_rgb_png, write_scene_exr};
 use papilio_scenario::Resolved;
 use serde::Serialize;
 
-use crate::arguments::{ImageCommand, RelativeTo};
+use crate::arguments::{ImageCommand, RelativeTo, Space};
 use crate::numbers::measured;
 use crate::palette::room;
 use crate::spatial::{SpatialOutput, show};
@@ -25,15 +26,20 @@ pub(crate) fn command(arguments: &ImageCommand) -> Result<(), Failure> {
         RelativeTo::White => ScreenWhite::Perfect,
         RelativeTo::Display => ScreenWhite::Display,
     };
+    let space = match arguments.space {
+        Space::Srgb => ScreenSpace::Srgb,
+        Space::DisplayP3 => ScreenSpace::DisplayP3,
+    };
+    let screen = Screen { white, space };
     let rooms = arguments.rooms.iter().map(|name| Ok((name, room(&arguments.command, &resolved, name)?)));
     let rooms = rooms.collect::<Result<Vec<(&String, Resolved)>, Failure>>()?;
     show(&arguments.command, &resolved, |control| {
-        let mut here = image(&resolved.scene, &request.source, &request.settings, white, control)?;
+        let mut here = image(&resolved.scene, &request.source, &request.settings, screen, control)?;
         // The panel holds its states while the light changes.
         let given = (!here.states.is_empty()).then(|| here.states.clone());
         let held = ImageSettings { given, ..request.settings.clone() };
         let there = |(name, room): &(&String, Resolved)| {
-            Ok(((*name).clone(), image(&room.scene, &request.source, &held, white, control)?))
+            Ok(((*name).clone(), image(&room.scene, &request.source, &held, screen, control)?))
         };
         let rooms = rooms.iter().map(there).collect::<Result<Vec<(String, ImageResult)>, DisplayError>>()?;
         let numbers =
@@ -59,7 +65,7 @@ impl ImageOutput {
             std::iter::once(&self.here).chain(self.rooms.iter().map(|(_, room)| room)).collect();
         let [columns, rows] = self.here.size;
         let row = |row: usize| {
-            let parts = all.iter().map(|one| &one.srgb[row * columns..][..columns]);
+            let parts = all.iter().map(|one| &one.on_screen[row * columns..][..columns]);
             parts.collect::<Vec<_>>().join(&[[255; 3]; BETWEEN][..])
         };
         (all.len() * (columns + BETWEEN) - BETWEEN, (0..rows).flat_map(row).collect())
@@ -93,13 +99,15 @@ impl SpatialOutput for ImageOutput {
         let ImageResult { size: [columns, _], states, palette, .. } = &self.here;
         let mut names = Vec::new();
         let mut png = |name: String, columns: usize, pixels: &[[u8; 3]]| {
-            let written = write_file(&folder.join(&name), |out| write_rgb_png(out, columns, pixels, false));
+            let is_display_p3 = self.here.space == ScreenSpace::DisplayP3;
+            let written =
+                write_file(&folder.join(&name), |out| write_rgb_png(out, columns, pixels, is_display_p3));
             names.push(name);
             written
         };
-        png("seen.png".to_owned(), *columns, &self.here.srgb)?;
+        png("seen.png".to_owned(), *columns, &self.here.on_screen)?;
         for (name, room) in &self.rooms {
-            png(format!("seen-{name}.png"), *columns, &room.srgb)?;
+            png(format!("seen-{name}.png"), *columns, &room.on_screen)?;
         }
         if !self.rooms.is_empty() {
             let (columns, pixels) = self.side_by_side();

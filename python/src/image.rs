@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use numpy::ndarray::{ArrayD, IxDyn};
 use numpy::{Element, IntoPyArray, PyArrayDyn, PyReadonlyArray2, PyReadonlyArray3};
-use papilio_display::image::{ImageResult, ScreenWhite, SourceImage, image};
+use papilio_display::image::{ImageResult, Screen, ScreenWhite, SourceImage, image};
 use papilio_formats::{RgbSpace, TitledFile, Transfer, write_rgb_png};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -63,8 +63,9 @@ impl Image {
             settings.given = Some(states.iter().copied().collect());
         }
         let white = if relative_to_display { ScreenWhite::Display } else { ScreenWhite::Perfect };
+        let screen = Screen { white, ..Screen::default() };
         let of = computed(py, &scenario, threads, progress, |control| {
-            image(&resolved.scene, &request.source, &settings, white, control)
+            image(&resolved.scene, &request.source, &settings, screen, control)
         })?;
         let title = resolved.title.clone().unwrap_or_else(|| name.to_owned());
         let json = text(&TitledFile {
@@ -90,7 +91,7 @@ impl Image {
         {
             dict.set_item(name, array(py, &[rows, columns, 3], pixels.as_flattened().to_vec())?)?;
         }
-        dict.set_item("srgb", array(py, &[rows, columns, 3], self.of.srgb.as_flattened().to_vec())?)?;
+        dict.set_item("srgb", array(py, &[rows, columns, 3], self.of.on_screen.as_flattened().to_vec())?)?;
         if !self.of.states.is_empty() {
             dict.set_item("states", array(py, &[rows, columns], self.of.states.clone())?)?;
         }
@@ -100,7 +101,7 @@ impl Image {
     /// The content of `seen.png`.
     fn png(&self, py: Python<'_>) -> PyResult<Vec<u8>> {
         let mut bytes = Vec::new();
-        let written = py.detach(|| write_rgb_png(&mut bytes, self.of.size[0], &self.of.srgb, false));
+        let written = py.detach(|| write_rgb_png(&mut bytes, self.of.size[0], &self.of.on_screen, false));
         written.map_err(|error| errors::internal(&error.to_string()))?;
         Ok(bytes)
     }

@@ -12,7 +12,9 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
 pub(crate) use self::diffuser::{
     Calibrate, Convert, Diffuser, FitArguments, Format, Inspect, LobeModel, Measure, PartName, Steps,
 };
-pub(crate) use self::spatial::{ImageCommand, PaletteCommand, RelativeTo, SolvedSpatially, SpatialCommand};
+pub(crate) use self::spatial::{
+    ImageCommand, PaletteCommand, RelativeTo, SolvedSpatially, Space, SpatialCommand,
+};
 pub(crate) use self::studies::{
     Optimize, Sweep, SweepCommand, SweepMerge, SweepOutputs, SweepRun, Tolerance,
 };

@@ -34,6 +34,9 @@ pub(crate) struct ImageCommand {
     /// What is white in seen.png
     #[arg(long, value_enum, value_name = "WHITE", default_value = "white")]
     pub(crate) relative_to: RelativeTo,
+    /// Colour space of seen.png, which states it
+    #[arg(long, value_enum, value_name = "SPACE", default_value = "srgb")]
+    pub(crate) space: Space,
     /// Also show what the panel holds in the light of these presets, or with the spectra of these CIE illuminants; the view remains
     #[arg(long, value_name = "NAME,...", value_delimiter = ',')]
     pub(crate) rooms: Vec<String>,
@@ -67,6 +70,15 @@ pub(crate) enum RelativeTo {
     White,
     /// The white of the display
     Display,
+}
+
+/// Colour space of a picture for a screen.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+pub(crate) enum Space {
+    /// sRGB
+    Srgb,
+    /// Display P3, for screens with a wide gamut
+    DisplayP3,
 }
 
 /// A command that depends on the places of pixels, with two solvers.

@@ -4,7 +4,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Output;
 
-use papilio_formats::write_rgb_png;
+use papilio_formats::{DataFile, RgbSpace, read_picture, write_rgb_png};
 use serde_json::Value;
 
 use crate::common::{names, papilio_command as papilio, scenario, stderr};
@@ -44,6 +44,56 @@ fn files_are_written() {
     let sum: f64 = coverage.values().map(|fraction| fraction.as_f64().unwrap()).sum();
     assert!((sum - 1.0).abs() < 1e-12 && numbers["out_of_gamut_fraction"].as_f64().unwrap() > 0.3);
     assert_eq!(numbers["states"].as_array().unwrap().len(), 6);
+}
+
+/// A picture for a screen with a wide gamut states its space, and decodes to the same colours.
+#[test]
+fn both_spaces_of_screens_have_the_same_colours() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = picture(folder.path(), &[[200, 150, 125], [20, 60, 200], [120, 160, 90]]);
+    let decoded = ["srgb", "display-p3"].map(|space| {
+        let out = folder.path().join(space);
+        let output = image(
+            &scenario("six-ink"),
+            &[
+                file.to_str().unwrap(),
+                "--space",
+                space,
+                "--out",
+                out.to_str().unwrap(),
+                "--set",
+                "image.halftone=none",
+            ],
+        );
+        assert!(output.status.success(), "{}", stderr(&output));
+        let seen = DataFile::open(&out.join("seen.png"), "seen.png").unwrap();
+        let numbers: Value = serde_json::from_slice(&fs::read(out.join("image.json")).unwrap()).unwrap();
+        assert_eq!(numbers["clipped_fraction"], 0.0);
+        read_picture(&seen, &RgbSpace::srgb()).unwrap().value
+    });
+    assert!(decoded[1].space().contains("P3"), "{}", decoded[1].space());
+    let pairs = decoded[0].xyz().into_iter().flatten().zip(decoded[1].xyz().into_iter().flatten());
+    // A step of a byte is less than 1 % of white.
+    pairs.for_each(|(one, other)| assert!((one - other).abs() < 0.01, "{one} {other}"));
+}
+
+/// The square-root integrals of image.json are those of `papilio mtf`; a display without blur has the larger ones.
+#[test]
+fn sharpness_is_that_of_the_transfer() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = picture(folder.path(), &[[255; 3], [0; 3]]);
+    let found = json(&scenario("matrix"), &[file.to_str().unwrap()]);
+    let mtf = papilio().arg("mtf").arg(scenario("matrix")).arg("--json").output().unwrap();
+    let mtf: Value = serde_json::from_slice(&mtf.stdout).unwrap();
+    for (k, axis) in ["x", "y"].iter().enumerate() {
+        let own = found["sharpness"]["sqri_jnd"][k].as_f64().unwrap();
+        let ideal = found["sharpness"]["sqri_ideal_jnd"][k].as_f64().unwrap();
+        let expected = mtf["views"][0]["states"]["white"][format!("sqri_jnd_{axis}")].as_f64().unwrap();
+        assert!((own - expected).abs() < 1e-2, "{axis}: {own} {expected}");
+        assert!(ideal > own + 0.5 && ideal < own + 20.0, "{axis}: {own} {ideal}");
+    }
+    let without = json(&scenario("six-ink"), &[file.to_str().unwrap()]);
+    assert!(without["sharpness"].is_null(), "{}", without["sharpness"]);
 }
 
 /// White is the white state, black the black one, with the colours of `papilio run`; a colour that is outside the gamut becomes one inside.

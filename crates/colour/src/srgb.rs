@@ -1,10 +1,11 @@
-//! sRGB colours for figures on a screen.
+//! sRGB and Display P3 colours for figures on a screen.
 //!
 //! **What.** The linear sRGB matrix and the sRGB transfer function (IEC 61966-2-1 with its amendment 1), clipped to the sRGB gamut. If the
 //! scene's light is not D65, the colour of a surface is first [adapted to D65](Xyz::adapted_to_d65), so that paper is shown as white.
+//! Display P3 has the primaries of SMPTE RP 431-2, and the white and transfer function of sRGB.
 
-use crate::Xyz;
-use crate::matrix::{Matrix, times};
+use crate::matrix::{Matrix, inverse, times};
+use crate::{D65_WHITE, Xyz};
 
 /// Matrix from relative X, Y, Z to linear sRGB.
 const SRGB: Matrix = [
@@ -12,6 +13,56 @@ const SRGB: Matrix = [
     [-0.968_930_7, 1.875_756_1, 0.041_517_5],
     [0.055_710_1, -0.204_021_1, 1.056_995_9],
 ];
+
+/// Chromaticities x, y of the primaries of Display P3.
+const P3_PRIMARIES: [[f64; 2]; 3] = [[0.680, 0.320], [0.265, 0.690], [0.150, 0.060]];
+
+/// Matrix from relative X, Y, Z to linear Display P3.
+const DISPLAY_P3: Matrix = from_xyz(P3_PRIMARIES);
+
+/// Matrix from relative X, Y, Z to light of these primaries, whose sum is the white D65.
+const fn from_xyz(primaries: [[f64; 2]; 3]) -> Matrix {
+    let mut columns = [[0.0; 3]; 3];
+    let mut k = 0;
+    while k < 3 {
+        let [x, y] = primaries[k];
+        (columns[0][k], columns[1][k], columns[2][k]) = (x / y, 1.0, (1.0 - x - y) / y);
+        k += 1;
+    }
+    let mut rows = inverse(&columns);
+    let white = times(&rows, [D65_WHITE.x, D65_WHITE.y, D65_WHITE.z]);
+    let mut k = 0;
+    while k < 3 {
+        rows[k] = [rows[k][0] / white[k], rows[k][1] / white[k], rows[k][2] / white[k]];
+        k += 1;
+    }
+    rows
+}
+
+/// Colour space of a screen; the transfer function is that of sRGB.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum ScreenSpace {
+    /// IEC 61966-2-1.
+    #[default]
+    Srgb,
+    /// Display P3.
+    DisplayP3,
+}
+
+impl ScreenSpace {
+    /// Converts relative values under D65 to linear red, green and blue; components outside 0 to 1 are out of gamut.
+    pub fn linear(self, colour: Xyz) -> [f64; 3] {
+        match self {
+            Self::Srgb => colour.linear_srgb(),
+            Self::DisplayP3 => times(&DISPLAY_P3, colour.to_array()),
+        }
+    }
+
+    /// Converts relative values under D65 to encoded bytes, clipped to the gamut.
+    pub fn bytes(self, colour: Xyz) -> [u8; 3] {
+        self.linear(colour).map(|value| (255.0 * encoded_in_range(value)).round() as u8)
+    }
+}
 
 impl Xyz {
     /// Converts relative values under D65 to linear sRGB; components outside 0 to 1 are out of gamut.
@@ -21,14 +72,12 @@ impl Xyz {
 
     /// Converts relative values under D65 to gamma-encoded sRGB, 0 to 1, clipped to the gamut.
     pub fn srgb_encoded(self) -> [f64; 3] {
-        // `max` replaces NaN by 0, which `clamp` does not.
-        #[allow(clippy::manual_clamp, reason = "NaN")]
-        self.linear_srgb().map(|value| encoded(value).max(0.0).min(1.0))
+        self.linear_srgb().map(encoded_in_range)
     }
 
     /// Converts relative values under D65 to gamma-encoded sRGB bytes, clipped to the gamut.
     pub fn srgb_clipped(self) -> [u8; 3] {
-        self.srgb_encoded().map(|value| (255.0 * value).round() as u8)
+        ScreenSpace::Srgb.bytes(self)
     }
 
     /// Computes the "RGB" rows of Feng 2012, table 5.1: 255 times the linear sRGB matrix
@@ -46,10 +95,16 @@ fn encoded(linear: f64) -> f64 {
     if linear <= 0.003_130_8 { 12.92 * linear } else { 1.055 * linear.powf(1.0 / 2.4) - 0.055 }
 }
 
+/// Encodes a linear component, clipped to 0 to 1.
+// `max` replaces NaN by 0, which `clamp` does not.
+#[allow(clippy::manual_clamp, reason = "NaN")]
+fn encoded_in_range(linear: f64) -> f64 {
+    encoded(linear).max(0.0).min(1.0)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::D65_WHITE;
 
     #[test]
     fn white_black_grey_and_red_have_their_known_bytes() {
@@ -59,6 +114,24 @@ mod tests {
         assert_eq!((D65_WHITE * 0.184_187).srgb_clipped(), [119; 3]);
         // Red primary: Y = 0.2126 at x = 0.64, y = 0.33.
         assert_eq!(Xyz { x: 0.4124, y: 0.2126, z: 0.0193 }.srgb_clipped(), [255, 0, 0]);
+    }
+
+    /// The matrix of W3C's CSS Color 4, whose white has four digits: x = 0.3127, y = 0.3290. Its Z is larger than ours by 2.1e-4, and rows of the
+    /// matrix have as large a part of their elements, of up to 2.5.
+    #[test]
+    fn display_p3_has_its_published_matrix() {
+        let css = [
+            [2.493_496_9, -0.931_383_6, -0.402_710_8],
+            [-0.829_489_0, 1.762_664_1, 0.023_624_7],
+            [0.035_845_8, -0.076_172_4, 0.956_884_5],
+        ];
+        for (ours, published) in DISPLAY_P3.as_flattened().iter().zip(css.as_flattened()) {
+            assert!((ours - published).abs() < 5e-4, "{ours} {published}");
+        }
+        let white = ScreenSpace::DisplayP3.linear(D65_WHITE);
+        assert!(white.iter().all(|value| (value - 1.0).abs() < 1e-12), "{white:?}");
+        // The red of sRGB is inside: color(display-p3 0.9175 0.2003 0.1386).
+        assert_eq!(ScreenSpace::DisplayP3.bytes(Xyz { x: 0.4124, y: 0.2126, z: 0.0193 }), [234, 51, 35]);
     }
 
     #[test]

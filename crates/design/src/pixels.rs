@@ -1,6 +1,6 @@
 //! Quantities of designs that no run computes: sharpness, crosstalk, sparkle, and those of pictures.
 
-use papilio_display::image::{ScreenWhite, image};
+use papilio_display::image::{Screen, image};
 use papilio_display::scene::MetricSource;
 use papilio_display::spatial::{crosstalk, mtf, sparkle};
 use papilio_display::{Control, Quantity};
@@ -32,7 +32,7 @@ pub(crate) fn quantities(
     };
     let picture = match &resolved.image {
         Some(request) if is_wanted(MetricSource::Image) => {
-            let found = image(scene, &request.source, &request.settings, ScreenWhite::Perfect, control)?;
+            let found = image(scene, &request.source, &request.settings, Screen::default(), control)?;
             Some(found.numbers.metrics())
         }
         _ => None,

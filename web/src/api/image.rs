@@ -10,7 +10,7 @@ use std::sync::atomic::AtomicBool;
 
 use axum::http::StatusCode;
 use papilio_display::image::{
-    Factors, Halftone, HeldPicture, ImageResult, LampImage, ScreenWhite, SourceImage, exact,
+    Factors, Halftone, HeldPicture, ImageResult, LampImage, Screen, SourceImage, exact,
 };
 use papilio_display::palette::bytes as encoded;
 use papilio_display::scene::{Drive, Pixel, Scene};
@@ -440,7 +440,7 @@ fn exported(site: &Site, request: PictureFileOf, stop: &AtomicBool) -> Result<Ex
     let request = resolved.image.take().ok_or_else(no_picture)?;
     check_size(request.source.pixels.len())?;
     let control = Control { threads: None, progress: &|_| {}, stop };
-    let white = ScreenWhite::Perfect;
+    let white = Screen::default();
     let found =
         papilio_display::image::image(&resolved.scene, &request.source, &request.settings, white, &control);
     file(&found.map_err(|error| Fault::of(&resolved, error))?, &resolved, &what)
@@ -469,7 +469,7 @@ fn file(found: &ImageResult, resolved: &Resolved, what: &str) -> Result<Exported
             let palette: Vec<[u8; 3]> = palette.iter().map(|(_, colour)| *colour).collect();
             ("image/png", bytes(|out| write_indexed_png(out, columns, &found.states, &palette))?)
         }
-        "seen.png" => ("image/png", bytes(|out| write_rgb_png(out, columns, &found.srgb, false))?),
+        "seen.png" => ("image/png", bytes(|out| write_rgb_png(out, columns, &found.on_screen, false))?),
         "image.json" => {
             let papilio = env!("CARGO_PKG_VERSION");
             let file = TitledFile { papilio, title, hash: &resolved.hash, result: &found.numbers };

@@ -3,7 +3,7 @@
 use std::sync::atomic::AtomicBool;
 
 use papilio_display::Control;
-use papilio_display::image::{ScreenWhite, image};
+use papilio_display::image::{Screen, image};
 use papilio_formats::write_rgb_png;
 use papilio_scenario::Scenario;
 use serde_json::{Value, json};
@@ -79,7 +79,7 @@ fn sum_over_the_lights_equals_papilio_image() {
     let picture = resolved.image.as_ref().unwrap();
     let control = Control { threads: None, progress: &|_| {}, stop: &AtomicBool::new(false) };
     let wanted =
-        image(&resolved.scene, &picture.source, &picture.settings, ScreenWhite::Perfect, &control).unwrap();
+        image(&resolved.scene, &picture.source, &picture.settings, Screen::default(), &control).unwrap();
 
     assert_eq!(seen.head["size"], json!([12, 7]));
     assert_eq!(seen.states, wanted.states);

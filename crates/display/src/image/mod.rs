@@ -40,6 +40,7 @@ use held::{Brought, Lit};
 pub use held::{Factors, HeldPicture, LightPicture};
 pub use known::KnownLights;
 pub use lamps::LampImage;
+pub use papilio_colour::ScreenSpace;
 use papilio_colour::mapping::{Intent, MapSpace};
 use papilio_colour::{Adaptation, D65_WHITE, Xyz};
 use papilio_imaging::halftone::{DiffusionKernel, Scan};
@@ -96,6 +97,15 @@ pub struct ImageSettings {
     pub given: Option<Vec<u8>>,
 }
 
+/// How a picture is shown on a screen.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Screen {
+    /// What is white.
+    pub white: ScreenWhite,
+    /// Colour space.
+    pub space: ScreenSpace,
+}
+
 /// What is white, 255, 255, 255, in the picture for a screen.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum ScreenWhite {
@@ -119,8 +129,10 @@ pub struct ImageResult {
     pub mapped: Vec<[f32; 3]>,
     /// X, Y, Z of each pixel as the reader sees it.
     pub seen: Vec<[f32; 3]>,
-    /// sRGB of `seen`, adapted to D65.
-    pub srgb: Vec<[u8; 3]>,
+    /// Encoded red, green and blue of `seen` in the colour space of the screen, adapted to D65.
+    pub on_screen: Vec<[u8; 3]>,
+    /// The colour space of the screen.
+    pub space: ScreenSpace,
     /// Luminance of a perfect white in the light, cd/m2.
     pub white_cd_m2: f32,
     /// Numbers.
@@ -191,7 +203,7 @@ pub fn image(
     scene: &Scene,
     source: &SourceImage,
     settings: &ImageSettings,
-    screen_white: ScreenWhite,
+    screen: Screen,
     control: &Control<'_>,
 ) -> Result<ImageResult, DisplayError> {
     let size = source.size_on(scene)?;
@@ -218,13 +230,14 @@ pub fn image(
         },
     };
     stopped(control)?;
-    let on_screen = match screen_white {
+    let shown_as = match screen.white {
         ScreenWhite::Perfect => to_screen,
         ScreenWhite::Display => Adaptation::between(rendering.white, D65_WHITE).unwrap_or(to_screen),
     };
-    let screen: Vec<Xyz> = seen.iter().map(|pixel| on_screen.apply(colour(*pixel))).collect();
-    let is_clipped =
-        |xyz: &&Xyz| xyz.linear_srgb().iter().any(|value| !(-CLIPPED..=1.0 + CLIPPED).contains(value));
+    let adapted: Vec<Xyz> = seen.iter().map(|pixel| shown_as.apply(colour(*pixel))).collect();
+    let is_clipped = |xyz: &&Xyz| {
+        screen.space.linear(**xyz).iter().any(|value| !(-CLIPPED..=1.0 + CLIPPED).contains(value))
+    };
     let count = seen.len();
     let fraction = |number: usize| number as f64 / count as f64;
     let mean = |k: usize| seen.iter().map(|pixel| f64::from(pixel[k])).sum::<f64>() / count as f64;
@@ -247,7 +260,7 @@ pub fn image(
         out_of_gamut_fraction: fraction(count - inside),
         mapping_error_delta_e_2000: rendering.table_error().map(|error| error.p95),
         cut_fraction: fraction(cut),
-        clipped_fraction: fraction(screen.iter().filter(is_clipped).count()),
+        clipped_fraction: fraction(adapted.iter().filter(is_clipped).count()),
         mean_XYZ: [mean(0), mean(1), mean(2)],
         pixels_per_degree: per_degree,
         against_source,
@@ -258,9 +271,10 @@ pub fn image(
         warnings,
         rooms: Vec::new(),
     };
-    let srgb = screen.into_iter().map(Xyz::srgb_clipped).collect();
+    let on_screen = adapted.into_iter().map(|colour| screen.space.bytes(colour)).collect();
     let white_cd_m2 = (scene.lighting.illuminance_lx / PI) as f32;
-    Ok(ImageResult { size, srgb, states, wanted, mapped, seen, white_cd_m2, numbers, palette })
+    let space = screen.space;
+    Ok(ImageResult { size, on_screen, space, states, wanted, mapped, seen, white_cd_m2, numbers, palette })
 }
 
 impl ImageNumbers {

@@ -4,7 +4,7 @@ use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
 use papilio_display::image::{
-    HeldPicture, ImageSettings, KnownLights, PictureSurround, ScreenWhite, SourceImage, image,
+    HeldPicture, ImageSettings, KnownLights, PictureSurround, Screen, SourceImage, image,
 };
 use papilio_display::scene::Scene;
 use papilio_display::spatial::walk::pattern;
@@ -45,7 +45,7 @@ fn a_picture_is_the_sum_of_those_in_each_light() {
     let both = scene(&[GLASS, MATRIX, PAPER, LIGHT, VIEW]);
     let settings = ImageSettings::default();
     let held = control(|control| HeldPicture::new(&both, &ramp(), &settings, control));
-    let whole = control(|control| image(&both, &ramp(), &settings, ScreenWhite::Perfect, control));
+    let whole = control(|control| image(&both, &ramp(), &settings, Screen::default(), control));
     assert_eq!(held.states, whole.states);
     let factors = control(|control| held.factors(&both, control));
     let names: Vec<&str> = factors.lights.iter().map(|one| one.light.as_str()).collect();
@@ -195,7 +195,7 @@ fn each_part_of_a_panel_is_seen_in_its_own_direction() {
     let display = scene(&[DIFFUSED, matrix, MIRROR, LIGHT, viewer]);
     let source = SourceImage { columns: 9, pixels: vec![[0.95047, 1.0, 1.08883]; 9 * 13] };
     let settings = ImageSettings { perspective: true, ..ImageSettings::default() };
-    let found = control(|control| image(&display, &source, &settings, ScreenWhite::Perfect, control));
+    let found = control(|control| image(&display, &source, &settings, Screen::default(), control));
     assert_eq!(found.numbers.coverage.as_ref().unwrap().get("white"), Some(&1.0));
     for [column, row] in [[4, 6], [0, 0], [8, 0], [8, 12], [2, 3]] {
         let there = from_pixel(&display, [9, 13], [column, row], 10.0);
@@ -205,7 +205,7 @@ fn each_part_of_a_panel_is_seen_in_its_own_direction() {
         assert!((seen - page).abs() < allowed, "{column}, {row}: {seen} {page}");
     }
     let one = ImageSettings::default();
-    let flat = control(|control| image(&display, &source, &one, ScreenWhite::Perfect, control));
+    let flat = control(|control| image(&display, &source, &one, Screen::default(), control));
     assert!(flat.seen.iter().all(|pixel| (pixel[1] - found.seen[6 * 9 + 4][1]).abs() < 1e-4));
 }
 
@@ -231,7 +231,7 @@ fn lamps_have_their_images_at_their_places() {
         let display = scene(&[GLASS, matrix, pixel, lamp, viewer]);
         let source = SourceImage { columns: 9, pixels: vec![[0.95047, 1.0, 1.08883]; 9 * 13] };
         let settings = ImageSettings { perspective: true, ..ImageSettings::default() };
-        let found = control(|control| image(&display, &source, &settings, ScreenWhite::Perfect, control));
+        let found = control(|control| image(&display, &source, &settings, Screen::default(), control));
         let (mut bright, mut dark) = (0, 0);
         for (column, row) in (0..13).flat_map(|row| (0..9).map(move |column| (column, row))) {
             let there = from_pixel(&display, [9, 13], [column, row], 10.0);
@@ -281,12 +281,12 @@ fn pictures_in_perspective_are_those_of_single_directions() {
     for (pixel, thickness) in [(MIRROR, thick.as_str()), (PAPER, GLASS)] {
         let display = scene(&[thickness, matrix, pixel, LIGHT, viewer]);
         let settings = ImageSettings { perspective: true, ..ImageSettings::default() };
-        let found = control(|control| image(&display, &source, &settings, ScreenWhite::Perfect, control));
+        let found = control(|control| image(&display, &source, &settings, Screen::default(), control));
         assert!(found.numbers.neighbours_light && found.numbers.error < 5e-3, "{}", found.numbers.error);
         for [column, row] in [[7, 3], [41, 11], [52, 66]] {
             let there = from_pixel(&display, [60, 80], [column, row], 1.0);
             let one = ImageSettings { given: Some(found.states.clone()), ..ImageSettings::default() };
-            let flat = control(|control| image(&there, &source, &one, ScreenWhite::Perfect, control));
+            let flat = control(|control| image(&there, &source, &one, Screen::default(), control));
             let at = row * 60 + column;
             for (k, seen) in found.seen[at].iter().enumerate() {
                 let off = f64::from((seen - flat.seen[at][k]).abs());
@@ -343,7 +343,7 @@ fn seen_of(held: &HeldPicture, display: &Scene, in_all_light: bool) -> (Vec<f32>
     }
     let settings = ImageSettings { given: Some(held.states.clone()), ..ImageSettings::default() };
     let source = SourceImage { columns: held.size[0], pixels: vec![[0.5; 3]; held.states.len()] };
-    let found = control(|control| image(display, &source, &settings, ScreenWhite::Perfect, control));
+    let found = control(|control| image(display, &source, &settings, Screen::default(), control));
     assert!(found.numbers.neighbours_light);
     (found.seen.iter().map(|pixel| pixel[1]).collect(), found.numbers.error)
 }
