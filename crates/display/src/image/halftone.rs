@@ -38,6 +38,8 @@ pub(super) struct Panel<'a> {
     pub(super) rendering: &'a Rendering,
     /// Pixels in a degree of the visual angle, along x and y.
     pub(super) pixels_per_degree: Option<[f64; 2]>,
+    /// Part of a pixel's light that is seen in each of its neighbours, `REACH_OF_LAYERS` pixels around it; `None` without blur.
+    pub(super) spread: Option<Vec<f64>>,
 }
 
 /// The state of each pixel, none without a halftone, and the number of pixels at which colour was lost.

@@ -7,6 +7,7 @@ use super::known::KnownLights;
 use super::lamps::{LampImage, lamp_images};
 use super::light::each_alone;
 use super::rendering::{Rendered, Rendering};
+use super::search::REACH_OF_LAYERS;
 use super::{ImageSettings, PictureSurround, SourceImage, stopped};
 use crate::DisplayError;
 use crate::palette::Palette;
@@ -15,6 +16,7 @@ use crate::result::RunResult;
 use crate::run::Control;
 use crate::scene::Scene;
 use crate::single_view::SingleView;
+use crate::spatial::Blur;
 
 /// A picture whose states are decided.
 #[derive(Debug, Clone, PartialEq)]
@@ -108,11 +110,16 @@ impl Brought {
         let rendering = Rendering::new(&lit.palette, lit.white, mapping, source.pixels.len())?;
         let rendered = rendering.rendered(&source.pixels);
         stopped(control)?;
+        let spread = match settings.halftone {
+            Halftone::DirectBinarySearch => Blur::spread_of_white(scene, REACH_OF_LAYERS)?,
+            _ => None,
+        };
         let panel = Panel {
             columns: source.columns,
             palette: &lit.palette,
             rendering: &rendering,
             pixels_per_degree: super::pixels_per_degree(scene),
+            spread,
         };
         let (states, cut) = halftone::states(settings, &rendered.mapped, &panel, control)?;
         stopped(control)?;

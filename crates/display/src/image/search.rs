@@ -5,7 +5,10 @@
 //!
 //! **The eye.** Of S-CIELAB's filters (Zhang and Wandell 1996, as in `papilio_colour::pictures`), the narrowest Gaussian of each opponent
 //! colour: full widths at half maximum of 0.05, 0.0685 and 0.092 degrees. The wider ones pass less than 2 cycles per degree, far below the
-//! frequencies of a halftone, and what is so coarse is right after error diffusion. The blur of the layers is not included.
+//! frequencies of a halftone, and what is so coarse is right after error diffusion.
+//!
+//! **The layers.** Below a diffuser, the filters are blurred by the spread of the brightest state: the layers do a part of the halftoning.
+//! Light that paper below glass lends to its neighbours is spread too widely to matter.
 //!
 //! **Range.** From 120 pixels per degree on, the eye sees none of the pattern, and the filters do not grow any more.
 
@@ -27,6 +30,9 @@ const MOST_PER_DEGREE: f64 = 120.0;
 /// Number of standard deviations at which the filters end.
 const REACH: f64 = 3.0;
 
+/// Pixels around one over which the layers spread its light; what they spread more widely has no pattern.
+pub(super) const REACH_OF_LAYERS: i64 = 6;
+
 /// Searches from a start.
 pub(super) fn searched(
     start: &[u8],
@@ -41,7 +47,8 @@ pub(super) fn searched(
     let wanted: Vec<[f32; 3]> =
         mapped.iter().map(|pixel| coordinates(pixel.map(f64::from)).map(|value| value as f32)).collect();
     let states: Vec<[f64; 3]> = panel.rendering.states.iter().map(|state| coordinates(*state)).collect();
-    let [lightness, red_green, blue_yellow] = WIDTHS_DEG.map(|width| filter(width, per_degree));
+    let spread = panel.spread.as_deref();
+    let [lightness, red_green, blue_yellow] = WIDTHS_DEG.map(|width| filter(width, per_degree, spread));
     let filters = [lightness?, red_green?, blue_yellow?];
     let rows = (start.len() / panel.columns).max(1) as f64;
     let (visited, first) = (Cell::new(0_u32), Cell::new(0));
@@ -69,8 +76,8 @@ pub(super) fn searched(
     Ok(found.states)
 }
 
-/// A Gaussian of this full width at half maximum, with the sum 1.
-fn filter(width_deg: f64, per_degree: [f64; 2]) -> Result<Filter, DisplayError> {
+/// A Gaussian of this full width at half maximum, with the sum 1, blurred by the spread of the layers.
+fn filter(width_deg: f64, per_degree: [f64; 2], spread: Option<&[f64]>) -> Result<Filter, DisplayError> {
     let along = per_degree.map(|per_degree| {
         let sigma = width_deg * per_degree.min(MOST_PER_DEGREE) / (8.0 * std::f64::consts::LN_2).sqrt();
         let reach = (REACH * sigma).ceil() as i32;
@@ -80,6 +87,15 @@ fn filter(width_deg: f64, per_degree: [f64; 2]) -> Result<Filter, DisplayError> 
         values.into_iter().map(|value| value / sum).collect::<Vec<_>>()
     });
     let [across, down] = along;
-    let values = down.iter().flat_map(|y| across.iter().map(move |x| x * y)).collect();
-    Ok(Filter::new(across.len(), values)?)
+    let more = if spread.is_some() { 2 * REACH_OF_LAYERS as usize } else { 0 };
+    let (columns, rows) = (across.len() + more, down.len() + more);
+    let mut values = vec![0.0; columns * rows];
+    for (at, light) in spread.unwrap_or(&[1.0]).iter().enumerate() {
+        let [column, row] = [at % (more + 1), at / (more + 1)];
+        for (y, down) in down.iter().enumerate() {
+            let line = &mut values[(row + y) * columns + column..][..across.len()];
+            line.iter_mut().zip(&across).for_each(|(value, across)| *value += light * across * down);
+        }
+    }
+    Ok(Filter::new(columns, values)?)
 }

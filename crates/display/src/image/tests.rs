@@ -68,7 +68,13 @@ fn settings(halftone: Halftone) -> ImageSettings {
 /// States of a picture of 64 columns.
 fn halftoned(palette: &Palette, settings: &ImageSettings, mapped: &[[f32; 3]]) -> Vec<u8> {
     let rendering = rendering(palette, Intent::Relative, 1);
-    let panel = Panel { columns: 64, palette, rendering: &rendering, pixels_per_degree: Some(PER_DEGREE) };
+    let panel = Panel {
+        columns: 64,
+        palette,
+        rendering: &rendering,
+        pixels_per_degree: Some(PER_DEGREE),
+        spread: None,
+    };
     let control = Control { threads: Some(1), progress: &|_| {}, stop: &AtomicBool::new(false) };
     states(settings, mapped, &panel, &control).unwrap().0
 }
@@ -181,7 +187,8 @@ fn states_that_are_left_out_are_not_used() {
 fn given_states_are_shown_or_refused() {
     let inks = inks();
     let rendering = rendering(&inks, Intent::Relative, 1);
-    let panel = Panel { columns: 2, palette: &inks, rendering: &rendering, pixels_per_degree: None };
+    let panel =
+        Panel { columns: 2, palette: &inks, rendering: &rendering, pixels_per_degree: None, spread: None };
     let control = Control { threads: Some(1), progress: &|_| {}, stop: &AtomicBool::new(false) };
     let picture = [[0.1_f32; 3]; 4];
     let of = |given: &[u8]| {
@@ -221,8 +228,13 @@ fn direct_binary_search_lowers_what_is_seen_and_ends() {
     let diffused = halftoned(&inks, &settings(Halftone::ErrorDiffusion), &picture);
     let found = halftoned(&inks, &settings(Halftone::DirectBinarySearch), &picture);
     let rendering = rendering(&inks, Intent::Relative, 1);
-    let panel =
-        Panel { columns: 64, palette: &inks, rendering: &rendering, pixels_per_degree: Some(PER_DEGREE) };
+    let panel = Panel {
+        columns: 64,
+        palette: &inks,
+        rendering: &rendering,
+        pixels_per_degree: Some(PER_DEGREE),
+        spread: None,
+    };
     let stop = AtomicBool::new(false);
     let control = Control { threads: Some(1), progress: &|_| {}, stop: &stop };
     assert_eq!(search::searched(&found, &picture, &panel, &control).unwrap(), found);
@@ -238,11 +250,28 @@ fn direct_binary_search_lowers_what_is_seen_and_ends() {
         found.iter().sum::<f64>() / found.len() as f64
     };
     assert!(seen(&found) < 0.85 * seen(&diffused), "{} {}", seen(&found), seen(&diffused));
+    // Below layers that spread a third of the light over the eight neighbours, other patterns are best, and the search ends there, too.
+    let side = 2 * search::REACH_OF_LAYERS as usize + 1;
+    let mut spread = vec![0.0; side * side];
+    let middle = side / 2;
+    for (row, column) in (0..9).map(|k| (middle - 1 + k / 3, middle - 1 + k % 3)) {
+        spread[row * side + column] = if [row, column] == [middle; 2] { 2.0 / 3.0 } else { 1.0 / 24.0 };
+    }
+    let below = Panel {
+        columns: 64,
+        palette: &inks,
+        rendering: &rendering,
+        pixels_per_degree: Some(PER_DEGREE),
+        spread: Some(spread),
+    };
+    let blurred = search::searched(&diffused, &picture, &below, &control).unwrap();
+    assert_ne!(blurred, found);
+    assert_eq!(search::searched(&blurred, &picture, &below, &control).unwrap(), blurred);
     let settings = settings(Halftone::DirectBinarySearch);
-    let no_pitch = Panel { pixels_per_degree: None, ..panel };
+    let no_pitch = Panel { pixels_per_degree: None, spread: None, ..panel };
     assert_eq!(states(&settings, &picture, &no_pitch, &control), Err(DisplayError::NoPixelPitch));
     stop.store(true, std::sync::atomic::Ordering::Relaxed);
     assert_eq!(search::searched(&diffused, &picture, &no_pitch, &control), Err(DisplayError::NoPixelPitch));
-    let pitch = Panel { pixels_per_degree: Some(PER_DEGREE), ..no_pitch };
+    let pitch = Panel { pixels_per_degree: Some(PER_DEGREE), spread: None, ..no_pitch };
     assert_eq!(states(&settings, &picture, &pitch, &control), Err(DisplayError::Interrupted));
 }

@@ -34,6 +34,9 @@ pub enum PictureSurround {
 /// Distance from the pixel that is seen, in thicknesses of the glass, beyond which light comes from the mean of the picture.
 const REACH: f64 = 8.0;
 
+/// Light that shapes may miss of a kernel that is only a filter, relative to a perfect white.
+const ROUGH: f64 = 1e-3;
+
 /// Accuracy of the light of cells, natural digits: this many more than those that shapes may miss, within limits.
 const MORE_DIGITS: f64 = 1.0;
 const DIGITS: [f64; 2] = [6.0, 12.0];
@@ -107,6 +110,28 @@ impl Blur {
             kernels.extend(sums);
         }
         Ok(Some(Self { squares, shapes: Shapes::of(&kernels, missed), states, gains: all_gains }))
+    }
+
+    /// Spread of the brightest state of a scene in Y: the part of its light in each pixel up to `reach` pixels away, by rows. `None` as for
+    /// [`new`](Self::new).
+    pub(crate) fn spread_of_white(scene: &Scene, reach: i64) -> Result<Option<Vec<f64>>, DisplayError> {
+        let Some(blur) = Self::new(&[scene], ROUGH, false)? else { return Ok(None) };
+        let kernels = &blur.shapes.mixtures[blur.states..][..blur.states];
+        let light = kernels.iter().map(|kernel| (kernel, blur.near(kernel)));
+        let Some((kernel, all)) = light.max_by(|a, b| a.1.total_cmp(&b.1)) else { return Ok(None) };
+        let side = 2 * reach + 1;
+        let mut spread = vec![0.0; (side * side) as usize];
+        for (shape, weight) in blur.shapes.shapes.iter().zip(kernel) {
+            for (square, light) in blur.squares.iter().zip(shape) {
+                let each = weight * light / (square.side * square.side) as f64;
+                square.each_pixel(|[x, y]| {
+                    if x.abs().max(y.abs()) <= reach {
+                        spread[((y + reach) * side + x + reach) as usize] += each / all;
+                    }
+                });
+            }
+        }
+        Ok(Some(spread))
     }
 
     /// Number of shapes of all kernels.
