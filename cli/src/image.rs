@@ -63,7 +63,7 @@ impl ImageOutput {
     fn side_by_side(&self) -> (usize, Vec<[u8; 3]>) {
         let all: Vec<&ImageResult> =
             std::iter::once(&self.here).chain(self.rooms.iter().map(|(_, room)| room)).collect();
-        let [columns, rows] = self.here.size;
+        let [columns, rows] = self.here.seen_size();
         let row = |row: usize| {
             let parts = all.iter().map(|one| &one.on_screen[row * columns..][..columns]);
             parts.collect::<Vec<_>>().join(&[[255; 3]; BETWEEN][..])
@@ -97,6 +97,7 @@ impl SpatialOutput for ImageOutput {
 
     fn write_tables(&self, folder: &Path) -> Result<Vec<String>, Failure> {
         let ImageResult { size: [columns, _], states, palette, .. } = &self.here;
+        let [across, _] = self.here.seen_size();
         let mut names = Vec::new();
         let mut png = |name: String, columns: usize, pixels: &[[u8; 3]]| {
             let is_display_p3 = self.here.space == ScreenSpace::DisplayP3;
@@ -105,16 +106,16 @@ impl SpatialOutput for ImageOutput {
             names.push(name);
             written
         };
-        png("seen.png".to_owned(), *columns, &self.here.on_screen)?;
+        png("seen.png".to_owned(), across, &self.here.on_screen)?;
         for (name, room) in &self.rooms {
-            png(format!("seen-{name}.png"), *columns, &room.on_screen)?;
+            png(format!("seen-{name}.png"), across, &room.on_screen)?;
         }
         if !self.rooms.is_empty() {
             let (columns, pixels) = self.side_by_side();
             png("rooms.png".to_owned(), columns, &pixels)?;
         }
         write_file(&folder.join("seen.exr"), |out| {
-            write_scene_exr(out, *columns, &self.here.seen, Some(self.here.white_cd_m2))
+            write_scene_exr(out, across, &self.here.seen, Some(self.here.white_cd_m2))
         })?;
         names.push("seen.exr".to_owned());
         if !states.is_empty() {

@@ -236,6 +236,7 @@ class Image:
         encoded: bool,
         states: NDArray[np.uint8] | None,
         relative_to_display: bool,
+        display_p3: bool,
         threads: int | None = None,
         progress: Callable[[dict[str, Any]], object] | None = None,
     ) -> Image: ...

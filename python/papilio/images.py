@@ -26,9 +26,10 @@ class Image(_Written):
     """A picture on a display as the reader sees it: the output of ``papilio image``.
 
     The pictures are arrays of the shape [row, column, 3], the first row at the top: ``found["seen"]`` (X, Y, Z relative to a perfect white in
-    the light), ``found["srgb"]`` (the same for a screen, bytes), ``found["wanted"]`` (the picture with the white and black of the display) and
+    the light), ``found["srgb"]`` (the same for a screen, bytes; in Display P3 on request), ``found["wanted"]`` (the picture with the white and black of the display) and
     ``found["mapped"]`` (the same in the gamut of the display: what a halftone should show). ``found["states"]``, shape [row, column], has the
-    number of the state of each pixel; without a halftone there is none. Arrays are read-only. It can be copied and pickled.
+    number of the state of each pixel; without a halftone there is none. With ``image.samples_per_pixel``, "seen" and "srgb" have that many rows
+    and columns for each pixel. Arrays are read-only. It can be copied and pickled.
     """
 
     def __init__(
@@ -69,6 +70,7 @@ def image(
     states: ArrayLike | None = None,
     encoding: Literal["srgb", "linear"] = "srgb",
     relative_to: Literal["white", "display"] = "white",
+    space: Literal["srgb", "display-p3"] = "srgb",
     set: Mapping[str, Any] | None = None,
     threads: int | None = None,
     progress: Progress | bool | None = None,
@@ -82,6 +84,7 @@ def image(
         states: number of the state of each pixel, shape [row, column], instead of a halftone; the numbers are those of ``Image.states``.
         encoding: ``"srgb"``, or ``"linear"`` if the numbers of an array are proportional to light.
         relative_to: what is 255, 255, 255 in ``srgb``: a perfect white in the light, or the white of the ``"display"``.
+        space: colour space of the screen, of the array ``srgb`` and of ``png()``.
         set: values to set in the scenario first, ``{key: value}`` with keys such as "image.halftone".
         threads: number of threads; None: one for each processor.
         progress: function that is called a few times a second, or True for a line on the terminal.
@@ -109,6 +112,7 @@ def image(
     """
     one_of("encoding", encoding, ("srgb", "linear"))
     one_of("relative_to", relative_to, ("white", "display"))
+    one_of("space", space, ("srgb", "display-p3"))
     values, pixels = dict(set or {}), None
     if isinstance(picture, (str, PathLike)):
         values["image.file"] = os.path.abspath(os.fspath(picture))
@@ -124,6 +128,7 @@ def image(
             encoding == "srgb",
             shown,
             relative_to == "display",
+            space == "display-p3",
             checked_threads(threads),
             tell,
         )

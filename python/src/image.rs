@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use numpy::ndarray::{ArrayD, IxDyn};
 use numpy::{Element, IntoPyArray, PyArrayDyn, PyReadonlyArray2, PyReadonlyArray3};
-use papilio_display::image::{ImageResult, Screen, ScreenWhite, SourceImage, image};
+use papilio_display::image::{ImageResult, Screen, ScreenSpace, ScreenWhite, SourceImage, image};
 use papilio_formats::{RgbSpace, TitledFile, Transfer, write_rgb_png};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -27,7 +27,7 @@ pub(crate) struct Image {
 impl Image {
     /// `picture`: red, green and blue of sRGB, 0 to 1, encoded or linear; `states`: the number of the state of each pixel.
     #[new]
-    #[pyo3(signature = (described, name, picture, encoded, states, relative_to_display, threads=None, progress=None))]
+    #[pyo3(signature = (described, name, picture, encoded, states, relative_to_display, display_p3, threads=None, progress=None))]
     #[allow(clippy::too_many_arguments, reason = "the arguments of one function in Python")]
     fn new(
         py: Python<'_>,
@@ -37,6 +37,7 @@ impl Image {
         encoded: bool,
         states: Option<PyReadonlyArray2<'_, u8>>,
         relative_to_display: bool,
+        display_p3: bool,
         threads: Option<u16>,
         progress: Option<Bound<'_, PyAny>>,
     ) -> PyResult<Self> {
@@ -63,7 +64,8 @@ impl Image {
             settings.given = Some(states.iter().copied().collect());
         }
         let white = if relative_to_display { ScreenWhite::Display } else { ScreenWhite::Perfect };
-        let screen = Screen { white, ..Screen::default() };
+        let space = if display_p3 { ScreenSpace::DisplayP3 } else { ScreenSpace::Srgb };
+        let screen = Screen { white, space };
         let of = computed(py, &scenario, threads, progress, |control| {
             image(&resolved.scene, &request.source, &settings, screen, control)
         })?;
@@ -86,12 +88,12 @@ impl Image {
     fn arrays<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let [columns, rows] = self.of.size;
         let dict = PyDict::new(py);
-        for (name, pixels) in
-            [("seen", &self.of.seen), ("wanted", &self.of.wanted), ("mapped", &self.of.mapped)]
-        {
+        for (name, pixels) in [("wanted", &self.of.wanted), ("mapped", &self.of.mapped)] {
             dict.set_item(name, array(py, &[rows, columns, 3], pixels.as_flattened().to_vec())?)?;
         }
-        dict.set_item("srgb", array(py, &[rows, columns, 3], self.of.on_screen.as_flattened().to_vec())?)?;
+        let [across, down] = self.of.seen_size();
+        dict.set_item("seen", array(py, &[down, across, 3], self.of.seen.as_flattened().to_vec())?)?;
+        dict.set_item("srgb", array(py, &[down, across, 3], self.of.on_screen.as_flattened().to_vec())?)?;
         if !self.of.states.is_empty() {
             dict.set_item("states", array(py, &[rows, columns], self.of.states.clone())?)?;
         }
@@ -101,7 +103,8 @@ impl Image {
     /// The content of `seen.png`.
     fn png(&self, py: Python<'_>) -> PyResult<Vec<u8>> {
         let mut bytes = Vec::new();
-        let written = py.detach(|| write_rgb_png(&mut bytes, self.of.size[0], &self.of.on_screen, false));
+        let written =
+            py.detach(|| write_rgb_png(&mut bytes, self.of.seen_size()[0], &self.of.on_screen, false));
         written.map_err(|error| errors::internal(&error.to_string()))?;
         Ok(bytes)
     }

@@ -72,6 +72,32 @@ pub enum DisplayError {
     /// A walk with places that cannot be prepared.
     #[error(transparent)]
     Places(papilio_transport::walk::places::PlaceError),
+    /// Too many samples of a picture.
+    #[error(
+        "`image.samples_per_pixel` = {per_pixel} makes {samples} samples of this picture (expected at most {most}; fewer samples for each pixel, or \
+         fewer pixels in `display.matrix.pixels`)"
+    )]
+    TooManySamples {
+        /// Samples along each side of a pixel.
+        per_pixel: usize,
+        /// Samples of the picture.
+        samples: usize,
+        /// The limit.
+        most: usize,
+    },
+    /// Too many different parts of pixels.
+    #[error(
+        "`image.samples_per_pixel` = {per_pixel} divides the pixels of all states into {cells} different cells (expected at most {most}; fewer samples \
+         for each pixel, or fewer states of the display)"
+    )]
+    TooManyCells {
+        /// Samples along each side of a pixel.
+        per_pixel: usize,
+        /// Different cells.
+        cells: usize,
+        /// The limit.
+        most: usize,
+    },
     /// A display or light whose places are not computed.
     #[error(
         "the places of light are not computed yet for {what} (see `{key}`; expected mirror-like pixels below a diffuser or a flat face, or \

@@ -274,6 +274,9 @@ pub struct FilmState {
     pub name: String,
     /// One drive for each sub-pixel, in the order of `sub_pixels`.
     pub drives: Vec<Drive>,
+    /// Fractions of the whole area that the sub-pixels have in this state, in the same order; the rest is inactive. `None`: those of the
+    /// pixel, by `area` and `fill_factor`. A part of a pixel has others.
+    pub areas: Option<Vec<f64>>,
 }
 
 /// Drive of a sub-pixel.

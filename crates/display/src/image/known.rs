@@ -5,7 +5,7 @@ use papilio_colour::Observer;
 use super::ImageSettings;
 use super::held::{HeldPicture, Lit};
 use super::light::Alone;
-use super::stack::{FEW, Layers, Several};
+use super::stack::{FEW, Layers, Picture, Several};
 use crate::DisplayError;
 use crate::prepared::Prepared;
 use crate::run::Control;
@@ -60,7 +60,7 @@ impl KnownLights {
             let scenes: Vec<_> =
                 missing.iter().zip(&lit).map(|((one, _), lit)| (&one.scene, &lit.palette)).collect();
             let several = Several { missed: FEW, without_lamps: true, by_paths: false };
-            let shown = (picture.size, picture.states.as_slice());
+            let shown = Picture { size: picture.size, states: &picture.states, wholes: &[] };
             let layers = Layers::new(&scenes, shown, picture.surround, several, control)?;
             let found: Vec<KnownLight> = missing
                 .iter()

@@ -13,6 +13,7 @@
 //! | how far that is from the picture | `differences.rs` |
 //! | the same picture in other light, light by light | `held.rs`, `light.rs`, `known.rs` |
 //! | a picture without halftone, in its exact colours | `exact.rs` |
+//! | several samples in a pixel: sub-pixels at their places | `samples.rs` |
 //!
 //! Rows of all pictures begin at the top. Colours are X, Y, Z relative to a perfect white in the same light.
 
@@ -26,6 +27,7 @@ mod light;
 mod masks;
 mod perspective;
 mod rendering;
+mod samples;
 mod search;
 mod stack;
 #[cfg(test)]
@@ -48,7 +50,7 @@ use perspective::Eye;
 use rendering::{Rendered, Rendering};
 use schemars::JsonSchema;
 use serde::Serialize;
-use stack::Seen;
+use stack::{Picture, Seen};
 
 use crate::DisplayError;
 pub use crate::metrics::ImageMetrics;
@@ -93,6 +95,8 @@ pub struct ImageSettings {
     pub perspective: bool,
     /// Display in the light and view for which the states of the pixels are decided; `None`: those in which the picture is seen.
     pub prepared_for: Option<Box<Scene>>,
+    /// Samples along each side of a pixel in [`ImageResult::seen`]; up to 1: one for each pixel, without sub-pixels.
+    pub samples_per_pixel: usize,
     /// State of each pixel by its number in `states`, instead of a halftone.
     pub given: Option<Vec<u8>>,
 }
@@ -127,8 +131,11 @@ pub struct ImageResult {
     pub wanted: Vec<[f32; 3]>,
     /// The same in the gamut of the display: what a halftone should show.
     pub mapped: Vec<[f32; 3]>,
-    /// X, Y, Z of each pixel as the reader sees it.
+    /// X, Y, Z of each sample as the reader sees it, rows from the top: [`seen_size`](Self::seen_size). Numbers are those of one sample for
+    /// each pixel.
     pub seen: Vec<[f32; 3]>,
+    /// Samples along each side of a pixel, 1 or more.
+    pub samples_per_pixel: usize,
     /// Encoded red, green and blue of `seen` in the colour space of the screen, adapted to D65.
     pub on_screen: Vec<[u8; 3]>,
     /// The colour space of the screen.
@@ -222,25 +229,21 @@ pub fn image(
     let Lit { view, result, palette, white } = lit;
     let to_screen =
         Adaptation::between(white, D65_WHITE).ok_or(DisplayError::NoWhite { what: "a picture" })?;
+    let picture = Picture { size, states: &states, wholes: &[] };
     let Seen { pixels: seen, error, neighbours_light } = match states.is_empty() {
         true => Seen { pixels: mapped.clone(), error: palette.error(), neighbours_light: false },
-        false => match Eye::before(scene, size).filter(|_| settings.perspective) {
-            Some(eye) => eye.seen(scene, (size, &states), settings, control)?,
-            None => stack::seen(scene, (size, &states), &palette, settings.surround, control)?,
-        },
+        false => seen_by_reader(scene, picture, &palette, settings, control)?,
     };
     stopped(control)?;
     let shown_as = match screen.white {
         ScreenWhite::Perfect => to_screen,
         ScreenWhite::Display => Adaptation::between(rendering.white, D65_WHITE).unwrap_or(to_screen),
     };
-    let adapted: Vec<Xyz> = seen.iter().map(|pixel| shown_as.apply(colour(*pixel))).collect();
     let is_clipped = |xyz: &&Xyz| {
         screen.space.linear(**xyz).iter().any(|value| !(-CLIPPED..=1.0 + CLIPPED).contains(value))
     };
-    let count = seen.len();
-    let fraction = |number: usize| number as f64 / count as f64;
-    let mean = |k: usize| seen.iter().map(|pixel| f64::from(pixel[k])).sum::<f64>() / count as f64;
+    let fraction = |number: usize| number as f64 / seen.len() as f64;
+    let mean = |k: usize| seen.iter().map(|pixel| f64::from(pixel[k])).sum::<f64>() / seen.len() as f64;
     let per_degree = pixels_per_degree(scene).map(|[along_x, _]| along_x);
     let [against_source, against_mapped] =
         PictureDifferences::against(&seen, [&wanted, &mapped], size[0], white, &to_screen, per_degree)?;
@@ -251,16 +254,25 @@ pub fn image(
              image.perspective = false shows all of it in one direction"
         ));
     }
+    let samples_per_pixel = settings.samples_per_pixel.max(1);
+    let sampled = match (samples_per_pixel, states.is_empty()) {
+        (1, _) => None,
+        (count, true) => Some(samples::repeated(&seen, size[0], count)),
+        (count, false) => Some(samples::seen(scene, picture, &palette, count, settings, control)?),
+    };
+    let shown = sampled.as_ref().unwrap_or(&seen);
+    let adapted: Vec<Xyz> = shown.iter().map(|sample| shown_as.apply(colour(*sample))).collect();
+    let clipped = adapted.iter().filter(is_clipped).count() as f64 / adapted.len() as f64;
     let numbers = ImageNumbers {
         light: LightSummary::of(scene, &result),
         view,
         size,
         states: palette.names(),
         coverage: (!states.is_empty()).then(|| coverage(&palette, &states)),
-        out_of_gamut_fraction: fraction(count - inside),
+        out_of_gamut_fraction: fraction(seen.len() - inside),
         mapping_error_delta_e_2000: rendering.table_error().map(|error| error.p95),
         cut_fraction: fraction(cut),
-        clipped_fraction: fraction(adapted.iter().filter(is_clipped).count()),
+        clipped_fraction: clipped,
         mean_XYZ: [mean(0), mean(1), mean(2)],
         pixels_per_degree: per_degree,
         against_source,
@@ -274,7 +286,27 @@ pub fn image(
     let on_screen = adapted.into_iter().map(|colour| screen.space.bytes(colour)).collect();
     let white_cd_m2 = (scene.lighting.illuminance_lx / PI) as f32;
     let space = screen.space;
-    Ok(ImageResult { size, on_screen, space, states, wanted, mapped, seen, white_cd_m2, numbers, palette })
+    let seen = sampled.unwrap_or(seen);
+    Ok(ImageResult {
+        size,
+        states,
+        wanted,
+        mapped,
+        seen,
+        samples_per_pixel,
+        on_screen,
+        space,
+        white_cd_m2,
+        numbers,
+        palette,
+    })
+}
+
+impl ImageResult {
+    /// Number of columns and rows of [`seen`](Self::seen) and [`on_screen`](Self::on_screen).
+    pub fn seen_size(&self) -> [usize; 2] {
+        self.size.map(|pixels| pixels * self.samples_per_pixel)
+    }
 }
 
 impl ImageNumbers {
@@ -302,6 +334,20 @@ impl SourceImage {
             return Err(DisplayError::PictureSize { picture: own, display: size });
         }
         Ok(size)
+    }
+}
+
+/// What the reader sees of a picture of states, in one direction or in perspective.
+fn seen_by_reader(
+    scene: &Scene,
+    picture: Picture<'_>,
+    palette: &Palette,
+    settings: &ImageSettings,
+    control: &Control<'_>,
+) -> Result<Seen, DisplayError> {
+    match Eye::before(scene, picture.size).filter(|_| settings.perspective) {
+        Some(eye) => eye.seen(scene, picture, settings, control),
+        None => stack::seen(scene, picture, palette, settings.surround, control),
     }
 }
 

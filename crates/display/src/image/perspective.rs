@@ -13,7 +13,7 @@ use std::f64::consts::PI;
 
 use super::held::Lit;
 use super::lamps::lamp_images;
-use super::stack::{Layers, Seen, Several, colours_of_pages};
+use super::stack::{Layers, Picture, Seen, Several, colours_of_pages};
 use super::{ImageSettings, stopped};
 use crate::DisplayError;
 use crate::prepared::Prepared;
@@ -80,7 +80,7 @@ impl Eye {
     pub(super) fn seen(
         &self,
         scene: &Scene,
-        (size, states): ([usize; 2], &[u8]),
+        picture: Picture<'_>,
         settings: &ImageSettings,
         control: &Control<'_>,
     ) -> Result<Seen, DisplayError> {
@@ -103,7 +103,8 @@ impl Eye {
         let known: Vec<&PageThere> = places.iter().map(|place| &pages.known[place]).collect();
         let lit: Vec<_> = known.iter().map(|page| (&page.scene, &page.lit.palette)).collect();
         let several = Several { missed: CLOSE, without_lamps: true, by_paths: true };
-        let layers = Layers::new(&lit, (size, states), settings.surround, several, control)?;
+        let Picture { size, states, .. } = picture;
+        let layers = Layers::new(&lit, picture, settings.surround, several, control)?;
         stopped(control)?;
         let shares = [0, 1].map(|k| {
             let polynomials = Polynomials::new(counts[k]);

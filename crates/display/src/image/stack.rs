@@ -22,6 +22,17 @@ pub(super) struct Seen {
     pub(super) neighbours_light: bool,
 }
 
+/// The states of the pixels of a picture.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Picture<'a> {
+    /// Number of columns and rows.
+    pub(super) size: [usize; 2],
+    /// State of each pixel by its number in a palette, rows from the top.
+    pub(super) states: &'a [u8],
+    /// For each state of the display, the state of the pixel of which it is a part; itself, if it is none. Empty: none is.
+    pub(super) wholes: &'a [usize],
+}
+
 /// How the pictures of several scenes are computed.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Several {
@@ -68,7 +79,7 @@ enum Kind {
 /// Computes what the reader sees of the states of all pixels, by their numbers in a palette.
 pub(super) fn seen(
     scene: &Scene,
-    picture: ([usize; 2], &[u8]),
+    picture: Picture<'_>,
     palette: &Palette,
     surround: PictureSurround,
     control: &Control<'_>,
@@ -81,7 +92,7 @@ impl Layers {
     /// Prepares scenes, each with the colours of pages, for a picture of the states of a palette.
     pub(super) fn new(
         lit: &[(&Scene, &Palette)],
-        (size, states): ([usize; 2], &[u8]),
+        Picture { size, states, wholes }: Picture<'_>,
         surround: PictureSurround,
         several: Several,
         control: &Control<'_>,
@@ -97,6 +108,7 @@ impl Layers {
         }
         let mut error = lit.iter().map(|(_, palette)| palette.error()).fold(0.0, f64::max);
         let blurred = |blur: Blur, error: &mut f64| {
+            let blur = blur.with_wholes(wholes);
             let mut shown = vec![0.0; names.len()];
             states.iter().for_each(|state| shown[usize::from(*state)] += 1.0 / states.len() as f64);
             *error += blur.error(&shown);
@@ -240,7 +252,7 @@ pub(super) fn colours_of_pages(
 }
 
 /// Numbers of the states of a palette among those of the display.
-fn numbers(names: &[String], palette: &Palette) -> Vec<usize> {
+pub(super) fn numbers(names: &[String], palette: &Palette) -> Vec<usize> {
     let number = |one: &PaletteColour| names.iter().position(|name| *name == one.state).unwrap_or(0);
     palette.colours.iter().map(number).collect()
 }

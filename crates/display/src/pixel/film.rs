@@ -30,7 +30,10 @@ pub(super) fn base(
         Some(table) if key.is_some() => (table.nodes.clone(), Arc::clone(&table.basis)),
         _ => tabulated(film, grid, index, &mixture.gaps_nm, table.map(|table| &table.nodes))?,
     };
-    *kept = Some(key.unwrap_or_else(|| FilmKey::new(film, grid, index, &mixture.gaps_nm)));
+    *kept = match has_own_areas(film) {
+        true => None,
+        false => Some(key.unwrap_or_else(|| FilmKey::new(film, grid, index, &mixture.gaps_nm))),
+    };
     let inactive = film.inactive_reflectance.map(|r| (1.0 - film.fill_factor) * (1.0 - r));
     let table = mixture.table(nodes, reflectance, film);
     Ok(Base { reflector: Reflector::Specular(table), inactive_absorptance: inactive })
@@ -253,8 +256,9 @@ impl Mixture {
         }
         let mut fractions = vec![0.0; film.states.len() * gaps.len()];
         for part in &parts {
-            let fraction = film.fill_factor * film.sub_pixels[part.sub_pixel].area * part.on;
-            fractions[part.state * gaps.len() + part.gap] += fraction;
+            let of_pixel = || film.fill_factor * film.sub_pixels[part.sub_pixel].area;
+            let own = film.states[part.state].areas.as_ref().map(|areas| areas[part.sub_pixel]);
+            fractions[part.state * gaps.len() + part.gap] += own.unwrap_or_else(of_pixel) * part.on;
         }
         let (owners, gaps_nm) = gaps.into_iter().unzip();
         Ok(Self { gaps_nm, owners, parts, fractions })
@@ -262,8 +266,33 @@ impl Mixture {
 
     /// Returns the table of the states on these nodes.
     pub(crate) fn table(&self, nodes: Nodes, basis: Arc<[f64]>, film: &FilmPixel) -> AngularTable {
-        AngularTable { nodes, basis, mixture: self.fractions.clone(), common: common(film) }
+        if !has_own_areas(film) {
+            return AngularTable { nodes, basis, mixture: self.fractions.clone(), common: common(film) };
+        }
+        // The inactive area differs from state to state: one more part of the mixtures.
+        let gaps = self.gaps_nm.len();
+        let inactive = |state: &[f64]| 1.0 - state.iter().sum::<f64>();
+        let states = self.fractions.chunks_exact(gaps);
+        let mixture = states.flat_map(|state| state.iter().copied().chain([inactive(state)])).collect();
+        let common = vec![0.0; film.inactive_reflectance.len()];
+        AngularTable {
+            nodes,
+            basis: with_constant(&basis, gaps, &film.inactive_reflectance),
+            mixture,
+            common,
+        }
     }
+}
+
+/// The basis of a table of this many gaps with one more, a reflectance that does not depend on angle.
+pub(crate) fn with_constant(basis: &[f64], gaps: usize, constant: &Spectrum) -> Arc<[f64]> {
+    let rows = basis.chunks_exact(gaps * constant.len());
+    rows.flat_map(|row| row.iter().chain(constant.iter()).copied()).collect()
+}
+
+/// Whether the sub-pixels have areas of their own in a state.
+fn has_own_areas(film: &FilmPixel) -> bool {
+    film.states.iter().any(|state| state.areas.is_some())
 }
 
 /// Returns the reflectance that all states of a film have in common: that of the inactive area.
@@ -415,7 +444,7 @@ mod tests {
             dark_gap_nm: None,
             fill_factor: 1.0,
             inactive_reflectance: Spectrum::from_values(vec![0.0; bins]),
-            states: vec![FilmState { name: "on".to_owned(), drives: vec![Drive::Share(1.0)] }],
+            states: vec![FilmState { name: "on".to_owned(), drives: vec![Drive::Share(1.0)], areas: None }],
         }
     }
 

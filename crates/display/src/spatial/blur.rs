@@ -48,6 +48,8 @@ pub(crate) struct Blur {
     pub(super) states: usize,
     /// Light via the pixel over that which meets it once, on pages, `[light][X, Y, Z][state]`.
     pub(super) gains: Vec<f64>,
+    /// For each state the state of the pixel of which it is a part; itself, if it is none.
+    pub(super) wholes: Vec<usize>,
 }
 
 /// A picture below a diffuser.
@@ -109,7 +111,13 @@ impl Blur {
             }
             kernels.extend(sums);
         }
-        Ok(Some(Self { squares, shapes: Shapes::of(&kernels, missed), states, gains: all_gains }))
+        Ok(Some(Self {
+            squares,
+            shapes: Shapes::of(&kernels, missed),
+            states,
+            wholes: (0..states).collect(),
+            gains: all_gains,
+        }))
     }
 
     /// Spread of the brightest state of a scene in Y: the part of its light in each pixel up to `reach` pixels away, by rows. `None` as for
@@ -132,6 +140,18 @@ impl Blur {
             }
         }
         Ok(Some(spread))
+    }
+
+    /// States that are parts of pixels: they stand so close to each other that layers return to them the light of the whole.
+    pub(crate) fn with_wholes(mut self, wholes: &[usize]) -> Self {
+        if !wholes.is_empty() {
+            self.wholes = wholes.to_vec();
+            for gains in self.gains.chunks_exact_mut(self.states) {
+                let own = gains.to_vec();
+                gains.iter_mut().zip(wholes).for_each(|(gain, whole)| *gain = own[*whole]);
+            }
+        }
+        self
     }
 
     /// Number of shapes of all kernels.
@@ -169,13 +189,13 @@ impl Blur {
             for (kernel, gain) in kernels.iter().zip(gains) {
                 row.extend(kernel.iter().zip(&light).map(|(weight, light)| gain * weight * light));
             }
-            for k in 0..3 {
-                let of_state = |(state, page): (usize, &[f64; 3])| {
-                    let kernel = k * self.states + state;
-                    shown[state] * (page[k] - gains[kernel] * self.near(&kernels[kernel]))
+            row.extend((0..3).map(|k| {
+                let of_state = |(shown, whole): (&f64, &usize)| {
+                    let kernel = k * self.states + whole;
+                    shown * (pages[*whole][k] - gains[kernel] * self.near(&kernels[kernel]))
                 };
-                row.push(pages.iter().enumerate().map(of_state).sum());
-            }
+                shown.iter().zip(&self.wholes).map(of_state).sum::<f64>()
+            }));
             row
         };
         pages.iter().enumerate().map(of_scene).collect()

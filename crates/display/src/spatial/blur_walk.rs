@@ -103,7 +103,10 @@ impl Blur {
         let first = |cell: i64| [cell % side - reach, cell / side - reach];
         let squares = (0..side * side).map(|cell| PixelSquare { first: first(cell), side: 1 });
         let shapes = Shapes { shapes, mixtures: all, missed };
-        Ok(Some((Self { squares: squares.collect(), shapes, states, gains }, error)))
+        Ok(Some((
+            Self { squares: squares.collect(), shapes, states, gains, wholes: (0..states).collect() },
+            error,
+        )))
     }
 }
 

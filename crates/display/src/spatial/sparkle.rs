@@ -418,7 +418,7 @@ fn of_sub_pixels(scene: &Scene, film: &FilmPixel, theta_deg: f64) -> Result<Vec<
         alone.display.pixel = scene::Pixel::Film(FilmPixel {
             sub_pixels: vec![scene::SubPixel { area: 1.0, ..film.sub_pixels[number].clone() }],
             fill_factor: 1.0,
-            states: vec![FilmState { name: STATE.to_owned(), drives: vec![*drive] }],
+            states: vec![FilmState { name: STATE.to_owned(), drives: vec![*drive], areas: None }],
             ..film.clone()
         });
         let scan = pixel::scan(&alone, &[theta_deg.abs()])?;

@@ -25,6 +25,7 @@ mod levels_that_agree;
 mod lights;
 mod mtf;
 mod picture;
+mod picture_samples;
 mod placed;
 mod prepared;
 mod sub_pixels;

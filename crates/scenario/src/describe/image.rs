@@ -43,6 +43,8 @@ table! {
         /// Whether the eye is at `viewer.distance_mm` from the middle of the panel and sees each part of it in its own direction (with
         /// `display.matrix`), or all of it in the direction of the view.
         perspective: bool = true,
+        /// Samples along each side of a pixel in seen.png and seen.exr. With more than one, sub-pixels are seen at their places.
+        samples_per_pixel as "Samples along a pixel": Count<1, 32> = Count(1),
         /// What lies beyond the borders of the picture. Below a flat face that lights Lambertian pixels, it repeats.
         surround: ImageSurround = ImageSurround::Repeat,
     }

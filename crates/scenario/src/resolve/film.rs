@@ -125,7 +125,8 @@ impl Resolver<'_> {
     fn states(&mut self, pixel: &describe::FilmPixel, sub_pixels: &[SubPixel]) -> Option<Vec<FilmState>> {
         let mut states = if pixel.default_states.value { default_states(sub_pixels) } else { Vec::new() };
         for item in &pixel.states.0 {
-            let state = FilmState { name: item.name.clone(), drives: self.drives(item, sub_pixels)? };
+            let state =
+                FilmState { name: item.name.clone(), drives: self.drives(item, sub_pixels)?, areas: None };
             match states.iter_mut().find(|known| known.name == item.name) {
                 Some(known) => *known = state,
                 None => states.push(state),
@@ -242,7 +243,7 @@ fn default_states(sub_pixels: &[SubPixel]) -> Vec<FilmState> {
         for (i, share) in [red, green, blue].into_iter().zip(shares) {
             drives[i] = Drive::Share(share);
         }
-        FilmState { name: name.to_owned(), drives }
+        FilmState { name: name.to_owned(), drives, areas: None }
     };
     DEFAULT_STATES.map(state).to_vec()
 }

@@ -4,7 +4,7 @@ use papilio_spectra::Spectrum;
 use papilio_transport::{AngularTable, Base, Reflector};
 
 use crate::DisplayError;
-use crate::pixel::film::Mixture;
+use crate::pixel::film::{Mixture, with_constant};
 use crate::scene::{Matrix, Pixel, Scene};
 use crate::setup::{Setup, base_under};
 
@@ -45,7 +45,7 @@ impl Surfaces {
         for state in &mut states {
             state.push(Part { sub_pixel: sub_pixels, surface: inactive, fraction: 1.0 });
         }
-        let table = with_constant(table, &film.inactive_reflectance, grid.len());
+        let table = each_alone(table, &film.inactive_reflectance);
         let base = Base {
             reflector: Reflector::Specular(table),
             inactive_absorptance: vec![0.0; grid.len()].into(),
@@ -55,17 +55,14 @@ impl Surfaces {
 }
 
 /// A table whose states are the basis of another, and a reflectance that does not depend on angle.
-fn with_constant(table: &AngularTable, constant: &Spectrum, bins: usize) -> AngularTable {
-    let width = table.basis_count() * bins;
-    let rows = table.basis.chunks_exact(width);
-    let basis: Vec<f64> = rows.flat_map(|row| row.iter().chain(constant.iter()).copied()).collect();
+fn each_alone(table: &AngularTable, constant: &Spectrum) -> AngularTable {
     let count = table.basis_count() + 1;
     let unit = |k: usize| if k / count == k % count { 1.0 } else { 0.0 };
     AngularTable {
         nodes: table.nodes.clone(),
-        basis: basis.into(),
+        basis: with_constant(&table.basis, count - 1, constant),
         mixture: (0..count * count).map(unit).collect(),
-        common: vec![0.0; bins],
+        common: vec![0.0; constant.len()],
     }
 }
 
