@@ -103,8 +103,9 @@ impl Image {
     /// The content of `seen.png`.
     fn png(&self, py: Python<'_>) -> PyResult<Vec<u8>> {
         let mut bytes = Vec::new();
-        let written =
-            py.detach(|| write_rgb_png(&mut bytes, self.of.seen_size()[0], &self.of.on_screen, false));
+        let is_display_p3 = self.of.space == ScreenSpace::DisplayP3;
+        let across = self.of.seen_size()[0];
+        let written = py.detach(|| write_rgb_png(&mut bytes, across, &self.of.on_screen, is_display_p3));
         written.map_err(|error| errors::internal(&error.to_string()))?;
         Ok(bytes)
     }
