@@ -17,7 +17,7 @@ use crate::{Failure, output, print_message};
 pub(crate) const ABOUT: &str = "about.json";
 
 /// Files that contain the hash of their scenario.
-const WITH_HASH: [&str; 8] = [
+const WITH_HASH: [&str; 9] = [
     "result.json",
     "cone.json",
     "mtf.json",
@@ -25,6 +25,7 @@ const WITH_HASH: [&str; 8] = [
     "sparkle.json",
     "palette.json",
     "image.json",
+    "audit.json",
     ABOUT,
 ];
 

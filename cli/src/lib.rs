@@ -13,6 +13,7 @@ mod completions;
 mod crosstalk;
 mod diffuser;
 mod folder;
+mod gonio;
 mod image;
 mod input;
 mod interrupt;
@@ -166,6 +167,7 @@ fn missing_feature(command: &Command) -> Option<String> {
         Command::Tolerance(tolerance) => (tolerance.png, false),
         Command::Mtf(of_place) | Command::Crosstalk(of_place) => (of_place.spatial.png, false),
         Command::Sparkle(of_place) => (of_place.png, false),
+        Command::Gonio(gonio) => (gonio.png, false),
         Command::Sweep(sweep) => {
             let merge = sweep.command.as_ref().map(|SweepCommand::Merge(merge)| &merge.outputs);
             let outputs = merge.unwrap_or(&sweep.outputs);
@@ -204,6 +206,7 @@ pub fn main(arguments: &[OsString]) -> u8 {
         Command::Completions(arguments) => completions::run(&arguments),
         Command::New(arguments) => new::run(&arguments),
         Command::Migrate(arguments) => migrate::run(&arguments),
+        Command::Gonio(arguments) => gonio::gonio(&arguments),
         Command::Mtf(arguments) => mtf::mtf(&arguments),
         Command::Optimize(arguments) => optimize::run(&arguments),
         Command::Pixel(arguments) => pixel::pixel(&arguments),

@@ -21,6 +21,7 @@ pub(crate) fn schema(of: &Schema) -> Result<(), Failure> {
         Schema { crosstalk: true, .. } => papilio_formats::crosstalk_schema(),
         Schema { sparkle: true, .. } => papilio_formats::sparkle_schema(),
         Schema { image: true, .. } => papilio_formats::image_schema(),
+        Schema { audit: true, .. } => papilio_formats::surface_audit_schema(),
         Schema { palette: true, .. } => papilio_formats::palette_schema(),
         _ => papilio_scenario::schema(),
     };

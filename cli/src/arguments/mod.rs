@@ -13,7 +13,7 @@ pub(crate) use self::diffuser::{
     Calibrate, Convert, Diffuser, FitArguments, Format, Inspect, LobeModel, Measure, PartName, Steps,
 };
 pub(crate) use self::spatial::{
-    ImageCommand, PaletteCommand, RelativeTo, SolvedSpatially, Space, SpatialCommand,
+    Gonio, ImageCommand, PaletteCommand, RelativeTo, SolvedSpatially, Space, SpatialCommand,
 };
 pub(crate) use self::studies::{
     Optimize, Sweep, SweepCommand, SweepMerge, SweepOutputs, SweepRun, Tolerance,
@@ -89,6 +89,12 @@ pub(crate) enum Command {
                       It writes palette.json, and the colours as .gpl, .css, .ase, .act and for dithering tools. docs/palette.md \
                       describes them.")]
     Palette(PaletteCommand),
+    /// Measure a surface with a virtual goniometer: where its bumps, roughness or profile send the light
+    #[command(after_help = "Examples:\n  \
+                      papilio gonio surfaces/hemispheres.toml\n  \
+                      papilio gonio surfaces/etched.toml --preview --set microgeometry.rms_nm=400\n\n\
+                      It writes totals.csv, audit.json and the kernel of both sides, face.npz. docs/gonio.md describes them.")]
+    Gonio(Gonio),
     /// Compare a simulated display with a measured panel: spectra, colours and gamut, with figures
     #[command(after_help = "Example:\n  \
                       papilio run scenarios/overcast.toml\n  \
@@ -182,6 +188,9 @@ pub(crate) struct Schema {
     /// Print the JSON Schema of image.json instead
     #[arg(long, group = "of")]
     pub(crate) image: bool,
+    /// Print the JSON Schema of audit.json of a surface instead
+    #[arg(long, group = "of")]
+    pub(crate) audit: bool,
 }
 
 #[derive(Debug, Args)]

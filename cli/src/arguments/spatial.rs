@@ -23,6 +23,28 @@ pub(crate) struct SpatialCommand {
     pub(crate) workers: Workers,
 }
 
+/// A surface.
+#[derive(Debug, Args)]
+pub(crate) struct Gonio {
+    #[command(flatten)]
+    pub(crate) scenario: ScenarioArguments,
+    /// Follow a ninth of the rays: three times the error
+    #[arg(long)]
+    pub(crate) preview: bool,
+    /// Print the audit as JSON on standard output; write files only if --out is given
+    #[arg(long)]
+    pub(crate) json: bool,
+    /// Write each figure as PNG too
+    #[arg(long)]
+    pub(crate) png: bool,
+    /// Seed of random numbers; sets microgeometry.seed
+    #[arg(long, value_name = "N", allow_negative_numbers = true)]
+    #[arg(value_parser = clap::value_parser!(u64).range(..=i64::MAX as u64))]
+    pub(crate) seed: Option<u64>,
+    #[command(flatten)]
+    pub(crate) workers: Workers,
+}
+
 /// A picture on a display.
 #[derive(Debug, Args)]
 pub(crate) struct ImageCommand {

@@ -8,6 +8,7 @@ use papilio_spectra::SpectraError;
 use crate::bsdf::BsdfProblem;
 use crate::light::MapProblem;
 use crate::picture::PictureProblem;
+use crate::surface::SurfaceProblem;
 
 /// Error of a data file: what is wrong, and where.
 ///
@@ -185,6 +186,8 @@ pub enum Problem {
     Map(Box<MapProblem>),
     /// An error of a picture.
     Picture(Box<PictureProblem>),
+    /// An error of a map of heights.
+    Surface(Box<SurfaceProblem>),
     /// An error of a luminaire file.
     Ies {
         /// What is wrong.
@@ -267,6 +270,7 @@ impl Problem {
             Self::Ies { what } => Diagnostic::new(format!("this IES LM-63 file cannot be used: {what}")),
             Self::Map(problem) => problem.diagnostic(),
             Self::Picture(problem) => problem.diagnostic(),
+            Self::Surface(problem) => problem.diagnostic(),
             Self::Bsdf(problem) => problem.diagnostic(),
             Self::Spectra(error) => {
                 let sign = matches!(error, SpectraError::NoIndex { k, .. } if *k < 0.0);

@@ -13,6 +13,7 @@
 //! | [`read_measured_panel`] | spectra or X, Y, Z of the states of a panel |
 //! | [`read_result`] | `result.json` |
 //! | [`read_picture`] | PNG and JPEG pictures as linear X, Y, Z (detected from the content) |
+//! | [`read_heights`] | maps of heights in several formats (detected from the content) |
 //! | [`read_bsdf`] | measured scattering in several formats (detected from the content) |
 //!
 //! | writer | output |
@@ -27,6 +28,7 @@
 //! | [`write_comparison`], [`write_compared_spectra`] | a comparison with a measured panel |
 //! | [`AuditFile`], [`FitFile`] with [`write_json`] | audit of a measurement, fitted lobes |
 //! | [`write_rgb_png`], [`write_indexed_png`], [`write_scene_exr`] | pictures: encoded colours, numbers of states, linear light |
+//! | [`SurfaceAuditFile`] with [`write_json`], [`write_totals`], [`write_face`] | `audit.json`, `totals.csv`, `face.npz` of a surface |
 //! | [`write_bsdf`] | `display-bsdf.npz` |
 //! | [`write_measurement`] | measured scattering in a [`BsdfFormat`] |
 //!
@@ -56,6 +58,7 @@ mod cone;
 mod crosstalk;
 mod error;
 mod file;
+mod gonio;
 mod index;
 mod journal;
 mod json;
@@ -74,6 +77,7 @@ mod sparkle;
 mod spatial;
 mod spectrum;
 mod study;
+mod surface;
 mod sweep;
 mod sweep_columns;
 mod sweep_json;
@@ -99,6 +103,7 @@ pub use cone::{CONE_QUANTITIES, ConeFile, cone_quantities, write_cone_csv, write
 pub use crosstalk::{CrosstalkFile, crosstalk_schema, write_crosstalk_csv, write_patterns_csv};
 pub use error::{FormatError, Problem};
 pub use file::{DataFile, LARGEST_FILE, write_file};
+pub use gonio::{SurfaceAuditFile, surface_audit_schema, write_face, write_totals};
 pub use index::{read_index, read_index_within};
 pub use journal::{
     Journal, JournalNumber, JournalRow, JournalRows, Journals, LARGEST_JOURNAL, LockedJournal, RowsHead,
@@ -124,6 +129,7 @@ pub use sparkle::{SparkleFile, sparkle_schema, write_sparkle};
 pub use spatial::{SpatialFile, TitledFile, image_schema, palette_schema};
 pub use spectrum::{read_fractions, read_light, read_spectrum};
 pub use study::write_study;
+pub use surface::{HeightFile, SurfaceProblem, read_heights};
 pub use sweep::{
     LightHead, SweepHead, SweepHeadAxis, SweepJournal, SweepPoint, sweep_place, sweep_value, write_sweep_csv,
 };

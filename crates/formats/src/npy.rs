@@ -74,3 +74,39 @@ impl Items<'_> {
 fn longest(texts: &[&str]) -> usize {
     texts.iter().map(|text| text.chars().count()).max().unwrap_or(0).max(1)
 }
+
+/// The header of a `.npy`.
+pub(crate) struct Header {
+    pub(crate) kind: String,
+    pub(crate) shape: Vec<usize>,
+}
+
+impl Header {
+    /// Returns the header and the data after it.
+    pub(crate) fn of(bytes: &[u8]) -> Option<(Self, &[u8])> {
+        let rest = bytes.strip_prefix(b"\x93NUMPY")?;
+        let (length, begins) = match *rest.first()? {
+            1 => (usize::from(u16::from_le_bytes([*rest.get(2)?, *rest.get(3)?])), 4),
+            2 | 3 => {
+                (u32::from_le_bytes([*rest.get(2)?, *rest.get(3)?, *rest.get(4)?, *rest.get(5)?]) as usize, 6)
+            }
+            _ => return None,
+        };
+        let end = length.checked_add(begins)?;
+        let text = std::str::from_utf8(rest.get(begins..end)?).ok()?;
+        let after = |key: &str| text.split_once(key).map(|(_, rest)| rest.trim_start());
+        if !after("'fortran_order':")?.starts_with("False") {
+            return None;
+        }
+        let kind = after("'descr':")?.strip_prefix('\'')?.split_once('\'')?.0.to_owned();
+        let shape = after("'shape':")?.strip_prefix('(')?.split_once(')')?.0;
+        let lengths = shape.split(',').map(str::trim).filter(|length| !length.is_empty());
+        let shape = lengths.map(|length| length.parse().ok()).collect::<Option<Vec<usize>>>()?;
+        Some((Self { kind, shape }, &rest[end..]))
+    }
+
+    /// Number of items; `None` if it is beyond all memory.
+    pub(crate) fn count(&self) -> Option<usize> {
+        self.shape.iter().try_fold(1_usize, |count, length| count.checked_mul(*length))
+    }
+}

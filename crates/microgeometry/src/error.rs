@@ -1,6 +1,6 @@
-//! What can be wrong with a surface.
+//! What can be wrong with a surface or its measurement.
 
-/// What can be wrong with a surface.
+/// What can be wrong with a surface or its measurement.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum MicrogeometryError {
     /// A map has the wrong number of heights.
@@ -13,9 +13,11 @@ pub enum MicrogeometryError {
         /// Heights that were given.
         heights: usize,
     },
-    /// A height is not a finite number, or a distance between heights is not positive.
-    #[error("the {what} of a height map is {value}, not a {wanted} number")]
+    /// A number is not finite, or not positive.
+    #[error("the {what} of {of} is {value} (expected a {wanted} number)")]
     NotANumber {
+        /// The thing.
+        of: &'static str,
         /// The quantity, with its unit.
         what: &'static str,
         /// Its value.
@@ -23,4 +25,58 @@ pub enum MicrogeometryError {
         /// "finite" or "positive".
         wanted: &'static str,
     },
+    /// A cap would be more than a hemisphere.
+    #[error(
+        "the aperture radius of a cap, {aperture_um} um, is beyond the radius of its ball, {radius_um} um (expected at most a hemisphere)"
+    )]
+    ApertureBeyondRadius {
+        /// Radius of the rim, um.
+        aperture_um: f64,
+        /// Radius of the ball, um.
+        radius_um: f64,
+    },
+    /// Neighbours in a lattice overlap.
+    #[error(
+        "caps with an aperture radius of {aperture_um} um overlap at a pitch of {pitch_um} um (expected a pitch of at least {}; only random places may overlap)",
+        2.0 * aperture_um
+    )]
+    CapsOverlap {
+        /// Radius of the rims, um.
+        aperture_um: f64,
+        /// Distance of neighbours, um.
+        pitch_um: f64,
+    },
+    /// A random face is described by too few numbers, or by some that contradict each other.
+    #[error("{wrong}")]
+    RandomFace {
+        /// What is wrong, what was expected, and a hint.
+        wrong: String,
+    },
+    /// Rays were lost.
+    #[error(
+        "{lost} of {rays} rays were lost in the surface (expected none): its facets may be narrower than numbers can resolve"
+    )]
+    LostRays {
+        /// Lost ones.
+        lost: u64,
+        /// All.
+        rays: u64,
+    },
+    /// The kernel contradicts a law beyond its errors.
+    #[error(
+        "the kernel of the surface contradicts {law}: root mean square of {z_rms:.2} standard errors over {count} tests (expected at most {most})"
+    )]
+    Law {
+        /// "reciprocity" or "the conservation of energy".
+        law: &'static str,
+        /// Root mean square of the z-scores.
+        z_rms: f64,
+        /// Number of z-scores.
+        count: usize,
+        /// The limit.
+        most: f64,
+    },
+    /// The measurement was stopped.
+    #[error("interrupted")]
+    Interrupted,
 }

@@ -21,10 +21,20 @@ impl HeightMap {
             return Err(MicrogeometryError::NumberOfHeights { columns, rows, heights: heights_um.len() });
         }
         if let Some(value) = pitch_um.into_iter().find(|pitch| !(pitch.is_finite() && *pitch > 0.0)) {
-            return Err(MicrogeometryError::NotANumber { what: "pitch (um)", value, wanted: "positive" });
+            return Err(MicrogeometryError::NotANumber {
+                of: "a height map",
+                what: "pitch (um)",
+                value,
+                wanted: "positive",
+            });
         }
         if let Some(value) = heights_um.iter().copied().find(|height| !height.is_finite()) {
-            return Err(MicrogeometryError::NotANumber { what: "height (um)", value, wanted: "finite" });
+            return Err(MicrogeometryError::NotANumber {
+                of: "a height map",
+                what: "height (um)",
+                value,
+                wanted: "finite",
+            });
         }
         Ok(Self { columns, pitch_um, heights_um })
     }
@@ -48,4 +58,74 @@ impl HeightMap {
     pub fn heights_um(&self) -> &[f64] {
         &self.heights_um
     }
+
+    /// The map without its mean plane: that of the least squares of the differences.
+    #[must_use]
+    pub fn levelled(&self) -> Self {
+        let (columns, rows) = (self.columns as f64, self.rows() as f64);
+        let (mut mean, mut along) = (0.0, [0.0; 2]);
+        let place = |at: usize| {
+            let (row, column) = (at / self.columns, at % self.columns);
+            [column as f64 - 0.5 * (columns - 1.0), row as f64 - 0.5 * (rows - 1.0)]
+        };
+        for (at, height) in self.heights_um.iter().enumerate() {
+            let [x, y] = place(at);
+            mean += height;
+            along[0] += x * height;
+            along[1] += y * height;
+        }
+        // On a grid about its middle, the three terms are orthogonal.
+        let squares = |count: f64| count * (count * count - 1.0) / 12.0;
+        let slopes = [
+            if columns > 1.0 { along[0] / (squares(columns) * rows) } else { 0.0 },
+            if rows > 1.0 { along[1] / (squares(rows) * columns) } else { 0.0 },
+        ];
+        mean /= columns * rows;
+        let level = |(at, height): (usize, &f64)| {
+            let [x, y] = place(at);
+            height - mean - slopes[0] * x - slopes[1] * y
+        };
+        Self { heights_um: self.heights_um.iter().enumerate().map(level).collect(), ..self.clone() }
+    }
+
+    /// The map with its mirror images beside and above it: a period without steps.
+    #[must_use]
+    pub fn mirrored(&self) -> Self {
+        let rows = self.heights_um.chunks_exact(self.columns);
+        let doubled = rows.map(|row| row.iter().chain(row.iter().rev()).copied().collect::<Vec<f64>>());
+        let below: Vec<Vec<f64>> = doubled.collect();
+        let heights_um = below.iter().chain(below.iter().rev()).flatten().copied().collect();
+        Self { columns: 2 * self.columns, pitch_um: self.pitch_um, heights_um }
+    }
+
+    /// Statistics of the heights and of the slopes between neighbours.
+    pub fn statistics(&self) -> HeightStatistics {
+        let count = self.heights_um.len() as f64;
+        let mean = self.heights_um.iter().sum::<f64>() / count;
+        let square = |sum: f64| (sum / count).sqrt();
+        let slope = |axis: usize| {
+            let of = |at: usize| {
+                let (row, column) = (at / self.columns, at % self.columns);
+                let next = match axis {
+                    0 => row * self.columns + (column + 1) % self.columns,
+                    _ => (row + 1) % self.rows() * self.columns + column,
+                };
+                ((self.heights_um[next] - self.heights_um[at]) / self.pitch_um[axis]).powi(2)
+            };
+            square((0..self.heights_um.len()).map(of).sum())
+        };
+        HeightStatistics {
+            rms_um: square(self.heights_um.iter().map(|height| (height - mean).powi(2)).sum()),
+            slope_rms: [slope(0), slope(1)],
+        }
+    }
+}
+
+/// Statistics of a height map.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct HeightStatistics {
+    /// Root mean square height about the mean, um.
+    pub rms_um: f64,
+    /// Root mean square slope between neighbours along x and y.
+    pub slope_rms: [f64; 2],
 }

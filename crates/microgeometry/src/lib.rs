@@ -1,10 +1,28 @@
 //! From the geometry of a surface to its scattering: a virtual goniometer.
 //!
-//! A surface between two media is computed by rays or by waves. Lengths are in micrometres; x is along the columns of a height map,
+//! A [`Surface`] between two media is measured by rays: [`Goniometer`]. Lengths are in micrometres; x is along the columns of a height map,
 //! y along its rows, and z points up, into the medium above.
 
+mod bands;
+mod caps;
 mod error;
+mod goniometer;
 mod height_map;
+mod heights;
+mod kernel;
+mod path;
+mod random;
+mod ray;
+mod surface;
+#[cfg(test)]
+mod tests;
 
+pub use bands::Bands;
+pub use caps::{Caps, Lattice};
 pub use error::MicrogeometryError;
-pub use height_map::HeightMap;
+pub use goniometer::{Goniometer, Measured, REPLICATES, Replicate, Total};
+pub use height_map::{HeightMap, HeightStatistics};
+pub use kernel::{Audit, Kernel};
+pub use random::{RandomHeights, Spectrum};
+pub use ray::Side;
+pub use surface::Surface;

@@ -16,6 +16,7 @@
 //! - An [`Optimisation`] is a scenario with variables, objectives and constraints.
 //! - A [`ParameterisedScenario`] is a scenario some of whose keys get values one set after the other.
 //! - A [`Tolerance`] is a [`ParameterisedScenario`] with distributions of its keys, and limits.
+//! - A [`SurfaceScenario`] is not a scenario of a display, but the geometry of a surface, for `papilio gonio`.
 //! - The [hash](Resolved::hash) identifies the computation: the scenario with all its
 //!   defaults, and the bytes of its files.
 //!
@@ -74,6 +75,7 @@ mod scenario;
 mod schema;
 mod set;
 mod source;
+mod surface;
 mod sweep;
 mod tolerance;
 mod tree;
@@ -105,6 +107,7 @@ pub use resolve::ImageRequest;
 pub use resolve::VirtualMeasurement;
 pub use scenario::{Resolved, Scenario};
 pub use schema::schema;
+pub use surface::{ResolvedSurface, SurfaceScenario};
 pub use sweep::{LightSweep, Sweep};
 pub use tolerance::{ReportedMetric, ScatteredKey, Tolerance, ToleranceLimit};
 pub use varied::ParameterisedScenario;

@@ -2,7 +2,7 @@
 
 use crate::describe::{
     File, Spectrum, diffuser, display, environment, image, layers, lighting, limits, matrix, measure,
-    metrics, optimize, pattern, pixel, solver, sparkle, sweep, tolerance, viewer,
+    metrics, microgeometry, optimize, pattern, pixel, solver, sparkle, sweep, tolerance, viewer,
 };
 use crate::read::Table;
 use crate::schema::{Default, Row, toml};
@@ -60,6 +60,13 @@ pub(crate) fn tables() -> Vec<(&'static str, Vec<Row>)> {
         ("pattern", pattern::Pattern::rows()),
         ("sparkle", sparkle::Sparkle::rows()),
         ("image", image::Image::rows()),
+        ("surface", microgeometry::SurfaceFile::rows()),
+        ("microgeometry flat", microgeometry::Flat::rows()),
+        ("microgeometry caps", microgeometry::Caps::rows()),
+        ("microgeometry height-map", microgeometry::HeightMap::rows()),
+        ("microgeometry gaussian", microgeometry::Gaussian::rows()),
+        ("microgeometry exponential", microgeometry::Exponential::rows()),
+        ("microgeometry psd", microgeometry::Psd::rows()),
         ("sweep", sweep::Sweep::rows()),
         ("optimize", optimize::Optimize::rows()),
         ("optimize.variables", optimize::Variable::rows()),

@@ -407,7 +407,7 @@ fn replaced_rectangles(file: &Node, set: &Node) -> Option<String> {
 }
 
 /// Sorts the keys of all objects in a value.
-fn sorted(value: Value) -> Value {
+pub(crate) fn sorted(value: Value) -> Value {
     match value {
         Value::Object(keys) => {
             let mut keys: Vec<_> = keys.into_iter().map(|(key, value)| (key, sorted(value))).collect();

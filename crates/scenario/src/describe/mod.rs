@@ -12,6 +12,7 @@ pub(crate) mod limits;
 pub(crate) mod matrix;
 pub(crate) mod measure;
 pub(crate) mod metrics;
+pub(crate) mod microgeometry;
 pub(crate) mod numbers;
 pub(crate) mod optimize;
 pub(crate) mod pattern;

@@ -116,6 +116,14 @@ number!(
     Micrometres, Range::from_to(0.0, 1e5).unit("um")
 );
 number!(
+    /// A length, or another positive number, of a surface.
+    SurfaceLength, Range::above_0_to(1e6)
+);
+number!(
+    /// A root mean square height, nm.
+    RmsHeight, Range::above_0_to(1e6).unit("nm")
+);
+number!(
     /// The root mean square slope of a face along one axis.
     FaceSlope, Range::from_to(0.0001, 0.5).unit("root mean square slope")
 );

@@ -1,0 +1,298 @@
+//! The virtual goniometer: where a surface sends the light of an inclination, from either side.
+//!
+//! **Estimate.** Rays start uniformly over a period of the surface, with all azimuths: the result is that of the surface turned about its normal,
+//! as for a lamp or a scan of all azimuths. Starts are Owen-scrambled Sobol points.
+//!
+//! **Errors.** All numbers are means over [`REPLICATES`] independent replicates, and their standard errors follow from the differences of
+//! these. A random surface has another realisation in each replicate, so that its own variation is a part of the error.
+//!
+//! **Threads.** Replicates are independent: [`Goniometer::replicate`] may be called in any order on any thread, and
+//! [`Goniometer::totals`] combines them.
+
+use std::f64::consts::PI;
+
+use papilio_sampling::{SampleStream, Sampler};
+
+use crate::bands::{AZIMUTHS, Bands};
+use crate::path::{Leaves, follow};
+use crate::ray::{Face, Ray, Side};
+use crate::{Kernel, MicrogeometryError, Surface};
+
+/// Number of replicates.
+pub const REPLICATES: u64 = 32;
+
+/// Light that may be lost by rounding, as a fraction of all: more is refused.
+const MOST_LOST: f64 = 1e-6;
+
+/// A virtual goniometer.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Goniometer {
+    /// Index of the medium above, 1 for air.
+    pub index_above: f64,
+    /// Index of the medium below.
+    pub index_below: f64,
+    /// Inclinations of the light in its own medium, degrees, 0 to below 90.
+    pub incidence_deg: Vec<f64>,
+    /// Rays of each replicate for each inclination and side, and for each band of the kernel.
+    pub rays: u64,
+    /// Seed.
+    pub seed: u64,
+}
+
+/// Where the light of an inclination goes.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Total {
+    /// Side from which the light comes.
+    pub from: Side,
+    /// Inclination of the light in its medium, degrees.
+    pub theta_deg: f64,
+    /// Fraction that is reflected.
+    pub reflected: Measured,
+    /// Fraction that is reflected with |beta| above 1: towards directions that do not exist in air.
+    pub reflected_beyond: Measured,
+    /// Fraction that is transmitted.
+    pub transmitted: Measured,
+    /// Fraction that is transmitted with |beta| above 1.
+    pub transmitted_beyond: Measured,
+    /// Fraction that is reflected exactly as by a flat face; a part of `reflected`.
+    pub regular_reflected: Measured,
+    /// Fraction that is transmitted exactly as by a flat face; a part of `transmitted`.
+    pub regular_transmitted: Measured,
+    /// Mean number of facets that light meets.
+    pub mean_facets: Measured,
+}
+
+/// A mean over replicates.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Measured {
+    /// The mean.
+    pub value: f64,
+    /// Its standard error.
+    pub error: f64,
+}
+
+impl Measured {
+    /// The mean of the values of replicates, and its standard error.
+    pub fn of(values: impl Iterator<Item = f64> + Clone) -> Self {
+        let count = values.clone().count() as f64;
+        let mean = values.clone().sum::<f64>() / count;
+        let squares: f64 = values.map(|value| (value - mean).powi(2)).sum();
+        Self { value: mean, error: (squares / (count * (count - 1.0))).sqrt() }
+    }
+}
+
+/// Sums of a replicate.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Replicate {
+    /// Of each side and inclination: the quantities of [`Total`] in their order.
+    rows: Vec<[f64; QUANTITIES]>,
+    /// Light of bands that is scattered to others, `[from][to][azimuth]`.
+    pub(crate) scattered: Vec<f64>,
+    /// Light of bands that is reflected and transmitted as by a flat face.
+    pub(crate) regular: Vec<[f64; 2]>,
+    /// Light that was lost, and rays.
+    pub(crate) lost: f64,
+    pub(crate) rays: u64,
+}
+
+const QUANTITIES: usize = 7;
+
+impl Goniometer {
+    /// Follows the rays of a replicate, `number` from 0 to [`REPLICATES`]. `stop` is called often; true interrupts.
+    ///
+    /// # Errors
+    /// Surfaces that cannot be made; [`MicrogeometryError::Interrupted`].
+    pub fn replicate(
+        &self,
+        surface: &Surface,
+        number: u64,
+        stop: &dyn Fn() -> bool,
+    ) -> Result<Replicate, MicrogeometryError> {
+        for (what, value) in [("index above", self.index_above), ("index below", self.index_below)] {
+            if !(value.is_finite() && value > 0.0) {
+                return Err(MicrogeometryError::NotANumber {
+                    of: "a surface",
+                    what,
+                    value,
+                    wanted: "positive",
+                });
+            }
+        }
+        surface.with_face(number, |face| {
+            let numbers = SampleStream::new(Sampler::Sobol, self.seed, number);
+            let bands = self.bands();
+            let cells = bands.count() * bands.count() * AZIMUTHS;
+            let mut found = Replicate {
+                rows: Vec::new(),
+                scattered: vec![0.0; cells],
+                regular: vec![[0.0; 2]; bands.count()],
+                lost: 0.0,
+                rays: 0,
+            };
+            for side in Side::ALL {
+                for theta_deg in &self.incidence_deg {
+                    let numbers = numbers.part(found.rows.len() as u64);
+                    let row = self.row(face, side, *theta_deg, &numbers, stop)?;
+                    found.lost += row.1;
+                    found.rays += self.rays;
+                    found.rows.push(row.0);
+                }
+            }
+            let numbers = SampleStream::new(Sampler::Sobol, self.seed, number).independent();
+            for band in 0..bands.count() {
+                self.scatter(face, &bands, band, &numbers.part(band as u64), &mut found, stop)?;
+            }
+            Ok(found)
+        })?
+    }
+
+    /// Follows light that fills the directions of a band uniformly.
+    fn scatter(
+        &self,
+        face: &dyn Face,
+        bands: &Bands,
+        from: usize,
+        numbers: &SampleStream,
+        found: &mut Replicate,
+        stop: &dyn Fn() -> bool,
+    ) -> Result<(), MicrogeometryError> {
+        let (side, [least, most]) = bands.band(from);
+        let index = self.index_of(side);
+        let weight_of_ray = 1.0 / self.rays as f64;
+        let Replicate { scattered, regular, lost, rays, .. } = found;
+        let row = &mut scattered[from * bands.count() * AZIMUTHS..][..bands.count() * AZIMUTHS];
+        for path in 0..self.rays {
+            if path % STOP_EVERY == 0 && stop() {
+                return Err(MicrogeometryError::Interrupted);
+            }
+            let [x, y, azimuth, u] = numbers.block(path, 0);
+            let sine = (least * least + u * (most * most - least * least)).sqrt() / index;
+            let cosine = ((1.0 - sine) * (1.0 + sine)).sqrt();
+            let ray = start(face, side, [sine, cosine], [x, y], azimuth);
+            let came = [ray.along[0], ray.along[1]];
+            *lost += follow(face, self.index(), &ray, side, (numbers, path), &mut |leaves| {
+                let Leaves { side: to, along, weight, regular: is_regular, .. } = leaves;
+                if is_regular {
+                    regular[from][usize::from(to != side)] += weight * weight_of_ray;
+                    return;
+                }
+                let length = along[0].hypot(along[1]);
+                let turned = (came[0] * along[1] - came[1] * along[0]).abs();
+                let turn = turned.atan2(came[0] * along[0] + came[1] * along[1]) / PI;
+                let azimuth = ((turn * AZIMUTHS as f64) as usize).min(AZIMUTHS - 1);
+                row[bands.number(to, self.index_of(to) * length) * AZIMUTHS + azimuth] +=
+                    weight * weight_of_ray;
+            });
+        }
+        *rays += self.rays;
+        Ok(())
+    }
+
+    /// Bands of the kernel.
+    fn bands(&self) -> Bands {
+        Bands::new(self.index())
+    }
+
+    /// The kernel of the surface: light from all directions to all directions, on both sides.
+    ///
+    /// # Errors
+    /// If rays were lost, or contradict reciprocity or the conservation of energy by more than three standard errors.
+    pub fn kernel(&self, replicates: &[Replicate]) -> Result<Kernel, MicrogeometryError> {
+        Kernel::new(&self.bands(), replicates)
+    }
+
+    /// The quantities of an inclination, and the light that was lost, in rays.
+    fn row(
+        &self,
+        face: &dyn Face,
+        side: Side,
+        theta_deg: f64,
+        numbers: &SampleStream,
+        stop: &dyn Fn() -> bool,
+    ) -> Result<([f64; QUANTITIES], f64), MicrogeometryError> {
+        let (sine, cosine) = theta_deg.to_radians().sin_cos();
+        let mut sums = [0.0; QUANTITIES];
+        let mut lost = 0.0;
+        for path in 0..self.rays {
+            if path % STOP_EVERY == 0 && stop() {
+                return Err(MicrogeometryError::Interrupted);
+            }
+            let [x, y, azimuth, _] = numbers.block(path, 0);
+            let ray = start(face, side, [sine, cosine], [x, y], azimuth);
+            lost += follow(face, self.index(), &ray, side, (numbers, path), &mut |leaves| {
+                let Leaves { side: to, along, weight, regular, facets } = leaves;
+                let beta = self.index_of(to) * along[0].hypot(along[1]);
+                let first = if to == side { 0 } else { 2 };
+                sums[first] += weight;
+                sums[first + 1] += if beta > 1.0 { weight } else { 0.0 };
+                sums[4 + first / 2] += if regular { weight } else { 0.0 };
+                sums[6] += weight * f64::from(facets);
+            });
+        }
+        Ok((sums.map(|sum| sum / self.rays as f64), lost))
+    }
+
+    /// Combines replicates.
+    ///
+    /// # Errors
+    /// If rays were lost.
+    pub fn totals(&self, replicates: &[Replicate]) -> Result<Vec<Total>, MicrogeometryError> {
+        let lost: f64 = replicates.iter().map(|one| one.lost).sum();
+        let rays: u64 = replicates.iter().map(|one| one.rays).sum();
+        if lost > MOST_LOST * rays as f64 {
+            return Err(MicrogeometryError::LostRays { lost: lost.ceil() as u64, rays });
+        }
+        let directions =
+            Side::ALL.into_iter().flat_map(|from| self.incidence_deg.iter().map(move |deg| (from, *deg)));
+        let total = |(row, (from, theta_deg)): (usize, (Side, f64))| {
+            let of =
+                |quantity: usize| Measured::of(replicates.iter().map(move |one| one.rows[row][quantity]));
+            Total {
+                from,
+                theta_deg,
+                reflected: of(0),
+                reflected_beyond: of(1),
+                transmitted: of(2),
+                transmitted_beyond: of(3),
+                regular_reflected: of(4),
+                regular_transmitted: of(5),
+                mean_facets: of(6),
+            }
+        };
+        Ok(directions.enumerate().map(total).collect())
+    }
+
+    /// Indices above and below.
+    fn index(&self) -> [f64; 2] {
+        [self.index_above, self.index_below]
+    }
+
+    /// Index of a side.
+    pub fn index_of(&self, side: Side) -> f64 {
+        match side {
+            Side::Above => self.index_above,
+            Side::Below => self.index_below,
+        }
+    }
+}
+
+/// Rays between two looks at whether the measurement is to be stopped.
+const STOP_EVERY: u64 = 4096;
+
+/// A ray at a place of the period, 0 to 1 along x and y, just outside of all heights.
+pub(crate) fn start(
+    face: &dyn Face,
+    side: Side,
+    [sine, cosine]: [f64; 2],
+    [x, y]: [f64; 2],
+    azimuth: f64,
+) -> Ray {
+    let period = face.period_um();
+    let [lowest, highest] = face.heights_um();
+    let (sin_phi, cos_phi) = (std::f64::consts::TAU * azimuth).sin_cos();
+    let (height, up) = match side {
+        Side::Above => (highest, -cosine),
+        Side::Below => (lowest, cosine),
+    };
+    Ray { at: [x * period[0], y * period[1], height], along: [sine * cos_phi, sine * sin_phi, up] }
+}

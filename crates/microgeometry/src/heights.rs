@@ -1,0 +1,167 @@
+//! Rays and height maps: each cell between four heights is two triangles.
+//!
+//! **Walk.** In units of cells, the edges of all triangles are the lines of integer x, integer y and integer x + y. Between two of them the
+//! height of a ray above the surface is a linear function of the way. The surface is met where this height changes its sign, so that no ray
+//! can slip through an edge.
+
+use crate::HeightMap;
+use crate::ray::{Face, Met, Ray, Side, moved, normalised};
+
+/// Edges that a ray may cross before it counts as lost.
+const MOST_EDGES: usize = 10_000_000;
+
+/// A height map, with heights in units of its own along each axis.
+#[derive(Debug)]
+pub(crate) struct Triangles<'a> {
+    map: &'a HeightMap,
+    lowest: f64,
+    highest: f64,
+}
+
+impl<'a> Triangles<'a> {
+    pub(crate) fn new(map: &'a HeightMap) -> Self {
+        let heights = map.heights_um();
+        let lowest = heights.iter().copied().fold(f64::INFINITY, f64::min);
+        let highest = heights.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        Self { map, lowest, highest }
+    }
+
+    /// Height at the middle of the ray's place in a cell, and slopes per cell, of the triangle below or above the diagonal.
+    fn plane(&self, cell: [i64; 2], is_upper: bool) -> Plane {
+        let (columns, rows) = (self.map.columns() as i64, self.map.rows() as i64);
+        let column = |k: i64| if (0..columns).contains(&k) { k } else { k.rem_euclid(columns) } as usize;
+        let row = |k: i64| if (0..rows).contains(&k) { k } else { k.rem_euclid(rows) } as usize;
+        let ([left, right], [low, high]) =
+            ([column(cell[0]), column(cell[0] + 1)], [row(cell[1]), row(cell[1] + 1)]);
+        let heights = self.map.heights_um();
+        let at = |x: usize, y: usize| heights[y * columns as usize + x];
+        let (a, b) = (at(right, low), at(left, high));
+        if is_upper {
+            let corner = at(right, high);
+            let slopes = [corner - b, corner - a];
+            Plane { height: corner - slopes[0] - slopes[1], slopes }
+        } else {
+            let corner = at(left, low);
+            Plane { height: corner, slopes: [a - corner, b - corner] }
+        }
+    }
+}
+
+/// A triangle: the height at the lower left corner of its cell, and the slopes per cell.
+#[derive(Debug, Clone, Copy)]
+struct Plane {
+    height: f64,
+    slopes: [f64; 2],
+}
+
+impl Face for Triangles<'_> {
+    fn period_um(&self) -> [f64; 2] {
+        let pitch = self.map.pitch_um();
+        [pitch[0] * self.map.columns() as f64, pitch[1] * self.map.rows() as f64]
+    }
+
+    fn heights_um(&self) -> [f64; 2] {
+        [self.lowest, self.highest]
+    }
+
+    fn next(&self, ray: &Ray, side: Side) -> Met {
+        let pitch = self.map.pitch_um();
+        // In cells along x and y; z stays in um, and so does the way.
+        let from = [ray.at[0] / pitch[0], ray.at[1] / pitch[1]];
+        let along = [ray.along[0] / pitch[0], ray.along[1] / pitch[1]];
+        let sign = if side == Side::Above { 1.0 } else { -1.0 };
+        // The way after which the ray is beyond all heights of its side.
+        let (end, leaves) = match side {
+            Side::Above if ray.along[2] > 0.0 => ((self.highest - ray.at[2]) / ray.along[2], true),
+            Side::Below if ray.along[2] < 0.0 => ((self.lowest - ray.at[2]) / ray.along[2], true),
+            _ => (f64::INFINITY, false),
+        };
+        if leaves && end <= 0.0 {
+            return Met::Nothing;
+        }
+        // Just behind the start decides in which triangle the ray begins.
+        let mut edges = [
+            Edges::new(from[0], along[0]),
+            Edges::new(from[1], along[1]),
+            Edges::new(from[0] + from[1], along[0] + along[1]),
+        ];
+        let mut way = 0.0_f64;
+        let mut height = f64::NAN;
+        for _ in 0..MOST_EDGES {
+            let until = edges[0].way.min(edges[1].way).min(edges[2].way);
+            if until > way {
+                let cell = [edges[0].number, edges[1].number];
+                let is_upper = edges[2].number > cell[0] + cell[1];
+                let plane = self.plane(cell, is_upper);
+                let above = |t: f64| {
+                    let x = from[0] + t * along[0] - cell[0] as f64;
+                    let y = from[1] + t * along[1] - cell[1] as f64;
+                    sign * (ray.at[2] + t * ray.along[2]
+                        - plane.height
+                        - plane.slopes[0] * x
+                        - plane.slopes[1] * y)
+                };
+                let slope = sign * (ray.along[2] - plane.slopes[0] * along[0] - plane.slopes[1] * along[1]);
+                if height.is_nan() {
+                    height = above(way).max(0.0);
+                }
+                // From a height of zero a ray leaves in the direction of its slope, whatever rounding says.
+                let after =
+                    if until.is_finite() { height + slope * (until - way) } else { slope * f64::INFINITY };
+                if after < 0.0 || (after.is_nan() && slope < 0.0) {
+                    let hit = way + (height / -slope).clamp(0.0, until - way);
+                    let normal = normalised([-plane.slopes[0] / pitch[0], -plane.slopes[1] / pitch[1], 1.0]);
+                    return Met::Facet { at: moved(ray.at, hit, ray.along), normal };
+                }
+                if !until.is_finite() {
+                    return Met::Nothing;
+                }
+                height = above(until).max(0.0);
+                way = until;
+                if leaves && way >= end {
+                    return Met::Nothing;
+                }
+            }
+            edges.iter_mut().for_each(|edge| edge.step_at(until));
+        }
+        Met::Unknown
+    }
+}
+
+/// Parallel lines of integer coordinate that a ray crosses.
+#[derive(Debug, Clone, Copy)]
+struct Edges {
+    /// Integer below the ray's coordinate, between this crossing and the one before.
+    number: i64,
+    /// The way to the next crossing.
+    way: f64,
+    from: f64,
+    along: f64,
+}
+
+impl Edges {
+    fn new(from: f64, along: f64) -> Self {
+        let floor = from.floor();
+        // On a line, a ray that goes back begins in the cell below.
+        let number = if along < 0.0 && from == floor { floor as i64 - 1 } else { floor as i64 };
+        let mut edges = Self { number, way: f64::INFINITY, from, along };
+        edges.find_next();
+        edges
+    }
+
+    fn find_next(&mut self) {
+        if self.along > 0.0 {
+            self.way = ((self.number + 1) as f64 - self.from) / self.along;
+        } else if self.along < 0.0 {
+            self.way = (self.number as f64 - self.from) / self.along;
+        }
+    }
+
+    /// Crosses the next line, if it is at this way.
+    fn step_at(&mut self, way: f64) {
+        if self.way <= way {
+            self.number += if self.along > 0.0 { 1 } else { -1 };
+            self.find_next();
+        }
+    }
+}

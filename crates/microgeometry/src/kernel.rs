@@ -1,0 +1,261 @@
+//! The kernel of a surface: from each band of directions to each other one, on both sides, by azimuth.
+//!
+//! **Laws.** Light of a band fills its directions uniformly, so that the light M that goes from band a to band b, per étendue, is that which goes
+//! from b to a (reciprocity, at each difference of azimuths), and uniform light stays uniform (conservation of energy). Rays know neither law:
+//! how well they obey is the test of the tracer. Then the mean of both ways, weighted by their variances, makes the kernel reciprocal, and a
+//! factor for each band balances the light (Sinkhorn and Knopp 1967, in its symmetric form).
+
+use crate::bands::{AZIMUTHS, Bands};
+use crate::goniometer::{Measured, Replicate};
+use crate::{MicrogeometryError, REPLICATES};
+
+/// Root mean square of z-scores beyond which a kernel is refused.
+const MOST_Z: f64 = 3.0;
+
+/// Relative error of light up to which it is compared with that of the reverse way.
+const KNOWN: f64 = 0.3;
+
+/// Rounds of balancing.
+const ROUNDS: usize = 200;
+
+/// Share of the light whose patches count for the error of the kernel.
+const MOST_OF_LIGHT: f64 = 0.99;
+
+/// The kernel of a surface.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Kernel {
+    /// Bands of |beta| on both sides.
+    pub bands: Bands,
+    /// Fraction of the light of a band that goes to each other one, by the difference of the azimuths of propagation, 0 to 180 deg in equal
+    /// steps: `[from][to][azimuth]`. Regular light is not contained.
+    pub scattered: Vec<f64>,
+    /// Standard errors of `scattered`, before the laws are imposed.
+    pub errors: Vec<f64>,
+    /// Fraction of the light of each band that is reflected as by a flat face.
+    pub regular_reflected: Vec<f64>,
+    /// Fraction of the light of each band that is transmitted as by a flat face.
+    pub regular_transmitted: Vec<f64>,
+    /// How well the rays obey the laws.
+    pub audit: Audit,
+}
+
+/// How well rays obey the laws, and how much imposing them changes.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Audit {
+    /// Of uniform light that should leave each band unchanged: differences over their standard errors.
+    pub energy_z: Vec<f64>,
+    /// Root mean square of the differences of both ways over their standard errors; about 1.
+    pub reciprocity_z_rms: f64,
+    /// The largest of these.
+    pub reciprocity_z_largest: f64,
+    /// Their number.
+    pub reciprocity_tests: usize,
+    /// Fraction of the light that is moved by making the kernel reciprocal.
+    pub moved_by_symmetry: f64,
+    /// Fraction of the light that is moved by balancing.
+    pub moved_by_balance: f64,
+    /// Mean relative standard error of the patches with 99 % of the light.
+    pub relative_error: f64,
+    /// Rays that were lost.
+    pub dropped_rays: f64,
+    /// Rays that were followed.
+    pub rays: u64,
+}
+
+impl Kernel {
+    /// Combines replicates.
+    pub(crate) fn new(bands: &Bands, replicates: &[Replicate]) -> Result<Self, MicrogeometryError> {
+        let count = bands.count();
+        let area: Vec<f64> = (0..count).map(|band| bands.area(band)).collect();
+        let cells = count * count * AZIMUTHS;
+        let (mut light, mut errors) = (vec![0.0; cells], vec![0.0; cells]);
+        for cell in 0..cells {
+            let values = replicates.iter().map(|one| one.scattered[cell]);
+            if values.clone().any(|value| value > 0.0) {
+                let Measured { value, error } = Measured::of(values);
+                let weight = area[cell / (count * AZIMUTHS)];
+                (light[cell], errors[cell]) = (weight * value, weight * error);
+            }
+        }
+        let audit = Audit {
+            energy_z: energy_z(bands, replicates, &area),
+            dropped_rays: replicates.iter().map(|one| one.lost).sum(),
+            rays: replicates.iter().map(|one| one.rays).sum(),
+            relative_error: relative_error(&light, &errors),
+            reciprocity_z_rms: 0.0,
+            reciprocity_z_largest: 0.0,
+            reciprocity_tests: 0,
+            moved_by_symmetry: 0.0,
+            moved_by_balance: 0.0,
+        };
+        let regular = |way: usize| -> Vec<f64> {
+            (0..count)
+                .map(|band| Measured::of(replicates.iter().map(|one| one.regular[band][way])).value)
+                .collect()
+        };
+        let mut kernel = Self {
+            bands: bands.clone(),
+            scattered: light,
+            errors,
+            regular_reflected: regular(0),
+            regular_transmitted: regular(1),
+            audit,
+        };
+        kernel.symmetrise(&area);
+        kernel.balance(&area);
+        let rows = kernel.scattered.chunks_exact_mut(count * AZIMUTHS).zip(&area);
+        rows.for_each(|(row, area)| row.iter_mut().for_each(|light| *light /= area));
+        let rows = kernel.errors.chunks_exact_mut(count * AZIMUTHS).zip(&area);
+        rows.for_each(|(row, area)| row.iter_mut().for_each(|error| *error /= area));
+        kernel.checked()
+    }
+
+    /// Compares both ways, and takes their mean.
+    fn symmetrise(&mut self, area: &[f64]) {
+        let count = area.len();
+        let at = |from: usize, to: usize, azimuth: usize| (from * count + to) * AZIMUTHS + azimuth;
+        let (mut squares, mut moved, mut all) = (0.0, 0.0, 0.0);
+        for from in 0..count {
+            for to in 0..from {
+                for azimuth in 0..AZIMUTHS {
+                    let ways = [at(from, to, azimuth), at(to, from, azimuth)];
+                    let light = ways.map(|way| self.scattered[way]);
+                    let errors = ways.map(|way| self.errors[way]);
+                    if light == [0.0; 2] {
+                        continue;
+                    }
+                    let variance = errors.map(|error| error * error);
+                    let is_known = (0..2).all(|way| errors[way] > 0.0 && errors[way] < KNOWN * light[way]);
+                    if is_known {
+                        let z = (light[0] - light[1]) / (variance[0] + variance[1]).sqrt();
+                        squares += z * z;
+                        self.audit.reciprocity_tests += 1;
+                        self.audit.reciprocity_z_largest = self.audit.reciprocity_z_largest.max(z.abs());
+                    }
+                    let mean = match is_known {
+                        true => {
+                            (light[0] * variance[1] + light[1] * variance[0]) / (variance[0] + variance[1])
+                        }
+                        false => 0.5 * (light[0] + light[1]),
+                    };
+                    moved += light.iter().map(|light| (mean - light).abs()).sum::<f64>();
+                    ways.iter().for_each(|way| self.scattered[*way] = mean);
+                }
+            }
+        }
+        all += self.scattered.iter().sum::<f64>();
+        if self.audit.reciprocity_tests > 0 {
+            self.audit.reciprocity_z_rms = (squares / self.audit.reciprocity_tests as f64).sqrt();
+        }
+        self.audit.moved_by_symmetry = if all > 0.0 { 0.5 * moved / all } else { 0.0 };
+        // Regular transmission is the same in both directions, too.
+        let [above, below] = crate::Side::ALL.map(|side| self.bands.of(side));
+        for (above, below) in above.zip(below) {
+            if self.bands.band(above).1 == self.bands.band(below).1 {
+                let mean = 0.5 * (self.regular_transmitted[above] + self.regular_transmitted[below]);
+                self.regular_transmitted[above] = mean;
+                self.regular_transmitted[below] = mean;
+            }
+        }
+    }
+
+    /// Scales the light of each band, from it and to it, until none is lost.
+    fn balance(&mut self, area: &[f64]) {
+        let count = area.len();
+        let before = self.scattered.clone();
+        let wanted: Vec<f64> = (0..count)
+            .map(|band| {
+                area[band] * (1.0 - self.regular_reflected[band] - self.regular_transmitted[band]).max(0.0)
+            })
+            .collect();
+        for _ in 0..ROUNDS {
+            let rows = self.scattered.chunks_exact(count * AZIMUTHS);
+            let factors: Vec<f64> = rows
+                .zip(&wanted)
+                .map(|(row, wanted)| {
+                    let sum: f64 = row.iter().sum();
+                    if sum > 0.0 { (wanted / sum).sqrt() } else { 1.0 }
+                })
+                .collect();
+            for (from, row) in self.scattered.chunks_exact_mut(count * AZIMUTHS).enumerate() {
+                for (to, cells) in row.chunks_exact_mut(AZIMUTHS).enumerate() {
+                    cells.iter_mut().for_each(|light| *light *= factors[from] * factors[to]);
+                }
+            }
+            if factors.iter().all(|factor| (factor - 1.0).abs() < 1e-12) {
+                break;
+            }
+        }
+        let moved: f64 = before.iter().zip(&self.scattered).map(|(a, b)| (a - b).abs()).sum();
+        let all: f64 = before.iter().sum();
+        self.audit.moved_by_balance = if all > 0.0 { moved / all } else { 0.0 };
+    }
+
+    /// Fails for a kernel that contradicts a law.
+    fn checked(self) -> Result<Self, MicrogeometryError> {
+        let Audit { energy_z, reciprocity_z_rms, reciprocity_tests, .. } = &self.audit;
+        let energy_rms = (energy_z.iter().map(|z| z * z).sum::<f64>() / energy_z.len().max(1) as f64).sqrt();
+        let tests = [
+            ("reciprocity", *reciprocity_z_rms, *reciprocity_tests),
+            ("the conservation of energy", energy_rms, energy_z.len()),
+        ];
+        match tests.into_iter().find(|(_, z_rms, _)| *z_rms > MOST_Z) {
+            Some((law, z_rms, count)) => Err(MicrogeometryError::Law { law, z_rms, count, most: MOST_Z }),
+            None => Ok(self),
+        }
+    }
+
+    /// Number of azimuths between 0 and 180 deg.
+    pub fn azimuths(&self) -> usize {
+        AZIMUTHS
+    }
+}
+
+/// Uniform light on all bands of both sides leaves each band as it came: differences over standard errors.
+fn energy_z(bands: &Bands, replicates: &[Replicate], area: &[f64]) -> Vec<f64> {
+    let count = area.len();
+    let arriving = |one: &Replicate| {
+        let mut sums = vec![0.0; count];
+        for (from, row) in one.scattered.chunks_exact(count * AZIMUTHS).enumerate() {
+            let cells = row.chunks_exact(AZIMUTHS);
+            sums.iter_mut()
+                .zip(cells)
+                .for_each(|(sum, cells)| *sum += area[from] * cells.iter().sum::<f64>());
+        }
+        for from in 0..count {
+            let (side, edges) = bands.band(from);
+            let [reflected, transmitted] = one.regular[from];
+            sums[from] += area[from] * reflected;
+            // Regular light stays in its |beta|, and the bands of both sides are the same where it is transmitted.
+            let there = bands.number(side.other(), 0.5 * (edges[0] + edges[1]));
+            sums[there] += area[from] * transmitted;
+        }
+        sums
+    };
+    let all: Vec<Vec<f64>> = replicates.iter().map(arriving).collect();
+    let z = |band: usize| {
+        let Measured { value, error } = Measured::of(all.iter().map(|sums| sums[band]));
+        // Without scattering there is no noise, and rounding alone remains.
+        if error < 1e-12 * area[band] { 0.0 } else { (value - area[band]) / error }
+    };
+    debug_assert_eq!(replicates.len() as u64, REPLICATES);
+    (0..count).map(z).collect()
+}
+
+/// Mean relative error of the patches with most of the light.
+fn relative_error(light: &[f64], errors: &[f64]) -> f64 {
+    let mut patches: Vec<(f64, f64)> =
+        light.iter().copied().zip(errors.iter().copied()).filter(|(light, _)| *light > 0.0).collect();
+    patches.sort_by(|a, b| b.0.total_cmp(&a.0));
+    let all: f64 = patches.iter().map(|(light, _)| light).sum();
+    let (mut seen, mut sum, mut count) = (0.0, 0.0, 0.0);
+    for (light, error) in patches {
+        if seen > MOST_OF_LIGHT * all {
+            break;
+        }
+        seen += light;
+        sum += error / light;
+        count += 1.0;
+    }
+    if count > 0.0 { sum / count } else { 0.0 }
+}

@@ -1,0 +1,168 @@
+//! Random faces: heights with Gaussian statistics and a given power spectral density.
+//!
+//! Heights are made in Fourier space: independent Gaussian amplitudes, whose variance is the two-dimensional power spectral density W times
+//! the area of a bin. With frequencies in cycles per um and W in um⁴, the variance of the heights is the integral of W over all frequencies.
+//!
+//! | kind | correlation of heights | W(f) |
+//! |---|---|---|
+//! | Gaussian | `exp(-r²/τ²)` | `π τ² s² exp(-(π τ f)²)` |
+//! | exponential | `exp(-r/τ)` | `2 π τ² s² (1 + (2 π τ f)²)^(-3/2)`, up to the cut-off |
+//! | ABC | by its PSD | `A (1 + (B f)²)^(-C/2)`, up to the cut-off |
+//!
+//! s is the root mean square height. The rms slope of an exponential face grows without limit with the cut-off of its frequencies: rays have no
+//! answer without one.
+
+use std::f64::consts::PI;
+
+use num_complex::Complex64;
+use papilio_fourier::Plane;
+use papilio_sampling::{SampleStream, Sampler};
+
+use crate::{HeightMap, MicrogeometryError};
+
+/// Statistics of a random face.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Spectrum {
+    /// Correlation of heights `exp(-r²/τ²)`.
+    Gaussian {
+        /// Root mean square height s, um.
+        rms_um: f64,
+        /// Distance τ at which the correlation is 1/e, um.
+        correlation_um: f64,
+    },
+    /// Correlation of heights `exp(-r/τ)`, without frequencies beyond a cut-off.
+    Exponential {
+        /// Root mean square height s without the cut-off, um.
+        rms_um: f64,
+        /// Distance τ at which the correlation is 1/e, um.
+        correlation_um: f64,
+        /// Shortest wavelength of the face, um.
+        cutoff_um: f64,
+    },
+    /// K-correlation (ABC) model of the two-dimensional power spectral density, without frequencies beyond a cut-off.
+    Abc {
+        /// A (um⁴), B (um) and C.
+        abc: [f64; 3],
+        /// Shortest wavelength of the face, um.
+        cutoff_um: f64,
+    },
+}
+
+/// Cells in a correlation length of a Gaussian face, and in the shortest wavelength of others: facets then follow the slopes within 1 %.
+const CELLS: f64 = 12.0;
+
+/// Fewest correlation lengths along a side.
+const LENGTHS: f64 = 20.0;
+
+/// Fewest and most cells along a side.
+const SIDE: [usize; 2] = [256, 4096];
+
+/// A random face.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RandomHeights {
+    spectrum: Spectrum,
+    seed: u64,
+    side: usize,
+    pitch_um: f64,
+}
+
+impl RandomHeights {
+    /// A face of these statistics.
+    ///
+    /// # Errors
+    /// Numbers that are not positive; lengths whose ratio needs more than 4096 cells along a side.
+    pub fn new(spectrum: Spectrum, seed: u64) -> Result<Self, MicrogeometryError> {
+        let (lengths, finest, longest) = match spectrum {
+            Spectrum::Gaussian { rms_um, correlation_um } => (
+                vec![("rms height (um)", rms_um), ("correlation length (um)", correlation_um)],
+                correlation_um,
+                correlation_um,
+            ),
+            Spectrum::Exponential { rms_um, correlation_um, cutoff_um } => {
+                let all = vec![
+                    ("rms height (um)", rms_um),
+                    ("correlation length (um)", correlation_um),
+                    ("cut-off (um)", cutoff_um),
+                ];
+                (all, cutoff_um, correlation_um)
+            }
+            Spectrum::Abc { abc: [a, b, c], cutoff_um } => (
+                vec![("A (um4)", a), ("B (um)", b), ("C", c), ("cut-off (um)", cutoff_um)],
+                cutoff_um,
+                b / (2.0 * PI),
+            ),
+        };
+        if let Some((what, value)) =
+            lengths.into_iter().find(|(_, value)| !(value.is_finite() && *value > 0.0))
+        {
+            return Err(MicrogeometryError::NotANumber {
+                of: "a random face",
+                what,
+                value,
+                wanted: "positive",
+            });
+        }
+        let pitch_um = finest / CELLS;
+        let cells = (LENGTHS * longest.max(finest) / pitch_um).ceil() as usize;
+        if cells > SIDE[1] {
+            let wrong = format!(
+                "a random face with structures from {finest} um to {longest} um needs {cells} x {cells} heights (expected at most {most} along a \
+                 side; a longer cut-off needs fewer)",
+                most = SIDE[1]
+            );
+            return Err(MicrogeometryError::RandomFace { wrong });
+        }
+        Ok(Self { spectrum, seed, side: cells.max(SIDE[0]).next_power_of_two(), pitch_um })
+    }
+
+    /// Number of heights along a side of a realisation, and their distance, um.
+    pub fn grid(&self) -> (usize, f64) {
+        (self.side, self.pitch_um)
+    }
+
+    /// Two-dimensional power spectral density at a frequency (cycles per um), um⁴.
+    pub fn density_um4(&self, frequency: f64) -> f64 {
+        match self.spectrum {
+            Spectrum::Gaussian { rms_um, correlation_um: tau } => {
+                PI * (tau * rms_um).powi(2) * (-(PI * tau * frequency).powi(2)).exp()
+            }
+            Spectrum::Exponential { rms_um, correlation_um: tau, cutoff_um } => {
+                match frequency * cutoff_um <= 1.0 {
+                    true => {
+                        2.0 * PI
+                            * (tau * rms_um).powi(2)
+                            * (1.0 + (2.0 * PI * tau * frequency).powi(2)).powf(-1.5)
+                    }
+                    false => 0.0,
+                }
+            }
+            Spectrum::Abc { abc: [a, b, c], cutoff_um } => match frequency * cutoff_um <= 1.0 {
+                true => a * (1.0 + (b * frequency).powi(2)).powf(-0.5 * c),
+                false => 0.0,
+            },
+        }
+    }
+
+    /// Heights of a replicate, periodic in both directions.
+    ///
+    /// # Errors
+    /// None for a face that could be made.
+    pub fn realisation(&self, replicate: u64) -> Result<HeightMap, MicrogeometryError> {
+        let side = self.side;
+        let bin = 1.0 / (side as f64 * self.pitch_um);
+        let numbers = SampleStream::new(Sampler::Random, self.seed, replicate).part(0x6865_6967_6874);
+        let frequency = |k: usize| bin * if 2 * k > side { k as f64 - side as f64 } else { k as f64 };
+        let amplitude = |at: usize| {
+            let [column, row] = [at / side, at % side];
+            let density = self.density_um4(frequency(column).hypot(frequency(row)));
+            // The mean height is none; the real part of complex noise has half of its variance, in both parts.
+            let scale = if at == 0 { 0.0 } else { (density * bin * bin).sqrt() };
+            let [u, v, ..] = numbers.block(at as u64, 0);
+            // Box and Muller (1958).
+            Complex64::from_polar(scale * (-2.0 * u.ln()).sqrt(), 2.0 * PI * v)
+        };
+        let spectrum: Vec<Complex64> = (0..side * side).map(amplitude).collect();
+        let heights = Plane::new([side; 2]).inverse(spectrum);
+        HeightMap::new(side, [self.pitch_um; 2], heights.into_iter().map(|height| height.re).collect())
+    }
+}

@@ -1,0 +1,50 @@
+//! Surfaces that can be measured.
+
+use crate::caps::{Balls, Caps};
+use crate::heights::Triangles;
+use crate::random::RandomHeights;
+use crate::ray::Face;
+use crate::{HeightMap, MicrogeometryError};
+
+/// A surface between two media.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Surface {
+    /// A flat face.
+    Flat,
+    /// Spherical caps on a flat face.
+    Caps(Caps),
+    /// A map of heights, which repeats.
+    Heights(HeightMap),
+    /// A random face: another realisation for each replicate, whose differences are a part of the error.
+    Random(RandomHeights),
+}
+
+impl Surface {
+    /// Calls a function with the surface of a replicate.
+    pub(crate) fn with_face<T>(
+        &self,
+        replicate: u64,
+        of: impl FnOnce(&dyn Face) -> T,
+    ) -> Result<T, MicrogeometryError> {
+        match self {
+            Self::Flat => {
+                let flat = HeightMap::new(1, [1.0; 2], vec![0.0])?;
+                Ok(of(&Triangles::new(&flat)))
+            }
+            Self::Caps(caps) => Ok(of(&Balls::new(caps, replicate)?)),
+            Self::Heights(map) => Ok(of(&Triangles::new(map))),
+            Self::Random(random) => Ok(of(&Triangles::new(&random.realisation(replicate)?))),
+        }
+    }
+
+    /// Fails for a surface that cannot be made.
+    ///
+    /// # Errors
+    /// Lengths that are not positive or contradict each other.
+    pub fn check(&self) -> Result<(), MicrogeometryError> {
+        match self {
+            Self::Caps(caps) => Balls::new(caps, 0).map(drop),
+            Self::Flat | Self::Heights(_) | Self::Random(_) => Ok(()),
+        }
+    }
+}

@@ -1,0 +1,145 @@
+//! `[microgeometry]`: the geometry of a surface, for `papilio gonio`. Its files are not scenarios: they have a title and this table.
+
+use super::Title;
+use super::numbers::{Count, Inclination, Index, RmsHeight, Seed, SurfaceLength};
+use crate::grammar::{choice, kinds, table};
+use crate::read::Spanned;
+
+table! {
+    /// A surface, for `papilio gonio`.
+    SurfaceFile {
+        /// Title of tables and figures, one line.
+        title: Option<Title>,
+        /// The geometry of the surface, its media, and how it is measured.
+        microgeometry: Microgeometry,
+    }
+}
+
+kinds! {
+    /// The geometry of a surface.
+    Microgeometry by "surface" {
+        /// A flat face.
+        Flat(Flat) = "flat",
+        /// Spherical caps on a flat face.
+        Caps(Caps) = "caps",
+        /// Heights of a file.
+        HeightMap(HeightMap) = "height-map",
+        /// A random face with Gaussian correlation.
+        Gaussian(Gaussian) = "gaussian",
+        /// A random face with exponential correlation.
+        Exponential(Exponential) = "exponential",
+        /// A random face with a given power spectral density.
+        Psd(Psd) = "psd",
+    }
+}
+
+/// Declares the table of a kind of surface: its own keys, and those that all kinds have.
+macro_rules! surface {
+    ($(#[doc = $doc:literal])* $name:ident { $($own:tt)* }) => {
+        table! {
+            $(#[doc = $doc])*
+            $name {
+                $($own)*
+                /// Refractive index of the medium above, towards which heights are counted.
+                index_above as "Index above": Index = Index(1.0),
+                /// Refractive index of the medium below.
+                index_below as "Index below": Index = Index(1.5),
+                /// Inclinations of the light, in its own medium. Default: 0 to 85 deg in steps of 5 deg.
+                incidence_deg as "Inclination of the light": Vec<Spanned<Inclination>> = Vec::new(),
+                /// Rays from each side at each inclination.
+                rays as "Rays": Count<64, { 1 << 36 }> = Count(200_000),
+                /// Seed of rays and random surfaces.
+                seed: Seed = Count(0),
+            }
+        }
+    };
+}
+
+surface! {
+    /// A flat face.
+    Flat {}
+}
+
+surface! {
+    /// Spherical caps on a flat face: bumps of the medium below.
+    Caps {
+        /// Distance of neighbours; for random places, the side of the square that has one cap on average.
+        pitch_um: SurfaceLength,
+        /// Radius of the balls of which the caps are parts.
+        radius_um: SurfaceLength,
+        /// Radius of the rim of a cap, up to `radius_um`: a hemisphere.
+        aperture_radius_um: SurfaceLength,
+        /// Where the caps stand.
+        lattice: CapLattice = CapLattice::Square,
+    }
+}
+
+surface! {
+    /// Heights of a file, which repeat in both directions.
+    HeightMap {
+        /// The file: .npy, .csv, a grey PNG of 16 bits, or an SDF of ISO 25178-71.
+        file: String,
+        /// Distance of neighbouring heights, one number or along x and y. Default: that of the file.
+        pixel_um: Option<Vec<Spanned<SurfaceLength>>>,
+        /// Height of the number 1 of the file. Default: the unit of the file; 1 um for .npy and .csv.
+        height_um_per_unit: Option<SurfaceLength>,
+        /// Whether the mean plane is subtracted.
+        level: bool = true,
+        /// How the map repeats.
+        period: MapPeriod = MapPeriod::Mirror,
+    }
+}
+
+surface! {
+    /// A random face whose heights have the correlation exp(-r^2/tau^2).
+    Gaussian {
+        /// Root mean square height.
+        rms_nm: RmsHeight,
+        /// Distance at which the correlation is 1/e.
+        correlation_um: SurfaceLength,
+    }
+}
+
+surface! {
+    /// A random face whose heights have the correlation exp(-r/tau).
+    Exponential {
+        /// Root mean square height, before the cut-off.
+        rms_nm: RmsHeight,
+        /// Distance at which the correlation is 1/e.
+        correlation_um: SurfaceLength,
+        /// Shortest wavelength of the face. Without it the slopes of such a face, and what rays do there, have no limit.
+        cutoff_um: SurfaceLength,
+    }
+}
+
+surface! {
+    /// A random face with the two-dimensional power spectral density A (1 + (B f)^2)^(-C/2), f in cycles per um.
+    Psd {
+        /// A (um^4), B (um) and C.
+        abc: Vec<Spanned<SurfaceLength>>,
+        /// Shortest wavelength of the face.
+        cutoff_um: SurfaceLength,
+    }
+}
+
+choice! {
+    /// Where caps stand.
+    CapLattice {
+        /// On squares.
+        Square = "square",
+        /// On equilateral triangles.
+        Hexagonal = "hexagonal",
+        /// At random places; caps may overlap.
+        Random = "random",
+    }
+}
+
+choice! {
+    /// How a map of heights repeats.
+    MapPeriod {
+        /// Beside each map stands its mirror image: heights are continuous, slopes change their sign.
+        Mirror = "mirror",
+        /// The map again: for maps of whole periods.
+        Repeat = "repeat",
+    }
+}

@@ -1,0 +1,306 @@
+//! Files of `[microgeometry]`: a surface, and how the virtual goniometer measures it.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use papilio_diagnostics::Diagnostic;
+use papilio_formats::{DataFile, LARGEST_FILE, read_heights};
+use papilio_microgeometry::{
+    Caps, Goniometer, HeightMap, Lattice, MicrogeometryError, REPLICATES, RandomHeights, Spectrum, Surface,
+};
+use serde_json::{Value, json};
+
+use crate::describe::microgeometry::{self as described, CapLattice, MapPeriod, Microgeometry, SurfaceFile};
+use crate::describe::numbers::{Inclination, SurfaceLength};
+use crate::error::{Errors, ScenarioError, ScenarioErrors};
+use crate::library::{Library, Missing, sha256};
+use crate::origin::Origin;
+use crate::read::{Read as _, Spanned};
+use crate::scenario::{Assembled, assemble, parse, sorted};
+use crate::source::Sources;
+use crate::tree::Node;
+
+/// A described surface. Its files are not read yet.
+#[derive(Debug)]
+pub struct SurfaceScenario {
+    file: SurfaceFile,
+    root: Node,
+    sources: Sources,
+    library: Library,
+    notes: Vec<String>,
+}
+
+/// A surface that can be measured.
+#[derive(Debug, Clone)]
+pub struct ResolvedSurface {
+    /// The surface.
+    pub surface: Surface,
+    /// The instrument.
+    pub goniometer: Goniometer,
+    /// Title of the file.
+    pub title: Option<String>,
+    /// Notes: consequences that are worth knowing, and not wrong.
+    pub notes: Vec<String>,
+    /// The file with every default filled in and sorted keys, and under `inputs` the SHA-256 of each file that it names.
+    pub canonical: Value,
+    /// SHA-256 of `canonical` as compact JSON, in hexadecimal digits.
+    pub hash: String,
+}
+
+/// What a kind of surface has in common with all others.
+struct Common<'a> {
+    index: [f64; 2],
+    incidence_deg: &'a Spanned<Vec<Spanned<Inclination>>>,
+    rays: u64,
+    seed: u64,
+}
+
+/// The keys that all kinds have.
+macro_rules! common {
+    ($kind:expr) => {
+        Common {
+            index: [$kind.index_above.0, $kind.index_below.0],
+            incidence_deg: &$kind.incidence_deg,
+            rays: $kind.rays.0,
+            seed: $kind.seed.0,
+        }
+    };
+}
+
+impl SurfaceScenario {
+    /// Reads a file with a surface. `overrides` are texts `PATH=VALUE`, as in `--set`.
+    ///
+    /// # Errors
+    /// A file that cannot be read, and all mistakes of the text, each with its place.
+    pub fn load(path: &Path, overrides: &[String]) -> Result<Self, ScenarioErrors> {
+        let name = path.display().to_string();
+        let file = DataFile::open(path, &name).map_err(ScenarioError::from)?;
+        let text = file.text().map_err(ScenarioError::from)?;
+        let folder = path.parent().unwrap_or(Path::new(""));
+        let sources = parse(text, &name, overrides)?.in_folder(folder);
+        Self::read(sources, folder.into())
+    }
+
+    /// Reads a surface from a text. Errors call it `name`; its files are in `library`.
+    ///
+    /// # Errors
+    /// As [`load`](Self::load).
+    pub fn from_text(
+        text: &str,
+        name: &str,
+        library: impl Into<Library>,
+        overrides: &[String],
+    ) -> Result<Self, ScenarioErrors> {
+        Self::read(parse(text, name, overrides)?, library.into())
+    }
+
+    fn read(sources: Sources, library: Library) -> Result<Self, ScenarioErrors> {
+        let Assembled { root, notes, .. } = assemble(&sources, &[])?;
+        let mut errors = Errors::default();
+        if root.get("microgeometry").is_none() && root.get("display").is_some() {
+            let wrong = Diagnostic::new("this is the scenario of a display, not a surface")
+                .expected("a file with the table [microgeometry]")
+                .hint("surfaces/ has examples; `papilio run` computes displays");
+            errors.push(Origin::FILE, wrong);
+            errors.check(&sources)?;
+        }
+        let file = SurfaceFile::read(&root, &mut errors);
+        let file = errors.finish(file, &sources)?;
+        Ok(Self { file, root, sources, library, notes })
+    }
+
+    /// Reads the files of the surface, and checks it.
+    ///
+    /// # Errors
+    /// All keys that do not fit together, each with its place, and mistakes in files.
+    pub fn resolve(&self) -> Result<ResolvedSurface, ScenarioErrors> {
+        let mut errors = Errors::default();
+        let mut inputs = BTreeMap::new();
+        let found = self.surface(&mut errors, &mut inputs);
+        let (surface, common) = errors.finish(found, &self.sources)?;
+        let mut errors = Errors::default();
+        if let Err(wrong) = surface.check() {
+            errors.push(self.place_of(&wrong), Diagnostic::new(wrong.to_string()));
+        }
+        let incidence_deg = incidences(common.incidence_deg, &mut errors);
+        errors.check(&self.sources)?;
+        let goniometer = Goniometer {
+            index_above: common.index[0],
+            index_below: common.index[1],
+            incidence_deg,
+            rays: common.rays.div_ceil(REPLICATES),
+            seed: common.seed,
+        };
+        let mut canonical = serde_json::to_value(&self.file).unwrap_or_default();
+        if let Value::Object(keys) = &mut canonical {
+            keys.insert("inputs".to_owned(), json!(inputs));
+        }
+        let canonical = sorted(canonical);
+        Ok(ResolvedSurface {
+            surface,
+            goniometer,
+            title: self.file.title.as_ref().map(|title| title.0.clone()),
+            notes: self.notes.clone(),
+            hash: sha256(canonical.to_string().as_bytes()),
+            canonical,
+        })
+    }
+
+    fn surface(
+        &self,
+        errors: &mut Errors,
+        inputs: &mut BTreeMap<String, String>,
+    ) -> Option<(Surface, Common<'_>)> {
+        let mut random = |spectrum: Spectrum, seed: u64| match RandomHeights::new(spectrum, seed) {
+            Ok(face) => Some(Surface::Random(face)),
+            Err(wrong) => {
+                errors.push(self.place_of(&wrong), Diagnostic::new(wrong.to_string()));
+                None
+            }
+        };
+        Some(match &self.file.microgeometry.value {
+            Microgeometry::Flat(flat) => (Surface::Flat, common!(flat.value)),
+            Microgeometry::Caps(caps) => {
+                let lattice = match caps.lattice.value {
+                    CapLattice::Square => Lattice::Square,
+                    CapLattice::Hexagonal => Lattice::Hexagonal,
+                    CapLattice::Random => Lattice::Random { seed: caps.seed.0 },
+                };
+                let surface = Surface::Caps(Caps {
+                    pitch_um: caps.pitch_um.0,
+                    radius_um: caps.radius_um.0,
+                    aperture_um: caps.aperture_radius_um.0,
+                    lattice,
+                });
+                (surface, common!(caps.value))
+            }
+            Microgeometry::HeightMap(map) => (self.heights(&map.value, errors, inputs)?, common!(map.value)),
+            Microgeometry::Gaussian(face) => {
+                let spectrum = Spectrum::Gaussian {
+                    rms_um: 1e-3 * face.rms_nm.0,
+                    correlation_um: face.correlation_um.0,
+                };
+                (random(spectrum, face.seed.0)?, common!(face.value))
+            }
+            Microgeometry::Exponential(face) => {
+                let spectrum = Spectrum::Exponential {
+                    rms_um: 1e-3 * face.rms_nm.0,
+                    correlation_um: face.correlation_um.0,
+                    cutoff_um: face.cutoff_um.0,
+                };
+                (random(spectrum, face.seed.0)?, common!(face.value))
+            }
+            Microgeometry::Psd(face) => {
+                let abc: Vec<f64> = face.abc.iter().map(|number| number.0).collect();
+                let Ok(abc) = <[f64; 3]>::try_from(abc) else {
+                    let wrong = Diagnostic::new(format!("this list has {} numbers", face.abc.len()))
+                        .expected("three numbers: A (um^4), B (um) and C");
+                    errors.push(face.abc.origin, wrong);
+                    return None;
+                };
+                (
+                    random(Spectrum::Abc { abc, cutoff_um: face.cutoff_um.0 }, face.seed.0)?,
+                    common!(face.value),
+                )
+            }
+        })
+    }
+
+    /// Reads a map of heights.
+    fn heights(
+        &self,
+        map: &described::HeightMap,
+        errors: &mut Errors,
+        inputs: &mut BTreeMap<String, String>,
+    ) -> Option<Surface> {
+        let kept = match self.library.open(&map.file.value, LARGEST_FILE) {
+            Ok(kept) => kept,
+            Err(Missing::Unread(error)) => {
+                errors.push_unread(map.file.origin, error, self.library.tried(&map.file.value, false));
+                return None;
+            }
+            Err(Missing::Unknown(wrong)) => {
+                errors.push(map.file.origin, wrong);
+                return None;
+            }
+        };
+        inputs.insert(map.file.value.clone(), kept.sha256().to_owned());
+        let found = match read_heights(kept.file()) {
+            Ok(found) => found,
+            Err(error) => {
+                errors.push_data(map.file.origin, error);
+                return None;
+            }
+        };
+        let pitch_um = match &map.pixel_um.value {
+            None => found.pitch_um,
+            Some(list) => {
+                match list.iter().map(|length: &Spanned<SurfaceLength>| length.0).collect::<Vec<_>>()[..] {
+                    [both] => Some([both; 2]),
+                    [x, y] => Some([x, y]),
+                    _ => {
+                        let wrong = Diagnostic::new(format!("this list has {} numbers", list.len()))
+                            .expected("one distance, or those along x and y");
+                        errors.push(map.pixel_um.origin, wrong);
+                        return None;
+                    }
+                }
+            }
+        };
+        let Some(pitch_um) = pitch_um else {
+            let wrong = Diagnostic::new("this file does not state the distance of its heights")
+                .expected("the key `pixel_um`")
+                .hint("for example pixel_um = [0.5]; only SDF files of profilometers state it");
+            errors.push(map.file.origin, wrong);
+            return None;
+        };
+        let is_picture = kept.file().bytes.starts_with(b"\x89PNG");
+        let unit_um = map.height_um_per_unit.value.map(|unit| unit.0).or(found.unit_um);
+        let Some(unit_um) = unit_um.or((!is_picture).then_some(1.0)) else {
+            let wrong = Diagnostic::new("a picture does not state the height of its steps")
+                .expected("the key `height_um_per_unit`, the height of the number 1 of 65535");
+            errors.push(map.file.origin, wrong);
+            return None;
+        };
+        let heights = found.numbers.iter().map(|number| number * unit_um).collect();
+        let made = HeightMap::new(found.columns, pitch_um, heights);
+        match made {
+            Ok(heights) => {
+                let heights = if map.level.value { heights.levelled() } else { heights };
+                Some(Surface::Heights(match map.period.value {
+                    MapPeriod::Mirror => heights.mirrored(),
+                    MapPeriod::Repeat => heights,
+                }))
+            }
+            Err(wrong) => {
+                errors.push(map.file.origin, Diagnostic::new(wrong.to_string()));
+                None
+            }
+        }
+    }
+
+    /// Place of the key that an error of a surface is about.
+    fn place_of(&self, wrong: &MicrogeometryError) -> Origin {
+        let key = match wrong {
+            MicrogeometryError::ApertureBeyondRadius { .. } => "microgeometry.aperture_radius_um",
+            MicrogeometryError::CapsOverlap { .. } => "microgeometry.pitch_um",
+            MicrogeometryError::RandomFace { .. } => "microgeometry.cutoff_um",
+            _ => "microgeometry",
+        };
+        self.root.place_of(key)
+    }
+}
+
+/// Inclinations, each once and within the hemisphere.
+fn incidences(list: &Spanned<Vec<Spanned<Inclination>>>, errors: &mut Errors) -> Vec<f64> {
+    if list.is_empty() {
+        return (0..18).map(|step| 5.0 * f64::from(step)).collect();
+    }
+    for item in list.iter().filter(|item| item.0 < 0.0) {
+        let wrong = Diagnostic::new(format!("{} deg is a negative inclination", item.0))
+            .expected("inclinations from 0 to below 90 deg")
+            .hint("the light has all azimuths: its inclination has no sign");
+        errors.push(item.origin, wrong);
+    }
+    list.iter().map(|item| item.0).collect()
+}
