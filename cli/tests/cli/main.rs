@@ -16,6 +16,7 @@ mod diffuser;
 mod figures;
 mod fine_detail;
 mod first_steps;
+mod gonio;
 mod image;
 mod lab_files;
 mod many_points;

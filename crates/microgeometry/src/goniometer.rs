@@ -97,6 +97,13 @@ pub struct Replicate {
 
 const QUANTITIES: usize = 7;
 
+impl Replicate {
+    /// Rays that were followed.
+    pub fn rays(&self) -> u64 {
+        self.rays
+    }
+}
+
 impl Goniometer {
     /// Follows the rays of a replicate, `number` from 0 to [`REPLICATES`]. `stop` is called often; true interrupts.
     ///
@@ -176,7 +183,7 @@ impl Goniometer {
                     regular[from][usize::from(to != side)] += weight * weight_of_ray;
                     return;
                 }
-                let length = along[0].hypot(along[1]);
+                let length = (along[0] * along[0] + along[1] * along[1]).sqrt();
                 let turned = (came[0] * along[1] - came[1] * along[0]).abs();
                 let turn = turned.atan2(came[0] * along[0] + came[1] * along[1]) / PI;
                 let azimuth = ((turn * AZIMUTHS as f64) as usize).min(AZIMUTHS - 1);
@@ -221,7 +228,7 @@ impl Goniometer {
             let ray = start(face, side, [sine, cosine], [x, y], azimuth);
             lost += follow(face, self.index(), &ray, side, (numbers, path), &mut |leaves| {
                 let Leaves { side: to, along, weight, regular, facets } = leaves;
-                let beta = self.index_of(to) * along[0].hypot(along[1]);
+                let beta = self.index_of(to) * (along[0] * along[0] + along[1] * along[1]).sqrt();
                 let first = if to == side { 0 } else { 2 };
                 sums[first] += weight;
                 sums[first + 1] += if beta > 1.0 { weight } else { 0.0 };

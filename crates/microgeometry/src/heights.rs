@@ -86,41 +86,31 @@ impl Face for Triangles<'_> {
             Edges::new(from[0] + from[1], along[0] + along[1]),
         ];
         let mut way = 0.0_f64;
-        let mut height = f64::NAN;
+        let mut height = None;
         for _ in 0..MOST_EDGES {
             let until = edges[0].way.min(edges[1].way).min(edges[2].way);
             if until > way {
                 let cell = [edges[0].number, edges[1].number];
-                let is_upper = edges[2].number > cell[0] + cell[1];
-                let plane = self.plane(cell, is_upper);
-                let above = |t: f64| {
-                    let x = from[0] + t * along[0] - cell[0] as f64;
-                    let y = from[1] + t * along[1] - cell[1] as f64;
-                    sign * (ray.at[2] + t * ray.along[2]
-                        - plane.height
-                        - plane.slopes[0] * x
-                        - plane.slopes[1] * y)
-                };
+                let plane = self.plane(cell, edges[2].number > cell[0] + cell[1]);
                 let slope = sign * (ray.along[2] - plane.slopes[0] * along[0] - plane.slopes[1] * along[1]);
-                if height.is_nan() {
-                    height = above(way).max(0.0);
-                }
-                // From a height of zero a ray leaves in the direction of its slope, whatever rounding says.
-                let after =
-                    if until.is_finite() { height + slope * (until - way) } else { slope * f64::INFINITY };
-                if after < 0.0 || (after.is_nan() && slope < 0.0) {
-                    let hit = way + (height / -slope).clamp(0.0, until - way);
+                // Rounding may put a ray that starts on the surface behind it.
+                let before = height.unwrap_or_else(|| {
+                    let x = from[0] - cell[0] as f64;
+                    let y = from[1] - cell[1] as f64;
+                    (sign * (ray.at[2] - plane.height - plane.slopes[0] * x - plane.slopes[1] * y)).max(0.0)
+                });
+                // A ray of infinite way runs along z, and meets the surface or leaves.
+                let after = before + slope * (until - way);
+                if after < 0.0 {
+                    let hit = way + before / -slope;
                     let normal = normalised([-plane.slopes[0] / pitch[0], -plane.slopes[1] / pitch[1], 1.0]);
                     return Met::Facet { at: moved(ray.at, hit, ray.along), normal };
                 }
-                if !until.is_finite() {
+                if leaves && until >= end {
                     return Met::Nothing;
                 }
-                height = above(until).max(0.0);
+                height = Some(after);
                 way = until;
-                if leaves && way >= end {
-                    return Met::Nothing;
-                }
             }
             edges.iter_mut().for_each(|edge| edge.step_at(until));
         }

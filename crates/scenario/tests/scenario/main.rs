@@ -18,3 +18,4 @@ mod reflection;
 mod remarks;
 mod schema;
 mod set_and_presets;
+mod surfaces;

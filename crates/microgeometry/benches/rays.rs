@@ -1,0 +1,45 @@
+//! Rays through surfaces: one call follows 32 x 256 rays for each of the inclinations of one run, and those of all bands of the kernel.
+
+#![allow(missing_docs, reason = "a benchmark")]
+
+use papilio_microgeometry::{Caps, Goniometer, HeightMap, Lattice, RandomHeights, Spectrum, Surface};
+
+fn main() {
+    divan::main();
+}
+
+const RAYS: u64 = 256;
+
+fn replicate(bencher: divan::Bencher<'_, '_>, surface: &Surface) {
+    let goniometer = Goniometer {
+        index_above: 1.0,
+        index_below: 1.5,
+        incidence_deg: vec![0.0, 60.0],
+        rays: RAYS,
+        seed: 1,
+    };
+    let one = goniometer.replicate(surface, 0, &|| false).map(|one| one.rays()).unwrap_or_default();
+    bencher
+        .counter(divan::counter::ItemsCount::new(one))
+        .bench(|| goniometer.replicate(surface, 0, &|| false).is_ok());
+}
+
+#[divan::bench]
+fn hemispheres(bencher: divan::Bencher<'_, '_>) {
+    let caps = Caps { pitch_um: 4.5, radius_um: 2.25, aperture_um: 2.25, lattice: Lattice::Square };
+    replicate(bencher, &Surface::Caps(caps));
+}
+
+/// A map of 1024 x 1024 heights in memory.
+#[divan::bench]
+fn height_map(bencher: divan::Bencher<'_, '_>) {
+    let face = RandomHeights::new(Spectrum::Gaussian { rms_um: 0.5, correlation_um: 10.0 }, 1);
+    let map = face.and_then(|face| face.realisation(0)).map(|map| {
+        let side: Vec<f64> =
+            (0..1024 * 1024).map(|at| map.heights_um()[at / 1024 % 256 * 256 + at % 1024 % 256]).collect();
+        HeightMap::new(1024, map.pitch_um(), side)
+    });
+    if let Ok(Ok(map)) = map {
+        replicate(bencher, &Surface::Heights(map));
+    }
+}

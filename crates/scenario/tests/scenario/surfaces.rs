@@ -1,0 +1,160 @@
+//! Files of surfaces: the shipped ones resolve, maps of heights are read, and mistakes are named with their places.
+
+use std::path::Path;
+
+use papilio_microgeometry::Surface;
+use papilio_scenario::{ScenarioErrors, SurfaceScenario};
+
+const CAPS: &str =
+    "[microgeometry]\nsurface = \"caps\"\npitch_um = 4.5\nradius_um = 2.25\naperture_radius_um = 2.25\n";
+
+fn resolved(text: &str, folder: &Path) -> Result<Surface, ScenarioErrors> {
+    Ok(SurfaceScenario::from_text(text, "s.toml", folder, &[])?.resolve()?.surface)
+}
+
+fn wrong(text: &str, folder: &Path) -> String {
+    resolved(text, folder).unwrap_err().to_string()
+}
+
+#[test]
+fn shipped_surfaces_resolve() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../surfaces");
+    let mut count = 0;
+    for entry in std::fs::read_dir(folder).unwrap() {
+        let path = entry.unwrap().path();
+        if path.extension().is_some_and(|extension| extension == "toml") {
+            let found = SurfaceScenario::load(&path, &[]).and_then(|surface| surface.resolve());
+            let found = found.unwrap_or_else(|error| panic!("{}: {error}", path.display()));
+            assert!(found.title.is_some() && found.goniometer.incidence_deg.len() == 18);
+            count += 1;
+        }
+    }
+    assert!(count >= 2);
+}
+
+#[test]
+fn mistakes_have_their_places() {
+    let here = Path::new("");
+    for (text, expected) in [
+        (CAPS.replace("pitch_um = 4.5", "pitch_um = 4"), "s.toml:3:12"),
+        (CAPS.replace("aperture_radius_um = 2.25", "aperture_radius_um = 2.5"), "s.toml:5:22"),
+        (CAPS.replace("pitch_um = 4.5", "pitch_um = -1"), "-1 is out of range"),
+        (CAPS.replace("pitch_um", "pitch"), "pitch_um"),
+        (CAPS.replace("\"caps\"", "\"cap\""), "`caps`"),
+        ("[microgeometry]\nsurface = \"exponential\"\nrms_nm = 100\ncorrelation_um = 5\n".to_owned(), "cutoff_um"),
+        (
+            "[microgeometry]\nsurface = \"exponential\"\nrms_nm = 100\ncorrelation_um = 5\ncutoff_um = 0.01\n".to_owned(),
+            "expected at most 4096 along a side",
+        ),
+        ("[microgeometry]\nsurface = \"psd\"\nabc = [1, 2]\ncutoff_um = 1\n".to_owned(), "three numbers: A (um^4)"),
+        (format!("{CAPS}incidence_deg = [10, -20]\n"), "s.toml:6:22"),
+        ("[display.pixel]\nmodel = \"film\"\n".to_owned(), "the scenario of a display"),
+        ("title = \"nothing\"\n".to_owned(), "microgeometry"),
+    ] {
+        let message = wrong(&text, here);
+        assert!(message.contains(expected), "{text}\n{message}");
+    }
+}
+
+#[test]
+fn maps_of_heights_are_read() {
+    let folder = tempfile::tempdir().unwrap();
+    let write = |name: &str, bytes: &[u8]| std::fs::write(folder.path().join(name), bytes).unwrap();
+    // A plane of slope 1/2 and 1/4 per um along x and y, from the top row, with one bump.
+    write("rows.csv", b"# um\n1.0 1.5 2.0\n0.75 4.25 1.75\n0.5 1.0 1.5\n");
+    let sdf = "aISO-1.0\nManufacID = X\nNumPoints = 3\nNumProfiles = 3\nXscale = 1e-6\nYscale = 1e-6\nZscale = 1e-9\n*\n\
+        1000 1500 2000 750 4250 1750 500 1000 1500\n*\n";
+    write("map.sdf", sdf.as_bytes());
+    let text = |file: &str, more: &str| {
+        format!(
+            "[microgeometry]\nsurface = \"height-map\"\nfile = \"{file}\"\nlevel = false\nperiod = \"repeat\"\n{more}"
+        )
+    };
+    let heights = |file: &str, more: &str| match resolved(&text(file, more), folder.path()).unwrap() {
+        Surface::Heights(map) => (map.columns(), map.pitch_um(), map.heights_um().to_vec()),
+        other => panic!("{other:?}"),
+    };
+    let expected = vec![0.5, 1.0, 1.5, 0.75, 4.25, 1.75, 1.0, 1.5, 2.0];
+    assert_eq!(heights("rows.csv", "pixel_um = [1]\n"), (3, [1.0; 2], expected.clone()));
+    let (columns, pitch_um, found) = heights("map.sdf", "");
+    assert_eq!((columns, pitch_um), (3, [1.0; 2]));
+    found.iter().zip(&expected).for_each(|(a, b)| assert!((a - b).abs() < 1e-12, "{a} {b}"));
+    // Levelled, the corners of the plane differ by nothing; the bump of 3 um above the plane remains.
+    let level = text("rows.csv", "pixel_um = [1]\n").replace("level = false", "level = true");
+    let Surface::Heights(level) = resolved(&level, folder.path()).unwrap() else { panic!() };
+    let corners = [0, 2, 6, 8].map(|at| level.heights_um()[at]);
+    assert!(corners.iter().all(|corner| (corner - corners[0]).abs() < 1e-12), "{corners:?}");
+    assert!((level.heights_um()[4] - corners[0] - 3.0).abs() < 1e-12);
+    // Mirrored, the period is twice as long.
+    let mirrored = text("rows.csv", "pixel_um = [1, 2]\n").replace("\"repeat\"", "\"mirror\"");
+    let Surface::Heights(mirrored) = resolved(&mirrored, folder.path()).unwrap() else { panic!() };
+    assert_eq!((mirrored.columns(), mirrored.rows(), mirrored.pitch_um()), (6, 6, [1.0, 2.0]));
+    assert_eq!(&mirrored.heights_um()[..6], [0.5, 1.0, 1.5, 1.5, 1.0, 0.5]);
+
+    write("holes.sdf", sdf.replace("4250", "BAD").as_bytes());
+    write("short.sdf", sdf.replace("1000 1500\n*", "1000\n*").as_bytes());
+    write("scale.sdf", sdf.replace("1e-9", "0").as_bytes());
+    write("ragged.csv", b"1 2\n3\n");
+    write("word.csv", b"1 2\n3 x\n");
+    write("text.csv", b"hello world\n");
+    write("one.csv", b"1\n2\n");
+    write(
+        "cube.npy",
+        b"\x93NUMPY\x01\x00\x46\x00{'descr': '<f8', 'fortran_order': False, 'shape': (2, 2, 2), }         \n",
+    );
+    write(
+        "huge.npy",
+        b"\x93NUMPY\x01\x00\x46\x00{'descr': '<f8', 'fortran_order': False, 'shape': (90000, 90000), }    \n",
+    );
+    for (file, more, message) in [
+        ("rows.csv", "", "does not state the distance of its heights"),
+        ("holes.sdf", "", "1 of 9 heights are missing"),
+        ("short.sdf", "", "8 heights, and its header 9"),
+        ("scale.sdf", "", "a scale is 0 m"),
+        ("ragged.csv", "pixel_um = [1]\n", "as many numbers as the first row"),
+        ("word.csv", "pixel_um = [1]\n", "word.csv:2:3"),
+        ("text.csv", "pixel_um = [1]\n", "not a map of heights in a supported format"),
+        ("one.csv", "pixel_um = [1]\n", "1 x 2 heights"),
+        ("cube.npy", "pixel_um = [1]\n", "3 dimensions"),
+        ("huge.npy", "pixel_um = [1]\n", "90000 x 90000 heights"),
+        ("missing.npy", "pixel_um = [1]\n", "s.toml:3:8"),
+        ("rows.csv", "pixel_um = [1, 2, 3]\n", "one distance, or those along x and y"),
+    ] {
+        let found = wrong(&text(file, more), folder.path());
+        assert!(found.contains(message), "{file}: {found}");
+    }
+}
+
+/// No file of heights makes the reader panic: cut off and changed SDF files and arrays.
+#[test]
+fn damaged_maps_are_errors() {
+    let binary = {
+        let mut bytes = b"bISO-1.0".to_vec();
+        bytes.extend([b' '; 34]);
+        bytes.extend(2_u16.to_le_bytes().repeat(2));
+        bytes.extend([1e-6_f64, 1e-6, 1e-9, 1e-9].into_iter().flat_map(f64::to_le_bytes));
+        bytes.extend([0, 7, 0]);
+        bytes.extend([1.0_f64, 2.0, 3.0, 4.0].into_iter().flat_map(f64::to_le_bytes));
+        bytes
+    };
+    let read = |bytes: Vec<u8>| {
+        papilio_formats::read_heights(&papilio_formats::DataFile { name: "map".to_owned(), bytes })
+    };
+    let map = read(binary.clone()).unwrap();
+    assert_eq!((map.columns, map.numbers), (2, vec![3.0, 4.0, 1.0, 2.0]));
+    assert!((map.pitch_um.unwrap()[0] - 1.0).abs() < 1e-12 && (map.unit_um.unwrap() - 1e-3).abs() < 1e-15);
+    for length in 0..binary.len() {
+        assert!(read(binary[..length].to_vec()).is_err(), "{length} bytes");
+    }
+    let mut dice = papilio_testing::Dice::new(0x5d1, 0);
+    for _ in 0..2000 {
+        let mut bytes = binary.clone();
+        for _ in 0..1 + dice.below(4) {
+            let at = dice.below(bytes.len());
+            bytes[at] = dice.bits() as u8;
+        }
+        if let Ok(map) = read(bytes) {
+            assert!(map.numbers.iter().all(|number| number.is_finite()));
+        }
+    }
+}
