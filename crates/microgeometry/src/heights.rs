@@ -3,6 +3,8 @@
 //! **Walk.** In units of cells, the edges of all triangles are the lines of integer x, integer y and integer x + y. Between two of them the
 //! height of a ray above the surface is a linear function of the way. The surface is met where this height changes its sign, so that no ray
 //! can slip through an edge.
+//!
+//! **Blocks.** Where a ray is above (or below) all heights of a block of cells, it crosses the block in one step.
 
 use crate::HeightMap;
 use crate::ray::{Face, Met, Ray, Side, moved, normalised};
@@ -10,12 +12,17 @@ use crate::ray::{Face, Met, Ray, Side, moved, normalised};
 /// Edges that a ray may cross before it counts as lost.
 const MOST_EDGES: usize = 10_000_000;
 
-/// A height map, with heights in units of its own along each axis.
+/// Cells along a side of a block.
+const BLOCK: usize = 8;
+
+/// A height map as triangles.
 #[derive(Debug)]
 pub(crate) struct Triangles<'a> {
     map: &'a HeightMap,
     lowest: f64,
     highest: f64,
+    /// Lowest and highest height of each block, by rows; none if the map is not a whole number of blocks.
+    blocks: Vec<[f64; 2]>,
 }
 
 impl<'a> Triangles<'a> {
@@ -23,7 +30,22 @@ impl<'a> Triangles<'a> {
         let heights = map.heights_um();
         let lowest = heights.iter().copied().fold(f64::INFINITY, f64::min);
         let highest = heights.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-        Self { map, lowest, highest }
+        Self { map, lowest, highest, blocks: blocks(map) }
+    }
+
+    /// With or without blocks.
+    #[cfg(test)]
+    pub(crate) fn with_blocks(map: &'a HeightMap, blocks: bool) -> Self {
+        let all = Self::new(map);
+        if blocks { all } else { Self { blocks: Vec::new(), ..all } }
+    }
+
+    /// Lowest and highest height of the block of a cell, if there are blocks.
+    fn block(&self, cell: [i64; 2]) -> Option<[f64; 2]> {
+        let count = [self.map.columns() / BLOCK, self.map.rows() / BLOCK];
+        let at =
+            [0, 1].map(|k| (cell[k] >> BLOCK.trailing_zeros()).rem_euclid(count[k].max(1) as i64) as usize);
+        self.blocks.get(at[1] * count[0] + at[0]).copied()
     }
 
     /// Height at the middle of the ray's place in a cell, and slopes per cell, of the triangle below or above the diagonal.
@@ -45,6 +67,23 @@ impl<'a> Triangles<'a> {
             Plane { height: corner, slopes: [a - corner, b - corner] }
         }
     }
+}
+
+/// Lowest and highest height of each block, its edges included.
+fn blocks(map: &HeightMap) -> Vec<[f64; 2]> {
+    let [columns, rows] = [map.columns(), map.rows()];
+    if columns % BLOCK != 0 || rows % BLOCK != 0 {
+        return Vec::new();
+    }
+    let of = |block: usize| {
+        let (row, column) = (block / (columns / BLOCK) * BLOCK, block % (columns / BLOCK) * BLOCK);
+        let heights = (0..=BLOCK).flat_map(|down| (0..=BLOCK).map(move |right| [row + down, column + right]));
+        let heights = heights.map(|[y, x]| map.heights_um()[y % rows * columns + x % columns]);
+        heights.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], height| {
+            [low.min(height), high.max(height)]
+        })
+    };
+    (0..columns / BLOCK * (rows / BLOCK)).map(of).collect()
 }
 
 /// A triangle: the height at the lower left corner of its cell, and the slopes per cell.
@@ -79,25 +118,56 @@ impl Face for Triangles<'_> {
         if leaves && end <= 0.0 {
             return Met::Nothing;
         }
-        // Just behind the start decides in which triangle the ray begins.
-        let mut edges = [
-            Edges::new(from[0], along[0]),
-            Edges::new(from[1], along[1]),
-            Edges::new(from[0] + from[1], along[0] + along[1]),
-        ];
+        let mut edges = Edges::of_triangles(from, along);
         let mut way = 0.0_f64;
         let mut height = None;
+        let mut known = None;
         for _ in 0..MOST_EDGES {
+            let cell = [edges[0].number, edges[1].number];
+            let block = cell.map(|number| number >> BLOCK.trailing_zeros());
+            if known != Some(block) {
+                known = Some(block);
+                let exits = [0, 1].map(|k| {
+                    let edge = BLOCK as i64 * (block[k] + i64::from(along[k] > 0.0));
+                    if along[k] == 0.0 { f64::INFINITY } else { (edge as f64 - from[k]) / along[k] }
+                });
+                let exit = exits[0].min(exits[1]);
+                let nearest = |height: f64| sign * (ray.at[2] + exit * ray.along[2] - height);
+                let is_clear = |[low, high]: [f64; 2]| {
+                    let extreme = if side == Side::Above { high } else { low };
+                    nearest(extreme) > 0.0 && sign * (ray.at[2] + way * ray.along[2] - extreme) > 0.0
+                };
+                if exit.is_finite() && exit > way && self.block(cell).is_some_and(is_clear) {
+                    if leaves && exit >= end {
+                        return Met::Nothing;
+                    }
+                    // The block is left through one side; the places along the other are those of the ray.
+                    let axis = usize::from(exits[1] < exits[0]);
+                    let mut next = [0, 1].map(|k| (from[k] + exit * along[k]).floor() as i64);
+                    next[axis] = if along[axis] > 0.0 {
+                        BLOCK as i64 * (block[axis] + 1)
+                    } else {
+                        BLOCK as i64 * block[axis] - 1
+                    };
+                    // Rounding must not put it into another block along the other axis.
+                    let other = 1 - axis;
+                    let first = BLOCK as i64 * block[other];
+                    next[other] = next[other].clamp(first, first + BLOCK as i64 - 1);
+                    edges = Edges::of_cell(from, along, next, exit);
+                    way = exit;
+                    height = None;
+                    continue;
+                }
+            }
             let until = edges[0].way.min(edges[1].way).min(edges[2].way);
             if until > way {
-                let cell = [edges[0].number, edges[1].number];
                 let plane = self.plane(cell, edges[2].number > cell[0] + cell[1]);
                 let slope = sign * (ray.along[2] - plane.slopes[0] * along[0] - plane.slopes[1] * along[1]);
                 // Rounding may put a ray that starts on the surface behind it.
                 let before = height.unwrap_or_else(|| {
-                    let x = from[0] - cell[0] as f64;
-                    let y = from[1] - cell[1] as f64;
-                    (sign * (ray.at[2] - plane.height - plane.slopes[0] * x - plane.slopes[1] * y)).max(0.0)
+                    let [x, y] = [0, 1].map(|k| from[k] + way * along[k] - cell[k] as f64);
+                    let surface = plane.height + plane.slopes[0] * x + plane.slopes[1] * y;
+                    (sign * (ray.at[2] + way * ray.along[2] - surface)).max(0.0)
                 });
                 // A ray of infinite way runs along z, and meets the surface or leaves.
                 let after = before + slope * (until - way);
@@ -130,6 +200,28 @@ struct Edges {
 }
 
 impl Edges {
+    /// The three families of edges of triangles, at the start of a ray.
+    fn of_triangles(from: [f64; 2], along: [f64; 2]) -> [Self; 3] {
+        [
+            Self::new(from[0], along[0]),
+            Self::new(from[1], along[1]),
+            Self::new(from[0] + from[1], along[0] + along[1]),
+        ]
+    }
+
+    /// The three families on the way through a cell.
+    fn of_cell(from: [f64; 2], along: [f64; 2], cell: [i64; 2], way: f64) -> [Self; 3] {
+        let at = |from: f64, along: f64, number: i64| {
+            let mut edges = Self { number, way: f64::INFINITY, from, along };
+            edges.find_next();
+            edges
+        };
+        let (sum, sum_along) = (from[0] + from[1], along[0] + along[1]);
+        let below = cell[0] + cell[1];
+        let diagonal = ((sum + way * sum_along).floor() as i64).clamp(below, below + 1);
+        [at(from[0], along[0], cell[0]), at(from[1], along[1], cell[1]), at(sum, sum_along, diagonal)]
+    }
+
     fn new(from: f64, along: f64) -> Self {
         let floor = from.floor();
         // On a line, a ray that goes back begins in the cell below.

@@ -238,3 +238,43 @@ fn averaged_over_disc(w: f64, b: f64) -> f64 {
     let sum: f64 = pairs.map(|square| (-square / (w * w)).exp()).sum();
     sum * cell * cell / (std::f64::consts::PI * w * w) / points.len() as f64
 }
+
+/// Blocks only save time: with and without them, rays meet the same places.
+#[test]
+fn blocks_do_not_change_what_rays_meet() {
+    use crate::heights::Triangles;
+    use crate::ray::{Face as _, Met, Ray};
+    let face = RandomHeights::new(Spectrum::Gaussian { rms_um: 4.0, correlation_um: 10.0 }, 7).unwrap();
+    let map = face.realisation(0).unwrap();
+    let [with, without] = [true, false].map(|blocks| Triangles::with_blocks(&map, blocks));
+    let mut dice = papilio_testing::Dice::new(0xb10c, 0);
+    let mut facets = 0;
+    for _ in 0..3000 {
+        let (sine, azimuth) = (dice.between(0.0, 0.999), dice.between(0.0, std::f64::consts::TAU));
+        let side = dice.of(Side::ALL);
+        let up = if side == Side::Above { -1.0 } else { 1.0 } * (1.0 - sine * sine).sqrt();
+        let [low, high] = with.heights_um();
+        let z = if side == Side::Above { high } else { low };
+        let mut ray = Ray {
+            at: [dice.between(0.0, 213.0), dice.between(0.0, 213.0), z],
+            along: [sine * azimuth.cos(), sine * azimuth.sin(), up],
+        };
+        // Where a ray meets a facet, it goes on as from a mirror; where the normal is, on its own side.
+        for _ in 0..4 {
+            match (with.next(&ray, side), without.next(&ray, side)) {
+                (Met::Facet { at, normal }, Met::Facet { at: other, normal: beside }) => {
+                    (0..3).for_each(|k| assert!((at[k] - other[k]).abs() < 1e-7, "{at:?} {other:?}"));
+                    assert!(crate::ray::dot(normal, beside) > 1.0 - 1e-9 || (at[2] - other[2]).abs() < 1e-7);
+                    let cosine = crate::ray::dot(ray.along, normal);
+                    ray = Ray { at, along: crate::ray::moved(ray.along, -2.0 * cosine, normal) };
+                    facets += 1;
+                }
+                (one, other) => {
+                    assert_eq!(one, other);
+                    break;
+                }
+            }
+        }
+    }
+    assert!(facets > 3000);
+}
