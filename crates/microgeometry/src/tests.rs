@@ -62,27 +62,3 @@ fn hemispheres_are_those_of_a_separate_program() {
         assert!(total.mean_facets.value > 1.5 && total.mean_facets.value < 3.3, "{total:?}");
     }
 }
-
-fn kernel(surface: &Surface, rays: u64) -> Kernel {
-    let goniometer = Goniometer {
-        index_above: 1.0,
-        index_below: GLASS,
-        incidence_deg: Vec::new(),
-        rays,
-        seed: papilio_testing::seeds(),
-    };
-    let replicates = (0..REPLICATES).map(|number| goniometer.replicate(surface, number, &|| false).unwrap());
-    goniometer.kernel(&replicates.collect::<Vec<_>>()).unwrap()
-}
-
-#[test]
-fn kernels_obey_reciprocity() {
-    let caps = Caps { pitch_um: 4.5, radius_um: 2.25, aperture_um: 2.25, lattice: Lattice::Square };
-    let found = kernel(&Surface::Caps(caps), 500);
-    println!("{:?}", Audit { energy_z: Vec::new(), ..found.audit.clone() });
-    println!("{:?}", found.audit.energy_z);
-    let random = RandomHeights::new(Spectrum::Gaussian { rms_um: 2.5, correlation_um: 10.0 }, 1).unwrap();
-    let found = kernel(&Surface::Random(random), 500);
-    println!("{:?}", Audit { energy_z: Vec::new(), ..found.audit.clone() });
-    println!("{:?}", found.audit.energy_z);
-}
