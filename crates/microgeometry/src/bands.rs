@@ -5,7 +5,7 @@ use std::ops::Range;
 
 use crate::Side;
 
-/// Bands of |beta| = n sin θ. Those up to 1, the directions that exist in air, are the same on both sides.
+/// Bands of |beta| = n sin θ. Those up to the lower index are the same on both sides; 1, the limit of directions in air, is an edge.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Bands {
     /// Edges of the bands above and below, from 0 to the index of the side.
@@ -19,24 +19,25 @@ const STEP_DEG: f64 = 2.5;
 pub(crate) const AZIMUTHS: usize = 36;
 
 impl Bands {
-    /// Bands of 2.5 deg in air, and as wide ones in the angle beyond.
+    /// Bands of about 2.5 deg: in air up to 1, in the rarer medium up to its index, in the denser one beyond.
+    ///
+    /// Both sides have the same bands up to the lower index, so that regular light leaves a band for one band.
     pub(crate) fn new(index: [f64; 2]) -> Self {
+        let mut limits = [1.0, index[0], index[1]];
+        limits.sort_by(f64::total_cmp);
         let edges = index.map(|index| {
-            let steps = |from: f64, to: f64, scale: f64| {
-                let count = ((to - from).to_degrees() / STEP_DEG).ceil().max(1.0) as usize;
-                (0..count).map(move |k| scale * (from + (to - from) * k as f64 / count as f64).sin())
-            };
-            let within: Vec<f64> = steps(0.0, PI / 2.0, 1.0).collect();
-            match index > 1.0 {
-                true => {
-                    let critical = (1.0 / index).asin();
-                    within.into_iter().chain(steps(critical, PI / 2.0, index)).chain([index]).collect()
-                }
-                false => {
-                    let below = within.into_iter().filter(|edge| *edge < index - 1e-9);
-                    below.chain([index]).collect()
+            let mut edges = vec![0.0];
+            let mut from = 0.0;
+            for to in limits.into_iter().filter(|limit| *limit <= index) {
+                if to - from > 1e-9 * to {
+                    let start = (from / to).asin();
+                    let count = ((PI / 2.0 - start).to_degrees() / STEP_DEG).ceil().max(1.0) as usize;
+                    let edge = |k: usize| to * (start + (PI / 2.0 - start) * k as f64 / count as f64).sin();
+                    edges.extend((1..count).map(edge).chain([to]));
+                    from = to;
                 }
             }
+            edges
         });
         Self { edges }
     }

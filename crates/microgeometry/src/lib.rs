@@ -10,6 +10,8 @@ mod goniometer;
 mod height_map;
 mod heights;
 mod kernel;
+#[cfg(test)]
+mod laws_tests;
 mod path;
 mod random;
 mod ray;
