@@ -217,7 +217,9 @@ fn commands_of_the_first_pages_run_as_pasted() {
     for page in ["README.md", "docs/first-steps.md"] {
         let folder = tempfile::tempdir().unwrap();
         let here = folder.path();
-        std::os::unix::fs::symlink(repository().join("scenarios"), here.join("scenarios")).unwrap();
+        for examples in ["scenarios", "surfaces"] {
+            std::os::unix::fs::symlink(repository().join(examples), here.join(examples)).unwrap();
+        }
         // Files of the reader.
         fs::write(here.join("Cr.csv"), "wl,n\n0.38,2\n0.78,3\n\nwl,k\n0.38,3\n0.78,3.3\n").unwrap();
         let lobe = |deg: f64| 0.1 / (0.01 + deg.to_radians().sin().powi(2)).powf(1.5) / 7.0;
@@ -239,7 +241,8 @@ fn commands_of_the_first_pages_run_as_pasted() {
             let output = shell.output().unwrap();
             assert!(output.status.success(), "{page}: {line}\n{}", stderr(&output));
             // Files of the repository that are named exist.
-            let files = command.split_whitespace().filter(|word| word.starts_with("scenarios/"));
+            let is_example = |word: &&str| word.starts_with("scenarios/") || word.starts_with("surfaces/");
+            let files = command.split_whitespace().filter(is_example);
             files.for_each(|file| assert!(repository().join(file).exists(), "{page}: {line}"));
         }
     }
