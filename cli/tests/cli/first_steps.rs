@@ -195,7 +195,7 @@ fn page_of_a_run_is_complete_and_self_contained() {
 }
 
 /// Commands of the pages that take long, or do not end: only their options are checked.
-const LONG: [&str; 10] = [
+const LONG: [&str; 11] = [
     "--cone",
     "sweep",
     "optimize",
@@ -206,6 +206,7 @@ const LONG: [&str; 10] = [
     "sparkle",
     "brdf",
     "monte-carlo",
+    "gonio",
 ];
 
 /// The commands of README and of docs/first-steps.md run as they are pasted, in the order of the pages.

@@ -6,8 +6,8 @@
 
 use papilio_sampling::{SampleStream, Sampler};
 
-use crate::MicrogeometryError;
 use crate::ray::{Face, Met, Ray, Side, dot, moved};
+use crate::{HeightMap, MicrogeometryError};
 
 /// Squares that a ray may cross before it counts as lost.
 const MOST_SQUARES: usize = 1_000_000;
@@ -116,6 +116,25 @@ impl Balls {
         }
         let depth_um = ((radius_um - aperture_um).max(0.0) * (radius_um + aperture_um)).sqrt();
         Ok(Self { period_um, squares, radius_um, depth_um, in_square })
+    }
+
+    /// Heights of a period, at the middles of `side` x `side` cells.
+    pub(crate) fn sampled(&self, side: usize) -> Result<HeightMap, MicrogeometryError> {
+        let pitch = self.period_um.map(|period| period / side as f64);
+        let size = [0, 1].map(|k| self.period_um[k] / self.squares[k] as f64);
+        let height = |at: usize| {
+            let place = [(at % side) as f64 + 0.5, (at / side) as f64 + 0.5];
+            let place = [0, 1].map(|k| place[k] * pitch[k]);
+            let square = [0, 1].map(|k| ((place[k] / size[k]) as usize).min(self.squares[k] - 1));
+            let caps = self.in_square[square[1] * self.squares[0] + square[0]].iter();
+            let cap = |middle: &[f64; 2]| {
+                let away = [0, 1].map(|k| place[k] - middle[k]);
+                let below = self.radius_um * self.radius_um - away[0] * away[0] - away[1] * away[1];
+                below.max(0.0).sqrt() - self.depth_um
+            };
+            caps.map(cap).fold(0.0, f64::max)
+        };
+        HeightMap::new(side, pitch, (0..side * side).map(height).collect())
     }
 
     /// Ways at which a line enters and leaves the ball around a middle.

@@ -1,6 +1,6 @@
 //! From the geometry of a surface to its scattering: a virtual goniometer.
 //!
-//! A [`Surface`] between two media is measured by rays: [`Goniometer`]. Lengths are in micrometres; x is along the columns of a height map,
+//! A [`Surface`] between two media is measured by rays ([`Goniometer`]), or by waves along the normal ([`by_waves`]). Lengths are in micrometres; x is along the columns of a height map,
 //! y along its rows, and z points up, into the medium above.
 
 mod bands;
@@ -18,6 +18,7 @@ mod ray;
 mod surface;
 #[cfg(test)]
 mod tests;
+mod waves;
 
 pub use bands::Bands;
 pub use caps::{Caps, Lattice};
@@ -28,3 +29,4 @@ pub use kernel::{Audit, Kernel};
 pub use random::{RandomHeights, Spectrum};
 pub use ray::Side;
 pub use surface::Surface;
+pub use waves::{Criterion, WaveShares, by_waves, closed_form_haze, criterion};

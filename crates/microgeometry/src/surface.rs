@@ -47,4 +47,18 @@ impl Surface {
             Self::Flat | Self::Heights(_) | Self::Random(_) => Ok(()),
         }
     }
+
+    /// Heights of a period of a replicate; `None` for caps at random places, whose period is large.
+    pub(crate) fn heights(&self, replicate: u64) -> Result<Option<HeightMap>, MicrogeometryError> {
+        Ok(Some(match self {
+            Self::Flat => HeightMap::new(1, [1.0; 2], vec![0.0])?,
+            Self::Caps(Caps { lattice: crate::Lattice::Random { .. }, .. }) => return Ok(None),
+            Self::Caps(caps) => Balls::new(caps, replicate)?.sampled(SAMPLES)?,
+            Self::Heights(map) => map.clone(),
+            Self::Random(random) => random.realisation(replicate)?,
+        }))
+    }
 }
+
+/// Heights along a side of a period of caps.
+const SAMPLES: usize = 512;
