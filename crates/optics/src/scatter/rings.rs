@@ -68,6 +68,11 @@ impl Rings {
         &self.weights
     }
 
+    /// `|beta|` of the middle of each ring.
+    pub fn middles(&self) -> impl Iterator<Item = f64> {
+        self.middles.iter().map(|square| square.sqrt())
+    }
+
     /// `|beta|` of the edge of all rings.
     pub fn radius(&self) -> f64 {
         self.edges.last().copied().unwrap_or(0.0)

@@ -249,6 +249,10 @@ impl LayerKind for ScatterFace {
         self.kernel_edges(bin).collect()
     }
 
+    fn kinks(&self) -> Vec<f64> {
+        self.regular.iter().flat_map(|regular| &regular.rings).flat_map(Rings::middles).collect()
+    }
+
     fn spectral_key(&self, bin: usize, key: &mut Vec<u64>) {
         key.push(self.straight[bin].to_bits());
         key.extend(self.kernels().map(|kernel| kernel.factor[bin].to_bits()));
