@@ -188,6 +188,24 @@ impl Kernel {
         }
     }
 
+    /// The |beta| within which half of the light along the normal from above is transmitted, of all that goes to |beta| up to 1.
+    pub fn median_beta(&self) -> f64 {
+        let above = &self.scattered[..self.bands.count() * AZIMUTHS];
+        let share = |band: usize| above[band * AZIMUTHS..][..AZIMUTHS].iter().sum::<f64>();
+        let bands = self.bands.of(crate::Side::Below).map(|band| (self.bands.band(band).1, share(band)));
+        let seen: Vec<([f64; 2], f64)> = bands.filter(|([_, to], _)| *to < 1.0 + 1e-9).collect();
+        let half = 0.5 * (self.regular_transmitted[0] + seen.iter().map(|(_, share)| share).sum::<f64>());
+        let mut before = self.regular_transmitted[0];
+        for ([from, to], share) in seen {
+            if share > 0.0 && before + share >= half {
+                let inside = ((half - before) / share).max(0.0);
+                return (from * from + inside * (to * to - from * from)).sqrt();
+            }
+            before += share;
+        }
+        0.0
+    }
+
     /// Number of azimuths between 0 and 180 deg.
     pub fn azimuths(&self) -> usize {
         AZIMUTHS

@@ -75,7 +75,7 @@ table! {
         /// Correlation length, instead of that of the file `surface`.
         correlation_um: Option<SurfaceLength>,
         /// Rays of each inclination and band of the kernel, instead of those of the file `surface`.
-        rays as "Rays": Option<Count<64, { 1 << 36 }>>,
+        rays as "Rays": Option<Count<64, 1_000_000>>,
     }
 }
 

@@ -5,11 +5,12 @@ use std::sync::{Mutex, PoisonError};
 use papilio_diagnostics::Diagnostic;
 use papilio_display::scene::{Interface, Ready, RegularRings, ScatterFace};
 use papilio_formats::read_face;
-use papilio_microgeometry::{FaceKernels, FaceTable, MicrogeometryError, REPLICATES};
+use papilio_microgeometry::{FaceKernels, FaceTable, Goniometer, MicrogeometryError, REPLICATES};
 use papilio_spectra::Spectrum;
 
 use super::Resolver;
 use crate::describe::diffuser::FaceOfSurface;
+use crate::library::Library;
 use crate::origin::Origin;
 use crate::read::Spanned;
 use crate::surface::{ResolvedSurface, SurfaceScenario};
@@ -22,6 +23,10 @@ static MEASURED: Mutex<Vec<(String, FaceKernels)>> = Mutex::new(Vec::new());
 
 /// Number of faces that are kept.
 const MOST_KEPT: usize = 8;
+
+/// Most rays of a band while a scenario is read: 2 minutes on a processor. And for scenarios in memory: those that a server is given by anyone.
+const MOST_RAYS: u64 = 1_000_000;
+const MOST_RAYS_IN_MEMORY: u64 = 50_000;
 
 /// A face whose neighbours are known, and its error.
 type Measured = Result<FaceKernels, Diagnostic>;
@@ -148,7 +153,17 @@ impl Resolver<'_> {
             Ok(surface) => {
                 let key = (format!("{path}.surface"), surface.hash.clone());
                 self.inputs.insert(key.0, key.1);
-                measured(&surface)
+                let rays = surface.goniometer.rays * REPLICATES;
+                let most = match self.library {
+                    Library::Memory { .. } => MOST_RAYS_IN_MEMORY,
+                    _ => MOST_RAYS,
+                };
+                match rays > most {
+                    true => Err(Diagnostic::new(format!("this surface asks for {rays} rays of each band"))
+                        .expected(format!("at most {most} here"))
+                        .hint("add rays = 20000 to the layer, or measure it with `papilio gonio` and give its face.npz as `file`")),
+                    false => measured(&surface),
+                }
             }
             Err(errors) => Err(Diagnostic::new(format!("the surface cannot be read\n{errors}"))),
         };
@@ -172,26 +187,8 @@ fn measured(surface: &ResolvedSurface) -> Measured {
     let wrong =
         |error: MicrogeometryError| Diagnostic::new(format!("the surface cannot be measured: {error}"));
     // Totals at single inclinations are not needed.
-    let goniometer =
-        papilio_microgeometry::Goniometer { incidence_deg: Vec::new(), ..surface.goniometer.clone() };
-    let threads = std::thread::available_parallelism().map_or(1, usize::from) as u64;
-    let part = |thread: u64| {
-        let numbers = (thread..REPLICATES).step_by(threads as usize);
-        numbers
-            .map(|number| goniometer.replicate(&surface.surface, number, &|| false).map(|one| (number, one)))
-            .collect::<Result<Vec<_>, _>>()
-    };
-    let parts = std::thread::scope(|scope| {
-        let part = &part;
-        let workers: Vec<_> = (0..threads).map(|thread| scope.spawn(move || part(thread))).collect();
-        let join = |worker: std::thread::ScopedJoinHandle<'_, _>| {
-            worker.join().unwrap_or(Err(MicrogeometryError::Interrupted))
-        };
-        workers.into_iter().map(join).collect::<Result<Vec<_>, _>>()
-    });
-    let mut replicates: Vec<_> = parts.map_err(wrong)?.into_iter().flatten().collect();
-    replicates.sort_by_key(|(number, _)| *number);
-    let replicates: Vec<_> = replicates.into_iter().map(|(_, replicate)| replicate).collect();
+    let goniometer = Goniometer { incidence_deg: Vec::new(), ..surface.goniometer.clone() };
+    let replicates = goniometer.replicates(&surface.surface, &|| false).map_err(wrong)?;
     let kernel = goniometer.kernel(&replicates).map_err(wrong)?;
     let index = [goniometer.index_above, goniometer.index_below];
     let kernels = FaceTable::new(index, &kernel).kernels().map_err(wrong)?;
