@@ -2,13 +2,15 @@
 
 use std::path::Path;
 
-use papilio_display::DisplayError;
 use papilio_display::image::{
     ImageInRoom, ImageResult, ImageSettings, PictureDifferences, Screen, ScreenSpace, ScreenWhite, Sharpness,
     image,
 };
 use papilio_display::palette::bytes;
+use papilio_display::{DisplayError, LightSummary};
 use papilio_formats::{TitledFile, write_file, write_indexed_png, write_rgb_png, write_scene_exr};
+use papilio_imaging::ImagingError;
+use papilio_imaging::text::{Font, Setting};
 use papilio_scenario::Resolved;
 use serde::Serialize;
 
@@ -31,6 +33,7 @@ pub(crate) fn command(arguments: &ImageCommand) -> Result<(), Failure> {
         Space::DisplayP3 => ScreenSpace::DisplayP3,
     };
     let screen = Screen { white, space };
+    crate::palette::check_rooms(&arguments.rooms)?;
     let rooms = arguments.rooms.iter().map(|name| Ok((name, room(&arguments.command, &resolved, name)?)));
     let rooms = rooms.collect::<Result<Vec<(&String, Resolved)>, Failure>>()?;
     show(&arguments.command, &resolved, |control| {
@@ -59,17 +62,52 @@ struct ImageOutput {
 const BETWEEN: usize = 12;
 
 impl ImageOutput {
-    /// The pictures of all rooms side by side on white: number of columns, and the pixels.
-    fn side_by_side(&self) -> (usize, Vec<[u8; 3]>) {
-        let all: Vec<&ImageResult> =
-            std::iter::once(&self.here).chain(self.rooms.iter().map(|(_, room)| room)).collect();
+    /// The pictures of all rooms side by side on white, each below its name: number of columns, and the pixels.
+    fn side_by_side(&self) -> Result<(usize, Vec<[u8; 3]>), Failure> {
+        let here = std::iter::once(("this light", &self.here));
+        let all: Vec<(&str, &ImageResult)> =
+            here.chain(self.rooms.iter().map(|(name, room)| (name.as_str(), room))).collect();
         let [columns, rows] = self.here.seen_size();
+        let label = |(name, room): &(&str, &ImageResult)| {
+            let text = format!("{name}: {}", light(&room.numbers.light));
+            label(&text, columns).map_err(|error| Failure::Input(error.to_string()))
+        };
+        let labels = all.iter().map(label).collect::<Result<Vec<_>, Failure>>()?;
         let row = |row: usize| {
-            let parts = all.iter().map(|one| &one.on_screen[row * columns..][..columns]);
+            let parts = all.iter().zip(&labels).map(|((_, one), label)| match row.checked_sub(LABEL) {
+                None => &label[row * columns..][..columns],
+                Some(row) => &one.on_screen[row * columns..][..columns],
+            });
             parts.collect::<Vec<_>>().join(&[[255; 3]; BETWEEN][..])
         };
-        (all.len() * (columns + BETWEEN) - BETWEEN, (0..rows).flat_map(row).collect())
+        Ok((all.len() * (columns + BETWEEN) - BETWEEN, (0..rows + LABEL).flat_map(row).collect()))
     }
+}
+
+/// Rows of the label above a picture, and size of its letters in pixels.
+const LABEL: usize = 24;
+const LETTERS_PX: f64 = 14.0;
+
+/// A line of text on white, black, as wide as a picture; what is wider is cut off.
+fn label(text: &str, columns: usize) -> Result<Vec<[u8; 3]>, ImagingError> {
+    // Points and inches cancel: the em has this number of pixels.
+    let setting = Setting { size_pt: LETTERS_PX, per_inch: [72.0; 2], margin: 3 };
+    let ([across, down], covered) = Font::bundled().coverage(text, setting)?;
+    let mut pixels = vec![[255; 3]; columns * LABEL];
+    for (at, covered) in covered.iter().enumerate() {
+        // Coverage begins with the lowest row.
+        let (column, row) = (at % across, LABEL as isize - 1 - (at / across) as isize);
+        if column < columns && row >= 0 && at / across < down {
+            pixels[row as usize * columns + column] = [(255.0 * (1.0 - covered)).round() as u8; 3];
+        }
+    }
+    Ok(pixels)
+}
+
+/// A light in words.
+fn light(light: &LightSummary) -> String {
+    let temperature = light.colour_temperature_k.map_or(String::new(), |kelvin| format!(", {kelvin:.0} K"));
+    format!("{} lx{temperature}", light.illuminance_lx)
 }
 
 impl SpatialOutput for ImageOutput {
@@ -90,7 +128,11 @@ impl SpatialOutput for ImageOutput {
         for (name, room) in &self.rooms {
             let numbers = &room.numbers;
             let rows = differences(numbers.against_source, numbers.against_mapped);
-            all.push_str(&format!("\nthe same states in the light of {name}\n{}", report::table(&rows)));
+            let light = light(&numbers.light);
+            all.push_str(&format!(
+                "\nthe same states in the light of {name}, {light}\n{}",
+                report::table(&rows)
+            ));
         }
         all
     }
@@ -111,11 +153,11 @@ impl SpatialOutput for ImageOutput {
             png(format!("seen-{name}.png"), across, &room.on_screen)?;
         }
         if !self.rooms.is_empty() {
-            let (columns, pixels) = self.side_by_side();
+            let (columns, pixels) = self.side_by_side()?;
             png("rooms.png".to_owned(), columns, &pixels)?;
         }
         write_file(&folder.join("seen.exr"), |out| {
-            write_scene_exr(out, across, &self.here.seen, Some(self.here.white_cd_m2))
+            write_scene_exr(out, across, &self.here.linear, Some(self.here.white_cd_m2))
         })?;
         names.push("seen.exr".to_owned());
         if !states.is_empty() {
@@ -144,8 +186,6 @@ fn text(title: &str, result: &ImageResult) -> String {
         rows.push(vec![state.to_owned(), percent(*fraction)]);
     }
     let [columns, lines] = numbers.size;
-    let temperature =
-        numbers.light.colour_temperature_k.map_or(String::new(), |kelvin| format!(", {kelvin:.0} K"));
     let neighbours = if numbers.neighbours_light {
         "contains the light that the layers return from each pixel to others"
     } else {
@@ -161,10 +201,10 @@ fn text(title: &str, result: &ImageResult) -> String {
         format!("square-root integral of white (Barten): {x} along x, {y} along y\n")
     });
     format!(
-        "{}\n\n{columns} x {lines} pixels in light of {} lx{temperature}; {neighbours}\n{}\n{}{distance}{sharpness}\ncolours that no mixture of \
+        "{}\n\n{columns} x {lines} pixels in light of {}; {neighbours}\n{}\n{}{distance}{sharpness}\ncolours that no mixture of \
          the states has: {} of the pixels; clipped in seen.png: {}\n",
         report::plain(title),
-        numbers.light.illuminance_lx,
+        light(&numbers.light),
         report::table(&rows),
         report::table(&differences(numbers.against_source, numbers.against_mapped)),
         percent(numbers.out_of_gamut_fraction),
@@ -174,7 +214,15 @@ fn text(title: &str, result: &ImageResult) -> String {
 
 /// What is seen, compared with the picture before and after gamut mapping.
 fn differences(source: PictureDifferences, mapped: PictureDifferences) -> Vec<Vec<String>> {
-    let head = ["seen against", "CIEDE2000: mean", "median", "95 %", "S-CIELAB: mean", "95 %", "FLIP: mean"];
+    let head = [
+        "seen against",
+        "CIEDE2000: mean",
+        "median",
+        "95th pct.",
+        "S-CIELAB: mean",
+        "95th pct.",
+        "FLIP: mean",
+    ];
     let row = |name: &str, one: PictureDifferences| {
         let number = |value: Option<f64>, digits| measured(value, None, digits);
         vec![

@@ -209,10 +209,11 @@ pub(crate) fn write_figures(
     Ok(names)
 }
 
-/// Prints the names of the written files on standard error; of more than four figures only their number.
+/// Prints the names of the written files on standard error; of more than four figures only their number. Pictures are no figures.
 pub(crate) fn print_written(folder: &Path, names: &[String]) {
-    let (figures, tables): (Vec<&str>, Vec<&str>) =
-        names.iter().map(String::as_str).partition(|name| name.ends_with(".svg") || name.ends_with(".png"));
+    let drawn = |stem: &str| names.iter().any(|name| name.strip_suffix(".svg") == Some(stem));
+    let is_figure = |name: &&str| name.ends_with(".svg") || name.strip_suffix(".png").is_some_and(drawn);
+    let (figures, tables): (Vec<&str>, Vec<&str>) = names.iter().map(String::as_str).partition(is_figure);
     let mut shown = tables.join(", ");
     match figures.as_slice() {
         [] => {}

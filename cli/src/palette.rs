@@ -16,6 +16,7 @@ use crate::{Failure, report};
 pub(crate) fn palette(arguments: &PaletteCommand) -> Result<(), Failure> {
     let command = &arguments.command;
     let resolved = command.resolve(None)?;
+    check_rooms(&arguments.rooms)?;
     let rooms = arguments.rooms.iter().map(|name| Ok((name.clone(), room(command, &resolved, name)?)));
     let rooms = rooms.collect::<Result<Vec<(String, Resolved)>, Failure>>()?;
     let scenes: Vec<_> = rooms.iter().map(|(name, room)| (name.clone(), &room.scene)).collect();
@@ -23,6 +24,21 @@ pub(crate) fn palette(arguments: &PaletteCommand) -> Result<(), Failure> {
         let result = papilio_display::palette::palette(&resolved.scene, &scenes, control)?;
         Ok(PaletteOutput { result, relative_to: arguments.relative_to })
     })
+}
+
+/// Refuses names of rooms that are empty or given twice.
+pub(crate) fn check_rooms(rooms: &[String]) -> Result<(), Failure> {
+    for (at, name) in rooms.iter().enumerate() {
+        let wrong = match name.is_empty() {
+            true => "there is an empty name".to_owned(),
+            false if rooms[..at].contains(name) => format!("`{name}` is given twice"),
+            false => continue,
+        };
+        return Err(Failure::Input(format!(
+            "--rooms: {wrong}\n  = help: presets and illuminants with commas between them, as in --rooms D65,FL11"
+        )));
+    }
+    Ok(())
 }
 
 /// The scenario in the light of a preset, or in its own light with the spectrum of a CIE illuminant; in the same view.

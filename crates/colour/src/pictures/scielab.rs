@@ -5,6 +5,9 @@
 //!
 //! **Parameters.** The Gaussians of the filters, by full width at half maximum (degrees) and weight.
 //!
+//! **White.** The opponent colours are those of a reader who is adapted to D65. X, Y and Z are scaled by those of the two whites, as CIELAB does:
+//! otherwise the dots of a halftone of greys would leak into the colours in other lights.
+//!
 //! **Range.** Uniform pictures have the differences of CIELAB. The filters are applied by their continuous transfer
 //! function, `sum of w exp(-(pi f FWHM)²/(4 ln 2))`; the original program samples kernels that are one sample narrower
 //! and end at 0.5 degrees, which cuts off most of the widest Gaussian. Beyond its borders, the picture continues as its
@@ -20,7 +23,7 @@ use papilio_fourier::{Separable, filtered};
 
 use super::Picture;
 use crate::matrix::{Matrix, inverse, times};
-use crate::{ColourError, Xyz};
+use crate::{ColourError, D65_WHITE, Xyz};
 
 /// Matrix from X, Y, Z to the opponent colours: luminance, red-green, blue-yellow.
 const OPPONENT: Matrix = [
@@ -66,7 +69,9 @@ pub fn scielab<const N: usize>(
     let Some(first) = pictures.first() else { return Ok(pictures) };
     pictures.iter().try_for_each(|picture| first.require_same_size(picture))?;
     let (columns, rows) = (first.columns(), first.rows());
-    pictures.iter_mut().for_each(|picture| picture.change(|pixel| times(&OPPONENT, pixel)));
+    let [x, y, z] = [D65_WHITE.x / white.x, D65_WHITE.y / white.y, D65_WHITE.z / white.z];
+    let to_opponent = OPPONENT.map(|[a, b, c]| [a * x, b * y, c * z]);
+    pictures.iter_mut().for_each(|picture| picture.change(|pixel| times(&to_opponent, pixel)));
     let transfers = [0, 1, 2].map(|k| terms(FILTERS[k], [columns, rows], pixels_per_degree));
     let mut planes: Vec<(usize, &mut [f64])> = Vec::with_capacity(3 * N);
     for picture in &mut pictures {
@@ -79,7 +84,7 @@ pub fn scielab<const N: usize>(
             _ => {}
         }
     }
-    let back = inverse(&OPPONENT);
+    let back = inverse(&to_opponent);
     pictures.iter_mut().for_each(|picture| picture.change(|pixel| times(&back, pixel)));
     pictures.iter_mut().for_each(|picture| picture.change_to_lab(white));
     Ok(pictures)
@@ -102,7 +107,7 @@ fn terms(filter: &[(f64, f64)], size: [usize; 2], pixels_per_degree: f64) -> Vec
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{D65_WHITE, Lab};
+    use crate::Lab;
 
     /// Colour differences of two pictures.
     fn compared(
@@ -135,6 +140,26 @@ mod tests {
         let pixel = |k: usize| (D65_WHITE * level(k % columns)).to_array();
         let plane = |i: usize| (0..columns * rows).map(|k| pixel(k)[i]).collect();
         Picture::new(columns, [plane(0), plane(1), plane(2)]).unwrap()
+    }
+
+    /// Dots of black and white have the difference of a grey in all lights: no light leaks into the colours.
+    #[test]
+    fn dots_of_grey_have_no_colour_in_any_light() {
+        let dots = |light: Xyz| {
+            let pixel = |k: usize| light * if (k % 24 + k / 24).is_multiple_of(2) { 0.9 } else { 0.1 };
+            let plane = |i: usize| (0..24 * 24).map(|k| pixel(k).to_array()[i]).collect();
+            Picture::new(24, [plane(0), plane(1), plane(2)]).unwrap()
+        };
+        let even = |light: Xyz| {
+            let plane = |i: usize| vec![(light * 0.5).to_array()[i]; 24 * 24];
+            Picture::new(24, [plane(0), plane(1), plane(2)]).unwrap()
+        };
+        let in_light =
+            |light: Xyz| compared([dots(light), even(light)], light, 20.0, Lab::delta_e_2000).unwrap();
+        let warm = Xyz { x: 1.0985, y: 1.0, z: 0.3558 };
+        for (one, other) in in_light(D65_WHITE).into_iter().zip(in_light(warm)) {
+            assert!((one - other).abs() < 1e-9 && one > 0.1, "{one} {other}");
+        }
     }
 
     #[test]

@@ -68,11 +68,63 @@ pub(super) fn states(
         Halftone::ErrorDiffusion | Halftone::DirectBinarySearch => {
             let (kernel, scan, metric) = (settings.kernel, settings.scan, panel.rendering.metric());
             let diffusion = ErrorDiffusion { kernel, scan, metric, ..ErrorDiffusion::default() };
-            let found = diffusion.colours(mapped, panel.columns, &panel.rendering.states)?;
+            let (framed, columns) = framed(mapped, panel.columns);
+            let found = diffusion.colours(&framed, columns, &panel.rendering.states)?;
+            let states = without_frame(&found.states, columns, mapped.len());
+            let cut = found.cut_pixels.min(mapped.len());
             if settings.halftone == Halftone::ErrorDiffusion {
-                return Ok((found.states, found.cut_pixels));
+                return Ok((states, cut));
             }
-            Ok((searched(&found.states, mapped, panel, control)?, found.cut_pixels))
+            Ok((searched(&states, mapped, panel, control)?, cut))
+        }
+    }
+}
+
+/// Columns to the left and right, and rows above, that error diffusion begins with: there it has no errors from neighbours yet, or loses them,
+/// and would draw a frame of another colour.
+const FRAME: usize = 24;
+
+/// A picture between its mirror images at both sides and above, and the number of its columns.
+fn framed(pixels: &[[f32; 3]], columns: usize) -> (Vec<[f32; 3]>, usize) {
+    let rows = pixels.len() / columns;
+    // Beyond a border, the picture continues as its mirror image.
+    let mirrored = |at: isize, count: usize| {
+        let at = at.rem_euclid(2 * count as isize) as usize;
+        if at < count { at } else { 2 * count - 1 - at }
+    };
+    let frame = FRAME as isize;
+    let row = |y: isize| {
+        let row = &pixels[mirrored(y, rows) * columns..][..columns];
+        (-frame..columns as isize + frame).map(move |x| row[mirrored(x, columns)])
+    };
+    ((-frame..rows as isize).flat_map(row).collect(), columns + 2 * FRAME)
+}
+
+/// The states of a picture that was framed.
+fn without_frame(states: &[u8], columns: usize, pixels: usize) -> Vec<u8> {
+    let inside = columns - 2 * FRAME;
+    let rows = states.chunks_exact(columns).skip(FRAME).map(|row| &row[FRAME..][..inside]);
+    let found: Vec<u8> = rows.flatten().copied().collect();
+    debug_assert_eq!(found.len(), pixels);
+    found
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The frame of a picture is its mirror image, also of one that is smaller than the frame, and it is taken away again.
+    #[test]
+    fn frames_are_mirror_images() {
+        for [columns, rows] in [[1, 1], [5, 3], [40, 30]] {
+            let pixels: Vec<[f32; 3]> = (0..columns * rows).map(|k| [k as f32; 3]).collect();
+            let (framed, wide) = framed(&pixels, columns);
+            assert_eq!((wide, framed.len()), (columns + 2 * FRAME, (columns + 2 * FRAME) * (rows + FRAME)));
+            let first = &framed[FRAME * wide..][..wide];
+            assert_eq!(first[FRAME - 1], first[FRAME]);
+            let numbers: Vec<u8> = framed.iter().map(|pixel| pixel[0] as u8).collect();
+            let back = without_frame(&numbers, wide, pixels.len());
+            assert!(back.iter().enumerate().all(|(k, value)| usize::from(*value) == k % 256));
         }
     }
 }

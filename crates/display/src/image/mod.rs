@@ -138,6 +138,8 @@ pub struct ImageResult {
     pub samples_per_pixel: usize,
     /// Encoded red, green and blue of `seen` in the colour space of the screen, adapted to D65.
     pub on_screen: Vec<[u8; 3]>,
+    /// Linear red, green and blue of `seen` with sRGB's primaries, adapted to D65, a perfect white 1; not clipped.
+    pub linear: Vec<[f32; 3]>,
     /// The colour space of the screen.
     pub space: ScreenSpace,
     /// Luminance of a perfect white in the light, cd/m2.
@@ -283,6 +285,10 @@ pub fn image(
         warnings,
         rooms: Vec::new(),
     };
+    let linear = shown
+        .iter()
+        .map(|sample| to_screen.apply(colour(*sample)).linear_srgb().map(|value| value as f32))
+        .collect();
     let on_screen = adapted.into_iter().map(|colour| screen.space.bytes(colour)).collect();
     let white_cd_m2 = (scene.lighting.illuminance_lx / PI) as f32;
     let space = screen.space;
@@ -295,6 +301,7 @@ pub fn image(
         seen,
         samples_per_pixel,
         on_screen,
+        linear,
         space,
         white_cd_m2,
         numbers,

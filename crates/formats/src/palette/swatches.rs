@@ -105,7 +105,7 @@ fn epdoptimize(colours: &[(&str, [u8; 3])]) -> String {
 }
 
 fn python(title: &str, colours: &[(&str, [u8; 3])]) -> String {
-    let mut text = format!("# {title}: sRGB as seen in the light of the scenario\nCOLORS = {{\n");
+    let mut text = format!("# {title}: sRGB of the states\nCOLORS = {{\n");
     for (state, [r, g, b]) in colours {
         // JSON's escapes of a string are Python's.
         let _ = writeln!(text, "    {}: ({r}, {g}, {b}),", json!(state));
