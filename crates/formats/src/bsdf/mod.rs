@@ -5,6 +5,7 @@
 
 mod astm;
 mod display;
+mod display_csv;
 mod display_read;
 mod formats;
 mod fred;
@@ -17,6 +18,7 @@ mod problem;
 mod radiant_read;
 mod radiant_write;
 mod rgl;
+mod rgl_write;
 mod scan;
 mod table_read;
 mod table_write;
@@ -27,8 +29,10 @@ mod write;
 mod xml;
 
 pub use display::{BsdfSource, write_bsdf};
+pub use display_csv::{MirrorFile, write_bsdf_csv, write_mirror_csv};
 pub use formats::{bsdf_format_table, bsdf_formats};
 pub use problem::BsdfProblem;
+pub use rgl_write::write_rgl;
 pub use write::{BsdfFormat, WriteError, write_measurement};
 
 use papilio_diagnostics::{Place, Warned};
