@@ -6,14 +6,15 @@ use std::sync::Mutex;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use papilio_figures::{Chart, ChartCurve, Hue, chart};
-use papilio_formats::{SurfaceAuditFile, write_face, write_file, write_json, write_totals};
+use papilio_formats::{SurfaceAuditFile, write_face, write_file, write_json, write_totals, write_waves};
 use papilio_microgeometry::{
-    Goniometer, Kernel, Measured, MicrogeometryError, REPLICATES, Replicate, Side, Total,
+    ByWaves, Goniometer, Kernel, LEAST_G, MOST_SLOPE, Measured, MicrogeometryError, REPLICATES, Side, Total,
+    WaveShares, Waves,
 };
 use papilio_scenario::{ResolvedSurface, SurfaceScenario};
 
 use crate::arguments::Gonio;
-use crate::numbers::measured;
+use crate::numbers::{digits, measured};
 use crate::progress::Progress;
 use crate::{Failure, folder, input, interrupt, output, print_notes, report, terminal};
 
@@ -32,60 +33,121 @@ pub(crate) fn gonio(arguments: &Gonio) -> Result<(), Failure> {
         _ => Some(folder::choose(&arguments.scenario, &resolved.hash)?),
     };
     interrupt::catch_ctrl_c();
-    let Some(replicates) = followed(&resolved, arguments.workers.threads)? else {
+    let Some(found) = Found::measured(&resolved, arguments.workers.threads)? else {
         return Err(Failure::Interrupted("no file was written"));
     };
     let goniometer = &resolved.goniometer;
-    let totals = goniometer.totals(&replicates).map_err(failure)?;
-    let kernel = goniometer.kernel(&replicates).map_err(failure)?;
     let title = resolved.title.clone().unwrap_or_else(|| report::file_title(&arguments.scenario.file));
     let audit = SurfaceAuditFile::new(
         [env!("CARGO_PKG_VERSION"), &title, &resolved.hash],
-        [goniometer.index_above, goniometer.index_below],
-        goniometer.seed,
-        &kernel.audit,
+        goniometer,
+        found.rays.as_ref().map(|rays| (&rays.kernel.audit, &rays.totals[..])),
+        found.waves.as_ref(),
     );
     let mut stdout = terminal::output(arguments.json);
     if arguments.json {
         write_json(&mut stdout, &audit)?;
     } else {
-        stdout.write_all(text(&title, goniometer, &totals, &kernel).as_bytes())?;
+        stdout.write_all(text(&title, goniometer, &found).as_bytes())?;
     }
     stdout.flush()?;
     if let Some(folder) = &folder {
-        let write = || -> Result<Vec<String>, Failure> {
-            output::make_folder(folder)?;
-            let file = |name: &str| -> Box<Path> { folder.join(name).into() };
-            write_file(&file("audit.json"), |out| write_json(out, &audit))?;
-            write_file(&file("totals.csv"), |out| write_totals(out, &totals))?;
-            let index = [goniometer.index_above, goniometer.index_below];
-            write_file(&file("face.npz"), |out| write_face(out, &resolved.hash, index, &kernel))?;
-            let mut names = ["audit.json", "totals.csv", "face.npz"].map(str::to_owned).to_vec();
-            let figures = vec![("totals".to_owned(), figure(&title, &totals))];
-            names.extend(output::write_figures(folder, figures, arguments.png)?);
-            Ok(names)
-        };
+        let write = || found.write(folder, (&title, &resolved), &audit, arguments.png);
         folder.print_written(&interrupt::uninterrupted(write)?);
     }
     print_notes(&resolved.notes);
     Ok(())
 }
 
-/// Follows the rays of all replicates on several threads; `None` if it was interrupted.
-fn followed(resolved: &ResolvedSurface, threads: Option<u16>) -> Result<Option<Vec<Replicate>>, Failure> {
+/// What was measured.
+struct Found {
+    rays: Option<Rays>,
+    waves: Option<ByWaves>,
+}
+
+/// What was measured by rays.
+struct Rays {
+    totals: Vec<Total>,
+    kernel: Kernel,
+}
+
+impl Found {
+    /// Measures a surface on several threads; `None` if it was interrupted.
+    fn measured(resolved: &ResolvedSurface, threads: Option<u16>) -> Result<Option<Self>, Failure> {
+        let ResolvedSurface { surface, goniometer, waves_nm, .. } = resolved;
+        let stop = || interrupt::STOP.load(Ordering::Relaxed);
+        let mut found = Self { rays: None, waves: None };
+        if !waves_nm.is_empty() {
+            let index = [goniometer.index_above, goniometer.index_below];
+            let waves = Waves { index, wavelengths_nm: waves_nm.clone() };
+            let screen = |number| waves.screen(surface, number, &stop);
+            let Some(screens) = on_threads(Waves::screens(surface), "phase screens", threads, &screen)?
+            else {
+                return Ok(None);
+            };
+            found.waves = Some(waves.combined(surface, &screens));
+        }
+        if resolved.by_rays {
+            let replicate = |number| goniometer.replicate(surface, number, &stop);
+            let Some(replicates) = on_threads(REPLICATES, "replicates", threads, &replicate)? else {
+                return Ok(None);
+            };
+            let totals = goniometer.totals(&replicates).map_err(failure)?;
+            found.rays = Some(Rays { totals, kernel: goniometer.kernel(&replicates).map_err(failure)? });
+        }
+        Ok(Some(found))
+    }
+
+    /// Writes all files and returns their names.
+    fn write(
+        &self,
+        folder: &Path,
+        (title, resolved): (&str, &ResolvedSurface),
+        audit: &SurfaceAuditFile<'_>,
+        png: bool,
+    ) -> Result<Vec<String>, Failure> {
+        output::make_folder(folder)?;
+        let mut names = Vec::new();
+        let mut file = |name: &str| {
+            names.push(name.to_owned());
+            folder.join(name)
+        };
+        write_file(&file("audit.json"), |out| write_json(out, audit))?;
+        let mut figures = Vec::new();
+        if let Some(Rays { totals, kernel }) = &self.rays {
+            write_file(&file("totals.csv"), |out| write_totals(out, totals))?;
+            let index = [resolved.goniometer.index_above, resolved.goniometer.index_below];
+            write_file(&file("face.npz"), |out| write_face(out, &resolved.hash, index, kernel))?;
+            figures.push(("totals".to_owned(), totals_figure(title, totals)));
+        }
+        if let Some(waves) = &self.waves {
+            write_file(&file("waves.csv"), |out| write_waves(out, waves))?;
+            figures.push(("waves".to_owned(), waves_figure(title, waves)));
+        }
+        names.extend(output::write_figures(folder, figures, png)?);
+        Ok(names)
+    }
+}
+
+/// Computes the parts of a measurement, `count` of them, on several threads; `None` if it was interrupted.
+fn on_threads<T: Send>(
+    count: u64,
+    unit: &'static str,
+    threads: Option<u16>,
+    part: &(impl Fn(u64) -> Result<T, MicrogeometryError> + Sync),
+) -> Result<Option<Vec<T>>, Failure> {
     let available = std::thread::available_parallelism().map_or(1, usize::from);
-    let threads = threads.map_or(available, usize::from).clamp(1, REPLICATES as usize);
+    let threads = threads.map_or(available, usize::from).clamp(1, count as usize);
     let next = AtomicU64::new(0);
-    let progress = Mutex::new(Progress::new(REPLICATES as usize, "replicates"));
-    let stop = || interrupt::STOP.load(Ordering::Relaxed);
+    let progress = Mutex::new(Progress::new(count as usize, unit));
     let work = || {
         let mut found = Vec::new();
         loop {
             let number = next.fetch_add(1, Ordering::Relaxed);
-            if number >= REPLICATES {
+            if number >= count {
                 return Ok(found);
             }
-            found.push((number, resolved.goniometer.replicate(&resolved.surface, number, &stop)?));
+            found.push((number, part(number)?));
             if let Ok(mut progress) = progress.lock() {
                 progress.done(true);
             }
@@ -102,9 +164,9 @@ fn followed(resolved: &ResolvedSurface, threads: Option<u16>) -> Result<Option<V
         Err(other) => Err(failure(other)),
         Ok(parts) => {
             // The result does not depend on the threads.
-            let mut all: Vec<(u64, Replicate)> = parts.into_iter().flatten().collect();
+            let mut all: Vec<(u64, T)> = parts.into_iter().flatten().collect();
             all.sort_by_key(|(number, _)| *number);
-            Ok(Some(all.into_iter().map(|(_, replicate)| replicate).collect()))
+            Ok(Some(all.into_iter().map(|(_, part)| part).collect()))
         }
     }
 }
@@ -113,7 +175,23 @@ fn failure(wrong: MicrogeometryError) -> Failure {
     Failure::Input(wrong.to_string())
 }
 
-fn text(title: &str, goniometer: &Goniometer, totals: &[Total], kernel: &Kernel) -> String {
+fn text(title: &str, goniometer: &Goniometer, found: &Found) -> String {
+    let mut text = format!(
+        "{}\n\nindex {} above, {} below\n",
+        report::plain(title),
+        goniometer.index_above,
+        goniometer.index_below
+    );
+    if let Some(rays) = &found.rays {
+        text += &rays_text(rays);
+    }
+    if let Some(waves) = &found.waves {
+        text += &waves_text(waves, found.rays.as_ref());
+    }
+    text
+}
+
+fn rays_text(Rays { totals, kernel }: &Rays) -> String {
     let head = [
         "light from",
         "inclination, deg",
@@ -145,12 +223,9 @@ fn text(title: &str, goniometer: &Goniometer, totals: &[Total], kernel: &Kernel)
     let audit = &kernel.audit;
     let energy = (audit.energy_z.iter().map(|z| z * z).sum::<f64>() / audit.energy_z.len() as f64).sqrt();
     format!(
-        "{}\n\nindex {} above, {} below; beyond: directions that do not exist in air; regular: exactly as by a flat face\n{}\n{} rays, {} of \
+        "\nby rays; beyond: directions that do not exist in air; regular: exactly as by a flat face\n{}\n{} rays, {} of \
          them lost; kernel of {} x {} bands, mean error {:.1} % of the patches with 99 % of the light\nreciprocity: {:.2} standard errors (root \
          mean square of {} pairs), energy: {energy:.2}; moved to obey both: {:.2} % of the light\n",
-        report::plain(title),
-        goniometer.index_above,
-        goniometer.index_below,
         report::table(&rows),
         audit.rays,
         audit.dropped_rays,
@@ -163,8 +238,70 @@ fn text(title: &str, goniometer: &Goniometer, totals: &[Total], kernel: &Kernel)
     )
 }
 
+/// Waves, and whether they or rays hold.
+fn waves_text(waves: &ByWaves, rays: Option<&Rays>) -> String {
+    let head =
+        ["wavelength, nm", "g", "straight through, %", "as by a mirror, %", "haze, %", "closed form, %"];
+    let mut rows = vec![head.map(str::to_owned).to_vec()];
+    for one in &waves.shares {
+        let percent = |one: Measured| measured(Some(100.0 * one.value), Some(100.0 * one.error), 2);
+        rows.push(vec![
+            one.wavelength_nm.to_string(),
+            digits(one.g),
+            percent(one.straight),
+            percent(one.mirror),
+            percent(one.haze),
+            measured(one.haze_closed_form.map(|haze| 100.0 * haze), None, 2),
+        ]);
+    }
+    let mut text = format!(
+        "\nby waves, along the normal; haze: beyond 2.5 deg in air; g: square of the rms phase\n{}\nrms height {} nm, rms slope {:.3}\n",
+        report::table(&rows),
+        digits(1e3 * waves.rms_um),
+        waves.slope_rms,
+    );
+    let rays_hold = waves.shares.iter().all(|one| one.g > LEAST_G);
+    let waves_hold = waves.slope_rms < MOST_SLOPE;
+    text += match (rays_hold, waves_hold) {
+        (true, true) => "rays and waves both hold: g is above 10, and slopes are below 0.3\n",
+        (true, false) => "rays hold, waves do not: slopes are above 0.3\n",
+        (false, true) => "waves hold, rays do not at all wavelengths: g is below 10\n",
+        (false, false) => {
+            "neither rays (g is below 10) nor thin phase screens (slopes are above 0.3) hold at all wavelengths\n"
+        }
+    };
+    if let Some(along) = rays.and_then(|rays| rays.totals.iter().find(|total| total.theta_deg == 0.0)) {
+        let haze = measured(Some(100.0 * along.haze.value), Some(100.0 * along.haze.error), 2);
+        text += &format!("haze by rays, the same at all wavelengths: {haze} %\n");
+    }
+    text
+}
+
+/// Straight part, mirror part and haze against wavelength.
+fn waves_figure(title: &str, waves: &ByWaves) -> String {
+    let curve = |name: &str, hue: usize, of: fn(&WaveShares) -> f64| ChartCurve {
+        name: name.to_owned(),
+        hue: Hue::Group(hue),
+        dashed: false,
+        marks: true,
+        points: waves.shares.iter().map(|one| (one.wavelength_nm, 100.0 * of(one))).collect(),
+    };
+    let all = Chart {
+        x: "wavelength (nm)".to_owned(),
+        y: "light along the normal (%)".to_owned(),
+        logarithmic: false,
+        at_least: vec![0.0, 100.0],
+        curves: vec![
+            curve("haze", 0, |one| one.haze.value),
+            curve("transmitted: straight through", 1, |one| one.straight.value),
+            curve("reflected: as by a mirror", 2, |one| one.mirror.value),
+        ],
+    };
+    chart(&all, title)
+}
+
 /// Reflected and transmitted light against inclination, from both sides.
-fn figure(title: &str, totals: &[Total]) -> String {
+fn totals_figure(title: &str, totals: &[Total]) -> String {
     let curve = |side: Side, name: &str, hue: usize, dashed: bool, of: fn(&Total) -> f64| ChartCurve {
         name: name.to_owned(),
         hue: Hue::Group(hue),

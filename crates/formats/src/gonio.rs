@@ -1,8 +1,8 @@
-//! Output files of `papilio gonio`: `totals.csv`, `audit.json` and `face.npz`.
+//! Output files of `papilio gonio`: `totals.csv`, `waves.csv`, `audit.json` and `face.npz`.
 
 use std::io::{self, Write};
 
-use papilio_microgeometry::{Audit, Kernel, Side, Total};
+use papilio_microgeometry::{Audit, ByWaves, Goniometer, Kernel, Side, Total, WaveShares};
 use schemars::JsonSchema;
 use serde::Serialize;
 use zip::ZipWriter;
@@ -25,6 +25,22 @@ pub struct SurfaceAuditFile<'a> {
     pub index_below: f64,
     /// Seed of rays and random surfaces.
     pub seed: u64,
+    /// How well rays obey the laws; absent where only waves were asked for.
+    #[serde(flatten)]
+    pub rays: Option<RaysAudit<'a>>,
+    /// Haze of light along the normal by rays: of the transmitted light with |beta| up to 1, the fraction beyond sin 2.5 deg. Null without it.
+    pub haze_by_rays: Option<f64>,
+    /// Its standard error.
+    pub haze_by_rays_error: Option<f64>,
+    /// Root mean square slope along x or y, the larger one; null without waves.
+    pub slope_rms: Option<f64>,
+    /// What waves do along the normal, by wavelength.
+    pub waves: Vec<WaveRow>,
+}
+
+/// How well rays obey reciprocity and the conservation of energy.
+#[derive(Debug, Serialize, JsonSchema)]
+pub struct RaysAudit<'a> {
     /// Rays that were followed.
     pub rays: u64,
     /// Rays that were lost in the surface; more than one in a million is refused.
@@ -45,32 +61,92 @@ pub struct SurfaceAuditFile<'a> {
     pub relative_error: f64,
 }
 
+/// What waves do along the normal, at a wavelength: a line of `waves.csv`. Errors are standard errors over realisations.
+#[derive(Debug, Clone, Copy, Serialize, JsonSchema)]
+pub struct WaveRow {
+    /// Wavelength in air, nm.
+    pub wavelength_nm: f64,
+    /// Square of the rms phase of transmitted light. Rays hold above about 10.
+    pub g: f64,
+    /// Fraction of the transmitted light that passes straight through.
+    pub straight: f64,
+    /// Fraction of the reflected light that is reflected as by a mirror.
+    pub mirror: f64,
+    /// Haze in air: of the transmitted light with |beta| up to 1, the fraction beyond sin 2.5 deg.
+    pub haze: f64,
+    /// Haze in closed form, for random faces with Gaussian or exponential correlation.
+    pub haze_closed_form: Option<f64>,
+    /// Standard error of `straight`.
+    pub straight_error: f64,
+    /// Standard error of `mirror`.
+    pub mirror_error: f64,
+    /// Standard error of `haze`.
+    pub haze_error: f64,
+}
+
+impl From<&WaveShares> for WaveRow {
+    fn from(shares: &WaveShares) -> Self {
+        Self {
+            wavelength_nm: shares.wavelength_nm,
+            g: shares.g,
+            straight: shares.straight.value,
+            mirror: shares.mirror.value,
+            haze: shares.haze.value,
+            haze_closed_form: shares.haze_closed_form,
+            straight_error: shares.straight.error,
+            mirror_error: shares.mirror.error,
+            haze_error: shares.haze.error,
+        }
+    }
+}
+
 impl<'a> SurfaceAuditFile<'a> {
-    /// The file of an audit.
+    /// The file of an audit, of totals for the haze along the normal, and of waves.
     pub fn new(
         [papilio, title, hash]: [&'a str; 3],
-        [index_above, index_below]: [f64; 2],
-        seed: u64,
-        audit: &'a Audit,
+        goniometer: &Goniometer,
+        rays: Option<(&'a Audit, &[Total])>,
+        waves: Option<&ByWaves>,
     ) -> Self {
+        let haze = rays
+            .and_then(|(_, totals)| totals.iter().find(|total| total.theta_deg == 0.0))
+            .map(|one| one.haze);
         Self {
             papilio,
             title,
             hash,
-            index_above,
-            index_below,
-            seed,
-            rays: audit.rays,
-            dropped_rays: audit.dropped_rays,
-            energy_z: &audit.energy_z,
-            reciprocity_z: audit.reciprocity_z_rms,
-            reciprocity_z_largest: audit.reciprocity_z_largest,
-            reciprocity_tests: audit.reciprocity_tests,
-            moved_by_symmetry: audit.moved_by_symmetry,
-            moved_by_balance: audit.moved_by_balance,
-            relative_error: audit.relative_error,
+            index_above: goniometer.index_above,
+            index_below: goniometer.index_below,
+            seed: goniometer.seed,
+            rays: rays.map(|(audit, _)| RaysAudit {
+                rays: audit.rays,
+                dropped_rays: audit.dropped_rays,
+                energy_z: &audit.energy_z,
+                reciprocity_z: audit.reciprocity_z_rms,
+                reciprocity_z_largest: audit.reciprocity_z_largest,
+                reciprocity_tests: audit.reciprocity_tests,
+                moved_by_symmetry: audit.moved_by_symmetry,
+                moved_by_balance: audit.moved_by_balance,
+                relative_error: audit.relative_error,
+            }),
+            haze_by_rays: haze.map(|haze| haze.value),
+            haze_by_rays_error: haze.map(|haze| haze.error),
+            slope_rms: waves.map(|waves| waves.slope_rms),
+            waves: waves.map_or_else(Vec::new, |waves| waves.shares.iter().map(WaveRow::from).collect()),
         }
     }
+}
+
+/// Writes `waves.csv`: a line for each wavelength.
+///
+/// # Errors
+/// Those of `out`.
+pub fn write_waves(out: impl Write, waves: &ByWaves) -> io::Result<()> {
+    let mut csv = csv::Writer::from_writer(out);
+    for shares in &waves.shares {
+        csv.serialize(WaveRow::from(shares)).map_err(io::Error::other)?;
+    }
+    csv.flush()
 }
 
 /// Returns the JSON Schema of `audit.json`.
@@ -101,6 +177,7 @@ pub fn write_totals(out: impl Write, totals: &[Total]) -> io::Result<()> {
         "regular_transmitted",
         "absorbed",
         "mean_facets",
+        "transmitted_near",
     ];
     let mut head = vec!["from".to_owned(), "theta_deg".to_owned()];
     head.extend(quantities.map(str::to_owned));
@@ -116,6 +193,7 @@ pub fn write_totals(out: impl Write, totals: &[Total]) -> io::Result<()> {
             total.regular_transmitted,
             Default::default(),
             total.mean_facets,
+            total.transmitted_near,
         ];
         let mut line = vec![name(total.from).to_owned(), total.theta_deg.to_string()];
         line.extend(values.iter().map(|one| one.value.to_string()));

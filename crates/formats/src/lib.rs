@@ -106,7 +106,7 @@ pub use cone::{CONE_QUANTITIES, ConeFile, cone_quantities, write_cone_csv, write
 pub use crosstalk::{CrosstalkFile, crosstalk_schema, write_crosstalk_csv, write_patterns_csv};
 pub use error::{FormatError, Problem};
 pub use file::{DataFile, LARGEST_FILE, write_file};
-pub use gonio::{SurfaceAuditFile, surface_audit_schema, write_face, write_totals};
+pub use gonio::{SurfaceAuditFile, surface_audit_schema, write_face, write_totals, write_waves};
 pub use index::{read_index, read_index_within};
 pub use journal::{
     Journal, JournalNumber, JournalRow, JournalRows, Journals, LARGEST_JOURNAL, LockedJournal, RowsHead,

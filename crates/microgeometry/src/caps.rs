@@ -9,6 +9,10 @@ use papilio_sampling::{SampleStream, Sampler};
 use crate::ray::{Face, Met, Ray, Side, dot, moved};
 use crate::{HeightMap, MicrogeometryError};
 
+/// Fewest heights along a side of a period, and of the square of a cap.
+const LEAST_SAMPLES: usize = 512;
+const SAMPLES_OF_CAP: usize = 32;
+
 /// Squares that a ray may cross before it counts as lost.
 const MOST_SQUARES: usize = 1_000_000;
 
@@ -118,8 +122,9 @@ impl Balls {
         Ok(Self { period_um, squares, radius_um, depth_um, in_square })
     }
 
-    /// Heights of a period, at the middles of `side` x `side` cells.
-    pub(crate) fn sampled(&self, side: usize) -> Result<HeightMap, MicrogeometryError> {
+    /// Heights of a period, at the middles of square numbers of cells.
+    pub(crate) fn sampled(&self) -> Result<HeightMap, MicrogeometryError> {
+        let side = LEAST_SAMPLES.max(SAMPLES_OF_CAP * self.squares[0].max(self.squares[1]));
         let pitch = self.period_um.map(|period| period / side as f64);
         let size = [0, 1].map(|k| self.period_um[k] / self.squares[k] as f64);
         let height = |at: usize| {

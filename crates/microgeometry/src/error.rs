@@ -76,6 +76,19 @@ pub enum MicrogeometryError {
         /// The limit.
         most: f64,
     },
+    /// A surface has too many heights for a phase screen.
+    #[error(
+        "a phase screen of {columns} x {rows} heights is too large (expected at most {most} heights): a smaller part of the map, or \
+         `road = \"rays\"`"
+    )]
+    NoScreen {
+        /// Heights along x.
+        columns: usize,
+        /// Heights along y.
+        rows: usize,
+        /// The limit.
+        most: usize,
+    },
     /// The measurement was stopped.
     #[error("interrupted")]
     Interrupted,

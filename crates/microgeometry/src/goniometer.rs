@@ -60,6 +60,15 @@ pub struct Total {
     pub regular_transmitted: Measured,
     /// Mean number of facets that light meets.
     pub mean_facets: Measured,
+    /// Fraction that is transmitted within |beta| sin 2.5 deg of the normal; a part of `transmitted`.
+    pub transmitted_near: Measured,
+    /// Haze in air: of the transmitted light with |beta| up to 1, the fraction that is not `transmitted_near`.
+    pub haze: Measured,
+}
+
+/// |beta| from the normal beyond which transmitted light is haze: that of 2.5 deg in air (ASTM D1003).
+pub(crate) fn haze_beta() -> f64 {
+    2.5_f64.to_radians().sin()
 }
 
 /// A mean over replicates.
@@ -95,7 +104,7 @@ pub struct Replicate {
     pub(crate) rays: u64,
 }
 
-const QUANTITIES: usize = 7;
+const QUANTITIES: usize = 8;
 
 impl Replicate {
     /// Rays that were followed.
@@ -220,6 +229,7 @@ impl Goniometer {
         let (sine, cosine) = theta_deg.to_radians().sin_cos();
         let mut sums = [0.0; QUANTITIES];
         let mut lost = 0.0;
+        let near = haze_beta();
         for path in 0..self.rays {
             if path % STOP_EVERY == 0 && stop() {
                 return Err(MicrogeometryError::Interrupted);
@@ -234,6 +244,7 @@ impl Goniometer {
                 sums[first + 1] += if beta > 1.0 { weight } else { 0.0 };
                 sums[4 + first / 2] += if regular { weight } else { 0.0 };
                 sums[6] += weight * f64::from(facets);
+                sums[7] += if to != side && beta <= near { weight } else { 0.0 };
             });
         }
         Ok((sums.map(|sum| sum / self.rays as f64), lost))
@@ -264,6 +275,11 @@ impl Goniometer {
                 regular_reflected: of(4),
                 regular_transmitted: of(5),
                 mean_facets: of(6),
+                transmitted_near: of(7),
+                haze: Measured::of(replicates.iter().map(move |one| {
+                    let [.., transmitted, beyond, _, _, _, near] = one.rows[row];
+                    if transmitted > beyond { 1.0 - near / (transmitted - beyond) } else { 0.0 }
+                })),
             }
         };
         Ok(directions.enumerate().map(total).collect())

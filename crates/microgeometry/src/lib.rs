@@ -1,7 +1,7 @@
 //! From the geometry of a surface to its scattering: a virtual goniometer.
 //!
-//! A [`Surface`] between two media is measured by rays ([`Goniometer`]), or by waves along the normal ([`by_waves`]). Lengths are in micrometres; x is along the columns of a height map,
-//! y along its rows, and z points up, into the medium above.
+//! A [`Surface`] between two media is measured by rays ([`Goniometer`]), or by waves along the normal ([`Waves`]). Lengths are in
+//! micrometres; x is along the columns of a height map, y along its rows, and z points up, into the medium above.
 
 mod bands;
 mod caps;
@@ -29,4 +29,4 @@ pub use kernel::{Audit, Kernel};
 pub use random::{RandomHeights, Spectrum};
 pub use ray::Side;
 pub use surface::Surface;
-pub use waves::{Criterion, WaveShares, by_waves, closed_form_haze, criterion};
+pub use waves::{ByWaves, LEAST_G, MOST_SLOPE, WaveScreen, WaveShares, Waves};

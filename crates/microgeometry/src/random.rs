@@ -48,6 +48,16 @@ pub enum Spectrum {
     },
 }
 
+impl Spectrum {
+    /// Root mean square height without a cut-off, um, where it is given.
+    pub fn rms_um(&self) -> Option<f64> {
+        match *self {
+            Self::Gaussian { rms_um, .. } | Self::Exponential { rms_um, .. } => Some(rms_um),
+            Self::Abc { .. } => None,
+        }
+    }
+}
+
 /// Cells in a correlation length of a Gaussian face, and in the shortest wavelength of others: facets then follow the slopes within 1 %.
 const CELLS: f64 = 12.0;
 
@@ -113,6 +123,11 @@ impl RandomHeights {
             return Err(MicrogeometryError::RandomFace { wrong });
         }
         Ok(Self { spectrum, seed, side: cells.max(SIDE[0]).next_power_of_two(), pitch_um })
+    }
+
+    /// Its statistics.
+    pub fn spectrum(&self) -> &Spectrum {
+        &self.spectrum
     }
 
     /// Number of heights along a side of a realisation, and their distance, um.

@@ -1,6 +1,6 @@
 //! Surfaces that can be measured.
 
-use crate::caps::{Balls, Caps};
+use crate::caps::{Balls, Caps, Lattice};
 use crate::heights::Triangles;
 use crate::random::RandomHeights;
 use crate::ray::Face;
@@ -48,17 +48,18 @@ impl Surface {
         }
     }
 
-    /// Heights of a period of a replicate; `None` for caps at random places, whose period is large.
-    pub(crate) fn heights(&self, replicate: u64) -> Result<Option<HeightMap>, MicrogeometryError> {
-        Ok(Some(match self {
-            Self::Flat => HeightMap::new(1, [1.0; 2], vec![0.0])?,
-            Self::Caps(Caps { lattice: crate::Lattice::Random { .. }, .. }) => return Ok(None),
-            Self::Caps(caps) => Balls::new(caps, replicate)?.sampled(SAMPLES)?,
-            Self::Heights(map) => map.clone(),
-            Self::Random(random) => random.realisation(replicate)?,
-        }))
+    /// Whether each replicate is another realisation.
+    pub(crate) fn is_random(&self) -> bool {
+        matches!(self, Self::Random(_) | Self::Caps(Caps { lattice: Lattice::Random { .. }, .. }))
+    }
+
+    /// Heights of a period of a replicate.
+    pub(crate) fn heights(&self, replicate: u64) -> Result<HeightMap, MicrogeometryError> {
+        match self {
+            Self::Flat => HeightMap::new(1, [1.0; 2], vec![0.0]),
+            Self::Caps(caps) => Balls::new(caps, replicate)?.sampled(),
+            Self::Heights(map) => Ok(map.clone()),
+            Self::Random(random) => random.realisation(replicate),
+        }
     }
 }
-
-/// Heights along a side of a period of caps.
-const SAMPLES: usize = 512;

@@ -8,7 +8,7 @@
 //! except for regular light, is absorbed.
 //!
 //! **Kinds.** [`Ward`]: a formula, for surfaces and (flipped) for foils. [`Table`]: measured values,
-//! interpolated smoothly.
+//! interpolated smoothly. [`RingKernel`]: the kernel of a surface, between rings of directions of either side.
 //!
 //! **Validity.** Isotropic samples: rotation about the normal changes nothing, and scattering is symmetric
 //! about the plane of incidence. Only light of the disc of air `|beta| <= 1` is scattered, and only into it;
@@ -22,12 +22,14 @@ mod albedos;
 mod axis;
 mod gauss;
 mod proposal;
+mod rings;
 mod smooth;
 mod table;
 mod ward;
 
 use std::sync::Arc;
 
+pub use rings::{RingKernel, Rings};
 pub use table::Table;
 pub use ward::{GaussianFacets, HalfVector, Normalisation, Ward, ward};
 
@@ -41,6 +43,8 @@ pub enum Scatter {
     Ward(Arc<Ward>),
     /// Given by a table, read in this sense.
     Table(Arc<Table>, Sense),
+    /// Between rings of directions.
+    Rings(Arc<RingKernel>),
 }
 
 /// Sense in which a table is read.
@@ -66,12 +70,19 @@ impl From<Ward> for Scatter {
     }
 }
 
+impl From<RingKernel> for Scatter {
+    fn from(kernel: RingKernel) -> Self {
+        Self::Rings(Arc::new(kernel))
+    }
+}
+
 /// Kernels are equal if their values are.
 impl PartialEq for Scatter {
     fn eq(&self, other: &Self) -> bool {
         match (self, other) {
             (Self::Ward(a), Self::Ward(b)) => Arc::ptr_eq(a, b) || a == b,
             (Self::Table(a, sense), Self::Table(b, other)) => sense == other && (Arc::ptr_eq(a, b) || a == b),
+            (Self::Rings(a), Self::Rings(b)) => Arc::ptr_eq(a, b) || a == b,
             _ => false,
         }
     }
@@ -90,12 +101,13 @@ impl Scatterer for Scatter {
             Self::Table(table, Sense::Forward) => table.value(from, to),
             Self::Table(table, Sense::Reversed) => table.value(to, from),
             Self::Table(table, Sense::Mean) => 0.5 * (table.value(from, to) + table.value(to, from)),
+            Self::Rings(kernel) => kernel.evaluate(from, to),
         }
     }
 
     #[inline]
     fn sample(&self, from: Beta, u: [f64; 4]) -> Option<Sample<Beta>> {
-        let [u, v, choice, _] = u;
+        let [u, v, choice, last] = u;
         let to = match self {
             Self::Ward(ward) => ward.facets().sample(from, [u, v])?,
             Self::Table(table, Sense::Forward) => table.sample(from, [u, v, choice], false),
@@ -104,6 +116,7 @@ impl Scatterer for Scatter {
                 table.sample(from, [u, v, 2.0 * choice], false)
             }
             Self::Table(table, Sense::Mean) => table.sample(from, [u, v, 2.0 * choice - 1.0], true),
+            Self::Rings(kernel) => kernel.sample(from, [u, v, choice, last])?,
         };
         Sample::new(self, from, to)
     }
@@ -120,6 +133,7 @@ impl Scatterer for Scatter {
             Self::Table(table, Sense::Mean) => {
                 0.5 * (table.density(from, to, false) + table.density(from, to, true))
             }
+            Self::Rings(kernel) => kernel.density(from, to),
         }
     }
 
@@ -140,6 +154,7 @@ impl Scatter {
             Self::Table(table, Sense::Mean) => {
                 0.5 * (table.albedo(from_length, false) + table.albedo(from_length, true))
             }
+            Self::Rings(kernel) => kernel.albedo(from_length),
         }
     }
 
@@ -152,6 +167,7 @@ impl Scatter {
             Self::Table(of, Sense::Forward) => table(of, false),
             Self::Table(of, Sense::Reversed) => table(of, true),
             Self::Table(of, Sense::Mean) => 0.5 * (table(of, false) + table(of, true)),
+            Self::Rings(kernel) => kernel.albedo(from_length),
         }
     }
 
@@ -161,6 +177,7 @@ impl Scatter {
         match self {
             Self::Ward(ward) => ward.width(),
             Self::Table(table, _) => table.width(),
+            Self::Rings(kernel) => kernel.width(),
         }
     }
 
@@ -172,8 +189,8 @@ impl Scatter {
         let product = (from * to).max(1e-12);
         match self {
             Self::Ward(ward) => ward.azimuth_width(from, to) / product.sqrt(),
-            Self::Table(table, _) => {
-                let width = table.width();
+            Self::Table(..) | Self::Rings(_) => {
+                let width = self.width();
                 let excess = (width * width + (from - to) * (from - to)) / (2.0 * product);
                 (excess + (excess * (excess + 2.0)).sqrt()).ln_1p()
             }
@@ -186,13 +203,14 @@ impl Scatter {
     }
 
     /// Returns the radii, in direction cosines, of the discs of incident and of scattered light: 1, that of
-    /// air, except for a table that [extends](Table::reaching) beyond.
+    /// air, except for a table that [extends](Table::reaching) beyond and for rings.
     #[inline]
     pub fn discs(&self) -> [f64; 2] {
         match self {
             Self::Table(table, Sense::Forward) => [1.0, table.ends()[1]],
             Self::Table(table, Sense::Reversed) => [table.ends()[1], 1.0],
             Self::Ward(_) | Self::Table(_, Sense::Mean) => [1.0, 1.0],
+            Self::Rings(kernel) => kernel.rings().map(Rings::radius),
         }
     }
 
@@ -207,10 +225,16 @@ impl Scatter {
     /// ([`Table::dark_beyond`]), and where the scattered light ends.
     pub fn edges(&self) -> impl Iterator<Item = f64> {
         let ends = match self {
-            Self::Ward(_) => [1.0; 2],
+            Self::Ward(_) | Self::Rings(_) => [1.0; 2],
             Self::Table(table, _) => table.ends(),
         };
         ends.into_iter().filter(|end| *end != 1.0)
+    }
+
+    /// Returns the values of `|beta|` at which the kernel has kinks.
+    pub fn kinks(&self) -> impl Iterator<Item = f64> {
+        let rings = if let Self::Rings(kernel) = self { kernel.rings().to_vec() } else { Vec::new() };
+        rings.into_iter().flat_map(Rings::breaks)
     }
 
     /// Returns the kernel of light in the opposite direction: `reversed.evaluate(a, b) = evaluate(b, a)`.
@@ -225,19 +249,25 @@ impl Scatter {
                 };
                 Self::Table(Arc::clone(table), sense)
             }
+            Self::Rings(kernel) => Self::Rings(Arc::new(kernel.reversed())),
         }
     }
 
-    /// Returns the mean of this kernel and its reverse.
+    /// Returns the mean of this kernel and its reverse; rings, which are made reciprocal before, as they are.
     pub fn reciprocal(&self) -> Self {
         match self {
             Self::Ward(ward) => Self::Ward(Arc::clone(ward)),
             Self::Table(table, _) => Self::Table(Arc::clone(table), Sense::Mean),
+            Self::Rings(kernel) => Self::Rings(Arc::clone(kernel)),
         }
     }
 
     /// Returns true if light has the same density in both directions, for all directions.
     pub fn is_reciprocal(&self) -> bool {
-        matches!(self, Self::Ward(_) | Self::Table(_, Sense::Mean))
+        match self {
+            Self::Ward(_) | Self::Table(_, Sense::Mean) => true,
+            Self::Table(..) => false,
+            Self::Rings(kernel) => kernel.is_reciprocal(),
+        }
     }
 }

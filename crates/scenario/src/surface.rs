@@ -10,8 +10,10 @@ use papilio_microgeometry::{
 };
 use serde_json::{Value, json};
 
-use crate::describe::microgeometry::{self as described, CapLattice, MapPeriod, Microgeometry, SurfaceFile};
-use crate::describe::numbers::{Inclination, SurfaceLength};
+use crate::describe::microgeometry::{
+    self as described, CapLattice, MapPeriod, Microgeometry, Road, SurfaceFile,
+};
+use crate::describe::numbers::{Inclination, SurfaceLength, Wavelength};
 use crate::error::{Errors, ScenarioError, ScenarioErrors};
 use crate::library::{Library, Missing, sha256};
 use crate::origin::Origin;
@@ -37,6 +39,10 @@ pub struct ResolvedSurface {
     pub surface: Surface,
     /// The instrument.
     pub goniometer: Goniometer,
+    /// Whether it is measured by rays.
+    pub by_rays: bool,
+    /// Wavelengths at which it is measured by waves, nm; none: it is not.
+    pub waves_nm: Vec<f64>,
     /// Title of the file.
     pub title: Option<String>,
     /// Notes: consequences that are worth knowing, and not wrong.
@@ -51,6 +57,8 @@ pub struct ResolvedSurface {
 struct Common<'a> {
     index: [f64; 2],
     incidence_deg: &'a Spanned<Vec<Spanned<Inclination>>>,
+    road: Road,
+    wavelength_nm: &'a [Spanned<Wavelength>],
     rays: u64,
     seed: u64,
 }
@@ -61,6 +69,8 @@ macro_rules! common {
         Common {
             index: [$kind.index_above.0, $kind.index_below.0],
             incidence_deg: &$kind.incidence_deg,
+            road: $kind.road.value,
+            wavelength_nm: &$kind.wavelength_nm.value,
             rays: $kind.rays.0,
             seed: $kind.seed.0,
         }
@@ -131,6 +141,11 @@ impl SurfaceScenario {
             rays: common.rays.div_ceil(REPLICATES),
             seed: common.seed,
         };
+        let waves_nm = match (common.road, common.wavelength_nm) {
+            (Road::Rays, _) => Vec::new(),
+            (_, []) => (8..15).map(|step| 50.0 * f64::from(step)).collect(),
+            (_, list) => list.iter().map(|item| item.0).collect(),
+        };
         let mut canonical = serde_json::to_value(&self.file).unwrap_or_default();
         if let Value::Object(keys) = &mut canonical {
             keys.insert("inputs".to_owned(), json!(inputs));
@@ -139,6 +154,8 @@ impl SurfaceScenario {
         Ok(ResolvedSurface {
             surface,
             goniometer,
+            by_rays: common.road != Road::Waves,
+            waves_nm,
             title: self.file.title.as_ref().map(|title| title.0.clone()),
             notes: self.notes.clone(),
             hash: sha256(canonical.to_string().as_bytes()),

@@ -1,7 +1,7 @@
 //! `[microgeometry]`: the geometry of a surface, for `papilio gonio`. Its files are not scenarios: they have a title and this table.
 
 use super::Title;
-use super::numbers::{Count, Inclination, Index, RmsHeight, Seed, SurfaceLength};
+use super::numbers::{Count, Inclination, Index, RmsHeight, Seed, SurfaceLength, Wavelength};
 use crate::grammar::{choice, kinds, table};
 use crate::read::Spanned;
 
@@ -46,6 +46,10 @@ macro_rules! surface {
                 index_below as "Index below": Index = Index(1.5),
                 /// Inclinations of the light, in its own medium. Default: 0 to 85 deg in steps of 5 deg.
                 incidence_deg as "Inclination of the light": Vec<Spanned<Inclination>> = Vec::new(),
+                /// By rays, by waves, or by both.
+                road as "Road": Road = Road::Rays,
+                /// Wavelengths of waves. Default: 400 to 700 nm in steps of 50 nm.
+                wavelength_nm as "Wavelengths of waves": Vec<Spanned<Wavelength>> = Vec::new(),
                 /// Rays from each side at each inclination.
                 rays as "Rays": Count<64, { 1 << 36 }> = Count(200_000),
                 /// Seed of rays and random surfaces.
@@ -141,5 +145,17 @@ choice! {
         Mirror = "mirror",
         /// The map again: for maps of whole periods.
         Repeat = "repeat",
+    }
+}
+
+choice! {
+    /// How a surface is measured.
+    Road {
+        /// By rays, facet by facet.
+        Rays = "rays",
+        /// By waves behind a thin phase screen, along the normal.
+        Waves = "waves",
+        /// By rays and by waves.
+        Both = "both",
     }
 }

@@ -24,7 +24,7 @@ pub use diffuser::Diffuser;
 pub use medium::{Medium, Scattering};
 pub use reflecting::{LobeReflection, ReflectedLobe, ReflectingDiffuser};
 pub(crate) use scatter::least_edge;
-pub use scatter::{ScatterFace, ScatterKernel};
+pub use scatter::{RegularRings, ScatterFace, ScatterKernel};
 
 use std::fmt::Debug;
 

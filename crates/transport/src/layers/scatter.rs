@@ -1,7 +1,7 @@
 //! An interface given by its BSDF, and the kernels that it consists of.
 
 use papilio_optics::Scatterer;
-use papilio_optics::scatter::Scatter;
+use papilio_optics::scatter::{Rings, Scatter};
 use papilio_spectra::Spectrum;
 
 use super::{Arrival, Channel, Departure, Incidence, LayerKind, Medium, Scattered, ScatteringInterface};
@@ -33,13 +33,60 @@ pub struct ScatterFace {
     reflection: [Option<ScatterKernel>; 2],
     /// Radius of the disc of its kernels, if that is not the disc of air: the kernel of a pixel.
     disc: Option<Spectrum>,
+    /// Light that leaves as from a flat face, if it depends on direction: the kernel of a surface.
+    regular: Option<RegularRings>,
+}
+
+/// Light that leaves a surface as from a flat face, by rings of directions above and below.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RegularRings {
+    /// Rings above and below.
+    pub rings: [Rings; 2],
+    /// Reflectance of each ring, from above and from below.
+    pub reflected: [Vec<f64>; 2],
+    /// Transmittance of each ring of the side with fewer directions, the same both ways.
+    pub transmitted: Vec<f64>,
+}
+
+impl RegularRings {
+    fn at(&self, Incidence { indices, beta, .. }: &Incidence) -> Flat {
+        let [above, below] = &self.rings;
+        let rarer = usize::from(above.radius() > below.radius());
+        let within = |side: usize| *beta <= indices[side].min(self.rings[side].radius());
+        let of = |side: usize, values: &[f64]| {
+            if within(side) { self.rings[side].at(values, *beta) } else { 0.0 }
+        };
+        Flat {
+            t: if within(1 - rarer) { of(rarer, &self.transmitted) } else { 0.0 },
+            above: of(0, &self.reflected[0]),
+            below: of(1, &self.reflected[1]),
+        }
+    }
 }
 
 impl ScatterFace {
     /// An interface that transmits this fraction of light, per wavelength, without changing its direction,
     /// and absorbs the rest.
     pub fn new(straight: Spectrum) -> Self {
-        Self { straight, transmission: None, reflection: [None, None], disc: None }
+        Self { straight, transmission: None, reflection: [None, None], disc: None, regular: None }
+    }
+
+    /// The face of a surface between two media: kernels of light from above that is transmitted, of light that is reflected above and
+    /// below, and its regular light. All are the same at all `bins` wavelengths.
+    pub fn of_surface(through: Scatter, reflection: [Scatter; 2], regular: RegularRings, bins: usize) -> Self {
+        let ones = Spectrum::from_values(vec![1.0; bins]);
+        let kernel = |scatter: Scatter| ScatterKernel { scatter, factor: ones.clone() };
+        let [above, below] = reflection.map(kernel);
+        let face = Self::new(ones.map(|_| 0.0))
+            .with_transmission(kernel(through))
+            .with_reflection_above(above)
+            .with_reflection_below(below);
+        Self { regular: Some(regular), ..face }
+    }
+
+    /// Radii of the discs of directions above and below, if it is the face of a surface.
+    pub fn surface_indices(&self) -> Option<[f64; 2]> {
+        self.regular.as_ref().map(|regular| regular.rings.each_ref().map(Rings::radius))
     }
 
     /// Adds scattered transmission of light from above.
@@ -107,7 +154,7 @@ impl ScatterFace {
     /// normal itself, as a table of that incidence alone, leaves no interval before its end.
     fn kernel_edges(&self, bin: usize) -> impl Iterator<Item = f64> {
         let disc = self.disc(bin).unwrap_or(1.0);
-        let edges = self.kernels().flat_map(|kernel| kernel.scatter.edges());
+        let edges = self.kernels().flat_map(|kernel| kernel.scatter.edges().chain(kernel.scatter.kinks()));
         edges.filter(|edge| *edge > 0.0).map(move |edge| edge * disc)
     }
 
@@ -148,10 +195,14 @@ impl ScatterFace {
 
 impl LayerKind for ScatterFace {
     fn passes_regularly(&self) -> bool {
-        self.straight().max() > 0.0
+        let regular = self.regular.iter().flat_map(|regular| &regular.transmitted);
+        self.straight().max() > 0.0 || regular.into_iter().any(|t| *t > 0.0)
     }
 
     fn regular(&self, at: &Incidence) -> Flat {
+        if let Some(regular) = &self.regular {
+            return regular.at(at);
+        }
         let straight = if at.beta_squared <= 1.0 { self.straight[at.bin] } else { 0.0 };
         Flat { t: straight, above: 0.0, below: 0.0 }
     }

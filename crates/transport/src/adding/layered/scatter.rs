@@ -202,6 +202,9 @@ impl ScatterOrders {
 /// Returns the number of orders of light between views and lights of these largest `|beta|`, if each is
 /// scattered via other directions.
 fn orders(scatter: &Scatter, [view, light]: [f64; 2], digits: f64) -> usize {
+    if let Scatter::Rings(kernel) = scatter {
+        return kernel.orders();
+    }
     if !scatter.is_gaussian() {
         return (digits / scatter.width()).ceil() as usize;
     }
@@ -212,6 +215,9 @@ fn orders(scatter: &Scatter, [view, light]: [f64; 2], digits: f64) -> usize {
 
 /// Computes the first Fourier coefficients of a kernel between two directions.
 fn fourier(scatter: &Scatter, [a, b]: [f64; 2], digits: f64, out: &mut [f64]) {
+    if let Scatter::Rings(kernel) = scatter {
+        return kernel.fourier([a, b], out);
+    }
     let width = scatter.azimuth_width(a, b).max(1e-9);
     // Poles are double: three digits more. The last order that the rule resolves must be negligible: for a
     // pole at w it is exp(-m w), for a Gaussian exp(-(m w)^2/4).
