@@ -9,7 +9,7 @@
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
-use crate::brdf::kept;
+use crate::brdf::{BrdfGrid, BrdfState, BrdfTable, kept};
 use crate::{DisplayError, RowErrors};
 
 /// Directions of a [`HalfVectorTable`], in air.
@@ -74,6 +74,9 @@ impl HalfVectorGrid {
 
     /// Largest number of nodes along an axis.
     pub const LARGEST: usize = 256;
+
+    /// Number of nodes along an axis that suits most displays.
+    pub const USUAL: usize = 64;
 
     /// Largest inclination of the light of [`even`](Self::even), degrees: renderers hold its values up to 90 degrees.
     pub const LAST_THETA_DEG: f64 = 89.0;
@@ -164,6 +167,28 @@ impl HalfVectorTable {
         self.discretisation_error = self.row_errors.keep_states(numbers, self.states.len());
         self.states = kept(self.states, numbers);
         self
+    }
+
+    /// Returns what depends on the light alone, as a table without viewers: specular and directional-hemispherical reflectances.
+    pub fn of_beams(&self) -> BrdfTable {
+        let state = |state: &HalfVectorState| BrdfState {
+            name: state.name.clone(),
+            brdf: Vec::new(),
+            specular: state.specular.clone(),
+            directional_hemispherical: state.directional_hemispherical.clone(),
+        };
+        BrdfTable {
+            grid: BrdfGrid {
+                theta_i_deg: self.grid.theta_i_deg.clone(),
+                theta_o_deg: Vec::new(),
+                dphi_deg: Vec::new(),
+            },
+            wavelength_nm: self.wavelength_nm.clone(),
+            states: self.states.iter().map(state).collect(),
+            nodes: self.nodes,
+            discretisation_error: self.discretisation_error,
+            row_errors: RowErrors { relative: Vec::new(), ..self.row_errors },
+        }
     }
 
     /// Checks that the error of each row is at most the allowed error, or the scenario's target if none is given.

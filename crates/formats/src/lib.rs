@@ -30,8 +30,10 @@
 //! | [`write_rgb_png`], [`write_indexed_png`], [`write_scene_exr`] | pictures: encoded colours, numbers of states, linear light |
 //! | [`SurfaceAuditFile`] with [`write_json`], [`write_totals`], [`write_face`] | `audit.json`, `totals.csv`, `face.npz` of a surface |
 //! | [`write_bsdf`] | `display-bsdf.npz` |
+//! | [`write_bsdf_klems`] | `display-STATE.xml` |
 //! | [`write_bsdf_csv`], [`write_mirror_csv`] | `display-STATE.csv`, `display-mirror.csv` |
 //! | [`write_rgl`], [`MirrorFile`] with [`write_json`] | `display-STATE.bsdf`, `display-mirror.json` |
+//! | [`scene_script`] | `scene.py` |
 //! | [`write_measurement`] | measured scattering in a [`BsdfFormat`] |
 //!
 //! A [`DataFile`] is an input file in memory, of at most [`LARGEST_FILE`] bytes. A

@@ -6,7 +6,7 @@
 use std::collections::BTreeMap;
 use std::io::{self, Write};
 
-use papilio_display::{BrdfTable, HalfVectorTable};
+use papilio_display::{BrdfState, BrdfTable};
 use serde::Serialize;
 
 use super::display::BsdfSource;
@@ -41,18 +41,20 @@ pub fn write_bsdf_csv(mut out: impl Write, table: &BrdfTable, state: usize) -> i
 ///
 /// # Errors
 /// Those of `out`.
-pub fn write_mirror_csv(mut out: impl Write, table: &BrdfTable) -> io::Result<()> {
-    writeln!(out, "state,theta_i_deg,wavelength_nm,specular,directional_hemispherical")?;
+pub fn write_mirror_csv(out: impl Write, table: &BrdfTable) -> io::Result<()> {
+    let mut csv = csv::Writer::from_writer(out);
+    csv.write_record(["state", "theta_i_deg", "wavelength_nm", "specular", "directional_hemispherical"])?;
     for state in &table.states {
         let mut values = state.specular.iter().zip(&state.directional_hemispherical);
         for theta in &table.grid.theta_i_deg {
             for nm in &table.wavelength_nm {
                 let Some((specular, leaving)) = values.next() else { continue };
-                writeln!(out, "{},{theta},{nm},{specular},{leaving}", state.name)?;
+                let numbers = [theta, nm, specular, leaving].map(f64::to_string);
+                csv.write_record(std::iter::once(state.name.clone()).chain(numbers))?;
             }
         }
     }
-    out.flush()
+    csv.flush()
 }
 
 /// Content of `display-mirror.json`, for [`write_json`](crate::write_json).
@@ -80,9 +82,9 @@ struct MirrorOfState<'a> {
 
 impl<'a> MirrorFile<'a> {
     /// Mirror part of a table whose states have files of these names.
-    pub fn new(source: &BsdfSource<'a>, table: &'a HalfVectorTable, files: &'a [String]) -> Self {
+    pub fn new(source: &BsdfSource<'a>, table: &'a BrdfTable, files: &'a [String]) -> Self {
         let bins = table.wavelength_nm.len().max(1);
-        let of_state = |(state, file): (&'a papilio_display::HalfVectorState, &'a String)| {
+        let of_state = |(state, file): (&'a BrdfState, &'a String)| {
             let found = MirrorOfState {
                 file,
                 specular: state.specular.chunks(bins).collect(),
