@@ -100,8 +100,8 @@ pub use audit::{AuditFile, FitFile};
 pub use audit_text::audit_text;
 pub use bsdf::{
     BsdfFile, BsdfFormat, BsdfProblem, BsdfSource, LARGEST_BSDF_FILE, MOST_CELLS, MirrorFile, WriteError,
-    bsdf_format_table, bsdf_formats, read_bsdf, read_bsdf_file, write_bsdf, write_bsdf_csv,
-    write_measurement, write_mirror_csv, write_rgl,
+    bsdf_format_table, bsdf_formats, read_bsdf, read_bsdf_file, scene_script, write_bsdf, write_bsdf_csv,
+    write_bsdf_klems, write_measurement, write_mirror_csv, write_rgl,
 };
 pub use comparison::{write_compared_spectra, write_comparison};
 pub use cone::{CONE_QUANTITIES, ConeFile, cone_quantities, write_cone_csv, write_cone_npy};

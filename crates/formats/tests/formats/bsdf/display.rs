@@ -138,7 +138,7 @@ fn rgl_file_has_a_density_of_directions_for_each_light() {
         // The arrays are at the end, in this order: luminance, spectra, jacobian.
         let spectra = 4 * 3 * 2 * nodes;
         let jacobian = bytes.len() - 1;
-            let start = jacobian - spectra - 4 * 3 * nodes;
+        let start = jacobian - spectra - 4 * 3 * nodes;
         let numbers: Vec<f32> = bytes[start..start + 4 * 3 * nodes]
             .chunks_exact(4)
             .map(|b| f32::from_le_bytes([b[0], b[1], b[2], b[3]]))
