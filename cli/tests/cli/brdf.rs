@@ -79,7 +79,7 @@ fn chosen_states_of_the_archive_have_the_values_of_all() {
     let bytes = [&all, &one].map(|folder| fs::read(folder.path().join("display-bsdf.npz")).unwrap());
     // The array of a single state is 2 x 2 x 5 x 9 numbers of 4 bytes after its header, which ends with a line break.
     let find = |bytes: &[u8], what: &[u8]| bytes.windows(what.len()).position(|window| window == what);
-    let header = find(&bytes[1], b"(1, 2, 2, 5, 9)").unwrap();
+    let header = find(&bytes[1], b"(1, 2, 2, 5, 9,)").unwrap();
     let start = header + find(&bytes[1][header..], b"\n").unwrap() + 1;
     let white = &bytes[1][start..start + 2 * 2 * 5 * 9 * 4];
     assert!(find(&bytes[0], white).is_some() && white.iter().any(|byte| *byte != 0));

@@ -14,7 +14,8 @@ A picture mixes the states black, red, green, blue, cyan, magenta, yellow and wh
 the red, green and blue areas is on; the reflectance of a display is the sum over its areas, so that the mixture is exact.
 
 The mirror part is a conductor: its reflectance has the spectrum along the normal, and the dependence on the angle of the Fresnel
-reflection that fits it at 60 deg. display-mirror.json has the exact values.
+reflection that fits it at 60 deg. Its mirror images are blurred by about 1 deg, because Mitsuba does not weight the samples of a
+blendbsdf correctly if one of its materials is a perfect mirror. display-mirror.json has the exact values.
 
 The variant scalar_spectral needs no other software. llvm_ad_spectral is faster and needs the library LLVM, version 19 or newer;
 older ones may end the program on processors with AVX-512. DRJIT_LIBLLVM_PATH names the file of the library.
@@ -35,6 +36,8 @@ HERE = Path(__file__).resolve().parent
 MIRROR = "display-mirror.json"
 #: Corner states of a picture: [red][green][blue] areas off or on.
 CORNERS = [[["black", "blue"], ["green", "cyan"]], [["red", "magenta"], ["yellow", "white"]]]
+#: Roughness of the mirror part.
+ROUGHNESS = 0.01
 #: Mirror parts below this fraction are not rendered.
 FAINT = 1e-5
 
@@ -115,7 +118,7 @@ class Display:
         index = fitted_index(mean(at_60) / max(mean(along_normal), 1e-12))
         at_normal = fresnel(index, 0.0) if index is not None else 1.0
         reflectance = self.spectrum([value / (weight * at_normal) for value in along_normal])
-        conductor = {"type": "conductor", "specular_reflectance": reflectance}
+        conductor = {"type": "roughconductor", "alpha": ROUGHNESS, "specular_reflectance": reflectance}
         if index is None:
             conductor["material"] = "none"
         else:
