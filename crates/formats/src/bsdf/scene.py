@@ -222,6 +222,8 @@ def split_picture(mi, path: Path, folder: Path) -> tuple[list[Path], list[float]
     files = []
     for channel, name in enumerate(("red", "green", "blue")):
         share = array.array("f", [min(max(value, 0.0), 1.0) for value in values[channel::3]])
+        # The first row of a texture is at the lower edge of a rectangle.
+        share = sum((share[row * width :][:width] for row in reversed(range(height))), array.array("f"))
         files.append(folder / f"{name}.pfm")
         files[-1].write_bytes(f"Pf\n{width} {height}\n-1.0\n".encode() + little(share).tobytes())
     return files, [width / height, 1.0]
@@ -245,14 +247,14 @@ def scene_of(mi, arguments: argparse.Namespace, panel: dict, ball: dict, size: l
     """Lengths in metres; z is up, the viewer looks along y. The panel is 16 cm high."""
     T = mi.ScalarTransform4f
     half = [0.08 * size[0], 0.08]
-    foot = T().translate([-0.06, 0.0, 0.004]).rotate([1, 0, 0], arguments.tilt)
+    foot = T().translate([-0.055, 0.0, 0.004]).rotate([1, 0, 0], arguments.tilt)
     scene = {
         "type": "scene",
         "integrator": {"type": "path", "max_depth": 8},
         "sensor": {
             "type": "perspective",
-            "fov": 34.0,
-            "to_world": T().look_at(origin=[0.0, -0.55, 0.42], target=[0.0, 0.05, 0.045], up=[0, 0, 1]),
+            "fov": 38.0,
+            "to_world": T().look_at(origin=[0.0, -0.55, 0.4], target=[0.0, 0.05, 0.04], up=[0, 0, 1]),
             "film": {"type": "hdrfilm", "width": arguments.width, "height": max(arguments.width * 2 // 3, 1)},
             "sampler": {"type": "independent"},
         },
@@ -261,7 +263,7 @@ def scene_of(mi, arguments: argparse.Namespace, panel: dict, ball: dict, size: l
             "to_world": foot @ T().translate([0.0, half[1], 0.0]).scale([half[0], half[1], 1.0]),
             "bsdf": panel,
         },
-        "ball": {"type": "sphere", "center": [0.06 + half[0], 0.02, 0.045], "radius": 0.045, "bsdf": ball},
+        "ball": {"type": "sphere", "center": [half[0], 0.02, 0.045], "radius": 0.045, "bsdf": ball},
         "desk": {
             "type": "rectangle",
             "to_world": T().scale([0.8, 0.5, 1.0]),
@@ -295,9 +297,9 @@ def room(T, exposure: float) -> dict:
         "front": wall(T().translate([0, -2, middle]).rotate([1, 0, 0], -90).scale([2, 1.3, 1]), 0.6),
         "left": wall(T().translate([-2, 0, middle]).rotate([0, 1, 0], 90).scale([1.3, 2, 1]), 0.6),
         "right": wall(T().translate([2, 0, middle]).rotate([0, 1, 0], -90).scale([1.3, 2, 1]), 0.6),
-        "lamp_1": lamp(T().translate([-0.7, 0.6, 1.84]).rotate([1, 0, 0], 180).scale([0.15, 0.6, 1]), 12.0),
-        "lamp_2": lamp(T().translate([0.9, -0.6, 1.84]).rotate([1, 0, 0], 180).scale([0.15, 0.6, 1]), 12.0),
-        "window": lamp(T().translate([-1.99, 0.2, 0.75]).rotate([0, 1, 0], 90).scale([0.6, 0.7, 1]), 3.0),
+        "lamp_1": lamp(T().translate([-0.7, 0.6, 1.84]).rotate([1, 0, 0], 180).scale([0.15, 0.6, 1]), 24.0),
+        "lamp_2": lamp(T().translate([0.9, -0.6, 1.84]).rotate([1, 0, 0], 180).scale([0.15, 0.6, 1]), 24.0),
+        "window": lamp(T().translate([-1.99, 0.2, 0.75]).rotate([0, 1, 0], 90).scale([0.6, 0.7, 1]), 6.0),
     }
 
 
