@@ -30,7 +30,10 @@ fn csv_has_a_file_for_each_chosen_state() {
     assert_eq!(mirror.lines().count(), 1 + 2 * 2 * 9);
     // The files of other states would be mistaken for those of this command.
     assert!(brdf("indoor", folder.path(), &["--format", "csv", "--states", "red"]).status.success());
-    assert_eq!(names(folder.path()), ["about.json", "display-mirror.csv", "display-red.csv", "reflection.csv"]);
+    assert_eq!(
+        names(folder.path()),
+        ["about.json", "display-mirror.csv", "display-red.csv", "reflection.csv"]
+    );
 }
 
 #[test]
@@ -55,7 +58,8 @@ fn rgl_has_a_file_for_each_state_a_mirror_part_and_a_scene() {
         .output()
         .unwrap();
     assert!(inspected.status.success(), "{}", stderr(&inspected));
-    let compiled = Command::new("python3").args(["-m", "py_compile"]).arg(folder.path().join("scene.py")).output();
+    let compiled =
+        Command::new("python3").args(["-m", "py_compile"]).arg(folder.path().join("scene.py")).output();
     // Without Python, there is nothing that could run the script.
     if let Ok(compiled) = compiled {
         assert!(compiled.status.success(), "{}", stderr(&compiled));

@@ -65,9 +65,9 @@ fn weights(wavelength_nm: &[f64]) -> Result<[Vec<f64>; 3], String> {
     let grid = Grid::new(*first, *last, step).map_err(|error| error.to_string())?;
     let light = illuminant("D65", &grid).map_err(|error| error.to_string())?;
     let observer = Observer::of(Standard::Cie1931, &grid).map_err(|error| error.to_string())?;
-    let products = observer.weights().map(|bar| -> Vec<f64> {
-        bar.iter().zip(light.iter()).map(|(bar, light)| bar * light).collect()
-    });
+    let products = observer
+        .weights()
+        .map(|bar| -> Vec<f64> { bar.iter().zip(light.iter()).map(|(bar, light)| bar * light).collect() });
     let white: f64 = products[1].iter().sum();
     Ok(products.map(|product| product.iter().map(|weight| weight / white).collect()))
 }

@@ -118,7 +118,9 @@ fn rgl_file_read_back_has_the_total_integrated_scatter() {
 #[test]
 fn rgl_file_read_back_is_reciprocal() {
     let (_, part) = written(&table(5.0, 64, lobe));
-    for (one, other, dphi) in [(10.0, 35.0, 180.0), (20.0, 50.0, 120.0), (0.0, 30.0, 0.0), (40.0, 60.0, 170.0)] {
+    for (one, other, dphi) in
+        [(10.0, 35.0, 180.0), (20.0, 50.0, 120.0), (0.0, 30.0, 0.0), (40.0, 60.0, 170.0)]
+    {
         let f = |from: f64, to: f64| {
             part.evaluate(0, Direction::new(from, 0.0), Direction::new(to, dphi)).unwrap()
         };
