@@ -185,6 +185,11 @@ fn csv_has_a_row_for_each_pair_of_directions_and_wavelength() {
     assert_eq!(rows[1], "0,0,0,380,0.25,1.00e-4");
     assert_eq!(rows.len(), 1 + 3 * 3 * 7 * 9);
     assert!(write_bsdf_csv(Vec::new(), &table, 1).is_err());
+    let file = DataFile { name: "grey.csv".to_owned(), bytes: text.as_bytes().to_vec() };
+    let read = read_bsdf(&file).unwrap().value;
+    let part = &read.parts[0];
+    assert!(matches!(part.geometry, Geometry::Spherical(_)) && part.channels.len() == 9);
+    assert_eq!(part.evaluate(3, Direction::new(10.0, 0.0), Direction::new(40.0, 170.0)), Some(0.25));
     let mut text = Vec::new();
     write_mirror_csv(&mut text, &table).unwrap();
     let text = String::from_utf8(text).unwrap();
