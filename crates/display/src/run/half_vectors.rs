@@ -20,7 +20,7 @@ use crate::scene::{Scene, Stop};
 use crate::setup::Setup;
 use crate::{DisplayError, RowErrors};
 
-/// Number of viewers of a panel that are prepared together.
+/// Number of viewers that are prepared together. The work of general layers grows with its square.
 const TOGETHER: usize = 64;
 
 /// Azimuths of the sample of directions that determines the level.
@@ -148,13 +148,13 @@ impl OfNodes<'_> {
             let all: Vec<Cone> = self.viewers.first()?.iter().take(1).map(cone).collect();
             common.prepare_common(stack, &all, &survey.beams, stop).then_some(())?;
         }
-        // General layers compute the light of all viewers together.
-        let together = if let Stack::Panel(_) = stack { TOGETHER } else { usize::MAX };
+        // Kernels of general layers keep what does not depend on the viewers for their next ones.
+        let at_once = if let Stack::Panel(_) = stack { TOGETHER } else { usize::MAX };
         let mut parts: Vec<(usize, &[HalfVectorViewer], OfLight)> = self
             .viewers
             .iter()
             .enumerate()
-            .flat_map(|(light, viewers)| viewers.chunks(together).map(move |some| (light, some)))
+            .flat_map(|(light, viewers)| viewers.chunks(at_once).map(move |some| (light, some)))
             .map(|(light, some)| (light, some, OfLight::default()))
             .collect();
         let count = parts.len();
@@ -163,17 +163,19 @@ impl OfNodes<'_> {
             if survey.control.stopped() {
                 return None;
             }
-            let fields: Vec<Cone> = viewers.iter().map(cone).collect();
             let beam = &survey.beams[*light..=*light];
             let mut own = kernel.unprepared().without_ledger();
-            own.prepare_part(&common, stack, &fields, beam, stop).then_some(())?;
-            for number in 0..fields.len() {
-                for rho in &own.estimate_unless(stack, number, stop)?.rho {
-                    found.spectra.extend(total(rho).map(|r| (r / PI) as f32));
-                    survey.add_luminous(rho, &mut found.luminous);
+            for some in viewers.chunks(TOGETHER) {
+                let fields: Vec<Cone> = some.iter().map(cone).collect();
+                own.prepare_part(&common, stack, &fields, beam, stop).then_some(())?;
+                for number in 0..fields.len() {
+                    for rho in &own.estimate_unless(stack, number, stop)?.rho {
+                        found.spectra.extend(total(rho).map(|r| (r / PI) as f32));
+                        survey.add_luminous(rho, &mut found.luminous);
+                    }
                 }
+                found.nodes += own.nodes() as u64;
             }
-            found.nodes = own.nodes() as u64;
             let progress = Progress::of_views(done.fetch_add(1, Ordering::Relaxed) + 1, count);
             (survey.control.progress)(progress.with_error(0.0, 1.0));
             Some(())
