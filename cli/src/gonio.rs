@@ -241,7 +241,7 @@ fn rays_text(Rays { totals, kernel }: &Rays) -> String {
 /// Waves, and whether they or rays hold.
 fn waves_text(waves: &ByWaves, rays: Option<&Rays>) -> String {
     let head =
-        ["wavelength, nm", "g", "straight through, %", "as by a mirror, %", "haze, %", "closed form, %"];
+        ["wavelength, nm", "g", "straight through, %", "as by a mirror, %", "haze, %", "without cut-off, %"];
     let mut rows = vec![head.map(str::to_owned).to_vec()];
     for one in &waves.shares {
         let percent = |one: Measured| measured(Some(100.0 * one.value), Some(100.0 * one.error), 2);

@@ -11,6 +11,10 @@ use rust_embed::RustEmbed;
 #[folder = "../scenarios"]
 struct Scenarios;
 
+#[derive(RustEmbed)]
+#[folder = "../surfaces"]
+struct Surfaces;
+
 /// The scenario that is shown on the first visit.
 pub(crate) const FIRST: &str = "indoor";
 
@@ -26,7 +30,8 @@ pub(crate) fn example(name: &str) -> Option<String> {
     String::from_utf8(file.data.into_owned()).ok()
 }
 
-/// Data files under the names that scenarios may use: `data/H65.bsdf`, as in the examples, and `H65.bsdf`.
+/// Data files under the names that scenarios may use: `data/H65.bsdf`, as in the examples, and `H65.bsdf`; and surfaces, as
+/// `../surfaces/etched.toml`.
 pub(crate) static DATA: LazyLock<BTreeMap<String, MemoryFile>> = LazyLock::new(|| {
     let named = |path: &str| {
         let name = path.strip_prefix("data/").filter(|name| !name.ends_with(".py"))?.to_owned();
@@ -34,7 +39,13 @@ pub(crate) static DATA: LazyLock<BTreeMap<String, MemoryFile>> = LazyLock::new(|
         let file = MemoryFile::new(DataFile { name: name.clone(), bytes });
         Some([(name, file.clone()), (path.to_owned(), file)])
     };
-    Scenarios::iter().filter_map(|path| named(&path)).flatten().collect()
+    let surface = |path: &str| {
+        let name = format!("../surfaces/{path}");
+        let bytes = Surfaces::get(path)?.data.into_owned();
+        Some((name.clone(), MemoryFile::new(DataFile { name, bytes })))
+    };
+    let data = Scenarios::iter().filter_map(|path| named(&path)).flatten().collect::<Vec<_>>();
+    data.into_iter().chain(Surfaces::iter().filter_map(|path| surface(&path))).collect()
 });
 
 #[cfg(test)]
@@ -45,6 +56,7 @@ mod tests {
     fn examples_and_data_are_found_by_name_and_other_paths_are_not() {
         assert!(example(FIRST).is_some_and(|text| text.contains("[display.pixel]")));
         assert!(DATA.contains_key("H65.bsdf") && DATA.contains_key("data/H65.bsdf"));
+        assert!(DATA.contains_key("../surfaces/etched.toml"));
         assert!(example("../Cargo").is_none() && example("data/H65").is_none());
     }
 }

@@ -54,3 +54,50 @@ fn displays_are_no_surfaces() {
     assert_eq!(output.status.code(), Some(2), "{message}");
     assert!(message.contains("not a surface") && message.contains("[microgeometry]"), "{message}");
 }
+
+/// Waves beside rays: their files, and the layer of a display from the kernel that was written.
+#[test]
+fn waves_and_layers_follow_from_a_surface() {
+    let folder = tempfile::tempdir().unwrap();
+    let here = folder.path();
+    let surface = "title = \"frosted\"\n[microgeometry]\nsurface = \"gaussian\"\nrms_nm = 50\ncorrelation_um = 4\nrays = 640\nincidence_deg = \
+                   [0]\nroad = \"both\"\nwavelength_nm = [450, 550]\n";
+    fs::write(here.join("frosted.toml"), surface).unwrap();
+    let output =
+        papilio().current_dir(here).args(["gonio", "frosted.toml", "--out", "face"]).output().unwrap();
+    assert!(output.status.success(), "{}", stderr(&output));
+    assert_eq!(
+        names(&here.join("face")),
+        ["audit.json", "face.npz", "totals.csv", "totals.svg", "waves.csv", "waves.svg"]
+    );
+    let table = String::from_utf8(output.stdout).unwrap();
+    assert!(table.contains("waves hold, rays do not") && table.contains("haze by rays"), "{table}");
+    let waves = fs::read_to_string(here.join("face/waves.csv")).unwrap();
+    let rows: Vec<Vec<f64>> = waves
+        .lines()
+        .skip(1)
+        .map(|line| line.split(',').map(|value| value.parse().unwrap()).collect())
+        .collect();
+    assert!(
+        waves.starts_with("wavelength_nm,g,straight,mirror,haze,haze_closed_form,straight_error,"),
+        "{waves}"
+    );
+    // exp(-(2 pi 0.5 50/550)^2).
+    assert!((rows[1][2] - 0.92167).abs() < 4.5 * rows[1][6] + 1e-3, "{waves}");
+    let display = "[[display.layers]]\nkind = \"diffuser\"\nmodel = \"microgeometry\"\nfile = \
+                   \"face/face.npz\"\n[[display.layers]]\nkind = \"medium\"\nindex = 1.5\n[display.pixel]\nmodel = \"uniform\"\nkind = \
+                   \"lambertian\"\nreflectance = { white = 1, black = 0 }\n[lighting]\nilluminance_lx = 500\nspectrum = \"E\"\ndiffuse = 1\n";
+    fs::write(here.join("d.toml"), display).unwrap();
+    let output = papilio().current_dir(here).args(["run", "d.toml", "--json"]).output().unwrap();
+    assert!(output.status.success(), "{}", stderr(&output));
+    let result: Value = serde_json::from_slice(&output.stdout).unwrap();
+    let white = result["views"][0]["states"]["white"]["Y"].as_f64().unwrap();
+    assert!((white - 1.0).abs() < 1e-6, "a white paper returns all light: {white}");
+    let wrong =
+        papilio().current_dir(here).args(["run", "d.toml", "--set", "display.layers.1.index=1.6"]).output();
+    let message = stderr(&wrong.unwrap());
+    assert!(
+        message.contains("between the indices 1 and 1.5, but here it lies between 1 and 1.6"),
+        "{message}"
+    );
+}

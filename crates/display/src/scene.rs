@@ -18,8 +18,8 @@ use papilio_spectra::{Grid, LightSpectrum, Spectrum};
 pub use papilio_transport::spatial::{Rectangle, Window, rows, stripes};
 pub use papilio_transport::walk::Strategy;
 pub use papilio_transport::{
-    Diffuser, Field, Interface as Ready, LobeReflection, ReflectedLobe, ReflectingDiffuser, ScatterFace,
-    ScatterKernel, Scattering,
+    Diffuser, Field, Interface as Ready, LobeReflection, ReflectedLobe, ReflectingDiffuser, RegularRings,
+    ScatterFace, ScatterKernel, Scattering,
 };
 
 pub use self::place::{Filter, FilterState, Length, Matrix, SubPixelWindow};

@@ -8,6 +8,7 @@ use serde::Serialize;
 use zip::ZipWriter;
 use zip::write::SimpleFileOptions;
 
+use crate::face_read::FORMAT;
 use crate::npy::{Items, write_npy};
 
 /// Content of `audit.json`.
@@ -216,7 +217,7 @@ pub fn write_face(out: impl Write, hash: &str, index: [f64; 2], kernel: &Kernel)
     };
     let bands = &kernel.bands;
     let count = bands.count();
-    array("format", &[1], Items::Text(&["papilio-face 1"]))?;
+    array("format", &[1], Items::Text(&[FORMAT]))?;
     array("hash", &[1], Items::Text(&[hash]))?;
     array("index", &[2], Items::Double(&index))?;
     for side in Side::ALL {

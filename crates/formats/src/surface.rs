@@ -32,6 +32,8 @@ pub struct HeightFile {
 pub enum SurfaceProblem {
     /// The file has no known format.
     NotAMap,
+    /// The file is not the kernel of a face.
+    NotAFace,
     /// An unsupported size.
     Size {
         /// Heights along x.
@@ -62,6 +64,8 @@ impl SurfaceProblem {
             Self::NotAMap => Diagnostic::new("this is not a map of heights in a supported format")
                 .expected("a .npy array of two dimensions, rows of numbers, a grey PNG of 16 bits, or an SDF file of ISO 25178-71")
                 .hint("export the map as SDF from the program of the instrument"),
+            Self::NotAFace => Diagnostic::new("this is not the kernel of a face")
+                .expected("face.npz, which `papilio gonio` writes"),
             Self::Size { columns, rows } => Diagnostic::new(format!("this map has {columns} x {rows} heights"))
                 .expected(format!("at least 2 x 2, and at most {MOST_HEIGHTS} in all"))
                 .hint("cut out a part of the map, or reduce its resolution"),

@@ -89,6 +89,18 @@ pub enum MicrogeometryError {
         /// The limit.
         most: usize,
     },
+    /// A list of the kernel of a face has the wrong length.
+    #[error(
+        "`{name}` of the kernel of a face has {found} numbers (expected {expected}, as many as its bands have)"
+    )]
+    FaceLength {
+        /// Name of the list.
+        name: &'static str,
+        /// Its length.
+        found: usize,
+        /// The length that the indices ask for.
+        expected: usize,
+    },
     /// The measurement was stopped.
     #[error("interrupted")]
     Interrupted,

@@ -162,6 +162,33 @@ impl Goniometer {
         })?
     }
 
+    /// Follows the rays of all replicates, on all processors. `stop` as in [`replicate`](Self::replicate).
+    ///
+    /// # Errors
+    /// As [`replicate`](Self::replicate).
+    pub fn replicates(
+        &self,
+        surface: &Surface,
+        stop: &(dyn Fn() -> bool + Sync),
+    ) -> Result<Vec<Replicate>, MicrogeometryError> {
+        let threads = std::thread::available_parallelism().map_or(1, usize::from);
+        let part = |thread: usize| {
+            let numbers = (thread as u64..REPLICATES).step_by(threads);
+            numbers.map(|number| Ok((number, self.replicate(surface, number, &stop)?))).collect()
+        };
+        let parts: Result<Vec<Vec<_>>, _> = std::thread::scope(|scope| {
+            let part = &part;
+            let workers: Vec<_> = (0..threads).map(|thread| scope.spawn(move || part(thread))).collect();
+            let parts = workers
+                .into_iter()
+                .map(|worker| worker.join().unwrap_or(Err(MicrogeometryError::Interrupted)));
+            parts.collect()
+        });
+        let mut all: Vec<(u64, Replicate)> = parts?.into_iter().flatten().collect();
+        all.sort_by_key(|(number, _)| *number);
+        Ok(all.into_iter().map(|(_, replicate)| replicate).collect())
+    }
+
     /// Follows light that fills the directions of a band uniformly.
     fn scatter(
         &self,

@@ -168,24 +168,7 @@ impl Kernel {
                 area[band] * (1.0 - self.regular_reflected[band] - self.regular_transmitted[band]).max(0.0)
             })
             .collect();
-        for _ in 0..ROUNDS {
-            let rows = self.scattered.chunks_exact(count * AZIMUTHS);
-            let factors: Vec<f64> = rows
-                .zip(&wanted)
-                .map(|(row, wanted)| {
-                    let sum: f64 = row.iter().sum();
-                    if sum > 0.0 { (wanted / sum).sqrt() } else { 1.0 }
-                })
-                .collect();
-            for (from, row) in self.scattered.chunks_exact_mut(count * AZIMUTHS).enumerate() {
-                for (to, cells) in row.chunks_exact_mut(AZIMUTHS).enumerate() {
-                    cells.iter_mut().for_each(|light| *light *= factors[from] * factors[to]);
-                }
-            }
-            if factors.iter().all(|factor| (factor - 1.0).abs() < 1e-12) {
-                break;
-            }
-        }
+        balanced(&mut self.scattered, &wanted);
         let moved: f64 = before.iter().zip(&self.scattered).map(|(a, b)| (a - b).abs()).sum();
         let all: f64 = before.iter().sum();
         self.audit.moved_by_balance = if all > 0.0 { moved / all } else { 0.0 };
@@ -205,9 +188,47 @@ impl Kernel {
         }
     }
 
+    /// The |beta| within which half of the light along the normal from above is transmitted, of all that goes to |beta| up to 1.
+    pub fn median_beta(&self) -> f64 {
+        let above = &self.scattered[..self.bands.count() * AZIMUTHS];
+        let share = |band: usize| above[band * AZIMUTHS..][..AZIMUTHS].iter().sum::<f64>();
+        let bands = self.bands.of(crate::Side::Below).map(|band| (self.bands.band(band).1, share(band)));
+        let seen: Vec<([f64; 2], f64)> = bands.filter(|([_, to], _)| *to < 1.0 + 1e-9).collect();
+        let half = 0.5 * (self.regular_transmitted[0] + seen.iter().map(|(_, share)| share).sum::<f64>());
+        let mut before = self.regular_transmitted[0];
+        for ([from, to], share) in seen {
+            if share > 0.0 && before + share >= half {
+                let inside = ((half - before) / share).max(0.0);
+                return (from * from + inside * (to * to - from * from)).sqrt();
+            }
+            before += share;
+        }
+        0.0
+    }
+
     /// Number of azimuths between 0 and 180 deg.
     pub fn azimuths(&self) -> usize {
         AZIMUTHS
+    }
+}
+
+/// Scales symmetric light between bands, `[from][to][azimuth]`, by a factor for each band, until that of each band is what is wanted.
+pub(crate) fn balanced(light: &mut [f64], wanted: &[f64]) {
+    let row = wanted.len() * AZIMUTHS;
+    for _ in 0..ROUNDS {
+        let factor = |(row, wanted): (&[f64], &f64)| {
+            let sum: f64 = row.iter().sum();
+            if sum > 0.0 { (wanted / sum).sqrt() } else { 1.0 }
+        };
+        let factors: Vec<f64> = light.chunks_exact(row).zip(wanted).map(factor).collect();
+        for (from, row) in light.chunks_exact_mut(row).enumerate() {
+            for (to, cells) in row.chunks_exact_mut(AZIMUTHS).enumerate() {
+                cells.iter_mut().for_each(|light| *light *= factors[from] * factors[to]);
+            }
+        }
+        if factors.iter().all(|factor| (factor - 1.0).abs() < 1e-13) {
+            break;
+        }
     }
 }
 

@@ -6,6 +6,7 @@
 mod bands;
 mod caps;
 mod error;
+mod face;
 mod goniometer;
 mod height_map;
 mod heights;
@@ -23,6 +24,7 @@ mod waves;
 pub use bands::Bands;
 pub use caps::{Caps, Lattice};
 pub use error::MicrogeometryError;
+pub use face::{FaceKernels, FaceTable};
 pub use goniometer::{Goniometer, Measured, REPLICATES, Replicate, Total};
 pub use height_map::{HeightMap, HeightStatistics};
 pub use kernel::{Audit, Kernel};

@@ -61,6 +61,9 @@ impl Spectrum {
 /// Cells in a correlation length of a Gaussian face, and in the shortest wavelength of others: facets then follow the slopes within 1 %.
 const CELLS: f64 = 12.0;
 
+/// Cells in the shortest wavelength of a face for waves, whose phase needs no facets.
+const CELLS_OF_WAVES: f64 = 4.0;
+
 /// Fewest correlation lengths along a side.
 const LENGTHS: f64 = 20.0;
 
@@ -82,6 +85,20 @@ impl RandomHeights {
     /// # Errors
     /// Numbers that are not positive; lengths whose ratio needs more than 4096 cells along a side.
     pub fn new(spectrum: Spectrum, seed: u64) -> Result<Self, MicrogeometryError> {
+        Self::with_cells(spectrum, seed, CELLS)
+    }
+
+    /// The same statistics on the coarser grid that is enough for waves, if they have a cut-off.
+    pub(crate) fn for_waves(&self) -> Result<Self, MicrogeometryError> {
+        match self.spectrum {
+            Spectrum::Gaussian { .. } => Ok(self.clone()),
+            Spectrum::Exponential { .. } | Spectrum::Abc { .. } => {
+                Self::with_cells(self.spectrum, self.seed, CELLS_OF_WAVES)
+            }
+        }
+    }
+
+    fn with_cells(spectrum: Spectrum, seed: u64, cells: f64) -> Result<Self, MicrogeometryError> {
         let (lengths, finest, longest) = match spectrum {
             Spectrum::Gaussian { rms_um, correlation_um } => (
                 vec![("rms height (um)", rms_um), ("correlation length (um)", correlation_um)],
@@ -112,7 +129,7 @@ impl RandomHeights {
                 wanted: "positive",
             });
         }
-        let pitch_um = finest / CELLS;
+        let pitch_um = finest / cells;
         let cells = (LENGTHS * longest.max(finest) / pitch_um).ceil() as usize;
         if cells > SIDE[1] {
             let wrong = format!(

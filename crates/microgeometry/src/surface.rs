@@ -53,13 +53,13 @@ impl Surface {
         matches!(self, Self::Random(_) | Self::Caps(Caps { lattice: Lattice::Random { .. }, .. }))
     }
 
-    /// Heights of a period of a replicate.
+    /// Heights of a period of a replicate, for waves.
     pub(crate) fn heights(&self, replicate: u64) -> Result<HeightMap, MicrogeometryError> {
         match self {
             Self::Flat => HeightMap::new(1, [1.0; 2], vec![0.0]),
             Self::Caps(caps) => Balls::new(caps, replicate)?.sampled(),
             Self::Heights(map) => Ok(map.clone()),
-            Self::Random(random) => random.realisation(replicate),
+            Self::Random(random) => random.for_waves()?.realisation(replicate),
         }
     }
 }

@@ -231,12 +231,6 @@ impl Scatter {
         ends.into_iter().filter(|end| *end != 1.0)
     }
 
-    /// Returns the values of `|beta|` at which the kernel has kinks.
-    pub fn kinks(&self) -> impl Iterator<Item = f64> {
-        let rings = if let Self::Rings(kernel) = self { kernel.rings().to_vec() } else { Vec::new() };
-        rings.into_iter().flat_map(Rings::breaks)
-    }
-
     /// Returns the kernel of light in the opposite direction: `reversed.evaluate(a, b) = evaluate(b, a)`.
     pub fn reversed(&self) -> Self {
         match self {

@@ -96,7 +96,7 @@ mod tests {
     use crate::lobe::Lobe;
     use crate::phase::HenyeyGreenstein;
     use crate::rough::{OnSide, Rough, Side};
-    use crate::scatter::{Normalisation, Scatter, Table, Ward};
+    use crate::scatter::{Normalisation, RingKernel, Rings, Scatter, Table, Ward};
 
     /// Cells per side of a square of directions, and midpoints per side of a cell.
     const CELLS: usize = 10;
@@ -251,6 +251,14 @@ mod tests {
         let table = Table::new(&[0.0], &radial, &[0.0], &values).unwrap();
         check("table", &Scatter::from(table.clone()), from, &one_way(1.0), false);
         check("table into glass", &Scatter::from(table.reaching(1.5)), from, &one_way(1.5), false);
+        let rings = |edges: &[f64]| Rings::new(edges, &[1.0]);
+        let shares = (0..4 * 6 * 5).map(|k| 0.005 + 0.0025 * f64::from(k * 7 % 11)).collect();
+        let wide = rings(&[0.0, 0.3, 0.6, 0.8, 1.0, 1.2, 1.5]);
+        let kernel = Scatter::from(RingKernel::new(rings(&[0.0, 0.3, 0.6, 0.8, 1.0]), wide, 5, shares));
+        for from in [from, Beta { x: 0.05, y: 0.1 }] {
+            check("rings", &kernel, from, &one_way(1.5), false);
+        }
+        check("rings, reversed", &kernel.reversed(), from, &one_way(1.0), false);
         let face = Rough::new(0.5, 1.0, 1.5);
         for side in [Side::Above, Side::Below] {
             check("GGX", &face, OnSide { side, beta: from }, &both_sides(&face), false);

@@ -19,6 +19,9 @@ pub enum ReproductionError {
     /// A file could not be read or written.
     #[error(transparent)]
     File(#[from] FormatError),
+    /// A surface could not be measured.
+    #[error("a surface of the report cannot be measured: {0}")]
+    Surface(#[from] papilio_microgeometry::MicrogeometryError),
     /// A measurement could not be used.
     #[error("a measured sample of the report cannot be used: {0}")]
     Sample(String),
@@ -67,6 +70,11 @@ impl<'a> Bench<'a> {
             write_file(&folder.join(name), |out| out.write_all(bytes))?;
         }
         Ok(Self { folder: folder.to_owned(), control })
+    }
+
+    /// Writes a file of the report's own into the folder.
+    pub(crate) fn write(&self, name: &str, text: &str) -> Result<(), ReproductionError> {
+        Ok(write_file(&self.path(name), |out| out.write_all(text.as_bytes()))?)
     }
 
     /// Returns the path of one of the shipped files.

@@ -12,10 +12,12 @@
 //! **Out of scope.** The thesis's photographs and drawings, its measured data, and the data that it took from charts of
 //! others.
 
+mod bumps;
 mod chapter_2;
 mod chapter_3;
 mod chapter_4;
 mod chapter_5;
+mod dipoles;
 mod displays;
 mod report;
 pub mod table_5_1;
@@ -35,7 +37,8 @@ pub use report::{Part, Report, Section, Table};
 /// If files cannot be written, or the computation was stopped.
 pub fn reproduce(folder: &Path, control: &Control<'_>) -> Result<Report, ReproductionError> {
     let bench = displays::Bench::new(folder, control)?;
-    let mut sections = vec![chapter_2::phase_functions()];
+    let mut sections = bumps::sections(&bench)?;
+    sections.extend([chapter_2::phase_functions(), dipoles::section(&bench)?]);
     sections.extend(chapter_3::sections(&bench)?);
     sections.extend(chapter_4::sections(&bench)?);
     sections.extend(chapter_5::sections(&bench)?);

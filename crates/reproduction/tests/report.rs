@@ -36,8 +36,9 @@ fn report_contains_all_tables_and_figures() {
         assert!(titles.iter().any(|title| title.starts_with(&format!("Table {table}"))), "{table}");
     }
     let figures = [
-        "2.17", "3.8", "3.10", "3.12", "3.13", "4.1", "4.2", "4.3", "4.4", "4.5", "5.3", "5.4", "5.5", "5.6",
-        "5.7", "5.8", "5.10", "5.12", "5.13", "5.14", "5.15", "5.16", "5.17", "5.19", "5.20",
+        "2.11", "2.12", "2.15", "2.17", "2.18", "3.8", "3.10", "3.12", "3.13", "4.1", "4.2", "4.3", "4.4",
+        "4.5", "5.3", "5.4", "5.5", "5.6", "5.7", "5.8", "5.10", "5.12", "5.13", "5.14", "5.15", "5.16",
+        "5.17", "5.19", "5.20",
     ];
     for figure in figures {
         let named = |title: &&str| {
@@ -45,6 +46,32 @@ fn report_contains_all_tables_and_figures() {
             names.split(' ').any(|word| word == figure)
         };
         assert!(titles.iter().any(named), "{figure} in {titles:?}");
+    }
+}
+
+/// Bumps: what the thesis says in words, numbers of a separate program for hemispheres, and the plane with the BSDF against the rays.
+#[test]
+fn bumps_are_darker_from_above_brighter_from_the_side_and_blur_with_distance() {
+    let along = &tables("figure-2-11")[0].rows[0];
+    for (cell, separate) in along[1..].iter().zip([2.52, 94.36, 3.12]) {
+        assert!((number(cell) - separate).abs() < 0.4, "{along:?}");
+    }
+    let looks = tables("figure-2-12");
+    let [above, side] = [0, 1].map(|row| [1, 2].map(|column| number(&looks[0].rows[row][column])));
+    assert!(above[1] < 0.1 * above[0] && side[1] > 10.0 * side[0], "{above:?} {side:?}");
+    let [far, near] = [0, 1].map(|row| number(&looks[1].rows[row][1]));
+    assert!((far - 35.0).abs() < 2.0 && (near - 1e-3 * far).abs() < 1e-3 * near, "{far} {near}");
+    for row in &tables("figure-2-15")[0].rows {
+        assert!(number(&row[3]).abs() < 0.3, "{row:?}");
+    }
+}
+
+/// Exact transfer is that of the closed form; dipoles are not.
+#[test]
+fn slabs_are_exact_and_dipoles_are_not() {
+    for row in &tables("figure-2-18")[0].rows {
+        assert!((number(&row[2]) - number(&row[1])).abs() < 3e-4, "{row:?}");
+        assert!(number(&row[6]) < number(&row[4]) && number(&row[4]) < 0.0, "{row:?}");
     }
 }
 

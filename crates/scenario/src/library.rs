@@ -87,6 +87,18 @@ impl Library {
         }
     }
 
+    /// Returns the library of a file that names files relative to its own folder.
+    pub(crate) fn beside(&self, name: &str) -> Self {
+        let parent = Path::new(name).parent().unwrap_or(Path::new(""));
+        match self {
+            Self::Folder(folder) => Self::Folder(folder.join(parent)),
+            Self::Both { files, folder } => {
+                Self::Both { files: Arc::clone(files), folder: folder.join(parent) }
+            }
+            Self::Memory { .. } => self.clone(),
+        }
+    }
+
     /// Returns a hint for a file that cannot be read: the paths that were tried. `in_set`: the name is in a `--set`.
     pub(crate) fn tried(&self, name: &str, in_set: bool) -> Option<String> {
         let Self::Folder(folder) = self else { return None };

@@ -23,6 +23,7 @@ pub(crate) fn tables() -> Vec<(&'static str, Vec<Row>)> {
         ("display.diffuser k-correlation", diffuser::KCorrelation::rows()),
         ("display.diffuser lambertian", diffuser::Lambertian::rows()),
         ("display.diffuser ward", diffuser::Ward::rows()),
+        ("display.diffuser microgeometry", diffuser::FaceOfSurface::rows()),
         ("display.diffuser measured", diffuser::Measured::rows()),
         ("display.diffuser slab", diffuser::Slab::rows()),
         ("display.diffuser.reflection", diffuser::Reflection::rows()),

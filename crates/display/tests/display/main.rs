@@ -24,6 +24,7 @@ mod images;
 mod layered_mtf;
 mod levels_that_agree;
 mod lights;
+mod microgeometry;
 mod mtf;
 mod picture;
 mod picture_samples;

@@ -5,9 +5,9 @@ use papilio_goniometry::{
 };
 use serde::Deserialize;
 
-use super::npz::{Array, Npz};
 use super::{BsdfProblem, LARGEST_VALUE, VALUE_RANGE, Warned};
 use crate::error::{FormatError, Problem};
+use crate::npz::{Array, Npz};
 
 /// Name of the format in `about`.
 pub(super) const FORMAT: &str = "papilio-bsdf";

@@ -12,7 +12,6 @@ mod formats;
 mod fred;
 mod klems_write;
 mod merl;
-mod npz;
 mod papilio;
 mod papilio_write;
 mod problem;
@@ -123,7 +122,7 @@ impl From<Warned<Measurement>> for BsdfFile {
 /// # Ok::<(), papilio_formats::FormatError>(())
 /// ```
 pub fn read_bsdf_file(file: &DataFile, part: Option<ScatterMode>) -> Result<BsdfFile, FormatError> {
-    let mut read: BsdfFile = if npz::is_npz(file) {
+    let mut read: BsdfFile = if crate::npz::is_npz(file) {
         read_archive(file)?.into()
     } else if rgl::is_rgl(file) {
         rgl::read(file)?.into()
@@ -170,7 +169,7 @@ impl BsdfFile {
 
 /// Reads one of Papilio's own archives.
 fn read_archive(file: &DataFile) -> Result<Warned<Measurement>, FormatError> {
-    let mut arrays = npz::Npz::new(file)?;
+    let mut arrays = crate::npz::Npz::new(file)?;
     if !arrays.has("about") {
         return Err(arrays.error(BsdfProblem::Unknown));
     }

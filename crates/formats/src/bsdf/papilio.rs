@@ -10,10 +10,10 @@ use papilio_goniometry::{
 };
 use serde::{Deserialize, Serialize};
 
-use super::npz::{Array, Npz};
 use super::table_read::{channel_named, way_named};
 use super::{BsdfProblem, LARGEST_VALUE, MOST_CELLS, VALUE_RANGE, Warned};
 use crate::error::{FormatError, Problem};
+use crate::npz::{Array, Npz};
 
 /// Name of the format in `about`.
 pub(super) const FORMAT: &str = "papilio-measurement";

@@ -6,6 +6,9 @@
 //! L_ij / (w_i w_j)`: continuous, reciprocal if L is symmetric, and of exactly the total that L has. Where a kernel may jump, at the limits of
 //! total reflection, hats end: rings do not reach across the ends of their segment.
 //!
+//! **Along the normal** there is no azimuth: from the middle of the innermost ring inwards, the dependence on azimuth decreases to none,
+//! in proportion to `|beta|`.
+//!
 //! **Resolution.** Features narrower than a ring are widened to it.
 
 use std::f64::consts::PI;
@@ -65,15 +68,14 @@ impl Rings {
         &self.weights
     }
 
+    /// `|beta|` of the middle of each ring.
+    pub fn middles(&self) -> impl Iterator<Item = f64> {
+        self.middles.iter().map(|square| square.sqrt())
+    }
+
     /// `|beta|` of the edge of all rings.
     pub fn radius(&self) -> f64 {
         self.edges.last().copied().unwrap_or(0.0)
-    }
-
-    /// `|beta|` at which hats have kinks or end.
-    pub fn breaks(&self) -> impl Iterator<Item = f64> {
-        let ends = (0..self.count()).filter(|&ring| self.segments[ring][0] == ring).map(|ring| self.edges[ring]);
-        self.middles.iter().map(|middle| middle.sqrt()).chain(ends.filter(|edge| *edge > 0.0))
     }
 
     /// The two rings of a `|beta|`, and the share of the second one.
@@ -89,6 +91,12 @@ impl Rings {
         }
         let share = (square - self.middles[low]) / (self.middles[high] - self.middles[low]);
         ([low, high], share.clamp(0.0, 1.0))
+    }
+
+    /// How much of the dependence on azimuth light of this ring has at a `|beta|`.
+    #[inline]
+    fn turned(&self, ring: usize, length: f64) -> f64 {
+        if ring == 0 { (length / self.middles[0].sqrt()).min(1.0) } else { 1.0 }
     }
 
     /// A value by ring at a `|beta|`.
@@ -246,7 +254,10 @@ impl RingKernel {
             for (j, t) in [(j[0], 1.0 - t), (j[1], t)] {
                 if s * t > 0.0 {
                     let series = &self.series[(i * self.to.count() + j) * self.orders()..][..self.orders()];
-                    out.iter_mut().zip(series).for_each(|(out, value)| *out += s * t * value);
+                    let turned = self.from.turned(i, a) * self.to.turned(j, b);
+                    for (order, (out, value)) in out.iter_mut().zip(series).enumerate() {
+                        *out += s * t * value * if order == 0 { 1.0 } else { turned };
+                    }
                 }
             }
         }
@@ -263,18 +274,23 @@ impl RingKernel {
         let share = place - low;
         let cell = |k: f64| k.clamp(0.0, self.azimuths as f64 - 1.0) as usize;
         let (low, high) = (cell(low), cell(low + 1.0));
-        let ((i, s), (j, t)) = (self.from.of(from.length()), self.to.of(to.length()));
+        let [a, b] = [from.length(), to.length()];
+        let ((i, s), (j, t)) = (self.from.of(a), self.to.of(b));
         let mut sum = 0.0;
         for (i, s) in [(i[0], 1.0 - s), (i[1], s)] {
             for (j, t) in [(j[0], 1.0 - t), (j[1], t)] {
                 if s * t > 0.0 {
-                    let cells = &self.shares[(i * self.to.count() + j) * self.azimuths..][..self.azimuths];
+                    let pair = i * self.to.count() + j;
+                    let cells = &self.shares[pair * self.azimuths..][..self.azimuths];
                     let value = (1.0 - share) * cells[low] + share * cells[high];
-                    sum += s * t * value / self.to.weights[j];
+                    let value = value * self.azimuths as f64 / self.to.weights[j];
+                    let mean = self.series[pair * self.orders()];
+                    let turned = self.from.turned(i, a) * self.to.turned(j, b);
+                    sum += s * t * (mean + turned * (value - mean));
                 }
             }
         }
-        sum * self.azimuths as f64
+        sum
     }
 
     /// A direction in proportion to the scattered light; `None` if there is none.
@@ -291,18 +307,25 @@ impl RingKernel {
         let of_low = (1.0 - share) * sums(low)[cells - 1];
         // The ring of the light, then the ring and azimuth to which it goes.
         let at = u[0] * albedo;
-        let (row, at) = if at < of_low || share == 0.0 {
-            (sums(low), at / (1.0 - share))
+        let (came, at) = if at < of_low || share == 0.0 {
+            (low, at / (1.0 - share))
         } else {
-            (sums(high), (at - of_low) / share)
+            (high, (at - of_low) / share)
         };
-        let cell = row.partition_point(|sum| *sum <= at).min(row.partition_point(|sum| *sum < row[cells - 1]));
+        let row = sums(came);
+        let cell =
+            row.partition_point(|sum| *sum <= at).min(row.partition_point(|sum| *sum < row[cells - 1]));
         let (ring, azimuth) = (cell / self.azimuths, cell % self.azimuths);
+        let turned = self.from.turned(came, length);
         let length = self.to.sample(ring, u[1]);
+        let turned = turned * self.to.turned(ring, length);
         // A triangle about the middle of the cell.
         let away = if u[2] < 0.5 { (2.0 * u[2]).sqrt() - 1.0 } else { 1.0 - (2.0 - 2.0 * u[2]).sqrt() };
         let turn = PI * (azimuth as f64 + 0.5 + away) / self.azimuths as f64;
-        let turn = if u[3] < 0.5 { turn } else { -turn };
+        // One number decides both the sign and whether there is an azimuth.
+        let sign = if u[3] < 0.5 { 1.0 } else { -1.0 };
+        let again = (2.0 * u[3]).fract();
+        let turn = sign * if again < turned { turn } else { PI * u[2] };
         let along = if from.length() > 0.0 { from.y.atan2(from.x) } else { 0.0 };
         let (sin, cos) = (along + turn).sin_cos();
         Some(Beta { x: length * cos, y: length * sin })
@@ -317,7 +340,10 @@ impl RingKernel {
 
     /// Width of its finest features, direction cosines: about that of the first ring.
     pub(super) fn width(&self) -> f64 {
-        [&self.from, &self.to].map(|rings| rings.edges[1] - rings.edges[0]).into_iter().fold(f64::INFINITY, f64::min)
+        [&self.from, &self.to]
+            .map(|rings| rings.edges[1] - rings.edges[0])
+            .into_iter()
+            .fold(f64::INFINITY, f64::min)
     }
 }
 
@@ -362,25 +388,30 @@ mod tests {
     fn densities_have_the_light_of_the_table() {
         let kernel = kernel();
         let [_, to] = kernel.rings();
-        let from = Beta { x: 0.55, y: 0.2 };
         let (lengths, angles) = (3000, 200);
-        let mut sum = 0.0;
-        for k in 0..lengths {
-            let length = (2.25 * (f64::from(k) + 0.5) / f64::from(lengths)).sqrt();
-            let mut orders = [0.0; 4];
-            let mut known = [0.0; 4];
-            kernel.fourier([from.length(), length], &mut known);
-            for step in 0..angles {
-                let phi = 2.0 * PI * (f64::from(step) + 0.5) / f64::from(angles);
-                let along = from.y.atan2(from.x) + phi;
-                let to = Beta { x: length * along.cos(), y: length * along.sin() };
-                let value = kernel.evaluate(from, to) / f64::from(angles);
-                orders.iter_mut().enumerate().for_each(|(m, order)| *order += value * (m as f64 * phi).cos());
+        // The second one lies within the middle of the innermost ring.
+        for from in [Beta { x: 0.55, y: 0.2 }, Beta { x: 0.1, y: -0.05 }] {
+            let mut sum = 0.0;
+            for k in 0..lengths {
+                let length = (2.25 * (f64::from(k) + 0.5) / f64::from(lengths)).sqrt();
+                let mut orders = [0.0; 4];
+                let mut known = [0.0; 4];
+                kernel.fourier([from.length(), length], &mut known);
+                for step in 0..angles {
+                    let phi = 2.0 * PI * (f64::from(step) + 0.5) / f64::from(angles);
+                    let along = from.y.atan2(from.x) + phi;
+                    let to = Beta { x: length * along.cos(), y: length * along.sin() };
+                    let value = kernel.evaluate(from, to) / f64::from(angles);
+                    let cosine = |m: usize| (m as f64 * phi).cos();
+                    orders.iter_mut().enumerate().for_each(|(m, order)| *order += value * cosine(m));
+                }
+                let close = |(a, b): (&f64, &f64)| (a - b).abs() < 2e-4;
+                assert!(orders.iter().zip(&known).all(close), "{orders:?} {known:?}");
+                sum += orders[0] * PI * to.radius().powi(2) / f64::from(lengths);
             }
-            orders.iter().zip(&known).for_each(|(a, b)| assert!((a - b).abs() < 2e-4, "{orders:?} {known:?}"));
-            sum += orders[0] * PI * to.radius().powi(2) / f64::from(lengths);
+            assert!((sum - kernel.albedo(from.length())).abs() < 1e-3, "{sum}");
         }
-        assert!((sum - kernel.albedo(from.length())).abs() < 1e-3, "{sum}");
+        let from = Beta { x: 0.55, y: 0.2 };
         let (kernel, there) = (Scatter::from(kernel), Beta { x: -0.3, y: 1.1 });
         let back = kernel.reversed().evaluate(there, from);
         assert!((kernel.evaluate(from, there) - back).abs() < 1e-12 && back > 0.0);

@@ -2,7 +2,8 @@
 
 use super::display::{MaterialSpec, ShareSpectrum};
 use super::numbers::{
-    AirGap, Anisotropy, Blur, Index, InnerShare, OpticalThickness, Share, Slope, Thickness, Width,
+    AirGap, Anisotropy, Blur, Count, Index, InnerShare, OpticalThickness, RmsHeight, Share, Slope,
+    SurfaceLength, Thickness, Width,
 };
 use crate::grammar::{choice, kinds, table};
 use crate::origin::Origin;
@@ -19,6 +20,8 @@ kinds! {
         Ward(Ward) = "ward",
         /// Measured with a goniometer or an imaging sphere.
         Measured(Measured) = "measured",
+        /// The face of the medium below, by its geometry: the kernel that `papilio gonio` measures.
+        Microgeometry(FaceOfSurface) = "microgeometry",
         /// Particles in a binder.
         Slab(Slab) = "slab",
     }
@@ -32,6 +35,7 @@ impl Diffuser {
             Self::Lambertian(diffuser) => diffuser.origin,
             Self::Ward(ward) => ward.origin,
             Self::Measured(measured) => measured.origin,
+            Self::Microgeometry(face) => face.origin,
             Self::Slab(slab) => slab.origin,
         }
     }
@@ -48,6 +52,30 @@ kinds! {
         Ward(Ward) = "ward",
         /// Measured with a goniometer or an imaging sphere.
         Measured(Measured) = "measured",
+        /// The face of the medium below, by its geometry: the kernel that `papilio gonio` measures.
+        Microgeometry(FaceOfSurface) = "microgeometry",
+    }
+}
+
+table! {
+    /// A face of glass or film, described by its geometry and measured by rays from both sides, light that is trapped below it included.
+    FaceOfSurface {
+        /// A kernel that `papilio gonio` has written, `face.npz`. Specify either `file` or `surface`.
+        file: Option<String>,
+        /// A file with a table [microgeometry]; its rays are followed when the scenario is read. Specify either `file` or `surface`.
+        surface: Option<String>,
+        /// Distance of caps, instead of that of the file `surface`.
+        pitch_um: Option<SurfaceLength>,
+        /// Radius of the balls of caps, instead of that of the file `surface`.
+        radius_um: Option<SurfaceLength>,
+        /// Radius of the rim of caps, instead of that of the file `surface`.
+        aperture_radius_um: Option<SurfaceLength>,
+        /// Root mean square height, instead of that of the file `surface`.
+        rms_nm: Option<RmsHeight>,
+        /// Correlation length, instead of that of the file `surface`.
+        correlation_um: Option<SurfaceLength>,
+        /// Rays of each inclination and band of the kernel, instead of those of the file `surface`.
+        rays as "Rays": Option<Count<64, 1_000_000>>,
     }
 }
 

@@ -47,8 +47,16 @@ impl Resolver<'_> {
             Btdf::Lambertian(lobe) => self.lambertian(lobe).map(Ready::Diffuser),
             Btdf::Ward(ward) => self.ward(path, ward).map(scattering),
             Btdf::Measured(measured) => self.measured_alone(path, measured).map(scattering),
+            // In a list it is resolved together with the media next to it.
+            Btdf::Microgeometry(face) => {
+                let air = Spectrum::constant(&self.grid, 1.0);
+                return self.microgeometry(path, face, [&air, &air]);
+            }
         };
-        self.with_reflection(through?, diffuser.reflection())
+        match diffuser.reflection() {
+            Some(reflection) => self.with_reflection(through?, reflection),
+            None => through.map(Interface::from),
+        }
     }
 
     pub(super) fn ward(&mut self, path: &str, ward: &Spanned<Ward>) -> Option<ScatterFace> {

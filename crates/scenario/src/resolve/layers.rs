@@ -14,7 +14,7 @@ use papilio_spectra::Spectrum;
 use super::Resolver;
 use super::stack::Stack;
 use crate::describe::File;
-use crate::describe::diffuser::{Diffuser, Slab};
+use crate::describe::diffuser::{Btdf, Diffuser, FaceOfSurface, Slab};
 use crate::describe::display::{Display, MaterialSpec, ShareSpectrum};
 use crate::describe::layers as describe;
 use crate::describe::numbers;
@@ -51,6 +51,23 @@ pub(super) enum Part {
     Interface(Interface),
 }
 
+/// A layer of the list that is resolved with the media next to it, or was resolved alone.
+enum Resolved<'a> {
+    Part(Part),
+    /// A face by its geometry.
+    Face(&'a Spanned<FaceOfSurface>),
+}
+
+/// The index of the medium after which a list continues, and of the one with which it begins.
+fn media_next_to<'p>(parts: &'p [Resolved<'_>], at: usize, air: &'p Spectrum) -> [&'p Spectrum; 2] {
+    let index = |part: &'p Resolved<'_>| match part {
+        Resolved::Part(Part::Medium(medium, ..)) => Some(&medium.index),
+        _ => None,
+    };
+    let above = parts[..at].iter().rev().find_map(index).unwrap_or(air);
+    [above, parts.get(at + 1).and_then(index).unwrap_or(above)]
+}
+
 /// Converts a front-of-screen component to an interface.
 pub(super) fn component_interface(component: FrontComponent) -> Interface {
     let FrontComponent { reflectance, absorptance } = component;
@@ -68,9 +85,10 @@ pub(super) fn length(path: &str, thickness_mm: &Option<numbers::Thickness>) -> L
 /// Place of an interface: that of its reflection, if it is described.
 fn place_of(layer: &Spanned<describe::Layer>) -> Origin {
     match &layer.value {
-        describe::Layer::Diffuser(diffuser) if diffuser.reflection().is_some() => {
-            diffuser.reflection().origin
-        }
+        describe::Layer::Diffuser(diffuser) => match diffuser.reflection() {
+            Some(reflection) if reflection.is_some() => reflection.origin,
+            _ => layer.origin,
+        },
         _ => layer.origin,
     }
 }
@@ -108,8 +126,9 @@ impl Resolver<'_> {
         self.limit(&display.layers, "layers", layers.len(), MOST_LAYERS)?;
         let parts = layers.iter().enumerate();
         let parts: Vec<_> =
-            parts.map(|(i, layer)| self.part(&format!("display.layers.{i}"), layer, layer.origin)).collect();
+            parts.map(|(i, layer)| self.layer(&format!("display.layers.{i}"), layer)).collect();
         let parts = parts.into_iter().collect::<Option<Vec<_>>>()?;
+        let parts = self.with_faces(parts)?;
         let mut stack = Stack::new(&self.grid);
         for (part, layer) in parts.into_iter().zip(layers) {
             match part {
@@ -120,6 +139,34 @@ impl Resolver<'_> {
         self.note_coatings(layers);
         self.note_idle_faces(layers);
         Some(stack.finish(&mut self.errors))
+    }
+
+    /// Resolves one layer, except for faces that need to know the media next to them.
+    fn layer<'l>(&mut self, path: &str, layer: &'l Spanned<describe::Layer>) -> Option<Resolved<'l>> {
+        if let describe::Layer::Diffuser(diffuser) = &layer.value
+            && let Btdf::Microgeometry(face) = &diffuser.value
+        {
+            return Some(Resolved::Face(face));
+        }
+        self.part(path, layer, layer.origin).map(Resolved::Part)
+    }
+
+    /// Resolves the faces in a list of layers.
+    fn with_faces(&mut self, layers: Vec<Resolved<'_>>) -> Option<Vec<Part>> {
+        let air = Spectrum::constant(&self.grid, 1.0);
+        let mut faces = Vec::new();
+        for (i, layer) in layers.iter().enumerate() {
+            if let Resolved::Face(face) = layer {
+                let media = media_next_to(&layers, i, &air);
+                faces.push(self.microgeometry(&format!("display.layers.{i}"), face, media)?);
+            }
+        }
+        let mut faces = faces.into_iter();
+        let part = |layer| match layer {
+            Resolved::Part(part) => Some(part),
+            Resolved::Face(_) => faces.next().map(Part::Interface),
+        };
+        layers.into_iter().map(part).collect()
     }
 
     /// Notes each coating without a medium below it: it is inside the medium above, which is rarely intended.

@@ -243,6 +243,14 @@ impl Resolver<'_> {
                 };
                 (Some(film.into_iter().map(whole).collect()), &measured.reflection)
             }
+            Some(Diffuser::Microgeometry(face)) => {
+                let wrong = Diagnostic::new(
+                    "`papilio diffuser measure` does not measure a face by its geometry",
+                )
+                .hint("`papilio gonio` measures it: the file of the geometry, with a table [microgeometry]");
+                self.errors.push(face.origin, wrong);
+                return None;
+            }
             Some(Diffuser::Slab(slab)) => {
                 let wrong = Diagnostic::new(
                     "an instrument cannot measure a slab, because it has no BTDF of its own",

@@ -14,6 +14,7 @@ mod maps;
 mod matrix;
 mod measure;
 mod measured;
+mod microgeometry;
 mod palette;
 mod panel;
 mod pattern;

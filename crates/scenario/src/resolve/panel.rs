@@ -146,6 +146,11 @@ impl Resolver<'_> {
             Some(Diffuser::Measured(diffuser)) => {
                 return self.measured_over(path, diffuser, glass?).map(AboveGlass::Parts);
             }
+            Some(Diffuser::Microgeometry(face)) => {
+                let air = Spectrum::constant(&self.grid, 1.0);
+                let face = self.microgeometry(path, face, [&air, glass?])?;
+                return Some(AboveGlass::Parts(vec![Part::Interface(face)]));
+            }
             Some(Diffuser::Slab(slab)) => {
                 let length = length(path, &slab.thickness_mm);
                 let slab = self.slab(path, slab)?;

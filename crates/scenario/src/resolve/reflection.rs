@@ -39,19 +39,20 @@ impl Diffuser {
             Self::Lambertian(diffuser) => Some(&diffuser.reflection),
             Self::Ward(diffuser) => Some(&diffuser.reflection),
             Self::Measured(diffuser) => Some(&diffuser.reflection),
-            Self::Slab(_) => None,
+            Self::Microgeometry(_) | Self::Slab(_) => None,
         }
     }
 }
 
 impl Btdf {
-    /// The reflection of the diffuser.
-    pub(crate) fn reflection(&self) -> &Spanned<Option<Reflection>> {
+    /// The reflection of the diffuser, if it can have one.
+    pub(crate) fn reflection(&self) -> Option<&Spanned<Option<Reflection>>> {
         match self {
-            Self::KCorrelation(diffuser) => &diffuser.reflection,
-            Self::Lambertian(diffuser) => &diffuser.reflection,
-            Self::Ward(diffuser) => &diffuser.reflection,
-            Self::Measured(diffuser) => &diffuser.reflection,
+            Self::KCorrelation(diffuser) => Some(&diffuser.reflection),
+            Self::Lambertian(diffuser) => Some(&diffuser.reflection),
+            Self::Ward(diffuser) => Some(&diffuser.reflection),
+            Self::Measured(diffuser) => Some(&diffuser.reflection),
+            Self::Microgeometry(_) => None,
         }
     }
 }

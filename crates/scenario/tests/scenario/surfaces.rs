@@ -158,3 +158,62 @@ fn damaged_maps_are_errors() {
         }
     }
 }
+
+/// A face as a layer: its neighbours decide its indices, and wrong combinations are named with their places.
+#[test]
+fn faces_are_layers_between_known_media() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../surfaces");
+    let pixel = "[display.pixel]\nmodel = \"uniform\"\nkind = \"lambertian\"\nreflectance = { white = 0.5, black = 0.1 }\n[lighting]\nilluminance_lx \
+                 = 500\nspectrum = \"D65\"\ndiffuse = 1\n";
+    let text = |keys: &str, index: &str| {
+        format!(
+            "[[display.layers]]\nkind = \"diffuser\"\nmodel = \"microgeometry\"\n{keys}\n[[display.layers]]\nkind = \"medium\"\nindex = \
+             {index}\n{pixel}"
+        )
+    };
+    let resolved = |keys: &str, index: &str| {
+        let scenario = papilio_scenario::Scenario::from_text(&text(keys, index), "d.toml", &folder, &[]);
+        scenario.and_then(|scenario| scenario.resolve())
+    };
+    let hemispheres = "surface = \"hemispheres.toml\"\nrays = 64";
+    let found = resolved(hemispheres, "1.6").unwrap_or_else(|error| panic!("{error}"));
+    let papilio_display::scene::Layers::General(layers) = &found.scene.display.layers else {
+        panic!("a panel")
+    };
+    let papilio_display::scene::Interface::Ready(papilio_display::scene::Ready::Scatter(face)) =
+        &layers[0].interface
+    else {
+        panic!("no face")
+    };
+    assert_eq!(face.surface_indices(), Some([1.0, 1.6]));
+    let smaller = resolved(&format!("{hemispheres}\npitch_um = 6"), "1.6").unwrap();
+    assert!(smaller.scene.display.layers != found.scene.display.layers && smaller.hash != found.hash);
+    for (keys, index, expected) in [
+        ("rays = 64", "1.5", "neither `file` nor `surface` is given"),
+        ("file = \"a.npz\"\nsurface = \"hemispheres.toml\"", "1.5", "both `file` and `surface` are given"),
+        ("surface = \"none.toml\"", "1.5", "d.toml:4:11"),
+        (hemispheres, "\"BK7\"", "depends on wavelength"),
+        (hemispheres, "1", "have the same index"),
+        ("surface = \"hemispheres.toml\"\nrms_nm = 5", "1.5", "rms_nm"),
+        ("surface = \"hemispheres.toml\"\npitch_um = 1", "1.5", "overlap"),
+        ("file = \"hemispheres.toml\"", "1.5", "this is not the kernel of a face"),
+        ("file = \"a.npz\"\npitch_um = 5", "1.5", "`pitch_um` cannot change a kernel"),
+    ] {
+        let message = resolved(keys, index).unwrap_err().to_string();
+        assert!(message.contains(expected), "{keys}\n{message}");
+    }
+}
+
+/// The road, and the wavelengths of waves.
+#[test]
+fn surfaces_are_measured_by_rays_or_waves() {
+    let road = |keys: &str| {
+        let found = SurfaceScenario::from_text(&format!("{CAPS}{keys}"), "s.toml", Path::new(""), &[]);
+        let found = found.and_then(|surface| surface.resolve()).unwrap();
+        (found.by_rays, found.waves_nm)
+    };
+    assert_eq!(road(""), (true, vec![]));
+    assert_eq!(road("road = \"waves\"\nwavelength_nm = [450, 650]\n"), (false, vec![450.0, 650.0]));
+    let (rays, waves) = road("road = \"both\"\n");
+    assert!(rays && waves.len() == 7);
+}

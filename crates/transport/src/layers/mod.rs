@@ -155,6 +155,11 @@ pub(crate) trait LayerKind: Debug + Sync {
         Vec::new()
     }
 
+    /// The `|beta|` between which its kernels are linear in `beta²`: those of a surface.
+    fn kinks(&self) -> Vec<f64> {
+        Vec::new()
+    }
+
     /// As [`error_over_difference`](crate::adding::error_over_difference).
     fn error_over_difference(&self) -> f64 {
         1.0

@@ -73,7 +73,12 @@ impl ScatterFace {
 
     /// The face of a surface between two media: kernels of light from above that is transmitted, of light that is reflected above and
     /// below, and its regular light. All are the same at all `bins` wavelengths.
-    pub fn of_surface(through: Scatter, reflection: [Scatter; 2], regular: RegularRings, bins: usize) -> Self {
+    pub fn of_surface(
+        through: Scatter,
+        reflection: [Scatter; 2],
+        regular: RegularRings,
+        bins: usize,
+    ) -> Self {
         let ones = Spectrum::from_values(vec![1.0; bins]);
         let kernel = |scatter: Scatter| ScatterKernel { scatter, factor: ones.clone() };
         let [above, below] = reflection.map(kernel);
@@ -154,7 +159,7 @@ impl ScatterFace {
     /// normal itself, as a table of that incidence alone, leaves no interval before its end.
     fn kernel_edges(&self, bin: usize) -> impl Iterator<Item = f64> {
         let disc = self.disc(bin).unwrap_or(1.0);
-        let edges = self.kernels().flat_map(|kernel| kernel.scatter.edges().chain(kernel.scatter.kinks()));
+        let edges = self.kernels().flat_map(|kernel| kernel.scatter.edges());
         edges.filter(|edge| *edge > 0.0).map(move |edge| edge * disc)
     }
 
@@ -242,6 +247,10 @@ impl LayerKind for ScatterFace {
 
     fn edges(&self, bin: usize) -> Vec<f64> {
         self.kernel_edges(bin).collect()
+    }
+
+    fn kinks(&self) -> Vec<f64> {
+        self.regular.iter().flat_map(|regular| &regular.rings).flat_map(Rings::middles).collect()
     }
 
     fn spectral_key(&self, bin: usize, key: &mut Vec<u64>) {

@@ -3,6 +3,9 @@
 //! The response of a stack is smooth in `|beta|` except for square roots `sqrt(n^2 - beta^2)` at every index
 //! n (1 for air). Between two of them, a and b, `beta^2 = a^2 + (b^2 - a^2) sin^2(pi t/2)` removes the root
 //! at either end, and the Gauss-Legendre rule in t converges exponentially.
+//!
+//! The kernel of a surface is linear in `beta^2` between many kinks. Between two of these the rule in `beta^2` has few nodes: two are exact for
+//! the products of two such kernels.
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -17,8 +20,51 @@ pub(super) struct Grid {
     pub(super) scale: Vec<f64>,
     /// Number of nodes with weight.
     pub(super) regular: usize,
-    /// Ranges of `|beta|` between two indices, and their numbers of nodes.
-    ranges: Vec<([f64; 2], usize)>,
+    /// Ranges of `|beta|` between two indices or kinks.
+    ranges: Vec<Between>,
+}
+
+/// A range of `|beta|`, its number of nodes, and whether roots are removed at its ends.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Between {
+    ends: [f64; 2],
+    count: usize,
+    roots: bool,
+}
+
+/// The `|beta|` between which nodes are placed, each list ascending.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub(super) struct Splits {
+    /// Indices, and other places at which light jumps or has a root.
+    pub(super) indices: Vec<f64>,
+    /// Kinks of the kernels of surfaces.
+    pub(super) kinks: Vec<f64>,
+}
+
+impl Splits {
+    /// Indices alone.
+    #[cfg(test)]
+    pub(super) fn at(indices: &[f64]) -> Self {
+        Self { indices: indices.to_vec(), kinks: Vec::new() }
+    }
+
+    /// Ranges of nodes of a density.
+    fn ranges(&self, density: &Density) -> Vec<Between> {
+        let mut ends: Vec<f64> = self.indices.iter().chain(&self.kinks).copied().collect();
+        ends.sort_by(f64::total_cmp);
+        ends.dedup();
+        ends.retain(|end| Some(end) <= self.indices.last());
+        let starts = std::iter::once(0.0).chain(ends.iter().copied());
+        let range = |(a, b): (f64, f64)| {
+            if self.kinks.is_empty() {
+                return Between { ends: [a, b], count: density.count(a, b), roots: true };
+            }
+            let roots = [a, b].iter().any(|end| self.indices.contains(end));
+            let few = (density.least / 4).max(2) + if roots { 2 } else { 0 };
+            Between { ends: [a, b], count: few.max(density.count(a, b) - density.least), roots }
+        };
+        starts.zip(ends.iter().copied()).map(range).collect()
+    }
 }
 
 /// Required density of the nodes.
@@ -34,10 +80,9 @@ pub(super) struct Density {
 }
 
 impl Density {
-    /// Returns the number of nodes with weight if split at these indices (ascending).
-    pub(super) fn total(&self, indices: &[f64]) -> usize {
-        let starts = std::iter::once(&0.0).chain(indices);
-        starts.zip(indices).map(|(a, b)| self.count(*a, *b)).sum()
+    /// Returns the number of nodes with weight between these splits.
+    pub(super) fn total(&self, splits: &Splits) -> usize {
+        splits.ranges(self).iter().map(|range| range.count).sum()
     }
 
     /// Returns the number of nodes from a to b.
@@ -54,22 +99,23 @@ impl Density {
 }
 
 impl Grid {
-    /// Builds a grid split at these indices (ascending), with these extra nodes.
-    pub(super) fn new(indices: &[f64], density: Density, extra: &[f64]) -> Self {
-        let (mut beta, mut scale, mut ranges) = (Vec::new(), Vec::new(), Vec::new());
-        let mut a = 0.0;
-        for &b in indices {
-            let count = density.count(a, b);
-            ranges.push(([a, b], count));
-            for node in legendre(count) {
+    /// Builds a grid between these splits, with these extra nodes.
+    pub(super) fn new(splits: &Splits, density: Density, extra: &[f64]) -> Self {
+        let (mut beta, mut scale) = (Vec::new(), Vec::new());
+        let ranges = splits.ranges(&density);
+        for Between { ends: [a, b], count, roots } in &ranges {
+            let all = b * b - a * a;
+            for node in legendre(*count) {
                 // The nodes of the rule are in (-1, 1); t is in (0, 1).
                 let turn = PI * 0.25 * (node.x + 1.0);
-                beta.push((a * a + (b * b - a * a) * turn.sin().powi(2)).sqrt());
                 // d(beta^2) = (b^2 - a^2) sin(2 turn) d(turn).
-                let area = PI * (b * b - a * a) * (2.0 * turn).sin() * PI * 0.25 * node.weight;
-                scale.push(area.sqrt());
+                let [share, density] = match roots {
+                    true => [turn.sin().powi(2), (2.0 * turn).sin() * PI * 0.25],
+                    false => [0.5 * (node.x + 1.0), 0.5],
+                };
+                beta.push((a * a + all * share).sqrt());
+                scale.push((PI * all * density * node.weight).sqrt());
             }
-            a = b;
         }
         let regular = beta.len();
         beta.extend_from_slice(extra);
@@ -86,18 +132,18 @@ impl Grid {
     /// Returns the interpolation between its nodes with weight.
     pub(super) fn interpolation(&self) -> Interpolation {
         let mut first = 0;
-        let range = |&([from, to], count): &([f64; 2], usize)| {
+        let range = |&Between { ends: [from, to], count, roots }: &Between| {
             let nodes: Vec<f64> = legendre(count).iter().map(|node| node.x).collect();
             let windows = nodes.windows(NEAREST.min(count)).map(barycentric_weights).collect();
             first += count;
-            Range { from, to, first: first - count, nodes, windows }
+            Range { from, to, roots, first: first - count, nodes, windows }
         };
         Interpolation(self.ranges.iter().map(range).collect())
     }
 
-    /// Returns the ranges between two indices, and their numbers of nodes.
+    /// Returns the ranges between two splits, and their numbers of nodes.
     pub(super) fn ranges(&self) -> impl Iterator<Item = ([f64; 2], usize)> {
-        self.ranges.iter().copied()
+        self.ranges.iter().map(|range| (range.ends, range.count))
     }
 
     /// Returns the number of nodes.
@@ -137,6 +183,8 @@ pub(super) struct Interpolation(Vec<Range>);
 struct Range {
     from: f64,
     to: f64,
+    /// Whether roots are removed at its ends.
+    roots: bool,
     /// Number of the first node.
     first: usize,
     /// Variable of each node, -1 to 1, ascending.
@@ -152,7 +200,7 @@ impl Interpolation {
         let Some(range) = self.0.iter().find(|range| beta < range.to) else { return (0..0, factors) };
         let [low, high] = [range.from, range.to].map(|end| end * end);
         let share = ((beta * beta - low) / (high - low)).clamp(0.0, 1.0);
-        let x = share.sqrt().asin() * 4.0 / PI - 1.0;
+        let x = if range.roots { share.sqrt().asin() * 4.0 / PI - 1.0 } else { 2.0 * share - 1.0 };
         let begin = range.window(x);
         let window = &range.windows[begin];
         let some = range.first + begin..range.first + begin + window.len();
@@ -205,7 +253,7 @@ mod tests {
     #[test]
     fn interpolation_of_a_narrow_lobe_is_accurate_far_from_its_peak() {
         let density = Density { least: 8, spacing: 0.02, angle: None };
-        let grid = Grid::new(&[1.0, 1.5], density, &[]);
+        let grid = Grid::new(&Splits::at(&[1.0, 1.5]), density, &[]);
         let lobe = |beta: f64| (0.04_f64.powi(2) + (beta - 0.3).powi(2)).powi(-2);
         let interpolation = grid.interpolation();
         for beta in [0.305, 0.4, 0.7, 0.95, 1.2, 1.4] {
@@ -221,7 +269,7 @@ mod tests {
     #[test]
     fn interpolation_contains_square_roots_at_indices() {
         let density = Density { least: 24, spacing: f64::INFINITY, angle: None };
-        let grid = Grid::new(&[1.0, 1.5], density, &[0.3]);
+        let grid = Grid::new(&Splits::at(&[1.0, 1.5]), density, &[0.3]);
         let function = |beta: f64| (2.25 - beta * beta).sqrt() + (1.0 - beta * beta).abs().sqrt();
         let interpolation = grid.interpolation();
         for beta in [0.0, 0.01, 0.5, 0.99, 1.0, 1.01, 1.3, 1.499, grid.beta[3]] {

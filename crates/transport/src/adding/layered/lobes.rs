@@ -106,7 +106,7 @@ fn k_correlation(width: f64, first: usize, grid: &Grid) -> Vec<Matrix> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::grid::Density;
+    use super::super::grid::{Density, Splits};
     use super::*;
     use papilio_optics::{Beta, Scatterer};
 
@@ -127,7 +127,7 @@ mod tests {
                     / f64::from(steps)
             };
             let density = Density { least: 0, spacing: 1.0, angle: None };
-            let grid = Grid::new(&[], density, &[a, 1.3, b]);
+            let grid = Grid::new(&Splits::default(), density, &[a, 1.3, b]);
             let mut orders = LobeOrders::new(lobe, 1.0);
             let scale = mean(0);
             for order in 0..40 {

@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 use papilio_optics::rough::{Rough, Side};
 
-use super::grid::Density;
+use super::grid::{Density, Splits};
 use super::rough::inside_width;
 use crate::adding::{FIRST_STEP, Narrowest, Narrowness};
 use crate::layers::LayerKind;
@@ -90,7 +90,7 @@ pub(super) fn density(stack: &Layered, bin: usize, precision: &Precision) -> Den
         precision.resolve_surface(face, &mut density);
         return density;
     }
-    for (scatterer, medium) in scatterers(stack) {
+    for (scatterer, medium) in scatterers(stack, true) {
         precision.resolve(scatterer, medium.index()[bin], &mut density);
     }
     density
@@ -99,7 +99,7 @@ pub(super) fn density(stack: &Layered, bin: usize, precision: &Precision) -> Den
 /// Returns the density of nodes between which light is interpolated, whatever the surface is.
 pub(super) fn density_between(stack: &Layered, bin: usize, precision: &Precision) -> Density {
     let mut density = precision.least();
-    for (scatterer, medium) in scatterers(stack) {
+    for (scatterer, medium) in scatterers(stack, false) {
         precision.resolve(scatterer, medium.index()[bin], &mut density);
     }
     density.spacing /= INTERPOLATION_BETWEEN;
@@ -117,21 +117,24 @@ pub(super) fn rough_surface(stack: &Layered) -> Option<&Rough> {
     }
 }
 
-/// Returns the scatterers, each with its medium or the medium below it.
-fn scatterers(stack: &Layered) -> impl Iterator<Item = (Narrowness, &Medium)> {
-    let narrow = |(kind, [_, below]): (&dyn LayerKind, [Option<_>; 2])| kind.narrowness().zip(below);
+/// Returns the scatterers, each with its medium or the medium below it; without those that nodes between their kinks resolve, if there are such
+/// nodes.
+fn scatterers(stack: &Layered, between_kinks: bool) -> impl Iterator<Item = (Narrowness, &Medium)> {
+    let narrow = move |(kind, [_, below]): (&dyn LayerKind, [Option<_>; 2])| {
+        kind.narrowness().filter(|_| !between_kinks || kind.kinks().is_empty()).zip(below)
+    };
     stack.elements().filter_map(narrow)
 }
 
 /// Returns the scatterer that requires the most nodes at the first wavelength, whose indices are `splits`.
-pub(super) fn narrowest(stack: &Layered, splits: &[f64], precision: &Precision) -> Option<Narrowest> {
+pub(super) fn narrowest(stack: &Layered, splits: &Splits, precision: &Precision) -> Option<Narrowest> {
     let nodes = |(number, (scatterer, medium)): (usize, (Narrowness, &Medium))| {
         let mut density = precision.least();
         precision.resolve(scatterer, medium.index()[0], &mut density);
         (density.total(splits), Narrowest { number: number + 1, scatterer })
     };
     // The first of several equal ones.
-    scatterers(stack)
+    scatterers(stack, false)
         .enumerate()
         .map(nodes)
         .reduce(|a, b| if b.0 > a.0 { b } else { a })

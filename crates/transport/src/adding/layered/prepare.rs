@@ -8,7 +8,7 @@ use super::convergence::{Convergence, Stage};
 use super::directions::{Directions, extras, turned_extras};
 use super::elements::{Elements, elements, scatters_again};
 use super::first_bounce::FirstBounce;
-use super::grid::Grid;
+use super::grid::{Grid, Splits};
 use super::known::Known;
 use super::once::{Once, ScatterMode};
 use super::part::{Absorbed, Part};
@@ -265,13 +265,21 @@ pub(super) fn optics(stack: &Layered, bin: usize) -> Vec<u64> {
     key
 }
 
-/// Returns the indices at which the nodes of a wavelength are split, ascending.
-pub(super) fn splits(stack: &Layered, bin: usize) -> Vec<f64> {
+/// Returns the directions at which the nodes of a wavelength are split.
+pub(super) fn splits(stack: &Layered, bin: usize) -> Splits {
+    let mut kinks: Vec<f64> = stack.elements().flat_map(|(kind, _)| kind.kinks()).collect();
+    kinks.sort_by(f64::total_cmp);
+    kinks.dedup();
+    Splits { kinks, ..smooth_splits(stack, bin) }
+}
+
+/// The same for light that is smooth at kinks, or smoothed.
+pub(super) fn smooth_splits(stack: &Layered, bin: usize) -> Splits {
     let mut splits = indices(stack, bin);
     splits.extend(stack.elements().flat_map(|(kind, _)| kind.edges(bin)));
     splits.sort_by(f64::total_cmp);
     splits.dedup();
-    splits
+    Splits { indices: splits, kinks: Vec::new() }
 }
 
 /// Returns the largest number of nodes with weight that the stack takes, over its wavelengths.

@@ -235,7 +235,7 @@ fn fourier(scatter: &Scatter, [a, b]: [f64; 2], digits: f64, out: &mut [f64]) {
 
 #[cfg(test)]
 mod tests {
-    use super::super::grid::Density;
+    use super::super::grid::{Density, Splits};
     use super::super::lobes::LobeOrders;
     use super::*;
     use papilio_optics::lobe::Lobe;
@@ -249,7 +249,7 @@ mod tests {
         let values: Vec<f64> =
             radial.iter().map(|r| lobe.density(Beta::default(), Beta { x: *r, y: 0.0 })).collect();
         let scatter: Scatter = Table::new(&[0.0], &radial, &[0.0], &values).unwrap().into();
-        let grid = Grid::new(&[1.0], Density { least: 8, spacing: 0.14, angle: None }, &[0.3]);
+        let grid = Grid::new(&Splits::at(&[1.0]), Density { least: 8, spacing: 0.14, angle: None }, &[0.3]);
         let sampling = Sampling { grid: &grid, digits: 9.0, stop: &AtomicBool::new(false) };
         let found = ScatterOrders::new((&scatter, 1.0), Some([1.0; 2]), sampling, None);
         let mut closed = LobeOrders::new(lobe, 1.0);

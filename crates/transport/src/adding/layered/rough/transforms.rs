@@ -165,7 +165,7 @@ fn rule(face: &Rough, ends @ [(from, a), (to, b)]: [(Side, f64); 2], digits: f64
 #[cfg(test)]
 mod tests {
     use super::super::super::azimuth::trapezoid;
-    use super::super::super::grid::Density;
+    use super::super::super::grid::{Density, Splits};
     use super::*;
 
     /// Compared with a rule of many intervals, relative to the largest value of order 0. Reflection from the denser
@@ -177,7 +177,7 @@ mod tests {
             for alpha in [0.1, 0.4] {
                 let face = Rough::with(distribution, alpha, 1.0, 1.5);
                 let density = Density { least: 6, spacing: 0.3, angle: None };
-                let grid = Grid::new(&[1.0, 1.5], density, &[0.3]);
+                let grid = Grid::new(&Splits::at(&[1.0, 1.5]), density, &[0.3]);
                 let (mut transforms, edge) = (Transforms::new(24, digits), Edge::new(&face, &grid));
                 for (from, to) in
                     [(Side::Above, Side::Above), (Side::Above, Side::Below), (Side::Below, Side::Below)]

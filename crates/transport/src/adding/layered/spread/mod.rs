@@ -41,7 +41,7 @@ use num_complex::Complex64;
 use super::directions::{Directions, Ray};
 use super::grid::{Grid, Interpolation};
 use super::precision::{Precision, density_between};
-use super::prepare::{optics, splits};
+use super::prepare::{optics, smooth_splits};
 use crate::adding::images::{ImagePoints, Mirror, image_points};
 use crate::{Cone, Layered, Reflector, Source};
 use crossing::Needed;
@@ -237,7 +237,7 @@ impl<'a> LayeredSpread<'a> {
 
     fn set(&self, bin: usize, extras: &[f64]) -> Result<Set, NotCovered> {
         let density = density_between(self.stack, bin, &self.precision);
-        let grid = Grid::new(&splits(self.stack, bin), density, extras);
+        let grid = Grid::new(&smooth_splits(self.stack, bin), density, extras);
         if grid.len() > crate::adding::MOST_NODES {
             return Err(NotCovered::TooMany);
         }

@@ -6,7 +6,7 @@ use papilio_diagnostics::Place;
 use zip::read::ZipArchive;
 use zip::result::ZipError;
 
-use super::{BsdfProblem, MOST_CELLS};
+use crate::bsdf::{BsdfProblem, MOST_CELLS};
 use crate::error::{FormatError, Problem};
 use crate::file::DataFile;
 use crate::npy::Header;
@@ -15,7 +15,7 @@ use crate::npy::Header;
 const MOST_ARRAYS: usize = 1000;
 
 /// An archive of arrays.
-pub(super) struct Npz<'a> {
+pub(crate) struct Npz<'a> {
     name: &'a str,
     archive: ZipArchive<Cursor<&'a [u8]>>,
     /// Number of bytes that may still be read: at first the size of the file. Overlapping entries cannot exceed it.
@@ -23,17 +23,17 @@ pub(super) struct Npz<'a> {
 }
 
 /// An array of numbers and its shape.
-pub(super) struct Array {
-    pub(super) shape: Vec<usize>,
-    pub(super) values: Vec<f64>,
+pub(crate) struct Array {
+    pub(crate) shape: Vec<usize>,
+    pub(crate) values: Vec<f64>,
 }
 
-pub(super) fn is_npz(file: &DataFile) -> bool {
+pub(crate) fn is_npz(file: &DataFile) -> bool {
     file.bytes.starts_with(b"PK\x03\x04")
 }
 
 impl<'a> Npz<'a> {
-    pub(super) fn new(file: &'a DataFile) -> Result<Self, FormatError> {
+    pub(crate) fn new(file: &'a DataFile) -> Result<Self, FormatError> {
         let error =
             |problem: BsdfProblem| FormatError { place: Place::whole(&file.name), problem: problem.into() };
         let archive = ZipArchive::new(Cursor::new(file.bytes.as_slice())).map_err(|problem| {
@@ -45,17 +45,17 @@ impl<'a> Npz<'a> {
         Ok(Self { name: &file.name, archive, budget: file.bytes.len() })
     }
 
-    pub(super) fn error(&self, problem: impl Into<Problem>) -> FormatError {
+    pub(crate) fn error(&self, problem: impl Into<Problem>) -> FormatError {
         FormatError { place: Place::whole(self.name), problem: problem.into() }
     }
 
     /// Returns an error about the content of an array.
-    pub(super) fn unsound(&self, array: &str, what: &str) -> FormatError {
+    pub(crate) fn unsound(&self, array: &str, what: &str) -> FormatError {
         self.error(BsdfProblem::Damaged { what: "archive", message: format!("array `{array}`: {what}") })
     }
 
     /// Returns whether the archive has an array of this name.
-    pub(super) fn has(&self, array: &str) -> bool {
+    pub(crate) fn has(&self, array: &str) -> bool {
         self.archive.index_for_name(&format!("{array}.npy")).is_some()
     }
 
@@ -77,7 +77,7 @@ impl<'a> Npz<'a> {
     }
 
     /// Reads an array of numbers.
-    pub(super) fn numbers(&mut self, array: &str) -> Result<Array, FormatError> {
+    pub(crate) fn numbers(&mut self, array: &str) -> Result<Array, FormatError> {
         let bytes = self.bytes(array)?;
         let sound = Header::of(&bytes).and_then(|(header, data)| {
             let values = match header.kind.as_str() {
@@ -98,7 +98,7 @@ impl<'a> Npz<'a> {
     }
 
     /// Reads an array of strings.
-    pub(super) fn texts(&mut self, array: &str) -> Result<Vec<String>, FormatError> {
+    pub(crate) fn texts(&mut self, array: &str) -> Result<Vec<String>, FormatError> {
         let bytes = self.bytes(array)?;
         let sound = Header::of(&bytes).and_then(|(header, data)| {
             let width: usize = header.kind.strip_prefix("<U")?.parse().ok()?;

@@ -1,0 +1,81 @@
+//! Faces by their geometry as layers: both solvers, white furnaces, flat faces and roughness.
+
+use std::path::Path;
+
+use papilio_scenario::Scenario;
+
+use crate::common::run;
+
+/// Luminance factors of white by view with their standard and discretisation errors, in a light and above a paper of a reflectance.
+fn factors(layers: &str, reflectance: f64, light: &str, method: &str) -> Vec<(f64, f64, f64)> {
+    let text = format!(
+        "{layers}\n[[display.layers]]\nkind = \"medium\"\nindex = 1.5\n[display.pixel]\nmodel = \"uniform\"\nkind = \"lambertian\"\nreflectance = \
+         {{ white = {reflectance}, black = 0 }}\n[lighting]\nilluminance_lx = 500\n{light}\n[viewer]\ntheta_deg = [0, 20, 60]\n[solver]\nmethod = \
+         \"{method}\"\nrelative_error = 1e-3\n"
+    );
+    let surfaces = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../surfaces");
+    let resolved =
+        Scenario::from_text(&text, "face.toml", &surfaces, &[]).and_then(|scenario| scenario.resolve());
+    let resolved = resolved.unwrap_or_else(|error| panic!("{error}\n{text}"));
+    let result = run(&resolved.scene).unwrap();
+    let white = |view: &papilio_display::result::View| {
+        let state = view.states.get("white").unwrap();
+        let grid = state.discretisation_error.as_ref().map_or(0.0, |error| error.Y);
+        (state.value.Y, state.standard_error.Y, grid)
+    };
+    result.views.iter().map(white).collect()
+}
+
+fn face(keys: &str) -> String {
+    format!("[[display.layers]]\nkind = \"diffuser\"\nmodel = \"microgeometry\"\n{keys}\n")
+}
+
+const DIFFUSE: &str = "spectrum = \"E\"\ndiffuse = 1";
+const LAMP: &str = "spectrum = \"E\"\n[[lighting.directed]]\ntheta_deg = -40\nshare = 1";
+
+/// Both solvers agree below hemispheres, from which much light is trapped in the glass; a white paper returns all light.
+#[test]
+fn both_solvers_agree_below_a_face() {
+    let hemispheres = face("surface = \"hemispheres.toml\"\nrays = 640");
+    for (white, _, grid) in factors(&hemispheres, 1.0, DIFFUSE, "adding") {
+        assert!((white - 1.0).abs() < 1e-6, "{white} {grid}");
+    }
+    for light in [DIFFUSE, LAMP] {
+        let [adding, paths] =
+            ["adding", "monte-carlo"].map(|method| factors(&hemispheres, 0.6, light, method));
+        for ((a, _, grid), (b, error, _)) in adding.into_iter().zip(paths) {
+            assert!((a - b).abs() < 4.5 * error + grid + 1e-5, "{light}: {a} +- {grid}, {b} +- {error}");
+        }
+    }
+}
+
+/// The face of a flat surface is Fresnel's, averaged over the bands of its kernel.
+#[test]
+fn a_flat_face_is_that_of_fresnel() {
+    let flat = tempfile::tempdir().unwrap();
+    std::fs::write(flat.path().join("flat.toml"), "[microgeometry]\nsurface = \"flat\"\nrays = 3200\n")
+        .unwrap();
+    let measured = face(&format!("surface = {:?}", flat.path().join("flat.toml")));
+    let fresnel = "[[display.layers]]\nkind = \"fresnel\"\n";
+    for light in [DIFFUSE, LAMP] {
+        let [measured, exact] =
+            [measured.as_str(), fresnel].map(|layers| factors(layers, 0.6, light, "adding"));
+        for ((a, ..), (b, ..)) in measured.into_iter().zip(exact) {
+            assert!((a - b).abs() < 2e-3 * b, "{light}: {a} {b}");
+        }
+    }
+}
+
+/// An etched face of rms slope 0.05 sqrt(2) is roughness of alpha = 2 rms/correlation = 0.1, but for the bands of 2.5 deg, by which its kernel
+/// widens lobes: in diffuse light within 1 % (its heights are correlated, those of roughness are not), beside the mirror image of a lamp within 4 %.
+#[test]
+fn an_etched_face_is_roughness() {
+    let etched = face("surface = \"etched.toml\"\nrays = 6400");
+    let rough = "[[display.layers]]\nkind = \"rough\"\nalpha = 0.1\ndistribution = \"beckmann\"\n";
+    for (light, close) in [(DIFFUSE, 0.01), (LAMP, 0.04)] {
+        let [measured, rough] = [etched.as_str(), rough].map(|layers| factors(layers, 0.6, light, "adding"));
+        for ((a, ..), (b, ..)) in measured.into_iter().zip(rough) {
+            assert!((a - b).abs() < close * b, "{light}: {a} {b}");
+        }
+    }
+}

@@ -1,0 +1,61 @@
+//! Reader of `face.npz`, the kernel of a surface that `papilio gonio` measured.
+
+use papilio_diagnostics::Place;
+use papilio_microgeometry::{FaceTable, Side};
+
+use crate::error::FormatError;
+use crate::npz::{Npz, is_npz};
+use crate::{DataFile, SurfaceProblem};
+
+/// Name of the format, with its version.
+pub(crate) const FORMAT: &str = "papilio-face 1";
+
+/// Difference of the edges of bands that counts as rounding.
+const ROUNDING: f64 = 1e-9;
+
+/// Reads `face.npz`.
+///
+/// # Errors
+/// Files that are no such archive, or whose arrays contradict each other.
+pub fn read_face(file: &DataFile) -> Result<FaceTable, FormatError> {
+    if !is_npz(file) {
+        return Err(wrong_kind(file));
+    }
+    let mut arrays = Npz::new(file)?;
+    if !arrays.has("format") || !arrays.has("scattered") {
+        return Err(wrong_kind(file));
+    }
+    let format = arrays.texts("format")?;
+    if format != [FORMAT] {
+        return Err(arrays.unsound("format", &format!("it is {format:?} (expected \"{FORMAT}\")")));
+    }
+    let index = arrays.numbers("index")?.values;
+    let Ok(index) = <[f64; 2]>::try_from(index) else {
+        return Err(arrays.unsound("index", "expected two numbers, above and below"));
+    };
+    if !index.iter().all(|index| (0.1..=10.0).contains(index)) {
+        return Err(arrays.unsound("index", "expected numbers from 0.1 to 10"));
+    }
+    let table = FaceTable {
+        index,
+        scattered: arrays.numbers("scattered")?.values,
+        regular_reflected: arrays.numbers("regular_reflected")?.values,
+        regular_transmitted: arrays.numbers("regular_transmitted")?.values,
+    };
+    for (side, name) in [(Side::Above, "beta_above"), (Side::Below, "beta_below")] {
+        let found = arrays.numbers(name)?.values;
+        let expected = table.edges(side);
+        let same = |(a, b): (&f64, &f64)| (a - b).abs() <= ROUNDING * b;
+        if found.len() != expected.len() || !found.iter().zip(&expected).all(same) {
+            return Err(arrays.unsound(name, "these are not the bands of its indices"));
+        }
+    }
+    match table.kernels() {
+        Ok(_) => Ok(table),
+        Err(wrong) => Err(arrays.unsound("scattered", &wrong.to_string())),
+    }
+}
+
+fn wrong_kind(file: &DataFile) -> FormatError {
+    FormatError { place: Place::whole(&file.name), problem: SurfaceProblem::NotAFace.into() }
+}

@@ -1,0 +1,200 @@
+//! `model = "microgeometry"`: a face by its geometry, read from a file or measured by rays.
+
+use std::sync::{Mutex, PoisonError};
+
+use papilio_diagnostics::Diagnostic;
+use papilio_display::scene::{Interface, Ready, RegularRings, ScatterFace};
+use papilio_formats::read_face;
+use papilio_microgeometry::{FaceKernels, FaceTable, Goniometer, MicrogeometryError, REPLICATES};
+use papilio_spectra::Spectrum;
+
+use super::Resolver;
+use crate::describe::diffuser::FaceOfSurface;
+use crate::library::Library;
+use crate::origin::Origin;
+use crate::read::Spanned;
+use crate::surface::{ResolvedSurface, SurfaceScenario};
+
+/// Difference of refractive indices that counts as none.
+const SAME_INDEX: f64 = 1e-6;
+
+/// Faces that were measured in this process, by what determines them; the last ones are kept.
+static MEASURED: Mutex<Vec<(String, FaceKernels)>> = Mutex::new(Vec::new());
+
+/// Number of faces that are kept.
+const MOST_KEPT: usize = 8;
+
+/// Most rays of a band while a scenario is read: 2 minutes on a processor. And for scenarios in memory: those that a server is given by anyone.
+const MOST_RAYS: u64 = 1_000_000;
+const MOST_RAYS_IN_MEMORY: u64 = 50_000;
+
+/// A face whose neighbours are known, and its error.
+type Measured = Result<FaceKernels, Diagnostic>;
+
+impl Resolver<'_> {
+    /// Resolves a face between media of these indices.
+    pub(super) fn microgeometry(
+        &mut self,
+        path: &str,
+        face: &Spanned<FaceOfSurface>,
+        media: [&Spectrum; 2],
+    ) -> Option<Interface> {
+        let index = self.constant_indices(face.origin, media)?;
+        let kernels = match (&face.file.value, &face.surface.value) {
+            (Some(name), None) => self.face_of_file(face, name, index)?,
+            (None, Some(name)) => self.face_of_surface(path, face, name, index)?,
+            (file, _) => {
+                let wrong = match file {
+                    Some(_) => "both `file` and `surface` are given",
+                    None => "neither `file` nor `surface` is given",
+                };
+                let wrong = Diagnostic::new(wrong)
+                    .expected("`file`, a kernel that `papilio gonio` has written, or `surface`, a file with a table [microgeometry]");
+                self.errors.push(face.origin, wrong);
+                return None;
+            }
+        };
+        let FaceKernels { through, reflection, rings, reflected, transmitted } = kernels;
+        let regular = RegularRings { rings, reflected, transmitted };
+        let face = ScatterFace::of_surface(through, reflection, regular, self.grid.len());
+        Some(Ready::Scatter(Box::new(face)).into())
+    }
+
+    /// Indices of both media, which must not depend on wavelength and differ.
+    fn constant_indices(&mut self, at: Origin, media: [&Spectrum; 2]) -> Option<[f64; 2]> {
+        let wrong = if media.iter().any(|index| !index.is_constant()) {
+            Diagnostic::new("the index of a medium next to this face depends on wavelength")
+                .expected(
+                    "the same index at all wavelengths, with which the rays of its kernel are refracted",
+                )
+                .hint("a number as index, for example that at 550 nm")
+        } else if (media[0][0] - media[1][0]).abs() < SAME_INDEX {
+            Diagnostic::new("the media on both sides of this face have the same index")
+                .expected("two media of different index")
+                .hint("add a { kind = \"medium\" } with another index below the face")
+        } else {
+            return Some(media.map(|index| index[0]));
+        };
+        self.errors.push(at, wrong);
+        None
+    }
+
+    fn face_of_file(&mut self, face: &FaceOfSurface, name: &str, index: [f64; 2]) -> Option<FaceKernels> {
+        let at = face.file.origin;
+        let own = [
+            ("pitch_um", face.pitch_um.is_some(), face.pitch_um.origin),
+            ("radius_um", face.radius_um.is_some(), face.radius_um.origin),
+            ("aperture_radius_um", face.aperture_radius_um.is_some(), face.aperture_radius_um.origin),
+            ("rms_nm", face.rms_nm.is_some(), face.rms_nm.origin),
+            ("correlation_um", face.correlation_um.is_some(), face.correlation_um.origin),
+            ("rays", face.rays.is_some(), face.rays.origin),
+        ];
+        if let Some((key, _, at)) = own.into_iter().find(|(_, given, _)| *given) {
+            let wrong = Diagnostic::new(format!("`{key}` cannot change a kernel that was measured before"))
+                .hint("use `surface`, the file that describes the geometry, instead of `file`");
+            self.errors.push(at, wrong);
+            return None;
+        }
+        let kept = self.open(name, at)?;
+        let table = match read_face(kept.file()) {
+            Ok(table) => table,
+            Err(error) => {
+                self.errors.push_data(at, error);
+                return None;
+            }
+        };
+        if (0..2).any(|side| (table.index[side] - index[side]).abs() > SAME_INDEX) {
+            let [above, below] = table.index;
+            let wrong = Diagnostic::new(format!(
+                "this kernel is that of a face between the indices {above} and {below}, but here it lies between {} and {}",
+                index[0], index[1]
+            ))
+            .hint("measure it again with `papilio gonio` and these index_above and index_below, or use `surface` instead of `file`");
+            self.errors.push(at, wrong);
+            return None;
+        }
+        // The reader has checked it.
+        table.kernels().ok()
+    }
+
+    fn face_of_surface(
+        &mut self,
+        path: &str,
+        face: &FaceOfSurface,
+        name: &str,
+        index: [f64; 2],
+    ) -> Option<FaceKernels> {
+        let at = face.surface.origin;
+        let kept = self.open(name, at)?;
+        let text = match kept.file().text() {
+            Ok(text) => text.to_owned(),
+            Err(error) => {
+                self.errors.push_data(at, error);
+                return None;
+            }
+        };
+        let lengths = [
+            ("pitch_um", face.pitch_um.value.map(|length| length.0)),
+            ("radius_um", face.radius_um.value.map(|length| length.0)),
+            ("aperture_radius_um", face.aperture_radius_um.value.map(|length| length.0)),
+            ("rms_nm", face.rms_nm.value.map(|height| height.0)),
+            ("correlation_um", face.correlation_um.value.map(|length| length.0)),
+            ("rays", face.rays.value.map(|rays| rays.0 as f64)),
+            ("index_above", Some(index[0])),
+            ("index_below", Some(index[1])),
+        ];
+        let given = lengths.into_iter().filter_map(|(key, value)| value.map(|value| (key, value)));
+        let overrides: Vec<String> =
+            given.map(|(key, value)| format!("microgeometry.{key}={value}")).collect();
+        let library = self.library.beside(name);
+        let surface = SurfaceScenario::from_text(&text, name, library, &overrides)
+            .and_then(|surface| surface.resolve());
+        let measured = match surface {
+            Ok(surface) => {
+                let key = (format!("{path}.surface"), surface.hash.clone());
+                self.inputs.insert(key.0, key.1);
+                let rays = surface.goniometer.rays * REPLICATES;
+                let most = match self.library {
+                    Library::Memory { .. } => MOST_RAYS_IN_MEMORY,
+                    _ => MOST_RAYS,
+                };
+                match rays > most {
+                    true => Err(Diagnostic::new(format!("this surface asks for {rays} rays of each band"))
+                        .expected(format!("at most {most} here"))
+                        .hint("add rays = 20000 to the layer, or measure it with `papilio gonio` and give its face.npz as `file`")),
+                    false => measured(&surface),
+                }
+            }
+            Err(errors) => Err(Diagnostic::new(format!("the surface cannot be read\n{errors}"))),
+        };
+        match measured {
+            Ok(kernels) => Some(kernels),
+            Err(wrong) => {
+                self.errors.push(at, wrong);
+                None
+            }
+        }
+    }
+}
+
+/// Measures a surface by rays, unless this was done before.
+fn measured(surface: &ResolvedSurface) -> Measured {
+    let key = &surface.hash;
+    let kept = || MEASURED.lock().unwrap_or_else(PoisonError::into_inner);
+    if let Some((_, kernels)) = kept().iter().find(|(known, _)| known == key) {
+        return Ok(kernels.clone());
+    }
+    let wrong =
+        |error: MicrogeometryError| Diagnostic::new(format!("the surface cannot be measured: {error}"));
+    // Totals at single inclinations are not needed.
+    let goniometer = Goniometer { incidence_deg: Vec::new(), ..surface.goniometer.clone() };
+    let replicates = goniometer.replicates(&surface.surface, &|| false).map_err(wrong)?;
+    let kernel = goniometer.kernel(&replicates).map_err(wrong)?;
+    let index = [goniometer.index_above, goniometer.index_below];
+    let kernels = FaceTable::new(index, &kernel).kernels().map_err(wrong)?;
+    let mut kept = kept();
+    kept.push((key.clone(), kernels.clone()));
+    let surplus = kept.len().saturating_sub(MOST_KEPT);
+    kept.drain(..surplus);
+    Ok(kernels)
+}
